@@ -1,0 +1,28 @@
+# Every target links tessera::options: warnings, sanitizers, and the flags behind "the same bytes on every machine".
+#
+# x86-64-v3 (AVX2) is the least a machine must have. Contraction of a*b+c into one rounding is off, so that a
+# compiler's taste for fused multiply-add cannot change a picture; nothing is compiled for the building machine alone.
+add_library(tessera_options INTERFACE)
+add_library(tessera::options ALIAS tessera_options)
+target_include_directories(tessera_options INTERFACE ${PROJECT_SOURCE_DIR})
+target_compile_options(tessera_options INTERFACE
+  -march=x86-64-v3 -ffp-contract=off -fno-math-errno
+  -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Wold-style-cast -Wunused -Woverloaded-virtual
+  -Wnull-dereference -Wimplicit-fallthrough)
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  # GCC 12 reports null dereferences inside its own inlined library code when optimising.
+  target_compile_options(tessera_options INTERFACE -Wno-null-dereference)
+endif()
+if(TESSERA_SANITIZE)
+  target_compile_options(tessera_options INTERFACE
+    -fsanitize=${TESSERA_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
+  target_link_options(tessera_options INTERFACE -fsanitize=${TESSERA_SANITIZE})
+endif()
+
+# tessera_library(NAME SOURCES ... LINKS ...): a static library tessera_NAME with the alias tessera::NAME.
+function(tessera_library name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINKS;PRIVATE_LINKS" ${ARGN})
+  add_library(tessera_${name} STATIC ${ARG_SOURCES})
+  add_library(tessera::${name} ALIAS tessera_${name})
+  target_link_libraries(tessera_${name} PUBLIC tessera::options ${ARG_LINKS} PRIVATE ${ARG_PRIVATE_LINKS})
+endfunction()

@@ -1,0 +1,29 @@
+// The acceleration structure: finds what a ray hits first, and whether it hits anything.
+// Callers see only this interface; any structure behind it returns the same hits (ties go to the lower
+// primitive id), so that replacing it cannot change a picture. Immutable once built; thread-safe.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/geometry/primitives.hpp"
+#include "core/geometry/ray.hpp"
+
+namespace tessera::core {
+
+class Bvh {
+ public:
+  Bvh() = default;  // of nothing: every ray misses
+
+  // Keeps a reference to nothing: `primitives` is passed again to the queries. The result does not depend on
+  // `threads`.
+  static Bvh build(const Primitives& primitives, int threads);
+
+  // The nearest hit with 0 < t < ray.t_max; not found() where there is none.
+  Hit closest_hit(const Primitives& primitives, const Ray& ray) const;
+
+  // Whether anything is hit with 0 < t < ray.t_max.
+  bool any_hit(const Primitives& primitives, const Ray& ray) const;
+};
+
+}  // namespace tessera::core

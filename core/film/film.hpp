@@ -1,0 +1,87 @@
+// The film: exact sums of samples, and the picture they develop into.
+//
+// A FilmTile is what one call of render() returns and what travels between machines; a Film is a whole picture's
+// accumulation of them. Neither is thread-safe; different tiles of one Film may not be added concurrently.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "core/film/region.hpp"
+#include "core/image/image.hpp"
+
+namespace tessera::core {
+
+struct SampleId {
+  int x = 0, y = 0;
+  std::uint32_t sample = 0;
+  bool operator==(const SampleId&) const = default;
+};
+
+// What happened while samples were taken. Counters add up like the film does.
+struct RenderCounters {
+  std::uint64_t samples = 0;
+  std::uint64_t closest_hit_rays = 0;
+  std::uint64_t shadow_rays = 0;
+  std::uint64_t non_finite_samples = 0;  // counted as black
+  std::uint64_t saturated_samples = 0;   // a channel did not fit the fixed-point range
+  std::optional<SampleId> first_non_finite;
+
+  // The earliest non-finite sample (by row, column, sample) is kept, so that the sum does not depend on order.
+  void add(const RenderCounters& other);
+  bool operator==(const RenderCounters&) const = default;
+};
+
+// Samples `range` of the pixels of `rect`, summed.
+// Both buffers hold rect.height() * rect.width() * 3 fixed-point sums (fixed_point.hpp), row-major, RGB.
+struct FilmTile {
+  PixelRect rect;
+  SampleRange range;
+  std::vector<std::uint64_t> sums;      // of all samples
+  std::vector<std::uint64_t> odd_sums;  // of those with an odd number
+  RenderCounters counters;
+
+  FilmTile() = default;
+  FilmTile(PixelRect rect, SampleRange range);
+
+  // Appends a tile of the same rectangle whose range begins where this one's ends.
+  void append(const FilmTile& next);
+};
+
+class Film {
+ public:
+  explicit Film(TileGrid grid);
+
+  const TileGrid& grid() const { return grid_; }
+
+  // Adds every sample of `tile`, whose rectangle must be a union of grid tiles. The caller sees to it that no
+  // sample is added twice. Counters are not kept here.
+  void add(const FilmTile& tile);
+
+  // One grid tile's sums in the layout of FilmTile, and how many samples of each pixel they hold. For
+  // checkpoints: the samples need not be a range from 0.
+  struct TileSums {
+    std::vector<std::uint64_t> sums, odd_sums;
+    std::uint32_t samples = 0, odd_samples = 0;
+    bool operator==(const TileSums&) const = default;
+  };
+  const TileSums& tile(int index) const { return tiles_[static_cast<std::size_t>(index)]; }
+  // Replaces one grid tile's content. The sizes must be those of the tile.
+  void restore(int index, TileSums sums);
+
+  // Linear radiance: each pixel the mean of the samples it has so far; black where it has none.
+  Image develop() const;
+
+  // Estimated standard error of each pixel's mean, per channel, from the difference of the even- and the
+  // odd-numbered samples; 0 where either half is empty.
+  Image standard_error() const;
+
+  bool operator==(const Film& other) const;
+
+ private:
+  TileGrid grid_;
+  std::vector<TileSums> tiles_;
+};
+
+}  // namespace tessera::core

@@ -1,0 +1,32 @@
+// Radiance as an unsigned 64-bit fixed-point number, so that sums of samples are exact: integer addition of
+// non-negative numbers is associative and commutative even when it saturates, and the picture cannot depend
+// on how its samples were cut up, ordered or retried.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+
+namespace tessera::core {
+
+// 2^-26 (1.5e-8) is the unit; a million samples of a pixel may average 262,144 before its sum saturates.
+inline constexpr int kFilmFractionBits = 26;
+inline constexpr double kFilmUnit = 1.0 / (std::uint64_t{1} << kFilmFractionBits);
+inline constexpr std::uint64_t kFilmSaturated = std::numeric_limits<std::uint64_t>::max();
+
+// Rounds up or down at random, with `dither` in [0, 1) as the random number: the expectation is exact, so
+// that light fainter than the unit is not lost. `radiance` must be finite and not negative; what does not
+// fit in 64 bits becomes kFilmSaturated.
+inline std::uint64_t to_fixed_point(double radiance, double dither) {
+  const double scaled = radiance / kFilmUnit;
+  if (scaled >= 18446744073709549568.0) return kFilmSaturated;  // the largest double below 2^64
+  const auto whole = static_cast<std::uint64_t>(scaled);
+  const bool up = scaled - static_cast<double>(whole) > dither;
+  return whole + (up ? 1 : 0);
+}
+
+inline std::uint64_t add_saturating(std::uint64_t a, std::uint64_t b) {
+  const std::uint64_t sum = a + b;
+  return sum < a ? kFilmSaturated : sum;
+}
+
+}  // namespace tessera::core

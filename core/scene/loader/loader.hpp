@@ -1,0 +1,23 @@
+// Reads a scene file (JSON with comments; scenes/scene.schema.json describes it) and the assets it names.
+//
+// Every mistake is an error that says file, line, field, what is wrong and what would be right, e.g.
+// "scene.json:14: materials.stone.albedo: must be between 0 and 1, got 3". Keys nobody reads are mistakes.
+#pragma once
+
+#include <string>
+
+#include "core/base/error.hpp"
+#include "core/scene/loader/asset_source.hpp"
+#include "core/scene/description.hpp"
+
+namespace tessera::core {
+
+// `scene_path` is the scene's own name in `assets`; other paths are relative to it and resolved by `assets`.
+// `display_path` is what error messages call the scene file.
+Result<SceneDescription> load_scene(AssetSource& assets, const std::string& scene_path,
+                                    const std::string& display_path);
+
+// The scene file at `path` on this machine and the files beside it.
+Result<SceneDescription> load_scene_file(const std::string& path);
+
+}  // namespace tessera::core

@@ -1,0 +1,51 @@
+// A scene ready to be rendered: immutable, flat arrays, shared by all threads. Building it validates
+// everything, so that rendering cannot fail.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/accel/bvh.hpp"
+#include "core/base/error.hpp"
+#include "core/camera/camera.hpp"
+#include "core/geometry/primitives.hpp"
+#include "core/lights/light.hpp"
+#include "core/lights/light_sampler.hpp"
+#include "core/scene/description.hpp"
+
+namespace tessera::core {
+
+class Scene {
+ public:
+  // Errors name the shape or material at fault. `threads` may be used for building; the result does not
+  // depend on it.
+  static Result<Scene> build(SceneDescription description, int threads);
+
+  const RenderSettings& settings() const { return settings_; }
+  const Camera& camera() const { return camera_; }
+  const Primitives& primitives() const { return primitives_; }
+  const Bvh& bvh() const { return bvh_; }
+  const std::vector<Texture>& textures() const { return textures_; }
+  const std::vector<Material>& materials() const { return materials_; }
+  const std::vector<Light>& lights() const { return lights_; }
+  const LightSampler& light_sampler() const { return light_sampler_; }
+
+  const Material& material_of(std::uint32_t primitive) const {
+    return materials_[primitives_.material(primitive)];
+  }
+  // The light that a primitive belongs to, or kNoLight.
+  std::uint32_t light_of(std::uint32_t primitive) const { return light_of_primitive_[primitive]; }
+
+ private:
+  RenderSettings settings_;
+  Camera camera_;
+  Primitives primitives_;
+  Bvh bvh_;
+  std::vector<Texture> textures_;
+  std::vector<Material> materials_;
+  std::vector<Light> lights_;
+  std::vector<std::uint32_t> light_of_primitive_;
+  LightSampler light_sampler_;
+};
+
+}  // namespace tessera::core

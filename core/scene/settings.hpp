@@ -1,0 +1,48 @@
+// What a render is asked for: everything besides the scene that a sample may depend on.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+#include "core/base/error.hpp"
+
+namespace tessera::core {
+
+// How light is found by path tracing. All three have the same expectation.
+enum class Integrator {
+  kNaive,  // only by BSDF samples that happen to meet a light
+  kNee,    // next-event estimation: only by sampling lights, but for emission behind mirrors and glass
+  kMis,    // both, weighed by the balance heuristic (Veach and Guibas 1995)
+};
+
+std::string_view integrator_name(Integrator integrator);
+std::optional<Integrator> integrator_from_name(std::string_view name);
+
+inline constexpr int kMaxImageSidePx = 65536;
+inline constexpr std::int64_t kMaxImagePixels = std::int64_t{1} << 30;
+inline constexpr std::uint32_t kMaxSpp = 1u << 24;
+
+struct RenderSettings {
+  int width_px = 512;
+  int height_px = 512;
+  std::uint32_t spp = 64;  // samples per pixel
+  std::uint64_t seed = 0;
+  Integrator integrator = Integrator::kMis;
+  int max_depth = 0;  // longest path in segments after the camera's; 0 for no limit but Russian roulette
+
+  bool operator==(const RenderSettings&) const = default;
+};
+
+// Replacements for what the scene file says, from a command line or a submitted job.
+struct RenderOverrides {
+  std::optional<int> width_px, height_px;
+  std::optional<std::uint32_t> spp;
+  std::optional<std::uint64_t> seed;
+  std::optional<Integrator> integrator;
+};
+
+// Applies the overrides and checks the limits above. Errors name the field: "width_px must be ... got 0".
+Result<RenderSettings> resolve_settings(RenderSettings from_scene, const RenderOverrides& overrides);
+
+}  // namespace tessera::core
