@@ -42,7 +42,10 @@ struct RenderOverrides {
   std::optional<Integrator> integrator;
 };
 
-// Applies the overrides and checks the limits above. Errors name the field: "width_px must be ... got 0".
+// Checks the limits above. Errors name the field: "width: must be between 1 and 65536 pixels, got 0".
+Status check_settings(const RenderSettings& settings);
+
+// Applies the overrides and checks the result.
 Result<RenderSettings> resolve_settings(RenderSettings from_scene, const RenderOverrides& overrides);
 
 }  // namespace tessera::core

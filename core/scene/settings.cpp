@@ -1,0 +1,63 @@
+#include "core/scene/settings.hpp"
+
+#include <array>
+#include <fmt/format.h>
+#include <utility>
+
+namespace tessera::core {
+namespace {
+
+constexpr std::array<std::pair<Integrator, std::string_view>, 3> kIntegratorNames{{
+    {Integrator::kNaive, "naive"},
+    {Integrator::kNee, "nee"},
+    {Integrator::kMis, "mis"},
+}};
+
+Status check_side(std::string_view field, int side_px) {
+  if (side_px >= 1 && side_px <= kMaxImageSidePx) return {};
+  return fail(ErrorCode::kInvalidArgument,
+              fmt::format("{}: must be between 1 and {} pixels, got {}", field, kMaxImageSidePx, side_px));
+}
+
+}  // namespace
+
+std::string_view integrator_name(Integrator integrator) {
+  for (const auto& [value, name] : kIntegratorNames)
+    if (value == integrator) return name;
+  return "unknown";
+}
+
+std::optional<Integrator> integrator_from_name(std::string_view name) {
+  for (const auto& [value, known] : kIntegratorNames)
+    if (known == name) return value;
+  return std::nullopt;
+}
+
+Status check_settings(const RenderSettings& settings) {
+  if (auto ok = check_side("width", settings.width_px); !ok) return ok;
+  if (auto ok = check_side("height", settings.height_px); !ok) return ok;
+  const auto pixels = std::int64_t{settings.width_px} * settings.height_px;
+  if (pixels > kMaxImagePixels)
+    return fail(ErrorCode::kInvalidArgument, fmt::format("width x height: {} x {} are {} pixels, more than {}",
+                                                         settings.width_px, settings.height_px, pixels, kMaxImagePixels));
+  if (settings.spp < 1 || settings.spp > kMaxSpp)
+    return fail(ErrorCode::kInvalidArgument,
+                fmt::format("spp: must be between 1 and {} samples per pixel, got {}", kMaxSpp, settings.spp));
+  if (settings.max_depth < 0)
+    return fail(ErrorCode::kInvalidArgument,
+                fmt::format("max_depth: must be 0 (no limit) or more, got {}", settings.max_depth));
+  return {};
+}
+
+Result<RenderSettings> resolve_settings(RenderSettings from_scene, const RenderOverrides& overrides) {
+  RenderSettings settings = from_scene;
+  settings.width_px = overrides.width_px.value_or(settings.width_px);
+  settings.height_px = overrides.height_px.value_or(settings.height_px);
+  settings.spp = overrides.spp.value_or(settings.spp);
+  settings.seed = overrides.seed.value_or(settings.seed);
+  settings.integrator = overrides.integrator.value_or(settings.integrator);
+  if (auto ok = check_settings(settings); !ok) return fail(ok.error());
+  return settings;
+}
+
+}  // namespace tessera::core
