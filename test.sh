@@ -1,0 +1,42 @@
+#!/usr/bin/env bash
+# Builds Tessera and runs every test, in three passes:
+#   1. the unit, property and simulation tests under the address and undefined-behaviour sanitizers;
+#   2. core by itself, without the farm and so without gRPC, and without optimisation: its unit tests;
+#   3. all tests of the release build. CTest's summary of this pass is the last thing printed.
+# Ends with an error at the first pass that fails.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")"
+
+heading() { printf '\n== %s\n' "$*"; }
+jobs=$(nproc)
+
+# build DIRECTORY [CMake options]: quiet unless something goes wrong.
+build() {
+  local directory=$1 log=$1.log
+  shift
+  mkdir -p build
+  if ! { cmake -S . "$@" && cmake --build "$directory" --parallel "$jobs"; } >"$log" 2>&1; then
+    tail -n 100 "$log" >&2
+    echo "test.sh: building $directory failed; the whole log is in $log" >&2
+    exit 1
+  fi
+}
+
+heading "Packages"
+scripts/setup.sh
+echo "all there"
+
+heading "Pass 1 of 3: address and undefined-behaviour sanitizers"
+build build/asan --preset asan
+ASAN_OPTIONS=detect_stack_use_after_return=1 \
+  LSAN_OPTIONS=suppressions=$PWD/tests/support/lsan.supp:print_suppressions=0 \
+  UBSAN_OPTIONS=print_stacktrace=1 \
+  ctest --preset asan --parallel "$jobs" --progress --label-regex '^(unit|property|simulation)$'
+
+heading "Pass 2 of 3: core without the farm, unoptimised"
+build build/core --preset debug -B build/core -DTESSERA_FARM=OFF
+ctest --test-dir build/core --output-on-failure --parallel "$jobs" --progress --label-regex '^unit$'
+
+heading "Pass 3 of 3: every test of the release build"
+build build/release --preset release
+ctest --preset release --parallel "$jobs"
