@@ -8,6 +8,7 @@
 #include <optional>
 #include <vector>
 
+#include "core/film/fixed_point.hpp"
 #include "core/film/region.hpp"
 #include "core/image/image.hpp"
 

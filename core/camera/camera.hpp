@@ -1,0 +1,27 @@
+// A thin-lens camera; a pinhole where the aperture is closed.
+#pragma once
+
+#include "core/geometry/ray.hpp"
+#include "core/math/frame.hpp"
+#include "core/scene/description.hpp"
+
+namespace tessera::core {
+
+class Camera {
+ public:
+  Camera() = default;
+  explicit Camera(const CameraDescription& description);
+
+  // The ray through `raster` (pixels from the top left of the picture, y downwards) and the point of the lens that
+  // `u_lens` in [0, 1)^2 chooses. Its direction is of unit length.
+  Ray ray(Vec2 raster, int width_px, int height_px, Vec2 u_lens) const;
+
+ private:
+  Vec3 position_;
+  Vec3 right_, up_, forward_;
+  float tan_half_fov_ = 1;
+  float aperture_radius_ = 0;
+  float focus_distance_ = 1;
+};
+
+}  // namespace tessera::core

@@ -1,0 +1,132 @@
+#include "core/film/film.hpp"
+
+#include <cassert>
+#include <cmath>
+#include <tuple>
+#include <utility>
+
+namespace tessera::core {
+namespace {
+
+std::size_t channel_count(const PixelRect& rect) { return rect.pixel_count() * 3; }
+
+void add_row(std::uint64_t* to, const std::uint64_t* from, std::size_t count) {
+  for (std::size_t i = 0; i < count; ++i) to[i] = add_saturating(to[i], from[i]);
+}
+
+// Adds the part of `tile` that lies in `cell`, a grid tile's rectangle, to that grid tile's buffer.
+void add_overlap(std::vector<std::uint64_t>& to, PixelRect cell, const std::vector<std::uint64_t>& from, PixelRect rect) {
+  const auto cell_row = static_cast<std::size_t>(cell.width()) * 3;
+  const auto rect_row = static_cast<std::size_t>(rect.width()) * 3;
+  for (int y = cell.y0; y < cell.y1; ++y) {
+    const auto to_offset = static_cast<std::size_t>(y - cell.y0) * cell_row;
+    const auto from_offset =
+        static_cast<std::size_t>(y - rect.y0) * rect_row + static_cast<std::size_t>(cell.x0 - rect.x0) * 3;
+    add_row(to.data() + to_offset, from.data() + from_offset, cell_row);
+  }
+}
+
+double mean(std::uint64_t sum, std::uint32_t samples) {
+  return samples == 0 ? 0 : static_cast<double>(sum) * kFilmUnit / samples;
+}
+
+// Half the distance of the means of the even- and the odd-numbered samples estimates the error of their mean.
+double half_difference(std::uint64_t sum, std::uint64_t odd_sum, std::uint32_t samples, std::uint32_t odd_samples) {
+  if (odd_samples == 0 || odd_samples == samples || sum == kFilmSaturated) return 0;
+  return std::fabs(mean(sum - odd_sum, samples - odd_samples) - mean(odd_sum, odd_samples)) / 2;
+}
+
+Image map_channels(const TileGrid& grid, const std::vector<Film::TileSums>& tiles,
+                   double (*value)(std::uint64_t, std::uint64_t, std::uint32_t, std::uint32_t)) {
+  Image image(grid.width(), grid.height());
+  for (int t = 0; t < grid.tile_count(); ++t) {
+    const PixelRect rect = grid.rect(t);
+    const Film::TileSums& tile = tiles[static_cast<std::size_t>(t)];
+    std::size_t i = 0;
+    const auto channel = [&] {
+      const double v = value(tile.sums[i], tile.odd_sums[i], tile.samples, tile.odd_samples);
+      ++i;
+      return static_cast<float>(v);
+    };
+    for (int y = rect.y0; y < rect.y1; ++y) {
+      for (int x = rect.x0; x < rect.x1; ++x) {
+        Rgb& pixel = image.at(x, y);
+        pixel.r = channel();
+        pixel.g = channel();
+        pixel.b = channel();
+      }
+    }
+  }
+  return image;
+}
+
+}  // namespace
+
+void RenderCounters::add(const RenderCounters& other) {
+  samples += other.samples;
+  closest_hit_rays += other.closest_hit_rays;
+  shadow_rays += other.shadow_rays;
+  non_finite_samples += other.non_finite_samples;
+  saturated_samples += other.saturated_samples;
+  const auto order = [](const SampleId& id) { return std::tuple(id.y, id.x, id.sample); };
+  if (other.first_non_finite && (!first_non_finite || order(*other.first_non_finite) < order(*first_non_finite)))
+    first_non_finite = other.first_non_finite;
+}
+
+FilmTile::FilmTile(PixelRect tile_rect, SampleRange sample_range)
+    : rect(tile_rect), range(sample_range), sums(channel_count(tile_rect)), odd_sums(channel_count(tile_rect)) {}
+
+void FilmTile::append(const FilmTile& next) {
+  assert(next.rect == rect && next.range.begin == range.end);
+  add_row(sums.data(), next.sums.data(), sums.size());
+  add_row(odd_sums.data(), next.odd_sums.data(), odd_sums.size());
+  range.end = next.range.end;
+  counters.add(next.counters);
+}
+
+Film::Film(TileGrid grid) : grid_(grid) {
+  tiles_.resize(static_cast<std::size_t>(grid.tile_count()));
+  for (int t = 0; t < grid.tile_count(); ++t) {
+    TileSums& tile = tiles_[static_cast<std::size_t>(t)];
+    tile.sums.resize(channel_count(grid.rect(t)));
+    tile.odd_sums.resize(channel_count(grid.rect(t)));
+  }
+}
+
+void Film::add(const FilmTile& tile) {
+  const int tile_px = grid_.tile_px();
+  assert(tile.rect.x0 % tile_px == 0 && tile.rect.y0 % tile_px == 0);
+  for (int y = tile.rect.y0; y < tile.rect.y1; y += tile_px) {
+    for (int x = tile.rect.x0; x < tile.rect.x1; x += tile_px) {
+      const int index = y / tile_px * grid_.columns() + x / tile_px;
+      const PixelRect cell = grid_.rect(index);
+      assert(cell.x1 <= tile.rect.x1 && cell.y1 <= tile.rect.y1);
+      TileSums& to = tiles_[static_cast<std::size_t>(index)];
+      add_overlap(to.sums, cell, tile.sums, tile.rect);
+      add_overlap(to.odd_sums, cell, tile.odd_sums, tile.rect);
+      to.samples += tile.range.count();
+      to.odd_samples += tile.range.odd_count();
+    }
+  }
+}
+
+void Film::restore(int index, TileSums sums) {
+  TileSums& tile = tiles_[static_cast<std::size_t>(index)];
+  assert(sums.sums.size() == tile.sums.size() && sums.odd_sums.size() == tile.odd_sums.size());
+  tile = std::move(sums);
+}
+
+Image Film::develop() const {
+  return map_channels(grid_, tiles_, [](std::uint64_t sum, std::uint64_t, std::uint32_t samples, std::uint32_t) {
+    return mean(sum, samples);
+  });
+}
+
+Image Film::standard_error() const { return map_channels(grid_, tiles_, half_difference); }
+
+bool Film::operator==(const Film& other) const {
+  return grid_.width() == other.grid_.width() && grid_.height() == other.grid_.height() &&
+         grid_.tile_px() == other.grid_.tile_px() && tiles_ == other.tiles_;
+}
+
+}  // namespace tessera::core

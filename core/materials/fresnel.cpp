@@ -1,0 +1,24 @@
+#include "core/materials/fresnel.hpp"
+
+#include <cmath>
+
+namespace tessera::core {
+
+float fresnel_dielectric(float cos_i, float eta) {
+  const float sin2_t = (1 - cos_i * cos_i) / (eta * eta);
+  if (sin2_t >= 1) return 1;
+  const float cos_t = std::sqrt(1 - sin2_t);
+  const float parallel = (eta * cos_i - cos_t) / (eta * cos_i + cos_t);
+  const float perpendicular = (cos_i - eta * cos_t) / (cos_i + eta * cos_t);
+  return (parallel * parallel + perpendicular * perpendicular) / 2;
+}
+
+std::optional<Vec3> refract(Vec3 w, Vec3 normal, float eta) {
+  const float cos_i = dot(w, normal);
+  const float sin2_t = (1 - cos_i * cos_i) / (eta * eta);
+  if (sin2_t >= 1) return std::nullopt;
+  const float cos_t = std::sqrt(1 - sin2_t);
+  return -w / eta + normal * (cos_i / eta - cos_t);
+}
+
+}  // namespace tessera::core

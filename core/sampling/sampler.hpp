@@ -1,0 +1,41 @@
+// The random numbers of one sample of one pixel: a pure function of (seed, pixel, sample number, dimension).
+// There is no state and no stream, so that any sample can be taken anywhere, in any order.
+//
+// Dimensions come in pads of four. Within a pad the samples of a pixel form a four-dimensional Sobol' sequence,
+// Owen-scrambled; pads are decorrelated by shuffling the sample numbers, and pixels by their scrambling
+// (Burley 2020).
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "core/math/vec3.hpp"
+#include "core/sampling/hash.hpp"
+
+namespace tessera::core {
+
+class Sampler {
+ public:
+  Sampler(std::uint64_t seed, int x, int y, std::uint32_t sample)
+      : pixel_key_(hash(seed, (static_cast<std::uint64_t>(static_cast<std::uint32_t>(y)) << 32) |
+                                  static_cast<std::uint32_t>(x))),
+        sample_(sample) {}
+
+  // The four numbers of pad `pad`, each in [0, 1).
+  std::array<float, 4> pad(std::uint32_t pad) const;
+
+  // Three numbers in [0, 1) for rounding a sample's channels to the film, independent of every pad.
+  std::array<double, 3> film_dither() const;
+
+ private:
+  std::uint64_t pixel_key_;
+  std::uint32_t sample_;
+};
+
+// Which pad serves which decision. The layout is part of what defines a picture's bytes.
+inline constexpr std::uint32_t kCameraPad = 0;  // pixel x, y; lens u, v
+// At path vertex `depth` (the first surface the camera sees is 0):
+inline constexpr std::uint32_t scatter_pad(int depth) { return 1 + 2 * static_cast<std::uint32_t>(depth); }  // BSDF u, v, lobe; roulette
+inline constexpr std::uint32_t light_pad(int depth) { return 2 + 2 * static_cast<std::uint32_t>(depth); }  // light u, v, choice; unused
+
+}  // namespace tessera::core

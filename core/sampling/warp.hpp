@@ -1,0 +1,47 @@
+// Warps of the unit square, each beside its density. `u` has coordinates in [0, 1).
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/math/elementary.hpp"
+#include "core/math/vec3.hpp"
+
+namespace tessera::core {
+
+// Uniform on the unit disk; keeps neighbours together (Shirley and Chiu 1997).
+inline Vec2 sample_disk(Vec2 u) {
+  const float a = 2 * u.x - 1, b = 2 * u.y - 1;
+  if (a == 0 && b == 0) return {0, 0};
+  if (std::fabs(a) > std::fabs(b)) {
+    const float angle = kPi / 4 * (b / a);
+    return {a * cos(angle), a * sin(angle)};
+  }
+  const float angle = kPi / 2 - kPi / 4 * (a / b);
+  return {b * cos(angle), b * sin(angle)};
+}
+
+// On the hemisphere around +z, density cos(theta) / pi per solid angle (Malley's method). z is above 0.
+inline Vec3 sample_cosine_hemisphere(Vec2 u) {
+  const Vec2 d = sample_disk(u);
+  return {d.x, d.y, std::sqrt(std::max(1e-12f, 1 - d.x * d.x - d.y * d.y))};
+}
+inline float pdf_cosine_hemisphere(float cos_theta) { return std::max(0.0f, cos_theta) / kPi; }
+
+// Uniform on the unit sphere, density 1 / (4 pi) per solid angle.
+inline Vec3 sample_sphere(Vec2 u) {
+  const float z = 1 - 2 * u.x, r = std::sqrt(std::max(0.0f, 1 - z * z)), phi = 2 * kPi * u.y;
+  return {r * cos(phi), r * sin(phi), z};
+}
+
+// Barycentric coordinates of a triangle's second and third corner, uniform over its area (Heitz 2019).
+inline Vec2 sample_triangle(Vec2 u) {
+  if (u.y > u.x) {
+    const float b1 = u.x * 0.5f;
+    return {b1, u.y - b1};
+  }
+  const float b2 = u.y * 0.5f;
+  return {u.x - b2, b2};
+}
+
+}  // namespace tessera::core
