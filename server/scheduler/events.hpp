@@ -1,0 +1,156 @@
+// What happens to a farm (Event), and what is to be done about it (Actions): the whole interface between the
+// scheduler and the outside. Plain values.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "core/base/error.hpp"
+#include "server/scheduler/interval_set.hpp"
+#include "server/scheduler/job_state.hpp"
+#include "server/scheduler/types.hpp"
+
+namespace tessera::scheduler {
+
+// ---- Workers ----
+
+struct WorkerInfo {
+  WorkerId id;
+  std::string name;
+  std::string version;
+  int threads = 1;
+};
+
+// A worker says what it is and what it holds. Renews its leases; answered by Actions::reply.
+struct Synchronize {
+  WorkerInfo worker;
+  // Everything it holds, rendered or not. Items that are no tiles of their job are overlooked.
+  std::vector<LeaseDescription> held;
+  // How many leases it would like to hold in all; more than kMaxLeasesPerWorker are not given.
+  int wanted_leases = 1;
+  // It takes no new leases, and what it does not hold any more goes to others at once.
+  bool draining = false;
+};
+
+// Asks again on behalf of a worker whose last Synchronize is still unanswered, since Actions::wake named it.
+// Not a sign of life: renews nothing, and what is granted runs out with what the worker holds already.
+// Answered by Actions::reply. NOT_FOUND: the worker has been forgotten.
+struct TopUp {
+  WorkerId worker;
+};
+
+// Rendered samples have arrived, from whomever and however late. Answered by Actions::verdicts.
+// INVALID_ARGUMENT: an item is no tile of the job or leaves samples [0, spp); nothing was counted.
+struct SubmitResult {
+  WorkerId worker;
+  JobId job;
+  LeaseId lease;
+  std::vector<WorkItem> items;
+  // Time it took to render the items. Not positive or not finite: unknown.
+  double render_seconds = 0;
+  // No more will come for this lease: what is missing of it is free again at once.
+  bool lease_finished = false;
+};
+
+// ---- Jobs ----
+// All that name an existing job: NOT_FOUND if there is none. All that ask for a state: FAILED_PRECONDITION if
+// no arrow of job_state.hpp leads there, and no change if the job is in it already, so that they can be
+// repeated.
+
+// ALREADY_EXISTS: the id is taken. INVALID_ARGUMENT: a picture or a sample count of nothing.
+struct SubmitJob {
+  JobId id;
+  JobShape shape;
+  int priority = 0;
+};
+
+// A job as it was stored before the coordinator stopped. Jobs share the farm in the order in which they were
+// submitted or restored. A running job that lacks nothing becomes done and a done one that lacks samples runs
+// (see Actions::job_changes). Errors: those of SubmitJob; also INVALID_ARGUMENT if `done` is not of the job's
+// shape.
+struct RestoreJob {
+  JobId id;
+  JobShape shape;
+  int priority = 0;
+  JobState state = JobState::kRunning;
+  std::string failure;
+  // For each tile, the samples that are in the film.
+  std::vector<IntervalSet> done;
+};
+
+struct PauseJob {
+  JobId id;
+};
+struct ResumeJob {
+  JobId id;
+};
+struct CancelJob {
+  JobId id;
+};
+struct DeleteJob {
+  JobId id;
+};
+
+// Raises a job's samples per pixel. INVALID_ARGUMENT: fewer than it has. FAILED_PRECONDITION: it is cancelled
+// or failed.
+struct ExtendJob {
+  JobId id;
+  std::uint32_t spp = 0;
+};
+
+// It cannot be rendered; `failure` is the sentence for its user.
+struct FailJob {
+  JobId id;
+  std::string failure;
+};
+
+// Nothing but the passing of time. Due at Scheduler::next_deadline().
+struct Tick {};
+
+using Event = std::variant<Synchronize, TopUp, SubmitResult, SubmitJob, RestoreJob, PauseJob, ResumeJob,
+                           CancelJob, DeleteJob, ExtendJob, FailJob, Tick>;
+
+// ---- Answers ----
+
+// What a worker should be doing.
+struct Reply {
+  // Everything it should hold, oldest first. Items are what is still missing of the lease: those that others
+  // have delivered meanwhile are gone from it.
+  std::vector<LeaseDescription> leases;
+  // Whether these are other leases than the worker reported in its last Synchronize. If not, there is no
+  // hurry to answer: the call can wait until Actions::wake names the worker.
+  bool changed = false;
+  // Unless the worker is heard of again within this time, its leases go to others.
+  Duration heard_within{};
+};
+
+enum class Verdict {
+  kAccepted,  // was missing, and is now counted as done: the caller must add it to the film before the next
+              // event
+  kDropped,   // at least one of its samples is in the film already, or the job takes no results any more
+};
+
+struct JobChange {
+  JobId id;
+  JobState from = JobState::kRunning, to = JobState::kRunning;
+  bool operator==(const JobChange&) const = default;
+};
+
+struct Actions {
+  // Why the event was refused. A refused event has changed nothing.
+  core::Status status;
+  // For Synchronize and TopUp.
+  std::optional<Reply> reply;
+  // For SubmitResult: one for each item.
+  std::vector<Verdict> verdicts;
+  // Every change of state, in order; also those that follow from something else (RUNNING to DONE with a
+  // result).
+  std::vector<JobChange> job_changes;
+  // Workers whose last reply was not `changed` and could now be. For each whose call is still waiting, hand
+  // in TopUp, and answer the call if the reply is `changed`. For others do nothing.
+  std::vector<WorkerId> wake;
+};
+
+}  // namespace tessera::scheduler

@@ -1,0 +1,48 @@
+// The scheduler's judgement: how much work to hand out, and of which job. Pure functions of small snapshots.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+
+namespace tessera::scheduler {
+
+struct SizingOptions {
+  // What a lease should keep its worker busy for. Longer: less traffic. Shorter: less lost with a worker.
+  double lease_seconds = 2.0;
+  // The same for a worker whose speed is not known yet, and the speed it is taken to have.
+  double first_lease_seconds = 0.25;
+  double assumed_samples_per_second_and_thread = 50'000;
+  // Towards the end no lease is more than 1 / (this * workers) of what is left (guided self-scheduling,
+  // Polychronopoulos and Kuck 1987) …
+  double end_divisor = 2.0;
+  // … but not less than this either.
+  double shortest_lease_seconds = 0.1;
+};
+
+struct WorkerSnapshot {
+  int threads = 1;
+  // For the job in question, in pixel samples per second. Absent: never measured.
+  std::optional<double> samples_per_second;
+};
+
+// How many pixel samples the next lease should have, of `available` that could be leased, when
+// `active_workers` (at least 1) share them. At least 1. The last item of a lease may go beyond it: an item is
+// at least one sample of a tile.
+std::uint64_t next_lease_samples(const SizingOptions& options, const WorkerSnapshot& worker,
+                                 std::uint64_t available, int active_workers);
+
+struct JobSnapshot {
+  int priority = 0;
+  // Thread-seconds of work that workers hold of it: in-flight pixel samples times their measured cost.
+  double load_in_flight = 0;
+  // When it was last given a worker, as a running number; 0 for never.
+  std::uint64_t last_served = 0;
+};
+
+// Which of the jobs (all with work to give, in the order of submission) is served next: the highest priority,
+// of those the least load in flight, of those the one that has waited longest, of those the first. `jobs`
+// must not be empty.
+std::size_t choose_job(std::span<const JobSnapshot> jobs);
+
+}  // namespace tessera::scheduler

@@ -1,0 +1,114 @@
+// The farm's scheduler: which worker renders which samples of which job.
+//
+// A deterministic state machine. handle() takes what happened and when, and answers what is to be done;
+// nothing else changes it. It has no threads, no I/O, no clock and no randomness, and knows nothing of RPC,
+// storage or pixels: whoever runs it serialises the calls, adds accepted results to the film, stores what
+// must survive, and calls handle(Tick) at next_deadline(). Not thread-safe; the calls are short.
+//
+// What it sees to, at every moment (check_invariants):
+//   - a sample of a running or paused job is done, or leased to at most two workers, or free to be leased;
+//   - a range is accepted only if all of its samples are missing, so none is counted twice;
+//   - a done job lacks nothing;
+//   - leases are held by known workers that were heard of within lease_duration.
+//
+// After a restart, hand in RestoreJob for each stored job, in the order of their submission, with a higher
+// epoch. Workers then report leases that this scheduler has not given; it takes them over where their samples
+// are still missing. Samples that were accepted after the last checkpoint are missing again, and are rendered
+// again.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "server/scheduler/events.hpp"
+#include "server/scheduler/policy.hpp"
+#include "server/scheduler/types.hpp"
+
+namespace tessera::scheduler {
+
+class Job;
+struct Worker;
+struct Lease;
+
+struct Options {
+  // Distinguishes this run of the coordinator from all earlier ones; must be higher than theirs. 24 bits.
+  std::uint32_t epoch = 1;
+  // A worker that has not synchronised for so long loses its leases. Shorter: less delay when a worker dies;
+  // more heartbeats, and less patience with a bad network.
+  Duration lease_duration = std::chrono::seconds(10);
+  // A worker that has not synchronised for so long is forgotten altogether.
+  Duration forget_after = std::chrono::seconds(100);
+  SizingOptions sizing;
+};
+
+// A job as its users see it. Samples are pixel samples.
+struct JobView {
+  JobId id;
+  JobShape shape;
+  int priority = 0;
+  JobState state = JobState::kRunning;
+  std::string failure;
+  std::uint64_t samples_done = 0;
+  std::uint64_t samples_total = 0;
+  // Over the last seconds and all workers; 0 while unknown.
+  double samples_per_second = 0;
+  // Workers that hold a lease on it.
+  int active_workers = 0;
+};
+
+struct WorkerView {
+  WorkerInfo info;
+  int held_leases = 0;
+  // Over the last seconds; 0 while unknown.
+  double samples_per_second = 0;
+  // Pixel samples of it that were counted.
+  std::uint64_t samples_accepted = 0;
+  // Its last Synchronize or SubmitResult.
+  Time last_seen{};
+  bool draining = false;
+  // Not heard of for lease_duration: it holds nothing, and is shown until forget_after.
+  bool silent = false;
+};
+
+enum class CheckDepth {
+  kCounters,    // linear in jobs, workers and leases: for production
+  kEverySample  // linear in tiles as well: for tests
+};
+
+class Scheduler {
+ public:
+  explicit Scheduler(Options options);
+  ~Scheduler();
+  Scheduler(Scheduler&&) noexcept;
+  Scheduler& operator=(Scheduler&&) noexcept;
+
+  // Lets time advance to `now`, which takes leases from workers that have fallen silent, then takes the
+  // event. A time before that of an earlier call is taken for that one.
+  Actions handle(const Event& event, Time now);
+
+  // When the next lease runs out or worker is forgotten: handle(Tick{}, …) is due then. Absent: never.
+  std::optional<Time> next_deadline() const;
+
+  // Speeds are those at `now`.
+  std::optional<JobView> job(const JobId& id, Time now) const;
+  // In the order of submission.
+  std::vector<JobView> jobs(Time now) const;
+  // In the order of their ids.
+  std::vector<WorkerView> workers(Time now) const;
+
+  // The samples of one tile that are done, for checkpoints. The job must exist and have the tile. Valid until
+  // the next handle().
+  const IntervalSet& done(const JobId& id, int tile) const;
+
+  // What is wrong, as a sentence; absent if nothing is. Anything else is a defect of the scheduler.
+  std::optional<std::string> check_invariants(CheckDepth depth) const;
+
+ private:
+  friend class InvariantCheck;
+};
+
+}  // namespace tessera::scheduler

@@ -1,0 +1,70 @@
+// What the scheduler speaks of: ids, times, pieces of work. Plain values, no behaviour.
+#pragma once
+
+#include <chrono>
+#include <compare>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/film/region.hpp"
+
+namespace tessera::scheduler {
+
+// The scheduler never reads a clock; it is told the time. Only differences matter.
+using Time = std::chrono::steady_clock::time_point;
+using Duration = std::chrono::steady_clock::duration;
+
+template <typename Tag>
+struct TextId {
+  std::string value;
+  auto operator<=>(const TextId&) const = default;
+};
+using JobId = TextId<struct JobTag>;
+using WorkerId = TextId<struct WorkerTag>;
+
+// The coordinator's epoch in the upper 24 bits, a counter from 1 in the lower 40: never used twice.
+struct LeaseId {
+  std::uint64_t value = 0;
+  auto operator<=>(const LeaseId&) const = default;
+};
+
+// What must be rendered of a job: samples [0, spp) of every pixel of the picture, cut into tiles.
+struct JobShape {
+  int width_px = 0;
+  int height_px = 0;
+  std::uint32_t spp = 0;
+
+  core::TileGrid grid() const { return {width_px, height_px, core::kTilePx}; }
+  bool operator==(const JobShape&) const = default;
+};
+
+// The unit of work: samples of one tile of the job's grid.
+struct WorkItem {
+  int tile = 0;
+  core::SampleRange samples;
+  bool operator==(const WorkItem&) const = default;
+};
+
+// Stands in WorkItem::tile for a rectangle that is no tile of the grid. Results with it are refused.
+inline constexpr int kNoTile = -1;
+
+// The tile whose rectangle this is, or kNoTile.
+inline int tile_index(const core::TileGrid& grid, const core::PixelRect& rect) {
+  if (rect.x0 < 0 || rect.y0 < 0 || rect.x0 >= grid.width() || rect.y0 >= grid.height()) return kNoTile;
+  const int tile = rect.y0 / grid.tile_px() * grid.columns() + rect.x0 / grid.tile_px();
+  return grid.rect(tile) == rect ? tile : kNoTile;
+}
+
+// Work that one worker has been asked to do, as both sides of the wire know it.
+struct LeaseDescription {
+  LeaseId id;
+  JobId job;
+  std::vector<WorkItem> items;
+  bool operator==(const LeaseDescription&) const = default;
+};
+
+inline constexpr std::size_t kMaxItemsPerLease = 32;
+inline constexpr int kMaxLeasesPerWorker = 4;
+
+}  // namespace tessera::scheduler
