@@ -1,0 +1,176 @@
+#include "proto/convert.hpp"
+
+#include <fmt/format.h>
+
+#include <limits>
+
+namespace tessera::proto {
+namespace {
+
+using core::ErrorCode;
+using core::fail;
+
+// Values no limit allows stay recognisably too large instead of turning negative.
+core::Result<int> to_int(std::uint32_t value, const char* field) {
+  if (value > static_cast<std::uint32_t>(std::numeric_limits<int>::max()))
+    return fail(ErrorCode::kInvalidArgument, fmt::format("{}: far too large: {}", field, value));
+  return static_cast<int>(value);
+}
+
+}  // namespace
+
+v1::Integrator to_proto(core::Integrator integrator) {
+  switch (integrator) {
+    case core::Integrator::kNaive:
+      return v1::INTEGRATOR_NAIVE;
+    case core::Integrator::kNee:
+      return v1::INTEGRATOR_NEE;
+    case core::Integrator::kMis:
+      return v1::INTEGRATOR_MIS;
+  }
+  return v1::INTEGRATOR_UNSPECIFIED;
+}
+
+core::Result<core::Integrator> from_proto(v1::Integrator integrator) {
+  switch (integrator) {
+    case v1::INTEGRATOR_NAIVE:
+      return core::Integrator::kNaive;
+    case v1::INTEGRATOR_NEE:
+      return core::Integrator::kNee;
+    case v1::INTEGRATOR_MIS:
+      return core::Integrator::kMis;
+    default:
+      return fail(
+          ErrorCode::kInvalidArgument,
+          fmt::format("integrator: must be NAIVE, NEE or MIS, got number {}", static_cast<int>(integrator)));
+  }
+}
+
+v1::RenderSettings to_proto(const core::RenderSettings& settings) {
+  v1::RenderSettings message;
+  message.set_width_px(static_cast<std::uint32_t>(settings.width_px));
+  message.set_height_px(static_cast<std::uint32_t>(settings.height_px));
+  message.set_spp(settings.spp);
+  message.set_seed(settings.seed);
+  message.set_integrator(to_proto(settings.integrator));
+  message.set_max_depth(static_cast<std::uint32_t>(settings.max_depth));
+  return message;
+}
+
+core::Result<core::RenderSettings> from_proto(const v1::RenderSettings& message) {
+  const core::Result<int> width = to_int(message.width_px(), "width");
+  if (!width) return fail(width.error());
+  const core::Result<int> height = to_int(message.height_px(), "height");
+  if (!height) return fail(height.error());
+  const core::Result<int> max_depth = to_int(message.max_depth(), "max_depth");
+  if (!max_depth) return fail(max_depth.error());
+  const core::Result<core::Integrator> integrator = from_proto(message.integrator());
+  if (!integrator) return fail(integrator.error());
+  const core::RenderSettings settings{*width,         *height,     message.spp(),
+                                      message.seed(), *integrator, *max_depth};
+  return core::resolve_settings(settings, {});
+}
+
+v1::RenderOverrides to_proto(const core::RenderOverrides& overrides) {
+  v1::RenderOverrides message;
+  if (overrides.width_px) message.set_width_px(static_cast<std::uint32_t>(*overrides.width_px));
+  if (overrides.height_px) message.set_height_px(static_cast<std::uint32_t>(*overrides.height_px));
+  if (overrides.spp) message.set_spp(*overrides.spp);
+  if (overrides.seed) message.set_seed(*overrides.seed);
+  if (overrides.integrator) message.set_integrator(to_proto(*overrides.integrator));
+  return message;
+}
+
+core::Result<core::RenderOverrides> from_proto(const v1::RenderOverrides& message) {
+  core::RenderOverrides overrides;
+  if (message.has_width_px()) {
+    const core::Result<int> width = to_int(message.width_px(), "width");
+    if (!width) return fail(width.error());
+    overrides.width_px = *width;
+  }
+  if (message.has_height_px()) {
+    const core::Result<int> height = to_int(message.height_px(), "height");
+    if (!height) return fail(height.error());
+    overrides.height_px = *height;
+  }
+  if (message.has_spp()) overrides.spp = message.spp();
+  if (message.has_seed()) overrides.seed = message.seed();
+  if (message.integrator() != v1::INTEGRATOR_UNSPECIFIED) {
+    const core::Result<core::Integrator> integrator = from_proto(message.integrator());
+    if (!integrator) return fail(integrator.error());
+    overrides.integrator = *integrator;
+  }
+  return overrides;
+}
+
+v1::PixelRect to_proto(const core::PixelRect& rect) {
+  v1::PixelRect message;
+  message.set_x0(static_cast<std::uint32_t>(rect.x0));
+  message.set_y0(static_cast<std::uint32_t>(rect.y0));
+  message.set_x1(static_cast<std::uint32_t>(rect.x1));
+  message.set_y1(static_cast<std::uint32_t>(rect.y1));
+  return message;
+}
+
+core::Result<core::PixelRect> from_proto(const v1::PixelRect& rect) {
+  const bool valid = rect.x0() < rect.x1() && rect.y0() < rect.y1() && rect.x1() <= core::kMaxImageSidePx &&
+                     rect.y1() <= core::kMaxImageSidePx;
+  if (!valid)
+    return fail(
+        ErrorCode::kInvalidArgument,
+        fmt::format("rect: must hold pixels of a picture of at most {} px a side, got [{}, {}) x [{}, {})",
+                    core::kMaxImageSidePx, rect.x0(), rect.x1(), rect.y0(), rect.y1()));
+  return core::PixelRect{static_cast<int>(rect.x0()), static_cast<int>(rect.y0()),
+                         static_cast<int>(rect.x1()), static_cast<int>(rect.y1())};
+}
+
+v1::WorkItem to_proto(const WorkItem& item) {
+  v1::WorkItem message;
+  *message.mutable_rect() = to_proto(item.rect);
+  message.set_sample_begin(item.range.begin);
+  message.set_sample_end(item.range.end);
+  return message;
+}
+
+core::Result<WorkItem> from_proto(const v1::WorkItem& item) {
+  const core::Result<core::PixelRect> rect = from_proto(item.rect());
+  if (!rect) return fail(rect.error());
+  if (item.sample_begin() >= item.sample_end() || item.sample_end() > core::kMaxSpp)
+    return fail(ErrorCode::kInvalidArgument,
+                fmt::format("samples: must be a range of [0, {}), got [{}, {})", core::kMaxSpp,
+                            item.sample_begin(), item.sample_end()));
+  return WorkItem{*rect, {item.sample_begin(), item.sample_end()}};
+}
+
+v1::Counters to_proto(const core::RenderCounters& counters) {
+  v1::Counters message;
+  message.set_samples(counters.samples);
+  message.set_closest_hit_rays(counters.closest_hit_rays);
+  message.set_shadow_rays(counters.shadow_rays);
+  message.set_non_finite_samples(counters.non_finite_samples);
+  message.set_saturated_samples(counters.saturated_samples);
+  if (counters.first_non_finite) {
+    v1::Counters::SampleId* first = message.mutable_first_non_finite();
+    first->set_x(static_cast<std::uint32_t>(counters.first_non_finite->x));
+    first->set_y(static_cast<std::uint32_t>(counters.first_non_finite->y));
+    first->set_sample(counters.first_non_finite->sample);
+  }
+  return message;
+}
+
+core::RenderCounters from_proto(const v1::Counters& message) {
+  core::RenderCounters counters;
+  counters.samples = message.samples();
+  counters.closest_hit_rays = message.closest_hit_rays();
+  counters.shadow_rays = message.shadow_rays();
+  counters.non_finite_samples = message.non_finite_samples();
+  counters.saturated_samples = message.saturated_samples();
+  if (message.has_first_non_finite()) {
+    const v1::Counters::SampleId& first = message.first_non_finite();
+    counters.first_non_finite =
+        core::SampleId{static_cast<int>(first.x()), static_cast<int>(first.y()), first.sample()};
+  }
+  return counters;
+}
+
+}  // namespace tessera::proto
