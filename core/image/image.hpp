@@ -14,7 +14,9 @@ struct Image {
 
   Image() = default;
   Image(int width_px, int height_px)
-      : width(width_px), height(height_px), pixels(static_cast<std::size_t>(width_px) * static_cast<std::size_t>(height_px)) {}
+      : width(width_px),
+        height(height_px),
+        pixels(static_cast<std::size_t>(width_px) * static_cast<std::size_t>(height_px)) {}
 
   Rgb& at(int x, int y) { return pixels[index(x, y)]; }
   const Rgb& at(int x, int y) const { return pixels[index(x, y)]; }

@@ -1,0 +1,65 @@
+#include "core/image/compare.hpp"
+
+#include <fmt/format.h>
+
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+
+namespace tessera::core {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+bool same_bits(float a, float b) {
+  return std::bit_cast<std::uint32_t>(a) == std::bit_cast<std::uint32_t>(b);
+}
+
+double absolute_difference(float a, float b) {
+  if (same_bits(a, b)) return 0;
+  const double difference = std::fabs(static_cast<double>(a) - static_cast<double>(b));
+  return std::isnan(difference) ? kInfinity : difference;
+}
+
+double relative_square(double difference, double reference) {
+  const double ratio = difference * difference / (reference * reference + 0.01);
+  return std::isnan(ratio) ? kInfinity : ratio;
+}
+
+// Adds the three channels of one pixel to the sums, which become means later.
+void add_pixel(Comparison& sums, Rgb a, Rgb b, int x, int y) {
+  for (int channel = 0; channel < 3; ++channel) {
+    if (!same_bits(a[channel], b[channel])) sums.identical = false;
+    const double difference = absolute_difference(a[channel], b[channel]);
+    if (difference == 0) continue;
+    sums.mse += difference * difference;
+    sums.relative_mse += relative_square(difference, b[channel]);
+    if (difference > sums.largest_difference) {
+      sums.largest_difference = difference;
+      sums.largest_x = x;
+      sums.largest_y = y;
+    }
+  }
+}
+
+}  // namespace
+
+Result<Comparison> compare(const Image& a, const Image& b) {
+  if (a.width != b.width || a.height != b.height) {
+    return fail(ErrorCode::kInvalidArgument,
+                fmt::format("the pictures have different sizes: {}x{} and {}x{} pixels", a.width, a.height,
+                            b.width, b.height));
+  }
+  Comparison result;
+  for (int y = 0; y < a.height; ++y) {
+    for (int x = 0; x < a.width; ++x) add_pixel(result, a.at(x, y), b.at(x, y), x, y);
+  }
+  const double values = 3.0 * static_cast<double>(a.pixels.size());
+  result.mse /= values;
+  result.relative_mse /= values;
+  result.psnr_db = result.mse == 0 ? kInfinity : -10 * std::log10(result.mse);
+  return result;
+}
+
+}  // namespace tessera::core

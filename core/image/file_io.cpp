@@ -1,0 +1,171 @@
+#include "core/image/file_io.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <system_error>
+#include <utility>
+
+namespace tessera::core {
+namespace {
+
+class FileDescriptor {
+ public:
+  explicit FileDescriptor(int fd) : fd_(fd) {}
+  FileDescriptor(FileDescriptor&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
+  FileDescriptor(const FileDescriptor&) = delete;
+  FileDescriptor& operator=(const FileDescriptor&) = delete;
+  FileDescriptor& operator=(FileDescriptor&&) = delete;
+  ~FileDescriptor() { close(); }
+
+  bool valid() const { return fd_ >= 0; }
+  int get() const { return fd_; }
+  bool close() { return fd_ < 0 || ::close(std::exchange(fd_, -1)) == 0; }
+
+ private:
+  int fd_;
+};
+
+ErrorCode code_of(int error) {
+  switch (error) {
+    case ENOENT:
+    case ENOTDIR:
+      return ErrorCode::kNotFound;
+    case EACCES:
+    case EPERM:
+    case EROFS:
+      return ErrorCode::kPermissionDenied;
+    case ENOSPC:
+    case EDQUOT:
+    case EFBIG:
+    case ENOMEM:
+      return ErrorCode::kResourceExhausted;
+    case EISDIR:
+      return ErrorCode::kInvalidArgument;
+    default:
+      return ErrorCode::kUnavailable;
+  }
+}
+
+tl::unexpected<Error> fail_with(int error, std::string_view action, const std::string& path) {
+  return fail(code_of(error), fmt::format("cannot {} '{}': {}", action, path, std::strerror(error)));
+}
+tl::unexpected<Error> cannot_write(int error, const std::string& path) {
+  return fail_with(error, "write", path);
+}
+
+std::string folder_of(const std::string& path) {
+  const std::string folder = std::filesystem::path(path).parent_path();
+  return folder.empty() ? "." : folder;
+}
+
+// The file that a chain of links ends at, or the path itself.
+std::string follow_links(const std::string& path) {
+  std::error_code ignored;
+  const std::filesystem::path target = std::filesystem::canonical(path, ignored);
+  return target.empty() ? path : target.string();
+}
+
+// 0, or errno.
+int write_all(int fd, std::string_view bytes) {
+  constexpr std::size_t kLargestWrite = std::size_t{1} << 30;
+  while (!bytes.empty()) {
+    const ssize_t written = ::write(fd, bytes.data(), std::min(bytes.size(), kLargestWrite));
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) return errno;
+    bytes.remove_prefix(static_cast<std::size_t>(written));
+  }
+  return 0;
+}
+
+Status write_in_place(const std::string& path, std::string_view bytes) {
+  FileDescriptor file(::open(path.c_str(), O_WRONLY | O_CLOEXEC));
+  if (!file.valid()) return cannot_write(errno, path);
+  if (const int error = write_all(file.get(), bytes)) return cannot_write(error, path);
+  return {};
+}
+
+// Fills and flushes the file at `temporary`, which is new. 0, or errno.
+int write_durably(FileDescriptor file, std::string_view bytes) {
+  if (const int error = write_all(file.get(), bytes)) return error;
+  if (::fsync(file.get()) != 0) return errno;
+  return file.close() ? 0 : errno;
+}
+
+Status replace_file(const std::string& path, std::string_view bytes) {
+  const std::string folder = folder_of(path);
+  const std::string name = std::filesystem::path(path).filename();
+  // O_EXCL: never through a link somebody left there, and never two writers in one file.
+  std::string temporary;
+  int fd = -1;
+  for (int attempt = 0; fd < 0 && attempt < 100; ++attempt) {
+    temporary = fmt::format("{}/.{}.{}-{}.tmp", folder, name.substr(0, 200), ::getpid(), attempt);
+    fd = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (fd < 0 && errno != EEXIST) break;
+  }
+  if (fd < 0) return cannot_write(errno, path);
+  int error = write_durably(FileDescriptor(fd), bytes);
+  if (error == 0 && ::rename(temporary.c_str(), path.c_str()) != 0) error = errno;
+  if (error != 0) {
+    ::unlink(temporary.c_str());
+    return cannot_write(error, path);
+  }
+  // The rename itself is made durable; where folders cannot be flushed, the file is still whole.
+  const FileDescriptor directory(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (directory.valid()) ::fsync(directory.get());
+  return {};
+}
+
+}  // namespace
+
+Result<std::string> read_file(const std::string& path) {
+  const FileDescriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  struct stat info {};
+  if (!file.valid() || ::fstat(file.get(), &info) != 0) return fail_with(errno, "read", path);
+  std::string bytes;
+  bytes.reserve(static_cast<std::size_t>(info.st_size));
+  char buffer[1 << 16];
+  for (;;) {
+    const ssize_t count = ::read(file.get(), buffer, sizeof buffer);
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) return fail_with(errno, "read", path);
+    if (count == 0) return bytes;
+    bytes.append(buffer, static_cast<std::size_t>(count));
+  }
+}
+
+Status check_can_write(const std::string& path) {
+  const std::string target = follow_links(path);
+  struct stat info {};
+  if (::stat(target.c_str(), &info) == 0) {
+    if (S_ISDIR(info.st_mode)) return cannot_write(EISDIR, path);
+    if (::access(target.c_str(), W_OK) != 0) return cannot_write(errno, path);
+    if (!S_ISREG(info.st_mode)) return {};
+  }
+  const std::string folder = folder_of(target);
+  if (::stat(folder.c_str(), &info) != 0) {
+    return fail(code_of(errno),
+                fmt::format("cannot write '{}': the folder '{}' does not exist", path, folder));
+  }
+  if (!S_ISDIR(info.st_mode)) return cannot_write(ENOTDIR, path);
+  if (::access(folder.c_str(), W_OK | X_OK) != 0) {
+    return fail(code_of(errno), fmt::format("cannot write '{}': its folder: {}", path, std::strerror(errno)));
+  }
+  return {};
+}
+
+Status write_file_atomically(const std::string& path, std::string_view bytes) {
+  if (Status status = check_can_write(path); !status) return status;
+  const std::string target = follow_links(path);
+  struct stat info {};
+  const bool special = ::stat(target.c_str(), &info) == 0 && !S_ISREG(info.st_mode);
+  return special ? write_in_place(target, bytes) : replace_file(target, bytes);
+}
+
+}  // namespace tessera::core

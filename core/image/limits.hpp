@@ -1,0 +1,26 @@
+// How large a picture the formats' readers and writers take.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace tessera::core {
+
+inline constexpr int kMaxPictureSidePx = 65536;
+inline constexpr std::int64_t kMaxPicturePixels = std::int64_t{1} << 30;
+
+// stb counts bytes in 31 bits: of compressed PNG, which may be 9/8 of its 3 bytes for each pixel, and of
+// HDR's 12 bytes for each pixel in memory.
+inline constexpr std::int64_t kMaxPngPixels = std::int64_t{1} << 29;
+inline constexpr std::int64_t kMaxHdrPixels = (std::int64_t{1} << 31) / 12;
+
+// Whether a file of `file_bytes` may claim to hold a picture of this size. Even a black one needs a byte for
+// some thousand pixels; a short file that claims more is made to exhaust memory.
+inline bool is_plausible_size(std::int64_t width, std::int64_t height, std::size_t file_bytes) {
+  if (width < 1 || height < 1 || width > kMaxPictureSidePx || height > kMaxPictureSidePx) return false;
+  constexpr std::int64_t kAlwaysAllowed = 1 << 24, kMostPixelsPerByte = 4096;
+  return width * height <= kMaxPicturePixels &&
+         width * height <= kAlwaysAllowed + kMostPixelsPerByte * static_cast<std::int64_t>(file_bytes);
+}
+
+}  // namespace tessera::core
