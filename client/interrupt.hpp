@@ -1,0 +1,13 @@
+// Ctrl-C and SIGTERM: the first asks for an orderly end, the second kills the process as if nobody listened.
+#pragma once
+
+namespace tessera::client {
+
+// From now on the first SIGINT or SIGTERM is noted instead of ending the process. Signal handlers belong to
+// the process: to be called once, by the command that runs.
+void watch_for_interrupt();
+
+// Whether it has come. May be called from any thread.
+bool interrupted();
+
+}  // namespace tessera::client

@@ -1,0 +1,30 @@
+// The flags that say what to render and how, the same for `render` here and `submit` to a farm.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+#include <vector>
+
+#include "core/scene/settings.hpp"
+
+namespace tessera::client {
+
+struct SceneFlags {
+  std::string scene_path;
+  std::vector<std::string> output_paths;  // in the order given
+  core::RenderOverrides overrides;        // over what the scene file says
+};
+
+// Adds SCENE and -o/--output. Values are stored in `flags` while the command line is parsed; `flags` must
+// live until then.
+void add_scene_argument(CLI::App& command, SceneFlags& flags);
+void add_output_option(CLI::App& command, SceneFlags& flags);
+
+// Adds --spp, --size, --integrator and --seed. A bad value ends parsing with a sentence that names the flag.
+void add_override_options(CLI::App& command, core::RenderOverrides& overrides);
+
+// A whole number from `least` to `most`, or an exception of CLI11 with the flag's name in its sentence.
+std::uint64_t parse_whole_number(const std::string& flag, const std::string& text, std::uint64_t least,
+                                 std::uint64_t most);
+
+}  // namespace tessera::client
