@@ -1,0 +1,123 @@
+#include "core/textures/image_decoder.hpp"
+
+#include <fmt/format.h>
+#include <stb_image.h>
+
+#include <algorithm>
+#include <limits>
+#include <memory>
+#include <new>
+
+#include "core/image/srgb.hpp"
+#include "core/textures/hdr_check.hpp"
+
+namespace tessera::core {
+namespace {
+
+constexpr std::string_view kPngStart = "\x89PNG\r\n\x1a\n";
+constexpr std::string_view kJpegStart = "\xff\xd8\xff";
+constexpr std::string_view kJpegEnd = "\xff\xd9";
+
+struct StbFree {
+  void operator()(void* texels) const { stbi_image_free(texels); }
+};
+template <typename T>
+using StbTexels = std::unique_ptr<T[], StbFree>;
+
+struct Encoded {
+  const stbi_uc* data;
+  int size;
+};
+
+struct Size {
+  int width = 0, height = 0;
+
+  std::size_t value_count() const {
+    return 3 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+  }
+};
+
+tl::unexpected<Error> broken_picture(std::string_view why) {
+  return fail(ErrorCode::kInvalidArgument, fmt::format("is a broken picture ({})", why));
+}
+
+Result<Size> checked_size(std::string_view bytes, Encoded encoded) {
+  Size size;
+  int channels = 0;
+  if (!stbi_info_from_memory(encoded.data, encoded.size, &size.width, &size.height, &channels))
+    return broken_picture(stbi_failure_reason());
+  if (size.width < 1 || size.height < 1) return broken_picture("it has no pixels");
+  if (std::int64_t{size.width} * size.height > kMaxTexturePixels)
+    return fail(ErrorCode::kInvalidArgument,
+                fmt::format("has {} x {} pixels, more than the {} a texture may have", size.width,
+                            size.height, kMaxTexturePixels));
+  if (is_hdr_picture(bytes) && !is_complete_hdr(bytes, size.width, size.height))
+    return broken_picture("the file ends too early");
+  // stb_image fills what is missing from a JPEG with gray.
+  if (bytes.starts_with(kJpegStart) && bytes.find(kJpegEnd) == std::string_view::npos)
+    return broken_picture("the file ends too early");
+  return size;
+}
+
+// `load` is one of stb's stbi_load*_from_memory.
+template <typename T>
+Result<StbTexels<T>> load_texels(Encoded encoded, T* (*load)(const stbi_uc*, int, int*, int*, int*, int)) {
+  int width = 0, height = 0, channels = 0;
+  StbTexels<T> texels(load(encoded.data, encoded.size, &width, &height, &channels, 3));
+  if (!texels) return broken_picture(stbi_failure_reason());
+  return texels;
+}
+
+// Linear floats of a 16-bit file.
+std::vector<float> linear_values(const stbi_us* codes, std::size_t count, ColorSpace color_space) {
+  std::vector<float> values(count);
+  std::transform(codes, codes + count, values.begin(), [&](stbi_us code) {
+    return color_space == ColorSpace::kSrgb ? srgb_decode(code / 65535.0)
+                                            : static_cast<float>(code) / 65535.0f;
+  });
+  return values;
+}
+
+Result<TextureImage> decode(std::string_view bytes, ColorSpace color_space) {
+  const Encoded encoded{reinterpret_cast<const stbi_uc*>(bytes.data()), static_cast<int>(bytes.size())};
+  const auto size = checked_size(bytes, encoded);
+  if (!size) return fail(size.error());
+  TextureImage image{size->width, size->height, {}, color_space};
+  const std::size_t count = size->value_count();
+  if (is_hdr_picture(bytes)) {
+    const auto texels = load_texels<float>(encoded, stbi_loadf_from_memory);
+    if (!texels) return fail(texels.error());
+    image.texels = std::vector<float>(texels->get(), texels->get() + count);
+    image.color_space = ColorSpace::kLinear;
+  } else if (stbi_is_16_bit_from_memory(encoded.data, encoded.size)) {
+    const auto texels = load_texels<stbi_us>(encoded, stbi_load_16_from_memory);
+    if (!texels) return fail(texels.error());
+    image.texels = linear_values(texels->get(), count, color_space);
+    image.color_space = ColorSpace::kLinear;
+  } else {
+    const auto texels = load_texels<stbi_uc>(encoded, stbi_load_from_memory);
+    if (!texels) return fail(texels.error());
+    image.texels = std::vector<std::uint8_t>(texels->get(), texels->get() + count);
+  }
+  return image;
+}
+
+}  // namespace
+
+bool is_hdr_picture(std::string_view bytes) {
+  return bytes.starts_with("#?RADIANCE\n") || bytes.starts_with("#?RGBE\n");
+}
+
+Result<TextureImage> decode_texture_image(std::string_view bytes, ColorSpace color_space) {
+  if (!bytes.starts_with(kPngStart) && !bytes.starts_with(kJpegStart) && !is_hdr_picture(bytes))
+    return fail(ErrorCode::kInvalidArgument, "is not a PNG, JPEG or HDR picture");
+  if (bytes.size() > static_cast<std::size_t>(std::numeric_limits<int>::max()))
+    return fail(ErrorCode::kInvalidArgument, "is too large for a picture (2 GB)");
+  try {
+    return decode(bytes, color_space);
+  } catch (const std::bad_alloc&) {
+    return fail(ErrorCode::kResourceExhausted, "does not fit into memory");
+  }
+}
+
+}  // namespace tessera::core
