@@ -1,15 +1,11 @@
 #include "core/materials/bsdf.hpp"
 
+#include "core/base/overloaded.hpp"
 #include "core/materials/fresnel.hpp"
 #include "core/sampling/warp.hpp"
 
 namespace tessera::core {
 namespace {
-
-template <typename... Cases>
-struct Overloaded : Cases... {
-  using Cases::operator()...;
-};
 
 constexpr Vec3 kLocalNormal{0, 0, 1};
 

@@ -1,0 +1,52 @@
+// A vertex of a path: the surface that a ray met and how it scatters, in world space. Lives on the stack of the
+// thread that traces the path.
+#pragma once
+
+#include <optional>
+
+#include "core/geometry/primitives.hpp"
+#include "core/materials/bsdf.hpp"
+#include "core/math/frame.hpp"
+#include "core/scene/scene.hpp"
+
+namespace tessera::core {
+
+class PathVertex {
+ public:
+  PathVertex(const Scene& scene, const Ray& ray, const Hit& hit);
+
+  Vec3 position() const { return surface_.position; }
+  // Unit, towards where the ray came from.
+  Vec3 wo() const { return wo_; }
+  bool is_delta() const { return bsdf_.is_delta(); }
+
+  // BSDF times cosine for light from `wi`, a unit direction away from the surface; black through the surface.
+  Rgb evaluate(Vec3 wi) const;
+  // Density per solid angle with which sample() chooses `wi`.
+  float pdf(Vec3 wi) const;
+
+  struct Scattered {
+    Vec3 wi;
+    Rgb weight;  // BSDF * cosine / pdf
+    float pdf;
+    bool delta;
+    float eta;   // 1, or the relative index of refraction of the boundary that was crossed
+  };
+  // Nothing where the path ends.
+  std::optional<Scattered> sample(Vec2 u, float u_lobe) const;
+
+  Ray ray_along(Vec3 wi) const;
+  // The open segment between this point and another surface's, for shadow rays.
+  Ray ray_to(const SurfacePoint& other) const;
+
+ private:
+  bool same_side(Vec3 wi) const { return dot(wi, side_normal_) > 0; }
+
+  SurfacePoint surface_;
+  Vec3 wo_;
+  Vec3 side_normal_;  // geometric, on the side of wo
+  Frame frame_;       // around the shading normal, on the side of wo
+  Bsdf bsdf_;
+};
+
+}  // namespace tessera::core

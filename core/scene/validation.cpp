@@ -1,0 +1,112 @@
+#include "core/scene/validation.hpp"
+
+#include <cmath>
+#include <fmt/format.h>
+#include <utility>
+
+#include "core/base/overloaded.hpp"
+#include "core/geometry/primitives.hpp"
+
+namespace tessera::core {
+namespace {
+
+tl::unexpected<Error> invalid(std::string message) { return fail(ErrorCode::kInvalidArgument, std::move(message)); }
+
+bool fits(Vec3 p) {
+  const auto in_range = [](float c) { return std::fabs(c) <= kMaxCoordinate; };
+  return in_range(p.x) && in_range(p.y) && in_range(p.z);
+}
+
+Status check_camera(const CameraDescription& camera) {
+  if (!fits(camera.position) || !fits(camera.look_at) || !is_finite(camera.up))
+    return invalid("camera: position, look_at and up must be finite numbers");
+  const Vec3 view = camera.look_at - camera.position;
+  if (!(length_squared(view) > 0)) return invalid("camera.look_at: must differ from camera.position");
+  const Vec3 across = cross(normalize(view), camera.up);
+  if (!(length_squared(across) > 0)) return invalid("camera.up: must not be parallel to the viewing direction");
+  if (!(camera.vertical_fov_degrees > 0 && camera.vertical_fov_degrees < 180))
+    return invalid(fmt::format("camera.vertical_fov_degrees: must lie between 0 and 180, got {}", camera.vertical_fov_degrees));
+  if (!(camera.aperture_radius >= 0) || !std::isfinite(camera.aperture_radius))
+    return invalid(fmt::format("camera.aperture_radius: must be 0 or more, got {}", camera.aperture_radius));
+  if (!(camera.focus_distance >= 0) || !std::isfinite(camera.focus_distance))
+    return invalid(fmt::format("camera.focus_distance: must be above 0, got {}", camera.focus_distance));
+  return {};
+}
+
+Status check_materials(const SceneDescription& scene) {
+  const auto texture_count = static_cast<int>(scene.textures.size());
+  const auto textures_exist = [&](const auto&... parameters) { return ((parameters.texture < texture_count) && ...); };
+  for (const Material& material : scene.materials) {
+    const bool ok = std::visit(
+        Overloaded{
+            [&](const Lambert& m) { return textures_exist(m.albedo); },
+            [&](const Mirror& m) { return textures_exist(m.reflectance); },
+            [&](const Glass& m) { return m.ior > 0 && textures_exist(m.reflectance, m.transmittance); },
+        },
+        material.model);
+    if (!ok) return invalid(fmt::format("material '{}': a texture or the index of refraction is out of range", material.name));
+    if (!is_finite(material.emission) || material.emission.r < 0 || material.emission.g < 0 || material.emission.b < 0)
+      return invalid(fmt::format("material '{}': emission must be finite and not negative", material.name));
+  }
+  return {};
+}
+
+Status check_mesh(const MeshDescription& mesh, std::size_t material_count) {
+  const std::size_t vertices = mesh.positions.size(), triangles = mesh.triangles.size();
+  for (std::size_t i = 0; i < vertices; ++i)
+    if (!fits(mesh.positions[i]))
+      return invalid(fmt::format("vertex {}: coordinates must be numbers of at most {:g}", i + 1, kMaxCoordinate));
+  if (!mesh.normals.empty() && mesh.normals.size() != vertices)
+    return invalid(fmt::format("{} normals for {} vertices", mesh.normals.size(), vertices));
+  if (!mesh.uvs.empty() && mesh.uvs.size() != vertices)
+    return invalid(fmt::format("{} texture coordinates for {} vertices", mesh.uvs.size(), vertices));
+  for (std::size_t i = 0; i < triangles; ++i)
+    for (const std::uint32_t v : mesh.triangles[i])
+      if (v >= vertices) return invalid(fmt::format("triangle {}: there is no vertex {}", i + 1, v + 1));
+  if (mesh.triangle_materials.size() != 1 && mesh.triangle_materials.size() != triangles)
+    return invalid(fmt::format("{} materials for {} triangles", mesh.triangle_materials.size(), triangles));
+  for (const std::uint32_t m : mesh.triangle_materials)
+    if (m >= material_count) return invalid(fmt::format("there is no material {}", m));
+  return {};
+}
+
+Status check_shape(const ShapeDescription& shape, std::size_t material_count) {
+  return std::visit(
+      Overloaded{
+          [&](const MeshDescription& mesh) { return check_mesh(mesh, material_count); },
+          [&](const SphereDescription& s) -> Status {
+            if (!fits(s.center) || !(s.radius > 0 && s.radius <= kMaxCoordinate))
+              return invalid(fmt::format("the centre must be numbers of at most {:g} and the radius above 0", kMaxCoordinate));
+            if (s.material >= material_count) return invalid(fmt::format("there is no material {}", s.material));
+            return {};
+          },
+          [&](const QuadDescription& q) -> Status {
+            if (!fits(q.corner) || !fits(q.edge_u) || !fits(q.edge_v))
+              return invalid(fmt::format("coordinates must be numbers of at most {:g}", kMaxCoordinate));
+            if (q.material >= material_count) return invalid(fmt::format("there is no material {}", q.material));
+            return {};
+          },
+      },
+      shape);
+}
+
+Status check_shapes(const SceneDescription& scene) {
+  for (std::size_t i = 0; i < scene.shapes.size(); ++i) {
+    if (auto ok = check_shape(scene.shapes[i], scene.materials.size()); !ok) {
+      const bool named = i < scene.shape_names.size() && !scene.shape_names[i].empty();
+      return fail(ok.error().within(named ? scene.shape_names[i] : fmt::format("shapes[{}]", i)));
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
+Status validate_scene(const SceneDescription& scene) {
+  if (auto ok = check_settings(scene.settings); !ok) return fail(ok.error().within("render"));
+  if (auto ok = check_camera(scene.camera); !ok) return ok;
+  if (auto ok = check_materials(scene); !ok) return ok;
+  return check_shapes(scene);
+}
+
+}  // namespace tessera::core
