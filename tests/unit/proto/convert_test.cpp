@@ -1,0 +1,71 @@
+#include "proto/convert.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace tessera::proto {
+namespace {
+
+using ::testing::HasSubstr;
+
+TEST(Convert, SettingsComeBackAsTheyWere) {
+  const core::RenderSettings settings{.width_px = 640,
+                                      .height_px = 480,
+                                      .spp = 12,
+                                      .seed = 0xfedcba9876543210,
+                                      .integrator = core::Integrator::kNee,
+                                      .max_depth = 5};
+  EXPECT_EQ(from_proto(to_proto(settings)).value(), settings);
+}
+
+TEST(Convert, SettingsOutOfLimitsNameTheField) {
+  const auto error_with = [](auto change) {
+    v1::RenderSettings message = to_proto(core::RenderSettings{});
+    change(message);
+    const auto settings = from_proto(message);
+    return settings ? "no error" : settings.error().message;
+  };
+  EXPECT_THAT(error_with([](auto& m) { m.set_width_px(0); }), HasSubstr("width"));
+  EXPECT_THAT(error_with([](auto& m) { m.set_height_px(0xffffffff); }), HasSubstr("height"));
+  EXPECT_THAT(error_with([](auto& m) { m.set_spp(0); }), HasSubstr("spp"));
+  EXPECT_THAT(error_with([](auto& m) { m.set_max_depth(0xffffffff); }), HasSubstr("max_depth"));
+  EXPECT_THAT(error_with([](auto& m) { m.clear_integrator(); }), HasSubstr("integrator"));
+  EXPECT_THAT(error_with([](auto& m) { m.set_integrator(static_cast<v1::Integrator>(99)); }),
+              HasSubstr("99"));
+}
+
+TEST(Convert, AbsentOverridesStayAbsent) {
+  const core::RenderOverrides none = from_proto(to_proto(core::RenderOverrides{})).value();
+  EXPECT_FALSE(none.width_px || none.height_px || none.spp || none.seed || none.integrator);
+  const core::RenderOverrides all{
+      .width_px = 1, .height_px = 0, .spp = 3, .seed = 0, .integrator = core::Integrator::kNaive};
+  const core::RenderOverrides back = from_proto(to_proto(all)).value();
+  EXPECT_EQ(back.width_px, 1);
+  EXPECT_EQ(back.height_px, 0);
+  EXPECT_EQ(back.spp, 3u);
+  EXPECT_EQ(back.seed, 0u);
+  EXPECT_EQ(back.integrator, core::Integrator::kNaive);
+}
+
+TEST(Convert, WorkItemsComeBackAndEmptyOnesDoNot) {
+  const WorkItem item{{64, 0, 100, 17}, {4, 9}};
+  EXPECT_EQ(from_proto(to_proto(item)).value(), item);
+  EXPECT_FALSE(from_proto(v1::WorkItem()).has_value());
+  EXPECT_FALSE(from_proto(to_proto(WorkItem{{0, 0, 64, 64}, {9, 9}})).has_value());
+  EXPECT_FALSE(from_proto(to_proto(WorkItem{{0, 64, 64, 64}, {0, 1}})).has_value());
+}
+
+TEST(Convert, CountersComeBackAsTheyWere) {
+  core::RenderCounters counters;
+  counters.samples = 1;
+  counters.closest_hit_rays = 2;
+  counters.shadow_rays = 3;
+  counters.non_finite_samples = 4;
+  counters.saturated_samples = 5;
+  EXPECT_EQ(from_proto(to_proto(counters)), counters);
+  counters.first_non_finite = core::SampleId{6, 7, 8};
+  EXPECT_EQ(from_proto(to_proto(counters)), counters);
+}
+
+}  // namespace
+}  // namespace tessera::proto

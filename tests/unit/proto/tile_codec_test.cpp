@@ -1,0 +1,150 @@
+#include "proto/tile_codec.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <xxhash.h>
+#include <zstd.h>
+
+#include <random>
+#include <string>
+
+namespace tessera::proto {
+namespace {
+
+using core::ErrorCode;
+using ::testing::HasSubstr;
+
+core::FilmTile some_tile(core::PixelRect rect, core::SampleRange range, std::uint64_t seed) {
+  core::FilmTile tile(rect, range);
+  std::mt19937_64 random(seed);
+  for (auto& sum : tile.sums) sum = random() >> (random() % 64);
+  for (auto& sum : tile.odd_sums) sum = random() >> (random() % 64);
+  tile.counters = {.samples = rect.pixel_count() * range.count(),
+                   .closest_hit_rays = 7,
+                   .shadow_rays = 5,
+                   .non_finite_samples = 1,
+                   .saturated_samples = 1,
+                   .first_non_finite = core::SampleId{rect.x0, rect.y0, range.begin}};
+  return tile;
+}
+
+v1::RenderedItem some_message() {
+  return encode_tile(some_tile({64, 0, 128, 37}, {3, 8}, 1));
+}
+
+void set_sums(v1::RenderedItem& message, const std::string& raw) {
+  std::string frame(ZSTD_compressBound(raw.size()), '\0');
+  frame.resize(ZSTD_compress(frame.data(), frame.size(), raw.data(), raw.size(), 1));
+  message.set_sums_zstd(frame);
+  message.set_sums_xxh3(XXH3_64bits(raw.data(), raw.size()));
+}
+
+void expect_refused(const v1::RenderedItem& message, const std::string& reason) {
+  const auto tile = decode_tile(message);
+  ASSERT_FALSE(tile.has_value());
+  EXPECT_EQ(tile.error().code, ErrorCode::kInvalidArgument);
+  EXPECT_THAT(tile.error().message, HasSubstr(reason));
+}
+
+TEST(TileCodec, GivesBackEveryBit) {
+  std::uint64_t seed = 0;
+  for (const core::PixelRect rect : {core::PixelRect{0, 0, 64, 64}, {64, 128, 65, 129}, {0, 448, 64, 450}}) {
+    const core::FilmTile tile = some_tile(rect, {10, 13}, ++seed);
+    const auto back = decode_tile(encode_tile(tile));
+    ASSERT_TRUE(back.has_value()) << back.error().message;
+    EXPECT_EQ(back->rect, tile.rect);
+    EXPECT_EQ(back->range, tile.range);
+    EXPECT_EQ(back->sums, tile.sums);
+    EXPECT_EQ(back->odd_sums, tile.odd_sums);
+    EXPECT_EQ(back->counters, tile.counters);
+  }
+}
+
+// The layout that the contract promises to programs in other languages.
+TEST(TileCodec, WritesSumsThenOddSumsLittleEndian) {
+  core::FilmTile tile({0, 0, 1, 1}, {0, 2});
+  tile.sums = {0x0102030405060708, 2, 3};
+  tile.odd_sums = {4, 5, 6};
+  tile.counters.samples = 2;
+  const v1::RenderedItem message = encode_tile(tile);
+  std::string raw(48, '\0');
+  ASSERT_EQ(ZSTD_decompress(raw.data(), raw.size(), message.sums_zstd().data(), message.sums_zstd().size()),
+            48u);
+  EXPECT_EQ(raw.substr(0, 8), std::string("\x08\x07\x06\x05\x04\x03\x02\x01", 8));
+  EXPECT_EQ(raw[24], 4);
+  EXPECT_EQ(message.sums_xxh3(), XXH3_64bits(raw.data(), raw.size()));
+}
+
+TEST(TileCodec, RefusesEveryTruncation) {
+  const v1::RenderedItem whole = some_message();
+  const std::size_t size = whole.sums_zstd().size();
+  for (std::size_t kept = 0; kept < size; kept += 1 + size / 200) {
+    v1::RenderedItem message = whole;
+    message.mutable_sums_zstd()->resize(kept);
+    expect_refused(message, "sums_zstd");
+  }
+}
+
+TEST(TileCodec, NeverTakesDamagedSums) {
+  const v1::RenderedItem whole = some_message();
+  const core::FilmTile original = *decode_tile(whole);
+  const std::size_t bits = whole.sums_zstd().size() * 8;
+  for (std::size_t bit = 0; bit < bits; bit += 1 + bits / 2000) {
+    v1::RenderedItem message = whole;
+    char& byte = (*message.mutable_sums_zstd())[bit / 8];
+    byte = static_cast<char>(byte ^ (1 << (bit % 8)));
+    // A flipped bit that zstd does not use may pass, but then the sums are those that were sent.
+    if (const auto tile = decode_tile(message)) {
+      EXPECT_EQ(tile->sums, original.sums) << "bit " << bit;
+      EXPECT_EQ(tile->odd_sums, original.odd_sums) << "bit " << bit;
+    }
+  }
+}
+
+TEST(TileCodec, RefusesAWrongChecksum) {
+  v1::RenderedItem message = some_message();
+  message.set_sums_xxh3(message.sums_xxh3() ^ 1);
+  expect_refused(message, "sums_xxh3");
+}
+
+TEST(TileCodec, RefusesAFrameThatGrowsBeyondItsTile) {
+  v1::RenderedItem message = some_message();
+  set_sums(message, std::string(std::size_t{64} << 20, '\0'));
+  ASSERT_LT(message.sums_zstd().size(), 10'000u);
+  expect_refused(message, "sums_zstd");
+}
+
+TEST(TileCodec, RefusesAFrameOfAnotherTilesSize) {
+  v1::RenderedItem message = some_message();
+  set_sums(message, std::string(64 * 37 * 48 - 8, '\0'));
+  expect_refused(message, "must hold 113664 bytes of sums, got 113656");
+  set_sums(message, std::string(64 * 37 * 48 + 8, '\0'));
+  expect_refused(message, "sums_zstd");
+}
+
+TEST(TileCodec, RefusesRectanglesAndRangesThatCannotBe) {
+  const auto with = [](auto change) {
+    v1::RenderedItem message = some_message();
+    change(*message.mutable_item());
+    return message;
+  };
+  expect_refused(with([](auto& item) { item.mutable_rect()->set_x1(64); }), "rect");
+  expect_refused(with([](auto& item) { item.mutable_rect()->set_y0(40); }), "rect");
+  expect_refused(with([](auto& item) { item.mutable_rect()->set_x1(129); }), "one tile");
+  expect_refused(with([](auto& item) { item.mutable_rect()->set_x1(0xffffffff); }), "rect");
+  expect_refused(with([](auto& item) { item.clear_rect(); }), "rect");
+  expect_refused(with([](auto& item) { item.set_sample_end(3); }), "samples");
+  expect_refused(with([](auto& item) { item.set_sample_end(0xffffffff); }), "samples");
+}
+
+TEST(TileCodec, RefusesCountersOfOtherSamples) {
+  v1::RenderedItem message = some_message();
+  message.mutable_counters()->set_samples(64 * 37 * 5 + 1);
+  expect_refused(message, "counters.samples");
+  message = some_message();
+  message.mutable_counters()->set_non_finite_samples(64 * 37 * 5 + 1);
+  expect_refused(message, "non-finite");
+}
+
+}  // namespace
+}  // namespace tessera::proto
