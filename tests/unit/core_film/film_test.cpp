@@ -1,0 +1,119 @@
+#include "core/film/film.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+
+namespace tessera::core {
+namespace {
+
+// A sample's value as a function of its number and place, now and then large enough to saturate a sum.
+std::uint64_t sample_value(int x, int y, int channel, std::uint32_t s) {
+  const std::uint64_t h = (static_cast<std::uint64_t>(x) * 73856093u) ^ (static_cast<std::uint64_t>(y) * 19349663u) ^
+                          (s * 83492791ull) ^ (static_cast<std::uint64_t>(channel) << 40);
+  return h % 1000 == 0 ? kFilmSaturated / 2 : h << 12;
+}
+
+FilmTile make_tile(PixelRect rect, SampleRange range) {
+  FilmTile tile(rect, range);
+  std::size_t i = 0;
+  for (int y = rect.y0; y < rect.y1; ++y)
+    for (int x = rect.x0; x < rect.x1; ++x)
+      for (int c = 0; c < 3; ++c, ++i)
+        for (std::uint32_t s = range.begin; s < range.end; ++s) {
+          tile.sums[i] = add_saturating(tile.sums[i], sample_value(x, y, c, s));
+          if (s % 2) tile.odd_sums[i] = add_saturating(tile.odd_sums[i], sample_value(x, y, c, s));
+        }
+  return tile;
+}
+
+TEST(Film, DoesNotDependOnHowSamplesWereCutAndOrdered) {
+  constexpr std::uint32_t kSpp = 37;
+  const TileGrid grid(50, 33, 16);
+  Film whole(grid);
+  whole.add(make_tile({0, 0, 50, 33}, {0, kSpp}));
+
+  std::mt19937 random(7);
+  for (int round = 0; round < 20; ++round) {
+    std::vector<FilmTile> pieces;
+    for (int t = 0; t < grid.tile_count(); ++t)
+      for (std::uint32_t begin = 0; begin < kSpp;) {
+        const std::uint32_t end = std::min(kSpp, begin + 1 + random() % 9);
+        pieces.push_back(make_tile(grid.rect(t), {begin, end}));
+        begin = end;
+      }
+    std::shuffle(pieces.begin(), pieces.end(), random);
+    Film film(grid);
+    for (const FilmTile& piece : pieces) film.add(piece);
+    ASSERT_TRUE(film == whole);
+  }
+}
+
+TEST(Film, AppendedTilesEqualOneTile) {
+  FilmTile tile = make_tile({16, 0, 32, 16}, {3, 8});
+  tile.append(make_tile({16, 0, 32, 16}, {8, 21}));
+  const FilmTile whole = make_tile({16, 0, 32, 16}, {3, 21});
+  EXPECT_EQ(tile.sums, whole.sums);
+  EXPECT_EQ(tile.odd_sums, whole.odd_sums);
+  EXPECT_EQ(tile.range, whole.range);
+}
+
+TEST(Film, DevelopsToTheMeanOfTheSamplesEachPixelHas) {
+  Film film(TileGrid(4, 2, 2));
+  FilmTile left({0, 0, 2, 2}, {0, 4});
+  left.sums.assign(12, to_fixed_point(10, 0));
+  film.add(left);
+  const Image image = film.develop();
+  EXPECT_EQ(image.at(1, 1), Rgb::gray(2.5f));
+  EXPECT_EQ(image.at(2, 0), Rgb::gray(0)) << "no samples yet";
+}
+
+TEST(Film, EstimatesTheErrorFromTheHalves) {
+  Film film(TileGrid(1, 1, 64));
+  FilmTile tile({0, 0, 1, 1}, {0, 4});
+  tile.sums = {to_fixed_point(8, 0), 0, 0};      // evens 2 + 2, odds 1 + 3
+  tile.odd_sums = {to_fixed_point(6, 0), 0, 0};  // now evens mean 1, odds mean 3
+  film.add(tile);
+  EXPECT_EQ(film.standard_error().at(0, 0), (Rgb{1, 0, 0}));
+}
+
+TEST(Film, RestoresWhatItHanded) {
+  Film film(TileGrid(20, 20, 16));
+  film.add(make_tile({0, 0, 20, 20}, {2, 5}));
+  Film copy(film.grid());
+  for (int t = 0; t < film.grid().tile_count(); ++t) copy.restore(t, film.tile(t));
+  EXPECT_TRUE(copy == film);
+}
+
+TEST(RenderCounters, KeepTheFirstNonFiniteSampleWhateverTheOrder) {
+  RenderCounters a, b;
+  a.first_non_finite = SampleId{5, 1, 0};
+  b.first_non_finite = SampleId{2, 1, 9};
+  a.samples = 3;
+  b.samples = 4;
+  RenderCounters ab = a, ba = b;
+  ab.add(b);
+  ba.add(a);
+  EXPECT_EQ(ab, ba);
+  EXPECT_EQ(ab.samples, 7u);
+  EXPECT_EQ(ab.first_non_finite->x, 2);
+}
+
+TEST(SampleRange, CountsOddNumbers) {
+  EXPECT_EQ((SampleRange{0, 1}).odd_count(), 0u);
+  EXPECT_EQ((SampleRange{1, 2}).odd_count(), 1u);
+  EXPECT_EQ((SampleRange{3, 8}).odd_count(), 3u);
+}
+
+TEST(TileGrid, CoversThePictureOnce) {
+  const TileGrid grid(130, 65, 64);
+  EXPECT_EQ(grid.tile_count(), 6);
+  std::size_t pixels = 0;
+  for (int t = 0; t < grid.tile_count(); ++t) pixels += grid.rect(t).pixel_count();
+  EXPECT_EQ(pixels, 130u * 65u);
+  EXPECT_EQ(grid.rect(5), (PixelRect{128, 64, 130, 65}));
+}
+
+}  // namespace
+}  // namespace tessera::core

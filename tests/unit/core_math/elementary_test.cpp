@@ -1,0 +1,57 @@
+#include "core/math/elementary.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <random>
+
+namespace core = tessera::core;
+
+TEST(Elementary, SineAndCosineAreAccurateOverTheirDomain) {
+  for (int i = -1000000; i <= 1000000; i += 37) {
+    const float x = static_cast<float>(i) * 0.01f;
+    ASSERT_NEAR(core::sin(x), std::sin(static_cast<double>(x)), 1e-7) << x;
+    ASSERT_NEAR(core::cos(x), std::cos(static_cast<double>(x)), 1e-7) << x;
+  }
+}
+
+TEST(Elementary, ArcTangentIsAccurateInAllQuadrants) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<float> coordinate(-3, 3);
+  for (int i = 0; i < 100000; ++i) {
+    const float x = coordinate(random), y = coordinate(random);
+    ASSERT_NEAR(core::atan2(y, x), std::atan2(static_cast<double>(y), static_cast<double>(x)), 1e-6) << y << " " << x;
+  }
+  EXPECT_EQ(core::atan2(0, 0), 0);
+  EXPECT_FLOAT_EQ(core::atan2(0, -1), core::kPi);
+  EXPECT_FLOAT_EQ(core::atan2(-1, 0), -core::kPi / 2);
+}
+
+TEST(Elementary, ArcCosineIsAccurateAndClamps) {
+  for (int i = -1000; i <= 1000; ++i) {
+    const float x = static_cast<float>(i) / 1000;
+    ASSERT_NEAR(core::acos(x), std::acos(static_cast<double>(x)), 1e-6) << x;
+  }
+  EXPECT_EQ(core::acos(2), 0);
+  EXPECT_FLOAT_EQ(core::acos(-2), core::kPi);
+}
+
+TEST(Elementary, ExponentialAndLogarithmAreAccurate) {
+  for (double x = -700; x <= 700; x += 0.37) ASSERT_NEAR(core::exp(x) / std::exp(x), 1, 1e-13) << x;
+  for (double x = 1e-300; x < 1e300; x *= 1.7) ASSERT_NEAR(core::log(x), std::log(x), 1e-13 * std::fabs(std::log(x)) + 1e-15) << x;
+  EXPECT_EQ(core::exp(0), 1);
+  EXPECT_EQ(core::log(1), 0);
+  EXPECT_EQ(core::exp(-1000), 0);
+  EXPECT_EQ(core::exp(1000), std::numeric_limits<double>::infinity());
+}
+
+TEST(Elementary, PowerIsAccurateAndKnowsItsEdges) {
+  for (double base = 0.001; base < 10; base += 0.013)
+    for (double exponent = -5; exponent < 5; exponent += 0.31)
+      ASSERT_NEAR(core::pow(base, exponent) / std::pow(base, exponent), 1, 1e-13) << base << " " << exponent;
+  EXPECT_EQ(core::pow(0, 2.4), 0);
+  EXPECT_EQ(core::pow(0, 0), 1);
+  EXPECT_EQ(core::pow(7, 0), 1);
+  EXPECT_EQ(core::pow(0, -1), std::numeric_limits<double>::infinity());
+}
