@@ -1,0 +1,130 @@
+#include "core/geometry/primitives.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/geometry/rounding.hpp"
+
+namespace tessera::core {
+namespace {
+
+Vec3 unit_or_zero(Vec3d v) {
+  return has_direction(v) ? ((1 / length(v)) * v).rounded() : Vec3{};
+}
+
+// The weights of the three corners. b1 and b2, rounded one by one, may add up to a little more than 1.
+std::array<double, 3> weights_inside(const Hit& hit) {
+  const double b1 = hit.b1, b2 = hit.b2;
+  const double b0 = std::max(0.0, 1 - b1 - b2);
+  const double sum = b0 + b1 + b2;
+  return {b0 / sum, b1 / sum, b2 / sum};
+}
+
+// A coordinate that is a float rounded from a sum of terms computed in double, whose magnitudes sum to
+// `terms`.
+Vec3 rounding_error(Vec3 position, Vec3d terms) {
+  const Vec3 from_rounding = abs(position) * gamma<float>(2);
+  return from_rounding + (gamma<double>(16) * terms).rounded();
+}
+
+bool improves(float t, std::uint32_t primitive, const Ray& ray, const Hit& hit) {
+  return t > 0 && t < ray.t_max && (t < hit.t || (t == hit.t && primitive < hit.primitive));
+}
+
+}  // namespace
+
+void Primitives::add_mesh(const std::vector<Vec3>& positions, const std::vector<Vec3>& normals,
+                          const std::vector<Vec2>& uvs,
+                          const std::vector<std::array<std::uint32_t, 3>>& triangles,
+                          const std::vector<std::uint32_t>& triangle_materials) {
+  const auto first = static_cast<std::uint32_t>(positions_.size());
+  positions_.insert(positions_.end(), positions.begin(), positions.end());
+  for (const Vec3& normal : normals) normals_.push_back(unit_or_zero(Vec3d(normal)));
+  normals_.resize(positions_.size());
+  uvs_.insert(uvs_.end(), uvs.begin(), uvs.end());
+  uvs_.resize(positions_.size());
+  for (std::size_t i = 0; i < triangles.size(); ++i) {
+    const auto& [v0, v1, v2] = triangles[i];
+    triangles_.push_back({first + v0, first + v1, first + v2});
+    triangle_materials_.push_back(triangle_materials[triangle_materials.size() == 1 ? 0 : i]);
+  }
+}
+
+void Primitives::add_sphere(Vec3 center, float radius, std::uint32_t material) {
+  spheres_.push_back({center, radius});
+  sphere_materials_.push_back(material);
+}
+
+Aabb Primitives::bounds(std::uint32_t primitive) const {
+  Aabb box;
+  if (is_sphere(primitive)) {
+    const auto& [center, radius] = sphere(primitive);
+    if (!(radius > 0)) return box;
+    const Vec3 lower = center - Vec3{radius, radius, radius}, upper = center + Vec3{radius, radius, radius};
+    box.lower = {next_float_down(lower.x), next_float_down(lower.y), next_float_down(lower.z)};
+    box.upper = {next_float_up(upper.x), next_float_up(upper.y), next_float_up(upper.z)};
+    return box;
+  }
+  const TriangleCorners corners = triangle_corners(primitive);
+  if (!can_be_hit(corners)) return box;
+  for (const Vec3& corner : corners) box.include(corner);
+  return box;
+}
+
+bool Primitives::intersect(std::uint32_t primitive, const Ray& ray, Hit& hit) const {
+  if (is_sphere(primitive)) {
+    const auto t = intersect_sphere(ray, sphere(primitive));
+    if (!t || !improves(static_cast<float>(*t), primitive, ray, hit)) return false;
+    hit = {static_cast<float>(*t), primitive, 0, 0};
+    return true;
+  }
+  const TriangleCorners corners = triangle_corners(primitive);
+  const auto found = intersect_triangle(ShearedRay(ray), corners);
+  if (!found || !improves(found->t, primitive, ray, hit) || !can_be_hit(corners)) return false;
+  hit = {found->t, primitive, found->b1, found->b2};
+  return true;
+}
+
+SurfacePoint Primitives::surface(const Ray& ray, const Hit& hit) const {
+  return is_sphere(hit.primitive) ? sphere_surface(ray, hit) : triangle_surface(hit);
+}
+
+SurfacePoint Primitives::triangle_surface(const Hit& hit) const {
+  const auto& [v0, v1, v2] = triangles_[hit.primitive];
+  const TriangleCorners corners = triangle_corners(hit.primitive);
+  const auto [b0, b1, b2] = weights_inside(hit);
+  const Vec3d p0 = b0 * Vec3d(corners[0]), p1 = b1 * Vec3d(corners[1]), p2 = b2 * Vec3d(corners[2]);
+
+  SurfacePoint point;
+  point.position = (p0 + p1 + p2).rounded();
+  point.position_error = rounding_error(point.position, abs(p0) + abs(p1) + abs(p2));
+  point.geometric_normal = unit_or_zero(area_normal(corners));
+  point.shading_normal = point.geometric_normal;
+  const Vec3d normal = b0 * Vec3d(normals_[v0]) + b1 * Vec3d(normals_[v1]) + b2 * Vec3d(normals_[v2]);
+  if (length(normal) > 1e-6) {
+    point.shading_normal = unit_or_zero(normal);
+    point.geometric_normal = face_toward(point.geometric_normal, point.shading_normal);
+  }
+  const auto w0 = static_cast<float>(b0), w1 = static_cast<float>(b1), w2 = static_cast<float>(b2);
+  point.uv = uvs_[v0] * w0 + uvs_[v1] * w1 + uvs_[v2] * w2;
+  return point;
+}
+
+SurfacePoint Primitives::sphere_surface(const Ray& ray, const Hit& hit) const {
+  const Sphere& ball = sphere(hit.primitive);
+  const Vec3d center(ball.center);
+  // hit.t has been rounded to a float, which far away is coarser than the sphere.
+  const double t = intersect_sphere(ray, ball).value_or(hit.t);
+  const Vec3d from_center = Vec3d(ray.origin) + t * Vec3d(ray.direction) - center;
+  const Vec3d normal = (1 / length(from_center)) * from_center;
+  const Vec3d arm = static_cast<double>(ball.radius) * normal;
+
+  SurfacePoint point;
+  point.position = (center + arm).rounded();
+  point.position_error = rounding_error(point.position, abs(center) + abs(arm));
+  point.geometric_normal = point.shading_normal = normal.rounded();
+  point.uv = sphere_uv(point.geometric_normal);
+  return point;
+}
+
+}  // namespace tessera::core

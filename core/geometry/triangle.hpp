@@ -1,0 +1,54 @@
+// Rays against one triangle: the watertight test of Woop, Benthin and Wald 2013. The ray is sheared onto the
+// z axis, and the signs of three edge functions say whether the origin of the xy plane lies in the triangle.
+//
+// It is computed in double from float data. An edge function is then never on the wrong side of 0, and
+// exactly 0 (which counts as inside) where it cannot tell; neighbours evaluate a shared edge to opposite
+// values. So no ray passes between them. Nothing overflows, whatever the floats.
+#pragma once
+
+#include <array>
+#include <optional>
+
+#include "core/geometry/ray.hpp"
+#include "core/geometry/vec3d.hpp"
+
+namespace tessera::core {
+
+// A ray prepared for any number of triangle tests. Its z is the axis along which the direction is longest.
+struct ShearedRay {
+  explicit ShearedRay(const Ray& ray);
+
+  int x_axis, y_axis, z_axis;
+  double origin_x, origin_y, origin_z;
+  double shear_x, shear_y;  // the direction's x and y for each unit of z
+  double direction_z;
+
+  // A point relative to the origin, with the direction sheared onto the z axis.
+  Vec3d shear(Vec3 p) const {
+    const double x = static_cast<double>(p[x_axis]) - origin_x;
+    const double y = static_cast<double>(p[y_axis]) - origin_y;
+    const double z = static_cast<double>(p[z_axis]) - origin_z;
+    return {x - shear_x * z, y - shear_y * z, z};
+  }
+};
+
+using TriangleCorners = std::array<Vec3, 3>;
+
+struct TriangleHit {
+  float t, b1, b2;  // as in Hit; 0 <= b1, b2 <= 1
+};
+
+// The hit of the whole line in front of the origin, from either side. None where t cannot be proved to be
+// positive, so that a ray does not meet the surface it starts on.
+std::optional<TriangleHit> intersect_triangle(const ShearedRay& ray, const TriangleCorners& corners);
+
+// Twice the area as length, on the side from which the corners are counter-clockwise. Exact enough for
+// needles and for any scale.
+Vec3d area_normal(const TriangleCorners& corners);
+
+// Whether the triangle has an area; those that have none are never hit.
+inline bool can_be_hit(const TriangleCorners& corners) {
+  return has_direction(area_normal(corners));
+}
+
+}  // namespace tessera::core
