@@ -1,0 +1,113 @@
+#include "server/store/blob_store.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <stdlib.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <system_error>
+
+namespace tessera::store {
+
+using core::ErrorCode;
+
+BlobWriter::BlobWriter(proto::Digest digest, std::filesystem::path target, std::filesystem::path temporary,
+                       Fd fd)
+    : digest_(digest), target_(std::move(target)), temporary_(std::move(temporary)), fd_(std::move(fd)) {}
+
+BlobWriter::~BlobWriter() {
+  if (fd_) ::unlink(temporary_.c_str());
+}
+
+core::Status BlobWriter::append(std::string_view bytes) {
+  if (bytes.size() > digest_.size_bytes - hasher_.size_bytes()) {
+    return core::fail(
+        ErrorCode::kInvalidArgument,
+        fmt::format("blob {}: more bytes than the {} its digest says", digest_.hex(), digest_.size_bytes));
+  }
+  hasher_.update(bytes);
+  return write_all(fd_, bytes, temporary_);
+}
+
+core::Status BlobWriter::commit() {
+  const proto::Digest actual = hasher_.finish();
+  if (actual != digest_) {
+    return core::fail(
+        ErrorCode::kDataLoss,
+        fmt::format("blob {}: the {} bytes that came are not those of its digest ({} bytes): send it "
+                    "again, and check that the file is not being written to",
+                    digest_.hex(), actual.size_bytes, digest_.size_bytes));
+  }
+  if (auto synced = sync_file(fd_, temporary_); !synced) return synced;
+  if (auto created = create_folder(target_.parent_path()); !created) return created;
+  if (::rename(temporary_.c_str(), target_.c_str()) != 0) return core::fail(errno_error("writing", target_));
+  fd_ = Fd();
+  return sync_folder(target_.parent_path());
+}
+
+BlobReader::BlobReader(proto::Digest digest, std::filesystem::path path, Fd fd)
+    : digest_(digest), path_(std::move(path)), fd_(std::move(fd)), left_bytes_(digest.size_bytes) {}
+
+core::Result<std::string> BlobReader::next(std::size_t max_bytes) {
+  std::string bytes(std::min<std::uint64_t>(max_bytes, left_bytes_), '\0');
+  if (bytes.empty()) return bytes;
+  std::size_t filled = 0;
+  while (filled < bytes.size()) {
+    const ssize_t got = ::read(fd_.get(), bytes.data() + filled, bytes.size() - filled);
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) return core::fail(errno_error("reading", path_));
+    if (got == 0) break;
+    filled += static_cast<std::size_t>(got);
+  }
+  hasher_.update(bytes);
+  left_bytes_ -= bytes.size();
+  const bool whole = filled == bytes.size() && (left_bytes_ > 0 || hasher_.finish() == digest_);
+  if (whole) return bytes;
+  return core::fail(
+      ErrorCode::kDataLoss,
+      fmt::format("{} is damaged: its content is not what its name says; delete the file and submit "
+                  "the scene again",
+                  path_.string()));
+}
+
+core::Result<BlobStore> BlobStore::open(const std::filesystem::path& folder) {
+  const std::filesystem::path incoming = folder / "incoming";
+  std::error_code ignored;  // what cannot be removed shows when it is created again
+  std::filesystem::remove_all(incoming, ignored);
+  if (auto created = create_folder(incoming); !created) return core::fail(created.error());
+  return BlobStore(folder);
+}
+
+std::filesystem::path BlobStore::path(const proto::Digest& digest) const {
+  const std::string hex = digest.hex();
+  return folder_ / hex.substr(0, 2) / hex.substr(2);
+}
+
+bool BlobStore::contains(const proto::Digest& digest) const {
+  struct ::stat status {};
+  return ::stat(path(digest).c_str(), &status) == 0 && S_ISREG(status.st_mode) &&
+         static_cast<std::uint64_t>(status.st_size) == digest.size_bytes;
+}
+
+core::Result<BlobWriter> BlobStore::write(const proto::Digest& digest) const {
+  std::string temporary = (folder_ / "incoming" / "XXXXXX").string();
+  Fd fd(::mkostemp(temporary.data(), O_CLOEXEC));
+  if (!fd) return core::fail(errno_error("creating a file in", folder_ / "incoming"));
+  return BlobWriter(digest, path(digest), std::move(temporary), std::move(fd));
+}
+
+core::Result<BlobReader> BlobStore::read(const proto::Digest& digest) const {
+  const std::filesystem::path file = path(digest);
+  if (!contains(digest)) {
+    return core::fail(ErrorCode::kNotFound, fmt::format("blob {} ({} bytes) is not here: upload it",
+                                                        digest.hex(), digest.size_bytes));
+  }
+  Fd fd(::open(file.c_str(), O_RDONLY | O_CLOEXEC));
+  if (!fd) return core::fail(errno_error("opening", file));
+  return BlobReader(digest, file, std::move(fd));
+}
+
+}  // namespace tessera::store

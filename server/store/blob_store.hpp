@@ -1,0 +1,75 @@
+// Files known by their content, under FOLDER/ab/cdef... (the SHA-256 in hexadecimal).
+//
+// A blob becomes visible only when it is whole, checked against its digest and safe on disk. What an
+// interrupted upload leaves lies in FOLDER/incoming and is removed at the next start. BlobStore is
+// thread-safe (it holds nothing that changes); a writer or reader is for one thread at a time.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "core/base/error.hpp"
+#include "proto/blob.hpp"
+#include "server/store/file.hpp"
+
+namespace tessera::store {
+
+// Takes one blob in pieces. Destroyed before commit() succeeded, it leaves nothing behind.
+class BlobWriter {
+ public:
+  BlobWriter(BlobWriter&&) = default;
+  BlobWriter& operator=(BlobWriter&&) = delete;
+  ~BlobWriter();
+
+  // INVALID_ARGUMENT as soon as there are more bytes than the digest says.
+  core::Status append(std::string_view bytes);
+  // DATA_LOSS if the bytes are not those of the digest. Blocks until they are on disk.
+  core::Status commit();
+
+ private:
+  friend class BlobStore;
+  BlobWriter(proto::Digest digest, std::filesystem::path target, std::filesystem::path temporary, Fd fd);
+
+  proto::Digest digest_;
+  std::filesystem::path target_, temporary_;
+  Fd fd_;
+  proto::Hasher hasher_;
+};
+
+// Gives one blob in pieces, and checks at the end that the file is still what it was.
+class BlobReader {
+ public:
+  // The next bytes, at most `max_bytes`; empty at the end. DATA_LOSS instead of the last piece if the file's
+  // content has changed on disk.
+  core::Result<std::string> next(std::size_t max_bytes);
+
+ private:
+  friend class BlobStore;
+  BlobReader(proto::Digest digest, std::filesystem::path path, Fd fd);
+
+  proto::Digest digest_;
+  std::filesystem::path path_;
+  Fd fd_;
+  proto::Hasher hasher_;
+  std::uint64_t left_bytes_;
+};
+
+class BlobStore {
+ public:
+  // Creates the folder if it is missing and removes what interrupted uploads left.
+  static core::Result<BlobStore> open(const std::filesystem::path& folder);
+
+  bool contains(const proto::Digest& digest) const;
+  // Where the blob's file is or would be.
+  std::filesystem::path path(const proto::Digest& digest) const;
+  core::Result<BlobWriter> write(const proto::Digest& digest) const;
+  // NOT_FOUND if it is not here.
+  core::Result<BlobReader> read(const proto::Digest& digest) const;
+
+ private:
+  explicit BlobStore(std::filesystem::path folder) : folder_(std::move(folder)) {}
+
+  std::filesystem::path folder_;
+};
+
+}  // namespace tessera::store

@@ -1,0 +1,278 @@
+#include "server/store/job_store.hpp"
+
+#include <fmt/format.h>
+#include <xxhash.h>
+
+#include <mutex>
+#include <utility>
+
+#include "server/store/sqlite.hpp"
+
+namespace tessera::store {
+
+using core::ErrorCode;
+
+namespace {
+
+constexpr int kSchemaVersion = 1;
+
+constexpr auto kPragmas = R"(
+  PRAGMA page_size = 16384;
+  PRAGMA journal_mode = WAL;
+  PRAGMA synchronous = FULL;
+  PRAGMA foreign_keys = ON;
+)";
+
+constexpr auto kSchema = R"(
+  CREATE TABLE meta (name TEXT PRIMARY KEY, value INTEGER NOT NULL);
+  INSERT INTO meta VALUES ('epoch', 0);
+  CREATE TABLE jobs (
+    id TEXT PRIMARY KEY, request_id TEXT, spec BLOB NOT NULL, revision INTEGER NOT NULL, state INTEGER NOT NULL,
+    failure TEXT NOT NULL, spp INTEGER NOT NULL, priority INTEGER NOT NULL, created_ms INTEGER NOT NULL,
+    finished_ms INTEGER);
+  CREATE UNIQUE INDEX jobs_by_request_id ON jobs (request_id);
+  CREATE TABLE tiles (
+    job_id TEXT NOT NULL REFERENCES jobs (id) ON DELETE CASCADE, tile INTEGER NOT NULL, done BLOB NOT NULL,
+    content BLOB NOT NULL, row_xxh3 INTEGER NOT NULL, PRIMARY KEY (job_id, tile));
+)";
+
+constexpr auto kInsertJob =
+    "INSERT INTO jobs (id, request_id, spec, revision, state, failure, spp, priority, created_ms, "
+    "finished_ms)"
+    " VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10)";
+constexpr auto kUpdateJob =
+    "UPDATE jobs SET revision = ?2, state = ?3, failure = ?4, spp = ?5, priority = ?6, finished_ms = ?7"
+    " WHERE id = ?1 AND revision < ?2";
+constexpr auto kListJobs =
+    "SELECT id, request_id, spec, revision, state, failure, spp, priority, created_ms, finished_ms FROM jobs"
+    " ORDER BY created_ms, rowid";
+constexpr auto kWriteTile =
+    "INSERT OR REPLACE INTO tiles (job_id, tile, done, content, row_xxh3)"
+    " SELECT ?1, ?2, ?3, ?4, ?5 WHERE EXISTS (SELECT 1 FROM jobs WHERE id = ?1)";
+constexpr auto kDeleteJob = "DELETE FROM jobs WHERE id = ?1";
+constexpr auto kTilesDone = "SELECT tile, done FROM tiles WHERE job_id = ?1 ORDER BY tile";
+constexpr auto kReadTile = "SELECT done, content, row_xxh3 FROM tiles WHERE job_id = ?1 AND tile = ?2";
+
+void put_u32(std::string& out, std::uint32_t value) {
+  for (int shift = 0; shift < 32; shift += 8) out.push_back(static_cast<char>(value >> shift & 0xff));
+}
+
+std::uint32_t get_u32(std::string_view bytes, std::size_t offset) {
+  std::uint32_t value = 0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    value |= static_cast<std::uint32_t>(static_cast<unsigned char>(bytes[offset + i])) << (8 * i);
+  }
+  return value;
+}
+
+// Pairs of little-endian 32-bit numbers.
+std::string encode_ranges(const std::vector<core::SampleRange>& ranges) {
+  std::string bytes;
+  for (const core::SampleRange& range : ranges) {
+    put_u32(bytes, range.begin);
+    put_u32(bytes, range.end);
+  }
+  return bytes;
+}
+
+std::vector<core::SampleRange> decode_ranges(std::string_view bytes) {
+  std::vector<core::SampleRange> ranges;
+  for (std::size_t at = 0; at + 8 <= bytes.size(); at += 8) {
+    ranges.push_back({get_u32(bytes, at), get_u32(bytes, at + 4)});
+  }
+  return ranges;
+}
+
+// Over everything in a tile's row, so that what the disk changed is noticed whichever part it is.
+std::uint64_t row_checksum(const TileRow& row, std::string_view done) {
+  const std::string key = fmt::format("{} {} {}", row.job_id, row.tile, done.size());
+  std::uint64_t hash = XXH3_64bits(key.data(), key.size());
+  for (const std::string_view part : {done, std::string_view(row.content)}) {
+    hash = XXH3_64bits_withSeed(part.data(), part.size(), hash);
+  }
+  return hash;
+}
+
+std::int64_t as_signed(std::uint64_t value) {
+  return static_cast<std::int64_t>(value);
+}
+std::uint64_t as_unsigned(std::int64_t value) {
+  return static_cast<std::uint64_t>(value);
+}
+
+JobRow read_job(const Statement& row) {
+  JobRow job;
+  job.id = row.bytes(0);
+  job.request_id = row.bytes(1);
+  job.spec = row.bytes(2);
+  job.revision = as_unsigned(row.integer(3));
+  job.state = static_cast<int>(row.integer(4));
+  job.failure = row.bytes(5);
+  job.spp = static_cast<std::uint32_t>(row.integer(6));
+  job.priority = static_cast<int>(row.integer(7));
+  job.created_ms = row.integer(8);
+  if (!row.is_null(9)) job.finished_ms = row.integer(9);
+  return job;
+}
+
+template <typename Take>
+core::Status for_each_row(Statement& statement, Take take) {
+  auto row = statement.step();
+  for (; row && *row; row = statement.step()) take();
+  statement.reset();
+  if (!row) return core::fail(row.error());
+  return {};
+}
+
+core::Result<std::int64_t> read_number(Database& database, std::string_view sql) {
+  auto statement = database.prepare(sql);
+  if (!statement) return core::fail(statement.error());
+  const auto row = statement->step();
+  if (!row) return core::fail(row.error());
+  return *row ? statement->integer(0) : 0;
+}
+
+// Creates the tables in a new file, and refuses one of a later release.
+core::Status prepare_schema(Database& database, const std::filesystem::path& file) {
+  const auto version = read_number(database, "PRAGMA user_version");
+  if (!version) return core::fail(version.error());
+  if (*version == kSchemaVersion) return {};
+  if (*version != 0) {
+    return core::fail(
+        ErrorCode::kFailedPrecondition,
+        fmt::format("{} was written by another release (schema {}, this one knows {}): use that release",
+                    file.string(), *version, kSchemaVersion));
+  }
+  auto transaction = Transaction::begin(database);
+  if (!transaction) return core::fail(transaction.error());
+  const auto create = fmt::format("{} PRAGMA user_version = {};", kSchema, kSchemaVersion);
+  if (auto created = database.execute(create); !created) return created;
+  return transaction->commit();
+}
+
+}  // namespace
+
+struct JobStore::Impl {
+  Impl(Database opened, std::filesystem::path path) : database(std::move(opened)), file(std::move(path)) {}
+
+  core::Status prepare_statements() {
+    const std::pair<Statement*, const char*> wanted[] = {{&insert_job, kInsertJob}, {&update_job, kUpdateJob},
+                                                         {&delete_job, kDeleteJob}, {&list_jobs, kListJobs},
+                                                         {&write_tile, kWriteTile}, {&tiles_done, kTilesDone},
+                                                         {&read_tile, kReadTile}};
+    for (const auto& [statement, sql] : wanted) {
+      auto prepared = database.prepare(sql);
+      if (!prepared) return core::fail(prepared.error());
+      *statement = std::move(*prepared);
+    }
+    return {};
+  }
+
+  Database database;
+  Statement insert_job, update_job, delete_job, list_jobs, write_tile, tiles_done, read_tile;
+  const std::filesystem::path file;
+  std::uint32_t epoch = 0;
+  std::mutex mutex;  // guards the database and the statements
+};
+
+JobStore::JobStore(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+JobStore::JobStore(JobStore&&) noexcept = default;
+JobStore& JobStore::operator=(JobStore&&) noexcept = default;
+JobStore::~JobStore() = default;
+
+core::Result<JobStore> JobStore::open(const std::filesystem::path& file) {
+  auto database = Database::open(file);
+  if (!database) return core::fail(database.error());
+  if (auto set = database->execute(kPragmas); !set) return core::fail(set.error());
+  if (auto prepared = prepare_schema(*database, file); !prepared) return core::fail(prepared.error());
+  if (auto counted = database->execute("UPDATE meta SET value = value + 1 WHERE name = 'epoch'"); !counted) {
+    return core::fail(counted.error());
+  }
+  const auto epoch = read_number(*database, "SELECT value FROM meta WHERE name = 'epoch'");
+  if (!epoch) return core::fail(epoch.error());
+
+  auto impl = std::make_unique<Impl>(std::move(*database), file);
+  impl->epoch = static_cast<std::uint32_t>(*epoch);
+  if (auto prepared = impl->prepare_statements(); !prepared) return core::fail(prepared.error());
+  return JobStore(std::move(impl));
+}
+
+std::uint32_t JobStore::epoch() const {
+  return impl_->epoch;
+}
+
+core::Status JobStore::insert_job(const JobRow& job) {
+  const std::lock_guard lock(impl_->mutex);
+  Statement& insert = impl_->insert_job;
+  insert.bind(1, job.id).bind(3, job.spec).bind(4, as_signed(job.revision)).bind(5, job.state);
+  insert.bind(6, job.failure).bind(7, job.spp).bind(8, job.priority).bind(9, job.created_ms);
+  job.request_id.empty() ? insert.bind_null(2) : insert.bind(2, job.request_id);
+  job.finished_ms ? insert.bind(10, *job.finished_ms) : insert.bind_null(10);
+  return insert.run();
+}
+
+core::Status JobStore::update_job(const JobRow& job) {
+  const std::lock_guard lock(impl_->mutex);
+  Statement& update = impl_->update_job;
+  update.bind(1, job.id).bind(2, as_signed(job.revision)).bind(3, job.state).bind(4, job.failure);
+  update.bind(5, job.spp).bind(6, job.priority);
+  job.finished_ms ? update.bind(7, *job.finished_ms) : update.bind_null(7);
+  return update.run();
+}
+
+core::Status JobStore::delete_job(const std::string& id) {
+  const std::lock_guard lock(impl_->mutex);
+  return impl_->delete_job.bind(1, id).run();
+}
+
+core::Result<std::vector<JobRow>> JobStore::jobs() {
+  const std::lock_guard lock(impl_->mutex);
+  std::vector<JobRow> rows;
+  Statement& list = impl_->list_jobs;
+  const auto read = for_each_row(list, [&] { rows.push_back(read_job(list)); });
+  if (!read) return core::fail(read.error());
+  return rows;
+}
+
+core::Status JobStore::write_tiles(const std::vector<TileRow>& tiles) {
+  const std::lock_guard lock(impl_->mutex);
+  auto transaction = Transaction::begin(impl_->database);
+  if (!transaction) return core::fail(transaction.error());
+  for (const TileRow& tile : tiles) {
+    const std::string done = encode_ranges(tile.done);
+    Statement& write = impl_->write_tile;
+    write.bind(1, tile.job_id).bind(2, tile.tile).bind(3, done).bind(4, tile.content);
+    write.bind(5, as_signed(row_checksum(tile, done)));
+    if (auto written = write.run(); !written) return written;
+  }
+  return transaction->commit();
+}
+
+core::Result<std::map<int, std::vector<core::SampleRange>>> JobStore::tiles_done(const std::string& job_id) {
+  const std::lock_guard lock(impl_->mutex);
+  std::map<int, std::vector<core::SampleRange>> tiles;
+  Statement& list = impl_->tiles_done.bind(1, job_id);
+  const auto read =
+      for_each_row(list, [&] { tiles[static_cast<int>(list.integer(0))] = decode_ranges(list.bytes(1)); });
+  if (!read) return core::fail(read.error());
+  return tiles;
+}
+
+core::Result<std::optional<TileRow>> JobStore::tile(const std::string& job_id, int tile) {
+  const std::lock_guard lock(impl_->mutex);
+  Statement& read = impl_->read_tile.bind(1, job_id).bind(2, tile);
+  const auto row = read.step();
+  std::optional<TileRow> found;
+  bool intact = true;
+  if (row && *row) {
+    found = TileRow{job_id, tile, decode_ranges(read.bytes(0)), std::string(read.bytes(1))};
+    intact = as_unsigned(read.integer(2)) == row_checksum(*found, read.bytes(0));
+  }
+  read.reset();
+  if (!row) return core::fail(row.error());
+  if (intact) return found;
+  return core::fail(ErrorCode::kDataLoss,
+                    fmt::format("{}: tile {} of job {} is damaged", impl_->file.string(), tile, job_id));
+}
+
+}  // namespace tessera::store

@@ -1,0 +1,33 @@
+// The folder in which a coordinator keeps what must survive it:
+//
+//   lock          held while a coordinator runs on it
+//   tessera.db    jobs and films (job_store.hpp)
+//   blobs/        scenes and their assets (blob_store.hpp)
+//
+// Copying the folder while no coordinator runs on it is a backup.
+#pragma once
+
+#include <filesystem>
+
+#include "core/base/error.hpp"
+#include "server/store/blob_store.hpp"
+#include "server/store/file.hpp"
+#include "server/store/job_store.hpp"
+
+namespace tessera::store {
+
+struct StateDirectory {
+  // Creates what is missing. FAILED_PRECONDITION if another coordinator runs on it; otherwise what file.hpp
+  // and job_store.hpp say of disks and damage.
+  static core::Result<StateDirectory> open(const std::filesystem::path& folder);
+
+  Fd lock;
+  BlobStore blobs;
+  JobStore jobs;
+};
+
+// $XDG_STATE_HOME/tessera/coordinator, by default below ~/.local/state; ./tessera-state where there is no
+// home.
+std::filesystem::path default_state_directory();
+
+}  // namespace tessera::store
