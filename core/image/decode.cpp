@@ -13,6 +13,7 @@
 
 #include "core/image/exr.hpp"
 #include "core/image/file_io.hpp"
+#include "core/image/hdr_check.hpp"
 #include "core/image/limits.hpp"
 #include "core/image/srgb.hpp"
 
@@ -20,6 +21,11 @@ namespace tessera::core {
 namespace {
 
 constexpr std::string_view kExrMagic = "\x76\x2f\x31\x01";
+constexpr std::string_view kPngMagic = "\x89PNG\r\n\x1a\n";
+
+bool is_hdr(std::string_view bytes) {
+  return bytes.starts_with("#?RADIANCE\n") || bytes.starts_with("#?RGBE\n");
+}
 
 struct StbFree {
   void operator()(void* texels) const { stbi_image_free(texels); }
@@ -37,6 +43,10 @@ float linear_value(float value) {
   return value;
 }
 
+tl::unexpected<Error> unreadable(std::string_view why) {
+  return fail(ErrorCode::kInvalidArgument, fmt::format("not a readable picture: {}", why));
+}
+
 tl::unexpected<Error> out_of_bounds(int width, int height) {
   return fail(ErrorCode::kInvalidArgument,
               fmt::format("its size of {}x{} pixels is out of bounds", width, height));
@@ -49,10 +59,7 @@ Result<Image> decode_with_stb(std::string_view bytes,
   int width = 0, height = 0, channels = 0;
   const StbTexels<T> texels(load(reinterpret_cast<const stbi_uc*>(bytes.data()),
                                  static_cast<int>(bytes.size()), &width, &height, &channels, 3));
-  if (!texels) {
-    return fail(ErrorCode::kInvalidArgument,
-                fmt::format("not a readable picture: {}", stbi_failure_reason()));
-  }
+  if (!texels) return unreadable(stbi_failure_reason());
   Image image(width, height);
   const T* next = texels.get();
   for (Rgb& pixel : image.pixels) {
@@ -62,15 +69,19 @@ Result<Image> decode_with_stb(std::string_view bytes,
   return image;
 }
 
-Result<Image> decode_with_stb(std::string_view bytes) {
+Result<Image> decode_png_or_hdr(std::string_view bytes) {
+  if (bytes.size() > INT32_MAX)
+    return fail(ErrorCode::kInvalidArgument, "the file is too large for a picture");
   const auto* data = reinterpret_cast<const stbi_uc*>(bytes.data());
   const auto size = static_cast<int>(bytes.size());
   int width = 0, height = 0, channels = 0;
-  if (stbi_info_from_memory(data, size, &width, &height, &channels) &&
-      !is_plausible_size(width, height, bytes.size())) {
-    return out_of_bounds(width, height);
+  if (!stbi_info_from_memory(data, size, &width, &height, &channels))
+    return unreadable(stbi_failure_reason());
+  if (!is_plausible_size(width, height, bytes.size())) return out_of_bounds(width, height);
+  if (!bytes.starts_with(kPngMagic)) {
+    if (!is_complete_hdr(bytes, width, height)) return unreadable("the file ends too early");
+    return decode_with_stb<float>(bytes, stbi_loadf_from_memory);
   }
-  if (stbi_is_hdr_from_memory(data, size)) return decode_with_stb<float>(bytes, stbi_loadf_from_memory);
   if (stbi_is_16_bit_from_memory(data, size))
     return decode_with_stb<stbi_us>(bytes, stbi_load_16_from_memory);
   return decode_with_stb<stbi_uc>(bytes, stbi_load_from_memory);

@@ -10,8 +10,8 @@
 
 namespace tessera::core {
 
-// PNG or JPEG (taken for sRGB; alpha is ignored), Radiance HDR, PFM (colour or gray, either byte order; the
-// scale's size is ignored) or OpenEXR (see exr.hpp), told apart by how the bytes begin.
+// PNG (8 or 16 bits, taken for sRGB), Radiance HDR, PFM (colour or gray, either byte order; the size of its
+// scale is ignored) or OpenEXR (see exr.hpp), told apart by how the bytes begin. Alpha is ignored.
 Result<Image> decode_image(std::string_view bytes);
 
 // The same from a file on this machine. Errors name the file.

@@ -8,8 +8,8 @@
 #include <memory>
 #include <new>
 
+#include "core/image/hdr_check.hpp"
 #include "core/image/srgb.hpp"
-#include "core/textures/hdr_check.hpp"
 
 namespace tessera::core {
 namespace {

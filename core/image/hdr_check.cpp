@@ -1,4 +1,4 @@
-#include "core/textures/hdr_check.hpp"
+#include "core/image/hdr_check.hpp"
 
 #include <cstddef>
 
