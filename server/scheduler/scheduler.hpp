@@ -18,21 +18,18 @@
 #pragma once
 
 #include <map>
-#include <memory>
 #include <optional>
 #include <set>
 #include <string>
 #include <vector>
 
 #include "server/scheduler/events.hpp"
+#include "server/scheduler/job.hpp"
 #include "server/scheduler/policy.hpp"
+#include "server/scheduler/roster.hpp"
 #include "server/scheduler/types.hpp"
 
 namespace tessera::scheduler {
-
-class Job;
-struct Worker;
-struct Lease;
 
 struct Options {
   // Distinguishes this run of the coordinator from all earlier ones; must be higher than theirs. 24 bits.
@@ -81,10 +78,7 @@ enum class CheckDepth {
 
 class Scheduler {
  public:
-  explicit Scheduler(Options options);
-  ~Scheduler();
-  Scheduler(Scheduler&&) noexcept;
-  Scheduler& operator=(Scheduler&&) noexcept;
+  explicit Scheduler(const Options& options);
 
   // Lets time advance to `now`, which takes leases from workers that have fallen silent, then takes the
   // event. A time before that of an earlier call is taken for that one.
@@ -108,7 +102,72 @@ class Scheduler {
   std::optional<std::string> check_invariants(CheckDepth depth) const;
 
  private:
-  friend class InvariantCheck;
+  // Jobs in the order of submission.
+  using JobNumber = std::uint64_t;
+
+  // Each takes one event. Those of a worker that awaits a reply return it.
+  Worker* on(const Synchronize& event, Actions& actions);
+  Worker* on(const TopUp& event, Actions& actions);
+  Worker* on(const SubmitResult& event, Actions& actions);
+  Worker* on(const SubmitJob& event, Actions& actions);
+  Worker* on(const RestoreJob& event, Actions& actions);
+  Worker* on(const PauseJob& event, Actions& actions);
+  Worker* on(const ResumeJob& event, Actions& actions);
+  Worker* on(const CancelJob& event, Actions& actions);
+  Worker* on(const DeleteJob& event, Actions& actions);
+  Worker* on(const ExtendJob& event, Actions& actions);
+  Worker* on(const FailJob& event, Actions& actions);
+  Worker* on(const Tick& event, Actions& actions);
+
+  // ---- Time and answers (scheduler.cpp) ----
+  void take_leases_of_silent_workers();
+  void wake_waiting(Actions& actions);
+  Reply reply_to(Worker& worker);
+
+  // ---- Leases (leasing.cpp) ----
+  void settle_reported(Worker& worker, const Synchronize& event);
+  void adopt(Worker& worker, const LeaseDescription& reported);
+  void top_up(Worker& worker);
+  bool grant_free(Worker& worker);
+  bool grant_copy(Worker& worker);
+  void grant(Worker& worker, Job& job, std::vector<WorkItem> items);
+  std::vector<JobSnapshot> snapshots(const std::vector<Job*>& jobs) const;
+  void end_lease(Job& job, LeaseId id);
+  // Strikes an ended lease from its holder's entry.
+  void forget_lease(const Lease& lease);
+
+  // ---- Jobs (jobs.cpp) ----
+  Job* find(const JobId& id);
+  const Job* find(const JobId& id) const;
+  Job* find_or_refuse(const JobId& id, Actions& actions);
+  core::Status may_add(const JobId& id, const JobShape& shape) const;
+  Job& add(const JobId& id, const JobShape& shape, int priority, std::vector<IntervalSet> done);
+  // The one way in which a job's state changes, with everything that follows from it. Refuses what is not
+  // legal.
+  void become(Job& job, JobState to, Actions& actions);
+  void end_all_leases(Job& job);
+
+  // ---- Results (results.cpp) ----
+  core::Status validate(const Job& job, const std::vector<WorkItem>& items) const;
+  void measure(Job& job, const SubmitResult& event);
+
+  std::optional<std::string> check_workers() const;
+
+  const Options options_;
+  Time now_{};
+  LeaseId last_lease_id_;
+  std::uint64_t servings_ = 0;
+
+  std::map<JobNumber, Job> jobs_;
+  std::map<JobId, JobNumber> job_numbers_;
+  JobNumber last_job_number_ = 0;
+  std::set<JobNumber> running_;
+  Roster roster_;
+
+  // Of the event at hand: whether there may be something to lease that was not there before, and whose leases
+  // have ended.
+  bool work_appeared_ = false;
+  std::set<WorkerId> lost_leases_;
 };
 
 }  // namespace tessera::scheduler

@@ -1,0 +1,180 @@
+#include "server/scheduler/job.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <utility>
+
+namespace tessera::scheduler {
+namespace {
+
+std::uint64_t total_samples(const JobShape& shape) {
+  return static_cast<std::uint64_t>(shape.width_px) * static_cast<std::uint64_t>(shape.height_px) * shape.spp;
+}
+
+}  // namespace
+
+Job::Job(JobId id, JobShape shape, int priority, std::vector<IntervalSet> done)
+    : id_(std::move(id)),
+      shape_(shape),
+      grid_(shape.grid()),
+      priority_(priority),
+      done_(std::move(done)),
+      work_(grid_.tile_count(), shape.spp),
+      total_(total_samples(shape)) {
+  done_.resize(static_cast<std::size_t>(grid_.tile_count()));
+  for (int tile = 0; tile < grid_.tile_count(); ++tile) {
+    done_count_ += this->done(tile).count() * grid_.rect(tile).pixel_count();
+  }
+}
+
+void Job::become(JobState to) {
+  assert(may_become(state_, to));
+  state_ = to;
+}
+
+std::uint64_t Job::pixel_samples(const WorkItem& item) const {
+  return grid_.rect(item.tile).pixel_count() * item.samples.count();
+}
+
+bool Job::has(const WorkItem& item) const {
+  return item.tile >= 0 && item.tile < grid_.tile_count() && !item.samples.empty() &&
+         item.samples.end <= shape_.spp;
+}
+
+IntervalSet Job::free_of(const WorkItem& item) const {
+  IntervalSet samples{item.samples};
+  samples.remove(done(item.tile));
+  samples.remove(leases_.leased(item.tile));
+  return samples;
+}
+
+// How many samples of a tile fit into a budget of pixel samples: at least one.
+std::uint32_t Job::samples_for(int tile, std::uint64_t budget) const {
+  const std::uint64_t fitting = budget / grid_.rect(tile).pixel_count();
+  return static_cast<std::uint32_t>(std::clamp<std::uint64_t>(fitting, 1, shape_.spp));
+}
+
+std::vector<WorkItem> Job::take_free(std::uint64_t samples) {
+  std::vector<WorkItem> items;
+  const auto wanted = [this](const WorkItem& candidate) { return free_of(candidate); };
+  while (samples > 0 && items.size() < kMaxItemsPerLease) {
+    const std::optional<WorkItem> piece = work_.next(wanted);
+    if (!piece) break;
+    const std::uint32_t count = std::min(samples_for(piece->tile, samples), piece->samples.count());
+    work_.take(*piece, count);
+    items.push_back({piece->tile, {piece->samples.begin, piece->samples.begin + count}});
+    samples -= std::min(samples, pixel_samples(items.back()));
+  }
+  return items;
+}
+
+std::vector<WorkItem> Job::take_copies(std::uint64_t samples) {
+  std::vector<WorkItem> items;
+  for (auto id = copyable_.begin();
+       id != copyable_.end() && samples > 0 && items.size() < kMaxItemsPerLease;) {
+    const std::vector<WorkItem> pieces = held_once(*leases_.find(*id));
+    append_copies(pieces, samples, items);
+    // Looked through in vain: skipped from now on, until one of the other holders lets go.
+    id = pieces.empty() ? copyable_.erase(id) : std::next(id);
+  }
+  return items;
+}
+
+std::vector<WorkItem> Job::held_once(const Lease& lease) const {
+  std::vector<WorkItem> pieces;
+  for (const WorkItem& item : lease.items) {
+    IntervalSet samples{item.samples};
+    samples.remove(leases_.leased_by_others(item.tile, lease.id));
+    for (const core::SampleRange& range : samples.ranges()) pieces.push_back({item.tile, range});
+  }
+  return pieces;
+}
+
+void Job::append_copies(const std::vector<WorkItem>& pieces, std::uint64_t& budget,
+                        std::vector<WorkItem>& items) const {
+  for (const WorkItem& piece : pieces) {
+    if (budget == 0 || items.size() == kMaxItemsPerLease) return;
+    const std::uint32_t count = std::min(samples_for(piece.tile, budget), piece.samples.count());
+    items.push_back({piece.tile, {piece.samples.begin, piece.samples.begin + count}});
+    budget -= std::min(budget, pixel_samples(items.back()));
+  }
+}
+
+std::vector<WorkItem> Job::free_parts(const std::vector<WorkItem>& items) const {
+  std::vector<WorkItem> parts;
+  for (const WorkItem& item : items) {
+    if (!has(item)) continue;
+    IntervalSet samples = free_of(item);
+    for (const WorkItem& part : parts) {
+      if (part.tile == item.tile) samples.remove(part.samples);
+    }
+    for (const core::SampleRange& range : samples.ranges()) {
+      if (parts.size() == kMaxItemsPerLease) return parts;
+      parts.push_back({item.tile, range});
+    }
+  }
+  return parts;
+}
+
+void Job::lease(Lease lease) {
+  for (const WorkItem& item : lease.items) {
+    IntervalSet newly{item.samples};
+    newly.remove(leases_.leased(item.tile));
+    leased_count_ += newly.count() * grid_.rect(item.tile).pixel_count();
+  }
+  copyable_.insert(lease.id);
+  leases_.insert(std::move(lease));
+}
+
+Lease Job::end_lease(LeaseId id) {
+  Lease lease = leases_.remove(id);
+  copyable_.erase(id);
+  for (const WorkItem& item : lease.items) {
+    IntervalSet freed{item.samples};
+    freed.remove(leases_.leased(item.tile));
+    for (const core::SampleRange& range : freed.ranges()) {
+      work_.put_back({item.tile, range});
+      leased_count_ -= pixel_samples({item.tile, range});
+    }
+    for (const LeaseId other : leases_.of_tile(item.tile)) copyable_.insert(other);
+  }
+  return lease;
+}
+
+std::vector<Lease> Job::end_all_leases() {
+  std::vector<Lease> ended;
+  while (!leases_.all().empty()) ended.push_back(end_lease(leases_.all().begin()->first));
+  return ended;
+}
+
+bool Job::accept(const WorkItem& item, std::vector<Lease>& ended) {
+  IntervalSet& done = done_[static_cast<std::size_t>(item.tile)];
+  if (done.intersects(item.samples)) return false;
+  const IntervalSet was_leased = leases_.leased(item.tile).intersection(item.samples);
+  leased_count_ -= was_leased.count() * grid_.rect(item.tile).pixel_count();
+  done_count_ += pixel_samples(item);
+  done.add(item.samples);
+  for (Lease& lease : leases_.trim(item)) {
+    copyable_.erase(lease.id);
+    ended.push_back(std::move(lease));
+  }
+  return true;
+}
+
+void Job::extend(std::uint32_t spp) {
+  shape_.spp = spp;
+  total_ = total_samples(shape_);
+  work_.extend(spp);
+}
+
+void Job::measure_cost(double thread_seconds, std::uint64_t samples) {
+  constexpr double kNewWeight = 0.1;
+  const double cost = thread_seconds / static_cast<double>(samples);
+  cost_ = cost_ ? *cost_ + kNewWeight * (cost - *cost_) : cost;
+}
+
+double Job::thread_seconds_per_sample(const SizingOptions& options) const {
+  return cost_.value_or(1.0 / options.assumed_samples_per_second_and_thread);
+}
+
+}  // namespace tessera::scheduler

@@ -1,0 +1,114 @@
+// One job's samples: which are done, which are leased to whom, which are free; and how it is doing. Knows
+// nothing of other jobs, of workers beyond their ids, or of time running out. Not thread-safe.
+//
+// A sample is done, or missing. A missing one is leased (to one worker, or to two near the end) or free.
+#pragma once
+
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "server/scheduler/interval_set.hpp"
+#include "server/scheduler/job_state.hpp"
+#include "server/scheduler/lease_table.hpp"
+#include "server/scheduler/policy.hpp"
+#include "server/scheduler/rate_meter.hpp"
+#include "server/scheduler/types.hpp"
+#include "server/scheduler/work_list.hpp"
+
+namespace tessera::scheduler {
+
+class Job {
+ public:
+  // `done`: for each tile, the samples that are done. Empty: none.
+  Job(JobId id, JobShape shape, int priority, std::vector<IntervalSet> done);
+
+  const JobId& id() const { return id_; }
+  const JobShape& shape() const { return shape_; }
+  int priority() const { return priority_; }
+  JobState state() const { return state_; }
+  // The arrow must be legal (job_state.hpp).
+  void become(JobState to);
+  // A state from storage.
+  void restore_state(JobState state) { state_ = state; }
+
+  // Why it failed; empty unless it has.
+  std::string failure;
+
+  // ---- Counts of pixel samples ----
+  std::uint64_t total() const { return total_; }
+  std::uint64_t done() const { return done_count_; }
+  std::uint64_t leased() const { return leased_count_; }
+  std::uint64_t free() const { return total_ - done_count_ - leased_count_; }
+  bool complete() const { return done_count_ == total_; }
+  std::uint64_t pixel_samples(const WorkItem& item) const;
+
+  const IntervalSet& done(int tile) const { return done_[static_cast<std::size_t>(tile)]; }
+  const LeaseTable& leases() const { return leases_; }
+
+  // ---- Choosing what to lease. Each result is to be handed to lease(); at most kMaxItemsPerLease items.
+  // ----
+
+  // The next free items, of `samples` pixel samples or a little more. Empty only if nothing is free.
+  std::vector<WorkItem> take_free(std::uint64_t samples);
+  // Items that exactly one worker holds, of the oldest leases first.
+  std::vector<WorkItem> take_copies(std::uint64_t samples);
+  // What is free of these items. Overlooks what is no part of the job.
+  std::vector<WorkItem> free_parts(const std::vector<WorkItem>& items) const;
+
+  void lease(Lease lease);
+
+  // Ends a lease, which must exist. What nobody else holds of it is free.
+  Lease end_lease(LeaseId id);
+  std::vector<Lease> end_all_leases();
+
+  // ---- Results ----
+
+  // Whether these are samples of the job at all.
+  bool has(const WorkItem& item) const;
+  // Counts the item as done if all of it is missing. Returns whether it was. Leases that have nothing left to
+  // do are ended and appended to `ended`.
+  bool accept(const WorkItem& item, std::vector<Lease>& ended);
+
+  void extend(std::uint32_t spp);
+
+  // ---- How it is doing ----
+  void measure_cost(double thread_seconds, std::uint64_t samples);
+  double thread_seconds_per_sample(const SizingOptions& options) const;
+  RateMeter rate;
+  // Of JobSnapshot.
+  std::uint64_t last_served = 0;
+
+  // See CheckDepth.
+  std::optional<std::string> check(bool every_sample) const;
+
+ private:
+  IntervalSet free_of(const WorkItem& item) const;
+  std::vector<WorkItem> held_once(const Lease& lease) const;
+  void append_copies(const std::vector<WorkItem>& pieces, std::uint64_t& budget,
+                     std::vector<WorkItem>& items) const;
+  std::uint32_t samples_for(int tile, std::uint64_t budget) const;
+  std::optional<std::string> check_tile(int tile) const;
+  std::optional<std::string> check_counts() const;
+
+  JobId id_;
+  JobShape shape_;
+  core::TileGrid grid_;
+  int priority_;
+  JobState state_ = JobState::kRunning;
+
+  std::vector<IntervalSet> done_;
+  WorkList work_;
+  LeaseTable leases_;
+  // Every lease with samples that nobody else holds; may also have others.
+  std::set<LeaseId> copyable_;
+
+  std::uint64_t total_ = 0;
+  std::uint64_t done_count_ = 0;
+  // Samples with two holders count once.
+  std::uint64_t leased_count_ = 0;
+  std::optional<double> cost_;
+};
+
+}  // namespace tessera::scheduler

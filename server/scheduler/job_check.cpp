@@ -1,0 +1,66 @@
+// What must be true of a job at any moment.
+#include <fmt/format.h>
+
+#include "server/scheduler/job.hpp"
+
+namespace tessera::scheduler {
+
+std::optional<std::string> Job::check(bool every_sample) const {
+  if (done_count_ > total_) return fmt::format("{} samples done of {}", done_count_, total_);
+  if (done_count_ + leased_count_ > total_) {
+    return fmt::format("{} samples done and {} leased of {}", done_count_, leased_count_, total_);
+  }
+  if (state_ == JobState::kDone && !complete())
+    return fmt::format("done, but lacks {} samples", total_ - done_count_);
+  if (state_ == JobState::kRunning && complete()) return "lacks nothing, but is not done";
+  if (state_ != JobState::kRunning && state_ != JobState::kPaused && !leases_.all().empty()) {
+    return fmt::format("{}, but has {} leases", job_state_name(state_), leases_.all().size());
+  }
+  for (const auto& [id, lease] : leases_.all()) {
+    if (lease.items.empty()) return fmt::format("lease {} holds nothing", id.value);
+    for (const WorkItem& item : lease.items) {
+      if (!has(item)) return fmt::format("lease {} holds samples that are not of the job", id.value);
+      if (done(item.tile).intersects(item.samples))
+        return fmt::format("lease {} holds done samples", id.value);
+    }
+  }
+  return every_sample ? check_counts() : std::nullopt;
+}
+
+std::optional<std::string> Job::check_counts() const {
+  std::uint64_t done_count = 0, leased_count = 0;
+  for (int tile = 0; tile < grid_.tile_count(); ++tile) {
+    if (const auto wrong = check_tile(tile)) return fmt::format("tile {}: {}", tile, *wrong);
+    const std::uint64_t pixels = grid_.rect(tile).pixel_count();
+    done_count += done(tile).count() * pixels;
+    leased_count += leases_.leased(tile).count() * pixels;
+  }
+  if (done_count != done_count_) return fmt::format("{} samples done, counted {}", done_count, done_count_);
+  if (leased_count != leased_count_)
+    return fmt::format("{} samples leased, counted {}", leased_count, leased_count_);
+  return std::nullopt;
+}
+
+// Every missing sample is leased to at most two, or can be found by who looks for work.
+std::optional<std::string> Job::check_tile(int tile) const {
+  IntervalSet lost{{0, shape_.spp}};
+  lost.remove(done(tile));
+  lost.remove(leases_.leased(tile));
+  lost.remove(work_.candidates(tile));
+  const bool matters = state_ == JobState::kRunning || state_ == JobState::kPaused;
+  if (matters && !lost.empty()) {
+    return fmt::format("samples from {} on are neither done, nor leased, nor free", lost.ranges()[0].begin);
+  }
+  IntervalSet once, twice;
+  for (const LeaseId id : leases_.of_tile(tile)) {
+    for (const WorkItem& item : leases_.find(id)->items) {
+      if (item.tile != tile) continue;
+      if (twice.intersects(item.samples)) return "leased three times";
+      twice.add(once.intersection(item.samples));
+      once.add(item.samples);
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace tessera::scheduler

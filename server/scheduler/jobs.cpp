@@ -1,0 +1,177 @@
+// The life of jobs, as their users direct it.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "server/scheduler/scheduler.hpp"
+
+namespace tessera::scheduler {
+namespace {
+
+bool fits(const std::vector<IntervalSet>& done, const JobShape& shape) {
+  return done.size() == static_cast<std::size_t>(shape.grid().tile_count()) &&
+         std::all_of(done.begin(), done.end(), [&](const IntervalSet& samples) {
+           return samples.empty() || samples.ranges().back().end <= shape.spp;
+         });
+}
+
+}  // namespace
+
+core::Status Scheduler::may_add(const JobId& id, const JobShape& shape) const {
+  if (shape.width_px <= 0 || shape.height_px <= 0 || shape.spp == 0) {
+    return core::fail(core::ErrorCode::kInvalidArgument,
+                      fmt::format("a job of {}x{} pixels and {} samples per pixel has nothing to render",
+                                  shape.width_px, shape.height_px, shape.spp));
+  }
+  if (find(id) != nullptr) {
+    return core::fail(core::ErrorCode::kAlreadyExists, fmt::format("there is a job {} already", id.value));
+  }
+  return {};
+}
+
+Worker* Scheduler::on(const SubmitJob& event, Actions& actions) {
+  actions.status = may_add(event.id, event.shape);
+  if (actions.status) add(event.id, event.shape, event.priority, {});
+  return nullptr;
+}
+
+Worker* Scheduler::on(const RestoreJob& event, Actions& actions) {
+  actions.status = may_add(event.id, event.shape);
+  if (actions.status && !fits(event.done, event.shape)) {
+    actions.status =
+        core::fail(core::ErrorCode::kInvalidArgument,
+                   fmt::format("the stored samples of job {} are not of its shape", event.id.value));
+  }
+  if (!actions.status) return nullptr;
+
+  Job& job = add(event.id, event.shape, event.priority, event.done);
+  job.failure = event.failure;
+  job.restore_state(event.state);
+  if (event.state != JobState::kRunning) running_.erase(job_numbers_.at(event.id));
+  if (event.state == JobState::kRunning && job.complete()) become(job, JobState::kDone, actions);
+  if (event.state == JobState::kDone && !job.complete()) become(job, JobState::kRunning, actions);
+  return nullptr;
+}
+
+Worker* Scheduler::on(const PauseJob& event, Actions& actions) {
+  if (Job* const job = find_or_refuse(event.id, actions)) become(*job, JobState::kPaused, actions);
+  return nullptr;
+}
+
+Worker* Scheduler::on(const ResumeJob& event, Actions& actions) {
+  Job* const job = find_or_refuse(event.id, actions);
+  if (job == nullptr) return nullptr;
+  // A done job lacks nothing to resume; only extend makes it run again.
+  if (job->state() == JobState::kDone) {
+    actions.status =
+        core::fail(core::ErrorCode::kFailedPrecondition,
+                   fmt::format("job {} is done: extend it to render more samples", event.id.value));
+    return nullptr;
+  }
+  become(*job, JobState::kRunning, actions);
+  return nullptr;
+}
+
+Worker* Scheduler::on(const CancelJob& event, Actions& actions) {
+  if (Job* const job = find_or_refuse(event.id, actions)) become(*job, JobState::kCancelled, actions);
+  return nullptr;
+}
+
+Worker* Scheduler::on(const FailJob& event, Actions& actions) {
+  Job* const job = find_or_refuse(event.id, actions);
+  if (job == nullptr) return nullptr;
+  const bool already = job->state() == JobState::kFailed;
+  become(*job, JobState::kFailed, actions);
+  if (actions.status && !already) job->failure = event.failure;
+  return nullptr;
+}
+
+Worker* Scheduler::on(const DeleteJob& event, Actions& actions) {
+  Job* const job = find_or_refuse(event.id, actions);
+  if (job == nullptr) return nullptr;
+  end_all_leases(*job);
+  for (auto& [id, worker] : roster_.all()) worker.speed.erase(event.id);
+  const auto number = job_numbers_.find(event.id);
+  running_.erase(number->second);
+  jobs_.erase(number->second);
+  job_numbers_.erase(number);
+  return nullptr;
+}
+
+Worker* Scheduler::on(const ExtendJob& event, Actions& actions) {
+  Job* const job = find_or_refuse(event.id, actions);
+  if (job == nullptr) return nullptr;
+  if (!takes_results(job->state())) {
+    actions.status = core::fail(
+        core::ErrorCode::kFailedPrecondition,
+        fmt::format("job {} is {} and cannot be extended", event.id.value, job_state_name(job->state())));
+    return nullptr;
+  }
+  if (event.spp < job->shape().spp) {
+    actions.status = core::fail(core::ErrorCode::kInvalidArgument,
+                                fmt::format("job {} has {} samples per pixel already: ask for more, got {}",
+                                            event.id.value, job->shape().spp, event.spp));
+    return nullptr;
+  }
+  job->extend(event.spp);
+  work_appeared_ = true;
+  if (job->state() == JobState::kDone && !job->complete()) become(*job, JobState::kRunning, actions);
+  return nullptr;
+}
+
+Job* Scheduler::find(const JobId& id) {
+  const auto found = job_numbers_.find(id);
+  return found == job_numbers_.end() ? nullptr : &jobs_.at(found->second);
+}
+
+const Job* Scheduler::find(const JobId& id) const {
+  const auto found = job_numbers_.find(id);
+  return found == job_numbers_.end() ? nullptr : &jobs_.at(found->second);
+}
+
+Job* Scheduler::find_or_refuse(const JobId& id, Actions& actions) {
+  Job* const job = find(id);
+  if (job == nullptr) {
+    actions.status = core::fail(core::ErrorCode::kNotFound, fmt::format("there is no job {}", id.value));
+  }
+  return job;
+}
+
+Job& Scheduler::add(const JobId& id, const JobShape& shape, int priority, std::vector<IntervalSet> done) {
+  const JobNumber number = ++last_job_number_;
+  job_numbers_.emplace(id, number);
+  running_.insert(number);
+  work_appeared_ = true;
+  return jobs_.try_emplace(number, id, shape, priority, std::move(done)).first->second;
+}
+
+void Scheduler::become(Job& job, JobState to, Actions& actions) {
+  const JobState from = job.state();
+  if (from == to) return;
+  if (!may_become(from, to)) {
+    actions.status = core::fail(core::ErrorCode::kFailedPrecondition,
+                                fmt::format("job {} is {} and cannot become {}", job.id().value,
+                                            job_state_name(from), job_state_name(to)));
+    return;
+  }
+  job.become(to);
+  actions.job_changes.push_back({job.id(), from, to});
+  const JobNumber number = job_numbers_.at(job.id());
+  if (to == JobState::kRunning) {
+    running_.insert(number);
+    work_appeared_ = true;
+    if (job.complete()) become(job, JobState::kDone, actions);
+    return;
+  }
+  running_.erase(number);
+  if (to == JobState::kPaused) return;
+  end_all_leases(job);
+  for (auto& [id, worker] : roster_.all()) worker.speed.erase(job.id());
+}
+
+void Scheduler::end_all_leases(Job& job) {
+  for (const Lease& lease : job.end_all_leases()) forget_lease(lease);
+}
+
+}  // namespace tessera::scheduler

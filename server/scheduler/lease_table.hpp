@@ -1,0 +1,50 @@
+// The leases of one job: who has been asked to render what. Keeps only what is still missing of each lease,
+// and answers for each tile which of its samples are leased. Not thread-safe.
+#pragma once
+
+#include <map>
+#include <unordered_map>
+#include <vector>
+
+#include "server/scheduler/interval_set.hpp"
+#include "server/scheduler/types.hpp"
+
+namespace tessera::scheduler {
+
+struct Lease {
+  LeaseId id;
+  WorkerId holder;
+  // Not done yet, in the order in which they are to be rendered; disjoint.
+  std::vector<WorkItem> items;
+};
+
+class LeaseTable {
+ public:
+  // In the order of their ids: oldest first.
+  const std::map<LeaseId, Lease>& all() const { return leases_; }
+  const Lease* find(LeaseId id) const;
+
+  // The id must be new, the items not empty.
+  void insert(Lease lease);
+  // The lease must be there.
+  Lease remove(LeaseId id);
+
+  // Takes samples out of all leases. Returns the leases that are left without items; they are no longer
+  // there.
+  std::vector<Lease> trim(const WorkItem& done);
+
+  // The leased samples of a tile; those of all leases but one.
+  IntervalSet leased(int tile) const { return leased_by_others(tile, LeaseId{}); }
+  IntervalSet leased_by_others(int tile, LeaseId but) const;
+  // The leases with items of this tile, in no particular order.
+  const std::vector<LeaseId>& of_tile(int tile) const;
+
+ private:
+  void drop_from_tile(int tile, LeaseId id);
+
+  std::map<LeaseId, Lease> leases_;
+  // Each lease once for every tile of its items. Never iterated, so that its order cannot matter.
+  std::unordered_map<int, std::vector<LeaseId>> by_tile_;
+};
+
+}  // namespace tessera::scheduler

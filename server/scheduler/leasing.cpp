@@ -1,0 +1,122 @@
+// Who holds what: renewing, taking over, granting and ending leases.
+#include <algorithm>
+#include <utility>
+
+#include "server/scheduler/scheduler.hpp"
+
+namespace tessera::scheduler {
+
+Worker* Scheduler::on(const Synchronize& event, Actions&) {
+  Worker& worker = roster_.hear(event, now_);
+  settle_reported(worker, event);
+  return &worker;
+}
+
+Worker* Scheduler::on(const TopUp& event, Actions& actions) {
+  Worker* const worker = roster_.find(event.worker);
+  if (worker == nullptr || worker->silent) {
+    actions.status = core::fail(core::ErrorCode::kNotFound,
+                                "worker " + event.worker.value + " has not been heard of for too long");
+    return nullptr;
+  }
+  return worker;
+}
+
+void Scheduler::settle_reported(Worker& worker, const Synchronize& event) {
+  for (const HeldLease& held : std::vector<HeldLease>(worker.leases)) {
+    // What it reported once and reports no more it has dropped. What it never reported it may not have heard
+    // of yet.
+    const bool dropped = !worker.reported.contains(held.id) && (held.acknowledged || worker.draining);
+    if (dropped) end_lease(*find(held.job), held.id);
+  }
+  for (HeldLease& held : worker.leases) held.acknowledged = worker.reported.contains(held.id);
+  for (const LeaseDescription& reported : event.held) adopt(worker, reported);
+}
+
+// Takes over a lease that this scheduler does not know: given by an earlier run of it, or to a worker that
+// fell silent and has come back before its work went to others.
+void Scheduler::adopt(Worker& worker, const LeaseDescription& reported) {
+  Job* const job = find(reported.job);
+  if (job == nullptr || !(job->state() == JobState::kRunning || job->state() == JobState::kPaused)) return;
+  const bool never_given = reported.id == LeaseId{} || reported.id > last_lease_id_;
+  if (never_given || job->leases().find(reported.id) != nullptr) return;
+  if (static_cast<int>(worker.leases.size()) >= kMaxLeasesPerWorker) return;
+  std::vector<WorkItem> items = job->free_parts(reported.items);
+  if (items.empty()) return;
+  job->lease({reported.id, worker.info.id, std::move(items)});
+  worker.leases.push_back({reported.id, reported.job, true});
+  work_appeared_ = true;
+}
+
+void Scheduler::top_up(Worker& worker) {
+  while (worker.room() > 0 && grant_free(worker)) {
+  }
+  // Copies are for those who would have nothing to do, not to be kept in reserve.
+  if (worker.room() > 0 && worker.leases.empty()) grant_copy(worker);
+}
+
+bool Scheduler::grant_free(Worker& worker) {
+  std::vector<Job*> candidates;
+  for (const JobNumber number : running_) {
+    Job& job = jobs_.at(number);
+    if (job.free() > 0) candidates.push_back(&job);
+  }
+  if (candidates.empty()) return false;
+  Job& job = *candidates[choose_job(snapshots(candidates))];
+  const std::uint64_t samples =
+      next_lease_samples(options_.sizing, worker.snapshot(job.id()), job.free(), roster_.active_count());
+  grant(worker, job, job.take_free(samples));
+  return true;
+}
+
+// Near the end of a job: what others have been at for longest is given a second time, and the first answer
+// wins.
+bool Scheduler::grant_copy(Worker& worker) {
+  std::vector<Job*> candidates;
+  for (const JobNumber number : running_) {
+    Job& job = jobs_.at(number);
+    if (job.leased() > 0) candidates.push_back(&job);
+  }
+  while (!candidates.empty()) {
+    const std::size_t chosen = choose_job(snapshots(candidates));
+    Job& job = *candidates[chosen];
+    const std::uint64_t samples =
+        next_lease_samples(options_.sizing, worker.snapshot(job.id()), job.leased(), roster_.active_count());
+    std::vector<WorkItem> items = job.take_copies(samples);
+    if (!items.empty()) {
+      grant(worker, job, std::move(items));
+      return true;
+    }
+    candidates.erase(candidates.begin() + static_cast<std::ptrdiff_t>(chosen));
+  }
+  return false;
+}
+
+void Scheduler::grant(Worker& worker, Job& job, std::vector<WorkItem> items) {
+  ++last_lease_id_.value;
+  job.last_served = ++servings_;
+  job.lease({last_lease_id_, worker.info.id, std::move(items)});
+  worker.leases.push_back({last_lease_id_, job.id(), false});
+}
+
+std::vector<JobSnapshot> Scheduler::snapshots(const std::vector<Job*>& jobs) const {
+  std::vector<JobSnapshot> snapshots;
+  for (const Job* job : jobs) {
+    const double load = static_cast<double>(job->leased()) * job->thread_seconds_per_sample(options_.sizing);
+    snapshots.push_back({job->priority(), load, job->last_served});
+  }
+  return snapshots;
+}
+
+void Scheduler::end_lease(Job& job, LeaseId id) {
+  forget_lease(job.end_lease(id));
+  work_appeared_ = true;
+}
+
+void Scheduler::forget_lease(const Lease& lease) {
+  Worker* const holder = roster_.find(lease.holder);
+  std::erase_if(holder->leases, [&](const HeldLease& held) { return held.id == lease.id; });
+  lost_leases_.insert(lease.holder);
+}
+
+}  // namespace tessera::scheduler

@@ -1,0 +1,34 @@
+#include "server/scheduler/policy.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+namespace tessera::scheduler {
+
+std::uint64_t next_lease_samples(const SizingOptions& options, const WorkerSnapshot& worker,
+                                 std::uint64_t available, int active_workers) {
+  const double assumed_speed = options.assumed_samples_per_second_and_thread * std::max(worker.threads, 1);
+  const double speed = worker.samples_per_second.value_or(assumed_speed);
+  const double seconds = worker.samples_per_second ? options.lease_seconds : options.first_lease_seconds;
+  const double fair_part =
+      static_cast<double>(available) / (options.end_divisor * std::max(active_workers, 1));
+  const double samples =
+      std::max(std::min(speed * seconds, fair_part), speed * options.shortest_lease_seconds);
+  // Written so that a speed that is not a number ends at 1, and an absurd one at all there is.
+  if (!(samples > 1)) return 1;
+  return samples < static_cast<double>(available) ? static_cast<std::uint64_t>(samples)
+                                                  : std::max<std::uint64_t>(available, 1);
+}
+
+std::size_t choose_job(std::span<const JobSnapshot> jobs) {
+  const auto rank = [](const JobSnapshot& job) {
+    return std::make_tuple(-static_cast<std::int64_t>(job.priority), job.load_in_flight, job.last_served);
+  };
+  const auto best =
+      std::min_element(jobs.begin(), jobs.end(),
+                       [&](const JobSnapshot& a, const JobSnapshot& b) { return rank(a) < rank(b); });
+  return static_cast<std::size_t>(best - jobs.begin());
+}
+
+}  // namespace tessera::scheduler

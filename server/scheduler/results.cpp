@@ -1,0 +1,65 @@
+// What workers deliver.
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "server/scheduler/scheduler.hpp"
+
+namespace tessera::scheduler {
+
+Worker* Scheduler::on(const SubmitResult& event, Actions& actions) {
+  Job* const job = find(event.job);
+  if (job == nullptr || !takes_results(job->state())) {
+    actions.verdicts.assign(event.items.size(), Verdict::kDropped);
+    return nullptr;
+  }
+  actions.status = validate(*job, event.items);
+  if (!actions.status) return nullptr;
+
+  measure(*job, event);
+  std::vector<Lease> ended;
+  std::uint64_t accepted_samples = 0;
+  for (const WorkItem& item : event.items) {
+    const bool accepted = job->accept(item, ended);
+    actions.verdicts.push_back(accepted ? Verdict::kAccepted : Verdict::kDropped);
+    if (accepted) accepted_samples += job->pixel_samples(item);
+  }
+  for (const Lease& lease : ended) forget_lease(lease);
+
+  job->rate.add(static_cast<double>(accepted_samples), now_);
+  if (Worker* const worker = roster_.find(event.worker)) {
+    worker->samples_accepted += accepted_samples;
+    worker->rate.add(static_cast<double>(accepted_samples), now_);
+  }
+  const Lease* const lease = job->leases().find(event.lease);
+  if (event.lease_finished && lease != nullptr && lease->holder == event.worker) end_lease(*job, event.lease);
+  if (job->complete() && job->state() == JobState::kRunning) become(*job, JobState::kDone, actions);
+  return nullptr;
+}
+
+core::Status Scheduler::validate(const Job& job, const std::vector<WorkItem>& items) const {
+  for (const WorkItem& item : items) {
+    if (job.has(item)) continue;
+    return core::fail(
+        core::ErrorCode::kInvalidArgument,
+        fmt::format("samples [{}, {}) of tile {} are not part of job {}, which has {} tiles and "
+                    "samples [0, {}): deliver items as they were leased",
+                    item.samples.begin, item.samples.end, item.tile, job.id().value,
+                    job.shape().grid().tile_count(), job.shape().spp));
+  }
+  return {};
+}
+
+// Learns how fast the worker is and what the job costs, also from results that are dropped.
+void Scheduler::measure(Job& job, const SubmitResult& event) {
+  Worker* const worker = roster_.find(event.worker);
+  if (worker == nullptr) return;
+  worker->last_seen = now_;
+  std::uint64_t samples = 0;
+  for (const WorkItem& item : event.items) samples += job.pixel_samples(item);
+  if (samples == 0 || !(event.render_seconds > 0) || !std::isfinite(event.render_seconds)) return;
+  worker->measure(job.id(), samples, event.render_seconds);
+  job.measure_cost(event.render_seconds * worker->info.threads, samples);
+}
+
+}  // namespace tessera::scheduler

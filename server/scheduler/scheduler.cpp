@@ -1,0 +1,78 @@
+#include "server/scheduler/scheduler.hpp"
+
+#include <algorithm>
+#include <iterator>
+#include <utility>
+
+namespace tessera::scheduler {
+namespace {
+
+constexpr int kCounterBits = 40;
+
+}  // namespace
+
+Scheduler::Scheduler(const Options& options)
+    : options_(options),
+      last_lease_id_{static_cast<std::uint64_t>(options.epoch) << kCounterBits},
+      roster_(options.lease_duration, options.forget_after) {}
+
+Actions Scheduler::handle(const Event& event, Time now) {
+  now_ = std::max(now_, now);
+  work_appeared_ = false;
+  lost_leases_.clear();
+  take_leases_of_silent_workers();
+
+  Actions actions;
+  Worker* const asking = std::visit([&](const auto& e) { return on(e, actions); }, event);
+  if (asking != nullptr) {
+    top_up(*asking);
+    asking->waiting = false;
+  }
+  wake_waiting(actions);
+  if (asking != nullptr) actions.reply = reply_to(*asking);
+  return actions;
+}
+
+void Scheduler::take_leases_of_silent_workers() {
+  while (Worker* const worker = roster_.next_silent(now_)) {
+    for (const HeldLease& held : std::vector<HeldLease>(worker->leases)) end_lease(*find(held.job), held.id);
+  }
+}
+
+Worker* Scheduler::on(const Tick&, Actions&) {
+  return nullptr;
+}
+
+void Scheduler::wake_waiting(Actions& actions) {
+  const auto wake_if = [&](Worker& worker, bool wanted) {
+    if (!worker.waiting || !wanted) return;
+    worker.waiting = false;
+    actions.wake.push_back(worker.info.id);
+  };
+  if (work_appeared_) {
+    for (auto& [id, worker] : roster_.all()) wake_if(worker, worker.room() > 0 || lost_leases_.contains(id));
+    return;
+  }
+  for (const WorkerId& id : lost_leases_) {
+    if (Worker* const worker = roster_.find(id)) wake_if(*worker, true);
+  }
+}
+
+Reply Scheduler::reply_to(Worker& worker) {
+  Reply reply;
+  std::set<LeaseId> ids;
+  for (const HeldLease& held : worker.leases) {
+    reply.leases.push_back({held.id, held.job, find(held.job)->leases().find(held.id)->items});
+    ids.insert(held.id);
+  }
+  reply.changed = ids != worker.reported;
+  reply.heard_within = roster_.deadline(worker) - now_;
+  worker.waiting = !reply.changed;
+  return reply;
+}
+
+std::optional<Time> Scheduler::next_deadline() const {
+  return roster_.next_alarm();
+}
+
+}  // namespace tessera::scheduler

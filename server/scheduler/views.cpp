@@ -1,0 +1,103 @@
+// What the scheduler shows, and what must be true of it.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+
+#include "server/scheduler/scheduler.hpp"
+
+namespace tessera::scheduler {
+namespace {
+
+JobView view_of(const Job& job, Time now) {
+  std::set<WorkerId> holders;
+  for (const auto& [id, lease] : job.leases().all()) holders.insert(lease.holder);
+  return {.id = job.id(),
+          .shape = job.shape(),
+          .priority = job.priority(),
+          .state = job.state(),
+          .failure = job.failure,
+          .samples_done = job.done(),
+          .samples_total = job.total(),
+          .samples_per_second = job.rate.per_second(now),
+          .active_workers = static_cast<int>(holders.size())};
+}
+
+WorkerView view_of(const Worker& worker, Time now) {
+  return {.info = worker.info,
+          .held_leases = static_cast<int>(worker.leases.size()),
+          .samples_per_second = worker.rate.per_second(now),
+          .samples_accepted = worker.samples_accepted,
+          .last_seen = worker.last_seen,
+          .draining = worker.draining,
+          .silent = worker.silent};
+}
+
+}  // namespace
+
+std::optional<JobView> Scheduler::job(const JobId& id, Time now) const {
+  const Job* const job = find(id);
+  return job == nullptr ? std::nullopt : std::optional<JobView>(view_of(*job, now));
+}
+
+std::vector<JobView> Scheduler::jobs(Time now) const {
+  std::vector<JobView> views;
+  for (const auto& [number, job] : jobs_) views.push_back(view_of(job, now));
+  return views;
+}
+
+std::vector<WorkerView> Scheduler::workers(Time now) const {
+  std::vector<WorkerView> views;
+  for (const auto& [id, worker] : roster_.all()) views.push_back(view_of(worker, now));
+  return views;
+}
+
+const IntervalSet& Scheduler::done(const JobId& id, int tile) const {
+  return find(id)->done(tile);
+}
+
+std::optional<std::string> Scheduler::check_invariants(CheckDepth depth) const {
+  for (const auto& [number, job] : jobs_) {
+    if (running_.contains(number) != (job.state() == JobState::kRunning)) {
+      return fmt::format("job {} is {} and listed otherwise", job.id().value, job_state_name(job.state()));
+    }
+    if (const auto wrong = job.check(depth == CheckDepth::kEverySample)) {
+      return fmt::format("job {}: {}", job.id().value, *wrong);
+    }
+  }
+  return check_workers();
+}
+
+// Every lease of a job is in its holder's entry and the other way round, and no silent worker has any.
+std::optional<std::string> Scheduler::check_workers() const {
+  std::size_t held_by_workers = 0, held_of_jobs = 0;
+  int active = 0;
+  for (const auto& [number, job] : jobs_) held_of_jobs += job.leases().all().size();
+  for (const auto& [id, worker] : roster_.all()) {
+    active += worker.takes_leases();
+    held_by_workers += worker.leases.size();
+    if (worker.silent && !worker.leases.empty())
+      return fmt::format("worker {} is silent, but holds leases", id.value);
+    if (!worker.silent && roster_.deadline(worker) <= now_)
+      return fmt::format("worker {} is overdue", id.value);
+    if (worker.leases.size() > static_cast<std::size_t>(kMaxLeasesPerWorker)) {
+      return fmt::format("worker {} holds {} leases", id.value, worker.leases.size());
+    }
+    for (const HeldLease& held : worker.leases) {
+      const Job* const job = find(held.job);
+      const Lease* const lease = job == nullptr ? nullptr : job->leases().find(held.id);
+      if (lease == nullptr || lease->holder != id) {
+        return fmt::format("worker {} holds lease {}, which is not its own", id.value, held.id.value);
+      }
+    }
+  }
+  if (held_by_workers != held_of_jobs) {
+    return fmt::format("jobs have {} leases, workers {}", held_of_jobs, held_by_workers);
+  }
+  if (active != roster_.active_count()) {
+    return fmt::format("{} workers take leases, counted {}", active, roster_.active_count());
+  }
+  return std::nullopt;
+}
+
+}  // namespace tessera::scheduler
