@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/accel/bvh_layout.hpp"
 #include "core/geometry/primitives.hpp"
 #include "core/geometry/ray.hpp"
 
@@ -24,6 +25,14 @@ class Bvh {
 
   // Whether anything is hit with 0 < t < ray.t_max.
   bool any_hit(const Primitives& primitives, const Ray& ray) const;
+
+  bool operator==(const Bvh&) const = default;
+
+ private:
+  Bvh(std::vector<BvhNode> nodes, std::vector<BvhPacket> packets);
+
+  std::vector<BvhNode> nodes_;  // the root first
+  std::vector<BvhPacket> packets_;
 };
 
 }  // namespace tessera::core

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/geometry/rounding.hpp"
 
@@ -27,8 +28,15 @@ Vec3 rounding_error(Vec3 position, Vec3d terms) {
   return from_rounding + (gamma<double>(16) * terms).rounded();
 }
 
-bool improves(float t, std::uint32_t primitive, const Ray& ray, const Hit& hit) {
-  return t > 0 && t < ray.t_max && (t < hit.t || (t == hit.t && primitive < hit.primitive));
+// Rounded outwards, and finite however large the sphere.
+Aabb sphere_bounds(const Sphere& sphere) {
+  constexpr float kLargest = std::numeric_limits<float>::max();
+  Aabb box;
+  for (int axis = 0; axis < 3; ++axis) {
+    box.lower[axis] = std::max(next_float_down(sphere.center[axis] - sphere.radius), -kLargest);
+    box.upper[axis] = std::min(next_float_up(sphere.center[axis] + sphere.radius), kLargest);
+  }
+  return box;
 }
 
 }  // namespace
@@ -56,15 +64,8 @@ void Primitives::add_sphere(Vec3 center, float radius, std::uint32_t material) {
 }
 
 Aabb Primitives::bounds(std::uint32_t primitive) const {
+  if (is_sphere(primitive)) return can_be_hit(sphere(primitive)) ? sphere_bounds(sphere(primitive)) : Aabb{};
   Aabb box;
-  if (is_sphere(primitive)) {
-    const auto& [center, radius] = sphere(primitive);
-    if (!(radius > 0)) return box;
-    const Vec3 lower = center - Vec3{radius, radius, radius}, upper = center + Vec3{radius, radius, radius};
-    box.lower = {next_float_down(lower.x), next_float_down(lower.y), next_float_down(lower.z)};
-    box.upper = {next_float_up(upper.x), next_float_up(upper.y), next_float_up(upper.z)};
-    return box;
-  }
   const TriangleCorners corners = triangle_corners(primitive);
   if (!can_be_hit(corners)) return box;
   for (const Vec3& corner : corners) box.include(corner);
@@ -74,15 +75,11 @@ Aabb Primitives::bounds(std::uint32_t primitive) const {
 bool Primitives::intersect(std::uint32_t primitive, const Ray& ray, Hit& hit) const {
   if (is_sphere(primitive)) {
     const auto t = intersect_sphere(ray, sphere(primitive));
-    if (!t || !improves(static_cast<float>(*t), primitive, ray, hit)) return false;
-    hit = {static_cast<float>(*t), primitive, 0, 0};
-    return true;
+    return t && hit.improve(ray, {static_cast<float>(*t), primitive, 0, 0});
   }
   const TriangleCorners corners = triangle_corners(primitive);
   const auto found = intersect_triangle(ShearedRay(ray), corners);
-  if (!found || !improves(found->t, primitive, ray, hit) || !can_be_hit(corners)) return false;
-  hit = {found->t, primitive, found->b1, found->b2};
-  return true;
+  return found && can_be_hit(corners) && hit.improve(ray, {found->t, primitive, found->b1, found->b2});
 }
 
 SurfacePoint Primitives::surface(const Ray& ray, const Hit& hit) const {

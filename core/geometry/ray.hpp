@@ -23,6 +23,15 @@ struct Hit {
   float b1 = 0, b2 = 0;  // barycentric coordinates of a triangle's second and third corner; unused by spheres
 
   bool found() const { return primitive != kNoPrimitive; }
+
+  // Becomes `other` if that lies on the ray and is nearer, or as near with a lower id. Returns whether it
+  // did.
+  bool improve(const Ray& ray, const Hit& other) {
+    if (!(other.t > 0 && other.t < ray.t_max)) return false;
+    if (!(other.t < t || (other.t == t && other.primitive < primitive))) return false;
+    *this = other;
+    return true;
+  }
 };
 
 }  // namespace tessera::core

@@ -17,7 +17,7 @@ std::optional<double> intersect_sphere(const Ray& ray, const Sphere& sphere) {
   const double a = dot(d, d), b = -dot(f, d), ff = dot(f, f);
   const Vec3d closest = f + (b / a) * d;
   const double discriminant = r2 - dot(closest, closest);
-  if (!(discriminant >= 0) || !(sphere.radius > 0)) return std::nullopt;
+  if (!(discriminant >= 0) || !can_be_hit(sphere)) return std::nullopt;
 
   const double q = b + std::copysign(std::sqrt(a * discriminant), b);
   const double c = ff - r2, c_error = gamma<double>(8) * (ff + r2);

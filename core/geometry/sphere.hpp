@@ -1,6 +1,7 @@
 // Rays against one sphere, in double from float data.
 #pragma once
 
+#include <cmath>
 #include <optional>
 
 #include "core/geometry/ray.hpp"
@@ -12,6 +13,11 @@ struct Sphere {
   Vec3 center;
   float radius = 1;
 };
+
+// Whether it has a surface; spheres that have none are never hit.
+inline bool can_be_hit(const Sphere& sphere) {
+  return is_finite(sphere.center) && sphere.radius > 0 && std::isfinite(sphere.radius);
+}
 
 // The least provably positive t of the line's two intersections. An origin that cannot be told from a point
 // of the sphere counts as on it: from there only the far side can be hit.

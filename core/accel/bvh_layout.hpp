@@ -1,0 +1,52 @@
+// What a Bvh is made of in memory: nodes of eight boxes, and packets of four primitives, each ready to be
+// tested by one run of SIMD instructions.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+namespace tessera::core {
+
+// A node or a packet, by its index in the Bvh's arrays.
+class BvhChild {
+ public:
+  BvhChild() = default;
+  static BvhChild node(std::uint32_t index) { return BvhChild(index); }
+  static BvhChild packet(std::uint32_t index) { return BvhChild(index | kPacketBit); }
+
+  bool is_packet() const { return (bits_ & kPacketBit) != 0; }
+  std::uint32_t index() const { return bits_ & ~kPacketBit; }
+  bool operator==(const BvhChild&) const = default;
+
+ private:
+  static constexpr std::uint32_t kPacketBit = 0x80000000u;
+  explicit BvhChild(std::uint32_t bits) : bits_(bits) {}
+  std::uint32_t bits_;  // not initialised, so that a stack of these costs nothing to make
+};
+
+// An unused lane has an empty box, which no ray enters, and leads to packet 0, which is harmless if one did.
+struct alignas(32) BvhNode {
+  static constexpr int kWidth = 8;
+  enum Side { kLower, kUpper };
+
+  float bounds[2][3][kWidth];  // [side][axis][lane]
+  std::array<BvhChild, kWidth> children;
+
+  BvhNode();
+  bool operator==(const BvhNode&) const = default;
+};
+
+// The primitives of a leaf: a lane each, triangles with a copy of their corners. Unused lanes are in neither
+// mask.
+struct alignas(16) BvhPacket {
+  static constexpr int kWidth = 4;
+
+  float corners[3][3][kWidth] = {};  // [corner][axis][lane]
+  std::uint32_t primitives[kWidth] = {};
+  std::uint32_t triangle_lanes = 0;  // bit i for lane i
+  std::uint32_t sphere_lanes = 0;
+
+  bool operator==(const BvhPacket&) const = default;
+};
+
+}  // namespace tessera::core
