@@ -19,6 +19,9 @@ int print_error(const core::Error& error);
 // "tessera: warning: MESSAGE"
 void print_warning(std::string_view message);
 
+// "Try: COMMAND"
+void print_hint(std::string_view command);
+
 // Seconds on a clock that never runs backwards; its zero means nothing.
 double steady_seconds();
 

@@ -145,9 +145,8 @@ Result<Image> decode_image(std::string_view bytes) {
   try {
     if (bytes.starts_with(kExrMagic)) return decode_exr(bytes);
     if (bytes.starts_with("PF\n") || bytes.starts_with("Pf\n")) return decode_pfm(bytes);
-    if (bytes.size() > INT32_MAX)
-      return fail(ErrorCode::kInvalidArgument, "the file is too large for a picture");
-    return decode_with_stb(bytes);
+    if (bytes.starts_with(kPngMagic) || is_hdr(bytes)) return decode_png_or_hdr(bytes);
+    return fail(ErrorCode::kInvalidArgument, "not a PNG, EXR, HDR or PFM picture");
   } catch (const std::bad_alloc&) {
     return fail(ErrorCode::kResourceExhausted, "not enough memory for the picture");
   }

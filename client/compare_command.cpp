@@ -1,0 +1,86 @@
+#include <fmt/format.h>
+
+#include <cmath>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "client/commands.hpp"
+#include "client/console.hpp"
+#include "core/image/compare.hpp"
+#include "core/image/decode.hpp"
+
+namespace tessera::client {
+namespace {
+
+constexpr int kExitDifferent = 1;
+constexpr int kExitCannotCompare = 2;
+
+constexpr const char* kFooter = R"(Exit status: 0 if identical, 1 if different, 2 if they cannot be compared.
+
+Pictures are compared in linear light; PNG is decoded with the sRGB transfer
+function. B is the reference of the relative error: the mean over pixels and
+channels of (a-b)^2 / (b^2 + 0.01). PSNR takes 1 for the peak.
+
+Example:
+  tessera compare a.exr b.exr)";
+
+struct CompareOptions {
+  std::string path_a, path_b;
+  bool json = false;
+};
+
+std::string describe(const core::Comparison& c) {
+  std::string text = c.identical ? "identical\n" : "different\n";
+  text += fmt::format("largest difference  {:.9g}", c.largest_difference);
+  if (c.largest_difference > 0) text += fmt::format(" at pixel ({}, {})", c.largest_x, c.largest_y);
+  text += fmt::format("\nMSE                 {:.9g}\nrelative MSE        {:.9g}\n", c.mse, c.relative_mse);
+  return text + fmt::format("PSNR                {:.2f} dB\n", c.psnr_db);
+}
+
+// Infinite values become null: JSON has no word for them.
+std::string to_json(const core::Comparison& c) {
+  const nlohmann::ordered_json json = {
+      {"identical", c.identical},
+      {"largest_difference", c.largest_difference},
+      {"largest_difference_x", c.largest_x},
+      {"largest_difference_y", c.largest_y},
+      {"mse", c.mse},
+      {"relative_mse", c.relative_mse},
+      {"psnr_db", c.psnr_db},
+  };
+  return json.dump(2) + "\n";
+}
+
+int cannot_compare(const core::Error& error) {
+  print_error(error);
+  return kExitCannotCompare;
+}
+
+int run_compare(const CompareOptions& options) {
+  const core::Result<core::Image> a = core::read_image(options.path_a);
+  if (!a) return cannot_compare(a.error());
+  const core::Result<core::Image> b = core::read_image(options.path_b);
+  if (!b) return cannot_compare(b.error());
+  const core::Result<core::Comparison> result = core::compare(*a, *b);
+  if (!result) return cannot_compare(result.error());
+  fmt::print("{}", options.json ? to_json(*result) : describe(*result));
+  return result->identical ? kExitOk : kExitDifferent;
+}
+
+}  // namespace
+
+void add_compare_command(CLI::App& app, int& exit_code) {
+  CLI::App* command =
+      app.add_subcommand("compare", "Say whether two pictures are identical, and how much they differ");
+  const auto options = std::make_shared<CompareOptions>();
+  command->add_option("a", options->path_a, "A picture: .png, .exr, .hdr or .pfm")
+      ->required()
+      ->option_text("A");
+  command->add_option("b", options->path_b, "The reference")->required()->option_text("B");
+  command->add_flag("--json", options->json, "Print one JSON object instead of lines");
+  command->footer(kFooter);
+  command->callback([options, &exit_code] { exit_code = run_compare(*options); });
+}
+
+}  // namespace tessera::client

@@ -1,0 +1,31 @@
+#include "client/console.hpp"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cstdio>
+
+namespace tessera::client {
+
+int print_error(std::string_view message) {
+  fmt::print(stderr, "tessera: error: {}\n", message);
+  return kExitFailed;
+}
+
+int print_error(const core::Error& error) {
+  return print_error(error.message);
+}
+
+void print_warning(std::string_view message) {
+  fmt::print(stderr, "tessera: warning: {}\n", message);
+}
+
+void print_hint(std::string_view command) {
+  fmt::print(stderr, "Try: {}\n", command);
+}
+
+double steady_seconds() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+}  // namespace tessera::client

@@ -1,0 +1,26 @@
+// Renders a whole picture in this process, call by call, with progress and a way out.
+#pragma once
+
+#include <functional>
+
+#include "client/progress.hpp"
+#include "core/film/film.hpp"
+#include "core/scene/scene.hpp"
+#include "core/scene/settings.hpp"
+
+namespace tessera::client {
+
+struct LocalRender {
+  explicit LocalRender(core::TileGrid grid) : film(grid) {}
+
+  core::Film film;
+  core::RenderCounters counters;
+  double seconds = 0;
+  bool complete = false;  // or stopped before the end
+};
+
+// Blocks until every sample is taken or `should_stop` says so, which is asked a few times a second.
+LocalRender render_locally(const core::Scene& scene, const core::RenderSettings& settings, int threads,
+                           ProgressLine& progress, const std::function<bool()>& should_stop);
+
+}  // namespace tessera::client

@@ -1,0 +1,58 @@
+// tessera: the command line. Parses, hands over to the command that was called, and reports its exit status.
+#include <CLI/CLI.hpp>
+#include <exception>
+#include <string>
+
+#include "client/commands.hpp"
+#include "client/console.hpp"
+#ifdef TESSERA_FARM
+#include "client/farm/farm_commands.hpp"
+#endif
+
+namespace tessera::client {
+namespace {
+
+constexpr const char* kFooter = R"(Each command explains itself: tessera render --help
+Exit status: 0 done, 1 failed, 2 wrong command line, 130 interrupted.)";
+
+// What CLI11 throws for --help and --version counts as success and prints itself.
+int end_parsing(const CLI::App& app, const CLI::ParseError& end) {
+  if (end.get_exit_code() == 0) return app.exit(end);
+  print_error(end.what());
+  const auto called = app.get_subcommands();
+  const std::string command = called.empty() ? "" : called.front()->get_name() + " ";
+  print_hint("tessera " + command + "--help");
+  return kExitUsage;
+}
+
+int run(int argc, char** argv) {
+  CLI::App app{"Tessera renders pictures by path tracing, on one machine or on many.", "tessera"};
+  app.set_version_flag("--version", "tessera " TESSERA_VERSION);
+  app.footer(kFooter);
+  app.require_subcommand(1);
+  int exit_code = kExitOk;
+  add_render_command(app, exit_code);
+  add_compare_command(app, exit_code);
+#ifdef TESSERA_FARM
+  add_farm_commands(app, exit_code);
+#endif
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& end) {
+    return end_parsing(app, end);
+  }
+  return exit_code;
+}
+
+}  // namespace
+}  // namespace tessera::client
+
+int main(int argc, char** argv) {
+  try {
+    return tessera::client::run(argc, argv);
+  } catch (const std::bad_alloc&) {
+    return tessera::client::print_error("not enough memory");
+  } catch (const std::exception& e) {
+    return tessera::client::print_error(e.what());
+  }
+}

@@ -1,0 +1,47 @@
+#include "client/picture_files.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "core/image/encode.hpp"
+#include "core/image/file_io.hpp"
+
+namespace tessera::client {
+
+using core::Status;
+
+Status check_picture_paths(const std::vector<std::string>& paths) {
+  for (auto path = paths.begin(); path != paths.end(); ++path) {
+    const core::Result<core::ImageFormat> format = core::image_format_from_path(*path);
+    if (!format) return core::fail(format.error());
+    if (std::find(paths.begin(), path, *path) != path) {
+      return core::fail(core::ErrorCode::kInvalidArgument, fmt::format("'{}' is given twice", *path));
+    }
+    if (Status status = core::check_can_write(*path); !status) return status;
+  }
+  return {};
+}
+
+Status check_picture_size(const std::vector<std::string>& paths, int width_px, int height_px) {
+  for (const std::string& path : paths) {
+    const core::Result<core::ImageFormat> format = core::image_format_from_path(path);
+    if (!format) return core::fail(format.error());
+    const Status status = core::check_encodable(*format, width_px, height_px);
+    if (!status) return core::fail(status.error().within(path));
+  }
+  return {};
+}
+
+Status write_pictures(const std::vector<std::string>& paths, const core::Image& image) {
+  for (const std::string& path : paths) {
+    const core::Result<core::ImageFormat> format = core::image_format_from_path(path);
+    if (!format) return core::fail(format.error());
+    const core::Result<std::string> bytes = core::encode_image(image, *format);
+    if (!bytes) return core::fail(bytes.error().within(path));
+    if (Status status = core::write_file_atomically(path, *bytes); !status) return status;
+  }
+  return {};
+}
+
+}  // namespace tessera::client

@@ -1,0 +1,228 @@
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <thread>
+#include <utility>
+
+#include "client/commands.hpp"
+#include "client/console.hpp"
+#include "client/interrupt.hpp"
+#include "client/local_render.hpp"
+#include "client/picture_files.hpp"
+#include "client/render_stats.hpp"
+#include "client/scene_flags.hpp"
+#include "core/image/file_io.hpp"
+#include "core/integrators/render.hpp"
+#include "core/scene/loader/loader.hpp"
+
+namespace tessera::client {
+namespace {
+
+using core::Result;
+using core::Status;
+
+constexpr const char* kFooter =
+    R"(Values given here replace those of the scene file. The picture is the same, byte
+for byte, for any number of threads, and on a farm (tessera submit).
+
+Exit status: 0 done, 1 failed, 2 wrong command line, 130 interrupted. Ctrl-C
+leaves no file.
+
+Examples:
+  tessera render scenes/cornell/scene.json -o cornell.png
+  tessera render scene.json -o out.exr -o out.png --spp 256 --size 1920x1080
+  tessera render scene.json -o quick.png --spp 4 --integrator nee --stats s.json)";
+
+struct RenderOptions {
+  SceneFlags scene;                      // what to render, and where to put it
+  int threads = 0;                       // 0: as many as the machine runs at once
+  std::string stats_path;                // empty: none
+  std::optional<core::SampleId> sample;  // replay this one instead of rendering
+  bool quiet = false;                    // no progress and no closing line; warnings remain
+};
+
+struct LoadedScene {
+  core::Scene scene;
+  RenderStats stats;
+};
+
+Status check_paths(const RenderOptions& options) {
+  if (Status status = check_picture_paths(options.scene.output_paths); !status) return status;
+  return options.stats_path.empty() ? Status{} : core::check_can_write(options.stats_path);
+}
+
+// A picture that does not fit into memory is refused now instead of being killed later.
+Status check_memory(const core::RenderSettings& settings) {
+  constexpr double kBytesPerPixel = 2 * 3 * 8 + 3 * 4;  // the film's two sums and the developed picture
+  const double needed = kBytesPerPixel * settings.width_px * settings.height_px;
+  const double present =
+      static_cast<double>(::sysconf(_SC_PHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGESIZE));
+  if (needed <= present) return {};
+  return core::fail(
+      core::ErrorCode::kResourceExhausted,
+      fmt::format("a picture of {}x{} pixels needs {:.0f} GiB of memory, and this machine has {:.0f}: "
+                  "choose a smaller --size",
+                  settings.width_px, settings.height_px, needed / (1 << 30), present / (1 << 30)));
+}
+
+Result<LoadedScene> load(const RenderOptions& options) {
+  const double start = steady_seconds();
+  Result<core::SceneDescription> description = core::load_scene_file(options.scene.scene_path);
+  if (!description) return core::fail(description.error());
+  const auto settings = core::resolve_settings(description->settings, options.scene.overrides);
+  if (!settings) return core::fail(settings.error().within(options.scene.scene_path));
+  if (Status status = check_memory(*settings); !status) return core::fail(status.error());
+  Status fits = check_picture_size(options.scene.output_paths, settings->width_px, settings->height_px);
+  if (!fits) return core::fail(fits.error());
+  const double loaded = steady_seconds();
+  Result<core::Scene> scene = core::Scene::build(std::move(*description), options.threads);
+  if (!scene) return core::fail(scene.error().within(options.scene.scene_path));
+  RenderStats stats;
+  stats.settings = *settings;
+  stats.threads = options.threads;
+  stats.load_seconds = loaded - start;
+  stats.build_seconds = steady_seconds() - loaded;
+  return LoadedScene{std::move(*scene), stats};
+}
+
+// The command that replays a sample of this render.
+std::string replay_command(const std::string& scene_path, const core::RenderSettings& settings,
+                           core::SampleId id) {
+  return fmt::format("tessera render '{}' --size {}x{} --integrator {} --seed {} --sample {},{},{}",
+                     scene_path, settings.width_px, settings.height_px,
+                     core::integrator_name(settings.integrator), settings.seed, id.x, id.y, id.sample);
+}
+
+void warn_about_samples(const std::string& scene_path, const RenderStats& stats) {
+  const core::RenderCounters& counters = stats.counters;
+  if (counters.non_finite_samples > 0) {
+    std::string message =
+        fmt::format("{} samples were not finite numbers and count as black; please report it",
+                    counters.non_finite_samples);
+    if (counters.first_non_finite) {
+      message += fmt::format(". To replay the first: {}",
+                             replay_command(scene_path, stats.settings, *counters.first_non_finite));
+    }
+    print_warning(message);
+  }
+  if (counters.saturated_samples > 0) {
+    print_warning(
+        fmt::format("{} samples were too bright for the film and were cut off: scale the lights of '{}' down",
+                    counters.saturated_samples, scene_path));
+  }
+}
+
+Status write_results(const RenderOptions& options, const RenderStats& stats, const core::Film& film) {
+  if (Status status = write_pictures(options.scene.output_paths, film.develop()); !status) return status;
+  if (options.stats_path.empty()) return {};
+  return core::write_file_atomically(options.stats_path, to_json(stats, peak_memory_bytes()));
+}
+
+void print_summary(const RenderOptions& options, const RenderStats& stats) {
+  const double speed = static_cast<double>(stats.counters.samples) / std::max(stats.render_seconds, 1e-9);
+  fmt::print(stderr, "wrote {} ({}x{} pixels, {} spp) in {:.2f} s, {} samples/s\n",
+             fmt::join(options.scene.output_paths, ", "), stats.settings.width_px, stats.settings.height_px,
+             stats.settings.spp, stats.render_seconds, format_count(speed));
+}
+
+int render_picture(const RenderOptions& options, LoadedScene& loaded) {
+  RenderStats& stats = loaded.stats;
+  ProgressLine progress(options.quiet ? no_progress_output() : stderr_progress_output(), steady_seconds());
+  watch_for_interrupt();
+  const LocalRender rendered =
+      render_locally(loaded.scene, stats.settings, options.threads, progress, interrupted);
+  progress.erase();
+  if (!rendered.complete) {
+    print_error("interrupted; no picture was written");
+    return kExitInterrupted;
+  }
+  stats.counters = rendered.counters;
+  stats.render_seconds = rendered.seconds;
+  warn_about_samples(options.scene.scene_path, stats);
+  if (Status status = write_results(options, stats, rendered.film); !status)
+    return print_error(status.error());
+  if (!options.quiet) print_summary(options, stats);
+  return kExitOk;
+}
+
+int print_sample(const core::Scene& scene, const core::RenderSettings& settings, core::SampleId id) {
+  if (id.x >= settings.width_px || id.y >= settings.height_px) {
+    print_error(fmt::format("--sample: pixel ({}, {}) is outside the picture of {}x{} pixels", id.x, id.y,
+                            settings.width_px, settings.height_px));
+    return kExitUsage;
+  }
+  const core::Rgb radiance = core::render_sample(scene, settings, id);
+  fmt::print("pixel ({}, {}) sample {}: radiance {:.9g} {:.9g} {:.9g}\n", id.x, id.y, id.sample, radiance.r,
+             radiance.g, radiance.b);
+  return kExitOk;
+}
+
+int run_render(const RenderOptions& options) {
+  if (Status status = check_paths(options); !status) return print_error(status.error());
+  Result<LoadedScene> loaded = load(options);
+  if (!loaded) return print_error(loaded.error());
+  if (loaded->scene.lights().empty()) {
+    print_warning(fmt::format("'{}' has no light: the picture will be black", options.scene.scene_path));
+  }
+  if (options.sample) return print_sample(loaded->scene, loaded->stats.settings, *options.sample);
+  return render_picture(options, *loaded);
+}
+
+core::SampleId parse_sample(const std::string& text) {
+  const std::size_t first = text.find(','), second = text.find(',', first + 1);
+  if (first == std::string::npos || second == std::string::npos) {
+    throw CLI::ValidationError("--sample",
+                               fmt::format("must be X,Y,S: a pixel and a sample number; got '{}'", text));
+  }
+  constexpr int kMaxCoordinate = core::kMaxImageSidePx - 1;
+  const auto number = [](const std::string& part, std::uint64_t most) {
+    return parse_whole_number("--sample", part, 0, most);
+  };
+  return {.x = static_cast<int>(number(text.substr(0, first), kMaxCoordinate)),
+          .y = static_cast<int>(number(text.substr(first + 1, second - first - 1), kMaxCoordinate)),
+          .sample = static_cast<std::uint32_t>(number(text.substr(second + 1), core::kMaxSpp - 1))};
+}
+
+void add_local_options(CLI::App& command, RenderOptions& options) {
+  constexpr std::uint64_t kMaxThreads = 1024;
+  command
+      .add_option_function<std::string>(
+          "--threads",
+          [&options](const std::string& text) {
+            options.threads = static_cast<int>(parse_whole_number("--threads", text, 1, kMaxThreads));
+          },
+          "Threads to render with [as many as the machine has]")
+      ->option_text("N");
+  command.add_option("--stats", options.stats_path, "Write counts, times and memory as JSON")
+      ->option_text("FILE.json");
+  command.add_flag("-q,--quiet", options.quiet, "No progress; warnings and errors only");
+  command
+      .add_option_function<std::string>(
+          "--sample", [&options](const std::string& text) { options.sample = parse_sample(text); },
+          "Print the radiance of sample S of pixel (X, Y) and stop")
+      ->option_text("X,Y,S");
+}
+
+}  // namespace
+
+void add_render_command(CLI::App& app, int& exit_code) {
+  CLI::App* command = app.add_subcommand("render", "Render a scene here, in this process");
+  const auto options = std::make_shared<RenderOptions>();
+  options->threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  add_scene_argument(*command, options->scene);
+  add_output_option(*command, options->scene);
+  add_override_options(*command, options->scene.overrides);
+  add_local_options(*command, *options);
+  command->footer(kFooter);
+  command->callback([options, &exit_code] {
+    if (options->scene.output_paths.empty() && !options->sample) throw CLI::RequiredError("-o FILE");
+    exit_code = run_render(*options);
+  });
+}
+
+}  // namespace tessera::client

@@ -1,0 +1,41 @@
+#include "client/render_stats.hpp"
+
+#include <sys/resource.h>
+
+#include <nlohmann/json.hpp>
+
+namespace tessera::client {
+
+std::uint64_t peak_memory_bytes() {
+  rusage usage{};
+  ::getrusage(RUSAGE_SELF, &usage);
+  return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
+}
+
+std::string to_json(const RenderStats& stats, std::uint64_t peak_memory_bytes) {
+  const core::RenderCounters& counters = stats.counters;
+  const double speed =
+      stats.render_seconds > 0 ? static_cast<double>(counters.samples) / stats.render_seconds : 0;
+  const nlohmann::ordered_json json = {
+      {"version", TESSERA_VERSION},
+      {"width", stats.settings.width_px},
+      {"height", stats.settings.height_px},
+      {"spp", stats.settings.spp},
+      {"integrator", core::integrator_name(stats.settings.integrator)},
+      {"seed", stats.settings.seed},
+      {"threads", stats.threads},
+      {"samples", counters.samples},
+      {"closest_hit_rays", counters.closest_hit_rays},
+      {"shadow_rays", counters.shadow_rays},
+      {"non_finite_samples", counters.non_finite_samples},
+      {"saturated_samples", counters.saturated_samples},
+      {"load_seconds", stats.load_seconds},
+      {"build_seconds", stats.build_seconds},
+      {"render_seconds", stats.render_seconds},
+      {"samples_per_second", speed},
+      {"peak_memory_bytes", peak_memory_bytes},
+  };
+  return json.dump(2) + "\n";
+}
+
+}  // namespace tessera::client

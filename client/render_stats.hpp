@@ -1,0 +1,27 @@
+// What `render --stats` writes. docs/command-line.md lists the fields; benchmarks rest on their names.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "core/film/film.hpp"
+#include "core/scene/settings.hpp"
+
+namespace tessera::client {
+
+struct RenderStats {
+  core::RenderSettings settings;
+  core::RenderCounters counters;
+  int threads = 0;
+  double load_seconds = 0;    // reading the scene file and its assets
+  double build_seconds = 0;   // validation, acceleration structure
+  double render_seconds = 0;  // taking samples
+};
+
+// The largest resident size of this process so far.
+std::uint64_t peak_memory_bytes();
+
+// One JSON object and a line end.
+std::string to_json(const RenderStats& stats, std::uint64_t peak_memory_bytes);
+
+}  // namespace tessera::client

@@ -1,0 +1,114 @@
+#include "client/scene_flags.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <system_error>
+
+#include "core/image/encode.hpp"
+
+namespace tessera::client {
+namespace {
+
+constexpr std::uint64_t kMaxSeed = std::numeric_limits<std::uint64_t>::max();
+
+std::optional<std::uint64_t> whole_number(std::string_view text) {
+  std::uint64_t value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (text.empty() || error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+void parse_size(const std::string& text, core::RenderOverrides& overrides) {
+  constexpr auto kMaxSide = static_cast<std::uint64_t>(core::kMaxImageSidePx);
+  const std::size_t cross = std::min(text.find('x'), text.size());
+  const std::uint64_t width = whole_number(text.substr(0, cross)).value_or(0);
+  const std::uint64_t height = cross == text.size() ? 0 : whole_number(text.substr(cross + 1)).value_or(0);
+  if (width < 1 || height < 1 || width > kMaxSide || height > kMaxSide) {
+    throw CLI::ValidationError(
+        "--size", fmt::format("must be WIDTHxHEIGHT in pixels, each from 1 to {}, such as 640x480; got '{}'",
+                              kMaxSide, text));
+  }
+  if (width * height > static_cast<std::uint64_t>(core::kMaxImagePixels)) {
+    throw CLI::ValidationError(
+        "--size", fmt::format("must be at most {} pixels in all; got '{}'", core::kMaxImagePixels, text));
+  }
+  overrides.width_px = static_cast<int>(width);
+  overrides.height_px = static_cast<int>(height);
+}
+
+core::Integrator parse_integrator(const std::string& text) {
+  const std::optional<core::Integrator> integrator = core::integrator_from_name(text);
+  if (!integrator) {
+    throw CLI::ValidationError("--integrator", fmt::format("must be naive, nee or mis; got '{}'", text));
+  }
+  return *integrator;
+}
+
+}  // namespace
+
+void add_scene_argument(CLI::App& command, SceneFlags& flags) {
+  command.add_option("scene", flags.scene_path, "The scene file (JSON)")->required()->option_text("SCENE");
+}
+
+void add_output_option(CLI::App& command, SceneFlags& flags) {
+  // One value for each -o: "-o a.png scene.json" must not take the scene for a second picture.
+  command
+      .add_option("-o,--output", flags.output_paths,
+                  "Where the picture goes; the ending picks the format:\n"
+                  ".png (8-bit sRGB), .exr, .hdr or .pfm (linear light).\n"
+                  "May be given several times")
+      ->allow_extra_args(false)
+      ->check([](const std::string& path) {
+        const auto format = core::image_format_from_path(path);
+        return format ? std::string() : format.error().message;
+      })
+      ->option_text("FILE");
+}
+
+void add_override_options(CLI::App& command, core::RenderOverrides& overrides) {
+  command
+      .add_option_function<std::string>(
+          "--spp",
+          [&overrides](const std::string& text) {
+            overrides.spp = static_cast<std::uint32_t>(parse_whole_number("--spp", text, 1, core::kMaxSpp));
+          },
+          "Samples per pixel: four times as many halve the noise")
+      ->option_text("N");
+  command
+      .add_option_function<std::string>(
+          "--size", [&overrides](const std::string& text) { parse_size(text, overrides); },
+          "Width and height of the picture in pixels")
+      ->option_text("WxH");
+  command
+      .add_option_function<std::string>(
+          "--integrator",
+          [&overrides](const std::string& text) { overrides.integrator = parse_integrator(text); },
+          "How light is found: naive (by chance), nee (by aiming\n"
+          "at lights) or mis (both, weighed: the least noise)")
+      ->option_text("NAME");
+  command
+      .add_option_function<std::string>(
+          "--seed",
+          [&overrides](const std::string& text) {
+            overrides.seed = parse_whole_number("--seed", text, 0, kMaxSeed);
+          },
+          "Another seed gives other noise; the same, the same bytes")
+      ->option_text("N");
+}
+
+std::uint64_t parse_whole_number(const std::string& flag, const std::string& text, std::uint64_t least,
+                                 std::uint64_t most) {
+  const std::optional<std::uint64_t> value = whole_number(text);
+  if (!value || *value < least || *value > most) {
+    throw CLI::ValidationError(
+        flag, fmt::format("must be a whole number from {} to {}; got '{}'", least, most, text));
+  }
+  return *value;
+}
+
+}  // namespace tessera::client
