@@ -37,8 +37,8 @@ SurfacePoint sphere_point(const SphereLight& sphere, Vec3 outward) {
   return point;
 }
 
-// From outside, the cone of directions that a sphere fills, by its sine squared and one minus its cosine; nothing
-// from inside, where it fills all of them.
+// From outside, the cone of directions that a sphere fills, by its sine squared and one minus its cosine. Nothing from
+// inside, where it fills all of them, and for points that rounding may have put on either side of the sphere itself.
 struct Cone {
   float sin2_max;
   float one_minus_cos_max;
@@ -47,7 +47,8 @@ struct Cone {
 std::optional<Cone> cone_of(const SphereLight& sphere, Vec3 p_lit) {
   const float distance2 = length_squared(p_lit - sphere.center);
   const float radius2 = sphere.radius * sphere.radius;
-  if (distance2 <= radius2) return std::nullopt;
+  constexpr float kClearlyOutside = 1.01f;
+  if (distance2 <= kClearlyOutside * radius2) return std::nullopt;
   const float sin2_max = radius2 / distance2;
   const float cos_max = std::sqrt(std::max(0.0f, 1 - sin2_max));
   // sin^2 / (1 + cos), which does not cancel for small cones.
@@ -108,7 +109,7 @@ std::optional<LightSample> Light::sample(const QuadLight& q, Vec3 p_lit, Vec2 u)
   return sample_flat(flat_point(position, magnitude, front_), area_, p_lit);
 }
 
-// From outside, uniform in the cone (Pharr et al. 2023, section 6.2.4); from inside, uniform over the area.
+// From outside, uniform in the cone (Pharr et al. 2023, section 6.2.4); elsewhere, uniform over the area.
 std::optional<LightSample> Light::sample(const SphereLight& sphere, Vec3 p_lit, Vec2 u) const {
   const auto cone = cone_of(sphere, p_lit);
   if (!cone) return sample_flat(sphere_point(sphere, sample_sphere(u)), area_, p_lit);

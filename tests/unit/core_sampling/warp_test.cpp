@@ -7,7 +7,7 @@
 namespace tessera::core {
 namespace {
 
-constexpr int kSide = 256;
+constexpr int kSide = 1024;
 
 template <typename Visit>
 void over_unit_square(Visit visit) {

@@ -1,0 +1,66 @@
+#include "core/camera/camera.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace tessera::core {
+namespace {
+
+constexpr CameraDescription kAhead{.position = {1, 2, 3}, .look_at = {1, 2, -7}, .vertical_fov_degrees = 90};
+
+void expect_near(Vec3 a, Vec3 b, float tolerance = 1e-5f) {
+  EXPECT_LE(length(a - b), tolerance) << a.x << " " << a.y << " " << a.z;
+}
+
+TEST(Camera, SeesRightToTheRightAndUpAbove) {
+  const Camera camera(kAhead);
+  expect_near(camera.ray({100, 50}, 200, 100, {}).direction, {0, 0, -1});
+  expect_near(camera.ray({100, 0}, 200, 100, {}).direction, normalize({0, 1, -1}));
+  expect_near(camera.ray({200, 50}, 200, 100, {}).direction, normalize({2, 0, -1}));
+  expect_near(camera.ray({0, 100}, 200, 100, {}).direction, normalize({-2, -1, -1}));
+}
+
+TEST(Camera, PinholeRaysStartAtItsPosition) {
+  EXPECT_EQ(Camera(kAhead).ray({3, 4}, 20, 10, {0.9f, 0.1f}).origin, kAhead.position);
+}
+
+TEST(Camera, EveryLensPointSeesTheSamePointInFocus) {
+  CameraDescription description = kAhead;
+  description.aperture_radius = 0.5f;
+  description.focus_distance = 4;
+  const Camera camera(description);
+  const Ray sharp = Camera(kAhead).ray({150, 20}, 200, 100, {});
+  const Vec3 in_focus = sharp.origin + sharp.direction * (4 / -sharp.direction.z);
+  for (const Vec2 lens : {Vec2{0.1f, 0.9f}, {0.5f, 0.2f}, {0.99f, 0.99f}}) {
+    const Ray ray = camera.ray({150, 20}, 200, 100, lens);
+    expect_near(ray.origin + ray.direction * (4 / -ray.direction.z), in_focus);
+  }
+}
+
+// At distance d a lens of radius r focused at f spreads a point over a disk of radius r |d - f| / f.
+TEST(Camera, CircleOfConfusionHasItsRadius) {
+  CameraDescription description = kAhead;
+  description.aperture_radius = 0.5f;
+  description.focus_distance = 4;
+  const Camera camera(description);
+  for (const float d : {1.0f, 3.0f, 6.0f, 20.0f}) {
+    float radius = 0;
+    for (int i = 0; i < 1000; ++i) {
+      const Ray ray = camera.ray({100, 50}, 200, 100, {static_cast<float>(i % 32) / 31.001f, static_cast<float>(i) / 1000});
+      const Vec3 p = ray.origin + ray.direction * (d / -ray.direction.z);
+      radius = std::max(radius, std::hypot(p.x - 1, p.y - 2));
+    }
+    EXPECT_NEAR(radius, 0.5f * std::fabs(d - 4) / 4, 0.01f) << d;
+  }
+}
+
+TEST(Camera, FocusesAtWhatItLooksAtByDefault) {
+  CameraDescription description = kAhead;
+  description.aperture_radius = 0.5f;
+  const Ray ray = Camera(description).ray({100, 50}, 200, 100, {0.9f, 0.4f});
+  expect_near(ray.origin + ray.direction * (10 / -ray.direction.z), description.look_at);
+}
+
+}  // namespace
+}  // namespace tessera::core

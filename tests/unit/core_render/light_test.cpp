@@ -1,0 +1,107 @@
+#include "core/lights/light.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "core/lights/light_sampler.hpp"
+#include "core/sampling/sampler.hpp"
+#include "core/sampling/warp.hpp"
+#include "tests/support/test_scenes.hpp"
+
+namespace tessera::core {
+namespace {
+
+struct LightCase {
+  const char* name;
+  ShapeDescription shape;
+  Vec3 p_lit;
+};
+
+class LightSampling : public testing::TestWithParam<LightCase> {
+ protected:
+  LightSampling() : scene_(build()) {}
+
+  static Scene build() {
+    test::SceneMaker maker({});
+    maker.material(test::lambert(0), Rgb::gray(1));
+    maker.add(GetParam().shape);
+    return maker.build();
+  }
+
+  Scene scene_;
+};
+
+// What a light sends to a point, once by sampling it and once by looking in all directions for it.
+TEST_P(LightSampling, AgreesWithLookingAround) {
+  constexpr int kSamples = 400000;
+  const Vec3 p = GetParam().p_lit, axis = normalize({0.3f, 0.5f, 0.2f});
+  double sampled = 0, looked = 0, pdf_integral = 0;
+  for (int i = 0; i < kSamples; ++i) {
+    const auto u = Sampler(5, i % 1000, i / 1000, 0).pad(0);
+    const auto choice = scene_.light_sampler().sample(u[2]);
+    const Light& light = scene_.lights()[choice->light];
+    if (const auto s = light.sample(p, {u[0], u[1]})) {
+      const float again = light.pdf(p, s->point.position);
+      ASSERT_NEAR(s->pdf, again, 2e-3 * static_cast<double>(s->pdf)) << "sample() and pdf() disagree";
+      sampled += static_cast<double>(s->radiance.r * std::fabs(dot(s->wi, axis)) / (s->pdf * choice->pmf)) / kSamples;
+    }
+    const Vec3 wi = sample_sphere({u[0], u[3]});
+    const Ray ray{p, wi};
+    const Hit hit = scene_.bvh().closest_hit(scene_.primitives(), ray);
+    if (!hit.found()) continue;
+    looked += static_cast<double>(std::fabs(dot(wi, axis))) * 4 * 3.14159265 / kSamples;
+    const std::uint32_t id = scene_.light_of(hit.primitive);
+    const Vec3 p_light = scene_.primitives().surface(ray, hit).position;
+    pdf_integral += static_cast<double>(scene_.light_sampler().pmf(id) * scene_.lights()[id].pdf(p, p_light)) * 4 * 3.14159265 / kSamples;
+  }
+  EXPECT_NEAR(sampled, looked, 0.03 * looked);
+  EXPECT_NEAR(pdf_integral, 1, 0.05);
+}
+
+MeshDescription two_triangles() {
+  return {.positions = {{-1, 1, -1}, {1, 1.5f, -1}, {1, 1, 1}, {-1, 0.5f, 1}},
+          .normals = {},
+          .uvs = {},
+          .triangles = {{0, 1, 2}, {0, 2, 3}},
+          .triangle_materials = {0}};
+}
+
+INSTANTIATE_TEST_SUITE_P(Shapes, LightSampling,
+                         testing::Values(LightCase{"quad", QuadDescription{{-1, 1, -1}, {2, 0, 0.5f}, {0, 0.3f, 1}, 0}, {0, 0, 0}},
+                                         LightCase{"mesh", two_triangles(), {0.2f, 0, 0.1f}},
+                                         LightCase{"sphere", SphereDescription{{0, 2, 0.5f}, 0.8f, 0}, {0.1f, 0, 0}},
+                                         LightCase{"inside_sphere", SphereDescription{{0, 0, 0}, 2, 0}, {0.9f, 0.5f, 0}},
+                                         LightCase{"offset_sphere", SphereDescription{{300, 2, 0.5f}, 0.8f, 0}, {299, 1, 0}}),
+                         [](const auto& test_case) { return std::string(test_case.param.name); });
+
+TEST(Light, FarSphereIsSampledAccurately) {
+  const Light light(SphereLight{{0, 1000, 0}, 0.5f}, {}, Rgb::gray(1), true);
+  const auto sample = light.sample({0, 0, 0}, {0.7f, 0.3f});
+  ASSERT_TRUE(sample);
+  EXPECT_NEAR(1 / static_cast<double>(sample->pdf), 3.14159265 * 0.25e-6, 1e-10);
+}
+
+TEST(Light, OneSidedEmitsToItsFront) {
+  const Light light(QuadLight{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {0, 0, 1}, Rgb::gray(2), false);
+  EXPECT_EQ(light.emitted({0.5f, 0.5f, 0}, {0, 0, 1}), Rgb::gray(2));
+  EXPECT_EQ(light.emitted({0.5f, 0.5f, 0}, {0, 0, -1}), Rgb::gray(0));
+  EXPECT_FALSE(light.sample({0.5f, 0.5f, -1}, {0.5f, 0.5f}));
+  EXPECT_TRUE(light.sample({0.5f, 0.5f, 1}, {0.5f, 0.5f}));
+}
+
+TEST(LightSampler, ChoosesInProportionToPower) {
+  const Light small(QuadLight{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {0, 0, 1}, Rgb::gray(1), false);
+  const Light bright(QuadLight{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {0, 0, 1}, Rgb::gray(2), false);
+  const Light both_sides(QuadLight{{0, 0, 0}, {5, 0, 0}, {0, 1, 0}}, {0, 0, 1}, Rgb::gray(1), true);
+  const LightSampler sampler({small, bright, both_sides});
+  EXPECT_NEAR(sampler.pmf(0), 1 / 13.0, 1e-6);
+  EXPECT_NEAR(sampler.pmf(1), 2 / 13.0, 1e-6);
+  EXPECT_NEAR(sampler.pmf(2), 10 / 13.0, 1e-6);
+  EXPECT_EQ(sampler.sample(0.5f)->light, 2u);
+  EXPECT_FALSE(LightSampler(std::vector<Light>{}).sample(0.5f));
+}
+
+}  // namespace
+}  // namespace tessera::core
