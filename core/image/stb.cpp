@@ -1,4 +1,5 @@
-// stb_image and stb_image_write, compiled once for everyone: PNG, JPEG and HDR from and to memory, no files.
+// stb_image and stb_image_write, compiled once for everyone: PNG, JPEG and HDR from and to memory. (Without stdio
+// stb_image_write leaves its HDR writer out, even the one into memory.)
 #define STB_IMAGE_IMPLEMENTATION
 #define STBI_ONLY_PNG
 #define STBI_ONLY_JPEG
@@ -8,5 +9,4 @@
 #include <stb_image.h>
 
 #define STB_IMAGE_WRITE_IMPLEMENTATION
-#define STBI_WRITE_NO_STDIO
 #include <stb_image_write.h>
