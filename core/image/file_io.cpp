@@ -72,6 +72,11 @@ std::string follow_links(const std::string& path) {
   return target.empty() ? path : target.string();
 }
 
+// Sets errno where not.
+bool allowed(const std::string& path, int rights) {
+  return ::faccessat(AT_FDCWD, path.c_str(), rights, AT_EACCESS) == 0;
+}
+
 // 0, or errno.
 int write_all(int fd, std::string_view bytes) {
   constexpr std::size_t kLargestWrite = std::size_t{1} << 30;
@@ -145,7 +150,7 @@ Status check_can_write(const std::string& path) {
   struct stat info {};
   if (::stat(target.c_str(), &info) == 0) {
     if (S_ISDIR(info.st_mode)) return cannot_write(EISDIR, path);
-    if (::access(target.c_str(), W_OK) != 0) return cannot_write(errno, path);
+    if (!allowed(target, W_OK)) return cannot_write(errno, path);
     if (!S_ISREG(info.st_mode)) return {};
   }
   const std::string folder = folder_of(target);
@@ -154,7 +159,7 @@ Status check_can_write(const std::string& path) {
                 fmt::format("cannot write '{}': the folder '{}' does not exist", path, folder));
   }
   if (!S_ISDIR(info.st_mode)) return cannot_write(ENOTDIR, path);
-  if (::access(folder.c_str(), W_OK | X_OK) != 0) {
+  if (!allowed(folder, W_OK | X_OK)) {
     return fail(code_of(errno), fmt::format("cannot write '{}': its folder: {}", path, std::strerror(errno)));
   }
   return {};

@@ -1,5 +1,5 @@
-// stb_image and stb_image_write, compiled once for everyone: PNG, JPEG and HDR from and to memory. (Without stdio
-// stb_image_write leaves its HDR writer out, even the one into memory.)
+// stb_image and stb_image_write, compiled once for everyone: PNG, JPEG and HDR from and to memory. (Without
+// stdio stb_image_write leaves its HDR writer out, even the one into memory.)
 #define STB_IMAGE_IMPLEMENTATION
 #define STBI_ONLY_PNG
 #define STBI_ONLY_JPEG
@@ -8,5 +8,6 @@
 #define STBI_MAX_DIMENSIONS 65536
 #include <stb_image.h>
 
+// Without standard I/O, which we do not use, it would leave out the writer of HDR.
 #define STB_IMAGE_WRITE_IMPLEMENTATION
 #include <stb_image_write.h>

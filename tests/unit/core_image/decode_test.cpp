@@ -1,0 +1,169 @@
+#include "core/image/decode.hpp"
+
+#include <ImfChannelList.h>
+#include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
+#include <ImfOutputFile.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <half.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "core/image/encode.hpp"
+#include "core/image/file_io.hpp"
+#include "tests/unit/core_image/test_image.hpp"
+
+namespace tessera::core {
+namespace {
+
+using namespace std::string_literals;
+using testing::HasSubstr;
+
+std::string temporary_path(const std::string& name) {
+  const testing::TestInfo& test = *testing::UnitTest::GetInstance()->current_test_info();
+  return testing::TempDir() + test.test_suite_name() + "." + test.name() + "." + name;
+}
+
+// What must never be more than an error: any exception or crash fails the test.
+void expect_survived(const std::string& bytes) {
+  const Result<Image> image = decode_image(bytes);
+  if (image) {
+    EXPECT_GT(image->pixels.size(), 0u);
+  } else {
+    EXPECT_NE(image.error().message, "");
+  }
+}
+
+class HostileFile : public testing::TestWithParam<ImageFormat> {
+ protected:
+  std::string valid_bytes() const { return encode_image(random_image(24, 18, 7), GetParam()).value(); }
+};
+INSTANTIATE_TEST_SUITE_P(All, HostileFile,
+                         testing::Values(ImageFormat::kPng, ImageFormat::kExr, ImageFormat::kHdr,
+                                         ImageFormat::kPfm),
+                         [](const auto& format) { return std::string(image_format_name(format.param)); });
+
+TEST_P(HostileFile, EveryTruncationIsAnError) {
+  const std::string bytes = valid_bytes();
+  // PNG ends with 12 bytes that tell a reader nothing but that the file ends.
+  const std::size_t shortest_whole = bytes.size() - (GetParam() == ImageFormat::kPng ? 12 : 0);
+  for (std::size_t size = 0; size < shortest_whole; ++size) {
+    ASSERT_FALSE(decode_image(std::string_view(bytes).substr(0, size))) << size << " of " << bytes.size();
+  }
+}
+
+TEST_P(HostileFile, MutationsAreSurvived) {
+  const std::string bytes = valid_bytes();
+  for (std::uint64_t seed = 0; seed < 3000; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    std::mt19937_64 random(seed);
+    std::string mutated = bytes;
+    // Headers, which promise sizes, are where harm is done: half of the changes go there.
+    for (std::uint64_t i = 0; i <= random() % 4; ++i) {
+      const std::size_t span = random() % 2 == 0 ? std::min<std::size_t>(400, bytes.size()) : bytes.size();
+      mutated[random() % span] = static_cast<char>(random());
+    }
+    expect_survived(mutated);
+  }
+}
+
+TEST(DecodeImage, NoiseIsAnError) {
+  for (const std::string& bytes :
+       {""s, "\0"s, "hello"s, "\x76\x2f\x31\x01"s, "\x89PNG\r\n\x1a\n"s, "#?RADIANCE\n"s}) {
+    ASSERT_FALSE(decode_image(bytes));
+  }
+  EXPECT_EQ(decode_image("hello").error().message, "not a PNG, EXR, HDR or PFM picture");
+}
+
+TEST(DecodeImage, ASmallFileThatClaimsAHugePictureIsAnError) {
+  const std::string header = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n";
+  EXPECT_FALSE(decode_image(header + "-Y 10000 +X 10000\n" + std::string(100, '\1')));
+  EXPECT_THAT(decode_image("PF\n60000 60000\n-1.0\n").error().message, HasSubstr("60000x60000"));
+  std::string exr = encode_image(Image(16, 16), ImageFormat::kExr).value();
+  const std::size_t window = exr.find("dataWindow") + std::string("dataWindow\0box2i\0????"s).size() + 8;
+  ASSERT_EQ(exr[window], 15);
+  exr.replace(window, 8, "\xff\x7f\0\0\xff\x7f\0\0"s);
+  exr += std::string(32768 / 16 * 8, '\0');  // room for the table of where the rows are
+  EXPECT_THAT(decode_image(exr).error().message, HasSubstr("32768x32768"));
+}
+
+TEST(DecodePfm, ReadsBigEndianAndGray) {
+  const Result<Image> image = decode_image("Pf\n2 1\n1.0\n\x3f\x80\0\0\x40\0\0\0"s);
+  ASSERT_TRUE(image) << image.error().message;
+  EXPECT_EQ(image->pixels, (std::vector<Rgb>{Rgb::gray(1), Rgb::gray(2)}));
+}
+
+TEST(DecodePfm, BrokenHeadersAreErrors) {
+  for (const char* header :
+       {"PF\n", "PF\n1\n", "PF\n1 1\n", "PF\n1 1\n0\n", "PF\n-1 -1\n-1\n", "PF\n0 0\n-1\n", "PF\n1 1 1\n-1\n",
+        "PF\n1 x\n-1\n", "PF\n99999999999 1\n-1\n"}) {
+    EXPECT_FALSE(decode_image(header + "\0\0\0\0\0\0\0\0\0\0\0\0"s)) << header;
+  }
+}
+
+TEST(DecodePfm, BytesAfterThePixelsAreAnError) {
+  std::string bytes = encode_image(Image(2, 2), ImageFormat::kPfm).value();
+  EXPECT_TRUE(decode_image(bytes));
+  EXPECT_FALSE(decode_image(bytes + "x"));
+}
+
+// Files of other programs: half floats, a data window that does not begin at 0, a channel nobody asked for.
+class ForeignExr : public testing::Test {
+ protected:
+  std::string write(const std::vector<std::string>& channels) {
+    const Imath::Box2i window({-3, 5}, {-3 + kWidth - 1, 5 + kHeight - 1});
+    Imf::Header header(window, window);
+    Imf::FrameBuffer frame;
+    for (const std::string& name : channels) {
+      std::vector<half>& texels = planes_.emplace_back(kWidth * kHeight);
+      for (std::size_t i = 0; i < texels.size(); ++i) texels[i] = static_cast<float>(i + planes_.size());
+      header.channels().insert(name, Imf::Channel(Imf::HALF));
+      frame.insert(name, Imf::Slice::Make(Imf::HALF, texels.data(), window));
+    }
+    const std::string path = temporary_path("exr");
+    {
+      Imf::OutputFile file(path.c_str(), header);
+      file.setFrameBuffer(frame);
+      file.writePixels(kHeight);
+    }
+    return path;
+  }
+
+  static constexpr int kWidth = 5, kHeight = 4;
+  std::vector<std::vector<half>> planes_;
+};
+
+TEST_F(ForeignExr, HalfChannelsAndAnOffsetWindow) {
+  const Result<Image> image = read_image(write({"R", "G", "B", "A"}));
+  ASSERT_TRUE(image) << image.error().message;
+  EXPECT_EQ(image->at(0, 0), (Rgb{1, 2, 3}));
+  EXPECT_EQ(image->at(4, 3), (Rgb{20, 21, 22}));
+}
+
+TEST_F(ForeignExr, LuminanceBecomesGray) {
+  const Result<Image> image = read_image(write({"Y"}));
+  ASSERT_TRUE(image) << image.error().message;
+  EXPECT_EQ(image->at(1, 0), Rgb::gray(2));
+}
+
+TEST_F(ForeignExr, WithoutColourIsAnError) {
+  const Result<Image> image = read_image(write({"Z", "R"}));
+  ASSERT_FALSE(image);
+  EXPECT_THAT(image.error().message, HasSubstr("neither the channels R, G and B nor Y"));
+}
+
+TEST(ReadImage, ErrorsNameTheFile) {
+  EXPECT_THAT(read_image("/no/such.png").error().message, HasSubstr("'/no/such.png': No such file"));
+  EXPECT_THAT(read_image(testing::TempDir()).error().message, HasSubstr("Is a directory"));
+  const std::string path = temporary_path("png");
+  ASSERT_TRUE(write_file_atomically(path, "text"));
+  EXPECT_EQ(read_image(path).error().message, path + ": not a PNG, EXR, HDR or PFM picture");
+}
+
+}  // namespace
+}  // namespace tessera::core

@@ -1,0 +1,171 @@
+#include "core/image/file_io.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace tessera::core {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::AllOf;
+using testing::HasSubstr;
+
+class FileIo : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::string pattern = testing::TempDir() + "file_io.XXXXXX";
+    ASSERT_NE(::mkdtemp(pattern.data()), nullptr);
+    folder_ = pattern;
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  std::string path(const std::string& name) const { return folder_ / name; }
+  std::vector<std::string> names() const {
+    std::vector<std::string> found;
+    for (const auto& entry : fs::directory_iterator(folder_)) found.push_back(entry.path().filename());
+    return found;
+  }
+
+  fs::path folder_;
+};
+
+TEST_F(FileIo, WritesAndReadsBackAnyBytes) {
+  const std::string bytes("a\0b\n\xff", 5);
+  ASSERT_TRUE(write_file_atomically(path("x"), bytes));
+  EXPECT_EQ(read_file(path("x")), bytes);
+  EXPECT_THAT(names(), testing::ElementsAre("x"));
+}
+
+TEST_F(FileIo, ReplacesWhatWasThere) {
+  ASSERT_TRUE(write_file_atomically(path("x"), "a long first version"));
+  ASSERT_TRUE(write_file_atomically(path("x"), "new"));
+  EXPECT_EQ(read_file(path("x")), "new");
+  EXPECT_THAT(names(), testing::ElementsAre("x"));
+}
+
+TEST_F(FileIo, GivesTheRightsThatTheUserMaskLeaves) {
+  const mode_t before = ::umask(027);
+  const Status status = write_file_atomically(path("x"), "");
+  ::umask(before);
+  ASSERT_TRUE(status);
+  EXPECT_EQ(fs::status(path("x")).permissions(), fs::perms(0640));
+}
+
+TEST_F(FileIo, FollowsLinks) {
+  fs::create_directory(folder_ / "elsewhere");
+  ASSERT_TRUE(write_file_atomically(path("elsewhere/x"), "old"));
+  fs::create_symlink("elsewhere/x", folder_ / "link");
+  ASSERT_TRUE(write_file_atomically(path("link"), "new"));
+  EXPECT_TRUE(fs::is_symlink(path("link")));
+  EXPECT_EQ(read_file(path("elsewhere/x")), "new");
+}
+
+TEST_F(FileIo, LongNamesAreNoProblem) {
+  const std::string name(250, 'n');
+  EXPECT_TRUE(write_file_atomically(path(name), ""));
+}
+
+TEST_F(FileIo, DevicesAreWrittenToAndStay) {
+  EXPECT_TRUE(write_file_atomically("/dev/null", "gone"));
+  EXPECT_TRUE(fs::is_character_file("/dev/null"));
+}
+
+TEST_F(FileIo, AFullDiskIsAnErrorThatSaysSo) {
+  const Status status = write_file_atomically("/dev/full", "x");
+  ASSERT_FALSE(status);
+  EXPECT_EQ(status.error().code, ErrorCode::kResourceExhausted);
+  EXPECT_EQ(status.error().message, "cannot write '/dev/full': No space left on device");
+}
+
+// Lets files grow to a few bytes only, as a disk does that fills up in the middle of a write.
+class FileSizeLimit {
+ public:
+  explicit FileSizeLimit(rlim_t bytes) : old_handler_(std::signal(SIGXFSZ, SIG_IGN)) {
+    ::getrlimit(RLIMIT_FSIZE, &old_limit_);
+    const rlimit limit{bytes, old_limit_.rlim_max};
+    ::setrlimit(RLIMIT_FSIZE, &limit);
+  }
+  ~FileSizeLimit() {
+    ::setrlimit(RLIMIT_FSIZE, &old_limit_);
+    std::signal(SIGXFSZ, old_handler_);
+  }
+  FileSizeLimit(const FileSizeLimit&) = delete;
+  FileSizeLimit& operator=(const FileSizeLimit&) = delete;
+
+ private:
+  void (*old_handler_)(int);
+  rlimit old_limit_{};
+};
+
+TEST_F(FileIo, AFailureHalfwayLeavesTheOldFileAndNothingElse) {
+  ASSERT_TRUE(write_file_atomically(path("x"), "old"));
+  Status status;
+  {
+    const FileSizeLimit limit(1000);
+    status = write_file_atomically(path("x"), std::string(100000, 'n'));
+  }
+  ASSERT_FALSE(status);
+  EXPECT_THAT(status.error().message, AllOf(HasSubstr(path("x")), HasSubstr("File too large")));
+  EXPECT_EQ(read_file(path("x")), "old");
+  EXPECT_THAT(names(), testing::ElementsAre("x"));
+}
+
+TEST_F(FileIo, AMissingFolderIsNamed) {
+  for (const auto& call : {check_can_write(path("no/x.png")), write_file_atomically(path("no/x.png"), "")}) {
+    ASSERT_FALSE(call);
+    EXPECT_EQ(call.error().code, ErrorCode::kNotFound);
+    EXPECT_EQ(call.error().message,
+              "cannot write '" + path("no/x.png") + "': the folder '" + path("no") + "' does not exist");
+  }
+}
+
+TEST_F(FileIo, AFolderIsNotAFile) {
+  ASSERT_FALSE(check_can_write(folder_));
+  EXPECT_THAT(check_can_write(folder_).error().message, HasSubstr("Is a directory"));
+  ASSERT_TRUE(write_file_atomically(path("file"), ""));
+  EXPECT_THAT(check_can_write(path("file/x")).error().message, HasSubstr("cannot write"));
+}
+
+TEST_F(FileIo, CheckingTouchesNothing) {
+  EXPECT_TRUE(check_can_write(path("x")));
+  EXPECT_THAT(names(), testing::IsEmpty());
+}
+
+// Root may write everywhere, so that root becomes nobody meanwhile.
+class AsOrdinaryUser {
+ public:
+  explicit AsOrdinaryUser(const fs::path& folder) : before_(::geteuid()) {
+    constexpr uid_t kNobody = 65534;
+    if (before_ == 0) EXPECT_TRUE(::chown(folder.c_str(), kNobody, kNobody) == 0 && ::seteuid(kNobody) == 0);
+  }
+  ~AsOrdinaryUser() { EXPECT_EQ(::seteuid(before_), 0); }
+  AsOrdinaryUser(const AsOrdinaryUser&) = delete;
+  AsOrdinaryUser& operator=(const AsOrdinaryUser&) = delete;
+
+ private:
+  uid_t before_;
+};
+
+TEST_F(FileIo, MissingRightsAreAnError) {
+  const AsOrdinaryUser ordinary(folder_);
+  ASSERT_TRUE(write_file_atomically(path("x"), "kept"));
+  fs::permissions(path("x"), fs::perms(0444));
+  EXPECT_EQ(check_can_write(path("x")).error().code, ErrorCode::kPermissionDenied);
+  EXPECT_EQ(write_file_atomically(path("x"), "lost").error().code, ErrorCode::kPermissionDenied);
+  fs::permissions(folder_, fs::perms(0555));
+  EXPECT_EQ(check_can_write(path("y")).error().message,
+            "cannot write '" + path("y") + "': its folder: Permission denied");
+  fs::permissions(folder_, fs::perms(0755));
+  EXPECT_EQ(read_file(path("x")), "kept");
+}
+
+}  // namespace
+}  // namespace tessera::core

@@ -1,0 +1,74 @@
+#include "core/image/srgb.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+namespace tessera::core {
+namespace {
+
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+
+// IEC 61966-2-1, clause 5.2, in the C library's extended precision.
+long double encode_exactly(long double linear) {
+  return linear <= 0.0031308L ? 12.92L * linear : 1.055L * powl(linear, 1 / 2.4L) - 0.055L;
+}
+int expected_code(float linear) {
+  return static_cast<int>(floorl(255 * encode_exactly(linear) + 0.5L));
+}
+long double decode_exactly(long double encoded) {
+  return encoded <= 0.04045L ? encoded / 12.92L : powl((encoded + 0.055L) / 1.055L, 2.4L);
+}
+
+TEST(Srgb, EncodingIsCorrectlyRoundedAroundEveryThreshold) {
+  for (int code = 0; code < 255; ++code) {
+    // Two neighbouring floats between which the code changes, found by halving.
+    float below = srgb_decode(static_cast<std::uint8_t>(code));
+    float above = srgb_decode(static_cast<std::uint8_t>(code + 1));
+    while (std::nextafter(below, kInfinity) < above) {
+      const float middle = below + (above - below) / 2;
+      (srgb_encode(middle) <= code ? below : above) = middle;
+    }
+    float x = std::fmax(below - 3 * (above - below), 0.0f);
+    for (int i = 0; i < 8; ++i, x = std::nextafter(x, kInfinity)) {
+      ASSERT_EQ(srgb_encode(x), expected_code(x)) << "linear value " << x << " near code " << code;
+    }
+  }
+}
+
+TEST(Srgb, EncodingIsCorrectlyRoundedBetweenThresholds) {
+  for (float x = 1e-6f; x < 1; x *= 1.0009f) ASSERT_EQ(srgb_encode(x), expected_code(x)) << x;
+}
+
+TEST(Srgb, EncodingClampsWhatIsOutOfRange) {
+  EXPECT_EQ(srgb_encode(0.0f), 0);
+  EXPECT_EQ(srgb_encode(-0.5f), 0);
+  EXPECT_EQ(srgb_encode(-kInfinity), 0);
+  EXPECT_EQ(srgb_encode(std::numeric_limits<float>::quiet_NaN()), 0);
+  EXPECT_EQ(srgb_encode(1.0f), 255);
+  EXPECT_EQ(srgb_encode(1e30f), 255);
+  EXPECT_EQ(srgb_encode(kInfinity), 255);
+}
+
+TEST(Srgb, IsNotABarePowerOf22) {
+  EXPECT_EQ(srgb_encode(0.001f), 3);   // 255 * 12.92 * 0.001 = 3.29; a power of 2.2 would give 11
+  EXPECT_EQ(srgb_encode(0.18f), 118);  // middle gray: 255 * 0.46136 = 117.6
+}
+
+TEST(Srgb, DecodingIsTheNearestFloat) {
+  for (int code = 0; code < 256; ++code) {
+    const auto expected = static_cast<float>(decode_exactly(code / 255.0L));
+    ASSERT_EQ(srgb_decode(static_cast<std::uint8_t>(code)), expected) << code;
+    ASSERT_EQ(srgb_decode(code / 255.0), expected) << code;
+  }
+}
+
+TEST(Srgb, EveryCodeSurvivesDecodingAndEncoding) {
+  for (int code = 0; code < 256; ++code) {
+    ASSERT_EQ(srgb_encode(srgb_decode(static_cast<std::uint8_t>(code))), code);
+  }
+}
+
+}  // namespace
+}  // namespace tessera::core
