@@ -7,8 +7,8 @@
 #include <string>
 
 #include "core/base/error.hpp"
-#include "core/scene/loader/asset_source.hpp"
 #include "core/scene/description.hpp"
+#include "core/scene/loader/asset_source.hpp"
 
 namespace tessera::core {
 

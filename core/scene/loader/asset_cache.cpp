@@ -1,0 +1,72 @@
+#include "core/scene/loader/asset_cache.hpp"
+
+#include <fmt/format.h>
+
+#include <new>
+
+#include "core/scene/loader/suggestion.hpp"
+#include "core/scene/loader/text_lines.hpp"
+#include "core/textures/image_decoder.hpp"
+
+namespace tessera::core {
+
+std::string path_beside(const std::string& file, const std::string& name) {
+  const std::size_t slash = file.rfind('/');
+  return slash == std::string::npos || name.starts_with('/') ? name : file.substr(0, slash + 1) + name;
+}
+
+Result<std::shared_ptr<const TextureImage>> AssetCache::image(const std::string& path,
+                                                              std::optional<ColorSpace> color_space) {
+  const ColorSpace space = color_space.value_or(ColorSpace::kSrgb);
+  const auto known = images_.find({path, space});
+  if (known != images_.end()) return known->second;
+  const auto bytes = assets_.read(path);
+  if (!bytes) return fail(bytes.error());
+  if (color_space == ColorSpace::kSrgb && is_hdr_picture(*bytes))
+    return fail(ErrorCode::kInvalidArgument,
+                in_quotes(path) + " is an HDR picture, which is linear; leave 'color_space' out");
+  auto decoded = decode_texture_image(*bytes, space);
+  if (!decoded)
+    return fail(decoded.error().code, fmt::format("{} {}", in_quotes(path), decoded.error().message));
+  auto shared = std::make_shared<const TextureImage>(std::move(*decoded));
+  images_.emplace(std::pair(path, space), shared);
+  return shared;
+}
+
+Result<std::shared_ptr<const ObjFile>> AssetCache::obj(const std::string& path) {
+  const auto known = objs_.find(path);
+  if (known != objs_.end()) return known->second;
+  const auto bytes = assets_.read(path);
+  if (!bytes) return fail(bytes.error());
+  auto file = read_obj(*bytes, path);
+  if (!file) return fail(file.error());
+  auto shared = std::make_shared<const ObjFile>(std::move(*file));
+  objs_.emplace(path, shared);
+  return shared;
+}
+
+Result<std::vector<AssetCache::Library>> AssetCache::libraries(const std::string& obj_path,
+                                                               const std::string& line) {
+  auto whole = library(path_beside(obj_path, line));
+  if (whole) return std::vector{std::move(*whole)};
+  const bool several = line.find_first_of(" \t") != std::string::npos;
+  if (whole.error().code != ErrorCode::kNotFound || !several) return fail(whole.error());
+  std::vector<Library> all;
+  std::string_view rest = line;
+  for (auto word = take_word(rest); !word.empty(); word = take_word(rest)) {
+    auto one = library(path_beside(obj_path, std::string(word)));
+    if (!one) return fail(one.error());
+    all.push_back(std::move(*one));
+  }
+  return all;
+}
+
+Result<AssetCache::Library> AssetCache::library(const std::string& path) {
+  const auto bytes = assets_.read(path);
+  if (!bytes) return fail(bytes.error());
+  auto materials = read_mtl(*bytes, path);
+  if (!materials) return fail(materials.error());
+  return Library{path, std::move(*materials)};
+}
+
+}  // namespace tessera::core

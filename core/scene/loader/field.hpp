@@ -1,0 +1,95 @@
+// Reads typed values out of a located JSON tree. Every reader adds what is wrong to the Mistakes and answers
+// a harmless value then, so that the reading goes on and finds the other mistakes as well. Not thread-safe.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "core/math/rgb.hpp"
+#include "core/math/vec3.hpp"
+#include "core/scene/loader/json_document.hpp"
+#include "core/scene/loader/mistakes.hpp"
+#include "core/scene/loader/scene_keys.hpp"
+
+namespace tessera::core {
+
+// Which numbers a field takes. What does not fit a float is refused whatever the bounds.
+struct Bounds {
+  bool (*hold)(double);
+  std::string_view phrase;  // "must be ..."
+};
+
+namespace bounds {
+inline constexpr Bounds kAny{[](double) { return true; }, "a number"};
+inline constexpr Bounds kPositive{[](double v) { return v > 0; }, "greater than 0"};
+inline constexpr Bounds kNotNegative{[](double v) { return v >= 0; }, "0 or greater"};
+inline constexpr Bounds kUnit{[](double v) { return v >= 0 && v <= 1; }, "between 0 and 1"};
+inline constexpr Bounds kNotZero{[](double v) { return v != 0; }, "other than 0"};
+}  // namespace bounds
+
+// A value with its place in the file. Refers to the tree and the Mistakes, which must outlive it.
+class Field {
+ public:
+  Field(const JsonValue& value, std::string path, Mistakes& mistakes)
+      : value_(&value), path_(std::move(path)), mistakes_(&mistakes) {}
+
+  const JsonValue& value() const { return *value_; }
+  const std::string& path() const { return path_; }
+  Place place() const { return {value_->line, path_}; }
+  Mistakes& mistakes() const { return *mistakes_; }
+
+  void mistake(std::string_view what) const { mistakes_->add(place(), what); }
+  // "must be EXPECTED, got 3".
+  void must_be(std::string_view expected) const;
+
+  // The element or member that `value` is.
+  Field element(std::size_t index) const;
+  Field member(const JsonValue::Member& member) const;
+
+ private:
+  const JsonValue* value_;
+  std::string path_;
+  Mistakes* mistakes_;
+};
+
+// An object with known keys. Unknown and missing keys are mistakes, told when it is constructed.
+class ObjectReader {
+ public:
+  ObjectReader(const Field& field, const ObjectRules& rules);
+
+  std::optional<Field> find(std::string_view key) const;
+
+ private:
+  Field field_;
+};
+
+float read_float(const Field& field, const Bounds& bounds);
+std::uint64_t read_whole_number(const Field& field, std::uint64_t min, std::uint64_t max);
+std::string read_text(const Field& field);  // not empty
+// The index of the word among `words`.
+std::size_t read_choice(const Field& field, std::span<const std::string_view> words);
+Vec2 read_vec2(const Field& field, const Bounds& bounds);
+Vec3 read_vec3(const Field& field, const Bounds& bounds);
+// A single number for gray, or [r, g, b].
+Rgb read_color(const Field& field, const Bounds& bounds);
+
+// The member of an object, or nullopt.
+std::optional<Field> find_member_field(const Field& field, std::string_view key);
+// Which of `types` the object's "type" says; nullopt after a mistake. `kind` as in "a shape needs the key
+// 'type'".
+std::optional<std::size_t> read_type(const Field& field, std::span<const std::string_view> types,
+                                     std::string_view kind);
+
+// The members of an object whose keys are names that the file's author chose; empty names are mistakes.
+std::vector<std::pair<std::string, Field>> read_named(const Field& field);
+
+// The value of `key` as `read` (one of the above, with the arguments that follow) sees it, or `otherwise`.
+template <typename T, typename Read, typename... Args>
+T read_or(const ObjectReader& object, std::string_view key, T otherwise, Read read, const Args&... args) {
+  const auto field = object.find(key);
+  return field ? static_cast<T>(read(*field, args...)) : otherwise;
+}
+
+}  // namespace tessera::core

@@ -1,0 +1,52 @@
+// JSON as a tree that remembers the line of every value, so that messages can point at it. Comments (// and
+// /* */) are allowed; repeated keys are not. Parsing is nlohmann's; this adds the places.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "core/base/error.hpp"
+#include "core/scene/loader/mistakes.hpp"
+
+namespace tessera::core {
+
+inline constexpr int kMaxJsonDepth = 32;
+
+struct JsonValue {
+  struct Number {
+    double value = 0;
+    std::optional<std::uint64_t> whole;  // exactly, where it is a whole number from 0 to 2^64 - 1
+  };
+  struct Null {};
+  using Array = std::vector<JsonValue>;
+  struct Member;
+  using Object = std::vector<Member>;  // in the order of the file
+
+  std::variant<Null, bool, Number, std::string, Array, Object> content;
+  int line = 0;  // where the value begins, from 1
+
+  template <typename T>
+  const T* get_if() const {
+    return std::get_if<T>(&content);
+  }
+
+  // How messages name it: 3, "red", a list of 2, an object, true, null.
+  std::string describe() const;
+};
+
+struct JsonValue::Member {
+  std::string key;
+  int key_line = 0;
+  JsonValue value;
+};
+
+// Errors say line, column and what is due there: "FILE:3:7: not valid JSON: found '}' where a value is due".
+// Repeated keys are added to `mistakes`.
+Result<JsonValue> parse_json(std::string_view text, const std::string& file, Mistakes& mistakes);
+
+}  // namespace tessera::core

@@ -1,0 +1,173 @@
+#include "core/scene/loader/loader.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <new>
+
+#include "core/scene/loader/asset_cache.hpp"
+#include "core/scene/loader/mesh_builder.hpp"
+#include "core/scene/loader/scene_file.hpp"
+#include "core/scene/loader/suggestion.hpp"
+
+namespace tessera::core {
+namespace {
+
+// Adds assets to what the scene file says. What is wrong is added to the Mistakes at the place that names the
+// asset.
+class SceneAssembler {
+ public:
+  SceneAssembler(AssetSource& assets, Mistakes& mistakes) : cache_(assets), mistakes_(mistakes) {}
+
+  SceneDescription assemble(SceneFile file);
+
+ private:
+  void add_texture(const TextureEntry& entry);
+  void add_shape(ShapeEntry entry, std::size_t index);
+  Result<MeshDescription> load_mesh(const MeshEntry& entry);
+  Result<std::vector<std::uint32_t>> own_materials(const std::string& obj_path, const ObjFile& obj);
+  Result<std::uint32_t> add_library_material(const std::string& library_path, const MtlMaterial& material);
+  Result<int> library_texture(const std::string& library_path, const MtlMaterial& material);
+
+  AssetCache cache_;
+  Mistakes& mistakes_;
+  SceneDescription scene_;
+  std::map<std::pair<std::string, std::string>, std::uint32_t> library_materials_;  // by library and name
+};
+
+SceneDescription SceneAssembler::assemble(SceneFile file) {
+  scene_.settings = file.settings;
+  scene_.camera = file.camera;
+  for (const auto& texture : file.textures) add_texture(texture);
+  for (auto& entry : file.materials) scene_.materials.push_back(std::move(entry.material));
+  for (std::size_t i = 0; i < file.shapes.size(); ++i) add_shape(std::move(file.shapes[i]), i);
+  return std::move(scene_);
+}
+
+void SceneAssembler::add_texture(const TextureEntry& entry) {
+  auto image = cache_.image(entry.file, entry.color_space);
+  if (!image) mistakes_.add(entry.file_place, image.error().message, image.error().code);
+  scene_.textures.push_back({image ? *image : nullptr, entry.wrap, entry.scale, entry.offset});
+}
+
+void SceneAssembler::add_shape(ShapeEntry entry, std::size_t index) {
+  if (auto* shape = std::get_if<ShapeDescription>(&entry.shape)) {
+    scene_.shapes.push_back(std::move(*shape));
+    scene_.shape_names.push_back(fmt::format("shapes[{}]", index));
+    return;
+  }
+  const auto& mesh_entry = *std::get_if<MeshEntry>(&entry.shape);
+  auto mesh = load_mesh(mesh_entry);
+  if (!mesh) return mistakes_.add(mesh_entry.file_place, mesh.error().message, mesh.error().code);
+  scene_.shapes.emplace_back(std::move(*mesh));
+  scene_.shape_names.push_back(fmt::format("shapes[{}] ({})", index, mesh_entry.file));
+}
+
+Result<MeshDescription> SceneAssembler::load_mesh(const MeshEntry& entry) {
+  const auto obj = cache_.obj(entry.file);
+  if (!obj) return fail(obj.error());
+  std::vector<std::uint32_t> materials;
+  if (entry.material) {
+    materials = {*entry.material};
+  } else {
+    auto own = own_materials(entry.file, **obj);
+    if (!own) return fail(own.error());
+    materials = std::move(*own);
+  }
+  auto mesh = build_mesh(**obj, entry.normals, entry.transform, materials);
+  if (!mesh)
+    return fail(mesh.error().code, fmt::format("{} {}", in_quotes(entry.file), mesh.error().message));
+  return mesh;
+}
+
+// The scene's materials for the OBJ file's material names.
+Result<std::vector<std::uint32_t>> SceneAssembler::own_materials(const std::string& obj_path,
+                                                                 const ObjFile& obj) {
+  constexpr std::string_view kAdvice = "give the shape a \"material\" in the scene file";
+  const auto& used = obj.triangle_materials;
+  if (std::find(used.begin(), used.end(), kNoMaterialName) != used.end())
+    return fail(ErrorCode::kInvalidArgument,
+                fmt::format("{}:{}: a face has no material (no 'usemtl' comes before it); {}", obj_path,
+                            obj.text.first_face_line, kAdvice));
+  std::map<std::string, std::uint32_t, std::less<>> known;
+  for (const auto& line : obj.text.libraries) {
+    const auto libraries = cache_.libraries(obj_path, line.name);
+    if (!libraries) return fail(libraries.error().within(fmt::format("{}:{}", obj_path, line.line)));
+    for (const auto& library : *libraries)
+      for (const auto& material : library.materials) {
+        const auto index = add_library_material(library.path, material);
+        if (!index) return fail(index.error());
+        known.emplace(material.material.name, *index);
+      }
+  }
+  std::vector<std::string_view> names;
+  for (const auto& [name, index] : known) names.push_back(name);
+  std::vector<std::uint32_t> materials;
+  for (std::size_t i = 0; i < obj.material_names.size(); ++i) {
+    const auto found = known.find(obj.material_names[i]);
+    if (found == known.end())
+      return fail(ErrorCode::kNotFound,
+                  fmt::format("{}:{}: the 'mtllib' files have no material {}{}; mend it, or {}", obj_path,
+                              obj.material_lines[i], in_quotes(obj.material_names[i]),
+                              suggestion(obj.material_names[i], names), kAdvice));
+    materials.push_back(found->second);
+  }
+  return materials;
+}
+
+Result<std::uint32_t> SceneAssembler::add_library_material(const std::string& library_path,
+                                                           const MtlMaterial& material) {
+  const auto [known, is_new] = library_materials_.emplace(
+      std::pair(library_path, material.material.name), static_cast<std::uint32_t>(scene_.materials.size()));
+  if (!is_new) return known->second;
+  Material added = material.material;
+  added.name = library_path + ": " + added.name;
+  if (!material.albedo_file.empty()) {
+    const auto texture = library_texture(library_path, material);
+    if (!texture) return fail(texture.error());
+    std::get_if<Lambert>(&added.model)->albedo.texture = *texture;
+  }
+  scene_.materials.push_back(std::move(added));
+  return known->second;
+}
+
+Result<int> SceneAssembler::library_texture(const std::string& library_path, const MtlMaterial& material) {
+  auto image = cache_.image(path_beside(library_path, material.albedo_file), std::nullopt);
+  if (!image)
+    return fail(image.error().within(
+        fmt::format("{}: material {}: map_Kd", library_path, in_quotes(material.material.name))));
+  scene_.textures.push_back({std::move(*image), material.wrap, material.scale, material.offset});
+  return static_cast<int>(scene_.textures.size()) - 1;
+}
+
+Result<SceneDescription> load(AssetSource& assets, const std::string& scene_path,
+                              const std::string& display_path) {
+  const auto text = assets.read(scene_path);
+  if (!text) return fail(text.error().within(display_path));
+  Mistakes mistakes(display_path);
+  SceneFile file = parse_scene_file(*text, display_path, mistakes);
+  if (!mistakes.empty()) return fail(mistakes.error());
+  SceneDescription scene = SceneAssembler(assets, mistakes).assemble(std::move(file));
+  if (!mistakes.empty()) return fail(mistakes.error());
+  return scene;
+}
+
+}  // namespace
+
+Result<SceneDescription> load_scene(AssetSource& assets, const std::string& scene_path,
+                                    const std::string& display_path) {
+  try {
+    return load(assets, scene_path, display_path);
+  } catch (const std::bad_alloc&) {
+    return fail(ErrorCode::kResourceExhausted, display_path + ": the scene does not fit into memory");
+  }
+}
+
+Result<SceneDescription> load_scene_file(const std::string& path) {
+  const std::filesystem::path file(path);
+  FolderAssets assets(file.parent_path().string());
+  return load_scene(assets, file.filename().string(), path);
+}
+
+}  // namespace tessera::core

@@ -1,0 +1,18 @@
+// Turns an OBJ file's triangles into a mesh in world space: corners unified into vertices, normals computed
+// where they are asked for, transform applied. Stateless; thread-safe.
+#pragma once
+
+#include "core/base/error.hpp"
+#include "core/math/transform.hpp"
+#include "core/scene/description.hpp"
+#include "core/scene/loader/obj_reader.hpp"
+#include "core/scene/loader/scene_file.hpp"
+
+namespace tessera::core {
+
+// Triangles without area are left out. `materials` holds the scene's material of each of the file's material
+// names, or a single one for all triangles. Errors complete a sentence that begins with the file's name.
+Result<MeshDescription> build_mesh(const ObjFile& file, NormalsMode normals, const Transform& transform,
+                                   const std::vector<std::uint32_t>& materials);
+
+}  // namespace tessera::core

@@ -1,0 +1,87 @@
+#include "core/scene/loader/scene_file.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace tessera::core {
+namespace {
+
+constexpr Bounds kFieldOfView{[](double v) { return v > 0 && v < 180; }, "greater than 0 and less than 180"};
+
+bool are_parallel(Vec3 a, Vec3 b) {
+  const Vec3 u = normalize(a), v = normalize(b);
+  return length(cross(u, v)) < 1e-4f;
+}
+
+void check_viewing_direction(const CameraDescription& camera, const Field& field) {
+  const Vec3 direction = camera.look_at - camera.position;
+  const float distance = length(direction);
+  if (!(distance > 0) || !std::isfinite(distance)) {
+    field.mistake("'look_at' must be another point than 'position', and not too far from it to be computed");
+  } else if (!(length(camera.up) > 0) || !std::isfinite(length(camera.up))) {
+    field.mistake("'up' must have a length that is greater than 0 and can be computed");
+  } else if (are_parallel(direction, camera.up)) {
+    field.mistake("'up' must not point along the line from 'position' to 'look_at'");
+  }
+}
+
+}  // namespace
+
+RenderSettings read_render(const Field& field) {
+  const ObjectReader object(field, scene_keys::kRender);
+  RenderSettings settings;
+  const auto read_side = [](const Field& side) { return read_whole_number(side, 1, kMaxImageSidePx); };
+  settings.width_px = read_or(object, "width", settings.width_px, read_side);
+  settings.height_px = read_or(object, "height", settings.height_px, read_side);
+  settings.spp =
+      read_or(object, "spp", settings.spp, read_whole_number, std::uint64_t{1}, std::uint64_t{kMaxSpp});
+  settings.seed =
+      read_or(object, "seed", settings.seed, read_whole_number, std::uint64_t{0}, ~std::uint64_t{0});
+  settings.max_depth = read_or(object, "max_depth", settings.max_depth, read_whole_number, std::uint64_t{0},
+                               std::uint64_t{1} << 20);
+  settings.integrator = read_or(object, "integrator", settings.integrator, read_choice,
+                                std::span<const std::string_view>(scene_keys::kIntegrators));
+  if (std::int64_t{settings.width_px} * settings.height_px > kMaxImagePixels)
+    field.mistake(fmt::format("{} x {} pixels are more than the {} that a picture may have",
+                              settings.width_px, settings.height_px, kMaxImagePixels));
+  return settings;
+}
+
+CameraDescription read_camera(const Field& field) {
+  const std::size_t mistakes_before = field.mistakes().count();
+  const ObjectReader object(field, scene_keys::kCamera);
+  CameraDescription camera;
+  camera.position = read_or(object, "position", camera.position, read_vec3, bounds::kAny);
+  camera.look_at = read_or(object, "look_at", camera.look_at, read_vec3, bounds::kAny);
+  camera.up = read_or(object, "up", camera.up, read_vec3, bounds::kAny);
+  camera.vertical_fov_degrees =
+      read_or(object, "vertical_fov_degrees", camera.vertical_fov_degrees, read_float, kFieldOfView);
+  camera.aperture_radius =
+      read_or(object, "aperture_radius", camera.aperture_radius, read_float, bounds::kNotNegative);
+  camera.focus_distance =
+      read_or(object, "focus_distance", camera.focus_distance, read_float, bounds::kPositive);
+  if (field.mistakes().count() == mistakes_before) check_viewing_direction(camera, field);
+  return camera;
+}
+
+SceneFile parse_scene_file(std::string_view text, const std::string& display_path, Mistakes& mistakes) {
+  const auto root = parse_json(text, display_path, mistakes);
+  if (!root) {
+    mistakes.add_whole(root.error());
+    return {};
+  }
+  const Field field(*root, "", mistakes);
+  const ObjectReader object(field, scene_keys::kScene);
+  SceneFile scene;
+  if (const auto schema = object.find("$schema")) read_text(*schema);
+  if (const auto render = object.find("render")) scene.settings = read_render(*render);
+  if (const auto camera = object.find("camera")) scene.camera = read_camera(*camera);
+  if (const auto textures = object.find("textures")) scene.textures = read_textures(*textures);
+  if (const auto materials = object.find("materials"))
+    scene.materials = read_materials(*materials, scene.textures);
+  if (const auto shapes = object.find("shapes")) scene.shapes = read_shapes(*shapes, scene.materials);
+  return scene;
+}
+
+}  // namespace tessera::core

@@ -1,0 +1,71 @@
+// A scene file as it is written, checked by itself: names resolved, transforms of spheres and quads applied,
+// but no asset read yet. The parts are functions of their own; parse_scene_file puts them together.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "core/math/transform.hpp"
+#include "core/scene/description.hpp"
+#include "core/scene/loader/field.hpp"
+#include "core/scene/loader/mistakes.hpp"
+
+namespace tessera::core {
+
+struct TextureEntry {
+  std::string name, file;
+  Place file_place;
+  std::optional<ColorSpace> color_space;  // nullopt: what the file's format suggests
+  Wrap wrap = Wrap::kRepeat;
+  Vec2 scale{1, 1}, offset{0, 0};
+};
+
+struct MaterialEntry {
+  Material material;
+  Place place;
+};
+
+// Which normals a mesh is shaded with.
+enum class NormalsMode {
+  kFile,    // the file's; where it has none, area-weighted means of the faces around each vertex
+  kSmooth,  // those means everywhere
+  kFlat,    // none
+};
+
+struct MeshEntry {
+  std::string file;
+  Place file_place;
+  NormalsMode normals = NormalsMode::kFile;
+  std::optional<std::uint32_t> material;  // nullopt: those of the OBJ file's own library
+  Transform transform;
+};
+
+struct ShapeEntry {
+  std::variant<MeshEntry, ShapeDescription> shape;
+  Place place;
+};
+
+struct SceneFile {
+  RenderSettings settings;
+  CameraDescription camera;
+  std::vector<TextureEntry> textures;
+  std::vector<MaterialEntry> materials;
+  std::vector<ShapeEntry> shapes;
+};
+
+// What is wrong is added to `mistakes`, which names the file; the scene is whole only if there is none.
+SceneFile parse_scene_file(std::string_view text, const std::string& display_path, Mistakes& mistakes);
+
+RenderSettings read_render(const Field& field);
+CameraDescription read_camera(const Field& field);
+std::vector<TextureEntry> read_textures(const Field& field);
+std::vector<MaterialEntry> read_materials(const Field& field, const std::vector<TextureEntry>& textures);
+std::vector<ShapeEntry> read_shapes(const Field& field, const std::vector<MaterialEntry>& materials);
+// Finite and invertible; the identity after a mistake.
+Transform read_transform(const Field& field);
+
+}  // namespace tessera::core

@@ -1,0 +1,83 @@
+// The keys that each object of a scene file may have: what the loader accepts, what it suggests for misspelt
+// keys, and what a test compares with scenes/scene.schema.json.
+#pragma once
+
+#include <array>
+#include <span>
+#include <string_view>
+
+namespace tessera::core {
+
+struct KeyRule {
+  std::string_view name;
+  bool required = false;
+};
+
+// The keys of one kind of object.
+struct ObjectRules {
+  std::string_view kind;            // as in "a sphere needs the key 'radius'"
+  std::string_view schema_pointer;  // where the schema describes it
+  std::span<const KeyRule> keys;
+};
+
+namespace scene_keys {
+
+inline constexpr bool kRequired = true;
+
+inline constexpr std::array kSceneKeys{KeyRule{"$schema"},           KeyRule{"render"},
+                                       KeyRule{"camera", kRequired}, KeyRule{"textures"},
+                                       KeyRule{"materials"},         KeyRule{"shapes", kRequired}};
+inline constexpr std::array kRenderKeys{KeyRule{"width"}, KeyRule{"height"},     KeyRule{"spp"},
+                                        KeyRule{"seed"},  KeyRule{"integrator"}, KeyRule{"max_depth"}};
+inline constexpr std::array kCameraKeys{
+    KeyRule{"position", kRequired},  KeyRule{"look_at", kRequired}, KeyRule{"up"},
+    KeyRule{"vertical_fov_degrees"}, KeyRule{"aperture_radius"},    KeyRule{"focus_distance"}};
+inline constexpr std::array kTextureKeys{KeyRule{"file", kRequired}, KeyRule{"color_space"}, KeyRule{"wrap"},
+                                         KeyRule{"scale"}, KeyRule{"offset"}};
+inline constexpr std::array kTexturedColorKeys{KeyRule{"texture", kRequired}, KeyRule{"tint"}};
+inline constexpr std::array kLambertKeys{KeyRule{"type", kRequired}, KeyRule{"albedo"}, KeyRule{"emission"},
+                                         KeyRule{"emission_sides"}};
+inline constexpr std::array kMirrorKeys{KeyRule{"type", kRequired}, KeyRule{"reflectance"},
+                                        KeyRule{"emission"}, KeyRule{"emission_sides"}};
+inline constexpr std::array kGlassKeys{KeyRule{"type", kRequired}, KeyRule{"ior"},
+                                       KeyRule{"reflectance"},     KeyRule{"transmittance"},
+                                       KeyRule{"emission"},        KeyRule{"emission_sides"}};
+inline constexpr std::array kMeshKeys{KeyRule{"type", kRequired}, KeyRule{"file", kRequired},
+                                      KeyRule{"material"}, KeyRule{"normals"}, KeyRule{"transform"}};
+inline constexpr std::array kSphereKeys{KeyRule{"type", kRequired}, KeyRule{"center"},
+                                        KeyRule{"radius", kRequired}, KeyRule{"material", kRequired},
+                                        KeyRule{"transform"}};
+inline constexpr std::array kQuadKeys{KeyRule{"type", kRequired},     KeyRule{"corner", kRequired},
+                                      KeyRule{"edge_u", kRequired},   KeyRule{"edge_v", kRequired},
+                                      KeyRule{"material", kRequired}, KeyRule{"transform"}};
+inline constexpr std::array kTransformStepKeys{KeyRule{"scale"}, KeyRule{"rotate"}, KeyRule{"translate"}};
+inline constexpr std::array kRotationKeys{KeyRule{"axis", kRequired}, KeyRule{"degrees", kRequired}};
+
+inline constexpr ObjectRules kScene{"scene", "", kSceneKeys};
+inline constexpr ObjectRules kRender{"render", "/properties/render", kRenderKeys};
+inline constexpr ObjectRules kCamera{"camera", "/properties/camera", kCameraKeys};
+inline constexpr ObjectRules kTexture{"texture", "/$defs/texture", kTextureKeys};
+inline constexpr ObjectRules kTexturedColor{"textured colour", "/$defs/textured_color", kTexturedColorKeys};
+inline constexpr ObjectRules kLambert{"lambert material", "/$defs/lambert", kLambertKeys};
+inline constexpr ObjectRules kMirror{"mirror material", "/$defs/mirror", kMirrorKeys};
+inline constexpr ObjectRules kGlass{"glass material", "/$defs/glass", kGlassKeys};
+inline constexpr ObjectRules kMesh{"mesh", "/$defs/mesh", kMeshKeys};
+inline constexpr ObjectRules kSphere{"sphere", "/$defs/sphere", kSphereKeys};
+inline constexpr ObjectRules kQuad{"quad", "/$defs/quad", kQuadKeys};
+inline constexpr ObjectRules kTransformStep{"transform step", "/$defs/transform_step", kTransformStepKeys};
+inline constexpr ObjectRules kRotation{"rotation", "/$defs/rotation", kRotationKeys};
+
+inline constexpr std::array kAllObjects{kScene, kRender, kCamera, kTexture, kTexturedColor, kLambert, kMirror,
+                                        kGlass, kMesh,   kSphere, kQuad,    kTransformStep, kRotation};
+
+// The words that stand for a choice, in the order of what they stand for in the code.
+inline constexpr std::array<std::string_view, 3> kIntegrators{"naive", "nee", "mis"};
+inline constexpr std::array<std::string_view, 3> kMaterialTypes{"lambert", "mirror", "glass"};
+inline constexpr std::array<std::string_view, 3> kShapeTypes{"mesh", "sphere", "quad"};
+inline constexpr std::array<std::string_view, 3> kNormals{"file", "smooth", "flat"};
+inline constexpr std::array<std::string_view, 2> kColorSpaces{"srgb", "linear"};
+inline constexpr std::array<std::string_view, 2> kWraps{"repeat", "clamp"};
+inline constexpr std::array<std::string_view, 2> kEmissionSides{"both", "front"};
+
+}  // namespace scene_keys
+}  // namespace tessera::core

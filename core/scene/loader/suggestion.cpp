@@ -1,0 +1,64 @@
+#include "core/scene/loader/suggestion.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace tessera::core {
+namespace {
+
+constexpr std::size_t kMaxShownLength = 80;
+constexpr std::size_t kMaxListed = 12;
+
+// Beyond this many changes two names are not alike.
+std::size_t likeness_limit(std::string_view name) {
+  return std::max<std::size_t>(1, name.size() / 3);
+}
+
+std::string listing(const std::vector<std::string_view>& known) {
+  if (known.empty() || known.size() > kMaxListed) return "";
+  std::vector<std::string> shown;
+  for (const auto name : known) shown.push_back(in_quotes(name));
+  return fmt::format("; known {} {}", known.size() == 1 ? "is" : "are", fmt::join(shown, ", "));
+}
+
+}  // namespace
+
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> two_above, above(b.size() + 1), row(b.size() + 1);
+  for (std::size_t j = 0; j <= b.size(); ++j) above[j] = j;
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      row[j] = std::min({above[j] + 1, row[j - 1] + 1, above[j - 1] + (a[i - 1] != b[j - 1])});
+      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
+        row[j] = std::min(row[j], two_above[j - 2] + 1);
+    }
+    two_above = above;
+    above = row;
+  }
+  return above[b.size()];
+}
+
+std::string suggestion(std::string_view name, const std::vector<std::string_view>& known) {
+  if (name.size() > kMaxShownLength) return listing(known);
+  const auto distance = [&](std::string_view k) {
+    return k.size() > kMaxShownLength ? kMaxShownLength : edit_distance(name, k);
+  };
+  const auto nearest =
+      std::min_element(known.begin(), known.end(), [&](auto a, auto b) { return distance(a) < distance(b); });
+  if (nearest != known.end() && distance(*nearest) <= likeness_limit(name))
+    return fmt::format("; did you mean {}?", in_quotes(*nearest));
+  return listing(known);
+}
+
+std::string in_quotes(std::string_view name) {
+  std::string shown = "'";
+  for (const char c : name.substr(0, kMaxShownLength)) {
+    const auto byte = static_cast<unsigned char>(c);
+    shown += byte < 0x20 || byte == 0x7f ? fmt::format("\\x{:02x}", byte) : std::string(1, c);
+  }
+  return shown + (name.size() > kMaxShownLength ? "...'" : "'");
+}
+
+}  // namespace tessera::core

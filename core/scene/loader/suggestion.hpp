@@ -1,0 +1,22 @@
+// Guesses what a misspelt name was meant to be. Stateless; thread-safe.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace tessera::core {
+
+// How many letters must be inserted, removed, replaced or swapped with their neighbour to turn `a` into `b`
+// (Damerau 1964; each letter takes part in one change at most).
+std::size_t edit_distance(std::string_view a, std::string_view b);
+
+// "; did you mean 'albedo'?" where one of `known` is close to `name`, else "; known are 'a', 'b'", else
+// nothing.
+std::string suggestion(std::string_view name, const std::vector<std::string_view>& known);
+
+// A name out of a file as messages show it: in single quotes, cut to a readable length, control characters
+// escaped.
+std::string in_quotes(std::string_view name);
+
+}  // namespace tessera::core

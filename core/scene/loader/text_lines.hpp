@@ -1,0 +1,22 @@
+// Lines and words of OBJ and MTL files, as tinyobjloader sees them too: a line ends with \n, \r\n or \r,
+// words are parted by spaces and tabs. Stateless; thread-safe.
+#pragma once
+
+#include <optional>
+#include <string_view>
+
+namespace tessera::core {
+
+// The first line of `text`, which is taken off it.
+std::string_view take_line(std::string_view& text);
+// The first word of `line`, which is taken off it with the blanks around it; empty at the end.
+std::string_view take_word(std::string_view& line);
+// Without blanks at either end.
+std::string_view trimmed(std::string_view line);
+
+// A decimal number that fits a float, correctly rounded; nullopt for anything else, NaN and infinity among
+// it.
+std::optional<float> parse_float(std::string_view word);
+std::optional<int> parse_int(std::string_view word);
+
+}  // namespace tessera::core
