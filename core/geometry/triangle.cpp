@@ -18,6 +18,14 @@ double max_abs(double a, double b, double c) {
   return std::max({std::fabs(a), std::fabs(b), std::fabs(c)});
 }
 
+// a * b - c * d to within two units in the last place (Kahan; Jeannerod, Louvet and Muller 2013), so that its
+// sign is right, and 0 is 0. The fused operation is asked for, not left to the compiler.
+double difference_of_products(double a, double b, double c, double d) {
+  const double cd = c * d;
+  const double error_of_cd = std::fma(-c, d, cd);
+  return std::fma(a, b, -cd) + error_of_cd;
+}
+
 // By how much the computed t times |det * direction_z| may be wrong (Pharr et al. 2023, section 6.8.7, with
 // the unit roundoff of double). a, b, c are the sheared corners, e the edge functions.
 double t_error_bound(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& e) {
@@ -46,7 +54,8 @@ ShearedRay::ShearedRay(const Ray& ray)
 
 std::optional<TriangleHit> intersect_triangle(const ShearedRay& ray, const TriangleCorners& corners) {
   const Vec3d a = ray.shear(corners[0]), b = ray.shear(corners[1]), c = ray.shear(corners[2]);
-  const Vec3d e(b.x * c.y - b.y * c.x, c.x * a.y - c.y * a.x, a.x * b.y - a.y * b.x);
+  const Vec3d e(difference_of_products(b.x, c.y, b.y, c.x), difference_of_products(c.x, a.y, c.y, a.x),
+                difference_of_products(a.x, b.y, a.y, b.x));
   if ((e.x < 0 || e.y < 0 || e.z < 0) && (e.x > 0 || e.y > 0 || e.z > 0)) return std::nullopt;
   const double det = e.x + e.y + e.z;
   if (det == 0) return std::nullopt;

@@ -1,0 +1,89 @@
+// The tree itself: the same for any number of threads, complete, and of bounded depth whatever it is made of.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include "core/accel/binary_bvh.hpp"
+#include "tests/unit/core_geometry/shapes.hpp"
+
+namespace tessera::core {
+namespace {
+
+TEST(BvhStructure, IsTheSameForAnyNumberOfThreads) {
+  for (const test::Soup& soup : test::all_soups(30000)) {
+    const Bvh one = Bvh::build(soup.primitives, 1);
+    for (const int threads : {2, 3}) EXPECT_TRUE(Bvh::build(soup.primitives, threads) == one) << soup.name;
+  }
+  const auto soups = test::all_soups(1000);
+  EXPECT_FALSE(Bvh::build(soups[0].primitives, 1) == Bvh::build(soups[1].primitives, 1));
+}
+
+bool contains(const Aabb& outer, const Aabb& inner) {
+  Aabb both = outer;
+  both.include(inner);
+  return both == outer;
+}
+
+// Checks the subtree and returns its depth.
+int check(const Primitives& primitives, const BinaryBvh& tree, std::uint32_t index) {
+  const BinaryBvh::Node& node = tree.nodes[index];
+  if (node.is_leaf()) {
+    EXPECT_TRUE(node.count() >= 1 && node.count() <= kMaxLeafSize);
+    for (std::uint32_t i = node.begin; i < node.end; ++i) {
+      EXPECT_TRUE(contains(node.box, primitives.bounds(tree.order[i])));
+    }
+    return 0;
+  }
+  const BinaryBvh::Node &left = tree.nodes[index + 1], &right = tree.nodes[node.right];
+  EXPECT_TRUE(left.begin == node.begin && left.end == right.begin && right.end == node.end);
+  EXPECT_TRUE(contains(node.box, left.box) && contains(node.box, right.box));
+  return 1 + std::max(check(primitives, tree, index + 1), check(primitives, tree, node.right));
+}
+
+int check(const Primitives& primitives) {
+  const BinaryBvh tree = build_binary_bvh(primitives, 2);
+  std::vector<std::uint32_t> ids = tree.order, expected;
+  for (std::uint32_t i = 0; i < primitives.count(); ++i) {
+    if (!primitives.bounds(i).empty()) expected.push_back(i);
+  }
+  std::sort(ids.begin(), ids.end());
+  EXPECT_EQ(ids, expected);
+  return check(primitives, tree, 0);
+}
+
+TEST(BvhStructure, HoldsEverythingOnceWithinItsBoxes) {
+  for (const test::Soup& soup : test::all_soups(5000)) {
+    SCOPED_TRACE(soup.name);
+    EXPECT_LE(check(soup.primitives), kMaxBinaryDepth);
+  }
+}
+
+TEST(BvhStructure, OfIdenticalTrianglesIsBalanced) {
+  test::Mesh mesh;
+  for (int i = 0; i < 100000; ++i) mesh.add({Vec3{-1, -1, 0}, Vec3{1, -1, 0}, Vec3{0, 1, 0}});
+  const Primitives primitives = mesh.primitives();
+  EXPECT_LE(check(primitives), 15);
+  const Hit hit = Bvh::build(primitives, 2).closest_hit(primitives, {{0, 0, 1}, {0, 0, -1}});
+  EXPECT_EQ(hit.primitive, 0u) << "of all that are as near, the lowest id";
+}
+
+TEST(BvhStructure, OfExponentiallySpacedTrianglesIsBoundedInDepth) {
+  test::Mesh mesh;
+  for (int i = 0; i < 100000; ++i) {
+    const float x = std::ldexp(1 + static_cast<float>(i / 270) / 1024, i % 270 - 140);
+    mesh.add({Vec3{x, -x, 0}, Vec3{x, x, 0}, Vec3{x, 0, x}});
+  }
+  const Primitives primitives = mesh.primitives();
+  const int depth = check(primitives);
+  EXPECT_GT(depth, kMaxSahDepth) << "not hard enough to reach the limit";
+  EXPECT_LE(depth, kMaxBinaryDepth);
+  const Bvh bvh = Bvh::build(primitives, 2);
+  for (const Ray& ray : {Ray{{-1, 0, 0}, {1, 0, 0}}, Ray{{1e38f, 1e-3f, 1e-3f}, {-1, 0, 0}}}) {
+    EXPECT_TRUE(test::identical(bvh.closest_hit(primitives, ray), test::brute_force_hit(primitives, ray)));
+  }
+}
+
+}  // namespace
+}  // namespace tessera::core
