@@ -29,7 +29,7 @@ constexpr auto kSchema = R"(
   CREATE TABLE jobs (
     id TEXT PRIMARY KEY, request_id TEXT, spec BLOB NOT NULL, revision INTEGER NOT NULL, state INTEGER NOT NULL,
     failure TEXT NOT NULL, spp INTEGER NOT NULL, priority INTEGER NOT NULL, created_ms INTEGER NOT NULL,
-    finished_ms INTEGER);
+    finished_ms INTEGER, counters BLOB NOT NULL, arithmetic TEXT NOT NULL);
   CREATE UNIQUE INDEX jobs_by_request_id ON jobs (request_id);
   CREATE TABLE tiles (
     job_id TEXT NOT NULL REFERENCES jobs (id) ON DELETE CASCADE, tile INTEGER NOT NULL, done BLOB NOT NULL,
@@ -37,15 +37,14 @@ constexpr auto kSchema = R"(
 )";
 
 constexpr auto kInsertJob =
-    "INSERT INTO jobs (id, request_id, spec, revision, state, failure, spp, priority, created_ms, "
-    "finished_ms)"
-    " VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10)";
+    "INSERT INTO jobs (id, request_id, spec, revision, state, failure, spp, priority, created_ms, finished_ms,"
+    " counters, arithmetic) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12)";
 constexpr auto kUpdateJob =
-    "UPDATE jobs SET revision = ?2, state = ?3, failure = ?4, spp = ?5, priority = ?6, finished_ms = ?7"
-    " WHERE id = ?1 AND revision < ?2";
+    "UPDATE jobs SET revision = ?2, state = ?3, failure = ?4, spp = ?5, priority = ?6, finished_ms = ?7,"
+    " counters = ?8, arithmetic = ?9 WHERE id = ?1 AND revision < ?2";
 constexpr auto kListJobs =
-    "SELECT id, request_id, spec, revision, state, failure, spp, priority, created_ms, finished_ms FROM jobs"
-    " ORDER BY created_ms, rowid";
+    "SELECT id, request_id, spec, revision, state, failure, spp, priority, created_ms, finished_ms,"
+    " counters, arithmetic FROM jobs ORDER BY created_ms, rowid";
 constexpr auto kWriteTile =
     "INSERT OR REPLACE INTO tiles (job_id, tile, done, content, row_xxh3)"
     " SELECT ?1, ?2, ?3, ?4, ?5 WHERE EXISTS (SELECT 1 FROM jobs WHERE id = ?1)";
@@ -112,6 +111,8 @@ JobRow read_job(const Statement& row) {
   job.priority = static_cast<int>(row.integer(7));
   job.created_ms = row.integer(8);
   if (!row.is_null(9)) job.finished_ms = row.integer(9);
+  job.counters = row.bytes(10);
+  job.arithmetic = row.bytes(11);
   return job;
 }
 
@@ -208,6 +209,7 @@ core::Status JobStore::insert_job(const JobRow& job) {
   insert.bind(6, job.failure).bind(7, job.spp).bind(8, job.priority).bind(9, job.created_ms);
   job.request_id.empty() ? insert.bind_null(2) : insert.bind(2, job.request_id);
   job.finished_ms ? insert.bind(10, *job.finished_ms) : insert.bind_null(10);
+  insert.bind(11, job.counters).bind(12, job.arithmetic);
   return insert.run();
 }
 
@@ -217,6 +219,7 @@ core::Status JobStore::update_job(const JobRow& job) {
   update.bind(1, job.id).bind(2, as_signed(job.revision)).bind(3, job.state).bind(4, job.failure);
   update.bind(5, job.spp).bind(6, job.priority);
   job.finished_ms ? update.bind(7, *job.finished_ms) : update.bind_null(7);
+  update.bind(8, job.counters).bind(9, job.arithmetic);
   return update.run();
 }
 

@@ -31,6 +31,8 @@ struct JobRow {
   int priority = 0;
   std::int64_t created_ms = 0;  // since 1970-01-01 UTC
   std::optional<std::int64_t> finished_ms;
+  std::string counters;    // opaque; of the film as it was when the row was written
+  std::string arithmetic;  // fingerprint of the workers that rendered it; empty before
 
   bool operator==(const JobRow&) const = default;
 };

@@ -1,0 +1,99 @@
+// Writing to the store what has changed.
+//
+// Job rows are copied first and written last: a row that says DONE is only in the store when all of the job's
+// samples are. Tiles stand by themselves, so they are copied and written in bounded batches, however many
+// changed.
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "server/coordinator/turn.hpp"
+
+namespace tessera::coordinator {
+
+namespace {
+
+// 64 tiles are 12 MiB of sums, and as much again encoded.
+constexpr std::size_t kTilesPerBatch = 64;
+
+}  // namespace
+
+core::Status Coordinator::checkpoint() {
+  const std::lock_guard one_at_a_time(checkpoint_mutex_);
+  const std::vector<store::JobRow> rows = changed_rows();
+  const std::vector<TileRef> tiles = changed_tiles();
+  for (std::size_t begin = 0; begin < tiles.size(); begin += kTilesPerBatch) {
+    const std::size_t count = std::min(kTilesPerBatch, tiles.size() - begin);
+    if (auto written = write_tiles(std::span(tiles).subspan(begin, count)); !written) return written;
+  }
+  for (const store::JobRow& row : rows) {
+    if (auto written = state_.jobs.update_job(row); !written) return written;
+  }
+  note_stored(rows);
+  return {};
+}
+
+std::vector<store::JobRow> Coordinator::changed_rows() {
+  const Turn turn(*this);
+  std::vector<store::JobRow> rows;
+  for (const auto& [id, record] : jobs_) {
+    if (record.revision == record.stored_revision) continue;
+    rows.push_back(to_row(record, *scheduler_.job({id}, turn.now())));
+  }
+  return rows;
+}
+
+std::vector<Coordinator::TileRef> Coordinator::changed_tiles() {
+  const Turn turn(*this);
+  std::vector<TileRef> tiles;
+  for (const auto& [id, record] : jobs_) {
+    if (!record.film) continue;
+    for (const int tile : record.film->changed()) tiles.push_back({id, tile});
+  }
+  return tiles;
+}
+
+core::Status Coordinator::write_tiles(std::span<const TileRef> tiles) {
+  std::vector<TileCopy> copies;
+  {
+    const Turn turn(*this);
+    for (const TileRef& ref : tiles) {
+      const JobRecord* record = find(ref.job_id);
+      if (record == nullptr || !record->film) continue;  // deleted meanwhile
+      record->film->mark_clean(ref.tile);
+      copies.push_back({ref, grid_of(*record->spec).rect(ref.tile),
+                        scheduler_.done({ref.job_id}, ref.tile).ranges(), record->film->copy(ref.tile)});
+    }
+  }
+  std::vector<store::TileRow> rows;
+  for (TileCopy& copy : copies) {
+    rows.push_back(
+        encode_tile_row(copy.ref.job_id, copy.ref.tile, copy.rect, std::move(copy.done), copy.content));
+    copy.content = {};
+  }
+  auto written = state_.jobs.write_tiles(rows);
+  if (written) return written;
+  const Turn turn(*this);
+  for (const TileRef& ref : tiles) {
+    const JobRecord* record = find(ref.job_id);
+    if (record != nullptr && record->film) record->film->mark_changed(ref.tile);
+  }
+  return written;
+}
+
+void Coordinator::note_stored(const std::vector<store::JobRow>& rows) {
+  const Turn turn(*this);
+  for (const store::JobRow& row : rows) {
+    if (JobRecord* record = find(row.id)) record->stored_revision = row.revision;
+  }
+  for (auto& [id, record] : jobs_) {
+    const bool stored =
+        record.film && record.film->changed().empty() && record.revision == record.stored_revision;
+    if (!stored || !is_finished(scheduler_.job({id}, turn.now())->state)) continue;
+    record.stored_counters = record.film->counters();
+    record.film.reset();
+  }
+}
+
+}  // namespace tessera::coordinator

@@ -1,0 +1,145 @@
+#include "server/coordinator/coordinator.hpp"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <cstdlib>
+#include <utility>
+
+#include "server/coordinator/turn.hpp"
+#include "server/coordinator/wire.hpp"
+
+namespace tessera::coordinator {
+
+namespace {
+
+constexpr auto kCheckPeriod = std::chrono::seconds(1);
+
+scheduler::Options scheduler_options(const Options& options, std::uint32_t epoch) {
+  scheduler::Options result;
+  result.epoch = epoch;
+  result.lease_duration = options.lease_duration;
+  result.forget_after = 10 * options.lease_duration;
+  return result;
+}
+
+// The milliseconds since 1970-01-01 UTC of a moment on the scheduler's clock.
+std::int64_t wall_ms(scheduler::Time time, scheduler::Time now) {
+  const auto since_1970 = std::chrono::system_clock::now().time_since_epoch() - (now - time);
+  return std::chrono::duration_cast<std::chrono::milliseconds>(since_1970).count();
+}
+
+}  // namespace
+
+Coordinator::Coordinator(Options options, store::StateDirectory state, SceneCheck check_scene)
+    : options_(std::move(options)),
+      check_scene_(std::move(check_scene)),
+      state_(std::move(state)),
+      scheduler_(scheduler_options(options_, state_.jobs.epoch())) {}
+
+Coordinator::~Coordinator() {
+  close();
+}
+
+core::Result<std::unique_ptr<Coordinator>> Coordinator::open(Options options, store::StateDirectory state,
+                                                             SceneCheck check_scene) {
+  std::unique_ptr<Coordinator> coordinator(
+      new Coordinator(std::move(options), std::move(state), std::move(check_scene)));
+  const auto rows = coordinator->state_.jobs.jobs();
+  if (!rows) return core::fail(rows.error());
+  for (const store::JobRow& row : *rows) {
+    if (auto restored = coordinator->restore_job(row); !restored) return core::fail(restored.error());
+  }
+  if (!rows->empty()) spdlog::info("took up {} jobs from the state directory", rows->size());
+  return coordinator;
+}
+
+core::Result<v1::Job> Coordinator::job(const std::string& id) {
+  const Turn turn(*this);
+  const JobRecord* record = find(id);
+  if (record == nullptr) return core::fail(core::ErrorCode::kNotFound, fmt::format("there is no job {}", id));
+  return describe_now(turn, *record);
+}
+
+std::vector<v1::Job> Coordinator::jobs() {
+  const Turn turn(*this);
+  std::vector<v1::Job> result;
+  for (const scheduler::JobView& view : scheduler_.jobs(turn.now())) {
+    result.push_back(describe(jobs_.at(view.id.value), view));
+  }
+  return {result.rbegin(), result.rend()};
+}
+
+std::vector<v1::ListWorkersResponse::Worker> Coordinator::workers() {
+  const Turn turn(*this);
+  std::vector<v1::ListWorkersResponse::Worker> result;
+  for (const scheduler::WorkerView& worker : scheduler_.workers(turn.now())) {
+    result.push_back(to_wire(worker, wall_ms(worker.last_seen, turn.now())));
+  }
+  return result;
+}
+
+void Coordinator::tick() {
+  Turn turn(*this);
+  apply(turn, scheduler_.handle(scheduler::Tick{}, turn.now()));
+  std::vector<std::string> due;
+  for (const auto& [worker, call] : parked_) {
+    if (call.deadline <= turn.now()) due.push_back(worker);
+  }
+  for (const std::string& worker : due) apply(turn, top_up(turn, worker, true));
+  if (turn.now() < next_check_) return;
+  next_check_ = turn.now() + kCheckPeriod;
+  if (const auto broken = scheduler_.check_invariants(scheduler::CheckDepth::kCounters)) {
+    spdlog::critical("a defect, please report it with this line: {}", *broken);
+    std::abort();
+  }
+}
+
+void Coordinator::close() {
+  Turn turn(*this);
+  closed_ = true;
+  for (auto& [worker, call] : parked_) {
+    turn.later([answer = std::move(call.answer)] {
+      answer(core::fail(core::ErrorCode::kUnavailable, "the coordinator is stopping: try again"));
+    });
+  }
+  parked_.clear();
+}
+
+JobRecord* Coordinator::find(const std::string& id) {
+  const auto found = jobs_.find(id);
+  return found == jobs_.end() ? nullptr : &found->second;
+}
+
+v1::Job Coordinator::describe_now(const Turn& turn, const JobRecord& record) const {
+  return describe(record, *scheduler_.job({record.spec->id()}, turn.now()));
+}
+
+void Coordinator::apply(Turn& turn, const scheduler::Actions& actions) {
+  std::vector<scheduler::Actions> todo{actions};
+  std::set<std::string> asked;  // each worker once: what one is given, the next cannot have
+  while (!todo.empty()) {
+    const scheduler::Actions next = std::move(todo.back());
+    todo.pop_back();
+    for (const scheduler::JobChange& change : next.job_changes) note_change(change);
+    for (const scheduler::WorkerId& worker : next.wake) {
+      if (asked.insert(worker.value).second) todo.push_back(top_up(turn, worker.value, false));
+    }
+  }
+}
+
+void Coordinator::note_change(const scheduler::JobChange& change) {
+  JobRecord* record = find(change.id.value);
+  if (record == nullptr) return;
+  ++record->revision;
+  record->finished_ms.reset();
+  if (is_finished(change.to)) {
+    record->finished_ms = std::chrono::duration_cast<std::chrono::milliseconds>(
+                              std::chrono::system_clock::now().time_since_epoch())
+                              .count();
+  }
+  spdlog::info("job {} ({}) is {}", change.id.value, record->spec->name(),
+               scheduler::job_state_name(change.to));
+}
+
+}  // namespace tessera::coordinator

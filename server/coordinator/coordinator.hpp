@@ -1,0 +1,166 @@
+// The coordinator: the scheduler, the films and the store, behind one gate.
+//
+// Every method takes its turn at one lock, in which it advances the scheduler by one event and does what
+// follows from it; decompression, disks and scene validation stay outside. Methods speak the messages of the
+// contract, but know nothing of RPC. There are no threads here: whoever runs a coordinator calls tick() and
+// checkpoint() regularly. Thread-safe. Errors are those of the contract (proto/tessera/v1).
+#pragma once
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/base/error.hpp"
+#include "core/image/image.hpp"
+#include "server/coordinator/job_record.hpp"
+#include "server/scheduler/scheduler.hpp"
+#include "server/store/state_directory.hpp"
+#include "tessera/v1/render_service.pb.h"
+#include "tessera/v1/worker_service.pb.h"
+
+namespace tessera::coordinator {
+
+struct Options {
+  // A worker that is silent for so long loses its leases. See scheduler::Options.
+  scheduler::Duration lease_duration = std::chrono::seconds(10);
+  // The clock. Tests bring their own.
+  std::function<scheduler::Time()> now = std::chrono::steady_clock::now;
+};
+
+// Loads and validates a scene whose blobs are all here, and answers with its settings, overrides applied. May
+// block.
+using SceneCheck =
+    std::function<core::Result<v1::RenderSettings>(const v1::Bundle&, const v1::RenderOverrides&)>;
+
+struct Picture {
+  v1::Job job;  // when the picture began to be taken
+  core::Image image;
+};
+
+// Called exactly once, on any thread, outside the gate.
+using SynchronizeAnswer = std::function<void(core::Result<v1::SynchronizeResponse>)>;
+
+class Coordinator {
+ public:
+  // Takes up every job of `state` where it was checkpointed. Errors name the file that cannot be read.
+  static core::Result<std::unique_ptr<Coordinator>> open(Options options, store::StateDirectory state,
+                                                         SceneCheck check_scene);
+  ~Coordinator();
+
+  // ---- For users ----
+  // Blocks while the scene is validated and the job is stored.
+  core::Result<v1::Job> submit_job(const v1::SubmitJobRequest& request);
+  core::Result<v1::Job> job(const std::string& id);
+  // Newest first.
+  std::vector<v1::Job> jobs();
+  // These return when the change is stored.
+  core::Result<v1::Job> cancel_job(const std::string& id);
+  core::Result<v1::Job> pause_job(const std::string& id);
+  core::Result<v1::Job> resume_job(const std::string& id);
+  core::Result<v1::Job> extend_job(const std::string& id, std::uint32_t spp);
+  core::Status delete_job(const std::string& id);
+  // Each tile as it is when its row is copied; holds the gate for one row of tiles at a time.
+  core::Result<Picture> picture(const std::string& id);
+  std::vector<v1::ListWorkersResponse::Worker> workers();
+
+  // ---- For workers ----
+  // Answers at once, or when there is something to change, or before the worker must be heard of again.
+  void synchronize(const v1::SynchronizeRequest& request, SynchronizeAnswer answer);
+  core::Result<v1::SubmitResultResponse> submit_result(const v1::SubmitResultRequest& request);
+
+  const store::BlobStore& blobs() const { return state_.blobs; }
+
+  // ---- For whoever runs it ----
+  // Lets time pass: takes leases from silent workers, answers calls that have waited long enough. Due about
+  // every 100 ms. Ends the process if an invariant is broken, rather than let it spoil a picture.
+  void tick();
+  // Writes what has changed since the last one. After an error everything not written is tried again next
+  // time.
+  core::Status checkpoint();
+  // Answers all waiting calls, and every later one, with UNAVAILABLE.
+  void close();
+
+ private:
+  class Turn;
+  struct ParkedCall {
+    SynchronizeAnswer answer;
+    std::set<std::string> known_jobs;
+    scheduler::Time deadline;
+  };
+  struct LoadedFilm;
+
+  Coordinator(Options options, store::StateDirectory state, SceneCheck check_scene);
+
+  core::Status restore_job(const store::JobRow& row);
+  core::Result<LoadedFilm> load_film(const v1::Job& spec);
+  // Empty where the store has nothing of the tile.
+  core::Result<TileContent> load_tile(const v1::Job& spec, const core::TileGrid& grid, int tile);
+  core::Result<core::Image> develop_row(const v1::Job& spec, const core::TileGrid& grid, int row);
+
+  core::Status check_bundle(const v1::Bundle& bundle) const;
+  std::optional<v1::Job> job_of_request(const std::string& request_id);
+  core::Result<v1::Job> add_job(v1::Job spec, const std::string& request_id);
+
+  struct ChangedJob {
+    v1::Job job;
+    store::JobRow row;
+  };
+  core::Result<v1::Job> change_job(const std::string& id, const scheduler::Event& event);
+  core::Result<v1::Job> store_change(core::Result<ChangedJob> changed);
+  struct Extension;
+  core::Result<Extension> prepare_extension(const std::string& id);
+
+  // ---- Within a turn ----
+  JobRecord* find(const std::string& id);
+  core::Result<ChangedJob> change(Turn& turn, const std::string& id, const scheduler::Event& event);
+  core::Status may_extend(const JobRecord& record, std::uint32_t spp) const;
+  v1::Job describe_now(const Turn& turn, const JobRecord& record) const;
+  void apply(Turn& turn, const scheduler::Actions& actions);
+  void note_change(const scheduler::JobChange& change);
+  core::Status admit(const Turn& turn, const v1::SynchronizeRequest& request);
+  bool arithmetic_is_bound(const Turn& turn, const std::string& except_worker) const;
+  scheduler::Actions top_up(Turn& turn, const std::string& worker, bool answer_unchanged);
+  void release_parked(Turn& turn, const std::string& worker, const scheduler::Reply& reply);
+  v1::SynchronizeResponse respond(const scheduler::Reply& reply, std::set<std::string> known_jobs);
+
+  // ---- Checkpoints ----
+  struct TileRef {
+    std::string job_id;
+    int tile;
+  };
+  struct TileCopy {
+    TileRef ref;
+    core::PixelRect rect;
+    std::vector<core::SampleRange> done;
+    TileContent content;
+  };
+  std::vector<store::JobRow> changed_rows();
+  std::vector<TileRef> changed_tiles();
+  core::Status write_tiles(std::span<const TileRef> tiles);
+  void note_stored(const std::vector<store::JobRow>& rows);
+
+  const Options options_;
+  const SceneCheck check_scene_;
+
+  store::StateDirectory state_;  // thread-safe by itself
+  std::mutex submit_mutex_;      // one job is added at a time
+  std::mutex checkpoint_mutex_;  // one checkpoint is written at a time
+
+  std::mutex gate_;
+  // Guarded by gate_:
+  scheduler::Scheduler scheduler_;
+  std::map<std::string, JobRecord> jobs_;
+  std::map<std::string, std::string> job_of_request_;
+  std::map<std::string, ParkedCall> parked_;  // by worker
+  std::string arithmetic_;                    // fingerprint of this farm; empty while any will do
+  scheduler::Time next_check_{};
+  bool closed_ = false;
+};
+
+}  // namespace tessera::coordinator

@@ -1,0 +1,71 @@
+// Asking a job for more samples. A done job's film is only on disk, and is read back outside the gate.
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "proto/convert.hpp"
+#include "server/coordinator/loaded_film.hpp"
+#include "server/coordinator/turn.hpp"
+
+namespace tessera::coordinator {
+
+using core::ErrorCode;
+
+// What was seen of a job, and its film if that had to be read.
+struct Coordinator::Extension {
+  std::uint64_t revision = 0;
+  std::unique_ptr<JobFilm> film;
+};
+
+core::Result<Coordinator::Extension> Coordinator::prepare_extension(const std::string& id) {
+  Extension extension;
+  std::shared_ptr<const v1::Job> spec;
+  {
+    const Turn turn(*this);
+    const JobRecord* record = find(id);
+    if (record == nullptr) return core::fail(ErrorCode::kNotFound, fmt::format("there is no job {}", id));
+    extension.revision = record->revision;
+    if (record->film || !scheduler::takes_results(scheduler_.job({id}, turn.now())->state)) return extension;
+    spec = record->spec;
+  }
+  auto loaded = load_film(*spec);
+  if (!loaded) return core::fail(loaded.error());
+  if (!loaded->damage.empty()) {
+    return core::fail(ErrorCode::kDataLoss, loaded->damage.front() + ": delete the job and submit it again");
+  }
+  extension.film = std::move(loaded->film);
+  return extension;
+}
+
+core::Status Coordinator::may_extend(const JobRecord& record, std::uint32_t spp) const {
+  v1::RenderSettings settings = record.spec->settings();
+  settings.set_spp(spp);
+  if (const auto possible = proto::from_proto(settings); !possible) return core::fail(possible.error());
+  if (record.arithmetic.empty() || arithmetic_.empty() || record.arithmetic == arithmetic_) return {};
+  return core::fail(
+      ErrorCode::kFailedPrecondition,
+      fmt::format("job {} was rendered by workers of another build (fingerprint {}; this farm's is {}), "
+                  "and its picture cannot be continued with these: submit the scene again",
+                  record.spec->id(), record.arithmetic, arithmetic_));
+}
+
+core::Result<v1::Job> Coordinator::extend_job(const std::string& id, std::uint32_t spp) {
+  while (true) {
+    auto extension = prepare_extension(id);
+    if (!extension) return core::fail(extension.error());
+    std::optional<core::Result<ChangedJob>> changed;
+    {
+      Turn turn(*this);
+      JobRecord* record = find(id);
+      if (record == nullptr) continue;                        // deleted meanwhile: the next round says so
+      if (record->revision != extension->revision) continue;  // changed meanwhile: its film may be another
+      if (auto may = may_extend(*record, spp); !may) return core::fail(may.error());
+      if (!record->film) record->film = std::move(extension->film);
+      if (arithmetic_.empty()) arithmetic_ = record->arithmetic;
+      changed = change(turn, id, scheduler::ExtendJob{{id}, spp});
+    }
+    return store_change(std::move(*changed));
+  }
+}
+
+}  // namespace tessera::coordinator

@@ -1,0 +1,69 @@
+#include "server/coordinator/job_record.hpp"
+
+#include <fmt/format.h>
+
+#include "proto/convert.hpp"
+#include "server/coordinator/wire.hpp"
+
+namespace tessera::coordinator {
+
+core::TileGrid grid_of(const v1::Job& spec) {
+  return shape_of(spec, 0).grid();
+}
+
+scheduler::JobShape shape_of(const v1::Job& spec, std::uint32_t spp) {
+  return {static_cast<int>(spec.settings().width_px()), static_cast<int>(spec.settings().height_px()), spp};
+}
+
+v1::Job describe(const JobRecord& record, const scheduler::JobView& view) {
+  v1::Job job = *record.spec;
+  job.mutable_settings()->set_spp(view.shape.spp);
+  job.set_state(to_wire(view.state));
+  job.set_failure(view.failure);
+  job.set_priority(view.priority);
+  job.set_samples_total(view.samples_total);
+  job.set_samples_done(view.samples_done);
+  job.set_samples_per_second(view.samples_per_second);
+  job.set_active_workers(static_cast<std::uint32_t>(view.active_workers));
+  *job.mutable_counters() = proto::to_proto(record.counters());
+  if (record.finished_ms) *job.mutable_finished_at() = timestamp_from_ms(*record.finished_ms);
+  return job;
+}
+
+store::JobRow to_row(const JobRecord& record, const scheduler::JobView& view) {
+  store::JobRow row;
+  row.id = record.spec->id();
+  row.request_id = record.request_id;
+  row.spec = record.spec->SerializeAsString();
+  row.revision = record.revision;
+  row.state = to_wire(view.state);
+  row.failure = view.failure;
+  row.spp = view.shape.spp;
+  row.priority = view.priority;
+  row.created_ms = ms_from_timestamp(record.spec->created_at());
+  row.finished_ms = record.finished_ms;
+  row.counters = proto::to_proto(record.counters()).SerializeAsString();
+  row.arithmetic = record.arithmetic;
+  return row;
+}
+
+core::Result<JobRecord> from_row(const store::JobRow& row) {
+  auto spec = std::make_shared<v1::Job>();
+  v1::Counters counters;
+  if (!spec->ParseFromString(row.spec) || !counters.ParseFromString(row.counters) ||
+      !proto::from_proto(spec->settings())) {
+    return core::fail(
+        core::ErrorCode::kDataLoss,
+        fmt::format("the stored job {} is damaged: put back a copy of the state folder", row.id));
+  }
+  JobRecord record;
+  record.spec = std::move(spec);
+  record.request_id = row.request_id;
+  record.revision = record.stored_revision = row.revision;
+  record.finished_ms = row.finished_ms;
+  record.arithmetic = row.arithmetic;
+  record.stored_counters = proto::from_proto(counters);
+  return record;
+}
+
+}  // namespace tessera::coordinator

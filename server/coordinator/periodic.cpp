@@ -1,0 +1,28 @@
+#include "server/coordinator/periodic.hpp"
+
+#include <utility>
+
+namespace tessera::coordinator {
+
+Periodic::Periodic(std::chrono::milliseconds period, std::function<void()> call)
+    : period_(period), call_(std::move(call)) {
+  thread_ = std::thread([this] {
+    std::unique_lock lock(mutex_);
+    while (!stop_.wait_for(lock, period_, [this] { return stopping_; })) {
+      lock.unlock();
+      call_();
+      lock.lock();
+    }
+  });
+}
+
+Periodic::~Periodic() {
+  {
+    const std::lock_guard lock(mutex_);
+    stopping_ = true;
+  }
+  stop_.notify_all();
+  thread_.join();
+}
+
+}  // namespace tessera::coordinator

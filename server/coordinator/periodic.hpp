@@ -1,0 +1,30 @@
+// Calls a function again and again from a thread of its own.
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <functional>
+#include <mutex>
+#include <thread>
+
+namespace tessera::coordinator {
+
+class Periodic {
+ public:
+  // Waits `period` between the end of one call and the begin of the next; the first comes after one period.
+  Periodic(std::chrono::milliseconds period, std::function<void()> call);
+  // Waits for a call that is under way.
+  ~Periodic();
+  Periodic(const Periodic&) = delete;
+  Periodic& operator=(const Periodic&) = delete;
+
+ private:
+  const std::chrono::milliseconds period_;
+  const std::function<void()> call_;
+  std::mutex mutex_;
+  std::condition_variable stop_;
+  bool stopping_ = false;  // guarded by mutex_
+  std::thread thread_;
+};
+
+}  // namespace tessera::coordinator

@@ -1,0 +1,47 @@
+// The picture of a job, finished or not.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "server/coordinator/turn.hpp"
+
+namespace tessera::coordinator {
+
+core::Result<Picture> Coordinator::picture(const std::string& id) {
+  auto described = job(id);
+  if (!described) return core::fail(described.error());
+  const core::TileGrid grid = grid_of(*described);
+  Picture picture{std::move(*described), core::Image(grid.width(), grid.height())};
+  auto pixel = picture.image.pixels.begin();
+  for (int row = 0; row < grid.rows(); ++row) {
+    const auto strip = develop_row(picture.job, grid, row);
+    if (!strip) return core::fail(strip.error());
+    pixel = std::copy(strip->pixels.begin(), strip->pixels.end(), pixel);
+  }
+  return picture;
+}
+
+core::Result<core::Image> Coordinator::develop_row(const v1::Job& spec, const core::TileGrid& grid, int row) {
+  const int first = row * grid.columns();
+  core::Film strip(core::TileGrid(grid.width(), grid.rect(first).height(), grid.tile_px()));
+  {
+    const Turn turn(*this);
+    const JobRecord* record = find(spec.id());
+    if (record == nullptr) {
+      return core::fail(core::ErrorCode::kNotFound, fmt::format("job {} was deleted meanwhile", spec.id()));
+    }
+    if (record->film) {
+      for (int i = 0; i < grid.columns(); ++i) strip.restore(i, record->film->film().tile(first + i));
+      return strip.develop();
+    }
+  }
+  for (int i = 0; i < grid.columns(); ++i) {
+    auto content = load_tile(spec, grid, first + i);
+    if (!content) return core::fail(content.error());
+    strip.restore(i, std::move(content->sums));
+  }
+  return strip.develop();
+}
+
+}  // namespace tessera::coordinator

@@ -1,0 +1,37 @@
+// A few threads for work that must not be done in gRPC's callbacks: decompressing, hashing, encoding, disks.
+// Thread-safe.
+#pragma once
+
+#include <condition_variable>
+#include <deque>
+#include <functional>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+namespace tessera::coordinator {
+
+class ThreadPool {
+ public:
+  // At most `max_waiting` tasks wait for one of the threads.
+  ThreadPool(int threads, std::size_t max_waiting);
+  // Runs what was posted to its end.
+  ~ThreadPool();
+  ThreadPool(const ThreadPool&) = delete;
+  ThreadPool& operator=(const ThreadPool&) = delete;
+
+  // False, and nothing happens, if too many tasks are waiting already.
+  [[nodiscard]] bool post(std::function<void()> task);
+
+ private:
+  void run();
+
+  const std::size_t max_waiting_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::deque<std::function<void()>> waiting_;  // guarded by mutex_
+  bool stopping_ = false;                      // guarded by mutex_
+  std::vector<std::thread> threads_;
+};
+
+}  // namespace tessera::coordinator

@@ -1,0 +1,159 @@
+// What users ask of the coordinator's jobs.
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "proto/blob.hpp"
+#include "proto/convert.hpp"
+#include "server/coordinator/turn.hpp"
+#include "server/coordinator/wire.hpp"
+
+namespace tessera::coordinator {
+
+using core::ErrorCode;
+
+namespace {
+
+constexpr int kMaxMissingListed = 5;
+
+std::int64_t wall_now_ms() {
+  const auto since_1970 = std::chrono::system_clock::now().time_since_epoch();
+  return std::chrono::duration_cast<std::chrono::milliseconds>(since_1970).count();
+}
+
+// The last part of a path: what a job without a name is called.
+std::string file_name(const std::string& path) {
+  return path.substr(path.find_last_of('/') + 1);
+}
+
+}  // namespace
+
+core::Status Coordinator::check_bundle(const v1::Bundle& bundle) const {
+  std::set<std::string> paths;
+  std::string missing;
+  int missing_count = 0;
+  for (const v1::Bundle::Asset& asset : bundle.assets()) {
+    const auto digest = proto::from_proto(asset.digest());
+    if (!digest) return core::fail(digest.error().within("bundle: " + asset.path()));
+    if (!paths.insert(asset.path()).second) {
+      return core::fail(ErrorCode::kInvalidArgument, fmt::format("bundle: {} is named twice", asset.path()));
+    }
+    if (state_.blobs.contains(*digest)) continue;
+    if (++missing_count <= kMaxMissingListed)
+      missing += fmt::format("\n  {} ({})", asset.path(), digest->hex());
+  }
+  if (paths.count(bundle.scene_path()) == 0) {
+    return core::fail(ErrorCode::kInvalidArgument,
+                      fmt::format("bundle: scene_path '{}' is none of its assets", bundle.scene_path()));
+  }
+  if (missing_count == 0) return {};
+  return core::fail(ErrorCode::kFailedPrecondition,
+                    fmt::format("{} blobs are missing here; upload them and submit again:{}{}", missing_count,
+                                missing, missing_count > kMaxMissingListed ? "\n  ..." : ""));
+}
+
+core::Result<v1::Job> Coordinator::submit_job(const v1::SubmitJobRequest& request) {
+  if (auto known = job_of_request(request.request_id())) return *known;
+  if (auto checked = check_bundle(request.bundle()); !checked) return core::fail(checked.error());
+  const auto settings = check_scene_(request.bundle(), request.overrides());
+  if (!settings) return core::fail(settings.error());
+  if (const auto possible = proto::from_proto(*settings); !possible) return core::fail(possible.error());
+
+  v1::Job spec;
+  spec.set_id(random_id());
+  spec.set_name(request.name().empty() ? file_name(request.bundle().scene_path()) : request.name());
+  *spec.mutable_settings() = *settings;
+  *spec.mutable_bundle() = request.bundle();
+  spec.set_priority(request.priority());
+  *spec.mutable_created_at() = timestamp_from_ms(wall_now_ms());
+  return add_job(std::move(spec), request.request_id());
+}
+
+std::optional<v1::Job> Coordinator::job_of_request(const std::string& request_id) {
+  const Turn turn(*this);
+  const auto known = job_of_request_.find(request_id);
+  if (request_id.empty() || known == job_of_request_.end()) return std::nullopt;
+  return describe_now(turn, jobs_.at(known->second));
+}
+
+core::Result<v1::Job> Coordinator::add_job(v1::Job spec, const std::string& request_id) {
+  const std::lock_guard one_at_a_time(submit_mutex_);
+  if (auto known = job_of_request(request_id)) return *known;
+
+  JobRecord record;
+  record.spec = std::make_shared<const v1::Job>(std::move(spec));
+  record.request_id = request_id;
+  record.film = std::make_unique<JobFilm>(grid_of(*record.spec));
+  scheduler::SubmitJob event{
+      {record.spec->id()}, shape_of(*record.spec, record.spec->settings().spp()), record.spec->priority()};
+  const scheduler::JobView submitted{
+      event.id, event.shape, event.priority, scheduler::JobState::kRunning, {}, 0, 0, 0, 0};
+  if (auto stored = state_.jobs.insert_job(to_row(record, submitted)); !stored)
+    return core::fail(stored.error());
+  record.stored_revision = record.revision;
+
+  Turn turn(*this);
+  const scheduler::Actions actions = scheduler_.handle(event, turn.now());
+  if (!actions.status) return core::fail(actions.status.error());
+  if (!request_id.empty()) job_of_request_[request_id] = event.id.value;
+  const JobRecord& added = jobs_.emplace(event.id.value, std::move(record)).first->second;
+  spdlog::info("job {} ({}) submitted: {}x{} pixels, {} samples per pixel", event.id.value,
+               added.spec->name(), event.shape.width_px, event.shape.height_px, event.shape.spp);
+  apply(turn, actions);
+  return describe_now(turn, added);
+}
+
+core::Result<Coordinator::ChangedJob> Coordinator::change(Turn& turn, const std::string& id,
+                                                          const scheduler::Event& event) {
+  const scheduler::Actions actions = scheduler_.handle(event, turn.now());
+  if (!actions.status) return core::fail(actions.status.error());
+  JobRecord& record = *find(id);
+  ++record.revision;
+  apply(turn, actions);
+  return ChangedJob{describe_now(turn, record), to_row(record, *scheduler_.job({id}, turn.now()))};
+}
+
+core::Result<v1::Job> Coordinator::store_change(core::Result<ChangedJob> changed) {
+  if (!changed) return core::fail(changed.error());
+  if (auto stored = state_.jobs.update_job(changed->row); !stored) {
+    return core::fail(stored.error().within("the job was changed, but a crash would undo it"));
+  }
+  return std::move(changed->job);
+}
+
+core::Result<v1::Job> Coordinator::change_job(const std::string& id, const scheduler::Event& event) {
+  const auto changed = [&] {
+    Turn turn(*this);
+    return change(turn, id, event);
+  };
+  return store_change(changed());
+}
+
+core::Result<v1::Job> Coordinator::cancel_job(const std::string& id) {
+  return change_job(id, scheduler::CancelJob{{id}});
+}
+
+core::Result<v1::Job> Coordinator::pause_job(const std::string& id) {
+  return change_job(id, scheduler::PauseJob{{id}});
+}
+
+core::Result<v1::Job> Coordinator::resume_job(const std::string& id) {
+  return change_job(id, scheduler::ResumeJob{{id}});
+}
+
+core::Status Coordinator::delete_job(const std::string& id) {
+  {
+    Turn turn(*this);
+    const scheduler::Actions actions = scheduler_.handle(scheduler::DeleteJob{{id}}, turn.now());
+    if (!actions.status) return actions.status;
+    job_of_request_.erase(jobs_.at(id).request_id);
+    jobs_.erase(id);
+    spdlog::info("job {} deleted", id);
+    apply(turn, actions);
+  }
+  return state_.jobs.delete_job(id);
+}
+
+}  // namespace tessera::coordinator

@@ -1,0 +1,193 @@
+// What workers ask and deliver.
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "proto/tile_codec.hpp"
+#include "server/coordinator/turn.hpp"
+#include "server/coordinator/wire.hpp"
+
+namespace tessera::coordinator {
+
+using core::ErrorCode;
+
+namespace {
+
+// Waiting calls come back three times in the time within which a worker must be heard of.
+constexpr int kCallsPerLease = 3;
+
+bool is_id(const std::string& text) {
+  return text.size() == 32 && text.find_first_not_of("0123456789abcdef") == std::string::npos;
+}
+
+core::Status check_request(const v1::SynchronizeRequest& request) {
+  if (!is_id(request.worker_id())) {
+    return core::fail(ErrorCode::kInvalidArgument, "worker_id: must be 32 lower-case hexadecimal digits");
+  }
+  if (request.arithmetic_fingerprint().empty()) {
+    return core::fail(ErrorCode::kInvalidArgument, "arithmetic_fingerprint: must not be empty");
+  }
+  return {};
+}
+
+scheduler::WorkerInfo info_of(const v1::SynchronizeRequest& request) {
+  const int threads = static_cast<int>(std::clamp<std::uint32_t>(request.threads(), 1, 4096));
+  return {{request.worker_id()}, request.name(), request.version(), threads};
+}
+
+core::Status check_first_non_finite(const core::FilmTile& tile) {
+  const auto& id = tile.counters.first_non_finite;
+  const core::PixelRect& rect = tile.rect;
+  if (!id || (id->x >= rect.x0 && id->x < rect.x1 && id->y >= rect.y0 && id->y < rect.y1 &&
+              id->sample >= tile.range.begin && id->sample < tile.range.end)) {
+    return {};
+  }
+  return core::fail(ErrorCode::kInvalidArgument, "counters.first_non_finite: is no sample of this item");
+}
+
+core::Result<std::vector<core::FilmTile>> decode_items(const v1::SubmitResultRequest& request) {
+  std::vector<core::FilmTile> tiles;
+  for (int i = 0; i < request.items_size(); ++i) {
+    auto tile = proto::decode_tile(request.items(i));
+    core::Status valid = tile ? check_first_non_finite(*tile) : core::fail(tile.error());
+    if (!valid) return core::fail(valid.error().within(fmt::format("items[{}]", i)));
+    tiles.push_back(std::move(*tile));
+  }
+  return tiles;
+}
+
+}  // namespace
+
+void Coordinator::synchronize(const v1::SynchronizeRequest& request, SynchronizeAnswer answer) {
+  Turn turn(*this);
+  core::Status admitted = check_request(request);
+  if (admitted && closed_)
+    admitted = core::fail(ErrorCode::kUnavailable, "the coordinator is stopping: try again");
+  if (admitted) admitted = admit(turn, request);
+  if (!admitted) {
+    return turn.later([answer = std::move(answer), error = admitted.error()] { answer(core::fail(error)); });
+  }
+
+  scheduler::Synchronize event{info_of(request),
+                               {},
+                               static_cast<int>(std::min<std::uint32_t>(request.wanted_leases(), 1024)),
+                               request.draining()};
+  for (const v1::Lease& lease : request.held()) {
+    if (const JobRecord* record = find(lease.job_id()))
+      event.held.push_back(from_wire(lease, grid_of(*record->spec)));
+  }
+  const scheduler::Actions actions = scheduler_.handle(event, turn.now());
+  if (!actions.status) {
+    return turn.later(
+        [answer = std::move(answer), error = actions.status.error()] { answer(core::fail(error)); });
+  }
+  ParkedCall call{
+      std::move(answer), {request.known_job_ids().begin(), request.known_job_ids().end()}, turn.now()};
+  release_parked(turn, request.worker_id(), *actions.reply);
+  call.deadline += actions.reply->heard_within / kCallsPerLease;
+  const bool nothing_left = request.draining() && actions.reply->leases.empty();
+  parked_.insert_or_assign(request.worker_id(), std::move(call));
+  if (actions.reply->changed || nothing_left) release_parked(turn, request.worker_id(), *actions.reply);
+  apply(turn, actions);
+}
+
+core::Status Coordinator::admit(const Turn& turn, const v1::SynchronizeRequest& request) {
+  const std::string& offered = request.arithmetic_fingerprint();
+  if (offered == arithmetic_) return {};
+  if (!arithmetic_.empty() && arithmetic_is_bound(turn, request.worker_id())) {
+    spdlog::warn("refused worker {} ({}): its fingerprint is {}, this farm's {}", request.name(),
+                 request.worker_id(), offered, arithmetic_);
+    return core::fail(
+        ErrorCode::kFailedPrecondition,
+        fmt::format(
+            "worker {} (release {}) computes other bits than this farm: its fingerprint is {}, the farm's is "
+            "{}. Install the farm's release on it; or, to change the farm's, finish or cancel its jobs and "
+            "stop all other workers first",
+            request.name(), request.version(), offered, arithmetic_));
+  }
+  arithmetic_ = offered;
+  return {};
+}
+
+bool Coordinator::arithmetic_is_bound(const Turn& turn, const std::string& except_worker) const {
+  const auto workers = scheduler_.workers(turn.now());
+  const bool used = std::any_of(workers.begin(), workers.end(), [&](const scheduler::WorkerView& worker) {
+    return !worker.silent && worker.info.id.value != except_worker;
+  });
+  return used || std::any_of(jobs_.begin(), jobs_.end(), [&](const auto& job) {
+           return job.second.arithmetic == arithmetic_ &&
+                  !is_finished(scheduler_.job({job.first}, turn.now())->state);
+         });
+}
+
+scheduler::Actions Coordinator::top_up(Turn& turn, const std::string& worker, bool answer_unchanged) {
+  if (parked_.count(worker) == 0) return {};
+  scheduler::Actions actions = scheduler_.handle(scheduler::TopUp{{worker}}, turn.now());
+  if (actions.reply && (actions.reply->changed || answer_unchanged))
+    release_parked(turn, worker, *actions.reply);
+  return actions;
+}
+
+void Coordinator::release_parked(Turn& turn, const std::string& worker, const scheduler::Reply& reply) {
+  auto call = parked_.extract(worker);
+  if (call.empty()) return;
+  turn.later([answer = std::move(call.mapped().answer), response = respond(reply, call.mapped().known_jobs)] {
+    answer(response);
+  });
+}
+
+v1::SynchronizeResponse Coordinator::respond(const scheduler::Reply& reply,
+                                             std::set<std::string> known_jobs) {
+  v1::SynchronizeResponse response;
+  for (const scheduler::LeaseDescription& lease : reply.leases) {
+    const v1::Job& spec = *jobs_.at(lease.job.value).spec;
+    *response.add_leases() = to_wire(lease, grid_of(spec));
+    if (!known_jobs.insert(spec.id()).second) continue;
+    v1::JobSpec* job = response.add_jobs();
+    job->set_job_id(spec.id());
+    *job->mutable_bundle() = spec.bundle();
+    *job->mutable_settings() = spec.settings();
+  }
+  *response.mutable_heard_within() = to_wire(reply.heard_within);
+  return response;
+}
+
+core::Result<v1::SubmitResultResponse> Coordinator::submit_result(const v1::SubmitResultRequest& request) {
+  auto tiles = decode_items(request);
+  if (!tiles) return core::fail(tiles.error());
+  v1::SubmitResultResponse response;
+
+  Turn turn(*this);
+  JobRecord* record = find(request.job_id());
+  if (record == nullptr) {
+    response.set_dropped_items(static_cast<std::uint32_t>(tiles->size()));
+    return response;
+  }
+  const core::TileGrid grid = grid_of(*record->spec);
+  scheduler::SubmitResult event{{request.worker_id()},          {request.job_id()},
+                                {request.lease_id()},           {},
+                                seconds(request.render_time()), request.lease_finished()};
+  for (const core::FilmTile& tile : *tiles)
+    event.items.push_back({scheduler::tile_index(grid, tile.rect), tile.range});
+  const scheduler::Actions actions = scheduler_.handle(event, turn.now());
+  if (!actions.status) return core::fail(actions.status.error());
+
+  for (std::size_t i = 0; i < tiles->size(); ++i) {
+    if (actions.verdicts[i] == scheduler::Verdict::kDropped) {
+      response.set_dropped_items(response.dropped_items() + 1);
+      continue;
+    }
+    record->film->add(event.items[i].tile, (*tiles)[i]);
+    response.set_accepted_items(response.accepted_items() + 1);
+  }
+  if (response.accepted_items() > 0 && record->arithmetic.empty() && !arithmetic_.empty()) {
+    record->arithmetic = arithmetic_;
+    ++record->revision;
+  }
+  apply(turn, actions);
+  return response;
+}
+
+}  // namespace tessera::coordinator
