@@ -1,0 +1,59 @@
+#include "server/scheduler/policy.hpp"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <vector>
+
+namespace tessera::scheduler {
+namespace {
+
+constexpr std::uint64_t kPlenty = 1'000'000'000'000;
+const SizingOptions kOptions;
+
+TEST(NextLeaseSamples, KeepsAMeasuredWorkerBusyForTwoSeconds) {
+  EXPECT_EQ(next_lease_samples(kOptions, {8, 300'000.0}, kPlenty, 10), 600'000u);
+}
+
+TEST(NextLeaseSamples, IsSmallWhileTheSpeedIsUnknown) {
+  EXPECT_EQ(next_lease_samples(kOptions, {8, std::nullopt}, kPlenty, 10), 100'000u);  // 8 * 50,000/s * 0.25 s
+}
+
+TEST(NextLeaseSamples, ShrinksTowardsTheEnd) {
+  EXPECT_EQ(next_lease_samples(kOptions, {8, 300'000.0}, 1'000'000, 10), 50'000u);  // a 20th of it
+}
+
+TEST(NextLeaseSamples, IsNeverShorterThanWorthTheJourney) {
+  EXPECT_EQ(next_lease_samples(kOptions, {8, 300'000.0}, 100'000, 10), 30'000u);  // 0.1 s
+}
+
+TEST(NextLeaseSamples, IsNeverMoreThanThereIs) {
+  EXPECT_EQ(next_lease_samples(kOptions, {8, 300'000.0}, 5'000, 1), 5'000u);
+}
+
+TEST(NextLeaseSamples, IsAtLeastOneWhateverAWorkerClaims) {
+  for (const double speed : {0.0, -1.0, 1e-300, std::numeric_limits<double>::quiet_NaN()}) {
+    EXPECT_EQ(next_lease_samples(kOptions, {1, speed}, kPlenty, 1), 1u) << speed;
+  }
+  EXPECT_EQ(next_lease_samples(kOptions, {1, std::numeric_limits<double>::infinity()}, 7, 1), 7u);
+  EXPECT_GE(next_lease_samples(kOptions, {-5, std::nullopt}, kPlenty, 0), 1u);
+}
+
+TEST(ChooseJob, TakesTheHighestPriorityFirst) {
+  EXPECT_EQ(choose_job(std::vector<JobSnapshot>{{-1, 0, 0}, {5, 100, 9}, {0, 0, 0}}), 1u);
+}
+
+TEST(ChooseJob, AmongEqualsTakesTheOneWithTheLeastWorkInFlight) {
+  EXPECT_EQ(choose_job(std::vector<JobSnapshot>{{0, 3.5, 1}, {0, 2.5, 2}, {0, 4, 0}}), 1u);
+}
+
+TEST(ChooseJob, AmongThoseTakesTheOneThatHasWaitedLongest) {
+  EXPECT_EQ(choose_job(std::vector<JobSnapshot>{{0, 0, 7}, {0, 0, 3}, {0, 0, 5}}), 1u);
+}
+
+TEST(ChooseJob, AmongThoseTakesTheFirst) {
+  EXPECT_EQ(choose_job(std::vector<JobSnapshot>{{0, 1, 0}, {0, 0, 0}, {0, 0, 0}}), 1u);
+}
+
+}  // namespace
+}  // namespace tessera::scheduler

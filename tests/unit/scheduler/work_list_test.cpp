@@ -1,0 +1,172 @@
+#include "server/scheduler/work_list.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+#include <vector>
+
+namespace tessera::scheduler {
+namespace {
+
+using core::SampleRange;
+
+IntervalSet all_of(const WorkItem& item) {
+  return {item.samples};
+}
+
+std::vector<WorkItem> drain(WorkList& work) {
+  std::vector<WorkItem> order;
+  while (const auto piece = work.next(all_of)) {
+    order.push_back(*piece);
+    work.take(*piece, piece->samples.count());
+  }
+  return order;
+}
+
+TEST(PassOf, CutsSamplesAtPowersOfTwo) {
+  EXPECT_EQ(pass_of(0), (SampleRange{0, 1}));
+  EXPECT_EQ(pass_of(1), (SampleRange{1, 2}));
+  EXPECT_EQ(pass_of(2), (SampleRange{2, 4}));
+  EXPECT_EQ(pass_of(3), (SampleRange{2, 4}));
+  EXPECT_EQ(pass_of(4), (SampleRange{4, 8}));
+  EXPECT_EQ(pass_of((1u << 24) - 1), (SampleRange{1u << 23, 1u << 24}));
+}
+
+TEST(WorkList, GoesOverAllTilesInPassesOfOneOneTwoFour) {
+  WorkList work(2, 6);
+  EXPECT_EQ(drain(work), (std::vector<WorkItem>{{0, {0, 1}},
+                                                {1, {0, 1}},
+                                                {0, {1, 2}},
+                                                {1, {1, 2}},
+                                                {0, {2, 4}},
+                                                {1, {2, 4}},
+                                                {0, {4, 6}},
+                                                {1, {4, 6}}}));
+}
+
+TEST(WorkList, ResumesAPieceWhereItWasCut) {
+  WorkList work(1, 8);
+  work.take(*work.next(all_of), 1);
+  work.take(*work.next(all_of), 1);
+  work.take(*work.next(all_of), 2);
+  work.take(*work.next(all_of), 3);
+  EXPECT_EQ(drain(work), (std::vector<WorkItem>{{0, {7, 8}}}));
+}
+
+TEST(WorkList, GivesWhatCameBackFirstAndEarlierPassesBeforeLaterOnes) {
+  WorkList work(3, 8);
+  for (int i = 0; i < 7; ++i) work.take(*work.next(all_of), 1);
+  work.put_back({2, {1, 4}});
+  work.put_back({0, {0, 1}});
+  const std::vector<WorkItem> order = drain(work);
+  EXPECT_EQ(std::vector<WorkItem>(order.begin(), order.begin() + 4),
+            (std::vector<WorkItem>{{0, {0, 1}}, {2, {1, 2}}, {2, {2, 4}}, {0, {3, 4}}}));
+}
+
+TEST(WorkList, OffersTheRestOfAShortPassAfterItIsExtended) {
+  WorkList work(2, 6);
+  drain(work);
+  work.extend(12);
+  const auto only_new = [](const WorkItem& item) { return IntervalSet{item.samples}.intersection({6, 12}); };
+  std::vector<WorkItem> order;
+  while (const auto piece = work.next(only_new)) {
+    order.push_back(*piece);
+    work.take(*piece, piece->samples.count());
+  }
+  EXPECT_EQ(order, (std::vector<WorkItem>{{0, {6, 8}}, {1, {6, 8}}, {0, {8, 12}}, {1, {8, 12}}}));
+}
+
+// The model: for each tile a bitmap of the samples that are free, nothing else.
+class Bitmap {
+ public:
+  Bitmap(int tiles, std::uint32_t spp)
+      : free_(static_cast<std::size_t>(tiles), std::vector<bool>(spp, true)) {}
+
+  void set(const WorkItem& item, bool free) {
+    auto& tile = free_[static_cast<std::size_t>(item.tile)];
+    std::fill(tile.begin() + item.samples.begin, tile.begin() + item.samples.end, free);
+  }
+  void extend(std::uint32_t spp) {
+    for (auto& tile : free_) tile.resize(spp, true);
+  }
+  IntervalSet free_of(const WorkItem& item) const {
+    IntervalSet set;
+    const auto& tile = free_[static_cast<std::size_t>(item.tile)];
+    for (std::uint32_t s = item.samples.begin; s < item.samples.end; ++s) {
+      if (tile[s]) set.add({s, s + 1});
+    }
+    return set;
+  }
+  std::uint64_t count() const {
+    std::uint64_t count = 0;
+    for (const auto& tile : free_)
+      count += static_cast<std::uint64_t>(std::count(tile.begin(), tile.end(), true));
+    return count;
+  }
+
+ private:
+  std::vector<std::vector<bool>> free_;
+};
+
+// One walk of random taking, putting back, taking elsewhere and extending. Whatever is free in the model must
+// be offered sooner or later, and nothing else ever.
+void walk(std::uint32_t seed) {
+  std::mt19937 rng(seed);
+  const int tile_count = 1 + static_cast<int>(rng() % 5);
+  std::uint32_t spp = 1 + rng() % 40;
+  WorkList work(tile_count, spp);
+  Bitmap model(tile_count, spp);
+  std::vector<WorkItem> out;
+  const auto wanted = [&](const WorkItem& item) { return model.free_of(item); };
+  for (int step = 0; step < 150; ++step) {
+    switch (rng() % 6) {
+      default: {
+        const auto piece = work.next(wanted);
+        ASSERT_EQ(piece.has_value(), model.count() > 0) << "seed " << seed << " step " << step;
+        if (!piece) break;
+        ASSERT_EQ(model.free_of(*piece), (IntervalSet{piece->samples}));
+        ASSERT_LE(piece->samples.end, pass_of(piece->samples.begin).end);
+        const std::uint32_t count = 1 + rng() % piece->samples.count();
+        out.push_back({piece->tile, {piece->samples.begin, piece->samples.begin + count}});
+        work.take(*piece, count);
+        model.set(out.back(), false);
+        break;
+      }
+      case 3: {  // part of what is out comes back, the rest is done
+        if (out.empty()) break;
+        const std::size_t which = rng() % out.size();
+        WorkItem back = out[which];
+        back.samples.begin += rng() % back.samples.count();
+        out.erase(out.begin() + static_cast<std::ptrdiff_t>(which));
+        work.put_back(back);
+        model.set(back, true);
+        break;
+      }
+      case 4: {  // somebody delivers what was not asked for
+        const auto begin = static_cast<std::uint32_t>(rng() % spp);
+        const auto end = begin + static_cast<std::uint32_t>(rng() % (spp - begin + 1));
+        model.set({static_cast<int>(rng() % static_cast<unsigned>(tile_count)), {begin, end}}, false);
+        break;
+      }
+      case 5:
+        if (rng() % 8 != 0) break;
+        spp += rng() % 20;
+        work.extend(spp);
+        model.extend(spp);
+        break;
+    }
+    for (int tile = 0; tile < tile_count; ++tile) {
+      IntervalSet unreachable = model.free_of({tile, {0, spp}});
+      unreachable.remove(work.candidates(tile));
+      ASSERT_TRUE(unreachable.empty()) << "seed " << seed << " step " << step << " tile " << tile;
+    }
+  }
+}
+
+TEST(WorkList, AgreesWithABitmapThroughRandomWalks) {
+  for (std::uint32_t seed = 0; seed < 500 && !testing::Test::HasFatalFailure(); ++seed) walk(seed);
+}
+
+}  // namespace
+}  // namespace tessera::scheduler
