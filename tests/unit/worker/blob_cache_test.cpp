@@ -1,0 +1,92 @@
+#include "worker/blob_cache.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "fake_coordinator.hpp"
+
+namespace tessera::worker {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string read_file(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+class BlobCacheTest : public ::testing::Test {
+ protected:
+  BlobCacheTest() {
+    std::string pattern = fs::temp_directory_path() / "tessera-cache-XXXXXX";
+    folder_ = mkdtemp(pattern.data());
+    coordinator_.keep_blob(proto::to_proto(digest_).sha256(), bytes_);
+  }
+  ~BlobCacheTest() override { fs::remove_all(folder_); }
+
+  core::Result<std::string> get(const proto::Digest& digest) {
+    return BlobCache::open(folder_ / "cache")->get(digest, coordinator_.stub(), {});
+  }
+  std::size_t files() const {
+    return static_cast<std::size_t>(
+        std::distance(fs::directory_iterator(folder_ / "cache"), fs::directory_iterator()));
+  }
+
+  const std::string bytes_ = std::string(3'000'000, 'b') + "lob";
+  const proto::Digest digest_ = proto::digest_of(bytes_);
+  fs::path folder_;
+  FakeCoordinator coordinator_;
+};
+
+TEST_F(BlobCacheTest, FetchesOnceAndKeeps) {
+  const auto first = get(digest_);
+  ASSERT_TRUE(first.has_value()) << first.error().message;
+  EXPECT_EQ(read_file(*first), bytes_);
+  EXPECT_EQ(get(digest_).value(), *first);
+  EXPECT_EQ(coordinator_.fetches(), 1u);
+  EXPECT_EQ(files(), 1u);
+}
+
+TEST_F(BlobCacheTest, AnEmptyBlobIsABlob) {
+  const proto::Digest empty = proto::digest_of("");
+  coordinator_.keep_blob(proto::to_proto(empty).sha256(), "");
+  ASSERT_TRUE(get(empty).has_value());
+  EXPECT_EQ(read_file(get(empty).value()), "");
+}
+
+TEST_F(BlobCacheTest, ReplacesADamagedFile) {
+  const std::string path = get(digest_).value();
+  fs::resize_file(path, 100);
+  EXPECT_EQ(read_file(get(digest_).value()), bytes_);
+  std::fstream(path, std::ios::binary | std::ios::in | std::ios::out).put('X');
+  EXPECT_EQ(read_file(get(digest_).value()), bytes_);
+  EXPECT_EQ(coordinator_.fetches(), 3u);
+}
+
+TEST_F(BlobCacheTest, KeepsNothingOfWhatIsNotTheBlob) {
+  coordinator_.keep_blob(proto::to_proto(digest_).sha256(), std::string(bytes_.size(), 'x'));
+  const auto path = get(digest_);
+  ASSERT_FALSE(path.has_value());
+  EXPECT_EQ(path.error().code, core::ErrorCode::kDataLoss);
+  EXPECT_EQ(files(), 0u);
+}
+
+TEST_F(BlobCacheTest, PassesOnThatABlobIsUnknown) {
+  const auto path = get(proto::digest_of("unknown"));
+  ASSERT_FALSE(path.has_value());
+  EXPECT_EQ(path.error().code, core::ErrorCode::kNotFound);
+  EXPECT_EQ(files(), 0u);
+}
+
+TEST_F(BlobCacheTest, AFolderThatCannotBeIsNamed) {
+  std::ofstream(folder_ / "file") << "x";
+  const auto cache = BlobCache::open(folder_ / "file" / "cache");
+  ASSERT_FALSE(cache.has_value());
+  EXPECT_THAT(cache.error().message, ::testing::HasSubstr((folder_ / "file" / "cache").string()));
+}
+
+}  // namespace
+}  // namespace tessera::worker

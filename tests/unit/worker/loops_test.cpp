@@ -1,0 +1,175 @@
+// The threads of a worker, one by one, against a coordinator that answers as told.
+#include <gtest/gtest.h>
+
+#include <thread>
+
+#include "fake_coordinator.hpp"
+#include "proto/tile_codec.hpp"
+#include "worker/deliver_loop.hpp"
+#include "worker/fetch_loop.hpp"
+#include "worker/holdings.hpp"
+#include "worker/sync_loop.hpp"
+
+namespace tessera::worker {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr core::PixelRect kTile{0, 0, 64, 64};
+const Identity kIdentity{"id", "name", "0.1.0", "fingerprint", 3};
+
+grpc::Status give_lease(const v1::SynchronizeRequest&, v1::SynchronizeResponse& response) {
+  v1::Lease& lease = *response.add_leases();
+  lease.set_id(1);
+  lease.set_job_id("job");
+  *lease.add_items() = proto::to_proto(WorkItem{kTile, {0, 4}});
+  v1::JobSpec& spec = *response.add_jobs();
+  spec.set_job_id("job");
+  *spec.mutable_settings() = proto::to_proto(core::RenderSettings{});
+  response.mutable_heard_within()->set_seconds(10);
+  return grpc::Status::OK;
+}
+
+grpc::Status unavailable(const v1::SynchronizeRequest&, v1::SynchronizeResponse&) {
+  return {grpc::StatusCode::UNAVAILABLE, "restarting"};
+}
+
+class LoopsTest : public ::testing::Test {
+ protected:
+  // Holds a lease of which the first `count` samples are rendered.
+  void hold_rendered(std::uint32_t count) {
+    v1::SynchronizeResponse response;
+    give_lease({}, response);
+    holdings_.apply(response);
+    holdings_.next_to_fetch({});
+    holdings_.fetched(std::make_shared<Job>(Job{"job", {}, {}}));
+    const auto piece = holdings_.take({}, [&](const std::string&) { return count * 4096u; });
+    core::FilmTile tile(piece->item.rect, piece->item.range);
+    tile.counters.samples = 4096 * count;
+    tile.sums[5] = 77;
+    holdings_.rendered(*piece, std::move(tile), 1500ms);
+  }
+
+  FakeCoordinator coordinator_;
+  Holdings holdings_;
+};
+
+TEST_F(LoopsTest, SynchronizingTellsWhatTheWorkerIsAndHolds) {
+  coordinator_.answer_with({give_lease});
+  SyncLoop sync(kIdentity, coordinator_.stub(), holdings_);
+  std::jthread thread([&](const std::stop_token& stop) { EXPECT_TRUE(sync.run(stop).has_value()); });
+  const auto calls = coordinator_.wait_for_syncs(2);
+  EXPECT_EQ(calls[0].worker_id(), "id");
+  EXPECT_EQ(calls[0].name(), "name");
+  EXPECT_EQ(calls[0].version(), "0.1.0");
+  EXPECT_EQ(calls[0].arithmetic_fingerprint(), "fingerprint");
+  EXPECT_EQ(calls[0].threads(), 3u);
+  EXPECT_EQ(calls[0].held_size(), 0);
+  EXPECT_EQ(calls[1].held_size(), 1);
+  EXPECT_EQ(calls[1].known_job_ids(0), "job");
+}
+
+TEST_F(LoopsTest, SynchronizingSurvivesARestart) {
+  coordinator_.answer_with({give_lease, unavailable, unavailable});
+  SyncLoop sync(kIdentity, coordinator_.stub(), holdings_);
+  std::jthread thread([&](const std::stop_token& stop) { EXPECT_TRUE(sync.run(stop).has_value()); });
+  EXPECT_EQ(coordinator_.wait_for_syncs(4)[3].held_size(), 1);
+}
+
+TEST_F(LoopsTest, ARefusedWorkerGivesUp) {
+  coordinator_.answer_with(
+      {[](const auto&, auto&) { return grpc::Status(grpc::StatusCode::FAILED_PRECONDITION, "other bits"); }});
+  SyncLoop sync(kIdentity, coordinator_.stub(), holdings_);
+  const core::Status done = sync.run({});
+  ASSERT_FALSE(done.has_value());
+  EXPECT_EQ(done.error().message, "other bits");
+}
+
+TEST_F(LoopsTest, GoodbyeSaysThatNothingIsHeld) {
+  coordinator_.answer_with({[](const auto&, auto&) { return grpc::Status::OK; }});
+  holdings_.drain();
+  SyncLoop(kIdentity, coordinator_.stub(), holdings_).say_goodbye();
+  const auto calls = coordinator_.wait_for_syncs(1);
+  EXPECT_TRUE(calls[0].draining());
+  EXPECT_EQ(calls[0].held_size(), 0);
+}
+
+TEST_F(LoopsTest, DeliveryDescribesItself) {
+  hold_rendered(4);
+  holdings_.drain();
+  DeliverLoop("id", coordinator_.stub(), holdings_).run({});
+  const auto results = coordinator_.wait_for_results(1);
+  ASSERT_EQ(results.size(), 1u);
+  EXPECT_EQ(results[0].worker_id(), "id");
+  EXPECT_EQ(results[0].job_id(), "job");
+  EXPECT_EQ(results[0].lease_id(), 1u);
+  EXPECT_TRUE(results[0].lease_finished());
+  EXPECT_EQ(results[0].render_time().seconds(), 1);
+  EXPECT_EQ(results[0].render_time().nanos(), 500'000'000);
+  ASSERT_EQ(results[0].items_size(), 1);
+  const auto tile = proto::decode_tile(results[0].items(0));
+  ASSERT_TRUE(tile.has_value()) << tile.error().message;
+  EXPECT_EQ(tile->range, (core::SampleRange{0, 4}));
+  EXPECT_EQ(tile->sums[5], 77u);
+}
+
+TEST_F(LoopsTest, DeliveryIsRepeatedUntilItArrives) {
+  coordinator_.refuse_results_with({{grpc::StatusCode::UNAVAILABLE, ""}, {grpc::StatusCode::INTERNAL, ""}});
+  hold_rendered(2);
+  holdings_.drain();
+  DeliverLoop("id", coordinator_.stub(), holdings_).run({});
+  const auto results = coordinator_.wait_for_results(3);
+  ASSERT_EQ(results.size(), 3u);
+  EXPECT_EQ(results[2].SerializeAsString(), results[0].SerializeAsString());
+  EXPECT_EQ(results[2].items(0).item().sample_end(), 2u);
+}
+
+TEST_F(LoopsTest, ARefusedDeliveryIsNotRepeated) {
+  coordinator_.refuse_results_with({{grpc::StatusCode::INVALID_ARGUMENT, "does not fit"}});
+  hold_rendered(4);
+  holdings_.drain();
+  DeliverLoop("id", coordinator_.stub(), holdings_).run({});
+  EXPECT_EQ(coordinator_.wait_for_results(1).size(), 1u);
+}
+
+TEST_F(LoopsTest, AJobWhoseFilesAreGoneIsGivenBack) {
+  Holdings holdings({.first_delay = 0s, .longest_delay = 0s});
+  v1::SynchronizeResponse response;
+  give_lease({}, response);
+  v1::Bundle::Asset& asset = *response.mutable_jobs(0)->mutable_bundle()->add_assets();
+  asset.set_path("scene.json");
+  *asset.mutable_digest() = proto::to_proto(proto::digest_of("gone"));
+  holdings.apply(response);
+
+  std::string folder = "/tmp/tessera-fetch-XXXXXX";
+  const auto cache = BlobCache::open(mkdtemp(folder.data()));
+  FetchLoop fetch(*cache, coordinator_.stub(), holdings);
+  std::jthread thread([&](const std::stop_token& stop) { fetch.run(stop); });
+  const auto delivery = holdings.next_delivery({});
+  EXPECT_TRUE(delivery->lease_finished);
+  EXPECT_TRUE(delivery->tiles.empty());
+  rmdir(folder.c_str());
+}
+
+TEST(BundleKey, TellsBundlesApart) {
+  const auto bundle = [](const std::string& scene,
+                         const std::vector<std::pair<std::string, std::string>>& assets) {
+    v1::Bundle message;
+    message.set_scene_path(scene);
+    for (const auto& [path, bytes] : assets) {
+      v1::Bundle::Asset& asset = *message.add_assets();
+      asset.set_path(path);
+      *asset.mutable_digest() = proto::to_proto(proto::digest_of(bytes));
+    }
+    return bundle_key(message);
+  };
+  const std::string key = bundle("a", {{"a", "1"}, {"b", "2"}});
+  EXPECT_EQ(key, bundle("a", {{"a", "1"}, {"b", "2"}}));
+  EXPECT_NE(key, bundle("b", {{"a", "1"}, {"b", "2"}}));
+  EXPECT_NE(key, bundle("a", {{"a", "1"}, {"b", "3"}}));
+  EXPECT_NE(key, bundle("a", {{"a", "1"}, {"c", "2"}}));
+  EXPECT_NE(key, bundle("a", {{"a", "1"}}));
+}
+
+}  // namespace
+}  // namespace tessera::worker

@@ -1,0 +1,116 @@
+#include "worker/blob_cache.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cerrno>
+#include <chrono>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <system_error>
+
+#include "proto/status.hpp"
+#include "worker/waiting.hpp"
+
+namespace tessera::worker {
+namespace {
+
+namespace fs = std::filesystem;
+using core::ErrorCode;
+using core::fail;
+
+constexpr const char* kPartialSuffix = ".partial";
+constexpr auto kAbandonedAfter = std::chrono::hours(24);
+// For one blob, however large: a stalled transfer is noticed by the channel's keepalive long before.
+constexpr auto kFetchDeadline = std::chrono::hours(1);
+
+// Different for each transfer of each process that shares the folder.
+std::string partial_path(const std::string& path) {
+  static std::atomic<unsigned> transfers{0};
+  return fmt::format("{}.{}-{}{}", path, getpid(), ++transfers, kPartialSuffix);
+}
+
+core::Error cannot_write(const std::string& path) {
+  return {ErrorCode::kInternal, fmt::format("cannot write {}: {}", path, std::strerror(errno))};
+}
+
+void remove_abandoned(const std::string& folder) {
+  std::error_code ignored;
+  const auto before = fs::file_time_type::clock::now() - kAbandonedAfter;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored))
+    if (entry.path().extension() == kPartialSuffix && entry.last_write_time(ignored) < before)
+      fs::remove(entry.path(), ignored);
+}
+
+bool holds(const std::string& path, const proto::Digest& digest) {
+  std::ifstream file(path, std::ios::binary);
+  proto::Hasher hasher;
+  std::string buffer(proto::kMaxChunkBytes, '\0');
+  while (file && hasher.size_bytes() <= digest.size_bytes) {
+    file.read(buffer.data(), static_cast<std::streamsize>(buffer.size()));
+    hasher.update({buffer.data(), static_cast<std::size_t>(file.gcount())});
+  }
+  return hasher.finish() == digest;
+}
+
+}  // namespace
+
+core::Result<BlobCache> BlobCache::open(const std::string& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) return fail(ErrorCode::kInternal, fmt::format("cannot create {}: {}", folder, error.message()));
+  if (access(folder.c_str(), R_OK | W_OK | X_OK) != 0) return fail(cannot_write(folder));
+  remove_abandoned(folder);
+  return BlobCache(folder);
+}
+
+std::string BlobCache::path_of(const proto::Digest& digest) const {
+  return folder_ + "/" + digest.hex();
+}
+
+core::Result<std::string> BlobCache::get(const proto::Digest& digest,
+                                         v1::WorkerService::StubInterface& coordinator,
+                                         const std::stop_token& stop) const {
+  const std::string path = path_of(digest);
+  if (holds(path, digest)) return path;
+  const std::string partial = partial_path(path);
+  core::Status done = download(digest, partial, coordinator, stop);
+  if (done && std::rename(partial.c_str(), path.c_str()) != 0) done = fail(cannot_write(path));
+  if (!done) {
+    std::remove(partial.c_str());
+    return fail(done.error());
+  }
+  return path;
+}
+
+core::Status BlobCache::download(const proto::Digest& digest, const std::string& path,
+                                 v1::WorkerService::StubInterface& coordinator,
+                                 const std::stop_token& stop) const {
+  std::ofstream file(path, std::ios::binary | std::ios::trunc);
+  proto::BlobReceiver receiver(digest, [&](std::string_view bytes) -> core::Status {
+    if (!file.write(bytes.data(), static_cast<std::streamsize>(bytes.size())))
+      return fail(cannot_write(path));
+    return {};
+  });
+
+  StoppableCall call(stop, kFetchDeadline);
+  v1::FetchBlobRequest request;
+  *request.mutable_digest() = proto::to_proto(digest);
+  const auto stream = coordinator.FetchBlob(call.context(), request);
+  v1::FetchBlobResponse response;
+  core::Status taken;
+  while (taken && stream->Read(&response)) taken = receiver.accept(response.chunk());
+  if (!taken) call.context()->TryCancel();
+  const grpc::Status finished = stream->Finish();
+  if (!taken) return taken;
+  if (!finished.ok()) return proto::from_grpc(finished);
+
+  file.close();
+  if (!file) return fail(cannot_write(path));
+  const auto received = receiver.finish();
+  return received ? core::Status{} : fail(received.error());
+}
+
+}  // namespace tessera::worker

@@ -1,0 +1,36 @@
+// Blobs of scenes on this machine's disk, each under its SHA-256. Workers may share a folder. A file is
+// visible under its name only when it is complete, and its bytes are checked again each time it is asked for,
+// so that what a crash or a failing disk has left cannot reach a picture. Thread-safe.
+#pragma once
+
+#include <stop_token>
+#include <string>
+
+#include "core/base/error.hpp"
+#include "proto/blob.hpp"
+#include "tessera/v1/worker_service.grpc.pb.h"
+
+namespace tessera::worker {
+
+class BlobCache {
+ public:
+  // Creates the folder where it is missing. Errors name the folder and say why it cannot be used.
+  static core::Result<BlobCache> open(const std::string& folder);
+
+  // The path of the blob's file, fetched from the coordinator if it is not here yet. Blocks, but for no
+  // longer than it takes to notice a stop. Errors are those of FetchBlob, CANCELLED after a stop, INTERNAL if
+  // the file cannot be written.
+  core::Result<std::string> get(const proto::Digest& digest, v1::WorkerService::StubInterface& coordinator,
+                                const std::stop_token& stop) const;
+
+ private:
+  explicit BlobCache(std::string folder) : folder_(std::move(folder)) {}
+
+  std::string path_of(const proto::Digest& digest) const;
+  core::Status download(const proto::Digest& digest, const std::string& path,
+                        v1::WorkerService::StubInterface& coordinator, const std::stop_token& stop) const;
+
+  std::string folder_;
+};
+
+}  // namespace tessera::worker

@@ -1,0 +1,71 @@
+#include "worker/deliver_loop.hpp"
+
+#include <google/protobuf/util/time_util.h>
+#include <spdlog/spdlog.h>
+
+#include <chrono>
+
+#include "proto/retry.hpp"
+#include "proto/status.hpp"
+#include "proto/tile_codec.hpp"
+#include "worker/waiting.hpp"
+
+namespace tessera::worker {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr proto::Duration kSubmitDeadline = 30s;
+constexpr proto::BackoffOptions kBackoff{.first = 100ms, .longest = 2s};
+
+// Sending it again cannot help. After any other error the result may still be wanted.
+bool is_refusal(core::ErrorCode code) {
+  return code == core::ErrorCode::kInvalidArgument || code == core::ErrorCode::kNotFound ||
+         code == core::ErrorCode::kFailedPrecondition || code == core::ErrorCode::kPermissionDenied;
+}
+
+proto::RetryPolicy unless_refused(proto::RetryPolicy inner) {
+  return [inner = std::move(inner)](const proto::Attempts& attempts) -> std::optional<proto::Duration> {
+    if (is_refusal(attempts.last_code)) return std::nullopt;
+    return inner(attempts);
+  };
+}
+
+}  // namespace
+
+void DeliverLoop::run(const std::stop_token& stop) {
+  const proto::RetryPolicy policy = unless_refused(proto::exponential_backoff(kBackoff));
+  while (const auto delivery = holdings_.next_delivery(stop)) {
+    const v1::SubmitResultRequest request = encode(*delivery);
+    const core::Status done = proto::retry(policy, waiter_until(stop), [&] { return submit(request, stop); });
+    if (!done && !is_refusal(done.error().code)) return;  // stopped
+    if (!done)
+      spdlog::error("job {}: the coordinator refused {} items: {}", delivery->job_id, delivery->tiles.size(),
+                    done.error().message);
+    holdings_.delivered(*delivery);
+  }
+}
+
+v1::SubmitResultRequest DeliverLoop::encode(const Delivery& delivery) const {
+  v1::SubmitResultRequest request;
+  request.set_worker_id(worker_id_);
+  request.set_job_id(delivery.job_id);
+  request.set_lease_id(delivery.lease_id);
+  for (const core::FilmTile& tile : delivery.tiles) *request.add_items() = proto::encode_tile(tile);
+  *request.mutable_render_time() = google::protobuf::util::TimeUtil::NanosecondsToDuration(
+      std::chrono::duration_cast<std::chrono::nanoseconds>(delivery.render_time).count());
+  request.set_lease_finished(delivery.lease_finished);
+  return request;
+}
+
+core::Status DeliverLoop::submit(const v1::SubmitResultRequest& request, const std::stop_token& stop) {
+  StoppableCall call(stop, kSubmitDeadline);
+  v1::SubmitResultResponse response;
+  const grpc::Status status = coordinator_.SubmitResult(call.context(), request, &response);
+  if (status.ok() && response.dropped_items() > 0)
+    spdlog::debug("job {}: {} of {} items were there already", request.job_id(), response.dropped_items(),
+                  request.items_size());
+  return proto::from_grpc(status);
+}
+
+}  // namespace tessera::worker

@@ -1,0 +1,31 @@
+// Brings what is rendered to the coordinator, and keeps it until it has arrived or was refused. One thread
+// runs it.
+#pragma once
+
+#include <stop_token>
+#include <string>
+
+#include "core/base/error.hpp"
+#include "tessera/v1/worker_service.grpc.pb.h"
+#include "worker/holdings.hpp"
+
+namespace tessera::worker {
+
+class DeliverLoop {
+ public:
+  DeliverLoop(std::string worker_id, v1::WorkerService::StubInterface& coordinator, Holdings& holdings)
+      : worker_id_(std::move(worker_id)), coordinator_(coordinator), holdings_(holdings) {}
+
+  // Returns when all is delivered after Holdings::drain(), or after a stop, which gives up what is left.
+  void run(const std::stop_token& stop);
+
+ private:
+  v1::SubmitResultRequest encode(const Delivery& delivery) const;
+  core::Status submit(const v1::SubmitResultRequest& request, const std::stop_token& stop);
+
+  const std::string worker_id_;
+  v1::WorkerService::StubInterface& coordinator_;
+  Holdings& holdings_;
+};
+
+}  // namespace tessera::worker

@@ -1,0 +1,32 @@
+// Brings the files of leased jobs into the cache, ahead of their rendering. One thread runs it.
+#pragma once
+
+#include <memory>
+#include <stop_token>
+
+#include "core/base/error.hpp"
+#include "tessera/v1/worker_service.grpc.pb.h"
+#include "worker/blob_cache.hpp"
+#include "worker/holdings.hpp"
+
+namespace tessera::worker {
+
+class FetchLoop {
+ public:
+  FetchLoop(const BlobCache& cache, v1::WorkerService::StubInterface& coordinator, Holdings& holdings)
+      : cache_(cache), coordinator_(coordinator), holdings_(holdings) {}
+
+  // Returns after a stop. What may pass by itself is tried again; a job whose files cannot be had is logged,
+  // and its leases are given back.
+  void run(const std::stop_token& stop);
+
+ private:
+  core::Result<std::shared_ptr<const Job>> fetch(const v1::JobSpec& spec, const std::stop_token& stop);
+  core::Result<std::string> fetch_blob(const v1::Digest& digest, const std::stop_token& stop);
+
+  const BlobCache& cache_;
+  v1::WorkerService::StubInterface& coordinator_;
+  Holdings& holdings_;
+};
+
+}  // namespace tessera::worker

@@ -1,0 +1,245 @@
+#include "worker/holdings.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+
+namespace tessera::worker {
+namespace {
+
+// Jobs beyond those of held leases that stay known, so that a farm that alternates need not repeat itself.
+constexpr std::size_t kIdleJobsKept = 16;
+
+v1::Lease to_proto(const HeldLease& lease) {
+  v1::Lease message;
+  message.set_id(lease.id());
+  message.set_job_id(lease.job_id());
+  for (const WorkItem& item : lease.items()) *message.add_items() = proto::to_proto(item);
+  return message;
+}
+
+// The items that can be; others are left out and so stay with the coordinator.
+std::vector<WorkItem> readable_items(const v1::Lease& lease, const v1::RenderSettings& settings) {
+  std::vector<WorkItem> items;
+  for (const v1::WorkItem& message : lease.items()) {
+    const auto item = proto::from_proto(message);
+    const bool inside =
+        item && message.rect().x1() <= settings.width_px() && message.rect().y1() <= settings.height_px();
+    if (inside)
+      items.push_back(*item);
+    else
+      spdlog::warn("lease {} asks for pixels or samples that job {} does not have", lease.id(),
+                   lease.job_id());
+  }
+  return items;
+}
+
+}  // namespace
+
+void Holdings::report(v1::SynchronizeRequest& request) {
+  std::lock_guard lock(mutex_);
+  just_finished_.clear();
+  forget_idle_jobs();
+  std::uint32_t given_up = 0;
+  for (const HeldLease& lease : leases_) {
+    if (unwanted_.contains(lease.id())) continue;
+    *request.add_held() = to_proto(lease);
+    if (is_unusable(lease.job_id())) ++given_up;
+  }
+  for (const auto& [id, entry] : jobs_) request.add_known_job_ids(id);
+  // Leases that only wait to be given back do not keep this worker from other work.
+  request.set_wanted_leases(draining_ ? 0 : options_.wanted_leases + given_up);
+  request.set_draining(draining_);
+}
+
+bool Holdings::apply(const v1::SynchronizeResponse& response) {
+  std::lock_guard lock(mutex_);
+  bool changed = false;
+  for (const v1::JobSpec& spec : response.jobs()) {
+    const auto [job, is_new] = jobs_.try_emplace(spec.job_id());
+    if (is_new) job->second.spec = spec;
+    changed |= is_new;
+  }
+
+  std::map<std::uint64_t, const v1::Lease*> wanted;
+  for (const v1::Lease& lease : response.leases()) wanted.emplace(lease.id(), &lease);
+  for (HeldLease& lease : leases_) {
+    const auto still = wanted.find(lease.id());
+    if (still == wanted.end()) {
+      changed |= unwanted_.insert(lease.id()).second;
+      lease.stop_rendering();
+    } else {
+      changed |= lease.keep_only(readable_items(*still->second, jobs_.at(lease.job_id()).spec.settings()));
+    }
+  }
+  leases_.remove_if([&](const HeldLease& lease) { return lease.empty() && unwanted_.erase(lease.id()) > 0; });
+  for (const v1::Lease& lease : response.leases())
+    if (!draining_ && find_lease(lease.id()) == nullptr) changed |= add_lease(lease);
+  announce_change();
+  return changed;
+}
+
+bool Holdings::add_lease(const v1::Lease& lease) {
+  if (just_finished_.contains(lease.id())) return false;
+  const auto job = jobs_.find(lease.job_id());
+  if (job == jobs_.end()) {
+    spdlog::warn("lease {} is of job {}, which the coordinator did not describe", lease.id(), lease.job_id());
+    return false;
+  }
+  leases_.emplace_back(lease.id(), lease.job_id(), readable_items(lease, job->second.spec.settings()));
+  return true;
+}
+
+void Holdings::forget_idle_jobs() {
+  std::size_t idle = 0;
+  std::erase_if(jobs_, [&](const auto& job) {
+    const bool held = std::any_of(leases_.begin(), leases_.end(),
+                                  [&](const HeldLease& lease) { return lease.job_id() == job.first; });
+    return !held && ++idle > kIdleJobsKept;
+  });
+}
+
+std::optional<v1::JobSpec> Holdings::next_to_fetch(const std::stop_token& stop) {
+  std::unique_lock lock(mutex_);
+  for (;;) {
+    if (stop.stop_requested()) return std::nullopt;
+    for (const HeldLease& lease : leases_) {
+      const auto job = jobs_.find(lease.job_id());
+      if (job->second.stage != Stage::kWanted || !lease.has_todo()) continue;
+      job->second.stage = Stage::kFetching;
+      return job->second.spec;
+    }
+    await_change(lock, stop);
+  }
+}
+
+void Holdings::fetched(std::shared_ptr<const Job> job) {
+  std::lock_guard lock(mutex_);
+  const auto entry = jobs_.find(job->id);
+  if (entry == jobs_.end()) return;
+  entry->second.stage = Stage::kReady;
+  entry->second.job = std::move(job);
+  announce_change();
+}
+
+void Holdings::cannot_fetch(const std::string& job_id) {
+  std::lock_guard lock(mutex_);
+  make_unusable(job_id);
+}
+
+void Holdings::make_unusable(const std::string& job_id) {
+  const auto found = jobs_.find(job_id);
+  if (found == jobs_.end()) return;
+  JobEntry& entry = found->second;
+  Duration delay = options_.first_delay;
+  for (int i = 0; i < entry.failures && delay < options_.longest_delay; ++i) delay *= 2;
+  ++entry.failures;
+  entry.stage = Stage::kUnusable;
+  entry.job.reset();
+  entry.give_back_at = Clock::now() + std::min(delay, options_.longest_delay);
+  announce_change();
+}
+
+bool Holdings::is_unusable(const std::string& job_id) const {
+  const auto job = jobs_.find(job_id);
+  return job != jobs_.end() && job->second.stage == Stage::kUnusable;
+}
+
+HeldLease* Holdings::next_renderable() {
+  for (HeldLease& lease : leases_)
+    if (lease.has_todo() && jobs_.at(lease.job_id()).stage == Stage::kReady) return &lease;
+  return nullptr;
+}
+
+std::optional<Piece> Holdings::take(const std::stop_token& stop, const SizePiece& size_piece) {
+  std::unique_lock lock(mutex_);
+  for (;;) {
+    if (stop.stop_requested() || draining_) return std::nullopt;
+    if (HeldLease* lease = next_renderable())
+      return Piece{lease->id(), jobs_.at(lease->job_id()).job, lease->take(size_piece(lease->job_id()))};
+    await_change(lock, stop);
+  }
+}
+
+void Holdings::rendered(const Piece& piece, core::FilmTile tile, Duration render_time) {
+  std::lock_guard lock(mutex_);
+  find_lease(piece.lease_id)->rendered(std::move(tile), render_time);
+  const auto job = jobs_.find(piece.job->id);
+  if (job != jobs_.end()) job->second.failures = 0;
+  announce_change();
+}
+
+void Holdings::cannot_render(const Piece& piece) {
+  std::lock_guard lock(mutex_);
+  find_lease(piece.lease_id)->not_rendered();
+  make_unusable(piece.job->id);
+}
+
+HeldLease* Holdings::find_lease(std::uint64_t id) {
+  const auto lease =
+      std::find_if(leases_.begin(), leases_.end(), [id](const HeldLease& l) { return l.id() == id; });
+  return lease == leases_.end() ? nullptr : &*lease;
+}
+
+HeldLease* Holdings::next_sendable(Clock::time_point now) {
+  for (HeldLease& lease : leases_) {
+    if (is_unusable(lease.job_id()) && now >= jobs_.at(lease.job_id()).give_back_at) lease.stop_rendering();
+    if (lease.has_delivery()) return &lease;
+  }
+  return nullptr;
+}
+
+Holdings::Clock::time_point Holdings::next_give_back() const {
+  Clock::time_point next = Clock::time_point::max();
+  for (const HeldLease& lease : leases_)
+    if (is_unusable(lease.job_id())) next = std::min(next, jobs_.at(lease.job_id()).give_back_at);
+  return next;
+}
+
+std::optional<Delivery> Holdings::next_delivery(const std::stop_token& stop) {
+  std::unique_lock lock(mutex_);
+  for (;;) {
+    if (stop.stop_requested()) return std::nullopt;
+    if (HeldLease* lease = next_sendable(Clock::now())) return lease->take_batch();
+    if (draining_ && leases_.empty()) return std::nullopt;
+    await_change(lock, stop, next_give_back());
+  }
+}
+
+void Holdings::announce_change() {
+  ++version_;
+  changed_.notify_all();
+}
+
+void Holdings::await_change(std::unique_lock<std::mutex>& lock, const std::stop_token& stop,
+                            Clock::time_point until) {
+  const auto any_change = [this, seen = version_] { return version_ != seen; };
+  if (until == Clock::time_point::max())
+    changed_.wait(lock, stop, any_change);
+  else
+    changed_.wait_until(lock, stop, until, any_change);
+}
+
+void Holdings::delivered(const Delivery& delivery) {
+  std::lock_guard lock(mutex_);
+  HeldLease* lease = find_lease(delivery.lease_id);
+  lease->delivered();
+  if (delivery.lease_finished) {
+    just_finished_.insert(lease->id());
+    unwanted_.erase(lease->id());
+    // Once its lease is given back, a job that could not be used gets another chance.
+    const auto job = jobs_.find(lease->job_id());
+    if (job->second.stage == Stage::kUnusable) job->second.stage = Stage::kWanted;
+    leases_.remove_if([&](const HeldLease& other) { return other.id() == delivery.lease_id; });
+  }
+  announce_change();
+}
+
+void Holdings::drain() {
+  std::lock_guard lock(mutex_);
+  draining_ = true;
+  for (HeldLease& lease : leases_) lease.stop_rendering();
+  announce_change();
+}
+
+}  // namespace tessera::worker

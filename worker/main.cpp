@@ -1,0 +1,50 @@
+// tessera-worker: renders for a farm. Parse, build, wire, run.
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include <CLI/CLI.hpp>
+
+#include "core/integrators/fingerprint.hpp"
+#include "worker/options.hpp"
+#include "worker/signals.hpp"
+#include "worker/worker.hpp"
+
+namespace {
+
+using namespace tessera;
+
+int run(const worker::Options& options) {
+  const worker::StopSignals signals;
+  const auto cache = worker::BlobCache::open(options.cache);
+  if (!cache) {
+    spdlog::error("{}: choose another folder with --cache", cache.error().message);
+    return 1;
+  }
+  const auto coordinator = v1::WorkerService::NewStub(proto::open_channel(options.coordinator));
+  worker::Identity identity{.worker_id = worker::random_worker_id(),
+                            .name = options.name,
+                            .version = TESSERA_VERSION,
+                            .arithmetic_fingerprint = core::arithmetic_fingerprint(),
+                            .threads = options.threads};
+  spdlog::info("worker {} ({}) with {} threads, for the coordinator at {}, cache {}", options.name,
+               identity.worker_id, options.threads, options.coordinator, options.cache);
+  const core::Status done = worker::Worker(std::move(identity), *cache, *coordinator).run(signals.token());
+  if (!done) {
+    spdlog::error("refused by the coordinator: {}", done.error().message);
+    return 1;
+  }
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("Renders for a Tessera farm.", "tessera-worker");
+  app.set_version_flag("--version", TESSERA_VERSION);
+  worker::Options options;
+  worker::add_options(app, options);
+  CLI11_PARSE(app, argc, argv);
+  spdlog::set_default_logger(spdlog::stderr_color_mt("tessera-worker"));
+  if (options.verbose) spdlog::set_level(spdlog::level::debug);
+  return run(options);
+}

@@ -1,0 +1,50 @@
+#include "worker/options.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <array>
+#include <cstdlib>
+#include <thread>
+
+namespace tessera::worker {
+namespace {
+
+constexpr unsigned kMostThreads = 4096;
+
+std::string host_name() {
+  std::array<char, 256> name{};
+  return gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "worker";
+}
+
+// Where the XDG base directory specification puts it; for users without a home, a folder of their own in
+// /tmp.
+std::string default_cache() {
+  if (const char* cache = std::getenv("XDG_CACHE_HOME"); cache != nullptr && *cache == '/')
+    return std::string(cache) + "/tessera";
+  if (const char* home = std::getenv("HOME"); home != nullptr && *home == '/')
+    return std::string(home) + "/.cache/tessera";
+  return fmt::format("/tmp/tessera-{}", getuid());
+}
+
+}  // namespace
+
+Options::Options()
+    : threads(std::max(1u, std::thread::hardware_concurrency())), cache(default_cache()), name(host_name()) {}
+
+void add_options(CLI::App& app, Options& options) {
+  app.add_option("--coordinator", options.coordinator, "Where the coordinator listens")
+      ->envname(proto::kCoordinatorVariable)
+      ->type_name("HOST:PORT")
+      ->capture_default_str();
+  app.add_option("--threads", options.threads, "Threads to render with")
+      ->check(CLI::Range(1u, kMostThreads))
+      ->capture_default_str();
+  app.add_option("--cache", options.cache, "Folder for the files of scenes; workers may share it")
+      ->type_name("DIR")
+      ->capture_default_str();
+  app.add_option("--name", options.name, "What people call this worker")->capture_default_str();
+  app.add_flag("--verbose", options.verbose, "Log more");
+}
+
+}  // namespace tessera::worker

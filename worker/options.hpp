@@ -1,0 +1,23 @@
+// The command line of tessera-worker.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+
+#include "proto/channel.hpp"
+
+namespace tessera::worker {
+
+struct Options {
+  std::string coordinator = proto::kDefaultCoordinator;  // HOST:PORT
+  unsigned threads;                                      // to render with; all of this machine's by default
+  std::string cache;                                     // folder for scenes' files; may be shared by workers
+  std::string name;                                      // for people; the host's by default
+  bool verbose = false;
+
+  Options();
+};
+
+void add_options(CLI::App& app, Options& options);
+
+}  // namespace tessera::worker

@@ -1,0 +1,41 @@
+#include "worker/render_loop.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <chrono>
+#include <utility>
+
+#include "core/integrators/render.hpp"
+
+namespace tessera::worker {
+namespace {
+
+// The one being rendered, the next one, and one that comes back.
+constexpr std::size_t kScenesKept = 3;
+
+}  // namespace
+
+RenderLoop::RenderLoop(int threads, Holdings& holdings)
+    : threads_(threads), holdings_(holdings), scenes_(kScenesKept, threads) {}
+
+void RenderLoop::run(const std::stop_token& stop) {
+  const auto size_piece = [this](const std::string& job_id) { return pace_.target_samples(job_id); };
+  while (const auto piece = holdings_.take(stop, size_piece)) render(*piece);
+}
+
+void RenderLoop::render(const Piece& piece) {
+  const auto scene = scenes_.get(piece.job->files);
+  if (!scene) {
+    spdlog::error("job {}: {}", piece.job->id, scene.error().message);
+    holdings_.cannot_render(piece);
+    return;
+  }
+  const auto start = std::chrono::steady_clock::now();
+  core::FilmTile tile =
+      core::render(**scene, piece.job->settings, piece.item.rect, piece.item.range, threads_);
+  const auto took = std::chrono::steady_clock::now() - start;
+  pace_.measured(piece.job->id, piece.item.rect.pixel_count() * piece.item.range.count(), took);
+  holdings_.rendered(piece, std::move(tile), took);
+}
+
+}  // namespace tessera::worker

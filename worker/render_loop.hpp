@@ -1,0 +1,30 @@
+// Renders what is held, piece by piece. The only thread that computes: everything parallel happens inside of
+// it.
+#pragma once
+
+#include <stop_token>
+
+#include "worker/holdings.hpp"
+#include "worker/pace.hpp"
+#include "worker/scene_cache.hpp"
+
+namespace tessera::worker {
+
+class RenderLoop {
+ public:
+  RenderLoop(int threads, Holdings& holdings);
+
+  // Returns after a stop, at the end of the piece in hand. A job whose scene cannot be built is logged, and
+  // its leases are given back.
+  void run(const std::stop_token& stop);
+
+ private:
+  void render(const Piece& piece);
+
+  const int threads_;
+  Holdings& holdings_;
+  SceneCache scenes_;
+  Pace pace_;
+};
+
+}  // namespace tessera::worker

@@ -1,0 +1,24 @@
+// SIGINT and SIGTERM as a stop token: the first asks for an orderly end, the second ends the process at once.
+#pragma once
+
+#include <stop_token>
+#include <thread>
+
+namespace tessera::worker {
+
+// Signals belong to the process: to be made once, in main, before any other thread is started (threads
+// inherit which signals they leave to this one).
+class StopSignals {
+ public:
+  StopSignals();
+  StopSignals(const StopSignals&) = delete;
+  StopSignals& operator=(const StopSignals&) = delete;
+
+  std::stop_token token() const { return stop_.get_token(); }
+
+ private:
+  std::stop_source stop_;
+  std::jthread thread_;
+};
+
+}  // namespace tessera::worker

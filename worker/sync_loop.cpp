@@ -1,0 +1,90 @@
+#include "worker/sync_loop.hpp"
+
+#include <google/protobuf/util/time_util.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <chrono>
+
+#include "proto/status.hpp"
+#include "worker/waiting.hpp"
+
+namespace tessera::worker {
+namespace {
+
+using namespace std::chrono_literals;
+using google::protobuf::util::TimeUtil;
+
+// A coordinator may hold a call for as long as it wants to hear from its workers; beyond this it is taken for
+// lost.
+constexpr proto::Duration kFirstDeadline = 60s;
+constexpr proto::Duration kDeadlineSlack = 10s;
+constexpr proto::Duration kGoodbyeDeadline = 2s;
+// An answer that changes nothing should have been a wait. The worker waits in the coordinator's stead.
+constexpr proto::Duration kShortestExchange = 50ms;
+
+constexpr proto::BackoffOptions kBackoff{.first = 100ms, .longest = 2s};
+
+}  // namespace
+
+core::Status SyncLoop::run(const std::stop_token& stop) {
+  const proto::RetryPolicy backoff = proto::exponential_backoff(kBackoff);
+  proto::Duration deadline = kFirstDeadline;
+  int failures = 0;
+  while (!stop.stop_requested()) {
+    const auto start = std::chrono::steady_clock::now();
+    const auto response = synchronize(stop, deadline);
+    if (stop.stop_requested()) break;
+    if (response) {
+      failures = 0;
+      note_success();
+      deadline = std::chrono::milliseconds(TimeUtil::DurationToMilliseconds(response->heard_within())) +
+                 kDeadlineSlack;
+      const bool changed = holdings_.apply(*response);
+      if (!changed && std::chrono::steady_clock::now() - start < kShortestExchange)
+        wait_for(stop, kShortestExchange);
+    } else {
+      if (response.error().code == core::ErrorCode::kFailedPrecondition) return core::fail(response.error());
+      note_failure(response.error());
+      wait_for(stop, backoff({.count = ++failures}).value());
+    }
+  }
+  return {};
+}
+
+core::Result<v1::SynchronizeResponse> SyncLoop::synchronize(const std::stop_token& stop,
+                                                            proto::Duration deadline) {
+  v1::SynchronizeRequest request;
+  request.set_worker_id(identity_.worker_id);
+  request.set_name(identity_.name);
+  request.set_version(identity_.version);
+  request.set_arithmetic_fingerprint(identity_.arithmetic_fingerprint);
+  request.set_threads(identity_.threads);
+  holdings_.report(request);
+
+  StoppableCall call(stop, deadline);
+  v1::SynchronizeResponse response;
+  const grpc::Status status = coordinator_.Synchronize(call.context(), request, &response);
+  if (!status.ok()) return core::fail(proto::error_from_grpc(status));
+  return response;
+}
+
+void SyncLoop::note_success() {
+  if (!connected_ || lost_)
+    spdlog::info(connected_ ? "the coordinator is back" : "registered with the coordinator");
+  connected_ = true;
+  lost_ = false;
+}
+
+void SyncLoop::note_failure(const core::Error& error) {
+  if (!lost_) spdlog::warn("cannot reach the coordinator ({}); trying again until it answers", error.message);
+  lost_ = true;
+}
+
+void SyncLoop::say_goodbye() {
+  const auto response = synchronize(std::stop_token(), kGoodbyeDeadline);
+  if (!response && response.error().code != core::ErrorCode::kDeadlineExceeded)
+    spdlog::warn("could not tell the coordinator that this worker leaves: {}", response.error().message);
+}
+
+}  // namespace tessera::worker

@@ -1,0 +1,28 @@
+#include "worker/waiting.hpp"
+
+#include <condition_variable>
+#include <mutex>
+
+namespace tessera::worker {
+
+bool wait_for(const std::stop_token& stop, proto::Duration duration) {
+  std::mutex mutex;
+  std::unique_lock lock(mutex);
+  std::condition_variable_any never_notified;
+  never_notified.wait_for(lock, stop, duration, [] { return false; });
+  return !stop.stop_requested();
+}
+
+proto::Waiter waiter_until(const std::stop_token& stop) {
+  proto::Waiter waiter = proto::real_time();
+  waiter.wait = [stop](proto::Duration duration) { return wait_for(stop, duration); };
+  return waiter;
+}
+
+StoppableCall::StoppableCall(const std::stop_token& stop, proto::Duration deadline)
+    : on_stop_(stop, Cancel{&context_}) {
+  context_.set_deadline(std::chrono::system_clock::now() +
+                        std::chrono::duration_cast<std::chrono::system_clock::duration>(deadline));
+}
+
+}  // namespace tessera::worker

@@ -1,0 +1,57 @@
+#include "worker/worker.hpp"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <thread>
+
+#include "worker/deliver_loop.hpp"
+#include "worker/fetch_loop.hpp"
+#include "worker/holdings.hpp"
+#include "worker/render_loop.hpp"
+#include "worker/waiting.hpp"
+
+namespace tessera::worker {
+
+Worker::Worker(Identity identity, const BlobCache& cache, v1::WorkerService::StubInterface& coordinator,
+               Options options)
+    : identity_(std::move(identity)), cache_(cache), coordinator_(coordinator), options_(options) {}
+
+core::Status Worker::run(const std::stop_token& stop) {
+  Holdings holdings;
+  SyncLoop sync(identity_, coordinator_, holdings);
+  FetchLoop fetch(cache_, coordinator_, holdings);
+  RenderLoop render(static_cast<int>(identity_.threads), holdings);
+  DeliverLoop deliver(identity_.worker_id, coordinator_, holdings);
+
+  std::stop_source working;  // ends with a stop, or when the coordinator refuses this worker
+  const std::stop_callback end_work(stop, [&] { working.request_stop(); });
+
+  core::Status accepted;
+  std::thread sync_thread([&] {
+    accepted = sync.run(working.get_token());
+    working.request_stop();
+  });
+  std::thread fetch_thread([&] { fetch.run(working.get_token()); });
+  std::stop_source delivering;
+  std::stop_source all_delivered;
+  std::thread deliver_thread([&] {
+    deliver.run(delivering.get_token());
+    all_delivered.request_stop();
+  });
+
+  render.run(working.get_token());
+  holdings.drain();
+  sync_thread.join();
+  fetch_thread.join();
+  if (!accepted || wait_for(all_delivered.get_token(), options_.drain_deadline)) delivering.request_stop();
+  deliver_thread.join();
+  if (accepted) sync.say_goodbye();
+  return accepted;
+}
+
+std::string random_worker_id() {
+  return fmt::format("{:016x}{:016x}", proto::random_seed(), proto::random_seed());
+}
+
+}  // namespace tessera::worker

@@ -1,0 +1,42 @@
+// A worker: the threads that synchronise, fetch, render and deliver, and how they end.
+#pragma once
+
+#include <stop_token>
+#include <string>
+
+#include "core/base/error.hpp"
+#include "proto/retry.hpp"
+#include "tessera/v1/worker_service.grpc.pb.h"
+#include "worker/blob_cache.hpp"
+#include "worker/sync_loop.hpp"
+
+namespace tessera::worker {
+
+class Worker {
+ public:
+  struct Options {
+    // How long a stopping worker tries to deliver what it has rendered.
+    proto::Duration drain_deadline = std::chrono::seconds(20);
+  };
+
+  // All three must outlive the worker.
+  Worker(Identity identity, const BlobCache& cache, v1::WorkerService::StubInterface& coordinator)
+      : Worker(std::move(identity), cache, coordinator, Options{}) {}
+  Worker(Identity identity, const BlobCache& cache, v1::WorkerService::StubInterface& coordinator,
+         Options options);
+
+  // Works until a stop is requested, then finishes the piece in hand, delivers what is rendered, takes leave
+  // and returns. The calling thread renders. Error: the coordinator refused this worker.
+  core::Status run(const std::stop_token& stop);
+
+ private:
+  const Identity identity_;
+  const BlobCache& cache_;
+  v1::WorkerService::StubInterface& coordinator_;
+  const Options options_;
+};
+
+// A new worker id.
+std::string random_worker_id();
+
+}  // namespace tessera::worker
