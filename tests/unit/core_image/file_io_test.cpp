@@ -144,7 +144,8 @@ class AsOrdinaryUser {
  public:
   explicit AsOrdinaryUser(const fs::path& folder) : before_(::geteuid()) {
     constexpr uid_t kNobody = 65534;
-    if (before_ == 0) EXPECT_TRUE(::chown(folder.c_str(), kNobody, kNobody) == 0 && ::seteuid(kNobody) == 0);
+    if (before_ != 0) return;
+    EXPECT_TRUE(::chown(folder.c_str(), kNobody, kNobody) == 0 && ::seteuid(kNobody) == 0);
   }
   ~AsOrdinaryUser() { EXPECT_EQ(::seteuid(before_), 0); }
   AsOrdinaryUser(const AsOrdinaryUser&) = delete;

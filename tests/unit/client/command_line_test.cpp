@@ -1,0 +1,208 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "core/image/file_io.hpp"
+#include "tests/unit/client/process.hpp"
+
+namespace tessera::client {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::StartsWith;
+using testing::UnorderedElementsAre;
+
+// A lit sphere; `emission` 0 for a scene without light.
+std::string scene_text(const std::string& emission) {
+  return R"({
+  "render": {"width": 40, "height": 30, "spp": 4},
+  "camera": {"position": [0, 0, 4], "look_at": [0, 0, 0]},
+  "materials": {"glow": {"type": "lambert", "albedo": 0.5, "emission": )" +
+         emission + R"(}},
+  "shapes": [{"type": "sphere", "radius": 1, "material": "glow"}]
+})";
+}
+
+class CommandLine : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::string pattern = testing::TempDir() + "command_line.XXXXXX";
+    ASSERT_NE(::mkdtemp(pattern.data()), nullptr);
+    folder_ = pattern;
+    write("scene.json", scene_text("[2, 1, 0.5]"));
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  std::string path(const std::string& name) const { return folder_ / name; }
+  void write(const std::string& name, const std::string& text) {
+    ASSERT_TRUE(core::write_file_atomically(path(name), text));
+  }
+  std::string read(const std::string& name) const { return core::read_file(path(name)).value_or(""); }
+  std::vector<std::string> names() const {
+    std::vector<std::string> found;
+    for (const auto& entry : fs::directory_iterator(folder_)) found.push_back(entry.path().filename());
+    return found;
+  }
+  ProcessResult render(std::vector<std::string> more) const {
+    more.insert(more.begin(), {"render", path("scene.json")});
+    return run_tessera(more);
+  }
+
+  fs::path folder_;
+};
+
+TEST_F(CommandLine, RenderWritesEveryPictureAndSaysSo) {
+  const ProcessResult result = render({"-o", path("a.png"), "-o", path("a.exr")});
+  EXPECT_EQ(result.exit_status, 0) << result.err;
+  EXPECT_EQ(result.out, "");
+  EXPECT_THAT(result.err,
+              AllOf(HasSubstr("100.0%"), HasSubstr("wrote " + path("a.png") + ", " + path("a.exr"))));
+  EXPECT_THAT(names(), UnorderedElementsAre("scene.json", "a.png", "a.exr"));
+}
+
+TEST_F(CommandLine, TheNumberOfThreadsDoesNotChangeABit) {
+  ASSERT_EQ(render({"-o", path("a.exr"), "--threads", "1"}).exit_status, 0);
+  ASSERT_EQ(render({"-o", path("b.exr"), "--threads", "3"}).exit_status, 0);
+  EXPECT_EQ(read("a.exr"), read("b.exr"));
+  ASSERT_EQ(render({"-o", path("c.exr"), "--seed", "1"}).exit_status, 0);
+  EXPECT_NE(read("a.exr"), read("c.exr"));
+}
+
+TEST_F(CommandLine, QuietSaysNothing) {
+  const ProcessResult result = render({"-o", path("a.pfm"), "--quiet"});
+  EXPECT_EQ(result.exit_status, 0);
+  EXPECT_EQ(result.err + result.out, "");
+}
+
+TEST_F(CommandLine, StatsDescribeTheRender) {
+  ASSERT_EQ(
+      render({"-o", path("a.pfm"), "--size", "10x20", "--spp", "3", "--stats", path("s.json")}).exit_status,
+      0);
+  const nlohmann::json stats = nlohmann::json::parse(read("s.json"));
+  EXPECT_EQ(stats["width"], 10);
+  EXPECT_EQ(stats["height"], 20);
+  EXPECT_EQ(stats["samples"], 600);
+  EXPECT_GE(stats["closest_hit_rays"], 600);
+  EXPECT_EQ(stats["non_finite_samples"], 0);
+}
+
+TEST_F(CommandLine, ASampleCanBeReplayed) {
+  const ProcessResult result = render({"--sample", "20,15,2"});
+  EXPECT_EQ(result.exit_status, 0) << result.err;
+  EXPECT_THAT(result.out, StartsWith("pixel (20, 15) sample 2: radiance "));
+  EXPECT_EQ(render({"--sample", "40,15,2"}).exit_status, 2);
+  EXPECT_EQ(render({"--sample", "1,2"}).exit_status, 2);
+}
+
+TEST_F(CommandLine, ASceneWithoutLightIsWarnedAbout) {
+  write("scene.json", scene_text("0"));
+  const ProcessResult result = render({"-o", path("a.pfm"), "-q"});
+  EXPECT_EQ(result.exit_status, 0);
+  EXPECT_THAT(result.err, AllOf(StartsWith("tessera: warning: "), HasSubstr("has no light")));
+}
+
+TEST_F(CommandLine, MistakesInTheCommandLineExitWith2) {
+  const std::vector<std::vector<std::string>> mistakes = {
+      {},
+      {"rendr"},
+      {"render"},
+      {"render", path("scene.json")},
+      {"render", path("scene.json"), "-o"},
+      {"render", path("scene.json"), "-o", path("a.gif")},
+      {"render", path("scene.json"), "-o", path("a.png"), "--spp", "-3"},
+      {"render", path("scene.json"), "-o", path("a.png"), "--size", "0x0"},
+      {"render", path("scene.json"), "-o", path("a.png"), "--threads", "0"},
+      {"render", path("scene.json"), "-o", path("a.png"), "--sppp", "3"},
+      {"render", path("scene.json"), "-o", path("a.png"), "another.json"},
+      {"compare", "a.png"},
+  };
+  for (const auto& arguments : mistakes) {
+    const ProcessResult result = run_tessera(arguments);
+    SCOPED_TRACE(testing::PrintToString(arguments));
+    EXPECT_EQ(result.exit_status, 2);
+    EXPECT_EQ(result.out, "");
+    EXPECT_THAT(result.err, AllOf(StartsWith("tessera: error: "), HasSubstr("--help")));
+  }
+  EXPECT_THAT(names(), UnorderedElementsAre("scene.json"));
+}
+
+TEST_F(CommandLine, FailuresExitWith1AndLeaveNoPicture) {
+  write("broken.json", "{");
+  const std::vector<std::vector<std::string>> failures = {
+      {"render", path("missing.json"), "-o", path("a.png")},
+      {"render", path("broken.json"), "-o", path("a.png")},
+      {"render", path(""), "-o", path("a.png")},
+      {"render", path("scene.json"), "-o", path("no/a.png")},
+      {"render", path("scene.json"), "-o", path("a.png"), "--stats", path("no/s.json")},
+      {"render", path("scene.json"), "-o", path("a.png"), "-o", path("a.png")},
+      {"render", path("scene.json"), "-o", path("a.hdr"), "--size", "65536x16384"},
+  };
+  for (const auto& arguments : failures) {
+    const ProcessResult result = run_tessera(arguments);
+    SCOPED_TRACE(testing::PrintToString(arguments));
+    EXPECT_EQ(result.exit_status, 1);
+    EXPECT_THAT(result.err, StartsWith("tessera: error: "));
+  }
+  EXPECT_THAT(names(), UnorderedElementsAre("scene.json", "broken.json"));
+}
+
+TEST_F(CommandLine, AnInterruptLeavesNoFileAndExitsWith130) {
+  for (const int signal : {SIGINT, SIGTERM}) {
+    const ProcessResult result = run_on_terminal_and_signal(
+        {"render", path("scene.json"), "-o", path("a.png"), "--stats", path("s.json"), "--spp", "10000000"},
+        "%", signal);
+    EXPECT_EQ(result.exit_status, 130);
+    EXPECT_THAT(result.err, HasSubstr("interrupted"));
+    EXPECT_THAT(names(), UnorderedElementsAre("scene.json"));
+  }
+}
+
+TEST_F(CommandLine, CompareTellsByItsExitStatus) {
+  ASSERT_EQ(render({"-o", path("a.exr"), "-o", path("same.pfm")}).exit_status, 0);
+  ASSERT_EQ(render({"-o", path("b.exr"), "--seed", "1"}).exit_status, 0);
+  ASSERT_EQ(render({"-o", path("small.exr"), "--size", "4x4"}).exit_status, 0);
+  const ProcessResult same = run_tessera({"compare", path("a.exr"), path("same.pfm")});
+  EXPECT_EQ(same.exit_status, 0);
+  EXPECT_EQ(same.out,
+            "identical\nlargest difference  0\nMSE                 0\nrelative MSE        0\nPSNR            "
+            "    inf dB\n");
+  const ProcessResult different = run_tessera({"compare", path("a.exr"), path("b.exr")});
+  EXPECT_EQ(different.exit_status, 1);
+  EXPECT_THAT(different.out, AllOf(StartsWith("different\n"), HasSubstr(" at pixel (")));
+  const ProcessResult sizes = run_tessera({"compare", path("a.exr"), path("small.exr")});
+  EXPECT_EQ(sizes.exit_status, 2);
+  EXPECT_EQ(sizes.err, "tessera: error: the pictures have different sizes: 40x30 and 4x4 pixels\n");
+  EXPECT_EQ(run_tessera({"compare", path("a.exr"), path("missing.exr")}).exit_status, 2);
+  EXPECT_EQ(run_tessera({"compare", path("a.exr"), path("scene.json")}).exit_status, 2);
+}
+
+TEST_F(CommandLine, CompareSpeaksJson) {
+  ASSERT_EQ(render({"-o", path("a.exr")}).exit_status, 0);
+  const ProcessResult result = run_tessera({"compare", "--json", path("a.exr"), path("a.exr")});
+  const nlohmann::json json = nlohmann::json::parse(result.out);
+  EXPECT_EQ(json["identical"], true);
+  EXPECT_EQ(json["mse"], 0.0);
+  EXPECT_TRUE(json["psnr_db"].is_null());
+}
+
+TEST_F(CommandLine, HelpAndVersionGoToStdout) {
+  for (const auto& arguments : std::vector<std::vector<std::string>>{
+           {"--help"}, {"--version"}, {"render", "--help"}, {"compare", "--help"}}) {
+    const ProcessResult result = run_tessera(arguments);
+    EXPECT_EQ(result.exit_status, 0);
+    EXPECT_THAT(result.out, HasSubstr("essera"));
+    EXPECT_THAT(result.err, IsEmpty());
+  }
+}
+
+}  // namespace
+}  // namespace tessera::client

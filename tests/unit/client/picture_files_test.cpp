@@ -1,0 +1,56 @@
+#include "client/picture_files.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "core/image/compare.hpp"
+#include "core/image/decode.hpp"
+
+namespace tessera::client {
+namespace {
+
+using testing::HasSubstr;
+
+std::string temporary_path(const std::string& name) {
+  const testing::TestInfo& test = *testing::UnitTest::GetInstance()->current_test_info();
+  return testing::TempDir() + test.test_suite_name() + "." + test.name() + "." + name;
+}
+
+TEST(PictureFiles, EveryPathGetsThePicture) {
+  core::Image image(2, 1);
+  image.at(1, 0) = {1, 0.5f, 0};
+  const std::vector<std::string> paths = {temporary_path("exr"), temporary_path("pfm")};
+  std::vector<std::string> named;
+  for (const std::string& path : paths) named.push_back(path + "." + path.substr(path.size() - 3));
+  ASSERT_TRUE(check_picture_paths(named));
+  ASSERT_TRUE(write_pictures(named, image));
+  for (const std::string& path : named) {
+    EXPECT_TRUE(core::compare(core::read_image(path).value(), image).value().identical) << path;
+    std::filesystem::remove(path);
+  }
+}
+
+TEST(PictureFiles, BadPathsAreRefusedBeforeTheWork) {
+  EXPECT_THAT(check_picture_paths({"a.gif"}).error().message, HasSubstr("'a.gif'"));
+  EXPECT_THAT(check_picture_paths({"/no/folder/a.png"}).error().message, HasSubstr("'/no/folder'"));
+  EXPECT_THAT(check_picture_paths({"a.png", "b.png", "a.png"}).error().message,
+              HasSubstr("'a.png' is given twice"));
+  EXPECT_TRUE(check_picture_paths({}));
+}
+
+TEST(PictureFiles, SizesAreRefusedByTheFormatThatCannotHoldThem) {
+  EXPECT_TRUE(check_picture_size({"a.exr"}, 65536, 16384));
+  EXPECT_THAT(check_picture_size({"a.exr", "b.png"}, 65536, 16384).error().message, HasSubstr("b.png: "));
+}
+
+TEST(PictureFiles, AFailureNamesThePath) {
+  EXPECT_THAT(write_pictures({"/no/folder/a.png"}, core::Image(1, 1)).error().message,
+              HasSubstr("/no/folder/a.png"));
+}
+
+}  // namespace
+}  // namespace tessera::client

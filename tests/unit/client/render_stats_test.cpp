@@ -1,0 +1,53 @@
+#include "client/render_stats.hpp"
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+namespace tessera::client {
+namespace {
+
+TEST(RenderStats, JsonHasEveryField) {
+  RenderStats stats;
+  stats.settings = {.width_px = 640, .height_px = 480, .spp = 4, .seed = 18446744073709551615u};
+  stats.settings.integrator = core::Integrator::kNee;
+  stats.counters.samples = 1'228'800;
+  stats.counters.closest_hit_rays = 5'000'000;
+  stats.counters.shadow_rays = 3'000'000;
+  stats.counters.non_finite_samples = 1;
+  stats.counters.saturated_samples = 2;
+  stats.threads = 8;
+  stats.load_seconds = 0.5;
+  stats.build_seconds = 0.25;
+  stats.render_seconds = 2;
+  const nlohmann::json expected = {
+      {"width", 640},
+      {"height", 480},
+      {"spp", 4},
+      {"integrator", "nee"},
+      {"seed", 18446744073709551615u},
+      {"threads", 8},
+      {"samples", 1'228'800},
+      {"closest_hit_rays", 5'000'000},
+      {"shadow_rays", 3'000'000},
+      {"non_finite_samples", 1},
+      {"saturated_samples", 2},
+      {"load_seconds", 0.5},
+      {"build_seconds", 0.25},
+      {"render_seconds", 2.0},
+      {"samples_per_second", 614'400.0},
+      {"peak_memory_bytes", 123'456'789},
+  };
+  nlohmann::json actual = nlohmann::json::parse(to_json(stats, 123'456'789));
+  EXPECT_TRUE(actual.contains("version"));
+  actual.erase("version");
+  EXPECT_EQ(actual, expected);
+}
+
+TEST(RenderStats, PeakMemoryIsInBytes) {
+  EXPECT_GT(peak_memory_bytes(), std::uint64_t{1} << 20);
+  EXPECT_LT(peak_memory_bytes(), std::uint64_t{1} << 40);
+}
+
+}  // namespace
+}  // namespace tessera::client

@@ -1,0 +1,87 @@
+#include "client/scene_flags.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+namespace tessera::client {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+SceneFlags parse(std::vector<std::string> arguments) {
+  CLI::App app;
+  SceneFlags flags;
+  add_scene_argument(app, flags);
+  add_output_option(app, flags);
+  add_override_options(app, flags.overrides);
+  app.parse(
+      std::vector<std::string>(arguments.rbegin(), arguments.rend()));  // CLI11 takes them from the back
+  return flags;
+}
+
+std::string mistake(std::vector<std::string> arguments) {
+  arguments.emplace_back("scene.json");
+  try {
+    parse(std::move(arguments));
+  } catch (const CLI::ParseError& e) {
+    return e.what();
+  }
+  return "";
+}
+
+TEST(SceneFlags, NothingGivenOverridesNothing) {
+  const SceneFlags flags = parse({"scene.json"});
+  EXPECT_EQ(flags.scene_path, "scene.json");
+  EXPECT_THAT(flags.output_paths, ElementsAre());
+  EXPECT_FALSE(flags.overrides.spp || flags.overrides.seed || flags.overrides.width_px ||
+               flags.overrides.height_px || flags.overrides.integrator);
+}
+
+TEST(SceneFlags, EverythingGiven) {
+  const SceneFlags flags = parse({"--spp", "16", "--size", "640x480", "--integrator", "nee", "--seed",
+                                  "18446744073709551615", "scene.json", "-o", "a.png", "-o", "b.exr"});
+  EXPECT_EQ(flags.overrides.spp, 16u);
+  EXPECT_EQ(flags.overrides.width_px, 640);
+  EXPECT_EQ(flags.overrides.height_px, 480);
+  EXPECT_EQ(flags.overrides.integrator, core::Integrator::kNee);
+  EXPECT_EQ(flags.overrides.seed, 18446744073709551615u);
+  EXPECT_THAT(flags.output_paths, ElementsAre("a.png", "b.exr"));
+}
+
+TEST(SceneFlags, AnOutputTakesOneValue) {
+  const SceneFlags flags = parse({"-o", "a.png", "scene.json"});
+  EXPECT_EQ(flags.scene_path, "scene.json");
+  EXPECT_THAT(flags.output_paths, ElementsAre("a.png"));
+}
+
+TEST(SceneFlags, BadNumbersNameTheFlagAndTheRange) {
+  for (const char* spp :
+       {"0", "-3", "16777217", "4.5", "1e3", "", "x", " 4", "4 ", "0x10", "99999999999999999999"}) {
+    EXPECT_EQ(mistake({"--spp", spp}),
+              "--spp: must be a whole number from 1 to 16777216; got '" + std::string(spp) + "'");
+  }
+  EXPECT_THAT(mistake({"--seed", "-1"}), HasSubstr("--seed: must be a whole number from 0 to"));
+}
+
+TEST(SceneFlags, BadSizesNameTheFlagAndTheForm) {
+  for (const char* size :
+       {"0x0", "640", "640x", "x480", "640x480x3", "-1x5", "70000x1", "640 x 480", "", "axb"}) {
+    EXPECT_THAT(mistake({"--size", size}), HasSubstr("--size: must be WIDTHxHEIGHT")) << size;
+  }
+  EXPECT_THAT(mistake({"--size", "65536x65536"}), HasSubstr("--size: must be at most"));
+}
+
+TEST(SceneFlags, BadIntegratorsNameTheChoices) {
+  EXPECT_EQ(mistake({"--integrator", "bdpt"}), "--integrator: must be naive, nee or mis; got 'bdpt'");
+}
+
+TEST(SceneFlags, BadEndingsNameTheChoices) {
+  EXPECT_THAT(mistake({"-o", "out.jpg"}), HasSubstr(".png, .exr, .hdr or .pfm"));
+}
+
+}  // namespace
+}  // namespace tessera::client
