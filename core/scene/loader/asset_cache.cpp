@@ -4,8 +4,8 @@
 
 #include <new>
 
-#include "core/scene/loader/suggestion.hpp"
 #include "core/scene/loader/text_lines.hpp"
+#include "core/scene/loader/wording.hpp"
 #include "core/textures/image_decoder.hpp"
 
 namespace tessera::core {

@@ -9,7 +9,7 @@
 #include <new>
 #include <system_error>
 
-#include "core/scene/loader/suggestion.hpp"
+#include "core/scene/loader/wording.hpp"
 
 namespace tessera::core {
 namespace {

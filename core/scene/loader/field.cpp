@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-#include "core/scene/loader/suggestion.hpp"
+#include "core/scene/loader/wording.hpp"
 
 namespace tessera::core {
 namespace {

@@ -3,12 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <iterator>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <span>
 
-#include "core/scene/loader/suggestion.hpp"
+#include "core/scene/loader/wording.hpp"
 
 namespace tessera::core {
 namespace {
@@ -42,18 +44,35 @@ bool is_blank(char c) {
   return c == ' ' || c == '\t' || c == '\r' || c == '\n';
 }
 
-// What may come where nlohmann's message says that it was "parsing" something else.
-std::string_view due_at(std::string_view message) {
-  constexpr std::pair<std::string_view, std::string_view> kDue[] = {
-      {"parsing object key", "a key in double quotes"},
-      {"parsing object separator", "':' after the key"},
-      {"parsing object -", "',' or '}'"},
-      {"parsing array", "',' or ']'"},
-      {"expected end of input", "the end of the file"},
-  };
-  for (const auto& [context, due] : kDue)
-    if (message.find(context) != std::string_view::npos) return due;
-  return "a value";
+bool is_word(char c) {
+  return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_';
+}
+
+// What nlohmann stumbled over after reading `end` characters, as a part of `text`: the word around the last
+// of them. Texts and numbers are `last_token`; for all else, earlier characters stand in front of that.
+std::string_view faulty_token(std::string_view text, std::size_t end, std::string_view message,
+                              std::string_view last_token) {
+  end = std::min(end, text.size());
+  const bool is_text_or_number = message.find("unexpected string literal") != std::string_view::npos ||
+                                 message.find("unexpected number literal") != std::string_view::npos ||
+                                 message.find("number overflow") != std::string_view::npos;
+  if (is_text_or_number && last_token.size() <= end)
+    return text.substr(end - last_token.size(), last_token.size());
+  std::size_t begin = end == 0 ? 0 : end - 1;
+  while (begin > 0 && is_word(text[begin - 1])) --begin;
+  std::size_t word_end = begin;
+  while (word_end < text.size() && is_word(text[word_end])) ++word_end;
+  return text.substr(begin, std::max<std::size_t>(word_end - begin, 1));
+}
+
+using Phrase = std::pair<std::string_view, std::string_view>;
+
+// The second of the first pair whose first is part of `message`.
+std::string_view phrase_for(std::string_view message, std::span<const Phrase> phrases,
+                            std::string_view otherwise) {
+  for (const auto& [part, phrase] : phrases)
+    if (message.find(part) != std::string_view::npos) return phrase;
+  return otherwise;
 }
 
 // The part of `message` between `before` and `after`; `after` may be missing.
@@ -66,17 +85,37 @@ std::string_view between(std::string_view message, std::string_view before, std:
 
 // nlohmann's "[json.exception.parse_error.101] parse error at line 1, column 7: syntax error while parsing
 // array - unexpected '}'; expected ']'" in plain words.
-std::string explain(std::string_view message, std::string_view last_token) {
-  if (message.find("number overflow") != std::string_view::npos)
-    return fmt::format("the number {} is too large", in_quotes(last_token));
-  const std::string_view found = between(message, " - unexpected ", ";");
-  if (found.empty())
-    return std::string(between(message, " - ", "; last read"));  // of the lexer: "invalid string: ..."
-  const bool closes = found == "'}'" || found == "']'";
-  const std::string_view due = due_at(message);
+std::string explain_unexpected(std::string_view message, std::string_view unexpected) {
+  constexpr Phrase kDue[] = {{"; expected end of input", "the end of the file"},
+                             {"parsing object key", "a key in double quotes"},
+                             {"parsing object separator", "':' after the key"},
+                             {"parsing object -", "',' or '}'"},
+                             {"parsing array", "',' or ']'"}};
+  constexpr Phrase kFound[] = {{"end of input", "the end of the file"},
+                               {"string literal", "a text"},
+                               {"number literal", "a number"},
+                               {"true literal", "true"},
+                               {"false literal", "false"},
+                               {"null literal", "null"}};
+  const std::string_view due = phrase_for(message, kDue, "a value");
+  const bool closes = unexpected == "'}'" || unexpected == "']'";
   const bool after_comma = closes && (due == "a value" || due == "a key in double quotes");
-  return fmt::format("found {} where {} is due{}", found == "end of input" ? "the end of the file" : found,
-                     due, after_comma ? "; is there a ',' too many before it?" : "");
+  return fmt::format("found {} where {} is due{}", phrase_for(unexpected, kFound, unexpected), due,
+                     after_comma ? "; is there a ',' too many before it?" : "");
+}
+
+std::string explain(std::string_view message, std::string_view token) {
+  if (message.find("number overflow") != std::string_view::npos)
+    return fmt::format("the number {} is too large", in_quotes(token));
+  const std::string_view unexpected = between(message, " - unexpected ", ";");
+  if (!unexpected.empty()) return explain_unexpected(message, unexpected);
+  const std::string_view reason = between(message, " - ", "; last read");  // of the lexer
+  if (reason == "invalid literal")
+    return fmt::format("{} is not JSON; texts and keys need double quotes", in_quotes(token));
+  if (reason.find("missing closing quote") != std::string_view::npos ||
+      reason.find("U+000A") != std::string_view::npos)
+    return "a text has no closing double quote in its line";
+  return std::string(reason);
 }
 
 // nlohmann's SAX interface; builds the tree.
@@ -95,8 +134,8 @@ class TreeBuilder {
 
   bool null() { return add(JsonValue::Null{}); }
   bool boolean(bool value) { return add(value); }
-  bool number_integer(json::number_integer_t value) {
-    return add(JsonValue::Number{static_cast<double>(value), std::nullopt});  // only negative ones come here
+  bool number_integer(json::number_integer_t value) {  // only what begins with a minus
+    return add(JsonValue::Number{static_cast<double>(value), value == 0 ? std::optional(0u) : std::nullopt});
   }
   bool number_unsigned(json::number_unsigned_t value) {
     return add(JsonValue::Number{static_cast<double>(value), value});
@@ -195,11 +234,12 @@ bool TreeBuilder::key(std::string& key) {
 
 bool TreeBuilder::parse_error(std::size_t position, const std::string& last_token,
                               const json::exception& error) {
-  const std::string_view before = text_.substr(0, position > 0 ? position - 1 : 0);
+  const std::string_view token = faulty_token(text_, position, error.what(), last_token);
+  const std::string_view before = text_.substr(0, static_cast<std::size_t>(token.data() - text_.data()));
   const auto line = 1 + std::count(before.begin(), before.end(), '\n');
   const std::size_t column = before.size() - (before.rfind('\n') + 1) + 1;
   error_ = Error{ErrorCode::kInvalidArgument, fmt::format("{}:{}:{}: not valid JSON: {}", file_, line, column,
-                                                          explain(error.what(), last_token))};
+                                                          explain(error.what(), token))};
   return false;
 }
 

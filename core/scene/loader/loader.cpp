@@ -4,12 +4,14 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <map>
 #include <new>
 
 #include "core/scene/loader/asset_cache.hpp"
 #include "core/scene/loader/mesh_builder.hpp"
+#include "core/scene/loader/plausibility.hpp"
 #include "core/scene/loader/scene_file.hpp"
-#include "core/scene/loader/suggestion.hpp"
+#include "core/scene/loader/wording.hpp"
 
 namespace tessera::core {
 namespace {
@@ -40,8 +42,13 @@ SceneDescription SceneAssembler::assemble(SceneFile file) {
   scene_.settings = file.settings;
   scene_.camera = file.camera;
   for (const auto& texture : file.textures) add_texture(texture);
-  for (auto& entry : file.materials) scene_.materials.push_back(std::move(entry.material));
+  std::vector<Place> material_places;
+  for (auto& entry : file.materials) {
+    scene_.materials.push_back(std::move(entry.material));
+    material_places.push_back(std::move(entry.place));
+  }
   for (std::size_t i = 0; i < file.shapes.size(); ++i) add_shape(std::move(file.shapes[i]), i);
+  if (mistakes_.empty()) check_plausibility(scene_, material_places, file.shapes_place, mistakes_);
   return std::move(scene_);
 }
 
@@ -93,7 +100,9 @@ Result<std::vector<std::uint32_t>> SceneAssembler::own_materials(const std::stri
   std::map<std::string, std::uint32_t, std::less<>> known;
   for (const auto& line : obj.text.libraries) {
     const auto libraries = cache_.libraries(obj_path, line.name);
-    if (!libraries) return fail(libraries.error().within(fmt::format("{}:{}", obj_path, line.line)));
+    if (!libraries)
+      return fail(libraries.error().code, fmt::format("{}:{}: {}; mend it, or {}", obj_path, line.line,
+                                                      libraries.error().message, kAdvice));
     for (const auto& library : *libraries)
       for (const auto& material : library.materials) {
         const auto index = add_library_material(library.path, material);

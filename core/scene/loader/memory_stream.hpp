@@ -3,14 +3,14 @@
 
 #include <istream>
 #include <streambuf>
-#include <string>
+#include <string_view>
 
 namespace tessera::core {
 
 class MemoryStream : private std::streambuf, public std::istream {
  public:
   // `bytes` must outlive the stream.
-  explicit MemoryStream(const std::string& bytes) : std::istream(static_cast<std::streambuf*>(this)) {
+  explicit MemoryStream(std::string_view bytes) : std::istream(static_cast<std::streambuf*>(this)) {
     char* begin =
         const_cast<char*>(bytes.data());  // streambuf reads through pointers to char; nothing writes
     setg(begin, begin, begin + bytes.size());

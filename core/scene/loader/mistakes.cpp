@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "core/scene/loader/wording.hpp"
+
 namespace tessera::core {
 namespace {
 
@@ -13,7 +15,8 @@ constexpr std::size_t kMaxListed = 20;
 
 void Mistakes::add(const Place& place, std::string_view what, ErrorCode code) {
   const std::string where = place.field.empty() ? "" : place.field + ": ";
-  mistakes_.push_back({place.line, Error{code, fmt::format("{}:{}: {}{}", file_, place.line, where, what)}});
+  mistakes_.push_back(
+      {place.line, Error{code, fmt::format("{}:{}: {}{}", file_, place.line, where, printable(what))}});
 }
 
 Error Mistakes::error() const {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/base/error.hpp"
@@ -20,6 +21,6 @@ struct MtlMaterial {
 };
 
 // Errors are "NAME:LINE: what"; `name` is what they call the file.
-Result<std::vector<MtlMaterial>> read_mtl(const std::string& bytes, const std::string& name);
+Result<std::vector<MtlMaterial>> read_mtl(std::string_view bytes, const std::string& name);
 
 }  // namespace tessera::core

@@ -18,8 +18,8 @@ class FaceCollector {
  public:
   explicit FaceCollector(ObjFile& file) : file_(file) {}
 
-  // The corners of a face that could not be cut into triangles.
-  std::optional<int> failed_face_corners() const { return failed_face_corners_; }
+  // The number, from 0, of a face that could not be cut into triangles.
+  std::optional<std::size_t> failed_face() const { return failed_face_; }
 
   static tinyobj::callback_t callbacks() {
     tinyobj::callback_t calls;
@@ -47,7 +47,8 @@ class FaceCollector {
   std::uint32_t material_ = kNoMaterialName;
   std::size_t usemtl_seen_ = 0;
   std::map<std::string, std::uint32_t, std::less<>> material_indices_;
-  std::optional<int> failed_face_corners_;
+  std::size_t faces_seen_ = 0;
+  std::optional<std::size_t> failed_face_;
   // Of one face; kept for their memory.
   std::vector<ObjFile::Corner> face_;
   std::vector<Vec3> outline_;
@@ -64,7 +65,8 @@ void FaceCollector::add_face(const tinyobj::index_t* corners, int count) {
                      resolve(corners[i].normal_index, normals_seen_)});
     outline_.push_back(file_.text.positions.at(static_cast<std::size_t>(face_.back().position)));
   }
-  if (!triangulate(outline_, triangles_)) failed_face_corners_ = count;
+  if (!triangulate(outline_, triangles_) && !failed_face_) failed_face_ = faces_seen_;
+  ++faces_seen_;
   for (const auto& triangle : triangles_) {
     for (const std::uint32_t corner : triangle) file_.corners.push_back(face_[corner]);
     file_.triangle_materials.push_back(material_);
@@ -85,9 +87,19 @@ void FaceCollector::use_material(const char* name) {
   file_.material_lines.push_back(line);
 }
 
+// The line of a face, counted from 0.
+int line_of_face(std::string_view text, std::size_t face) {
+  for (int line = 1; !text.empty(); ++line) {
+    std::string_view rest = take_line(text);
+    if (take_word(rest) == "f" && face-- == 0) return line;
+  }
+  return 0;
+}
+
 }  // namespace
 
-Result<ObjFile> read_obj(const std::string& bytes, const std::string& name) {
+Result<ObjFile> read_obj(std::string_view bytes, const std::string& name) {
+  bytes = without_byte_order_mark(bytes);
   auto text = scan_obj(bytes, name);
   if (!text) return fail(text.error());
   ObjFile file;
@@ -98,12 +110,10 @@ Result<ObjFile> read_obj(const std::string& bytes, const std::string& name) {
   if (!tinyobj::LoadObjWithCallback(stream, FaceCollector::callbacks(), &collector, nullptr, &warnings,
                                     &errors))
     return fail(ErrorCode::kInvalidArgument, fmt::format("{}: {}", name, errors));
-  if (const auto corners = collector.failed_face_corners())
-    return fail(
-        ErrorCode::kInvalidArgument,
-        fmt::format(
-            "{}: a face that is not convex has {} corners, more than the {} that can be cut into triangles",
-            name, *corners, kMaxConcaveCorners));
+  if (const auto face = collector.failed_face())
+    return fail(ErrorCode::kInvalidArgument,
+                fmt::format("{}:{}: a face that is not convex may have {} corners at most", name,
+                            line_of_face(bytes, *face), kMaxConcaveCorners));
   return file;
 }
 

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/base/error.hpp"
@@ -28,6 +29,6 @@ struct ObjFile {
 };
 
 // Errors are "NAME:LINE: what"; `name` is what they call the file.
-Result<ObjFile> read_obj(const std::string& bytes, const std::string& name);
+Result<ObjFile> read_obj(std::string_view bytes, const std::string& name);
 
 }  // namespace tessera::core

@@ -5,10 +5,9 @@
 #include <algorithm>
 #include <array>
 #include <optional>
-#include <span>
 
-#include "core/scene/loader/suggestion.hpp"
 #include "core/scene/loader/text_lines.hpp"
+#include "core/scene/loader/wording.hpp"
 
 namespace tessera::core {
 namespace {
@@ -57,20 +56,6 @@ class ObjScanner {
   Indexed positions_{"v"}, uvs_{"vt"}, normals_{"vn"};
 };
 
-// The first numbers of `line`, from `least` to `numbers.size()`; the count, or -1 where the line is wrong.
-// More numbers than `most` are wrong, too.
-int take_numbers(std::string_view line, std::span<float> numbers, int least, int most) {
-  int count = 0;
-  while (true) {
-    const std::string_view word = take_word(line);
-    if (word.empty() || word.starts_with('#')) return count < least ? -1 : count;
-    const auto number = parse_float(word);
-    if (!number || count == most) return -1;
-    if (static_cast<std::size_t>(count) < numbers.size()) numbers[static_cast<std::size_t>(count)] = *number;
-    ++count;
-  }
-}
-
 Result<ObjText> ObjScanner::scan() {
   while (!rest_.empty()) {
     ++line_number_;
@@ -96,7 +81,7 @@ Status ObjScanner::statement(std::string_view line) {
 Status ObjScanner::vertex(std::string_view line) {
   std::array<float, 3> p{};
   // A weight, a colour or both may follow.
-  if (take_numbers(line, p, 3, 7) < 0)
+  if (read_numbers(line, p, 7) < 3)
     return mistake(fmt::format("a vertex must be 3 finite numbers, got {}", in_quotes(line)));
   obj_.positions.push_back({p[0], p[1], p[2]});
   ++positions_.count;
@@ -105,7 +90,7 @@ Status ObjScanner::vertex(std::string_view line) {
 
 Status ObjScanner::normal(std::string_view line) {
   std::array<float, 3> n{};
-  if (take_numbers(line, n, 3, 3) < 0)
+  if (read_numbers(line, n, 3) != 3)
     return mistake(fmt::format("a normal must be 3 finite numbers, got {}", in_quotes(line)));
   obj_.normals.push_back({n[0], n[1], n[2]});
   ++normals_.count;
@@ -114,7 +99,7 @@ Status ObjScanner::normal(std::string_view line) {
 
 Status ObjScanner::texture_vertex(std::string_view line) {
   std::array<float, 2> uv{};
-  if (take_numbers(line, uv, 1, 3) < 0)
+  if (read_numbers(line, uv, 3) < 1)
     return mistake(
         fmt::format("a texture coordinate must be 1 to 3 finite numbers, got {}", in_quotes(line)));
   obj_.uvs.push_back({uv[0], uv[1]});

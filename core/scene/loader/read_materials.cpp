@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "core/scene/loader/scene_file.hpp"
-#include "core/scene/loader/suggestion.hpp"
+#include "core/scene/loader/wording.hpp"
 
 namespace tessera::core {
 namespace {

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "core/scene/loader/scene_file.hpp"
-#include "core/scene/loader/suggestion.hpp"
+#include "core/scene/loader/wording.hpp"
 
 namespace tessera::core {
 namespace {

@@ -55,6 +55,7 @@ struct SceneFile {
   std::vector<TextureEntry> textures;
   std::vector<MaterialEntry> materials;
   std::vector<ShapeEntry> shapes;
+  Place shapes_place;
 };
 
 // What is wrong is added to `mistakes`, which names the file; the scene is whole only if there is none.

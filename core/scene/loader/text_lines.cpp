@@ -33,6 +33,11 @@ std::string_view take_word(std::string_view& line) {
   return word;
 }
 
+std::string_view without_byte_order_mark(std::string_view text) {
+  if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
+  return text;
+}
+
 std::string_view trimmed(std::string_view line) {
   while (!line.empty() && is_blank(line.front())) line.remove_prefix(1);
   while (!line.empty() && is_blank(line.back())) line.remove_suffix(1);
@@ -59,6 +64,16 @@ std::optional<int> parse_int(std::string_view word) {
   const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
   if (error != std::errc() || end != word.data() + word.size()) return std::nullopt;
   return value;
+}
+
+std::optional<int> read_numbers(std::string_view line, std::span<float> into, int most) {
+  int count = 0;
+  for (auto word = take_word(line); !word.empty() && word.front() != '#'; word = take_word(line), ++count) {
+    const auto number = parse_float(word);
+    if (!number || count == most) return std::nullopt;
+    if (static_cast<std::size_t>(count) < into.size()) into[static_cast<std::size_t>(count)] = *number;
+  }
+  return count;
 }
 
 }  // namespace tessera::core

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string_view>
 
 namespace tessera::core {
@@ -11,6 +12,8 @@ namespace tessera::core {
 std::string_view take_line(std::string_view& text);
 // The first word of `line`, which is taken off it with the blanks around it; empty at the end.
 std::string_view take_word(std::string_view& line);
+// Without the three bytes that some editors put in front of UTF-8.
+std::string_view without_byte_order_mark(std::string_view text);
 // Without blanks at either end.
 std::string_view trimmed(std::string_view line);
 
@@ -18,5 +21,10 @@ std::string_view trimmed(std::string_view line);
 // it.
 std::optional<float> parse_float(std::string_view word);
 std::optional<int> parse_int(std::string_view word);
+
+// Reads the numbers of `line`, up to a comment, into `into`; how many there are, or nullopt where something
+// else stands among them or there are more than `most`. Numbers beyond the end of `into` are checked and
+// dropped.
+std::optional<int> read_numbers(std::string_view line, std::span<float> into, int most);
 
 }  // namespace tessera::core

@@ -1,4 +1,5 @@
-// Guesses what a misspelt name was meant to be. Stateless; thread-safe.
+// Words for messages: what a misspelt name was meant to be, and names out of files made fit to be shown.
+// Stateless; thread-safe.
 #pragma once
 
 #include <string>
@@ -15,8 +16,10 @@ std::size_t edit_distance(std::string_view a, std::string_view b);
 // nothing.
 std::string suggestion(std::string_view name, const std::vector<std::string_view>& known);
 
-// A name out of a file as messages show it: in single quotes, cut to a readable length, control characters
-// escaped.
+// Control characters and bytes that are not UTF-8 as \xNN, so that messages can be printed and sent.
+std::string printable(std::string_view text);
+
+// A name out of a file as messages show it: printable, in single quotes, cut to a readable length.
 std::string in_quotes(std::string_view name);
 
 }  // namespace tessera::core

@@ -1,4 +1,4 @@
-#include "core/scene/loader/suggestion.hpp"
+#include "core/scene/loader/wording.hpp"
 
 #include <fmt/format.h>
 
@@ -20,6 +20,27 @@ std::string listing(const std::vector<std::string_view>& known) {
   std::vector<std::string> shown;
   for (const auto name : known) shown.push_back(in_quotes(name));
   return fmt::format("; known {} {}", known.size() == 1 ? "is" : "are", fmt::join(shown, ", "));
+}
+
+bool is_continuation(char c) {
+  return (static_cast<unsigned char>(c) & 0xc0) == 0x80;
+}
+
+// How many bytes the printable UTF-8 character at the front takes; 0 where there is none. (Overlong forms
+// pass.)
+std::size_t printable_length(std::string_view text) {
+  const auto first = static_cast<unsigned char>(text.front());
+  if (first < 0x80) return first >= 0x20 && first != 0x7f ? 1 : 0;
+  const std::size_t length = first >= 0xf8   ? 0
+                             : first >= 0xf0 ? 4
+                             : first >= 0xe0 ? 3
+                             : first >= 0xc2 ? 2
+                                             : 0;
+  if (length > text.size()) return 0;
+  const bool whole =
+      length > 0 &&
+      std::all_of(text.begin() + 1, text.begin() + static_cast<std::ptrdiff_t>(length), is_continuation);
+  return whole ? length : 0;
 }
 
 }  // namespace
@@ -52,13 +73,22 @@ std::string suggestion(std::string_view name, const std::vector<std::string_view
   return listing(known);
 }
 
-std::string in_quotes(std::string_view name) {
-  std::string shown = "'";
-  for (const char c : name.substr(0, kMaxShownLength)) {
-    const auto byte = static_cast<unsigned char>(c);
-    shown += byte < 0x20 || byte == 0x7f ? fmt::format("\\x{:02x}", byte) : std::string(1, c);
+std::string printable(std::string_view text) {
+  std::string shown;
+  while (!text.empty()) {
+    const std::size_t length = printable_length(text);
+    if (length == 0) shown += fmt::format("\\x{:02x}", static_cast<unsigned char>(text.front()));
+    shown += text.substr(0, length);
+    text.remove_prefix(std::max<std::size_t>(length, 1));
   }
-  return shown + (name.size() > kMaxShownLength ? "...'" : "'");
+  return shown;
+}
+
+std::string in_quotes(std::string_view name) {
+  if (name.size() <= kMaxShownLength) return "'" + printable(name) + "'";
+  std::size_t end = kMaxShownLength;
+  while (end > 0 && is_continuation(name[end])) --end;  // whole characters only
+  return "'" + printable(name.substr(0, end)) + "...'";
 }
 
 }  // namespace tessera::core

@@ -1,0 +1,64 @@
+#include "core/scene/loader/plausibility.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <variant>
+#include <vector>
+
+#include "core/base/overloaded.hpp"
+
+namespace tessera::core {
+namespace {
+
+std::vector<ColorParameter> shares_of(const MaterialModel& model) {
+  return std::visit(Overloaded{[](const Lambert& m) { return std::vector{m.albedo}; },
+                               [](const Mirror& m) { return std::vector{m.reflectance}; },
+                               [](const Glass& m) {
+                                 return std::vector{m.reflectance, m.transmittance};
+                               }},
+                    model);
+}
+
+// The largest value that a texture of floats gives; those of bytes end at 1.
+float largest_value(const Texture& texture) {
+  const auto* values = std::get_if<std::vector<float>>(&texture.image->texels);
+  return values == nullptr ? 1.0f : *std::max_element(values->begin(), values->end());
+}
+
+std::vector<std::uint32_t> materials_of(const ShapeDescription& shape) {
+  if (const auto* mesh = std::get_if<MeshDescription>(&shape)) return mesh->triangle_materials;
+  if (const auto* sphere = std::get_if<SphereDescription>(&shape)) return {sphere->material};
+  return {std::get_if<QuadDescription>(&shape)->material};
+}
+
+bool gives_light(const SceneDescription& scene) {
+  return std::any_of(scene.shapes.begin(), scene.shapes.end(), [&](const ShapeDescription& shape) {
+    const auto materials = materials_of(shape);
+    return std::any_of(materials.begin(), materials.end(),
+                       [&](std::uint32_t m) { return !is_black(scene.materials[m].emission); });
+  });
+}
+
+}  // namespace
+
+void check_plausibility(const SceneDescription& scene, const std::vector<Place>& material_places,
+                        const Place& shapes_place, Mistakes& mistakes) {
+  for (std::size_t i = 0; i < scene.materials.size(); ++i) {
+    for (const auto& share : shares_of(scene.materials[i].model)) {
+      if (share.texture < 0) continue;
+      const float largest =
+          largest_value(scene.textures[static_cast<std::size_t>(share.texture)]) * max_component(share.value);
+      if (largest > 1)
+        mistakes.add(
+            i < material_places.size() ? material_places[i] : shapes_place,
+            fmt::format("material {}: its texture times 'tint' reaches {}, and nothing reflects more than 1",
+                        scene.materials[i].name, largest));
+    }
+  }
+  if (!gives_light(scene))
+    mistakes.add(shapes_place,
+                 "nothing here gives light, and the picture would be black; give a material an 'emission'");
+}
+
+}  // namespace tessera::core
