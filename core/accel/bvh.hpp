@@ -17,7 +17,8 @@ class Bvh {
   Bvh() = default;  // of nothing: every ray misses
 
   // Keeps a reference to nothing: `primitives` is passed again to the queries. The result does not depend on
-  // `threads`.
+  // `threads`, of which there is at least one. What cannot be hit (triangles without area, anything not
+  // finite) is left out.
   static Bvh build(const Primitives& primitives, int threads);
 
   // The nearest hit with 0 < t < ray.t_max; not found() where there is none.
@@ -26,6 +27,7 @@ class Bvh {
   // Whether anything is hit with 0 < t < ray.t_max.
   bool any_hit(const Primitives& primitives, const Ray& ray) const;
 
+  // Whether the trees are the same, node for node.
   bool operator==(const Bvh&) const = default;
 
  private:

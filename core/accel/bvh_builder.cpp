@@ -1,6 +1,5 @@
 // Bvh::build: a binary tree is built, its nodes are merged eight at a time, and leaves become packets.
 #include <algorithm>
-#include <bit>
 
 #include "core/accel/binary_bvh.hpp"
 #include "core/accel/bvh.hpp"

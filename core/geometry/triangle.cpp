@@ -40,14 +40,14 @@ double t_error_bound(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d
 
 }  // namespace
 
-ShearedRay::ShearedRay(const Ray& ray)
-    : x_axis((longest_axis(ray.direction) + 1) % 3),
-      y_axis((longest_axis(ray.direction) + 2) % 3),
-      z_axis(longest_axis(ray.direction)),
-      origin_x(ray.origin[x_axis]),
-      origin_y(ray.origin[y_axis]),
-      origin_z(ray.origin[z_axis]),
-      direction_z(ray.direction[z_axis]) {
+ShearedRay::ShearedRay(const Ray& ray) {
+  z_axis = longest_axis(ray.direction);
+  x_axis = (z_axis + 1) % 3;
+  y_axis = (z_axis + 2) % 3;
+  origin_x = ray.origin[x_axis];
+  origin_y = ray.origin[y_axis];
+  origin_z = ray.origin[z_axis];
+  direction_z = ray.direction[z_axis];
   shear_x = static_cast<double>(ray.direction[x_axis]) / direction_z;
   shear_y = static_cast<double>(ray.direction[y_axis]) / direction_z;
 }
@@ -63,10 +63,10 @@ std::optional<TriangleHit> intersect_triangle(const ShearedRay& ray, const Trian
   const double scale = det * ray.direction_z;
   const double scaled_t = e.x * a.z + e.y * b.z + e.z * c.z;
   const double t = scaled_t / scale;
-  // Where all corners are ahead, so is every point between them. The comparison also rejects NaN, which only
-  // rays and corners that are not finite lead to.
-  const double nearest_z = std::min({a.z / ray.direction_z, b.z / ray.direction_z, c.z / ray.direction_z});
-  const double t_error = nearest_z > 0 ? 0 : t_error_bound(a, b, c, e) / std::fabs(scale);
+  // Where all corners are ahead, so is every point between them. The comparison of t also rejects NaN, to
+  // which only rays and corners that are not finite lead.
+  const bool all_ahead = ray.direction_z > 0 ? std::min({a.z, b.z, c.z}) > 0 : std::max({a.z, b.z, c.z}) < 0;
+  const double t_error = all_ahead ? 0 : t_error_bound(a, b, c, e) / std::fabs(scale);
   if (!(t > t_error)) return std::nullopt;
   return TriangleHit{static_cast<float>(t), static_cast<float>(e.y / det), static_cast<float>(e.z / det)};
 }
