@@ -3,35 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cmath>
+
+#include "core/scene/loader/vertex_normals.hpp"
 
 namespace tessera::core {
 namespace {
 
 using Corner = ObjFile::Corner;
-using Double3 = std::array<double, 3>;
-
-Double3 difference(Vec3 a, Vec3 b) {
-  return {double{a.x} - b.x, double{a.y} - b.y, double{a.z} - b.z};
-}
-
-// Twice the area times the normal of a triangle. In double precision, so that no triangle is too small or too
-// large.
-Double3 area_normal(Vec3 a, Vec3 b, Vec3 c) {
-  const Double3 u = difference(b, a), v = difference(c, a);
-  return {u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]};
-}
-
-// Of unit length; the zero vector stays.
-Vec3 unit(const Double3& v) {
-  const double largest = std::max({std::fabs(v[0]), std::fabs(v[1]), std::fabs(v[2])});
-  if (largest == 0) return {};
-  const Double3 scaled{v[0] / largest, v[1] / largest, v[2] / largest};
-  const double norm = std::sqrt(scaled[0] * scaled[0] + scaled[1] * scaled[1] + scaled[2] * scaled[2]);
-  return {static_cast<float>(scaled[0] / norm), static_cast<float>(scaled[1] / norm),
-          static_cast<float>(scaled[2] / norm)};
-}
-
 // Gives each distinct corner a number, in the order of their first appearance. An open hash table.
 class CornerIndex {
  public:
@@ -75,28 +53,6 @@ class CornerIndex {
   std::vector<Corner> corners_;
 };
 
-// Area-weighted means of the normals around each of the file's positions, in the file's space. A position
-// whose faces cancel out, as those of a sheet with two sides do, takes the normal of one of them.
-std::vector<Vec3> smooth_normals(const ObjFile& file) {
-  const auto& positions = file.text.positions;
-  std::vector<Double3> sums(positions.size(), Double3{});
-  std::vector<Vec3> any(positions.size());
-  for (std::size_t i = 0; i < file.corners.size(); i += 3) {
-    const auto index = [&](std::size_t k) { return static_cast<std::size_t>(file.corners[i + k].position); };
-    const Double3 n = area_normal(positions[index(0)], positions[index(1)], positions[index(2)]);
-    for (std::size_t k = 0; k < 3; ++k) {
-      for (std::size_t axis = 0; axis < 3; ++axis) sums[index(k)][axis] += n[axis];
-      if (any[index(k)] == Vec3{}) any[index(k)] = unit(n);
-    }
-  }
-  std::vector<Vec3> normals(positions.size());
-  for (std::size_t i = 0; i < sums.size(); ++i) {
-    normals[i] = unit(sums[i]);
-    if (normals[i] == Vec3{}) normals[i] = any[i] == Vec3{} ? Vec3{0, 0, 1} : any[i];
-  }
-  return normals;
-}
-
 // Outward stays outward, for mirrored maps as well.
 Vec3 transformed_normal(const Transform& transform, Vec3 file_normal) {
   const Vec3 normal = unit({file_normal.x, file_normal.y, file_normal.z});
@@ -104,28 +60,51 @@ Vec3 transformed_normal(const Transform& transform, Vec3 file_normal) {
   return unit({n.x, n.y, n.z});
 }
 
+bool is_zero(Vec3 v) {
+  return v == Vec3{};
+}
+
 bool has_area(const MeshDescription& mesh, const std::array<std::uint32_t, 3>& t) {
-  return area_normal(mesh.positions[t[0]], mesh.positions[t[1]], mesh.positions[t[2]]) != Double3{};
+  return area_normal(mesh.positions[t[0]], mesh.positions[t[1]], mesh.positions[t[2]]) != AreaNormal{};
+}
+
+// The corners with their normals settled: those of the file, or those computed, or none.
+struct ShadedCorners {
+  std::vector<Corner> corners;
+  std::vector<Vec3> normals;  // that the corners refer to
+};
+
+ShadedCorners settle_normals(const ObjFile& file, NormalsMode mode) {
+  ShadedCorners shaded{file.corners, {}};
+  if (mode == NormalsMode::kFile) shaded.normals = file.text.normals;
+  const auto has_normal = [&](const Corner& c) {
+    return c.normal >= 0 && mode == NormalsMode::kFile &&
+           !is_zero(shaded.normals[static_cast<std::size_t>(c.normal)]);
+  };
+  if (mode == NormalsMode::kFlat) {
+    for (Corner& corner : shaded.corners) corner.normal = -1;
+  } else if (!std::all_of(shaded.corners.begin(), shaded.corners.end(), has_normal)) {
+    const auto computed = compute_normals(file, mode == NormalsMode::kSmooth ? kNoCreases : kCreaseCosine);
+    const auto first = static_cast<std::int32_t>(shaded.normals.size());
+    for (std::size_t i = 0; i < shaded.corners.size(); ++i)
+      if (!has_normal(shaded.corners[i])) shaded.corners[i].normal = first + computed.of_corners[i];
+    shaded.normals.insert(shaded.normals.end(), computed.normals.begin(), computed.normals.end());
+  }
+  return shaded;
 }
 
 class MeshBuilder {
  public:
-  MeshBuilder(const ObjFile& file, NormalsMode mode, const Transform& transform)
-      : file_(file), mode_(mode), transform_(transform), vertices_(file.text.positions.size()) {}
+  MeshBuilder(const ObjFile& file, const ShadedCorners& shaded, const Transform& transform)
+      : file_(file), shaded_(shaded), transform_(transform), vertices_(file.text.positions.size()) {}
 
   Result<MeshDescription> build(const std::vector<std::uint32_t>& materials);
 
  private:
-  // What of a corner tells vertices apart.
-  Corner key(const Corner& corner) const {
-    return {corner.position, corner.uv, mode_ == NormalsMode::kFile ? corner.normal : -1};
-  }
-  bool lacks_normals() const;
   void fill_vertices();
-  void fill_normals();
 
   const ObjFile& file_;
-  NormalsMode mode_;
+  const ShadedCorners& shaded_;
   Transform transform_;
   CornerIndex vertices_;
   MeshDescription mesh_;
@@ -133,10 +112,9 @@ class MeshBuilder {
 
 Result<MeshDescription> MeshBuilder::build(const std::vector<std::uint32_t>& materials) {
   std::vector<std::uint32_t> indices;
-  indices.reserve(file_.corners.size());
-  for (const Corner& corner : file_.corners) indices.push_back(vertices_.number(key(corner)));
+  indices.reserve(shaded_.corners.size());
+  for (const Corner& corner : shaded_.corners) indices.push_back(vertices_.number(corner));
   fill_vertices();
-  if (mode_ != NormalsMode::kFlat) fill_normals();
   if (!std::all_of(mesh_.positions.begin(), mesh_.positions.end(), [](Vec3 p) { return is_finite(p); }))
     return fail(ErrorCode::kInvalidArgument, "reaches farther than can be computed after its transform");
   const bool mirrored = transform_.determinant() < 0;
@@ -156,34 +134,15 @@ Result<MeshDescription> MeshBuilder::build(const std::vector<std::uint32_t>& mat
 
 void MeshBuilder::fill_vertices() {
   const auto& corners = vertices_.corners();
-  mesh_.positions.reserve(corners.size());
-  for (const Corner& corner : corners)
+  const bool has_uvs = std::any_of(corners.begin(), corners.end(), [](const Corner& c) { return c.uv >= 0; });
+  for (const Corner& corner : corners) {
     mesh_.positions.push_back(
         transform_.point(file_.text.positions[static_cast<std::size_t>(corner.position)]));
-  if (std::all_of(corners.begin(), corners.end(), [](const Corner& c) { return c.uv < 0; })) return;
-  mesh_.uvs.reserve(corners.size());
-  for (const Corner& corner : corners)
-    mesh_.uvs.push_back(corner.uv < 0 ? Vec2{} : file_.text.uvs[static_cast<std::size_t>(corner.uv)]);
-}
-
-bool is_zero(Vec3 v) {
-  return v == Vec3{};
-}
-
-bool MeshBuilder::lacks_normals() const {
-  return std::any_of(vertices_.corners().begin(), vertices_.corners().end(), [&](const Corner& c) {
-    return c.normal < 0 || is_zero(file_.text.normals[static_cast<std::size_t>(c.normal)]);
-  });
-}
-
-void MeshBuilder::fill_normals() {
-  const std::vector<Vec3> computed = lacks_normals() ? smooth_normals(file_) : std::vector<Vec3>{};
-  mesh_.normals.reserve(vertices_.corners().size());
-  for (const Corner& corner : vertices_.corners()) {
-    Vec3 normal;
-    if (corner.normal >= 0) normal = file_.text.normals[static_cast<std::size_t>(corner.normal)];
-    if (is_zero(normal)) normal = computed[static_cast<std::size_t>(corner.position)];
-    mesh_.normals.push_back(transformed_normal(transform_, normal));
+    if (corner.normal >= 0)
+      mesh_.normals.push_back(
+          transformed_normal(transform_, shaded_.normals[static_cast<std::size_t>(corner.normal)]));
+    if (has_uvs)
+      mesh_.uvs.push_back(corner.uv < 0 ? Vec2{} : file_.text.uvs[static_cast<std::size_t>(corner.uv)]);
   }
 }
 
@@ -191,7 +150,7 @@ void MeshBuilder::fill_normals() {
 
 Result<MeshDescription> build_mesh(const ObjFile& file, NormalsMode normals, const Transform& transform,
                                    const std::vector<std::uint32_t>& materials) {
-  return MeshBuilder(file, normals, transform).build(materials);
+  return MeshBuilder(file, settle_normals(file, normals), transform).build(materials);
 }
 
 }  // namespace tessera::core

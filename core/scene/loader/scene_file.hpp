@@ -31,8 +31,9 @@ struct MaterialEntry {
 
 // Which normals a mesh is shaded with.
 enum class NormalsMode {
-  kFile,    // the file's; where it has none, area-weighted means of the faces around each vertex
-  kSmooth,  // those means everywhere
+  kFile,    // the file's; where it has none, means of the faces around each vertex that meet without a sharp
+            // edge
+  kSmooth,  // means of all faces around each vertex, whatever the file has
   kFlat,    // none
 };
 

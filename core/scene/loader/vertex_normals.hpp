@@ -1,0 +1,36 @@
+// Normals for meshes that have none, from the faces around each vertex. Stateless; thread-safe.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/math/vec3.hpp"
+#include "core/scene/loader/obj_reader.hpp"
+
+namespace tessera::core {
+
+// Faces that meet at a sharper angle than this (40 degrees) keep their edge: a box's sides stay flat, a
+// scanned animal is smooth. Given as a cosine.
+inline constexpr float kCreaseCosine = 0.766044443f;
+inline constexpr float kNoCreases = -2;
+
+struct ComputedNormals {
+  std::vector<Vec3> normals;             // of unit length
+  std::vector<std::int32_t> of_corners;  // an index into `normals` for each of the file's corners
+};
+
+// At each corner, the mean of the triangles around its position whose normals are within the crease angle of
+// the corner's own, weighed by area. In the file's space.
+ComputedNormals compute_normals(const ObjFile& file, float crease_cosine);
+
+// Twice the area times the normal of a triangle. In double precision, so that no triangle is too small or too
+// large.
+struct AreaNormal {
+  double x = 0, y = 0, z = 0;
+  bool operator==(const AreaNormal&) const = default;
+};
+AreaNormal area_normal(Vec3 a, Vec3 b, Vec3 c);
+// Of unit length; zero stays zero.
+Vec3 unit(const AreaNormal& v);
+
+}  // namespace tessera::core
