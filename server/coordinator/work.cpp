@@ -83,13 +83,17 @@ void Coordinator::synchronize(const v1::SynchronizeRequest& request, Synchronize
     return turn.later(
         [answer = std::move(answer), error = actions.status.error()] { answer(core::fail(error)); });
   }
-  ParkedCall call{
-      std::move(answer), {request.known_job_ids().begin(), request.known_job_ids().end()}, turn.now()};
-  release_parked(turn, request.worker_id(), *actions.reply);
-  call.deadline += actions.reply->heard_within / kCallsPerLease;
-  const bool nothing_left = request.draining() && actions.reply->leases.empty();
-  parked_.insert_or_assign(request.worker_id(), std::move(call));
-  if (actions.reply->changed || nothing_left) release_parked(turn, request.worker_id(), *actions.reply);
+  const scheduler::Reply& reply = *actions.reply;
+  ParkedCall call{std::move(answer),
+                  {request.known_job_ids().begin(), request.known_job_ids().end()},
+                  turn.now() + reply.heard_within / kCallsPerLease};
+  const bool lacks_spec = std::any_of(reply.leases.begin(), reply.leases.end(), [&](const auto& lease) {
+    return call.known_jobs.count(lease.job.value) == 0;
+  });
+  const bool nothing_left = request.draining() && reply.leases.empty();
+  release_parked(turn, request.worker_id(), reply);  // an earlier call of this worker
+  parked_.emplace(request.worker_id(), std::move(call));
+  if (reply.changed || lacks_spec || nothing_left) release_parked(turn, request.worker_id(), reply);
   apply(turn, actions);
 }
 

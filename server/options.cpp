@@ -1,0 +1,39 @@
+#include "server/options.hpp"
+
+#include <CLI/CLI.hpp>
+#include <cstdlib>
+
+namespace tessera::server {
+
+Options parse_options(int argc, char** argv) {
+  Options options;
+  CLI::App app(
+      "The coordinator of a Tessera render farm: takes scenes, hands their tiles to workers, serves the "
+      "pictures.");
+  app.set_version_flag("--version", "tessera-coordinator " TESSERA_VERSION);
+  app.add_option("--listen", options.listen,
+                 "HOST:PORT to serve at; port 0 picks a free one. There is no TLS yet: beyond loopback, only "
+                 "on networks you trust")
+      ->capture_default_str();
+  app.add_option("--state", options.state, "Folder for what must survive a restart: jobs, films, scenes")
+      ->capture_default_str();
+  app.add_option("--lease-seconds", options.lease_seconds,
+                 "A worker silent for so long loses its work to others")
+      ->check(CLI::Range(1.0, 3600.0))
+      ->capture_default_str();
+  app.add_option("--validator", options.validator, "The tessera-validator to start for submitted scenes")
+      ->capture_default_str();
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    std::exit(app.exit(error));
+  }
+  return options;
+}
+
+bool is_loopback(const std::string& address) {
+  const std::string host = address.substr(0, address.find_last_of(':'));
+  return host == "localhost" || host == "[::1]" || host.rfind("127.", 0) == 0 || host.rfind("unix", 0) == 0;
+}
+
+}  // namespace tessera::server

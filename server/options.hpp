@@ -1,0 +1,33 @@
+// What tessera-coordinator can be told, in one place: flags, --help and defaults come from here.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "proto/channel.hpp"
+#include "server/store/state_directory.hpp"
+#include "server/validator/validator_process.hpp"
+
+namespace tessera::server {
+
+struct Options {
+  // HOST:PORT to serve at. Port 0 picks a free one. Beyond loopback anyone who reaches the port may submit
+  // and render: there is no encryption and no authentication yet.
+  std::string listen = proto::kDefaultCoordinator;
+  // Folder for what must survive: jobs, films, scenes.
+  std::filesystem::path state = store::default_state_directory();
+  // A worker silent for so long loses its work to others. Shorter: less delay when one dies; less patience
+  // with the network.
+  double lease_seconds = 10;
+  // The tessera-validator to start for submitted scenes.
+  std::string validator = validator::default_validator_path();
+};
+
+// Reads the command line. On --help, --version and mistakes it prints what there is to say and ends the
+// process.
+Options parse_options(int argc, char** argv);
+
+// Whether HOST:PORT is reachable from this machine alone.
+bool is_loopback(const std::string& address);
+
+}  // namespace tessera::server

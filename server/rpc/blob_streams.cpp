@@ -1,0 +1,91 @@
+#include "server/rpc/blob_streams.hpp"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "proto/blob.hpp"
+#include "server/rpc/reactors.hpp"
+
+namespace tessera::rpc {
+
+using core::ErrorCode;
+
+UploadStream::UploadStream(const store::BlobStore& blobs, coordinator::ThreadPool& pool,
+                           v1::UploadBlobResponse* response)
+    : blobs_(blobs), pool_(pool), response_(response) {
+  StartRead(&request_);
+}
+
+void UploadStream::OnReadDone(bool ok) {
+  const bool posted = pool_.post([this, ok] {
+    if (!ok) return Finish(proto::to_grpc(commit()));
+    if (auto taken = take_chunk(); !taken) return Finish(proto::to_grpc(taken));
+    StartRead(&request_);
+  });
+  if (!posted) Finish(busy());
+}
+
+core::Status UploadStream::take_chunk() {
+  const v1::BlobChunk& chunk = request_.chunk();
+  if (chunk.has_digest() == writer_.has_value()) {
+    return core::fail(ErrorCode::kInvalidArgument,
+                      "chunk.digest: must be in the first message and in no later one");
+  }
+  if (chunk.data().size() > proto::kMaxChunkBytes) {
+    return core::fail(ErrorCode::kInvalidArgument, fmt::format("chunk.data: must be at most {} bytes, got {}",
+                                                               proto::kMaxChunkBytes, chunk.data().size()));
+  }
+  if (!writer_) {
+    const auto digest = proto::from_proto(chunk.digest());
+    if (!digest) return core::fail(digest.error());
+    auto writer = blobs_.write(*digest);
+    if (!writer) return core::fail(writer.error());
+    writer_.emplace(std::move(*writer));
+    *response_->mutable_digest() = chunk.digest();
+  }
+  return writer_->append(chunk.data());
+}
+
+core::Status UploadStream::commit() {
+  if (!writer_) return core::fail(ErrorCode::kInvalidArgument, "the stream ended before the first chunk");
+  return writer_->commit();
+}
+
+FetchStream::FetchStream(const store::BlobStore& blobs, coordinator::ThreadPool& pool,
+                         const v1::Digest& digest)
+    : blobs_(blobs), pool_(pool) {
+  *response_.mutable_chunk()->mutable_digest() = digest;
+  const bool posted = pool_.post([this, digest] {
+    if (auto opened = open(digest); !opened) return Finish(proto::to_grpc(opened));
+    write_next();
+  });
+  if (!posted) Finish(busy());
+}
+
+core::Status FetchStream::open(const v1::Digest& message) {
+  const auto digest = proto::from_proto(message);
+  if (!digest) return core::fail(digest.error());
+  auto reader = blobs_.read(*digest);
+  if (!reader) return core::fail(reader.error());
+  reader_.emplace(std::move(*reader));
+  left_bytes_ = digest->size_bytes;
+  return {};
+}
+
+void FetchStream::OnWriteDone(bool ok) {
+  if (!ok) return Finish(grpc::Status::CANCELLED);
+  if (left_bytes_ == 0) return Finish(grpc::Status::OK);
+  response_.mutable_chunk()->clear_digest();
+  if (!pool_.post([this] { write_next(); })) Finish(busy());
+}
+
+void FetchStream::write_next() {
+  auto bytes = reader_->next(proto::kMaxChunkBytes);
+  if (!bytes) return Finish(proto::to_grpc(bytes.error()));
+  left_bytes_ -= bytes->size();
+  response_.mutable_chunk()->set_data(std::move(*bytes));
+  StartWrite(&response_);
+}
+
+}  // namespace tessera::rpc

@@ -1,0 +1,32 @@
+// How handlers leave gRPC's threads: every call's work is posted to a pool of ours, and the call finished
+// from there. gRPC has few threads for callbacks; one that blocks stops the others.
+#pragma once
+
+#include <grpcpp/server_context.h>
+#include <grpcpp/support/server_callback.h>
+
+#include <utility>
+
+#include "proto/status.hpp"
+#include "server/coordinator/thread_pool.hpp"
+
+namespace tessera::rpc {
+
+// What a call is answered with when there are too many already.
+inline grpc::Status busy() {
+  return {grpc::StatusCode::UNAVAILABLE, "the coordinator has too much to do at this moment: try again"};
+}
+
+// Answers a unary call with the status of `work()`, run on `pool`. What `work` refers to must live until
+// then; request and response of a call do.
+template <typename Work>
+grpc::ServerUnaryReactor* run_unary(grpc::CallbackServerContext* context, coordinator::ThreadPool& pool,
+                                    Work work) {
+  grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
+  const bool posted =
+      pool.post([reactor, work = std::move(work)] { reactor->Finish(proto::to_grpc(core::Status(work()))); });
+  if (!posted) reactor->Finish(busy());
+  return reactor;
+}
+
+}  // namespace tessera::rpc

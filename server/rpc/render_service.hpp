@@ -1,0 +1,64 @@
+// The users' service: each method hands its request to the coordinator and its answer to gRPC, and does
+// nothing else. Thread-safe.
+#pragma once
+
+#include "server/coordinator/coordinator.hpp"
+#include "server/coordinator/thread_pool.hpp"
+#include "server/rpc/watch_hub.hpp"
+#include "tessera/v1/render_service.grpc.pb.h"
+
+namespace tessera::rpc {
+
+struct Pools {
+  // For what takes milliseconds.
+  coordinator::ThreadPool& quick;
+  // For what takes seconds: validating scenes, encoding pictures.
+  coordinator::ThreadPool& slow;
+};
+
+class RenderService final : public v1::RenderService::CallbackService {
+ public:
+  RenderService(coordinator::Coordinator& coordinator, Pools pools, WatchHub& watches)
+      : coordinator_(coordinator), pools_(pools), watches_(watches) {}
+
+  grpc::ServerUnaryReactor* FindMissingBlobs(grpc::CallbackServerContext* context,
+                                             const v1::FindMissingBlobsRequest* request,
+                                             v1::FindMissingBlobsResponse* response) override;
+  grpc::ServerReadReactor<v1::UploadBlobRequest>* UploadBlob(grpc::CallbackServerContext* context,
+                                                             v1::UploadBlobResponse* response) override;
+  grpc::ServerUnaryReactor* SubmitJob(grpc::CallbackServerContext* context,
+                                      const v1::SubmitJobRequest* request,
+                                      v1::SubmitJobResponse* response) override;
+  grpc::ServerUnaryReactor* GetJob(grpc::CallbackServerContext* context, const v1::GetJobRequest* request,
+                                   v1::GetJobResponse* response) override;
+  grpc::ServerUnaryReactor* ListJobs(grpc::CallbackServerContext* context, const v1::ListJobsRequest* request,
+                                     v1::ListJobsResponse* response) override;
+  grpc::ServerWriteReactor<v1::WatchJobResponse>* WatchJob(grpc::CallbackServerContext* context,
+                                                           const v1::WatchJobRequest* request) override;
+  grpc::ServerWriteReactor<v1::GetImageResponse>* GetImage(grpc::CallbackServerContext* context,
+                                                           const v1::GetImageRequest* request) override;
+  grpc::ServerUnaryReactor* CancelJob(grpc::CallbackServerContext* context,
+                                      const v1::CancelJobRequest* request,
+                                      v1::CancelJobResponse* response) override;
+  grpc::ServerUnaryReactor* PauseJob(grpc::CallbackServerContext* context, const v1::PauseJobRequest* request,
+                                     v1::PauseJobResponse* response) override;
+  grpc::ServerUnaryReactor* ResumeJob(grpc::CallbackServerContext* context,
+                                      const v1::ResumeJobRequest* request,
+                                      v1::ResumeJobResponse* response) override;
+  grpc::ServerUnaryReactor* ExtendJob(grpc::CallbackServerContext* context,
+                                      const v1::ExtendJobRequest* request,
+                                      v1::ExtendJobResponse* response) override;
+  grpc::ServerUnaryReactor* DeleteJob(grpc::CallbackServerContext* context,
+                                      const v1::DeleteJobRequest* request,
+                                      v1::DeleteJobResponse* response) override;
+  grpc::ServerUnaryReactor* ListWorkers(grpc::CallbackServerContext* context,
+                                        const v1::ListWorkersRequest* request,
+                                        v1::ListWorkersResponse* response) override;
+
+ private:
+  coordinator::Coordinator& coordinator_;
+  const Pools pools_;
+  WatchHub& watches_;
+};
+
+}  // namespace tessera::rpc

@@ -1,0 +1,99 @@
+#include "server/rpc/server.hpp"
+
+#include <fmt/format.h>
+#include <grpcpp/ext/proto_server_reflection_plugin.h>
+#include <grpcpp/health_check_service_interface.h>
+#include <grpcpp/server_builder.h>
+#include <spdlog/spdlog.h>
+
+#include <thread>
+#include <utility>
+
+#include "proto/channel.hpp"
+#include "server/coordinator/periodic.hpp"
+#include "server/rpc/render_service.hpp"
+#include "server/rpc/worker_service.hpp"
+
+namespace tessera::rpc {
+
+using coordinator::Coordinator;
+
+namespace {
+
+constexpr auto kTickPeriod = std::chrono::milliseconds(100);
+// With the time of writing, less than the two seconds that a crash may cost.
+constexpr auto kCheckpointPeriod = std::chrono::milliseconds(1000);
+constexpr auto kLeaveForCalls = std::chrono::seconds(2);
+
+constexpr int kSlowThreads = 2;
+constexpr std::size_t kMaxWaitingQuick = 1024;
+constexpr std::size_t kMaxWaitingSlow = 64;
+
+int quick_threads() {
+  return std::max(2, static_cast<int>(std::thread::hardware_concurrency()));
+}
+
+void log_checkpoint(const core::Status& written) {
+  if (!written) spdlog::error("could not write the checkpoint, will try again: {}", written.error().message);
+}
+
+}  // namespace
+
+struct Server::Parts {
+  explicit Parts(Coordinator& c)
+      : coordinator(c),
+        quick(quick_threads(), kMaxWaitingQuick),
+        slow(kSlowThreads, kMaxWaitingSlow),
+        watches(c),
+        render_service(c, {quick, slow}, watches),
+        worker_service(c, quick),
+        ticker(kTickPeriod, [this] { coordinator.tick(); }),
+        checkpointer(kCheckpointPeriod, [this] { log_checkpoint(coordinator.checkpoint()); }) {}
+
+  Coordinator& coordinator;
+  coordinator::ThreadPool quick, slow;
+  WatchHub watches;
+  RenderService render_service;
+  WorkerService worker_service;
+  coordinator::Periodic ticker, checkpointer;
+  std::unique_ptr<grpc::Server> grpc;
+};
+
+Server::Server(std::unique_ptr<Parts> parts, std::string address)
+    : parts_(std::move(parts)), address_(std::move(address)) {}
+
+Server::~Server() {
+  log_checkpoint(stop());
+}
+
+core::Result<std::unique_ptr<Server>> Server::start(Coordinator& coordinator, const std::string& address) {
+  grpc::EnableDefaultHealthCheckService(true);
+  grpc::reflection::InitProtoReflectionServerBuilderPlugin();
+  auto parts = std::make_unique<Parts>(coordinator);
+  int port = 0;
+  grpc::ServerBuilder builder;
+  proto::apply_server_options(builder);
+  builder.AddListeningPort(address, proto::server_credentials(), &port);
+  builder.RegisterService(&parts->render_service);
+  builder.RegisterService(&parts->worker_service);
+  parts->grpc = builder.BuildAndStart();
+  if (!parts->grpc || port == 0) {
+    return core::fail(core::ErrorCode::kUnavailable,
+                      fmt::format("cannot listen on {}: is it HOST:PORT, and is the port free?", address));
+  }
+  const std::string host = address.substr(0, address.find_last_of(':'));
+  return std::unique_ptr<Server>(new Server(std::move(parts), fmt::format("{}:{}", host, port)));
+}
+
+core::Status Server::stop() {
+  if (!parts_) return {};
+  Coordinator& coordinator = parts_->coordinator;
+  coordinator.close();
+  parts_->watches.close();
+  parts_->grpc->Shutdown(std::chrono::system_clock::now() + kLeaveForCalls);
+  parts_->grpc->Wait();
+  parts_.reset();
+  return coordinator.checkpoint();
+}
+
+}  // namespace tessera::rpc

@@ -1,0 +1,65 @@
+#include "server/rpc/watch_call.hpp"
+
+#include <utility>
+
+#include "proto/status.hpp"
+
+namespace tessera::rpc {
+
+namespace {
+
+constexpr auto kShortestInterval = std::chrono::milliseconds(250);
+
+bool is_final(v1::JobState state) {
+  return state == v1::JOB_STATE_DONE || state == v1::JOB_STATE_CANCELLED || state == v1::JOB_STATE_FAILED;
+}
+
+}  // namespace
+
+WatchCall::WatchCall(WatchHub& hub, std::string job_id) : hub_(hub), job_id_(std::move(job_id)) {
+  hub_.add(*this);
+}
+
+void WatchCall::tell(const core::Result<v1::Job>& job) {
+  if (!job) return end(proto::to_grpc(job.error()));
+  const bool soon = std::chrono::steady_clock::now() < last_sent_at_ + kShortestInterval;
+  if (writing_ || ending_ || (soon && !is_final(job->state()))) return;
+  std::string bytes = job->SerializeAsString();
+  if (bytes == last_sent_) return;
+  last_sent_ = std::move(bytes);
+  write(*job);
+  if (is_final(job->state())) end(grpc::Status::OK);
+}
+
+void WatchCall::write(const v1::Job& job) {
+  last_sent_at_ = std::chrono::steady_clock::now();
+  writing_ = true;
+  *response_.mutable_job() = job;
+  StartWrite(&response_);
+}
+
+void WatchCall::end(grpc::Status status) {
+  if (!ending_) ending_ = std::move(status);
+  if (writing_ || finished_) return;
+  finished_ = true;
+  Finish(*ending_);
+}
+
+void WatchCall::OnWriteDone(bool ok) {
+  const std::lock_guard lock(hub_.mutex());
+  writing_ = false;
+  if (!ok) return end(grpc::Status::CANCELLED);
+  if (ending_) end(*ending_);
+}
+
+void WatchCall::OnCancel() {
+  const std::lock_guard lock(hub_.mutex());
+  end(grpc::Status::CANCELLED);
+}
+
+void WatchCall::OnDone() {
+  hub_.remove(*this);
+  delete this;
+}
+
+}  // namespace tessera::rpc

@@ -1,0 +1,30 @@
+// The workers' service: each method hands its request to the coordinator and its answer to gRPC, and does
+// nothing else. Thread-safe.
+#pragma once
+
+#include "server/coordinator/coordinator.hpp"
+#include "server/coordinator/thread_pool.hpp"
+#include "tessera/v1/worker_service.grpc.pb.h"
+
+namespace tessera::rpc {
+
+class WorkerService final : public v1::WorkerService::CallbackService {
+ public:
+  WorkerService(coordinator::Coordinator& coordinator, coordinator::ThreadPool& pool)
+      : coordinator_(coordinator), pool_(pool) {}
+
+  grpc::ServerUnaryReactor* Synchronize(grpc::CallbackServerContext* context,
+                                        const v1::SynchronizeRequest* request,
+                                        v1::SynchronizeResponse* response) override;
+  grpc::ServerUnaryReactor* SubmitResult(grpc::CallbackServerContext* context,
+                                         const v1::SubmitResultRequest* request,
+                                         v1::SubmitResultResponse* response) override;
+  grpc::ServerWriteReactor<v1::FetchBlobResponse>* FetchBlob(grpc::CallbackServerContext* context,
+                                                             const v1::FetchBlobRequest* request) override;
+
+ private:
+  coordinator::Coordinator& coordinator_;
+  coordinator::ThreadPool& pool_;
+};
+
+}  // namespace tessera::rpc

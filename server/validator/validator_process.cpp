@@ -1,0 +1,162 @@
+#include "server/validator/validator_process.hpp"
+
+#include <fmt/format.h>
+#include <poll.h>
+#include <signal.h>
+#include <spawn.h>
+#include <sys/mman.h>
+#include <sys/pidfd.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <optional>
+#include <system_error>
+
+#include "proto/blob.hpp"
+#include "server/store/file.hpp"
+#include "server/validator/verdict.pb.h"
+
+namespace tessera::validator {
+
+using core::ErrorCode;
+using store::Fd;
+
+namespace {
+
+core::Error system_error(std::string_view doing) {
+  return {ErrorCode::kInternal, fmt::format("{}: {}", doing, std::strerror(errno))};
+}
+
+Question make_question(const store::BlobStore& blobs, const v1::Bundle& bundle,
+                       const v1::RenderOverrides& overrides) {
+  Question question;
+  *question.mutable_bundle() = bundle;
+  *question.mutable_overrides() = overrides;
+  for (const v1::Bundle::Asset& asset : bundle.assets()) {
+    const auto digest = proto::from_proto(asset.digest());
+    if (digest)
+      (*question.mutable_files())[asset.path()] = std::filesystem::absolute(blobs.path(*digest)).string();
+  }
+  return question;
+}
+
+// The process's standard input and output are files in memory: neither side ever waits for the other.
+core::Result<Fd> memory_file(const char* name, const std::string& content) {
+  Fd file(memfd_create(name, MFD_CLOEXEC));
+  if (!file) return core::fail(system_error("memfd_create"));
+  if (auto written = store::write_all(file, content, name); !written) return core::fail(written.error());
+  if (lseek(file.get(), 0, SEEK_SET) != 0) return core::fail(system_error("lseek"));
+  return file;
+}
+
+core::Result<pid_t> spawn(const std::string& path, const Fd& in, const Fd& out) {
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_adddup2(&actions, in.get(), STDIN_FILENO);
+  posix_spawn_file_actions_adddup2(&actions, out.get(), STDOUT_FILENO);
+  posix_spawn_file_actions_addclosefrom_np(&actions, STDERR_FILENO + 1);
+  // The coordinator blocks the signals it waits for; its child must not.
+  posix_spawnattr_t attributes;
+  posix_spawnattr_init(&attributes);
+  sigset_t none;
+  sigemptyset(&none);
+  posix_spawnattr_setsigmask(&attributes, &none);
+  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK);
+
+  std::string name = path;
+  // One thread: the memory limit counts addresses, of which every OpenMP thread takes many.
+  std::array<char, 18> threads{"OMP_NUM_THREADS=1"};
+  const std::array<char*, 2> arguments{name.data(), nullptr}, environment{threads.data(), nullptr};
+  pid_t pid = 0;
+  const int error =
+      posix_spawn(&pid, path.c_str(), &actions, &attributes, arguments.data(), environment.data());
+  posix_spawnattr_destroy(&attributes);
+  posix_spawn_file_actions_destroy(&actions);
+  if (error == 0) return pid;
+  return core::fail(ErrorCode::kInternal,
+                    fmt::format("starting {}: {}: install it there, or name it with --validator", path,
+                                std::strerror(error)));
+}
+
+// The process's wait status, or nothing if it had to be killed.
+core::Result<std::optional<int>> wait_for(pid_t pid, std::chrono::milliseconds timeout) {
+  const Fd handle(pidfd_open(pid, 0));
+  bool ended = false;
+  if (handle) {
+    pollfd exit{handle.get(), POLLIN, 0};
+    ended = poll(&exit, 1, static_cast<int>(timeout.count())) == 1;
+  }
+  if (!ended) kill(pid, SIGKILL);
+  int status = 0;
+  while (waitpid(pid, &status, 0) < 0) {
+    if (errno != EINTR) return core::fail(system_error("waitpid"));
+  }
+  return ended ? std::optional(status) : std::nullopt;
+}
+
+core::Result<std::string> read_all(const Fd& file) {
+  std::string content;
+  std::array<char, 65536> buffer{};
+  if (lseek(file.get(), 0, SEEK_SET) != 0) return core::fail(system_error("lseek"));
+  while (true) {
+    const ssize_t got = read(file.get(), buffer.data(), buffer.size());
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) return core::fail(system_error("reading the verdict"));
+    if (got == 0) return content;
+    content.append(buffer.data(), static_cast<std::size_t>(got));
+  }
+}
+
+std::string describe_end(int status) {
+  if (WIFSIGNALED(status)) {
+    return fmt::format("the validator ended by signal {} ({})", WTERMSIG(status),
+                       strsignal(WTERMSIG(status)));
+  }
+  return fmt::format("the validator ended with status {}", WEXITSTATUS(status));
+}
+
+core::Result<v1::RenderSettings> read_verdict(const Fd& out, int status) {
+  const auto content = read_all(out);
+  if (!content) return core::fail(content.error());
+  Verdict verdict;
+  const bool answered = WIFEXITED(status) && WEXITSTATUS(status) == 0 && verdict.ParseFromString(*content);
+  if (answered && verdict.has_settings()) return verdict.settings();
+  if (answered && verdict.has_refusal()) {
+    return core::fail(static_cast<ErrorCode>(verdict.refusal().code()), verdict.refusal().message());
+  }
+  return core::fail(
+      ErrorCode::kInvalidArgument,
+      fmt::format("the scene could not be validated: {}; render it with `tessera render` to see why",
+                  describe_end(status)));
+}
+
+}  // namespace
+
+std::string default_validator_path() {
+  std::error_code ignored;  // then the path does not exist, and the first scene says so
+  return (std::filesystem::read_symlink("/proc/self/exe", ignored).parent_path() / "tessera-validator")
+      .string();
+}
+
+core::Result<v1::RenderSettings> validate_scene(const ProcessOptions& options, const store::BlobStore& blobs,
+                                                const v1::Bundle& bundle,
+                                                const v1::RenderOverrides& overrides) {
+  const auto in = memory_file("question", make_question(blobs, bundle, overrides).SerializeAsString());
+  if (!in) return core::fail(in.error());
+  const auto out = memory_file("verdict", "");
+  if (!out) return core::fail(out.error());
+  const auto pid = spawn(options.path, *in, *out);
+  if (!pid) return core::fail(pid.error());
+  const auto status = wait_for(*pid, options.timeout);
+  if (!status) return core::fail(status.error());
+  if (*status) return read_verdict(*out, **status);
+  return core::fail(ErrorCode::kInvalidArgument,
+                    fmt::format("the scene could not be validated within {} s: make it smaller",
+                                std::chrono::duration_cast<std::chrono::seconds>(options.timeout).count()));
+}
+
+}  // namespace tessera::validator
