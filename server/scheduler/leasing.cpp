@@ -39,12 +39,11 @@ void Scheduler::adopt(Worker& worker, const LeaseDescription& reported) {
   Job* const job = find(reported.job);
   if (job == nullptr || !(job->state() == JobState::kRunning || job->state() == JobState::kPaused)) return;
   const bool never_given = reported.id == LeaseId{} || reported.id > last_lease_id_;
-  if (never_given || job->leases().find(reported.id) != nullptr) return;
+  if (never_given || live_leases_.contains(reported.id)) return;
   if (static_cast<int>(worker.leases.size()) >= kMaxLeasesPerWorker) return;
   std::vector<WorkItem> items = job->free_parts(reported.items);
   if (items.empty()) return;
-  job->lease({reported.id, worker.info.id, std::move(items)});
-  worker.leases.push_back({reported.id, reported.job, true});
+  enter_lease(worker, *job, {reported.id, worker.info.id, std::move(items)}, true);
   work_appeared_ = true;
 }
 
@@ -95,8 +94,13 @@ bool Scheduler::grant_copy(Worker& worker) {
 void Scheduler::grant(Worker& worker, Job& job, std::vector<WorkItem> items) {
   ++last_lease_id_.value;
   job.last_served = ++servings_;
-  job.lease({last_lease_id_, worker.info.id, std::move(items)});
-  worker.leases.push_back({last_lease_id_, job.id(), false});
+  enter_lease(worker, job, {last_lease_id_, worker.info.id, std::move(items)}, false);
+}
+
+void Scheduler::enter_lease(Worker& worker, Job& job, Lease lease, bool acknowledged) {
+  live_leases_.insert(lease.id);
+  worker.leases.push_back({lease.id, job.id(), acknowledged});
+  job.lease(std::move(lease));
 }
 
 std::vector<JobSnapshot> Scheduler::snapshots(const std::vector<Job*>& jobs) const {
@@ -116,6 +120,7 @@ void Scheduler::end_lease(Job& job, LeaseId id) {
 void Scheduler::forget_lease(const Lease& lease) {
   Worker* const holder = roster_.find(lease.holder);
   std::erase_if(holder->leases, [&](const HeldLease& held) { return held.id == lease.id; });
+  live_leases_.erase(lease.id);
   lost_leases_.insert(lease.holder);
 }
 

@@ -131,6 +131,7 @@ class Scheduler {
   bool grant_free(Worker& worker);
   bool grant_copy(Worker& worker);
   void grant(Worker& worker, Job& job, std::vector<WorkItem> items);
+  void enter_lease(Worker& worker, Job& job, Lease lease, bool acknowledged);
   std::vector<JobSnapshot> snapshots(const std::vector<Job*>& jobs) const;
   void end_lease(Job& job, LeaseId id);
   // Strikes an ended lease from its holder's entry.
@@ -156,6 +157,8 @@ class Scheduler {
   const Options options_;
   Time now_{};
   LeaseId last_lease_id_;
+  // Of all jobs: an id that is in use cannot be taken over a second time.
+  std::set<LeaseId> live_leases_;
   std::uint64_t servings_ = 0;
 
   std::map<JobNumber, Job> jobs_;

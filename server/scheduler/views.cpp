@@ -91,8 +91,9 @@ std::optional<std::string> Scheduler::check_workers() const {
       }
     }
   }
-  if (held_by_workers != held_of_jobs) {
-    return fmt::format("jobs have {} leases, workers {}", held_of_jobs, held_by_workers);
+  if (held_by_workers != held_of_jobs || live_leases_.size() != held_of_jobs) {
+    return fmt::format("jobs have {} leases, workers {}, and {} are live", held_of_jobs, held_by_workers,
+                       live_leases_.size());
   }
   if (active != roster_.active_count()) {
     return fmt::format("{} workers take leases, counted {}", active, roster_.active_count());

@@ -36,7 +36,9 @@ void WorkList::put_back(const WorkItem& item) {
   for (std::uint32_t begin = item.samples.begin; begin < item.samples.end;) {
     const SampleRange pass = pass_of(begin);
     const std::uint32_t end = std::min(pass.end, item.samples.end);
-    returned_[{pass.begin, item.tile}].add({begin, end});
+    // What the cursor has yet to come to is a candidate already.
+    const SampleRange passed{begin, std::min(end, passed_until(item.tile, pass))};
+    if (!passed.empty()) returned_[{pass.begin, item.tile}].add(passed);
     begin = end;
   }
 }
@@ -46,7 +48,10 @@ void WorkList::extend(std::uint32_t spp) {
   // The last pass was cut short by the old spp: go through it again from its first tile. What is done or
   // leased of it is not wanted.
   const std::uint32_t first_short_pass = pass_of(spp_).begin;
-  if (cursor_.sample >= first_short_pass) cursor_ = {0, first_short_pass};
+  if (cursor_.sample >= first_short_pass) {
+    cursor_ = {0, first_short_pass};
+    returned_.erase(returned_.lower_bound({first_short_pass, 0}), returned_.end());
+  }
   spp_ = spp;
 }
 
@@ -56,10 +61,17 @@ IntervalSet WorkList::candidates(int tile) const {
     const auto returned = returned_.find({begin, tile});
     if (returned != returned_.end()) all.add(returned->second);
   }
-  if (cursor_.sample >= spp_) return all;
-  const SampleRange pass = pass_of(cursor_.sample);
-  all.add({tile < cursor_.tile ? pass.end : tile == cursor_.tile ? cursor_.sample : pass.begin, spp_});
+  for (std::uint32_t begin = 0; begin < spp_; begin = pass_of(begin).end) {
+    all.add({passed_until(tile, pass_of(begin)), std::min(pass_of(begin).end, spp_)});
+  }
   return all;
+}
+
+std::uint32_t WorkList::passed_until(int tile, SampleRange pass) const {
+  const SampleRange at = pass_of(cursor_.sample);
+  if (pass.begin != at.begin) return pass.begin < at.begin ? pass.end : pass.begin;
+  if (tile != cursor_.tile) return tile < cursor_.tile ? pass.end : pass.begin;
+  return cursor_.sample;
 }
 
 std::optional<WorkItem> WorkList::front() const {

@@ -51,6 +51,8 @@ class WorkList {
     std::uint32_t sample = 0;
   };
 
+  // The samples of this pass and tile that lie before the cursor end here.
+  std::uint32_t passed_until(int tile, core::SampleRange pass) const;
   std::optional<WorkItem> front() const;
   void forget_front(const WorkItem& front, std::uint32_t until);
 
@@ -59,7 +61,8 @@ class WorkList {
   // The rest of this sample's pass in this tile, that pass in all later tiles, and all later passes are
   // candidates.
   Cursor cursor_;
-  // By pass (its first sample) and tile; no set is empty.
+  // By pass (its first sample) and tile; no set is empty. All lie before the cursor, so nothing is a
+  // candidate twice.
   std::map<std::pair<std::uint32_t, int>, IntervalSet> returned_;
 };
 

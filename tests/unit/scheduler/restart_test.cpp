@@ -79,6 +79,14 @@ TEST_F(Restart, LosesNothingOfALeaseThatReportsTheSameSamplesTwice) {
   EXPECT_EQ(sync("w", {doubled}).leases[0].items, (std::vector<WorkItem>{{0, {0, 4}}, {0, {4, 6}}}));
 }
 
+TEST_F(Restart, TakesALeaseOverOnceThoughItIsReportedForTwoJobs) {
+  submit("a", tiles(100, 8));
+  submit("b", tiles(100, 8));
+  restart();
+  const LeaseDescription first{LeaseId{5}, {"a"}, {{0, {0, 1}}}}, second{LeaseId{5}, {"b"}, {{0, {0, 1}}}};
+  EXPECT_EQ(sync("w", {first, second}, 0).leases, std::vector{first});
+}
+
 TEST_F(Restart, CountsResultsOfLeasesFromBefore) {
   submit("job", tiles(100, 8));
   const LeaseDescription lease = lease_to("w");

@@ -56,12 +56,25 @@ TEST(WorkList, ResumesAPieceWhereItWasCut) {
 
 TEST(WorkList, GivesWhatCameBackFirstAndEarlierPassesBeforeLaterOnes) {
   WorkList work(3, 8);
-  for (int i = 0; i < 7; ++i) work.take(*work.next(all_of), 1);
-  work.put_back({2, {1, 4}});
-  work.put_back({0, {0, 1}});
+  for (int i = 0; i < 9; ++i) work.take(*work.next(all_of), 1);  // the cursor is at sample 3 of tile 1
+  work.put_back({0, {1, 4}});
+  work.put_back({2, {0, 1}});
   const std::vector<WorkItem> order = drain(work);
   EXPECT_EQ(std::vector<WorkItem>(order.begin(), order.begin() + 4),
-            (std::vector<WorkItem>{{0, {0, 1}}, {2, {1, 2}}, {2, {2, 4}}, {0, {3, 4}}}));
+            (std::vector<WorkItem>{{2, {0, 1}}, {0, {1, 2}}, {0, {2, 4}}, {1, {3, 4}}}));
+}
+
+TEST(WorkList, OffersNothingTwiceThatCameBackWithoutHavingBeenTaken) {
+  WorkList work(3, 8);
+  const std::vector<WorkItem> order = drain(work);
+  WorkList again(3, 8);
+  for (int i = 0; i < 4; ++i) again.take(*again.next(all_of), 1);  // the cursor is at sample 1 of tile 1
+  for (int tile = 0; tile < 3; ++tile) again.put_back({tile, {0, 8}});
+  EXPECT_EQ(drain(again), order);
+  again.extend(9);
+  again.put_back({0, {4, 9}});
+  again.extend(16);
+  EXPECT_EQ(drain(again), (std::vector<WorkItem>{{0, {4, 8}}, {0, {8, 16}}, {1, {8, 16}}, {2, {8, 16}}}));
 }
 
 TEST(WorkList, OffersTheRestOfAShortPassAfterItIsExtended) {

@@ -1,0 +1,206 @@
+#include "tests/simulation/worker.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace tessera::simulation {
+
+using namespace scheduler;
+
+namespace {
+
+constexpr double kCallTimeoutSeconds = 5.0;
+constexpr double kResendSeconds = 1.5;
+// Renders of the model all cost the same; tiles at the edges are taken to be whole ones.
+constexpr double kTilePixels = double{core::kTilePx} * core::kTilePx;
+
+}  // namespace
+
+WorkerMachine::WorkerMachine(World& world, Coordinator& coordinator, std::string name,
+                             double samples_per_second)
+    : world_(world),
+      coordinator_(coordinator),
+      name_(std::move(name)),
+      samples_per_second_(samples_per_second),
+      wanted_leases_(world.random.integer(1, 3)),
+      items_per_delivery_(static_cast<std::size_t>(world.random.integer(1, 12))) {}
+
+void WorkerMachine::start() {
+  if (running_) return;
+  ++process_;
+  world_.note(fmt::format("{}.{} starts", name_, process_));
+  running_ = true;
+  stopping_ = rendering_ = false;
+  hung_until_ = {};
+  held_.clear();
+  outbox_.clear();
+  synchronize();
+}
+
+void WorkerMachine::crash() {
+  if (running_) world_.note(fmt::format("{}.{} crashes", name_, process_));
+  running_ = false;
+}
+
+void WorkerMachine::hang(Duration duration) {
+  world_.note(fmt::format("{}.{} hangs for {:.1f} s", name_, process_,
+                          std::chrono::duration<double>(duration).count()));
+  hung_until_ = world_.now() + duration;
+}
+
+void WorkerMachine::later(Duration delay, std::function<void()> what) {
+  world_.after(delay, [this, what = std::move(what), process = process_] {
+    if (!running_ || process != process_) return;
+    if (world_.now() < hung_until_) return later(hung_until_ - world_.now(), what);
+    what();
+  });
+}
+
+void WorkerMachine::synchronize() {
+  Synchronize request{
+      {{fmt::format("{}.{}", name_, process_)}, name_, "0.1.0", 1}, {}, wanted_leases_, stopping_};
+  for (const Held& held : held_) {
+    if (stopping_) break;
+    LeaseDescription lease{held.id, held.job, held.sent};
+    lease.items.insert(lease.items.end(), held.rendered.begin(), held.rendered.end());
+    lease.items.insert(lease.items.end(), held.to_render.begin(), held.to_render.end());
+    if (!lease.items.empty()) request.held.push_back(std::move(lease));
+  }
+  const std::uint64_t call = ++call_;
+  const auto answer = [=, this, process = process_](const Reply& reply) {
+    world_.send([=, this] {
+      if (process == process_) later({}, [=, this] { take_reply(call, reply); });
+    });
+  };
+  world_.send([=, this] { coordinator_.synchronize(request, answer); });
+  later(seconds(kCallTimeoutSeconds), [=, this] {
+    if (call == call_) synchronize();
+  });
+}
+
+void WorkerMachine::take_reply(std::uint64_t call, const Reply& reply) {
+  if (call != call_) return;
+  const auto wanted = [&](const Held& held) {
+    return std::any_of(reply.leases.begin(), reply.leases.end(),
+                       [&](const auto& l) { return l.id == held.id; });
+  };
+  // What it has sent already it goes on sending; the rest of what is not wanted it forgets.
+  std::erase_if(held_, [&](const Held& held) { return !wanted(held); });
+  for (const LeaseDescription& lease : reply.leases) {
+    if (find(lease.id) != nullptr) continue;
+    held_.push_back({lease.id, lease.job, {lease.items.begin(), lease.items.end()}, {}, {}, 0, false});
+  }
+  render_next();
+  if (!stopping_) synchronize();
+}
+
+void WorkerMachine::render_next() {
+  if (rendering_ || stopping_) return;
+  const auto next =
+      std::find_if(held_.begin(), held_.end(), [](const Held& held) { return !held.to_render.empty(); });
+  if (next == held_.end()) return;
+  rendering_ = true;
+  render_started_ = world_.now();
+  const double duration = render_seconds(next->job, next->to_render.front());
+  later(seconds(duration), [=, this, id = next->id, job = next->job, item = next->to_render.front()] {
+    rendered(id, job, item, duration);
+  });
+}
+
+void WorkerMachine::rendered(LeaseId id, JobId job, WorkItem item, double duration) {
+  if (stopping_) return;
+  rendering_ = false;
+  if (Held* const held = find(id)) {
+    std::erase(held->to_render, item);
+    held->rendered.push_back(item);
+    held->render_seconds += duration;
+    if (held->to_render.empty() || held->rendered.size() >= items_per_delivery_) {
+      deliver(*held, held->to_render.empty());
+    }
+  } else if (world_.random.chance(0.5)) {
+    // No longer wanted, but may still be missing.
+    Held late{id, job, {}, {item}, {}, duration, false};
+    deliver(late, false);
+  }
+  render_next();
+}
+
+void WorkerMachine::deliver(Held& held, bool finished) {
+  const std::uint64_t delivery = ++deliveries_;
+  outbox_[delivery] = {{fmt::format("{}.{}", name_, process_)},
+                       held.job,
+                       held.id,
+                       held.rendered,
+                       held.render_seconds,
+                       finished};
+  held.sent.insert(held.sent.end(), held.rendered.begin(), held.rendered.end());
+  held.rendered.clear();
+  held.render_seconds = 0;
+  held.finished = finished;
+  send_until_heard(delivery);
+}
+
+void WorkerMachine::send_until_heard(std::uint64_t delivery) {
+  const auto result = outbox_.find(delivery);
+  if (result == outbox_.end()) return;
+  const auto answer = [=, this, process = process_] {
+    world_.send([=, this] {
+      if (process == process_) later({}, [=, this] { heard(delivery); });
+    });
+  };
+  world_.send([=, this, message = result->second] { coordinator_.submit_result(message, answer); });
+  later(seconds(kResendSeconds), [=, this] { send_until_heard(delivery); });
+}
+
+void WorkerMachine::heard(std::uint64_t delivery) {
+  const auto result = outbox_.find(delivery);
+  if (result == outbox_.end()) return;
+  if (Held* const held = find(result->second.lease)) {
+    for (const WorkItem& item : result->second.items) std::erase(held->sent, item);
+    if (result->second.lease_finished)
+      std::erase_if(held_, [&](const Held& h) { return h.id == result->second.lease; });
+  }
+  const bool finished = result->second.lease_finished;
+  outbox_.erase(result);
+  if (stopping_) return exit_if_idle();
+  if (finished) synchronize();
+}
+
+void WorkerMachine::stop() {
+  if (!running_ || stopping_) return;
+  world_.note(fmt::format("{}.{} stops", name_, process_));
+  stopping_ = true;
+  if (rendering_) {
+    // Of the range it is at, as many samples as the time was enough for.
+    const auto current =
+        std::find_if(held_.begin(), held_.end(), [](const Held& held) { return !held.to_render.empty(); });
+    if (current != held_.end()) {
+      WorkItem part = current->to_render.front();
+      const double spent = std::chrono::duration<double>(world_.now() - render_started_).count();
+      const auto samples = static_cast<std::uint32_t>(spent * samples_per_second_ / kTilePixels);
+      part.samples.end = std::min(part.samples.end, part.samples.begin + samples);
+      if (!part.samples.empty()) current->rendered.push_back(part), current->render_seconds += spent;
+    }
+  }
+  for (Held& held : held_) {
+    if (!held.finished) deliver(held, true);
+  }
+  synchronize();
+  exit_if_idle();
+}
+
+void WorkerMachine::exit_if_idle() {
+  if (outbox_.empty()) running_ = false;
+}
+
+WorkerMachine::Held* WorkerMachine::find(LeaseId id) {
+  const auto found =
+      std::find_if(held_.begin(), held_.end(), [&](const Held& held) { return held.id == id; });
+  return found == held_.end() ? nullptr : &*found;
+}
+
+double WorkerMachine::render_seconds(const JobId&, const WorkItem& item) {
+  return kTilePixels * item.samples.count() / samples_per_second_ * world_.random.real(0.8, 1.3);
+}
+
+}  // namespace tessera::simulation
