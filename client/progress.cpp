@@ -19,6 +19,7 @@ constexpr double kSpeedWindowSeconds = 10;
 constexpr int kDefaultColumns = 80;
 constexpr int kWidestBar = 40;
 constexpr int kNarrowestBar = 5;
+constexpr std::size_t kUsualTextWidth = 55;  // keeps the bar's length steady while the numbers grow
 constexpr std::string_view kEraseLine = "\r\x1b[K";
 
 int stderr_columns() {
@@ -102,7 +103,7 @@ void ProgressLine::draw(const ProgressState& state, double now_seconds) {
   if (!output_.is_terminal) return output_.write(text + "\n");
   // The last column stays free: writing there makes some terminals wrap.
   const int columns = output_.columns() - 1;
-  const int room = columns - static_cast<int>(text.size()) - 3;
+  const int room = columns - static_cast<int>(std::max(text.size(), kUsualTextWidth)) - 3;
   if (room >= kNarrowestBar) text.insert(0, bar(fraction_done(state), std::min(room, kWidestBar)));
   text.resize(std::min(text.size(), static_cast<std::size_t>(std::max(columns, 0))));
   output_.write(std::string(kEraseLine) + text);

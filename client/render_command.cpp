@@ -117,8 +117,15 @@ void warn_about_samples(const std::string& scene_path, const RenderStats& stats)
   }
 }
 
-Status write_results(const RenderOptions& options, const RenderStats& stats, const core::Film& film) {
-  if (Status status = write_pictures(options.scene.output_paths, film.develop()); !status) return status;
+void warn_about_blackness(const core::Image& image) {
+  if (std::all_of(image.pixels.begin(), image.pixels.end(), core::is_black)) {
+    print_warning(
+        "the picture is black: no light reaches the camera; is it inside something, or does it look away?");
+  }
+}
+
+Status write_results(const RenderOptions& options, const RenderStats& stats, const core::Image& image) {
+  if (Status status = write_pictures(options.scene.output_paths, image); !status) return status;
   if (options.stats_path.empty()) return {};
   return core::write_file_atomically(options.stats_path, to_json(stats, peak_memory_bytes()));
 }
@@ -144,8 +151,9 @@ int render_picture(const RenderOptions& options, LoadedScene& loaded) {
   stats.counters = rendered.counters;
   stats.render_seconds = rendered.seconds;
   warn_about_samples(options.scene.scene_path, stats);
-  if (Status status = write_results(options, stats, rendered.film); !status)
-    return print_error(status.error());
+  const core::Image image = rendered.film.develop();
+  warn_about_blackness(image);
+  if (Status status = write_results(options, stats, image); !status) return print_error(status.error());
   if (!options.quiet) print_summary(options, stats);
   return kExitOk;
 }

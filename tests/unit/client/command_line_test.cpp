@@ -21,14 +21,14 @@ using testing::IsEmpty;
 using testing::StartsWith;
 using testing::UnorderedElementsAre;
 
-// A lit sphere; `emission` 0 for a scene without light.
-std::string scene_text(const std::string& emission) {
+// A glowing sphere seen from the point (0, 0, 4).
+std::string scene_text(const std::string& radius, const std::string& center) {
   return R"({
   "render": {"width": 40, "height": 30, "spp": 4},
   "camera": {"position": [0, 0, 4], "look_at": [0, 0, 0]},
-  "materials": {"glow": {"type": "lambert", "albedo": 0.5, "emission": )" +
-         emission + R"(}},
-  "shapes": [{"type": "sphere", "radius": 1, "material": "glow"}]
+  "materials": {"glow": {"type": "lambert", "albedo": 0.5, "emission": [2, 1, 0.5]}},
+  "shapes": [{"type": "sphere", "radius": )" +
+         radius + R"(, "center": )" + center + R"(, "material": "glow"}]
 })";
 }
 
@@ -38,7 +38,7 @@ class CommandLine : public testing::Test {
     std::string pattern = testing::TempDir() + "command_line.XXXXXX";
     ASSERT_NE(::mkdtemp(pattern.data()), nullptr);
     folder_ = pattern;
-    write("scene.json", scene_text("[2, 1, 0.5]"));
+    write("scene.json", scene_text("1", "[0, 0, 0]"));
   }
   void TearDown() override { fs::remove_all(folder_); }
 
@@ -103,11 +103,18 @@ TEST_F(CommandLine, ASampleCanBeReplayed) {
   EXPECT_EQ(render({"--sample", "1,2"}).exit_status, 2);
 }
 
-TEST_F(CommandLine, ASceneWithoutLightIsWarnedAbout) {
-  write("scene.json", scene_text("0"));
+TEST_F(CommandLine, ASceneWhoseLightIsTooSmallToCountIsWarnedAbout) {
+  write("scene.json", scene_text("1e-30", "[0, 0, 0]"));
   const ProcessResult result = render({"-o", path("a.pfm"), "-q"});
-  EXPECT_EQ(result.exit_status, 0);
+  EXPECT_EQ(result.exit_status, 0) << result.err;
   EXPECT_THAT(result.err, AllOf(StartsWith("tessera: warning: "), HasSubstr("has no light")));
+}
+
+TEST_F(CommandLine, ABlackPictureIsWarnedAbout) {
+  write("scene.json", scene_text("1", "[0, 0, 9]"));
+  const ProcessResult result = render({"-o", path("a.pfm"), "-q"});
+  EXPECT_EQ(result.exit_status, 0) << result.err;
+  EXPECT_THAT(result.err, AllOf(StartsWith("tessera: warning: "), HasSubstr("the picture is black")));
 }
 
 TEST_F(CommandLine, MistakesInTheCommandLineExitWith2) {

@@ -27,10 +27,17 @@ TEST_F(Progress, ATerminalLineHasABarSpeedAndTimes) {
   line.update({.samples_done = 1'000'000, .samples_total = 4'000'000, .note = ""}, 102);
   line.finish({.samples_done = 4'000'000, .samples_total = 4'000'000, .note = ""}, 108);
   const std::vector<std::string> expected = {
-      kErase + "[>                                      ]   0.0%      0 samples/s  0:00 elapsed",
-      kErase + "[====>              ]  25.0%   500k samples/s  0:06 left  0:02 elapsed",
-      kErase + "[========================================] 100.0%   500k samples/s  0:08 elapsed", "\n"};
+      kErase + "[>                    ]   0.0%      0 samples/s  0:00 elapsed",
+      kErase + "[=====>               ]  25.0%   500k samples/s  0:06 left  0:02 elapsed",
+      kErase + "[=====================] 100.0%   500k samples/s  0:08 elapsed", "\n"};
   EXPECT_EQ(written_, expected);
+}
+
+TEST_F(Progress, ALongNoteShortensTheBar) {
+  ProgressLine line(output(true), 0);
+  line.update({.samples_done = 1, .samples_total = 2, .note = "12 workers, 24 tiles out"}, 0);
+  EXPECT_EQ(written_.back(),
+            kErase + "[======>      ]  50.0%      0 samples/s  0:00 elapsed  12 workers, 24 tiles out");
 }
 
 TEST_F(Progress, NarrowTerminalsLoseTheBarThenTheEnd) {
