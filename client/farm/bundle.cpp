@@ -1,0 +1,101 @@
+#include "client/farm/bundle.hpp"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <set>
+
+#include "core/scene/loader/asset_source.hpp"
+#include "core/scene/loader/loader.hpp"
+#include "core/scene/validation.hpp"
+#include "proto/blob.hpp"
+#include "proto/status.hpp"
+
+namespace tessera::client {
+namespace {
+
+using core::ErrorCode;
+using core::fail;
+
+v1::Bundle to_bundle(const std::string& scene_name, const std::map<std::string, proto::Digest>& digests) {
+  v1::Bundle bundle;
+  bundle.set_scene_path(scene_name);
+  for (const auto& [path, digest] : digests) {
+    v1::Bundle::Asset& asset = *bundle.add_assets();
+    asset.set_path(path);
+    *asset.mutable_digest() = proto::to_proto(digest);
+  }
+  return bundle;
+}
+
+core::Status upload(Farm& farm, const proto::Digest& digest, const std::string& bytes) {
+  grpc::ClientContext context;
+  v1::UploadBlobResponse response;
+  const auto stream = farm.stub().UploadBlob(&context, &response);
+  v1::UploadBlobRequest request;
+  proto::for_each_chunk(digest, bytes, [&](const v1::BlobChunk& chunk) {
+    *request.mutable_chunk() = chunk;
+    return stream->Write(request);
+  });
+  stream->WritesDone();
+  const grpc::Status status = stream->Finish();
+  return status.ok() ? core::Status{} : fail(farm.explain(status));
+}
+
+core::Status upload_asset(Farm& farm, const std::string& folder, const v1::Bundle::Asset& asset) {
+  const auto digest = proto::from_proto(asset.digest());
+  if (!digest) return fail(digest.error());
+  core::FolderAssets files(folder);
+  const auto bytes = files.read(asset.path());
+  if (!bytes) return fail(bytes.error());
+  if (proto::digest_of(*bytes) != *digest)
+    return fail(ErrorCode::kFailedPrecondition,
+                fmt::format("'{}' has changed since the scene was read: submit it again", asset.path()));
+  const auto done = patiently<bool>([&]() -> core::Result<bool> {
+    const core::Status sent = upload(farm, *digest, *bytes);
+    if (!sent) return fail(sent.error());
+    return true;
+  });
+  return done ? core::Status{} : fail(done.error().within(fmt::format("uploading '{}'", asset.path())));
+}
+
+}  // namespace
+
+core::Result<LocalBundle> bundle_scene(const std::string& scene_path,
+                                       const core::RenderOverrides& overrides) {
+  const std::filesystem::path file(scene_path);
+  const std::string scene_name = file.filename().string();
+  LocalBundle local;
+  local.folder = file.parent_path().string();
+
+  core::FolderAssets files(local.folder);
+  std::map<std::string, proto::Digest> digests;
+  core::RecordingAssets recording(files, [&](const std::string& path, const std::string& bytes) {
+    digests[path] = proto::digest_of(bytes);
+  });
+  const auto scene = core::load_scene(recording, scene_name, scene_path);
+  if (!scene) return fail(scene.error());
+  const auto settings = core::resolve_settings(scene->settings, overrides);
+  if (!settings) return fail(settings.error().within(scene_path));
+  if (const core::Status valid = core::validate_scene(*scene); !valid)
+    return fail(valid.error().within(scene_path));
+  local.settings = *settings;
+  local.bundle = to_bundle(scene_name, digests);
+  return local;
+}
+
+core::Status upload_missing(Farm& farm, const LocalBundle& local) {
+  v1::FindMissingBlobsRequest request;
+  for (const v1::Bundle::Asset& asset : local.bundle.assets()) *request.add_digests() = asset.digest();
+  const auto response = farm.call(&Farm::Stub::FindMissingBlobs, request);
+  if (!response) return fail(response.error());
+  std::set<std::string> missing;
+  for (const v1::Digest& digest : response->missing()) missing.insert(digest.sha256());
+  for (const v1::Bundle::Asset& asset : local.bundle.assets()) {
+    if (missing.erase(asset.digest().sha256()) == 0) continue;
+    if (core::Status sent = upload_asset(farm, local.folder, asset); !sent) return sent;
+  }
+  return {};
+}
+
+}  // namespace tessera::client

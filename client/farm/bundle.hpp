@@ -1,0 +1,24 @@
+// A scene on this machine as a bundle: loaded and checked here first, so that a mistake is told before
+// anything is sent, in the words in which `tessera render` tells it.
+#pragma once
+
+#include <map>
+#include <string>
+
+#include "client/farm/farm.hpp"
+#include "core/scene/settings.hpp"
+
+namespace tessera::client {
+
+struct LocalBundle {
+  v1::Bundle bundle;
+  std::string folder;             // the scene file's; where the names in the bundle are files
+  core::RenderSettings settings;  // the scene's, with the overrides
+};
+
+core::Result<LocalBundle> bundle_scene(const std::string& scene_path, const core::RenderOverrides& overrides);
+
+// Sends what the coordinator lacks. Blocks. An error too if a file has changed since it was bundled.
+core::Status upload_missing(Farm& farm, const LocalBundle& bundle);
+
+}  // namespace tessera::client

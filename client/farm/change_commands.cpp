@@ -1,0 +1,126 @@
+#include <fmt/format.h>
+
+#include <memory>
+#include <string>
+
+#include "client/console.hpp"
+#include "client/farm/farm.hpp"
+#include "client/farm/job_lookup.hpp"
+#include "client/farm/job_text.hpp"
+#include "client/farm/single_commands.hpp"
+#include "client/scene_flags.hpp"
+#include "core/scene/settings.hpp"
+
+namespace tessera::client {
+namespace {
+
+struct ChangeOptions {
+  std::string coordinator;
+  std::string job;
+  std::uint32_t spp = 0;  // for extend
+  bool json = false;
+};
+
+using Change = core::Result<v1::Job> (*)(Farm& farm, const std::string& id, const ChangeOptions& options);
+
+// The job after a call that asks for nothing but its id.
+template <typename Request, typename Response>
+core::Result<v1::Job> change(Farm& farm,
+                             grpc::Status (Farm::Stub::*method)(grpc::ClientContext*, const Request&,
+                                                                Response*),
+                             const std::string& id) {
+  Request request;
+  request.set_job_id(id);
+  const auto response = farm.call(method, request);
+  if (!response) return core::fail(response.error());
+  return response->job();
+}
+
+core::Result<v1::Job> cancel(Farm& farm, const std::string& id, const ChangeOptions&) {
+  return change(farm, &Farm::Stub::CancelJob, id);
+}
+core::Result<v1::Job> pause(Farm& farm, const std::string& id, const ChangeOptions&) {
+  return change(farm, &Farm::Stub::PauseJob, id);
+}
+core::Result<v1::Job> resume(Farm& farm, const std::string& id, const ChangeOptions&) {
+  return change(farm, &Farm::Stub::ResumeJob, id);
+}
+core::Result<v1::Job> extend(Farm& farm, const std::string& id, const ChangeOptions& options) {
+  v1::ExtendJobRequest request;
+  request.set_job_id(id);
+  request.set_spp(options.spp);
+  const auto response = farm.call(&Farm::Stub::ExtendJob, request);
+  if (!response) return core::fail(response.error());
+  return response->job();
+}
+
+int run_change(const ChangeOptions& options, Change change) {
+  Farm farm(options.coordinator);
+  const auto found = find_job(farm, options.job);
+  if (!found) return print_error(found.error());
+  const auto job = change(farm, found->id(), options);
+  if (!job) return print_error(job.error());
+  if (options.json)
+    fmt::print("{}", to_json_line(*job));
+  else
+    fmt::print("job {} ({}) is {}, {} spp\n", short_id(job->id()), job->name(), state_name(job->state()),
+               job->settings().spp());
+  return kExitOk;
+}
+
+int run_delete(const ChangeOptions& options) {
+  Farm farm(options.coordinator);
+  const auto found = find_job(farm, options.job);
+  if (!found) return print_error(found.error());
+  v1::DeleteJobRequest request;
+  request.set_job_id(found->id());
+  const auto response = farm.call(&Farm::Stub::DeleteJob, request);
+  if (!response) return print_error(response.error());
+  fmt::print("job {} ({}) is deleted\n", short_id(found->id()), found->name());
+  return kExitOk;
+}
+
+std::pair<CLI::App*, std::shared_ptr<ChangeOptions>> add(CLI::App& app, const std::string& name,
+                                                         const std::string& what) {
+  CLI::App* command = app.add_subcommand(name, what);
+  const auto options = std::make_shared<ChangeOptions>();
+  command->add_option("job", options->job, "Its id, or the beginning of it")->required()->option_text("ID");
+  add_coordinator_option(*command, options->coordinator);
+  return {command, options};
+}
+
+std::pair<CLI::App*, std::shared_ptr<ChangeOptions>> add_change(CLI::App& app, int& exit_code,
+                                                                const std::string& name,
+                                                                const std::string& what, Change change) {
+  const auto [command, options] = add(app, name, what);
+  command->add_flag("--json", options->json, "For programs: the job as one line of JSON");
+  command->callback([options = options, change, &exit_code] { exit_code = run_change(*options, change); });
+  return {command, options};
+}
+
+}  // namespace
+
+void add_change_commands(CLI::App& app, int& exit_code) {
+  add_change(app, exit_code, "pause", "Hand out no more of a job's work until it is resumed", pause);
+  add_change(app, exit_code, "resume", "Go on with a paused job", resume);
+  add_change(app, exit_code, "cancel", "Stop a job for good; its picture so far can still be fetched",
+             cancel);
+
+  const auto [extend_command, extend_options] =
+      add_change(app, exit_code, "extend", "Ask for more samples of a job, also of one that is done", extend);
+  extend_command
+      ->add_option_function<std::string>(
+          "--spp",
+          [options = extend_options](const std::string& text) {
+            options->spp = static_cast<std::uint32_t>(parse_whole_number("--spp", text, 1, core::kMaxSpp));
+          },
+          "Samples per pixel in all")
+      ->required()
+      ->option_text("N");
+
+  const auto [delete_command, delete_options] =
+      add(app, "delete", "Forget a job and its picture, in any state");
+  delete_command->callback([options = delete_options, &exit_code] { exit_code = run_delete(*options); });
+}
+
+}  // namespace tessera::client

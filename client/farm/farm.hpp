@@ -1,0 +1,67 @@
+// The farm a command speaks to: where it is, and calls whose errors are sentences. Thread-safe.
+#pragma once
+
+#include <grpcpp/client_context.h>
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "core/base/error.hpp"
+#include "proto/channel.hpp"
+#include "proto/retry.hpp"
+#include "tessera/v1/render_service.grpc.pb.h"
+
+namespace tessera::client {
+
+// Adds --coordinator. `address` is filled in while the command line is parsed, and must live until then.
+void add_coordinator_option(CLI::App& command, std::string& address);
+
+class Farm {
+ public:
+  using Stub = v1::RenderService::StubInterface;
+
+  explicit Farm(std::string address);
+
+  const std::string& address() const { return address_; }
+  Stub& stub() { return *stub_; }
+
+  // One call of a method, e.g. call(&Farm::Stub::GetJob, request). Blocks for up to `timeout`.
+  template <typename Request, typename Response>
+  core::Result<Response> call(grpc::Status (Stub::*method)(grpc::ClientContext*, const Request&, Response*),
+                              const Request& request,
+                              std::chrono::seconds timeout = std::chrono::seconds(30)) {
+    grpc::ClientContext context;
+    context.set_deadline(std::chrono::system_clock::now() + timeout);
+    Response response;
+    const grpc::Status status = (stub_.get()->*method)(&context, request, &response);
+    if (!status.ok()) return core::fail(explain(status));
+    return response;
+  }
+
+  // What to tell the user of a call that failed. Where nobody answered, that is how to start a coordinator.
+  core::Error explain(const grpc::Status& status) const;
+
+ private:
+  std::string address_;
+  std::shared_ptr<grpc::Channel> channel_;
+  std::unique_ptr<Stub> stub_;
+};
+
+// `attempt` again and again while the coordinator restarts, for up to a minute. For steps of a longer task; a
+// command's first call should fail at once.
+template <typename T>
+core::Result<T> patiently(const std::function<core::Result<T>()>& attempt) {
+  core::Result<T> result;
+  const auto policy =
+      proto::within(std::chrono::minutes(1), proto::transient_only(proto::exponential_backoff()));
+  const core::Status done = proto::retry(policy, proto::real_time(), [&]() -> core::Status {
+    result = attempt();
+    return result ? core::Status{} : core::fail(result.error());
+  });
+  return done ? std::move(result) : core::fail(done.error());
+}
+
+}  // namespace tessera::client

@@ -1,0 +1,52 @@
+#include <fmt/format.h>
+
+#include <memory>
+#include <string>
+
+#include "client/console.hpp"
+#include "client/farm/farm.hpp"
+#include "client/farm/job_lookup.hpp"
+#include "client/farm/job_text.hpp"
+#include "client/farm/picture_download.hpp"
+#include "client/farm/single_commands.hpp"
+#include "client/picture_files.hpp"
+#include "client/scene_flags.hpp"
+
+namespace tessera::client {
+namespace {
+
+struct ImageOptions {
+  std::string coordinator;
+  std::string job;
+  SceneFlags scene;  // its output paths alone
+};
+
+int run_image(const ImageOptions& options) {
+  const auto& paths = options.scene.output_paths;
+  if (core::Status writable = check_picture_paths(paths); !writable) return print_error(writable.error());
+  Farm farm(options.coordinator);
+  const auto found = find_job(farm, options.job);
+  if (!found) return print_error(found.error());
+  const auto job = download_pictures(farm, found->id(), paths);
+  if (!job) return print_error(job.error());
+  fmt::print(stderr, "wrote {}: job {} ({}) is {}, {} of {} samples\n", fmt::join(paths, ", "),
+             short_id(job->id()), job->name(), state_name(job->state()), job->samples_done(),
+             job->samples_total());
+  return kExitOk;
+}
+
+}  // namespace
+
+void add_image_command(CLI::App& app, int& exit_code) {
+  CLI::App* command = app.add_subcommand("image", "Fetch a job's picture as it is now, finished or not");
+  const auto options = std::make_shared<ImageOptions>();
+  command->add_option("job", options->job, "Its id, or the beginning of it")->required()->option_text("ID");
+  add_output_option(*command, options->scene);
+  add_coordinator_option(*command, options->coordinator);
+  command->callback([options, &exit_code] {
+    if (options->scene.output_paths.empty()) throw CLI::RequiredError("-o FILE");
+    exit_code = run_image(*options);
+  });
+}
+
+}  // namespace tessera::client

@@ -1,0 +1,30 @@
+#include "client/farm/job_lookup.hpp"
+
+#include <fmt/format.h>
+
+#include <vector>
+
+#include "client/farm/job_text.hpp"
+
+namespace tessera::client {
+
+core::Result<v1::Job> find_job(Farm& farm, const std::string& id_or_prefix) {
+  const auto list = farm.call(&Farm::Stub::ListJobs, v1::ListJobsRequest());
+  if (!list) return core::fail(list.error());
+  std::vector<v1::Job> matches;
+  for (const v1::Job& job : list->jobs()) {
+    if (job.id() == id_or_prefix) return job;
+    if (!id_or_prefix.empty() && job.id().starts_with(id_or_prefix)) matches.push_back(job);
+  }
+  if (matches.empty())
+    return core::fail(core::ErrorCode::kNotFound,
+                      fmt::format("the farm at {} has no job '{}': tessera jobs lists those it has",
+                                  farm.address(), id_or_prefix));
+  if (matches.size() > 1)
+    return core::fail(core::ErrorCode::kInvalidArgument,
+                      fmt::format("'{}' could be job {} or job {}: give more of its digits", id_or_prefix,
+                                  short_id(matches[0].id()), short_id(matches[1].id())));
+  return matches[0];
+}
+
+}  // namespace tessera::client

@@ -1,0 +1,153 @@
+#include "client/farm/job_text.hpp"
+
+#include <fmt/format.h>
+#include <google/protobuf/util/json_util.h>
+#include <google/protobuf/util/time_util.h>
+
+#include <algorithm>
+
+#include "client/farm/table.hpp"
+#include "core/scene/settings.hpp"
+#include "proto/convert.hpp"
+
+namespace tessera::client {
+namespace {
+
+using google::protobuf::Timestamp;
+using google::protobuf::util::TimeUtil;
+
+double seconds_of(const Timestamp& time) {
+  return static_cast<double>(TimeUtil::TimestampToMilliseconds(time)) / 1e3;
+}
+
+std::string ago(const Timestamp& time, double now_seconds) {
+  return format_duration(std::max(0.0, now_seconds - seconds_of(time))) + " ago";
+}
+
+std::string percent_done(const v1::Job& job) {
+  if (job.samples_total() == 0) return "";
+  // 100% is for what is complete, so the rest is rounded down.
+  const double fraction = static_cast<double>(job.samples_done()) / static_cast<double>(job.samples_total());
+  return fmt::format("{}%", static_cast<int>(100 * fraction));
+}
+
+std::string speed(double samples_per_second) {
+  return samples_per_second > 0 ? format_count(samples_per_second) + "/s" : "-";
+}
+
+std::string integrator_text(v1::Integrator integrator) {
+  const auto known = proto::from_proto(integrator);
+  return known ? std::string(core::integrator_name(*known)) : "unknown";
+}
+
+}  // namespace
+
+std::string short_id(const std::string& id) {
+  return id.substr(0, 12);
+}
+
+std::string state_name(v1::JobState state) {
+  switch (state) {
+    case v1::JOB_STATE_RUNNING:
+      return "running";
+    case v1::JOB_STATE_PAUSED:
+      return "paused";
+    case v1::JOB_STATE_DONE:
+      return "done";
+    case v1::JOB_STATE_CANCELLED:
+      return "cancelled";
+    case v1::JOB_STATE_FAILED:
+      return "failed";
+    default:
+      return "unknown";
+  }
+}
+
+std::string size_text(const v1::RenderSettings& settings) {
+  return fmt::format("{}x{}", settings.width_px(), settings.height_px());
+}
+
+bool is_over(v1::JobState state) {
+  return state == v1::JOB_STATE_DONE || state == v1::JOB_STATE_CANCELLED || state == v1::JOB_STATE_FAILED;
+}
+
+ProgressState progress_of(const v1::Job& job) {
+  const std::uint32_t workers = job.active_workers();
+  std::string note = fmt::format("{} worker{}", workers, workers == 1 ? "" : "s");
+  if (job.state() == v1::JOB_STATE_PAUSED) note = "paused";
+  return {job.samples_done(), job.samples_total(), std::move(note)};
+}
+
+std::string jobs_table(const v1::ListJobsResponse& jobs, double now_seconds) {
+  std::vector<std::vector<std::string>> rows;
+  for (const v1::Job& job : jobs.jobs())
+    rows.push_back({short_id(job.id()), job.name(), state_name(job.state()), percent_done(job),
+                    size_text(job.settings()), std::to_string(job.settings().spp()),
+                    job.state() == v1::JOB_STATE_RUNNING ? speed(job.samples_per_second()) : "-",
+                    std::to_string(job.active_workers()), ago(job.created_at(), now_seconds)});
+  return format_table({{"JOB"},
+                       {"NAME"},
+                       {"STATE"},
+                       {"DONE", Align::kRight},
+                       {"SIZE", Align::kRight},
+                       {"SPP", Align::kRight},
+                       {"SAMPLES", Align::kRight},
+                       {"WORKERS", Align::kRight},
+                       {"SUBMITTED", Align::kRight}},
+                      rows);
+}
+
+std::string workers_table(const v1::ListWorkersResponse& workers, double now_seconds) {
+  std::vector<std::vector<std::string>> rows;
+  for (const v1::ListWorkersResponse::Worker& worker : workers.workers())
+    rows.push_back({short_id(worker.id()), worker.name(), worker.draining() ? "leaving" : "working",
+                    std::to_string(worker.threads()), std::to_string(worker.held_leases()),
+                    speed(worker.samples_per_second()),
+                    format_count(static_cast<double>(worker.samples_accepted())),
+                    ago(worker.last_seen_at(), now_seconds), worker.version()});
+  return format_table({{"WORKER"},
+                       {"NAME"},
+                       {"STATE"},
+                       {"THREADS", Align::kRight},
+                       {"LEASES", Align::kRight},
+                       {"SPEED", Align::kRight},
+                       {"SAMPLES", Align::kRight},
+                       {"SEEN", Align::kRight},
+                       {"VERSION"}},
+                      rows);
+}
+
+std::string job_description(const v1::Job& job) {
+  std::vector<std::vector<std::string>> rows{
+      {"name", job.name()},
+      {"state", state_name(job.state())},
+      {"samples", fmt::format("{} of {} ({})", job.samples_done(), job.samples_total(), percent_done(job))},
+      {"size", size_text(job.settings())},
+      {"spp", std::to_string(job.settings().spp())},
+      {"integrator", integrator_text(job.settings().integrator())},
+      {"seed", std::to_string(job.settings().seed())},
+      {"priority", std::to_string(job.priority())},
+      {"workers", std::to_string(job.active_workers())},
+      {"submitted", TimeUtil::ToString(job.created_at())},
+      {"scene", fmt::format("{} with {} files", job.bundle().scene_path(), job.bundle().assets_size())}};
+  if (!job.failure().empty()) rows.push_back({"failure", job.failure()});
+  if (job.samples_per_second() > 0) rows.push_back({"speed", speed(job.samples_per_second())});
+  if (job.has_finished_at()) rows.push_back({"finished", TimeUtil::ToString(job.finished_at())});
+  if (job.counters().non_finite_samples() > 0)
+    rows.push_back({"non-finite", fmt::format("{} samples", job.counters().non_finite_samples())});
+  if (job.counters().saturated_samples() > 0)
+    rows.push_back({"saturated", fmt::format("{} samples", job.counters().saturated_samples())});
+  return format_table({{"job"}, {job.id()}}, rows);
+}
+
+std::string to_json_line(const google::protobuf::Message& message) {
+  google::protobuf::util::JsonPrintOptions options;
+  options.preserve_proto_field_names = true;
+  options.always_print_primitive_fields = true;
+  std::string json;
+  // Fails for Any fields of unknown type alone, and the contract has none.
+  (void)google::protobuf::util::MessageToJsonString(message, &json, options);
+  return json + "\n";
+}
+
+}  // namespace tessera::client

@@ -1,0 +1,75 @@
+#include "client/farm/picture_download.hpp"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "core/image/encode.hpp"
+#include "core/image/file_io.hpp"
+
+namespace tessera::client {
+namespace {
+
+using core::fail;
+
+struct DownloadedPicture {
+  v1::Job job;
+  std::string bytes;
+};
+
+v1::ImageFormat to_proto(core::ImageFormat format) {
+  switch (format) {
+    case core::ImageFormat::kPng:
+      return v1::IMAGE_FORMAT_PNG;
+    case core::ImageFormat::kExr:
+      return v1::IMAGE_FORMAT_EXR;
+    case core::ImageFormat::kHdr:
+      return v1::IMAGE_FORMAT_HDR;
+    case core::ImageFormat::kPfm:
+      return v1::IMAGE_FORMAT_PFM;
+  }
+  return v1::IMAGE_FORMAT_UNSPECIFIED;
+}
+
+core::Result<DownloadedPicture> download(Farm& farm, const std::string& job_id, core::ImageFormat format) {
+  v1::GetImageRequest request;
+  request.set_job_id(job_id);
+  request.set_format(to_proto(format));
+  grpc::ClientContext context;
+  const auto stream = farm.stub().GetImage(&context, request);
+  DownloadedPicture picture;
+  std::uint64_t size_bytes = 0;
+  v1::GetImageResponse response;
+  while (stream->Read(&response)) {
+    if (response.has_header()) {
+      size_bytes = response.header().size_bytes();
+      picture.job = response.header().job();
+    }
+    picture.bytes += response.data();
+  }
+  const grpc::Status status = stream->Finish();
+  if (!status.ok()) return fail(farm.explain(status));
+  if (picture.bytes.empty() || picture.bytes.size() != size_bytes)
+    return fail(core::ErrorCode::kUnavailable,
+                fmt::format("the picture broke off after {} of {} bytes", picture.bytes.size(), size_bytes));
+  return picture;
+}
+
+}  // namespace
+
+core::Result<v1::Job> download_pictures(Farm& farm, const std::string& job_id,
+                                        const std::vector<std::string>& paths) {
+  v1::Job job;
+  for (const std::string& path : paths) {
+    const auto format = core::image_format_from_path(path);
+    if (!format) return fail(format.error());
+    auto picture = patiently<DownloadedPicture>([&] { return download(farm, job_id, *format); });
+    if (!picture) return fail(picture.error().within(path));
+    if (core::Status written = core::write_file_atomically(path, picture->bytes); !written)
+      return fail(written.error());
+    job = std::move(picture->job);
+  }
+  return job;
+}
+
+}  // namespace tessera::client

@@ -1,0 +1,16 @@
+// Pictures of jobs into files.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "client/farm/farm.hpp"
+
+namespace tessera::client {
+
+// Fetches the job's picture once for each path, in the format of its ending, and writes it whole or not at
+// all. Answers with the job when the last picture was taken. Errors name the path.
+core::Result<v1::Job> download_pictures(Farm& farm, const std::string& job_id,
+                                        const std::vector<std::string>& paths);
+
+}  // namespace tessera::client

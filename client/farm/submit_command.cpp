@@ -1,0 +1,130 @@
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cstdio>
+#include <memory>
+#include <string>
+
+#include "client/console.hpp"
+#include "client/farm/bundle.hpp"
+#include "client/farm/farm.hpp"
+#include "client/farm/job_text.hpp"
+#include "client/farm/picture_download.hpp"
+#include "client/farm/single_commands.hpp"
+#include "client/farm/watching.hpp"
+#include "client/interrupt.hpp"
+#include "client/picture_files.hpp"
+#include "client/scene_flags.hpp"
+#include "proto/convert.hpp"
+
+namespace tessera::client {
+namespace {
+
+constexpr const char* kFooter =
+    R"(Prints the job's id. Values given here replace those of the scene file. The
+picture is the same, byte for byte, as that of tessera render, whatever machines
+render it.
+
+Exit status: 0 done, 1 failed, 2 wrong command line, 130 interrupted. Ctrl-C
+while waiting leaves the job running and no file.
+
+Examples:
+  tessera submit scenes/cornell/scene.json
+  tessera submit scene.json --wait -o out.exr -o out.png --spp 1024)";
+
+// Validating a large scene on the coordinator takes as long as loading it here.
+constexpr std::chrono::minutes kSubmitTimeout{30};
+
+struct SubmitOptions {
+  std::string coordinator;
+  SceneFlags scene;
+  std::string name;
+  int priority = 0;
+  bool wait = false;
+  bool json = false;
+};
+
+// The same submission keeps its request id, so that repeating it after a lost answer makes one job, not two.
+v1::SubmitJobRequest make_request(const SubmitOptions& options, const LocalBundle& local) {
+  v1::SubmitJobRequest request;
+  request.set_request_id(fmt::format("{:016x}{:016x}", proto::random_seed(), proto::random_seed()));
+  request.set_name(options.name);
+  *request.mutable_bundle() = local.bundle;
+  *request.mutable_overrides() = proto::to_proto(options.scene.overrides);
+  request.set_priority(options.priority);
+  return request;
+}
+
+core::Result<v1::Job> submit(Farm& farm, const SubmitOptions& options, const LocalBundle& local) {
+  if (core::Status uploaded = upload_missing(farm, local); !uploaded) return core::fail(uploaded.error());
+  const v1::SubmitJobRequest request = make_request(options, local);
+  const auto response = patiently<v1::SubmitJobResponse>(
+      [&] { return farm.call(&Farm::Stub::SubmitJob, request, kSubmitTimeout); });
+  if (!response) return core::fail(response.error());
+  return response->job();
+}
+
+int report_interrupt(const v1::Job& job) {
+  const std::string id = short_id(job.id());
+  print_error(
+      fmt::format("interrupted; no picture was written, and the job goes on: tessera watch {} follows it, "
+                  "tessera cancel {} stops it",
+                  id, id));
+  return kExitInterrupted;
+}
+
+int wait_and_fetch(Farm& farm, const SubmitOptions& options, const v1::Job& submitted) {
+  watch_for_interrupt();
+  const auto job = watch_with_progress(farm, submitted.id());
+  if (!job && interrupted()) return report_interrupt(submitted);
+  if (!job) return print_error(job.error());
+  if (const int status = report_end(*job); status != kExitOk) return status;
+  const auto& paths = options.scene.output_paths;
+  if (paths.empty()) return kExitOk;
+  const auto pictured = download_pictures(farm, job->id(), paths);
+  if (!pictured) return print_error(pictured.error());
+  fmt::print(stderr, "wrote {} ({}, {} spp)\n", fmt::join(paths, ", "), size_text(job->settings()),
+             job->settings().spp());
+  return kExitOk;
+}
+
+int run_submit(const SubmitOptions& options) {
+  const auto& paths = options.scene.output_paths;
+  if (core::Status writable = check_picture_paths(paths); !writable) return print_error(writable.error());
+  const auto local = bundle_scene(options.scene.scene_path, options.scene.overrides);
+  if (!local) return print_error(local.error());
+  core::Status fits = check_picture_size(paths, local->settings.width_px, local->settings.height_px);
+  if (!fits) return print_error(fits.error());
+
+  Farm farm(options.coordinator);
+  const auto job = submit(farm, options, *local);
+  if (!job) return print_error(job.error());
+  fmt::print("{}", options.json ? to_json_line(*job) : job->id() + "\n");
+  std::fflush(stdout);
+  return options.wait ? wait_and_fetch(farm, options, *job) : kExitOk;
+}
+
+}  // namespace
+
+void add_submit_command(CLI::App& app, int& exit_code) {
+  CLI::App* command = app.add_subcommand("submit", "Render a scene on a farm");
+  const auto options = std::make_shared<SubmitOptions>();
+  add_scene_argument(*command, options->scene);
+  command->add_flag("--wait", options->wait, "Wait until it is done, and then write the pictures");
+  add_output_option(*command, options->scene);
+  add_override_options(*command, options->scene.overrides);
+  command->add_option("--name", options->name, "What people call the job [the scene file's name]")
+      ->option_text("NAME");
+  command->add_option("--priority", options->priority, "Jobs of higher priority are served first [0]")
+      ->option_text("N");
+  command->add_flag("--json", options->json, "For programs: the job as one line of JSON instead of its id");
+  add_coordinator_option(*command, options->coordinator);
+  command->footer(kFooter);
+  command->callback([options, &exit_code] {
+    if (!options->scene.output_paths.empty() && !options->wait)
+      throw CLI::RequiredError("-o writes the finished picture, so --wait");
+    exit_code = run_submit(*options);
+  });
+}
+
+}  // namespace tessera::client

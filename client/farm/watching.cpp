@@ -1,0 +1,111 @@
+#include "client/farm/watching.hpp"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <optional>
+#include <thread>
+
+#include "client/console.hpp"
+#include "client/farm/job_text.hpp"
+#include "client/interrupt.hpp"
+#include "client/progress.hpp"
+
+namespace tessera::client {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr auto kLookForInterruptEvery = 50ms;
+
+const core::Error kInterrupted{core::ErrorCode::kCancelled, "interrupted"};
+
+// Waits a while, or until Ctrl-C. Returns whether all the time has passed.
+bool sleep_unless_interrupted(proto::Duration duration) {
+  const auto end = std::chrono::steady_clock::now() + duration;
+  while (std::chrono::steady_clock::now() < end && !interrupted())
+    std::this_thread::sleep_for(kLookForInterruptEvery);
+  return !interrupted();
+}
+
+// Cancels a call at Ctrl-C: a signal alone does not end a read that waits.
+std::jthread cancel_at_interrupt(grpc::ClientContext& context) {
+  return std::jthread([&context](const std::stop_token& done) {
+    while (!done.stop_requested() && !interrupted()) std::this_thread::sleep_for(kLookForInterruptEvery);
+    if (interrupted()) context.TryCancel();
+  });
+}
+
+// Follows one stream to its end. The last job it told of; an error if it ended before the job did.
+core::Result<v1::Job> follow_stream(Farm& farm, const std::string& job_id,
+                                    const std::function<void(const v1::Job&)>& on_update) {
+  grpc::ClientContext context;
+  const std::jthread canceller = cancel_at_interrupt(context);
+  v1::WatchJobRequest request;
+  request.set_job_id(job_id);
+  const auto stream = farm.stub().WatchJob(&context, request);
+  v1::WatchJobResponse response;
+  std::optional<v1::Job> over;
+  while (stream->Read(&response)) {
+    on_update(response.job());
+    if (is_over(response.job().state())) over = response.job();
+  }
+  const grpc::Status status = stream->Finish();
+  if (over) return *over;
+  if (interrupted()) return core::fail(kInterrupted);
+  if (status.ok()) return core::fail(core::ErrorCode::kUnavailable, "the coordinator ended the conversation");
+  return core::fail(farm.explain(status));
+}
+
+}  // namespace
+
+core::Result<v1::Job> watch_job(Farm& farm, const std::string& job_id,
+                                const std::function<void(const v1::Job&)>& on_update,
+                                const std::function<void(const std::string&)>& on_notice) {
+  const auto policy = proto::transient_only(proto::exponential_backoff());
+  int failures = 0;
+  for (;;) {
+    auto job = follow_stream(farm, job_id, [&](const v1::Job& update) {
+      if (std::exchange(failures, 0) > 0) on_notice("the coordinator is back");
+      on_update(update);
+    });
+    if (job || interrupted()) return job ? std::move(job) : core::fail(kInterrupted);
+    if (failures == 0)
+      on_notice(fmt::format("lost the coordinator at {}; waiting for it to come back", farm.address()));
+    const auto wait = policy({.last_code = job.error().code, .count = ++failures});
+    if (!wait) return job;
+    if (!sleep_unless_interrupted(*wait)) return core::fail(kInterrupted);
+  }
+}
+
+core::Result<v1::Job> watch_with_progress(Farm& farm, const std::string& job_id) {
+  ProgressLine progress(stderr_progress_output(), steady_seconds());
+  auto job = watch_job(
+      farm, job_id, [&](const v1::Job& update) { progress.update(progress_of(update), steady_seconds()); },
+      [&](const std::string& notice) {
+        progress.erase();
+        print_warning(notice);
+      });
+  progress.erase();
+  return job;
+}
+
+int report_end(const v1::Job& job) {
+  const v1::Counters& counters = job.counters();
+  if (counters.non_finite_samples() > 0)
+    print_warning(fmt::format("{} samples were not finite numbers and count as black; please report it",
+                              counters.non_finite_samples()));
+  if (counters.saturated_samples() > 0)
+    print_warning(
+        fmt::format("{} samples were too bright for the film and were cut off: scale the scene's lights down",
+                    counters.saturated_samples()));
+  if (job.state() == v1::JOB_STATE_FAILED)
+    return print_error(fmt::format("job {} failed: {}", short_id(job.id()), job.failure()));
+  if (job.state() == v1::JOB_STATE_CANCELLED)
+    return print_error(
+        fmt::format("job {} was cancelled; tessera image {} -o FILE fetches what there is of it",
+                    short_id(job.id()), short_id(job.id())));
+  return kExitOk;
+}
+
+}  // namespace tessera::client

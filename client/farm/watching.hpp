@@ -1,0 +1,23 @@
+// Following a job until it is over. Blocks; Ctrl-C ends it.
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "client/farm/farm.hpp"
+
+namespace tessera::client {
+
+// Calls `on_update` with the job as it is and at every change, and answers with it when it is over. A
+// coordinator that stops answering is waited for, forever. CANCELLED: interrupted() became true.
+core::Result<v1::Job> watch_job(Farm& farm, const std::string& job_id,
+                                const std::function<void(const v1::Job&)>& on_update,
+                                const std::function<void(const std::string& notice)>& on_notice);
+
+// The same, with the progress line of `tessera render` on stderr.
+core::Result<v1::Job> watch_with_progress(Farm& farm, const std::string& job_id);
+
+// Says on stderr what is wrong with a job that is over, if anything is. The exit status it deserves.
+int report_end(const v1::Job& job);
+
+}  // namespace tessera::client
