@@ -1,0 +1,62 @@
+#!/usr/bin/env bash
+# check_sources.sh ROOT: reads the sources below ROOT and names every line that breaks a rule of the house.
+# Exit status 0 if there is none, 1 if there are some, 2 if ROOT is not Tessera's.
+set -euo pipefail
+
+root=${1:?usage: check_sources.sh ROOT}
+cd "$root"
+for folder in core proto server worker client; do
+  [ -d "$folder" ] || { echo "check_sources.sh: $root has no folder '$folder'" >&2; exit 2; }
+done
+
+broken=0
+
+# forbid RULE REGEX [--but ALLOWED] GREP-ARGUMENTS...: lines that match REGEX, and not ALLOWED, break RULE.
+# Lines are matched as FILE:NUMBER:TEXT by ALLOWED, and by themselves by REGEX.
+forbid() {
+  local rule=$1 regex=$2 allowed='^$' lines status=0
+  shift 2
+  if [ "$1" = --but ]; then
+    allowed=$2
+    shift 2
+  fi
+  lines=$(grep -rnE -e "$regex" "$@") || status=$?
+  [ "$status" -le 1 ] || { echo "check_sources.sh: grep failed for: $rule" >&2; exit 2; }
+  lines=$(grep -vE -e "$allowed" <<<"$lines") || true
+  [ -n "$lines" ] || return 0
+  printf '%s\n%s\n\n' "$rule" "$lines"
+  broken=1
+}
+
+sources=(--include=*.hpp --include=*.cpp)
+builds=(--include=CMakeLists.txt --include=*.cmake --include=CMakePresets.json --include=*.sh)
+elsewhere=(--exclude-dir=build --exclude-dir=build-* --exclude-dir=out --exclude-dir=.git --exclude-dir=repository)
+include='^[[:space:]]*#[[:space:]]*include[[:space:]]*[<"]'
+
+# The arrows: client, worker -> proto -> core; server -> proto, and of core only what never traces a ray.
+forbid "core includes nothing of the farm." \
+  "${include}(proto|server|worker|client|tessera/v1|grpc|google/protobuf|sqlite3|zstd)" "${sources[@]}" core
+forbid "proto includes neither server nor worker nor client." "${include}(server|worker|client)/" "${sources[@]}" proto
+forbid "A worker includes neither server nor client." "${include}(server|client)/" "${sources[@]}" worker
+forbid "A client includes neither server nor worker." "${include}(server|worker)/" "${sources[@]}" client
+forbid "The server includes of core only base, math, film, image and scene/settings.hpp; the validator may load scenes." \
+  "${include}core/" --but '^server/validator/|[<"]core/(base|math|film|image)/|[<"]core/scene/settings\.hpp' \
+  "${sources[@]}" server
+forbid "The scheduler includes neither RPC nor SQLite, nor any other folder of the server." \
+  "${include}(grpc|google/protobuf|tessera/v1|proto/|sqlite3|server/(store|rpc|http|validator|main))" \
+  "${sources[@]}" server/scheduler
+
+# The same bytes on every machine.
+forbid "Nothing is built for the building machine alone, or with inexact arithmetic." \
+  '-m(arch|tune)=native|-f(fast|unsafe)-math|-Ofast|-ffp-contract=(fast|on)' "${builds[@]}" "${elsewhere[@]}" .
+forbid "Core calls none of the C library's elementary functions: core/math/elementary.hpp has ours." \
+  '(std::|[^a-zA-Z0-9_:.>]::)(sin|cos|tan|asin|acos|atan|atan2|sinh|cosh|tanh|exp|exp2|expm1|log|log2|log10|log1p|pow|cbrt|hypot)f?\(' \
+  "${sources[@]}" core scenes
+forbid "Random numbers come from counters, not from the C++ library, whose distributions differ between machines." \
+  "${include}(random|ctime)>|std::rand\(|[^a-z_]s?rand\(" "${sources[@]}" core scenes
+
+# What is committed speaks of no single machine.
+forbid "No path of one machine." '(^|[^a-zA-Z0-9_.}])/(home|root|work|Users)/[a-zA-Z0-9_]' \
+  "${sources[@]}" "${builds[@]}" --include=*.md --include=*.json --include=*.proto "${elsewhere[@]}" .
+
+exit "$broken"
