@@ -1,8 +1,10 @@
 // Bvh's queries: nodes are visited nearest first, from a stack, and culled where they cannot hold a better
 // hit.
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
+#include <limits>
 
 #include "core/accel/binary_bvh.hpp"
 #include "core/accel/bvh.hpp"
@@ -14,9 +16,10 @@ namespace {
 
 enum class Query { kClosest, kAny };
 
-// Distances to slabs are computed with three roundings, the distance of a hit is rounded once: with this
-// factor on the far side no box is missed that holds a hit (Ize 2013).
-constexpr float kSlack = 1 + 2 * gamma<float>(4);
+// Distances to slabs are computed with three roundings (Ize 2013), and the distance of a hit, otherwise exact
+// to nearly double precision, is rounded once: with this factor on the near side no box is missed that holds
+// a hit.
+constexpr float kSlack = 1 - 2 * gamma<float>(4);
 
 // A ray prepared for box tests.
 struct SlabRay {
@@ -67,8 +70,8 @@ class Stack {
   std::size_t size_ = 0;
 };
 
-// The lanes whose edge functions do not rule out a hit: the first half of intersect_triangle, on four at
-// once.
+// The lanes whose edge functions do not rule out a hit: the first half of intersect_triangle, four at a time.
+// These edge functions may be 0 where the exact ones are not, but never have the wrong sign.
 unsigned possible_hits(const BvhPacket& packet, const ShearedRay& ray) {
   Double4 x[3], y[3];
   for (int i = 0; i < 3; ++i) {
@@ -98,7 +101,7 @@ class Traversal {
     if (!nodes.empty()) stack_.push(BvhChild::node(0));
     while (!stack_.empty()) {
       const StackEntry next = stack_.pop();
-      if (next.t_near > limit() * kSlack) continue;
+      if (next.t_near * kSlack > limit()) continue;
       if (next.child.is_packet()) {
         visit(packets[next.child.index()]);
         if (kQuery == Query::kAny && hit_.found()) break;
@@ -110,7 +113,9 @@ class Traversal {
   }
 
  private:
-  float limit() const { return hit_.t < ray_.t_max ? hit_.t : ray_.t_max; }
+  // Finite, so that boxes beside a ray that is parallel to their sides, which begin at infinity, are beyond
+  // it.
+  float limit() const { return std::min({hit_.t, ray_.t_max, std::numeric_limits<float>::max()}); }
 
   void visit(const BvhNode& node) {
     // 0 * infinity is NaN, where the ray lies in the plane of a box's side: max and min then keep their
@@ -122,7 +127,7 @@ class Traversal {
     }
     alignas(32) float t_near[BvhNode::kWidth];
     near.store(t_near);
-    stack_.push_sorted(node, less_equal(near, far * Float8::broadcast(kSlack)), t_near);
+    stack_.push_sorted(node, less_equal(near * Float8::broadcast(kSlack), far), t_near);
   }
 
   void visit(const BvhPacket& packet) {
