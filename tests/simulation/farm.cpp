@@ -178,11 +178,7 @@ void Farm::bring_up_coordinator() {
   for (const JobView& job : coordinator_.jobs()) {
     if (job.state == JobState::kPaused) coordinator_.command(ResumeJob{job.id});
   }
-  for (const auto& machine : machines_) {
-    // Once one that is stopping has stopped.
-    world_.after(seconds(20), [&machine = *machine] { machine.start(); });
-    machine->start();
-  }
+  for (const auto& machine : machines_) machine->start();
 }
 
 FarmReport Farm::run() {

@@ -26,11 +26,12 @@ WorkerMachine::WorkerMachine(World& world, Coordinator& coordinator, std::string
       items_per_delivery_(static_cast<std::size_t>(world.random.integer(1, 12))) {}
 
 void WorkerMachine::start() {
+  start_again_ = running_ && (stop_pending_ || stopping_);
   if (running_) return;
   ++process_;
   world_.note(fmt::format("{}.{} starts", name_, process_));
   running_ = true;
-  stopping_ = rendering_ = false;
+  stop_pending_ = stopping_ = rendering_ = false;
   hung_until_ = {};
   held_.clear();
   outbox_.clear();
@@ -101,7 +102,7 @@ void WorkerMachine::render_next() {
   if (next == held_.end()) return;
   rendering_ = true;
   render_started_ = world_.now();
-  const double duration = render_seconds(next->job, next->to_render.front());
+  const double duration = render_seconds(next->to_render.front());
   later(seconds(duration), [=, this, id = next->id, job = next->job, item = next->to_render.front()] {
     rendered(id, job, item, duration);
   });
@@ -168,20 +169,11 @@ void WorkerMachine::heard(std::uint64_t delivery) {
 
 void WorkerMachine::stop() {
   if (!running_ || stopping_) return;
+  stop_pending_ = world_.now() < hung_until_;
+  if (stop_pending_) return later({}, [this] { stop(); });
   world_.note(fmt::format("{}.{} stops", name_, process_));
   stopping_ = true;
-  if (rendering_) {
-    // Of the range it is at, as many samples as the time was enough for.
-    const auto current =
-        std::find_if(held_.begin(), held_.end(), [](const Held& held) { return !held.to_render.empty(); });
-    if (current != held_.end()) {
-      WorkItem part = current->to_render.front();
-      const double spent = std::chrono::duration<double>(world_.now() - render_started_).count();
-      const auto samples = static_cast<std::uint32_t>(spent * samples_per_second_ / kTilePixels);
-      part.samples.end = std::min(part.samples.end, part.samples.begin + samples);
-      if (!part.samples.empty()) current->rendered.push_back(part), current->render_seconds += spent;
-    }
-  }
+  if (rendering_) hand_back_current_range();
   for (Held& held : held_) {
     if (!held.finished) deliver(held, true);
   }
@@ -189,8 +181,24 @@ void WorkerMachine::stop() {
   exit_if_idle();
 }
 
+// Of the range it is at, as many samples as there was time for.
+void WorkerMachine::hand_back_current_range() {
+  const auto current =
+      std::find_if(held_.begin(), held_.end(), [](const Held& held) { return !held.to_render.empty(); });
+  if (current == held_.end()) return;
+  const double spent = std::chrono::duration<double>(world_.now() - render_started_).count();
+  const auto samples = static_cast<std::uint32_t>(spent * samples_per_second_ / kTilePixels);
+  WorkItem part = current->to_render.front();
+  part.samples.end = std::min(part.samples.end, part.samples.begin + samples);
+  if (part.samples.empty()) return;
+  current->rendered.push_back(part);
+  current->render_seconds += spent;
+}
+
 void WorkerMachine::exit_if_idle() {
-  if (outbox_.empty()) running_ = false;
+  if (!outbox_.empty()) return;
+  running_ = false;
+  if (start_again_) start();
 }
 
 WorkerMachine::Held* WorkerMachine::find(LeaseId id) {
@@ -199,7 +207,7 @@ WorkerMachine::Held* WorkerMachine::find(LeaseId id) {
   return found == held_.end() ? nullptr : &*found;
 }
 
-double WorkerMachine::render_seconds(const JobId&, const WorkItem& item) {
+double WorkerMachine::render_seconds(const WorkItem& item) {
   return kTilePixels * item.samples.count() / samples_per_second_ * world_.random.real(0.8, 1.3);
 }
 

@@ -16,7 +16,7 @@ class WorkerMachine {
  public:
   WorkerMachine(World& world, Coordinator& coordinator, std::string name, double samples_per_second);
 
-  // Starts a worker process with an id of its own, unless one runs.
+  // Starts a worker process with an id of its own; if one is stopping, when it has stopped; if one runs, not.
   void start();
   // kill -9
   void crash();
@@ -50,7 +50,8 @@ class WorkerMachine {
   void heard(std::uint64_t delivery);
   void exit_if_idle();
   Held* find(scheduler::LeaseId id);
-  double render_seconds(const scheduler::JobId& job, const scheduler::WorkItem& item);
+  double render_seconds(const scheduler::WorkItem& item);
+  void hand_back_current_range();
 
   World& world_;
   Coordinator& coordinator_;
@@ -63,7 +64,9 @@ class WorkerMachine {
   bool running_ = false;
   int process_ = 0;
   Time hung_until_{};
+  bool stop_pending_ = false;  // comes when it no longer hangs
   bool stopping_ = false;
+  bool start_again_ = false;
   bool rendering_ = false;
   Time render_started_{};
   std::uint64_t call_ = 0;
