@@ -74,10 +74,10 @@ void add_compare_command(CLI::App& app, int& exit_code) {
   CLI::App* command =
       app.add_subcommand("compare", "Say whether two pictures are identical, and how much they differ");
   const auto options = std::make_shared<CompareOptions>();
-  command->add_option("a", options->path_a, "A picture: .png, .exr, .hdr or .pfm")
+  command->add_option("A", options->path_a, "A picture: .png, .exr, .hdr or .pfm")
       ->required()
-      ->option_text("A");
-  command->add_option("b", options->path_b, "The reference")->required()->option_text("B");
+      ->option_text(" ");
+  command->add_option("B", options->path_b, "The reference")->required()->option_text(" ");
   command->add_flag("--json", options->json, "Print one JSON object instead of lines");
   command->footer(kFooter);
   command->callback([options, &exit_code] { exit_code = run_compare(*options); });

@@ -1,4 +1,4 @@
-// tessera: the command line. Parses, hands over to the command that was called, and reports its exit status.
+// tessera: the command line. Hands over to the command that was called and reports its exit status.
 #include <CLI/CLI.hpp>
 #include <exception>
 #include <string>
@@ -16,11 +16,12 @@ constexpr const char* kFooter = R"(Each command explains itself: tessera render 
 Exit status: 0 done, 1 failed, 2 wrong command line, 130 interrupted.)";
 
 // What CLI11 throws for --help and --version counts as success and prints itself.
-int end_parsing(const CLI::App& app, const CLI::ParseError& end) {
+int end_parsing(const CLI::App& app, const CLI::ParseError& end, const std::string& first_word) {
   if (end.get_exit_code() == 0) return app.exit(end);
-  print_error(end.what());
   const auto called = app.get_subcommands();
   const std::string command = called.empty() ? "" : called.front()->get_name() + " ";
+  const bool misspelt = called.empty() && !first_word.empty();
+  print_error(misspelt ? "there is no command '" + first_word + "'" : end.what());
   print_hint("tessera " + command + "--help");
   return kExitUsage;
 }
@@ -39,7 +40,7 @@ int run(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& end) {
-    return end_parsing(app, end);
+    return end_parsing(app, end, argc > 1 ? argv[1] : "");
   }
   return exit_code;
 }

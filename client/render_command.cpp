@@ -205,15 +205,15 @@ void add_local_options(CLI::App& command, RenderOptions& options) {
             options.threads = static_cast<int>(parse_whole_number("--threads", text, 1, kMaxThreads));
           },
           "Threads to render with [as many as the machine has]")
-      ->option_text("N");
+      ->type_name("N");
   command.add_option("--stats", options.stats_path, "Write counts, times and memory as JSON")
-      ->option_text("FILE.json");
+      ->type_name("FILE.json");
   command.add_flag("-q,--quiet", options.quiet, "No progress; warnings and errors only");
   command
       .add_option_function<std::string>(
           "--sample", [&options](const std::string& text) { options.sample = parse_sample(text); },
           "Print the radiance of sample S of pixel (X, Y) and stop")
-      ->option_text("X,Y,S");
+      ->type_name("X,Y,S");
 }
 
 }  // namespace

@@ -52,7 +52,7 @@ core::Integrator parse_integrator(const std::string& text) {
 }  // namespace
 
 void add_scene_argument(CLI::App& command, SceneFlags& flags) {
-  command.add_option("scene", flags.scene_path, "The scene file (JSON)")->required()->option_text("SCENE");
+  command.add_option("SCENE", flags.scene_path, "The scene file (JSON)")->required()->option_text(" ");
 }
 
 void add_output_option(CLI::App& command, SceneFlags& flags) {
@@ -67,6 +67,7 @@ void add_output_option(CLI::App& command, SceneFlags& flags) {
         const auto format = core::image_format_from_path(path);
         return format ? std::string() : format.error().message;
       })
+      ->type_name("FILE")
       ->option_text("FILE");
 }
 
@@ -78,19 +79,19 @@ void add_override_options(CLI::App& command, core::RenderOverrides& overrides) {
             overrides.spp = static_cast<std::uint32_t>(parse_whole_number("--spp", text, 1, core::kMaxSpp));
           },
           "Samples per pixel: four times as many halve the noise")
-      ->option_text("N");
+      ->type_name("N");
   command
       .add_option_function<std::string>(
           "--size", [&overrides](const std::string& text) { parse_size(text, overrides); },
           "Width and height of the picture in pixels")
-      ->option_text("WxH");
+      ->type_name("WxH");
   command
       .add_option_function<std::string>(
           "--integrator",
           [&overrides](const std::string& text) { overrides.integrator = parse_integrator(text); },
           "How light is found: naive (by chance), nee (by aiming\n"
           "at lights) or mis (both, weighed: the least noise)")
-      ->option_text("NAME");
+      ->type_name("NAME");
   command
       .add_option_function<std::string>(
           "--seed",
@@ -98,7 +99,7 @@ void add_override_options(CLI::App& command, core::RenderOverrides& overrides) {
             overrides.seed = parse_whole_number("--seed", text, 0, kMaxSeed);
           },
           "Another seed gives other noise; the same, the same bytes")
-      ->option_text("N");
+      ->type_name("N");
 }
 
 std::uint64_t parse_whole_number(const std::string& flag, const std::string& text, std::uint64_t least,

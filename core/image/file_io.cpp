@@ -15,6 +15,8 @@
 namespace tessera::core {
 namespace {
 
+constexpr std::size_t kMaxFileBytes = std::size_t{1} << 34;  // the largest picture takes 12 GiB
+
 class FileDescriptor {
  public:
   explicit FileDescriptor(int fd) : fd_(fd) {}
@@ -89,8 +91,9 @@ int write_all(int fd, std::string_view bytes) {
   return 0;
 }
 
-Status write_in_place(const std::string& path, std::string_view bytes) {
-  FileDescriptor file(::open(path.c_str(), O_WRONLY | O_CLOEXEC));
+// Errors call the file `path`, which may be a link to `target`.
+Status write_in_place(const std::string& target, std::string_view bytes, const std::string& path) {
+  const FileDescriptor file(::open(target.c_str(), O_WRONLY | O_CLOEXEC));
   if (!file.valid()) return cannot_write(errno, path);
   if (const int error = write_all(file.get(), bytes)) return cannot_write(error, path);
   return {};
@@ -103,27 +106,36 @@ int write_durably(FileDescriptor file, std::string_view bytes) {
   return file.close() ? 0 : errno;
 }
 
-Status replace_file(const std::string& path, std::string_view bytes) {
-  const std::string folder = folder_of(path);
-  const std::string name = std::filesystem::path(path).filename();
-  // O_EXCL: never through a link somebody left there, and never two writers in one file.
-  std::string temporary;
-  int fd = -1;
-  for (int attempt = 0; fd < 0 && attempt < 100; ++attempt) {
-    temporary = fmt::format("{}/.{}.{}-{}.tmp", folder, name.substr(0, 200), ::getpid(), attempt);
-    fd = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-    if (fd < 0 && errno != EEXIST) break;
+struct NewFile {
+  std::string path;
+  FileDescriptor descriptor;
+};
+
+// A new file beside `target`; its descriptor is not valid, and errno says why, if there can be none.
+NewFile create_beside(const std::string& target) {
+  constexpr int kAttempts = 100;  // others may be writing the same target, or have died of it
+  const std::string name = std::filesystem::path(target).filename();
+  for (int attempt = 0;; ++attempt) {
+    std::string path =
+        fmt::format("{}/.{}.{}-{}.tmp", folder_of(target), name.substr(0, 200), ::getpid(), attempt);
+    // O_EXCL: never through a link that somebody left there, and never two writers in one file.
+    const int fd = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (fd >= 0 || errno != EEXIST || attempt == kAttempts) return {std::move(path), FileDescriptor(fd)};
   }
-  if (fd < 0) return cannot_write(errno, path);
-  int error = write_durably(FileDescriptor(fd), bytes);
-  if (error == 0 && ::rename(temporary.c_str(), path.c_str()) != 0) error = errno;
+}
+
+Status replace_file(const std::string& target, std::string_view bytes, const std::string& path) {
+  NewFile temporary = create_beside(target);
+  if (!temporary.descriptor.valid()) return cannot_write(errno, path);
+  int error = write_durably(std::move(temporary.descriptor), bytes);
+  if (error == 0 && ::rename(temporary.path.c_str(), target.c_str()) != 0) error = errno;
   if (error != 0) {
-    ::unlink(temporary.c_str());
+    ::unlink(temporary.path.c_str());
     return cannot_write(error, path);
   }
   // The rename itself is made durable; where folders cannot be flushed, the file is still whole.
-  const FileDescriptor directory(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-  if (directory.valid()) ::fsync(directory.get());
+  const FileDescriptor folder(::open(folder_of(target).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (folder.valid()) ::fsync(folder.get());
   return {};
 }
 
@@ -131,16 +143,15 @@ Status replace_file(const std::string& path, std::string_view bytes) {
 
 Result<std::string> read_file(const std::string& path) {
   const FileDescriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
-  struct stat info {};
-  if (!file.valid() || ::fstat(file.get(), &info) != 0) return fail_with(errno, "read", path);
+  if (!file.valid()) return fail_with(errno, "read", path);
   std::string bytes;
-  bytes.reserve(static_cast<std::size_t>(info.st_size));
   char buffer[1 << 16];
   for (;;) {
     const ssize_t count = ::read(file.get(), buffer, sizeof buffer);
     if (count < 0 && errno == EINTR) continue;
     if (count < 0) return fail_with(errno, "read", path);
     if (count == 0) return bytes;
+    if (bytes.size() > kMaxFileBytes) return fail_with(EFBIG, "read", path);
     bytes.append(buffer, static_cast<std::size_t>(count));
   }
 }
@@ -170,7 +181,7 @@ Status write_file_atomically(const std::string& path, std::string_view bytes) {
   const std::string target = follow_links(path);
   struct stat info {};
   const bool special = ::stat(target.c_str(), &info) == 0 && !S_ISREG(info.st_mode);
-  return special ? write_in_place(target, bytes) : replace_file(target, bytes);
+  return special ? write_in_place(target, bytes, path) : replace_file(target, bytes, path);
 }
 
 }  // namespace tessera::core

@@ -9,6 +9,7 @@
 
 namespace tessera::core {
 
+// At most 16 GiB.
 Result<std::string> read_file(const std::string& path);
 
 // Writes beside the target, flushes to disk and renames, so that `path` holds either what it held before or
