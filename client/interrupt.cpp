@@ -16,11 +16,17 @@ extern "C" void note_interrupt(int) {
   std::signal(SIGTERM, SIG_DFL);
 }
 
+// A shell makes its background jobs ignore Ctrl-C, which is meant for the one in front; they go on ignoring
+// it.
+void watch(int signal) {
+  if (std::signal(signal, note_interrupt) == SIG_IGN) std::signal(signal, SIG_IGN);
+}
+
 }  // namespace
 
 void watch_for_interrupt() {
-  std::signal(SIGINT, note_interrupt);
-  std::signal(SIGTERM, note_interrupt);
+  watch(SIGINT);
+  watch(SIGTERM);
 }
 
 bool interrupted() {

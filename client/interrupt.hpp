@@ -3,8 +3,8 @@
 
 namespace tessera::client {
 
-// From now on the first SIGINT or SIGTERM is noted instead of ending the process. Signal handlers belong to
-// the process: to be called once, by the command that runs.
+// From now on the first SIGINT or SIGTERM is noted instead of ending the process, unless it was ignored.
+// Signal handlers belong to the process: to be called once, by the command that runs.
 void watch_for_interrupt();
 
 // Whether it has come. May be called from any thread.

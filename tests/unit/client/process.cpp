@@ -17,6 +17,7 @@ namespace {
   std::vector<char*> argv{const_cast<char*>(TESSERA_BINARY)};
   for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
   argv.push_back(nullptr);
+  std::signal(SIGINT, SIG_DFL);  // which a test in the background of a shell ignores
   ::execv(TESSERA_BINARY, argv.data());
   ::_exit(127);
 }
