@@ -48,17 +48,24 @@ bool is_word(char c) {
   return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_';
 }
 
-// What nlohmann stumbled over after reading `end` characters, as a part of `text`: the word around the last
-// of them. Texts and numbers are `last_token`; for all else, earlier characters stand in front of that.
+// The line in which the text after `before` begins.
+auto line_of(std::string_view before) {
+  return 1 + std::count(before.begin(), before.end(), '\n');
+}
+
+bool contains(std::string_view text, std::string_view part) {
+  return text.find(part) != std::string_view::npos;
+}
+
+// What nlohmann stumbled over after reading `end` characters (the end of the text counts, too), as a part of
+// `text`. `last_token` is that for texts and numbers only; else earlier characters stand in front of it.
 std::string_view faulty_token(std::string_view text, std::size_t end, std::string_view message,
                               std::string_view last_token) {
-  end = std::min(end, text.size());
-  const bool is_text_or_number = message.find("unexpected string literal") != std::string_view::npos ||
-                                 message.find("unexpected number literal") != std::string_view::npos ||
-                                 message.find("number overflow") != std::string_view::npos;
-  if (is_text_or_number && last_token.size() <= end)
+  if (contains(message, "unexpected string literal") || contains(message, "unexpected number literal") ||
+      contains(message, "number overflow"))
     return text.substr(end - last_token.size(), last_token.size());
-  std::size_t begin = end == 0 ? 0 : end - 1;
+  std::size_t begin = std::min(end - 1, text.size());
+  if (!contains(message, "invalid literal")) return text.substr(begin, 1);
   while (begin > 0 && is_word(text[begin - 1])) --begin;
   std::size_t word_end = begin;
   while (word_end < text.size() && is_word(text[word_end])) ++word_end;
@@ -71,7 +78,7 @@ using Phrase = std::pair<std::string_view, std::string_view>;
 std::string_view phrase_for(std::string_view message, std::span<const Phrase> phrases,
                             std::string_view otherwise) {
   for (const auto& [part, phrase] : phrases)
-    if (message.find(part) != std::string_view::npos) return phrase;
+    if (contains(message, part)) return phrase;
   return otherwise;
 }
 
@@ -105,15 +112,14 @@ std::string explain_unexpected(std::string_view message, std::string_view unexpe
 }
 
 std::string explain(std::string_view message, std::string_view token) {
-  if (message.find("number overflow") != std::string_view::npos)
+  if (contains(message, "number overflow"))
     return fmt::format("the number {} is too large", in_quotes(token));
   const std::string_view unexpected = between(message, " - unexpected ", ";");
   if (!unexpected.empty()) return explain_unexpected(message, unexpected);
   const std::string_view reason = between(message, " - ", "; last read");  // of the lexer
   if (reason == "invalid literal")
     return fmt::format("{} is not JSON; texts and keys need double quotes", in_quotes(token));
-  if (reason.find("missing closing quote") != std::string_view::npos ||
-      reason.find("U+000A") != std::string_view::npos)
+  if (contains(reason, "missing closing quote") || contains(reason, "U+000A"))
     return "a text has no closing double quote in its line";
   return std::string(reason);
 }
@@ -236,10 +242,10 @@ bool TreeBuilder::parse_error(std::size_t position, const std::string& last_toke
                               const json::exception& error) {
   const std::string_view token = faulty_token(text_, position, error.what(), last_token);
   const std::string_view before = text_.substr(0, static_cast<std::size_t>(token.data() - text_.data()));
-  const auto line = 1 + std::count(before.begin(), before.end(), '\n');
   const std::size_t column = before.size() - (before.rfind('\n') + 1) + 1;
-  error_ = Error{ErrorCode::kInvalidArgument, fmt::format("{}:{}:{}: not valid JSON: {}", file_, line, column,
-                                                          explain(error.what(), token))};
+  error_ =
+      Error{ErrorCode::kInvalidArgument, fmt::format("{}:{}:{}: not valid JSON: {}", file_, line_of(before),
+                                                     column, explain(error.what(), token))};
   return false;
 }
 
@@ -255,6 +261,10 @@ std::string JsonValue::describe() const {
 }
 
 Result<JsonValue> parse_json(std::string_view text, const std::string& file, Mistakes& mistakes) {
+  // To nlohmann it is the end of the text.
+  if (const std::size_t nul = text.find('\0'); nul != std::string_view::npos)
+    return fail(ErrorCode::kInvalidArgument,
+                fmt::format("{}:{}: not valid JSON: a NUL character", file, line_of(text.substr(0, nul))));
   TreeBuilder builder(text, file, mistakes);
   const TrackingIterator begin(text.data(), builder.reached()),
       end(text.data() + text.size(), builder.reached());

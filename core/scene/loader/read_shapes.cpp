@@ -16,6 +16,9 @@ using scene_keys::kShapeTypes;
 
 using Words = std::span<const std::string_view>;
 
+// Farther, the sine of the angle would lose its accuracy.
+constexpr Bounds kDegrees{[](double v) { return v >= -3600 && v <= 3600; }, "between -3600 and 3600"};
+
 Vec3 read_scale(const Field& field) {
   if (field.value().get_if<JsonValue::Array>()) return read_vec3(field, bounds::kNotZero);
   const float factor = read_float(field, bounds::kNotZero);
@@ -23,9 +26,11 @@ Vec3 read_scale(const Field& field) {
 }
 
 Transform read_rotation(const Field& field) {
+  const std::size_t mistakes_before = field.mistakes().count();
   const ObjectReader object(field, scene_keys::kRotation);
   const Vec3 axis = read_or(object, "axis", Vec3{0, 1, 0}, read_vec3, bounds::kAny);
-  const float degrees = read_or(object, "degrees", 0.0f, read_float, bounds::kAny);
+  const float degrees = read_or(object, "degrees", 0.0f, read_float, kDegrees);
+  if (field.mistakes().count() > mistakes_before) return {};
   if (length(axis) > 0 && std::isfinite(length(axis))) return rotation(axis, degrees);
   field.mistake("'axis' must have a length that is greater than 0 and can be computed");
   return {};
@@ -102,10 +107,12 @@ MeshEntry read_mesh(const Field& field, const std::vector<MaterialEntry>& materi
 }
 
 ShapeDescription read_sphere(const Field& field, const std::vector<MaterialEntry>& materials) {
+  const std::size_t mistakes_before = field.mistakes().count();
   const ObjectReader object(field, scene_keys::kSphere);
   const Common common = read_common(object, materials);
   const Vec3 center = read_or(object, "center", Vec3{0, 0, 0}, read_vec3, bounds::kAny);
   const float radius = read_or(object, "radius", 1.0f, read_float, bounds::kPositive);
+  if (field.mistakes().count() > mistakes_before) return SphereDescription{};
   if (!is_similarity(common.transform))
     field.mistake("a sphere must stay round: its transform must scale by the same factor in all directions");
   const SphereDescription sphere{common.transform.point(center), radius * common.transform.scales().x,
@@ -126,12 +133,14 @@ MeshDescription mirrored_quad(const QuadDescription& q) {
 }
 
 ShapeDescription read_quad(const Field& field, const std::vector<MaterialEntry>& materials) {
+  const std::size_t mistakes_before = field.mistakes().count();
   const ObjectReader object(field, scene_keys::kQuad);
   const Common common = read_common(object, materials);
   const Transform& t = common.transform;
   const auto corner = read_or(object, "corner", Vec3{0, 0, 0}, read_vec3, bounds::kAny);
-  const auto edge_u = read_or(object, "edge_u", Vec3{1, 0, 0}, read_vec3, bounds::kAny);
-  const auto edge_v = read_or(object, "edge_v", Vec3{0, 1, 0}, read_vec3, bounds::kAny);
+  const auto edge_u = read_or(object, "edge_u", Vec3{}, read_vec3, bounds::kAny);
+  const auto edge_v = read_or(object, "edge_v", Vec3{}, read_vec3, bounds::kAny);
+  if (field.mistakes().count() > mistakes_before) return QuadDescription{};
   const QuadDescription quad{t.point(corner), t.direction(edge_u), t.direction(edge_v),
                              common.material.value_or(0)};
   const float area = length(cross(quad.edge_u, quad.edge_v));
@@ -149,8 +158,10 @@ Transform read_transform(const Field& field) {
     field.must_be("a list of steps such as [{\"scale\": 2}, {\"translate\": [0, 1, 0]}]");
     return {};
   }
+  const std::size_t mistakes_before = field.mistakes().count();
   Transform all;
   for (std::size_t i = 0; i < steps->size(); ++i) all = compose(read_step(field.element(i)), all);
+  if (field.mistakes().count() > mistakes_before) return {};
   if (is_usable(all)) return all;
   field.mistake("the steps together scale or move too far to be computed");
   return {};

@@ -49,7 +49,7 @@ std::optional<float> parse_float(std::string_view word) {
   float value = 0;
   auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
   if (error == std::errc::result_out_of_range) {
-    // Too large, or nearer to 0 than any float.
+    // Too large, or so small that it is 0.
     double wide = 0;
     error = std::from_chars(word.data(), word.data() + word.size(), wide).ec;
     if (std::fabs(wide) > 1) return std::nullopt;

@@ -1,0 +1,52 @@
+#include "tests/unit/core_scene/memory_assets.hpp"
+
+#include <fmt/format.h>
+
+#include "core/image/encode.hpp"
+
+namespace tessera::core::test {
+
+Result<std::string> MemoryAssets::read(const std::string& path) {
+  ++reads_[path];
+  const auto found = files_.find(path);
+  if (found == files_.end()) return fail(ErrorCode::kNotFound, "'" + path + "' does not exist");
+  return found->second;
+}
+
+Result<SceneDescription> load(const std::string& scene, const MemoryAssets::Files& files) {
+  MemoryAssets::Files all = files;
+  all.emplace("scene.json", scene);
+  all.emplace("triangle.obj", kTriangleObj);
+  all.emplace("gray.png", png(one_color(2, 2, Rgb::gray(0.5f))));
+  MemoryAssets assets(std::move(all));
+  return load_scene(assets, "scene.json", "scene.json");
+}
+
+std::string mistakes_in(const std::string& scene, const MemoryAssets::Files& files) {
+  const auto loaded = load(scene, files);
+  return loaded ? "no mistake" : loaded.error().message;
+}
+
+std::string scene_with(const std::string& keys, const std::string& materials, const std::string& shapes) {
+  const auto comma = [](const std::string& text) { return text.empty() ? "" : text + ","; };
+  return fmt::format(
+      "{{\"camera\": {{\"position\": [0, 0, 5], \"look_at\": [0, 0, 0]}},\n{}\n"
+      "\"materials\": {{{} \"light\": {{\"type\": \"lambert\", \"emission\": 1}}}},\n"
+      "\"shapes\": [{} {{\"type\": \"sphere\", \"radius\": 1, \"material\": \"light\"}}]}}\n",
+      comma(keys), comma(materials), comma(shapes));
+}
+
+std::string png(const Image& image) {
+  return *encode_image(image, ImageFormat::kPng);
+}
+std::string hdr(const Image& image) {
+  return *encode_image(image, ImageFormat::kHdr);
+}
+
+Image one_color(int width, int height, Rgb color) {
+  Image image(width, height);
+  for (Rgb& pixel : image.pixels) pixel = color;
+  return image;
+}
+
+}  // namespace tessera::core::test

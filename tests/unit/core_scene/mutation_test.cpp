@@ -1,0 +1,143 @@
+// Damaged files must be refused or read, and nothing else: no crash, no exception, no endless loop. (The
+// sanitizer build gives this its teeth.)
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "core/scene/loader/mtl_reader.hpp"
+#include "core/scene/loader/obj_reader.hpp"
+#include "tests/unit/core_scene/memory_assets.hpp"
+
+namespace tessera::core {
+namespace {
+
+constexpr int kMutants = 2000;
+
+// Cuts, removes, repeats or replaces a piece of `text`, once to four times.
+std::string mutate(std::string text, std::mt19937& random) {
+  constexpr std::string_view kPieces[] = {"0",
+                                          "-1",
+                                          "1e999",
+                                          "nan",
+                                          "[",
+                                          "]",
+                                          "{",
+                                          "}",
+                                          "\"",
+                                          ",",
+                                          ":",
+                                          "\n",
+                                          "\r",
+                                          "/",
+                                          "//",
+                                          "f ",
+                                          "v ",
+                                          "\\",
+                                          "#",
+                                          "18446744073709551616",
+                                          "-9223372036854775808",
+                                          "\xff",
+                                          " ",
+                                          "1e-400",
+                                          "null",
+                                          "[[[[",
+                                          "usemtl ",
+                                          "mtllib x",
+                                          "f -1 -1 -1\n"};
+  for (auto changes = 1 + random() % 4; changes > 0; --changes) {
+    const std::size_t at = text.empty() ? 0 : random() % text.size(), length = random() % 12;
+    switch (random() % 5) {
+      case 0:
+        text.resize(at);
+        break;
+      case 1:
+        text.erase(at, length);
+        break;
+      case 2:
+        text.insert(at, text.substr(at, length));
+        break;
+      case 3:
+        text.insert(at, kPieces[random() % std::size(kPieces)]);
+        break;
+      default:
+        if (!text.empty()) text[at] = static_cast<char>(random());
+    }
+  }
+  return text;
+}
+
+// Either a value, or an error that says something.
+template <typename T>
+void expect_answer(const Result<T>& result, const std::string& input) {
+  EXPECT_TRUE(result || !result.error().message.empty()) << input;
+}
+
+const std::string kObj =
+    "# a roof\nmtllib roof.mtl\nv 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 1 1.5\nvt 0 0\nvt 1 0\nvt 1 1\nvt "
+    "0.5 0.5\nvn 0 0 1\n"
+    "vn 0.6 0 0.8\nusemtl tiles\nf 1/1/1 2/2/1 5/4/2\nf 2/1/1 3/2/1 -1/-1/-1\ng side\nusemtl wood\nf 3//1 "
+    "4//2 5//1\nf 4 1 5\n"
+    "s off\nf 4 3 2 1\nf 1 5 2 3 4\n";
+const std::string kMtl =
+    "newmtl tiles\nKd 0.6 0.2 0.1\nKe 1 1 1\nillum 2\nnewmtl wood\nKd 0.5 0.4 0.3\nmap_Kd -s 2 2 1 "
+    "gray.png\nNi 1.45\nd 1.0\n";
+const std::string kScene = test::scene_with(
+    "\"render\": {\"width\": 64, \"height\": 48, \"spp\": 16, \"seed\": 7, \"integrator\": \"mis\"},"
+    "\"textures\": {\"t\": {\"file\": \"gray.png\", \"wrap\": \"clamp\", \"scale\": [2, 2]}}",
+    "\"a\": {\"type\": \"lambert\", \"albedo\": {\"texture\": \"t\", \"tint\": 0.5}}, // comment\n"
+    "\"g\": {\"type\": \"glass\", \"ior\": 1.5, \"transmittance\": [1, 0.9, 0.8]}",
+    "{\"type\": \"mesh\", \"file\": \"roof.obj\", \"normals\": \"smooth\", \"transform\": [{\"scale\": [1, "
+    "-2, 1]},"
+    "{\"rotate\": {\"axis\": [0, 1, 0], \"degrees\": 30}}, {\"translate\": [1, 2, 3]}]},"
+    "{\"type\": \"quad\", \"corner\": [0, 0, 0], \"edge_u\": [1, 0, 0], \"edge_v\": [0, 1, 0], \"material\": "
+    "\"a\"},"
+    "{\"type\": \"mesh\", \"file\": \"roof.obj\", \"material\": \"g\"}");
+
+test::MemoryAssets::Files files(const std::string& obj, const std::string& mtl) {
+  return {{"roof.obj", obj}, {"roof.mtl", mtl}};
+}
+
+TEST(Mutants, OfASceneAreReadOrRefused) {
+  ASSERT_EQ(test::mistakes_in(kScene, files(kObj, kMtl)), "no mistake");
+  std::mt19937 random(1);
+  for (int i = 0; i < kMutants; ++i) {
+    const std::string scene = mutate(kScene, random);
+    expect_answer(test::load(scene, files(kObj, kMtl)), scene);
+  }
+}
+
+TEST(Mutants, OfAnObjFileAreReadOrRefused) {
+  std::mt19937 random(2);
+  for (int i = 0; i < kMutants; ++i) {
+    const std::string obj = mutate(kObj, random);
+    expect_answer(test::load(kScene, files(obj, kMtl)), obj);
+  }
+}
+
+TEST(Mutants, OfAnMtlFileAreReadOrRefused) {
+  std::mt19937 random(3);
+  for (int i = 0; i < kMutants; ++i) {
+    const std::string mtl = mutate(kMtl, random);
+    expect_answer(test::load(kScene, files(kObj, mtl)), mtl);
+  }
+}
+
+TEST(Mutants, EveryCutOfASceneIsRefused) {
+  const std::size_t end = kScene.rfind('}');
+  for (std::size_t size = 0; size <= end; ++size)
+    EXPECT_NE(test::mistakes_in(kScene.substr(0, size), files(kObj, kMtl)), "no mistake") << size;
+}
+
+TEST(Mutants, OfAnyBytesAreReadOrRefused) {
+  std::mt19937 random(4);
+  for (int i = 0; i < kMutants; ++i) {
+    std::string bytes(random() % 64, '\0');
+    for (char& byte : bytes) byte = static_cast<char>(random());
+    expect_answer(test::load(bytes), bytes);
+    expect_answer(read_obj(bytes, "x.obj"), bytes);
+    expect_answer(read_mtl(bytes, "x.mtl"), bytes);
+  }
+}
+
+}  // namespace
+}  // namespace tessera::core

@@ -1,0 +1,371 @@
+// Every kind of mistake in a scene file or in what it names, and exactly what is said about it.
+#include <gtest/gtest.h>
+
+#include "tests/unit/core_scene/memory_assets.hpp"
+
+namespace tessera::core {
+namespace {
+
+using test::MemoryAssets;
+using test::mistakes_in;
+using test::scene_with;
+
+struct Case {
+  std::string text, message;
+};
+
+// Where the text stands in a scene of scene_with, and thus its line.
+std::string with_render(const std::string& render) {
+  return scene_with("\"render\": {" + render + "}", "", "");
+}
+std::string with_textures(const std::string& textures) {
+  return scene_with("\"textures\": {" + textures + "}", "", "");
+}
+std::string with_materials(const std::string& materials) {
+  return scene_with("", materials, "");
+}
+std::string with_shapes(const std::string& shapes) {
+  return scene_with("", "", shapes);
+}
+std::string with_camera(const std::string& camera) {
+  return "{\"materials\": {\"l\": {\"type\": \"lambert\", \"emission\": 1}},\n\"camera\": {" + camera +
+         "},\n\"shapes\": [{\"type\": \"sphere\", \"radius\": 1, \"material\": \"l\"}]}";
+}
+
+void expect_mistakes(const std::vector<Case>& cases, std::string (*scene)(const std::string&), int line) {
+  for (const auto& [text, message] : cases)
+    EXPECT_EQ(mistakes_in(scene(text)), "scene.json:" + std::to_string(line) + ": " + message) << text;
+}
+
+TEST(SceneMistakes, NoneInTheScenesThatTheOthersAreMadeFrom) {
+  EXPECT_EQ(mistakes_in(with_render("")), "no mistake");
+  EXPECT_EQ(mistakes_in(with_textures("")), "no mistake");
+  EXPECT_EQ(mistakes_in(with_camera("\"position\": [0, 0, 5], \"look_at\": [0, 0, 0]")), "no mistake");
+}
+
+TEST(SceneMistakes, OfTheWholeFile) {
+  EXPECT_EQ(mistakes_in(""),
+            "scene.json:1:1: not valid JSON: found the end of the file where a value is due");
+  EXPECT_EQ(mistakes_in("\n[1, 2]"), "scene.json:2: must be an object in braces, got a list of 2");
+  EXPECT_EQ(mistakes_in("{}"),
+            "scene.json:1: a scene needs the key 'camera'\nscene.json:1: a scene needs the key 'shapes'");
+  EXPECT_EQ(mistakes_in(scene_with("\"material\": {}", "", "")),
+            "scene.json:2: unknown key 'material'; did you mean 'materials'?");
+  EXPECT_EQ(mistakes_in(scene_with("\"$schema\": 3", "", "")),
+            "scene.json:2: $schema: must be a text in double quotes, got 3");
+  EXPECT_EQ(mistakes_in(scene_with("\"materials\": {}", "", "")),
+            "scene.json:3: the key 'materials' is already there in line 2\n"
+            "scene.json:4: shapes[0].material: there is no material 'light'");
+}
+
+TEST(SceneMistakes, InRender) {
+  expect_mistakes(
+      {
+          {"\"spp\": -3", "render.spp: must be a whole number between 1 and 16777216, got -3"},
+          {"\"spp\": 0", "render.spp: must be a whole number between 1 and 16777216, got 0"},
+          {"\"spp\": 2.5", "render.spp: must be a whole number between 1 and 16777216, got 2.5"},
+          {"\"spp\": \"64\"", "render.spp: must be a whole number between 1 and 16777216, got the text '64'"},
+          {"\"spp\": 1e12", "render.spp: must be a whole number between 1 and 16777216, got 1000000000000"},
+          {"\"spp\": null", "render.spp: must be a whole number between 1 and 16777216, got null"},
+          {"\"width\": 0", "render.width: must be a whole number between 1 and 65536, got 0"},
+          {"\"height\": 65537", "render.height: must be a whole number between 1 and 65536, got 65537"},
+          {"\"height\": -4294967295",
+           "render.height: must be a whole number between 1 and 65536, got -4294967295"},
+          {"\"width\": 65536, \"height\": 65536",
+           "render: 65536 x 65536 pixels are more than the 1073741824 that a picture may have"},
+          {"\"seed\": -1", "render.seed: must be a whole number between 0 and 18446744073709551615, got -1"},
+          {"\"seed\": 18446744073709551616",
+           "render.seed: must be a whole number between 0 and 18446744073709551615, got "
+           "1.8446744073709552e+19"},
+          {"\"max_depth\": -1", "render.max_depth: must be a whole number between 0 and 1048576, got -1"},
+          {"\"integrator\": \"miss\"", "render.integrator: unknown value 'miss'; did you mean 'mis'?"},
+          {"\"integrator\": \"bdpt\"",
+           "render.integrator: unknown value 'bdpt'; known are 'naive', 'nee', 'mis'"},
+          {"\"integrator\": 1", "render.integrator: must be one of \"naive\", \"nee\", \"mis\", got 1"},
+          {"\"widht\": 5", "render: unknown key 'widht'; did you mean 'width'?"},
+      },
+      with_render, 2);
+}
+
+TEST(SceneMistakes, InTheCamera) {
+  const std::string view = "\"position\": [0, 0, 5], \"look_at\": [0, 0, 0]";
+  expect_mistakes(
+      {
+          {"\"look_at\": [0, 0, 1]", "camera: a camera needs the key 'position'"},
+          {"\"position\": [0, 0, 1]", "camera: a camera needs the key 'look_at'"},
+          {"\"position\": [0, 0], \"look_at\": [0, 0, 0]",
+           "camera.position: must be a list of 3 numbers, got a list of 2"},
+          {"\"position\": 0, \"look_at\": [0, 0, 0]", "camera.position: must be a list of 3 numbers, got 0"},
+          {"\"position\": [0, \"a\", 0], \"look_at\": [0, 0, 1]",
+           "camera.position[1]: must be a number, got the text 'a'"},
+          {"\"position\": [0, 1e39, 0], \"look_at\": [0, 0, 1]",
+           "camera.position[1]: must be between -3.4e38 and 3.4e38, got 1e+39"},
+          {"\"position\": [1, 2, 3], \"look_at\": [1, 2, 3]",
+           "camera: 'look_at' must be another point than 'position', and not too far from it to be computed"},
+          {view + ", \"up\": [0, 0, 2]",
+           "camera: 'up' must not point along the line from 'position' to 'look_at'"},
+          {view + ", \"up\": [0, 0, 0]",
+           "camera: 'up' must have a length that is greater than 0 and can be computed"},
+          {view + ", \"vertical_fov_degrees\": 0",
+           "camera.vertical_fov_degrees: must be greater than 0 and less than 180, got 0"},
+          {view + ", \"vertical_fov_degrees\": 180",
+           "camera.vertical_fov_degrees: must be greater than 0 and less than 180, got 180"},
+          {view + ", \"vertical_fov_degrees\": 1e-60",
+           "camera.vertical_fov_degrees: must be greater than 0 and less than 180, got 1e-60"},
+          {view + ", \"aperture_radius\": -1", "camera.aperture_radius: must be 0 or greater, got -1"},
+          {view + ", \"focus_distance\": 0", "camera.focus_distance: must be greater than 0, got 0"},
+          {view + ", \"vertical_fov\": 40",
+           "camera: unknown key 'vertical_fov'; known are 'position', 'look_at', 'up', "
+           "'vertical_fov_degrees', 'aperture_radius', 'focus_distance'"},
+      },
+      with_camera, 2);
+}
+
+TEST(SceneMistakes, InTextures) {
+  expect_mistakes(
+      {
+          {"\"wood\": {}", "textures.wood: a texture needs the key 'file'"},
+          {"\"wood\": \"wood.png\"", "textures.wood: must be an object in braces, got the text 'wood.png'"},
+          {"\"\": {\"file\": \"gray.png\"}", "textures: a name must not be empty"},
+          {"\"wood\": {\"file\": 3}", "textures.wood.file: must be a text in double quotes, got 3"},
+          {"\"wood\": {\"file\": \"\"}",
+           "textures.wood.file: must be a text in double quotes, got the text ''"},
+          {"\"wood\": {\"file\": \"none.png\"}", "textures.wood.file: 'none.png' does not exist"},
+          {"\"wood\": {\"file\": \"triangle.obj\"}",
+           "textures.wood.file: 'triangle.obj' is not a PNG, JPEG or HDR picture"},
+          {"\"wood\": {\"file\": \"gray.png\", \"color_space\": \"sRGB\"}",
+           "textures.wood.color_space: unknown value 'sRGB'; known are 'srgb', 'linear'"},
+          {"\"wood\": {\"file\": \"gray.png\", \"wrap\": \"clmap\"}",
+           "textures.wood.wrap: unknown value 'clmap'; did you mean 'clamp'?"},
+          {"\"wood\": {\"file\": \"gray.png\", \"scale\": 2}",
+           "textures.wood.scale: must be a list of 2 numbers, got 2"},
+          {"\"wood\": {\"file\": \"gray.png\", \"offset\": [0, 0, 0]}",
+           "textures.wood.offset: must be a list of 2 numbers, got a list of 3"},
+          {"\"wood\": {\"file\": \"gray.png\", \"flie\": 3}",
+           "textures.wood: unknown key 'flie'; did you mean 'file'?"},
+      },
+      with_textures, 2);
+}
+
+TEST(SceneMistakes, InMaterials) {
+  expect_mistakes(
+      {
+          {"\"m\": {}",
+           "materials.m: a material needs the key 'type', one of \"lambert\", \"mirror\", \"glass\""},
+          {"\"m\": 3", "materials.m: must be an object in braces, got 3"},
+          {"\"m\": {\"type\": \"lambertian\"}",
+           "materials.m.type: unknown value 'lambertian'; did you mean 'lambert'?"},
+          {"\"m\": {\"type\": \"lambert\", \"albdo\": 1}",
+           "materials.m: unknown key 'albdo'; did you mean 'albedo'?"},
+          {"\"m\": {\"type\": \"lambert\", \"albedo\": 3}",
+           "materials.m.albedo: must be between 0 and 1, got 3"},
+          {"\"m\": {\"type\": \"lambert\", \"albedo\": [0.5, 0.5, -0.1]}",
+           "materials.m.albedo[2]: must be between 0 and 1, got -0.1"},
+          {"\"m\": {\"type\": \"lambert\", \"albedo\": \"red\"}",
+           "materials.m.albedo: must be a number or a list of 3 numbers, got the text 'red'"},
+          {"\"m\": {\"type\": \"lambert\", \"albedo\": {\"texture\": \"wood\"}}",
+           "materials.m.albedo.texture: there is no texture 'wood'"},
+          {"\"m\": {\"type\": \"lambert\", \"albedo\": {\"tint\": 1}}",
+           "materials.m.albedo: a textured colour needs the key 'texture'"},
+          {"\"m\": {\"type\": \"lambert\", \"emission\": -1}",
+           "materials.m.emission: must be 0 or greater, got -1"},
+          {"\"m\": {\"type\": \"lambert\", \"emission\": [1, 1]}",
+           "materials.m.emission: must be a list of 3 numbers, got a list of 2"},
+          {"\"m\": {\"type\": \"lambert\", \"emission_sides\": \"back\"}",
+           "materials.m.emission_sides: unknown value 'back'; known are 'both', 'front'"},
+          {"\"m\": {\"type\": \"lambert\", \"ior\": 1.5}",
+           "materials.m: unknown key 'ior'; known are 'type', 'albedo', 'emission', 'emission_sides'"},
+          {"\"m\": {\"type\": \"mirror\", \"reflectance\": 1.1}",
+           "materials.m.reflectance: must be between 0 and 1, got 1.1"},
+          {"\"m\": {\"type\": \"glass\", \"ior\": 0.67}",
+           "materials.m.ior: must be between 1 and 10 (it is that of the inside; for air in glass, turn the "
+           "surface inside "
+           "out), got 0.67"},
+          {"\"m\": {\"type\": \"glass\", \"transmitance\": 1}",
+           "materials.m: unknown key 'transmitance'; did you mean 'transmittance'?"},
+          {"\"a \\u0001\": {\"type\": \"mirror\", \"reflectance\": 2}",
+           "materials.'a \\x01'.reflectance: must be between 0 and 1, got 2"},
+      },
+      with_materials, 3);
+}
+
+TEST(SceneMistakes, SuggestTextures) {
+  EXPECT_EQ(mistakes_in(scene_with("\"textures\": {\"wood\": {\"file\": \"gray.png\"}}",
+                                   "\"m\": {\"type\": \"lambert\", \"albedo\": {\"texture\": \"wod\"}}", "")),
+            "scene.json:3: materials.m.albedo.texture: there is no texture 'wod'; did you mean 'wood'?");
+}
+
+TEST(SceneMistakes, InShapes) {
+  const std::string sphere = "{\"type\": \"sphere\", \"material\": \"light\", \"radius\": 1, ";
+  const std::string mesh = "{\"type\": \"mesh\", \"file\": \"triangle.obj\", \"material\": \"light\", ";
+  const std::string quad = "{\"type\": \"quad\", \"material\": \"light\", \"corner\": [0, 0, 0], ";
+  expect_mistakes(
+      {
+          {"3", "shapes[0]: must be an object in braces, got 3"},
+          {"{}", "shapes[0]: a shape needs the key 'type', one of \"mesh\", \"sphere\", \"quad\""},
+          {"{\"type\": \"shpere\"}", "shapes[0].type: unknown value 'shpere'; did you mean 'sphere'?"},
+          {"{\"type\": \"sphere\", \"radius\": 1}", "shapes[0]: a sphere needs the key 'material'"},
+          {"{\"type\": \"sphere\", \"material\": \"light\"}", "shapes[0]: a sphere needs the key 'radius'"},
+          {"{\"type\": \"sphere\", \"radius\": 1, \"material\": \"ligth\"}",
+           "shapes[0].material: there is no material 'ligth'; did you mean 'light'?"},
+          {"{\"type\": \"sphere\", \"radius\": 0, \"material\": \"light\"}",
+           "shapes[0].radius: must be greater than 0, got 0"},
+          {"{\"type\": \"sphere\", \"radius\": 1e-50, \"material\": \"light\"}",
+           "shapes[0].radius: must be greater than 0, got 1e-50"},
+          {sphere + "\"transform\": [{\"scale\": [1, 2, 1]}]}",
+           "shapes[0]: a sphere must stay round: its transform must scale by the same factor in all "
+           "directions"},
+          {sphere + "\"transform\": {\"scale\": 2}}",
+           "shapes[0].transform: must be a list of steps such as [{\"scale\": 2}, {\"translate\": [0, 1, "
+           "0]}], got an "
+           "object"},
+          {sphere + "\"transform\": [{\"scale\": 0}]}",
+           "shapes[0].transform[0].scale: must be other than 0, got 0"},
+          {sphere + "\"transform\": [{\"scale\": [1, 0, 1]}]}",
+           "shapes[0].transform[0].scale[1]: must be other than 0, got 0"},
+          {sphere + "\"transform\": [{\"scale\": 1, \"translate\": [0, 0, 0]}]}",
+           "shapes[0].transform[0]: a step is one of 'scale', 'rotate' and 'translate'; write several as a "
+           "list of steps"},
+          {sphere + "\"transform\": [{}]}",
+           "shapes[0].transform[0]: a step is one of 'scale', 'rotate' and 'translate'; write several as a "
+           "list of steps"},
+          {sphere + "\"transform\": [{\"move\": [0, 0, 0]}]}",
+           "shapes[0].transform[0]: unknown key 'move'; known are 'scale', 'rotate', 'translate'"},
+          {sphere + "\"transform\": [{\"rotate\": {\"axis\": [0, 0, 0], \"degrees\": 3}}]}",
+           "shapes[0].transform[0].rotate: 'axis' must have a length that is greater than 0 and can be "
+           "computed"},
+          {sphere + "\"transform\": [{\"rotate\": {\"axis\": [0, 1, 0], \"degrees\": 3601}}]}",
+           "shapes[0].transform[0].rotate.degrees: must be between -3600 and 3600, got 3601"},
+          {sphere + "\"transform\": [{\"rotate\": {\"axis\": [0, 1, 0]}}]}",
+           "shapes[0].transform[0].rotate: a rotation needs the key 'degrees'"},
+          {sphere + "\"transform\": [{\"scale\": 1e-30}, {\"scale\": 1e-30}]}",
+           "shapes[0].transform: the steps together scale or move too far to be computed"},
+          {mesh + "\"normals\": \"soft\"}",
+           "shapes[0].normals: unknown value 'soft'; known are 'file', 'smooth', 'flat'"},
+          {"{\"type\": \"mesh\", \"material\": \"light\"}", "shapes[0]: a mesh needs the key 'file'"},
+          {"{\"type\": \"mesh\", \"file\": \"none.obj\"}", "shapes[0].file: 'none.obj' does not exist"},
+          {"{\"type\": \"mesh\", \"file\": \"gray.png\", \"material\": \"light\"}",
+           "shapes[0].file: gray.png:1: '\\x89PNG' is not a statement of OBJ files"},
+          {"{\"type\": \"mesh\", \"file\": \"triangle.obj\"}",
+           "shapes[0].file: triangle.obj:7: a face has no material (no 'usemtl' comes before it); give the "
+           "shape a "
+           "\"material\" in the scene file"},
+          {mesh + "\"transform\": [{\"translate\": [3e38, 0, 0]}, {\"scale\": 10}]}",
+           "shapes[0].transform: the steps together scale or move too far to be computed"},
+          {quad + "\"edge_u\": [1, 0, 0], \"edge_v\": [2, 0, 0]}",
+           "shapes[0]: 'edge_u' and 'edge_v' must span an area that is greater than 0 and can be computed"},
+          {quad + "\"edge_u\": [1, 0, 0]}", "shapes[0]: a quad needs the key 'edge_v'"},
+      },
+      with_shapes, 4);
+}
+
+TEST(SceneMistakes, OfShapesAsAList) {
+  const std::string start = "{\"camera\": {\"position\": [0, 0, 5], \"look_at\": [0, 0, 0]},\n\"shapes\": ";
+  EXPECT_EQ(mistakes_in(start + "[]}"),
+            "scene.json:2: shapes: must be a list of at least one shape, got a list of 0");
+  EXPECT_EQ(mistakes_in(start + "{}}"),
+            "scene.json:2: shapes: must be a list of at least one shape, got an object");
+}
+
+TEST(SceneMistakes, AreAllToldInTheOrderOfTheFile) {
+  EXPECT_EQ(
+      mistakes_in(scene_with("\"render\": {\"spp\": 0, \"with\": 5},\n\"textures\": []",
+                             "\"m\": {\"type\": \"mirror\", \"reflectance\": 2}", "{\"type\": \"quad\"}")),
+      "scene.json:2: render: unknown key 'with'; did you mean 'width'?\n"
+      "scene.json:2: render.spp: must be a whole number between 1 and 16777216, got 0\n"
+      "scene.json:3: textures: must be an object in braces, from names to what they stand for, got a list of "
+      "0\n"
+      "scene.json:4: materials.m.reflectance: must be between 0 and 1, got 2\n"
+      "scene.json:5: shapes[0]: a quad needs the key 'corner'\n"
+      "scene.json:5: shapes[0]: a quad needs the key 'edge_u'\n"
+      "scene.json:5: shapes[0]: a quad needs the key 'edge_v'\n"
+      "scene.json:5: shapes[0]: a quad needs the key 'material'");
+}
+
+TEST(SceneMistakes, OfEveryAssetAreToldAtOnce) {
+  EXPECT_EQ(
+      mistakes_in(scene_with("\"textures\": {\"a\": {\"file\": \"a.png\"},\n\"b\": {\"file\": \"b.png\"}}",
+                             "", "{\"type\": \"mesh\", \"file\": \"c.obj\", \"material\": \"light\"}")),
+      "scene.json:2: textures.a.file: 'a.png' does not exist\n"
+      "scene.json:3: textures.b.file: 'b.png' does not exist\n"
+      "scene.json:5: shapes[0].file: 'c.obj' does not exist");
+}
+
+TEST(SceneMistakes, AreCutShortWhereThereAreVeryMany) {
+  std::string materials = "\"m0\": {}";
+  for (int i = 1; i < 1000; ++i) materials += ", \"m" + std::to_string(i) + "\": {}";
+  const std::string message = mistakes_in(with_materials(materials));
+  EXPECT_EQ(std::count(message.begin(), message.end(), '\n'), 20);
+  EXPECT_TRUE(message.ends_with("\nscene.json: and 980 more mistakes")) << message;
+}
+
+TEST(SceneMistakes, HaveTheCodeOfTheFirst) {
+  const auto code = [](const std::string& scene) { return test::load(scene).error().code; };
+  EXPECT_EQ(code(with_render("\"spp\": 0")), ErrorCode::kInvalidArgument);
+  EXPECT_EQ(code(with_textures("\"a\": {\"file\": \"none.png\"}")), ErrorCode::kNotFound);
+  EXPECT_EQ(code(with_textures("\"a\": {\"file\": \"triangle.obj\"}")), ErrorCode::kInvalidArgument);
+}
+
+std::string with_mesh(const std::string& more = "") {
+  return with_shapes("{\"type\": \"mesh\", \"file\": \"m/a.obj\"" + more + "}");
+}
+
+TEST(SceneMistakes, InObjFiles) {
+  const auto told = [](const std::string& obj) {
+    return mistakes_in(with_mesh(", \"material\": \"light\""), {{"m/a.obj", obj}});
+  };
+  EXPECT_EQ(told("v 0 0 0\nv 1 nan 0\n"),
+            "scene.json:4: shapes[0].file: m/a.obj:2: a vertex must be 3 finite numbers, got '1 nan 0'");
+  EXPECT_EQ(told("v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n"),
+            "scene.json:4: shapes[0].file: 'm/a.obj' has no face with an area greater than 0");
+}
+
+TEST(SceneMistakes, InMtlFiles) {
+  const std::string obj = "mtllib my a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red\nf 1 2 3\n";
+  const auto told = [&](const std::string& mtl) {
+    return mistakes_in(with_mesh(), {{"m/a.obj", obj}, {"m/my a.mtl", mtl}});
+  };
+  EXPECT_EQ(mistakes_in(with_mesh(), {{"m/a.obj", "mtllib a.mtl\n" + obj}}),
+            "scene.json:4: shapes[0].file: m/a.obj:1: 'm/a.mtl' does not exist; mend it, or give the shape a "
+            "\"material\" in "
+            "the scene file");
+  EXPECT_EQ(told("newmtl red\nKd 2 0 0\n"),
+            "scene.json:4: shapes[0].file: m/a.obj:1: m/my a.mtl:2: 'Kd' must be 3 numbers between 0 and 1, "
+            "got '2 0 0'; "
+            "mend it, or give the shape a \"material\" in the scene file");
+  EXPECT_EQ(told("newmtl reed\nKd 1 0 0\n"),
+            "scene.json:4: shapes[0].file: m/a.obj:5: the 'mtllib' files have no material 'red'; did you "
+            "mean 'reed'?; mend "
+            "it, or give the shape a \"material\" in the scene file");
+  EXPECT_EQ(told("newmtl red\nmap_Kd red.png\n"),
+            "scene.json:4: shapes[0].file: m/my a.mtl: material 'red': map_Kd: 'm/red.png' does not exist");
+}
+
+TEST(SceneMistakes, OfScenesThatWouldBeBlackOrTooBright) {
+  const std::string camera = "{\"camera\": {\"position\": [0, 0, 5], \"look_at\": [0, 0, 0]},\n";
+  EXPECT_EQ(
+      mistakes_in(
+          camera +
+          "\"materials\": {\"a\": {\"type\": \"mirror\"}, \"unused\": {\"type\": \"lambert\", "
+          "\"emission\": 1}},\n\"shapes\": [{\"type\": \"sphere\", \"radius\": 1, \"material\": \"a\"}]}"),
+      "scene.json:3: shapes: nothing here gives light, and the picture would be black; give a material an "
+      "'emission'");
+  const MemoryAssets::Files files{{"sky.hdr", test::hdr(test::one_color(8, 8, Rgb::gray(4)))}};
+  const std::string textures = "\"textures\": {\"sky\": {\"file\": \"sky.hdr\"}}";
+  const auto material = [](const std::string& tint) {
+    return "\"m\": {\"type\": \"lambert\", \"albedo\": {\"texture\": \"sky\", \"tint\": " + tint + "}}";
+  };
+  EXPECT_EQ(mistakes_in(scene_with(textures, material("0.5"), ""), files),
+            "scene.json:3: materials.m: material m: its texture times 'tint' reaches 2, and nothing reflects "
+            "more than 1");
+  EXPECT_EQ(mistakes_in(scene_with(textures, material("0.25"), ""), files), "no mistake");
+  EXPECT_EQ(
+      mistakes_in(
+          scene_with("\"textures\": {\"sky\": {\"file\": \"sky.hdr\", \"color_space\": \"srgb\"}}", "", ""),
+          files),
+      "scene.json:2: textures.sky.file: 'sky.hdr' is an HDR picture, which is linear; leave 'color_space' "
+      "out");
+}
+
+}  // namespace
+}  // namespace tessera::core

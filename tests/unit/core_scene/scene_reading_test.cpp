@@ -1,0 +1,201 @@
+// What good scene files turn into.
+#include <gtest/gtest.h>
+
+#include "tests/unit/core_scene/memory_assets.hpp"
+
+namespace tessera::core {
+namespace {
+
+using test::MemoryAssets;
+using test::scene_with;
+
+SceneDescription load(const std::string& scene, const MemoryAssets::Files& files = {}) {
+  auto loaded = test::load(scene, files);
+  EXPECT_TRUE(loaded.has_value()) << loaded.error().message;
+  return loaded ? std::move(*loaded) : SceneDescription{};
+}
+
+void expect_near(Vec3 a, Vec3 b) {
+  EXPECT_LE(length(a - b), 1e-5f) << a.x << ' ' << a.y << ' ' << a.z << " is not " << b.x << ' ' << b.y << ' '
+                                  << b.z;
+}
+
+TEST(SceneReading, HasSensibleDefaults) {
+  const SceneDescription scene = load(scene_with("", "\"m\": {\"type\": \"lambert\"}", ""));
+  EXPECT_EQ(scene.settings, RenderSettings{});
+  EXPECT_EQ(scene.camera.position, (Vec3{0, 0, 5}));
+  EXPECT_EQ(scene.camera.up, (Vec3{0, 1, 0}));
+  EXPECT_EQ(scene.camera.vertical_fov_degrees, 40);
+  EXPECT_EQ(scene.camera.aperture_radius, 0);
+  EXPECT_EQ(scene.camera.focus_distance, 0);
+  ASSERT_EQ(scene.materials.size(), 2u);
+  EXPECT_EQ(std::get<Lambert>(scene.materials[0].model).albedo.value, Rgb::gray(0.5f));
+  EXPECT_TRUE(is_black(scene.materials[0].emission));
+  EXPECT_TRUE(scene.materials[1].two_sided_emission);
+  ASSERT_EQ(scene.shapes.size(), 1u);
+  EXPECT_EQ(std::get<SphereDescription>(scene.shapes[0]).center, (Vec3{0, 0, 0}));
+}
+
+TEST(SceneReading, TakesEverySetting) {
+  const SceneDescription scene = load(
+      "// A comment\n{\"$schema\": \"../scene.schema.json\", /* another */\n"
+      "\"render\": {\"width\": 640, \"height\": 480, \"spp\": 16777216, \"seed\": 18446744073709551615,"
+      "\"integrator\": \"nee\", \"max_depth\": 7},"
+      "\"camera\": {\"position\": [1, 2, 3], \"look_at\": [4.5, 5, -6e1], \"up\": [0, 0, 1],"
+      "\"vertical_fov_degrees\": 33.5, \"aperture_radius\": 0.25, \"focus_distance\": 9},"
+      "\"materials\": {\"l\": {\"type\": \"mirror\", \"emission\": [1, 2, 3], \"emission_sides\": "
+      "\"front\"}},"
+      "\"shapes\": [{\"type\": \"sphere\", \"center\": [1, 2, 3], \"radius\": 0.5, \"material\": \"l\"}]}");
+  EXPECT_EQ(scene.settings, (RenderSettings{640, 480, 1u << 24, ~std::uint64_t{0}, Integrator::kNee, 7}));
+  EXPECT_EQ(scene.camera.look_at, (Vec3{4.5f, 5, -60}));
+  EXPECT_EQ(scene.camera.up, (Vec3{0, 0, 1}));
+  EXPECT_EQ(scene.camera.vertical_fov_degrees, 33.5f);
+  EXPECT_EQ(scene.camera.aperture_radius, 0.25f);
+  EXPECT_EQ(scene.camera.focus_distance, 9);
+  EXPECT_EQ(scene.materials[0].name, "l");
+  EXPECT_EQ(scene.materials[0].emission, (Rgb{1, 2, 3}));
+  EXPECT_FALSE(scene.materials[0].two_sided_emission);
+  EXPECT_EQ(std::get<SphereDescription>(scene.shapes[0]).radius, 0.5f);
+  EXPECT_EQ(scene.shape_names, (std::vector<std::string>{"shapes[0]"}));
+}
+
+TEST(SceneReading, TakesTheWordsOfEveryIntegrator) {
+  for (const auto& [name, integrator] :
+       {std::pair{"naive", Integrator::kNaive}, {"nee", Integrator::kNee}, {"mis", Integrator::kMis}})
+    EXPECT_EQ(load(scene_with("\"render\": {\"integrator\": \"" + std::string(name) + "\"}", "", ""))
+                  .settings.integrator,
+              integrator);
+}
+
+TEST(SceneReading, TakesMaterials) {
+  const SceneDescription scene =
+      load(scene_with("\"textures\": {\"t0\": {\"file\": \"gray.png\"}, \"t1\": {\"file\": \"gray.png\"}}",
+                      "\"a\": {\"type\": \"lambert\", \"albedo\": [0.1, 0.2, 0.3]},"
+                      "\"b\": {\"type\": \"mirror\", \"reflectance\": {\"texture\": \"t1\"}},"
+                      "\"c\": {\"type\": \"glass\", \"ior\": 1.33, \"reflectance\": 0.9, \"transmittance\": "
+                      "{\"texture\": \"t0\", \"tint\": [1, 0.5, 0]}}",
+                      ""));
+  EXPECT_EQ(std::get<Lambert>(scene.materials[0].model).albedo.value, (Rgb{0.1f, 0.2f, 0.3f}));
+  EXPECT_EQ(std::get<Lambert>(scene.materials[0].model).albedo.texture, -1);
+  EXPECT_EQ(std::get<Mirror>(scene.materials[1].model).reflectance.texture, 1);
+  EXPECT_EQ(std::get<Mirror>(scene.materials[1].model).reflectance.value, Rgb::gray(1));
+  const Glass& glass = std::get<Glass>(scene.materials[2].model);
+  EXPECT_EQ(glass.ior, 1.33f);
+  EXPECT_EQ(glass.reflectance.value, Rgb::gray(0.9f));
+  EXPECT_EQ(glass.transmittance.texture, 0);
+  EXPECT_EQ(glass.transmittance.value, (Rgb{1, 0.5f, 0}));
+}
+
+TEST(SceneReading, TakesTexturesAndDecodesEachPictureOnce) {
+  MemoryAssets assets(
+      {{"gray.png", test::png(test::one_color(4, 2, Rgb::gray(0.5f)))},
+       {"scene.json",
+        scene_with(
+            "\"textures\": {\"a\": {\"file\": \"gray.png\"},"
+            "\"b\": {\"file\": \"gray.png\", \"wrap\": \"clamp\", \"scale\": [2, 3], \"offset\": [0.5, 0]},"
+            "\"c\": {\"file\": \"gray.png\", \"color_space\": \"linear\"}}",
+            "", "")}});
+  const auto scene = load_scene(assets, "scene.json", "scene.json");
+  ASSERT_TRUE(scene.has_value()) << scene.error().message;
+  const auto& t = scene->textures;
+  ASSERT_EQ(t.size(), 3u);
+  EXPECT_EQ(t[0].image, t[1].image);
+  EXPECT_NE(t[0].image, t[2].image);
+  EXPECT_EQ(t[0].image->width, 4);
+  EXPECT_EQ(t[1].wrap, Wrap::kClamp);
+  EXPECT_EQ(t[1].scale, (Vec2{2, 3}));
+  EXPECT_EQ(t[1].offset, (Vec2{0.5f, 0}));
+  EXPECT_NEAR(t[0].evaluate({0.3f, 0.3f}).r, 0.5f, 5e-3f);
+  EXPECT_EQ(t[2].evaluate({0.3f, 0.3f}).r, 188.0f / 255);
+  EXPECT_EQ(assets.reads().at("gray.png"), 2);
+}
+
+TEST(SceneReading, AppliesTransformsInTheOrderWritten) {
+  const SceneDescription scene = load(scene_with(
+      "", "",
+      "{\"type\": \"sphere\", \"center\": [1, 0, 0], \"radius\": 1, \"material\": \"light\", \"transform\":"
+      "[{\"scale\": 2}, {\"rotate\": {\"axis\": [0, 0, 5], \"degrees\": 90}}, {\"translate\": [10, 20, "
+      "30]}]}"));
+  const auto& sphere = std::get<SphereDescription>(scene.shapes[0]);
+  expect_near(sphere.center, {10, 22, 30});
+  EXPECT_NEAR(sphere.radius, 2, 1e-5f);
+}
+
+TEST(SceneReading, MirrorsSpheresAndQuads) {
+  const SceneDescription scene =
+      load(scene_with("", "",
+                      "{\"type\": \"sphere\", \"center\": [1, 2, 3], \"radius\": 1, \"material\": \"light\", "
+                      "\"transform\": [{\"scale\": [-1, 1, 1]}]},"
+                      "{\"type\": \"quad\", \"corner\": [0, 0, 1], \"edge_u\": [2, 0, 0], \"edge_v\": [0, 1, "
+                      "0], \"material\": \"light\"},"
+                      "{\"type\": \"quad\", \"corner\": [0, 0, 1], \"edge_u\": [2, 0, 0], \"edge_v\": [0, 1, "
+                      "0], \"material\": \"light\","
+                      " \"transform\": [{\"scale\": [-1, 1, 1]}]}"));
+  EXPECT_EQ(std::get<SphereDescription>(scene.shapes[0]).center, (Vec3{-1, 2, 3}));
+  EXPECT_EQ(std::get<QuadDescription>(scene.shapes[1]).edge_u, (Vec3{2, 0, 0}));
+  // Mirrored in x, the normal still points to z, and each corner keeps its texture coordinate.
+  const auto& mesh = std::get<MeshDescription>(scene.shapes[2]);
+  for (const auto& [a, b, c] : mesh.triangles)
+    EXPECT_GT(cross(mesh.positions[b] - mesh.positions[a], mesh.positions[c] - mesh.positions[a]).z, 0);
+  for (std::size_t i = 0; i < 4; ++i) {
+    EXPECT_EQ(mesh.positions[i].x, -2 * mesh.uvs[i].x);
+    EXPECT_EQ(mesh.positions[i].y, mesh.uvs[i].y);
+  }
+}
+
+TEST(SceneReading, ReadsAMeshOnceForAllItsShapes) {
+  const std::string shape = "{\"type\": \"mesh\", \"file\": \"triangle.obj\", \"material\": \"light\"";
+  MemoryAssets assets(
+      {{"triangle.obj", test::kTriangleObj},
+       {"scene.json",
+        scene_with("", "", shape + "}, " + shape + ", \"transform\": [{\"translate\": [0, 0, 7]}]}")}});
+  const auto scene = load_scene(assets, "scene.json", "scene.json");
+  ASSERT_TRUE(scene.has_value()) << scene.error().message;
+  EXPECT_EQ(assets.reads().at("triangle.obj"), 1);
+  EXPECT_EQ(scene->shape_names[1], "shapes[1] (triangle.obj)");
+  const auto& mesh = std::get<MeshDescription>(scene->shapes[1]);
+  EXPECT_EQ(mesh.positions, (std::vector<Vec3>{{0, 0, 7}, {1, 0, 7}, {0, 1, 7}}));
+  EXPECT_EQ(mesh.uvs, (std::vector<Vec2>{{0, 0}, {1, 0}, {0, 1}}));
+  EXPECT_EQ(mesh.triangles, (std::vector<std::array<std::uint32_t, 3>>{{0, 1, 2}}));
+}
+
+const std::string kTwoMaterialsObj =
+    "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red\nf 1 2 3\nusemtl wood\nf 1 3 2\nusemtl red\nf 1 2 "
+    "3\n";
+
+TEST(SceneReading, TakesMaterialsFromMtlFiles) {
+  const MemoryAssets::Files files{
+      {"models/a.obj", kTwoMaterialsObj},
+      {"models/a.mtl", "newmtl wood\nmap_Kd maps/wood.png\nnewmtl red\nKd 1 0 0\nKe 5 5 5\n"},
+      {"models/maps/wood.png", test::png(test::one_color(1, 1, Rgb::gray(1)))}};
+  const std::string shape = "{\"type\": \"mesh\", \"file\": \"models/a.obj\"}";
+  const SceneDescription scene = load(scene_with("", "", shape + "," + shape), files);
+  ASSERT_EQ(scene.materials.size(), 3u);  // not twice for two shapes
+  EXPECT_EQ(scene.materials[1].name, "models/a.mtl: wood");
+  EXPECT_EQ(std::get<Lambert>(scene.materials[1].model).albedo.texture, 0);
+  EXPECT_EQ(scene.materials[2].emission, Rgb::gray(5));
+  ASSERT_EQ(scene.textures.size(), 1u);
+  for (const int i : {0, 1})
+    EXPECT_EQ(std::get<MeshDescription>(scene.shapes[static_cast<std::size_t>(i)]).triangle_materials,
+              (std::vector<std::uint32_t>{2, 1, 2}));
+}
+
+TEST(SceneReading, PrefersTheMaterialOfTheShapeAndThenNeedsNoMtlFile) {
+  const SceneDescription scene =
+      load(scene_with("", "", "{\"type\": \"mesh\", \"file\": \"a.obj\", \"material\": \"light\"}"),
+           {{"a.obj", kTwoMaterialsObj}});
+  EXPECT_EQ(std::get<MeshDescription>(scene.shapes[0]).triangle_materials, (std::vector<std::uint32_t>{0}));
+}
+
+TEST(SceneReading, TakesSeveralLibrariesFromOneLine) {
+  const SceneDescription scene =
+      load(scene_with("", "", "{\"type\": \"mesh\", \"file\": \"a.obj\"}"),
+           {{"a.obj", "mtllib one.mtl two.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl b\nf 1 2 3\n"},
+            {"one.mtl", "newmtl a\nKd 1 0 0\n"},
+            {"two.mtl", "newmtl b\nKd 0 1 0\n"}});
+  const auto& mesh = std::get<MeshDescription>(scene.shapes[0]);
+  EXPECT_EQ(scene.materials[mesh.triangle_materials[0]].name, "two.mtl: b");
+}
+
+}  // namespace
+}  // namespace tessera::core

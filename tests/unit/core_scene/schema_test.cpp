@@ -1,0 +1,106 @@
+// The published JSON Schema and the loader must not drift apart.
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "core/scene/loader/scene_keys.hpp"
+#include "core/scene/settings.hpp"
+
+namespace tessera::core {
+namespace {
+
+using nlohmann::json;
+
+json schema() {
+  return json::parse(std::ifstream(TESSERA_SOURCE_DIR "/scenes/scene.schema.json"));
+}
+
+json at(const std::string& pointer) {
+  return schema().at(json::json_pointer(pointer));
+}
+
+TEST(Schema, HasTheKeysThatTheLoaderKnows) {
+  for (const ObjectRules& rules : scene_keys::kAllObjects) {
+    const json object = at(std::string(rules.schema_pointer));
+    std::set<std::string> known, required, in_schema, required_in_schema;
+    for (const KeyRule& rule : rules.keys) {
+      known.emplace(rule.name);
+      if (rule.required) required.emplace(rule.name);
+    }
+    for (const auto& [key, value] : object.at("properties").items()) in_schema.insert(key);
+    for (const auto& key : object.value("required", json::array())) required_in_schema.insert(key);
+    EXPECT_EQ(in_schema, known) << rules.kind;
+    EXPECT_EQ(required_in_schema, required) << rules.kind;
+    EXPECT_EQ(object.at("additionalProperties"), false) << rules.kind;
+  }
+}
+
+// Every object with properties of its own is one that the loader knows.
+void collect_objects(const json& node, const std::string& pointer, std::set<std::string>& found) {
+  if (node.is_object() && node.contains("properties") && node["properties"].is_object())
+    found.insert(pointer);
+  if (node.is_structured())
+    for (const auto& [key, value] : node.items()) collect_objects(value, pointer + "/" + key, found);
+}
+
+TEST(Schema, HasNoObjectsThatTheLoaderDoesNotKnow) {
+  std::set<std::string> found, known;
+  collect_objects(schema(), "", found);
+  for (const ObjectRules& rules : scene_keys::kAllObjects) known.emplace(rules.schema_pointer);
+  EXPECT_EQ(found, known);
+}
+
+TEST(Schema, HasTheWordsThatTheLoaderKnows) {
+  const auto expect_words = [](const std::string& pointer, std::span<const std::string_view> words) {
+    EXPECT_EQ(at(pointer + "/enum").get<std::vector<std::string>>(),
+              std::vector<std::string>(words.begin(), words.end()));
+  };
+  expect_words("/properties/render/properties/integrator", scene_keys::kIntegrators);
+  expect_words("/$defs/texture/properties/color_space", scene_keys::kColorSpaces);
+  expect_words("/$defs/texture/properties/wrap", scene_keys::kWraps);
+  expect_words("/$defs/emission_sides", scene_keys::kEmissionSides);
+  expect_words("/$defs/mesh/properties/normals", scene_keys::kNormals);
+  for (const auto words : {scene_keys::kMaterialTypes, scene_keys::kShapeTypes})
+    for (const auto word : words)
+      EXPECT_EQ(at("/$defs/" + std::string(word) + "/properties/type/const"), word);
+}
+
+TEST(Schema, HasTheLimitsAndDefaultsOfTheSettings) {
+  const json render = at("/properties/render/properties");
+  const RenderSettings defaults;
+  EXPECT_EQ(render["width"]["maximum"], kMaxImageSidePx);
+  EXPECT_EQ(render["height"]["maximum"], kMaxImageSidePx);
+  EXPECT_EQ(render["spp"]["maximum"], kMaxSpp);
+  EXPECT_EQ(render["seed"]["maximum"], ~std::uint64_t{0});
+  EXPECT_EQ(render["width"]["default"], defaults.width_px);
+  EXPECT_EQ(render["height"]["default"], defaults.height_px);
+  EXPECT_EQ(render["spp"]["default"], defaults.spp);
+  EXPECT_EQ(render["seed"]["default"], defaults.seed);
+  EXPECT_EQ(render["max_depth"]["default"], defaults.max_depth);
+  EXPECT_EQ(render["integrator"]["default"], integrator_name(defaults.integrator));
+}
+
+// The loader's words stand in the order of the enum they stand for.
+TEST(SceneKeys, NameTheIntegratorsInTheirOrder) {
+  for (std::size_t i = 0; i < scene_keys::kIntegrators.size(); ++i)
+    EXPECT_EQ(integrator_name(static_cast<Integrator>(i)), scene_keys::kIntegrators[i]);
+}
+
+TEST(Schema, RefersOnlyToDefinitionsThatExist) {
+  const json root = schema();
+  const std::function<void(const json&)> check = [&](const json& node) {
+    if (node.is_object() && node.contains("$ref")) {
+      EXPECT_TRUE(root.contains(json::json_pointer(node["$ref"].get<std::string>().substr(1))))
+          << node["$ref"];
+    }
+    if (node.is_structured())
+      for (const auto& item : node) check(item);
+  };
+  check(root);
+}
+
+}  // namespace
+}  // namespace tessera::core

@@ -1,0 +1,164 @@
+#include "core/textures/texture.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include "core/image/srgb.hpp"
+#include "core/textures/image_decoder.hpp"
+#include "tests/unit/core_scene/memory_assets.hpp"
+
+namespace tessera::core {
+namespace {
+
+using test::hdr;
+using test::one_color;
+using test::png;
+
+// Linear floats, row by row from the top.
+Texture texture_of(int width, int height, std::vector<float> grays, Wrap wrap = Wrap::kRepeat) {
+  TextureImage image{width, height, {}, ColorSpace::kLinear};
+  std::vector<float> texels;
+  for (const float gray : grays) texels.insert(texels.end(), {gray, gray * 2, gray * 4});
+  image.texels = std::move(texels);
+  return {std::make_shared<const TextureImage>(std::move(image)), wrap};
+}
+
+TEST(Texture, HitsTexelCentresExactlyWithVUpwards) {
+  const Texture t = texture_of(4, 2, {1, 2, 3, 4, 5, 6, 7, 8});
+  for (int y = 0; y < 2; ++y)
+    for (int x = 0; x < 4; ++x) {
+      const Vec2 centre{(static_cast<float>(x) + 0.5f) / 4, 1 - (static_cast<float>(y) + 0.5f) / 2};
+      EXPECT_EQ(t.evaluate(centre), t.image->texel(x, y)) << x << ' ' << y;
+    }
+  EXPECT_EQ(t.image->texel(1, 1), (Rgb{6, 12, 24}));
+}
+
+TEST(Texture, InterpolatesBetweenCentres) {
+  const Texture t = texture_of(2, 2, {0, 1, 2, 3}, Wrap::kClamp);
+  EXPECT_EQ(t.evaluate({0.5f, 0.5f}).r, 1.5f);
+  EXPECT_EQ(t.evaluate({0.375f, 0.75f}).r, 0.25f);
+  EXPECT_EQ(t.evaluate({0.25f, 0.5f}).r, 1.0f);
+}
+
+TEST(Texture, WrapsAroundOrClamps) {
+  const std::vector<float> grays{0, 1, 2, 3};
+  const Texture repeat = texture_of(4, 1, grays), clamp = texture_of(4, 1, grays, Wrap::kClamp);
+  EXPECT_EQ(repeat.evaluate({0, 0.5f}).r, 1.5f);  // between the last and the first
+  EXPECT_EQ(clamp.evaluate({0, 0.5f}).r, 0);
+  EXPECT_EQ(clamp.evaluate({1, 0.5f}).r, 3);
+  EXPECT_EQ(clamp.evaluate({7, -3}).r, 3);
+  for (const float u : {0.125f, 0.375f, 0.5f}) {
+    EXPECT_EQ(repeat.evaluate({u + 3, 0.5f}), repeat.evaluate({u, 0.5f}));
+    EXPECT_EQ(repeat.evaluate({u - 2, -4.5f}), repeat.evaluate({u, 0.5f}));
+  }
+}
+
+TEST(Texture, ScalesAndMovesCoordinates) {
+  Texture t = texture_of(4, 1, {0, 1, 2, 3});
+  t.scale = {2, 1};
+  t.offset = {0.25f, 0};
+  EXPECT_EQ(t.evaluate({0.0625f, 0.5f}).r, 1);  // 2 * 0.0625 + 0.25 = 0.375, the centre of texel 1
+}
+
+TEST(Texture, StaysInThePictureForAnyCoordinates) {
+  const float inf = std::numeric_limits<float>::infinity(), nan = std::numeric_limits<float>::quiet_NaN();
+  const float odd[] = {inf, -inf, nan, 1e30f, -1e30f, -1e-30f, 0.99999994f, 1, -0.0f, 16777216.5f};
+  for (const Wrap wrap : {Wrap::kRepeat, Wrap::kClamp}) {
+    const Texture t = texture_of(3, 5, std::vector<float>(15, 0.5f), wrap);
+    for (const float u : odd)
+      for (const float v : odd) EXPECT_NEAR(t.evaluate({u, v}).r, 0.5f, 1e-6f) << u << ' ' << v;
+  }
+}
+
+TEST(TextureImage, DecodesBytesByTheStandard) {
+  TextureImage image{1, 1, std::vector<std::uint8_t>{0, 188, 255}, ColorSpace::kSrgb};
+  EXPECT_EQ(image.texel(0, 0), (Rgb{0, srgb_decode(std::uint8_t{188}), 1}));
+  EXPECT_NEAR(image.texel(0, 0).g, 0.5029f, 1e-4f);
+  image.color_space = ColorSpace::kLinear;
+  EXPECT_EQ(image.texel(0, 0), (Rgb{0, 188.0f / 255, 1}));
+}
+
+TEST(DecodeTexture, KeepsThePixelsOfPngAndHdr) {
+  Image image(3, 2);
+  for (int i = 0; i < 6; ++i)
+    image.pixels[static_cast<std::size_t>(i)] = Rgb{0.125f, 0.25f, 0.5f} * static_cast<float>(i);
+  const auto from_png = decode_texture_image(png(image), ColorSpace::kSrgb);
+  const auto from_hdr = decode_texture_image(hdr(image), ColorSpace::kLinear);
+  ASSERT_TRUE(from_png && from_hdr);
+  EXPECT_EQ(from_hdr->color_space, ColorSpace::kLinear);
+  for (int y = 0; y < 2; ++y)
+    for (int x = 0; x < 3; ++x) {
+      EXPECT_NEAR(from_png->texel(x, y).r, std::min(image.at(x, y).r, 1.0f), 0.005f);
+      EXPECT_NEAR(from_hdr->texel(x, y).g, image.at(x, y).g, image.at(x, y).b / 128);
+    }
+}
+
+// One gray pixel in 16 bits: 0x8000.
+TEST(DecodeTexture, Keeps16BitsOfPng) {
+  const std::string file(
+      "\x89PNG\r\n\x1a\n"
+      "\0\0\0\x0dIHDR\0\0\0\1\0\0\0\1\x10\0\0\0\0\x6a\xee\x47\x16"
+      "\0\0\0\x0eIDAT\x78\x01\x01\x03\0\xfc\xff\0\x80\0\x01\x03\0\x81\xe1\xb3\x15\x63"
+      "\0\0\0\0IEND\xae\x42\x60\x82",
+      8 + 25 + 26 + 12);
+  const auto srgb = decode_texture_image(file, ColorSpace::kSrgb);
+  const auto linear = decode_texture_image(file, ColorSpace::kLinear);
+  ASSERT_TRUE(srgb.has_value()) << srgb.error().message;
+  EXPECT_EQ(srgb->texel(0, 0), Rgb::gray(srgb_decode(0x8000 / 65535.0)));
+  EXPECT_EQ(linear->texel(0, 0), Rgb::gray(0x8000 / 65535.0f));
+}
+
+std::string error_of(const std::string& bytes) {
+  const auto image = decode_texture_image(bytes, ColorSpace::kSrgb);
+  return image ? "no error" : image.error().message;
+}
+
+TEST(DecodeTexture, RefusesWhatIsNoPicture) {
+  EXPECT_EQ(error_of(""), "is not a PNG, JPEG or HDR picture");
+  EXPECT_EQ(error_of("Dear reader,"), "is not a PNG, JPEG or HDR picture");
+  EXPECT_EQ(error_of("GIF89a"), "is not a PNG, JPEG or HDR picture");
+  EXPECT_EQ(error_of("BM picture of Windows"), "is not a PNG, JPEG or HDR picture");
+  EXPECT_NE(error_of("\x89PNG\r\n\x1a\n").find("is a broken picture"), std::string::npos);
+  EXPECT_NE(error_of("\xff\xd8\xff\xe0").find("is a broken picture"), std::string::npos);
+  EXPECT_NE(error_of("#?RADIANCE\n\n").find("is a broken picture"), std::string::npos);
+}
+
+TEST(DecodeTexture, RefusesTooManyPixelsBeforeDecodingThem) {
+  EXPECT_EQ(error_of("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 40000 +X 40000\n"),
+            "has 40000 x 40000 pixels, more than the 268435456 a texture may have");
+}
+
+// Every beginning of a file but the whole is refused, and none takes for ever.
+TEST(DecodeTexture, RefusesCutFiles) {
+  std::mt19937 random(1);
+  Image noise(24, 9);
+  for (Rgb& pixel : noise.pixels) pixel = Rgb::gray(static_cast<float>(random() % 4) / 4);
+  for (const std::string& file : {png(noise), hdr(noise)}) {
+    ASSERT_EQ(error_of(file), "no error");
+    const std::size_t tail = file.starts_with("#?") ? 0 : 12;  // PNG's last chunk holds nothing
+    for (std::size_t size = 0; size + tail < file.size(); ++size)
+      EXPECT_NE(error_of(file.substr(0, size)), "no error") << size;
+  }
+}
+
+TEST(DecodeTexture, SurvivesDamage) {
+  std::mt19937 random(2);
+  for (const std::string& file :
+       {png(one_color(20, 20, {0.2f, 0.5f, 0.7f})), hdr(one_color(20, 20, {0.2f, 5, 0.7f}))}) {
+    for (int i = 0; i < 500; ++i) {
+      std::string damaged = file;
+      for (int k = 0; k < 3; ++k) damaged[random() % damaged.size()] = static_cast<char>(random());
+      const auto image = decode_texture_image(damaged, ColorSpace::kSrgb);
+      if (image)
+        EXPECT_GT(image->width * image->height, 0);
+      else
+        EXPECT_FALSE(image.error().message.empty());
+    }
+  }
+}
+
+}  // namespace
+}  // namespace tessera::core

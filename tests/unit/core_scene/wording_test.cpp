@@ -1,0 +1,53 @@
+#include "core/scene/loader/wording.hpp"
+
+#include <gtest/gtest.h>
+
+namespace tessera::core {
+namespace {
+
+TEST(EditDistance, CountsChanges) {
+  EXPECT_EQ(edit_distance("", ""), 0u);
+  EXPECT_EQ(edit_distance("", "abc"), 3u);
+  EXPECT_EQ(edit_distance("albedo", "albedo"), 0u);
+  EXPECT_EQ(edit_distance("albdo", "albedo"), 1u);
+  EXPECT_EQ(edit_distance("albeddo", "albedo"), 1u);
+  EXPECT_EQ(edit_distance("albado", "albedo"), 1u);
+  EXPECT_EQ(edit_distance("abledo", "albedo"), 1u);  // neighbours swapped
+  EXPECT_EQ(edit_distance("kitten", "sitting"), 3u);
+  EXPECT_EQ(edit_distance("abc", "xyz"), 3u);
+}
+
+TEST(Suggestion, NamesTheNearestOrElseAllThereAre) {
+  EXPECT_EQ(suggestion("albdo", {"type", "albedo"}), "; did you mean 'albedo'?");
+  EXPECT_EQ(suggestion("colour", {"type", "albedo"}), "; known are 'type', 'albedo'");
+  EXPECT_EQ(suggestion("x", {"only"}), "; known is 'only'");
+  EXPECT_EQ(suggestion("x", {}), "");
+}
+
+TEST(Suggestion, CopesWithNamesOfAnyLength) {
+  const std::string longest(1'000'000, 'a');
+  EXPECT_EQ(suggestion(longest, {"albedo"}), "; known is 'albedo'");
+  EXPECT_EQ(suggestion("albdo", {longest, "albedo"}), "; did you mean 'albedo'?");
+}
+
+TEST(Printable, EscapesWhatIsNotUtf8) {
+  EXPECT_EQ(printable("Käse €😀"), "Käse €😀");
+  EXPECT_EQ(printable(std::string_view("a\0b\n\x7f", 5)), "a\\x00b\\x0a\\x7f");
+  EXPECT_EQ(printable("\xff|\xc3|\xe2\x82|\x80"), "\\xff|\\xc3|\\xe2\\x82|\\x80");
+  EXPECT_EQ(printable("\xc0\x80"), "\\xc0\\x80");                    // overlong
+  EXPECT_EQ(printable("\xe0\x80\x80"), "\\xe0\\x80\\x80");           // overlong
+  EXPECT_EQ(printable("\xed\xa0\x80"), "\\xed\\xa0\\x80");           // half of a surrogate pair
+  EXPECT_EQ(printable("\xf4\x90\x80\x80"), "\\xf4\\x90\\x80\\x80");  // beyond U+10FFFF
+}
+
+TEST(InQuotes, CutsLongNamesBetweenCharacters) {
+  EXPECT_EQ(in_quotes("stone"), "'stone'");
+  EXPECT_EQ(in_quotes(std::string(81, 'x')), "'" + std::string(80, 'x') + "...'");
+  std::string name(79, 'x');
+  for (int i = 0; i < 9; ++i) name += "ä";
+  EXPECT_EQ(in_quotes(name), "'" + std::string(79, 'x') + "...'");
+  EXPECT_EQ(in_quotes(std::string(100, '\x80')), "'...'");
+}
+
+}  // namespace
+}  // namespace tessera::core
