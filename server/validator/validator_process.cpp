@@ -5,7 +5,6 @@
 #include <signal.h>
 #include <spawn.h>
 #include <sys/mman.h>
-#include <sys/pidfd.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -15,6 +14,10 @@
 #include <filesystem>
 #include <optional>
 #include <system_error>
+
+extern "C" {  // the header of glibc 2.36 forgets it
+#include <sys/pidfd.h>
+}
 
 #include "proto/blob.hpp"
 #include "server/store/file.hpp"
