@@ -3,13 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <iterator>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <span>
 
+#include "core/scene/loader/json_error.hpp"
 #include "core/scene/loader/wording.hpp"
 
 namespace tessera::core {
@@ -42,86 +41,6 @@ class TrackingIterator {
 
 bool is_blank(char c) {
   return c == ' ' || c == '\t' || c == '\r' || c == '\n';
-}
-
-bool is_word(char c) {
-  return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_';
-}
-
-// The line in which the text after `before` begins.
-auto line_of(std::string_view before) {
-  return 1 + std::count(before.begin(), before.end(), '\n');
-}
-
-bool contains(std::string_view text, std::string_view part) {
-  return text.find(part) != std::string_view::npos;
-}
-
-// What nlohmann stumbled over after reading `end` characters (the end of the text counts, too), as a part of
-// `text`. `last_token` is that for texts and numbers only; else earlier characters stand in front of it.
-std::string_view faulty_token(std::string_view text, std::size_t end, std::string_view message,
-                              std::string_view last_token) {
-  if (contains(message, "unexpected string literal") || contains(message, "unexpected number literal") ||
-      contains(message, "number overflow"))
-    return text.substr(end - last_token.size(), last_token.size());
-  std::size_t begin = std::min(end - 1, text.size());
-  if (!contains(message, "invalid literal")) return text.substr(begin, 1);
-  while (begin > 0 && is_word(text[begin - 1])) --begin;
-  std::size_t word_end = begin;
-  while (word_end < text.size() && is_word(text[word_end])) ++word_end;
-  return text.substr(begin, std::max<std::size_t>(word_end - begin, 1));
-}
-
-using Phrase = std::pair<std::string_view, std::string_view>;
-
-// The second of the first pair whose first is part of `message`.
-std::string_view phrase_for(std::string_view message, std::span<const Phrase> phrases,
-                            std::string_view otherwise) {
-  for (const auto& [part, phrase] : phrases)
-    if (contains(message, part)) return phrase;
-  return otherwise;
-}
-
-// The part of `message` between `before` and `after`; `after` may be missing.
-std::string_view between(std::string_view message, std::string_view before, std::string_view after) {
-  const std::size_t begin = message.find(before);
-  if (begin == std::string_view::npos) return {};
-  message.remove_prefix(begin + before.size());
-  return message.substr(0, message.find(after));
-}
-
-// nlohmann's "[json.exception.parse_error.101] parse error at line 1, column 7: syntax error while parsing
-// array - unexpected '}'; expected ']'" in plain words.
-std::string explain_unexpected(std::string_view message, std::string_view unexpected) {
-  constexpr Phrase kDue[] = {{"; expected end of input", "the end of the file"},
-                             {"parsing object key", "a key in double quotes"},
-                             {"parsing object separator", "':' after the key"},
-                             {"parsing object -", "',' or '}'"},
-                             {"parsing array", "',' or ']'"}};
-  constexpr Phrase kFound[] = {{"end of input", "the end of the file"},
-                               {"string literal", "a text"},
-                               {"number literal", "a number"},
-                               {"true literal", "true"},
-                               {"false literal", "false"},
-                               {"null literal", "null"}};
-  const std::string_view due = phrase_for(message, kDue, "a value");
-  const bool closes = unexpected == "'}'" || unexpected == "']'";
-  const bool after_comma = closes && (due == "a value" || due == "a key in double quotes");
-  return fmt::format("found {} where {} is due{}", phrase_for(unexpected, kFound, unexpected), due,
-                     after_comma ? "; is there a ',' too many before it?" : "");
-}
-
-std::string explain(std::string_view message, std::string_view token) {
-  if (contains(message, "number overflow"))
-    return fmt::format("the number {} is too large", in_quotes(token));
-  const std::string_view unexpected = between(message, " - unexpected ", ";");
-  if (!unexpected.empty()) return explain_unexpected(message, unexpected);
-  const std::string_view reason = between(message, " - ", "; last read");  // of the lexer
-  if (reason == "invalid literal")
-    return fmt::format("{} is not JSON; texts and keys need double quotes", in_quotes(token));
-  if (contains(reason, "missing closing quote") || contains(reason, "U+000A"))
-    return "a text has no closing double quote in its line";
-  return std::string(reason);
 }
 
 // nlohmann's SAX interface; builds the tree.
@@ -240,12 +159,7 @@ bool TreeBuilder::key(std::string& key) {
 
 bool TreeBuilder::parse_error(std::size_t position, const std::string& last_token,
                               const json::exception& error) {
-  const std::string_view token = faulty_token(text_, position, error.what(), last_token);
-  const std::string_view before = text_.substr(0, static_cast<std::size_t>(token.data() - text_.data()));
-  const std::size_t column = before.size() - (before.rfind('\n') + 1) + 1;
-  error_ =
-      Error{ErrorCode::kInvalidArgument, fmt::format("{}:{}:{}: not valid JSON: {}", file_, line_of(before),
-                                                     column, explain(error.what(), token))};
+  error_ = explain_json_error(text_, file_, {position, last_token, error.what()});
   return false;
 }
 
@@ -263,8 +177,7 @@ std::string JsonValue::describe() const {
 Result<JsonValue> parse_json(std::string_view text, const std::string& file, Mistakes& mistakes) {
   // To nlohmann it is the end of the text.
   if (const std::size_t nul = text.find('\0'); nul != std::string_view::npos)
-    return fail(ErrorCode::kInvalidArgument,
-                fmt::format("{}:{}: not valid JSON: a NUL character", file, line_of(text.substr(0, nul))));
+    return fail(explain_nul(text, file, nul));
   TreeBuilder builder(text, file, mistakes);
   const TrackingIterator begin(text.data(), builder.reached()),
       end(text.data() + text.size(), builder.reached());

@@ -92,7 +92,7 @@ TEST(JsonDocument, ExplainsWhatIsNotJson) {
       {"[\"\xff\"]", "1:3: not valid JSON: invalid string: ill-formed UTF-8 byte"},
       {"[\"\\q\"]", "1:4: not valid JSON: invalid string: forbidden character after backslash"},
       {"[1] /* x", "1:9: not valid JSON: invalid comment; missing closing '*/'"},
-      {std::string_view("[1]\n\0x", 6), "2: not valid JSON: a NUL character"},
+      {std::string_view("[1]\n\0x", 6), "2:1: not valid JSON: a NUL character"},
   };
   for (const auto& [text, message] : cases)
     EXPECT_EQ(error_of(text), "x.json:" + std::string(message)) << text;

@@ -1,0 +1,27 @@
+// Says in plain words what is wrong with a text that is not JSON, from what nlohmann says about it.
+// Stateless; thread-safe.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "core/base/error.hpp"
+
+namespace tessera::core {
+
+// What nlohmann's SAX interface tells of an error.
+struct JsonParserError {
+  std::size_t position;  // how many characters were read, the end of the text counting as one or more
+  std::string_view
+      last_token;  // right for texts and numbers only; else earlier characters stand in front of it
+  std::string_view
+      message;  // "[json.exception.parse_error.101] parse error at line 1, column 7: syntax error ..."
+};
+
+// "FILE:3:7: not valid JSON: found '}' where a value is due".
+Error explain_json_error(std::string_view text, const std::string& file, const JsonParserError& error);
+
+// That `text` has a NUL character at `position`.
+Error explain_nul(std::string_view text, const std::string& file, std::size_t position);
+
+}  // namespace tessera::core
