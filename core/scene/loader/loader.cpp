@@ -16,6 +16,8 @@
 namespace tessera::core {
 namespace {
 
+constexpr std::string_view kMaterialAdvice = "give the shape a \"material\" in the scene file";
+
 // Adds assets to what the scene file says. What is wrong is added to the Mistakes at the place that names the
 // asset.
 class SceneAssembler {
@@ -25,9 +27,12 @@ class SceneAssembler {
   SceneDescription assemble(SceneFile file);
 
  private:
+  using MaterialNames = std::map<std::string, std::uint32_t, std::less<>>;
+
   void add_texture(const TextureEntry& entry);
   void add_shape(ShapeEntry entry, std::size_t index);
   Result<MeshDescription> load_mesh(const MeshEntry& entry);
+  Result<MaterialNames> load_libraries(const std::string& obj_path, const ObjFile& obj);
   Result<std::vector<std::uint32_t>> own_materials(const std::string& obj_path, const ObjFile& obj);
   Result<std::uint32_t> add_library_material(const std::string& library_path, const MtlMaterial& material);
   Result<int> library_texture(const std::string& library_path, const MtlMaterial& material);
@@ -91,18 +96,37 @@ Result<MeshDescription> SceneAssembler::load_mesh(const MeshEntry& entry) {
 // The scene's materials for the OBJ file's material names.
 Result<std::vector<std::uint32_t>> SceneAssembler::own_materials(const std::string& obj_path,
                                                                  const ObjFile& obj) {
-  constexpr std::string_view kAdvice = "give the shape a \"material\" in the scene file";
   const auto& used = obj.triangle_materials;
   if (std::find(used.begin(), used.end(), kNoMaterialName) != used.end())
     return fail(ErrorCode::kInvalidArgument,
                 fmt::format("{}:{}: a face has no material (no 'usemtl' comes before it); {}", obj_path,
-                            obj.text.first_face_line, kAdvice));
-  std::map<std::string, std::uint32_t, std::less<>> known;
+                            obj.text.first_face_line, kMaterialAdvice));
+  const auto known = load_libraries(obj_path, obj);
+  if (!known) return fail(known.error());
+  std::vector<std::string_view> names;
+  for (const auto& [name, index] : *known) names.push_back(name);
+  std::vector<std::uint32_t> materials;
+  for (std::size_t i = 0; i < obj.material_names.size(); ++i) {
+    const auto found = known->find(obj.material_names[i]);
+    if (found == known->end())
+      return fail(ErrorCode::kNotFound,
+                  fmt::format("{}:{}: the 'mtllib' files have no material {}{}; mend it, or {}", obj_path,
+                              obj.material_lines[i], in_quotes(obj.material_names[i]),
+                              suggestion(obj.material_names[i], names), kMaterialAdvice));
+    materials.push_back(found->second);
+  }
+  return materials;
+}
+
+// The scene's materials by the names in the OBJ file's libraries; of equal names the first counts.
+Result<SceneAssembler::MaterialNames> SceneAssembler::load_libraries(const std::string& obj_path,
+                                                                     const ObjFile& obj) {
+  MaterialNames known;
   for (const auto& line : obj.text.libraries) {
     const auto libraries = cache_.libraries(obj_path, line.name);
     if (!libraries)
       return fail(libraries.error().code, fmt::format("{}:{}: {}; mend it, or {}", obj_path, line.line,
-                                                      libraries.error().message, kAdvice));
+                                                      libraries.error().message, kMaterialAdvice));
     for (const auto& library : *libraries)
       for (const auto& material : library.materials) {
         const auto index = add_library_material(library.path, material);
@@ -110,19 +134,7 @@ Result<std::vector<std::uint32_t>> SceneAssembler::own_materials(const std::stri
         known.emplace(material.material.name, *index);
       }
   }
-  std::vector<std::string_view> names;
-  for (const auto& [name, index] : known) names.push_back(name);
-  std::vector<std::uint32_t> materials;
-  for (std::size_t i = 0; i < obj.material_names.size(); ++i) {
-    const auto found = known.find(obj.material_names[i]);
-    if (found == known.end())
-      return fail(ErrorCode::kNotFound,
-                  fmt::format("{}:{}: the 'mtllib' files have no material {}{}; mend it, or {}", obj_path,
-                              obj.material_lines[i], in_quotes(obj.material_names[i]),
-                              suggestion(obj.material_names[i], names), kAdvice));
-    materials.push_back(found->second);
-  }
-  return materials;
+  return known;
 }
 
 Result<std::uint32_t> SceneAssembler::add_library_material(const std::string& library_path,
