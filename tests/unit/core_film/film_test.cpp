@@ -39,7 +39,7 @@ TEST(Film, DoesNotDependOnHowSamplesWereCutAndOrdered) {
     std::vector<FilmTile> pieces;
     for (int t = 0; t < grid.tile_count(); ++t)
       for (std::uint32_t begin = 0; begin < kSpp;) {
-        const std::uint32_t end = std::min(kSpp, begin + 1 + random() % 9);
+        const std::uint32_t end = std::min<std::uint32_t>(kSpp, begin + 1 + static_cast<std::uint32_t>(random() % 9));
         pieces.push_back(make_tile(grid.rect(t), {begin, end}));
         begin = end;
       }
