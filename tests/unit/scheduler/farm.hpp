@@ -80,11 +80,19 @@ class Farm : public testing::Test {
     return deliver(worker, lease, lease.items);
   }
 
-  // Renders everything that the worker is given until it is given nothing more.
-  void render_all(const std::string& worker) {
-    for (Reply reply = sync(worker); !reply.leases.empty(); reply = sync(worker)) {
-      for (const LeaseDescription& lease : reply.leases) deliver(worker, lease);
+  // Renders everything that the worker is given until it is given nothing more. Returns what that was.
+  std::vector<WorkItem> render_all(const std::string& worker) {
+    std::vector<WorkItem> rendered;
+    for (int rounds = 0; rounds < 10'000; ++rounds) {
+      const Reply reply = sync(worker);
+      if (reply.leases.empty()) return rendered;
+      for (const LeaseDescription& lease : reply.leases) {
+        rendered.insert(rendered.end(), lease.items.begin(), lease.items.end());
+        deliver(worker, lease);
+      }
     }
+    ADD_FAILURE() << "there is no end to the work";
+    return rendered;
   }
 
   JobView job(const std::string& id) { return *scheduler_->job({id}, now_); }

@@ -61,10 +61,7 @@ TEST_F(Results, AreDroppedIfSomebodyElseWasQuicker) {
 TEST_F(Results, ThatNobodyAskedForAreNotRenderedAgain) {
   submit("job", tiles(2, 4));
   deliver("stranger", {LeaseId{77}, {"job"}, {{0, {0, 4}}}});
-  for (Reply reply = sync("w"); !reply.leases.empty(); reply = sync("w")) {
-    for (const WorkItem& item : reply.leases[0].items) EXPECT_EQ(item.tile, 1);
-    deliver("w", reply.leases[0]);
-  }
+  for (const WorkItem& item : render_all("w")) EXPECT_EQ(item.tile, 1);
   EXPECT_EQ(state("job"), JobState::kDone);
 }
 
@@ -94,11 +91,8 @@ TEST_F(Results, MayBeTheFirstPartOfARange) {
   deliver("w", lease, {{0, {32, 40}}}, true);
   IntervalSet expected{{0, 32}, {40, 64}};
   IntervalSet rendered;
-  for (Reply reply = sync("v"); !reply.leases.empty(); reply = sync("v")) {
-    for (const WorkItem& item : reply.leases[0].items) {
-      if (item.tile == 0) rendered.add(item.samples);
-    }
-    deliver("v", reply.leases[0]);
+  for (const WorkItem& item : render_all("v")) {
+    if (item.tile == 0) rendered.add(item.samples);
   }
   EXPECT_EQ(rendered, expected);
 }

@@ -1,0 +1,109 @@
+// Farms in which one thing happens, and what it may cost.
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "tests/simulation/coordinator.hpp"
+#include "tests/simulation/worker.hpp"
+
+namespace tessera::simulation {
+namespace {
+
+using scheduler::JobShape;
+using scheduler::JobState;
+using scheduler::JobView;
+using scheduler::SubmitJob;
+
+class FarmScenario : public testing::Test {
+ protected:
+  FarmScenario() { coordinator_.start(); }
+
+  WorkerMachine& machine(double samples_per_second) {
+    const std::string name = "m" + std::to_string(machines_.size());
+    machines_.push_back(std::make_unique<WorkerMachine>(world_, coordinator_, name, samples_per_second));
+    machines_.back()->start();
+    return *machines_.back();
+  }
+  void submit(const std::string& id, const JobShape& shape) {
+    ASSERT_TRUE(coordinator_.command(SubmitJob{{id}, shape, 0}));
+  }
+  void run_until(double time_seconds) {
+    while (elapsed() < time_seconds && world_.step()) {
+    }
+    ASSERT_FALSE(world_.failure()) << *world_.failure();
+  }
+  // When the first job is done.
+  double run_until_one_is_done() {
+    const auto one_is_done = [&] {
+      for (const JobView& job : coordinator_.jobs()) {
+        if (job.state == JobState::kDone) return true;
+      }
+      return false;
+    };
+    while (!one_is_done() && elapsed() < 1000 && world_.step()) {
+    }
+    EXPECT_FALSE(world_.failure()) << *world_.failure();
+    return elapsed();
+  }
+  double elapsed() const { return std::chrono::duration<double>(world_.now().time_since_epoch()).count(); }
+
+  World world_{1, false};
+  Coordinator coordinator_{world_};
+  std::vector<std::unique_ptr<WorkerMachine>> machines_;
+};
+
+// 256x256 pixels with 32 spp: 2.1 million samples.
+constexpr JobShape kJob{256, 256, 32};
+constexpr double kJobSamples = 256.0 * 256 * 32;
+// Renders take up to 1.3 times as long as the machine's speed says, and messages some time.
+constexpr double kSlack = 1.3;
+
+TEST_F(FarmScenario, AStragglerDoesNotHoldUpTheEnd) {
+  machine(500);
+  machine(50'000);
+  submit("job", kJob);
+  EXPECT_LT(run_until_one_is_done(), kSlack * kJobSamples / 50'000 + 1);
+}
+
+TEST_F(FarmScenario, ADeadWorkerCostsNoMoreThanItsLeaseTime) {
+  machine(50'000);
+  WorkerMachine& dying = machine(50'000);
+  submit("job", kJob);
+  run_until(5);
+  dying.crash();
+  EXPECT_LT(run_until_one_is_done(), kSlack * kJobSamples / 50'000 + 11);
+}
+
+TEST_F(FarmScenario, ARestartOfTheCoordinatorCostsItsAbsenceAndTwoSeconds) {
+  machine(50'000);
+  machine(50'000);
+  submit("job", kJob);
+  run_until(8);
+  coordinator_.crash();
+  run_until(12);
+  coordinator_.start();
+  // Its absence, what was accepted since the checkpoint, and the time until workers call again.
+  EXPECT_LT(run_until_one_is_done(), kSlack * kJobSamples / 100'000 + 4 + 2 + 5);
+}
+
+TEST_F(FarmScenario, TwoWorkersAreNearlyTwiceAsFastAsOne) {
+  machine(50'000);
+  machine(50'000);
+  submit("job", kJob);
+  EXPECT_LT(run_until_one_is_done(), kSlack * kJobSamples / 100'000 + 1);
+}
+
+TEST_F(FarmScenario, EqualJobsGetOnEqually) {
+  for (const double speed : {3'000, 10'000, 30'000, 50'000}) machine(speed);
+  for (const char* id : {"a", "b", "c"}) submit(id, kJob);
+  run_until_one_is_done();
+  for (const JobView& job : coordinator_.jobs()) {
+    EXPECT_GT(static_cast<double>(job.samples_done), 0.8 * static_cast<double>(job.samples_total))
+        << job.id.value;
+  }
+}
+
+}  // namespace
+}  // namespace tessera::simulation
