@@ -37,7 +37,8 @@ constexpr auto kSchema = R"(
 )";
 
 constexpr auto kInsertJob =
-    "INSERT INTO jobs (id, request_id, spec, revision, state, failure, spp, priority, created_ms, finished_ms,"
+    "INSERT INTO jobs (id, request_id, spec, revision, state, failure, spp, priority, created_ms, "
+    "finished_ms,"
     " counters, arithmetic) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12)";
 constexpr auto kUpdateJob =
     "UPDATE jobs SET revision = ?2, state = ?3, failure = ?4, spp = ?5, priority = ?6, finished_ms = ?7,"
@@ -205,27 +206,27 @@ std::uint32_t JobStore::epoch() const {
 core::Status JobStore::insert_job(const JobRow& job) {
   const std::lock_guard lock(impl_->mutex);
   Statement& insert = impl_->insert_job;
-  insert.bind(1, job.id).bind(3, job.spec).bind(4, as_signed(job.revision)).bind(5, job.state);
-  insert.bind(6, job.failure).bind(7, job.spp).bind(8, job.priority).bind(9, job.created_ms);
-  job.request_id.empty() ? insert.bind_null(2) : insert.bind(2, job.request_id);
+  insert.bind_text(1, job.id).bind_blob(3, job.spec).bind(4, as_signed(job.revision)).bind(5, job.state);
+  insert.bind_text(6, job.failure).bind(7, job.spp).bind(8, job.priority).bind(9, job.created_ms);
+  job.request_id.empty() ? insert.bind_null(2) : insert.bind_text(2, job.request_id);
   job.finished_ms ? insert.bind(10, *job.finished_ms) : insert.bind_null(10);
-  insert.bind(11, job.counters).bind(12, job.arithmetic);
+  insert.bind_blob(11, job.counters).bind_text(12, job.arithmetic);
   return insert.run();
 }
 
 core::Status JobStore::update_job(const JobRow& job) {
   const std::lock_guard lock(impl_->mutex);
   Statement& update = impl_->update_job;
-  update.bind(1, job.id).bind(2, as_signed(job.revision)).bind(3, job.state).bind(4, job.failure);
+  update.bind_text(1, job.id).bind(2, as_signed(job.revision)).bind(3, job.state).bind_text(4, job.failure);
   update.bind(5, job.spp).bind(6, job.priority);
   job.finished_ms ? update.bind(7, *job.finished_ms) : update.bind_null(7);
-  update.bind(8, job.counters).bind(9, job.arithmetic);
+  update.bind_blob(8, job.counters).bind_text(9, job.arithmetic);
   return update.run();
 }
 
 core::Status JobStore::delete_job(const std::string& id) {
   const std::lock_guard lock(impl_->mutex);
-  return impl_->delete_job.bind(1, id).run();
+  return impl_->delete_job.bind_text(1, id).run();
 }
 
 core::Result<std::vector<JobRow>> JobStore::jobs() {
@@ -244,7 +245,7 @@ core::Status JobStore::write_tiles(const std::vector<TileRow>& tiles) {
   for (const TileRow& tile : tiles) {
     const std::string done = encode_ranges(tile.done);
     Statement& write = impl_->write_tile;
-    write.bind(1, tile.job_id).bind(2, tile.tile).bind(3, done).bind(4, tile.content);
+    write.bind_text(1, tile.job_id).bind(2, tile.tile).bind_blob(3, done).bind_blob(4, tile.content);
     write.bind(5, as_signed(row_checksum(tile, done)));
     if (auto written = write.run(); !written) return written;
   }
@@ -254,7 +255,7 @@ core::Status JobStore::write_tiles(const std::vector<TileRow>& tiles) {
 core::Result<std::map<int, std::vector<core::SampleRange>>> JobStore::tiles_done(const std::string& job_id) {
   const std::lock_guard lock(impl_->mutex);
   std::map<int, std::vector<core::SampleRange>> tiles;
-  Statement& list = impl_->tiles_done.bind(1, job_id);
+  Statement& list = impl_->tiles_done.bind_text(1, job_id);
   const auto read =
       for_each_row(list, [&] { tiles[static_cast<int>(list.integer(0))] = decode_ranges(list.bytes(1)); });
   if (!read) return core::fail(read.error());
@@ -263,7 +264,7 @@ core::Result<std::map<int, std::vector<core::SampleRange>>> JobStore::tiles_done
 
 core::Result<std::optional<TileRow>> JobStore::tile(const std::string& job_id, int tile) {
   const std::lock_guard lock(impl_->mutex);
-  Statement& read = impl_->read_tile.bind(1, job_id).bind(2, tile);
+  Statement& read = impl_->read_tile.bind_text(1, job_id).bind(2, tile);
   const auto row = read.step();
   std::optional<TileRow> found;
   bool intact = true;

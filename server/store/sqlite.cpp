@@ -38,6 +38,11 @@ core::Error sqlite_error(sqlite3* database, const std::filesystem::path& file) {
   }
 }
 
+// A null pointer would be SQL's NULL, not an empty text.
+const char* not_null(std::string_view bytes) {
+  return bytes.data() == nullptr ? "" : bytes.data();
+}
+
 }  // namespace
 
 Statement& Statement::bind(int index, std::int64_t value) {
@@ -45,10 +50,13 @@ Statement& Statement::bind(int index, std::int64_t value) {
   return *this;
 }
 
-Statement& Statement::bind(int index, std::string_view bytes) {
-  const char* data =
-      bytes.data() == nullptr ? "" : bytes.data();  // a null pointer would be NULL, not an empty blob
-  sqlite3_bind_blob64(statement_.get(), index, data, bytes.size(), SQLITE_STATIC);
+Statement& Statement::bind_text(int index, std::string_view text) {
+  sqlite3_bind_text64(statement_.get(), index, not_null(text), text.size(), SQLITE_STATIC, SQLITE_UTF8);
+  return *this;
+}
+
+Statement& Statement::bind_blob(int index, std::string_view bytes) {
+  sqlite3_bind_blob64(statement_.get(), index, not_null(bytes), bytes.size(), SQLITE_STATIC);
   return *this;
 }
 

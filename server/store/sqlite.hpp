@@ -22,8 +22,9 @@ class Statement {
   Statement() = default;
 
   Statement& bind(int index, std::int64_t value);
-  // The bytes must stay as they are until reset().
-  Statement& bind(int index, std::string_view bytes);
+  // Text and bytes must stay as they are until reset().
+  Statement& bind_text(int index, std::string_view text);
+  Statement& bind_blob(int index, std::string_view bytes);
   Statement& bind_null(int index);
 
   // True if there is a row to be read, false at the end.
@@ -34,7 +35,7 @@ class Statement {
 
   std::int64_t integer(int column) const;
   bool is_null(int column) const;
-  // Valid until the next step or reset.
+  // Of a text or a blob; valid until the next step or reset.
   std::string_view bytes(int column) const;
 
  private:

@@ -1,0 +1,192 @@
+#include "server/store/job_store.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sqlite3.h>
+
+#include "server/store/state_directory.hpp"
+#include "tests/unit/server/temporary_folder.hpp"
+
+namespace tessera::store {
+namespace {
+
+using core::ErrorCode;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+JobRow job_row(const std::string& id) {
+  JobRow row;
+  row.id = id;
+  row.spec = std::string("\0spec\xff", 6);
+  row.revision = 1;
+  row.state = 1;
+  row.spp = 16;
+  row.created_ms = 1'700'000'000'000;
+  return row;
+}
+
+TileRow tile_row(const std::string& job, int tile, std::string content) {
+  return {job, tile, {{0, 3}, {5, 16'777'216}}, std::move(content)};
+}
+
+class JobStoreTest : public testing::Test {
+ protected:
+  void reopen() { store_.emplace(*JobStore::open(file_)); }
+  JobStore& store() { return *store_; }
+
+  // Runs SQL as somebody else would who meddles with the file.
+  void meddle(const std::string& sql) {
+    sqlite3* database = nullptr;
+    ASSERT_EQ(sqlite3_open(file_.c_str(), &database), SQLITE_OK);
+    EXPECT_EQ(sqlite3_exec(database, sql.c_str(), nullptr, nullptr, nullptr), SQLITE_OK)
+        << sqlite3_errmsg(database);
+    sqlite3_close(database);
+  }
+
+  TemporaryFolder folder_;
+  const std::filesystem::path file_ = folder_.path() / "tessera.db";
+  std::optional<JobStore> store_{*JobStore::open(file_)};
+};
+
+TEST_F(JobStoreTest, CountsItsStarts) {
+  EXPECT_EQ(store().epoch(), 1u);
+  reopen();
+  EXPECT_EQ(store().epoch(), 2u);
+}
+
+TEST_F(JobStoreTest, RestoresJobsInTheOrderOfTheirAge) {
+  JobRow first = job_row("b"), second = job_row("a");
+  first.request_id = "request";
+  second.created_ms += 1;
+  second.finished_ms = second.created_ms + 5;
+  second.failure = "three workers died over it";
+  second.counters = std::string("\0\1", 2);
+  second.arithmetic = "0123";
+  second.priority = -3;
+  ASSERT_TRUE(store().insert_job(second));
+  ASSERT_TRUE(store().insert_job(first));
+  reopen();
+  EXPECT_THAT(*store().jobs(), ElementsAre(first, second));
+}
+
+TEST_F(JobStoreTest, OneRequestMakesOneJobButManyMayHaveNone) {
+  JobRow first = job_row("a"), second = job_row("b");
+  first.request_id = second.request_id = "request";
+  ASSERT_TRUE(store().insert_job(first));
+  EXPECT_FALSE(store().insert_job(second));
+  EXPECT_TRUE(store().insert_job(job_row("c")));
+  EXPECT_TRUE(store().insert_job(job_row("d")));
+}
+
+TEST_F(JobStoreTest, TheLaterRevisionWinsInWhicheverOrderTheyAreWritten) {
+  JobRow row = job_row("a");
+  ASSERT_TRUE(store().insert_job(row));
+  JobRow older = row, newer = row;
+  older.revision = 2;
+  older.state = 2;
+  newer.revision = 3;
+  newer.state = 4;
+  newer.spp = 64;
+  ASSERT_TRUE(store().update_job(newer));
+  ASSERT_TRUE(store().update_job(older));
+  EXPECT_THAT(*store().jobs(), ElementsAre(newer));
+}
+
+TEST_F(JobStoreTest, RestoresTiles) {
+  ASSERT_TRUE(store().insert_job(job_row("a")));
+  const TileRow first = tile_row("a", 0, std::string(200'000, 'x')), second = tile_row("a", 7, "old");
+  ASSERT_TRUE(store().write_tiles({first, second}));
+  const TileRow rewritten{"a", 7, {{0, 4}}, "new"};
+  ASSERT_TRUE(store().write_tiles({rewritten}));
+  reopen();
+  EXPECT_EQ(*store().tile("a", 0), first);
+  EXPECT_EQ(*store().tile("a", 7), rewritten);
+  EXPECT_EQ(*store().tile("a", 1), std::nullopt);
+  const auto done = store().tiles_done("a");
+  ASSERT_TRUE(done);
+  EXPECT_EQ(*done, (std::map<int, std::vector<core::SampleRange>>{{0, first.done}, {7, rewritten.done}}));
+}
+
+TEST_F(JobStoreTest, ADeletedJobTakesItsTilesAlongAndGetsNoMore) {
+  ASSERT_TRUE(store().insert_job(job_row("a")));
+  ASSERT_TRUE(store().write_tiles({tile_row("a", 0, "x")}));
+  ASSERT_TRUE(store().delete_job("a"));
+  ASSERT_TRUE(store().write_tiles({tile_row("a", 1, "late")}));
+  EXPECT_THAT(*store().jobs(), IsEmpty());
+  EXPECT_THAT(*store().tiles_done("a"), IsEmpty());
+}
+
+TEST_F(JobStoreTest, ATileThatCannotBeWrittenTakesTheWholeCheckpointBack) {
+  ASSERT_TRUE(store().insert_job(job_row("a")));
+  ASSERT_TRUE(store().write_tiles({tile_row("a", 0, "before")}));
+  meddle("CREATE TRIGGER full BEFORE INSERT ON tiles WHEN NEW.tile = 9 BEGIN SELECT RAISE(ABORT, 'no'); END");
+  EXPECT_FALSE(store().write_tiles({tile_row("a", 0, "after"), tile_row("a", 9, "refused")}));
+  EXPECT_EQ((*store().tile("a", 0))->content, "before");
+  // The store is usable afterwards.
+  EXPECT_TRUE(store().write_tiles({tile_row("a", 0, "later")}));
+}
+
+TEST_F(JobStoreTest, WhatACrashLeavesIsTheLastCheckpoint) {
+  ASSERT_TRUE(store().insert_job(job_row("a")));
+  ASSERT_TRUE(store().write_tiles({tile_row("a", 0, "kept")}));
+  // The files as they are on disk at this moment, without closing: what kill -9 leaves.
+  const TemporaryFolder crashed;
+  for (const auto& entry : std::filesystem::directory_iterator(folder_.path())) {
+    std::filesystem::copy(entry, crashed.path() / entry.path().filename());
+  }
+  ASSERT_TRUE(store().write_tiles({tile_row("a", 0, "lost")}));
+  auto after = JobStore::open(crashed.path() / "tessera.db");
+  ASSERT_TRUE(after);
+  EXPECT_EQ((*after->tile("a", 0))->content, "kept");
+}
+
+TEST_F(JobStoreTest, ATileThatChangedOnDiskIsToldByFileTileAndJob) {
+  ASSERT_TRUE(store().insert_job(job_row("a")));
+  for (const std::string column : {"content", "done"}) {
+    ASSERT_TRUE(store().write_tiles({tile_row("a", 3, "whole")}));
+    meddle("UPDATE tiles SET " + column + " = X'0000000000000000'");
+    const auto damaged = store().tile("a", 3);
+    ASSERT_FALSE(damaged) << column;
+    EXPECT_EQ(damaged.error().code, ErrorCode::kDataLoss);
+    EXPECT_THAT(damaged.error().message, HasSubstr(file_.string() + ": tile 3 of job a is damaged"));
+  }
+}
+
+TEST_F(JobStoreTest, AFileThatIsNoDatabaseIsRefusedAndLeftAlone) {
+  store_.reset();
+  const std::string garbage(5000, 'g');
+  write_file(file_, garbage);
+  const auto opened = JobStore::open(file_);
+  ASSERT_FALSE(opened);
+  EXPECT_EQ(opened.error().code, ErrorCode::kDataLoss);
+  EXPECT_THAT(opened.error().message, HasSubstr(file_.string() + ": is damaged"));
+  EXPECT_EQ(read_file(file_), garbage);
+}
+
+TEST_F(JobStoreTest, AFileOfALaterReleaseIsRefused) {
+  store_.reset();
+  meddle("PRAGMA user_version = 99");
+  const auto opened = JobStore::open(file_);
+  ASSERT_FALSE(opened);
+  EXPECT_THAT(opened.error().message, HasSubstr("another release"));
+}
+
+TEST(StateDirectory, IsForOneCoordinatorAtATime) {
+  const TemporaryFolder folder;
+  auto first = StateDirectory::open(folder.path() / "state");
+  ASSERT_TRUE(first);
+  const auto second = StateDirectory::open(folder.path() / "state");
+  ASSERT_FALSE(second);
+  EXPECT_EQ(second.error().code, ErrorCode::kFailedPrecondition);
+  EXPECT_THAT(second.error().message, HasSubstr("another coordinator runs on"));
+}
+
+TEST(StateDirectory, IsFreeAgainAfterwards) {
+  const TemporaryFolder folder;
+  ASSERT_TRUE(StateDirectory::open(folder.path()));
+  EXPECT_TRUE(StateDirectory::open(folder.path()));
+}
+
+}  // namespace
+}  // namespace tessera::store

@@ -1,0 +1,173 @@
+// What users do with jobs.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/scene/settings.hpp"
+#include "proto/blob.hpp"
+#include "tests/unit/server/scripted_farm.hpp"
+
+namespace tessera::coordinator {
+namespace {
+
+using core::ErrorCode;
+using testing::HasSubstr;
+
+class Jobs : public ScriptedFarm {};
+
+TEST_F(Jobs, ASubmittedJobRunsAndIsComplete) {
+  v1::SubmitJobRequest request = submission();
+  request.set_name("vase");
+  request.set_priority(3);
+  const v1::Job submitted = job(submit(request));
+  EXPECT_EQ(submitted.id().size(), 32u);
+  EXPECT_EQ(submitted.name(), "vase");
+  EXPECT_EQ(submitted.priority(), 3);
+  EXPECT_EQ(submitted.state(), v1::JOB_STATE_RUNNING);
+  EXPECT_EQ(submitted.samples_total(), kSamples);
+  EXPECT_EQ(submitted.samples_done(), 0u);
+  EXPECT_EQ(submitted.settings().width_px(), 150u);
+  EXPECT_EQ(submitted.bundle().assets_size(), 1);
+  EXPECT_GT(submitted.created_at().seconds(), 1'700'000'000);
+  EXPECT_FALSE(submitted.has_finished_at());
+}
+
+TEST_F(Jobs, IsCalledLikeItsSceneFileUnlessNamed) {
+  EXPECT_EQ(job(submit()).name(), "scene.json");
+}
+
+TEST_F(Jobs, ARepeatedSubmissionAnswersWithTheFirstJob) {
+  v1::SubmitJobRequest request = submission();
+  request.set_request_id("once");
+  const std::string first = submit(request);
+  EXPECT_EQ(submit(request), first);
+  open();
+  EXPECT_EQ(submit(request), first);
+  EXPECT_EQ(coordinator().jobs().size(), 1u);
+}
+
+TEST_F(Jobs, ASubmissionWithoutARequestIdMayBeMadeTwice) {
+  EXPECT_NE(submit(), submit());
+}
+
+TEST_F(Jobs, MissingBlobsAreListedByTheirPaths) {
+  v1::SubmitJobRequest request = submission();
+  v1::Bundle::Asset* asset = request.mutable_bundle()->add_assets();
+  asset->set_path("wood.png");
+  *asset->mutable_digest() = proto::to_proto(proto::digest_of("not uploaded"));
+  const auto refused = coordinator().submit_job(request);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::kFailedPrecondition);
+  EXPECT_THAT(refused.error().message,
+              HasSubstr("wood.png (" + proto::digest_of("not uploaded").hex() + ")"));
+}
+
+TEST_F(Jobs, ABundleWithoutItsSceneOrWithAPathTwiceIsRefused) {
+  v1::SubmitJobRequest other_scene = submission(), twice = submission();
+  other_scene.mutable_bundle()->set_scene_path("other.json");
+  *twice.mutable_bundle()->add_assets() = twice.bundle().assets(0);
+  EXPECT_EQ(coordinator().submit_job(other_scene).error().code, ErrorCode::kInvalidArgument);
+  EXPECT_EQ(coordinator().submit_job(twice).error().code, ErrorCode::kInvalidArgument);
+}
+
+TEST_F(Jobs, ASceneThatIsRefusedBecomesNoJob) {
+  check_scene_ = [](const v1::Bundle&, const v1::RenderOverrides&) -> core::Result<v1::RenderSettings> {
+    return core::fail(ErrorCode::kInvalidArgument, "scene.json:3: no camera");
+  };
+  open();
+  const auto refused = coordinator().submit_job(submission());
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().message, "scene.json:3: no camera");
+  EXPECT_TRUE(coordinator().jobs().empty());
+}
+
+TEST_F(Jobs, AreListedNewestFirst) {
+  const std::string first = submit(), second = submit();
+  const auto jobs = coordinator().jobs();
+  ASSERT_EQ(jobs.size(), 2u);
+  EXPECT_EQ(jobs[0].id(), second);
+  EXPECT_EQ(jobs[1].id(), first);
+}
+
+TEST_F(Jobs, APausedJobIsNotLeasedUntilItIsResumed) {
+  const std::string id = submit();
+  EXPECT_EQ(coordinator().pause_job(id)->state(), v1::JOB_STATE_PAUSED);
+  const WaitingCall call(coordinator(), greeting('a'));
+  EXPECT_FALSE(call.answered());
+  EXPECT_EQ(coordinator().resume_job(id)->state(), v1::JOB_STATE_RUNNING);
+  ASSERT_TRUE(call.answered());
+  EXPECT_EQ(call.answer()->leases_size(), 1);
+}
+
+TEST_F(Jobs, ACancelledJobKeepsItsPictureAndTakesNoMore) {
+  const std::string id = submit();
+  const v1::Lease lease = synchronize(greeting('a')).leases(0);
+  deliver(delivery('a', lease));
+  const auto late = synchronize(greeting('a')).leases(0);
+  const core::Image before = coordinator().picture(id)->image;
+  const v1::Job cancelled = *coordinator().cancel_job(id);
+  EXPECT_EQ(cancelled.state(), v1::JOB_STATE_CANCELLED);
+  EXPECT_TRUE(cancelled.has_finished_at());
+  EXPECT_EQ(deliver(delivery('a', late)).accepted_items(), 0u);
+  ASSERT_TRUE(coordinator().checkpoint());  // after which the film is on disk alone
+  EXPECT_EQ(coordinator().picture(id)->image.pixels, before.pixels);
+  EXPECT_EQ(job(id).counters().samples(), cancelled.counters().samples());
+  EXPECT_EQ(coordinator().resume_job(id).error().code, ErrorCode::kFailedPrecondition);
+}
+
+TEST_F(Jobs, ChangesOfStateMayBeRepeated) {
+  const std::string id = submit();
+  EXPECT_TRUE(coordinator().pause_job(id));
+  EXPECT_TRUE(coordinator().pause_job(id));
+  EXPECT_TRUE(coordinator().cancel_job(id));
+  EXPECT_TRUE(coordinator().cancel_job(id));
+}
+
+TEST_F(Jobs, ExtendingADoneJobGivesThePictureOfTheHigherNumber) {
+  const std::string id = submit();
+  work('a');
+  ASSERT_EQ(job(id).state(), v1::JOB_STATE_DONE);
+  for (const std::uint32_t spp : {kSpp + 1, kSpp + 5}) {
+    ASSERT_TRUE(coordinator().checkpoint());  // drops the film of the done job
+    const v1::Job extended = *coordinator().extend_job(id, spp);
+    EXPECT_EQ(extended.state(), v1::JOB_STATE_RUNNING);
+    EXPECT_EQ(extended.settings().spp(), spp);
+    EXPECT_FALSE(extended.has_finished_at());
+    work('a');
+    EXPECT_EQ(job(id).state(), v1::JOB_STATE_DONE);
+    EXPECT_EQ(coordinator().picture(id)->image.pixels, ready_made_picture(kWidthPx, kHeightPx, spp).pixels);
+  }
+}
+
+TEST_F(Jobs, CannotBeExtendedToFewerSamplesOrTooMany) {
+  const std::string id = submit();
+  EXPECT_EQ(coordinator().extend_job(id, kSpp - 1).error().code, ErrorCode::kInvalidArgument);
+  EXPECT_EQ(coordinator().extend_job(id, core::kMaxSpp + 1).error().code, ErrorCode::kInvalidArgument);
+  EXPECT_EQ(coordinator().extend_job("nobody", 100).error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(job(id).settings().spp(), kSpp);
+}
+
+TEST_F(Jobs, ADeletedJobIsForgottenAlsoByTheStore) {
+  v1::SubmitJobRequest request = submission();
+  request.set_request_id("again");
+  const std::string id = submit(request);
+  work('a', 2);
+  ASSERT_TRUE(coordinator().delete_job(id));
+  EXPECT_EQ(coordinator().delete_job(id).error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(coordinator().picture(id).error().code, ErrorCode::kNotFound);
+  ASSERT_TRUE(coordinator().checkpoint());
+  open();
+  EXPECT_TRUE(coordinator().jobs().empty());
+  EXPECT_NE(submit(request), id);
+}
+
+TEST_F(Jobs, EveryMethodSaysThatThereIsNoSuchJob) {
+  EXPECT_EQ(coordinator().job("nobody").error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(coordinator().picture("nobody").error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(coordinator().pause_job("nobody").error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(coordinator().resume_job("nobody").error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(coordinator().cancel_job("nobody").error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(coordinator().delete_job("nobody").error().code, ErrorCode::kNotFound);
+}
+
+}  // namespace
+}  // namespace tessera::coordinator

@@ -1,0 +1,173 @@
+// What a coordinator knows after a stop, and after a crash.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sqlite3.h>
+
+#include "tests/unit/server/scripted_farm.hpp"
+
+namespace tessera::coordinator {
+namespace {
+
+using core::ErrorCode;
+using testing::HasSubstr;
+
+class Restart : public ScriptedFarm {
+ protected:
+  // Opens a coordinator on a copy of the files as they are on disk at this moment: what kill -9 leaves.
+  void crash() {
+    const auto crashed = folder_.path() / "crashed" / std::to_string(++crashes_);
+    std::filesystem::create_directories(crashed.parent_path());
+    std::filesystem::copy(folder_.path() / "state", crashed, std::filesystem::copy_options::recursive);
+    open(crashed);
+  }
+
+  void meddle(const std::string& sql) {
+    coordinator_.reset();
+    sqlite3* database = nullptr;
+    ASSERT_EQ(sqlite3_open((folder_.path() / "state" / "tessera.db").c_str(), &database), SQLITE_OK);
+    EXPECT_EQ(sqlite3_exec(database, sql.c_str(), nullptr, nullptr, nullptr), SQLITE_OK)
+        << sqlite3_errmsg(database);
+    sqlite3_close(database);
+  }
+
+  int crashes_ = 0;
+};
+
+TEST_F(Restart, CarriesOnFromTheCheckpointToTheSamePicture) {
+  const std::string id = submit();
+  work('a', 3);
+  const v1::Job before = job(id);
+  const core::Image so_far = coordinator().picture(id)->image;
+  ASSERT_GT(before.samples_done(), 0u);
+  ASSERT_LT(before.samples_done(), kSamples);
+  ASSERT_TRUE(coordinator().checkpoint());
+  open();
+  EXPECT_EQ(job(id).samples_done(), before.samples_done());
+  EXPECT_EQ(job(id).counters().SerializeAsString(), before.counters().SerializeAsString());
+  EXPECT_EQ(coordinator().picture(id)->image.pixels, so_far.pixels);
+  work('b');
+  EXPECT_EQ(job(id).state(), v1::JOB_STATE_DONE);
+  EXPECT_EQ(coordinator().picture(id)->image.pixels, ready_made_picture(kWidthPx, kHeightPx, kSpp).pixels);
+}
+
+TEST_F(Restart, ACrashCostsWhatCameAfterTheCheckpointAndNothingElse) {
+  const std::string id = submit();
+  work('a', 2);
+  ASSERT_TRUE(coordinator().checkpoint());
+  const std::uint64_t stored = job(id).samples_done();
+  work('a', 2);
+  ASSERT_GT(job(id).samples_done(), stored);
+  crash();
+  EXPECT_EQ(job(id).samples_done(), stored);
+  work('b');
+  EXPECT_EQ(coordinator().picture(id)->image.pixels, ready_made_picture(kWidthPx, kHeightPx, kSpp).pixels);
+}
+
+TEST_F(Restart, AnAcceptedJobSurvivesACrashAtOnce) {
+  const std::string id = submit();
+  crash();
+  EXPECT_EQ(job(id).state(), v1::JOB_STATE_RUNNING);
+}
+
+TEST_F(Restart, AcknowledgedChangesSurviveACrashAtOnce) {
+  const std::string paused = submit(), cancelled = submit(), extended = submit(), deleted = submit();
+  ASSERT_TRUE(coordinator().pause_job(paused));
+  ASSERT_TRUE(coordinator().cancel_job(cancelled));
+  ASSERT_TRUE(coordinator().extend_job(extended, 100));
+  ASSERT_TRUE(coordinator().delete_job(deleted));
+  crash();
+  EXPECT_EQ(job(paused).state(), v1::JOB_STATE_PAUSED);
+  EXPECT_EQ(job(cancelled).state(), v1::JOB_STATE_CANCELLED);
+  EXPECT_EQ(job(extended).settings().spp(), 100u);
+  EXPECT_EQ(coordinator().job(deleted).error().code, ErrorCode::kNotFound);
+}
+
+TEST_F(Restart, AResultOfALeaseFromBeforeCountsAfterwards) {
+  const std::string id = submit();
+  const v1::Lease lease = synchronize(greeting('a')).leases(0);
+  crash();
+  EXPECT_EQ(deliver(delivery('a', lease)).accepted_items(), static_cast<std::uint32_t>(lease.items_size()));
+  work('b');
+  EXPECT_EQ(coordinator().picture(id)->image.pixels, ready_made_picture(kWidthPx, kHeightPx, kSpp).pixels);
+}
+
+TEST_F(Restart, LeaseNumbersAreNeverUsedAgain) {
+  submit();
+  const std::uint64_t before = synchronize(greeting('a')).leases(0).id();
+  crash();
+  EXPECT_NE(synchronize(greeting('a')).leases(0).id(), before);
+}
+
+TEST_F(Restart, ADoneJobStaysDoneWithItsPictureTimeAndCounters) {
+  const std::string id = submit();
+  work('a');
+  const v1::Job before = job(id);
+  ASSERT_TRUE(coordinator().checkpoint());
+  open();
+  EXPECT_EQ(job(id).state(), v1::JOB_STATE_DONE);
+  EXPECT_EQ(job(id).finished_at().SerializeAsString(), before.finished_at().SerializeAsString());
+  EXPECT_EQ(job(id).counters().SerializeAsString(), before.counters().SerializeAsString());
+  EXPECT_EQ(coordinator().picture(id)->image.pixels, ready_made_picture(kWidthPx, kHeightPx, kSpp).pixels);
+}
+
+TEST_F(Restart, AJobThatWasDoneButNotStoredAsSuchIsDone) {
+  const std::string id = submit();
+  work('a');
+  ASSERT_TRUE(coordinator().checkpoint());
+  meddle("UPDATE jobs SET state = 1, finished_ms = NULL");  // tiles written, the row not yet
+  open();
+  EXPECT_EQ(job(id).state(), v1::JOB_STATE_DONE);
+}
+
+TEST_F(Restart, SamplesBeyondTheStoredNumberShowThatTheJobWasExtended) {
+  const std::string id = submit();
+  ASSERT_TRUE(coordinator().extend_job(id, kSpp + 4));
+  work('a');
+  ASSERT_TRUE(coordinator().checkpoint());
+  meddle("UPDATE jobs SET spp = 6, state = 1");
+  open();
+  EXPECT_EQ(job(id).settings().spp(), kSpp + 4);
+}
+
+TEST_F(Restart, ADamagedTileOfARunningJobIsRenderedAgain) {
+  const std::string id = submit();
+  work('a', 3);
+  ASSERT_TRUE(coordinator().checkpoint());
+  const std::uint64_t stored = job(id).samples_done();
+  meddle("UPDATE tiles SET content = X'00' WHERE tile = 0");
+  open();
+  EXPECT_LT(job(id).samples_done(), stored);
+  work('b');
+  EXPECT_EQ(coordinator().picture(id)->image.pixels, ready_made_picture(kWidthPx, kHeightPx, kSpp).pixels);
+}
+
+TEST_F(Restart, ADamagedTileOfADoneJobIsToldAndHarmsNoOther) {
+  const std::string damaged = submit(), whole = submit();
+  work('a');
+  ASSERT_TRUE(coordinator().checkpoint());
+  meddle("UPDATE tiles SET content = X'00' WHERE tile = 0 AND job_id = '" + damaged + "'");
+  open();
+  const auto picture = coordinator().picture(damaged);
+  ASSERT_FALSE(picture);
+  EXPECT_EQ(picture.error().code, ErrorCode::kDataLoss);
+  EXPECT_THAT(picture.error().message, HasSubstr("tile 0 of job " + damaged + " is damaged"));
+  EXPECT_EQ(coordinator().extend_job(damaged, kSpp + 1).error().code, ErrorCode::kDataLoss);
+  EXPECT_TRUE(coordinator().picture(whole));
+}
+
+TEST_F(Restart, ACheckpointThatCouldNotBeWrittenIsTriedAgain) {
+  const std::string id = submit();
+  work('a', 2);
+  sqlite3* other = nullptr;
+  ASSERT_EQ(sqlite3_open((folder_.path() / "state" / "tessera.db").c_str(), &other), SQLITE_OK);
+  ASSERT_EQ(sqlite3_exec(other, "BEGIN IMMEDIATE", nullptr, nullptr, nullptr), SQLITE_OK);
+  EXPECT_EQ(coordinator().checkpoint().error().code, ErrorCode::kUnavailable);
+  sqlite3_close(other);
+  const std::uint64_t done = job(id).samples_done();
+  ASSERT_TRUE(coordinator().checkpoint());
+  crash();
+  EXPECT_EQ(job(id).samples_done(), done);
+}
+
+}  // namespace
+}  // namespace tessera::coordinator

@@ -1,0 +1,155 @@
+#include "tests/unit/server/scripted_farm.hpp"
+
+#include "proto/blob.hpp"
+#include "proto/convert.hpp"
+#include "proto/tile_codec.hpp"
+
+namespace tessera::coordinator {
+namespace {
+
+// Any hash will do.
+std::uint64_t ready_made_sample(int x, int y, std::size_t channel, std::uint32_t sample) {
+  std::uint64_t h = static_cast<std::uint64_t>(x) * 0x9e3779b97f4a7c15 +
+                    static_cast<std::uint64_t>(y) * 0xc2b2ae3d27d4eb4f + channel * 0x165667b19e3779f9 +
+                    sample * std::uint64_t{0x27d4eb2f165667c5};
+  h = (h ^ h >> 31) * 0x9fb21c651e98df25;
+  return h >> 38;
+}
+
+}  // namespace
+
+core::FilmTile ready_made_tile(const core::PixelRect& rect, core::SampleRange range) {
+  core::FilmTile tile(rect, range);
+  std::size_t i = 0;
+  for (int y = rect.y0; y < rect.y1; ++y) {
+    for (int x = rect.x0; x < rect.x1; ++x) {
+      for (std::size_t channel = 0; channel < 3; ++channel, ++i) {
+        for (std::uint32_t s = range.begin; s < range.end; ++s) {
+          const std::uint64_t value = ready_made_sample(x, y, channel, s);
+          tile.sums[i] += value;
+          if (s % 2 == 1) tile.odd_sums[i] += value;
+        }
+      }
+    }
+  }
+  tile.counters.samples = rect.pixel_count() * range.count();
+  tile.counters.closest_hit_rays = 2 * tile.counters.samples;
+  return tile;
+}
+
+v1::RenderedItem ready_made_item(const v1::WorkItem& message) {
+  const auto item = proto::from_proto(message);
+  return proto::encode_tile(ready_made_tile(item->rect, item->range));
+}
+
+core::Image ready_made_picture(int width_px, int height_px, std::uint32_t spp) {
+  core::Film film({width_px, height_px, core::kTilePx});
+  for (int tile = 0; tile < film.grid().tile_count(); ++tile) {
+    film.add(ready_made_tile(film.grid().rect(tile), {0, spp}));
+  }
+  return film.develop();
+}
+
+core::Result<v1::RenderSettings> accept_scene(const v1::Bundle&, const v1::RenderOverrides& overrides) {
+  core::RenderSettings settings;
+  settings.width_px = kWidthPx;
+  settings.height_px = kHeightPx;
+  settings.spp = overrides.has_spp() ? overrides.spp() : kSpp;
+  return proto::to_proto(settings);
+}
+
+v1::SubmitJobRequest submission() {
+  v1::SubmitJobRequest request;
+  request.mutable_bundle()->set_scene_path("folder/scene.json");
+  v1::Bundle::Asset* asset = request.mutable_bundle()->add_assets();
+  asset->set_path("folder/scene.json");
+  *asset->mutable_digest() = proto::to_proto(proto::digest_of(kSceneBytes));
+  return request;
+}
+
+v1::SynchronizeRequest greeting(char worker) {
+  v1::SynchronizeRequest request;
+  request.set_worker_id(std::string(32, worker));
+  request.set_name(std::string("host-") + worker);
+  request.set_version("0.1.0");
+  request.set_arithmetic_fingerprint("f00d");
+  request.set_threads(1);
+  request.set_wanted_leases(1);
+  return request;
+}
+
+v1::SubmitResultRequest delivery(char worker, const v1::Lease& lease) {
+  v1::SubmitResultRequest request;
+  request.set_worker_id(std::string(32, worker));
+  request.set_job_id(lease.job_id());
+  request.set_lease_id(lease.id());
+  for (const v1::WorkItem& item : lease.items()) *request.add_items() = ready_made_item(item);
+  request.mutable_render_time()->set_seconds(1);
+  request.set_lease_finished(true);
+  return request;
+}
+
+ScriptedFarm::ScriptedFarm() {
+  open();
+  auto writer = coordinator().blobs().write(proto::digest_of(kSceneBytes));
+  EXPECT_TRUE(writer && writer->append(kSceneBytes) && writer->commit());
+}
+
+void ScriptedFarm::open(const std::filesystem::path& folder) {
+  coordinator_.reset();
+  auto state = store::StateDirectory::open(folder);
+  ASSERT_TRUE(state) << state.error().message;
+  Options options;
+  options.now = [this] { return now_; };
+  auto opened = Coordinator::open(options, std::move(*state), check_scene_);
+  ASSERT_TRUE(opened) << opened.error().message;
+  coordinator_ = std::move(*opened);
+}
+
+std::string ScriptedFarm::submit(const v1::SubmitJobRequest& request) {
+  const auto submitted = coordinator().submit_job(request);
+  EXPECT_TRUE(submitted) << submitted.error().message;
+  return submitted ? submitted->id() : "";
+}
+
+v1::Job ScriptedFarm::job(const std::string& id) {
+  const auto found = coordinator().job(id);
+  EXPECT_TRUE(found) << found.error().message;
+  return found ? *found : v1::Job();
+}
+
+v1::SynchronizeResponse ScriptedFarm::synchronize(const v1::SynchronizeRequest& request) {
+  const WaitingCall call(coordinator(), request);
+  EXPECT_TRUE(call.answered());
+  if (!call.answered()) return {};
+  EXPECT_TRUE(call.answer()) << call.answer().error().message;
+  return call.answer() ? *call.answer() : v1::SynchronizeResponse();
+}
+
+v1::SubmitResultResponse ScriptedFarm::deliver(const v1::SubmitResultRequest& request) {
+  const auto counted = coordinator().submit_result(request);
+  EXPECT_TRUE(counted) << counted.error().message;
+  return counted ? *counted : v1::SubmitResultResponse();
+}
+
+void ScriptedFarm::work(char worker, int leases) {
+  for (int done = 0; done < leases;) {
+    const WaitingCall call(coordinator(), greeting(worker));
+    if (!call.answered()) return;
+    ASSERT_TRUE(call.answer()) << call.answer().error().message;
+    for (const v1::Lease& lease : call.answer()->leases()) {
+      deliver(delivery(worker, lease));
+      ++done;
+    }
+  }
+}
+
+WaitingCall::WaitingCall(Coordinator& coordinator, const v1::SynchronizeRequest& request)
+    : answer_(std::make_shared<std::optional<core::Result<v1::SynchronizeResponse>>>()) {
+  coordinator.synchronize(request, [answer = answer_](core::Result<v1::SynchronizeResponse> result) {
+    EXPECT_FALSE(answer->has_value()) << "answered twice";
+    answer->emplace(std::move(result));
+  });
+}
+
+}  // namespace tessera::coordinator

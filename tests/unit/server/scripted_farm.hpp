@@ -1,0 +1,71 @@
+// A coordinator on a fake clock without threads or sockets, and a worker that answers with ready-made tiles.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "server/coordinator/coordinator.hpp"
+#include "tests/unit/server/temporary_folder.hpp"
+
+namespace tessera::coordinator {
+
+// Sums that are a function of pixel and sample alone, like a render's.
+core::FilmTile ready_made_tile(const core::PixelRect& rect, core::SampleRange range);
+v1::RenderedItem ready_made_item(const v1::WorkItem& item);
+// The picture that a farm must come to.
+core::Image ready_made_picture(int width_px, int height_px, std::uint32_t spp);
+
+// Accepts any scene: 150 x 100 pixels, 6 samples per pixel, overrides applied. 3 x 2 tiles, of which 4 are
+// cut short.
+core::Result<v1::RenderSettings> accept_scene(const v1::Bundle& bundle, const v1::RenderOverrides& overrides);
+inline constexpr int kWidthPx = 150, kHeightPx = 100;
+inline constexpr std::uint32_t kSpp = 6;
+inline constexpr std::uint64_t kSamples = std::uint64_t{kWidthPx} * kHeightPx * kSpp;
+
+inline const std::string kSceneBytes = "{}";
+v1::SubmitJobRequest submission();
+v1::SynchronizeRequest greeting(char worker);
+v1::SubmitResultRequest delivery(char worker, const v1::Lease& lease);
+
+class ScriptedFarm : public testing::Test {
+ protected:
+  ScriptedFarm();
+
+  // Closes the coordinator, if there is one, and opens one on `folder`.
+  void open(const std::filesystem::path& folder);
+  void open() { open(folder_.path() / "state"); }
+  Coordinator& coordinator() { return *coordinator_; }
+
+  // The job's id.
+  std::string submit(const v1::SubmitJobRequest& request = submission());
+  v1::Job job(const std::string& id);
+  // The answer, which must come at once.
+  v1::SynchronizeResponse synchronize(const v1::SynchronizeRequest& request);
+  v1::SubmitResultResponse deliver(const v1::SubmitResultRequest& request);
+  // Renders what is leased until nothing more is; at most `leases` of them.
+  void work(char worker, int leases = 1'000'000);
+
+  TemporaryFolder folder_;
+  scheduler::Time now_{std::chrono::hours(1)};
+  SceneCheck check_scene_ = accept_scene;
+  std::unique_ptr<Coordinator> coordinator_;
+};
+
+// A call of Synchronize that may wait.
+class WaitingCall {
+ public:
+  WaitingCall(Coordinator& coordinator, const v1::SynchronizeRequest& request);
+
+  bool answered() const { return answer_->has_value(); }
+  const core::Result<v1::SynchronizeResponse>& answer() const { return **answer_; }
+
+ private:
+  std::shared_ptr<std::optional<core::Result<v1::SynchronizeResponse>>> answer_;
+};
+
+}  // namespace tessera::coordinator

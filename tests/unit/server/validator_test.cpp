@@ -1,0 +1,126 @@
+// The validator as a process: what it says of scenes, and what is said of it when it fails.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "proto/blob.hpp"
+#include "server/validator/validator_process.hpp"
+#include "tests/unit/server/temporary_folder.hpp"
+
+namespace tessera::validator {
+namespace {
+
+using core::ErrorCode;
+using testing::HasSubstr;
+
+class Validator : public testing::Test {
+ protected:
+  void add_file(const std::string& path, const std::string& bytes) {
+    const proto::Digest digest = proto::digest_of(bytes);
+    auto writer = blobs_.write(digest);
+    ASSERT_TRUE(writer && writer->append(bytes) && writer->commit());
+    v1::Bundle::Asset* asset = bundle_.add_assets();
+    asset->set_path(path);
+    *asset->mutable_digest() = proto::to_proto(digest);
+  }
+  void add_scene_file(const std::string& path) {
+    add_file(path, read_file(std::filesystem::path(TESSERA_SOURCE_DIR) / "scenes/cornell" / path));
+  }
+
+  core::Result<v1::RenderSettings> validate() {
+    return validate_scene(options_, blobs_, bundle_, overrides_);
+  }
+  core::Error refusal() {
+    const auto settings = validate();
+    EXPECT_FALSE(settings);
+    return settings ? core::Error{} : settings.error();
+  }
+  // Puts a shell script in the validator's place.
+  void replace_validator(const std::string& script) {
+    const auto path = folder_.path() / "stand-in";
+    write_file(path, "#!/bin/sh\n" + script + "\n");
+    std::filesystem::permissions(path, std::filesystem::perms::owner_all);
+    options_.path = path;
+  }
+
+  TemporaryFolder folder_;
+  store::BlobStore blobs_ = *store::BlobStore::open(folder_.path() / "blobs");
+  ProcessOptions options_{TESSERA_VALIDATOR, std::chrono::minutes(1)};
+  v1::Bundle bundle_ = [] {
+    v1::Bundle bundle;
+    bundle.set_scene_path("scene.json");
+    return bundle;
+  }();
+  v1::RenderOverrides overrides_;
+};
+
+TEST_F(Validator, AnswersWithTheSettingsOverridesApplied) {
+  add_scene_file("scene.json");
+  add_scene_file("box.obj");
+  add_scene_file("box.mtl");
+  overrides_.set_width_px(77);
+  overrides_.set_spp(5);
+  overrides_.set_integrator(v1::INTEGRATOR_NEE);
+  const auto settings = validate();
+  ASSERT_TRUE(settings) << settings.error().message;
+  EXPECT_EQ(settings->width_px(), 77u);
+  EXPECT_EQ(settings->spp(), 5u);
+  EXPECT_EQ(settings->integrator(), v1::INTEGRATOR_NEE);
+}
+
+TEST_F(Validator, RefusesAnOverrideInTheWordsOfALocalRender) {
+  add_scene_file("scene.json");
+  add_scene_file("box.obj");
+  add_scene_file("box.mtl");
+  overrides_.set_height_px(0);
+  const core::Error error = refusal();
+  EXPECT_EQ(error.code, ErrorCode::kInvalidArgument);
+  EXPECT_THAT(error.message, HasSubstr("height: must be between 1 and 65536"));
+}
+
+TEST_F(Validator, NamesFilesAsTheUserKnowsThem) {
+  add_file("scene.json", "{ \"spp\": }");
+  const core::Error error = refusal();
+  EXPECT_EQ(error.code, ErrorCode::kInvalidArgument);
+  EXPECT_THAT(error.message, HasSubstr("scene.json:1"));
+  EXPECT_THAT(error.message, Not(HasSubstr(folder_.path().string())));
+}
+
+TEST_F(Validator, OpensNothingThatIsNotInTheBundle) {
+  add_scene_file("scene.json");
+  add_scene_file("box.mtl");
+  EXPECT_THAT(refusal().message, HasSubstr("box.obj"));
+}
+
+TEST_F(Validator, ACrashOfItIsTheScenesFault) {
+  add_file("scene.json", "{}");
+  replace_validator("kill -SEGV $$");
+  const core::Error error = refusal();
+  EXPECT_EQ(error.code, ErrorCode::kInvalidArgument);
+  EXPECT_THAT(error.message, HasSubstr("the scene could not be validated: the validator ended by signal 11"));
+}
+
+TEST_F(Validator, GarbageFromItIsNoVerdict) {
+  add_file("scene.json", "{}");
+  replace_validator("echo all is well");
+  EXPECT_EQ(refusal().code, ErrorCode::kInvalidArgument);
+}
+
+TEST_F(Validator, IsKilledWhenItTakesTooLong) {
+  add_file("scene.json", "{}");
+  replace_validator("exec /bin/sleep 600");
+  options_.timeout = std::chrono::milliseconds(50);
+  const core::Error error = refusal();
+  EXPECT_EQ(error.code, ErrorCode::kInvalidArgument);
+  EXPECT_THAT(error.message, HasSubstr("could not be validated within"));
+}
+
+TEST_F(Validator, SaysWhereItShouldBe) {
+  add_file("scene.json", "{}");
+  options_.path = folder_.path() / "nowhere";
+  const core::Error error = refusal();
+  EXPECT_EQ(error.code, ErrorCode::kInternal);
+  EXPECT_THAT(error.message, HasSubstr(options_.path));
+}
+
+}  // namespace
+}  // namespace tessera::validator

@@ -1,0 +1,189 @@
+// What workers ask and deliver.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <functional>
+
+#include "proto/convert.hpp"
+#include "proto/tile_codec.hpp"
+#include "tests/unit/server/scripted_farm.hpp"
+
+namespace tessera::coordinator {
+namespace {
+
+using core::ErrorCode;
+using testing::HasSubstr;
+
+class Work : public ScriptedFarm {};
+
+TEST_F(Work, AFarmComesToTheLocalPicture) {
+  const std::string id = submit();
+  while (job(id).state() == v1::JOB_STATE_RUNNING) {
+    for (const char worker : {'a', 'b', 'c'}) work(worker, 1);
+  }
+  const v1::Job done = job(id);
+  EXPECT_EQ(done.state(), v1::JOB_STATE_DONE);
+  EXPECT_EQ(done.samples_done(), kSamples);
+  EXPECT_EQ(done.counters().samples(), kSamples);
+  EXPECT_EQ(done.counters().closest_hit_rays(), 2 * kSamples);
+  EXPECT_TRUE(done.has_finished_at());
+  EXPECT_EQ(coordinator().picture(id)->image.pixels, ready_made_picture(kWidthPx, kHeightPx, kSpp).pixels);
+}
+
+TEST_F(Work, LeasesComeWithWhatTheWorkerMustKnowOfTheJob) {
+  const std::string id = submit();
+  const v1::SynchronizeResponse first = synchronize(greeting('a'));
+  ASSERT_EQ(first.leases_size(), 1);
+  ASSERT_EQ(first.jobs_size(), 1);
+  EXPECT_EQ(first.jobs(0).job_id(), id);
+  EXPECT_EQ(first.jobs(0).settings().spp(), kSpp);
+  EXPECT_EQ(first.jobs(0).bundle().scene_path(), "folder/scene.json");
+  EXPECT_EQ(first.heard_within().seconds(), 10);
+
+  v1::SynchronizeRequest knowing = greeting('b');
+  knowing.add_known_job_ids(id);
+  EXPECT_EQ(synchronize(knowing).jobs_size(), 0);
+}
+
+TEST_F(Work, AResultThatComesTwiceIsDroppedTheSecondTime) {
+  const std::string id = submit();
+  const v1::Lease lease = synchronize(greeting('a')).leases(0);
+  const auto first = deliver(delivery('a', lease));
+  EXPECT_EQ(first.accepted_items(), static_cast<std::uint32_t>(lease.items_size()));
+  EXPECT_EQ(first.dropped_items(), 0u);
+  const v1::Counters counted = job(id).counters();
+  const auto second = deliver(delivery('b', lease));
+  EXPECT_EQ(second.accepted_items(), 0u);
+  EXPECT_EQ(second.dropped_items(), static_cast<std::uint32_t>(lease.items_size()));
+  EXPECT_EQ(job(id).counters().samples(), counted.samples());
+}
+
+TEST_F(Work, AResultForAJobThatIsGoneIsDropped) {
+  const std::string id = submit();
+  const v1::Lease lease = synchronize(greeting('a')).leases(0);
+  ASSERT_TRUE(coordinator().delete_job(id));
+  EXPECT_EQ(deliver(delivery('a', lease)).dropped_items(), static_cast<std::uint32_t>(lease.items_size()));
+}
+
+struct Lie {
+  const char* name;
+  std::function<void(v1::RenderedItem&)> tell;
+};
+
+class WorkLies : public Work, public testing::WithParamInterface<Lie> {};
+
+TEST_P(WorkLies, AreRefusedAndNothingIsCounted) {
+  const std::string id = submit();
+  v1::SubmitResultRequest request = delivery('a', synchronize(greeting('a')).leases(0));
+  GetParam().tell(*request.mutable_items(request.items_size() - 1));
+  const auto refused = coordinator().submit_result(request);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::kInvalidArgument);
+  EXPECT_EQ(job(id).samples_done(), 0u);
+  EXPECT_EQ(job(id).counters().samples(), 0u);
+  EXPECT_EQ(coordinator().picture(id)->image.pixels, core::Image(kWidthPx, kHeightPx).pixels);
+}
+
+void rerender(v1::RenderedItem& item, core::PixelRect rect, core::SampleRange range) {
+  item = proto::encode_tile(ready_made_tile(rect, range));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Work, WorkLies,
+    testing::Values(
+        Lie{"NoTileOfTheGrid",
+            [](auto& item) {
+              rerender(item, {1, 0, 65, 64}, {0, 1});
+            }},
+        Lie{"PartOfATile",
+            [](auto& item) {
+              rerender(item, {0, 0, 64, 63}, {0, 1});
+            }},
+        Lie{"OutsideThePicture",
+            [](auto& item) {
+              rerender(item, {640, 0, 704, 64}, {0, 1});
+            }},
+        Lie{"SamplesNobodyAskedFor",
+            [](auto& item) {
+              rerender(item, {0, 0, 64, 64}, {kSpp, kSpp + 1});
+            }},
+        Lie{"EmptyRange",
+            [](auto& item) { item.mutable_item()->set_sample_end(item.item().sample_begin()); }},
+        Lie{"TooManySums", [](auto& item) { item.set_sums_zstd(item.sums_zstd() + item.sums_zstd()); }},
+        Lie{"NoZstd", [](auto& item) { item.set_sums_zstd("sums"); }},
+        Lie{"WrongChecksum", [](auto& item) { item.set_sums_xxh3(item.sums_xxh3() ^ 1); }},
+        Lie{"WrongSampleCount", [](auto& item) { item.mutable_counters()->set_samples(1); }},
+        Lie{"AForeignNonFiniteSample",
+            [](auto& item) { item.mutable_counters()->mutable_first_non_finite()->set_x(100'000); }}),
+    [](const auto& lie) { return lie.param.name; });
+
+TEST_F(Work, AWorkerThatComputesOtherBitsIsRefusedByBothFingerprints) {
+  submit();
+  synchronize(greeting('a'));
+  v1::SynchronizeRequest stranger = greeting('b');
+  stranger.set_arithmetic_fingerprint("beef");
+  const WaitingCall call(coordinator(), stranger);
+  ASSERT_TRUE(call.answered());
+  ASSERT_FALSE(call.answer());
+  EXPECT_EQ(call.answer().error().code, ErrorCode::kFailedPrecondition);
+  EXPECT_THAT(call.answer().error().message, HasSubstr("its fingerprint is beef, the farm's is f00d"));
+}
+
+TEST_F(Work, AnotherArithmeticMayTakeOverWhenNothingOfTheOldOneIsLeft) {
+  const std::string done = submit();
+  work('a');
+  now_ += std::chrono::seconds(11);  // the old worker is gone
+  coordinator().tick();
+  v1::SynchronizeRequest successor = greeting('b');
+  successor.set_arithmetic_fingerprint("beef");
+  submit();
+  EXPECT_EQ(synchronize(successor).leases_size(), 1);
+  // But what the old one began cannot be continued.
+  EXPECT_EQ(coordinator().extend_job(done, kSpp + 1).error().code, ErrorCode::kFailedPrecondition);
+}
+
+TEST_F(Work, AnUnfinishedJobKeepsItsArithmeticAcrossARestart) {
+  submit();
+  work('a', 1);
+  ASSERT_TRUE(coordinator().checkpoint());
+  open();
+  v1::SynchronizeRequest stranger = greeting('b');
+  stranger.set_arithmetic_fingerprint("beef");
+  const WaitingCall call(coordinator(), stranger);
+  ASSERT_TRUE(call.answered());
+  EXPECT_EQ(call.answer().error().code, ErrorCode::kFailedPrecondition);
+}
+
+TEST_F(Work, AWorkerWithoutAProperIdIsRefused) {
+  v1::SynchronizeRequest request = greeting('a');
+  request.set_worker_id("worker 7");
+  const WaitingCall call(coordinator(), request);
+  ASSERT_TRUE(call.answered());
+  EXPECT_EQ(call.answer().error().code, ErrorCode::kInvalidArgument);
+}
+
+TEST_F(Work, WorkersAreListed) {
+  submit();
+  work('a', 1);
+  synchronize(greeting('a'));
+  const auto workers = coordinator().workers();
+  ASSERT_EQ(workers.size(), 1u);
+  EXPECT_EQ(workers[0].id(), std::string(32, 'a'));
+  EXPECT_EQ(workers[0].name(), "host-a");
+  EXPECT_EQ(workers[0].held_leases(), 1u);
+  EXPECT_GT(workers[0].samples_accepted(), 0u);
+  EXPECT_GT(workers[0].last_seen_at().seconds(), 1'700'000'000);
+}
+
+TEST_F(Work, TheLeaseOfASilentWorkerGoesToAnother) {
+  submit();
+  const v1::Lease lost = synchronize(greeting('a')).leases(0);
+  now_ += std::chrono::seconds(11);
+  coordinator().tick();
+  work('b');
+  EXPECT_EQ(coordinator().jobs()[0].state(), v1::JOB_STATE_DONE);
+  EXPECT_EQ(deliver(delivery('a', lost)).accepted_items(), 0u);
+}
+
+}  // namespace
+}  // namespace tessera::coordinator
