@@ -23,10 +23,6 @@ namespace {
 constexpr std::string_view kExrMagic = "\x76\x2f\x31\x01";
 constexpr std::string_view kPngMagic = "\x89PNG\r\n\x1a\n";
 
-bool is_hdr(std::string_view bytes) {
-  return bytes.starts_with("#?RADIANCE\n") || bytes.starts_with("#?RGBE\n");
-}
-
 struct StbFree {
   void operator()(void* texels) const { stbi_image_free(texels); }
 };
@@ -48,8 +44,9 @@ tl::unexpected<Error> unreadable(std::string_view why) {
 }
 
 tl::unexpected<Error> out_of_bounds(int width, int height) {
-  return fail(ErrorCode::kInvalidArgument,
-              fmt::format("its size of {}x{} pixels is out of bounds", width, height));
+  return fail(
+      ErrorCode::kInvalidArgument,
+      fmt::format("its size of {}x{} pixels is not plausible for a file of its length", width, height));
 }
 
 // `load` is one of stb's stbi_load*_from_memory.
@@ -145,7 +142,7 @@ Result<Image> decode_image(std::string_view bytes) {
   try {
     if (bytes.starts_with(kExrMagic)) return decode_exr(bytes);
     if (bytes.starts_with("PF\n") || bytes.starts_with("Pf\n")) return decode_pfm(bytes);
-    if (bytes.starts_with(kPngMagic) || is_hdr(bytes)) return decode_png_or_hdr(bytes);
+    if (bytes.starts_with(kPngMagic) || is_hdr_picture(bytes)) return decode_png_or_hdr(bytes);
     return fail(ErrorCode::kInvalidArgument, "not a PNG, EXR, HDR or PFM picture");
   } catch (const std::bad_alloc&) {
     return fail(ErrorCode::kResourceExhausted, "not enough memory for the picture");

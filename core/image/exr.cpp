@@ -74,8 +74,9 @@ Result<Image> image_for_window(const Imath::Box2i& window, std::size_t file_byte
   const std::int64_t width = std::int64_t{window.max.x} - window.min.x + 1;
   const std::int64_t height = std::int64_t{window.max.y} - window.min.y + 1;
   if (!is_plausible_size(width, height, file_bytes)) {
-    return fail(ErrorCode::kInvalidArgument,
-                fmt::format("its size of {}x{} pixels is out of bounds", width, height));
+    return fail(
+        ErrorCode::kInvalidArgument,
+        fmt::format("its size of {}x{} pixels is not plausible for a file of its length", width, height));
   }
   return Image(static_cast<int>(width), static_cast<int>(height));
 }

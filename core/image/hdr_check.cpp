@@ -34,6 +34,10 @@ bool skip_channel(std::string_view& data, int width) {
 
 }  // namespace
 
+bool is_hdr_picture(std::string_view bytes) {
+  return bytes.starts_with("#?RADIANCE\n") || bytes.starts_with("#?RGBE\n");
+}
+
 bool is_complete_hdr(std::string_view bytes, int width, int height) {
   std::string_view data = pixel_data(bytes);
   const bool may_be_packed = width >= 8 && width < 32768;

@@ -15,10 +15,10 @@ inline constexpr std::int64_t kMaxPngPixels = std::int64_t{1} << 29;
 inline constexpr std::int64_t kMaxHdrPixels = (std::int64_t{1} << 31) / 12;
 
 // Whether a file of `file_bytes` may claim to hold a picture of this size. Even a black one needs a byte for
-// some thousand pixels; a short file that claims more is made to exhaust memory.
+// some hundred pixels; a short file that claims many more is made to exhaust memory.
 inline bool is_plausible_size(std::int64_t width, std::int64_t height, std::size_t file_bytes) {
   if (width < 1 || height < 1 || width > kMaxPictureSidePx || height > kMaxPictureSidePx) return false;
-  constexpr std::int64_t kAlwaysAllowed = 1 << 24, kMostPixelsPerByte = 4096;
+  constexpr std::int64_t kAlwaysAllowed = 1 << 22, kMostPixelsPerByte = 1024;
   return width * height <= kMaxPicturePixels &&
          width * height <= kAlwaysAllowed + kMostPixelsPerByte * static_cast<std::int64_t>(file_bytes);
 }

@@ -104,10 +104,6 @@ Result<TextureImage> decode(std::string_view bytes, ColorSpace color_space) {
 
 }  // namespace
 
-bool is_hdr_picture(std::string_view bytes) {
-  return bytes.starts_with("#?RADIANCE\n") || bytes.starts_with("#?RGBE\n");
-}
-
 Result<TextureImage> decode_texture_image(std::string_view bytes, ColorSpace color_space) {
   if (!bytes.starts_with(kPngStart) && !bytes.starts_with(kJpegStart) && !is_hdr_picture(bytes))
     return fail(ErrorCode::kInvalidArgument, "is not a PNG, JPEG or HDR picture");

@@ -10,9 +10,6 @@ namespace tessera::core {
 
 inline constexpr std::int64_t kMaxTexturePixels = std::int64_t{1} << 28;
 
-// Whether the bytes begin like a Radiance HDR file, whose values are linear radiance.
-bool is_hdr_picture(std::string_view bytes);
-
 // 8-bit files stay bytes in `color_space`; 16-bit PNGs become linear floats; HDR values are linear whatever
 // `color_space` says. Gray becomes RGB; opacity is dropped. Errors complete a sentence that begins with the
 // file's name: "is not a PNG, JPEG or HDR picture".

@@ -4,6 +4,7 @@
 
 #include <new>
 
+#include "core/image/hdr_check.hpp"
 #include "core/scene/loader/text_lines.hpp"
 #include "core/scene/loader/wording.hpp"
 #include "core/textures/image_decoder.hpp"

@@ -59,7 +59,7 @@ TEST_P(HostileFile, EveryTruncationIsAnError) {
 
 TEST_P(HostileFile, MutationsAreSurvived) {
   const std::string bytes = valid_bytes();
-  for (std::uint64_t seed = 0; seed < 3000; ++seed) {
+  for (std::uint64_t seed = 0; seed < 1500; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     std::mt19937_64 random(seed);
     std::string mutated = bytes;
