@@ -2,11 +2,8 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cstdint>
 #include <memory>
-#include <optional>
 #include <string>
-#include <thread>
 #include <utility>
 
 #include "client/commands.hpp"
@@ -14,8 +11,8 @@
 #include "client/interrupt.hpp"
 #include "client/local_render.hpp"
 #include "client/picture_files.hpp"
+#include "client/render_options.hpp"
 #include "client/render_stats.hpp"
-#include "client/scene_flags.hpp"
 #include "core/image/file_io.hpp"
 #include "core/integrators/render.hpp"
 #include "core/scene/loader/loader.hpp"
@@ -25,26 +22,6 @@ namespace {
 
 using core::Result;
 using core::Status;
-
-constexpr const char* kFooter =
-    R"(Values given here replace those of the scene file. The picture is the same, byte
-for byte, for any number of threads, and on a farm (tessera submit).
-
-Exit status: 0 done, 1 failed, 2 wrong command line, 130 interrupted. Ctrl-C
-leaves no file.
-
-Examples:
-  tessera render scenes/cornell/scene.json -o cornell.png
-  tessera render scene.json -o out.exr -o out.png --spp 256 --size 1920x1080
-  tessera render scene.json -o quick.png --spp 4 --integrator nee --stats s.json)";
-
-struct RenderOptions {
-  SceneFlags scene;                      // what to render, and where to put it
-  int threads = 0;                       // 0: as many as the machine runs at once
-  std::string stats_path;                // empty: none
-  std::optional<core::SampleId> sample;  // replay this one instead of rendering
-  bool quiet = false;                    // no progress and no closing line; warnings remain
-};
 
 struct LoadedScene {
   core::Scene scene;
@@ -181,52 +158,12 @@ int run_render(const RenderOptions& options) {
   return render_picture(options, *loaded);
 }
 
-core::SampleId parse_sample(const std::string& text) {
-  const std::size_t first = text.find(','), second = text.find(',', first + 1);
-  if (first == std::string::npos || second == std::string::npos) {
-    throw CLI::ValidationError("--sample",
-                               fmt::format("must be X,Y,S: a pixel and a sample number; got '{}'", text));
-  }
-  constexpr int kMaxCoordinate = core::kMaxImageSidePx - 1;
-  const auto number = [](const std::string& part, std::uint64_t most) {
-    return parse_whole_number("--sample", part, 0, most);
-  };
-  return {.x = static_cast<int>(number(text.substr(0, first), kMaxCoordinate)),
-          .y = static_cast<int>(number(text.substr(first + 1, second - first - 1), kMaxCoordinate)),
-          .sample = static_cast<std::uint32_t>(number(text.substr(second + 1), core::kMaxSpp - 1))};
-}
-
-void add_local_options(CLI::App& command, RenderOptions& options) {
-  constexpr std::uint64_t kMaxThreads = 1024;
-  command
-      .add_option_function<std::string>(
-          "--threads",
-          [&options](const std::string& text) {
-            options.threads = static_cast<int>(parse_whole_number("--threads", text, 1, kMaxThreads));
-          },
-          "Threads to render with [as many as the machine has]")
-      ->type_name("N");
-  command.add_option("--stats", options.stats_path, "Write counts, times and memory as JSON")
-      ->type_name("FILE.json");
-  command.add_flag("-q,--quiet", options.quiet, "No progress; warnings and errors only");
-  command
-      .add_option_function<std::string>(
-          "--sample", [&options](const std::string& text) { options.sample = parse_sample(text); },
-          "Print the radiance of sample S of pixel (X, Y) and stop")
-      ->type_name("X,Y,S");
-}
-
 }  // namespace
 
 void add_render_command(CLI::App& app, int& exit_code) {
   CLI::App* command = app.add_subcommand("render", "Render a scene here, in this process");
   const auto options = std::make_shared<RenderOptions>();
-  options->threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-  add_scene_argument(*command, options->scene);
-  add_output_option(*command, options->scene);
-  add_override_options(*command, options->scene.overrides);
-  add_local_options(*command, *options);
-  command->footer(kFooter);
+  add_render_options(*command, *options);
   command->callback([options, &exit_code] {
     if (options->scene.output_paths.empty() && !options->sample) throw CLI::RequiredError("-o FILE");
     exit_code = run_render(*options);
