@@ -87,6 +87,15 @@ TEST_F(Restart, TakesALeaseOverOnceThoughItIsReportedForTwoJobs) {
   EXPECT_EQ(sync("w", {first, second}, 0).leases, std::vector{first});
 }
 
+TEST_F(Restart, TakesOverNoMoreLeasesThanAWorkerMayHold) {
+  submit("job", tiles(100, 8));
+  restart();
+  std::vector<LeaseDescription> held;
+  for (int i = 1; i <= 6; ++i)
+    held.push_back({LeaseId{static_cast<std::uint64_t>(i)}, {"job"}, {{i, {0, 8}}}});
+  EXPECT_EQ(sync("w", held, 6).leases, std::vector(held.begin(), held.begin() + 4));
+}
+
 TEST_F(Restart, CountsResultsOfLeasesFromBefore) {
   submit("job", tiles(100, 8));
   const LeaseDescription lease = lease_to("w");

@@ -101,6 +101,7 @@ TEST_F(Results, CannotFinishTheLeaseOfAnother) {
   submit("job", tiles(100, 4));
   const LeaseDescription lease = lease_to("holder");
   deliver("liar", lease, {}, true);
+  EXPECT_EQ(job("job").active_workers, 1);
   EXPECT_EQ(sync("holder", {lease}).leases, std::vector{lease});
 }
 
