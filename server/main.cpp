@@ -53,6 +53,8 @@ core::Status run(const server::Options& options, const sigset_t& stop_signals) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  // Errors are told once, in our words; GRPC_VERBOSITY=DEBUG brings gRPC's own back.
+  setenv("GRPC_VERBOSITY", "NONE", 0);
   spdlog::set_default_logger(spdlog::stderr_color_mt("tessera-coordinator"));
   const sigset_t stop_signals = block_stop_signals();
   const auto ended = run(server::parse_options(argc, argv), stop_signals);

@@ -82,26 +82,43 @@ std::vector<v1::ListWorkersResponse::Worker> Coordinator::workers() {
 void Coordinator::tick() {
   Turn turn(*this);
   apply(turn, scheduler_.handle(scheduler::Tick{}, turn.now()));
-  std::vector<std::string> due;
-  for (const auto& [worker, call] : parked_) {
-    if (call.deadline <= turn.now()) due.push_back(worker);
-  }
-  for (const std::string& worker : due) apply(turn, top_up(turn, worker, true));
+  answer_due_calls(turn);
   if (turn.now() < next_check_) return;
   next_check_ = turn.now() + kCheckPeriod;
+  note_workers(turn);
   if (const auto broken = scheduler_.check_invariants(scheduler::CheckDepth::kCounters)) {
     spdlog::critical("a defect, please report it with this line: {}", *broken);
     std::abort();
   }
 }
 
+void Coordinator::answer_due_calls(Turn& turn) {
+  std::vector<std::string> due;
+  for (const auto& [worker, call] : parked_) {
+    if (call.deadline <= turn.now() || call.caller.is_gone()) due.push_back(worker);
+  }
+  for (const std::string& worker : due) apply(turn, top_up(turn, worker, true));
+}
+
+void Coordinator::note_workers(const Turn& turn) {
+  std::map<std::string, std::string> present;
+  for (const scheduler::WorkerView& worker : scheduler_.workers(turn.now())) {
+    if (!worker.silent) present.emplace(worker.info.id.value, worker.info.name);
+  }
+  for (const auto& [id, name] : present) {
+    if (present_.count(id) == 0) spdlog::info("worker {} ({}) has come", name, id);
+  }
+  for (const auto& [id, name] : present_) {
+    if (present.count(id) == 0) spdlog::warn("worker {} ({}) has fallen silent", name, id);
+  }
+  present_ = std::move(present);
+}
+
 void Coordinator::close() {
   Turn turn(*this);
   closed_ = true;
   for (auto& [worker, call] : parked_) {
-    turn.later([answer = std::move(call.answer)] {
-      answer(core::fail(core::ErrorCode::kUnavailable, "the coordinator is stopping: try again"));
-    });
+    refuse(turn, call.caller, {core::ErrorCode::kUnavailable, "the coordinator is stopping: try again"});
   }
   parked_.clear();
 }

@@ -29,6 +29,8 @@ namespace tessera::coordinator {
 struct Options {
   // A worker that is silent for so long loses its leases. See scheduler::Options.
   scheduler::Duration lease_duration = std::chrono::seconds(10);
+  // Largest picture. A film takes 48 bytes of memory for each pixel while its job is not finished.
+  std::uint64_t max_pixels = std::uint64_t{1} << 28;
   // The clock. Tests bring their own.
   std::function<scheduler::Time()> now = std::chrono::steady_clock::now;
 };
@@ -43,8 +45,13 @@ struct Picture {
   core::Image image;
 };
 
-// Called exactly once, on any thread, outside the gate.
-using SynchronizeAnswer = std::function<void(core::Result<v1::SynchronizeResponse>)>;
+// Who waits for the answer to a Synchronize.
+struct SynchronizeCaller {
+  // Called exactly once, on any thread, outside the gate.
+  std::function<void(core::Result<v1::SynchronizeResponse>)> answer;
+  // Whether nobody listens any more; asked until then, on any thread. Nothing is leased to it then.
+  std::function<bool()> is_gone = [] { return false; };
+};
 
 class Coordinator {
  public:
@@ -71,7 +78,7 @@ class Coordinator {
 
   // ---- For workers ----
   // Answers at once, or when there is something to change, or before the worker must be heard of again.
-  void synchronize(const v1::SynchronizeRequest& request, SynchronizeAnswer answer);
+  void synchronize(const v1::SynchronizeRequest& request, SynchronizeCaller caller);
   core::Result<v1::SubmitResultResponse> submit_result(const v1::SubmitResultRequest& request);
 
   const store::BlobStore& blobs() const { return state_.blobs; }
@@ -89,7 +96,7 @@ class Coordinator {
  private:
   class Turn;
   struct ParkedCall {
-    SynchronizeAnswer answer;
+    SynchronizeCaller caller;
     std::set<std::string> known_jobs;
     scheduler::Time deadline;
   };
@@ -123,6 +130,9 @@ class Coordinator {
   v1::Job describe_now(const Turn& turn, const JobRecord& record) const;
   void apply(Turn& turn, const scheduler::Actions& actions);
   void note_change(const scheduler::JobChange& change);
+  void note_workers(const Turn& turn);
+  void answer_due_calls(Turn& turn);
+  static void refuse(Turn& turn, SynchronizeCaller& caller, const core::Error& error);
   core::Status admit(const Turn& turn, const v1::SynchronizeRequest& request);
   bool arithmetic_is_bound(const Turn& turn, const std::string& except_worker) const;
   scheduler::Actions top_up(Turn& turn, const std::string& worker, bool answer_unchanged);
@@ -157,8 +167,9 @@ class Coordinator {
   scheduler::Scheduler scheduler_;
   std::map<std::string, JobRecord> jobs_;
   std::map<std::string, std::string> job_of_request_;
-  std::map<std::string, ParkedCall> parked_;  // by worker
-  std::string arithmetic_;                    // fingerprint of this farm; empty while any will do
+  std::map<std::string, ParkedCall> parked_;    // by worker
+  std::string arithmetic_;                      // fingerprint of this farm; empty while any will do
+  std::map<std::string, std::string> present_;  // names of the workers that are heard of, by id; for the log
   scheduler::Time next_check_{};
   bool closed_ = false;
 };

@@ -60,6 +60,12 @@ core::Result<v1::Job> Coordinator::submit_job(const v1::SubmitJobRequest& reques
   const auto settings = check_scene_(request.bundle(), request.overrides());
   if (!settings) return core::fail(settings.error());
   if (const auto possible = proto::from_proto(*settings); !possible) return core::fail(possible.error());
+  const std::uint64_t pixels = std::uint64_t{settings->width_px()} * settings->height_px();
+  if (pixels > options_.max_pixels) {
+    return core::fail(ErrorCode::kResourceExhausted,
+                      fmt::format("a picture on this farm has at most {} pixels, got {} x {}",
+                                  options_.max_pixels, settings->width_px(), settings->height_px()));
+  }
 
   v1::Job spec;
   spec.set_id(random_id());

@@ -60,15 +60,13 @@ core::Result<std::vector<core::FilmTile>> decode_items(const v1::SubmitResultReq
 
 }  // namespace
 
-void Coordinator::synchronize(const v1::SynchronizeRequest& request, SynchronizeAnswer answer) {
+void Coordinator::synchronize(const v1::SynchronizeRequest& request, SynchronizeCaller caller) {
   Turn turn(*this);
   core::Status admitted = check_request(request);
   if (admitted && closed_)
     admitted = core::fail(ErrorCode::kUnavailable, "the coordinator is stopping: try again");
   if (admitted) admitted = admit(turn, request);
-  if (!admitted) {
-    return turn.later([answer = std::move(answer), error = admitted.error()] { answer(core::fail(error)); });
-  }
+  if (!admitted) return refuse(turn, caller, admitted.error());
 
   scheduler::Synchronize event{info_of(request),
                                {},
@@ -79,12 +77,9 @@ void Coordinator::synchronize(const v1::SynchronizeRequest& request, Synchronize
       event.held.push_back(from_wire(lease, grid_of(*record->spec)));
   }
   const scheduler::Actions actions = scheduler_.handle(event, turn.now());
-  if (!actions.status) {
-    return turn.later(
-        [answer = std::move(answer), error = actions.status.error()] { answer(core::fail(error)); });
-  }
+  if (!actions.status) return refuse(turn, caller, actions.status.error());
   const scheduler::Reply& reply = *actions.reply;
-  ParkedCall call{std::move(answer),
+  ParkedCall call{std::move(caller),
                   {request.known_job_ids().begin(), request.known_job_ids().end()},
                   turn.now() + reply.heard_within / kCallsPerLease};
   const bool lacks_spec = std::any_of(reply.leases.begin(), reply.leases.end(), [&](const auto& lease) {
@@ -95,6 +90,10 @@ void Coordinator::synchronize(const v1::SynchronizeRequest& request, Synchronize
   parked_.emplace(request.worker_id(), std::move(call));
   if (reply.changed || lacks_spec || nothing_left) release_parked(turn, request.worker_id(), reply);
   apply(turn, actions);
+}
+
+void Coordinator::refuse(Turn& turn, SynchronizeCaller& caller, const core::Error& error) {
+  turn.later([answer = std::move(caller.answer), error] { answer(core::fail(error)); });
 }
 
 core::Status Coordinator::admit(const Turn& turn, const v1::SynchronizeRequest& request) {
@@ -127,19 +126,28 @@ bool Coordinator::arithmetic_is_bound(const Turn& turn, const std::string& excep
 }
 
 scheduler::Actions Coordinator::top_up(Turn& turn, const std::string& worker, bool answer_unchanged) {
-  if (parked_.count(worker) == 0) return {};
+  const auto call = parked_.find(worker);
+  if (call == parked_.end()) return {};
+  if (call->second.caller.is_gone()) {
+    refuse(turn, call->second.caller, {ErrorCode::kCancelled, "the caller has gone"});
+    parked_.erase(call);
+    return {};
+  }
   scheduler::Actions actions = scheduler_.handle(scheduler::TopUp{{worker}}, turn.now());
-  if (actions.reply && (actions.reply->changed || answer_unchanged))
+  if (!actions.status) {
+    refuse(turn, call->second.caller, actions.status.error());
+    parked_.erase(call);
+  } else if (actions.reply->changed || answer_unchanged) {
     release_parked(turn, worker, *actions.reply);
+  }
   return actions;
 }
 
 void Coordinator::release_parked(Turn& turn, const std::string& worker, const scheduler::Reply& reply) {
   auto call = parked_.extract(worker);
   if (call.empty()) return;
-  turn.later([answer = std::move(call.mapped().answer), response = respond(reply, call.mapped().known_jobs)] {
-    answer(response);
-  });
+  turn.later([answer = std::move(call.mapped().caller.answer),
+              response = respond(reply, call.mapped().known_jobs)] { answer(response); });
 }
 
 v1::SynchronizeResponse Coordinator::respond(const scheduler::Reply& reply,

@@ -34,7 +34,8 @@ ImageStream::ImageStream(coordinator::Coordinator& coordinator, coordinator::Thr
                          const v1::GetImageRequest& request)
     : coordinator_(coordinator) {
   const bool posted = pool.post([this, request] {
-    if (auto taken = take_picture(request); !taken) return Finish(proto::to_grpc(taken));
+    if (auto taken = guarded([&] { return take_picture(request); }); !taken)
+      return Finish(proto::to_grpc(taken));
     write_next();
   });
   if (!posted) Finish(busy());

@@ -5,6 +5,8 @@
 #include <grpcpp/server_context.h>
 #include <grpcpp/support/server_callback.h>
 
+#include <exception>
+#include <new>
 #include <utility>
 
 #include "proto/status.hpp"
@@ -17,6 +19,18 @@ inline grpc::Status busy() {
   return {grpc::StatusCode::UNAVAILABLE, "the coordinator has too much to do at this moment: try again"};
 }
 
+// The status of `work()`, also when it throws: what libraries throw ends here.
+template <typename Work>
+core::Status guarded(const Work& work) {
+  try {
+    return work();
+  } catch (const std::bad_alloc&) {
+    return core::fail(core::ErrorCode::kResourceExhausted, "the coordinator has not enough memory for this");
+  } catch (const std::exception& error) {
+    return core::fail(core::ErrorCode::kInternal, error.what());
+  }
+}
+
 // Answers a unary call with the status of `work()`, run on `pool`. What `work` refers to must live until
 // then; request and response of a call do.
 template <typename Work>
@@ -24,7 +38,7 @@ grpc::ServerUnaryReactor* run_unary(grpc::CallbackServerContext* context, coordi
                                     Work work) {
   grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
   const bool posted =
-      pool.post([reactor, work = std::move(work)] { reactor->Finish(proto::to_grpc(core::Status(work()))); });
+      pool.post([reactor, work = std::move(work)] { reactor->Finish(proto::to_grpc(guarded(work))); });
   if (!posted) reactor->Finish(busy());
   return reactor;
 }

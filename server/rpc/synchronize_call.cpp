@@ -7,12 +7,15 @@
 
 namespace tessera::rpc {
 
-SynchronizeCall::SynchronizeCall(coordinator::Coordinator& coordinator, coordinator::ThreadPool& pool,
-                                 const v1::SynchronizeRequest* request, v1::SynchronizeResponse* response)
+SynchronizeCall::SynchronizeCall(grpc::CallbackServerContext& context, coordinator::Coordinator& coordinator,
+                                 coordinator::ThreadPool& pool, const v1::SynchronizeRequest* request,
+                                 v1::SynchronizeResponse* response)
     : response_(response) {
-  const bool posted = pool.post([this, &coordinator, request] {
-    coordinator.synchronize(
-        *request, [this](core::Result<v1::SynchronizeResponse> result) { answer(std::move(result)); });
+  const bool posted = pool.post([this, &context, &coordinator, request] {
+    coordinator::SynchronizeCaller caller;
+    caller.answer = [this](core::Result<v1::SynchronizeResponse> result) { answer(std::move(result)); };
+    caller.is_gone = [&context] { return context.IsCancelled(); };
+    coordinator.synchronize(*request, std::move(caller));
   });
   if (!posted) Finish(busy());
 }

@@ -8,12 +8,12 @@
 
 namespace tessera::rpc {
 
-// Owned by gRPC until OnDone, which comes after the one Finish. The coordinator answers exactly once, a few
-// seconds later at the most; a call whose client has gone is left to that.
+// Owned by gRPC until OnDone, which comes after the one Finish; the coordinator answers exactly once.
 class SynchronizeCall final : public grpc::ServerUnaryReactor {
  public:
-  SynchronizeCall(coordinator::Coordinator& coordinator, coordinator::ThreadPool& pool,
-                  const v1::SynchronizeRequest* request, v1::SynchronizeResponse* response);
+  SynchronizeCall(grpc::CallbackServerContext& context, coordinator::Coordinator& coordinator,
+                  coordinator::ThreadPool& pool, const v1::SynchronizeRequest* request,
+                  v1::SynchronizeResponse* response);
 
  private:
   void answer(core::Result<v1::SynchronizeResponse> result);

@@ -6,10 +6,10 @@
 
 namespace tessera::rpc {
 
-grpc::ServerUnaryReactor* WorkerService::Synchronize(grpc::CallbackServerContext*,
+grpc::ServerUnaryReactor* WorkerService::Synchronize(grpc::CallbackServerContext* context,
                                                      const v1::SynchronizeRequest* request,
                                                      v1::SynchronizeResponse* response) {
-  return new SynchronizeCall(coordinator_, pool_, request, response);
+  return new SynchronizeCall(*context, coordinator_, pool_, request, response);
 }
 
 grpc::ServerUnaryReactor* WorkerService::SubmitResult(grpc::CallbackServerContext* context,

@@ -80,6 +80,17 @@ TEST_F(Jobs, ASceneThatIsRefusedBecomesNoJob) {
   EXPECT_TRUE(coordinator().jobs().empty());
 }
 
+TEST_F(Jobs, APictureTooLargeForTheFarmIsRefused) {
+  check_scene_ = [](const v1::Bundle& bundle, const v1::RenderOverrides& overrides) {
+    auto settings = *accept_scene(bundle, overrides);
+    settings.set_width_px(32768);
+    settings.set_height_px(16384);
+    return core::Result<v1::RenderSettings>(settings);
+  };
+  open();
+  EXPECT_EQ(coordinator().submit_job(submission()).error().code, ErrorCode::kResourceExhausted);
+}
+
 TEST_F(Jobs, AreListedNewestFirst) {
   const std::string first = submit(), second = submit();
   const auto jobs = coordinator().jobs();

@@ -146,10 +146,13 @@ void ScriptedFarm::work(char worker, int leases) {
 
 WaitingCall::WaitingCall(Coordinator& coordinator, const v1::SynchronizeRequest& request)
     : answer_(std::make_shared<std::optional<core::Result<v1::SynchronizeResponse>>>()) {
-  coordinator.synchronize(request, [answer = answer_](core::Result<v1::SynchronizeResponse> result) {
+  SynchronizeCaller caller;
+  caller.answer = [answer = answer_](core::Result<v1::SynchronizeResponse> result) {
     EXPECT_FALSE(answer->has_value()) << "answered twice";
     answer->emplace(std::move(result));
-  });
+  };
+  caller.is_gone = [gone = gone_] { return *gone; };
+  coordinator.synchronize(request, std::move(caller));
 }
 
 }  // namespace tessera::coordinator

@@ -61,11 +61,14 @@ class WaitingCall {
  public:
   WaitingCall(Coordinator& coordinator, const v1::SynchronizeRequest& request);
 
+  // Hangs up.
+  void leave() { *gone_ = true; }
   bool answered() const { return answer_->has_value(); }
   const core::Result<v1::SynchronizeResponse>& answer() const { return **answer_; }
 
  private:
   std::shared_ptr<std::optional<core::Result<v1::SynchronizeResponse>>> answer_;
+  std::shared_ptr<bool> gone_ = std::make_shared<bool>(false);
 };
 
 }  // namespace tessera::coordinator

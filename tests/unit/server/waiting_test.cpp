@@ -88,6 +88,19 @@ TEST_F(Waiting, AWorkerThatLeavesAndHoldsNothingIsNotKept) {
   EXPECT_EQ(synchronize(request).leases_size(), 0);
 }
 
+TEST_F(Waiting, WhoHasHungUpIsLeasedNothing) {
+  WaitingCall gone(coordinator(), greeting('a'));
+  gone.leave();
+  const WaitingCall waiting(coordinator(), greeting('b'));
+  submit();
+  ASSERT_TRUE(gone.answered() && waiting.answered());
+  EXPECT_EQ(gone.answer().error().code, ErrorCode::kCancelled);
+  EXPECT_EQ(waiting.answer()->leases_size(), 1);
+  const auto workers = coordinator().workers();
+  ASSERT_EQ(workers.size(), 2u);
+  EXPECT_EQ(workers[0].held_leases(), 0u);
+}
+
 TEST_F(Waiting, ClosingAnswersEveryone) {
   const WaitingCall waiting(coordinator(), greeting('a'));
   coordinator().close();

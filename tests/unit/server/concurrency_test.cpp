@@ -1,0 +1,76 @@
+// Everything at once, for races: workers, users, checkpoints and time, each on a thread of its own.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <functional>
+#include <future>
+#include <thread>
+#include <vector>
+
+#include "tests/unit/server/scripted_farm.hpp"
+
+namespace tessera::coordinator {
+namespace {
+
+class Concurrency : public ScriptedFarm {
+ protected:
+  // Waits for the answer.
+  core::Result<v1::SynchronizeResponse> synchronize_blocking(char worker) {
+    std::promise<core::Result<v1::SynchronizeResponse>> promise;
+    SynchronizeCaller caller;
+    caller.answer = [&](core::Result<v1::SynchronizeResponse> result) {
+      promise.set_value(std::move(result));
+    };
+    coordinator().synchronize(greeting(worker), std::move(caller));
+    return promise.get_future().get();
+  }
+  void work_until_closed(char worker) {
+    while (const auto response = synchronize_blocking(worker)) {
+      for (const v1::Lease& lease : response->leases()) {
+        // Twice, and by both names: the second one is dropped.
+        EXPECT_TRUE(coordinator().submit_result(delivery(worker, lease)));
+        EXPECT_TRUE(coordinator().submit_result(delivery('d', lease)));
+      }
+    }
+  }
+};
+
+TEST_F(Concurrency, NothingIsLostOrCountedTwice) {
+  constexpr std::uint32_t kExtendedSpp = 40;
+  const std::vector<std::string> jobs{submit(), submit()};
+  std::atomic<bool> stopping = false;
+  std::vector<std::thread> threads;
+  const auto repeat = [&](std::function<void()> action) {
+    threads.emplace_back([&stopping, action = std::move(action)] {
+      while (!stopping) action();
+    });
+  };
+  for (const char worker : {'a', 'b', 'c'})
+    threads.emplace_back([this, worker] { work_until_closed(worker); });
+  repeat([&] { EXPECT_TRUE(coordinator().checkpoint()); });
+  repeat([&] { coordinator().tick(); });
+  repeat([&] { EXPECT_TRUE(coordinator().picture(jobs[0])); });
+  repeat([&] { EXPECT_EQ(coordinator().jobs().size(), jobs.size()); });
+  for (std::uint32_t spp = kSpp + 1; spp <= kExtendedSpp; ++spp) {
+    for (const std::string& id : jobs) EXPECT_TRUE(coordinator().extend_job(id, spp));
+    EXPECT_TRUE(coordinator().pause_job(jobs[0]) || job(jobs[0]).state() == v1::JOB_STATE_DONE);
+    EXPECT_TRUE(coordinator().resume_job(jobs[0]) || job(jobs[0]).state() == v1::JOB_STATE_DONE);
+  }
+  for (const std::string& id : jobs) {
+    while (job(id).state() != v1::JOB_STATE_DONE) std::this_thread::yield();
+  }
+  stopping = true;
+  coordinator().close();
+  for (std::thread& thread : threads) thread.join();
+
+  const core::Image expected = ready_made_picture(kWidthPx, kHeightPx, kExtendedSpp);
+  ASSERT_TRUE(coordinator().checkpoint());
+  open();
+  for (const std::string& id : jobs) {
+    EXPECT_EQ(coordinator().picture(id)->image.pixels, expected.pixels);
+    EXPECT_EQ(job(id).counters().samples(), std::uint64_t{kWidthPx} * kHeightPx * kExtendedSpp);
+  }
+}
+
+}  // namespace
+}  // namespace tessera::coordinator
