@@ -43,7 +43,7 @@ forbid "The server includes of core only base, math, film, image and scene/setti
   "${include}core/" --but '^server/validator/|[<"]core/(base|math|film|image)/|[<"]core/scene/settings\.hpp' \
   "${sources[@]}" server
 forbid "The scheduler includes neither RPC nor SQLite, nor any other folder of the server." \
-  "${include}(grpc|google/protobuf|tessera/v1|proto/|sqlite3|server/(store|rpc|http|validator|main))" \
+  "${include}(grpc|google/protobuf|tessera/v1|proto/|sqlite3|server/(coordinator|store|rpc|http|validator|main))" \
   "${sources[@]}" server/scheduler
 
 # The same bytes on every machine.
