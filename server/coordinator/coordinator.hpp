@@ -126,6 +126,8 @@ class Coordinator {
   // ---- Within a turn ----
   JobRecord* find(const std::string& id);
   core::Result<ChangedJob> change(Turn& turn, const std::string& id, const scheduler::Event& event);
+  // Whether its film must be read back before it can take results again.
+  bool needs_film(const Turn& turn, const JobRecord& record) const;
   core::Status may_extend(const JobRecord& record, std::uint32_t spp) const;
   v1::Job describe_now(const Turn& turn, const JobRecord& record) const;
   void apply(Turn& turn, const scheduler::Actions& actions);

@@ -25,7 +25,7 @@ core::Result<Coordinator::Extension> Coordinator::prepare_extension(const std::s
     const JobRecord* record = find(id);
     if (record == nullptr) return core::fail(ErrorCode::kNotFound, fmt::format("there is no job {}", id));
     extension.revision = record->revision;
-    if (record->film || !scheduler::takes_results(scheduler_.job({id}, turn.now())->state)) return extension;
+    if (!needs_film(turn, *record)) return extension;
     spec = record->spec;
   }
   auto loaded = load_film(*spec);
@@ -35,6 +35,10 @@ core::Result<Coordinator::Extension> Coordinator::prepare_extension(const std::s
   }
   extension.film = std::move(loaded->film);
   return extension;
+}
+
+bool Coordinator::needs_film(const Turn& turn, const JobRecord& record) const {
+  return !record.film && scheduler::takes_results(scheduler_.job({record.spec->id()}, turn.now())->state);
 }
 
 core::Status Coordinator::may_extend(const JobRecord& record, std::uint32_t spp) const {
@@ -57,8 +61,8 @@ core::Result<v1::Job> Coordinator::extend_job(const std::string& id, std::uint32
     {
       Turn turn(*this);
       JobRecord* record = find(id);
-      if (record == nullptr) continue;                        // deleted meanwhile: the next round says so
-      if (record->revision != extension->revision) continue;  // changed meanwhile: its film may be another
+      if (record == nullptr || record->revision != extension->revision) continue;  // changed meanwhile
+      if (needs_film(turn, *record) && !extension->film) continue;                 // stored meanwhile
       if (auto may = may_extend(*record, spp); !may) return core::fail(may.error());
       if (!record->film) record->film = std::move(extension->film);
       if (arithmetic_.empty()) arithmetic_ = record->arithmetic;

@@ -14,11 +14,18 @@ using core::ErrorCode;
 
 namespace {
 
+// To whoever submits a scene, an asset that is missing from its bundle is a mistake of the scene like any
+// other.
+core::Error as_mistake(core::Error error) {
+  if (error.code == ErrorCode::kNotFound) error.code = ErrorCode::kInvalidArgument;
+  return error;
+}
+
 core::Result<core::RenderSettings> load(const Question& question) {
   core::BundleAssets assets({question.files().begin(), question.files().end()});
   const std::string& path = question.bundle().scene_path();
   const auto scene = core::load_scene(assets, path, path);
-  if (!scene) return core::fail(scene.error());
+  if (!scene) return core::fail(as_mistake(scene.error()));
   const auto overrides = proto::from_proto(question.overrides());
   if (!overrides) return core::fail(overrides.error());
   const auto settings = core::resolve_settings(scene->settings, *overrides);

@@ -269,11 +269,11 @@ TEST_F(Service, StoppingEndsWaitingCallsAndStoresEverything) {
   work_until_done(id);
   std::promise<grpc::Status> answered;
   grpc::ClientContext context;
-  const v1::SynchronizeRequest request = greeting('a');
+  const v1::SynchronizeRequest request = greeting('b');
   v1::SynchronizeResponse response;
   workers_->async()->Synchronize(&context, &request, &response,
                                  [&](const grpc::Status& status) { answered.set_value(status); });
-  while (coordinator_->workers().empty()) std::this_thread::yield();
+  while (coordinator_->workers().size() < 2) std::this_thread::yield();
   EXPECT_TRUE(server_->stop());
   EXPECT_EQ(answered.get_future().get().error_code(), grpc::StatusCode::UNAVAILABLE);
   coordinator_.reset();
