@@ -10,13 +10,13 @@
 
 #include "core/image/hdr_check.hpp"
 #include "core/image/srgb.hpp"
+#include "core/textures/jpeg_check.hpp"
 
 namespace tessera::core {
 namespace {
 
 constexpr std::string_view kPngStart = "\x89PNG\r\n\x1a\n";
 constexpr std::string_view kJpegStart = "\xff\xd8\xff";
-constexpr std::string_view kJpegEnd = "\xff\xd9";
 
 struct StbFree {
   void operator()(void* texels) const { stbi_image_free(texels); }
@@ -42,6 +42,8 @@ tl::unexpected<Error> broken_picture(std::string_view why) {
 }
 
 Result<Size> checked_size(std::string_view bytes, Encoded encoded) {
+  if (bytes.starts_with(kJpegStart))
+    if (const auto fault = jpeg_fault(bytes)) return broken_picture(*fault);
   Size size;
   int channels = 0;
   if (!stbi_info_from_memory(encoded.data, encoded.size, &size.width, &size.height, &channels))
@@ -52,9 +54,6 @@ Result<Size> checked_size(std::string_view bytes, Encoded encoded) {
                 fmt::format("has {} x {} pixels, more than the {} a texture may have", size.width,
                             size.height, kMaxTexturePixels));
   if (is_hdr_picture(bytes) && !is_complete_hdr(bytes, size.width, size.height))
-    return broken_picture("the file ends too early");
-  // stb_image fills what is missing from a JPEG with gray.
-  if (bytes.starts_with(kJpegStart) && bytes.find(kJpegEnd) == std::string_view::npos)
     return broken_picture("the file ends too early");
   return size;
 }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/base/overloaded.hpp"
+#include "core/scene/loader/wording.hpp"
 
 namespace tessera::core {
 namespace {
@@ -52,8 +53,9 @@ void check_plausibility(const SceneDescription& scene, const std::vector<Place>&
       if (largest > 1)
         mistakes.add(
             i < material_places.size() ? material_places[i] : shapes_place,
-            fmt::format("material {}: its texture times 'tint' reaches {}, and nothing reflects more than 1",
-                        scene.materials[i].name, largest));
+            fmt::format(
+                "the texture of material {} times 'tint' reaches {}, and nothing reflects more than 1",
+                in_quotes(scene.materials[i].name), largest));
     }
   }
   if (!gives_light(scene))

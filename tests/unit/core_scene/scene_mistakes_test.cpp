@@ -355,9 +355,10 @@ TEST(SceneMistakes, OfScenesThatWouldBeBlackOrTooBright) {
   const auto material = [](const std::string& tint) {
     return "\"m\": {\"type\": \"lambert\", \"albedo\": {\"texture\": \"sky\", \"tint\": " + tint + "}}";
   };
-  EXPECT_EQ(mistakes_in(scene_with(textures, material("0.5"), ""), files),
-            "scene.json:3: materials.m: material m: its texture times 'tint' reaches 2, and nothing reflects "
-            "more than 1");
+  EXPECT_EQ(
+      mistakes_in(scene_with(textures, material("0.5"), ""), files),
+      "scene.json:3: materials.m: the texture of material 'm' times 'tint' reaches 2, and nothing reflects "
+      "more than 1");
   EXPECT_EQ(mistakes_in(scene_with(textures, material("0.25"), ""), files), "no mistake");
   EXPECT_EQ(
       mistakes_in(
