@@ -131,7 +131,7 @@ std::string job_description(const v1::Job& job) {
       {"submitted", TimeUtil::ToString(job.created_at())},
       {"scene", fmt::format("{} with {} files", job.bundle().scene_path(), job.bundle().assets_size())}};
   if (!job.failure().empty()) rows.push_back({"failure", job.failure()});
-  if (job.samples_per_second() > 0) rows.push_back({"speed", speed(job.samples_per_second())});
+  if (job.state() == v1::JOB_STATE_RUNNING) rows.push_back({"speed", speed(job.samples_per_second())});
   if (job.has_finished_at()) rows.push_back({"finished", TimeUtil::ToString(job.finished_at())});
   if (job.counters().non_finite_samples() > 0)
     rows.push_back({"non-finite", fmt::format("{} samples", job.counters().non_finite_samples())});

@@ -1,0 +1,118 @@
+// What goes wrong on a farm costs time and never a wrong picture.
+#include <signal.h>
+
+#include "tests/integration/farm_processes.hpp"
+
+namespace tessera::test {
+namespace {
+
+using namespace std::chrono_literals;
+
+class FailuresTest : public FarmTest {
+ protected:
+  static constexpr std::uint64_t kSamples = 256ull * 192 * 48;
+  const std::vector<std::string> options_{"--size", "256x192", "--spp", "48"};
+
+  // A job of which something, and by far not everything, is rendered.
+  std::string start_job() {
+    const std::string id = submit(options_);
+    EXPECT_TRUE(wait_for_samples(id, kSamples / 20));
+    EXPECT_LT(job(id).samples_done(), kSamples) << "the job was over too soon for this test";
+    return id;
+  }
+
+  void expect_local_bytes(const std::string& id) {
+    EXPECT_TRUE(image(id, ".png") == render_here(options_, ".png"));
+    EXPECT_TRUE(image(id, ".exr") == render_here(options_, ".exr"));
+    EXPECT_EQ(job(id).samples_done(), kSamples);
+  }
+};
+
+TEST_F(FailuresTest, AKilledWorkerCostsOnlyItsLease) {
+  start_coordinator();
+  start_worker("survivor", 1);
+  Process& victim = start_worker("victim", 1);
+  ASSERT_TRUE(wait_for_workers(2));
+  const std::string id = start_job();
+  victim.signal(SIGKILL);
+  EXPECT_EQ(victim.wait(5s), 128 + SIGKILL);
+  ASSERT_TRUE(wait_for_state(id, v1::JOB_STATE_DONE));
+  expect_local_bytes(id);
+}
+
+// Leases would last an hour here: the job can only be done in time if the leaving worker gives its own back.
+TEST_F(FailuresTest, AWorkerThatIsToldToStopGivesItsLeasesBack) {
+  start_coordinator(3600);
+  start_worker("stays", 1);
+  Process& leaving = start_worker("leaves", 1);
+  ASSERT_TRUE(wait_for_workers(2));
+  const std::string id = start_job();
+  leaving.signal(SIGTERM);
+  EXPECT_EQ(leaving.wait(5s), 0);
+  ASSERT_TRUE(wait_for_state(id, v1::JOB_STATE_DONE));
+  expect_local_bytes(id);
+}
+
+TEST_F(FailuresTest, ASecondSignalStopsAWorkerAtOnce) {
+  start_coordinator();
+  Process& worker = start_worker("worker", 1);
+  ASSERT_TRUE(wait_for_workers(1));
+  kill_coordinator();
+  // The first has nobody to deliver to and keeps trying; the second does not wait for that.
+  worker.signal(SIGINT);
+  ASSERT_TRUE(poll_until(10s, [&] { return worker.err().find("stopping") != std::string::npos; }));
+  worker.signal(SIGINT);
+  ASSERT_TRUE(worker.wait(2s).has_value());
+}
+
+TEST_F(FailuresTest, AFrozenWorkersLateResultsDoNoHarm) {
+  start_coordinator();
+  start_worker("awake", 1);
+  Process& frozen = start_worker("frozen", 1);
+  ASSERT_TRUE(wait_for_workers(2));
+  const std::string id = start_job();
+  frozen.signal(SIGSTOP);
+  ASSERT_TRUE(wait_for_state(id, v1::JOB_STATE_DONE));
+  const v1::Job done = job(id);
+  frozen.signal(SIGCONT);
+  // It has delivered what nobody waits for any more by the time it renders for another job.
+  const std::string next = submit({"--size", "64x64", "--spp", "1"});
+  ASSERT_TRUE(wait_for_state(next, v1::JOB_STATE_DONE));
+  frozen.signal(SIGTERM);
+  EXPECT_EQ(frozen.wait(10s), 0);
+  EXPECT_EQ(job(id).counters().samples(), done.counters().samples());
+  expect_local_bytes(id);
+}
+
+TEST_F(FailuresTest, AKilledCoordinatorGoesOnWhereItWas) {
+  start_coordinator();
+  start_worker("one", 1);
+  start_worker("two", 1);
+  ASSERT_TRUE(wait_for_workers(2));
+  std::vector<std::string> arguments{"submit", kCornell, "--wait", "-o", (folder_ / "waited.png").string()};
+  arguments.insert(arguments.end(), options_.begin(), options_.end());
+  Process client = start_tessera(arguments);
+  ASSERT_TRUE(poll_until(30s, [&] { return !jobs().empty(); }));
+  const std::string id = jobs().front().id();
+  ASSERT_TRUE(wait_for_samples(id, kSamples / 4));
+
+  kill_coordinator();
+  ASSERT_FALSE(client.wait(100ms).has_value()) << "the client did not wait for the coordinator to come back";
+  restart_coordinator();
+  ASSERT_TRUE(wait_for_state(id, v1::JOB_STATE_DONE));
+  EXPECT_EQ(client.wait(30s), 0);
+  EXPECT_TRUE(read_file(folder_ / "waited.png") == render_here(options_, ".png"));
+  expect_local_bytes(id);
+}
+
+TEST_F(FailuresTest, AWorkerThatIsStartedFirstWaitsForItsCoordinator) {
+  start_coordinator();
+  kill_coordinator();
+  Process& worker = start_worker("early", 1);
+  ASSERT_TRUE(poll_until(20s, [&] { return worker.err().find("cannot reach") != std::string::npos; }));
+  restart_coordinator();
+  EXPECT_TRUE(wait_for_workers(1));
+}
+
+}  // namespace
+}  // namespace tessera::test

@@ -1,0 +1,166 @@
+#include "tests/integration/farm_processes.hpp"
+
+#include <grpcpp/client_context.h>
+#include <signal.h>
+
+#include <iostream>
+
+#include "proto/channel.hpp"
+
+namespace tessera::test {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr Timeout kStartTimeout = 20s;
+constexpr Timeout kCommandTimeout = 60s;
+
+std::string listening_address(const std::string& printed) {
+  const std::string key = "listening on ";
+  const std::size_t begin = printed.find(key);
+  const std::size_t end = printed.find('\n', begin);
+  if (begin == std::string::npos || end == std::string::npos) return "";
+  return printed.substr(begin + key.size(), end - begin - key.size());
+}
+
+}  // namespace
+
+FarmTest::~FarmTest() {
+  if (!HasFailure()) return;
+  for (const ProcessOptions& process : history_) {
+    std::cerr << "---- ";
+    for (const std::string& argument : process.arguments) std::cerr << argument << ' ';
+    std::cerr << '\n' << read_file(process.out) << read_file(process.err);
+  }
+}
+
+ProcessOptions FarmTest::with_files(const std::string& name, std::vector<std::string> arguments) {
+  const std::string stem = name + "-" + std::to_string(++started_);
+  ProcessOptions options;
+  options.arguments = std::move(arguments);
+  options.out = folder_ / (stem + ".out");
+  options.err = folder_ / (stem + ".err");
+  history_.push_back(options);
+  return options;
+}
+
+void FarmTest::start_coordinator(double lease_seconds) {
+  lease_seconds_ = lease_seconds;
+  address_ = "127.0.0.1:0";
+  restart_coordinator();
+}
+
+void FarmTest::restart_coordinator() {
+  const std::string lease = std::to_string(lease_seconds_);
+  coordinator_ = std::make_unique<Process>(
+      with_files("coordinator", {TESSERA_COORDINATOR_PROGRAM, "--listen", address_, "--state",
+                                 (folder_ / "state").string(), "--lease-seconds", lease}));
+  const bool listens =
+      poll_until(kStartTimeout, [this] { return !listening_address(coordinator_->out()).empty(); });
+  ASSERT_TRUE(listens) << "the coordinator did not start";
+  address_ = listening_address(coordinator_->out());
+  if (!api_) api_ = v1::RenderService::NewStub(proto::open_channel(address_));
+}
+
+void FarmTest::kill_coordinator() {
+  coordinator_->signal(SIGKILL);
+  ASSERT_TRUE(coordinator_->wait(kStartTimeout).has_value());
+}
+
+Process& FarmTest::start_worker(const std::string& name, int threads) {
+  workers_.push_back(std::make_unique<Process>(
+      with_files(name, {TESSERA_WORKER, "--coordinator", address_, "--threads", std::to_string(threads),
+                        "--cache", (folder_ / ("cache-" + name)).string(), "--name", name})));
+  return *workers_.back();
+}
+
+Process FarmTest::start_tessera(const std::vector<std::string>& arguments,
+                                const std::filesystem::path& folder) {
+  std::vector<std::string> all{TESSERA_CLIENT};
+  all.insert(all.end(), arguments.begin(), arguments.end());
+  ProcessOptions options = with_files("tessera", std::move(all));
+  options.folder = folder;
+  options.environment["TESSERA_COORDINATOR"] = address_;
+  return Process(std::move(options));
+}
+
+Outcome FarmTest::tessera(const std::vector<std::string>& arguments, const std::filesystem::path& folder) {
+  Process process = start_tessera(arguments, folder);
+  const auto exit_code = process.wait(kCommandTimeout);
+  EXPECT_TRUE(exit_code.has_value()) << "did not end: tessera " << arguments[0];
+  return {exit_code.value_or(-1), process.out(), process.err()};
+}
+
+std::string FarmTest::render_here(const std::vector<std::string>& options, const std::string& ending) {
+  const auto [known, is_new] =
+      rendered_.try_emplace(options, folder_ / ("here-" + std::to_string(rendered_.size())));
+  const std::filesystem::path& folder = known->second;
+  if (is_new) {
+    std::filesystem::create_directory(folder);
+    std::vector<std::string> arguments{"render", kCornell};
+    for (const char* format : {".png", ".exr", ".hdr", ".pfm"}) {
+      arguments.push_back("-o");
+      arguments.push_back((folder / (std::string("picture") + format)).string());
+    }
+    arguments.insert(arguments.end(), options.begin(), options.end());
+    const Outcome outcome = tessera(arguments);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  }
+  return read_file(folder / ("picture" + ending));
+}
+
+std::string FarmTest::submit(const std::vector<std::string>& options) {
+  std::vector<std::string> arguments{"submit", kCornell};
+  arguments.insert(arguments.end(), options.begin(), options.end());
+  const Outcome outcome = tessera(arguments);
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  return outcome.out.substr(0, outcome.out.find('\n'));
+}
+
+std::string FarmTest::image(const std::string& job_id, const std::string& ending) {
+  const std::filesystem::path path = folder_ / ("farm" + ending);
+  const Outcome outcome = tessera({"image", job_id, "-o", path.string()});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  return read_file(path);
+}
+
+v1::RenderService::StubInterface& FarmTest::api() {
+  return *api_;
+}
+
+v1::Job FarmTest::job(const std::string& id) {
+  grpc::ClientContext context;
+  v1::GetJobRequest request;
+  request.set_job_id(id);
+  v1::GetJobResponse response;
+  api().GetJob(&context, request, &response);
+  return response.job();
+}
+
+std::vector<v1::Job> FarmTest::jobs() {
+  grpc::ClientContext context;
+  v1::ListJobsResponse response;
+  api().ListJobs(&context, v1::ListJobsRequest(), &response);
+  return {response.jobs().begin(), response.jobs().end()};
+}
+
+std::vector<v1::ListWorkersResponse::Worker> FarmTest::workers() {
+  grpc::ClientContext context;
+  v1::ListWorkersResponse response;
+  api().ListWorkers(&context, v1::ListWorkersRequest(), &response);
+  return {response.workers().begin(), response.workers().end()};
+}
+
+bool FarmTest::wait_for_samples(const std::string& job_id, std::uint64_t samples) {
+  return poll_until(60s, [&] { return job(job_id).samples_done() >= samples; });
+}
+
+bool FarmTest::wait_for_state(const std::string& job_id, v1::JobState state, Timeout timeout) {
+  return poll_until(timeout, [&] { return job(job_id).state() == state; });
+}
+
+bool FarmTest::wait_for_workers(std::size_t count) {
+  return poll_until(30s, [&] { return workers().size() >= count; });
+}
+
+}  // namespace tessera::test

@@ -1,0 +1,106 @@
+// What users do with jobs, through the command line.
+#include <gmock/gmock.h>
+
+#include "tests/integration/farm_processes.hpp"
+
+namespace tessera::test {
+namespace {
+
+using ::testing::HasSubstr;
+
+class JobsTest : public FarmTest {
+ protected:
+  // Far more than this test waits for.
+  std::string submit_long_job() { return submit({"--size", "256x256", "--spp", "100000", "--name", "long"}); }
+};
+
+TEST_F(JobsTest, PausedJobsWaitAndResumedOnesEndInTheSamePicture) {
+  start_coordinator();
+  start_worker("worker", 2);
+  const std::vector<std::string> options{"--size", "192x128", "--spp", "48"};
+  const std::string id = submit(options);
+  ASSERT_TRUE(wait_for_samples(id, 1));
+  ASSERT_EQ(tessera({"pause", id}).exit_code, 0);
+  ASSERT_EQ(job(id).state(), v1::JOB_STATE_PAUSED);
+  ASSERT_TRUE(poll_until(std::chrono::seconds(20), [&] { return job(id).active_workers() == 0; }));
+  EXPECT_LT(job(id).samples_done(), job(id).samples_total());
+  ASSERT_EQ(tessera({"resume", id}).exit_code, 0);
+  ASSERT_EQ(tessera({"watch", id}).exit_code, 0);
+  EXPECT_TRUE(image(id, ".exr") == render_here(options, ".exr"));
+}
+
+TEST_F(JobsTest, AnExtendedJobBecomesThePictureOfMoreSamples) {
+  start_coordinator();
+  start_worker("worker", 2);
+  const std::string id = submit({"--size", "130x100", "--spp", "5"});
+  ASSERT_EQ(tessera({"watch", id}).exit_code, 0);
+  EXPECT_TRUE(image(id, ".exr") == render_here({"--size", "130x100", "--spp", "5"}, ".exr"));
+  ASSERT_EQ(tessera({"extend", id, "--spp", "23"}).exit_code, 0);
+  ASSERT_EQ(tessera({"watch", id}).exit_code, 0);
+  EXPECT_EQ(job(id).samples_done(), 130u * 100 * 23);
+  EXPECT_TRUE(image(id, ".exr") == render_here({"--size", "130x100", "--spp", "23"}, ".exr"));
+  const Outcome fewer = tessera({"extend", id, "--spp", "3"});
+  EXPECT_EQ(fewer.exit_code, 1);
+  EXPECT_THAT(fewer.err, HasSubstr("3"));
+}
+
+TEST_F(JobsTest, ACancelledJobKeepsItsPictureUntilItIsDeleted) {
+  start_coordinator();
+  start_worker("worker", 1);
+  const std::string id = submit_long_job();
+  ASSERT_TRUE(wait_for_samples(id, 1));
+  ASSERT_EQ(tessera({"cancel", id}).exit_code, 0);
+  const Outcome watched = tessera({"watch", id});
+  EXPECT_EQ(watched.exit_code, 1);
+  EXPECT_THAT(watched.err, HasSubstr("cancelled"));
+  EXPECT_FALSE(image(id, ".png").empty());
+  EXPECT_EQ(tessera({"resume", id}).exit_code, 1);
+  ASSERT_EQ(tessera({"delete", id}).exit_code, 0);
+  const Outcome gone = tessera({"job", id});
+  EXPECT_EQ(gone.exit_code, 1);
+  EXPECT_THAT(gone.err, HasSubstr("no job '" + id + "'"));
+
+  // The worker is free for others at once.
+  const std::string next = submit({"--size", "64x64", "--spp", "1"});
+  EXPECT_EQ(tessera({"watch", next}).exit_code, 0);
+}
+
+TEST_F(JobsTest, AnUnfinishedPictureCanBeFetched) {
+  start_coordinator();
+  start_worker("worker", 1);
+  const std::string id = submit_long_job();
+  ASSERT_TRUE(wait_for_samples(id, 256 * 256));
+  const std::string png = image(id, ".png");
+  EXPECT_EQ(png.substr(0, 8), "\x89PNG\r\n\x1a\n");
+  EXPECT_EQ(job(id).state(), v1::JOB_STATE_RUNNING);
+}
+
+TEST_F(JobsTest, ListsAreForPeopleAndForPrograms) {
+  start_coordinator();
+  start_worker("somebody", 1);
+  ASSERT_TRUE(wait_for_workers(1));
+  const std::string id = submit_long_job();
+  const Outcome jobs = tessera({"jobs"});
+  EXPECT_THAT(jobs.out, HasSubstr(id.substr(0, 12)));
+  EXPECT_THAT(jobs.out, HasSubstr("long"));
+  EXPECT_THAT(tessera({"jobs", "--json"}).out, HasSubstr("\"id\":\"" + id + "\""));
+  EXPECT_THAT(tessera({"workers"}).out, HasSubstr("somebody"));
+  EXPECT_THAT(tessera({"workers", "--json"}).out, HasSubstr("\"name\":\"somebody\""));
+  EXPECT_THAT(tessera({"job", id.substr(0, 6)}).out, HasSubstr(id)) << "the beginning of an id names the job";
+}
+
+TEST_F(JobsTest, WithoutACoordinatorOneSentenceSaysHowToStartOne) {
+  start_coordinator();
+  kill_coordinator();
+  for (const std::vector<std::string>& command :
+       {std::vector<std::string>{"jobs"}, {"workers"}, {"watch", "1"}, {"submit", kCornell}}) {
+    const Outcome outcome = tessera(command);
+    EXPECT_EQ(outcome.exit_code, 1);
+    EXPECT_THAT(outcome.err, HasSubstr("no coordinator answers at " + address()));
+    EXPECT_THAT(outcome.err, HasSubstr("tessera-coordinator"));
+    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+  }
+}
+
+}  // namespace
+}  // namespace tessera::test

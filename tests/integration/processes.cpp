@@ -1,0 +1,110 @@
+#include "tests/integration/processes.hpp"
+
+#include <fcntl.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+#include <sstream>
+#include <thread>
+#include <utility>
+
+namespace tessera::test {
+namespace {
+
+constexpr auto kPollEvery = std::chrono::milliseconds(10);
+constexpr int kCannotStart = 127;
+
+[[noreturn]] void become(const ProcessOptions& options) {
+  const auto redirect = [](const std::filesystem::path& path, int descriptor) {
+    const int file = open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
+    if (file < 0 || dup2(file, descriptor) < 0) _exit(kCannotStart);
+  };
+  redirect(options.out, STDOUT_FILENO);
+  redirect(options.err, STDERR_FILENO);
+  if (chdir(options.folder.c_str()) != 0) _exit(kCannotStart);
+  for (const auto& [name, value] : options.environment) setenv(name.c_str(), value.c_str(), 1);
+  std::vector<char*> arguments;
+  for (const std::string& argument : options.arguments)
+    arguments.push_back(const_cast<char*>(argument.c_str()));
+  arguments.push_back(nullptr);
+  execv(arguments[0], arguments.data());
+  _exit(kCannotStart);
+}
+
+}  // namespace
+
+bool poll_until(Timeout timeout, const std::function<bool()>& condition) {
+  const auto end = std::chrono::steady_clock::now() + timeout;
+  while (!condition()) {
+    if (std::chrono::steady_clock::now() >= end) return false;
+    std::this_thread::sleep_for(kPollEvery);
+  }
+  return true;
+}
+
+std::string read_file(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+void write_file(const std::filesystem::path& path, const std::string& text) {
+  std::ofstream(path, std::ios::binary) << text;
+}
+
+TempFolder::TempFolder() {
+  std::string pattern = (std::filesystem::temp_directory_path() / "tessera-test-XXXXXX").string();
+  if (mkdtemp(pattern.data()) == nullptr) std::abort();
+  path_ = pattern;
+}
+
+TempFolder::~TempFolder() {
+  std::error_code ignored;
+  std::filesystem::remove_all(path_, ignored);
+}
+
+Process::Process(ProcessOptions options) : options_(std::move(options)) {
+  pid_ = fork();
+  if (pid_ < 0) std::abort();
+  if (pid_ == 0) become(options_);
+}
+
+Process::Process(Process&& other) noexcept
+    : options_(std::move(other.options_)), pid_(std::exchange(other.pid_, -1)), ended_(other.ended_) {}
+
+Process::~Process() {
+  if (pid_ < 0 || ended_) return;
+  kill(pid_, SIGKILL);
+  waitpid(pid_, nullptr, 0);
+}
+
+void Process::signal(int number) const {
+  if (!ended_) kill(pid_, number);
+}
+
+std::optional<ExitCode> Process::wait(Timeout timeout) {
+  poll_until(timeout, [this] {
+    int status = 0;
+    if (!ended_ && waitpid(pid_, &status, WNOHANG) == pid_)
+      ended_ = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+    return ended_.has_value();
+  });
+  return ended_;
+}
+
+bool Process::wait_until_catches(int number, Timeout timeout) const {
+  return poll_until(timeout, [&] {
+    std::istringstream status(read_file("/proc/" + std::to_string(pid_) + "/status"));
+    for (std::string line; std::getline(status, line);) {
+      if (!line.starts_with("SigCgt:")) continue;
+      return (std::stoull(line.substr(7), nullptr, 16) >> (number - 1) & 1) != 0;
+    }
+    return false;
+  });
+}
+
+}  // namespace tessera::test

@@ -1,0 +1,76 @@
+// Child processes and folders of a test. Whatever a test starts has ended, and whatever it wrote is gone,
+// when the test is over. Not thread-safe.
+#pragma once
+
+#include <sys/types.h>
+
+#include <chrono>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace tessera::test {
+
+using Timeout = std::chrono::milliseconds;
+
+// Asks again and again until `condition` holds. False if it did not within the timeout.
+bool poll_until(Timeout timeout, const std::function<bool()>& condition);
+
+std::string read_file(const std::filesystem::path& path);
+void write_file(const std::filesystem::path& path, const std::string& text);
+
+class TempFolder {
+ public:
+  TempFolder();
+  ~TempFolder();
+  TempFolder(const TempFolder&) = delete;
+  TempFolder& operator=(const TempFolder&) = delete;
+
+  std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+struct ProcessOptions {
+  std::vector<std::string> arguments;              // the first is the program
+  std::filesystem::path out, err;                  // where its stdout and stderr go
+  std::filesystem::path folder = ".";              // where it runs
+  std::map<std::string, std::string> environment;  // added to this process's
+};
+
+// How a process ended: its exit status, or 128 + the signal that killed it.
+using ExitCode = int;
+
+class Process {
+ public:
+  // Aborts the test program if it cannot be started.
+  explicit Process(ProcessOptions options);
+  // Kills it if it has not ended, and waits.
+  ~Process();
+  Process(Process&& other) noexcept;
+  Process(const Process&) = delete;
+  Process& operator=(Process&&) = delete;
+
+  pid_t pid() const { return pid_; }
+  void signal(int number) const;
+  // Nothing if it has not ended within the timeout.
+  std::optional<ExitCode> wait(Timeout timeout);
+  // Blocks until this signal is handled by the program instead of ending it. False if that took too long.
+  bool wait_until_catches(int number, Timeout timeout) const;
+
+  std::string out() const { return read_file(options_.out); }
+  std::string err() const { return read_file(options_.err); }
+  const std::string& program() const { return options_.arguments.front(); }
+
+ private:
+  ProcessOptions options_;
+  pid_t pid_ = -1;
+  std::optional<ExitCode> ended_;
+};
+
+}  // namespace tessera::test

@@ -1,0 +1,74 @@
+#include "client/farm/job_text.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace tessera::client {
+namespace {
+
+using ::testing::HasSubstr;
+
+v1::Job some_job() {
+  v1::Job job;
+  job.set_id("0123456789abcdef0123456789abcdef");
+  job.set_name("cornell");
+  job.set_state(v1::JOB_STATE_RUNNING);
+  job.mutable_settings()->set_width_px(640);
+  job.mutable_settings()->set_height_px(480);
+  job.mutable_settings()->set_spp(16);
+  job.mutable_settings()->set_integrator(v1::INTEGRATOR_NEE);
+  job.set_samples_total(1000);
+  job.set_samples_done(999);
+  job.set_samples_per_second(1.5e6);
+  job.set_active_workers(2);
+  job.mutable_created_at()->set_seconds(1000);
+  return job;
+}
+
+TEST(JobText, OnlyWhatIsCompleteIsAHundredPercent) {
+  v1::ListJobsResponse jobs;
+  *jobs.add_jobs() = some_job();
+  EXPECT_EQ(jobs_table(jobs, 1090),
+            "JOB           NAME     STATE    DONE     SIZE  SPP  SAMPLES  WORKERS  SUBMITTED\n"
+            "0123456789ab  cornell  running   99%  640x480   16  1.50M/s        2   1:30 ago\n");
+}
+
+TEST(JobText, AJobThatIsOverHasNoSpeed) {
+  v1::Job job = some_job();
+  EXPECT_THAT(job_description(job), HasSubstr("1.50M/s"));
+  job.set_state(v1::JOB_STATE_DONE);
+  EXPECT_THAT(job_description(job), ::testing::Not(HasSubstr("/s")));
+}
+
+TEST(JobText, DescribesWhatWentWrong) {
+  v1::Job job = some_job();
+  job.set_state(v1::JOB_STATE_FAILED);
+  job.set_failure("no such mesh");
+  job.mutable_counters()->set_non_finite_samples(3);
+  const std::string text = job_description(job);
+  EXPECT_THAT(text, HasSubstr("failed"));
+  EXPECT_THAT(text, HasSubstr("no such mesh"));
+  EXPECT_THAT(text, HasSubstr("non-finite"));
+  EXPECT_THAT(text, HasSubstr("nee"));
+}
+
+TEST(JobText, ProgressSaysWhoWorks) {
+  v1::Job job = some_job();
+  EXPECT_EQ(progress_of(job).note, "2 workers");
+  job.set_active_workers(1);
+  EXPECT_EQ(progress_of(job).note, "1 worker");
+  job.set_state(v1::JOB_STATE_PAUSED);
+  EXPECT_EQ(progress_of(job).note, "paused");
+  EXPECT_EQ(progress_of(job).samples_done, 999u);
+}
+
+TEST(JobText, JsonIsOneLineWithTheContractsNames) {
+  const std::string json = to_json_line(some_job());
+  EXPECT_THAT(json, HasSubstr("\"samples_done\":\"999\""));
+  EXPECT_THAT(json, HasSubstr("\"state\":\"JOB_STATE_RUNNING\""));
+  EXPECT_THAT(json, HasSubstr("\"priority\":0"));
+  EXPECT_EQ(json.find('\n'), json.size() - 1);
+}
+
+}  // namespace
+}  // namespace tessera::client
