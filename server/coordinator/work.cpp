@@ -18,6 +18,9 @@ namespace {
 // Waiting calls come back three times in the time within which a worker must be heard of.
 constexpr int kCallsPerLease = 3;
 
+// More would take gigabytes to decompress, in a message of a few kilobytes.
+constexpr int kMaxItemsPerResult = 256;
+
 bool is_id(const std::string& text) {
   return text.size() == 32 && text.find_first_not_of("0123456789abcdef") == std::string::npos;
 }
@@ -48,6 +51,10 @@ core::Status check_first_non_finite(const core::FilmTile& tile) {
 }
 
 core::Result<std::vector<core::FilmTile>> decode_items(const v1::SubmitResultRequest& request) {
+  if (request.items_size() > kMaxItemsPerResult) {
+    return core::fail(ErrorCode::kInvalidArgument, fmt::format("items: at most {} in one message, got {}",
+                                                               kMaxItemsPerResult, request.items_size()));
+  }
   std::vector<core::FilmTile> tiles;
   for (int i = 0; i < request.items_size(); ++i) {
     auto tile = proto::decode_tile(request.items(i));

@@ -33,9 +33,20 @@ int quick_threads() {
   return std::max(2, static_cast<int>(std::thread::hardware_concurrency()));
 }
 
-void log_checkpoint(const core::Status& written) {
-  if (!written) spdlog::error("could not write the checkpoint, will try again: {}", written.error().message);
-}
+// Logs what became of checkpoints, each piece of news once. For one thread at a time.
+class CheckpointLog {
+ public:
+  void note(const core::Status& written) {
+    const std::string failure = written ? "" : written.error().message;
+    if (failure == failure_) return;
+    failure_ = failure;
+    if (written) return spdlog::info("checkpoints are written again");
+    spdlog::error("cannot write checkpoints; a crash would lose the work since the last one: {}", failure);
+  }
+
+ private:
+  std::string failure_;  // empty while all is well
+};
 
 }  // namespace
 
@@ -48,13 +59,14 @@ struct Server::Parts {
         render_service(c, {quick, slow}, watches),
         worker_service(c, quick),
         ticker(kTickPeriod, [this] { coordinator.tick(); }),
-        checkpointer(kCheckpointPeriod, [this] { log_checkpoint(coordinator.checkpoint()); }) {}
+        checkpointer(kCheckpointPeriod, [this] { checkpoint_log.note(coordinator.checkpoint()); }) {}
 
   Coordinator& coordinator;
   coordinator::ThreadPool quick, slow;
   WatchHub watches;
   RenderService render_service;
   WorkerService worker_service;
+  CheckpointLog checkpoint_log;
   coordinator::Periodic ticker, checkpointer;
   std::unique_ptr<grpc::Server> grpc;
 };
@@ -63,7 +75,9 @@ Server::Server(std::unique_ptr<Parts> parts, std::string address)
     : parts_(std::move(parts)), address_(std::move(address)) {}
 
 Server::~Server() {
-  log_checkpoint(stop());
+  if (const auto stopped = stop(); !stopped) {
+    spdlog::error("could not write the last checkpoint: {}", stopped.error().message);
+  }
 }
 
 core::Result<std::unique_ptr<Server>> Server::start(Coordinator& coordinator, const std::string& address) {

@@ -15,7 +15,7 @@ class Server {
   // UNAVAILABLE if the port is taken.
   static core::Result<std::unique_ptr<Server>> start(coordinator::Coordinator& coordinator,
                                                      const std::string& address);
-  // Stops, without a word about the last checkpoint.
+  // Stops, if that was not done before.
   ~Server();
 
   // HOST:PORT with the port that was picked.

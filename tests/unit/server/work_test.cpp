@@ -117,6 +117,15 @@ INSTANTIATE_TEST_SUITE_P(
             [](auto& item) { item.mutable_counters()->mutable_first_non_finite()->set_x(100'000); }}),
     [](const auto& lie) { return lie.param.name; });
 
+TEST_F(Work, AResultOfTooManyItemsIsRefusedUnread) {
+  submit();
+  v1::SubmitResultRequest request = delivery('a', synchronize(greeting('a')).leases(0));
+  while (request.items_size() <= 256) *request.add_items() = request.items(0);
+  const auto refused = coordinator().submit_result(request);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::kInvalidArgument);
+}
+
 TEST_F(Work, AWorkerThatComputesOtherBitsIsRefusedByBothFingerprints) {
   submit();
   synchronize(greeting('a'));
