@@ -5,6 +5,12 @@
 
 namespace tessera::server {
 
+namespace {
+
+constexpr int kExitUsage = 2;
+
+}  // namespace
+
 Options parse_options(int argc, char** argv) {
   Options options;
   CLI::App app(
@@ -14,19 +20,23 @@ Options parse_options(int argc, char** argv) {
   app.add_option("--listen", options.listen,
                  "HOST:PORT to serve at; port 0 picks a free one. There is no TLS yet: beyond loopback, only "
                  "on networks you trust")
+      ->type_name("HOST:PORT")
       ->capture_default_str();
   app.add_option("--state", options.state, "Folder for what must survive a restart: jobs, films, scenes")
+      ->type_name("DIR")
       ->capture_default_str();
   app.add_option("--lease-seconds", options.lease_seconds,
                  "A worker silent for so long loses its work to others")
       ->check(CLI::Range(1.0, 3600.0))
+      ->type_name("N")
       ->capture_default_str();
   app.add_option("--validator", options.validator, "The tessera-validator to start for submitted scenes")
+      ->type_name("FILE")
       ->capture_default_str();
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    std::exit(app.exit(error));
+    std::exit(app.exit(error) == EXIT_SUCCESS ? EXIT_SUCCESS : kExitUsage);
   }
   return options;
 }
