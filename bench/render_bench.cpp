@@ -34,7 +34,8 @@ void render_scene(benchmark::State& state, const std::string& name, Integrator i
 BENCHMARK_CAPTURE(render_scene, cornell_mis, "cornell", Integrator::kMis)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(render_scene, cornell_nee, "cornell", Integrator::kNee)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(render_scene, cornell_naive, "cornell", Integrator::kNaive)->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(render_scene, still_life_mis, "still_life", Integrator::kMis)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(render_scene, still_life_mis, "still_life", Integrator::kMis)
+    ->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace tessera::core

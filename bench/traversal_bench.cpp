@@ -1,5 +1,6 @@
-// Rays per second through the acceleration structure alone, one thread: a tessellated, bumpy sphere on a plane, seen by
-// primary rays, by cosine-distributed bounces from their hits, and by shadow rays to a lamp; and building it.
+// Rays per second through the acceleration structure alone, one thread: a tessellated, bumpy sphere on a
+// plane, seen by primary rays, by cosine-distributed bounces from their hits, and by shadow rays to a lamp;
+// and building it.
 #include <benchmark/benchmark.h>
 
 #include <array>
@@ -47,7 +48,8 @@ Rays make_rays(const Primitives& primitives, const Bvh& bvh) {
   Rays rays;
   for (int y = 0; y < kSide; ++y)
     for (int x = 0; x < kSide; ++x) {
-      const Vec3 direction{(static_cast<float>(x) - kSide / 2) / kSide, (kSide / 2 - static_cast<float>(y)) / kSide - 0.2f, -1};
+      const Vec3 direction{(static_cast<float>(x) - kSide / 2) / kSide,
+                           (kSide / 2 - static_cast<float>(y)) / kSide - 0.2f, -1};
       const Ray ray{{0, 2, 4}, normalize(direction)};
       rays.primary.push_back(ray);
       const Hit hit = bvh.closest_hit(primitives, ray);
@@ -75,8 +77,9 @@ template <typename Query>
 void trace(benchmark::State& state, const std::vector<Ray>& rays, Query query) {
   for (auto _ : state)
     for (const Ray& ray : rays) benchmark::DoNotOptimize(query(ray));
-  state.counters["rays/s"] = benchmark::Counter(static_cast<double>(rays.size()) * static_cast<double>(state.iterations()),
-                                                benchmark::Counter::kIsRate);
+  state.counters["rays/s"] =
+      benchmark::Counter(static_cast<double>(rays.size()) * static_cast<double>(state.iterations()),
+                         benchmark::Counter::kIsRate);
 }
 
 void closest_primary(benchmark::State& state) {
@@ -94,8 +97,9 @@ void any_shadow(benchmark::State& state) {
 void build(benchmark::State& state) {
   const Primitives primitives = bumpy_sphere(static_cast<int>(state.range(0)));
   for (auto _ : state) benchmark::DoNotOptimize(Bvh::build(primitives, 1));
-  state.counters["triangles/s"] = benchmark::Counter(
-      static_cast<double>(primitives.count()) * static_cast<double>(state.iterations()), benchmark::Counter::kIsRate);
+  state.counters["triangles/s"] =
+      benchmark::Counter(static_cast<double>(primitives.count()) * static_cast<double>(state.iterations()),
+                         benchmark::Counter::kIsRate);
 }
 
 // 40,000 and 1,000,000 triangles.

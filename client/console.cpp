@@ -20,6 +20,10 @@ void print_warning(std::string_view message) {
   fmt::print(stderr, "tessera: warning: {}\n", message);
 }
 
+void warn_about_darkness(std::string_view scene_path) {
+  print_warning(fmt::format("'{}' has no light: the picture will be black", scene_path));
+}
+
 void print_hint(std::string_view command) {
   fmt::print(stderr, "Try: {}\n", command);
 }

@@ -19,6 +19,9 @@ int print_error(const core::Error& error);
 // "tessera: warning: MESSAGE"
 void print_warning(std::string_view message);
 
+// That the scene at `path` gives no light and its picture will be black.
+void warn_about_darkness(std::string_view scene_path);
+
 // "Try: COMMAND"
 void print_hint(std::string_view command);
 

@@ -151,9 +151,7 @@ int run_render(const RenderOptions& options) {
   if (Status status = check_paths(options); !status) return print_error(status.error());
   Result<LoadedScene> loaded = load(options);
   if (!loaded) return print_error(loaded.error());
-  if (loaded->scene.lights().empty()) {
-    print_warning(fmt::format("'{}' has no light: the picture will be black", options.scene.scene_path));
-  }
+  if (loaded->scene.lights().empty()) warn_about_darkness(options.scene.scene_path);
   if (options.sample) return print_sample(loaded->scene, loaded->stats.settings, *options.sample);
   return render_picture(options, *loaded);
 }

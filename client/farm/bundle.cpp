@@ -30,6 +30,7 @@ v1::Bundle to_bundle(const std::string& scene_name, const std::map<std::string, 
 
 core::Status upload(Farm& farm, const proto::Digest& digest, const std::string& bytes) {
   grpc::ClientContext context;
+  farm.prepare(context);
   v1::UploadBlobResponse response;
   const auto stream = farm.stub().UploadBlob(&context, &response);
   v1::UploadBlobRequest request;
@@ -80,6 +81,7 @@ core::Result<LocalBundle> bundle_scene(const std::string& scene_path,
   if (const core::Status valid = core::validate_scene(*scene); !valid)
     return fail(valid.error().within(scene_path));
   local.settings = *settings;
+  local.gives_light = core::gives_light(*scene);
   local.bundle = to_bundle(scene_name, digests);
   return local;
 }

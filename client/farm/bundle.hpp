@@ -14,6 +14,7 @@ struct LocalBundle {
   v1::Bundle bundle;
   std::string folder;             // the scene file's; where the names in the bundle are files
   core::RenderSettings settings;  // the scene's, with the overrides
+  bool gives_light = true;
 };
 
 core::Result<LocalBundle> bundle_scene(const std::string& scene_path, const core::RenderOverrides& overrides);

@@ -4,11 +4,13 @@
 #include <grpcpp/client_context.h>
 
 #include <CLI/CLI.hpp>
+#include <atomic>
 #include <chrono>
 #include <functional>
 #include <memory>
 #include <string>
 
+#include "client/farm/interruption.hpp"
 #include "core/base/error.hpp"
 #include "proto/channel.hpp"
 #include "proto/retry.hpp"
@@ -34,12 +36,18 @@ class Farm {
                               const Request& request,
                               std::chrono::seconds timeout = std::chrono::seconds(30)) {
     grpc::ClientContext context;
+    prepare(context);
     context.set_deadline(std::chrono::system_clock::now() + timeout);
     Response response;
     const grpc::Status status = (stub_.get()->*method)(&context, request, &response);
     if (!status.ok()) return core::fail(explain(status));
+    reached_ = true;
     return response;
   }
+
+  // For streams: makes the call wait for a coordinator that has been reached before and is lost. The first
+  // call of a command fails at once if nobody is there.
+  void prepare(grpc::ClientContext& context) const { context.set_wait_for_ready(reached_); }
 
   // What to tell the user of a call that failed. Where nobody answered, that is how to start a coordinator.
   core::Error explain(const grpc::Status& status) const;
@@ -48,6 +56,7 @@ class Farm {
   std::string address_;
   std::shared_ptr<grpc::Channel> channel_;
   std::unique_ptr<Stub> stub_;
+  std::atomic<bool> reached_{false};
 };
 
 // `attempt` again and again while the coordinator restarts, for up to a minute. For steps of a longer task; a
@@ -57,7 +66,9 @@ core::Result<T> patiently(const std::function<core::Result<T>()>& attempt) {
   core::Result<T> result;
   const auto policy =
       proto::within(std::chrono::minutes(1), proto::transient_only(proto::exponential_backoff()));
-  const core::Status done = proto::retry(policy, proto::real_time(), [&]() -> core::Status {
+  proto::Waiter waiter = proto::real_time();
+  waiter.wait = sleep_unless_interrupted;
+  const core::Status done = proto::retry(policy, waiter, [&]() -> core::Status {
     result = attempt();
     return result ? core::Status{} : core::fail(result.error());
   });

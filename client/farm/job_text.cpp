@@ -71,6 +71,10 @@ bool is_over(v1::JobState state) {
   return state == v1::JOB_STATE_DONE || state == v1::JOB_STATE_CANCELLED || state == v1::JOB_STATE_FAILED;
 }
 
+double seconds_taken(const v1::Job& job) {
+  return job.has_finished_at() ? seconds_of(job.finished_at()) - seconds_of(job.created_at()) : 0;
+}
+
 ProgressState progress_of(const v1::Job& job) {
   const std::uint32_t workers = job.active_workers();
   std::string note = fmt::format("{} worker{}", workers, workers == 1 ? "" : "s");

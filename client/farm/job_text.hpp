@@ -18,6 +18,8 @@ std::string state_name(v1::JobState state);
 bool is_over(v1::JobState state);
 // "640x480"
 std::string size_text(const v1::RenderSettings& settings);
+// From submission to its end; 0 while it has none.
+double seconds_taken(const v1::Job& job);
 // What the progress line shows of a job.
 ProgressState progress_of(const v1::Job& job);
 

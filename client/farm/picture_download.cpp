@@ -4,6 +4,7 @@
 
 #include <utility>
 
+#include "client/farm/interruption.hpp"
 #include "core/image/encode.hpp"
 #include "core/image/file_io.hpp"
 
@@ -36,6 +37,8 @@ core::Result<DownloadedPicture> download(Farm& farm, const std::string& job_id, 
   request.set_job_id(job_id);
   request.set_format(to_proto(format));
   grpc::ClientContext context;
+  farm.prepare(context);
+  const std::jthread canceller = cancel_at_interrupt(context);
   const auto stream = farm.stub().GetImage(&context, request);
   DownloadedPicture picture;
   std::uint64_t size_bytes = 0;

@@ -1,9 +1,11 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "client/console.hpp"
 #include "client/farm/bundle.hpp"
@@ -73,6 +75,13 @@ int report_interrupt(const v1::Job& job) {
   return kExitInterrupted;
 }
 
+void print_summary(const v1::Job& job, const std::vector<std::string>& paths) {
+  const double seconds = std::max(seconds_taken(job), 1e-3);
+  fmt::print(stderr, "wrote {} ({} pixels, {} spp) in {:.2f} s, {} samples/s\n", fmt::join(paths, ", "),
+             size_text(job.settings()), job.settings().spp(), seconds,
+             format_count(static_cast<double>(job.samples_done()) / seconds));
+}
+
 int wait_and_fetch(Farm& farm, const SubmitOptions& options, const v1::Job& submitted) {
   watch_for_interrupt();
   const auto job = watch_with_progress(farm, submitted.id());
@@ -82,9 +91,12 @@ int wait_and_fetch(Farm& farm, const SubmitOptions& options, const v1::Job& subm
   const auto& paths = options.scene.output_paths;
   if (paths.empty()) return kExitOk;
   const auto pictured = download_pictures(farm, job->id(), paths);
-  if (!pictured) return print_error(pictured.error());
-  fmt::print(stderr, "wrote {} ({}, {} spp)\n", fmt::join(paths, ", "), size_text(job->settings()),
-             job->settings().spp());
+  if (!pictured) {
+    print_error(pictured.error());
+    print_hint(fmt::format("tessera image {} -o FILE", short_id(job->id())));
+    return interrupted() ? kExitInterrupted : kExitFailed;
+  }
+  print_summary(*job, paths);
   return kExitOk;
 }
 
@@ -95,6 +107,7 @@ int run_submit(const SubmitOptions& options) {
   if (!local) return print_error(local.error());
   core::Status fits = check_picture_size(paths, local->settings.width_px, local->settings.height_px);
   if (!fits) return print_error(fits.error());
+  if (!local->gives_light) warn_about_darkness(options.scene.scene_path);
 
   Farm farm(options.coordinator);
   const auto job = submit(farm, options, *local);

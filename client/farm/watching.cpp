@@ -2,11 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <chrono>
 #include <optional>
 #include <thread>
 
 #include "client/console.hpp"
+#include "client/farm/interruption.hpp"
 #include "client/farm/job_text.hpp"
 #include "client/interrupt.hpp"
 #include "client/progress.hpp"
@@ -14,32 +14,15 @@
 namespace tessera::client {
 namespace {
 
-using namespace std::chrono_literals;
-
-constexpr auto kLookForInterruptEvery = 50ms;
-
-const core::Error kInterrupted{core::ErrorCode::kCancelled, "interrupted"};
-
-// Waits a while, or until Ctrl-C. Returns whether all the time has passed.
-bool sleep_unless_interrupted(proto::Duration duration) {
-  const auto end = std::chrono::steady_clock::now() + duration;
-  while (std::chrono::steady_clock::now() < end && !interrupted())
-    std::this_thread::sleep_for(kLookForInterruptEvery);
-  return !interrupted();
-}
-
-// Cancels a call at Ctrl-C: a signal alone does not end a read that waits.
-std::jthread cancel_at_interrupt(grpc::ClientContext& context) {
-  return std::jthread([&context](const std::stop_token& done) {
-    while (!done.stop_requested() && !interrupted()) std::this_thread::sleep_for(kLookForInterruptEvery);
-    if (interrupted()) context.TryCancel();
-  });
+tl::unexpected<core::Error> interruption() {
+  return core::fail(core::ErrorCode::kCancelled, "interrupted");
 }
 
 // Follows one stream to its end. The last job it told of; an error if it ended before the job did.
 core::Result<v1::Job> follow_stream(Farm& farm, const std::string& job_id,
                                     const std::function<void(const v1::Job&)>& on_update) {
   grpc::ClientContext context;
+  farm.prepare(context);
   const std::jthread canceller = cancel_at_interrupt(context);
   v1::WatchJobRequest request;
   request.set_job_id(job_id);
@@ -52,7 +35,7 @@ core::Result<v1::Job> follow_stream(Farm& farm, const std::string& job_id,
   }
   const grpc::Status status = stream->Finish();
   if (over) return *over;
-  if (interrupted()) return core::fail(kInterrupted);
+  if (interrupted()) return interruption();
   if (status.ok()) return core::fail(core::ErrorCode::kUnavailable, "the coordinator ended the conversation");
   return core::fail(farm.explain(status));
 }
@@ -69,12 +52,13 @@ core::Result<v1::Job> watch_job(Farm& farm, const std::string& job_id,
       if (std::exchange(failures, 0) > 0) on_notice("the coordinator is back");
       on_update(update);
     });
-    if (job || interrupted()) return job ? std::move(job) : core::fail(kInterrupted);
-    if (failures == 0)
-      on_notice(fmt::format("lost the coordinator at {}; waiting for it to come back", farm.address()));
-    const auto wait = policy({.last_code = job.error().code, .count = ++failures});
+    if (job) return job;
+    if (interrupted()) return interruption();
+    const auto wait = policy({.last_code = job.error().code, .count = failures + 1});
     if (!wait) return job;
-    if (!sleep_unless_interrupted(*wait)) return core::fail(kInterrupted);
+    if (failures++ == 0)
+      on_notice(fmt::format("lost the coordinator at {}; waiting for it to come back", farm.address()));
+    if (!sleep_unless_interrupted(*wait)) return interruption();
   }
 }
 

@@ -30,9 +30,7 @@ struct Error {
   std::string message;
 
   // The same error with `context` and ": " in front of its message.
-  Error within(std::string_view context) const {
-    return Error{code, std::string(context) + ": " + message};
-  }
+  Error within(std::string_view context) const { return Error{code, std::string(context) + ": " + message}; }
 };
 
 template <typename T>
@@ -46,6 +44,8 @@ using Status = Result<void>;
 inline tl::unexpected<Error> fail(ErrorCode code, std::string message) {
   return tl::unexpected<Error>(Error{code, std::move(message)});
 }
-inline tl::unexpected<Error> fail(Error error) { return tl::unexpected<Error>(std::move(error)); }
+inline tl::unexpected<Error> fail(Error error) {
+  return tl::unexpected<Error>(std::move(error));
+}
 
 }  // namespace tessera::core

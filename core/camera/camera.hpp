@@ -12,8 +12,8 @@ class Camera {
   Camera() = default;
   explicit Camera(const CameraDescription& description);
 
-  // The ray through `raster` (pixels from the top left of the picture, y downwards) and the point of the lens that
-  // `u_lens` in [0, 1)^2 chooses. Its direction is of unit length.
+  // The ray through `raster` (pixels from the top left of the picture, y downwards) and the point of the lens
+  // that `u_lens` in [0, 1)^2 chooses. Its direction is of unit length.
   Ray ray(Vec2 raster, int width_px, int height_px, Vec2 u_lens) const;
 
  private:

@@ -8,14 +8,17 @@
 namespace tessera::core {
 namespace {
 
-std::size_t channel_count(const PixelRect& rect) { return rect.pixel_count() * 3; }
+std::size_t channel_count(const PixelRect& rect) {
+  return rect.pixel_count() * 3;
+}
 
 void add_row(std::uint64_t* to, const std::uint64_t* from, std::size_t count) {
   for (std::size_t i = 0; i < count; ++i) to[i] = add_saturating(to[i], from[i]);
 }
 
 // Adds the part of `tile` that lies in `cell`, a grid tile's rectangle, to that grid tile's buffer.
-void add_overlap(std::vector<std::uint64_t>& to, PixelRect cell, const std::vector<std::uint64_t>& from, PixelRect rect) {
+void add_overlap(std::vector<std::uint64_t>& to, PixelRect cell, const std::vector<std::uint64_t>& from,
+                 PixelRect rect) {
   const auto cell_row = static_cast<std::size_t>(cell.width()) * 3;
   const auto rect_row = static_cast<std::size_t>(rect.width()) * 3;
   for (int y = cell.y0; y < cell.y1; ++y) {
@@ -31,7 +34,8 @@ double mean(std::uint64_t sum, std::uint32_t samples) {
 }
 
 // Half the distance of the means of the even- and the odd-numbered samples estimates the error of their mean.
-double half_difference(std::uint64_t sum, std::uint64_t odd_sum, std::uint32_t samples, std::uint32_t odd_samples) {
+double half_difference(std::uint64_t sum, std::uint64_t odd_sum, std::uint32_t samples,
+                       std::uint32_t odd_samples) {
   if (odd_samples == 0 || odd_samples == samples || sum == kFilmSaturated) return 0;
   return std::fabs(mean(sum - odd_sum, samples - odd_samples) - mean(odd_sum, odd_samples)) / 2;
 }
@@ -69,12 +73,16 @@ void RenderCounters::add(const RenderCounters& other) {
   non_finite_samples += other.non_finite_samples;
   saturated_samples += other.saturated_samples;
   const auto order = [](const SampleId& id) { return std::tuple(id.y, id.x, id.sample); };
-  if (other.first_non_finite && (!first_non_finite || order(*other.first_non_finite) < order(*first_non_finite)))
+  if (other.first_non_finite &&
+      (!first_non_finite || order(*other.first_non_finite) < order(*first_non_finite)))
     first_non_finite = other.first_non_finite;
 }
 
 FilmTile::FilmTile(PixelRect tile_rect, SampleRange sample_range)
-    : rect(tile_rect), range(sample_range), sums(channel_count(tile_rect)), odd_sums(channel_count(tile_rect)) {}
+    : rect(tile_rect),
+      range(sample_range),
+      sums(channel_count(tile_rect)),
+      odd_sums(channel_count(tile_rect)) {}
 
 void FilmTile::append(const FilmTile& next) {
   assert(next.rect == rect && next.range.begin == range.end);
@@ -117,12 +125,15 @@ void Film::restore(int index, TileSums sums) {
 }
 
 Image Film::develop() const {
-  return map_channels(grid_, tiles_, [](std::uint64_t sum, std::uint64_t, std::uint32_t samples, std::uint32_t) {
-    return mean(sum, samples);
-  });
+  return map_channels(grid_, tiles_,
+                      [](std::uint64_t sum, std::uint64_t, std::uint32_t samples, std::uint32_t) {
+                        return mean(sum, samples);
+                      });
 }
 
-Image Film::standard_error() const { return map_channels(grid_, tiles_, half_difference); }
+Image Film::standard_error() const {
+  return map_channels(grid_, tiles_, half_difference);
+}
 
 bool Film::operator==(const Film& other) const {
   return grid_.width() == other.grid_.width() && grid_.height() == other.grid_.height() &&

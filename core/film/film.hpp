@@ -1,7 +1,8 @@
 // The film: exact sums of samples, and the picture they develop into.
 //
-// A FilmTile is what one call of render() returns and what travels between machines; a Film is a whole picture's
-// accumulation of them. Neither is thread-safe; different tiles of one Film may not be added concurrently.
+// A FilmTile is what one call of render() returns and what travels between machines; a Film is a whole
+// picture's accumulation of them. Neither is thread-safe; different tiles of one Film may not be added
+// concurrently.
 #pragma once
 
 #include <cstdint>
@@ -29,7 +30,8 @@ struct RenderCounters {
   std::uint64_t saturated_samples = 0;   // a channel did not fit the fixed-point range
   std::optional<SampleId> first_non_finite;
 
-  // The earliest non-finite sample (by row, column, sample) is kept, so that the sum does not depend on order.
+  // The earliest non-finite sample (by row, column, sample) is kept, so that the sum does not depend on
+  // order.
   void add(const RenderCounters& other);
   bool operator==(const RenderCounters&) const = default;
 };

@@ -14,7 +14,9 @@ struct PixelRect {
   int width() const { return x1 - x0; }
   int height() const { return y1 - y0; }
   bool empty() const { return x1 <= x0 || y1 <= y0; }
-  std::size_t pixel_count() const { return static_cast<std::size_t>(width()) * static_cast<std::size_t>(height()); }
+  std::size_t pixel_count() const {
+    return static_cast<std::size_t>(width()) * static_cast<std::size_t>(height());
+  }
   bool operator==(const PixelRect&) const = default;
 };
 

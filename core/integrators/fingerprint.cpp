@@ -1,16 +1,16 @@
 #include "core/integrators/fingerprint.hpp"
 
-#include <cassert>
 #include <fmt/format.h>
 #include <xxhash.h>
+#include <cassert>
 
 #include "core/integrators/render.hpp"
 
 namespace tessera::core {
 namespace {
 
-// A box open to the front with a lamp, a glass and a mirror sphere, seen through a lens: every kind of arithmetic that
-// rendering has.
+// A box open to the front with a lamp, a glass and a mirror sphere, seen through a lens: every kind of
+// arithmetic that rendering has.
 SceneDescription fingerprint_scene() {
   SceneDescription scene;
   scene.settings = {.width_px = 16, .height_px = 16, .spp = 8};
@@ -34,7 +34,8 @@ std::string arithmetic_fingerprint() {
   const auto scene = Scene::build(fingerprint_scene(), 1);
   assert(scene.has_value());
   const RenderSettings& settings = scene->settings();
-  const FilmTile tile = render(*scene, settings, {0, 0, settings.width_px, settings.height_px}, {0, settings.spp}, 1);
+  const FilmTile tile =
+      render(*scene, settings, {0, 0, settings.width_px, settings.height_px}, {0, settings.spp}, 1);
   return fmt::format("{:016x}", XXH3_64bits(tile.sums.data(), tile.sums.size() * sizeof(tile.sums[0])));
 }
 

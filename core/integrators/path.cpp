@@ -9,13 +9,16 @@ namespace tessera::core {
 namespace {
 
 // Balance heuristic for one sample of each strategy (Veach and Guibas 1995).
-float mis_weight(float pdf, float other_pdf) { return pdf / (pdf + other_pdf); }
+float mis_weight(float pdf, float other_pdf) {
+  return pdf / (pdf + other_pdf);
+}
 
-// Follows one path from the camera. `throughput_` is the product of the BSDF weights so far: what radiance found at
-// the path's end is multiplied by.
+// Follows one path from the camera. `throughput_` is the product of the BSDF weights so far: what radiance
+// found at the path's end is multiplied by.
 class PathTracer {
  public:
-  PathTracer(const Scene& scene, const RenderSettings& settings, const Sampler& sampler, RenderCounters& counters)
+  PathTracer(const Scene& scene, const RenderSettings& settings, const Sampler& sampler,
+             RenderCounters& counters)
       : scene_(scene), settings_(settings), sampler_(sampler), counters_(counters) {}
 
   Rgb trace(Ray ray) {
@@ -35,8 +38,8 @@ class PathTracer {
   }
 
  private:
-  // Emission met by the ray itself. Where the vertex before could also have sampled the light, `nee` leaves it to
-  // that and `mis` weighs it.
+  // Emission met by the ray itself. Where the vertex before could also have sampled the light, `nee` leaves
+  // it to that and `mis` weighs it.
   void add_emission(const PathVertex& vertex, std::uint32_t light_id) {
     if (light_id == kNoLight) return;
     const Light& light = scene_.lights()[light_id];
@@ -81,8 +84,8 @@ class PathTracer {
     return vertex.ray_along(next->wi);
   }
 
-  // Russian roulette (Arvo and Kirk 1990), by the throughput without the compression of radiance by refraction,
-  // which the way out of the glass undoes.
+  // Russian roulette (Arvo and Kirk 1990), by the throughput without the compression of radiance by
+  // refraction, which the way out of the glass undoes.
   bool survives_roulette(int depth, float u) {
     const float contribution = max_component(throughput_) * eta_scale_;
     if (!(contribution > 0)) return false;

@@ -1,7 +1,7 @@
 #include "core/integrators/render.hpp"
 
-#include <algorithm>
 #include <omp.h>
+#include <algorithm>
 #include <vector>
 
 #include "core/integrators/path.hpp"
@@ -10,7 +10,8 @@
 namespace tessera::core {
 namespace {
 
-// Threads take blocks of this size in turn: small enough to share the work, large enough to stay in the caches.
+// Threads take blocks of this size in turn: small enough to share the work, large enough to stay in the
+// caches.
 constexpr int kBlockPx = 8;
 
 Rgb take_sample(const Scene& scene, const RenderSettings& settings, const Sampler& sampler, int x, int y,
@@ -36,7 +37,8 @@ void deposit(Rgb radiance, const Sampler& sampler, bool odd, PixelSums pixel, Re
   const auto dither = sampler.film_dither();
   bool saturated = false;
   for (int c = 0; c < 3; ++c) {
-    const std::uint64_t value = to_fixed_point(static_cast<double>(radiance[c]), dither[static_cast<std::size_t>(c)]);
+    const std::uint64_t value =
+        to_fixed_point(static_cast<double>(radiance[c]), dither[static_cast<std::size_t>(c)]);
     saturated |= value == kFilmSaturated;
     pixel.sums[c] = add_saturating(pixel.sums[c], value);
     if (odd) pixel.odd_sums[c] = add_saturating(pixel.odd_sums[c], value);
@@ -44,8 +46,8 @@ void deposit(Rgb radiance, const Sampler& sampler, bool odd, PixelSums pixel, Re
   counters.saturated_samples += saturated ? 1 : 0;
 }
 
-void render_pixel(const Scene& scene, const RenderSettings& settings, int x, int y, SampleRange range, PixelSums pixel,
-                  RenderCounters& counters) {
+void render_pixel(const Scene& scene, const RenderSettings& settings, int x, int y, SampleRange range,
+                  PixelSums pixel, RenderCounters& counters) {
   for (std::uint32_t s = range.begin; s < range.end; ++s) {
     const Sampler sampler(settings.seed, x, y, s);
     const Rgb radiance = take_sample(scene, settings, sampler, x, y, counters);
@@ -64,16 +66,19 @@ void render_block(const Scene& scene, const RenderSettings& settings, PixelRect 
                   RenderCounters& counters) {
   for (int y = block.y0; y < block.y1; ++y) {
     for (int x = block.x0; x < block.x1; ++x) {
-      const auto row = static_cast<std::size_t>(y - tile.rect.y0) * static_cast<std::size_t>(tile.rect.width());
+      const auto row =
+          static_cast<std::size_t>(y - tile.rect.y0) * static_cast<std::size_t>(tile.rect.width());
       const std::size_t offset = 3 * (row + static_cast<std::size_t>(x - tile.rect.x0));
-      render_pixel(scene, settings, x, y, tile.range, {tile.sums.data() + offset, tile.odd_sums.data() + offset}, counters);
+      render_pixel(scene, settings, x, y, tile.range,
+                   {tile.sums.data() + offset, tile.odd_sums.data() + offset}, counters);
     }
   }
 }
 
 }  // namespace
 
-FilmTile render(const Scene& scene, const RenderSettings& settings, PixelRect rect, SampleRange range, int threads) {
+FilmTile render(const Scene& scene, const RenderSettings& settings, PixelRect rect, SampleRange range,
+                int threads) {
   FilmTile tile(rect, range);
   const TileGrid blocks(rect.width(), rect.height(), kBlockPx);
   const int team = std::clamp(threads, 1, blocks.tile_count());
@@ -85,7 +90,8 @@ FilmTile render(const Scene& scene, const RenderSettings& settings, PixelRect re
     for (int b = 0; b < blocks.tile_count(); ++b) {
       const PixelRect local = blocks.rect(b);
       render_block(scene, settings,
-                   {rect.x0 + local.x0, rect.y0 + local.y0, rect.x0 + local.x1, rect.y0 + local.y1}, tile, mine);
+                   {rect.x0 + local.x0, rect.y0 + local.y0, rect.x0 + local.x1, rect.y0 + local.y1}, tile,
+                   mine);
     }
     counters[static_cast<std::size_t>(omp_get_thread_num())] = mine;
   }

@@ -1,5 +1,5 @@
-// A vertex of a path: the surface that a ray met and how it scatters, in world space. Lives on the stack of the
-// thread that traces the path.
+// A vertex of a path: the surface that a ray met and how it scatters, in world space. Lives on the stack of
+// the thread that traces the path.
 #pragma once
 
 #include <optional>
@@ -30,7 +30,7 @@ class PathVertex {
     Rgb weight;  // BSDF * cosine / pdf
     float pdf;
     bool delta;
-    float eta;   // 1, or the relative index of refraction of the boundary that was crossed
+    float eta;  // 1, or the relative index of refraction of the boundary that was crossed
   };
   // Nothing where the path ends.
   std::optional<Scattered> sample(Vec2 u, float u_lobe) const;

@@ -17,9 +17,15 @@ constexpr float rounding_bound(int n) {
   return static_cast<float>(n) * kHalfUlp / (1 - static_cast<float>(n) * kHalfUlp);
 }
 
-float area_of(const TriangleLight& t) { return length(cross(t.p1 - t.p0, t.p2 - t.p0)) / 2; }
-float area_of(const QuadLight& q) { return length(cross(q.edge_u, q.edge_v)); }
-float area_of(const SphereLight& s) { return 4 * kPi * s.radius * s.radius; }
+float area_of(const TriangleLight& t) {
+  return length(cross(t.p1 - t.p0, t.p2 - t.p0)) / 2;
+}
+float area_of(const QuadLight& q) {
+  return length(cross(q.edge_u, q.edge_v));
+}
+float area_of(const SphereLight& s) {
+  return 4 * kPi * s.radius * s.radius;
+}
 
 SurfacePoint flat_point(Vec3 position, Vec3 magnitude, Vec3 normal) {
   SurfacePoint point;
@@ -37,8 +43,9 @@ SurfacePoint sphere_point(const SphereLight& sphere, Vec3 outward) {
   return point;
 }
 
-// From outside, the cone of directions that a sphere fills, by its sine squared and one minus its cosine. Nothing from
-// inside, where it fills all of them, and for points that rounding may have put on either side of the sphere itself.
+// From outside, the cone of directions that a sphere fills, by its sine squared and one minus its cosine.
+// Nothing from inside, where it fills all of them, and for points that rounding may have put on either side
+// of the sphere itself.
 struct Cone {
   float sin2_max;
   float one_minus_cos_max;
@@ -55,7 +62,9 @@ std::optional<Cone> cone_of(const SphereLight& sphere, Vec3 p_lit) {
   return Cone{sin2_max, sin2_max / (1 + cos_max)};
 }
 
-float pdf_cone(const Cone& cone) { return 1 / (2 * kPi * cone.one_minus_cos_max); }
+float pdf_cone(const Cone& cone) {
+  return 1 / (2 * kPi * cone.one_minus_cos_max);
+}
 
 // Area density to solid angle density.
 float per_solid_angle(float area, Vec3 p_lit, Vec3 p_light, Vec3 normal) {

@@ -1,8 +1,8 @@
-// Emissive shapes as sources that can be sampled. A light is one emissive shape: a triangle of a mesh, a quad, or a
-// sphere. Immutable, shared by all threads.
+// Emissive shapes as sources that can be sampled. A light is one emissive shape: a triangle of a mesh, a
+// quad, or a sphere. Immutable, shared by all threads.
 //
-// How to add a kind: a struct here, its cases in light.cpp (sample, pdf, power), and Scene::build, which finds
-// the lights. Densities are per solid angle at the point that is lit.
+// How to add a kind: a struct here, its cases in light.cpp (sample, pdf, power), and Scene::build, which
+// finds the lights. Densities are per solid angle at the point that is lit.
 #pragma once
 
 #include <optional>
@@ -30,7 +30,7 @@ struct LightSample {
   SurfacePoint point;  // on the light; shading normal and uv are not set
   Vec3 wi;             // unit, from the lit point to it
   float pdf = 0;
-  Rgb radiance;        // that leaves it towards the lit point
+  Rgb radiance;  // that leaves it towards the lit point
 };
 
 class Light {

@@ -19,7 +19,8 @@ BsdfSample delta_sample(Vec3 wi_local, Rgb weight) {
 
 }  // namespace
 
-Bsdf::AtPoint Bsdf::look_up(const MaterialModel& model, const std::vector<Texture>& textures, Vec2 uv, bool outside) {
+Bsdf::AtPoint Bsdf::look_up(const MaterialModel& model, const std::vector<Texture>& textures, Vec2 uv,
+                            bool outside) {
   return std::visit(
       Overloaded{
           [&](const Lambert& m) -> AtPoint { return Diffuse{m.albedo.evaluate(textures, uv)}; },
@@ -35,7 +36,9 @@ Bsdf::AtPoint Bsdf::look_up(const MaterialModel& model, const std::vector<Textur
 Bsdf::Bsdf(const MaterialModel& model, const std::vector<Texture>& textures, Vec2 uv, bool outside)
     : at_point_(look_up(model, textures, uv, outside)) {}
 
-bool Bsdf::is_delta() const { return !std::holds_alternative<Diffuse>(at_point_); }
+bool Bsdf::is_delta() const {
+  return !std::holds_alternative<Diffuse>(at_point_);
+}
 
 Rgb Bsdf::evaluate(Vec3 wo_local, Vec3 wi_local) const {
   const auto* diffuse = std::get_if<Diffuse>(&at_point_);
@@ -65,9 +68,9 @@ std::optional<BsdfSample> Bsdf::sample(const Specular& specular, Vec3 wo_local, 
   return delta_sample(reflect(wo_local, kLocalNormal), specular.reflectance);
 }
 
-// One of the two directions is chosen with the probability of its share of the light, which cancels out of the
-// weight. Radiance grows by eta^2 where it enters the denser side (Veach 1997, section 5.2); seen from the camera's
-// side the path is walked backwards, hence the division.
+// One of the two directions is chosen with the probability of its share of the light, which cancels out of
+// the weight. Radiance grows by eta^2 where it enters the denser side (Veach 1997, section 5.2); seen from
+// the camera's side the path is walked backwards, hence the division.
 std::optional<BsdfSample> Bsdf::sample(const Dielectric& dielectric, Vec3 wo_local, Vec2, float u_lobe) {
   const float reflected = fresnel_dielectric(wo_local.z, dielectric.eta);
   if (u_lobe < reflected) return delta_sample(reflect(wo_local, kLocalNormal), dielectric.reflectance);

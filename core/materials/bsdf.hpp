@@ -1,7 +1,7 @@
 // How a surface scatters light at one point: a material's model with its textures looked up.
 //
-// Directions are unit vectors pointing away from the surface, in a local frame whose +z is the shading normal on
-// the side of wo. Densities are per solid angle.
+// Directions are unit vectors pointing away from the surface, in a local frame whose +z is the shading normal
+// on the side of wo. Densities are per solid angle.
 #pragma once
 
 #include <optional>
@@ -16,11 +16,11 @@ namespace tessera::core {
 
 struct BsdfSample {
   Vec3 wi_local;
-  Rgb weight;      // bsdf * |cos| / pdf
-  float pdf = 0;   // meaningless where `delta`
+  Rgb weight;     // bsdf * |cos| / pdf
+  float pdf = 0;  // meaningless where `delta`
   bool delta = false;
   bool transmitted = false;
-  float eta = 1;   // transmitted: index of refraction on the far side over that on the near side
+  float eta = 1;  // transmitted: index of refraction on the far side over that on the near side
 };
 
 class Bsdf {
@@ -50,7 +50,8 @@ class Bsdf {
   };
   using AtPoint = std::variant<Diffuse, Specular, Dielectric>;
 
-  static AtPoint look_up(const MaterialModel& model, const std::vector<Texture>& textures, Vec2 uv, bool outside);
+  static AtPoint look_up(const MaterialModel& model, const std::vector<Texture>& textures, Vec2 uv,
+                         bool outside);
 
   static std::optional<BsdfSample> sample(const Diffuse& diffuse, Vec3 wo_local, Vec2 u, float u_lobe);
   static std::optional<BsdfSample> sample(const Specular& specular, Vec3 wo_local, Vec2 u, float u_lobe);

@@ -12,7 +12,9 @@ namespace tessera::core {
 float fresnel_dielectric(float cos_i, float eta);
 
 // `w` and the result point away from the surface; `normal` is of unit length.
-inline Vec3 reflect(Vec3 w, Vec3 normal) { return normal * (2 * dot(w, normal)) - w; }
+inline Vec3 reflect(Vec3 w, Vec3 normal) {
+  return normal * (2 * dot(w, normal)) - w;
+}
 
 // Snell's law. `normal` is on the side of `w`; eta as above. Nothing for total reflection.
 std::optional<Vec3> refract(Vec3 w, Vec3 normal, float eta);

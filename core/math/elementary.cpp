@@ -9,8 +9,8 @@
 namespace tessera::core {
 namespace {
 
-// x minus the nearest multiple of pi/2, in [-pi/4, pi/4], and that multiple's number modulo 4. The constant is
-// split so that its first part times any multiple met here is exact (Cody and Waite 1980).
+// x minus the nearest multiple of pi/2, in [-pi/4, pi/4], and that multiple's number modulo 4. The constant
+// is split so that its first part times any multiple met here is exact (Cody and Waite 1980).
 struct ReducedAngle {
   double r;
   int quadrant;
@@ -30,7 +30,8 @@ double sin_near_zero(double r) {
 }
 double cos_near_zero(double r) {
   const double s = r * r;
-  return 1 + s * (-0.5 + s * (1.0 / 24 + s * (-1.0 / 720 + s * (1.0 / 40320 + s * (-1.0 / 3628800 + s / 479001600)))));
+  return 1 + s * (-0.5 + s * (1.0 / 24 +
+                              s * (-1.0 / 720 + s * (1.0 / 40320 + s * (-1.0 / 3628800 + s / 479001600)))));
 }
 
 // Taylor series on [0, tan(pi/8)].

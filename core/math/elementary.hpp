@@ -16,8 +16,8 @@ float atan2(float y, float x);
 float acos(float x);
 
 // In double precision, relative error below 1e-13 (log: absolute, for results near 0).
-double exp(double x);  // 0 below -708, infinity above 709
-double log(double x);  // x > 0
+double exp(double x);                      // 0 below -708, infinity above 709
+double log(double x);                      // x > 0
 double pow(double base, double exponent);  // base >= 0; pow(0, positive) is 0, pow(x, 0) is 1
 
 }  // namespace tessera::core

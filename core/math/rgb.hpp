@@ -17,18 +17,38 @@ struct Rgb {
   bool operator==(const Rgb&) const = default;
 };
 
-inline Rgb operator+(Rgb a, Rgb b) { return {a.r + b.r, a.g + b.g, a.b + b.b}; }
-inline Rgb operator-(Rgb a, Rgb b) { return {a.r - b.r, a.g - b.g, a.b - b.b}; }
-inline Rgb operator*(Rgb a, Rgb b) { return {a.r * b.r, a.g * b.g, a.b * b.b}; }
-inline Rgb operator*(Rgb a, float s) { return {a.r * s, a.g * s, a.b * s}; }
-inline Rgb operator*(float s, Rgb a) { return a * s; }
-inline Rgb operator/(Rgb a, float s) { return {a.r / s, a.g / s, a.b / s}; }
+inline Rgb operator+(Rgb a, Rgb b) {
+  return {a.r + b.r, a.g + b.g, a.b + b.b};
+}
+inline Rgb operator-(Rgb a, Rgb b) {
+  return {a.r - b.r, a.g - b.g, a.b - b.b};
+}
+inline Rgb operator*(Rgb a, Rgb b) {
+  return {a.r * b.r, a.g * b.g, a.b * b.b};
+}
+inline Rgb operator*(Rgb a, float s) {
+  return {a.r * s, a.g * s, a.b * s};
+}
+inline Rgb operator*(float s, Rgb a) {
+  return a * s;
+}
+inline Rgb operator/(Rgb a, float s) {
+  return {a.r / s, a.g / s, a.b / s};
+}
 
-inline bool is_black(Rgb c) { return c.r == 0 && c.g == 0 && c.b == 0; }
-inline bool is_finite(Rgb c) { return std::isfinite(c.r) && std::isfinite(c.g) && std::isfinite(c.b); }
-inline float max_component(Rgb c) { return c.r > c.g ? (c.r > c.b ? c.r : c.b) : (c.g > c.b ? c.g : c.b); }
+inline bool is_black(Rgb c) {
+  return c.r == 0 && c.g == 0 && c.b == 0;
+}
+inline bool is_finite(Rgb c) {
+  return std::isfinite(c.r) && std::isfinite(c.g) && std::isfinite(c.b);
+}
+inline float max_component(Rgb c) {
+  return c.r > c.g ? (c.r > c.b ? c.r : c.b) : (c.g > c.b ? c.g : c.b);
+}
 
 // Relative luminance (ITU-R BT.709-6, item 3.2).
-inline float luminance(Rgb c) { return 0.2126f * c.r + 0.7152f * c.g + 0.0722f * c.b; }
+inline float luminance(Rgb c) {
+  return 0.2126f * c.r + 0.7152f * c.g + 0.0722f * c.b;
+}
 
 }  // namespace tessera::core

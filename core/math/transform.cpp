@@ -13,9 +13,13 @@ Transform compose(const Transform& outer, const Transform& inner) {
           outer.point(inner.origin)};
 }
 
-Transform translation(Vec3 offset) { return {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, offset}; }
+Transform translation(Vec3 offset) {
+  return {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, offset};
+}
 
-Transform scaling(Vec3 factors) { return {{factors.x, 0, 0}, {0, factors.y, 0}, {0, 0, factors.z}, {0, 0, 0}}; }
+Transform scaling(Vec3 factors) {
+  return {{factors.x, 0, 0}, {0, factors.y, 0}, {0, 0, factors.z}, {0, 0, 0}};
+}
 
 Transform rotation(Vec3 axis, float degrees) {
   const Vec3 k = normalize(axis);

@@ -18,6 +18,8 @@ constexpr std::uint64_t hash(std::uint64_t a, std::uint64_t b) {
 }
 
 // In [0, 1), with 24 bits: the largest is 1 - 2^-24.
-constexpr float unit_float(std::uint32_t bits) { return static_cast<float>(bits >> 8) * 0x1p-24f; }
+constexpr float unit_float(std::uint32_t bits) {
+  return static_cast<float>(bits >> 8) * 0x1p-24f;
+}
 
 }  // namespace tessera::core

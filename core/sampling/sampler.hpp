@@ -1,9 +1,9 @@
 // The random numbers of one sample of one pixel: a pure function of (seed, pixel, sample number, dimension).
 // There is no state and no stream, so that any sample can be taken anywhere, in any order.
 //
-// Dimensions come in pads of four. Within a pad the samples of a pixel form a four-dimensional Sobol' sequence,
-// Owen-scrambled; pads are decorrelated by shuffling the sample numbers, and pixels by their scrambling
-// (Burley 2020).
+// Dimensions come in pads of four. Within a pad the samples of a pixel form a four-dimensional Sobol'
+// sequence, Owen-scrambled; pads are decorrelated by shuffling the sample numbers, and pixels by their
+// scrambling (Burley 2020).
 #pragma once
 
 #include <array>
@@ -35,7 +35,11 @@ class Sampler {
 // Which pad serves which decision. The layout is part of what defines a picture's bytes.
 inline constexpr std::uint32_t kCameraPad = 0;  // pixel x, y; lens u, v
 // At path vertex `depth` (the first surface the camera sees is 0):
-inline constexpr std::uint32_t scatter_pad(int depth) { return 1 + 2 * static_cast<std::uint32_t>(depth); }  // BSDF u, v, lobe; roulette
-inline constexpr std::uint32_t light_pad(int depth) { return 2 + 2 * static_cast<std::uint32_t>(depth); }  // light u, v, choice; unused
+inline constexpr std::uint32_t scatter_pad(int depth) {
+  return 1 + 2 * static_cast<std::uint32_t>(depth);
+}  // BSDF u, v, lobe; roulette
+inline constexpr std::uint32_t light_pad(int depth) {
+  return 2 + 2 * static_cast<std::uint32_t>(depth);
+}  // light u, v, choice; unused
 
 }  // namespace tessera::core

@@ -20,7 +20,8 @@ struct Polynomial {
   std::uint32_t a;
   std::array<std::uint32_t, 3> m;
 };
-constexpr std::array<Polynomial, kSobolDimensions - 1> kPolynomials{{{1, 0, {1}}, {2, 1, {1, 3}}, {3, 1, {1, 3, 1}}}};
+constexpr std::array<Polynomial, kSobolDimensions - 1> kPolynomials{
+    {{1, 0, {1}}, {2, 1, {1, 3}}, {3, 1, {1, 3, 1}}}};
 
 // Direction numbers v_1 ... v_32 by the recurrence of Bratley and Fox 1988.
 constexpr std::array<std::uint32_t, 32> direction_numbers(const Polynomial& p) {
@@ -77,6 +78,8 @@ std::array<std::uint32_t, kSobolDimensions> sobol_reversed(std::uint32_t index) 
   return add_modulo_two(low, high);
 }
 
-std::uint32_t reverse_bits(std::uint32_t v) { return reverse(v); }
+std::uint32_t reverse_bits(std::uint32_t v) {
+  return reverse(v);
+}
 
 }  // namespace tessera::core

@@ -1,5 +1,5 @@
-// The first four dimensions of Sobol's sequence (Sobol' 1967), with the direction numbers of Joe and Kuo 2008,
-// and Owen scrambling by hashing (Laine and Karras 2011, improved by Vegdahl 2021).
+// The first four dimensions of Sobol's sequence (Sobol' 1967), with the direction numbers of Joe and Kuo
+// 2008, and Owen scrambling by hashing (Laine and Karras 2011, improved by Vegdahl 2021).
 #pragma once
 
 #include <array>
@@ -15,8 +15,8 @@ std::array<std::uint32_t, kSobolDimensions> sobol_reversed(std::uint32_t index);
 
 std::uint32_t reverse_bits(std::uint32_t v);
 
-// Nested uniform scrambling of a coordinate with reversed bits: each bit is flipped depending on `seed` and on the
-// bits of higher value alone. The result's bits are reversed still.
+// Nested uniform scrambling of a coordinate with reversed bits: each bit is flipped depending on `seed` and
+// on the bits of higher value alone. The result's bits are reversed still.
 constexpr std::uint32_t owen_scramble_reversed(std::uint32_t v, std::uint32_t seed) {
   v ^= v * 0x3d20adeau;
   v += seed;

@@ -26,7 +26,9 @@ inline Vec3 sample_cosine_hemisphere(Vec2 u) {
   const Vec2 d = sample_disk(u);
   return {d.x, d.y, std::sqrt(std::max(1e-12f, 1 - d.x * d.x - d.y * d.y))};
 }
-inline float pdf_cosine_hemisphere(float cos_theta) { return std::max(0.0f, cos_theta) / kPi; }
+inline float pdf_cosine_hemisphere(float cos_theta) {
+  return std::max(0.0f, cos_theta) / kPi;
+}
 
 // Uniform on the unit sphere, density 1 / (4 pi) per solid angle.
 inline Vec3 sample_sphere(Vec2 u) {

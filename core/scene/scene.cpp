@@ -25,8 +25,8 @@ class Assembler {
   void add(const QuadDescription& quad) {
     const std::uint32_t first = primitives_.triangle_count();
     const Vec3 c = quad.corner, u = quad.edge_u, v = quad.edge_v;
-    primitives_.add_mesh({c, c + u, c + u + v, c + v}, {}, {{0, 0}, {1, 0}, {1, 1}, {0, 1}}, {{0, 1, 2}, {0, 2, 3}},
-                         {quad.material});
+    primitives_.add_mesh({c, c + u, c + u + v, c + v}, {}, {{0, 0}, {1, 0}, {1, 1}, {0, 1}},
+                         {{0, 1, 2}, {0, 2, 3}}, {quad.material});
     add_light(QuadLight{c, u, v}, first, 2);
   }
 

@@ -1,7 +1,7 @@
 #include "core/scene/settings.hpp"
 
-#include <array>
 #include <fmt/format.h>
+#include <array>
 #include <utility>
 
 namespace tessera::core {
@@ -38,11 +38,13 @@ Status check_settings(const RenderSettings& settings) {
   if (auto ok = check_side("height", settings.height_px); !ok) return ok;
   const auto pixels = std::int64_t{settings.width_px} * settings.height_px;
   if (pixels > kMaxImagePixels)
-    return fail(ErrorCode::kInvalidArgument, fmt::format("width x height: {} x {} are {} pixels, more than {}",
-                                                         settings.width_px, settings.height_px, pixels, kMaxImagePixels));
-  if (settings.spp < 1 || settings.spp > kMaxSpp)
     return fail(ErrorCode::kInvalidArgument,
-                fmt::format("spp: must be between 1 and {} samples per pixel, got {}", kMaxSpp, settings.spp));
+                fmt::format("width x height: {} x {} are {} pixels, more than {}", settings.width_px,
+                            settings.height_px, pixels, kMaxImagePixels));
+  if (settings.spp < 1 || settings.spp > kMaxSpp)
+    return fail(
+        ErrorCode::kInvalidArgument,
+        fmt::format("spp: must be between 1 and {} samples per pixel, got {}", kMaxSpp, settings.spp));
   if (settings.max_depth < 0)
     return fail(ErrorCode::kInvalidArgument,
                 fmt::format("max_depth: must be 0 (no limit) or more, got {}", settings.max_depth));

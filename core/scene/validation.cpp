@@ -1,8 +1,10 @@
 #include "core/scene/validation.hpp"
 
-#include <cmath>
 #include <fmt/format.h>
+#include <algorithm>
+#include <cmath>
 #include <utility>
+#include <vector>
 
 #include "core/base/overloaded.hpp"
 #include "core/geometry/primitives.hpp"
@@ -10,7 +12,9 @@
 namespace tessera::core {
 namespace {
 
-tl::unexpected<Error> invalid(std::string message) { return fail(ErrorCode::kInvalidArgument, std::move(message)); }
+tl::unexpected<Error> invalid(std::string message) {
+  return fail(ErrorCode::kInvalidArgument, std::move(message));
+}
 
 bool fits(Vec3 p) {
   const auto in_range = [](float c) { return std::fabs(c) <= kMaxCoordinate; };
@@ -23,9 +27,11 @@ Status check_camera(const CameraDescription& camera) {
   const Vec3 view = camera.look_at - camera.position;
   if (!(length_squared(view) > 0)) return invalid("camera.look_at: must differ from camera.position");
   const Vec3 across = cross(normalize(view), camera.up);
-  if (!(length_squared(across) > 0)) return invalid("camera.up: must not be parallel to the viewing direction");
+  if (!(length_squared(across) > 0))
+    return invalid("camera.up: must not be parallel to the viewing direction");
   if (!(camera.vertical_fov_degrees > 0 && camera.vertical_fov_degrees < 180))
-    return invalid(fmt::format("camera.vertical_fov_degrees: must lie between 0 and 180, got {}", camera.vertical_fov_degrees));
+    return invalid(fmt::format("camera.vertical_fov_degrees: must lie between 0 and 180, got {}",
+                               camera.vertical_fov_degrees));
   if (!(camera.aperture_radius >= 0) || !std::isfinite(camera.aperture_radius))
     return invalid(fmt::format("camera.aperture_radius: must be 0 or more, got {}", camera.aperture_radius));
   if (!(camera.focus_distance >= 0) || !std::isfinite(camera.focus_distance))
@@ -35,7 +41,9 @@ Status check_camera(const CameraDescription& camera) {
 
 Status check_materials(const SceneDescription& scene) {
   const auto texture_count = static_cast<int>(scene.textures.size());
-  const auto textures_exist = [&](const auto&... parameters) { return ((parameters.texture < texture_count) && ...); };
+  const auto textures_exist = [&](const auto&... parameters) {
+    return ((parameters.texture < texture_count) && ...);
+  };
   for (const Material& material : scene.materials) {
     const bool ok = std::visit(
         Overloaded{
@@ -44,8 +52,11 @@ Status check_materials(const SceneDescription& scene) {
             [&](const Glass& m) { return m.ior > 0 && textures_exist(m.reflectance, m.transmittance); },
         },
         material.model);
-    if (!ok) return invalid(fmt::format("material '{}': a texture or the index of refraction is out of range", material.name));
-    if (!is_finite(material.emission) || material.emission.r < 0 || material.emission.g < 0 || material.emission.b < 0)
+    if (!ok)
+      return invalid(
+          fmt::format("material '{}': a texture or the index of refraction is out of range", material.name));
+    if (!is_finite(material.emission) || material.emission.r < 0 || material.emission.g < 0 ||
+        material.emission.b < 0)
       return invalid(fmt::format("material '{}': emission must be finite and not negative", material.name));
   }
   return {};
@@ -55,7 +66,8 @@ Status check_mesh(const MeshDescription& mesh, std::size_t material_count) {
   const std::size_t vertices = mesh.positions.size(), triangles = mesh.triangles.size();
   for (std::size_t i = 0; i < vertices; ++i)
     if (!fits(mesh.positions[i]))
-      return invalid(fmt::format("vertex {}: coordinates must be numbers of at most {:g}", i + 1, kMaxCoordinate));
+      return invalid(
+          fmt::format("vertex {}: coordinates must be numbers of at most {:g}", i + 1, kMaxCoordinate));
   if (!mesh.normals.empty() && mesh.normals.size() != vertices)
     return invalid(fmt::format("{} normals for {} vertices", mesh.normals.size(), vertices));
   if (!mesh.uvs.empty() && mesh.uvs.size() != vertices)
@@ -76,14 +88,17 @@ Status check_shape(const ShapeDescription& shape, std::size_t material_count) {
           [&](const MeshDescription& mesh) { return check_mesh(mesh, material_count); },
           [&](const SphereDescription& s) -> Status {
             if (!fits(s.center) || !(s.radius > 0 && s.radius <= kMaxCoordinate))
-              return invalid(fmt::format("the centre must be numbers of at most {:g} and the radius above 0", kMaxCoordinate));
-            if (s.material >= material_count) return invalid(fmt::format("there is no material {}", s.material));
+              return invalid(fmt::format("the centre must be numbers of at most {:g} and the radius above 0",
+                                         kMaxCoordinate));
+            if (s.material >= material_count)
+              return invalid(fmt::format("there is no material {}", s.material));
             return {};
           },
           [&](const QuadDescription& q) -> Status {
             if (!fits(q.corner) || !fits(q.edge_u) || !fits(q.edge_v))
               return invalid(fmt::format("coordinates must be numbers of at most {:g}", kMaxCoordinate));
-            if (q.material >= material_count) return invalid(fmt::format("there is no material {}", q.material));
+            if (q.material >= material_count)
+              return invalid(fmt::format("there is no material {}", q.material));
             return {};
           },
       },
@@ -100,6 +115,12 @@ Status check_shapes(const SceneDescription& scene) {
   return {};
 }
 
+std::vector<std::uint32_t> materials_of(const ShapeDescription& shape) {
+  if (const auto* mesh = std::get_if<MeshDescription>(&shape)) return mesh->triangle_materials;
+  if (const auto* sphere = std::get_if<SphereDescription>(&shape)) return {sphere->material};
+  return {std::get_if<QuadDescription>(&shape)->material};
+}
+
 }  // namespace
 
 Status validate_scene(const SceneDescription& scene) {
@@ -107,6 +128,14 @@ Status validate_scene(const SceneDescription& scene) {
   if (auto ok = check_camera(scene.camera); !ok) return ok;
   if (auto ok = check_materials(scene); !ok) return ok;
   return check_shapes(scene);
+}
+
+bool gives_light(const SceneDescription& scene) {
+  return std::any_of(scene.shapes.begin(), scene.shapes.end(), [&](const ShapeDescription& shape) {
+    const auto materials = materials_of(shape);
+    return std::any_of(materials.begin(), materials.end(),
+                       [&](std::uint32_t m) { return !is_black(scene.materials[m].emission); });
+  });
 }
 
 }  // namespace tessera::core

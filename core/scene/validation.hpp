@@ -6,7 +6,11 @@
 
 namespace tessera::core {
 
-// Whether Scene::build will accept `scene`. Errors (INVALID_ARGUMENT) name the shape, material or field at fault.
+// Whether Scene::build will accept `scene`. Errors (INVALID_ARGUMENT) name the shape, material or field at
+// fault.
 Status validate_scene(const SceneDescription& scene);
+
+// Whether any shape of a valid scene emits. Else its picture is black, which is seldom meant.
+bool gives_light(const SceneDescription& scene);
 
 }  // namespace tessera::core

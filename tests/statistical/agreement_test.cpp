@@ -1,4 +1,5 @@
-// The strategies of path tracing differ in noise alone: on every scene, region by region, they agree in expectation.
+// The strategies of path tracing differ in noise alone: on every scene, region by region, they agree in
+// expectation.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -22,8 +23,10 @@ struct Estimate {
   double mean = 0, variance_of_mean = 0;
 };
 
-std::vector<double> region_means(const Scene& scene, Integrator integrator, std::uint64_t seed, std::uint32_t spp) {
-  const RenderSettings settings{.width_px = kSidePx, .height_px = kSidePx, .spp = spp, .seed = seed, .integrator = integrator};
+std::vector<double> region_means(const Scene& scene, Integrator integrator, std::uint64_t seed,
+                                 std::uint32_t spp) {
+  const RenderSettings settings{
+      .width_px = kSidePx, .height_px = kSidePx, .spp = spp, .seed = seed, .integrator = integrator};
   const FilmTile tile = render(scene, settings, {0, 0, kSidePx, kSidePx}, {0, spp}, 2);
   std::vector<double> means(kRegions);
   for (int y = 0; y < kSidePx; ++y)
@@ -55,7 +58,8 @@ std::vector<Estimate> estimate(const Scene& scene, Integrator integrator, std::u
 }
 
 // Welch's test of each region. With 24 batches, |t| > 5.5 happens by chance less than once in 10^5 regions.
-void expect_agreement(const std::vector<Estimate>& a, const std::vector<Estimate>& b, const std::string& names) {
+void expect_agreement(const std::vector<Estimate>& a, const std::vector<Estimate>& b,
+                      const std::string& names) {
   constexpr double kMaxT = 5.5;
   for (std::size_t r = 0; r < kRegions; ++r) {
     const double error = std::sqrt(a[r].variance_of_mean + b[r].variance_of_mean);
@@ -74,12 +78,15 @@ void expect_strategies_agree(SceneDescription description) {
   expect_agreement(mis, estimate(*scene, Integrator::kNaive, 256), "mis and naive");
 }
 
-TEST(Strategies, AgreeInARoomOfEveryMaterial) { expect_strategies_agree(test::room()); }
+TEST(Strategies, AgreeInARoomOfEveryMaterial) {
+  expect_strategies_agree(test::room());
+}
 
 class Strategies : public testing::TestWithParam<std::string> {};
 
 TEST_P(Strategies, AgreeOnEveryShippedScene) {
-  auto description = load_scene_file(std::string(TESSERA_SOURCE_DIR) + "/scenes/" + GetParam() + "/scene.json");
+  auto description =
+      load_scene_file(std::string(TESSERA_SOURCE_DIR) + "/scenes/" + GetParam() + "/scene.json");
   ASSERT_TRUE(description) << description.error().message;
   expect_strategies_agree(*std::move(description));
 }

@@ -31,7 +31,9 @@ class SceneMaker {
   core::SceneDescription description_;
 };
 
-inline core::Lambert lambert(float albedo) { return core::Lambert{{core::Rgb::gray(albedo), -1}}; }
+inline core::Lambert lambert(float albedo) {
+  return core::Lambert{{core::Rgb::gray(albedo), -1}};
+}
 
 // A room lit by a quad, with a diffuse, a mirror and a glass sphere, and an emissive one.
 inline core::SceneDescription room() {
@@ -42,11 +44,11 @@ inline core::SceneDescription room() {
   const auto ember = maker.material(lambert(0.2f), {3, 1, 0.3f});
   const auto mirror = maker.material(core::Mirror{{{0.9f, 0.9f, 0.8f}, -1}});
   const auto glass = maker.material(core::Glass{});
-  maker.add(core::QuadDescription{{-1, 0, 1}, {2, 0, 0}, {0, 0, -2}, white});     // floor
-  maker.add(core::QuadDescription{{-1, 2, 1}, {0, 0, -2}, {2, 0, 0}, white});     // ceiling
-  maker.add(core::QuadDescription{{-1, 0, -1}, {2, 0, 0}, {0, 2, 0}, white});     // back
-  maker.add(core::QuadDescription{{-1, 0, 1}, {0, 0, -2}, {0, 2, 0}, red});       // left
-  maker.add(core::QuadDescription{{1, 0, 1}, {0, 2, 0}, {0, 0, -2}, white});      // right
+  maker.add(core::QuadDescription{{-1, 0, 1}, {2, 0, 0}, {0, 0, -2}, white});  // floor
+  maker.add(core::QuadDescription{{-1, 2, 1}, {0, 0, -2}, {2, 0, 0}, white});  // ceiling
+  maker.add(core::QuadDescription{{-1, 0, -1}, {2, 0, 0}, {0, 2, 0}, white});  // back
+  maker.add(core::QuadDescription{{-1, 0, 1}, {0, 0, -2}, {0, 2, 0}, red});    // left
+  maker.add(core::QuadDescription{{1, 0, 1}, {0, 2, 0}, {0, 0, -2}, white});   // right
   maker.add(core::QuadDescription{{-0.3f, 1.99f, -0.3f}, {0.6f, 0, 0}, {0, 0, 0.6f}, lamp});
   maker.add(core::SphereDescription{{-0.5f, 0.35f, -0.4f}, 0.35f, mirror});
   maker.add(core::SphereDescription{{0.45f, 0.35f, 0.2f}, 0.35f, glass});

@@ -27,20 +27,6 @@ float largest_value(const Texture& texture) {
   return values == nullptr ? 1.0f : *std::max_element(values->begin(), values->end());
 }
 
-std::vector<std::uint32_t> materials_of(const ShapeDescription& shape) {
-  if (const auto* mesh = std::get_if<MeshDescription>(&shape)) return mesh->triangle_materials;
-  if (const auto* sphere = std::get_if<SphereDescription>(&shape)) return {sphere->material};
-  return {std::get_if<QuadDescription>(&shape)->material};
-}
-
-bool gives_light(const SceneDescription& scene) {
-  return std::any_of(scene.shapes.begin(), scene.shapes.end(), [&](const ShapeDescription& shape) {
-    const auto materials = materials_of(shape);
-    return std::any_of(materials.begin(), materials.end(),
-                       [&](std::uint32_t m) { return !is_black(scene.materials[m].emission); });
-  });
-}
-
 }  // namespace
 
 void check_plausibility(const SceneDescription& scene, const std::vector<Place>& material_places,
@@ -58,9 +44,6 @@ void check_plausibility(const SceneDescription& scene, const std::vector<Place>&
                 in_quotes(scene.materials[i].name), largest));
     }
   }
-  if (!gives_light(scene))
-    mistakes.add(shapes_place,
-                 "nothing here gives light, and the picture would be black; give a material an 'emission'");
 }
 
 }  // namespace tessera::core

@@ -10,8 +10,9 @@ namespace {
 
 // A sample's value as a function of its number and place, now and then large enough to saturate a sum.
 std::uint64_t sample_value(int x, int y, int channel, std::uint32_t s) {
-  const std::uint64_t h = (static_cast<std::uint64_t>(x) * 73856093u) ^ (static_cast<std::uint64_t>(y) * 19349663u) ^
-                          (s * 83492791ull) ^ (static_cast<std::uint64_t>(channel) << 40);
+  const std::uint64_t h = (static_cast<std::uint64_t>(x) * 73856093u) ^
+                          (static_cast<std::uint64_t>(y) * 19349663u) ^ (s * 83492791ull) ^
+                          (static_cast<std::uint64_t>(channel) << 40);
   return h % 1000 == 0 ? kFilmSaturated / 2 : h << 12;
 }
 
@@ -39,7 +40,8 @@ TEST(Film, DoesNotDependOnHowSamplesWereCutAndOrdered) {
     std::vector<FilmTile> pieces;
     for (int t = 0; t < grid.tile_count(); ++t)
       for (std::uint32_t begin = 0; begin < kSpp;) {
-        const std::uint32_t end = std::min<std::uint32_t>(kSpp, begin + 1 + static_cast<std::uint32_t>(random() % 9));
+        const std::uint32_t end =
+            std::min<std::uint32_t>(kSpp, begin + 1 + static_cast<std::uint32_t>(random() % 9));
         pieces.push_back(make_tile(grid.rect(t), {begin, end}));
         begin = end;
       }

@@ -21,7 +21,8 @@ TEST(Elementary, ArcTangentIsAccurateInAllQuadrants) {
   std::uniform_real_distribution<float> coordinate(-3, 3);
   for (int i = 0; i < 100000; ++i) {
     const float x = coordinate(random), y = coordinate(random);
-    ASSERT_NEAR(core::atan2(y, x), std::atan2(static_cast<double>(y), static_cast<double>(x)), 1e-6) << y << " " << x;
+    ASSERT_NEAR(core::atan2(y, x), std::atan2(static_cast<double>(y), static_cast<double>(x)), 1e-6)
+        << y << " " << x;
   }
   EXPECT_EQ(core::atan2(0, 0), 0);
   EXPECT_FLOAT_EQ(core::atan2(0, -1), core::kPi);
@@ -39,7 +40,8 @@ TEST(Elementary, ArcCosineIsAccurateAndClamps) {
 
 TEST(Elementary, ExponentialAndLogarithmAreAccurate) {
   for (double x = -700; x <= 700; x += 0.37) ASSERT_NEAR(core::exp(x) / std::exp(x), 1, 1e-13) << x;
-  for (double x = 1e-300; x < 1e300; x *= 1.7) ASSERT_NEAR(core::log(x), std::log(x), 1e-13 * std::fabs(std::log(x)) + 1e-15) << x;
+  for (double x = 1e-300; x < 1e300; x *= 1.7)
+    ASSERT_NEAR(core::log(x), std::log(x), 1e-13 * std::fabs(std::log(x)) + 1e-15) << x;
   EXPECT_EQ(core::exp(0), 1);
   EXPECT_EQ(core::log(1), 0);
   EXPECT_EQ(core::exp(-1000), 0);

@@ -7,7 +7,9 @@
 namespace tessera::core {
 namespace {
 
-void expect_near(Vec3 a, Vec3 b, float tolerance = 1e-6f) { EXPECT_LE(length(a - b), tolerance); }
+void expect_near(Vec3 a, Vec3 b, float tolerance = 1e-6f) {
+  EXPECT_LE(length(a - b), tolerance);
+}
 
 TEST(Transform, AppliesTheInnerMapFirst) {
   const Transform t = compose(translation({1, 0, 0}), scaling({2, 3, 4}));
@@ -34,7 +36,8 @@ TEST(Transform, KnowsMirroringAndFlattening) {
 }
 
 TEST(Frame, IsOrthonormalForEveryNormal) {
-  const Vec3 normals[] = {{0, 0, 1}, {0, 0, -1}, {1, 0, 0}, {0, -1, 0}, normalize({1, 2, 3}), normalize({1e-4f, 0, -1})};
+  const Vec3 normals[] = {{0, 0, 1},  {0, 0, -1},           {1, 0, 0},
+                          {0, -1, 0}, normalize({1, 2, 3}), normalize({1e-4f, 0, -1})};
   for (const Vec3 n : normals) {
     const Frame frame = Frame::around(n);
     EXPECT_NEAR(length(frame.tangent), 1, 1e-6);

@@ -47,7 +47,8 @@ TEST(Camera, CircleOfConfusionHasItsRadius) {
   for (const float d : {1.0f, 3.0f, 6.0f, 20.0f}) {
     float radius = 0;
     for (int i = 0; i < 1000; ++i) {
-      const Ray ray = camera.ray({100, 50}, 200, 100, {static_cast<float>(i % 32) / 31.001f, static_cast<float>(i) / 1000});
+      const Ray ray = camera.ray({100, 50}, 200, 100,
+                                 {static_cast<float>(i % 32) / 31.001f, static_cast<float>(i) / 1000});
       const Vec3 p = ray.origin + ray.direction * (d / -ray.direction.z);
       radius = std::max(radius, std::hypot(p.x - 1, p.y - 2));
     }

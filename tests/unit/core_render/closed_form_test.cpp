@@ -18,7 +18,8 @@ struct Mean {
 
 // The mean radiance (red channel) of every pixel's first `spp` samples, with the error of that mean.
 Mean mean_radiance(const Scene& scene, Integrator integrator, std::uint32_t spp, int side_px = 4) {
-  const RenderSettings settings{.width_px = side_px, .height_px = side_px, .spp = spp, .integrator = integrator};
+  const RenderSettings settings{
+      .width_px = side_px, .height_px = side_px, .spp = spp, .integrator = integrator};
   double sum = 0, sum2 = 0;
   const int n = side_px * side_px;
   const FilmTile tile = render(scene, settings, {0, 0, side_px, side_px}, {0, spp}, 2);
@@ -71,19 +72,26 @@ TEST_P(PolygonLight, LightsADiffuseFloorAsLambertsFormulaSays) {
   const double expected = 0.6 / 3.14159265358979 * 5 * polygon_irradiance(corners, {0, 0, 0}, {0, 1, 0});
   for (const Integrator integrator : kStrategies) {
     const Mean mean = mean_radiance(scene, integrator, integrator == Integrator::kNaive ? 40000 : 4000);
-    EXPECT_NEAR(mean.value, expected, 5 * mean.standard_error + 1e-4 * expected) << integrator_name(integrator);
+    EXPECT_NEAR(mean.value, expected, 5 * mean.standard_error + 1e-4 * expected)
+        << integrator_name(integrator);
     EXPECT_LT(mean.standard_error, 0.02 * expected) << "too noisy to tell";
   }
 }
 
 INSTANTIATE_TEST_SUITE_P(
     ClosedForm, PolygonLight,
-    testing::Values(PolygonCase{"overhead", {{-0.5f, 1, -0.5f}, {0.5f, 1, -0.5f}, {0.5f, 1, 0.5f}, {-0.5f, 1, 0.5f}}},
-                    PolygonCase{"aside", {{0.6f, 0.3f, -0.4f}, {0.8f, 0.9f, -0.3f}, {0.7f, 0.8f, 0.6f}}},
-                    PolygonCase{"upright", {{-0.9f, 0, -0.5f}, {-0.9f, 0, 0.5f}, {-0.9f, 1, 0.5f}, {-0.9f, 1, -0.5f}}},
-                    PolygonCase{"pentagon", {{0, 0.8f, 0.9f}, {0.5f, 0.7f, 0.5f}, {0.3f, 0.6f, 0.1f}, {-0.3f, 0.6f, 0.1f}, {-0.5f, 0.7f, 0.5f}}},
-                    PolygonCase{"small", {{-0.2f, 0.5f, 0}, {-0.15f, 0.5f, 0}, {-0.15f, 0.55f, 0.05f}}},
-                    PolygonCase{"large", {{-40, 9, -40}, {40, 9, -40}, {40, 9, 40}, {-40, 9, 40}}}),
+    testing::Values(
+        PolygonCase{"overhead", {{-0.5f, 1, -0.5f}, {0.5f, 1, -0.5f}, {0.5f, 1, 0.5f}, {-0.5f, 1, 0.5f}}},
+        PolygonCase{"aside", {{0.6f, 0.3f, -0.4f}, {0.8f, 0.9f, -0.3f}, {0.7f, 0.8f, 0.6f}}},
+        PolygonCase{"upright", {{-0.9f, 0, -0.5f}, {-0.9f, 0, 0.5f}, {-0.9f, 1, 0.5f}, {-0.9f, 1, -0.5f}}},
+        PolygonCase{"pentagon",
+                    {{0, 0.8f, 0.9f},
+                     {0.5f, 0.7f, 0.5f},
+                     {0.3f, 0.6f, 0.1f},
+                     {-0.3f, 0.6f, 0.1f},
+                     {-0.5f, 0.7f, 0.5f}}},
+        PolygonCase{"small", {{-0.2f, 0.5f, 0}, {-0.15f, 0.5f, 0}, {-0.15f, 0.55f, 0.05f}}},
+        PolygonCase{"large", {{-40, 9, -40}, {40, 9, -40}, {40, 9, 40}, {-40, 9, 40}}}),
     [](const auto& test_case) { return std::string(test_case.param.name); });
 
 // Inside a sphere that emits Le and reflects rho of what meets it, radiance is Le / (1 - rho) everywhere.
@@ -91,13 +99,15 @@ class Furnace : public testing::TestWithParam<float> {};
 
 TEST_P(Furnace, HasTheRadianceOfTheGeometricSeries) {
   const float albedo = GetParam();
-  test::SceneMaker maker({.position = {0.2f, 0.1f, 0.3f}, .look_at = {1, 0.4f, 0}, .vertical_fov_degrees = 90});
+  test::SceneMaker maker(
+      {.position = {0.2f, 0.1f, 0.3f}, .look_at = {1, 0.4f, 0}, .vertical_fov_degrees = 90});
   maker.add(SphereDescription{{0, 0, 0}, 1, maker.material(test::lambert(albedo), Rgb::gray(0.5f))});
   const Scene scene = maker.build();
   const double expected = 0.5 / (1 - static_cast<double>(albedo));
   for (const Integrator integrator : kStrategies) {
     const Mean mean = mean_radiance(scene, integrator, 2000);
-    EXPECT_NEAR(mean.value, expected, 5 * mean.standard_error + 1e-4 * expected) << integrator_name(integrator);
+    EXPECT_NEAR(mean.value, expected, 5 * mean.standard_error + 1e-4 * expected)
+        << integrator_name(integrator);
     EXPECT_LT(mean.standard_error, 0.02 * expected);
   }
 }
@@ -106,7 +116,8 @@ INSTANTIATE_TEST_SUITE_P(ClosedForm, Furnace, testing::Values(0.0f, 0.3f, 0.5f, 
 
 // Objects that absorb nothing vanish in a white furnace: glass and mirrors included.
 TEST(WhiteFurnace, LosslessObjectsAreInvisible) {
-  for (const MaterialModel& model : {MaterialModel{test::lambert(1)}, MaterialModel{Mirror{}}, MaterialModel{Glass{}}}) {
+  for (const MaterialModel& model :
+       {MaterialModel{test::lambert(1)}, MaterialModel{Mirror{}}, MaterialModel{Glass{}}}) {
     test::SceneMaker maker({.position = {0, 0, 4}, .look_at = {0, 0, 0}, .vertical_fov_degrees = 30});
     maker.add(SphereDescription{{0, 0, 0}, 10, maker.material(test::lambert(0), Rgb::gray(2))});
     maker.add(SphereDescription{{0, 0, 0}, 1, maker.material(model)});
@@ -127,7 +138,8 @@ TEST(SphereLightOverPlane, MatchesTheFormFactor) {
   const double expected = 0.5 * 8 * (0.4 / 1.5) * (0.4 / 1.5);
   for (const Integrator integrator : kStrategies) {
     const Mean mean = mean_radiance(scene, integrator, integrator == Integrator::kNaive ? 40000 : 4000);
-    EXPECT_NEAR(mean.value, expected, 5 * mean.standard_error + 1e-4 * expected) << integrator_name(integrator);
+    EXPECT_NEAR(mean.value, expected, 5 * mean.standard_error + 1e-4 * expected)
+        << integrator_name(integrator);
     EXPECT_LT(mean.standard_error, 0.02 * expected);
   }
 }
@@ -138,7 +150,8 @@ TEST(GlassSlab, LetsThroughWhatTheGeometricSeriesSays) {
   const auto glass = maker.material(Glass{.ior = 1.5f});
   maker.add(QuadDescription{{-5, -5, 0.1f}, {10, 0, 0}, {0, 10, 0}, glass});
   maker.add(QuadDescription{{-5, -5, -0.1f}, {0, 10, 0}, {10, 0, 0}, glass});
-  maker.add(QuadDescription{{-5, -5, -2}, {10, 0, 0}, {0, 10, 0}, maker.material(test::lambert(0), Rgb::gray(3))});
+  maker.add(
+      QuadDescription{{-5, -5, -2}, {10, 0, 0}, {0, 10, 0}, maker.material(test::lambert(0), Rgb::gray(3))});
   const Scene scene = maker.build();
   const double reflectance = 0.04;
   const Mean mean = mean_radiance(scene, Integrator::kMis, 4000);

@@ -45,7 +45,8 @@ TEST_P(LightSampling, AgreesWithLookingAround) {
     if (const auto s = light.sample(p, {u[0], u[1]})) {
       const float again = light.pdf(p, s->point.position);
       ASSERT_NEAR(s->pdf, again, 2e-3 * static_cast<double>(s->pdf)) << "sample() and pdf() disagree";
-      sampled += static_cast<double>(s->radiance.r * std::fabs(dot(s->wi, axis)) / (s->pdf * choice->pmf)) / kSamples;
+      sampled += static_cast<double>(s->radiance.r * std::fabs(dot(s->wi, axis)) / (s->pdf * choice->pmf)) /
+                 kSamples;
     }
     const Vec3 wi = sample_sphere({u[0], u[3]});
     const Ray ray{p, wi};
@@ -54,7 +55,9 @@ TEST_P(LightSampling, AgreesWithLookingAround) {
     looked += static_cast<double>(std::fabs(dot(wi, axis))) * 4 * 3.14159265 / kSamples;
     const std::uint32_t id = scene_.light_of(hit.primitive);
     const Vec3 p_light = scene_.primitives().surface(ray, hit).position;
-    pdf_integral += static_cast<double>(scene_.light_sampler().pmf(id) * scene_.lights()[id].pdf(p, p_light)) * 4 * 3.14159265 / kSamples;
+    pdf_integral +=
+        static_cast<double>(scene_.light_sampler().pmf(id) * scene_.lights()[id].pdf(p, p_light)) * 4 *
+        3.14159265 / kSamples;
   }
   EXPECT_NEAR(sampled, looked, 0.03 * looked);
   EXPECT_NEAR(pdf_integral, 1, 0.05);
@@ -68,13 +71,14 @@ MeshDescription two_triangles() {
           .triangle_materials = {0}};
 }
 
-INSTANTIATE_TEST_SUITE_P(Shapes, LightSampling,
-                         testing::Values(LightCase{"quad", QuadDescription{{-1, 1, -1}, {2, 0, 0.5f}, {0, 0.3f, 1}, 0}, {0, 0, 0}},
-                                         LightCase{"mesh", two_triangles(), {0.2f, 0, 0.1f}},
-                                         LightCase{"sphere", SphereDescription{{0, 2, 0.5f}, 0.8f, 0}, {0.1f, 0, 0}},
-                                         LightCase{"inside_sphere", SphereDescription{{0, 0, 0}, 2, 0}, {0.9f, 0.5f, 0}},
-                                         LightCase{"offset_sphere", SphereDescription{{300, 2, 0.5f}, 0.8f, 0}, {299, 1, 0}}),
-                         [](const auto& test_case) { return std::string(test_case.param.name); });
+INSTANTIATE_TEST_SUITE_P(
+    Shapes, LightSampling,
+    testing::Values(LightCase{"quad", QuadDescription{{-1, 1, -1}, {2, 0, 0.5f}, {0, 0.3f, 1}, 0}, {0, 0, 0}},
+                    LightCase{"mesh", two_triangles(), {0.2f, 0, 0.1f}},
+                    LightCase{"sphere", SphereDescription{{0, 2, 0.5f}, 0.8f, 0}, {0.1f, 0, 0}},
+                    LightCase{"inside_sphere", SphereDescription{{0, 0, 0}, 2, 0}, {0.9f, 0.5f, 0}},
+                    LightCase{"offset_sphere", SphereDescription{{300, 2, 0.5f}, 0.8f, 0}, {299, 1, 0}}),
+    [](const auto& test_case) { return std::string(test_case.param.name); });
 
 TEST(Light, FarSphereIsSampledAccurately) {
   const Light light(SphereLight{{0, 1000, 0}, 0.5f}, {}, Rgb::gray(1), true);

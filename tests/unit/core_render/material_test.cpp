@@ -12,10 +12,12 @@
 namespace tessera::core {
 namespace {
 
-Bsdf make(MaterialModel model, bool outside = true) { return Bsdf(model, {}, {}, outside); }
+Bsdf make(MaterialModel model, bool outside = true) {
+  return Bsdf(model, {}, {}, outside);
+}
 
-// Pearson's test of a sampler against its density, over cells of equal solid angle of the whole sphere. The bound is
-// the 1e-6 quantile of chi-square by Wilson and Hilferty's approximation.
+// Pearson's test of a sampler against its density, over cells of equal solid angle of the whole sphere. The
+// bound is the 1e-6 quantile of chi-square by Wilson and Hilferty's approximation.
 void expect_sampler_matches_pdf(const Bsdf& bsdf, Vec3 wo) {
   constexpr int kRows = 16, kColumns = 24, kSamples = 200000, kFine = 8;
   std::vector<double> observed(kRows * kColumns), expected(kRows * kColumns);
@@ -77,7 +79,8 @@ TEST(Fresnel, HasItsKnownValues) {
   EXPECT_FLOAT_EQ(fresnel_dielectric(1, 1 / 1.5f), 0.04f);
   EXPECT_NEAR(fresnel_dielectric(0, 1.5f), 1, 1e-6);
   EXPECT_EQ(fresnel_dielectric(0.2f, 1 / 1.5f), 1) << "beyond the critical angle";
-  // Brewster's angle: tan = eta; what is reflected is all perpendicular, half of ((1 - eta^2) / (1 + eta^2))^2.
+  // Brewster's angle: tan = eta; what is reflected is all perpendicular, half of ((1 - eta^2) / (1 +
+  // eta^2))^2.
   const float cos_brewster = 1 / std::sqrt(1 + 1.5f * 1.5f);
   EXPECT_NEAR(fresnel_dielectric(cos_brewster, 1.5f), 0.5 * std::pow((1 - 2.25) / (1 + 2.25), 2), 1e-6);
 }

@@ -84,7 +84,8 @@ TEST_F(Render, OneSampleCanBeReplayed) {
   const FilmTile tile = render(scene_, scene_.settings(), {24, 20, 25, 21}, {5, 6}, 1);
   const Rgb radiance = render_sample(scene_, scene_.settings(), id);
   for (std::size_t c = 0; c < 3; ++c)
-    EXPECT_NEAR(static_cast<double>(tile.sums[c]) * kFilmUnit, static_cast<double>(radiance[static_cast<int>(c)]), kFilmUnit);
+    EXPECT_NEAR(static_cast<double>(tile.sums[c]) * kFilmUnit,
+                static_cast<double>(radiance[static_cast<int>(c)]), kFilmUnit);
 }
 
 TEST_F(Render, OddSamplesAreSummedApart) {
@@ -103,7 +104,8 @@ TEST(RenderNonFinite, IsCountedAndNamedAndBlack) {
   ASSERT_GT(tile.counters.non_finite_samples, 0u);
   ASSERT_TRUE(tile.counters.first_non_finite);
   EXPECT_GT(tile.counters.saturated_samples, 0u);
-  EXPECT_FALSE(is_finite(render_sample(scene, {.width_px = 16, .height_px = 16}, *tile.counters.first_non_finite)));
+  EXPECT_FALSE(
+      is_finite(render_sample(scene, {.width_px = 16, .height_px = 16}, *tile.counters.first_non_finite)));
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 
 #include <limits>
 
+#include "core/scene/validation.hpp"
 #include "tests/support/test_scenes.hpp"
 
 namespace tessera::core {
@@ -16,7 +17,11 @@ std::string error_of(const SceneDescription& description) {
 }
 
 MeshDescription triangle() {
-  return {.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, .normals = {}, .uvs = {}, .triangles = {{0, 1, 2}}, .triangle_materials = {0}};
+  return {.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}},
+          .normals = {},
+          .uvs = {},
+          .triangles = {{0, 1, 2}},
+          .triangle_materials = {0}};
 }
 
 SceneDescription with(ShapeDescription shape) {
@@ -42,6 +47,14 @@ TEST(Scene, TrianglesWithoutAreaAreNoLights) {
   EXPECT_TRUE(Scene::build(with(flat), 1)->lights().empty());
 }
 
+TEST(Scene, IsDarkWhereNoShapeEmits) {
+  EXPECT_TRUE(gives_light(test::room()));
+  EXPECT_FALSE(gives_light(with(triangle()))) << "materials that no shape has do not count";
+  MeshDescription lit = triangle();
+  lit.triangle_materials = {2};
+  EXPECT_TRUE(gives_light(with(lit)));
+}
+
 TEST(Scene, CanBeEmpty) {
   SceneDescription description = test::room();
   description.shapes.clear();
@@ -60,8 +73,10 @@ TEST(Scene, RefusesWhatCannotBeRendered) {
   mesh.normals = {{0, 0, 1}};
   EXPECT_THAT(error_of(with(mesh)), HasSubstr("1 normals for 3 vertices"));
   EXPECT_THAT(error_of(with(SphereDescription{{0, 0, 0}, -1, 0})), HasSubstr("radius above 0"));
-  EXPECT_THAT(error_of(with(QuadDescription{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, 99})), HasSubstr("there is no material 99"));
-  EXPECT_THAT(error_of(with(QuadDescription{{1e30f, 0, 0}, {1, 0, 0}, {0, 1, 0}, 0})), HasSubstr("at most 1e"));
+  EXPECT_THAT(error_of(with(QuadDescription{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, 99})),
+              HasSubstr("there is no material 99"));
+  EXPECT_THAT(error_of(with(QuadDescription{{1e30f, 0, 0}, {1, 0, 0}, {0, 1, 0}, 0})),
+              HasSubstr("at most 1e"));
 
   SceneDescription description = test::room();
   description.settings.width_px = 0;

@@ -21,7 +21,9 @@ TEST(DiscreteDistribution, LargestNumberStaysInside) {
   EXPECT_EQ(distribution.sample(std::nextafter(1.0f, 0.0f)), 2u);
 }
 
-TEST(DiscreteDistribution, CanBeEmpty) { EXPECT_TRUE(DiscreteDistribution(std::vector<double>{}).empty()); }
+TEST(DiscreteDistribution, CanBeEmpty) {
+  EXPECT_TRUE(DiscreteDistribution(std::vector<double>{}).empty());
+}
 
 }  // namespace
 }  // namespace tessera::core

@@ -15,12 +15,14 @@ TEST(Sobol, StartsAsPublished) {
   const std::uint32_t expected[5][3] = {{0, 0, 0}, {4, 4, 4}, {2, 6, 6}, {6, 2, 2}, {1, 5, 3}};
   for (std::uint32_t i = 0; i < 5; ++i) {
     const auto point = sobol_reversed(i);
-    for (std::size_t d = 0; d < 3; ++d) EXPECT_EQ(reverse_bits(point[d]) >> 29, expected[i][d]) << i << " " << d;
+    for (std::size_t d = 0; d < 3; ++d)
+      EXPECT_EQ(reverse_bits(point[d]) >> 29, expected[i][d]) << i << " " << d;
   }
 }
 
 // Counts how many of the first n samples fall into each cell of a grid over two dimensions of a pad.
-std::vector<int> cells(std::uint32_t n, std::size_t dim_a, int columns, std::size_t dim_b, int rows, std::uint32_t pad) {
+std::vector<int> cells(std::uint32_t n, std::size_t dim_a, int columns, std::size_t dim_b, int rows,
+                       std::uint32_t pad) {
   std::vector<int> count(static_cast<std::size_t>(columns * rows));
   for (std::uint32_t s = 0; s < n; ++s) {
     const auto u = Sampler(99, 12, 34, s).pad(pad);
@@ -33,8 +35,10 @@ std::vector<int> cells(std::uint32_t n, std::size_t dim_a, int columns, std::siz
 
 TEST(Sampler, FirstSamplesStratifyEveryElementaryRectangle) {
   for (std::uint32_t pad = 0; pad < 5; ++pad)
-    for (const auto& [columns, rows] : {std::pair{1, 64}, {2, 32}, {4, 16}, {8, 8}, {16, 4}, {32, 2}, {64, 1}})
-      for (const int count : cells(64, 0, columns, 1, rows, pad)) ASSERT_EQ(count, 1) << pad << " " << columns;
+    for (const auto& [columns, rows] :
+         {std::pair{1, 64}, {2, 32}, {4, 16}, {8, 8}, {16, 4}, {32, 2}, {64, 1}})
+      for (const int count : cells(64, 0, columns, 1, rows, pad))
+        ASSERT_EQ(count, 1) << pad << " " << columns;
 }
 
 TEST(Sampler, EveryDimensionIsStratified) {
@@ -80,7 +84,9 @@ TEST(Sampler, PadsAndPixelsAreUncorrelated) {
   for (std::uint32_t pad = 1; pad < 12; ++pad) {
     const auto a = [](std::uint32_t s) { return static_cast<double>(Sampler(0, 1, 1, s).pad(0)[0]); };
     const auto b = [pad](std::uint32_t s) { return static_cast<double>(Sampler(0, 1, 1, s).pad(pad)[0]); };
-    const auto c = [pad](std::uint32_t s) { return static_cast<double>(Sampler(0, 1 + static_cast<int>(pad), 1, s).pad(0)[0]); };
+    const auto c = [pad](std::uint32_t s) {
+      return static_cast<double>(Sampler(0, 1 + static_cast<int>(pad), 1, s).pad(0)[0]);
+    };
     EXPECT_NEAR(correlation(a, b), 0, 5 / 64.0) << pad;
     EXPECT_NEAR(correlation(a, c), 0, 5 / 64.0) << pad;
   }
