@@ -96,6 +96,7 @@ core::Status BlobCache::download(const proto::Digest& digest, const std::string&
   });
 
   StoppableCall call(stop, kFetchDeadline);
+  call.context()->set_wait_for_ready(true);
   v1::FetchBlobRequest request;
   *request.mutable_digest() = proto::to_proto(digest);
   const auto stream = coordinator.FetchBlob(call.context(), request);

@@ -60,6 +60,7 @@ v1::SubmitResultRequest DeliverLoop::encode(const Delivery& delivery) const {
 
 core::Status DeliverLoop::submit(const v1::SubmitResultRequest& request, const std::stop_token& stop) {
   StoppableCall call(stop, kSubmitDeadline);
+  call.context()->set_wait_for_ready(true);
   v1::SubmitResultResponse response;
   const grpc::Status status = coordinator_.SubmitResult(call.context(), request, &response);
   if (status.ok() && response.dropped_items() > 0)

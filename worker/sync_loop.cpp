@@ -63,6 +63,8 @@ core::Result<v1::SynchronizeResponse> SyncLoop::synchronize(const std::stop_toke
   holdings_.report(request);
 
   StoppableCall call(stop, deadline);
+  // The first failure is told at once; then the call itself waits for the coordinator to come back.
+  call.context()->set_wait_for_ready(lost_);
   v1::SynchronizeResponse response;
   const grpc::Status status = coordinator_.Synchronize(call.context(), request, &response);
   if (!status.ok()) return core::fail(proto::error_from_grpc(status));
