@@ -2,8 +2,6 @@
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
-#include <CLI/CLI.hpp>
-
 #include "core/integrators/fingerprint.hpp"
 #include "worker/options.hpp"
 #include "worker/signals.hpp"
@@ -39,11 +37,7 @@ int run(const worker::Options& options) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("Renders for a Tessera farm.", "tessera-worker");
-  app.set_version_flag("--version", TESSERA_VERSION);
-  worker::Options options;
-  worker::add_options(app, options);
-  CLI11_PARSE(app, argc, argv);
+  const worker::Options options = worker::parse_options(argc, argv);
   spdlog::set_default_logger(spdlog::stderr_color_mt("tessera-worker"));
   if (options.verbose) spdlog::set_level(spdlog::level::debug);
   return run(options);

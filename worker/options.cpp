@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <CLI/CLI.hpp>
+#include <algorithm>
 #include <array>
 #include <cstdlib>
 #include <thread>
@@ -10,7 +12,8 @@
 namespace tessera::worker {
 namespace {
 
-constexpr unsigned kMostThreads = 4096;
+constexpr unsigned kMostThreads = 1024;
+constexpr int kExitUsage = 2;
 
 std::string host_name() {
   std::array<char, 256> name{};
@@ -32,19 +35,31 @@ std::string default_cache() {
 Options::Options()
     : threads(std::max(1u, std::thread::hardware_concurrency())), cache(default_cache()), name(host_name()) {}
 
-void add_options(CLI::App& app, Options& options) {
+Options parse_options(int argc, char** argv) {
+  Options options;
+  CLI::App app("A worker of a Tessera render farm: fetches scenes, renders tiles, delivers them.");
+  app.set_version_flag("--version", "tessera-worker " TESSERA_VERSION);
   app.add_option("--coordinator", options.coordinator, "Where the coordinator listens")
       ->envname(proto::kCoordinatorVariable)
       ->type_name("HOST:PORT")
       ->capture_default_str();
   app.add_option("--threads", options.threads, "Threads to render with")
       ->check(CLI::Range(1u, kMostThreads))
+      ->type_name("N")
       ->capture_default_str();
   app.add_option("--cache", options.cache, "Folder for the files of scenes; workers may share it")
       ->type_name("DIR")
       ->capture_default_str();
-  app.add_option("--name", options.name, "What people call this worker")->capture_default_str();
+  app.add_option("--name", options.name, "What people call this worker")
+      ->type_name("NAME")
+      ->capture_default_str();
   app.add_flag("--verbose", options.verbose, "Log more");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    std::exit(app.exit(error) == EXIT_SUCCESS ? EXIT_SUCCESS : kExitUsage);
+  }
+  return options;
 }
 
 }  // namespace tessera::worker

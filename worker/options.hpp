@@ -1,7 +1,6 @@
 // The command line of tessera-worker.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <string>
 
 #include "proto/channel.hpp"
@@ -18,6 +17,8 @@ struct Options {
   Options();
 };
 
-void add_options(CLI::App& app, Options& options);
+// Reads the command line. On --help, --version and mistakes it prints what there is to say and ends the
+// process.
+Options parse_options(int argc, char** argv);
 
 }  // namespace tessera::worker

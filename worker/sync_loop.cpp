@@ -45,6 +45,7 @@ core::Status SyncLoop::run(const std::stop_token& stop) {
         wait_for(stop, kShortestExchange);
     } else {
       if (response.error().code == core::ErrorCode::kFailedPrecondition) return core::fail(response.error());
+      if (response.error().code == core::ErrorCode::kDeadlineExceeded) continue;  // a long wait, not a loss
       note_failure(response.error());
       wait_for(stop, backoff({.count = ++failures}).value());
     }
