@@ -94,6 +94,15 @@ void warn_about_samples(const std::string& scene_path, const RenderStats& stats)
   }
 }
 
+void warn_about_saturation(const std::string& scene_path, const core::Film& film) {
+  if (const std::uint64_t pixels = film.saturated_pixels(); pixels > 0) {
+    print_warning(
+        fmt::format("{} pixels have gathered more light than the film holds and come out too dark: scale the "
+                    "lights of '{}' down",
+                    pixels, scene_path));
+  }
+}
+
 void warn_about_blackness(const core::Image& image) {
   if (std::all_of(image.pixels.begin(), image.pixels.end(), core::is_black)) {
     print_warning(
@@ -121,13 +130,14 @@ int render_picture(const RenderOptions& options, LoadedScene& loaded) {
   const LocalRender rendered =
       render_locally(loaded.scene, stats.settings, options.threads, progress, interrupted);
   progress.erase();
-  if (!rendered.complete) {
+  if (!rendered.complete || interrupted()) {
     print_error("interrupted; no picture was written");
     return kExitInterrupted;
   }
   stats.counters = rendered.counters;
   stats.render_seconds = rendered.seconds;
   warn_about_samples(options.scene.scene_path, stats);
+  warn_about_saturation(options.scene.scene_path, rendered.film);
   const core::Image image = rendered.film.develop();
   warn_about_blackness(image);
   if (Status status = write_results(options, stats, image); !status) return print_error(status.error());

@@ -25,7 +25,7 @@ Ray Camera::ray(Vec2 raster, int width_px, int height_px, Vec2 u_lens) const {
   if (aperture_radius_ == 0) return Ray{position_, normalize(through_center)};
   const Vec2 lens = sample_disk(u_lens) * aperture_radius_;
   const Vec3 offset = right_ * lens.x + up_ * lens.y;
-  return Ray{position_ + offset, normalize(through_center * focus_distance_ - offset)};
+  return Ray{position_ + offset, normalize(through_center - offset / focus_distance_)};
 }
 
 }  // namespace tessera::core

@@ -1,9 +1,9 @@
 // A thin-lens camera; a pinhole where the aperture is closed.
 #pragma once
 
+#include "core/camera/camera_description.hpp"
 #include "core/geometry/ray.hpp"
 #include "core/math/frame.hpp"
-#include "core/scene/description.hpp"
 
 namespace tessera::core {
 

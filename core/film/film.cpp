@@ -1,5 +1,6 @@
 #include "core/film/film.hpp"
 
+#include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <tuple>
@@ -133,6 +134,14 @@ Image Film::develop() const {
 
 Image Film::standard_error() const {
   return map_channels(grid_, tiles_, half_difference);
+}
+
+std::uint64_t Film::saturated_pixels() const {
+  std::uint64_t count = 0;
+  for (const TileSums& tile : tiles_)
+    for (std::size_t i = 0; i < tile.sums.size(); i += 3)
+      count += std::max({tile.sums[i], tile.sums[i + 1], tile.sums[i + 2]}) == kFilmSaturated ? 1 : 0;
+  return count;
 }
 
 bool Film::operator==(const Film& other) const {

@@ -80,6 +80,9 @@ class Film {
   // odd-numbered samples; 0 where either half is empty.
   Image standard_error() const;
 
+  // Pixels of which a channel's sum has reached the end of its range: they come out too dark.
+  std::uint64_t saturated_pixels() const;
+
   bool operator==(const Film& other) const;
 
  private:

@@ -2,15 +2,39 @@
 
 #include <fmt/format.h>
 #include <xxhash.h>
+
 #include <cassert>
+#include <memory>
+#include <utility>
 
 #include "core/integrators/render.hpp"
 
 namespace tessera::core {
 namespace {
 
-// A box open to the front with a lamp, a glass and a mirror sphere, seen through a lens: every kind of
-// arithmetic that rendering has.
+// A 2 x 2 picture as sRGB bytes.
+Texture checks() {
+  const TextureImage image{2, 2,
+                           std::vector<std::uint8_t>{200, 30, 90, 20, 160, 70, 80, 80, 250, 240, 220, 10}};
+  return {.image = std::make_shared<TextureImage>(image), .scale = {3, 2}};
+}
+
+// A tent with leaning normals, and a small lamp beside it.
+MeshDescription tent() {
+  return {.positions = {{-1.5f, 0, -0.9f},
+                        {-0.9f, 0.8f, -1.2f},
+                        {-0.3f, 0, -0.9f},
+                        {1.5f, 1, -1.5f},
+                        {1.6f, 1.3f, -1.4f},
+                        {1.3f, 1.2f, -1.6f}},
+          .normals = {{-1, 0.2f, 1}, {0, 0.5f, 1}, {1, 0.2f, 1}, {0, 0, 1}, {0, 0, 1}, {0, 0, 1}},
+          .uvs = {{0, 0}, {0.5f, 1}, {1, 0}, {0, 0}, {1, 0}, {0, 1}},
+          .triangles = {{0, 2, 1}, {3, 4, 5}},
+          .triangle_materials = {4, 1}};
+}
+
+// A box open to the front with lamps of every kind, a glass and a mirror sphere and a textured mesh with
+// interpolated normals, seen through a lens. What it leaves out is the reading of files.
 SceneDescription fingerprint_scene() {
   SceneDescription scene;
   scene.settings = {.width_px = 16, .height_px = 16, .spp = 8};
@@ -18,8 +42,11 @@ SceneDescription fingerprint_scene() {
   scene.materials = {{.name = "wall", .model = Lambert{{{0.7f, 0.5f, 0.3f}}}},
                      {.name = "lamp", .model = Lambert{}, .emission = {9, 8, 7}},
                      {.name = "glass", .model = Glass{}},
-                     {.name = "mirror", .model = Mirror{}}};
-  scene.shapes = {QuadDescription{{-2, 0, 2}, {4, 0, 0}, {0, 0, -4}, 0},
+                     {.name = "mirror", .model = Mirror{}},
+                     {.name = "cloth", .model = Lambert{{Rgb::gray(0.9f), 0}}}};
+  scene.textures = {checks()};
+  scene.shapes = {tent(),
+                  QuadDescription{{-2, 0, 2}, {4, 0, 0}, {0, 0, -4}, 0},
                   QuadDescription{{-2, 0, -2}, {4, 0, 0}, {0, 3, 0}, 0},
                   QuadDescription{{-0.5f, 2.9f, -0.5f}, {1, 0, 0}, {0, 0, 1}, 1},
                   SphereDescription{{-0.7f, 0.6f, 0.3f}, 0.6f, 2},

@@ -13,6 +13,12 @@ float mis_weight(float pdf, float other_pdf) {
   return pdf / (pdf + other_pdf);
 }
 
+// One number in [0, 1) of 48 bits from two of 24, so that lights of little power among great ones can be
+// chosen.
+double two_digits(float coarse, float fine) {
+  return static_cast<double>(coarse) + static_cast<double>(fine) * 0x1p-24;
+}
+
 // Follows one path from the camera. `throughput_` is the product of the BSDF weights so far: what radiance
 // found at the path's end is multiplied by.
 class PathTracer {
@@ -56,7 +62,7 @@ class PathTracer {
 
   void add_direct_light(const PathVertex& vertex, int depth) {
     const auto u = sampler_.pad(light_pad(depth));
-    const auto choice = scene_.light_sampler().sample(u[2]);
+    const auto choice = scene_.light_sampler().sample(two_digits(u[2], u[3]));
     if (!choice) return;
     const auto light = scene_.lights()[choice->light].sample(vertex.position(), {u[0], u[1]});
     if (!light) return;

@@ -1,4 +1,6 @@
-// Which light to sample: in proportion to power, wherever the lit point is.
+// Which light to sample, wherever the lit point is: nine times in ten in proportion to power, else any of
+// them alike. So a faint light is still found beside one that is brighter by any factor, as a lamp under a
+// sky is.
 #pragma once
 
 #include <cstdint>
@@ -22,7 +24,7 @@ class LightSampler {
     float pmf;
   };
   // Nothing where there is no light with power.
-  std::optional<Choice> sample(float u) const;
+  std::optional<Choice> sample(double u) const;
   float pmf(std::uint32_t light) const { return distribution_.pmf(light); }
 
  private:

@@ -1,6 +1,5 @@
 #include "core/math/elementary.hpp"
 
-#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstdint>
@@ -70,11 +69,6 @@ float atan2(float y, float x) {
   double angle = ay <= ax ? atan_unit(ay / ax) : kPiDouble / 2 - atan_unit(ax / ay);
   if (x < 0) angle = kPiDouble - angle;
   return static_cast<float>(y < 0 ? -angle : angle);
-}
-
-float acos(float x) {
-  const float c = std::clamp(x, -1.0f, 1.0f);
-  return atan2(std::sqrt((1 - c) * (1 + c)), c);
 }
 
 double exp(double x) {

@@ -12,8 +12,6 @@ float sin(float x);
 float cos(float x);
 // In [-pi, pi]; atan2(0, 0) is 0. Error below 1e-6 absolute.
 float atan2(float y, float x);
-// In [0, pi]; x is clamped to [-1, 1]. Error below 1e-6 absolute.
-float acos(float x);
 
 // In double precision, relative error below 1e-13 (log: absolute, for results near 0).
 double exp(double x);                      // 0 below -708, infinity above 709

@@ -15,8 +15,8 @@ DiscreteDistribution::DiscreteDistribution(const std::vector<double>& weights) {
   }
 }
 
-std::size_t DiscreteDistribution::sample(float u) const {
-  const auto found = std::upper_bound(cdf_.begin(), cdf_.end(), static_cast<double>(u));
+std::size_t DiscreteDistribution::sample(double u) const {
+  const auto found = std::upper_bound(cdf_.begin(), cdf_.end(), u);
   return static_cast<std::size_t>(found - cdf_.begin());
 }
 

@@ -13,12 +13,12 @@ class DiscreteDistribution {
   // Weights are not negative; their sum is positive, or there are none.
   explicit DiscreteDistribution(const std::vector<double>& weights);
 
-  std::size_t size() const { return pmf_.size(); }
   bool empty() const { return pmf_.empty(); }
   float pmf(std::size_t index) const { return pmf_[index]; }
 
-  // The entry that u in [0, 1) falls on. Never one of weight 0.
-  std::size_t sample(float u) const;
+  // The entry that u in [0, 1) falls on. Never one of weight 0. Entries rarer than the resolution of u are
+  // lost, so it takes more bits than a float has.
+  std::size_t sample(double u) const;
 
  private:
   std::vector<float> pmf_;

@@ -40,6 +40,6 @@ inline constexpr std::uint32_t scatter_pad(int depth) {
 }  // BSDF u, v, lobe; roulette
 inline constexpr std::uint32_t light_pad(int depth) {
   return 2 + 2 * static_cast<std::uint32_t>(depth);
-}  // light u, v, choice; unused
+}  // light u, v; choice, coarse and fine
 
 }  // namespace tessera::core

@@ -32,8 +32,9 @@ Status check_camera(const CameraDescription& camera) {
   if (!(camera.vertical_fov_degrees > 0 && camera.vertical_fov_degrees < 180))
     return invalid(fmt::format("camera.vertical_fov_degrees: must lie between 0 and 180, got {}",
                                camera.vertical_fov_degrees));
-  if (!(camera.aperture_radius >= 0) || !std::isfinite(camera.aperture_radius))
-    return invalid(fmt::format("camera.aperture_radius: must be 0 or more, got {}", camera.aperture_radius));
+  if (!(camera.aperture_radius >= 0 && camera.aperture_radius <= kMaxCoordinate))
+    return invalid(fmt::format("camera.aperture_radius: must be between 0 and {:g}, got {}", kMaxCoordinate,
+                               camera.aperture_radius));
   if (!(camera.focus_distance >= 0) || !std::isfinite(camera.focus_distance))
     return invalid(fmt::format("camera.focus_distance: must be above 0, got {}", camera.focus_distance));
   return {};

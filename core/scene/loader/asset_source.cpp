@@ -17,6 +17,9 @@ namespace {
 namespace fs = std::filesystem;
 
 // `shown` is what messages call the file.
+// Larger files are not meshes or pictures but mistakes, and reading one would exhaust the machine first.
+constexpr std::uintmax_t kMaxAssetBytes = std::uintmax_t{8} << 30;
+
 Result<std::string> read_regular_file(const fs::path& path, const std::string& shown) {
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
@@ -33,6 +36,10 @@ Result<std::string> read_regular_file(const fs::path& path, const std::string& s
   const std::uintmax_t size = fs::file_size(path, error);
   if (error)
     return fail(ErrorCode::kUnavailable, fmt::format("{} cannot be read: {}", shown, error.message()));
+  if (size > kMaxAssetBytes)
+    return fail(ErrorCode::kResourceExhausted,
+                fmt::format("{} has {} bytes, more than the {} that a scene's file may have", shown, size,
+                            kMaxAssetBytes));
   std::string bytes(size, '\0');
   file.read(bytes.data(), static_cast<std::streamsize>(size));
   if (file.gcount() != static_cast<std::streamsize>(size))

@@ -7,6 +7,7 @@
 #include <string>
 #include <string_view>
 
+#include "core/geometry/primitives.hpp"
 #include "core/math/rgb.hpp"
 #include "core/math/vec3.hpp"
 #include "core/scene/loader/json_document.hpp"
@@ -23,6 +24,8 @@ struct Bounds {
 
 namespace bounds {
 inline constexpr Bounds kAny{[](double) { return true; }, "a number"};
+inline constexpr Bounds kCoordinate{[](double v) { return -kMaxCoordinate <= v && v <= kMaxCoordinate; },
+                                    "between -1e15 and 1e15"};
 inline constexpr Bounds kPositive{[](double v) { return v > 0; }, "greater than 0"};
 inline constexpr Bounds kNotNegative{[](double v) { return v >= 0; }, "0 or greater"};
 inline constexpr Bounds kUnit{[](double v) { return v >= 0 && v <= 1; }, "between 0 and 1"};

@@ -7,8 +7,8 @@
 
 namespace tessera::core {
 
-// Nothing reflects more light than it gets, as HDR textures might say. `material_places` are those of the first materials; the others come from the
-// shapes' own libraries.
+// Nothing reflects more light than it gets, as HDR textures might say. `material_places` are those of the
+// first materials; the others come from the shapes' own libraries.
 void check_plausibility(const SceneDescription& scene, const std::vector<Place>& material_places,
                         const Place& shapes_place, Mistakes& mistakes);
 

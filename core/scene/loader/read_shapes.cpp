@@ -46,7 +46,8 @@ Transform read_step(const Field& field) {
   }
   if (const auto factors = object.find("scale")) return scaling(read_scale(*factors));
   if (const auto turn = object.find("rotate")) return read_rotation(*turn);
-  if (const auto offset = object.find("translate")) return translation(read_vec3(*offset, bounds::kAny));
+  if (const auto offset = object.find("translate"))
+    return translation(read_vec3(*offset, bounds::kCoordinate));
   return {};
 }
 
@@ -110,7 +111,7 @@ ShapeDescription read_sphere(const Field& field, const std::vector<MaterialEntry
   const std::size_t mistakes_before = field.mistakes().count();
   const ObjectReader object(field, scene_keys::kSphere);
   const Common common = read_common(object, materials);
-  const Vec3 center = read_or(object, "center", Vec3{0, 0, 0}, read_vec3, bounds::kAny);
+  const Vec3 center = read_or(object, "center", Vec3{0, 0, 0}, read_vec3, bounds::kCoordinate);
   const float radius = read_or(object, "radius", 1.0f, read_float, bounds::kPositive);
   if (field.mistakes().count() > mistakes_before) return SphereDescription{};
   if (!is_similarity(common.transform))
@@ -137,9 +138,9 @@ ShapeDescription read_quad(const Field& field, const std::vector<MaterialEntry>&
   const ObjectReader object(field, scene_keys::kQuad);
   const Common common = read_common(object, materials);
   const Transform& t = common.transform;
-  const auto corner = read_or(object, "corner", Vec3{0, 0, 0}, read_vec3, bounds::kAny);
-  const auto edge_u = read_or(object, "edge_u", Vec3{}, read_vec3, bounds::kAny);
-  const auto edge_v = read_or(object, "edge_v", Vec3{}, read_vec3, bounds::kAny);
+  const auto corner = read_or(object, "corner", Vec3{0, 0, 0}, read_vec3, bounds::kCoordinate);
+  const auto edge_u = read_or(object, "edge_u", Vec3{}, read_vec3, bounds::kCoordinate);
+  const auto edge_v = read_or(object, "edge_v", Vec3{}, read_vec3, bounds::kCoordinate);
   if (field.mistakes().count() > mistakes_before) return QuadDescription{};
   const QuadDescription quad{t.point(corner), t.direction(edge_u), t.direction(edge_v),
                              common.material.value_or(0)};

@@ -52,8 +52,8 @@ CameraDescription read_camera(const Field& field) {
   const std::size_t mistakes_before = field.mistakes().count();
   const ObjectReader object(field, scene_keys::kCamera);
   CameraDescription camera;
-  camera.position = read_or(object, "position", camera.position, read_vec3, bounds::kAny);
-  camera.look_at = read_or(object, "look_at", camera.look_at, read_vec3, bounds::kAny);
+  camera.position = read_or(object, "position", camera.position, read_vec3, bounds::kCoordinate);
+  camera.look_at = read_or(object, "look_at", camera.look_at, read_vec3, bounds::kCoordinate);
   camera.up = read_or(object, "up", camera.up, read_vec3, bounds::kAny);
   camera.vertical_fov_degrees =
       read_or(object, "vertical_fov_degrees", camera.vertical_fov_degrees, read_float, kFieldOfView);

@@ -80,6 +80,16 @@ TEST(Film, EstimatesTheErrorFromTheHalves) {
   EXPECT_EQ(film.standard_error().at(0, 0), (Rgb{1, 0, 0}));
 }
 
+TEST(Film, TellsHowManyPixelsAreFull) {
+  Film film(TileGrid(3, 1, 64));
+  FilmTile tile({0, 0, 3, 1}, {0, 2});
+  tile.sums[4] = kFilmSaturated - 1;
+  film.add(tile);
+  EXPECT_EQ(film.saturated_pixels(), 0u);
+  film.add(tile);
+  EXPECT_EQ(film.saturated_pixels(), 1u);
+}
+
 TEST(Film, RestoresWhatItHanded) {
   Film film(TileGrid(20, 20, 16));
   film.add(make_tile({0, 0, 20, 20}, {2, 5}));

@@ -29,15 +29,6 @@ TEST(Elementary, ArcTangentIsAccurateInAllQuadrants) {
   EXPECT_FLOAT_EQ(core::atan2(-1, 0), -core::kPi / 2);
 }
 
-TEST(Elementary, ArcCosineIsAccurateAndClamps) {
-  for (int i = -1000; i <= 1000; ++i) {
-    const float x = static_cast<float>(i) / 1000;
-    ASSERT_NEAR(core::acos(x), std::acos(static_cast<double>(x)), 1e-6) << x;
-  }
-  EXPECT_EQ(core::acos(2), 0);
-  EXPECT_FLOAT_EQ(core::acos(-2), core::kPi);
-}
-
 TEST(Elementary, ExponentialAndLogarithmAreAccurate) {
   for (double x = -700; x <= 700; x += 0.37) ASSERT_NEAR(core::exp(x) / std::exp(x), 1, 1e-13) << x;
   for (double x = 1e-300; x < 1e300; x *= 1.7)

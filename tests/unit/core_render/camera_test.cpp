@@ -56,6 +56,15 @@ TEST(Camera, CircleOfConfusionHasItsRadius) {
   }
 }
 
+TEST(Camera, CanFocusAtInfinity) {
+  CameraDescription description = kAhead;
+  description.aperture_radius = 0.5f;
+  description.focus_distance = 1e30f;
+  const Ray ray = Camera(description).ray({150, 20}, 200, 100, {0.9f, 0.4f});
+  expect_near(ray.direction, Camera(kAhead).ray({150, 20}, 200, 100, {}).direction);
+  EXPECT_NE(ray.origin, description.position);
+}
+
 TEST(Camera, FocusesAtWhatItLooksAtByDefault) {
   CameraDescription description = kAhead;
   description.aperture_radius = 0.5f;

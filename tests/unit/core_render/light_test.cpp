@@ -40,7 +40,7 @@ TEST_P(LightSampling, AgreesWithLookingAround) {
   double sampled = 0, looked = 0, pdf_integral = 0;
   for (int i = 0; i < kSamples; ++i) {
     const auto u = Sampler(5, i % 1000, i / 1000, 0).pad(0);
-    const auto choice = scene_.light_sampler().sample(u[2]);
+    const auto choice = scene_.light_sampler().sample(static_cast<double>(u[2]));
     const Light& light = scene_.lights()[choice->light];
     if (const auto s = light.sample(p, {u[0], u[1]})) {
       const float again = light.pdf(p, s->point.position);
@@ -95,16 +95,24 @@ TEST(Light, OneSidedEmitsToItsFront) {
   EXPECT_TRUE(light.sample({0.5f, 0.5f, 1}, {0.5f, 0.5f}));
 }
 
-TEST(LightSampler, ChoosesInProportionToPower) {
+TEST(LightSampler, ChoosesNineTimesInTenInProportionToPower) {
   const Light small(QuadLight{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {0, 0, 1}, Rgb::gray(1), false);
   const Light bright(QuadLight{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {0, 0, 1}, Rgb::gray(2), false);
   const Light both_sides(QuadLight{{0, 0, 0}, {5, 0, 0}, {0, 1, 0}}, {0, 0, 1}, Rgb::gray(1), true);
   const LightSampler sampler({small, bright, both_sides});
-  EXPECT_NEAR(sampler.pmf(0), 1 / 13.0, 1e-6);
-  EXPECT_NEAR(sampler.pmf(1), 2 / 13.0, 1e-6);
-  EXPECT_NEAR(sampler.pmf(2), 10 / 13.0, 1e-6);
-  EXPECT_EQ(sampler.sample(0.5f)->light, 2u);
-  EXPECT_FALSE(LightSampler(std::vector<Light>{}).sample(0.5f));
+  EXPECT_NEAR(sampler.pmf(0), 0.9 * 1 / 13 + 0.1 / 3, 1e-6);
+  EXPECT_NEAR(sampler.pmf(1), 0.9 * 2 / 13 + 0.1 / 3, 1e-6);
+  EXPECT_NEAR(sampler.pmf(2), 0.9 * 10 / 13 + 0.1 / 3, 1e-6);
+  EXPECT_EQ(sampler.sample(0.5)->light, 2u);
+  EXPECT_FALSE(LightSampler(std::vector<Light>{}).sample(0.5));
+}
+
+TEST(LightSampler, FindsAFaintLightBesideABrightOne) {
+  const Light faint(QuadLight{{0, 0, 0}, {1e-3f, 0, 0}, {0, 1e-3f, 0}}, {0, 0, 1}, Rgb::gray(1), false);
+  const Light sky(SphereLight{{0, 0, 0}, 1e6f}, {}, Rgb::gray(1), true);
+  const LightSampler sampler({faint, sky});
+  EXPECT_NEAR(sampler.pmf(0), 0.05, 1e-6);
+  EXPECT_EQ(sampler.sample(0.049)->light, 0u);
 }
 
 }  // namespace

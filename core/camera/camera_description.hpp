@@ -1,0 +1,18 @@
+// What a camera is told, as scene files say it.
+#pragma once
+
+#include "core/math/vec3.hpp"
+
+namespace tessera::core {
+
+// A thin-lens camera; a pinhole where aperture_radius is 0. World units.
+struct CameraDescription {
+  Vec3 position{0, 0, 0};
+  Vec3 look_at{0, 0, -1};
+  Vec3 up{0, 1, 0};
+  float vertical_fov_degrees = 40;  // full angle
+  float aperture_radius = 0;
+  float focus_distance = 0;  // along the viewing axis; 0 for the distance of look_at
+};
+
+}  // namespace tessera::core
