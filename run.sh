@@ -50,6 +50,17 @@ wait_for_address() {
   fail "the coordinator did not start"
 }
 
+# Both workers have registered.
+wait_for_workers() {
+  local i pid
+  for ((i = 0; i < 600; ++i)); do
+    [ "$(grep -l "registered with the coordinator" "$logs"/worker-*.log | wc -l)" -lt 2 ] || return 0
+    for pid in "${started[@]}"; do kill -0 "$pid" 2>/dev/null || fail "a worker did not start"; done
+    sleep 0.05
+  done
+  fail "the workers did not reach the coordinator"
+}
+
 heading "Packages"
 scripts/setup.sh
 echo "all there"
@@ -72,6 +83,7 @@ for name in first second; do
   start "worker-$name" "$bin/tessera-worker" --coordinator "$address" --threads "$threads" \
     --name "$name" --cache "$logs/cache-$name"
 done
+wait_for_workers
 echo "coordinator at $address, workers with $threads threads each"
 
 heading "The still life, $size pixels, $spp samples each, on the farm"

@@ -25,8 +25,7 @@ RetryPolicy exponential_backoff(BackoffOptions options, std::uint64_t seed) {
 }
 
 bool is_transient(core::ErrorCode code) {
-  return code == core::ErrorCode::kUnavailable || code == core::ErrorCode::kDeadlineExceeded ||
-         code == core::ErrorCode::kResourceExhausted;
+  return code == core::ErrorCode::kUnavailable || code == core::ErrorCode::kDeadlineExceeded;
 }
 
 RetryPolicy transient_only(RetryPolicy inner) {

@@ -150,16 +150,17 @@ core::Result<v1::Job> Coordinator::resume_job(const std::string& id) {
 }
 
 core::Status Coordinator::delete_job(const std::string& id) {
-  {
-    Turn turn(*this);
-    const scheduler::Actions actions = scheduler_.handle(scheduler::DeleteJob{{id}}, turn.now());
-    if (!actions.status) return actions.status;
-    job_of_request_.erase(jobs_.at(id).request_id);
-    jobs_.erase(id);
-    spdlog::info("job {} deleted", id);
-    apply(turn, actions);
-  }
-  return state_.jobs.delete_job(id);
+  // From the store first: a job that is gone from memory alone would be back after a restart.
+  if (const auto known = job(id); !known) return core::fail(known.error());
+  if (const core::Status deleted = state_.jobs.delete_job(id); !deleted) return deleted;
+  Turn turn(*this);
+  const scheduler::Actions actions = scheduler_.handle(scheduler::DeleteJob{{id}}, turn.now());
+  if (!actions.status) return actions.status;
+  job_of_request_.erase(jobs_.at(id).request_id);
+  jobs_.erase(id);
+  spdlog::info("job {} deleted", id);
+  apply(turn, actions);
+  return {};
 }
 
 }  // namespace tessera::coordinator

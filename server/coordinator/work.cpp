@@ -124,7 +124,8 @@ core::Status Coordinator::admit(const Turn& turn, const v1::SynchronizeRequest& 
 bool Coordinator::arithmetic_is_bound(const Turn& turn, const std::string& except_worker) const {
   const auto workers = scheduler_.workers(turn.now());
   const bool used = std::any_of(workers.begin(), workers.end(), [&](const scheduler::WorkerView& worker) {
-    return !worker.silent && worker.info.id.value != except_worker;
+    const bool gone = worker.silent || (worker.draining && worker.held_leases == 0);
+    return !gone && worker.info.id.value != except_worker;
   });
   return used || std::any_of(jobs_.begin(), jobs_.end(), [&](const auto& job) {
            return job.second.arithmetic == arithmetic_ &&

@@ -48,7 +48,7 @@ TEST_F(FailuresTest, AWorkerThatIsToldToStopGivesItsLeasesBack) {
   ASSERT_TRUE(wait_for_workers(2));
   const std::string id = start_job();
   leaving.signal(SIGTERM);
-  EXPECT_EQ(leaving.wait(5s), 0);
+  EXPECT_EQ(leaving.wait(30s), 0);
   ASSERT_TRUE(wait_for_state(id, v1::JOB_STATE_DONE));
   expect_local_bytes(id);
 }
