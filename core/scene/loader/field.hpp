@@ -25,7 +25,7 @@ struct Bounds {
 namespace bounds {
 inline constexpr Bounds kAny{[](double) { return true; }, "a number"};
 inline constexpr Bounds kCoordinate{[](double v) { return -kMaxCoordinate <= v && v <= kMaxCoordinate; },
-                                    "between -1e15 and 1e15"};
+                                    "a number between -1e15 and 1e15"};
 inline constexpr Bounds kPositive{[](double v) { return v > 0; }, "greater than 0"};
 inline constexpr Bounds kNotNegative{[](double v) { return v >= 0; }, "0 or greater"};
 inline constexpr Bounds kUnit{[](double v) { return v >= 0 && v <= 1; }, "between 0 and 1"};

@@ -47,7 +47,7 @@ Transform read_step(const Field& field) {
   if (const auto factors = object.find("scale")) return scaling(read_scale(*factors));
   if (const auto turn = object.find("rotate")) return read_rotation(*turn);
   if (const auto offset = object.find("translate"))
-    return translation(read_vec3(*offset, bounds::kCoordinate));
+    return translation(read_vec3(*offset, bounds::kAny));
   return {};
 }
 

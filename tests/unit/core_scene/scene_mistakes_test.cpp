@@ -97,7 +97,7 @@ TEST(SceneMistakes, InTheCamera) {
            "camera.position: must be a list of 3 numbers, got a list of 2"},
           {"\"position\": 0, \"look_at\": [0, 0, 0]", "camera.position: must be a list of 3 numbers, got 0"},
           {"\"position\": [0, \"a\", 0], \"look_at\": [0, 0, 1]",
-           "camera.position[1]: must be a number, got the text 'a'"},
+           "camera.position[1]: must be a number between -1e15 and 1e15, got the text 'a'"},
           {"\"position\": [0, 1e39, 0], \"look_at\": [0, 0, 1]",
            "camera.position[1]: must be between -3.4e38 and 3.4e38, got 1e+39"},
           {"\"position\": [1, 2, 3], \"look_at\": [1, 2, 3]",
