@@ -1,82 +1,13 @@
-// The strategies of path tracing differ in noise alone: on every scene, region by region, they agree in
-// expectation.
+// The strategies of path tracing differ in noise alone: region by region, they agree in expectation.
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <cmath>
-#include <filesystem>
-#include <string>
-#include <vector>
-
-#include "core/integrators/render.hpp"
-#include "core/scene/loader/loader.hpp"
+#include "tests/statistical/agreement.hpp"
 #include "tests/support/test_scenes.hpp"
 
 namespace tessera::core {
 namespace {
 
-constexpr int kRegionsAcross = 4, kRegionPx = 6, kSidePx = kRegionsAcross * kRegionPx;
-constexpr int kRegions = kRegionsAcross * kRegionsAcross;
-constexpr int kBatches = 24;  // independent renders, whose spread tells the error of their mean
-
-struct Estimate {
-  double mean = 0, variance_of_mean = 0;
-};
-
-std::vector<double> region_means(const Scene& scene, Integrator integrator, std::uint64_t seed,
-                                 std::uint32_t spp) {
-  const RenderSettings settings{
-      .width_px = kSidePx, .height_px = kSidePx, .spp = spp, .seed = seed, .integrator = integrator};
-  const FilmTile tile = render(scene, settings, {0, 0, kSidePx, kSidePx}, {0, spp}, 2);
-  std::vector<double> means(kRegions);
-  for (int y = 0; y < kSidePx; ++y)
-    for (int x = 0; x < kSidePx; ++x)
-      for (int c = 0; c < 3; ++c) {
-        const auto i = static_cast<std::size_t>(3 * (y * kSidePx + x) + c);
-        means[static_cast<std::size_t>(y / kRegionPx * kRegionsAcross + x / kRegionPx)] +=
-            static_cast<double>(tile.sums[i]) * kFilmUnit / spp / (3 * kRegionPx * kRegionPx);
-      }
-  return means;
-}
-
-std::vector<Estimate> estimate(const Scene& scene, Integrator integrator, std::uint32_t spp) {
-  std::vector<double> sum(kRegions), sum2(kRegions);
-  for (int batch = 0; batch < kBatches; ++batch) {
-    const auto seed = static_cast<std::uint64_t>(batch) * 3 + static_cast<std::uint64_t>(integrator);
-    const auto means = region_means(scene, integrator, seed, spp);
-    for (std::size_t r = 0; r < kRegions; ++r) {
-      sum[r] += means[r];
-      sum2[r] += means[r] * means[r];
-    }
-  }
-  std::vector<Estimate> estimates(kRegions);
-  for (std::size_t r = 0; r < kRegions; ++r) {
-    const double mean = sum[r] / kBatches;
-    estimates[r] = {mean, std::max(0.0, sum2[r] / kBatches - mean * mean) / (kBatches - 1)};
-  }
-  return estimates;
-}
-
-// Welch's test of each region. With 24 batches, |t| > 5.5 happens by chance less than once in 10^5 regions.
-void expect_agreement(const std::vector<Estimate>& a, const std::vector<Estimate>& b,
-                      const std::string& names) {
-  constexpr double kMaxT = 5.5;
-  for (std::size_t r = 0; r < kRegions; ++r) {
-    const double error = std::sqrt(a[r].variance_of_mean + b[r].variance_of_mean);
-    EXPECT_LE(std::fabs(a[r].mean - b[r].mean), kMaxT * error + 1e-5 * a[r].mean)
-        << names << " in region " << r << ": " << a[r].mean << " and " << b[r].mean;
-  }
-}
-
-void expect_strategies_agree(SceneDescription description) {
-  description.settings.max_depth = 0;
-  const auto scene = Scene::build(std::move(description), 2);
-  ASSERT_TRUE(scene) << scene.error().message;
-  // Noisier strategies get more samples, so that a difference can show.
-  const auto mis = estimate(*scene, Integrator::kMis, 64);
-  expect_agreement(mis, estimate(*scene, Integrator::kNee, 64), "mis and nee");
-  expect_agreement(mis, estimate(*scene, Integrator::kNaive, 256), "mis and naive");
-}
+using test::expect_strategies_agree;
 
 TEST(Strategies, AgreeInARoomOfEveryMaterial) {
   expect_strategies_agree(test::room());
@@ -90,26 +21,6 @@ TEST(Strategies, AgreeUnderASky) {
   maker.add(SphereDescription{{0, 0, 0}, 1e5f, maker.material(test::lambert(0), Rgb::gray(0.02f))});
   expect_strategies_agree(maker.description());
 }
-
-class ShippedScenes : public testing::TestWithParam<std::string> {};
-
-TEST_P(ShippedScenes, HaveStrategiesThatAgree) {
-  auto description =
-      load_scene_file(std::string(TESSERA_SOURCE_DIR) + "/scenes/" + GetParam() + "/scene.json");
-  ASSERT_TRUE(description) << description.error().message;
-  expect_strategies_agree(*std::move(description));
-}
-
-std::vector<std::string> shipped_scenes() {
-  std::vector<std::string> names;
-  for (const auto& entry : std::filesystem::directory_iterator(TESSERA_SOURCE_DIR "/scenes"))
-    if (std::filesystem::exists(entry.path() / "scene.json")) names.push_back(entry.path().filename());
-  std::sort(names.begin(), names.end());
-  return names;
-}
-
-INSTANTIATE_TEST_SUITE_P(Scenes, ShippedScenes, testing::ValuesIn(shipped_scenes()),
-                         [](const auto& test_case) { return test_case.param; });
 
 }  // namespace
 }  // namespace tessera::core
