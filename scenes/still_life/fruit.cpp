@@ -6,7 +6,7 @@
 #include "core/math/elementary.hpp"
 #include "scenes/modelling/lathe.hpp"
 #include "scenes/modelling/noise.hpp"
-#include "scenes/still_life/painting.hpp"
+#include "scenes/modelling/painting.hpp"
 
 namespace tessera::still_life {
 namespace {
@@ -14,7 +14,11 @@ namespace {
 using core::Rgb;
 using core::Vec2;
 using core::Vec3;
+using modelling::blend;
+using modelling::paint_on;
 using modelling::Profile;
+using modelling::smooth_step;
+using modelling::specks;
 using modelling::srgb;
 
 // The oil glands of citrus skin: shallow pits, `per_cm` of them to a centimetre.

@@ -5,7 +5,7 @@
 #include "core/math/elementary.hpp"
 #include "scenes/modelling/lathe.hpp"
 #include "scenes/modelling/noise.hpp"
-#include "scenes/still_life/painting.hpp"
+#include "scenes/modelling/painting.hpp"
 
 namespace tessera::still_life {
 namespace {
@@ -13,7 +13,11 @@ namespace {
 using core::Rgb;
 using core::Vec2;
 using core::Vec3;
+using modelling::blend;
+using modelling::paint_on;
 using modelling::Profile;
+using modelling::smooth_step;
+using modelling::specks;
 using modelling::srgb;
 
 // What fingers leave in turning clay: a fine spiral, never quite even.

@@ -7,8 +7,8 @@
 #include "core/math/elementary.hpp"
 #include "scenes/modelling/cloth.hpp"
 #include "scenes/modelling/noise.hpp"
+#include "scenes/modelling/painting.hpp"
 #include "scenes/modelling/surface.hpp"
-#include "scenes/still_life/painting.hpp"
 
 namespace tessera::still_life {
 namespace {
@@ -16,6 +16,8 @@ namespace {
 using core::Rgb;
 using core::Vec2;
 using core::Vec3;
+using modelling::blend;
+using modelling::smooth_step;
 using modelling::srgb;
 
 constexpr float kHalfWidth = 80, kBack = -60, kFront = 32, kThickness = 4, kEdgeRadius = 1;

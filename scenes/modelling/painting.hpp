@@ -1,4 +1,4 @@
-// What the painters of the still life's textures share.
+// What painters of textures share. Stateless; thread-safe.
 #pragma once
 
 #include <functional>
@@ -7,7 +7,7 @@
 #include "scenes/modelling/curve.hpp"
 #include "scenes/modelling/files.hpp"
 
-namespace tessera::still_life {
+namespace tessera::modelling {
 
 // 0 below `begin`, 1 above `end`, smooth between.
 float smooth_step(float begin, float end, float x);
@@ -18,7 +18,7 @@ core::Rgb blend(core::Rgb a, core::Rgb b, float t);
 float specks(core::Vec3 p, float per_cm);
 
 // The texture of a turned thing from the colour of each point of its surface.
-core::Image paint_on(const modelling::Profile& profile, int width, int height,
+core::Image paint_on(const Profile& profile, int width, int height,
                      const std::function<core::Rgb(core::Vec3 p, float u, float v)>& color);
 
-}  // namespace tessera::still_life
+}  // namespace tessera::modelling

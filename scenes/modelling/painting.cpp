@@ -1,11 +1,11 @@
-#include "scenes/still_life/painting.hpp"
+#include "scenes/modelling/painting.hpp"
 
 #include <algorithm>
 
 #include "scenes/modelling/lathe.hpp"
 #include "scenes/modelling/noise.hpp"
 
-namespace tessera::still_life {
+namespace tessera::modelling {
 
 using core::Rgb;
 using core::Vec3;
@@ -20,15 +20,14 @@ Rgb blend(Rgb a, Rgb b, float t) {
 }
 
 float specks(Vec3 p, float per_cm) {
-  const modelling::Cell cell = modelling::cellular_noise(p * per_cm);
+  const Cell cell = cellular_noise(p * per_cm);
   const float radius = 0.1f + 0.28f * cell.random * cell.random;
   return 1 - smooth_step(radius * 0.7f, radius, cell.nearest);
 }
 
-core::Image paint_on(const modelling::Profile& profile, int width, int height,
+core::Image paint_on(const Profile& profile, int width, int height,
                      const std::function<Rgb(Vec3 p, float u, float v)>& color) {
-  return modelling::paint(
-      width, height, [&](float u, float v) { return color(modelling::revolve(profile.at(v), u), u, v); });
+  return paint(width, height, [&](float u, float v) { return color(revolve(profile.at(v), u), u, v); });
 }
 
-}  // namespace tessera::still_life
+}  // namespace tessera::modelling
