@@ -53,7 +53,8 @@ Result<std::vector<AssetCache::Library>> AssetCache::libraries(const std::string
   const bool several = line.find_first_of(" \t") != std::string::npos;
   if (whole.error().code != ErrorCode::kNotFound || !several) return fail(whole.error());
   std::vector<Library> all;
-  std::string_view rest = line;
+  std::string_view rest = name_without_comment(line);
+  if (rest.size() < line.size()) return libraries(obj_path, std::string(rest));
   for (auto word = take_word(rest); !word.empty(); word = take_word(rest)) {
     auto one = library(path_beside(obj_path, std::string(word)));
     if (!one) return fail(one.error());

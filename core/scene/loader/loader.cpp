@@ -11,6 +11,7 @@
 #include "core/scene/loader/mesh_builder.hpp"
 #include "core/scene/loader/plausibility.hpp"
 #include "core/scene/loader/scene_file.hpp"
+#include "core/scene/loader/text_lines.hpp"
 #include "core/scene/loader/wording.hpp"
 
 namespace tessera::core {
@@ -96,8 +97,7 @@ Result<MeshDescription> SceneAssembler::load_mesh(const MeshEntry& entry) {
 // The scene's materials for the OBJ file's material names.
 Result<std::vector<std::uint32_t>> SceneAssembler::own_materials(const std::string& obj_path,
                                                                  const ObjFile& obj) {
-  const auto& used = obj.triangle_materials;
-  if (std::find(used.begin(), used.end(), kNoMaterialName) != used.end())
+  if (obj.runs.front().material == kNoMaterialName)
     return fail(ErrorCode::kInvalidArgument,
                 fmt::format("{}:{}: a face has no material (no 'usemtl' comes before it); {}", obj_path,
                             obj.text.first_face_line, kMaterialAdvice));
@@ -107,21 +107,25 @@ Result<std::vector<std::uint32_t>> SceneAssembler::own_materials(const std::stri
   for (const auto& [name, index] : *known) names.push_back(name);
   std::vector<std::uint32_t> materials;
   for (std::size_t i = 0; i < obj.material_names.size(); ++i) {
-    const auto found = known->find(obj.material_names[i]);
+    const std::string& name = obj.material_names[i];
+    auto found = known->find(name);
+    if (found == known->end()) found = known->find(name_without_comment(name));
     if (found == known->end())
-      return fail(ErrorCode::kNotFound,
-                  fmt::format("{}:{}: the 'mtllib' files have no material {}{}; mend it, or {}", obj_path,
-                              obj.material_lines[i], in_quotes(obj.material_names[i]),
-                              suggestion(obj.material_names[i], names), kMaterialAdvice));
+      return fail(
+          ErrorCode::kNotFound,
+          fmt::format("{}:{}: the 'mtllib' files have no material {}{}; mend it, or {}", obj_path,
+                      obj.material_lines[i], in_quotes(name), suggestion(name, names), kMaterialAdvice));
     materials.push_back(found->second);
   }
   return materials;
 }
 
-// The scene's materials by the names in the OBJ file's libraries; of equal names the first counts.
+// The scene's materials by the names in the OBJ file's libraries; of equal names the first counts. A name
+// that may end with a comment stands for itself first, and without the comment where nothing else has that
+// name.
 Result<SceneAssembler::MaterialNames> SceneAssembler::load_libraries(const std::string& obj_path,
                                                                      const ObjFile& obj) {
-  MaterialNames known;
+  MaterialNames known, without_comments;
   for (const auto& line : obj.text.libraries) {
     const auto libraries = cache_.libraries(obj_path, line.name);
     if (!libraries)
@@ -132,8 +136,10 @@ Result<SceneAssembler::MaterialNames> SceneAssembler::load_libraries(const std::
         const auto index = add_library_material(library.path, material);
         if (!index) return fail(index.error());
         known.emplace(material.material.name, *index);
+        without_comments.emplace(name_without_comment(material.material.name), *index);
       }
   }
+  known.merge(without_comments);
   return known;
 }
 
@@ -155,9 +161,11 @@ Result<std::uint32_t> SceneAssembler::add_library_material(const std::string& li
 
 Result<int> SceneAssembler::library_texture(const std::string& library_path, const MtlMaterial& material) {
   auto image = cache_.image(path_beside(library_path, material.albedo_file), std::nullopt);
+  const std::string without_comment(name_without_comment(material.albedo_file));
+  if (!image && image.error().code == ErrorCode::kNotFound && without_comment != material.albedo_file)
+    image = cache_.image(path_beside(library_path, without_comment), std::nullopt);
   if (!image)
-    return fail(image.error().within(
-        fmt::format("{}: material {}: map_Kd", library_path, in_quotes(material.material.name))));
+    return fail(image.error().within(fmt::format("{}:{}: map_Kd", library_path, material.albedo_line)));
   scene_.textures.push_back({std::move(*image), material.wrap, material.scale, material.offset});
   return static_cast<int>(scene_.textures.size()) - 1;
 }

@@ -3,13 +3,21 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <span>
+#include <utility>
 
+#include "core/scene/loader/triangle_filter.hpp"
 #include "core/scene/loader/vertex_normals.hpp"
 
 namespace tessera::core {
 namespace {
 
-using Corner = ObjFile::Corner;
+// What tells one vertex from another: indices into positions, uvs and normals; -1 for none.
+struct Corner {
+  std::int32_t position = -1, uv = -1, normal = -1;
+  bool operator==(const Corner&) const = default;
+};
+
 // Gives each distinct corner a number, in the order of their first appearance. An open hash table.
 class CornerIndex {
  public:
@@ -29,6 +37,9 @@ class CornerIndex {
   }
 
   const std::vector<Corner>& corners() const { return corners_; }
+
+  // Gives back the memory that only numbering needs; nothing can be numbered any more.
+  void forget_slots() { slots_ = {}; }
 
  private:
   static constexpr std::uint32_t kEmpty = 0xffffffffu;
@@ -60,89 +71,126 @@ Vec3 transformed_normal(const Transform& transform, Vec3 file_normal) {
   return unit({n.x, n.y, n.z});
 }
 
-bool is_zero(Vec3 v) {
-  return v == Vec3{};
-}
-
-bool has_area(const MeshDescription& mesh, const std::array<std::uint32_t, 3>& t) {
-  return area_normal(mesh.positions[t[0]], mesh.positions[t[1]], mesh.positions[t[2]]) != AreaNormal{};
-}
-
-// The corners with their normals settled: those of the file, or those computed, or none.
+// The normals of the corners settled: those of the file, or those computed, or none.
 struct ShadedCorners {
-  std::vector<Corner> corners;
-  std::vector<Vec3> normals;  // that the corners refer to
+  std::span<const std::int32_t> normal_of;  // for each corner; empty for flat shading
+  std::vector<std::int32_t> own_normal_of;  // what normal_of shows, unless that is the file's
+  std::vector<Vec3> computed;               // numbered after the file's normals
 };
 
+bool has_file_normal(const ObjFile& file, std::size_t corner) {
+  const std::int32_t normal = file.corners.normals[corner];
+  return normal >= 0 && file.text.normals[static_cast<std::size_t>(normal)] != Vec3{};
+}
+
+bool is_flat(const ObjFile& file) {
+  return std::all_of(file.runs.begin(), file.runs.end(),
+                     [](const ObjFile::Run& run) { return run.smoothing_group == 0u; });
+}
+
+ShadedCorners compute_all(const ObjFile& file, Smoothing smoothing) {
+  auto [normals, of_corners] = compute_normals(file, smoothing);
+  const auto first = static_cast<std::int32_t>(file.text.normals.size());
+  for (std::int32_t& normal : of_corners) normal += first;
+  ShadedCorners shaded{{}, std::move(of_corners), std::move(normals)};
+  shaded.normal_of = shaded.own_normal_of;
+  return shaded;
+}
+
 ShadedCorners settle_normals(const ObjFile& file, NormalsMode mode) {
-  ShadedCorners shaded{file.corners, {}};
-  if (mode == NormalsMode::kFile) shaded.normals = file.text.normals;
-  const auto has_normal = [&](const Corner& c) {
-    return c.normal >= 0 && mode == NormalsMode::kFile &&
-           !is_zero(shaded.normals[static_cast<std::size_t>(c.normal)]);
-  };
-  if (mode == NormalsMode::kFlat) {
-    for (Corner& corner : shaded.corners) corner.normal = -1;
-  } else if (!std::all_of(shaded.corners.begin(), shaded.corners.end(), has_normal)) {
-    const auto computed = compute_normals(file, mode == NormalsMode::kSmooth ? kNoCreases : kCreaseCosine);
-    const auto first = static_cast<std::int32_t>(shaded.normals.size());
-    for (std::size_t i = 0; i < shaded.corners.size(); ++i)
-      if (!has_normal(shaded.corners[i])) shaded.corners[i].normal = first + computed.of_corners[i];
-    shaded.normals.insert(shaded.normals.end(), computed.normals.begin(), computed.normals.end());
-  }
+  const auto& of_file = file.corners.normals;
+  if (mode == NormalsMode::kFlat) return {};
+  if (mode == NormalsMode::kSmooth) return compute_all(file, Smoothing::kAll);
+  if (of_file.empty()) return is_flat(file) ? ShadedCorners{} : compute_all(file, Smoothing::kByFile);
+  std::size_t corner = 0;
+  while (corner < of_file.size() && has_file_normal(file, corner)) ++corner;
+  if (corner == of_file.size()) return {of_file, {}, {}};
+  ShadedCorners shaded = compute_all(file, Smoothing::kByFile);
+  for (std::size_t i = 0; i < of_file.size(); ++i)
+    if (has_file_normal(file, i)) shaded.own_normal_of[i] = of_file[i];
   return shaded;
 }
 
 class MeshBuilder {
  public:
-  MeshBuilder(const ObjFile& file, const ShadedCorners& shaded, const Transform& transform)
-      : file_(file), shaded_(shaded), transform_(transform), vertices_(file.text.positions.size()) {}
+  MeshBuilder(const ObjFile& file, const Transform& transform)
+      : file_(file), transform_(transform), vertices_(file.text.positions.size()) {}
 
-  Result<MeshDescription> build(const std::vector<std::uint32_t>& materials);
+  Result<MeshDescription> build(ShadedCorners shaded, const std::vector<std::uint32_t>& materials);
 
  private:
-  void fill_vertices();
+  void number_vertices(std::span<const std::int32_t> normal_of);
+  void fill_vertices(const std::vector<Vec3>& computed_normals);
+  void fill_materials(const std::vector<std::uint32_t>& materials);
 
   const ObjFile& file_;
-  const ShadedCorners& shaded_;
   Transform transform_;
   CornerIndex vertices_;
   MeshDescription mesh_;
 };
 
-Result<MeshDescription> MeshBuilder::build(const std::vector<std::uint32_t>& materials) {
-  std::vector<std::uint32_t> indices;
-  indices.reserve(shaded_.corners.size());
-  for (const Corner& corner : shaded_.corners) indices.push_back(vertices_.number(corner));
-  fill_vertices();
+// What is no longer needed goes at once: a large mesh's lists are what fills the memory.
+Result<MeshDescription> MeshBuilder::build(ShadedCorners shaded,
+                                           const std::vector<std::uint32_t>& materials) {
+  number_vertices(shaded.normal_of);
+  vertices_.forget_slots();
+  shaded.own_normal_of = {};
+  fill_vertices(shaded.computed);
+  shaded.computed = {};
+  vertices_ = CornerIndex(0);
   if (!std::all_of(mesh_.positions.begin(), mesh_.positions.end(), [](Vec3 p) { return is_finite(p); }))
     return fail(ErrorCode::kInvalidArgument, "reaches farther than can be computed after its transform");
-  const bool mirrored = transform_.determinant() < 0;
-  const bool one_material = materials.size() == 1;
-  for (std::size_t t = 0; t < file_.triangle_materials.size(); ++t) {
-    const std::array<std::uint32_t, 3> corners{indices[3 * t], indices[3 * t + (mirrored ? 2 : 1)],
-                                               indices[3 * t + (mirrored ? 1 : 2)]};
-    if (!has_area(mesh_, corners)) continue;
-    mesh_.triangles.push_back(corners);
-    if (!one_material) mesh_.triangle_materials.push_back(materials[file_.triangle_materials[t]]);
-  }
-  if (one_material) mesh_.triangle_materials = materials;
+  fill_materials(materials);
+  remove_superfluous_triangles(mesh_);
   if (mesh_.triangles.empty())
     return fail(ErrorCode::kInvalidArgument, "has no face with an area greater than 0");
   return std::move(mesh_);
 }
 
-void MeshBuilder::fill_vertices() {
+void MeshBuilder::number_vertices(std::span<const std::int32_t> normal_of) {
+  const auto& [positions, uvs, normals] = file_.corners;
+  const bool mirrored = transform_.determinant() < 0;
+  mesh_.triangles.reserve(file_.triangle_count());
+  for (std::size_t t = 0; t < file_.triangle_count(); ++t) {
+    std::array<std::uint32_t, 3> triangle{};
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::size_t i = 3 * t + k;
+      triangle[k] =
+          vertices_.number({positions[i], uvs.empty() ? -1 : uvs[i], normal_of.empty() ? -1 : normal_of[i]});
+    }
+    if (mirrored) std::swap(triangle[1], triangle[2]);
+    mesh_.triangles.push_back(triangle);
+  }
+}
+
+void MeshBuilder::fill_materials(const std::vector<std::uint32_t>& materials) {
+  if (materials.size() == 1) {
+    mesh_.triangle_materials = materials;
+    return;
+  }
+  mesh_.triangle_materials.reserve(file_.triangle_count());
+  for (std::size_t r = 0; r < file_.runs.size(); ++r) {
+    const std::size_t end =
+        r + 1 < file_.runs.size() ? file_.runs[r + 1].first_triangle : file_.triangle_count();
+    mesh_.triangle_materials.resize(end, materials[file_.runs[r].material]);
+  }
+}
+
+void MeshBuilder::fill_vertices(const std::vector<Vec3>& computed_normals) {
   const auto& corners = vertices_.corners();
-  const bool has_uvs = std::any_of(corners.begin(), corners.end(), [](const Corner& c) { return c.uv >= 0; });
+  const auto& text = file_.text;
+  const auto normal = [&](std::int32_t index) {
+    const auto i = static_cast<std::size_t>(index);
+    return i < text.normals.size() ? text.normals[i] : computed_normals[i - text.normals.size()];
+  };
+  const bool has_uvs = !file_.corners.uvs.empty(), has_normals = corners.front().normal >= 0;
+  mesh_.positions.reserve(corners.size());
+  if (has_uvs) mesh_.uvs.reserve(corners.size());
+  if (has_normals) mesh_.normals.reserve(corners.size());
   for (const Corner& corner : corners) {
-    mesh_.positions.push_back(
-        transform_.point(file_.text.positions[static_cast<std::size_t>(corner.position)]));
-    if (corner.normal >= 0)
-      mesh_.normals.push_back(
-          transformed_normal(transform_, shaded_.normals[static_cast<std::size_t>(corner.normal)]));
-    if (has_uvs)
-      mesh_.uvs.push_back(corner.uv < 0 ? Vec2{} : file_.text.uvs[static_cast<std::size_t>(corner.uv)]);
+    mesh_.positions.push_back(transform_.point(text.positions[static_cast<std::size_t>(corner.position)]));
+    if (has_normals) mesh_.normals.push_back(transformed_normal(transform_, normal(corner.normal)));
+    if (has_uvs) mesh_.uvs.push_back(corner.uv < 0 ? Vec2{} : text.uvs[static_cast<std::size_t>(corner.uv)]);
   }
 }
 
@@ -150,7 +198,7 @@ void MeshBuilder::fill_vertices() {
 
 Result<MeshDescription> build_mesh(const ObjFile& file, NormalsMode normals, const Transform& transform,
                                    const std::vector<std::uint32_t>& materials) {
-  return MeshBuilder(file, settle_normals(file, normals), transform).build(materials);
+  return MeshBuilder(file, transform).build(settle_normals(file, normals), materials);
 }
 
 }  // namespace tessera::core

@@ -1,56 +1,51 @@
 #include "core/scene/loader/mtl_reader.hpp"
 
 #include <fmt/format.h>
-#include <tiny_obj_loader.h>
 
 #include <algorithm>
 #include <array>
-#include <map>
 
-#include "core/scene/loader/memory_stream.hpp"
+#include "core/scene/loader/mtl_map.hpp"
 #include "core/scene/loader/text_lines.hpp"
 #include "core/scene/loader/wording.hpp"
 
 namespace tessera::core {
 namespace {
 
-// The statements whose numbers are used: how many there are, from 0 to which.
-struct Rule {
-  std::string_view keyword;
-  int count;
-  float max;
+constexpr float kAbsent = -1;
+
+// The statements under one "newmtl" that count here; what is absent has the value it has here.
+struct Statements {
+  std::string name;
+  Rgb kd, ks, tf, ke;
+  float dissolve = kAbsent, transparency = 0, ior = 1, illum = 0;
+  MtlMap albedo_map;
+  int albedo_line = 0;
 };
+
 constexpr float kLargest = 1e30f;  // of what may be greater than 1
-constexpr std::array kRules{Rule{"Kd", 3, 1}, Rule{"Ks", 3, kLargest}, Rule{"Tf", 3, 1},
-                            Rule{"Kt", 3, 1}, Rule{"Ke", 3, kLargest}, Rule{"d", 1, 1},
-                            Rule{"Tr", 1, 1}, Rule{"Ni", 1, 10},       Rule{"illum", 1, 10}};
+struct ColorRule {
+  std::string_view keyword;
+  float max;
+  Rgb Statements::*color;
+};
+constexpr std::array kColors{ColorRule{"Kd", 1, &Statements::kd}, ColorRule{"Ks", kLargest, &Statements::ks},
+                             ColorRule{"Tf", 1, &Statements::tf}, ColorRule{"Kt", 1, &Statements::tf},
+                             ColorRule{"Ke", kLargest, &Statements::ke}};
+struct NumberRule {
+  std::string_view keyword;
+  float max;
+  float Statements::*number;
+};
+constexpr std::array kNumbers{
+    NumberRule{"d", 1, &Statements::dissolve}, NumberRule{"Tr", 1, &Statements::transparency},
+    NumberRule{"Ni", 10, &Statements::ior}, NumberRule{"illum", 10, &Statements::illum}};
 
-Status check_statement(std::string_view line) {
-  const std::string_view keyword = take_word(line);
-  if (keyword == "newmtl" && trimmed(line).empty())
-    return fail(ErrorCode::kInvalidArgument, "'newmtl' needs a name");
-  const auto* rule =
-      std::find_if(kRules.begin(), kRules.end(), [&](const Rule& r) { return r.keyword == keyword; });
-  if (rule == kRules.end()) return {};
-  std::array<float, 3> numbers{};
-  const auto in_range = [&](float number) { return number >= 0 && number <= rule->max; };
-  if (read_numbers(line, numbers, rule->count) == rule->count &&
-      std::all_of(numbers.begin(), numbers.end(), in_range))
-    return {};
-  return fail(ErrorCode::kInvalidArgument,
-              fmt::format("'{}' must be {} between 0 and {}, got {}", keyword,
-                          rule->count == 1 ? "a number" : "3 numbers", rule->max, in_quotes(line)));
-}
-
-Status check_mtl(std::string_view text, const std::string& name) {
-  for (int line = 1; !text.empty(); ++line)
-    if (auto ok = check_statement(take_line(text)); !ok)
-      return fail(ok.error().within(fmt::format("{}:{}", name, line)));
-  return {};
-}
-
-Rgb color(const float (&c)[3]) {
-  return {c[0], c[1], c[2]};
+template <typename Rules>
+const auto* find_rule(const Rules& rules, std::string_view keyword) {
+  const auto* found =
+      std::find_if(rules.begin(), rules.end(), [&](const auto& rule) { return rule.keyword == keyword; });
+  return found == rules.end() ? nullptr : found;
 }
 
 // Ks is used for highlights, too, which may be brighter than a mirror can be.
@@ -58,46 +53,123 @@ Rgb at_most_one(Rgb c) {
   return {std::min(c.r, 1.0f), std::min(c.g, 1.0f), std::min(c.b, 1.0f)};
 }
 
-MaterialModel model_of(const tinyobj::material_t& m) {
-  const bool reflects = m.illum == 3 || m.illum == 5 || m.illum == 8;
-  const bool refracts = m.illum == 4 || m.illum == 6 || m.illum == 7 || m.illum == 9;
-  if (refracts || (m.dissolve < 1 && m.ior > 1)) {
-    const Rgb filter = color(m.transmittance);
-    return Glass{m.ior > 1 ? m.ior : Glass{}.ior, {}, {is_black(filter) ? Rgb::gray(1) : filter, -1}};
-  }
-  if (reflects && !is_black(color(m.specular))) return Mirror{{at_most_one(color(m.specular)), -1}};
-  // Exporters write a black Kd beside a texture and mean the texture.
-  const bool only_texture = !m.diffuse_texname.empty() && is_black(color(m.diffuse));
-  return Lambert{{only_texture ? Rgb::gray(1) : color(m.diffuse), -1}};
+// Some programs write a "Tr" that contradicts "d"; it is "d" that others read.
+bool is_transparent(const Statements& m) {
+  return m.dissolve == kAbsent ? m.transparency > 0 : m.dissolve < 1;
 }
 
-MtlMaterial convert(const tinyobj::material_t& m) {
+MaterialModel model_of(const Statements& m) {
+  const bool reflects = m.illum == 3 || m.illum == 5 || m.illum == 8;
+  const bool refracts = m.illum == 4 || m.illum == 6 || m.illum == 7 || m.illum == 9;
+  if (refracts || (is_transparent(m) && m.ior > 1))
+    return Glass{m.ior > 1 ? m.ior : Glass{}.ior, {}, {is_black(m.tf) ? Rgb::gray(1) : m.tf, -1}};
+  if (reflects && !is_black(m.ks)) return Mirror{{at_most_one(m.ks), -1}};
+  // Exporters write a black Kd beside a texture and mean the texture.
+  const bool only_texture = !m.albedo_map.file.empty() && is_black(m.kd);
+  return Lambert{{only_texture ? Rgb::gray(1) : m.kd, -1}};
+}
+
+MtlMaterial convert(const Statements& m) {
   MtlMaterial result;
-  result.material = {std::string(trimmed(m.name)), model_of(m), color(m.emission)};
+  result.material = {m.name, model_of(m), m.ke};
   if (!std::holds_alternative<Lambert>(result.material.model)) return result;
-  result.albedo_file = trimmed(m.diffuse_texname);
-  std::replace(result.albedo_file.begin(), result.albedo_file.end(), '\\', '/');
-  const auto& options = m.diffuse_texopt;
-  result.wrap = options.clamp ? Wrap::kClamp : Wrap::kRepeat;
-  result.scale = {options.scale[0], options.scale[1]};
-  result.offset = {options.origin_offset[0], options.origin_offset[1]};
+  result.albedo_file = m.albedo_map.file;
+  result.albedo_line = m.albedo_line;
+  result.wrap = m.albedo_map.clamp ? Wrap::kClamp : Wrap::kRepeat;
+  result.scale = m.albedo_map.scale;
+  result.offset = m.albedo_map.offset;
   return result;
+}
+
+class MtlReader {
+ public:
+  explicit MtlReader(std::string_view text) : rest_(text) {}
+
+  Result<std::vector<MtlMaterial>> read(const std::string& name);
+
+ private:
+  Status statement(std::string_view line);
+  Status new_material(std::string_view line);
+  Status color(const ColorRule& rule, std::string_view line);
+  Status number(const NumberRule& rule, std::string_view line);
+  Status albedo_map(std::string_view line);
+
+  std::string_view rest_;
+  int line_number_ = 0;
+  std::vector<Statements> materials_;
+};
+
+tl::unexpected<Error> mistake(std::string message) {
+  return fail(ErrorCode::kInvalidArgument, std::move(message));
+}
+
+Result<std::vector<MtlMaterial>> MtlReader::read(const std::string& name) {
+  while (!rest_.empty()) {
+    ++line_number_;
+    if (auto ok = statement(take_line(rest_)); !ok)
+      return fail(ok.error().within(fmt::format("{}:{}", name, line_number_)));
+  }
+  std::vector<MtlMaterial> result;
+  for (const auto& material : materials_) result.push_back(convert(material));
+  return result;
+}
+
+Status MtlReader::statement(std::string_view line) {
+  const std::string_view keyword = take_word(line);
+  if (keyword == "newmtl") return new_material(line);
+  const auto* color_rule = find_rule(kColors, keyword);
+  const auto* number_rule = find_rule(kNumbers, keyword);
+  const bool is_map = keyword == "map_Kd";
+  if (color_rule == nullptr && number_rule == nullptr && !is_map) return {};
+  if (materials_.empty())
+    return mistake(fmt::format("'{}' belongs to no material; a 'newmtl' must come before it", keyword));
+  if (is_map) return albedo_map(line);
+  return color_rule != nullptr ? color(*color_rule, line) : number(*number_rule, line);
+}
+
+Status MtlReader::new_material(std::string_view line) {
+  const std::string_view name = trimmed(line);
+  if (name_without_comment(name).empty()) return mistake("'newmtl' needs a name");
+  materials_.emplace_back().name = name;
+  return {};
+}
+
+// Of a single number the three are equal.
+Status MtlReader::color(const ColorRule& rule, std::string_view line) {
+  std::array<float, 3> c{};
+  const auto count = read_numbers(line, c, 3);
+  if (count == 1) c[1] = c[2] = c[0];
+  const bool in_range = std::all_of(c.begin(), c.end(), [&](float x) { return x >= 0 && x <= rule.max; });
+  if ((count != 1 && count != 3) || !in_range)
+    return mistake(fmt::format("'{}' must be 3 numbers between 0 and {}, got {}", rule.keyword, rule.max,
+                               in_quotes(line)));
+  materials_.back().*rule.color = {c[0], c[1], c[2]};
+  return {};
+}
+
+Status MtlReader::number(const NumberRule& rule, std::string_view line) {
+  std::string_view rest = line;
+  const bool halo = rule.keyword == "d" && take_word(rest) == "-halo";
+  std::array<float, 1> x{};
+  if (read_numbers(halo ? rest : line, x, 1) != 1 || !(x[0] >= 0 && x[0] <= rule.max))
+    return mistake(fmt::format("'{}' must be a number between 0 and {}, got {}", rule.keyword, rule.max,
+                               in_quotes(line)));
+  materials_.back().*rule.number = x[0];
+  return {};
+}
+
+Status MtlReader::albedo_map(std::string_view line) {
+  auto map = read_mtl_map("map_Kd", line);
+  if (!map) return fail(map.error());
+  materials_.back().albedo_map = std::move(*map);
+  materials_.back().albedo_line = line_number_;
+  return {};
 }
 
 }  // namespace
 
 Result<std::vector<MtlMaterial>> read_mtl(std::string_view bytes, const std::string& name) {
-  bytes = without_byte_order_mark(bytes);
-  if (auto ok = check_mtl(bytes, name); !ok) return fail(ok.error());
-  std::map<std::string, int> indices;
-  std::vector<tinyobj::material_t> materials;
-  std::string warnings, errors;
-  MemoryStream stream(bytes);
-  tinyobj::LoadMtl(&indices, &materials, &stream, &warnings, &errors);
-  std::vector<MtlMaterial> result;
-  for (const auto& material : materials)
-    if (!material.name.empty()) result.push_back(convert(material));
-  return result;
+  return MtlReader(without_byte_order_mark(bytes)).read(name);
 }
 
 }  // namespace tessera::core

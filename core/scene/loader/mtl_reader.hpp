@@ -1,5 +1,5 @@
 // The materials of an MTL file, as this renderer understands them (docs/scene-format.md has the table).
-// Parsing is tinyobjloader's, after a check of the statements that count here. Stateless; thread-safe.
+// Stateless; thread-safe.
 #pragma once
 
 #include <string>
@@ -16,11 +16,13 @@ struct MtlMaterial {
   // map_Kd, with slashes as written but for '\', which becomes '/'; empty for none. Relative to the MTL file.
   // It multiplies the albedo.
   std::string albedo_file;
+  int albedo_line = 0;
   Wrap wrap = Wrap::kRepeat;
   Vec2 scale{1, 1}, offset{0, 0};
 };
 
-// Errors are "NAME:LINE: what"; `name` is what they call the file.
+// Passes over statements that have no meaning here. Errors are "NAME:LINE: what"; `name` is what they call
+// the file.
 Result<std::vector<MtlMaterial>> read_mtl(std::string_view bytes, const std::string& name);
 
 }  // namespace tessera::core

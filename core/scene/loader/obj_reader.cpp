@@ -1,120 +1,237 @@
 #include "core/scene/loader/obj_reader.hpp"
 
 #include <fmt/format.h>
-#include <tiny_obj_loader.h>
 
+#include <algorithm>
+#include <array>
+#include <charconv>
 #include <map>
-#include <optional>
 
-#include "core/scene/loader/memory_stream.hpp"
 #include "core/scene/loader/polygon.hpp"
 #include "core/scene/loader/text_lines.hpp"
+#include "core/scene/loader/wording.hpp"
 
 namespace tessera::core {
 namespace {
 
-// Receives tinyobjloader's callbacks. scan_obj has passed the text, so indices are in range.
-class FaceCollector {
- public:
-  explicit FaceCollector(ObjFile& file) : file_(file) {}
+// As written: from 1 for the first, or from -1 for the last so far; 0 for none.
+struct WrittenCorner {
+  int v = 0, vt = 0, vn = 0;
+};
+// From 0; -1 for none.
+struct Corner {
+  std::int32_t position = -1, uv = -1, normal = -1;
+};
 
-  // The number, from 0, of a face that could not be cut into triangles.
-  std::optional<std::size_t> failed_face() const { return failed_face_; }
+// Takes a number other than 0 off the front of `rest`.
+bool take_index(std::string_view& rest, int& index) {
+  const auto [end, error] = std::from_chars(rest.data(), rest.data() + rest.size(), index);
+  rest.remove_prefix(static_cast<std::size_t>(end - rest.data()));
+  return error == std::errc() && index != 0;
+}
 
-  static tinyobj::callback_t callbacks() {
-    tinyobj::callback_t calls;
-    calls.vertex_cb = [](void* self, float, float, float, float) { ++of(self).positions_seen_; };
-    calls.normal_cb = [](void* self, float, float, float) { ++of(self).normals_seen_; };
-    calls.texcoord_cb = [](void* self, float, float, float) { ++of(self).uvs_seen_; };
-    calls.index_cb = [](void* self, tinyobj::index_t* corners, int count) {
-      of(self).add_face(corners, count);
-    };
-    calls.usemtl_cb = [](void* self, const char* name, int) { of(self).use_material(name); };
-    return calls;
+bool take_slash(std::string_view& rest) {
+  if (!rest.starts_with('/')) return false;
+  rest.remove_prefix(1);
+  return true;
+}
+
+// v, v/vt, v//vn or v/vt/vn.
+std::optional<WrittenCorner> parse_corner(std::string_view word) {
+  WrittenCorner corner;
+  if (!take_index(word, corner.v)) return std::nullopt;
+  if (take_slash(word)) {
+    if (!word.starts_with('/') && !take_index(word, corner.vt)) return std::nullopt;
+    if (take_slash(word) && !take_index(word, corner.vn)) return std::nullopt;
   }
+  return word.empty() ? std::optional(corner) : std::nullopt;
+}
+
+// The second pass: faces, with the material and the smoothing group they are under.
+class FaceReader {
+ public:
+  FaceReader(std::string_view bytes, const std::string& name, ObjText text);
+
+  Result<ObjFile> read();
 
  private:
-  static FaceCollector& of(void* self) { return *static_cast<FaceCollector*>(self); }
+  // One kind of vertex data: how many there are before the current line, and in the whole file.
+  struct Counts {
+    std::string_view statement;
+    std::size_t total;
+    std::int32_t seen = 0;
+  };
 
-  // From 1 for the first, or from -1 for the last so far; 0 for none.
-  static std::int32_t resolve(int index, std::int32_t seen) { return index < 0 ? seen + index : index - 1; }
+  Status statement(std::string_view line);
+  Status face(std::string_view line);
+  Status corner(std::string_view word);
+  Status use_material(std::string_view line);
+  Status smooth(std::string_view line);
+  Result<std::int32_t> resolve(int index, const Counts& counts, std::string_view word) const;
+  tl::unexpected<Error> bad_corner(std::string_view word) const;
+  void add(const std::array<std::uint32_t, 3>& triangle);
 
-  void add_face(const tinyobj::index_t* corners, int count);
-  void use_material(const char* name);
+  tl::unexpected<Error> mistake(std::string_view what) const {
+    return fail(ErrorCode::kInvalidArgument, fmt::format("{}:{}: {}", name_, lines_.number(), what));
+  }
 
-  ObjFile& file_;
-  std::int32_t positions_seen_ = 0, normals_seen_ = 0, uvs_seen_ = 0;
-  std::uint32_t material_ = kNoMaterialName;
-  std::size_t usemtl_seen_ = 0;
+  StatementLines lines_;
+  const std::string& name_;
+  ObjFile file_;
+  Counts positions_, uvs_, normals_;
+  ObjFile::Run run_;
+  bool run_is_new_ = true;
   std::map<std::string, std::uint32_t, std::less<>> material_indices_;
-  std::size_t faces_seen_ = 0;
-  std::optional<std::size_t> failed_face_;
   // Of one face; kept for their memory.
-  std::vector<ObjFile::Corner> face_;
+  std::vector<Corner> face_;
   std::vector<Vec3> outline_;
   std::vector<std::array<std::uint32_t, 3>> triangles_;
 };
 
-void FaceCollector::add_face(const tinyobj::index_t* corners, int count) {
+FaceReader::FaceReader(std::string_view bytes, const std::string& name, ObjText text)
+    : lines_(bytes),
+      name_(name),
+      positions_{"v", text.positions.size()},
+      uvs_{"vt", text.uvs.size()},
+      normals_{"vn", text.normals.size()} {
+  file_.text = std::move(text);
+  file_.corners.positions.reserve(3 * file_.text.face_count);
+}
+
+Result<ObjFile> FaceReader::read() {
+  while (lines_.next())
+    if (auto ok = statement(lines_.line()); !ok) return fail(ok.error());
+  return std::move(file_);
+}
+
+Status FaceReader::statement(std::string_view line) {
+  const std::string_view keyword = take_word(line);
+  if (is_face(keyword)) return face(line);
+  if (keyword == "v") ++positions_.seen;
+  if (keyword == "vt") ++uvs_.seen;
+  if (keyword == "vn") ++normals_.seen;
+  if (keyword == "usemtl") return use_material(line);
+  if (keyword == "s") return smooth(line);
+  return {};
+}
+
+Status FaceReader::face(std::string_view line) {
   face_.clear();
+  line = without_comment(line);
+  for (auto word = take_word(line); !word.empty(); word = take_word(line))
+    if (auto ok = corner(word); !ok) return ok;
+  if (face_.size() < 3)
+    return mistake(fmt::format("a face must have at least 3 corners, got {}", face_.size()));
+  if (file_.triangle_count() + face_.size() > kMaxObjTriangles)
+    return mistake(fmt::format("the file has more than {} triangles; cut it into several", kMaxObjTriangles));
+  if (face_.size() == 3) {
+    add({0, 1, 2});
+    return {};
+  }
   outline_.clear();
   triangles_.clear();
-  for (int i = 0; i < count; ++i) {
-    face_.push_back({resolve(corners[i].vertex_index, positions_seen_),
-                     resolve(corners[i].texcoord_index, uvs_seen_),
-                     resolve(corners[i].normal_index, normals_seen_)});
-    outline_.push_back(file_.text.positions.at(static_cast<std::size_t>(face_.back().position)));
+  for (const Corner& c : face_)
+    outline_.push_back(file_.text.positions[static_cast<std::size_t>(c.position)]);
+  if (!triangulate(outline_, triangles_))
+    return mistake(fmt::format("a face that is not convex may have {} corners at most", kMaxConcaveCorners));
+  for (const auto& triangle : triangles_) add(triangle);
+  return {};
+}
+
+Status FaceReader::corner(std::string_view word) {
+  const auto written = parse_corner(word);
+  if (!written) return bad_corner(word);
+  const auto position = resolve(written->v, positions_, word);
+  const auto uv = resolve(written->vt, uvs_, word);
+  const auto normal = resolve(written->vn, normals_, word);
+  for (const auto* index : {&position, &uv, &normal})
+    if (!*index) return fail(index->error());
+  face_.push_back({*position, *uv, *normal});
+  return {};
+}
+
+Result<std::int32_t> FaceReader::resolve(int index, const Counts& counts, std::string_view word) const {
+  if (index < -counts.seen) return bad_corner(word);
+  if (index > 0 && static_cast<std::size_t>(index) > counts.total)
+    return mistake(fmt::format("a face refers to '{}' number {}, but the file has only {}; is it complete?",
+                               counts.statement, index, counts.total));
+  return index < 0 ? counts.seen + index : index - 1;
+}
+
+tl::unexpected<Error> FaceReader::bad_corner(std::string_view word) const {
+  return mistake(
+      fmt::format("a face's corner must be like 7, 7/2, 7//3 or 7/2/3 with numbers that exist, got {} "
+                  "after {} v, {} vt and {} vn",
+                  in_quotes(word), positions_.seen, uvs_.seen, normals_.seen));
+}
+
+void FaceReader::add(const std::array<std::uint32_t, 3>& triangle) {
+  auto& [positions, uvs, normals] = file_.corners;
+  if (run_is_new_) {
+    run_.first_triangle = file_.triangle_count();
+    file_.runs.push_back(run_);
+    run_is_new_ = false;
   }
-  if (!triangulate(outline_, triangles_) && !failed_face_) failed_face_ = faces_seen_;
-  ++faces_seen_;
-  for (const auto& triangle : triangles_) {
-    for (const std::uint32_t corner : triangle) file_.corners.push_back(face_[corner]);
-    file_.triangle_materials.push_back(material_);
+  // A list is begun by the first face that needs it.
+  const auto append = [&](std::vector<std::int32_t>& list, std::int32_t index) {
+    if (list.empty() && index < 0) return;
+    if (list.empty()) {
+      list.reserve(positions.capacity());
+      list.resize(positions.size(), -1);
+    }
+    list.push_back(index);
+  };
+  for (const std::uint32_t i : triangle) {
+    append(uvs, face_[i].uv);
+    append(normals, face_[i].normal);
+    positions.push_back(face_[i].position);
   }
 }
 
-void FaceCollector::use_material(const char* name) {
-  const int line = file_.text.usemtl_lines.at(usemtl_seen_++);
-  const std::string_view trimmed_name = trimmed(name);
-  const auto known = material_indices_.find(trimmed_name);
-  if (known != material_indices_.end()) {
-    material_ = known->second;
-    return;
+Status FaceReader::use_material(std::string_view line) {
+  const std::string_view material = trimmed(line);
+  if (name_without_comment(material).empty()) return mistake("'usemtl' needs a name");
+  auto known = material_indices_.find(material);
+  if (known == material_indices_.end()) {
+    const auto index = static_cast<std::uint32_t>(file_.material_names.size());
+    known = material_indices_.emplace(material, index).first;
+    file_.material_names.emplace_back(material);
+    file_.material_lines.push_back(lines_.number());
   }
-  material_ = static_cast<std::uint32_t>(file_.material_names.size());
-  material_indices_.emplace(trimmed_name, material_);
-  file_.material_names.emplace_back(trimmed_name);
-  file_.material_lines.push_back(line);
+  run_is_new_ = run_is_new_ || run_.material != known->second;
+  run_.material = known->second;
+  return {};
 }
 
-// The line of a face, counted from 0.
-int line_of_face(std::string_view text, std::size_t face) {
-  for (int line = 1; !text.empty(); ++line) {
-    std::string_view rest = take_line(text);
-    if (take_word(rest) == "f" && face-- == 0) return line;
+// Some programs write more than the group's number; they mean the first.
+Status FaceReader::smooth(std::string_view line) {
+  line = without_comment(line);
+  const std::string_view word = take_word(line);
+  std::uint32_t group = word == "on" ? 1 : 0;
+  if (word != "on" && word != "off" && word != "null") {
+    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), group);
+    if (error != std::errc() || end != word.data() + word.size())
+      return mistake(
+          fmt::format("'s' must be the number of a smoothing group or 'off', got {}", in_quotes(word)));
   }
-  return 0;
+  run_is_new_ = run_is_new_ || run_.smoothing_group != group;
+  run_.smoothing_group = group;
+  return {};
 }
 
 }  // namespace
+
+const ObjFile::Run& ObjFile::run_of(std::size_t triangle) const {
+  const auto after = std::upper_bound(runs.begin(), runs.end(), triangle,
+                                      [](std::size_t t, const Run& run) { return t < run.first_triangle; });
+  return *(after - 1);
+}
 
 Result<ObjFile> read_obj(std::string_view bytes, const std::string& name) {
   bytes = without_byte_order_mark(bytes);
   auto text = scan_obj(bytes, name);
   if (!text) return fail(text.error());
-  ObjFile file;
-  file.text = std::move(*text);
-  FaceCollector collector(file);
-  MemoryStream stream(bytes);
-  std::string warnings, errors;
-  if (!tinyobj::LoadObjWithCallback(stream, FaceCollector::callbacks(), &collector, nullptr, &warnings,
-                                    &errors))
-    return fail(ErrorCode::kInvalidArgument, fmt::format("{}: {}", name, errors));
-  if (const auto face = collector.failed_face())
-    return fail(ErrorCode::kInvalidArgument,
-                fmt::format("{}:{}: a face that is not convex may have {} corners at most", name,
-                            line_of_face(bytes, *face), kMaxConcaveCorners));
-  return file;
+  return FaceReader(bytes, name, std::move(*text)).read();
 }
 
 }  // namespace tessera::core

@@ -1,7 +1,5 @@
-// Reads the vertices of an OBJ file and checks every line of it. tinyobjloader passes over most mistakes in
-// silence (a missing number is 0, a bad index is left to the caller) and converts decimals through the C
-// library's pow; so its faces are taken only from a text that passed here, and its numbers not at all.
-// Stateless; thread-safe.
+// The first of two passes over an OBJ file: reads its vertices and checks every statement but faces, which
+// may refer to vertices that come later. Stateless; thread-safe.
 #pragma once
 
 #include <string>
@@ -15,19 +13,22 @@ namespace tessera::core {
 
 struct ObjText {
   struct Library {
-    std::string name;  // the rest of a "mtllib" line
+    std::string name;  // the rest of a "mtllib" line, with '\' turned into '/'
     int line = 0;
   };
 
   std::vector<Vec3> positions, normals;  // as many as "v" and "vn" lines; finite
   std::vector<Vec2> uvs;                 // "vt"
   std::vector<Library> libraries;
-  std::vector<int> usemtl_lines;  // the line of every "usemtl"
   int first_face_line = 0;
+  std::size_t face_count = 0;  // at least 1
 };
 
-// Accepts polygons, negative indices, all of v, v/vt, v//vn and v/vt/vn, and statements that are of no use
-// here (groups, lines, points, smoothing). Errors are "NAME:LINE: what"; `name` is what they call the file.
+// Whether a statement is a face: "f", or "fo" of old files.
+bool is_face(std::string_view keyword);
+
+// Passes over statements that are of no use here (groups, lines, points). Errors are "NAME:LINE: what";
+// `name` is what they call the file.
 Result<ObjText> scan_obj(std::string_view text, const std::string& name);
 
 }  // namespace tessera::core

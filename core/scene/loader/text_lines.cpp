@@ -11,15 +11,40 @@ constexpr bool is_blank(char c) {
   return c == ' ' || c == '\t';
 }
 
+bool goes_on(std::string_view line) {
+  return line.ends_with('\\') && line.find('#') == std::string_view::npos;
+}
+
 }  // namespace
 
 std::string_view take_line(std::string_view& text) {
+  const auto is_end = [](char c) { return c == '\n' || c == '\r'; };
   std::size_t end = 0;
-  while (end < text.size() && text[end] != '\n' && text[end] != '\r') ++end;
+  while (end < text.size() && !is_end(text[end])) ++end;
   const std::string_view line = text.substr(0, end);
   const bool two = end + 1 < text.size() && text[end] == '\r' && text[end + 1] == '\n';
   text.remove_prefix(end == text.size() ? end : end + (two ? 2 : 1));
   return line;
+}
+
+bool StatementLines::next() {
+  if (rest_.empty()) return false;
+  line_ = take_line(rest_);
+  number_ = ++lines_taken_;
+  if (goes_on(line_) && !rest_.empty()) join();
+  return true;
+}
+
+void StatementLines::join() {
+  joined_.clear();
+  while (goes_on(line_) && !rest_.empty()) {
+    joined_ += line_.substr(0, line_.size() - 1);
+    joined_ += ' ';
+    line_ = take_line(rest_);
+    ++lines_taken_;
+  }
+  joined_ += line_;
+  line_ = joined_;
 }
 
 std::string_view take_word(std::string_view& line) {
@@ -42,6 +67,16 @@ std::string_view trimmed(std::string_view line) {
   while (!line.empty() && is_blank(line.front())) line.remove_prefix(1);
   while (!line.empty() && is_blank(line.back())) line.remove_suffix(1);
   return line;
+}
+
+std::string_view without_comment(std::string_view line) {
+  return trimmed(line.substr(0, line.find('#')));
+}
+
+std::string_view name_without_comment(std::string_view line) {
+  for (std::size_t at = line.find('#'); at != std::string_view::npos; at = line.find('#', at + 1))
+    if (at == 0 || is_blank(line[at - 1])) return trimmed(line.substr(0, at));
+  return trimmed(line);
 }
 
 std::optional<float> parse_float(std::string_view word) {
@@ -67,8 +102,9 @@ std::optional<int> parse_int(std::string_view word) {
 }
 
 std::optional<int> read_numbers(std::string_view line, std::span<float> into, int most) {
+  line = without_comment(line);
   int count = 0;
-  for (auto word = take_word(line); !word.empty() && word.front() != '#'; word = take_word(line), ++count) {
+  for (auto word = take_word(line); !word.empty(); word = take_word(line), ++count) {
     const auto number = parse_float(word);
     if (!number || count == most) return std::nullopt;
     if (static_cast<std::size_t>(count) < into.size()) into[static_cast<std::size_t>(count)] = *number;

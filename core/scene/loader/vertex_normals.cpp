@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 #include <span>
+#include <tuple>
 
 namespace tessera::core {
 namespace {
@@ -26,89 +27,111 @@ struct CornersByPosition {
 };
 
 CornersByPosition sort_by_position(const ObjFile& file) {
+  const auto& positions = file.corners.positions;
   CornersByPosition sorted;
-  sorted.begin.assign(file.text.positions.size() + 1, 0);
-  for (const auto& corner : file.corners) ++sorted.begin[static_cast<std::size_t>(corner.position) + 1];
-  for (std::size_t p = 1; p < sorted.begin.size(); ++p) sorted.begin[p] += sorted.begin[p - 1];
-  std::vector<std::uint32_t> next = sorted.begin;
-  sorted.corners.resize(file.corners.size());
-  for (std::uint32_t i = 0; i < file.corners.size(); ++i)
-    sorted.corners[next[static_cast<std::size_t>(file.corners[i].position)]++] = i;
+  auto& begin = sorted.begin;
+  // Counted one place further on, so that filling moves each entry to where it belongs.
+  begin.assign(file.text.positions.size() + 2, 0);
+  for (const std::int32_t p : positions) ++begin[static_cast<std::size_t>(p) + 2];
+  for (std::size_t p = 2; p < begin.size(); ++p) begin[p] += begin[p - 1];
+  sorted.corners.resize(positions.size());
+  for (std::uint32_t i = 0; i < positions.size(); ++i)
+    sorted.corners[begin[static_cast<std::size_t>(positions[i]) + 1]++] = i;
   return sorted;
 }
 
+// A corner at the position that is looked at, and its triangle.
+struct Around {
+  std::optional<std::uint32_t> group;
+  std::uint32_t corner;
+  AreaNormal area_normal;
+  Vec3 unit_normal;
+  Vec3 result;
+};
+
 class NormalComputer {
  public:
-  NormalComputer(const ObjFile& file, float crease_cosine) : file_(file), crease_cosine_(crease_cosine) {}
+  NormalComputer(const ObjFile& file, Smoothing smoothing) : file_(file), smoothing_(smoothing) {}
 
   ComputedNormals compute();
 
  private:
-  AreaNormal triangle_normal(std::uint32_t triangle) const;
-  void at_position(std::span<const std::uint32_t> corners);
-  AreaNormal sum_around(std::span<const std::uint32_t> corners, std::optional<std::uint32_t> triangle) const;
-  std::int32_t number(Vec3 normal, std::size_t first);
+  void gather(std::span<const std::uint32_t> corners);
+  void at_position();
+  void settle_group(std::span<Around> group) const;
+  void number();
 
   const ObjFile& file_;
-  float crease_cosine_;
-  std::vector<AreaNormal> area_normals_;
-  std::vector<Vec3> unit_normals_;  // of triangles
+  Smoothing smoothing_;
+  std::vector<Around> around_;  // of one position; kept for its memory
   ComputedNormals result_;
 };
 
 ComputedNormals NormalComputer::compute() {
-  const auto triangles = static_cast<std::uint32_t>(file_.triangle_materials.size());
-  area_normals_.reserve(triangles);
-  unit_normals_.reserve(triangles);
-  for (std::uint32_t t = 0; t < triangles; ++t) {
-    area_normals_.push_back(triangle_normal(t));
-    unit_normals_.push_back(unit(area_normals_.back()));
-  }
-  result_.of_corners.resize(file_.corners.size());
+  result_.of_corners.resize(file_.corners.positions.size());
   const CornersByPosition sorted = sort_by_position(file_);
-  for (std::size_t p = 0; p < file_.text.positions.size(); ++p) at_position(sorted.at(p));
+  for (std::size_t p = 0; p < file_.text.positions.size(); ++p) {
+    gather(sorted.at(p));
+    at_position();
+    number();
+  }
   return std::move(result_);
 }
 
-AreaNormal NormalComputer::triangle_normal(std::uint32_t triangle) const {
-  const auto position = [&](std::size_t k) {
-    return file_.text
-        .positions[static_cast<std::size_t>(file_.corners[3 * std::size_t{triangle} + k].position)];
-  };
-  return area_normal(position(0), position(1), position(2));
-}
-
-void NormalComputer::at_position(std::span<const std::uint32_t> corners) {
-  const std::size_t first = result_.normals.size();
-  const bool creases = crease_cosine_ != kNoCreases && corners.size() <= kMaxCreaseTriangles;
-  const AreaNormal all = creases ? AreaNormal{} : sum_around(corners, std::nullopt);
+void NormalComputer::gather(std::span<const std::uint32_t> corners) {
+  around_.clear();
   for (const std::uint32_t corner : corners) {
-    const std::uint32_t triangle = corner / 3;
-    Vec3 normal = unit(creases ? sum_around(corners, triangle) : all);
-    // Around a sheet with two sides everything cancels out.
-    if (normal == Vec3{}) normal = unit_normals_[triangle];
-    if (normal == Vec3{}) normal = {0, 0, 1};
-    result_.of_corners[corner] = number(normal, first);
+    const std::size_t triangle = corner / 3;
+    const auto position = [&](std::size_t k) {
+      return file_.text.positions[static_cast<std::size_t>(file_.corners.positions[3 * triangle + k])];
+    };
+    const AreaNormal normal = area_normal(position(0), position(1), position(2));
+    around_.push_back({std::nullopt, corner, normal, unit(normal), {}});
+    if (smoothing_ == Smoothing::kByFile) around_.back().group = file_.run_of(triangle).smoothing_group;
   }
 }
 
-// Over the triangles within the crease angle of one of them, or over all.
-AreaNormal NormalComputer::sum_around(std::span<const std::uint32_t> corners,
-                                      std::optional<std::uint32_t> triangle) const {
-  AreaNormal sum;
-  for (const std::uint32_t corner : corners)
-    if (!triangle || dot(unit_normals_[corner / 3], unit_normals_[*triangle]) >= crease_cosine_)
-      sum = sum + area_normals_[corner / 3];
-  return sum;
+void NormalComputer::at_position() {
+  std::sort(around_.begin(), around_.end(), [](const Around& a, const Around& b) {
+    return std::tie(a.group, a.corner) < std::tie(b.group, b.corner);
+  });
+  for (auto begin = around_.begin(); begin != around_.end();) {
+    const auto end =
+        std::find_if(begin, around_.end(), [&](const Around& a) { return a.group != begin->group; });
+    settle_group({begin, end});
+    begin = end;
+  }
 }
 
-// The place of `normal` among those of one position, which begin at `first`.
-std::int32_t NormalComputer::number(Vec3 normal, std::size_t first) {
-  auto& normals = result_.normals;
-  const auto found = std::find(normals.begin() + static_cast<std::ptrdiff_t>(first), normals.end(), normal);
-  const auto place = found - normals.begin();
-  if (found == normals.end()) normals.push_back(normal);
-  return static_cast<std::int32_t>(place);
+void NormalComputer::settle_group(std::span<Around> group) const {
+  const bool flat = group.front().group == 0u;
+  const bool creases =
+      smoothing_ == Smoothing::kByFile && !group.front().group && group.size() <= kMaxCreaseTriangles;
+  AreaNormal all;
+  for (const Around& a : group) all = all + a.area_normal;
+  for (Around& a : group) {
+    AreaNormal sum = all;
+    if (creases) {
+      sum = {};
+      for (const Around& b : group)
+        if (dot(b.unit_normal, a.unit_normal) >= kCreaseCosine) sum = sum + b.area_normal;
+    }
+    a.result = flat ? a.unit_normal : unit(sum);
+    // Around a sheet with two sides everything cancels out.
+    if (a.result == Vec3{}) a.result = a.unit_normal;
+    if (a.result == Vec3{}) a.result = {0, 0, 1};
+  }
+}
+
+// Gives equal normals at one position one number, so that smooth surfaces share their vertices.
+void NormalComputer::number() {
+  const auto key = [](const Around& a) { return std::tie(a.result.x, a.result.y, a.result.z, a.corner); };
+  std::sort(around_.begin(), around_.end(),
+            [&](const Around& a, const Around& b) { return key(a) < key(b); });
+  for (std::size_t i = 0; i < around_.size(); ++i) {
+    if (i == 0 || around_[i].result != around_[i - 1].result) result_.normals.push_back(around_[i].result);
+    result_.of_corners[around_[i].corner] = static_cast<std::int32_t>(result_.normals.size()) - 1;
+  }
 }
 
 }  // namespace
@@ -127,8 +150,8 @@ Vec3 unit(const AreaNormal& v) {
   return {static_cast<float>(x / norm), static_cast<float>(y / norm), static_cast<float>(z / norm)};
 }
 
-ComputedNormals compute_normals(const ObjFile& file, float crease_cosine) {
-  return NormalComputer(file, crease_cosine).compute();
+ComputedNormals compute_normals(const ObjFile& file, Smoothing smoothing) {
+  return NormalComputer(file, smoothing).compute();
 }
 
 }  // namespace tessera::core

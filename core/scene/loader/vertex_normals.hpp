@@ -9,19 +9,25 @@
 
 namespace tessera::core {
 
-// Faces that meet at a sharper angle than this (40 degrees) keep their edge: a box's sides stay flat, a
-// scanned animal is smooth. Given as a cosine.
+// Without smoothing groups, faces that meet at a sharper angle than this (40 degrees) keep their edge: a
+// box's sides stay flat, a scanned animal is smooth. Given as a cosine.
 inline constexpr float kCreaseCosine = 0.766044443f;
-inline constexpr float kNoCreases = -2;
+
+// Which triangles around a position count for a corner's normal.
+enum class Smoothing {
+  kAll,     // all of them
+  kByFile,  // those of the same smoothing group, of group 0 the corner's own; before any "s" statement those
+            // whose normals are within the crease angle of the corner's own
+};
 
 struct ComputedNormals {
   std::vector<Vec3> normals;             // of unit length
   std::vector<std::int32_t> of_corners;  // an index into `normals` for each of the file's corners
 };
 
-// At each corner, the mean of the triangles around its position whose normals are within the crease angle of
-// the corner's own, weighed by area. In the file's space.
-ComputedNormals compute_normals(const ObjFile& file, float crease_cosine);
+// At each corner the mean of triangles around its position, weighed by area. In the file's space. Takes time
+// n log n in the number of corners, however many meet.
+ComputedNormals compute_normals(const ObjFile& file, Smoothing smoothing);
 
 // Twice the area times the normal of a triangle. In double precision, so that no triangle is too small or too
 // large.

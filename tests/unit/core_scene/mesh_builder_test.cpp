@@ -66,10 +66,12 @@ TEST(BuildMesh, UnifiesManyCorners) {
     text +=
         "v " + std::to_string(i) + " 0 0\nv " + std::to_string(i) + " 1 0\nvt 0 " + std::to_string(i) + "\n";
   for (int i = 1; i < 3999; ++i)
-    for (int k = 0; k < 2; ++k) {  // every face twice
+    for (int side = 0; side < 2; ++side) {  // every face twice, back to back
       text += "f";
-      for (int c = 0; c < 3; ++c)
-        text += " " + std::to_string(i + c) + "/" + std::to_string((i + c) % 2000 + 1);
+      for (int c = 0; c < 3; ++c) {
+        const int v = side == 0 ? i + c : i + 2 - c;
+        text += " " + std::to_string(v) + "/" + std::to_string(v % 2000 + 1);
+      }
       text += "\n";
     }
   const MeshDescription mesh = mesh_of(text);
@@ -84,6 +86,19 @@ TEST(BuildMesh, LeavesOutTrianglesWithoutArea) {
   const auto none = build_mesh(read("v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n"), NormalsMode::kFile, {}, {0});
   ASSERT_FALSE(none.has_value());
   EXPECT_EQ(none.error().message, "has no face with an area greater than 0");
+}
+
+TEST(BuildMesh, LeavesOutTrianglesThatLieOnEarlierOnes) {
+  const std::string square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 -0 0\n";
+  using Triangles = std::vector<std::array<std::uint32_t, 3>>;
+  EXPECT_EQ(mesh_of(square + "f 1 2 3 4\nf 1 2 3 4\n").triangles, (Triangles{{0, 1, 2}, {0, 2, 3}}));
+  EXPECT_EQ(mesh_of(square + "f 1 2 3\nf 3 1 2\nf 2 3 1\n").triangles.size(), 1u);
+  EXPECT_EQ(mesh_of(square + "f 1 2 3\nf 5 2 3\n").triangles.size(), 1u);  // another vertex in the same place
+  EXPECT_EQ(mesh_of(square + "f 1 2 3\nf 3 2 1\n").triangles.size(), 2u);  // the other side
+  const auto mesh =
+      build_mesh(read(square + "usemtl a\nf 1 2 3\nusemtl b\nf 1 2 3 4\n"), NormalsMode::kFile, {}, {7, 9});
+  ASSERT_TRUE(mesh.has_value());
+  EXPECT_EQ(mesh->triangle_materials, (std::vector<std::uint32_t>{7, 9}));  // the first counts
 }
 
 TEST(BuildMesh, KeepsTheMaterialsOfTrianglesThatStay) {
@@ -126,6 +141,70 @@ TEST(BuildMesh, KeepsTheEdgesOfACubeUnlessAskedToSmoothThem) {
 TEST(BuildMesh, SmoothsGentleEdges) {
   EXPECT_EQ(mesh_of(folded_sheet(39), NormalsMode::kFile).positions.size(), 6u);
   EXPECT_EQ(mesh_of(folded_sheet(41), NormalsMode::kFile).positions.size(), 8u);
+}
+
+TEST(BuildMesh, FollowsSmoothingGroups) {
+  const std::string sharp = folded_sheet(80), flat = folded_sheet(10);
+  const auto grouped = [](std::string sheet, const std::string& first, const std::string& second) {
+    sheet.insert(sheet.find("f 1 2"), first);
+    sheet.insert(sheet.find("f 2 5"), second);
+    return sheet;
+  };
+  const auto vertices = [](const std::string& text) {
+    return mesh_of(text, NormalsMode::kFile).positions.size();
+  };
+  EXPECT_EQ(vertices(grouped(sharp, "s 1\n", "")), 6u);
+  EXPECT_EQ(vertices(grouped(sharp, "s 1\n", "g b\ns 1\n")), 6u);
+  EXPECT_EQ(vertices(grouped(flat, "s 1\n", "s 2\n")), 8u);
+  EXPECT_EQ(vertices(grouped(flat, "s 1\n", "s off\n")), 8u);
+  EXPECT_EQ(vertices(grouped(flat, "", "s 1\n")), 8u);
+  EXPECT_EQ(mesh_of(grouped(flat, "s 1\n", "s 2\n"), NormalsMode::kSmooth).positions.size(), 6u);
+}
+
+TEST(BuildMesh, ShadesFacesWithoutSmoothingFlat) {
+  const MeshDescription all = mesh_of("s off\n" + kCube, NormalsMode::kFile);
+  EXPECT_TRUE(all.normals.empty());
+  EXPECT_EQ(all.positions.size(), 8u);
+  const MeshDescription some = mesh_of(kCube + "s 0\nf 1 2 7\ns 1\nf 2 7 8\n", NormalsMode::kFile);
+  for (const auto v : some.triangles[12]) expect_near(some.normals[v], face_normal(some, 12));
+}
+
+TEST(BuildMesh, GivesFileNormalsPrecedenceOverSmoothingGroups) {
+  const MeshDescription mesh =
+      mesh_of("v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0.6 0.8\ns off\nf 1//1 2//1 3\n", NormalsMode::kFile);
+  expect_near(mesh.normals[0], {0, 0.6f, 0.8f});
+  expect_near(mesh.normals[2], {0, 0, 1});
+}
+
+// Pairs of faces back to back around one vertex: everything cancels out there, and each face keeps a normal
+// of its own. Comparing them all with each other would take hours.
+TEST(BuildMesh, ShadesFansOfVeryManyFaces) {
+  constexpr int kRim = 200000;
+  std::string text = "v 0 0 0\n";
+  for (int i = 0; i < kRim; ++i)
+    text += "v " + std::to_string(std::cos(i * 2 * M_PI / kRim)) + " " +
+            std::to_string(std::sin(i * 2 * M_PI / kRim)) + " " + std::to_string(i % 7) + "\n";
+  for (int i = 2; i <= kRim; ++i) {
+    const std::string a = std::to_string(i), b = std::to_string(i + 1);
+    text += "f 1 " + a + " " + b + "\nf 1 " + b + " " + a + "\n";
+  }
+  const MeshDescription mesh = mesh_of(text, NormalsMode::kFile);
+  ASSERT_EQ(mesh.triangles.size(), 2u * (kRim - 1));
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+    ASSERT_GT(dot(mesh.normals[mesh.triangles[t][0]], face_normal(mesh, t)), 0.999f) << t;
+}
+
+TEST(BuildMesh, SmoothsFansOfVeryManyFaces) {
+  constexpr int kRim = 100000;
+  std::string text = "v 0 0 1\n";
+  for (int i = 0; i < kRim; ++i)
+    text += "v " + std::to_string(10 * std::cos(i * 2 * M_PI / kRim)) + " " +
+            std::to_string(10 * std::sin(i * 2 * M_PI / kRim)) + " 0\n";
+  for (int i = 0; i < kRim; ++i)
+    text += "f 1 " + std::to_string(i + 2) + " " + std::to_string((i + 1) % kRim + 2) + "\n";
+  const MeshDescription mesh = mesh_of(text, NormalsMode::kFile);
+  EXPECT_EQ(mesh.positions.size(), kRim + 1u);  // one vertex in the middle
+  expect_near(mesh.normals[0], {0, 0, 1}, 1e-3f);
 }
 
 TEST(BuildMesh, WeighsNormalsByArea) {

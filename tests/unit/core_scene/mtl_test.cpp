@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include "core/scene/loader/mtl_map.hpp"
 #include "core/scene/loader/mtl_reader.hpp"
 
 namespace tessera::core {
@@ -64,6 +65,48 @@ TEST(Mtl, MapsTextures) {
   EXPECT_EQ(model<Lambert>("Kd 0 0 0\nmap_Kd a.png").albedo.value, Rgb::gray(1));
 }
 
+TEST(Mtl, ReadsColorsOfOneNumberAndComments) {
+  EXPECT_EQ(model<Lambert>("Kd 0.5 # gray\n").albedo.value, Rgb::gray(0.5f));
+  EXPECT_EQ(model<Lambert>("Kd 1 0.5 0#c\n# Kd 2\n").albedo.value, (Rgb{1, 0.5f, 0}));
+}
+
+TEST(Mtl, BelievesDRatherThanTr) {
+  model<Lambert>("d 1\nTr 1\nNi 1.5\n");
+  model<Lambert>("Tr 1\nd 1\nNi 1.5\n");
+  model<Glass>("d -halo 0.5\nNi 1.5\n");
+}
+
+TEST(Mtl, ReadsTheOptionsOfMaps) {
+  const std::pair<std::string, MtlMap> cases[] = {
+      {"a.png", {.file = "a.png"}},
+      {"a b  c.png\t", {.file = "a b  c.png"}},
+      {"-s 2 wood 1.png", {.file = "wood 1.png", .scale = {2, 1}}},
+      {"-s 2 3 1.png", {.file = "1.png", .scale = {2, 3}}},
+      {"-s 2 3 4 5.png", {.file = "5.png", .scale = {2, 3}}},
+      {"-s 2 3 4", {.file = "4", .scale = {2, 3}}},
+      {"-o 0.5 a.png", {.file = "a.png", .offset = {0.5f, 0}}},
+      {"-o -.5 1e-1 a.png", {.file = "a.png", .offset = {-0.5f, 0.1f}}},
+      {"-clamp on -s 2 2 2 a.png", {.file = "a.png", .clamp = true, .scale = {2, 2}}},
+      {"-clamp off a.png", {.file = "a.png"}},
+      {"-blendu on -blendv off -cc on -imfchan r -type sphere -colorspace sRGB a.png", {.file = "a.png"}},
+      {"-bm 1 -boost 2 -mm 0 1 -texres 512 -t 1 1 1 C:\\maps\\a b.png", {.file = "C:/maps/a b.png"}},
+      {"\"a b.png\"", {.file = "a b.png"}},
+      {"a-s.png -s", {.file = "a-s.png -s"}},
+  };
+  for (const auto& [line, expected] : cases) {
+    const auto map = read_mtl_map("map_Kd", line);
+    ASSERT_TRUE(map.has_value()) << line << ": " << map.error().message;
+    EXPECT_EQ(*map, expected) << line << ": " << map->file;
+  }
+}
+
+TEST(Mtl, PassesOverWhatItDoesNotKnow) {
+  const MtlMaterial m =
+      one("Ka spectral x.rfl\nmap_Ks -foo x.png\nPr 0.5\nsharpness\nrefl -type sphere x.hdr\n\xff\xfe\nKd 1 "
+          "0 0\n");
+  EXPECT_EQ(std::get<Lambert>(m.material.model).albedo.value, (Rgb{1, 0, 0}));
+}
+
 TEST(Mtl, ReadsSeveralMaterialsAndAnyLineEnds) {
   const auto materials =
       read_mtl("\xef\xbb\xbf# c\r\nnewmtl  first one \r\nKd 1 0 0\r\n\r\nnewmtl two\r\n\tKd 0 1 0", "x.mtl");
@@ -87,6 +130,22 @@ TEST(Mtl, ReportsMistakesWithTheirLine) {
       {"newmtl a\nKe nan 1 1\n", "2: 'Ke' must be 3 numbers between 0 and 1e+30, got 'nan 1 1'"},
       {"newmtl a\nNi 20\n", "2: 'Ni' must be a number between 0 and 10, got '20'"},
       {"newmtl a\nillum\n", "2: 'illum' must be a number between 0 and 10, got ''"},
+      {"newmtl # a\n", "1: 'newmtl' needs a name"},
+      {"# a\nKd 1 1 1\n", "2: 'Kd' belongs to no material; a 'newmtl' must come before it"},
+      {"map_Kd a.png\n", "1: 'map_Kd' belongs to no material; a 'newmtl' must come before it"},
+      {"newmtl a\nKd\n", "2: 'Kd' must be 3 numbers between 0 and 1, got ''"},
+      {"newmtl a\nd halo 1\n", "2: 'd' must be a number between 0 and 1, got 'halo 1'"},
+      {"newmtl a\nNi 1.5 1.5\n", "2: 'Ni' must be a number between 0 and 10, got '1.5 1.5'"},
+      {"newmtl a\nmap_Kd\n", "2: 'map_Kd' needs the name of a picture"},
+      {"newmtl a\nmap_Kd -clamp on\n", "2: 'map_Kd' needs the name of a picture"},
+      {"newmtl a\nmap_Kd # a.png\n", "2: 'map_Kd' needs the name of a picture"},
+      {"newmtl a\nmap_Kd -s a.png\n",
+       "2: '-s' must be followed by a number and the name of a picture, got 'a.png'"},
+      {"newmtl a\nmap_Kd -mm 1 a.png\n",
+       "2: '-mm' must be followed by 2 numbers and the name of a picture, got 'a.png'"},
+      {"newmtl a\nmap_Kd -bm\n", "2: '-bm' must be followed by a number and the name of a picture, got ''"},
+      {"newmtl a\nmap_Kd -clamp a.png\n", "2: '-clamp' must be followed by on or off, got 'a.png'"},
+      {"newmtl a\nmap_Kd -scale 2 a.png\n", "2: '-scale' is not an option of 'map_Kd'"},
       {"newmtl a\nd 2\n", "2: 'd' must be a number between 0 and 1, got '2'"},
   };
   for (const auto& [text, message] : cases) {

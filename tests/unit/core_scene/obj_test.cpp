@@ -24,8 +24,10 @@ ObjFile read(std::string_view text) {
 std::string corners_of(const ObjFile& file) {
   const auto shown = [](std::int32_t i) { return i < 0 ? std::string("-") : std::to_string(i); };
   std::string all;
-  for (const auto& c : file.corners)
-    all += (all.empty() ? "" : " ") + shown(c.position) + "/" + shown(c.uv) + "/" + shown(c.normal);
+  const auto& [positions, uvs, normals] = file.corners;
+  for (std::size_t i = 0; i < positions.size(); ++i)
+    all += (all.empty() ? "" : " ") + shown(positions[i]) + "/" + shown(uvs.empty() ? -1 : uvs[i]) + "/" +
+           shown(normals.empty() ? -1 : normals[i]);
   return all;
 }
 
@@ -85,7 +87,7 @@ TEST(Obj, CutsPolygonsOfManyCorners) {
             std::to_string(std::sin(i * 2 * M_PI / 1000)) + " 0\n";
     face += " " + std::to_string(i + 1);
   }
-  EXPECT_EQ(read(text + face).corners.size(), 3u * 998);
+  EXPECT_EQ(read(text + face).triangle_count(), 998u);
 }
 
 TEST(Obj, AcceptsTheLayoutsThatPeopleWrite) {
@@ -100,13 +102,59 @@ TEST(Obj, AcceptsTheLayoutsThatPeopleWrite) {
       expected);
 }
 
+TEST(Obj, PassesOverComments) {
+  EXPECT_EQ(corners_of(read("v 0 0 0# origin\nv 1 0 0 # \\\nv 0 1 0#\n# c \\\nf 1 2 3 # 4 \\\nf 3 2 1#\n")),
+            "0/-/- 1/-/- 2/-/- 2/-/- 1/-/- 0/-/-");
+  EXPECT_EQ(corners_of(read(
+                "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0 # uv\nvn 0 0 1 # n\ns 1 # soft\nf 1/1/1 2/1/1 3/1/1")),
+            "0/0/0 1/0/0 2/0/0");
+}
+
+TEST(Obj, JoinsContinuedLines) {
+  for (const std::string end : {"\n", "\r\n", "\r"})
+    EXPECT_EQ(corners_of(read("v 0 \\" + end + "0 0" + end + "v 1\\" + end + " 0 0" + end + "v 0 1 0" + end +
+                              "f 1\\" + end + "\\" + end + "2 \\" + end + "3" + end)),
+              "0/-/- 1/-/- 2/-/-")
+        << end;
+  EXPECT_EQ(read(kFourCorners + "usemtl red \\\nbrick\nf 1 2 3").material_names[0], "red  brick");
+}
+
+TEST(Obj, ReadsSmoothingGroups) {
+  const ObjFile file =
+      read(kFourCorners +
+           "f 1 2 3\ns 1\nf 1 2 3 4\ns off\nf 1 2 3\ng other\nf 1 2 3\ns 4294967295\nf 1 2 3\n"
+           "s 0\nf 1 2 3\ns 2 3\ns on\nf 1 2 3\n");
+  std::vector<std::optional<std::uint32_t>> groups;
+  for (std::size_t t = 0; t < file.triangle_count(); ++t) groups.push_back(file.run_of(t).smoothing_group);
+  EXPECT_EQ(groups, (std::vector<std::optional<std::uint32_t>>{std::nullopt, 1, 1, 0, 0, 4294967295, 0, 1}));
+  EXPECT_EQ(file.runs.size(), 6u);
+}
+
+TEST(Obj, MixesFacesWithAndWithoutCoordinatesAndNormals) {
+  EXPECT_EQ(corners_of(read(kFourCorners + "vt 0 0\nvn 0 0 1\nf 1 2 3\nf 1/1 2 3\nf 1 2//1 3\nf 2 3 4\n")),
+            "0/-/- 1/-/- 2/-/- 0/0/- 1/-/- 2/-/- 0/-/- 1/-/0 2/-/- 1/-/- 2/-/- 3/-/-");
+}
+
+TEST(Obj, KeepsOnlyTheListsThatFacesUse) {
+  const ObjFile file = read(kFourCorners + "vt 0 0\nvn 0 0 1\nf 1 2 3\n");
+  EXPECT_TRUE(file.corners.uvs.empty());
+  EXPECT_TRUE(file.corners.normals.empty());
+}
+
+TEST(Obj, TakesTheFacesOfOldFilesAndAllStatementsOfPolygons) {
+  EXPECT_EQ(corners_of(read(kFourCorners + "fo 1 2 3\nusemap x\nmaplib y\nlod 3\nmg 1 2\n")),
+            "0/-/- 1/-/- 2/-/-");
+}
+
 TEST(Obj, TellsMaterialsApart) {
   const ObjFile file = read(kFourCorners +
                             "mtllib a.mtl\nf 1 2 3\nusemtl red brick \nf 1 2 3\nusemtl\tblue\nf 1 2 3 "
                             "4\nusemtl red brick\nf 2 3 4");
   EXPECT_EQ(file.material_names, (std::vector<std::string>{"red brick", "blue"}));
   EXPECT_EQ(file.material_lines, (std::vector<int>{7, 9}));
-  EXPECT_EQ(file.triangle_materials, (std::vector<std::uint32_t>{kNoMaterialName, 0, 1, 1, 0}));
+  std::vector<std::uint32_t> materials;
+  for (std::size_t t = 0; t < file.triangle_count(); ++t) materials.push_back(file.run_of(t).material);
+  EXPECT_EQ(materials, (std::vector<std::uint32_t>{kNoMaterialName, 0, 1, 1, 0}));
   ASSERT_EQ(file.text.libraries.size(), 1u);
   EXPECT_EQ(file.text.libraries[0].name, "a.mtl");
   EXPECT_EQ(file.text.libraries[0].line, 5);
@@ -147,7 +195,6 @@ TEST(Obj, ReportsMistakesWithTheirLine) {
       {kFourCorners + "f 1 2 three", corner("three")},
       {kFourCorners + "f 1 2 3.0", corner("3.0")},
       {kFourCorners + "f 1 2 99999999999", corner("99999999999")},
-      {kFourCorners + "f 1 2 3 # comment", corner("#")},
       {kFourCorners + "f 1 2 3\nf 1 2 5",
        "6: a face refers to 'v' number 5, but the file has only 4; is it complete?"},
       {kFourCorners + "f 1/1 2 3",
@@ -157,12 +204,26 @@ TEST(Obj, ReportsMistakesWithTheirLine) {
       {"solid cube\n", "1: 'solid' is not a statement of OBJ files"},
       {std::string("\0\1\2", 3), "1: '\\x00\\x01\\x02' is not a statement of OBJ files"},
       {"ply\n", "1: 'ply' is not a statement of OBJ files"},
-      {"usemtl \n", "1: 'usemtl' needs a name"},
+      {kFourCorners + "usemtl \nf 1 2 3\n", "5: 'usemtl' needs a name"},
       {"mtllib\n", "1: 'mtllib' needs a name"},
       {"surf 0 1 0 1 1 2 3\n",
        "1: free-form curves and surfaces are not supported; export the mesh as polygons"},
-      {kFourCorners + "f 1 2 \\\n3\n", corner("\\")},
-      {"\\\n", "1: lines continued with '\\' are not supported"},
+      {kFourCorners + "f 1 \\\n2 \\\n\nf 1 2 3\n", "5: a face must have at least 3 corners, got 2"},
+      {kFourCorners + "\nf 1 \\\n2 0\nf 1 2 3\n",
+       "6: a face's corner must be like 7, 7/2, 7//3 or 7/2/3 with numbers that exist, got '0' after 4 v, 0 "
+       "vt "
+       "and 0 vn"},
+      {kFourCorners + "f 1 2 \\\n3\nf 1 2\n", "7: a face must have at least 3 corners, got 2"},
+      {kFourCorners + "f 1 2 3 \\", corner("\\")},
+      {kFourCorners + "f 1 2 # 3", "5: a face must have at least 3 corners, got 2"},
+      {kFourCorners + "f 1 2 3\ns\n", "6: 's' must be the number of a smoothing group or 'off', got ''"},
+      {kFourCorners + "s soft\nf 1 2 3\n",
+       "5: 's' must be the number of a smoothing group or 'off', got 'soft'"},
+      {kFourCorners + "s -1\nf 1 2 3\n", "5: 's' must be the number of a smoothing group or 'off', got '-1'"},
+      {kFourCorners + "usemtl # name\nf 1 2 3\n", "5: 'usemtl' needs a name"},
+      {"mtllib # name\n", "1: 'mtllib' needs a name"},
+      {"call other.obj\n", "1: 'call' reads another file, which is not supported; put its statements here"},
+      {"csh rm -r *\n", "1: 'csh' runs a command, which a scene must not; take the line out"},
   };
   for (const auto& [text, message] : cases) EXPECT_EQ(error_of(text), "x.obj:" + message) << text;
 }

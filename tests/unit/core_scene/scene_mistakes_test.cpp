@@ -338,7 +338,9 @@ TEST(SceneMistakes, InMtlFiles) {
             "mean 'reed'?; mend "
             "it, or give the shape a \"material\" in the scene file");
   EXPECT_EQ(told("newmtl red\nmap_Kd red.png\n"),
-            "scene.json:4: shapes[0].file: m/my a.mtl: material 'red': map_Kd: 'm/red.png' does not exist");
+            "scene.json:4: shapes[0].file: m/my a.mtl:2: map_Kd: 'm/red.png' does not exist");
+  EXPECT_EQ(told("newmtl red\nmap_Kd -s 2 red.png # wood\n"),
+            "scene.json:4: shapes[0].file: m/my a.mtl:2: map_Kd: 'm/red.png' does not exist");
 }
 
 TEST(SceneMistakes, OfTexturesThatReflectMoreThanTheyGet) {

@@ -160,8 +160,8 @@ TEST(SceneReading, ReadsAMeshOnceForAllItsShapes) {
 }
 
 const std::string kTwoMaterialsObj =
-    "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red\nf 1 2 3\nusemtl wood\nf 1 3 2\nusemtl red\nf 1 2 "
-    "3\n";
+    "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nusemtl red\nf 1 2 3\nusemtl wood\nf 1 3 2\nusemtl "
+    "red\nf 2 4 3\n";
 
 TEST(SceneReading, TakesMaterialsFromMtlFiles) {
   const MemoryAssets::Files files{
@@ -185,6 +185,38 @@ TEST(SceneReading, PrefersTheMaterialOfTheShapeAndThenNeedsNoMtlFile) {
       load(scene_with("", "", "{\"type\": \"mesh\", \"file\": \"a.obj\", \"material\": \"light\"}"),
            {{"a.obj", kTwoMaterialsObj}});
   EXPECT_EQ(std::get<MeshDescription>(scene.shapes[0]).triangle_materials, (std::vector<std::uint32_t>{0}));
+}
+
+TEST(SceneReading, TakesACommentForPartOfANameOnlyWhereThatNameExists) {
+  const auto material_of = [](const std::string& usemtl, const std::string& mtl) {
+    const SceneDescription scene = load(
+        scene_with("", "", "{\"type\": \"mesh\", \"file\": \"a.obj\"}"),
+        {{"a.obj", "mtllib a.mtl # materials\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl " + usemtl + "\nf 1 2 3\n"},
+         {"a.mtl", mtl}});
+    const auto& mesh = std::get<MeshDescription>(scene.shapes[0]);
+    return scene.materials[mesh.triangle_materials[0]].name;
+  };
+  EXPECT_EQ(material_of("red # brick", "newmtl red\n"), "a.mtl: red");
+  EXPECT_EQ(material_of("red", "newmtl red # brick\n"), "a.mtl: red # brick");
+  EXPECT_EQ(material_of("red # a", "newmtl red # b\n"), "a.mtl: red # b");
+  EXPECT_EQ(material_of("Material #2", "newmtl Material #1\nnewmtl Material #2\nnewmtl Material\n"),
+            "a.mtl: Material #2");
+  EXPECT_EQ(material_of("Material", "newmtl Material #1\nnewmtl Material\n"), "a.mtl: Material");
+}
+
+TEST(SceneReading, FindsMapsWhoseNamesHaveSpacesAndMarks) {
+  const std::string picture = test::png(test::one_color(1, 1, Rgb::gray(1)));
+  for (const std::string name : {"red brick #2.png", "my maps\\red.png", "\"a b.png\"", "2.png # old"}) {
+    const auto scene =
+        test::load(scene_with("", "", "{\"type\": \"mesh\", \"file\": \"a.obj\"}"),
+                   {{"a.obj", "mtllib sub\\a.mtl\r\nv 0 0 0\r\nv 1 0 0\r\nv 0 1 0\r\nusemtl m\r\nf 1 2 3"},
+                    {"sub/a.mtl", "newmtl m\r\nmap_Kd " + name + "\r\n"},
+                    {"sub/red brick #2.png", picture},
+                    {"sub/my maps/red.png", picture},
+                    {"sub/a b.png", picture},
+                    {"sub/2.png", picture}});
+    EXPECT_TRUE(scene.has_value()) << name << ": " << scene.error().message;
+  }
 }
 
 TEST(SceneReading, TakesSeveralLibrariesFromOneLine) {
