@@ -15,7 +15,12 @@ void append_triangles(std::string& text, const MeshDescription& mesh, std::size_
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
     if (!mesh.triangle_materials.empty() && mesh.triangle_materials[i] != material) continue;
     const auto [a, b, c] = mesh.triangles[i];
-    fmt::format_to(std::back_inserter(text), "f {0}/{0}/{0} {1}/{1}/{1} {2}/{2}/{2}\n", a + 1, b + 1, c + 1);
+    if (mesh.uvs.empty()) {
+      fmt::format_to(std::back_inserter(text), "f {0}//{0} {1}//{1} {2}//{2}\n", a + 1, b + 1, c + 1);
+    } else {
+      fmt::format_to(std::back_inserter(text), "f {0}/{0}/{0} {1}/{1}/{1} {2}/{2}/{2}\n", a + 1, b + 1,
+                     c + 1);
+    }
   }
 }
 

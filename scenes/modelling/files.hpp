@@ -11,9 +11,9 @@
 
 namespace tessera::modelling {
 
-// OBJ text of a mesh that has normals and uvs; places to 1e-5, normals to 1e-4. Triangles are grouped by
-// material: `material_names[i]`, from the library file `mtl_file`, is that of triangle_materials i. With no
-// names, the text mentions neither.
+// OBJ text of a mesh that has normals and may have uvs; places to 1e-5, normals to 1e-4. Triangles are
+// grouped by material: `material_names[i]`, from the library file `mtl_file`, is that of triangle_materials
+// i. With no names, the text mentions neither.
 std::string obj_text(const core::MeshDescription& mesh, const std::vector<std::string>& material_names = {},
                      const std::string& mtl_file = {});
 

@@ -6,9 +6,11 @@
 
 #include "core/math/elementary.hpp"
 #include "core/sampling/hash.hpp"
+#include "scenes/modelling/atlas.hpp"
 #include "scenes/modelling/cloth.hpp"
 #include "scenes/modelling/files.hpp"
 #include "scenes/modelling/lathe.hpp"
+#include "scenes/modelling/marching_cubes.hpp"
 #include "scenes/modelling/noise.hpp"
 #include "tests/unit/scenes/mesh_properties.hpp"
 
@@ -213,7 +215,10 @@ TEST(Modelling, IsTheSameBytesOnEveryMachine) {
     return 0.1f * fractal_noise(p * 2, 4) + 0.1f * cellular_noise(p * 3).nearest;
   });
   append(mesh, drape(cloth_over_a_beam()));
-  EXPECT_EQ(hash_of(obj_text(mesh)), 11145063305288138305u);
+  const Field shape = carve(unite(ellipsoid({{0, 0, 0}, {1, 0.6f, 0.8f}}), ball({0.6f, 0.5f, 0}, 0.5f), 0.3f),
+                            limb({-1, 0, 0}, 0.3f, {0, 0.6f, 0}, 0.1f), 0.1f);
+  append(mesh, unwrap(marching_cubes(shape, {{-1.2f, -1, -1}, {1.4f, 1.2f, 1}, 0.1f}), 256));
+  EXPECT_EQ(hash_of(obj_text(mesh)), 16877812922980363796u);
 }
 
 }  // namespace
