@@ -1,6 +1,7 @@
 // A thin-lens camera; a pinhole where the aperture is closed.
 #pragma once
 
+#include "core/camera/aperture.hpp"
 #include "core/camera/camera_description.hpp"
 #include "core/geometry/ray.hpp"
 #include "core/math/frame.hpp"
@@ -20,7 +21,7 @@ class Camera {
   Vec3 position_;
   Vec3 right_, up_, forward_;
   float tan_half_fov_ = 1;
-  float aperture_radius_ = 0;
+  Aperture aperture_;
   float focus_distance_ = 1;
 };
 

@@ -21,11 +21,13 @@ void append_bytes(void* sink, void* data, int size) {
   static_cast<std::string*>(sink)->append(static_cast<const char*>(data), static_cast<std::size_t>(size));
 }
 
-std::string encode_png(const Image& image) {
+std::string encode_png(const Image& image, const DisplaySettings& display) {
+  const DisplayTransform to_screen(display);
   std::vector<std::uint8_t> codes;
   codes.reserve(image.pixels.size() * 3);
   for (const Rgb& pixel : image.pixels) {
-    codes.insert(codes.end(), {srgb_encode(pixel.r), srgb_encode(pixel.g), srgb_encode(pixel.b)});
+    const Rgb shown = to_screen(pixel);
+    codes.insert(codes.end(), {srgb_encode(shown.r), srgb_encode(shown.g), srgb_encode(shown.b)});
   }
   std::string bytes;
   stbi_write_png_to_func(append_bytes, &bytes, image.width, image.height, 3, codes.data(), image.width * 3);
@@ -50,10 +52,10 @@ std::string encode_pfm(const Image& image) {
   return bytes;
 }
 
-Result<std::string> encode_checked(const Image& image, ImageFormat format) {
+Result<std::string> encode_checked(const Image& image, ImageFormat format, const DisplaySettings& display) {
   switch (format) {
     case ImageFormat::kPng:
-      return encode_png(image);
+      return encode_png(image, display);
     case ImageFormat::kExr:
       return encode_exr(image);
     case ImageFormat::kHdr:
@@ -114,11 +116,11 @@ Status check_encodable(ImageFormat format, int width, int height) {
   return {};
 }
 
-Result<std::string> encode_image(const Image& image, ImageFormat format) {
+Result<std::string> encode_image(const Image& image, ImageFormat format, const DisplaySettings& display) {
   if (Status status = check_encodable(format, image.width, image.height); !status)
     return fail(status.error());
   try {
-    Result<std::string> bytes = encode_checked(image, format);
+    Result<std::string> bytes = encode_checked(image, format, display);
     if (bytes && bytes->empty()) throw std::bad_alloc();  // how stb reports it
     return bytes;
   } catch (const std::bad_alloc&) {

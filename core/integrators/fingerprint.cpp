@@ -34,11 +34,17 @@ MeshDescription tent() {
 }
 
 // A box open to the front with lamps of every kind, a glass and a mirror sphere and a textured mesh with
-// interpolated normals, seen through a lens. What it leaves out is the reading of files.
+// interpolated normals, seen through a lens of five blades and a Gaussian filter. What it leaves out is the
+// reading of files.
 SceneDescription fingerprint_scene() {
   SceneDescription scene;
-  scene.settings = {.width_px = 16, .height_px = 16, .spp = 8};
-  scene.camera = {.position = {0, 1, 4}, .look_at = {0, 1, 0}, .aperture_radius = 0.05f, .focus_distance = 4};
+  scene.settings = {
+      .width_px = 16, .height_px = 16, .spp = 8, .filter = default_filter(FilterKind::kGaussian)};
+  scene.camera = {.position = {0, 1, 4},
+                  .look_at = {0, 1, 0},
+                  .aperture_radius = 0.05f,
+                  .focus_distance = 4,
+                  .aperture_blades = 5};
   scene.materials = {{.name = "wall", .model = Lambert{{{0.7f, 0.5f, 0.3f}}}},
                      {.name = "lamp", .model = Lambert{}, .emission = {9, 8, 7}},
                      {.name = "glass", .model = Glass{}},

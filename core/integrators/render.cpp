@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/integrators/path.hpp"
+#include "core/sampling/filter_warp.hpp"
 #include "core/sampling/sampler.hpp"
 
 namespace tessera::core {
@@ -14,10 +15,28 @@ namespace {
 // caches.
 constexpr int kBlockPx = 8;
 
+float sample_filter(PixelFilter filter, float u) {
+  switch (filter.kind) {
+    case FilterKind::kBox:
+      return sample_box(u, filter.radius_px);
+    case FilterKind::kTent:
+      return sample_tent(u, filter.radius_px);
+    case FilterKind::kGaussian:
+      return sample_truncated_normal(u, filter.radius_px);
+  }
+  return 0;
+}
+
+// Places are distributed as the filter is shaped: every sample counts alike, and the film stays a plain sum.
+Vec2 sample_raster(PixelFilter filter, int x, int y, Vec2 u) {
+  return {static_cast<float>(x) + 0.5f + sample_filter(filter, u.x),
+          static_cast<float>(y) + 0.5f + sample_filter(filter, u.y)};
+}
+
 Rgb take_sample(const Scene& scene, const RenderSettings& settings, const Sampler& sampler, int x, int y,
                 RenderCounters& counters) {
   const auto u = sampler.pad(kCameraPad);
-  const Vec2 raster{static_cast<float>(x) + u[0], static_cast<float>(y) + u[1]};
+  const Vec2 raster = sample_raster(settings.filter, x, y, {u[0], u[1]});
   const Ray ray = scene.camera().ray(raster, settings.width_px, settings.height_px, {u[2], u[3]});
   ++counters.samples;
   return trace_path(scene, settings, sampler, ray, counters);

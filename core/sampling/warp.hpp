@@ -21,6 +21,20 @@ inline Vec2 sample_disk(Vec2 u) {
   return {b * cos(angle), b * sin(angle)};
 }
 
+// The same map in polar coordinates: the distance from the centre in [0, 1], and the angle from +x towards +y
+// in turns, in [0, 1].
+struct PolarPoint {
+  float radius, turns;
+};
+inline PolarPoint sample_disk_polar(Vec2 u) {
+  const float a = 2 * u.x - 1, b = 2 * u.y - 1;
+  if (a == 0 && b == 0) return {0, 0};
+  const bool beside = std::fabs(a) > std::fabs(b);  // rather than above or below
+  float eighths = beside ? b / a : 2 - a / b;
+  if ((beside ? a : b) < 0) eighths += 4;
+  return {beside ? std::fabs(a) : std::fabs(b), (eighths < 0 ? eighths + 8 : eighths) / 8};
+}
+
 // On the hemisphere around +z, density cos(theta) / pi per solid angle (Malley's method). z is above 0.
 inline Vec3 sample_cosine_hemisphere(Vec2 u) {
   const Vec2 d = sample_disk(u);

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/camera/camera_description.hpp"
+#include "core/image/display.hpp"
 #include "core/materials/material.hpp"
 #include "core/math/vec3.hpp"
 #include "core/scene/settings.hpp"
@@ -42,6 +43,7 @@ using ShapeDescription = std::variant<MeshDescription, SphereDescription, QuadDe
 struct SceneDescription {
   RenderSettings settings;
   CameraDescription camera;
+  DisplaySettings display;  // of PNG files; linear ones are left alone
   std::vector<Texture> textures;
   std::vector<Material> materials;
   std::vector<ShapeDescription> shapes;

@@ -13,6 +13,12 @@ constexpr std::array<std::pair<Integrator, std::string_view>, 3> kIntegratorName
     {Integrator::kMis, "mis"},
 }};
 
+constexpr std::array<std::pair<FilterKind, std::string_view>, 3> kFilterNames{{
+    {FilterKind::kBox, "box"},
+    {FilterKind::kTent, "tent"},
+    {FilterKind::kGaussian, "gaussian"},
+}};
+
 Status check_side(std::string_view field, int side_px) {
   if (side_px >= 1 && side_px <= kMaxImageSidePx) return {};
   return fail(ErrorCode::kInvalidArgument,
@@ -33,6 +39,30 @@ std::optional<Integrator> integrator_from_name(std::string_view name) {
   return std::nullopt;
 }
 
+std::string_view filter_name(FilterKind kind) {
+  for (const auto& [value, name] : kFilterNames)
+    if (value == kind) return name;
+  return "unknown";
+}
+
+std::optional<FilterKind> filter_from_name(std::string_view name) {
+  for (const auto& [value, known] : kFilterNames)
+    if (known == name) return value;
+  return std::nullopt;
+}
+
+PixelFilter default_filter(FilterKind kind) {
+  switch (kind) {
+    case FilterKind::kBox:
+      return {kind, 0.5f};
+    case FilterKind::kTent:
+      return {kind, 1};
+    case FilterKind::kGaussian:
+      return {kind, 1.5f};
+  }
+  return {};
+}
+
 Status check_settings(const RenderSettings& settings) {
   if (auto ok = check_side("width", settings.width_px); !ok) return ok;
   if (auto ok = check_side("height", settings.height_px); !ok) return ok;
@@ -48,6 +78,11 @@ Status check_settings(const RenderSettings& settings) {
   if (settings.max_depth < 0)
     return fail(ErrorCode::kInvalidArgument,
                 fmt::format("max_depth: must be 0 (no limit) or more, got {}", settings.max_depth));
+  const float radius = settings.filter.radius_px;
+  if (!(radius > 0 && radius <= kMaxFilterRadiusPx))
+    return fail(ErrorCode::kInvalidArgument,
+                fmt::format("filter_radius: must be greater than 0 and at most {} pixels, got {}",
+                            kMaxFilterRadiusPx, radius));
   return {};
 }
 

@@ -19,6 +19,29 @@ enum class Integrator {
 std::string_view integrator_name(Integrator integrator);
 std::optional<Integrator> integrator_from_name(std::string_view name);
 
+// How light that falls around a pixel's centre counts for the pixel. Each is separable, and zero beyond its
+// radius along either axis.
+enum class FilterKind {
+  kBox,       // all of it alike
+  kTent,      // falling off in straight lines
+  kGaussian,  // falling off like a normal distribution, cut off at three standard deviations
+};
+
+std::string_view filter_name(FilterKind kind);
+std::optional<FilterKind> filter_from_name(std::string_view name);
+
+inline constexpr float kMaxFilterRadiusPx = 16;
+
+struct PixelFilter {
+  FilterKind kind = FilterKind::kBox;
+  float radius_px = 0.5f;
+
+  bool operator==(const PixelFilter&) const = default;
+};
+
+// The filter with the radius that suits it.
+PixelFilter default_filter(FilterKind kind);
+
 inline constexpr int kMaxImageSidePx = 65536;
 inline constexpr std::int64_t kMaxImagePixels = std::int64_t{1} << 30;
 inline constexpr std::uint32_t kMaxSpp = 1u << 24;
@@ -30,6 +53,7 @@ struct RenderSettings {
   std::uint64_t seed = 0;
   Integrator integrator = Integrator::kMis;
   int max_depth = 0;  // longest path in segments after the camera's; 0 for no limit but Russian roulette
+  PixelFilter filter = {};
 
   bool operator==(const RenderSettings&) const = default;
 };

@@ -35,6 +35,13 @@ Status check_camera(const CameraDescription& camera) {
   if (!(camera.aperture_radius >= 0 && camera.aperture_radius <= kMaxCoordinate))
     return invalid(fmt::format("camera.aperture_radius: must be between 0 and {:g}, got {}", kMaxCoordinate,
                                camera.aperture_radius));
+  const int blades = camera.aperture_blades;
+  if (blades != 0 && !(blades >= kMinApertureBlades && blades <= kMaxApertureBlades))
+    return invalid(fmt::format("camera.aperture_blades: must be 0, or between {} and {}, got {}",
+                               kMinApertureBlades, kMaxApertureBlades, blades));
+  if (!(std::fabs(camera.aperture_rotation_degrees) <= 360))
+    return invalid(fmt::format("camera.aperture_rotation_degrees: must be between -360 and 360, got {}",
+                               camera.aperture_rotation_degrees));
   if (!(camera.focus_distance >= 0) || !std::isfinite(camera.focus_distance))
     return invalid(fmt::format("camera.focus_distance: must be above 0, got {}", camera.focus_distance));
   return {};
@@ -126,6 +133,7 @@ std::vector<std::uint32_t> materials_of(const ShapeDescription& shape) {
 
 Status validate_scene(const SceneDescription& scene) {
   if (auto ok = check_settings(scene.settings); !ok) return fail(ok.error().within("render"));
+  if (auto ok = check_display(scene.display); !ok) return fail(ok.error().within("output"));
   if (auto ok = check_camera(scene.camera); !ok) return ok;
   if (auto ok = check_materials(scene); !ok) return ok;
   return check_shapes(scene);

@@ -47,6 +47,7 @@ class SceneAssembler {
 SceneDescription SceneAssembler::assemble(SceneFile file) {
   scene_.settings = file.settings;
   scene_.camera = file.camera;
+  scene_.display = file.display;
   for (const auto& texture : file.textures) add_texture(texture);
   std::vector<Place> material_places;
   for (auto& entry : file.materials) {

@@ -9,6 +9,12 @@ namespace {
 
 constexpr Bounds kFieldOfView{[](double v) { return v > 0 && v < 180; }, "greater than 0 and less than 180"};
 
+constexpr Bounds kFilterRadius{[](double v) { return v > 0 && v <= double{kMaxFilterRadiusPx}; },
+                               "greater than 0 and at most 16 pixels"};
+constexpr Bounds kTurn{[](double v) { return v >= -360 && v <= 360; }, "between -360 and 360"};
+constexpr Bounds kExposure{[](double v) { return std::fabs(v) <= double{kMaxExposureStops}; },
+                           "between -64 and 64 stops"};
+
 bool are_parallel(Vec3 a, Vec3 b) {
   const Vec3 u = normalize(a), v = normalize(b);
   return length(cross(u, v)) < 1e-4f;
@@ -24,6 +30,23 @@ void check_viewing_direction(const CameraDescription& camera, const Field& field
   } else if (are_parallel(direction, camera.up)) {
     field.mistake("'up' must not point along the line from 'position' to 'look_at'");
   }
+}
+
+// 0, or as many as a polygon has at least.
+int read_blades(const Field& field) {
+  const auto blades = static_cast<int>(read_whole_number(field, 0, kMaxApertureBlades));
+  if (blades == 0 || blades >= kMinApertureBlades) return blades;
+  field.must_be(
+      fmt::format("0 for a round opening, or from {} to {}", kMinApertureBlades, kMaxApertureBlades));
+  return 0;
+}
+
+PixelFilter read_filter(const ObjectReader& render) {
+  const auto kind = read_or(render, "filter", FilterKind::kBox, read_choice,
+                            std::span<const std::string_view>(scene_keys::kFilters));
+  PixelFilter filter = default_filter(kind);
+  filter.radius_px = read_or(render, "filter_radius", filter.radius_px, read_float, kFilterRadius);
+  return filter;
 }
 
 }  // namespace
@@ -42,6 +65,7 @@ RenderSettings read_render(const Field& field) {
                                std::uint64_t{1} << 20);
   settings.integrator = read_or(object, "integrator", settings.integrator, read_choice,
                                 std::span<const std::string_view>(scene_keys::kIntegrators));
+  settings.filter = read_filter(object);
   if (std::int64_t{settings.width_px} * settings.height_px > kMaxImagePixels)
     field.mistake(fmt::format("{} x {} pixels are more than the {} that a picture may have",
                               settings.width_px, settings.height_px, kMaxImagePixels));
@@ -61,8 +85,20 @@ CameraDescription read_camera(const Field& field) {
       read_or(object, "aperture_radius", camera.aperture_radius, read_float, bounds::kNotNegative);
   camera.focus_distance =
       read_or(object, "focus_distance", camera.focus_distance, read_float, bounds::kPositive);
+  camera.aperture_blades = read_or(object, "aperture_blades", camera.aperture_blades, read_blades);
+  camera.aperture_rotation_degrees =
+      read_or(object, "aperture_rotation_degrees", camera.aperture_rotation_degrees, read_float, kTurn);
   if (field.mistakes().count() == mistakes_before) check_viewing_direction(camera, field);
   return camera;
+}
+
+DisplaySettings read_output(const Field& field) {
+  const ObjectReader object(field, scene_keys::kOutput);
+  DisplaySettings display;
+  display.exposure_stops = read_or(object, "exposure", display.exposure_stops, read_float, kExposure);
+  display.tone_curve = read_or(object, "tone_curve", display.tone_curve, read_choice,
+                               std::span<const std::string_view>(scene_keys::kToneCurves));
+  return display;
 }
 
 SceneFile parse_scene_file(std::string_view text, const std::string& display_path, Mistakes& mistakes) {
@@ -77,6 +113,7 @@ SceneFile parse_scene_file(std::string_view text, const std::string& display_pat
   if (const auto schema = object.find("$schema")) read_text(*schema);
   if (const auto render = object.find("render")) scene.settings = read_render(*render);
   if (const auto camera = object.find("camera")) scene.camera = read_camera(*camera);
+  if (const auto output = object.find("output")) scene.display = read_output(*output);
   if (const auto textures = object.find("textures")) scene.textures = read_textures(*textures);
   if (const auto materials = object.find("materials"))
     scene.materials = read_materials(*materials, scene.textures);

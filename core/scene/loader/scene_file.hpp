@@ -53,6 +53,7 @@ struct ShapeEntry {
 struct SceneFile {
   RenderSettings settings;
   CameraDescription camera;
+  DisplaySettings display;
   std::vector<TextureEntry> textures;
   std::vector<MaterialEntry> materials;
   std::vector<ShapeEntry> shapes;
@@ -64,6 +65,7 @@ SceneFile parse_scene_file(std::string_view text, const std::string& display_pat
 
 RenderSettings read_render(const Field& field);
 CameraDescription read_camera(const Field& field);
+DisplaySettings read_output(const Field& field);
 std::vector<TextureEntry> read_textures(const Field& field);
 std::vector<MaterialEntry> read_materials(const Field& field, const std::vector<TextureEntry>& textures);
 std::vector<ShapeEntry> read_shapes(const Field& field, const std::vector<MaterialEntry>& materials);

@@ -24,14 +24,17 @@ namespace scene_keys {
 
 inline constexpr bool kRequired = true;
 
-inline constexpr std::array kSceneKeys{KeyRule{"$schema"},           KeyRule{"render"},
-                                       KeyRule{"camera", kRequired}, KeyRule{"textures"},
-                                       KeyRule{"materials"},         KeyRule{"shapes", kRequired}};
-inline constexpr std::array kRenderKeys{KeyRule{"width"}, KeyRule{"height"},     KeyRule{"spp"},
-                                        KeyRule{"seed"},  KeyRule{"integrator"}, KeyRule{"max_depth"}};
+inline constexpr std::array kSceneKeys{
+    KeyRule{"$schema"},  KeyRule{"render"},    KeyRule{"camera", kRequired}, KeyRule{"output"},
+    KeyRule{"textures"}, KeyRule{"materials"}, KeyRule{"shapes", kRequired}};
+inline constexpr std::array kRenderKeys{KeyRule{"width"},  KeyRule{"height"},       KeyRule{"spp"},
+                                        KeyRule{"seed"},   KeyRule{"integrator"},   KeyRule{"max_depth"},
+                                        KeyRule{"filter"}, KeyRule{"filter_radius"}};
 inline constexpr std::array kCameraKeys{
-    KeyRule{"position", kRequired},  KeyRule{"look_at", kRequired}, KeyRule{"up"},
-    KeyRule{"vertical_fov_degrees"}, KeyRule{"aperture_radius"},    KeyRule{"focus_distance"}};
+    KeyRule{"position", kRequired},  KeyRule{"look_at", kRequired},       KeyRule{"up"},
+    KeyRule{"vertical_fov_degrees"}, KeyRule{"aperture_radius"},          KeyRule{"focus_distance"},
+    KeyRule{"aperture_blades"},      KeyRule{"aperture_rotation_degrees"}};
+inline constexpr std::array kOutputKeys{KeyRule{"exposure"}, KeyRule{"tone_curve"}};
 inline constexpr std::array kTextureKeys{KeyRule{"file", kRequired}, KeyRule{"color_space"}, KeyRule{"wrap"},
                                          KeyRule{"scale"}, KeyRule{"offset"}};
 inline constexpr std::array kTexturedColorKeys{KeyRule{"texture", kRequired}, KeyRule{"tint"}};
@@ -56,6 +59,7 @@ inline constexpr std::array kRotationKeys{KeyRule{"axis", kRequired}, KeyRule{"d
 inline constexpr ObjectRules kScene{"scene", "", kSceneKeys};
 inline constexpr ObjectRules kRender{"render", "/properties/render", kRenderKeys};
 inline constexpr ObjectRules kCamera{"camera", "/properties/camera", kCameraKeys};
+inline constexpr ObjectRules kOutput{"output", "/properties/output", kOutputKeys};
 inline constexpr ObjectRules kTexture{"texture", "/$defs/texture", kTextureKeys};
 inline constexpr ObjectRules kTexturedColor{"textured colour", "/$defs/textured_color", kTexturedColorKeys};
 inline constexpr ObjectRules kLambert{"lambert material", "/$defs/lambert", kLambertKeys};
@@ -67,11 +71,14 @@ inline constexpr ObjectRules kQuad{"quad", "/$defs/quad", kQuadKeys};
 inline constexpr ObjectRules kTransformStep{"transform step", "/$defs/transform_step", kTransformStepKeys};
 inline constexpr ObjectRules kRotation{"rotation", "/$defs/rotation", kRotationKeys};
 
-inline constexpr std::array kAllObjects{kScene, kRender, kCamera, kTexture, kTexturedColor, kLambert, kMirror,
-                                        kGlass, kMesh,   kSphere, kQuad,    kTransformStep, kRotation};
+inline constexpr std::array kAllObjects{kScene,         kRender,  kCamera,        kOutput,  kTexture,
+                                        kTexturedColor, kLambert, kMirror,        kGlass,   kMesh,
+                                        kSphere,        kQuad,    kTransformStep, kRotation};
 
 // The words that stand for a choice, in the order of what they stand for in the code.
 inline constexpr std::array<std::string_view, 3> kIntegrators{"naive", "nee", "mis"};
+inline constexpr std::array<std::string_view, 3> kFilters{"box", "tent", "gaussian"};
+inline constexpr std::array<std::string_view, 3> kToneCurves{"none", "aces", "agx"};
 inline constexpr std::array<std::string_view, 3> kMaterialTypes{"lambert", "mirror", "glass"};
 inline constexpr std::array<std::string_view, 3> kShapeTypes{"mesh", "sphere", "quad"};
 inline constexpr std::array<std::string_view, 3> kNormals{"file", "smooth", "flat"};

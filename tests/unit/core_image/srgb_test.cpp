@@ -51,6 +51,46 @@ TEST(Srgb, EncodingClampsWhatIsOutOfRange) {
   EXPECT_EQ(srgb_encode(kInfinity), 255);
 }
 
+// The standard's equations at these codes, worked out with forty decimal digits apart from the code under
+// test.
+TEST(Srgb, HasTheStandardsValues) {
+  struct Row {
+    int code;
+    float linear;
+  };
+  constexpr Row kTable[] = {
+      {0, 0},
+      {1, 0.000303526984f},
+      {5, 0.00151763492f},
+      {10, 0.00303526984f},  // the last code of the straight part
+      {11, 0.00334653576f},
+      {12, 0.00367650732f},
+      {16, 0.0051815167f},
+      {32, 0.0144438436f},
+      {48, 0.0295568344f},
+      {64, 0.0512694584f},
+      {80, 0.0802198203f},
+      {96, 0.116970668f},
+      {112, 0.162029376f},
+      {128, 0.2158605f},
+      {144, 0.278894263f},
+      {160, 0.3515326f},
+      {176, 0.434153636f},
+      {188, 0.502886458f},
+      {192, 0.527115126f},
+      {208, 0.630757136f},
+      {224, 0.74540421f},
+      {240, 0.871367119f},
+      {250, 0.955973353f},
+      {254, 0.991102097f},
+      {255, 1},
+  };
+  for (const Row& row : kTable) {
+    EXPECT_EQ(srgb_decode(static_cast<std::uint8_t>(row.code)), row.linear) << row.code;
+    EXPECT_EQ(srgb_encode(row.linear), row.code);
+  }
+}
+
 TEST(Srgb, IsNotABarePowerOf22) {
   EXPECT_EQ(srgb_encode(0.001f), 3);   // 255 * 12.92 * 0.001 = 3.29; a power of 2.2 would give 11
   EXPECT_EQ(srgb_encode(0.18f), 118);  // middle gray: 255 * 0.46136 = 117.6

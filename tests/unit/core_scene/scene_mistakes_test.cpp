@@ -83,6 +83,12 @@ TEST(SceneMistakes, InRender) {
            "render.integrator: unknown value 'bdpt'; known are 'naive', 'nee', 'mis'"},
           {"\"integrator\": 1", "render.integrator: must be one of \"naive\", \"nee\", \"mis\", got 1"},
           {"\"widht\": 5", "render: unknown key 'widht'; did you mean 'width'?"},
+          {"\"filter\": \"lanczos\"",
+           "render.filter: unknown value 'lanczos'; known are 'box', 'tent', 'gaussian'"},
+          {"\"filter_radius\": 0",
+           "render.filter_radius: must be greater than 0 and at most 16 pixels, got 0"},
+          {"\"filter_radius\": 16.5",
+           "render.filter_radius: must be greater than 0 and at most 16 pixels, got 16.5"},
       },
       with_render, 2);
 }
@@ -116,9 +122,31 @@ TEST(SceneMistakes, InTheCamera) {
           {view + ", \"focus_distance\": 0", "camera.focus_distance: must be greater than 0, got 0"},
           {view + ", \"vertical_fov\": 40",
            "camera: unknown key 'vertical_fov'; known are 'position', 'look_at', 'up', "
-           "'vertical_fov_degrees', 'aperture_radius', 'focus_distance'"},
+           "'vertical_fov_degrees', 'aperture_radius', 'focus_distance', 'aperture_blades', "
+           "'aperture_rotation_degrees'"},
+          {view + ", \"aperture_blades\": 2",
+           "camera.aperture_blades: must be 0 for a round opening, or from 3 to 64, got 2"},
+          {view + ", \"aperture_blades\": 65",
+           "camera.aperture_blades: must be a whole number between 0 and 64, got 65"},
+          {view + ", \"aperture_rotation_degrees\": 361",
+           "camera.aperture_rotation_degrees: must be between -360 and 360, got 361"},
       },
       with_camera, 2);
+}
+
+TEST(SceneMistakes, InTheOutput) {
+  const auto with_output = [](const std::string& output) {
+    return scene_with("\"output\": {" + output + "}", "", "");
+  };
+  expect_mistakes(
+      {
+          {"\"exposure\": 65", "output.exposure: must be between -64 and 64 stops, got 65"},
+          {"\"exposure\": \"+1\"", "output.exposure: must be between -64 and 64 stops, got the text '+1'"},
+          {"\"tone_curve\": \"filmic\"",
+           "output.tone_curve: unknown value 'filmic'; known are 'none', 'aces', 'agx'"},
+          {"\"tone_cuve\": \"agx\"", "output: unknown key 'tone_cuve'; did you mean 'tone_curve'?"},
+      },
+      with_output, 2);
 }
 
 TEST(SceneMistakes, InTextures) {

@@ -28,6 +28,9 @@ TEST(SceneReading, HasSensibleDefaults) {
   EXPECT_EQ(scene.camera.vertical_fov_degrees, 40);
   EXPECT_EQ(scene.camera.aperture_radius, 0);
   EXPECT_EQ(scene.camera.focus_distance, 0);
+  EXPECT_EQ(scene.camera.aperture_blades, 0);
+  EXPECT_EQ(scene.camera.aperture_rotation_degrees, 0);
+  EXPECT_EQ(scene.display, DisplaySettings{});
   ASSERT_EQ(scene.materials.size(), 2u);
   EXPECT_EQ(std::get<Lambert>(scene.materials[0].model).albedo.value, Rgb::gray(0.5f));
   EXPECT_TRUE(is_black(scene.materials[0].emission));
@@ -36,22 +39,39 @@ TEST(SceneReading, HasSensibleDefaults) {
   EXPECT_EQ(std::get<SphereDescription>(scene.shapes[0]).center, (Vec3{0, 0, 0}));
 }
 
+TEST(SceneReading, FiltersHaveRadiiThatSuitThem) {
+  const auto filter_of = [](const std::string& render) {
+    return load(scene_with("\"render\": {" + render + "}", "", "")).settings.filter;
+  };
+  EXPECT_EQ(filter_of(""), (PixelFilter{FilterKind::kBox, 0.5f}));
+  EXPECT_EQ(filter_of("\"filter\": \"tent\""), (PixelFilter{FilterKind::kTent, 1}));
+  EXPECT_EQ(filter_of("\"filter\": \"gaussian\""), (PixelFilter{FilterKind::kGaussian, 1.5f}));
+  EXPECT_EQ(filter_of("\"filter_radius\": 1"), (PixelFilter{FilterKind::kBox, 1}));
+}
+
 TEST(SceneReading, TakesEverySetting) {
   const SceneDescription scene = load(
       "// A comment\n{\"$schema\": \"../scene.schema.json\", /* another */\n"
       "\"render\": {\"width\": 640, \"height\": 480, \"spp\": 16777216, \"seed\": 18446744073709551615,"
-      "\"integrator\": \"nee\", \"max_depth\": 7},"
+      "\"integrator\": \"nee\", \"max_depth\": 7, \"filter\": \"gaussian\", \"filter_radius\": 2.25},"
       "\"camera\": {\"position\": [1, 2, 3], \"look_at\": [4.5, 5, -6e1], \"up\": [0, 0, 1],"
-      "\"vertical_fov_degrees\": 33.5, \"aperture_radius\": 0.25, \"focus_distance\": 9},"
+      "\"vertical_fov_degrees\": 33.5, \"aperture_radius\": 0.25, \"focus_distance\": 9,"
+      "\"aperture_blades\": 7, \"aperture_rotation_degrees\": -12.5},"
+      "\"output\": {\"exposure\": -1.5, \"tone_curve\": \"agx\"},"
       "\"materials\": {\"l\": {\"type\": \"mirror\", \"emission\": [1, 2, 3], \"emission_sides\": "
       "\"front\"}},"
       "\"shapes\": [{\"type\": \"sphere\", \"center\": [1, 2, 3], \"radius\": 0.5, \"material\": \"l\"}]}");
-  EXPECT_EQ(scene.settings, (RenderSettings{640, 480, 1u << 24, ~std::uint64_t{0}, Integrator::kNee, 7}));
+  EXPECT_EQ(scene.settings,
+            (RenderSettings{
+                640, 480, 1u << 24, ~std::uint64_t{0}, Integrator::kNee, 7, {FilterKind::kGaussian, 2.25f}}));
   EXPECT_EQ(scene.camera.look_at, (Vec3{4.5f, 5, -60}));
   EXPECT_EQ(scene.camera.up, (Vec3{0, 0, 1}));
   EXPECT_EQ(scene.camera.vertical_fov_degrees, 33.5f);
   EXPECT_EQ(scene.camera.aperture_radius, 0.25f);
   EXPECT_EQ(scene.camera.focus_distance, 9);
+  EXPECT_EQ(scene.camera.aperture_blades, 7);
+  EXPECT_EQ(scene.camera.aperture_rotation_degrees, -12.5f);
+  EXPECT_EQ(scene.display, (DisplaySettings{-1.5f, ToneCurve::kAgx}));
   EXPECT_EQ(scene.materials[0].name, "l");
   EXPECT_EQ(scene.materials[0].emission, (Rgb{1, 2, 3}));
   EXPECT_FALSE(scene.materials[0].two_sided_emission);

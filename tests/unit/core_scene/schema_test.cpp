@@ -6,6 +6,8 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "core/camera/camera_description.hpp"
+#include "core/image/display.hpp"
 #include "core/scene/loader/scene_keys.hpp"
 #include "core/scene/settings.hpp"
 
@@ -59,6 +61,8 @@ TEST(Schema, HasTheWordsThatTheLoaderKnows) {
               std::vector<std::string>(words.begin(), words.end()));
   };
   expect_words("/properties/render/properties/integrator", scene_keys::kIntegrators);
+  expect_words("/properties/render/properties/filter", scene_keys::kFilters);
+  expect_words("/properties/output/properties/tone_curve", scene_keys::kToneCurves);
   expect_words("/$defs/texture/properties/color_space", scene_keys::kColorSpaces);
   expect_words("/$defs/texture/properties/wrap", scene_keys::kWraps);
   expect_words("/$defs/emission_sides", scene_keys::kEmissionSides);
@@ -81,12 +85,29 @@ TEST(Schema, HasTheLimitsAndDefaultsOfTheSettings) {
   EXPECT_EQ(render["seed"]["default"], defaults.seed);
   EXPECT_EQ(render["max_depth"]["default"], defaults.max_depth);
   EXPECT_EQ(render["integrator"]["default"], integrator_name(defaults.integrator));
+  EXPECT_EQ(render["filter"]["default"], filter_name(defaults.filter.kind));
+  EXPECT_EQ(render["filter_radius"]["maximum"], kMaxFilterRadiusPx);
+  const json output = at("/properties/output/properties");
+  EXPECT_EQ(output["exposure"]["minimum"], -kMaxExposureStops);
+  EXPECT_EQ(output["exposure"]["maximum"], kMaxExposureStops);
+  EXPECT_EQ(output["exposure"]["default"], DisplaySettings{}.exposure_stops);
+  EXPECT_EQ(output["tone_curve"]["default"], tone_curve_name(DisplaySettings{}.tone_curve));
+  const json blades = at("/properties/camera/properties/aperture_blades")["oneOf"][1];
+  EXPECT_EQ(blades["minimum"], kMinApertureBlades);
+  EXPECT_EQ(blades["maximum"], kMaxApertureBlades);
 }
 
 // The loader's words stand in the order of the enum they stand for.
 TEST(SceneKeys, NameTheIntegratorsInTheirOrder) {
   for (std::size_t i = 0; i < scene_keys::kIntegrators.size(); ++i)
     EXPECT_EQ(integrator_name(static_cast<Integrator>(i)), scene_keys::kIntegrators[i]);
+}
+
+TEST(SceneKeys, NameTheFiltersAndToneCurvesInTheirOrder) {
+  for (std::size_t i = 0; i < scene_keys::kFilters.size(); ++i)
+    EXPECT_EQ(filter_name(static_cast<FilterKind>(i)), scene_keys::kFilters[i]);
+  for (std::size_t i = 0; i < scene_keys::kToneCurves.size(); ++i)
+    EXPECT_EQ(tone_curve_name(static_cast<ToneCurve>(i)), scene_keys::kToneCurves[i]);
 }
 
 TEST(Schema, RefersOnlyToDefinitionsThatExist) {

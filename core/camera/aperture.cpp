@@ -1,0 +1,32 @@
+#include "core/camera/aperture.hpp"
+
+#include <algorithm>
+#include <cstddef>
+
+#include "core/math/elementary.hpp"
+#include "core/sampling/warp.hpp"
+
+namespace tessera::core {
+
+Aperture::Aperture(float radius, int blades, float rotation_degrees) : radius_(radius) {
+  for (int corner = 0; blades > 0 && corner <= blades; ++corner) {
+    const float turns = static_cast<float>(corner % blades) / static_cast<float>(blades);
+    const float angle = 2 * kPi * turns + rotation_degrees * (kPi / 180);
+    corners_.push_back(Vec2{-sin(angle), cos(angle)} * radius);
+  }
+}
+
+// The rings and angles of the concentric map, with the circles replaced by polygons: the triangle between the
+// centre and an edge holds every distance from the centre with a density proportional to it, and every place
+// along the edge with the same one.
+Vec2 Aperture::sample(Vec2 u) const {
+  if (corners_.empty()) return sample_disk(u) * radius_;
+  const std::size_t edges = corners_.size() - 1;
+  const PolarPoint point = sample_disk_polar(u);
+  const float along = point.turns * static_cast<float>(edges);
+  const std::size_t edge = std::min(static_cast<std::size_t>(along), edges - 1);
+  const Vec2 a = corners_[edge], b = corners_[edge + 1];
+  return (a + (b - a) * (along - static_cast<float>(edge))) * point.radius;
+}
+
+}  // namespace tessera::core
