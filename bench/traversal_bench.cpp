@@ -3,74 +3,23 @@
 // and building it.
 #include <benchmark/benchmark.h>
 
-#include <array>
-#include <cmath>
 #include <vector>
 
-#include "core/accel/bvh.hpp"
-#include "core/math/elementary.hpp"
-#include "core/math/frame.hpp"
-#include "core/sampling/sampler.hpp"
-#include "core/sampling/warp.hpp"
+#include "bench/soups.hpp"
 
 namespace tessera::core {
 namespace {
 
-Primitives bumpy_sphere(int rows) {
-  const int columns = 2 * rows;
-  std::vector<Vec3> positions;
-  std::vector<std::array<std::uint32_t, 3>> triangles;
-  for (int i = 0; i <= rows; ++i)
-    for (int j = 0; j <= columns; ++j) {
-      const float theta = kPi * static_cast<float>(i) / static_cast<float>(rows);
-      const float phi = 2 * kPi * static_cast<float>(j) / static_cast<float>(columns);
-      const float r = 1 + 0.05f * sin(9 * theta) * sin(13 * phi);
-      positions.push_back({r * sin(theta) * cos(phi), r * cos(theta) + 1, r * sin(theta) * sin(phi)});
-    }
-  const auto vertex = [columns](int i, int j) { return static_cast<std::uint32_t>(i * (columns + 1) + j); };
-  for (int i = 0; i < rows; ++i)
-    for (int j = 0; j < columns; ++j) {
-      triangles.push_back({vertex(i, j), vertex(i, j + 1), vertex(i + 1, j + 1)});
-      triangles.push_back({vertex(i, j), vertex(i + 1, j + 1), vertex(i + 1, j)});
-    }
-  Primitives primitives;
-  primitives.add_mesh(positions, {}, {}, triangles, {0});
-  primitives.add_mesh({{-5, 0, -5}, {-5, 0, 5}, {5, 0, 5}, {5, 0, -5}}, {}, {}, {{0, 1, 2}, {0, 2, 3}}, {0});
-  return primitives;
-}
-
-struct Rays {
-  std::vector<Ray> primary, bounce, shadow;
-};
-
-Rays make_rays(const Primitives& primitives, const Bvh& bvh) {
-  constexpr int kSide = 512;
-  Rays rays;
-  for (int y = 0; y < kSide; ++y)
-    for (int x = 0; x < kSide; ++x) {
-      const Vec3 direction{(static_cast<float>(x) - kSide / 2) / kSide,
-                           (kSide / 2 - static_cast<float>(y)) / kSide - 0.2f, -1};
-      const Ray ray{{0, 2, 4}, normalize(direction)};
-      rays.primary.push_back(ray);
-      const Hit hit = bvh.closest_hit(primitives, ray);
-      if (!hit.found()) continue;
-      const SurfacePoint point = primitives.surface(ray, hit);
-      const auto u = Sampler(0, x, y, 0).pad(0);
-      const Vec3 normal = face_toward(point.geometric_normal, -ray.direction);
-      const Vec3 wi = Frame::around(normal).to_world(sample_cosine_hemisphere({u[0], u[1]}));
-      rays.bounce.push_back({offset_origin(point, wi), wi});
-      const Vec3 to_lamp = Vec3{2, 5, 2} + sample_sphere({u[2], u[3]}) * 0.5f - point.position;
-      rays.shadow.push_back({offset_origin(point, to_lamp), to_lamp, 1});
-    }
-  return rays;
-}
-
 struct Fixture {
   explicit Fixture(int rows)
-      : primitives(bumpy_sphere(rows)), bvh(Bvh::build(primitives, 1)), rays(make_rays(primitives, bvh)) {}
+      : soup(blob_on_plane(rows)),
+        primitives(soup.primitives()),
+        bvh(Bvh::build(primitives, 1)),
+        rays(make_rays(soup, primitives, bvh, 512)) {}
+  Soup soup;
   Primitives primitives;
   Bvh bvh;
-  Rays rays;
+  RaySets rays;
 };
 
 template <typename Query>
@@ -106,7 +55,7 @@ void closest_primary_without_bvh(benchmark::State& state) {
   });
 }
 void build(benchmark::State& state) {
-  const Primitives primitives = bumpy_sphere(static_cast<int>(state.range(0)));
+  const Primitives primitives = blob_on_plane(static_cast<int>(state.range(0))).primitives();
   for (auto _ : state) benchmark::DoNotOptimize(Bvh::build(primitives, 1));
   state.counters["triangles/s"] =
       benchmark::Counter(static_cast<double>(primitives.count()) * static_cast<double>(state.iterations()),

@@ -14,8 +14,8 @@ packages=(
   # The farm: RPC and its code generators, logs, durable state, compressed film tiles.
   libgrpc++-dev libprotobuf-dev protobuf-compiler protobuf-compiler-grpc
   libspdlog-dev libsqlite3-dev libzstd-dev
-  # Tests and benchmarks.
-  libgtest-dev libgmock-dev libbenchmark-dev
+  # Tests and benchmarks (Embree only to be measured beside).
+  libgtest-dev libgmock-dev libbenchmark-dev libembree-dev
 )
 
 missing=()

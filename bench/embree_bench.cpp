@@ -1,0 +1,257 @@
+// Rays per second through our acceleration structure and through Embree's, on one thread and the same rays,
+// in turns, so that whatever else the machine does falls on both: medians of CPU time over the rounds.
+//
+//   embree_bench [rounds [rays per side of the picture [first letters of a set's name]]]
+#include <embree3/rtcore.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <ctime>
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "bench/soups.hpp"
+
+namespace tessera::core {
+namespace {
+
+using Device = std::unique_ptr<RTCDeviceTy, decltype(&rtcReleaseDevice)>;
+using EmbreeScene = std::unique_ptr<RTCSceneTy, decltype(&rtcReleaseScene)>;
+
+EmbreeScene build_embree(RTCDevice device, const Soup& soup, RTCBuildQuality quality) {
+  EmbreeScene scene(rtcNewScene(device), rtcReleaseScene);
+  rtcSetSceneBuildQuality(scene.get(), quality);
+  const RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+  rtcSetGeometryBuildQuality(geometry, quality);
+  void* positions = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                            sizeof(Vec3), soup.positions.size());
+  std::copy(soup.positions.begin(), soup.positions.end(), static_cast<Vec3*>(positions));
+  using Triangle = std::array<std::uint32_t, 3>;
+  void* triangles = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                                            sizeof(Triangle), soup.triangles.size());
+  std::copy(soup.triangles.begin(), soup.triangles.end(), static_cast<Triangle*>(triangles));
+  rtcCommitGeometry(geometry);
+  rtcAttachGeometry(scene.get(), geometry);
+  rtcReleaseGeometry(geometry);
+  rtcCommitScene(scene.get());
+  return scene;
+}
+
+RTCRay embree_ray(const Ray& ray) {
+  return {ray.origin.x,
+          ray.origin.y,
+          ray.origin.z,
+          0,
+          ray.direction.x,
+          ray.direction.y,
+          ray.direction.z,
+          0,
+          ray.t_max,
+          ~0u,
+          0,
+          0};
+}
+
+RTCIntersectContext context_for(RTCIntersectContextFlags flags) {
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  context.flags = flags;
+  return context;
+}
+
+// Each query answers with how many rays hit, for a check that all trace the same thing.
+
+std::size_t ours_closest(const Primitives& primitives, const Bvh& bvh, const std::vector<Ray>& rays) {
+  std::size_t hits = 0;
+  for (const Ray& ray : rays) hits += bvh.closest_hit(primitives, ray).found();
+  return hits;
+}
+
+std::size_t ours_any(const Primitives& primitives, const Bvh& bvh, const std::vector<Ray>& rays) {
+  std::size_t hits = 0;
+  for (const Ray& ray : rays) hits += bvh.any_hit(primitives, ray);
+  return hits;
+}
+
+std::size_t embree_closest(RTCScene scene, const std::vector<Ray>& rays) {
+  RTCIntersectContext context = context_for(RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT);
+  std::size_t hits = 0;
+  for (const Ray& ray : rays) {
+    RTCRayHit query;
+    query.ray = embree_ray(ray);
+    query.hit.geomID = query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+    rtcIntersect1(scene, &context, &query);
+    hits += query.hit.geomID != RTC_INVALID_GEOMETRY_ID;
+  }
+  return hits;
+}
+
+std::size_t embree_any(RTCScene scene, const std::vector<Ray>& rays) {
+  RTCIntersectContext context = context_for(RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT);
+  std::size_t hits = 0;
+  for (const Ray& ray : rays) {
+    RTCRay query = embree_ray(ray);
+    rtcOccluded1(scene, &context, &query);
+    hits += query.tfar < 0;
+  }
+  return hits;
+}
+
+constexpr std::size_t kPacket = 16;
+
+// Sixteen rays from `first` on, as far as there are so many; the others have a negative length.
+RTCRay16 embree_packet(const std::vector<Ray>& rays, std::size_t first) {
+  RTCRay16 packet = {};
+  for (std::size_t i = 0; i < kPacket; ++i) {
+    const bool valid = first + i < rays.size();
+    const RTCRay ray = embree_ray(rays[valid ? first + i : first]);
+    packet.org_x[i] = ray.org_x, packet.org_y[i] = ray.org_y, packet.org_z[i] = ray.org_z;
+    packet.dir_x[i] = ray.dir_x, packet.dir_y[i] = ray.dir_y, packet.dir_z[i] = ray.dir_z;
+    packet.tfar[i] = valid ? ray.tfar : -1;
+    packet.mask[i] = ~0u;
+  }
+  return packet;
+}
+
+std::vector<RTCRay16> embree_packets(const std::vector<Ray>& rays) {
+  std::vector<RTCRay16> packets;
+  for (std::size_t i = 0; i < rays.size(); i += kPacket) packets.push_back(embree_packet(rays, i));
+  return packets;
+}
+
+alignas(64) constexpr int kAllValid[kPacket] = {-1, -1, -1, -1, -1, -1, -1, -1,
+                                                -1, -1, -1, -1, -1, -1, -1, -1};
+
+std::size_t embree_closest(RTCScene scene, const std::vector<RTCRay16>& packets,
+                           RTCIntersectContextFlags coherence) {
+  RTCIntersectContext context = context_for(coherence);
+  std::size_t hits = 0;
+  for (const RTCRay16& packet : packets) {
+    RTCRayHit16 query;
+    query.ray = packet;
+    for (std::size_t i = 0; i < kPacket; ++i)
+      query.hit.geomID[i] = query.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
+    rtcIntersect16(kAllValid, scene, &context, &query);
+    for (const unsigned id : query.hit.geomID) hits += id != RTC_INVALID_GEOMETRY_ID;
+  }
+  return hits;
+}
+
+std::size_t embree_any(RTCScene scene, const std::vector<RTCRay16>& packets) {
+  RTCIntersectContext context = context_for(RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT);
+  std::size_t hits = 0;
+  for (const RTCRay16& packet : packets) {
+    RTCRay16 query = packet;
+    rtcOccluded16(kAllValid, scene, &context, &query);
+    for (std::size_t i = 0; i < kPacket; ++i) hits += packet.tfar[i] > 0 && query.tfar[i] < 0;
+  }
+  return hits;
+}
+
+double cpu_seconds() {
+  timespec now;
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+struct Contender {
+  std::function<std::size_t()> trace;
+  std::vector<double> seconds = {};
+  std::size_t hits = 0;
+
+  void run() {
+    const double begin = cpu_seconds();
+    hits = trace();
+    seconds.push_back(cpu_seconds() - begin);
+  }
+  double median() {
+    const auto middle = seconds.begin() + static_cast<std::ptrdiff_t>(seconds.size() / 2);
+    std::nth_element(seconds.begin(), middle, seconds.end());
+    return *middle;
+  }
+};
+
+// The columns: ours, Embree's single rays at high and at medium build quality, its packets at both.
+void print_row(const char* soup, const char* kind, std::size_t rays, std::vector<Contender> contenders,
+               int rounds, std::vector<double>& single_ratios) {
+  for (int round = 0; round < rounds; ++round)
+    for (Contender& contender : contenders) contender.run();
+  std::vector<double> rates;
+  for (Contender& contender : contenders)
+    rates.push_back(1e-6 * static_cast<double>(rays) / contender.median());
+  const double best_single = std::max(rates[1], rates[2]),
+               best = *std::max_element(rates.begin() + 1, rates.end());
+  std::printf("| %-12s | %-7s |", soup, kind);
+  for (const double rate : rates) std::printf(" %6.2f |", rate);
+  std::printf(" %5.2f | %5.2f | %8.3f%% |\n", rates[0] / best_single, rates[0] / best,
+              100 * (static_cast<double>(contenders[0].hits) - static_cast<double>(contenders[1].hits)) /
+                  static_cast<double>(rays));
+  std::fflush(stdout);
+  single_ratios.push_back(rates[0] / best_single);
+}
+
+void compare(RTCDevice device, const char* name, const Soup& soup, int rounds, int side,
+             std::vector<double>& ratios) {
+  const Primitives primitives = soup.primitives();
+  const Bvh bvh = Bvh::build(primitives, 1);
+  const RaySets rays = make_rays(soup, primitives, bvh, side);
+  const EmbreeScene high = build_embree(device, soup, RTC_BUILD_QUALITY_HIGH);
+  const EmbreeScene medium = build_embree(device, soup, RTC_BUILD_QUALITY_MEDIUM);
+
+  const auto closest_row = [&](const char* kind, const std::vector<Ray>& set,
+                               RTCIntersectContextFlags flags) {
+    const std::vector<RTCRay16> packets = embree_packets(set);
+    print_row(name, kind, set.size(),
+              {{[&] { return ours_closest(primitives, bvh, set); }},
+               {[&] { return embree_closest(high.get(), set); }},
+               {[&] { return embree_closest(medium.get(), set); }},
+               {[&] { return embree_closest(high.get(), packets, flags); }},
+               {[&] { return embree_closest(medium.get(), packets, flags); }}},
+              rounds, ratios);
+  };
+  closest_row("primary", rays.primary, RTC_INTERSECT_CONTEXT_FLAG_COHERENT);
+  closest_row("bounce", rays.bounce, RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT);
+  const std::vector<RTCRay16> packets = embree_packets(rays.shadow);
+  print_row(name, "shadow", rays.shadow.size(),
+            {{[&] { return ours_any(primitives, bvh, rays.shadow); }},
+             {[&] { return embree_any(high.get(), rays.shadow); }},
+             {[&] { return embree_any(medium.get(), rays.shadow); }},
+             {[&] { return embree_any(high.get(), packets); }},
+             {[&] { return embree_any(medium.get(), packets); }}},
+            rounds, ratios);
+}
+
+void run(int rounds, int side, std::string_view only) {
+  const Device device(rtcNewDevice("threads=1"), rtcReleaseDevice);
+  std::printf("Million rays per second, one thread, medians of %d rounds.\n\n", rounds);
+  std::printf(
+      "|              |         |        |   Embree, 1 ray |  Embree, packets | ours over Embree's  | hits "
+      "of |\n");
+  std::printf(
+      "| set          | rays    |   ours |   high | medium |   high | medium | 1 ray |  best | ours - "
+      "Embree's |\n");
+  std::vector<double> ratios;
+  const auto compare_if_asked = [&](const char* name, const std::function<Soup()>& soup) {
+    if (std::string_view(name).starts_with(only)) compare(device.get(), name, soup(), rounds, side, ratios);
+  };
+  compare_if_asked("blob, 69k", [] { return blob_on_plane(132); });
+  compare_if_asked("go, 133k", [] { return go_board(); });
+  compare_if_asked("blobs, 1.7M", [] { return blob_field(5, 132); });
+  double log_sum = 0;
+  for (const double ratio : ratios) log_sum += std::log(ratio);
+  std::printf("\nGeometric mean over Embree's single rays: %.3f\n",
+              std::exp(log_sum / static_cast<double>(ratios.size())));
+}
+
+}  // namespace
+}  // namespace tessera::core
+
+int main(int argc, char** argv) {
+  const int rounds = argc > 1 ? std::atoi(argv[1]) : 7, side = argc > 2 ? std::atoi(argv[2]) : 1024;
+  tessera::core::run(std::max(rounds, 1), std::max(side & ~7, 8), argc > 3 ? argv[3] : "");
+}
