@@ -70,9 +70,10 @@ Result<LoadedScene> load(const RenderOptions& options) {
 // The command that replays a sample of this render.
 std::string replay_command(const std::string& scene_path, const core::RenderSettings& settings,
                            core::SampleId id) {
-  return fmt::format("tessera render '{}' --size {}x{} --integrator {} --seed {} --sample {},{},{}",
-                     scene_path, settings.width_px, settings.height_px,
-                     core::integrator_name(settings.integrator), settings.seed, id.x, id.y, id.sample);
+  return fmt::format(
+      "tessera render '{}' --size {}x{} --integrator {} --heuristic {} --seed {} --sample {},{},{}",
+      scene_path, settings.width_px, settings.height_px, core::integrator_name(settings.integrator),
+      core::heuristic_name(settings.heuristic), settings.seed, id.x, id.y, id.sample);
 }
 
 void warn_about_samples(const std::string& scene_path, const RenderStats& stats) {

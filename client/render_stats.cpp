@@ -22,6 +22,7 @@ std::string to_json(const RenderStats& stats, std::uint64_t peak_memory_bytes) {
       {"height", stats.settings.height_px},
       {"spp", stats.settings.spp},
       {"integrator", core::integrator_name(stats.settings.integrator)},
+      {"heuristic", core::heuristic_name(stats.settings.heuristic)},
       {"seed", stats.settings.seed},
       {"threads", stats.threads},
       {"samples", counters.samples},

@@ -44,9 +44,18 @@ void parse_size(const std::string& text, core::RenderOverrides& overrides) {
 core::Integrator parse_integrator(const std::string& text) {
   const std::optional<core::Integrator> integrator = core::integrator_from_name(text);
   if (!integrator) {
-    throw CLI::ValidationError("--integrator", fmt::format("must be naive, nee or mis; got '{}'", text));
+    throw CLI::ValidationError("--integrator",
+                               fmt::format("must be naive, nee, mis or whitted; got '{}'", text));
   }
   return *integrator;
+}
+
+core::Heuristic parse_heuristic(const std::string& text) {
+  const std::optional<core::Heuristic> heuristic = core::heuristic_from_name(text);
+  if (!heuristic) {
+    throw CLI::ValidationError("--heuristic", fmt::format("must be balance or power; got '{}'", text));
+  }
+  return *heuristic;
 }
 
 }  // namespace
@@ -90,7 +99,14 @@ void add_override_options(CLI::App& command, core::RenderOverrides& overrides) {
           "--integrator",
           [&overrides](const std::string& text) { overrides.integrator = parse_integrator(text); },
           "How light is found: naive (by chance), nee (by aiming\n"
-          "at lights) or mis (both, weighed: the least noise)")
+          "at lights), mis (both, weighed: the least noise) or\n"
+          "whitted (straight or by mirrors and glass alone)")
+      ->type_name("NAME");
+  command
+      .add_option_function<std::string>(
+          "--heuristic",
+          [&overrides](const std::string& text) { overrides.heuristic = parse_heuristic(text); },
+          "How mis weighs: balance or power")
       ->type_name("NAME");
   command
       .add_option_function<std::string>(

@@ -27,6 +27,8 @@ v1::Integrator to_proto(core::Integrator integrator) {
       return v1::INTEGRATOR_NEE;
     case core::Integrator::kMis:
       return v1::INTEGRATOR_MIS;
+    case core::Integrator::kWhitted:
+      return v1::INTEGRATOR_WHITTED;
   }
   return v1::INTEGRATOR_UNSPECIFIED;
 }
@@ -39,10 +41,35 @@ core::Result<core::Integrator> from_proto(v1::Integrator integrator) {
       return core::Integrator::kNee;
     case v1::INTEGRATOR_MIS:
       return core::Integrator::kMis;
+    case v1::INTEGRATOR_WHITTED:
+      return core::Integrator::kWhitted;
+    default:
+      return fail(ErrorCode::kInvalidArgument,
+                  fmt::format("integrator: must be NAIVE, NEE, MIS or WHITTED, got number {}",
+                              static_cast<int>(integrator)));
+  }
+}
+
+v1::Heuristic to_proto(core::Heuristic heuristic) {
+  switch (heuristic) {
+    case core::Heuristic::kBalance:
+      return v1::HEURISTIC_BALANCE;
+    case core::Heuristic::kPower:
+      return v1::HEURISTIC_POWER;
+  }
+  return v1::HEURISTIC_UNSPECIFIED;
+}
+
+core::Result<core::Heuristic> from_proto(v1::Heuristic heuristic) {
+  switch (heuristic) {
+    case v1::HEURISTIC_BALANCE:
+      return core::Heuristic::kBalance;
+    case v1::HEURISTIC_POWER:
+      return core::Heuristic::kPower;
     default:
       return fail(
           ErrorCode::kInvalidArgument,
-          fmt::format("integrator: must be NAIVE, NEE or MIS, got number {}", static_cast<int>(integrator)));
+          fmt::format("heuristic: must be BALANCE or POWER, got number {}", static_cast<int>(heuristic)));
   }
 }
 
@@ -53,6 +80,7 @@ v1::RenderSettings to_proto(const core::RenderSettings& settings) {
   message.set_spp(settings.spp);
   message.set_seed(settings.seed);
   message.set_integrator(to_proto(settings.integrator));
+  message.set_heuristic(to_proto(settings.heuristic));
   message.set_max_depth(static_cast<std::uint32_t>(settings.max_depth));
   return message;
 }
@@ -66,8 +94,17 @@ core::Result<core::RenderSettings> from_proto(const v1::RenderSettings& message)
   if (!max_depth) return fail(max_depth.error());
   const core::Result<core::Integrator> integrator = from_proto(message.integrator());
   if (!integrator) return fail(integrator.error());
-  const core::RenderSettings settings{*width,         *height,     message.spp(),
-                                      message.seed(), *integrator, *max_depth};
+  core::RenderSettings settings{.width_px = *width,
+                                .height_px = *height,
+                                .spp = message.spp(),
+                                .seed = message.seed(),
+                                .integrator = *integrator,
+                                .max_depth = *max_depth};
+  if (message.heuristic() != v1::HEURISTIC_UNSPECIFIED) {
+    const core::Result<core::Heuristic> heuristic = from_proto(message.heuristic());
+    if (!heuristic) return fail(heuristic.error());
+    settings.heuristic = *heuristic;
+  }
   return core::resolve_settings(settings, {});
 }
 
@@ -78,6 +115,7 @@ v1::RenderOverrides to_proto(const core::RenderOverrides& overrides) {
   if (overrides.spp) message.set_spp(*overrides.spp);
   if (overrides.seed) message.set_seed(*overrides.seed);
   if (overrides.integrator) message.set_integrator(to_proto(*overrides.integrator));
+  if (overrides.heuristic) message.set_heuristic(to_proto(*overrides.heuristic));
   return message;
 }
 
@@ -99,6 +137,11 @@ core::Result<core::RenderOverrides> from_proto(const v1::RenderOverrides& messag
     const core::Result<core::Integrator> integrator = from_proto(message.integrator());
     if (!integrator) return fail(integrator.error());
     overrides.integrator = *integrator;
+  }
+  if (message.heuristic() != v1::HEURISTIC_UNSPECIFIED) {
+    const core::Result<core::Heuristic> heuristic = from_proto(message.heuristic());
+    if (!heuristic) return fail(heuristic.error());
+    overrides.heuristic = *heuristic;
   }
   return overrides;
 }

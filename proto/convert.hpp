@@ -14,6 +14,10 @@ v1::Integrator to_proto(core::Integrator integrator);
 // Not for UNSPECIFIED: that is an error here.
 core::Result<core::Integrator> from_proto(v1::Integrator integrator);
 
+v1::Heuristic to_proto(core::Heuristic heuristic);
+// UNSPECIFIED is an error here, too.
+core::Result<core::Heuristic> from_proto(v1::Heuristic heuristic);
+
 v1::RenderSettings to_proto(const core::RenderSettings& settings);
 // Within the limits of core/scene/settings.hpp.
 core::Result<core::RenderSettings> from_proto(const v1::RenderSettings& settings);

@@ -40,6 +40,11 @@ std::string integrator_text(v1::Integrator integrator) {
   return known ? std::string(core::integrator_name(*known)) : "unknown";
 }
 
+std::string heuristic_text(v1::Heuristic heuristic) {
+  const auto known = proto::from_proto(heuristic);
+  return std::string(core::heuristic_name(known.value_or(core::RenderSettings{}.heuristic)));
+}
+
 }  // namespace
 
 std::string short_id(const std::string& id) {
@@ -134,6 +139,8 @@ std::string job_description(const v1::Job& job) {
       {"workers", std::to_string(job.active_workers())},
       {"submitted", TimeUtil::ToString(job.created_at())},
       {"scene", fmt::format("{} with {} files", job.bundle().scene_path(), job.bundle().assets_size())}};
+  if (job.settings().integrator() == v1::INTEGRATOR_MIS)
+    rows.push_back({"heuristic", heuristic_text(job.settings().heuristic())});
   if (!job.failure().empty()) rows.push_back({"failure", job.failure()});
   if (job.state() == v1::JOB_STATE_RUNNING) rows.push_back({"speed", speed(job.samples_per_second())});
   if (job.has_finished_at()) rows.push_back({"finished", TimeUtil::ToString(job.finished_at())});

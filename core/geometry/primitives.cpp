@@ -63,6 +63,15 @@ void Primitives::add_sphere(Vec3 center, float radius, std::uint32_t material) {
   sphere_materials_.push_back(material);
 }
 
+double Primitives::bounding_radius() const {
+  Aabb box;
+  for (std::uint32_t p = 0; p < count(); ++p) box.include(bounds(p));
+  if (box.empty()) return 0;
+  return std::sqrt(box.extent(0) * box.extent(0) + box.extent(1) * box.extent(1) +
+                   box.extent(2) * box.extent(2)) /
+         2;
+}
+
 Aabb Primitives::bounds(std::uint32_t primitive) const {
   if (is_sphere(primitive)) return can_be_hit(sphere(primitive)) ? sphere_bounds(sphere(primitive)) : Aabb{};
   Aabb box;

@@ -48,7 +48,14 @@ class Primitives {
     const Triangle& triangle = triangles_[primitive];
     return {positions_[triangle.v0], positions_[triangle.v1], positions_[triangle.v2]};
   }
+  std::array<Vec2, 3> triangle_uvs(std::uint32_t primitive) const {
+    const Triangle& triangle = triangles_[primitive];
+    return {uvs_[triangle.v0], uvs_[triangle.v1], uvs_[triangle.v2]};
+  }
   const Sphere& sphere(std::uint32_t primitive) const { return spheres_[primitive - triangle_count()]; }
+
+  // The radius of a sphere around every point that a ray can hit; 0 where there is none.
+  double bounding_radius() const;
 
   // Contains every point that a ray can hit; empty where none can be, as with triangles without area.
   Aabb bounds(std::uint32_t primitive) const;

@@ -3,20 +3,18 @@
 #include <algorithm>
 #include <optional>
 
+#include "core/integrators/direct_light.hpp"
 #include "core/integrators/vertex.hpp"
 
 namespace tessera::core {
 namespace {
 
-// Balance heuristic for one sample of each strategy (Veach and Guibas 1995).
-float mis_weight(float pdf, float other_pdf) {
-  return pdf / (pdf + other_pdf);
-}
-
-// One number in [0, 1) of 48 bits from two of 24, so that lights of little power among great ones can be
-// chosen.
-double two_digits(float coarse, float fine) {
-  return static_cast<double>(coarse) + static_cast<double>(fine) * 0x1p-24;
+// For one sample of each strategy (Veach and Guibas 1995). Densities may be so large that their squares are
+// not finite, but their ratio's is.
+float mis_weight(Heuristic heuristic, float pdf, float other_pdf) {
+  if (heuristic == Heuristic::kBalance) return pdf / (pdf + other_pdf);
+  const float ratio = other_pdf / pdf;
+  return 1 / (1 + ratio * ratio);
 }
 
 // Follows one path from the camera. `throughput_` is the product of the BSDF weights so far: what radiance
@@ -25,17 +23,26 @@ class PathTracer {
  public:
   PathTracer(const Scene& scene, const RenderSettings& settings, const Sampler& sampler,
              RenderCounters& counters)
-      : scene_(scene), settings_(settings), sampler_(sampler), counters_(counters) {}
+      : scene_(scene),
+        settings_(settings),
+        sampler_(sampler),
+        counters_(counters),
+        // By chance alone, `naive` finds every other light.
+        light_sampler_(settings.integrator == Integrator::kNaive ? scene.delta_light_sampler()
+                                                                 : scene.light_sampler()) {}
 
   Rgb trace(Ray ray) {
     for (int depth = 0;; ++depth) {
       ++counters_.closest_hit_rays;
       const Hit hit = scene_.bvh().closest_hit(scene_.primitives(), ray);
-      if (!hit.found()) break;
+      if (!hit.found()) {
+        add_environment(ray.direction);
+        break;
+      }
       const PathVertex vertex(scene_, ray, hit);
       add_emission(vertex, scene_.light_of(hit.primitive));
       if (settings_.max_depth > 0 && depth >= settings_.max_depth) break;
-      if (settings_.integrator != Integrator::kNaive && !vertex.is_delta()) add_direct_light(vertex, depth);
+      if (!vertex.is_delta()) add_direct_light(vertex, depth);
       const auto next = scatter(vertex, depth);
       if (!next) break;
       ray = *next;
@@ -44,36 +51,47 @@ class PathTracer {
   }
 
  private:
-  // Emission met by the ray itself. Where the vertex before could also have sampled the light, `nee` leaves
-  // it to that and `mis` weighs it.
+  // Emission met by the ray itself.
   void add_emission(const PathVertex& vertex, std::uint32_t light_id) {
     if (light_id == kNoLight) return;
-    const Light& light = scene_.lights()[light_id];
-    const Rgb emitted = light.emitted(vertex.position(), vertex.wo());
-    float weight = 1;
-    if (!last_was_delta_ && settings_.integrator == Integrator::kNee) return;
-    if (!last_was_delta_ && settings_.integrator == Integrator::kMis) {
-      const float light_pdf =
-          scene_.light_sampler().pmf(light_id) * light.pdf(last_position_, vertex.position());
-      weight = mis_weight(last_pdf_, light_pdf);
-    }
-    radiance_ += throughput_ * emitted * weight;
+    const AreaLight& light = scene_.area_light(light_id);
+    const float weight =
+        weight_of_found(light_id, [&] { return light.pdf(last_position_, vertex.position()); });
+    if (weight > 0)
+      radiance_ += throughput_ * light.emitted(scene_.textures(), vertex.surface(), vertex.wo()) * weight;
+  }
+
+  // What a ray sees that meets nothing.
+  void add_environment(Vec3 direction) {
+    const std::uint32_t light_id = scene_.environment_light();
+    if (light_id == kNoLight) return;
+    const float weight = weight_of_found(light_id, [&] { return scene_.environment().pdf(direction); });
+    if (weight > 0) radiance_ += throughput_ * scene_.environment().radiance(direction) * weight;
+  }
+
+  // Of light that a BSDF sample found. Where the vertex before could also have sampled it, `nee` leaves it to
+  // that and `mis` weighs it. `pdf`: of sampling the direction, once the light is chosen.
+  template <typename Pdf>
+  float weight_of_found(std::uint32_t light_id, Pdf pdf) const {
+    if (last_was_delta_ || settings_.integrator == Integrator::kNaive) return 1;
+    if (settings_.integrator == Integrator::kNee) return 0;
+    return mis_weight(settings_.heuristic, last_pdf_, scene_.light_sampler().pmf(light_id) * pdf());
   }
 
   void add_direct_light(const PathVertex& vertex, int depth) {
+    if (light_sampler_.empty()) return;
     const auto u = sampler_.pad(light_pad(depth));
-    const auto choice = scene_.light_sampler().sample(two_digits(u[2], u[3]));
-    if (!choice) return;
-    const auto light = scene_.lights()[choice->light].sample(vertex.position(), {u[0], u[1]});
+    const auto choice = light_sampler_.sample(two_digits(u[2], u[3]));
+    const auto light =
+        sample_light(scene_.lights()[choice.light], scene_.textures(), vertex.position(), {u[0], u[1]});
     if (!light) return;
-    const Rgb scattered = vertex.evaluate(light->wi);
-    if (is_black(scattered)) return;
-    ++counters_.shadow_rays;
-    if (scene_.bvh().any_hit(scene_.primitives(), vertex.ray_to(light->point))) return;
-    const float light_pdf = choice->pmf * light->pdf;
-    const float weight =
-        settings_.integrator == Integrator::kMis ? mis_weight(light_pdf, vertex.pdf(light->wi)) : 1;
-    radiance_ += throughput_ * scattered * light->radiance * (weight / light_pdf);
+    const Rgb reflected = reflected_light(scene_, vertex, *light, counters_);
+    if (is_black(reflected)) return;
+    const float light_pdf = choice.pmf * light->pdf;
+    // Nothing else finds delta lights.
+    const bool weighed = settings_.integrator == Integrator::kMis && !light->delta;
+    const float weight = weighed ? mis_weight(settings_.heuristic, light_pdf, vertex.pdf(light->wi)) : 1;
+    radiance_ += throughput_ * reflected * (weight / light_pdf);
   }
 
   // The next ray of the path; nothing where it ends.
@@ -109,6 +127,7 @@ class PathTracer {
   const RenderSettings& settings_;
   const Sampler& sampler_;
   RenderCounters& counters_;
+  const LightSampler& light_sampler_;
 
   Rgb radiance_{};
   Rgb throughput_ = Rgb::gray(1);

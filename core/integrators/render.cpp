@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/integrators/path.hpp"
+#include "core/integrators/whitted.hpp"
 #include "core/sampling/filter_warp.hpp"
 #include "core/sampling/sampler.hpp"
 
@@ -39,7 +40,8 @@ Rgb take_sample(const Scene& scene, const RenderSettings& settings, const Sample
   const Vec2 raster = sample_raster(settings.filter, x, y, {u[0], u[1]});
   const Ray ray = scene.camera().ray(raster, settings.width_px, settings.height_px, {u[2], u[3]});
   ++counters.samples;
-  return trace_path(scene, settings, sampler, ray, counters);
+  return settings.integrator == Integrator::kWhitted ? trace_whitted(scene, settings, sampler, ray, counters)
+                                                     : trace_path(scene, settings, sampler, ray, counters);
 }
 
 bool can_be_counted(Rgb radiance) {

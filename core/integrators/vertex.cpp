@@ -44,13 +44,24 @@ float PathVertex::pdf(Vec3 wi) const {
 std::optional<PathVertex::Scattered> PathVertex::sample(Vec2 u, float u_lobe) const {
   const auto local = bsdf_.sample(frame_.to_local(wo_), u, u_lobe);
   if (!local) return std::nullopt;
-  Vec3 wi = normalize(frame_.to_world(local->wi_local));
-  if (local->delta) {
-    wi = bend_above(wi, local->transmitted ? -side_normal_ : side_normal_);
-  } else if (!same_side(wi)) {
-    return std::nullopt;
-  }
+  if (local->delta) return delta_to_world(*local);
+  const Vec3 wi = normalize(frame_.to_world(local->wi_local));
+  if (!same_side(wi)) return std::nullopt;
   return Scattered{wi, local->weight, local->pdf, local->delta, local->eta};
+}
+
+PathVertex::Scattered PathVertex::delta_to_world(const BsdfSample& local) const {
+  const Vec3 wi = normalize(frame_.to_world(local.wi_local));
+  return {bend_above(wi, local.transmitted ? -side_normal_ : side_normal_), local.weight, local.pdf, true,
+          local.eta};
+}
+
+std::array<std::optional<PathVertex::Scattered>, 2> PathVertex::delta_branches() const {
+  std::array<std::optional<Scattered>, 2> branches;
+  const auto local = bsdf_.delta_branches(frame_.to_local(wo_));
+  for (std::size_t i = 0; i < branches.size(); ++i)
+    if (local[i]) branches[i] = delta_to_world(*local[i]);
+  return branches;
 }
 
 Ray PathVertex::ray_along(Vec3 wi) const {

@@ -2,6 +2,7 @@
 // the thread that traces the path.
 #pragma once
 
+#include <array>
 #include <optional>
 
 #include "core/geometry/primitives.hpp"
@@ -16,6 +17,7 @@ class PathVertex {
   PathVertex(const Scene& scene, const Ray& ray, const Hit& hit);
 
   Vec3 position() const { return surface_.position; }
+  const SurfacePoint& surface() const { return surface_; }
   // Unit, towards where the ray came from.
   Vec3 wo() const { return wo_; }
   bool is_delta() const { return bsdf_.is_delta(); }
@@ -35,11 +37,16 @@ class PathVertex {
   // Nothing where the path ends.
   std::optional<Scattered> sample(Vec2 u, float u_lobe) const;
 
+  // Every direction that a delta BSDF scatters to, each with its share of the light in the weight: what is
+  // reflected, and what is refracted.
+  std::array<std::optional<Scattered>, 2> delta_branches() const;
+
   Ray ray_along(Vec3 wi) const;
   // The open segment between this point and another surface's, for shadow rays.
   Ray ray_to(const SurfacePoint& other) const;
 
  private:
+  Scattered delta_to_world(const BsdfSample& local) const;
   bool same_side(Vec3 wi) const { return dot(wi, side_normal_) > 0; }
 
   SurfacePoint surface_;

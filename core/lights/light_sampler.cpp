@@ -2,22 +2,24 @@
 
 namespace tessera::core {
 
-LightSampler::LightSampler(const std::vector<Light>& lights) {
+LightSampler::LightSampler(const std::vector<double>& powers) {
   constexpr double kUniformShare = 0.1;
-  double total = 0;
-  for (const Light& light : lights) total += light.power();
+  double total = 0, lights = 0;
+  for (const double power : powers) {
+    total += power;
+    lights += power > 0 ? 1 : 0;
+  }
+  if (lights == 0) return;
   std::vector<double> weights;
-  weights.reserve(lights.size());
-  for (const Light& light : lights)
-    weights.push_back((1 - kUniformShare) * light.power() / total +
-                      kUniformShare / static_cast<double>(lights.size()));
+  weights.reserve(powers.size());
+  for (const double power : powers)
+    weights.push_back(power > 0 ? (1 - kUniformShare) * power / total + kUniformShare / lights : 0);
   distribution_ = DiscreteDistribution(weights);
 }
 
-std::optional<LightSampler::Choice> LightSampler::sample(double u) const {
-  if (distribution_.empty()) return std::nullopt;
+LightSampler::Choice LightSampler::sample(double u) const {
   const auto light = static_cast<std::uint32_t>(distribution_.sample(u));
-  return Choice{light, distribution_.pmf(light)};
+  return {light, distribution_.pmf(light)};
 }
 
 }  // namespace tessera::core

@@ -4,10 +4,8 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <vector>
 
-#include "core/lights/light.hpp"
 #include "core/sampling/distribution.hpp"
 
 namespace tessera::core {
@@ -17,14 +15,16 @@ inline constexpr std::uint32_t kNoLight = 0xffffffffu;
 class LightSampler {
  public:
   LightSampler() = default;
-  explicit LightSampler(const std::vector<Light>& lights);
+  // Of each light. One without power is never chosen.
+  explicit LightSampler(const std::vector<double>& powers);
 
   struct Choice {
     std::uint32_t light;
     float pmf;
   };
-  // Nothing where there is no light with power.
-  std::optional<Choice> sample(double u) const;
+  // Whether there is no light with power. Then none can be sampled.
+  bool empty() const { return distribution_.empty(); }
+  Choice sample(double u) const;
   float pmf(std::uint32_t light) const { return distribution_.pmf(light); }
 
  private:

@@ -68,6 +68,19 @@ std::optional<BsdfSample> Bsdf::sample(const Specular& specular, Vec3 wo_local, 
   return delta_sample(reflect(wo_local, kLocalNormal), specular.reflectance);
 }
 
+std::array<std::optional<BsdfSample>, 2> Bsdf::delta_branches(Vec3 wo_local) const {
+  if (const auto* specular = std::get_if<Specular>(&at_point_))
+    return {delta_sample(reflect(wo_local, kLocalNormal), specular->reflectance), std::nullopt};
+  const auto* dielectric = std::get_if<Dielectric>(&at_point_);
+  if (!dielectric) return {};
+  const float reflected = fresnel_dielectric(wo_local.z, dielectric->eta);
+  std::array<std::optional<BsdfSample>, 2> branches{sample(*dielectric, wo_local, {}, 0),
+                                                    sample(*dielectric, wo_local, {}, 1)};
+  if (branches[0]) branches[0]->weight *= reflected;
+  if (branches[1]) branches[1]->weight *= 1 - reflected;
+  return branches;
+}
+
 // One of the two directions is chosen with the probability of its share of the light, which cancels out of
 // the weight. Radiance grows by eta^2 where it enters the denser side (Veach 1997, section 5.2); seen from
 // the camera's side the path is walked backwards, hence the division.

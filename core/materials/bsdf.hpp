@@ -4,6 +4,7 @@
 // on the side of wo. Densities are per solid angle.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <variant>
 #include <vector>
@@ -36,6 +37,9 @@ class Bsdf {
   float pdf(Vec3 wo_local, Vec3 wi_local) const;
   // Nothing where no light is scattered. u_lobe chooses among lobes.
   std::optional<BsdfSample> sample(Vec3 wo_local, Vec2 u, float u_lobe) const;
+  // Every direction that a delta BSDF scatters to, each with its share of the light in the weight: what is
+  // reflected, and what is refracted.
+  std::array<std::optional<BsdfSample>, 2> delta_branches(Vec3 wo_local) const;
 
  private:
   struct Diffuse {

@@ -35,7 +35,7 @@ using MaterialModel = std::variant<Lambert, Mirror, Glass>;
 struct Material {
   std::string name;
   MaterialModel model;
-  Rgb emission{};                  // radiance leaving the surface, uniform over directions; black for none
+  ColorParameter emission{Rgb{}};  // radiance leaving the surface, uniform over directions; black for none
   bool two_sided_emission = true;  // else only on the side the geometric normal points to
 };
 

@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <vector>
 
+#include "core/math/vec3.hpp"
+
 namespace tessera::core {
 
 class DiscreteDistribution {
@@ -23,6 +25,29 @@ class DiscreteDistribution {
  private:
   std::vector<float> pmf_;
   std::vector<double> cdf_;  // cdf_[i] is the probability of the entries up to and with i
+};
+
+// A distribution over the cells of a grid, and evenly within each of them: first a row is chosen, then a cell
+// of that row.
+class GridDistribution {
+ public:
+  GridDistribution() = default;
+  // Weights row by row; not negative. None can be sampled where all are 0.
+  GridDistribution(int width, int height, const std::vector<double>& weights);
+
+  struct Choice {
+    int x, y;
+    Vec2 within;  // where in the cell, in [0, 1)
+    double pmf;   // of the cell
+  };
+  // u in [0, 1). Never a cell of weight 0.
+  Choice sample(Vec2 u) const;
+  double pmf(int x, int y) const;
+
+ private:
+  std::size_t width_ = 0;
+  std::vector<double> row_cdf_;   // as cdf_ above
+  std::vector<double> cell_cdf_;  // the same for each row by itself; all 0 where the row's weights are
 };
 
 }  // namespace tessera::core

@@ -42,4 +42,15 @@ inline constexpr std::uint32_t light_pad(int depth) {
   return 2 + 2 * static_cast<std::uint32_t>(depth);
 }  // light u, v; choice, coarse and fine
 
+// Whitted's method has a tree of rays. Its nodes have names: the camera's ray is the root, and the rays that
+// are reflected (0) and refracted (1) where a ray ends are its children. At each node there is a pad for each
+// light that is sampled. Names and pads are hashes, so that trees may have any depth.
+inline constexpr std::uint64_t kTreeRoot = 0;
+inline constexpr std::uint64_t tree_child(std::uint64_t node, std::uint32_t branch) {
+  return hash(node, branch);
+}
+inline constexpr std::uint32_t tree_light_pad(std::uint64_t node, std::uint32_t light) {
+  return static_cast<std::uint32_t>(hash(~node, light));
+}  // light u, v; choice, coarse and fine
+
 }  // namespace tessera::core

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -40,6 +41,32 @@ struct QuadDescription {
 
 using ShapeDescription = std::variant<MeshDescription, SphereDescription, QuadDescription>;
 
+struct PointLightDescription {
+  Vec3 position;
+  Rgb intensity;  // watts per steradian
+};
+
+struct SpotLightDescription {
+  Vec3 position, look_at;
+  Rgb intensity;             // watts per steradian, in the middle of the cone
+  float angle_degrees = 45;  // of the whole cone
+  float softness = 0.2f;     // the share of the cone, from its edge inwards, over which light falls off
+};
+
+struct DirectionalLightDescription {
+  Vec3 direction;  // the way light travels; need not be of unit length
+  Rgb irradiance;  // of a surface that faces the light
+};
+
+using LightDescription =
+    std::variant<PointLightDescription, SpotLightDescription, DirectionalLightDescription>;
+
+// What rays that meet nothing see.
+struct EnvironmentDescription {
+  ColorParameter radiance;  // a texture is equirectangular; of it, only the picture counts
+  float rotation_degrees = 0;
+};
+
 struct SceneDescription {
   RenderSettings settings;
   CameraDescription camera;
@@ -48,6 +75,8 @@ struct SceneDescription {
   std::vector<Material> materials;
   std::vector<ShapeDescription> shapes;
   std::vector<std::string> shape_names;  // one per shape, for error messages: "shapes[2] (bunny.obj)"
+  std::vector<LightDescription> lights;  // besides emissive shapes
+  std::optional<EnvironmentDescription> environment;
 };
 
 }  // namespace tessera::core

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/base/overloaded.hpp"
 #include "core/scene/validation.hpp"
 
 namespace tessera::core {
@@ -11,14 +12,18 @@ namespace {
 // Turns shapes into primitives and emissive shapes into lights. Triangles are numbered before spheres.
 class Assembler {
  public:
-  explicit Assembler(const std::vector<Material>& materials) : materials_(materials) {}
+  Assembler(const std::vector<Material>& materials, const std::vector<Texture>& textures)
+      : materials_(materials) {
+    for (const Material& material : materials) mean_luminances_.push_back(mean_luminance(material, textures));
+  }
 
   void add(const MeshDescription& mesh) {
     const std::uint32_t first = primitives_.triangle_count();
     primitives_.add_mesh(mesh.positions, mesh.normals, mesh.uvs, mesh.triangles, mesh.triangle_materials);
     for (std::uint32_t p = first; p < primitives_.triangle_count(); ++p) {
       const auto [p0, p1, p2] = primitives_.triangle_corners(p);
-      add_light(TriangleLight{p0, p1, p2}, p, 1);
+      const auto [uv0, uv1, uv2] = primitives_.triangle_uvs(p);
+      add_light(TriangleLight{p0, p1, p2, uv0, uv1, uv2}, p, 1);
     }
   }
 
@@ -41,11 +46,21 @@ class Assembler {
   std::vector<std::uint32_t> light_of_primitive_;
 
  private:
+  static double mean_luminance(const Material& material, const std::vector<Texture>& textures) {
+    const ColorParameter& emission = material.emission;
+    if (emission.texture < 0 || is_black(emission.value))
+      return static_cast<double>(luminance(emission.value));
+    const Texture& texture = textures[static_cast<std::size_t>(emission.texture)];
+    return static_cast<double>(luminance(emission.value * texture.image->mean()));
+  }
+
   void add_light(LightShape shape, std::uint32_t first, std::uint32_t primitive_count) {
-    const Material& material = materials_[primitives_.material(first)];
+    const std::uint32_t material_id = primitives_.material(first);
+    const Material& material = materials_[material_id];
     std::uint32_t id = kNoLight;
-    if (!is_black(material.emission)) {
-      const Light light(shape, front_of(first), material.emission, material.two_sided_emission);
+    if (mean_luminances_[material_id] > 0) {
+      const AreaLight light(shape, front_of(first),
+                            {material.emission, mean_luminances_[material_id], material.two_sided_emission});
       if (light.power() > 0 && std::isfinite(light.power())) {
         id = static_cast<std::uint32_t>(lights_.size());
         lights_.push_back(light);
@@ -64,9 +79,53 @@ class Assembler {
   }
 
   const std::vector<Material>& materials_;
+  std::vector<double> mean_luminances_;  // of each material's emission
 };
 
+Light make_light(const LightDescription& description) {
+  return std::visit(
+      Overloaded{
+          [](const PointLightDescription& d) -> Light { return PointLight(d.position, d.intensity); },
+          [](const SpotLightDescription& d) -> Light {
+            return SpotLight(d.position, d.intensity,
+                             {normalize(d.look_at - d.position), d.angle_degrees, d.softness});
+          },
+          [](const DirectionalLightDescription& d) -> Light {
+            return DirectionalLight(normalize(d.direction), d.irradiance);
+          },
+      },
+      description);
+}
+
+Environment make_environment(const EnvironmentDescription& d, const std::vector<Texture>& textures) {
+  const int texture = d.radiance.texture;
+  return {d.radiance.value, texture < 0 ? nullptr : textures[static_cast<std::size_t>(texture)].image,
+          d.rotation_degrees};
+}
+
 }  // namespace
+
+// Lights without power are left out: they shine on nothing, and chance could not find them.
+void Scene::add_lights(const SceneDescription& description) {
+  const double bounds = primitives_.bounding_radius(), radius = bounds > 0 ? bounds : 1;
+  const auto has_power = [radius](const Light& light) { return power(light, radius) > 0; };
+  for (const LightDescription& each : description.lights)
+    if (const Light light = make_light(each); has_power(light)) lights_.push_back(light);
+  if (description.environment) {
+    Light environment = make_environment(*description.environment, textures_);
+    if (has_power(environment)) {
+      environment_light_ = static_cast<std::uint32_t>(lights_.size());
+      lights_.push_back(std::move(environment));
+    }
+  }
+  std::vector<double> powers, delta_powers;
+  for (const Light& light : lights_) {
+    powers.push_back(power(light, radius));
+    delta_powers.push_back(is_delta(light) ? powers.back() : 0);
+  }
+  light_sampler_ = LightSampler(powers);
+  delta_light_sampler_ = LightSampler(delta_powers);
+}
 
 Result<Scene> Scene::build(SceneDescription description, int threads) {
   if (auto ok = validate_scene(description); !ok) return fail(ok.error());
@@ -77,7 +136,7 @@ Result<Scene> Scene::build(SceneDescription description, int threads) {
   scene.textures_ = std::move(description.textures);
   scene.materials_ = std::move(description.materials);
 
-  Assembler assembler(scene.materials_);
+  Assembler assembler(scene.materials_, scene.textures_);
   for (auto& shape : description.shapes) {
     if (auto* mesh = std::get_if<MeshDescription>(&shape)) {
       assembler.add(*mesh);
@@ -92,7 +151,7 @@ Result<Scene> Scene::build(SceneDescription description, int threads) {
   scene.primitives_ = std::move(assembler.primitives_);
   scene.lights_ = std::move(assembler.lights_);
   scene.light_of_primitive_ = std::move(assembler.light_of_primitive_);
-  scene.light_sampler_ = LightSampler(scene.lights_);
+  scene.add_lights(description);
   scene.bvh_ = Bvh::build(scene.primitives_, threads);
   return scene;
 }

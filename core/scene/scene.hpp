@@ -27,16 +27,25 @@ class Scene {
   const Bvh& bvh() const { return bvh_; }
   const std::vector<Texture>& textures() const { return textures_; }
   const std::vector<Material>& materials() const { return materials_; }
+  // Those that have power: emissive shapes, then lights without extent, then the environment.
   const std::vector<Light>& lights() const { return lights_; }
   const LightSampler& light_sampler() const { return light_sampler_; }
+  // Chooses only among the lights that no ray can meet.
+  const LightSampler& delta_light_sampler() const { return delta_light_sampler_; }
 
   const Material& material_of(std::uint32_t primitive) const {
     return materials_[primitives_.material(primitive)];
   }
-  // The light that a primitive belongs to, or kNoLight.
+  // The light that a primitive belongs to, an AreaLight, or kNoLight.
   std::uint32_t light_of(std::uint32_t primitive) const { return light_of_primitive_[primitive]; }
+  const AreaLight& area_light(std::uint32_t light) const { return *std::get_if<AreaLight>(&lights_[light]); }
+  // The light that rays see which meet nothing, an Environment, or kNoLight.
+  std::uint32_t environment_light() const { return environment_light_; }
+  const Environment& environment() const { return *std::get_if<Environment>(&lights_[environment_light_]); }
 
  private:
+  void add_lights(const SceneDescription& description);
+
   RenderSettings settings_;
   Camera camera_;
   Primitives primitives_;
@@ -45,7 +54,8 @@ class Scene {
   std::vector<Material> materials_;
   std::vector<Light> lights_;
   std::vector<std::uint32_t> light_of_primitive_;
-  LightSampler light_sampler_;
+  std::uint32_t environment_light_ = kNoLight;
+  LightSampler light_sampler_, delta_light_sampler_;
 };
 
 }  // namespace tessera::core

@@ -7,10 +7,11 @@
 namespace tessera::core {
 namespace {
 
-constexpr std::array<std::pair<Integrator, std::string_view>, 3> kIntegratorNames{{
+constexpr std::array<std::pair<Integrator, std::string_view>, 4> kIntegratorNames{{
     {Integrator::kNaive, "naive"},
     {Integrator::kNee, "nee"},
     {Integrator::kMis, "mis"},
+    {Integrator::kWhitted, "whitted"},
 }};
 
 constexpr std::array<std::pair<FilterKind, std::string_view>, 3> kFilterNames{{
@@ -18,6 +19,26 @@ constexpr std::array<std::pair<FilterKind, std::string_view>, 3> kFilterNames{{
     {FilterKind::kTent, "tent"},
     {FilterKind::kGaussian, "gaussian"},
 }};
+
+constexpr std::array<std::pair<Heuristic, std::string_view>, 2> kHeuristicNames{{
+    {Heuristic::kBalance, "balance"},
+    {Heuristic::kPower, "power"},
+}};
+
+template <typename Names, typename Value>
+std::string_view name_of(const Names& names, Value value) {
+  for (const auto& [known, name] : names)
+    if (known == value) return name;
+  return "unknown";
+}
+
+template <typename Value, std::size_t count>
+std::optional<Value> value_of(const std::array<std::pair<Value, std::string_view>, count>& names,
+                              std::string_view name) {
+  for (const auto& [value, known] : names)
+    if (known == name) return value;
+  return std::nullopt;
+}
 
 Status check_side(std::string_view field, int side_px) {
   if (side_px >= 1 && side_px <= kMaxImageSidePx) return {};
@@ -28,27 +49,27 @@ Status check_side(std::string_view field, int side_px) {
 }  // namespace
 
 std::string_view integrator_name(Integrator integrator) {
-  for (const auto& [value, name] : kIntegratorNames)
-    if (value == integrator) return name;
-  return "unknown";
+  return name_of(kIntegratorNames, integrator);
 }
 
 std::optional<Integrator> integrator_from_name(std::string_view name) {
-  for (const auto& [value, known] : kIntegratorNames)
-    if (known == name) return value;
-  return std::nullopt;
+  return value_of(kIntegratorNames, name);
+}
+
+std::string_view heuristic_name(Heuristic heuristic) {
+  return name_of(kHeuristicNames, heuristic);
+}
+
+std::optional<Heuristic> heuristic_from_name(std::string_view name) {
+  return value_of(kHeuristicNames, name);
 }
 
 std::string_view filter_name(FilterKind kind) {
-  for (const auto& [value, name] : kFilterNames)
-    if (value == kind) return name;
-  return "unknown";
+  return name_of(kFilterNames, kind);
 }
 
 std::optional<FilterKind> filter_from_name(std::string_view name) {
-  for (const auto& [value, known] : kFilterNames)
-    if (known == name) return value;
-  return std::nullopt;
+  return value_of(kFilterNames, name);
 }
 
 PixelFilter default_filter(FilterKind kind) {
@@ -93,6 +114,7 @@ Result<RenderSettings> resolve_settings(RenderSettings from_scene, const RenderO
   settings.spp = overrides.spp.value_or(settings.spp);
   settings.seed = overrides.seed.value_or(settings.seed);
   settings.integrator = overrides.integrator.value_or(settings.integrator);
+  settings.heuristic = overrides.heuristic.value_or(settings.heuristic);
   if (auto ok = check_settings(settings); !ok) return fail(ok.error());
   return settings;
 }

@@ -9,15 +9,25 @@
 
 namespace tessera::core {
 
-// How light is found by path tracing. All three have the same expectation.
+// How light is found: by path tracing in three strategies, which have the same expectation, or by ray tracing
+// after Whitted. Lights without extent are sampled by all of them: nothing else finds those.
 enum class Integrator {
-  kNaive,  // only by BSDF samples that happen to meet a light
-  kNee,    // next-event estimation: only by sampling lights, but for emission behind mirrors and glass
-  kMis,    // both, weighed by the balance heuristic (Veach and Guibas 1995)
+  kNaive,    // only by BSDF samples that happen to meet a light
+  kNee,      // next-event estimation: only by sampling lights, but for emission behind mirrors and glass
+  kMis,      // both, weighed by a heuristic
+  kWhitted,  // only light that comes straight, or by way of mirrors and smooth glass (Whitted 1980)
+};
+
+// How multiple importance sampling weighs its strategies (Veach and Guibas 1995).
+enum class Heuristic {
+  kBalance,
+  kPower,  // with the exponent 2
 };
 
 std::string_view integrator_name(Integrator integrator);
 std::optional<Integrator> integrator_from_name(std::string_view name);
+std::string_view heuristic_name(Heuristic heuristic);
+std::optional<Heuristic> heuristic_from_name(std::string_view name);
 
 // How light that falls around a pixel's centre counts for the pixel. Each is separable, and zero beyond its
 // radius along either axis.
@@ -45,6 +55,7 @@ PixelFilter default_filter(FilterKind kind);
 inline constexpr int kMaxImageSidePx = 65536;
 inline constexpr std::int64_t kMaxImagePixels = std::int64_t{1} << 30;
 inline constexpr std::uint32_t kMaxSpp = 1u << 24;
+inline constexpr int kWhittedDepth = 8;
 
 struct RenderSettings {
   int width_px = 512;
@@ -52,7 +63,9 @@ struct RenderSettings {
   std::uint32_t spp = 64;  // samples per pixel
   std::uint64_t seed = 0;
   Integrator integrator = Integrator::kMis;
-  int max_depth = 0;  // longest path in segments after the camera's; 0 for no limit but Russian roulette
+  Heuristic heuristic = Heuristic::kBalance;  // of kMis
+  // Longest path in segments after the camera's. 0: no limit but Russian roulette; kWhittedDepth of kWhitted.
+  int max_depth = 0;
   PixelFilter filter = {};
 
   bool operator==(const RenderSettings&) const = default;
@@ -64,6 +77,7 @@ struct RenderOverrides {
   std::optional<std::uint32_t> spp;
   std::optional<std::uint64_t> seed;
   std::optional<Integrator> integrator;
+  std::optional<Heuristic> heuristic;
 };
 
 // Checks the limits above. Errors name the field: "width: must be between 1 and 65536 pixels, got 0".

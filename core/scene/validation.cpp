@@ -21,6 +21,10 @@ bool fits(Vec3 p) {
   return in_range(p.x) && in_range(p.y) && in_range(p.z);
 }
 
+bool shines(Rgb c) {
+  return is_finite(c) && c.r >= 0 && c.g >= 0 && c.b >= 0;
+}
+
 Status check_camera(const CameraDescription& camera) {
   if (!fits(camera.position) || !fits(camera.look_at) || !is_finite(camera.up))
     return invalid("camera: position, look_at and up must be finite numbers");
@@ -63,10 +67,59 @@ Status check_materials(const SceneDescription& scene) {
     if (!ok)
       return invalid(
           fmt::format("material '{}': a texture or the index of refraction is out of range", material.name));
-    if (!is_finite(material.emission) || material.emission.r < 0 || material.emission.g < 0 ||
-        material.emission.b < 0)
+    if (!shines(material.emission.value))
       return invalid(fmt::format("material '{}': emission must be finite and not negative", material.name));
+    if (!textures_exist(material.emission))
+      return invalid(fmt::format("material '{}': emission: there is no such texture", material.name));
   }
+  return {};
+}
+
+// The way from `from` to `to` has a direction that can be computed.
+bool has_way(Vec3 from, Vec3 to) {
+  const float distance2 = length_squared(to - from);
+  return distance2 > 0 && std::isfinite(distance2);
+}
+
+Status check_light(const LightDescription& light) {
+  return std::visit(
+      Overloaded{
+          [](const PointLightDescription& d) -> Status {
+            if (!fits(d.position)) return invalid("position must be finite numbers");
+            if (!shines(d.intensity)) return invalid("intensity must be finite and not negative");
+            return {};
+          },
+          [](const SpotLightDescription& d) -> Status {
+            if (!fits(d.position) || !fits(d.look_at) || !has_way(d.position, d.look_at))
+              return invalid("position and look_at must be two points");
+            if (!shines(d.intensity)) return invalid("intensity must be finite and not negative");
+            if (!(d.angle_degrees > 0 && d.angle_degrees <= 180))
+              return invalid(
+                  fmt::format("angle_degrees: must be above 0 and at most 180, got {}", d.angle_degrees));
+            if (!(d.softness >= 0 && d.softness <= 1))
+              return invalid(fmt::format("softness: must be between 0 and 1, got {}", d.softness));
+            return {};
+          },
+          [](const DirectionalLightDescription& d) -> Status {
+            if (!has_way({}, d.direction)) return invalid("direction must have a length");
+            if (!shines(d.irradiance)) return invalid("irradiance must be finite and not negative");
+            return {};
+          },
+      },
+      light);
+}
+
+Status check_lights(const SceneDescription& scene) {
+  for (std::size_t i = 0; i < scene.lights.size(); ++i)
+    if (auto ok = check_light(scene.lights[i]); !ok)
+      return fail(ok.error().within(fmt::format("lights[{}]", i)));
+  if (!scene.environment) return {};
+  if (!shines(scene.environment->radiance.value))
+    return invalid("environment: radiance must be finite and not negative");
+  if (scene.environment->radiance.texture >= static_cast<int>(scene.textures.size()))
+    return invalid("environment: there is no such texture");
+  if (!std::isfinite(scene.environment->rotation_degrees))
+    return invalid("environment: rotation_degrees must be a number");
   return {};
 }
 
@@ -129,6 +182,13 @@ std::vector<std::uint32_t> materials_of(const ShapeDescription& shape) {
   return {std::get_if<QuadDescription>(&shape)->material};
 }
 
+Rgb color_of(const LightDescription& light) {
+  return std::visit(Overloaded{[](const PointLightDescription& d) { return d.intensity; },
+                               [](const SpotLightDescription& d) { return d.intensity; },
+                               [](const DirectionalLightDescription& d) { return d.irradiance; }},
+                    light);
+}
+
 }  // namespace
 
 Status validate_scene(const SceneDescription& scene) {
@@ -136,14 +196,18 @@ Status validate_scene(const SceneDescription& scene) {
   if (auto ok = check_display(scene.display); !ok) return fail(ok.error().within("output"));
   if (auto ok = check_camera(scene.camera); !ok) return ok;
   if (auto ok = check_materials(scene); !ok) return ok;
+  if (auto ok = check_lights(scene); !ok) return ok;
   return check_shapes(scene);
 }
 
 bool gives_light(const SceneDescription& scene) {
+  if (scene.environment && !is_black(scene.environment->radiance.value)) return true;
+  for (const LightDescription& light : scene.lights)
+    if (!is_black(color_of(light))) return true;
   return std::any_of(scene.shapes.begin(), scene.shapes.end(), [&](const ShapeDescription& shape) {
     const auto materials = materials_of(shape);
     return std::any_of(materials.begin(), materials.end(),
-                       [&](std::uint32_t m) { return !is_black(scene.materials[m].emission); });
+                       [&](std::uint32_t m) { return !is_black(scene.materials[m].emission.value); });
   });
 }
 

@@ -10,7 +10,8 @@ namespace tessera::core {
 // fault.
 Status validate_scene(const SceneDescription& scene);
 
-// Whether any shape of a valid scene emits. Else its picture is black, which is seldom meant.
+// Whether a valid scene has a light, an environment or a shape that emits. Else its picture is black, which
+// is seldom meant.
 bool gives_light(const SceneDescription& scene);
 
 }  // namespace tessera::core

@@ -57,14 +57,29 @@ Rgb TextureImage::texel(int x, int y) const {
          255;
 }
 
-Rgb Texture::evaluate(Vec2 uv) const {
-  const Footprint column = footprint(uv.x * scale.x + offset.x, image->width, wrap);
-  const Footprint row = footprint(1 - (uv.y * scale.y + offset.y), image->height, wrap);
-  const Rgb upper =
-      mix(image->texel(column.first, row.first), image->texel(column.second, row.first), column.weight);
-  const Rgb lower =
-      mix(image->texel(column.first, row.second), image->texel(column.second, row.second), column.weight);
+Rgb TextureImage::bilinear(Vec2 uv, Wrap wrap_u, Wrap wrap_v) const {
+  const Footprint column = footprint(uv.x, width, wrap_u);
+  const Footprint row = footprint(1 - uv.y, height, wrap_v);
+  const Rgb upper = mix(texel(column.first, row.first), texel(column.second, row.first), column.weight);
+  const Rgb lower = mix(texel(column.first, row.second), texel(column.second, row.second), column.weight);
   return mix(upper, lower, row.weight);
+}
+
+Rgb TextureImage::mean() const {
+  double r = 0, g = 0, b = 0;
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      const Rgb color = texel(x, y);
+      r += static_cast<double>(color.r);
+      g += static_cast<double>(color.g);
+      b += static_cast<double>(color.b);
+    }
+  const double count = static_cast<double>(width) * height;
+  return {static_cast<float>(r / count), static_cast<float>(g / count), static_cast<float>(b / count)};
+}
+
+Rgb Texture::evaluate(Vec2 uv) const {
+  return image->bilinear({uv.x * scale.x + offset.x, uv.y * scale.y + offset.y}, wrap, wrap);
 }
 
 }  // namespace tessera::core

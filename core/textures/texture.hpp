@@ -25,7 +25,9 @@ struct TextureImage {
   std::variant<std::vector<std::uint8_t>, std::vector<float>> texels;
   ColorSpace color_space = ColorSpace::kSrgb;  // of bytes; floats are linear
 
-  Rgb texel(int x, int y) const;  // linear; 0 <= x < width, 0 <= y < height
+  Rgb texel(int x, int y) const;                          // linear; 0 <= x < width, 0 <= y < height
+  Rgb bilinear(Vec2 uv, Wrap wrap_u, Wrap wrap_v) const;  // linear, between the nearest four texels
+  Rgb mean() const;                                       // of all texels, linear
 };
 
 struct Texture {

@@ -17,7 +17,7 @@ class SceneMaker {
 
   std::uint32_t material(core::MaterialModel model, core::Rgb emission = {}, bool two_sided = true) {
     const std::string name = "m" + std::to_string(description_.materials.size());
-    description_.materials.push_back({name, std::move(model), emission, two_sided});
+    description_.materials.push_back({name, std::move(model), {emission}, two_sided});
     return static_cast<std::uint32_t>(description_.materials.size() - 1);
   }
   void add(core::ShapeDescription shape) { description_.shapes.push_back(std::move(shape)); }

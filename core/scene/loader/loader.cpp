@@ -48,6 +48,8 @@ SceneDescription SceneAssembler::assemble(SceneFile file) {
   scene_.settings = file.settings;
   scene_.camera = file.camera;
   scene_.display = file.display;
+  scene_.lights = std::move(file.lights);
+  scene_.environment = file.environment;
   for (const auto& texture : file.textures) add_texture(texture);
   std::vector<Place> material_places;
   for (auto& entry : file.materials) {

@@ -20,26 +20,20 @@ constexpr Bounds kIor{
     [](double v) { return v >= 1 && v <= 10; },
     "between 1 and 10 (it is that of the inside; for air in glass, turn the surface inside out)"};
 
-int read_texture_name(const Field& field, const std::vector<TextureEntry>& textures) {
-  const std::string name = read_text(field);
-  const auto found =
-      std::find_if(textures.begin(), textures.end(), [&](const auto& t) { return t.name == name; });
-  if (found != textures.end()) return static_cast<int>(found - textures.begin());
-  std::vector<std::string_view> known;
-  for (const auto& texture : textures) known.push_back(texture.name);
-  if (!name.empty())
-    field.mistake(fmt::format("there is no texture {}{}", in_quotes(name), suggestion(name, known)));
-  return -1;
-}
-
-// How much a surface reflects or lets through: a number, [r, g, b], or {"texture": NAME, "tint": ...}.
-ColorParameter read_share(const Field& field, const std::vector<TextureEntry>& textures) {
-  if (!field.value().get_if<JsonValue::Object>()) return {read_color(field, bounds::kUnit), -1};
-  const ObjectReader object(field, scene_keys::kTexturedColor);
+// A number, [r, g, b], or {"texture": NAME, "tint": ...} with the keys of `textured`.
+ColorParameter read_color_parameter(const Field& field, const std::vector<TextureEntry>& textures,
+                                    const Bounds& bounds, const ObjectRules& textured) {
+  if (!field.value().get_if<JsonValue::Object>()) return {read_color(field, bounds), -1};
+  const ObjectReader object(field, textured);
   ColorParameter color;
-  color.value = read_or(object, "tint", color.value, read_color, bounds::kUnit);
+  color.value = read_or(object, "tint", color.value, read_color, bounds);
   color.texture = read_or(object, "texture", color.texture, read_texture_name, textures);
   return color;
+}
+
+// How much a surface reflects or lets through.
+ColorParameter read_share(const Field& field, const std::vector<TextureEntry>& textures) {
+  return read_color_parameter(field, textures, bounds::kUnit, scene_keys::kTexturedColor);
 }
 
 MaterialModel read_model(const Field& field, std::size_t type, const std::vector<TextureEntry>& textures) {
@@ -67,13 +61,26 @@ Material read_material(const Field& field, const std::string& name,
   Material material{name, read_model(field, *type, textures)};
   // The model's reader has told unknown keys already.
   if (const auto emission = find_member_field(field, "emission"))
-    material.emission = read_color(*emission, bounds::kNotNegative);
+    material.emission =
+        read_color_parameter(*emission, textures, bounds::kNotNegative, scene_keys::kTexturedEmission);
   if (const auto sides = find_member_field(field, "emission_sides"))
     material.two_sided_emission = read_choice(*sides, Words(kEmissionSides)) == 0;
   return material;
 }
 
 }  // namespace
+
+int read_texture_name(const Field& field, const std::vector<TextureEntry>& textures) {
+  const std::string name = read_text(field);
+  const auto found =
+      std::find_if(textures.begin(), textures.end(), [&](const auto& t) { return t.name == name; });
+  if (found != textures.end()) return static_cast<int>(found - textures.begin());
+  std::vector<std::string_view> known;
+  for (const auto& texture : textures) known.push_back(texture.name);
+  if (!name.empty())
+    field.mistake(fmt::format("there is no texture {}{}", in_quotes(name), suggestion(name, known)));
+  return -1;
+}
 
 std::vector<TextureEntry> read_textures(const Field& field) {
   std::vector<TextureEntry> textures;

@@ -66,6 +66,8 @@ RenderSettings read_render(const Field& field) {
   settings.integrator = read_or(object, "integrator", settings.integrator, read_choice,
                                 std::span<const std::string_view>(scene_keys::kIntegrators));
   settings.filter = read_filter(object);
+  settings.heuristic = read_or(object, "heuristic", settings.heuristic, read_choice,
+                               std::span<const std::string_view>(scene_keys::kHeuristics));
   if (std::int64_t{settings.width_px} * settings.height_px > kMaxImagePixels)
     field.mistake(fmt::format("{} x {} pixels are more than the {} that a picture may have",
                               settings.width_px, settings.height_px, kMaxImagePixels));
@@ -121,6 +123,9 @@ SceneFile parse_scene_file(std::string_view text, const std::string& display_pat
     scene.shapes = read_shapes(*shapes, scene.materials);
     scene.shapes_place = shapes->place();
   }
+  if (const auto lights = object.find("lights")) scene.lights = read_lights(*lights);
+  if (const auto environment = object.find("environment"))
+    scene.environment = read_environment(*environment, scene.textures);
   return scene;
 }
 

@@ -58,6 +58,8 @@ struct SceneFile {
   std::vector<MaterialEntry> materials;
   std::vector<ShapeEntry> shapes;
   Place shapes_place;
+  std::vector<LightDescription> lights;
+  std::optional<EnvironmentDescription> environment;
 };
 
 // What is wrong is added to `mistakes`, which names the file; the scene is whole only if there is none.
@@ -67,8 +69,12 @@ RenderSettings read_render(const Field& field);
 CameraDescription read_camera(const Field& field);
 DisplaySettings read_output(const Field& field);
 std::vector<TextureEntry> read_textures(const Field& field);
+// The index among `textures`; -1 after a mistake.
+int read_texture_name(const Field& field, const std::vector<TextureEntry>& textures);
 std::vector<MaterialEntry> read_materials(const Field& field, const std::vector<TextureEntry>& textures);
 std::vector<ShapeEntry> read_shapes(const Field& field, const std::vector<MaterialEntry>& materials);
+std::vector<LightDescription> read_lights(const Field& field);
+EnvironmentDescription read_environment(const Field& field, const std::vector<TextureEntry>& textures);
 // Finite and invertible; the identity after a mistake.
 Transform read_transform(const Field& field);
 

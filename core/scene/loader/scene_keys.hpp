@@ -25,11 +25,13 @@ namespace scene_keys {
 inline constexpr bool kRequired = true;
 
 inline constexpr std::array kSceneKeys{
-    KeyRule{"$schema"},  KeyRule{"render"},    KeyRule{"camera", kRequired}, KeyRule{"output"},
-    KeyRule{"textures"}, KeyRule{"materials"}, KeyRule{"shapes", kRequired}};
-inline constexpr std::array kRenderKeys{KeyRule{"width"},  KeyRule{"height"},       KeyRule{"spp"},
-                                        KeyRule{"seed"},   KeyRule{"integrator"},   KeyRule{"max_depth"},
-                                        KeyRule{"filter"}, KeyRule{"filter_radius"}};
+    KeyRule{"$schema"},    KeyRule{"render"},    KeyRule{"camera", kRequired}, KeyRule{"output"},
+    KeyRule{"textures"},   KeyRule{"materials"}, KeyRule{"shapes", kRequired}, KeyRule{"lights"},
+    KeyRule{"environment"}};
+inline constexpr std::array kRenderKeys{
+    KeyRule{"width"},     KeyRule{"height"},     KeyRule{"spp"},
+    KeyRule{"seed"},      KeyRule{"integrator"}, KeyRule{"heuristic"},
+    KeyRule{"max_depth"}, KeyRule{"filter"},     KeyRule{"filter_radius"}};
 inline constexpr std::array kCameraKeys{
     KeyRule{"position", kRequired},  KeyRule{"look_at", kRequired},       KeyRule{"up"},
     KeyRule{"vertical_fov_degrees"}, KeyRule{"aperture_radius"},          KeyRule{"focus_distance"},
@@ -53,6 +55,15 @@ inline constexpr std::array kSphereKeys{KeyRule{"type", kRequired}, KeyRule{"cen
 inline constexpr std::array kQuadKeys{KeyRule{"type", kRequired},     KeyRule{"corner", kRequired},
                                       KeyRule{"edge_u", kRequired},   KeyRule{"edge_v", kRequired},
                                       KeyRule{"material", kRequired}, KeyRule{"transform"}};
+inline constexpr std::array kPointLightKeys{KeyRule{"type", kRequired}, KeyRule{"position", kRequired},
+                                            KeyRule{"intensity", kRequired}};
+inline constexpr std::array kSpotLightKeys{KeyRule{"type", kRequired},    KeyRule{"position", kRequired},
+                                           KeyRule{"look_at", kRequired}, KeyRule{"intensity", kRequired},
+                                           KeyRule{"angle_degrees"},      KeyRule{"softness"}};
+inline constexpr std::array kDirectionalLightKeys{KeyRule{"type", kRequired}, KeyRule{"direction", kRequired},
+                                                  KeyRule{"irradiance", kRequired}};
+inline constexpr std::array kEnvironmentKeys{KeyRule{"radiance"}, KeyRule{"texture"},
+                                             KeyRule{"rotation_degrees"}};
 inline constexpr std::array kTransformStepKeys{KeyRule{"scale"}, KeyRule{"rotate"}, KeyRule{"translate"}};
 inline constexpr std::array kRotationKeys{KeyRule{"axis", kRequired}, KeyRule{"degrees", kRequired}};
 
@@ -68,19 +79,30 @@ inline constexpr ObjectRules kGlass{"glass material", "/$defs/glass", kGlassKeys
 inline constexpr ObjectRules kMesh{"mesh", "/$defs/mesh", kMeshKeys};
 inline constexpr ObjectRules kSphere{"sphere", "/$defs/sphere", kSphereKeys};
 inline constexpr ObjectRules kQuad{"quad", "/$defs/quad", kQuadKeys};
+inline constexpr ObjectRules kTexturedEmission{"textured emission", "/$defs/textured_emission",
+                                               kTexturedColorKeys};
+inline constexpr ObjectRules kPointLight{"point light", "/$defs/point", kPointLightKeys};
+inline constexpr ObjectRules kSpotLight{"spot light", "/$defs/spot", kSpotLightKeys};
+inline constexpr ObjectRules kDirectionalLight{"directional light", "/$defs/directional",
+                                               kDirectionalLightKeys};
+inline constexpr ObjectRules kEnvironment{"environment", "/properties/environment", kEnvironmentKeys};
 inline constexpr ObjectRules kTransformStep{"transform step", "/$defs/transform_step", kTransformStepKeys};
 inline constexpr ObjectRules kRotation{"rotation", "/$defs/rotation", kRotationKeys};
 
-inline constexpr std::array kAllObjects{kScene,         kRender,  kCamera,        kOutput,  kTexture,
-                                        kTexturedColor, kLambert, kMirror,        kGlass,   kMesh,
-                                        kSphere,        kQuad,    kTransformStep, kRotation};
+inline constexpr std::array kAllObjects{
+    kScene,           kRender,   kCamera,     kOutput,    kTexture,          kTexturedColor,
+    kLambert,         kMirror,   kGlass,      kMesh,      kSphere,           kQuad,
+    kTransformStep,   kRotation, kPointLight, kSpotLight, kDirectionalLight, kEnvironment,
+    kTexturedEmission};
 
 // The words that stand for a choice, in the order of what they stand for in the code.
-inline constexpr std::array<std::string_view, 3> kIntegrators{"naive", "nee", "mis"};
+inline constexpr std::array<std::string_view, 4> kIntegrators{"naive", "nee", "mis", "whitted"};
+inline constexpr std::array<std::string_view, 2> kHeuristics{"balance", "power"};
 inline constexpr std::array<std::string_view, 3> kFilters{"box", "tent", "gaussian"};
 inline constexpr std::array<std::string_view, 3> kToneCurves{"none", "aces", "agx"};
 inline constexpr std::array<std::string_view, 3> kMaterialTypes{"lambert", "mirror", "glass"};
 inline constexpr std::array<std::string_view, 3> kShapeTypes{"mesh", "sphere", "quad"};
+inline constexpr std::array<std::string_view, 3> kLightTypes{"point", "spot", "directional"};
 inline constexpr std::array<std::string_view, 3> kNormals{"file", "smooth", "flat"};
 inline constexpr std::array<std::string_view, 2> kColorSpaces{"srgb", "linear"};
 inline constexpr std::array<std::string_view, 2> kWraps{"repeat", "clamp"};

@@ -25,6 +25,7 @@ TEST(RenderStats, JsonHasEveryField) {
       {"height", 480},
       {"spp", 4},
       {"integrator", "nee"},
+      {"heuristic", "balance"},
       {"seed", 18446744073709551615u},
       {"threads", 8},
       {"samples", 1'228'800},

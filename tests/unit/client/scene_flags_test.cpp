@@ -76,7 +76,8 @@ TEST(SceneFlags, BadSizesNameTheFlagAndTheForm) {
 }
 
 TEST(SceneFlags, BadIntegratorsNameTheChoices) {
-  EXPECT_EQ(mistake({"--integrator", "bdpt"}), "--integrator: must be naive, nee or mis; got 'bdpt'");
+  EXPECT_EQ(mistake({"--integrator", "bdpt"}),
+            "--integrator: must be naive, nee, mis or whitted; got 'bdpt'");
 }
 
 TEST(SceneFlags, BadEndingsNameTheChoices) {

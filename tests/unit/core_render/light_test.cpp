@@ -41,12 +41,12 @@ TEST_P(LightSampling, AgreesWithLookingAround) {
   for (int i = 0; i < kSamples; ++i) {
     const auto u = Sampler(5, i % 1000, i / 1000, 0).pad(0);
     const auto choice = scene_.light_sampler().sample(static_cast<double>(u[2]));
-    const Light& light = scene_.lights()[choice->light];
-    if (const auto s = light.sample(p, {u[0], u[1]})) {
-      const float again = light.pdf(p, s->point.position);
+    const AreaLight& light = scene_.area_light(choice.light);
+    if (const auto s = light.sample(scene_.textures(), p, {u[0], u[1]})) {
+      const float again = light.pdf(p, s->point->position);
       ASSERT_NEAR(s->pdf, again, 2e-3 * static_cast<double>(s->pdf)) << "sample() and pdf() disagree";
-      sampled += static_cast<double>(s->radiance.r * std::fabs(dot(s->wi, axis)) / (s->pdf * choice->pmf)) /
-                 kSamples;
+      sampled +=
+          static_cast<double>(s->radiance.r * std::fabs(dot(s->wi, axis)) / (s->pdf * choice.pmf)) / kSamples;
     }
     const Vec3 wi = sample_sphere({u[0], u[3]});
     const Ray ray{p, wi};
@@ -56,7 +56,7 @@ TEST_P(LightSampling, AgreesWithLookingAround) {
     const std::uint32_t id = scene_.light_of(hit.primitive);
     const Vec3 p_light = scene_.primitives().surface(ray, hit).position;
     pdf_integral +=
-        static_cast<double>(scene_.light_sampler().pmf(id) * scene_.lights()[id].pdf(p, p_light)) * 4 *
+        static_cast<double>(scene_.light_sampler().pmf(id) * scene_.area_light(id).pdf(p, p_light)) * 4 *
         3.14159265 / kSamples;
   }
   EXPECT_NEAR(sampled, looked, 0.03 * looked);
@@ -80,39 +80,57 @@ INSTANTIATE_TEST_SUITE_P(
                     LightCase{"offset_sphere", SphereDescription{{300, 2, 0.5f}, 0.8f, 0}, {299, 1, 0}}),
     [](const auto& test_case) { return std::string(test_case.param.name); });
 
-TEST(Light, FarSphereIsSampledAccurately) {
-  const Light light(SphereLight{{0, 1000, 0}, 0.5f}, {}, Rgb::gray(1), true);
-  const auto sample = light.sample({0, 0, 0}, {0.7f, 0.3f});
+AreaLight light_of(const LightShape& shape, Vec3 front, float radiance, bool two_sided) {
+  return {shape, front, {{Rgb::gray(radiance)}, static_cast<double>(radiance), two_sided}};
+}
+
+TEST(AreaLight, FarSphereIsSampledAccurately) {
+  const AreaLight light = light_of(SphereLight{{0, 1000, 0}, 0.5f}, {}, 1, true);
+  const auto sample = light.sample({}, {0, 0, 0}, {0.7f, 0.3f});
   ASSERT_TRUE(sample);
   EXPECT_NEAR(1 / static_cast<double>(sample->pdf), 3.14159265 * 0.25e-6, 1e-10);
 }
 
-TEST(Light, OneSidedEmitsToItsFront) {
-  const Light light(QuadLight{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {0, 0, 1}, Rgb::gray(2), false);
-  EXPECT_EQ(light.emitted({0.5f, 0.5f, 0}, {0, 0, 1}), Rgb::gray(2));
-  EXPECT_EQ(light.emitted({0.5f, 0.5f, 0}, {0, 0, -1}), Rgb::gray(0));
-  EXPECT_FALSE(light.sample({0.5f, 0.5f, -1}, {0.5f, 0.5f}));
-  EXPECT_TRUE(light.sample({0.5f, 0.5f, 1}, {0.5f, 0.5f}));
+TEST(AreaLight, OneSidedEmitsToItsFront) {
+  const AreaLight light = light_of(QuadLight{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {0, 0, 1}, 2, false);
+  SurfacePoint middle;
+  middle.position = {0.5f, 0.5f, 0};
+  EXPECT_EQ(light.emitted({}, middle, {0, 0, 1}), Rgb::gray(2));
+  EXPECT_EQ(light.emitted({}, middle, {0, 0, -1}), Rgb::gray(0));
+  EXPECT_FALSE(light.sample({}, {0.5f, 0.5f, -1}, {0.5f, 0.5f}));
+  EXPECT_TRUE(light.sample({}, {0.5f, 0.5f, 1}, {0.5f, 0.5f}));
+}
+
+TEST(AreaLight, HasThePowerOfTheSidesThatEmit) {
+  const double quad = 3.14159265 * 2 * 5;
+  EXPECT_NEAR(light_of(QuadLight{{0, 0, 0}, {5, 0, 0}, {0, 1, 0}}, {0, 0, 1}, 2, false).power(), quad, 1e-4);
+  EXPECT_NEAR(light_of(QuadLight{{0, 0, 0}, {5, 0, 0}, {0, 1, 0}}, {0, 0, 1}, 2, true).power(), 2 * quad,
+              1e-4);
+  EXPECT_NEAR(light_of(SphereLight{{0, 0, 0}, 2}, {}, 1, true).power(), 3.14159265 * 4 * 3.14159265 * 4,
+              1e-3);
 }
 
 TEST(LightSampler, ChoosesNineTimesInTenInProportionToPower) {
-  const Light small(QuadLight{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {0, 0, 1}, Rgb::gray(1), false);
-  const Light bright(QuadLight{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {0, 0, 1}, Rgb::gray(2), false);
-  const Light both_sides(QuadLight{{0, 0, 0}, {5, 0, 0}, {0, 1, 0}}, {0, 0, 1}, Rgb::gray(1), true);
-  const LightSampler sampler({small, bright, both_sides});
+  const LightSampler sampler({1, 2, 10});
   EXPECT_NEAR(sampler.pmf(0), 0.9 * 1 / 13 + 0.1 / 3, 1e-6);
   EXPECT_NEAR(sampler.pmf(1), 0.9 * 2 / 13 + 0.1 / 3, 1e-6);
   EXPECT_NEAR(sampler.pmf(2), 0.9 * 10 / 13 + 0.1 / 3, 1e-6);
-  EXPECT_EQ(sampler.sample(0.5)->light, 2u);
-  EXPECT_FALSE(LightSampler(std::vector<Light>{}).sample(0.5));
+  EXPECT_EQ(sampler.sample(0.5).light, 2u);
+  EXPECT_TRUE(LightSampler(std::vector<double>{}).empty());
+}
+
+TEST(LightSampler, LeavesOutLightsWithoutPower) {
+  const LightSampler sampler({0, 3, 0, 1});
+  EXPECT_NEAR(sampler.pmf(1), 0.9 * 3 / 4 + 0.05, 1e-6);
+  EXPECT_EQ(sampler.pmf(0), 0);
+  EXPECT_EQ(sampler.sample(0).light, 1u);
+  EXPECT_TRUE(LightSampler({0, 0}).empty());
 }
 
 TEST(LightSampler, FindsAFaintLightBesideABrightOne) {
-  const Light faint(QuadLight{{0, 0, 0}, {1e-3f, 0, 0}, {0, 1e-3f, 0}}, {0, 0, 1}, Rgb::gray(1), false);
-  const Light sky(SphereLight{{0, 0, 0}, 1e6f}, {}, Rgb::gray(1), true);
-  const LightSampler sampler({faint, sky});
+  const LightSampler sampler({1e-6, 1e12});
   EXPECT_NEAR(sampler.pmf(0), 0.05, 1e-6);
-  EXPECT_EQ(sampler.sample(0.049)->light, 0u);
+  EXPECT_EQ(sampler.sample(0.049).light, 0u);
 }
 
 }  // namespace

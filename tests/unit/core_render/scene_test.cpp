@@ -88,7 +88,7 @@ TEST(Scene, RefusesWhatCannotBeRendered) {
   description.camera.up = {0, 0, 1};
   EXPECT_THAT(error_of(description), HasSubstr("camera.up"));
   description = test::room();
-  description.materials[0].emission.g = -1;
+  description.materials[0].emission.value.g = -1;
   EXPECT_THAT(error_of(description), HasSubstr("material 'm0': emission"));
 }
 

@@ -26,12 +26,12 @@ TEST(Mtl, MapsMattMaterials) {
       one("Ns 250\nKa 1 1 1\nKd 0.8 0.4 0.2\nKs 0.5 0.5 0.5\nKe 0 0 0\nNi 1.45\nd 1.0\nillum 2\n");
   EXPECT_EQ(m.material.name, "m");
   EXPECT_EQ(std::get<Lambert>(m.material.model).albedo.value, (Rgb{0.8f, 0.4f, 0.2f}));
-  EXPECT_TRUE(is_black(m.material.emission));
+  EXPECT_TRUE(is_black(m.material.emission.value));
   EXPECT_EQ(m.albedo_file, "");
 }
 
 TEST(Mtl, MapsEmission) {
-  EXPECT_EQ(one("Ke 17 12 4\n").material.emission, (Rgb{17, 12, 4}));
+  EXPECT_EQ(one("Ke 17 12 4\n").material.emission.value, (Rgb{17, 12, 4}));
 }
 
 TEST(Mtl, MapsMirrors) {

@@ -80,8 +80,10 @@ TEST(SceneMistakes, InRender) {
           {"\"max_depth\": -1", "render.max_depth: must be a whole number between 0 and 1048576, got -1"},
           {"\"integrator\": \"miss\"", "render.integrator: unknown value 'miss'; did you mean 'mis'?"},
           {"\"integrator\": \"bdpt\"",
-           "render.integrator: unknown value 'bdpt'; known are 'naive', 'nee', 'mis'"},
-          {"\"integrator\": 1", "render.integrator: must be one of \"naive\", \"nee\", \"mis\", got 1"},
+           "render.integrator: unknown value 'bdpt'; known are 'naive', 'nee', 'mis', 'whitted'"},
+          {"\"integrator\": 1",
+           "render.integrator: must be one of \"naive\", \"nee\", \"mis\", \"whitted\", got 1"},
+          {"\"heuristic\": \"powr\"", "render.heuristic: unknown value 'powr'; did you mean 'power'?"},
           {"\"widht\": 5", "render: unknown key 'widht'; did you mean 'width'?"},
           {"\"filter\": \"lanczos\"",
            "render.filter: unknown value 'lanczos'; known are 'box', 'tent', 'gaussian'"},
@@ -215,6 +217,59 @@ TEST(SceneMistakes, InMaterials) {
            "materials.'a \\x01'.reflectance: must be between 0 and 1, got 2"},
       },
       with_materials, 3);
+}
+
+std::string with_lights(const std::string& lights) {
+  return scene_with("\"lights\": [" + lights + "]", "", "");
+}
+
+TEST(SceneMistakes, InLights) {
+  EXPECT_EQ(mistakes_in(with_lights("")), "no mistake");
+  EXPECT_EQ(mistakes_in(scene_with("\"lights\": {}", "", "")),
+            "scene.json:2: lights: must be a list of lights, got an object");
+  const std::string spot = "{\"type\": \"spot\", \"position\": [0, 1, 0], \"intensity\": 1, ";
+  expect_mistakes(
+      {
+          {"{\"type\": \"sun\"}",
+           "lights[0].type: unknown value 'sun'; known are 'point', 'spot', 'directional'"},
+          {"{\"type\": \"point\", \"intensity\": 1}", "lights[0]: a point light needs the key 'position'"},
+          {"{\"type\": \"point\", \"position\": [0, 1, 0], \"intensity\": -1}",
+           "lights[0].intensity: must be 0 or greater, got -1"},
+          {"{\"type\": \"point\", \"position\": [0, 1, 0], \"radiance\": 1, \"intensity\": 1}",
+           "lights[0]: unknown key 'radiance'; known are 'type', 'position', 'intensity'"},
+          {spot + "\"look_at\": [0, 1, 0]}",
+           "lights[0]: 'look_at' must be another point than 'position', and not too near it to be computed"},
+          {spot + "\"look_at\": [0, 0, 0], \"angle_degrees\": 200}",
+           "lights[0].angle_degrees: must be greater than 0 and at most 180, got 200"},
+          {spot + "\"look_at\": [0, 0, 0], \"softness\": 2}",
+           "lights[0].softness: must be between 0 and 1, got 2"},
+          {"{\"type\": \"directional\", \"direction\": [0, 0, 0], \"irradiance\": 1}",
+           "lights[0]: 'direction' must have a length that is greater than 0 and can be computed"},
+      },
+      with_lights, 2);
+}
+
+std::string with_environment(const std::string& environment) {
+  return scene_with(
+      "\"textures\": {\"sky\": {\"file\": \"gray.png\", \"scale\": [2, 1]}}, "
+      "\"environment\": {" +
+          environment + "}",
+      "", "");
+}
+
+TEST(SceneMistakes, InTheEnvironment) {
+  EXPECT_EQ(mistakes_in(with_environment("")), "no mistake");
+  expect_mistakes(
+      {
+          {"\"radiance\": -1", "environment.radiance: must be 0 or greater, got -1"},
+          {"\"rotation\": 30",
+           "environment: unknown key 'rotation'; known are 'radiance', 'texture', 'rotation_degrees'"},
+          {"\"texture\": \"sun\"", "environment.texture: there is no texture 'sun'; known is 'sky'"},
+          {"\"texture\": \"sky\"",
+           "environment.texture: the surroundings are one whole picture: leave out the texture's 'scale' and "
+           "'offset'; 'rotation_degrees' turns it"},
+      },
+      with_environment, 2);
 }
 
 TEST(SceneMistakes, SuggestTextures) {

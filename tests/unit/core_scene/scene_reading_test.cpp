@@ -33,7 +33,7 @@ TEST(SceneReading, HasSensibleDefaults) {
   EXPECT_EQ(scene.display, DisplaySettings{});
   ASSERT_EQ(scene.materials.size(), 2u);
   EXPECT_EQ(std::get<Lambert>(scene.materials[0].model).albedo.value, Rgb::gray(0.5f));
-  EXPECT_TRUE(is_black(scene.materials[0].emission));
+  EXPECT_TRUE(is_black(scene.materials[0].emission.value));
   EXPECT_TRUE(scene.materials[1].two_sided_emission);
   ASSERT_EQ(scene.shapes.size(), 1u);
   EXPECT_EQ(std::get<SphereDescription>(scene.shapes[0]).center, (Vec3{0, 0, 0}));
@@ -53,7 +53,8 @@ TEST(SceneReading, TakesEverySetting) {
   const SceneDescription scene = load(
       "// A comment\n{\"$schema\": \"../scene.schema.json\", /* another */\n"
       "\"render\": {\"width\": 640, \"height\": 480, \"spp\": 16777216, \"seed\": 18446744073709551615,"
-      "\"integrator\": \"nee\", \"max_depth\": 7, \"filter\": \"gaussian\", \"filter_radius\": 2.25},"
+      "\"integrator\": \"nee\", \"heuristic\": \"power\", \"max_depth\": 7, \"filter\": \"gaussian\","
+      "\"filter_radius\": 2.25},"
       "\"camera\": {\"position\": [1, 2, 3], \"look_at\": [4.5, 5, -6e1], \"up\": [0, 0, 1],"
       "\"vertical_fov_degrees\": 33.5, \"aperture_radius\": 0.25, \"focus_distance\": 9,"
       "\"aperture_blades\": 7, \"aperture_rotation_degrees\": -12.5},"
@@ -61,9 +62,14 @@ TEST(SceneReading, TakesEverySetting) {
       "\"materials\": {\"l\": {\"type\": \"mirror\", \"emission\": [1, 2, 3], \"emission_sides\": "
       "\"front\"}},"
       "\"shapes\": [{\"type\": \"sphere\", \"center\": [1, 2, 3], \"radius\": 0.5, \"material\": \"l\"}]}");
-  EXPECT_EQ(scene.settings,
-            (RenderSettings{
-                640, 480, 1u << 24, ~std::uint64_t{0}, Integrator::kNee, 7, {FilterKind::kGaussian, 2.25f}}));
+  EXPECT_EQ(scene.settings, (RenderSettings{.width_px = 640,
+                                            .height_px = 480,
+                                            .spp = 1u << 24,
+                                            .seed = ~std::uint64_t{0},
+                                            .integrator = Integrator::kNee,
+                                            .heuristic = Heuristic::kPower,
+                                            .max_depth = 7,
+                                            .filter = {FilterKind::kGaussian, 2.25f}}));
   EXPECT_EQ(scene.camera.look_at, (Vec3{4.5f, 5, -60}));
   EXPECT_EQ(scene.camera.up, (Vec3{0, 0, 1}));
   EXPECT_EQ(scene.camera.vertical_fov_degrees, 33.5f);
@@ -73,18 +79,56 @@ TEST(SceneReading, TakesEverySetting) {
   EXPECT_EQ(scene.camera.aperture_rotation_degrees, -12.5f);
   EXPECT_EQ(scene.display, (DisplaySettings{-1.5f, ToneCurve::kAgx}));
   EXPECT_EQ(scene.materials[0].name, "l");
-  EXPECT_EQ(scene.materials[0].emission, (Rgb{1, 2, 3}));
+  EXPECT_EQ(scene.materials[0].emission.value, (Rgb{1, 2, 3}));
   EXPECT_FALSE(scene.materials[0].two_sided_emission);
   EXPECT_EQ(std::get<SphereDescription>(scene.shapes[0]).radius, 0.5f);
   EXPECT_EQ(scene.shape_names, (std::vector<std::string>{"shapes[0]"}));
 }
 
 TEST(SceneReading, TakesTheWordsOfEveryIntegrator) {
-  for (const auto& [name, integrator] :
-       {std::pair{"naive", Integrator::kNaive}, {"nee", Integrator::kNee}, {"mis", Integrator::kMis}})
+  for (const auto& [name, integrator] : {std::pair{"naive", Integrator::kNaive},
+                                         {"nee", Integrator::kNee},
+                                         {"mis", Integrator::kMis},
+                                         {"whitted", Integrator::kWhitted}})
     EXPECT_EQ(load(scene_with("\"render\": {\"integrator\": \"" + std::string(name) + "\"}", "", ""))
                   .settings.integrator,
               integrator);
+}
+
+TEST(SceneReading, TakesLightsAndSurroundings) {
+  const SceneDescription scene = load(scene_with(
+      "\"textures\": {\"sky\": {\"file\": \"gray.png\"}},"
+      "\"lights\": [{\"type\": \"point\", \"position\": [1, 2, 3], \"intensity\": 5},"
+      "{\"type\": \"spot\", \"position\": [0, 4, 0], \"look_at\": [0, 0, 1], \"intensity\": [1, 2, 3],"
+      "\"angle_degrees\": 60, \"softness\": 0.5},"
+      "{\"type\": \"directional\", \"direction\": [0, -2, 0], \"irradiance\": 1e3}],"
+      "\"environment\": {\"radiance\": [3, 2, 1], \"texture\": \"sky\", \"rotation_degrees\": -90}",
+      "", ""));
+  ASSERT_EQ(scene.lights.size(), 3u);
+  const auto& point = std::get<PointLightDescription>(scene.lights[0]);
+  EXPECT_EQ(point.position, (Vec3{1, 2, 3}));
+  EXPECT_EQ(point.intensity, Rgb::gray(5));
+  const auto& spot = std::get<SpotLightDescription>(scene.lights[1]);
+  EXPECT_EQ(spot.position, (Vec3{0, 4, 0}));
+  EXPECT_EQ(spot.look_at, (Vec3{0, 0, 1}));
+  EXPECT_EQ(spot.intensity, (Rgb{1, 2, 3}));
+  EXPECT_EQ(spot.angle_degrees, 60);
+  EXPECT_EQ(spot.softness, 0.5f);
+  const auto& directional = std::get<DirectionalLightDescription>(scene.lights[2]);
+  EXPECT_EQ(directional.direction, (Vec3{0, -2, 0}));
+  EXPECT_EQ(directional.irradiance, Rgb::gray(1e3f));
+  ASSERT_TRUE(scene.environment);
+  EXPECT_EQ(scene.environment->radiance.value, (Rgb{3, 2, 1}));
+  EXPECT_EQ(scene.environment->radiance.texture, 0);
+  EXPECT_EQ(scene.environment->rotation_degrees, -90);
+}
+
+TEST(SceneReading, TakesTexturedEmissionAsBrightAsOneLikes) {
+  const SceneDescription scene = load(scene_with(
+      "\"textures\": {\"t\": {\"file\": \"gray.png\"}}",
+      "\"screen\": {\"type\": \"lambert\", \"emission\": {\"texture\": \"t\", \"tint\": [9, 8, 7]}}", ""));
+  EXPECT_EQ(scene.materials[0].emission.texture, 0);
+  EXPECT_EQ(scene.materials[0].emission.value, (Rgb{9, 8, 7}));
 }
 
 TEST(SceneReading, TakesMaterials) {
@@ -193,7 +237,7 @@ TEST(SceneReading, TakesMaterialsFromMtlFiles) {
   ASSERT_EQ(scene.materials.size(), 3u);  // not twice for two shapes
   EXPECT_EQ(scene.materials[1].name, "models/a.mtl: wood");
   EXPECT_EQ(std::get<Lambert>(scene.materials[1].model).albedo.texture, 0);
-  EXPECT_EQ(scene.materials[2].emission, Rgb::gray(5));
+  EXPECT_EQ(scene.materials[2].emission.value, Rgb::gray(5));
   ASSERT_EQ(scene.textures.size(), 1u);
   for (const int i : {0, 1})
     EXPECT_EQ(std::get<MeshDescription>(scene.shapes[static_cast<std::size_t>(i)]).triangle_materials,

@@ -63,11 +63,12 @@ TEST(Schema, HasTheWordsThatTheLoaderKnows) {
   expect_words("/properties/render/properties/integrator", scene_keys::kIntegrators);
   expect_words("/properties/render/properties/filter", scene_keys::kFilters);
   expect_words("/properties/output/properties/tone_curve", scene_keys::kToneCurves);
+  expect_words("/properties/render/properties/heuristic", scene_keys::kHeuristics);
   expect_words("/$defs/texture/properties/color_space", scene_keys::kColorSpaces);
   expect_words("/$defs/texture/properties/wrap", scene_keys::kWraps);
   expect_words("/$defs/emission_sides", scene_keys::kEmissionSides);
   expect_words("/$defs/mesh/properties/normals", scene_keys::kNormals);
-  for (const auto words : {scene_keys::kMaterialTypes, scene_keys::kShapeTypes})
+  for (const auto words : {scene_keys::kMaterialTypes, scene_keys::kShapeTypes, scene_keys::kLightTypes})
     for (const auto word : words)
       EXPECT_EQ(at("/$defs/" + std::string(word) + "/properties/type/const"), word);
 }
@@ -95,12 +96,15 @@ TEST(Schema, HasTheLimitsAndDefaultsOfTheSettings) {
   const json blades = at("/properties/camera/properties/aperture_blades")["oneOf"][1];
   EXPECT_EQ(blades["minimum"], kMinApertureBlades);
   EXPECT_EQ(blades["maximum"], kMaxApertureBlades);
+  EXPECT_EQ(render["heuristic"]["default"], heuristic_name(defaults.heuristic));
 }
 
 // The loader's words stand in the order of the enum they stand for.
-TEST(SceneKeys, NameTheIntegratorsInTheirOrder) {
+TEST(SceneKeys, NameIntegratorsAndHeuristicsInTheirOrder) {
   for (std::size_t i = 0; i < scene_keys::kIntegrators.size(); ++i)
     EXPECT_EQ(integrator_name(static_cast<Integrator>(i)), scene_keys::kIntegrators[i]);
+  for (std::size_t i = 0; i < scene_keys::kHeuristics.size(); ++i)
+    EXPECT_EQ(heuristic_name(static_cast<Heuristic>(i)), scene_keys::kHeuristics[i]);
 }
 
 TEST(SceneKeys, NameTheFiltersAndToneCurvesInTheirOrder) {

@@ -1,0 +1,126 @@
+#include "core/integrators/whitted.hpp"
+
+#include <array>
+#include <optional>
+#include <utility>
+
+#include "core/integrators/direct_light.hpp"
+#include "core/integrators/vertex.hpp"
+
+namespace tessera::core {
+namespace {
+
+// A ray of the tree and what is known of its place there.
+struct Branch {
+  Ray ray;
+  std::uint64_t node = kTreeRoot;
+  int depth = 0;
+  Rgb weight = Rgb::gray(1);  // what the radiance along the ray is multiplied by
+  float eta_scale = 1;        // undoes the compression of radiance by refraction in `weight`
+
+  float share() const { return max_component(weight) * eta_scale; }
+};
+
+class TreeTracer {
+ public:
+  TreeTracer(const Scene& scene, const RenderSettings& settings, const Sampler& sampler,
+             RenderCounters& counters)
+      : scene_(scene),
+        sampler_(sampler),
+        counters_(counters),
+        max_depth_(settings.max_depth > 0 ? settings.max_depth : kWhittedDepth) {}
+
+  Rgb trace(const Ray& ray) {
+    follow({.ray = ray});
+    return radiance_;
+  }
+
+ private:
+  // Follows the greater branch of each fork itself and the lesser one by a call. That one has at most half of
+  // the light, so that calls are nested a dozen deep at most before too little is left.
+  void follow(Branch branch) {
+    for (;;) {
+      ++counters_.closest_hit_rays;
+      const Hit hit = scene_.bvh().closest_hit(scene_.primitives(), branch.ray);
+      if (!hit.found()) return add_environment(branch);
+      const PathVertex vertex(scene_, branch.ray, hit);
+      add_emission(branch, vertex, scene_.light_of(hit.primitive));
+      if (!vertex.is_delta()) return add_direct_light(branch, vertex);
+      if (branch.depth >= max_depth_) return;
+      auto [greater, lesser] = fork(branch, vertex);
+      if (lesser.share() > greater.share()) std::swap(greater, lesser);
+      if (lesser.share() >= kLeastWhittedShare) follow(lesser);
+      if (!(greater.share() >= kLeastWhittedShare)) return;
+      branch = greater;
+    }
+  }
+
+  // What is reflected and what is refracted, with weight 0 where there is none.
+  static std::array<Branch, 2> fork(const Branch& branch, const PathVertex& vertex) {
+    std::array<Branch, 2> children;
+    const auto directions = vertex.delta_branches();
+    for (std::size_t i = 0; i < children.size(); ++i) {
+      const auto& direction = directions[i];
+      if (!direction) {
+        children[i].weight = {};
+        continue;
+      }
+      children[i] = {vertex.ray_along(direction->wi), tree_child(branch.node, static_cast<std::uint32_t>(i)),
+                     branch.depth + 1, branch.weight * direction->weight,
+                     branch.eta_scale * direction->eta * direction->eta};
+    }
+    return children;
+  }
+
+  void add_environment(const Branch& branch) {
+    if (scene_.environment_light() == kNoLight) return;
+    radiance_ += branch.weight * scene_.environment().radiance(branch.ray.direction);
+  }
+
+  void add_emission(const Branch& branch, const PathVertex& vertex, std::uint32_t light) {
+    if (light == kNoLight) return;
+    radiance_ +=
+        branch.weight * scene_.area_light(light).emitted(scene_.textures(), vertex.surface(), vertex.wo());
+  }
+
+  void add_direct_light(const Branch& branch, const PathVertex& vertex) {
+    const auto count = static_cast<std::uint32_t>(scene_.lights().size());
+    if (count <= kMostWhittedLights) {
+      for (std::uint32_t i = 0; i < count; ++i) {
+        const auto u = sampler_.pad(tree_light_pad(branch.node, i));
+        add_light(branch, vertex, {i, 1}, {u[0], u[1]});
+      }
+      return;
+    }
+    for (std::uint32_t i = 0; i < kMostWhittedLights; ++i) {
+      const auto u = sampler_.pad(tree_light_pad(branch.node, i));
+      const double stratum = (i + two_digits(u[2], u[3])) / kMostWhittedLights;
+      LightSampler::Choice choice = scene_.light_sampler().sample(stratum);
+      choice.pmf *= kMostWhittedLights;
+      add_light(branch, vertex, choice, {u[0], u[1]});
+    }
+  }
+
+  // `choice.pmf`: how many samples the light gets in expectation.
+  void add_light(const Branch& branch, const PathVertex& vertex, LightSampler::Choice choice, Vec2 u) {
+    const auto light = sample_light(scene_.lights()[choice.light], scene_.textures(), vertex.position(), u);
+    if (!light) return;
+    const Rgb reflected = reflected_light(scene_, vertex, *light, counters_);
+    radiance_ += branch.weight * reflected / (light->pdf * choice.pmf);
+  }
+
+  const Scene& scene_;
+  const Sampler& sampler_;
+  RenderCounters& counters_;
+  int max_depth_;
+  Rgb radiance_{};
+};
+
+}  // namespace
+
+Rgb trace_whitted(const Scene& scene, const RenderSettings& settings, const Sampler& sampler, const Ray& ray,
+                  RenderCounters& counters) {
+  return TreeTracer(scene, settings, sampler, counters).trace(ray);
+}
+
+}  // namespace tessera::core

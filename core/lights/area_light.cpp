@@ -1,0 +1,160 @@
+#include "core/lights/area_light.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/geometry/sphere.hpp"
+#include "core/math/elementary.hpp"
+#include "core/math/frame.hpp"
+#include "core/sampling/warp.hpp"
+
+namespace tessera::core {
+namespace {
+
+// n roundings in a row change a value by at most this factor less one (Higham 2002, section 3.1).
+constexpr float rounding_bound(int n) {
+  constexpr float kHalfUlp = std::numeric_limits<float>::epsilon() / 2;
+  return static_cast<float>(n) * kHalfUlp / (1 - static_cast<float>(n) * kHalfUlp);
+}
+
+float area_of(const TriangleLight& t) {
+  return length(cross(t.p1 - t.p0, t.p2 - t.p0)) / 2;
+}
+float area_of(const QuadLight& q) {
+  return length(cross(q.edge_u, q.edge_v));
+}
+float area_of(const SphereLight& s) {
+  return 4 * kPi * s.radius * s.radius;
+}
+
+SurfacePoint flat_point(Vec3 position, Vec3 magnitude, Vec3 normal) {
+  SurfacePoint point;
+  point.position = position;
+  point.position_error = magnitude * rounding_bound(8);
+  point.geometric_normal = normal;
+  return point;
+}
+
+// From outside, the cone of directions that a sphere fills, by its sine squared and one minus its cosine.
+// Nothing from inside, where it fills all of them, and for points that rounding may have put on either side
+// of the sphere itself.
+struct Cone {
+  float sin2_max;
+  float one_minus_cos_max;
+};
+
+std::optional<Cone> cone_of(const SphereLight& sphere, Vec3 p_lit) {
+  const float distance2 = length_squared(p_lit - sphere.center);
+  const float radius2 = sphere.radius * sphere.radius;
+  constexpr float kClearlyOutside = 1.01f;
+  if (distance2 <= kClearlyOutside * radius2) return std::nullopt;
+  const float sin2_max = radius2 / distance2;
+  const float cos_max = std::sqrt(std::max(0.0f, 1 - sin2_max));
+  // sin^2 / (1 + cos), which does not cancel for small cones.
+  return Cone{sin2_max, sin2_max / (1 + cos_max)};
+}
+
+float pdf_cone(const Cone& cone) {
+  return 1 / (2 * kPi * cone.one_minus_cos_max);
+}
+
+// Area density to solid angle density.
+float per_solid_angle(float area, Vec3 p_lit, Vec3 p_light, Vec3 normal) {
+  const Vec3 d = p_light - p_lit;
+  const float distance2 = length_squared(d);
+  const float cos_light = std::fabs(dot(d, normal)) / std::sqrt(distance2);
+  return cos_light > 0 ? distance2 / (cos_light * area) : 0;
+}
+
+}  // namespace
+
+AreaLight::AreaLight(LightShape shape, Vec3 front, const SurfaceEmission& emission)
+    : shape_(shape),
+      front_(front),
+      area_(std::visit([](const auto& s) { return area_of(s); }, shape)),
+      emission_(emission) {}
+
+Rgb AreaLight::emitted(const std::vector<Texture>& textures, const SurfacePoint& point, Vec3 wo) const {
+  if (!emission_.two_sided) {
+    const auto* sphere = std::get_if<SphereLight>(&shape_);
+    const Vec3 outward = sphere ? point.position - sphere->center : front_;
+    if (!(dot(outward, wo) > 0)) return {};
+  }
+  return emission_.radiance.evaluate(textures, point.uv);
+}
+
+std::optional<LightSample> AreaLight::sample(const std::vector<Texture>& textures, Vec3 p_lit, Vec2 u) const {
+  const Found found = std::visit([&](const auto& shape) { return find(shape, p_lit, u); }, shape_);
+  if (!(found.pdf > 0) || !std::isfinite(found.pdf)) return std::nullopt;
+  const Rgb radiance = emitted(textures, found.point, -found.wi);
+  if (is_black(radiance)) return std::nullopt;
+  return LightSample{found.wi, radiance, found.pdf, false, found.point};
+}
+
+// A point that was found uniformly over the area. The density is not a number where it is the lit point.
+AreaLight::Found AreaLight::flat(const SurfacePoint& point, Vec3 p_lit) const {
+  return {point, normalize(point.position - p_lit),
+          per_solid_angle(area_, p_lit, point.position, point.geometric_normal)};
+}
+
+AreaLight::Found AreaLight::find(const TriangleLight& t, Vec3 p_lit, Vec2 u) const {
+  const Vec2 b = sample_triangle(u);
+  const float b0 = 1 - b.x - b.y;
+  const Vec3 position = t.p0 * b0 + t.p1 * b.x + t.p2 * b.y;
+  const Vec3 magnitude = abs(t.p0 * b0) + abs(t.p1 * b.x) + abs(t.p2 * b.y);
+  SurfacePoint point = flat_point(position, magnitude, front_);
+  point.uv = t.uv0 * b0 + t.uv1 * b.x + t.uv2 * b.y;
+  return flat(point, p_lit);
+}
+
+AreaLight::Found AreaLight::find(const QuadLight& q, Vec3 p_lit, Vec2 u) const {
+  const Vec3 position = q.corner + q.edge_u * u.x + q.edge_v * u.y;
+  const Vec3 magnitude = abs(q.corner) + abs(q.edge_u * u.x) + abs(q.edge_v * u.y);
+  SurfacePoint point = flat_point(position, magnitude, front_);
+  point.uv = u;
+  return flat(point, p_lit);
+}
+
+// From outside, uniform in the cone (Pharr et al. 2023, section 6.2.4); elsewhere, uniform over the area.
+AreaLight::Found AreaLight::find(const SphereLight& sphere, Vec3 p_lit, Vec2 u) const {
+  const auto cone = cone_of(sphere, p_lit);
+  if (!cone) return flat(point_of(sphere, sample_sphere(u)), p_lit);
+
+  const float one_minus_cos = u.x * cone->one_minus_cos_max;
+  const float cos_theta = 1 - one_minus_cos;
+  const float sin2_theta = one_minus_cos * (1 + cos_theta);
+  // The angle at the centre between the axis and the point that the direction meets.
+  const float cos_alpha = sin2_theta / std::sqrt(cone->sin2_max) +
+                          cos_theta * std::sqrt(std::max(0.0f, 1 - sin2_theta / cone->sin2_max));
+  const float sin_alpha = std::sqrt(std::max(0.0f, 1 - cos_alpha * cos_alpha));
+  const float phi = 2 * kPi * u.y;
+  const Frame axis = Frame::around(normalize(p_lit - sphere.center));
+  const Vec3 outward = axis.to_world({sin_alpha * cos(phi), sin_alpha * sin(phi), cos_alpha});
+
+  const SurfacePoint point = point_of(sphere, outward);
+  return {point, normalize(point.position - p_lit), pdf_cone(*cone)};
+}
+
+SurfacePoint AreaLight::point_of(const SphereLight& sphere, Vec3 outward) const {
+  SurfacePoint point;
+  point.position = sphere.center + outward * sphere.radius;
+  point.position_error = (abs(sphere.center) + abs(outward) * sphere.radius) * rounding_bound(8);
+  point.geometric_normal = outward;
+  if (emission_.radiance.texture >= 0) point.uv = sphere_uv(outward);
+  return point;
+}
+
+float AreaLight::pdf(Vec3 p_lit, Vec3 p_light) const {
+  const auto* sphere = std::get_if<SphereLight>(&shape_);
+  if (!sphere) return per_solid_angle(area_, p_lit, p_light, front_);
+  if (const auto cone = cone_of(*sphere, p_lit)) return pdf_cone(*cone);
+  return per_solid_angle(area_, p_lit, p_light, normalize(p_light - sphere->center));
+}
+
+double AreaLight::power() const {
+  const int sides = emission_.two_sided && !std::holds_alternative<SphereLight>(shape_) ? 2 : 1;
+  return emission_.mean_luminance * static_cast<double>(area_) * static_cast<double>(kPi) * sides;
+}
+
+}  // namespace tessera::core

@@ -1,0 +1,119 @@
+#include "core/lights/environment.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "core/math/elementary.hpp"
+
+namespace tessera::core {
+namespace {
+
+constexpr double kPiDouble = 3.14159265358979323846;
+
+// 1 - cos(theta) where each row of an equirectangular picture begins, and 2 where the last one ends. By the
+// sine of half the angle, which does not cancel near the pole.
+std::vector<double> rows_below_north_pole(int rows) {
+  const auto depth = [rows](int row) {
+    const double half_sine =
+        static_cast<double>(sin(kPi / 2 * static_cast<float>(row) / static_cast<float>(rows)));
+    return 2 * half_sine * half_sine;
+  };
+  std::vector<double> begin;
+  for (int row = 0; row <= rows; ++row) begin.push_back(2 * row <= rows ? depth(row) : 2 - depth(rows - row));
+  return begin;
+}
+
+// The mean over a texel of what is interpolated linearly between it and its two neighbours.
+double mean_over_texel(double before, double here, double after) {
+  return (before + 6 * here + after) / 8;
+}
+
+// The luminance of `image` times `factor` in the mean over each texel, as bilinear interpolation has it: 0
+// only where all of the texel is black. Row-major.
+std::vector<double> texel_luminances(const TextureImage& image, Rgb factor) {
+  const auto width = static_cast<std::size_t>(image.width), height = static_cast<std::size_t>(image.height);
+  std::vector<double> across(width * height), mean(width * height), row(width);
+  for (std::size_t y = 0; y < height; ++y) {
+    for (std::size_t x = 0; x < width; ++x)
+      row[x] = static_cast<double>(luminance(factor * image.texel(static_cast<int>(x), static_cast<int>(y))));
+    for (std::size_t x = 0; x < width; ++x)
+      across[y * width + x] = mean_over_texel(row[(x + width - 1) % width], row[x], row[(x + 1) % width]);
+  }
+  for (std::size_t y = 0; y < height; ++y) {
+    const std::size_t above = y > 0 ? y - 1 : 0, below = std::min(y + 1, height - 1);
+    for (std::size_t x = 0; x < width; ++x)
+      mean[y * width + x] =
+          mean_over_texel(across[above * width + x], across[y * width + x], across[below * width + x]);
+  }
+  return mean;
+}
+
+float fraction(float x) {
+  return x - std::floor(x);
+}
+
+int cell_of(float coordinate, int cells) {
+  return std::clamp(static_cast<int>(coordinate * static_cast<float>(cells)), 0, cells - 1);
+}
+
+}  // namespace
+
+Environment::Environment(Rgb radiance, std::shared_ptr<const TextureImage> image, float rotation_degrees)
+    : radiance_(radiance),
+      image_(std::move(image)),
+      width_(image_ ? image_->width : 1),
+      height_(image_ ? image_->height : 1),
+      rotation_(fraction(rotation_degrees / 360) * 2 * kPi),
+      row_begin_(rows_below_north_pole(height_)) {
+  auto weights = image_ ? texel_luminances(*image_, radiance_)
+                        : std::vector<double>{static_cast<double>(luminance(radiance_))};
+  for (std::size_t i = 0; i < weights.size(); ++i) {
+    weights[i] *= solid_angle(static_cast<int>(i / static_cast<std::size_t>(width_)));
+    luminance_over_sphere_ += weights[i];
+  }
+  texels_ = GridDistribution(width_, height_, weights);
+}
+
+double Environment::solid_angle(int row) const {
+  const auto r = static_cast<std::size_t>(row);
+  return 2 * kPiDouble / width_ * (row_begin_[r + 1] - row_begin_[r]);
+}
+
+Vec2 Environment::uv_of(Vec3 d) const {
+  const float longitude = atan2(d.x, -d.z) + rotation_;
+  const float latitude = atan2(d.y, std::sqrt(d.x * d.x + d.z * d.z));
+  return {fraction(0.5f + longitude / (2 * kPi)), 0.5f + latitude / kPi};
+}
+
+Rgb Environment::radiance(Vec3 direction) const {
+  return image_ ? radiance_ * image_->bilinear(uv_of(direction), Wrap::kRepeat, Wrap::kClamp) : radiance_;
+}
+
+float Environment::pdf(Vec3 direction) const {
+  if (!image_) return 1 / (4 * kPi);
+  const Vec2 uv = uv_of(direction);
+  const int row = cell_of(1 - uv.y, height_);
+  return static_cast<float>(texels_.pmf(cell_of(uv.x, width_), row) / solid_angle(row));
+}
+
+std::optional<LightSample> Environment::sample(Vec2 u) const {
+  const GridDistribution::Choice texel = texels_.sample(u);
+  const auto row = static_cast<std::size_t>(texel.y);
+  const double depth =
+      row_begin_[row] + (row_begin_[row + 1] - row_begin_[row]) * static_cast<double>(texel.within.y);
+  const auto horizontal = static_cast<float>(std::sqrt(depth * (2 - depth)));
+  const float along_row = (static_cast<float>(texel.x) + texel.within.x) / static_cast<float>(width_);
+  const float longitude = 2 * kPi * (along_row - 0.5f) - rotation_;
+  const Vec3 wi{horizontal * sin(longitude), static_cast<float>(1 - depth), -horizontal * cos(longitude)};
+  const Rgb arriving = radiance(wi);
+  if (is_black(arriving)) return std::nullopt;
+  return LightSample{normalize(wi), arriving, static_cast<float>(texel.pmf / solid_angle(texel.y)), false,
+                     std::nullopt};
+}
+
+double Environment::power(double scene_radius) const {
+  return luminance_over_sphere_ * kPiDouble * scene_radius * scene_radius;
+}
+
+}  // namespace tessera::core

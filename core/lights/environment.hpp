@@ -1,0 +1,51 @@
+// Light from infinitely far away in all directions: one radiance, or a picture of the surroundings that is
+// sampled in proportion to its luminance. Immutable, shared by all threads.
+//
+// Pictures are equirectangular, as seen from inside: the middle looks along -z, right of it is +x, the upper
+// edge is +y. Longitude and latitude are linear in u and v.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "core/lights/light_sample.hpp"
+#include "core/sampling/distribution.hpp"
+#include "core/textures/texture.hpp"
+
+namespace tessera::core {
+
+class Environment {
+ public:
+  // `image` may be null: then `radiance` comes from everywhere; else it multiplies the picture. The picture
+  // is turned about +y, counter-clockwise seen from above.
+  Environment(Rgb radiance, std::shared_ptr<const TextureImage> image, float rotation_degrees);
+
+  // From a direction, of any length but 0. Bilinear between the picture's texels.
+  Rgb radiance(Vec3 direction) const;
+
+  // A direction, in proportion to the mean luminance of the texel it falls on, after interpolation: wherever
+  // radiance() is not black there is a density. Uniform without a picture.
+  std::optional<LightSample> sample(Vec2 u) const;
+  float pdf(Vec3 direction) const;
+
+  // Watts weighed by luminance that fall on a disk of the scene's radius, from all sides.
+  double power(double scene_radius) const;
+
+ private:
+  Vec2 uv_of(Vec3 direction) const;
+  // Of each texel of a row.
+  double solid_angle(int row) const;
+
+  Rgb radiance_;
+  std::shared_ptr<const TextureImage> image_;
+  int width_, height_;  // in texels; 1 x 1 without a picture
+  float rotation_;      // radians
+  // The density is constant on each texel: it is uniform in longitude and in height on the unit sphere, where
+  // equal heights have equal areas (Archimedes). Rows begin at these depths below the north pole.
+  std::vector<double> row_begin_;  // and where the last one ends
+  GridDistribution texels_;
+  double luminance_over_sphere_ = 0;  // integrated over solid angle
+};
+
+}  // namespace tessera::core

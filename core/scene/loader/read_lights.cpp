@@ -1,0 +1,92 @@
+// Lights without extent and the environment of a scene file.
+#include <cmath>
+
+#include "core/scene/loader/scene_file.hpp"
+
+namespace tessera::core {
+namespace {
+
+using scene_keys::kLightTypes;
+
+constexpr Bounds kConeAngle{[](double v) { return v > 0 && v <= 180; }, "greater than 0 and at most 180"};
+// Farther, the sine of the angle would lose its accuracy.
+constexpr Bounds kDegrees{[](double v) { return v >= -3600 && v <= 3600; }, "between -3600 and 3600"};
+
+bool has_direction(Vec3 v) {
+  return length_squared(v) > 0 && std::isfinite(length_squared(v));
+}
+
+PointLightDescription read_point(const Field& field) {
+  const ObjectReader object(field, scene_keys::kPointLight);
+  PointLightDescription light;
+  light.position = read_or(object, "position", light.position, read_vec3, bounds::kCoordinate);
+  light.intensity = read_or(object, "intensity", light.intensity, read_color, bounds::kNotNegative);
+  return light;
+}
+
+SpotLightDescription read_spot(const Field& field) {
+  const std::size_t mistakes_before = field.mistakes().count();
+  const ObjectReader object(field, scene_keys::kSpotLight);
+  SpotLightDescription light;
+  light.position = read_or(object, "position", light.position, read_vec3, bounds::kCoordinate);
+  light.look_at = read_or(object, "look_at", light.look_at, read_vec3, bounds::kCoordinate);
+  light.intensity = read_or(object, "intensity", light.intensity, read_color, bounds::kNotNegative);
+  light.angle_degrees = read_or(object, "angle_degrees", light.angle_degrees, read_float, kConeAngle);
+  light.softness = read_or(object, "softness", light.softness, read_float, bounds::kUnit);
+  if (field.mistakes().count() == mistakes_before && !has_direction(light.look_at - light.position))
+    field.mistake("'look_at' must be another point than 'position', and not too near it to be computed");
+  return light;
+}
+
+DirectionalLightDescription read_directional(const Field& field) {
+  const std::size_t mistakes_before = field.mistakes().count();
+  const ObjectReader object(field, scene_keys::kDirectionalLight);
+  DirectionalLightDescription light;
+  light.direction = read_or(object, "direction", light.direction, read_vec3, bounds::kAny);
+  light.irradiance = read_or(object, "irradiance", light.irradiance, read_color, bounds::kNotNegative);
+  if (field.mistakes().count() == mistakes_before && !has_direction(light.direction))
+    field.mistake("'direction' must have a length that is greater than 0 and can be computed");
+  return light;
+}
+
+}  // namespace
+
+std::vector<LightDescription> read_lights(const Field& field) {
+  const auto* items = field.value().get_if<JsonValue::Array>();
+  if (items == nullptr) {
+    field.must_be("a list of lights");
+    return {};
+  }
+  std::vector<LightDescription> lights;
+  for (std::size_t i = 0; i < items->size(); ++i) {
+    const Field entry = field.element(i);
+    const auto type = read_type(entry, kLightTypes, "light");
+    if (!type) continue;
+    if (*type == 0) lights.emplace_back(read_point(entry));
+    if (*type == 1) lights.emplace_back(read_spot(entry));
+    if (*type == 2) lights.emplace_back(read_directional(entry));
+  }
+  return lights;
+}
+
+EnvironmentDescription read_environment(const Field& field, const std::vector<TextureEntry>& textures) {
+  const ObjectReader object(field, scene_keys::kEnvironment);
+  EnvironmentDescription environment;
+  environment.radiance.value =
+      read_or(object, "radiance", environment.radiance.value, read_color, bounds::kNotNegative);
+  environment.rotation_degrees =
+      read_or(object, "rotation_degrees", environment.rotation_degrees, read_float, kDegrees);
+  if (const auto name = object.find("texture")) {
+    const int index = read_texture_name(*name, textures);
+    environment.radiance.texture = index;
+    if (index < 0) return environment;
+    const TextureEntry& texture = textures[static_cast<std::size_t>(index)];
+    if (texture.scale != Vec2{1, 1} || texture.offset != Vec2{0, 0})
+      name->mistake(
+          "the surroundings are one whole picture: leave out the texture's 'scale' and 'offset'; "
+          "'rotation_degrees' turns it");
+  }
+  return environment;
+}
+
+}  // namespace tessera::core
