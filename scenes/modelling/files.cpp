@@ -13,7 +13,7 @@ using core::MeshDescription;
 
 void append_triangles(std::string& text, const MeshDescription& mesh, std::size_t material) {
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-    if (!mesh.triangle_materials.empty() && mesh.triangle_materials[i] != material) continue;
+    if (mesh.triangle_materials.size() > 1 && mesh.triangle_materials[i] != material) continue;
     const auto [a, b, c] = mesh.triangles[i];
     if (mesh.uvs.empty()) {
       fmt::format_to(std::back_inserter(text), "f {0}//{0} {1}//{1} {2}//{2}\n", a + 1, b + 1, c + 1);

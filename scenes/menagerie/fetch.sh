@@ -1,0 +1,63 @@
+#!/usr/bin/env bash
+# Puts the Stanford bunny and Spot the cow beside this scene, from where they were first published, and models the
+# menagerie with them in place of our own animals. Needs curl, tar, unzip and sha256sum. To go back, delete bunny.obj,
+# spot.obj and spot_texture.png and build again.
+#
+# The bunny: Stanford 3D Scanning Repository, Turk and Levoy 1994. For research, with credit; not to be sold.
+# Spot: Keenan Crane. Public domain (CC0).
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")"
+
+bunny_url=https://graphics.stanford.edu/pub/3Dscanrep/bunny.tar.gz
+spot_url=https://www.cs.cmu.edu/~kmcrane/Projects/ModelRepository/spot.zip
+bunny_archive_sha256=a5720bd96d158df403d153381b8411a727a1d73cff2f33dc9b212d6f75455b84
+spot_sha256=0738b5e8608fed74e5e8c7aa8dd0af97b4b74f9f6cbf7aac84cd7e40b2e44a75
+spot_texture_sha256=cddabbae52a666173e7953e238b88340d285044dc20b36f8ed3f1a41db534fa5
+generator=../../build/release/bin/tessera-generate-menagerie
+
+fail() {
+  echo "fetch.sh: $*" >&2
+  exit 1
+}
+
+# verify FILE SHA256
+verify() {
+  local found
+  found=$(sha256sum "$1" | cut -d ' ' -f 1)
+  [ "$found" = "$2" ] || fail "$1 is not the file it should be: its SHA-256 is $found, not $2"
+}
+
+# ply_to_obj: an ASCII PLY file whose vertices begin with x y z and whose faces are triangles.
+ply_to_obj() {
+  awk '/^element vertex/ { vertices = $3 }
+       body && vertices > 0 { print "v", $1, $2, $3; vertices--; next }
+       body && $1 == 3 { print "f", $2 + 1, $3 + 1, $4 + 1 }
+       /^end_header/ { body = 1 }'
+}
+
+for tool in curl tar unzip sha256sum awk; do
+  command -v "$tool" >/dev/null || fail "$tool is needed; install it first"
+done
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+
+curl --fail --location --silent --show-error --output "$work/bunny.tar.gz" "$bunny_url"
+verify "$work/bunny.tar.gz" "$bunny_archive_sha256"
+tar -xzOf "$work/bunny.tar.gz" bunny/reconstruction/bun_zipper.ply | ply_to_obj >"$work/bunny.obj"
+
+curl --fail --location --silent --show-error --output "$work/spot.zip" "$spot_url"
+unzip -q -j "$work/spot.zip" '*/spot_triangulated.obj' '*/spot_texture.png' -d "$work"
+verify "$work/spot_triangulated.obj" "$spot_sha256"
+verify "$work/spot_texture.png" "$spot_texture_sha256"
+
+mv "$work/bunny.obj" bunny.obj
+mv "$work/spot_triangulated.obj" spot.obj
+mv "$work/spot_texture.png" spot_texture.png
+
+if [ -x "$generator" ]; then
+  mkdir -p generated
+  "$generator" generated .
+  echo "The menagerie is now the bunny's and Spot's; render scenes/menagerie/scene.json."
+else
+  echo "The next build will take the bunny and Spot into the menagerie."
+fi
