@@ -21,7 +21,7 @@ namespace {
 constexpr float kCubeCm = 0.15f;
 constexpr int kCoatPx = 2048;
 // The bunny looks along -x, Spot along -z; ours along z.
-constexpr Pose kBunnyPose{100, 15}, kSpotPose{180, 19};
+constexpr Pose kBunnyPose{75, 16}, kSpotPose{180, 19};
 
 core::Status write_mesh(const std::string& path, const core::MeshDescription& mesh) {
   return core::write_file_atomically(path, modelling::obj_text(mesh));
