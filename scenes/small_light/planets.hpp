@@ -1,0 +1,22 @@
+// Marbles painted like planets, and the chart on which they stand. Stateless; the same bytes on every
+// machine.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "core/image/image.hpp"
+
+namespace tessera::small_light {
+
+struct Painting {
+  std::string name;
+  std::function<core::Image()> paint;
+};
+
+// For spheres: longitude to the right, latitude upwards. "chart" is for a square of 16 by 16, the sun in the
+// middle.
+const std::vector<Painting>& paintings();
+
+}  // namespace tessera::small_light
