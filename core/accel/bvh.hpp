@@ -4,9 +4,9 @@
 #pragma once
 
 #include <cstdint>
-#include <vector>
 
 #include "core/accel/bvh_layout.hpp"
+#include "core/accel/huge_pages.hpp"
 #include "core/geometry/primitives.hpp"
 #include "core/geometry/ray.hpp"
 
@@ -31,10 +31,10 @@ class Bvh {
   bool operator==(const Bvh&) const = default;
 
  private:
-  Bvh(std::vector<BvhNode> nodes, std::vector<BvhPacket> packets);
+  Bvh(HugePageVector<BvhNode> nodes, HugePageVector<BvhPacket> packets);
 
-  std::vector<BvhNode> nodes_;  // the root first
-  std::vector<BvhPacket> packets_;
+  HugePageVector<BvhNode> nodes_;  // the root first
+  HugePageVector<BvhPacket> packets_;
 };
 
 }  // namespace tessera::core

@@ -3,13 +3,15 @@
 
 #include "core/accel/binary_bvh.hpp"
 #include "core/accel/bvh.hpp"
+#include "core/accel/collapse.hpp"
 
 namespace tessera::core {
 namespace {
 
 class WideBuilder {
  public:
-  WideBuilder(const Primitives& primitives, const BinaryBvh& tree) : primitives_(primitives), tree_(tree) {}
+  WideBuilder(const Primitives& primitives, const BinaryBvh& tree)
+      : primitives_(primitives), tree_(tree), collapse_(tree) {}
 
   // Appends the wide node that stands for binary node `root`, and all below. The depth of the recursion is
   // that of the binary tree at most.
@@ -17,7 +19,7 @@ class WideBuilder {
     const auto index = static_cast<std::uint32_t>(nodes_.size());
     nodes_.emplace_back();
     int lane = 0;
-    for (const std::uint32_t child : gather_children(root)) {
+    for (const std::uint32_t child : collapse_.children(root)) {
       const BinaryBvh::Node& node = tree_.nodes[child];
       const BvhChild reference =
           node.is_leaf() ? BvhChild::packet(add_packet(node)) : BvhChild::node(add_node(child));
@@ -26,30 +28,10 @@ class WideBuilder {
     return index;
   }
 
-  std::vector<BvhNode> take_nodes() { return std::move(nodes_); }
-  std::vector<BvhPacket> take_packets() { return std::move(packets_); }
+  HugePageVector<BvhNode> take_nodes() { return std::move(nodes_); }
+  HugePageVector<BvhPacket> take_packets() { return std::move(packets_); }
 
  private:
-  // Up to eight descendants that together hold all of `root`: the largest inner one is opened until they are
-  // eight.
-  std::vector<std::uint32_t> gather_children(std::uint32_t root) const {
-    std::vector<std::uint32_t> children{root};
-    while (children.size() < BvhNode::kWidth) {
-      const auto largest = std::max_element(children.begin(), children.end(), [&](auto a, auto b) {
-        return opening_gain(a) < opening_gain(b);
-      });
-      if (tree_.nodes[*largest].is_leaf()) break;
-      const std::uint32_t opened = *largest;
-      *largest = opened + 1;
-      children.push_back(tree_.nodes[opened].right);
-    }
-    return children;
-  }
-
-  double opening_gain(std::uint32_t node) const {
-    return tree_.nodes[node].is_leaf() ? -1 : tree_.nodes[node].box.half_area();
-  }
-
   std::uint32_t add_packet(const BinaryBvh::Node& leaf) {
     BvhPacket packet;
     for (std::uint32_t lane = 0; lane < leaf.count(); ++lane) {
@@ -74,16 +56,17 @@ class WideBuilder {
 
   static void set_lane(BvhNode& node, int lane, const Aabb& box, BvhChild child) {
     for (int axis = 0; axis < 3; ++axis) {
-      node.bounds[BvhNode::kLower][axis][lane] = box.lower[axis];
-      node.bounds[BvhNode::kUpper][axis][lane] = box.upper[axis];
+      node.bounds[3 * BvhNode::kLower + axis][lane] = box.lower[axis];
+      node.bounds[3 * BvhNode::kUpper + axis][lane] = box.upper[axis];
     }
     node.children[static_cast<std::size_t>(lane)] = child;
   }
 
   const Primitives& primitives_;
   const BinaryBvh& tree_;
-  std::vector<BvhNode> nodes_;
-  std::vector<BvhPacket> packets_;
+  const Collapse collapse_;
+  HugePageVector<BvhNode> nodes_;
+  HugePageVector<BvhPacket> packets_;
 };
 
 }  // namespace
@@ -92,12 +75,12 @@ BvhNode::BvhNode() {
   children.fill(BvhChild::packet(0));
   const Aabb empty;
   for (int axis = 0; axis < 3; ++axis) {
-    std::fill_n(bounds[kLower][axis], kWidth, empty.lower[axis]);
-    std::fill_n(bounds[kUpper][axis], kWidth, empty.upper[axis]);
+    std::fill_n(bounds[3 * kLower + axis], kWidth, empty.lower[axis]);
+    std::fill_n(bounds[3 * kUpper + axis], kWidth, empty.upper[axis]);
   }
 }
 
-Bvh::Bvh(std::vector<BvhNode> nodes, std::vector<BvhPacket> packets)
+Bvh::Bvh(HugePageVector<BvhNode> nodes, HugePageVector<BvhPacket> packets)
     : nodes_(std::move(nodes)), packets_(std::move(packets)) {}
 
 Bvh Bvh::build(const Primitives& primitives, int threads) {

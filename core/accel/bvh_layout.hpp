@@ -25,11 +25,11 @@ class BvhChild {
 };
 
 // An unused lane has an empty box, which no ray enters, and leads to packet 0, which is harmless if one did.
-struct alignas(32) BvhNode {
+struct alignas(64) BvhNode {
   static constexpr int kWidth = 8;
   enum Side { kLower, kUpper };
 
-  float bounds[2][3][kWidth];  // [side][axis][lane]
+  float bounds[6][kWidth];  // [3 * side + axis][lane]
   std::array<BvhChild, kWidth> children;
 
   BvhNode();
@@ -38,7 +38,7 @@ struct alignas(32) BvhNode {
 
 // The primitives of a leaf: a lane each, triangles with a copy of their corners. Unused lanes are in neither
 // mask.
-struct alignas(16) BvhPacket {
+struct alignas(64) BvhPacket {
   static constexpr int kWidth = 4;
 
   float corners[3][3][kWidth] = {};  // [corner][axis][lane]

@@ -37,6 +37,7 @@ struct Double4 {
 
   static Double4 broadcast(double x) { return {_mm256_set1_pd(x)}; }
   static Double4 load(const float* aligned) { return {_mm256_cvtps_pd(_mm_load_ps(aligned))}; }
+  void store(double* aligned) const { _mm256_store_pd(aligned, v); }
 };
 
 inline Double4 operator-(Double4 a, Double4 b) {
@@ -51,6 +52,22 @@ inline Double4 max(Double4 a, Double4 b) {
 }
 inline Double4 min(Double4 a, Double4 b) {
   return {_mm256_min_pd(a.v, b.v)};
+}
+inline Double4 operator+(Double4 a, Double4 b) {
+  return {_mm256_add_pd(a.v, b.v)};
+}
+inline Double4 operator/(Double4 a, Double4 b) {
+  return {_mm256_div_pd(a.v, b.v)};
+}
+inline Double4 abs(Double4 a) {
+  return {_mm256_andnot_pd(_mm256_set1_pd(-0.0), a.v)};
+}
+// a * b - c and c - a * b, rounded once.
+inline Double4 multiply_subtract(Double4 a, Double4 b, Double4 c) {
+  return {_mm256_fmsub_pd(a.v, b.v, c.v)};
+}
+inline Double4 negative_multiply_add(Double4 a, Double4 b, Double4 c) {
+  return {_mm256_fnmadd_pd(a.v, b.v, c.v)};
 }
 inline unsigned less(Double4 a, Double4 b) {
   return static_cast<unsigned>(_mm256_movemask_pd(_mm256_cmp_pd(a.v, b.v, _CMP_LT_OQ)));
