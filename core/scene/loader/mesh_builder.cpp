@@ -21,7 +21,9 @@ struct Corner {
 // Gives each distinct corner a number, in the order of their first appearance. An open hash table.
 class CornerIndex {
  public:
-  explicit CornerIndex(std::size_t expected) : slots_(std::bit_ceil(2 * expected + 16), kEmpty) {}
+  explicit CornerIndex(std::size_t expected) : slots_(std::bit_ceil(2 * expected + 16), kEmpty) {
+    corners_.reserve(expected);
+  }
 
   std::uint32_t number(const Corner& corner) {
     std::size_t slot = hash(corner) & (slots_.size() - 1);
@@ -39,7 +41,7 @@ class CornerIndex {
   const std::vector<Corner>& corners() const { return corners_; }
 
   // Gives back the memory that only numbering needs; nothing can be numbered any more.
-  void forget_slots() { slots_ = {}; }
+  void forget_slots() { slots_ = std::vector<std::uint32_t>(); }
 
  private:
   static constexpr std::uint32_t kEmpty = 0xffffffffu;
@@ -129,14 +131,15 @@ class MeshBuilder {
   MeshDescription mesh_;
 };
 
-// What is no longer needed goes at once: a large mesh's lists are what fills the memory.
+// What is no longer needed goes at once (assigning {} would keep its memory): a large mesh's lists are what
+// fills the memory.
 Result<MeshDescription> MeshBuilder::build(ShadedCorners shaded,
                                            const std::vector<std::uint32_t>& materials) {
   number_vertices(shaded.normal_of);
   vertices_.forget_slots();
-  shaded.own_normal_of = {};
+  shaded.own_normal_of = std::vector<std::int32_t>();
   fill_vertices(shaded.computed);
-  shaded.computed = {};
+  shaded.computed = std::vector<Vec3>();
   vertices_ = CornerIndex(0);
   if (!std::all_of(mesh_.positions.begin(), mesh_.positions.end(), [](Vec3 p) { return is_finite(p); }))
     return fail(ErrorCode::kInvalidArgument, "reaches farther than can be computed after its transform");

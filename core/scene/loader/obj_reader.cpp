@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <iterator>
 #include <map>
 
 #include "core/scene/loader/polygon.hpp"
@@ -58,17 +59,24 @@ class FaceReader {
   // One kind of vertex data: how many there are before the current line, and in the whole file.
   struct Counts {
     std::string_view statement;
-    std::size_t total;
+    std::int64_t total;
     std::int32_t seen = 0;
   };
+
+  static bool exists(int index, const Counts& counts) {
+    return index < 0 ? index >= -counts.seen : index <= counts.total;
+  }
+  static std::int32_t resolve(int index, const Counts& counts) {
+    return index < 0 ? counts.seen + index : index - 1;
+  }
 
   Status statement(std::string_view line);
   Status face(std::string_view line);
   Status corner(std::string_view word);
   Status use_material(std::string_view line);
   Status smooth(std::string_view line);
-  Result<std::int32_t> resolve(int index, const Counts& counts, std::string_view word) const;
   tl::unexpected<Error> bad_corner(std::string_view word) const;
+  tl::unexpected<Error> missing(int index, const Counts& counts, std::string_view word) const;
   void add(const std::array<std::uint32_t, 3>& triangle);
 
   tl::unexpected<Error> mistake(std::string_view what) const {
@@ -91,9 +99,9 @@ class FaceReader {
 FaceReader::FaceReader(std::string_view bytes, const std::string& name, ObjText text)
     : lines_(bytes),
       name_(name),
-      positions_{"v", text.positions.size()},
-      uvs_{"vt", text.uvs.size()},
-      normals_{"vn", text.normals.size()} {
+      positions_{"v", std::ssize(text.positions)},
+      uvs_{"vt", std::ssize(text.uvs)},
+      normals_{"vn", std::ssize(text.normals)} {
   file_.text = std::move(text);
   file_.corners.positions.reserve(3 * file_.text.face_count);
 }
@@ -141,21 +149,18 @@ Status FaceReader::face(std::string_view line) {
 Status FaceReader::corner(std::string_view word) {
   const auto written = parse_corner(word);
   if (!written) return bad_corner(word);
-  const auto position = resolve(written->v, positions_, word);
-  const auto uv = resolve(written->vt, uvs_, word);
-  const auto normal = resolve(written->vn, normals_, word);
-  for (const auto* index : {&position, &uv, &normal})
-    if (!*index) return fail(index->error());
-  face_.push_back({*position, *uv, *normal});
+  if (!exists(written->v, positions_)) return missing(written->v, positions_, word);
+  if (!exists(written->vt, uvs_)) return missing(written->vt, uvs_, word);
+  if (!exists(written->vn, normals_)) return missing(written->vn, normals_, word);
+  face_.push_back(
+      {resolve(written->v, positions_), resolve(written->vt, uvs_), resolve(written->vn, normals_)});
   return {};
 }
 
-Result<std::int32_t> FaceReader::resolve(int index, const Counts& counts, std::string_view word) const {
-  if (index < -counts.seen) return bad_corner(word);
-  if (index > 0 && static_cast<std::size_t>(index) > counts.total)
-    return mistake(fmt::format("a face refers to '{}' number {}, but the file has only {}; is it complete?",
-                               counts.statement, index, counts.total));
-  return index < 0 ? counts.seen + index : index - 1;
+tl::unexpected<Error> FaceReader::missing(int index, const Counts& counts, std::string_view word) const {
+  if (index < 0) return bad_corner(word);
+  return mistake(fmt::format("a face refers to '{}' number {}, but the file has only {}; is it complete?",
+                             counts.statement, index, counts.total));
 }
 
 tl::unexpected<Error> FaceReader::bad_corner(std::string_view word) const {

@@ -1,5 +1,6 @@
 #include "core/scene/loader/text_lines.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <system_error>
@@ -15,12 +16,22 @@ bool goes_on(std::string_view line) {
   return line.ends_with('\\') && line.find('#') == std::string_view::npos;
 }
 
+// In pieces, so that a file whose lines all end with '\r' is not searched to its end for a '\n' at each line.
+std::size_t line_length(std::string_view text) {
+  constexpr std::size_t kPiece = 4096;
+  for (std::size_t begin = 0; begin < text.size(); begin += kPiece) {
+    const std::string_view piece = text.substr(begin, kPiece);
+    const std::size_t newline = piece.find('\n');
+    const std::size_t end = std::min(newline, piece.substr(0, newline).find('\r'));
+    if (end != std::string_view::npos) return begin + end;
+  }
+  return text.size();
+}
+
 }  // namespace
 
 std::string_view take_line(std::string_view& text) {
-  const auto is_end = [](char c) { return c == '\n' || c == '\r'; };
-  std::size_t end = 0;
-  while (end < text.size() && !is_end(text[end])) ++end;
+  const std::size_t end = line_length(text);
   const std::string_view line = text.substr(0, end);
   const bool two = end + 1 < text.size() && text[end] == '\r' && text[end + 1] == '\n';
   text.remove_prefix(end == text.size() ? end : end + (two ? 2 : 1));

@@ -69,6 +69,7 @@ class NormalComputer {
 
 ComputedNormals NormalComputer::compute() {
   result_.of_corners.resize(file_.corners.positions.size());
+  result_.normals.reserve(file_.text.positions.size());
   const CornersByPosition sorted = sort_by_position(file_);
   for (std::size_t p = 0; p < file_.text.positions.size(); ++p) {
     gather(sorted.at(p));

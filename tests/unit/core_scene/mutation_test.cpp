@@ -2,8 +2,10 @@
 // sanitizer build gives this its teeth.)
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <random>
 
+#include "core/scene/loader/mesh_builder.hpp"
 #include "core/scene/loader/mtl_reader.hpp"
 #include "core/scene/loader/obj_reader.hpp"
 #include "tests/unit/core_scene/memory_assets.hpp"
@@ -42,6 +44,16 @@ std::string mutate(std::string text, std::mt19937& random) {
                                           "null",
                                           "[[[[",
                                           "usemtl ",
+                                          "\\\n",
+                                          " # ",
+                                          "s off\n",
+                                          "s 1\n",
+                                          "vt ",
+                                          "vn ",
+                                          "newmtl ",
+                                          "map_Kd -s 2 ",
+                                          "-o ",
+                                          "-clamp ",
                                           "mtllib x",
                                           "f -1 -1 -1\n"};
   for (auto changes = 1 + random() % 4; changes > 0; --changes) {
@@ -77,10 +89,10 @@ const std::string kObj =
     "0.5 0.5\nvn 0 0 1\n"
     "vn 0.6 0 0.8\nusemtl tiles\nf 1/1/1 2/2/1 5/4/2\nf 2/1/1 3/2/1 -1/-1/-1\ng side\nusemtl wood\nf 3//1 "
     "4//2 5//1\nf 4 1 5\n"
-    "s off\nf 4 3 2 1\nf 1 5 2 3 4\n";
+    "s off\nf 4 3 2 1 # floor\ns 1\nf 1 \\\n 5 2 3 4\nf 4 3 2 1\n";
 const std::string kMtl =
     "newmtl tiles\nKd 0.6 0.2 0.1\nKe 1 1 1\nillum 2\nnewmtl wood\nKd 0.5 0.4 0.3\nmap_Kd -s 2 2 1 "
-    "gray.png\nNi 1.45\nd 1.0\n";
+    "-o .5 -mm 0 1 -clamp on gray.png # old\nNi 1.45\nd -halo 1.0\n";
 const std::string kScene = test::scene_with(
     "\"render\": {\"width\": 64, \"height\": 48, \"spp\": 16, \"seed\": 7, \"integrator\": \"mis\"},"
     "\"textures\": {\"t\": {\"file\": \"gray.png\", \"wrap\": \"clamp\", \"scale\": [2, 2]}}",
@@ -95,6 +107,46 @@ const std::string kScene = test::scene_with(
 
 test::MemoryAssets::Files files(const std::string& obj, const std::string& mtl) {
   return {{"roof.obj", obj}, {"roof.mtl", mtl}};
+}
+
+// With the file's own normals, and so its smoothing groups; kScene asks for "smooth".
+Result<MeshDescription> mesh_of(const std::string& obj) {
+  const auto file = read_obj(obj, "x.obj");
+  if (!file) return fail(file.error());
+  const std::vector<std::uint32_t> materials(std::max<std::size_t>(file->material_names.size(), 1), 0);
+  if (file->runs.front().material == kNoMaterialName) return build_mesh(*file, NormalsMode::kFile, {}, {0});
+  return build_mesh(*file, NormalsMode::kFile, {}, materials);
+}
+
+// Every index of a mesh that was built refers to something.
+void expect_sound(const MeshDescription& mesh, const std::string& input) {
+  EXPECT_TRUE(mesh.normals.empty() || mesh.normals.size() == mesh.positions.size()) << input;
+  EXPECT_TRUE(mesh.uvs.empty() || mesh.uvs.size() == mesh.positions.size()) << input;
+  for (const auto& triangle : mesh.triangles)
+    for (const std::uint32_t v : triangle) EXPECT_LT(v, mesh.positions.size()) << input;
+}
+
+TEST(Mutants, OfAnObjFileBecomeSoundMeshesOrAreRefused) {
+  std::mt19937 random(5);
+  int built = 0;
+  for (int i = 0; i < 10 * kMutants; ++i) {
+    const std::string obj = mutate(kObj, random);
+    const auto mesh = mesh_of(obj);
+    expect_answer(mesh, obj);
+    if (mesh) expect_sound(*mesh, obj);
+    built += mesh ? 1 : 0;
+  }
+  EXPECT_GT(built, kMutants / 2);
+}
+
+TEST(Mutants, OfAnMtlFileAreAnsweredWithALine) {
+  std::mt19937 random(6);
+  for (int i = 0; i < 10 * kMutants; ++i) {
+    const std::string mtl = mutate(kMtl, random);
+    const auto materials = read_mtl(mtl, "x.mtl");
+    expect_answer(materials, mtl);
+    EXPECT_TRUE(materials || materials.error().message.starts_with("x.mtl:")) << mtl;
+  }
 }
 
 TEST(Mutants, OfASceneAreReadOrRefused) {
