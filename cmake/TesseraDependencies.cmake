@@ -21,7 +21,9 @@ endif()
 if(TESSERA_TESTS)
   find_package(GTest CONFIG REQUIRED)
 endif()
+if(TESSERA_TESTS OR TESSERA_BENCH)
+  find_package(tinyobjloader CONFIG REQUIRED)  # to compare ours with
+endif()
 if(TESSERA_BENCH)
   find_package(benchmark CONFIG REQUIRED)
-  find_package(tinyobjloader CONFIG REQUIRED)  # to compare with
 endif()
