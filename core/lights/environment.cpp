@@ -105,10 +105,11 @@ std::optional<LightSample> Environment::sample(Vec2 u) const {
   const auto horizontal = static_cast<float>(std::sqrt(depth * (2 - depth)));
   const float along_row = (static_cast<float>(texel.x) + texel.within.x) / static_cast<float>(width_);
   const float longitude = 2 * kPi * (along_row - 0.5f) - rotation_;
-  const Vec3 wi{horizontal * sin(longitude), static_cast<float>(1 - depth), -horizontal * cos(longitude)};
+  const Vec3 wi = normalize(
+      {horizontal * sin(longitude), static_cast<float>(1 - depth), -horizontal * cos(longitude)});
   const Rgb arriving = radiance(wi);
   if (is_black(arriving)) return std::nullopt;
-  return LightSample{normalize(wi), arriving, static_cast<float>(texel.pmf / solid_angle(texel.y)), false,
+  return LightSample{wi, arriving, static_cast<float>(texel.pmf / solid_angle(texel.y)), false,
                      std::nullopt};
 }
 

@@ -6,17 +6,23 @@
 #include <vector>
 
 #include "core/lights/light_sampler.hpp"
+#include "core/math/frame.hpp"
 #include "core/sampling/sampler.hpp"
 #include "core/sampling/warp.hpp"
+#include "tests/support/chi_square.hpp"
 #include "tests/support/test_scenes.hpp"
 
 namespace tessera::core {
 namespace {
 
+constexpr double kPiDouble = 3.14159265358979;
+
 struct LightCase {
   const char* name;
   ShapeDescription shape;
   Vec3 p_lit;
+  Vec3 middle;         // the cap around this point
+  double cap_degrees;  // holds the light
 };
 
 class LightSampling : public testing::TestWithParam<LightCase> {
@@ -28,6 +34,17 @@ class LightSampling : public testing::TestWithParam<LightCase> {
     maker.material(test::lambert(0), Rgb::gray(1));
     maker.add(GetParam().shape);
     return maker.build();
+  }
+
+  // The density with which the scene's lights together sample a direction; 0 where none is met.
+  double pdf(Vec3 wi) const {
+    const Ray ray{GetParam().p_lit, wi};
+    const Hit hit = scene_.bvh().closest_hit(scene_.primitives(), ray);
+    if (!hit.found()) return 0;
+    const std::uint32_t id = scene_.light_of(hit.primitive);
+    const Vec3 p_light = scene_.primitives().surface(ray, hit).position;
+    return static_cast<double>(scene_.light_sampler().pmf(id) *
+                               scene_.area_light(id).pdf(GetParam().p_lit, p_light));
   }
 
   Scene scene_;
@@ -49,18 +66,44 @@ TEST_P(LightSampling, AgreesWithLookingAround) {
           static_cast<double>(s->radiance.r * std::fabs(dot(s->wi, axis)) / (s->pdf * choice.pmf)) / kSamples;
     }
     const Vec3 wi = sample_sphere({u[0], u[3]});
-    const Ray ray{p, wi};
-    const Hit hit = scene_.bvh().closest_hit(scene_.primitives(), ray);
-    if (!hit.found()) continue;
-    looked += static_cast<double>(std::fabs(dot(wi, axis))) * 4 * 3.14159265 / kSamples;
-    const std::uint32_t id = scene_.light_of(hit.primitive);
-    const Vec3 p_light = scene_.primitives().surface(ray, hit).position;
-    pdf_integral +=
-        static_cast<double>(scene_.light_sampler().pmf(id) * scene_.area_light(id).pdf(p, p_light)) * 4 *
-        3.14159265 / kSamples;
+    const double density = pdf(wi);
+    if (density == 0) continue;
+    looked += static_cast<double>(std::fabs(dot(wi, axis))) * 4 * kPiDouble / kSamples;
+    pdf_integral += density * 4 * kPiDouble / kSamples;
   }
   EXPECT_NEAR(sampled, looked, 0.03 * looked);
   EXPECT_NEAR(pdf_integral, 1, 0.05);
+}
+
+// Pearson's test over cells of equal solid angle: of the cap around the light, or of the whole sphere.
+TEST_P(LightSampling, SamplesMatchTheDensity) {
+  constexpr int kRows = 12, kColumns = 24, kSamples = 100000, kFine = 24;
+  const Vec3 p = GetParam().p_lit;
+  const Frame frame = Frame::around(normalize(GetParam().middle - p));
+  const double cap = 1 - std::cos(GetParam().cap_degrees * kPiDouble / 180);
+  std::vector<double> observed(kRows * kColumns), expected(kRows * kColumns);
+  for (int i = 0; i < kSamples; ++i) {
+    const auto u = Sampler(9, i % 1000, i / 1000, 0).pad(0);
+    const auto choice = scene_.light_sampler().sample(static_cast<double>(u[2]));
+    const auto s = sample_light(scene_.lights()[choice.light], {}, p, {u[0], u[1]});
+    ASSERT_TRUE(s);
+    const Vec3 w = frame.to_local(s->wi);
+    const double row = (1 - static_cast<double>(w.z)) / cap * kRows;
+    const double column = (std::atan2(w.y, w.x) / (2 * kPi) + 0.5f) * kColumns;
+    ASSERT_LT(row, kRows) << "outside the cap that the test looks at";
+    observed[static_cast<std::size_t>(static_cast<int>(row) * kColumns +
+                                      std::min(kColumns - 1, static_cast<int>(column)))] += 1;
+  }
+  for (int r = 0; r < kRows * kFine; ++r)
+    for (int c = 0; c < kColumns * kFine; ++c) {
+      const double z = 1 - cap * (r + 0.5) / (kRows * kFine), rho = std::sqrt(1 - z * z);
+      const double phi = 2 * kPiDouble * ((c + 0.5) / (kColumns * kFine) - 0.5);
+      const Vec3 w{static_cast<float>(rho * std::cos(phi)), static_cast<float>(rho * std::sin(phi)),
+                   static_cast<float>(z)};
+      expected[static_cast<std::size_t>(r / kFine * kColumns + c / kFine)] +=
+          pdf(frame.to_world(w)) * cap * 2 * kPiDouble / (kRows * kColumns * kFine * kFine) * kSamples;
+    }
+  test::expect_chi_square(observed, expected, 50);
 }
 
 MeshDescription two_triangles() {
@@ -73,11 +116,23 @@ MeshDescription two_triangles() {
 
 INSTANTIATE_TEST_SUITE_P(
     Shapes, LightSampling,
-    testing::Values(LightCase{"quad", QuadDescription{{-1, 1, -1}, {2, 0, 0.5f}, {0, 0.3f, 1}, 0}, {0, 0, 0}},
-                    LightCase{"mesh", two_triangles(), {0.2f, 0, 0.1f}},
-                    LightCase{"sphere", SphereDescription{{0, 2, 0.5f}, 0.8f, 0}, {0.1f, 0, 0}},
-                    LightCase{"inside_sphere", SphereDescription{{0, 0, 0}, 2, 0}, {0.9f, 0.5f, 0}},
-                    LightCase{"offset_sphere", SphereDescription{{300, 2, 0.5f}, 0.8f, 0}, {299, 1, 0}}),
+    testing::Values(
+        LightCase{"quad",
+                  QuadDescription{{-1, 1, -1}, {2, 0, 0.5f}, {0, 0.3f, 1}, 0},
+                  {0, 0, 0},
+                  {0, 1, -0.3f},
+                  70},
+        LightCase{"near_quad",
+                  QuadDescription{{-1, 0.1f, -1}, {2, 0, 0}, {0, 0, 2}, 0},
+                  {0.3f, 0, 0},
+                  {0.3f, 1, 0},
+                  90},
+        LightCase{"mesh", two_triangles(), {0.2f, 0, 0.1f}, {0, 1, 0}, 75},
+        LightCase{"sphere", SphereDescription{{0, 2, 0.5f}, 0.8f, 0}, {0.1f, 0, 0}, {0, 2, 0.5f}, 24},
+        LightCase{"near_sphere", SphereDescription{{0, 1, 0}, 0.95f, 0}, {0, 0, 0}, {0, 1, 0}, 72.5},
+        LightCase{"inside_sphere", SphereDescription{{0, 0, 0}, 2, 0}, {0.9f, 0.5f, 0}, {0, 0, 0}, 180},
+        LightCase{
+            "offset_sphere", SphereDescription{{300, 2, 0.5f}, 0.8f, 0}, {299, 1, 0}, {300, 2, 0.5f}, 40}),
     [](const auto& test_case) { return std::string(test_case.param.name); });
 
 AreaLight light_of(const LightShape& shape, Vec3 front, float radiance, bool two_sided) {
@@ -108,6 +163,55 @@ TEST(AreaLight, HasThePowerOfTheSidesThatEmit) {
               1e-4);
   EXPECT_NEAR(light_of(SphereLight{{0, 0, 0}, 2}, {}, 1, true).power(), 3.14159265 * 4 * 3.14159265 * 4,
               1e-3);
+}
+
+TEST(DeltaLights, AreSampledInTheOneDirectionThatTheyComeFrom) {
+  const Vec3 p{1, 0, 0};
+  const auto point = sample_light(PointLight({1, 2, 0}, Rgb::gray(8)), {}, p, {});
+  ASSERT_TRUE(point);
+  EXPECT_EQ(point->wi, (Vec3{0, 1, 0}));
+  EXPECT_EQ(point->radiance, Rgb::gray(2));
+  EXPECT_EQ(point->point->position, (Vec3{1, 2, 0}));
+  EXPECT_TRUE(point->delta);
+  EXPECT_EQ(point->pdf, 1);
+  const auto sun = sample_light(DirectionalLight({0, -1, 0}, Rgb::gray(3)), {}, p, {});
+  ASSERT_TRUE(sun);
+  EXPECT_EQ(sun->wi, (Vec3{0, 1, 0}));
+  EXPECT_FALSE(sun->point) << "it is nowhere in particular";
+  EXPECT_FALSE(sample_light(PointLight(p, Rgb::gray(8)), {}, p, {})) << "the light itself is not lit";
+  EXPECT_FALSE(sample_light(SpotLight({1, 2, 0}, Rgb::gray(8), {{0, 1, 0}, 90, 0}), {}, p, {}));
+}
+
+// Power by integrating what leaves a light over all directions.
+TEST(DeltaLights, HaveThePowerOfWhatTheySend) {
+  for (const float softness : {0.0f, 0.3f, 1.0f})
+    for (const float angle : {20.0f, 100.0f, 180.0f}) {
+      const SpotLight spot({0, 0, 0}, Rgb::gray(2), {{0, 0, 1}, angle, softness});
+      constexpr int kSteps = 100000;
+      double sent = 0;
+      for (int i = 0; i < kSteps; ++i)
+        sent += 2 * 2 * kPiDouble * 2 / kSteps *
+                static_cast<double>(spot.falloff(1 - 2 * (static_cast<float>(i) + 0.5f) / kSteps));
+      EXPECT_NEAR(spot.power(), sent, 1e-3 * sent) << angle << ' ' << softness;
+    }
+  EXPECT_NEAR(PointLight({}, Rgb::gray(2)).power(), 8 * kPiDouble, 1e-5);
+  EXPECT_NEAR(power(DirectionalLight({0, 1, 0}, Rgb::gray(2)), 3), 2 * 9 * kPiDouble, 1e-5);
+  EXPECT_NEAR(power(Environment(Rgb::gray(2), nullptr, 0), 3), 2 * 4 * kPiDouble * 9 * kPiDouble, 1e-3);
+}
+
+TEST(SpotLight, HasASharpEdgeWithoutSoftnessAndFallsOffSmoothlyWithIt) {
+  const SpotLight sharp({}, Rgb::gray(1), {{0, 0, 1}, 60, 0});
+  EXPECT_EQ(sharp.falloff(std::cos(0.52f)), 1);
+  EXPECT_EQ(sharp.falloff(std::cos(0.53f)), 0);
+  const SpotLight soft({}, Rgb::gray(1), {{0, 0, 1}, 60, 1});
+  float last = 2;
+  for (float angle = 0; angle < 0.6f; angle += 0.01f) {
+    const float share = soft.falloff(std::cos(angle));
+    EXPECT_LE(share, last);
+    EXPECT_LT(last - share, 0.05f + (last > 1 ? 1 : 0));
+    last = share;
+  }
+  EXPECT_EQ(last, 0);
 }
 
 TEST(LightSampler, ChoosesNineTimesInTenInProportionToPower) {

@@ -34,7 +34,8 @@ TEST_F(Render, ThreadsDoNotChangeABit) {
 }
 
 TEST_F(Render, CuttingAndShufflingDoesNotChangeABit) {
-  for (const Integrator integrator : {Integrator::kNaive, Integrator::kNee, Integrator::kMis}) {
+  for (const Integrator integrator :
+       {Integrator::kNaive, Integrator::kNee, Integrator::kMis, Integrator::kWhitted}) {
     RenderSettings settings = scene_.settings();
     settings.integrator = integrator;
     const TileGrid grid(settings.width_px, settings.height_px, 16);

@@ -1,0 +1,192 @@
+#include "core/lights/environment.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/sampling/sampler.hpp"
+#include "core/sampling/warp.hpp"
+#include "tests/support/chi_square.hpp"
+
+namespace tessera::core {
+namespace {
+
+constexpr double kPiDouble = 3.14159265358979;
+
+using Picture = std::shared_ptr<const TextureImage>;
+
+Picture picture(int width, int height, const std::function<float(int, int)>& value) {
+  std::vector<float> texels;
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) texels.insert(texels.end(), 3, value(x, y));
+  return std::make_shared<TextureImage>(TextureImage{width, height, std::move(texels)});
+}
+
+struct EnvironmentCase {
+  const char* name;
+  Picture image;
+  float rotation = 0;
+  int least_cells = 50;  // that samples fall into
+};
+
+class EnvironmentSampling : public testing::TestWithParam<EnvironmentCase> {
+ protected:
+  EnvironmentSampling() : environment_(Rgb::gray(2), GetParam().image, GetParam().rotation) {}
+
+  Environment environment_;
+};
+
+// Pearson's test with the picture's texels for cells, on each of which the density is constant. Samples of
+// black directions are not answered; light begins and ends half way between texels' edges.
+TEST_P(EnvironmentSampling, SamplesMatchTheDensity) {
+  constexpr int kSamples = 200000;
+  const int width = GetParam().image ? GetParam().image->width : 32;
+  const int height = GetParam().image ? GetParam().image->height : 16;
+  const double rotation = static_cast<double>(GetParam().rotation) * kPiDouble / 180;
+  std::vector<double> observed(static_cast<std::size_t>(width * height)), expected(observed.size());
+  for (int i = 0; i < kSamples; ++i) {
+    const auto u = Sampler(3, i % 1000, i / 1000, 0).pad(0);
+    const auto s = environment_.sample({u[0], u[1]});
+    if (!s) continue;
+    const double turn = (std::atan2(static_cast<double>(s->wi.x), static_cast<double>(-s->wi.z)) + rotation) /
+                        (2 * kPiDouble);
+    const double column = (turn + 0.5 - std::floor(turn + 0.5)) * width;
+    const double row = std::acos(static_cast<double>(s->wi.y)) / kPiDouble * height;
+    observed[static_cast<std::size_t>(std::min(static_cast<int>(row), height - 1) * width +
+                                      std::min(static_cast<int>(column), width - 1))] += 1;
+  }
+  for (int y = 0; y < 2 * height; ++y)
+    for (int x = 0; x < 2 * width; ++x) {
+      const double above = kPiDouble * y / (2 * height), below = kPiDouble * (y + 1) / (2 * height);
+      const double phi = 2 * kPiDouble * ((x + 0.5) / (2 * width) - 0.5) - rotation,
+                   theta = (above + below) / 2;
+      const Vec3 w{static_cast<float>(std::sin(theta) * std::sin(phi)), static_cast<float>(std::cos(theta)),
+                   static_cast<float>(-std::sin(theta) * std::cos(phi))};
+      if (is_black(environment_.radiance(w))) continue;
+      const double solid_angle = 2 * kPiDouble / (2 * width) * (std::cos(above) - std::cos(below));
+      expected[static_cast<std::size_t>(y / 2 * width + x / 2)] +=
+          static_cast<double>(environment_.pdf(w)) * solid_angle * kSamples;
+    }
+  test::expect_chi_square(observed, expected, GetParam().least_cells);
+}
+
+// All but the few samples that rounding puts into the neighbouring texel.
+TEST_P(EnvironmentSampling, SampleAndPdfAgree) {
+  constexpr int kSamples = 50000;
+  int differing = 0;
+  for (int i = 0; i < kSamples; ++i) {
+    const auto u = Sampler(4, i, 0, 0).pad(0);
+    const auto s = environment_.sample({u[0], u[1]});
+    if (!s) continue;
+    const auto pdf = static_cast<double>(s->pdf);
+    differing += std::fabs(static_cast<double>(environment_.pdf(s->wi)) - pdf) > 1e-4 * pdf ? 1 : 0;
+    ASSERT_EQ(s->radiance, environment_.radiance(s->wi)) << "of a unit direction, as rays look it up";
+    ASSERT_FALSE(s->point);
+    ASSERT_FALSE(s->delta);
+  }
+  EXPECT_LE(differing, kSamples / 1000);
+}
+
+TEST_P(EnvironmentSampling, DensityIsThereWhereverThereIsLight) {
+  for (int i = 0; i < 200000; ++i) {
+    const auto u = Sampler(6, i, 0, 0).pad(0);
+    const Vec3 w = sample_sphere({u[0], u[1]});
+    if (is_black(environment_.radiance(w))) continue;
+    ASSERT_GT(environment_.pdf(w), 0);
+  }
+}
+
+// The integral of radiance, once by sampling, once by the midpoint rule, and about what the power says.
+TEST_P(EnvironmentSampling, FindsTheLightThatThereIs) {
+  constexpr int kSamples = 100000, kRows = 1000, kColumns = 1000;
+  double sampled = 0, looked = 0;
+  for (int i = 0; i < kSamples; ++i) {
+    const auto u = Sampler(7, i % 1000, i / 1000, 0).pad(0);
+    if (const auto s = environment_.sample({u[0], u[1]}))
+      sampled += static_cast<double>(s->radiance.g / s->pdf) / kSamples;
+  }
+  for (int row = 0; row < kRows; ++row)
+    for (int column = 0; column < kColumns; ++column) {
+      const double y = 1 - 2 * (row + 0.5) / kRows, rho = std::sqrt(1 - y * y);
+      const double phi = 2 * kPiDouble * (column + 0.5) / kColumns;
+      looked +=
+          static_cast<double>(environment_
+                                  .radiance({static_cast<float>(rho * std::cos(phi)), static_cast<float>(y),
+                                             static_cast<float>(rho * std::sin(phi))})
+                                  .g) *
+          4 * kPiDouble / (kRows * kColumns);
+    }
+  EXPECT_NEAR(sampled, looked, 0.01 * looked);
+  EXPECT_NEAR(environment_.power(1) / kPiDouble, looked, 0.1 * looked);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Pictures, EnvironmentSampling,
+    testing::Values(
+        EnvironmentCase{"constant", nullptr, 0, 512},
+        EnvironmentCase{"coarse",
+                        picture(8, 4, [](int x, int y) { return static_cast<float>((x * 5 + y * 3) % 7); }),
+                        0, 30},
+        EnvironmentCase{"coarse_turned",
+                        picture(8, 4, [](int x, int y) { return static_cast<float>((x * 5 + y * 3) % 7); }),
+                        77, 30},
+        EnvironmentCase{"black_above", picture(16, 9, [](int, int y) { return y < 5 ? 0.0f : 1.0f; }), 0, 80},
+        EnvironmentCase{"one_bright_texel",
+                        picture(64, 32, [](int x, int y) { return x == 20 && y == 9 ? 1000.0f : 0.0f; }),
+                        -200, 9},
+        EnvironmentCase{"bright_pole",
+                        picture(32, 16, [](int x, int y) { return y == 0 && x == 3 ? 500.0f : 0.1f; })},
+        EnvironmentCase{"across_the_seam",
+                        picture(32, 16, [](int x, int y) { return x == 0 && y == 8 ? 100.0f : 0.01f; }), 15}),
+    [](const auto& test_case) { return std::string(test_case.param.name); });
+
+// Only the texel and those beside it, between which it is interpolated.
+TEST(EnvironmentSampling, OneBrightTexelGetsAllSamples) {
+  const Environment environment(
+      Rgb::gray(1), picture(64, 32, [](int x, int y) { return x == 20 && y == 9 ? 1000.0f : 0.0f; }), 0);
+  for (int i = 0; i < 1000; ++i) {
+    const auto u = Sampler(8, i, 0, 0).pad(0);
+    const auto s = environment.sample({u[0], u[1]});
+    if (!s) continue;
+    const double theta = std::acos(static_cast<double>(s->wi.y));
+    const double phi = std::atan2(static_cast<double>(s->wi.x), static_cast<double>(-s->wi.z));
+    EXPECT_NEAR(theta, kPiDouble * 9.5 / 32, 1.5 * kPiDouble / 32);
+    EXPECT_NEAR(phi, 2 * kPiDouble * (20.5 / 64 - 0.5), 1.5 * 2 * kPiDouble / 64);
+  }
+}
+
+TEST(EnvironmentPicture, LiesAsItIsSeenFromInside) {
+  // From left to right: 1 to 8; the rows times 1 and 10.
+  const Environment environment(
+      Rgb::gray(1),
+      picture(8, 2, [](int x, int y) { return static_cast<float>((x + 1) * (y == 0 ? 1 : 10)); }), 0);
+  const auto seen = [&](double u, double v) {
+    const double longitude = 2 * kPiDouble * (u - 0.5), latitude = kPiDouble * (v - 0.5);
+    return environment
+        .radiance({static_cast<float>(std::cos(latitude) * std::sin(longitude)),
+                   static_cast<float>(std::sin(latitude)),
+                   static_cast<float>(-std::cos(latitude) * std::cos(longitude))})
+        .r;
+  };
+  for (int x = 0; x < 8; ++x) {
+    EXPECT_NEAR(seen((x + 0.5) / 8, 0.75), x + 1, 1e-4);
+    EXPECT_NEAR(seen((x + 0.5) / 8, 0.25), 10 * (x + 1), 1e-3);
+  }
+  EXPECT_NEAR(seen(0, 0.75), 4.5, 1e-4) << "interpolated across the seam";
+  EXPECT_NEAR(seen(1.0 / 16, 1), 1, 1e-4) << "and not beyond the pole";
+}
+
+TEST(EnvironmentPicture, OfBytesIsDecoded) {
+  const TextureImage image{1, 1, std::vector<std::uint8_t>{255, 188, 0}};
+  const Rgb seen = Environment(Rgb::gray(4), std::make_shared<TextureImage>(image), 0).radiance({0, 0, 1});
+  EXPECT_FLOAT_EQ(seen.r, 4);
+  EXPECT_NEAR(seen.g, 4 * 0.5029, 1e-3);
+  EXPECT_EQ(seen.b, 0);
+}
+
+}  // namespace
+}  // namespace tessera::core
