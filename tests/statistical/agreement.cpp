@@ -23,10 +23,8 @@ struct Estimate {
   double mean = 0, variance_of_mean = 0;
 };
 
-std::vector<double> region_means(const Scene& scene, Integrator integrator, std::uint64_t seed,
-                                 std::uint32_t spp) {
-  const RenderSettings settings{
-      .width_px = kSidePx, .height_px = kSidePx, .spp = spp, .seed = seed, .integrator = integrator};
+std::vector<double> region_means(const Scene& scene, const RenderSettings& settings) {
+  const std::uint32_t spp = settings.spp;
   const FilmTile tile = render(scene, settings, {0, 0, kSidePx, kSidePx}, {0, spp}, 2);
   std::vector<double> means(kRegions);
   for (int y = 0; y < kSidePx; ++y)
@@ -39,11 +37,13 @@ std::vector<double> region_means(const Scene& scene, Integrator integrator, std:
   return means;
 }
 
-std::vector<Estimate> estimate(const Scene& scene, Integrator integrator, std::uint32_t spp) {
+// The seeds are `first_seed` and every fourth after it.
+std::vector<Estimate> estimate(const Scene& scene, RenderSettings settings, std::uint64_t first_seed) {
+  settings.width_px = settings.height_px = kSidePx;
   std::vector<double> sum(kRegions), sum2(kRegions);
   for (int batch = 0; batch < kBatches; ++batch) {
-    const auto seed = static_cast<std::uint64_t>(batch) * 3 + static_cast<std::uint64_t>(integrator);
-    const auto means = region_means(scene, integrator, seed, spp);
+    settings.seed = static_cast<std::uint64_t>(batch) * 4 + first_seed;
+    const auto means = region_means(scene, settings);
     for (std::size_t r = 0; r < kRegions; ++r) {
       sum[r] += means[r];
       sum2[r] += means[r] * means[r];
@@ -75,9 +75,14 @@ void expect_strategies_agree(SceneDescription description) {
   const auto scene = Scene::build(std::move(description), 2);
   ASSERT_TRUE(scene) << scene.error().message;
   // Noisier strategies get more samples, so that a difference can show.
-  const auto mis = estimate(*scene, Integrator::kMis, 64);
-  expect_agreement(mis, estimate(*scene, Integrator::kNee, 64), "mis and nee");
-  expect_agreement(mis, estimate(*scene, Integrator::kNaive, 256), "mis and naive");
+  const auto mis = estimate(*scene, {.spp = 64, .integrator = Integrator::kMis}, 2);
+  const auto nee = estimate(*scene, {.spp = 64, .integrator = Integrator::kNee}, 1);
+  const auto naive = estimate(*scene, {.spp = 256, .integrator = Integrator::kNaive}, 0);
+  const auto power =
+      estimate(*scene, {.spp = 64, .integrator = Integrator::kMis, .heuristic = Heuristic::kPower}, 3);
+  expect_agreement(mis, nee, "mis and nee");
+  expect_agreement(mis, naive, "mis and naive");
+  expect_agreement(mis, power, "mis by the balance and by the power heuristic");
 }
 
 }  // namespace tessera::test

@@ -1,6 +1,8 @@
 // The strategies of path tracing differ in noise alone: region by region, they agree in expectation.
 #include <gtest/gtest.h>
 
+#include <memory>
+
 #include "tests/statistical/agreement.hpp"
 #include "tests/support/test_scenes.hpp"
 
@@ -19,6 +21,34 @@ TEST(Strategies, AgreeUnderASky) {
   maker.add(QuadDescription{{-3, 0, 3}, {6, 0, 0}, {0, 0, -6}, maker.material(test::lambert(0.6f))});
   maker.add(SphereDescription{{0, 1.5f, 0}, 0.5f, maker.material(test::lambert(0), {4, 3, 2})});
   maker.add(SphereDescription{{0, 0, 0}, 1e5f, maker.material(test::lambert(0), Rgb::gray(0.02f))});
+  expect_strategies_agree(maker.description());
+}
+
+// Lamps with and without extent, a screen with a picture on it, and a picture of the surroundings.
+TEST(Strategies, AgreeUnderLightsOfEveryKind) {
+  test::SceneMaker maker({.position = {0, 1.5f, 6}, .look_at = {0, 0.8f, 0}});
+  const TextureImage checks{2, 2, std::vector<float>{4, 1, 1, 0, 0, 0, 1, 2, 1, 6, 6, 1}};
+  const TextureImage sky{4, 3,
+                         std::vector<float>{1,   1,   2,   1,   1,   2,   9,   8,   6,   1,   1,   2,  //
+                                            0,   0,   0,   1,   1,   1,   0,   0,   0,   0,   1,   0,  //
+                                            .2f, .2f, .2f, .2f, .2f, .2f, .2f, .2f, .2f, .2f, .2f, .2f}};
+  maker.description().textures = {{.image = std::make_shared<TextureImage>(checks)},
+                                  {.image = std::make_shared<TextureImage>(sky)}};
+  const auto white = maker.material(test::lambert(0.7f));
+  const auto screen = maker.material(test::lambert(0.2f));
+  maker.description().materials[screen].emission = {Rgb::gray(2), 0};
+  maker.add(QuadDescription{{-4, 0, 4}, {8, 0, 0}, {0, 0, -8}, white});
+  maker.add(QuadDescription{{-2, 0, -2}, {2, 0, 0}, {0, 1.5f, 0.3f}, screen});
+  maker.add(SphereDescription{{-1, 0.6f, 0}, 0.6f, white});
+  maker.add(SphereDescription{{1.5f, 0.5f, 0}, 0.5f, maker.material(Mirror{})});
+  maker.add(SphereDescription{{0.4f, 0.4f, 1}, 0.4f, maker.material(Glass{})});
+  maker.add(SphereDescription{{0.3f, 0.9f, -1}, 0.3f, screen});
+  maker.description().lights = {
+      PointLightDescription{{-2, 2, 1}, {2, 2, 1}},
+      SpotLightDescription{
+          .position = {2, 3, 1}, .look_at = {1, 0, 0}, .intensity = {6, 4, 4}, .softness = 0.5f},
+      DirectionalLightDescription{{1, -1, -0.5f}, {0.3f, 0.4f, 0.5f}}};
+  maker.description().environment = {{Rgb::gray(0.5f), 1}, 40};
   expect_strategies_agree(maker.description());
 }
 
