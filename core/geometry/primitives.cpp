@@ -133,4 +133,23 @@ SurfacePoint Primitives::sphere_surface(const Ray& ray, const Hit& hit) const {
   return point;
 }
 
+Tangents Primitives::tangents(const Hit& hit, const SurfacePoint& point) const {
+  if (is_sphere(hit.primitive)) return sphere_tangents(point.geometric_normal);
+  return triangle_tangents(triangles_[hit.primitive]);
+}
+
+// Solves e1 = du1 dp/du + dv1 dp/dv and e2 = du2 dp/du + dv2 dp/dv.
+Tangents Primitives::triangle_tangents(const Triangle& t) const {
+  const Vec3d p0(positions_[t.v0]);
+  const Vec3d e1 = Vec3d(positions_[t.v1]) - p0, e2 = Vec3d(positions_[t.v2]) - p0;
+  const Vec2 uv0 = uvs_[t.v0], uv1 = uvs_[t.v1], uv2 = uvs_[t.v2];
+  const double du1 = double{uv1.x} - double{uv0.x}, dv1 = double{uv1.y} - double{uv0.y};
+  const double du2 = double{uv2.x} - double{uv0.x}, dv2 = double{uv2.y} - double{uv0.y};
+  const double det = du1 * dv2 - du2 * dv1;
+  constexpr double kCollinear = 1e-9;
+  if (!(std::fabs(det) > kCollinear * (std::fabs(du1 * dv2) + std::fabs(du2 * dv1)))) return {};
+  const double sign = det < 0 ? -1 : 1;
+  return {unit_or_zero(sign * (dv2 * e1 - dv1 * e2)), unit_or_zero(sign * (du1 * e2 - du2 * e1))};
+}
+
 }  // namespace tessera::core

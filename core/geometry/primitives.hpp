@@ -67,10 +67,13 @@ class Primitives {
   // The surface where `ray` met it; `hit` is what intersect() made of this ray. Meshes without uvs have uv
   // (0, 0).
   SurfacePoint surface(const Ray& ray, const Hit& hit) const;
+  // Where surface() made `point` of the same hit.
+  Tangents tangents(const Hit& hit, const SurfacePoint& point) const;
 
  private:
   SurfacePoint triangle_surface(const Hit& hit) const;
   SurfacePoint sphere_surface(const Ray& ray, const Hit& hit) const;
+  Tangents triangle_tangents(const Triangle& triangle) const;
 
   std::vector<Vec3> positions_;
   std::vector<Vec3> normals_;  // of unit length; zero where there is none

@@ -39,4 +39,11 @@ Vec2 sphere_uv(Vec3 normal) {
   return {u < 1 ? u : 0, v < 0 ? 0 : v > 1 ? 1 : v};
 }
 
+Tangents sphere_tangents(Vec3 normal) {
+  const Vec3 east{normal.z, 0, -normal.x};  // +y x normal
+  const float equatorial = length(east);
+  if (!(equatorial > 0)) return {};
+  return {east / equatorial, cross(normal, east / equatorial)};
+}
+
 }  // namespace tessera::core

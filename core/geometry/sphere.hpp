@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "core/geometry/ray.hpp"
+#include "core/geometry/surface.hpp"
 #include "core/geometry/vec3d.hpp"
 
 namespace tessera::core {
@@ -27,5 +28,7 @@ std::optional<double> intersect_sphere(const Ray& ray, const Sphere& sphere);
 // counter-clockwise about +y from +x; v is the latitude, 0 at the pole -y and 1 at the pole +y, uniform in
 // angle.
 Vec2 sphere_uv(Vec3 normal);
+// Eastwards and northwards; none at the poles.
+Tangents sphere_tangents(Vec3 normal);
 
 }  // namespace tessera::core

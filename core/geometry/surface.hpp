@@ -15,6 +15,13 @@ struct SurfacePoint {
   Vec2 uv;
 };
 
+// The directions on the surface in which the position moves as one texture coordinate grows and the other
+// stays: dp/du and dp/dv without their lengths. Both zero where there are none, as without texture
+// coordinates.
+struct Tangents {
+  Vec3 along_u, along_v;
+};
+
 // Moves a ray's origin off its surface, to the side `direction` leaves from, far enough that rounding cannot
 // put it on the wrong side and no farther (Pharr et al. 2023, section 6.8.6).
 Vec3 offset_origin(const SurfacePoint& surface, Vec3 direction);

@@ -1,53 +1,72 @@
 #include "core/integrators/vertex.hpp"
 
+#include "core/integrators/shading_normal.hpp"
+#include "core/materials/normal_map.hpp"
+
 namespace tessera::core {
 namespace {
-
-// Interpolated normals lean away from the viewer near silhouettes. There they are bent back, just far enough
-// that the viewer is above the surface; without this, such places would be black.
-Vec3 bend_toward(Vec3 shading_normal, Vec3 wo) {
-  constexpr float kMinCos = 1e-4f;
-  const float cos_o = dot(shading_normal, wo);
-  return cos_o >= kMinCos ? shading_normal : normalize(shading_normal + wo * (kMinCos - cos_o));
-}
-
-// Mirrored and refracted directions are found with the shading normal and may end on the wrong side of the
-// true surface; they are bent back to graze it. `side` is the true normal on the side they should be on.
-Vec3 bend_above(Vec3 wi, Vec3 side) {
-  constexpr float kMinCos = 1e-4f;
-  const float cos_i = dot(wi, side);
-  return cos_i >= kMinCos ? wi : normalize(wi + side * (kMinCos - cos_i));
-}
 
 bool is_outside(const SurfacePoint& surface, Vec3 wo) {
   return dot(surface.geometric_normal, wo) >= 0;
 }
 
+// The outward normal that the surface is shaded with, interpolated and bent by the material's map.
+Vec3 outward_normal(const Scene& scene, const Material& material, const Hit& hit,
+                    const SurfacePoint& surface) {
+  if (material.normal_map.texture < 0) return surface.shading_normal;
+  const auto [along_u, along_v] = scene.primitives().tangents(hit, surface);
+  return bend_by_map(material.normal_map, scene.textures(), surface.uv, surface.shading_normal, along_u,
+                     along_v);
+}
+
+// The same on the side of wo, and fit to be shaded with. `side` is the true normal there.
+Vec3 shading_normal(Vec3 outward, bool outside, const MaterialModel& model, Vec3 side, Vec3 wo) {
+  const Vec3 above = bend_above(outside ? outward : -outward, side);
+  const Vec3 seen = bend_toward_viewer(above, wo);
+  return std::holds_alternative<Lambert>(model) ? seen : bend_for_reflection(seen, side, wo);
+}
+
 }  // namespace
 
 PathVertex::PathVertex(const Scene& scene, const Ray& ray, const Hit& hit)
-    : surface_(scene.primitives().surface(ray, hit)),
-      wo_(normalize(-ray.direction)),
-      side_normal_(is_outside(surface_, wo_) ? surface_.geometric_normal : -surface_.geometric_normal),
-      frame_(Frame::around(bend_toward(face_toward(surface_.shading_normal, side_normal_), wo_))),
-      bsdf_(scene.material_of(hit.primitive).model, scene.textures(), surface_.uv,
-            is_outside(surface_, wo_)) {}
+    : PathVertex(scene, scene.material_of(hit.primitive), hit, scene.primitives().surface(ray, hit),
+                 normalize(-ray.direction)) {}
+
+PathVertex::PathVertex(const Scene& scene, const Material& material, const Hit& hit,
+                       const SurfacePoint& surface, Vec3 wo)
+    : surface_(surface),
+      wo_(wo),
+      side_normal_(is_outside(surface, wo) ? surface.geometric_normal : -surface.geometric_normal),
+      frame_(Frame::around(shading_normal(outward_normal(scene, material, hit, surface),
+                                          is_outside(surface, wo), material.model, side_normal_, wo))),
+      wo_local_(frame_.to_local(wo)),
+      bsdf_(material, scene.textures(), surface.uv, is_outside(surface, wo)) {}
+
+// Where the shading normal and the true one disagree on the side of wi, neither reflection nor transmission
+// leads there.
+float PathVertex::side_factor(Vec3 wi, Vec3 wi_local) const {
+  if (wi_local.z > 0) return smooth_terminator(frame_.normal, side_normal_, wi);
+  return dot(wi, side_normal_) < 0 ? 1.0f : 0.0f;
+}
 
 Rgb PathVertex::evaluate(Vec3 wi) const {
-  return same_side(wi) ? bsdf_.evaluate(frame_.to_local(wo_), frame_.to_local(wi)) : Rgb{};
+  const Vec3 wi_local = frame_.to_local(wi);
+  const float factor = side_factor(wi, wi_local);
+  return factor > 0 ? bsdf_.evaluate(wo_local_, wi_local) * factor : Rgb{};
 }
 
 float PathVertex::pdf(Vec3 wi) const {
-  return bsdf_.pdf(frame_.to_local(wo_), frame_.to_local(wi));
+  return bsdf_.pdf(wo_local_, frame_.to_local(wi));
 }
 
 std::optional<PathVertex::Scattered> PathVertex::sample(Vec2 u, float u_lobe) const {
-  const auto local = bsdf_.sample(frame_.to_local(wo_), u, u_lobe);
+  const auto local = bsdf_.sample(wo_local_, u, u_lobe);
   if (!local) return std::nullopt;
   if (local->delta) return delta_to_world(*local);
   const Vec3 wi = normalize(frame_.to_world(local->wi_local));
-  if (!same_side(wi)) return std::nullopt;
-  return Scattered{wi, local->weight, local->pdf, local->delta, local->eta};
+  const float factor = side_factor(wi, local->wi_local);
+  if (!(factor > 0)) return std::nullopt;
+  return Scattered{wi, local->weight * factor, local->pdf, false, local->eta};
 }
 
 PathVertex::Scattered PathVertex::delta_to_world(const BsdfSample& local) const {
@@ -58,7 +77,7 @@ PathVertex::Scattered PathVertex::delta_to_world(const BsdfSample& local) const 
 
 std::array<std::optional<PathVertex::Scattered>, 2> PathVertex::delta_branches() const {
   std::array<std::optional<Scattered>, 2> branches;
-  const auto local = bsdf_.delta_branches(frame_.to_local(wo_));
+  const auto local = bsdf_.delta_branches(wo_local_);
   for (std::size_t i = 0; i < branches.size(); ++i)
     if (local[i]) branches[i] = delta_to_world(*local[i]);
   return branches;

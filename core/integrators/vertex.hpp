@@ -22,7 +22,7 @@ class PathVertex {
   Vec3 wo() const { return wo_; }
   bool is_delta() const { return bsdf_.is_delta(); }
 
-  // BSDF times cosine for light from `wi`, a unit direction away from the surface; black through the surface.
+  // BSDF times cosine for light from `wi`, a unit direction away from the surface, on either side of it.
   Rgb evaluate(Vec3 wi) const;
   // Density per solid angle with which sample() chooses `wi`.
   float pdf(Vec3 wi) const;
@@ -46,13 +46,18 @@ class PathVertex {
   Ray ray_to(const SurfacePoint& other) const;
 
  private:
+  PathVertex(const Scene& scene, const Material& material, const Hit& hit, const SurfacePoint& surface,
+             Vec3 wo);
+
   Scattered delta_to_world(const BsdfSample& local) const;
-  bool same_side(Vec3 wi) const { return dot(wi, side_normal_) > 0; }
+  // What the BSDF is multiplied by where the shading normal is not the true one.
+  float side_factor(Vec3 wi, Vec3 wi_local) const;
 
   SurfacePoint surface_;
   Vec3 wo_;
   Vec3 side_normal_;  // geometric, on the side of wo
   Frame frame_;       // around the shading normal, on the side of wo
+  Vec3 wo_local_;
   Bsdf bsdf_;
 };
 

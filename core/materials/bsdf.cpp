@@ -1,97 +1,115 @@
 #include "core/materials/bsdf.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 #include "core/base/overloaded.hpp"
-#include "core/materials/fresnel.hpp"
 #include "core/sampling/warp.hpp"
 
 namespace tessera::core {
 namespace {
 
-constexpr Vec3 kLocalNormal{0, 0, 1};
+// Below, a microfacet surface bends light too little for floats to find the microfacet from the directions.
+constexpr float kMinBending = 1e-3f;
 
-BsdfSample delta_sample(Vec3 wi_local, Rgb weight) {
-  BsdfSample sample;
-  sample.wi_local = wi_local;
-  sample.weight = weight;
-  sample.delta = true;
-  return sample;
+float squared_roughness(float roughness) {
+  const float r = std::clamp(roughness, 0.0f, 1.0f);
+  return r * r;
+}
+
+// What both parts of a surface are multiplied by, so that they do not reflect more than they receive.
+Rgb keep_to_one(Rgb diffuse, Rgb specular) {
+  const Rgb sum = diffuse + specular;
+  return {1 / std::max(1.0f, sum.r), 1 / std::max(1.0f, sum.g), 1 / std::max(1.0f, sum.b)};
 }
 
 }  // namespace
 
-Bsdf::AtPoint Bsdf::look_up(const MaterialModel& model, const std::vector<Texture>& textures, Vec2 uv,
+Bsdf::AtPoint Bsdf::look_up(const Material& material, const std::vector<Texture>& textures, Vec2 uv,
                             bool outside) {
+  const auto at = [&](const auto& parameter) { return parameter.evaluate(textures, uv); };
   return std::visit(
       Overloaded{
-          [&](const Lambert& m) -> AtPoint { return Diffuse{m.albedo.evaluate(textures, uv)}; },
-          [&](const Mirror& m) -> AtPoint { return Specular{m.reflectance.evaluate(textures, uv)}; },
+          [&](const Lambert& m) -> AtPoint { return LambertBsdf{at(m.albedo)}; },
+          [&](const Mirror& m) -> AtPoint { return MirrorBsdf{at(m.reflectance)}; },
           [&](const Glass& m) -> AtPoint {
-            return Dielectric{outside ? m.ior : 1 / m.ior, m.reflectance.evaluate(textures, uv),
-                              m.transmittance.evaluate(textures, uv)};
+            const float ior = std::max(at(m.ior), 1.0f), eta = outside ? ior : 1 / ior;
+            const float alpha = squared_roughness(at(m.roughness));
+            if (alpha < kMinAlpha || ior - 1 < kMinBending)
+              return SmoothDielectricBsdf{eta, m.fresnel, at(m.reflectance), at(m.transmittance)};
+            return RoughDielectricBsdf{Ggx(alpha), eta, m.fresnel, at(m.reflectance), at(m.transmittance)};
+          },
+          [&](const Phong& m) -> AtPoint {
+            const Rgb diffuse = at(m.diffuse), specular = at(m.specular);
+            const Rgb scale = keep_to_one(diffuse, specular);
+            return PhongBsdf{diffuse * scale, specular * scale, std::max(at(m.exponent), 0.0f), m.lobe};
+          },
+          [&](const CookTorrance& m) -> AtPoint {
+            const Rgb diffuse = at(m.diffuse), specular = at(m.specular);
+            const Rgb scale = keep_to_one(diffuse, specular);
+            CookTorranceBsdf bsdf{.diffuse = diffuse * scale,
+                                  .specular = specular * scale,
+                                  .f0 = {},
+                                  .metal = {},
+                                  .ggx = Ggx(std::max(squared_roughness(at(m.roughness)), kMinAlpha)),
+                                  .masking = m.masking,
+                                  .sample_half_vector = material.sampling == Sampling::kHalfVector};
+            if (m.conductor) {
+              bsdf.metal = complex_index(*m.conductor);
+            } else {
+              bsdf.f0 = at(m.f0);
+            }
+            return bsdf;
           },
       },
-      model);
+      material.model);
 }
 
-Bsdf::Bsdf(const MaterialModel& model, const std::vector<Texture>& textures, Vec2 uv, bool outside)
-    : at_point_(look_up(model, textures, uv, outside)) {}
+Bsdf::Bsdf(const Material& material, const std::vector<Texture>& textures, Vec2 uv, bool outside)
+    : at_point_(look_up(material, textures, uv, outside)),
+      uniform_(material.sampling == Sampling::kUniform && !is_delta()) {}
 
 bool Bsdf::is_delta() const {
-  return !std::holds_alternative<Diffuse>(at_point_);
+  return std::visit([](const auto& bsdf) { return bsdf.kIsDelta; }, at_point_);
+}
+
+bool Bsdf::transmits() const {
+  return std::holds_alternative<RoughDielectricBsdf>(at_point_);
 }
 
 Rgb Bsdf::evaluate(Vec3 wo_local, Vec3 wi_local) const {
-  const auto* diffuse = std::get_if<Diffuse>(&at_point_);
-  if (!diffuse || wo_local.z <= 0 || wi_local.z <= 0) return {};
-  return diffuse->albedo * (wi_local.z / kPi);
+  return std::visit([&](const auto& bsdf) { return bsdf.evaluate(wo_local, wi_local).value; }, at_point_);
 }
 
 float Bsdf::pdf(Vec3 wo_local, Vec3 wi_local) const {
-  if (is_delta() || wo_local.z <= 0) return 0;
-  return pdf_cosine_hemisphere(wi_local.z);
+  if (uniform_) return uniform_pdf(wo_local, wi_local);
+  return std::visit([&](const auto& bsdf) { return bsdf.evaluate(wo_local, wi_local).pdf; }, at_point_);
 }
 
 std::optional<BsdfSample> Bsdf::sample(Vec3 wo_local, Vec2 u, float u_lobe) const {
-  return std::visit([&](const auto& at_point) { return sample(at_point, wo_local, u, u_lobe); }, at_point_);
-}
-
-std::optional<BsdfSample> Bsdf::sample(const Diffuse& diffuse, Vec3 wo_local, Vec2 u, float) {
-  if (wo_local.z <= 0) return std::nullopt;
-  BsdfSample sample;
-  sample.wi_local = sample_cosine_hemisphere(u);
-  sample.weight = diffuse.albedo;
-  sample.pdf = pdf_cosine_hemisphere(sample.wi_local.z);
-  return sample;
-}
-
-std::optional<BsdfSample> Bsdf::sample(const Specular& specular, Vec3 wo_local, Vec2, float) {
-  return delta_sample(reflect(wo_local, kLocalNormal), specular.reflectance);
+  if (uniform_) return sample_uniformly(wo_local, u);
+  return std::visit([&](const auto& bsdf) { return bsdf.sample(wo_local, u, u_lobe); }, at_point_);
 }
 
 std::array<std::optional<BsdfSample>, 2> Bsdf::delta_branches(Vec3 wo_local) const {
-  if (const auto* specular = std::get_if<Specular>(&at_point_))
-    return {delta_sample(reflect(wo_local, kLocalNormal), specular->reflectance), std::nullopt};
-  const auto* dielectric = std::get_if<Dielectric>(&at_point_);
-  if (!dielectric) return {};
-  const float reflected = fresnel_dielectric(wo_local.z, dielectric->eta);
-  std::array<std::optional<BsdfSample>, 2> branches{sample(*dielectric, wo_local, {}, 0),
-                                                    sample(*dielectric, wo_local, {}, 1)};
-  if (branches[0]) branches[0]->weight *= reflected;
-  if (branches[1]) branches[1]->weight *= 1 - reflected;
-  return branches;
+  if (const auto* mirror = std::get_if<MirrorBsdf>(&at_point_))
+    return {mirror->sample(wo_local, {}, 0), std::nullopt};
+  if (const auto* glass = std::get_if<SmoothDielectricBsdf>(&at_point_)) return glass->branches(wo_local);
+  return {};
 }
 
-// One of the two directions is chosen with the probability of its share of the light, which cancels out of
-// the weight. Radiance grows by eta^2 where it enters the denser side (Veach 1997, section 5.2); seen from
-// the camera's side the path is walked backwards, hence the division.
-std::optional<BsdfSample> Bsdf::sample(const Dielectric& dielectric, Vec3 wo_local, Vec2, float u_lobe) {
-  const float reflected = fresnel_dielectric(wo_local.z, dielectric.eta);
-  if (u_lobe < reflected) return delta_sample(reflect(wo_local, kLocalNormal), dielectric.reflectance);
-  const auto wi_local = refract(wo_local, kLocalNormal, dielectric.eta);
-  if (!wi_local) return std::nullopt;
-  BsdfSample sample = delta_sample(*wi_local, dielectric.transmittance / (dielectric.eta * dielectric.eta));
-  sample.transmitted = true;
-  sample.eta = dielectric.eta;
+float Bsdf::uniform_pdf(Vec3 wo_local, Vec3 wi_local) const {
+  if (wo_local.z <= 0) return 0;
+  if (transmits()) return 1 / (4 * kPi);
+  return wi_local.z > 0 ? 1 / (2 * kPi) : 0;
+}
+
+std::optional<BsdfSample> Bsdf::sample_uniformly(Vec3 wo_local, Vec2 u) const {
+  if (wo_local.z <= 0) return std::nullopt;
+  const Vec3 wi = transmits() ? sample_sphere(u) : sample_hemisphere(u);
+  BsdfSample sample = weighed_sample(wi, {evaluate(wo_local, wi), uniform_pdf(wo_local, wi)});
+  sample.transmitted = wi.z < 0;
+  if (sample.transmitted) sample.eta = std::get_if<RoughDielectricBsdf>(&at_point_)->eta;
   return sample;
 }
 

@@ -1,13 +1,18 @@
 // What surfaces are made of. A Material is a model with its parameters, possibly textured, and emission;
-// bsdf.hpp evaluates and samples it at a point.
+// bsdf.hpp evaluates and samples it at a point. docs/materials.md has the formulae.
 //
-// How to add a model: a struct here with its parameters, its case in bsdf.cpp (evaluate, sample, pdf),
-// its entry in the scene loader and in scenes/scene.schema.json, and its chi-square test.
+// How to add a model: a struct here with its parameters, its case in visit_parameters and in bsdf.cpp, its
+// BSDF in a file of its own, its entry in the scene loader, in scenes/scene.schema.json and in the documents,
+// and its rows in the tests of all BSDFs.
 #pragma once
 
+#include <optional>
 #include <string>
+#include <string_view>
 #include <variant>
 
+#include "core/materials/conductor.hpp"
+#include "core/materials/fresnel.hpp"
 #include "core/textures/texture.hpp"
 
 namespace tessera::core {
@@ -22,21 +27,104 @@ struct Mirror {
   ColorParameter reflectance{Rgb::gray(1)};
 };
 
-// Smooth dielectric boundary with exact Fresnel reflectance. The inside is the side the geometric normal
-// points away from; outside is air.
+// Dielectric boundary, smooth or made of GGX microfacets (Walter et al. 2007). The inside is the side the
+// geometric normal points away from; outside is air.
 struct Glass {
-  float ior = 1.5f;  // of the inside, relative to the outside
+  ScalarParameter ior = 1.5f;  // of the inside, relative to the outside
   ColorParameter reflectance{Rgb::gray(1)};
   ColorParameter transmittance{Rgb::gray(1)};
+  DielectricFresnel fresnel = DielectricFresnel::kExact;
+  ScalarParameter roughness = 0;  // alpha is its square; smooth where that is below kMinAlpha
 };
 
-using MaterialModel = std::variant<Lambert, Mirror, Glass>;
+// Which density of the angle alpha to the mirror direction Phong's highlight is sampled with: proportional
+// to cos^n or to cos^(n + 1) alpha.
+enum class PhongLobe { kNPlus1, kNPlus2 };
+
+// Modified Phong (Lafortune and Willems 1994), on both sides. Where diffuse + specular exceed 1, both are
+// scaled down to that.
+struct Phong {
+  ColorParameter diffuse{Rgb::gray(0.5f)};
+  ColorParameter specular{Rgb::gray(0.3f)};
+  ScalarParameter exponent = 30;
+  PhongLobe lobe = PhongLobe::kNPlus1;
+};
+
+enum class Masking {
+  kSmith,    // correlated by height (Heitz 2014)
+  kSchlick,  // Schlick's approximation for each direction (Schlick 1994, eq. 19), k = alpha / 2
+};
+
+// Microfacet reflection by GGX (Cook and Torrance 1982; Walter et al. 2007) over a diffuse part, on both
+// sides. Where diffuse + specular exceed 1, both are scaled down to that.
+struct CookTorrance {
+  ColorParameter diffuse{Rgb::gray(0)};
+  ColorParameter specular{Rgb::gray(1)};
+  ColorParameter f0{Rgb::gray(0.04f)};  // reflectance at normal incidence, by Schlick at others; or:
+  std::optional<Conductor> conductor;   // exact reflectance of a metal
+  ScalarParameter roughness = 0.3f;     // alpha is its square, at least kMinAlpha
+  Masking masking = Masking::kSmith;
+};
+
+using MaterialModel = std::variant<Lambert, Mirror, Glass, Phong, CookTorrance>;
+
+// How directions are chosen.
+enum class Sampling {
+  kBsdf,        // as nearly in proportion to the scattered light as the model can
+  kUniform,     // uniformly over the hemisphere, or the sphere where light passes; ideal mirrors and smooth
+                // glass keep their single directions
+  kHalfVector,  // CookTorrance: the half-vector in proportion to the microfacets' projected area
+};
+
+// Bends shading normals: a texture's red, green and blue are x, y and z from -1 to 1 in the frame of u, v and
+// the normal.
+struct NormalMap {
+  int texture = -1;    // index among the scene's textures, -1 for none
+  float strength = 1;  // x and y are multiplied by it
+};
 
 struct Material {
   std::string name;
   MaterialModel model;
   ColorParameter emission{Rgb{}};  // radiance leaving the surface, uniform over directions; black for none
   bool two_sided_emission = true;  // else only on the side the geometric normal points to
+  Sampling sampling = Sampling::kBsdf;
+  NormalMap normal_map{};
 };
+
+// Calls visit(key, parameter) with each ColorParameter and ScalarParameter of `model`, which go by these keys
+// in scene files.
+template <typename Visit>
+void visit_parameters(const Lambert& model, const Visit& visit) {
+  visit("albedo", model.albedo);
+}
+template <typename Visit>
+void visit_parameters(const Mirror& model, const Visit& visit) {
+  visit("reflectance", model.reflectance);
+}
+template <typename Visit>
+void visit_parameters(const Glass& model, const Visit& visit) {
+  visit("ior", model.ior);
+  visit("reflectance", model.reflectance);
+  visit("transmittance", model.transmittance);
+  visit("roughness", model.roughness);
+}
+template <typename Visit>
+void visit_parameters(const Phong& model, const Visit& visit) {
+  visit("diffuse", model.diffuse);
+  visit("specular", model.specular);
+  visit("exponent", model.exponent);
+}
+template <typename Visit>
+void visit_parameters(const CookTorrance& model, const Visit& visit) {
+  visit("diffuse", model.diffuse);
+  visit("specular", model.specular);
+  visit("f0", model.f0);
+  visit("roughness", model.roughness);
+}
+template <typename Visit>
+void visit_parameters(const MaterialModel& model, const Visit& visit) {
+  std::visit([&](const auto& m) { visit_parameters(m, visit); }, model);
+}
 
 }  // namespace tessera::core

@@ -50,6 +50,12 @@ inline Vec3 sample_sphere(Vec2 u) {
   return {r * cos(phi), r * sin(phi), z};
 }
 
+// Uniform on the hemisphere around +z, density 1 / (2 pi) per solid angle. z is above 0.
+inline Vec3 sample_hemisphere(Vec2 u) {
+  const float z = 1 - u.x, r = std::sqrt(std::max(0.0f, 1 - z * z)), phi = 2 * kPi * u.y;
+  return {r * cos(phi), r * sin(phi), z};
+}
+
 // Barycentric coordinates of a triangle's second and third corner, uniform over its area (Heitz 2019).
 inline Vec2 sample_triangle(Vec2 u) {
   if (u.y > u.x) {

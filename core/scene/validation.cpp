@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -51,27 +52,36 @@ Status check_camera(const CameraDescription& camera) {
   return {};
 }
 
-Status check_materials(const SceneDescription& scene) {
-  const auto texture_count = static_cast<int>(scene.textures.size());
-  const auto textures_exist = [&](const auto&... parameters) {
-    return ((parameters.texture < texture_count) && ...);
+bool is_in_range(std::string_view, const ColorParameter& color) {
+  return shines(color.value);
+}
+
+bool is_in_range(std::string_view key, const ScalarParameter& scalar) {
+  if (key == "ior") return scalar.value > 0 && std::isfinite(scalar.value);
+  return scalar.value >= 0 && std::isfinite(scalar.value);
+}
+
+Status check_material(const Material& material, int texture_count) {
+  const auto wrong = [&](std::string_view what) {
+    return invalid(fmt::format("material '{}': {}", material.name, what));
   };
-  for (const Material& material : scene.materials) {
-    const bool ok = std::visit(
-        Overloaded{
-            [&](const Lambert& m) { return textures_exist(m.albedo); },
-            [&](const Mirror& m) { return textures_exist(m.reflectance); },
-            [&](const Glass& m) { return m.ior > 0 && textures_exist(m.reflectance, m.transmittance); },
-        },
-        material.model);
-    if (!ok)
-      return invalid(
-          fmt::format("material '{}': a texture or the index of refraction is out of range", material.name));
-    if (!shines(material.emission.value))
-      return invalid(fmt::format("material '{}': emission must be finite and not negative", material.name));
-    if (!textures_exist(material.emission))
-      return invalid(fmt::format("material '{}': emission: there is no such texture", material.name));
-  }
+  std::string_view mistaken;
+  visit_parameters(material.model, [&](std::string_view key, const auto& parameter) {
+    if (parameter.texture >= texture_count || !is_in_range(key, parameter)) mistaken = key;
+  });
+  if (!mistaken.empty()) return wrong(fmt::format("{} is out of range, or its texture", mistaken));
+  if (material.normal_map.texture >= texture_count || !std::isfinite(material.normal_map.strength))
+    return wrong("the normal map's texture or its strength is out of range");
+  if (material.sampling == Sampling::kHalfVector && !std::holds_alternative<CookTorrance>(material.model))
+    return wrong("only cook_torrance can be sampled by half-vectors");
+  if (!shines(material.emission.value)) return wrong("emission must be finite and not negative");
+  if (material.emission.texture >= texture_count) return wrong("emission: there is no such texture");
+  return {};
+}
+
+Status check_materials(const SceneDescription& scene) {
+  for (const Material& material : scene.materials)
+    if (auto ok = check_material(material, static_cast<int>(scene.textures.size())); !ok) return ok;
   return {};
 }
 

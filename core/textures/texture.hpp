@@ -49,4 +49,16 @@ struct ColorParameter {
   }
 };
 
+// A number, or the red channel of a texture times a number.
+struct ScalarParameter {
+  ScalarParameter(float constant = 0, int texture_index = -1) : value(constant), texture(texture_index) {}
+
+  float value;
+  int texture;  // as above
+
+  float evaluate(const std::vector<Texture>& textures, Vec2 uv) const {
+    return texture < 0 ? value : value * textures[static_cast<std::size_t>(texture)].evaluate(uv).r;
+  }
+};
+
 }  // namespace tessera::core

@@ -12,13 +12,12 @@
 namespace tessera::core {
 namespace {
 
+// The parameters that are shares of light.
 std::vector<ColorParameter> shares_of(const MaterialModel& model) {
-  return std::visit(Overloaded{[](const Lambert& m) { return std::vector{m.albedo}; },
-                               [](const Mirror& m) { return std::vector{m.reflectance}; },
-                               [](const Glass& m) {
-                                 return std::vector{m.reflectance, m.transmittance};
-                               }},
-                    model);
+  std::vector<ColorParameter> shares;
+  visit_parameters(model, Overloaded{[&](auto, const ColorParameter& share) { shares.push_back(share); },
+                                     [](auto, const ScalarParameter&) {}});
+  return shares;
 }
 
 // The largest value that a texture of floats gives; those of bytes end at 1.

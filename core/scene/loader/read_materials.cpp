@@ -2,6 +2,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <functional>
+#include <set>
 
 #include "core/scene/loader/scene_file.hpp"
 #include "core/scene/loader/wording.hpp"
@@ -12,6 +15,8 @@ namespace {
 using scene_keys::kColorSpaces;
 using scene_keys::kEmissionSides;
 using scene_keys::kMaterialTypes;
+using scene_keys::kMicrofacetSamplings;
+using scene_keys::kSamplings;
 using scene_keys::kWraps;
 
 using Words = std::span<const std::string_view>;
@@ -19,6 +24,8 @@ using Words = std::span<const std::string_view>;
 constexpr Bounds kIor{
     [](double v) { return v >= 1 && v <= 10; },
     "between 1 and 10 (it is that of the inside; for air in glass, turn the surface inside out)"};
+constexpr Bounds kExponent{[](double v) { return v >= 0 && v <= 1e5; }, "between 0 and 100000"};
+constexpr Bounds kStrength{[](double v) { return v >= 0 && v <= 100; }, "between 0 and 100"};
 
 // A number, [r, g, b], or {"texture": NAME, "tint": ...} with the keys of `textured`.
 ColorParameter read_color_parameter(const Field& field, const std::vector<TextureEntry>& textures,
@@ -36,22 +43,105 @@ ColorParameter read_share(const Field& field, const std::vector<TextureEntry>& t
   return read_color_parameter(field, textures, bounds::kUnit, scene_keys::kTexturedColor);
 }
 
+// A number, or {"texture": NAME, "scale": ...}, whose red channel counts.
+ScalarParameter read_scalar(const Field& field, const Bounds& limits,
+                            const std::vector<TextureEntry>& textures) {
+  if (!field.value().get_if<JsonValue::Object>()) return read_float(field, limits);
+  const ObjectReader object(field, scene_keys::kTexturedScalar);
+  ScalarParameter scalar = 1;
+  scalar.value = read_or(object, "scale", scalar.value, read_float, limits);
+  scalar.texture = read_or(object, "texture", scalar.texture, read_texture_name, textures);
+  return scalar;
+}
+
+NormalMap read_normal_map(const Field& field, const std::vector<TextureEntry>& textures) {
+  const ObjectReader object(field, scene_keys::kNormalMap);
+  NormalMap map;
+  map.texture = read_or(object, "texture", map.texture, read_texture_name, textures);
+  map.strength = read_or(object, "strength", map.strength, read_float, kStrength);
+  return map;
+}
+
+// The members of one material that hold its parameters.
+class ParameterReader {
+ public:
+  ParameterReader(const Field& field, const ObjectRules& rules, const std::vector<TextureEntry>& textures)
+      : field_(field), object_(field, rules), textures_(textures) {}
+
+  ColorParameter share(std::string_view key, const ColorParameter& otherwise) const {
+    return read_or(object_, key, otherwise, read_share, textures_);
+  }
+  ScalarParameter scalar(std::string_view key, const ScalarParameter& otherwise, const Bounds& limits) const {
+    return read_or(object_, key, otherwise, read_scalar, limits, textures_);
+  }
+  template <typename Enum>
+  Enum choice(std::string_view key, Enum otherwise, Words words) const {
+    return read_or(object_, key, otherwise, read_choice, words);
+  }
+  std::optional<Field> find(std::string_view key) const { return object_.find(key); }
+
+  // A surface that reflects more than it receives. Textures are seen to where they are looked up.
+  void check_sum(const ColorParameter& diffuse, const ColorParameter& specular) const {
+    if (diffuse.texture >= 0 || specular.texture >= 0) return;
+    const float sum = max_component(diffuse.value + specular.value);
+    constexpr float kRounding = 1e-6f;
+    if (sum > 1 + kRounding)
+      field_.mistake(
+          fmt::format("'diffuse' and 'specular'{} add up to {:.6g}, and nothing reflects more than 1",
+                      find("specular") ? "" : fmt::format(" ({} unless given)", specular.value.r), sum));
+  }
+
+ private:
+  Field field_;
+  ObjectReader object_;
+  const std::vector<TextureEntry>& textures_;
+};
+
+Glass read_glass(const ParameterReader& read) {
+  Glass glass;
+  glass.ior = read.scalar("ior", glass.ior, kIor);
+  glass.reflectance = read.share("reflectance", glass.reflectance);
+  glass.transmittance = read.share("transmittance", glass.transmittance);
+  glass.fresnel = read.choice("fresnel", glass.fresnel, scene_keys::kDielectricFresnels);
+  glass.roughness = read.scalar("roughness", glass.roughness, bounds::kUnit);
+  return glass;
+}
+
+Phong read_phong(const ParameterReader& read) {
+  Phong phong;
+  phong.diffuse = read.share("diffuse", phong.diffuse);
+  phong.specular = read.share("specular", phong.specular);
+  phong.exponent = read.scalar("exponent", phong.exponent, kExponent);
+  phong.lobe = read.choice("lobe", phong.lobe, scene_keys::kPhongLobes);
+  read.check_sum(phong.diffuse, phong.specular);
+  return phong;
+}
+
+CookTorrance read_cook_torrance(const ParameterReader& read) {
+  CookTorrance model;
+  model.diffuse = read.share("diffuse", model.diffuse);
+  model.specular = read.share("specular", model.specular);
+  model.f0 = read.share("f0", model.f0);
+  if (const auto metal = read.find("conductor")) {
+    model.conductor = static_cast<Conductor>(read_choice(*metal, scene_keys::kConductors));
+    if (read.find("f0")) metal->mistake("a conductor has its own reflectance; leave 'f0' out, or this");
+  }
+  model.roughness = read.scalar("roughness", model.roughness, bounds::kUnit);
+  model.masking = read.choice("masking", model.masking, scene_keys::kMaskings);
+  read.check_sum(model.diffuse, model.specular);
+  return model;
+}
+
+// `type` counts as in kMaterialTypes.
 MaterialModel read_model(const Field& field, std::size_t type, const std::vector<TextureEntry>& textures) {
-  const auto share = [&](const ObjectReader& object, std::string_view key, ColorParameter otherwise) {
-    return read_or(object, key, otherwise, read_share, textures);
-  };
-  if (type == 0) {
-    const ObjectReader object(field, scene_keys::kLambert);
-    return Lambert{share(object, "albedo", Lambert{}.albedo)};
-  }
-  if (type == 1) {
-    const ObjectReader object(field, scene_keys::kMirror);
-    return Mirror{share(object, "reflectance", Mirror{}.reflectance)};
-  }
-  const ObjectReader object(field, scene_keys::kGlass);
-  return Glass{read_or(object, "ior", Glass{}.ior, read_float, kIor),
-               share(object, "reflectance", Glass{}.reflectance),
-               share(object, "transmittance", Glass{}.transmittance)};
+  static constexpr std::array kRules{scene_keys::kLambert, scene_keys::kMirror, scene_keys::kGlass,
+                                     scene_keys::kPhong, scene_keys::kCookTorrance};
+  const ParameterReader read(field, kRules[type], textures);
+  if (type == 0) return Lambert{read.share("albedo", Lambert{}.albedo)};
+  if (type == 1) return Mirror{read.share("reflectance", Mirror{}.reflectance)};
+  if (type == 2) return read_glass(read);
+  if (type == 3) return read_phong(read);
+  return read_cook_torrance(read);
 }
 
 Material read_material(const Field& field, const std::string& name,
@@ -65,7 +155,32 @@ Material read_material(const Field& field, const std::string& name,
         read_color_parameter(*emission, textures, bounds::kNotNegative, scene_keys::kTexturedEmission);
   if (const auto sides = find_member_field(field, "emission_sides"))
     material.two_sided_emission = read_choice(*sides, Words(kEmissionSides)) == 0;
+  const bool microfacets = std::holds_alternative<CookTorrance>(material.model);
+  if (const auto sampling = find_member_field(field, "sampling"))
+    material.sampling =
+        static_cast<Sampling>(read_choice(*sampling, microfacets ? Words(kMicrofacetSamplings) : kSamplings));
+  if (const auto map = find_member_field(field, "normal_map"))
+    material.normal_map = read_normal_map(*map, textures);
   return material;
+}
+
+// Which textures are read as colours, and which as numbers.
+struct TextureUses {
+  std::set<int> colors, numbers;
+
+  void operator()(std::string_view, const ColorParameter& parameter) { colors.insert(parameter.texture); }
+  void operator()(std::string_view, const ScalarParameter& parameter) { numbers.insert(parameter.texture); }
+};
+
+TextureUses uses_of(const SceneFile& scene) {
+  TextureUses uses;
+  if (scene.environment) uses("radiance", scene.environment->radiance);
+  for (const auto& entry : scene.materials) {
+    visit_parameters(entry.material.model, std::ref(uses));
+    uses("emission", entry.material.emission);
+    uses.numbers.insert(entry.material.normal_map.texture);
+  }
+  return uses;
 }
 
 }  // namespace
@@ -107,6 +222,16 @@ std::vector<MaterialEntry> read_materials(const Field& field, const std::vector<
   for (const auto& [name, entry] : read_named(field))
     materials.push_back({read_material(entry, name, textures), entry.place()});
   return materials;
+}
+
+void settle_color_spaces(SceneFile& scene) {
+  const TextureUses uses = uses_of(scene);
+  for (std::size_t i = 0; i < scene.textures.size(); ++i) {
+    const auto index = static_cast<int>(i);
+    auto& color_space = scene.textures[i].color_space;
+    if (!color_space && uses.numbers.contains(index) && !uses.colors.contains(index))
+      color_space = ColorSpace::kLinear;
+  }
 }
 
 }  // namespace tessera::core

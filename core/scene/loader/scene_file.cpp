@@ -126,6 +126,7 @@ SceneFile parse_scene_file(std::string_view text, const std::string& display_pat
   if (const auto lights = object.find("lights")) scene.lights = read_lights(*lights);
   if (const auto environment = object.find("environment"))
     scene.environment = read_environment(*environment, scene.textures);
+  settle_color_spaces(scene);
   return scene;
 }
 

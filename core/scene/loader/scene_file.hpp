@@ -72,6 +72,9 @@ std::vector<TextureEntry> read_textures(const Field& field);
 // The index among `textures`; -1 after a mistake.
 int read_texture_name(const Field& field, const std::vector<TextureEntry>& textures);
 std::vector<MaterialEntry> read_materials(const Field& field, const std::vector<TextureEntry>& textures);
+// Textures that say nothing of their colour space and are used for numbers alone (normal maps, roughness) are
+// linear.
+void settle_color_spaces(SceneFile& scene);
 std::vector<ShapeEntry> read_shapes(const Field& field, const std::vector<MaterialEntry>& materials);
 std::vector<LightDescription> read_lights(const Field& field);
 EnvironmentDescription read_environment(const Field& field, const std::vector<TextureEntry>& textures);

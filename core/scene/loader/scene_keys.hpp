@@ -40,13 +40,29 @@ inline constexpr std::array kOutputKeys{KeyRule{"exposure"}, KeyRule{"tone_curve
 inline constexpr std::array kTextureKeys{KeyRule{"file", kRequired}, KeyRule{"color_space"}, KeyRule{"wrap"},
                                          KeyRule{"scale"}, KeyRule{"offset"}};
 inline constexpr std::array kTexturedColorKeys{KeyRule{"texture", kRequired}, KeyRule{"tint"}};
-inline constexpr std::array kLambertKeys{KeyRule{"type", kRequired}, KeyRule{"albedo"}, KeyRule{"emission"},
-                                         KeyRule{"emission_sides"}};
-inline constexpr std::array kMirrorKeys{KeyRule{"type", kRequired}, KeyRule{"reflectance"},
-                                        KeyRule{"emission"}, KeyRule{"emission_sides"}};
-inline constexpr std::array kGlassKeys{KeyRule{"type", kRequired}, KeyRule{"ior"},
-                                       KeyRule{"reflectance"},     KeyRule{"transmittance"},
-                                       KeyRule{"emission"},        KeyRule{"emission_sides"}};
+inline constexpr std::array kTexturedScalarKeys{KeyRule{"texture", kRequired}, KeyRule{"scale"}};
+inline constexpr std::array kNormalMapKeys{KeyRule{"texture", kRequired}, KeyRule{"strength"}};
+
+// A material's own keys among those of all types.
+template <std::size_t count>
+constexpr std::array<KeyRule, count + 5> material_keys(const std::array<KeyRule, count>& own) {
+  std::array<KeyRule, count + 5> all{KeyRule{"type", kRequired}};
+  std::size_t next = 1;
+  for (const KeyRule& rule : own) all[next++] = rule;
+  for (const auto name : {"emission", "emission_sides", "sampling", "normal_map"}) all[next++] = {name};
+  return all;
+}
+
+inline constexpr auto kLambertKeys = material_keys(std::array{KeyRule{"albedo"}});
+inline constexpr auto kMirrorKeys = material_keys(std::array{KeyRule{"reflectance"}});
+inline constexpr auto kGlassKeys =
+    material_keys(std::array{KeyRule{"ior"}, KeyRule{"reflectance"}, KeyRule{"transmittance"},
+                             KeyRule{"fresnel"}, KeyRule{"roughness"}});
+inline constexpr auto kPhongKeys =
+    material_keys(std::array{KeyRule{"diffuse"}, KeyRule{"specular"}, KeyRule{"exponent"}, KeyRule{"lobe"}});
+inline constexpr auto kCookTorranceKeys =
+    material_keys(std::array{KeyRule{"diffuse"}, KeyRule{"specular"}, KeyRule{"f0"}, KeyRule{"conductor"},
+                             KeyRule{"roughness"}, KeyRule{"masking"}});
 inline constexpr std::array kMeshKeys{KeyRule{"type", kRequired}, KeyRule{"file", kRequired},
                                       KeyRule{"material"}, KeyRule{"normals"}, KeyRule{"transform"}};
 inline constexpr std::array kSphereKeys{KeyRule{"type", kRequired}, KeyRule{"center"},
@@ -73,9 +89,15 @@ inline constexpr ObjectRules kCamera{"camera", "/properties/camera", kCameraKeys
 inline constexpr ObjectRules kOutput{"output", "/properties/output", kOutputKeys};
 inline constexpr ObjectRules kTexture{"texture", "/$defs/texture", kTextureKeys};
 inline constexpr ObjectRules kTexturedColor{"textured colour", "/$defs/textured_color", kTexturedColorKeys};
+inline constexpr ObjectRules kTexturedScalar{"textured number", "/$defs/textured_scalar",
+                                             kTexturedScalarKeys};
+inline constexpr ObjectRules kNormalMap{"normal map", "/$defs/normal_map", kNormalMapKeys};
 inline constexpr ObjectRules kLambert{"lambert material", "/$defs/lambert", kLambertKeys};
 inline constexpr ObjectRules kMirror{"mirror material", "/$defs/mirror", kMirrorKeys};
 inline constexpr ObjectRules kGlass{"glass material", "/$defs/glass", kGlassKeys};
+inline constexpr ObjectRules kPhong{"phong material", "/$defs/phong", kPhongKeys};
+inline constexpr ObjectRules kCookTorrance{"cook_torrance material", "/$defs/cook_torrance",
+                                           kCookTorranceKeys};
 inline constexpr ObjectRules kMesh{"mesh", "/$defs/mesh", kMeshKeys};
 inline constexpr ObjectRules kSphere{"sphere", "/$defs/sphere", kSphereKeys};
 inline constexpr ObjectRules kQuad{"quad", "/$defs/quad", kQuadKeys};
@@ -89,24 +111,50 @@ inline constexpr ObjectRules kEnvironment{"environment", "/properties/environmen
 inline constexpr ObjectRules kTransformStep{"transform step", "/$defs/transform_step", kTransformStepKeys};
 inline constexpr ObjectRules kRotation{"rotation", "/$defs/rotation", kRotationKeys};
 
-inline constexpr std::array kAllObjects{
-    kScene,           kRender,   kCamera,     kOutput,    kTexture,          kTexturedColor,
-    kLambert,         kMirror,   kGlass,      kMesh,      kSphere,           kQuad,
-    kTransformStep,   kRotation, kPointLight, kSpotLight, kDirectionalLight, kEnvironment,
-    kTexturedEmission};
+inline constexpr std::array kAllObjects{kScene,
+                                        kRender,
+                                        kCamera,
+                                        kOutput,
+                                        kTexture,
+                                        kTexturedColor,
+                                        kTexturedEmission,
+                                        kTexturedScalar,
+                                        kNormalMap,
+                                        kLambert,
+                                        kMirror,
+                                        kGlass,
+                                        kPhong,
+                                        kCookTorrance,
+                                        kMesh,
+                                        kSphere,
+                                        kQuad,
+                                        kTransformStep,
+                                        kRotation,
+                                        kPointLight,
+                                        kSpotLight,
+                                        kDirectionalLight,
+                                        kEnvironment};
 
 // The words that stand for a choice, in the order of what they stand for in the code.
 inline constexpr std::array<std::string_view, 4> kIntegrators{"naive", "nee", "mis", "whitted"};
 inline constexpr std::array<std::string_view, 2> kHeuristics{"balance", "power"};
 inline constexpr std::array<std::string_view, 3> kFilters{"box", "tent", "gaussian"};
 inline constexpr std::array<std::string_view, 3> kToneCurves{"none", "aces", "agx"};
-inline constexpr std::array<std::string_view, 3> kMaterialTypes{"lambert", "mirror", "glass"};
+inline constexpr std::array<std::string_view, 5> kMaterialTypes{"lambert", "mirror", "glass", "phong",
+                                                                "cook_torrance"};
 inline constexpr std::array<std::string_view, 3> kShapeTypes{"mesh", "sphere", "quad"};
 inline constexpr std::array<std::string_view, 3> kLightTypes{"point", "spot", "directional"};
 inline constexpr std::array<std::string_view, 3> kNormals{"file", "smooth", "flat"};
 inline constexpr std::array<std::string_view, 2> kColorSpaces{"srgb", "linear"};
 inline constexpr std::array<std::string_view, 2> kWraps{"repeat", "clamp"};
 inline constexpr std::array<std::string_view, 2> kEmissionSides{"both", "front"};
+inline constexpr std::array<std::string_view, 3> kDielectricFresnels{"exact", "schlick", "none"};
+inline constexpr std::array<std::string_view, 2> kPhongLobes{"n+1", "n+2"};
+inline constexpr std::array<std::string_view, 4> kConductors{"copper", "gold", "silver", "aluminium"};
+inline constexpr std::array<std::string_view, 2> kMaskings{"smith", "schlick"};
+inline constexpr std::array<std::string_view, 3> kMicrofacetSamplings{"bsdf", "uniform", "half_vector"};
+inline constexpr std::span<const std::string_view> kSamplings =
+    std::span(kMicrofacetSamplings).first(2);  // of the other materials
 
 }  // namespace scene_keys
 }  // namespace tessera::core

@@ -13,7 +13,7 @@ namespace tessera::core {
 namespace {
 
 Bsdf make(MaterialModel model, bool outside = true) {
-  return Bsdf(model, {}, {}, outside);
+  return Bsdf(Material{.name = "", .model = std::move(model)}, {}, {}, outside);
 }
 
 // Pearson's test of a sampler against its density, over cells of equal solid angle of the whole sphere. The

@@ -44,13 +44,13 @@ TEST(Mtl, MapsMirrors) {
 TEST(Mtl, MapsGlass) {
   for (const auto illum : {"4", "6", "7", "9"}) {
     const Glass glass = model<Glass>("Ni 1.33\nTf 0.9 1 0.9\nillum " + std::string(illum));
-    EXPECT_EQ(glass.ior, 1.33f);
+    EXPECT_EQ(glass.ior.value, 1.33f);
     EXPECT_EQ(glass.transmittance.value, (Rgb{0.9f, 1, 0.9f}));
     EXPECT_EQ(glass.reflectance.value, Rgb::gray(1));
   }
-  EXPECT_EQ(model<Glass>("illum 7\n").ior, 1.5f);
-  EXPECT_EQ(model<Glass>("d 0.1\nNi 2\n").ior, 2);
-  EXPECT_EQ(model<Glass>("Tr 0.9\nNi 2\n").ior, 2);
+  EXPECT_EQ(model<Glass>("illum 7\n").ior.value, 1.5f);
+  EXPECT_EQ(model<Glass>("d 0.1\nNi 2\n").ior.value, 2);
+  EXPECT_EQ(model<Glass>("Tr 0.9\nNi 2\n").ior.value, 2);
   model<Lambert>("d 0.1\n");  // without an index of refraction it is a cut-out, not glass
 }
 

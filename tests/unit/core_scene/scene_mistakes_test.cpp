@@ -181,7 +181,8 @@ TEST(SceneMistakes, InMaterials) {
   expect_mistakes(
       {
           {"\"m\": {}",
-           "materials.m: a material needs the key 'type', one of \"lambert\", \"mirror\", \"glass\""},
+           "materials.m: a material needs the key 'type', one of \"lambert\", \"mirror\", \"glass\", "
+           "\"phong\", \"cook_torrance\""},
           {"\"m\": 3", "materials.m: must be an object in braces, got 3"},
           {"\"m\": {\"type\": \"lambertian\"}",
            "materials.m.type: unknown value 'lambertian'; did you mean 'lambert'?"},
@@ -204,7 +205,8 @@ TEST(SceneMistakes, InMaterials) {
           {"\"m\": {\"type\": \"lambert\", \"emission_sides\": \"back\"}",
            "materials.m.emission_sides: unknown value 'back'; known are 'both', 'front'"},
           {"\"m\": {\"type\": \"lambert\", \"ior\": 1.5}",
-           "materials.m: unknown key 'ior'; known are 'type', 'albedo', 'emission', 'emission_sides'"},
+           "materials.m: unknown key 'ior'; known are 'type', 'albedo', 'emission', 'emission_sides', "
+           "'sampling', 'normal_map'"},
           {"\"m\": {\"type\": \"mirror\", \"reflectance\": 1.1}",
            "materials.m.reflectance: must be between 0 and 1, got 1.1"},
           {"\"m\": {\"type\": \"glass\", \"ior\": 0.67}",
@@ -270,6 +272,44 @@ TEST(SceneMistakes, InTheEnvironment) {
            "'offset'; 'rotation_degrees' turns it"},
       },
       with_environment, 2);
+}
+
+TEST(SceneMistakes, InGlossyMaterials) {
+  expect_mistakes(
+      {
+          {"\"m\": {\"type\": \"glass\", \"fresnel\": \"schlik\"}",
+           "materials.m.fresnel: unknown value 'schlik'; did you mean 'schlick'?"},
+          {"\"m\": {\"type\": \"glass\", \"roughness\": 1.5}",
+           "materials.m.roughness: must be between 0 and 1, got 1.5"},
+          {"\"m\": {\"type\": \"glass\", \"roughness\": [0.1, 0.2, 0.3]}",
+           "materials.m.roughness: must be between 0 and 1, got a list of 3"},
+          {"\"m\": {\"type\": \"glass\", \"roughness\": {\"scale\": 1}}",
+           "materials.m.roughness: a textured number needs the key 'texture'"},
+          {"\"m\": {\"type\": \"phong\", \"exponent\": -1}",
+           "materials.m.exponent: must be between 0 and 100000, got -1"},
+          {"\"m\": {\"type\": \"phong\", \"lobe\": \"n+3\"}",
+           "materials.m.lobe: unknown value 'n+3'; did you mean 'n+1'?"},
+          {"\"m\": {\"type\": \"phong\", \"diffuse\": 0.6, \"specular\": [0.3, 0.5, 0.3]}",
+           "materials.m: 'diffuse' and 'specular' add up to 1.1, and nothing reflects more than 1"},
+          {"\"m\": {\"type\": \"cook_torrance\", \"diffuse\": 0.5}",
+           "materials.m: 'diffuse' and 'specular' (1 unless given) add up to 1.5, and nothing reflects more "
+           "than 1"},
+          {"\"m\": {\"type\": \"cook_torrance\", \"conductor\": \"aluminum\"}",
+           "materials.m.conductor: unknown value 'aluminum'; did you mean 'aluminium'?"},
+          {"\"m\": {\"type\": \"cook_torrance\", \"conductor\": \"gold\", \"f0\": 0.9}",
+           "materials.m.conductor: a conductor has its own reflectance; leave 'f0' out, or this"},
+          {"\"m\": {\"type\": \"cook_torrance\", \"masking\": 1}",
+           "materials.m.masking: must be one of \"smith\", \"schlick\", got 1"},
+          {"\"m\": {\"type\": \"phong\", \"sampling\": \"half_vector\"}",
+           "materials.m.sampling: unknown value 'half_vector'; known are 'bsdf', 'uniform'"},
+          {"\"m\": {\"type\": \"lambert\", \"normal_map\": \"dents\"}",
+           "materials.m.normal_map: must be an object in braces, got the text 'dents'"},
+          {"\"m\": {\"type\": \"lambert\", \"normal_map\": {\"texture\": \"dents\"}}",
+           "materials.m.normal_map.texture: there is no texture 'dents'"},
+          {"\"m\": {\"type\": \"lambert\", \"normal_map\": {\"strength\": 1}}",
+           "materials.m.normal_map: a normal map needs the key 'texture'"},
+      },
+      with_materials, 3);
 }
 
 TEST(SceneMistakes, SuggestTextures) {

@@ -144,10 +144,63 @@ TEST(SceneReading, TakesMaterials) {
   EXPECT_EQ(std::get<Mirror>(scene.materials[1].model).reflectance.texture, 1);
   EXPECT_EQ(std::get<Mirror>(scene.materials[1].model).reflectance.value, Rgb::gray(1));
   const Glass& glass = std::get<Glass>(scene.materials[2].model);
-  EXPECT_EQ(glass.ior, 1.33f);
+  EXPECT_EQ(glass.ior.value, 1.33f);
   EXPECT_EQ(glass.reflectance.value, Rgb::gray(0.9f));
   EXPECT_EQ(glass.transmittance.texture, 0);
   EXPECT_EQ(glass.transmittance.value, (Rgb{1, 0.5f, 0}));
+}
+
+TEST(SceneReading, TakesGlossyMaterials) {
+  const SceneDescription scene = load(scene_with(
+      "\"textures\": {\"t0\": {\"file\": \"gray.png\"}, \"t1\": {\"file\": \"gray.png\"}}",
+      "\"a\": {\"type\": \"glass\", \"fresnel\": \"none\", \"roughness\": {\"texture\": \"t1\", \"scale\": "
+      "0.5}},"
+      "\"b\": {\"type\": \"phong\", \"diffuse\": 0.2, \"specular\": [0.8, 0.1, 0], \"exponent\": 99, "
+      "\"lobe\": \"n+2\", \"sampling\": \"uniform\"},"
+      "\"c\": {\"type\": \"cook_torrance\", \"conductor\": \"silver\", \"roughness\": 0.5, "
+      "\"masking\": \"schlick\", \"sampling\": \"half_vector\", "
+      "\"normal_map\": {\"texture\": \"t1\", \"strength\": 0.5}},"
+      "\"d\": {\"type\": \"cook_torrance\"}",
+      ""));
+  const Glass& glass = std::get<Glass>(scene.materials[0].model);
+  EXPECT_EQ(glass.fresnel, DielectricFresnel::kNone);
+  EXPECT_EQ(glass.roughness.texture, 1);
+  EXPECT_EQ(glass.roughness.value, 0.5f);
+  const Phong& phong = std::get<Phong>(scene.materials[1].model);
+  EXPECT_EQ(phong.diffuse.value, Rgb::gray(0.2f));
+  EXPECT_EQ(phong.specular.value, (Rgb{0.8f, 0.1f, 0}));
+  EXPECT_EQ(phong.exponent.value, 99);
+  EXPECT_EQ(phong.lobe, PhongLobe::kNPlus2);
+  EXPECT_EQ(scene.materials[1].sampling, Sampling::kUniform);
+  const CookTorrance& metal = std::get<CookTorrance>(scene.materials[2].model);
+  EXPECT_EQ(metal.conductor, Conductor::kSilver);
+  EXPECT_EQ(metal.roughness.value, 0.5f);
+  EXPECT_EQ(metal.masking, Masking::kSchlick);
+  EXPECT_EQ(scene.materials[2].sampling, Sampling::kHalfVector);
+  EXPECT_EQ(scene.materials[2].normal_map.texture, 1);
+  EXPECT_EQ(scene.materials[2].normal_map.strength, 0.5f);
+  const CookTorrance& lacquer = std::get<CookTorrance>(scene.materials[3].model);
+  EXPECT_FALSE(lacquer.conductor);
+  EXPECT_EQ(lacquer.f0.value, Rgb::gray(0.04f));
+  EXPECT_EQ(scene.materials[3].sampling, Sampling::kBsdf);
+  EXPECT_EQ(scene.materials[3].normal_map.texture, -1);
+}
+
+// "t0" is a colour and "t1" numbers; "t2" is both, "t3" neither, and "t4" says itself what it is.
+TEST(SceneReading, TakesTexturesUsedForNumbersAloneAsLinear) {
+  const SceneDescription scene =
+      load(scene_with("\"textures\": {\"t0\": {\"file\": \"gray.png\"}, \"t1\": {\"file\": \"gray.png\"},"
+                      "\"t2\": {\"file\": \"gray.png\"}, \"t3\": {\"file\": \"gray.png\"},"
+                      "\"t4\": {\"file\": \"gray.png\", \"color_space\": \"srgb\"}}",
+                      "\"a\": {\"type\": \"lambert\", \"albedo\": {\"texture\": \"t0\"}, "
+                      "\"normal_map\": {\"texture\": \"t1\"}},"
+                      "\"b\": {\"type\": \"cook_torrance\", \"f0\": {\"texture\": \"t2\"}, "
+                      "\"roughness\": {\"texture\": \"t2\"}},"
+                      "\"c\": {\"type\": \"phong\", \"exponent\": {\"texture\": \"t4\", \"scale\": 99}}",
+                      ""));
+  const auto& t = scene.textures;
+  for (const std::size_t i : {0u, 2u, 3u, 4u}) EXPECT_EQ(t[i].image->color_space, ColorSpace::kSrgb) << i;
+  EXPECT_EQ(t[1].image->color_space, ColorSpace::kLinear);
 }
 
 TEST(SceneReading, TakesTexturesAndDecodesEachPictureOnce) {

@@ -68,9 +68,19 @@ TEST(Schema, HasTheWordsThatTheLoaderKnows) {
   expect_words("/$defs/texture/properties/wrap", scene_keys::kWraps);
   expect_words("/$defs/emission_sides", scene_keys::kEmissionSides);
   expect_words("/$defs/mesh/properties/normals", scene_keys::kNormals);
-  for (const auto words : {scene_keys::kMaterialTypes, scene_keys::kShapeTypes, scene_keys::kLightTypes})
+  expect_words("/$defs/glass/properties/fresnel", scene_keys::kDielectricFresnels);
+  expect_words("/$defs/phong/properties/lobe", scene_keys::kPhongLobes);
+  expect_words("/$defs/cook_torrance/properties/conductor", scene_keys::kConductors);
+  expect_words("/$defs/cook_torrance/properties/masking", scene_keys::kMaskings);
+  expect_words("/$defs/cook_torrance/properties/sampling", scene_keys::kMicrofacetSamplings);
+  expect_words("/$defs/sampling", scene_keys::kSamplings);
+  const auto expect_types = [](std::span<const std::string_view> words) {
     for (const auto word : words)
       EXPECT_EQ(at("/$defs/" + std::string(word) + "/properties/type/const"), word);
+  };
+  expect_types(scene_keys::kMaterialTypes);
+  expect_types(scene_keys::kShapeTypes);
+  expect_types(scene_keys::kLightTypes);
 }
 
 TEST(Schema, HasTheLimitsAndDefaultsOfTheSettings) {

@@ -1,0 +1,26 @@
+// Modified Phong: a diffuse part and a highlight around the mirror direction (Lafortune and Willems 1994).
+#pragma once
+
+#include <optional>
+
+#include "core/materials/bsdf_sample.hpp"
+#include "core/materials/material.hpp"
+
+namespace tessera::core {
+
+struct PhongBsdf {
+  static constexpr bool kIsDelta = false;
+
+  BsdfValue evaluate(Vec3 wo_local, Vec3 wi_local) const;
+  std::optional<BsdfSample> sample(Vec3 wo_local, Vec2 u, float u_lobe) const;
+
+  Rgb diffuse, specular;  // diffuse + specular <= 1
+  float exponent;
+  PhongLobe lobe;
+
+ private:
+  float highlight_probability() const;
+  float sampled_exponent() const;
+};
+
+}  // namespace tessera::core

@@ -1,0 +1,28 @@
+// A smooth boundary between dielectrics: one reflected and one refracted direction.
+#pragma once
+
+#include <array>
+#include <optional>
+
+#include "core/materials/bsdf_sample.hpp"
+#include "core/materials/fresnel.hpp"
+
+namespace tessera::core {
+
+struct SmoothDielectricBsdf {
+  static constexpr bool kIsDelta = true;
+
+  BsdfValue evaluate(Vec3, Vec3) const { return {}; }
+  std::optional<BsdfSample> sample(Vec3 wo_local, Vec2 u, float u_lobe) const;
+  // Both directions, each with its share of the light in the weight; nothing for one that does not exist.
+  std::array<std::optional<BsdfSample>, 2> branches(Vec3 wo_local) const;
+
+  float eta;  // of the far side over the near side
+  DielectricFresnel fresnel;
+  Rgb reflectance, transmittance;
+
+ private:
+  std::optional<BsdfSample> refracted(Vec3 wo_local) const;
+};
+
+}  // namespace tessera::core
