@@ -156,7 +156,8 @@ Result<std::uint32_t> SceneAssembler::add_library_material(const std::string& li
   if (!material.albedo_file.empty()) {
     const auto texture = library_texture(library_path, material);
     if (!texture) return fail(texture.error());
-    std::get_if<Lambert>(&added.model)->albedo.texture = *texture;
+    if (auto* lambert = std::get_if<Lambert>(&added.model)) lambert->albedo.texture = *texture;
+    if (auto* phong = std::get_if<Phong>(&added.model)) phong->diffuse.texture = *texture;
   }
   scene_.materials.push_back(std::move(added));
   return known->second;

@@ -13,12 +13,13 @@ namespace tessera::core {
 namespace {
 
 constexpr float kAbsent = -1;
+constexpr float kLargestExponent = 1e5f;
 
 // The statements under one "newmtl" that count here; what is absent has the value it has here.
 struct Statements {
   std::string name;
   Rgb kd, ks, tf, ke;
-  float dissolve = kAbsent, transparency = 0, ior = 1, illum = 0;
+  float dissolve = kAbsent, transparency = 0, ior = 1, illum = 0, exponent = 0;
   MtlMap albedo_map;
   int albedo_line = 0;
 };
@@ -34,12 +35,14 @@ constexpr std::array kColors{ColorRule{"Kd", 1, &Statements::kd}, ColorRule{"Ks"
                              ColorRule{"Ke", kLargest, &Statements::ke}};
 struct NumberRule {
   std::string_view keyword;
-  float max;
+  float min, max;
   float Statements::*number;
 };
+// Some programs write a negative Ns for a surface without highlights.
 constexpr std::array kNumbers{
-    NumberRule{"d", 1, &Statements::dissolve}, NumberRule{"Tr", 1, &Statements::transparency},
-    NumberRule{"Ni", 10, &Statements::ior}, NumberRule{"illum", 10, &Statements::illum}};
+    NumberRule{"d", 0, 1, &Statements::dissolve}, NumberRule{"Tr", 0, 1, &Statements::transparency},
+    NumberRule{"Ni", 0, 10, &Statements::ior}, NumberRule{"Ns", -kLargest, kLargest, &Statements::exponent},
+    NumberRule{"illum", 0, 10, &Statements::illum}};
 
 template <typename Rules>
 const auto* find_rule(const Rules& rules, std::string_view keyword) {
@@ -58,6 +61,15 @@ bool is_transparent(const Statements& m) {
   return m.dissolve == kAbsent ? m.transparency > 0 : m.dissolve < 1;
 }
 
+// Dimmed so that no channel of the two adds up to more than 1.
+Rgb highlight_beside(Rgb diffuse, Rgb highlight) {
+  float factor = 1;
+  for (const auto channel : {&Rgb::r, &Rgb::g, &Rgb::b})
+    if (diffuse.*channel + highlight.*channel > 1)
+      factor = std::min(factor, (1 - diffuse.*channel) / (highlight.*channel));
+  return highlight * factor;
+}
+
 MaterialModel model_of(const Statements& m) {
   const bool reflects = m.illum == 3 || m.illum == 5 || m.illum == 8;
   const bool refracts = m.illum == 4 || m.illum == 6 || m.illum == 7 || m.illum == 9;
@@ -66,13 +78,23 @@ MaterialModel model_of(const Statements& m) {
   if (reflects && !is_black(m.ks)) return Mirror{{at_most_one(m.ks), -1}};
   // Exporters write a black Kd beside a texture and mean the texture.
   const bool only_texture = !m.albedo_map.file.empty() && is_black(m.kd);
-  return Lambert{{only_texture ? Rgb::gray(1) : m.kd, -1}};
+  const Rgb diffuse = only_texture ? Rgb::gray(1) : m.kd;
+  if (m.illum != 2 || m.exponent <= 0 || is_black(m.ks)) return Lambert{{diffuse, -1}};
+  // Beside a texture it is the material that scales, where the texture is bright.
+  const Rgb highlight = at_most_one(m.ks);
+  Phong phong;
+  phong.diffuse.value = diffuse;
+  phong.specular.value = m.albedo_map.file.empty() ? highlight_beside(diffuse, highlight) : highlight;
+  phong.exponent.value = std::min(m.exponent, kLargestExponent);
+  return phong;
 }
 
 MtlMaterial convert(const Statements& m) {
   MtlMaterial result;
   result.material = {m.name, model_of(m), m.ke};
-  if (!std::holds_alternative<Lambert>(result.material.model)) return result;
+  if (std::holds_alternative<Mirror>(result.material.model) ||
+      std::holds_alternative<Glass>(result.material.model))
+    return result;
   result.albedo_file = m.albedo_map.file;
   result.albedo_line = m.albedo_line;
   result.wrap = m.albedo_map.clamp ? Wrap::kClamp : Wrap::kRepeat;
@@ -151,9 +173,9 @@ Status MtlReader::number(const NumberRule& rule, std::string_view line) {
   std::string_view rest = line;
   const bool halo = rule.keyword == "d" && take_word(rest) == "-halo";
   std::array<float, 1> x{};
-  if (read_numbers(halo ? rest : line, x, 1) != 1 || !(x[0] >= 0 && x[0] <= rule.max))
-    return mistake(fmt::format("'{}' must be a number between 0 and {}, got {}", rule.keyword, rule.max,
-                               in_quotes(line)));
+  if (read_numbers(halo ? rest : line, x, 1) != 1 || !(x[0] >= rule.min && x[0] <= rule.max))
+    return mistake(fmt::format("'{}' must be a number between {} and {}, got {}", rule.keyword, rule.min,
+                               rule.max, in_quotes(line)));
   materials_.back().*rule.number = x[0];
   return {};
 }

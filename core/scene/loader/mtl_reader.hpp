@@ -14,7 +14,7 @@ namespace tessera::core {
 struct MtlMaterial {
   Material material;
   // map_Kd, with slashes as written but for '\', which becomes '/'; empty for none. Relative to the MTL file.
-  // It multiplies the albedo.
+  // It multiplies Lambert's albedo or Phong's diffuse part.
   std::string albedo_file;
   int albedo_line = 0;
   Wrap wrap = Wrap::kRepeat;

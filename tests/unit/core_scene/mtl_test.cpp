@@ -23,7 +23,7 @@ Model model(const std::string& statements) {
 
 TEST(Mtl, MapsMattMaterials) {
   const MtlMaterial m =
-      one("Ns 250\nKa 1 1 1\nKd 0.8 0.4 0.2\nKs 0.5 0.5 0.5\nKe 0 0 0\nNi 1.45\nd 1.0\nillum 2\n");
+      one("Ns 250\nKa 1 1 1\nKd 0.8 0.4 0.2\nKs 0.5 0.5 0.5\nKe 0 0 0\nNi 1.45\nd 1.0\nillum 1\n");
   EXPECT_EQ(m.material.name, "m");
   EXPECT_EQ(std::get<Lambert>(m.material.model).albedo.value, (Rgb{0.8f, 0.4f, 0.2f}));
   EXPECT_TRUE(is_black(m.material.emission.value));
@@ -39,6 +39,29 @@ TEST(Mtl, MapsMirrors) {
     EXPECT_EQ(model<Mirror>("Ks 0.9 0.8 2\nillum " + std::string(illum)).reflectance.value,
               (Rgb{0.9f, 0.8f, 1}));
   model<Lambert>("Kd 1 1 1\nKs 0 0 0\nillum 3\n");  // nothing to mirror with
+}
+
+TEST(Mtl, MapsHighlights) {
+  const Phong phong = model<Phong>("Ns 250\nKd 0.5 0.25 0\nKs 0.25 0.25 0.5\nillum 2\n");
+  EXPECT_EQ(phong.diffuse.value, (Rgb{0.5f, 0.25f, 0}));
+  EXPECT_EQ(phong.specular.value, (Rgb{0.25f, 0.25f, 0.5f}));
+  EXPECT_EQ(phong.exponent.value, 250);
+  EXPECT_EQ(model<Phong>("Ns 1e9\nKs 1 1 1\nillum 2\n").exponent.value, 1e5f);
+  // Without a highlight, without a sharpness, and where the file asks for none.
+  model<Lambert>("Ns 250\nKd 1 0 0\nKs 0 0 0\nillum 2\n");
+  model<Lambert>("Ns -1.960784\nKd 1 0 0\nKs 1 1 1\nillum 2\n");
+  model<Lambert>("Kd 1 0 0\nKs 1 1 1\nillum 2\n");
+  model<Lambert>("Ns 250\nKd 1 0 0\nKs 1 1 1\nillum 1\n");
+}
+
+TEST(Mtl, DimsHighlightsThatReflectMoreThanTheSurfaceGets) {
+  const Phong phong = model<Phong>("Ns 10\nKd 0.75 0.5 0\nKs 0.5 0.5 1\nillum 2\n");
+  EXPECT_EQ(phong.diffuse.value, (Rgb{0.75f, 0.5f, 0}));
+  EXPECT_EQ(phong.specular.value, (Rgb{0.25f, 0.25f, 0.5f}));
+  EXPECT_EQ(model<Phong>("Ns 10\nKd 0 0 0\nKs 9 9 9\nillum 2\n").specular.value, Rgb::gray(1));
+  const Phong textured = model<Phong>("Ns 10\nKs 0.5 0.5 0.5\nmap_Kd a.png\nillum 2\n");
+  EXPECT_EQ(textured.diffuse.value, Rgb::gray(1));
+  EXPECT_EQ(textured.specular.value, Rgb::gray(0.5f));
 }
 
 TEST(Mtl, MapsGlass) {
