@@ -321,6 +321,17 @@ TEST(SceneReading, TakesACommentForPartOfANameOnlyWhereThatNameExists) {
   EXPECT_EQ(material_of("Material", "newmtl Material #1\nnewmtl Material\n"), "a.mtl: Material");
 }
 
+TEST(SceneReading, PutsMapsOnTheMattPartOfMaterialsWithHighlights) {
+  const SceneDescription scene =
+      load(scene_with("", "", "{\"type\": \"mesh\", \"file\": \"a.obj\"}"),
+           {{"a.obj", "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl m\nf 1 2 3\n"},
+            {"a.mtl", "newmtl m\nillum 2\nNs 50\nKs 0.25\nmap_Kd gray.png\n"}});
+  const auto& mesh = std::get<MeshDescription>(scene.shapes[0]);
+  const auto& phong = std::get<Phong>(scene.materials[mesh.triangle_materials[0]].model);
+  EXPECT_EQ(phong.diffuse.texture, 0);
+  EXPECT_EQ(phong.specular.texture, -1);
+}
+
 TEST(SceneReading, FindsMapsWhoseNamesHaveSpacesAndMarks) {
   const std::string picture = test::png(test::one_color(1, 1, Rgb::gray(1)));
   for (const std::string name : {"red brick #2.png", "my maps\\red.png", "\"a b.png\"", "2.png # old"}) {
