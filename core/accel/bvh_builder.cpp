@@ -1,4 +1,4 @@
-// Bvh::build: a binary tree is built, its nodes are merged eight at a time, and leaves become packets.
+// Bvh::build: a binary tree is built, its nodes are merged sixteen at a time, and leaves become packets.
 #include <algorithm>
 
 #include "core/accel/binary_bvh.hpp"

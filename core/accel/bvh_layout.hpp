@@ -1,4 +1,4 @@
-// What a Bvh is made of in memory: nodes of eight boxes, and packets of four primitives, each ready to be
+// What a Bvh is made of in memory: nodes of sixteen boxes, and packets of four primitives, each ready to be
 // tested by one run of SIMD instructions.
 #pragma once
 
@@ -26,7 +26,7 @@ class BvhChild {
 
 // An unused lane has an empty box, which no ray enters, and leads to packet 0, which is harmless if one did.
 struct alignas(64) BvhNode {
-  static constexpr int kWidth = 8;
+  static constexpr int kWidth = 16;
   enum Side { kLower, kUpper };
 
   float bounds[6][kWidth];  // [3 * side + axis][lane]

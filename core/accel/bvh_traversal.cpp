@@ -40,20 +40,32 @@ struct SlabRay {
   std::int64_t near_side[3], far_side[3];  // of BvhNode::bounds
 };
 
-struct StackEntry {
-  float t_near;
-  BvhChild child;
+// A child yet to be visited and where the ray enters its box. Packed into one integer that compares as the
+// distance does, which is not negative.
+class StackEntry {
+ public:
+  StackEntry() = default;
+  StackEntry(float t_near, BvhChild child)
+      : key_(std::uint64_t{std::bit_cast<std::uint32_t>(t_near)} << 32 |
+             std::bit_cast<std::uint32_t>(child)) {}
+
+  float t_near() const { return std::bit_cast<float>(static_cast<std::uint32_t>(key_ >> 32)); }
+  BvhChild child() const { return std::bit_cast<BvhChild>(static_cast<std::uint32_t>(key_)); }
+  bool operator<(const StackEntry& other) const { return key_ < other.key_; }
+
+ private:
+  std::uint64_t key_;  // not initialised, so that a stack of these costs nothing to make
 };
 
-// What is yet to be visited, nearest on top. Each level of the tree leaves at most seven siblings behind.
+// What is yet to be visited, nearest on top. Each level of the tree leaves all children but one behind.
 class Stack {
  public:
   // Takes the next entry that begins before `limit`; false if there is none.
   bool pop(float limit, BvhChild& child) {
     while (size_ > 0) {
-      const StackEntry& top = entries_[--size_];
-      child = top.child;
-      if (top.t_near <= limit) return true;
+      const StackEntry top = entries_[--size_];
+      child = top.child();
+      if (top.t_near() <= limit) return true;
     }
     return false;
   }
@@ -65,10 +77,10 @@ class Stack {
     const std::size_t base = size_;
     for (; mask != 0; mask &= mask - 1) {
       const auto lane = static_cast<std::size_t>(std::countr_zero(mask));
+      const StackEntry entry(t_near[lane], node.children[lane]);
       std::size_t slot = size_++;
-      for (; slot > base && entries_[slot - 1].t_near < t_near[lane]; --slot)
-        entries_[slot] = entries_[slot - 1];
-      entries_[slot] = {t_near[lane], node.children[lane]};
+      for (; slot > base && entries_[slot - 1] < entry; --slot) entries_[slot] = entries_[slot - 1];
+      entries_[slot] = entry;
     }
   }
 
@@ -109,35 +121,41 @@ class Traversal {
   // Leaves in `next` what is to be visited next: the nearest child that the ray meets, or else something from
   // the stack. False if there is nothing.
   bool enter(const BvhNode& node, BvhChild& next) {
+    alignas(32) float t_near[BvhNode::kWidth];
+    unsigned mask = 0;
+    for (int lane = 0; lane < BvhNode::kWidth; lane += 8)
+      mask |= meet_boxes(node, lane, t_near + lane) << lane;
+    if (mask == 0) return stack_.pop(limit_, next);
+
+    const auto first = static_cast<std::size_t>(std::countr_zero(mask));
+    next = node.children[first];
+    const unsigned others = mask & (mask - 1);
+    if (others == 0) return true;
+    if ((others & (others - 1)) != 0) {
+      stack_.push_sorted(node, mask, t_near);
+      return stack_.pop(limit_, next);
+    }
+    const auto second = static_cast<std::size_t>(std::countr_zero(others));
+    const StackEntry a(t_near[first], next), b(t_near[second], node.children[second]);
+    stack_.push(std::max(a, b));
+    next = std::min(a, b).child();
+    return true;
+  }
+
+  // Which of eight boxes, from `lane` on, the ray meets before the limit, and where.
+  unsigned meet_boxes(const BvhNode& node, int lane, float* t_near) const {
     // 0 * infinity is NaN, where the ray lies in the plane of a box's side: max and min then keep their
     // second argument, and that side does not count.
     Float8 near = Float8::broadcast(0), far = Float8::broadcast(limit_);
     for (int axis = 0; axis < 3; ++axis) {
       const Float8 origin = slab_ray_.origin[axis];
-      const Float8 near_plane = Float8::load(node.bounds[slab_ray_.near_side[axis]]);
-      const Float8 far_plane = Float8::load(node.bounds[slab_ray_.far_side[axis]]);
+      const Float8 near_plane = Float8::load(node.bounds[slab_ray_.near_side[axis]] + lane);
+      const Float8 far_plane = Float8::load(node.bounds[slab_ray_.far_side[axis]] + lane);
       near = max((near_plane - origin) * slab_ray_.near_inverse[axis], near);
       far = min((far_plane - origin) * slab_ray_.far_inverse[axis], far);
     }
-    const unsigned mask = less_equal(near, far);
-    if (mask == 0) return stack_.pop(limit_, next);
-    const auto first = static_cast<std::size_t>(std::countr_zero(mask));
-    next = node.children[first];
-    const unsigned others = mask & (mask - 1);
-    if (others == 0) return true;
-
-    alignas(32) float t_near[BvhNode::kWidth];
     near.store(t_near);
-    if ((others & (others - 1)) == 0) {
-      const auto second = static_cast<std::size_t>(std::countr_zero(others));
-      StackEntry a{t_near[first], next}, b{t_near[second], node.children[second]};
-      const bool swap = b.t_near < a.t_near;
-      next = swap ? b.child : a.child;
-      stack_.push({swap ? a.t_near : b.t_near, swap ? a.child : b.child});
-      return true;
-    }
-    stack_.push_sorted(node, mask, t_near);
-    return stack_.pop(limit_, next);
+    return less_equal(near, far);
   }
 
   void visit(const BvhPacket& packet) {

@@ -5,7 +5,7 @@
 namespace tessera::core {
 namespace {
 
-// What it costs to test a node's eight boxes, and to test a packet.
+// What it costs to test a node's sixteen boxes, and to test a packet.
 constexpr double kNodeCost = 1, kPacketCost = 1;
 
 }  // namespace
@@ -34,7 +34,7 @@ Collapse::Plan Collapse::plan(std::uint32_t node) const {
       plan.left_trees[trees - 1] = static_cast<std::uint8_t>(below_left);
     }
   }
-  // A single tree is a wide node, whose children are the cheapest forest of eight.
+  // A single tree is a wide node, whose children are the cheapest forest of sixteen.
   plan.cost[0] = kNodeCost * area + plan.cost[BvhNode::kWidth - 1];
   for (std::size_t i = 1; i < BvhNode::kWidth; ++i) {
     if (plan.cost[0] < plan.cost[i]) plan.cost[i] = plan.cost[0], plan.left_trees[i] = 0;

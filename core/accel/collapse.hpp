@@ -17,7 +17,7 @@ class Collapse {
   // Keeps a reference to `tree`, which has nodes.
   explicit Collapse(const BinaryBvh& tree);
 
-  // Up to eight descendants of `root` that together hold all of it; itself where it is a leaf.
+  // Up to sixteen descendants of `root` that together hold all of it; itself where it is a leaf.
   std::vector<std::uint32_t> children(std::uint32_t root) const;
 
  private:
