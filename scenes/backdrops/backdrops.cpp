@@ -59,15 +59,16 @@ core::Image slate_tiles() {
 }
 
 core::Image evening_sky() {
-  const Rgb zenith{0.1f, 0.2f, 0.46f}, high{0.32f, 0.46f, 0.72f}, horizon{0.95f, 0.72f, 0.56f};
-  const Rgb glow{2.6f, 1.35f, 0.6f}, earth{0.05f, 0.045f, 0.04f};
+  const Rgb zenith{0.08f, 0.17f, 0.42f}, high{0.26f, 0.4f, 0.68f}, haze{0.62f, 0.55f, 0.6f};
+  const Rgb horizon{0.95f, 0.56f, 0.34f}, glow{2.2f, 0.95f, 0.35f}, earth{0.05f, 0.045f, 0.04f};
   return modelling::paint(1024, 512, [&](float u, float v) {
     const float height = core::sin(core::kPi * (v - 0.5f));
     const float facing = 0.5f - 0.5f * core::cos(2 * core::kPi * u);  // 1 where the sun went down
     const float above = std::max(height, 0.0f);
-    Rgb sky = blend(blend(horizon, high, smooth_step(0, 0.35f, above)), zenith, smooth_step(0.25f, 1, above));
-    const float near_sun = facing * facing * facing;
-    sky += glow * (near_sun * near_sun * (1 - smooth_step(0, 0.3f, above)));
+    const Rgb low = blend(horizon, haze, smooth_step(0, 0.12f, above));
+    Rgb sky = blend(blend(low, high, smooth_step(0.08f, 0.4f, above)), zenith, smooth_step(0.35f, 1, above));
+    const float toward = facing * facing * facing;
+    sky += glow * (toward * toward * (1 - smooth_step(0, 0.22f, above)));
     return blend(earth, sky, smooth_step(-0.02f, 0.01f, height));
   });
 }

@@ -11,6 +11,7 @@
 #include "core/image/encode.hpp"
 #include "core/image/file_io.hpp"
 #include "scenes/menagerie/cow.hpp"
+#include "scenes/menagerie/meadow.hpp"
 #include "scenes/menagerie/originals.hpp"
 #include "scenes/menagerie/rabbit.hpp"
 #include "scenes/modelling/files.hpp"
@@ -32,6 +33,11 @@ core::Status write_original(const std::string& path, const std::string& original
   return mesh ? write_mesh(path, *mesh) : core::fail(mesh.error());
 }
 
+core::Status write_picture(const std::string& path, const core::Image& image) {
+  const core::Result<std::string> png = core::encode_image(image, core::ImageFormat::kPng);
+  return png ? core::write_file_atomically(path, *png) : core::fail(png.error().within(path));
+}
+
 core::Status write_rabbit(const std::string& folder, const std::string& originals) {
   const std::string bunny = originals + "/bunny.obj", path = folder + "/rabbit.obj";
   if (!originals.empty() && std::filesystem::exists(bunny)) return write_original(path, bunny, kBunnyPose);
@@ -41,8 +47,7 @@ core::Status write_rabbit(const std::string& folder, const std::string& original
 core::Status write_cow(const std::string& folder) {
   const core::MeshDescription mesh = cow(kCubeCm, kCoatPx);
   if (core::Status written = write_mesh(folder + "/cow.obj", mesh); !written) return written;
-  const auto png = core::encode_image(cow_coat(mesh, kCoatPx), core::ImageFormat::kPng);
-  return png ? core::write_file_atomically(folder + "/cow.png", *png) : core::fail(png.error());
+  return write_picture(folder + "/cow.png", cow_coat(mesh, kCoatPx));
 }
 
 core::Status write_spot(const std::string& folder, const std::string& originals) {
@@ -53,8 +58,15 @@ core::Status write_spot(const std::string& folder, const std::string& originals)
   return texture ? core::write_file_atomically(folder + "/cow.png", *texture) : core::fail(texture.error());
 }
 
+core::Status write_meadow(const std::string& folder) {
+  if (core::Status written = write_mesh(folder + "/meadow.obj", meadow()); !written) return written;
+  if (core::Status written = write_picture(folder + "/meadow.png", meadow_colors()); !written) return written;
+  return write_picture(folder + "/ground.png", ground_colors());
+}
+
 core::Status generate(const std::string& folder, const std::string& originals) {
   if (core::Status written = write_rabbit(folder, originals); !written) return written;
+  if (core::Status written = write_meadow(folder); !written) return written;
   const bool has_spot = !originals.empty() && std::filesystem::exists(originals + "/spot.obj");
   return has_spot ? write_spot(folder, originals) : write_cow(folder);
 }

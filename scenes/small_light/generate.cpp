@@ -1,4 +1,4 @@
-// Paints the planets and their chart into a folder: tessera-generate-small-light FOLDER
+// Makes the planets and their chart into a folder: tessera-generate-small-light FOLDER
 // The files are the same bytes on every machine and at every run.
 #include <fmt/format.h>
 
@@ -7,6 +7,7 @@
 
 #include "core/image/encode.hpp"
 #include "core/image/file_io.hpp"
+#include "scenes/modelling/files.hpp"
 #include "scenes/small_light/planets.hpp"
 
 namespace tessera::small_light {
@@ -19,7 +20,7 @@ core::Status generate(const std::string& folder) {
     if (core::Status written = core::write_file_atomically(folder + "/" + name + ".png", *png); !written)
       return written;
   }
-  return {};
+  return core::write_file_atomically(folder + "/ring.obj", modelling::obj_text(ring_mesh()));
 }
 
 }  // namespace
@@ -27,7 +28,7 @@ core::Status generate(const std::string& folder) {
 
 int main(int argc, char** argv) {
   if (argc != 2) {
-    fmt::print(stderr, "Usage: {} FOLDER\nPaints the planets and their chart into FOLDER.\n", argv[0]);
+    fmt::print(stderr, "Usage: {} FOLDER\nMakes the planets and their chart into FOLDER.\n", argv[0]);
     return 2;
   }
   const tessera::core::Status status = tessera::small_light::generate(argv[1]);

@@ -9,6 +9,7 @@
 #include "scenes/modelling/files.hpp"
 #include "scenes/modelling/noise.hpp"
 #include "scenes/modelling/painting.hpp"
+#include "scenes/modelling/surface.hpp"
 
 namespace tessera::small_light {
 namespace {
@@ -113,7 +114,17 @@ Image icy() {
   });
 }
 
-constexpr float kChartSize = 16;
+// Along its radius; v runs from the inner edge to the outer one.
+Image ring() {
+  const Rgb pale = srgb(0xe6d6b0), deep = srgb(0x8c7350), gap = srgb(0x1a1712);
+  return modelling::paint(16, 512, [=](float, float v) {
+    const float bands = 0.5f + 0.5f * noise({v * 14, 0.5f, 2.5f}) + 0.25f * noise({v * 47, 0.5f, 4.5f});
+    const float division = smooth_step(0.04f, 0.02f, std::fabs(v - 0.66f));
+    return blend(blend(deep, pale, bands), gap, division) * smooth_step(0, 0.1f, v + 0.03f);
+  });
+}
+
+constexpr float kChartSize = 24;
 constexpr std::array<float, 7> kOrbits{1.3f, 2.1f, 3, 3.9f, 5.1f, 6.4f, 7.4f};
 
 // How much of the chart's gold lies at a distance from the middle, and in a direction in turns.
@@ -131,7 +142,7 @@ float gold_of_chart(float r, float turn) {
 
 Image chart() {
   const Rgb night = srgb(0x1d2c4f), ink = srgb(0x16203c), gold = srgb(0xe0b866), star = srgb(0xf2ead2);
-  return modelling::paint(2048, 2048, [=](float u, float v) {
+  return modelling::paint(3072, 3072, [=](float u, float v) {
     const float x = (u - 0.5f) * kChartSize, y = (v - 0.5f) * kChartSize;
     const float r = std::sqrt(x * x + y * y), turn = core::atan2(y, x) / (2 * core::kPi) + 0.5f;
     const float wash = fractal_noise({x * 0.5f, y * 0.5f, 2}, 5);
@@ -145,10 +156,19 @@ Image chart() {
 
 }  // namespace
 
+core::MeshDescription ring_mesh() {
+  constexpr float kInner = 1.3f, kOuter = 2.2f;
+  return modelling::grid_mesh({modelling::uniform_lines(128), modelling::uniform_lines(4), true},
+                              [](float u, float v) {
+                                const float angle = 2 * core::kPi * u, r = kInner + (kOuter - kInner) * v;
+                                return Vec3{r * core::sin(angle), 0, r * core::cos(angle)};
+                              });
+}
+
 const std::vector<Painting>& paintings() {
   static const std::vector<Painting> all{{"cratered", cratered}, {"clouded", clouded}, {"blue", blue},
                                          {"red", red},           {"banded", banded},   {"ringed", ringed},
-                                         {"icy", icy},           {"chart", chart}};
+                                         {"icy", icy},           {"ring", ring},       {"chart", chart}};
   return all;
 }
 

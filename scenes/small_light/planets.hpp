@@ -1,5 +1,5 @@
-// Marbles painted like planets, and the chart on which they stand. Stateless; the same bytes on every
-// machine.
+// Marbles painted like planets, a ring for one of them, and the chart on which they stand. Stateless; the
+// same bytes on every machine.
 #pragma once
 
 #include <functional>
@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/image/image.hpp"
+#include "core/scene/description.hpp"
 
 namespace tessera::small_light {
 
@@ -18,5 +19,8 @@ struct Painting {
 // For spheres: longitude to the right, latitude upwards. "chart" is for a square of 16 by 16, the sun in the
 // middle.
 const std::vector<Painting>& paintings();
+
+// A flat ring around a globe of radius 1, in the plane y = 0.
+core::MeshDescription ring_mesh();
 
 }  // namespace tessera::small_light
