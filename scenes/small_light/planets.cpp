@@ -142,7 +142,7 @@ float gold_of_chart(float r, float turn) {
 
 Image chart() {
   const Rgb night = srgb(0x1d2c4f), ink = srgb(0x16203c), gold = srgb(0xe0b866), star = srgb(0xf2ead2);
-  return modelling::paint(3072, 3072, [=](float u, float v) {
+  return modelling::paint(2048, 2048, [=](float u, float v) {
     const float x = (u - 0.5f) * kChartSize, y = (v - 0.5f) * kChartSize;
     const float r = std::sqrt(x * x + y * y), turn = core::atan2(y, x) / (2 * core::kPi) + 0.5f;
     const float wash = fractal_noise({x * 0.5f, y * 0.5f, 2}, 5);
