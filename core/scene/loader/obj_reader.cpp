@@ -1,12 +1,16 @@
 #include "core/scene/loader/obj_reader.hpp"
 
 #include <fmt/format.h>
+#include <tiny_obj_loader.h>
 
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <istream>
 #include <iterator>
 #include <map>
+#include <new>
+#include <streambuf>
 
 #include "core/scene/loader/polygon.hpp"
 #include "core/scene/loader/text_lines.hpp"
@@ -15,20 +19,20 @@
 namespace tessera::core {
 namespace {
 
-// As written: from 1 for the first, or from -1 for the last so far; 0 for none.
-struct WrittenCorner {
-  int v = 0, vt = 0, vn = 0;
-};
 // From 0; -1 for none.
 struct Corner {
   std::int32_t position = -1, uv = -1, normal = -1;
 };
 
-// Takes a number other than 0 off the front of `rest`.
-bool take_index(std::string_view& rest, int& index) {
-  const auto [end, error] = std::from_chars(rest.data(), rest.data() + rest.size(), index);
-  rest.remove_prefix(static_cast<std::size_t>(end - rest.data()));
-  return error == std::errc() && index != 0;
+// Takes a number other than 0 off the front of `rest`. More digits than these refer to nothing, and would
+// not fit an int.
+bool take_index(std::string_view& rest) {
+  constexpr std::size_t kMostDigits = 9;
+  if (rest.starts_with('-')) rest.remove_prefix(1);
+  const std::size_t digits = std::min(rest.find_first_not_of("0123456789"), rest.size());
+  const bool zero = rest.find_first_not_of('0') >= digits;
+  rest.remove_prefix(digits);
+  return !zero && digits <= kMostDigits;
 }
 
 bool take_slash(std::string_view& rest) {
@@ -38,18 +42,19 @@ bool take_slash(std::string_view& rest) {
 }
 
 // v, v/vt, v//vn or v/vt/vn.
-std::optional<WrittenCorner> parse_corner(std::string_view word) {
-  WrittenCorner corner;
-  if (!take_index(word, corner.v)) return std::nullopt;
+bool is_corner(std::string_view word) {
+  if (!take_index(word)) return false;
   if (take_slash(word)) {
-    if (!word.starts_with('/') && !take_index(word, corner.vt)) return std::nullopt;
-    if (take_slash(word) && !take_index(word, corner.vn)) return std::nullopt;
+    if (!word.starts_with('/') && !take_index(word)) return false;
+    if (take_slash(word) && !take_index(word)) return false;
   }
-  return word.empty() ? std::optional(corner) : std::nullopt;
+  return word.empty();
 }
 
-// The second pass: faces, with the material and the smoothing group they are under.
-class FaceReader {
+// The second pass: faces, with the material and the smoothing group they are under. Statements are read here
+// and faces handed on to tinyobjloader as text, each one checked, on one line and without comments; what it
+// makes of a face comes back before it asks for the next.
+class FaceReader : private std::streambuf {
  public:
   FaceReader(std::string_view bytes, const std::string& name, ObjText text);
 
@@ -63,6 +68,7 @@ class FaceReader {
     std::int32_t seen = 0;
   };
 
+  // `index` as written: from 1 for the first, or from -1 for the last so far; 0 for none.
   static bool exists(int index, const Counts& counts) {
     return index < 0 ? index >= -counts.seen : index <= counts.total;
   }
@@ -70,13 +76,16 @@ class FaceReader {
     return index < 0 ? counts.seen + index : index - 1;
   }
 
+  int_type underflow() override;
   Status statement(std::string_view line);
-  Status face(std::string_view line);
-  Status corner(std::string_view word);
+  Status hand_on(std::string_view line);
+  Status face(const tinyobj::index_t* corners, int count);
+  Status corner(const tinyobj::index_t& written, int number);
   Status use_material(std::string_view line);
   Status smooth(std::string_view line);
   tl::unexpected<Error> bad_corner(std::string_view word) const;
-  tl::unexpected<Error> missing(int index, const Counts& counts, std::string_view word) const;
+  tl::unexpected<Error> missing(int index, const Counts& counts, int corner) const;
+  std::string_view text_of_corner(int number) const;
   void add(const std::array<std::uint32_t, 3>& triangle);
 
   tl::unexpected<Error> mistake(std::string_view what) const {
@@ -90,7 +99,9 @@ class FaceReader {
   ObjFile::Run run_;
   bool run_is_new_ = true;
   std::map<std::string, std::uint32_t, std::less<>> material_indices_;
+  Status status_;  // of the first statement that is wrong
   // Of one face; kept for their memory.
+  std::string face_text_;
   std::vector<Corner> face_;
   std::vector<Vec3> outline_;
   std::vector<std::array<std::uint32_t, 3>> triangles_;
@@ -107,14 +118,30 @@ FaceReader::FaceReader(std::string_view bytes, const std::string& name, ObjText 
 }
 
 Result<ObjFile> FaceReader::read() {
-  while (lines_.next())
-    if (auto ok = statement(lines_.line()); !ok) return fail(ok.error());
+  tinyobj::callback_t callbacks;
+  callbacks.index_cb = [](void* self, tinyobj::index_t* corners, int count) {
+    FaceReader& reader = *static_cast<FaceReader*>(self);
+    reader.status_ = reader.face(corners, count);
+  };
+  std::istream stream(this);
+  tinyobj::LoadObjWithCallback(stream, callbacks, this);
+  if (stream.bad()) throw std::bad_alloc();  // streams keep exceptions to themselves
+  if (!status_) return fail(status_.error());
   return std::move(file_);
+}
+
+// The text up to the end of the next face.
+FaceReader::int_type FaceReader::underflow() {
+  face_text_.clear();
+  while (status_ && face_text_.empty() && lines_.next()) status_ = statement(lines_.line());
+  if (!status_ || face_text_.empty()) return traits_type::eof();
+  setg(face_text_.data(), face_text_.data(), face_text_.data() + face_text_.size());
+  return traits_type::to_int_type(face_text_.front());
 }
 
 Status FaceReader::statement(std::string_view line) {
   const std::string_view keyword = take_word(line);
-  if (is_face(keyword)) return face(line);
+  if (is_face(keyword)) return hand_on(line);
   if (keyword == "v") ++positions_.seen;
   if (keyword == "vt") ++uvs_.seen;
   if (keyword == "vn") ++normals_.seen;
@@ -123,13 +150,24 @@ Status FaceReader::statement(std::string_view line) {
   return {};
 }
 
-Status FaceReader::face(std::string_view line) {
-  face_.clear();
+Status FaceReader::hand_on(std::string_view line) {
   line = without_comment(line);
-  for (auto word = take_word(line); !word.empty(); word = take_word(line))
-    if (auto ok = corner(word); !ok) return ok;
-  if (face_.size() < 3)
-    return mistake(fmt::format("a face must have at least 3 corners, got {}", face_.size()));
+  face_text_ = "f";
+  int corners = 0;
+  for (auto word = take_word(line); !word.empty(); word = take_word(line), ++corners) {
+    if (!is_corner(word)) return bad_corner(word);
+    face_text_ += ' ';
+    face_text_ += word;
+  }
+  face_text_ += '\n';
+  if (corners < 3) return mistake(fmt::format("a face must have at least 3 corners, got {}", corners));
+  return {};
+}
+
+Status FaceReader::face(const tinyobj::index_t* corners, int count) {
+  face_.clear();
+  for (int i = 0; i < count; ++i)
+    if (auto ok = corner(corners[i], i); !ok) return ok;
   if (file_.triangle_count() + face_.size() > kMaxObjTriangles)
     return mistake(fmt::format("the file has more than {} triangles; cut it into several", kMaxObjTriangles));
   if (face_.size() == 3) {
@@ -146,21 +184,26 @@ Status FaceReader::face(std::string_view line) {
   return {};
 }
 
-Status FaceReader::corner(std::string_view word) {
-  const auto written = parse_corner(word);
-  if (!written) return bad_corner(word);
-  if (!exists(written->v, positions_)) return missing(written->v, positions_, word);
-  if (!exists(written->vt, uvs_)) return missing(written->vt, uvs_, word);
-  if (!exists(written->vn, normals_)) return missing(written->vn, normals_, word);
-  face_.push_back(
-      {resolve(written->v, positions_), resolve(written->vt, uvs_), resolve(written->vn, normals_)});
+Status FaceReader::corner(const tinyobj::index_t& written, int number) {
+  const int v = written.vertex_index, vt = written.texcoord_index, vn = written.normal_index;
+  if (!exists(v, positions_)) return missing(v, positions_, number);
+  if (!exists(vt, uvs_)) return missing(vt, uvs_, number);
+  if (!exists(vn, normals_)) return missing(vn, normals_, number);
+  face_.push_back({resolve(v, positions_), resolve(vt, uvs_), resolve(vn, normals_)});
   return {};
 }
 
-tl::unexpected<Error> FaceReader::missing(int index, const Counts& counts, std::string_view word) const {
-  if (index < 0) return bad_corner(word);
+tl::unexpected<Error> FaceReader::missing(int index, const Counts& counts, int corner) const {
+  if (index < 0) return bad_corner(text_of_corner(corner));
   return mistake(fmt::format("a face refers to '{}' number {}, but the file has only {}; is it complete?",
                              counts.statement, index, counts.total));
+}
+
+std::string_view FaceReader::text_of_corner(int number) const {
+  std::string_view rest = std::string_view(face_text_).substr(0, face_text_.size() - 1);
+  take_word(rest);
+  for (int i = 0; i < number; ++i) take_word(rest);
+  return take_word(rest);
 }
 
 tl::unexpected<Error> FaceReader::bad_corner(std::string_view word) const {
