@@ -1,5 +1,7 @@
 // The same bytes from one process and from farms of one, two and three workers with different numbers of
 // threads.
+#include <fstream>
+
 #include "tests/integration/farm_processes.hpp"
 
 namespace tessera::test {
@@ -58,6 +60,47 @@ TEST_F(FarmTest, TwoJobsAtOnceDoNotDisturbEachOther) {
   ASSERT_TRUE(wait_for_state(second, v1::JOB_STATE_DONE));
   EXPECT_TRUE(image(first, ".pfm") == render_here(first_options, ".pfm"));
   EXPECT_TRUE(image(second, ".pfm") == render_here(second_options, ".pfm"));
+}
+
+// Lights of every kind, with and without extent, and a mirror and glass for trees of rays to branch at.
+constexpr std::string_view kLitScene = R"({
+  "camera": { "position": [0, 1.5, 6], "look_at": [0, 1, 0] },
+  "materials": { "floor": { "type": "lambert" }, "glass": { "type": "glass" }, "mirror": { "type": "mirror" },
+                 "lamp": { "type": "lambert", "emission": [9, 8, 7] } },
+  "lights": [ { "type": "point", "position": [-2, 3, 1], "intensity": [9, 9, 8] },
+              { "type": "spot", "position": [2, 4, 1], "look_at": [1, 0, 1], "intensity": 30 },
+              { "type": "directional", "direction": [1, -1, -1], "irradiance": 0.5 } ],
+  "environment": { "radiance": [0.2, 0.3, 0.5] },
+  "shapes": [
+    { "type": "quad", "corner": [-5, 0, 5], "edge_u": [10, 0, 0], "edge_v": [0, 0, -10], "material": "floor" },
+    { "type": "sphere", "center": [-1, 1, 0], "radius": 1, "material": "mirror" },
+    { "type": "sphere", "center": [1, 0.8, 1], "radius": 0.8, "material": "glass" },
+    { "type": "sphere", "center": [0.5, 2.5, -1], "radius": 0.3, "material": "lamp" } ]
+})";
+
+TEST_F(FarmTest, EveryLightAndIntegratorRendersTheSameBytes) {
+  const std::string scene = (folder_ / "lit.json").string();
+  std::ofstream(scene) << kLitScene;
+  start_coordinator();
+  start_worker("one", 1);
+  start_worker("two", 2);
+  for (const std::string strategy : {"whitted balance", "mis power", "naive balance"}) {
+    const std::size_t space = strategy.find(' ');
+    const auto picture = [&](const char* name) { return (folder_ / (std::string(name) + ".pfm")).string(); };
+    const auto render = [&](std::vector<std::string> command, const std::string& path) {
+      for (const std::string& word :
+           {scene, std::string("--size"), std::string("150x100"), std::string("--spp"), std::string("8"),
+            std::string("--integrator"), strategy.substr(0, space), std::string("--heuristic"),
+            strategy.substr(space + 1), std::string("-o"), path})
+        command.push_back(word);
+      const Outcome outcome = tessera(command);
+      EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+      return read_file(path);
+    };
+    const std::string here = render({"render"}, picture("here"));
+    EXPECT_FALSE(here.empty());
+    EXPECT_TRUE(render({"submit", "--wait"}, picture("farm")) == here) << strategy;
+  }
 }
 
 }  // namespace

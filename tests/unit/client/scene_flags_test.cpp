@@ -38,16 +38,18 @@ TEST(SceneFlags, NothingGivenOverridesNothing) {
   EXPECT_EQ(flags.scene_path, "scene.json");
   EXPECT_THAT(flags.output_paths, ElementsAre());
   EXPECT_FALSE(flags.overrides.spp || flags.overrides.seed || flags.overrides.width_px ||
-               flags.overrides.height_px || flags.overrides.integrator);
+               flags.overrides.height_px || flags.overrides.integrator || flags.overrides.heuristic);
 }
 
 TEST(SceneFlags, EverythingGiven) {
-  const SceneFlags flags = parse({"--spp", "16", "--size", "640x480", "--integrator", "nee", "--seed",
-                                  "18446744073709551615", "scene.json", "-o", "a.png", "-o", "b.exr"});
+  const SceneFlags flags =
+      parse({"--spp", "16", "--size", "640x480", "--integrator", "nee", "--heuristic", "power", "--seed",
+             "18446744073709551615", "scene.json", "-o", "a.png", "-o", "b.exr"});
   EXPECT_EQ(flags.overrides.spp, 16u);
   EXPECT_EQ(flags.overrides.width_px, 640);
   EXPECT_EQ(flags.overrides.height_px, 480);
   EXPECT_EQ(flags.overrides.integrator, core::Integrator::kNee);
+  EXPECT_EQ(flags.overrides.heuristic, core::Heuristic::kPower);
   EXPECT_EQ(flags.overrides.seed, 18446744073709551615u);
   EXPECT_THAT(flags.output_paths, ElementsAre("a.png", "b.exr"));
 }
@@ -78,6 +80,7 @@ TEST(SceneFlags, BadSizesNameTheFlagAndTheForm) {
 TEST(SceneFlags, BadIntegratorsNameTheChoices) {
   EXPECT_EQ(mistake({"--integrator", "bdpt"}),
             "--integrator: must be naive, nee, mis or whitted; got 'bdpt'");
+  EXPECT_EQ(mistake({"--heuristic", "maximum"}), "--heuristic: must be balance or power; got 'maximum'");
 }
 
 TEST(SceneFlags, BadEndingsNameTheChoices) {

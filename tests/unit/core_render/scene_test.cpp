@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <memory>
 
 #include "core/scene/validation.hpp"
 #include "tests/support/test_scenes.hpp"
@@ -55,6 +56,69 @@ TEST(Scene, IsDarkWhereNoShapeEmits) {
   EXPECT_TRUE(gives_light(with(lit)));
 }
 
+TEST(Scene, IsLitByWhatIsNoShape) {
+  SceneDescription dark = with(triangle());
+  dark.lights = {PointLightDescription{}};
+  dark.environment = {{Rgb::gray(0)}};
+  EXPECT_FALSE(gives_light(dark)) << "black lights do not count";
+  EXPECT_TRUE(Scene::build(dark, 1)->lights().empty());
+  for (const LightDescription& light :
+       {LightDescription{PointLightDescription{{0, 0, 1}, {0, 0, 1}}},
+        LightDescription{SpotLightDescription{.position = {0, 0, 1}, .look_at = {}, .intensity = {0, 1, 0}}},
+        LightDescription{DirectionalLightDescription{{0, 0, -1}, {1, 0, 0}}}}) {
+    SceneDescription lit = dark;
+    lit.lights = {light};
+    EXPECT_TRUE(gives_light(lit));
+    EXPECT_EQ(Scene::build(lit, 1)->lights().size(), 1u);
+  }
+  dark.environment = {{Rgb::gray(1)}};
+  EXPECT_TRUE(gives_light(dark));
+  EXPECT_EQ(Scene::build(dark, 1)->environment_light(), 0u);
+}
+
+TEST(Scene, PutsLightsInOrderAndKnowsWhichNoRayMeets) {
+  SceneDescription description = test::room();
+  description.lights = {PointLightDescription{{0, 1, 0}, Rgb::gray(1)},
+                        DirectionalLightDescription{{0, -1, 0}, Rgb::gray(1)}};
+  description.environment = {{Rgb::gray(1)}};
+  const Scene scene = Scene::build(description, 1).value();
+  ASSERT_EQ(scene.lights().size(), 5u);
+  EXPECT_TRUE(std::holds_alternative<AreaLight>(scene.lights()[1]));
+  EXPECT_TRUE(std::holds_alternative<PointLight>(scene.lights()[2]));
+  EXPECT_TRUE(std::holds_alternative<DirectionalLight>(scene.lights()[3]));
+  EXPECT_EQ(scene.environment_light(), 4u);
+  for (const std::uint32_t light : {0u, 1u, 4u}) EXPECT_EQ(scene.delta_light_sampler().pmf(light), 0);
+  EXPECT_NEAR(scene.delta_light_sampler().pmf(2) + scene.delta_light_sampler().pmf(3), 1, 1e-6);
+}
+
+// By what of them falls on the sphere around the scene.
+TEST(Scene, ChoosesLightsAtInfinityInProportionToTheirPower) {
+  SceneDescription description = with(SphereDescription{{5, 0, 0}, 2, 0});
+  description.lights = {PointLightDescription{{0, 9, 0}, Rgb::gray(3)},
+                        DirectionalLightDescription{{0, -1, 0}, Rgb::gray(2)}};
+  description.environment = {{Rgb::gray(0.5f)}};
+  const Scene scene = Scene::build(description, 1).value();
+  const double disk = 3.14159265 * 2 * 2 * 3;  // of the sphere around the box around the sphere
+  const double point = 4 * 3.14159265 * 3, sun = 2 * disk, sky = 0.5 * 4 * 3.14159265 * disk;
+  const double total = point + sun + sky;
+  EXPECT_NEAR(scene.light_sampler().pmf(0), 0.9 * point / total + 0.1 / 3, 1e-5);
+  EXPECT_NEAR(scene.light_sampler().pmf(1), 0.9 * sun / total + 0.1 / 3, 1e-5);
+  EXPECT_NEAR(scene.light_sampler().pmf(2), 0.9 * sky / total + 0.1 / 3, 1e-5);
+}
+
+TEST(Scene, WeighsTexturedLampsByTheirMean) {
+  test::SceneMaker maker({});
+  const TextureImage image{2, 2, std::vector<float>{4, 4, 4, 0, 0, 0, 0, 0, 0, 0, 0, 0}};
+  maker.description().textures = {{.image = std::make_shared<TextureImage>(image)}};
+  const auto screen = maker.material(test::lambert(0));
+  maker.description().materials[screen].emission = {Rgb::gray(3), 0};
+  const auto lamp = maker.material(test::lambert(0), Rgb::gray(3));
+  for (const auto material : {screen, lamp})
+    maker.add(QuadDescription{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, material});
+  const Scene scene = maker.build();
+  EXPECT_NEAR(scene.light_sampler().pmf(0), scene.light_sampler().pmf(1), 1e-6);
+}
+
 TEST(Scene, CanBeEmpty) {
   SceneDescription description = test::room();
   description.shapes.clear();
@@ -87,6 +151,19 @@ TEST(Scene, RefusesWhatCannotBeRendered) {
   description = test::room();
   description.camera.up = {0, 0, 1};
   EXPECT_THAT(error_of(description), HasSubstr("camera.up"));
+  description = test::room();
+  description.lights = {PointLightDescription{{0, 0, 0}, Rgb::gray(-1)}};
+  EXPECT_THAT(error_of(description), HasSubstr("lights[0]: intensity must be finite and not negative"));
+  description.lights = {SpotLightDescription{.position = {1, 0, 0}, .look_at = {1, 0, 0}, .intensity = {}}};
+  EXPECT_THAT(error_of(description), HasSubstr("lights[0]: position and look_at must be two points"));
+  description.lights = {DirectionalLightDescription{{0, 0, 0}, Rgb::gray(1)}};
+  EXPECT_THAT(error_of(description), HasSubstr("lights[0]: direction must have a length"));
+  description = test::room();
+  description.environment = {{Rgb::gray(1), 3}};
+  EXPECT_THAT(error_of(description), HasSubstr("environment: there is no such texture"));
+  description = test::room();
+  description.materials[0].emission.texture = 7;
+  EXPECT_THAT(error_of(description), HasSubstr("material 'm0': emission: there is no such texture"));
   description = test::room();
   description.materials[0].emission.value.g = -1;
   EXPECT_THAT(error_of(description), HasSubstr("material 'm0': emission"));

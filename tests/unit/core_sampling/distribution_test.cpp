@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace tessera::core {
@@ -23,6 +24,40 @@ TEST(DiscreteDistribution, LargestNumberStaysInside) {
 
 TEST(DiscreteDistribution, CanBeEmpty) {
   EXPECT_TRUE(DiscreteDistribution(std::vector<double>{}).empty());
+}
+
+TEST(GridDistribution, ChoosesCellsInProportionAndEvenlyWithinThem) {
+  const std::vector<double> weights{0, 1, 3, 0, 0, 0, 4, 0, 8};
+  const GridDistribution grid(3, 3, weights);
+  constexpr int kSide = 400;
+  std::vector<double> counts(9), x(9), y(9);
+  for (int i = 0; i < kSide; ++i)
+    for (int j = 0; j < kSide; ++j) {
+      const auto choice =
+          grid.sample({(static_cast<float>(i) + 0.5f) / kSide, (static_cast<float>(j) + 0.5f) / kSide});
+      const auto cell = static_cast<std::size_t>(choice.y * 3 + choice.x);
+      ASSERT_GT(weights[cell], 0);
+      ASSERT_EQ(choice.pmf, grid.pmf(choice.x, choice.y));
+      ASSERT_GE(std::min(choice.within.x, choice.within.y), 0);
+      ASSERT_LT(std::max(choice.within.x, choice.within.y), 1);
+      counts[cell] += 1.0 / (kSide * kSide);
+      x[cell] += static_cast<double>(choice.within.x) / (kSide * kSide);
+      y[cell] += static_cast<double>(choice.within.y) / (kSide * kSide);
+    }
+  for (std::size_t cell = 0; cell < 9; ++cell) {
+    EXPECT_NEAR(grid.pmf(static_cast<int>(cell % 3), static_cast<int>(cell / 3)), weights[cell] / 16, 1e-12);
+    EXPECT_NEAR(counts[cell], weights[cell] / 16, 0.005);
+    EXPECT_NEAR(x[cell], counts[cell] / 2, 0.002);
+    EXPECT_NEAR(y[cell], counts[cell] / 2, 0.002);
+  }
+}
+
+TEST(GridDistribution, ReachesBothEndsOfItsRange) {
+  const GridDistribution grid(2, 2, {1, 0, 0, 1e-3});
+  const auto first = grid.sample({0, 0}), last = grid.sample({1 - 0x1p-24f, 1 - 0x1p-24f});
+  EXPECT_EQ(first.x + 2 * first.y, 0);
+  EXPECT_EQ(last.x + 2 * last.y, 3);
+  EXPECT_LT(last.within.x, 1);
 }
 
 }  // namespace

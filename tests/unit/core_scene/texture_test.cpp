@@ -74,6 +74,16 @@ TEST(Texture, StaysInThePictureForAnyCoordinates) {
   }
 }
 
+TEST(TextureImage, HasTheMeanOfItsTexels) {
+  EXPECT_EQ(texture_of(2, 2, {1, 2, 3, 6}).image->mean(), (Rgb{3, 6, 12}));
+}
+
+TEST(TextureImage, WrapsEachWayByItself) {
+  const Texture t = texture_of(2, 2, {0, 8, 2, 10});
+  EXPECT_EQ(t.image->bilinear({0, 1}, Wrap::kRepeat, Wrap::kClamp).r, 4);
+  EXPECT_EQ(t.image->bilinear({0, 1}, Wrap::kClamp, Wrap::kRepeat).r, 1);
+}
+
 TEST(TextureImage, DecodesBytesByTheStandard) {
   TextureImage image{1, 1, std::vector<std::uint8_t>{0, 188, 255}, ColorSpace::kSrgb};
   EXPECT_EQ(image.texel(0, 0), (Rgb{0, srgb_decode(std::uint8_t{188}), 1}));

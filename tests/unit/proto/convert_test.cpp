@@ -14,8 +14,23 @@ TEST(Convert, SettingsComeBackAsTheyWere) {
                                       .spp = 12,
                                       .seed = 0xfedcba9876543210,
                                       .integrator = core::Integrator::kNee,
+                                      .heuristic = core::Heuristic::kPower,
                                       .max_depth = 5};
   EXPECT_EQ(from_proto(to_proto(settings)).value(), settings);
+}
+
+TEST(Convert, IntegratorsAndHeuristicsComeBackAsTheyWere) {
+  for (const auto integrator :
+       {core::Integrator::kNaive, core::Integrator::kNee, core::Integrator::kMis, core::Integrator::kWhitted})
+    EXPECT_EQ(from_proto(to_proto(integrator)).value(), integrator);
+  for (const auto heuristic : {core::Heuristic::kBalance, core::Heuristic::kPower})
+    EXPECT_EQ(from_proto(to_proto(heuristic)).value(), heuristic);
+}
+
+TEST(Convert, SettingsOfBeforeThereWereHeuristicsHaveTheBalanceHeuristic) {
+  v1::RenderSettings message = to_proto(core::RenderSettings{.heuristic = core::Heuristic::kPower});
+  message.clear_heuristic();
+  EXPECT_EQ(from_proto(message)->heuristic, core::Heuristic::kBalance);
 }
 
 TEST(Convert, SettingsOutOfLimitsNameTheField) {
@@ -32,19 +47,25 @@ TEST(Convert, SettingsOutOfLimitsNameTheField) {
   EXPECT_THAT(error_with([](auto& m) { m.clear_integrator(); }), HasSubstr("integrator"));
   EXPECT_THAT(error_with([](auto& m) { m.set_integrator(static_cast<v1::Integrator>(99)); }),
               HasSubstr("99"));
+  EXPECT_THAT(error_with([](auto& m) { m.set_heuristic(static_cast<v1::Heuristic>(99)); }), HasSubstr("99"));
 }
 
 TEST(Convert, AbsentOverridesStayAbsent) {
   const core::RenderOverrides none = from_proto(to_proto(core::RenderOverrides{})).value();
-  EXPECT_FALSE(none.width_px || none.height_px || none.spp || none.seed || none.integrator);
-  const core::RenderOverrides all{
-      .width_px = 1, .height_px = 0, .spp = 3, .seed = 0, .integrator = core::Integrator::kNaive};
+  EXPECT_FALSE(none.width_px || none.height_px || none.spp || none.seed || none.integrator || none.heuristic);
+  const core::RenderOverrides all{.width_px = 1,
+                                  .height_px = 0,
+                                  .spp = 3,
+                                  .seed = 0,
+                                  .integrator = core::Integrator::kNaive,
+                                  .heuristic = core::Heuristic::kPower};
   const core::RenderOverrides back = from_proto(to_proto(all)).value();
   EXPECT_EQ(back.width_px, 1);
   EXPECT_EQ(back.height_px, 0);
   EXPECT_EQ(back.spp, 3u);
   EXPECT_EQ(back.seed, 0u);
   EXPECT_EQ(back.integrator, core::Integrator::kNaive);
+  EXPECT_EQ(back.heuristic, core::Heuristic::kPower);
 }
 
 TEST(Convert, WorkItemsComeBackAndEmptyOnesDoNot) {
