@@ -6,11 +6,20 @@
 #include <cassert>
 #include <memory>
 #include <utility>
+#include <vector>
 
 #include "core/integrators/render.hpp"
 
 namespace tessera::core {
 namespace {
+
+// A picture of surroundings as linear floats, with a bright texel.
+Texture sky() {
+  const TextureImage image{4, 2,
+                           std::vector<float>{.1f, .2f, .4f, .1f, .2f, .4f, 5,   4,   3,   .1f, .2f, .4f,
+                                              .1f, .1f, .1f, 0,   0,   0,   .1f, .1f, .1f, 0,   0,   0}};
+  return {.image = std::make_shared<TextureImage>(image)};
+}
 
 // A 2 x 2 picture as sRGB bytes.
 Texture checks() {
@@ -33,9 +42,9 @@ MeshDescription tent() {
           .triangle_materials = {4, 1}};
 }
 
-// A box open to the front with lamps of every kind, a glass and a mirror sphere and a textured mesh with
-// interpolated normals, seen through a lens of five blades and a Gaussian filter. What it leaves out is the
-// reading of files.
+// A box open to the front with lights of every kind, one of them textured, a glass and a mirror sphere and a
+// textured mesh with interpolated normals, seen through a lens of five blades and a Gaussian filter. What it
+// leaves out is the reading of files.
 SceneDescription fingerprint_scene() {
   SceneDescription scene;
   scene.settings = {
@@ -49,15 +58,22 @@ SceneDescription fingerprint_scene() {
                      {.name = "lamp", .model = Lambert{}, .emission = {9, 8, 7}},
                      {.name = "glass", .model = Glass{}},
                      {.name = "mirror", .model = Mirror{}},
-                     {.name = "cloth", .model = Lambert{{Rgb::gray(0.9f), 0}}}};
-  scene.textures = {checks()};
+                     {.name = "cloth", .model = Lambert{{Rgb::gray(0.9f), 0}}},
+                     {.name = "screen", .model = Lambert{}, .emission = {{4, 4, 5}, 0}}};
+  scene.textures = {checks(), sky()};
   scene.shapes = {tent(),
                   QuadDescription{{-2, 0, 2}, {4, 0, 0}, {0, 0, -4}, 0},
                   QuadDescription{{-2, 0, -2}, {4, 0, 0}, {0, 3, 0}, 0},
                   QuadDescription{{-0.5f, 2.9f, -0.5f}, {1, 0, 0}, {0, 0, 1}, 1},
                   SphereDescription{{-0.7f, 0.6f, 0.3f}, 0.6f, 2},
                   SphereDescription{{0.8f, 0.7f, -0.5f}, 0.7f, 3},
-                  SphereDescription{{1.3f, 2.2f, 0.5f}, 0.15f, 1}};
+                  SphereDescription{{1.3f, 2.2f, 0.5f}, 0.15f, 1},
+                  SphereDescription{{-1.4f, 1.9f, -0.5f}, 0.3f, 5}};
+  scene.lights = {
+      PointLightDescription{{-1.2f, 2.4f, 1}, {2, 2, 1.5f}},
+      SpotLightDescription{.position = {1.5f, 2.8f, 1}, .look_at = {0.5f, 0, 0.5f}, .intensity = {6, 5, 4}},
+      DirectionalLightDescription{{0.3f, -0.5f, -1}, {0.4f, 0.5f, 0.6f}}};
+  scene.environment = {{Rgb::gray(0.8f), 1}, 25};
   return scene;
 }
 
@@ -66,10 +82,15 @@ SceneDescription fingerprint_scene() {
 std::string arithmetic_fingerprint() {
   const auto scene = Scene::build(fingerprint_scene(), 1);
   assert(scene.has_value());
-  const RenderSettings& settings = scene->settings();
-  const FilmTile tile =
-      render(*scene, settings, {0, 0, settings.width_px, settings.height_px}, {0, settings.spp}, 1);
-  return fmt::format("{:016x}", XXH3_64bits(tile.sums.data(), tile.sums.size() * sizeof(tile.sums[0])));
+  std::vector<std::uint64_t> sums;
+  for (const Integrator integrator : {Integrator::kMis, Integrator::kWhitted}) {
+    RenderSettings settings = scene->settings();
+    settings.integrator = integrator;
+    const FilmTile tile =
+        render(*scene, settings, {0, 0, settings.width_px, settings.height_px}, {0, settings.spp}, 1);
+    sums.insert(sums.end(), tile.sums.begin(), tile.sums.end());
+  }
+  return fmt::format("{:016x}", XXH3_64bits(sums.data(), sums.size() * sizeof(sums[0])));
 }
 
 }  // namespace tessera::core
