@@ -3,14 +3,6 @@
 namespace tessera::core {
 namespace {
 
-constexpr std::uint32_t reverse(std::uint32_t v) {
-  v = ((v >> 1) & 0x55555555u) | ((v & 0x55555555u) << 1);
-  v = ((v >> 2) & 0x33333333u) | ((v & 0x33333333u) << 2);
-  v = ((v >> 4) & 0x0f0f0f0fu) | ((v & 0x0f0f0f0fu) << 4);
-  v = ((v >> 8) & 0x00ff00ffu) | ((v & 0x00ff00ffu) << 8);
-  return (v >> 16) | (v << 16);
-}
-
 using Point = std::array<std::uint32_t, kSobolDimensions>;
 
 // A primitive polynomial of degree s with inner coefficients a, and the first s direction numbers m
@@ -46,7 +38,7 @@ constexpr std::array<Point, 32> kDirections = [] {
   for (std::size_t bit = 0; bit < 32; ++bit) directions[bit][0] = 1u << bit;
   for (std::size_t d = 1; d < kSobolDimensions; ++d) {
     const auto v = direction_numbers(kPolynomials[d - 1]);
-    for (std::size_t bit = 0; bit < 32; ++bit) directions[bit][d] = reverse(v[bit]);
+    for (std::size_t bit = 0; bit < 32; ++bit) directions[bit][d] = reverse_bits(v[bit]);
   }
   return directions;
 }();
@@ -76,10 +68,6 @@ std::array<std::uint32_t, kSobolDimensions> sobol_reversed(std::uint32_t index) 
   const Point low = add_modulo_two(kByteTable[0][index & 255], kByteTable[1][(index >> 8) & 255]);
   const Point high = add_modulo_two(kByteTable[2][(index >> 16) & 255], kByteTable[3][index >> 24]);
   return add_modulo_two(low, high);
-}
-
-std::uint32_t reverse_bits(std::uint32_t v) {
-  return reverse(v);
 }
 
 }  // namespace tessera::core

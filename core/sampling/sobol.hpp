@@ -13,7 +13,13 @@ inline constexpr int kSobolDimensions = 4;
 // owen_scramble_reversed takes. Points 0 to 2^k - 1 stratify every elementary interval they can.
 std::array<std::uint32_t, kSobolDimensions> sobol_reversed(std::uint32_t index);
 
-std::uint32_t reverse_bits(std::uint32_t v);
+constexpr std::uint32_t reverse_bits(std::uint32_t v) {
+  v = ((v >> 1) & 0x55555555u) | ((v & 0x55555555u) << 1);
+  v = ((v >> 2) & 0x33333333u) | ((v & 0x33333333u) << 2);
+  v = ((v >> 4) & 0x0f0f0f0fu) | ((v & 0x0f0f0f0fu) << 4);
+  v = ((v >> 8) & 0x00ff00ffu) | ((v & 0x00ff00ffu) << 8);
+  return (v >> 16) | (v << 16);
+}
 
 // Nested uniform scrambling of a coordinate with reversed bits: each bit is flipped depending on `seed` and
 // on the bits of higher value alone. The result's bits are reversed still.
