@@ -8,7 +8,7 @@
 
 #include "core/accel/binary_bvh.hpp"
 #include "core/accel/bvh.hpp"
-#include "core/accel/packet_test.hpp"
+#include "core/accel/packet_hits.hpp"
 #include "core/accel/simd.hpp"
 #include "core/geometry/rounding.hpp"
 
@@ -94,7 +94,7 @@ class Stack {
 class Traversal {
  public:
   Traversal(const Primitives& primitives, const Ray& ray)
-      : primitives_(primitives), ray_(ray), slab_ray_(ray), packet_ray_(ray) {
+      : primitives_(primitives), ray_(ray), slab_ray_(ray), sheared_ray_(ray) {
     update_limit();
   }
 
@@ -159,7 +159,7 @@ class Traversal {
   }
 
   void visit(const BvhPacket& packet) {
-    const PacketHits hits(packet_ray_, packet);
+    const PacketHits hits(sheared_ray_, packet);
     for (unsigned lanes = hits.lanes(); lanes != 0; lanes &= lanes - 1) {
       const int lane = std::countr_zero(lanes);
       const float t = hits.t(lane);
@@ -179,7 +179,7 @@ class Traversal {
   const Primitives& primitives_;
   const Ray& ray_;
   SlabRay slab_ray_;
-  PacketRay packet_ray_;
+  ShearedRay sheared_ray_;
   float limit_;
   Hit hit_;
   Stack stack_;

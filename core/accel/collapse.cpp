@@ -6,7 +6,7 @@ namespace tessera::core {
 namespace {
 
 // What it costs to test a node's sixteen boxes, and to test a packet.
-constexpr double kNodeCost = 1, kPacketCost = 1;
+constexpr double kNodeCost = 1.5, kPacketCost = 1;
 
 }  // namespace
 

@@ -8,10 +8,11 @@
 namespace tessera::core {
 namespace {
 
+// Without a branch, since the axes of scattered rays cannot be guessed.
 int longest_axis(Vec3 v) {
   const Vec3 a = abs(v);
-  if (a.x > a.y) return a.x > a.z ? 0 : 2;
-  return a.y > a.z ? 1 : 2;
+  const int of_xy = a.x > a.y ? 0 : 1;
+  return std::max(a.y, a.x) > a.z ? of_xy : 2;
 }
 
 double max_abs(double a, double b, double c) {

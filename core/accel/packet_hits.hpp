@@ -1,0 +1,103 @@
+// A ray against a packet's triangles, all at once: intersect_triangle of core/geometry/triangle.hpp, lane by
+// lane the same operations, and so to the bit the same hits.
+#pragma once
+
+#include "core/accel/bvh_layout.hpp"
+#include "core/accel/simd.hpp"
+#include "core/geometry/rounding.hpp"
+#include "core/geometry/triangle.hpp"
+
+namespace tessera::core {
+
+// The corners of a packet's triangles as ShearedRay::shear moves them.
+struct ShearedPacket {
+  ShearedPacket(const ShearedRay& ray, const BvhPacket& packet) {
+    const Double4 origin_x = Double4::broadcast(ray.origin_x), shear_x = Double4::broadcast(ray.shear_x);
+    const Double4 origin_y = Double4::broadcast(ray.origin_y), shear_y = Double4::broadcast(ray.shear_y);
+    const Double4 origin_z = Double4::broadcast(ray.origin_z);
+    for (int i = 0; i < 3; ++i) {
+      z[i] = Double4::load(packet.corners[i][ray.z_axis]) - origin_z;
+      x[i] = Double4::load(packet.corners[i][ray.x_axis]) - origin_x - shear_x * z[i];
+      y[i] = Double4::load(packet.corners[i][ray.y_axis]) - origin_y - shear_y * z[i];
+    }
+  }
+
+  Double4 x[3], y[3], z[3];  // of each corner
+};
+
+// The hits of one ray with one packet.
+class PacketHits {
+ public:
+  PacketHits(const ShearedRay& ray, const BvhPacket& packet) {
+    const ShearedPacket corners(ray, packet);
+    const Edges e(corners);
+    const Double4 zero = Double4::broadcast(0);
+    const unsigned any_negative = less(min(min(e.e0, e.e1), e.e2), zero);
+    const unsigned any_positive = less(zero, max(max(e.e0, e.e1), e.e2));
+    lanes_ = packet.triangle_lanes & ~(any_negative & any_positive);
+    if (lanes_ != 0) find_distances(corners, e, Double4::broadcast(ray.direction_z));
+  }
+
+  unsigned lanes() const { return lanes_; }
+  float t(int lane) const { return static_cast<float>(t_[lane]); }
+  float b1(int lane) const { return static_cast<float>(e1_[lane] / det_[lane]); }
+  float b2(int lane) const { return static_cast<float>(e2_[lane] / det_[lane]); }
+
+ private:
+  // The edge functions: the areas that the ray's foot spans with each side.
+  struct Edges {
+    explicit Edges(const ShearedPacket& c)
+        : e0(difference_of_products(c.x[1], c.y[2], c.y[1], c.x[2])),
+          e1(difference_of_products(c.x[2], c.y[0], c.y[2], c.x[0])),
+          e2(difference_of_products(c.x[0], c.y[1], c.y[0], c.x[1])) {}
+
+    Double4 e0, e1, e2;
+  };
+
+  static Double4 difference_of_products(Double4 a, Double4 b, Double4 c, Double4 d) {
+    const Double4 cd = c * d;
+    const Double4 error_of_cd = negative_multiply_add(c, d, cd);
+    return multiply_subtract(a, b, cd) + error_of_cd;
+  }
+
+  // Leaves only the lanes whose t is provably positive.
+  void find_distances(const ShearedPacket& corners, const Edges& e, Double4 direction_z) {
+    const auto& z = corners.z;
+    const Double4 zero = Double4::broadcast(0);
+    const Double4 det = e.e0 + e.e1 + e.e2;
+    const Double4 scale = det * direction_z;
+    const Double4 t = (e.e0 * z[0] + e.e1 * z[1] + e.e2 * z[2]) / scale;
+    lanes_ &= less(zero, t);  // not where det is 0
+    // A corner is ahead where z has the sign of direction_z, so that their product is positive.
+    const unsigned all_ahead =
+        less(zero, min(min(z[0] * direction_z, z[1] * direction_z), z[2] * direction_z));
+    if ((lanes_ & ~all_ahead) != 0) lanes_ &= all_ahead | less(t_error_bound(corners, e) / abs(scale), t);
+    t.store(t_);
+    e.e1.store(e1_);
+    e.e2.store(e2_);
+    det.store(det_);
+  }
+
+  static Double4 max_abs(Double4 a, Double4 b, Double4 c) { return max(max(abs(a), abs(b)), abs(c)); }
+
+  // As the function of this name in core/geometry/triangle.cpp.
+  static Double4 t_error_bound(const ShearedPacket& c, const Edges& e) {
+    const Double4 max_x = max_abs(c.x[0], c.x[1], c.x[2]), max_y = max_abs(c.y[0], c.y[1], c.y[2]);
+    const Double4 max_z = max_abs(c.z[0], c.z[1], c.z[2]), max_e = max_abs(e.e0, e.e1, e.e2);
+    const auto times_gamma = [](int n, Double4 a) { return Double4::broadcast(gamma<double>(n)) * a; };
+    const Double4 delta_x = times_gamma(5, max_x + max_z);
+    const Double4 delta_y = times_gamma(5, max_y + max_z);
+    const Double4 delta_z = times_gamma(3, max_z);
+    const Double4 delta_e =
+        Double4::broadcast(2) * (times_gamma(2, max_x) * max_y + delta_y * max_x + delta_x * max_y);
+    return Double4::broadcast(3) * (times_gamma(3, max_e) * max_z + delta_e * max_z + delta_z * max_e);
+  }
+
+  unsigned lanes_;
+  alignas(32) double t_[BvhPacket::kWidth];
+  alignas(32) double e1_[BvhPacket::kWidth];
+  alignas(32) double e2_[BvhPacket::kWidth];
+  alignas(32) double det_[BvhPacket::kWidth];
+};
+
+}  // namespace tessera::core
