@@ -19,7 +19,7 @@ struct Place {
   core::Vec3 bowl, lid;  // where their feet stand
 };
 inline constexpr Place kBlackPlace{{32.5f, -kBoardHeight, -20}, {28.5f, -kBoardHeight, -5.5f}};
-inline constexpr Place kWhitePlace{{10, -kBoardHeight, -38}, {-5, -kBoardHeight, -35.5f}};
+inline constexpr Place kWhitePlace{{14, -kBoardHeight, -35}, {-1, -kBoardHeight, -36}};
 
 // Both bowls. Their mouths are kBowlMouthRadius wide and kBowlHeight above their feet.
 inline constexpr float kBowlHeight = 9.2f, kBowlMouthRadius = 5.1f;

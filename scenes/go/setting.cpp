@@ -75,9 +75,14 @@ std::vector<std::pair<std::string, std::function<Model()>>> setting(const Positi
 
 std::string summary(const GameRecord& record, const Position& position) {
   const auto name = [](const std::string& given) { return given.empty() ? std::string("unknown") : given; };
-  return fmt::format("{} (black), {} (white): {} moves; captured {} black, {} white", name(record.black),
-                     name(record.white), position.moves, position.board.captured(Stone::kBlack),
-                     position.board.captured(Stone::kWhite));
+  std::string text = fmt::format(
+      "{} (black), {} (white): {} moves; captured {} black, {} white", name(record.black), name(record.white),
+      position.moves, position.board.captured(Stone::kBlack), position.board.captured(Stone::kWhite));
+  if (position.last_white) {
+    const Vec3 p = intersection(*position.last_white, position.board.size());
+    text += fmt::format("; the last white stone is at [{:.2f}, {:.2f}, {:.2f}]", p.x, p.y, p.z);
+  }
+  return text;
 }
 
 }  // namespace tessera::go

@@ -13,7 +13,8 @@ namespace tessera::go {
 
 std::vector<std::pair<std::string, std::function<Model()>>> setting(const Position& position);
 
-// What was made, for people: "AlphaGo (black), Lee Sedol (white): 94 moves; captured 1 black, 1 white".
+// What was made, for people: "Ann (black), Bo (white): 94 moves; captured 1 black, 1 white; the last white
+// stone is at [11.00, 0.00, 7.11]", where a camera may focus.
 std::string summary(const GameRecord& record, const Position& position);
 
 }  // namespace tessera::go

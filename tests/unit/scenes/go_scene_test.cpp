@@ -163,6 +163,15 @@ TEST(Setting, GamesWithoutCapturesOrMovesAreLaidOutToo) {
   }
 }
 
+TEST(Setting, IsSummedUpForPeople) {
+  const GameRecord record = parse_sgf("(;SZ[9]PB[Ann];B[ab];W[aa];B[ba];W[ee])", "game.sgf").value();
+  EXPECT_EQ(summary(record, replay(record, 3, "game.sgf").value()),
+            "Ann (black), unknown (white): 3 moves; captured 0 black, 1 white");
+  EXPECT_EQ(summary(record, replay(record, 4, "game.sgf").value()),
+            "Ann (black), unknown (white): 4 moves; captured 0 black, 1 white; the last white stone is at "
+            "[0.00, 0.00, 0.00]");
+}
+
 TEST(GoScene, IsRead) {
   const core::Result<core::SceneDescription> description = core::load_scene_file(kFolder + "scene.json");
   ASSERT_TRUE(description) << description.error().message;
