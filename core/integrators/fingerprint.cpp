@@ -42,9 +42,17 @@ MeshDescription tent() {
           .triangle_materials = {4, 1}};
 }
 
-// A box open to the front with lights of every kind, one of them textured, a glass and a mirror sphere and a
-// textured mesh with interpolated normals, seen through a lens of five blades and a Gaussian filter. What it
-// leaves out is the reading of files.
+// Normals that lean all ways, as linear bytes.
+Texture dents() {
+  const TextureImage image{2, 2,
+                           std::vector<std::uint8_t>{128, 128, 255, 200, 100, 230, 90, 170, 240, 60, 60, 200},
+                           ColorSpace::kLinear};
+  return {.image = std::make_shared<TextureImage>(image), .scale = {4, -4}};
+}
+
+// A box open to the front with lights of every kind, one of them textured, spheres of every material, a
+// dented floor and a textured mesh with interpolated normals, seen through a lens of five blades and a
+// Gaussian filter. What it leaves out is the reading of files.
 SceneDescription fingerprint_scene() {
   SceneDescription scene;
   scene.settings = {
@@ -59,16 +67,25 @@ SceneDescription fingerprint_scene() {
                      {.name = "glass", .model = Glass{}},
                      {.name = "mirror", .model = Mirror{}},
                      {.name = "cloth", .model = Lambert{{Rgb::gray(0.9f), 0}}},
-                     {.name = "screen", .model = Lambert{}, .emission = {{4, 4, 5}, 0}}};
-  scene.textures = {checks(), sky()};
+                     {.name = "screen", .model = Lambert{}, .emission = {{4, 4, 5}, 0}},
+                     {.name = "frosted", .model = Glass{.roughness = 0.5f}},
+                     {.name = "varnish", .model = Phong{.exponent = {60, 0}}, .normal_map = {2, 0.5f}},
+                     {.name = "gold", .model = CookTorrance{.conductor = Conductor::kGold}},
+                     {.name = "lacquer",
+                      .model = CookTorrance{.diffuse = {{0.1f, 0.4f, 0.2f}}, .specular = {Rgb::gray(0.5f)}},
+                      .normal_map = {2, 1}}};
+  scene.textures = {checks(), sky(), dents()};
   scene.shapes = {tent(),
-                  QuadDescription{{-2, 0, 2}, {4, 0, 0}, {0, 0, -4}, 0},
+                  QuadDescription{{-2, 0, 2}, {4, 0, 0}, {0, 0, -4}, 7},
                   QuadDescription{{-2, 0, -2}, {4, 0, 0}, {0, 3, 0}, 0},
                   QuadDescription{{-0.5f, 2.9f, -0.5f}, {1, 0, 0}, {0, 0, 1}, 1},
                   SphereDescription{{-0.7f, 0.6f, 0.3f}, 0.6f, 2},
                   SphereDescription{{0.8f, 0.7f, -0.5f}, 0.7f, 3},
                   SphereDescription{{1.3f, 2.2f, 0.5f}, 0.15f, 1},
-                  SphereDescription{{-1.4f, 1.9f, -0.5f}, 0.3f, 5}};
+                  SphereDescription{{-1.4f, 1.9f, -0.5f}, 0.3f, 5},
+                  SphereDescription{{-1.5f, 1.2f, -1}, 0.5f, 6},
+                  SphereDescription{{0, 1.8f, -1.2f}, 0.4f, 8},
+                  SphereDescription{{0.1f, 0.3f, 0.9f}, 0.3f, 9}};
   scene.lights = {
       PointLightDescription{{-1.2f, 2.4f, 1}, {2, 2, 1.5f}},
       SpotLightDescription{.position = {1.5f, 2.8f, 1}, .look_at = {0.5f, 0, 0.5f}, .intensity = {6, 5, 4}},

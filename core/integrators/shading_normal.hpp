@@ -10,15 +10,14 @@ namespace tessera::core {
 // wo is above it.
 Vec3 bend_toward_viewer(Vec3 normal, Vec3 wo);
 
-// Bent just far enough that the mirror direction of wo is above the true surface (Keller et al. 2017,
-// appendix A.3).
+// Bent just far enough that the mirror direction of wo is above the true surface (Keller et al. 2017).
 Vec3 bend_for_reflection(Vec3 normal, Vec3 side, Vec3 wo);
 
 // A direction that should be on the true surface's side `side`, bent to graze it if it is not.
 Vec3 bend_above(Vec3 wi, Vec3 side);
 
 // What reflected light is multiplied by, from 0 where wi sinks below the true surface to 1 where its
-// elevation is that above the shading normal's plane (Chiang, Li and Burley 2019, eq. 4 and 5).
+// elevation is that above the shading normal's plane (Chiang, Li and Burley 2019).
 float smooth_terminator(Vec3 normal, Vec3 side, Vec3 wi);
 
 }  // namespace tessera::core

@@ -20,12 +20,12 @@ enum class DielectricFresnel {
 // the far side over that on the near side. 1 for total reflection.
 float fresnel_dielectric(float cos_i, float eta);
 
-// Schlick 1994, eq. 15. The angle is that in the thinner medium, so that total reflection is met.
+// Schlick 1994. The angle is that in the thinner medium, so that total reflection is met.
 float fresnel_dielectric_schlick(float cos_i, float eta);
 
 float dielectric_reflectance(DielectricFresnel fresnel, float cos_i, float eta);
 
-// Schlick 1994, eq. 15, from the reflectance at normal incidence.
+// Schlick 1994, from the reflectance at normal incidence.
 Rgb fresnel_schlick(float cos_i, Rgb f0);
 
 // Unpolarised reflectance of a metal with the complex index eta + i k, seen from air (Born and Wolf 1999,

@@ -52,7 +52,7 @@ struct Phong {
 
 enum class Masking {
   kSmith,    // correlated by height (Heitz 2014)
-  kSchlick,  // Schlick's approximation for each direction (Schlick 1994, eq. 19), k = alpha / 2
+  kSchlick,  // Schlick's approximation for each direction (Schlick 1994), k = alpha / 2
 };
 
 // Microfacet reflection by GGX (Cook and Torrance 1982; Walter et al. 2007) over a diffuse part, on both
@@ -60,9 +60,9 @@ enum class Masking {
 struct CookTorrance {
   ColorParameter diffuse{Rgb::gray(0)};
   ColorParameter specular{Rgb::gray(1)};
-  ColorParameter f0{Rgb::gray(0.04f)};  // reflectance at normal incidence, by Schlick at others; or:
-  std::optional<Conductor> conductor;   // exact reflectance of a metal
-  ScalarParameter roughness = 0.3f;     // alpha is its square, at least kMinAlpha
+  ColorParameter f0{Rgb::gray(0.04f)};   // reflectance at normal incidence, by Schlick at others; or:
+  std::optional<Conductor> conductor{};  // exact reflectance of a metal
+  ScalarParameter roughness = 0.3f;      // alpha is its square, at least kMinAlpha
   Masking masking = Masking::kSmith;
 };
 

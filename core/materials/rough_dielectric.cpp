@@ -37,7 +37,7 @@ BsdfValue RoughDielectricBsdf::evaluate(Vec3 wo, Vec3 wi) const {
   return wi.z > 0 ? evaluate_reflection(wo, wi) : evaluate_transmission(wo, wi);
 }
 
-// All but the share of the light that is not masked cancels out of the weight (Heitz 2018, eq. 19).
+// All but the share of the light that is not masked cancels out of the weight (Heitz 2018).
 std::optional<BsdfSample> RoughDielectricBsdf::sample(Vec3 wo, Vec2 u, float u_lobe) const {
   if (wo.z <= 0) return std::nullopt;
   const Vec3 h = ggx.sample_visible(wo, u);

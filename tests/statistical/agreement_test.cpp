@@ -15,6 +15,22 @@ TEST(Strategies, AgreeInARoomOfEveryMaterial) {
   expect_strategies_agree(test::room());
 }
 
+// Microfacets, highlights, a frosted ball with a lamp's light behind it, and bent normals.
+TEST(Strategies, AgreeInARoomOfGlossyMaterials) {
+  SceneDescription room = test::room();
+  const TextureImage dents{2, 2,
+                           std::vector<float>{.5f, .5f, 1, .7f, .4f, .9f, .4f, .7f, .9f, .3f, .3f, .8f}};
+  room.textures = {{.image = std::make_shared<TextureImage>(dents), .scale = {5, 5}}};
+  room.materials[0].model = Phong{.diffuse = {Rgb::gray(0.5f)}, .specular = {Rgb::gray(0.3f)}};
+  room.materials[0].normal_map = {0, 0.7f};
+  room.materials[1].model =
+      CookTorrance{.diffuse = {{0.5f, 0.1f, 0.1f}}, .specular = {Rgb::gray(0.5f)}, .roughness = 0.5f};
+  room.materials[4].model = CookTorrance{.conductor = Conductor::kCopper, .roughness = 0.5f};
+  room.materials[4].normal_map = {0, 1};
+  room.materials[5].model = Glass{.roughness = 0.6f};
+  expect_strategies_agree(room);
+}
+
 // A sky whose power dwarfs the lamp's by ten orders of magnitude hides neither.
 TEST(Strategies, AgreeUnderASky) {
   test::SceneMaker maker({.position = {0, 2, 6}, .look_at = {0, 0.5f, 0}});

@@ -41,18 +41,25 @@ TEST(WhiteFurnace, LosslessObjectsAreInvisible) {
 }
 
 // A slab of glass lets (1 - R) / (1 + R) through, all reflections between its faces counted (Stokes 1862).
-TEST(GlassSlab, LetsThroughWhatTheGeometricSeriesSays) {
+class GlassSlab : public testing::TestWithParam<std::pair<DielectricFresnel, double>> {};
+
+TEST_P(GlassSlab, LetsThroughWhatTheGeometricSeriesSays) {
+  const auto [fresnel, reflectance] = GetParam();
   test::SceneMaker maker({.position = {0, 0, 3}, .look_at = {0, 0, 0}, .vertical_fov_degrees = 0.5f});
-  const auto glass = maker.material(Glass{.ior = 1.5f});
+  const auto glass = maker.material(Glass{.ior = 1.5f, .fresnel = fresnel});
   maker.add(QuadDescription{{-5, -5, 0.1f}, {10, 0, 0}, {0, 10, 0}, glass});
   maker.add(QuadDescription{{-5, -5, -0.1f}, {0, 10, 0}, {10, 0, 0}, glass});
   maker.add(
       QuadDescription{{-5, -5, -2}, {10, 0, 0}, {0, 10, 0}, maker.material(test::lambert(0), Rgb::gray(3))});
   const Scene scene = maker.build();
-  const double reflectance = 0.04;
   const Mean mean = mean_radiance(scene, {}, 4000);
   EXPECT_NEAR(mean.value, 3 * (1 - reflectance) / (1 + reflectance), 5 * mean.standard_error + 1e-4);
 }
+
+INSTANTIATE_TEST_SUITE_P(ClosedForm, GlassSlab,
+                         testing::Values(std::pair{DielectricFresnel::kExact, 0.04},
+                                         std::pair{DielectricFresnel::kSchlick, 0.04},
+                                         std::pair{DielectricFresnel::kNone, 0.0}));
 
 // The closed forms hold at every scale: rays neither stick to surfaces nor leak through them.
 class Scale : public testing::TestWithParam<float> {};

@@ -1,0 +1,41 @@
+// Every model that scatters into more than single directions, in every way of sampling it, for the tests that
+// all of them must pass.
+#pragma once
+
+#include <ostream>
+#include <string>
+#include <vector>
+
+#include "core/materials/bsdf.hpp"
+
+namespace tessera::core::test {
+
+struct BsdfCase {
+  std::string name;
+  Material material;
+  bool outside = true;
+
+  Bsdf bsdf() const { return Bsdf(material, {}, {}, outside); }
+};
+
+inline void PrintTo(const BsdfCase& one, std::ostream* os) {
+  *os << one.name;
+}
+
+std::vector<BsdfCase> bsdf_cases();
+
+// A viewer above, one aside and one at a low angle.
+std::vector<Vec3> viewers();
+
+// The i-th of independent points of the unit square and a third number.
+struct Numbers {
+  Vec2 u;
+  float u_lobe;
+};
+Numbers random_numbers(int i);
+
+inline Material material_of(MaterialModel model, Sampling sampling = Sampling::kBsdf) {
+  return {.name = "", .model = std::move(model), .sampling = sampling};
+}
+
+}  // namespace tessera::core::test

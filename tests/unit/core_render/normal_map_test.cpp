@@ -1,0 +1,121 @@
+// Which way normal maps bend normals, on surfaces whose texture coordinates are known.
+#include <gtest/gtest.h>
+
+#include <memory>
+
+#include "core/integrators/vertex.hpp"
+#include "tests/support/test_scenes.hpp"
+
+namespace tessera::core {
+namespace {
+
+constexpr float kLean = 0.4f;
+
+// A picture of one normal.
+Texture normal_texture(float x, float y) {
+  const float z = std::sqrt(1 - x * x - y * y);
+  const TextureImage image{1, 1, std::vector<float>{x / 2 + 0.5f, y / 2 + 0.5f, z / 2 + 0.5f}};
+  return {.image = std::make_shared<TextureImage>(image)};
+}
+
+// The normal that a mirror of this shape is shaded with where `ray` meets it: midway between the viewer and
+// what is seen.
+Vec3 shaded_normal(const ShapeDescription& shape, const Texture& texture, const Ray& ray,
+                   float strength = 1) {
+  test::SceneMaker maker({});
+  maker.description().textures = {texture};
+  const auto mirror = maker.material(Mirror{});
+  maker.description().materials[mirror].normal_map = {0, strength};
+  maker.add(shape);
+  const Scene scene = maker.build();
+  const Hit hit = scene.bvh().closest_hit(scene.primitives(), ray);
+  EXPECT_TRUE(hit.found());
+  const PathVertex vertex(scene, ray, hit);
+  return normalize(vertex.sample({}, 0)->wi + vertex.wo());
+}
+
+void expect_near(Vec3 a, Vec3 b) {
+  EXPECT_LE(length(a - b), 2e-3f) << a.x << ' ' << a.y << ' ' << a.z << " is not " << b.x << ' ' << b.y << ' '
+                                  << b.z;
+}
+
+const Vec3 kTowardsX = {kLean, 0, std::sqrt(1 - kLean * kLean)};
+const Vec3 kTowardsY = {0, kLean, std::sqrt(1 - kLean * kLean)};
+const Ray kFromAbove{{0.3f, 0.3f, 5}, {0, 0, -1}}, kFromBelow{{0.3f, 0.3f, -5}, {0, 0, 1}};
+
+// u along x, v along y, seen from +z.
+QuadDescription quad() {
+  return {{-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, 0};
+}
+
+// A triangle of the plane z = 0 with the given texture coordinates.
+MeshDescription triangle(Vec2 uv0, Vec2 uv1, Vec2 uv2) {
+  return {.positions = {{-1, -1, 0}, {3, -1, 0}, {-1, 3, 0}},
+          .normals = {},
+          .uvs = {uv0, uv1, uv2},
+          .triangles = {{0, 1, 2}},
+          .triangle_materials = {0}};
+}
+
+TEST(NormalMap, RedLeansTowardsUAndGreenTowardsV) {
+  expect_near(shaded_normal(quad(), normal_texture(kLean, 0), kFromAbove), kTowardsX);
+  expect_near(shaded_normal(quad(), normal_texture(0, kLean), kFromAbove), kTowardsY);
+  expect_near(shaded_normal(quad(), normal_texture(0, 0), kFromAbove), {0, 0, 1});
+}
+
+// A bump is a dent from behind.
+TEST(NormalMap, IsTheSameSurfaceFromBehind) {
+  expect_near(shaded_normal(quad(), normal_texture(kLean, 0), kFromBelow), -kTowardsX);
+}
+
+TEST(NormalMap, FollowsMirroredAndTurnedCoordinates) {
+  const auto bent = [](const MeshDescription& mesh, float x, float y) {
+    return shaded_normal(mesh, normal_texture(x, y), kFromAbove);
+  };
+  const MeshDescription mirrored = triangle({1, 0}, {0, 0}, {1, 1}),
+                        turned = triangle({0, 0}, {0, 1}, {-1, 0});
+  expect_near(bent(mirrored, kLean, 0), {-kTowardsX.x, 0, kTowardsX.z});
+  expect_near(bent(mirrored, 0, kLean), kTowardsY);
+  expect_near(bent(turned, kLean, 0), {0, -kLean, kTowardsY.z});
+  expect_near(bent(turned, 0, kLean), kTowardsX);
+}
+
+TEST(NormalMap, FollowsPicturesMirroredByTheirScale) {
+  Texture texture = normal_texture(kLean, 0);
+  texture.scale = {-3, 1};
+  expect_near(shaded_normal(quad(), texture, kFromAbove), {-kTowardsX.x, 0, kTowardsX.z});
+}
+
+TEST(NormalMap, LeavesSurfacesWithoutCoordinatesAsTheyAre) {
+  for (const MeshDescription& mesh :
+       {triangle({0, 0}, {0, 0}, {0, 0}), triangle({0, 0}, {0.5f, 0.5f}, {1, 1})})
+    expect_near(shaded_normal(mesh, normal_texture(kLean, 0), kFromAbove), {0, 0, 1});
+}
+
+TEST(NormalMap, StrengthMultipliesTheSlope) {
+  const Vec3 n = shaded_normal(quad(), normal_texture(kLean, 0), kFromAbove, 0.5f);
+  EXPECT_NEAR(n.x / n.z, 0.5f * kTowardsX.x / kTowardsX.z, 2e-3f);
+  expect_near(shaded_normal(quad(), normal_texture(kLean, 0), kFromAbove, 0), {0, 0, 1});
+}
+
+// On a sphere u runs east, counter-clockwise about +y, and v north.
+TEST(NormalMap, LeansEastAndNorthOnSpheres) {
+  const SphereDescription ball{{0, 0, 0}, 1, 0};
+  const Ray from_x{{5, 0, 0}, {-1, 0, 0}};
+  expect_near(shaded_normal(ball, normal_texture(kLean, 0), from_x), {kTowardsX.z, 0, -kLean});
+  expect_near(shaded_normal(ball, normal_texture(0, kLean), from_x), {kTowardsX.z, kLean, 0});
+  const Ray from_pole{{0, 5, 0}, {0, -1, 0}};
+  expect_near(shaded_normal(ball, normal_texture(kLean, 0), from_pole), {0, 1, 0});
+}
+
+// Interpolated normals that lean are bent in their own frame.
+TEST(NormalMap, BendsInterpolatedNormals) {
+  MeshDescription mesh = triangle({0, 0}, {1, 0}, {0, 1});
+  const Vec3 leaning = normalize({0, 0.3f, 1});
+  mesh.normals = {leaning, leaning, leaning};
+  const Vec3 n = shaded_normal(mesh, normal_texture(kLean, 0), kFromAbove);
+  expect_near(n, Vec3{1, 0, 0} * kLean + leaning * kTowardsX.z);
+}
+
+}  // namespace
+}  // namespace tessera::core
