@@ -1,14 +1,18 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <cstdint>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 
 #include "client/commands.hpp"
 #include "client/console.hpp"
+#include "client/scene_flags.hpp"
 #include "core/image/compare.hpp"
 #include "core/image/decode.hpp"
+#include "core/image/limits.hpp"
 
 namespace tessera::client {
 namespace {
@@ -22,16 +26,40 @@ Pictures are compared in linear light; PNG is decoded with the sRGB transfer
 function. B is the reference of the relative error: the mean over pixels and
 channels of (a-b)^2 / (b^2 + 0.01). PSNR takes 1 for the peak.
 
-Example:
-  tessera compare a.exr b.exr)";
+Examples:
+  tessera compare a.exr b.exr
+  tessera compare a.exr b.exr --json --region 100,40,64x32)";
 
 struct CompareOptions {
   std::string path_a, path_b;
+  std::optional<core::ImageRegion> region;  // the whole pictures if there is none
   bool json = false;
 };
 
-std::string describe(const core::Comparison& c) {
-  std::string text = c.identical ? "identical\n" : "different\n";
+// "X,Y,WxH".
+core::ImageRegion parse_region(const std::string& text) {
+  const std::size_t first = text.find(','), second = text.find(',', first + 1),
+                    cross = text.find('x', second + 1);
+  if (first == std::string::npos || second == std::string::npos || cross == std::string::npos) {
+    throw CLI::ValidationError(
+        "--region", fmt::format("must be X,Y,WxH in pixels, such as 100,40,64x32; got '{}'", text));
+  }
+  const auto number = [&](std::size_t begin, std::size_t end, std::uint64_t least) {
+    return static_cast<int>(
+        parse_whole_number("--region", text.substr(begin, end - begin), least, core::kMaxPictureSidePx));
+  };
+  return {.x = number(0, first, 0),
+          .y = number(first + 1, second, 0),
+          .width = number(second + 1, cross, 1),
+          .height = number(cross + 1, text.size(), 1)};
+}
+
+std::string describe(const core::Comparison& c, const std::optional<core::ImageRegion>& region) {
+  std::string text = c.identical ? "identical" : "different";
+  if (region)
+    text +=
+        fmt::format(" in {}x{} pixels from ({}, {})", region->width, region->height, region->x, region->y);
+  text += '\n';
   text += fmt::format("largest difference  {:.9g}", c.largest_difference);
   if (c.largest_difference > 0) text += fmt::format(" at pixel ({}, {})", c.largest_x, c.largest_y);
   text += fmt::format("\nMSE                 {:.9g}\nrelative MSE        {:.9g}\n", c.mse, c.relative_mse);
@@ -39,8 +67,8 @@ std::string describe(const core::Comparison& c) {
 }
 
 // Infinite values become null: JSON has no word for them.
-std::string to_json(const core::Comparison& c) {
-  const nlohmann::ordered_json json = {
+std::string to_json(const core::Comparison& c, const std::optional<core::ImageRegion>& region) {
+  nlohmann::ordered_json json = {
       {"identical", c.identical},
       {"largest_difference", c.largest_difference},
       {"largest_difference_x", c.largest_x},
@@ -49,6 +77,10 @@ std::string to_json(const core::Comparison& c) {
       {"relative_mse", c.relative_mse},
       {"psnr_db", c.psnr_db},
   };
+  if (region) {
+    json["region"] = {
+        {"x", region->x}, {"y", region->y}, {"width", region->width}, {"height", region->height}};
+  }
   return json.dump(2) + "\n";
 }
 
@@ -62,9 +94,9 @@ int run_compare(const CompareOptions& options) {
   if (!a) return cannot_compare(a.error());
   const core::Result<core::Image> b = core::read_image(options.path_b);
   if (!b) return cannot_compare(b.error());
-  const core::Result<core::Comparison> result = core::compare(*a, *b);
+  const auto result = options.region ? core::compare(*a, *b, *options.region) : core::compare(*a, *b);
   if (!result) return cannot_compare(result.error());
-  fmt::print("{}", options.json ? to_json(*result) : describe(*result));
+  fmt::print("{}", options.json ? to_json(*result, options.region) : describe(*result, options.region));
   return result->identical ? kExitOk : kExitDifferent;
 }
 
@@ -78,6 +110,11 @@ void add_compare_command(CLI::App& app, int& exit_code) {
       ->required()
       ->option_text(" ");
   command->add_option("B", options->path_b, "The reference")->required()->option_text(" ");
+  command
+      ->add_option_function<std::string>(
+          "--region", [options](const std::string& text) { options->region = parse_region(text); },
+          "Only W x H pixels, with (X, Y) at their top left")
+      ->type_name("X,Y,WxH");
   command->add_flag("--json", options->json, "Print one JSON object instead of lines");
   command->footer(kFooter);
   command->callback([options, &exit_code] { exit_code = run_compare(*options); });

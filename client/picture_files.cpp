@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "client/console.hpp"
 #include "core/image/encode.hpp"
 #include "core/image/file_io.hpp"
 
@@ -33,11 +34,23 @@ Status check_picture_size(const std::vector<std::string>& paths, int width_px, i
   return {};
 }
 
-Status write_pictures(const std::vector<std::string>& paths, const core::Image& image) {
+void warn_about_idle_display(const std::vector<std::string>& paths, const core::DisplayOverrides& overrides) {
+  const auto is_png = [](const std::string& path) {
+    const core::Result<core::ImageFormat> format = core::image_format_from_path(path);
+    return format && *format == core::ImageFormat::kPng;
+  };
+  const bool given = overrides.exposure_stops || overrides.tone_curve;
+  if (given && !paths.empty() && std::none_of(paths.begin(), paths.end(), is_png)) {
+    print_warning("--exposure and --tone-curve change PNG files alone; linear files keep the light as it is");
+  }
+}
+
+Status write_pictures(const std::vector<std::string>& paths, const core::Image& image,
+                      const core::DisplaySettings& display) {
   for (const std::string& path : paths) {
     const core::Result<core::ImageFormat> format = core::image_format_from_path(path);
     if (!format) return core::fail(format.error());
-    const core::Result<std::string> bytes = core::encode_image(image, *format);
+    const core::Result<std::string> bytes = core::encode_image(image, *format, display);
     if (!bytes) return core::fail(bytes.error().within(path));
     if (Status status = core::write_file_atomically(path, *bytes); !status) return status;
   }

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/base/error.hpp"
+#include "core/image/display.hpp"
 #include "core/image/image.hpp"
 
 namespace tessera::client {
@@ -15,7 +16,12 @@ core::Status check_picture_paths(const std::vector<std::string>& paths);
 // Whether a picture of this size fits the formats.
 core::Status check_picture_size(const std::vector<std::string>& paths, int width_px, int height_px);
 
-// Writes the picture to each path, in order; stops at the first failure, which names the path.
-core::Status write_pictures(const std::vector<std::string>& paths, const core::Image& image);
+// Warns that the options for PNG files change nothing where there are some, but no such file.
+void warn_about_idle_display(const std::vector<std::string>& paths, const core::DisplayOverrides& overrides);
+
+// Writes the picture to each path, in order, PNG files as `display` says; stops at the first failure, which
+// names the path.
+core::Status write_pictures(const std::vector<std::string>& paths, const core::Image& image,
+                            const core::DisplaySettings& display);
 
 }  // namespace tessera::client

@@ -25,6 +25,7 @@ using core::Status;
 
 struct LoadedScene {
   core::Scene scene;
+  core::DisplaySettings display;
   RenderStats stats;
 };
 
@@ -53,6 +54,8 @@ Result<LoadedScene> load(const RenderOptions& options) {
   if (!description) return core::fail(description.error());
   const auto settings = core::resolve_settings(description->settings, options.scene.overrides);
   if (!settings) return core::fail(settings.error().within(options.scene.scene_path));
+  const auto display = core::resolve_display(description->display, options.scene.display);
+  if (!display) return core::fail(display.error().within(options.scene.scene_path));
   if (Status status = check_memory(*settings); !status) return core::fail(status.error());
   Status fits = check_picture_size(options.scene.output_paths, settings->width_px, settings->height_px);
   if (!fits) return core::fail(fits.error());
@@ -64,7 +67,7 @@ Result<LoadedScene> load(const RenderOptions& options) {
   stats.threads = options.threads;
   stats.load_seconds = loaded - start;
   stats.build_seconds = steady_seconds() - loaded;
-  return LoadedScene{std::move(*scene), stats};
+  return LoadedScene{std::move(*scene), *display, stats};
 }
 
 // The command that replays a sample of this render.
@@ -111,10 +114,11 @@ void warn_about_blackness(const core::Image& image) {
   }
 }
 
-Status write_results(const RenderOptions& options, const RenderStats& stats, const core::Image& image) {
-  if (Status status = write_pictures(options.scene.output_paths, image); !status) return status;
+Status write_results(const RenderOptions& options, const LoadedScene& loaded, const core::Image& image) {
+  if (Status status = write_pictures(options.scene.output_paths, image, loaded.display); !status)
+    return status;
   if (options.stats_path.empty()) return {};
-  return core::write_file_atomically(options.stats_path, to_json(stats, peak_memory_bytes()));
+  return core::write_file_atomically(options.stats_path, to_json(loaded.stats, peak_memory_bytes()));
 }
 
 void print_summary(const RenderOptions& options, const RenderStats& stats) {
@@ -141,7 +145,7 @@ int render_picture(const RenderOptions& options, LoadedScene& loaded) {
   warn_about_saturation(options.scene.scene_path, rendered.film);
   const core::Image image = rendered.film.develop();
   warn_about_blackness(image);
-  if (Status status = write_results(options, stats, image); !status) return print_error(status.error());
+  if (Status status = write_results(options, loaded, image); !status) return print_error(status.error());
   if (!options.quiet) print_summary(options, stats);
   return kExitOk;
 }
@@ -160,6 +164,7 @@ int print_sample(const core::Scene& scene, const core::RenderSettings& settings,
 
 int run_render(const RenderOptions& options) {
   if (Status status = check_paths(options); !status) return print_error(status.error());
+  warn_about_idle_display(options.scene.output_paths, options.scene.display);
   Result<LoadedScene> loaded = load(options);
   if (!loaded) return print_error(loaded.error());
   if (loaded->scene.lights().empty()) warn_about_darkness(options.scene.scene_path);

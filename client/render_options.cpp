@@ -63,6 +63,7 @@ void add_render_options(CLI::App& command, RenderOptions& options) {
   add_scene_argument(command, options.scene);
   add_output_option(command, options.scene);
   add_override_options(command, options.scene.overrides);
+  add_display_options(command, options.scene.display);
   add_local_options(command, options);
   command.footer(kFooter);
 }

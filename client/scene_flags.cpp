@@ -58,6 +58,29 @@ core::Heuristic parse_heuristic(const std::string& text) {
   return *heuristic;
 }
 
+// A sign may stand before it: +1 is a stop brighter.
+float parse_exposure(const std::string& text) {
+  const char* begin = text.data() + (text.starts_with('+') ? 1 : 0);
+  const char* end = text.data() + text.size();
+  float stops = 0;
+  const auto [stopped, error] = std::from_chars(begin, end, stops);
+  const bool is_number = begin != end && error == std::errc() && stopped == end;
+  if (!is_number || !core::check_display({.exposure_stops = stops})) {
+    throw CLI::ValidationError("--exposure",
+                               fmt::format("must be a number of stops between -{0} and {0}; got '{1}'",
+                                           core::kMaxExposureStops, text));
+  }
+  return stops;
+}
+
+core::ToneCurve parse_tone_curve(const std::string& text) {
+  const std::optional<core::ToneCurve> curve = core::tone_curve_from_name(text);
+  if (!curve) {
+    throw CLI::ValidationError("--tone-curve", fmt::format("must be none, aces or agx; got '{}'", text));
+  }
+  return *curve;
+}
+
 }  // namespace
 
 void add_scene_argument(CLI::App& command, SceneFlags& flags) {
@@ -116,6 +139,22 @@ void add_override_options(CLI::App& command, core::RenderOverrides& overrides) {
           },
           "Another seed gives other noise; the same, the same bytes")
       ->type_name("N");
+}
+
+void add_display_options(CLI::App& command, core::DisplayOverrides& overrides) {
+  command
+      .add_option_function<std::string>(
+          "--exposure",
+          [&overrides](const std::string& text) { overrides.exposure_stops = parse_exposure(text); },
+          "How bright PNG files are, in stops: 1 doubles, -1 halves")
+      ->type_name("STOPS");
+  command
+      .add_option_function<std::string>(
+          "--tone-curve",
+          [&overrides](const std::string& text) { overrides.tone_curve = parse_tone_curve(text); },
+          "How PNG files show bright light: none (cut off), aces\n"
+          "(contrasty, like film) or agx (softer)")
+      ->type_name("NAME");
 }
 
 std::uint64_t parse_whole_number(const std::string& flag, const std::string& text, std::uint64_t least,

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "core/image/display.hpp"
 #include "core/scene/settings.hpp"
 
 namespace tessera::client {
@@ -13,6 +14,7 @@ struct SceneFlags {
   std::string scene_path;
   std::vector<std::string> output_paths;  // in the order given
   core::RenderOverrides overrides;        // over what the scene file says
+  core::DisplayOverrides display;         // the same for PNG files
 };
 
 // Adds SCENE and -o/--output. Values are stored in `flags` while the command line is parsed; `flags` must
@@ -23,6 +25,9 @@ void add_output_option(CLI::App& command, SceneFlags& flags);
 // Adds --spp, --size, --integrator, --heuristic and --seed. A bad value ends parsing with a sentence that
 // names the flag.
 void add_override_options(CLI::App& command, core::RenderOverrides& overrides);
+
+// Adds --exposure and --tone-curve in the same way.
+void add_display_options(CLI::App& command, core::DisplayOverrides& overrides);
 
 // A whole number from `least` to `most`, or an exception of CLI11 with the flag's name in its sentence.
 std::uint64_t parse_whole_number(const std::string& flag, const std::string& text, std::uint64_t least,

@@ -17,6 +17,13 @@ core::Result<int> to_int(std::uint32_t value, const char* field) {
   return static_cast<int>(value);
 }
 
+core::Result<core::PixelFilter> filter_of(const v1::RenderSettings& message) {
+  if (message.filter() == v1::PIXEL_FILTER_UNSPECIFIED) return core::PixelFilter{};
+  const core::Result<core::FilterKind> kind = from_proto(message.filter());
+  if (!kind) return fail(kind.error());
+  return core::PixelFilter{*kind, message.filter_radius_px()};
+}
+
 }  // namespace
 
 v1::Integrator to_proto(core::Integrator integrator) {
@@ -73,6 +80,33 @@ core::Result<core::Heuristic> from_proto(v1::Heuristic heuristic) {
   }
 }
 
+v1::PixelFilter to_proto(core::FilterKind kind) {
+  switch (kind) {
+    case core::FilterKind::kBox:
+      return v1::PIXEL_FILTER_BOX;
+    case core::FilterKind::kTent:
+      return v1::PIXEL_FILTER_TENT;
+    case core::FilterKind::kGaussian:
+      return v1::PIXEL_FILTER_GAUSSIAN;
+  }
+  return v1::PIXEL_FILTER_UNSPECIFIED;
+}
+
+core::Result<core::FilterKind> from_proto(v1::PixelFilter filter) {
+  switch (filter) {
+    case v1::PIXEL_FILTER_BOX:
+      return core::FilterKind::kBox;
+    case v1::PIXEL_FILTER_TENT:
+      return core::FilterKind::kTent;
+    case v1::PIXEL_FILTER_GAUSSIAN:
+      return core::FilterKind::kGaussian;
+    default:
+      return fail(
+          ErrorCode::kInvalidArgument,
+          fmt::format("filter: must be BOX, TENT or GAUSSIAN, got number {}", static_cast<int>(filter)));
+  }
+}
+
 v1::RenderSettings to_proto(const core::RenderSettings& settings) {
   v1::RenderSettings message;
   message.set_width_px(static_cast<std::uint32_t>(settings.width_px));
@@ -82,6 +116,8 @@ v1::RenderSettings to_proto(const core::RenderSettings& settings) {
   message.set_integrator(to_proto(settings.integrator));
   message.set_heuristic(to_proto(settings.heuristic));
   message.set_max_depth(static_cast<std::uint32_t>(settings.max_depth));
+  message.set_filter(to_proto(settings.filter.kind));
+  message.set_filter_radius_px(settings.filter.radius_px);
   return message;
 }
 
@@ -105,6 +141,9 @@ core::Result<core::RenderSettings> from_proto(const v1::RenderSettings& message)
     if (!heuristic) return fail(heuristic.error());
     settings.heuristic = *heuristic;
   }
+  const core::Result<core::PixelFilter> filter = filter_of(message);
+  if (!filter) return fail(filter.error());
+  settings.filter = *filter;
   return core::resolve_settings(settings, {});
 }
 

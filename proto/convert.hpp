@@ -18,6 +18,10 @@ v1::Heuristic to_proto(core::Heuristic heuristic);
 // UNSPECIFIED is an error here, too.
 core::Result<core::Heuristic> from_proto(v1::Heuristic heuristic);
 
+v1::PixelFilter to_proto(core::FilterKind kind);
+// Not for UNSPECIFIED: that is an error here.
+core::Result<core::FilterKind> from_proto(v1::PixelFilter filter);
+
 v1::RenderSettings to_proto(const core::RenderSettings& settings);
 // Within the limits of core/scene/settings.hpp.
 core::Result<core::RenderSettings> from_proto(const v1::RenderSettings& settings);

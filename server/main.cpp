@@ -28,8 +28,11 @@ core::Status run(const server::Options& options, const sigset_t& stop_signals) {
   if (!state) return core::fail(state.error());
   const store::BlobStore blobs = state->blobs;
   const validator::ProcessOptions validator{options.validator};
-  const auto check = [&](const v1::Bundle& bundle, const v1::RenderOverrides& overrides) {
-    return validator::validate_scene(validator, blobs, bundle, overrides);
+  const auto check = [&](const v1::Bundle& bundle,
+                         const v1::RenderOverrides& overrides) -> core::Result<coordinator::CheckedScene> {
+    const auto approval = validator::validate_scene(validator, blobs, bundle, overrides);
+    if (!approval) return core::fail(approval.error());
+    return coordinator::CheckedScene{approval->settings, approval->display};
   };
   coordinator::Options settings;
   settings.lease_duration =

@@ -18,16 +18,17 @@ namespace {
 struct ImageOptions {
   std::string coordinator;
   std::string job;
-  SceneFlags scene;  // its output paths alone
+  SceneFlags scene;  // its output paths and display options alone
 };
 
 int run_image(const ImageOptions& options) {
   const auto& paths = options.scene.output_paths;
   if (core::Status writable = check_picture_paths(paths); !writable) return print_error(writable.error());
+  warn_about_idle_display(paths, options.scene.display);
   Farm farm(options.coordinator);
   const auto found = find_job(farm, options.job);
   if (!found) return print_error(found.error());
-  const auto job = download_pictures(farm, found->id(), paths);
+  const auto job = download_pictures(farm, found->id(), paths, options.scene.display);
   if (!job) return print_error(job.error());
   fmt::print(stderr, "wrote {}: job {} ({}) is {}, {} of {} samples\n", fmt::join(paths, ", "),
              short_id(job->id()), job->name(), state_name(job->state()), job->samples_done(),
@@ -42,6 +43,7 @@ void add_image_command(CLI::App& app, int& exit_code) {
   const auto options = std::make_shared<ImageOptions>();
   command->add_option("job", options->job, "Its id, or the beginning of it")->required()->option_text("ID");
   add_output_option(*command, options->scene);
+  add_display_options(*command, options->scene.display);
   add_coordinator_option(*command, options->coordinator);
   command->callback([options, &exit_code] {
     if (options->scene.output_paths.empty()) throw CLI::RequiredError("-o FILE");

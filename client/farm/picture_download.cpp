@@ -7,6 +7,7 @@
 #include "client/farm/interruption.hpp"
 #include "core/image/encode.hpp"
 #include "core/image/file_io.hpp"
+#include "proto/convert_display.hpp"
 
 namespace tessera::client {
 namespace {
@@ -32,10 +33,7 @@ v1::ImageFormat to_proto(core::ImageFormat format) {
   return v1::IMAGE_FORMAT_UNSPECIFIED;
 }
 
-core::Result<DownloadedPicture> download(Farm& farm, const std::string& job_id, core::ImageFormat format) {
-  v1::GetImageRequest request;
-  request.set_job_id(job_id);
-  request.set_format(to_proto(format));
+core::Result<DownloadedPicture> download(Farm& farm, const v1::GetImageRequest& request) {
   grpc::ClientContext context;
   farm.prepare(context);
   const std::jthread canceller = cancel_at_interrupt(context);
@@ -61,12 +59,17 @@ core::Result<DownloadedPicture> download(Farm& farm, const std::string& job_id, 
 }  // namespace
 
 core::Result<v1::Job> download_pictures(Farm& farm, const std::string& job_id,
-                                        const std::vector<std::string>& paths) {
+                                        const std::vector<std::string>& paths,
+                                        const core::DisplayOverrides& display) {
   v1::Job job;
   for (const std::string& path : paths) {
     const auto format = core::image_format_from_path(path);
     if (!format) return fail(format.error());
-    auto picture = patiently<DownloadedPicture>([&] { return download(farm, job_id, *format); });
+    v1::GetImageRequest request;
+    request.set_job_id(job_id);
+    request.set_format(to_proto(*format));
+    *request.mutable_display() = proto::to_proto(display);
+    auto picture = patiently<DownloadedPicture>([&] { return download(farm, request); });
     if (!picture) return fail(picture.error().within(path));
     if (core::Status written = core::write_file_atomically(path, picture->bytes); !written)
       return fail(written.error());

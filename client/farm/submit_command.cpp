@@ -18,6 +18,7 @@
 #include "client/picture_files.hpp"
 #include "client/scene_flags.hpp"
 #include "proto/convert.hpp"
+#include "proto/convert_display.hpp"
 
 namespace tessera::client {
 namespace {
@@ -54,6 +55,7 @@ v1::SubmitJobRequest make_request(const SubmitOptions& options, const LocalBundl
   *request.mutable_bundle() = local.bundle;
   *request.mutable_overrides() = proto::to_proto(options.scene.overrides);
   request.set_priority(options.priority);
+  *request.mutable_display() = proto::to_proto(options.scene.display);
   return request;
 }
 
@@ -90,7 +92,7 @@ int wait_and_fetch(Farm& farm, const SubmitOptions& options, const v1::Job& subm
   if (const int status = report_end(*job); status != kExitOk) return status;
   const auto& paths = options.scene.output_paths;
   if (paths.empty()) return kExitOk;
-  const auto pictured = download_pictures(farm, job->id(), paths);
+  const auto pictured = download_pictures(farm, job->id(), paths, {});
   if (!pictured) {
     print_error(pictured.error());
     print_hint(fmt::format("tessera image {} -o FILE", short_id(job->id())));
@@ -126,6 +128,7 @@ void add_submit_command(CLI::App& app, int& exit_code) {
   command->add_flag("--wait", options->wait, "Wait until it is done, and then write the pictures");
   add_output_option(*command, options->scene);
   add_override_options(*command, options->scene.overrides);
+  add_display_options(*command, options->scene.display);
   command->add_option("--name", options->name, "What people call the job [the scene file's name]")
       ->option_text("NAME");
   command->add_option("--priority", options->priority, "Jobs of higher priority are served first [0]")

@@ -43,19 +43,34 @@ void add_pixel(Comparison& sums, Rgb a, Rgb b, int x, int y) {
   }
 }
 
+Status check_region(const Image& image, ImageRegion region) {
+  const bool within = region.width > 0 && region.height > 0 && region.x >= 0 && region.y >= 0 &&
+                      region.width <= image.width - region.x && region.height <= image.height - region.y;
+  if (within) return {};
+  return fail(
+      ErrorCode::kInvalidArgument,
+      fmt::format("the region of {}x{} pixels from ({}, {}) does not lie within the pictures of {}x{}",
+                  region.width, region.height, region.x, region.y, image.width, image.height));
+}
+
 }  // namespace
 
 Result<Comparison> compare(const Image& a, const Image& b) {
+  return compare(a, b, {0, 0, b.width, b.height});
+}
+
+Result<Comparison> compare(const Image& a, const Image& b, ImageRegion region) {
   if (a.width != b.width || a.height != b.height) {
     return fail(ErrorCode::kInvalidArgument,
                 fmt::format("the pictures have different sizes: {}x{} and {}x{} pixels", a.width, a.height,
                             b.width, b.height));
   }
+  if (Status status = check_region(a, region); !status) return fail(status.error());
   Comparison result;
-  for (int y = 0; y < a.height; ++y) {
-    for (int x = 0; x < a.width; ++x) add_pixel(result, a.at(x, y), b.at(x, y), x, y);
+  for (int y = region.y; y < region.y + region.height; ++y) {
+    for (int x = region.x; x < region.x + region.width; ++x) add_pixel(result, a.at(x, y), b.at(x, y), x, y);
   }
-  const double values = 3.0 * static_cast<double>(a.pixels.size());
+  const double values = 3.0 * region.width * region.height;
   result.mse /= values;
   result.relative_mse /= values;
   result.psnr_db = result.mse == 0 ? kInfinity : -10 * std::log10(result.mse);

@@ -18,7 +18,11 @@ struct Comparison {
       0;  // 10 log10(1 / mse): the peak is 1 by convention, whatever the pictures hold; infinite for mse 0
 };
 
-// `b` is the reference. The only error is that the sizes differ.
+// `b` is the reference. Errors: the sizes differ.
 Result<Comparison> compare(const Image& a, const Image& b);
+
+// The same of one part of both. Places are those in the whole pictures. Errors also: the part is empty, or
+// not wholly within them.
+Result<Comparison> compare(const Image& a, const Image& b, ImageRegion region);
 
 }  // namespace tessera::core

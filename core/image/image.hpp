@@ -27,4 +27,9 @@ struct Image {
   }
 };
 
+// The pixels [x, x + width) x [y, y + height) of a picture.
+struct ImageRegion {
+  int x = 0, y = 0, width = 0, height = 0;
+};
+
 }  // namespace tessera::core

@@ -35,10 +35,14 @@ struct Options {
   std::function<scheduler::Time()> now = std::chrono::steady_clock::now;
 };
 
-// Loads and validates a scene whose blobs are all here, and answers with its settings, overrides applied. May
-// block.
-using SceneCheck =
-    std::function<core::Result<v1::RenderSettings>(const v1::Bundle&, const v1::RenderOverrides&)>;
+// What a scene file says of its pictures.
+struct CheckedScene {
+  v1::RenderSettings settings;  // overrides applied
+  v1::DisplaySettings display;
+};
+
+// Loads and validates a scene whose blobs are all here. May block.
+using SceneCheck = std::function<core::Result<CheckedScene>(const v1::Bundle&, const v1::RenderOverrides&)>;
 
 struct Picture {
   v1::Job job;  // when the picture began to be taken

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "proto/convert.hpp"
+#include "proto/convert_display.hpp"
 #include "server/coordinator/wire.hpp"
 
 namespace tessera::coordinator {
@@ -51,7 +52,7 @@ core::Result<JobRecord> from_row(const store::JobRow& row) {
   auto spec = std::make_shared<v1::Job>();
   v1::Counters counters;
   if (!spec->ParseFromString(row.spec) || !counters.ParseFromString(row.counters) ||
-      !proto::from_proto(spec->settings())) {
+      !proto::from_proto(spec->settings()) || !proto::from_proto(spec->display())) {
     return core::fail(
         core::ErrorCode::kDataLoss,
         fmt::format("the stored job {} is damaged: put back a copy of the state folder", row.id));

@@ -7,6 +7,7 @@
 
 #include "proto/blob.hpp"
 #include "proto/convert.hpp"
+#include "proto/convert_display.hpp"
 #include "server/coordinator/turn.hpp"
 #include "server/coordinator/wire.hpp"
 
@@ -57,20 +58,24 @@ core::Status Coordinator::check_bundle(const v1::Bundle& bundle) const {
 core::Result<v1::Job> Coordinator::submit_job(const v1::SubmitJobRequest& request) {
   if (auto known = job_of_request(request.request_id())) return *known;
   if (auto checked = check_bundle(request.bundle()); !checked) return core::fail(checked.error());
-  const auto settings = check_scene_(request.bundle(), request.overrides());
-  if (!settings) return core::fail(settings.error());
-  if (const auto possible = proto::from_proto(*settings); !possible) return core::fail(possible.error());
-  const std::uint64_t pixels = std::uint64_t{settings->width_px()} * settings->height_px();
+  const auto scene = check_scene_(request.bundle(), request.overrides());
+  if (!scene) return core::fail(scene.error());
+  const v1::RenderSettings& settings = scene->settings;
+  if (const auto possible = proto::from_proto(settings); !possible) return core::fail(possible.error());
+  const auto display = proto::resolve_display(scene->display, request.display());
+  if (!display) return core::fail(display.error());
+  const std::uint64_t pixels = std::uint64_t{settings.width_px()} * settings.height_px();
   if (pixels > options_.max_pixels) {
     return core::fail(ErrorCode::kResourceExhausted,
                       fmt::format("a picture on this farm has at most {} pixels, got {} x {}",
-                                  options_.max_pixels, settings->width_px(), settings->height_px()));
+                                  options_.max_pixels, settings.width_px(), settings.height_px()));
   }
 
   v1::Job spec;
   spec.set_id(random_id());
   spec.set_name(request.name().empty() ? file_name(request.bundle().scene_path()) : request.name());
-  *spec.mutable_settings() = *settings;
+  *spec.mutable_settings() = settings;
+  *spec.mutable_display() = proto::to_proto(*display);
   *spec.mutable_bundle() = request.bundle();
   spec.set_priority(request.priority());
   *spec.mutable_created_at() = timestamp_from_ms(wall_now_ms());

@@ -7,6 +7,7 @@
 
 #include "core/image/encode.hpp"
 #include "proto/blob.hpp"
+#include "proto/convert_display.hpp"
 #include "server/rpc/reactors.hpp"
 
 namespace tessera::rpc {
@@ -50,7 +51,9 @@ core::Status ImageStream::take_picture(const v1::GetImageRequest& request) {
   }
   auto picture = coordinator_.picture(request.job_id());
   if (!picture) return core::fail(picture.error());
-  auto encoded = core::encode_image(picture->image, *format);
+  const auto display = proto::resolve_display(picture->job.display(), request.display());
+  if (!display) return core::fail(display.error());
+  auto encoded = core::encode_image(picture->image, *format, *display);
   if (!encoded) return core::fail(encoded.error());
   file_ = std::move(*encoded);
   response_.mutable_header()->set_size_bytes(file_.size());

@@ -3,10 +3,12 @@
 #include <exception>
 #include <new>
 #include <string>
+#include <utility>
 
 #include "core/scene/loader/loader.hpp"
 #include "core/scene/validation.hpp"
 #include "proto/convert.hpp"
+#include "proto/convert_display.hpp"
 
 namespace tessera::validator {
 
@@ -21,7 +23,7 @@ core::Error as_mistake(core::Error error) {
   return error;
 }
 
-core::Result<core::RenderSettings> load(const Question& question) {
+core::Result<Verdict::Approval> load(const Question& question) {
   core::BundleAssets assets({question.files().begin(), question.files().end()});
   const std::string& path = question.bundle().scene_path();
   const auto scene = core::load_scene(assets, path, path);
@@ -31,10 +33,13 @@ core::Result<core::RenderSettings> load(const Question& question) {
   const auto settings = core::resolve_settings(scene->settings, *overrides);
   if (!settings) return core::fail(settings.error());
   if (auto valid = core::validate_scene(*scene); !valid) return core::fail(valid.error().within(path));
-  return settings;
+  Verdict::Approval approval;
+  *approval.mutable_settings() = proto::to_proto(*settings);
+  *approval.mutable_display() = proto::to_proto(scene->display);
+  return approval;
 }
 
-core::Result<core::RenderSettings> load_safely(const Question& question) {
+core::Result<Verdict::Approval> load_safely(const Question& question) {
   try {
     return load(question);
   } catch (const std::bad_alloc&) {
@@ -50,12 +55,12 @@ core::Result<core::RenderSettings> load_safely(const Question& question) {
 
 Verdict judge(const Question& question) {
   Verdict verdict;
-  const auto settings = load_safely(question);
-  if (settings) {
-    *verdict.mutable_settings() = proto::to_proto(*settings);
+  auto approval = load_safely(question);
+  if (approval) {
+    *verdict.mutable_approval() = std::move(*approval);
   } else {
-    verdict.mutable_refusal()->set_code(static_cast<int>(settings.error().code));
-    verdict.mutable_refusal()->set_message(settings.error().message);
+    verdict.mutable_refusal()->set_code(static_cast<int>(approval.error().code));
+    verdict.mutable_refusal()->set_message(approval.error().message);
   }
   return verdict;
 }

@@ -122,12 +122,13 @@ std::string describe_end(int status) {
   return fmt::format("the validator ended with status {}", WEXITSTATUS(status));
 }
 
-core::Result<v1::RenderSettings> read_verdict(const Fd& out, int status) {
+core::Result<Approval> read_verdict(const Fd& out, int status) {
   const auto content = read_all(out);
   if (!content) return core::fail(content.error());
   Verdict verdict;
   const bool answered = WIFEXITED(status) && WEXITSTATUS(status) == 0 && verdict.ParseFromString(*content);
-  if (answered && verdict.has_settings()) return verdict.settings();
+  if (answered && verdict.has_approval())
+    return Approval{verdict.approval().settings(), verdict.approval().display()};
   if (answered && verdict.has_refusal()) {
     return core::fail(static_cast<ErrorCode>(verdict.refusal().code()), verdict.refusal().message());
   }
@@ -145,9 +146,8 @@ std::string default_validator_path() {
       .string();
 }
 
-core::Result<v1::RenderSettings> validate_scene(const ProcessOptions& options, const store::BlobStore& blobs,
-                                                const v1::Bundle& bundle,
-                                                const v1::RenderOverrides& overrides) {
+core::Result<Approval> validate_scene(const ProcessOptions& options, const store::BlobStore& blobs,
+                                      const v1::Bundle& bundle, const v1::RenderOverrides& overrides) {
   const auto in = memory_file("question", make_question(blobs, bundle, overrides).SerializeAsString());
   if (!in) return core::fail(in.error());
   const auto out = memory_file("verdict", "");

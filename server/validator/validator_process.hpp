@@ -18,14 +18,19 @@ struct ProcessOptions {
   std::chrono::milliseconds timeout = std::chrono::minutes(5);
 };
 
+// What is said of a scene that can be rendered.
+struct Approval {
+  v1::RenderSettings settings;  // overrides applied
+  v1::DisplaySettings display;  // the scene file's
+};
+
 // The executable next to this process's own.
 std::string default_validator_path();
 
-// The settings with which the bundle would be rendered. Its blobs must be in `blobs`. Blocks.
+// How the bundle would be rendered and shown. Its blobs must be in `blobs`. Blocks.
 // INVALID_ARGUMENT also if the validator crashed or ran out of time over it; INTERNAL if it could not be
 // started.
-core::Result<v1::RenderSettings> validate_scene(const ProcessOptions& options, const store::BlobStore& blobs,
-                                                const v1::Bundle& bundle,
-                                                const v1::RenderOverrides& overrides);
+core::Result<Approval> validate_scene(const ProcessOptions& options, const store::BlobStore& blobs,
+                                      const v1::Bundle& bundle, const v1::RenderOverrides& overrides);
 
 }  // namespace tessera::validator

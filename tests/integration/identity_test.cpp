@@ -47,6 +47,47 @@ INSTANTIATE_TEST_SUITE_P(Farms, IdentityTest,
                            return std::to_string(shape.param.threads.size()) + "Workers";
                          });
 
+constexpr const char* kBokeh = R"({
+  "render": {"width": 90, "height": 60, "spp": 16, "filter": "gaussian", "filter_radius": 1.8},
+  "output": {"exposure": 1.5, "tone_curve": "agx"},
+  "camera": {"position": [0, 1, 6], "look_at": [0, 0.5, 0], "aperture_radius": 0.3, "focus_distance": 4,
+             "aperture_blades": 6, "aperture_rotation_degrees": 10},
+  "materials": {"floor": {"type": "lambert"}, "lamp": {"type": "lambert", "emission": [9, 5, 2]}},
+  "shapes": [{"type": "quad", "corner": [-5, 0, 5], "edge_u": [10, 0, 0], "edge_v": [0, 0, -10],
+              "material": "floor"},
+             {"type": "sphere", "center": [0, 1, 0], "radius": 0.4, "material": "lamp"}]})";
+
+std::vector<std::string> joined(std::vector<std::string> front, const std::vector<std::string>& back) {
+  front.insert(front.end(), back.begin(), back.end());
+  return front;
+}
+
+// Whatever the scene file says of lens, filter and output, and whatever the command line replaces of it: when
+// the job is submitted, when its picture is fetched, or here.
+TEST_F(FarmTest, LensFilterExposureAndToneCurveComeOutTheSame) {
+  start_coordinator();
+  start_worker("one", 2);
+  const std::string scene = folder_ / "bokeh.json", here = folder_ / "here.png", farm = folder_ / "farm.png";
+  std::ofstream(scene) << kBokeh;
+  using Options = std::vector<std::string>;
+  const auto expect_same = [&](const Options& submit, const Options& image, const Options& render) {
+    const Outcome submitted = tessera(joined({"submit", scene, "--wait"}, submit));
+    ASSERT_EQ(submitted.exit_code, 0) << submitted.err;
+    const std::string id = submitted.out.substr(0, submitted.out.find('\n'));
+    ASSERT_EQ(tessera(joined({"image", id, "-o", farm}, image)).exit_code, 0);
+    ASSERT_EQ(tessera(joined({"render", scene, "-o", here}, render)).exit_code, 0);
+    EXPECT_FALSE(read_file(farm).empty());
+    EXPECT_TRUE(read_file(farm) == read_file(here));
+  };
+  expect_same({}, {}, {});
+  const std::string as_the_scene_says = read_file(farm);
+  expect_same({"--exposure", "-1"}, {}, {"--exposure", "-1"});
+  EXPECT_FALSE(read_file(farm) == as_the_scene_says);
+  expect_same({"--tone-curve", "none"}, {"--exposure", "0.5"}, {"--tone-curve", "none", "--exposure", "0.5"});
+  expect_same({"--exposure", "3"}, {"--exposure", "1.5"}, {});
+  EXPECT_TRUE(read_file(farm) == as_the_scene_says);
+}
+
 // A scene with files beside it, and in another order of workers and submissions: the second job finds
 // everything in the caches.
 TEST_F(FarmTest, TwoJobsAtOnceDoNotDisturbEachOther) {

@@ -201,6 +201,36 @@ TEST_F(CommandLine, CompareSpeaksJson) {
   EXPECT_TRUE(json["psnr_db"].is_null());
 }
 
+TEST_F(CommandLine, CompareTakesARegion) {
+  ASSERT_EQ(render({"-o", path("a.exr")}).exit_status, 0);
+  ASSERT_EQ(render({"-o", path("b.exr"), "--seed", "9"}).exit_status, 0);
+  const auto compare = [&](const std::string& region) {
+    return run_tessera({"compare", "--json", path("a.exr"), path("b.exr"), "--region", region});
+  };
+  const ProcessResult part = compare("3,4,20x10");
+  EXPECT_EQ(part.exit_status, 1);
+  const nlohmann::json json = nlohmann::json::parse(part.out);
+  EXPECT_EQ(json["region"], nlohmann::json::parse(R"({"x": 3, "y": 4, "width": 20, "height": 10})"));
+  EXPECT_GE(json["largest_difference_x"], 3);
+  EXPECT_LT(json["largest_difference_y"], 14);
+  EXPECT_EQ(compare("30,0,20x10").exit_status, 2);
+  for (const char* text : {"3,4", "3,4,20", "3,4,0x1", "a,4,2x2", "-1,0,2x2", "3,4,20x10,5"})
+    EXPECT_THAT(compare(text).err, HasSubstr("--region")) << text;
+  EXPECT_THAT(run_tessera({"compare", path("a.exr"), path("a.exr"), "--region", "0,0,2x3"}).out,
+              StartsWith("identical in 2x3 pixels from (0, 0)\n"));
+}
+
+TEST_F(CommandLine, ExposureAndToneCurveChangePngFilesAlone) {
+  ASSERT_EQ(render({"-o", path("plain.png"), "-o", path("plain.exr")}).exit_status, 0);
+  const ProcessResult curved =
+      render({"-o", path("curved.png"), "-o", path("curved.exr"), "--exposure", "-1", "--tone-curve", "agx"});
+  ASSERT_EQ(curved.exit_status, 0);
+  EXPECT_THAT(curved.err, Not(HasSubstr("warning")));
+  EXPECT_EQ(run_tessera({"compare", path("plain.exr"), path("curved.exr")}).exit_status, 0);
+  EXPECT_EQ(run_tessera({"compare", path("plain.png"), path("curved.png")}).exit_status, 1);
+  EXPECT_THAT(render({"-o", path("a.exr"), "--exposure", "1"}).err, HasSubstr("change PNG files alone"));
+}
+
 TEST_F(CommandLine, HelpAndVersionGoToStdout) {
   for (const auto& arguments : std::vector<std::vector<std::string>>{
            {"--help"}, {"--version"}, {"render", "--help"}, {"compare", "--help"}}) {

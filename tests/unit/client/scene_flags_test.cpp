@@ -18,6 +18,7 @@ SceneFlags parse(std::vector<std::string> arguments) {
   add_scene_argument(app, flags);
   add_output_option(app, flags);
   add_override_options(app, flags.overrides);
+  add_display_options(app, flags.display);
   app.parse(
       std::vector<std::string>(arguments.rbegin(), arguments.rend()));  // CLI11 takes them from the back
   return flags;
@@ -39,12 +40,13 @@ TEST(SceneFlags, NothingGivenOverridesNothing) {
   EXPECT_THAT(flags.output_paths, ElementsAre());
   EXPECT_FALSE(flags.overrides.spp || flags.overrides.seed || flags.overrides.width_px ||
                flags.overrides.height_px || flags.overrides.integrator || flags.overrides.heuristic);
+  EXPECT_FALSE(flags.display.exposure_stops || flags.display.tone_curve);
 }
 
 TEST(SceneFlags, EverythingGiven) {
-  const SceneFlags flags =
-      parse({"--spp", "16", "--size", "640x480", "--integrator", "nee", "--heuristic", "power", "--seed",
-             "18446744073709551615", "scene.json", "-o", "a.png", "-o", "b.exr"});
+  const SceneFlags flags = parse({"--spp", "16", "--size", "640x480", "--integrator", "nee", "--heuristic",
+                                  "power", "--seed", "18446744073709551615", "scene.json", "-o", "a.png",
+                                  "-o", "b.exr", "--exposure", "-1.5", "--tone-curve", "aces"});
   EXPECT_EQ(flags.overrides.spp, 16u);
   EXPECT_EQ(flags.overrides.width_px, 640);
   EXPECT_EQ(flags.overrides.height_px, 480);
@@ -52,6 +54,17 @@ TEST(SceneFlags, EverythingGiven) {
   EXPECT_EQ(flags.overrides.heuristic, core::Heuristic::kPower);
   EXPECT_EQ(flags.overrides.seed, 18446744073709551615u);
   EXPECT_THAT(flags.output_paths, ElementsAre("a.png", "b.exr"));
+  EXPECT_EQ(flags.display.exposure_stops, -1.5f);
+  EXPECT_EQ(flags.display.tone_curve, core::ToneCurve::kAces);
+}
+
+TEST(SceneFlags, ExposuresAreNumbersWithOrWithoutASign) {
+  EXPECT_EQ(parse({"scene.json", "--exposure", "+2"}).display.exposure_stops, 2);
+  EXPECT_EQ(parse({"scene.json", "--exposure", "-2"}).display.exposure_stops, -2);
+  EXPECT_EQ(parse({"scene.json", "--exposure=0.25"}).display.exposure_stops, 0.25f);
+  for (const char* text : {"", "+", "x", "1x", "++1", "nan", "inf", "65", "-64.5"}) {
+    EXPECT_THAT(mistake({"--exposure=" + std::string(text)}), HasSubstr("--exposure")) << text;
+  }
 }
 
 TEST(SceneFlags, AnOutputTakesOneValue) {

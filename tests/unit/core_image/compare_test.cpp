@@ -94,5 +94,37 @@ TEST(Compare, DifferentSizesAreAnErrorThatNamesThem) {
   EXPECT_EQ(result.error().message, "the pictures have different sizes: 4x3 and 3x4 pixels");
 }
 
+TEST(Compare, OfARegionCountsItsPixelsAlone) {
+  Image a(5, 4), b(5, 4);
+  a.at(0, 0) = {9, 9, 9};  // outside
+  a.at(3, 2) = {0, 1.5f, 0};
+  b.at(3, 2) = {0, 1, 0};
+  const Comparison result = compare(a, b, {2, 1, 3, 2}).value();
+  EXPECT_FALSE(result.identical);
+  EXPECT_EQ(result.largest_difference, 0.5);
+  EXPECT_EQ(result.largest_x, 3) << "in the whole picture";
+  EXPECT_EQ(result.largest_y, 2);
+  EXPECT_DOUBLE_EQ(result.mse, 0.25 / 18);
+  EXPECT_DOUBLE_EQ(result.relative_mse, 0.25 / 1.01 / 18);
+  EXPECT_TRUE(compare(a, b, {1, 0, 2, 4})->identical);
+  EXPECT_EQ(compare(a, b, {0, 0, 5, 4})->mse, compare(a, b)->mse);
+}
+
+TEST(Compare, RegionsLieWithinThePictures) {
+  const Image image(5, 4);
+  for (const ImageRegion region : {ImageRegion{0, 0, 0, 1},
+                                   {0, 0, 1, 0},
+                                   {-1, 0, 2, 2},
+                                   {0, -1, 2, 2},
+                                   {4, 0, 2, 1},
+                                   {0, 3, 1, 2},
+                                   {5, 0, 1, 1},
+                                   {0, 0, 65536, 65536}}) {
+    EXPECT_FALSE(compare(image, image, region).has_value()) << region.x << " " << region.y;
+  }
+  EXPECT_EQ(compare(image, image, {4, 3, 2, 1}).error().message,
+            "the region of 2x1 pixels from (4, 3) does not lie within the pictures of 5x4");
+}
+
 }  // namespace
 }  // namespace tessera::core

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 namespace tessera::proto {
 namespace {
 
@@ -15,7 +17,8 @@ TEST(Convert, SettingsComeBackAsTheyWere) {
                                       .seed = 0xfedcba9876543210,
                                       .integrator = core::Integrator::kNee,
                                       .heuristic = core::Heuristic::kPower,
-                                      .max_depth = 5};
+                                      .max_depth = 5,
+                                      .filter = {core::FilterKind::kTent, 1.75f}};
   EXPECT_EQ(from_proto(to_proto(settings)).value(), settings);
 }
 
@@ -33,6 +36,13 @@ TEST(Convert, SettingsOfBeforeThereWereHeuristicsHaveTheBalanceHeuristic) {
   EXPECT_EQ(from_proto(message)->heuristic, core::Heuristic::kBalance);
 }
 
+TEST(Convert, JobsStoredWithoutAFilterHaveTheBoxOfOnePixel) {
+  v1::RenderSettings message = to_proto(core::RenderSettings{});
+  message.clear_filter();
+  message.clear_filter_radius_px();
+  EXPECT_EQ(from_proto(message)->filter, (core::PixelFilter{core::FilterKind::kBox, 0.5f}));
+}
+
 TEST(Convert, SettingsOutOfLimitsNameTheField) {
   const auto error_with = [](auto change) {
     v1::RenderSettings message = to_proto(core::RenderSettings{});
@@ -48,6 +58,10 @@ TEST(Convert, SettingsOutOfLimitsNameTheField) {
   EXPECT_THAT(error_with([](auto& m) { m.set_integrator(static_cast<v1::Integrator>(99)); }),
               HasSubstr("99"));
   EXPECT_THAT(error_with([](auto& m) { m.set_heuristic(static_cast<v1::Heuristic>(99)); }), HasSubstr("99"));
+  EXPECT_THAT(error_with([](auto& m) { m.set_filter(static_cast<v1::PixelFilter>(77)); }),
+              HasSubstr("filter: must be BOX, TENT or GAUSSIAN, got number 77"));
+  EXPECT_THAT(error_with([](auto& m) { m.clear_filter_radius_px(); }), HasSubstr("filter_radius"));
+  EXPECT_THAT(error_with([](auto& m) { m.set_filter_radius_px(std::nanf("")); }), HasSubstr("filter_radius"));
 }
 
 TEST(Convert, AbsentOverridesStayAbsent) {

@@ -70,7 +70,7 @@ TEST_F(Jobs, ABundleWithoutItsSceneOrWithAPathTwiceIsRefused) {
 }
 
 TEST_F(Jobs, ASceneThatIsRefusedBecomesNoJob) {
-  check_scene_ = [](const v1::Bundle&, const v1::RenderOverrides&) -> core::Result<v1::RenderSettings> {
+  check_scene_ = [](const v1::Bundle&, const v1::RenderOverrides&) -> core::Result<CheckedScene> {
     return core::fail(ErrorCode::kInvalidArgument, "scene.json:3: no camera");
   };
   open();
@@ -82,13 +82,34 @@ TEST_F(Jobs, ASceneThatIsRefusedBecomesNoJob) {
 
 TEST_F(Jobs, APictureTooLargeForTheFarmIsRefused) {
   check_scene_ = [](const v1::Bundle& bundle, const v1::RenderOverrides& overrides) {
-    auto settings = *accept_scene(bundle, overrides);
-    settings.set_width_px(32768);
-    settings.set_height_px(16384);
-    return core::Result<v1::RenderSettings>(settings);
+    CheckedScene scene = *accept_scene(bundle, overrides);
+    scene.settings.set_width_px(32768);
+    scene.settings.set_height_px(16384);
+    return core::Result<CheckedScene>(scene);
   };
   open();
   EXPECT_EQ(coordinator().submit_job(submission()).error().code, ErrorCode::kResourceExhausted);
+}
+
+TEST_F(Jobs, KeepHowTheirSceneIsShownUnlessTheSubmissionSaysOtherwise) {
+  check_scene_ = [](const v1::Bundle& bundle, const v1::RenderOverrides& overrides) {
+    CheckedScene scene = *accept_scene(bundle, overrides);
+    scene.display.set_exposure_stops(2);
+    scene.display.set_tone_curve(v1::TONE_CURVE_AGX);
+    return core::Result<CheckedScene>(scene);
+  };
+  open();
+  v1::SubmitJobRequest request = submission();
+  const std::string as_the_scene_says = submit(request);
+  request.mutable_display()->set_exposure_stops(-1);
+  const std::string darker = submit(request);
+  open();  // and after a restart
+  EXPECT_EQ(job(as_the_scene_says).display().exposure_stops(), 2);
+  EXPECT_EQ(job(as_the_scene_says).display().tone_curve(), v1::TONE_CURVE_AGX);
+  EXPECT_EQ(job(darker).display().exposure_stops(), -1);
+  EXPECT_EQ(job(darker).display().tone_curve(), v1::TONE_CURVE_AGX);
+  request.mutable_display()->set_exposure_stops(1000);
+  EXPECT_EQ(coordinator().submit_job(request).error().code, ErrorCode::kInvalidArgument);
 }
 
 TEST_F(Jobs, AreListedNewestFirst) {

@@ -50,12 +50,12 @@ core::Image ready_made_picture(int width_px, int height_px, std::uint32_t spp) {
   return film.develop();
 }
 
-core::Result<v1::RenderSettings> accept_scene(const v1::Bundle&, const v1::RenderOverrides& overrides) {
+core::Result<CheckedScene> accept_scene(const v1::Bundle&, const v1::RenderOverrides& overrides) {
   core::RenderSettings settings;
   settings.width_px = kWidthPx;
   settings.height_px = kHeightPx;
   settings.spp = overrides.has_spp() ? overrides.spp() : kSpp;
-  return proto::to_proto(settings);
+  return CheckedScene{proto::to_proto(settings), {}};
 }
 
 v1::SubmitJobRequest submission() {

@@ -22,7 +22,7 @@ core::Image ready_made_picture(int width_px, int height_px, std::uint32_t spp);
 
 // Accepts any scene: 150 x 100 pixels, 6 samples per pixel, overrides applied. 3 x 2 tiles, of which 4 are
 // cut short.
-core::Result<v1::RenderSettings> accept_scene(const v1::Bundle& bundle, const v1::RenderOverrides& overrides);
+core::Result<CheckedScene> accept_scene(const v1::Bundle& bundle, const v1::RenderOverrides& overrides);
 inline constexpr int kWidthPx = 150, kHeightPx = 100;
 inline constexpr std::uint32_t kSpp = 6;
 inline constexpr std::uint64_t kSamples = std::uint64_t{kWidthPx} * kHeightPx * kSpp;

@@ -100,9 +100,11 @@ class Service : public testing::Test {
     return stream->Finish();
   }
 
-  grpc::Status get_image(const std::string& id, v1::ImageFormat format, std::string& bytes) {
+  grpc::Status get_image(const std::string& id, v1::ImageFormat format, std::string& bytes,
+                         const v1::DisplayOverrides& display = {}) {
     grpc::ClientContext context;
     v1::GetImageRequest request;
+    *request.mutable_display() = display;
     request.set_job_id(id);
     request.set_format(format);
     const auto stream = users_->GetImage(&context, request);
@@ -139,6 +141,24 @@ TEST_F(Service, FromSubmissionToThePicture) {
     ASSERT_TRUE(get_image(id, wire, bytes).ok());
     EXPECT_TRUE(bytes == *core::encode_image(expected, format)) << core::image_format_name(format);
   }
+}
+
+TEST_F(Service, PngFilesAreShownAsTheJobOrTheCallSays) {
+  const std::string id = submit();
+  work_until_done(id);
+  const core::Image picture =
+      coordinator::ready_made_picture(coordinator::kWidthPx, coordinator::kHeightPx, coordinator::kSpp);
+  v1::DisplayOverrides display;
+  display.set_exposure_stops(-3);
+  display.set_tone_curve(v1::TONE_CURVE_ACES);
+  std::string png, exr;
+  ASSERT_TRUE(get_image(id, v1::IMAGE_FORMAT_PNG, png, display).ok());
+  EXPECT_TRUE(png == *core::encode_image(picture, core::ImageFormat::kPng, {-3, core::ToneCurve::kAces}));
+  ASSERT_TRUE(get_image(id, v1::IMAGE_FORMAT_EXR, exr, display).ok());
+  EXPECT_TRUE(exr == *core::encode_image(picture, core::ImageFormat::kExr));
+  display.set_exposure_stops(99);
+  EXPECT_EQ(get_image(id, v1::IMAGE_FORMAT_PNG, png = "", display).error_code(),
+            grpc::StatusCode::INVALID_ARGUMENT);
 }
 
 TEST_F(Service, ThePictureOfARunningJobAndOfNone) {

@@ -26,13 +26,11 @@ class Validator : public testing::Test {
     add_file(path, read_file(std::filesystem::path(TESSERA_SOURCE_DIR) / "scenes/cornell" / path));
   }
 
-  core::Result<v1::RenderSettings> validate() {
-    return validate_scene(options_, blobs_, bundle_, overrides_);
-  }
+  core::Result<Approval> validate() { return validate_scene(options_, blobs_, bundle_, overrides_); }
   core::Error refusal() {
-    const auto settings = validate();
-    EXPECT_FALSE(settings);
-    return settings ? core::Error{} : settings.error();
+    const auto approval = validate();
+    EXPECT_FALSE(approval);
+    return approval ? core::Error{} : approval.error();
   }
   // Puts a shell script in the validator's place.
   void replace_validator(const std::string& script) {
@@ -60,11 +58,26 @@ TEST_F(Validator, AnswersWithTheSettingsOverridesApplied) {
   overrides_.set_width_px(77);
   overrides_.set_spp(5);
   overrides_.set_integrator(v1::INTEGRATOR_NEE);
-  const auto settings = validate();
-  ASSERT_TRUE(settings) << settings.error().message;
-  EXPECT_EQ(settings->width_px(), 77u);
-  EXPECT_EQ(settings->spp(), 5u);
-  EXPECT_EQ(settings->integrator(), v1::INTEGRATOR_NEE);
+  const auto approval = validate();
+  ASSERT_TRUE(approval) << approval.error().message;
+  EXPECT_EQ(approval->settings.width_px(), 77u);
+  EXPECT_EQ(approval->settings.spp(), 5u);
+  EXPECT_EQ(approval->settings.integrator(), v1::INTEGRATOR_NEE);
+}
+
+TEST_F(Validator, AnswersWithHowTheSceneIsFilteredAndShown) {
+  add_file("scene.json", R"({
+    "render": {"filter": "tent", "filter_radius": 1.25},
+    "output": {"exposure": -2, "tone_curve": "agx"},
+    "camera": {"position": [0, 0, 5], "look_at": [0, 0, 0]},
+    "materials": {"lamp": {"type": "lambert", "emission": 1}},
+    "shapes": [{"type": "sphere", "radius": 1, "material": "lamp"}]})");
+  const auto approval = validate();
+  ASSERT_TRUE(approval) << approval.error().message;
+  EXPECT_EQ(approval->settings.filter(), v1::PIXEL_FILTER_TENT);
+  EXPECT_EQ(approval->settings.filter_radius_px(), 1.25f);
+  EXPECT_EQ(approval->display.exposure_stops(), -2);
+  EXPECT_EQ(approval->display.tone_curve(), v1::TONE_CURVE_AGX);
 }
 
 TEST_F(Validator, RefusesAnOverrideInTheWordsOfALocalRender) {
