@@ -95,8 +95,15 @@ const std::string kMtl =
     "-o .5 -mm 0 1 -clamp on gray.png # old\nNi 1.45\nd -halo 1.0\n";
 const std::string kScene = test::scene_with(
     "\"render\": {\"width\": 64, \"height\": 48, \"spp\": 16, \"seed\": 7, \"integrator\": \"mis\"},"
-    "\"textures\": {\"t\": {\"file\": \"gray.png\", \"wrap\": \"clamp\", \"scale\": [2, 2]}}",
-    "\"a\": {\"type\": \"lambert\", \"albedo\": {\"texture\": \"t\", \"tint\": 0.5}}, // comment\n"
+    "\"textures\": {\"t\": {\"file\": \"gray.png\", \"wrap\": \"clamp\", \"scale\": [2, 2]},"
+    "\"sky\": {\"file\": \"gray.png\"}},"
+    "\"lights\": [{\"type\": \"point\", \"position\": [1, 2, 3], \"intensity\": [4, 5, 6]},"
+    "{\"type\": \"spot\", \"position\": [0, 4, 0], \"look_at\": [0, 0, 0], \"intensity\": 9, "
+    "\"angle_degrees\": 60, \"softness\": 0.5},"
+    "{\"type\": \"directional\", \"direction\": [0, -1, 0], \"irradiance\": 2}],"
+    "\"environment\": {\"radiance\": [1, 2, 3], \"texture\": \"sky\", \"rotation_degrees\": 45}",
+    "\"a\": {\"type\": \"lambert\", \"albedo\": {\"texture\": \"t\", \"tint\": 0.5}, "
+    "\"emission\": {\"texture\": \"t\", \"tint\": 5}}, // comment\n"
     "\"g\": {\"type\": \"glass\", \"ior\": 1.5, \"transmittance\": [1, 0.9, 0.8]}",
     "{\"type\": \"mesh\", \"file\": \"roof.obj\", \"normals\": \"smooth\", \"transform\": [{\"scale\": [1, "
     "-2, 1]},"
