@@ -105,6 +105,15 @@ core::MeshDescription flat(Vec2 half) {
                               });
 }
 
+// A point of one of the board's four sides, counted counter-clockwise seen from above beginning in front:
+// s from -1 to 1 along it, and `down` along the surface, bevel first.
+Vec3 on_side(Vec2 half, int side, float s, float down) {
+  const float in = std::max(kBevel - down, 0.0f), y = -std::min(down, kBoardHeight);
+  const float x = half.x - in, z = half.y - in;
+  const std::array<Vec3, 4> places{Vec3{s * x, y, z}, {x, y, -s * z}, {-s * x, y, -z}, {-x, y, s * z}};
+  return places[static_cast<std::size_t>(side)];
+}
+
 core::Image paint_wood(const Profile& profile) {
   return modelling::paint_on(profile, 1024, 512, [](Vec3 p, float, float) { return mulberry(p); });
 }
@@ -147,42 +156,42 @@ Model board_top(int size) {
   const auto width = static_cast<int>(2 * half.x * kTexelsPerCm);
   const auto height = static_cast<int>(2 * half.y * kTexelsPerCm);
   const Rgb black = srgb(0x17120e);
-  std::vector<float> relief;  // in the order in which paint asks for texels
-  core::Image color = modelling::paint(width, height, [&](float u, float v) {
-    const Vec3 p{half.x * (2 * u - 1), 0, half.y * (1 - 2 * v)};
-    const float covered = lacquer(size, p.x, p.z);
-    const Kaya wood = kaya(p);
-    relief.push_back(wood.relief + kLacquerThickness * covered);
-    return modelling::blend(wood.color, black, covered);
-  });
-  return {flat(half), std::move(color), normal_map(width, height, relief)};
+  core::Image color(width, height);
+  std::vector<float> relief;
+  relief.reserve(color.pixels.size());
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      const float u = (static_cast<float>(x) + 0.5f) / static_cast<float>(width);
+      const float v = (static_cast<float>(y) + 0.5f) / static_cast<float>(height);  // downwards
+      const Vec3 p{half.x * (2 * u - 1), 0, half.y * (2 * v - 1)};
+      const Kaya wood = kaya(p);
+      const float covered = lacquer(size, p.x, p.z);
+      color.at(x, y) = modelling::blend(wood.color, black, covered);
+      relief.push_back(wood.relief + kLacquerThickness * covered);
+    }
+  }
+  core::Image normals = normal_map(width, height, relief);
+  return {flat(half), std::move(color), std::move(normals)};
 }
 
 Model board_sides(int size) {
-  // Around the board by its corners, counter-clockwise seen from above; u is a quarter for each side.
   const Vec2 half = half_extent(size);
-  const auto at = [half](float u, float v) {
-    const int side = std::min(static_cast<int>(u * 4), 3);
-    const float s = 2 * (u * 4 - static_cast<float>(side)) - 1;
-    const float depth = (1 - v) * (kBoardHeight + kBevel);  // along the surface, bevel first
-    const float in = std::max(kBevel - depth, 0.0f), y = -std::max(std::min(depth, kBoardHeight), 0.0f);
-    const float x = half.x - in, z = half.y - in;
-    const std::array<Vec3, 4> places{Vec3{s * x, y, z}, {x, y, -s * z}, {-s * x, y, -z}, {-x, y, s * z}};
-    return places[static_cast<std::size_t>(side)];
-  };
+  constexpr float kDown = kBoardHeight + kBevel;  // along the surface
   core::MeshDescription mesh;
-  const std::vector<float> down{0, 1 - 2 * kBevel / (kBoardHeight + kBevel),
-                                1 - kBevel / (kBoardHeight + kBevel), 1};
   for (int side = 0; side < 4; ++side) {
-    const float begin = 0.25f * static_cast<float>(side);
-    core::MeshDescription part =
-        modelling::grid_mesh({modelling::uniform_lines(16), down},
-                             [&](float u, float v) { return at(begin + 0.2499999f * u, v); });
-    for (Vec2& uv : part.uvs) uv.x = begin + 0.25f * uv.x;
+    core::MeshDescription part = modelling::grid_mesh(
+        {modelling::uniform_lines(16), {0, 1 - 2 * kBevel / kDown, 1 - kBevel / kDown, 1}},
+        [half, side](float s, float v) { return on_side(half, side, 2 * s - 1, (1 - v) * kDown); });
+    for (Vec2& uv : part.uvs) uv.x = 0.25f * (static_cast<float>(side) + uv.x);
     modelling::append(mesh, part);
   }
   return {std::move(mesh),
-          modelling::paint(4096, 192, [&](float u, float v) { return kaya(at(u, v)).color; }),
+          modelling::paint(4096, 192,
+                           [half](float u, float v) {
+                             const auto side = static_cast<int>(4 * u);
+                             const float s = 2 * (4 * u - static_cast<float>(side)) - 1;
+                             return kaya(on_side(half, side, s, (1 - v) * kDown)).color;
+                           }),
           {}};
 }
 

@@ -21,8 +21,7 @@ struct Place {
 inline constexpr Place kBlackPlace{{32.5f, -kBoardHeight, -20}, {28.5f, -kBoardHeight, -5.5f}};
 inline constexpr Place kWhitePlace{{14, -kBoardHeight, -35}, {-1, -kBoardHeight, -36}};
 
-// Both bowls. Their mouths are kBowlMouthRadius wide and kBowlHeight above their feet.
-inline constexpr float kBowlHeight = 9.2f, kBowlMouthRadius = 5.1f;
+inline constexpr float kBowlMouthRadius = 5.1f;
 Model bowls();
 
 Model lids();

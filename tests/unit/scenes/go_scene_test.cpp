@@ -139,6 +139,25 @@ TEST(BoardTop, HasItsLinesAndStarPointsWhereStonesLie) {
   EXPECT_GT(brightness({most.x - 0.3f, 0, 0}), 0.15f);
 }
 
+TEST(BoardSides, ReachFromTheTopToTheTable) {
+  const MeshDescription top = board_top(9).mesh, sides = board_sides(9).mesh;
+  Vec3 top_most, most, least;
+  for (const Vec3 p : top.positions) top_most = max(top_most, abs(p));
+  for (std::size_t i = 0; i < sides.positions.size(); ++i) {
+    const Vec3 p = sides.positions[i], outward{p.x, 0, p.z};
+    most = max(most, p);
+    least = min(least, p);
+    EXPECT_GT(dot(sides.normals[i], outward), 0) << "vertex " << i;
+    if (p.y == 0) {
+      EXPECT_TRUE(std::fabs(p.x) == top_most.x || std::fabs(p.z) == top_most.z) << "vertex " << i;
+    }
+  }
+  EXPECT_EQ(most.y, 0);
+  EXPECT_FLOAT_EQ(least.y, -kBoardHeight);
+  EXPECT_FLOAT_EQ(most.x, -least.x);
+  EXPECT_GT(most.x, top_most.x);
+}
+
 TEST(Setting, ModelsAreSoundAndHaveTheTrianglesOfTheReport) {
   const Position position = shipped_position();
   std::size_t triangles = 0;
