@@ -157,6 +157,9 @@ void Coordinator::note_change(const scheduler::JobChange& change) {
   }
   spdlog::info("job {} ({}) is {}", change.id.value, record->spec->name(),
                scheduler::job_state_name(change.to));
+  if (change.to == scheduler::JobState::kFailed) {
+    spdlog::error("job {}: {}", change.id.value, scheduler_.job(change.id, {})->failure);
+  }
 }
 
 }  // namespace tessera::coordinator

@@ -119,10 +119,10 @@ core::Result<v1::Job> Coordinator::add_job(v1::Job spec, const std::string& requ
 core::Result<Coordinator::ChangedJob> Coordinator::change(Turn& turn, const std::string& id,
                                                           const scheduler::Event& event) {
   const scheduler::Actions actions = scheduler_.handle(event, turn.now());
+  apply(turn, actions);
   if (!actions.status) return core::fail(actions.status.error());
   JobRecord& record = *find(id);
   ++record.revision;
-  apply(turn, actions);
   return ChangedJob{describe_now(turn, record), to_row(record, *scheduler_.job({id}, turn.now()))};
 }
 
@@ -160,11 +160,11 @@ core::Status Coordinator::delete_job(const std::string& id) {
   if (const core::Status deleted = state_.jobs.delete_job(id); !deleted) return deleted;
   Turn turn(*this);
   const scheduler::Actions actions = scheduler_.handle(scheduler::DeleteJob{{id}}, turn.now());
+  apply(turn, actions);
   if (!actions.status) return actions.status;
   job_of_request_.erase(jobs_.at(id).request_id);
   jobs_.erase(id);
   spdlog::info("job {} deleted", id);
-  apply(turn, actions);
   return {};
 }
 

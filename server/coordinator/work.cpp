@@ -84,7 +84,10 @@ void Coordinator::synchronize(const v1::SynchronizeRequest& request, Synchronize
       event.held.push_back(from_wire(lease, grid_of(*record->spec)));
   }
   const scheduler::Actions actions = scheduler_.handle(event, turn.now());
-  if (!actions.status) return refuse(turn, caller, actions.status.error());
+  if (!actions.status) {
+    apply(turn, actions);
+    return refuse(turn, caller, actions.status.error());
+  }
   const scheduler::Reply& reply = *actions.reply;
   ParkedCall call{std::move(caller),
                   {request.known_job_ids().begin(), request.known_job_ids().end()},
@@ -192,7 +195,10 @@ core::Result<v1::SubmitResultResponse> Coordinator::submit_result(const v1::Subm
   for (const core::FilmTile& tile : *tiles)
     event.items.push_back({scheduler::tile_index(grid, tile.rect), tile.range});
   const scheduler::Actions actions = scheduler_.handle(event, turn.now());
-  if (!actions.status) return core::fail(actions.status.error());
+  if (!actions.status) {
+    apply(turn, actions);
+    return core::fail(actions.status.error());
+  }
 
   for (std::size_t i = 0; i < tiles->size(); ++i) {
     if (actions.verdicts[i] == scheduler::Verdict::kDropped) {

@@ -139,14 +139,15 @@ struct JobChange {
 };
 
 struct Actions {
-  // Why the event was refused. A refused event has changed nothing.
+  // Why the event was refused. A refused event has changed nothing; the time that has passed may have, and
+  // the rest of the actions is to be done all the same.
   core::Status status;
   // For Synchronize and TopUp.
   std::optional<Reply> reply;
   // For SubmitResult: one for each item.
   std::vector<Verdict> verdicts;
   // Every change of state, in order; also those that follow from something else (RUNNING to DONE with a
-  // result).
+  // result, RUNNING to FAILED with the third worker that died of one range).
   std::vector<JobChange> job_changes;
   // Workers whose last reply was not `changed` and could now be. For each whose call is still waiting, hand
   // in TopUp, and answer the call if the reply is `changed`. For others do nothing.

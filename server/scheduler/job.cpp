@@ -1,5 +1,7 @@
 #include "server/scheduler/job.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cassert>
 #include <utility>
@@ -54,34 +56,42 @@ std::uint32_t Job::samples_for(int tile, std::uint64_t budget) const {
   return static_cast<std::uint32_t>(std::clamp<std::uint64_t>(fitting, 1, shape_.spp));
 }
 
-std::vector<WorkItem> Job::take_free(std::uint64_t samples) {
-  std::vector<WorkItem> items;
+Portion Job::take_free(std::uint64_t samples, bool holds_nothing) {
+  Portion portion;
   const auto wanted = [this](const WorkItem& candidate) { return free_of(candidate); };
-  while (samples > 0 && items.size() < kMaxItemsPerLease) {
+  while (!portion.alone && samples > 0 && portion.items.size() < kMaxItemsPerLease) {
     const std::optional<WorkItem> piece = work_.next(wanted);
     if (!piece) break;
-    const std::uint32_t count = std::min(samples_for(piece->tile, samples), piece->samples.count());
+    const Suspects::Part part = suspects_.first_part(*piece);
+    portion.alone = !part.deaths.empty();
+    if (portion.alone && !(holds_nothing && portion.items.empty())) return {std::move(portion.items), false};
+    const bool single = part.deaths.size() >= kDeathsUntilSingleSamples;
+    const std::uint32_t count =
+        single ? 1 : std::min(samples_for(piece->tile, samples), part.samples.count());
     work_.take(*piece, count);
-    items.push_back({piece->tile, {piece->samples.begin, piece->samples.begin + count}});
-    samples -= std::min(samples, pixel_samples(items.back()));
+    portion.items.push_back({piece->tile, {piece->samples.begin, piece->samples.begin + count}});
+    samples -= std::min(samples, pixel_samples(portion.items.back()));
   }
-  return items;
+  return portion;
 }
 
-std::vector<WorkItem> Job::take_copies(std::uint64_t samples) {
-  std::vector<WorkItem> items;
+Portion Job::take_copies(std::uint64_t samples) {
+  Portion portion;
   for (auto id = copyable_.begin();
-       id != copyable_.end() && samples > 0 && items.size() < kMaxItemsPerLease;) {
+       id != copyable_.end() && !portion.alone && samples > 0 && portion.items.size() < kMaxItemsPerLease;) {
     const std::vector<WorkItem> pieces = held_once(*leases_.find(*id));
-    append_copies(pieces, samples, items);
+    append_copies(pieces, samples, portion);
     // Looked through in vain: skipped from now on, until one of the other holders lets go.
     id = pieces.empty() ? copyable_.erase(id) : std::next(id);
   }
-  return items;
+  return portion;
 }
 
 std::vector<WorkItem> Job::held_once(const Lease& lease) const {
   std::vector<WorkItem> pieces;
+  // What must be alone is not given to two: both might die of one and the same cause, and count as two
+  // deaths.
+  if (lease.alone) return pieces;
   for (const WorkItem& item : lease.items) {
     IntervalSet samples{item.samples};
     samples.remove(leases_.leased_by_others(item.tile, lease.id));
@@ -90,13 +100,16 @@ std::vector<WorkItem> Job::held_once(const Lease& lease) const {
   return pieces;
 }
 
-void Job::append_copies(const std::vector<WorkItem>& pieces, std::uint64_t& budget,
-                        std::vector<WorkItem>& items) const {
+void Job::append_copies(const std::vector<WorkItem>& pieces, std::uint64_t& budget, Portion& portion) const {
   for (const WorkItem& piece : pieces) {
-    if (budget == 0 || items.size() == kMaxItemsPerLease) return;
-    const std::uint32_t count = std::min(samples_for(piece.tile, budget), piece.samples.count());
-    items.push_back({piece.tile, {piece.samples.begin, piece.samples.begin + count}});
-    budget -= std::min(budget, pixel_samples(items.back()));
+    if (portion.alone || budget == 0 || portion.items.size() == kMaxItemsPerLease) return;
+    const Suspects::Part part = suspects_.first_part(piece);
+    const bool suspect = !part.deaths.empty();
+    if (suspect && !portion.items.empty()) continue;
+    const std::uint32_t count = std::min(samples_for(piece.tile, budget), part.samples.count());
+    portion.items.push_back({piece.tile, {piece.samples.begin, piece.samples.begin + count}});
+    portion.alone = suspect;
+    budget -= std::min(budget, pixel_samples(portion.items.back()));
   }
 }
 
@@ -154,11 +167,32 @@ bool Job::accept(const WorkItem& item, std::vector<Lease>& ended) {
   leased_count_ -= was_leased.count() * grid_.rect(item.tile).pixel_count();
   done_count_ += pixel_samples(item);
   done.add(item.samples);
+  suspects_.clear(item);
   for (Lease& lease : leases_.trim(item)) {
     copyable_.erase(lease.id);
     ended.push_back(std::move(lease));
   }
   return true;
+}
+
+std::optional<std::string> Job::blame(const Lease& lease, const Death& death) {
+  for (const WorkItem& item : lease.items) suspects_.blame(item, death, lease.alone);
+  // Of several items it cannot be told which it was.
+  if (!lease.alone) return std::nullopt;
+  const WorkItem& item = lease.items.front();
+  const std::vector<Death> deaths = suspects_.first_part(item).deaths;
+  if (deaths.size() < kDeathsUntilFailure) return std::nullopt;
+  std::vector<std::string> names;
+  for (const Death& each : deaths) names.push_back(fmt::format("{} ({:.8})", each.name, each.worker.value));
+  const core::PixelRect rect = grid_.rect(item.tile);
+  return fmt::format(
+      "{} workers died one after the other while they rendered samples [{}, {}) of tile {} (pixels [{}, {}) "
+      "x "
+      "[{}, {})): {}. Look into their logs, and whether they have the memory that the scene needs; then "
+      "submit "
+      "it again",
+      deaths.size(), item.samples.begin, item.samples.end, item.tile, rect.x0, rect.x1, rect.y0, rect.y1,
+      fmt::join(names, ", "));
 }
 
 void Job::extend(std::uint32_t spp) {

@@ -14,10 +14,18 @@
 #include "server/scheduler/lease_table.hpp"
 #include "server/scheduler/policy.hpp"
 #include "server/scheduler/rate_meter.hpp"
+#include "server/scheduler/suspects.hpp"
 #include "server/scheduler/types.hpp"
 #include "server/scheduler/work_list.hpp"
 
 namespace tessera::scheduler {
+
+// What might be leased next.
+struct Portion {
+  std::vector<WorkItem> items;
+  // To a worker that holds nothing else, and is given nothing else until it is done.
+  bool alone = false;
+};
 
 class Job {
  public:
@@ -50,10 +58,12 @@ class Job {
   // ---- Choosing what to lease. Each result is to be handed to lease(); at most kMaxItemsPerLease items.
   // ----
 
-  // The next free items, of `samples` pixel samples or a little more. Empty only if nothing is free.
-  std::vector<WorkItem> take_free(std::uint64_t samples);
-  // Items that exactly one worker holds, of the oldest leases first.
-  std::vector<WorkItem> take_copies(std::uint64_t samples);
+  // The next free items, of `samples` pixel samples or a little more. Empty only if nothing is free, or if
+  // what comes next must be leased alone and the worker holds something.
+  Portion take_free(std::uint64_t samples, bool holds_nothing);
+  // Items that exactly one worker holds, and not alone; of the oldest leases first. For workers that hold
+  // nothing.
+  Portion take_copies(std::uint64_t samples);
   // What is free of these items. Overlooks what is no part of the job.
   std::vector<WorkItem> free_parts(const std::vector<WorkItem>& items) const;
 
@@ -71,6 +81,13 @@ class Job {
   // do are ended and appended to `ended`.
   bool accept(const WorkItem& item, std::vector<Lease>& ended);
 
+  // ---- Deaths ----
+
+  // The holder of an ended lease has died. The sentence to fail the job with, if this is enough.
+  std::optional<std::string> blame(const Lease& lease, const Death& death);
+  // A worker that was taken for dead lives.
+  void absolve(const WorkerId& worker) { suspects_.absolve(worker); }
+
   void extend(std::uint32_t spp);
 
   // ---- How it is doing ----
@@ -86,8 +103,7 @@ class Job {
  private:
   IntervalSet free_of(const WorkItem& item) const;
   std::vector<WorkItem> held_once(const Lease& lease) const;
-  void append_copies(const std::vector<WorkItem>& pieces, std::uint64_t& budget,
-                     std::vector<WorkItem>& items) const;
+  void append_copies(const std::vector<WorkItem>& pieces, std::uint64_t& budget, Portion& portion) const;
   std::uint32_t samples_for(int tile, std::uint64_t budget) const;
   std::optional<std::string> check_tile(int tile) const;
   std::optional<std::string> check_counts() const;
@@ -101,6 +117,7 @@ class Job {
   std::vector<IntervalSet> done_;
   WorkList work_;
   LeaseTable leases_;
+  Suspects suspects_;
   // Every lease with samples that nobody else holds; may also have others.
   std::set<LeaseId> copyable_;
 

@@ -170,6 +170,11 @@ void Scheduler::become(Job& job, JobState to, Actions& actions) {
   for (auto& [id, worker] : roster_.all()) worker.speed.erase(job.id());
 }
 
+void Scheduler::fail(Job& job, const std::string& failure, Actions& actions) {
+  job.failure = failure;
+  become(job, JobState::kFailed, actions);
+}
+
 void Scheduler::end_all_leases(Job& job) {
   for (const Lease& lease : job.end_all_leases()) forget_lease(lease);
 }

@@ -16,6 +16,8 @@ struct Lease {
   WorkerId holder;
   // Not done yet, in the order in which they are to be rendered; disjoint.
   std::vector<WorkItem> items;
+  // Its holder is to hold nothing else (suspects.hpp).
+  bool alone = false;
 };
 
 class LeaseTable {

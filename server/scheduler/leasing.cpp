@@ -5,8 +5,16 @@
 #include "server/scheduler/scheduler.hpp"
 
 namespace tessera::scheduler {
+namespace {
+
+// How late the scheduler may be called when a lease runs out, and still take its holder for dead.
+constexpr Duration kPunctuality = std::chrono::seconds(1);
+
+}  // namespace
 
 Worker* Scheduler::on(const Synchronize& event, Actions&) {
+  const Worker* const known = roster_.find(event.worker.id);
+  if (known == nullptr || known->silent) absolve(event.worker.id);
   Worker& worker = roster_.hear(event, now_);
   settle_reported(worker, event);
   return &worker;
@@ -38,12 +46,13 @@ void Scheduler::settle_reported(Worker& worker, const Synchronize& event) {
 void Scheduler::adopt(Worker& worker, const LeaseDescription& reported) {
   Job* const job = find(reported.job);
   if (job == nullptr || !(job->state() == JobState::kRunning || job->state() == JobState::kPaused)) return;
+  if (worker.holds_alone()) return;
   const bool never_given = reported.id == LeaseId{} || reported.id > last_lease_id_;
   if (never_given || live_leases_.contains(reported.id)) return;
   if (static_cast<int>(worker.leases.size()) >= kMaxLeasesPerWorker) return;
   std::vector<WorkItem> items = job->free_parts(reported.items);
   if (items.empty()) return;
-  enter_lease(worker, *job, {reported.id, worker.info.id, std::move(items)}, true);
+  enter_lease(worker, *job, {reported.id, worker.info.id, std::move(items), false}, true);
   work_appeared_ = true;
 }
 
@@ -64,7 +73,10 @@ bool Scheduler::grant_free(Worker& worker) {
   Job& job = *candidates[choose_job(snapshots(candidates))];
   const std::uint64_t samples =
       next_lease_samples(options_.sizing, worker.snapshot(job.id()), job.free(), roster_.active_count());
-  grant(worker, job, job.take_free(samples));
+  Portion portion = job.take_free(samples, worker.leases.empty());
+  // What must be leased alone waits for the first worker that has nothing left to do.
+  if (portion.items.empty()) return false;
+  grant(worker, job, std::move(portion));
   return true;
 }
 
@@ -81,9 +93,9 @@ bool Scheduler::grant_copy(Worker& worker) {
     Job& job = *candidates[chosen];
     const std::uint64_t samples =
         next_lease_samples(options_.sizing, worker.snapshot(job.id()), job.leased(), roster_.active_count());
-    std::vector<WorkItem> items = job.take_copies(samples);
-    if (!items.empty()) {
-      grant(worker, job, std::move(items));
+    Portion portion = job.take_copies(samples);
+    if (!portion.items.empty()) {
+      grant(worker, job, std::move(portion));
       return true;
     }
     candidates.erase(candidates.begin() + static_cast<std::ptrdiff_t>(chosen));
@@ -91,15 +103,15 @@ bool Scheduler::grant_copy(Worker& worker) {
   return false;
 }
 
-void Scheduler::grant(Worker& worker, Job& job, std::vector<WorkItem> items) {
+void Scheduler::grant(Worker& worker, Job& job, Portion portion) {
   ++last_lease_id_.value;
   job.last_served = ++servings_;
-  enter_lease(worker, job, {last_lease_id_, worker.info.id, std::move(items)}, false);
+  enter_lease(worker, job, {last_lease_id_, worker.info.id, std::move(portion.items), portion.alone}, false);
 }
 
 void Scheduler::enter_lease(Worker& worker, Job& job, Lease lease, bool acknowledged) {
   live_leases_.insert(lease.id);
-  worker.leases.push_back({lease.id, job.id(), acknowledged});
+  worker.leases.push_back({lease.id, job.id(), acknowledged, lease.alone});
   job.lease(std::move(lease));
 }
 
@@ -112,9 +124,25 @@ std::vector<JobSnapshot> Scheduler::snapshots(const std::vector<Job*>& jobs) con
   return snapshots;
 }
 
-void Scheduler::end_lease(Job& job, LeaseId id) {
-  forget_lease(job.end_lease(id));
+Lease Scheduler::end_lease(Job& job, LeaseId id) {
+  Lease lease = job.end_lease(id);
+  forget_lease(lease);
   work_appeared_ = true;
+  return lease;
+}
+
+void Scheduler::lose_lease(const Worker& worker, const HeldLease& held, Actions& actions) {
+  Job& job = *find(held.job);
+  const Lease lease = end_lease(job, held.id);
+  // One that was told to stop had another reason to die. And if nobody looked when its time was up, it was
+  // the coordinator that slept.
+  if (worker.draining || now_ > roster_.deadline(worker) + kPunctuality) return;
+  const std::optional<std::string> failure = job.blame(lease, {worker.info.id, worker.info.name});
+  if (failure) fail(job, *failure, actions);
+}
+
+void Scheduler::absolve(const WorkerId& worker) {
+  for (auto& [number, job] : jobs_) job.absolve(worker);
 }
 
 void Scheduler::forget_lease(const Lease& lease) {

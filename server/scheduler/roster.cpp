@@ -5,6 +5,7 @@
 namespace tessera::scheduler {
 
 int Worker::room() const {
+  if (holds_alone()) return 0;
   return takes_leases() ? std::min(wanted_leases, kMaxLeasesPerWorker) - static_cast<int>(leases.size()) : 0;
 }
 

@@ -22,6 +22,8 @@ struct HeldLease {
   // The worker has reported it, so it knows of it. Until then the reply with it may have been lost, or be on
   // its way.
   bool acknowledged = false;
+  // Lease::alone.
+  bool alone = false;
 };
 
 struct Worker {
@@ -44,6 +46,8 @@ struct Worker {
   std::uint64_t samples_accepted = 0;
 
   bool takes_leases() const { return !draining && !silent; }
+  // It holds a lease that is to be its only one.
+  bool holds_alone() const { return !leases.empty() && leases.front().alone; }
   // How many more leases it can be given.
   int room() const;
   WorkerSnapshot snapshot(const JobId& job) const;

@@ -20,9 +20,9 @@ Actions Scheduler::handle(const Event& event, Time now) {
   now_ = std::max(now_, now);
   work_appeared_ = false;
   lost_leases_.clear();
-  take_leases_of_silent_workers();
-
   Actions actions;
+  take_leases_of_silent_workers(actions);
+
   Worker* const asking = std::visit([&](const auto& e) { return on(e, actions); }, event);
   if (asking != nullptr) {
     top_up(*asking);
@@ -33,9 +33,9 @@ Actions Scheduler::handle(const Event& event, Time now) {
   return actions;
 }
 
-void Scheduler::take_leases_of_silent_workers() {
+void Scheduler::take_leases_of_silent_workers(Actions& actions) {
   while (Worker* const worker = roster_.next_silent(now_)) {
-    for (const HeldLease& held : std::vector<HeldLease>(worker->leases)) end_lease(*find(held.job), held.id);
+    while (!worker->leases.empty()) lose_lease(*worker, HeldLease(worker->leases.front()), actions);
   }
 }
 

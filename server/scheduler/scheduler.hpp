@@ -9,7 +9,9 @@
 //   - a sample of a running or paused job is done, or leased to at most two workers, or free to be leased;
 //   - a range is accepted only if all of its samples are missing, so none is counted twice;
 //   - a done job lacks nothing;
-//   - leases are held by known workers that were heard of within lease_duration.
+//   - leases are held by known workers that were heard of within lease_duration;
+//   - samples that a worker may have died of are leased to workers that hold nothing else, and after three
+//     deaths in a row their job fails, so that they do not take down the farm.
 //
 // After a restart, hand in RestoreJob for each stored job, in the order of their submission, with a higher
 // epoch. Workers then report leases that this scheduler has not given; it takes them over where their samples
@@ -120,7 +122,7 @@ class Scheduler {
   Worker* on(const Tick& event, Actions& actions);
 
   // ---- Time and answers (scheduler.cpp) ----
-  void take_leases_of_silent_workers();
+  void take_leases_of_silent_workers(Actions& actions);
   void wake_waiting(Actions& actions);
   Reply reply_to(Worker& worker);
 
@@ -130,10 +132,13 @@ class Scheduler {
   void top_up(Worker& worker);
   bool grant_free(Worker& worker);
   bool grant_copy(Worker& worker);
-  void grant(Worker& worker, Job& job, std::vector<WorkItem> items);
+  void grant(Worker& worker, Job& job, Portion portion);
   void enter_lease(Worker& worker, Job& job, Lease lease, bool acknowledged);
   std::vector<JobSnapshot> snapshots(const std::vector<Job*>& jobs) const;
-  void end_lease(Job& job, LeaseId id);
+  Lease end_lease(Job& job, LeaseId id);
+  // Ends a lease whose holder is taken for dead, and what that makes of the job.
+  void lose_lease(const Worker& worker, const HeldLease& held, Actions& actions);
+  void absolve(const WorkerId& worker);
   // Strikes an ended lease from its holder's entry.
   void forget_lease(const Lease& lease);
 
@@ -146,6 +151,8 @@ class Scheduler {
   // The one way in which a job's state changes, with everything that follows from it. Refuses what is not
   // legal.
   void become(Job& job, JobState to, Actions& actions);
+  // It must be running or paused.
+  void fail(Job& job, const std::string& failure, Actions& actions);
   void end_all_leases(Job& job);
 
   // ---- Results (results.cpp) ----

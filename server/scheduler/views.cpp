@@ -83,6 +83,10 @@ std::optional<std::string> Scheduler::check_workers() const {
     if (worker.leases.size() > static_cast<std::size_t>(kMaxLeasesPerWorker)) {
       return fmt::format("worker {} holds {} leases", id.value, worker.leases.size());
     }
+    const auto alone = std::count_if(worker.leases.begin(), worker.leases.end(),
+                                     [](const HeldLease& held) { return held.alone; });
+    if (alone > 0 && worker.leases.size() > 1)
+      return fmt::format("worker {} holds more than a lease that must be alone", id.value);
     for (const HeldLease& held : worker.leases) {
       const Job* const job = find(held.job);
       const Lease* const lease = job == nullptr ? nullptr : job->leases().find(held.id);

@@ -1,12 +1,18 @@
 // What goes wrong on a farm costs time and never a wrong picture.
+#include <gmock/gmock.h>
+#include <grpcpp/client_context.h>
 #include <signal.h>
 
+#include "proto/blob.hpp"
+#include "proto/channel.hpp"
+#include "tessera/v1/worker_service.grpc.pb.h"
 #include "tests/integration/farm_processes.hpp"
 
 namespace tessera::test {
 namespace {
 
 using namespace std::chrono_literals;
+using ::testing::HasSubstr;
 
 class FailuresTest : public FarmTest {
  protected:
@@ -19,6 +25,23 @@ class FailuresTest : public FarmTest {
     EXPECT_TRUE(wait_for_samples(id, kSamples / 20));
     EXPECT_LT(job(id).samples_done(), kSamples) << "the job was over too soon for this test";
     return id;
+  }
+
+  // Whether there was something to take.
+  bool take_and_die(const std::string& name) {
+    grpc::ClientContext context;
+    context.set_deadline(std::chrono::system_clock::now() + 20s);
+    v1::SynchronizeRequest request;
+    request.set_worker_id(proto::digest_of(name).hex().substr(0, 32));
+    request.set_name(name);
+    request.set_arithmetic_fingerprint("0000000000000000");
+    request.set_threads(1);
+    request.set_wanted_leases(1);
+    v1::SynchronizeResponse response;
+    const auto coordinator = v1::WorkerService::NewStub(proto::open_channel(address()));
+    const grpc::Status status = coordinator->Synchronize(&context, request, &response);
+    EXPECT_TRUE(status.ok()) << status.error_message();
+    return response.leases_size() > 0;
   }
 
   void expect_local_bytes(const std::string& id) {
@@ -51,6 +74,25 @@ TEST_F(FailuresTest, AWorkerThatIsToldToStopGivesItsLeasesBack) {
   EXPECT_EQ(leaving.wait(30s), 0);
   ASSERT_TRUE(wait_for_state(id, v1::JOB_STATE_DONE));
   expect_local_bytes(id);
+}
+
+// These workers take what they are given, say so, and are never heard of again.
+TEST_F(FailuresTest, ARangeThatKillsEveryWorkerEndsItsJobAndNoOther) {
+  start_coordinator(1);
+  const std::string deadly = submit({"--size", "256x192", "--spp", "4"});
+  for (const char* name : {"first", "second", "third"}) {
+    ASSERT_TRUE(poll_until(20s, [&] { return take_and_die(name); }));
+    ASSERT_TRUE(poll_until(20s, [&] { return job(deadly).active_workers() == 0; }));
+  }
+  const std::string other = submit({"--size", "64x64", "--spp", "1"});
+  ASSERT_TRUE(wait_for_state(deadly, v1::JOB_STATE_FAILED));
+  const std::string failure = job(deadly).failure();
+  EXPECT_THAT(failure,
+              HasSubstr("3 workers died one after the other while they rendered samples [0, 1) of tile 0"));
+  for (const char* name : {"first", "second", "third"}) EXPECT_THAT(failure, HasSubstr(name));
+  EXPECT_THAT(tessera({"job", deadly}).out, HasSubstr(failure));
+  start_worker("survivor", 1);
+  EXPECT_TRUE(wait_for_state(other, v1::JOB_STATE_DONE));
 }
 
 TEST_F(FailuresTest, ASecondSignalStopsAWorkerAtOnce) {

@@ -126,6 +126,10 @@ Actions Coordinator::handle(const Event& event) {
   if (const auto wrong = scheduler_->check_invariants(CheckDepth::kEverySample)) world_.fail(*wrong);
   for (const JobChange& change : actions.job_changes) {
     world_.note(fmt::format("job {} is {}", change.id.value, job_state_name(change.to)));
+    if (change.to == JobState::kFailed && !std::holds_alternative<FailJob>(event)) {
+      failures_[change.id] = scheduler_->job(change.id, world_.now())->failure;
+      world_.note(failures_[change.id]);
+    }
   }
   if (!actions.job_changes.empty()) store_jobs();
   for (const WorkerId& worker : actions.wake) {

@@ -34,6 +34,8 @@ class Coordinator {
   bool command(const scheduler::Event& event);
 
   std::vector<scheduler::JobView> jobs() const { return scheduler_->jobs(world_.now()); }
+  // Jobs that failed without a user's command, with the sentences.
+  const std::map<scheduler::JobId, std::string>& failures() const { return failures_; }
   // Every job is done, cancelled or failed, and those that are done have every sample exactly once.
   bool all_settled() const;
   void check_films();
@@ -68,6 +70,7 @@ class Coordinator {
   std::uint64_t calls_ = 0;
   std::map<scheduler::WorkerId, Parked> parked_;
   std::map<scheduler::JobId, ModelFilm> films_;
+  std::map<scheduler::JobId, std::string> failures_;
 
   // Survives a crash. Jobs in the order of submission.
   std::vector<std::pair<scheduler::JobId, Stored>> stored_;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -28,6 +29,8 @@ class Farm {
   void fault();
   void user();
   void garbage();
+  void make_deadly(const JobId& id, const JobShape& shape);
+  void check_failures();
   void calm_down();
   void bring_up_coordinator();
   JobId any_job() { return {std::to_string(world_.random.integer(1, jobs_submitted_ + 1))}; }
@@ -42,6 +45,10 @@ class Farm {
   std::vector<std::unique_ptr<WorkerMachine>> machines_;
   int jobs_submitted_ = 0;
   double pixel_samples_ = 0;
+  // Jobs with samples that every machine dies of.
+  std::set<JobId> deadly_jobs_;
+  // Somebody has delivered results at random, which may be of deadly samples.
+  bool lied_ = false;
   bool calm_ = false;
 };
 
@@ -74,7 +81,30 @@ void Farm::submit(int number) {
   const JobId id{std::to_string(++jobs_submitted_)};
   world_.note(fmt::format("job {}: {}x{}, {} spp", id.value, shape.width_px, shape.height_px, shape.spp));
   pixel_samples_ += shape.grid().tile_count() * 4096.0 * shape.spp;
+  if (random.chance(0.05)) make_deadly(id, shape);
   if (!coordinator_.command(SubmitJob{id, shape, random.integer(0, 1)})) world_.fail("a job was refused");
+}
+
+void Farm::make_deadly(const JobId& id, const JobShape& shape) {
+  const int tile = world_.random.integer(0, shape.grid().tile_count() - 1);
+  const auto first = static_cast<std::uint32_t>(world_.random.integer(0, static_cast<int>(shape.spp) - 1));
+  const auto count = static_cast<std::uint32_t>(world_.random.integer(1, 8));
+  world_.note(fmt::format("job {} is deadly from sample {} of tile {} on", id.value, first, tile));
+  for (const auto& machine : machines_)
+    machine->die_of(id, {tile, {first, std::min(first + count, shape.spp)}});
+  deadly_jobs_.insert(id);
+}
+
+// A job fails by itself if and only if it has deadly samples that nobody claims to have rendered.
+void Farm::check_failures() {
+  for (const auto& [id, failure] : coordinator_.failures()) {
+    if (!deadly_jobs_.contains(id))
+      world_.fail(fmt::format("job {} failed, but nobody dies of it: {}", id.value, failure));
+  }
+  for (const JobView& job : coordinator_.jobs()) {
+    if (deadly_jobs_.contains(job.id) && job.state == JobState::kDone && !lied_)
+      world_.fail(fmt::format("job {} is done, but whoever renders it dies", job.id.value));
+  }
 }
 
 void Farm::fault() {
@@ -119,6 +149,7 @@ void Farm::garbage() {
   const LeaseId lease{(static_cast<std::uint64_t>(random.integer(0, 3)) << 40) +
                       static_cast<std::uint64_t>(random.integer(0, 30))};
   if (random.chance(0.5)) {
+    lied_ = true;
     coordinator_.submit_result({{"liar"}, any_job(), lease, items, random.real(-1, 1), random.chance(0.5)},
                                [] {});
   } else {
@@ -184,8 +215,12 @@ void Farm::bring_up_coordinator() {
 FarmReport Farm::run() {
   set_up();
   FarmReport report;
-  // The first machine alone, with time for every fault to pass and every lease to run out.
-  const auto bound = [&] { return 40 + 120 + 1.5 * pixel_samples_ / machines_[0]->samples_per_second(); };
+  // The first machine alone, with time for every fault to pass, every lease to run out, and every deadly
+  // range to have its victims: the first death shows that something is wrong, later ones where.
+  const auto bound = [&] {
+    return 40 + 120 + 100 * static_cast<double>(deadly_jobs_.size()) +
+           1.5 * pixel_samples_ / machines_[0]->samples_per_second();
+  };
   const auto elapsed = [&] { return std::chrono::duration<double>(world_.now().time_since_epoch()).count(); };
   while (world_.step()) {
     ++report.events;
@@ -193,6 +228,7 @@ FarmReport Farm::run() {
     if (elapsed() > bound()) world_.fail("jobs are not finished in time");
   }
   if (!world_.failure()) coordinator_.check_films();
+  if (!world_.failure()) check_failures();
   report.failure = world_.failure();
   report.virtual_seconds = elapsed();
   return report;

@@ -1,4 +1,5 @@
 // Farms in which one thing happens, and what it may cost.
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <memory>
@@ -93,6 +94,22 @@ TEST_F(FarmScenario, TwoWorkersAreNearlyTwiceAsFastAsOne) {
   machine(50'000);
   submit("job", kJob);
   EXPECT_LT(run_until_one_is_done(), kSlack * kJobSamples / 100'000 + 1);
+}
+
+// The machines of this farm die of one sample in the middle of a job, again and again.
+TEST_F(FarmScenario, ARangeThatKillsItsWorkersEndsItsJobAndNoOther) {
+  std::vector<WorkerMachine*> machines;
+  for (int i = 0; i < 3; ++i) machines.push_back(&machine(50'000));
+  for (WorkerMachine* machine : machines) machine->die_of({"deadly"}, {5, {9, 10}});
+  submit("deadly", kJob);
+  submit("other", kJob);
+  run_until(250);
+  const auto jobs = coordinator_.jobs();
+  EXPECT_EQ(jobs[0].state, JobState::kFailed);
+  EXPECT_THAT(jobs[0].failure,
+              testing::HasSubstr("3 workers died one after the other while they rendered "
+                                 "samples [9, 10) of tile 5 (pixels [64, 128) x [64, 128))"));
+  EXPECT_EQ(jobs[1].state, JobState::kDone);
 }
 
 TEST_F(FarmScenario, EqualJobsGetOnEqually) {

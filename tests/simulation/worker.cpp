@@ -43,6 +43,17 @@ void WorkerMachine::crash() {
   running_ = false;
 }
 
+void WorkerMachine::die_of(const JobId& job, const WorkItem& item) {
+  deadly_.push_back({job, item});
+}
+
+bool WorkerMachine::deadly(const JobId& job, const WorkItem& item) const {
+  return std::any_of(deadly_.begin(), deadly_.end(), [&](const Deadly& deadly) {
+    return deadly.job == job && deadly.item.tile == item.tile &&
+           deadly.item.samples.begin < item.samples.end && item.samples.begin < deadly.item.samples.end;
+  });
+}
+
 void WorkerMachine::hang(Duration duration) {
   world_.note(fmt::format("{}.{} hangs for {:.1f} s", name_, process_,
                           std::chrono::duration<double>(duration).count()));
@@ -100,6 +111,10 @@ void WorkerMachine::render_next() {
   const auto next =
       std::find_if(held_.begin(), held_.end(), [](const Held& held) { return !held.to_render.empty(); });
   if (next == held_.end()) return;
+  if (deadly(next->job, next->to_render.front())) {
+    crash();
+    return world_.after(seconds(world_.random.real(0.5, 5)), [this] { start(); });
+  }
   rendering_ = true;
   render_started_ = world_.now();
   const double duration = render_seconds(next->to_render.front());

@@ -22,6 +22,8 @@ class WorkerMachine {
   void crash();
   // SIGSTOP for a while.
   void hang(Duration duration);
+  // From now on its processes die when they come to this item's samples, and are started again after a while.
+  void die_of(const scheduler::JobId& job, const scheduler::WorkItem& item);
   // SIGTERM: delivers what it has rendered of its leases, also of the range it is at, and stops.
   void stop();
   bool running() const { return running_; }
@@ -51,7 +53,13 @@ class WorkerMachine {
   void exit_if_idle();
   Held* find(scheduler::LeaseId id);
   double render_seconds(const scheduler::WorkItem& item);
+  bool deadly(const scheduler::JobId& job, const scheduler::WorkItem& item) const;
   void hand_back_current_range();
+
+  struct Deadly {
+    scheduler::JobId job;
+    scheduler::WorkItem item;
+  };
 
   World& world_;
   Coordinator& coordinator_;
@@ -60,6 +68,8 @@ class WorkerMachine {
   // How it likes to work; different for each machine.
   const int wanted_leases_;
   const std::size_t items_per_delivery_;
+
+  std::vector<Deadly> deadly_;
 
   bool running_ = false;
   int process_ = 0;

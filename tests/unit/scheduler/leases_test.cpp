@@ -96,14 +96,14 @@ TEST_F(Leases, OfASilentWorkerGoToOthers) {
   pass(milliseconds(1));
   tick();
   EXPECT_EQ(job("job").active_workers, 0);
-  EXPECT_EQ(lease_to("other").items, lost.items);
+  EXPECT_EQ(lease_to("other").items, std::vector{lost.items[0]}) << "alone: the worker may have died of it";
 }
 
 TEST_F(Leases, AreTakenFromASilentWorkerByAnyEventThatComesLater) {
   submit("job", tiles(100, 16));
   const LeaseDescription lost = lease_to("silent");
   pass(seconds(10));
-  EXPECT_EQ(lease_to("other").items, lost.items);
+  EXPECT_EQ(lease_to("other").items, std::vector{lost.items[0]});
 }
 
 TEST_F(Leases, AreSentAgainIfTheReplyMayHaveBeenLost) {

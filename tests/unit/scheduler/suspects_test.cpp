@@ -1,0 +1,145 @@
+// Samples that may be killing workers: which are suspected, how they are leased, and when a job is given up.
+#include "tests/unit/scheduler/farm.hpp"
+
+namespace tessera::scheduler {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+std::vector<std::string> names(const Suspects::Part& part) {
+  std::vector<std::string> names;
+  for (const Death& death : part.deaths) names.push_back(death.name);
+  return names;
+}
+
+TEST(SuspectsTest, PartsAreCutWhereTheDeathsDiffer) {
+  Suspects suspects;
+  suspects.blame({3, {4, 12}}, {{"1"}, "a"}, false);
+  suspects.blame({3, {8, 16}}, {{"2"}, "b"}, true);
+  suspects.blame({3, {8, 10}}, {{"2"}, "b"}, true);
+  const Suspects::Part before = suspects.first_part({3, {0, 32}});
+  EXPECT_EQ(before.samples, (core::SampleRange{0, 4}));
+  EXPECT_TRUE(before.deaths.empty());
+  EXPECT_EQ(suspects.first_part({3, {4, 32}}).samples, (core::SampleRange{4, 8}));
+  EXPECT_THAT(names(suspects.first_part({3, {9, 32}})), ElementsAre("a", "b"));
+  EXPECT_EQ(suspects.first_part({3, {12, 14}}).samples, (core::SampleRange{12, 14}));
+  EXPECT_TRUE(suspects.first_part({3, {16, 32}}).deaths.empty());
+  EXPECT_TRUE(suspects.first_part({2, {4, 12}}).deaths.empty());
+}
+
+TEST(SuspectsTest, DeathsThatMayHaveHadOneCauseCountOnce) {
+  Suspects suspects;
+  suspects.blame({3, {0, 4}}, {{"1"}, "a"}, false);
+  suspects.blame({3, {0, 4}}, {{"2"}, "b"}, false);
+  EXPECT_THAT(names(suspects.first_part({3, {0, 4}})), ElementsAre("a"));
+}
+
+TEST(SuspectsTest, RenderedSamplesAndWorkersThatLiveAreForgotten) {
+  Suspects suspects;
+  suspects.blame({0, {0, 8}}, {{"1"}, "a"}, false);
+  suspects.blame({0, {0, 8}}, {{"2"}, "b"}, true);
+  suspects.clear({0, {2, 4}});
+  EXPECT_TRUE(suspects.first_part({0, {2, 4}}).deaths.empty());
+  suspects.absolve({"1"});
+  EXPECT_THAT(names(suspects.first_part({0, {0, 2}})), ElementsAre("b"));
+  suspects.absolve({"2"});
+  EXPECT_EQ(suspects.first_part({0, {0, 8}}).samples, (core::SampleRange{0, 8}));
+}
+
+class Deaths : public Farm {
+ protected:
+  // The worker takes what it is given, reports it, and is never heard of again.
+  LeaseDescription die(const std::string& worker) {
+    const LeaseDescription lease = lease_to(worker);
+    sync(worker, {lease});
+    pass(seconds(10));
+    tick();
+    return lease;
+  }
+};
+
+TEST_F(Deaths, OfThreeWorkersInARowFailTheJob) {
+  submit("job", tiles(100, 16));
+  submit("other", tiles(2, 1), -1);
+  EXPECT_EQ(die("a").items.size(), 4u);
+  EXPECT_EQ(die("b").items, (std::vector<WorkItem>{{0, {0, 1}}})) << "alone";
+  EXPECT_EQ(state("job"), JobState::kRunning);
+  EXPECT_EQ(die("c").items, (std::vector<WorkItem>{{0, {0, 1}}}));
+  EXPECT_EQ(state("job"), JobState::kFailed);
+  EXPECT_THAT(job("job").failure,
+              HasSubstr("3 workers died one after the other while they rendered samples [0, 1) of tile 0 "
+                        "(pixels [0, 64) x [0, 64)): a (a), b (b), c (c)."));
+  EXPECT_EQ(render_all("d").size(), 2u) << "the other job goes on";
+}
+
+TEST_F(Deaths, WhileSeveralItemsWereHeldOnlyRaiseSuspicion) {
+  submit("job", tiles(100, 16));
+  die("a");
+  sync("b", {}, 4);
+  ASSERT_EQ(scheduler_->workers(now_)[1].held_leases, 1) << "a suspect is all that a worker holds";
+}
+
+TEST_F(Deaths, DoNotCountWhenTheSamplesAreRenderedInBetween) {
+  submit("job", tiles(100, 16));
+  die("a");
+  die("b");
+  const LeaseDescription survived = lease_to("c");
+  deliver("c", survived);
+  EXPECT_EQ(lease_to("c").items, (std::vector<WorkItem>{{1, {0, 1}}}));
+  EXPECT_EQ(state("job"), JobState::kRunning);
+}
+
+TEST_F(Deaths, OfWorkersThatComeBackWereNone) {
+  submit("job", tiles(100, 16));
+  die("a");
+  die("b");
+  sync("a", {}, 0);
+  die("c");
+  EXPECT_EQ(state("job"), JobState::kRunning);
+  die("d");
+  EXPECT_EQ(state("job"), JobState::kFailed);
+}
+
+TEST_F(Deaths, AfterTwoTheSamplesAreLeasedOneByOne) {
+  submit("job", tiles(2, 16));
+  const LeaseDescription first = lease_to("quick");
+  deliver("quick", first, first.items, true, 0.001);
+  const LeaseDescription rest = lease_to("quick");
+  ASSERT_FALSE(rest.items.empty());
+  pass(seconds(10));
+  tick();
+  ASSERT_GT(die("b").items.at(0).samples.count(), 1u);
+  EXPECT_EQ(lease_to("c").items.at(0).samples.count(), 1u);
+}
+
+TEST_F(Deaths, AreNotConcludedFromASleepOfTheCoordinator) {
+  submit("job", tiles(100, 16));
+  const LeaseDescription lost = lease_to("a");
+  pass(seconds(12));
+  tick();
+  EXPECT_EQ(lease_to("b").items, lost.items);
+}
+
+TEST_F(Deaths, OfWorkersThatWereToldToStopCountForNothing) {
+  submit("job", tiles(100, 16));
+  const LeaseDescription lease = lease_to("a");
+  sync("a", {lease}, 1, true);
+  pass(seconds(10));
+  EXPECT_EQ(lease_to("b").items.size(), 4u);
+}
+
+TEST_F(Deaths, SuspectsWaitForAWorkerThatHoldsNothing) {
+  submit("job", tiles(100, 16));
+  const LeaseDescription held = lease_to("busy");
+  const LeaseDescription lost = lease_to("a");
+  pass(seconds(5));
+  sync("busy", {held});
+  pass(seconds(5));
+  EXPECT_EQ(sync("busy", {held}, 2).leases.size(), 1u);
+  deliver("busy", held);
+  EXPECT_EQ(lease_to("busy").items, (std::vector<WorkItem>{lost.items[0]}));
+}
+
+}  // namespace
+}  // namespace tessera::scheduler
