@@ -55,6 +55,7 @@ v1::SubmitResultRequest DeliverLoop::encode(const Delivery& delivery) const {
   *request.mutable_render_time() = google::protobuf::util::TimeUtil::NanosecondsToDuration(
       std::chrono::duration_cast<std::chrono::nanoseconds>(delivery.render_time).count());
   request.set_lease_finished(delivery.lease_finished);
+  request.set_cannot_build(delivery.cannot_build);
   return request;
 }
 

@@ -29,6 +29,8 @@ struct Delivery {
   std::vector<core::FilmTile> tiles;
   Duration render_time{};
   bool lease_finished = false;
+  // Why the lease is given back, if its scene cannot be built.
+  std::string cannot_build;
 };
 
 class HeldLease {

@@ -136,6 +136,7 @@ void Holdings::make_unusable(const std::string& job_id) {
   ++entry.failures;
   entry.stage = Stage::kUnusable;
   entry.job.reset();
+  entry.cannot_build.clear();
   entry.give_back_at = Clock::now() + std::min(delay, options_.longest_delay);
   announce_change();
 }
@@ -169,10 +170,12 @@ void Holdings::rendered(const Piece& piece, core::FilmTile tile, Duration render
   announce_change();
 }
 
-void Holdings::cannot_render(const Piece& piece) {
+void Holdings::cannot_render(const Piece& piece, const std::string& why) {
   std::lock_guard lock(mutex_);
   find_lease(piece.lease_id)->not_rendered();
   make_unusable(piece.job->id);
+  const auto job = jobs_.find(piece.job->id);
+  if (job != jobs_.end()) job->second.cannot_build = why;
 }
 
 HeldLease* Holdings::find_lease(std::uint64_t id) {
@@ -196,11 +199,18 @@ Holdings::Clock::time_point Holdings::next_give_back() const {
   return next;
 }
 
+Delivery Holdings::batch_of(HeldLease& lease) const {
+  Delivery delivery = lease.take_batch();
+  if (is_unusable(lease.job_id()) && delivery.lease_finished)
+    delivery.cannot_build = jobs_.at(lease.job_id()).cannot_build;
+  return delivery;
+}
+
 std::optional<Delivery> Holdings::next_delivery(const std::stop_token& stop) {
   std::unique_lock lock(mutex_);
   for (;;) {
     if (stop.stop_requested()) return std::nullopt;
-    if (HeldLease* lease = next_sendable(Clock::now())) return lease->take_batch();
+    if (HeldLease* lease = next_sendable(Clock::now())) return batch_of(*lease);
     if (draining_ && leases_.empty()) return std::nullopt;
     await_change(lock, stop, next_give_back());
   }

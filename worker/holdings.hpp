@@ -74,7 +74,8 @@ class Holdings {
   // below.
   std::optional<Piece> take(const std::stop_token& stop, const SizePiece& size_piece);
   void rendered(const Piece& piece, core::FilmTile tile, Duration render_time);
-  void cannot_render(const Piece& piece);
+  // The scene cannot be built, for this reason.
+  void cannot_render(const Piece& piece, const std::string& why);
 
   // ---- For the thread that delivers ----
 
@@ -98,6 +99,7 @@ class Holdings {
     Stage stage = Stage::kWanted;
     std::shared_ptr<const Job> job;  // once READY
     int failures = 0;
+    std::string cannot_build;          // why, while UNUSABLE for this reason
     Clock::time_point give_back_at{};  // while UNUSABLE
   };
 
@@ -109,6 +111,7 @@ class Holdings {
   void forget_idle_jobs();
   HeldLease* next_renderable();
   HeldLease* next_sendable(Clock::time_point now);
+  Delivery batch_of(HeldLease& lease) const;
   Clock::time_point next_give_back() const;
   void announce_change();
   void await_change(std::unique_lock<std::mutex>& lock, const std::stop_token& stop,

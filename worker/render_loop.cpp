@@ -27,7 +27,7 @@ void RenderLoop::render(const Piece& piece) {
   const auto scene = scenes_.get(piece.job->files);
   if (!scene) {
     spdlog::error("job {}: {}", piece.job->id, scene.error().message);
-    holdings_.cannot_render(piece);
+    holdings_.cannot_render(piece, scene.error().message);
     return;
   }
   const auto start = std::chrono::steady_clock::now();

@@ -62,8 +62,16 @@ v1::SubmitJobRequest make_request(const SubmitOptions& options, const LocalBundl
 core::Result<v1::Job> submit(Farm& farm, const SubmitOptions& options, const LocalBundle& local) {
   if (core::Status uploaded = upload_missing(farm, local); !uploaded) return core::fail(uploaded.error());
   const v1::SubmitJobRequest request = make_request(options, local);
-  const auto response = patiently<v1::SubmitJobResponse>(
-      [&] { return farm.call(&Farm::Stub::SubmitJob, request, kSubmitTimeout); });
+  const auto submit = [&] {
+    return patiently<v1::SubmitJobResponse>(
+        [&] { return farm.call(&Farm::Stub::SubmitJob, request, kSubmitTimeout); });
+  };
+  auto response = submit();
+  // A file that the coordinator thought it had turned out to be damaged there, or has just been cleared away.
+  if (!response && response.error().code == core::ErrorCode::kFailedPrecondition) {
+    if (core::Status uploaded = upload_missing(farm, local); !uploaded) return core::fail(uploaded.error());
+    response = submit();
+  }
   if (!response) return core::fail(response.error());
   return response->job();
 }

@@ -86,6 +86,9 @@ class Coordinator {
   core::Result<v1::SubmitResultResponse> submit_result(const v1::SubmitResultRequest& request);
 
   const store::BlobStore& blobs() const { return state_.blobs; }
+  // A blob could not be read from the store for this reason. If it is missing or damaged, every unfinished
+  // job that needs it fails with the sentence, and the file is removed, so that submitting again mends it.
+  void blob_is_lost(const proto::Digest& digest, const core::Error& error);
 
   // ---- For whoever runs it ----
   // Lets time pass: takes leases from silent workers, answers calls that have waited long enough. Due about
@@ -114,7 +117,7 @@ class Coordinator {
   core::Result<TileContent> load_tile(const v1::Job& spec, const core::TileGrid& grid, int tile);
   core::Result<core::Image> develop_row(const v1::Job& spec, const core::TileGrid& grid, int row);
 
-  core::Status check_bundle(const v1::Bundle& bundle) const;
+  core::Status check_bundle(const v1::Bundle& bundle);
   std::optional<v1::Job> job_of_request(const std::string& request_id);
   core::Result<v1::Job> add_job(v1::Job spec, const std::string& request_id);
 
@@ -126,6 +129,7 @@ class Coordinator {
   core::Result<v1::Job> store_change(core::Result<ChangedJob> changed);
   struct Extension;
   core::Result<Extension> prepare_extension(const std::string& id);
+  void fail_job(Turn& turn, const std::string& id, const std::string& failure);
 
   // ---- Within a turn ----
   JobRecord* find(const std::string& id);

@@ -31,7 +31,7 @@ std::string file_name(const std::string& path) {
 
 }  // namespace
 
-core::Status Coordinator::check_bundle(const v1::Bundle& bundle) const {
+core::Status Coordinator::check_bundle(const v1::Bundle& bundle) {
   std::set<std::string> paths;
   std::string missing;
   int missing_count = 0;
@@ -41,7 +41,10 @@ core::Status Coordinator::check_bundle(const v1::Bundle& bundle) const {
     if (!paths.insert(asset.path()).second) {
       return core::fail(ErrorCode::kInvalidArgument, fmt::format("bundle: {} is named twice", asset.path()));
     }
-    if (state_.blobs.contains(*digest)) continue;
+    // What was damaged since it was uploaded is as good as missing.
+    const core::Status intact = state_.blobs.verify(*digest);
+    if (intact) continue;
+    blob_is_lost(*digest, intact.error());
     if (++missing_count <= kMaxMissingListed)
       missing += fmt::format("\n  {} ({})", asset.path(), digest->hex());
   }

@@ -21,6 +21,9 @@ constexpr int kCallsPerLease = 3;
 // More would take gigabytes to decompress, in a message of a few kilobytes.
 constexpr int kMaxItemsPerResult = 256;
 
+// Of what a worker says in its own words.
+constexpr std::size_t kMostReasonBytes = 1000;
+
 bool is_id(const std::string& text) {
   return text.size() == 32 && text.find_first_not_of("0123456789abcdef") == std::string::npos;
 }
@@ -189,9 +192,13 @@ core::Result<v1::SubmitResultResponse> Coordinator::submit_result(const v1::Subm
     return response;
   }
   const core::TileGrid grid = grid_of(*record->spec);
-  scheduler::SubmitResult event{{request.worker_id()},          {request.job_id()},
-                                {request.lease_id()},           {},
-                                seconds(request.render_time()), request.lease_finished()};
+  scheduler::SubmitResult event{{request.worker_id()},
+                                {request.job_id()},
+                                {request.lease_id()},
+                                {},
+                                seconds(request.render_time()),
+                                request.lease_finished(),
+                                request.cannot_build().substr(0, kMostReasonBytes)};
   for (const core::FilmTile& tile : *tiles)
     event.items.push_back({scheduler::tile_index(grid, tile.rect), tile.range});
   const scheduler::Actions actions = scheduler_.handle(event, turn.now());

@@ -52,12 +52,12 @@ core::Status UploadStream::commit() {
   return writer_->commit();
 }
 
-FetchStream::FetchStream(const store::BlobStore& blobs, coordinator::ThreadPool& pool,
+FetchStream::FetchStream(coordinator::Coordinator& coordinator, coordinator::ThreadPool& pool,
                          const v1::Digest& digest)
-    : blobs_(blobs), pool_(pool) {
+    : coordinator_(coordinator), pool_(pool), message_(digest) {
   *response_.mutable_chunk()->mutable_digest() = digest;
   const bool posted = pool_.post([this, digest] {
-    if (auto opened = open(digest); !opened) return Finish(proto::to_grpc(opened));
+    if (auto opened = open(digest); !opened) return fail(opened.error());
     write_next();
   });
   if (!posted) Finish(busy());
@@ -66,7 +66,7 @@ FetchStream::FetchStream(const store::BlobStore& blobs, coordinator::ThreadPool&
 core::Status FetchStream::open(const v1::Digest& message) {
   const auto digest = proto::from_proto(message);
   if (!digest) return core::fail(digest.error());
-  auto reader = blobs_.read(*digest);
+  auto reader = coordinator_.blobs().read(*digest);
   if (!reader) return core::fail(reader.error());
   reader_.emplace(std::move(*reader));
   left_bytes_ = digest->size_bytes;
@@ -82,10 +82,15 @@ void FetchStream::OnWriteDone(bool ok) {
 
 void FetchStream::write_next() {
   auto bytes = reader_->next(proto::kMaxChunkBytes);
-  if (!bytes) return Finish(proto::to_grpc(bytes.error()));
+  if (!bytes) return fail(bytes.error());
   left_bytes_ -= bytes->size();
   response_.mutable_chunk()->set_data(std::move(*bytes));
   StartWrite(&response_);
+}
+
+void FetchStream::fail(const core::Error& error) {
+  if (const auto digest = proto::from_proto(message_)) coordinator_.blob_is_lost(*digest, error);
+  Finish(proto::to_grpc(core::Status(core::fail(error))));
 }
 
 }  // namespace tessera::rpc

@@ -5,6 +5,7 @@
 
 #include <optional>
 
+#include "server/coordinator/coordinator.hpp"
 #include "server/coordinator/thread_pool.hpp"
 #include "server/store/blob_store.hpp"
 #include "tessera/v1/render_service.pb.h"
@@ -38,7 +39,7 @@ class UploadStream final : public grpc::ServerReadReactor<v1::UploadBlobRequest>
 // One blob from the store to a worker.
 class FetchStream final : public grpc::ServerWriteReactor<v1::FetchBlobResponse> {
  public:
-  FetchStream(const store::BlobStore& blobs, coordinator::ThreadPool& pool, const v1::Digest& digest);
+  FetchStream(coordinator::Coordinator& coordinator, coordinator::ThreadPool& pool, const v1::Digest& digest);
 
  private:
   void OnWriteDone(bool ok) override;
@@ -46,9 +47,12 @@ class FetchStream final : public grpc::ServerWriteReactor<v1::FetchBlobResponse>
 
   core::Status open(const v1::Digest& digest);
   void write_next();
+  // Ends the call, and tells the coordinator what its store has lost.
+  void fail(const core::Error& error);
 
-  const store::BlobStore& blobs_;
+  coordinator::Coordinator& coordinator_;
   coordinator::ThreadPool& pool_;
+  const v1::Digest message_;
   v1::FetchBlobResponse response_;
   std::optional<store::BlobReader> reader_;
   std::uint64_t left_bytes_ = 0;

@@ -25,7 +25,7 @@ grpc::ServerUnaryReactor* WorkerService::SubmitResult(grpc::CallbackServerContex
 
 grpc::ServerWriteReactor<v1::FetchBlobResponse>* WorkerService::FetchBlob(
     grpc::CallbackServerContext*, const v1::FetchBlobRequest* request) {
-  return new FetchStream(coordinator_.blobs(), pool_, request->digest());
+  return new FetchStream(coordinator_, pool_, request->digest());
 }
 
 }  // namespace tessera::rpc

@@ -52,6 +52,8 @@ struct SubmitResult {
   double render_seconds = 0;
   // No more will come for this lease: what is missing of it is free again at once.
   bool lease_finished = false;
+  // Why the holder of the lease gives it back: it cannot build the scene. Empty for any other reason.
+  std::string cannot_build{};
 };
 
 // ---- Jobs ----

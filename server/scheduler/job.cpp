@@ -9,6 +9,8 @@
 namespace tessera::scheduler {
 namespace {
 
+constexpr int kRefusalsUntilFailure = 3;
+
 std::uint64_t total_samples(const JobShape& shape) {
   return static_cast<std::uint64_t>(shape.width_px) * static_cast<std::uint64_t>(shape.height_px) * shape.spp;
 }
@@ -168,6 +170,7 @@ bool Job::accept(const WorkItem& item, std::vector<Lease>& ended) {
   done_count_ += pixel_samples(item);
   done.add(item.samples);
   suspects_.clear(item);
+  could_not_build_ = 0;
   for (Lease& lease : leases_.trim(item)) {
     copyable_.erase(lease.id);
     ended.push_back(std::move(lease));
@@ -193,6 +196,14 @@ std::optional<std::string> Job::blame(const Lease& lease, const Death& death) {
       "it again",
       deaths.size(), item.samples.begin, item.samples.end, item.tile, rect.x0, rect.x1, rect.y0, rect.y1,
       fmt::join(names, ", "));
+}
+
+std::optional<std::string> Job::cannot_build(const std::string& worker, const std::string& why) {
+  if (++could_not_build_ < kRefusalsUntilFailure) return std::nullopt;
+  return fmt::format(
+      "{} times in a row a worker could not build the scene, the last of them {}: {}. Mend that, or give the "
+      "workers the release and the memory that the scene needs; then submit it again",
+      could_not_build_, worker, why);
 }
 
 void Job::extend(std::uint32_t spp) {

@@ -81,10 +81,12 @@ class Job {
   // do are ended and appended to `ended`.
   bool accept(const WorkItem& item, std::vector<Lease>& ended);
 
-  // ---- Deaths ----
+  // ---- Deaths and refusals ----
 
   // The holder of an ended lease has died. The sentence to fail the job with, if this is enough.
   std::optional<std::string> blame(const Lease& lease, const Death& death);
+  // A worker cannot build the scene. The sentence to fail the job with, if this is once too often in a row.
+  std::optional<std::string> cannot_build(const std::string& worker, const std::string& why);
   // A worker that was taken for dead lives.
   void absolve(const WorkerId& worker) { suspects_.absolve(worker); }
 
@@ -118,6 +120,8 @@ class Job {
   WorkList work_;
   LeaseTable leases_;
   Suspects suspects_;
+  // In a row; back to 0 with every accepted sample.
+  int could_not_build_ = 0;
   // Every lease with samples that nobody else holds; may also have others.
   std::set<LeaseId> copyable_;
 

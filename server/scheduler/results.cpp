@@ -32,9 +32,17 @@ Worker* Scheduler::on(const SubmitResult& event, Actions& actions) {
     worker->rate.add(static_cast<double>(accepted_samples), now_);
   }
   const Lease* const lease = job->leases().find(event.lease);
-  if (event.lease_finished && lease != nullptr && lease->holder == event.worker) end_lease(*job, event.lease);
+  if (lease != nullptr && lease->holder == event.worker) {
+    if (event.lease_finished) end_lease(*job, event.lease);
+    if (!event.cannot_build.empty()) note_refusal(*job, event, actions);
+  }
   if (job->complete() && job->state() == JobState::kRunning) become(*job, JobState::kDone, actions);
   return nullptr;
+}
+
+void Scheduler::note_refusal(Job& job, const SubmitResult& event, Actions& actions) {
+  const auto failure = job.cannot_build(roster_.find(event.worker)->info.name, event.cannot_build);
+  if (failure) fail(job, *failure, actions);
 }
 
 core::Status Scheduler::validate(const Job& job, const std::vector<WorkItem>& items) const {

@@ -158,6 +158,7 @@ class Scheduler {
   // ---- Results (results.cpp) ----
   core::Status validate(const Job& job, const std::vector<WorkItem>& items) const;
   void measure(Job& job, const SubmitResult& event);
+  void note_refusal(Job& job, const SubmitResult& event, Actions& actions);
 
   std::optional<std::string> check_workers() const;
 

@@ -66,11 +66,8 @@ core::Result<std::string> BlobReader::next(std::size_t max_bytes) {
   left_bytes_ -= bytes.size();
   const bool whole = filled == bytes.size() && (left_bytes_ > 0 || hasher_.finish() == digest_);
   if (whole) return bytes;
-  return core::fail(
-      ErrorCode::kDataLoss,
-      fmt::format("{} is damaged: its content is not what its name says; delete the file and submit "
-                  "the scene again",
-                  path_.string()));
+  return core::fail(ErrorCode::kDataLoss,
+                    fmt::format("{} is damaged: its content is not what its name says", path_.string()));
 }
 
 core::Result<BlobStore> BlobStore::open(const std::filesystem::path& folder) {
@@ -108,6 +105,20 @@ core::Result<BlobReader> BlobStore::read(const proto::Digest& digest) const {
   Fd fd(::open(file.c_str(), O_RDONLY | O_CLOEXEC));
   if (!fd) return core::fail(errno_error("opening", file));
   return BlobReader(digest, file, std::move(fd));
+}
+
+core::Status BlobStore::verify(const proto::Digest& digest) const {
+  auto reader = read(digest);
+  if (!reader) return core::fail(reader.error());
+  while (true) {
+    const auto bytes = reader->next(proto::kMaxChunkBytes);
+    if (!bytes) return core::fail(bytes.error());
+    if (bytes->empty()) return {};
+  }
+}
+
+void BlobStore::discard(const proto::Digest& digest) const {
+  ::unlink(path(digest).c_str());
 }
 
 }  // namespace tessera::store

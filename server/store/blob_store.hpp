@@ -65,6 +65,10 @@ class BlobStore {
   core::Result<BlobWriter> write(const proto::Digest& digest) const;
   // NOT_FOUND if it is not here.
   core::Result<BlobReader> read(const proto::Digest& digest) const;
+  // Reads it from beginning to end. NOT_FOUND, DATA_LOSS, or what the disk says.
+  core::Status verify(const proto::Digest& digest) const;
+  // Removes a blob's file, so that it can be uploaded anew. Nothing happens if there is none.
+  void discard(const proto::Digest& digest) const;
 
  private:
   explicit BlobStore(std::filesystem::path folder) : folder_(std::move(folder)) {}

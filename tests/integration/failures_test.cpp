@@ -95,6 +95,26 @@ TEST_F(FailuresTest, ARangeThatKillsEveryWorkerEndsItsJobAndNoOther) {
   EXPECT_TRUE(wait_for_state(other, v1::JOB_STATE_DONE));
 }
 
+TEST_F(FailuresTest, AJobWhoseFilesTheCoordinatorHasLostFails) {
+  start_coordinator();
+  const std::string id = submit(options_);
+  const v1::Job submitted = job(id);
+  for (const v1::Bundle::Asset& asset : submitted.bundle().assets()) {
+    if (asset.path() != "box.obj") continue;
+    const std::string hex = proto::from_proto(asset.digest())->hex();
+    const auto blob = folder_ / "state" / "blobs" / hex.substr(0, 2) / hex.substr(2);
+    std::string bytes = read_file(blob);
+    bytes[bytes.size() / 2] ^= 1;
+    write_file(blob, bytes);
+  }
+  start_worker("worker", 1);
+  ASSERT_TRUE(wait_for_state(id, v1::JOB_STATE_FAILED));
+  EXPECT_THAT(job(id).failure(), HasSubstr("box.obj: the coordinator has lost this file"));
+  // The file is uploaded anew.
+  const std::string again = submit({"--size", "64x64", "--spp", "1"});
+  EXPECT_TRUE(wait_for_state(again, v1::JOB_STATE_DONE));
+}
+
 TEST_F(FailuresTest, ASecondSignalStopsAWorkerAtOnce) {
   start_coordinator();
   Process& worker = start_worker("worker", 1);

@@ -171,6 +171,23 @@ TEST_F(Work, AWorkerWithoutAProperIdIsRefused) {
   EXPECT_EQ(call.answer().error().code, ErrorCode::kInvalidArgument);
 }
 
+TEST_F(Work, AJobWhoseSceneNobodyCanBuildFails) {
+  const std::string id = submit(), other = submit();
+  ASSERT_TRUE(coordinator().pause_job(other));
+  for (const char worker : {'a', 'b', 'c'}) {
+    EXPECT_EQ(job(id).state(), v1::JOB_STATE_RUNNING);
+    v1::SubmitResultRequest given_back = delivery(worker, synchronize(greeting(worker)).leases(0));
+    given_back.clear_items();
+    given_back.set_cannot_build("scene.json:3: shapes: unknown shape 'torus'");
+    deliver(given_back);
+  }
+  EXPECT_EQ(job(id).state(), v1::JOB_STATE_FAILED);
+  EXPECT_THAT(job(id).failure(),
+              HasSubstr("3 times in a row a worker could not build the scene, the last of them host-c: "
+                        "scene.json:3: shapes: unknown shape 'torus'"));
+  EXPECT_EQ(job(other).state(), v1::JOB_STATE_PAUSED);
+}
+
 TEST_F(Work, WorkersAreListed) {
   submit();
   work('a', 1);

@@ -184,10 +184,11 @@ TEST_F(HoldingsTest, DrainingDeliversWhatIsRenderedAndReturnsTheRest) {
 TEST_F(HoldingsTest, LeasesThatCannotBeRenderedAreGivenBackAndTheJobTriedAgain) {
   holdings_.apply(answer({lease(1, "a", 0, 8)}, {"a"}));
   make_ready("a");
-  holdings_.cannot_render(take());
+  holdings_.cannot_render(take(), "no such scene");
   const auto delivery = holdings_.next_delivery({});
   EXPECT_TRUE(delivery->lease_finished);
   EXPECT_TRUE(delivery->tiles.empty());
+  EXPECT_EQ(delivery->cannot_build, "no such scene");
   holdings_.delivered(*delivery);
   EXPECT_TRUE(held().empty());
 
@@ -200,7 +201,9 @@ TEST_F(HoldingsTest, FilesThatCannotBeFetchedGiveTheLeaseBack) {
   holdings_.apply(answer({lease(1, "a", 0, 8)}, {"a"}));
   holdings_.next_to_fetch({});
   holdings_.cannot_fetch("a");
-  EXPECT_TRUE(holdings_.next_delivery({})->lease_finished);
+  const auto delivery = holdings_.next_delivery({});
+  EXPECT_TRUE(delivery->lease_finished);
+  EXPECT_EQ(delivery->cannot_build, "") << "the scene may be fine";
 }
 
 TEST(Holdings, KeepsALeaseItCannotRenderForAWhileAndTakesOtherWork) {

@@ -1,0 +1,50 @@
+// What follows from a blob that the store cannot give back.
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include "proto/blob.hpp"
+#include "server/coordinator/turn.hpp"
+
+namespace tessera::coordinator {
+
+using core::ErrorCode;
+
+namespace {
+
+// The file that the bundle calls by this digest, or null.
+const v1::Bundle::Asset* find_asset(const v1::Bundle& bundle, const proto::Digest& digest) {
+  for (const v1::Bundle::Asset& asset : bundle.assets()) {
+    const auto known = proto::from_proto(asset.digest());
+    if (known && *known == digest) return &asset;
+  }
+  return nullptr;
+}
+
+}  // namespace
+
+void Coordinator::blob_is_lost(const proto::Digest& digest, const core::Error& error) {
+  // Anything else may pass by itself.
+  if (error.code != ErrorCode::kDataLoss && error.code != ErrorCode::kNotFound) return;
+  std::map<std::string, std::string> failures;
+  Turn turn(*this);
+  for (const auto& [id, record] : jobs_) {
+    if (is_finished(scheduler_.job({id}, turn.now())->state)) continue;
+    if (const v1::Bundle::Asset* asset = find_asset(record.spec->bundle(), digest)) {
+      failures[id] = fmt::format(
+          "{}: the coordinator has lost this file ({}): submit the scene again, and look into the "
+          "coordinator's disk",
+          asset->path(), error.message);
+    }
+  }
+  if (error.code == ErrorCode::kDataLoss) {
+    spdlog::error("{}", error.message);
+    state_.blobs.discard(digest);
+  }
+  for (const auto& [id, failure] : failures) fail_job(turn, id, failure);
+}
+
+void Coordinator::fail_job(Turn& turn, const std::string& id, const std::string& failure) {
+  apply(turn, scheduler_.handle(scheduler::FailJob{{id}, failure}, turn.now()));
+}
+
+}  // namespace tessera::coordinator
