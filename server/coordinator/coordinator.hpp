@@ -112,6 +112,8 @@ class Coordinator {
   Coordinator(Options options, store::StateDirectory state, SceneCheck check_scene);
 
   core::Status restore_job(const store::JobRow& row);
+  core::Result<bool> lacks_samples(const store::JobRow& row, const core::TileGrid& grid,
+                                   std::map<int, std::vector<core::SampleRange>>& done);
   core::Result<LoadedFilm> load_film(const v1::Job& spec);
   // Empty where the store has nothing of the tile.
   core::Result<TileContent> load_tile(const v1::Job& spec, const core::TileGrid& grid, int tile);

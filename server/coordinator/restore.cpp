@@ -23,17 +23,17 @@ std::uint32_t spp_of(const store::JobRow& row, const DoneByTile& done) {
   return spp;
 }
 
-bool is_complete(const scheduler::JobShape& shape, const DoneByTile& done) {
-  const std::vector<core::SampleRange> all{{0, shape.spp}};
-  return done.size() == static_cast<std::size_t>(shape.grid().tile_count()) &&
-         std::all_of(done.begin(), done.end(), [&](const auto& tile) { return tile.second == all; });
+bool is_whole(const std::vector<core::SampleRange>& ranges, std::uint32_t spp) {
+  return ranges == std::vector<core::SampleRange>{{0, spp}};
 }
 
 std::vector<scheduler::IntervalSet> done_sets(const scheduler::JobShape& shape, const DoneByTile& done) {
   std::vector<scheduler::IntervalSet> sets(static_cast<std::size_t>(shape.grid().tile_count()));
   for (const auto& [tile, ranges] : done) {
     if (tile < 0 || tile >= shape.grid().tile_count()) continue;
-    for (const core::SampleRange& range : ranges) sets[static_cast<std::size_t>(tile)].add(range);
+    for (const core::SampleRange& range : ranges) {
+      if (range.begin < range.end && range.end <= shape.spp) sets[static_cast<std::size_t>(tile)].add(range);
+    }
   }
   return sets;
 }
@@ -43,13 +43,16 @@ std::vector<scheduler::IntervalSet> done_sets(const scheduler::JobShape& shape, 
 core::Status Coordinator::restore_job(const store::JobRow& row) {
   auto record = from_row(row);
   if (!record) return core::fail(record.error());
+  auto state = from_wire(static_cast<v1::JobState>(row.state));
   auto done = state_.jobs.tiles_done(row.id);
   if (!done) return core::fail(done.error());
-  const auto state = from_wire(static_cast<v1::JobState>(row.state));
-  const scheduler::JobShape shape = shape_of(*record->spec, spp_of(row, *done));
 
-  const bool unfinished =
-      !is_finished(state) || (state == scheduler::JobState::kDone && !is_complete(shape, *done));
+  bool unfinished = !is_finished(state);
+  if (state == scheduler::JobState::kDone) {
+    auto lacks = lacks_samples(row, grid_of(*record->spec), *done);
+    if (!lacks) return core::fail(lacks.error());
+    unfinished = *lacks;
+  }
   if (unfinished) {
     auto loaded = load_film(*record->spec);
     if (!loaded) return core::fail(loaded.error());
@@ -58,6 +61,8 @@ core::Status Coordinator::restore_job(const store::JobRow& row) {
     *done = std::move(loaded->done);
     if (arithmetic_.empty()) arithmetic_ = record->arithmetic;
   }
+  // What stands in rows that were not checked cannot raise a job's samples.
+  const scheduler::JobShape shape = shape_of(*record->spec, unfinished ? spp_of(row, *done) : row.spp);
 
   Turn turn(*this);
   const scheduler::RestoreJob event{{row.id}, shape,       row.priority,
@@ -70,6 +75,26 @@ core::Status Coordinator::restore_job(const store::JobRow& row) {
   return {};
 }
 
+// Whether a job that is stored as done has tiles that are whole on disk and not whole in samples: it was
+// extended when the coordinator crashed. Tiles whose rows are damaged count as done, and are told to whoever
+// asks for the picture; `done` is mended accordingly.
+core::Result<bool> Coordinator::lacks_samples(const store::JobRow& row, const core::TileGrid& grid,
+                                              std::map<int, std::vector<core::SampleRange>>& done) {
+  bool lacks = false;
+  for (int tile = 0; tile < grid.tile_count(); ++tile) {
+    if (is_whole(done[tile], row.spp)) continue;
+    const auto stored = state_.jobs.tile(row.id, tile);
+    if (!stored && stored.error().code != core::ErrorCode::kDataLoss) return core::fail(stored.error());
+    if (stored) {
+      lacks = true;
+    } else {
+      spdlog::error("{}", stored.error().message);
+      done[tile] = {{0, row.spp}};
+    }
+  }
+  return lacks;
+}
+
 core::Result<Coordinator::LoadedFilm> Coordinator::load_film(const v1::Job& spec) {
   const core::TileGrid grid = grid_of(spec);
   auto done = state_.jobs.tiles_done(spec.id());
@@ -78,7 +103,7 @@ core::Result<Coordinator::LoadedFilm> Coordinator::load_film(const v1::Job& spec
   for (const auto& [tile, ranges] : *done) {
     if (tile < 0 || tile >= grid.tile_count()) continue;
     auto content = load_tile(spec, grid, tile);
-    if (content) {
+    if (content) {  // and so the ranges are those that were written
       loaded.film->restore(tile, std::move(*content));
       loaded.done[tile] = ranges;
     } else if (content.error().code == core::ErrorCode::kDataLoss) {

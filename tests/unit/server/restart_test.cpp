@@ -141,6 +141,44 @@ TEST_F(Restart, ADamagedTileOfARunningJobIsRenderedAgain) {
   EXPECT_EQ(coordinator().picture(id)->image.pixels, ready_made_picture(kWidthPx, kHeightPx, kSpp).pixels);
 }
 
+// [0, 4096) in the place of the samples that are done.
+constexpr const char* kTooManySamples = "UPDATE tiles SET done = X'0000000000100000' WHERE tile = 0";
+
+TEST_F(Restart, ADamagedRowDoesNotRaiseARunningJobsSamples) {
+  const std::string id = submit();
+  work('a', 3);
+  ASSERT_TRUE(coordinator().checkpoint());
+  meddle(kTooManySamples);
+  open();
+  EXPECT_EQ(job(id).settings().spp(), kSpp);
+  work('b');
+  EXPECT_EQ(coordinator().picture(id)->image.pixels, ready_made_picture(kWidthPx, kHeightPx, kSpp).pixels);
+}
+
+TEST_F(Restart, ADamagedRowDoesNotRaiseAFinishedJobsSamples) {
+  const std::string id = submit();
+  work('a');
+  ASSERT_TRUE(coordinator().checkpoint());
+  for (const v1::JobState state : {v1::JOB_STATE_DONE, v1::JOB_STATE_CANCELLED}) {
+    meddle(kTooManySamples + std::string("; UPDATE jobs SET state = ") + std::to_string(state));
+    open();
+    EXPECT_EQ(job(id).state(), state);
+    EXPECT_EQ(job(id).settings().spp(), kSpp);
+    EXPECT_EQ(coordinator().picture(id).error().code, ErrorCode::kDataLoss);
+  }
+}
+
+TEST_F(Restart, ADoneJobThatLacksATileRendersIt) {
+  const std::string id = submit();
+  work('a');
+  ASSERT_TRUE(coordinator().checkpoint());
+  meddle("DELETE FROM tiles WHERE tile = 2");
+  open();
+  EXPECT_EQ(job(id).state(), v1::JOB_STATE_RUNNING);
+  work('b');
+  EXPECT_EQ(coordinator().picture(id)->image.pixels, ready_made_picture(kWidthPx, kHeightPx, kSpp).pixels);
+}
+
 TEST_F(Restart, ADamagedTileOfADoneJobIsToldAndHarmsNoOther) {
   const std::string damaged = submit(), whole = submit();
   work('a');
