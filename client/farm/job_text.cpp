@@ -45,6 +45,11 @@ std::string heuristic_text(v1::Heuristic heuristic) {
   return std::string(core::heuristic_name(known.value_or(core::RenderSettings{}.heuristic)));
 }
 
+std::string state_of(const v1::ListWorkersResponse::Worker& worker) {
+  if (worker.silent()) return "silent";
+  return worker.draining() ? "leaving" : "working";
+}
+
 }  // namespace
 
 std::string short_id(const std::string& id) {
@@ -109,9 +114,8 @@ std::string jobs_table(const v1::ListJobsResponse& jobs, double now_seconds) {
 std::string workers_table(const v1::ListWorkersResponse& workers, double now_seconds) {
   std::vector<std::vector<std::string>> rows;
   for (const v1::ListWorkersResponse::Worker& worker : workers.workers())
-    rows.push_back({short_id(worker.id()), worker.name(), worker.draining() ? "leaving" : "working",
-                    std::to_string(worker.threads()), std::to_string(worker.held_leases()),
-                    speed(worker.samples_per_second()),
+    rows.push_back({short_id(worker.id()), worker.name(), state_of(worker), std::to_string(worker.threads()),
+                    std::to_string(worker.held_leases()), speed(worker.samples_per_second()),
                     format_count(static_cast<double>(worker.samples_accepted())),
                     ago(worker.last_seen_at(), now_seconds), worker.version()});
   return format_table({{"WORKER"},

@@ -73,6 +73,7 @@ v1::ListWorkersResponse::Worker to_wire(const scheduler::WorkerView& worker, std
   message.set_samples_accepted(worker.samples_accepted);
   *message.mutable_last_seen_at() = timestamp_from_ms(seen_ms);
   message.set_draining(worker.draining);
+  message.set_silent(worker.silent);
   return message;
 }
 

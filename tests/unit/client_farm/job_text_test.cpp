@@ -52,6 +52,16 @@ TEST(JobText, DescribesWhatWentWrong) {
   EXPECT_THAT(text, HasSubstr("nee"));
 }
 
+TEST(JobText, SaysHowWorkersAreDoing) {
+  v1::ListWorkersResponse workers;
+  v1::ListWorkersResponse::Worker& worker = *workers.add_workers();
+  EXPECT_THAT(workers_table(workers, 0), HasSubstr("working"));
+  worker.set_draining(true);
+  EXPECT_THAT(workers_table(workers, 0), HasSubstr("leaving"));
+  worker.set_silent(true);
+  EXPECT_THAT(workers_table(workers, 0), HasSubstr("silent"));
+}
+
 TEST(JobText, ProgressSaysWhoWorks) {
   v1::Job job = some_job();
   EXPECT_EQ(progress_of(job).note, "2 workers");

@@ -205,7 +205,9 @@ TEST_F(Work, TheLeaseOfASilentWorkerGoesToAnother) {
   submit();
   const v1::Lease lost = synchronize(greeting('a')).leases(0);
   now_ += std::chrono::seconds(11);
+  EXPECT_FALSE(coordinator().workers()[0].silent());
   coordinator().tick();
+  EXPECT_TRUE(coordinator().workers()[0].silent());
   work('b');
   EXPECT_EQ(coordinator().jobs()[0].state(), v1::JOB_STATE_DONE);
   EXPECT_EQ(deliver(delivery('a', lost)).accepted_items(), 0u);
