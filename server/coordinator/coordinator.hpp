@@ -112,6 +112,7 @@ class Coordinator {
   Coordinator(Options options, store::StateDirectory state, SceneCheck check_scene);
 
   core::Status restore_job(const store::JobRow& row);
+  core::Status restore_damaged_job(const store::JobRow& row, const core::Error& error);
   core::Result<bool> lacks_samples(const store::JobRow& row, const core::TileGrid& grid,
                                    std::map<int, std::vector<core::SampleRange>>& done);
   core::Result<LoadedFilm> load_film(const v1::Job& spec);

@@ -55,7 +55,10 @@ core::Result<JobRecord> from_row(const store::JobRow& row) {
       !proto::from_proto(spec->settings()) || !proto::from_proto(spec->display())) {
     return core::fail(
         core::ErrorCode::kDataLoss,
-        fmt::format("the stored job {} is damaged: put back a copy of the state folder", row.id));
+        fmt::format(
+            "the stored job {} is damaged: delete it and submit its scene again, or put back a copy of the "
+            "state folder",
+            row.id));
   }
   JobRecord record;
   record.spec = std::move(spec);

@@ -40,9 +40,36 @@ std::vector<scheduler::IntervalSet> done_sets(const scheduler::JobShape& shape, 
 
 }  // namespace
 
+// One damaged job is no reason to refuse all others: it is there to be seen and to be deleted, as failed. Its
+// row is left as it is.
+core::Status Coordinator::restore_damaged_job(const store::JobRow& row, const core::Error& error) {
+  spdlog::error("{}", error.message);
+  const scheduler::JobShape nothing{1, 1, 1};
+  auto spec = std::make_shared<v1::Job>();
+  spec->set_id(row.id);
+  spec->set_name("(damaged)");
+  spec->mutable_settings()->set_width_px(1);
+  spec->mutable_settings()->set_height_px(1);
+  *spec->mutable_created_at() = timestamp_from_ms(row.created_ms);
+  JobRecord record;
+  record.spec = std::move(spec);
+  record.request_id = row.request_id;
+  record.revision = record.stored_revision = row.revision;
+  record.finished_ms = row.finished_ms;
+
+  Turn turn(*this);
+  const scheduler::RestoreJob event{
+      {row.id}, nothing, row.priority, scheduler::JobState::kFailed, error.message, done_sets(nothing, {})};
+  const scheduler::Actions actions = scheduler_.handle(event, turn.now());
+  if (!actions.status) return core::fail(actions.status.error().within("taking up job " + row.id));
+  if (!record.request_id.empty()) job_of_request_[record.request_id] = row.id;
+  jobs_.emplace(row.id, std::move(record));
+  return {};
+}
+
 core::Status Coordinator::restore_job(const store::JobRow& row) {
   auto record = from_row(row);
-  if (!record) return core::fail(record.error());
+  if (!record) return restore_damaged_job(row, record.error());
   auto state = from_wire(static_cast<v1::JobState>(row.state));
   auto done = state_.jobs.tiles_done(row.id);
   if (!done) return core::fail(done.error());

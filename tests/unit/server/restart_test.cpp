@@ -141,6 +141,19 @@ TEST_F(Restart, ADamagedTileOfARunningJobIsRenderedAgain) {
   EXPECT_EQ(coordinator().picture(id)->image.pixels, ready_made_picture(kWidthPx, kHeightPx, kSpp).pixels);
 }
 
+TEST_F(Restart, ADamagedJobFailsAndHarmsNoOther) {
+  const std::string damaged = submit(), whole = submit();
+  work('a', 2);
+  ASSERT_TRUE(coordinator().checkpoint());
+  meddle("UPDATE jobs SET spec = X'ff' WHERE id = '" + damaged + "'");
+  open();
+  EXPECT_EQ(job(damaged).state(), v1::JOB_STATE_FAILED);
+  EXPECT_THAT(job(damaged).failure(), HasSubstr("the stored job " + damaged + " is damaged: delete it"));
+  work('b');
+  EXPECT_EQ(job(whole).state(), v1::JOB_STATE_DONE);
+  EXPECT_TRUE(coordinator().delete_job(damaged));
+}
+
 // [0, 4096) in the place of the samples that are done.
 constexpr const char* kTooManySamples = "UPDATE tiles SET done = X'0000000000100000' WHERE tile = 0";
 
