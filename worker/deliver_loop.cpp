@@ -48,7 +48,9 @@ void DeliverLoop::run(const std::stop_token& stop) {
 
 v1::SubmitResultRequest DeliverLoop::encode(const Delivery& delivery) const {
   v1::SubmitResultRequest request;
-  request.set_worker_id(worker_id_);
+  request.set_worker_id(identity_.worker_id);
+  request.set_version(identity_.version);
+  request.set_arithmetic_fingerprint(identity_.arithmetic_fingerprint);
   request.set_job_id(delivery.job_id);
   request.set_lease_id(delivery.lease_id);
   for (const core::FilmTile& tile : delivery.tiles) *request.add_items() = proto::encode_tile(tile);

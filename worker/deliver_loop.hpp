@@ -8,13 +8,14 @@
 #include "core/base/error.hpp"
 #include "tessera/v1/worker_service.grpc.pb.h"
 #include "worker/holdings.hpp"
+#include "worker/identity.hpp"
 
 namespace tessera::worker {
 
 class DeliverLoop {
  public:
-  DeliverLoop(std::string worker_id, v1::WorkerService::StubInterface& coordinator, Holdings& holdings)
-      : worker_id_(std::move(worker_id)), coordinator_(coordinator), holdings_(holdings) {}
+  DeliverLoop(Identity identity, v1::WorkerService::StubInterface& coordinator, Holdings& holdings)
+      : identity_(std::move(identity)), coordinator_(coordinator), holdings_(holdings) {}
 
   // Returns when all is delivered after Holdings::drain(), or after a stop, which gives up what is left.
   void run(const std::stop_token& stop);
@@ -23,7 +24,7 @@ class DeliverLoop {
   v1::SubmitResultRequest encode(const Delivery& delivery) const;
   core::Status submit(const v1::SubmitResultRequest& request, const std::stop_token& stop);
 
-  const std::string worker_id_;
+  const Identity identity_;
   v1::WorkerService::StubInterface& coordinator_;
   Holdings& holdings_;
 };

@@ -10,17 +10,9 @@
 #include "proto/retry.hpp"
 #include "tessera/v1/worker_service.grpc.pb.h"
 #include "worker/holdings.hpp"
+#include "worker/identity.hpp"
 
 namespace tessera::worker {
-
-// What a worker says of itself.
-struct Identity {
-  std::string worker_id;  // 32 hexadecimal digits, random
-  std::string name;
-  std::string version;
-  std::string arithmetic_fingerprint;
-  std::uint32_t threads = 1;
-};
 
 class SyncLoop {
  public:

@@ -22,7 +22,7 @@ core::Status Worker::run(const std::stop_token& stop) {
   SyncLoop sync(identity_, coordinator_, holdings);
   FetchLoop fetch(cache_, coordinator_, holdings);
   RenderLoop render(static_cast<int>(identity_.threads), holdings);
-  DeliverLoop deliver(identity_.worker_id, coordinator_, holdings);
+  DeliverLoop deliver(identity_, coordinator_, holdings);
 
   std::stop_source working;  // ends with a stop, or when the coordinator refuses this worker
   const std::stop_callback end_work(stop, [&] { working.request_stop(); });

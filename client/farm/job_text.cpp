@@ -46,6 +46,7 @@ std::string heuristic_text(v1::Heuristic heuristic) {
 }
 
 std::string state_of(const v1::ListWorkersResponse::Worker& worker) {
+  if (worker.put_aside()) return "put aside";
   if (worker.silent()) return "silent";
   return worker.draining() ? "leaving" : "working";
 }

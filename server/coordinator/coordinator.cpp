@@ -75,6 +75,8 @@ std::vector<v1::ListWorkersResponse::Worker> Coordinator::workers() {
   std::vector<v1::ListWorkersResponse::Worker> result;
   for (const scheduler::WorkerView& worker : scheduler_.workers(turn.now())) {
     result.push_back(to_wire(worker, wall_ms(worker.last_seen, turn.now())));
+    result.back().set_refused_results(conduct_.refusals(worker.info.id.value));
+    result.back().set_put_aside(conduct_.is_aside(worker.info.id.value));
   }
   return result;
 }

@@ -18,6 +18,7 @@
 
 #include "core/base/error.hpp"
 #include "core/image/image.hpp"
+#include "server/coordinator/conduct.hpp"
 #include "server/coordinator/job_record.hpp"
 #include "server/scheduler/scheduler.hpp"
 #include "server/store/state_directory.hpp"
@@ -148,6 +149,10 @@ class Coordinator {
   static void refuse(Turn& turn, SynchronizeCaller& caller, const core::Error& error);
   core::Status admit(const Turn& turn, const v1::SynchronizeRequest& request);
   bool arithmetic_is_bound(const Turn& turn, const std::string& except_worker) const;
+  core::Result<v1::SubmitResultResponse> count_result(Turn& turn, const v1::SubmitResultRequest& request,
+                                                      const std::vector<core::FilmTile>& tiles);
+  core::Status may_count(const JobRecord& record, const v1::SubmitResultRequest& request) const;
+  void note_refused_result(Turn& turn, const std::string& worker, const core::Error& error);
   scheduler::Actions top_up(Turn& turn, const std::string& worker, bool answer_unchanged);
   void release_parked(Turn& turn, const std::string& worker, const scheduler::Reply& reply);
   v1::SynchronizeResponse respond(const scheduler::Reply& reply, std::set<std::string> known_jobs);
@@ -180,7 +185,8 @@ class Coordinator {
   scheduler::Scheduler scheduler_;
   std::map<std::string, JobRecord> jobs_;
   std::map<std::string, std::string> job_of_request_;
-  std::map<std::string, ParkedCall> parked_;    // by worker
+  std::map<std::string, ParkedCall> parked_;  // by worker
+  Conduct conduct_;
   std::string arithmetic_;                      // fingerprint of this farm; empty while any will do
   std::map<std::string, std::string> present_;  // names of the workers that are heard of, by id; for the log
   scheduler::Time next_check_{};

@@ -110,6 +110,15 @@ void Coordinator::refuse(Turn& turn, SynchronizeCaller& caller, const core::Erro
 }
 
 core::Status Coordinator::admit(const Turn& turn, const v1::SynchronizeRequest& request) {
+  if (conduct_.is_aside(request.worker_id()) || conduct_.is_name_aside(request.name())) {
+    return core::fail(
+        ErrorCode::kFailedPrecondition,
+        fmt::format(
+            "worker {} is put aside: {} of its results in a row were refused (the coordinator's log says "
+            "why). Check the machine and its memory; then start the worker under another name (--name), "
+            "or start the coordinator anew",
+            request.name(), Conduct::kRefusalsUntilAside));
+  }
   const std::string& offered = request.arithmetic_fingerprint();
   if (offered == arithmetic_) return {};
   if (!arithmetic_.empty() && arithmetic_is_bound(turn, request.worker_id())) {
@@ -181,16 +190,32 @@ v1::SynchronizeResponse Coordinator::respond(const scheduler::Reply& reply,
 }
 
 core::Result<v1::SubmitResultResponse> Coordinator::submit_result(const v1::SubmitResultRequest& request) {
-  auto tiles = decode_items(request);
-  if (!tiles) return core::fail(tiles.error());
-  v1::SubmitResultResponse response;
-
+  const auto tiles = decode_items(request);
   Turn turn(*this);
+  if (conduct_.is_aside(request.worker_id())) {
+    return core::fail(ErrorCode::kFailedPrecondition,
+                      "too many results of this worker were refused: it is put aside");
+  }
+  auto counted = tiles ? count_result(turn, request, *tiles)
+                       : core::Result<v1::SubmitResultResponse>(core::fail(tiles.error()));
+  if (!counted && counted.error().code == ErrorCode::kInvalidArgument) {
+    note_refused_result(turn, request.worker_id(), counted.error());
+  } else if (counted && request.items_size() > 0) {
+    conduct_.in_order(request.worker_id());
+  }
+  return counted;
+}
+
+core::Result<v1::SubmitResultResponse> Coordinator::count_result(Turn& turn,
+                                                                 const v1::SubmitResultRequest& request,
+                                                                 const std::vector<core::FilmTile>& tiles) {
+  v1::SubmitResultResponse response;
   JobRecord* record = find(request.job_id());
   if (record == nullptr) {
-    response.set_dropped_items(static_cast<std::uint32_t>(tiles->size()));
+    response.set_dropped_items(static_cast<std::uint32_t>(tiles.size()));
     return response;
   }
+  if (auto may = may_count(*record, request); !may) return core::fail(may.error());
   const core::TileGrid grid = grid_of(*record->spec);
   scheduler::SubmitResult event{{request.worker_id()},
                                 {request.job_id()},
@@ -199,7 +224,7 @@ core::Result<v1::SubmitResultResponse> Coordinator::submit_result(const v1::Subm
                                 seconds(request.render_time()),
                                 request.lease_finished(),
                                 request.cannot_build().substr(0, kMostReasonBytes)};
-  for (const core::FilmTile& tile : *tiles)
+  for (const core::FilmTile& tile : tiles)
     event.items.push_back({scheduler::tile_index(grid, tile.rect), tile.range});
   const scheduler::Actions actions = scheduler_.handle(event, turn.now());
   if (!actions.status) {
@@ -207,20 +232,52 @@ core::Result<v1::SubmitResultResponse> Coordinator::submit_result(const v1::Subm
     return core::fail(actions.status.error());
   }
 
-  for (std::size_t i = 0; i < tiles->size(); ++i) {
+  for (std::size_t i = 0; i < tiles.size(); ++i) {
     if (actions.verdicts[i] == scheduler::Verdict::kDropped) {
       response.set_dropped_items(response.dropped_items() + 1);
       continue;
     }
-    record->film->add(event.items[i].tile, (*tiles)[i]);
+    record->film->add(event.items[i].tile, tiles[i]);
     response.set_accepted_items(response.accepted_items() + 1);
   }
-  if (response.accepted_items() > 0 && record->arithmetic.empty() && !arithmetic_.empty()) {
-    record->arithmetic = arithmetic_;
+  if (response.accepted_items() > 0 && record->arithmetic.empty()) {
+    const std::string& offered = request.arithmetic_fingerprint();
+    record->arithmetic = offered.empty() ? arithmetic_ : offered;
+    if (arithmetic_.empty()) arithmetic_ = record->arithmetic;
     ++record->revision;
   }
   apply(turn, actions);
   return response;
+}
+
+core::Status Coordinator::may_count(const JobRecord& record, const v1::SubmitResultRequest& request) const {
+  const std::string& offered = request.arithmetic_fingerprint();
+  const std::string& expected = record.arithmetic.empty() ? arithmetic_ : record.arithmetic;
+  if (offered.empty() || expected.empty() || offered == expected) return {};
+  spdlog::warn("refused a result of worker {} for job {}: its fingerprint is {}, the job's {}",
+               request.worker_id(), record.spec->id(), offered, expected);
+  return core::fail(
+      ErrorCode::kFailedPrecondition,
+      fmt::format("these samples are of another arithmetic (release {}, fingerprint {}) than job {} "
+                  "(fingerprint {}), and do not count",
+                  request.version(), offered, record.spec->id(), expected));
+}
+
+void Coordinator::note_refused_result(Turn& turn, const std::string& worker, const core::Error& error) {
+  const auto workers = scheduler_.workers(turn.now());
+  const auto known = std::find_if(workers.begin(), workers.end(), [&](const scheduler::WorkerView& each) {
+    return each.info.id.value == worker;
+  });
+  if (known == workers.end()) {
+    spdlog::warn("refused a result of a worker that nobody knows ({:.32}): {}", worker, error.message);
+    return;
+  }
+  const std::string& name = known->info.name;
+  spdlog::warn("refused a result of worker {} ({}): {}", name, worker, error.message);
+  if (!conduct_.refused(worker, name)) return;
+  spdlog::error("worker {} ({}) is put aside: {} of its results in a row were refused", name, worker,
+                Conduct::kRefusalsUntilAside);
+  apply(turn, scheduler_.handle(scheduler::Dismiss{{worker}}, turn.now()));
 }
 
 }  // namespace tessera::coordinator

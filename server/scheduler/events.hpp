@@ -41,8 +41,14 @@ struct TopUp {
   WorkerId worker;
 };
 
-// Rendered samples have arrived, from whomever and however late. Answered by Actions::verdicts.
-// INVALID_ARGUMENT: an item is no tile of the job or leaves samples [0, spp); nothing was counted.
+// The worker is to have no more work: what it holds goes to others. NOT_FOUND: it has been forgotten.
+struct Dismiss {
+  WorkerId worker;
+};
+
+// Rendered samples have arrived, however late. Answered by Actions::verdicts. INVALID_ARGUMENT: an item is no
+// tile of the job or leaves samples [0, spp), or the lease was never given, or to another worker that still
+// has it; nothing was counted.
 struct SubmitResult {
   WorkerId worker;
   JobId job;
@@ -111,8 +117,8 @@ struct FailJob {
 // Nothing but the passing of time. Due at Scheduler::next_deadline().
 struct Tick {};
 
-using Event = std::variant<Synchronize, TopUp, SubmitResult, SubmitJob, RestoreJob, PauseJob, ResumeJob,
-                           CancelJob, DeleteJob, ExtendJob, FailJob, Tick>;
+using Event = std::variant<Synchronize, TopUp, Dismiss, SubmitResult, SubmitJob, RestoreJob, PauseJob,
+                           ResumeJob, CancelJob, DeleteJob, ExtendJob, FailJob, Tick>;
 
 // ---- Answers ----
 

@@ -30,6 +30,17 @@ Worker* Scheduler::on(const TopUp& event, Actions& actions) {
   return worker;
 }
 
+Worker* Scheduler::on(const Dismiss& event, Actions& actions) {
+  Worker* const worker = roster_.find(event.worker);
+  if (worker == nullptr) {
+    actions.status = core::fail(core::ErrorCode::kNotFound, "there is no worker " + event.worker.value);
+    return nullptr;
+  }
+  worker->wanted_leases = 0;
+  for (const HeldLease& held : std::vector<HeldLease>(worker->leases)) end_lease(*find(held.job), held.id);
+  return nullptr;
+}
+
 void Scheduler::settle_reported(Worker& worker, const Synchronize& event) {
   for (const HeldLease& held : std::vector<HeldLease>(worker.leases)) {
     // What it reported once and reports no more it has dropped. What it never reported it may not have heard

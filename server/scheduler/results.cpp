@@ -13,7 +13,7 @@ Worker* Scheduler::on(const SubmitResult& event, Actions& actions) {
     actions.verdicts.assign(event.items.size(), Verdict::kDropped);
     return nullptr;
   }
-  actions.status = validate(*job, event.items);
+  actions.status = validate(*job, event);
   if (!actions.status) return nullptr;
 
   measure(*job, event);
@@ -45,8 +45,18 @@ void Scheduler::note_refusal(Job& job, const SubmitResult& event, Actions& actio
   if (failure) fail(job, *failure, actions);
 }
 
-core::Status Scheduler::validate(const Job& job, const std::vector<WorkItem>& items) const {
-  for (const WorkItem& item : items) {
+core::Status Scheduler::validate_lease(const Job& job, const SubmitResult& event) const {
+  const bool never_given = event.lease == LeaseId{} || event.lease > last_lease_id_;
+  const Lease* const lease = job.leases().find(event.lease);
+  if (!never_given && (lease == nullptr || lease->holder == event.worker)) return {};
+  return core::fail(core::ErrorCode::kInvalidArgument,
+                    fmt::format("lease {} was {}: deliver items for the lease they were rendered for",
+                                event.lease.value, never_given ? "never given" : "given to another worker"));
+}
+
+core::Status Scheduler::validate(const Job& job, const SubmitResult& event) const {
+  if (auto valid = validate_lease(job, event); !valid) return valid;
+  for (const WorkItem& item : event.items) {
     if (job.has(item)) continue;
     return core::fail(
         core::ErrorCode::kInvalidArgument,

@@ -110,6 +110,7 @@ class Scheduler {
   // Each takes one event. Those of a worker that awaits a reply return it.
   Worker* on(const Synchronize& event, Actions& actions);
   Worker* on(const TopUp& event, Actions& actions);
+  Worker* on(const Dismiss& event, Actions& actions);
   Worker* on(const SubmitResult& event, Actions& actions);
   Worker* on(const SubmitJob& event, Actions& actions);
   Worker* on(const RestoreJob& event, Actions& actions);
@@ -156,7 +157,8 @@ class Scheduler {
   void end_all_leases(Job& job);
 
   // ---- Results (results.cpp) ----
-  core::Status validate(const Job& job, const std::vector<WorkItem>& items) const;
+  core::Status validate(const Job& job, const SubmitResult& event) const;
+  core::Status validate_lease(const Job& job, const SubmitResult& event) const;
   void measure(Job& job, const SubmitResult& event);
   void note_refusal(Job& job, const SubmitResult& event, Actions& actions);
 

@@ -89,6 +89,8 @@ void Coordinator::wake(const WorkerId& worker) {
 void Coordinator::submit_result(const SubmitResult& result, const std::function<void()>& answer) {
   if (!up() || delayed([=, this] { submit_result(result, answer); })) return;
   const Actions actions = handle(result);
+  if (!actions.status && result.worker.value != "liar")
+    world_.fail("an honest result was refused: " + actions.status.error().message);
   if (actions.status && actions.verdicts.size() != result.items.size()) {
     return world_.fail("not every item has a verdict");
   }

@@ -60,6 +60,8 @@ TEST(JobText, SaysHowWorkersAreDoing) {
   EXPECT_THAT(workers_table(workers, 0), HasSubstr("leaving"));
   worker.set_silent(true);
   EXPECT_THAT(workers_table(workers, 0), HasSubstr("silent"));
+  worker.set_put_aside(true);
+  EXPECT_THAT(workers_table(workers, 0), HasSubstr("put aside"));
 }
 
 TEST(JobText, ProgressSaysWhoWorks) {

@@ -37,7 +37,7 @@ TEST_F(Results, AreDroppedIfAnyOfTheirSamplesIsThereAlready) {
   EXPECT_EQ(scheduler_->done({"job"}, 0), (IntervalSet{{2, 4}}));
 }
 
-TEST_F(Results, CountWhoeverSendsThemAndWithoutALease) {
+TEST_F(Results, CountWhoeverSendsThemForALeaseFromBeforeARestart) {
   submit("job", tiles(2, 4));
   EXPECT_THAT(deliver("stranger", {LeaseId{77}, {"job"}, {{1, {0, 4}}}}).verdicts, ElementsAre(kAccepted));
 }
@@ -100,9 +100,35 @@ TEST_F(Results, MayBeTheFirstPartOfARange) {
 TEST_F(Results, CannotFinishTheLeaseOfAnother) {
   submit("job", tiles(100, 4));
   const LeaseDescription lease = lease_to("holder");
-  deliver("liar", lease, {}, true);
+  EXPECT_FALSE(deliver("liar", lease, {}, true).status);
   EXPECT_EQ(job("job").active_workers, 1);
   EXPECT_EQ(sync("holder", {lease}).leases, std::vector{lease});
+}
+
+TEST_F(Results, ForLeasesTheWorkerNeverHadAreRefused) {
+  submit("job", tiles(100, 4));
+  const LeaseDescription lease = lease_to("holder");
+  LeaseDescription invented = lease;
+  for (const std::uint64_t id :
+       {std::uint64_t{0}, lease.id.value + 1, lease.id.value + (std::uint64_t{1} << 40)}) {
+    invented.id = {id};
+    const Actions actions = deliver("holder", invented);
+    ASSERT_FALSE(actions.status);
+    EXPECT_THAT(actions.status.error().message, testing::HasSubstr("was never given"));
+  }
+  EXPECT_THAT(deliver("liar", lease).status.error().message,
+              testing::HasSubstr("was given to another worker"));
+  EXPECT_EQ(job("job").samples_done, 0u);
+  EXPECT_TRUE(deliver("holder", lease).status);
+}
+
+TEST_F(Results, OfADismissedWorkerComeFromOthers) {
+  submit("job", tiles(100, 4));
+  const LeaseDescription lease = lease_to("a");
+  handle(Dismiss{{"a"}});
+  EXPECT_EQ(job("job").active_workers, 0);
+  EXPECT_EQ(lease_to("b").items, lease.items);
+  EXPECT_EQ(handle(Dismiss{{"nobody"}}).status.error().code, core::ErrorCode::kNotFound);
 }
 
 TEST_F(Results, ThatAreNoPartOfTheJobAreRefusedWhole) {

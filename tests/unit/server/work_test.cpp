@@ -117,6 +117,56 @@ INSTANTIATE_TEST_SUITE_P(
             [](auto& item) { item.mutable_counters()->mutable_first_non_finite()->set_x(100'000); }}),
     [](const auto& lie) { return lie.param.name; });
 
+TEST_F(Work, AWorkerWhoseResultsAreRefusedAgainAndAgainIsPutAside) {
+  const std::string id = submit();
+  const v1::Lease lease = synchronize(greeting('a')).leases(0);
+  v1::SubmitResultRequest lie = delivery('a', lease);
+  lie.mutable_items(0)->set_sums_xxh3(lie.items(0).sums_xxh3() ^ 1);
+  for (int i = 1; i <= 2; ++i) {
+    EXPECT_EQ(coordinator().submit_result(lie).error().code, ErrorCode::kInvalidArgument);
+    EXPECT_EQ(coordinator().workers()[0].refused_results(), static_cast<std::uint64_t>(i));
+  }
+  v1::SubmitResultRequest invented = delivery('a', lease);
+  invented.set_lease_id(lease.id() + 1);
+  EXPECT_EQ(coordinator().submit_result(invented).error().code, ErrorCode::kInvalidArgument);
+  EXPECT_TRUE(coordinator().workers()[0].put_aside());
+  EXPECT_EQ(coordinator().workers()[0].held_leases(), 0u);
+
+  EXPECT_EQ(coordinator().submit_result(delivery('a', lease)).error().code, ErrorCode::kFailedPrecondition);
+  for (const char worker : {'a', 'b'}) {
+    v1::SynchronizeRequest request = greeting(worker);
+    request.set_name("host-a");
+    const WaitingCall call(coordinator(), request);
+    ASSERT_TRUE(call.answered());
+    EXPECT_THAT(call.answer().error().message, HasSubstr("worker host-a is put aside"));
+  }
+  work('c');
+  EXPECT_EQ(coordinator().picture(id)->image.pixels, ready_made_picture(kWidthPx, kHeightPx, kSpp).pixels);
+}
+
+TEST_F(Work, RefusalsWithGoodResultsInBetweenPutNobodyAside) {
+  submit();
+  for (int i = 0; i < 4; ++i) {
+    const v1::Lease lease = synchronize(greeting('a')).leases(0);
+    v1::SubmitResultRequest bad = delivery('a', lease);
+    bad.mutable_items(0)->set_sums_zstd("sums");
+    EXPECT_FALSE(coordinator().submit_result(bad));
+    deliver(delivery('a', lease));
+  }
+  EXPECT_FALSE(coordinator().workers()[0].put_aside());
+  EXPECT_EQ(coordinator().workers()[0].refused_results(), 4u);
+}
+
+TEST_F(Work, SamplesOfAnotherArithmeticAreRefused) {
+  const std::string id = submit();
+  v1::SubmitResultRequest request = delivery('a', synchronize(greeting('a')).leases(0));
+  request.set_arithmetic_fingerprint("beef");
+  EXPECT_EQ(coordinator().submit_result(request).error().code, ErrorCode::kFailedPrecondition);
+  EXPECT_EQ(job(id).samples_done(), 0u);
+  request.set_arithmetic_fingerprint("f00d");
+  EXPECT_GT(deliver(request).accepted_items(), 0u);
+}
+
 TEST_F(Work, AResultOfTooManyItemsIsRefusedUnread) {
   submit();
   v1::SubmitResultRequest request = delivery('a', synchronize(greeting('a')).leases(0));

@@ -97,7 +97,7 @@ TEST_F(LoopsTest, GoodbyeSaysThatNothingIsHeld) {
 TEST_F(LoopsTest, DeliveryDescribesItself) {
   hold_rendered(4);
   holdings_.drain();
-  DeliverLoop("id", coordinator_.stub(), holdings_).run({});
+  DeliverLoop({.worker_id = "id"}, coordinator_.stub(), holdings_).run({});
   const auto results = coordinator_.wait_for_results(1);
   ASSERT_EQ(results.size(), 1u);
   EXPECT_EQ(results[0].worker_id(), "id");
@@ -117,7 +117,7 @@ TEST_F(LoopsTest, DeliveryIsRepeatedUntilItArrives) {
   coordinator_.refuse_results_with({{grpc::StatusCode::UNAVAILABLE, ""}, {grpc::StatusCode::INTERNAL, ""}});
   hold_rendered(2);
   holdings_.drain();
-  DeliverLoop("id", coordinator_.stub(), holdings_).run({});
+  DeliverLoop({.worker_id = "id"}, coordinator_.stub(), holdings_).run({});
   const auto results = coordinator_.wait_for_results(3);
   ASSERT_EQ(results.size(), 3u);
   EXPECT_EQ(results[2].SerializeAsString(), results[0].SerializeAsString());
@@ -128,7 +128,7 @@ TEST_F(LoopsTest, ARefusedDeliveryIsNotRepeated) {
   coordinator_.refuse_results_with({{grpc::StatusCode::INVALID_ARGUMENT, "does not fit"}});
   hold_rendered(4);
   holdings_.drain();
-  DeliverLoop("id", coordinator_.stub(), holdings_).run({});
+  DeliverLoop({.worker_id = "id"}, coordinator_.stub(), holdings_).run({});
   EXPECT_EQ(coordinator_.wait_for_results(1).size(), 1u);
 }
 

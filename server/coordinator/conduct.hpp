@@ -1,0 +1,38 @@
+// Which workers' results were refused, and how often: those of a broken machine, a wrong build or a liar.
+// After too many in a row a worker is put aside, under its id and its name, until the coordinator is started
+// anew. Not thread-safe; the coordinator's gate guards it.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <set>
+#include <string>
+
+namespace tessera::coordinator {
+
+class Conduct {
+ public:
+  static constexpr int kRefusalsUntilAside = 3;
+
+  // A result of this worker was refused. Whether that was once too often.
+  bool refused(const std::string& worker, const std::string& name);
+  // A result of it was in order.
+  void in_order(const std::string& worker);
+  // The worker is forgotten altogether; a name that was put aside stays so.
+  void forget(const std::string& worker) { entries_.erase(worker); }
+
+  std::uint64_t refusals(const std::string& worker) const;
+  bool is_aside(const std::string& worker) const;
+  bool is_name_aside(const std::string& name) const { return names_aside_.contains(name); }
+
+ private:
+  struct Entry {
+    std::uint64_t refused = 0;
+    int in_a_row = 0;
+    bool aside = false;
+  };
+  std::map<std::string, Entry> entries_;  // by worker
+  std::set<std::string> names_aside_;
+};
+
+}  // namespace tessera::coordinator
