@@ -34,9 +34,14 @@ int run_jobs(const ListOptions& options) {
 
 int run_job(const ListOptions& options) {
   Farm farm(options.coordinator);
-  const auto job = find_job(farm, options.job);
-  if (!job) return print_error(job.error());
-  fmt::print("{}", options.json ? to_json_line(*job) : job_description(*job));
+  const auto listed = find_job(farm, options.job);
+  if (!listed) return print_error(listed.error());
+  v1::GetJobRequest request;
+  request.set_job_id(listed->id());
+  const auto response = farm.call(&Farm::Stub::GetJob, request);
+  if (!response) return print_error(response.error());
+  const v1::Job& job = response->job();
+  fmt::print("{}", options.json ? to_json_line(job) : job_description(job));
   return kExitOk;
 }
 

@@ -61,11 +61,18 @@ core::Result<v1::Job> Coordinator::job(const std::string& id) {
   return describe_now(turn, *record);
 }
 
+core::Result<v1::Job> Coordinator::job_without_bundle(const std::string& id) {
+  const Turn turn(*this);
+  const JobRecord* record = find(id);
+  if (record == nullptr) return core::fail(core::ErrorCode::kNotFound, fmt::format("there is no job {}", id));
+  return summarise(*record, *scheduler_.job({id}, turn.now()));
+}
+
 std::vector<v1::Job> Coordinator::jobs() {
   const Turn turn(*this);
   std::vector<v1::Job> result;
   for (const scheduler::JobView& view : scheduler_.jobs(turn.now())) {
-    result.push_back(describe(jobs_.at(view.id.value), view));
+    result.push_back(summarise(jobs_.at(view.id.value), view));
   }
   return {result.rbegin(), result.rend()};
 }

@@ -69,7 +69,8 @@ class Coordinator {
   // Blocks while the scene is validated and the job is stored.
   core::Result<v1::Job> submit_job(const v1::SubmitJobRequest& request);
   core::Result<v1::Job> job(const std::string& id);
-  // Newest first.
+  core::Result<v1::Job> job_without_bundle(const std::string& id);
+  // Newest first, without their bundles.
   std::vector<v1::Job> jobs();
   // These return when the change is stored.
   core::Result<v1::Job> cancel_job(const std::string& id);

@@ -17,8 +17,19 @@ scheduler::JobShape shape_of(const v1::Job& spec, std::uint32_t spp) {
 }
 
 v1::Job describe(const JobRecord& record, const scheduler::JobView& view) {
-  v1::Job job = *record.spec;
+  v1::Job job = summarise(record, view);
+  *job.mutable_bundle() = record.spec->bundle();
+  return job;
+}
+
+v1::Job summarise(const JobRecord& record, const scheduler::JobView& view) {
+  v1::Job job;
+  job.set_id(record.spec->id());
+  job.set_name(record.spec->name());
+  *job.mutable_settings() = record.spec->settings();
   job.mutable_settings()->set_spp(view.shape.spp);
+  if (record.spec->has_display()) *job.mutable_display() = record.spec->display();
+  *job.mutable_created_at() = record.spec->created_at();
   job.set_state(to_wire(view.state));
   job.set_failure(view.failure);
   job.set_priority(view.priority);

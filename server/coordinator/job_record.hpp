@@ -38,6 +38,8 @@ scheduler::JobShape shape_of(const v1::Job& spec, std::uint32_t spp);
 
 // The job as its users see it.
 v1::Job describe(const JobRecord& record, const scheduler::JobView& view);
+// The same without the bundle, which can name thousands of files.
+v1::Job summarise(const JobRecord& record, const scheduler::JobView& view);
 
 store::JobRow to_row(const JobRecord& record, const scheduler::JobView& view);
 // DATA_LOSS if the row cannot be read. The film is left out.

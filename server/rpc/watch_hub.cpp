@@ -38,7 +38,7 @@ void WatchHub::close() {
 void WatchHub::tell(Watcher& watcher) {
   if (closed_)
     return watcher.tell(core::fail(core::ErrorCode::kUnavailable, "the coordinator is stopping: try again"));
-  watcher.tell(coordinator_.job(watcher.job_id()));
+  watcher.tell(coordinator_.job_without_bundle(watcher.job_id()));
 }
 
 }  // namespace tessera::rpc
