@@ -5,6 +5,7 @@
 
 #include <cstdlib>
 #include <iostream>
+#include <stop_token>
 
 #include "server/options.hpp"
 #include "server/rpc/server.hpp"
@@ -27,7 +28,8 @@ core::Status run(const server::Options& options, const sigset_t& stop_signals) {
   auto state = store::StateDirectory::open(options.state);
   if (!state) return core::fail(state.error());
   const store::BlobStore blobs = state->blobs;
-  const validator::ProcessOptions validator{options.validator};
+  std::stop_source stopping;
+  const validator::ProcessOptions validator{.path = options.validator, .stop = stopping.get_token()};
   const auto check = [&](const v1::Bundle& bundle,
                          const v1::RenderOverrides& overrides) -> core::Result<coordinator::CheckedScene> {
     const auto approval = validator::validate_scene(validator, blobs, bundle, overrides);
@@ -50,6 +52,7 @@ core::Status run(const server::Options& options, const sigset_t& stop_signals) {
   int signal = 0;
   sigwait(&stop_signals, &signal);
   spdlog::info("stopping on signal {}", signal);
+  stopping.request_stop();  // nobody waits for a scene that is being validated
   return (*server)->stop();
 }
 

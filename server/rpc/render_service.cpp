@@ -27,7 +27,7 @@ grpc::ServerReadReactor<v1::UploadBlobRequest>* RenderService::UploadBlob(grpc::
 grpc::ServerUnaryReactor* RenderService::SubmitJob(grpc::CallbackServerContext* context,
                                                    const v1::SubmitJobRequest* request,
                                                    v1::SubmitJobResponse* response) {
-  return run_unary(context, pools_.slow,
+  return run_unary(context, pools_.validating,
                    [=, this] { return put_job(coordinator_.submit_job(*request), response); });
 }
 

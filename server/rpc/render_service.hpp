@@ -12,8 +12,10 @@ namespace tessera::rpc {
 struct Pools {
   // For what takes milliseconds.
   coordinator::ThreadPool& quick;
-  // For what takes seconds: validating scenes, encoding pictures.
+  // For what takes seconds: encoding pictures, reading films back.
   coordinator::ThreadPool& slow;
+  // For validating scenes, which can take minutes: no picture is to wait for that.
+  coordinator::ThreadPool& validating;
 };
 
 class RenderService final : public v1::RenderService::CallbackService {

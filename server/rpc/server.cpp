@@ -26,6 +26,7 @@ constexpr auto kCheckpointPeriod = std::chrono::milliseconds(1000);
 constexpr auto kLeaveForCalls = std::chrono::seconds(2);
 
 constexpr int kSlowThreads = 2;
+constexpr int kValidatingThreads = 2;
 constexpr std::size_t kMaxWaitingQuick = 1024;
 constexpr std::size_t kMaxWaitingSlow = 64;
 
@@ -55,14 +56,15 @@ struct Server::Parts {
       : coordinator(c),
         quick(quick_threads(), kMaxWaitingQuick),
         slow(kSlowThreads, kMaxWaitingSlow),
+        validating(kValidatingThreads, kMaxWaitingSlow),
         watches(c),
-        render_service(c, {quick, slow}, watches),
+        render_service(c, {quick, slow, validating}, watches),
         worker_service(c, quick),
         ticker(kTickPeriod, [this] { coordinator.tick(); }),
         checkpointer(kCheckpointPeriod, [this] { checkpoint_log.note(coordinator.checkpoint()); }) {}
 
   Coordinator& coordinator;
-  coordinator::ThreadPool quick, slow;
+  coordinator::ThreadPool quick, slow, validating;
   WatchHub watches;
   RenderService render_service;
   WorkerService worker_service;

@@ -85,20 +85,31 @@ core::Result<pid_t> spawn(const std::string& path, const Fd& in, const Fd& out) 
                                 std::strerror(error)));
 }
 
-// The process's wait status, or nothing if it had to be killed.
-core::Result<std::optional<int>> wait_for(pid_t pid, std::chrono::milliseconds timeout) {
-  const Fd handle(pidfd_open(pid, 0));
-  bool ended = false;
-  if (handle) {
-    pollfd exit{handle.get(), POLLIN, 0};
-    ended = poll(&exit, 1, static_cast<int>(timeout.count())) == 1;
+// Whether the process ended by itself before the time was up or a stop was requested.
+bool ends_in_time(const Fd& process, const ProcessOptions& options) {
+  constexpr std::chrono::milliseconds kLookAround{50};
+  const auto deadline = std::chrono::steady_clock::now() + options.timeout;
+  pollfd exit{process.get(), POLLIN, 0};
+  while (!options.stop.stop_requested() && std::chrono::steady_clock::now() < deadline) {
+    if (poll(&exit, 1, static_cast<int>(kLookAround.count())) == 1) return true;
   }
+  return false;
+}
+
+// The process's wait status, or nothing if it had to be killed.
+core::Result<std::optional<int>> wait_for(pid_t pid, const ProcessOptions& options) {
+  const Fd handle(pidfd_open(pid, 0));
+  const bool ended = handle && ends_in_time(handle, options);
   if (!ended) kill(pid, SIGKILL);
   int status = 0;
   while (waitpid(pid, &status, 0) < 0) {
     if (errno != EINTR) return core::fail(system_error("waitpid"));
   }
   return ended ? std::optional(status) : std::nullopt;
+}
+
+core::Error stopping() {
+  return {ErrorCode::kUnavailable, "the coordinator is stopping: try again"};
 }
 
 core::Result<std::string> read_all(const Fd& file) {
@@ -148,15 +159,17 @@ std::string default_validator_path() {
 
 core::Result<Approval> validate_scene(const ProcessOptions& options, const store::BlobStore& blobs,
                                       const v1::Bundle& bundle, const v1::RenderOverrides& overrides) {
+  if (options.stop.stop_requested()) return core::fail(stopping());
   const auto in = memory_file("question", make_question(blobs, bundle, overrides).SerializeAsString());
   if (!in) return core::fail(in.error());
   const auto out = memory_file("verdict", "");
   if (!out) return core::fail(out.error());
   const auto pid = spawn(options.path, *in, *out);
   if (!pid) return core::fail(pid.error());
-  const auto status = wait_for(*pid, options.timeout);
+  const auto status = wait_for(*pid, options);
   if (!status) return core::fail(status.error());
   if (*status) return read_verdict(*out, **status);
+  if (options.stop.stop_requested()) return core::fail(stopping());
   return core::fail(ErrorCode::kInvalidArgument,
                     fmt::format("the scene could not be validated within {} s: make it smaller",
                                 std::chrono::duration_cast<std::chrono::seconds>(options.timeout).count()));

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <chrono>
+#include <stop_token>
 #include <string>
 
 #include "core/base/error.hpp"
@@ -16,6 +17,8 @@ struct ProcessOptions {
   std::string path;
   // After so long it is killed.
   std::chrono::milliseconds timeout = std::chrono::minutes(5);
+  // When this is requested it is killed, and none is started any more.
+  std::stop_token stop{};
 };
 
 // What is said of a scene that can be rendered.
@@ -29,7 +32,7 @@ std::string default_validator_path();
 
 // How the bundle would be rendered and shown. Its blobs must be in `blobs`. Blocks.
 // INVALID_ARGUMENT also if the validator crashed or ran out of time over it; INTERNAL if it could not be
-// started.
+// started; UNAVAILABLE after a stop.
 core::Result<Approval> validate_scene(const ProcessOptions& options, const store::BlobStore& blobs,
                                       const v1::Bundle& bundle, const v1::RenderOverrides& overrides);
 

@@ -2,6 +2,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <thread>
+
 #include "proto/blob.hpp"
 #include "server/validator/validator_process.hpp"
 #include "tests/unit/server/temporary_folder.hpp"
@@ -42,7 +44,7 @@ class Validator : public testing::Test {
 
   TemporaryFolder folder_;
   store::BlobStore blobs_ = *store::BlobStore::open(folder_.path() / "blobs");
-  ProcessOptions options_{TESSERA_VALIDATOR, std::chrono::minutes(1)};
+  ProcessOptions options_{.path = TESSERA_VALIDATOR, .timeout = std::chrono::minutes(1)};
   v1::Bundle bundle_ = [] {
     v1::Bundle bundle;
     bundle.set_scene_path("scene.json");
@@ -125,6 +127,17 @@ TEST_F(Validator, IsKilledWhenItTakesTooLong) {
   const core::Error error = refusal();
   EXPECT_EQ(error.code, ErrorCode::kInvalidArgument);
   EXPECT_THAT(error.message, HasSubstr("could not be validated within"));
+}
+
+TEST_F(Validator, IsKilledWhenTheCoordinatorStops) {
+  add_file("scene.json", "{}");
+  replace_validator("exec /bin/sleep 600");
+  std::stop_source stopping;
+  options_.stop = stopping.get_token();
+  std::jthread stopper([&] { stopping.request_stop(); });
+  EXPECT_EQ(refusal().code, ErrorCode::kUnavailable);
+  replace_validator("exit 0");
+  EXPECT_EQ(refusal().code, ErrorCode::kUnavailable) << "none is started any more";
 }
 
 TEST_F(Validator, SaysWhereItShouldBe) {
