@@ -127,8 +127,9 @@ struct Reply {
   // Everything it should hold, oldest first. Items are what is still missing of the lease: those that others
   // have delivered meanwhile are gone from it.
   std::vector<LeaseDescription> leases;
-  // Whether these are other leases than the worker reported in its last Synchronize. If not, there is no
-  // hurry to answer: the call can wait until Actions::wake names the worker.
+  // Whether these are other leases than the worker reported in its last Synchronize, or have lost items to
+  // others since its last reply. If not, there is no hurry to answer: the call can wait until Actions::wake
+  // names the worker.
   bool changed = false;
   // Unless the worker is heard of again within this time, its leases go to others.
   Duration heard_within{};

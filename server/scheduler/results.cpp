@@ -1,6 +1,7 @@
 // What workers deliver.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "server/scheduler/scheduler.hpp"
@@ -20,6 +21,7 @@ Worker* Scheduler::on(const SubmitResult& event, Actions& actions) {
   std::vector<Lease> ended;
   std::uint64_t accepted_samples = 0;
   for (const WorkItem& item : event.items) {
+    spare_others(*job, item, event.worker);
     const bool accepted = job->accept(item, ended);
     actions.verdicts.push_back(accepted ? Verdict::kAccepted : Verdict::kDropped);
     if (accepted) accepted_samples += job->pixel_samples(item);
@@ -38,6 +40,20 @@ Worker* Scheduler::on(const SubmitResult& event, Actions& actions) {
   }
   if (job->complete() && job->state() == JobState::kRunning) become(*job, JobState::kDone, actions);
   return nullptr;
+}
+
+void Scheduler::spare_others(const Job& job, const WorkItem& item, const WorkerId& deliverer) {
+  if (job.done(item.tile).intersects(item.samples)) return;  // it will not be accepted
+  for (const LeaseId id : job.leases().of_tile(item.tile)) {
+    const Lease& lease = *job.leases().find(id);
+    const auto shares = [&](const WorkItem& held) {
+      return held.tile == item.tile && held.samples.begin < item.samples.end &&
+             item.samples.begin < held.samples.end;
+    };
+    if (lease.holder == deliverer || std::none_of(lease.items.begin(), lease.items.end(), shares)) continue;
+    roster_.find(lease.holder)->shrunk = true;
+    lost_leases_.insert(lease.holder);
+  }
 }
 
 void Scheduler::note_refusal(Job& job, const SubmitResult& event, Actions& actions) {

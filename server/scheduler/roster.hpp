@@ -38,6 +38,8 @@ struct Worker {
   std::vector<HeldLease> leases;
   // What it said it holds in its last Synchronize.
   std::set<LeaseId> reported;
+  // Others have delivered some of what it holds since its last reply.
+  bool shrunk = false;
   // Its last reply was not `changed`, so that its call may be waiting.
   bool waiting = false;
   // Pixel samples per second, for each job it has rendered for.

@@ -65,7 +65,8 @@ Reply Scheduler::reply_to(Worker& worker) {
     reply.leases.push_back({held.id, held.job, find(held.job)->leases().find(held.id)->items});
     ids.insert(held.id);
   }
-  reply.changed = ids != worker.reported;
+  reply.changed = ids != worker.reported || worker.shrunk;
+  worker.shrunk = false;
   reply.heard_within = roster_.deadline(worker) - now_;
   worker.waiting = !reply.changed;
   return reply;

@@ -161,6 +161,8 @@ class Scheduler {
   core::Status validate_lease(const Job& job, const SubmitResult& event) const;
   void measure(Job& job, const SubmitResult& event);
   void note_refusal(Job& job, const SubmitResult& event, Actions& actions);
+  // Sees to it that whoever else holds samples of an item hears at once that they are done.
+  void spare_others(const Job& job, const WorkItem& item, const WorkerId& deliverer);
 
   std::optional<std::string> check_workers() const;
 
@@ -178,7 +180,7 @@ class Scheduler {
   Roster roster_;
 
   // Of the event at hand: whether there may be something to lease that was not there before, and whose leases
-  // have ended.
+  // have ended or shrunk.
   bool work_appeared_ = false;
   std::set<WorkerId> lost_leases_;
 };

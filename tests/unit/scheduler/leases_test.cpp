@@ -207,6 +207,23 @@ TEST_F(Copies, ThatAreDeliveredFirstEndTheirOriginals) {
   EXPECT_TRUE(reply.changed);
 }
 
+TEST_F(Leases, OfWhichAnotherHasDeliveredAPartAreTakenBackInThatPartAtOnce) {
+  submit("job", tiles(4, 1));
+  const LeaseDescription original = lease_to("slow");
+  ASSERT_EQ(original.items.size(), 2u);
+  deliver("quick", lease_to("quick"));
+  const LeaseDescription copy = lease_to("quick");
+  ASSERT_EQ(copy.items, std::vector{original.items[0]});
+  ASSERT_FALSE(sync("slow", {original}).changed);
+  const Actions actions = deliver("quick", copy);
+  EXPECT_THAT(actions.wake, testing::Contains(WorkerId{"slow"}));
+  const Reply reply = *handle(TopUp{{"slow"}}).reply;
+  EXPECT_TRUE(reply.changed);
+  ASSERT_EQ(reply.leases.size(), 1u);
+  EXPECT_EQ(reply.leases[0].items, std::vector{original.items[1]});
+  EXPECT_FALSE(sync("slow", reply.leases).changed);
+}
+
 TEST_F(Copies, KeepARangeFromBeingFreeUntilBothHoldersAreGone) {
   submit("job", tiles(2, 1));
   const LeaseDescription a = lease_to("a"), b = lease_to("b");
