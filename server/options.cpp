@@ -30,6 +30,11 @@ Options parse_options(int argc, char** argv) {
       ->check(CLI::Range(1.0, 3600.0))
       ->type_name("N")
       ->capture_default_str();
+  app.add_option("--keep-unused-hours", options.keep_unused_hours,
+                 "Files of scenes that no job names any more are removed after so many hours")
+      ->check(CLI::Range(1.0, 1e6))
+      ->type_name("N")
+      ->capture_default_str();
   app.add_option("--validator", options.validator, "The tessera-validator to start for submitted scenes")
       ->type_name("FILE")
       ->capture_default_str();

@@ -19,6 +19,8 @@ struct Options {
   // A worker silent for so long loses its work to others. Shorter: less delay when one dies; less patience
   // with the network.
   double lease_seconds = 10;
+  // Scenes' files that no job names are removed after so many hours.
+  double keep_unused_hours = 24;
   // The tessera-validator to start for submitted scenes.
   std::string validator = validator::default_validator_path();
 };

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cerrno>
 #include <chrono>
@@ -10,6 +11,7 @@
 #include <filesystem>
 #include <fstream>
 #include <system_error>
+#include <vector>
 
 #include "proto/status.hpp"
 #include "worker/waiting.hpp"
@@ -23,6 +25,8 @@ using core::fail;
 
 constexpr const char* kPartialSuffix = ".partial";
 constexpr auto kAbandonedAfter = std::chrono::hours(24);
+// A file that was asked for since may be read at this moment.
+constexpr auto kInUse = std::chrono::hours(1);
 // For one blob, however large: a stalled transfer is noticed by the channel's keepalive long before.
 constexpr auto kFetchDeadline = std::chrono::hours(1);
 
@@ -57,13 +61,13 @@ bool holds(const std::string& path, const proto::Digest& digest) {
 
 }  // namespace
 
-core::Result<BlobCache> BlobCache::open(const std::string& folder) {
+core::Result<BlobCache> BlobCache::open(const std::string& folder, std::uint64_t max_bytes) {
   std::error_code error;
   fs::create_directories(folder, error);
   if (error) return fail(ErrorCode::kInternal, fmt::format("cannot create {}: {}", folder, error.message()));
   if (access(folder.c_str(), R_OK | W_OK | X_OK) != 0) return fail(cannot_write(folder));
   remove_abandoned(folder);
-  return BlobCache(folder);
+  return BlobCache(folder, max_bytes);
 }
 
 std::string BlobCache::path_of(const proto::Digest& digest) const {
@@ -74,7 +78,11 @@ core::Result<std::string> BlobCache::get(const proto::Digest& digest,
                                          v1::WorkerService::StubInterface& coordinator,
                                          const std::stop_token& stop) const {
   const std::string path = path_of(digest);
-  if (holds(path, digest)) return path;
+  if (holds(path, digest)) {
+    std::error_code ignored;  // at worst it is removed too early, and fetched again
+    fs::last_write_time(path, fs::file_time_type::clock::now(), ignored);
+    return path;
+  }
   const std::string partial = partial_path(path);
   core::Status done = download(digest, partial, coordinator, stop);
   if (done && std::rename(partial.c_str(), path.c_str()) != 0) done = fail(cannot_write(path));
@@ -82,7 +90,32 @@ core::Result<std::string> BlobCache::get(const proto::Digest& digest,
     std::remove(partial.c_str());
     return fail(done.error());
   }
+  remove_unused();
   return path;
+}
+
+void BlobCache::remove_unused() const {
+  struct File {
+    fs::file_time_type used;
+    std::uint64_t bytes;
+    fs::path path;
+  };
+  std::vector<File> files;
+  std::uint64_t total = 0;
+  std::error_code ignored;  // other workers may remove files at the same time
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder_, ignored)) {
+    const std::uint64_t bytes = entry.file_size(ignored);
+    if (ignored || entry.path().extension() == kPartialSuffix) continue;
+    files.push_back({entry.last_write_time(ignored), bytes, entry.path()});
+    total += bytes;
+  }
+  std::sort(files.begin(), files.end(), [](const File& a, const File& b) { return a.used < b.used; });
+  const auto before = fs::file_time_type::clock::now() - kInUse;
+  for (const File& file : files) {
+    if (total <= max_bytes_ || file.used > before) return;
+    fs::remove(file.path, ignored);
+    total -= file.bytes;
+  }
 }
 
 core::Status BlobCache::download(const proto::Digest& digest, const std::string& path,

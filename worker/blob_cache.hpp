@@ -3,6 +3,7 @@
 // so that what a crash or a failing disk has left cannot reach a picture. Thread-safe.
 #pragma once
 
+#include <cstdint>
 #include <stop_token>
 #include <string>
 
@@ -12,10 +13,15 @@
 
 namespace tessera::worker {
 
+inline constexpr std::uint64_t kDefaultCacheBytes = std::uint64_t{16} << 30;
+
 class BlobCache {
  public:
   // Creates the folder where it is missing. Errors name the folder and say why it cannot be used.
-  static core::Result<BlobCache> open(const std::string& folder);
+  // After each transfer the files that were not used for longest are removed until no more than `max_bytes`
+  // are left, but none that was used within the last hour.
+  static core::Result<BlobCache> open(const std::string& folder,
+                                      std::uint64_t max_bytes = kDefaultCacheBytes);
 
   // The path of the blob's file, fetched from the coordinator if it is not here yet. Blocks, but for no
   // longer than it takes to notice a stop. Errors are those of FetchBlob, CANCELLED after a stop, INTERNAL if
@@ -24,13 +30,17 @@ class BlobCache {
                                 const std::stop_token& stop) const;
 
  private:
-  explicit BlobCache(std::string folder) : folder_(std::move(folder)) {}
+  BlobCache(std::string folder, std::uint64_t max_bytes)
+      : folder_(std::move(folder)), max_bytes_(max_bytes) {}
 
   std::string path_of(const proto::Digest& digest) const;
   core::Status download(const proto::Digest& digest, const std::string& path,
                         v1::WorkerService::StubInterface& coordinator, const std::stop_token& stop) const;
 
+  void remove_unused() const;
+
   std::string folder_;
+  std::uint64_t max_bytes_;
 };
 
 }  // namespace tessera::worker

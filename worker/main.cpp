@@ -13,7 +13,7 @@ using namespace tessera;
 
 int run(const worker::Options& options) {
   const worker::StopSignals signals;
-  const auto cache = worker::BlobCache::open(options.cache);
+  const auto cache = worker::BlobCache::open(options.cache, options.cache_bytes());
   if (!cache) {
     spdlog::error("{}: choose another folder with --cache", cache.error().message);
     return 1;

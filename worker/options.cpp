@@ -50,6 +50,11 @@ Options parse_options(int argc, char** argv) {
   app.add_option("--cache", options.cache, "Folder for the files of scenes; workers may share it")
       ->type_name("DIR")
       ->capture_default_str();
+  app.add_option("--cache-gib", options.cache_gib,
+                 "Size of the cache: beyond it, files that were not used for longest are removed")
+      ->check(CLI::Range(0.0, 1e6))
+      ->type_name("N")
+      ->capture_default_str();
   app.add_option("--name", options.name, "What people call this worker")
       ->type_name("NAME")
       ->capture_default_str();

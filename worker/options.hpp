@@ -11,10 +11,12 @@ struct Options {
   std::string coordinator = proto::kDefaultCoordinator;  // HOST:PORT
   unsigned threads;                                      // to render with; all of this machine's by default
   std::string cache;                                     // folder for scenes' files; may be shared by workers
-  std::string name;                                      // for people; the host's by default
+  double cache_gib = 16;  // scenes' files beyond this are removed, oldest first
+  std::string name;       // for people; the host's by default
   bool verbose = false;
 
   Options();
+  std::uint64_t cache_bytes() const { return static_cast<std::uint64_t>(cache_gib * (1 << 30)); }
 };
 
 // Reads the command line. On --help, --version and mistakes it prints what there is to say and ends the

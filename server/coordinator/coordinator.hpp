@@ -32,6 +32,9 @@ struct Options {
   scheduler::Duration lease_duration = std::chrono::seconds(10);
   // Largest picture. A film takes 48 bytes of memory for each pixel while its job is not finished.
   std::uint64_t max_pixels = std::uint64_t{1} << 28;
+  // Blobs that no job names are kept for so long after they were last uploaded or submitted: long enough for
+  // a client to submit what it has uploaded, and for somebody who tries one scene after another.
+  std::chrono::seconds keep_unused_blobs = std::chrono::hours(24);
   // The clock. Tests bring their own.
   std::function<scheduler::Time()> now = std::chrono::steady_clock::now;
 };
@@ -99,6 +102,8 @@ class Coordinator {
   // Writes what has changed since the last one. After an error everything not written is tried again next
   // time.
   core::Status checkpoint();
+  // Removes the blobs that nobody has needed for long. Due now and then.
+  void collect_blobs();
   // Answers all waiting calls, and every later one, with UNAVAILABLE.
   void close();
 

@@ -1,4 +1,4 @@
-// What follows from a blob that the store cannot give back.
+// What follows from a blob that the store cannot give back, and from one that nobody wants any more.
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
@@ -41,6 +41,20 @@ void Coordinator::blob_is_lost(const proto::Digest& digest, const core::Error& e
     state_.blobs.discard(digest);
   }
   for (const auto& [id, failure] : failures) fail_job(turn, id, failure);
+}
+
+void Coordinator::collect_blobs() {
+  std::set<std::string> named;
+  {
+    const Turn turn(*this);
+    for (const auto& [id, record] : jobs_) {
+      for (const v1::Bundle::Asset& asset : record.spec->bundle().assets()) {
+        if (const auto digest = proto::from_proto(asset.digest())) named.insert(digest->hex());
+      }
+    }
+  }
+  const std::size_t removed = state_.blobs.collect(named, options_.keep_unused_blobs);
+  if (removed > 0) spdlog::info("removed {} files of scenes that no job names any more", removed);
 }
 
 void Coordinator::fail_job(Turn& turn, const std::string& id, const std::string& failure) {

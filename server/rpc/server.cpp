@@ -23,6 +23,7 @@ namespace {
 constexpr auto kTickPeriod = std::chrono::milliseconds(100);
 // With the time of writing, less than the two seconds that a crash may cost.
 constexpr auto kCheckpointPeriod = std::chrono::milliseconds(1000);
+constexpr auto kCollectPeriod = std::chrono::minutes(10);
 constexpr auto kLeaveForCalls = std::chrono::seconds(2);
 
 constexpr int kSlowThreads = 2;
@@ -61,7 +62,8 @@ struct Server::Parts {
         render_service(c, {quick, slow, validating}, watches),
         worker_service(c, quick),
         ticker(kTickPeriod, [this] { coordinator.tick(); }),
-        checkpointer(kCheckpointPeriod, [this] { checkpoint_log.note(coordinator.checkpoint()); }) {}
+        checkpointer(kCheckpointPeriod, [this] { checkpoint_log.note(coordinator.checkpoint()); }),
+        collector(kCollectPeriod, [this] { coordinator.collect_blobs(); }) {}
 
   Coordinator& coordinator;
   coordinator::ThreadPool quick, slow, validating;
@@ -69,7 +71,7 @@ struct Server::Parts {
   RenderService render_service;
   WorkerService worker_service;
   CheckpointLog checkpoint_log;
-  coordinator::Periodic ticker, checkpointer;
+  coordinator::Periodic ticker, checkpointer, collector;
   std::unique_ptr<grpc::Server> grpc;
 };
 

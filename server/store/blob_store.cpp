@@ -113,8 +113,27 @@ core::Status BlobStore::verify(const proto::Digest& digest) const {
   while (true) {
     const auto bytes = reader->next(proto::kMaxChunkBytes);
     if (!bytes) return core::fail(bytes.error());
-    if (bytes->empty()) return {};
+    if (bytes->empty()) break;
   }
+  ::utimensat(AT_FDCWD, path(digest).c_str(), nullptr,
+              0);  // at worst it is collected too early, and uploaded again
+  return {};
+}
+
+std::size_t BlobStore::collect(const std::set<std::string>& keep, std::chrono::seconds unused_for) const {
+  namespace fs = std::filesystem;
+  const auto before = fs::file_time_type::clock::now() - unused_for;
+  std::size_t removed = 0;
+  std::error_code ignored;  // a file that cannot be looked at or removed stays
+  for (const fs::directory_entry& group : fs::directory_iterator(folder_, ignored)) {
+    if (group.path().filename() == "incoming") continue;
+    for (const fs::directory_entry& blob : fs::directory_iterator(group.path(), ignored)) {
+      const std::string hex = group.path().filename().string() + blob.path().filename().string();
+      const auto used = blob.last_write_time(ignored);
+      if (!ignored && used < before && !keep.contains(hex)) removed += fs::remove(blob.path(), ignored);
+    }
+  }
+  return removed;
 }
 
 void BlobStore::discard(const proto::Digest& digest) const {

@@ -5,7 +5,9 @@
 // thread-safe (it holds nothing that changes); a writer or reader is for one thread at a time.
 #pragma once
 
+#include <chrono>
 #include <filesystem>
+#include <set>
 #include <string>
 
 #include "core/base/error.hpp"
@@ -65,10 +67,14 @@ class BlobStore {
   core::Result<BlobWriter> write(const proto::Digest& digest) const;
   // NOT_FOUND if it is not here.
   core::Result<BlobReader> read(const proto::Digest& digest) const;
-  // Reads it from beginning to end. NOT_FOUND, DATA_LOSS, or what the disk says.
+  // Reads it from beginning to end, and counts it as used now. NOT_FOUND, DATA_LOSS, or what the disk says.
   core::Status verify(const proto::Digest& digest) const;
   // Removes a blob's file, so that it can be uploaded anew. Nothing happens if there is none.
   void discard(const proto::Digest& digest) const;
+
+  // Removes every blob that was neither uploaded nor verified within `unused_for`, but for those of which
+  // `keep` has the SHA-256 in hexadecimal digits. Answers with how many that were.
+  std::size_t collect(const std::set<std::string>& keep, std::chrono::seconds unused_for) const;
 
  private:
   explicit BlobStore(std::filesystem::path folder) : folder_(std::move(folder)) {}

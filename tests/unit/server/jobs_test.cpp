@@ -201,5 +201,24 @@ TEST_F(Jobs, EveryMethodSaysThatThereIsNoSuchJob) {
   EXPECT_EQ(coordinator().delete_job("nobody").error().code, ErrorCode::kNotFound);
 }
 
+TEST_F(Jobs, TakeTheirFilesWithThemWhenTheyAreDeleted) {
+  const auto blob = coordinator().blobs().path(proto::digest_of(kSceneBytes));
+  const auto last_used_hours_ago = [&](int hours) {
+    std::filesystem::last_write_time(
+        blob, std::filesystem::file_time_type::clock::now() - std::chrono::hours(hours));
+  };
+  const std::string id = submit();
+  last_used_hours_ago(25);
+  coordinator().collect_blobs();
+  EXPECT_TRUE(std::filesystem::exists(blob)) << "a job needs it";
+  ASSERT_TRUE(coordinator().delete_job(id));
+  last_used_hours_ago(23);
+  coordinator().collect_blobs();
+  EXPECT_TRUE(std::filesystem::exists(blob)) << "it may be submitted again";
+  last_used_hours_ago(25);
+  coordinator().collect_blobs();
+  EXPECT_FALSE(std::filesystem::exists(blob));
+}
+
 }  // namespace
 }  // namespace tessera::coordinator

@@ -50,6 +50,25 @@ TEST_F(BlobCacheTest, FetchesOnceAndKeeps) {
   EXPECT_EQ(files(), 1u);
 }
 
+TEST_F(BlobCacheTest, FilesThatWereNotUsedForLongestMakeRoom) {
+  const std::string path = get(digest_).value();
+  const auto use_hours_ago = [](const std::string& file, int hours) {
+    fs::last_write_time(file, fs::file_time_type::clock::now() - std::chrono::hours(hours));
+  };
+  const auto get_another = [&](const std::string& bytes) {
+    coordinator_.keep_blob(proto::to_proto(proto::digest_of(bytes)).sha256(), bytes);
+    const auto cache = BlobCache::open(folder_ / "cache", 3'500'000);
+    return cache->get(proto::digest_of(bytes), coordinator_.stub(), {}).value();
+  };
+  get_another(std::string(600'000, 'x'));
+  EXPECT_EQ(files(), 2u) << "what was used lately stays";
+  use_hours_ago(path, 3);
+  const std::string second = get_another(std::string(600'000, 'y'));
+  EXPECT_FALSE(fs::exists(path));
+  EXPECT_TRUE(fs::exists(second));
+  EXPECT_EQ(files(), 2u);
+}
+
 TEST_F(BlobCacheTest, AnEmptyBlobIsABlob) {
   const proto::Digest empty = proto::digest_of("");
   coordinator_.keep_blob(proto::to_proto(empty).sha256(), "");
