@@ -1,13 +1,13 @@
 // What keeps surfaces shaded with other normals than their own (interpolated, or bent by a map) from going
-// black or letting light through. docs/materials.md says why. All vectors are of unit length.
+// black or letting light through. docs/materials.md says why. All vectors are of unit length; `side` is the
+// surface's true normal on the side of the viewer, who looks along -wo.
 #pragma once
 
 #include "core/math/vec3.hpp"
 
 namespace tessera::core {
 
-// The surface's true normal `side` and `normal`, both on the side of wo: `normal`, bent just far enough that
-// wo is above it.
+// `normal`, bent just far enough that wo is above it.
 Vec3 bend_toward_viewer(Vec3 normal, Vec3 wo);
 
 // Bent just far enough that the mirror direction of wo is above the true surface (Keller et al. 2017).

@@ -12,7 +12,7 @@ inline constexpr float kMinAlpha = 1e-3f;
 
 class Ggx {
  public:
-  // alpha in [kMinAlpha, 1], the slope's root mean square but for a constant factor.
+  // alpha in [kMinAlpha, 1]: half of the microfacets, by their projected area, are steeper than that.
   explicit Ggx(float alpha) : alpha_(alpha), alpha2_(alpha * alpha) {}
 
   float alpha() const { return alpha_; }

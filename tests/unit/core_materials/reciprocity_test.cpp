@@ -25,7 +25,8 @@ TEST_P(Reciprocity, OfReflection) {
   }
 }
 
-// Radiance over the squared index of refraction is what is passed on alike both ways (Veach 1997, section 5.2).
+// Radiance over the squared index of refraction is what is passed on alike both ways (Veach 1997,
+// section 5.2).
 class TransmissionReciprocity : public testing::TestWithParam<test::BsdfCase> {};
 
 TEST_P(TransmissionReciprocity, ButForTheSquaredIndex) {
