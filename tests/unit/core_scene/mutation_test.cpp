@@ -104,7 +104,11 @@ const std::string kScene = test::scene_with(
     "\"environment\": {\"radiance\": [1, 2, 3], \"texture\": \"sky\", \"rotation_degrees\": 45}",
     "\"a\": {\"type\": \"lambert\", \"albedo\": {\"texture\": \"t\", \"tint\": 0.5}, "
     "\"emission\": {\"texture\": \"t\", \"tint\": 5}}, // comment\n"
-    "\"g\": {\"type\": \"glass\", \"ior\": 1.5, \"transmittance\": [1, 0.9, 0.8]}",
+    "\"g\": {\"type\": \"glass\", \"ior\": 1.5, \"transmittance\": [1, 0.9, 0.8], \"fresnel\": \"none\", "
+    "\"roughness\": {\"texture\": \"t\", \"scale\": 0.4}},\n"
+    "\"p\": {\"type\": \"phong\", \"diffuse\": 0.4, \"specular\": 0.5, \"exponent\": 9, \"lobe\": \"n+2\"},\n"
+    "\"c\": {\"type\": \"cook_torrance\", \"conductor\": \"gold\", \"sampling\": \"half_vector\", "
+    "\"normal_map\": {\"texture\": \"t\", \"strength\": 2}}",
     "{\"type\": \"mesh\", \"file\": \"roof.obj\", \"normals\": \"smooth\", \"transform\": [{\"scale\": [1, "
     "-2, 1]},"
     "{\"rotate\": {\"axis\": [0, 1, 0], \"degrees\": 30}}, {\"translate\": [1, 2, 3]}]},"
