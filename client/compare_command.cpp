@@ -76,6 +76,7 @@ std::string to_json(const core::Comparison& c, const std::optional<core::ImageRe
       {"mse", c.mse},
       {"relative_mse", c.relative_mse},
       {"psnr_db", c.psnr_db},
+      {"reference_mean_square", c.reference_mean_square},
   };
   if (region) {
     json["region"] = {

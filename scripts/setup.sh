@@ -16,6 +16,8 @@ packages=(
   libspdlog-dev libsqlite3-dev libzstd-dev
   # Tests and benchmarks (Embree only to be measured beside).
   libgtest-dev libgmock-dev libbenchmark-dev libembree-dev
+  # run_all.sh: reading statistics, and putting pictures on one sheet with their names.
+  jq graphicsmagick fonts-dejavu-core
 )
 
 missing=()

@@ -30,6 +30,7 @@ double relative_square(double difference, double reference) {
 // Adds the three channels of one pixel to the sums, which become means later.
 void add_pixel(Comparison& sums, Rgb a, Rgb b, int x, int y) {
   for (int channel = 0; channel < 3; ++channel) {
+    sums.reference_mean_square += static_cast<double>(b[channel]) * static_cast<double>(b[channel]);
     if (!same_bits(a[channel], b[channel])) sums.identical = false;
     const double difference = absolute_difference(a[channel], b[channel]);
     if (difference == 0) continue;
@@ -73,6 +74,7 @@ Result<Comparison> compare(const Image& a, const Image& b, ImageRegion region) {
   const double values = 3.0 * region.width * region.height;
   result.mse /= values;
   result.relative_mse /= values;
+  result.reference_mean_square /= values;
   result.psnr_db = result.mse == 0 ? kInfinity : -10 * std::log10(result.mse);
   return result;
 }

@@ -16,6 +16,8 @@ struct Comparison {
   double relative_mse = 0;           // mean over pixels and channels of (a - b)^2 / (b^2 + 0.01)
   double psnr_db =
       0;  // 10 log10(1 / mse): the peak is 1 by convention, whatever the pictures hold; infinite for mse 0
+  double reference_mean_square =
+      0;  // mean over pixels and channels of b^2: what mse is small or large beside
 };
 
 // `b` is the reference. Errors: the sizes differ.

@@ -41,6 +41,7 @@ TEST(Compare, NumbersOfASmallPicture) {
   EXPECT_DOUBLE_EQ(result.mse, (0.25 + 0.0625) / 12);
   EXPECT_DOUBLE_EQ(result.relative_mse, (0.25 / 1.01 + 0.0625 / 0.26) / 12);
   EXPECT_DOUBLE_EQ(result.psnr_db, 10 * std::log10(12 / 0.3125));
+  EXPECT_DOUBLE_EQ(result.reference_mean_square, (1 + 0.25) / 12);
 }
 
 TEST(Compare, RelativeErrorIsRelativeToTheSecondPicture) {

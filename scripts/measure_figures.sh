@@ -1,0 +1,104 @@
+#!/usr/bin/env bash
+# measure_figures.sh DIR: from the pictures that run_all.sh rendered into DIR, the errors and times that
+# docs/report.md reports, as Markdown. Errors are in linear light, against the reference of the same scene.
+set -euo pipefail
+
+pictures=${1:?usage: measure_figures.sh DIR}
+root=$(dirname "${BASH_SOURCE[0]}")/..
+compare=$root/build/release/bin/tessera
+
+# error_of KEY PICTURE REFERENCE [OPTIONS...]: a number of the comparison, e.g. mse.
+error_of() {
+  local key=$1 picture=$2 reference=$3 status=0 json
+  shift 3
+  json=$("$compare" compare "$pictures/$picture.exr" "$pictures/$reference.exr" --json "$@") || status=$?
+  [ "$status" -le 1 ] || exit "$status"
+  jq -r ".$key" <<<"$json"
+}
+
+statistic() { jq -r ".$2" "$pictures/$1.json"; }
+calculate() { awk "BEGIN { printf \"%.4g\", $1 }"; }
+
+# table REFERENCE PICTURE...: samples, time and errors of each.
+table() {
+  local reference=$1 name
+  shift
+  echo "| picture | samples per pixel | seconds | MSE | relative MSE |"
+  echo "|---|---|---|---|---|"
+  for name in "$@"; do
+    echo "| $name | $(statistic "$name" spp) | $(calculate "$(statistic "$name" render_seconds)") |" \
+      "$(calculate "$(error_of mse "$name" "$reference")") |" \
+      "$(calculate "$(error_of relative_mse "$name" "$reference")") |"
+  done
+  echo "| $reference | $(statistic "$reference" spp) | $(calculate "$(statistic "$reference" render_seconds)") | | |"
+}
+
+# ratio KEY A B REFERENCE: of an error of picture A over that of B.
+ratio() { calculate "$(error_of "$1" "$2" "$4") / $(error_of "$1" "$3" "$4")"; }
+
+# The time to equal error is time times MSE, as the MSE falls with the number of samples.
+time_ratio() {
+  calculate "$(statistic "$1" render_seconds) * $(error_of mse "$1" "$3") /
+    ($(statistic "$2" render_seconds) * $(error_of mse "$2" "$3"))"
+}
+
+small_light() {
+  local reference=small_light_reference
+  echo "## small_light"
+  echo
+  table "$reference" small_light_naive small_light_nee
+  echo
+  echo "- MSE of naive at 128 spp over that of nee at 16 spp: $(ratio mse small_light_naive small_light_nee "$reference")"
+  echo "- time to equal MSE, naive over nee: $(time_ratio small_light_naive small_light_nee "$reference")"
+  echo
+}
+
+cook_torrance() {
+  local reference=cook_torrance_reference
+  echo "## cook_torrance_sampling"
+  echo
+  table "$reference" uniform half_vector visible_normals
+  echo
+  echo "- MSE, uniform over half vector: $(ratio mse uniform half_vector "$reference")"
+  echo "- MSE, half vector over visible normals: $(ratio mse half_vector visible_normals "$reference")"
+  echo
+}
+
+# Balance-heuristic MIS is worse than no combination of the same samples by more than half the squared mean
+# (Veach 1997, theorem 9.2, with one sample of each of two strategies), per sample.
+veach_regions() {
+  local reference=veach_reference spp name region naive nee mis bound
+  spp=$(statistic veach_mis spp)
+  echo "| region | MSE naive | MSE nee | MSE mis | mis at most |"
+  echo "|---|---|---|---|---|"
+  while read -r name region; do
+    naive=$(error_of mse veach_naive "$reference" --region "$region")
+    nee=$(error_of mse veach_nee "$reference" --region "$region")
+    mis=$(error_of mse veach_mis "$reference" --region "$region")
+    bound=$(calculate "($naive < $nee ? $naive : $nee) +
+      $(error_of reference_mean_square veach_mis "$reference" --region "$region") / (2 * $spp)")
+    echo "| $name | $(calculate "$naive") | $(calculate "$nee") | $(calculate "$mis") | $bound |"
+  done < <(regions)
+}
+
+# The marked regions in pixels of the pictures at hand; the file has them in those of a picture 768 wide.
+regions() {
+  awk -v scale="$(calculate "$(statistic veach_mis width) / 768")" '
+    /^[^#]/ { printf "%s %d,%d,%dx%d\n", $1, $2 * scale, $3 * scale, $4 * scale, $5 * scale }' \
+    "$root/scenes/veach_mis/regions.txt"
+}
+
+veach_mis() {
+  local reference=veach_reference
+  echo "## veach_mis"
+  echo
+  table "$reference" veach_naive veach_nee veach_mis
+  echo
+  echo "- MSE of mis over that of nee: $(ratio mse veach_mis veach_nee "$reference") (the report: 454.4 / 524.6 = 0.866)"
+  echo
+  veach_regions
+}
+
+small_light
+cook_torrance
+veach_mis
