@@ -17,7 +17,7 @@ error_of() {
 }
 
 statistic() { jq -r ".$2" "$pictures/$1.json"; }
-calculate() { awk "BEGIN { printf \"%.4g\", $1 }"; }
+calculate() { awk "BEGIN { printf \"%.4g\", ${1//$'\n'/ } }"; }
 
 # table REFERENCE PICTURE...: samples, time and errors of each.
 table() {
