@@ -2,6 +2,7 @@
 # Builds Tessera, renders every scene that comes with it, measures what docs/report.md reports, and puts all
 # pictures on one sheet. Needs Debian 12.
 set -euo pipefail
+started_in=$PWD
 cd "$(dirname "${BASH_SOURCE[0]}")"
 
 usage() {
@@ -19,11 +20,15 @@ EOF_USAGE
 }
 
 quick=false
-out=out/report
+out=$PWD/out/report
 while [ $# -gt 0 ]; do
   case $1 in
     --quick) quick=true ;;
-    --out) out=${2:?--out needs a folder}; shift ;;
+    --out)
+      [ -n "${2:-}" ] || { echo "run_all.sh: --out needs a folder" >&2; exit 2; }
+      case $2 in /*) out=$2 ;; *) out=$started_in/$2 ;; esac
+      shift
+      ;;
     -h | --help) usage; exit 0 ;;
     *) echo "run_all.sh: unknown option '$1'" >&2; usage >&2; exit 2 ;;
   esac
@@ -112,4 +117,4 @@ scripts/measure_figures.sh "$out" | tee "$out/measurements.md"
 
 contact_sheet
 echo "== Done"
-echo "All pictures on one sheet: $PWD/$out/contact_sheet.png" | sed "s|$PWD//|/|"
+echo "All pictures on one sheet: $out/contact_sheet.png"

@@ -62,7 +62,7 @@ void build(benchmark::State& state) {
                          benchmark::Counter::kIsRate);
 }
 
-// 40,000 and 1,000,000 triangles; and 137,000, as many as the Go board of docs/report.md has, without.
+// 40,000 and 1,000,000 triangles; and 137,000, with the structure and without.
 BENCHMARK(closest_primary)->Arg(100)->Arg(185)->Arg(500)->Unit(benchmark::kMillisecond);
 BENCHMARK(closest_primary_without_bvh)->Arg(185)->Unit(benchmark::kMillisecond);
 BENCHMARK(closest_bounce)->Arg(100)->Arg(500)->Unit(benchmark::kMillisecond);

@@ -3,15 +3,22 @@
 # docs/report.md reports, as Markdown. Errors are in linear light, against the reference of the same scene.
 set -euo pipefail
 
-pictures=${1:?usage: measure_figures.sh DIR}
+[ $# -eq 1 ] || { echo "Usage: measure_figures.sh DIR" >&2; exit 2; }
+pictures=$1
 root=$(dirname "${BASH_SOURCE[0]}")/..
-compare=$root/build/release/bin/tessera
+tessera=$root/build/release/bin/tessera
+for name in small_light_{naive,nee,reference} uniform half_vector visible_normals cook_torrance_reference \
+  veach_{naive,nee,mis,reference,mis_reference}; do
+  for file in "$pictures/$name.exr" "$pictures/$name.json"; do
+    [ -s "$file" ] || { echo "measure_figures.sh: there is no $file; ./run_all.sh makes it" >&2; exit 1; }
+  done
+done
 
 # error_of KEY PICTURE REFERENCE [OPTIONS...]: a number of the comparison, e.g. mse.
 error_of() {
   local key=$1 picture=$2 reference=$3 status=0 json
   shift 3
-  json=$("$compare" compare "$pictures/$picture.exr" "$pictures/$reference.exr" --json "$@") || status=$?
+  json=$("$tessera" compare "$pictures/$picture.exr" "$pictures/$reference.exr" --json "$@") || status=$?
   [ "$status" -le 1 ] || exit "$status"
   jq -r ".$key" <<<"$json"
 }
@@ -48,7 +55,7 @@ small_light() {
   echo
   table "$reference" small_light_naive small_light_nee
   echo
-  echo "- MSE of naive at 128 spp over that of nee at 16 spp: $(ratio mse small_light_naive small_light_nee "$reference")"
+  echo "- MSE of naive over that of nee: $(ratio mse small_light_naive small_light_nee "$reference")"
   echo "- time to equal MSE, naive over nee: $(time_ratio small_light_naive small_light_nee "$reference")"
   echo
 }

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Puts the Stanford bunny and Spot the cow beside this scene, from where they were first published, and models the
 # menagerie with them in place of our own animals. Needs curl, tar, unzip and sha256sum. To go back, delete bunny.obj,
-# spot.obj and spot_texture.png and build again.
+# spot.obj, spot_texture.png and generated/, and build again.
 #
 # The bunny: Stanford 3D Scanning Repository, Turk and Levoy 1994. For research, with credit; not to be sold.
 # Spot: Keenan Crane. Public domain (CC0).
@@ -36,7 +36,7 @@ ply_to_obj() {
 }
 
 for tool in curl tar unzip sha256sum awk; do
-  command -v "$tool" >/dev/null || fail "$tool is needed; install it first"
+  command -v "$tool" >/dev/null || fail "$tool is needed; on Debian: apt-get install curl tar unzip coreutils mawk"
 done
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
@@ -59,5 +59,6 @@ if [ -x "$generator" ]; then
   "$generator" generated .
   echo "The menagerie is now the bunny's and Spot's; render scenes/menagerie/scene.json."
 else
+  rm -rf generated
   echo "The next build will take the bunny and Spot into the menagerie."
 fi
