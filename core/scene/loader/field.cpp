@@ -66,10 +66,17 @@ std::optional<Field> ObjectReader::find(std::string_view key) const {
   return find_member_field(field_, key);
 }
 
+std::string unquoted_number(const Bounds& bounds) {
+  constexpr std::string_view kNumber = "a number";
+  std::string_view limits = bounds.phrase;
+  if (limits.starts_with(kNumber)) limits.remove_prefix(std::min(kNumber.size() + 1, limits.size()));
+  return fmt::format("a number without quotes{}{}", limits.empty() ? "" : ", ", limits);
+}
+
 float read_float(const Field& field, const Bounds& bounds) {
   const auto* number = field.value().get_if<JsonValue::Number>();
   if (number == nullptr) {
-    field.must_be(bounds.phrase);
+    field.must_be(field.value().get_if<std::string>() ? unquoted_number(bounds) : bounds.phrase);
     return 1;
   }
   // Bounds are checked before and after rounding to float: 1e-50 is greater than 0, but its float is not.

@@ -68,6 +68,8 @@ class ObjectReader {
   Field field_;
 };
 
+// "a number without quotes, between 0 and 1": what to say of a text in a number's place.
+std::string unquoted_number(const Bounds& bounds);
 float read_float(const Field& field, const Bounds& bounds);
 std::uint64_t read_whole_number(const Field& field, std::uint64_t min, std::uint64_t max);
 std::string read_text(const Field& field);  // not empty

@@ -1,4 +1,6 @@
 // Lights without extent and the environment of a scene file.
+#include <fmt/format.h>
+
 #include <cmath>
 
 #include "core/scene/loader/scene_file.hpp"
@@ -49,12 +51,23 @@ DirectionalLightDescription read_directional(const Field& field) {
   return light;
 }
 
+// Unlike an emission, it has its texture beside it.
+Rgb read_surroundings(const Field& field) {
+  if (field.value().get_if<JsonValue::Number>() || field.value().get_if<JsonValue::Array>())
+    return read_color(field, bounds::kNotNegative);
+  field.mistake(
+      fmt::format("must be a number or a list of 3 numbers, got {}; the texture is a key of its own: "
+                  "\"texture\": \"NAME\"",
+                  field.value().describe()));
+  return {};
+}
+
 }  // namespace
 
 std::vector<LightDescription> read_lights(const Field& field) {
   const auto* items = field.value().get_if<JsonValue::Array>();
   if (items == nullptr) {
-    field.must_be("a list of lights");
+    field.must_be("a list of lights in brackets");
     return {};
   }
   std::vector<LightDescription> lights;
@@ -72,8 +85,7 @@ std::vector<LightDescription> read_lights(const Field& field) {
 EnvironmentDescription read_environment(const Field& field, const std::vector<TextureEntry>& textures) {
   const ObjectReader object(field, scene_keys::kEnvironment);
   EnvironmentDescription environment;
-  environment.radiance.value =
-      read_or(object, "radiance", environment.radiance.value, read_color, bounds::kNotNegative);
+  environment.radiance.value = read_or(object, "radiance", environment.radiance.value, read_surroundings);
   environment.rotation_degrees =
       read_or(object, "rotation_degrees", environment.rotation_degrees, read_float, kDegrees);
   if (const auto name = object.find("texture")) {

@@ -21,15 +21,34 @@ using scene_keys::kWraps;
 
 using Words = std::span<const std::string_view>;
 
-constexpr Bounds kIor{
-    [](double v) { return v >= 1 && v <= 10; },
-    "between 1 and 10 (it is that of the inside; for air in glass, turn the surface inside out)"};
-constexpr Bounds kExponent{[](double v) { return v >= 0 && v <= 1e5; }, "between 0 and 100000"};
+// Which numbers a parameter takes, and the object that stands for them where a texture does.
+struct ScalarRules {
+  Bounds limits;
+  const ObjectRules& textured;
+};
+
+constexpr ScalarRules kIor{
+    {[](double v) { return v >= 1 && v <= 10; },
+     "between 1 and 10 (it is that of the inside; for air in glass, turn the surface inside out)"},
+    scene_keys::kTexturedIor};
+constexpr ScalarRules kRoughness{bounds::kUnit, scene_keys::kTexturedRoughness};
+constexpr ScalarRules kExponent{{[](double v) { return v >= 0 && v <= 1e5; }, "between 0 and 100000"},
+                                scene_keys::kTexturedExponent};
 constexpr Bounds kStrength{[](double v) { return v >= 0 && v <= 100; }, "between 0 and 100"};
+
+constexpr std::string_view kTextureObject = "a texture as {\"texture\": \"NAME\"}";
+
+bool is_text(const Field& field) {
+  return field.value().get_if<std::string>() != nullptr;
+}
 
 // A number, [r, g, b], or {"texture": NAME, "tint": ...} with the keys of `textured`.
 ColorParameter read_color_parameter(const Field& field, const std::vector<TextureEntry>& textures,
                                     const Bounds& bounds, const ObjectRules& textured) {
+  if (is_text(field)) {
+    field.must_be(fmt::format("a number, a list of 3 numbers or {}", kTextureObject));
+    return {};
+  }
   if (!field.value().get_if<JsonValue::Object>()) return {read_color(field, bounds), -1};
   const ObjectReader object(field, textured);
   ColorParameter color;
@@ -44,19 +63,27 @@ ColorParameter read_share(const Field& field, const std::vector<TextureEntry>& t
 }
 
 // A number, or {"texture": NAME, "scale": ...}, whose red channel counts.
-ScalarParameter read_scalar(const Field& field, const Bounds& limits,
+ScalarParameter read_scalar(const Field& field, const ScalarRules& rules,
                             const std::vector<TextureEntry>& textures) {
-  if (!field.value().get_if<JsonValue::Object>()) return read_float(field, limits);
-  const ObjectReader object(field, scene_keys::kTexturedScalar);
+  if (is_text(field)) {
+    field.must_be(fmt::format("{}, or {}", unquoted_number(rules.limits), kTextureObject));
+    return 1;
+  }
+  if (!field.value().get_if<JsonValue::Object>()) return read_float(field, rules.limits);
+  const ObjectReader object(field, rules.textured);
   ScalarParameter scalar = 1;
-  scalar.value = read_or(object, "scale", scalar.value, read_float, limits);
+  scalar.value = read_or(object, "scale", scalar.value, read_float, rules.limits);
   scalar.texture = read_or(object, "texture", scalar.texture, read_texture_name, textures);
   return scalar;
 }
 
 NormalMap read_normal_map(const Field& field, const std::vector<TextureEntry>& textures) {
-  const ObjectReader object(field, scene_keys::kNormalMap);
   NormalMap map;
+  if (is_text(field)) {
+    field.must_be(kTextureObject);
+    return map;
+  }
+  const ObjectReader object(field, scene_keys::kNormalMap);
   map.texture = read_or(object, "texture", map.texture, read_texture_name, textures);
   map.strength = read_or(object, "strength", map.strength, read_float, kStrength);
   return map;
@@ -71,8 +98,9 @@ class ParameterReader {
   ColorParameter share(std::string_view key, const ColorParameter& otherwise) const {
     return read_or(object_, key, otherwise, read_share, textures_);
   }
-  ScalarParameter scalar(std::string_view key, const ScalarParameter& otherwise, const Bounds& limits) const {
-    return read_or(object_, key, otherwise, read_scalar, limits, textures_);
+  ScalarParameter scalar(std::string_view key, const ScalarParameter& otherwise,
+                         const ScalarRules& rules) const {
+    return read_or(object_, key, otherwise, read_scalar, rules, textures_);
   }
   template <typename Enum>
   Enum choice(std::string_view key, Enum otherwise, Words words) const {
@@ -87,11 +115,16 @@ class ParameterReader {
     constexpr float kRounding = 1e-6f;
     if (sum > 1 + kRounding)
       field_.mistake(
-          fmt::format("'diffuse' and 'specular'{} add up to {:.6g}, and nothing reflects more than 1",
-                      find("specular") ? "" : fmt::format(" ({} unless given)", specular.value.r), sum));
+          fmt::format("{} and {} add up to {:.6g}, and nothing reflects more than 1; lower one of them",
+                      name_with_default("diffuse", diffuse), name_with_default("specular", specular), sum));
   }
 
  private:
+  // 'specular', and what it is when the file does not say.
+  std::string name_with_default(std::string_view key, const ColorParameter& value) const {
+    return find(key) ? in_quotes(key) : fmt::format("{} ({} unless given)", in_quotes(key), value.value.r);
+  }
+
   Field field_;
   ObjectReader object_;
   const std::vector<TextureEntry>& textures_;
@@ -103,7 +136,7 @@ Glass read_glass(const ParameterReader& read) {
   glass.reflectance = read.share("reflectance", glass.reflectance);
   glass.transmittance = read.share("transmittance", glass.transmittance);
   glass.fresnel = read.choice("fresnel", glass.fresnel, scene_keys::kDielectricFresnels);
-  glass.roughness = read.scalar("roughness", glass.roughness, bounds::kUnit);
+  glass.roughness = read.scalar("roughness", glass.roughness, kRoughness);
   return glass;
 }
 
@@ -126,7 +159,7 @@ CookTorrance read_cook_torrance(const ParameterReader& read) {
     model.conductor = static_cast<Conductor>(read_choice(*metal, scene_keys::kConductors));
     if (read.find("f0")) metal->mistake("a conductor has its own reflectance; leave 'f0' out, or this");
   }
-  model.roughness = read.scalar("roughness", model.roughness, bounds::kUnit);
+  model.roughness = read.scalar("roughness", model.roughness, kRoughness);
   model.masking = read.choice("masking", model.masking, scene_keys::kMaskings);
   read.check_sum(model.diffuse, model.specular);
   return model;

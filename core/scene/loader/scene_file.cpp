@@ -34,10 +34,12 @@ void check_viewing_direction(const CameraDescription& camera, const Field& field
 
 // 0, or as many as a polygon has at least.
 int read_blades(const Field& field) {
-  const auto blades = static_cast<int>(read_whole_number(field, 0, kMaxApertureBlades));
-  if (blades == 0 || blades >= kMinApertureBlades) return blades;
-  field.must_be(
-      fmt::format("0 for a round opening, or from {} to {}", kMinApertureBlades, kMaxApertureBlades));
+  const auto* number = field.value().get_if<JsonValue::Number>();
+  const auto blades = number == nullptr ? std::nullopt : number->whole;
+  if (blades && (*blades == 0 || (*blades >= kMinApertureBlades && *blades <= kMaxApertureBlades)))
+    return static_cast<int>(*blades);
+  field.must_be(fmt::format("0 for a round opening, or a whole number from {} to {}", kMinApertureBlades,
+                            kMaxApertureBlades));
   return 0;
 }
 

@@ -89,8 +89,11 @@ inline constexpr ObjectRules kCamera{"camera", "/properties/camera", kCameraKeys
 inline constexpr ObjectRules kOutput{"output", "/properties/output", kOutputKeys};
 inline constexpr ObjectRules kTexture{"texture", "/$defs/texture", kTextureKeys};
 inline constexpr ObjectRules kTexturedColor{"textured colour", "/$defs/textured_color", kTexturedColorKeys};
-inline constexpr ObjectRules kTexturedScalar{"textured number", "/$defs/textured_scalar",
-                                             kTexturedScalarKeys};
+inline constexpr ObjectRules kTexturedIor{"textured number", "/$defs/textured_ior", kTexturedScalarKeys};
+inline constexpr ObjectRules kTexturedRoughness{"textured number", "/$defs/textured_roughness",
+                                                kTexturedScalarKeys};
+inline constexpr ObjectRules kTexturedExponent{"textured number", "/$defs/textured_exponent",
+                                               kTexturedScalarKeys};
 inline constexpr ObjectRules kNormalMap{"normal map", "/$defs/normal_map", kNormalMapKeys};
 inline constexpr ObjectRules kLambert{"lambert material", "/$defs/lambert", kLambertKeys};
 inline constexpr ObjectRules kMirror{"mirror material", "/$defs/mirror", kMirrorKeys};
@@ -118,7 +121,9 @@ inline constexpr std::array kAllObjects{kScene,
                                         kTexture,
                                         kTexturedColor,
                                         kTexturedEmission,
-                                        kTexturedScalar,
+                                        kTexturedIor,
+                                        kTexturedRoughness,
+                                        kTexturedExponent,
                                         kNormalMap,
                                         kLambert,
                                         kMirror,

@@ -105,7 +105,7 @@ TEST(SceneMistakes, InTheCamera) {
            "camera.position: must be a list of 3 numbers, got a list of 2"},
           {"\"position\": 0, \"look_at\": [0, 0, 0]", "camera.position: must be a list of 3 numbers, got 0"},
           {"\"position\": [0, \"a\", 0], \"look_at\": [0, 0, 1]",
-           "camera.position[1]: must be a number between -1e15 and 1e15, got the text 'a'"},
+           "camera.position[1]: must be a number without quotes, between -1e15 and 1e15, got the text 'a'"},
           {"\"position\": [0, 1e39, 0], \"look_at\": [0, 0, 1]",
            "camera.position[1]: must be between -3.4e38 and 3.4e38, got 1e+39"},
           {"\"position\": [1, 2, 3], \"look_at\": [1, 2, 3]",
@@ -116,6 +116,11 @@ TEST(SceneMistakes, InTheCamera) {
            "camera: 'up' must have a length that is greater than 0 and can be computed"},
           {view + ", \"vertical_fov_degrees\": 0",
            "camera.vertical_fov_degrees: must be greater than 0 and less than 180, got 0"},
+          {view + ", \"vertical_fov_degrees\": \"90\"",
+           "camera.vertical_fov_degrees: must be a number without quotes, greater than 0 and less than 180, "
+           "got the text '90'"},
+          {view + ", \"up\": [0, \"1\", 0]",
+           "camera.up[1]: must be a number without quotes, got the text '1'"},
           {view + ", \"vertical_fov_degrees\": 180",
            "camera.vertical_fov_degrees: must be greater than 0 and less than 180, got 180"},
           {view + ", \"vertical_fov_degrees\": 1e-60",
@@ -127,9 +132,14 @@ TEST(SceneMistakes, InTheCamera) {
            "'vertical_fov_degrees', 'aperture_radius', 'focus_distance', 'aperture_blades', "
            "'aperture_rotation_degrees'"},
           {view + ", \"aperture_blades\": 2",
-           "camera.aperture_blades: must be 0 for a round opening, or from 3 to 64, got 2"},
+           "camera.aperture_blades: must be 0 for a round opening, or a whole number from 3 to 64, got 2"},
           {view + ", \"aperture_blades\": 65",
-           "camera.aperture_blades: must be a whole number between 0 and 64, got 65"},
+           "camera.aperture_blades: must be 0 for a round opening, or a whole number from 3 to 64, got 65"},
+          {view + ", \"aperture_blades\": 5.5",
+           "camera.aperture_blades: must be 0 for a round opening, or a whole number from 3 to 64, got 5.5"},
+          {view + ", \"aperture_blades\": \"six\"",
+           "camera.aperture_blades: must be 0 for a round opening, or a whole number from 3 to 64, got the "
+           "text 'six'"},
           {view + ", \"aperture_rotation_degrees\": 361",
            "camera.aperture_rotation_degrees: must be between -360 and 360, got 361"},
       },
@@ -143,7 +153,8 @@ TEST(SceneMistakes, InTheOutput) {
   expect_mistakes(
       {
           {"\"exposure\": 65", "output.exposure: must be between -64 and 64 stops, got 65"},
-          {"\"exposure\": \"+1\"", "output.exposure: must be between -64 and 64 stops, got the text '+1'"},
+          {"\"exposure\": \"+1\"",
+           "output.exposure: must be a number without quotes, between -64 and 64 stops, got the text '+1'"},
           {"\"tone_curve\": \"filmic\"",
            "output.tone_curve: unknown value 'filmic'; known are 'none', 'aces', 'agx'"},
           {"\"tone_cuve\": \"agx\"", "output: unknown key 'tone_cuve'; did you mean 'tone_curve'?"},
@@ -193,13 +204,17 @@ TEST(SceneMistakes, InMaterials) {
           {"\"m\": {\"type\": \"lambert\", \"albedo\": [0.5, 0.5, -0.1]}",
            "materials.m.albedo[2]: must be between 0 and 1, got -0.1"},
           {"\"m\": {\"type\": \"lambert\", \"albedo\": \"red\"}",
-           "materials.m.albedo: must be a number or a list of 3 numbers, got the text 'red'"},
+           "materials.m.albedo: must be a number, a list of 3 numbers or a texture as {\"texture\": "
+           "\"NAME\"}, got the text 'red'"},
           {"\"m\": {\"type\": \"lambert\", \"albedo\": {\"texture\": \"wood\"}}",
            "materials.m.albedo.texture: there is no texture 'wood'"},
           {"\"m\": {\"type\": \"lambert\", \"albedo\": {\"tint\": 1}}",
            "materials.m.albedo: a textured colour needs the key 'texture'"},
           {"\"m\": {\"type\": \"lambert\", \"emission\": -1}",
            "materials.m.emission: must be 0 or greater, got -1"},
+          {"\"m\": {\"type\": \"lambert\", \"emission\": \"lamp\"}",
+           "materials.m.emission: must be a number, a list of 3 numbers or a texture as {\"texture\": "
+           "\"NAME\"}, got the text 'lamp'"},
           {"\"m\": {\"type\": \"lambert\", \"emission\": [1, 1]}",
            "materials.m.emission: must be a list of 3 numbers, got a list of 2"},
           {"\"m\": {\"type\": \"lambert\", \"emission_sides\": \"back\"}",
@@ -228,7 +243,7 @@ std::string with_lights(const std::string& lights) {
 TEST(SceneMistakes, InLights) {
   EXPECT_EQ(mistakes_in(with_lights("")), "no mistake");
   EXPECT_EQ(mistakes_in(scene_with("\"lights\": {}", "", "")),
-            "scene.json:2: lights: must be a list of lights, got an object");
+            "scene.json:2: lights: must be a list of lights in brackets, got an object");
   const std::string spot = "{\"type\": \"spot\", \"position\": [0, 1, 0], \"intensity\": 1, ";
   expect_mistakes(
       {
@@ -264,6 +279,14 @@ TEST(SceneMistakes, InTheEnvironment) {
   expect_mistakes(
       {
           {"\"radiance\": -1", "environment.radiance: must be 0 or greater, got -1"},
+          {"\"radiance\": {\"texture\": \"sky\"}",
+           "environment.radiance: must be a number or a list of 3 numbers, got an object; the texture is a "
+           "key of "
+           "its own: \"texture\": \"NAME\""},
+          {"\"radiance\": \"sky\"",
+           "environment.radiance: must be a number or a list of 3 numbers, got the text 'sky'; the texture "
+           "is a key "
+           "of its own: \"texture\": \"NAME\""},
           {"\"rotation\": 30",
            "environment: unknown key 'rotation'; known are 'radiance', 'texture', 'rotation_degrees'"},
           {"\"texture\": \"sun\"", "environment.texture: there is no texture 'sun'; known is 'sky'"},
@@ -283,6 +306,12 @@ TEST(SceneMistakes, InGlossyMaterials) {
            "materials.m.roughness: must be between 0 and 1, got 1.5"},
           {"\"m\": {\"type\": \"glass\", \"roughness\": [0.1, 0.2, 0.3]}",
            "materials.m.roughness: must be between 0 and 1, got a list of 3"},
+          {"\"m\": {\"type\": \"glass\", \"roughness\": \"rough\"}",
+           "materials.m.roughness: must be a number without quotes, between 0 and 1, or a texture as "
+           "{\"texture\": \"NAME\"}, got the text 'rough'"},
+          {"\"m\": {\"type\": \"phong\", \"exponent\": \"30\"}",
+           "materials.m.exponent: must be a number without quotes, between 0 and 100000, or a texture as "
+           "{\"texture\": \"NAME\"}, got the text '30'"},
           {"\"m\": {\"type\": \"glass\", \"roughness\": {\"scale\": 1}}",
            "materials.m.roughness: a textured number needs the key 'texture'"},
           {"\"m\": {\"type\": \"phong\", \"exponent\": -1}",
@@ -290,10 +319,14 @@ TEST(SceneMistakes, InGlossyMaterials) {
           {"\"m\": {\"type\": \"phong\", \"lobe\": \"n+3\"}",
            "materials.m.lobe: unknown value 'n+3'; did you mean 'n+1'?"},
           {"\"m\": {\"type\": \"phong\", \"diffuse\": 0.6, \"specular\": [0.3, 0.5, 0.3]}",
-           "materials.m: 'diffuse' and 'specular' add up to 1.1, and nothing reflects more than 1"},
+           "materials.m: 'diffuse' and 'specular' add up to 1.1, and nothing reflects more than 1; lower one "
+           "of them"},
+          {"\"m\": {\"type\": \"phong\", \"specular\": 0.7}",
+           "materials.m: 'diffuse' (0.5 unless given) and 'specular' add up to 1.2, and nothing reflects "
+           "more than 1; lower one of them"},
           {"\"m\": {\"type\": \"cook_torrance\", \"diffuse\": 0.5}",
            "materials.m: 'diffuse' and 'specular' (1 unless given) add up to 1.5, and nothing reflects more "
-           "than 1"},
+           "than 1; lower one of them"},
           {"\"m\": {\"type\": \"cook_torrance\", \"conductor\": \"aluminum\"}",
            "materials.m.conductor: unknown value 'aluminum'; did you mean 'aluminium'?"},
           {"\"m\": {\"type\": \"cook_torrance\", \"conductor\": \"gold\", \"f0\": 0.9}",
@@ -303,7 +336,7 @@ TEST(SceneMistakes, InGlossyMaterials) {
           {"\"m\": {\"type\": \"phong\", \"sampling\": \"half_vector\"}",
            "materials.m.sampling: unknown value 'half_vector'; known are 'bsdf', 'uniform'"},
           {"\"m\": {\"type\": \"lambert\", \"normal_map\": \"dents\"}",
-           "materials.m.normal_map: must be an object in braces, got the text 'dents'"},
+           "materials.m.normal_map: must be a texture as {\"texture\": \"NAME\"}, got the text 'dents'"},
           {"\"m\": {\"type\": \"lambert\", \"normal_map\": {\"texture\": \"dents\"}}",
            "materials.m.normal_map.texture: there is no texture 'dents'"},
           {"\"m\": {\"type\": \"lambert\", \"normal_map\": {\"strength\": 1}}",

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "core/camera/camera_description.hpp"
+#include "core/geometry/primitives.hpp"
 #include "core/image/display.hpp"
 #include "core/scene/loader/scene_keys.hpp"
 #include "core/scene/settings.hpp"
@@ -107,6 +108,24 @@ TEST(Schema, HasTheLimitsAndDefaultsOfTheSettings) {
   EXPECT_EQ(blades["minimum"], kMinApertureBlades);
   EXPECT_EQ(blades["maximum"], kMaxApertureBlades);
   EXPECT_EQ(render["heuristic"]["default"], heuristic_name(defaults.heuristic));
+}
+
+TEST(Schema, HasTheLimitOfCoordinates) {
+  const json coordinate = at("/$defs/coordinate");
+  EXPECT_EQ(coordinate["minimum"], -1e15);
+  EXPECT_EQ(coordinate["maximum"], 1e15);
+  EXPECT_EQ(static_cast<float>(coordinate["maximum"]), kMaxCoordinate);
+}
+
+// What a texture is multiplied by has the limits of the number that both together stand for.
+TEST(Schema, LimitsScalesAsTheNumbersThatTheyStandFor) {
+  const auto limit = [](const std::string& pointer) { return at(pointer + "/$ref"); };
+  for (const std::string name : {"ior", "exponent"}) {
+    const std::string material = name == "ior" ? "glass" : "phong";
+    EXPECT_EQ(limit("/$defs/textured_" + name + "/properties/scale"),
+              limit("/$defs/" + material + "/properties/" + name + "/oneOf/0"));
+  }
+  EXPECT_EQ(limit("/$defs/textured_roughness/properties/scale"), limit("/$defs/roughness/oneOf/0"));
 }
 
 // The loader's words stand in the order of the enum they stand for.
