@@ -15,12 +15,13 @@ namespace {
 constexpr const char* kFooter = R"(Each command explains itself: tessera render --help
 Exit status: 0 done, 1 failed, 2 wrong command line, 130 interrupted.)";
 
-// What CLI11 throws for --help and --version counts as success and prints itself.
+// What CLI11 throws for --help and --version counts as success and prints itself, unless a word before it was
+// meant as a command.
 int end_parsing(const CLI::App& app, const CLI::ParseError& end, const std::string& first_word) {
-  if (end.get_exit_code() == 0) return app.exit(end);
   const auto called = app.get_subcommands();
   const std::string command = called.empty() ? "" : called.front()->get_name() + " ";
   const bool misspelt = called.empty() && !first_word.empty();
+  if (end.get_exit_code() == 0 && !(misspelt && first_word.front() != '-')) return app.exit(end);
   print_error(misspelt ? "there is no command '" + first_word + "'" : end.what());
   print_hint("tessera " + command + "--help");
   return kExitUsage;

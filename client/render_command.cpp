@@ -144,7 +144,8 @@ int render_picture(const RenderOptions& options, LoadedScene& loaded) {
   warn_about_samples(options.scene.scene_path, stats);
   warn_about_saturation(options.scene.scene_path, rendered.film);
   const core::Image image = rendered.film.develop();
-  warn_about_blackness(image);
+  // Without lights the picture was known to be black, and said to be.
+  if (!loaded.scene.lights().empty()) warn_about_blackness(image);
   if (Status status = write_results(options, loaded, image); !status) return print_error(status.error());
   if (!options.quiet) print_summary(options, stats);
   return kExitOk;

@@ -108,6 +108,7 @@ TEST_F(CommandLine, ASceneWhoseLightIsTooSmallToCountIsWarnedAbout) {
   const ProcessResult result = render({"-o", path("a.pfm"), "-q"});
   EXPECT_EQ(result.exit_status, 0) << result.err;
   EXPECT_THAT(result.err, AllOf(StartsWith("tessera: warning: "), HasSubstr("has no light")));
+  EXPECT_THAT(result.err, Not(HasSubstr("the picture is black")));
 }
 
 TEST_F(CommandLine, ABlackPictureIsWarnedAbout) {
@@ -121,6 +122,8 @@ TEST_F(CommandLine, MistakesInTheCommandLineExitWith2) {
   const std::vector<std::vector<std::string>> mistakes = {
       {},
       {"rendr"},
+      {"rendr", "--help"},
+      {"rendr", "--version"},
       {"render"},
       {"render", path("scene.json")},
       {"render", path("scene.json"), "-o"},
@@ -233,7 +236,7 @@ TEST_F(CommandLine, ExposureAndToneCurveChangePngFilesAlone) {
 
 TEST_F(CommandLine, HelpAndVersionGoToStdout) {
   for (const auto& arguments : std::vector<std::vector<std::string>>{
-           {"--help"}, {"--version"}, {"render", "--help"}, {"compare", "--help"}}) {
+           {"--help"}, {"--help", "render"}, {"--version"}, {"render", "--help"}, {"compare", "--help"}}) {
     const ProcessResult result = run_tessera(arguments);
     EXPECT_EQ(result.exit_status, 0);
     EXPECT_THAT(result.out, HasSubstr("essera"));
