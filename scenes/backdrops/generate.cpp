@@ -1,13 +1,12 @@
 // Paints a floor or a sky into a file: tessera-generate-backdrop NAME FILE
 // The ending of FILE, .png or .hdr, says how. The same bytes on every machine and at every run.
-#include <fmt/format.h>
-
-#include <cstdio>
+#include <span>
 #include <string>
 
 #include "core/image/encode.hpp"
 #include "core/image/file_io.hpp"
 #include "scenes/backdrops/backdrops.hpp"
+#include "scenes/modelling/program.hpp"
 
 namespace tessera::backdrops {
 namespace {
@@ -25,11 +24,9 @@ core::Status generate(const std::string& name, const std::string& path) {
 }  // namespace tessera::backdrops
 
 int main(int argc, char** argv) {
-  if (argc != 3) {
-    fmt::print(stderr, "Usage: {} NAME FILE\nPaints a floor or a sky into a PNG or HDR file.\n", argv[0]);
-    return 2;
-  }
-  const tessera::core::Status status = tessera::backdrops::generate(argv[1], argv[2]);
-  if (!status) fmt::print(stderr, "{}\n", status.error().message);
-  return status ? 0 : 1;
+  const tessera::modelling::Program program{"tessera-generate-backdrop", "NAME FILE",
+                                            "Paints a floor or a sky into a PNG or HDR file.", 2, 2};
+  return tessera::modelling::run_program(program, argc, argv, [](std::span<const std::string> arguments) {
+    return tessera::backdrops::generate(arguments[0], arguments[1]);
+  });
 }

@@ -83,8 +83,12 @@ int run(int argc, char** argv) {
       ->required();
   app.add_option("--moves", options.moves, "Stop after so many moves, passes included [all]")
       ->type_name("N")
-      ->check(CLI::NonNegativeNumber);
-  CLI11_PARSE(app, argc, argv);
+      ->check(CLI::Range(0, 1000000));
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& end) {
+    return app.exit(end) == 0 ? 0 : 2;
+  }
   const core::Status status = generate(options);
   if (!status) fmt::print(stderr, "tessera-generate-go: {}\n", status.error().message);
   return status ? 0 : 1;

@@ -2,10 +2,8 @@
 // tessera-generate-menagerie FOLDER [ORIGINALS]
 // The files are the same bytes on every machine and at every run. What fetch.sh has put into the folder
 // ORIGINALS is used in place of our own animals.
-#include <fmt/format.h>
-
-#include <cstdio>
 #include <filesystem>
+#include <span>
 #include <string>
 
 #include "core/image/encode.hpp"
@@ -15,6 +13,7 @@
 #include "scenes/menagerie/originals.hpp"
 #include "scenes/menagerie/rabbit.hpp"
 #include "scenes/modelling/files.hpp"
+#include "scenes/modelling/program.hpp"
 
 namespace tessera::menagerie {
 namespace {
@@ -75,16 +74,11 @@ core::Status generate(const std::string& folder, const std::string& originals) {
 }  // namespace tessera::menagerie
 
 int main(int argc, char** argv) {
-  if (argc != 2 && argc != 3) {
-    fmt::print(
-        stderr,
-        "Usage: {} FOLDER [ORIGINALS]\n"
-        "Writes the meshes and textures of the menagerie into FOLDER, from those in ORIGINALS where it "
-        "has them.\n",
-        argv[0]);
-    return 2;
-  }
-  const tessera::core::Status status = tessera::menagerie::generate(argv[1], argc == 3 ? argv[2] : "");
-  if (!status) fmt::print(stderr, "{}\n", status.error().message);
-  return status ? 0 : 1;
+  const tessera::modelling::Program program{"tessera-generate-menagerie", "FOLDER [ORIGINALS]",
+                                            "Writes the meshes and textures of the menagerie into FOLDER, "
+                                            "from those in ORIGINALS where it has them.",
+                                            1, 2};
+  return tessera::modelling::run_program(program, argc, argv, [](std::span<const std::string> arguments) {
+    return tessera::menagerie::generate(arguments[0], arguments.size() > 1 ? arguments[1] : "");
+  });
 }

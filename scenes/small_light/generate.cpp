@@ -1,13 +1,12 @@
 // Makes the planets and their chart into a folder: tessera-generate-small-light FOLDER
 // The files are the same bytes on every machine and at every run.
-#include <fmt/format.h>
-
-#include <cstdio>
+#include <span>
 #include <string>
 
 #include "core/image/encode.hpp"
 #include "core/image/file_io.hpp"
 #include "scenes/modelling/files.hpp"
+#include "scenes/modelling/program.hpp"
 #include "scenes/small_light/planets.hpp"
 
 namespace tessera::small_light {
@@ -27,11 +26,9 @@ core::Status generate(const std::string& folder) {
 }  // namespace tessera::small_light
 
 int main(int argc, char** argv) {
-  if (argc != 2) {
-    fmt::print(stderr, "Usage: {} FOLDER\nMakes the planets and their chart into FOLDER.\n", argv[0]);
-    return 2;
-  }
-  const tessera::core::Status status = tessera::small_light::generate(argv[1]);
-  if (!status) fmt::print(stderr, "{}\n", status.error().message);
-  return status ? 0 : 1;
+  const tessera::modelling::Program program{"tessera-generate-small-light", "FOLDER",
+                                            "Makes the planets and their chart into FOLDER.", 1, 1};
+  return tessera::modelling::run_program(program, argc, argv, [](std::span<const std::string> arguments) {
+    return tessera::small_light::generate(arguments[0]);
+  });
 }

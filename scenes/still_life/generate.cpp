@@ -1,9 +1,7 @@
 // Writes the meshes and textures of the still life into a folder: tessera-generate-still-life FOLDER
 // The files are the same bytes on every machine and at every run.
-#include <fmt/format.h>
-
-#include <cstdio>
 #include <functional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -11,6 +9,7 @@
 #include "core/image/encode.hpp"
 #include "core/image/file_io.hpp"
 #include "scenes/modelling/files.hpp"
+#include "scenes/modelling/program.hpp"
 #include "scenes/still_life/fruit.hpp"
 #include "scenes/still_life/mosaic_vase.hpp"
 #include "scenes/still_life/pottery.hpp"
@@ -50,12 +49,10 @@ core::Status generate(const std::string& folder) {
 }  // namespace tessera::still_life
 
 int main(int argc, char** argv) {
-  if (argc != 2) {
-    fmt::print(stderr, "Usage: {} FOLDER\nWrites the meshes and textures of the still life into FOLDER.\n",
-               argv[0]);
-    return 2;
-  }
-  const tessera::core::Status status = tessera::still_life::generate(argv[1]);
-  if (!status) fmt::print(stderr, "{}\n", status.error().message);
-  return status ? 0 : 1;
+  const tessera::modelling::Program program{"tessera-generate-still-life", "FOLDER",
+                                            "Writes the meshes and textures of the still life into FOLDER.",
+                                            1, 1};
+  return tessera::modelling::run_program(program, argc, argv, [](std::span<const std::string> arguments) {
+    return tessera::still_life::generate(arguments[0]);
+  });
 }

@@ -58,6 +58,7 @@ forbid "Random numbers come from counters, not from the C++ library, whose distr
 
 # What is committed speaks of no single machine.
 forbid "No path of one machine." '(^|[^a-zA-Z0-9_.}])/(home|root|work|Users)/[a-zA-Z0-9_]' \
-  "${sources[@]}" "${builds[@]}" --include=*.md --include=*.json --include=*.proto "${elsewhere[@]}" .
+  "${sources[@]}" "${builds[@]}" --include=*.md --include=*.json --include=*.proto --include=generate \
+  --include=*.txt --include=*.mtl --include=*.sgf "${elsewhere[@]}" .
 
 exit "$broken"

@@ -45,5 +45,7 @@ plant core/film/bad.cpp 'float f(float x) { return std::sin(x); }'
 plant core/film/bad.cpp 'float f(float x) { return 1 + ::powf(x, 2); }'
 plant scenes/bad.cpp '#include <random>'
 plant core/film/bad.hpp '// see /home/someone/tessera'
+plant scenes/generate 'cd /home/someone/tessera'
+plant scenes/bad.mtl 'map_Kd /home/someone/wood.png'
 
 exit "$failures"

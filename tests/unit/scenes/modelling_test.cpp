@@ -12,6 +12,7 @@
 #include "scenes/modelling/lathe.hpp"
 #include "scenes/modelling/marching_cubes.hpp"
 #include "scenes/modelling/noise.hpp"
+#include "scenes/modelling/program.hpp"
 #include "tests/unit/scenes/mesh_properties.hpp"
 
 namespace tessera::modelling {
@@ -219,6 +220,36 @@ TEST(Modelling, IsTheSameBytesOnEveryMachine) {
                             limb({-1, 0, 0}, 0.3f, {0, 0.6f, 0}, 0.1f), 0.1f);
   append(mesh, unwrap(marching_cubes(shape, {{-1.2f, -1, -1}, {1.4f, 1.2f, 1}, 0.1f}), 256));
   EXPECT_EQ(hash_of(obj_text(mesh)), 16877812922980363796u);
+}
+
+TEST(Program, TakesItsArgumentsButNoOptions) {
+  struct Case {
+    std::vector<std::string> arguments;
+    int status, runs;
+  };
+  const Program program{"generate", "FOLDER [ORIGINALS]", "Writes.", 1, 2};
+  for (const auto& [arguments, status, runs] : std::vector<Case>{{{"out"}, 0, 1},
+                                                                 {{"out", "from"}, 0, 1},
+                                                                 {{"broken"}, 1, 1},
+                                                                 {{"--help"}, 0, 0},
+                                                                 {{"-h"}, 0, 0},
+                                                                 {{"--output"}, 2, 0},
+                                                                 {{}, 2, 0},
+                                                                 {{"a", "b", "c"}, 2, 0}}) {
+    std::vector<std::string> words{"generate"};
+    words.insert(words.end(), arguments.begin(), arguments.end());
+    std::vector<char*> argv;
+    for (std::string& word : words) argv.push_back(word.data());
+    int ran = 0;
+    const auto generate = [&](std::span<const std::string> given) -> core::Status {
+      ++ran;
+      if (given[0] == "broken") return core::fail(core::ErrorCode::kInvalidArgument, "broken");
+      return {};
+    };
+    EXPECT_EQ(run_program(program, static_cast<int>(argv.size()), argv.data(), generate), status)
+        << testing::PrintToString(arguments);
+    EXPECT_EQ(ran, runs) << testing::PrintToString(arguments);
+  }
 }
 
 }  // namespace
