@@ -23,6 +23,8 @@ namespace fs = std::filesystem;
 using core::ErrorCode;
 using core::fail;
 
+// Of a SHA-256.
+constexpr std::size_t kHexDigits = 64;
 constexpr const char* kPartialSuffix = ".partial";
 constexpr auto kAbandonedAfter = std::chrono::hours(24);
 // A file that was asked for since may be read at this moment.
@@ -40,12 +42,33 @@ core::Error cannot_write(const std::string& path) {
   return {ErrorCode::kInternal, fmt::format("cannot write {}: {}", path, std::strerror(errno))};
 }
 
+// The names that path_of() gives.
+bool is_blob_name(const std::string& name) {
+  return name.size() == kHexDigits && name.find_first_not_of("0123456789abcdef") == std::string::npos;
+}
+
+// Those of partial_path().
+bool is_partial_name(const std::string& name) {
+  return is_blob_name(name.substr(0, kHexDigits)) && name.ends_with(kPartialSuffix);
+}
+
+// The files in the folder, as far as it can be read: other workers may remove some at the same time.
+std::vector<fs::directory_entry> entries_of(const std::string& folder) {
+  std::vector<fs::directory_entry> entries;
+  std::error_code error;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error))
+    entries.push_back(*entry);
+  return entries;
+}
+
 void remove_abandoned(const std::string& folder) {
-  std::error_code ignored;
   const auto before = fs::file_time_type::clock::now() - kAbandonedAfter;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored))
-    if (entry.path().extension() == kPartialSuffix && entry.last_write_time(ignored) < before)
-      fs::remove(entry.path(), ignored);
+  for (const fs::directory_entry& entry : entries_of(folder)) {
+    std::error_code error;
+    const auto written = entry.last_write_time(error);
+    if (!error && written < before && is_partial_name(entry.path().filename()))
+      fs::remove(entry.path(), error);
+  }
 }
 
 bool holds(const std::string& path, const proto::Digest& digest) {
@@ -60,6 +83,11 @@ bool holds(const std::string& path, const proto::Digest& digest) {
 }
 
 }  // namespace
+
+void mark_as_used(const std::string& path) {
+  std::error_code ignored;  // at worst it is removed too early, and fetched again
+  fs::last_write_time(path, fs::file_time_type::clock::now(), ignored);
+}
 
 core::Result<BlobCache> BlobCache::open(const std::string& folder, std::uint64_t max_bytes) {
   std::error_code error;
@@ -79,8 +107,7 @@ core::Result<std::string> BlobCache::get(const proto::Digest& digest,
                                          const std::stop_token& stop) const {
   const std::string path = path_of(digest);
   if (holds(path, digest)) {
-    std::error_code ignored;  // at worst it is removed too early, and fetched again
-    fs::last_write_time(path, fs::file_time_type::clock::now(), ignored);
+    mark_as_used(path);
     return path;
   }
   const std::string partial = partial_path(path);
@@ -102,17 +129,20 @@ void BlobCache::remove_unused() const {
   };
   std::vector<File> files;
   std::uint64_t total = 0;
-  std::error_code ignored;  // other workers may remove files at the same time
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder_, ignored)) {
-    const std::uint64_t bytes = entry.file_size(ignored);
-    if (ignored || entry.path().extension() == kPartialSuffix) continue;
-    files.push_back({entry.last_write_time(ignored), bytes, entry.path()});
+  for (const fs::directory_entry& entry : entries_of(folder_)) {
+    if (!is_blob_name(entry.path().filename())) continue;
+    std::error_code gone, unknown;
+    const std::uint64_t bytes = entry.file_size(gone);
+    const auto used = entry.last_write_time(unknown);
+    if (gone || unknown) continue;
+    files.push_back({used, bytes, entry.path()});
     total += bytes;
   }
   std::sort(files.begin(), files.end(), [](const File& a, const File& b) { return a.used < b.used; });
   const auto before = fs::file_time_type::clock::now() - kInUse;
   for (const File& file : files) {
     if (total <= max_bytes_ || file.used > before) return;
+    std::error_code ignored;  // then it stays, or is gone already
     fs::remove(file.path, ignored);
     total -= file.bytes;
   }

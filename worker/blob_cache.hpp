@@ -15,11 +15,15 @@ namespace tessera::worker {
 
 inline constexpr std::uint64_t kDefaultCacheBytes = std::uint64_t{16} << 30;
 
+// Counts a file of the cache as used now, so that it is not removed for a while.
+void mark_as_used(const std::string& path);
+
 class BlobCache {
  public:
   // Creates the folder where it is missing. Errors name the folder and say why it cannot be used.
-  // After each transfer the files that were not used for longest are removed until no more than `max_bytes`
-  // are left, but none that was used within the last hour.
+  // After each transfer the blobs that were not used for longest are removed until no more than `max_bytes`
+  // are left, but none that was used within the last hour, and no file with a name that the cache does not
+  // give: the folder may be somebody's.
   static core::Result<BlobCache> open(const std::string& folder,
                                       std::uint64_t max_bytes = kDefaultCacheBytes);
 

@@ -74,7 +74,7 @@ class Holdings {
   // below.
   std::optional<Piece> take(const std::stop_token& stop, const SizePiece& size_piece);
   void rendered(const Piece& piece, core::FilmTile tile, Duration render_time);
-  // The scene cannot be built, for this reason.
+  // The scene cannot be built, for this reason; empty if its files must be fetched again first.
   void cannot_render(const Piece& piece, const std::string& why);
 
   // ---- For the thread that delivers ----

@@ -2,7 +2,10 @@
 
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <chrono>
+#include <filesystem>
+#include <system_error>
 #include <utility>
 
 #include "core/integrators/render.hpp"
@@ -12,6 +15,13 @@ namespace {
 
 // The one being rendered, the next one, and one that comes back.
 constexpr std::size_t kScenesKept = 3;
+
+bool files_are_here(const SceneFiles& files) {
+  return std::all_of(files.blob_paths.begin(), files.blob_paths.end(), [](const auto& blob) {
+    std::error_code unknown;
+    return std::filesystem::exists(blob.second, unknown);
+  });
+}
 
 }  // namespace
 
@@ -27,7 +37,8 @@ void RenderLoop::render(const Piece& piece) {
   const auto scene = scenes_.get(piece.job->files);
   if (!scene) {
     spdlog::error("job {}: {}", piece.job->id, scene.error().message);
-    holdings_.cannot_render(piece, scene.error().message);
+    // Files that were removed from the cache meanwhile say nothing of the scene: they are fetched again.
+    holdings_.cannot_render(piece, files_are_here(piece.job->files) ? scene.error().message : "");
     return;
   }
   const auto start = std::chrono::steady_clock::now();

@@ -4,12 +4,17 @@
 
 #include <algorithm>
 #include <chrono>
+#include <utility>
 
 #include "core/scene/loader/asset_source.hpp"
 #include "core/scene/loader/loader.hpp"
+#include "worker/blob_cache.hpp"
 
 namespace tessera::worker {
 namespace {
+
+// A fraction of the time for which the blob cache keeps what was used.
+constexpr auto kMarkPeriod = std::chrono::minutes(10);
 
 core::Result<std::shared_ptr<const core::Scene>> build_scene(const SceneFiles& files, int threads) {
   core::BundleAssets assets(files.blob_paths);
@@ -24,21 +29,30 @@ core::Result<std::shared_ptr<const core::Scene>> build_scene(const SceneFiles& f
 
 core::Result<std::shared_ptr<const core::Scene>> SceneCache::get(const SceneFiles& files) {
   const auto known =
-      std::find_if(recent_.begin(), recent_.end(), [&](const auto& e) { return e.first == files.key; });
+      std::find_if(recent_.begin(), recent_.end(), [&](const auto& e) { return e.key == files.key; });
   if (known != recent_.end()) {
     recent_.splice(recent_.begin(), recent_, known);
-    return known->second;
+    mark_files(*known, files);
+    return known->scene;
   }
   // The oldest goes first, so that no more scenes than these are ever in memory.
   while (recent_.size() >= capacity_) recent_.pop_back();
-  const auto start = std::chrono::steady_clock::now();
+  const auto start = Clock::now();
   auto scene = build_scene(files, threads_);
   if (!scene) return scene;
-  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
+  const std::chrono::duration<double> took = Clock::now() - start;
   spdlog::info("built scene {} ({} primitives) in {:.2f} s", files.scene_path, (*scene)->primitives().count(),
                took.count());
-  recent_.emplace_front(files.key, *scene);
+  recent_.push_front({files.key, *scene, Clock::now()});
   return scene;
+}
+
+// A scene in memory needs no files, but a worker that is started anew, or has had too many other scenes,
+// does.
+void SceneCache::mark_files(Entry& entry, const SceneFiles& files) {
+  if (Clock::now() - entry.files_marked < kMarkPeriod) return;
+  entry.files_marked = Clock::now();
+  for (const auto& [name, path] : files.blob_paths) mark_as_used(path);
 }
 
 }  // namespace tessera::worker

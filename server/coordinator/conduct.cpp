@@ -7,8 +7,13 @@ bool Conduct::refused(const std::string& worker, const std::string& name) {
   ++entry.refused;
   if (++entry.in_a_row < kRefusalsUntilAside || entry.aside) return false;
   entry.aside = true;
-  names_aside_.insert(name);
+  if (!name.empty()) names_aside_.insert(name);
   return true;
+}
+
+void Conduct::forget_others(const std::set<std::string>& present) {
+  std::erase_if(entries_,
+                [&](const auto& entry) { return !entry.second.aside && !present.contains(entry.first); });
 }
 
 void Conduct::in_order(const std::string& worker) {

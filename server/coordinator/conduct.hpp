@@ -1,5 +1,6 @@
 // Which workers' results were refused, and how often: those of a broken machine, a wrong build or a liar.
-// After too many in a row a worker is put aside, under its id and its name, until the coordinator is started
+// After too many in a row a worker is put aside, and every later worker of its name
+// with it, unless it has none, until the coordinator is started
 // anew. Not thread-safe; the coordinator's gate guards it.
 #pragma once
 
@@ -18,8 +19,8 @@ class Conduct {
   bool refused(const std::string& worker, const std::string& name);
   // A result of it was in order.
   void in_order(const std::string& worker);
-  // The worker is forgotten altogether; a name that was put aside stays so.
-  void forget(const std::string& worker) { entries_.erase(worker); }
+  // All workers but these are forgotten; who was put aside stays so.
+  void forget_others(const std::set<std::string>& present);
 
   std::uint64_t refusals(const std::string& worker) const;
   bool is_aside(const std::string& worker) const;

@@ -111,9 +111,12 @@ void Coordinator::answer_due_calls(Turn& turn) {
 
 void Coordinator::note_workers(const Turn& turn) {
   std::map<std::string, std::string> present;
+  std::set<std::string> known;
   for (const scheduler::WorkerView& worker : scheduler_.workers(turn.now())) {
+    known.insert(worker.info.id.value);
     if (!worker.silent) present.emplace(worker.info.id.value, worker.info.name);
   }
+  conduct_.forget_others(known);
   for (const auto& [id, name] : present) {
     if (present_.count(id) == 0) spdlog::info("worker {} ({}) has come", name, id);
   }

@@ -91,9 +91,10 @@ class Coordinator {
   core::Result<v1::SubmitResultResponse> submit_result(const v1::SubmitResultRequest& request);
 
   const store::BlobStore& blobs() const { return state_.blobs; }
-  // A blob could not be read from the store for this reason. If it is missing or damaged, every unfinished
-  // job that needs it fails with the sentence, and the file is removed, so that submitting again mends it.
-  void blob_is_lost(const proto::Digest& digest, const core::Error& error);
+  // A worker could not be given a blob for this reason. If it is missing or damaged, also when it is read
+  // once more, every unfinished job that needs it fails with the sentence, and the file is removed, so that
+  // submitting again mends it. Blocks while the blob is read.
+  void blob_is_lost(const proto::Digest& digest, const core::Error& noticed);
 
   // ---- For whoever runs it ----
   // Lets time pass: takes leases from silent workers, answers calls that have waited long enough. Due about
@@ -120,6 +121,7 @@ class Coordinator {
 
   core::Status restore_job(const store::JobRow& row);
   core::Status restore_damaged_job(const store::JobRow& row, const core::Error& error);
+  core::Status add_restored(const scheduler::RestoreJob& event, JobRecord record);
   core::Result<bool> lacks_samples(const store::JobRow& row, const core::TileGrid& grid,
                                    std::map<int, std::vector<core::SampleRange>>& done);
   core::Result<LoadedFilm> load_film(const v1::Job& spec);
@@ -154,6 +156,8 @@ class Coordinator {
   void answer_due_calls(Turn& turn);
   static void refuse(Turn& turn, SynchronizeCaller& caller, const core::Error& error);
   core::Status admit(const Turn& turn, const v1::SynchronizeRequest& request);
+  // Whether the scheduler has heard of the worker lately.
+  bool is_known(const Turn& turn, const std::string& id) const;
   bool arithmetic_is_bound(const Turn& turn, const std::string& except_worker) const;
   core::Result<v1::SubmitResultResponse> count_result(Turn& turn, const v1::SubmitResultRequest& request,
                                                       const std::vector<core::FilmTile>& tiles);

@@ -2,11 +2,20 @@
 
 #include <fmt/format.h>
 
+#include "core/scene/settings.hpp"
 #include "proto/convert.hpp"
 #include "proto/convert_display.hpp"
 #include "server/coordinator/wire.hpp"
 
 namespace tessera::coordinator {
+
+namespace {
+
+bool is_known_state(int state) {
+  return v1::JobState_IsValid(state) && state != v1::JOB_STATE_UNSPECIFIED;
+}
+
+}  // namespace
 
 core::TileGrid grid_of(const v1::Job& spec) {
   return shape_of(spec, 0).grid();
@@ -63,7 +72,8 @@ core::Result<JobRecord> from_row(const store::JobRow& row) {
   auto spec = std::make_shared<v1::Job>();
   v1::Counters counters;
   if (!spec->ParseFromString(row.spec) || !counters.ParseFromString(row.counters) ||
-      !proto::from_proto(spec->settings()) || !proto::from_proto(spec->display())) {
+      !proto::from_proto(spec->settings()) || !proto::from_proto(spec->display()) || row.spp < 1 ||
+      row.spp > core::kMaxSpp || !is_known_state(row.state)) {
     return core::fail(
         core::ErrorCode::kDataLoss,
         fmt::format(

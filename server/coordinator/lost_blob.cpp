@@ -20,11 +20,19 @@ const v1::Bundle::Asset* find_asset(const v1::Bundle& bundle, const proto::Diges
   return nullptr;
 }
 
+// Anything else may pass by itself.
+bool is_lost(const core::Error& error) {
+  return error.code == ErrorCode::kDataLoss || error.code == ErrorCode::kNotFound;
+}
+
 }  // namespace
 
-void Coordinator::blob_is_lost(const proto::Digest& digest, const core::Error& error) {
-  // Anything else may pass by itself.
-  if (error.code != ErrorCode::kDataLoss && error.code != ErrorCode::kNotFound) return;
+void Coordinator::blob_is_lost(const proto::Digest& digest, const core::Error& noticed) {
+  if (!is_lost(noticed)) return;
+  // It may have been uploaded anew meanwhile, or read wrongly just once.
+  const core::Status intact = state_.blobs.verify(digest);
+  if (intact || !is_lost(intact.error())) return;
+  const core::Error& error = intact.error();
   std::map<std::string, std::string> failures;
   Turn turn(*this);
   for (const auto& [id, record] : jobs_) {

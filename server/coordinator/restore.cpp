@@ -57,13 +57,18 @@ core::Status Coordinator::restore_damaged_job(const store::JobRow& row, const co
   record.revision = record.stored_revision = row.revision;
   record.finished_ms = row.finished_ms;
 
-  Turn turn(*this);
   const scheduler::RestoreJob event{
       {row.id}, nothing, row.priority, scheduler::JobState::kFailed, error.message, done_sets(nothing, {})};
+  return add_restored(event, std::move(record));
+}
+
+core::Status Coordinator::add_restored(const scheduler::RestoreJob& event, JobRecord record) {
+  Turn turn(*this);
   const scheduler::Actions actions = scheduler_.handle(event, turn.now());
-  if (!actions.status) return core::fail(actions.status.error().within("taking up job " + row.id));
-  if (!record.request_id.empty()) job_of_request_[record.request_id] = row.id;
-  jobs_.emplace(row.id, std::move(record));
+  if (!actions.status) return core::fail(actions.status.error());
+  if (!record.request_id.empty()) job_of_request_[record.request_id] = event.id.value;
+  jobs_.emplace(event.id.value, std::move(record));
+  apply(turn, actions);
   return {};
 }
 
@@ -91,15 +96,10 @@ core::Status Coordinator::restore_job(const store::JobRow& row) {
   // What stands in rows that were not checked cannot raise a job's samples.
   const scheduler::JobShape shape = shape_of(*record->spec, unfinished ? spp_of(row, *done) : row.spp);
 
-  Turn turn(*this);
   const scheduler::RestoreJob event{{row.id}, shape,       row.priority,
                                     state,    row.failure, done_sets(shape, *done)};
-  const scheduler::Actions actions = scheduler_.handle(event, turn.now());
-  if (!actions.status) return core::fail(actions.status.error().within("taking up job " + row.id));
-  if (!record->request_id.empty()) job_of_request_[record->request_id] = row.id;
-  jobs_.emplace(row.id, std::move(*record));
-  apply(turn, actions);
-  return {};
+  const core::Status taken_up = add_restored(event, std::move(*record));
+  return taken_up ? taken_up : restore_damaged_job(row, taken_up.error().within("taking up job " + row.id));
 }
 
 // Whether a job that is stored as done has tiles that are whole on disk and not whole in samples: it was

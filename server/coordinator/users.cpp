@@ -41,10 +41,13 @@ core::Status Coordinator::check_bundle(const v1::Bundle& bundle) {
     if (!paths.insert(asset.path()).second) {
       return core::fail(ErrorCode::kInvalidArgument, fmt::format("bundle: {} is named twice", asset.path()));
     }
-    // What was damaged since it was uploaded is as good as missing.
     const core::Status intact = state_.blobs.verify(*digest);
     if (intact) continue;
-    blob_is_lost(*digest, intact.error());
+    // What was damaged since it was uploaded is as good as missing. Jobs that run with it may have no more
+    // need of it: their workers have it.
+    const ErrorCode code = intact.error().code;
+    if (code != ErrorCode::kDataLoss && code != ErrorCode::kNotFound) return core::fail(intact.error());
+    if (code == ErrorCode::kDataLoss) state_.blobs.discard(*digest);
     if (++missing_count <= kMaxMissingListed)
       missing += fmt::format("\n  {} ({})", asset.path(), digest->hex());
   }

@@ -110,7 +110,9 @@ void Coordinator::refuse(Turn& turn, SynchronizeCaller& caller, const core::Erro
 }
 
 core::Status Coordinator::admit(const Turn& turn, const v1::SynchronizeRequest& request) {
-  if (conduct_.is_aside(request.worker_id()) || conduct_.is_name_aside(request.name())) {
+  // Whoever works already under the name of one that is put aside answers for itself.
+  const bool newly_named = conduct_.is_name_aside(request.name()) && !is_known(turn, request.worker_id());
+  if (conduct_.is_aside(request.worker_id()) || newly_named) {
     return core::fail(
         ErrorCode::kFailedPrecondition,
         fmt::format(
@@ -134,6 +136,12 @@ core::Status Coordinator::admit(const Turn& turn, const v1::SynchronizeRequest& 
   }
   arithmetic_ = offered;
   return {};
+}
+
+bool Coordinator::is_known(const Turn& turn, const std::string& id) const {
+  const auto workers = scheduler_.workers(turn.now());
+  return std::any_of(workers.begin(), workers.end(),
+                     [&](const scheduler::WorkerView& worker) { return worker.info.id.value == id; });
 }
 
 bool Coordinator::arithmetic_is_bound(const Turn& turn, const std::string& except_worker) const {

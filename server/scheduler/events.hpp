@@ -156,7 +156,7 @@ struct Actions {
   // For SubmitResult: one for each item.
   std::vector<Verdict> verdicts;
   // Every change of state, in order; also those that follow from something else (RUNNING to DONE with a
-  // result, RUNNING to FAILED with the third worker that died of one range).
+  // result, RUNNING to FAILED with the third machine whose worker died of one range).
   std::vector<JobChange> job_changes;
   // Workers whose last reply was not `changed` and could now be. For each whose call is still waiting, hand
   // in TopUp, and answer the call if the reply is `changed`. For others do nothing.

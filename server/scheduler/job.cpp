@@ -10,6 +10,7 @@ namespace tessera::scheduler {
 namespace {
 
 constexpr int kRefusalsUntilFailure = 3;
+constexpr std::size_t kRefusersUntilFailure = 3;
 
 std::uint64_t total_samples(const JobShape& shape) {
   return static_cast<std::uint64_t>(shape.width_px) * static_cast<std::uint64_t>(shape.height_px) * shape.spp;
@@ -170,7 +171,8 @@ bool Job::accept(const WorkItem& item, std::vector<Lease>& ended) {
   done_count_ += pixel_samples(item);
   done.add(item.samples);
   suspects_.clear(item);
-  could_not_build_ = 0;
+  refusals_ = 0;
+  refusers_.clear();
   for (Lease& lease : leases_.trim(item)) {
     copyable_.erase(lease.id);
     ended.push_back(std::move(lease));
@@ -183,6 +185,8 @@ std::optional<std::string> Job::blame(const Lease& lease, const Death& death) {
   // Of several items it cannot be told which it was.
   if (!lease.alone) return std::nullopt;
   const WorkItem& item = lease.items.front();
+  // What another worker still holds may yet be rendered.
+  if (leases_.leased(item.tile).intersects(item.samples)) return std::nullopt;
   const std::vector<Death> deaths = suspects_.first_part(item).deaths;
   if (deaths.size() < kDeathsUntilFailure) return std::nullopt;
   std::vector<std::string> names;
@@ -198,12 +202,18 @@ std::optional<std::string> Job::blame(const Lease& lease, const Death& death) {
       fmt::join(names, ", "));
 }
 
-std::optional<std::string> Job::cannot_build(const std::string& worker, const std::string& why) {
-  if (++could_not_build_ < kRefusalsUntilFailure) return std::nullopt;
+std::optional<std::string> Job::cannot_build(const std::string& worker, const std::string& why,
+                                             const std::set<std::string>& present) {
+  ++refusals_;
+  refusers_.insert(worker);
+  const bool nobody_else = leases_.all().empty() &&
+                           std::includes(refusers_.begin(), refusers_.end(), present.begin(), present.end());
+  if (refusals_ < kRefusalsUntilFailure) return std::nullopt;
+  if (refusers_.size() < kRefusersUntilFailure && !nobody_else) return std::nullopt;
   return fmt::format(
       "{} times in a row a worker could not build the scene, the last of them {}: {}. Mend that, or give the "
       "workers the release and the memory that the scene needs; then submit it again",
-      could_not_build_, worker, why);
+      refusals_, worker, why);
 }
 
 void Job::extend(std::uint32_t spp) {

@@ -83,10 +83,13 @@ class Job {
 
   // ---- Deaths and refusals ----
 
-  // The holder of an ended lease has died. The sentence to fail the job with, if this is enough.
+  // The holder of an ended lease has died. The sentence to fail the job with, if this is enough and nobody
+  // else holds the samples.
   std::optional<std::string> blame(const Lease& lease, const Death& death);
-  // A worker cannot build the scene. The sentence to fail the job with, if this is once too often in a row.
-  std::optional<std::string> cannot_build(const std::string& worker, const std::string& why);
+  // A worker of this name cannot build the scene. The sentence to fail the job with, if that was said three
+  // times in a row, and by three names or by all that are `present` while nobody holds a lease.
+  std::optional<std::string> cannot_build(const std::string& worker, const std::string& why,
+                                          const std::set<std::string>& present);
   // A worker that was taken for dead lives.
   void absolve(const WorkerId& worker) { suspects_.absolve(worker); }
 
@@ -120,8 +123,9 @@ class Job {
   WorkList work_;
   LeaseTable leases_;
   Suspects suspects_;
-  // In a row; back to 0 with every accepted sample.
-  int could_not_build_ = 0;
+  // In a row, and the names of who said so; forgotten with every accepted sample.
+  int refusals_ = 0;
+  std::set<std::string> refusers_;
   // Every lease with samples that nobody else holds; may also have others.
   std::set<LeaseId> copyable_;
 

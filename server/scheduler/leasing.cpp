@@ -13,8 +13,7 @@ constexpr Duration kPunctuality = std::chrono::seconds(1);
 }  // namespace
 
 Worker* Scheduler::on(const Synchronize& event, Actions&) {
-  const Worker* const known = roster_.find(event.worker.id);
-  if (known == nullptr || known->silent) absolve(event.worker.id);
+  absolve_if_silent(event.worker.id);
   Worker& worker = roster_.hear(event, now_);
   settle_reported(worker, event);
   return &worker;
@@ -145,14 +144,16 @@ Lease Scheduler::end_lease(Job& job, LeaseId id) {
 void Scheduler::lose_lease(const Worker& worker, const HeldLease& held, Actions& actions) {
   Job& job = *find(held.job);
   const Lease lease = end_lease(job, held.id);
-  // One that was told to stop had another reason to die. And if nobody looked when its time was up, it was
-  // the coordinator that slept.
-  if (worker.draining || now_ > roster_.deadline(worker) + kPunctuality) return;
+  // What it never said it holds it may never have heard of. One that was told to stop had another reason to
+  // die. And if nobody looked when its time was up, it was the coordinator that slept.
+  if (!held.acknowledged || worker.draining || now_ > roster_.deadline(worker) + kPunctuality) return;
   const std::optional<std::string> failure = job.blame(lease, {worker.info.id, worker.info.name});
   if (failure) fail(job, *failure, actions);
 }
 
-void Scheduler::absolve(const WorkerId& worker) {
+void Scheduler::absolve_if_silent(const WorkerId& worker) {
+  const Worker* const known = roster_.find(worker);
+  if (known != nullptr && !known->silent) return;
   for (auto& [number, job] : jobs_) job.absolve(worker);
 }
 

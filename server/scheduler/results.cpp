@@ -17,6 +17,7 @@ Worker* Scheduler::on(const SubmitResult& event, Actions& actions) {
   actions.status = validate(*job, event);
   if (!actions.status) return nullptr;
 
+  absolve_if_silent(event.worker);
   measure(*job, event);
   std::vector<Lease> ended;
   std::uint64_t accepted_samples = 0;
@@ -57,7 +58,12 @@ void Scheduler::spare_others(const Job& job, const WorkItem& item, const WorkerI
 }
 
 void Scheduler::note_refusal(Job& job, const SubmitResult& event, Actions& actions) {
-  const auto failure = job.cannot_build(roster_.find(event.worker)->info.name, event.cannot_build);
+  std::set<std::string> present;
+  for (const auto& [id, worker] : roster_.all()) {
+    if (worker.takes_leases()) present.insert(worker.info.name);
+  }
+  const std::string& name = roster_.find(event.worker)->info.name;
+  const auto failure = job.cannot_build(name, event.cannot_build, present);
   if (failure) fail(job, *failure, actions);
 }
 

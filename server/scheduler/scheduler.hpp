@@ -10,8 +10,9 @@
 //   - a range is accepted only if all of its samples are missing, so none is counted twice;
 //   - a done job lacks nothing;
 //   - leases are held by known workers that were heard of within lease_duration;
-//   - samples that a worker may have died of are leased to workers that hold nothing else, and after three
-//     deaths in a row their job fails, so that they do not take down the farm.
+//   - samples that a worker may have died of are leased to workers that hold nothing else, and after the
+//     deaths of three workers of different names in a row their job fails, so that they do not take down the
+//     farm.
 //
 // After a restart, hand in RestoreJob for each stored job, in the order of their submission, with a higher
 // epoch. Workers then report leases that this scheduler has not given; it takes them over where their samples
@@ -139,7 +140,8 @@ class Scheduler {
   Lease end_lease(Job& job, LeaseId id);
   // Ends a lease whose holder is taken for dead, and what that makes of the job.
   void lose_lease(const Worker& worker, const HeldLease& held, Actions& actions);
-  void absolve(const WorkerId& worker);
+  // The worker gives a sign of life. One that was taken for dead was not.
+  void absolve_if_silent(const WorkerId& worker);
   // Strikes an ended lease from its holder's entry.
   void forget_lease(const Lease& lease);
 

@@ -24,8 +24,8 @@ bool lies_in(const Part& part, core::SampleRange samples) {
   return part.samples.begin >= samples.begin && part.samples.end <= samples.end;
 }
 
-bool names(const std::vector<Death>& deaths, const WorkerId& worker) {
-  return std::any_of(deaths.begin(), deaths.end(), [&](const Death& d) { return d.worker == worker; });
+bool names(const std::vector<Death>& deaths, const std::string& machine) {
+  return std::any_of(deaths.begin(), deaths.end(), [&](const Death& d) { return d.name == machine; });
 }
 
 }  // namespace
@@ -38,7 +38,7 @@ void Suspects::blame(const WorkItem& item, const Death& death, bool alone) {
   for (Part& part : parts) {
     if (!lies_in(part, item.samples)) continue;
     unsuspected.remove(part.samples);
-    if (alone && !names(part.deaths, death.worker)) part.deaths.push_back(death);
+    if (alone && !names(part.deaths, death.name)) part.deaths.push_back(death);
   }
   for (const core::SampleRange& range : unsuspected.ranges()) parts.push_back({range, {death}});
   std::sort(parts.begin(), parts.end(),

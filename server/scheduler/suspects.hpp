@@ -16,19 +16,21 @@ namespace tessera::scheduler {
 
 // After so many deaths samples are leased one by one, so that the next one names the very one.
 inline constexpr std::size_t kDeathsUntilSingleSamples = 2;
-// So many deaths in a row end the job.
+// So many deaths in a row, of workers with as many names, end the job.
 inline constexpr std::size_t kDeathsUntilFailure = 3;
 
 struct Death {
   WorkerId worker;
-  // What people call it.
+  // What people call it: its machine, which may run one process after the other, each a worker with an id of
+  // its own.
   std::string name;
 };
 
 class Suspects {
  public:
-  // The worker died while it held these samples. Each worker counts once, and one that did not hold them
-  // alone only if it was the first: deaths are to be one after the other, not one partition of the network.
+  // The worker died while it held these samples. Each name counts once, however often its
+  // workers die: something may be killing them there. One that did not hold them alone counts only if it was
+  // the first: deaths are to be one after the other, not one partition of the network.
   void blame(const WorkItem& item, const Death& death, bool alone);
   // They have been rendered.
   void clear(const WorkItem& item);

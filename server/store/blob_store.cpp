@@ -9,10 +9,35 @@
 #include <algorithm>
 #include <cerrno>
 #include <system_error>
+#include <vector>
 
 namespace tessera::store {
 
 using core::ErrorCode;
+
+namespace {
+
+// What is in a folder, as far as it can be read.
+std::vector<std::filesystem::path> paths_in(const std::filesystem::path& folder) {
+  std::vector<std::filesystem::path> paths;
+  std::error_code error;
+  for (std::filesystem::directory_iterator entry(folder, error), end; !error && entry != end;
+       entry.increment(error)) {
+    paths.push_back(entry->path());
+  }
+  return paths;
+}
+
+bool is_whole(const struct ::stat& status, const proto::Digest& digest) {
+  return S_ISREG(status.st_mode) && static_cast<std::uint64_t>(status.st_size) == digest.size_bytes;
+}
+
+core::Error not_here(const proto::Digest& digest) {
+  return {ErrorCode::kNotFound,
+          fmt::format("blob {} ({} bytes) is not here: upload it", digest.hex(), digest.size_bytes)};
+}
+
+}  // namespace
 
 BlobWriter::BlobWriter(proto::Digest digest, std::filesystem::path target, std::filesystem::path temporary,
                        Fd fd)
@@ -85,8 +110,7 @@ std::filesystem::path BlobStore::path(const proto::Digest& digest) const {
 
 bool BlobStore::contains(const proto::Digest& digest) const {
   struct ::stat status {};
-  return ::stat(path(digest).c_str(), &status) == 0 && S_ISREG(status.st_mode) &&
-         static_cast<std::uint64_t>(status.st_size) == digest.size_bytes;
+  return ::stat(path(digest).c_str(), &status) == 0 && is_whole(status, digest);
 }
 
 core::Result<BlobWriter> BlobStore::write(const proto::Digest& digest) const {
@@ -98,12 +122,14 @@ core::Result<BlobWriter> BlobStore::write(const proto::Digest& digest) const {
 
 core::Result<BlobReader> BlobStore::read(const proto::Digest& digest) const {
   const std::filesystem::path file = path(digest);
-  if (!contains(digest)) {
-    return core::fail(ErrorCode::kNotFound, fmt::format("blob {} ({} bytes) is not here: upload it",
-                                                        digest.hex(), digest.size_bytes));
-  }
   Fd fd(::open(file.c_str(), O_RDONLY | O_CLOEXEC));
-  if (!fd) return core::fail(errno_error("opening", file));
+  if (!fd && errno == ENOENT) return core::fail(not_here(digest));
+  // Anything else says nothing of the blob, and may pass by itself.
+  if (!fd) return core::fail(ErrorCode::kInternal, errno_error("opening", file).message);
+  struct ::stat status {};
+  if (::fstat(fd.get(), &status) != 0)
+    return core::fail(ErrorCode::kInternal, errno_error("looking at", file).message);
+  if (!is_whole(status, digest)) return core::fail(not_here(digest));
   return BlobReader(digest, file, std::move(fd));
 }
 
@@ -124,13 +150,14 @@ std::size_t BlobStore::collect(const std::set<std::string>& keep, std::chrono::s
   namespace fs = std::filesystem;
   const auto before = fs::file_time_type::clock::now() - unused_for;
   std::size_t removed = 0;
-  std::error_code ignored;  // a file that cannot be looked at or removed stays
-  for (const fs::directory_entry& group : fs::directory_iterator(folder_, ignored)) {
-    if (group.path().filename() == "incoming") continue;
-    for (const fs::directory_entry& blob : fs::directory_iterator(group.path(), ignored)) {
-      const std::string hex = group.path().filename().string() + blob.path().filename().string();
-      const auto used = blob.last_write_time(ignored);
-      if (!ignored && used < before && !keep.contains(hex)) removed += fs::remove(blob.path(), ignored);
+  for (const fs::path& group : paths_in(folder_)) {
+    if (group.filename() == "incoming") continue;
+    for (const fs::path& blob : paths_in(group)) {
+      std::error_code error;  // a file that cannot be looked at or removed stays
+      const auto used = fs::last_write_time(blob, error);
+      if (error || used >= before || keep.contains(group.filename().string() + blob.filename().string()))
+        continue;
+      if (fs::remove(blob, error)) ++removed;
     }
   }
   return removed;

@@ -65,7 +65,7 @@ class BlobStore {
   // Where the blob's file is or would be.
   std::filesystem::path path(const proto::Digest& digest) const;
   core::Result<BlobWriter> write(const proto::Digest& digest) const;
-  // NOT_FOUND if it is not here.
+  // NOT_FOUND if it is not here, or of another size; INTERNAL if that cannot be told.
   core::Result<BlobReader> read(const proto::Digest& digest) const;
   // Reads it from beginning to end, and counts it as used now. NOT_FOUND, DATA_LOSS, or what the disk says.
   core::Status verify(const proto::Digest& digest) const;

@@ -3,6 +3,8 @@
 #include <grpcpp/client_context.h>
 #include <signal.h>
 
+#include <algorithm>
+
 #include "proto/blob.hpp"
 #include "proto/channel.hpp"
 #include "tessera/v1/worker_service.grpc.pb.h"
@@ -27,7 +29,7 @@ class FailuresTest : public FarmTest {
     return id;
   }
 
-  // Whether there was something to take.
+  // Takes what it is given and says that it holds it. Whether there was something to take.
   bool take_and_die(const std::string& name) {
     grpc::ClientContext context;
     context.set_deadline(std::chrono::system_clock::now() + 20s);
@@ -41,6 +43,11 @@ class FailuresTest : public FarmTest {
     const auto coordinator = v1::WorkerService::NewStub(proto::open_channel(address()));
     const grpc::Status status = coordinator->Synchronize(&context, request, &response);
     EXPECT_TRUE(status.ok()) << status.error_message();
+    *request.mutable_held() = response.leases();
+    grpc::ClientContext again;
+    again.set_deadline(std::chrono::system_clock::now() + 20s);
+    v1::SynchronizeResponse unchanged;
+    EXPECT_TRUE(coordinator->Synchronize(&again, request, &unchanged).ok());
     return response.leases_size() > 0;
   }
 
@@ -93,6 +100,26 @@ TEST_F(FailuresTest, ARangeThatKillsEveryWorkerEndsItsJobAndNoOther) {
   EXPECT_THAT(tessera({"job", deadly}).out, HasSubstr(failure));
   start_worker("survivor", 1);
   EXPECT_TRUE(wait_for_state(other, v1::JOB_STATE_DONE));
+}
+
+TEST_F(FailuresTest, AWorkerThatIsKilledAgainAndAgainFailsNoJob) {
+  start_coordinator(0.5);
+  const std::string id = submit(options_);
+  const auto works = [](const auto& worker) { return !worker.silent() && worker.held_leases() > 0; };
+  const auto somebody_works = [&] {
+    const auto known = workers();
+    return std::any_of(known.begin(), known.end(), works) || job(id).state() != v1::JOB_STATE_RUNNING;
+  };
+  for (int kills = 0; kills < 10; ++kills) {
+    Process& victim = start_worker("victim", 1);
+    ASSERT_TRUE(poll_until(20s, somebody_works));
+    victim.signal(SIGKILL);
+    ASSERT_TRUE(victim.wait(5s).has_value());
+    ASSERT_TRUE(poll_until(20s, [&] { return job(id).active_workers() == 0; }));
+  }
+  start_worker("victim", 1);
+  ASSERT_TRUE(wait_for_state(id, v1::JOB_STATE_DONE));
+  expect_local_bytes(id);
 }
 
 TEST_F(FailuresTest, AJobWhoseFilesTheCoordinatorHasLostFails) {

@@ -5,6 +5,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <set>
 #include <vector>
 
 #include "server/scheduler/scheduler.hpp"
@@ -68,6 +69,8 @@ class Coordinator {
   Time stalled_until_{};
   std::optional<Time> next_tick_;
   std::uint64_t calls_ = 0;
+  // What a liar said it holds: a result that its true holder sends once more may then be refused.
+  std::set<scheduler::LeaseId> claimed_;
   std::map<scheduler::WorkerId, Parked> parked_;
   std::map<scheduler::JobId, ModelFilm> films_;
   std::map<scheduler::JobId, std::string> failures_;

@@ -103,13 +103,26 @@ TEST_F(FarmScenario, ARangeThatKillsItsWorkersEndsItsJobAndNoOther) {
   for (WorkerMachine* machine : machines) machine->die_of({"deadly"}, {5, {9, 10}});
   submit("deadly", kJob);
   submit("other", kJob);
-  run_until(250);
+  run_until(1000);
   const auto jobs = coordinator_.jobs();
   EXPECT_EQ(jobs[0].state, JobState::kFailed);
   EXPECT_THAT(jobs[0].failure,
               testing::HasSubstr("3 workers died one after the other while they rendered "
                                  "samples [9, 10) of tile 5 (pixels [64, 128) x [64, 128))"));
   EXPECT_EQ(jobs[1].state, JobState::kDone);
+}
+
+// Whatever kills them, it is not the samples as long as it happens on one machine alone.
+TEST_F(FarmScenario, AMachineThatIsKilledAgainAndAgainFailsNoJob) {
+  WorkerMachine& victim = machine(50'000);
+  submit("job", kJob);
+  for (int kills = 1; kills <= 10; ++kills) {
+    run_until(12 * kills);
+    victim.crash();
+    victim.start();
+  }
+  run_until_one_is_done();
+  EXPECT_EQ(coordinator_.jobs()[0].state, JobState::kDone);
 }
 
 TEST_F(FarmScenario, EqualJobsGetOnEqually) {

@@ -1,6 +1,7 @@
 #include "tests/simulation/worker.hpp"
 
 #include <algorithm>
+#include <functional>
 #include <utility>
 
 namespace tessera::simulation {
@@ -29,6 +30,9 @@ void WorkerMachine::start() {
   start_again_ = running_ && (stop_pending_ || stopping_);
   if (running_) return;
   ++process_;
+  // As real ids, these sort at random.
+  const std::string process = fmt::format("{}.{}", name_, process_);
+  id_ = fmt::format("{:04}.{}", std::hash<std::string>{}(process) % 10'000, process);
   world_.note(fmt::format("{}.{} starts", name_, process_));
   running_ = true;
   stop_pending_ = stopping_ = rendering_ = false;
@@ -69,8 +73,7 @@ void WorkerMachine::later(Duration delay, std::function<void()> what) {
 }
 
 void WorkerMachine::synchronize() {
-  Synchronize request{
-      {{fmt::format("{}.{}", name_, process_)}, name_, "0.1.0", 1}, {}, wanted_leases_, stopping_};
+  Synchronize request{{{id_}, name_, "0.1.0", 1}, {}, wanted_leases_, stopping_};
   for (const Held& held : held_) {
     if (stopping_) break;
     LeaseDescription lease{held.id, held.job, held.sent};
@@ -102,8 +105,8 @@ void WorkerMachine::take_reply(std::uint64_t call, const Reply& reply) {
     if (find(lease.id) != nullptr) continue;
     held_.push_back({lease.id, lease.job, {lease.items.begin(), lease.items.end()}, {}, {}, 0, false});
   }
-  render_next();
   if (!stopping_) synchronize();
+  render_next();
 }
 
 void WorkerMachine::render_next() {
@@ -143,12 +146,7 @@ void WorkerMachine::rendered(LeaseId id, JobId job, WorkItem item, double durati
 
 void WorkerMachine::deliver(Held& held, bool finished) {
   const std::uint64_t delivery = ++deliveries_;
-  outbox_[delivery] = {{fmt::format("{}.{}", name_, process_)},
-                       held.job,
-                       held.id,
-                       held.rendered,
-                       held.render_seconds,
-                       finished};
+  outbox_[delivery] = {{id_}, held.job, held.id, held.rendered, held.render_seconds, finished};
   held.sent.insert(held.sent.end(), held.rendered.begin(), held.rendered.end());
   held.rendered.clear();
   held.render_seconds = 0;

@@ -73,6 +73,7 @@ class WorkerMachine {
 
   bool running_ = false;
   int process_ = 0;
+  std::string id_;  // of this process
   Time hung_until_{};
   bool stop_pending_ = false;  // comes when it no longer hangs
   bool stopping_ = false;

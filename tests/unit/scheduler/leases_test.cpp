@@ -89,6 +89,7 @@ TEST_F(Leases, AreKeptWhileTheWorkerReportsThem) {
 TEST_F(Leases, OfASilentWorkerGoToOthers) {
   submit("job", tiles(100, 16));
   const LeaseDescription lost = lease_to("silent");
+  sync("silent", {lost});
   EXPECT_EQ(scheduler_->next_deadline(), now_ + seconds(10));
   pass(seconds(10) - milliseconds(1));
   tick();
@@ -102,6 +103,7 @@ TEST_F(Leases, OfASilentWorkerGoToOthers) {
 TEST_F(Leases, AreTakenFromASilentWorkerByAnyEventThatComesLater) {
   submit("job", tiles(100, 16));
   const LeaseDescription lost = lease_to("silent");
+  sync("silent", {lost});
   pass(seconds(10));
   EXPECT_EQ(lease_to("other").items, std::vector{lost.items[0]});
 }

@@ -50,9 +50,10 @@ TEST(SuspectsTest, RenderedSamplesAndWorkersThatLiveAreForgotten) {
 class Deaths : public Farm {
  protected:
   // The worker takes what it is given, reports it, and is never heard of again.
-  LeaseDescription die(const std::string& worker) {
-    const LeaseDescription lease = lease_to(worker);
-    sync(worker, {lease});
+  LeaseDescription die(const std::string& worker) { return die(worker, worker); }
+  LeaseDescription die(const std::string& id, const std::string& name) {
+    const LeaseDescription lease = handle(Synchronize{{{id}, name, "0.1.0", 1}, {}, 1}).reply->leases.at(0);
+    handle(Synchronize{{{id}, name, "0.1.0", 1}, {lease}, 1});
     pass(seconds(10));
     tick();
     return lease;
@@ -101,12 +102,54 @@ TEST_F(Deaths, OfWorkersThatComeBackWereNone) {
   EXPECT_EQ(state("job"), JobState::kFailed);
 }
 
+TEST_F(Deaths, OfOneMachineCountOnce) {
+  submit("job", tiles(100, 16));
+  for (int process = 0; process < 10; ++process) die("process " + std::to_string(process), "machine");
+  EXPECT_EQ(state("job"), JobState::kRunning);
+  die("b");
+  die("c");
+  EXPECT_EQ(state("job"), JobState::kFailed);
+}
+
+TEST_F(Deaths, OfWorkersThatDeliverAfterAllWereNone) {
+  submit("job", tiles(100, 16));
+  const LeaseDescription late = die("a");
+  die("b");
+  deliver("a", late, {late.items[1]}, false);
+  die("c");
+  EXPECT_EQ(state("job"), JobState::kRunning);
+}
+
+TEST_F(Deaths, OfWorkersThatMayNotHaveHeardOfTheirLeaseCountForNothing) {
+  submit("job", tiles(100, 16));
+  lease_to("a");
+  pass(seconds(10));
+  tick();
+  EXPECT_EQ(lease_to("b").items.size(), 4u);
+}
+
+TEST(JobTest, DoesNotFailWhileAnotherWorkerHoldsTheSamples) {
+  Job job({"job"}, tiles(4, 1), 0, {});
+  const std::vector<WorkItem> items = job.take_free(1, true).items;
+  job.lease({{1}, {"slow"}, items, false});
+  const auto blame = [&](std::uint64_t id, const std::string& worker) {
+    job.lease({{id}, {worker}, items, true});
+    return job.blame(job.end_lease({id}), {{worker}, worker});
+  };
+  EXPECT_FALSE(blame(2, "a"));
+  EXPECT_FALSE(blame(3, "b"));
+  EXPECT_FALSE(blame(4, "c"));
+  job.end_lease({1});
+  EXPECT_TRUE(blame(5, "c"));
+}
+
 TEST_F(Deaths, AfterTwoTheSamplesAreLeasedOneByOne) {
   submit("job", tiles(2, 16));
   const LeaseDescription first = lease_to("quick");
   deliver("quick", first, first.items, true, 0.001);
   const LeaseDescription rest = lease_to("quick");
   ASSERT_FALSE(rest.items.empty());
+  sync("quick", {rest});
   pass(seconds(10));
   tick();
   ASSERT_GT(die("b").items.at(0).samples.count(), 1u);
@@ -116,6 +159,7 @@ TEST_F(Deaths, AfterTwoTheSamplesAreLeasedOneByOne) {
 TEST_F(Deaths, AreNotConcludedFromASleepOfTheCoordinator) {
   submit("job", tiles(100, 16));
   const LeaseDescription lost = lease_to("a");
+  sync("a", {lost});
   pass(seconds(12));
   tick();
   EXPECT_EQ(lease_to("b").items, lost.items);
@@ -133,6 +177,7 @@ TEST_F(Deaths, SuspectsWaitForAWorkerThatHoldsNothing) {
   submit("job", tiles(100, 16));
   const LeaseDescription held = lease_to("busy");
   const LeaseDescription lost = lease_to("a");
+  sync("a", {lost});
   pass(seconds(5));
   sync("busy", {held});
   pass(seconds(5));

@@ -127,6 +127,14 @@ TEST_F(BlobStoreTest, AnInterruptedUploadIsClearedAtTheNextStart) {
   EXPECT_EQ(files_below(folder_.path()), 0u);
 }
 
+TEST_F(BlobStoreTest, ABlobThatCannotBeOpenedIsNotMissing) {
+  const proto::Digest digest = proto::digest_of("wanted");
+  EXPECT_EQ(store_.read(digest).error().code, ErrorCode::kNotFound);
+  std::filesystem::create_directories(store_.path(digest).parent_path());
+  std::filesystem::create_symlink(store_.path(digest), store_.path(digest));
+  EXPECT_EQ(store_.read(digest).error().code, ErrorCode::kInternal);
+}
+
 TEST_F(BlobStoreTest, ADamagedFileIsToldByName) {
   const proto::Digest digest = proto::digest_of("wanted");
   ASSERT_TRUE(put(digest, {"wanted"}));

@@ -154,6 +154,18 @@ TEST_F(Restart, ADamagedJobFailsAndHarmsNoOther) {
   EXPECT_TRUE(coordinator().delete_job(damaged));
 }
 
+TEST_F(Restart, ARowThatNoJobCanHaveFailsItAndHarmsNoOther) {
+  const std::string damaged = submit(), whole = submit();
+  ASSERT_TRUE(coordinator().checkpoint());
+  for (const char* change : {"spp = 0", "spp = 16777217", "state = 0", "state = 99"}) {
+    meddle(std::string("UPDATE jobs SET ") + change + " WHERE id = '" + damaged + "'");
+    open();
+    EXPECT_EQ(job(damaged).state(), v1::JOB_STATE_FAILED) << change;
+    EXPECT_EQ(job(whole).state(), v1::JOB_STATE_RUNNING) << change;
+    meddle("UPDATE jobs SET state = 1, spp = 6 WHERE id = '" + damaged + "'");
+  }
+}
+
 // [0, 4096) in the place of the samples that are done.
 constexpr const char* kTooManySamples = "UPDATE tiles SET done = X'0000000000100000' WHERE tile = 0";
 

@@ -144,6 +144,42 @@ TEST_F(Work, AWorkerWhoseResultsAreRefusedAgainAndAgainIsPutAside) {
   EXPECT_EQ(coordinator().picture(id)->image.pixels, ready_made_picture(kWidthPx, kHeightPx, kSpp).pixels);
 }
 
+TEST_F(Work, WhoWorksUnderTheNameOfOneThatIsPutAsideGoesOn) {
+  submit();
+  for (const std::string name : {"farm", ""}) {
+    const auto named = [&](char worker) {
+      v1::SynchronizeRequest request = greeting(worker);
+      request.set_name(name);
+      return request;
+    };
+    const char bad = name.empty() ? 'b' : 'a', later = name.empty() ? 'e' : 'd';
+    const v1::Lease lease = synchronize(named(bad)).leases(0);
+    v1::SynchronizeRequest other = named('c');
+    *other.add_held() = synchronize(other).leases(0);
+    v1::SubmitResultRequest lie = delivery(bad, lease);
+    lie.mutable_items(0)->set_sums_xxh3(lie.items(0).sums_xxh3() ^ 1);
+    for (int i = 0; i < Conduct::kRefusalsUntilAside; ++i) EXPECT_FALSE(coordinator().submit_result(lie));
+    const WaitingCall refused(coordinator(), named(bad));
+    EXPECT_TRUE(refused.answered() && !refused.answer());
+    const WaitingCall goes_on(coordinator(), other);
+    EXPECT_TRUE(!goes_on.answered() || goes_on.answer());
+    const WaitingCall newcomer(coordinator(), named(later));
+    EXPECT_EQ(newcomer.answered() && !newcomer.answer(), !name.empty());
+  }
+}
+
+TEST(ConductTest, ForgetsWhoIsGoneUnlessItWasPutAside) {
+  Conduct conduct;
+  for (int i = 0; i < Conduct::kRefusalsUntilAside; ++i) conduct.refused("liar", "");
+  conduct.refused("gone", "");
+  conduct.refused("here", "");
+  conduct.forget_others({"here"});
+  EXPECT_EQ(conduct.refusals("gone"), 0u);
+  EXPECT_EQ(conduct.refusals("here"), 1u);
+  EXPECT_TRUE(conduct.is_aside("liar"));
+  EXPECT_FALSE(conduct.is_name_aside(""));
+}
+
 TEST_F(Work, RefusalsWithGoodResultsInBetweenPutNobodyAside) {
   submit();
   for (int i = 0; i < 4; ++i) {
@@ -236,6 +272,52 @@ TEST_F(Work, AJobWhoseSceneNobodyCanBuildFails) {
               HasSubstr("3 times in a row a worker could not build the scene, the last of them host-c: "
                         "scene.json:3: shapes: unknown shape 'torus'"));
   EXPECT_EQ(job(other).state(), v1::JOB_STATE_PAUSED);
+}
+
+TEST_F(Work, ASceneThatOneWorkerAloneCannotBuildFailsNoJob) {
+  const std::string id = submit();
+  synchronize(greeting('c'));
+  const auto refuse = [&](char worker) {
+    v1::SubmitResultRequest given_back = delivery(worker, synchronize(greeting(worker)).leases(0));
+    given_back.clear_items();
+    given_back.set_cannot_build("out of memory");
+    deliver(given_back);
+  };
+  for (int i = 0; i < 5; ++i) refuse('a');
+  EXPECT_EQ(job(id).state(), v1::JOB_STATE_RUNNING);
+  work('c');
+  EXPECT_EQ(job(id).state(), v1::JOB_STATE_DONE);
+}
+
+TEST_F(Work, ASceneThatTheOnlyWorkerCannotBuildFailsTheJob) {
+  const std::string id = submit();
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_EQ(job(id).state(), v1::JOB_STATE_RUNNING);
+    v1::SubmitResultRequest given_back = delivery('a', synchronize(greeting('a')).leases(0));
+    given_back.clear_items();
+    given_back.set_cannot_build("out of memory");
+    deliver(given_back);
+  }
+  EXPECT_EQ(job(id).state(), v1::JOB_STATE_FAILED);
+}
+
+TEST_F(Work, ABlobThatIsIntactAfterAllFailsNoJob) {
+  const std::string id = submit();
+  const proto::Digest scene = proto::digest_of(kSceneBytes);
+  coordinator().blob_is_lost(scene, {ErrorCode::kDataLoss, "read wrongly"});
+  EXPECT_EQ(job(id).state(), v1::JOB_STATE_RUNNING);
+  coordinator().blobs().discard(scene);
+  coordinator().blob_is_lost(scene, {ErrorCode::kNotFound, "gone"});
+  EXPECT_EQ(job(id).state(), v1::JOB_STATE_FAILED);
+}
+
+TEST_F(Work, SubmittingWhatIsDamagedAsksForItAndFailsNoRunningJob) {
+  const std::string id = submit();
+  const proto::Digest scene = proto::digest_of(kSceneBytes);
+  write_file(coordinator().blobs().path(scene), "[]");
+  EXPECT_EQ(coordinator().submit_job(submission()).error().code, ErrorCode::kFailedPrecondition);
+  EXPECT_FALSE(coordinator().blobs().contains(scene));
+  EXPECT_EQ(job(id).state(), v1::JOB_STATE_RUNNING);
 }
 
 TEST_F(Work, WorkersAreListed) {

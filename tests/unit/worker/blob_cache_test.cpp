@@ -69,6 +69,24 @@ TEST_F(BlobCacheTest, FilesThatWereNotUsedForLongestMakeRoom) {
   EXPECT_EQ(files(), 2u);
 }
 
+TEST_F(BlobCacheTest, FilesOfOthersStay) {
+  fs::create_directory(folder_ / "cache");
+  const std::vector<std::string> names{"thesis.tex", "notes.partial", std::string(64, 'A'),
+                                       std::string(63, 'a'), std::string(65, 'a')};
+  const auto make = [&](const std::string& name) {
+    std::ofstream(folder_ / "cache" / name) << "precious";
+    fs::last_write_time(folder_ / "cache" / name, fs::file_time_type::clock::now() - std::chrono::hours(48));
+  };
+  for (const std::string& name : names) make(name);
+  const std::string unused(64, 'a'), abandoned = unused + ".7-1.partial";
+  make(unused);
+  make(abandoned);
+  ASSERT_TRUE(BlobCache::open(folder_ / "cache", 0)->get(digest_, coordinator_.stub(), {}));
+  for (const std::string& name : names) EXPECT_TRUE(fs::exists(folder_ / "cache" / name)) << name;
+  EXPECT_FALSE(fs::exists(folder_ / "cache" / unused));
+  EXPECT_FALSE(fs::exists(folder_ / "cache" / abandoned));
+}
+
 TEST_F(BlobCacheTest, AnEmptyBlobIsABlob) {
   const proto::Digest empty = proto::digest_of("");
   coordinator_.keep_blob(proto::to_proto(empty).sha256(), "");

@@ -1,6 +1,8 @@
 // The threads of a worker, one by one, against a coordinator that answers as told.
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <fstream>
 #include <thread>
 
 #include "fake_coordinator.hpp"
@@ -8,6 +10,7 @@
 #include "worker/deliver_loop.hpp"
 #include "worker/fetch_loop.hpp"
 #include "worker/holdings.hpp"
+#include "worker/render_loop.hpp"
 #include "worker/sync_loop.hpp"
 
 namespace tessera::worker {
@@ -130,6 +133,38 @@ TEST_F(LoopsTest, ARefusedDeliveryIsNotRepeated) {
   holdings_.drain();
   DeliverLoop({.worker_id = "id"}, coordinator_.stub(), holdings_).run({});
   EXPECT_EQ(coordinator_.wait_for_results(1).size(), 1u);
+}
+
+class SceneFilesTest : public ::testing::Test {
+ protected:
+  SceneFilesTest() { folder_ = mkdtemp(folder_.data()); }
+  ~SceneFilesTest() override { std::filesystem::remove_all(folder_); }
+
+  // Why the worker gives the only lease of a job with these files back.
+  std::string refusal(const std::map<std::string, std::string>& blob_paths) {
+    Holdings holdings({.first_delay = 0s, .longest_delay = 0s});
+    v1::SynchronizeResponse response;
+    give_lease({}, response);
+    holdings.apply(response);
+    holdings.next_to_fetch({});
+    holdings.fetched(std::make_shared<Job>(Job{"job", {}, {"key", "scene.json", blob_paths}}));
+    RenderLoop render(1, holdings);
+    std::jthread thread([&](const std::stop_token& stop) { render.run(stop); });
+    const auto delivery = holdings.next_delivery({});
+    EXPECT_TRUE(delivery->lease_finished);
+    return delivery->cannot_build;
+  }
+
+  std::string folder_ = "/tmp/tessera-files-XXXXXX";
+};
+
+TEST_F(SceneFilesTest, AreFetchedAgainWhenTheCacheHasLostThem) {
+  EXPECT_EQ(refusal({{"scene.json", folder_ + "/gone"}}), "");
+}
+
+TEST_F(SceneFilesTest, ThatAreHereAndMakeNoSceneAreToBlame) {
+  std::ofstream(folder_ + "/scene") << "no scene";
+  EXPECT_NE(refusal({{"scene.json", folder_ + "/scene"}}), "");
 }
 
 TEST_F(LoopsTest, AJobWhoseFilesAreGoneIsGivenBack) {
