@@ -103,7 +103,7 @@ TEST_F(FailuresTest, ARangeThatKillsEveryWorkerEndsItsJobAndNoOther) {
 }
 
 TEST_F(FailuresTest, AWorkerThatIsKilledAgainAndAgainFailsNoJob) {
-  start_coordinator(0.5);
+  start_coordinator(1);
   const std::string id = submit(options_);
   const auto works = [](const auto& worker) { return !worker.silent() && worker.held_leases() > 0; };
   const auto somebody_works = [&] {
