@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "core/geometry/sphere.hpp"
+#include "core/geometry/vec3d.hpp"
 #include "core/math/elementary.hpp"
 #include "core/math/frame.hpp"
 #include "core/sampling/warp.hpp"
@@ -18,11 +19,13 @@ constexpr float rounding_bound(int n) {
   return static_cast<float>(n) * kHalfUlp / (1 - static_cast<float>(n) * kHalfUlp);
 }
 
+// In double precision: the squares of very long and very short edges do not fit a float.
 float area_of(const TriangleLight& t) {
-  return length(cross(t.p1 - t.p0, t.p2 - t.p0)) / 2;
+  const Vec3d p0(t.p0);
+  return static_cast<float>(length(cross(Vec3d(t.p1) - p0, Vec3d(t.p2) - p0)) / 2);
 }
 float area_of(const QuadLight& q) {
-  return length(cross(q.edge_u, q.edge_v));
+  return static_cast<float>(length(cross(Vec3d(q.edge_u), Vec3d(q.edge_v))));
 }
 float area_of(const SphereLight& s) {
   return 4 * kPi * s.radius * s.radius;

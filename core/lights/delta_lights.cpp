@@ -21,6 +21,12 @@ std::optional<LightSample> sample_position(Vec3 position, Rgb intensity, Vec3 p_
   return sample;
 }
 
+// 1 - cos, which does not cancel for small angles.
+float one_minus_cos(float angle) {
+  const float half_sine = sin(angle / 2);
+  return 2 * half_sine * half_sine;
+}
+
 }  // namespace
 
 std::optional<LightSample> PointLight::sample(Vec3 p_lit) const {
@@ -34,27 +40,27 @@ double PointLight::power() const {
 SpotLight::SpotLight(Vec3 position, Rgb intensity, const Cone& cone)
     : position_(position), intensity_(intensity), axis_(cone.axis) {
   const float outer = cone.angle_degrees * (kPi / 360);
-  cos_outer_ = cos(outer);
-  cos_inner_ = std::max(cos_outer_, cos(outer * (1 - cone.softness)));
+  outer_edge_ = one_minus_cos(outer);
+  inner_edge_ = std::min(outer_edge_, one_minus_cos(outer * (1 - cone.softness)));
 }
 
 // A cubic in the cosine, with slope 0 at both ends.
-float SpotLight::falloff(float cos_theta) const {
-  if (cos_theta >= cos_inner_) return 1;
-  if (cos_theta <= cos_outer_) return 0;
-  const float t = (cos_theta - cos_outer_) / (cos_inner_ - cos_outer_);
+float SpotLight::falloff(float off_axis) const {
+  if (off_axis <= inner_edge_) return 1;
+  if (off_axis >= outer_edge_) return 0;
+  const float t = (outer_edge_ - off_axis) / (outer_edge_ - inner_edge_);
   return t * t * (3 - 2 * t);
 }
 
 std::optional<LightSample> SpotLight::sample(Vec3 p_lit) const {
   const Vec3 d = p_lit - position_;
-  return sample_position(position_, intensity_ * falloff(dot(d, axis_) / length(d)), p_lit);
+  return sample_position(position_, intensity_ * falloff(length_squared(normalize(d) - axis_) / 2), p_lit);
 }
 
 // The cubic's mean over the falloff is one half.
 double SpotLight::power() const {
-  const double mean_edge = (static_cast<double>(cos_inner_) + static_cast<double>(cos_outer_)) / 2;
-  return 2 * kPiDouble * static_cast<double>(luminance(intensity_)) * (1 - mean_edge);
+  const double mean_edge = (static_cast<double>(inner_edge_) + static_cast<double>(outer_edge_)) / 2;
+  return 2 * kPiDouble * static_cast<double>(luminance(intensity_)) * mean_edge;
 }
 
 std::optional<LightSample> DirectionalLight::sample() const {

@@ -34,14 +34,14 @@ class SpotLight {
   std::optional<LightSample> sample(Vec3 p_lit) const;
   double power() const;
 
-  // The share of the full intensity at an angle from the axis.
-  float falloff(float cos_theta) const;
+  // The share of the full intensity at an angle from the axis; `off_axis` is 1 - its cosine.
+  float falloff(float off_axis) const;
 
  private:
   Vec3 position_;
   Rgb intensity_;
   Vec3 axis_;
-  float cos_inner_, cos_outer_;
+  float inner_edge_, outer_edge_;  // 1 - cos of the angles where light begins to fall off and where it ends
 };
 
 // Comes from infinitely far away, alike everywhere.

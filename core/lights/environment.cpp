@@ -10,6 +10,8 @@ namespace tessera::core {
 namespace {
 
 constexpr double kPiDouble = 3.14159265358979323846;
+// Of the samples, over all that shines alike: a faint sky is found beside a sun brighter by any factor.
+constexpr double kUniformShare = 0.1;
 
 // 1 - cos(theta) where each row of an equirectangular picture begins, and 2 where the last one ends. By the
 // sine of half the angle, which does not cancel near the pole.
@@ -68,10 +70,18 @@ Environment::Environment(Rgb radiance, std::shared_ptr<const TextureImage> image
       row_begin_(rows_below_north_pole(height_)) {
   auto weights = image_ ? texel_luminances(*image_, radiance_)
                         : std::vector<double>{static_cast<double>(luminance(radiance_))};
+  double lit = 0;  // the solid angle of all texels that shine
+  const auto angle_of = [&](std::size_t i) {
+    return solid_angle(static_cast<int>(i / static_cast<std::size_t>(width_)));
+  };
   for (std::size_t i = 0; i < weights.size(); ++i) {
-    weights[i] *= solid_angle(static_cast<int>(i / static_cast<std::size_t>(width_)));
-    luminance_over_sphere_ += weights[i];
+    if (weights[i] > 0) lit += angle_of(i);
+    luminance_over_sphere_ += weights[i] * angle_of(i);
   }
+  for (std::size_t i = 0; i < weights.size(); ++i)
+    if (weights[i] > 0)
+      weights[i] =
+          angle_of(i) * ((1 - kUniformShare) * weights[i] / luminance_over_sphere_ + kUniformShare / lit);
   texels_ = GridDistribution(width_, height_, weights);
 }
 
@@ -105,12 +115,11 @@ std::optional<LightSample> Environment::sample(Vec2 u) const {
   const auto horizontal = static_cast<float>(std::sqrt(depth * (2 - depth)));
   const float along_row = (static_cast<float>(texel.x) + texel.within.x) / static_cast<float>(width_);
   const float longitude = 2 * kPi * (along_row - 0.5f) - rotation_;
-  const Vec3 wi = normalize(
-      {horizontal * sin(longitude), static_cast<float>(1 - depth), -horizontal * cos(longitude)});
+  const Vec3 wi =
+      normalize({horizontal * sin(longitude), static_cast<float>(1 - depth), -horizontal * cos(longitude)});
   const Rgb arriving = radiance(wi);
   if (is_black(arriving)) return std::nullopt;
-  return LightSample{wi, arriving, static_cast<float>(texel.pmf / solid_angle(texel.y)), false,
-                     std::nullopt};
+  return LightSample{wi, arriving, static_cast<float>(texel.pmf / solid_angle(texel.y)), false, std::nullopt};
 }
 
 double Environment::power(double scene_radius) const {

@@ -24,8 +24,9 @@ class Environment {
   // From a direction, of any length but 0. Bilinear between the picture's texels.
   Rgb radiance(Vec3 direction) const;
 
-  // A direction, in proportion to the mean luminance of the texel it falls on, after interpolation: wherever
-  // radiance() is not black there is a density. Uniform without a picture.
+  // A direction: nine times in ten in proportion to the mean luminance of the texel it falls on, after
+  // interpolation, else any that shines alike. Wherever radiance() is not black there is a density. Uniform
+  // without a picture.
   std::optional<LightSample> sample(Vec2 u) const;
   float pdf(Vec3 direction) const;
 

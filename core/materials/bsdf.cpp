@@ -33,7 +33,7 @@ Bsdf::AtPoint Bsdf::look_up(const Material& material, const std::vector<Texture>
           [&](const Lambert& m) -> AtPoint { return LambertBsdf{at(m.albedo)}; },
           [&](const Mirror& m) -> AtPoint { return MirrorBsdf{at(m.reflectance)}; },
           [&](const Glass& m) -> AtPoint {
-            const float ior = std::max(at(m.ior), 1.0f), eta = outside ? ior : 1 / ior;
+            const float ior = std::clamp(at(m.ior), 1.0f, kMaxIor), eta = outside ? ior : 1 / ior;
             const float alpha = squared_roughness(at(m.roughness));
             if (alpha < kMinAlpha || ior - 1 < kMinBending)
               return SmoothDielectricBsdf{eta, m.fresnel, at(m.reflectance), at(m.transmittance)};
@@ -42,7 +42,8 @@ Bsdf::AtPoint Bsdf::look_up(const Material& material, const std::vector<Texture>
           [&](const Phong& m) -> AtPoint {
             const Rgb diffuse = at(m.diffuse), specular = at(m.specular);
             const Rgb scale = keep_to_one(diffuse, specular);
-            return PhongBsdf{diffuse * scale, specular * scale, std::max(at(m.exponent), 0.0f), m.lobe};
+            return PhongBsdf{diffuse * scale, specular * scale,
+                             std::clamp(at(m.exponent), 0.0f, kMaxExponent), m.lobe};
           },
           [&](const CookTorrance& m) -> AtPoint {
             const Rgb diffuse = at(m.diffuse), specular = at(m.specular);

@@ -17,6 +17,9 @@
 
 namespace tessera::core {
 
+// The largest that parameters may be; textures are held to them where they are looked up.
+inline constexpr float kMaxIor = 10, kMaxExponent = 1e5f;
+
 // Ideal diffuse reflection on both sides (Lambert 1760).
 struct Lambert {
   ColorParameter albedo{Rgb::gray(0.5f)};

@@ -36,8 +36,8 @@ float Ggx::pdf_visible(Vec3 wo, Vec3 h) const {
 }
 
 Vec3 Ggx::sample_projected(Vec2 u) const {
-  const float cos2 = (1 - u.x) / (1 + (alpha2_ - 1) * u.x);
-  const float sin_h = std::sqrt(std::max(0.0f, 1 - cos2)), phi = 2 * kPi * u.y;
+  const float scale = 1 / (1 + (alpha2_ - 1) * u.x), cos2 = (1 - u.x) * scale;
+  const float sin_h = std::sqrt(alpha2_ * u.x * scale), phi = 2 * kPi * u.y;
   return {sin_h * cos(phi), sin_h * sin(phi), std::sqrt(cos2)};
 }
 

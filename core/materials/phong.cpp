@@ -1,6 +1,5 @@
 #include "core/materials/phong.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 #include "core/math/elementary.hpp"
@@ -10,19 +9,23 @@
 namespace tessera::core {
 namespace {
 
-float power(float base, float exponent) {
-  return static_cast<float>(pow(static_cast<double>(base), static_cast<double>(exponent)));
-}
-
 Vec3 mirrored(Vec3 wo) {
   return {-wo.x, -wo.y, wo.z};
 }
 
-// Around +z, density (n + 1) / (2 pi) cos^n per solid angle.
+// Around +z, density (n + 1) / (2 pi) cos^n per solid angle. In double precision, as is the cosine below:
+// high powers live where it is nearly 1.
 Vec3 sample_power_cosine(float n, Vec2 u) {
-  const float cos_a = power(1 - u.x, 1 / (n + 1)), phi = 2 * kPi * u.y;
-  const float sin_a = std::sqrt(std::max(0.0f, 1 - cos_a * cos_a));
-  return {sin_a * cos(phi), sin_a * sin(phi), cos_a};
+  const double cos_a = pow(1 - static_cast<double>(u.x), 1 / (static_cast<double>(n) + 1));
+  const auto sin_a = static_cast<float>(std::sqrt((1 - cos_a) * (1 + cos_a)));
+  const float phi = 2 * kPi * u.y;
+  return {sin_a * cos(phi), sin_a * sin(phi), static_cast<float>(cos_a)};
+}
+
+// cos^n of the angle between unit vectors, by the chord; 0 beyond a right angle.
+float power_cosine(Vec3 a, Vec3 b, float n) {
+  const double cos_a = 1 - static_cast<double>(length_squared(a - b)) / 2;
+  return cos_a > 0 ? static_cast<float>(pow(cos_a, static_cast<double>(n))) : 0;
 }
 
 }  // namespace
@@ -38,9 +41,8 @@ float PhongBsdf::sampled_exponent() const {
 
 BsdfValue PhongBsdf::evaluate(Vec3 wo, Vec3 wi) const {
   if (wo.z <= 0 || wi.z <= 0) return {};
-  const float cos_a = std::clamp(dot(mirrored(wo), wi), 0.0f, 1.0f);
-  const float to_n = power(cos_a, exponent);
-  const float sampled = lobe == PhongLobe::kNPlus1 ? to_n : to_n * cos_a;
+  const float to_n = power_cosine(mirrored(wo), wi, exponent);
+  const float sampled = lobe == PhongLobe::kNPlus1 ? to_n : to_n * dot(mirrored(wo), wi);
   const float p = highlight_probability();
   return {(diffuse / kPi + specular * ((exponent + 2) / (2 * kPi) * to_n)) * wi.z,
           p * (sampled_exponent() + 1) / (2 * kPi) * sampled + (1 - p) * pdf_cosine_hemisphere(wi.z)};

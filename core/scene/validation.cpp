@@ -26,6 +26,13 @@ bool shines(Rgb c) {
   return is_finite(c) && c.r >= 0 && c.g >= 0 && c.b >= 0;
 }
 
+// Of what its texture makes of it as well.
+bool shines(const ColorParameter& color, const std::vector<Texture>& textures) {
+  if (!shines(color.value)) return false;
+  return color.texture < 0 ||
+         shines(color.value * textures[static_cast<std::size_t>(color.texture)].image->largest());
+}
+
 Status check_camera(const CameraDescription& camera) {
   if (!fits(camera.position) || !fits(camera.look_at) || !is_finite(camera.up))
     return invalid("camera: position, look_at and up must be finite numbers");
@@ -61,7 +68,8 @@ bool is_in_range(std::string_view key, const ScalarParameter& scalar) {
   return scalar.value >= 0 && std::isfinite(scalar.value);
 }
 
-Status check_material(const Material& material, int texture_count) {
+Status check_material(const Material& material, const std::vector<Texture>& textures) {
+  const auto texture_count = static_cast<int>(textures.size());
   const auto wrong = [&](std::string_view what) {
     return invalid(fmt::format("material '{}': {}", material.name, what));
   };
@@ -76,12 +84,14 @@ Status check_material(const Material& material, int texture_count) {
     return wrong("only cook_torrance can be sampled by half-vectors");
   if (!shines(material.emission.value)) return wrong("emission must be finite and not negative");
   if (material.emission.texture >= texture_count) return wrong("emission: there is no such texture");
+  if (!shines(material.emission, textures))
+    return wrong("emission times its texture is too bright to be computed; lower it");
   return {};
 }
 
 Status check_materials(const SceneDescription& scene) {
   for (const Material& material : scene.materials)
-    if (auto ok = check_material(material, static_cast<int>(scene.textures.size())); !ok) return ok;
+    if (auto ok = check_material(material, scene.textures); !ok) return ok;
   return {};
 }
 
@@ -128,6 +138,8 @@ Status check_lights(const SceneDescription& scene) {
     return invalid("environment: radiance must be finite and not negative");
   if (scene.environment->radiance.texture >= static_cast<int>(scene.textures.size()))
     return invalid("environment: there is no such texture");
+  if (!shines(scene.environment->radiance, scene.textures))
+    return invalid("environment: radiance times its picture is too bright to be computed; lower it");
   if (!std::isfinite(scene.environment->rotation_degrees))
     return invalid("environment: rotation_degrees must be a number");
   return {};

@@ -1,5 +1,6 @@
 #include "core/textures/texture.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -76,6 +77,16 @@ Rgb TextureImage::mean() const {
     }
   const double count = static_cast<double>(width) * height;
   return {static_cast<float>(r / count), static_cast<float>(g / count), static_cast<float>(b / count)};
+}
+
+Rgb TextureImage::largest() const {
+  Rgb largest;
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      const Rgb color = texel(x, y);
+      largest = {std::max(largest.r, color.r), std::max(largest.g, color.g), std::max(largest.b, color.b)};
+    }
+  return largest;
 }
 
 Rgb Texture::evaluate(Vec2 uv) const {

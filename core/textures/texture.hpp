@@ -28,6 +28,7 @@ struct TextureImage {
   Rgb texel(int x, int y) const;                          // linear; 0 <= x < width, 0 <= y < height
   Rgb bilinear(Vec2 uv, Wrap wrap_u, Wrap wrap_v) const;  // linear, between the nearest four texels
   Rgb mean() const;                                       // of all texels, linear
+  Rgb largest() const;                                    // of each channel, linear
 };
 
 struct Texture {

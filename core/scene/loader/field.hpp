@@ -24,7 +24,7 @@ struct Bounds {
 
 namespace bounds {
 inline constexpr Bounds kAny{[](double) { return true; }, "a number"};
-inline constexpr Bounds kCoordinate{[](double v) { return -kMaxCoordinate <= v && v <= kMaxCoordinate; },
+inline constexpr Bounds kCoordinate{[](double v) { return -1e15 <= v && v <= 1e15; },
                                     "a number between -1e15 and 1e15"};
 inline constexpr Bounds kPositive{[](double v) { return v > 0; }, "greater than 0"};
 inline constexpr Bounds kNotNegative{[](double v) { return v >= 0; }, "0 or greater"};

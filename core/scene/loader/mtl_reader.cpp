@@ -13,7 +13,6 @@ namespace tessera::core {
 namespace {
 
 constexpr float kAbsent = -1;
-constexpr float kLargestExponent = 1e5f;
 
 // The statements under one "newmtl" that count here; what is absent has the value it has here.
 struct Statements {
@@ -85,7 +84,7 @@ MaterialModel model_of(const Statements& m) {
   Phong phong;
   phong.diffuse.value = diffuse;
   phong.specular.value = m.albedo_map.file.empty() ? highlight_beside(diffuse, highlight) : highlight;
-  phong.exponent.value = std::min(m.exponent, kLargestExponent);
+  phong.exponent.value = std::min(m.exponent, kMaxExponent);
   return phong;
 }
 

@@ -20,12 +20,6 @@ std::vector<ColorParameter> shares_of(const MaterialModel& model) {
   return shares;
 }
 
-// The largest value that a texture of floats gives; those of bytes end at 1.
-float largest_value(const Texture& texture) {
-  const auto* values = std::get_if<std::vector<float>>(&texture.image->texels);
-  return values == nullptr ? 1.0f : *std::max_element(values->begin(), values->end());
-}
-
 }  // namespace
 
 void check_plausibility(const SceneDescription& scene, const std::vector<Place>& material_places,
@@ -33,8 +27,8 @@ void check_plausibility(const SceneDescription& scene, const std::vector<Place>&
   for (std::size_t i = 0; i < scene.materials.size(); ++i) {
     for (const auto& share : shares_of(scene.materials[i].model)) {
       if (share.texture < 0) continue;
-      const float largest =
-          largest_value(scene.textures[static_cast<std::size_t>(share.texture)]) * max_component(share.value);
+      const Texture& texture = scene.textures[static_cast<std::size_t>(share.texture)];
+      const float largest = max_component(texture.image->largest() * share.value);
       if (largest > 1)
         mistakes.add(
             i < material_places.size() ? material_places[i] : shapes_place,

@@ -15,6 +15,15 @@ CookTorrance metal(Conductor conductor, float roughness, Masking masking) {
   return model;
 }
 
+// Nothing but the highlight, so that no matt part hides its mistakes.
+Phong highlight(float exponent) {
+  Phong model;
+  model.diffuse.value = {};
+  model.specular.value = Rgb::gray(1);
+  model.exponent = exponent;
+  return model;
+}
+
 CookTorrance lacquer() {
   CookTorrance model;
   model.diffuse.value = {0.5f, 0.2f, 0.1f};
@@ -49,6 +58,8 @@ std::vector<BsdfCase> bsdf_cases() {
       {"phong_n1", phong(40, PhongLobe::kNPlus1)},
       {"phong_n2", phong(40, PhongLobe::kNPlus2)},
       {"phong_flat", phong(0, PhongLobe::kNPlus2)},
+      {"highlight_flat", highlight(0)},
+      {"highlight_sharp", highlight(500)},
       {"silver", metal(Conductor::kSilver, 0.4f, Masking::kSmith)},
       {"copper_rough", metal(Conductor::kCopper, 1, Masking::kSmith)},
       {"gold_schlick", metal(Conductor::kGold, 0.6f, Masking::kSchlick)},

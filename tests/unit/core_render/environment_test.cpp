@@ -159,6 +159,20 @@ TEST(EnvironmentSampling, OneBrightTexelGetsAllSamples) {
   }
 }
 
+// Where one texel outshines the rest by any factor, the rest is still sampled.
+TEST(EnvironmentSampling, FindsAFaintSkyBesideASun) {
+  const Environment environment(
+      Rgb::gray(1), picture(64, 32, [](int x, int y) { return x == 20 && y == 29 ? 1e9f : 1.0f; }), 0);
+  constexpr int kSamples = 100000;
+  double from_above = 0;
+  for (int i = 0; i < kSamples; ++i) {
+    const auto u = Sampler(9, i % 1000, i / 1000, 0).pad(0);
+    const auto s = environment.sample({u[0], u[1]});
+    if (s && s->wi.y > 0) from_above += static_cast<double>(s->radiance.g / s->pdf) / kSamples;
+  }
+  EXPECT_NEAR(from_above, 2 * kPiDouble, 0.05 * 2 * kPiDouble);
+}
+
 TEST(EnvironmentPicture, LiesAsItIsSeenFromInside) {
   // From left to right: 1 to 8; the rows times 1 and 10.
   const Environment environment(

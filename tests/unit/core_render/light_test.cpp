@@ -191,7 +191,7 @@ TEST(DeltaLights, HaveThePowerOfWhatTheySend) {
       double sent = 0;
       for (int i = 0; i < kSteps; ++i)
         sent += 2 * 2 * kPiDouble * 2 / kSteps *
-                static_cast<double>(spot.falloff(1 - 2 * (static_cast<float>(i) + 0.5f) / kSteps));
+                static_cast<double>(spot.falloff(2 * (static_cast<float>(i) + 0.5f) / kSteps));
       EXPECT_NEAR(spot.power(), sent, 1e-3 * sent) << angle << ' ' << softness;
     }
   EXPECT_NEAR(PointLight({}, Rgb::gray(2)).power(), 8 * kPiDouble, 1e-5);
@@ -199,14 +199,21 @@ TEST(DeltaLights, HaveThePowerOfWhatTheySend) {
   EXPECT_NEAR(power(Environment(Rgb::gray(2), nullptr, 0), 3), 2 * 4 * kPiDouble * 9 * kPiDouble, 1e-3);
 }
 
+TEST(SpotLight, MayBeAsNarrowAsALaser) {
+  const SpotLight laser({}, Rgb::gray(1), {{0, 0, 1}, 0.001f, 0.5f});
+  EXPECT_GT(laser.power(), 0);
+  EXPECT_TRUE(laser.sample({0, 0, 5}));
+  EXPECT_FALSE(laser.sample({0.001f, 0, 5}));
+}
+
 TEST(SpotLight, HasASharpEdgeWithoutSoftnessAndFallsOffSmoothlyWithIt) {
   const SpotLight sharp({}, Rgb::gray(1), {{0, 0, 1}, 60, 0});
-  EXPECT_EQ(sharp.falloff(std::cos(0.52f)), 1);
-  EXPECT_EQ(sharp.falloff(std::cos(0.53f)), 0);
+  EXPECT_EQ(sharp.falloff(1 - std::cos(0.52f)), 1);
+  EXPECT_EQ(sharp.falloff(1 - std::cos(0.53f)), 0);
   const SpotLight soft({}, Rgb::gray(1), {{0, 0, 1}, 60, 1});
   float last = 2;
   for (float angle = 0; angle < 0.6f; angle += 0.01f) {
-    const float share = soft.falloff(std::cos(angle));
+    const float share = soft.falloff(1 - std::cos(angle));
     EXPECT_LE(share, last);
     EXPECT_LT(last - share, 0.05f + (last > 1 ? 1 : 0));
     last = share;

@@ -119,6 +119,30 @@ TEST(Scene, WeighsTexturedLampsByTheirMean) {
   EXPECT_NEAR(scene.light_sampler().pmf(0), scene.light_sampler().pmf(1), 1e-6);
 }
 
+// Edges whose squares do not fit a float.
+TEST(Scene, FindsLightsOfAnySize) {
+  for (const float size : {1e-12f, 1e10f}) {
+    test::SceneMaker maker({});
+    const auto lamp = maker.material(test::lambert(0), Rgb::gray(3));
+    maker.add(MeshDescription{.positions = {{0, 0, 0}, {size, 0, 0}, {0, size, 0}},
+                              .triangles = {{0, 1, 2}},
+                              .triangle_materials = {lamp}});
+    EXPECT_EQ(maker.build().lights().size(), 1u) << size;
+  }
+}
+
+TEST(Scene, RefusesLightTooBrightToBeComputed) {
+  const TextureImage image{1, 1, std::vector<float>{1e30f, 1, 1}};
+  SceneDescription description = test::room();
+  description.textures = {{.image = std::make_shared<TextureImage>(image)}};
+  description.environment = {{Rgb::gray(1e20f), 0}};
+  EXPECT_THAT(error_of(description),
+              testing::HasSubstr("environment: radiance times its picture is too bright"));
+  description.environment.reset();
+  description.materials[0].emission = {Rgb::gray(1e20f), 0};
+  EXPECT_THAT(error_of(description), testing::HasSubstr("emission times its texture is too bright"));
+}
+
 TEST(Scene, CanBeEmpty) {
   SceneDescription description = test::room();
   description.shapes.clear();
