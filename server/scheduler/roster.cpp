@@ -34,7 +34,9 @@ const Worker* Roster::find(const WorkerId& id) const {
 Worker& Roster::hear(const Synchronize& event, Time now) {
   const auto [entry, is_new] = workers_.try_emplace(event.worker.id);
   Worker& worker = entry->second;
-  if (!is_new) {
+  if (is_new) {
+    worker.arrival = ++arrivals_;
+  } else {
     alarms_.erase({alarm(worker), event.worker.id});
     active_count_ -= worker.takes_leases();
   }

@@ -28,6 +28,8 @@ struct HeldLease {
 
 struct Worker {
   WorkerInfo info;
+  // Running number of who came when.
+  std::uint64_t arrival = 0;
   Time last_seen{};
   // Its last Synchronize. Its leases run out lease_duration later.
   Time last_synchronized{};
@@ -90,6 +92,7 @@ class Roster {
   // alarm() of every worker.
   std::set<std::pair<Time, WorkerId>> alarms_;
   int active_count_ = 0;
+  std::uint64_t arrivals_ = 0;
 };
 
 }  // namespace tessera::scheduler

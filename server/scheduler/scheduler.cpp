@@ -50,7 +50,14 @@ void Scheduler::wake_waiting(Actions& actions) {
     actions.wake.push_back(worker.info.id);
   };
   if (work_appeared_) {
-    for (auto& [id, worker] : roster_.all()) wake_if(worker, worker.room() > 0 || lost_leases_.contains(id));
+    // Who came first is first served: what kills workers comes to each of them, as those that are started
+    // again come last.
+    std::vector<Worker*> workers;
+    for (auto& [id, worker] : roster_.all()) workers.push_back(&worker);
+    std::sort(workers.begin(), workers.end(),
+              [](const Worker* a, const Worker* b) { return a->arrival < b->arrival; });
+    for (Worker* worker : workers)
+      wake_if(*worker, worker->room() > 0 || lost_leases_.contains(worker->info.id));
     return;
   }
   for (const WorkerId& id : lost_leases_) {

@@ -67,6 +67,12 @@ TEST_F(Waiting, EndsWhenTheWorkerHasDeliveredALease) {
   EXPECT_TRUE(top_up("w").changed);
 }
 
+TEST_F(Waiting, EndsFirstForWhoCameFirst) {
+  for (const char* worker : {"z", "m", "a"}) sync(worker);
+  const Actions actions = handle(SubmitJob{{"job"}, tiles(100, 16), 0});
+  EXPECT_THAT(actions.wake, testing::ElementsAre(WorkerId{"z"}, WorkerId{"m"}, WorkerId{"a"}));
+}
+
 TEST_F(Waiting, IsNoSignOfLife) {
   submit("job", tiles(100, 4));
   const LeaseDescription first = lease_to("w");
