@@ -15,7 +15,7 @@ Renders every scene of scenes/, with one line for each picture, into out/report 
   measurements.md        the errors and times that docs/report.md reports
   contact_sheet.png      all pictures on one sheet
 
-  --quick     smaller pictures with fewer samples: under five minutes on two cores, instead of about half an hour
+  --quick     smaller pictures with fewer samples: under five minutes on two cores; without it, many times that
 EOF_USAGE
 }
 
