@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 
 #include "core/accel/bvh_layout.hpp"
 #include "core/accel/huge_pages.hpp"
@@ -26,6 +27,13 @@ class Bvh {
 
   // Whether anything is hit with 0 < t < ray.t_max.
   bool any_hit(const Primitives& primitives, const Ray& ray) const;
+
+  // Many rays at once, in any order and of any kind: answer i is that of rays[i], to the bit what the query
+  // of one ray gives. The spans are of the same size. Rays that go nearly the same way should be neighbours.
+  void closest_hits(const Primitives& primitives, std::span<const Ray> rays, std::span<Hit> hits) const;
+  // occluded[i] becomes 1 where rays[i] hits anything, 0 elsewhere.
+  void any_hits(const Primitives& primitives, std::span<const Ray> rays,
+                std::span<std::uint8_t> occluded) const;
 
   // Whether the trees are the same, node for node.
   bool operator==(const Bvh&) const = default;

@@ -197,4 +197,13 @@ bool Bvh::any_hit(const Primitives& primitives, const Ray& ray) const {
   return Traversal(primitives, ray).run<Query::kAny>(nodes_.data(), packets_.data()).found();
 }
 
+void Bvh::closest_hits(const Primitives& primitives, std::span<const Ray> rays, std::span<Hit> hits) const {
+  for (std::size_t i = 0; i < rays.size(); ++i) hits[i] = closest_hit(primitives, rays[i]);
+}
+
+void Bvh::any_hits(const Primitives& primitives, std::span<const Ray> rays,
+                   std::span<std::uint8_t> occluded) const {
+  for (std::size_t i = 0; i < rays.size(); ++i) occluded[i] = any_hit(primitives, rays[i]) ? 1 : 0;
+}
+
 }  // namespace tessera::core

@@ -13,44 +13,6 @@ namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-// A point of a primitive, often on an edge or corner.
-Vec3 point_of(const Primitives& primitives, test::Random& random) {
-  const std::uint32_t id = random.below(primitives.count());
-  if (primitives.is_sphere(id)) {
-    return primitives.sphere(id).center + primitives.sphere(id).radius * random.direction();
-  }
-  const TriangleCorners corners = primitives.triangle_corners(id);
-  const Vec3 w = random.weights();
-  return w.x * corners[0] + w.y * corners[1] + w.z * corners[2];
-}
-
-Vec3 axis_aligned(test::Random& random) {
-  Vec3 direction{random.below(2) == 0 ? 0.0f : -0.0f, 0, -0.0f};
-  direction[static_cast<int>(random.below(3))] = random.below(2) == 0 ? 1.0f : -1.0f;
-  if (random.below(3) == 0) direction[static_cast<int>(random.below(3))] = random.uniform(-1, 1);
-  return direction;
-}
-
-Ray random_ray(const test::Soup& soup, test::Random& random) {
-  const Vec3 origin =
-      random.below(3) == 0 ? point_of(soup.primitives, random) : random.in_box(soup.half_size);
-  Ray ray{origin, random.direction()};
-  switch (random.below(4)) {
-    case 0:
-      ray.direction = axis_aligned(random);
-      break;
-    case 1: {  // at something, not of unit length
-      const Vec3 toward = point_of(soup.primitives, random) - origin;
-      if (length(toward) > 0 && std::isfinite(length(toward))) ray.direction = toward;
-      break;
-    }
-    default:
-      break;
-  }
-  if (random.below(4) == 0) ray.t_max = random.uniform(0, 2) * soup.half_size / length(ray.direction);
-  return ray;
-}
-
 void expect_same_hits(const Bvh& bvh, const Primitives& primitives, Ray ray) {
   const Hit expected = test::brute_force_hit(primitives, ray), actual = bvh.closest_hit(primitives, ray);
   ASSERT_TRUE(test::identical(expected, actual))
@@ -78,7 +40,7 @@ TEST_P(BruteForce, FindsTheSameHitsInEverySoup) {
     test::Random random(9);
     int hits = 0;
     for (int i = 0; i < rays; ++i) {
-      const Ray ray = random_ray(soup, random);
+      const Ray ray = test::random_ray(soup, random);
       expect_same_hits(bvh, soup.primitives, ray);
       if (HasFatalFailure()) return;
       hits += bvh.any_hit(soup.primitives, ray) ? 1 : 0;
@@ -120,7 +82,7 @@ TEST(BruteForce, FindsTheSameHitsOnTheBunny) {
   test::Random random(10);
   for (int i = 0; i < 100; ++i) {
     const Vec3 origin = 0.5f * (box.lower + box.upper) + size * random.direction();
-    expect_same_hits(bvh, primitives, {origin, point_of(primitives, random) - origin});
+    expect_same_hits(bvh, primitives, {origin, test::point_of(primitives, random) - origin});
     if (HasFatalFailure()) return;
   }
 }

@@ -80,6 +80,13 @@ Primitives mixed(Random& random, std::uint32_t count) {
   return primitives;
 }
 
+Vec3 axis_aligned(Random& random) {
+  Vec3 direction{random.below(2) == 0 ? 0.0f : -0.0f, 0, -0.0f};
+  direction[static_cast<int>(random.below(3))] = random.below(2) == 0 ? 1.0f : -1.0f;
+  if (random.below(3) == 0) direction[static_cast<int>(random.below(3))] = random.uniform(-1, 1);
+  return direction;
+}
+
 }  // namespace
 
 float Random::uniform(float low, float high) {
@@ -165,6 +172,36 @@ std::vector<Soup> all_soups(std::uint32_t count) {
       {"largest", uniform(random, count, 0.8f * kMaxCoordinate, 0.2f * kMaxCoordinate), kMaxCoordinate});
   soups.push_back({"huge", uniform(random, count, 1e30f, 3e29f), 1.5e30f});
   return soups;
+}
+
+Vec3 point_of(const Primitives& primitives, Random& random) {
+  const std::uint32_t id = random.below(primitives.count());
+  if (primitives.is_sphere(id)) {
+    return primitives.sphere(id).center + primitives.sphere(id).radius * random.direction();
+  }
+  const TriangleCorners corners = primitives.triangle_corners(id);
+  const Vec3 w = random.weights();
+  return w.x * corners[0] + w.y * corners[1] + w.z * corners[2];
+}
+
+Ray random_ray(const Soup& soup, Random& random) {
+  const Vec3 origin =
+      random.below(3) == 0 ? point_of(soup.primitives, random) : random.in_box(soup.half_size);
+  Ray ray{origin, random.direction()};
+  switch (random.below(4)) {
+    case 0:
+      ray.direction = axis_aligned(random);
+      break;
+    case 1: {  // at something, not of unit length
+      const Vec3 toward = point_of(soup.primitives, random) - origin;
+      if (length(toward) > 0 && std::isfinite(length(toward))) ray.direction = toward;
+      break;
+    }
+    default:
+      break;
+  }
+  if (random.below(4) == 0) ray.t_max = random.uniform(0, 2) * soup.half_size / length(ray.direction);
+  return ray;
 }
 
 Hit brute_force_hit(const Primitives& primitives, const Ray& ray) {

@@ -47,6 +47,12 @@ struct Soup {
 // All of them, with about `count` primitives each.
 std::vector<Soup> all_soups(std::uint32_t count);
 
+// A point of a primitive, often on an edge or corner.
+Vec3 point_of(const Primitives& primitives, Random& random);
+
+// From anywhere or from a primitive, to anywhere, along an axis or at a primitive; often of limited length.
+Ray random_ray(const Soup& soup, Random& random);
+
 // Asks every primitive.
 Hit brute_force_hit(const Primitives& primitives, const Ray& ray);
 
