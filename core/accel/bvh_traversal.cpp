@@ -9,7 +9,7 @@
 #include "core/accel/binary_bvh.hpp"
 #include "core/accel/bvh.hpp"
 #include "core/accel/packet_hits.hpp"
-#include "core/accel/simd.hpp"
+#include "core/math/simd.hpp"
 #include "core/geometry/rounding.hpp"
 
 namespace tessera::core {

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "core/accel/bvh_layout.hpp"
-#include "core/accel/simd.hpp"
+#include "core/math/simd.hpp"
 #include "core/geometry/rounding.hpp"
 #include "core/geometry/triangle.hpp"
 
