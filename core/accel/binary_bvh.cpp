@@ -1,170 +1,172 @@
 #include "core/accel/binary_bvh.hpp"
 
-#include <algorithm>
-#include <array>
-#include <limits>
-#include <span>
+#include <omp.h>
+
+#include <atomic>
+#include <vector>
+
+#include "core/accel/fork.hpp"
+#include "core/accel/partition.hpp"
 
 namespace tessera::core {
 namespace {
 
-constexpr int kBins = 16;
-constexpr std::size_t kTaskSize = 4096;  // ranges shorter than this are not worth a task
+constexpr std::size_t kTaskSize = 2048;  // ranges shorter than this are not worth a task
 
-struct Item {
-  Aabb box;
-  std::uint32_t primitive;
-
-  float centroid(int axis) const { return 0.5f * box.lower[axis] + 0.5f * box.upper[axis]; }
-};
-
-struct RangeBounds {
-  Aabb boxes, centroids;
-};
-
-RangeBounds bound(std::span<const Item> items) {
-  RangeBounds bounds;
-  for (const Item& item : items) {
-    bounds.boxes.include(item.box);
-    bounds.centroids.include(Vec3{item.centroid(0), item.centroid(1), item.centroid(2)});
-  }
-  return bounds;
-}
-
-// Cuts the centroids' extent along one axis into bins of equal length.
-class Binning {
+// Gives out nodes in pairs. Each thread takes them from a block of its own.
+class NodePairs {
  public:
-  Binning(const Aabb& centroids, int axis)
-      : axis_(axis), lower_(centroids.lower[axis]), bins_per_length_(kBins / centroids.extent(axis)) {}
+  // The first pair is for the root.
+  explicit NodePairs(int threads) : blocks_(static_cast<std::size_t>(threads)) {}
 
-  int bin(const Item& item) const {
-    const double position = (static_cast<double>(item.centroid(axis_)) - lower_) * bins_per_length_;
-    return std::min(static_cast<int>(position), kBins - 1);
+  // Enough for a tree of so many primitives.
+  static std::size_t capacity(std::size_t primitives, int threads) {
+    return 2 * primitives + kBlock * (static_cast<std::size_t>(threads) + 1);
   }
+
+  std::uint32_t take() {
+    Block& block = blocks_[static_cast<std::size_t>(omp_get_thread_num())];
+    if (block.next == block.end) {
+      block.next = next_.fetch_add(kBlock, std::memory_order_relaxed);
+      block.end = block.next + kBlock;
+    }
+    block.next += 2;
+    return block.next - 2;
+  }
+
+  std::size_t used() const { return next_.load(); }
 
  private:
-  int axis_;
-  double lower_, bins_per_length_;
+  static constexpr std::uint32_t kBlock = 4096;
+  struct alignas(64) Block {
+    std::uint32_t next = 0, end = 0;
+  };
+
+  std::vector<Block> blocks_;
+  std::atomic<std::uint32_t> next_{2};
 };
 
-// How many packets a leaf of these primitives would take, times the chance that a ray meets it.
-struct Cost {
-  Aabb box;
-  std::size_t count = 0;
+// A range of items and what is known about it.
+struct Range {
+  std::size_t begin, end;
+  RangeBounds bounds;
+  int depth;
 
-  void add(const Cost& other) {
-    box.include(other.box);
-    count += other.count;
-  }
-  double value() const {
-    return box.half_area() * static_cast<double>((count + kMaxLeafSize - 1) / kMaxLeafSize);
-  }
+  std::size_t size() const { return end - begin; }
 };
-
-struct Split {
-  double cost = std::numeric_limits<double>::infinity();
-  int axis = -1;
-  int first_right_bin = 0;
-};
-
-Split best_split_along(std::span<const Item> items, const Aabb& centroids, int axis) {
-  const Binning binning(centroids, axis);
-  std::array<Cost, kBins> bins;
-  for (const Item& item : items) bins[static_cast<std::size_t>(binning.bin(item))].add({item.box, 1});
-
-  std::array<double, kBins> right_cost{};
-  Cost right;
-  for (std::size_t i = kBins - 1; i > 0; --i) {
-    right.add(bins[i]);
-    right_cost[i] = right.value();
-  }
-  Split best;
-  Cost left;
-  for (std::size_t i = 1; i < kBins; ++i) {
-    left.add(bins[i - 1]);
-    const double cost = left.value() + right_cost[i];
-    if (cost < best.cost) best = {cost, axis, static_cast<int>(i)};
-  }
-  return best;
-}
-
-Split best_split(std::span<const Item> items, const Aabb& centroids) {
-  Split best;
-  for (int axis = 0; axis < 3; ++axis) {
-    if (!(centroids.extent(axis) > 0)) continue;
-    const Split split = best_split_along(items, centroids, axis);
-    if (split.cost < best.cost) best = split;
-  }
-  return best;
-}
 
 class Builder {
  public:
-  explicit Builder(const Primitives& primitives) {
-    items_.reserve(primitives.count());
-    for (std::uint32_t i = 0; i < primitives.count(); ++i) {
-      const Aabb box = primitives.bounds(i);
-      if (!box.empty()) items_.push_back({box, i});
-    }
-    if (!items_.empty()) nodes_.resize(2 * items_.size() - 1);
+  Builder(const Primitives& primitives, int threads)
+      : threads_(threads), pairs_(threads), items_(primitives.count()) {
+    const Range all = make_items(primitives);
+    items_.truncate(all.end);
+    if (items_.empty()) return;
+    tree_.nodes = HugePageArray<BinaryBvh::Node>(NodePairs::capacity(items_.size(), threads));
+#pragma omp parallel num_threads(threads_)
+#pragma omp single
+    build_subtree(0, all);
+    tree_.nodes.truncate(pairs_.used());
+    collect_order();
   }
 
-  BinaryBvh build(int threads) {
-    if (!items_.empty()) {
-#pragma omp parallel num_threads(threads)
-#pragma omp single
-      build_subtree(0, 0, items_.size(), 0);
-    }
-    BinaryBvh tree;
-    tree.nodes = std::move(nodes_);
-    tree.order.reserve(items_.size());
-    for (const Item& item : items_) tree.order.push_back(item.primitive);
-    return tree;
+  BinaryBvh take_tree() {
+    return std::move(tree_);
   }
 
  private:
-  // A subtree of n primitives has at most 2n - 1 nodes, and they are numbered from `node`: where a node goes
-  // depends on nothing that other tasks do.
-  void build_subtree(std::size_t node, std::size_t begin, std::size_t end, int depth) {
-    const RangeBounds bounds = bound(range(begin, end));
-    nodes_[node] = {bounds.boxes, static_cast<std::uint32_t>(begin), static_cast<std::uint32_t>(end), 0};
-    if (end - begin <= kMaxLeafSize) return;
-
-    const std::size_t middle = partition(begin, end, bounds.centroids, depth);
-    const std::size_t left = node + 1, right = node + 2 * (middle - begin);
-    nodes_[node].right = static_cast<std::uint32_t>(right);
-#pragma omp task if (end - begin > kTaskSize) default(shared) firstprivate(left, begin, middle, depth)
-    build_subtree(left, begin, middle, depth + 1);
-    build_subtree(right, middle, end, depth + 1);
+  // Fills items_, piece by piece, and closes the gaps that what cannot be hit has left.
+  Range make_items(const Primitives& primitives) {
+    const std::size_t pieces = piece_count(items_.size());
+    std::vector<std::size_t> counts(pieces);
+    std::vector<RangeBounds> bounds(pieces);
+#pragma omp parallel for num_threads(threads_) schedule(dynamic)
+    for (std::size_t piece = 0; piece < pieces; ++piece) {
+      const auto items = piece_of(items_.range(0, items_.size()), piece);
+      for (std::size_t i = 0; i < items.size(); ++i) {
+        const auto primitive = static_cast<std::uint32_t>(piece * kPiece + i);
+        const Aabb box = primitives.bounds(primitive);
+        if (!box.empty()) items[counts[piece]++] = BuildItem(box, primitive);
+      }
+      bounds[piece] = bounds_of(items.first(counts[piece]));
+    }
+    Range all{0, 0, {}, 0};
+    for (std::size_t piece = 0; piece < pieces; ++piece) {
+      const BuildItem* from = items_.data() + piece * kPiece;
+      if (all.end < piece * kPiece) std::copy(from, from + counts[piece], items_.data() + all.end);
+      all.end += counts[piece];
+      all.bounds.include(bounds[piece]);
+    }
+    return all;
   }
 
-  // Reorders the range and returns where its right part begins; neither part is empty.
-  std::size_t partition(std::size_t begin, std::size_t end, const Aabb& centroids, int depth) {
-    const std::size_t half = begin + (end - begin) / 2;
-    if (depth >= kMaxSahDepth) return half;
-    const auto items = range(begin, end);
-    const Split split = best_split(items, centroids);
-    if (split.axis < 0) return half;  // all centroids are the same
-    const Binning binning(centroids, split.axis);
-    const auto right = std::partition(items.begin(), items.end(), [&](const Item& item) {
-      return binning.bin(item) < split.first_right_bin;
-    });
-    const auto middle = begin + static_cast<std::size_t>(right - items.begin());
-    return middle == begin || middle == end ? half : middle;
+  void build_subtree(std::uint32_t index, const Range& range) {
+    const Aabb box = range.bounds.boxes.box();
+    if (range.size() <= kMaxLeafSize) {
+      tree_.nodes[index] = {box.lower, static_cast<std::uint32_t>(range.begin), box.upper,
+                            static_cast<std::uint32_t>(range.size())};
+      return;
+    }
+    const std::uint32_t children = pairs_.take();
+    tree_.nodes[index] = {box.lower, children, box.upper, 0};
+    const auto [left, right] = cut(range);
+    fork(
+        range.size() > kTaskSize, [&, &left = left] { build_subtree(children, left); },
+        [&, &right = right] { build_subtree(children + 1, right); });
   }
 
-  std::span<Item> range(std::size_t begin, std::size_t end) {
-    return std::span(items_).subspan(begin, end - begin);
+  // Reorders the range; neither part is empty.
+  std::pair<Range, Range> cut(const Range& range) {
+    if (range.depth >= kMaxSahDepth) return halves(range);
+    const auto items = items_.range(range.begin, range.end);
+    const Binning binning(range.bounds.centroids);
+    const bool in_parallel = range.size() >= kParallelSize;
+    const Split split = (in_parallel ? bins_in_parallel(items, binning) : bins_of(items, binning))
+                            .best_split(range.bounds.boxes);
+    if (split.axis < 0) return halves(range);
+    const Parts parts =
+        in_parallel ? partition_in_parallel(items, binning, split) : partition(items, binning, split);
+    const std::size_t middle = range.begin + parts.left_count;
+    return {{range.begin, middle, parts.left, range.depth + 1},
+            {middle, range.end, parts.right, range.depth + 1}};
   }
 
-  std::vector<Item> items_;
-  std::vector<BinaryBvh::Node> nodes_;
+  std::pair<Range, Range> halves(const Range& range) {
+    const std::size_t middle = range.begin + range.size() / 2;
+    return {{range.begin, middle, bounds_of(items_.range(range.begin, middle)), range.depth + 1},
+            {middle, range.end, bounds_of(items_.range(middle, range.end)), range.depth + 1}};
+  }
+
+  static Bins bins_of(std::span<const BuildItem> items, const Binning& binning) {
+    Bins bins;
+    bins.add(binning, items);
+    return bins;
+  }
+
+  static Bins bins_in_parallel(std::span<BuildItem> items, const Binning& binning) {
+    std::vector<Bins> bins(piece_count(items.size()));
+#pragma omp taskloop default(shared)
+    for (std::size_t i = 0; i < bins.size(); ++i) bins[i].add(binning, piece_of(items, i));
+    for (std::size_t i = 1; i < bins.size(); ++i) bins[0].add(bins[i]);
+    return bins[0];
+  }
+
+  void collect_order() {
+    tree_.order = HugePageArray<std::uint32_t>(items_.size());
+#pragma omp parallel for num_threads(threads_)
+    for (std::size_t i = 0; i < items_.size(); ++i) tree_.order[i] = items_[i].primitive();
+  }
+
+  int threads_;
+  NodePairs pairs_;
+  HugePageArray<BuildItem> items_;
+  BinaryBvh tree_;
 };
 
 }  // namespace
 
 BinaryBvh build_binary_bvh(const Primitives& primitives, int threads) {
-  return Builder(primitives).build(threads);
+  return Builder(primitives, threads).take_tree();
 }
 
 }  // namespace tessera::core

@@ -1,10 +1,11 @@
 // The binary tree from which a Bvh is made: top-down, by the surface area heuristic over binned centroids
-// (Wald 2007). Its shape does not depend on the number of threads, and its depth is bounded.
+// (Wald 2007), by all threads from the first cut on. Its shape does not depend on the number of threads, and
+// its depth is bounded.
 #pragma once
 
 #include <cstdint>
-#include <vector>
 
+#include "core/accel/huge_pages.hpp"
 #include "core/geometry/aabb.hpp"
 #include "core/geometry/primitives.hpp"
 
@@ -12,16 +13,21 @@ namespace tessera::core {
 
 struct BinaryBvh {
   struct Node {
-    Aabb box;
-    std::uint32_t begin = 0, end = 0;  // of `order`: the primitives below
-    std::uint32_t right = 0;  // index of the right child, the left one follows its parent; 0 for a leaf
+    Vec3 lower;
+    std::uint32_t first;  // the left child, which the right one follows; of a leaf: its place in `order`
+    Vec3 upper;
+    std::uint32_t count;  // of a leaf's primitives; 0 for all other nodes
 
-    bool is_leaf() const { return right == 0; }
-    std::uint32_t count() const { return end - begin; }
+    bool is_leaf() const { return count != 0; }
+    std::uint32_t left() const { return first; }
+    std::uint32_t right() const { return first + 1; }
+    Aabb box() const { return {lower, upper}; }
   };
 
-  std::vector<Node> nodes;           // the root first, with gaps; empty if nothing can be hit
-  std::vector<std::uint32_t> order;  // primitive ids
+  // The root first; then children in pairs, with gaps between them and in an order that the threads have
+  // settled among themselves. Empty if nothing can be hit.
+  HugePageArray<Node> nodes;
+  HugePageArray<std::uint32_t> order;  // primitive ids, leaf by leaf
 };
 
 inline constexpr std::uint32_t kMaxLeafSize = 4;

@@ -3,6 +3,7 @@
 // primitive id), so that replacing it cannot change a picture. Immutable once built; thread-safe.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 
@@ -35,14 +36,18 @@ class Bvh {
   void any_hits(const Primitives& primitives, std::span<const Ray> rays,
                 std::span<std::uint8_t> occluded) const;
 
+  std::size_t memory_bytes() const {
+    return nodes_.size() * sizeof(BvhNode) + packets_.size() * sizeof(BvhPacket);
+  }
+
   // Whether the trees are the same, node for node.
   bool operator==(const Bvh&) const = default;
 
  private:
-  Bvh(HugePageVector<BvhNode> nodes, HugePageVector<BvhPacket> packets);
+  Bvh(HugePageArray<BvhNode> nodes, HugePageArray<BvhPacket> packets);
 
-  HugePageVector<BvhNode> nodes_;  // the root first
-  HugePageVector<BvhPacket> packets_;
+  HugePageArray<BvhNode> nodes_;  // the root first
+  HugePageArray<BvhPacket> packets_;
 };
 
 }  // namespace tessera::core

@@ -1,5 +1,7 @@
 // Bvh::build: a binary tree is built, its nodes are merged sixteen at a time, and leaves become packets.
 #include <algorithm>
+#include <utility>
+#include <vector>
 
 #include "core/accel/binary_bvh.hpp"
 #include "core/accel/bvh.hpp"
@@ -8,34 +10,124 @@
 namespace tessera::core {
 namespace {
 
+// How many nodes and packets a part of the wide tree has.
+struct Extent {
+  std::uint32_t nodes = 0, packets = 0;
+};
+
+// Makes wide nodes of binary ones. The upper part of the tree is laid out first, breadth first; then each
+// subtree below it depth first, all of them by as many threads as there are: where each begins is known once
+// all have been counted.
 class WideBuilder {
  public:
-  WideBuilder(const Primitives& primitives, const BinaryBvh& tree)
-      : primitives_(primitives), tree_(tree), collapse_(tree) {}
+  WideBuilder(const Primitives& primitives, const BinaryBvh& tree, int threads)
+      : primitives_(primitives), tree_(tree), threads_(threads), collapse_(tree, threads) {
+    lay_out_top();
+    count_subtrees();
+    nodes_ = HugePageArray<BvhNode>(end_.nodes);
+    packets_ = HugePageArray<BvhPacket>(end_.packets);
+    fill();
+  }
 
-  // Appends the wide node that stands for binary node `root`, and all below. The depth of the recursion is
-  // that of the binary tree at most.
-  std::uint32_t add_node(std::uint32_t root) {
-    const auto index = static_cast<std::uint32_t>(nodes_.size());
-    nodes_.emplace_back();
-    int lane = 0;
-    for (const std::uint32_t child : collapse_.children(root)) {
-      const BinaryBvh::Node& node = tree_.nodes[child];
-      const BvhChild reference =
-          node.is_leaf() ? BvhChild::packet(add_packet(node)) : BvhChild::node(add_node(child));
-      set_lane(nodes_[index], lane++, node.box, reference);
+  HugePageArray<BvhNode> take_nodes() { return std::move(nodes_); }
+  HugePageArray<BvhPacket> take_packets() { return std::move(packets_); }
+
+ private:
+  static constexpr std::size_t kSubtrees = 1024;
+
+  // A binary node that becomes a wide one, and where what it is made into begins.
+  struct Root {
+    std::uint32_t node;
+    Extent begin;
+  };
+
+  // Opens nodes until there are enough to share out.
+  void lay_out_top() {
+    std::vector<std::uint32_t> level{0};
+    while (!level.empty() && level.size() < kSubtrees) {
+      std::vector<std::uint32_t> next;
+      for (const std::uint32_t root : level) {
+        top_.push_back({root, {}});
+        for (const std::uint32_t child : collapse_.children(root))
+          if (!tree_.nodes[child].is_leaf()) next.push_back(child);
+      }
+      level = std::move(next);
     }
+    for (const std::uint32_t root : level) subtrees_.push_back({root, {}});
+  }
+
+  void count_subtrees() {
+    std::vector<Extent> extents(subtrees_.size());
+#pragma omp parallel for num_threads(threads_) schedule(dynamic)
+    for (std::size_t i = 0; i < subtrees_.size(); ++i) add_extent(subtrees_[i].node, extents[i]);
+    end_.nodes = static_cast<std::uint32_t>(top_.size());
+    for (Root& root : top_) {
+      root.begin.packets = end_.packets;
+      for (const std::uint32_t child : collapse_.children(root.node))
+        end_.packets += tree_.nodes[child].is_leaf();
+    }
+    for (std::size_t i = 0; i < subtrees_.size(); ++i) {
+      subtrees_[i].begin = end_;
+      end_.nodes += extents[i].nodes;
+      end_.packets += extents[i].packets;
+    }
+  }
+
+  void add_extent(std::uint32_t root, Extent& extent) const {
+    ++extent.nodes;
+    for (const std::uint32_t child : collapse_.children(root)) {
+      if (tree_.nodes[child].is_leaf()) {
+        ++extent.packets;
+      } else {
+        add_extent(child, extent);
+      }
+    }
+  }
+
+  void fill() {
+    // Nodes of the top follow each other as they were opened: level by level, and then the subtrees.
+    std::size_t opened = 1;
+    for (std::uint32_t i = 0; i < top_.size(); ++i) {
+      Extent at = top_[i].begin;
+      fill_node(top_[i].node, i, at, [&](std::uint32_t) {
+        const std::size_t next = opened++;
+        return next < top_.size() ? static_cast<std::uint32_t>(next)
+                                  : subtrees_[next - top_.size()].begin.nodes;
+      });
+    }
+#pragma omp parallel for num_threads(threads_) schedule(dynamic)
+    for (std::size_t i = 0; i < subtrees_.size(); ++i) {
+      Extent at = subtrees_[i].begin;
+      fill_subtree(subtrees_[i].node, at);
+    }
+  }
+
+  // Writes the wide node that stands for binary node `root`, and all below, from `at` on, and moves that to
+  // their end. The depth of the recursion is that of the binary tree at most.
+  std::uint32_t fill_subtree(std::uint32_t root, Extent& at) {
+    const std::uint32_t index = at.nodes++;
+    fill_node(root, index, at, [&](std::uint32_t child) { return fill_subtree(child, at); });
     return index;
   }
 
-  HugePageVector<BvhNode> take_nodes() { return std::move(nodes_); }
-  HugePageVector<BvhPacket> take_packets() { return std::move(packets_); }
+  // `index_of` tells where the wide node lies that an inner child becomes.
+  template <typename IndexOf>
+  void fill_node(std::uint32_t root, std::uint32_t index, Extent& at, const IndexOf& index_of) {
+    BvhNode wide;
+    int lane = 0;
+    for (const std::uint32_t child : collapse_.children(root)) {
+      const BinaryBvh::Node& node = tree_.nodes[child];
+      if (node.is_leaf()) packets_[at.packets] = make_packet(node);
+      set_lane(wide, lane++, node.box(),
+               node.is_leaf() ? BvhChild::packet(at.packets++) : BvhChild::node(index_of(child)));
+    }
+    nodes_[index] = wide;
+  }
 
- private:
-  std::uint32_t add_packet(const BinaryBvh::Node& leaf) {
+  BvhPacket make_packet(const BinaryBvh::Node& leaf) const {
     BvhPacket packet;
-    for (std::uint32_t lane = 0; lane < leaf.count(); ++lane) {
-      const std::uint32_t primitive = tree_.order[leaf.begin + lane];
+    for (std::uint32_t lane = 0; lane < leaf.count; ++lane) {
+      const std::uint32_t primitive = tree_.order[leaf.first + lane];
       packet.primitives[lane] = primitive;
       if (primitives_.is_sphere(primitive)) {
         packet.sphere_lanes |= 1u << lane;
@@ -44,8 +136,7 @@ class WideBuilder {
         set_corners(packet, lane, primitives_.triangle_corners(primitive));
       }
     }
-    packets_.push_back(packet);
-    return static_cast<std::uint32_t>(packets_.size() - 1);
+    return packet;
   }
 
   static void set_corners(BvhPacket& packet, std::uint32_t lane, const TriangleCorners& corners) {
@@ -64,9 +155,12 @@ class WideBuilder {
 
   const Primitives& primitives_;
   const BinaryBvh& tree_;
+  const int threads_;
   const Collapse collapse_;
-  HugePageVector<BvhNode> nodes_;
-  HugePageVector<BvhPacket> packets_;
+  std::vector<Root> top_, subtrees_;
+  Extent end_;
+  HugePageArray<BvhNode> nodes_;
+  HugePageArray<BvhPacket> packets_;
 };
 
 }  // namespace
@@ -80,14 +174,13 @@ BvhNode::BvhNode() {
   }
 }
 
-Bvh::Bvh(HugePageVector<BvhNode> nodes, HugePageVector<BvhPacket> packets)
+Bvh::Bvh(HugePageArray<BvhNode> nodes, HugePageArray<BvhPacket> packets)
     : nodes_(std::move(nodes)), packets_(std::move(packets)) {}
 
 Bvh Bvh::build(const Primitives& primitives, int threads) {
   const BinaryBvh tree = build_binary_bvh(primitives, threads);
   if (tree.nodes.empty()) return {};
-  WideBuilder builder(primitives, tree);
-  builder.add_node(0);
+  WideBuilder builder(primitives, tree, threads);
   return Bvh(builder.take_nodes(), builder.take_packets());
 }
 

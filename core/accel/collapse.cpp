@@ -2,61 +2,86 @@
 
 #include <limits>
 
+#include "core/accel/fork.hpp"
+#include "core/math/simd.hpp"
+
 namespace tessera::core {
 namespace {
 
 // What it costs to test a node's sixteen boxes, and to test a packet.
-constexpr double kNodeCost = 1.5, kPacketCost = 1;
+constexpr float kNodeCost = 1.5f, kPacketCost = 1;
+constexpr int kTaskDepth = 10;  // below, subtrees are not worth a task
+
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 }  // namespace
 
-Collapse::Collapse(const BinaryBvh& tree) : tree_(tree), plans_(tree.nodes.size()) {
-  // Children stand behind their parents. Gaps between nodes look like leaves, and nobody asks for them.
-  for (std::size_t node = plans_.size(); node-- > 0;) plans_[node] = plan(static_cast<std::uint32_t>(node));
+Collapse::Collapse(const BinaryBvh& tree, int threads) : tree_(tree), plans_(tree.nodes.size() / 2) {
+  const double root_area = tree.nodes[0].box().half_area();
+  inverse_root_area_ = root_area > 0 ? 1 / root_area : 0;
+#pragma omp parallel num_threads(threads)
+#pragma omp single
+  plan(0, 0);
 }
 
-Collapse::Plan Collapse::plan(std::uint32_t node) const {
-  const BinaryBvh::Node& binary = tree_.nodes[node];
-  const double area = binary.box.half_area();
-  Plan plan;
-  plan.left_trees.fill(0);
-  plan.cost.fill(kPacketCost * area);
-  if (binary.is_leaf()) return plan;
+float Collapse::relative_area(const BinaryBvh::Node& node) const {
+  return static_cast<float>(node.box().half_area() * inverse_root_area_);
+}
 
-  const Plan& left = plans_[node + 1];
-  const Plan& right = plans_[binary.right];
-  plan.cost.fill(std::numeric_limits<double>::infinity());
-  for (std::size_t trees = 2; trees <= BvhNode::kWidth; ++trees) {
-    for (std::size_t below_left = 1; below_left < trees; ++below_left) {
-      const double cost = left.cost[below_left - 1] + right.cost[trees - below_left - 1];
-      if (!(cost < plan.cost[trees - 1])) continue;
-      plan.cost[trees - 1] = cost;
-      plan.left_trees[trees - 1] = static_cast<std::uint8_t>(below_left);
+Collapse::Costs Collapse::plan(std::uint32_t index, int depth) {
+  const BinaryBvh::Node& node = tree_.nodes[index];
+  if (node.is_leaf()) return Costs(kPacketCost * relative_area(node));
+  Costs left, right;
+  fork(
+      depth < kTaskDepth, [&] { left = plan(node.left(), depth + 1); },
+      [&] { right = plan(node.right(), depth + 1); });
+  return merge(node, left, right);
+}
+
+// Of i + 1 trees below the left child and j + 1 below the right, i + j + 2 trees are made: all j at once.
+Collapse::Costs Collapse::merge(const BinaryBvh::Node& node, const Costs& left, const Costs& right) {
+  // As many places before it as the costs of the right child are moved on.
+  float shifted[2 * kWidth];
+  for (std::size_t i = 0; i < kWidth; i += 8) {
+    Float8::broadcast(kInfinity).store_unaligned(shifted + i);
+    Float8::load(right.of_trees + i).store_unaligned(shifted + kWidth + i);
+  }
+  Costs costs;
+  alignas(32) float left_trees[kWidth];
+  for (std::size_t half = 0; half < kWidth; half += 8) {
+    Float8 best = Float8::broadcast(kInfinity), choice = Float8::broadcast(0);
+    for (std::size_t i = 0; i + 1 < half + 8; ++i) {
+      const Float8 cost =
+          Float8::broadcast(left.of_trees[i]) + Float8::load_unaligned(shifted + kWidth + half - (i + 1));
+      choice = select(cost < best, Float8::broadcast(static_cast<float>(i + 1)), choice);
+      best = min(cost, best);
     }
+    best.store(costs.of_trees + half);
+    choice.store(left_trees + half);
   }
   // A single tree is a wide node, whose children are the cheapest forest of sixteen.
-  plan.cost[0] = kNodeCost * area + plan.cost[BvhNode::kWidth - 1];
-  for (std::size_t i = 1; i < BvhNode::kWidth; ++i) {
-    if (plan.cost[0] < plan.cost[i]) plan.cost[i] = plan.cost[0], plan.left_trees[i] = 0;
+  const float whole = kNodeCost * relative_area(node) + costs.of_trees[kWidth - 1];
+  Plan& plan = plan_of(node);
+  for (std::size_t i = 0; i < kWidth; ++i) {
+    const bool keep = i == 0 || whole < costs.of_trees[i];
+    costs.of_trees[i] = keep ? whole : costs.of_trees[i];
+    plan[i] = keep ? 0 : static_cast<std::uint8_t>(left_trees[i]);
   }
-  plan.left_trees[0] = 0;
-  return plan;
+  return costs;
 }
 
-std::vector<std::uint32_t> Collapse::children(std::uint32_t root) const {
-  std::vector<std::uint32_t> roots;
-  add_forest(root, BvhNode::kWidth, roots);
-  return roots;
+Forest Collapse::children(std::uint32_t root) const {
+  Forest forest;
+  add_forest(root, BvhNode::kWidth, forest);
+  return forest;
 }
 
-void Collapse::add_forest(std::uint32_t node, int trees, std::vector<std::uint32_t>& roots) const {
-  const int left_trees = plans_[node].left_trees[static_cast<std::size_t>(trees - 1)];
-  if (left_trees == 0) {
-    roots.push_back(node);
-  } else {
-    add_forest(node + 1, left_trees, roots);
-    add_forest(tree_.nodes[node].right, trees - left_trees, roots);
-  }
+void Collapse::add_forest(std::uint32_t node, int trees, Forest& forest) const {
+  const BinaryBvh::Node& binary = tree_.nodes[node];
+  const int left_trees = binary.is_leaf() ? 0 : plan_of(binary)[static_cast<std::size_t>(trees - 1)];
+  if (left_trees == 0) return forest.add(node);
+  add_forest(binary.left(), left_trees, forest);
+  add_forest(binary.right(), trees - left_trees, forest);
 }
 
 }  // namespace tessera::core

@@ -1,41 +1,64 @@
-// An allocator for large arrays that are read all over: on huge pages where the system has them, so that most
-// reads find their address translated.
+// Large arrays that are read all over: on huge pages where the system has them, so that most reads find their
+// address translated. Their memory is not written before the elements are, so that what is never used takes
+// none and what is used can be written by many threads.
 #pragma once
 
 #include <sys/mman.h>
 
+#include <algorithm>
 #include <cstddef>
+#include <memory>
 #include <new>
-#include <vector>
+#include <span>
+#include <type_traits>
 
 namespace tessera::core {
 
 template <typename T>
-struct HugePageAllocator {
-  using value_type = T;
+class HugePageArray {
+  static_assert(std::is_trivially_copyable_v<T> && std::is_trivially_destructible_v<T>);
 
-  HugePageAllocator() = default;
-  template <typename U>
-  explicit HugePageAllocator(const HugePageAllocator<U>&) {}
+ public:
+  HugePageArray() = default;
+  // The elements have no value until they are assigned to.
+  explicit HugePageArray(std::size_t size) : memory_(allocate(size)), size_(size) {}
 
-  T* allocate(std::size_t count) {
-    const std::size_t bytes = count * sizeof(T);
-    void* memory = ::operator new(bytes, alignment(bytes));
-    if (bytes >= kHugePage) madvise(memory, bytes, MADV_HUGEPAGE);  // a hint: refusing it costs only time
-    return static_cast<T*>(memory);
+  std::size_t size() const { return size_; }
+  bool empty() const { return size_ == 0; }
+  T* data() { return memory_.get(); }
+  const T* data() const { return memory_.get(); }
+  T& operator[](std::size_t i) { return memory_.get()[i]; }
+  const T& operator[](std::size_t i) const { return memory_.get()[i]; }
+  const T* begin() const { return data(); }
+  const T* end() const { return data() + size_; }
+  std::span<T> range(std::size_t first, std::size_t last) { return {data() + first, last - first}; }
+
+  // Drops the elements from `size` on; their memory stays.
+  void truncate(std::size_t size) { size_ = std::min(size, size_); }
+
+  bool operator==(const HugePageArray& other) const {
+    return std::equal(begin(), end(), other.begin(), other.end());
   }
-  void deallocate(T* memory, std::size_t count) { ::operator delete(memory, alignment(count * sizeof(T))); }
-
-  bool operator==(const HugePageAllocator&) const = default;
 
  private:
   static constexpr std::size_t kHugePage = 2u << 20;
-  static std::align_val_t alignment(std::size_t bytes) {
-    return std::align_val_t(bytes >= kHugePage ? kHugePage : alignof(T));
-  }
-};
 
-template <typename T>
-using HugePageVector = std::vector<T, HugePageAllocator<T>>;
+  struct Deleter {
+    std::align_val_t alignment{alignof(T)};
+    void operator()(T* memory) const { ::operator delete(memory, alignment); }
+  };
+  using Memory = std::unique_ptr<T, Deleter>;
+
+  static Memory allocate(std::size_t count) {
+    const std::size_t bytes = count * sizeof(T);
+    const std::align_val_t alignment{bytes >= kHugePage ? kHugePage : alignof(T)};
+    void* memory = ::operator new(bytes, alignment);
+    if (bytes >= kHugePage) madvise(memory, bytes, MADV_HUGEPAGE);  // a hint: refusing it costs only time
+    return Memory(static_cast<T*>(memory), Deleter{alignment});
+  }
+
+  Memory memory_;
+  std::size_t size_ = 0;
+};
 
 }  // namespace tessera::core

@@ -3,9 +3,9 @@
 #pragma once
 
 #include "core/accel/bvh_layout.hpp"
-#include "core/math/simd.hpp"
 #include "core/geometry/rounding.hpp"
 #include "core/geometry/triangle.hpp"
+#include "core/math/simd.hpp"
 
 namespace tessera::core {
 

@@ -51,10 +51,12 @@ struct Float8 {
   Float8(float every) : v(_mm256_set1_ps(every)) {}
   static Float8 broadcast(float x) { return {_mm256_set1_ps(x)}; }
   static Float8 load(const float* aligned) { return {_mm256_load_ps(aligned)}; }
+  static Float8 load_unaligned(const float* from) { return {_mm256_loadu_ps(from)}; }
   // table[index[i]] in lane i.
   static Float8 gather(const float* table, __m256i index) { return _mm256_i32gather_ps(table, index, 4); }
 
   void store(float* aligned) const { _mm256_store_ps(aligned, v); }
+  void store_unaligned(float* to) const { _mm256_storeu_ps(to, v); }
 };
 
 inline Float8 operator+(Float8 a, Float8 b) {

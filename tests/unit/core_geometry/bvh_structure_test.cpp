@@ -16,6 +16,11 @@ TEST(BvhStructure, IsTheSameForAnyNumberOfThreads) {
     const Bvh one = Bvh::build(soup.primitives, 1);
     for (const int threads : {2, 3}) EXPECT_TRUE(Bvh::build(soup.primitives, threads) == one) << soup.name;
   }
+  // Large enough for many threads to work on the same cut.
+  for (const test::Soup& soup : test::all_soups(100000)) {
+    const Bvh one = Bvh::build(soup.primitives, 1);
+    EXPECT_TRUE(Bvh::build(soup.primitives, 4) == one) << soup.name;
+  }
   const auto soups = test::all_soups(1000);
   EXPECT_FALSE(Bvh::build(soups[0].primitives, 1) == Bvh::build(soups[1].primitives, 1));
 }
@@ -26,31 +31,34 @@ bool contains(const Aabb& outer, const Aabb& inner) {
   return both == outer;
 }
 
-// Checks the subtree and returns its depth.
-int check(const Primitives& primitives, const BinaryBvh& tree, std::uint32_t index) {
+// Checks the subtree, appends its primitives and returns its depth.
+int check(const Primitives& primitives, const BinaryBvh& tree, std::uint32_t index,
+          std::vector<std::uint32_t>& found) {
   const BinaryBvh::Node& node = tree.nodes[index];
   if (node.is_leaf()) {
-    EXPECT_TRUE(node.count() >= 1 && node.count() <= kMaxLeafSize);
-    for (std::uint32_t i = node.begin; i < node.end; ++i) {
-      EXPECT_TRUE(contains(node.box, primitives.bounds(tree.order[i])));
+    EXPECT_LE(node.count, kMaxLeafSize);
+    for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
+      found.push_back(tree.order[i]);
+      EXPECT_TRUE(contains(node.box(), primitives.bounds(tree.order[i])));
     }
     return 0;
   }
-  const BinaryBvh::Node &left = tree.nodes[index + 1], &right = tree.nodes[node.right];
-  EXPECT_TRUE(left.begin == node.begin && left.end == right.begin && right.end == node.end);
-  EXPECT_TRUE(contains(node.box, left.box) && contains(node.box, right.box));
-  return 1 + std::max(check(primitives, tree, index + 1), check(primitives, tree, node.right));
+  EXPECT_TRUE(contains(node.box(), tree.nodes[node.left()].box()));
+  EXPECT_TRUE(contains(node.box(), tree.nodes[node.right()].box()));
+  return 1 +
+         std::max(check(primitives, tree, node.left(), found), check(primitives, tree, node.right(), found));
 }
 
 int check(const Primitives& primitives) {
   const BinaryBvh tree = build_binary_bvh(primitives, 2);
-  std::vector<std::uint32_t> ids = tree.order, expected;
+  std::vector<std::uint32_t> found, expected;
+  const int depth = check(primitives, tree, 0, found);
   for (std::uint32_t i = 0; i < primitives.count(); ++i) {
     if (!primitives.bounds(i).empty()) expected.push_back(i);
   }
-  std::sort(ids.begin(), ids.end());
-  EXPECT_EQ(ids, expected);
-  return check(primitives, tree, 0);
+  std::sort(found.begin(), found.end());
+  EXPECT_EQ(found, expected);
+  return depth;
 }
 
 TEST(BvhStructure, HoldsEverythingOnceWithinItsBoxes) {

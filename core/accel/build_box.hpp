@@ -1,0 +1,60 @@
+// Boxes as the builder of the tree handles them: eight floats, of which the lower corner is negated, so that
+// boxes are united by one maximum.
+#pragma once
+
+#include <bit>
+#include <cstdint>
+#include <limits>
+
+#include "core/geometry/aabb.hpp"
+#include "core/math/simd_float4.hpp"
+
+namespace tessera::core {
+
+// The lanes: -x, -y, -z of the lower corner, anything, x, y, z of the upper one, anything.
+struct BuildBox {
+  Float8 v = Float8::broadcast(-std::numeric_limits<float>::infinity());
+
+  void include(BuildBox other) { v = max(v, other.v); }
+  Float4 negated_lower() const { return lower_half(v); }
+  Float4 upper() const { return upper_half(v); }
+  // In its first three lanes a quarter of the sum of both corners, which cannot overflow; 0 in its fourth.
+  Float4 half_centroid() const {
+    const Float8 quarter = without_lane_3(v) * Float8::broadcast(0.25f);
+    return upper_half(quarter) - lower_half(quarter);
+  }
+  Aabb box() const {
+    alignas(32) float lanes[8];
+    v.store(lanes);
+    return {{-lanes[0], -lanes[1], -lanes[2]}, {lanes[4], lanes[5], lanes[6]}};
+  }
+};
+
+// A primitive to be put into the tree: its box, with the primitive's id in the fourth lane.
+struct alignas(32) BuildItem {
+  float lanes[8];
+
+  BuildItem(const Aabb& box, std::uint32_t primitive)
+      : lanes{-box.lower.x, -box.lower.y, -box.lower.z, std::bit_cast<float>(primitive),
+              box.upper.x,  box.upper.y,  box.upper.z,  0} {}
+
+  std::uint32_t primitive() const { return std::bit_cast<std::uint32_t>(lanes[3]); }
+  BuildBox box() const { return {Float8::load(lanes)}; }
+};
+
+// The bounds of a range of items: of their boxes, and of their boxes' half centroids.
+struct RangeBounds {
+  BuildBox boxes, centroids;
+
+  void include(BuildBox box) {
+    boxes.include(box);
+    const Float4 centroid = box.half_centroid();
+    centroids.include({join(Float4::broadcast(0) - centroid, centroid)});
+  }
+  void include(const RangeBounds& other) {
+    boxes.include(other.boxes);
+    centroids.include(other.centroids);
+  }
+};
+
+}  // namespace tessera::core
