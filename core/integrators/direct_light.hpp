@@ -17,11 +17,11 @@ inline double two_digits(float coarse, float fine) {
 // * radiance, not yet divided by the density. Black where something is in between.
 inline Rgb reflected_light(const Scene& scene, const PathVertex& vertex, const LightSample& light,
                            RenderCounters& counters) {
-  const Rgb scattered = vertex.evaluate(light.wi);
+  const Rgb scattered = vertex.evaluate(light.wi).value;
   if (is_black(scattered)) return {};
   ++counters.shadow_rays;
-  const Ray ray = light.point ? vertex.ray_to(*light.point) : vertex.ray_along(light.wi);
-  return scene.bvh().any_hit(scene.primitives(), ray) ? Rgb{} : scattered * light.radiance;
+  return scene.bvh().any_hit(scene.primitives(), vertex.ray_toward(light)) ? Rgb{}
+                                                                           : scattered * light.radiance;
 }
 
 }  // namespace tessera::core

@@ -50,9 +50,11 @@ Texture dents() {
   return {.image = std::make_shared<TextureImage>(image), .scale = {4, -4}};
 }
 
+}  // namespace
+
 // A box open to the front with lights of every kind, one of them textured, spheres of every material, a
 // dented floor and a textured mesh with interpolated normals, seen through a lens of five blades and a
-// Gaussian filter. What it leaves out is the reading of files.
+// Gaussian filter.
 SceneDescription fingerprint_scene() {
   SceneDescription scene;
   scene.settings = {
@@ -93,8 +95,6 @@ SceneDescription fingerprint_scene() {
   scene.environment = {{Rgb::gray(0.8f), 1}, 25};
   return scene;
 }
-
-}  // namespace
 
 std::string arithmetic_fingerprint() {
   const auto scene = Scene::build(fingerprint_scene(), 1);

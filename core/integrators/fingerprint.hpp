@@ -3,9 +3,14 @@
 
 #include <string>
 
+#include "core/scene/description.hpp"
+
 namespace tessera::core {
 
-// 16 hexadecimal digits: a hash of the exact film of a small built-in scene. Machines whose fingerprints are
+// A scene that has something of everything, but for the reading of files.
+SceneDescription fingerprint_scene();
+
+// 16 hexadecimal digits: a hash of the exact film of the scene above. Machines whose fingerprints are
 // equal render the same bytes, as far as that scene can tell. Takes some milliseconds.
 std::string arithmetic_fingerprint();
 

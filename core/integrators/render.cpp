@@ -2,6 +2,9 @@
 
 #include <omp.h>
 #include <algorithm>
+#include <array>
+#include <memory>
+#include <span>
 #include <vector>
 
 #include "core/integrators/path.hpp"
@@ -34,16 +37,6 @@ Vec2 sample_raster(PixelFilter filter, int x, int y, Vec2 u) {
           static_cast<float>(y) + 0.5f + sample_filter(filter, u.y)};
 }
 
-Rgb take_sample(const Scene& scene, const RenderSettings& settings, const Sampler& sampler, int x, int y,
-                RenderCounters& counters) {
-  const auto u = sampler.pad(kCameraPad);
-  const Vec2 raster = sample_raster(settings.filter, x, y, {u[0], u[1]});
-  const Ray ray = scene.camera().ray(raster, settings.width_px, settings.height_px, {u[2], u[3]});
-  ++counters.samples;
-  return settings.integrator == Integrator::kWhitted ? trace_whitted(scene, settings, sampler, ray, counters)
-                                                     : trace_path(scene, settings, sampler, ray, counters);
-}
-
 bool can_be_counted(Rgb radiance) {
   return is_finite(radiance) && radiance.r >= 0 && radiance.g >= 0 && radiance.b >= 0;
 }
@@ -67,31 +60,91 @@ void deposit(Rgb radiance, const Sampler& sampler, bool odd, PixelSums pixel, Re
   counters.saturated_samples += saturated ? 1 : 0;
 }
 
-void render_pixel(const Scene& scene, const RenderSettings& settings, int x, int y, SampleRange range,
-                  PixelSums pixel, RenderCounters& counters) {
-  for (std::uint32_t s = range.begin; s < range.end; ++s) {
-    const Sampler sampler(settings.seed, x, y, s);
-    const Rgb radiance = take_sample(scene, settings, sampler, x, y, counters);
-    if (can_be_counted(radiance)) {
-      deposit(radiance, sampler, s % 2 == 1, pixel, counters);
-    } else {
-      RenderCounters lost;
-      lost.non_finite_samples = 1;
-      lost.first_non_finite = SampleId{x, y, s};
-      counters.add(lost);
-    }
+// One thread's work: takes samples a batch at a time and adds them to the film, in any order.
+class Renderer {
+ public:
+  Renderer(const Scene& scene, const RenderSettings& settings)
+      : scene_(scene), settings_(settings), path_tracer_(scene, settings) {
+    samples_.reserve(kBatchPaths);
+    samplers_.reserve(kBatchPaths);
   }
-}
 
-void render_block(const Scene& scene, const RenderSettings& settings, PixelRect block, FilmTile& tile,
-                  RenderCounters& counters) {
+  // A sample's place is in the buffers of a film tile; it is deposited there by flush() at the latest.
+  void add(SampleId id, PixelSums pixel) {
+    samples_.push_back({id, pixel});
+    samplers_.emplace_back(settings_.seed, id.x, id.y, id.sample);
+    if (samples_.size() == kBatchPaths) flush();
+  }
+
+  void flush() {
+    take_samples();
+    for (std::size_t i = 0; i < samples_.size(); ++i) deposit_or_report(i);
+    samples_.clear();
+    samplers_.clear();
+  }
+
+  // Of one sample, while there are no others.
+  Rgb radiance_of(SampleId id) {
+    samplers_.assign(1, Sampler(settings_.seed, id.x, id.y, id.sample));
+    samples_.assign(1, {id, {}});
+    take_samples();
+    return radiance_[0];
+  }
+
+  const RenderCounters& counters() const { return counters_; }
+
+ private:
+  struct Sample {
+    SampleId id;
+    PixelSums pixel;
+  };
+
+  void take_samples() {
+    const std::size_t count = samples_.size();
+    for (std::size_t i = 0; i < count; ++i) camera_rays_[i] = camera_ray(samples_[i].id, samplers_[i]);
+    const std::span<Rgb> radiance{radiance_.data(), count};
+    counters_.samples += count;
+    if (settings_.integrator != Integrator::kWhitted)
+      return path_tracer_.trace({camera_rays_.data(), count}, samplers_, radiance, counters_);
+    for (std::size_t i = 0; i < count; ++i)
+      radiance[i] = trace_whitted(scene_, settings_, samplers_[i], camera_rays_[i], counters_);
+  }
+
+  Ray camera_ray(SampleId id, const Sampler& sampler) const {
+    const auto u = sampler.pad(kCameraPad);
+    const Vec2 raster = sample_raster(settings_.filter, id.x, id.y, {u[0], u[1]});
+    return scene_.camera().ray(raster, settings_.width_px, settings_.height_px, {u[2], u[3]});
+  }
+
+  void deposit_or_report(std::size_t i) {
+    const auto& [id, pixel] = samples_[i];
+    if (can_be_counted(radiance_[i]))
+      return deposit(radiance_[i], samplers_[i], id.sample % 2 == 1, pixel, counters_);
+    RenderCounters lost;
+    lost.non_finite_samples = 1;
+    lost.first_non_finite = id;
+    counters_.add(lost);
+  }
+
+  const Scene& scene_;
+  const RenderSettings settings_;
+  PathTracer path_tracer_;
+  RenderCounters counters_;
+  std::vector<Sample> samples_;    // of the batch
+  std::vector<Sampler> samplers_;  // theirs
+  std::array<Ray, kBatchPaths> camera_rays_;
+  std::array<Rgb, kBatchPaths> radiance_;
+};
+
+void render_block(PixelRect block, FilmTile& tile, Renderer& renderer) {
+  const auto width = static_cast<std::size_t>(tile.rect.width());
   for (int y = block.y0; y < block.y1; ++y) {
     for (int x = block.x0; x < block.x1; ++x) {
-      const auto row =
-          static_cast<std::size_t>(y - tile.rect.y0) * static_cast<std::size_t>(tile.rect.width());
-      const std::size_t offset = 3 * (row + static_cast<std::size_t>(x - tile.rect.x0));
-      render_pixel(scene, settings, x, y, tile.range,
-                   {tile.sums.data() + offset, tile.odd_sums.data() + offset}, counters);
+      const auto row = static_cast<std::size_t>(y - tile.rect.y0),
+                 column = static_cast<std::size_t>(x - tile.rect.x0);
+      const std::size_t offset = 3 * (row * width + column);
+      for (std::uint32_t s = tile.range.begin; s < tile.range.end; ++s)
+        renderer.add({x, y, s}, {tile.sums.data() + offset, tile.odd_sums.data() + offset});
     }
   }
 }
@@ -106,23 +159,22 @@ FilmTile render(const Scene& scene, const RenderSettings& settings, PixelRect re
   std::vector<RenderCounters> counters(static_cast<std::size_t>(team));
 #pragma omp parallel num_threads(team)
   {
-    RenderCounters mine;
-#pragma omp for schedule(dynamic)
+    const auto renderer = std::make_unique<Renderer>(scene, settings);
+#pragma omp for schedule(dynamic) nowait
     for (int b = 0; b < blocks.tile_count(); ++b) {
       const PixelRect local = blocks.rect(b);
-      render_block(scene, settings,
-                   {rect.x0 + local.x0, rect.y0 + local.y0, rect.x0 + local.x1, rect.y0 + local.y1}, tile,
-                   mine);
+      render_block({rect.x0 + local.x0, rect.y0 + local.y0, rect.x0 + local.x1, rect.y0 + local.y1}, tile,
+                   *renderer);
     }
-    counters[static_cast<std::size_t>(omp_get_thread_num())] = mine;
+    renderer->flush();
+    counters[static_cast<std::size_t>(omp_get_thread_num())] = renderer->counters();
   }
   for (const RenderCounters& of_thread : counters) tile.counters.add(of_thread);
   return tile;
 }
 
 Rgb render_sample(const Scene& scene, const RenderSettings& settings, SampleId id) {
-  RenderCounters counters;
-  return take_sample(scene, settings, Sampler(settings.seed, id.x, id.y, id.sample), id.x, id.y, counters);
+  return std::make_unique<Renderer>(scene, settings)->radiance_of(id);
 }
 
 }  // namespace tessera::core

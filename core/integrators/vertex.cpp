@@ -49,14 +49,11 @@ float PathVertex::side_factor(Vec3 wi, Vec3 wi_local) const {
   return dot(wi, side_normal_) < 0 ? 1.0f : 0.0f;
 }
 
-Rgb PathVertex::evaluate(Vec3 wi) const {
+BsdfValue PathVertex::evaluate(Vec3 wi) const {
   const Vec3 wi_local = frame_.to_local(wi);
+  const BsdfValue scattered = bsdf_.evaluate(wo_local_, wi_local);
   const float factor = side_factor(wi, wi_local);
-  return factor > 0 ? bsdf_.evaluate(wo_local_, wi_local) * factor : Rgb{};
-}
-
-float PathVertex::pdf(Vec3 wi) const {
-  return bsdf_.pdf(wo_local_, frame_.to_local(wi));
+  return {factor > 0 ? scattered.value * factor : Rgb{}, scattered.pdf};
 }
 
 std::optional<PathVertex::Scattered> PathVertex::sample(Vec2 u, float u_lobe) const {
@@ -91,6 +88,10 @@ Ray PathVertex::ray_to(const SurfacePoint& other) const {
   const Vec3 origin = offset_origin(surface_, other.position - surface_.position);
   const Vec3 target = offset_origin(other, surface_.position - other.position);
   return Ray{origin, target - origin, 1};
+}
+
+Ray PathVertex::ray_toward(const LightSample& light) const {
+  return light.point ? ray_to(*light.point) : ray_along(light.wi);
 }
 
 }  // namespace tessera::core

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "core/geometry/primitives.hpp"
+#include "core/lights/light_sample.hpp"
 #include "core/materials/bsdf.hpp"
 #include "core/math/frame.hpp"
 #include "core/scene/scene.hpp"
@@ -22,10 +23,9 @@ class PathVertex {
   Vec3 wo() const { return wo_; }
   bool is_delta() const { return bsdf_.is_delta(); }
 
-  // BSDF times cosine for light from `wi`, a unit direction away from the surface, on either side of it.
-  Rgb evaluate(Vec3 wi) const;
-  // Density per solid angle with which sample() chooses `wi`.
-  float pdf(Vec3 wi) const;
+  // BSDF times cosine for light from `wi`, a unit direction away from the surface, on either side of it; and
+  // the density per solid angle with which sample() chooses `wi`.
+  BsdfValue evaluate(Vec3 wi) const;
 
   struct Scattered {
     Vec3 wi;
@@ -44,6 +44,8 @@ class PathVertex {
   Ray ray_along(Vec3 wi) const;
   // The open segment between this point and another surface's, for shadow rays.
   Ray ray_to(const SurfacePoint& other) const;
+  // What is in between where it hits anything.
+  Ray ray_toward(const LightSample& light) const;
 
  private:
   PathVertex(const Scene& scene, const Material& material, const Hit& hit, const SurfacePoint& surface,

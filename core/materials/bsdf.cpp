@@ -78,13 +78,11 @@ bool Bsdf::transmits() const {
   return std::holds_alternative<RoughDielectricBsdf>(at_point_);
 }
 
-Rgb Bsdf::evaluate(Vec3 wo_local, Vec3 wi_local) const {
-  return std::visit([&](const auto& bsdf) { return bsdf.evaluate(wo_local, wi_local).value; }, at_point_);
-}
-
-float Bsdf::pdf(Vec3 wo_local, Vec3 wi_local) const {
-  if (uniform_) return uniform_pdf(wo_local, wi_local);
-  return std::visit([&](const auto& bsdf) { return bsdf.evaluate(wo_local, wi_local).pdf; }, at_point_);
+BsdfValue Bsdf::evaluate(Vec3 wo_local, Vec3 wi_local) const {
+  BsdfValue value =
+      std::visit([&](const auto& bsdf) { return bsdf.evaluate(wo_local, wi_local); }, at_point_);
+  if (uniform_) value.pdf = uniform_pdf(wo_local, wi_local);
+  return value;
 }
 
 std::optional<BsdfSample> Bsdf::sample(Vec3 wo_local, Vec2 u, float u_lobe) const {
@@ -108,7 +106,7 @@ float Bsdf::uniform_pdf(Vec3 wo_local, Vec3 wi_local) const {
 std::optional<BsdfSample> Bsdf::sample_uniformly(Vec3 wo_local, Vec2 u) const {
   if (wo_local.z <= 0) return std::nullopt;
   const Vec3 wi = transmits() ? sample_sphere(u) : sample_hemisphere(u);
-  BsdfSample sample = weighed_sample(wi, {evaluate(wo_local, wi), uniform_pdf(wo_local, wi)});
+  BsdfSample sample = weighed_sample(wi, evaluate(wo_local, wi));
   sample.transmitted = wi.z < 0;
   if (sample.transmitted) sample.eta = std::get_if<RoughDielectricBsdf>(&at_point_)->eta;
   return sample;

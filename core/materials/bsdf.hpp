@@ -29,10 +29,9 @@ class Bsdf {
   // Scatters into single directions only: evaluate and pdf are zero. Otherwise into none.
   bool is_delta() const;
 
-  // bsdf * |cos(wi)|.
-  Rgb evaluate(Vec3 wo_local, Vec3 wi_local) const;
-  // With which sample() chooses wi; its integral is the probability that sample() answers at all.
-  float pdf(Vec3 wo_local, Vec3 wi_local) const;
+  // bsdf * |cos(wi)|, and the density with which sample() chooses wi: its integral is the probability that
+  // sample() answers at all.
+  BsdfValue evaluate(Vec3 wo_local, Vec3 wi_local) const;
   // Nothing where no light is scattered. u_lobe chooses among lobes.
   std::optional<BsdfSample> sample(Vec3 wo_local, Vec2 u, float u_lobe) const;
   // Every direction that a delta BSDF scatters to, each with its share of the light in the weight: what is

@@ -20,7 +20,7 @@ TEST_P(Reciprocity, OfReflection) {
   const Bsdf bsdf = GetParam().bsdf();
   for (int i = 0; i < 1000; ++i) {
     const Vec3 a = above(2 * i), b = above(2 * i + 1);
-    const float there = bsdf.evaluate(a, b).g / b.z, back = bsdf.evaluate(b, a).g / a.z;
+    const float there = bsdf.evaluate(a, b).value.g / b.z, back = bsdf.evaluate(b, a).value.g / a.z;
     ASSERT_NEAR(there, back, 1e-3f * there + 1e-6f);
   }
 }
@@ -38,8 +38,8 @@ TEST_P(TransmissionReciprocity, ButForTheSquaredIndex) {
   for (int i = 0; i < 1000; ++i) {
     const Vec3 a = above(2 * i), b = above(2 * i + 1);
     // Seen from the far side, z points the other way.
-    const float there = near.evaluate(a, {b.x, b.y, -b.z}).g / b.z;
-    const float back = far.evaluate(b, {a.x, a.y, -a.z}).g / a.z;
+    const float there = near.evaluate(a, {b.x, b.y, -b.z}).value.g / b.z;
+    const float back = far.evaluate(b, {a.x, a.y, -a.z}).value.g / a.z;
     ASSERT_NEAR(there * eta * eta, back, 2e-3f * back + 5e-4f);
     lit += there > 0;
   }

@@ -82,8 +82,8 @@ TEST_P(LeaningNormals, KeepSamplesValuesAndDensitiesInStep) {
     if (!sample) continue;
     ++lit;
     ASSERT_TRUE(is_finite(sample->wi) && is_finite(sample->weight));
-    ASSERT_NEAR(sample->pdf / vertex.pdf(sample->wi), 1, 0.01);
-    const Rgb value = vertex.evaluate(sample->wi);
+    const auto [value, pdf] = vertex.evaluate(sample->wi);
+    ASSERT_NEAR(sample->pdf / pdf, 1, 0.01);
     ASSERT_NEAR(sample->weight.g * sample->pdf, value.g, 0.01f * value.g + 1e-5f);
     // Reflected light stays on the viewer's side of the true surface, and transmitted light leaves it.
     ASSERT_EQ(sample->eta != 1, (sample->wi.z > 0) != (vertex.wo().z > 0));

@@ -1,0 +1,77 @@
+// Paths that are traced together do not know of each other.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <memory>
+#include <random>
+#include <vector>
+
+#include "core/integrators/fingerprint.hpp"
+#include "core/integrators/path.hpp"
+
+namespace tessera::core {
+namespace {
+
+// A path by its camera ray and its random numbers.
+struct Start {
+  Ray ray;
+  Sampler sampler;
+};
+
+class PathBatch : public testing::TestWithParam<Integrator> {
+ protected:
+  PathBatch() : scene_(Scene::build(fingerprint_scene(), 1).value()), settings_(scene_.settings()) {
+    settings_.integrator = GetParam();
+    for (int y = 0; y < settings_.height_px; ++y)
+      for (int x = 0; x < settings_.width_px; ++x)
+        for (std::uint32_t s = 0; s < 2; ++s)
+          starts_.push_back({scene_.camera().ray({static_cast<float>(x), static_cast<float>(y)},
+                                                 settings_.width_px, settings_.height_px, {0.3f, 0.6f}),
+                             Sampler(settings_.seed, x, y, s)});
+    tracer_ = std::make_unique<PathTracer>(scene_, settings_);
+  }
+
+  // The radiance of starts_[order[i]], traced `size` at a time.
+  std::vector<Rgb> trace(const std::vector<std::size_t>& order, std::size_t size) {
+    std::vector<Rgb> radiance(order.size());
+    for (std::size_t begin = 0; begin < order.size(); begin += size) {
+      const std::size_t count = std::min(size, order.size() - begin);
+      std::vector<Ray> rays;
+      std::vector<Sampler> samplers;
+      for (std::size_t i = begin; i < begin + count; ++i) {
+        rays.push_back(starts_[order[i]].ray);
+        samplers.push_back(starts_[order[i]].sampler);
+      }
+      tracer_->trace(rays, samplers, {radiance.data() + begin, count}, counters_);
+    }
+    return radiance;
+  }
+
+  Scene scene_;
+  RenderSettings settings_;
+  std::vector<Start> starts_;
+  std::unique_ptr<PathTracer> tracer_;
+  RenderCounters counters_;
+};
+
+TEST_P(PathBatch, OfAnySizeInAnyOrderGivesWhatEachPathGivesAlone) {
+  std::vector<std::size_t> order(starts_.size());
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
+  const std::vector<Rgb> alone = trace(order, 1);
+  const RenderCounters counters = counters_;
+  std::mt19937 random(1);
+  for (const std::size_t size : {std::size_t{2}, std::size_t{7}, std::size_t{64}, kBatchPaths}) {
+    counters_ = {};
+    const std::vector<Rgb> together = trace(order, size);
+    for (std::size_t i = 0; i < order.size(); ++i)
+      ASSERT_EQ(together[i], alone[order[i]]) << size << ' ' << i;
+    ASSERT_EQ(counters_, counters);
+    std::shuffle(order.begin(), order.end(), random);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Strategies, PathBatch,
+                         testing::Values(Integrator::kNaive, Integrator::kNee, Integrator::kMis));
+
+}  // namespace
+}  // namespace tessera::core
