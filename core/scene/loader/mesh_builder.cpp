@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <span>
+#include <unordered_map>
 #include <utility>
 
 #include "core/scene/loader/triangle_filter.hpp"
@@ -18,52 +18,65 @@ struct Corner {
   bool operator==(const Corner&) const = default;
 };
 
-// Gives each distinct corner a number, in the order of their first appearance. An open hash table.
+// Gives each distinct corner a number, in the order of their first appearance. Corners at one position are
+// chained, so that a mesh whose triangles lie together in the file finds them together in memory; where very
+// many meet, a hash table takes those that come late.
 class CornerIndex {
  public:
-  explicit CornerIndex(std::size_t expected) : slots_(std::bit_ceil(2 * expected + 16), kEmpty) {
-    corners_.reserve(expected);
+  explicit CornerIndex(std::size_t positions) : first_(positions, kNone) {
+    corners_.reserve(positions);
+    next_.reserve(positions);
   }
 
   std::uint32_t number(const Corner& corner) {
-    std::size_t slot = hash(corner) & (slots_.size() - 1);
-    while (slots_[slot] != kEmpty && !(corners_[slots_[slot]] == corner))
-      slot = (slot + 1) & (slots_.size() - 1);
-    if (slots_[slot] == kEmpty) {
-      slots_[slot] = static_cast<std::uint32_t>(corners_.size());
-      corners_.push_back(corner);
-    }
-    const std::uint32_t found = slots_[slot];
-    if (2 * corners_.size() > slots_.size()) grow();
-    return found;
+    std::uint32_t& first = first_[static_cast<std::size_t>(corner.position)];
+    int length = 0;
+    for (std::uint32_t i = first; i != kNone; i = next_[i], ++length)
+      if (corners_[i] == corner) return i;
+    if (length >= kLongestChain) return number_in_crowd(corner);
+    next_.push_back(first);
+    return first = add(corner);
   }
 
   const std::vector<Corner>& corners() const { return corners_; }
 
   // Gives back the memory that only numbering needs; nothing can be numbered any more.
-  void forget_slots() { slots_ = std::vector<std::uint32_t>(); }
+  void forget_chains() {
+    first_ = next_ = std::vector<std::uint32_t>();
+    crowd_.clear();
+  }
 
  private:
-  static constexpr std::uint32_t kEmpty = 0xffffffffu;
+  static constexpr std::uint32_t kNone = 0xffffffffu;
+  static constexpr int kLongestChain = 32;
 
-  static std::size_t hash(const Corner& corner) {
-    std::uint64_t h = static_cast<std::uint32_t>(corner.position);
-    h = (h ^ static_cast<std::uint64_t>(static_cast<std::uint32_t>(corner.uv)) << 32) * 0x9e3779b97f4a7c15u;
-    h = (h ^ h >> 32 ^ static_cast<std::uint32_t>(corner.normal)) * 0xd6e8feb86659fd93u;
-    return h ^ h >> 32;
-  }
-
-  void grow() {
-    slots_.assign(2 * slots_.size(), kEmpty);
-    for (std::uint32_t i = 0; i < corners_.size(); ++i) {
-      std::size_t slot = hash(corners_[i]) & (slots_.size() - 1);
-      while (slots_[slot] != kEmpty) slot = (slot + 1) & (slots_.size() - 1);
-      slots_[slot] = i;
+  struct Hash {
+    std::size_t operator()(const Corner& corner) const {
+      std::uint64_t h = static_cast<std::uint32_t>(corner.position);
+      h = (h ^ static_cast<std::uint64_t>(static_cast<std::uint32_t>(corner.uv)) << 32) * 0x9e3779b97f4a7c15u;
+      h = (h ^ h >> 32 ^ static_cast<std::uint32_t>(corner.normal)) * 0xd6e8feb86659fd93u;
+      return h ^ h >> 32;
     }
+  };
+
+  std::uint32_t number_in_crowd(const Corner& corner) {
+    const auto [known, is_new] = crowd_.try_emplace(corner, static_cast<std::uint32_t>(corners_.size()));
+    if (is_new) {
+      next_.push_back(kNone);
+      add(corner);
+    }
+    return known->second;
   }
 
-  std::vector<std::uint32_t> slots_;
+  std::uint32_t add(const Corner& corner) {
+    corners_.push_back(corner);
+    return static_cast<std::uint32_t>(corners_.size() - 1);
+  }
+
+  std::vector<std::uint32_t> first_;  // of each position's chain
+  std::vector<std::uint32_t> next_;   // of each number
   std::vector<Corner> corners_;
+  std::unordered_map<Corner, std::uint32_t, Hash> crowd_;
 };
 
 // Outward stays outward, for mirrored maps as well.
@@ -136,7 +149,7 @@ class MeshBuilder {
 Result<MeshDescription> MeshBuilder::build(ShadedCorners shaded,
                                            const std::vector<std::uint32_t>& materials) {
   number_vertices(shaded.normal_of);
-  vertices_.forget_slots();
+  vertices_.forget_chains();
   shaded.own_normal_of = std::vector<std::int32_t>();
   fill_vertices(shaded.computed);
   shaded.computed = std::vector<Vec3>();

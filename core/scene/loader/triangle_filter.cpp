@@ -4,6 +4,8 @@
 #include <array>
 #include <bit>
 #include <tuple>
+#include <unordered_set>
+#include <vector>
 
 #include "core/scene/loader/vertex_normals.hpp"
 
@@ -34,29 +36,47 @@ std::size_t hash(const Points& points) {
   return h;
 }
 
-// Triangles that are kept, by where they lie. An open hash table, four fifths full at most.
+// Which triangles may lie where another does: those that share a hash. Nearly all others are told apart from
+// all there are with two bits each, which take a fraction of the memory, and of its cache misses, that a hash
+// table of all would.
+class PossibleTwins {
+ public:
+  explicit PossibleTwins(const MeshDescription& mesh)
+      : once_(slot_count(mesh)), again_(slot_count(mesh)), slots_(mesh.triangles.size()) {
+    for (std::size_t t = 0; t < slots_.size(); ++t) {
+      const std::size_t slot = hash(points_of(mesh, mesh.triangles[t])) & (once_.size() - 1);
+      slots_[t] = static_cast<std::uint32_t>(slot);
+      if (once_[slot]) again_[slot] = true;
+      once_[slot] = true;
+    }
+  }
+
+  bool has(std::size_t triangle) const { return again_[slots_[triangle]]; }
+
+ private:
+  static std::size_t slot_count(const MeshDescription& mesh) {
+    constexpr std::size_t kMostSlots = std::size_t{1} << 32;
+    return std::min(std::bit_ceil(8 * mesh.triangles.size()), kMostSlots);
+  }
+
+  std::vector<bool> once_, again_;    // of each hash
+  std::vector<std::uint32_t> slots_;  // of each triangle
+};
+
+// Triangles by where they lie.
 class KeptTriangles {
  public:
-  explicit KeptTriangles(const MeshDescription& mesh)
-      : mesh_(mesh), slots_(std::bit_ceil(mesh.triangles.size() + mesh.triangles.size() / 4 + 1), kEmpty) {}
-
-  // False if an equal one is there; `index` is that of `triangle` in the mesh.
-  bool add(const std::array<std::uint32_t, 3>& triangle, std::uint32_t index) {
-    const Points points = points_of(mesh_, triangle);
-    std::size_t slot = hash(points) & (slots_.size() - 1);
-    while (slots_[slot] != kEmpty) {
-      if (points_of(mesh_, mesh_.triangles[slots_[slot]]) == points) return false;
-      slot = (slot + 1) & (slots_.size() - 1);
-    }
-    slots_[slot] = index;
-    return true;
+  // False if an equal one is there.
+  bool add(const MeshDescription& mesh, const std::array<std::uint32_t, 3>& triangle) {
+    return points_.insert(points_of(mesh, triangle)).second;
   }
 
  private:
-  static constexpr std::uint32_t kEmpty = 0xffffffffu;
+  struct Hash {
+    std::size_t operator()(const Points& points) const { return hash(points); }
+  };
 
-  const MeshDescription& mesh_;
-  std::vector<std::uint32_t> slots_;
+  std::unordered_set<Points, Hash> points_;
 };
 
 bool has_area(const MeshDescription& mesh, const std::array<std::uint32_t, 3>& t) {
@@ -66,12 +86,13 @@ bool has_area(const MeshDescription& mesh, const std::array<std::uint32_t, 3>& t
 }  // namespace
 
 void remove_superfluous_triangles(MeshDescription& mesh) {
-  KeptTriangles kept(mesh);
+  const PossibleTwins twins(mesh);
+  KeptTriangles kept;
   const bool one_material = mesh.triangle_materials.size() == 1;
   std::size_t count = 0;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     const auto triangle = mesh.triangles[t];
-    if (!has_area(mesh, triangle) || !kept.add(triangle, static_cast<std::uint32_t>(count))) continue;
+    if (!has_area(mesh, triangle) || (twins.has(t) && !kept.add(mesh, triangle))) continue;
     mesh.triangles[count] = triangle;
     if (!one_material) mesh.triangle_materials[count] = mesh.triangle_materials[t];
     ++count;
