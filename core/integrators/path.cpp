@@ -81,8 +81,7 @@ void PathTracer::step(int depth, RenderCounters& counters) {
 void PathTracer::add_environment(const PathHead& head, Vec3 direction) {
   const std::uint32_t light = scene_.environment_light();
   if (light == kNoLight) return;
-  const float weight =
-      weight_of_found(light, head.last_pdf, [&] { return scene_.environment().pdf(direction); });
+  const float weight = weight_of_found(light, head, [&] { return scene_.environment().pdf(direction); });
   if (weight > 0) radiance_[head.path] += head.throughput * scene_.environment().radiance(direction) * weight;
 }
 
@@ -91,7 +90,7 @@ void PathTracer::add_emission(const PathHead& head, const PathVertex& vertex, st
   if (light == kNoLight) return;
   const AreaLight& area = scene_.area_light(light);
   const float weight =
-      weight_of_found(light, head.last_pdf, [&] { return area.pdf(head.last_position, vertex.position()); });
+      weight_of_found(light, head, [&] { return area.pdf(head.last.position, vertex.position()); });
   if (weight > 0)
     radiance_[head.path] +=
         head.throughput * area.emitted(scene_.textures(), vertex.surface(), vertex.wo()) * weight;
@@ -100,17 +99,18 @@ void PathTracer::add_emission(const PathHead& head, const PathVertex& vertex, st
 // Of light that a BSDF sample found. Where the vertex before could also have sampled it, `nee` leaves it to
 // that and `mis` weighs it. `pdf`: of sampling the direction, once the light is chosen.
 template <typename Pdf>
-float PathTracer::weight_of_found(std::uint32_t light, float last_pdf, Pdf pdf) const {
-  if (last_pdf == kDeltaPdf || settings_.integrator == Integrator::kNaive) return 1;
+float PathTracer::weight_of_found(std::uint32_t light, const PathHead& head, Pdf pdf) const {
+  if (head.last_pdf == kDeltaPdf || settings_.integrator == Integrator::kNaive) return 1;
   if (settings_.integrator == Integrator::kNee) return 0;
-  return mis_weight(settings_.heuristic, last_pdf, scene_.light_sampler().pmf(light) * pdf());
+  return mis_weight(settings_.heuristic, head.last_pdf, scene_.light_sampler().pmf(head.last, light) * pdf());
 }
 
 // Samples a light and what the vertex reflects of it towards the path's beginning.
 void PathTracer::connect_to_light(const PathHead& head, const PathVertex& vertex, int depth) {
   if (light_sampler_.empty()) return;
   const auto u = samplers_[head.path].pad(light_pad(depth));
-  const auto choice = light_sampler_.sample(two_digits(u[2], u[3]));
+  const auto choice = light_sampler_.sample(vertex.lit_point(), two_digits(u[2], u[3]));
+  if (choice.light == kNoLight) return;
   const auto light =
       sample_light(scene_.lights()[choice.light], scene_.textures(), vertex.position(), {u[0], u[1]});
   if (!light) return;
@@ -135,7 +135,7 @@ void PathTracer::scatter(PathHead head, const PathVertex& vertex, int depth) {
   head.eta_scale *= next->eta * next->eta;
   if (!survives_roulette(head, depth, u[3])) return;
   head.last_pdf = next->delta ? kDeltaPdf : next->pdf;
-  head.last_position = vertex.position();
+  head.last = vertex.lit_point();
   next_paths_->push(vertex.ray_along(next->wi), head);
 }
 

@@ -37,7 +37,7 @@ class PathTracer {
   void add_environment(const PathHead& head, Vec3 direction);
   void add_emission(const PathHead& head, const PathVertex& vertex, std::uint32_t light);
   template <typename Pdf>
-  float weight_of_found(std::uint32_t light, float last_pdf, Pdf pdf) const;
+  float weight_of_found(std::uint32_t light, const PathHead& head, Pdf pdf) const;
   void connect_to_light(const PathHead& head, const PathVertex& vertex, int depth);
   void scatter(PathHead head, const PathVertex& vertex, int depth);
   void add_unoccluded(RenderCounters& counters);

@@ -10,6 +10,7 @@
 #include <span>
 
 #include "core/geometry/ray.hpp"
+#include "core/lights/light_tree.hpp"
 #include "core/math/rgb.hpp"
 
 namespace tessera::core {
@@ -28,7 +29,7 @@ struct PathHead {
   float eta_scale = 1;            // undoes the compression of radiance by refraction in `throughput`
   float last_pdf = kDeltaPdf;     // of the ray's direction, per solid angle; kDeltaPdf also at the camera,
                                   // whose ray finds lights that nothing else could
-  Vec3 last_position{};           // where the ray was scattered
+  LitPoint last{};                // where the ray was scattered
 };
 
 class PathQueue {

@@ -22,6 +22,8 @@ class PathVertex {
   // Unit, towards where the ray came from.
   Vec3 wo() const { return wo_; }
   bool is_delta() const { return bsdf_.is_delta(); }
+  // For the choice of lights.
+  LitPoint lit_point() const { return {position(), bsdf_.transmits() ? Vec3{} : frame_.normal}; }
 
   // BSDF times cosine for light from `wi`, a unit direction away from the surface, on either side of it; and
   // the density per solid angle with which sample() chooses `wi`.

@@ -95,7 +95,8 @@ class TreeTracer {
     for (std::uint32_t i = 0; i < kMostWhittedLights; ++i) {
       const auto u = sampler_.pad(tree_light_pad(branch.node, i));
       const double stratum = (i + two_digits(u[2], u[3])) / kMostWhittedLights;
-      LightSampler::Choice choice = scene_.light_sampler().sample(stratum);
+      LightSampler::Choice choice = scene_.light_sampler().sample(vertex.lit_point(), stratum);
+      if (choice.light == kNoLight) continue;
       choice.pmf *= kMostWhittedLights;
       add_light(branch, vertex, choice, {u[0], u[1]});
     }

@@ -31,6 +31,22 @@ float area_of(const SphereLight& s) {
   return 4 * kPi * s.radius * s.radius;
 }
 
+Aabb box_of(const TriangleLight& t) {
+  Aabb box;
+  for (const Vec3 p : {t.p0, t.p1, t.p2}) box.include(p);
+  return box;
+}
+Aabb box_of(const QuadLight& q) {
+  Aabb box;
+  for (const Vec3 p : {q.corner, q.corner + q.edge_u, q.corner + q.edge_v, q.corner + q.edge_u + q.edge_v})
+    box.include(p);
+  return box;
+}
+Aabb box_of(const SphereLight& s) {
+  const Vec3 reach{s.radius, s.radius, s.radius};
+  return {s.center - reach, s.center + reach};
+}
+
 SurfacePoint flat_point(Vec3 position, Vec3 magnitude, Vec3 normal) {
   SurfacePoint point;
   point.position = position;
@@ -157,7 +173,16 @@ float AreaLight::pdf(Vec3 p_lit, Vec3 p_light) const {
 
 double AreaLight::power() const {
   const int sides = emission_.two_sided && !std::holds_alternative<SphereLight>(shape_) ? 2 : 1;
-  return emission_.mean_luminance * static_cast<double>(area_) * static_cast<double>(kPi) * sides;
+  return emission_.mean_radiance * static_cast<double>(area_) * static_cast<double>(kPi) * sides;
+}
+
+// A sphere is seen as a disk, which is a quarter of its area.
+LightBounds AreaLight::bounds() const {
+  const bool sphere = std::holds_alternative<SphereLight>(shape_);
+  const double seen_area = static_cast<double>(area_) / (sphere ? 4 : 1);
+  return LightBounds(std::visit([](const auto& s) { return box_of(s); }, shape_),
+                     sphere ? NormalCone::all() : NormalCone::only(front_), Falloff::cosine(),
+                     emission_.mean_radiance * seen_area, emission_.two_sided && !sphere);
 }
 
 }  // namespace tessera::core

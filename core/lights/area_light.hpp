@@ -6,6 +6,7 @@
 #include <variant>
 #include <vector>
 
+#include "core/lights/light_bounds.hpp"
 #include "core/lights/light_sample.hpp"
 #include "core/textures/texture.hpp"
 
@@ -27,7 +28,7 @@ using LightShape = std::variant<TriangleLight, QuadLight, SphereLight>;
 
 struct SurfaceEmission {
   ColorParameter radiance;  // uniform over directions
-  double mean_luminance;    // of the radiance over the surface
+  double mean_radiance;     // of the radiance over the surface
   bool two_sided = true;    // else only from the front
 };
 
@@ -44,8 +45,9 @@ class AreaLight {
   // The density with which sample() finds p_light, a point of the light, from p_lit.
   float pdf(Vec3 p_lit, Vec3 p_light) const;
 
-  // Watts weighed by luminance, over all sides that emit.
+  // Watts, the mean of the channels, over all sides that emit.
   double power() const;
+  LightBounds bounds() const;
 
  private:
   // A point of the light with the density of its direction.

@@ -34,7 +34,12 @@ std::optional<LightSample> PointLight::sample(Vec3 p_lit) const {
 }
 
 double PointLight::power() const {
-  return 4 * kPiDouble * static_cast<double>(luminance(intensity_));
+  return 4 * kPiDouble * static_cast<double>(mean(intensity_));
+}
+
+LightBounds PointLight::bounds() const {
+  return LightBounds({position_, position_}, NormalCone::all(), Falloff::cosine(),
+                     static_cast<double>(mean(intensity_)), false);
 }
 
 SpotLight::SpotLight(Vec3 position, Rgb intensity, const Cone& cone)
@@ -60,7 +65,15 @@ std::optional<LightSample> SpotLight::sample(Vec3 p_lit) const {
 // The cubic's mean over the falloff is one half.
 double SpotLight::power() const {
   const double mean_edge = (static_cast<double>(inner_edge_) + static_cast<double>(outer_edge_)) / 2;
-  return 2 * kPiDouble * static_cast<double>(luminance(intensity_)) * mean_edge;
+  return 2 * kPiDouble * static_cast<double>(mean(intensity_)) * mean_edge;
+}
+
+// Taken to shine alike up to its edge.
+LightBounds SpotLight::bounds() const {
+  constexpr float kNarrowest = 1e-5f;  // of what cosines can tell
+  return LightBounds({position_, position_},
+                     NormalCone::around(axis_, std::clamp(outer_edge_, kNarrowest, 1.0f)), Falloff::none(),
+                     static_cast<double>(mean(intensity_)), false);
 }
 
 std::optional<LightSample> DirectionalLight::sample() const {
@@ -68,7 +81,7 @@ std::optional<LightSample> DirectionalLight::sample() const {
 }
 
 double DirectionalLight::power(double scene_radius) const {
-  return static_cast<double>(luminance(irradiance_)) * kPiDouble * scene_radius * scene_radius;
+  return static_cast<double>(mean(irradiance_)) * kPiDouble * scene_radius * scene_radius;
 }
 
 }  // namespace tessera::core

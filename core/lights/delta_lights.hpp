@@ -3,6 +3,7 @@
 
 #include <optional>
 
+#include "core/lights/light_bounds.hpp"
 #include "core/lights/light_sample.hpp"
 
 namespace tessera::core {
@@ -15,6 +16,7 @@ class PointLight {
 
   std::optional<LightSample> sample(Vec3 p_lit) const;
   double power() const;
+  LightBounds bounds() const;
 
  private:
   Vec3 position_;
@@ -33,6 +35,7 @@ class SpotLight {
 
   std::optional<LightSample> sample(Vec3 p_lit) const;
   double power() const;
+  LightBounds bounds() const;
 
   // The share of the full intensity at an angle from the axis; `off_axis` is 1 - its cosine.
   float falloff(float off_axis) const;
@@ -52,6 +55,11 @@ class DirectionalLight {
 
   std::optional<LightSample> sample() const;
   double power(double scene_radius) const;
+
+  // Unit, against the way that light travels.
+  Vec3 wi() const { return wi_; }
+  // Of a surface that faces the light, the mean of the channels.
+  double irradiance() const { return static_cast<double>(mean(irradiance_)); }
 
  private:
   Vec3 wi_;

@@ -31,24 +31,24 @@ double mean_over_texel(double before, double here, double after) {
   return (before + 6 * here + after) / 8;
 }
 
-// The luminance of `image` times `factor` in the mean over each texel, as bilinear interpolation has it: 0
-// only where all of the texel is black. Row-major.
-std::vector<double> texel_luminances(const TextureImage& image, Rgb factor) {
+// The channels' mean of `image` times `factor` in the mean over each texel, as bilinear interpolation has it:
+// 0 only where all of the texel is black. Row-major.
+std::vector<double> texel_means(const TextureImage& image, Rgb factor) {
   const auto width = static_cast<std::size_t>(image.width), height = static_cast<std::size_t>(image.height);
-  std::vector<double> across(width * height), mean(width * height), row(width);
+  std::vector<double> across(width * height), means(width * height), row(width);
   for (std::size_t y = 0; y < height; ++y) {
     for (std::size_t x = 0; x < width; ++x)
-      row[x] = static_cast<double>(luminance(factor * image.texel(static_cast<int>(x), static_cast<int>(y))));
+      row[x] = static_cast<double>(mean(factor * image.texel(static_cast<int>(x), static_cast<int>(y))));
     for (std::size_t x = 0; x < width; ++x)
       across[y * width + x] = mean_over_texel(row[(x + width - 1) % width], row[x], row[(x + 1) % width]);
   }
   for (std::size_t y = 0; y < height; ++y) {
     const std::size_t above = y > 0 ? y - 1 : 0, below = std::min(y + 1, height - 1);
     for (std::size_t x = 0; x < width; ++x)
-      mean[y * width + x] =
+      means[y * width + x] =
           mean_over_texel(across[above * width + x], across[y * width + x], across[below * width + x]);
   }
-  return mean;
+  return means;
 }
 
 float fraction(float x) {
@@ -68,20 +68,20 @@ Environment::Environment(Rgb radiance, std::shared_ptr<const TextureImage> image
       height_(image_ ? image_->height : 1),
       rotation_(fraction(rotation_degrees / 360) * 2 * kPi),
       row_begin_(rows_below_north_pole(height_)) {
-  auto weights = image_ ? texel_luminances(*image_, radiance_)
-                        : std::vector<double>{static_cast<double>(luminance(radiance_))};
+  auto weights =
+      image_ ? texel_means(*image_, radiance_) : std::vector<double>{static_cast<double>(mean(radiance_))};
   double lit = 0;  // the solid angle of all texels that shine
   const auto angle_of = [&](std::size_t i) {
     return solid_angle(static_cast<int>(i / static_cast<std::size_t>(width_)));
   };
   for (std::size_t i = 0; i < weights.size(); ++i) {
     if (weights[i] > 0) lit += angle_of(i);
-    luminance_over_sphere_ += weights[i] * angle_of(i);
+    radiance_over_sphere_ += weights[i] * angle_of(i);
   }
   for (std::size_t i = 0; i < weights.size(); ++i)
     if (weights[i] > 0)
       weights[i] =
-          angle_of(i) * ((1 - kUniformShare) * weights[i] / luminance_over_sphere_ + kUniformShare / lit);
+          angle_of(i) * ((1 - kUniformShare) * weights[i] / radiance_over_sphere_ + kUniformShare / lit);
   texels_ = GridDistribution(width_, height_, weights);
 }
 
@@ -123,7 +123,11 @@ std::optional<LightSample> Environment::sample(Vec2 u) const {
 }
 
 double Environment::power(double scene_radius) const {
-  return luminance_over_sphere_ * kPiDouble * scene_radius * scene_radius;
+  return radiance_over_sphere_ * kPiDouble * scene_radius * scene_radius;
+}
+
+double Environment::irradiance() const {
+  return radiance_over_sphere_ / 4;
 }
 
 }  // namespace tessera::core

@@ -1,5 +1,5 @@
 // Light from infinitely far away in all directions: one radiance, or a picture of the surroundings that is
-// sampled in proportion to its luminance. Immutable, shared by all threads.
+// sampled in proportion to the mean of its channels. Immutable, shared by all threads.
 //
 // Pictures are equirectangular, as seen from inside: the middle looks along -z, right of it is +x, the upper
 // edge is +y. Longitude and latitude are linear in u and v.
@@ -24,14 +24,17 @@ class Environment {
   // From a direction, of any length but 0. Bilinear between the picture's texels.
   Rgb radiance(Vec3 direction) const;
 
-  // A direction: nine times in ten in proportion to the mean luminance of the texel it falls on, after
+  // A direction: nine times in ten in proportion to the mean radiance of the texel it falls on, after
   // interpolation, else any that shines alike. Wherever radiance() is not black there is a density. Uniform
   // without a picture.
   std::optional<LightSample> sample(Vec2 u) const;
   float pdf(Vec3 direction) const;
 
-  // Watts weighed by luminance that fall on a disk of the scene's radius, from all sides.
+  // Watts, the mean of the channels, that fall on a disk of the scene's radius, from all sides.
   double power(double scene_radius) const;
+
+  // The mean of the channels, of a surface that half of the surroundings shine on, were they alike all over.
+  double irradiance() const;
 
  private:
   Vec2 uv_of(Vec3 direction) const;
@@ -46,7 +49,7 @@ class Environment {
   // equal heights have equal areas (Archimedes). Rows begin at these depths below the north pole.
   std::vector<double> row_begin_;  // and where the last one ends
   GridDistribution texels_;
-  double luminance_over_sphere_ = 0;  // integrated over solid angle
+  double radiance_over_sphere_ = 0;  // the mean of the channels, integrated over solid angle
 };
 
 }  // namespace tessera::core

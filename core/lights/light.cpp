@@ -31,4 +31,16 @@ double power(const Light& light, double scene_radius) {
                     light);
 }
 
+std::optional<LightBounds> bounds(const Light& light) {
+  using Bounds = std::optional<LightBounds>;
+  return std::visit(Overloaded{
+                        [](const AreaLight& area) -> Bounds { return area.bounds(); },
+                        [](const PointLight& point) -> Bounds { return point.bounds(); },
+                        [](const SpotLight& spot) -> Bounds { return spot.bounds(); },
+                        [](const DirectionalLight&) -> Bounds { return std::nullopt; },
+                        [](const Environment&) -> Bounds { return std::nullopt; },
+                    },
+                    light);
+}
+
 }  // namespace tessera::core

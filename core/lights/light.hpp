@@ -1,8 +1,9 @@
 // The lights of a scene, of every kind: what shines, as sources that can be sampled. Immutable, shared by all
 // threads. Densities are per solid angle at the point that is lit.
 //
-// How to add a kind: a type with sample() and power() in a file of its own, an alternative of Light, and
-// where Scene::build finds it. A kind that rays can meet also has a pdf(), for multiple importance sampling.
+// How to add a kind: a type with sample(), power() and bounds() in a file of its own, an alternative of
+// Light, and where Scene::build finds it. A kind that rays can meet also has a pdf(), for multiple importance
+// sampling.
 #pragma once
 
 #include <optional>
@@ -12,6 +13,7 @@
 #include "core/lights/area_light.hpp"
 #include "core/lights/delta_lights.hpp"
 #include "core/lights/environment.hpp"
+#include "core/lights/light_bounds.hpp"
 
 namespace tessera::core {
 
@@ -25,7 +27,10 @@ std::optional<LightSample> sample_light(const Light& light, const std::vector<Te
 // Whether only sampling finds the light: it has no extent that a ray could meet.
 bool is_delta(const Light& light);
 
-// Watts weighed by luminance. Of lights at infinity, what falls on a disk of the scene's radius.
+// Watts, the mean of the channels. Of lights at infinity, what falls on a disk of the scene's radius.
 double power(const Light& light, double scene_radius);
+
+// Where the light is and which way it shines. Nothing of lights at infinity.
+std::optional<LightBounds> bounds(const Light& light);
 
 }  // namespace tessera::core

@@ -1,25 +1,111 @@
 #include "core/lights/light_sampler.hpp"
 
-namespace tessera::core {
+#include <algorithm>
+#include <utility>
 
-LightSampler::LightSampler(const std::vector<double>& powers) {
-  constexpr double kUniformShare = 0.1;
-  double total = 0, lights = 0;
-  for (const double power : powers) {
-    total += power;
-    lights += power > 0 ? 1 : 0;
+namespace tessera::core {
+namespace {
+
+// Of the choices, over all lights alike.
+constexpr double kUniformShare = 0.1;
+// Of the others, over the tree and the lights at infinity alike: what is known of the tree as a whole may be
+// far from what its lights send to a point among them.
+constexpr double kEvenShare = 0.25;
+
+}  // namespace
+
+LightSampler::LightSampler(const std::vector<Light>& lights, Among among, int threads) {
+  std::vector<LightTree::Item> placed;
+  for (std::uint32_t i = 0; i < lights.size(); ++i) {
+    if (among == Among::kDelta && !is_delta(lights[i])) continue;
+    members_.push_back(i);
+    if (const auto of_light = bounds(lights[i]))
+      placed.push_back({*of_light, i});
+    else if (const auto* directional = std::get_if<DirectionalLight>(&lights[i]))
+      distant_.push_back({i, directional->wi(), directional->irradiance()});
+    else
+      distant_.push_back({i, {}, std::get_if<Environment>(&lights[i])->irradiance()});
   }
-  if (lights == 0) return;
-  std::vector<double> weights;
-  weights.reserve(powers.size());
-  for (const double power : powers)
-    weights.push_back(power > 0 ? (1 - kUniformShare) * power / total + kUniformShare / lights : 0);
-  distribution_ = DiscreteDistribution(weights);
+  tree_ = LightTree::build(std::move(placed), threads);
 }
 
-LightSampler::Choice LightSampler::sample(double u) const {
-  const auto light = static_cast<std::uint32_t>(distribution_.sample(u));
-  return {light, distribution_.pmf(light)};
+double LightSampler::irradiance(const Distant& distant, const LitPoint& point) {
+  if (distant.wi == Vec3{} || point.normal == Vec3{}) return distant.irradiance;
+  return distant.irradiance * static_cast<double>(std::max(0.0f, dot(distant.wi, point.normal)));
+}
+
+LightSampler::Total LightSampler::total(const LitPoint& point) const {
+  Total total;
+  const auto add = [&](double irradiance) {
+    total.irradiance += irradiance;
+    total.alternatives += irradiance > 0 ? 1 : 0;
+    return irradiance;
+  };
+  total.tree = add(tree_.irradiance(point));
+  for (const Distant& distant : distant_) add(irradiance(distant, point));
+  return total;
+}
+
+double LightSampler::share(const Total& total, double irradiance) {
+  if (!(irradiance > 0)) return 0;
+  return (1 - kEvenShare) * irradiance / total.irradiance + kEvenShare / total.alternatives;
+}
+
+LightSampler::Choice LightSampler::sample_by_place(const LitPoint& point, double u) const {
+  if (distant_.empty()) return tree_.sample(point, u);
+  const Total all = total(point);
+  const double of_tree = share(all, all.tree);
+  if (u < of_tree) {
+    Choice choice = tree_.sample(point, u / of_tree);
+    choice.pmf *= static_cast<float>(of_tree);
+    return choice;
+  }
+  u -= of_tree;
+  Choice choice{kNoLight, 0};  // the last that shines, should rounding leave u beyond it
+  for (const Distant& distant : distant_) {
+    const double of_light = share(all, irradiance(distant, point));
+    if (of_light > 0) choice = {distant.light, static_cast<float>(of_light)};
+    if (u < of_light) break;
+    u -= of_light;
+  }
+  return choice;
+}
+
+std::optional<float> LightSampler::pmf_by_place(const LitPoint& point, std::uint32_t light) const {
+  if (tree_.contains(light)) {
+    const float pmf = tree_.pmf(point, light);
+    if (distant_.empty()) return pmf;
+    const Total all = total(point);
+    return pmf * static_cast<float>(share(all, all.tree));
+  }
+  const auto distant = std::find_if(distant_.begin(), distant_.end(),
+                                    [light](const Distant& each) { return each.light == light; });
+  if (distant == distant_.end()) return std::nullopt;
+  return static_cast<float>(share(total(point), irradiance(*distant, point)));
+}
+
+LightSampler::Choice LightSampler::sample(const LitPoint& point, double u) const {
+  if (members_.size() == 1) return {members_[0], 1};
+  const double uniform = kUniformShare / static_cast<double>(members_.size());
+  Choice choice;
+  if (u < kUniformShare) {
+    const auto index = static_cast<std::size_t>(u / uniform);
+    choice.light = members_[std::min(index, members_.size() - 1)];
+    choice.pmf = *pmf_by_place(point, choice.light);
+  } else {
+    choice = sample_by_place(point, (u - kUniformShare) / (1 - kUniformShare));
+    if (choice.light == kNoLight) return choice;
+  }
+  choice.pmf = static_cast<float>((1 - kUniformShare) * static_cast<double>(choice.pmf) + uniform);
+  return choice;
+}
+
+float LightSampler::pmf(const LitPoint& point, std::uint32_t light) const {
+  if (members_.size() == 1) return members_[0] == light ? 1 : 0;
+  const auto by_place = pmf_by_place(point, light);
+  if (!by_place) return 0;
+  return static_cast<float>((1 - kUniformShare) * static_cast<double>(*by_place) +
+                            kUniformShare / static_cast<double>(members_.size()));
 }
 
 }  // namespace tessera::core

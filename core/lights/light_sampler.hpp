@@ -1,34 +1,60 @@
-// Which light to sample, wherever the lit point is: nine times in ten in proportion to power, else any of
-// them alike. So a faint light is still found beside one that is brighter by any factor, as a lamp under a
-// sky is.
+// Which light to sample, by where the lit point is: nine times in ten in proportion to the light that each
+// may send there, shadows apart; else any of them alike. So a faint light is still found beside one that is
+// brighter by any factor.
+//
+// Lights with a place are chosen by a tree. Those at infinity, which are few, stand beside it one by one.
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
-#include "core/sampling/distribution.hpp"
+#include "core/lights/light.hpp"
+#include "core/lights/light_tree.hpp"
 
 namespace tessera::core {
 
-inline constexpr std::uint32_t kNoLight = 0xffffffffu;
-
 class LightSampler {
  public:
-  LightSampler() = default;
-  // Of each light. One without power is never chosen.
-  explicit LightSampler(const std::vector<double>& powers);
+  using Choice = LightTree::Choice;
+  // Which of the lights can be chosen.
+  enum class Among { kAll, kDelta };
 
-  struct Choice {
-    std::uint32_t light;
-    float pmf;
-  };
-  // Whether there is no light with power. Then none can be sampled.
-  bool empty() const { return distribution_.empty(); }
-  Choice sample(double u) const;
-  float pmf(std::uint32_t light) const { return distribution_.pmf(light); }
+  LightSampler() = default;
+  // Each light has power. The result does not depend on `threads`.
+  LightSampler(const std::vector<Light>& lights, Among among, int threads);
+
+  // Whether there is no light that could be chosen.
+  bool empty() const { return members_.empty(); }
+  // u in [0, 1), of more bits than a float has. May choose none (kNoLight) where there are lights that do not
+  // shine on the point.
+  Choice sample(const LitPoint& point, double u) const;
+  // With which sample() chooses the light; 0 of one that it never does.
+  float pmf(const LitPoint& point, std::uint32_t light) const;
 
  private:
-  DiscreteDistribution distribution_;
+  // A light at infinity.
+  struct Distant {
+    std::uint32_t light;
+    Vec3 wi;            // unit; zero if it comes from all around
+    double irradiance;  // of a surface that faces it, the mean of the channels
+  };
+  // How much light comes from the tree and from all at infinity, and from how many of these alternatives.
+  struct Total {
+    double tree = 0, irradiance = 0;
+    int alternatives = 0;
+  };
+
+  static double irradiance(const Distant& distant, const LitPoint& point);
+  Total total(const LitPoint& point) const;
+  static double share(const Total& total, double irradiance);
+  Choice sample_by_place(const LitPoint& point, double u) const;
+  // Nothing of lights that are not among these.
+  std::optional<float> pmf_by_place(const LitPoint& point, std::uint32_t light) const;
+
+  std::vector<std::uint32_t> members_;
+  LightTree tree_;
+  std::vector<Distant> distant_;
 };
 
 }  // namespace tessera::core

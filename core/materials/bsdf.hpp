@@ -28,6 +28,8 @@ class Bsdf {
 
   // Scatters into single directions only: evaluate and pdf are zero. Otherwise into none.
   bool is_delta() const;
+  // Scatters to the other side too.
+  bool transmits() const;
 
   // bsdf * |cos(wi)|, and the density with which sample() chooses wi: its integral is the probability that
   // sample() answers at all.
@@ -46,7 +48,6 @@ class Bsdf {
                          bool outside);
   std::optional<BsdfSample> sample_uniformly(Vec3 wo_local, Vec2 u) const;
   float uniform_pdf(Vec3 wo_local, Vec3 wi_local) const;
-  bool transmits() const;
 
   AtPoint at_point_;
   bool uniform_;

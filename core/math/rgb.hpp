@@ -46,6 +46,12 @@ inline float max_component(Rgb c) {
   return c.r > c.g ? (c.r > c.b ? c.r : c.b) : (c.g > c.b ? c.g : c.b);
 }
 
+// What lights are weighed by when one is chosen: a blue lamp's noise is as large as a green one's.
+inline float mean(Rgb c) {
+  constexpr float kThird = 1.0f / 3;
+  return c.r * kThird + c.g * kThird + c.b * kThird;
+}
+
 // Relative luminance (ITU-R BT.709-6, item 3.2).
 inline float luminance(Rgb c) {
   return 0.2126f * c.r + 0.7152f * c.g + 0.0722f * c.b;

@@ -14,7 +14,7 @@ class Assembler {
  public:
   Assembler(const std::vector<Material>& materials, const std::vector<Texture>& textures)
       : materials_(materials) {
-    for (const Material& material : materials) mean_luminances_.push_back(mean_luminance(material, textures));
+    for (const Material& material : materials) mean_radiances_.push_back(mean_radiance(material, textures));
   }
 
   void add(const MeshDescription& mesh) {
@@ -46,21 +46,20 @@ class Assembler {
   std::vector<std::uint32_t> light_of_primitive_;
 
  private:
-  static double mean_luminance(const Material& material, const std::vector<Texture>& textures) {
+  static double mean_radiance(const Material& material, const std::vector<Texture>& textures) {
     const ColorParameter& emission = material.emission;
-    if (emission.texture < 0 || is_black(emission.value))
-      return static_cast<double>(luminance(emission.value));
+    if (emission.texture < 0 || is_black(emission.value)) return static_cast<double>(mean(emission.value));
     const Texture& texture = textures[static_cast<std::size_t>(emission.texture)];
-    return static_cast<double>(luminance(emission.value * texture.image->mean()));
+    return static_cast<double>(mean(emission.value * texture.image->mean()));
   }
 
   void add_light(LightShape shape, std::uint32_t first, std::uint32_t primitive_count) {
     const std::uint32_t material_id = primitives_.material(first);
     const Material& material = materials_[material_id];
     std::uint32_t id = kNoLight;
-    if (mean_luminances_[material_id] > 0) {
+    if (mean_radiances_[material_id] > 0) {
       const AreaLight light(shape, front_of(first),
-                            {material.emission, mean_luminances_[material_id], material.two_sided_emission});
+                            {material.emission, mean_radiances_[material_id], material.two_sided_emission});
       if (light.power() > 0 && std::isfinite(light.power())) {
         id = static_cast<std::uint32_t>(lights_.size());
         lights_.push_back(light);
@@ -79,7 +78,7 @@ class Assembler {
   }
 
   const std::vector<Material>& materials_;
-  std::vector<double> mean_luminances_;  // of each material's emission
+  std::vector<double> mean_radiances_;  // of each material's emission
 };
 
 Light make_light(const LightDescription& description) {
@@ -106,7 +105,7 @@ Environment make_environment(const EnvironmentDescription& d, const std::vector<
 }  // namespace
 
 // Lights without power are left out: they shine on nothing, and chance could not find them.
-void Scene::add_lights(const SceneDescription& description) {
+void Scene::add_lights(const SceneDescription& description, int threads) {
   const double bounds = primitives_.bounding_radius(), radius = bounds > 0 ? bounds : 1;
   const auto has_power = [radius](const Light& light) { return power(light, radius) > 0; };
   for (const LightDescription& each : description.lights)
@@ -118,13 +117,8 @@ void Scene::add_lights(const SceneDescription& description) {
       lights_.push_back(std::move(environment));
     }
   }
-  std::vector<double> powers, delta_powers;
-  for (const Light& light : lights_) {
-    powers.push_back(power(light, radius));
-    delta_powers.push_back(is_delta(light) ? powers.back() : 0);
-  }
-  light_sampler_ = LightSampler(powers);
-  delta_light_sampler_ = LightSampler(delta_powers);
+  light_sampler_ = LightSampler(lights_, LightSampler::Among::kAll, threads);
+  delta_light_sampler_ = LightSampler(lights_, LightSampler::Among::kDelta, threads);
 }
 
 Result<Scene> Scene::build(SceneDescription description, int threads) {
@@ -151,7 +145,7 @@ Result<Scene> Scene::build(SceneDescription description, int threads) {
   scene.primitives_ = std::move(assembler.primitives_);
   scene.lights_ = std::move(assembler.lights_);
   scene.light_of_primitive_ = std::move(assembler.light_of_primitive_);
-  scene.add_lights(description);
+  scene.add_lights(description, threads);
   scene.bvh_ = Bvh::build(scene.primitives_, threads);
   return scene;
 }

@@ -44,7 +44,7 @@ class Scene {
   const Environment& environment() const { return *std::get_if<Environment>(&lights_[environment_light_]); }
 
  private:
-  void add_lights(const SceneDescription& description);
+  void add_lights(const SceneDescription& description, int threads);
 
   RenderSettings settings_;
   Camera camera_;

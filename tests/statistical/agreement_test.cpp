@@ -68,5 +68,30 @@ TEST(Strategies, AgreeUnderLightsOfEveryKind) {
   expect_strategies_agree(maker.description());
 }
 
+// A hundred lamps of a few facets each, some turned away, over a floor with a frosted ball.
+TEST(Strategies, AgreeAmongManyLamps) {
+  test::SceneMaker maker({.position = {0, 3, 7}, .look_at = {0, 0.5f, 0}});
+  const auto floor = maker.material(test::lambert(0.6f));
+  const auto frosted = maker.material(Glass{.roughness = 0.6f});
+  const auto warm = maker.material(test::lambert(0.3f), {9, 6, 3}, false);
+  const auto cold = maker.material(test::lambert(0.3f), {0.2f, 0.3f, 1});
+  maker.add(QuadDescription{{-5, 0, 5}, {10, 0, 0}, {0, 0, -10}, floor});
+  maker.add(SphereDescription{{0, 1, 0}, 1, frosted});
+  for (int i = 0; i < 100; ++i) {
+    const Vec3 p{static_cast<float>(i % 10) - 4.5f, 0.2f + static_cast<float>(i % 7) * 0.3f,
+                 static_cast<float>(i / 10) - 4.5f};
+    const float side = 0.1f + static_cast<float>(i % 3) * 0.05f;
+    maker.add(
+        MeshDescription{.positions = {p, p + Vec3{side, 0, 0}, p + Vec3{0, side, 0}, p + Vec3{0, 0, side}},
+                        .normals = {},
+                        .uvs = {},
+                        .triangles = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}},
+                        .triangle_materials = {i % 4 == 0 ? cold : warm}});
+  }
+  maker.description().lights = {PointLightDescription{{-2, 2, 1}, {2, 2, 1}},
+                                DirectionalLightDescription{{1, -1, -0.5f}, {0.3f, 0.4f, 0.5f}}};
+  expect_strategies_agree(maker.description());
+}
+
 }  // namespace
 }  // namespace tessera::core

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <vector>
 
-#include "core/lights/light_sampler.hpp"
 #include "core/math/frame.hpp"
 #include "core/sampling/sampler.hpp"
 #include "core/sampling/warp.hpp"
@@ -43,7 +42,7 @@ class LightSampling : public testing::TestWithParam<LightCase> {
     if (!hit.found()) return 0;
     const std::uint32_t id = scene_.light_of(hit.primitive);
     const Vec3 p_light = scene_.primitives().surface(ray, hit).position;
-    return static_cast<double>(scene_.light_sampler().pmf(id) *
+    return static_cast<double>(scene_.light_sampler().pmf({GetParam().p_lit}, id) *
                                scene_.area_light(id).pdf(GetParam().p_lit, p_light));
   }
 
@@ -57,7 +56,8 @@ TEST_P(LightSampling, AgreesWithLookingAround) {
   double sampled = 0, looked = 0, pdf_integral = 0;
   for (int i = 0; i < kSamples; ++i) {
     const auto u = Sampler(5, i % 1000, i / 1000, 0).pad(0);
-    const auto choice = scene_.light_sampler().sample(static_cast<double>(u[2]));
+    const auto choice = scene_.light_sampler().sample({p}, static_cast<double>(u[2]));
+    if (choice.light == kNoLight) continue;
     const AreaLight& light = scene_.area_light(choice.light);
     if (const auto s = light.sample(scene_.textures(), p, {u[0], u[1]})) {
       const float again = light.pdf(p, s->point->position);
@@ -84,7 +84,7 @@ TEST_P(LightSampling, SamplesMatchTheDensity) {
   std::vector<double> observed(kRows * kColumns), expected(kRows * kColumns);
   for (int i = 0; i < kSamples; ++i) {
     const auto u = Sampler(9, i % 1000, i / 1000, 0).pad(0);
-    const auto choice = scene_.light_sampler().sample(static_cast<double>(u[2]));
+    const auto choice = scene_.light_sampler().sample({p}, static_cast<double>(u[2]));
     const auto s = sample_light(scene_.lights()[choice.light], {}, p, {u[0], u[1]});
     ASSERT_TRUE(s);
     const Vec3 w = frame.to_local(s->wi);
@@ -219,29 +219,6 @@ TEST(SpotLight, HasASharpEdgeWithoutSoftnessAndFallsOffSmoothlyWithIt) {
     last = share;
   }
   EXPECT_EQ(last, 0);
-}
-
-TEST(LightSampler, ChoosesNineTimesInTenInProportionToPower) {
-  const LightSampler sampler({1, 2, 10});
-  EXPECT_NEAR(sampler.pmf(0), 0.9 * 1 / 13 + 0.1 / 3, 1e-6);
-  EXPECT_NEAR(sampler.pmf(1), 0.9 * 2 / 13 + 0.1 / 3, 1e-6);
-  EXPECT_NEAR(sampler.pmf(2), 0.9 * 10 / 13 + 0.1 / 3, 1e-6);
-  EXPECT_EQ(sampler.sample(0.5).light, 2u);
-  EXPECT_TRUE(LightSampler(std::vector<double>{}).empty());
-}
-
-TEST(LightSampler, LeavesOutLightsWithoutPower) {
-  const LightSampler sampler({0, 3, 0, 1});
-  EXPECT_NEAR(sampler.pmf(1), 0.9 * 3 / 4 + 0.05, 1e-6);
-  EXPECT_EQ(sampler.pmf(0), 0);
-  EXPECT_EQ(sampler.sample(0).light, 1u);
-  EXPECT_TRUE(LightSampler({0, 0}).empty());
-}
-
-TEST(LightSampler, FindsAFaintLightBesideABrightOne) {
-  const LightSampler sampler({1e-6, 1e12});
-  EXPECT_NEAR(sampler.pmf(0), 0.05, 1e-6);
-  EXPECT_EQ(sampler.sample(0.049).light, 0u);
 }
 
 }  // namespace

@@ -87,23 +87,9 @@ TEST(Scene, PutsLightsInOrderAndKnowsWhichNoRayMeets) {
   EXPECT_TRUE(std::holds_alternative<PointLight>(scene.lights()[2]));
   EXPECT_TRUE(std::holds_alternative<DirectionalLight>(scene.lights()[3]));
   EXPECT_EQ(scene.environment_light(), 4u);
-  for (const std::uint32_t light : {0u, 1u, 4u}) EXPECT_EQ(scene.delta_light_sampler().pmf(light), 0);
-  EXPECT_NEAR(scene.delta_light_sampler().pmf(2) + scene.delta_light_sampler().pmf(3), 1, 1e-6);
-}
-
-// By what of them falls on the sphere around the scene.
-TEST(Scene, ChoosesLightsAtInfinityInProportionToTheirPower) {
-  SceneDescription description = with(SphereDescription{{5, 0, 0}, 2, 0});
-  description.lights = {PointLightDescription{{0, 9, 0}, Rgb::gray(3)},
-                        DirectionalLightDescription{{0, -1, 0}, Rgb::gray(2)}};
-  description.environment = {{Rgb::gray(0.5f)}};
-  const Scene scene = Scene::build(description, 1).value();
-  const double disk = 3.14159265 * 2 * 2 * 3;  // of the sphere around the box around the sphere
-  const double point = 4 * 3.14159265 * 3, sun = 2 * disk, sky = 0.5 * 4 * 3.14159265 * disk;
-  const double total = point + sun + sky;
-  EXPECT_NEAR(scene.light_sampler().pmf(0), 0.9 * point / total + 0.1 / 3, 1e-5);
-  EXPECT_NEAR(scene.light_sampler().pmf(1), 0.9 * sun / total + 0.1 / 3, 1e-5);
-  EXPECT_NEAR(scene.light_sampler().pmf(2), 0.9 * sky / total + 0.1 / 3, 1e-5);
+  const LitPoint point{{0, 0.5f, 0}, {}};
+  for (const std::uint32_t light : {0u, 1u, 4u}) EXPECT_EQ(scene.delta_light_sampler().pmf(point, light), 0);
+  EXPECT_NEAR(scene.delta_light_sampler().pmf(point, 2) + scene.delta_light_sampler().pmf(point, 3), 1, 1e-6);
 }
 
 TEST(Scene, WeighsTexturedLampsByTheirMean) {
@@ -116,7 +102,8 @@ TEST(Scene, WeighsTexturedLampsByTheirMean) {
   for (const auto material : {screen, lamp})
     maker.add(QuadDescription{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, material});
   const Scene scene = maker.build();
-  EXPECT_NEAR(scene.light_sampler().pmf(0), scene.light_sampler().pmf(1), 1e-6);
+  const LitPoint point{{0.3f, 0.4f, 1}, {}};
+  EXPECT_NEAR(scene.light_sampler().pmf(point, 0), scene.light_sampler().pmf(point, 1), 1e-6);
 }
 
 // Edges whose squares do not fit a float.

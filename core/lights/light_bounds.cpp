@@ -1,0 +1,81 @@
+#include "core/lights/light_bounds.hpp"
+
+#include <cmath>
+#include <tuple>
+
+namespace tessera::core {
+namespace {
+
+constexpr double kPiDouble = 3.14159265358979323846;
+
+// The unit vector at a right angle to `axis` on the side of `toward`; zero where they are parallel.
+Vec3 perpendicular(Vec3 axis, Vec3 toward) {
+  const Vec3 across = toward - axis * dot(axis, toward);
+  const Vec3 exact = across - axis * dot(axis, across);  // what rounding has left of the axis
+  const float length2 = length_squared(exact);
+  return length2 > 1e-13f ? exact / std::sqrt(length2) : Vec3{};
+}
+
+// Whether `outer`, the wider cone, holds `inner`: whether the angle between their axes is at most the
+// difference of theirs.
+bool contains(const NormalCone& outer, const NormalCone& inner, float cos_between) {
+  return cos_between >= outer.cos_o * inner.cos_o + outer.sin_o * inner.sin_o;
+}
+
+// The narrowest cone around both, or all directions where that exceeds a hemisphere.
+NormalCone unite(const NormalCone& a, const NormalCone& b) {
+  if (a.is_all() || b.is_all()) return NormalCone::all();
+  const float cos_between = dot(a.axis, b.axis);
+  const auto& [wider, narrower] = a.cos_o <= b.cos_o ? std::tie(a, b) : std::tie(b, a);
+  if (contains(wider, narrower, cos_between)) return wider;
+  // The edges that lie farthest apart, in the plane of both axes. Their bisector is the axis sought.
+  const Vec3 edge_a = a.axis * a.cos_o - perpendicular(a.axis, b.axis) * a.sin_o;
+  const Vec3 edge_b = b.axis * b.cos_o - perpendicular(b.axis, a.axis) * b.sin_o;
+  const Vec3 sum = edge_a + edge_b;
+  constexpr float kLeast = 1e-3f;  // of nearly a hemisphere, where rounding would tell the axis
+  if (!(dot(sum, a.axis + b.axis) > kLeast)) return NormalCone::all();
+  const Vec3 axis = normalize(sum);
+  const float cos_o = std::fmin(dot(axis, edge_a), dot(axis, edge_b));
+  return cos_o > 0 ? NormalCone::around(axis, 1 - cos_o) : NormalCone::all();
+}
+
+}  // namespace
+
+NormalCone NormalCone::around(Vec3 axis, float one_minus_cos) {
+  return {axis, 1 - one_minus_cos, std::sqrt(std::fmax(0.0f, one_minus_cos * (2 - one_minus_cos)))};
+}
+
+LightBounds::LightBounds(const Aabb& box, const NormalCone& normals, Falloff falloff, double intensity,
+                         bool two_sided)
+    : box_(box), normals_(normals), falloff_(falloff), two_sided_(two_sided) {
+  power_ = intensity * orientation_measure() * (two_sided ? 2 : 1);
+}
+
+void LightBounds::include(const LightBounds& other) {
+  if (!(power_ > 0)) {
+    *this = other;
+    return;
+  }
+  if (!(other.power_ > 0)) return;
+  box_.include(other.box_);
+  two_sided_ = two_sided_ || other.two_sided_;
+  NormalCone normals = other.normals_;
+  if (two_sided_) normals.axis = face_toward(normals.axis, normals_.axis);
+  normals_ = unite(normals_, normals);
+  if (other.falloff_.cos_e < falloff_.cos_e) falloff_ = other.falloff_;
+  power_ += other.power_;
+}
+
+double LightBounds::intensity() const {
+  const double sides = two_sided_ && !normals_.is_all() ? 2 : 1;
+  return power_ / (sides * orientation_measure());
+}
+
+double LightBounds::orientation_measure() const {
+  if (normals_.is_all()) return 4 * kPiDouble;
+  const auto cos_o = static_cast<double>(normals_.cos_o), sin_o = static_cast<double>(normals_.sin_o);
+  const auto cos_e = static_cast<double>(falloff_.cos_e), spread = static_cast<double>(falloff_.spread);
+  return kPiDouble * (2 * (1 - cos_o) + cos_o * (1 - cos_e * cos_e) + sin_o * spread);
+}
+
+}  // namespace tessera::core

@@ -1,0 +1,240 @@
+// LightTree::build: a binary tree is built by the surface area orientation heuristic, then nodes are merged
+// until they have eight children.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <span>
+#include <utility>
+
+#include "core/lights/light_tree.hpp"
+
+namespace tessera::core {
+namespace {
+
+constexpr std::size_t kBins = 12;
+constexpr int kMaxHeuristicDepth = 64;   // below, sets are halved
+constexpr std::size_t kTaskSize = 4096;  // ranges shorter than this are not worth a task
+
+using Item = LightTree::Item;
+
+// Squared, so that it is an area: of the sphere around the box but for a factor. Not 0 where lights stand in
+// a row, as the area of their box would be.
+double squared_diagonal(const Aabb& box) {
+  double sum = 0;
+  for (int axis = 0; axis < 3; ++axis) sum += box.extent(axis) * box.extent(axis);
+  return sum;
+}
+
+float middle(const Aabb& box, int axis) {
+  return 0.5f * box.lower[axis] + 0.5f * box.upper[axis];
+}
+
+// How badly a set does as one: by power, extent in space and extent in direction (Conty Estevez and Kulla
+// 2018, eq. 1).
+double cost(const LightBounds& bounds) {
+  return bounds.power() > 0 ? bounds.power() * bounds.orientation_measure() * squared_diagonal(bounds.box())
+                            : 0;
+}
+
+// Cuts the extent of the lights' middles along one axis into bins of equal length.
+class Binning {
+ public:
+  Binning(const Aabb& middles, int axis)
+      : axis_(axis),
+        lower_(static_cast<double>(middles.lower[axis])),
+        bins_per_length_(static_cast<double>(kBins) / middles.extent(axis)) {}
+
+  std::size_t bin(const Item& item) const {
+    const double position =
+        (static_cast<double>(middle(item.bounds.box(), axis_)) - lower_) * bins_per_length_;
+    return std::min(static_cast<std::size_t>(position), kBins - 1);
+  }
+
+ private:
+  int axis_;
+  double lower_, bins_per_length_;
+};
+
+struct Split {
+  double cost = std::numeric_limits<double>::infinity();
+  int axis = -1;
+  std::size_t first_right_bin = 0;
+};
+
+Split best_split_along(std::span<const Item> items, const Aabb& middles, int axis) {
+  const Binning binning(middles, axis);
+  std::array<LightBounds, kBins> bins;
+  for (const Item& item : items) bins[binning.bin(item)].include(item.bounds);
+
+  std::array<double, kBins> right_cost{};
+  LightBounds right;
+  for (std::size_t i = kBins - 1; i > 0; --i) {
+    right.include(bins[i]);
+    right_cost[i] = cost(right);
+  }
+  Split best;
+  LightBounds left;
+  for (std::size_t i = 1; i < kBins; ++i) {
+    left.include(bins[i - 1]);
+    const double both = cost(left) + right_cost[i];
+    if (both < best.cost) best = {both, axis, i};
+  }
+  return best;
+}
+
+// Cuts across a short axis make slices; they cost more by how much shorter it is than the longest.
+Split best_split(std::span<const Item> items, const Aabb& middles) {
+  const double longest = std::max({middles.extent(0), middles.extent(1), middles.extent(2)});
+  Split best;
+  for (int axis = 0; axis < 3; ++axis) {
+    if (!(middles.extent(axis) > 0)) continue;
+    Split split = best_split_along(items, middles, axis);
+    split.cost *= longest / middles.extent(axis);
+    if (split.cost < best.cost) best = split;
+  }
+  return best;
+}
+
+// Of the binary tree. A leaf is one light.
+struct BinaryNode {
+  LightBounds bounds;
+  std::uint32_t light = kNoLight;
+  std::uint32_t right = 0;  // the left child follows its parent
+};
+
+class BinaryBuilder {
+ public:
+  explicit BinaryBuilder(std::vector<Item> items) : items_(std::move(items)), nodes_(2 * items_.size() - 1) {}
+
+  std::vector<BinaryNode> build(int threads) {
+#pragma omp parallel num_threads(threads)
+#pragma omp single
+    build_subtree(0, 0, items_.size(), 0);
+    return std::move(nodes_);
+  }
+
+ private:
+  // A subtree of n lights has 2n - 1 nodes, numbered from `node`: where a node goes depends on nothing that
+  // other tasks do.
+  void build_subtree(std::size_t node, std::size_t begin, std::size_t end, int depth) {
+    if (end - begin == 1) {
+      nodes_[node] = {items_[begin].bounds, items_[begin].light};
+      return;
+    }
+    const std::size_t cut = partition(begin, end, depth);
+    const std::size_t left = node + 1, right = node + 2 * (cut - begin);
+#pragma omp task if (end - begin > kTaskSize) default(shared) firstprivate(left, begin, cut, depth)
+    build_subtree(left, begin, cut, depth + 1);
+    build_subtree(right, cut, end, depth + 1);
+#pragma omp taskwait
+    nodes_[node].right = static_cast<std::uint32_t>(right);
+    nodes_[node].bounds = nodes_[left].bounds;
+    nodes_[node].bounds.include(nodes_[right].bounds);
+  }
+
+  // Reorders the range and returns where its right part begins; neither part is empty.
+  std::size_t partition(std::size_t begin, std::size_t end, int depth) {
+    const std::size_t half = begin + (end - begin) / 2;
+    if (depth >= kMaxHeuristicDepth) return half;
+    const auto items = std::span(items_).subspan(begin, end - begin);
+    Aabb middles;
+    for (const Item& item : items) {
+      const Aabb& box = item.bounds.box();
+      middles.include(Vec3{middle(box, 0), middle(box, 1), middle(box, 2)});
+    }
+    const Split split = best_split(items, middles);
+    if (split.axis < 0) return half;  // all are in one place
+    const Binning binning(middles, split.axis);
+    const auto right = std::partition(items.begin(), items.end(), [&](const Item& item) {
+      return binning.bin(item) < split.first_right_bin;
+    });
+    const auto cut = begin + static_cast<std::size_t>(right - items.begin());
+    return cut == begin || cut == end ? half : cut;
+  }
+
+  std::vector<Item> items_;
+  std::vector<BinaryNode> nodes_;
+};
+
+}  // namespace
+
+// Merges the nodes of a binary tree.
+class LightTreeBuilder {
+ public:
+  LightTreeBuilder(const std::vector<BinaryNode>& binary, std::uint32_t most_lights) : binary_(binary) {
+    tree_.power_ = binary[0].bounds.power();
+    tree_.leaves_.assign(most_lights, LightTree::kNoLeaf);
+    add_node(0, 0);
+  }
+
+  LightTree take() { return std::move(tree_); }
+
+ private:
+  // Appends the node that stands for binary node `root`, and all below. The depth of the recursion is that of
+  // the binary tree at most.
+  std::uint32_t add_node(std::uint32_t root, std::uint32_t parent) {
+    const auto index = static_cast<std::uint32_t>(tree_.nodes_.size());
+    tree_.nodes_.emplace_back().parent = parent;
+    std::uint32_t lane = 0;
+    for (const std::uint32_t child : children(root)) {
+      const BinaryNode& node = binary_[child];
+      const auto place = static_cast<std::uint32_t>(index * LightTree::kWidth + lane);
+      set_lane(tree_.nodes_[index], lane, node.bounds);
+      if (node.light == kNoLight) {
+        tree_.nodes_[index].children[lane] = static_cast<std::int32_t>(add_node(child, place));
+      } else {
+        tree_.nodes_[index].children[lane] = ~static_cast<std::int32_t>(node.light);
+        tree_.leaves_[node.light] = place;
+      }
+      ++lane;
+    }
+    return index;
+  }
+
+  // Eight nodes below `root`, or fewer, that hold all its lights: time after time, the one that does worst as
+  // one is replaced by its two. In the order of the binary tree, so that neighbours stay neighbours.
+  std::vector<std::uint32_t> children(std::uint32_t root) const {
+    std::vector<std::uint32_t> chosen{root};
+    while (chosen.size() < LightTree::kWidth) {
+      auto worst = chosen.end();
+      for (auto it = chosen.begin(); it != chosen.end(); ++it)
+        if (binary_[*it].light == kNoLight &&
+            (worst == chosen.end() || cost(binary_[*it].bounds) > cost(binary_[*worst].bounds)))
+          worst = it;
+      if (worst == chosen.end()) break;
+      const std::uint32_t opened = *worst;
+      *worst = opened + 1;
+      chosen.insert(worst + 1, binary_[opened].right);
+    }
+    return chosen;
+  }
+
+  // Sphere and cone are a little too wide, by more than all roundings together.
+  void set_lane(LightTree::Node& node, std::size_t lane, const LightBounds& bounds) const {
+    constexpr float kPadding = 1e-5f;
+    for (int axis = 0; axis < 3; ++axis) {
+      node.center[axis][lane] = middle(bounds.box(), axis);
+      node.axis[axis][lane] = bounds.normals().axis[axis];
+    }
+    node.radius2[lane] = static_cast<float>(squared_diagonal(bounds.box()) / 4) * (1 + kPadding);
+    const float cos_o = bounds.normals().is_all() ? -1 : std::max(0.0f, bounds.normals().cos_o - kPadding);
+    node.cos_o[lane] = cos_o;
+    node.sin_o[lane] = std::sqrt(1 - cos_o * cos_o);
+    node.cos_e[lane] = bounds.cos_e();
+    node.back[lane] = bounds.two_sided() ? -1 : 1;
+    node.intensity[lane] = static_cast<float>(bounds.intensity() / tree_.power_);
+  }
+
+  const std::vector<BinaryNode>& binary_;
+  LightTree tree_;
+};
+
+LightTree LightTree::build(std::vector<Item> items, int threads) {
+  if (items.empty()) return {};
+  std::uint32_t most_lights = 0;
+  for (const Item& item : items) most_lights = std::max(most_lights, item.light + 1);
+  return LightTreeBuilder(BinaryBuilder(std::move(items)).build(threads), most_lights).take();
+}
+
+}  // namespace tessera::core

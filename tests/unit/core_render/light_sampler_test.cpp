@@ -1,0 +1,110 @@
+#include "core/lights/light_sampler.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+
+#include "tests/support/chi_square.hpp"
+#include "tests/support/scattered_lights.hpp"
+
+namespace tessera::core {
+namespace {
+
+using Among = LightSampler::Among;
+
+std::vector<Light> with_sun_and_sky(std::vector<Light> lights) {
+  lights.emplace_back(DirectionalLight(normalize({1, -2, 0.5f}), Rgb::gray(0.2f)));
+  lights.emplace_back(Environment(Rgb::gray(0.05f), nullptr, 0));
+  return lights;
+}
+
+class Frequencies : public testing::TestWithParam<bool> {};
+
+// Pearson's test, with one more cell for choosing none. Each choice also carries its light's pmf.
+TEST_P(Frequencies, AreThePmf) {
+  constexpr int kSamples = 20000;
+  auto lights = test::scattered_lights(120);
+  if (GetParam()) lights = with_sun_and_sky(std::move(lights));
+  const LightSampler sampler(lights, Among::kAll, 1);
+  for (int p = 0; p < 12; ++p) {
+    const LitPoint point = test::lit_point(p);
+    std::vector<double> expected(lights.size() + 1), observed(lights.size() + 1);
+    double sum = 0;
+    for (std::uint32_t i = 0; i < lights.size(); ++i) {
+      const auto pmf = static_cast<double>(sampler.pmf(point, i));
+      EXPECT_GE(pmf, 0.0999 / static_cast<double>(lights.size()));
+      expected[i] = pmf * kSamples;
+      sum += pmf;
+    }
+    ASSERT_LE(sum, 1 + 1e-5);
+    expected.back() = (1 - sum) * kSamples;
+    for (int s = 0; s < kSamples; ++s) {
+      const auto u = test::numbers(s, static_cast<std::uint32_t>(40 + p));
+      const auto choice =
+          sampler.sample(point, static_cast<double>(u[0]) + static_cast<double>(u[1]) * 0x1p-24);
+      observed[choice.light == kNoLight ? lights.size() : choice.light] += 1;
+      if (choice.light == kNoLight) continue;
+      ASSERT_NEAR(choice.pmf, sampler.pmf(point, choice.light), 1e-5f * choice.pmf);
+    }
+    test::expect_chi_square(observed, expected, 20);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(LightSampler, Frequencies, testing::Values(false, true),
+                         [](const auto& test_case) { return test_case.param ? "WithSunAndSky" : "OfLamps"; });
+
+TEST(LightSampler, FindsAFaintLightBesideOneBrighterByAnyFactor) {
+  const LightSampler lamps({PointLight({1, 0, 0}, Rgb::gray(1e-6f)), PointLight({2, 0, 0}, Rgb::gray(1e12f))},
+                           Among::kAll, 1);
+  EXPECT_GE(lamps.pmf({}, 0), 0.0499f);
+  const LightSampler sunlit(
+      {PointLight({1, 0, 0}, Rgb::gray(1e-6f)), DirectionalLight({0, -1, 0}, Rgb::gray(1e12f)),
+       Environment(Rgb::gray(1e-3f), nullptr, 0)},
+      Among::kAll, 1);
+  for (std::uint32_t light = 0; light < 3; ++light) EXPECT_GE(sunlit.pmf({}, light), 0.1f) << light;
+}
+
+// By irradiance, three times in four but for those alike.
+TEST(LightSampler, WeighsLightsAtInfinityByWhatTheySendToTheSurface) {
+  const LightSampler sampler({PointLight({0, 2, 0}, Rgb::gray(4)), DirectionalLight({0, -1, 0}, Rgb::gray(6)),
+                              Environment(Rgb::gray(1 / kPi), nullptr, 0)},
+                             Among::kAll, 1);
+  const auto expected = [](double part) { return 0.1 / 3 + 0.9 * (0.75 * part + 0.25 / 3); };
+  const LitPoint below{{0, 0, 0}, {0, 1, 0}};
+  EXPECT_NEAR(sampler.pmf(below, 0), expected(1.0 / 8), 1e-4);
+  EXPECT_NEAR(sampler.pmf(below, 1), expected(6.0 / 8), 1e-4);
+  EXPECT_NEAR(sampler.pmf(below, 2), expected(1.0 / 8), 1e-4);
+  const LitPoint turned_away{{0, 0, 0}, {0, -1, 0}};
+  EXPECT_NEAR(sampler.pmf(turned_away, 0), 0.1 / 3, 1e-6);
+  EXPECT_NEAR(sampler.pmf(turned_away, 1), 0.1 / 3, 1e-6);
+  EXPECT_NEAR(sampler.pmf(turned_away, 2), 0.1 / 3 + 0.9, 1e-6);
+}
+
+TEST(LightSampler, WeighsEachColorAlike) {
+  const LightSampler sampler({PointLight({0, 1, 0}, {0, 0, 1}), PointLight({0, -1, 0}, {0, 1, 0})},
+                             Among::kAll, 1);
+  EXPECT_NEAR(sampler.pmf({}, 0), 0.5, 1e-6);
+}
+
+TEST(LightSampler, ChoosesAmongLightsThatNoRayMeets) {
+  const auto lights = with_sun_and_sky(test::scattered_lights(50));
+  const LightSampler sampler(lights, Among::kDelta, 1);
+  for (int i = 0; i < 1000; ++i) {
+    const auto choice = sampler.sample(test::lit_point(i), static_cast<double>(test::numbers(i, 41)[0]));
+    EXPECT_TRUE(choice.light == kNoLight || is_delta(lights[choice.light]));
+  }
+  for (std::uint32_t i = 0; i < lights.size(); ++i)
+    EXPECT_EQ(sampler.pmf(test::lit_point(1), i) > 0, is_delta(lights[i])) << i;
+}
+
+TEST(LightSampler, AlwaysChoosesTheOnlyLight) {
+  const LightSampler sampler({PointLight({0, 1, 0}, Rgb::gray(1))}, Among::kAll, 1);
+  EXPECT_EQ(sampler.sample({{0, 0, 0}, {0, -1, 0}}, 0.7).pmf, 1);
+  EXPECT_EQ(sampler.pmf({}, 0), 1);
+  EXPECT_TRUE(LightSampler({}, Among::kAll, 1).empty());
+  EXPECT_TRUE(LightSampler({Environment(Rgb::gray(1), nullptr, 0)}, Among::kDelta, 1).empty());
+}
+
+}  // namespace
+}  // namespace tessera::core
