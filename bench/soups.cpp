@@ -104,7 +104,7 @@ Soup blob_on_plane(int rows) {
   return soup;
 }
 
-Soup blob_field(int side, int rows) {
+Soup blobs(int side, int rows) {
   Soup soup;
   const float half = 1.2f * static_cast<float>(side);
   for (int i = 0; i < side; ++i)
@@ -115,6 +115,12 @@ Soup blob_field(int side, int rows) {
       const float z = 2.4f * (static_cast<float>(j) + 0.5f) - half + 0.3f * u[2];
       add_blob(soup, rows, {x, size, z}, size, 6 * u[3]);
     }
+  return soup;
+}
+
+Soup blob_field(int side, int rows) {
+  Soup soup = blobs(side, rows);
+  const float half = 1.2f * static_cast<float>(side);
   add_ground(soup, 2 * half);
   soup.eye = {0.3f * half, 0.9f * half, 1.7f * half};
   soup.look_at = {0, 0.1f * half, 0};

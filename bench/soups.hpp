@@ -23,7 +23,10 @@ struct Soup {
 // A bumpy sphere of about 4 * rows^2 triangles on a plane of two.
 Soup blob_on_plane(int rows);
 
-// side * side such blobs, turned and of different sizes, on a plane.
+// side * side such blobs, turned and of different sizes, and nothing else.
+Soup blobs(int side, int rows);
+
+// They on a plane.
 Soup blob_field(int side, int rows);
 
 // 182 stones on a board of 19 lines, seen from a player's chair: 133,000 triangles, most of them tiny and

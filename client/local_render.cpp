@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "client/console.hpp"
+#include "client/render_stats.hpp"
 #include "client/work_cutter.hpp"
 #include "core/integrators/render.hpp"
 
@@ -29,7 +30,7 @@ LocalRender render_locally(const core::Scene& scene, const core::RenderSettings&
   ProgressState state;
   state.samples_total = static_cast<std::uint64_t>(settings.width_px) *
                         static_cast<std::uint64_t>(settings.height_px) * settings.spp;
-  const double start = steady_seconds();
+  const double start = steady_seconds(), start_core = core_seconds();
   double now = start;
   WorkCutter cutter(grid, settings.spp);
   std::uint64_t target = 1;
@@ -48,6 +49,7 @@ LocalRender render_locally(const core::Scene& scene, const core::RenderSettings&
     progress.update(state, now);
   }
   result.seconds = now - start;
+  result.core_seconds = core_seconds() - start_core;
   if (result.complete) progress.finish(state, now);
   return result;
 }

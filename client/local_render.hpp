@@ -15,8 +15,9 @@ struct LocalRender {
 
   core::Film film;
   core::RenderCounters counters;
-  double seconds = 0;
-  bool complete = false;  // or stopped before the end
+  double seconds = 0;       // by the clock on the wall
+  double core_seconds = 0;  // of all cores together
+  bool complete = false;    // or stopped before the end
 };
 
 // Blocks until every sample is taken or `should_stop` says so, which is asked a few times a second.

@@ -141,6 +141,7 @@ int render_picture(const RenderOptions& options, LoadedScene& loaded) {
   }
   stats.counters = rendered.counters;
   stats.render_seconds = rendered.seconds;
+  stats.render_core_seconds = rendered.core_seconds;
   warn_about_samples(options.scene.scene_path, stats);
   warn_about_saturation(options.scene.scene_path, rendered.film);
   const core::Image image = rendered.film.develop();

@@ -6,6 +6,15 @@
 
 namespace tessera::client {
 
+double core_seconds() {
+  rusage usage{};
+  ::getrusage(RUSAGE_SELF, &usage);
+  const auto seconds = [](const timeval& time) {
+    return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
+  };
+  return seconds(usage.ru_utime) + seconds(usage.ru_stime);
+}
+
 std::uint64_t peak_memory_bytes() {
   rusage usage{};
   ::getrusage(RUSAGE_SELF, &usage);
@@ -33,6 +42,7 @@ std::string to_json(const RenderStats& stats, std::uint64_t peak_memory_bytes) {
       {"load_seconds", stats.load_seconds},
       {"build_seconds", stats.build_seconds},
       {"render_seconds", stats.render_seconds},
+      {"render_core_seconds", stats.render_core_seconds},
       {"samples_per_second", speed},
       {"peak_memory_bytes", peak_memory_bytes},
   };

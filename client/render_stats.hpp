@@ -13,10 +13,14 @@ struct RenderStats {
   core::RenderSettings settings;
   core::RenderCounters counters;
   int threads = 0;
-  double load_seconds = 0;    // reading the scene file and its assets
-  double build_seconds = 0;   // validation, acceleration structure
-  double render_seconds = 0;  // taking samples
+  double load_seconds = 0;         // reading the scene file and its assets
+  double build_seconds = 0;        // validation, acceleration structure
+  double render_seconds = 0;       // taking samples
+  double render_core_seconds = 0;  // of all cores together, while they did
 };
+
+// Processor time of all threads of this process so far, in seconds.
+double core_seconds();
 
 // The largest resident size of this process so far.
 std::uint64_t peak_memory_bytes();

@@ -20,6 +20,7 @@ TEST(RenderStats, JsonHasEveryField) {
   stats.load_seconds = 0.5;
   stats.build_seconds = 0.25;
   stats.render_seconds = 2;
+  stats.render_core_seconds = 7;
   const nlohmann::json expected = {
       {"width", 640},
       {"height", 480},
@@ -36,6 +37,7 @@ TEST(RenderStats, JsonHasEveryField) {
       {"load_seconds", 0.5},
       {"build_seconds", 0.25},
       {"render_seconds", 2.0},
+      {"render_core_seconds", 7.0},
       {"samples_per_second", 614'400.0},
       {"peak_memory_bytes", 123'456'789},
   };
@@ -43,6 +45,13 @@ TEST(RenderStats, JsonHasEveryField) {
   EXPECT_TRUE(actual.contains("version"));
   actual.erase("version");
   EXPECT_EQ(actual, expected);
+}
+
+TEST(RenderStats, ProcessorTimePassesWithWork) {
+  const double before = core_seconds();
+  while (core_seconds() < before + 0.02) {
+  }
+  EXPECT_LT(core_seconds(), before + 10);
 }
 
 TEST(RenderStats, PeakMemoryIsInBytes) {

@@ -1,0 +1,206 @@
+#!/usr/bin/env python3
+"""Renders five scenes with Cycles and with Tessera, in turns on one core, and prints a table of both as Markdown.
+
+Needs Blender (Debian's 3.4.1: apt install blender) and a release build with -DTESSERA_BENCH=ON whose targets tessera,
+scene_files and tessera_peer_files are built. docs/performance.md says what is compared, and how.
+"""
+
+import argparse
+import json
+import os
+import shutil
+import statistics
+import subprocess
+import sys
+import tempfile
+from dataclasses import dataclass, field
+
+from pictures import mean_picture, noise, read_pfm, region_ratios
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+ROOT = os.path.dirname(os.path.dirname(HERE))
+TESSERA = os.path.join(os.environ.get("TESSERA_BIN", os.path.join(ROOT, "build/release/bin")), "tessera")
+
+
+@dataclass(frozen=True)
+class Scene:
+    name: str
+    file: str
+    width: int
+    height: int
+
+
+SCENES = [
+    Scene("cornell", "scenes/cornell/scene.json", 512, 512),
+    Scene("veach_mis", "scenes/veach_mis/scene.json", 768, 512),
+    Scene("go", "scenes/go/scene.json", 832, 512),
+    Scene("glass_and_water", "scenes/glass_and_water/fresnel.json", 640, 480),
+    Scene("field", "bench/peers/field/scene.json", 960, 540),
+]
+
+
+@dataclass
+class Measured:
+    """What one renderer made of one scene, run by run."""
+
+    core_seconds: list = field(default_factory=list)
+    pictures: list = field(default_factory=list)
+
+
+class Failed(Exception):
+    pass
+
+
+def run_pinned(command, core):
+    """Output of a command that has one core of the machine."""
+    done = subprocess.run(command, capture_output=True, text=True, preexec_fn=lambda: os.sched_setaffinity(0, {core}))
+    if done.returncode != 0:
+        output = (done.stdout + done.stderr).strip().splitlines()
+        raise Failed("\n".join([f"failed: {' '.join(command)}", *output[-12:]]))
+    return done.stdout
+
+
+def render_with_cycles(scene, size, spp, seed, picture, core):
+    script = os.path.join(HERE, "cycles_render.py")
+    output = run_pinned(
+        ["blender", "--background", "--factory-startup", "--threads", "1", "--python-exit-code", "1", "--python", script,
+         "--", os.path.join(ROOT, scene.file), str(size[0]), str(size[1]), str(spp), str(seed), picture], core)
+    line = next(line for line in output.splitlines() if line.startswith("CYCLES "))
+    return json.loads(line.removeprefix("CYCLES "))["core_seconds"]
+
+
+def render_with_tessera(scene, size, spp, seed, picture, core):
+    stats = picture + ".json"
+    run_pinned([TESSERA, "render", os.path.join(ROOT, scene.file), "--size", f"{size[0]}x{size[1]}", "--spp", str(spp),
+                "--seed", str(seed), "--threads", "1", "--quiet", "-o", picture, "--stats", stats], core)
+    with open(stats, encoding="utf-8") as file:
+        return json.load(file)["render_core_seconds"]
+
+
+RENDERERS = {"Cycles": render_with_cycles, "Tessera": render_with_tessera}
+
+
+def measure(scene, size, options, folder):
+    """Each renderer's runs of the scene, in turns."""
+    results = {name: Measured() for name in RENDERERS}
+    for seed in range(1, options.runs + 1):
+        for name, render in RENDERERS.items():
+            picture = os.path.join(folder, f"{scene.name}_{name.lower()}_{seed}.pfm")
+            seconds = render(scene, size, options.spp, seed, picture, options.core)
+            width, height, values = read_pfm(picture)
+            if (width, height) != size:
+                raise Failed(f"{picture} has {width}x{height} pixels instead of {size[0]}x{size[1]}")
+            results[name].core_seconds.append(seconds)
+            results[name].pictures.append(values)
+            print(f"{scene.name}: {name}, run {seed} of {options.runs}: {seconds:.2f} core seconds", file=sys.stderr)
+    return results
+
+
+def summarize(scene, size, spp, results):
+    """The numbers of one scene, by renderer, and the agreement of the two."""
+    means = {name: mean_picture(result.pictures) for name, result in results.items()}
+    expected = mean_picture(list(means.values()))
+    summary = {"scene": scene.name, "width": size[0], "height": size[1], "spp": spp}
+    for name, result in results.items():
+        seconds = statistics.median(result.core_seconds)
+        mse, relative_mse = noise(result.pictures, expected)
+        summary[name] = {"core_seconds": seconds, "samples_per_second": size[0] * size[1] * spp / seconds, "mse": mse,
+                         "relative_mse": relative_mse, "efficiency": 1 / (mse * seconds),
+                         "relative_efficiency": 1 / (relative_mse * seconds)}
+    ratio, regions = region_ratios(means["Cycles"], means["Tessera"], *size)
+    summary["brightness"] = {"mean": ratio, "regions": sorted(regions)}
+    return summary
+
+
+COLUMNS = ("samples_per_second", "relative_mse", "efficiency", "relative_efficiency")
+
+
+def cells(summary):
+    """The table's cells of one scene: of each column Cycles', Tessera's and, but for the noise, their ratio."""
+    row = [f"{summary['scene']}, {summary['width']} × {summary['height']}"]
+    for column in COLUMNS:
+        cycles, tessera = summary["Cycles"][column], summary["Tessera"][column]
+        shown = (lambda value: f"{value / 1e6:.2f} M") if column == "samples_per_second" else (lambda value: f"{value:.3g}")
+        better = cycles / tessera if column == "relative_mse" else tessera / cycles
+        row += [shown(cycles), shown(tessera), f"**{better:.2f}**"]
+    return row
+
+
+def table(summaries, spp):
+    head = ["scene"]
+    for title in ("samples/s of a core", f"relative MSE at {spp} spp", "1/(MSE × core-seconds)",
+                  "1/(relative MSE × core-seconds)"):
+        head += [f"{title}: Cycles", "Tessera", "better by"]
+    lines = [head, ["---"] * len(head)] + [cells(summary) for summary in summaries]
+    text = "\n".join("| " + " | ".join(line) + " |" for line in lines)
+    return text + "\n\n" + agreement(summaries)
+
+
+def agreement(summaries):
+    lines = ["| scene | brightness, Tessera's over Cycles' | of the 64 regions of the picture, all but the outermost 3 on either side |",
+             "|---|---|---|"]
+    for summary in summaries:
+        ratios = summary["brightness"]["regions"]
+        inner = ratios[3:-3] if len(ratios) > 6 else ratios
+        lines.append(f"| {summary['scene']} | {summary['brightness']['mean']:.3f} | {inner[0]:.3f} to {inner[-1]:.3f} |")
+    return "\n".join(lines)
+
+
+def parse_options():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("scenes", metavar="SCENE", nargs="*", help="of " + ", ".join(s.name for s in SCENES) + " [all]")
+    parser.add_argument("--quick", action="store_true", help="pictures of a sixteenth of the pixels, two runs")
+    parser.add_argument("--runs", type=int, help="of each renderer, with different seeds; at least 2 [4]")
+    parser.add_argument("--spp", type=int, default=64, help="samples per pixel; at least 2 [64]")
+    parser.add_argument("--core", type=int, default=max(os.sched_getaffinity(0)), help="to run on [the last]")
+    parser.add_argument("--pictures", metavar="DIR", help="keep the pictures there")
+    parser.add_argument("--output", metavar="FILE", help="write the tables there too")
+    parser.add_argument("--json", metavar="FILE", help="write the numbers there")
+    options = parser.parse_args()
+    options.runs = options.runs or (2 if options.quick else 4)
+    unknown = set(options.scenes) - {scene.name for scene in SCENES}
+    if unknown or options.runs < 2 or options.spp < 2:
+        parser.error(f"there is no scene '{sorted(unknown)[0]}'" if unknown else "--runs and --spp must be at least 2")
+    return options
+
+
+def check_requirements(scenes):
+    if not shutil.which("blender"):
+        raise Failed("there is no blender to compare with; 'apt install blender' installs it on Debian")
+    if not os.access(TESSERA, os.X_OK):
+        raise Failed(f"there is no {TESSERA}; build it (./run.sh does), or say in which folder it is with TESSERA_BIN")
+    blobs = os.path.join(HERE, "field/generated/blobs.obj")
+    if any(scene.name == "field" for scene in scenes) and not os.path.exists(blobs):
+        raise Failed(f"there is no {blobs}; 'cmake --build build/release --target tessera_peer_files' makes it")
+
+
+def compare(options):
+    scenes = [scene for scene in SCENES if not options.scenes or scene.name in options.scenes]
+    check_requirements(scenes)
+    shrink = 4 if options.quick else 1
+    summaries = []
+    with tempfile.TemporaryDirectory() as scratch:
+        folder = options.pictures or scratch
+        os.makedirs(folder, exist_ok=True)
+        for scene in scenes:
+            size = (scene.width // shrink, scene.height // shrink)
+            summaries.append(summarize(scene, size, options.spp, measure(scene, size, options, folder)))
+    text = table(summaries, options.spp)
+    print(text)
+    if options.output:
+        with open(options.output, "w", encoding="utf-8") as file:
+            file.write(text + "\n")
+    if options.json:
+        with open(options.json, "w", encoding="utf-8") as file:
+            json.dump(summaries, file, indent=2)
+
+
+def main():
+    try:
+        compare(parse_options())
+    except Failed as failure:
+        sys.exit(f"compare.py: {failure}")
+
+
+if __name__ == "__main__":
+    main()
