@@ -1,209 +1,95 @@
-// Bvh's queries: nodes are visited nearest first, from a stack, and culled where they cannot hold a better
-// hit.
-#include <algorithm>
+// Bvh's queries.
 #include <array>
-#include <bit>
-#include <cmath>
-#include <limits>
 
-#include "core/accel/binary_bvh.hpp"
 #include "core/accel/bvh.hpp"
-#include "core/accel/packet_hits.hpp"
-#include "core/math/simd.hpp"
-#include "core/geometry/rounding.hpp"
+#include "core/accel/group_traversal.hpp"
+#include "core/accel/ray_traversal.hpp"
 
 namespace tessera::core {
 namespace {
 
-enum class Query { kClosest, kAny };
+// Rays are sorted by octant within runs of this many.
+constexpr std::size_t kRun = 512;
 
-// Distances to slabs are computed with four roundings (Ize 2013), and the distance of a hit, otherwise exact
-// to nearly double precision, is rounded once: with this factor on the far side no box is missed that holds
-// a hit.
-constexpr float kSlack = 1 + 2 * gamma<float>(6);
-
-// A ray prepared for box tests.
-struct SlabRay {
-  explicit SlabRay(const Ray& ray) {
-    for (int axis = 0; axis < 3; ++axis) {
-      const float inverse = 1 / ray.direction[axis];
-      const int near = std::signbit(inverse) ? BvhNode::kUpper : BvhNode::kLower;
-      origin[axis] = Float8::broadcast(ray.origin[axis]);
-      near_inverse[axis] = Float8::broadcast(inverse);
-      far_inverse[axis] = Float8::broadcast(inverse * kSlack);
-      near_side[axis] = 3 * near + axis;
-      far_side[axis] = 3 * (1 - near) + axis;
+// The rays of a run, those of the same octant together and otherwise as they come.
+class OctantOrder {
+ public:
+  OctantOrder(std::span<const Ray> rays, std::size_t begin, std::size_t end) {
+    std::array<std::uint8_t, kRun> octants;
+    unsigned every = 7, some = 0;
+    for (std::size_t i = begin; i < end; ++i) {
+      const unsigned octant = RayGroup::octant(rays[i]);
+      octants[i - begin] = static_cast<std::uint8_t>(octant);
+      every &= octant, some |= octant;
     }
+    if (every == some) {
+      for (std::size_t i = begin; i < end; ++i) order_[i - begin] = static_cast<std::uint32_t>(i);
+      std::fill(first_.begin() + some + 1, first_.end(), end - begin);
+      return;
+    }
+    for (std::size_t i = 0; i < end - begin; ++i) ++first_[octants[i] + 1u];
+    for (std::size_t o = 1; o <= kOctants; ++o) first_[o] += first_[o - 1];
+    auto next = first_;
+    for (std::size_t i = begin; i < end; ++i)
+      order_[next[octants[i - begin]]++] = static_cast<std::uint32_t>(i);
   }
 
-  Float8 origin[3], near_inverse[3], far_inverse[3];
-  std::int64_t near_side[3], far_side[3];  // of BvhNode::bounds
-};
-
-// A child yet to be visited and where the ray enters its box. Packed into one integer that compares as the
-// distance does, which is not negative.
-class StackEntry {
- public:
-  StackEntry() = default;
-  StackEntry(float t_near, BvhChild child)
-      : key_(std::uint64_t{std::bit_cast<std::uint32_t>(t_near)} << 32 |
-             std::bit_cast<std::uint32_t>(child)) {}
-
-  float t_near() const { return std::bit_cast<float>(static_cast<std::uint32_t>(key_ >> 32)); }
-  BvhChild child() const { return std::bit_cast<BvhChild>(static_cast<std::uint32_t>(key_)); }
-  bool operator<(const StackEntry& other) const { return key_ < other.key_; }
-
- private:
-  std::uint64_t key_;  // not initialised, so that a stack of these costs nothing to make
-};
-
-// What is yet to be visited, nearest on top. Each level of the tree leaves all children but one behind.
-class Stack {
- public:
-  // Takes the next entry that begins before `limit`; false if there is none.
-  bool pop(float limit, BvhChild& child) {
-    while (size_ > 0) {
-      const StackEntry top = entries_[--size_];
-      child = top.child();
-      if (top.t_near() <= limit) return true;
-    }
-    return false;
-  }
-
-  void push(StackEntry entry) { entries_[size_++] = entry; }
-
-  // Pushes the lanes of `node` that are in `mask`, the nearest last.
-  void push_sorted(const BvhNode& node, unsigned mask, const float* t_near) {
-    const std::size_t base = size_;
-    for (; mask != 0; mask &= mask - 1) {
-      const auto lane = static_cast<std::size_t>(std::countr_zero(mask));
-      const StackEntry entry(t_near[lane], node.children[lane]);
-      std::size_t slot = size_++;
-      for (; slot > base && entries_[slot - 1] < entry; --slot) entries_[slot] = entries_[slot - 1];
-      entries_[slot] = entry;
-    }
+  static constexpr std::size_t kOctants = 8;
+  std::span<const std::uint32_t> rays(std::size_t octant) const {
+    return std::span(order_).subspan(first_[octant], first_[octant + 1] - first_[octant]);
   }
 
  private:
-  static constexpr std::size_t kSize = 1 + (BvhNode::kWidth - 1) * (kMaxBinaryDepth + 1);
-  std::array<StackEntry, kSize> entries_;
-  std::size_t size_ = 0;
+  std::array<std::uint32_t, kRun> order_;
+  std::array<std::size_t, kOctants + 1> first_{};
 };
 
-// One ray's way through the tree.
-class Traversal {
- public:
-  Traversal(const Primitives& primitives, const Ray& ray)
-      : primitives_(primitives), ray_(ray), slab_ray_(ray), sheared_ray_(ray) {
-    update_limit();
-  }
-
-  template <Query kQuery>
-  Hit run(const BvhNode* nodes, const BvhPacket* packets) {
-    BvhChild next = BvhChild::node(0);
-    do {
-      while (!next.is_packet()) {
-        if (!enter(nodes[next.index()], next)) return hit_;
+// Calls trace(order) for groups of rays of one octant each.
+template <typename Trace>
+void for_each_group(std::span<const Ray> rays, const Trace& trace) {
+  for (std::size_t begin = 0; begin < rays.size(); begin += kRun) {
+    const OctantOrder order(rays, begin, std::min(begin + kRun, rays.size()));
+    for (std::size_t octant = 0; octant < OctantOrder::kOctants; ++octant) {
+      for (auto left = order.rays(octant); !left.empty();) {
+        const auto group = left.first(std::min(RayGroup::kSize, left.size()));
+        trace(group);
+        left = left.subspan(group.size());
       }
-      visit(packets[next.index()]);
-      if (kQuery == Query::kAny && hit_.found()) break;
-    } while (stack_.pop(limit_, next));
-    return hit_;
-  }
-
- private:
-  // No box counts that begins beyond. Finite, so that boxes beside a ray that is parallel to their sides,
-  // which begin at infinity, are.
-  void update_limit() {
-    limit_ = std::min(std::min(hit_.t, ray_.t_max) * kSlack, std::numeric_limits<float>::max());
-  }
-
-  // Leaves in `next` what is to be visited next: the nearest child that the ray meets, or else something from
-  // the stack. False if there is nothing.
-  bool enter(const BvhNode& node, BvhChild& next) {
-    alignas(32) float t_near[BvhNode::kWidth];
-    unsigned mask = 0;
-    for (int lane = 0; lane < BvhNode::kWidth; lane += 8)
-      mask |= meet_boxes(node, lane, t_near + lane) << lane;
-    if (mask == 0) return stack_.pop(limit_, next);
-
-    const auto first = static_cast<std::size_t>(std::countr_zero(mask));
-    next = node.children[first];
-    const unsigned others = mask & (mask - 1);
-    if (others == 0) return true;
-    if ((others & (others - 1)) != 0) {
-      stack_.push_sorted(node, mask, t_near);
-      return stack_.pop(limit_, next);
     }
-    const auto second = static_cast<std::size_t>(std::countr_zero(others));
-    const StackEntry a(t_near[first], next), b(t_near[second], node.children[second]);
-    stack_.push(std::max(a, b));
-    next = std::min(a, b).child();
-    return true;
   }
-
-  // Which of eight boxes, from `lane` on, the ray meets before the limit, and where.
-  unsigned meet_boxes(const BvhNode& node, int lane, float* t_near) const {
-    // 0 * infinity is NaN, where the ray lies in the plane of a box's side: max and min then keep their
-    // second argument, and that side does not count.
-    Float8 near = Float8::broadcast(0), far = Float8::broadcast(limit_);
-    for (int axis = 0; axis < 3; ++axis) {
-      const Float8 origin = slab_ray_.origin[axis];
-      const Float8 near_plane = Float8::load(node.bounds[slab_ray_.near_side[axis]] + lane);
-      const Float8 far_plane = Float8::load(node.bounds[slab_ray_.far_side[axis]] + lane);
-      near = max((near_plane - origin) * slab_ray_.near_inverse[axis], near);
-      far = min((far_plane - origin) * slab_ray_.far_inverse[axis], far);
-    }
-    near.store(t_near);
-    return less_equal(near, far);
-  }
-
-  void visit(const BvhPacket& packet) {
-    const PacketHits hits(sheared_ray_, packet);
-    for (unsigned lanes = hits.lanes(); lanes != 0; lanes &= lanes - 1) {
-      const int lane = std::countr_zero(lanes);
-      const float t = hits.t(lane);
-      if (!hit_.improve(ray_, {t, packet.primitives[lane], hits.b1(lane), hits.b2(lane)})) continue;
-      update_limit();
-    }
-    if (packet.sphere_lanes != 0) visit_spheres(packet);
-  }
-
-  void visit_spheres(const BvhPacket& packet) {
-    for (unsigned lanes = packet.sphere_lanes; lanes != 0; lanes &= lanes - 1) {
-      primitives_.intersect(packet.primitives[std::countr_zero(lanes)], ray_, hit_);
-    }
-    update_limit();
-  }
-
-  const Primitives& primitives_;
-  const Ray& ray_;
-  SlabRay slab_ray_;
-  ShearedRay sheared_ray_;
-  float limit_;
-  Hit hit_;
-  Stack stack_;
-};
+}
 
 }  // namespace
 
 Hit Bvh::closest_hit(const Primitives& primitives, const Ray& ray) const {
   if (nodes_.empty()) return {};
-  return Traversal(primitives, ray).run<Query::kClosest>(nodes_.data(), packets_.data());
+  return RayTraversal(primitives, ray).run<Query::kClosest>(nodes_.data(), packets_.data());
 }
 
 bool Bvh::any_hit(const Primitives& primitives, const Ray& ray) const {
   if (nodes_.empty()) return false;
-  return Traversal(primitives, ray).run<Query::kAny>(nodes_.data(), packets_.data()).found();
+  return RayTraversal(primitives, ray).run<Query::kAny>(nodes_.data(), packets_.data()).found();
 }
 
 void Bvh::closest_hits(const Primitives& primitives, std::span<const Ray> rays, std::span<Hit> hits) const {
-  for (std::size_t i = 0; i < rays.size(); ++i) hits[i] = closest_hit(primitives, rays[i]);
+  if (nodes_.empty()) {
+    std::fill(hits.begin(), hits.end(), Hit{});
+    return;
+  }
+  const GroupScene scene{primitives, nodes_.data(), packets_.data()};
+  for_each_group(rays,
+                 [&](std::span<const std::uint32_t> order) { trace_closest(scene, rays, order, hits); });
 }
 
 void Bvh::any_hits(const Primitives& primitives, std::span<const Ray> rays,
                    std::span<std::uint8_t> occluded) const {
-  for (std::size_t i = 0; i < rays.size(); ++i) occluded[i] = any_hit(primitives, rays[i]) ? 1 : 0;
+  if (nodes_.empty()) {
+    std::fill(occluded.begin(), occluded.end(), std::uint8_t{0});
+    return;
+  }
+  const GroupScene scene{primitives, nodes_.data(), packets_.data()};
+  for_each_group(rays,
+                 [&](std::span<const std::uint32_t> order) { trace_any(scene, rays, order, occluded); });
 }
 
 }  // namespace tessera::core

@@ -8,13 +8,6 @@
 namespace tessera::core {
 namespace {
 
-// Without a branch, since the axes of scattered rays cannot be guessed.
-int longest_axis(Vec3 v) {
-  const Vec3 a = abs(v);
-  const int of_xy = a.x > a.y ? 0 : 1;
-  return std::max(a.y, a.x) > a.z ? of_xy : 2;
-}
-
 double max_abs(double a, double b, double c) {
   return std::max({std::fabs(a), std::fabs(b), std::fabs(c)});
 }
@@ -40,18 +33,6 @@ double t_error_bound(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d
 }
 
 }  // namespace
-
-ShearedRay::ShearedRay(const Ray& ray) {
-  z_axis = longest_axis(ray.direction);
-  x_axis = (z_axis + 1) % 3;
-  y_axis = (z_axis + 2) % 3;
-  origin_x = ray.origin[x_axis];
-  origin_y = ray.origin[y_axis];
-  origin_z = ray.origin[z_axis];
-  direction_z = ray.direction[z_axis];
-  shear_x = static_cast<double>(ray.direction[x_axis]) / direction_z;
-  shear_y = static_cast<double>(ray.direction[y_axis]) / direction_z;
-}
 
 std::optional<TriangleHit> intersect_triangle(const ShearedRay& ray, const TriangleCorners& corners) {
   const Vec3d a = ray.shear(corners[0]), b = ray.shear(corners[1]), c = ray.shear(corners[2]);

@@ -14,9 +14,29 @@
 
 namespace tessera::core {
 
+// Without a branch, since the axes of scattered rays cannot be guessed.
+inline int longest_axis(Vec3 v) {
+  const Vec3 a = abs(v);
+  const int of_xy = a.x > a.y ? 0 : 1;
+  return (a.x > a.y ? a.x : a.y) > a.z ? of_xy : 2;
+}
+
 // A ray prepared for any number of triangle tests. Its z is the axis along which the direction is longest.
 struct ShearedRay {
-  explicit ShearedRay(const Ray& ray);
+  ShearedRay() = default;
+  explicit ShearedRay(const Ray& ray) {
+    z_axis = longest_axis(ray.direction);
+    x_axis = (z_axis + 1) % 3;
+    y_axis = (z_axis + 2) % 3;
+    origin_x = ray.origin[x_axis];
+    origin_y = ray.origin[y_axis];
+    origin_z = ray.origin[z_axis];
+    direction_z = ray.direction[z_axis];
+    shear_x = static_cast<double>(ray.direction[x_axis]) / direction_z;
+    shear_y = static_cast<double>(ray.direction[y_axis]) / direction_z;
+  }
+
+  int axis(int xyz) const { return xyz == 0 ? x_axis : xyz == 1 ? y_axis : z_axis; }
 
   int x_axis, y_axis, z_axis;
   double origin_x, origin_y, origin_z;

@@ -111,6 +111,13 @@ inline Float8 floor(Float8 a) {
 inline Float8 copysign(Float8 magnitude, Float8 sign) {
   return _mm256_or_ps(fabs(magnitude).v, _mm256_and_ps(_mm256_set1_ps(-0.0f), sign.v));
 }
+// a * b - c and c - a * b, rounded once.
+inline Float8 multiply_subtract(Float8 a, Float8 b, Float8 c) {
+  return {_mm256_fmsub_ps(a.v, b.v, c.v)};
+}
+inline Float8 negative_multiply_add(Float8 a, Float8 b, Float8 c) {
+  return {_mm256_fnmadd_ps(a.v, b.v, c.v)};
+}
 // `a` where the mask says yes, else `b`.
 inline Float8 select(Mask8 mask, Float8 a, Float8 b) {
   return {_mm256_blendv_ps(b.v, a.v, mask.v)};
@@ -126,8 +133,13 @@ struct Double4 {
   Double4(__m256d lanes) : v(lanes) {}
   Double4(double every) : v(_mm256_set1_pd(every)) {}
   static Double4 broadcast(double x) { return {_mm256_set1_pd(x)}; }
+  static Double4 of(double a, double b, double c, double d) { return {_mm256_setr_pd(a, b, c, d)}; }
+  static Double4 of(float a, float b, float c, float d) { return {_mm256_cvtps_pd(_mm_setr_ps(a, b, c, d))}; }
   static Double4 load(const float* aligned) { return {_mm256_cvtps_pd(_mm_load_ps(aligned))}; }
+  static Double4 load(const double* aligned) { return {_mm256_load_pd(aligned)}; }
   void store(double* aligned) const { _mm256_store_pd(aligned, v); }
+  // Rounded to float.
+  void store(float* aligned) const { _mm_store_ps(aligned, _mm256_cvtpd_ps(v)); }
 };
 
 inline Double4 operator-(Double4 a, Double4 b) {

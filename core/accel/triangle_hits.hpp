@@ -1,52 +1,85 @@
-// A ray against a packet's triangles, all at once: intersect_triangle of core/geometry/triangle.hpp, lane by
-// lane the same operations, and so to the bit the same hits.
+// Four pairs of a ray and a triangle at once: intersect_triangle of core/geometry/triangle.hpp, lane by lane
+// the same operations, and so to the bit the same hits.
 #pragma once
 
-#include "core/accel/bvh_layout.hpp"
+#include <array>
+
 #include "core/geometry/rounding.hpp"
 #include "core/geometry/triangle.hpp"
 #include "core/math/simd.hpp"
 
 namespace tessera::core {
 
-// The corners of a packet's triangles as ShearedRay::shear moves them.
-struct ShearedPacket {
-  ShearedPacket(const ShearedRay& ray, const BvhPacket& packet) {
-    const Double4 origin_x = Double4::broadcast(ray.origin_x), shear_x = Double4::broadcast(ray.shear_x);
-    const Double4 origin_y = Double4::broadcast(ray.origin_y), shear_y = Double4::broadcast(ray.shear_y);
-    const Double4 origin_z = Double4::broadcast(ray.origin_z);
-    for (int i = 0; i < 3; ++i) {
-      z[i] = Double4::load(packet.corners[i][ray.z_axis]) - origin_z;
-      x[i] = Double4::load(packet.corners[i][ray.x_axis]) - origin_x - shear_x * z[i];
-      y[i] = Double4::load(packet.corners[i][ray.y_axis]) - origin_y - shear_y * z[i];
-    }
-  }
+// One ray in all lanes, or a ray each.
+struct ShearedRays {
+  explicit ShearedRays(const ShearedRay& ray)
+      : origin_x(ray.origin_x),
+        origin_y(ray.origin_y),
+        origin_z(ray.origin_z),
+        shear_x(ray.shear_x),
+        shear_y(ray.shear_y),
+        direction_z(ray.direction_z) {}
+  explicit ShearedRays(const std::array<const ShearedRay*, 4>& rays)
+      : origin_x(each(rays, &ShearedRay::origin_x)),
+        origin_y(each(rays, &ShearedRay::origin_y)),
+        origin_z(each(rays, &ShearedRay::origin_z)),
+        shear_x(each(rays, &ShearedRay::shear_x)),
+        shear_y(each(rays, &ShearedRay::shear_y)),
+        direction_z(each(rays, &ShearedRay::direction_z)) {}
 
-  Double4 x[3], y[3], z[3];  // of each corner
+  Double4 origin_x, origin_y, origin_z, shear_x, shear_y, direction_z;
+
+ private:
+  static Double4 each(const std::array<const ShearedRay*, 4>& rays, double ShearedRay::*member) {
+    return Double4::of(rays[0]->*member, rays[1]->*member, rays[2]->*member, rays[3]->*member);
+  }
 };
 
-// The hits of one ray with one packet.
-class PacketHits {
+class TriangleHits {
  public:
-  PacketHits(const ShearedRay& ray, const BvhPacket& packet) {
-    const ShearedPacket corners(ray, packet);
+  // corner(i, axis) answers with the coordinate of the i-th corners along the ray's x, y or z: 0, 1 or 2.
+  template <typename Corner>
+  TriangleHits(const ShearedRays& rays, const Corner& corner) {
+    const ShearedCorners corners(rays, corner);
     const Edges e(corners);
     const Double4 zero = Double4::broadcast(0);
     const unsigned any_negative = less(min(min(e.e0, e.e1), e.e2), zero);
     const unsigned any_positive = less(zero, max(max(e.e0, e.e1), e.e2));
-    lanes_ = packet.triangle_lanes & ~(any_negative & any_positive);
-    if (lanes_ != 0) find_distances(corners, e, Double4::broadcast(ray.direction_z));
+    lanes_ = 0xfu & ~(any_negative & any_positive);
+    if (lanes_ != 0) find_distances(corners, e, rays.direction_z);
   }
 
+  // Those that hit.
   unsigned lanes() const { return lanes_; }
   float t(int lane) const { return static_cast<float>(t_[lane]); }
   float b1(int lane) const { return static_cast<float>(e1_[lane] / det_[lane]); }
   float b2(int lane) const { return static_cast<float>(e2_[lane] / det_[lane]); }
+  // Of all four, where any of them hits; aligned to 16 bytes.
+  void store(float* t, float* b1, float* b2) const {
+    const Double4 det = Double4::load(det_);
+    Double4::load(t_).store(t);
+    (Double4::load(e1_) / det).store(b1);
+    (Double4::load(e2_) / det).store(b2);
+  }
 
  private:
+  // The corners as ShearedRay::shear moves them.
+  struct ShearedCorners {
+    template <typename Corner>
+    ShearedCorners(const ShearedRays& rays, const Corner& corner) {
+      for (int i = 0; i < 3; ++i) {
+        z[i] = corner(i, 2) - rays.origin_z;
+        x[i] = corner(i, 0) - rays.origin_x - rays.shear_x * z[i];
+        y[i] = corner(i, 1) - rays.origin_y - rays.shear_y * z[i];
+      }
+    }
+
+    Double4 x[3], y[3], z[3];  // of each corner
+  };
+
   // The edge functions: the areas that the ray's foot spans with each side.
   struct Edges {
-    explicit Edges(const ShearedPacket& c)
+    explicit Edges(const ShearedCorners& c)
         : e0(difference_of_products(c.x[1], c.y[2], c.y[1], c.x[2])),
           e1(difference_of_products(c.x[2], c.y[0], c.y[2], c.x[0])),
           e2(difference_of_products(c.x[0], c.y[1], c.y[0], c.x[1])) {}
@@ -61,7 +94,7 @@ class PacketHits {
   }
 
   // Leaves only the lanes whose t is provably positive.
-  void find_distances(const ShearedPacket& corners, const Edges& e, Double4 direction_z) {
+  void find_distances(const ShearedCorners& corners, const Edges& e, Double4 direction_z) {
     const auto& z = corners.z;
     const Double4 zero = Double4::broadcast(0);
     const Double4 det = e.e0 + e.e1 + e.e2;
@@ -81,7 +114,7 @@ class PacketHits {
   static Double4 max_abs(Double4 a, Double4 b, Double4 c) { return max(max(abs(a), abs(b)), abs(c)); }
 
   // As the function of this name in core/geometry/triangle.cpp.
-  static Double4 t_error_bound(const ShearedPacket& c, const Edges& e) {
+  static Double4 t_error_bound(const ShearedCorners& c, const Edges& e) {
     const Double4 max_x = max_abs(c.x[0], c.x[1], c.x[2]), max_y = max_abs(c.y[0], c.y[1], c.y[2]);
     const Double4 max_z = max_abs(c.z[0], c.z[1], c.z[2]), max_e = max_abs(e.e0, e.e1, e.e2);
     const auto times_gamma = [](int n, Double4 a) { return Double4::broadcast(gamma<double>(n)) * a; };
@@ -94,10 +127,10 @@ class PacketHits {
   }
 
   unsigned lanes_;
-  alignas(32) double t_[BvhPacket::kWidth];
-  alignas(32) double e1_[BvhPacket::kWidth];
-  alignas(32) double e2_[BvhPacket::kWidth];
-  alignas(32) double det_[BvhPacket::kWidth];
+  alignas(32) double t_[4];
+  alignas(32) double e1_[4];
+  alignas(32) double e2_[4];
+  alignas(32) double det_[4];
 };
 
 }  // namespace tessera::core

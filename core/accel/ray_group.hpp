@@ -1,0 +1,86 @@
+// Up to 64 rays that go into the same octant, by coordinate, so that eight are tested against a box or a
+// triangle at once; and what is known of all of them together.
+#pragma once
+
+#include <bit>
+#include <cstdint>
+#include <limits>
+#include <span>
+
+#include "core/accel/box_test.hpp"
+#include "core/accel/bvh_layout.hpp"
+#include "core/accel/triangle_filter.hpp"
+#include "core/geometry/ray.hpp"
+
+namespace tessera::core {
+
+// A set of a group's rays: bit i for ray i.
+using RaySet = std::uint64_t;
+
+class RayGroup {
+ public:
+  static constexpr std::size_t kSize = 64, kLanes = 8, kVectors = kSize / kLanes;
+
+  // The octant that a direction points into: bit i is the sign of coordinate i.
+  static unsigned octant(const Ray& ray) {
+    const auto sign = [](float x) { return std::bit_cast<std::uint32_t>(x) >> 31; };
+    return sign(ray.direction.x) | sign(ray.direction.y) << 1 | sign(ray.direction.z) << 2;
+  }
+
+  // rays[order[i]] becomes ray i. All are of one octant, and there are at most kSize.
+  RayGroup(std::span<const Ray> rays, std::span<const std::uint32_t> order);
+
+  RaySet all() const { return all_; }
+  static unsigned lanes(RaySet set, std::size_t vector) {
+    return static_cast<unsigned>(set >> (kLanes * vector)) & 0xffu;
+  }
+
+  // Boxes that begin beyond a ray's limit do not concern it.
+  float limit(std::size_t ray) const { return limit_[ray]; }
+  void set_limit(std::size_t ray, float limit) { limit_[ray] = limit; }
+  // The rays of a vector hit something at t, or anything may be hit before t.
+  void set_limits(std::size_t vector, Float8 t) {
+    min(t * Float8(kBoxSlack), Float8(std::numeric_limits<float>::max())).store(limit_ + kLanes * vector);
+  }
+  // Those of `set` whose limit is not below t.
+  RaySet reaching(RaySet set, float t) const;
+
+  // Which of a node's boxes some ray of the group may meet: all that any ray meets, and perhaps others.
+  // Writes a lower bound of the distances to each box.
+  unsigned boxes_met(const BvhNode& node, float* t_near) const;
+  // Which rays of `set` meet the box in a lane of a node.
+  RaySet rays_meeting(const BvhNode& node, int lane, RaySet set) const;
+  // Which of a node's boxes one ray meets.
+  unsigned boxes_met_by(std::size_t ray, const BvhNode& node) const;
+
+  // The rays of one vector as the filter of triangles takes them, with axes x, y and z.
+  FilterRays filter_rays(std::size_t vector) const {
+    const auto at = [&](const float* values) { return Float8::load(values + kLanes * vector); };
+    return {at(origin_[filter_axes_[0]]),
+            at(origin_[filter_axes_[1]]),
+            at(origin_[filter_axes_[2]]),
+            at(shear_[0]),
+            at(shear_[1]),
+            at(inverse_[filter_axes_[2]])};
+  }
+  const int* filter_axes() const { return filter_axes_; }
+  // Whether the filter can tell something about every ray.
+  bool can_filter() const { return can_filter_; }
+
+ private:
+  RaySet all_;
+  int near_side_[3], far_side_[3];  // of BvhNode::bounds
+  // Bounds over all rays, those of origins ordered as a ray meets them: boxes' near sides are taken relative
+  // to the first, far sides to the second.
+  float origin_bounds_[3][2], inverse_bounds_[3][2], far_inverse_bounds_[3][2];
+  bool has_bounds_;
+  bool can_filter_;
+  int filter_axes_[3];
+  alignas(32) float origin_[3][kSize];
+  alignas(32) float inverse_[3][kSize];
+  alignas(32) float far_inverse_[3][kSize];
+  alignas(32) float limit_[kSize];
+  alignas(32) float shear_[2][kSize];
+};
+
+}  // namespace tessera::core

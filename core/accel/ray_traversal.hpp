@@ -1,0 +1,188 @@
+// One ray's way through the tree: nodes are visited nearest first, from a stack, and culled where they cannot
+// hold a better hit.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <limits>
+
+#include "core/accel/binary_bvh.hpp"
+#include "core/accel/box_test.hpp"
+#include "core/accel/bvh_layout.hpp"
+#include "core/accel/triangle_hits.hpp"
+#include "core/geometry/primitives.hpp"
+#include "core/math/simd.hpp"
+
+namespace tessera::core {
+
+enum class Query { kClosest, kAny };
+
+// A ray prepared for box tests.
+struct SlabRay {
+  explicit SlabRay(const Ray& ray) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const float inverse = 1 / ray.direction[axis];
+      const int near = std::signbit(inverse) ? BvhNode::kUpper : BvhNode::kLower;
+      origin[axis] = Float8::broadcast(ray.origin[axis]);
+      near_inverse[axis] = Float8::broadcast(inverse);
+      far_inverse[axis] = Float8::broadcast(inverse * kBoxSlack);
+      near_side[axis] = 3 * near + axis;
+      far_side[axis] = 3 * (1 - near) + axis;
+    }
+  }
+
+  Float8 origin[3], near_inverse[3], far_inverse[3];
+  std::int64_t near_side[3], far_side[3];  // of BvhNode::bounds
+};
+
+// A child yet to be visited and where the ray enters its box. Packed into one integer that compares as the
+// distance does, which is not negative.
+class StackEntry {
+ public:
+  StackEntry() = default;
+  StackEntry(float t_near, BvhChild child)
+      : key_(std::uint64_t{std::bit_cast<std::uint32_t>(t_near)} << 32 |
+             std::bit_cast<std::uint32_t>(child)) {}
+
+  float t_near() const { return std::bit_cast<float>(static_cast<std::uint32_t>(key_ >> 32)); }
+  BvhChild child() const { return std::bit_cast<BvhChild>(static_cast<std::uint32_t>(key_)); }
+  bool operator<(const StackEntry& other) const { return key_ < other.key_; }
+
+ private:
+  std::uint64_t key_;  // not initialised, so that a stack of these costs nothing to make
+};
+
+// What is yet to be visited, nearest on top. Each level of the tree leaves all children but one behind.
+class Stack {
+ public:
+  // Takes the next entry that begins before `limit`; false if there is none.
+  bool pop(float limit, BvhChild& child) {
+    while (size_ > 0) {
+      const StackEntry top = entries_[--size_];
+      child = top.child();
+      if (top.t_near() <= limit) return true;
+    }
+    return false;
+  }
+
+  void push(StackEntry entry) { entries_[size_++] = entry; }
+
+  // Pushes the lanes of `node` that are in `mask`, the nearest last.
+  void push_sorted(const BvhNode& node, unsigned mask, const float* t_near) {
+    const std::size_t base = size_;
+    for (; mask != 0; mask &= mask - 1) {
+      const auto lane = static_cast<std::size_t>(std::countr_zero(mask));
+      const StackEntry entry(t_near[lane], node.children[lane]);
+      std::size_t slot = size_++;
+      for (; slot > base && entries_[slot - 1] < entry; --slot) entries_[slot] = entries_[slot - 1];
+      entries_[slot] = entry;
+    }
+  }
+
+ private:
+  static constexpr std::size_t kSize = 1 + (BvhNode::kWidth - 1) * (kMaxBinaryDepth + 1);
+  std::array<StackEntry, kSize> entries_;
+  std::size_t size_ = 0;
+};
+
+inline TriangleHits hits_of_packet(const ShearedRay& ray, const BvhPacket& packet) {
+  const int axes[3] = {ray.x_axis, ray.y_axis, ray.z_axis};
+  return TriangleHits(ShearedRays(ray), [&](int corner, int axis) {
+    return Double4::load(packet.corners[corner][axes[axis]]);
+  });
+}
+
+class RayTraversal {
+ public:
+  // `hit` is the best that is known.
+  RayTraversal(const Primitives& primitives, const Ray& ray, const Hit& hit = {})
+      : primitives_(primitives), ray_(ray), slab_ray_(ray), sheared_ray_(ray), hit_(hit) {
+    update_limit();
+  }
+
+  // Of what is known and what is in or below `next`, the nearest, or, for kAny, any hit.
+  template <Query kQuery>
+  Hit run(const BvhNode* nodes, const BvhPacket* packets, BvhChild next = BvhChild::node(0)) {
+    do {
+      while (!next.is_packet()) {
+        if (!enter(nodes[next.index()], next)) return hit_;
+      }
+      visit(packets[next.index()]);
+      if (kQuery == Query::kAny && hit_.found()) break;
+    } while (stack_.pop(limit_, next));
+    return hit_;
+  }
+
+ private:
+  void update_limit() { limit_ = box_limit(std::min(hit_.t, ray_.t_max)); }
+
+  // Leaves in `next` what is to be visited next: the nearest child that the ray meets, or else something from
+  // the stack. False if there is nothing.
+  bool enter(const BvhNode& node, BvhChild& next) {
+    alignas(32) float t_near[BvhNode::kWidth];
+    unsigned mask = 0;
+    for (int lane = 0; lane < BvhNode::kWidth; lane += 8)
+      mask |= meet_boxes(node, lane, t_near + lane) << lane;
+    if (mask == 0) return stack_.pop(limit_, next);
+
+    const auto first = static_cast<std::size_t>(std::countr_zero(mask));
+    next = node.children[first];
+    const unsigned others = mask & (mask - 1);
+    if (others == 0) return true;
+    if ((others & (others - 1)) != 0) {
+      stack_.push_sorted(node, mask, t_near);
+      return stack_.pop(limit_, next);
+    }
+    const auto second = static_cast<std::size_t>(std::countr_zero(others));
+    const StackEntry a(t_near[first], next), b(t_near[second], node.children[second]);
+    stack_.push(std::max(a, b));
+    next = std::min(a, b).child();
+    return true;
+  }
+
+  // Which of eight boxes, from `lane` on, the ray meets before the limit, and where.
+  unsigned meet_boxes(const BvhNode& node, int lane, float* t_near) const {
+    // 0 * infinity is NaN, where the ray lies in the plane of a box's side: max and min then keep their
+    // second argument, and that side does not count.
+    Float8 near = Float8::broadcast(0), far = Float8::broadcast(limit_);
+    for (int axis = 0; axis < 3; ++axis) {
+      const Float8 origin = slab_ray_.origin[axis];
+      const Float8 near_plane = Float8::load(node.bounds[slab_ray_.near_side[axis]] + lane);
+      const Float8 far_plane = Float8::load(node.bounds[slab_ray_.far_side[axis]] + lane);
+      near = max((near_plane - origin) * slab_ray_.near_inverse[axis], near);
+      far = min((far_plane - origin) * slab_ray_.far_inverse[axis], far);
+    }
+    near.store(t_near);
+    return less_equal(near, far);
+  }
+
+  void visit(const BvhPacket& packet) {
+    const TriangleHits hits = hits_of_packet(sheared_ray_, packet);
+    for (unsigned lanes = hits.lanes() & packet.triangle_lanes; lanes != 0; lanes &= lanes - 1) {
+      const int lane = std::countr_zero(lanes);
+      const float t = hits.t(lane);
+      if (!hit_.improve(ray_, {t, packet.primitives[lane], hits.b1(lane), hits.b2(lane)})) continue;
+      update_limit();
+    }
+    if (packet.sphere_lanes != 0) visit_spheres(packet);
+  }
+
+  void visit_spheres(const BvhPacket& packet) {
+    for (unsigned lanes = packet.sphere_lanes; lanes != 0; lanes &= lanes - 1) {
+      primitives_.intersect(packet.primitives[std::countr_zero(lanes)], ray_, hit_);
+    }
+    update_limit();
+  }
+
+  const Primitives& primitives_;
+  const Ray& ray_;
+  SlabRay slab_ray_;
+  ShearedRay sheared_ray_;
+  float limit_;
+  Hit hit_;
+  Stack stack_;
+};
+
+}  // namespace tessera::core

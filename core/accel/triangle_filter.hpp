@@ -1,0 +1,75 @@
+// Eight pairs of a ray and a triangle at once, in float: which surely miss, which surely hit and about where,
+// and which are too close for float to tell. The watertight test in double (core/geometry/triangle.hpp)
+// decides those, and computes the hits that matter, so that this filter changes no hit. It follows the same
+// steps.
+//
+// The error bounds: let u be the unit roundoff of float. Coordinates relative to the origin have relative
+// error u, shears (of magnitude 2 at most) 2u, so that a sheared coordinate is wrong by
+// u (|X| + 3 |S Z| + |x|) <= u (2L + 8Z), where L is the largest sheared |x| or |y| of the triangle and Z the
+// largest |z|. An edge function is then wrong by 4 L u (2L + 8Z) + 3 u L^2 = u L (11 L + 32 Z) at most, to
+// first order; 40 u L (L + Z) and a tiny number, for what underflows, is safely more.
+#pragma once
+
+#include "core/geometry/rounding.hpp"
+#include "core/math/simd.hpp"
+
+namespace tessera::core {
+
+// Rays as the filter takes them, a lane each or one in all lanes; x, y and z are axes of which the
+// directions' z is at least half the longest. A ray whose shear is NaN is never told anything for sure.
+struct FilterRays {
+  Float8 origin_x, origin_y, origin_z;
+  Float8 shear_x, shear_y;  // the direction's x and y for each unit of z
+  Float8 inverse_z;         // of the direction
+};
+
+class TriangleFilter {
+ public:
+  // corner(i, axis) answers with the coordinate of the i-th corners along x, y or z: 0, 1 or 2.
+  template <typename Corner>
+  TriangleFilter(const FilterRays& rays, const Corner& corner) {
+    for (int i = 0; i < 3; ++i) {
+      z_[i] = corner(i, 2) - rays.origin_z;
+      x_[i] = negative_multiply_add(rays.shear_x, z_[i], corner(i, 0) - rays.origin_x);
+      y_[i] = negative_multiply_add(rays.shear_y, z_[i], corner(i, 1) - rays.origin_y);
+    }
+    for (int i = 0; i < 3; ++i) {
+      const int j = (i + 1) % 3, k = (i + 2) % 3;
+      e_[i] = multiply_subtract(x_[j], y_[k], y_[j] * x_[k]);
+    }
+    const Float8 extent = max(max_abs(x_), max_abs(y_));
+    max_z_ = max_abs(z_);
+    e_error_ = extent * (extent + max_z_) * Float8(kEdgeError) + Float8(0x1p-120f);
+    least_ = min(min(e_[0], e_[1]), e_[2]);
+    greatest_ = max(max(e_[0], e_[1]), e_[2]);
+  }
+
+  // Where edge functions are surely of both signs.
+  Mask8 surely_outside() const { return (least_ < -e_error_) & (e_error_ < greatest_); }
+  // Where they are surely of the same sign.
+  Mask8 surely_inside() const { return (e_error_ < least_) | (greatest_ < -e_error_); }
+
+  // Bounds on t, which mean something where the ray is surely inside.
+  struct Interval {
+    Float8 low, high;
+  };
+  Interval t(const FilterRays& rays) const {
+    const Float8 inverse_det = Float8(1) / (e_[0] + e_[1] + e_[2]);
+    const Float8 z = e_[0] * inverse_det * z_[0] + e_[1] * inverse_det * z_[1] + e_[2] * inverse_det * z_[2];
+    const Float8 t = z * rays.inverse_z;
+    const Float8 relative_error = Float8(8) * e_error_ * fabs(inverse_det) + Float8(32 * gamma<float>(1));
+    const Float8 error = (max_z_ + Float8(0x1p-100f)) * relative_error * fabs(rays.inverse_z);
+    return {t - error, t + error};
+  }
+
+ private:
+  static constexpr float kEdgeError = 40 * gamma<float>(1);
+
+  static Float8 max_abs(const Float8 (&a)[3]) { return max(max(fabs(a[0]), fabs(a[1])), fabs(a[2])); }
+
+  Float8 x_[3], y_[3], z_[3];  // the corners, sheared as ShearedRay::shear does
+  Float8 e_[3];                // the edge functions
+  Float8 e_error_, max_z_, least_, greatest_;
+};
+
+}  // namespace tessera::core
