@@ -13,7 +13,7 @@ constexpr std::size_t kSize = RayGroup::kSize, kLanes = RayGroup::kLanes;
 
 // What the tests cost, in cycles, as far as choosing between them goes.
 constexpr int kBoxVsVector = 9, kRayVsBoxes = 20, kTriangleVsVector = 24, kRayVsPacket = 40;
-constexpr int kFewRays = 2;
+constexpr int kFewRays = 4;
 
 class GroupTraversal {
  public:
