@@ -63,12 +63,15 @@ void for_each_group(std::span<const Ray> rays, const Trace& trace) {
 
 Hit Bvh::closest_hit(const Primitives& primitives, const Ray& ray) const {
   if (nodes_.empty()) return {};
-  return RayTraversal(primitives, ray).run<Query::kClosest>(nodes_.data(), packets_.data());
+  return RayTraversal(primitives, ray, SlabRay(ray), ShearedRay(ray))
+      .run<Query::kClosest>(nodes_.data(), packets_.data());
 }
 
 bool Bvh::any_hit(const Primitives& primitives, const Ray& ray) const {
   if (nodes_.empty()) return false;
-  return RayTraversal(primitives, ray).run<Query::kAny>(nodes_.data(), packets_.data()).found();
+  return RayTraversal(primitives, ray, SlabRay(ray), ShearedRay(ray))
+      .run<Query::kAny>(nodes_.data(), packets_.data())
+      .found();
 }
 
 void Bvh::closest_hits(const Primitives& primitives, std::span<const Ray> rays, std::span<Hit> hits) const {

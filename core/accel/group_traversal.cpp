@@ -13,7 +13,7 @@ constexpr std::size_t kSize = RayGroup::kSize, kLanes = RayGroup::kLanes;
 
 // What the tests cost, in cycles, as far as choosing between them goes.
 constexpr int kBoxVsVector = 9, kRayVsBoxes = 20, kTriangleVsVector = 24, kRayVsPacket = 40;
-constexpr int kFewRays = 4;
+constexpr int kFewRays = 3;
 
 class GroupTraversal {
  public:
@@ -127,7 +127,7 @@ class GroupTraversal {
   void go_alone(std::size_t i, BvhChild child) {
     enqueue_pending(i);
     settle<kQuery>();
-    hits_[i] = RayTraversal(scene_.primitives, ray(i), hits_[i])
+    hits_[i] = RayTraversal(scene_.primitives, ray(i), group_.slab_ray(i), sheared_[i], hits_[i])
                    .template run<kQuery>(scene_.nodes, scene_.packets, child);
     update<kQuery>(i);
   }

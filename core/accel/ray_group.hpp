@@ -9,6 +9,7 @@
 
 #include "core/accel/box_test.hpp"
 #include "core/accel/bvh_layout.hpp"
+#include "core/accel/ray_traversal.hpp"
 #include "core/accel/triangle_filter.hpp"
 #include "core/geometry/ray.hpp"
 
@@ -33,6 +34,12 @@ class RayGroup {
   RaySet all() const { return all_; }
   static unsigned lanes(RaySet set, std::size_t vector) {
     return static_cast<unsigned>(set >> (kLanes * vector)) & 0xffu;
+  }
+
+  // One of the rays, prepared to go on alone.
+  SlabRay slab_ray(std::size_t i) const {
+    const auto at = [i](const auto& values) { return Vec3{values[0][i], values[1][i], values[2][i]}; };
+    return SlabRay(at(origin_), at(inverse_), at(far_inverse_), near_side_, far_side_);
   }
 
   // Boxes that begin beyond a ray's limit do not concern it.

@@ -33,6 +33,17 @@ struct SlabRay {
     }
   }
 
+  // The same from parts that have been computed: inverses of the direction, without and with slack.
+  SlabRay(Vec3 o, Vec3 inverse, Vec3 far, const int (&near_sides)[3], const int (&far_sides)[3]) {
+    for (int axis = 0; axis < 3; ++axis) {
+      origin[axis] = Float8(o[axis]);
+      near_inverse[axis] = Float8(inverse[axis]);
+      far_inverse[axis] = Float8(far[axis]);
+      near_side[axis] = near_sides[axis];
+      far_side[axis] = far_sides[axis];
+    }
+  }
+
   Float8 origin[3], near_inverse[3], far_inverse[3];
   std::int64_t near_side[3], far_side[3];  // of BvhNode::bounds
 };
@@ -97,8 +108,9 @@ inline TriangleHits hits_of_packet(const ShearedRay& ray, const BvhPacket& packe
 class RayTraversal {
  public:
   // `hit` is the best that is known.
-  RayTraversal(const Primitives& primitives, const Ray& ray, const Hit& hit = {})
-      : primitives_(primitives), ray_(ray), slab_ray_(ray), sheared_ray_(ray), hit_(hit) {
+  RayTraversal(const Primitives& primitives, const Ray& ray, const SlabRay& slab_ray,
+               const ShearedRay& sheared_ray, const Hit& hit = {})
+      : primitives_(primitives), ray_(ray), slab_ray_(slab_ray), sheared_ray_(sheared_ray), hit_(hit) {
     update_limit();
   }
 
@@ -178,8 +190,8 @@ class RayTraversal {
 
   const Primitives& primitives_;
   const Ray& ray_;
-  SlabRay slab_ray_;
-  ShearedRay sheared_ray_;
+  const SlabRay& slab_ray_;
+  const ShearedRay& sheared_ray_;
   float limit_;
   Hit hit_;
   Stack stack_;
