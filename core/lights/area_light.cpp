@@ -180,7 +180,7 @@ double AreaLight::power() const {
 LightBounds AreaLight::bounds() const {
   const bool sphere = std::holds_alternative<SphereLight>(shape_);
   const double seen_area = static_cast<double>(area_) / (sphere ? 4 : 1);
-  return LightBounds(std::visit([](const auto& s) { return box_of(s); }, shape_),
+  return LightBounds({std::visit([](const auto& s) { return box_of(s); }, shape_), seen_area},
                      sphere ? NormalCone::all() : NormalCone::only(front_), Falloff::cosine(),
                      emission_.mean_radiance * seen_area, emission_.two_sided && !sphere);
 }

@@ -38,7 +38,7 @@ double PointLight::power() const {
 }
 
 LightBounds PointLight::bounds() const {
-  return LightBounds({position_, position_}, NormalCone::all(), Falloff::cosine(),
+  return LightBounds({{position_, position_}}, NormalCone::all(), Falloff::cosine(),
                      static_cast<double>(mean(intensity_)), false);
 }
 
@@ -71,7 +71,7 @@ double SpotLight::power() const {
 // Taken to shine alike up to its edge.
 LightBounds SpotLight::bounds() const {
   constexpr float kNarrowest = 1e-5f;  // of what cosines can tell
-  return LightBounds({position_, position_},
+  return LightBounds({{position_, position_}},
                      NormalCone::around(axis_, std::clamp(outer_edge_, kNarrowest, 1.0f)), Falloff::none(),
                      static_cast<double>(mean(intensity_)), false);
 }

@@ -45,9 +45,9 @@ NormalCone NormalCone::around(Vec3 axis, float one_minus_cos) {
   return {axis, 1 - one_minus_cos, std::sqrt(std::fmax(0.0f, one_minus_cos * (2 - one_minus_cos)))};
 }
 
-LightBounds::LightBounds(const Aabb& box, const NormalCone& normals, Falloff falloff, double intensity,
+LightBounds::LightBounds(const Extent& extent, const NormalCone& normals, Falloff falloff, double intensity,
                          bool two_sided)
-    : box_(box), normals_(normals), falloff_(falloff), two_sided_(two_sided) {
+    : extent_(extent), normals_(normals), falloff_(falloff), two_sided_(two_sided) {
   power_ = intensity * orientation_measure() * (two_sided ? 2 : 1);
 }
 
@@ -57,7 +57,8 @@ void LightBounds::include(const LightBounds& other) {
     return;
   }
   if (!(other.power_ > 0)) return;
-  box_.include(other.box_);
+  extent_.box.include(other.extent_.box);
+  extent_.area += other.extent_.area;
   two_sided_ = two_sided_ || other.two_sided_;
   NormalCone normals = other.normals_;
   if (two_sided_) normals.axis = face_toward(normals.axis, normals_.axis);

@@ -29,18 +29,26 @@ struct Falloff {
   static Falloff none() { return {1, 0}; }                          // nothing beyond the cone
 };
 
+// Where lights are.
+struct Extent {
+  Aabb box;
+  double area = 0;  // as it is seen from where it is seen the largest, the sum over the set
+};
+
 class LightBounds {
  public:
   // Of no light.
   LightBounds() = default;
   // `intensity`: watts per steradian in the directions of `normals`, the mean of the channels. Two-sided
   // lights shine backwards as they do forwards.
-  LightBounds(const Aabb& box, const NormalCone& normals, Falloff falloff, double intensity, bool two_sided);
+  LightBounds(const Extent& extent, const NormalCone& normals, Falloff falloff, double intensity,
+              bool two_sided);
 
   // Grows to bound the other's lights too.
   void include(const LightBounds& other);
 
-  const Aabb& box() const { return box_; }
+  const Aabb& box() const { return extent_.box; }
+  double area() const { return extent_.area; }
   const NormalCone& normals() const { return normals_; }
   float cos_e() const { return falloff_.cos_e; }
   bool two_sided() const { return two_sided_; }
@@ -54,7 +62,7 @@ class LightBounds {
   double orientation_measure() const;
 
  private:
-  Aabb box_;
+  Extent extent_;
   NormalCone normals_;
   Falloff falloff_ = Falloff::none();
   bool two_sided_ = false;

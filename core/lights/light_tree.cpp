@@ -68,7 +68,7 @@ LightTree::Weights LightTree::weigh(const Node& node, const LitPoint& point) {
 
   const Float8 facing = select(inside, 1.0f, sent * received);
   Weights weights;
-  (load(node.intensity) / max(distance2, radius2) * facing).store(weights.lanes.data());
+  (load(node.intensity) / max(distance2, load(node.nearest2)) * facing).store(weights.lanes.data());
   double sum = 0;
   for (std::size_t lane = 0; lane < kWidth; ++lane)
     weights.sums[lane] = sum += static_cast<double>(weights.lanes[lane]);

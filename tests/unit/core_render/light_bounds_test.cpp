@@ -12,7 +12,7 @@ namespace {
 constexpr double kPiDouble = 3.14159265358979;
 
 LightBounds facing(const NormalCone& normals, bool two_sided = false) {
-  return LightBounds({{-1, -1, -1}, {1, 1, 1}}, normals, Falloff::cosine(), 1, two_sided);
+  return LightBounds({{{-1, -1, -1}, {1, 1, 1}}}, normals, Falloff::cosine(), 1, two_sided);
 }
 
 // A direction within the cone: at its edge, every other time.
@@ -94,7 +94,7 @@ TEST(LightBounds, MeasureTheFalloffOverAllDirections) {
         if (beyond < static_cast<double>(theta_e))
           integral += 2 * kPiDouble * std::sin(theta) * std::cos(beyond) * kPiDouble / kSteps;
       }
-      const LightBounds bounds({{}, {}}, cone, falloff, 1, false);
+      const LightBounds bounds({{Vec3{}, Vec3{}}}, cone, falloff, 1, false);
       EXPECT_NEAR(bounds.orientation_measure(), integral, 2e-3) << theta_o << ' ' << theta_e;
     }
 }
