@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -48,19 +49,38 @@ Status check_memory(const core::RenderSettings& settings) {
                   settings.width_px, settings.height_px, needed / (1 << 30), present / (1 << 30)));
 }
 
-Result<LoadedScene> load(const RenderOptions& options) {
-  const double start = steady_seconds();
+Result<std::optional<core::SceneStore>> open_scene_store(const RenderOptions& options) {
+  if (options.scene_cache.empty()) return std::nullopt;
+  const auto bytes = static_cast<std::uint64_t>(options.scene_cache_gib * (1 << 30));
+  auto store = core::SceneStore::open(options.scene_cache, bytes, print_warning);
+  if (!store) return core::fail(store.error().within("--scene-cache"));
+  return std::move(*store);
+}
+
+Result<core::PreparedScene> prepare(const std::optional<core::SceneStore>& store,
+                                    const RenderOptions& options) {
+  if (store) return store->prepare_file(options.scene.scene_path, options.threads);
   Result<core::SceneDescription> description = core::load_scene_file(options.scene.scene_path);
   if (!description) return core::fail(description.error());
-  const auto settings = core::resolve_settings(description->settings, options.scene.overrides);
+  return core::PreparedScene{std::move(*description)};
+}
+
+Result<LoadedScene> load(const RenderOptions& options) {
+  const double start = steady_seconds();
+  const auto store = open_scene_store(options);
+  if (!store) return core::fail(store.error());
+  Result<core::PreparedScene> prepared = prepare(*store, options);
+  if (!prepared) return core::fail(prepared.error());
+  const core::SceneDescription& description = prepared->description;
+  const auto settings = core::resolve_settings(description.settings, options.scene.overrides);
   if (!settings) return core::fail(settings.error().within(options.scene.scene_path));
-  const auto display = core::resolve_display(description->display, options.scene.display);
+  const auto display = core::resolve_display(description.display, options.scene.display);
   if (!display) return core::fail(display.error().within(options.scene.scene_path));
   if (Status status = check_memory(*settings); !status) return core::fail(status.error());
   Status fits = check_picture_size(options.scene.output_paths, settings->width_px, settings->height_px);
   if (!fits) return core::fail(fits.error());
   const double loaded = steady_seconds();
-  Result<core::Scene> scene = core::Scene::build(std::move(*description), options.threads);
+  Result<core::Scene> scene = core::build_scene(std::move(*prepared), options.threads);
   if (!scene) return core::fail(scene.error().within(options.scene.scene_path));
   RenderStats stats;
   stats.settings = *settings;

@@ -48,6 +48,17 @@ void add_local_options(CLI::App& command, RenderOptions& options) {
       ->type_name("N");
   command.add_option("--stats", options.stats_path, "Write counts, times and memory as JSON")
       ->type_name("FILE.json");
+  command
+      .add_option(
+          "--scene-cache", options.scene_cache,
+          "Keep the scene there once it is read and built, and take it from there the next time [not]")
+      ->type_name("DIR");
+  command
+      .add_option("--scene-cache-gib", options.scene_cache_gib,
+                  "Size of that folder: beyond it, scenes that were not used for longest are removed")
+      ->check(CLI::Range(0.0, 1e6))
+      ->type_name("N")
+      ->capture_default_str();
   command.add_flag("-q,--quiet", options.quiet, "No progress; warnings and errors only");
   command
       .add_option_function<std::string>(

@@ -7,13 +7,16 @@
 
 #include "client/scene_flags.hpp"
 #include "core/film/film.hpp"
+#include "core/scene/cache/scene_store.hpp"
 
 namespace tessera::client {
 
 struct RenderOptions {
   SceneFlags scene;  // what to render, and where to put it
   int threads = 1;
-  std::string stats_path;                // empty: none
+  std::string stats_path;   // empty: none
+  std::string scene_cache;  // a folder; empty: none
+  double scene_cache_gib = core::kDefaultSceneCacheGib;
   std::optional<core::SampleId> sample;  // replay this one instead of rendering
   bool quiet = false;                    // no progress and no closing line; warnings remain
 };

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <utility>
 
 #include "core/accel/bvh_layout.hpp"
 #include "core/accel/huge_pages.hpp"
@@ -16,7 +17,18 @@ namespace tessera::core {
 
 class Bvh {
  public:
+  // All that it consists of, for those who keep trees and make them again.
+  struct Arrays {
+    HugePageArray<BvhNode> nodes;  // the root first
+    HugePageArray<BvhPacket> packets;
+
+    bool operator==(const Arrays&) const = default;
+  };
+
   Bvh() = default;  // of nothing: every ray misses
+  // `arrays` are those of a tree that was built of the same primitives.
+  explicit Bvh(Arrays arrays) : arrays_(std::move(arrays)) {}
+  const Arrays& arrays() const { return arrays_; }
 
   // Keeps a reference to nothing: `primitives` is passed again to the queries. The result does not depend on
   // `threads`, of which there is at least one. What cannot be hit (triangles without area, anything not
@@ -37,17 +49,14 @@ class Bvh {
                 std::span<std::uint8_t> occluded) const;
 
   std::size_t memory_bytes() const {
-    return nodes_.size() * sizeof(BvhNode) + packets_.size() * sizeof(BvhPacket);
+    return arrays_.nodes.size() * sizeof(BvhNode) + arrays_.packets.size() * sizeof(BvhPacket);
   }
 
   // Whether the trees are the same, node for node.
   bool operator==(const Bvh&) const = default;
 
  private:
-  Bvh(HugePageArray<BvhNode> nodes, HugePageArray<BvhPacket> packets);
-
-  HugePageArray<BvhNode> nodes_;  // the root first
-  HugePageArray<BvhPacket> packets_;
+  Arrays arrays_;
 };
 
 }  // namespace tessera::core

@@ -174,14 +174,11 @@ BvhNode::BvhNode() {
   }
 }
 
-Bvh::Bvh(HugePageArray<BvhNode> nodes, HugePageArray<BvhPacket> packets)
-    : nodes_(std::move(nodes)), packets_(std::move(packets)) {}
-
 Bvh Bvh::build(const Primitives& primitives, int threads) {
   const BinaryBvh tree = build_binary_bvh(primitives, threads);
   if (tree.nodes.empty()) return {};
   WideBuilder builder(primitives, tree, threads);
-  return Bvh(builder.take_nodes(), builder.take_packets());
+  return Bvh({builder.take_nodes(), builder.take_packets()});
 }
 
 }  // namespace tessera::core

@@ -62,35 +62,35 @@ void for_each_group(std::span<const Ray> rays, const Trace& trace) {
 }  // namespace
 
 Hit Bvh::closest_hit(const Primitives& primitives, const Ray& ray) const {
-  if (nodes_.empty()) return {};
+  if (arrays_.nodes.empty()) return {};
   return RayTraversal(primitives, ray, SlabRay(ray), ShearedRay(ray))
-      .run<Query::kClosest>(nodes_.data(), packets_.data());
+      .run<Query::kClosest>(arrays_.nodes.data(), arrays_.packets.data());
 }
 
 bool Bvh::any_hit(const Primitives& primitives, const Ray& ray) const {
-  if (nodes_.empty()) return false;
+  if (arrays_.nodes.empty()) return false;
   return RayTraversal(primitives, ray, SlabRay(ray), ShearedRay(ray))
-      .run<Query::kAny>(nodes_.data(), packets_.data())
+      .run<Query::kAny>(arrays_.nodes.data(), arrays_.packets.data())
       .found();
 }
 
 void Bvh::closest_hits(const Primitives& primitives, std::span<const Ray> rays, std::span<Hit> hits) const {
-  if (nodes_.empty()) {
+  if (arrays_.nodes.empty()) {
     std::fill(hits.begin(), hits.end(), Hit{});
     return;
   }
-  const GroupScene scene{primitives, nodes_.data(), packets_.data()};
+  const GroupScene scene{primitives, arrays_.nodes.data(), arrays_.packets.data()};
   for_each_group(rays,
                  [&](std::span<const std::uint32_t> order) { trace_closest(scene, rays, order, hits); });
 }
 
 void Bvh::any_hits(const Primitives& primitives, std::span<const Ray> rays,
                    std::span<std::uint8_t> occluded) const {
-  if (nodes_.empty()) {
+  if (arrays_.nodes.empty()) {
     std::fill(occluded.begin(), occluded.end(), std::uint8_t{0});
     return;
   }
-  const GroupScene scene{primitives, nodes_.data(), packets_.data()};
+  const GroupScene scene{primitives, arrays_.nodes.data(), arrays_.packets.data()};
   for_each_group(rays,
                  [&](std::span<const std::uint32_t> order) { trace_any(scene, rays, order, occluded); });
 }

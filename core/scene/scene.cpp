@@ -121,7 +121,7 @@ void Scene::add_lights(const SceneDescription& description, int threads) {
   delta_light_sampler_ = LightSampler(lights_, LightSampler::Among::kDelta, threads);
 }
 
-Result<Scene> Scene::build(SceneDescription description, int threads) {
+Result<Scene> Scene::build(SceneDescription description, int threads, std::optional<Bvh> bvh) {
   if (auto ok = validate_scene(description); !ok) return fail(ok.error());
 
   Scene scene;
@@ -146,7 +146,7 @@ Result<Scene> Scene::build(SceneDescription description, int threads) {
   scene.lights_ = std::move(assembler.lights_);
   scene.light_of_primitive_ = std::move(assembler.light_of_primitive_);
   scene.add_lights(description, threads);
-  scene.bvh_ = Bvh::build(scene.primitives_, threads);
+  scene.bvh_ = bvh ? std::move(*bvh) : Bvh::build(scene.primitives_, threads);
   return scene;
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "core/accel/bvh.hpp"
@@ -18,8 +19,8 @@ namespace tessera::core {
 class Scene {
  public:
   // Errors name the shape or material at fault. `threads` may be used for building; the result does not
-  // depend on it.
-  static Result<Scene> build(SceneDescription description, int threads);
+  // depend on it, nor on whether `bvh` is given: the tree that was built before of the same description.
+  static Result<Scene> build(SceneDescription description, int threads, std::optional<Bvh> bvh = {});
 
   const RenderSettings& settings() const { return settings_; }
   const Camera& camera() const { return camera_; }

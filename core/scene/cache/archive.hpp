@@ -1,0 +1,176 @@
+// Writes and reads values of any type that scene_fields.hpp knows: small ones to a list of bytes, the
+// contents of large arrays to blocks of a file, in the order in which they come.
+#pragma once
+
+#include <cstring>
+#include <map>
+#include <memory>
+#include <optional>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "core/scene/cache/block_file.hpp"
+#include "core/scene/cache/scene_fields.hpp"
+
+namespace tessera::core::stored {
+
+// Arrays of at least so many bytes become blocks.
+inline constexpr std::size_t kBlockBytes = 4096;
+
+class Writer {
+ public:
+  explicit Writer(BlockFileWriter& file) : file_(file) {}
+
+  const std::vector<std::byte>& bytes() const { return bytes_; }
+
+  template <typename T>
+  void operator()(const T& value) {
+    if constexpr (Plain<T>) {
+      append(std::as_bytes(std::span(&value, 1)));
+    } else {
+      std::apply([&](const auto&... each) { ((*this)(each), ...); }, fields(value));
+    }
+  }
+  void operator()(const std::string& text) { array(text); }
+  template <typename T>
+  void operator()(const std::vector<T>& elements) {
+    array(elements);
+  }
+  template <typename T>
+  void operator()(const HugePageArray<T>& elements) {
+    array(elements);
+  }
+  template <typename T>
+  void operator()(const std::optional<T>& value) {
+    (*this)(value.has_value());
+    if (value) (*this)(*value);
+  }
+  template <typename... Ts>
+  void operator()(const std::variant<Ts...>& value) {
+    (*this)(static_cast<std::uint32_t>(value.index()));
+    std::visit(*this, value);
+  }
+  // An image that many textures share is written once.
+  void operator()(const std::shared_ptr<const TextureImage>& image) {
+    const auto [known, is_new] = images_.emplace(image.get(), static_cast<std::uint32_t>(images_.size()));
+    (*this)(known->second);
+    if (is_new) (*this)(*image);
+  }
+
+ private:
+  void append(std::span<const std::byte> bytes) { bytes_.insert(bytes_.end(), bytes.begin(), bytes.end()); }
+
+  template <typename Array>
+  void array(const Array& elements) {
+    using Element = std::remove_cvref_t<decltype(elements[0])>;
+    (*this)(std::uint64_t{elements.size()});
+    if constexpr (Plain<Element>) {
+      (*this)(static_cast<std::uint32_t>(sizeof(Element)));
+      const auto bytes = std::as_bytes(std::span(elements.data(), elements.size()));
+      if (bytes.size() < kBlockBytes) return append(bytes);
+      file_.write_block(bytes);
+    } else {
+      for (const auto& element : elements) (*this)(element);
+    }
+  }
+
+  BlockFileWriter& file_;
+  std::vector<std::byte> bytes_;
+  std::map<const TextureImage*, std::uint32_t> images_;
+};
+
+// Reads what a Writer has written. After a failure, values are worthless.
+class Reader {
+ public:
+  explicit Reader(BlockFileReader& file) : file_(file), rest_(file.index()) {}
+
+  // Whether all that was asked for was there, and nothing else.
+  bool complete() const { return good_ && rest_.empty(); }
+
+  template <typename T>
+  void operator()(T& value) {
+    if constexpr (Plain<T>) {
+      take(std::as_writable_bytes(std::span(&value, 1)));
+    } else {
+      std::apply([&](auto&... each) { ((*this)(each), ...); }, fields(value));
+    }
+  }
+  void operator()(std::string& text) {
+    array(text, [&](std::size_t size) { text.resize(size); });
+  }
+  template <typename T>
+  void operator()(std::vector<T>& elements) {
+    array(elements, [&](std::size_t size) { elements.resize(size); });
+  }
+  template <typename T>
+  void operator()(HugePageArray<T>& elements) {
+    array(elements, [&](std::size_t size) { elements = HugePageArray<T>(size); });
+  }
+  template <typename T>
+  void operator()(std::optional<T>& value) {
+    value.reset();
+    if (read<bool>()) (*this)(value.emplace());
+  }
+  template <typename... Ts>
+  void operator()(std::variant<Ts...>& value) {
+    const auto index = read<std::uint32_t>();
+    const auto take_if = [&]<typename T>(std::uint32_t own_index, std::type_identity<T>) {
+      if (index == own_index) (*this)(value.template emplace<T>());
+    };
+    std::uint32_t own_index = 0;
+    (take_if(own_index++, std::type_identity<Ts>{}), ...);
+    good_ = good_ && index < own_index;
+  }
+  void operator()(std::shared_ptr<const TextureImage>& image) {
+    const auto index = read<std::uint32_t>();
+    good_ = good_ && index <= images_.size();
+    if (!good_) return;
+    if (index == images_.size()) {
+      auto read_image = std::make_shared<TextureImage>();
+      (*this)(*read_image);
+      images_.push_back(std::move(read_image));
+    }
+    image = images_[index];
+  }
+
+ private:
+  template <typename T>
+  T read() {
+    T value{};
+    (*this)(value);
+    return value;
+  }
+
+  void take(std::span<std::byte> into) {
+    good_ = good_ && into.size() <= rest_.size();
+    if (!good_) return;
+    std::memcpy(into.data(), rest_.data(), into.size());
+    rest_ = rest_.subspan(into.size());
+  }
+
+  template <typename Array, typename Resize>
+  void array(Array& elements, const Resize& resize) {
+    using Element = std::remove_cvref_t<decltype(elements[0])>;
+    const auto size = read<std::uint64_t>();
+    if constexpr (Plain<Element>) {
+      good_ = good_ && read<std::uint32_t>() == sizeof(Element);
+      if (!good_) return;
+      resize(size);
+      const auto bytes = std::as_writable_bytes(std::span(elements.data(), elements.size()));
+      if (bytes.size() < kBlockBytes) return take(bytes);
+      good_ = file_.read_block(bytes);
+    } else {
+      if (!good_) return;
+      resize(size);
+      for (auto& element : elements) (*this)(element);
+    }
+  }
+
+  BlockFileReader& file_;
+  std::span<const std::byte> rest_;
+  bool good_ = true;
+  std::vector<std::shared_ptr<const TextureImage>> images_;
+};
+
+}  // namespace tessera::core::stored

@@ -1,0 +1,216 @@
+#include "core/scene/cache/block_file.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+#include <xxhash.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <utility>
+
+namespace tessera::core {
+namespace {
+
+constexpr std::size_t kPieceBytes = 4u << 20;
+constexpr std::array<char, 8> kMagic{'T', 'e', 's', 's', 'e', 'r', 'a', '\n'};
+constexpr std::uint32_t kOrderOfBytes = 0x01020304;
+
+struct Header {
+  std::array<char, 8> magic = kMagic;
+  std::uint32_t order_of_bytes = kOrderOfBytes;
+  std::uint32_t version = 0;
+  std::uint64_t blocks_end = 0, piece_count = 0, file_size = 0;
+  Checksum index;      // of what follows the blocks: the pieces' checksums and the index
+  Checksum preceding;  // of the header up to here
+};
+static_assert(sizeof(Header) == 72 && std::has_unique_object_representations_v<Header>);
+
+Checksum checksum_of_header(const Header& header) {
+  return checksum_of(std::as_bytes(std::span(&header, 1)).first(offsetof(Header, preceding)));
+}
+
+std::size_t piece_count(std::uint64_t bytes) {
+  return (bytes + kPieceBytes - 1) / kPieceBytes;
+}
+
+template <typename Byte>
+std::span<Byte> piece_of(std::span<Byte> bytes, std::size_t piece) {
+  const std::size_t begin = piece * kPieceBytes;
+  return bytes.subspan(begin, std::min(kPieceBytes, bytes.size() - begin));
+}
+
+// False with errno set where not all could be written.
+bool write_at(int file, std::span<const std::byte> bytes, std::uint64_t offset) {
+  while (!bytes.empty()) {
+    const ssize_t written = ::pwrite(file, bytes.data(), bytes.size(), static_cast<off_t>(offset));
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) return false;
+    bytes = bytes.subspan(static_cast<std::size_t>(written));
+    offset += static_cast<std::uint64_t>(written);
+  }
+  return true;
+}
+
+Error cannot_write(const std::string& path, int error) {
+  return {ErrorCode::kUnavailable, fmt::format("cannot write {}: {}", path, std::strerror(error))};
+}
+
+// Different for each writer of each process that shares the folder.
+std::string partial_path_of(const std::string& path) {
+  static std::atomic<unsigned> writers{0};
+  return fmt::format("{}.{}-{}.partial", path, ::getpid(), ++writers);
+}
+
+void flush_folder_of(const std::string& path) {
+  const std::string folder = std::filesystem::path(path).parent_path();
+  const OpenFile file(::open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (file.valid()) ::fsync(file.get());
+}
+
+}  // namespace
+
+bool read_at(int file, std::span<std::byte> into, std::uint64_t offset) {
+  while (!into.empty()) {
+    const ssize_t count = ::pread(file, into.data(), into.size(), static_cast<off_t>(offset));
+    if (count < 0 && errno == EINTR) continue;
+    if (count <= 0) return false;
+    into = into.subspan(static_cast<std::size_t>(count));
+    offset += static_cast<std::uint64_t>(count);
+  }
+  return true;
+}
+
+Checksum checksum_of(std::span<const std::byte> bytes) {
+  const XXH128_hash_t hash = XXH3_128bits(bytes.data(), bytes.size());
+  return {hash.low64, hash.high64};
+}
+
+std::string to_hex(const Checksum& checksum) {
+  return fmt::format("{:016x}{:016x}", checksum.high, checksum.low);
+}
+
+OpenFile::OpenFile(OpenFile&& other) noexcept : descriptor_(std::exchange(other.descriptor_, -1)) {}
+OpenFile& OpenFile::operator=(OpenFile&& other) noexcept {
+  std::swap(descriptor_, other.descriptor_);
+  return *this;
+}
+OpenFile::~OpenFile() {
+  if (valid()) ::close(descriptor_);
+}
+
+Result<BlockFileWriter> BlockFileWriter::create(const std::string& path, std::uint32_t version, int threads) {
+  std::string partial = partial_path_of(path);
+  OpenFile file(::open(partial.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
+  if (!file.valid()) return fail(cannot_write(partial, errno));
+  return BlockFileWriter(path, std::move(partial), std::move(file), version, threads);
+}
+
+BlockFileWriter::BlockFileWriter(std::string path, std::string partial_path, OpenFile file,
+                                 std::uint32_t version, int threads)
+    : path_(std::move(path)),
+      partial_path_(std::move(partial_path)),
+      file_(std::move(file)),
+      version_(version),
+      threads_(threads),
+      size_(sizeof(Header)) {}
+
+BlockFileWriter::~BlockFileWriter() {
+  if (file_.valid()) ::unlink(partial_path_.c_str());
+}
+
+void BlockFileWriter::write_block(std::span<const std::byte> bytes) {
+  const std::size_t count = piece_count(bytes.size()), first = pieces_.size();
+  pieces_.resize(first + count);
+  std::atomic<int> error{error_};
+#pragma omp parallel for num_threads(threads_) schedule(dynamic)
+  for (std::size_t i = 0; i < count; ++i) {
+    if (error != 0) continue;
+    pieces_[first + i] = checksum_of(piece_of(bytes, i));
+    if (!write_at(file_.get(), piece_of(bytes, i), size_ + i * kPieceBytes)) error = errno;
+  }
+  error_ = error;
+  size_ += bytes.size();
+}
+
+Status BlockFileWriter::write_all(std::span<const std::byte> index) {
+  Header header;
+  header.version = version_;
+  header.blocks_end = size_;
+  header.piece_count = pieces_.size();
+  const auto pieces = std::as_bytes(std::span(pieces_));
+  std::vector<std::byte> tail(pieces.begin(), pieces.end());
+  tail.insert(tail.end(), index.begin(), index.end());
+  header.file_size = size_ + tail.size();
+  header.index = checksum_of(tail);
+  header.preceding = checksum_of_header(header);
+  if (error_ != 0) return fail(cannot_write(partial_path_, error_));
+  const bool written = write_at(file_.get(), tail, size_) &&
+                       write_at(file_.get(), std::as_bytes(std::span(&header, 1)), 0) &&
+                       ::fsync(file_.get()) == 0 && std::rename(partial_path_.c_str(), path_.c_str()) == 0;
+  if (!written) return fail(cannot_write(partial_path_, errno));
+  return {};
+}
+
+Status BlockFileWriter::finish(std::span<const std::byte> index) {
+  if (Status written = write_all(index); !written) return written;
+  const OpenFile complete = std::move(file_);  // no longer to be removed
+  flush_folder_of(path_);
+  return {};
+}
+
+Result<BlockFileReader> BlockFileReader::open(const std::string& path, std::uint32_t version, int threads) {
+  const auto refuse = [&](std::string_view why) {
+    return fail(ErrorCode::kDataLoss, fmt::format("{} {}", path, why));
+  };
+  BlockFileReader reader;
+  reader.threads_ = threads;
+  reader.file_ = OpenFile(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  if (!reader.file_.valid() && errno == ENOENT) return fail(ErrorCode::kNotFound, path + " does not exist");
+  if (!reader.file_.valid()) return refuse(fmt::format("cannot be opened: {}", std::strerror(errno)));
+  struct stat status {};
+  Header header;
+  if (::fstat(reader.file_.get(), &status) != 0 || !S_ISREG(status.st_mode) ||
+      !read_at(reader.file_.get(), std::as_writable_bytes(std::span(&header, 1)), 0))
+    return refuse("cannot be read");
+  if (header.magic != kMagic || header.order_of_bytes != kOrderOfBytes || header.version != version)
+    return refuse("is of another version");
+  if (header.preceding != checksum_of_header(header)) return refuse("is damaged");
+  if (header.file_size != static_cast<std::uint64_t>(status.st_size)) return refuse("is not complete");
+
+  std::vector<std::byte> tail(header.file_size - header.blocks_end);
+  const std::size_t pieces_bytes = header.piece_count * sizeof(Checksum);
+  if (!read_at(reader.file_.get(), tail, header.blocks_end) || checksum_of(tail) != header.index)
+    return refuse("is damaged");
+  reader.pieces_.resize(header.piece_count);
+  std::memcpy(reader.pieces_.data(), tail.data(), pieces_bytes);
+  reader.index_.assign(tail.begin() + static_cast<std::ptrdiff_t>(pieces_bytes), tail.end());
+  reader.next_ = sizeof(Header);
+  reader.blocks_end_ = header.blocks_end;
+  return reader;
+}
+
+bool BlockFileReader::read_block(std::span<std::byte> into) {
+  const std::size_t count = piece_count(into.size());
+  if (into.size() > blocks_end_ - next_ || count > pieces_.size() - next_piece_) return false;
+  std::atomic<bool> good{true};
+#pragma omp parallel for num_threads(threads_) schedule(dynamic)
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto piece = piece_of(into, i);
+    if (!good) continue;
+    if (!read_at(file_.get(), piece, next_ + i * kPieceBytes) ||
+        checksum_of(piece) != pieces_[next_piece_ + i])
+      good = false;
+  }
+  next_ += into.size();
+  next_piece_ += count;
+  return good;
+}
+
+}  // namespace tessera::core

@@ -1,0 +1,121 @@
+// The fields of everything that a scene's description and its tree consist of, for storing them: for each
+// type all of its members, as references. A type that grows a member does not compile here until the member
+// is added; then kSceneFileVersion must be raised (core/scene/cache/scene_file.hpp).
+#pragma once
+
+#include <concepts>
+#include <tuple>
+#include <type_traits>
+
+#include "core/accel/bvh.hpp"
+#include "core/scene/description.hpp"
+
+namespace tessera::core::stored {
+
+// T, or const T.
+template <typename T, typename U>
+concept Is = std::same_as<std::remove_const_t<T>, U>;
+
+auto fields(Is<PixelFilter> auto& value) {
+  auto& [kind, radius_px] = value;
+  return std::tie(kind, radius_px);
+}
+auto fields(Is<RenderSettings> auto& value) {
+  auto& [width_px, height_px, spp, seed, integrator, heuristic, max_depth, filter] = value;
+  return std::tie(width_px, height_px, spp, seed, integrator, heuristic, max_depth, filter);
+}
+auto fields(Is<CameraDescription> auto& value) {
+  auto& [position, look_at, up, fov, radius, focus, blades, rotation] = value;
+  return std::tie(position, look_at, up, fov, radius, focus, blades, rotation);
+}
+auto fields(Is<DisplaySettings> auto& value) {
+  auto& [exposure_stops, tone_curve] = value;
+  return std::tie(exposure_stops, tone_curve);
+}
+auto fields(Is<TextureImage> auto& value) {
+  auto& [width, height, texels, color_space] = value;
+  return std::tie(width, height, texels, color_space);
+}
+auto fields(Is<Texture> auto& value) {
+  auto& [image, wrap, scale, offset] = value;
+  return std::tie(image, wrap, scale, offset);
+}
+auto fields(Is<ColorParameter> auto& value) {
+  auto& [color, texture] = value;
+  return std::tie(color, texture);
+}
+auto fields(Is<ScalarParameter> auto& value) {
+  auto& [number, texture] = value;
+  return std::tie(number, texture);
+}
+auto fields(Is<Lambert> auto& value) {
+  auto& [albedo] = value;
+  return std::tie(albedo);
+}
+auto fields(Is<Mirror> auto& value) {
+  auto& [reflectance] = value;
+  return std::tie(reflectance);
+}
+auto fields(Is<Glass> auto& value) {
+  auto& [ior, reflectance, transmittance, fresnel, roughness] = value;
+  return std::tie(ior, reflectance, transmittance, fresnel, roughness);
+}
+auto fields(Is<Phong> auto& value) {
+  auto& [diffuse, specular, exponent, lobe] = value;
+  return std::tie(diffuse, specular, exponent, lobe);
+}
+auto fields(Is<CookTorrance> auto& value) {
+  auto& [diffuse, specular, f0, conductor, roughness, masking] = value;
+  return std::tie(diffuse, specular, f0, conductor, roughness, masking);
+}
+auto fields(Is<NormalMap> auto& value) {
+  auto& [texture, strength] = value;
+  return std::tie(texture, strength);
+}
+auto fields(Is<Material> auto& value) {
+  auto& [name, model, emission, two_sided_emission, sampling, normal_map] = value;
+  return std::tie(name, model, emission, two_sided_emission, sampling, normal_map);
+}
+auto fields(Is<MeshDescription> auto& value) {
+  auto& [positions, normals, uvs, triangles, triangle_materials] = value;
+  return std::tie(positions, normals, uvs, triangles, triangle_materials);
+}
+auto fields(Is<SphereDescription> auto& value) {
+  auto& [center, radius, material] = value;
+  return std::tie(center, radius, material);
+}
+auto fields(Is<QuadDescription> auto& value) {
+  auto& [corner, edge_u, edge_v, material] = value;
+  return std::tie(corner, edge_u, edge_v, material);
+}
+auto fields(Is<PointLightDescription> auto& value) {
+  auto& [position, intensity] = value;
+  return std::tie(position, intensity);
+}
+auto fields(Is<SpotLightDescription> auto& value) {
+  auto& [position, look_at, intensity, angle, softness] = value;
+  return std::tie(position, look_at, intensity, angle, softness);
+}
+auto fields(Is<DirectionalLightDescription> auto& value) {
+  auto& [direction, irradiance] = value;
+  return std::tie(direction, irradiance);
+}
+auto fields(Is<EnvironmentDescription> auto& value) {
+  auto& [radiance, rotation] = value;
+  return std::tie(radiance, rotation);
+}
+auto fields(Is<SceneDescription> auto& value) {
+  auto& [settings, camera, display, textures, materials, shapes, names, lights, environment] = value;
+  return std::tie(settings, camera, display, textures, materials, shapes, names, lights, environment);
+}
+auto fields(Is<Bvh::Arrays> auto& value) {
+  auto& [nodes, packets] = value;
+  return std::tie(nodes, packets);
+}
+
+// What is stored as it lies in memory, alone and in arrays: numbers, and structures of numbers of one kind.
+template <typename T>
+concept Plain = std::is_arithmetic_v<T> || std::is_enum_v<T> || Is<T, Vec2> || Is<T, Vec3> || Is<T, Rgb> ||
+    Is<T, std::array<std::uint32_t, 3>> || Is<T, BvhNode> || Is<T, BvhPacket>;
+
+}  // namespace tessera::core::stored

@@ -1,0 +1,47 @@
+// The files that a scene was read from, with checksums of their contents: what tells whether reading them
+// again would give the same scene.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/scene/cache/block_file.hpp"
+#include "core/scene/loader/asset_source.hpp"
+
+namespace tessera::core::stored {
+
+struct SourceFile {
+  std::string path;       // as the scene calls it
+  bool is_there = false;  // a file that could not be read also has its say in what a scene becomes
+  Checksum checksum;
+};
+using SourceFiles = std::vector<SourceFile>;
+
+// Of the file's contents, however many threads compute it; nullopt if it is not a file that can be read.
+std::optional<Checksum> checksum_of_file(const std::string& path, int threads);
+Checksum checksum_of_contents(std::string_view bytes, int threads);
+
+// The same files as they are now, in a folder.
+SourceFiles as_they_are(SourceFiles files, const std::string& folder, int threads);
+
+// Passes reads on and takes down what was read.
+class RecordedAssets : public AssetSource {
+ public:
+  RecordedAssets(AssetSource& inner, int threads) : inner_(inner), threads_(threads) {}
+
+  Result<std::string> read(const std::string& path) override;
+  SourceFiles files() const;
+
+ private:
+  AssetSource& inner_;
+  int threads_;
+  std::map<std::string, SourceFile> files_;
+};
+
+// Two for the same files only if their contents are the same.
+std::string key_of(const SourceFiles& files);
+
+}  // namespace tessera::core::stored
