@@ -45,6 +45,7 @@ struct alignas(64) BvhPacket {
   std::uint32_t primitives[kWidth] = {};
   std::uint32_t triangle_lanes = 0;  // bit i for lane i
   std::uint32_t sphere_lanes = 0;
+  std::uint32_t unused[6] = {};  // up to the next cache line, so that equal packets are equal bytes
 
   bool operator==(const BvhPacket&) const = default;
 };

@@ -5,7 +5,7 @@
 #include <sqlite3.h>
 
 #include "server/store/state_directory.hpp"
-#include "tests/unit/server/temporary_folder.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace tessera::store {
 namespace {

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "server/coordinator/coordinator.hpp"
-#include "tests/unit/server/temporary_folder.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace tessera::coordinator {
 

@@ -6,7 +6,7 @@
 
 #include "proto/blob.hpp"
 #include "server/validator/validator_process.hpp"
-#include "tests/unit/server/temporary_folder.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace tessera::validator {
 namespace {
