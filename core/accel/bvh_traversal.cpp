@@ -18,9 +18,9 @@ class OctantOrder {
     std::array<std::uint8_t, kRun> octants;
     unsigned every = 7, some = 0;
     for (std::size_t i = begin; i < end; ++i) {
-      const unsigned octant = RayGroup::octant(rays[i]);
-      octants[i - begin] = static_cast<std::uint8_t>(octant);
-      every &= octant, some |= octant;
+      const unsigned into = octant(rays[i]);
+      octants[i - begin] = static_cast<std::uint8_t>(into);
+      every &= into, some |= into;
     }
     if (every == some) {
       for (std::size_t i = begin; i < end; ++i) order_[i - begin] = static_cast<std::uint32_t>(i);
@@ -51,7 +51,7 @@ void for_each_group(std::span<const Ray> rays, const Trace& trace) {
     const OctantOrder order(rays, begin, std::min(begin + kRun, rays.size()));
     for (std::size_t octant = 0; octant < OctantOrder::kOctants; ++octant) {
       for (auto left = order.rays(octant); !left.empty();) {
-        const auto group = left.first(std::min(RayGroup::kSize, left.size()));
+        const auto group = left.first(std::min(RayColumns::kSize, left.size()));
         trace(group);
         left = left.subspan(group.size());
       }

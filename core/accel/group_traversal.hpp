@@ -1,26 +1,21 @@
-// A group of rays' common way through the tree: a node's boxes are tested against bounds of the whole group,
-// those that may be met against the rays that came here, and a triangle against eight rays at once. Where few
-// rays go on together, each goes its own way (ray_traversal.hpp).
+// A group of rays' common way through the tree. A node's boxes are tested against bounds of the whole group,
+// then those that may be met against the rays that came here: eight rays against one box, or one ray against
+// sixteen boxes, whichever is less work. Where few rays go on together, each goes its own way
+// (ray_traversal.hpp).
+//
+// Rays from neighbouring pixels, or to one lamp, stay together down to the triangles; scattered ones at least
+// share the upper levels of the tree.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <span>
 
-#include "core/accel/ray_group.hpp"
-#include "core/accel/ray_traversal.hpp"
-#include "core/geometry/primitives.hpp"
+#include "core/accel/group_hits.hpp"
 
 namespace tessera::core {
 
-// What a group is traced against.
-struct GroupScene {
-  const Primitives& primitives;
-  const BvhNode* nodes;
-  const BvhPacket* packets;
-};
-
-// rays[order[i]] are of one octant, and there are at most RayGroup::kSize.
+// rays[order[i]] are of one octant (ray_columns.hpp), and there are at most RayColumns::kSize. Answers go to
+// hits[order[i]] and occluded[order[i]].
 void trace_closest(const GroupScene& scene, std::span<const Ray> rays, std::span<const std::uint32_t> order,
                    std::span<Hit> hits);
 void trace_any(const GroupScene& scene, std::span<const Ray> rays, std::span<const std::uint32_t> order,

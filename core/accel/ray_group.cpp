@@ -12,74 +12,79 @@ namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-struct Range {
-  float low = kInfinity, high = -kInfinity;
-  void include(const float* values, std::size_t count) {
-    for (std::size_t i = 0; i < count; ++i) {
-      low = std::min(low, values[i]);
-      high = std::max(high, values[i]);
-    }
-  }
-};
+float least(Float8 a) {
+  alignas(32) float lanes[8];
+  a.store(lanes);
+  return *std::min_element(lanes, lanes + 8);
+}
+float greatest(Float8 a) {
+  return -least(-a);
+}
 
 }  // namespace
 
-RayGroup::RayGroup(std::span<const Ray> rays, std::span<const std::uint32_t> order) {
-  const std::size_t count = order.size();
-  all_ = count == kSize ? ~RaySet{0} : (RaySet{1} << count) - 1;
-  const unsigned signs = octant(rays[order[0]]);
-  alignas(32) float direction[3][kSize];
-  for (std::size_t i = 0; i < kSize; ++i) {
-    const Ray& ray = rays[order[std::min(i, count - 1)]];
-    origin_[0][i] = ray.origin.x, origin_[1][i] = ray.origin.y, origin_[2][i] = ray.origin.z;
-    direction[0][i] = ray.direction.x, direction[1][i] = ray.direction.y, direction[2][i] = ray.direction.z;
-    limit_[i] = i < count ? box_limit(std::min(kInfinity, ray.t_max)) : -1;
-  }
+RayGroup::RayGroup(const RayColumns& rays) {
   has_bounds_ = true;
-  can_filter_ = true;
-  float largest = 0;
   for (int axis = 0; axis < 3; ++axis) {
-    for (std::size_t v = 0; v < kSize; v += kLanes) {
-      const Float8 inverse = Float8(1) / Float8::load(direction[axis] + v);
-      inverse.store(inverse_[axis] + v);
-      (inverse * Float8(kBoxSlack)).store(far_inverse_[axis] + v);
+    for (std::size_t i = 0; i < kSize; i += kLanes) {
+      const Float8 inverse = Float8(1) / Float8::load(rays.direction[axis] + i);
+      Float8::load(rays.origin[axis] + i).store(origin_[axis] + i);
+      inverse.store(inverse_[axis] + i);
+      (inverse * Float8(kBoxSlack)).store(far_inverse_[axis] + i);
     }
-    const bool negative = (signs >> axis & 1) != 0;
-    near_side_[axis] = 3 * (negative ? BvhNode::kUpper : BvhNode::kLower) + axis;
-    far_side_[axis] = 3 * (negative ? BvhNode::kLower : BvhNode::kUpper) + axis;
-    Float8 olo(kInfinity), ohi(-kInfinity), ilo(kInfinity), ihi(-kInfinity);
-    for (std::size_t v = 0; v < kSize; v += kLanes) {
-      const Float8 o = Float8::load(origin_[axis] + v), i = Float8::load(inverse_[axis] + v);
-      olo = min(o, olo), ohi = max(o, ohi), ilo = min(i, ilo), ihi = max(i, ihi);
-    }
-    alignas(32) float b[4][8];
-    olo.store(b[0]), ohi.store(b[1]), ilo.store(b[2]), ihi.store(b[3]);
-    Range o, i;
-    o.include(b[0], 8), o.include(b[1], 8), i.include(b[2], 8), i.include(b[3], 8);
-    origin_bounds_[axis][0] = negative ? o.low : o.high;
-    origin_bounds_[axis][1] = negative ? o.high : o.low;
-    inverse_bounds_[axis][0] = i.low, inverse_bounds_[axis][1] = i.high;
-    far_inverse_bounds_[axis][0] = i.low * kBoxSlack, far_inverse_bounds_[axis][1] = i.high * kBoxSlack;
-    has_bounds_ = has_bounds_ && std::isfinite(o.low) && std::isfinite(o.high) &&
-                  std::isfinite(far_inverse_bounds_[axis][0]) && std::isfinite(far_inverse_bounds_[axis][1]);
-    float sum = 0;
-    for (std::size_t k = 0; k < kSize; k += 8) sum += std::fabs(direction[axis][k]);
-    if (sum > largest || axis == 0) largest = sum, filter_axes_[2] = axis;
+    set_bounds(axis, std::signbit(rays.direction[axis][0]));
   }
-  const int z = filter_axes_[2], x = filter_axes_[0] = (z + 1) % 3, y = filter_axes_[1] = (z + 2) % 3;
-  Mask8 good(true);
-  for (std::size_t v = 0; v < kSize; v += kLanes) {
-    const Float8 inverse = Float8::load(inverse_[z] + v), dx = Float8::load(direction[x] + v),
-                 dy = Float8::load(direction[y] + v);
-    const Float8 sx = dx * inverse, sy = dy * inverse;
-    const Mask8 ok = (fabs(inverse) > 0x1p-100f) & (fabs(inverse) < 0x1p100f) & (fabs(sx) <= Float8(2)) &
-                     (fabs(sy) <= Float8(2));
-    const Float8 nan(std::numeric_limits<float>::quiet_NaN());
-    select(ok, sx, nan).store(shear_[0] + v);
-    select(ok, sy, nan).store(shear_[1] + v);
-    good = good & ok;
+  for (std::size_t v = 0; v < kVectors; ++v)
+    set_limits(v, min(Float8::load(rays.t_max + kLanes * v), Float8(kInfinity)));
+  prepare_filter(rays);
+}
+
+// A NaN stays outside the bounds: a ray that has one hits nothing.
+void RayGroup::set_bounds(int axis, bool negative) {
+  near_side_[axis] = 3 * (negative ? BvhNode::kUpper : BvhNode::kLower) + axis;
+  far_side_[axis] = 3 * (negative ? BvhNode::kLower : BvhNode::kUpper) + axis;
+  Float8 least_origin(kInfinity), greatest_origin(-kInfinity);
+  Float8 least_inverse(kInfinity), greatest_inverse(-kInfinity);
+  for (std::size_t i = 0; i < kSize; i += kLanes) {
+    const Float8 origin = Float8::load(origin_[axis] + i), inverse = Float8::load(inverse_[axis] + i);
+    least_origin = min(origin, least_origin);
+    greatest_origin = max(origin, greatest_origin);
+    least_inverse = min(inverse, least_inverse);
+    greatest_inverse = max(inverse, greatest_inverse);
   }
-  can_filter_ = core::all(good);
+  const float low = least(least_origin), high = greatest(greatest_origin);
+  origin_bounds_[axis][0] = negative ? low : high;
+  origin_bounds_[axis][1] = negative ? high : low;
+  inverse_bounds_[axis][0] = least(least_inverse);
+  inverse_bounds_[axis][1] = greatest(greatest_inverse);
+  for (int i = 0; i < 2; ++i) {
+    far_inverse_bounds_[axis][i] = inverse_bounds_[axis][i] * kBoxSlack;
+    has_bounds_ =
+        has_bounds_ && std::isfinite(origin_bounds_[axis][i]) && std::isfinite(far_inverse_bounds_[axis][i]);
+  }
+}
+
+// z is the axis along which most of the rays are long.
+void RayGroup::prepare_filter(const RayColumns& rays) {
+  Float8 sum[3] = {0.0f, 0.0f, 0.0f};
+  for (int axis = 0; axis < 3; ++axis)
+    for (std::size_t i = 0; i < kSize; i += kLanes)
+      sum[axis] = sum[axis] + fabs(Float8::load(rays.direction[axis] + i));
+  const int z = longest_axis({greatest(sum[0]), greatest(sum[1]), greatest(sum[2])});
+  const int x = (z + 1) % 3, y = (z + 2) % 3;
+  filter_axes_[0] = x, filter_axes_[1] = y, filter_axes_[2] = z;
+  Mask8 all_in_range(true);
+  for (std::size_t i = 0; i < kSize; i += kLanes) {
+    const Float8 inverse = Float8::load(inverse_[z] + i);
+    const Float8 shear_x = Float8::load(rays.direction[x] + i) * inverse;
+    const Float8 shear_y = Float8::load(rays.direction[y] + i) * inverse;
+    const Mask8 in_range = (fabs(inverse) > Float8(0x1p-100f)) & (fabs(inverse) < Float8(0x1p100f)) &
+                           (fabs(shear_x) <= Float8(2)) & (fabs(shear_y) <= Float8(2));
+    shear_x.store(shear_[0] + i);
+    shear_y.store(shear_[1] + i);
+    all_in_range = all_in_range & in_range;
+  }
+  can_filter_ = all(all_in_range);
 }
 
 RaySet RayGroup::reaching(RaySet set, float t) const {
@@ -116,7 +121,15 @@ unsigned RayGroup::boxes_met(const BvhNode& node, float* t_near) const {
   return met;
 }
 
-RaySet RayGroup::rays_meeting(const BvhNode& node, int lane, RaySet set) const {
+void RayGroup::rays_meeting(const BvhNode& node, unsigned met, RaySet set,
+                            std::array<RaySet, BvhNode::kWidth>& meeting) const {
+  for (; met != 0; met &= met - 1) {
+    const int lane = std::countr_zero(met);
+    meeting[static_cast<std::size_t>(lane)] = rays_meeting_box(node, lane, set);
+  }
+}
+
+RaySet RayGroup::rays_meeting_box(const BvhNode& node, int lane, RaySet set) const {
   RaySet meeting = 0;
   Float8 planes_near[3], planes_far[3];
   for (int axis = 0; axis < 3; ++axis) {
@@ -124,7 +137,7 @@ RaySet RayGroup::rays_meeting(const BvhNode& node, int lane, RaySet set) const {
     planes_far[axis] = Float8(node.bounds[far_side_[axis]][lane]);
   }
   for (std::size_t v = 0; v < kVectors; ++v) {
-    if (lanes(set, v) == 0) continue;
+    if (lanes_of(set, v) == 0) continue;
     Float8 near(0), far = Float8::load(limit_ + kLanes * v);
     for (int axis = 0; axis < 3; ++axis) {
       const Float8 origin = Float8::load(origin_[axis] + kLanes * v);
@@ -151,6 +164,22 @@ unsigned RayGroup::boxes_met_by(std::size_t ray, const BvhNode& node) const {
     met |= less_equal(near, far) << lane;
   }
   return met;
+}
+
+// A row of sixteen bits for each ray becomes a column of 64 for each box.
+unsigned RayGroup::rays_meeting(const BvhNode& node, RaySet set,
+                                std::array<RaySet, BvhNode::kWidth>& meeting) const {
+  alignas(32) std::uint8_t rows[2][kSize] = {};
+  unsigned met_by_any = 0;
+  for_each_ray(set, [&](std::size_t i) {
+    const unsigned met = boxes_met_by(i, node);
+    rows[0][i] = static_cast<std::uint8_t>(met);
+    rows[1][i] = static_cast<std::uint8_t>(met >> 8);
+    met_by_any |= met;
+  });
+  transpose_bits(rows[0], meeting.data());
+  transpose_bits(rows[1], meeting.data() + 8);
+  return met_by_any;
 }
 
 }  // namespace tessera::core

@@ -1,40 +1,25 @@
-// Up to 64 rays that go into the same octant, by coordinate, so that eight are tested against a box or a
-// triangle at once; and what is known of all of them together.
+// A group of rays that go into the same octant against boxes, eight rays or eight boxes at once, and all rays
+// together by bounds of their origins and directions.
 #pragma once
 
-#include <bit>
+#include <array>
 #include <cstdint>
 #include <limits>
-#include <span>
 
 #include "core/accel/box_test.hpp"
 #include "core/accel/bvh_layout.hpp"
+#include "core/accel/ray_columns.hpp"
 #include "core/accel/ray_traversal.hpp"
 #include "core/accel/triangle_filter.hpp"
-#include "core/geometry/ray.hpp"
 
 namespace tessera::core {
 
-// A set of a group's rays: bit i for ray i.
-using RaySet = std::uint64_t;
-
 class RayGroup {
  public:
-  static constexpr std::size_t kSize = 64, kLanes = 8, kVectors = kSize / kLanes;
+  static constexpr std::size_t kSize = RayColumns::kSize, kLanes = RayColumns::kLanes,
+                               kVectors = RayColumns::kVectors;
 
-  // The octant that a direction points into: bit i is the sign of coordinate i.
-  static unsigned octant(const Ray& ray) {
-    const auto sign = [](float x) { return std::bit_cast<std::uint32_t>(x) >> 31; };
-    return sign(ray.direction.x) | sign(ray.direction.y) << 1 | sign(ray.direction.z) << 2;
-  }
-
-  // rays[order[i]] becomes ray i. All are of one octant, and there are at most kSize.
-  RayGroup(std::span<const Ray> rays, std::span<const std::uint32_t> order);
-
-  RaySet all() const { return all_; }
-  static unsigned lanes(RaySet set, std::size_t vector) {
-    return static_cast<unsigned>(set >> (kLanes * vector)) & 0xffu;
-  }
+  explicit RayGroup(const RayColumns& rays);
 
   // One of the rays, prepared to go on alone.
   SlabRay slab_ray(std::size_t i) const {
@@ -55,10 +40,12 @@ class RayGroup {
   // Which of a node's boxes some ray of the group may meet: all that any ray meets, and perhaps others.
   // Writes a lower bound of the distances to each box.
   unsigned boxes_met(const BvhNode& node, float* t_near) const;
-  // Which rays of `set` meet the box in a lane of a node.
-  RaySet rays_meeting(const BvhNode& node, int lane, RaySet set) const;
-  // Which of a node's boxes one ray meets.
-  unsigned boxes_met_by(std::size_t ray, const BvhNode& node) const;
+  // meeting[lane] becomes the rays of `set` that meet the box in that lane of a node. Box by box, for the
+  // lanes of `met`:
+  void rays_meeting(const BvhNode& node, unsigned met, RaySet set,
+                    std::array<RaySet, BvhNode::kWidth>& meeting) const;
+  // Ray by ray, for all lanes; answers with those where there are any.
+  unsigned rays_meeting(const BvhNode& node, RaySet set, std::array<RaySet, BvhNode::kWidth>& meeting) const;
 
   // The rays of one vector as the filter of triangles takes them, with axes x, y and z.
   FilterRays filter_rays(std::size_t vector) const {
@@ -75,7 +62,12 @@ class RayGroup {
   bool can_filter() const { return can_filter_; }
 
  private:
-  RaySet all_;
+  RaySet rays_meeting_box(const BvhNode& node, int lane, RaySet set) const;
+  unsigned boxes_met_by(std::size_t ray, const BvhNode& node) const;
+  // All origins, and all inverses, of one axis; `negative` says where the rays go.
+  void set_bounds(int axis, bool negative);
+  void prepare_filter(const RayColumns& rays);
+
   int near_side_[3], far_side_[3];  // of BvhNode::bounds
   // Bounds over all rays, those of origins ordered as a ray meets them: boxes' near sides are taken relative
   // to the first, far sides to the second.

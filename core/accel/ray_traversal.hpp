@@ -65,7 +65,10 @@ class StackEntry {
   std::uint64_t key_;  // not initialised, so that a stack of these costs nothing to make
 };
 
-// What is yet to be visited, nearest on top. Each level of the tree leaves all children but one behind.
+// Each level of the tree leaves all children but one behind.
+inline constexpr std::size_t kMaxStackSize = 1 + (BvhNode::kWidth - 1) * (kMaxBinaryDepth + 1);
+
+// What is yet to be visited, nearest on top.
 class Stack {
  public:
   // Takes the next entry that begins before `limit`; false if there is none.
@@ -93,8 +96,7 @@ class Stack {
   }
 
  private:
-  static constexpr std::size_t kSize = 1 + (BvhNode::kWidth - 1) * (kMaxBinaryDepth + 1);
-  std::array<StackEntry, kSize> entries_;
+  std::array<StackEntry, kMaxStackSize> entries_;
   std::size_t size_ = 0;
 };
 

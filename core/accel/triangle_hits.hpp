@@ -2,8 +2,6 @@
 // the same operations, and so to the bit the same hits.
 #pragma once
 
-#include <array>
-
 #include "core/geometry/rounding.hpp"
 #include "core/geometry/triangle.hpp"
 #include "core/math/simd.hpp"
@@ -19,20 +17,10 @@ struct ShearedRays {
         shear_x(ray.shear_x),
         shear_y(ray.shear_y),
         direction_z(ray.direction_z) {}
-  explicit ShearedRays(const std::array<const ShearedRay*, 4>& rays)
-      : origin_x(each(rays, &ShearedRay::origin_x)),
-        origin_y(each(rays, &ShearedRay::origin_y)),
-        origin_z(each(rays, &ShearedRay::origin_z)),
-        shear_x(each(rays, &ShearedRay::shear_x)),
-        shear_y(each(rays, &ShearedRay::shear_y)),
-        direction_z(each(rays, &ShearedRay::direction_z)) {}
+  ShearedRays(Double4 ox, Double4 oy, Double4 oz, Double4 sx, Double4 sy, Double4 dz)
+      : origin_x(ox), origin_y(oy), origin_z(oz), shear_x(sx), shear_y(sy), direction_z(dz) {}
 
   Double4 origin_x, origin_y, origin_z, shear_x, shear_y, direction_z;
-
- private:
-  static Double4 each(const std::array<const ShearedRay*, 4>& rays, double ShearedRay::*member) {
-    return Double4::of(rays[0]->*member, rays[1]->*member, rays[2]->*member, rays[3]->*member);
-  }
 };
 
 class TriangleHits {

@@ -126,6 +126,19 @@ inline unsigned less_equal(Float8 a, Float8 b) {
   return (a <= b).bits();
 }
 
+// Bit k of rows[i] becomes bit i of columns[k]; rows are 64, aligned to 32 bytes, and columns eight.
+inline void transpose_bits(const std::uint8_t* rows, std::uint64_t* columns) {
+  __m256i first = _mm256_load_si256(reinterpret_cast<const __m256i*>(rows));
+  __m256i second = _mm256_load_si256(reinterpret_cast<const __m256i*>(rows + 32));
+  for (int k = 7; k >= 0; --k) {
+    const auto low = static_cast<std::uint32_t>(_mm256_movemask_epi8(first));
+    const auto high = static_cast<std::uint32_t>(_mm256_movemask_epi8(second));
+    columns[k] = std::uint64_t{high} << 32 | low;
+    first = _mm256_add_epi8(first, first);
+    second = _mm256_add_epi8(second, second);
+  }
+}
+
 struct Double4 {
   __m256d v;
 

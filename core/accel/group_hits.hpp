@@ -1,0 +1,224 @@
+// What the rays of a group hit. A triangle that float arithmetic is sure about (triangle_filter.hpp) becomes
+// a ray's candidate, with bounds on its t; only where bounds overlap, and for the candidate that is left in
+// the end, is the hit computed in double, four at once.
+#pragma once
+
+#include <array>
+#include <bit>
+#include <cstdint>
+#include <limits>
+#include <span>
+
+#include "core/accel/bvh_layout.hpp"
+#include "core/accel/ray_group.hpp"
+#include "core/accel/sheared_group.hpp"
+#include "core/geometry/primitives.hpp"
+
+namespace tessera::core {
+
+// What a group is traced against.
+struct GroupScene {
+  const Primitives& primitives;
+  const BvhNode* nodes;
+  const BvhPacket* packets;
+};
+
+template <Query kQuery>
+class GroupHits {
+ public:
+  // Keeps references, and tells `group` how far its rays reach. rays[order[i]] is ray i.
+  GroupHits(const GroupScene& scene, std::span<const Ray> rays, std::span<const std::uint32_t> order,
+            const RayColumns& columns, RayGroup& group)
+      : scene_(scene), rays_(rays), order_(order), group_(group), sheared_(columns), alive_(columns.all()) {
+    for (std::size_t i = 0; i < kSize; i += kLanes) {
+      const Float8 t_max = Float8::load(columns.t_max + i);
+      t_max.store(t_low_ + i);
+      min(t_max, Float8(std::numeric_limits<float>::infinity())).store(t_high_ + i);
+      Float8(std::bit_cast<float>(kNothing)).store(candidates_ + i);
+    }
+  }
+
+  const Ray& ray(std::size_t i) const { return rays_[order_[i]]; }
+  // Those whose answer is still open: for kAny, those that are not known to hit anything.
+  RaySet alive() const { return alive_; }
+
+  // The rays of `set` against all of a packet's primitives, each ray by itself.
+  void test_each(const BvhPacket& packet, RaySet set) {
+    for_each_ray(set, [&](std::size_t i) { test_one(i, packet); });
+  }
+
+  // The rays of `set` against all triangles of packet `index`, eight rays at once. Only where
+  // RayGroup::can_filter.
+  void test_together(std::uint32_t index, RaySet set) {
+    for (std::size_t v = 0; v < RayGroup::kVectors; ++v)
+      if (lanes_of(set, v) != 0) test_vector(index, v, Mask8::from_bits(lanes_of(set, v)));
+    settle();
+  }
+
+  // Lets find(ray, sheared ray, best hit so far) answer with the best hit of ray i.
+  template <typename Find>
+  void improve(std::size_t i, const Find& find) {
+    settle_candidate(i);
+    hits_[i] = find(ray(i), sheared_.ray(i), hits_[i]);
+    update(i);
+  }
+
+  // What the rays hit, after all has been tested.
+  std::span<const Hit> finish() {
+    for (std::size_t first = 0; first < order_.size(); first += 4) {
+      std::array<Pair, 4> pairs;
+      RaySet open = 0;
+      for (std::size_t k = 0; k < 4; ++k) {
+        open |= RaySet{has_candidate(first + k)} << k;
+        pairs[k] = {static_cast<std::uint32_t>(first + k),
+                    has_candidate(first + k) ? candidate(first + k) : 0};
+      }
+      if (open != 0) compute(sheared_.rays(first), pairs, open);
+    }
+    return std::span(hits_).first(order_.size());
+  }
+
+ private:
+  static constexpr std::size_t kSize = RayGroup::kSize, kLanes = RayGroup::kLanes;
+  static constexpr std::uint32_t kNothing = 0xffffffffu;
+
+  struct Pair {
+    std::uint32_t ray;
+    std::uint32_t triangle;  // its packet's index times BvhPacket::kWidth, and its lane
+  };
+
+  bool has_candidate(std::size_t i) const { return candidate(i) != kNothing; }
+  std::uint32_t candidate(std::size_t i) const { return std::bit_cast<std::uint32_t>(candidates_[i]); }
+
+  void test_one(std::size_t i, const BvhPacket& packet) {
+    const TriangleHits hits(sheared_.rays_like(i), [&](int corner, int axis) {
+      return Double4::load(packet.corners[corner][sheared_.axis(i, axis)]);
+    });
+    unsigned lanes = hits.lanes() & packet.triangle_lanes;
+    if ((lanes | packet.sphere_lanes) == 0) return;
+    settle_candidate(i);
+    for (; lanes != 0; lanes &= lanes - 1) {
+      const int lane = std::countr_zero(lanes);
+      const float t = hits.t(lane);
+      if (t <= hits_[i].t)
+        hits_[i].improve(ray(i), {t, packet.primitives[lane], hits.b1(lane), hits.b2(lane)});
+    }
+    for (unsigned spheres = packet.sphere_lanes; spheres != 0; spheres &= spheres - 1)
+      scene_.primitives.intersect(packet.primitives[std::countr_zero(spheres)], ray(i), hits_[i]);
+    update(i);
+  }
+
+  // Without branches but for triangles that none of the rays hits and for what is not sure: how many of the
+  // rays hit a triangle cannot be guessed.
+  void test_vector(std::uint32_t index, std::size_t v, Mask8 asked) {
+    const BvhPacket& packet = scene_.packets[index];
+    const FilterRays rays = group_.filter_rays(v);
+    const int* axes = group_.filter_axes();
+    float* const t_low = t_low_ + kLanes * v;
+    float* const t_high = t_high_ + kLanes * v;
+    float* const candidates = candidates_ + kLanes * v;
+    for (unsigned triangles = packet.triangle_lanes; triangles != 0; triangles &= triangles - 1) {
+      const int lane = std::countr_zero(triangles);
+      const std::uint32_t triangle = index * BvhPacket::kWidth + static_cast<std::uint32_t>(lane);
+      const TriangleFilter filter(
+          rays, [&](int corner, int axis) { return Float8(packet.corners[corner][axes[axis]][lane]); });
+      const Mask8 may_hit = asked & !filter.surely_outside();
+      if (!any(may_hit)) continue;
+      const Mask8 inside = filter.surely_inside();
+      const auto [low, high] = filter.t(rays);
+      const Float8 best_low = Float8::load(t_low), best_high = Float8::load(t_high);
+      const Mask8 worse = inside & ((high < Float8(0)) | (best_high < low));
+      const Mask8 better = asked & inside & (Float8(0) < low) & (high < best_low);
+      if (kQuery == Query::kAny) {
+        alive_ &= ~to_set(better.bits(), v);
+      } else {
+        select(better, low, best_low).store(t_low);
+        select(better, high, best_high).store(t_high);
+        select(better, Float8(std::bit_cast<float>(triangle)), Float8::load(candidates)).store(candidates);
+      }
+      for_each_ray(to_set((may_hit & !worse & !better).bits(), v), [&](std::size_t i) {
+        enqueue_candidate(i);
+        queue_[queued_++] = {static_cast<std::uint32_t>(i), triangle};
+      });
+    }
+    if (kQuery == Query::kClosest) group_.set_limits(v, Float8::load(t_high));
+  }
+
+  void enqueue_candidate(std::size_t i) {
+    if (!has_candidate(i)) return;
+    queue_[queued_++] = {static_cast<std::uint32_t>(i), candidate(i)};
+    candidates_[i] = std::bit_cast<float>(kNothing);
+  }
+
+  void settle_candidate(std::size_t i) {
+    enqueue_candidate(i);
+    settle();
+  }
+
+  // Computes what is queued. A ray whose candidate came after it was queued is queued again.
+  void settle() {
+    for (std::size_t begin = 0, count; begin < queued_; begin += count) {
+      count = std::min<std::size_t>(4, queued_ - begin);
+      std::array<Pair, 4> pairs;
+      std::array<std::size_t, 4> rays;
+      for (std::size_t k = 0; k < 4; ++k) {
+        pairs[k] = queue_[begin + std::min(k, count - 1)];
+        rays[k] = pairs[k].ray;
+      }
+      compute(sheared_.rays(rays), pairs, (RaySet{1} << count) - 1);
+      for (std::size_t k = 0; k < count; ++k) {
+        update(rays[k]);
+        enqueue_candidate(rays[k]);
+      }
+    }
+    queued_ = 0;
+  }
+
+  // Improves hits_ by those of four pairs that are in `open`.
+  void compute(const ShearedRays& rays, const std::array<Pair, 4>& pairs, RaySet open) {
+    std::array<const BvhPacket*, 4> packets;
+    std::array<std::uint32_t, 4> lanes;
+    for (std::size_t k = 0; k < 4; ++k) {
+      packets[k] = &scene_.packets[pairs[k].triangle / BvhPacket::kWidth];
+      lanes[k] = pairs[k].triangle % BvhPacket::kWidth;
+    }
+    const TriangleHits hits(rays, [&](int corner, int axis) {
+      const auto at = [&](std::size_t k) {
+        return packets[k]->corners[corner][sheared_.axis(pairs[k].ray, axis)][lanes[k]];
+      };
+      return Double4::of(at(0), at(1), at(2), at(3));
+    });
+    if (hits.lanes() == 0) return;
+    alignas(16) float t[4], b1[4], b2[4];
+    hits.store(t, b1, b2);
+    for_each_ray(open & hits.lanes(), [&](std::size_t k) {
+      hits_[pairs[k].ray].improve(ray(pairs[k].ray), {t[k], packets[k]->primitives[lanes[k]], b1[k], b2[k]});
+    });
+  }
+
+  // After hits_[i] may have changed.
+  void update(std::size_t i) {
+    if (kQuery == Query::kAny) {
+      if (hits_[i].found()) alive_ &= ~(RaySet{1} << i);
+      return;
+    }
+    t_low_[i] = t_high_[i] = std::min(hits_[i].t, ray(i).t_max);
+    group_.set_limit(i, box_limit(t_high_[i]));
+  }
+
+  const GroupScene& scene_;
+  std::span<const Ray> rays_;
+  std::span<const std::uint32_t> order_;
+  RayGroup& group_;
+  ShearedGroup sheared_;
+  RaySet alive_;
+  // Bounds on t of the best hit that is known, candidate or not; t_max where there is none.
+  alignas(32) float t_low_[kSize];
+  alignas(32) float t_high_[kSize];
+  alignas(32) float candidates_[kSize];  // triangles, as the bits of floats; each nearer than hits_
+  std::array<Hit, kSize> hits_;
+  std::array<Pair, 3 * kSize * BvhPacket::kWidth> queue_;  // a packet adds two for each ray and triangle
+  std::size_t queued_ = 0;
+};
+
+}  // namespace tessera::core
