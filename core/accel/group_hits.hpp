@@ -73,7 +73,9 @@ class GroupHits {
         pairs[k] = {static_cast<std::uint32_t>(first + k),
                     has_candidate(first + k) ? candidate(first + k) : 0};
       }
-      if (open != 0) compute(sheared_.rays(first), pairs, open);
+      if (open == 0) continue;
+      const TriangleHits hits(sheared_.rays(first), Corners(*this, pairs), TriangleHits::Certain());
+      for_each_hit(hits, pairs, open, [&](std::size_t i, const Hit& hit) { hits_[i] = hit; });
     }
     return std::span(hits_).first(order_.size());
   }
@@ -165,7 +167,11 @@ class GroupHits {
         pairs[k] = queue_[begin + std::min(k, count - 1)];
         rays[k] = pairs[k].ray;
       }
-      compute(sheared_.rays(rays), pairs, (RaySet{1} << count) - 1);
+      const TriangleHits hits(sheared_.rays(rays), Corners(*this, pairs));
+      if (hits.lanes() != 0) {
+        for_each_hit(hits, pairs, (RaySet{1} << count) - 1,
+                     [&](std::size_t i, const Hit& hit) { hits_[i].improve(ray(i), hit); });
+      }
       for (std::size_t k = 0; k < count; ++k) {
         update(rays[k]);
         enqueue_candidate(rays[k]);
@@ -174,25 +180,40 @@ class GroupHits {
     queued_ = 0;
   }
 
-  // Improves hits_ by those of four pairs that are in `open`.
-  void compute(const ShearedRays& rays, const std::array<Pair, 4>& pairs, RaySet open) {
-    std::array<const BvhPacket*, 4> packets;
-    std::array<std::uint32_t, 4> lanes;
-    for (std::size_t k = 0; k < 4; ++k) {
-      packets[k] = &scene_.packets[pairs[k].triangle / BvhPacket::kWidth];
-      lanes[k] = pairs[k].triangle % BvhPacket::kWidth;
+  // The corners of four pairs' triangles, along the axes of their rays.
+  class Corners {
+   public:
+    Corners(const GroupHits& hits, const std::array<Pair, 4>& pairs) {
+      for (std::size_t k = 0; k < 4; ++k)
+        for (std::size_t axis = 0; axis < 3; ++axis)
+          coordinates_[k][axis] =
+              hits.packet_of(pairs[k]).corners[0][hits.sheared_.axis(pairs[k].ray, static_cast<int>(axis))] +
+              pairs[k].triangle % BvhPacket::kWidth;
     }
-    const TriangleHits hits(rays, [&](int corner, int axis) {
+    Double4 operator()(int corner, int axis) const {
       const auto at = [&](std::size_t k) {
-        return packets[k]->corners[corner][sheared_.axis(pairs[k].ray, axis)][lanes[k]];
+        return coordinates_[k][static_cast<std::size_t>(axis)][3 * BvhPacket::kWidth * corner];
       };
       return Double4::of(at(0), at(1), at(2), at(3));
-    });
-    if (hits.lanes() == 0) return;
+    }
+
+   private:
+    std::array<std::array<const float*, 3>, 4> coordinates_;  // of the first corner
+  };
+
+  const BvhPacket& packet_of(const Pair& pair) const {
+    return scene_.packets[pair.triangle / BvhPacket::kWidth];
+  }
+
+  // Lets improve(ray, hit) have the hits of those pairs that are in `open`.
+  template <typename Improve>
+  void for_each_hit(const TriangleHits& hits, const std::array<Pair, 4>& pairs, RaySet open,
+                    const Improve& improve) const {
     alignas(16) float t[4], b1[4], b2[4];
     hits.store(t, b1, b2);
     for_each_ray(open & hits.lanes(), [&](std::size_t k) {
-      hits_[pairs[k].ray].improve(ray(pairs[k].ray), {t[k], packets[k]->primitives[lanes[k]], b1[k], b2[k]});
+      const std::uint32_t primitive = packet_of(pairs[k]).primitives[pairs[k].triangle % BvhPacket::kWidth];
+      improve(pairs[k].ray, Hit{t[k], primitive, b1[k], b2[k]});
     });
   }
 

@@ -6,8 +6,9 @@
 // The error bounds: let u be the unit roundoff of float. Coordinates relative to the origin have relative
 // error u, shears (of magnitude 2 at most) 2u, so that a sheared coordinate is wrong by
 // u (|X| + 3 |S Z| + |x|) <= u (2L + 8Z), where L is the largest sheared |x| or |y| of the triangle and Z the
-// largest |z|. An edge function is then wrong by 4 L u (2L + 8Z) + 3 u L^2 = u L (11 L + 32 Z) at most, to
-// first order; 40 u L (L + Z) and a tiny number, for what underflows, is safely more.
+// largest |z|. An edge function is then wrong by E = 4 L u (2L + 8Z) + 3 u L^2 = u L (11 L + 32 Z), to first
+// order. Where all three have one sign, weights of the corners are wrong by 3 E / det each way, and t by
+// Z (6 E / det + 11 u). Each bound is taken a little larger, and a tiny number is added for what underflows.
 #pragma once
 
 #include "core/geometry/rounding.hpp"
@@ -39,7 +40,7 @@ class TriangleFilter {
     }
     const Float8 extent = max(max_abs(x_), max_abs(y_));
     max_z_ = max_abs(z_);
-    e_error_ = extent * (extent + max_z_) * Float8(kEdgeError) + Float8(0x1p-120f);
+    e_error_ = extent * (Float8(kErrorOfExtent) * extent + Float8(kErrorOfZ) * max_z_) + Float8(0x1p-120f);
     least_ = min(min(e_[0], e_[1]), e_[2]);
     greatest_ = max(max(e_[0], e_[1]), e_[2]);
   }
@@ -57,13 +58,13 @@ class TriangleFilter {
     const Float8 inverse_det = Float8(1) / (e_[0] + e_[1] + e_[2]);
     const Float8 z = e_[0] * inverse_det * z_[0] + e_[1] * inverse_det * z_[1] + e_[2] * inverse_det * z_[2];
     const Float8 t = z * rays.inverse_z;
-    const Float8 relative_error = Float8(8) * e_error_ * fabs(inverse_det) + Float8(32 * gamma<float>(1));
+    const Float8 relative_error = Float8(6.5f) * e_error_ * fabs(inverse_det) + Float8(gamma<float>(16));
     const Float8 error = (max_z_ + Float8(0x1p-100f)) * relative_error * fabs(rays.inverse_z);
     return {t - error, t + error};
   }
 
  private:
-  static constexpr float kEdgeError = 40 * gamma<float>(1);
+  static constexpr float kErrorOfExtent = gamma<float>(12), kErrorOfZ = gamma<float>(33);
 
   static Float8 max_abs(const Float8 (&a)[3]) { return max(max(fabs(a[0]), fabs(a[1])), fabs(a[2])); }
 

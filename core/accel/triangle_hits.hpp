@@ -37,6 +37,14 @@ class TriangleHits {
     if (lanes_ != 0) find_distances(corners, e, rays.direction_z);
   }
 
+  // For pairs that are known to hit.
+  struct Certain {};
+  template <typename Corner>
+  TriangleHits(const ShearedRays& rays, const Corner& corner, Certain) : lanes_(0xfu) {
+    const ShearedCorners corners(rays, corner);
+    compute(corners, Edges(corners), rays.direction_z);
+  }
+
   // Those that hit.
   unsigned lanes() const { return lanes_; }
   float t(int lane) const { return static_cast<float>(t_[lane]); }
@@ -85,18 +93,27 @@ class TriangleHits {
   void find_distances(const ShearedCorners& corners, const Edges& e, Double4 direction_z) {
     const auto& z = corners.z;
     const Double4 zero = Double4::broadcast(0);
-    const Double4 det = e.e0 + e.e1 + e.e2;
-    const Double4 scale = det * direction_z;
-    const Double4 t = (e.e0 * z[0] + e.e1 * z[1] + e.e2 * z[2]) / scale;
+    const auto [t, scale] = compute(corners, e, direction_z);
     lanes_ &= less(zero, t);  // not where det is 0
     // A corner is ahead where z has the sign of direction_z, so that their product is positive.
     const unsigned all_ahead =
         less(zero, min(min(z[0] * direction_z, z[1] * direction_z), z[2] * direction_z));
     if ((lanes_ & ~all_ahead) != 0) lanes_ &= all_ahead | less(t_error_bound(corners, e) / abs(scale), t);
+  }
+
+  struct Distance {
+    Double4 t, scale;
+  };
+  Distance compute(const ShearedCorners& corners, const Edges& e, Double4 direction_z) {
+    const auto& z = corners.z;
+    const Double4 det = e.e0 + e.e1 + e.e2;
+    const Double4 scale = det * direction_z;
+    const Double4 t = (e.e0 * z[0] + e.e1 * z[1] + e.e2 * z[2]) / scale;
     t.store(t_);
     e.e1.store(e1_);
     e.e2.store(e2_);
     det.store(det_);
+    return {t, scale};
   }
 
   static Double4 max_abs(Double4 a, Double4 b, Double4 c) { return max(max(abs(a), abs(b)), abs(c)); }
