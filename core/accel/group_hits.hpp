@@ -223,7 +223,9 @@ class GroupHits {
       if (hits_[i].found()) alive_ &= ~(RaySet{1} << i);
       return;
     }
-    t_low_[i] = t_high_[i] = std::min(hits_[i].t, ray(i).t_max);
+    // A t_max that is NaN stays so in t_low_, and nothing is sure of such a ray.
+    t_low_[i] = std::min(ray(i).t_max, hits_[i].t);
+    t_high_[i] = std::min(hits_[i].t, ray(i).t_max);
     group_.set_limit(i, box_limit(t_high_[i]));
   }
 

@@ -9,7 +9,7 @@ namespace tessera::core {
 namespace {
 
 // What tests cost, in cycles, as far as choosing between them goes.
-constexpr int kBoxVsVector = 9, kRayVsBoxes = 20, kTriangleVsVector = 24, kRayVsPacket = 40;
+constexpr int kBoxVsVector = 9, kRayVsBoxes = 20, kTriangleVsVector = 24, kRayVsPacket = 28;
 // From here on rays go alone.
 constexpr int kFewRays = 3;
 
