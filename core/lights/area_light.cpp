@@ -147,9 +147,9 @@ AreaLight::Found AreaLight::find(const SphereLight& sphere, Vec3 p_lit, Vec2 u) 
   const float cos_alpha = sin2_theta / std::sqrt(cone->sin2_max) +
                           cos_theta * std::sqrt(std::max(0.0f, 1 - sin2_theta / cone->sin2_max));
   const float sin_alpha = std::sqrt(std::max(0.0f, 1 - cos_alpha * cos_alpha));
-  const float phi = 2 * kPi * u.y;
+  const auto [sin_phi, cos_phi] = sin_cos_turns(u.y);
   const Frame axis = Frame::around(normalize(p_lit - sphere.center));
-  const Vec3 outward = axis.to_world({sin_alpha * cos(phi), sin_alpha * sin(phi), cos_alpha});
+  const Vec3 outward = axis.to_world({sin_alpha * cos_phi, sin_alpha * sin_phi, cos_alpha});
 
   const SurfacePoint point = point_of(sphere, outward);
   return {point, normalize(point.position - p_lit), pdf_cone(*cone)};

@@ -37,8 +37,9 @@ float Ggx::pdf_visible(Vec3 wo, Vec3 h) const {
 
 Vec3 Ggx::sample_projected(Vec2 u) const {
   const float scale = 1 / (1 + (alpha2_ - 1) * u.x), cos2 = (1 - u.x) * scale;
-  const float sin_h = std::sqrt(alpha2_ * u.x * scale), phi = 2 * kPi * u.y;
-  return {sin_h * cos(phi), sin_h * sin(phi), std::sqrt(cos2)};
+  const float sin_h = std::sqrt(alpha2_ * u.x * scale);
+  const auto [s, c] = sin_cos_turns(u.y);
+  return {sin_h * c, sin_h * s, std::sqrt(cos2)};
 }
 
 }  // namespace tessera::core

@@ -18,8 +18,8 @@ Vec3 mirrored(Vec3 wo) {
 Vec3 sample_power_cosine(float n, Vec2 u) {
   const double cos_a = pow(1 - static_cast<double>(u.x), 1 / (static_cast<double>(n) + 1));
   const auto sin_a = static_cast<float>(std::sqrt((1 - cos_a) * (1 + cos_a)));
-  const float phi = 2 * kPi * u.y;
-  return {sin_a * cos(phi), sin_a * sin(phi), static_cast<float>(cos_a)};
+  const auto [s, c] = sin_cos_turns(u.y);
+  return {sin_a * c, sin_a * s, static_cast<float>(cos_a)};
 }
 
 // cos^n of the angle between unit vectors, by the chord; 0 beyond a right angle.

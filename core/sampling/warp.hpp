@@ -12,13 +12,10 @@ namespace tessera::core {
 // Uniform on the unit disk; keeps neighbours together (Shirley and Chiu 1997).
 inline Vec2 sample_disk(Vec2 u) {
   const float a = 2 * u.x - 1, b = 2 * u.y - 1;
-  if (a == 0 && b == 0) return {0, 0};
-  if (std::fabs(a) > std::fabs(b)) {
-    const float angle = kPi / 4 * (b / a);
-    return {a * cos(angle), a * sin(angle)};
-  }
-  const float angle = kPi / 2 - kPi / 4 * (a / b);
-  return {b * cos(angle), b * sin(angle)};
+  const bool beside = std::fabs(a) > std::fabs(b);  // rather than above or below
+  const float radius = select(beside, a, b), across = select(beside, b, a);
+  const auto [s, c] = sin_cos_near_zero(0.5f * across / select(radius == 0, 1, radius));
+  return {radius * select(beside, c, s), radius * select(beside, s, c)};
 }
 
 // The same map in polar coordinates: the distance from the centre in [0, 1], and the angle from +x towards +y
@@ -46,14 +43,16 @@ inline float pdf_cosine_hemisphere(float cos_theta) {
 
 // Uniform on the unit sphere, density 1 / (4 pi) per solid angle.
 inline Vec3 sample_sphere(Vec2 u) {
-  const float z = 1 - 2 * u.x, r = std::sqrt(std::max(0.0f, 1 - z * z)), phi = 2 * kPi * u.y;
-  return {r * cos(phi), r * sin(phi), z};
+  const float z = 1 - 2 * u.x, r = std::sqrt(std::max(0.0f, 1 - z * z));
+  const auto [s, c] = sin_cos_turns(u.y);
+  return {r * c, r * s, z};
 }
 
 // Uniform on the hemisphere around +z, density 1 / (2 pi) per solid angle. z is above 0.
 inline Vec3 sample_hemisphere(Vec2 u) {
-  const float z = 1 - u.x, r = std::sqrt(std::max(0.0f, 1 - z * z)), phi = 2 * kPi * u.y;
-  return {r * cos(phi), r * sin(phi), z};
+  const float z = 1 - u.x, r = std::sqrt(std::max(0.0f, 1 - z * z));
+  const auto [s, c] = sin_cos_turns(u.y);
+  return {r * c, r * s, z};
 }
 
 // Barycentric coordinates of a triangle's second and third corner, uniform over its area (Heitz 2019).

@@ -16,17 +16,35 @@ TEST(Elementary, SineAndCosineAreAccurateOverTheirDomain) {
   }
 }
 
+TEST(Elementary, SineAndCosineOfTurnsAreAccurate) {
+  constexpr double kTwoPi = 6.28318530717958647692;
+  for (int i = -100000; i <= 100000; ++i) {
+    const float turns = static_cast<float>(i) * 1.37e-5f;
+    const core::SinCos found = core::sin_cos_turns(turns);
+    ASSERT_NEAR(found.sin, std::sin(kTwoPi * static_cast<double>(turns)), 1.5e-7) << turns;
+    ASSERT_NEAR(found.cos, std::cos(kTwoPi * static_cast<double>(turns)), 1.5e-7) << turns;
+  }
+  for (int quarter = -4000000; quarter <= 4000000; quarter += 250001) {
+    const core::SinCos found = core::sin_cos_turns(static_cast<float>(quarter) / 4);
+    EXPECT_EQ(std::fabs(found.sin), quarter % 2 != 0 ? 1 : 0) << quarter;
+    EXPECT_EQ(std::fabs(found.cos), quarter % 2 != 0 ? 0 : 1) << quarter;
+  }
+}
+
 TEST(Elementary, ArcTangentIsAccurateInAllQuadrants) {
   std::mt19937 random(1);
   std::uniform_real_distribution<float> coordinate(-3, 3);
   for (int i = 0; i < 100000; ++i) {
     const float x = coordinate(random), y = coordinate(random);
-    ASSERT_NEAR(core::atan2(y, x), std::atan2(static_cast<double>(y), static_cast<double>(x)), 1e-6)
+    ASSERT_NEAR(core::atan2(y, x), std::atan2(static_cast<double>(y), static_cast<double>(x)), 5e-7)
         << y << " " << x;
   }
   EXPECT_EQ(core::atan2(0, 0), 0);
   EXPECT_FLOAT_EQ(core::atan2(0, -1), core::kPi);
   EXPECT_FLOAT_EQ(core::atan2(-1, 0), -core::kPi / 2);
+  constexpr float kTiny = 0x1p-149f, kHuge = std::numeric_limits<float>::max();
+  EXPECT_FLOAT_EQ(core::atan2(kTiny, kTiny), core::kPi / 4);
+  EXPECT_FLOAT_EQ(core::atan2(kHuge, -kHuge), core::kPi * 3 / 4);
 }
 
 TEST(Elementary, ExponentialAndLogarithmAreAccurate) {
@@ -34,6 +52,12 @@ TEST(Elementary, ExponentialAndLogarithmAreAccurate) {
   for (double x = 1e-300; x < 1e300; x *= 1.7)
     ASSERT_NEAR(core::log(x), std::log(x), 1e-13 * std::fabs(std::log(x)) + 1e-15) << x;
   EXPECT_EQ(core::exp(0), 1);
+  for (double x = 0x1p-1074; x < 1e-300; x *= 3)
+    ASSERT_NEAR(core::log(x), std::log(x), 1e-13 * std::fabs(std::log(x))) << x;
+  for (int i = -10000; i <= 10000; ++i) {
+    const double x = 1 + i * 0x1p-40;
+    ASSERT_NEAR(core::log(x), std::log(x), 1e-15 * std::fabs(std::log(x))) << i;
+  }
   EXPECT_EQ(core::log(1), 0);
   EXPECT_EQ(core::exp(-1000), 0);
   EXPECT_EQ(core::exp(1000), std::numeric_limits<double>::infinity());

@@ -1,0 +1,24 @@
+// Polynomials as chains of few dependent steps (Estrin 1960): pairs of terms are joined first, then pairs of
+// pairs, so that a processor works on all of them at once. The order of operations, and so the result's bits,
+// is the same everywhere.
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+namespace tessera::core {
+
+// coefficients[0] + coefficients[1] x + coefficients[2] x^2 + ...
+template <typename Real, std::size_t kCount>
+constexpr Real polynomial(Real x, const std::array<Real, kCount>& coefficients) {
+  if constexpr (kCount == 1) {
+    return coefficients[0];
+  } else {
+    std::array<Real, (kCount + 1) / 2> pairs{};
+    for (std::size_t i = 0; i < kCount / 2; ++i) pairs[i] = coefficients[2 * i] + coefficients[2 * i + 1] * x;
+    if constexpr (kCount % 2 == 1) pairs.back() = coefficients.back();
+    return polynomial(x * x, pairs);
+  }
+}
+
+}  // namespace tessera::core
