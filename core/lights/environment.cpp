@@ -66,7 +66,7 @@ Environment::Environment(Rgb radiance, std::shared_ptr<const TextureImage> image
       image_(std::move(image)),
       width_(image_ ? image_->width : 1),
       height_(image_ ? image_->height : 1),
-      rotation_(fraction(rotation_degrees / 360) * 2 * kPi),
+      turned_(fraction(rotation_degrees / 360)),
       row_begin_(rows_below_north_pole(height_)) {
   auto weights =
       image_ ? texel_means(*image_, radiance_) : std::vector<double>{static_cast<double>(mean(radiance_))};
@@ -83,6 +83,7 @@ Environment::Environment(Rgb radiance, std::shared_ptr<const TextureImage> image
       weights[i] =
           angle_of(i) * ((1 - kUniformShare) * weights[i] / radiance_over_sphere_ + kUniformShare / lit);
   texels_ = GridDistribution(width_, height_, weights);
+  for (int row = 0; row < height_; ++row) per_solid_angle_.push_back(1 / solid_angle(row));
 }
 
 double Environment::solid_angle(int row) const {
@@ -91,9 +92,9 @@ double Environment::solid_angle(int row) const {
 }
 
 Vec2 Environment::uv_of(Vec3 d) const {
-  const float longitude = atan2(d.x, -d.z) + rotation_;
-  const float latitude = atan2(d.y, std::sqrt(d.x * d.x + d.z * d.z));
-  return {fraction(0.5f + longitude / (2 * kPi)), 0.5f + latitude / kPi};
+  constexpr float kInvPi = 1 / kPi;
+  const float longitude = atan2(d.x, -d.z), latitude = atan2(d.y, std::sqrt(d.x * d.x + d.z * d.z));
+  return {fraction(0.5f + (longitude * (kInvPi / 2) + turned_)), 0.5f + latitude * kInvPi};
 }
 
 Rgb Environment::radiance(Vec3 direction) const {
@@ -104,7 +105,8 @@ float Environment::pdf(Vec3 direction) const {
   if (!image_) return 1 / (4 * kPi);
   const Vec2 uv = uv_of(direction);
   const int row = cell_of(1 - uv.y, height_);
-  return static_cast<float>(texels_.pmf(cell_of(uv.x, width_), row) / solid_angle(row));
+  return static_cast<float>(texels_.pmf(cell_of(uv.x, width_), row) *
+                            per_solid_angle_[static_cast<std::size_t>(row)]);
 }
 
 std::optional<LightSample> Environment::sample(Vec2 u) const {
@@ -114,12 +116,12 @@ std::optional<LightSample> Environment::sample(Vec2 u) const {
       row_begin_[row] + (row_begin_[row + 1] - row_begin_[row]) * static_cast<double>(texel.within.y);
   const auto horizontal = static_cast<float>(std::sqrt(depth * (2 - depth)));
   const float along_row = (static_cast<float>(texel.x) + texel.within.x) / static_cast<float>(width_);
-  const float longitude = 2 * kPi * (along_row - 0.5f) - rotation_;
-  const Vec3 wi =
-      normalize({horizontal * sin(longitude), static_cast<float>(1 - depth), -horizontal * cos(longitude)});
+  const auto [sine, cosine] = sin_cos_turns(along_row - 0.5f - turned_);
+  const Vec3 wi = normalize({horizontal * sine, static_cast<float>(1 - depth), -horizontal * cosine});
   const Rgb arriving = radiance(wi);
   if (is_black(arriving)) return std::nullopt;
-  return LightSample{wi, arriving, static_cast<float>(texel.pmf / solid_angle(texel.y)), false, std::nullopt};
+  return LightSample{wi, arriving, static_cast<float>(texel.pmf * per_solid_angle_[row]), false,
+                     std::nullopt};
 }
 
 double Environment::power(double scene_radius) const {

@@ -44,10 +44,11 @@ class Environment {
   Rgb radiance_;
   std::shared_ptr<const TextureImage> image_;
   int width_, height_;  // in texels; 1 x 1 without a picture
-  float rotation_;      // radians
+  float turned_;        // turns
   // The density is constant on each texel: it is uniform in longitude and in height on the unit sphere, where
   // equal heights have equal areas (Archimedes). Rows begin at these depths below the north pole.
-  std::vector<double> row_begin_;  // and where the last one ends
+  std::vector<double> row_begin_;        // and where the last one ends
+  std::vector<double> per_solid_angle_;  // one over that of each texel, by row
   GridDistribution texels_;
   double radiance_over_sphere_ = 0;  // the mean of the channels, integrated over solid angle
 };

@@ -1,36 +1,20 @@
 #include "core/sampling/distribution.hpp"
 
 #include <algorithm>
-#include <span>
+#include <numeric>
 
 namespace tessera::core {
 namespace {
 
-// Cumulates `weights` in place, up to exactly 1, and answers what they summed to.
-double cumulate(std::span<double> weights) {
-  double sum = 0;
-  for (double& w : weights) w = sum += w;
-  if (sum > 0)
-    for (double& w : weights) w /= sum;
-  return sum;
-}
+constexpr std::uint32_t kWhole = std::uint32_t{1} << 31;
+constexpr double kUnit = 1.0 / kWhole;
+constexpr std::size_t kCellsPerGuide = 4;
 
-double probability(std::span<const double> cdf, std::size_t index) {
-  return index > 0 ? cdf[index] - cdf[index - 1] : cdf[index];
-}
-
-struct Inverted {
-  std::size_t index;
-  float within;
-};
-
-// Where u falls, and how far into that entry.
-Inverted invert(std::span<const double> cdf, float u) {
-  constexpr float kBelowOne = 1 - 0x1p-24f;
-  const auto value = static_cast<double>(u);
-  const auto index = static_cast<std::size_t>(std::upper_bound(cdf.begin(), cdf.end(), value) - cdf.begin());
-  const double begin = index > 0 ? cdf[index - 1] : 0;
-  return {index, std::min(static_cast<float>((value - begin) / (cdf[index] - begin)), kBelowOne)};
+std::vector<double> sums_of_rows(std::size_t width, const std::vector<double>& weights) {
+  std::vector<double> sums;
+  for (auto row = weights.begin(); row != weights.end(); row += static_cast<std::ptrdiff_t>(width))
+    sums.push_back(std::accumulate(row, row + static_cast<std::ptrdiff_t>(width), 0.0));
+  return sums;
 }
 
 }  // namespace
@@ -51,27 +35,66 @@ std::size_t DiscreteDistribution::sample(double u) const {
   return static_cast<std::size_t>(found - cdf_.begin());
 }
 
-GridDistribution::GridDistribution(int width, int height, const std::vector<double>& weights)
-    : width_(static_cast<std::size_t>(width)), cell_cdf_(weights) {
-  for (std::size_t y = 0; y < static_cast<std::size_t>(height); ++y)
-    row_cdf_.push_back(cumulate(std::span(cell_cdf_).subspan(y * width_, width_)));
-  cumulate(row_cdf_);
+GuidedCells::GuidedCells(std::size_t width, const std::vector<double>& weights)
+    : width_(width), guides_((width + kCellsPerGuide - 1) / kCellsPerGuide) {
+  const std::size_t rows = weights.size() / width;
+  begin_.resize(rows * (width + 1));
+  guide_.resize(rows * guides_);
+  for (std::size_t row = 0; row < rows; ++row) {
+    cumulate(row, weights.data() + row * width);
+    if (begin_[row * (width + 1) + width] == kWhole) guide(row);
+  }
 }
+
+// Every cell with a weight gets one unit, and its share of the others.
+void GuidedCells::cumulate(std::size_t row, const double* weights) {
+  const double sum = std::accumulate(weights, weights + width_, 0.0);
+  if (!(sum > 0)) return;
+  const auto with_weight = std::count_if(weights, weights + width_, [](double w) { return w > 0; });
+  const double shared = kWhole - static_cast<double>(with_weight);
+  std::uint32_t* begin = begin_.data() + row * (width_ + 1);
+  double before = 0;
+  std::uint32_t cells_before = 0;
+  for (std::size_t i = 0; i < width_; ++i) {
+    before += weights[i];
+    cells_before += weights[i] > 0 ? 1 : 0;
+    begin[i + 1] = static_cast<std::uint32_t>(before / sum * shared + 0.5) + cells_before;
+  }
+}
+
+void GuidedCells::guide(std::size_t row) {
+  const std::uint32_t* begin = begin_.data() + row * (width_ + 1);
+  std::uint32_t cell = 0;
+  for (std::size_t g = 0; g < guides_; ++g) {
+    const std::uint64_t part_begin = (g * std::uint64_t{kWhole} + guides_ - 1) / guides_;
+    while (begin[cell + 1] <= part_begin) ++cell;
+    guide_[row * guides_ + g] = cell;
+  }
+}
+
+GuidedCells::Place GuidedCells::find(std::size_t row, float u) const {
+  constexpr float kBelowOne = 1 - 0x1p-24f;
+  const auto units = static_cast<std::uint32_t>(u * static_cast<float>(kWhole));
+  const std::uint32_t* begin = begin_.data() + row * (width_ + 1);
+  std::size_t cell = guide_[row * guides_ + (units * std::uint64_t{guides_} >> 31)];
+  while (begin[cell + 1] <= units) ++cell;
+  const double share = begin[cell + 1] - begin[cell];
+  return {cell, std::min(static_cast<float>((units - begin[cell]) / share), kBelowOne), share * kUnit};
+}
+
+double GuidedCells::pmf(std::size_t row, std::size_t cell) const {
+  const std::uint32_t* begin = begin_.data() + row * (width_ + 1) + cell;
+  return (begin[1] - begin[0]) * kUnit;
+}
+
+GridDistribution::GridDistribution(int width, int height, const std::vector<double>& weights)
+    : rows_(static_cast<std::size_t>(height), sums_of_rows(static_cast<std::size_t>(width), weights)),
+      cells_(static_cast<std::size_t>(width), weights) {}
 
 GridDistribution::Choice GridDistribution::sample(Vec2 u) const {
-  const auto [y, within_y] = invert(row_cdf_, u.y);
-  const auto row = std::span(cell_cdf_).subspan(y * width_, width_);
-  const auto [x, within_x] = invert(row, u.x);
-  return {static_cast<int>(x),
-          static_cast<int>(y),
-          {within_x, within_y},
-          probability(row_cdf_, y) * probability(row, x)};
-}
-
-double GridDistribution::pmf(int x, int y) const {
-  const auto row = static_cast<std::size_t>(y);
-  return probability(row_cdf_, row) *
-         probability(std::span(cell_cdf_).subspan(row * width_, width_), static_cast<std::size_t>(x));
+  const GuidedCells::Place row = rows_.find(0, u.y), cell = cells_.find(row.cell, u.x);
+  return {
+      static_cast<int>(cell.cell), static_cast<int>(row.cell), {cell.within, row.within}, row.pmf * cell.pmf};
 }
 
 }  // namespace tessera::core

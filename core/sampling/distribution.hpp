@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "core/math/vec3.hpp"
@@ -27,6 +28,33 @@ class DiscreteDistribution {
   std::vector<double> cdf_;  // cdf_[i] is the probability of the entries up to and with i
 };
 
+// Cells side by side that share a whole of 2^31 units, found by what falls on them (Chen and Asau 1974): a
+// guide says near which cell to begin. Shares are rounded to units, but none to nothing, and densities are of
+// the rounded ones.
+class GuidedCells {
+ public:
+  GuidedCells() = default;
+  // Weights row by row; not negative. None can be found in a row where all are 0.
+  GuidedCells(std::size_t width, const std::vector<double>& weights);
+
+  struct Place {
+    std::size_t cell;
+    float within;  // in [0, 1)
+    double pmf;
+  };
+  // u in [0, 1). Never a cell of weight 0.
+  Place find(std::size_t row, float u) const;
+  double pmf(std::size_t row, std::size_t cell) const;
+
+ private:
+  void cumulate(std::size_t row, const double* weights);
+  void guide(std::size_t row);
+
+  std::size_t width_ = 0, guides_ = 0;  // of each row
+  std::vector<std::uint32_t> begin_;    // of each cell, and where the last one ends
+  std::vector<std::uint32_t> guide_;    // the cell where each of `guides_` equal parts of the whole begins
+};
+
 // A distribution over the cells of a grid, and evenly within each of them: first a row is chosen, then a cell
 // of that row.
 class GridDistribution {
@@ -42,12 +70,14 @@ class GridDistribution {
   };
   // u in [0, 1). Never a cell of weight 0.
   Choice sample(Vec2 u) const;
-  double pmf(int x, int y) const;
+  double pmf(int x, int y) const {
+    const auto row = static_cast<std::size_t>(y);
+    return rows_.pmf(0, row) * cells_.pmf(row, static_cast<std::size_t>(x));
+  }
 
  private:
-  std::size_t width_ = 0;
-  std::vector<double> row_cdf_;   // as cdf_ above
-  std::vector<double> cell_cdf_;  // the same for each row by itself; all 0 where the row's weights are
+  GuidedCells rows_;  // of one row, which has the grid's rows for cells
+  GuidedCells cells_;
 };
 
 }  // namespace tessera::core

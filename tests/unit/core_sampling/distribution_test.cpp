@@ -45,7 +45,7 @@ TEST(GridDistribution, ChoosesCellsInProportionAndEvenlyWithinThem) {
       y[cell] += static_cast<double>(choice.within.y) / (kSide * kSide);
     }
   for (std::size_t cell = 0; cell < 9; ++cell) {
-    EXPECT_NEAR(grid.pmf(static_cast<int>(cell % 3), static_cast<int>(cell / 3)), weights[cell] / 16, 1e-12);
+    EXPECT_NEAR(grid.pmf(static_cast<int>(cell % 3), static_cast<int>(cell / 3)), weights[cell] / 16, 2e-9);
     EXPECT_NEAR(counts[cell], weights[cell] / 16, 0.005);
     EXPECT_NEAR(x[cell], counts[cell] / 2, 0.002);
     EXPECT_NEAR(y[cell], counts[cell] / 2, 0.002);
@@ -58,6 +58,28 @@ TEST(GridDistribution, ReachesBothEndsOfItsRange) {
   EXPECT_EQ(first.x + 2 * first.y, 0);
   EXPECT_EQ(last.x + 2 * last.y, 3);
   EXPECT_LT(last.within.x, 1);
+}
+
+// Wherever it falls, a number finds the cell that a search of all of them does, however uneven they are.
+TEST(GridDistribution, FindsTheCellThatTheNumberFallsOn) {
+  constexpr int kWidth = 203;
+  std::vector<double> weights(kWidth);
+  for (int x = 0; x < kWidth; ++x)
+    weights[static_cast<std::size_t>(x)] = x % 7 == 3 ? 0 : std::pow(1.1, x % 90);
+  weights[100] = 1e-30;
+  const GridDistribution grid(kWidth, 1, weights);
+  double total = 0;
+  for (int x = 0; x < kWidth; ++x) total += grid.pmf(x, 0);
+  EXPECT_EQ(total, 1);
+  EXPECT_GT(grid.pmf(100, 0), 0);
+  int cell = 0;
+  double end = grid.pmf(0, 0);
+  for (int i = 0; i < 1 << 20; ++i) {
+    while (end <= i * 0x1p-20) end += grid.pmf(++cell, 0);
+    const auto choice = grid.sample({static_cast<float>(i) * 0x1p-20f, 0.5f});
+    ASSERT_EQ(choice.x, cell) << i;
+    ASSERT_NEAR(choice.within.x, (i * 0x1p-20 - (end - choice.pmf)) / choice.pmf, 1e-6);
+  }
 }
 
 }  // namespace
