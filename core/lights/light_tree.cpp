@@ -38,6 +38,11 @@ Float8 dot(const Vec3x8& a, const Vec3x8& b) {
   return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
+// Whether the tree is of a single light, which needs no weighing: lanes without a child hold 0.
+bool leaf_alone(const auto& nodes) {
+  return nodes.size() == 1 && nodes[0].children[1] == 0;
+}
+
 }  // namespace
 
 // How much light each child may send to the point: of all places in its sphere and all normals in its cone,
@@ -76,6 +81,7 @@ LightTree::Weights LightTree::weigh(const Node& node, const LitPoint& point) {
 }
 
 LightTree::Choice LightTree::sample(const LitPoint& point, double u) const {
+  if (leaf_alone(nodes_)) return {static_cast<std::uint32_t>(~nodes_[0].children[0]), 1};
   float pmf = 1;
   for (std::size_t at = 0;;) {
     const Weights weights = weigh(nodes_[at], point);
@@ -94,6 +100,7 @@ LightTree::Choice LightTree::sample(const LitPoint& point, double u) const {
 
 float LightTree::pmf(const LitPoint& point, std::uint32_t light) const {
   if (!contains(light)) return 0;
+  if (leaf_alone(nodes_)) return 1;
   float pmf = 1;
   for (std::uint32_t at = leaves_[light];;) {
     const Node& node = nodes_[at / kWidth];
