@@ -63,13 +63,13 @@ void for_each_group(std::span<const Ray> rays, const Trace& trace) {
 
 Hit Bvh::closest_hit(const Primitives& primitives, const Ray& ray) const {
   if (arrays_.nodes.empty()) return {};
-  return RayTraversal(primitives, ray, SlabRay(ray), ShearedRay(ray))
+  return RayTraversal(primitives, ray)
       .run<Query::kClosest>(arrays_.nodes.data(), arrays_.packets.data());
 }
 
 bool Bvh::any_hit(const Primitives& primitives, const Ray& ray) const {
   if (arrays_.nodes.empty()) return false;
-  return RayTraversal(primitives, ray, SlabRay(ray), ShearedRay(ray))
+  return RayTraversal(primitives, ray)
       .run<Query::kAny>(arrays_.nodes.data(), arrays_.packets.data())
       .found();
 }

@@ -55,11 +55,11 @@ class GroupHits {
     settle();
   }
 
-  // Lets find(ray, sheared ray, best hit so far) answer with the best hit of ray i.
+  // Lets find(ray, the rays sheared, best hit so far) answer with the best hit of ray i.
   template <typename Find>
   void improve(std::size_t i, const Find& find) {
     settle_candidate(i);
-    hits_[i] = find(ray(i), sheared_.ray(i), hits_[i]);
+    hits_[i] = find(ray(i), sheared_, hits_[i]);
     update(i);
   }
 

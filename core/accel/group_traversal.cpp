@@ -101,9 +101,10 @@ class GroupTraversal {
   }
 
   void go_alone(std::size_t i, BvhChild child) {
-    hits_.improve(i, [&](const Ray& ray, const ShearedRay& sheared_ray, const Hit& best) {
-      return RayTraversal(scene_.primitives, ray, group_.slab_ray(i), sheared_ray, best)
-          .template run<kQuery>(scene_.nodes, scene_.packets, child);
+    hits_.improve(i, [&](const Ray& ray, const ShearedGroup& sheared, const Hit& best) {
+      RayTraversal alone(
+          scene_.primitives, ray, best, [&] { return group_.slab_ray(i); }, [&] { return sheared.ray(i); });
+      return alone.template run<kQuery>(scene_.nodes, scene_.packets, child);
     });
   }
 

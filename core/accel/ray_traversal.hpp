@@ -109,10 +109,16 @@ inline TriangleHits hits_of_packet(const ShearedRay& ray, const BvhPacket& packe
 
 class RayTraversal {
  public:
-  // `hit` is the best that is known.
-  RayTraversal(const Primitives& primitives, const Ray& ray, const SlabRay& slab_ray,
-               const ShearedRay& sheared_ray, const Hit& hit = {})
-      : primitives_(primitives), ray_(ray), slab_ray_(slab_ray), sheared_ray_(sheared_ray), hit_(hit) {
+  RayTraversal(const Primitives& primitives, const Ray& ray)
+      : primitives_(primitives), ray_(ray), slab_ray_(ray), sheared_ray_(ray) {
+    update_limit();
+  }
+  // For a ray of which more is known: `hit` is the best so far, slab_ray() and sheared_ray() answer with what
+  // has been prepared (functions, so that it is made in its place).
+  template <typename MakeSlabRay, typename MakeShearedRay>
+  RayTraversal(const Primitives& primitives, const Ray& ray, const Hit& hit, const MakeSlabRay& slab_ray,
+               const MakeShearedRay& sheared_ray)
+      : primitives_(primitives), ray_(ray), slab_ray_(slab_ray()), sheared_ray_(sheared_ray()), hit_(hit) {
     update_limit();
   }
 
@@ -192,8 +198,8 @@ class RayTraversal {
 
   const Primitives& primitives_;
   const Ray& ray_;
-  const SlabRay& slab_ray_;
-  const ShearedRay& sheared_ray_;
+  SlabRay slab_ray_;
+  ShearedRay sheared_ray_;
   float limit_;
   Hit hit_;
   Stack stack_;

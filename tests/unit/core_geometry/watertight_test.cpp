@@ -13,6 +13,14 @@ struct Place {
 
 class Watertight : public testing::TestWithParam<Place> {};
 
+// A ray from inside a sphere's mesh at an edge's middle or a corner.
+Ray ray_at_seam(const test::Mesh& mesh, Vec3 origin, test::Random& random) {
+  const auto& [a, b, c] = mesh.triangles[random.below(static_cast<std::uint32_t>(mesh.triangles.size()))];
+  const Vec3 w = random.below(2) == 0 ? Vec3{1, 0, 0} : Vec3{0.5f, 0.5f, 0};
+  const Vec3 target = w.x * mesh.positions[a] + w.y * mesh.positions[b] + w.z * mesh.positions[c];
+  return {origin, target - origin};
+}
+
 TEST_P(Watertight, RaysFromInsideNeverLeaveAClosedMesh) {
   const auto [radius, center] = GetParam();
   const test::Mesh mesh = test::icosphere(4, center, radius);
@@ -20,14 +28,30 @@ TEST_P(Watertight, RaysFromInsideNeverLeaveAClosedMesh) {
   const Bvh bvh = Bvh::build(primitives, 1);
   test::Random random(8);
   for (int i = 0; i < 250000; ++i) {
-    const auto& [a, b, c] = mesh.triangles[random.below(primitives.count())];
-    const Vec3 w = random.below(2) == 0 ? Vec3{1, 0, 0} : Vec3{0.5f, 0.5f, 0};
-    const Vec3 target = w.x * mesh.positions[a] + w.y * mesh.positions[b] + w.z * mesh.positions[c];
-    const Vec3 origin = i % 4 == 0 ? center : center + random.in_box(0.5f * radius);
-    const Ray ray{origin, target - origin};
+    const Ray ray = ray_at_seam(mesh, i % 4 == 0 ? center : center + random.in_box(0.5f * radius), random);
     const Hit hit = bvh.closest_hit(primitives, ray);
     ASSERT_TRUE(hit.found()) << test::describe(ray, hit);
     ASSERT_NEAR(hit.t, 1, 1e-2f);
+  }
+}
+
+TEST_P(Watertight, NorDoManyRaysAtOnce) {
+  const auto [radius, center] = GetParam();
+  const test::Mesh mesh = test::icosphere(4, center, radius);
+  const Primitives primitives = mesh.primitives();
+  const Bvh bvh = Bvh::build(primitives, 1);
+  test::Random random(8);
+  std::vector<Ray> rays(4096);
+  std::vector<Hit> hits(rays.size());
+  std::vector<std::uint8_t> occluded(rays.size());
+  for (int batch = 0; batch < 64; ++batch) {
+    const Vec3 origin = center + random.in_box(0.5f * radius);
+    for (Ray& ray : rays)
+      ray = ray_at_seam(mesh, batch % 2 == 0 ? origin : center + random.in_box(0.5f * radius), random);
+    bvh.closest_hits(primitives, rays, hits);
+    bvh.any_hits(primitives, rays, occluded);
+    for (std::size_t i = 0; i < rays.size(); ++i)
+      ASSERT_TRUE(hits[i].found() && occluded[i] == 1) << test::describe(rays[i], hits[i]);
   }
 }
 
