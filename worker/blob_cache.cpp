@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <atomic>
 #include <cerrno>
 #include <chrono>
@@ -11,8 +10,9 @@
 #include <filesystem>
 #include <fstream>
 #include <system_error>
-#include <vector>
 
+#include "core/scene/cache/cache_folder.hpp"
+#include "core/scene/cache/scene_store.hpp"
 #include "proto/status.hpp"
 #include "worker/waiting.hpp"
 
@@ -26,9 +26,6 @@ using core::fail;
 // Of a SHA-256.
 constexpr std::size_t kHexDigits = 64;
 constexpr const char* kPartialSuffix = ".partial";
-constexpr auto kAbandonedAfter = std::chrono::hours(24);
-// A file that was asked for since may be read at this moment.
-constexpr auto kInUse = std::chrono::hours(1);
 // For one blob, however large: a stalled transfer is noticed by the channel's keepalive long before.
 constexpr auto kFetchDeadline = std::chrono::hours(1);
 
@@ -52,25 +49,6 @@ bool is_partial_name(const std::string& name) {
   return is_blob_name(name.substr(0, kHexDigits)) && name.ends_with(kPartialSuffix);
 }
 
-// The files in the folder, as far as it can be read: other workers may remove some at the same time.
-std::vector<fs::directory_entry> entries_of(const std::string& folder) {
-  std::vector<fs::directory_entry> entries;
-  std::error_code error;
-  for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error))
-    entries.push_back(*entry);
-  return entries;
-}
-
-void remove_abandoned(const std::string& folder) {
-  const auto before = fs::file_time_type::clock::now() - kAbandonedAfter;
-  for (const fs::directory_entry& entry : entries_of(folder)) {
-    std::error_code error;
-    const auto written = entry.last_write_time(error);
-    if (!error && written < before && is_partial_name(entry.path().filename()))
-      fs::remove(entry.path(), error);
-  }
-}
-
 bool holds(const std::string& path, const proto::Digest& digest) {
   std::ifstream file(path, std::ios::binary);
   proto::Hasher hasher;
@@ -84,18 +62,17 @@ bool holds(const std::string& path, const proto::Digest& digest) {
 
 }  // namespace
 
-void mark_as_used(const std::string& path) {
-  std::error_code ignored;  // at worst it is removed too early, and fetched again
-  fs::last_write_time(path, fs::file_time_type::clock::now(), ignored);
-}
-
 core::Result<BlobCache> BlobCache::open(const std::string& folder, std::uint64_t max_bytes) {
   std::error_code error;
   fs::create_directories(folder, error);
   if (error) return fail(ErrorCode::kInternal, fmt::format("cannot create {}: {}", folder, error.message()));
   if (access(folder.c_str(), R_OK | W_OK | X_OK) != 0) return fail(cannot_write(folder));
-  remove_abandoned(folder);
+  core::remove_abandoned(folder, is_partial_name);
   return BlobCache(folder, max_bytes);
+}
+
+bool BlobCache::is_file_name(const std::string& name) {
+  return is_blob_name(name) || core::SceneStore::is_file_name(name);
 }
 
 std::string BlobCache::path_of(const proto::Digest& digest) const {
@@ -107,7 +84,7 @@ core::Result<std::string> BlobCache::get(const proto::Digest& digest,
                                          const std::stop_token& stop) const {
   const std::string path = path_of(digest);
   if (holds(path, digest)) {
-    mark_as_used(path);
+    core::mark_as_used(path);
     return path;
   }
   const std::string partial = partial_path(path);
@@ -117,35 +94,8 @@ core::Result<std::string> BlobCache::get(const proto::Digest& digest,
     std::remove(partial.c_str());
     return fail(done.error());
   }
-  remove_unused();
+  core::remove_least_used(folder_, max_bytes_, is_file_name);
   return path;
-}
-
-void BlobCache::remove_unused() const {
-  struct File {
-    fs::file_time_type used;
-    std::uint64_t bytes;
-    fs::path path;
-  };
-  std::vector<File> files;
-  std::uint64_t total = 0;
-  for (const fs::directory_entry& entry : entries_of(folder_)) {
-    if (!is_blob_name(entry.path().filename())) continue;
-    std::error_code gone, unknown;
-    const std::uint64_t bytes = entry.file_size(gone);
-    const auto used = entry.last_write_time(unknown);
-    if (gone || unknown) continue;
-    files.push_back({used, bytes, entry.path()});
-    total += bytes;
-  }
-  std::sort(files.begin(), files.end(), [](const File& a, const File& b) { return a.used < b.used; });
-  const auto before = fs::file_time_type::clock::now() - kInUse;
-  for (const File& file : files) {
-    if (total <= max_bytes_ || file.used > before) return;
-    std::error_code ignored;  // then it stays, or is gone already
-    fs::remove(file.path, ignored);
-    total -= file.bytes;
-  }
 }
 
 core::Status BlobCache::download(const proto::Digest& digest, const std::string& path,

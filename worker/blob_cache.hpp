@@ -15,17 +15,18 @@ namespace tessera::worker {
 
 inline constexpr std::uint64_t kDefaultCacheBytes = std::uint64_t{16} << 30;
 
-// Counts a file of the cache as used now, so that it is not removed for a while.
-void mark_as_used(const std::string& path);
-
 class BlobCache {
  public:
   // Creates the folder where it is missing. Errors name the folder and say why it cannot be used.
-  // After each transfer the blobs that were not used for longest are removed until no more than `max_bytes`
-  // are left, but none that was used within the last hour, and no file with a name that the cache does not
-  // give: the folder may be somebody's.
+  // After each transfer the files that were not used for longest, blobs and kept scenes, are removed until no
+  // more than `max_bytes` are left, as core::remove_least_used() does.
   static core::Result<BlobCache> open(const std::string& folder,
                                       std::uint64_t max_bytes = kDefaultCacheBytes);
+
+  const std::string& folder() const { return folder_; }
+  std::uint64_t max_bytes() const { return max_bytes_; }
+  // Whether a file in the folder is a blob or belongs to the store of scenes beside them.
+  static bool is_file_name(const std::string& name);
 
   // The path of the blob's file, fetched from the coordinator if it is not here yet. Blocks, but for no
   // longer than it takes to notice a stop. Errors are those of FetchBlob, CANCELLED after a stop, INTERNAL if
@@ -40,8 +41,6 @@ class BlobCache {
   std::string path_of(const proto::Digest& digest) const;
   core::Status download(const proto::Digest& digest, const std::string& path,
                         v1::WorkerService::StubInterface& coordinator, const std::stop_token& stop) const;
-
-  void remove_unused() const;
 
   std::string folder_;
   std::uint64_t max_bytes_;

@@ -25,8 +25,8 @@ bool files_are_here(const SceneFiles& files) {
 
 }  // namespace
 
-RenderLoop::RenderLoop(int threads, Holdings& holdings)
-    : threads_(threads), holdings_(holdings), scenes_(kScenesKept, threads) {}
+RenderLoop::RenderLoop(int threads, Holdings& holdings, std::optional<core::SceneStore> store)
+    : threads_(threads), holdings_(holdings), scenes_(kScenesKept, threads, std::move(store)) {}
 
 void RenderLoop::run(const std::stop_token& stop) {
   const auto size_piece = [this](const std::string& job_id) { return pace_.target_samples(job_id); };

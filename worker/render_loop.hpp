@@ -2,6 +2,7 @@
 // it.
 #pragma once
 
+#include <optional>
 #include <stop_token>
 
 #include "worker/holdings.hpp"
@@ -12,7 +13,7 @@ namespace tessera::worker {
 
 class RenderLoop {
  public:
-  RenderLoop(int threads, Holdings& holdings);
+  RenderLoop(int threads, Holdings& holdings, std::optional<core::SceneStore> store = {});
 
   // Returns after a stop, at the end of the piece in hand. A job whose scene cannot be built is logged, and
   // its leases are given back.

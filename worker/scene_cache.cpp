@@ -6,9 +6,9 @@
 #include <chrono>
 #include <utility>
 
+#include "core/scene/cache/cache_folder.hpp"
 #include "core/scene/loader/asset_source.hpp"
 #include "core/scene/loader/loader.hpp"
-#include "worker/blob_cache.hpp"
 
 namespace tessera::worker {
 namespace {
@@ -16,13 +16,9 @@ namespace {
 // A fraction of the time for which the blob cache keeps what was used.
 constexpr auto kMarkPeriod = std::chrono::minutes(10);
 
-core::Result<std::shared_ptr<const core::Scene>> build_scene(const SceneFiles& files, int threads) {
+core::Result<core::SceneDescription> load_scene(const SceneFiles& files) {
   core::BundleAssets assets(files.blob_paths);
-  auto description = core::load_scene(assets, files.scene_path, files.scene_path);
-  if (!description) return core::fail(description.error());
-  auto scene = core::Scene::build(std::move(*description), threads);
-  if (!scene) return core::fail(scene.error());
-  return std::make_shared<const core::Scene>(std::move(*scene));
+  return core::load_scene(assets, files.scene_path, files.scene_path);
 }
 
 }  // namespace
@@ -38,13 +34,25 @@ core::Result<std::shared_ptr<const core::Scene>> SceneCache::get(const SceneFile
   // The oldest goes first, so that no more scenes than these are ever in memory.
   while (recent_.size() >= capacity_) recent_.pop_back();
   const auto start = Clock::now();
-  auto scene = build_scene(files, threads_);
-  if (!scene) return scene;
+  auto built = build(files);
+  if (!built) return core::fail(built.error());
+  auto scene = std::make_shared<const core::Scene>(std::move(*built));
   const std::chrono::duration<double> took = Clock::now() - start;
-  spdlog::info("built scene {} ({} primitives) in {:.2f} s", files.scene_path, (*scene)->primitives().count(),
-               took.count());
-  recent_.push_front({files.key, *scene, Clock::now()});
+  spdlog::info("made scene {} ({} primitives) ready in {:.2f} s", files.scene_path,
+               scene->primitives().count(), took.count());
+  recent_.push_front({files.key, scene, Clock::now()});
   return scene;
+}
+
+core::Result<core::Scene> SceneCache::build(const SceneFiles& files) const {
+  if (store_) {
+    auto prepared = store_->prepare("bundle " + files.key, threads_, [&] { return load_scene(files); });
+    if (!prepared) return core::fail(prepared.error());
+    return core::build_scene(std::move(*prepared), threads_);
+  }
+  auto description = load_scene(files);
+  if (!description) return core::fail(description.error());
+  return core::Scene::build(std::move(*description), threads_);
 }
 
 // A scene in memory needs no files, but a worker that is started anew, or has had too many other scenes,
@@ -52,7 +60,7 @@ core::Result<std::shared_ptr<const core::Scene>> SceneCache::get(const SceneFile
 void SceneCache::mark_files(Entry& entry, const SceneFiles& files) {
   if (Clock::now() - entry.files_marked < kMarkPeriod) return;
   entry.files_marked = Clock::now();
-  for (const auto& [name, path] : files.blob_paths) mark_as_used(path);
+  for (const auto& [name, path] : files.blob_paths) core::mark_as_used(path);
 }
 
 }  // namespace tessera::worker

@@ -4,9 +4,12 @@
 #include <chrono>
 #include <list>
 #include <memory>
+#include <optional>
 #include <string>
+#include <utility>
 
 #include "core/base/error.hpp"
+#include "core/scene/cache/scene_store.hpp"
 #include "core/scene/scene.hpp"
 #include "worker/job.hpp"
 
@@ -14,7 +17,9 @@ namespace tessera::worker {
 
 class SceneCache {
  public:
-  SceneCache(std::size_t capacity, int threads) : capacity_(capacity), threads_(threads) {}
+  // Scenes that are not here are taken from the store and kept there, where there is one.
+  SceneCache(std::size_t capacity, int threads, std::optional<core::SceneStore> store)
+      : capacity_(capacity), threads_(threads), store_(std::move(store)) {}
 
   // Loads and builds the scene if it is not here, and counts its files as used. Errors are those of
   // load_scene and Scene::build.
@@ -28,10 +33,12 @@ class SceneCache {
     Clock::time_point files_marked;
   };
 
+  core::Result<core::Scene> build(const SceneFiles& files) const;
   static void mark_files(Entry& entry, const SceneFiles& files);
 
   std::size_t capacity_;
   int threads_;
+  std::optional<core::SceneStore> store_;
   std::list<Entry> recent_;  // latest first
 };
 

@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include <optional>
 #include <thread>
 
+#include "core/scene/cache/scene_store.hpp"
 #include "worker/deliver_loop.hpp"
 #include "worker/fetch_loop.hpp"
 #include "worker/holdings.hpp"
@@ -12,6 +14,19 @@
 #include "worker/waiting.hpp"
 
 namespace tessera::worker {
+namespace {
+
+// In the blobs' folder, and counted with them.
+std::optional<core::SceneStore> open_scene_store(const BlobCache& cache) {
+  auto store = core::SceneStore::open(
+      cache.folder(), cache.max_bytes(), [](const std::string& message) { spdlog::warn("{}", message); },
+      BlobCache::is_file_name);
+  if (store) return std::move(*store);
+  spdlog::warn("built scenes are not kept: {}", store.error().message);
+  return std::nullopt;
+}
+
+}  // namespace
 
 Worker::Worker(Identity identity, const BlobCache& cache, v1::WorkerService::StubInterface& coordinator,
                Options options)
@@ -21,7 +36,7 @@ core::Status Worker::run(const std::stop_token& stop) {
   Holdings holdings;
   SyncLoop sync(identity_, coordinator_, holdings);
   FetchLoop fetch(cache_, coordinator_, holdings);
-  RenderLoop render(static_cast<int>(identity_.threads), holdings);
+  RenderLoop render(static_cast<int>(identity_.threads), holdings, open_scene_store(cache_));
   DeliverLoop deliver(identity_, coordinator_, holdings);
 
   std::stop_source working;  // ends with a stop, or when the coordinator refuses this worker

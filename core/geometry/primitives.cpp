@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "core/geometry/rounding.hpp"
 
@@ -11,6 +12,15 @@ namespace {
 
 Vec3 unit_or_zero(Vec3d v) {
   return has_direction(v) ? ((1 / length(v)) * v).rounded() : Vec3{};
+}
+
+template <typename T>
+void append(std::vector<T>& all, std::vector<T> more) {
+  if (all.empty() && all.capacity() < more.size()) {
+    all = std::move(more);
+  } else {
+    all.insert(all.end(), more.begin(), more.end());
+  }
 }
 
 // The weights of the three corners. b1 and b2, rounded one by one, may add up to a little more than 1.
@@ -41,20 +51,38 @@ Aabb sphere_bounds(const Sphere& sphere) {
 
 }  // namespace
 
-void Primitives::add_mesh(const std::vector<Vec3>& positions, const std::vector<Vec3>& normals,
-                          const std::vector<Vec2>& uvs,
-                          const std::vector<std::array<std::uint32_t, 3>>& triangles,
+void Primitives::reserve(std::size_t vertices, std::size_t triangles) {
+  positions_.reserve(positions_.size() + vertices);
+  triangles_.reserve(triangles_.size() + triangles);
+  triangle_materials_.reserve(triangle_materials_.size() + triangles);
+}
+
+void Primitives::add_mesh(std::vector<Vec3> positions, const std::vector<Vec3>& normals,
+                          const std::vector<Vec2>& uvs, std::vector<Triangle> triangles,
                           const std::vector<std::uint32_t>& triangle_materials) {
-  const auto first = static_cast<std::uint32_t>(positions_.size());
-  positions_.insert(positions_.end(), positions.begin(), positions.end());
-  for (const Vec3& normal : normals) normals_.push_back(unit_or_zero(Vec3d(normal)));
-  normals_.resize(positions_.size());
-  uvs_.insert(uvs_.end(), uvs.begin(), uvs.end());
-  uvs_.resize(positions_.size());
-  for (std::size_t i = 0; i < triangles.size(); ++i) {
-    const auto& [v0, v1, v2] = triangles[i];
-    triangles_.push_back({first + v0, first + v1, first + v2});
-    triangle_materials_.push_back(triangle_materials[triangle_materials.size() == 1 ? 0 : i]);
+  const std::size_t first = positions_.size();
+  append(positions_, std::move(positions));
+  if (!normals.empty() || !normals_.empty()) {
+    normals_.resize(first);
+    normals_.reserve(positions_.size());
+    for (const Vec3& normal : normals) normals_.push_back(unit_or_zero(Vec3d(normal)));
+    normals_.resize(positions_.size());
+  }
+  if (!uvs.empty() || !uvs_.empty()) {
+    uvs_.resize(first);
+    uvs_.insert(uvs_.end(), uvs.begin(), uvs.end());
+    uvs_.resize(positions_.size());
+  }
+  const std::size_t first_triangle = triangles_.size(), count = triangles.size();
+  append(triangles_, std::move(triangles));
+  if (first > 0)
+    for (std::size_t i = first_triangle; i < triangles_.size(); ++i)
+      for (std::uint32_t& vertex : triangles_[i]) vertex += static_cast<std::uint32_t>(first);
+  if (triangle_materials.size() == 1) {
+    triangle_materials_.resize(first_triangle + count, triangle_materials[0]);
+  } else {
+    triangle_materials_.insert(triangle_materials_.end(), triangle_materials.begin(),
+                               triangle_materials.end());
   }
 }
 
@@ -106,13 +134,17 @@ SurfacePoint Primitives::triangle_surface(const Hit& hit) const {
   point.position_error = rounding_error(point.position, abs(p0) + abs(p1) + abs(p2));
   point.geometric_normal = unit_or_zero(area_normal(corners));
   point.shading_normal = point.geometric_normal;
-  const Vec3d normal = b0 * Vec3d(normals_[v0]) + b1 * Vec3d(normals_[v1]) + b2 * Vec3d(normals_[v2]);
-  if (length(normal) > 1e-6) {
-    point.shading_normal = unit_or_zero(normal);
-    point.geometric_normal = face_toward(point.geometric_normal, point.shading_normal);
+  if (!normals_.empty()) {
+    const Vec3d normal = b0 * Vec3d(normals_[v0]) + b1 * Vec3d(normals_[v1]) + b2 * Vec3d(normals_[v2]);
+    if (length(normal) > 1e-6) {
+      point.shading_normal = unit_or_zero(normal);
+      point.geometric_normal = face_toward(point.geometric_normal, point.shading_normal);
+    }
   }
-  const auto w0 = static_cast<float>(b0), w1 = static_cast<float>(b1), w2 = static_cast<float>(b2);
-  point.uv = uvs_[v0] * w0 + uvs_[v1] * w1 + uvs_[v2] * w2;
+  if (!uvs_.empty()) {
+    const auto w0 = static_cast<float>(b0), w1 = static_cast<float>(b1), w2 = static_cast<float>(b2);
+    point.uv = uvs_[v0] * w0 + uvs_[v1] * w1 + uvs_[v2] * w2;
+  }
   return point;
 }
 
@@ -140,9 +172,11 @@ Tangents Primitives::tangents(const Hit& hit, const SurfacePoint& point) const {
 
 // Solves e1 = du1 dp/du + dv1 dp/dv and e2 = du2 dp/du + dv2 dp/dv.
 Tangents Primitives::triangle_tangents(const Triangle& t) const {
-  const Vec3d p0(positions_[t.v0]);
-  const Vec3d e1 = Vec3d(positions_[t.v1]) - p0, e2 = Vec3d(positions_[t.v2]) - p0;
-  const Vec2 uv0 = uvs_[t.v0], uv1 = uvs_[t.v1], uv2 = uvs_[t.v2];
+  if (uvs_.empty()) return {};
+  const auto& [v0, v1, v2] = t;
+  const Vec3d p0(positions_[v0]);
+  const Vec3d e1 = Vec3d(positions_[v1]) - p0, e2 = Vec3d(positions_[v2]) - p0;
+  const Vec2 uv0 = uvs_[v0], uv1 = uvs_[v1], uv2 = uvs_[v2];
   const double du1 = double{uv1.x} - double{uv0.x}, dv1 = double{uv1.y} - double{uv0.y};
   const double du2 = double{uv2.x} - double{uv0.x}, dv2 = double{uv2.y} - double{uv0.y};
   const double det = du1 * dv2 - du2 * dv1;

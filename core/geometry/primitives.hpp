@@ -22,17 +22,16 @@ inline constexpr float kMaxCoordinate = 1e15f;
 
 class Primitives {
  public:
-  struct Triangle {
-    std::uint32_t v0, v1, v2;  // indices into the vertex arrays
-  };
+  using Triangle = std::array<std::uint32_t, 3>;  // indices into the vertex arrays
   using Sphere = core::Sphere;
 
+  // Makes room for so much more, so that adding it takes no memory but its own.
+  void reserve(std::size_t vertices, std::size_t triangles);
   // Appends a mesh's vertices and triangles (same conventions as MeshDescription: normals and uvs are empty
   // or as many as positions; indices count from the mesh's own first vertex). All triangles come before all
-  // spheres.
-  void add_mesh(const std::vector<Vec3>& positions, const std::vector<Vec3>& normals,
-                const std::vector<Vec2>& uvs, const std::vector<std::array<std::uint32_t, 3>>& triangles,
-                const std::vector<std::uint32_t>& triangle_materials);
+  // spheres. The first mesh's arrays are taken over as they are, where they are given away.
+  void add_mesh(std::vector<Vec3> positions, const std::vector<Vec3>& normals, const std::vector<Vec2>& uvs,
+                std::vector<Triangle> triangles, const std::vector<std::uint32_t>& triangle_materials);
   void add_sphere(Vec3 center, float radius, std::uint32_t material);
 
   std::uint32_t triangle_count() const { return static_cast<std::uint32_t>(triangles_.size()); }
@@ -45,12 +44,13 @@ class Primitives {
                                 : triangle_materials_[primitive];
   }
   TriangleCorners triangle_corners(std::uint32_t primitive) const {
-    const Triangle& triangle = triangles_[primitive];
-    return {positions_[triangle.v0], positions_[triangle.v1], positions_[triangle.v2]};
+    const auto& [v0, v1, v2] = triangles_[primitive];
+    return {positions_[v0], positions_[v1], positions_[v2]};
   }
   std::array<Vec2, 3> triangle_uvs(std::uint32_t primitive) const {
-    const Triangle& triangle = triangles_[primitive];
-    return {uvs_[triangle.v0], uvs_[triangle.v1], uvs_[triangle.v2]};
+    if (uvs_.empty()) return {};
+    const auto& [v0, v1, v2] = triangles_[primitive];
+    return {uvs_[v0], uvs_[v1], uvs_[v2]};
   }
   const Sphere& sphere(std::uint32_t primitive) const { return spheres_[primitive - triangle_count()]; }
 
@@ -76,8 +76,8 @@ class Primitives {
   Tangents triangle_tangents(const Triangle& triangle) const;
 
   std::vector<Vec3> positions_;
-  std::vector<Vec3> normals_;  // of unit length; zero where there is none
-  std::vector<Vec2> uvs_;
+  std::vector<Vec3> normals_;  // of unit length; zero where there is none; empty where no mesh has any
+  std::vector<Vec2> uvs_;      // empty where no mesh has any
   std::vector<Triangle> triangles_;
   std::vector<std::uint32_t> triangle_materials_;
   std::vector<Sphere> spheres_;

@@ -1,5 +1,6 @@
 #include "core/scene/scene.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -17,9 +18,26 @@ class Assembler {
     for (const Material& material : materials) mean_radiances_.push_back(mean_radiance(material, textures));
   }
 
-  void add(const MeshDescription& mesh) {
+  // Many meshes are copied into arrays that are large enough; a single one is not copied.
+  void reserve(const std::vector<ShapeDescription>& shapes) {
+    std::size_t meshes = 0, vertices = 0, triangles = 0;
+    for (const ShapeDescription& shape : shapes)
+      if (const auto* mesh = std::get_if<MeshDescription>(&shape)) {
+        ++meshes;
+        vertices += mesh->positions.size();
+        triangles += mesh->triangles.size();
+      }
+    if (meshes > 1) primitives_.reserve(vertices, triangles);
+  }
+
+  // Takes the mesh's memory over or gives it back, before the next is added.
+  void add(MeshDescription mesh) {
     const std::uint32_t first = primitives_.triangle_count();
-    primitives_.add_mesh(mesh.positions, mesh.normals, mesh.uvs, mesh.triangles, mesh.triangle_materials);
+    const bool shines = std::any_of(mesh.triangle_materials.begin(), mesh.triangle_materials.end(),
+                                    [&](std::uint32_t m) { return mean_radiances_[m] > 0; });
+    primitives_.add_mesh(std::move(mesh.positions), mesh.normals, mesh.uvs, std::move(mesh.triangles),
+                         mesh.triangle_materials);
+    if (!shines) return;
     for (std::uint32_t p = first; p < primitives_.triangle_count(); ++p) {
       const auto [p0, p1, p2] = primitives_.triangle_corners(p);
       const auto [uv0, uv1, uv2] = primitives_.triangle_uvs(p);
@@ -56,16 +74,13 @@ class Assembler {
   void add_light(LightShape shape, std::uint32_t first, std::uint32_t primitive_count) {
     const std::uint32_t material_id = primitives_.material(first);
     const Material& material = materials_[material_id];
-    std::uint32_t id = kNoLight;
-    if (mean_radiances_[material_id] > 0) {
-      const AreaLight light(shape, front_of(first),
-                            {material.emission, mean_radiances_[material_id], material.two_sided_emission});
-      if (light.power() > 0 && std::isfinite(light.power())) {
-        id = static_cast<std::uint32_t>(lights_.size());
-        lights_.push_back(light);
-      }
-    }
-    light_of_primitive_.insert(light_of_primitive_.end(), primitive_count, id);
+    if (!(mean_radiances_[material_id] > 0)) return;
+    const AreaLight light(shape, front_of(first),
+                          {material.emission, mean_radiances_[material_id], material.two_sided_emission});
+    if (!(light.power() > 0 && std::isfinite(light.power()))) return;
+    light_of_primitive_.resize(first, kNoLight);
+    light_of_primitive_.resize(first + primitive_count, static_cast<std::uint32_t>(lights_.size()));
+    lights_.push_back(light);
   }
 
   // The outward normal in the middle of a primitive.
@@ -131,10 +146,10 @@ Result<Scene> Scene::build(SceneDescription description, int threads, std::optio
   scene.materials_ = std::move(description.materials);
 
   Assembler assembler(scene.materials_, scene.textures_);
+  assembler.reserve(description.shapes);
   for (auto& shape : description.shapes) {
     if (auto* mesh = std::get_if<MeshDescription>(&shape)) {
-      assembler.add(*mesh);
-      *mesh = {};  // gives its memory back before the next is copied
+      assembler.add(std::move(*mesh));
     } else if (const auto* quad = std::get_if<QuadDescription>(&shape)) {
       assembler.add(*quad);
     }

@@ -38,7 +38,9 @@ class Scene {
     return materials_[primitives_.material(primitive)];
   }
   // The light that a primitive belongs to, an AreaLight, or kNoLight.
-  std::uint32_t light_of(std::uint32_t primitive) const { return light_of_primitive_[primitive]; }
+  std::uint32_t light_of(std::uint32_t primitive) const {
+    return primitive < light_of_primitive_.size() ? light_of_primitive_[primitive] : kNoLight;
+  }
   const AreaLight& area_light(std::uint32_t light) const { return *std::get_if<AreaLight>(&lights_[light]); }
   // The light that rays see which meet nothing, an Environment, or kNoLight.
   std::uint32_t environment_light() const { return environment_light_; }
@@ -54,7 +56,7 @@ class Scene {
   std::vector<Texture> textures_;
   std::vector<Material> materials_;
   std::vector<Light> lights_;
-  std::vector<std::uint32_t> light_of_primitive_;
+  std::vector<std::uint32_t> light_of_primitive_;  // up to the last that belongs to a light
   std::uint32_t environment_light_ = kNoLight;
   LightSampler light_sampler_, delta_light_sampler_;
 };

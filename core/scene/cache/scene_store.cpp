@@ -84,13 +84,17 @@ void SceneWriter::finish(const Bvh& bvh) {
   state_->writer(bvh.arrays());
   const Status written = state_->file.finish(state_->writer.bytes());
   if (!written) store.warn_unless_missing(written.error());
-  remove_least_used(store.folder_, store.max_bytes_, SceneStore::is_file_name);
+  remove_least_used(store.folder_, store.max_bytes_, store.is_counted_);
 }
 
-SceneStore::SceneStore(std::string folder, std::uint64_t max_bytes, Warn warn)
-    : folder_(std::move(folder)), max_bytes_(max_bytes), warn_(std::move(warn)) {}
+SceneStore::SceneStore(std::string folder, std::uint64_t max_bytes, Warn warn, IsCounted is_counted)
+    : folder_(std::move(folder)),
+      max_bytes_(max_bytes),
+      warn_(std::move(warn)),
+      is_counted_(std::move(is_counted)) {}
 
-Result<SceneStore> SceneStore::open(const std::string& folder, std::uint64_t max_bytes, Warn warn) {
+Result<SceneStore> SceneStore::open(const std::string& folder, std::uint64_t max_bytes, Warn warn,
+                                    IsCounted is_counted) {
   std::error_code error;
   fs::create_directories(folder, error);
   if (error)
@@ -101,7 +105,7 @@ Result<SceneStore> SceneStore::open(const std::string& folder, std::uint64_t max
   remove_abandoned(folder, [](const std::string& name) {
     return name.ends_with(kPartialSuffix) && is_file_name(name.substr(0, name.find('.', kHexDigits + 1)));
   });
-  return SceneStore(folder, max_bytes, std::move(warn));
+  return SceneStore(folder, max_bytes, std::move(warn), std::move(is_counted));
 }
 
 bool SceneStore::is_file_name(const std::string& name) {

@@ -54,10 +54,12 @@ Result<Scene> build_scene(PreparedScene prepared, int threads);
 class SceneStore {
  public:
   using Warn = std::function<void(const std::string& message)>;
+  using IsCounted = std::function<bool(const std::string& file_name)>;
 
-  // Creates the folder where it is missing. After each scene the least used files of the store are removed,
-  // as remove_least_used() does; `warn` is told what went wrong without doing harm.
-  static Result<SceneStore> open(const std::string& folder, std::uint64_t max_bytes, Warn warn);
+  // Creates the folder where it is missing. After each scene the least used of the files that `is_counted`
+  // knows are removed, as remove_least_used() does; `warn` is told what went wrong without doing harm.
+  static Result<SceneStore> open(const std::string& folder, std::uint64_t max_bytes, Warn warn,
+                                 IsCounted is_counted = is_file_name);
 
   // The scene whose files have this key, or what `load` makes of them.
   Result<PreparedScene> prepare(std::string_view key, int threads,
@@ -72,7 +74,7 @@ class SceneStore {
  private:
   friend SceneWriter;
 
-  SceneStore(std::string folder, std::uint64_t max_bytes, Warn warn);
+  SceneStore(std::string folder, std::uint64_t max_bytes, Warn warn, IsCounted is_counted);
 
   std::string path_of(std::string_view key, std::string_view suffix) const;
   std::optional<PreparedScene> find(std::string_view key, int threads) const;
@@ -83,6 +85,7 @@ class SceneStore {
   std::string folder_;
   std::uint64_t max_bytes_;
   Warn warn_;
+  IsCounted is_counted_;
 };
 
 }  // namespace tessera::core
