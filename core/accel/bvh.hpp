@@ -15,6 +15,11 @@
 
 namespace tessera::core {
 
+// What it takes to trace rays, whatever the machine.
+struct VisitCounts {
+  std::uint64_t nodes = 0, packets = 0;
+};
+
 class Bvh {
  public:
   // All that it consists of, for those who keep trees and make them again.
@@ -51,6 +56,9 @@ class Bvh {
   std::size_t memory_bytes() const {
     return arrays_.nodes.size() * sizeof(BvhNode) + arrays_.packets.size() * sizeof(BvhPacket);
   }
+
+  // What closest_hit visits for all these rays together, for tests and for choosing between trees.
+  VisitCounts count_visits(const Primitives& primitives, std::span<const Ray> rays) const;
 
   // Whether the trees are the same, node for node.
   bool operator==(const Bvh&) const = default;

@@ -59,19 +59,37 @@ void for_each_group(std::span<const Ray> rays, const Trace& trace) {
   }
 }
 
+class CountedVisits {
+ public:
+  explicit CountedVisits(VisitCounts& counts) : counts_(counts) {}
+  void node() const { ++counts_.nodes; }
+  void packet() const { ++counts_.packets; }
+
+ private:
+  VisitCounts& counts_;
+};
+
 }  // namespace
 
 Hit Bvh::closest_hit(const Primitives& primitives, const Ray& ray) const {
   if (arrays_.nodes.empty()) return {};
-  return RayTraversal(primitives, ray)
-      .run<Query::kClosest>(arrays_.nodes.data(), arrays_.packets.data());
+  return RayTraversal(primitives, ray).run<Query::kClosest>(arrays_.nodes.data(), arrays_.packets.data());
 }
 
 bool Bvh::any_hit(const Primitives& primitives, const Ray& ray) const {
   if (arrays_.nodes.empty()) return false;
-  return RayTraversal(primitives, ray)
-      .run<Query::kAny>(arrays_.nodes.data(), arrays_.packets.data())
-      .found();
+  return RayTraversal(primitives, ray).run<Query::kAny>(arrays_.nodes.data(), arrays_.packets.data()).found();
+}
+
+VisitCounts Bvh::count_visits(const Primitives& primitives, std::span<const Ray> rays) const {
+  VisitCounts counts;
+  if (arrays_.nodes.empty()) return counts;
+  for (const Ray& ray : rays) {
+    RayTraversal(primitives, ray)
+        .run<Query::kClosest>(arrays_.nodes.data(), arrays_.packets.data(), BvhChild::node(0),
+                              CountedVisits(counts));
+  }
+  return counts;
 }
 
 void Bvh::closest_hits(const Primitives& primitives, std::span<const Ray> rays, std::span<Hit> hits) const {

@@ -107,6 +107,12 @@ inline TriangleHits hits_of_packet(const ShearedRay& ray, const BvhPacket& packe
   });
 }
 
+// Costs nothing.
+struct UncountedVisits {
+  void node() const {}
+  void packet() const {}
+};
+
 class RayTraversal {
  public:
   RayTraversal(const Primitives& primitives, const Ray& ray)
@@ -123,12 +129,16 @@ class RayTraversal {
   }
 
   // Of what is known and what is in or below `next`, the nearest, or, for kAny, any hit.
-  template <Query kQuery>
-  Hit run(const BvhNode* nodes, const BvhPacket* packets, BvhChild next = BvhChild::node(0)) {
+  // Tells `visits` of each node and each packet that it visits.
+  template <Query kQuery, typename Visits = UncountedVisits>
+  Hit run(const BvhNode* nodes, const BvhPacket* packets, BvhChild next = BvhChild::node(0),
+          Visits visits = {}) {
     do {
       while (!next.is_packet()) {
+        visits.node();
         if (!enter(nodes[next.index()], next)) return hit_;
       }
+      visits.packet();
       visit(packets[next.index()]);
       if (kQuery == Query::kAny && hit_.found()) break;
     } while (stack_.pop(limit_, next));
