@@ -44,16 +44,23 @@ class OctantOrder {
   std::array<std::size_t, kOctants + 1> first_{};
 };
 
-// Calls trace(order) for groups of rays of one octant each.
-template <typename Trace>
-void for_each_group(std::span<const Ray> rays, const Trace& trace) {
+// What it takes to prepare a group is not worth it for fewer.
+constexpr std::size_t kLeastGroup = 8;
+
+// Calls together(order) for groups of rays of one octant each, alone(i) for each of those that are too few.
+template <typename Together, typename Alone>
+void for_each_group(std::span<const Ray> rays, const Together& together, const Alone& alone) {
   for (std::size_t begin = 0; begin < rays.size(); begin += kRun) {
     const OctantOrder order(rays, begin, std::min(begin + kRun, rays.size()));
     for (std::size_t octant = 0; octant < OctantOrder::kOctants; ++octant) {
       for (auto left = order.rays(octant); !left.empty();) {
         const auto group = left.first(std::min(RayColumns::kSize, left.size()));
-        trace(group);
         left = left.subspan(group.size());
+        if (group.size() >= kLeastGroup) {
+          together(group);
+        } else {
+          for (const std::uint32_t i : group) alone(i);
+        }
       }
     }
   }
@@ -98,8 +105,9 @@ void Bvh::closest_hits(const Primitives& primitives, std::span<const Ray> rays, 
     return;
   }
   const GroupScene scene{primitives, arrays_.nodes.data(), arrays_.packets.data()};
-  for_each_group(rays,
-                 [&](std::span<const std::uint32_t> order) { trace_closest(scene, rays, order, hits); });
+  for_each_group(
+      rays, [&](std::span<const std::uint32_t> order) { trace_closest(scene, rays, order, hits); },
+      [&](std::uint32_t i) { hits[i] = closest_hit(primitives, rays[i]); });
 }
 
 void Bvh::any_hits(const Primitives& primitives, std::span<const Ray> rays,
@@ -109,8 +117,9 @@ void Bvh::any_hits(const Primitives& primitives, std::span<const Ray> rays,
     return;
   }
   const GroupScene scene{primitives, arrays_.nodes.data(), arrays_.packets.data()};
-  for_each_group(rays,
-                 [&](std::span<const std::uint32_t> order) { trace_any(scene, rays, order, occluded); });
+  for_each_group(
+      rays, [&](std::span<const std::uint32_t> order) { trace_any(scene, rays, order, occluded); },
+      [&](std::uint32_t i) { occluded[i] = any_hit(primitives, rays[i]) ? 1 : 0; });
 }
 
 }  // namespace tessera::core

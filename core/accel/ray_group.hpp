@@ -28,7 +28,6 @@ class RayGroup {
   }
 
   // Boxes that begin beyond a ray's limit do not concern it.
-  float limit(std::size_t ray) const { return limit_[ray]; }
   void set_limit(std::size_t ray, float limit) { limit_[ray] = limit; }
   // The rays of a vector hit something at t, or anything may be hit before t.
   void set_limits(std::size_t vector, Float8 t) {
