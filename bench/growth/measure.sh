@@ -1,0 +1,152 @@
+#!/usr/bin/env bash
+# How cost grows with triangles, pixels, samples, lights, depth, threads and workers: measures, writes a table for
+# each into DIR, and plots them. Needs the release build with -DTESSERA_BENCH=ON, jq and gnuplot-nox, and a machine
+# with nothing else to do.
+set -euo pipefail
+
+[ $# -eq 1 ] || { echo "Usage: bench/growth/measure.sh DIR" >&2; exit 2; }
+mkdir -p "$1"
+out=$(cd "$1" && pwd)
+cd "$(dirname "${BASH_SOURCE[0]}")/../.."
+bin=build/release/bin
+for program in tessera tessera_bench tessera-coordinator tessera-worker; do
+  [ -x "$bin/$program" ] || { echo "measure.sh: there is no $bin/$program; configure with -DTESSERA_BENCH=ON" >&2; exit 1; }
+done
+command -v gnuplot >/dev/null || { echo "measure.sh: install Debian's gnuplot-nox" >&2; exit 1; }
+
+work=$(mktemp -d)
+started=()
+stop_started() {
+  local i
+  for ((i = ${#started[@]} - 1; i >= 0; --i)); do
+    kill "${started[i]}" 2>/dev/null || true
+    wait "${started[i]}" 2>/dev/null || true
+  done
+  rm -rf "$work"
+}
+trap stop_started EXIT
+
+# The scene of all series but two. Its materials come by path, so that it can be changed elsewhere.
+cornell=$work/cornell.json
+sed -e 's|^ *//.*||' -e "s|\"box.obj\"|\"$PWD/scenes/cornell/box.obj\"|" scenes/cornell/scene.json >"$cornell"
+
+rounds=3
+# render_seconds SCENE OPTIONS...: the least of some renders on one thread, unless the options say otherwise.
+render_seconds() {
+  local round scene=$1
+  shift
+  for ((round = 0; round < rounds; ++round)); do
+    "$bin/tessera" render "$scene" --quiet --threads 1 "$@" -o "$work/picture.exr" --stats "$work/stats.json"
+    jq .render_seconds "$work/stats.json"
+  done | sort -g | head -n 1
+}
+
+# series NAME HEADING: says what comes, and starts its table.
+series() {
+  echo "== $1" >&2
+  table=$out/$1.tsv
+  printf '# %s\n' "$2" >"$table"
+}
+row() { printf '%s\t%s\n' "$1" "$2" | tee -a "$table" >&2; }
+
+triangles() {
+  echo "== triangles" >&2
+  "$bin/tessera_bench" --benchmark_filter='^growth_' --benchmark_format=json 2>/dev/null >"$work/triangles.json"
+  { echo "# triangles	ns for each primary ray	bounce	shadow ray"
+    jq -r '.benchmarks | group_by(.triangles) | .[] |
+      [.[0].triangles, (["growth_primary", "growth_bounce", "growth_shadow"][] as $kind |
+        .[] | select(.name | startswith($kind)) | 1e9 / ."rays/s")] | @tsv' "$work/triangles.json"
+  } | tee "$out/triangles.tsv" >&2
+}
+
+pixels() {
+  local side
+  series pixels 'pixels	seconds'
+  for side in 64 128 256 512 1024; do
+    row $((side * side)) "$(render_seconds "$cornell" --size "${side}x$side" --spp 4)"
+  done
+}
+
+samples() {
+  local spp
+  series samples 'samples per pixel	seconds'
+  for spp in 1 4 16 64 256; do row "$spp" "$(render_seconds "$cornell" --size 128x128 --spp "$spp")"; done
+}
+
+# A floor under evenly spread lamps that together are as bright, however many.
+lamps() {
+  jq -n --argjson side "$1" '{
+    render: {width: 256, height: 256, spp: 4},
+    camera: {position: [0, 8, 14], look_at: [0, 0, 0], up: [0, 1, 0], vertical_fov_degrees: 50},
+    materials: {floor: {type: "lambert", albedo: 0.7},
+                lamp: {type: "lambert", albedo: 0, emission: 40}},
+    shapes: ([{type: "quad", corner: [-10, 0, 10], edge_u: [20, 0, 0], edge_v: [0, 0, -20], material: "floor"}] +
+      [range($side) as $x | range($side) as $z |
+       {type: "sphere", radius: (0.3 / $side), material: "lamp",
+        center: [-8 + 16 * ($x + 0.5) / $side, 1, -8 + 16 * ($z + 0.5) / $side]}])}'
+}
+lights() {
+  local side
+  series lights 'lights	µs for each sample'
+  for side in 1 3 10 32 100 316; do
+    lamps "$side" >"$work/lamps.json"
+    row $((side * side)) "$(render_seconds "$work/lamps.json" |
+      jq "1e6 * . / (256 * 256 * 4)")"
+  done
+}
+
+depth() {
+  local depth
+  series depth 'max_depth	seconds'
+  for depth in 1 2 4 8 16 32 64; do
+    sed "s|\"spp\": 64|\"spp\": 64, \"max_depth\": $depth|" "$cornell" >"$work/depth.json"
+    row "$depth" "$(render_seconds "$work/depth.json" --size 256x256 --spp 16)"
+  done
+}
+
+threads() {
+  local n
+  series threads 'threads	samples per second'
+  for ((n = 1; n <= $(nproc); ++n)); do
+    row "$n" "$(render_seconds "$cornell" --threads "$n" --spp 16 | jq '512 * 512 * 16 / .')"
+  done
+}
+
+until_in_log() {
+  local i
+  for ((i = 0; i < 600; ++i)); do
+    ! grep -q "$1" "$2" 2>/dev/null || return 0
+    sleep 0.05
+  done
+  echo "measure.sh: no '$1' in $2" >&2
+  exit 1
+}
+start() {
+  "${@:2}" >"$work/$1.log" 2>&1 &
+  started+=($!)
+}
+workers() {
+  local n address begin
+  series workers 'workers of one thread	samples per second'
+  start coordinator "$bin/tessera-coordinator" --listen 127.0.0.1:0 --state "$work/state"
+  until_in_log 'listening on' "$work/coordinator.log"
+  address=$(sed -n 's/.*listening on //p' "$work/coordinator.log")
+  for ((n = 1; n <= $(nproc); ++n)); do
+    start "worker-$n" "$bin/tessera-worker" --coordinator "$address" --threads 1 --name "worker-$n" \
+      --cache "$work/cache-$n"
+    until_in_log 'registered with the coordinator' "$work/worker-$n.log"
+    begin=$(date +%s.%N)
+    "$bin/tessera" submit "$cornell" --spp 64 --coordinator "$address" --wait -o "$work/farm.exr" >/dev/null 2>&1
+    row "$n" "$(jq -n "512 * 512 * 64 / ($(date +%s.%N) - $begin)")"
+  done
+}
+
+triangles
+pixels
+samples
+lights
+depth
+threads
+workers
+gnuplot -e "dir='$out'" bench/growth/plots.gp
+echo "tables and plots are in $out" >&2
