@@ -1,5 +1,6 @@
 // tessera: the command line. Hands over to the command that was called and reports its exit status.
 #include <CLI/CLI.hpp>
+#include <cstdlib>
 #include <exception>
 #include <string>
 
@@ -50,6 +51,8 @@ int run(int argc, char** argv) {
 }  // namespace tessera::client
 
 int main(int argc, char** argv) {
+  // Errors are told once, in our words; GRPC_VERBOSITY=DEBUG brings gRPC's own back.
+  setenv("GRPC_VERBOSITY", "NONE", 0);
   try {
     return tessera::client::run(argc, argv);
   } catch (const std::bad_alloc&) {

@@ -1,7 +1,10 @@
 #include "proto/channel.hpp"
 
 #include <grpcpp/create_channel.h>
-#include <grpcpp/security/credentials.h>
+#include <grpcpp/support/client_interceptor.h>
+
+#include <utility>
+#include <vector>
 
 namespace tessera::proto {
 namespace {
@@ -11,9 +14,36 @@ constexpr int kKeepaliveTimeoutMs = 5'000;
 // Well below the clients' period: clocks differ.
 constexpr int kLeastPingIntervalMs = 5'000;
 
-}  // namespace
+namespace interception = grpc::experimental;
 
-std::shared_ptr<grpc::Channel> open_channel(const std::string& address) {
+// Adds the token to a call's metadata. gRPC's own credentials for calls would do it over TLS alone.
+class ShowToken final : public interception::Interceptor {
+ public:
+  explicit ShowToken(std::string value) : value_(std::move(value)) {}
+
+  void Intercept(interception::InterceptorBatchMethods* methods) override {
+    if (methods->QueryInterceptionHookPoint(interception::InterceptionHookPoints::PRE_SEND_INITIAL_METADATA))
+      methods->GetSendInitialMetadata()->emplace(kTokenKey, value_);
+    methods->Proceed();
+  }
+
+ private:
+  const std::string value_;
+};
+
+class ShowTokenInEachCall final : public interception::ClientInterceptorFactoryInterface {
+ public:
+  explicit ShowTokenInEachCall(const std::string& token) : value_(kTokenPrefix + token) {}
+
+  interception::Interceptor* CreateClientInterceptor(interception::ClientRpcInfo*) override {
+    return new ShowToken(value_);  // gRPC deletes it with the call
+  }
+
+ private:
+  const std::string value_;
+};
+
+grpc::ChannelArguments channel_arguments() {
   grpc::ChannelArguments arguments;
   arguments.SetMaxReceiveMessageSize(kMaxMessageBytes);
   arguments.SetMaxSendMessageSize(kMaxMessageBytes);
@@ -24,11 +54,21 @@ std::shared_ptr<grpc::Channel> open_channel(const std::string& address) {
   arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, 1'000);
   // Farms are private networks: their addresses are reached directly, whatever proxy the environment names.
   arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);
-  return grpc::CreateCustomChannel(address, grpc::InsecureChannelCredentials(), arguments);
+  return arguments;
 }
 
-std::shared_ptr<grpc::ServerCredentials> server_credentials() {
-  return grpc::InsecureServerCredentials();
+}  // namespace
+
+core::Result<std::shared_ptr<grpc::Channel>> open_channel(const std::string& address,
+                                                          const ClientSecurity& security) {
+  const auto credentials = channel_credentials(address, security);
+  if (!credentials) return core::fail(credentials.error());
+  const auto token = read_token(security.token);
+  if (!token) return core::fail(token.error());
+  std::vector<std::unique_ptr<interception::ClientInterceptorFactoryInterface>> interceptors;
+  if (!token->empty()) interceptors.push_back(std::make_unique<ShowTokenInEachCall>(*token));
+  return interception::CreateCustomChannelWithInterceptors(address, *credentials, channel_arguments(),
+                                                           std::move(interceptors));
 }
 
 void apply_server_options(grpc::ServerBuilder& builder) {

@@ -14,6 +14,8 @@ packages=(
   # The farm: RPC and its code generators, logs, durable state, compressed film tiles.
   libgrpc++-dev libprotobuf-dev protobuf-compiler protobuf-compiler-grpc
   libspdlog-dev libsqlite3-dev libzstd-dev
+  # deploy/make_certificates.sh.
+  openssl
   # Tests and benchmarks (Embree only to be measured beside).
   libgtest-dev libgmock-dev libbenchmark-dev libembree-dev
   # run_all.sh: reading statistics, and putting pictures on one sheet with their names.

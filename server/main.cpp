@@ -24,6 +24,16 @@ sigset_t block_stop_signals() {
   return signals;
 }
 
+void warn_of_open_doors(const server::Options& options) {
+  const bool tls = !options.security.certificate.empty();
+  if (proto::is_loopback(options.listen)) return;
+  if (!tls)
+    spdlog::warn("there is no TLS: whoever is between reads and changes what {} is told", options.listen);
+  if (options.tokens.empty() && options.security.client_ca.empty())
+    spdlog::warn("neither --tokens nor --tls-client-ca: whoever reaches {} may submit and render",
+                 options.listen);
+}
+
 core::Status run(const server::Options& options, const sigset_t& stop_signals) {
   auto state = store::StateDirectory::open(options.state);
   if (!state) return core::fail(state.error());
@@ -43,13 +53,16 @@ core::Status run(const server::Options& options, const sigset_t& stop_signals) {
       std::chrono::duration<double, std::ratio<3600>>(options.keep_unused_hours));
   const auto coordinator = coordinator::Coordinator::open(settings, std::move(*state), check);
   if (!coordinator) return core::fail(coordinator.error());
-  const auto server = rpc::Server::start(**coordinator, options.listen);
+  rpc::ServerOptions serving{.address = options.listen, .security = options.security};
+  if (!options.tokens.empty()) {
+    auto access = rpc::Access::read(options.tokens);
+    if (!access) return core::fail(access.error());
+    serving.access = *std::move(access);
+  }
+  const auto server = rpc::Server::start(**coordinator, std::move(serving));
   if (!server) return core::fail(server.error());
 
-  if (!server::is_loopback(options.listen)) {
-    spdlog::warn("there is no encryption and no authentication yet: whoever reaches {} may use it",
-                 options.listen);
-  }
+  warn_of_open_doors(options);
   std::cout << "tessera-coordinator: listening on " << (*server)->address() << std::endl;
   int signal = 0;
   sigwait(&stop_signals, &signal);

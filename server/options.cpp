@@ -9,6 +9,20 @@ namespace {
 
 constexpr int kExitUsage = 2;
 
+void add_security_flags(CLI::App& app, Options& options) {
+  const auto add_file = [&](const char* flag, std::string& path, const char* what) {
+    app.add_option(flag, path, what)->type_name("FILE")->group("Security");
+  };
+  add_file("--tls-certificate", options.security.certificate, "Speak TLS, with this certificate (PEM)");
+  add_file("--tls-key", options.security.key, "The certificate's private key (PEM)");
+  add_file("--tls-client-ca", options.security.client_ca,
+           "Ask callers for a certificate that this authority signed (PEM)");
+  add_file("--tokens", options.tokens,
+           "Ask callers for a token: a line 'ROLE NAME TOKEN' for each, ROLE one of submit, work, admin");
+  app.add_flag("--insecure", options.security.insecure, "Serve other machines without TLS")
+      ->group("Security");
+}
+
 }  // namespace
 
 Options parse_options(int argc, char** argv) {
@@ -18,8 +32,8 @@ Options parse_options(int argc, char** argv) {
       "pictures.");
   app.set_version_flag("--version", "tessera-coordinator " TESSERA_VERSION);
   app.add_option("--listen", options.listen,
-                 "HOST:PORT to serve at; port 0 picks a free one. There is no TLS yet: beyond loopback, only "
-                 "on networks you trust")
+                 "HOST:PORT to serve at; port 0 picks a free one. An address that other machines reach needs "
+                 "TLS, or --insecure")
       ->type_name("HOST:PORT")
       ->capture_default_str();
   app.add_option("--state", options.state, "Folder for what must survive a restart: jobs, films, scenes")
@@ -38,17 +52,13 @@ Options parse_options(int argc, char** argv) {
   app.add_option("--validator", options.validator, "The tessera-validator to start for submitted scenes")
       ->type_name("FILE")
       ->capture_default_str();
+  add_security_flags(app, options);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     std::exit(app.exit(error) == EXIT_SUCCESS ? EXIT_SUCCESS : kExitUsage);
   }
   return options;
-}
-
-bool is_loopback(const std::string& address) {
-  const std::string host = address.substr(0, address.find_last_of(':'));
-  return host == "localhost" || host == "[::1]" || host.rfind("127.", 0) == 0 || host.rfind("unix", 0) == 0;
 }
 
 }  // namespace tessera::server

@@ -11,8 +11,7 @@
 namespace tessera::server {
 
 struct Options {
-  // HOST:PORT to serve at. Port 0 picks a free one. Beyond loopback anyone who reaches the port may submit
-  // and render: there is no encryption and no authentication yet.
+  // HOST:PORT to serve at. Port 0 picks a free one.
   std::string listen = proto::kDefaultCoordinator;
   // Folder for what must survive: jobs, films, scenes.
   std::filesystem::path state = store::default_state_directory();
@@ -21,6 +20,9 @@ struct Options {
   double lease_seconds = 10;
   // Scenes' files that no job names are removed after so many hours.
   double keep_unused_hours = 24;
+  proto::ServerSecurity security;
+  // File with the tokens of those who may call; see rpc::Access. Empty: everybody may do everything.
+  std::string tokens;
   // The tessera-validator to start for submitted scenes.
   std::string validator = validator::default_validator_path();
 };
@@ -28,8 +30,5 @@ struct Options {
 // Reads the command line. On --help, --version and mistakes it prints what there is to say and ends the
 // process.
 Options parse_options(int argc, char** argv);
-
-// Whether HOST:PORT is reachable from this machine alone.
-bool is_loopback(const std::string& address);
 
 }  // namespace tessera::server

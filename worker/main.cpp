@@ -2,6 +2,8 @@
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
+#include <cstdlib>
+
 #include "core/integrators/fingerprint.hpp"
 #include "worker/options.hpp"
 #include "worker/signals.hpp"
@@ -18,7 +20,12 @@ int run(const worker::Options& options) {
     spdlog::error("{}: choose another folder with --cache", cache.error().message);
     return 1;
   }
-  const auto coordinator = v1::WorkerService::NewStub(proto::open_channel(options.coordinator));
+  const auto channel = proto::open_channel(options.coordinator, options.security);
+  if (!channel) {
+    spdlog::error("{}", channel.error().message);
+    return 1;
+  }
+  const auto coordinator = v1::WorkerService::NewStub(*channel);
   worker::Identity identity{.worker_id = worker::random_worker_id(),
                             .name = options.name,
                             .version = TESSERA_VERSION,
@@ -37,6 +44,8 @@ int run(const worker::Options& options) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  // Errors are told once, in our words; GRPC_VERBOSITY=DEBUG brings gRPC's own back.
+  setenv("GRPC_VERBOSITY", "NONE", 0);
   const worker::Options options = worker::parse_options(argc, argv);
   spdlog::set_default_logger(spdlog::stderr_color_mt("tessera-worker"));
   if (options.verbose) spdlog::set_level(spdlog::level::debug);

@@ -9,6 +9,8 @@
 #include <cstdlib>
 #include <thread>
 
+#include "proto/security_flags.hpp"
+
 namespace tessera::worker {
 namespace {
 
@@ -58,6 +60,7 @@ Options parse_options(int argc, char** argv) {
   app.add_option("--name", options.name, "What people call this worker")
       ->type_name("NAME")
       ->capture_default_str();
+  proto::add_security_flags(app, options.security);
   app.add_flag("--verbose", options.verbose, "Log more");
   try {
     app.parse(argc, argv);

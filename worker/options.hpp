@@ -13,6 +13,7 @@ struct Options {
   std::string cache;                                     // folder for scenes' files; may be shared by workers
   double cache_gib = 16;  // scenes' files beyond this are removed, oldest first
   std::string name;       // for people; the host's by default
+  proto::ClientSecurity security;
   bool verbose = false;
 
   Options();

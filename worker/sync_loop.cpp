@@ -25,6 +25,11 @@ constexpr proto::Duration kShortestExchange = 50ms;
 
 constexpr proto::BackoffOptions kBackoff{.first = 100ms, .longest = 2s};
 
+// Asking again would not help.
+bool is_refusal(core::ErrorCode code) {
+  return code == core::ErrorCode::kFailedPrecondition || code == core::ErrorCode::kPermissionDenied;
+}
+
 }  // namespace
 
 core::Status SyncLoop::run(const std::stop_token& stop) {
@@ -44,7 +49,7 @@ core::Status SyncLoop::run(const std::stop_token& stop) {
       if (!changed && std::chrono::steady_clock::now() - start < kShortestExchange)
         wait_for(stop, kShortestExchange);
     } else {
-      if (response.error().code == core::ErrorCode::kFailedPrecondition) return core::fail(response.error());
+      if (is_refusal(response.error().code)) return core::fail(response.error());
       if (response.error().code == core::ErrorCode::kDeadlineExceeded) continue;  // a long wait, not a loss
       note_failure(response.error());
       wait_for(stop, backoff({.count = ++failures}).value());

@@ -15,7 +15,7 @@ namespace tessera::client {
 namespace {
 
 struct ChangeOptions {
-  std::string coordinator;
+  FarmOptions farm;
   std::string job;
   std::uint32_t spp = 0;  // for extend
   bool json = false;
@@ -55,7 +55,9 @@ core::Result<v1::Job> extend(Farm& farm, const std::string& id, const ChangeOpti
 }
 
 int run_change(const ChangeOptions& options, Change change) {
-  Farm farm(options.coordinator);
+  const auto opened = Farm::open(options.farm);
+  if (!opened) return print_error(opened.error());
+  Farm& farm = **opened;
   const auto found = find_job(farm, options.job);
   if (!found) return print_error(found.error());
   const auto job = change(farm, found->id(), options);
@@ -69,7 +71,9 @@ int run_change(const ChangeOptions& options, Change change) {
 }
 
 int run_delete(const ChangeOptions& options) {
-  Farm farm(options.coordinator);
+  const auto opened = Farm::open(options.farm);
+  if (!opened) return print_error(opened.error());
+  Farm& farm = **opened;
   const auto found = find_job(farm, options.job);
   if (!found) return print_error(found.error());
   v1::DeleteJobRequest request;
@@ -85,7 +89,7 @@ std::pair<CLI::App*, std::shared_ptr<ChangeOptions>> add(CLI::App& app, const st
   CLI::App* command = app.add_subcommand(name, what);
   const auto options = std::make_shared<ChangeOptions>();
   command->add_option("job", options->job, "Its id, or the beginning of it")->required()->option_text("ID");
-  add_coordinator_option(*command, options->coordinator);
+  add_farm_options(*command, options->farm);
   return {command, options};
 }
 

@@ -18,16 +18,23 @@
 
 namespace tessera::client {
 
-// Adds --coordinator. `address` is filled in while the command line is parsed, and must live until then.
-void add_coordinator_option(CLI::App& command, std::string& address);
+struct FarmOptions {
+  std::string address = proto::kDefaultCoordinator;  // HOST:PORT
+  proto::ClientSecurity security;
+};
+
+// Adds --coordinator and what concerns certificates and tokens. `options` are filled in while the command
+// line is parsed, and must live until then.
+void add_farm_options(CLI::App& command, FarmOptions& options);
 
 class Farm {
  public:
   using Stub = v1::RenderService::StubInterface;
 
-  explicit Farm(std::string address);
+  // Errors are about certificates and tokens; nothing is connected yet.
+  static core::Result<std::unique_ptr<Farm>> open(const FarmOptions& options);
 
-  const std::string& address() const { return address_; }
+  const std::string& address() const { return options_.address; }
   Stub& stub() { return *stub_; }
 
   // One call of a method, e.g. call(&Farm::Stub::GetJob, request). Blocks for up to `timeout`.
@@ -53,7 +60,10 @@ class Farm {
   core::Error explain(const grpc::Status& status) const;
 
  private:
-  std::string address_;
+  Farm(const FarmOptions& options, std::shared_ptr<grpc::Channel> channel);
+  core::Error explain_unreachable(const grpc::Status& status) const;
+
+  const FarmOptions options_;
   std::shared_ptr<grpc::Channel> channel_;
   std::unique_ptr<Stub> stub_;
   std::atomic<bool> reached_{false};

@@ -16,7 +16,7 @@ namespace tessera::client {
 namespace {
 
 struct ImageOptions {
-  std::string coordinator;
+  FarmOptions farm;
   std::string job;
   SceneFlags scene;  // its output paths and display options alone
 };
@@ -25,7 +25,9 @@ int run_image(const ImageOptions& options) {
   const auto& paths = options.scene.output_paths;
   if (core::Status writable = check_picture_paths(paths); !writable) return print_error(writable.error());
   warn_about_idle_display(paths, options.scene.display);
-  Farm farm(options.coordinator);
+  const auto opened = Farm::open(options.farm);
+  if (!opened) return print_error(opened.error());
+  Farm& farm = **opened;
   const auto found = find_job(farm, options.job);
   if (!found) return print_error(found.error());
   const auto job = download_pictures(farm, found->id(), paths, options.scene.display);
@@ -44,7 +46,7 @@ void add_image_command(CLI::App& app, int& exit_code) {
   command->add_option("job", options->job, "Its id, or the beginning of it")->required()->option_text("ID");
   add_output_option(*command, options->scene);
   add_display_options(*command, options->scene.display);
-  add_coordinator_option(*command, options->coordinator);
+  add_farm_options(*command, options->farm);
   command->callback([options, &exit_code] {
     if (options->scene.output_paths.empty()) throw CLI::RequiredError("-o FILE");
     exit_code = run_image(*options);

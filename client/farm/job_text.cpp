@@ -144,6 +144,7 @@ std::string job_description(const v1::Job& job) {
       {"workers", std::to_string(job.active_workers())},
       {"submitted", TimeUtil::ToString(job.created_at())},
       {"scene", fmt::format("{} with {} files", job.bundle().scene_path(), job.bundle().assets_size())}};
+  if (!job.submitter().empty()) rows.push_back({"submitter", job.submitter()});
   if (job.settings().integrator() == v1::INTEGRATOR_MIS)
     rows.push_back({"heuristic", heuristic_text(job.settings().heuristic())});
   if (!job.failure().empty()) rows.push_back({"failure", job.failure()});

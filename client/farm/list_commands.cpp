@@ -15,7 +15,7 @@ namespace tessera::client {
 namespace {
 
 struct ListOptions {
-  std::string coordinator;
+  FarmOptions farm;
   std::string job;
   bool json = false;
 };
@@ -25,7 +25,9 @@ double seconds_since_1970() {
 }
 
 int run_jobs(const ListOptions& options) {
-  Farm farm(options.coordinator);
+  const auto opened = Farm::open(options.farm);
+  if (!opened) return print_error(opened.error());
+  Farm& farm = **opened;
   const auto jobs = farm.call(&Farm::Stub::ListJobs, v1::ListJobsRequest());
   if (!jobs) return print_error(jobs.error());
   fmt::print("{}", options.json ? to_json_line(*jobs) : jobs_table(*jobs, seconds_since_1970()));
@@ -33,7 +35,9 @@ int run_jobs(const ListOptions& options) {
 }
 
 int run_job(const ListOptions& options) {
-  Farm farm(options.coordinator);
+  const auto opened = Farm::open(options.farm);
+  if (!opened) return print_error(opened.error());
+  Farm& farm = **opened;
   const auto listed = find_job(farm, options.job);
   if (!listed) return print_error(listed.error());
   v1::GetJobRequest request;
@@ -46,7 +50,9 @@ int run_job(const ListOptions& options) {
 }
 
 int run_workers(const ListOptions& options) {
-  Farm farm(options.coordinator);
+  const auto opened = Farm::open(options.farm);
+  if (!opened) return print_error(opened.error());
+  Farm& farm = **opened;
   const auto workers = farm.call(&Farm::Stub::ListWorkers, v1::ListWorkersRequest());
   if (!workers) return print_error(workers.error());
   fmt::print("{}", options.json ? to_json_line(*workers) : workers_table(*workers, seconds_since_1970()));
@@ -59,7 +65,7 @@ std::pair<CLI::App*, std::shared_ptr<ListOptions>> add(CLI::App& app, int& exit_
                                                        const std::string& what, Run run) {
   CLI::App* command = app.add_subcommand(name, what);
   const auto options = std::make_shared<ListOptions>();
-  add_coordinator_option(*command, options->coordinator);
+  add_farm_options(*command, options->farm);
   command->add_flag("--json", options->json, "For programs: one line of JSON");
   command->callback([options, run, &exit_code] { exit_code = run(*options); });
   return {command, options};

@@ -39,7 +39,7 @@ Examples:
 constexpr std::chrono::minutes kSubmitTimeout{30};
 
 struct SubmitOptions {
-  std::string coordinator;
+  FarmOptions farm;
   SceneFlags scene;
   std::string name;
   int priority = 0;
@@ -119,7 +119,9 @@ int run_submit(const SubmitOptions& options) {
   if (!fits) return print_error(fits.error());
   if (!local->gives_light) warn_about_darkness(options.scene.scene_path);
 
-  Farm farm(options.coordinator);
+  const auto opened = Farm::open(options.farm);
+  if (!opened) return print_error(opened.error());
+  Farm& farm = **opened;
   const auto job = submit(farm, options, *local);
   if (!job) return print_error(job.error());
   fmt::print("{}", options.json ? to_json_line(*job) : job->id() + "\n");
@@ -142,7 +144,7 @@ void add_submit_command(CLI::App& app, int& exit_code) {
   command->add_option("--priority", options->priority, "Jobs of higher priority are served first [0]")
       ->option_text("N");
   command->add_flag("--json", options->json, "For programs: the job as one line of JSON instead of its id");
-  add_coordinator_option(*command, options->coordinator);
+  add_farm_options(*command, options->farm);
   command->footer(kFooter);
   command->callback([options, &exit_code] {
     if (!options->scene.output_paths.empty() && !options->wait)

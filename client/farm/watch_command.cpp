@@ -16,7 +16,7 @@ namespace tessera::client {
 namespace {
 
 struct WatchOptions {
-  std::string coordinator;
+  FarmOptions farm;
   std::string job;
   bool json = false;
 };
@@ -32,7 +32,9 @@ core::Result<v1::Job> watch_for_programs(Farm& farm, const std::string& id) {
 }
 
 int run_watch(const WatchOptions& options) {
-  Farm farm(options.coordinator);
+  const auto opened = Farm::open(options.farm);
+  if (!opened) return print_error(opened.error());
+  Farm& farm = **opened;
   const auto found = find_job(farm, options.job);
   if (!found) return print_error(found.error());
   watch_for_interrupt();
@@ -51,7 +53,7 @@ void add_watch_command(CLI::App& app, int& exit_code) {
   const auto options = std::make_shared<WatchOptions>();
   command->add_option("job", options->job, "Its id, or the beginning of it")->required()->option_text("ID");
   command->add_flag("--json", options->json, "For programs: the job as a line of JSON at every change");
-  add_coordinator_option(*command, options->coordinator);
+  add_farm_options(*command, options->farm);
   command->callback([options, &exit_code] { exit_code = run_watch(*options); });
 }
 

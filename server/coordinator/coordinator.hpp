@@ -69,8 +69,9 @@ class Coordinator {
   ~Coordinator();
 
   // ---- For users ----
-  // Blocks while the scene is validated and the job is stored.
-  core::Result<v1::Job> submit_job(const v1::SubmitJobRequest& request);
+  // Blocks while the scene is validated and the job is stored. `submitter`: who calls, where callers have
+  // names.
+  core::Result<v1::Job> submit_job(const v1::SubmitJobRequest& request, const std::string& submitter = {});
   core::Result<v1::Job> job(const std::string& id);
   core::Result<v1::Job> job_without_bundle(const std::string& id);
   // Newest first, without their bundles.

@@ -38,6 +38,7 @@ v1::Job summarise(const JobRecord& record, const scheduler::JobView& view) {
   *job.mutable_settings() = record.spec->settings();
   job.mutable_settings()->set_spp(view.shape.spp);
   if (record.spec->has_display()) *job.mutable_display() = record.spec->display();
+  job.set_submitter(record.spec->submitter());
   *job.mutable_created_at() = record.spec->created_at();
   job.set_state(to_wire(view.state));
   job.set_failure(view.failure);

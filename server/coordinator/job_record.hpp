@@ -14,7 +14,8 @@
 namespace tessera::coordinator {
 
 struct JobRecord {
-  // As it was submitted: id, name, settings, bundle, display, priority and created_at. Never changes.
+  // As it was submitted: id, name, submitter, settings, bundle, display, priority and created_at. Never
+  // changes.
   std::shared_ptr<const v1::Job> spec;
   std::string request_id;
 

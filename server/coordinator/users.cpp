@@ -61,7 +61,8 @@ core::Status Coordinator::check_bundle(const v1::Bundle& bundle) {
                                 missing, missing_count > kMaxMissingListed ? "\n  ..." : ""));
 }
 
-core::Result<v1::Job> Coordinator::submit_job(const v1::SubmitJobRequest& request) {
+core::Result<v1::Job> Coordinator::submit_job(const v1::SubmitJobRequest& request,
+                                              const std::string& submitter) {
   if (auto known = job_of_request(request.request_id())) return *known;
   if (auto checked = check_bundle(request.bundle()); !checked) return core::fail(checked.error());
   const auto scene = check_scene_(request.bundle(), request.overrides());
@@ -84,6 +85,7 @@ core::Result<v1::Job> Coordinator::submit_job(const v1::SubmitJobRequest& reques
   *spec.mutable_display() = proto::to_proto(*display);
   *spec.mutable_bundle() = request.bundle();
   spec.set_priority(request.priority());
+  spec.set_submitter(submitter);
   *spec.mutable_created_at() = timestamp_from_ms(wall_now_ms());
   return add_job(std::move(spec), request.request_id());
 }

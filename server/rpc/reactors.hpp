@@ -43,4 +43,21 @@ grpc::ServerUnaryReactor* run_unary(grpc::CallbackServerContext* context, coordi
   return reactor;
 }
 
+// Answers a unary call without looking at it.
+inline grpc::ServerUnaryReactor* refuse(grpc::CallbackServerContext* context, const grpc::Status& status) {
+  grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
+  reactor->Finish(status);
+  return reactor;
+}
+
+// The same for a stream, e.g. RefusedStream<grpc::ServerWriteReactor<Response>>. Owned by gRPC until OnDone.
+template <typename Reactor>
+class RefusedStream final : public Reactor {
+ public:
+  explicit RefusedStream(const grpc::Status& status) { this->Finish(status); }
+
+ private:
+  void OnDone() override { delete this; }
+};
+
 }  // namespace tessera::rpc

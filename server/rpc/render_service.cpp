@@ -1,5 +1,9 @@
 #include "server/rpc/render_service.hpp"
 
+#include <fmt/format.h>
+
+#include <utility>
+
 #include "server/rpc/blob_streams.hpp"
 #include "server/rpc/image_stream.hpp"
 #include "server/rpc/reactors.hpp"
@@ -19,69 +23,108 @@ core::Status put_job(core::Result<v1::Job> job, Response* response) {
 
 }  // namespace
 
-grpc::ServerReadReactor<v1::UploadBlobRequest>* RenderService::UploadBlob(grpc::CallbackServerContext*,
-                                                                          v1::UploadBlobResponse* response) {
+template <typename Work>
+grpc::ServerUnaryReactor* RenderService::serve(grpc::CallbackServerContext* context,
+                                               coordinator::ThreadPool& pool, Work work) {
+  Caller caller;
+  if (const auto admitted = access_.admit(*context, Role::kSubmit, caller); !admitted.ok())
+    return refuse(context, admitted);
+  return run_unary(context, pool, [caller, work = std::move(work)] { return work(caller); });
+}
+
+template <typename Work>
+grpc::ServerUnaryReactor* RenderService::serve_change(grpc::CallbackServerContext* context,
+                                                      coordinator::ThreadPool& pool,
+                                                      const std::string& job_id, Work work) {
+  return serve(context, pool, [this, &job_id, work = std::move(work)](const Caller& caller) {
+    const core::Status allowed = may_change(caller, job_id);
+    return allowed ? work() : allowed;
+  });
+}
+
+core::Status RenderService::may_change(const Caller& caller, const std::string& job_id) {
+  if (caller.role == Role::kAdmin) return {};
+  const auto job = coordinator_.job_without_bundle(job_id);
+  if (!job) return core::fail(job.error());
+  if (job->submitter() == caller.name) return {};
+  return core::fail(core::ErrorCode::kPermissionDenied,
+                    fmt::format("job {} was submitted by '{}': only they and administrators may change it",
+                                job_id, job->submitter()));
+}
+
+grpc::ServerReadReactor<v1::UploadBlobRequest>* RenderService::UploadBlob(
+    grpc::CallbackServerContext* context, v1::UploadBlobResponse* response) {
+  Caller caller;
+  if (const auto admitted = access_.admit(*context, Role::kSubmit, caller); !admitted.ok())
+    return new RefusedStream<grpc::ServerReadReactor<v1::UploadBlobRequest>>(admitted);
   return new UploadStream(coordinator_.blobs(), pools_.quick, response);
 }
 
 grpc::ServerUnaryReactor* RenderService::SubmitJob(grpc::CallbackServerContext* context,
                                                    const v1::SubmitJobRequest* request,
                                                    v1::SubmitJobResponse* response) {
-  return run_unary(context, pools_.validating,
-                   [=, this] { return put_job(coordinator_.submit_job(*request), response); });
+  return serve(context, pools_.validating, [=, this](const Caller& caller) {
+    return put_job(coordinator_.submit_job(*request, caller.name), response);
+  });
 }
 
 grpc::ServerUnaryReactor* RenderService::GetJob(grpc::CallbackServerContext* context,
                                                 const v1::GetJobRequest* request,
                                                 v1::GetJobResponse* response) {
-  return run_unary(context, pools_.quick,
-                   [=, this] { return put_job(coordinator_.job(request->job_id()), response); });
+  return serve(context, pools_.quick,
+               [=, this](const Caller&) { return put_job(coordinator_.job(request->job_id()), response); });
 }
 
 grpc::ServerUnaryReactor* RenderService::ListJobs(grpc::CallbackServerContext* context,
                                                   const v1::ListJobsRequest*,
                                                   v1::ListJobsResponse* response) {
-  return run_unary(context, pools_.quick, [=, this] {
+  return serve(context, pools_.quick, [=, this](const Caller&) {
     for (v1::Job& job : coordinator_.jobs()) *response->add_jobs() = std::move(job);
     return core::Status();
   });
 }
 
-grpc::ServerWriteReactor<v1::WatchJobResponse>* RenderService::WatchJob(grpc::CallbackServerContext*,
+grpc::ServerWriteReactor<v1::WatchJobResponse>* RenderService::WatchJob(grpc::CallbackServerContext* context,
                                                                         const v1::WatchJobRequest* request) {
+  Caller caller;
+  if (const auto admitted = access_.admit(*context, Role::kSubmit, caller); !admitted.ok())
+    return new RefusedStream<grpc::ServerWriteReactor<v1::WatchJobResponse>>(admitted);
   return new WatchCall(watches_, request->job_id());
 }
 
-grpc::ServerWriteReactor<v1::GetImageResponse>* RenderService::GetImage(grpc::CallbackServerContext*,
+grpc::ServerWriteReactor<v1::GetImageResponse>* RenderService::GetImage(grpc::CallbackServerContext* context,
                                                                         const v1::GetImageRequest* request) {
+  Caller caller;
+  if (const auto admitted = access_.admit(*context, Role::kSubmit, caller); !admitted.ok())
+    return new RefusedStream<grpc::ServerWriteReactor<v1::GetImageResponse>>(admitted);
   return new ImageStream(coordinator_, pools_.slow, *request);
 }
 
 grpc::ServerUnaryReactor* RenderService::CancelJob(grpc::CallbackServerContext* context,
                                                    const v1::CancelJobRequest* request,
                                                    v1::CancelJobResponse* response) {
-  return run_unary(context, pools_.quick,
-                   [=, this] { return put_job(coordinator_.cancel_job(request->job_id()), response); });
+  return serve_change(context, pools_.quick, request->job_id(),
+                      [=, this] { return put_job(coordinator_.cancel_job(request->job_id()), response); });
 }
 
 grpc::ServerUnaryReactor* RenderService::PauseJob(grpc::CallbackServerContext* context,
                                                   const v1::PauseJobRequest* request,
                                                   v1::PauseJobResponse* response) {
-  return run_unary(context, pools_.quick,
-                   [=, this] { return put_job(coordinator_.pause_job(request->job_id()), response); });
+  return serve_change(context, pools_.quick, request->job_id(),
+                      [=, this] { return put_job(coordinator_.pause_job(request->job_id()), response); });
 }
 
 grpc::ServerUnaryReactor* RenderService::ResumeJob(grpc::CallbackServerContext* context,
                                                    const v1::ResumeJobRequest* request,
                                                    v1::ResumeJobResponse* response) {
-  return run_unary(context, pools_.quick,
-                   [=, this] { return put_job(coordinator_.resume_job(request->job_id()), response); });
+  return serve_change(context, pools_.quick, request->job_id(),
+                      [=, this] { return put_job(coordinator_.resume_job(request->job_id()), response); });
 }
 
 grpc::ServerUnaryReactor* RenderService::ExtendJob(grpc::CallbackServerContext* context,
                                                    const v1::ExtendJobRequest* request,
                                                    v1::ExtendJobResponse* response) {
-  return run_unary(context, pools_.slow, [=, this] {
+  return serve_change(context, pools_.slow, request->job_id(), [=, this] {
     return put_job(coordinator_.extend_job(request->job_id(), request->spp()), response);
   });
 }
@@ -89,13 +132,14 @@ grpc::ServerUnaryReactor* RenderService::ExtendJob(grpc::CallbackServerContext* 
 grpc::ServerUnaryReactor* RenderService::DeleteJob(grpc::CallbackServerContext* context,
                                                    const v1::DeleteJobRequest* request,
                                                    v1::DeleteJobResponse*) {
-  return run_unary(context, pools_.quick, [=, this] { return coordinator_.delete_job(request->job_id()); });
+  return serve_change(context, pools_.quick, request->job_id(),
+                      [=, this] { return coordinator_.delete_job(request->job_id()); });
 }
 
 grpc::ServerUnaryReactor* RenderService::ListWorkers(grpc::CallbackServerContext* context,
                                                      const v1::ListWorkersRequest*,
                                                      v1::ListWorkersResponse* response) {
-  return run_unary(context, pools_.quick, [=, this] {
+  return serve(context, pools_.quick, [=, this](const Caller&) {
     for (auto& worker : coordinator_.workers()) *response->add_workers() = std::move(worker);
     return core::Status();
   });
@@ -104,7 +148,7 @@ grpc::ServerUnaryReactor* RenderService::ListWorkers(grpc::CallbackServerContext
 grpc::ServerUnaryReactor* RenderService::FindMissingBlobs(grpc::CallbackServerContext* context,
                                                           const v1::FindMissingBlobsRequest* request,
                                                           v1::FindMissingBlobsResponse* response) {
-  return run_unary(context, pools_.quick, [=, this]() -> core::Status {
+  return serve(context, pools_.quick, [=, this](const Caller&) -> core::Status {
     std::set<proto::Digest> missing;
     for (const v1::Digest& message : request->digests()) {
       const auto digest = proto::from_proto(message);

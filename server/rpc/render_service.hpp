@@ -1,9 +1,10 @@
-// The users' service: each method hands its request to the coordinator and its answer to gRPC, and does
-// nothing else. Thread-safe.
+// The users' service: each method asks who calls, hands its request to the coordinator and its answer to
+// gRPC, and does nothing else. Thread-safe.
 #pragma once
 
 #include "server/coordinator/coordinator.hpp"
 #include "server/coordinator/thread_pool.hpp"
+#include "server/rpc/access.hpp"
 #include "server/rpc/watch_hub.hpp"
 #include "tessera/v1/render_service.grpc.pb.h"
 
@@ -20,8 +21,8 @@ struct Pools {
 
 class RenderService final : public v1::RenderService::CallbackService {
  public:
-  RenderService(coordinator::Coordinator& coordinator, Pools pools, WatchHub& watches)
-      : coordinator_(coordinator), pools_(pools), watches_(watches) {}
+  RenderService(coordinator::Coordinator& coordinator, const Access& access, Pools pools, WatchHub& watches)
+      : coordinator_(coordinator), access_(access), pools_(pools), watches_(watches) {}
 
   grpc::ServerUnaryReactor* FindMissingBlobs(grpc::CallbackServerContext* context,
                                              const v1::FindMissingBlobsRequest* request,
@@ -58,7 +59,18 @@ class RenderService final : public v1::RenderService::CallbackService {
                                         v1::ListWorkersResponse* response) override;
 
  private:
+  // Answers with the status of work(caller), run on `pool`.
+  template <typename Work>
+  grpc::ServerUnaryReactor* serve(grpc::CallbackServerContext* context, coordinator::ThreadPool& pool,
+                                  Work work);
+  // The same with the status of work(), for callers who may change the job.
+  template <typename Work>
+  grpc::ServerUnaryReactor* serve_change(grpc::CallbackServerContext* context, coordinator::ThreadPool& pool,
+                                         const std::string& job_id, Work work);
+  core::Status may_change(const Caller& caller, const std::string& job_id);
+
   coordinator::Coordinator& coordinator_;
+  const Access& access_;
   const Pools pools_;
   WatchHub& watches_;
 };

@@ -53,19 +53,21 @@ class CheckpointLog {
 }  // namespace
 
 struct Server::Parts {
-  explicit Parts(Coordinator& c)
+  Parts(Coordinator& c, Access a)
       : coordinator(c),
+        access(std::move(a)),
         quick(quick_threads(), kMaxWaitingQuick),
         slow(kSlowThreads, kMaxWaitingSlow),
         validating(kValidatingThreads, kMaxWaitingSlow),
         watches(c),
-        render_service(c, {quick, slow, validating}, watches),
-        worker_service(c, quick),
+        render_service(c, access, {quick, slow, validating}, watches),
+        worker_service(c, access, quick),
         ticker(kTickPeriod, [this] { coordinator.tick(); }),
         checkpointer(kCheckpointPeriod, [this] { checkpoint_log.note(coordinator.checkpoint()); }),
         collector(kCollectPeriod, [this] { coordinator.collect_blobs(); }) {}
 
   Coordinator& coordinator;
+  const Access access;
   coordinator::ThreadPool quick, slow, validating;
   WatchHub watches;
   RenderService render_service;
@@ -84,14 +86,17 @@ Server::~Server() {
   }
 }
 
-core::Result<std::unique_ptr<Server>> Server::start(Coordinator& coordinator, const std::string& address) {
+core::Result<std::unique_ptr<Server>> Server::start(Coordinator& coordinator, ServerOptions options) {
+  const std::string& address = options.address;
+  const auto credentials = proto::server_credentials(address, options.security);
+  if (!credentials) return core::fail(credentials.error());
   grpc::EnableDefaultHealthCheckService(true);
   grpc::reflection::InitProtoReflectionServerBuilderPlugin();
-  auto parts = std::make_unique<Parts>(coordinator);
+  auto parts = std::make_unique<Parts>(coordinator, std::move(options.access));
   int port = 0;
   grpc::ServerBuilder builder;
   proto::apply_server_options(builder);
-  builder.AddListeningPort(address, proto::server_credentials(), &port);
+  builder.AddListeningPort(address, *credentials, &port);
   builder.RegisterService(&parts->render_service);
   builder.RegisterService(&parts->worker_service);
   parts->grpc = builder.BuildAndStart();

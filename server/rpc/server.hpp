@@ -5,16 +5,24 @@
 #include <string>
 
 #include "core/base/error.hpp"
+#include "proto/security.hpp"
 #include "server/coordinator/coordinator.hpp"
+#include "server/rpc/access.hpp"
 
 namespace tessera::rpc {
 
+struct ServerOptions {
+  std::string address;  // HOST:PORT to listen at; port 0 picks a free one
+  proto::ServerSecurity security{};
+  Access access{};
+};
+
 class Server {
  public:
-  // Listens at HOST:PORT; port 0 picks a free one. The coordinator must stay until the server is destroyed.
-  // UNAVAILABLE if the port is taken.
+  // The coordinator must stay until the server is destroyed. UNAVAILABLE if the port is taken; also the
+  // errors of proto::server_credentials().
   static core::Result<std::unique_ptr<Server>> start(coordinator::Coordinator& coordinator,
-                                                     const std::string& address);
+                                                     ServerOptions options);
   // Stops, if that was not done before.
   ~Server();
 

@@ -9,12 +9,18 @@ namespace tessera::rpc {
 grpc::ServerUnaryReactor* WorkerService::Synchronize(grpc::CallbackServerContext* context,
                                                      const v1::SynchronizeRequest* request,
                                                      v1::SynchronizeResponse* response) {
+  Caller caller;
+  if (const auto admitted = access_.admit(*context, Role::kWork, caller); !admitted.ok())
+    return refuse(context, admitted);
   return new SynchronizeCall(*context, coordinator_, pool_, request, response);
 }
 
 grpc::ServerUnaryReactor* WorkerService::SubmitResult(grpc::CallbackServerContext* context,
                                                       const v1::SubmitResultRequest* request,
                                                       v1::SubmitResultResponse* response) {
+  Caller caller;
+  if (const auto admitted = access_.admit(*context, Role::kWork, caller); !admitted.ok())
+    return refuse(context, admitted);
   return run_unary(context, pool_, [=, this]() -> core::Status {
     auto counted = coordinator_.submit_result(*request);
     if (!counted) return core::fail(counted.error());
@@ -24,7 +30,10 @@ grpc::ServerUnaryReactor* WorkerService::SubmitResult(grpc::CallbackServerContex
 }
 
 grpc::ServerWriteReactor<v1::FetchBlobResponse>* WorkerService::FetchBlob(
-    grpc::CallbackServerContext*, const v1::FetchBlobRequest* request) {
+    grpc::CallbackServerContext* context, const v1::FetchBlobRequest* request) {
+  Caller caller;
+  if (const auto admitted = access_.admit(*context, Role::kWork, caller); !admitted.ok())
+    return new RefusedStream<grpc::ServerWriteReactor<v1::FetchBlobResponse>>(admitted);
   return new FetchStream(coordinator_, pool_, request->digest());
 }
 

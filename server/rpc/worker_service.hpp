@@ -1,17 +1,18 @@
-// The workers' service: each method hands its request to the coordinator and its answer to gRPC, and does
-// nothing else. Thread-safe.
+// The workers' service: each method asks who calls, hands its request to the coordinator and its answer to
+// gRPC, and does nothing else. Thread-safe.
 #pragma once
 
 #include "server/coordinator/coordinator.hpp"
 #include "server/coordinator/thread_pool.hpp"
+#include "server/rpc/access.hpp"
 #include "tessera/v1/worker_service.grpc.pb.h"
 
 namespace tessera::rpc {
 
 class WorkerService final : public v1::WorkerService::CallbackService {
  public:
-  WorkerService(coordinator::Coordinator& coordinator, coordinator::ThreadPool& pool)
-      : coordinator_(coordinator), pool_(pool) {}
+  WorkerService(coordinator::Coordinator& coordinator, const Access& access, coordinator::ThreadPool& pool)
+      : coordinator_(coordinator), access_(access), pool_(pool) {}
 
   grpc::ServerUnaryReactor* Synchronize(grpc::CallbackServerContext* context,
                                         const v1::SynchronizeRequest* request,
@@ -24,6 +25,7 @@ class WorkerService final : public v1::WorkerService::CallbackService {
 
  private:
   coordinator::Coordinator& coordinator_;
+  const Access& access_;
   coordinator::ThreadPool& pool_;
 };
 

@@ -40,7 +40,7 @@ class FailuresTest : public FarmTest {
     request.set_threads(1);
     request.set_wanted_leases(1);
     v1::SynchronizeResponse response;
-    const auto coordinator = v1::WorkerService::NewStub(proto::open_channel(address()));
+    const auto coordinator = v1::WorkerService::NewStub(*proto::open_channel(address()));
     const grpc::Status status = coordinator->Synchronize(&context, request, &response);
     EXPECT_TRUE(status.ok()) << status.error_message();
     *request.mutable_held() = response.leases();

@@ -51,15 +51,16 @@ void FarmTest::start_coordinator(double lease_seconds) {
 }
 
 void FarmTest::restart_coordinator() {
-  const std::string lease = std::to_string(lease_seconds_);
-  coordinator_ = std::make_unique<Process>(
-      with_files("coordinator", {TESSERA_COORDINATOR_PROGRAM, "--listen", address_, "--state",
-                                 (folder_ / "state").string(), "--lease-seconds", lease}));
+  std::vector<std::string> arguments{
+      TESSERA_COORDINATOR_PROGRAM,   "--listen", address_, "--state", folder_ / "state", "--lease-seconds",
+      std::to_string(lease_seconds_)};
+  arguments.insert(arguments.end(), coordinator_options_.begin(), coordinator_options_.end());
+  coordinator_ = std::make_unique<Process>(with_files("coordinator", std::move(arguments)));
   const bool listens =
       poll_until(kStartTimeout, [this] { return !listening_address(coordinator_->out()).empty(); });
   ASSERT_TRUE(listens) << "the coordinator did not start";
   address_ = listening_address(coordinator_->out());
-  if (!api_) api_ = v1::RenderService::NewStub(proto::open_channel(address_));
+  if (!api_) api_ = v1::RenderService::NewStub(*proto::open_channel(address_, security_));
 }
 
 void FarmTest::kill_coordinator() {
@@ -67,10 +68,24 @@ void FarmTest::kill_coordinator() {
   ASSERT_TRUE(coordinator_->wait(kStartTimeout).has_value());
 }
 
+std::map<std::string, std::string> FarmTest::environment() const {
+  std::map<std::string, std::string> variables;
+  const auto add = [&](const char* name, const std::string& file) {
+    if (!file.empty()) variables[name] = file;
+  };
+  add("TESSERA_TLS_CA", security_.ca);
+  add("TESSERA_TLS_CERTIFICATE", security_.certificate);
+  add("TESSERA_TLS_KEY", security_.key);
+  add("TESSERA_TOKEN_FILE", security_.token);
+  return variables;
+}
+
 Process& FarmTest::start_worker(const std::string& name, int threads) {
-  workers_.push_back(std::make_unique<Process>(
+  ProcessOptions options =
       with_files(name, {TESSERA_WORKER, "--coordinator", address_, "--threads", std::to_string(threads),
-                        "--cache", (folder_ / ("cache-" + name)).string(), "--name", name})));
+                        "--cache", folder_ / ("cache-" + name), "--name", name});
+  options.environment = environment();
+  workers_.push_back(std::make_unique<Process>(std::move(options)));
   return *workers_.back();
 }
 
@@ -80,6 +95,7 @@ Process FarmTest::start_tessera(const std::vector<std::string>& arguments,
   all.insert(all.end(), arguments.begin(), arguments.end());
   ProcessOptions options = with_files("tessera", std::move(all));
   options.folder = folder;
+  options.environment = environment();
   options.environment["TESSERA_COORDINATOR"] = address_;
   return Process(std::move(options));
 }

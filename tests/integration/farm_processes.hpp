@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "proto/security.hpp"
 #include "tessera/v1/render_service.grpc.pb.h"
 #include "tests/integration/processes.hpp"
 
@@ -56,8 +57,13 @@ class FarmTest : public ::testing::Test {
   bool wait_for_workers(std::size_t count);
 
   TempFolder folder_;
+  // To be set before a coordinator is started: its further options, and how this test, workers and the
+  // command line show who they are.
+  std::vector<std::string> coordinator_options_;
+  proto::ClientSecurity security_;
 
  private:
+  std::map<std::string, std::string> environment() const;
   ProcessOptions with_files(const std::string& name, std::vector<std::string> arguments);
 
   double lease_seconds_ = 2;

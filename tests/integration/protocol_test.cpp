@@ -35,7 +35,7 @@ TEST_F(FarmTest, AWorkerOfAnotherArithmeticIsRefused) {
   start_worker("worker", 1);
   ASSERT_TRUE(wait_for_workers(1));
   submit({"--size", "64x64", "--spp", "100000"});
-  const auto other = v1::WorkerService::NewStub(proto::open_channel(address()));
+  const auto other = v1::WorkerService::NewStub(*proto::open_channel(address()));
   grpc::ClientContext context;
   context.set_deadline(std::chrono::system_clock::now() + 20s);
   v1::SynchronizeRequest request;

@@ -27,8 +27,8 @@ class Service : public testing::Test {
     auto state = store::StateDirectory::open(folder_.path());
     coordinator_ =
         std::move(*coordinator::Coordinator::open({}, std::move(*state), coordinator::accept_scene));
-    server_ = std::move(*Server::start(*coordinator_, "127.0.0.1:0"));
-    const auto channel = proto::open_channel(server_->address());
+    server_ = std::move(*Server::start(*coordinator_, {.address = "127.0.0.1:0"}));
+    const auto channel = *proto::open_channel(server_->address());
     users_ = v1::RenderService::NewStub(channel);
     workers_ = v1::WorkerService::NewStub(channel);
   }
@@ -311,7 +311,7 @@ TEST_F(Service, ErrorsArriveWithTheirSentence) {
 }
 
 TEST_F(Service, ATakenPortIsRefused) {
-  const auto second = Server::start(*coordinator_, server_->address());
+  const auto second = Server::start(*coordinator_, {.address = server_->address()});
   ASSERT_FALSE(second);
   EXPECT_THAT(second.error().message, HasSubstr("cannot listen on " + server_->address()));
 }

@@ -1,0 +1,107 @@
+#include "proto/security.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cstring>
+
+#include "core/image/file_io.hpp"
+#include "proto/pem.hpp"
+
+namespace tessera::proto {
+namespace {
+
+using core::ErrorCode;
+
+core::Status both_or_neither(const std::string& certificate, const std::string& key) {
+  if (certificate.empty() == key.empty()) return {};
+  return core::fail(ErrorCode::kInvalidArgument,
+                    "--tls-certificate and --tls-key belong together: give both or neither");
+}
+
+// Without TLS, for an address that other machines are at.
+core::Status allow_plain(const std::string& address, bool insecure, const char* how) {
+  if (is_loopback(address) || insecure) return {};
+  return core::fail(
+      ErrorCode::kInvalidArgument,
+      fmt::format("{} is not of this machine alone, and there is no TLS: {}, or --insecure on a "
+                  "network where you trust everybody",
+                  address, how));
+}
+
+}  // namespace
+
+bool is_loopback(const std::string& address) {
+  const std::string host = address.substr(0, address.find_last_of(':'));
+  return host == "localhost" || host == "[::1]" || host.rfind("127.", 0) == 0 || host.rfind("unix", 0) == 0;
+}
+
+core::Result<std::shared_ptr<grpc::ChannelCredentials>> channel_credentials(const std::string& address,
+                                                                            const ClientSecurity& security) {
+  if (const auto paired = both_or_neither(security.certificate, security.key); !paired)
+    return core::fail(paired.error());
+  if (security.ca.empty()) {
+    if (!security.certificate.empty())
+      return core::fail(ErrorCode::kInvalidArgument, "--tls-certificate is of no use without --tls-ca");
+    if (const auto plain = allow_plain(address, security.insecure, "give --tls-ca"); !plain)
+      return core::fail(plain.error());
+    return grpc::InsecureChannelCredentials();
+  }
+  grpc::SslCredentialsOptions options;
+  auto ca = read_certificates(security.ca);
+  if (!ca) return core::fail(ca.error());
+  options.pem_root_certs = *std::move(ca);
+  if (!security.certificate.empty()) {
+    auto mine = read_certificate_and_key(security.certificate, security.key);
+    if (!mine) return core::fail(mine.error());
+    options.pem_cert_chain = std::move(mine->certificates);
+    options.pem_private_key = std::move(mine->key);
+  }
+  return grpc::SslCredentials(options);
+}
+
+core::Result<std::shared_ptr<grpc::ServerCredentials>> server_credentials(const std::string& address,
+                                                                          const ServerSecurity& security) {
+  if (const auto paired = both_or_neither(security.certificate, security.key); !paired)
+    return core::fail(paired.error());
+  if (security.certificate.empty()) {
+    if (!security.client_ca.empty())
+      return core::fail(ErrorCode::kInvalidArgument,
+                        "--tls-client-ca is of no use without --tls-certificate and --tls-key");
+    if (const auto plain = allow_plain(address, security.insecure, "give --tls-certificate and --tls-key");
+        !plain)
+      return core::fail(plain.error());
+    return grpc::InsecureServerCredentials();
+  }
+  auto mine = read_certificate_and_key(security.certificate, security.key);
+  if (!mine) return core::fail(mine.error());
+  grpc::SslServerCredentialsOptions options(security.client_ca.empty()
+                                                ? GRPC_SSL_DONT_REQUEST_CLIENT_CERTIFICATE
+                                                : GRPC_SSL_REQUEST_AND_REQUIRE_CLIENT_CERTIFICATE_AND_VERIFY);
+  options.pem_key_cert_pairs.push_back({std::move(mine->key), std::move(mine->certificates)});
+  if (!security.client_ca.empty()) {
+    auto ca = read_certificates(security.client_ca);
+    if (!ca) return core::fail(ca.error());
+    options.pem_root_certs = *std::move(ca);
+  }
+  return grpc::SslServerCredentials(options);
+}
+
+core::Result<std::string> read_token(const std::string& path) {
+  if (path.empty()) return std::string();
+  const auto text = core::read_file(path);
+  if (!text) return core::fail(text.error());
+  const std::string token = text->substr(0, text->find_first_of("\r\n"));
+  // What may stand in a header (RFC 6750, b64token).
+  const auto is_token = [](char c) {
+    return std::isalnum(static_cast<unsigned char>(c)) || std::strchr("-._~+/=", c) != nullptr;
+  };
+  if (token.empty() || !std::all_of(token.begin(), token.end(), is_token)) {
+    return core::fail(ErrorCode::kInvalidArgument,
+                      fmt::format("{}: the first line must be a token of letters, digits and -._~+/=", path));
+  }
+  return token;
+}
+
+}  // namespace tessera::proto

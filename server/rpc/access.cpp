@@ -1,0 +1,102 @@
+#include "server/rpc/access.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <sstream>
+#include <string>
+#include <utility>
+
+#include "core/image/file_io.hpp"
+#include "proto/blob.hpp"
+#include "proto/security.hpp"
+
+namespace tessera::rpc {
+namespace {
+
+using core::ErrorCode;
+using grpc::StatusCode;
+
+// Shorter ones could be guessed.
+constexpr std::size_t kMinTokenLength = 16;
+
+constexpr std::array<std::pair<std::string_view, Role>, 3> kRoles{
+    {{"submit", Role::kSubmit}, {"work", Role::kWork}, {"admin", Role::kAdmin}}};
+
+std::string_view role_name(Role role) {
+  for (const auto& [name, known] : kRoles)
+    if (known == role) return name;
+  return "";
+}
+
+std::string digest_of_token(std::string_view token) {
+  return proto::digest_of(std::string(token)).hex();
+}
+
+// The token of a call's metadata; empty if there is none.
+std::string_view shown_token(const grpc::CallbackServerContext& context) {
+  const auto found = context.client_metadata().find(proto::kTokenKey);
+  if (found == context.client_metadata().end()) return {};
+  const std::string_view value(found->second.data(), found->second.size());
+  const std::string_view prefix = proto::kTokenPrefix;
+  return value.substr(0, prefix.size()) == prefix ? value.substr(prefix.size()) : std::string_view();
+}
+
+}  // namespace
+
+core::Result<Access> Access::read(const std::string& path) {
+  const auto text = core::read_file(path);
+  if (!text) return core::fail(text.error());
+  Access access;
+  access.open_ = false;
+  std::istringstream lines(*text);
+  std::string line;
+  for (int number = 1; std::getline(lines, line); ++number) {
+    if (const core::Status added = access.add_line(line); !added)
+      return core::fail(added.error().within(fmt::format("{}:{}", path, number)));
+  }
+  if (access.callers_.empty())
+    return core::fail(ErrorCode::kInvalidArgument, fmt::format("{}: there is no token in it", path));
+  return access;
+}
+
+core::Status Access::add_line(std::string_view line) {
+  std::istringstream words{std::string(line)};
+  std::string role, name, token, more;
+  if (!(words >> role) || role.front() == '#') return {};
+  if (!(words >> name >> token) || words >> more)
+    return core::fail(ErrorCode::kInvalidArgument, "a line has three words: ROLE NAME TOKEN");
+  for (const auto& [known, value] : kRoles) {
+    if (role != known) continue;
+    if (token.size() < kMinTokenLength) {
+      return core::fail(ErrorCode::kInvalidArgument,
+                        fmt::format("the token of {} is too short to be safe: take at least {} characters",
+                                    name, kMinTokenLength));
+    }
+    if (!callers_.emplace(digest_of_token(token), Caller{name, value}).second)
+      return core::fail(ErrorCode::kInvalidArgument, "this token was given to somebody already");
+    return {};
+  }
+  return core::fail(ErrorCode::kInvalidArgument,
+                    fmt::format("'{}' is no role: write submit, work or admin", role));
+}
+
+grpc::Status Access::admit(const grpc::CallbackServerContext& context, Role role, Caller& caller) const {
+  caller = {};
+  if (open_) return grpc::Status::OK;
+  const std::string_view token = shown_token(context);
+  if (token.empty())
+    return {StatusCode::UNAUTHENTICATED,
+            "this farm asks for a token: give --token-file, or name the file in TESSERA_TOKEN_FILE"};
+  const auto known = callers_.find(digest_of_token(token));
+  if (known == callers_.end())
+    return {StatusCode::UNAUTHENTICATED,
+            "this farm does not know the token that was shown: ask its administrator"};
+  caller = known->second;
+  if (caller.role == role || caller.role == Role::kAdmin) return grpc::Status::OK;
+  return {StatusCode::PERMISSION_DENIED,
+          fmt::format("the token of {} is for '{}', and this needs one for '{}'", caller.name,
+                      role_name(caller.role), role_name(role))};
+}
+
+}  // namespace tessera::rpc

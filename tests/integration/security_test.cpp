@@ -1,0 +1,152 @@
+// Certificates and tokens between real processes: who is let in, and what those who are not are told.
+#include <gmock/gmock.h>
+
+#include "tests/integration/farm_processes.hpp"
+
+namespace tessera::test {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+class SecurityTest : public FarmTest {
+ protected:
+  void SetUp() override { make_certificates("certificates"); }
+
+  void make_certificates(const std::string& name) {
+    ProcessOptions options;
+    options.arguments = {TESSERA_SOURCE_DIR "/deploy/make_certificates.sh", folder_ / name, "localhost",
+                         "127.0.0.1"};
+    options.out = folder_ / (name + ".out");
+    options.err = folder_ / (name + ".err");
+    Process made(options);
+    ASSERT_EQ(made.wait(std::chrono::seconds(30)), 0) << made.err();
+  }
+  std::string certificate(const std::string& file) { return folder_ / "certificates" / file; }
+
+  void ask_for_tokens() {
+    coordinator_options_.insert(coordinator_options_.end(), {"--tokens", certificate("tokens")});
+  }
+  void speak_tls() {
+    coordinator_options_.insert(
+        coordinator_options_.end(),
+        {"--tls-certificate", certificate("coordinator.pem"), "--tls-key", certificate("coordinator.key")});
+  }
+  void ask_for_certificates() {
+    coordinator_options_.insert(coordinator_options_.end(), {"--tls-client-ca", certificate("ca.pem")});
+  }
+  void be(const std::string& role) { security_.token = certificate(role + ".token"); }
+  std::string refusal(const std::vector<std::string>& command) {
+    const Outcome outcome = tessera(command);
+    EXPECT_EQ(outcome.exit_code, 1) << outcome.out;
+    return outcome.err;
+  }
+};
+
+TEST_F(SecurityTest, AFarmWithEverythingRendersTheSameBytes) {
+  speak_tls();
+  ask_for_certificates();
+  ask_for_tokens();
+  security_ = {certificate("ca.pem"), certificate("worker.pem"), certificate("worker.key"),
+               certificate("work.token"), false};
+  start_coordinator();
+  start_worker("worker", 2);
+  security_ = {certificate("ca.pem"), certificate("client.pem"), certificate("client.key"),
+               certificate("submit.token"), false};
+  const std::vector<std::string> options{"--size", "96x64", "--spp", "4"};
+  const std::string id = submit(options);
+  const Outcome watched = tessera({"watch", id});
+  EXPECT_EQ(watched.exit_code, 0) << watched.err;
+  EXPECT_TRUE(image(id, ".exr") == render_here(options, ".exr"));
+  EXPECT_THAT(tessera({"job", id}).out, HasSubstr("submit"));
+}
+
+TEST_F(SecurityTest, WhoCannotShowThemselvesIsToldWhatIsMissing) {
+  speak_tls();
+  ask_for_certificates();
+  security_ = {certificate("ca.pem"), certificate("client.pem"), certificate("client.key"), "", false};
+  start_coordinator();
+  EXPECT_EQ(tessera({"jobs"}).exit_code, 0);
+
+  security_ = {};
+  EXPECT_THAT(refusal({"jobs"}), HasSubstr("--tls-ca"));
+  security_.ca = certificate("ca.pem");
+  EXPECT_THAT(refusal({"jobs"}), HasSubstr("--tls-certificate"));
+  make_certificates("others");
+  security_.ca = folder_ / "others" / "ca.pem";
+  EXPECT_THAT(refusal({"jobs"}), HasSubstr("--tls-ca"));
+  security_ = {certificate("ca.pem"), certificate("client.pem"), certificate("worker.key"), "", false};
+  EXPECT_THAT(refusal({"jobs"}), HasSubstr("worker.key: this is not the key of"));
+}
+
+TEST_F(SecurityTest, TokensAllowWhatTheirRoleDoes) {
+  ask_for_tokens();
+  start_coordinator();
+  EXPECT_THAT(refusal({"jobs"}), HasSubstr("--token-file"));
+  write_file(folder_ / "guess", "0123456789abcdef0123456789abcdef\n");
+  security_.token = folder_ / "guess";
+  EXPECT_THAT(refusal({"jobs"}), HasSubstr("does not know the token"));
+  be("work");
+  EXPECT_THAT(refusal({"jobs"}), AllOf(HasSubstr("'work'"), HasSubstr("'submit'")));
+  EXPECT_THAT(refusal({"submit", kCornell}), HasSubstr("'submit'"));
+
+  be("submit");
+  Process& worker = start_worker("no worker", 1);
+  EXPECT_EQ(worker.wait(std::chrono::seconds(20)), 1);
+  EXPECT_THAT(worker.err(), HasSubstr("'work'"));
+  const std::string id = submit({"--size", "64x64", "--spp", "1"});
+  be("work");
+  start_worker("worker", 1);
+  be("submit");
+  EXPECT_EQ(tessera({"watch", id}).exit_code, 0);
+  EXPECT_FALSE(image(id, ".png").empty());
+  be("admin");
+  EXPECT_EQ(tessera({"delete", id}).exit_code, 0);
+}
+
+TEST_F(SecurityTest, OnlySubmittersAndAdministratorsChangeAJob) {
+  write_file(folder_ / "tokens",
+             "submit alice alice-0123456789abcdef\n# others\nsubmit bob bob-0123456789abcdef\n"
+             "admin root root-0123456789abcdef\n");
+  for (const char* name : {"alice", "bob", "root"})
+    write_file(folder_ / name, std::string(name) + "-0123456789abcdef\n");
+  coordinator_options_ = {"--tokens", folder_ / "tokens"};
+  start_coordinator();
+  security_.token = folder_ / "alice";
+  const std::string id = submit({"--size", "64x64", "--spp", "1"});
+  security_.token = folder_ / "bob";
+  for (const char* change : {"pause", "cancel", "delete"})
+    EXPECT_THAT(refusal({change, id}), HasSubstr("submitted by 'alice'")) << change;
+  EXPECT_EQ(tessera({"job", id}).exit_code, 0) << "everybody may look";
+  security_.token = folder_ / "alice";
+  EXPECT_EQ(tessera({"pause", id}).exit_code, 0);
+  security_.token = folder_ / "root";
+  EXPECT_EQ(tessera({"delete", id}).exit_code, 0);
+}
+
+TEST_F(SecurityTest, ACoordinatorThatCannotBeSafeDoesNotStart) {
+  const auto complaint = [&](const std::vector<std::string>& options) {
+    ProcessOptions process;
+    process.arguments = {TESSERA_COORDINATOR_PROGRAM, "--state", folder_ / "state"};
+    process.arguments.insert(process.arguments.end(), options.begin(), options.end());
+    process.out = folder_ / "out";
+    process.err = folder_ / "err";
+    Process coordinator(process);
+    EXPECT_EQ(coordinator.wait(std::chrono::seconds(20)), 1);
+    return coordinator.err();
+  };
+  EXPECT_THAT(complaint({"--listen", "0.0.0.0:0"}), AllOf(HasSubstr("0.0.0.0"), HasSubstr("--insecure")));
+  write_file(folder_ / "tokens", "submit alice\n");
+  EXPECT_THAT(complaint({"--listen", "127.0.0.1:0", "--tokens", folder_ / "tokens"}),
+              HasSubstr("tokens:1: "));
+  write_file(folder_ / "tokens", "boss alice 0123456789abcdef\n");
+  EXPECT_THAT(complaint({"--listen", "127.0.0.1:0", "--tokens", folder_ / "tokens"}),
+              HasSubstr("'boss' is no role"));
+  write_file(folder_ / "tokens", "submit alice short\n");
+  EXPECT_THAT(complaint({"--listen", "127.0.0.1:0", "--tokens", folder_ / "tokens"}), HasSubstr("too short"));
+  write_file(folder_ / "tokens", "# nobody\n");
+  EXPECT_THAT(complaint({"--listen", "127.0.0.1:0", "--tokens", folder_ / "tokens"}), HasSubstr("no token"));
+}
+
+}  // namespace
+}  // namespace tessera::test
