@@ -6,9 +6,11 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 
 #include "core/film/film.hpp"
+#include "core/guiding/light_guide.hpp"
 #include "core/integrators/path_queue.hpp"
 #include "core/integrators/vertex.hpp"
 #include "core/sampling/sampler.hpp"
@@ -19,7 +21,8 @@ namespace tessera::core {
 // Unbiased whatever the strategy, but for settings.max_depth. Large: not for the stack. Serves one thread.
 class PathTracer {
  public:
-  PathTracer(const Scene& scene, const RenderSettings& settings);
+  // `guide` may be null; `naive` has none.
+  PathTracer(const Scene& scene, const RenderSettings& settings, const LightGuide* guide);
 
   // radiance[i] of rays[i], with the random numbers of samplers[i]. The spans are of the same size, at most
   // kBatchPaths. Rays are counted in `counters`.
@@ -38,13 +41,18 @@ class PathTracer {
   void add_emission(const PathHead& head, const PathVertex& vertex, std::uint32_t light);
   template <typename Pdf>
   float weight_of_found(std::uint32_t light, const PathHead& head, Pdf pdf) const;
-  void connect_to_light(const PathHead& head, const PathVertex& vertex, int depth);
-  void scatter(PathHead head, const PathVertex& vertex, int depth);
+  using Cell = LightGuide::Cell;
+  const Cell* guide_at(const PathVertex& vertex) const;
+  void connect_to_light(const PathHead& head, const PathVertex& vertex, const Cell* cell, int depth);
+  void scatter(PathHead head, const PathVertex& vertex, const Cell* cell, int depth);
+  std::optional<PathVertex::Scattered> choose_direction(PathHead& head, const PathVertex& vertex,
+                                                        const Cell& cell, Vec2 u, float u_lobe) const;
   void add_unoccluded(RenderCounters& counters);
 
   const Scene& scene_;
   const RenderSettings settings_;
   const LightSampler& light_sampler_;
+  const LightGuide* guide_;
 
   std::span<const Sampler> samplers_;  // of the batch's paths
   std::span<Rgb> radiance_;

@@ -30,6 +30,8 @@ struct PathHead {
   float last_pdf = kDeltaPdf;     // of the ray's direction, per solid angle; kDeltaPdf also at the camera,
                                   // whose ray finds lights that nothing else could
   LitPoint last{};                // where the ray was scattered
+  float met_scale = 1;            // of light that the ray itself meets, which is left to the BSDF's samples
+  float promise = 1;              // how much more light than without a guide is expected, by the throughput
 };
 
 class PathQueue {

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "core/integrators/caustic_guide.hpp"
 #include "core/integrators/path.hpp"
 #include "core/integrators/whitted.hpp"
 #include "core/sampling/filter_warp.hpp"
@@ -63,8 +64,8 @@ void deposit(Rgb radiance, const Sampler& sampler, bool odd, PixelSums pixel, Re
 // One thread's work: takes samples a batch at a time and adds them to the film, in any order.
 class Renderer {
  public:
-  Renderer(const Scene& scene, const RenderSettings& settings)
-      : scene_(scene), settings_(settings), path_tracer_(scene, settings) {
+  Renderer(const Scene& scene, const RenderSettings& settings, const LightGuide* guide)
+      : scene_(scene), settings_(settings), path_tracer_(scene, settings, guide) {
     samples_.reserve(kBatchPaths);
     samplers_.reserve(kBatchPaths);
   }
@@ -157,9 +158,10 @@ FilmTile render(const Scene& scene, const RenderSettings& settings, PixelRect re
   const TileGrid blocks(rect.width(), rect.height(), kBlockPx);
   const int team = std::clamp(threads, 1, blocks.tile_count());
   std::vector<RenderCounters> counters(static_cast<std::size_t>(team));
+  const LightGuide* guide = caustic_guide(scene, settings, threads);
 #pragma omp parallel num_threads(team)
   {
-    const auto renderer = std::make_unique<Renderer>(scene, settings);
+    const auto renderer = std::make_unique<Renderer>(scene, settings, guide);
 #pragma omp for schedule(dynamic) nowait
     for (int b = 0; b < blocks.tile_count(); ++b) {
       const PixelRect local = blocks.rect(b);
@@ -174,7 +176,7 @@ FilmTile render(const Scene& scene, const RenderSettings& settings, PixelRect re
 }
 
 Rgb render_sample(const Scene& scene, const RenderSettings& settings, SampleId id) {
-  return std::make_unique<Renderer>(scene, settings)->radiance_of(id);
+  return std::make_unique<Renderer>(scene, settings, caustic_guide(scene, settings, 1))->radiance_of(id);
 }
 
 }  // namespace tessera::core

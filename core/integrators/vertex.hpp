@@ -19,6 +19,8 @@ class PathVertex {
 
   Vec3 position() const { return surface_.position; }
   const SurfacePoint& surface() const { return surface_; }
+  // The true one, on the side of wo.
+  Vec3 side_normal() const { return side_normal_; }
   // Unit, towards where the ray came from.
   Vec3 wo() const { return wo_; }
   bool is_delta() const { return bsdf_.is_delta(); }

@@ -8,8 +8,10 @@
 
 #include "core/accel/bvh.hpp"
 #include "core/base/error.hpp"
+#include "core/base/lazy.hpp"
 #include "core/camera/camera.hpp"
 #include "core/geometry/primitives.hpp"
+#include "core/guiding/light_guide.hpp"
 #include "core/lights/light.hpp"
 #include "core/lights/light_sampler.hpp"
 #include "core/scene/description.hpp"
@@ -46,6 +48,9 @@ class Scene {
   std::uint32_t environment_light() const { return environment_light_; }
   const Environment& environment() const { return *std::get_if<Environment>(&lights_[environment_light_]); }
 
+  // What integrators learn of the light before they first use it (caustic_guide.hpp).
+  const Lazy<LightGuide>& light_guide() const { return light_guide_; }
+
  private:
   void add_lights(const SceneDescription& description, int threads);
 
@@ -59,6 +64,7 @@ class Scene {
   std::vector<std::uint32_t> light_of_primitive_;  // up to the last that belongs to a light
   std::uint32_t environment_light_ = kNoLight;
   LightSampler light_sampler_, delta_light_sampler_;
+  Lazy<LightGuide> light_guide_;
 };
 
 }  // namespace tessera::core

@@ -6,6 +6,7 @@
 #include <random>
 #include <vector>
 
+#include "core/integrators/caustic_guide.hpp"
 #include "core/integrators/fingerprint.hpp"
 #include "core/integrators/path.hpp"
 
@@ -28,7 +29,7 @@ class PathBatch : public testing::TestWithParam<Integrator> {
           starts_.push_back({scene_.camera().ray({static_cast<float>(x), static_cast<float>(y)},
                                                  settings_.width_px, settings_.height_px, {0.3f, 0.6f}),
                              Sampler(settings_.seed, x, y, s)});
-    tracer_ = std::make_unique<PathTracer>(scene_, settings_);
+    tracer_ = std::make_unique<PathTracer>(scene_, settings_, caustic_guide(scene_, settings_, 1));
   }
 
   // The radiance of starts_[order[i]], traced `size` at a time.

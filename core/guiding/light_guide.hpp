@@ -1,0 +1,72 @@
+// Where light comes from at the places of a scene, learnt from photons, for choosing the directions in which
+// paths go on (Jensen 1995; Vorba et al. 2014). What it says is a guess: it may make a picture less noisy,
+// never wrong. Immutable once built, shared by all threads.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "core/geometry/aabb.hpp"
+#include "core/guiding/direction_tree.hpp"
+
+namespace tessera::core {
+
+// Light that arrived at a surface.
+struct Photon {
+  Vec3 position;
+  Vec3 side_normal;  // the surface's true one, on the side on which the light arrived
+  Vec3 wi;           // unit, towards where it came from
+  float distance;    // to the surface from which it came, above 0
+  float flux;        // luminous, above 0
+};
+
+// Estimates the luminous irradiance at a photon's place by all light that neither photons nor lights
+// themselves bring, with the n-th random numbers of its own. Called by many threads.
+using OtherLight = std::function<float(const Photon& photon, std::uint32_t n)>;
+
+class LightGuide {
+ public:
+  LightGuide() = default;  // knows of nothing
+  // The result does not depend on `threads`.
+  static LightGuide build(std::span<const Photon> photons, const OtherLight& other_light, int threads);
+
+  // A neighbourhood on surfaces that face about the same way.
+  struct Cell {
+    Aabb box;
+    // A sphere around the box, about as far away as where the light comes from. Directions are kept as those
+    // of its points from its centre, so that what is near is seen elsewhere from another place of the box.
+    Vec3 center;
+    float radius;
+    DirectionTrees::Root directions;
+    float share;  // of samples that the guide should choose, above 0 and below 1
+  };
+  std::span<const Cell> cells() const { return cells_; }
+  // Nothing where too little is known.
+  const Cell* find(Vec3 position, Vec3 side_normal) const;
+
+  // Directions from a place in the cell's box, and their density per solid angle.
+  Vec3 sample(const Cell& cell, Vec3 position, Vec2 u) const;
+  float pdf(const Cell& cell, Vec3 position, Vec3 wi) const;
+
+ private:
+  class Builder;
+
+  // Divides space in two, below `split` and from it on. The children lie side by side.
+  struct Node {
+    float split;
+    std::uint32_t axis;   // or kLeaf
+    std::uint32_t child;  // the lower one; of a leaf its cell, or kNoCell
+  };
+  static constexpr std::uint32_t kLeaf = 3, kNoCell = 0xffffffffu;
+
+  std::array<std::uint32_t, 6> roots_{};  // by the axis that the surface faces most, and its side
+  std::vector<Node> nodes_;
+  std::vector<Cell> cells_;
+  DirectionTrees trees_;
+};
+
+}  // namespace tessera::core

@@ -1,0 +1,160 @@
+#include "core/integrators/caustic_guide.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "core/integrators/caustic_casters.hpp"
+#include "core/integrators/direct_light.hpp"
+#include "core/integrators/vertex.hpp"
+#include "core/sampling/sampler.hpp"
+#include "core/sampling/warp.hpp"
+
+namespace tessera::core {
+namespace {
+
+// Paths of photons; each leaves some photons or none.
+constexpr std::uint32_t kPaths = 1u << 17, kPathsAtOnce = 1u << 10;
+constexpr int kMostBounces = 12;
+// Segments of the paths that estimate other light: more bring little.
+constexpr int kProbeDepth = 4;
+
+// Numbers of photons' paths and of probes are taken from two places of the sampler, which has no others.
+constexpr std::uint64_t kSeed = 0;
+constexpr int kPhotonRow = 0, kProbeRow = 1;
+constexpr std::uint32_t kLightPad = 0;  // light u, v; choice, coarse and fine
+constexpr std::uint32_t kPlacePad = 1;  // choice of the caster, coarse and fine; place u, v
+constexpr std::uint32_t bounce_pad(int bounce) {
+  return 2 + static_cast<std::uint32_t>(bounce);
+}  // BSDF u, v, lobe; roulette
+
+// A light and what comes from it, if nothing is in between; `pdf` includes the choice.
+std::optional<LightSample> sample_any_light(const Scene& scene, const LitPoint& point,
+                                            const std::array<float, 4>& u) {
+  const auto choice = scene.light_sampler().sample(point, two_digits(u[2], u[3]));
+  if (choice.light == kNoLight) return std::nullopt;
+  auto light = sample_light(scene.lights()[choice.light], scene.textures(), point.position, {u[0], u[1]});
+  if (light) light->pdf *= choice.pmf;
+  return light;
+}
+
+class PhotonTracer {
+ public:
+  PhotonTracer(const Scene& scene, const CausticCasters& casters)
+      : scene_(scene),
+        casters_(casters),
+        beyond_scene_(static_cast<float>(3 * scene.primitives().bounding_radius())) {}
+
+  // Appends the photons that path `index` leaves behind.
+  void trace(std::uint32_t index, std::vector<Photon>& photons) const {
+    const Sampler sampler(kSeed, 0, kPhotonRow, index);
+    const auto first = begin(sampler);
+    if (!first) return;
+    auto [ray, hit, flux] = *first;
+    for (int bounce = 0; bounce < kMostBounces && hit.found() && luminance(flux) > 0; ++bounce) {
+      const PathVertex vertex(scene_, ray, hit);
+      const float distance = length(vertex.position() - ray.origin);
+      if (!casters_.contain(hit.primitive) && !vertex.is_delta() && distance > 0)
+        photons.push_back({vertex.position(), vertex.side_normal(), vertex.wo(), distance, luminance(flux)});
+      const auto u = sampler.pad(bounce_pad(bounce));
+      const auto next = vertex.sample({u[0], u[1]}, u[2]);
+      if (!next) return;
+      const Rgb weight = next->weight * (next->eta * next->eta);
+      const float survival = std::min(1.0f, luminance(flux * weight) / luminance(flux));
+      if (u[3] >= survival) return;
+      flux *= weight / survival;
+      ray = vertex.ray_along(next->wi);
+      hit = scene_.bvh().closest_hit(scene_.primitives(), ray);
+    }
+  }
+
+ private:
+  struct First {
+    Ray ray;  // from the light
+    Hit hit;  // of the caster
+    Rgb flux;
+  };
+
+  // Begins at the caster, with a light chosen as next-event estimation does: so all photons of a small lens
+  // in a large scene are of use, whatever the light.
+  std::optional<First> begin(const Sampler& sampler) const {
+    const auto u = sampler.pad(kPlacePad);
+    const auto [primitive, position] = casters_.sample(two_digits(u[0], u[1]), {u[2], u[3]});
+    const auto light = sample_any_light(scene_, {position, {}}, sampler.pad(kLightPad));
+    // Light from single directions is found behind mirrors and smooth glass by no path at all.
+    if (!light || light->delta) return std::nullopt;
+    const Vec3 origin = light->point ? offset_origin(*light->point, position - light->point->position)
+                                     : position + light->wi * beyond_scene_;
+    const Ray ray{origin, normalize(position - origin)};
+    const Hit hit = scene_.bvh().closest_hit(scene_.primitives(), ray);
+    if (hit.primitive != primitive) return std::nullopt;
+    // The ray may have met the near side of a sphere whose far side was chosen.
+    const SurfacePoint surface = scene_.primitives().surface(ray, hit);
+    if (length_squared(surface.position - position) > 1e-4f * length_squared(position - origin))
+      return std::nullopt;
+    const float cosine = std::fabs(dot(surface.geometric_normal, ray.direction));
+    const auto area = static_cast<float>(casters_.area() / kPaths);
+    return First{ray, hit, light->radiance * (cosine * area / light->pdf)};
+  }
+
+  const Scene& scene_;
+  const CausticCasters& casters_;
+  float beyond_scene_;
+};
+
+// The irradiance, by one direction's worth, of light that was scattered before, but not by mirrors and glass
+// alone: found by next-event estimation from the second vertex on.
+float probe_other_light(const Scene& scene, const Photon& place, std::uint32_t n) {
+  const Sampler sampler(kSeed, 0, kProbeRow, n);
+  const auto u = sampler.pad(scatter_pad(0));
+  const Vec3 a = abs(place.position);
+  Ray ray{place.position + place.side_normal * (1e-5f * std::max({a.x, a.y, a.z})),
+          Frame::around(place.side_normal).to_world(sample_cosine_hemisphere({u[0], u[1]}))};
+  Rgb throughput = Rgb::gray(kPi), found;
+  RenderCounters uncounted;
+  for (int depth = 1; depth <= kProbeDepth; ++depth) {
+    const Hit hit = scene.bvh().closest_hit(scene.primitives(), ray);
+    if (!hit.found()) break;
+    const PathVertex vertex(scene, ray, hit);
+    if (!vertex.is_delta())
+      if (const auto light = sample_any_light(scene, vertex.lit_point(), sampler.pad(light_pad(depth))))
+        found += throughput * reflected_light(scene, vertex, *light, uncounted) / light->pdf;
+    const auto v = sampler.pad(scatter_pad(depth));
+    const auto next = vertex.sample({v[0], v[1]}, v[2]);
+    if (!next) break;
+    throughput *= next->weight;
+    ray = vertex.ray_along(next->wi);
+  }
+  const float value = luminance(found);
+  return std::isfinite(value) ? value : 0;
+}
+
+}  // namespace
+
+std::vector<Photon> trace_caustic_photons(const Scene& scene, int threads) {
+  const CausticCasters casters(scene);
+  if (casters.empty() || scene.light_sampler().empty()) return {};
+  const PhotonTracer tracer(scene, casters);
+  std::vector<std::vector<Photon>> parts(kPaths / kPathsAtOnce);
+#pragma omp parallel for num_threads(threads) schedule(dynamic)
+  for (std::uint32_t part = 0; part < kPaths / kPathsAtOnce; ++part)
+    for (std::uint32_t i = 0; i < kPathsAtOnce; ++i) tracer.trace(part * kPathsAtOnce + i, parts[part]);
+  std::vector<Photon> photons;
+  for (const auto& part : parts)
+    std::copy_if(part.begin(), part.end(), std::back_inserter(photons),
+                 [](const Photon& photon) { return photon.flux > 0 && std::isfinite(photon.flux); });
+  return photons;
+}
+
+const LightGuide* caustic_guide(const Scene& scene, const RenderSettings& settings, int threads) {
+  if (settings.integrator != Integrator::kNee && settings.integrator != Integrator::kMis) return nullptr;
+  const LightGuide& guide = scene.light_guide().get([&] {
+    const auto other_light = [&scene](const Photon& place, std::uint32_t n) {
+      return probe_other_light(scene, place, n);
+    };
+    return LightGuide::build(trace_caustic_photons(scene, threads), other_light, threads);
+  });
+  return guide.cells().empty() ? nullptr : &guide;
+}
+
+}  // namespace tessera::core

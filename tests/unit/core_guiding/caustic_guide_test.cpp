@@ -1,0 +1,73 @@
+#include "core/integrators/caustic_guide.hpp"
+
+#include <gtest/gtest.h>
+
+#include <bit>
+
+#include "core/integrators/render.hpp"
+#include "tests/support/test_scenes.hpp"
+
+namespace tessera::core {
+namespace {
+
+const RenderSettings kMis{.integrator = Integrator::kMis};
+
+// The same room without its mirror and glass.
+SceneDescription matt_room() {
+  SceneDescription room = test::room();
+  for (Material& material : room.materials)
+    if (!std::holds_alternative<Lambert>(material.model)) material.model = Lambert{};
+  return room;
+}
+
+TEST(CausticGuide, IsTheSameForAnyNumberOfThreads) {
+  const Scene a = Scene::build(test::room(), 1).value(), b = Scene::build(test::room(), 1).value();
+  const LightGuide *one = caustic_guide(a, kMis, 1), *three = caustic_guide(b, kMis, 3);
+  ASSERT_TRUE(one && three);
+  ASSERT_EQ(one->cells().size(), three->cells().size());
+  for (std::size_t i = 0; i < one->cells().size(); ++i) {
+    const LightGuide::Cell &p = one->cells()[i], &q = three->cells()[i];
+    EXPECT_EQ(p.box, q.box);
+    EXPECT_EQ(std::bit_cast<std::uint32_t>(p.share), std::bit_cast<std::uint32_t>(q.share));
+    for (const Vec3 d : {Vec3{0, 1, 0}, normalize({1, 2, 3}), normalize({-3, 1, -2})})
+      EXPECT_EQ(one->pdf(p, p.center, d), three->pdf(q, q.center, d));
+  }
+}
+
+TEST(CausticGuide, OffersNothingWhereThereAreNoCausticsOrItIsNotWanted) {
+  const Scene matt = Scene::build(matt_room(), 1).value(), room = Scene::build(test::room(), 1).value();
+  EXPECT_EQ(caustic_guide(matt, kMis, 1), nullptr);
+  EXPECT_EQ(caustic_guide(room, {.integrator = Integrator::kNaive}, 1), nullptr);
+  EXPECT_EQ(caustic_guide(room, {.integrator = Integrator::kWhitted}, 1), nullptr);
+  EXPECT_NE(caustic_guide(room, kMis, 1), nullptr);
+  EXPECT_NE(caustic_guide(room, {.integrator = Integrator::kNee}, 1), nullptr);
+}
+
+// Beneath the glass sphere, whose middle is at (0.45, 0.35, 0.2), light comes through it.
+TEST(CausticGuide, PointsAtTheGlassFromItsCaustic) {
+  const Scene room = Scene::build(test::room(), 1).value();
+  const LightGuide* guide = caustic_guide(room, kMis, 1);
+  ASSERT_NE(guide, nullptr);
+  const Vec3 place{0.545f, 0, 0.243f};
+  const LightGuide::Cell* cell = guide->find(place, {0, 1, 0});
+  ASSERT_NE(cell, nullptr);
+  EXPECT_GT(cell->share, 0.3f);
+  EXPECT_GT(guide->pdf(*cell, place, normalize({-0.2f, 1, -0.1f})),
+            5 * guide->pdf(*cell, place, normalize({1, 0.3f, 1})));
+}
+
+TEST(CausticGuide, PhotonsAreFiniteAndOnMattSurfaces) {
+  const Scene room = Scene::build(test::room(), 1).value();
+  const auto photons = trace_caustic_photons(room, 2);
+  EXPECT_GT(photons.size(), 1000u);
+  for (const Photon& photon : photons) {
+    ASSERT_TRUE(is_finite(photon.position) && is_finite(photon.wi));
+    ASSERT_GT(photon.flux, 0);
+    ASSERT_GT(photon.distance, 0);
+    ASSERT_GE(dot(photon.wi, photon.side_normal), 0);
+    ASSERT_GT(length(photon.position - Vec3{0.45f, 0.35f, 0.2f}), 0.35f) << "on the glass";
+  }
+}
+
+}  // namespace
+}  // namespace tessera::core

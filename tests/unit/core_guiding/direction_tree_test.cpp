@@ -1,0 +1,91 @@
+#include "core/guiding/direction_tree.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/guiding/octahedral_map.hpp"
+#include "core/sampling/warp.hpp"
+#include "tests/support/chi_square.hpp"
+#include "tests/unit/core_guiding/example_photons.hpp"
+
+namespace tessera::core {
+namespace {
+
+std::vector<WeightedDirection> examples(std::uint32_t count) {
+  std::vector<WeightedDirection> all;
+  for (const Photon& photon : test::photons_on_floor(count)) all.push_back({photon.wi, photon.flux});
+  return all;
+}
+
+TEST(OctahedralMap, GoesThereAndBack) {
+  for (std::uint32_t i = 0; i < 4096; ++i) {
+    const auto u = Sampler(1, 0, 0, i).pad(0);
+    const Vec3 d = sample_sphere({u[0], u[1]});
+    EXPECT_LT(length(from_octahedral_square(to_octahedral_square(d)) - d), 1e-5f);
+  }
+  for (const Vec3 axis :
+       {Vec3{1, 0, 0}, Vec3{-1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, -1, 0}, Vec3{0, 0, 1}, Vec3{0, 0, -1}})
+    EXPECT_LT(length(from_octahedral_square(to_octahedral_square(axis)) - axis), 1e-5f);
+}
+
+TEST(OctahedralMap, CoversTheSphereOnce) {
+  double sum = 0;
+  constexpr int kSide = 512;
+  for (int y = 0; y < kSide; ++y)
+    for (int x = 0; x < kSide; ++x)
+      sum += static_cast<double>(octahedral_area(from_octahedral_square(
+          {(static_cast<float>(x) + 0.5f) / kSide, (static_cast<float>(y) + 0.5f) / kSide})));
+  EXPECT_NEAR(sum / (kSide * kSide), 4 * static_cast<double>(kPi), 1e-3);
+}
+
+TEST(DirectionTrees, DensityIntegratesToOne) {
+  DirectionTrees trees;
+  for (const std::uint32_t count : {1u, 5u, 100u, 5000u}) {
+    const auto root = trees.add(examples(count));
+    double sum = 0;
+    constexpr int kSide = 1024;  // eight by eight places in each of the smallest squares
+    for (int y = 0; y < kSide; ++y)
+      for (int x = 0; x < kSide; ++x) {
+        const Vec3 d = from_octahedral_square(
+            {(static_cast<float>(x) + 0.5f) / kSide, (static_cast<float>(y) + 0.5f) / kSide});
+        sum += static_cast<double>(trees.pdf(root, d)) * static_cast<double>(octahedral_area(d));
+      }
+    EXPECT_NEAR(sum / (kSide * kSide), 1, 2e-3) << count << " examples";
+  }
+}
+
+TEST(DirectionTrees, SamplesFollowTheDensity) {
+  DirectionTrees trees;
+  const auto root = trees.add(examples(1000));
+  constexpr int kSide = 64, kSamples = 1 << 18, kFine = 8;
+  std::vector<double> observed(kSide * kSide), expected(kSide * kSide);
+  const auto cell = [](float c) { return std::min(static_cast<int>(c * kSide), kSide - 1); };
+  for (std::uint32_t i = 0; i < kSamples; ++i) {
+    const auto u = Sampler(3, 0, 0, i).pad(0);
+    const Vec2 at = to_octahedral_square(trees.sample(root, {u[0], u[1]}));
+    ++observed[static_cast<std::size_t>(cell(at.y) * kSide + cell(at.x))];
+  }
+  for (int y = 0; y < kSide * kFine; ++y)
+    for (int x = 0; x < kSide * kFine; ++x) {
+      const Vec3 d = from_octahedral_square({(static_cast<float>(x) + 0.5f) / (kSide * kFine),
+                                             (static_cast<float>(y) + 0.5f) / (kSide * kFine)});
+      expected[static_cast<std::size_t>(y / kFine * kSide + x / kFine)] +=
+          static_cast<double>(trees.pdf(root, d)) * static_cast<double>(octahedral_area(d)) * kSamples /
+          (kSide * kSide * kFine * kFine);
+    }
+  test::expect_chi_square(observed, expected, 100);
+}
+
+TEST(DirectionTrees, HaveSomeDensityEverywhereAndMostWhereExamplesAre) {
+  DirectionTrees trees;
+  const auto root = trees.add(examples(1000));
+  for (std::uint32_t i = 0; i < 1000; ++i) {
+    const auto u = Sampler(5, 0, 0, i).pad(0);
+    EXPECT_GT(trees.pdf(root, sample_sphere({u[0], u[1]})), 0);
+  }
+  EXPECT_GT(trees.pdf(root, normalize({-0.1f, 1, 0.1f})), 10 * trees.pdf(root, {0, -1, 0}));
+}
+
+}  // namespace
+}  // namespace tessera::core
