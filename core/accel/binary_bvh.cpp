@@ -58,7 +58,7 @@ struct Range {
 class Builder {
  public:
   Builder(const Primitives& primitives, int threads)
-      : threads_(threads), pairs_(threads), items_(primitives.count()) {
+      : primitives_(primitives), threads_(threads), pairs_(threads), items_(primitives.count()) {
     const Range all = make_items(primitives);
     items_.truncate(all.end);
     if (items_.empty()) return;
@@ -102,7 +102,7 @@ class Builder {
 
   void build_subtree(std::uint32_t index, const Range& range) {
     const Aabb box = range.bounds.boxes.box();
-    if (range.size() <= kMaxLeafSize) {
+    if (is_leaf(range)) {
       tree_.nodes[index] = {box.lower, static_cast<std::uint32_t>(range.begin), box.upper,
                             static_cast<std::uint32_t>(range.size())};
       return;
@@ -113,6 +113,15 @@ class Builder {
     fork(
         range.size() > kTaskSize, [&, &left = left] { build_subtree(children, left); },
         [&, &right = right] { build_subtree(children + 1, right); });
+  }
+
+  // To enter an instance costs more than to meet a box: each has one of its own.
+  bool is_leaf(const Range& range) const {
+    if (range.size() > kMaxLeafSize) return false;
+    if (range.size() == 1 || primitives_.instance_count() == 0) return true;
+    for (std::size_t i = range.begin; i < range.end; ++i)
+      if (primitives_.is_instance(items_[i].primitive())) return false;
+    return true;
   }
 
   // Reorders the range; neither part is empty.
@@ -157,6 +166,7 @@ class Builder {
     for (std::size_t i = 0; i < items_.size(); ++i) tree_.order[i] = items_[i].primitive();
   }
 
+  const Primitives& primitives_;
   int threads_;
   NodePairs pairs_;
   HugePageArray<BuildItem> items_;

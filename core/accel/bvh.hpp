@@ -1,12 +1,14 @@
 // The acceleration structure: finds what a ray hits first, and whether it hits anything.
-// Callers see only this interface; any structure behind it returns the same hits (ties go to the lower
-// primitive id), so that replacing it cannot change a picture. Immutable once built; thread-safe.
+// Callers see only this interface; any structure behind it returns the same hits (ties are settled as Hit
+// says), so that replacing it cannot change a picture. Each object that instances show has a structure of its
+// own, into which a ray goes on from their leaves. Immutable once built; thread-safe.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <span>
 #include <utility>
+#include <vector>
 
 #include "core/accel/bvh_layout.hpp"
 #include "core/accel/huge_pages.hpp"
@@ -26,6 +28,7 @@ class Bvh {
   struct Arrays {
     HugePageArray<BvhNode> nodes;  // the root first
     HugePageArray<BvhPacket> packets;
+    std::vector<Arrays> objects;  // of the trees of objects
 
     bool operator==(const Arrays&) const = default;
   };
@@ -53,9 +56,8 @@ class Bvh {
   void any_hits(const Primitives& primitives, std::span<const Ray> rays,
                 std::span<std::uint8_t> occluded) const;
 
-  std::size_t memory_bytes() const {
-    return arrays_.nodes.size() * sizeof(BvhNode) + arrays_.packets.size() * sizeof(BvhPacket);
-  }
+  // The trees of objects included.
+  std::size_t memory_bytes() const;
 
   // What closest_hit visits for all these rays together, for tests and for choosing between trees.
   VisitCounts count_visits(const Primitives& primitives, std::span<const Ray> rays) const;

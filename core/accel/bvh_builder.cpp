@@ -129,7 +129,9 @@ class WideBuilder {
     for (std::uint32_t lane = 0; lane < leaf.count; ++lane) {
       const std::uint32_t primitive = tree_.order[leaf.first + lane];
       packet.primitives[lane] = primitive;
-      if (primitives_.is_sphere(primitive)) {
+      if (primitives_.is_instance(primitive)) {
+        packet.instance_lanes |= 1u << lane;
+      } else if (primitives_.is_sphere(primitive)) {
         packet.sphere_lanes |= 1u << lane;
       } else {
         packet.triangle_lanes |= 1u << lane;
@@ -178,7 +180,19 @@ Bvh Bvh::build(const Primitives& primitives, int threads) {
   const BinaryBvh tree = build_binary_bvh(primitives, threads);
   if (tree.nodes.empty()) return {};
   WideBuilder builder(primitives, tree, threads);
-  return Bvh({builder.take_nodes(), builder.take_packets()});
+  Arrays arrays{builder.take_nodes(), builder.take_packets(), {}};
+  for (const Primitives& object : primitives.objects())
+    arrays.objects.push_back(build(object, threads).arrays_);
+  return Bvh(std::move(arrays));
+}
+
+std::size_t Bvh::memory_bytes() const {
+  const auto bytes = [](const auto& self, const Arrays& arrays) -> std::size_t {
+    std::size_t sum = arrays.nodes.size() * sizeof(BvhNode) + arrays.packets.size() * sizeof(BvhPacket);
+    for (const Arrays& object : arrays.objects) sum += self(self, object);
+    return sum;
+  };
+  return bytes(bytes, arrays_);
 }
 
 }  // namespace tessera::core

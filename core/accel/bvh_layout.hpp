@@ -38,8 +38,7 @@ struct alignas(64) BvhNode {
   bool operator==(const BvhNode&) const = default;
 };
 
-// The primitives of a leaf: a lane each, triangles with a copy of their corners. Unused lanes are in neither
-// mask.
+// The primitives of a leaf: a lane each, triangles with a copy of their corners. Unused lanes are in no mask.
 struct alignas(64) BvhPacket {
   static constexpr int kWidth = 4;
 
@@ -47,7 +46,8 @@ struct alignas(64) BvhPacket {
   std::uint32_t primitives[kWidth] = {};
   std::uint32_t triangle_lanes = 0;  // bit i for lane i
   std::uint32_t sphere_lanes = 0;
-  std::uint32_t unused[6] = {};  // up to the next cache line, so that equal packets are equal bytes
+  std::uint32_t instance_lanes = 0;
+  std::uint32_t unused[5] = {};  // up to the next cache line, so that equal packets are equal bytes
 
   bool operator==(const BvhPacket&) const = default;
 };

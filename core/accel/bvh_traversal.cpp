@@ -80,19 +80,22 @@ class CountedVisits {
 
 Hit Bvh::closest_hit(const Primitives& primitives, const Ray& ray) const {
   if (arrays_.nodes.empty()) return {};
-  return RayTraversal(primitives, ray).run<Query::kClosest>(arrays_.nodes.data(), arrays_.packets.data());
+  return RayTraversal(primitives, arrays_.objects.data(), ray)
+      .run<Query::kClosest>(arrays_.nodes.data(), arrays_.packets.data());
 }
 
 bool Bvh::any_hit(const Primitives& primitives, const Ray& ray) const {
   if (arrays_.nodes.empty()) return false;
-  return RayTraversal(primitives, ray).run<Query::kAny>(arrays_.nodes.data(), arrays_.packets.data()).found();
+  return RayTraversal(primitives, arrays_.objects.data(), ray)
+      .run<Query::kAny>(arrays_.nodes.data(), arrays_.packets.data())
+      .found();
 }
 
 VisitCounts Bvh::count_visits(const Primitives& primitives, std::span<const Ray> rays) const {
   VisitCounts counts;
   if (arrays_.nodes.empty()) return counts;
   for (const Ray& ray : rays) {
-    RayTraversal(primitives, ray)
+    RayTraversal(primitives, arrays_.objects.data(), ray)
         .run<Query::kClosest>(arrays_.nodes.data(), arrays_.packets.data(), BvhChild::node(0),
                               CountedVisits(counts));
   }
@@ -104,7 +107,7 @@ void Bvh::closest_hits(const Primitives& primitives, std::span<const Ray> rays, 
     std::fill(hits.begin(), hits.end(), Hit{});
     return;
   }
-  const GroupScene scene{primitives, arrays_.nodes.data(), arrays_.packets.data()};
+  const GroupScene scene{primitives, arrays_.objects.data(), arrays_.nodes.data(), arrays_.packets.data()};
   for_each_group(
       rays, [&](std::span<const std::uint32_t> order) { trace_closest(scene, rays, order, hits); },
       [&](std::uint32_t i) { hits[i] = closest_hit(primitives, rays[i]); });
@@ -116,7 +119,7 @@ void Bvh::any_hits(const Primitives& primitives, std::span<const Ray> rays,
     std::fill(occluded.begin(), occluded.end(), std::uint8_t{0});
     return;
   }
-  const GroupScene scene{primitives, arrays_.nodes.data(), arrays_.packets.data()};
+  const GroupScene scene{primitives, arrays_.objects.data(), arrays_.nodes.data(), arrays_.packets.data()};
   for_each_group(
       rays, [&](std::span<const std::uint32_t> order) { trace_any(scene, rays, order, occluded); },
       [&](std::uint32_t i) { occluded[i] = any_hit(primitives, rays[i]) ? 1 : 0; });

@@ -9,6 +9,7 @@
 #include <limits>
 #include <span>
 
+#include "core/accel/bvh.hpp"
 #include "core/accel/bvh_layout.hpp"
 #include "core/accel/ray_group.hpp"
 #include "core/accel/sheared_group.hpp"
@@ -19,6 +20,7 @@ namespace tessera::core {
 // What a group is traced against.
 struct GroupScene {
   const Primitives& primitives;
+  const Bvh::Arrays* objects;  // the trees of those that instances show
   const BvhNode* nodes;
   const BvhPacket* packets;
 };

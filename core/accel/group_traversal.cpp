@@ -91,6 +91,8 @@ class GroupTraversal {
 
   void visit(std::uint32_t index, RaySet set) {
     const BvhPacket& packet = scene_.packets[index];
+    if (packet.instance_lanes != 0)
+      return for_each_ray(set, [&](std::size_t i) { go_alone(i, BvhChild::packet(index)); });
     const int cost_together = std::popcount(packet.triangle_lanes) * vectors_of(set) * kTriangleVsVector;
     if (group_.can_filter() && packet.sphere_lanes == 0 &&
         cost_together <= std::popcount(set) * kRayVsPacket) {
@@ -103,7 +105,8 @@ class GroupTraversal {
   void go_alone(std::size_t i, BvhChild child) {
     hits_.improve(i, [&](const Ray& ray, const ShearedGroup& sheared, const Hit& best) {
       RayTraversal alone(
-          scene_.primitives, ray, best, [&] { return group_.slab_ray(i); }, [&] { return sheared.ray(i); });
+          scene_.primitives, scene_.objects, ray, best, [&] { return group_.slab_ray(i); },
+          [&] { return sheared.ray(i); });
       return alone.template run<kQuery>(scene_.nodes, scene_.packets, child);
     });
   }

@@ -70,7 +70,7 @@ void RayGroup::prepare_filter(const RayColumns& rays) {
   for (int axis = 0; axis < 3; ++axis)
     for (std::size_t i = 0; i < kSize; i += kLanes)
       sum[axis] = sum[axis] + fabs(Float8::load(rays.direction[axis] + i));
-  const int z = longest_axis({greatest(sum[0]), greatest(sum[1]), greatest(sum[2])});
+  const int z = longest_axis(Vec3{greatest(sum[0]), greatest(sum[1]), greatest(sum[2])});
   const int x = (z + 1) % 3, y = (z + 2) % 3;
   filter_axes_[0] = x, filter_axes_[1] = y, filter_axes_[2] = z;
   Mask8 all_in_range(true);

@@ -22,9 +22,9 @@ class RayGroup {
   explicit RayGroup(const RayColumns& rays);
 
   // One of the rays, prepared to go on alone.
-  SlabRay slab_ray(std::size_t i) const {
+  SlabRay<Ray> slab_ray(std::size_t i) const {
     const auto at = [i](const auto& values) { return Vec3{values[0][i], values[1][i], values[2][i]}; };
-    return SlabRay(at(origin_), at(inverse_), at(far_inverse_), near_side_, far_side_);
+    return SlabRay<Ray>(at(origin_), at(inverse_), at(far_inverse_), near_side_, far_side_);
   }
 
   // Boxes that begin beyond a ray's limit do not concern it.

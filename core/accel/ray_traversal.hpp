@@ -7,9 +7,11 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <type_traits>
 
 #include "core/accel/binary_bvh.hpp"
 #include "core/accel/box_test.hpp"
+#include "core/accel/bvh.hpp"
 #include "core/accel/bvh_layout.hpp"
 #include "core/accel/triangle_hits.hpp"
 #include "core/geometry/primitives.hpp"
@@ -19,17 +21,32 @@ namespace tessera::core {
 
 enum class Query { kClosest, kAny };
 
+// A ray's directions prepared for box tests.
+struct SlabDirections {
+  // Whether a box's upper side is the near one along the axis.
+  bool prepare(int axis, float inverse) {
+    const int near = std::signbit(inverse) ? BvhNode::kUpper : BvhNode::kLower;
+    near_inverse[axis] = Float8::broadcast(inverse);
+    far_inverse[axis] = Float8::broadcast(inverse * kBoxSlack);
+    near_side[axis] = 3 * near + axis;
+    far_side[axis] = 3 * (1 - near) + axis;
+    return near == BvhNode::kUpper;
+  }
+
+  Float8 near_inverse[3], far_inverse[3];
+  std::int64_t near_side[3], far_side[3];  // of BvhNode::bounds
+};
+
 // A ray prepared for box tests.
-struct SlabRay {
+template <typename AnyRay>
+struct SlabRay;
+
+template <>
+struct SlabRay<Ray> : SlabDirections {
   explicit SlabRay(const Ray& ray) {
     for (int axis = 0; axis < 3; ++axis) {
-      const float inverse = 1 / ray.direction[axis];
-      const int near = std::signbit(inverse) ? BvhNode::kUpper : BvhNode::kLower;
+      prepare(axis, 1 / ray.direction[axis]);
       origin[axis] = Float8::broadcast(ray.origin[axis]);
-      near_inverse[axis] = Float8::broadcast(inverse);
-      far_inverse[axis] = Float8::broadcast(inverse * kBoxSlack);
-      near_side[axis] = 3 * near + axis;
-      far_side[axis] = 3 * (1 - near) + axis;
     }
   }
 
@@ -44,8 +61,28 @@ struct SlabRay {
     }
   }
 
-  Float8 origin[3], near_inverse[3], far_inverse[3];
-  std::int64_t near_side[3], far_side[3];  // of BvhNode::bounds
+  Float8 origin_for_near(int axis) const { return origin[axis]; }
+  Float8 origin_for_far(int axis) const { return origin[axis]; }
+
+  Float8 origin[3];
+};
+
+// The origin, which is in double, is rounded so that boxes begin too early and end too late.
+template <>
+struct SlabRay<ObjectRay> : SlabDirections {
+  explicit SlabRay(const ObjectRay& ray) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const bool descends = prepare(axis, static_cast<float>(1 / ray.direction[axis]));
+      const float below = rounded_down(ray.origin[axis]), above = -rounded_down(-ray.origin[axis]);
+      near_origin[axis] = Float8::broadcast(descends ? below : above);
+      far_origin[axis] = Float8::broadcast(descends ? above : below);
+    }
+  }
+
+  Float8 origin_for_near(int axis) const { return near_origin[axis]; }
+  Float8 origin_for_far(int axis) const { return far_origin[axis]; }
+
+  Float8 near_origin[3], far_origin[3];
 };
 
 // A child yet to be visited and where the ray enters its box. Packed into one integer that compares as the
@@ -113,18 +150,32 @@ struct UncountedVisits {
   void packet() const {}
 };
 
+// Improves `hit` by what the ray meets in an instance, told by its number among all instances. For kAny it
+// only matters whether anything is found. `objects` are the trees of the objects of `scene`.
+template <Query kQuery>
+void enter_instance(const Primitives& scene, const Bvh::Arrays* objects, std::uint32_t number, const Ray& ray,
+                    Hit& hit);
+
+// Of a Ray, or of an ObjectRay in the space of an object, which shows no others.
+template <typename AnyRay>
 class RayTraversal {
  public:
-  RayTraversal(const Primitives& primitives, const Ray& ray)
-      : primitives_(primitives), ray_(ray), slab_ray_(ray), sheared_ray_(ray) {
+  // `objects` are the trees of those that instances show.
+  RayTraversal(const Primitives& primitives, const Bvh::Arrays* objects, const AnyRay& ray)
+      : primitives_(primitives), objects_(objects), ray_(ray), slab_ray_(ray), sheared_ray_(ray) {
     update_limit();
   }
   // For a ray of which more is known: `hit` is the best so far, slab_ray() and sheared_ray() answer with what
   // has been prepared (functions, so that it is made in its place).
   template <typename MakeSlabRay, typename MakeShearedRay>
-  RayTraversal(const Primitives& primitives, const Ray& ray, const Hit& hit, const MakeSlabRay& slab_ray,
-               const MakeShearedRay& sheared_ray)
-      : primitives_(primitives), ray_(ray), slab_ray_(slab_ray()), sheared_ray_(sheared_ray()), hit_(hit) {
+  RayTraversal(const Primitives& primitives, const Bvh::Arrays* objects, const AnyRay& ray, const Hit& hit,
+               const MakeSlabRay& slab_ray, const MakeShearedRay& sheared_ray)
+      : primitives_(primitives),
+        objects_(objects),
+        ray_(ray),
+        slab_ray_(slab_ray()),
+        sheared_ray_(sheared_ray()),
+        hit_(hit) {
     update_limit();
   }
 
@@ -139,7 +190,7 @@ class RayTraversal {
         if (!enter(nodes[next.index()], next)) return hit_;
       }
       visits.packet();
-      visit(packets[next.index()]);
+      visit<kQuery>(packets[next.index()]);
       if (kQuery == Query::kAny && hit_.found()) break;
     } while (stack_.pop(limit_, next));
     return hit_;
@@ -178,16 +229,16 @@ class RayTraversal {
     // second argument, and that side does not count.
     Float8 near = Float8::broadcast(0), far = Float8::broadcast(limit_);
     for (int axis = 0; axis < 3; ++axis) {
-      const Float8 origin = slab_ray_.origin[axis];
       const Float8 near_plane = Float8::load(node.bounds[slab_ray_.near_side[axis]] + lane);
       const Float8 far_plane = Float8::load(node.bounds[slab_ray_.far_side[axis]] + lane);
-      near = max((near_plane - origin) * slab_ray_.near_inverse[axis], near);
-      far = min((far_plane - origin) * slab_ray_.far_inverse[axis], far);
+      near = max((near_plane - slab_ray_.origin_for_near(axis)) * slab_ray_.near_inverse[axis], near);
+      far = min((far_plane - slab_ray_.origin_for_far(axis)) * slab_ray_.far_inverse[axis], far);
     }
     near.store(t_near);
     return less_equal(near, far);
   }
 
+  template <Query kQuery>
   void visit(const BvhPacket& packet) {
     const TriangleHits hits = hits_of_packet(sheared_ray_, packet);
     for (unsigned lanes = hits.lanes() & packet.triangle_lanes; lanes != 0; lanes &= lanes - 1) {
@@ -197,6 +248,8 @@ class RayTraversal {
       update_limit();
     }
     if (packet.sphere_lanes != 0) visit_spheres(packet);
+    if constexpr (std::is_same_v<AnyRay, Ray>)
+      if (packet.instance_lanes != 0) visit_instances<kQuery>(packet);
   }
 
   void visit_spheres(const BvhPacket& packet) {
@@ -206,13 +259,37 @@ class RayTraversal {
     update_limit();
   }
 
+  template <Query kQuery>
+  void visit_instances(const BvhPacket& packet) {
+    for (unsigned lanes = packet.instance_lanes; lanes != 0; lanes &= lanes - 1) {
+      const std::uint32_t primitive = packet.primitives[std::countr_zero(lanes)];
+      enter_instance<kQuery>(primitives_, objects_, primitives_.instance_number(primitive), ray_, hit_);
+    }
+    update_limit();
+  }
+
   const Primitives& primitives_;
-  const Ray& ray_;
-  SlabRay slab_ray_;
+  const Bvh::Arrays* objects_;
+  const AnyRay& ray_;
+  SlabRay<AnyRay> slab_ray_;
   ShearedRay sheared_ray_;
   float limit_;
   Hit hit_;
   Stack stack_;
 };
+
+template <Query kQuery>
+void enter_instance(const Primitives& scene, const Bvh::Arrays* objects, std::uint32_t number, const Ray& ray,
+                    Hit& hit) {
+  const Instance& instance = scene.instance(number);
+  const Bvh::Arrays& tree = objects[instance.object];
+  ObjectRay object_ray = instance.placement.to_object(ray);
+  object_ray.t_max = std::min(ray.t_max, next_float_up(hit.t));  // what is as near may come first
+  Hit found = RayTraversal(scene.object_of(instance), nullptr, object_ray)
+                  .template run<kQuery>(tree.nodes.data(), tree.packets.data());
+  if (!found.found()) return;
+  found.instance = number;
+  hit.improve(ray, found);
+}
 
 }  // namespace tessera::core

@@ -31,11 +31,34 @@ std::array<double, 3> weights_inside(const Hit& hit) {
   return {b0 / sum, b1 / sum, b2 / sum};
 }
 
+// Where a model is drawn as it is.
+struct InPlace {
+  static Vec3d point(Vec3d p) { return p; }
+  static Vec3d normal(Vec3d n) { return n; }
+  static Vec3d error_terms(Vec3d terms) { return terms; }
+};
+
 // A coordinate that is a float rounded from a sum of terms computed in double, whose magnitudes sum to
 // `terms`.
 Vec3 rounding_error(Vec3 position, Vec3d terms) {
   const Vec3 from_rounding = abs(position) * gamma<float>(2);
   return from_rounding + (gamma<double>(16) * terms).rounded();
+}
+
+// The point of a model as `place` (InPlace or a Placement) puts it into the world.
+template <typename Place, typename ModelPoint>
+SurfacePoint in_world(const Place& place, const ModelPoint& model) {
+  SurfacePoint point;
+  point.position = place.point(model.position).rounded();
+  point.position_error = rounding_error(point.position, place.error_terms(model.terms));
+  point.geometric_normal = unit_or_zero(place.normal(model.geometric_normal));
+  point.shading_normal = point.geometric_normal;
+  if (has_direction(model.shading_normal)) {
+    point.shading_normal = unit_or_zero(place.normal(model.shading_normal));
+    point.geometric_normal = face_toward(point.geometric_normal, point.shading_normal);
+  }
+  point.uv = model.uv;
+  return point;
 }
 
 // Rounded outwards, and finite however large the sphere.
@@ -91,6 +114,42 @@ void Primitives::add_sphere(Vec3 center, float radius, std::uint32_t material) {
   sphere_materials_.push_back(material);
 }
 
+std::uint32_t Primitives::add_object(Primitives object) {
+  outlines_.push_back(object.outline());
+  objects_.push_back(std::move(object));
+  return static_cast<std::uint32_t>(objects_.size()) - 1;
+}
+
+void Primitives::add_instance(const Instance& instance) {
+  Aabb box;
+  for (const Aabb& part : outlines_[instance.object]) box.include(instance.placement.bounds(part));
+  instances_.push_back(instance);
+  instance_bounds_.push_back(box);
+}
+
+// What lies in the same cell of a grid over the object makes a part.
+Primitives::Outline Primitives::outline() const {
+  constexpr int kCells = 4;
+  Aabb whole;
+  for (std::uint32_t p = 0; p < count(); ++p) whole.include(bounds(p));
+  const auto cell = [&](const Aabb& box, int axis) {
+    const double from_lower =
+        (double{box.lower[axis]} + double{box.upper[axis]}) / 2 - double{whole.lower[axis]};
+    return std::clamp(static_cast<int>(kCells * from_lower / whole.extent(axis)), 0, kCells - 1);
+  };
+  Outline parts(kCells * kCells * kCells);
+  for (std::uint32_t p = 0; p < count(); ++p) {
+    const Aabb box = bounds(p);
+    if (box.empty()) continue;
+    int index = 0;
+    for (int axis = 0; axis < 3; ++axis)
+      index = kCells * index + (whole.extent(axis) > 0 ? cell(box, axis) : 0);
+    parts[static_cast<std::size_t>(index)].include(box);
+  }
+  std::erase_if(parts, [](const Aabb& part) { return part.empty(); });
+  return parts;
+}
+
 double Primitives::bounding_radius() const {
   Aabb box;
   for (std::uint32_t p = 0; p < count(); ++p) box.include(bounds(p));
@@ -101,6 +160,7 @@ double Primitives::bounding_radius() const {
 }
 
 Aabb Primitives::bounds(std::uint32_t primitive) const {
+  if (is_instance(primitive)) return instance_bounds_[instance_number(primitive)];
   if (is_sphere(primitive)) return can_be_hit(sphere(primitive)) ? sphere_bounds(sphere(primitive)) : Aabb{};
   Aabb box;
   const TriangleCorners corners = triangle_corners(primitive);
@@ -109,7 +169,23 @@ Aabb Primitives::bounds(std::uint32_t primitive) const {
   return box;
 }
 
+std::uint32_t Primitives::material(const Hit& hit) const {
+  if (!hit.in_instance()) return material(hit.primitive);
+  const Instance& shown = instances_[hit.instance];
+  return shown.material == kOwnMaterials ? object_of(shown).material(hit.primitive) : shown.material;
+}
+
 bool Primitives::intersect(std::uint32_t primitive, const Ray& ray, Hit& hit) const {
+  return is_instance(primitive) ? intersect_instance(instance_number(primitive), ray, hit)
+                                : intersect_shape(primitive, ray, hit);
+}
+
+bool Primitives::intersect(std::uint32_t primitive, const ObjectRay& ray, Hit& hit) const {
+  return intersect_shape(primitive, ray, hit);
+}
+
+template <typename AnyRay>
+bool Primitives::intersect_shape(std::uint32_t primitive, const AnyRay& ray, Hit& hit) const {
   if (is_sphere(primitive)) {
     const auto t = intersect_sphere(ray, sphere(primitive));
     return t && hit.improve(ray, {static_cast<float>(*t), primitive, 0, 0});
@@ -119,27 +195,42 @@ bool Primitives::intersect(std::uint32_t primitive, const Ray& ray, Hit& hit) co
   return found && can_be_hit(corners) && hit.improve(ray, {found->t, primitive, found->b1, found->b2});
 }
 
-SurfacePoint Primitives::surface(const Ray& ray, const Hit& hit) const {
-  return is_sphere(hit.primitive) ? sphere_surface(ray, hit) : triangle_surface(hit);
+bool Primitives::intersect_instance(std::uint32_t number, const Ray& ray, Hit& hit) const {
+  const Instance& shown = instances_[number];
+  const Primitives& object = object_of(shown);
+  const ObjectRay object_ray = shown.placement.to_object(ray);
+  Hit nearest;
+  for (std::uint32_t p = 0; p < object.count(); ++p) object.intersect(p, object_ray, nearest);
+  nearest.instance = number;
+  return nearest.found() && hit.improve(ray, nearest);
 }
 
-SurfacePoint Primitives::triangle_surface(const Hit& hit) const {
+SurfacePoint Primitives::surface(const Ray& ray, const Hit& hit) const {
+  if (hit.in_instance()) return instance_surface(ray, hit);
+  return in_world(InPlace(), is_sphere(hit.primitive) ? sphere_point(ray, hit) : triangle_point(hit));
+}
+
+SurfacePoint Primitives::instance_surface(const Ray& ray, const Hit& hit) const {
+  const Instance& shown = instances_[hit.instance];
+  const Primitives& object = object_of(shown);
+  return in_world(shown.placement, object.is_sphere(hit.primitive)
+                                       ? object.sphere_point(shown.placement.to_object(ray), hit)
+                                       : object.triangle_point(hit));
+}
+
+Primitives::ModelPoint Primitives::triangle_point(const Hit& hit) const {
   const auto& [v0, v1, v2] = triangles_[hit.primitive];
   const TriangleCorners corners = triangle_corners(hit.primitive);
   const auto [b0, b1, b2] = weights_inside(hit);
   const Vec3d p0 = b0 * Vec3d(corners[0]), p1 = b1 * Vec3d(corners[1]), p2 = b2 * Vec3d(corners[2]);
 
-  SurfacePoint point;
-  point.position = (p0 + p1 + p2).rounded();
-  point.position_error = rounding_error(point.position, abs(p0) + abs(p1) + abs(p2));
-  point.geometric_normal = unit_or_zero(area_normal(corners));
-  point.shading_normal = point.geometric_normal;
+  ModelPoint point;
+  point.position = p0 + p1 + p2;
+  point.terms = abs(p0) + abs(p1) + abs(p2);
+  point.geometric_normal = area_normal(corners);
   if (!normals_.empty()) {
     const Vec3d normal = b0 * Vec3d(normals_[v0]) + b1 * Vec3d(normals_[v1]) + b2 * Vec3d(normals_[v2]);
-    if (length(normal) > 1e-6) {
-      point.shading_normal = unit_or_zero(normal);
-      point.geometric_normal = face_toward(point.geometric_normal, point.shading_normal);
-    }
+    if (length(normal) > 1e-6) point.shading_normal = normal;
   }
   if (!uvs_.empty()) {
     const auto w0 = static_cast<float>(b0), w1 = static_cast<float>(b1), w2 = static_cast<float>(b2);
@@ -148,7 +239,8 @@ SurfacePoint Primitives::triangle_surface(const Hit& hit) const {
   return point;
 }
 
-SurfacePoint Primitives::sphere_surface(const Ray& ray, const Hit& hit) const {
+template <typename AnyRay>
+Primitives::ModelPoint Primitives::sphere_point(const AnyRay& ray, const Hit& hit) const {
   const Sphere& ball = sphere(hit.primitive);
   const Vec3d center(ball.center);
   // hit.t has been rounded to a float, which far away is coarser than the sphere.
@@ -157,21 +249,38 @@ SurfacePoint Primitives::sphere_surface(const Ray& ray, const Hit& hit) const {
   const Vec3d normal = (1 / length(from_center)) * from_center;
   const Vec3d arm = static_cast<double>(ball.radius) * normal;
 
-  SurfacePoint point;
-  point.position = (center + arm).rounded();
-  point.position_error = rounding_error(point.position, abs(center) + abs(arm));
-  point.geometric_normal = point.shading_normal = normal.rounded();
-  point.uv = sphere_uv(point.geometric_normal);
+  ModelPoint point;
+  point.position = center + arm;
+  point.terms = abs(center) + abs(arm);
+  point.geometric_normal = from_center;
+  point.uv = sphere_uv(normal.rounded());
   return point;
 }
 
 Tangents Primitives::tangents(const Hit& hit, const SurfacePoint& point) const {
+  if (hit.in_instance()) return instance_tangents(hit, point);
   if (is_sphere(hit.primitive)) return sphere_tangents(point.geometric_normal);
-  return triangle_tangents(triangles_[hit.primitive]);
+  const auto [along_u, along_v] = triangle_tangents(triangles_[hit.primitive]);
+  return {unit_or_zero(along_u), unit_or_zero(along_v)};
+}
+
+Tangents Primitives::instance_tangents(const Hit& hit, const SurfacePoint& point) const {
+  const Instance& shown = instances_[hit.instance];
+  const Primitives& object = object_of(shown);
+  ModelTangents tangents;
+  if (object.is_sphere(hit.primitive)) {
+    const Vec3d normal = shown.placement.object_normal(Vec3d(point.geometric_normal));
+    const auto [east, north] = sphere_tangents(unit_or_zero(normal));
+    tangents = {Vec3d(east), Vec3d(north)};
+  } else {
+    tangents = object.triangle_tangents(object.triangles_[hit.primitive]);
+  }
+  return {unit_or_zero(shown.placement.vector(tangents.along_u)),
+          unit_or_zero(shown.placement.vector(tangents.along_v))};
 }
 
 // Solves e1 = du1 dp/du + dv1 dp/dv and e2 = du2 dp/du + dv2 dp/dv.
-Tangents Primitives::triangle_tangents(const Triangle& t) const {
+Primitives::ModelTangents Primitives::triangle_tangents(const Triangle& t) const {
   if (uvs_.empty()) return {};
   const auto& [v0, v1, v2] = t;
   const Vec3d p0(positions_[v0]);
@@ -183,7 +292,7 @@ Tangents Primitives::triangle_tangents(const Triangle& t) const {
   constexpr double kCollinear = 1e-9;
   if (!(std::fabs(det) > kCollinear * (std::fabs(du1 * dv2) + std::fabs(du2 * dv1)))) return {};
   const double sign = det < 0 ? -1 : 1;
-  return {unit_or_zero(sign * (dv2 * e1 - dv1 * e2)), unit_or_zero(sign * (du1 * e2 - du2 * e1))};
+  return {sign * (dv2 * e1 - dv1 * e2), sign * (du1 * e2 - du2 * e1)};
 }
 
 }  // namespace tessera::core

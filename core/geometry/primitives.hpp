@@ -1,5 +1,7 @@
-// All shapes of a scene as flat arrays. Triangles are numbered first, then spheres: those numbers are the
-// primitive ids that hits carry. Immutable while rendering.
+// All shapes of a scene as flat arrays, and the objects that instances show, which are such arrays again.
+// Triangles are numbered first, then spheres, then instances. Hits carry the numbers of triangles and
+// spheres; where those are in an object, its own numbers, and beside them the instance's place among the
+// instances. Immutable while rendering.
 #pragma once
 
 #include <array>
@@ -8,6 +10,8 @@
 #include <vector>
 
 #include "core/geometry/aabb.hpp"
+#include "core/geometry/instance.hpp"
+#include "core/geometry/object_ray.hpp"
 #include "core/geometry/ray.hpp"
 #include "core/geometry/sphere.hpp"
 #include "core/geometry/surface.hpp"
@@ -34,15 +38,32 @@ class Primitives {
                 std::vector<Triangle> triangles, const std::vector<std::uint32_t>& triangle_materials);
   void add_sphere(Vec3 center, float radius, std::uint32_t material);
 
+  // Objects have no instances of their own. The number that instances refer to them by.
+  std::uint32_t add_object(Primitives object);
+  // After everything else.
+  void add_instance(const Instance& instance);
+
   std::uint32_t triangle_count() const { return static_cast<std::uint32_t>(triangles_.size()); }
   std::uint32_t sphere_count() const { return static_cast<std::uint32_t>(spheres_.size()); }
-  std::uint32_t count() const { return triangle_count() + sphere_count(); }
+  std::uint32_t instance_count() const { return static_cast<std::uint32_t>(instances_.size()); }
+  std::uint32_t count() const { return triangle_count() + sphere_count() + instance_count(); }
+  // Not of instances.
   bool is_sphere(std::uint32_t primitive) const { return primitive >= triangle_count(); }
+  bool is_instance(std::uint32_t primitive) const { return primitive >= triangle_count() + sphere_count(); }
+
+  const std::vector<Primitives>& objects() const { return objects_; }
+  const Instance& instance(std::uint32_t number) const { return instances_[number]; }
+  // The number among the instances of a primitive that is one.
+  std::uint32_t instance_number(std::uint32_t primitive) const {
+    return primitive - triangle_count() - sphere_count();
+  }
+  const Primitives& object_of(const Instance& instance) const { return objects_[instance.object]; }
 
   std::uint32_t material(std::uint32_t primitive) const {
     return is_sphere(primitive) ? sphere_materials_[primitive - triangle_count()]
                                 : triangle_materials_[primitive];
   }
+  std::uint32_t material(const Hit& hit) const;
   TriangleCorners triangle_corners(std::uint32_t primitive) const {
     const auto& [v0, v1, v2] = triangles_[primitive];
     return {positions_[v0], positions_[v1], positions_[v2]};
@@ -63,6 +84,7 @@ class Primitives {
   // Makes `hit` this primitive's intersection if it is nearer (or as near, with a lower id) and t <
   // ray.t_max. Returns whether it did.
   bool intersect(std::uint32_t primitive, const Ray& ray, Hit& hit) const;
+  bool intersect(std::uint32_t primitive, const ObjectRay& ray, Hit& hit) const;
 
   // The surface where `ray` met it; `hit` is what intersect() made of this ray. Meshes without uvs have uv
   // (0, 0).
@@ -71,9 +93,30 @@ class Primitives {
   Tangents tangents(const Hit& hit, const SurfacePoint& point) const;
 
  private:
-  SurfacePoint triangle_surface(const Hit& hit) const;
-  SurfacePoint sphere_surface(const Ray& ray, const Hit& hit) const;
-  Tangents triangle_tangents(const Triangle& triangle) const;
+  // The surface at a hit in double, where it was modelled.
+  struct ModelPoint {
+    Vec3d position, terms;  // the magnitudes of what the position is the sum of
+    Vec3d geometric_normal;
+    Vec3d shading_normal;  // 0 where it is the geometric one
+    Vec2 uv;
+  };
+  // dp/du and dp/dv, of any length.
+  struct ModelTangents {
+    Vec3d along_u, along_v;
+  };
+  // The boxes of parts of an object, so that its instances can be bounded more closely than by turning one.
+  using Outline = std::vector<Aabb>;
+
+  template <typename AnyRay>
+  bool intersect_shape(std::uint32_t primitive, const AnyRay& ray, Hit& hit) const;
+  bool intersect_instance(std::uint32_t number, const Ray& ray, Hit& hit) const;
+  ModelPoint triangle_point(const Hit& hit) const;
+  template <typename AnyRay>
+  ModelPoint sphere_point(const AnyRay& ray, const Hit& hit) const;
+  SurfacePoint instance_surface(const Ray& ray, const Hit& hit) const;
+  ModelTangents triangle_tangents(const Triangle& triangle) const;
+  Tangents instance_tangents(const Hit& hit, const SurfacePoint& point) const;
+  Outline outline() const;
 
   std::vector<Vec3> positions_;
   std::vector<Vec3> normals_;  // of unit length; zero where there is none; empty where no mesh has any
@@ -82,6 +125,10 @@ class Primitives {
   std::vector<std::uint32_t> triangle_materials_;
   std::vector<Sphere> spheres_;
   std::vector<std::uint32_t> sphere_materials_;
+  std::vector<Instance> instances_;
+  std::vector<Aabb> instance_bounds_;
+  std::vector<Primitives> objects_;
+  std::vector<Outline> outlines_;  // of the objects
 };
 
 }  // namespace tessera::core

@@ -15,22 +15,33 @@ struct Ray {
 };
 
 inline constexpr std::uint32_t kNoPrimitive = 0xffffffffu;
+inline constexpr std::uint32_t kNoInstance = 0xffffffffu;
 
-// The nearest intersection. Where two are equally near, that of the lower primitive id.
+// The nearest intersection. Where two are equally near, that of what is in no instance, then of the lower
+// instance, then of the lower primitive id.
 struct Hit {
   float t = std::numeric_limits<float>::infinity();
-  std::uint32_t primitive = kNoPrimitive;
+  std::uint32_t primitive = kNoPrimitive;  // in an instance: among its object's
   float b1 = 0, b2 = 0;  // barycentric coordinates of a triangle's second and third corner; unused by spheres
+  std::uint32_t instance = kNoInstance;
 
   bool found() const { return primitive != kNoPrimitive; }
+  bool in_instance() const { return instance != kNoInstance; }
 
   // Becomes `other` if that lies on the ray and is nearer, or as near with a lower id. Returns whether it
   // did.
-  bool improve(const Ray& ray, const Hit& other) {
+  template <typename AnyRay>
+  bool improve(const AnyRay& ray, const Hit& other) {
     if (!(other.t > 0 && other.t < ray.t_max)) return false;
-    if (!(other.t < t || (other.t == t && other.primitive < primitive))) return false;
+    if (!(other.t < t || (other.t == t && other.rank() < rank()))) return false;
     *this = other;
     return true;
+  }
+
+ private:
+  // 0, as no instance plus 1 is, comes first.
+  std::uint64_t rank() const {
+    return std::uint64_t{static_cast<std::uint32_t>(instance + 1)} << 32 | primitive;
   }
 };
 

@@ -28,4 +28,10 @@ inline float next_float_down(float x) {
   return -next_float_up(-x);
 }
 
+// The greatest float that is not above x.
+inline float rounded_down(double x) {
+  const auto nearest = static_cast<float>(x);
+  return static_cast<double>(nearest) > x ? next_float_down(nearest) : nearest;
+}
+
 }  // namespace tessera::core

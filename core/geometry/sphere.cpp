@@ -10,9 +10,9 @@ namespace tessera::core {
 // Haines, Guenther and Akenine-Moeller 2019: the discriminant from the centre's distance to the line, which
 // does not cancel for small and distant spheres, and roots without cancellation (Press et al. 2007,
 // eq. 5.6.4).
-std::optional<double> intersect_sphere(const Ray& ray, const Sphere& sphere) {
-  const Vec3d d(ray.direction);
-  const Vec3d f = Vec3d(ray.origin) - Vec3d(sphere.center);
+std::optional<double> intersect_sphere(const ObjectRay& ray, const Sphere& sphere) {
+  const Vec3d d = ray.direction;
+  const Vec3d f = ray.origin - Vec3d(sphere.center);
   const double r2 = static_cast<double>(sphere.radius) * static_cast<double>(sphere.radius);
   const double a = dot(d, d), b = -dot(f, d), ff = dot(f, f);
   const Vec3d closest = f + (b / a) * d;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 
+#include "core/geometry/object_ray.hpp"
 #include "core/geometry/ray.hpp"
 #include "core/geometry/surface.hpp"
 #include "core/geometry/vec3d.hpp"
@@ -22,7 +23,10 @@ inline bool can_be_hit(const Sphere& sphere) {
 
 // The least provably positive t of the line's two intersections. An origin that cannot be told from a point
 // of the sphere counts as on it: from there only the far side can be hit.
-std::optional<double> intersect_sphere(const Ray& ray, const Sphere& sphere);
+std::optional<double> intersect_sphere(const ObjectRay& ray, const Sphere& sphere);
+inline std::optional<double> intersect_sphere(const Ray& ray, const Sphere& sphere) {
+  return intersect_sphere(ObjectRay(ray), sphere);
+}
 
 // (u, v) of a point in direction `normal` from the centre. u in [0, 1) is the longitude over 2 pi,
 // counter-clockwise about +y from +x; v is the latitude, 0 at the pole -y and 1 at the pole +y, uniform in

@@ -9,14 +9,16 @@
 #include <array>
 #include <optional>
 
+#include "core/geometry/object_ray.hpp"
 #include "core/geometry/ray.hpp"
 #include "core/geometry/vec3d.hpp"
 
 namespace tessera::core {
 
 // Without a branch, since the axes of scattered rays cannot be guessed.
-inline int longest_axis(Vec3 v) {
-  const Vec3 a = abs(v);
+template <typename Vector>
+int longest_axis(const Vector& v) {
+  const Vector a = abs(v);
   const int of_xy = a.x > a.y ? 0 : 1;
   return (a.x > a.y ? a.x : a.y) > a.z ? of_xy : 2;
 }
@@ -24,7 +26,8 @@ inline int longest_axis(Vec3 v) {
 // A ray prepared for any number of triangle tests. Its z is the axis along which the direction is longest.
 struct ShearedRay {
   ShearedRay() = default;
-  explicit ShearedRay(const Ray& ray) {
+  template <typename AnyRay>
+  explicit ShearedRay(const AnyRay& ray) {
     z_axis = longest_axis(ray.direction);
     x_axis = (z_axis + 1) % 3;
     y_axis = (z_axis + 2) % 3;

@@ -15,6 +15,7 @@ struct Vec3d {
   Vec3d(double x_value, double y_value, double z_value) : x(x_value), y(y_value), z(z_value) {}
   explicit Vec3d(Vec3 v) : x(v.x), y(v.y), z(v.z) {}
 
+  double operator[](int axis) const { return axis == 0 ? x : axis == 1 ? y : z; }
   Vec3 rounded() const { return {static_cast<float>(x), static_cast<float>(y), static_cast<float>(z)}; }
 };
 

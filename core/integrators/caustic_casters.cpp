@@ -38,8 +38,9 @@ double area_of(const Primitives& primitives, std::uint32_t primitive) {
 CausticCasters::CausticCasters(const Scene& scene) : scene_(scene) {
   for (const Material& material : scene.materials()) casts_.push_back(casts_caustics(material.model));
   std::vector<double> areas;
-  for (std::uint32_t p = 0; p < scene.primitives().count(); ++p) {
-    if (!contain(p)) continue;
+  const std::uint32_t count = scene.primitives().triangle_count() + scene.primitives().sphere_count();
+  for (std::uint32_t p = 0; p < count; ++p) {
+    if (!contain({.primitive = p})) continue;
     const double area = area_of(scene.primitives(), p);
     if (!(area > 0)) continue;
     primitives_.push_back(p);

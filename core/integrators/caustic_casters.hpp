@@ -14,11 +14,12 @@ class CausticCasters {
  public:
   explicit CausticCasters(const Scene& scene);
 
+  // Whether sample() has nothing to choose from.
   bool empty() const { return primitives_.empty(); }
   double area() const { return area_; }
-  bool contain(std::uint32_t primitive) const { return casts_[scene_.primitives().material(primitive)]; }
+  bool contain(const Hit& hit) const { return casts_[scene_.primitives().material(hit)]; }
 
-  // A point on one of them, uniformly over their area. There are some.
+  // A point on one of them that is in no instance, uniformly over their area. There are some.
   struct Place {
     std::uint32_t primitive;
     Vec3 position;

@@ -54,7 +54,7 @@ class PhotonTracer {
     for (int bounce = 0; bounce < kMostBounces && hit.found() && luminance(flux) > 0; ++bounce) {
       const PathVertex vertex(scene_, ray, hit);
       const float distance = length(vertex.position() - ray.origin);
-      if (!casters_.contain(hit.primitive) && !vertex.is_delta() && distance > 0)
+      if (!casters_.contain(hit) && !vertex.is_delta() && distance > 0)
         photons.push_back({vertex.position(), vertex.side_normal(), vertex.wo(), distance, luminance(flux)});
       const auto u = sampler.pad(bounce_pad(bounce));
       const auto next = vertex.sample({u[0], u[1]}, u[2]);
@@ -87,7 +87,7 @@ class PhotonTracer {
                                      : position + light->wi * beyond_scene_;
     const Ray ray{origin, normalize(position - origin)};
     const Hit hit = scene_.bvh().closest_hit(scene_.primitives(), ray);
-    if (hit.primitive != primitive) return std::nullopt;
+    if (hit.in_instance() || hit.primitive != primitive) return std::nullopt;
     // The ray may have met the near side of a sphere whose far side was chosen.
     const SurfacePoint surface = scene_.primitives().surface(ray, hit);
     if (length_squared(surface.position - position) > 1e-4f * length_squared(position - origin))

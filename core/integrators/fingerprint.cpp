@@ -53,8 +53,8 @@ Texture dents() {
 }  // namespace
 
 // A box open to the front with lights of every kind, one of them textured, spheres of every material, a
-// dented floor and a textured mesh with interpolated normals, seen through a lens of five blades and a
-// Gaussian filter.
+// dented floor, a textured mesh with interpolated normals, and instances of the like, seen through a lens of
+// five blades and a Gaussian filter.
 SceneDescription fingerprint_scene() {
   SceneDescription scene;
   scene.settings = {
@@ -88,6 +88,13 @@ SceneDescription fingerprint_scene() {
                   SphereDescription{{-1.5f, 1.2f, -1}, 0.5f, 6},
                   SphereDescription{{0, 1.8f, -1.2f}, 0.4f, 8},
                   SphereDescription{{0.1f, 0.3f, 0.9f}, 0.3f, 9}};
+  scene.objects = {{"kite",
+                    {tent(), SphereDescription{{-0.9f, 0.4f, -0.8f}, 0.2f, 8},
+                     QuadDescription{{-1, -0.3f, -1}, {0.5f, 0, 0}, {0, 0.3f, 0}, 5}},
+                    {}}};
+  const Transform mirrored{{0.2f, 0.3f, 0}, {-0.3f, 0.1f, 0.1f}, {0, 0.1f, -0.4f}, {0.9f, 1.7f, 0.2f}};
+  scene.shapes.push_back(InstanceDescription{0, mirrored, std::nullopt});
+  scene.shapes.push_back(InstanceDescription{0, translation({1.5f, 0.1f, 1.5f}), 6});
   scene.lights = {
       PointLightDescription{{-1.2f, 2.4f, 1}, {2, 2, 1.5f}},
       SpotLightDescription{.position = {1.5f, 2.8f, 1}, .look_at = {0.5f, 0, 0.5f}, .intensity = {6, 5, 4}},

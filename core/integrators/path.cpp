@@ -70,7 +70,7 @@ void PathTracer::step(int depth, RenderCounters& counters) {
       continue;
     }
     const PathVertex vertex(scene_, rays[slot], hit);
-    add_emission(head, vertex, scene_.light_of(hit.primitive));
+    add_emission(head, vertex, scene_.light_of(hit));
     if (settings_.max_depth > 0 && depth >= settings_.max_depth) continue;
     const Cell* cell = guide_at(vertex);
     if (!vertex.is_delta()) connect_to_light(head, vertex, cell, depth);

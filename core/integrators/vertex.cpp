@@ -29,7 +29,7 @@ Vec3 shading_normal(Vec3 outward, bool outside, const MaterialModel& model, Vec3
 }  // namespace
 
 PathVertex::PathVertex(const Scene& scene, const Ray& ray, const Hit& hit)
-    : PathVertex(scene, scene.material_of(hit.primitive), hit, scene.primitives().surface(ray, hit),
+    : PathVertex(scene, scene.material_of(hit), hit, scene.primitives().surface(ray, hit),
                  normalize(-ray.direction)) {}
 
 PathVertex::PathVertex(const Scene& scene, const Material& material, const Hit& hit,

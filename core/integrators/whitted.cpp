@@ -44,7 +44,7 @@ class TreeTracer {
       const Hit hit = scene_.bvh().closest_hit(scene_.primitives(), branch.ray);
       if (!hit.found()) return add_environment(branch);
       const PathVertex vertex(scene_, branch.ray, hit);
-      add_emission(branch, vertex, scene_.light_of(hit.primitive));
+      add_emission(branch, vertex, scene_.light_of(hit));
       if (!vertex.is_delta()) return add_direct_light(branch, vertex);
       if (branch.depth >= max_depth_) return;
       auto [greater, lesser] = fork(branch, vertex);

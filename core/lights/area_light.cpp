@@ -158,9 +158,12 @@ AreaLight::Found AreaLight::find(const SphereLight& sphere, Vec3 p_lit, Vec2 u) 
 SurfacePoint AreaLight::point_of(const SphereLight& sphere, Vec3 outward) const {
   SurfacePoint point;
   point.position = sphere.center + outward * sphere.radius;
-  point.position_error = (abs(sphere.center) + abs(outward) * sphere.radius) * rounding_bound(8);
+  const Vec3 deviation{sphere.deviation, sphere.deviation, sphere.deviation};
+  point.position_error = (abs(sphere.center) + abs(outward) * sphere.radius) * rounding_bound(8) + deviation;
   point.geometric_normal = outward;
-  if (emission_.radiance.texture >= 0) point.uv = sphere_uv(outward);
+  if (emission_.radiance.texture >= 0)
+    point.uv =
+        sphere_uv({dot(outward, sphere.x_axis), dot(outward, sphere.y_axis), dot(outward, sphere.z_axis)});
   return point;
 }
 

@@ -23,6 +23,9 @@ struct QuadLight {
 struct SphereLight {
   Vec3 center;
   float radius;
+  float deviation = 0;  // its surface may lie so far from the true one
+  // Its own axes in the world, which its texture coordinates go by; all of unit length.
+  Vec3 x_axis{1, 0, 0}, y_axis{0, 1, 0}, z_axis{0, 0, 1};
 };
 using LightShape = std::variant<TriangleLight, QuadLight, SphereLight>;
 

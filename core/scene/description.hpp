@@ -12,6 +12,7 @@
 #include "core/camera/camera_description.hpp"
 #include "core/image/display.hpp"
 #include "core/materials/material.hpp"
+#include "core/math/transform.hpp"
 #include "core/math/vec3.hpp"
 #include "core/scene/settings.hpp"
 #include "core/textures/texture.hpp"
@@ -39,7 +40,22 @@ struct QuadDescription {
   std::uint32_t material = 0;
 };
 
-using ShapeDescription = std::variant<MeshDescription, SphereDescription, QuadDescription>;
+// An object shown once more: all of its shapes, as `to_world` places them.
+struct InstanceDescription {
+  std::uint32_t object = 0;
+  Transform to_world;
+  std::optional<std::uint32_t> material;  // of all of it; nullopt: those of its shapes
+};
+
+using ShapeDescription =
+    std::variant<MeshDescription, SphereDescription, QuadDescription, InstanceDescription>;
+
+// Shapes that are seen only where instances show them, stored once however many of those there are.
+struct ObjectDescription {
+  std::string name;
+  std::vector<ShapeDescription> shapes;  // no instances
+  std::vector<std::string> shape_names;  // one per shape, for error messages
+};
 
 struct PointLightDescription {
   Vec3 position;
@@ -73,6 +89,7 @@ struct SceneDescription {
   DisplaySettings display;  // of PNG files; linear ones are left alone
   std::vector<Texture> textures;
   std::vector<Material> materials;
+  std::vector<ObjectDescription> objects;
   std::vector<ShapeDescription> shapes;
   std::vector<std::string> shape_names;  // one per shape, for error messages: "shapes[2] (bunny.obj)"
   std::vector<LightDescription> lights;  // besides emissive shapes

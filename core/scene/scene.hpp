@@ -14,6 +14,7 @@
 #include "core/guiding/light_guide.hpp"
 #include "core/lights/light.hpp"
 #include "core/lights/light_sampler.hpp"
+#include "core/scene/area_lights.hpp"
 #include "core/scene/description.hpp"
 
 namespace tessera::core {
@@ -36,13 +37,9 @@ class Scene {
   // Chooses only among the lights that no ray can meet.
   const LightSampler& delta_light_sampler() const { return delta_light_sampler_; }
 
-  const Material& material_of(std::uint32_t primitive) const {
-    return materials_[primitives_.material(primitive)];
-  }
-  // The light that a primitive belongs to, an AreaLight, or kNoLight.
-  std::uint32_t light_of(std::uint32_t primitive) const {
-    return primitive < light_of_primitive_.size() ? light_of_primitive_[primitive] : kNoLight;
-  }
+  const Material& material_of(const Hit& hit) const { return materials_[primitives_.material(hit)]; }
+  // The light that what was hit belongs to, an AreaLight, or kNoLight.
+  std::uint32_t light_of(const Hit& hit) const { return light_map_.light_of(hit); }
   const AreaLight& area_light(std::uint32_t light) const { return *std::get_if<AreaLight>(&lights_[light]); }
   // The light that rays see which meet nothing, an Environment, or kNoLight.
   std::uint32_t environment_light() const { return environment_light_; }
@@ -52,6 +49,7 @@ class Scene {
   const Lazy<LightGuide>& light_guide() const { return light_guide_; }
 
  private:
+  void add_shapes(SceneDescription& description);
   void add_lights(const SceneDescription& description, int threads);
 
   RenderSettings settings_;
@@ -61,7 +59,7 @@ class Scene {
   std::vector<Texture> textures_;
   std::vector<Material> materials_;
   std::vector<Light> lights_;
-  std::vector<std::uint32_t> light_of_primitive_;  // up to the last that belongs to a light
+  LightMap light_map_;
   std::uint32_t environment_light_ = kNoLight;
   LightSampler light_sampler_, delta_light_sampler_;
   Lazy<LightGuide> light_guide_;

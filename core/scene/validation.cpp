@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/base/overloaded.hpp"
+#include "core/geometry/placement.hpp"
 #include "core/geometry/primitives.hpp"
 
 namespace tessera::core {
@@ -165,7 +166,67 @@ Status check_mesh(const MeshDescription& mesh, std::size_t material_count) {
   return {};
 }
 
-Status check_shape(const ShapeDescription& shape, std::size_t material_count) {
+Aabb bounds_of(const ShapeDescription& shape) {
+  Aabb box;
+  if (const auto* mesh = std::get_if<MeshDescription>(&shape)) {
+    for (const Vec3 p : mesh->positions) box.include(p);
+  } else if (const auto* sphere = std::get_if<SphereDescription>(&shape)) {
+    const Vec3 reach{sphere->radius, sphere->radius, sphere->radius};
+    box.include(sphere->center - reach);
+    box.include(sphere->center + reach);
+  } else if (const auto* quad = std::get_if<QuadDescription>(&shape)) {
+    for (const Vec3 p : {quad->corner, quad->corner + quad->edge_u})
+      for (const Vec3 q : {p, p + quad->edge_v}) box.include(q);
+  }
+  return box;
+}
+
+// What matters of an object to its instances.
+struct ObjectFacts {
+  Aabb bounds;
+  std::vector<std::uint32_t> sphere_materials;
+};
+
+ObjectFacts facts_of(const ObjectDescription& object) {
+  ObjectFacts facts;
+  for (const ShapeDescription& shape : object.shapes) {
+    facts.bounds.include(bounds_of(shape));
+    if (const auto* sphere = std::get_if<SphereDescription>(&shape))
+      facts.sphere_materials.push_back(sphere->material);
+  }
+  return facts;
+}
+
+bool has_emissive_sphere(const ObjectFacts& object, const InstanceDescription& instance,
+                         const std::vector<Material>& materials) {
+  return std::any_of(object.sphere_materials.begin(), object.sphere_materials.end(), [&](std::uint32_t m) {
+    return !is_black(materials[instance.material.value_or(m)].emission.value);
+  });
+}
+
+Status check_instance(const InstanceDescription& instance, const SceneDescription& scene,
+                      const std::vector<ObjectFacts>& objects) {
+  if (instance.object >= objects.size())
+    return invalid(fmt::format("there is no object {}", instance.object));
+  if (instance.material && *instance.material >= scene.materials.size())
+    return invalid(fmt::format("there is no material {}", *instance.material));
+  if (!Placement::can_place(instance.to_world))
+    return invalid("the transform flattens the object, or scales or moves it too far to be computed");
+  const ObjectFacts& object = objects[instance.object];
+  const Aabb box = Placement(instance.to_world).bounds(object.bounds);
+  if (!fits(box.lower) || !fits(box.upper))
+    return invalid(fmt::format("the object reaches farther than {:g} there", kMaxCoordinate));
+  if (has_emissive_sphere(object, instance, scene.materials) &&
+      !(round_scale(instance.to_world, kRoundToRounding) > 0))
+    return invalid(
+        "a sphere that emits must stay round: the transform must scale by the same factor in all directions");
+  return {};
+}
+
+// Of the scene, or of an object: `objects` is empty then, since objects show none.
+Status check_shape(const ShapeDescription& shape, const SceneDescription& scene,
+                   const std::vector<ObjectFacts>& objects) {
+  const std::size_t material_count = scene.materials.size();
   return std::visit(
       Overloaded{
           [&](const MeshDescription& mesh) { return check_mesh(mesh, material_count); },
@@ -184,24 +245,57 @@ Status check_shape(const ShapeDescription& shape, std::size_t material_count) {
               return invalid(fmt::format("there is no material {}", q.material));
             return {};
           },
+          [&](const InstanceDescription& i) { return check_instance(i, scene, objects); },
       },
       shape);
 }
 
-Status check_shapes(const SceneDescription& scene) {
-  for (std::size_t i = 0; i < scene.shapes.size(); ++i) {
-    if (auto ok = check_shape(scene.shapes[i], scene.materials.size()); !ok) {
-      const bool named = i < scene.shape_names.size() && !scene.shape_names[i].empty();
-      return fail(ok.error().within(named ? scene.shape_names[i] : fmt::format("shapes[{}]", i)));
+Status check_shapes(const std::vector<ShapeDescription>& shapes, const std::vector<std::string>& names,
+                    const SceneDescription& scene, const std::vector<ObjectFacts>& objects) {
+  for (std::size_t i = 0; i < shapes.size(); ++i) {
+    if (auto ok = check_shape(shapes[i], scene, objects); !ok) {
+      const bool named = i < names.size() && !names[i].empty();
+      return fail(ok.error().within(named ? names[i] : fmt::format("shapes[{}]", i)));
     }
   }
   return {};
 }
 
-std::vector<std::uint32_t> materials_of(const ShapeDescription& shape) {
-  if (const auto* mesh = std::get_if<MeshDescription>(&shape)) return mesh->triangle_materials;
-  if (const auto* sphere = std::get_if<SphereDescription>(&shape)) return {sphere->material};
-  return {std::get_if<QuadDescription>(&shape)->material};
+Status check_object(const ObjectDescription& object, const SceneDescription& scene) {
+  if (object.shapes.empty()) return invalid("needs at least one shape");
+  for (const ShapeDescription& shape : object.shapes)
+    if (std::holds_alternative<InstanceDescription>(shape))
+      return invalid("an object cannot hold instances of others; write them among the scene's shapes");
+  return check_shapes(object.shapes, object.shape_names, scene, {});
+}
+
+Status check_all_shapes(const SceneDescription& scene) {
+  std::vector<ObjectFacts> objects;
+  for (const ObjectDescription& object : scene.objects) {
+    if (auto ok = check_object(object, scene); !ok)
+      return fail(ok.error().within(fmt::format("object '{}'", object.name)));
+    objects.push_back(facts_of(object));
+  }
+  return check_shapes(scene.shapes, scene.shape_names, scene, objects);
+}
+
+bool emits(const ShapeDescription& shape, const SceneDescription& scene) {
+  const auto shines = [&](std::uint32_t material) {
+    return !is_black(scene.materials[material].emission.value);
+  };
+  return std::visit(
+      Overloaded{[&](const MeshDescription& mesh) {
+                   return std::any_of(mesh.triangle_materials.begin(), mesh.triangle_materials.end(), shines);
+                 },
+                 [&](const SphereDescription& sphere) { return shines(sphere.material); },
+                 [&](const QuadDescription& quad) { return shines(quad.material); },
+                 [&](const InstanceDescription& instance) {
+                   if (instance.material) return shines(*instance.material);
+                   const auto& shapes = scene.objects[instance.object].shapes;
+                   return std::any_of(shapes.begin(), shapes.end(),
+                                      [&](const ShapeDescription& part) { return emits(part, scene); });
+                 }},
+      shape);
 }
 
 Rgb color_of(const LightDescription& light) {
@@ -219,18 +313,15 @@ Status validate_scene(const SceneDescription& scene) {
   if (auto ok = check_camera(scene.camera); !ok) return ok;
   if (auto ok = check_materials(scene); !ok) return ok;
   if (auto ok = check_lights(scene); !ok) return ok;
-  return check_shapes(scene);
+  return check_all_shapes(scene);
 }
 
 bool gives_light(const SceneDescription& scene) {
   if (scene.environment && !is_black(scene.environment->radiance.value)) return true;
   for (const LightDescription& light : scene.lights)
     if (!is_black(color_of(light))) return true;
-  return std::any_of(scene.shapes.begin(), scene.shapes.end(), [&](const ShapeDescription& shape) {
-    const auto materials = materials_of(shape);
-    return std::any_of(materials.begin(), materials.end(),
-                       [&](std::uint32_t m) { return !is_black(scene.materials[m].emission.value); });
-  });
+  return std::any_of(scene.shapes.begin(), scene.shapes.end(),
+                     [&](const ShapeDescription& shape) { return emits(shape, scene); });
 }
 
 }  // namespace tessera::core

@@ -103,7 +103,8 @@ TEST_F(FarmTest, TwoJobsAtOnceDoNotDisturbEachOther) {
   EXPECT_TRUE(image(second, ".pfm") == render_here(second_options, ".pfm"));
 }
 
-// Lights of every kind, with and without extent, and a mirror and glass for trees of rays to branch at.
+// Lights of every kind, with and without extent, a mirror and glass for trees of rays to branch at, and
+// instances.
 constexpr std::string_view kLitScene = R"({
   "camera": { "position": [0, 1.5, 6], "look_at": [0, 1, 0] },
   "materials": { "floor": { "type": "lambert" }, "glass": { "type": "glass" }, "mirror": { "type": "mirror" },
@@ -112,7 +113,12 @@ constexpr std::string_view kLitScene = R"({
               { "type": "spot", "position": [2, 4, 1], "look_at": [1, 0, 1], "intensity": 30 },
               { "type": "directional", "direction": [1, -1, -1], "irradiance": 0.5 } ],
   "environment": { "radiance": [0.2, 0.3, 0.5] },
+  "objects": { "signpost": { "shapes": [
+    { "type": "quad", "corner": [0, 0, 0], "edge_u": [0.1, 0, 0], "edge_v": [0, 1, 0], "material": "floor" },
+    { "type": "sphere", "center": [0, 1.2, 0], "radius": 0.2, "material": "lamp" } ] } },
   "shapes": [
+    { "type": "instance", "object": "signpost", "transform": [ { "translate": [-2, 0, 2] } ] },
+    { "type": "instance", "object": "signpost", "material": "mirror", "transform": [ { "scale": [3, 1, -1] } ] },
     { "type": "quad", "corner": [-5, 0, 5], "edge_u": [10, 0, 0], "edge_v": [0, 0, -10], "material": "floor" },
     { "type": "sphere", "center": [-1, 1, 0], "radius": 1, "material": "mirror" },
     { "type": "sphere", "center": [1, 0.8, 1], "radius": 0.8, "material": "glass" },

@@ -85,4 +85,11 @@ void expect_strategies_agree(SceneDescription description) {
   expect_agreement(mis, power, "mis by the balance and by the power heuristic");
 }
 
+void expect_scenes_agree(SceneDescription a, SceneDescription b) {
+  const auto scene_a = Scene::build(std::move(a), 2), scene_b = Scene::build(std::move(b), 2);
+  ASSERT_TRUE(scene_a) << scene_a.error().message;
+  ASSERT_TRUE(scene_b) << scene_b.error().message;
+  expect_agreement(estimate(*scene_a, {.spp = 64}, 0), estimate(*scene_b, {.spp = 64}, 1), "the two scenes");
+}
+
 }  // namespace tessera::test

@@ -93,5 +93,77 @@ TEST(Strategies, AgreeAmongManyLamps) {
   expect_strategies_agree(maker.description());
 }
 
+// A pyramid whose sides emit outwards alone, with leaning normals.
+MeshDescription pyramid(std::uint32_t material) {
+  return {.positions = {{-1, 0, 1}, {1, 0, 1}, {1, 0, -1}, {-1, 0, -1}, {0, 2, 0}},
+          .normals = {{-1, 1, 1}, {1, 1, 1}, {1, 1, -1}, {-1, 1, -1}, {0, 1, 0}},
+          .uvs = {},
+          .triangles = {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}},
+          .triangle_materials = {material}};
+}
+
+MeshDescription moved(MeshDescription mesh, const Transform& transform) {
+  for (Vec3& p : mesh.positions) p = transform.point(p);
+  const bool mirrored = transform.determinant() < 0;
+  for (Vec3& n : mesh.normals) n = transform.normal(n) * (mirrored ? -1.0f : 1.0f);
+  if (mirrored)
+    for (auto& triangle : mesh.triangles) std::swap(triangle[1], triangle[2]);
+  return mesh;
+}
+
+// Lamps of each shape in instances that are turned, mirrored and stretched, with and without a material of
+// their own, among instances of glass.
+struct Lanterns {
+  Lanterns() {
+    TextureImage checks{2, 2, std::vector<float>{8, 2, 2, 0, 0, 0, 2, 4, 2, 12, 12, 2}};
+    maker.description().textures = {{.image = std::make_shared<TextureImage>(std::move(checks))}};
+    maker.add(QuadDescription{{-4, 0, 4}, {8, 0, 0}, {0, 0, -8}, white});
+    maker.description().materials[screen].emission = {Rgb::gray(2), 0};
+  }
+
+  const Transform left = compose(translation({-1.4f, 0.4f, 0.3f}),
+                                 compose(rotation({1, 3, -1}, 140), scaling({0.3f, 0.3f, 0.3f})));
+  const Transform right = compose(translation({1.2f, 0.1f, 0.6f}),
+                                  compose(rotation({1, 1, 0}, 25), scaling({-0.3f, 0.5f, 0.2f})));
+  const Transform egg =
+      compose(translation({0, 0.8f, 0}), compose(rotation({0, 0, 1}, 20), scaling({-0.6f, 0.4f, 0.5f})));
+
+  test::SceneMaker maker{{.position = {0, 1.5f, 6}, .look_at = {0, 0.8f, 0}}};
+  const std::uint32_t white = maker.material(test::lambert(0.7f));
+  const std::uint32_t lamp = maker.material(test::lambert(0.3f), {5, 4, 3}, false);
+  const std::uint32_t screen = maker.material(test::lambert(0.2f));
+  const std::uint32_t glass = maker.material(Glass{});
+};
+
+TEST(Strategies, AgreeUnderInstancesOfLamps) {
+  Lanterns lanterns;
+  auto& maker = lanterns.maker;
+  maker.description().objects = {
+      {"lantern",
+       {pyramid(lanterns.lamp), SphereDescription{{0, 3, 0}, 0.8f, lanterns.screen},
+        QuadDescription{{-2, 0, 0}, {0, 2, 0}, {0, 0, 2}, lanterns.lamp}},
+       {}},
+      {"ball", {SphereDescription{{0, 0, 0}, 1, lanterns.glass}}, {}}};
+  maker.add(InstanceDescription{0, lanterns.left, std::nullopt});
+  maker.add(InstanceDescription{0, translation({2, 0, -2}), lanterns.white});
+  maker.add(InstanceDescription{0, compose(translation({0, 2.5f, -2}), scaling({0.3f, -0.3f, 0.3f})),
+                                lanterns.screen});
+  maker.add(InstanceDescription{1, lanterns.egg, std::nullopt});
+  expect_strategies_agree(maker.description());
+}
+
+TEST(Strategies, AgreeOnInstancesAndOnMovedMeshes) {
+  Lanterns instances, meshes;
+  instances.maker.description().objects = {{"lantern", {pyramid(instances.lamp)}, {}},
+                                           {"glass", {pyramid(instances.glass)}, {}}};
+  const std::pair<const Transform*, std::uint32_t> shown[] = {
+      {&instances.left, 0}, {&instances.right, 0}, {&instances.egg, 1}};
+  for (const auto& [transform, object] : shown) {
+    instances.maker.add(InstanceDescription{object, *transform, std::nullopt});
+    meshes.maker.add(moved(pyramid(object == 0 ? meshes.lamp : meshes.glass), *transform));
+  }
+  test::expect_scenes_agree(instances.maker.description(), meshes.maker.description());
+}
+
 }  // namespace
 }  // namespace tessera::core

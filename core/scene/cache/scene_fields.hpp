@@ -88,6 +88,18 @@ auto fields(Is<QuadDescription> auto& value) {
   auto& [corner, edge_u, edge_v, material] = value;
   return std::tie(corner, edge_u, edge_v, material);
 }
+auto fields(Is<Transform> auto& value) {
+  auto& [x_axis, y_axis, z_axis, origin] = value;
+  return std::tie(x_axis, y_axis, z_axis, origin);
+}
+auto fields(Is<InstanceDescription> auto& value) {
+  auto& [object, to_world, material] = value;
+  return std::tie(object, to_world, material);
+}
+auto fields(Is<ObjectDescription> auto& value) {
+  auto& [name, shapes, shape_names] = value;
+  return std::tie(name, shapes, shape_names);
+}
 auto fields(Is<PointLightDescription> auto& value) {
   auto& [position, intensity] = value;
   return std::tie(position, intensity);
@@ -105,12 +117,13 @@ auto fields(Is<EnvironmentDescription> auto& value) {
   return std::tie(radiance, rotation);
 }
 auto fields(Is<SceneDescription> auto& value) {
-  auto& [settings, camera, display, textures, materials, shapes, names, lights, environment] = value;
-  return std::tie(settings, camera, display, textures, materials, shapes, names, lights, environment);
+  auto& [settings, camera, display, textures, materials, objects, shapes, names, lights, environment] = value;
+  return std::tie(settings, camera, display, textures, materials, objects, shapes, names, lights,
+                  environment);
 }
 auto fields(Is<Bvh::Arrays> auto& value) {
-  auto& [nodes, packets] = value;
-  return std::tie(nodes, packets);
+  auto& [nodes, packets, objects] = value;
+  return std::tie(nodes, packets, objects);
 }
 
 // What is stored as it lies in memory, alone and in arrays: numbers, and structures of numbers of one kind.

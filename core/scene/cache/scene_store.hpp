@@ -19,7 +19,7 @@ namespace tessera::core {
 
 // Of the files below, and of what they hold: to be raised whenever a loader or builder makes something else
 // of the same files, or a type that is stored changes.
-inline constexpr std::uint32_t kSceneFileVersion = 1;
+inline constexpr std::uint32_t kSceneFileVersion = 2;
 
 inline constexpr double kDefaultSceneCacheGib = 16;
 

@@ -12,6 +12,11 @@
 namespace tessera::core {
 namespace {
 
+std::string with_article(std::string_view noun) {
+  const bool vowel = std::string_view("aeiou").find(noun.front()) != std::string_view::npos;
+  return fmt::format("{} {}", vowel ? "an" : "a", noun);
+}
+
 constexpr double kLargestFloat = std::numeric_limits<float>::max();
 
 // The `count` numbers of a list; nullopt after a mistake.
@@ -59,7 +64,7 @@ ObjectReader::ObjectReader(const Field& field, const ObjectRules& rules) : field
           fmt::format("unknown key {}{}", in_quotes(member.key), suggestion(member.key, known)));
   for (const auto& rule : rules.keys)
     if (rule.required && !find(rule.name))
-      field.mistake(fmt::format("a {} needs the key '{}'", rules.kind, rule.name));
+      field.mistake(fmt::format("{} needs the key '{}'", with_article(rules.kind), rule.name));
 }
 
 std::optional<Field> ObjectReader::find(std::string_view key) const {
@@ -153,7 +158,8 @@ std::optional<std::size_t> read_type(const Field& field, std::span<const std::st
   }
   const auto type = find_member_field(field, "type");
   if (!type) {
-    field.mistake(fmt::format("a {} needs the key 'type', one of \"{}\"", kind, fmt::join(types, "\", \"")));
+    field.mistake(fmt::format("{} needs the key 'type', one of \"{}\"", with_article(kind),
+                              fmt::join(types, "\", \"")));
     return std::nullopt;
   }
   const std::size_t mistakes_before = field.mistakes().count();

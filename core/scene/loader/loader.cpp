@@ -31,7 +31,10 @@ class SceneAssembler {
   using MaterialNames = std::map<std::string, std::uint32_t, std::less<>>;
 
   void add_texture(const TextureEntry& entry);
-  void add_shape(ShapeEntry entry, std::size_t index);
+  // To the scene or to an object of it. `name` is what messages call the shape.
+  template <typename Owner>
+  void add_shape(ShapeEntry entry, std::string name, Owner& owner);
+  void add_object(ObjectEntry entry);
   Result<MeshDescription> load_mesh(const MeshEntry& entry);
   Result<MaterialNames> load_libraries(const std::string& obj_path, const ObjFile& obj);
   Result<std::vector<std::uint32_t>> own_materials(const std::string& obj_path, const ObjFile& obj);
@@ -56,7 +59,9 @@ SceneDescription SceneAssembler::assemble(SceneFile file) {
     scene_.materials.push_back(std::move(entry.material));
     material_places.push_back(std::move(entry.place));
   }
-  for (std::size_t i = 0; i < file.shapes.size(); ++i) add_shape(std::move(file.shapes[i]), i);
+  for (auto& object : file.objects) add_object(std::move(object));
+  for (std::size_t i = 0; i < file.shapes.size(); ++i)
+    add_shape(std::move(file.shapes[i]), fmt::format("shapes[{}]", i), scene_);
   if (mistakes_.empty()) check_plausibility(scene_, material_places, file.shapes_place, mistakes_);
   return std::move(scene_);
 }
@@ -67,17 +72,26 @@ void SceneAssembler::add_texture(const TextureEntry& entry) {
   scene_.textures.push_back({image ? *image : nullptr, entry.wrap, entry.scale, entry.offset});
 }
 
-void SceneAssembler::add_shape(ShapeEntry entry, std::size_t index) {
+void SceneAssembler::add_object(ObjectEntry entry) {
+  ObjectDescription object;
+  object.name = std::move(entry.name);
+  for (std::size_t i = 0; i < entry.shapes.size(); ++i)
+    add_shape(std::move(entry.shapes[i]), fmt::format("shapes[{}]", i), object);
+  scene_.objects.push_back(std::move(object));
+}
+
+template <typename Owner>
+void SceneAssembler::add_shape(ShapeEntry entry, std::string name, Owner& owner) {
   if (auto* shape = std::get_if<ShapeDescription>(&entry.shape)) {
-    scene_.shapes.push_back(std::move(*shape));
-    scene_.shape_names.push_back(fmt::format("shapes[{}]", index));
+    owner.shapes.push_back(std::move(*shape));
+    owner.shape_names.push_back(std::move(name));
     return;
   }
   const auto& mesh_entry = *std::get_if<MeshEntry>(&entry.shape);
   auto mesh = load_mesh(mesh_entry);
   if (!mesh) return mistakes_.add(mesh_entry.file_place, mesh.error().message, mesh.error().code);
-  scene_.shapes.emplace_back(std::move(*mesh));
-  scene_.shape_names.push_back(fmt::format("shapes[{}] ({})", index, mesh_entry.file));
+  owner.shapes.emplace_back(std::move(*mesh));
+  owner.shape_names.push_back(fmt::format("{} ({})", name, mesh_entry.file));
 }
 
 Result<MeshDescription> SceneAssembler::load_mesh(const MeshEntry& entry) {

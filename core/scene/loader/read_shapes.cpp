@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "core/geometry/placement.hpp"
 #include "core/scene/loader/scene_file.hpp"
 #include "core/scene/loader/wording.hpp"
 
@@ -36,34 +37,47 @@ Transform read_rotation(const Field& field) {
   return {};
 }
 
+// Three rows of four numbers: p -> the first three times p, plus the fourth.
+Transform read_matrix(const Field& field) {
+  const auto* rows = field.value().get_if<JsonValue::Array>();
+  const auto is_row = [](const JsonValue& row) {
+    const auto* numbers = row.get_if<JsonValue::Array>();
+    return numbers != nullptr && numbers->size() == 4;
+  };
+  if (rows == nullptr || rows->size() != 3 || !std::all_of(rows->begin(), rows->end(), is_row)) {
+    field.must_be("three rows of four numbers such as [[1, 0, 0, 5], [0, 1, 0, 0], [0, 0, 1, 0]]");
+    return {};
+  }
+  Transform matrix;
+  for (int i = 0; i < 3; ++i) {
+    const Field row = field.element(static_cast<std::size_t>(i));
+    matrix.x_axis[i] = read_float(row.element(0), bounds::kAny);
+    matrix.y_axis[i] = read_float(row.element(1), bounds::kAny);
+    matrix.z_axis[i] = read_float(row.element(2), bounds::kAny);
+    matrix.origin[i] = read_float(row.element(3), bounds::kAny);
+  }
+  return matrix;
+}
+
 Transform read_step(const Field& field) {
   const ObjectReader object(field, scene_keys::kTransformStep);
   const auto* members = field.value().get_if<JsonValue::Object>();
   if (members == nullptr) return {};
   if (members->size() != 1) {
-    field.mistake("a step is one of 'scale', 'rotate' and 'translate'; write several as a list of steps");
+    field.mistake(
+        "a step is one of 'scale', 'rotate', 'translate' and 'matrix'; write several as a list of steps");
     return {};
   }
   if (const auto factors = object.find("scale")) return scaling(read_scale(*factors));
   if (const auto turn = object.find("rotate")) return read_rotation(*turn);
-  if (const auto offset = object.find("translate"))
-    return translation(read_vec3(*offset, bounds::kAny));
+  if (const auto offset = object.find("translate")) return translation(read_vec3(*offset, bounds::kAny));
+  if (const auto matrix = object.find("matrix")) return read_matrix(*matrix);
   return {};
 }
 
 bool is_usable(const Transform& t) {
   const float determinant = t.determinant();
   return is_finite(t.origin) && std::isfinite(determinant) && determinant != 0;
-}
-
-// Whether the map keeps spheres round: its axes are of one length and at right angles.
-bool is_similarity(const Transform& t) {
-  const Vec3 s = t.scales();
-  const float tolerance = 1e-4f * s.x;
-  return std::fabs(s.y - s.x) <= tolerance && std::fabs(s.z - s.x) <= tolerance &&
-         std::fabs(dot(t.x_axis, t.y_axis)) <= tolerance * s.x &&
-         std::fabs(dot(t.y_axis, t.z_axis)) <= tolerance * s.x &&
-         std::fabs(dot(t.z_axis, t.x_axis)) <= tolerance * s.x;
 }
 
 std::optional<std::uint32_t> read_material_name(const Field& field,
@@ -114,7 +128,7 @@ ShapeDescription read_sphere(const Field& field, const std::vector<MaterialEntry
   const Vec3 center = read_or(object, "center", Vec3{0, 0, 0}, read_vec3, bounds::kCoordinate);
   const float radius = read_or(object, "radius", 1.0f, read_float, bounds::kPositive);
   if (field.mistakes().count() > mistakes_before) return SphereDescription{};
-  if (!is_similarity(common.transform))
+  if (!(round_scale(common.transform, 1e-4f) > 0))
     field.mistake("a sphere must stay round: its transform must scale by the same factor in all directions");
   const SphereDescription sphere{common.transform.point(center), radius * common.transform.scales().x,
                                  common.material.value_or(0)};
@@ -151,6 +165,48 @@ ShapeDescription read_quad(const Field& field, const std::vector<MaterialEntry>&
   return quad;
 }
 
+// The index among `objects`.
+std::optional<std::uint32_t> read_object_name(const Field& field, const std::vector<ObjectEntry>& objects) {
+  const std::string name = read_text(field);
+  const auto found =
+      std::find_if(objects.begin(), objects.end(), [&](const auto& object) { return object.name == name; });
+  if (found != objects.end()) return static_cast<std::uint32_t>(found - objects.begin());
+  std::vector<std::string_view> known;
+  for (const auto& object : objects) known.push_back(object.name);
+  if (!name.empty())
+    field.mistake(fmt::format("there is no object {}{}", in_quotes(name), suggestion(name, known)));
+  return std::nullopt;
+}
+
+bool has_emissive_sphere(const ObjectEntry& object, std::optional<std::uint32_t> material,
+                         const std::vector<MaterialEntry>& materials) {
+  return std::any_of(object.shapes.begin(), object.shapes.end(), [&](const ShapeEntry& entry) {
+    const auto* shape = std::get_if<ShapeDescription>(&entry.shape);
+    const auto* sphere = shape == nullptr ? nullptr : std::get_if<SphereDescription>(shape);
+    return sphere != nullptr &&
+           !is_black(materials[material.value_or(sphere->material)].material.emission.value);
+  });
+}
+
+ShapeDescription read_instance(const Field& field, const std::vector<MaterialEntry>& materials,
+                               const std::vector<ObjectEntry>& objects) {
+  const std::size_t mistakes_before = field.mistakes().count();
+  const ObjectReader object(field, scene_keys::kInstance);
+  const Common common = read_common(object, materials);
+  InstanceDescription instance{0, common.transform, common.material};
+  if (const auto name = object.find("object")) instance.object = read_object_name(*name, objects).value_or(0);
+  if (field.mistakes().count() > mistakes_before) return instance;
+  if (!Placement::can_place(instance.to_world)) {
+    field.mistake("the transform flattens the object, or scales or moves it too far to be computed");
+  } else if (has_emissive_sphere(objects[instance.object], instance.material, materials) &&
+      !(round_scale(instance.to_world, kRoundToRounding) > 0)) {
+    field.mistake(
+        "a sphere of the object emits light and must stay round: the transform must scale by the same factor "
+        "in all directions");
+  }
+  return instance;
+}
+
 }  // namespace
 
 Transform read_transform(const Field& field) {
@@ -168,7 +224,19 @@ Transform read_transform(const Field& field) {
   return {};
 }
 
-std::vector<ShapeEntry> read_shapes(const Field& field, const std::vector<MaterialEntry>& materials) {
+std::vector<ObjectEntry> read_objects(const Field& field, const std::vector<MaterialEntry>& materials) {
+  std::vector<ObjectEntry> objects;
+  for (const auto& [name, entry] : read_named(field)) {
+    const ObjectReader object(entry, scene_keys::kObject);
+    ObjectEntry read{name, {}};
+    if (const auto shapes = object.find("shapes")) read.shapes = read_shapes(*shapes, materials, nullptr);
+    objects.push_back(std::move(read));
+  }
+  return objects;
+}
+
+std::vector<ShapeEntry> read_shapes(const Field& field, const std::vector<MaterialEntry>& materials,
+                                    const std::vector<ObjectEntry>* objects) {
   const auto* items = field.value().get_if<JsonValue::Array>();
   if (items == nullptr || items->empty()) {
     field.must_be("a list of at least one shape");
@@ -182,6 +250,10 @@ std::vector<ShapeEntry> read_shapes(const Field& field, const std::vector<Materi
     if (*type == 0) shapes.push_back({read_mesh(entry, materials), entry.place()});
     if (*type == 1) shapes.push_back({read_sphere(entry, materials), entry.place()});
     if (*type == 2) shapes.push_back({read_quad(entry, materials), entry.place()});
+    if (*type == 3 && objects != nullptr)
+      shapes.push_back({read_instance(entry, materials, *objects), entry.place()});
+    if (*type == 3 && objects == nullptr)
+      entry.mistake("an object cannot hold instances of others; write them in the scene's own 'shapes'");
   }
   return shapes;
 }

@@ -121,8 +121,9 @@ SceneFile parse_scene_file(std::string_view text, const std::string& display_pat
   if (const auto textures = object.find("textures")) scene.textures = read_textures(*textures);
   if (const auto materials = object.find("materials"))
     scene.materials = read_materials(*materials, scene.textures);
+  if (const auto objects = object.find("objects")) scene.objects = read_objects(*objects, scene.materials);
   if (const auto shapes = object.find("shapes")) {
-    scene.shapes = read_shapes(*shapes, scene.materials);
+    scene.shapes = read_shapes(*shapes, scene.materials, &scene.objects);
     scene.shapes_place = shapes->place();
   }
   if (const auto lights = object.find("lights")) scene.lights = read_lights(*lights);

@@ -50,12 +50,19 @@ struct ShapeEntry {
   Place place;
 };
 
+// What instances show.
+struct ObjectEntry {
+  std::string name;
+  std::vector<ShapeEntry> shapes;  // no instances
+};
+
 struct SceneFile {
   RenderSettings settings;
   CameraDescription camera;
   DisplaySettings display;
   std::vector<TextureEntry> textures;
   std::vector<MaterialEntry> materials;
+  std::vector<ObjectEntry> objects;
   std::vector<ShapeEntry> shapes;
   Place shapes_place;
   std::vector<LightDescription> lights;
@@ -75,7 +82,11 @@ std::vector<MaterialEntry> read_materials(const Field& field, const std::vector<
 // Textures that say nothing of their colour space and are used for numbers alone (normal maps, roughness) are
 // linear.
 void settle_color_spaces(SceneFile& scene);
-std::vector<ShapeEntry> read_shapes(const Field& field, const std::vector<MaterialEntry>& materials);
+// Without instances in them.
+std::vector<ObjectEntry> read_objects(const Field& field, const std::vector<MaterialEntry>& materials);
+// Where `objects` is null, instances are a mistake.
+std::vector<ShapeEntry> read_shapes(const Field& field, const std::vector<MaterialEntry>& materials,
+                                    const std::vector<ObjectEntry>* objects);
 std::vector<LightDescription> read_lights(const Field& field);
 EnvironmentDescription read_environment(const Field& field, const std::vector<TextureEntry>& textures);
 // Finite and invertible; the identity after a mistake.

@@ -25,9 +25,9 @@ namespace scene_keys {
 inline constexpr bool kRequired = true;
 
 inline constexpr std::array kSceneKeys{
-    KeyRule{"$schema"},    KeyRule{"render"},    KeyRule{"camera", kRequired}, KeyRule{"output"},
-    KeyRule{"textures"},   KeyRule{"materials"}, KeyRule{"shapes", kRequired}, KeyRule{"lights"},
-    KeyRule{"environment"}};
+    KeyRule{"$schema"},  KeyRule{"render"},     KeyRule{"camera", kRequired}, KeyRule{"output"},
+    KeyRule{"textures"}, KeyRule{"materials"},  KeyRule{"objects"},           KeyRule{"shapes", kRequired},
+    KeyRule{"lights"},   KeyRule{"environment"}};
 inline constexpr std::array kRenderKeys{
     KeyRule{"width"},     KeyRule{"height"},     KeyRule{"spp"},
     KeyRule{"seed"},      KeyRule{"integrator"}, KeyRule{"heuristic"},
@@ -71,6 +71,9 @@ inline constexpr std::array kSphereKeys{KeyRule{"type", kRequired}, KeyRule{"cen
 inline constexpr std::array kQuadKeys{KeyRule{"type", kRequired},     KeyRule{"corner", kRequired},
                                       KeyRule{"edge_u", kRequired},   KeyRule{"edge_v", kRequired},
                                       KeyRule{"material", kRequired}, KeyRule{"transform"}};
+inline constexpr std::array kInstanceKeys{KeyRule{"type", kRequired}, KeyRule{"object", kRequired},
+                                          KeyRule{"material"}, KeyRule{"transform"}};
+inline constexpr std::array kObjectKeys{KeyRule{"shapes", kRequired}};
 inline constexpr std::array kPointLightKeys{KeyRule{"type", kRequired}, KeyRule{"position", kRequired},
                                             KeyRule{"intensity", kRequired}};
 inline constexpr std::array kSpotLightKeys{KeyRule{"type", kRequired},    KeyRule{"position", kRequired},
@@ -80,7 +83,8 @@ inline constexpr std::array kDirectionalLightKeys{KeyRule{"type", kRequired}, Ke
                                                   KeyRule{"irradiance", kRequired}};
 inline constexpr std::array kEnvironmentKeys{KeyRule{"radiance"}, KeyRule{"texture"},
                                              KeyRule{"rotation_degrees"}};
-inline constexpr std::array kTransformStepKeys{KeyRule{"scale"}, KeyRule{"rotate"}, KeyRule{"translate"}};
+inline constexpr std::array kTransformStepKeys{KeyRule{"scale"}, KeyRule{"rotate"}, KeyRule{"translate"},
+                                               KeyRule{"matrix"}};
 inline constexpr std::array kRotationKeys{KeyRule{"axis", kRequired}, KeyRule{"degrees", kRequired}};
 
 inline constexpr ObjectRules kScene{"scene", "", kSceneKeys};
@@ -104,6 +108,8 @@ inline constexpr ObjectRules kCookTorrance{"cook_torrance material", "/$defs/coo
 inline constexpr ObjectRules kMesh{"mesh", "/$defs/mesh", kMeshKeys};
 inline constexpr ObjectRules kSphere{"sphere", "/$defs/sphere", kSphereKeys};
 inline constexpr ObjectRules kQuad{"quad", "/$defs/quad", kQuadKeys};
+inline constexpr ObjectRules kInstance{"instance", "/$defs/instance", kInstanceKeys};
+inline constexpr ObjectRules kObject{"object", "/$defs/object", kObjectKeys};
 inline constexpr ObjectRules kTexturedEmission{"textured emission", "/$defs/textured_emission",
                                                kTexturedColorKeys};
 inline constexpr ObjectRules kPointLight{"point light", "/$defs/point", kPointLightKeys};
@@ -133,6 +139,8 @@ inline constexpr std::array kAllObjects{kScene,
                                         kMesh,
                                         kSphere,
                                         kQuad,
+                                        kInstance,
+                                        kObject,
                                         kTransformStep,
                                         kRotation,
                                         kPointLight,
@@ -147,7 +155,7 @@ inline constexpr std::array<std::string_view, 3> kFilters{"box", "tent", "gaussi
 inline constexpr std::array<std::string_view, 3> kToneCurves{"none", "aces", "agx"};
 inline constexpr std::array<std::string_view, 5> kMaterialTypes{"lambert", "mirror", "glass", "phong",
                                                                 "cook_torrance"};
-inline constexpr std::array<std::string_view, 3> kShapeTypes{"mesh", "sphere", "quad"};
+inline constexpr std::array<std::string_view, 4> kShapeTypes{"mesh", "sphere", "quad", "instance"};
 inline constexpr std::array<std::string_view, 3> kLightTypes{"point", "spot", "directional"};
 inline constexpr std::array<std::string_view, 3> kNormals{"file", "smooth", "flat"};
 inline constexpr std::array<std::string_view, 2> kColorSpaces{"srgb", "linear"};

@@ -80,6 +80,20 @@ Primitives mixed(Random& random, std::uint32_t count) {
   return primitives;
 }
 
+// A few of the scene's own, among instances of two objects, each third of which stands where the one before
+// it does.
+Primitives instances(Random& random, std::uint32_t count) {
+  Primitives primitives = mixed(random, count / 4 + 1);
+  primitives.add_object(mixed(random, count / 8 + 1));
+  primitives.add_object(uniform(random, 3, 0.5f, 0.5f));
+  Transform transform;
+  for (std::uint32_t i = 0; i < 9; ++i) {
+    if (i % 3 != 2) transform = random_transform(random, 1);
+    primitives.add_instance({Placement(transform), i / 3 % 2});
+  }
+  return primitives;
+}
+
 Vec3 axis_aligned(Random& random) {
   Vec3 direction{random.below(2) == 0 ? 0.0f : -0.0f, 0, -0.0f};
   direction[static_cast<int>(random.below(3))] = random.below(2) == 0 ? 1.0f : -1.0f;
@@ -167,6 +181,7 @@ std::vector<Soup> all_soups(std::uint32_t count) {
   soups.push_back({"exponential", exponentially_spaced(random, count), 1});
   soups.push_back({"degenerate", with_degenerates(random, count), 1.5f});
   soups.push_back({"mixed", mixed(random, count), 1.5f});
+  soups.push_back({"instances", instances(random, count), 1.5f});
   soups.push_back({"tiny", uniform(random, count, 1e-18f, 2e-19f), 1.5e-18f});
   soups.push_back(
       {"largest", uniform(random, count, 0.8f * kMaxCoordinate, 0.2f * kMaxCoordinate), kMaxCoordinate});
@@ -174,8 +189,20 @@ std::vector<Soup> all_soups(std::uint32_t count) {
   return soups;
 }
 
+Transform random_transform(Random& random, float distance) {
+  const auto factor = [&] { return random.uniform(0.3f, 1.5f) * (random.below(2) == 0 ? 1.0f : -1.0f); };
+  const float x = factor(), y = factor(), z = factor();
+  const Transform turned = compose(rotation(random.direction(), random.uniform(-180, 180)),
+                                   compose(scaling({x, y, z}), rotation(random.direction(), 50)));
+  return compose(translation(random.in_box(distance)), turned);
+}
+
 Vec3 point_of(const Primitives& primitives, Random& random) {
   const std::uint32_t id = random.below(primitives.count());
+  if (primitives.is_instance(id)) {
+    const Instance& instance = primitives.instance(primitives.instance_number(id));
+    return instance.placement.point(Vec3d(point_of(primitives.object_of(instance), random))).rounded();
+  }
   if (primitives.is_sphere(id)) {
     return primitives.sphere(id).center + primitives.sphere(id).radius * random.direction();
   }
@@ -212,8 +239,8 @@ Hit brute_force_hit(const Primitives& primitives, const Ray& ray) {
 
 bool identical(const Hit& a, const Hit& b) {
   const auto bits = [](float x) { return std::bit_cast<std::uint32_t>(x); };
-  return a.primitive == b.primitive && bits(a.t) == bits(b.t) && bits(a.b1) == bits(b.b1) &&
-         bits(a.b2) == bits(b.b2);
+  return a.instance == b.instance && a.primitive == b.primitive && bits(a.t) == bits(b.t) &&
+         bits(a.b1) == bits(b.b1) && bits(a.b2) == bits(b.b2);
 }
 
 std::string describe(const Ray& ray, const Hit& hit) {
@@ -221,6 +248,7 @@ std::string describe(const Ray& ray, const Hit& hit) {
   text << std::hexfloat << "ray from (" << ray.origin.x << ", " << ray.origin.y << ", " << ray.origin.z
        << ") along (" << ray.direction.x << ", " << ray.direction.y << ", " << ray.direction.z << ") to "
        << ray.t_max << ": primitive " << static_cast<std::int64_t>(hit.found() ? hit.primitive : -1)
+       << " of instance " << static_cast<std::int64_t>(hit.in_instance() ? hit.instance : -1)
        << " at t = " << hit.t;
   return text.str();
 }

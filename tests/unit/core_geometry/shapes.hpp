@@ -47,6 +47,9 @@ struct Soup {
 // All of them, with about `count` primitives each.
 std::vector<Soup> all_soups(std::uint32_t count);
 
+// Turned, scaled by different factors along the axes, often mirrored, and moved by up to `distance`.
+Transform random_transform(Random& random, float distance);
+
 // A point of a primitive, often on an edge or corner.
 Vec3 point_of(const Primitives& primitives, Random& random);
 

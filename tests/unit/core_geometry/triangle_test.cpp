@@ -14,7 +14,7 @@ const TriangleCorners kUnitTriangle{Vec3{0, 0, 0}, Vec3{1, 0, 0}, Vec3{0, 1, 0}}
 
 std::optional<TriangleHit> shoot(Vec3 origin, Vec3 direction,
                                  const TriangleCorners& corners = kUnitTriangle) {
-  return intersect_triangle(ShearedRay({origin, direction}), corners);
+  return intersect_triangle(ShearedRay(Ray{origin, direction}), corners);
 }
 
 TEST(Triangle, IsHitFromBothSidesAtTheRightPlace) {

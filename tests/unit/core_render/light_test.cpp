@@ -40,7 +40,7 @@ class LightSampling : public testing::TestWithParam<LightCase> {
     const Ray ray{GetParam().p_lit, wi};
     const Hit hit = scene_.bvh().closest_hit(scene_.primitives(), ray);
     if (!hit.found()) return 0;
-    const std::uint32_t id = scene_.light_of(hit.primitive);
+    const std::uint32_t id = scene_.light_of(hit);
     const Vec3 p_light = scene_.primitives().surface(ray, hit).position;
     return static_cast<double>(scene_.light_sampler().pmf({GetParam().p_lit}, id) *
                                scene_.area_light(id).pdf(GetParam().p_lit, p_light));

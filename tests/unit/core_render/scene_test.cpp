@@ -35,10 +35,10 @@ TEST(Scene, FindsEveryLightAndItsPrimitives) {
   const Scene scene = Scene::build(test::room(), 1).value();
   ASSERT_EQ(scene.lights().size(), 2u);
   EXPECT_EQ(scene.primitives().triangle_count(), 12u);
-  EXPECT_EQ(scene.light_of(10), 0u);
-  EXPECT_EQ(scene.light_of(11), 0u) << "both triangles of a quad are one light";
-  EXPECT_EQ(scene.light_of(14), 1u) << "spheres come last";
-  EXPECT_EQ(scene.light_of(0), kNoLight);
+  EXPECT_EQ(scene.light_of({.primitive = 10}), 0u);
+  EXPECT_EQ(scene.light_of({.primitive = 11}), 0u) << "both triangles of a quad are one light";
+  EXPECT_EQ(scene.light_of({.primitive = 14}), 1u) << "spheres come last";
+  EXPECT_EQ(scene.light_of({.primitive = 0}), kNoLight);
 }
 
 TEST(Scene, TrianglesWithoutAreaAreNoLights) {

@@ -95,6 +95,8 @@ const std::string kMtl =
     "-o .5 -mm 0 1 -clamp on gray.png # old\nNi 1.45\nd -halo 1.0\n";
 const std::string kScene = test::scene_with(
     "\"render\": {\"width\": 64, \"height\": 48, \"spp\": 16, \"seed\": 7, \"integrator\": \"mis\"},"
+    "\"objects\": {\"hut\": {\"shapes\": [{\"type\": \"mesh\", \"file\": \"roof.obj\", \"material\": "
+    "\"g\"}]}},"
     "\"textures\": {\"t\": {\"file\": \"gray.png\", \"wrap\": \"clamp\", \"scale\": [2, 2]},"
     "\"sky\": {\"file\": \"gray.png\"}},"
     "\"lights\": [{\"type\": \"point\", \"position\": [1, 2, 3], \"intensity\": [4, 5, 6]},"
@@ -114,6 +116,8 @@ const std::string kScene = test::scene_with(
     "{\"rotate\": {\"axis\": [0, 1, 0], \"degrees\": 30}}, {\"translate\": [1, 2, 3]}]},"
     "{\"type\": \"quad\", \"corner\": [0, 0, 0], \"edge_u\": [1, 0, 0], \"edge_v\": [0, 1, 0], \"material\": "
     "\"a\"},"
+    "{\"type\": \"instance\", \"object\": \"hut\", \"material\": \"a\", \"transform\": [{\"matrix\": "
+    "[[1, 0, 0, 5], [0, 2, 0, 0], [0, 0, 1, 0]]}]},"
     "{\"type\": \"mesh\", \"file\": \"roof.obj\", \"material\": \"g\"}");
 
 test::MemoryAssets::Files files(const std::string& obj, const std::string& mtl) {

@@ -358,7 +358,8 @@ TEST(SceneMistakes, InShapes) {
   expect_mistakes(
       {
           {"3", "shapes[0]: must be an object in braces, got 3"},
-          {"{}", "shapes[0]: a shape needs the key 'type', one of \"mesh\", \"sphere\", \"quad\""},
+          {"{}",
+           "shapes[0]: a shape needs the key 'type', one of \"mesh\", \"sphere\", \"quad\", \"instance\""},
           {"{\"type\": \"shpere\"}", "shapes[0].type: unknown value 'shpere'; did you mean 'sphere'?"},
           {"{\"type\": \"sphere\", \"radius\": 1}", "shapes[0]: a sphere needs the key 'material'"},
           {"{\"type\": \"sphere\", \"material\": \"light\"}", "shapes[0]: a sphere needs the key 'radius'"},
@@ -380,13 +381,15 @@ TEST(SceneMistakes, InShapes) {
           {sphere + "\"transform\": [{\"scale\": [1, 0, 1]}]}",
            "shapes[0].transform[0].scale[1]: must be other than 0, got 0"},
           {sphere + "\"transform\": [{\"scale\": 1, \"translate\": [0, 0, 0]}]}",
-           "shapes[0].transform[0]: a step is one of 'scale', 'rotate' and 'translate'; write several as a "
-           "list of steps"},
+           "shapes[0].transform[0]: a step is one of 'scale', 'rotate', 'translate' and 'matrix'; write "
+           "several "
+           "as a list of steps"},
           {sphere + "\"transform\": [{}]}",
-           "shapes[0].transform[0]: a step is one of 'scale', 'rotate' and 'translate'; write several as a "
-           "list of steps"},
+           "shapes[0].transform[0]: a step is one of 'scale', 'rotate', 'translate' and 'matrix'; write "
+           "several "
+           "as a list of steps"},
           {sphere + "\"transform\": [{\"move\": [0, 0, 0]}]}",
-           "shapes[0].transform[0]: unknown key 'move'; known are 'scale', 'rotate', 'translate'"},
+           "shapes[0].transform[0]: unknown key 'move'; known are 'scale', 'rotate', 'translate', 'matrix'"},
           {sphere + "\"transform\": [{\"rotate\": {\"axis\": [0, 0, 0], \"degrees\": 3}}]}",
            "shapes[0].transform[0].rotate: 'axis' must have a length that is greater than 0 and can be "
            "computed"},
@@ -413,6 +416,58 @@ TEST(SceneMistakes, InShapes) {
           {quad + "\"edge_u\": [1, 0, 0]}", "shapes[0]: a quad needs the key 'edge_v'"},
       },
       with_shapes, 4);
+}
+
+// An instance of an object with a ball that emits and one that does not.
+std::string with_instance(const std::string& instance) {
+  const std::string ball = "{\"type\": \"sphere\", \"radius\": 1, \"material\": ";
+  return scene_with("\"objects\": {\"pair\": {\"shapes\": [" + ball + "\"light\"}, " + ball + "\"matt\"}]}}",
+                    "\"matt\": {\"type\": \"lambert\"}", "{\"type\": \"instance\", " + instance + "}");
+}
+
+TEST(SceneMistakes, InInstances) {
+  const std::string pair = "\"object\": \"pair\", \"transform\": ";
+  EXPECT_EQ(mistakes_in(with_instance("\"object\": \"pair\"")), "no mistake");
+  EXPECT_EQ(mistakes_in(with_instance(pair + "[{\"scale\": [1, 2, 1]}], \"material\": \"matt\"")),
+            "no mistake");
+  expect_mistakes(
+      {
+          {"\"object\": \"pear\"", "shapes[0].object: there is no object 'pear'; known is 'pair'"},
+          {"\"material\": \"matt\"", "shapes[0]: an instance needs the key 'object'"},
+          {"\"object\": \"pair\", \"radius\": 1",
+           "shapes[0]: unknown key 'radius'; known are 'type', 'object', 'material', 'transform'"},
+          {pair + "[{\"matrix\": [[1, 0, 0, 0], [0, 1, 0, 0]]}]",
+           "shapes[0].transform[0].matrix: must be three rows of four numbers such as [[1, 0, 0, 5], [0, 1, "
+           "0, "
+           "0], [0, 0, 1, 0]], got a list of 2"},
+          {pair + "[{\"matrix\": [[1, 0, 0, 0], [0, 1, 0, 0], [0, 1, 0, 0]]}]",
+           "shapes[0].transform: the steps together scale or move too far to be computed"},
+          {pair + "[{\"matrix\": [[1, 1, 0, 0], [0, 1e-12, 0, 0], [0, 0, 1, 0]]}]",
+           "shapes[0]: the transform flattens the object, or scales or moves it too far to be computed"},
+          {pair + "[{\"scale\": [1, 2, 1]}]",
+           "shapes[0]: a sphere of the object emits light and must stay round: the transform must scale by "
+           "the "
+           "same factor in all directions"},
+      },
+      with_instance, 4);
+}
+
+TEST(SceneMistakes, InObjects) {
+  const auto with_objects = [](const std::string& objects) {
+    return scene_with("\"objects\": " + objects, "", "");
+  };
+  const std::vector<Case> cases{
+      {"[]", "objects: must be an object in braces, from names to what they stand for, got a list of 0"},
+      {"{\"tree\": {}}", "objects.tree: an object needs the key 'shapes'"},
+      {"{\"tree\": {\"shapes\": []}}",
+       "objects.tree.shapes: must be a list of at least one shape, got a list of 0"},
+      {"{\"tree\": {\"shapes\": [{\"type\": \"mesh\", \"file\": \"none.obj\"}]}}",
+       "objects.tree.shapes[0].file: 'none.obj' does not exist"},
+      {"{\"tree\": {\"shapes\": [{\"type\": \"instance\", \"object\": \"tree\"}]}}",
+       "objects.tree.shapes[0]: an object cannot hold instances of others; write them in the scene's own "
+       "'shapes'"}};
+  for (const auto& [text, message] : cases)
+    EXPECT_EQ(mistakes_in(with_objects(text)), "scene.json:2: " + message) << text;
 }
 
 TEST(SceneMistakes, OfShapesAsAList) {

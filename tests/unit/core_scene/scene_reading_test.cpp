@@ -238,6 +238,27 @@ TEST(SceneReading, AppliesTransformsInTheOrderWritten) {
   EXPECT_NEAR(sphere.radius, 2, 1e-5f);
 }
 
+TEST(SceneReading, KeepsObjectsOnceAndPlacesTheirInstances) {
+  const SceneDescription scene = load(scene_with(
+      "\"objects\": {\"ball\": {\"shapes\": [{\"type\": \"sphere\", \"radius\": 2, \"material\": "
+      "\"light\"}]}, \"tile\": {\"shapes\": [{\"type\": \"mesh\", \"file\": \"triangle.obj\", "
+      "\"material\": \"light\", \"transform\": [{\"scale\": 3}]}]}}",
+      "\"red\": {\"type\": \"lambert\"}",
+      "{\"type\": \"instance\", \"object\": \"tile\", \"material\": \"red\", \"transform\": [{\"scale\": 2}, "
+      "{\"matrix\": [[0, -1, 0, 10], [1, 0, 0, 20], [0, 0, 1, 30]]}]},"
+      "{\"type\": \"instance\", \"object\": \"ball\"}"));
+  ASSERT_EQ(scene.objects.size(), 2u);
+  EXPECT_EQ(scene.objects[0].name, "ball");
+  EXPECT_EQ(std::get<SphereDescription>(scene.objects[0].shapes[0]).radius, 2);
+  EXPECT_EQ(std::get<MeshDescription>(scene.objects[1].shapes[0]).positions[1], (Vec3{3, 0, 0}));
+  EXPECT_EQ(scene.objects[1].shape_names[0], "shapes[0] (triangle.obj)");
+  const auto& tile = std::get<InstanceDescription>(scene.shapes[0]);
+  EXPECT_EQ(tile.object, 1u);
+  EXPECT_EQ(tile.material, 0u);
+  EXPECT_EQ(tile.to_world.point({1, 0, 0}), (Vec3{10, 22, 30}));
+  EXPECT_EQ(std::get<InstanceDescription>(scene.shapes[1]).material, std::nullopt);
+}
+
 TEST(SceneReading, MirrorsSpheresAndQuads) {
   const SceneDescription scene =
       load(scene_with("", "",

@@ -175,8 +175,8 @@ TEST_F(Store, StaysWithinItsSize) {
 TEST_F(Store, ChangesItsVersionWithWhatItHolds) {
   build_from_file();
   const std::string bytes = read_file(only_scene());
-  EXPECT_EQ(kSceneFileVersion, 1u);
-  EXPECT_EQ(to_hex(checksum_of(std::as_bytes(std::span(bytes)))), "267be329a8c50bda76fbc8a0d0ecd9b2");
+  EXPECT_EQ(kSceneFileVersion, 2u);
+  EXPECT_EQ(to_hex(checksum_of(std::as_bytes(std::span(bytes)))), "eb8ea1654bfd392f64310ddc88e6d11f");
 }
 
 }  // namespace

@@ -1,0 +1,165 @@
+// What instances cost: rays per second in a scene of two levels over those in the same scene flat. 25 copies
+// of a bumpy body of 69,000 triangles, turned and of different sizes, on a plane.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <ctime>
+#include <vector>
+
+#include "bench/soups.hpp"
+#include "core/math/transform.hpp"
+#include "core/sampling/sampler.hpp"
+
+namespace tessera::core {
+namespace {
+
+constexpr int kSide = 5, kRows = 132, kPictureSide = 512, kRounds = 9;
+constexpr float kHalf = 1.2f * kSide;
+
+std::vector<Transform> placements() {
+  std::vector<Transform> all;
+  for (int i = 0; i < kSide; ++i)
+    for (int j = 0; j < kSide; ++j) {
+      const auto u = Sampler(1, i, j, 0).pad(0);
+      const float size = 0.8f + 0.4f * u[0];
+      const Vec3 place{2.4f * (static_cast<float>(i) + 0.5f) - kHalf, size,
+                       2.4f * (static_cast<float>(j) + 0.5f) - kHalf};
+      all.push_back(compose(translation(place),
+                            compose(scaling({size, size, size}),
+                                    rotation({u[1] - 0.5f, u[2] - 0.5f, u[3] - 0.5f}, 360 * u[3]))));
+    }
+  return all;
+}
+
+void add_ground(Primitives& primitives) {
+  constexpr float w = 2 * kHalf;
+  primitives.add_mesh({{-w, 0, -w}, {-w, 0, w}, {w, 0, w}, {w, 0, -w}}, {}, {}, {{0, 1, 2}, {0, 2, 3}}, {0});
+}
+
+Primitives flat_scene(const Soup& body) {
+  Primitives primitives;
+  for (const Transform& transform : placements()) {
+    std::vector<Vec3> positions;
+    for (const Vec3 p : body.positions) positions.push_back(transform.point(p));
+    primitives.add_mesh(positions, {}, {}, body.triangles, {0});
+  }
+  add_ground(primitives);
+  return primitives;
+}
+
+Primitives scene_of_two_levels(const Soup& body) {
+  Primitives primitives;
+  add_ground(primitives);
+  primitives.add_object(body.primitives());
+  for (const Transform& transform : placements()) primitives.add_instance({Placement(transform), 0});
+  return primitives;
+}
+
+double cpu_seconds() {
+  return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
+}
+
+struct Level {
+  explicit Level(Primitives made) : primitives(std::move(made)), bvh(Bvh::build(primitives, 2)) {}
+
+  Primitives primitives;
+  Bvh bvh;
+};
+
+// As a renderer asks that has this many paths in flight.
+constexpr std::size_t kBatch = 512;
+
+std::size_t closest_one_by_one(const Level& level, const std::vector<Ray>& rays) {
+  std::size_t hits = 0;
+  for (const Ray& ray : rays) hits += level.bvh.closest_hit(level.primitives, ray).found();
+  return hits;
+}
+
+std::size_t any_one_by_one(const Level& level, const std::vector<Ray>& rays) {
+  std::size_t hits = 0;
+  for (const Ray& ray : rays) hits += level.bvh.any_hit(level.primitives, ray);
+  return hits;
+}
+
+std::size_t closest_in_batches(const Level& level, const std::vector<Ray>& rays) {
+  std::array<Hit, kBatch> answers;
+  std::size_t hits = 0;
+  for (std::size_t i = 0; i < rays.size(); i += kBatch) {
+    const std::size_t count = std::min(kBatch, rays.size() - i);
+    level.bvh.closest_hits(level.primitives, {rays.data() + i, count}, {answers.data(), count});
+    for (std::size_t k = 0; k < count; ++k) hits += answers[k].found();
+  }
+  return hits;
+}
+
+std::size_t any_in_batches(const Level& level, const std::vector<Ray>& rays) {
+  std::array<std::uint8_t, kBatch> answers;
+  std::size_t hits = 0;
+  for (std::size_t i = 0; i < rays.size(); i += kBatch) {
+    const std::size_t count = std::min(kBatch, rays.size() - i);
+    level.bvh.any_hits(level.primitives, {rays.data() + i, count}, {answers.data(), count});
+    for (std::size_t k = 0; k < count; ++k) hits += answers[k];
+  }
+  return hits;
+}
+
+using Query = std::size_t (*)(const Level&, const std::vector<Ray>&);
+
+struct Measured {
+  std::size_t hits;
+  double mega_rays_per_second;
+};
+
+// Both levels in turns, the median of each.
+std::array<Measured, 2> measure(const std::array<const Level*, 2>& levels, const std::vector<Ray>& rays,
+                                Query query) {
+  std::array<std::vector<double>, 2> seconds;
+  std::array<Measured, 2> measured{};
+  for (int round = 0; round < kRounds; ++round)
+    for (std::size_t i = 0; i < 2; ++i) {
+      const double begin = cpu_seconds();
+      measured[i].hits = query(*levels[i], rays);
+      seconds[i].push_back(cpu_seconds() - begin);
+    }
+  for (std::size_t i = 0; i < 2; ++i) {
+    std::nth_element(seconds[i].begin(), seconds[i].begin() + kRounds / 2, seconds[i].end());
+    measured[i].mega_rays_per_second = static_cast<double>(rays.size()) / seconds[i][kRounds / 2] / 1e6;
+  }
+  return measured;
+}
+
+void run() {
+  const Soup body = blobs(1, kRows);
+  const Level flat(flat_scene(body)), two(scene_of_two_levels(body));
+  fmt::print("{} triangles; trees: flat {:.1f} MiB, of two levels {:.1f} MiB\n", flat.primitives.count(),
+             static_cast<double>(flat.bvh.memory_bytes()) / (1 << 20),
+             static_cast<double>(two.bvh.memory_bytes()) / (1 << 20));
+  Soup camera;
+  camera.eye = {0.3f * kHalf, 0.9f * kHalf, 1.7f * kHalf};
+  camera.look_at = {0, 0.1f * kHalf, 0};
+  camera.lamp = {{kHalf, 2 * kHalf, kHalf}, 0.15f * kHalf};
+  const RaySets rays = make_rays(camera, flat.primitives, flat.bvh, kPictureSide);
+  fmt::print(
+      "| rays | asked | flat | two levels | ratio | hits, two levels less flat "
+      "|\n|---|---|---|---|---|---|\n");
+  const auto row = [&](const char* name, const char* asked, const std::vector<Ray>& set, Query query) {
+    const auto [a, b] = measure({&flat, &two}, set, query);
+    fmt::print("| {} | {} | {:.2f} | {:.2f} | {:.2f} | {} |\n", name, asked, a.mega_rays_per_second,
+               b.mega_rays_per_second, b.mega_rays_per_second / a.mega_rays_per_second,
+               static_cast<long>(b.hits) - static_cast<long>(a.hits));
+  };
+  row("primary", "one by one", rays.primary, closest_one_by_one);
+  row("primary", "in batches", rays.primary, closest_in_batches);
+  row("bounce", "one by one", rays.bounce, closest_one_by_one);
+  row("bounce", "in batches", rays.bounce, closest_in_batches);
+  row("shadow", "one by one", rays.shadow, any_one_by_one);
+  row("shadow", "in batches", rays.shadow, any_in_batches);
+}
+
+}  // namespace
+}  // namespace tessera::core
+
+int main() {
+  tessera::core::run();
+}

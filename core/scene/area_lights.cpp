@@ -1,0 +1,151 @@
+#include "core/scene/area_lights.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/overloaded.hpp"
+
+namespace tessera::core {
+namespace {
+
+double mean_radiance(const Material& material, const std::vector<Texture>& textures) {
+  const ColorParameter& emission = material.emission;
+  if (emission.texture < 0 || is_black(emission.value)) return static_cast<double>(mean(emission.value));
+  const Texture& texture = textures[static_cast<std::size_t>(emission.texture)];
+  return static_cast<double>(mean(emission.value * texture.image->mean()));
+}
+
+LightShape shape_of(const Primitives& primitives, std::uint32_t p) {
+  if (primitives.is_sphere(p)) return SphereLight{primitives.sphere(p).center, primitives.sphere(p).radius};
+  const auto [p0, p1, p2] = primitives.triangle_corners(p);
+  const auto [uv0, uv1, uv2] = primitives.triangle_uvs(p);
+  return TriangleLight{p0, p1, p2, uv0, uv1, uv2};
+}
+
+// Calls add(shape, first primitive) for all triangles, quads and spheres of which shines(primitive), and
+// notes its answer, a light's number, for each primitive that the shape consists of, up to the last that has
+// one.
+template <typename Shines, typename Add>
+std::vector<std::uint32_t> for_each_light_shape(const Primitives& primitives,
+                                                const std::vector<Model::Quad>& quads, const Shines& shines,
+                                                const Add& add) {
+  const std::uint32_t count = primitives.triangle_count() + primitives.sphere_count();
+  std::vector<std::uint32_t> lights;
+  auto quad = quads.begin();
+  for (std::uint32_t p = 0, size; p < count; p += size) {
+    const bool is_quad = quad != quads.end() && quad->first == p;
+    size = is_quad ? 2 : 1;
+    const std::uint32_t light =
+        shines(p) ? add(is_quad ? LightShape(quad->shape) : shape_of(primitives, p), p) : kNoLight;
+    if (is_quad) ++quad;
+    if (light == kNoLight) continue;
+    lights.resize(p, kNoLight);
+    lights.resize(p + size, light);
+  }
+  return lights;
+}
+
+// A light of an object as an instance places it.
+LightShape placed(const LightShape& shape, const Placement& placement) {
+  const auto point = [&](Vec3 p) { return placement.point(Vec3d(p)).rounded(); };
+  const auto vector = [&](Vec3 v) { return placement.vector(Vec3d(v)).rounded(); };
+  return std::visit(
+      Overloaded{[&](const TriangleLight& t) -> LightShape {
+                   return TriangleLight{point(t.p0), point(t.p1), point(t.p2), t.uv0, t.uv1, t.uv2};
+                 },
+                 [&](const QuadLight& q) -> LightShape {
+                   return QuadLight{point(q.corner), vector(q.edge_u), vector(q.edge_v)};
+                 },
+                 [&](const SphereLight& s) -> LightShape {
+                   const Vec3 x = vector({1, 0, 0}), y = vector({0, 1, 0}), z = vector({0, 0, 1});
+                   const float radius = s.radius * length(x);
+                   return SphereLight{point(s.center), radius,       4 * kRoundToRounding * radius,
+                                      normalize(x),    normalize(y), normalize(z)};
+                 }},
+      shape);
+}
+
+}  // namespace
+
+AreaLightFinder::AreaLightFinder(const std::vector<Material>& materials, const std::vector<Texture>& textures)
+    : materials_(materials) {
+  for (const Material& material : materials) mean_radiances_.push_back(mean_radiance(material, textures));
+}
+
+void AreaLightFinder::find(const Model& scene, const std::vector<Model>& objects) {
+  const Primitives& primitives = scene.primitives;
+  map_.own_ = for_each_light_shape(
+      primitives, scene.quads, [&](std::uint32_t p) { return mean_radiances_[primitives.material(p)] > 0; },
+      [&](const LightShape& shape, std::uint32_t p) {
+        return add_light(shape, primitives, {.primitive = p});
+      });
+  find_in_instances(primitives, objects);
+}
+
+void AreaLightFinder::find_in_instances(const Primitives& primitives, const std::vector<Model>& objects) {
+  std::vector<bool> object_emits;
+  for (const Primitives& object : primitives.objects()) object_emits.push_back(emits(object));
+  const std::uint32_t count = primitives.instance_count();
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const Instance& instance = primitives.instance(i);
+    const bool shines = instance.material == kOwnMaterials ? object_emits[instance.object]
+                                                           : mean_radiances_[instance.material] > 0;
+    if (!shines) continue;
+    map_.instances_.resize(count);
+    map_.instances_[i].first_light = static_cast<std::uint32_t>(lights_.size());
+    map_.instances_[i].table =
+        share_table(instance, find_in_instance(primitives, i, objects[instance.object]));
+  }
+}
+
+bool AreaLightFinder::emits(const Primitives& object) const {
+  for (std::uint32_t p = 0; p < object.count(); ++p)
+    if (mean_radiances_[object.material(p)] > 0) return true;
+  return false;
+}
+
+LightMap::Table AreaLightFinder::find_in_instance(const Primitives& scene, std::uint32_t number,
+                                                  const Model& model) {
+  const Instance& instance = scene.instance(number);
+  const auto first = static_cast<std::uint32_t>(lights_.size());
+  return for_each_light_shape(
+      scene.object_of(instance), model.quads,
+      [&](std::uint32_t p) {
+        return mean_radiances_[scene.material({.primitive = p, .instance = number})] > 0;
+      },
+      [&](const LightShape& shape, std::uint32_t p) {
+        const std::uint32_t light =
+            add_light(placed(shape, instance.placement), scene, {.primitive = p, .instance = number});
+        return light == kNoLight ? kNoLight : light - first;
+      });
+}
+
+// Where rounding leaves some instance's light without power, its table is its own.
+std::uint32_t AreaLightFinder::share_table(const Instance& instance, LightMap::Table table) {
+  const auto known = tables_.find({instance.object, instance.material});
+  if (known != tables_.end() && map_.tables_[known->second] == table) return known->second;
+  const auto number = static_cast<std::uint32_t>(map_.tables_.size());
+  tables_[{instance.object, instance.material}] = number;
+  map_.tables_.push_back(std::move(table));
+  return number;
+}
+
+// kNoLight where it has no power. `middle` tells the primitive.
+std::uint32_t AreaLightFinder::add_light(const LightShape& shape, const Primitives& primitives,
+                                         const Hit& middle) {
+  const std::uint32_t material_id = primitives.material(middle);
+  Vec3 front{};
+  if (!std::holds_alternative<SphereLight>(shape)) {
+    Hit hit = middle;
+    hit.b1 = hit.b2 = 1.0f / 3;
+    front = primitives.surface(Ray{}, hit).geometric_normal;
+  }
+  const Material& material = materials_[material_id];
+  const AreaLight light(shape, front,
+                        {material.emission, mean_radiances_[material_id], material.two_sided_emission});
+  if (!(light.power() > 0 && std::isfinite(light.power()))) return kNoLight;
+  lights_.push_back(light);
+  return static_cast<std::uint32_t>(lights_.size()) - 1;
+}
+
+}  // namespace tessera::core

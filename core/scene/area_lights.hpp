@@ -1,0 +1,79 @@
+// Finds the lights among a scene's primitives, those in instances too: each emissive triangle, quad and
+// sphere is one, in each instance anew.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include "core/geometry/ray.hpp"
+#include "core/lights/light.hpp"
+#include "core/lights/light_sampler.hpp"
+#include "core/materials/material.hpp"
+#include "core/scene/model.hpp"
+
+namespace tessera::core {
+
+// The light that a hit is on. Instances whose primitives are lights in the same order share a table.
+class LightMap {
+ public:
+  std::uint32_t light_of(const Hit& hit) const {
+    return hit.in_instance() ? light_in_instance(hit) : entry(own_, hit.primitive);
+  }
+
+ private:
+  friend class AreaLightFinder;
+
+  // For each primitive, up to the last that has a light: its light's number, counted from the instance's
+  // first; or kNoLight.
+  using Table = std::vector<std::uint32_t>;
+  struct InstanceLights {
+    std::uint32_t table = kNoTable;
+    std::uint32_t first_light = 0;
+  };
+  static constexpr std::uint32_t kNoTable = 0xffffffffu;
+
+  static std::uint32_t entry(const Table& table, std::uint32_t primitive) {
+    return primitive < table.size() ? table[primitive] : kNoLight;
+  }
+
+  std::uint32_t light_in_instance(const Hit& hit) const {
+    if (instances_.empty()) return kNoLight;
+    const InstanceLights& lights = instances_[hit.instance];
+    if (lights.table == kNoTable) return kNoLight;
+    const std::uint32_t number = entry(tables_[lights.table], hit.primitive);
+    return number == kNoLight ? kNoLight : lights.first_light + number;
+  }
+
+  Table own_;
+  std::vector<InstanceLights> instances_;  // empty if none has lights
+  std::vector<Table> tables_;
+};
+
+class AreaLightFinder {
+ public:
+  AreaLightFinder(const std::vector<Material>& materials, const std::vector<Texture>& textures);
+
+  // Those of the scene's own primitives, then those of its instances. Lights without power are left out.
+  // `objects` are the models of its objects, whose primitives have gone over to `scene`.
+  void find(const Model& scene, const std::vector<Model>& objects);
+
+  std::vector<Light> take_lights() { return std::move(lights_); }
+  LightMap take_map() { return std::move(map_); }
+
+ private:
+  void find_in_instances(const Primitives& primitives, const std::vector<Model>& objects);
+  bool emits(const Primitives& object) const;
+  LightMap::Table find_in_instance(const Primitives& scene, std::uint32_t number, const Model& model);
+  std::uint32_t share_table(const Instance& instance, LightMap::Table table);
+  std::uint32_t add_light(const LightShape& shape, const Primitives& primitives, const Hit& middle);
+
+  const std::vector<Material>& materials_;
+  std::vector<double> mean_radiances_;  // of each material's emission
+  std::vector<Light> lights_;
+  LightMap map_;
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> tables_;  // by object and material
+};
+
+}  // namespace tessera::core
