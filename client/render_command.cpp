@@ -128,7 +128,8 @@ void warn_about_saturation(const std::string& scene_path, const core::Film& film
 }
 
 void warn_about_blackness(const core::Image& image) {
-  if (std::all_of(image.pixels.begin(), image.pixels.end(), core::is_black)) {
+  if (std::all_of(image.pixels.begin(), image.pixels.end(),
+                  [](core::Rgb color) { return core::is_black(color); })) {
     print_warning(
         "the picture is black: no light reaches the camera; is it inside something, or does it look away?");
   }

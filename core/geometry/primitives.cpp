@@ -5,14 +5,12 @@
 #include <limits>
 #include <utility>
 
+#include "core/geometry/model_point.hpp"
 #include "core/geometry/rounding.hpp"
+#include "core/math/simd_integer.hpp"
 
 namespace tessera::core {
 namespace {
-
-Vec3 unit_or_zero(Vec3d v) {
-  return has_direction(v) ? ((1 / length(v)) * v).rounded() : Vec3{};
-}
 
 template <typename T>
 void append(std::vector<T>& all, std::vector<T> more) {
@@ -23,42 +21,15 @@ void append(std::vector<T>& all, std::vector<T> more) {
   }
 }
 
-// The weights of the three corners. b1 and b2, rounded one by one, may add up to a little more than 1.
-std::array<double, 3> weights_inside(const Hit& hit) {
-  const double b1 = hit.b1, b2 = hit.b2;
-  const double b0 = std::max(0.0, 1 - b1 - b2);
-  const double sum = b0 + b1 + b2;
-  return {b0 / sum, b1 / sum, b2 / sum};
+Vec3Of<Float8> gather(const std::vector<Vec3>& table, U32x8 index) {
+  const float* first = &table[0].x;
+  const U32x8 at = index * 3u;
+  return {Float8::gather(first, at.v), Float8::gather(first + 1, at.v), Float8::gather(first + 2, at.v)};
 }
-
-// Where a model is drawn as it is.
-struct InPlace {
-  static Vec3d point(Vec3d p) { return p; }
-  static Vec3d normal(Vec3d n) { return n; }
-  static Vec3d error_terms(Vec3d terms) { return terms; }
-};
-
-// A coordinate that is a float rounded from a sum of terms computed in double, whose magnitudes sum to
-// `terms`.
-Vec3 rounding_error(Vec3 position, Vec3d terms) {
-  const Vec3 from_rounding = abs(position) * gamma<float>(2);
-  return from_rounding + (gamma<double>(16) * terms).rounded();
-}
-
-// The point of a model as `place` (InPlace or a Placement) puts it into the world.
-template <typename Place, typename ModelPoint>
-SurfacePoint in_world(const Place& place, const ModelPoint& model) {
-  SurfacePoint point;
-  point.position = place.point(model.position).rounded();
-  point.position_error = rounding_error(point.position, place.error_terms(model.terms));
-  point.geometric_normal = unit_or_zero(place.normal(model.geometric_normal));
-  point.shading_normal = point.geometric_normal;
-  if (has_direction(model.shading_normal)) {
-    point.shading_normal = unit_or_zero(place.normal(model.shading_normal));
-    point.geometric_normal = face_toward(point.geometric_normal, point.shading_normal);
-  }
-  point.uv = model.uv;
-  return point;
+Vec2Of<Float8> gather(const std::vector<Vec2>& table, U32x8 index) {
+  const float* first = &table[0].x;
+  const U32x8 at = index * 2u;
+  return {Float8::gather(first, at.v), Float8::gather(first + 1, at.v)};
 }
 
 // Rounded outwards, and finite however large the sphere.
@@ -220,23 +191,35 @@ SurfacePoint Primitives::instance_surface(const Ray& ray, const Hit& hit) const 
 
 Primitives::ModelPoint Primitives::triangle_point(const Hit& hit) const {
   const auto& [v0, v1, v2] = triangles_[hit.primitive];
-  const TriangleCorners corners = triangle_corners(hit.primitive);
-  const auto [b0, b1, b2] = weights_inside(hit);
-  const Vec3d p0 = b0 * Vec3d(corners[0]), p1 = b1 * Vec3d(corners[1]), p2 = b2 * Vec3d(corners[2]);
+  TriangleAtHit<float> at_hit{.corners = {positions_[v0], positions_[v1], positions_[v2]},
+                              .normals = {},
+                              .uvs = {},
+                              .b1 = hit.b1,
+                              .b2 = hit.b2};
+  if (!normals_.empty()) at_hit.normals = {normals_[v0], normals_[v1], normals_[v2]};
+  if (!uvs_.empty()) at_hit.uvs = {uvs_[v0], uvs_[v1], uvs_[v2]};
+  return point_of_triangle(at_hit);
+}
 
-  ModelPoint point;
-  point.position = p0 + p1 + p2;
-  point.terms = abs(p0) + abs(p1) + abs(p2);
-  point.geometric_normal = area_normal(corners);
-  if (!normals_.empty()) {
-    const Vec3d normal = b0 * Vec3d(normals_[v0]) + b1 * Vec3d(normals_[v1]) + b2 * Vec3d(normals_[v2]);
-    if (length(normal) > 1e-6) point.shading_normal = normal;
+SurfacePointOf<Float8> Primitives::triangle_surfaces(const std::array<const Hit*, 8>& hits) const {
+  std::array<std::uint32_t, 8> primitives, b1, b2;
+  for (std::size_t lane = 0; lane < 8; ++lane) {
+    const Hit& hit = *hits[lane];
+    primitives[lane] = hit.primitive;
+    b1[lane] = as_bits(hit.b1);
+    b2[lane] = as_bits(hit.b2);
   }
-  if (!uvs_.empty()) {
-    const auto w0 = static_cast<float>(b0), w1 = static_cast<float>(b1), w2 = static_cast<float>(b2);
-    point.uv = uvs_[v0] * w0 + uvs_[v1] * w1 + uvs_[v2] * w2;
+  const U32x8 triangle = U32x8::load(primitives.data()) * 3u;
+  TriangleAtHit<Float8> at_hit;
+  at_hit.b1 = as_float(U32x8::load(b1.data()));
+  at_hit.b2 = as_float(U32x8::load(b2.data()));
+  for (std::size_t corner = 0; corner < 3; ++corner) {
+    const U32x8 vertex = U32x8::gather(triangles_[0].data() + corner, triangle);
+    at_hit.corners[corner] = gather(positions_, vertex);
+    if (!normals_.empty()) at_hit.normals[corner] = gather(normals_, vertex);
+    if (!uvs_.empty()) at_hit.uvs[corner] = gather(uvs_, vertex);
   }
-  return point;
+  return in_world(InPlace(), point_of_triangle(at_hit));
 }
 
 template <typename AnyRay>

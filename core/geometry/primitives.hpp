@@ -11,11 +11,13 @@
 
 #include "core/geometry/aabb.hpp"
 #include "core/geometry/instance.hpp"
+#include "core/geometry/model_point.hpp"
 #include "core/geometry/object_ray.hpp"
 #include "core/geometry/ray.hpp"
 #include "core/geometry/sphere.hpp"
 #include "core/geometry/surface.hpp"
 #include "core/geometry/triangle.hpp"
+#include "core/math/simd_double8.hpp"
 #include "core/math/vec3.hpp"
 
 namespace tessera::core {
@@ -49,6 +51,8 @@ class Primitives {
   std::uint32_t count() const { return triangle_count() + sphere_count() + instance_count(); }
   // Not of instances.
   bool is_sphere(std::uint32_t primitive) const { return primitive >= triangle_count(); }
+  // Of a triangle that is in no instance.
+  bool is_plain_triangle(const Hit& hit) const { return !hit.in_instance() && !is_sphere(hit.primitive); }
   bool is_instance(std::uint32_t primitive) const { return primitive >= triangle_count() + sphere_count(); }
 
   const std::vector<Primitives>& objects() const { return objects_; }
@@ -89,17 +93,13 @@ class Primitives {
   // The surface where `ray` met it; `hit` is what intersect() made of this ray. Meshes without uvs have uv
   // (0, 0).
   SurfacePoint surface(const Ray& ray, const Hit& hit) const;
+  // Of eight hits of triangles that are in no instance, one in each lane.
+  SurfacePointOf<Float8> triangle_surfaces(const std::array<const Hit*, 8>& hits) const;
   // Where surface() made `point` of the same hit.
   Tangents tangents(const Hit& hit, const SurfacePoint& point) const;
 
  private:
-  // The surface at a hit in double, where it was modelled.
-  struct ModelPoint {
-    Vec3d position, terms;  // the magnitudes of what the position is the sum of
-    Vec3d geometric_normal;
-    Vec3d shading_normal;  // 0 where it is the geometric one
-    Vec2 uv;
-  };
+  using ModelPoint = ModelPointOf<float>;
   // dp/du and dp/dv, of any length.
   struct ModelTangents {
     Vec3d along_u, along_v;

@@ -9,10 +9,12 @@
 namespace tessera::core {
 
 // The points origin + t * direction with 0 < t < t_max. The direction need not be of unit length.
-struct Ray {
-  Vec3 origin, direction;
-  float t_max = std::numeric_limits<float>::infinity();
+template <typename T>
+struct RayOf {
+  Vec3Of<T> origin, direction;
+  T t_max = std::numeric_limits<float>::infinity();
 };
+using Ray = RayOf<float>;
 
 inline constexpr std::uint32_t kNoPrimitive = 0xffffffffu;
 inline constexpr std::uint32_t kNoInstance = 0xffffffffu;

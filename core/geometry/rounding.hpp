@@ -1,9 +1,9 @@
 // Bounds on rounding errors, and the floats next to a float.
 #pragma once
 
-#include <bit>
-#include <cstdint>
 #include <limits>
+
+#include "core/math/simd_integer.hpp"
 
 namespace tessera::core {
 
@@ -16,16 +16,26 @@ constexpr T gamma(int n) {
 }
 
 // The least float above x; x itself if it is infinity or NaN.
-inline float next_float_up(float x) {
-  if (!(x < std::numeric_limits<float>::infinity())) return x;
-  if (x == 0) return std::numeric_limits<float>::denorm_min();
-  const auto bits = std::bit_cast<std::uint32_t>(x);
-  return std::bit_cast<float>(x > 0 ? bits + 1 : bits - 1);
+template <typename T>
+T next_float_up(T x) {
+  const auto bits = as_bits(x);
+  const T next = select(x == 0, T(std::numeric_limits<float>::denorm_min()),
+                        as_float(select(x > 0, bits + 1u, bits - 1u)));
+  return select(x < std::numeric_limits<float>::infinity(), next, x);
 }
 
 // The greatest float below x; x itself if it is minus infinity or NaN.
-inline float next_float_down(float x) {
+template <typename T>
+T next_float_down(T x) {
   return -next_float_up(-x);
+}
+
+// The float next to x in the direction of `offset`; x itself where that is 0.
+template <typename T>
+T rounded_away(T x, T offset) {
+  const MaskOf<T> down = offset < 0;
+  const T stepped = next_float_up(select(down, -x, x));
+  return select((offset > 0) | down, select(down, -stepped, stepped), x);
 }
 
 // The greatest float that is not above x.

@@ -1,19 +1,22 @@
 // The point of a surface that a ray has hit, and rays that leave from it.
 #pragma once
 
+#include "core/geometry/rounding.hpp"
 #include "core/math/vec3.hpp"
 
 namespace tessera::core {
 
 // The surface at a hit, in world space.
-struct SurfacePoint {
-  Vec3 position;
-  Vec3 position_error;    // absolute bounds on the rounding error of each coordinate of `position`
-  Vec3 geometric_normal;  // unit, outward: of counter-clockwise triangles, and away from sphere centres;
-                          // turned to the side of the interpolated normal where the mesh has normals
-  Vec3 shading_normal;    // unit, interpolated; in the hemisphere of geometric_normal
-  Vec2 uv;
+template <typename T>
+struct SurfacePointOf {
+  Vec3Of<T> position;
+  Vec3Of<T> position_error;    // absolute bounds on the rounding error of each coordinate of `position`
+  Vec3Of<T> geometric_normal;  // unit, outward: of counter-clockwise triangles, and away from sphere centres;
+                               // turned to the side of the interpolated normal where the mesh has normals
+  Vec3Of<T> shading_normal;    // unit, interpolated; in the hemisphere of geometric_normal
+  Vec2Of<T> uv;
 };
+using SurfacePoint = SurfacePointOf<float>;
 
 // The directions on the surface in which the position moves as one texture coordinate grows and the other
 // stays: dp/du and dp/dv without their lengths. Both zero where there are none, as without texture
@@ -24,6 +27,13 @@ struct Tangents {
 
 // Moves a ray's origin off its surface, to the side `direction` leaves from, far enough that rounding cannot
 // put it on the wrong side and no farther (Pharr et al. 2023, section 6.8.6).
-Vec3 offset_origin(const SurfacePoint& surface, Vec3 direction);
+template <typename T>
+Vec3Of<T> offset_origin(const SurfacePointOf<T>& surface, Vec3Of<T> direction) {
+  const Vec3Of<T> normal = face_toward(surface.geometric_normal, direction);
+  // The extent along the normal of the box that the true point lies in.
+  const Vec3Of<T> offset = normal * dot(abs(normal), surface.position_error);
+  const Vec3Of<T> moved = surface.position + offset;
+  return {rounded_away(moved.x, offset.x), rounded_away(moved.y, offset.y), rounded_away(moved.z, offset.z)};
+}
 
 }  // namespace tessera::core

@@ -1,50 +1,61 @@
 // Three doubles, for the few lines of geometry whose intermediate results floats cannot hold. Data stay
-// floats.
+// floats. Vec3dOf<Double8> is eight of them (core/math/simd_double8.hpp).
 #pragma once
 
 #include <cmath>
+#include <limits>
 
 #include "core/math/vec3.hpp"
 
 namespace tessera::core {
 
-struct Vec3d {
-  double x = 0, y = 0, z = 0;
+template <typename D>
+struct Vec3dOf {
+  D x{}, y{}, z{};
 
-  Vec3d() = default;
-  Vec3d(double x_value, double y_value, double z_value) : x(x_value), y(y_value), z(z_value) {}
-  explicit Vec3d(Vec3 v) : x(v.x), y(v.y), z(v.z) {}
+  Vec3dOf() = default;
+  Vec3dOf(D x_value, D y_value, D z_value) : x(x_value), y(y_value), z(z_value) {}
+  template <typename T>
+  explicit Vec3dOf(Vec3Of<T> v) : x(widened(v.x)), y(widened(v.y)), z(widened(v.z)) {}
 
-  double operator[](int axis) const { return axis == 0 ? x : axis == 1 ? y : z; }
-  Vec3 rounded() const { return {static_cast<float>(x), static_cast<float>(y), static_cast<float>(z)}; }
+  D operator[](int axis) const { return axis == 0 ? x : axis == 1 ? y : z; }
+  auto rounded() const { return Vec3Of{to_float(x), to_float(y), to_float(z)}; }
+
+  friend Vec3dOf operator+(Vec3dOf a, Vec3dOf b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+  friend Vec3dOf operator-(Vec3dOf a, Vec3dOf b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+  friend Vec3dOf operator*(D s, Vec3dOf a) { return {s * a.x, s * a.y, s * a.z}; }
 };
+using Vec3d = Vec3dOf<double>;
 
-inline Vec3d operator+(Vec3d a, Vec3d b) {
-  return {a.x + b.x, a.y + b.y, a.z + b.z};
-}
-inline Vec3d operator-(Vec3d a, Vec3d b) {
-  return {a.x - b.x, a.y - b.y, a.z - b.z};
-}
-inline Vec3d operator*(double s, Vec3d a) {
-  return {s * a.x, s * a.y, s * a.z};
-}
-inline double dot(Vec3d a, Vec3d b) {
+template <typename D = double>
+D dot(Vec3dOf<D> a, Vec3dOf<D> b) {
   return a.x * b.x + a.y * b.y + a.z * b.z;
 }
-inline Vec3d cross(Vec3d a, Vec3d b) {
+template <typename D = double>
+Vec3dOf<D> cross(Vec3dOf<D> a, Vec3dOf<D> b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
-inline double length(Vec3d a) {
-  return std::sqrt(dot(a, a));
+template <typename D = double>
+D length(Vec3dOf<D> a) {
+  using std::sqrt;
+  return sqrt(dot(a, a));
 }
-inline Vec3d abs(Vec3d a) {
-  return {std::fabs(a.x), std::fabs(a.y), std::fabs(a.z)};
+template <typename D = double>
+Vec3dOf<D> abs(Vec3dOf<D> a) {
+  using std::fabs;
+  return {fabs(a.x), fabs(a.y), fabs(a.z)};
+}
+
+template <typename Mask, typename D>
+Vec3dOf<D> select(Mask mask, Vec3dOf<D> a, Vec3dOf<D> b) {
+  return {select(mask, a.x, b.x), select(mask, a.y, b.y), select(mask, a.z, b.z)};
 }
 
 // Not zero, and everywhere finite: fit to be normalised.
-inline bool has_direction(Vec3d a) {
-  const double squared = dot(a, a);
-  return squared > 0 && std::isfinite(squared);
+template <typename D = double>
+auto has_direction(Vec3dOf<D> a) {
+  const D squared = dot(a, a);
+  return (squared > 0) & (squared < std::numeric_limits<double>::infinity());
 }
 
 }  // namespace tessera::core

@@ -1,11 +1,14 @@
 #include "core/integrators/path.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cassert>
 #include <optional>
 #include <utility>
 
+#include "core/geometry/ray_lanes.hpp"
 #include "core/integrators/direct_light.hpp"
+#include "core/math/lane_array.hpp"
 
 namespace tessera::core {
 namespace {
@@ -15,26 +18,62 @@ constexpr float kMaxSurvival = 0.95f;  // below 1, so that a path between perfec
 
 // For one sample of each strategy (Veach and Guibas 1995). Densities may be so large that their squares are
 // not finite, but their ratio's is.
-float mis_weight(Heuristic heuristic, float pdf, float other_pdf) {
+template <typename T>
+T mis_weight(Heuristic heuristic, T pdf, T other_pdf) {
   if (heuristic == Heuristic::kBalance) return pdf / (pdf + other_pdf);
-  const float ratio = other_pdf / pdf;
+  const T ratio = other_pdf / pdf;
   return 1 / (1 + ratio * ratio);
 }
 
 // Russian roulette (Arvo and Kirk 1990), by the throughput without the compression of radiance by refraction,
 // which the way out of the glass undoes, and without what the guide's densities divided it by: there is more
 // light where they are higher (Vorba and Křivánek 2016).
-bool survives_roulette(PathHead& head, int depth, float u) {
-  const float contribution = max_component(head.throughput) * head.eta_scale * head.promise;
-  if (!(contribution > 0)) return false;
-  if (depth < kFirstRouletteDepth) return true;
-  const float survival = std::min(kMaxSurvival, contribution);
-  if (u >= survival) return false;
-  head.throughput *= 1 / survival;
-  return true;
+template <typename T>
+MaskOf<T> survives_roulette(RgbOf<T>& throughput, T eta_scale, T promise, int depth, T u) {
+  const T contribution = max_component(throughput) * eta_scale * promise;
+  const MaskOf<T> goes_on = contribution > 0;
+  if (depth < kFirstRouletteDepth) return goes_on;
+  const T survival = smaller(T(kMaxSurvival), contribution);
+  throughput *= 1 / survival;
+  return goes_on & (u < survival);
 }
 
 }  // namespace
+
+// Where there are fewer than eight, the other lanes repeat the first.
+struct PathTracer::Paths {
+  Paths(const PathQueue& queue, std::span<const Hit> all_hits, std::span<const std::uint32_t> slots)
+      : count(slots.size()), used((1u << slots.size()) - 1) {
+    RgbLanes throughputs;
+    FloatLanes eta_scales, promises;
+    for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
+      const std::uint32_t slot = slots[lane < slots.size() ? lane : 0];
+      heads[lane] = &queue.head(slot);
+      hits[lane] = &all_hits[slot];
+      rays[lane] = &queue.rays()[slot];
+      throughputs.set(lane, heads[lane]->throughput);
+      eta_scales.set(lane, heads[lane]->eta_scale);
+      promises.set(lane, heads[lane]->promise);
+    }
+    throughput = throughputs.all();
+    eta_scale = eta_scales.all();
+    promise = promises.all();
+  }
+
+  std::array<Float8, 4> pads(std::span<const Sampler> samplers, std::uint32_t pad) const {
+    std::array<const Sampler*, kLaneCount> of_lanes;
+    for (std::size_t lane = 0; lane < kLaneCount; ++lane) of_lanes[lane] = &samplers[heads[lane]->path];
+    return Sampler::pads(of_lanes, pad);
+  }
+
+  std::size_t count;
+  unsigned used;  // bit i for lane i
+  std::array<const PathHead*, kLaneCount> heads;
+  std::array<const Ray*, kLaneCount> rays;
+  std::array<const Hit*, kLaneCount> hits;
+  RgbOf<Float8> throughput;
+  Float8 eta_scale, promise;
+};
 
 PathTracer::PathTracer(const Scene& scene, const RenderSettings& settings, const LightGuide* guide)
     : scene_(scene),
@@ -42,7 +81,9 @@ PathTracer::PathTracer(const Scene& scene, const RenderSettings& settings, const
       // By chance alone, `naive` finds every other light.
       light_sampler_(settings.integrator == Integrator::kNaive ? scene.delta_light_sampler()
                                                                : scene.light_sampler()),
-      guide_(guide) {}
+      guide_(guide) {
+  for (const Material& material : scene.materials()) bin_of_material_.push_back(bin_of(material));
+}
 
 void PathTracer::trace(std::span<const Ray> rays, std::span<const Sampler> samplers, std::span<Rgb> radiance,
                        RenderCounters& counters) {
@@ -61,23 +102,77 @@ void PathTracer::step(int depth, RenderCounters& counters) {
   counters.closest_hit_rays += rays.size();
   scene_.bvh().closest_hits(scene_.primitives(), rays, {hits_.data(), rays.size()});
 
+  sort_by_material();
   next_paths_->clear();
-  for (std::size_t slot = 0; slot < rays.size(); ++slot) {
-    const PathHead& head = paths_->head(slot);
-    const Hit& hit = hits_[slot];
-    if (!hit.found()) {
-      add_environment(head, rays[slot].direction);
-      continue;
+  for (std::size_t bin = 0; bin < kBins; ++bin)
+    for (std::size_t i = 0; i < bin_sizes_[bin]; i += kLaneCount) {
+      const Paths paths(*paths_, hits_, {bins_[bin].data() + i, std::min(kLaneCount, bin_sizes_[bin] - i)});
+      if (bin == kDiffuse) {
+        shade(paths, diffuse_vertices(scene_, paths.rays, paths.hits), depth);
+      } else {
+        shade(paths, mixed_vertices(scene_, paths.rays, paths.hits, paths.count), depth);
+      }
     }
-    const PathVertex vertex(scene_, rays[slot], hit);
-    add_emission(head, vertex, scene_.light_of(hit));
-    if (settings_.max_depth > 0 && depth >= settings_.max_depth) continue;
-    const Cell* cell = guide_at(vertex);
-    if (!vertex.is_delta()) connect_to_light(head, vertex, cell, depth);
-    scatter(head, vertex, cell, depth);
-  }
   add_unoccluded(counters);
   std::swap(paths_, next_paths_);
+}
+
+PathTracer::Bin PathTracer::bin_of(const Material& material) {
+  if (is_diffuse(material)) return kDiffuse;
+  const bool smooth =
+      std::holds_alternative<Mirror>(material.model) || std::holds_alternative<Glass>(material.model);
+  return smooth ? kSmooth : kRough;
+}
+
+// Paths that have left the scene end here.
+void PathTracer::sort_by_material() {
+  bin_sizes_ = {};
+  const Primitives& primitives = scene_.primitives();
+  for (std::uint32_t slot = 0; slot < paths_->size(); ++slot) {
+    const Hit& hit = hits_[slot];
+    if (!hit.found()) {
+      add_environment(paths_->head(slot), paths_->rays()[slot].direction);
+      continue;
+    }
+    Bin bin = bin_of_material_[primitives.material(hit)];
+    if (bin == kDiffuse && !primitives.is_plain_triangle(hit)) bin = kRough;
+    bins_[bin][bin_sizes_[bin]++] = slot;
+  }
+}
+
+template <typename Vertices>
+void PathTracer::shade(const Paths& paths, const Vertices& vertices, int depth) {
+  for (unsigned lanes = paths.used; lanes != 0; lanes &= lanes - 1) {
+    const auto lane = static_cast<std::size_t>(std::countr_zero(lanes));
+    const std::uint32_t light = scene_.light_of(*paths.hits[lane]);
+    if (light == kNoLight) continue;
+    SurfacePoint point;
+    point.position = Vec3Lanes(vertices.position())[lane];
+    point.uv = {FloatLanes(vertices.surface().uv.x)[lane], FloatLanes(vertices.surface().uv.y)[lane]};
+    add_emission(*paths.heads[lane], point, Vec3Lanes(vertices.wo())[lane], light);
+  }
+  if (settings_.max_depth > 0 && depth >= settings_.max_depth) return;
+  const unsigned lanes = paths.used & ~shade_guided(paths, vertices, depth);
+  connect_to_lights(paths, vertices, lanes & ~vertices.is_delta().bits(), depth);
+  scatter(paths, vertices, lanes, depth);
+}
+
+// Those of which the guide knows something. Answers which they are.
+template <typename Vertices>
+unsigned PathTracer::shade_guided(const Paths& paths, const Vertices& vertices, int depth) {
+  unsigned guided = 0;
+  if (!guide_) return guided;
+  const Vec3Lanes position(vertices.position()), side_normal(vertices.side_normal());
+  for (unsigned lanes = paths.used & ~vertices.is_delta().bits(); lanes != 0; lanes &= lanes - 1) {
+    const auto lane = static_cast<std::size_t>(std::countr_zero(lanes));
+    const Cell* cell = guide_->find(position[lane], side_normal[lane]);
+    if (!cell) continue;
+    const PathVertex vertex(scene_, *paths.rays[lane], *paths.hits[lane]);
+    connect_to_light(*paths.heads[lane], vertex, *cell, depth);
+    scatter(*paths.heads[lane], vertex, *cell, depth);
+    guided |= 1u << lane;
+  }
+  return guided;
 }
 
 // What a ray sees that meets nothing.
@@ -89,19 +184,13 @@ void PathTracer::add_environment(const PathHead& head, Vec3 direction) {
 }
 
 // Emission met by the ray itself.
-void PathTracer::add_emission(const PathHead& head, const PathVertex& vertex, std::uint32_t light) {
-  if (light == kNoLight) return;
+void PathTracer::add_emission(const PathHead& head, const SurfacePoint& surface, Vec3 wo,
+                              std::uint32_t light) {
   const AreaLight& area = scene_.area_light(light);
   const float weight =
-      weight_of_found(light, head, [&] { return area.pdf(head.last.position, vertex.position()); });
+      weight_of_found(light, head, [&] { return area.pdf(head.last.position, surface.position); });
   if (weight > 0)
-    radiance_[head.path] +=
-        head.throughput * area.emitted(scene_.textures(), vertex.surface(), vertex.wo()) * weight;
-}
-
-// What is known there of caustics; null where nothing is, or no choice.
-const LightGuide::Cell* PathTracer::guide_at(const PathVertex& vertex) const {
-  return guide_ && !vertex.is_delta() ? guide_->find(vertex.position(), vertex.side_normal()) : nullptr;
+    radiance_[head.path] += head.throughput * area.emitted(scene_.textures(), surface, wo) * weight;
 }
 
 // Of light that a BSDF sample found. Where the vertex before could also have sampled it, `nee` leaves it to
@@ -114,8 +203,71 @@ float PathTracer::weight_of_found(std::uint32_t light, const PathHead& head, Pdf
          mis_weight(settings_.heuristic, head.last_pdf, scene_.light_sampler().pmf(head.last, light) * pdf());
 }
 
-// Samples a light and what the vertex reflects of it towards the path's beginning.
-void PathTracer::connect_to_light(const PathHead& head, const PathVertex& vertex, const Cell* cell,
+// Samples a light for each vertex, and what the vertex reflects of it towards the path's beginning.
+template <typename Vertices>
+void PathTracer::connect_to_lights(const Paths& paths, const Vertices& vertices, unsigned lit, int depth) {
+  if (lit == 0 || light_sampler_.empty()) return;
+  const auto u = paths.pads(samplers_, light_pad(depth));
+  const Vec3Lanes position(vertices.position()), normal(vertices.lit_normal());
+  const FloatLanes coarse(u[2]), fine(u[3]);
+  std::array<const Light*, kLaneCount> chosen{};
+  FloatLanes pmf{};
+  for (unsigned lanes = lit; lanes != 0; lanes &= lanes - 1) {
+    const auto lane = static_cast<std::size_t>(std::countr_zero(lanes));
+    const auto choice =
+        light_sampler_.sample({position[lane], normal[lane]}, two_digits(coarse[lane], fine[lane]));
+    if (choice.light != kNoLight) chosen[lane] = &scene_.lights()[choice.light];
+    pmf.set(lane, choice.pmf);
+  }
+  const LightSamples lights = sample_lights(chosen, scene_.textures(), vertices.position(), {u[0], u[1]});
+  const BsdfValueOf<Float8> scattered = vertices.evaluate(lights.wi);
+  const Mask8 found = lights.found & !is_black(scattered.value);
+  const Float8 light_pdf = pmf.all() * lights.pdf;
+  const Float8 weight = weight_of_sampled(light_pdf, lights.delta, scattered.pdf);
+  const RgbLanes gained(paths.throughput * (scattered.value * lights.radiance) * (weight / light_pdf));
+  const RayLanes rays(vertices.rays_toward(lights));
+  for (unsigned lanes = found.bits(); lanes != 0; lanes &= lanes - 1) {
+    const auto lane = static_cast<std::size_t>(std::countr_zero(lanes));
+    shadow_rays_[connection_count_] = rays[lane];
+    connections_[connection_count_] = {paths.heads[lane]->path, gained[lane]};
+    ++connection_count_;
+  }
+}
+
+// Of light that a light's sample found, against what the BSDF's might have. Nothing else finds delta lights.
+template <typename T>
+T PathTracer::weight_of_sampled(T light_pdf, MaskOf<T> delta, T bsdf_pdf) const {
+  if (settings_.integrator != Integrator::kMis) return T(1.0f);
+  return select(delta, T(1.0f), mis_weight(settings_.heuristic, light_pdf, bsdf_pdf));
+}
+
+// Sends the paths on that do not end.
+template <typename Vertices>
+void PathTracer::scatter(const Paths& paths, const Vertices& vertices, unsigned going, int depth) {
+  if (going == 0) return;
+  const auto u = paths.pads(samplers_, scatter_pad(depth));
+  const auto next = vertices.sample({u[0], u[1]}, u[2]);
+  RgbOf<Float8> throughput = paths.throughput * next.weight;
+  const Float8 eta_scale = paths.eta_scale * (next.eta * next.eta);
+  const Mask8 survives = survives_roulette(throughput, eta_scale, paths.promise, depth, u[3]);
+  const RayLanes rays(vertices.ray_along(next.wi));
+  const RgbLanes throughputs(throughput);
+  const FloatLanes eta_scales(eta_scale), pdf(select(next.delta, Float8(kDeltaPdf), next.pdf));
+  const Vec3Lanes position(vertices.position()), normal(vertices.lit_normal());
+  for (unsigned lanes = (next.found & survives).bits() & going; lanes != 0; lanes &= lanes - 1) {
+    const auto lane = static_cast<std::size_t>(std::countr_zero(lanes));
+    PathHead head = *paths.heads[lane];
+    head.throughput = throughputs[lane];
+    head.eta_scale = eta_scales[lane];
+    head.last_pdf = pdf[lane];
+    head.last = {position[lane], normal[lane]};
+    head.met_scale = 1;
+    next_paths_->push(rays[lane], head);
+  }
+}
+
+// The same for one vertex beside the guide.
+void PathTracer::connect_to_light(const PathHead& head, const PathVertex& vertex, const Cell& cell,
                                   int depth) {
   if (light_sampler_.empty()) return;
   const auto u = samplers_[head.path].pad(light_pad(depth));
@@ -127,26 +279,21 @@ void PathTracer::connect_to_light(const PathHead& head, const PathVertex& vertex
   const BsdfValue scattered = vertex.evaluate(light->wi);
   if (is_black(scattered.value)) return;
   const float light_pdf = choice.pmf * light->pdf;
-  // Nothing else finds delta lights.
-  const bool weighed = settings_.integrator == Integrator::kMis && !light->delta;
-  const float bsdf_pdf = scattered.pdf * (cell ? 1 - cell->share : 1);
-  const float weight = weighed ? mis_weight(settings_.heuristic, light_pdf, bsdf_pdf) : 1;
+  const float weight = weight_of_sampled(light_pdf, light->delta, scattered.pdf * (1 - cell.share));
   shadow_rays_[connection_count_] = vertex.ray_toward(*light);
   connections_[connection_count_] = {
       head.path, head.throughput * (scattered.value * light->radiance) * (weight / light_pdf)};
   ++connection_count_;
 }
 
-// Sends the path on, where it does not end.
-void PathTracer::scatter(PathHead head, const PathVertex& vertex, const Cell* cell, int depth) {
+// The same for one path, partly by the guide.
+void PathTracer::scatter(PathHead head, const PathVertex& vertex, const Cell& cell, int depth) {
   const auto u = samplers_[head.path].pad(scatter_pad(depth));
-  head.met_scale = 1;
-  const auto next =
-      cell ? choose_direction(head, vertex, *cell, {u[0], u[1]}, u[2]) : vertex.sample({u[0], u[1]}, u[2]);
+  const auto next = choose_direction(head, vertex, cell, {u[0], u[1]}, u[2]);
   if (!next) return;
   head.throughput *= next->weight;
   head.eta_scale *= next->eta * next->eta;
-  if (!survives_roulette(head, depth, u[3])) return;
+  if (!survives_roulette(head.throughput, head.eta_scale, head.promise, depth, u[3])) return;
   head.last_pdf = next->delta ? kDeltaPdf : next->pdf;
   head.last = vertex.lit_point();
   next_paths_->push(vertex.ray_along(next->wi), head);

@@ -8,11 +8,12 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "core/film/film.hpp"
 #include "core/guiding/light_guide.hpp"
+#include "core/integrators/eight_vertices.hpp"
 #include "core/integrators/path_queue.hpp"
-#include "core/integrators/vertex.hpp"
 #include "core/sampling/sampler.hpp"
 #include "core/scene/scene.hpp"
 
@@ -36,15 +37,35 @@ class PathTracer {
     Rgb radiance;  // what the path gains
   };
 
+  // Vertices that are shaded together. Mirrors and glass stay apart since few of them are lit by lights'
+  // samples.
+  enum Bin { kDiffuse, kRough, kSmooth };
+  static constexpr std::size_t kBins = 3;
+  static Bin bin_of(const Material& material);
+
+  struct Paths;  // up to eight of them
+
   void step(int depth, RenderCounters& counters);
+  void sort_by_material();
+  template <typename Vertices>
+  void shade(const Paths& paths, const Vertices& vertices, int depth);
   void add_environment(const PathHead& head, Vec3 direction);
-  void add_emission(const PathHead& head, const PathVertex& vertex, std::uint32_t light);
+  void add_emission(const PathHead& head, const SurfacePoint& surface, Vec3 wo, std::uint32_t light);
   template <typename Pdf>
   float weight_of_found(std::uint32_t light, const PathHead& head, Pdf pdf) const;
+  template <typename Vertices>
+  void connect_to_lights(const Paths& paths, const Vertices& vertices, unsigned lanes, int depth);
+  template <typename T>
+  T weight_of_sampled(T light_pdf, MaskOf<T> delta, T bsdf_pdf) const;
+  template <typename Vertices>
+  void scatter(const Paths& paths, const Vertices& vertices, unsigned lanes, int depth);
+
+  // Where a guide knows of caustics, vertices are shaded one by one.
   using Cell = LightGuide::Cell;
-  const Cell* guide_at(const PathVertex& vertex) const;
-  void connect_to_light(const PathHead& head, const PathVertex& vertex, const Cell* cell, int depth);
-  void scatter(PathHead head, const PathVertex& vertex, const Cell* cell, int depth);
+  template <typename Vertices>
+  unsigned shade_guided(const Paths& paths, const Vertices& vertices, int depth);
+  void connect_to_light(const PathHead& head, const PathVertex& vertex, const Cell& cell, int depth);
+  void scatter(PathHead head, const PathVertex& vertex, const Cell& cell, int depth);
   std::optional<PathVertex::Scattered> choose_direction(PathHead& head, const PathVertex& vertex,
                                                         const Cell& cell, Vec2 u, float u_lobe) const;
   void add_unoccluded(RenderCounters& counters);
@@ -53,12 +74,16 @@ class PathTracer {
   const RenderSettings settings_;
   const LightSampler& light_sampler_;
   const LightGuide* guide_;
+  std::vector<Bin> bin_of_material_;
 
   std::span<const Sampler> samplers_;  // of the batch's paths
   std::span<Rgb> radiance_;
   std::array<PathQueue, 2> queues_;
   PathQueue *paths_ = &queues_[0], *next_paths_ = &queues_[1];
   std::array<Hit, kBatchPaths> hits_;  // of the rays of paths_
+  // Slots of paths_ whose rays hit something, by what shades them.
+  std::array<std::size_t, kBins> bin_sizes_{};
+  std::array<std::array<std::uint32_t, kBatchPaths>, kBins> bins_;
   std::size_t connection_count_ = 0;
   std::array<Ray, kBatchPaths> shadow_rays_;
   std::array<Connection, kBatchPaths> connections_;  // of shadow_rays_

@@ -10,6 +10,7 @@
 #include "core/integrators/caustic_guide.hpp"
 #include "core/integrators/path.hpp"
 #include "core/integrators/whitted.hpp"
+#include "core/math/lane_array.hpp"
 #include "core/sampling/filter_warp.hpp"
 #include "core/sampling/sampler.hpp"
 
@@ -102,7 +103,7 @@ class Renderer {
 
   void take_samples() {
     const std::size_t count = samples_.size();
-    for (std::size_t i = 0; i < count; ++i) camera_rays_[i] = camera_ray(samples_[i].id, samplers_[i]);
+    for (std::size_t i = 0; i < count; i += kLaneCount) find_camera_rays(i, std::min(kLaneCount, count - i));
     const std::span<Rgb> radiance{radiance_.data(), count};
     counters_.samples += count;
     if (settings_.integrator != Integrator::kWhitted)
@@ -111,10 +112,17 @@ class Renderer {
       radiance[i] = trace_whitted(scene_, settings_, samplers_[i], camera_rays_[i], counters_);
   }
 
-  Ray camera_ray(SampleId id, const Sampler& sampler) const {
-    const auto u = sampler.pad(kCameraPad);
-    const Vec2 raster = sample_raster(settings_.filter, id.x, id.y, {u[0], u[1]});
-    return scene_.camera().ray(raster, settings_.width_px, settings_.height_px, {u[2], u[3]});
+  void find_camera_rays(std::size_t first, std::size_t count) {
+    std::array<const Sampler*, kLaneCount> samplers;
+    for (std::size_t i = 0; i < kLaneCount; ++i) samplers[i] = &samplers_[first + (i < count ? i : 0)];
+    const auto pads = Sampler::pads(samplers, kCameraPad);
+    const FloatLanes u_x(pads[0]), u_y(pads[1]), lens_u(pads[2]), lens_v(pads[3]);
+    for (std::size_t i = 0; i < count; ++i) {
+      const SampleId id = samples_[first + i].id;
+      const Vec2 raster = sample_raster(settings_.filter, id.x, id.y, {u_x[i], u_y[i]});
+      camera_rays_[first + i] =
+          scene_.camera().ray(raster, settings_.width_px, settings_.height_px, {lens_u[i], lens_v[i]});
+    }
   }
 
   void deposit_or_report(std::size_t i) {

@@ -8,6 +8,7 @@
 #include "core/geometry/vec3d.hpp"
 #include "core/math/elementary.hpp"
 #include "core/math/frame.hpp"
+#include "core/math/lane_array.hpp"
 #include "core/sampling/warp.hpp"
 
 namespace tessera::core {
@@ -47,11 +48,21 @@ Aabb box_of(const SphereLight& s) {
   return {s.center - reach, s.center + reach};
 }
 
-SurfacePoint flat_point(Vec3 position, Vec3 magnitude, Vec3 normal) {
-  SurfacePoint point;
+template <typename T>
+SurfacePointOf<T> flat_point(Vec3Of<T> position, Vec3Of<T> magnitude, Vec3Of<T> normal) {
+  SurfacePointOf<T> point;
   point.position = position;
-  point.position_error = magnitude * rounding_bound(8);
+  point.position_error = magnitude * T(rounding_bound(8));
   point.geometric_normal = normal;
+  return point;
+}
+
+template <typename T>
+SurfacePointOf<T> point_of_quad(const QuadLightOf<T>& q, Vec3Of<T> normal, Vec2Of<T> u) {
+  const Vec3Of<T> position = q.corner + q.edge_u * u.x + q.edge_v * u.y;
+  const Vec3Of<T> magnitude = abs(q.corner) + abs(q.edge_u * u.x) + abs(q.edge_v * u.y);
+  SurfacePointOf<T> point = flat_point(position, magnitude, normal);
+  point.uv = u;
   return point;
 }
 
@@ -79,11 +90,13 @@ float pdf_cone(const Cone& cone) {
 }
 
 // Area density to solid angle density.
-float per_solid_angle(float area, Vec3 p_lit, Vec3 p_light, Vec3 normal) {
-  const Vec3 d = p_light - p_lit;
-  const float distance2 = length_squared(d);
-  const float cos_light = std::fabs(dot(d, normal)) / std::sqrt(distance2);
-  return cos_light > 0 ? distance2 / (cos_light * area) : 0;
+template <typename T>
+T per_solid_angle(T area, Vec3Of<T> p_lit, Vec3Of<T> p_light, Vec3Of<T> normal) {
+  using std::fabs, std::sqrt;
+  const Vec3Of<T> d = p_light - p_lit;
+  const T distance2 = length_squared(d);
+  const T cos_light = fabs(dot(d, normal)) / sqrt(distance2);
+  return select(cos_light > 0, distance2 / (cos_light * area), T(0.0f));
 }
 
 }  // namespace
@@ -128,11 +141,37 @@ AreaLight::Found AreaLight::find(const TriangleLight& t, Vec3 p_lit, Vec2 u) con
 }
 
 AreaLight::Found AreaLight::find(const QuadLight& q, Vec3 p_lit, Vec2 u) const {
-  const Vec3 position = q.corner + q.edge_u * u.x + q.edge_v * u.y;
-  const Vec3 magnitude = abs(q.corner) + abs(q.edge_u * u.x) + abs(q.edge_v * u.y);
-  SurfacePoint point = flat_point(position, magnitude, front_);
-  point.uv = u;
-  return flat(point, p_lit);
+  return flat(point_of_quad(q, front_, u), p_lit);
+}
+
+LightSamples AreaLight::sample_quads(const std::array<const AreaLight*, 8>& quads,
+                                     const std::vector<Texture>& textures, Vec3Of<Float8> p_lit,
+                                     Vec2Of<Float8> u) {
+  Vec3Lanes corner, edge_u, edge_v, front;
+  FloatLanes area;
+  RgbLanes radiance;
+  unsigned two_sided = 0;
+  const FloatLanes u_x(u.x), u_y(u.y);
+  for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
+    const AreaLight& light = *quads[lane];
+    const QuadLight& quad = *std::get_if<QuadLight>(&light.shape_);
+    corner.set(lane, quad.corner);
+    edge_u.set(lane, quad.edge_u);
+    edge_v.set(lane, quad.edge_v);
+    front.set(lane, light.front_);
+    area.set(lane, light.area_);
+    radiance.set(lane, light.emission_.radiance.evaluate(textures, {u_x[lane], u_y[lane]}));
+    two_sided |= (light.emission_.two_sided ? 1u : 0u) << lane;
+  }
+  LightSamples samples;
+  samples.point = point_of_quad<Float8>({corner.all(), edge_u.all(), edge_v.all()}, front.all(), u);
+  samples.wi = normalize(samples.point.position - p_lit);
+  samples.pdf = per_solid_angle(area.all(), p_lit, samples.point.position, front.all());
+  samples.radiance = radiance.all();
+  const Mask8 shines = Mask8::from_bits(two_sided) | (dot(front.all(), -samples.wi) > 0);
+  samples.found = (samples.pdf > 0) & (samples.pdf < std::numeric_limits<float>::infinity()) & shines &
+                  !is_black(samples.radiance);
+  return samples;
 }
 
 // From outside, uniform in the cone (Pharr et al. 2023, section 6.2.4); elsewhere, uniform over the area.

@@ -2,6 +2,7 @@
 // Densities are per solid angle at the point that is lit.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <variant>
 #include <vector>
@@ -17,9 +18,11 @@ struct TriangleLight {
   Vec2 uv0, uv1, uv2;
 };
 // Texture coordinates run along the edges.
-struct QuadLight {
-  Vec3 corner, edge_u, edge_v;
+template <typename T>
+struct QuadLightOf {
+  Vec3Of<T> corner, edge_u, edge_v;
 };
+using QuadLight = QuadLightOf<float>;
 struct SphereLight {
   Vec3 center;
   float radius;
@@ -44,6 +47,12 @@ class AreaLight {
   Rgb emitted(const std::vector<Texture>& textures, const SurfacePoint& point, Vec3 wo) const;
 
   std::optional<LightSample> sample(const std::vector<Texture>& textures, Vec3 p_lit, Vec2 u) const;
+
+  bool is_quad() const { return std::holds_alternative<QuadLight>(shape_); }
+  // Eight quads, each lane as sample() does.
+  static LightSamples sample_quads(const std::array<const AreaLight*, 8>& quads,
+                                   const std::vector<Texture>& textures, Vec3Of<Float8> p_lit,
+                                   Vec2Of<Float8> u);
 
   // The density with which sample() finds p_light, a point of the light, from p_lit.
   float pdf(Vec3 p_lit, Vec3 p_light) const;

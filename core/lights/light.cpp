@@ -1,8 +1,60 @@
 #include "core/lights/light.hpp"
 
+#include <algorithm>
+#include <bit>
+
 #include "core/base/overloaded.hpp"
+#include "core/math/lane_array.hpp"
 
 namespace tessera::core {
+namespace {
+
+// Light samples that are found one by one.
+class SampleLanes {
+ public:
+  void set(std::size_t lane, const LightSample& sample) {
+    const unsigned bit = 1u << lane;
+    found_ |= bit;
+    wi_.set(lane, sample.wi);
+    radiance_.set(lane, sample.radiance);
+    pdf_.set(lane, sample.pdf);
+    if (sample.delta) delta_ |= bit;
+    if (!sample.point) {
+      distant_ |= bit;
+      return;
+    }
+    position_.set(lane, sample.point->position);
+    position_error_.set(lane, sample.point->position_error);
+    geometric_normal_.set(lane, sample.point->geometric_normal);
+  }
+
+  // The lanes that have been set become theirs.
+  void merge_into(LightSamples& all) const {
+    const Mask8 mine = Mask8::from_bits(found_);
+    all.found = all.found | mine;
+    all.wi = select(mine, wi_.all(), all.wi);
+    all.radiance = select(mine, radiance_.all(), all.radiance);
+    all.pdf = select(mine, pdf_.all(), all.pdf);
+    all.delta = all.delta | Mask8::from_bits(delta_);
+    all.distant = all.distant | Mask8::from_bits(distant_);
+    all.point.position = select(mine, position_.all(), all.point.position);
+    all.point.position_error = select(mine, position_error_.all(), all.point.position_error);
+    all.point.geometric_normal = select(mine, geometric_normal_.all(), all.point.geometric_normal);
+  }
+
+ private:
+  unsigned found_ = 0, delta_ = 0, distant_ = 0;  // bit i for lane i
+  Vec3Lanes wi_{}, position_{}, position_error_{}, geometric_normal_{};
+  RgbLanes radiance_{};
+  FloatLanes pdf_{};
+};
+
+const AreaLight* as_quad(const Light* light) {
+  const auto* area = light ? std::get_if<AreaLight>(light) : nullptr;
+  return area && area->is_quad() ? area : nullptr;
+}
+
+}  // namespace
 
 std::optional<LightSample> sample_light(const Light& light, const std::vector<Texture>& textures, Vec3 p_lit,
                                         Vec2 u) {
@@ -14,6 +66,36 @@ std::optional<LightSample> sample_light(const Light& light, const std::vector<Te
                         [&](const Environment& environment) { return environment.sample(u); },
                     },
                     light);
+}
+
+LightSamples sample_lights(const std::array<const Light*, 8>& lights, const std::vector<Texture>& textures,
+                           Vec3Of<Float8> p_lit, Vec2Of<Float8> u) {
+  std::array<const AreaLight*, 8> quads;
+  const AreaLight* some_quad = nullptr;
+  unsigned quad_lanes = 0, other_lanes = 0;
+  for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
+    quads[lane] = as_quad(lights[lane]);
+    if (quads[lane]) some_quad = quads[lane], quad_lanes |= 1u << lane;
+    if (lights[lane] && !quads[lane]) other_lanes |= 1u << lane;
+  }
+  LightSamples samples;
+  if (some_quad) {
+    std::replace(quads.begin(), quads.end(), static_cast<const AreaLight*>(nullptr), some_quad);
+    samples = AreaLight::sample_quads(quads, textures, p_lit, u);
+    samples.found = samples.found & Mask8::from_bits(quad_lanes);
+    samples.wi = select(samples.found, samples.wi, Vec3Of<Float8>{});
+  }
+  if (other_lanes == 0) return samples;
+  const Vec3Lanes p(p_lit);
+  const FloatLanes u_x(u.x), u_y(u.y);
+  SampleLanes others;
+  for (; other_lanes != 0; other_lanes &= other_lanes - 1) {
+    const auto lane = static_cast<std::size_t>(std::countr_zero(other_lanes));
+    const auto sample = sample_light(*lights[lane], textures, p[lane], {u_x[lane], u_y[lane]});
+    if (sample) others.set(lane, *sample);
+  }
+  others.merge_into(samples);
+  return samples;
 }
 
 bool is_delta(const Light& light) {

@@ -6,6 +6,7 @@
 // sampling.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <variant>
 #include <vector>
@@ -23,6 +24,10 @@ using Light = std::variant<AreaLight, PointLight, SpotLight, DirectionalLight, E
 // nothing along the direction found.
 std::optional<LightSample> sample_light(const Light& light, const std::vector<Texture>& textures, Vec3 p_lit,
                                         Vec2 u);
+
+// Eight lights, each lane as sample_light() does. Null for none.
+LightSamples sample_lights(const std::array<const Light*, 8>& lights, const std::vector<Texture>& textures,
+                           Vec3Of<Float8> p_lit, Vec2Of<Float8> u);
 
 // Whether only sampling finds the light: it has no extent that a ray could meet.
 bool is_delta(const Light& light);

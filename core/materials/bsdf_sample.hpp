@@ -6,10 +6,12 @@
 
 namespace tessera::core {
 
-struct BsdfValue {
-  Rgb value;      // bsdf * |cos(wi)|
-  float pdf = 0;  // with which sampling chooses wi, per solid angle
+template <typename T>
+struct BsdfValueOf {
+  RgbOf<T> value;  // bsdf * |cos(wi)|
+  T pdf{};         // with which sampling chooses wi, per solid angle
 };
+using BsdfValue = BsdfValueOf<float>;
 
 struct BsdfSample {
   Vec3 wi_local;

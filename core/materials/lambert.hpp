@@ -8,12 +8,15 @@
 
 namespace tessera::core {
 
-struct LambertBsdf {
+// At one point or, with Float8 for T, at eight.
+template <typename T>
+struct LambertBsdfOf {
   static constexpr bool kIsDelta = false;
 
-  BsdfValue evaluate(Vec3 wo_local, Vec3 wi_local) const {
-    if (wo_local.z <= 0 || wi_local.z <= 0) return {};
-    return {albedo * (wi_local.z / kPi), pdf_cosine_hemisphere(wi_local.z)};
+  BsdfValueOf<T> evaluate(Vec3Of<T> wo_local, Vec3Of<T> wi_local) const {
+    const MaskOf<T> dark = (wo_local.z <= 0) | (wi_local.z <= 0);
+    return {select(dark, RgbOf<T>{}, albedo * (wi_local.z / kPi)),
+            select(dark, T(0.0f), pdf_cosine_hemisphere(wi_local.z))};
   }
 
   std::optional<BsdfSample> sample(Vec3 wo_local, Vec2 u, float) const {
@@ -25,7 +28,8 @@ struct LambertBsdf {
     return sample;
   }
 
-  Rgb albedo;
+  RgbOf<T> albedo;
 };
+using LambertBsdf = LambertBsdfOf<float>;
 
 }  // namespace tessera::core

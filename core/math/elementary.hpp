@@ -12,27 +12,24 @@
 #include <cstdint>
 #include <limits>
 
+#include "core/math/lanes.hpp"
 #include "core/math/polynomial.hpp"
 
 namespace tessera::core {
 
 inline constexpr float kPi = 3.14159265358979323846f;
 
-// `a` where the condition holds, else `b`, without a branch: for conditions that come out either way.
-inline float select(bool condition, float a, float b) {
-  const std::uint32_t mask = condition ? ~std::uint32_t{0} : 0;
-  const auto of_a = std::bit_cast<std::uint32_t>(a), of_b = std::bit_cast<std::uint32_t>(b);
-  return std::bit_cast<float>((of_a & mask) | (of_b & ~mask));
-}
-
-struct SinCos {
-  float sin, cos;
+template <typename T>
+struct SinCosOf {
+  T sin, cos;
 };
+using SinCos = SinCosOf<float>;
 
 // Of a quarter turn times r in [-1/2, 1/2]. Error below 1.5e-7 absolute. Polynomials that miss by 5e-9 at
 // most (Remez 1934).
-inline SinCos sin_cos_near_zero(float r) {
-  const float s = r * r;
+template <typename T>
+SinCosOf<T> sin_cos_near_zero(T r) {
+  const T s = r * r;
   return {r * polynomial(s, std::array{1.57079637f, -0.64596349f, 0.0796802267f, -0.00460217707f}),
           1 + s * polynomial(s, std::array{-1.23370051f, 0.253669262f, -0.0208603083f, 0.000904060551f})};
 }

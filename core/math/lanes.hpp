@@ -2,6 +2,9 @@
 // that belong together, and choices without a branch. T is float or Float8.
 #pragma once
 
+#include <bit>
+#include <cstdint>
+
 namespace tessera::core {
 
 // MaskOf<T> is what comparisons of T answer, WideOf<T> the same lanes in double precision. kLanes<T> is how
@@ -27,17 +30,49 @@ constexpr bool any(bool mask) {
 constexpr bool all(bool mask) {
   return mask;
 }
-constexpr float select(bool mask, float a, float b) {
+constexpr std::uint32_t select(bool mask, std::uint32_t a, std::uint32_t b) {
   return mask ? a : b;
+}
+// Without a branch, for conditions that come out either way.
+constexpr float select(bool mask, float a, float b) {
+  const std::uint32_t all = mask ? ~std::uint32_t{0} : 0;
+  const auto of_a = std::bit_cast<std::uint32_t>(a), of_b = std::bit_cast<std::uint32_t>(b);
+  return std::bit_cast<float>((of_a & all) | (of_b & ~all));
 }
 constexpr double select(bool mask, double a, double b) {
   return mask ? a : b;
 }
 
+// The larger one, the first where they are equal or either is NaN, as std::max; and the smaller one.
+template <typename T>
+T larger(T a, T b) {
+  return select(a < b, b, a);
+}
+template <typename T>
+T smaller(T a, T b) {
+  return select(b < a, b, a);
+}
+
+constexpr std::uint32_t as_bits(float x) {
+  return std::bit_cast<std::uint32_t>(x);
+}
+constexpr float as_float(std::uint32_t bits) {
+  return std::bit_cast<float>(bits);
+}
+// Of numbers below 2^31.
+constexpr float to_float(std::uint32_t x) {
+  return static_cast<float>(static_cast<std::int32_t>(x));
+}
+constexpr std::uint32_t low_word(std::uint64_t x) {
+  return static_cast<std::uint32_t>(x);
+}
+constexpr std::uint32_t high_word(std::uint64_t x) {
+  return static_cast<std::uint32_t>(x >> 32);
+}
 constexpr double widened(float x) {
   return static_cast<double>(x);
 }
-constexpr float rounded(double x) {
+constexpr float to_float(double x) {
   return static_cast<float>(x);
 }
 

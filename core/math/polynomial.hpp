@@ -8,15 +8,15 @@
 
 namespace tessera::core {
 
-// coefficients[0] + coefficients[1] x + coefficients[2] x^2 + ...
-template <typename Real, std::size_t kCount>
-constexpr Real polynomial(Real x, const std::array<Real, kCount>& coefficients) {
+// coefficients[0] + coefficients[1] x + coefficients[2] x^2 + ... Real may be several numbers at once.
+template <typename Real, typename Coefficient, std::size_t kCount>
+constexpr Real polynomial(Real x, const std::array<Coefficient, kCount>& coefficients) {
   if constexpr (kCount == 1) {
-    return coefficients[0];
+    return Real(coefficients[0]);
   } else {
     std::array<Real, (kCount + 1) / 2> pairs{};
     for (std::size_t i = 0; i < kCount / 2; ++i) pairs[i] = coefficients[2 * i] + coefficients[2 * i + 1] * x;
-    if constexpr (kCount % 2 == 1) pairs.back() = coefficients.back();
+    if constexpr (kCount % 2 == 1) pairs.back() = Real(coefficients.back());
     return polynomial(x * x, pairs);
   }
 }

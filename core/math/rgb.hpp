@@ -1,49 +1,49 @@
 // Linear radiometric colour with the primaries of Rec. 709: radiance, reflectance or throughput.
+// RgbOf<Float8> is eight of them (core/math/simd.hpp).
 #pragma once
 
 #include <cmath>
 
+#include "core/math/lanes.hpp"
+
 namespace tessera::core {
 
-struct Rgb {
-  float r = 0, g = 0, b = 0;
+template <typename T>
+struct RgbOf {
+  T r{}, g{}, b{};
 
-  static constexpr Rgb gray(float v) { return {v, v, v}; }
+  static constexpr RgbOf gray(T v) { return {v, v, v}; }
 
-  float operator[](int channel) const { return channel == 0 ? r : channel == 1 ? g : b; }
-  Rgb& operator+=(Rgb o) { return *this = {r + o.r, g + o.g, b + o.b}; }
-  Rgb& operator*=(Rgb o) { return *this = {r * o.r, g * o.g, b * o.b}; }
-  Rgb& operator*=(float s) { return *this = {r * s, g * s, b * s}; }
-  bool operator==(const Rgb&) const = default;
+  T operator[](int channel) const { return channel == 0 ? r : channel == 1 ? g : b; }
+  RgbOf& operator+=(RgbOf o) { return *this = {r + o.r, g + o.g, b + o.b}; }
+  RgbOf& operator*=(RgbOf o) { return *this = {r * o.r, g * o.g, b * o.b}; }
+  RgbOf& operator*=(T s) { return *this = {r * s, g * s, b * s}; }
+  bool operator==(const RgbOf&) const = default;
+
+  friend RgbOf operator+(RgbOf a, RgbOf b) { return {a.r + b.r, a.g + b.g, a.b + b.b}; }
+  friend RgbOf operator-(RgbOf a, RgbOf b) { return {a.r - b.r, a.g - b.g, a.b - b.b}; }
+  friend RgbOf operator*(RgbOf a, RgbOf b) { return {a.r * b.r, a.g * b.g, a.b * b.b}; }
+  friend RgbOf operator*(RgbOf a, T s) { return {a.r * s, a.g * s, a.b * s}; }
+  friend RgbOf operator*(T s, RgbOf a) { return a * s; }
+  friend RgbOf operator/(RgbOf a, T s) { return {a.r / s, a.g / s, a.b / s}; }
 };
+using Rgb = RgbOf<float>;
 
-inline Rgb operator+(Rgb a, Rgb b) {
-  return {a.r + b.r, a.g + b.g, a.b + b.b};
-}
-inline Rgb operator-(Rgb a, Rgb b) {
-  return {a.r - b.r, a.g - b.g, a.b - b.b};
-}
-inline Rgb operator*(Rgb a, Rgb b) {
-  return {a.r * b.r, a.g * b.g, a.b * b.b};
-}
-inline Rgb operator*(Rgb a, float s) {
-  return {a.r * s, a.g * s, a.b * s};
-}
-inline Rgb operator*(float s, Rgb a) {
-  return a * s;
-}
-inline Rgb operator/(Rgb a, float s) {
-  return {a.r / s, a.g / s, a.b / s};
-}
-
-inline bool is_black(Rgb c) {
-  return c.r == 0 && c.g == 0 && c.b == 0;
+template <typename T = float>
+MaskOf<T> is_black(RgbOf<T> c) {
+  return (c.r == 0) & (c.g == 0) & (c.b == 0);
 }
 inline bool is_finite(Rgb c) {
   return std::isfinite(c.r) && std::isfinite(c.g) && std::isfinite(c.b);
 }
-inline float max_component(Rgb c) {
-  return c.r > c.g ? (c.r > c.b ? c.r : c.b) : (c.g > c.b ? c.g : c.b);
+template <typename T = float>
+T max_component(RgbOf<T> c) {
+  const T rg = select(c.r > c.g, c.r, c.g);
+  return select(rg > c.b, rg, c.b);
+}
+template <typename T>
+RgbOf<T> select(MaskOf<T> mask, RgbOf<T> a, RgbOf<T> b) {
+  return {select(mask, a.r, b.r), select(mask, a.g, b.g), select(mask, a.b, b.b)};
 }
 
 // What lights are weighed by when one is chosen: a blue lamp's noise is as large as a green one's.

@@ -23,7 +23,7 @@ struct Lanes<Float8> {
 inline Double8 widened(Float8 a) {
   return {_mm256_cvtps_pd(_mm256_castps256_ps128(a.v)), _mm256_cvtps_pd(_mm256_extractf128_ps(a.v, 1))};
 }
-inline Float8 rounded(Double8 a) {
+inline Float8 to_float(Double8 a) {
   return _mm256_set_m128(_mm256_cvtpd_ps(a.high.v), _mm256_cvtpd_ps(a.low.v));
 }
 

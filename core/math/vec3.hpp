@@ -1,56 +1,57 @@
-// Three floats: a point, a direction or a normal; the variable's name says which, and in which space.
+// Three floats: a point, a direction or a normal; the variable's name says which, and in which space. The
+// same for eight of them at once, lane by lane: Vec3Of<Float8> (core/math/simd.hpp).
 #pragma once
 
 #include <cmath>
 
+#include "core/math/lanes.hpp"
+
 namespace tessera::core {
 
-struct Vec3 {
-  float x = 0, y = 0, z = 0;
+template <typename T>
+struct Vec3Of {
+  T x{}, y{}, z{};
 
-  float& operator[](int axis) { return axis == 0 ? x : axis == 1 ? y : z; }
-  float operator[](int axis) const { return axis == 0 ? x : axis == 1 ? y : z; }
-  Vec3& operator+=(Vec3 b) { return *this = {x + b.x, y + b.y, z + b.z}; }
-  bool operator==(const Vec3&) const = default;
+  T& operator[](int axis) { return axis == 0 ? x : axis == 1 ? y : z; }
+  T operator[](int axis) const { return axis == 0 ? x : axis == 1 ? y : z; }
+  Vec3Of& operator+=(Vec3Of b) { return *this = *this + b; }
+  bool operator==(const Vec3Of&) const = default;
+
+  friend Vec3Of operator+(Vec3Of a, Vec3Of b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+  friend Vec3Of operator-(Vec3Of a, Vec3Of b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+  friend Vec3Of operator-(Vec3Of a) { return {-a.x, -a.y, -a.z}; }
+  friend Vec3Of operator*(Vec3Of a, T s) { return {a.x * s, a.y * s, a.z * s}; }
+  friend Vec3Of operator*(T s, Vec3Of a) { return a * s; }
+  friend Vec3Of operator/(Vec3Of a, T s) { return {a.x / s, a.y / s, a.z / s}; }
 };
+using Vec3 = Vec3Of<float>;
 
-inline Vec3 operator+(Vec3 a, Vec3 b) {
-  return {a.x + b.x, a.y + b.y, a.z + b.z};
-}
-inline Vec3 operator-(Vec3 a, Vec3 b) {
-  return {a.x - b.x, a.y - b.y, a.z - b.z};
-}
-inline Vec3 operator-(Vec3 a) {
-  return {-a.x, -a.y, -a.z};
-}
-inline Vec3 operator*(Vec3 a, float s) {
-  return {a.x * s, a.y * s, a.z * s};
-}
-inline Vec3 operator*(float s, Vec3 a) {
-  return a * s;
-}
-inline Vec3 operator/(Vec3 a, float s) {
-  return {a.x / s, a.y / s, a.z / s};
-}
-
-inline float dot(Vec3 a, Vec3 b) {
+template <typename T = float>
+T dot(Vec3Of<T> a, Vec3Of<T> b) {
   return a.x * b.x + a.y * b.y + a.z * b.z;
 }
-inline Vec3 cross(Vec3 a, Vec3 b) {
+template <typename T = float>
+Vec3Of<T> cross(Vec3Of<T> a, Vec3Of<T> b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
-inline float length_squared(Vec3 a) {
+template <typename T = float>
+T length_squared(Vec3Of<T> a) {
   return dot(a, a);
 }
-inline float length(Vec3 a) {
-  return std::sqrt(dot(a, a));
+template <typename T = float>
+T length(Vec3Of<T> a) {
+  using std::sqrt;
+  return sqrt(dot(a, a));
 }
-inline Vec3 normalize(Vec3 a) {
+template <typename T = float>
+Vec3Of<T> normalize(Vec3Of<T> a) {
   return a / length(a);
 }
 
-inline Vec3 abs(Vec3 a) {
-  return {std::fabs(a.x), std::fabs(a.y), std::fabs(a.z)};
+template <typename T = float>
+Vec3Of<T> abs(Vec3Of<T> a) {
+  using std::fabs;
+  return {fabs(a.x), fabs(a.y), fabs(a.z)};
 }
 inline Vec3 min(Vec3 a, Vec3 b) {
   return {a.x < b.x ? a.x : b.x, a.y < b.y ? a.y : b.y, a.z < b.z ? a.z : b.z};
@@ -61,25 +62,26 @@ inline Vec3 max(Vec3 a, Vec3 b) {
 inline bool is_finite(Vec3 a) {
   return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z);
 }
+template <typename T>
+Vec3Of<T> select(MaskOf<T> mask, Vec3Of<T> a, Vec3Of<T> b) {
+  return {select(mask, a.x, b.x), select(mask, a.y, b.y), select(mask, a.z, b.z)};
+}
 
 // `v` or `-v`, whichever lies in the hemisphere of `reference`.
-inline Vec3 face_toward(Vec3 v, Vec3 reference) {
-  return dot(v, reference) < 0 ? -v : v;
+template <typename T = float>
+Vec3Of<T> face_toward(Vec3Of<T> v, Vec3Of<T> reference) {
+  return select(dot(v, reference) < 0, -v, v);
 }
 
-struct Vec2 {
-  float x = 0, y = 0;
-  bool operator==(const Vec2&) const = default;
+template <typename T>
+struct Vec2Of {
+  T x{}, y{};
+  bool operator==(const Vec2Of&) const = default;
+
+  friend Vec2Of operator+(Vec2Of a, Vec2Of b) { return {a.x + b.x, a.y + b.y}; }
+  friend Vec2Of operator-(Vec2Of a, Vec2Of b) { return {a.x - b.x, a.y - b.y}; }
+  friend Vec2Of operator*(Vec2Of a, T s) { return {a.x * s, a.y * s}; }
 };
-
-inline Vec2 operator+(Vec2 a, Vec2 b) {
-  return {a.x + b.x, a.y + b.y};
-}
-inline Vec2 operator-(Vec2 a, Vec2 b) {
-  return {a.x - b.x, a.y - b.y};
-}
-inline Vec2 operator*(Vec2 a, float s) {
-  return {a.x * s, a.y * s};
-}
+using Vec2 = Vec2Of<float>;
 
 }  // namespace tessera::core

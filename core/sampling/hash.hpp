@@ -3,23 +3,28 @@
 
 #include <cstdint>
 
+#include "core/math/lanes.hpp"
+
 namespace tessera::core {
 
-// A bijection of 64-bit numbers whose output bits each depend on all input bits (Steele, Lea and Flood 2014,
-// the finalizer of SplitMix64, variant 13 of Stafford 2011).
-constexpr std::uint64_t mix_bits(std::uint64_t v) {
-  v = (v ^ (v >> 30)) * 0xbf58476d1ce4e5b9u;
-  v = (v ^ (v >> 27)) * 0x94d049bb133111ebu;
+// A bijection of 64-bit numbers, one or several at a time, whose output bits each depend on all input bits
+// (Steele, Lea and Flood 2014, the finalizer of SplitMix64, variant 13 of Stafford 2011).
+template <typename U = std::uint64_t>
+constexpr U mix_bits(U v) {
+  v = (v ^ (v >> 30)) * U(0xbf58476d1ce4e5b9u);
+  v = (v ^ (v >> 27)) * U(0x94d049bb133111ebu);
   return v ^ (v >> 31);
 }
 
-constexpr std::uint64_t hash(std::uint64_t a, std::uint64_t b) {
-  return mix_bits(a + mix_bits(b + 0x9e3779b97f4a7c15u));
+template <typename U = std::uint64_t>
+constexpr U hash(U a, std::uint64_t b) {
+  return mix_bits<U>(a + U(mix_bits(b + 0x9e3779b97f4a7c15u)));
 }
 
 // In [0, 1), with 24 bits: the largest is 1 - 2^-24.
-constexpr float unit_float(std::uint32_t bits) {
-  return static_cast<float>(bits >> 8) * 0x1p-24f;
+template <typename U>
+constexpr auto unit_float(U bits) {
+  return to_float(bits >> 8) * 0x1p-24f;
 }
 
 }  // namespace tessera::core

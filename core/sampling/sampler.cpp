@@ -4,17 +4,36 @@
 
 namespace tessera::core {
 
+namespace {
+
+// A pad's numbers as 32 bits each, of one sample or of several at once.
+template <typename U32, typename U64>
+std::array<U32, 4> scrambled_point(U64 key, U32 sample) {
+  const U32 index = reverse_bits(owen_scramble_reversed(reverse_bits(sample), low_word(key)));
+  const std::array<U32, 4> point = sobol_reversed(index);
+  const U64 first = mix_bits(key + U64(1)), second = mix_bits(key + U64(2));
+  const std::array<U32, 4> seeds{low_word(first), high_word(first), low_word(second), high_word(second)};
+  std::array<U32, 4> scrambled;
+  for (std::size_t d = 0; d < 4; ++d) scrambled[d] = reverse_bits(owen_scramble_reversed(point[d], seeds[d]));
+  return scrambled;
+}
+
+}  // namespace
+
 std::array<float, 4> Sampler::pad(std::uint32_t pad) const {
-  const std::uint64_t key = hash(pixel_key_, pad);
-  const auto shuffle_seed = static_cast<std::uint32_t>(key);
-  const std::uint32_t index = reverse_bits(owen_scramble_reversed(reverse_bits(sample_), shuffle_seed));
-  const auto point = sobol_reversed(index);
-  std::array<std::uint32_t, 4> seeds;
-  for (std::size_t d = 0; d < 4; ++d) seeds[d] = static_cast<std::uint32_t>(mix_bits(key + d + 1) >> 32);
-  std::array<float, 4> u;
-  for (std::size_t d = 0; d < 4; ++d)  // all four at once, in vector registers
-    u[d] = unit_float(reverse_bits(owen_scramble_reversed(point[d], seeds[d])));
-  return u;
+  const auto bits = scrambled_point(hash(pixel_key_, pad), sample_);
+  return {unit_float(bits[0]), unit_float(bits[1]), unit_float(bits[2]), unit_float(bits[3])};
+}
+
+std::array<Float8, 4> Sampler::pads(const std::array<const Sampler*, 8>& samplers, std::uint32_t pad) {
+  std::array<std::uint64_t, 8> keys;
+  std::array<std::uint32_t, 8> samples;
+  for (std::size_t lane = 0; lane < 8; ++lane) {
+    keys[lane] = samplers[lane]->pixel_key_;
+    samples[lane] = samplers[lane]->sample_;
+  }
+  const auto bits = scrambled_point(hash(U64x8::of(keys), pad), U32x8::load(samples.data()));
+  return {unit_float(bits[0]), unit_float(bits[1]), unit_float(bits[2]), unit_float(bits[3])};
 }
 
 std::array<double, 3> Sampler::film_dither() const {

@@ -9,7 +9,7 @@
 #include <array>
 #include <cstdint>
 
-#include "core/math/vec3.hpp"
+#include "core/math/simd.hpp"
 #include "core/sampling/hash.hpp"
 
 namespace tessera::core {
@@ -23,6 +23,8 @@ class Sampler {
 
   // The four numbers of pad `pad`, each in [0, 1).
   std::array<float, 4> pad(std::uint32_t pad) const;
+  // Those of eight samplers, one in each lane.
+  static std::array<Float8, 4> pads(const std::array<const Sampler*, 8>& samplers, std::uint32_t pad);
 
   // Three numbers in [0, 1) for rounding a sample's channels to the film, independent of every pad.
   std::array<double, 3> film_dither() const;

@@ -70,4 +70,12 @@ std::array<std::uint32_t, kSobolDimensions> sobol_reversed(std::uint32_t index) 
   return add_modulo_two(low, high);
 }
 
+std::array<U32x8, kSobolDimensions> sobol_reversed(U32x8 index) {
+  std::array<std::uint32_t, 8> indices;
+  index.store(indices.data());
+  std::array<Point, 8> points;
+  for (std::size_t lane = 0; lane < 8; ++lane) points[lane] = sobol_reversed(indices[lane]);
+  return transpose(points);
+}
+
 }  // namespace tessera::core

@@ -5,6 +5,8 @@
 #include <array>
 #include <cstdint>
 
+#include "core/math/simd_integer.hpp"
+
 namespace tessera::core {
 
 inline constexpr int kSobolDimensions = 4;
@@ -12,6 +14,7 @@ inline constexpr int kSobolDimensions = 4;
 // Point `index` of the sequence with the bits of each coordinate reversed (lowest bit first), which is what
 // owen_scramble_reversed takes. Points 0 to 2^k - 1 stratify every elementary interval they can.
 std::array<std::uint32_t, kSobolDimensions> sobol_reversed(std::uint32_t index);
+std::array<U32x8, kSobolDimensions> sobol_reversed(U32x8 index);
 
 constexpr std::uint32_t reverse_bits(std::uint32_t v) {
   v = ((v >> 1) & 0x55555555u) | ((v & 0x55555555u) << 1);
@@ -23,13 +26,13 @@ constexpr std::uint32_t reverse_bits(std::uint32_t v) {
 
 // Nested uniform scrambling of a coordinate with reversed bits: each bit is flipped depending on `seed` and
 // on the bits of higher value alone. The result's bits are reversed still.
-constexpr std::uint32_t owen_scramble_reversed(std::uint32_t v, std::uint32_t seed) {
-  v ^= v * 0x3d20adeau;
-  v += seed;
-  v *= (seed >> 16) | 1u;
-  v ^= v * 0x05526c56u;
-  v ^= v * 0x53a22864u;
-  return v;
+template <typename U>
+constexpr U owen_scramble_reversed(U v, U seed) {
+  v = v ^ (v * 0x3d20adeau);
+  v = v + seed;
+  v = v * ((seed >> 16) | 1u);
+  v = v ^ (v * 0x05526c56u);
+  return v ^ (v * 0x53a22864u);
 }
 
 }  // namespace tessera::core

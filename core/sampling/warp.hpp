@@ -10,11 +10,13 @@
 namespace tessera::core {
 
 // Uniform on the unit disk; keeps neighbours together (Shirley and Chiu 1997).
-inline Vec2 sample_disk(Vec2 u) {
-  const float a = 2 * u.x - 1, b = 2 * u.y - 1;
-  const bool beside = std::fabs(a) > std::fabs(b);  // rather than above or below
-  const float radius = select(beside, a, b), across = select(beside, b, a);
-  const auto [s, c] = sin_cos_near_zero(0.5f * across / select(radius == 0, 1, radius));
+template <typename T = float>
+Vec2Of<T> sample_disk(Vec2Of<T> u) {
+  using std::fabs;
+  const T a = 2 * u.x - 1, b = 2 * u.y - 1;
+  const MaskOf<T> beside = fabs(a) > fabs(b);  // rather than above or below
+  const T radius = select(beside, a, b), across = select(beside, b, a);
+  const auto [s, c] = sin_cos_near_zero(0.5f * across / select(radius == 0, T(1.0f), radius));
   return {radius * select(beside, c, s), radius * select(beside, s, c)};
 }
 
@@ -33,12 +35,15 @@ inline PolarPoint sample_disk_polar(Vec2 u) {
 }
 
 // On the hemisphere around +z, density cos(theta) / pi per solid angle (Malley's method). z is above 0.
-inline Vec3 sample_cosine_hemisphere(Vec2 u) {
-  const Vec2 d = sample_disk(u);
-  return {d.x, d.y, std::sqrt(std::max(1e-12f, 1 - d.x * d.x - d.y * d.y))};
+template <typename T = float>
+Vec3Of<T> sample_cosine_hemisphere(Vec2Of<T> u) {
+  using std::sqrt;
+  const Vec2Of<T> d = sample_disk(u);
+  return {d.x, d.y, sqrt(larger(T(1e-12f), 1 - d.x * d.x - d.y * d.y))};
 }
-inline float pdf_cosine_hemisphere(float cos_theta) {
-  return std::max(0.0f, cos_theta) / kPi;
+template <typename T>
+T pdf_cosine_hemisphere(T cos_theta) {
+  return larger(T(0.0f), cos_theta) / kPi;
 }
 
 // Uniform on the unit sphere, density 1 / (4 pi) per solid angle.

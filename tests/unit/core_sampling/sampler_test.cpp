@@ -102,5 +102,21 @@ TEST(Sampler, DitherIsUniformAndDiffersByChannel) {
   for (const double m : mean) EXPECT_NEAR(m, 0.5, 0.015);
 }
 
+TEST(Sampler, EightAtOnceAreWhatEachIsAlone) {
+  for (std::uint32_t i = 0; i < 1000; ++i) {
+    std::vector<Sampler> samplers;
+    std::array<const Sampler*, 8> pointers;
+    for (std::uint32_t lane = 0; lane < 8; ++lane)
+      samplers.emplace_back(i / 7, static_cast<int>(i * lane), static_cast<int>(i % 5), i * i * lane + i);
+    for (std::size_t lane = 0; lane < 8; ++lane) pointers[lane] = &samplers[lane];
+    const auto pads = Sampler::pads(pointers, i % 50);
+    for (std::size_t d = 0; d < 4; ++d) {
+      alignas(32) float lanes[8];
+      pads[d].store(lanes);
+      for (std::size_t lane = 0; lane < 8; ++lane) ASSERT_EQ(lanes[lane], samplers[lane].pad(i % 50)[d]);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace tessera::core

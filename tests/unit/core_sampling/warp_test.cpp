@@ -37,7 +37,7 @@ TEST(Warp, HemisphereHasTheCosineDensity) {
     ++by_cosine_squared[std::min<std::size_t>(7, static_cast<std::size_t>(w.z * w.z * 8))];
   });
   for (const int count : by_cosine_squared) EXPECT_NEAR(count / double{kSide * kSide}, 0.125, 0.005);
-  EXPECT_FLOAT_EQ(pdf_cosine_hemisphere(1), 1 / kPi);
+  EXPECT_FLOAT_EQ(pdf_cosine_hemisphere(1.0f), 1 / kPi);
   EXPECT_EQ(pdf_cosine_hemisphere(-0.5f), 0);
 }
 

@@ -1,0 +1,161 @@
+#include "core/integrators/eight_vertices.hpp"
+
+#include <algorithm>
+
+namespace tessera::core {
+namespace {
+
+using Rays = std::array<const Ray*, kLaneCount>;
+using Hits = std::array<const Hit*, kLaneCount>;
+
+Vec3Of<Float8> toward_origins(const Rays& rays) {
+  Vec3Lanes directions;
+  for (std::size_t lane = 0; lane < kLaneCount; ++lane) directions.set(lane, rays[lane]->direction);
+  return normalize(-directions.all());
+}
+
+// Surface points that are found one by one.
+class SurfaceLanes {
+ public:
+  explicit SurfaceLanes(const SurfacePointOf<Float8>& all)
+      : position_(all.position),
+        position_error_(all.position_error),
+        geometric_normal_(all.geometric_normal),
+        shading_normal_(all.shading_normal),
+        u_(all.uv.x),
+        v_(all.uv.y) {}
+
+  void set(std::size_t lane, const SurfacePoint& point) {
+    position_.set(lane, point.position);
+    position_error_.set(lane, point.position_error);
+    geometric_normal_.set(lane, point.geometric_normal);
+    shading_normal_.set(lane, point.shading_normal);
+    u_.set(lane, point.uv.x);
+    v_.set(lane, point.uv.y);
+  }
+  SurfacePoint operator[](std::size_t lane) const {
+    return {position_[lane],
+            position_error_[lane],
+            geometric_normal_[lane],
+            shading_normal_[lane],
+            {u_[lane], v_[lane]}};
+  }
+  SurfacePointOf<Float8> all() const {
+    return {position_.all(),
+            position_error_.all(),
+            geometric_normal_.all(),
+            shading_normal_.all(),
+            {u_.all(), v_.all()}};
+  }
+
+ private:
+  Vec3Lanes position_, position_error_, geometric_normal_, shading_normal_;
+  FloatLanes u_, v_;
+};
+
+SurfaceLanes surfaces(const Primitives& primitives, const Rays& rays, const Hits& hits) {
+  const auto is_triangle = [&](const Hit* hit) { return primitives.is_plain_triangle(*hit); };
+  const auto some_triangle = std::find_if(hits.begin(), hits.end(), is_triangle);
+  SurfacePointOf<Float8> triangles;
+  if (some_triangle != hits.end()) {
+    Hits of_triangles = hits;
+    for (const Hit*& hit : of_triangles)
+      if (!is_triangle(hit)) hit = *some_triangle;
+    triangles = primitives.triangle_surfaces(of_triangles);
+  }
+  SurfaceLanes all(triangles);
+  for (std::size_t lane = 0; lane < kLaneCount; ++lane)
+    if (!is_triangle(hits[lane])) all.set(lane, primitives.surface(*rays[lane], *hits[lane]));
+  return all;
+}
+
+}  // namespace
+
+void MixedBsdfs::set(std::size_t lane, const Bsdf& bsdf) {
+  bsdfs_[lane] = bsdf;
+  delta_ |= (bsdf.is_delta() ? 1u : 0u) << lane;
+  transmits_ |= (bsdf.transmits() ? 1u : 0u) << lane;
+}
+
+BsdfValueOf<Float8> MixedBsdfs::evaluate(Vec3Of<Float8> wo_local, Vec3Of<Float8> wi_local) const {
+  const Vec3Lanes wo(wo_local), wi(wi_local);
+  RgbLanes value{};
+  FloatLanes pdf{};
+  for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
+    if (!bsdfs_[lane] || wi[lane] == Vec3{}) continue;
+    const BsdfValue one = bsdfs_[lane]->evaluate(wo[lane], wi[lane]);
+    value.set(lane, one.value);
+    pdf.set(lane, one.pdf);
+  }
+  return {value.all(), pdf.all()};
+}
+
+BsdfSamples MixedBsdfs::sample(Vec3Of<Float8> wo_local, Vec2Of<Float8> u, Float8 u_lobe) const {
+  const Vec3Lanes wo(wo_local);
+  const FloatLanes u_x(u.x), u_y(u.y), lobe(u_lobe);
+  Vec3Lanes wi{};
+  RgbLanes weight{};
+  FloatLanes pdf{}, eta{};
+  unsigned found = 0, delta = 0, transmitted = 0;
+  for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
+    if (!bsdfs_[lane]) continue;
+    const auto one = bsdfs_[lane]->sample(wo[lane], {u_x[lane], u_y[lane]}, lobe[lane]);
+    if (!one) continue;
+    found |= 1u << lane;
+    delta |= (one->delta ? 1u : 0u) << lane;
+    transmitted |= (one->transmitted ? 1u : 0u) << lane;
+    wi.set(lane, one->wi_local);
+    weight.set(lane, one->weight);
+    pdf.set(lane, one->pdf);
+    eta.set(lane, one->eta);
+  }
+  return {Mask8::from_bits(found),
+          Mask8::from_bits(delta),
+          Mask8::from_bits(transmitted),
+          wi.all(),
+          weight.all(),
+          pdf.all(),
+          eta.all()};
+}
+
+bool is_diffuse(const Material& material) {
+  return std::holds_alternative<Lambert>(material.model) && material.normal_map.texture < 0 &&
+         material.sampling != Sampling::kUniform;
+}
+
+DiffuseVertices diffuse_vertices(const Scene& scene, const Rays& rays, const Hits& hits) {
+  const Vec3Of<Float8> wo = toward_origins(rays);
+  const SurfacePointOf<Float8> surface = scene.primitives().triangle_surfaces(hits);
+  const ViewedSide<Float8> side(surface, wo);
+  const FloatLanes u(surface.uv.x), v(surface.uv.y);
+  RgbLanes albedo;
+  for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
+    const auto& model = *std::get_if<Lambert>(&scene.material_of(*hits[lane]).model);
+    albedo.set(lane, model.albedo.evaluate(scene.textures(), {u[lane], v[lane]}));
+  }
+  return {surface, wo, side.normal, side.shading_normal(surface.shading_normal, wo), {{albedo.all()}}};
+}
+
+MixedVertices mixed_vertices(const Scene& scene, const Rays& rays, const Hits& hits, std::size_t count) {
+  const Vec3Of<Float8> wo = toward_origins(rays);
+  const SurfaceLanes lanes = surfaces(scene.primitives(), rays, hits);
+  const SurfacePointOf<Float8> surface = lanes.all();
+  const ViewedSide<Float8> side(surface, wo);
+  Vec3Lanes outward(surface.shading_normal);
+  MixedBsdfs bsdfs;
+  unsigned diffuse = 0;
+  for (std::size_t lane = 0; lane < count; ++lane) {
+    const Material& material = scene.material_of(*hits[lane]);
+    const SurfacePoint point = lanes[lane];
+    if (material.normal_map.texture >= 0)
+      outward.set(lane, outward_normal(scene, material, *hits[lane], point));
+    if (std::holds_alternative<Lambert>(material.model)) diffuse |= 1u << lane;
+    bsdfs.set(lane, Bsdf(material, scene.textures(), point.uv, (side.outside.bits() >> lane & 1) != 0));
+  }
+  const Vec3Of<Float8> seen = side.shading_normal(outward.all(), wo);
+  const Vec3Of<Float8> bent =
+      select(Mask8::from_bits(diffuse), seen, bend_for_reflection(seen, side.normal, wo));
+  return {surface, wo, side.normal, bent, bsdfs};
+}
+
+}  // namespace tessera::core

@@ -1,0 +1,51 @@
+// Eight lanes as an array, to fill or read one by one.
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+#include "core/math/rgb.hpp"
+#include "core/math/simd.hpp"
+#include "core/math/vec3.hpp"
+
+namespace tessera::core {
+
+inline constexpr std::size_t kLaneCount = 8;
+
+class FloatLanes {
+ public:
+  FloatLanes() = default;
+  explicit FloatLanes(Float8 a) { a.store(values_); }
+  float operator[](std::size_t lane) const { return values_[lane]; }
+  void set(std::size_t lane, float value) { values_[lane] = value; }
+  Float8 all() const { return Float8::load(values_); }
+
+ private:
+  alignas(32) float values_[kLaneCount];
+};
+
+class Vec3Lanes {
+ public:
+  Vec3Lanes() = default;
+  explicit Vec3Lanes(Vec3Of<Float8> a) : x_(a.x), y_(a.y), z_(a.z) {}
+  Vec3 operator[](std::size_t lane) const { return {x_[lane], y_[lane], z_[lane]}; }
+  void set(std::size_t lane, Vec3 v) { x_.set(lane, v.x), y_.set(lane, v.y), z_.set(lane, v.z); }
+  Vec3Of<Float8> all() const { return {x_.all(), y_.all(), z_.all()}; }
+
+ private:
+  FloatLanes x_, y_, z_;
+};
+
+class RgbLanes {
+ public:
+  RgbLanes() = default;
+  explicit RgbLanes(RgbOf<Float8> a) : r_(a.r), g_(a.g), b_(a.b) {}
+  Rgb operator[](std::size_t lane) const { return {r_[lane], g_[lane], b_[lane]}; }
+  void set(std::size_t lane, Rgb c) { r_.set(lane, c.r), g_.set(lane, c.g), b_.set(lane, c.b); }
+  RgbOf<Float8> all() const { return {r_.all(), g_.all(), b_.all()}; }
+
+ private:
+  FloatLanes r_, g_, b_;
+};
+
+}  // namespace tessera::core

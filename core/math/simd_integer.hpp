@@ -1,0 +1,137 @@
+// Eight unsigned integers at once, of 32 and of 64 bits, with the arithmetic of the scalar types.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "core/math/simd.hpp"
+
+namespace tessera::core {
+
+struct U32x8 {
+  __m256i v;
+
+  U32x8() = default;
+  U32x8(__m256i lanes) : v(lanes) {}
+  U32x8(std::uint32_t every) : v(_mm256_set1_epi32(static_cast<int>(every))) {}
+  static U32x8 load(const std::uint32_t* from) {
+    return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(from));
+  }
+  // table[index[i]] in lane i.
+  static U32x8 gather(const std::uint32_t* table, U32x8 index) {
+    return _mm256_i32gather_epi32(reinterpret_cast<const int*>(table), index.v, 4);
+  }
+
+  void store(std::uint32_t* to) const { _mm256_storeu_si256(reinterpret_cast<__m256i*>(to), v); }
+};
+
+inline U32x8 operator+(U32x8 a, U32x8 b) {
+  return _mm256_add_epi32(a.v, b.v);
+}
+inline U32x8 operator-(U32x8 a, U32x8 b) {
+  return _mm256_sub_epi32(a.v, b.v);
+}
+inline U32x8 operator*(U32x8 a, U32x8 b) {
+  return _mm256_mullo_epi32(a.v, b.v);
+}
+inline U32x8 operator&(U32x8 a, U32x8 b) {
+  return _mm256_and_si256(a.v, b.v);
+}
+inline U32x8 operator|(U32x8 a, U32x8 b) {
+  return _mm256_or_si256(a.v, b.v);
+}
+inline U32x8 operator^(U32x8 a, U32x8 b) {
+  return _mm256_xor_si256(a.v, b.v);
+}
+inline U32x8 operator<<(U32x8 a, int count) {
+  return _mm256_slli_epi32(a.v, count);
+}
+inline U32x8 operator>>(U32x8 a, int count) {
+  return _mm256_srli_epi32(a.v, count);
+}
+inline U32x8 select(Mask8 mask, U32x8 a, U32x8 b) {
+  return _mm256_blendv_epi8(b.v, a.v, _mm256_castps_si256(mask.v));
+}
+
+inline U32x8 as_bits(Float8 a) {
+  return _mm256_castps_si256(a.v);
+}
+inline Float8 as_float(U32x8 a) {
+  return _mm256_castsi256_ps(a.v);
+}
+// Of numbers below 2^31.
+inline Float8 to_float(U32x8 a) {
+  return _mm256_cvtepi32_ps(a.v);
+}
+
+// The lowest bit first.
+inline U32x8 reverse_bits(U32x8 a) {
+  const __m256i nibble = _mm256_set1_epi8(15);
+  const __m256i reversed =
+      _mm256_broadcastsi128_si256(_mm_setr_epi8(0, 8, 4, 12, 2, 10, 6, 14, 1, 9, 5, 13, 3, 11, 7, 15));
+  const __m256i bytes_reversed =
+      _mm256_broadcastsi128_si256(_mm_setr_epi8(3, 2, 1, 0, 7, 6, 5, 4, 11, 10, 9, 8, 15, 14, 13, 12));
+  const __m256i low = _mm256_shuffle_epi8(reversed, _mm256_and_si256(a.v, nibble));
+  const __m256i high = _mm256_shuffle_epi8(reversed, _mm256_and_si256(_mm256_srli_epi32(a.v, 4), nibble));
+  return _mm256_shuffle_epi8(_mm256_or_si256(_mm256_slli_epi32(low, 4), high), bytes_reversed);
+}
+
+// Lane i of answer d is rows[i][d].
+inline std::array<U32x8, 4> transpose(const std::array<std::array<std::uint32_t, 4>, 8>& rows) {
+  const auto pair = [&rows](std::size_t i) {  // rows i and i + 4
+    const auto* low = reinterpret_cast<const __m128i*>(rows[i].data());
+    const auto* high = reinterpret_cast<const __m128i*>(rows[i + 4].data());
+    return _mm256_inserti128_si256(_mm256_castsi128_si256(_mm_loadu_si128(low)), _mm_loadu_si128(high), 1);
+  };
+  const __m256i a = pair(0), b = pair(1), c = pair(2), d = pair(3);
+  const __m256i ab_low = _mm256_unpacklo_epi32(a, b), ab_high = _mm256_unpackhi_epi32(a, b);
+  const __m256i cd_low = _mm256_unpacklo_epi32(c, d), cd_high = _mm256_unpackhi_epi32(c, d);
+  return {_mm256_unpacklo_epi64(ab_low, cd_low), _mm256_unpackhi_epi64(ab_low, cd_low),
+          _mm256_unpacklo_epi64(ab_high, cd_high), _mm256_unpackhi_epi64(ab_high, cd_high)};
+}
+
+struct U64x8 {
+  __m256i even, odd;  // lanes 0, 1, 4, 5 and lanes 2, 3, 6, 7, so that they interleave with 32-bit lanes
+
+  U64x8() = default;
+  U64x8(__m256i even_lanes, __m256i odd_lanes) : even(even_lanes), odd(odd_lanes) {}
+  U64x8(std::uint64_t every) : even(_mm256_set1_epi64x(static_cast<long long>(every))), odd(even) {}
+  static U64x8 of(const std::array<std::uint64_t, 8>& a) {
+    const auto number = [&a](std::size_t i) { return static_cast<long long>(a[i]); };
+    return {_mm256_setr_epi64x(number(0), number(1), number(4), number(5)),
+            _mm256_setr_epi64x(number(2), number(3), number(6), number(7))};
+  }
+};
+
+template <int kWhich>
+U32x8 words(U64x8 a) {
+  return _mm256_castps_si256(
+      _mm256_shuffle_ps(_mm256_castsi256_ps(a.even), _mm256_castsi256_ps(a.odd), kWhich));
+}
+inline U32x8 low_word(U64x8 a) {
+  return words<_MM_SHUFFLE(2, 0, 2, 0)>(a);
+}
+inline U32x8 high_word(U64x8 a) {
+  return words<_MM_SHUFFLE(3, 1, 3, 1)>(a);
+}
+
+inline U64x8 operator+(U64x8 a, U64x8 b) {
+  return {_mm256_add_epi64(a.even, b.even), _mm256_add_epi64(a.odd, b.odd)};
+}
+inline U64x8 operator^(U64x8 a, U64x8 b) {
+  return {_mm256_xor_si256(a.even, b.even), _mm256_xor_si256(a.odd, b.odd)};
+}
+inline U64x8 operator>>(U64x8 a, int count) {
+  return {_mm256_srli_epi64(a.even, count), _mm256_srli_epi64(a.odd, count)};
+}
+// Modulo 2^64, from products of 32 by 32 bits.
+inline __m256i multiply(__m256i a, __m256i b) {
+  const __m256i a_high = _mm256_srli_epi64(a, 32), b_high = _mm256_srli_epi64(b, 32);
+  const __m256i crossed = _mm256_add_epi64(_mm256_mul_epu32(a_high, b), _mm256_mul_epu32(a, b_high));
+  return _mm256_add_epi64(_mm256_mul_epu32(a, b), _mm256_slli_epi64(crossed, 32));
+}
+inline U64x8 operator*(U64x8 a, U64x8 b) {
+  return {multiply(a.even, b.even), multiply(a.odd, b.odd)};
+}
+
+}  // namespace tessera::core

@@ -1,0 +1,169 @@
+// Eight at once are to the bit what each is alone.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <optional>
+#include <random>
+#include <vector>
+
+#include "core/geometry/ray_lanes.hpp"
+#include "core/integrators/eight_vertices.hpp"
+#include "core/integrators/fingerprint.hpp"
+
+namespace tessera::core {
+namespace {
+
+bool has(Mask8 mask, std::size_t lane) {
+  return (mask.bits() >> lane & 1) != 0;
+}
+
+void expect_equal(const Ray& a, const Ray& b) {
+  ASSERT_EQ(a.origin, b.origin);
+  ASSERT_EQ(a.direction, b.direction);
+  ASSERT_EQ(a.t_max, b.t_max);
+}
+
+class EightLanes : public testing::Test {
+ protected:
+  EightLanes() : scene_(Scene::build(fingerprint_scene(), 1).value()) {}
+
+  float random() { return std::uniform_real_distribution<float>(0, 1)(generator_); }
+  Vec3 random_point() { return {3 * random() - 1.5f, 3 * random(), 4 * random() - 2}; }
+
+  // Rays and what they hit.
+  struct Sights {
+    std::array<Ray, kLaneCount> rays;
+    std::array<Hit, kLaneCount> hits;
+
+    std::array<const Ray*, kLaneCount> ray_pointers() const { return pointers(rays); }
+    std::array<const Hit*, kLaneCount> hit_pointers() const { return pointers(hits); }
+
+   private:
+    template <typename T>
+    static std::array<const T*, kLaneCount> pointers(const std::array<T, kLaneCount>& of) {
+      std::array<const T*, kLaneCount> all;
+      for (std::size_t lane = 0; lane < kLaneCount; ++lane) all[lane] = &of[lane];
+      return all;
+    }
+  };
+  Sights look(bool at_diffuse_triangles) {
+    Sights sights;
+    for (std::size_t lane = 0; lane < kLaneCount;) {
+      const Ray ray{random_point(), random_point()};
+      const Hit hit = scene_.bvh().closest_hit(scene_.primitives(), ray);
+      if (!hit.found()) continue;
+      if (at_diffuse_triangles &&
+          (!scene_.primitives().is_plain_triangle(hit) || !is_diffuse(scene_.material_of(hit))))
+        continue;
+      sights.rays[lane] = ray;
+      sights.hits[lane++] = hit;
+    }
+    return sights;
+  }
+
+  // Compares vertices with those that each ray makes alone, and counts how often what is found.
+  template <typename Vertices>
+  void compare(const Sights& sights, const Vertices& together) {
+    std::vector<PathVertex> alone;
+    for (std::size_t lane = 0; lane < kLaneCount; ++lane)
+      alone.emplace_back(scene_, sights.rays[lane], sights.hits[lane]);
+    compare_surfaces(alone, together);
+    compare_samples(alone, together);
+    compare_lights(alone, together);
+  }
+
+  template <typename Vertices>
+  void compare_surfaces(const std::vector<PathVertex>& alone, const Vertices& together) {
+    const SurfacePointOf<Float8>& surface = together.surface();
+    for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
+      const SurfacePoint& point = alone[lane].surface();
+      ASSERT_EQ(Vec3Lanes(surface.position)[lane], point.position);
+      ASSERT_EQ(Vec3Lanes(surface.position_error)[lane], point.position_error);
+      ASSERT_EQ(Vec3Lanes(surface.geometric_normal)[lane], point.geometric_normal);
+      ASSERT_EQ(Vec3Lanes(surface.shading_normal)[lane], point.shading_normal);
+      ASSERT_EQ(FloatLanes(surface.uv.x)[lane], point.uv.x);
+      ASSERT_EQ(FloatLanes(surface.uv.y)[lane], point.uv.y);
+      ASSERT_EQ(Vec3Lanes(together.wo())[lane], alone[lane].wo());
+      ASSERT_EQ(Vec3Lanes(together.lit_normal())[lane], alone[lane].lit_point().normal);
+      ASSERT_EQ(has(together.is_delta(), lane), alone[lane].is_delta());
+    }
+  }
+
+  template <typename Vertices>
+  void compare_samples(const std::vector<PathVertex>& alone, const Vertices& together) {
+    FloatLanes u_x, u_y, u_lobe;
+    for (std::size_t lane = 0; lane < kLaneCount; ++lane)
+      u_x.set(lane, random()), u_y.set(lane, random()), u_lobe.set(lane, random());
+    const auto samples = together.sample({u_x.all(), u_y.all()}, u_lobe.all());
+    const BsdfValueOf<Float8> values = together.evaluate(samples.wi);
+    for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
+      const auto sample = alone[lane].sample({u_x[lane], u_y[lane]}, u_lobe[lane]);
+      ASSERT_EQ(has(samples.found, lane), sample.has_value());
+      if (!sample) continue;
+      ++samples_found_;
+      ASSERT_EQ(Vec3Lanes(samples.wi)[lane], sample->wi);
+      ASSERT_EQ(RgbLanes(samples.weight)[lane], sample->weight);
+      ASSERT_EQ(has(samples.delta, lane), sample->delta);
+      ASSERT_EQ(FloatLanes(samples.eta)[lane], sample->eta);
+      expect_equal(RayLanes(together.ray_along(samples.wi))[lane], alone[lane].ray_along(sample->wi));
+      if (sample->delta) continue;
+      ASSERT_EQ(FloatLanes(samples.pdf)[lane], sample->pdf);
+      const BsdfValue value = alone[lane].evaluate(sample->wi);
+      ASSERT_EQ(RgbLanes(values.value)[lane], value.value);
+      ASSERT_EQ(FloatLanes(values.pdf)[lane], value.pdf);
+    }
+  }
+
+  template <typename Vertices>
+  void compare_lights(const std::vector<PathVertex>& alone, const Vertices& together) {
+    std::array<const Light*, kLaneCount> lights;
+    FloatLanes u_x, u_y;
+    for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
+      lights[lane] = random() < 0.1f ? nullptr : &scene_.lights()[generator_() % scene_.lights().size()];
+      u_x.set(lane, random()), u_y.set(lane, random());
+    }
+    const LightSamples samples =
+        sample_lights(lights, scene_.textures(), together.position(), {u_x.all(), u_y.all()});
+    const RayLanes rays(together.rays_toward(samples));
+    for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
+      const auto sample = lights[lane] ? sample_light(*lights[lane], scene_.textures(),
+                                                      alone[lane].position(), {u_x[lane], u_y[lane]})
+                                       : std::nullopt;
+      ASSERT_EQ(has(samples.found, lane), sample.has_value());
+      if (!sample) continue;
+      ++lights_found_;
+      ASSERT_EQ(Vec3Lanes(samples.wi)[lane], sample->wi);
+      ASSERT_EQ(RgbLanes(samples.radiance)[lane], sample->radiance);
+      ASSERT_EQ(FloatLanes(samples.pdf)[lane], sample->pdf);
+      ASSERT_EQ(has(samples.delta, lane), sample->delta);
+      expect_equal(rays[lane], alone[lane].ray_toward(*sample));
+    }
+  }
+
+  Scene scene_;
+  std::mt19937 generator_{1};
+  int samples_found_ = 0, lights_found_ = 0;
+};
+
+TEST_F(EightLanes, OfDiffuseTriangles) {
+  for (int i = 0; i < 1000; ++i) {
+    const Sights sights = look(true);
+    compare(sights, diffuse_vertices(scene_, sights.ray_pointers(), sights.hit_pointers()));
+    if (HasFatalFailure()) return;
+  }
+  EXPECT_GT(samples_found_, 6000);
+  EXPECT_GT(lights_found_, 4000);
+}
+
+TEST_F(EightLanes, OfAllMaterialsAndShapes) {
+  for (int i = 0; i < 2000; ++i) {
+    const Sights sights = look(false);
+    compare(sights, mixed_vertices(scene_, sights.ray_pointers(), sights.hit_pointers(), kLaneCount));
+    if (HasFatalFailure()) return;
+  }
+  EXPECT_GT(samples_found_, 12000);
+  EXPECT_GT(lights_found_, 8000);
+}
+
+}  // namespace
+}  // namespace tessera::core
