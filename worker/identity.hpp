@@ -7,10 +7,10 @@
 namespace tessera::worker {
 
 struct Identity {
-  std::string worker_id;  // 32 hexadecimal digits, random
-  std::string name;
-  std::string version;
-  std::string arithmetic_fingerprint;
+  std::string worker_id{};  // 32 hexadecimal digits, random
+  std::string name{};
+  std::string version{};
+  std::string arithmetic_fingerprint{};
   std::uint32_t threads = 1;
 };
 
