@@ -142,7 +142,7 @@ std::vector<PathVertex> visible_vertices(const Scene& scene) {
       const Ray ray = scene.camera().ray({static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f},
                                          kSidePx, kSidePx, {0.5f, 0.5f});
       const Hit hit = scene.bvh().closest_hit(scene.primitives(), ray);
-      if (hit.found() && scene.light_of(hit.primitive) == kNoLight) vertices.emplace_back(scene, ray, hit);
+      if (hit.found() && scene.light_of(hit) == kNoLight) vertices.emplace_back(scene, ray, hit);
     }
   return vertices;
 }

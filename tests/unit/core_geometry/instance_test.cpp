@@ -218,7 +218,9 @@ class SpawnedRaysOfInstances : public testing::TestWithParam<std::tuple<Vec3, fl
       const Ray in{offset_origin(point, -outwards), -outwards};
       const Hit far_side = bvh.closest_hit(shown, in);
       ASSERT_TRUE(far_side.found()) << test::describe(in, far_side);
-      if (!is_ball) ASSERT_NE(far_side.primitive, hit.primitive);
+      if (!is_ball) {
+        ASSERT_NE(far_side.primitive, hit.primitive);
+      }
     }
   }
 };

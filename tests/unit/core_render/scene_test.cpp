@@ -112,6 +112,8 @@ TEST(Scene, FindsLightsOfAnySize) {
     test::SceneMaker maker({});
     const auto lamp = maker.material(test::lambert(0), Rgb::gray(3));
     maker.add(MeshDescription{.positions = {{0, 0, 0}, {size, 0, 0}, {0, size, 0}},
+                              .normals = {},
+                              .uvs = {},
                               .triangles = {{0, 1, 2}},
                               .triangle_materials = {lamp}});
     EXPECT_EQ(maker.build().lights().size(), 1u) << size;
