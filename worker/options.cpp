@@ -49,7 +49,8 @@ Options parse_options(int argc, char** argv) {
       ->check(CLI::Range(1u, kMostThreads))
       ->type_name("N")
       ->capture_default_str();
-  app.add_option("--cache", options.cache, "Folder for the files of scenes and for built scenes; workers may share it")
+  app.add_option("--cache", options.cache,
+                 "Folder for the files of scenes and for built scenes; workers may share it")
       ->type_name("DIR")
       ->capture_default_str();
   app.add_option("--cache-gib", options.cache_gib,

@@ -11,6 +11,7 @@
 #include <new>
 #include <span>
 #include <type_traits>
+#include <utility>
 
 namespace tessera::core {
 
@@ -22,6 +23,14 @@ class HugePageArray {
   HugePageArray() = default;
   // The elements have no value until they are assigned to.
   explicit HugePageArray(std::size_t size) : memory_(allocate(size)), size_(size) {}
+  // What was moved from is empty.
+  HugePageArray(HugePageArray&& other) noexcept
+      : memory_(std::move(other.memory_)), size_(std::exchange(other.size_, 0)) {}
+  HugePageArray& operator=(HugePageArray&& other) noexcept {
+    memory_ = std::move(other.memory_);
+    size_ = std::exchange(other.size_, 0);
+    return *this;
+  }
 
   std::size_t size() const { return size_; }
   bool empty() const { return size_ == 0; }
