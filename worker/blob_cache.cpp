@@ -1,16 +1,15 @@
 #include "worker/blob_cache.hpp"
 
+#include <fcntl.h>
 #include <fmt/format.h>
-#include <unistd.h>
 
-#include <atomic>
 #include <cerrno>
 #include <chrono>
 #include <cstring>
-#include <filesystem>
 #include <fstream>
-#include <system_error>
+#include <span>
 
+#include "core/scene/cache/block_file.hpp"
 #include "core/scene/cache/cache_folder.hpp"
 #include "core/scene/cache/scene_store.hpp"
 #include "proto/status.hpp"
@@ -19,21 +18,13 @@
 namespace tessera::worker {
 namespace {
 
-namespace fs = std::filesystem;
 using core::ErrorCode;
 using core::fail;
 
 // Of a SHA-256.
 constexpr std::size_t kHexDigits = 64;
-constexpr const char* kPartialSuffix = ".partial";
 // For one blob, however large: a stalled transfer is noticed by the channel's keepalive long before.
 constexpr auto kFetchDeadline = std::chrono::hours(1);
-
-// Different for each transfer of each process that shares the folder.
-std::string partial_path(const std::string& path) {
-  static std::atomic<unsigned> transfers{0};
-  return fmt::format("{}.{}-{}{}", path, getpid(), ++transfers, kPartialSuffix);
-}
 
 core::Error cannot_write(const std::string& path) {
   return {ErrorCode::kInternal, fmt::format("cannot write {}: {}", path, std::strerror(errno))};
@@ -42,11 +33,6 @@ core::Error cannot_write(const std::string& path) {
 // The names that path_of() gives.
 bool is_blob_name(const std::string& name) {
   return name.size() == kHexDigits && name.find_first_not_of("0123456789abcdef") == std::string::npos;
-}
-
-// Those of partial_path().
-bool is_partial_name(const std::string& name) {
-  return is_blob_name(name.substr(0, kHexDigits)) && name.ends_with(kPartialSuffix);
 }
 
 bool holds(const std::string& path, const proto::Digest& digest) {
@@ -63,11 +49,8 @@ bool holds(const std::string& path, const proto::Digest& digest) {
 }  // namespace
 
 core::Result<BlobCache> BlobCache::open(const std::string& folder, std::uint64_t max_bytes) {
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error) return fail(ErrorCode::kInternal, fmt::format("cannot create {}: {}", folder, error.message()));
-  if (access(folder.c_str(), R_OK | W_OK | X_OK) != 0) return fail(cannot_write(folder));
-  core::remove_abandoned(folder, is_partial_name);
+  if (core::Status usable = core::make_folder(folder); !usable) return fail(usable.error());
+  core::remove_abandoned(folder, is_blob_name);
   return BlobCache(folder, max_bytes);
 }
 
@@ -87,24 +70,26 @@ core::Result<std::string> BlobCache::get(const proto::Digest& digest,
     core::mark_as_used(path);
     return path;
   }
-  const std::string partial = partial_path(path);
+  const std::string partial = core::partial_path_of(path);
   core::Status done = download(digest, partial, coordinator, stop);
   if (done && std::rename(partial.c_str(), path.c_str()) != 0) done = fail(cannot_write(path));
   if (!done) {
     std::remove(partial.c_str());
     return fail(done.error());
   }
-  core::remove_least_used(folder_, max_bytes_, is_file_name);
+  core::remove_least_used(folder_, max_bytes_, is_file_name, core::SceneStore::is_file_name);
   return path;
 }
 
 core::Status BlobCache::download(const proto::Digest& digest, const std::string& path,
                                  v1::WorkerService::StubInterface& coordinator,
                                  const std::stop_token& stop) const {
-  std::ofstream file(path, std::ios::binary | std::ios::trunc);
+  const core::OpenFile file(::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644));
+  if (!file.valid()) return fail(cannot_write(path));
+  std::uint64_t size = 0;
   proto::BlobReceiver receiver(digest, [&](std::string_view bytes) -> core::Status {
-    if (!file.write(bytes.data(), static_cast<std::streamsize>(bytes.size())))
-      return fail(cannot_write(path));
+    if (!core::write_at(file.get(), std::as_bytes(std::span(bytes)), size)) return fail(cannot_write(path));
+    size += bytes.size();
     return {};
   });
 
@@ -121,8 +106,6 @@ core::Status BlobCache::download(const proto::Digest& digest, const std::string&
   if (!taken) return taken;
   if (!finished.ok()) return proto::from_grpc(finished);
 
-  file.close();
-  if (!file) return fail(cannot_write(path));
   const auto received = receiver.finish();
   return received ? core::Status{} : fail(received.error());
 }

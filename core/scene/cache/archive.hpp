@@ -2,6 +2,7 @@
 // contents of large arrays to blocks of a file, in the order in which they come.
 #pragma once
 
+#include <algorithm>
 #include <cstring>
 #include <map>
 #include <memory>
@@ -18,9 +19,11 @@ namespace tessera::core::stored {
 // Arrays of at least so many bytes become blocks.
 inline constexpr std::size_t kBlockBytes = 4096;
 
+// To a BlockFileWriter, or whatever else takes blocks.
+template <typename Blocks>
 class Writer {
  public:
-  explicit Writer(BlockFileWriter& file) : file_(file) {}
+  explicit Writer(Blocks& blocks) : blocks_(blocks) {}
 
   const std::vector<std::byte>& bytes() const { return bytes_; }
 
@@ -59,7 +62,11 @@ class Writer {
   }
 
  private:
-  void append(std::span<const std::byte> bytes) { bytes_.insert(bytes_.end(), bytes.begin(), bytes.end()); }
+  void append(std::span<const std::byte> bytes) {
+    const std::size_t end = bytes_.size();
+    bytes_.resize(end + bytes.size());
+    if (!bytes.empty()) std::memcpy(bytes_.data() + end, bytes.data(), bytes.size());
+  }
 
   template <typename Array>
   void array(const Array& elements) {
@@ -69,16 +76,29 @@ class Writer {
       (*this)(static_cast<std::uint32_t>(sizeof(Element)));
       const auto bytes = std::as_bytes(std::span(elements.data(), elements.size()));
       if (bytes.size() < kBlockBytes) return append(bytes);
-      file_.write_block(bytes);
+      blocks_.write_block(bytes);
     } else {
       for (const auto& element : elements) (*this)(element);
     }
   }
 
-  BlockFileWriter& file_;
+  Blocks& blocks_;
   std::vector<std::byte> bytes_;
   std::map<const TextureImage*, std::uint32_t> images_;
 };
+
+// How many bytes a Writer would write.
+template <typename T>
+std::uint64_t stored_bytes(const T& value) {
+  struct Counter {
+    std::uint64_t bytes = 0;
+    void write_block(std::span<const std::byte> block) { bytes += block.size(); }
+  };
+  Counter blocks;
+  Writer writer(blocks);
+  writer(value);
+  return blocks.bytes + writer.bytes().size();
+}
 
 // Reads what a Writer has written. After a failure, values are worthless.
 class Reader {
@@ -154,13 +174,15 @@ class Reader {
     using Element = std::remove_cvref_t<decltype(elements[0])>;
     const auto size = read<std::uint64_t>();
     if constexpr (Plain<Element>) {
-      good_ = good_ && read<std::uint32_t>() == sizeof(Element);
+      good_ = good_ && read<std::uint32_t>() == sizeof(Element) &&
+              size <= std::max<std::uint64_t>(rest_.size(), file_.bytes_left()) / sizeof(Element);
       if (!good_) return;
       resize(size);
       const auto bytes = std::as_writable_bytes(std::span(elements.data(), elements.size()));
       if (bytes.size() < kBlockBytes) return take(bytes);
       good_ = file_.read_block(bytes);
     } else {
+      good_ = good_ && size <= rest_.size();  // no element takes less than a byte
       if (!good_) return;
       resize(size);
       for (auto& element : elements) (*this)(element);

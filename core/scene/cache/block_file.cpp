@@ -12,25 +12,26 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
-#include <filesystem>
 #include <utility>
+
+#include "core/scene/cache/cache_folder.hpp"
 
 namespace tessera::core {
 namespace {
 
 constexpr std::size_t kPieceBytes = 4u << 20;
 constexpr std::array<char, 8> kMagic{'T', 'e', 's', 's', 'e', 'r', 'a', '\n'};
-constexpr std::uint32_t kOrderOfBytes = 0x01020304;
+constexpr std::uint64_t kOrderOfBytes = 0x0102030405060708;
 
 struct Header {
   std::array<char, 8> magic = kMagic;
-  std::uint32_t order_of_bytes = kOrderOfBytes;
-  std::uint32_t version = 0;
+  std::uint64_t order_of_bytes = kOrderOfBytes;
+  Checksum version;
   std::uint64_t blocks_end = 0, piece_count = 0, file_size = 0;
   Checksum index;      // of what follows the blocks: the pieces' checksums and the index
   Checksum preceding;  // of the header up to here
 };
-static_assert(sizeof(Header) == 72 && std::has_unique_object_representations_v<Header>);
+static_assert(sizeof(Header) == 88 && std::has_unique_object_representations_v<Header>);
 
 Checksum checksum_of_header(const Header& header) {
   return checksum_of(std::as_bytes(std::span(&header, 1)).first(offsetof(Header, preceding)));
@@ -46,32 +47,14 @@ std::span<Byte> piece_of(std::span<Byte> bytes, std::size_t piece) {
   return bytes.subspan(begin, std::min(kPieceBytes, bytes.size() - begin));
 }
 
-// False with errno set where not all could be written.
-bool write_at(int file, std::span<const std::byte> bytes, std::uint64_t offset) {
-  while (!bytes.empty()) {
-    const ssize_t written = ::pwrite(file, bytes.data(), bytes.size(), static_cast<off_t>(offset));
-    if (written < 0 && errno == EINTR) continue;
-    if (written < 0) return false;
-    bytes = bytes.subspan(static_cast<std::size_t>(written));
-    offset += static_cast<std::uint64_t>(written);
-  }
-  return true;
-}
-
 Error cannot_write(const std::string& path, int error) {
   return {ErrorCode::kUnavailable, fmt::format("cannot write {}: {}", path, std::strerror(error))};
 }
 
-// Different for each writer of each process that shares the folder.
-std::string partial_path_of(const std::string& path) {
-  static std::atomic<unsigned> writers{0};
-  return fmt::format("{}.{}-{}.partial", path, ::getpid(), ++writers);
-}
-
-void flush_folder_of(const std::string& path) {
-  const std::string folder = std::filesystem::path(path).parent_path();
-  const OpenFile file(::open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-  if (file.valid()) ::fsync(file.get());
+// Whether its parts lie within it, one after another.
+bool is_sound(const Header& header) {
+  return header.blocks_end >= sizeof(Header) && header.blocks_end <= header.file_size &&
+         header.piece_count <= (header.file_size - header.blocks_end) / sizeof(Checksum);
 }
 
 }  // namespace
@@ -83,6 +66,17 @@ bool read_at(int file, std::span<std::byte> into, std::uint64_t offset) {
     if (count <= 0) return false;
     into = into.subspan(static_cast<std::size_t>(count));
     offset += static_cast<std::uint64_t>(count);
+  }
+  return true;
+}
+
+bool write_at(int file, std::span<const std::byte> bytes, std::uint64_t offset) {
+  while (!bytes.empty()) {
+    const ssize_t written = ::pwrite(file, bytes.data(), bytes.size(), static_cast<off_t>(offset));
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) return false;
+    bytes = bytes.subspan(static_cast<std::size_t>(written));
+    offset += static_cast<std::uint64_t>(written);
   }
   return true;
 }
@@ -105,15 +99,16 @@ OpenFile::~OpenFile() {
   if (valid()) ::close(descriptor_);
 }
 
-Result<BlockFileWriter> BlockFileWriter::create(const std::string& path, std::uint32_t version, int threads) {
+Result<BlockFileWriter> BlockFileWriter::create(const std::string& path, const Checksum& version,
+                                                int threads) {
   std::string partial = partial_path_of(path);
-  OpenFile file(::open(partial.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
+  OpenFile file(::open(partial.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644));
   if (!file.valid()) return fail(cannot_write(partial, errno));
   return BlockFileWriter(path, std::move(partial), std::move(file), version, threads);
 }
 
 BlockFileWriter::BlockFileWriter(std::string path, std::string partial_path, OpenFile file,
-                                 std::uint32_t version, int threads)
+                                 const Checksum& version, int threads)
     : path_(std::move(path)),
       partial_path_(std::move(partial_path)),
       file_(std::move(file)),
@@ -153,7 +148,7 @@ Status BlockFileWriter::write_all(std::span<const std::byte> index) {
   if (error_ != 0) return fail(cannot_write(partial_path_, error_));
   const bool written = write_at(file_.get(), tail, size_) &&
                        write_at(file_.get(), std::as_bytes(std::span(&header, 1)), 0) &&
-                       ::fsync(file_.get()) == 0 && std::rename(partial_path_.c_str(), path_.c_str()) == 0;
+                       std::rename(partial_path_.c_str(), path_.c_str()) == 0;
   if (!written) return fail(cannot_write(partial_path_, errno));
   return {};
 }
@@ -161,11 +156,10 @@ Status BlockFileWriter::write_all(std::span<const std::byte> index) {
 Status BlockFileWriter::finish(std::span<const std::byte> index) {
   if (Status written = write_all(index); !written) return written;
   const OpenFile complete = std::move(file_);  // no longer to be removed
-  flush_folder_of(path_);
   return {};
 }
 
-Result<BlockFileReader> BlockFileReader::open(const std::string& path, std::uint32_t version, int threads) {
+Result<BlockFileReader> BlockFileReader::open(const std::string& path, const Checksum& version, int threads) {
   const auto refuse = [&](std::string_view why) {
     return fail(ErrorCode::kDataLoss, fmt::format("{} {}", path, why));
   };
@@ -181,7 +175,7 @@ Result<BlockFileReader> BlockFileReader::open(const std::string& path, std::uint
     return refuse("cannot be read");
   if (header.magic != kMagic || header.order_of_bytes != kOrderOfBytes || header.version != version)
     return refuse("is of another version");
-  if (header.preceding != checksum_of_header(header)) return refuse("is damaged");
+  if (header.preceding != checksum_of_header(header) || !is_sound(header)) return refuse("is damaged");
   if (header.file_size != static_cast<std::uint64_t>(status.st_size)) return refuse("is not complete");
 
   std::vector<std::byte> tail(header.file_size - header.blocks_end);

@@ -1,6 +1,6 @@
 // A file of large blocks of bytes and one index of them, every byte under a checksum (XXH3, 128 bits),
-// written and read by several threads. It appears under its name only when all of it is on the disk. Of
-// another version, of a machine with another order of bytes, damaged or cut short, it is not read but
+// written and read by several threads. It appears under its name only when all of it is written. Of another
+// version, of a machine with another order of bytes, damaged or cut short, it is not read but
 // refused.
 //
 // In the file: a header of fixed size, the blocks one after another, the index. Blocks are checked in pieces,
@@ -44,12 +44,14 @@ class OpenFile {
 
 // All of the bytes from `offset` on; false where there are not so many or they cannot be read.
 bool read_at(int file, std::span<std::byte> into, std::uint64_t offset);
+// False with errno set where not all could be written.
+bool write_at(int file, std::span<const std::byte> bytes, std::uint64_t offset);
 
 class BlockFileWriter {
  public:
   // Writes to a file beside `path`, which finish() gives that name; without it, nothing is left behind.
   // Errors name the file and say why, and those of later calls are told by finish().
-  static Result<BlockFileWriter> create(const std::string& path, std::uint32_t version, int threads);
+  static Result<BlockFileWriter> create(const std::string& path, const Checksum& version, int threads);
   BlockFileWriter(BlockFileWriter&&) noexcept = default;
   ~BlockFileWriter();
 
@@ -57,13 +59,13 @@ class BlockFileWriter {
   Status finish(std::span<const std::byte> index);
 
  private:
-  BlockFileWriter(std::string path, std::string partial_path, OpenFile file, std::uint32_t version,
+  BlockFileWriter(std::string path, std::string partial_path, OpenFile file, const Checksum& version,
                   int threads);
   Status write_all(std::span<const std::byte> index);
 
   std::string path_, partial_path_;
   OpenFile file_;
-  std::uint32_t version_;
+  Checksum version_;
   int threads_;
   std::uint64_t size_;
   std::vector<Checksum> pieces_;
@@ -73,9 +75,12 @@ class BlockFileWriter {
 class BlockFileReader {
  public:
   // Errors say what is wrong with the file: kNotFound where there is none, else kDataLoss.
-  static Result<BlockFileReader> open(const std::string& path, std::uint32_t version, int threads);
+  static Result<BlockFileReader> open(const std::string& path, const Checksum& version, int threads);
 
   std::span<const std::byte> index() const { return index_; }
+
+  // Of the blocks that were not read yet.
+  std::uint64_t bytes_left() const { return blocks_end_ - next_; }
 
   // The next block, which has this size. False if it is not what was written.
   bool read_block(std::span<std::byte> into);

@@ -1,8 +1,16 @@
 #include "core/scene/cache/cache_folder.hpp"
 
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
 #include <algorithm>
+#include <cerrno>
 #include <chrono>
+#include <cstring>
 #include <filesystem>
+#include <random>
+#include <string_view>
 #include <system_error>
 #include <vector>
 
@@ -11,6 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr std::string_view kPartialSuffix = ".partial";
 constexpr auto kAbandonedAfter = std::chrono::hours(24);
 constexpr auto kInUse = std::chrono::hours(1);
 
@@ -23,15 +32,59 @@ std::vector<fs::directory_entry> entries_of(const std::string& folder) {
   return entries;
 }
 
+// Whether partial_path_of() gives this name for a file of ours.
+bool is_partial_of(const std::string& name, const IsName& is_ours) {
+  if (!name.ends_with(kPartialSuffix)) return false;
+  const std::string rest = name.substr(0, name.size() - kPartialSuffix.size());
+  const std::size_t random_part = rest.rfind('.');
+  return random_part != std::string::npos && is_ours(rest.substr(0, random_part));
+}
+
+Error cannot_use(const std::string& folder, ErrorCode code, const std::string& why) {
+  return {code, fmt::format("cannot use {}: {}", folder, why)};
+}
+
 }  // namespace
+
+Status make_folder(const std::string& path) {
+  const fs::path folder = fs::path(path).has_filename() ? fs::path(path) : fs::path(path).parent_path();
+  std::error_code error;
+  if (folder.has_parent_path()) fs::create_directories(folder.parent_path(), error);
+  if (error) return fail(ErrorCode::kUnavailable, fmt::format("cannot create {}: {}", path, error.message()));
+  if (::mkdir(folder.c_str(), S_IRWXU | S_IRGRP | S_IXGRP | S_IROTH | S_IXOTH) != 0 && errno != EEXIST)
+    return fail(ErrorCode::kUnavailable, fmt::format("cannot create {}: {}", path, std::strerror(errno)));
+  if (!fs::is_directory(folder, error))
+    return fail(cannot_use(path, ErrorCode::kUnavailable, "it is not a folder"));
+  if (::access(path.c_str(), R_OK | W_OK | X_OK) != 0)
+    return fail(cannot_use(path, ErrorCode::kPermissionDenied, std::strerror(errno)));
+  return {};
+}
+
+Status check_is_own(const std::string& folder) {
+  struct stat status {};
+  if (::stat(folder.c_str(), &status) != 0)
+    return fail(cannot_use(folder, ErrorCode::kUnavailable, std::strerror(errno)));
+  if (status.st_uid != ::geteuid())
+    return fail(cannot_use(folder, ErrorCode::kPermissionDenied, "it belongs to another user"));
+  if ((status.st_mode & (S_IWGRP | S_IWOTH)) != 0)
+    return fail(
+        cannot_use(folder, ErrorCode::kPermissionDenied, "others may write to it (chmod go-w mends that)"));
+  return {};
+}
+
+std::string partial_path_of(const std::string& path) {
+  std::random_device random;
+  return fmt::format("{}.{:08x}{:08x}{:08x}{:08x}{}", path, random(), random(), random(), random(),
+                     kPartialSuffix);
+}
 
 void mark_as_used(const std::string& path) {
   std::error_code ignored;  // at worst it is removed too early, and made again
   fs::last_write_time(path, fs::file_time_type::clock::now(), ignored);
 }
 
-void remove_least_used(const std::string& folder, std::uint64_t max_bytes,
-                       const std::function<bool(const std::string& name)>& is_ours) {
+void remove_least_used(const std::string& folder, std::uint64_t max_bytes, const IsName& is_ours,
+                       const IsName& can_go_at_once) {
   struct File {
     fs::file_time_type used;
     std::uint64_t bytes;
@@ -40,31 +93,34 @@ void remove_least_used(const std::string& folder, std::uint64_t max_bytes,
   std::vector<File> files;
   std::uint64_t total = 0;
   for (const fs::directory_entry& entry : entries_of(folder)) {
-    if (!is_ours(entry.path().filename())) continue;
+    const std::string name = entry.path().filename();
+    const bool is_partial = is_partial_of(name, is_ours);
+    if (!is_partial && !is_ours(name)) continue;
     std::error_code gone, unknown;
     const std::uint64_t bytes = entry.file_size(gone);
     const auto used = entry.last_write_time(unknown);
     if (gone || unknown) continue;
-    files.push_back({used, bytes, entry.path()});
     total += bytes;
+    if (!is_partial) files.push_back({used, bytes, entry.path()});
   }
   std::sort(files.begin(), files.end(), [](const File& a, const File& b) { return a.used < b.used; });
   const auto before = fs::file_time_type::clock::now() - kInUse;
   for (const File& file : files) {
-    if (total <= max_bytes || file.used > before) return;
+    if (total <= max_bytes) return;
+    if (file.used > before && !can_go_at_once(file.path.filename())) continue;
     std::error_code ignored;  // then it stays, or is gone already
     fs::remove(file.path, ignored);
     total -= file.bytes;
   }
 }
 
-void remove_abandoned(const std::string& folder,
-                      const std::function<bool(const std::string& name)>& is_partial) {
+void remove_abandoned(const std::string& folder, const IsName& is_ours) {
   const auto before = fs::file_time_type::clock::now() - kAbandonedAfter;
   for (const fs::directory_entry& entry : entries_of(folder)) {
     std::error_code error;
     const auto written = entry.last_write_time(error);
-    if (!error && written < before && is_partial(entry.path().filename())) fs::remove(entry.path(), error);
+    if (!error && written < before && is_partial_of(entry.path().filename(), is_ours))
+      fs::remove(entry.path(), error);
   }
 }
 

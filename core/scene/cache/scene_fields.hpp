@@ -1,6 +1,6 @@
 // The fields of everything that a scene's description and its tree consist of, for storing them: for each
 // type all of its members, as references. A type that grows a member does not compile here until the member
-// is added; then kSceneFileVersion must be raised (core/scene/cache/scene_file.hpp).
+// is added.
 #pragma once
 
 #include <concepts>

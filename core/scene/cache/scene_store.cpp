@@ -1,19 +1,17 @@
 #include "core/scene/cache/scene_store.hpp"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
-#include <cstring>
+#include <exception>
 #include <filesystem>
-#include <new>
 #include <span>
 #include <utility>
 
 #include "core/scene/cache/archive.hpp"
 #include "core/scene/cache/cache_folder.hpp"
+#include "core/scene/cache/scene_maker.hpp"
 #include "core/scene/cache/source_files.hpp"
 #include "core/scene/loader/loader.hpp"
 
@@ -34,22 +32,32 @@ namespace fs = std::filesystem;
 using stored::SourceFiles;
 
 constexpr std::size_t kHexDigits = 32;
-constexpr std::string_view kSceneSuffix = ".scene", kFilesSuffix = ".files", kPartialSuffix = ".partial";
+constexpr std::string_view kSceneSuffix = ".scene", kFilesSuffix = ".files";
 
 std::string hex_of(std::string_view text) {
   return to_hex(checksum_of(std::as_bytes(std::span(text))));
 }
 
-// What one file of the store holds; kDataLoss where it does not.
+// Of files by this build.
+Checksum file_version() {
+  return checksum_of(std::as_bytes(std::span(stored::scene_maker())));
+}
+
+// What the file of the store that has this key holds; kDataLoss where it does not.
 template <typename Value>
-Result<Value> read_value(const std::string& path, int threads) {
-  auto file = BlockFileReader::open(path, kSceneFileVersion, threads);
+Result<Value> read_value(const std::string& path, std::string_view key, int threads) try {
+  auto file = BlockFileReader::open(path, file_version(), threads);
   if (!file) return fail(file.error());
+  std::string key_of_file;
   Value value;
   stored::Reader reader(*file);
+  reader(key_of_file);
   reader(value);
   if (!reader.complete()) return fail(ErrorCode::kDataLoss, path + " is damaged");
+  if (key_of_file != key) return fail(ErrorCode::kDataLoss, path + " is of something else");
   return value;
+} catch (const std::exception& error) {
+  return fail(ErrorCode::kDataLoss, fmt::format("{} cannot be read: {}", path, error.what()));
 }
 
 struct StoredScene {
@@ -66,13 +74,17 @@ auto fields(stored::Is<StoredScene> auto& value) {
 struct SceneWriter::State {
   SceneStore store;
   BlockFileWriter file;
-  stored::Writer writer;
+  stored::Writer<BlockFileWriter> writer;
+  std::uint64_t bytes;
 
-  State(SceneStore of, BlockFileWriter to) : store(std::move(of)), file(std::move(to)), writer(file) {}
+  State(SceneStore of, BlockFileWriter to, std::uint64_t bytes_of_description)
+      : store(std::move(of)), file(std::move(to)), writer(file), bytes(bytes_of_description) {}
 };
 
-SceneWriter::SceneWriter(const SceneStore& store, BlockFileWriter file, const SceneDescription& description)
-    : state_(std::make_unique<State>(store, std::move(file))) {
+SceneWriter::SceneWriter(const SceneStore& store, BlockFileWriter file, const std::string& key,
+                         const SceneDescription& description)
+    : state_(std::make_unique<State>(store, std::move(file), stored::stored_bytes(description))) {
+  state_->writer(key);
   state_->writer(description);
 }
 SceneWriter::SceneWriter(SceneWriter&&) noexcept = default;
@@ -81,30 +93,24 @@ SceneWriter::~SceneWriter() = default;
 
 void SceneWriter::finish(const Bvh& bvh) {
   const SceneStore& store = state_->store;
+  if (!store.has_room_for(state_->bytes + stored::stored_bytes(bvh.arrays()))) return state_.reset();
   state_->writer(bvh.arrays());
   const Status written = state_->file.finish(state_->writer.bytes());
   if (!written) store.warn_unless_missing(written.error());
-  remove_least_used(store.folder_, store.max_bytes_, store.is_counted_);
+  remove_least_used(store.folder_, store.max_bytes_, store.is_counted_, SceneStore::is_file_name);
 }
 
-SceneStore::SceneStore(std::string folder, std::uint64_t max_bytes, Warn warn, IsCounted is_counted)
+SceneStore::SceneStore(std::string folder, std::uint64_t max_bytes, Warn warn, IsName is_counted)
     : folder_(std::move(folder)),
       max_bytes_(max_bytes),
       warn_(std::move(warn)),
       is_counted_(std::move(is_counted)) {}
 
 Result<SceneStore> SceneStore::open(const std::string& folder, std::uint64_t max_bytes, Warn warn,
-                                    IsCounted is_counted) {
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error)
-    return fail(ErrorCode::kUnavailable, fmt::format("cannot create {}: {}", folder, error.message()));
-  if (::access(folder.c_str(), R_OK | W_OK | X_OK) != 0)
-    return fail(ErrorCode::kPermissionDenied,
-                fmt::format("cannot write to {}: {}", folder, std::strerror(errno)));
-  remove_abandoned(folder, [](const std::string& name) {
-    return name.ends_with(kPartialSuffix) && is_file_name(name.substr(0, name.find('.', kHexDigits + 1)));
-  });
+                                    IsName is_counted) {
+  if (Status usable = make_folder(folder); !usable) return fail(usable.error());
+  if (Status own = check_is_own(folder); !own) return fail(own.error());
+  remove_abandoned(folder, is_file_name);
   return SceneStore(folder, max_bytes, std::move(warn), std::move(is_counted));
 }
 
@@ -115,7 +121,15 @@ bool SceneStore::is_file_name(const std::string& name) {
 }
 
 std::string SceneStore::path_of(std::string_view key, std::string_view suffix) const {
-  return fmt::format("{}/{}{}", folder_, hex_of(key), suffix);
+  return fmt::format("{}/{}{}", folder_, hex_of(fmt::format("{} {}", stored::scene_maker(), key)), suffix);
+}
+
+bool SceneStore::has_room_for(std::uint64_t bytes) const {
+  if (bytes <= max_bytes_) return true;
+  constexpr double kMib = 1 << 20;
+  warn_(fmt::format("a scene of {:.2f} MiB is not kept: the scene cache may have no more than {:.2f}",
+                    static_cast<double>(bytes) / kMib, static_cast<double>(max_bytes_) / kMib));
+  return false;
 }
 
 void SceneStore::warn_unless_missing(const Error& error) const {
@@ -124,7 +138,7 @@ void SceneStore::warn_unless_missing(const Error& error) const {
 
 std::optional<PreparedScene> SceneStore::find(std::string_view key, int threads) const {
   const std::string path = path_of(key, kSceneSuffix);
-  auto scene = read_value<StoredScene>(path, threads);
+  auto scene = read_value<StoredScene>(path, key, threads);
   if (!scene) {
     warn_unless_missing(scene.error());
     return std::nullopt;
@@ -135,8 +149,9 @@ std::optional<PreparedScene> SceneStore::find(std::string_view key, int threads)
 
 std::optional<SceneWriter> SceneStore::begin(std::string_view key, const SceneDescription& description,
                                              int threads) const {
-  auto file = BlockFileWriter::create(path_of(key, kSceneSuffix), kSceneFileVersion, threads);
-  if (file) return SceneWriter(*this, std::move(*file), description);
+  if (!has_room_for(stored::stored_bytes(description))) return std::nullopt;
+  auto file = BlockFileWriter::create(path_of(key, kSceneSuffix), file_version(), threads);
+  if (file) return SceneWriter(*this, std::move(*file), std::string(key), description);
   warn_unless_missing(file.error());
   return std::nullopt;
 }
@@ -151,14 +166,25 @@ Result<PreparedScene> SceneStore::prepare(std::string_view key, int threads,
   return prepared;
 }
 
+void SceneStore::keep_list(const std::string& key, const stored::RecordedAssets& recorded,
+                           int threads) const {
+  auto list = BlockFileWriter::create(path_of(key, kFilesSuffix), file_version(), threads);
+  if (!list) return warn_unless_missing(list.error());
+  stored::Writer writer(*list);
+  writer(key);
+  writer(recorded.files());
+  if (Status written = list->finish(writer.bytes()); !written) warn_unless_missing(written.error());
+}
+
 // Which files a scene is made of is known when it has been read. They are listed under the scene file's own
 // contents, for the next time.
 Result<PreparedScene> SceneStore::prepare_file(const std::string& scene_path, int threads) const {
   const fs::path path(scene_path);
   const std::string folder = path.parent_path(), name = path.filename();
   const auto own = stored::checksum_of_file(scene_path, threads);
-  const std::string list_path = path_of(fmt::format("{} {}", name, own ? to_hex(*own) : ""), kFilesSuffix);
-  const auto listed = read_value<SourceFiles>(list_path, threads);
+  const std::string list_key = fmt::format("{} {}", name, own ? to_hex(*own) : "");
+  const std::string list_path = path_of(list_key, kFilesSuffix);
+  const auto listed = read_value<SourceFiles>(list_path, list_key, threads);
   if (!listed) warn_unless_missing(listed.error());
   if (listed) {
     if (auto found = find(key_of(as_they_are(*listed, folder, threads)), threads)) {
@@ -171,15 +197,12 @@ Result<PreparedScene> SceneStore::prepare_file(const std::string& scene_path, in
   auto description = load_scene(recorded, name, scene_path);
   if (!description) return fail(description.error());
   PreparedScene prepared{std::move(*description)};
-  auto list = BlockFileWriter::create(list_path, kSceneFileVersion, threads);
-  if (!list) {
-    warn_unless_missing(list.error());
+  if (!recorded.consistent()) {
+    warn_("files of the scene have changed while they were read: it is not kept");
     return prepared;
   }
-  stored::Writer writer(*list);
-  writer(recorded.files());
-  if (Status written = list->finish(writer.bytes()); !written) warn_unless_missing(written.error());
   prepared.writer = begin(key_of(recorded.files()), prepared.description, threads);
+  if (prepared.writer) keep_list(list_key, recorded, threads);
   return prepared;
 }
 

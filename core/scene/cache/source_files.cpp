@@ -64,7 +64,9 @@ SourceFiles as_they_are(SourceFiles files, const std::string& folder, int thread
 
 Result<std::string> RecordedAssets::read(const std::string& path) {
   auto bytes = inner_.read(path);
-  files_[path] = {path, bytes.has_value(), bytes ? checksum_of_contents(*bytes, threads_) : Checksum{}};
+  const SourceFile read{path, bytes.has_value(), bytes ? checksum_of_contents(*bytes, threads_) : Checksum{}};
+  const auto [known, is_new] = files_.emplace(path, read);
+  consistent_ = consistent_ && known->second == read;
   return bytes;
 }
 

@@ -17,6 +17,7 @@ struct SourceFile {
   std::string path;       // as the scene calls it
   bool is_there = false;  // a file that could not be read also has its say in what a scene becomes
   Checksum checksum;
+  bool operator==(const SourceFile&) const = default;
 };
 using SourceFiles = std::vector<SourceFile>;
 
@@ -34,11 +35,15 @@ class RecordedAssets : public AssetSource {
 
   Result<std::string> read(const std::string& path) override;
   SourceFiles files() const;
+  // Whether no file was another at a second look: of such files nobody can tell what became part of the
+  // scene.
+  bool consistent() const { return consistent_; }
 
  private:
   AssetSource& inner_;
   int threads_;
   std::map<std::string, SourceFile> files_;
+  bool consistent_ = true;
 };
 
 // Two for the same files only if their contents are the same.

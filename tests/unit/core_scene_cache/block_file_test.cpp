@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstring>
 #include <numeric>
 
 #include "tests/support/temporary_folder.hpp"
@@ -13,7 +14,7 @@ namespace {
 
 using Bytes = std::vector<std::byte>;
 
-constexpr std::uint32_t kVersion = 7;
+constexpr Checksum kVersion{7, 8};
 
 Bytes numbered_bytes(std::size_t size, unsigned first) {
   Bytes bytes(size);
@@ -74,9 +75,31 @@ TEST_F(BlockFile, IsRefusedWithAnyByteChangedOrMissing) {
 
 TEST_F(BlockFile, OfAnotherVersionIsRefused) {
   write({}, {});
-  const auto reader = BlockFileReader::open(path(), kVersion + 1, 1);
+  const auto reader = BlockFileReader::open(path(), {8, 7}, 1);
   ASSERT_FALSE(reader);
   EXPECT_EQ(reader.error().message, path() + " is of another version");
+}
+
+// The header's fields and its checksum, as they lie in the file.
+constexpr std::size_t kBlocksEnd = 32, kPieceCount = 40, kHeaderChecksum = 72;
+
+TEST_F(BlockFile, IsRefusedWhereItsHeaderSpeaksOfWhatIsNotThere) {
+  write({numbered_bytes(200, 1)}, numbered_bytes(20, 3));
+  const std::string good = read_file(path());
+  for (const std::size_t field : {kBlocksEnd, kPieceCount}) {
+    for (const std::uint64_t value : {std::uint64_t{0}, std::uint64_t{71}, std::uint64_t{good.size() + 1},
+                                      std::uint64_t{1} << 60, UINT64_MAX}) {
+      if (field == kPieceCount && value == 0) continue;  // all of what follows is then the index
+      std::string bad = good;
+      std::memcpy(bad.data() + field, &value, sizeof(value));
+      const Checksum right = checksum_of(std::as_bytes(std::span(bad)).first(kHeaderChecksum));
+      std::memcpy(bad.data() + kHeaderChecksum, &right, sizeof(right));
+      write_file(path(), bad);
+      const auto reader = BlockFileReader::open(path(), kVersion, 1);
+      ASSERT_FALSE(reader) << field << " " << value;
+      EXPECT_EQ(reader.error().message, path() + " is damaged");
+    }
+  }
 }
 
 TEST_F(BlockFile, IsThereOnlyWhenItIsComplete) {

@@ -1,6 +1,7 @@
 #include "core/scene/cache/cache_folder.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <chrono>
 
@@ -18,7 +19,12 @@ class CacheFolder : public testing::Test {
   }
   bool has(const std::string& name) const { return std::filesystem::exists(folder_.path() / name); }
   void remove_beyond(std::uint64_t bytes) const {
-    remove_least_used(folder_.path(), bytes, [](const std::string& name) { return name != "theirs"; });
+    remove_least_used(folder_.path(), bytes, is_ours,
+                      [](const std::string& name) { return name == "made anew"; });
+  }
+
+  static bool is_ours(const std::string& name) {
+    return name != "theirs" && name.find('.') == std::string::npos;
   }
 
   TemporaryFolder folder_;
@@ -36,6 +42,45 @@ TEST_F(CacheFolder, KeepsWhatMayBeInUseAndWhatIsNotItsOwn) {
   EXPECT_TRUE(has("in use") && has("theirs") && !has("old"));
 }
 
+TEST_F(CacheFolder, LosesWhatCanGoAtOnceEvenIfInUse) {
+  add("in use", 10, 0), add("made anew", 10, 0);
+  remove_beyond(10);
+  EXPECT_TRUE(has("in use") && !has("made anew"));
+}
+
+TEST_F(CacheFolder, CountsWhatIsBeingWritten) {
+  add("a", 10, 5), add("b", 10, 6);
+  add(std::filesystem::path(partial_path_of("c")).filename(), 10, 9);
+  remove_beyond(20);
+  EXPECT_TRUE(has("a") && !has("b"));
+  const std::filesystem::directory_iterator files(folder_.path());
+  EXPECT_EQ(std::distance(begin(files), end(files)), 2) << "it stays";
+}
+
+TEST_F(CacheFolder, IsForItsOwnerAloneToWriteTo) {
+  const std::filesystem::path folder = folder_.path() / "new" / "cache";
+  const mode_t mask = umask(0);
+  EXPECT_TRUE(make_folder(folder.string() + "/"));
+  umask(mask);
+  EXPECT_TRUE(check_is_own(folder));
+  for (const auto others : {std::filesystem::perms::group_write, std::filesystem::perms::others_write}) {
+    std::filesystem::permissions(folder, std::filesystem::perms::owner_all | others);
+    const Status own = check_is_own(folder);
+    ASSERT_FALSE(own);
+    EXPECT_EQ(own.error().code, ErrorCode::kPermissionDenied);
+  }
+}
+
+TEST_F(CacheFolder, IsNoFile) {
+  add("file", 1, 0);
+  EXPECT_FALSE(make_folder(folder_.path() / "file"));
+  EXPECT_FALSE(make_folder(folder_.path() / "file" / "cache"));
+}
+
+TEST_F(CacheFolder, GivesEachWriterAFileOfItsOwn) {
+  EXPECT_NE(partial_path_of("a"), partial_path_of("a"));
+}
+
 TEST_F(CacheFolder, CountsWhatIsMarkedAsUsedJustNow) {
   add("a", 10, 5), add("b", 10, 6);
   mark_as_used(folder_.path() / "b");
@@ -44,9 +89,11 @@ TEST_F(CacheFolder, CountsWhatIsMarkedAsUsedJustNow) {
 }
 
 TEST_F(CacheFolder, LosesWhatDeadWritersLeft) {
-  add("a.partial", 1, 25), add("b.partial", 1, 1), add("c", 1, 25);
-  remove_abandoned(folder_.path(), [](const std::string& name) { return name.ends_with(".partial"); });
-  EXPECT_TRUE(!has("a.partial") && has("b.partial") && has("c"));
+  add("a.1.partial", 1, 25), add("b.2.partial", 1, 1), add("c", 1, 25);
+  add("theirs.3.partial", 1, 25), add("notes.partial", 1, 25), add(".partial", 1, 25);
+  remove_abandoned(folder_.path(), is_ours);
+  EXPECT_TRUE(!has("a.1.partial") && has("b.2.partial") && has("c"));
+  EXPECT_TRUE(has("theirs.3.partial") && has("notes.partial") && has(".partial"));
 }
 
 }  // namespace
