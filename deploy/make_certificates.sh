@@ -29,14 +29,24 @@ command -v openssl >/dev/null || { echo "make_certificates.sh: install Debian's 
 directory=$1
 shift
 [ ! -e "$directory" ] || { echo "make_certificates.sh: $directory exists already: choose a new folder" >&2; exit 1; }
-umask 077
-mkdir -p "$directory"
-cd "$directory"
 
 names=
 for host in "$@"; do
-  if [[ $host =~ ^[0-9.]+$ || $host == *:* ]]; then names+=,IP:$host; else names+=,DNS:$host; fi
+  case $host in
+    *[!0-9a-zA-Z.:*-]*) echo "make_certificates.sh: '$host' is neither a name nor an address" >&2; exit 2 ;;
+    *:*:*) names+=,IP:$host ;;
+    *:*) echo "make_certificates.sh: write '$host' without its port" >&2; exit 2 ;;
+    *[!0-9.]*) names+=,DNS:$host ;;
+    *) names+=,IP:$host ;;
+  esac
 done
+
+# Made beside where it will be, so that it is there whole or not at all.
+umask 077
+mkdir -p "$(dirname "$directory")"
+made=$(mktemp -d "$directory.XXXXXX")
+trap 'rm -rf "$made"' EXIT
+cd "$made"
 
 quietly() {
   "$@" 2>openssl.log || { cat openssl.log >&2; exit 1; }
@@ -69,7 +79,11 @@ for role in submit work admin; do
   echo "$role $role $(cat "$role.token")" >>tokens
 done
 
-echo "$PWD holds the certificates and tokens. Start the coordinator with"
+cd - >/dev/null
+mv "$made" "$directory"
+trap - EXIT
+
+echo "$directory holds the certificates and tokens. Start the coordinator with"
 echo "  --tls-certificate coordinator.pem --tls-key coordinator.key --tls-client-ca ca.pem --tokens tokens"
 echo "workers with"
 echo "  --tls-ca ca.pem --tls-certificate worker.pem --tls-key worker.key --token-file work.token"

@@ -1,10 +1,10 @@
 #include "proto/security.hpp"
 
+#include <arpa/inet.h>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cctype>
-#include <cstring>
 
 #include "core/image/file_io.hpp"
 #include "proto/pem.hpp"
@@ -33,8 +33,18 @@ core::Status allow_plain(const std::string& address, bool insecure, const char* 
 }  // namespace
 
 bool is_loopback(const std::string& address) {
+  if (address.rfind("unix:", 0) == 0 || address.rfind("unix-abstract:", 0) == 0) return true;
   const std::string host = address.substr(0, address.find_last_of(':'));
-  return host == "localhost" || host == "[::1]" || host.rfind("127.", 0) == 0 || host.rfind("unix", 0) == 0;
+  in_addr numeric{};
+  const bool is_127 = inet_pton(AF_INET, host.c_str(), &numeric) == 1 && host.rfind("127.", 0) == 0;
+  return is_127 || host == "localhost" || host == "[::1]";
+}
+
+bool is_token(std::string_view text) {
+  constexpr std::string_view kBesides = "-._~+/=";
+  return !text.empty() && std::all_of(text.begin(), text.end(), [&](char c) {
+    return std::isalnum(static_cast<unsigned char>(c)) || kBesides.find(c) != std::string_view::npos;
+  });
 }
 
 core::Result<std::shared_ptr<grpc::ChannelCredentials>> channel_credentials(const std::string& address,
@@ -93,11 +103,7 @@ core::Result<std::string> read_token(const std::string& path) {
   const auto text = core::read_file(path);
   if (!text) return core::fail(text.error());
   const std::string token = text->substr(0, text->find_first_of("\r\n"));
-  // What may stand in a header (RFC 6750, b64token).
-  const auto is_token = [](char c) {
-    return std::isalnum(static_cast<unsigned char>(c)) || std::strchr("-._~+/=", c) != nullptr;
-  };
-  if (token.empty() || !std::all_of(token.begin(), token.end(), is_token)) {
+  if (!is_token(token)) {
     return core::fail(ErrorCode::kInvalidArgument,
                       fmt::format("{}: the first line must be a token of letters, digits and -._~+/=", path));
   }

@@ -7,6 +7,7 @@
 
 #include <memory>
 #include <string>
+#include <string_view>
 
 #include "core/base/error.hpp"
 
@@ -27,7 +28,7 @@ struct ServerSecurity {
   bool insecure = false;  // be reachable from other machines without TLS
 };
 
-// Whether HOST:PORT is reachable from this machine alone.
+// Whether HOST:PORT is reachable from this machine alone: "localhost" and loopback addresses, not names.
 bool is_loopback(const std::string& address);
 
 // Errors name the option or the file to mend.
@@ -35,6 +36,9 @@ core::Result<std::shared_ptr<grpc::ChannelCredentials>> channel_credentials(cons
                                                                             const ClientSecurity& security);
 core::Result<std::shared_ptr<grpc::ServerCredentials>> server_credentials(const std::string& address,
                                                                           const ServerSecurity& security);
+
+// Whether a token may consist of this: letters, digits and -._~+/= (RFC 6750, b64token).
+bool is_token(std::string_view text);
 
 // The token in the file; empty without a path.
 core::Result<std::string> read_token(const std::string& path);

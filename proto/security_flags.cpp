@@ -4,7 +4,11 @@ namespace tessera::proto {
 
 void add_security_flags(CLI::App& command, ClientSecurity& security) {
   const auto add_file = [&](const char* flag, std::string& path, const char* what, const char* variable) {
-    command.add_option(flag, path, what)->envname(variable)->option_text("FILE")->group("Security");
+    command.add_option(flag, path, what)
+        ->envname(variable)
+        ->check(CLI::ExistingFile)
+        ->option_text("FILE")
+        ->group("Security");
   };
   add_file("--tls-ca", security.ca,
            "Speak TLS with a coordinator whose certificate this authority signed (PEM)", "TESSERA_TLS_CA");

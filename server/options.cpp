@@ -11,7 +11,7 @@ constexpr int kExitUsage = 2;
 
 void add_security_flags(CLI::App& app, Options& options) {
   const auto add_file = [&](const char* flag, std::string& path, const char* what) {
-    app.add_option(flag, path, what)->type_name("FILE")->group("Security");
+    app.add_option(flag, path, what)->check(CLI::ExistingFile)->type_name("FILE")->group("Security");
   };
   add_file("--tls-certificate", options.security.certificate, "Speak TLS, with this certificate (PEM)");
   add_file("--tls-key", options.security.key, "The certificate's private key (PEM)");

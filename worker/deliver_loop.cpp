@@ -21,7 +21,7 @@ constexpr proto::BackoffOptions kBackoff{.first = 100ms, .longest = 2s};
 // Sending it again cannot help. After any other error the result may still be wanted.
 bool is_refusal(core::ErrorCode code) {
   return code == core::ErrorCode::kInvalidArgument || code == core::ErrorCode::kNotFound ||
-         code == core::ErrorCode::kFailedPrecondition || code == core::ErrorCode::kPermissionDenied;
+         code == core::ErrorCode::kFailedPrecondition;
 }
 
 proto::RetryPolicy unless_refused(proto::RetryPolicy inner) {

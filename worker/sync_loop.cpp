@@ -25,11 +25,6 @@ constexpr proto::Duration kShortestExchange = 50ms;
 
 constexpr proto::BackoffOptions kBackoff{.first = 100ms, .longest = 2s};
 
-// Asking again would not help.
-bool is_refusal(core::ErrorCode code) {
-  return code == core::ErrorCode::kFailedPrecondition || code == core::ErrorCode::kPermissionDenied;
-}
-
 }  // namespace
 
 core::Status SyncLoop::run(const std::stop_token& stop) {
@@ -49,13 +44,20 @@ core::Status SyncLoop::run(const std::stop_token& stop) {
       if (!changed && std::chrono::steady_clock::now() - start < kShortestExchange)
         wait_for(stop, kShortestExchange);
     } else {
-      if (is_refusal(response.error().code)) return core::fail(response.error());
+      if (is_final(response.error().code)) return core::fail(response.error());
       if (response.error().code == core::ErrorCode::kDeadlineExceeded) continue;  // a long wait, not a loss
       note_failure(response.error());
       wait_for(stop, backoff({.count = ++failures}).value());
     }
   }
   return {};
+}
+
+// Whether asking again would not help. Who was let in once keeps what it has rendered, and waits until
+// whoever changed the tokens lets it in again.
+bool SyncLoop::is_final(core::ErrorCode code) const {
+  return code == core::ErrorCode::kFailedPrecondition ||
+         (code == core::ErrorCode::kPermissionDenied && !connected_);
 }
 
 core::Result<v1::SynchronizeResponse> SyncLoop::synchronize(const std::stop_token& stop,
@@ -70,7 +72,7 @@ core::Result<v1::SynchronizeResponse> SyncLoop::synchronize(const std::stop_toke
 
   StoppableCall call(stop, deadline);
   // The first failure is told at once; then the call itself waits for the coordinator to come back.
-  call.context()->set_wait_for_ready(lost_);
+  call.context()->set_wait_for_ready(failing_with_.has_value());
   v1::SynchronizeResponse response;
   const grpc::Status status = coordinator_.Synchronize(call.context(), request, &response);
   if (!status.ok()) return core::fail(proto::error_from_grpc(status));
@@ -78,15 +80,20 @@ core::Result<v1::SynchronizeResponse> SyncLoop::synchronize(const std::stop_toke
 }
 
 void SyncLoop::note_success() {
-  if (!connected_ || lost_)
+  if (!connected_ || failing_with_)
     spdlog::info(connected_ ? "the coordinator is back" : "registered with the coordinator");
   connected_ = true;
-  lost_ = false;
+  failing_with_.reset();
 }
 
 void SyncLoop::note_failure(const core::Error& error) {
-  if (!lost_) spdlog::warn("cannot reach the coordinator ({}); trying again until it answers", error.message);
-  lost_ = true;
+  if (failing_with_ == error.code) return;
+  failing_with_ = error.code;
+  if (error.code == core::ErrorCode::kPermissionDenied) {
+    spdlog::warn("not let in any more ({}); trying again until that has changed", error.message);
+  } else {
+    spdlog::warn("cannot reach the coordinator ({}); trying again until it answers", error.message);
+  }
 }
 
 void SyncLoop::say_goodbye() {

@@ -3,6 +3,7 @@
 // runs it.
 #pragma once
 
+#include <optional>
 #include <stop_token>
 #include <string>
 
@@ -29,6 +30,7 @@ class SyncLoop {
 
  private:
   core::Result<v1::SynchronizeResponse> synchronize(const std::stop_token& stop, proto::Duration deadline);
+  bool is_final(core::ErrorCode code) const;
   void note_success();
   void note_failure(const core::Error& error);
 
@@ -36,7 +38,7 @@ class SyncLoop {
   v1::WorkerService::StubInterface& coordinator_;
   Holdings& holdings_;
   bool connected_ = false;
-  bool lost_ = false;
+  std::optional<core::ErrorCode> failing_with_;  // of the last call; nothing if it was answered
 };
 
 }  // namespace tessera::worker

@@ -35,29 +35,33 @@ core::Error Farm::explain(const grpc::Status& status) const {
   return proto::error_from_grpc(status);
 }
 
-// gRPC tells no handshake that failed from a peer that is not there, but in its text.
+// gRPC tells a handshake that failed from a peer that is not there in its text alone.
 core::Error Farm::explain_unreachable(const grpc::Status& status) const {
+  const proto::ClientSecurity& security = options_.security;
   const std::string& text = status.error_message();
-  if (text.find("andshake") != std::string::npos) {
-    return {
-        core::ErrorCode::kUnavailable,
-        fmt::format(
-            "{} answers, but it and this program do not trust each other: is --tls-ca the authority of its "
-            "certificate, and is that for this name? ({})",
-            address(), text)};
+  const auto says = [&](const char* words) { return text.find(words) != std::string::npos; };
+  const auto unavailable = [](std::string sentence) {
+    return core::Error{core::ErrorCode::kUnavailable, std::move(sentence)};
+  };
+  if (says("wrong version number"))
+    return unavailable(fmt::format("the coordinator at {} speaks no TLS: leave out --tls-ca", address()));
+  if (says("andshake")) {
+    return unavailable(fmt::format(
+        "{} answers, but this program does not trust it: is --tls-ca the authority of its certificate, and "
+        "is that for this name? ({})",
+        address(), text));
   }
-  if (text.find("ocket closed") != std::string::npos || text.find("reset by peer") != std::string::npos) {
-    return {core::ErrorCode::kUnavailable,
-            fmt::format(
-                "the coordinator at {} closed the connection: it has just been stopped, or it speaks TLS and "
-                "wants {}",
-                address(), options_.security.ca.empty() ? "--tls-ca" : "--tls-certificate and --tls-key")};
+  if (says("ocket closed") || says("reset by peer")) {
+    const char* wants = "it speaks TLS and wants --tls-ca";
+    if (!security.ca.empty()) wants = "it wants --tls-certificate and --tls-key";
+    if (!security.certificate.empty()) wants = "it does not trust the authority of this --tls-certificate";
+    return unavailable(fmt::format(
+        "the coordinator at {} closed the connection: it has just been stopped, or {}", address(), wants));
   }
-  return {core::ErrorCode::kUnavailable,
-          fmt::format(
-              "no coordinator answers at {}: start one with 'tessera-coordinator', or say where it is with "
-              "--coordinator HOST:PORT or {}",
-              address(), proto::kCoordinatorVariable)};
+  return unavailable(fmt::format(
+      "no coordinator answers at {}: start one with 'tessera-coordinator', or say where it is with "
+      "--coordinator HOST:PORT or {}",
+      address(), proto::kCoordinatorVariable));
 }
 
 }  // namespace tessera::client

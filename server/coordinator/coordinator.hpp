@@ -131,7 +131,10 @@ class Coordinator {
   core::Result<core::Image> develop_row(const v1::Job& spec, const core::TileGrid& grid, int row);
 
   core::Status check_bundle(const v1::Bundle& bundle);
-  std::optional<v1::Job> job_of_request(const std::string& request_id);
+  // What to answer a submission with whose request_id is known already. ALREADY_EXISTS: it is another
+  // submitter's.
+  std::optional<core::Result<v1::Job>> answer_to_known(const std::string& request_id,
+                                                       const std::string& submitter);
   core::Result<v1::Job> add_job(v1::Job spec, const std::string& request_id);
 
   struct ChangedJob {

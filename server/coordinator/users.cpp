@@ -63,7 +63,7 @@ core::Status Coordinator::check_bundle(const v1::Bundle& bundle) {
 
 core::Result<v1::Job> Coordinator::submit_job(const v1::SubmitJobRequest& request,
                                               const std::string& submitter) {
-  if (auto known = job_of_request(request.request_id())) return *known;
+  if (auto known = answer_to_known(request.request_id(), submitter)) return *known;
   if (auto checked = check_bundle(request.bundle()); !checked) return core::fail(checked.error());
   const auto scene = check_scene_(request.bundle(), request.overrides());
   if (!scene) return core::fail(scene.error());
@@ -90,16 +90,20 @@ core::Result<v1::Job> Coordinator::submit_job(const v1::SubmitJobRequest& reques
   return add_job(std::move(spec), request.request_id());
 }
 
-std::optional<v1::Job> Coordinator::job_of_request(const std::string& request_id) {
+std::optional<core::Result<v1::Job>> Coordinator::answer_to_known(const std::string& request_id,
+                                                                  const std::string& submitter) {
   const Turn turn(*this);
   const auto known = job_of_request_.find(request_id);
   if (request_id.empty() || known == job_of_request_.end()) return std::nullopt;
-  return describe_now(turn, jobs_.at(known->second));
+  v1::Job job = describe_now(turn, jobs_.at(known->second));
+  if (job.submitter() == submitter) return job;
+  return core::fail(ErrorCode::kAlreadyExists,
+                    "another submitter has used this request_id: take a random one for each submission");
 }
 
 core::Result<v1::Job> Coordinator::add_job(v1::Job spec, const std::string& request_id) {
   const std::lock_guard one_at_a_time(submit_mutex_);
-  if (auto known = job_of_request(request_id)) return *known;
+  if (auto known = answer_to_known(request_id, spec.submitter())) return *known;
 
   JobRecord record;
   record.spec = std::make_shared<const v1::Job>(std::move(spec));

@@ -77,6 +77,9 @@ TEST_F(SecurityTest, WhoCannotShowThemselvesIsToldWhatIsMissing) {
   EXPECT_THAT(refusal({"jobs"}), HasSubstr("--tls-ca"));
   security_ = {certificate("ca.pem"), certificate("client.pem"), certificate("worker.key"), "", false};
   EXPECT_THAT(refusal({"jobs"}), HasSubstr("worker.key: this is not the key of"));
+  security_ = {certificate("ca.pem"), folder_ / "others" / "client.pem", folder_ / "others" / "client.key",
+               "", false};
+  EXPECT_THAT(refusal({"jobs"}), HasSubstr("does not trust the authority of this --tls-certificate"));
 }
 
 TEST_F(SecurityTest, TokensAllowWhatTheirRoleDoes) {
@@ -104,6 +107,30 @@ TEST_F(SecurityTest, TokensAllowWhatTheirRoleDoes) {
   EXPECT_EQ(tessera({"delete", id}).exit_code, 0);
 }
 
+TEST_F(SecurityTest, AWorkerWhoseTokenIsForgottenWaitsUntilItIsKnownAgain) {
+  std::filesystem::copy_file(certificate("tokens"), folder_ / "tokens");
+  coordinator_options_ = {"--tokens", folder_ / "tokens"};
+  be("work");
+  start_coordinator();
+  Process& worker = start_worker("worker", 1);
+  const auto says = [&](const char* words) {
+    return poll_until(std::chrono::seconds(20),
+                      [&] { return worker.err().find(words) != std::string::npos; });
+  };
+  ASSERT_TRUE(says("registered with the coordinator"));
+  be("submit");
+  const std::string id = submit({"--size", "64x64", "--spp", "40"});
+  kill_coordinator();
+  write_file(folder_ / "tokens", "submit submit " + read_file(certificate("submit.token")));
+  restart_coordinator();
+  EXPECT_TRUE(says("does not know the token"));
+  kill_coordinator();
+  std::filesystem::copy_file(certificate("tokens"), folder_ / "tokens",
+                             std::filesystem::copy_options::overwrite_existing);
+  restart_coordinator();
+  EXPECT_EQ(tessera({"watch", id}).exit_code, 0);
+}
+
 TEST_F(SecurityTest, OnlySubmittersAndAdministratorsChangeAJob) {
   write_file(folder_ / "tokens",
              "submit alice alice-0123456789abcdef\n# others\nsubmit bob bob-0123456789abcdef\n"
@@ -125,27 +152,32 @@ TEST_F(SecurityTest, OnlySubmittersAndAdministratorsChangeAJob) {
 }
 
 TEST_F(SecurityTest, ACoordinatorThatCannotBeSafeDoesNotStart) {
-  const auto complaint = [&](const std::vector<std::string>& options) {
+  const auto complaint = [&](const std::vector<std::string>& options, ExitCode exit_code) {
     ProcessOptions process;
     process.arguments = {TESSERA_COORDINATOR_PROGRAM, "--state", folder_ / "state"};
     process.arguments.insert(process.arguments.end(), options.begin(), options.end());
     process.out = folder_ / "out";
     process.err = folder_ / "err";
     Process coordinator(process);
-    EXPECT_EQ(coordinator.wait(std::chrono::seconds(20)), 1);
+    EXPECT_EQ(coordinator.wait(std::chrono::seconds(20)), exit_code);
     return coordinator.err();
   };
-  EXPECT_THAT(complaint({"--listen", "0.0.0.0:0"}), AllOf(HasSubstr("0.0.0.0"), HasSubstr("--insecure")));
-  write_file(folder_ / "tokens", "submit alice\n");
-  EXPECT_THAT(complaint({"--listen", "127.0.0.1:0", "--tokens", folder_ / "tokens"}),
-              HasSubstr("tokens:1: "));
-  write_file(folder_ / "tokens", "boss alice 0123456789abcdef\n");
-  EXPECT_THAT(complaint({"--listen", "127.0.0.1:0", "--tokens", folder_ / "tokens"}),
-              HasSubstr("'boss' is no role"));
-  write_file(folder_ / "tokens", "submit alice short\n");
-  EXPECT_THAT(complaint({"--listen", "127.0.0.1:0", "--tokens", folder_ / "tokens"}), HasSubstr("too short"));
-  write_file(folder_ / "tokens", "# nobody\n");
-  EXPECT_THAT(complaint({"--listen", "127.0.0.1:0", "--tokens", folder_ / "tokens"}), HasSubstr("no token"));
+  EXPECT_THAT(complaint({"--listen", "0.0.0.0:0"}, 1), AllOf(HasSubstr("0.0.0.0"), HasSubstr("--insecure")));
+  const std::pair<std::string, std::string> mistakes[] = {
+      {"submit alice", "three words"},
+      {"boss alice 0123456789abcdef", "a role"},
+      {"submit alice short", "at least 16"},
+      {"submit alice not#a#token#at#all", "at least 16"},
+      {"submit 0123456789abcdef0123456789abcdef0123456789abcdef a-name-of-some-length", "a name"},
+      {"submit alice 0123456789abcdef\nsubmit bob 0123456789abcdef", "somebody already"},
+      {"# nobody", "no token"}};
+  for (const auto& [text, complaint_about] : mistakes) {
+    write_file(folder_ / "tokens", text + "\n");
+    const std::string said = complaint({"--listen", "127.0.0.1:0", "--tokens", folder_ / "tokens"}, 1);
+    EXPECT_THAT(said, AllOf(HasSubstr("/tokens:"), HasSubstr(complaint_about)));
+    EXPECT_THAT(said, ::testing::Not(HasSubstr("0123456789"))) << "a secret in a log";
+  }
+  complaint({"--listen", "127.0.0.1:0", "--tokens", ""}, 2);
 }
 
 }  // namespace

@@ -20,7 +20,8 @@ TEST(Security, KnowsWhatOtherMachinesReach) {
   for (const char* address :
        {"127.0.0.1:7420", "127.8.9.1:1", "localhost:7420", "[::1]:7420", "unix:/tmp/socket"})
     EXPECT_TRUE(is_loopback(address)) << address;
-  for (const char* address : {"0.0.0.0:7420", "10.0.0.1:7420", "render.example.org:7420", "[::]:7420"})
+  for (const char* address : {"0.0.0.0:7420", "10.0.0.1:7420", "render.example.org:7420", "[::]:7420",
+                              "unixbox:7420", "127.0.0.1.example.org:7420", "127.example.org:7420"})
     EXPECT_FALSE(is_loopback(address)) << address;
 }
 
@@ -67,7 +68,8 @@ TEST(Security, ATokenIsTheFirstLineOfItsFile) {
   EXPECT_EQ(*read_token(""), "");
   EXPECT_EQ(*read_token(file_with("token", "0123abcd-._~+/=\nmore\n")), "0123abcd-._~+/=");
   EXPECT_EQ(*read_token(file_with("dos", "secret\r\n")), "secret");
-  for (const char* text : {"", "\n", "two words\n", "naïve\n"}) {
+  for (const std::string& text : {std::string(), std::string("\n"), std::string("two words\n"),
+                                  std::string("naïve\n"), std::string("secret\0\n", 8)}) {
     const auto token = read_token(file_with("bad", text));
     ASSERT_FALSE(token) << text;
     EXPECT_THAT(token.error().message, HasSubstr("security_test_bad"));
