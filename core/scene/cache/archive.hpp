@@ -165,7 +165,7 @@ class Reader {
   void take(std::span<std::byte> into) {
     good_ = good_ && into.size() <= rest_.size();
     if (!good_) return;
-    std::memcpy(into.data(), rest_.data(), into.size());
+    std::ranges::copy(rest_.first(into.size()), into.begin());
     rest_ = rest_.subspan(into.size());
   }
 

@@ -183,7 +183,8 @@ Result<BlockFileReader> BlockFileReader::open(const std::string& path, const Che
   if (!read_at(reader.file_.get(), tail, header.blocks_end) || checksum_of(tail) != header.index)
     return refuse("is damaged");
   reader.pieces_.resize(header.piece_count);
-  std::memcpy(reader.pieces_.data(), tail.data(), pieces_bytes);
+  std::ranges::copy(std::span(tail).first(pieces_bytes),
+                    std::as_writable_bytes(std::span(reader.pieces_)).begin());
   reader.index_.assign(tail.begin() + static_cast<std::ptrdiff_t>(pieces_bytes), tail.end());
   reader.next_ = sizeof(Header);
   reader.blocks_end_ = header.blocks_end;
