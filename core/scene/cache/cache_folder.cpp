@@ -5,11 +5,13 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <chrono>
+#include <cstdint>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
-#include <random>
 #include <string_view>
 #include <system_error>
 #include <vector>
@@ -73,9 +75,10 @@ Status check_is_own(const std::string& folder) {
 }
 
 std::string partial_path_of(const std::string& path) {
-  std::random_device random;
-  return fmt::format("{}.{:08x}{:08x}{:08x}{:08x}{}", path, random(), random(), random(), random(),
-                     kPartialSuffix);
+  std::array<std::uint64_t, 2> random{};
+  if (::getentropy(random.data(), sizeof random) != 0)
+    std::abort();  // documented to fail for bad arguments alone
+  return fmt::format("{}.{:016x}{:016x}{}", path, random[0], random[1], kPartialSuffix);
 }
 
 void mark_as_used(const std::string& path) {
