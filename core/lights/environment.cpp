@@ -34,7 +34,8 @@ double mean_over_texel(double before, double here, double after) {
 // The channels' mean of `image` times `factor` in the mean over each texel, as bilinear interpolation has it:
 // 0 only where all of the texel is black. Row-major.
 std::vector<double> texel_means(const TextureImage& image, Rgb factor) {
-  const auto width = static_cast<std::size_t>(image.width), height = static_cast<std::size_t>(image.height);
+  const auto width = static_cast<std::size_t>(image.width()),
+             height = static_cast<std::size_t>(image.height());
   std::vector<double> across(width * height), means(width * height), row(width);
   for (std::size_t y = 0; y < height; ++y) {
     for (std::size_t x = 0; x < width; ++x)
@@ -64,8 +65,8 @@ int cell_of(float coordinate, int cells) {
 Environment::Environment(Rgb radiance, std::shared_ptr<const TextureImage> image, float rotation_degrees)
     : radiance_(radiance),
       image_(std::move(image)),
-      width_(image_ ? image_->width : 1),
-      height_(image_ ? image_->height : 1),
+      width_(image_ ? image_->width() : 1),
+      height_(image_ ? image_->height() : 1),
       turned_(fraction(rotation_degrees / 360)),
       row_begin_(rows_below_north_pole(height_)) {
   auto weights =

@@ -81,24 +81,21 @@ Result<TextureImage> decode(std::string_view bytes, ColorSpace color_space) {
   const Encoded encoded{reinterpret_cast<const stbi_uc*>(bytes.data()), static_cast<int>(bytes.size())};
   const auto size = checked_size(bytes, encoded);
   if (!size) return fail(size.error());
-  TextureImage image{size->width, size->height, {}, color_space};
   const std::size_t count = size->value_count();
   if (is_hdr_picture(bytes)) {
     const auto texels = load_texels<float>(encoded, stbi_loadf_from_memory);
     if (!texels) return fail(texels.error());
-    image.texels = std::vector<float>(texels->get(), texels->get() + count);
-    image.color_space = ColorSpace::kLinear;
-  } else if (stbi_is_16_bit_from_memory(encoded.data, encoded.size)) {
+    return TextureImage(size->width, size->height, std::vector<float>(texels->get(), texels->get() + count));
+  }
+  if (stbi_is_16_bit_from_memory(encoded.data, encoded.size)) {
     const auto texels = load_texels<stbi_us>(encoded, stbi_load_16_from_memory);
     if (!texels) return fail(texels.error());
-    image.texels = linear_values(texels->get(), count, color_space);
-    image.color_space = ColorSpace::kLinear;
-  } else {
-    const auto texels = load_texels<stbi_uc>(encoded, stbi_load_from_memory);
-    if (!texels) return fail(texels.error());
-    image.texels = std::vector<std::uint8_t>(texels->get(), texels->get() + count);
+    return TextureImage(size->width, size->height, linear_values(texels->get(), count, color_space));
   }
-  return image;
+  const auto texels = load_texels<stbi_uc>(encoded, stbi_load_from_memory);
+  if (!texels) return fail(texels.error());
+  return TextureImage(size->width, size->height,
+                      std::vector<std::uint8_t>(texels->get(), texels->get() + count), color_space);
 }
 
 }  // namespace

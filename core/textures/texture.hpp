@@ -4,10 +4,11 @@
 // Texel centres lie at ((i + 0.5) / width, (j + 0.5) / height).
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <variant>
+#include <utility>
 #include <vector>
 
 #include "core/math/rgb.hpp"
@@ -18,17 +19,60 @@ namespace tessera::core {
 enum class ColorSpace { kSrgb, kLinear };
 enum class Wrap { kRepeat, kClamp };
 
-// Decoded texels: width * height * 3 values, row-major from the top left.
-struct TextureImage {
-  int width = 0, height = 0;
-  // Bytes as stored in PNG and JPEG files, or linear floats as in HDR files.
-  std::variant<std::vector<std::uint8_t>, std::vector<float>> texels;
-  ColorSpace color_space = ColorSpace::kSrgb;  // of bytes; floats are linear
+// A decoded picture, stored for being looked up. What files hold in bytes is kept in four bytes for each
+// texel, also the shared exponents of HDR files, and 4 x 4 texels share a cache line: four neighbours mostly
+// lie in one or two.
+class TextureImage {
+ public:
+  enum class Format { kSrgbBytes, kLinearBytes, kSharedExponent, kFloats };
+  struct alignas(64) Tile {
+    std::array<std::uint32_t, 16> texels;  // row by row; red in the lowest byte
+  };
+  struct Texels {
+    int width = 0, height = 0;
+    Format format = Format::kFloats;
+    std::vector<Tile> tiles;    // row by row; none of kFloats
+    std::vector<float> floats;  // of kFloats: width * height * 3 values, row-major from the top left
+  };
+
+  // From width * height * 3 values, row-major from the top left: bytes as stored in PNG and JPEG files, or
+  // linear floats. Every value is kept exactly.
+  TextureImage(int width, int height, const std::vector<std::uint8_t>& bytes,
+               ColorSpace color_space = ColorSpace::kSrgb);
+  TextureImage(int width, int height, std::vector<float> linear);
+  // Those of another image.
+  explicit TextureImage(Texels texels) : texels_(std::move(texels)) {}
+
+  int width() const { return texels_.width; }
+  int height() const { return texels_.height; }
+  // Of its bytes; what is not kept in bytes is linear.
+  ColorSpace color_space() const {
+    return texels_.format == Format::kSrgbBytes ? ColorSpace::kSrgb : ColorSpace::kLinear;
+  }
+  const Texels& texels() const { return texels_; }
 
   Rgb texel(int x, int y) const;                          // linear; 0 <= x < width, 0 <= y < height
   Rgb bilinear(Vec2 uv, Wrap wrap_u, Wrap wrap_v) const;  // linear, between the nearest four texels
   Rgb mean() const;                                       // of all texels, linear
   Rgb largest() const;                                    // of each channel, linear
+
+ private:
+  template <Format kFormat>
+  Rgb fetch(int x, int y) const;
+  template <typename Visit>
+  auto visit_format(const Visit& visit) const;
+
+  std::size_t tile_of(int x, int y) const {
+    return static_cast<std::size_t>(y >> 2) * tiles_along(width()) + static_cast<std::size_t>(x >> 2);
+  }
+  static std::size_t tiles_along(int texels) { return (static_cast<std::size_t>(texels) + 3) / 4; }
+  static std::size_t within_tile(int x, int y) { return static_cast<std::size_t>((y & 3) * 4 + (x & 3)); }
+  std::vector<Tile> empty_tiles() const {
+    return std::vector<Tile>(tiles_along(width()) * tiles_along(height()));
+  }
+  std::vector<Tile> with_shared_exponents() const;
+
+  Texels texels_;
 };
 
 struct Texture {

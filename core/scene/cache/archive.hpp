@@ -58,7 +58,7 @@ class Writer {
   void operator()(const std::shared_ptr<const TextureImage>& image) {
     const auto [known, is_new] = images_.emplace(image.get(), static_cast<std::uint32_t>(images_.size()));
     (*this)(known->second);
-    if (is_new) (*this)(*image);
+    if (is_new) (*this)(image->texels());
   }
 
  private:
@@ -147,9 +147,7 @@ class Reader {
     good_ = good_ && index <= images_.size();
     if (!good_) return;
     if (index == images_.size()) {
-      auto read_image = std::make_shared<TextureImage>();
-      (*this)(*read_image);
-      images_.push_back(std::move(read_image));
+      images_.push_back(std::make_shared<TextureImage>(read<TextureImage::Texels>()));
     }
     image = images_[index];
   }

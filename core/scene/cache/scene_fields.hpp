@@ -32,9 +32,9 @@ auto fields(Is<DisplaySettings> auto& value) {
   auto& [exposure_stops, tone_curve] = value;
   return std::tie(exposure_stops, tone_curve);
 }
-auto fields(Is<TextureImage> auto& value) {
-  auto& [width, height, texels, color_space] = value;
-  return std::tie(width, height, texels, color_space);
+auto fields(Is<TextureImage::Texels> auto& value) {
+  auto& [width, height, format, tiles, floats] = value;
+  return std::tie(width, height, format, tiles, floats);
 }
 auto fields(Is<Texture> auto& value) {
   auto& [image, wrap, scale, offset] = value;
@@ -129,6 +129,6 @@ auto fields(Is<Bvh::Arrays> auto& value) {
 // What is stored as it lies in memory, alone and in arrays: numbers, and structures of numbers of one kind.
 template <typename T>
 concept Plain = std::is_arithmetic_v<T> || std::is_enum_v<T> || Is<T, Vec2> || Is<T, Vec3> || Is<T, Rgb> ||
-    Is<T, std::array<std::uint32_t, 3>> || Is<T, BvhNode> || Is<T, BvhPacket>;
+    Is<T, std::array<std::uint32_t, 3>> || Is<T, TextureImage::Tile> || Is<T, BvhNode> || Is<T, BvhPacket>;
 
 }  // namespace tessera::core::stored

@@ -44,8 +44,8 @@ class EnvironmentSampling : public testing::TestWithParam<EnvironmentCase> {
 // black directions are not answered; light begins and ends half way between texels' edges.
 TEST_P(EnvironmentSampling, SamplesMatchTheDensity) {
   constexpr int kSamples = 200000;
-  const int width = GetParam().image ? GetParam().image->width : 32;
-  const int height = GetParam().image ? GetParam().image->height : 16;
+  const int width = GetParam().image ? GetParam().image->width() : 32;
+  const int height = GetParam().image ? GetParam().image->height() : 16;
   const double rotation = static_cast<double>(GetParam().rotation) * kPiDouble / 180;
   std::vector<double> observed(static_cast<std::size_t>(width * height)), expected(observed.size());
   for (int i = 0; i < kSamples; ++i) {

@@ -163,11 +163,11 @@ TEST(TexturedLight, LightsLikeTheMeanOfItsTextureWhereItIsFar) {
 TEST(TexturedLight, ShinesFromWhereItsTextureIsBright) {
   const auto screen = [](Rgb left, Rgb right, auto add_shapes) {
     test::SceneMaker maker = lit_square();
-    TextureImage image{64, 1, std::vector<float>{}};
-    auto& texels = *std::get_if<std::vector<float>>(&image.texels);
+    std::vector<float> texels;
     for (int i = 0; i < 64; ++i)
       for (int c = 0; c < 3; ++c) texels.push_back((i < 32 ? left : right)[c]);
-    maker.description().textures = {{.image = std::make_shared<TextureImage>(image), .wrap = Wrap::kClamp}};
+    maker.description().textures = {
+        {.image = std::make_shared<TextureImage>(64, 1, std::move(texels)), .wrap = Wrap::kClamp}};
     const auto lamp = maker.material(test::lambert(0));
     maker.description().materials[lamp].emission = {Rgb::gray(1), 0};
     add_shapes(maker, lamp);
@@ -269,12 +269,11 @@ TEST(ConstantEnvironment, IsSeenWhereNothingElseIsAndThroughLosslessObjects) {
 
 // Uneven and coarse, with a bright texel at a pole and one beside black ones.
 std::shared_ptr<const TextureImage> surroundings() {
-  TextureImage image{8, 4, std::vector<float>(8 * 4 * 3, 0.0f)};
-  auto& texels = *std::get_if<std::vector<float>>(&image.texels);
+  std::vector<float> texels(8 * 4 * 3, 0.0f);
   for (std::size_t i = 0; i < 32; ++i) texels[3 * i] = static_cast<float>((i * 7) % 5) * 0.3f;
   texels[3 * 3] = 9;
   for (std::size_t x = 2; x < 7; ++x) texels[3 * (8 + x)] = x == 5 ? 20 : 0;
-  return std::make_shared<TextureImage>(image);
+  return std::make_shared<TextureImage>(8, 4, std::move(texels));
 }
 
 // Irradiance of a surface that faces up, by the midpoint rule.

@@ -199,8 +199,8 @@ TEST(SceneReading, TakesTexturesUsedForNumbersAloneAsLinear) {
                       "\"c\": {\"type\": \"phong\", \"exponent\": {\"texture\": \"t4\", \"scale\": 99}}",
                       ""));
   const auto& t = scene.textures;
-  for (const std::size_t i : {0u, 2u, 3u, 4u}) EXPECT_EQ(t[i].image->color_space, ColorSpace::kSrgb) << i;
-  EXPECT_EQ(t[1].image->color_space, ColorSpace::kLinear);
+  for (const std::size_t i : {0u, 2u, 3u, 4u}) EXPECT_EQ(t[i].image->color_space(), ColorSpace::kSrgb) << i;
+  EXPECT_EQ(t[1].image->color_space(), ColorSpace::kLinear);
 }
 
 TEST(SceneReading, TakesTexturesAndDecodesEachPictureOnce) {
@@ -218,7 +218,7 @@ TEST(SceneReading, TakesTexturesAndDecodesEachPictureOnce) {
   ASSERT_EQ(t.size(), 3u);
   EXPECT_EQ(t[0].image, t[1].image);
   EXPECT_NE(t[0].image, t[2].image);
-  EXPECT_EQ(t[0].image->width, 4);
+  EXPECT_EQ(t[0].image->width(), 4);
   EXPECT_EQ(t[1].wrap, Wrap::kClamp);
   EXPECT_EQ(t[1].scale, (Vec2{2, 3}));
   EXPECT_EQ(t[1].offset, (Vec2{0.5f, 0}));

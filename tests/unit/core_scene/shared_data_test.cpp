@@ -59,7 +59,7 @@ TEST_F(SharedData, SpotWearsItsTexture) {
                        "{\"type\": \"mesh\", \"file\": \"spot/spot.obj\", \"material\": \"cow\"}"));
   const auto scene = load_scene(assets, "scene.json", "scene.json");
   ASSERT_TRUE(scene.has_value()) << scene.error().message;
-  EXPECT_EQ(scene->textures[0].image->width, 1024);
+  EXPECT_EQ(scene->textures[0].image->width(), 1024);
   const auto& mesh = std::get<MeshDescription>(scene->shapes[0]);
   EXPECT_EQ(mesh.uvs.size(), mesh.positions.size());
 }

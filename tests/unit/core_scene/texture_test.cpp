@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 #include <random>
+#include <utility>
+#include <vector>
 
 #include "core/image/srgb.hpp"
 #include "core/textures/image_decoder.hpp"
@@ -20,11 +22,9 @@ using test::png;
 
 // Linear floats, row by row from the top.
 Texture texture_of(int width, int height, std::vector<float> grays, Wrap wrap = Wrap::kRepeat) {
-  TextureImage image{width, height, {}, ColorSpace::kLinear};
   std::vector<float> texels;
   for (const float gray : grays) texels.insert(texels.end(), {gray, gray * 2, gray * 4});
-  image.texels = std::move(texels);
-  return {std::make_shared<const TextureImage>(std::move(image)), wrap};
+  return {std::make_shared<const TextureImage>(width, height, std::move(texels)), wrap};
 }
 
 TEST(Texture, HitsTexelCentresExactlyWithVUpwards) {
@@ -85,11 +85,36 @@ TEST(TextureImage, WrapsEachWayByItself) {
 }
 
 TEST(TextureImage, DecodesBytesByTheStandard) {
-  TextureImage image{1, 1, std::vector<std::uint8_t>{0, 188, 255}, ColorSpace::kSrgb};
-  EXPECT_EQ(image.texel(0, 0), (Rgb{0, srgb_decode(std::uint8_t{188}), 1}));
-  EXPECT_NEAR(image.texel(0, 0).g, 0.5029f, 1e-4f);
-  image.color_space = ColorSpace::kLinear;
-  EXPECT_EQ(image.texel(0, 0), (Rgb{0, 188.0f / 255, 1}));
+  const std::vector<std::uint8_t> bytes{0, 188, 255};
+  const TextureImage srgb(1, 1, bytes, ColorSpace::kSrgb), linear(1, 1, bytes, ColorSpace::kLinear);
+  EXPECT_EQ(srgb.texel(0, 0), (Rgb{0, srgb_decode(std::uint8_t{188}), 1}));
+  EXPECT_NEAR(srgb.texel(0, 0).g, 0.5029f, 1e-4f);
+  EXPECT_EQ(linear.texel(0, 0), (Rgb{0, 188.0f / 255, 1}));
+}
+
+// Of any size, so that cache lines are filled in part, and whether or not floats fit shared exponents.
+TEST(TextureImage, KeepsEveryValue) {
+  std::mt19937 random(1);
+  for (const auto& [width, height] : std::vector<std::pair<int, int>>{{1, 1}, {7, 5}, {4, 9}, {13, 8}}) {
+    const auto count = static_cast<std::size_t>(3 * width * height);
+    std::vector<std::uint8_t> bytes(count);
+    std::vector<float> shared(count), odd(count);
+    for (std::size_t i = 0; i < count; ++i) {
+      bytes[i] = static_cast<std::uint8_t>(random());
+      shared[i] = std::ldexp(static_cast<float>(bytes[i]), static_cast<int>(i / 3 % 256) - 136);
+      odd[i] = i % 5 == 0 ? -1.5f : std::ldexp(static_cast<float>(random()), static_cast<int>(i % 200) - 140);
+    }
+    const TextureImage of_bytes(width, height, bytes, ColorSpace::kLinear);
+    const TextureImage of_shared(width, height, shared), of_odd(width, height, odd);
+    for (int y = 0; y < height; ++y)
+      for (int x = 0; x < width; ++x) {
+        const auto i = static_cast<std::size_t>(3 * (y * width + x));
+        const auto unit = [&](std::size_t k) { return static_cast<float>(bytes[k]) / 255; };
+        ASSERT_EQ(of_bytes.texel(x, y), (Rgb{unit(i), unit(i + 1), unit(i + 2)}));
+        ASSERT_EQ(of_shared.texel(x, y), (Rgb{shared[i], shared[i + 1], shared[i + 2]}));
+        ASSERT_EQ(of_odd.texel(x, y), (Rgb{odd[i], odd[i + 1], odd[i + 2]}));
+      }
+  }
 }
 
 TEST(DecodeTexture, KeepsThePixelsOfPngAndHdr) {
@@ -99,7 +124,7 @@ TEST(DecodeTexture, KeepsThePixelsOfPngAndHdr) {
   const auto from_png = decode_texture_image(png(image), ColorSpace::kSrgb);
   const auto from_hdr = decode_texture_image(hdr(image), ColorSpace::kLinear);
   ASSERT_TRUE(from_png && from_hdr);
-  EXPECT_EQ(from_hdr->color_space, ColorSpace::kLinear);
+  EXPECT_EQ(from_hdr->color_space(), ColorSpace::kLinear);
   for (int y = 0; y < 2; ++y)
     for (int x = 0; x < 3; ++x) {
       EXPECT_NEAR(from_png->texel(x, y).r, std::min(image.at(x, y).r, 1.0f), 0.005f);
@@ -139,8 +164,8 @@ std::string jpeg() {
 TEST(DecodeTexture, ReadsJpeg) {
   const auto image = decode_texture_image(jpeg(), ColorSpace::kLinear);
   ASSERT_TRUE(image.has_value()) << image.error().message;
-  EXPECT_EQ(image->width, 32);
-  EXPECT_EQ(image->height, 16);
+  EXPECT_EQ(image->width(), 32);
+  EXPECT_EQ(image->height(), 16);
   EXPECT_NEAR(image->texel(4, 8).r * 255, 200, 4);
   EXPECT_NEAR(image->texel(28, 8).r * 255, 40, 4);
   EXPECT_NEAR(image->texel(28, 8).b * 255, 60, 4);
@@ -205,7 +230,7 @@ TEST(DecodeTexture, SurvivesDamage) {
       for (int k = 0; k < 3; ++k) damaged[random() % damaged.size()] = static_cast<char>(random());
       const auto image = decode_texture_image(damaged, ColorSpace::kSrgb);
       if (image)
-        EXPECT_GT(image->width * image->height, 0);
+        EXPECT_GT(image->width() * image->height(), 0);
       else
         EXPECT_FALSE(image.error().message.empty());
     }
