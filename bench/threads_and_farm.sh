@@ -38,45 +38,7 @@ for program in tessera tessera-coordinator tessera-worker; do
 done
 [ "$(nproc)" -ge 2 ] || { echo "threads_and_farm.sh: two threads need two cores; here is one" >&2; exit 1; }
 
-work=$(mktemp -d)
-started=()
-stop_started() {
-  local i
-  for ((i = ${#started[@]} - 1; i >= 0; --i)); do
-    kill "${started[i]}" 2>/dev/null || true
-    wait "${started[i]}" 2>/dev/null || true
-  done
-  rm -rf "$work"
-}
-trap stop_started EXIT
-
-start() {
-  "${@:2}" >"$work/$1.log" 2>&1 &
-  started+=($!)
-}
-
-# until_in_log TEXT LOG...: waits until every log has it.
-until_in_log() {
-  local i text=$1
-  shift
-  for ((i = 0; i < 600; ++i)); do
-    [ "$(cat /dev/null "$@" | grep -c "$text")" -lt $# ] || return 0
-    sleep 0.05
-  done
-  echo "threads_and_farm.sh: no '$text' in $*" >&2
-  exit 1
-}
-
-start_farm() {
-  start coordinator "$bin/tessera-coordinator" --listen 127.0.0.1:0 --state "$work/state"
-  until_in_log 'listening on' "$work/coordinator.log"
-  address=$(sed -n 's/.*listening on //p' "$work/coordinator.log")
-  local name
-  for name in first second; do
-    start "$name" "$bin/tessera-worker" --coordinator "$address" --threads 1 --name "$name" --cache "$work/cache-$name"
-  done
-  until_in_log 'registered with the coordinator' "$work/first.log" "$work/second.log"
-}
+source scripts/processes.sh
 
 # Seconds of CPU time that process PID has used (proc(5): user and system are fields 14 and 15).
 cpu_seconds() { awk -v tick="$(getconf CLK_TCK)" '{ print ($14 + $15) / tick }' "/proc/$1/stat"; }
@@ -101,7 +63,8 @@ spp=8
 in_process 2 --stats "$work/trial.json"
 spp=$(jq "(.samples_per_second * $seconds / (.width * .height)) | ceil" "$work/trial.json")
 
-start_farm
+start_coordinator "$bin"
+for name in first second; do start_worker "$bin" "$name" 1; done
 for ((round = 0; round < rounds; ++round)); do
   timed "$work/one" in_process 1
   timed "$work/two" in_process 2

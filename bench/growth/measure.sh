@@ -14,17 +14,7 @@ for program in tessera tessera_bench tessera-coordinator tessera-worker; do
 done
 command -v gnuplot >/dev/null || { echo "measure.sh: install Debian's gnuplot-nox" >&2; exit 1; }
 
-work=$(mktemp -d)
-started=()
-stop_started() {
-  local i
-  for ((i = ${#started[@]} - 1; i >= 0; --i)); do
-    kill "${started[i]}" 2>/dev/null || true
-    wait "${started[i]}" 2>/dev/null || true
-  done
-  rm -rf "$work"
-}
-trap stop_started EXIT
+source scripts/processes.sh
 
 # The scene of all series but two. Its materials come by path, so that it can be changed elsewhere.
 cornell=$work/cornell.json
@@ -112,29 +102,12 @@ threads() {
   done
 }
 
-until_in_log() {
-  local i
-  for ((i = 0; i < 600; ++i)); do
-    ! grep -q "$1" "$2" 2>/dev/null || return 0
-    sleep 0.05
-  done
-  echo "measure.sh: no '$1' in $2" >&2
-  exit 1
-}
-start() {
-  "${@:2}" >"$work/$1.log" 2>&1 &
-  started+=($!)
-}
 workers() {
-  local n address begin
+  local n begin
   series workers 'workers of one thread	samples per second'
-  start coordinator "$bin/tessera-coordinator" --listen 127.0.0.1:0 --state "$work/state"
-  until_in_log 'listening on' "$work/coordinator.log"
-  address=$(sed -n 's/.*listening on //p' "$work/coordinator.log")
+  start_coordinator "$bin"
   for ((n = 1; n <= $(nproc); ++n)); do
-    start "worker-$n" "$bin/tessera-worker" --coordinator "$address" --threads 1 --name "worker-$n" \
-      --cache "$work/cache-$n"
-    until_in_log 'registered with the coordinator' "$work/worker-$n.log"
+    start_worker "$bin" "worker-$n" 1
     begin=$(date +%s.%N)
     "$bin/tessera" submit "$cornell" --spp 64 --coordinator "$address" --wait -o "$work/farm.exr" >/dev/null 2>&1
     row "$n" "$(jq -n "512 * 512 * 64 / ($(date +%s.%N) - $begin)")"
