@@ -7,6 +7,7 @@
 #include <iostream>
 #include <stop_token>
 
+#include "server/maintenance.hpp"
 #include "server/options.hpp"
 #include "server/rpc/server.hpp"
 
@@ -77,8 +78,11 @@ int main(int argc, char** argv) {
   // Errors are told once, in our words; GRPC_VERBOSITY=DEBUG brings gRPC's own back.
   setenv("GRPC_VERBOSITY", "NONE", 0);
   spdlog::set_default_logger(spdlog::stderr_color_mt("tessera-coordinator"));
+  const server::Options options = server::parse_options(argc, argv);
+  if (!options.check.empty()) return server::check(options.check);
+  if (!options.salvage.empty()) return server::salvage(options.salvage);
   const sigset_t stop_signals = block_stop_signals();
-  const auto ended = run(server::parse_options(argc, argv), stop_signals);
+  const auto ended = run(options, stop_signals);
   if (ended) return EXIT_SUCCESS;
   std::cerr << "tessera-coordinator: " << ended.error().message << '\n';
   return EXIT_FAILURE;

@@ -9,6 +9,21 @@ namespace {
 
 constexpr int kExitUsage = 2;
 
+void add_maintenance_flags(CLI::App& app, Options& options) {
+  const auto add_folder = [&](const char* flag, std::filesystem::path& path, const char* what) {
+    return app.add_option(flag, path, what)
+        ->check(CLI::ExistingDirectory)
+        ->type_name("DIR")
+        ->group("Instead of running");
+  };
+  CLI::Option* check = add_folder("--check", options.check,
+                                  "Tell what of a state folder is whole, and change nothing. Exit status 0 "
+                                  "only if all of it is");
+  add_folder("--salvage", options.salvage,
+             "Keep what is whole of a state folder whose database is damaged; the old database is set aside")
+      ->excludes(check);
+}
+
 void add_security_flags(CLI::App& app, Options& options) {
   const auto add_file = [&](const char* flag, std::string& path, const char* what) {
     app.add_option(flag, path, what)->check(CLI::ExistingFile)->type_name("FILE")->group("Security");
@@ -52,6 +67,7 @@ Options parse_options(int argc, char** argv) {
   app.add_option("--validator", options.validator, "The tessera-validator to start for submitted scenes")
       ->type_name("FILE")
       ->capture_default_str();
+  add_maintenance_flags(app, options);
   add_security_flags(app, options);
   try {
     app.parse(argc, argv);

@@ -23,6 +23,8 @@ struct Options {
   proto::ServerSecurity security;
   // File with the tokens of those who may call; see rpc::Access. Empty: everybody may do everything.
   std::string tokens;
+  // Instead of running: a state folder to look at, or to mend.
+  std::filesystem::path check, salvage;
   // The tessera-validator to start for submitted scenes.
   std::string validator = validator::default_validator_path();
 };

@@ -12,6 +12,7 @@
 #include <mutex>
 #include <optional>
 #include <set>
+#include <shared_mutex>
 #include <span>
 #include <string>
 #include <vector>
@@ -104,7 +105,7 @@ class Coordinator {
   // Writes what has changed since the last one. After an error everything not written is tried again next
   // time.
   core::Status checkpoint();
-  // Removes the blobs that nobody has needed for long. Due now and then.
+  // Removes the blobs that nobody has needed for long, unless a job is being submitted. Due now and then.
   void collect_blobs();
   // Answers all waiting calls, and every later one, with UNAVAILABLE.
   void close();
@@ -192,6 +193,8 @@ class Coordinator {
 
   store::StateDirectory state_;  // thread-safe by itself
   std::mutex submit_mutex_;      // one job is added at a time
+  // Shared by submissions, from looking at their blobs to storing their jobs: no blob is removed in between.
+  std::shared_mutex blobs_in_use_;
   std::mutex checkpoint_mutex_;  // one checkpoint is written at a time
 
   std::mutex gate_;

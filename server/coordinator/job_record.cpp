@@ -72,7 +72,7 @@ store::JobRow to_row(const JobRecord& record, const scheduler::JobView& view) {
 core::Result<JobRecord> from_row(const store::JobRow& row) {
   auto spec = std::make_shared<v1::Job>();
   v1::Counters counters;
-  if (!spec->ParseFromString(row.spec) || !counters.ParseFromString(row.counters) ||
+  if (!row.intact || !spec->ParseFromString(row.spec) || !counters.ParseFromString(row.counters) ||
       !proto::from_proto(spec->settings()) || !proto::from_proto(spec->display()) || row.spp < 1 ||
       row.spp > core::kMaxSpp || !is_known_state(row.state)) {
     return core::fail(

@@ -52,6 +52,8 @@ void Coordinator::blob_is_lost(const proto::Digest& digest, const core::Error& n
 }
 
 void Coordinator::collect_blobs() {
+  const std::unique_lock nobody_submits(blobs_in_use_, std::try_to_lock);
+  if (!nobody_submits) return;
   std::set<std::string> named;
   {
     const Turn turn(*this);

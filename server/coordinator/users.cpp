@@ -64,6 +64,7 @@ core::Status Coordinator::check_bundle(const v1::Bundle& bundle) {
 core::Result<v1::Job> Coordinator::submit_job(const v1::SubmitJobRequest& request,
                                               const std::string& submitter) {
   if (auto known = answer_to_known(request.request_id(), submitter)) return *known;
+  const std::shared_lock blobs_stay(blobs_in_use_);
   if (auto checked = check_bundle(request.bundle()); !checked) return core::fail(checked.error());
   const auto scene = check_scene_(request.bundle(), request.overrides());
   if (!scene) return core::fail(scene.error());

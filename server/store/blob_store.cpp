@@ -8,6 +8,8 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <charconv>
+#include <optional>
 #include <system_error>
 #include <vector>
 
@@ -16,6 +18,8 @@ namespace tessera::store {
 using core::ErrorCode;
 
 namespace {
+
+constexpr const char* kIncoming = "incoming";
 
 // What is in a folder, as far as it can be read.
 std::vector<std::filesystem::path> paths_in(const std::filesystem::path& folder) {
@@ -26,6 +30,18 @@ std::vector<std::filesystem::path> paths_in(const std::filesystem::path& folder)
     paths.push_back(entry->path());
   }
   return paths;
+}
+
+// Nothing if it is no SHA-256.
+std::optional<proto::Digest> digest_from_hex(const std::string& hex, std::uint64_t size_bytes) {
+  proto::Digest digest;
+  digest.size_bytes = size_bytes;
+  for (std::size_t i = 0; i < digest.sha256.size() && hex.size() == 2 * digest.sha256.size(); ++i) {
+    const char* const begin = hex.data() + 2 * i;
+    if (std::from_chars(begin, begin + 2, digest.sha256[i], 16).ptr != begin + 2) return std::nullopt;
+  }
+  if (digest.hex() != hex) return std::nullopt;
+  return digest;
 }
 
 bool is_whole(const struct ::stat& status, const proto::Digest& digest) {
@@ -96,7 +112,7 @@ core::Result<std::string> BlobReader::next(std::size_t max_bytes) {
 }
 
 core::Result<BlobStore> BlobStore::open(const std::filesystem::path& folder) {
-  const std::filesystem::path incoming = folder / "incoming";
+  const std::filesystem::path incoming = folder / kIncoming;
   std::error_code ignored;  // what cannot be removed shows when it is created again
   std::filesystem::remove_all(incoming, ignored);
   if (auto created = create_folder(incoming); !created) return core::fail(created.error());
@@ -114,9 +130,9 @@ bool BlobStore::contains(const proto::Digest& digest) const {
 }
 
 core::Result<BlobWriter> BlobStore::write(const proto::Digest& digest) const {
-  std::string temporary = (folder_ / "incoming" / "XXXXXX").string();
+  std::string temporary = (folder_ / kIncoming / "XXXXXX").string();
   Fd fd(::mkostemp(temporary.data(), O_CLOEXEC));
-  if (!fd) return core::fail(errno_error("creating a file in", folder_ / "incoming"));
+  if (!fd) return core::fail(errno_error("creating a file in", folder_ / kIncoming));
   return BlobWriter(digest, path(digest), std::move(temporary), std::move(fd));
 }
 
@@ -133,17 +149,39 @@ core::Result<BlobReader> BlobStore::read(const proto::Digest& digest) const {
   return BlobReader(digest, file, std::move(fd));
 }
 
-core::Status BlobStore::verify(const proto::Digest& digest) const {
+core::Status BlobStore::check(const proto::Digest& digest) const {
   auto reader = read(digest);
   if (!reader) return core::fail(reader.error());
   while (true) {
     const auto bytes = reader->next(proto::kMaxChunkBytes);
     if (!bytes) return core::fail(bytes.error());
-    if (bytes->empty()) break;
+    if (bytes->empty()) return {};
   }
+}
+
+core::Status BlobStore::verify(const proto::Digest& digest) const {
+  if (auto intact = check(digest); !intact) return intact;
   ::utimensat(AT_FDCWD, path(digest).c_str(), nullptr,
               0);  // at worst it is collected too early, and uploaded again
   return {};
+}
+
+std::vector<proto::Digest> BlobStore::list() const {
+  std::vector<proto::Digest> digests;
+  for (const std::filesystem::path& group : paths_in(folder_)) {
+    if (group.filename() == kIncoming) continue;
+    for (const std::filesystem::path& blob : paths_in(group)) {
+      std::error_code error;
+      const auto size = std::filesystem::file_size(blob, error);
+      const auto digest = digest_from_hex(group.filename().string() + blob.filename().string(), size);
+      if (digest && !error) digests.push_back(*digest);
+    }
+  }
+  return digests;
+}
+
+std::vector<std::filesystem::path> BlobStore::interrupted() const {
+  return paths_in(folder_ / kIncoming);
 }
 
 std::size_t BlobStore::collect(const std::set<std::string>& keep, std::chrono::seconds unused_for) const {
@@ -151,7 +189,7 @@ std::size_t BlobStore::collect(const std::set<std::string>& keep, std::chrono::s
   const auto before = fs::file_time_type::clock::now() - unused_for;
   std::size_t removed = 0;
   for (const fs::path& group : paths_in(folder_)) {
-    if (group.filename() == "incoming") continue;
+    if (group.filename() == kIncoming) continue;
     for (const fs::path& blob : paths_in(group)) {
       std::error_code error;  // a file that cannot be looked at or removed stays
       const auto used = fs::last_write_time(blob, error);

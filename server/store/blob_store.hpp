@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <set>
 #include <string>
+#include <vector>
 
 #include "core/base/error.hpp"
 #include "proto/blob.hpp"
@@ -61,16 +62,26 @@ class BlobStore {
   // Creates the folder if it is missing and removes what interrupted uploads left.
   static core::Result<BlobStore> open(const std::filesystem::path& folder);
 
+  // For looking at a folder: creates and removes nothing.
+  static BlobStore look_at(const std::filesystem::path& folder) { return BlobStore(folder); }
+
   bool contains(const proto::Digest& digest) const;
   // Where the blob's file is or would be.
   std::filesystem::path path(const proto::Digest& digest) const;
   core::Result<BlobWriter> write(const proto::Digest& digest) const;
   // NOT_FOUND if it is not here, or of another size; INTERNAL if that cannot be told.
   core::Result<BlobReader> read(const proto::Digest& digest) const;
-  // Reads it from beginning to end, and counts it as used now. NOT_FOUND, DATA_LOSS, or what the disk says.
+  // Reads it from beginning to end. NOT_FOUND, DATA_LOSS, or what the disk says.
+  core::Status check(const proto::Digest& digest) const;
+  // The same, and counts it as used now.
   core::Status verify(const proto::Digest& digest) const;
   // Removes a blob's file, so that it can be uploaded anew. Nothing happens if there is none.
   void discard(const proto::Digest& digest) const;
+
+  // Every blob that is here, whole or not: its size is that of its file.
+  std::vector<proto::Digest> list() const;
+  // Files that interrupted uploads left.
+  std::vector<std::filesystem::path> interrupted() const;
 
   // Removes every blob that was neither uploaded nor verified within `unused_for`, but for those of which
   // `keep` has the SHA-256 in hexadecimal digits. Answers with how many that were.

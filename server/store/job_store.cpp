@@ -4,8 +4,11 @@
 #include <xxhash.h>
 
 #include <mutex>
+#include <system_error>
 #include <utility>
 
+#include "server/store/log_damage.hpp"
+#include "server/store/schema.hpp"
 #include "server/store/sqlite.hpp"
 
 namespace tessera::store {
@@ -14,38 +17,23 @@ using core::ErrorCode;
 
 namespace {
 
-constexpr int kSchemaVersion = 1;
-
+constexpr auto kPageSize = "PRAGMA page_size = 16384";  // of new files
 constexpr auto kPragmas = R"(
-  PRAGMA page_size = 16384;
   PRAGMA journal_mode = WAL;
   PRAGMA synchronous = FULL;
   PRAGMA foreign_keys = ON;
 )";
 
-constexpr auto kSchema = R"(
-  CREATE TABLE meta (name TEXT PRIMARY KEY, value INTEGER NOT NULL);
-  INSERT INTO meta VALUES ('epoch', 0);
-  CREATE TABLE jobs (
-    id TEXT PRIMARY KEY, request_id TEXT, spec BLOB NOT NULL, revision INTEGER NOT NULL, state INTEGER NOT NULL,
-    failure TEXT NOT NULL, spp INTEGER NOT NULL, priority INTEGER NOT NULL, created_ms INTEGER NOT NULL,
-    finished_ms INTEGER, counters BLOB NOT NULL, arithmetic TEXT NOT NULL);
-  CREATE UNIQUE INDEX jobs_by_request_id ON jobs (request_id);
-  CREATE TABLE tiles (
-    job_id TEXT NOT NULL REFERENCES jobs (id) ON DELETE CASCADE, tile INTEGER NOT NULL, done BLOB NOT NULL,
-    content BLOB NOT NULL, row_xxh3 INTEGER NOT NULL, PRIMARY KEY (job_id, tile));
-)";
-
 constexpr auto kInsertJob =
     "INSERT INTO jobs (id, request_id, spec, revision, state, failure, spp, priority, created_ms, "
     "finished_ms,"
-    " counters, arithmetic) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12)";
+    " counters, arithmetic, row_xxh3) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13)";
 constexpr auto kUpdateJob =
     "UPDATE jobs SET revision = ?2, state = ?3, failure = ?4, spp = ?5, priority = ?6, finished_ms = ?7,"
-    " counters = ?8, arithmetic = ?9 WHERE id = ?1 AND revision < ?2";
+    " counters = ?8, arithmetic = ?9, row_xxh3 = ?10 WHERE id = ?1 AND revision < ?2";
 constexpr auto kListJobs =
     "SELECT id, request_id, spec, revision, state, failure, spp, priority, created_ms, finished_ms,"
-    " counters, arithmetic FROM jobs ORDER BY created_ms, rowid";
+    " counters, arithmetic, row_xxh3 FROM jobs ORDER BY created_ms, rowid";
 constexpr auto kWriteTile =
     "INSERT OR REPLACE INTO tiles (job_id, tile, done, content, row_xxh3)"
     " SELECT ?1, ?2, ?3, ?4, ?5 WHERE EXISTS (SELECT 1 FROM jobs WHERE id = ?1)";
@@ -83,7 +71,17 @@ std::vector<core::SampleRange> decode_ranges(std::string_view bytes) {
   return ranges;
 }
 
-// Over everything in a tile's row, so that what the disk changed is noticed whichever part it is.
+// Over everything in a row, so that what the disk changed is noticed whichever part it is.
+std::uint64_t row_checksum(const JobRow& row) {
+  // Columns that later releases add take part only where they are not 0: rows from before keep their sum.
+  const std::string key = fmt::format("{} {} {} {} {} {} {}", row.id, row.revision, row.state, row.spp,
+                                      row.priority, row.created_ms, row.finished_ms.value_or(-1));
+  std::uint64_t hash = XXH3_64bits(key.data(), key.size());
+  for (const std::string* part : {&row.request_id, &row.spec, &row.failure, &row.counters, &row.arithmetic})
+    hash = XXH3_64bits_withSeed(part->data(), part->size(), hash);
+  return hash;
+}
+
 std::uint64_t row_checksum(const TileRow& row, std::string_view done) {
   const std::string key = fmt::format("{} {} {}", row.job_id, row.tile, done.size());
   std::uint64_t hash = XXH3_64bits(key.data(), key.size());
@@ -114,6 +112,8 @@ JobRow read_job(const Statement& row) {
   if (!row.is_null(9)) job.finished_ms = row.integer(9);
   job.counters = row.bytes(10);
   job.arithmetic = row.bytes(11);
+  // Rows of the first release have no sum.
+  job.intact = row.is_null(12) || as_unsigned(row.integer(12)) == row_checksum(job);
   return job;
 }
 
@@ -126,30 +126,27 @@ core::Status for_each_row(Statement& statement, Take take) {
   return {};
 }
 
-core::Result<std::int64_t> read_number(Database& database, std::string_view sql) {
-  auto statement = database.prepare(sql);
-  if (!statement) return core::fail(statement.error());
-  const auto row = statement->step();
-  if (!row) return core::fail(row.error());
-  return *row ? statement->integer(0) : 0;
+core::Error damaged(const std::filesystem::path& file, const std::string& how) {
+  const std::string folder = file.parent_path().string();
+  return {
+      ErrorCode::kDataLoss,
+      fmt::format("{} is damaged ({}): put back a copy of the state folder; or see with 'tessera-coordinator "
+                  "--check {}' which jobs are whole, and keep these with 'tessera-coordinator --salvage {}'",
+                  file.string(), how, folder, folder)};
 }
 
-// Creates the tables in a new file, and refuses one of a later release.
-core::Status prepare_schema(Database& database, const std::filesystem::path& file) {
-  const auto version = read_number(database, "PRAGMA user_version");
-  if (!version) return core::fail(version.error());
-  if (*version == kSchemaVersion) return {};
-  if (*version != 0) {
-    return core::fail(
-        ErrorCode::kFailedPrecondition,
-        fmt::format("{} was written by another release (schema {}, this one knows {}): use that release",
-                    file.string(), *version, kSchemaVersion));
-  }
-  auto transaction = Transaction::begin(database);
-  if (!transaction) return core::fail(transaction.error());
-  const auto create = fmt::format("{} PRAGMA user_version = {};", kSchema, kSchemaVersion);
-  if (auto created = database.execute(create); !created) return created;
-  return transaction->commit();
+core::Status expect_whole_log(const std::filesystem::path& file) {
+  const auto damage = find_log_damage(log_of(file));
+  if (!damage) return core::fail(damage.error());
+  if (*damage) return core::fail(damaged(file, **damage));
+  return {};
+}
+
+core::Status expect_whole(Database& database, const std::filesystem::path& file) {
+  const auto damage = database.structural_damage();
+  if (!damage) return core::fail(damage.error());
+  if (!damage->empty()) return core::fail(damaged(file, damage->front()));
+  return {};
 }
 
 }  // namespace
@@ -182,18 +179,35 @@ JobStore::JobStore(JobStore&&) noexcept = default;
 JobStore& JobStore::operator=(JobStore&&) noexcept = default;
 JobStore::~JobStore() = default;
 
-core::Result<JobStore> JobStore::open(const std::filesystem::path& file) {
+core::Result<JobStore> JobStore::open(const std::filesystem::path& file, bool may_be_new) {
+  if (auto whole = expect_whole_log(file); !whole) return core::fail(whole.error());
   auto database = Database::open(file);
   if (!database) return core::fail(database.error());
+  if (auto set = database->execute(kPageSize); !set) return core::fail(set.error());
+  if (auto usable = expect_usable(*database, file, may_be_new); !usable) return core::fail(usable.error());
+  if (auto whole = expect_whole(*database, file); !whole) return core::fail(whole.error());
   if (auto set = database->execute(kPragmas); !set) return core::fail(set.error());
-  if (auto prepared = prepare_schema(*database, file); !prepared) return core::fail(prepared.error());
+  if (auto current = bring_up_to_date(*database); !current) return core::fail(current.error());
   if (auto counted = database->execute("UPDATE meta SET value = value + 1 WHERE name = 'epoch'"); !counted) {
     return core::fail(counted.error());
   }
-  const auto epoch = read_number(*database, "SELECT value FROM meta WHERE name = 'epoch'");
-  if (!epoch) return core::fail(epoch.error());
+  database->fold_log();
+  return with_statements(std::move(*database), file);
+}
 
-  auto impl = std::make_unique<Impl>(std::move(*database), file);
+core::Result<JobStore> JobStore::open_untouched(const std::filesystem::path& file) {
+  if (std::error_code unknown; !std::filesystem::exists(file, unknown)) return core::fail(lost(file));
+  auto database = Database::open_untouched(file);
+  if (!database) return core::fail(database.error());
+  if (auto current = expect_current(*database, file); !current) return core::fail(current.error());
+  return with_statements(std::move(*database), file);
+}
+
+core::Result<JobStore> JobStore::with_statements(Database database, const std::filesystem::path& file) {
+  const auto epoch = database.read_number("SELECT value FROM meta WHERE name = 'epoch'");
+  if (!epoch) return core::fail(epoch.error());
+  if (*epoch < 1) return core::fail(damaged(file, "it has lost the count of its starts"));
+  auto impl = std::make_unique<Impl>(std::move(database), file);
   impl->epoch = static_cast<std::uint32_t>(*epoch);
   if (auto prepared = impl->prepare_statements(); !prepared) return core::fail(prepared.error());
   return JobStore(std::move(impl));
@@ -203,6 +217,21 @@ std::uint32_t JobStore::epoch() const {
   return impl_->epoch;
 }
 
+core::Status JobStore::continue_from(std::uint32_t epoch) {
+  const std::lock_guard lock(impl_->mutex);
+  return impl_->database.execute(
+      fmt::format("UPDATE meta SET value = {} WHERE name = 'epoch' AND value < {}", epoch, epoch));
+}
+
+core::Result<std::vector<std::string>> JobStore::structural_damage() {
+  const std::lock_guard lock(impl_->mutex);
+  auto damage = impl_->database.structural_damage();
+  const auto log = find_log_damage(log_of(impl_->file));
+  if (!log) return core::fail(log.error());
+  if (damage && *log) damage->push_back(**log);
+  return damage;
+}
+
 core::Status JobStore::insert_job(const JobRow& job) {
   const std::lock_guard lock(impl_->mutex);
   Statement& insert = impl_->insert_job;
@@ -210,8 +239,10 @@ core::Status JobStore::insert_job(const JobRow& job) {
   insert.bind_text(6, job.failure).bind(7, job.spp).bind(8, job.priority).bind(9, job.created_ms);
   job.request_id.empty() ? insert.bind_null(2) : insert.bind_text(2, job.request_id);
   job.finished_ms ? insert.bind(10, *job.finished_ms) : insert.bind_null(10);
-  insert.bind_blob(11, job.counters).bind_text(12, job.arithmetic);
-  return insert.run();
+  insert.bind_blob(11, job.counters).bind_text(12, job.arithmetic).bind(13, as_signed(row_checksum(job)));
+  auto inserted = insert.run();
+  if (inserted) impl_->database.fold_log();
+  return inserted;
 }
 
 core::Status JobStore::update_job(const JobRow& job) {
@@ -220,7 +251,7 @@ core::Status JobStore::update_job(const JobRow& job) {
   update.bind_text(1, job.id).bind(2, as_signed(job.revision)).bind(3, job.state).bind_text(4, job.failure);
   update.bind(5, job.spp).bind(6, job.priority);
   job.finished_ms ? update.bind(7, *job.finished_ms) : update.bind_null(7);
-  update.bind_blob(8, job.counters).bind_text(9, job.arithmetic);
+  update.bind_blob(8, job.counters).bind_text(9, job.arithmetic).bind(10, as_signed(row_checksum(job)));
   return update.run();
 }
 

@@ -19,6 +19,8 @@
 
 namespace tessera::store {
 
+class Database;
+
 struct JobRow {
   std::string id;
   std::string request_id;  // empty for none; unique otherwise
@@ -33,6 +35,7 @@ struct JobRow {
   std::optional<std::int64_t> finished_ms;
   std::string counters;    // opaque; of the film as it was when the row was written
   std::string arithmetic;  // fingerprint of the workers that rendered it; empty before
+  bool intact = true;      // false if the row is not what was written: nothing in it can be relied on
 
   bool operator==(const JobRow&) const = default;
 };
@@ -48,15 +51,23 @@ struct TileRow {
 
 class JobStore {
  public:
-  // Opens or creates the file and counts one more epoch. DATA_LOSS if the file is there but not readable, or
-  // was written by a later release: it is never replaced by an empty one.
-  static core::Result<JobStore> open(const std::filesystem::path& file);
+  // Opens or creates the file and counts one more epoch. Reads all of it: a damaged one is DATA_LOSS, since
+  // writing to it could spoil what is whole, and is never replaced by an empty one. FAILED_PRECONDITION if it
+  // was written by a later release. Unless `may_be_new`, one that is missing or empty is DATA_LOSS, too.
+  static core::Result<JobStore> open(const std::filesystem::path& file, bool may_be_new = true);
+  // For looking at it while nobody else has it open: writes nothing, and opens a damaged one as far as that
+  // can be read. Everything that changes something fails.
+  static core::Result<JobStore> open_untouched(const std::filesystem::path& file);
   JobStore(JobStore&&) noexcept;
   JobStore& operator=(JobStore&&) noexcept;
   ~JobStore();
 
   // How often this state was opened, from 1.
   std::uint32_t epoch() const;
+  // Makes later epochs greater than this one.
+  core::Status continue_from(std::uint32_t epoch);
+  // What is wrong with the file apart from its rows: a sentence for each; empty if it is whole.
+  core::Result<std::vector<std::string>> structural_damage();
 
   core::Status insert_job(const JobRow& job);
   // Writes what may change, unless the store has a later revision or no such job any more.
@@ -75,6 +86,7 @@ class JobStore {
 
  private:
   struct Impl;
+  static core::Result<JobStore> with_statements(Database database, const std::filesystem::path& file);
   explicit JobStore(std::unique_ptr<Impl> impl);
 
   std::unique_ptr<Impl> impl_;

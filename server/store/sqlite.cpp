@@ -2,7 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <system_error>
 #include <utility>
+
+#include "server/store/log_damage.hpp"
 
 namespace tessera::store {
 
@@ -29,13 +32,30 @@ core::Error sqlite_error(sqlite3* database, const std::filesystem::path& file) {
     case SQLITE_NOTADB:
       return error(
           ErrorCode::kDataLoss,
-          "is damaged: put back a copy of the state folder, or move it away to start without its jobs");
+          "is damaged: put back a copy of the state folder, keep what is whole with --salvage, or move the "
+          "folder away to start without its jobs");
+    case SQLITE_IOERR:
+      return error(ErrorCode::kInternal,
+                   fmt::format("the disk failed to read or write ({}): check its health and its free space",
+                               sqlite3_extended_errcode(database)));
     case SQLITE_BUSY:
       return error(ErrorCode::kUnavailable, "is held by another program: end it");
     default:
       return error(ErrorCode::kInternal,
                    fmt::format("{} ({})", sqlite3_errmsg(database), sqlite3_extended_errcode(database)));
   }
+}
+
+// As a part of a URI.
+std::string escaped(const std::string& path) {
+  std::string result;
+  for (const char c : path) {
+    if (c == '%' || c == '?' || c == '#')
+      result += fmt::format("%{:02x}", static_cast<unsigned>(c));
+    else
+      result += c;
+  }
+  return result;
 }
 
 // A null pointer would be SQL's NULL, not an empty text.
@@ -107,6 +127,39 @@ core::Result<Database> Database::open(const std::filesystem::path& file) {
   return database;
 }
 
+core::Result<Database> Database::open_untouched(const std::filesystem::path& file) {
+  std::error_code missing;
+  const bool has_log = std::filesystem::file_size(log_of(file), missing) > 0 && !missing;
+  // Without a log the file is all there is. With one, a connection of its own keeps the log's index in memory
+  // instead of in a file.
+  const std::string uri = "file:" + escaped(file.string()) + (has_log ? "?vfs=unix-none" : "?immutable=1");
+  sqlite3* handle = nullptr;
+  const int code = sqlite3_open_v2(uri.c_str(), &handle,
+                                   SQLITE_OPEN_READONLY | SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_URI, nullptr);
+  Database database(handle, file);
+  if (code != SQLITE_OK) return core::fail(sqlite_error(handle, file));
+  sqlite3_db_config(handle, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, nullptr);
+  if (auto alone = database.execute("PRAGMA locking_mode = EXCLUSIVE"); !alone)
+    return core::fail(alone.error());
+  return database;
+}
+
+void Database::fold_log() {
+  [[maybe_unused]] const auto later = execute("PRAGMA wal_checkpoint");  // else SQLite does it when it is due
+}
+
+core::Result<std::vector<std::string>> Database::structural_damage() {
+  constexpr std::string_view kCheck = "PRAGMA integrity_check(5)";
+  auto statement = prepare(kCheck);
+  if (!statement) return core::fail(statement.error());
+  std::vector<std::string> damage;
+  auto row = statement->step();
+  for (; row && *row; row = statement->step()) damage.emplace_back(statement->bytes(0));
+  if (!row) return core::fail(row.error());
+  if (damage == std::vector<std::string>{"ok"}) damage.clear();
+  return damage;
+}
+
 core::Result<Statement> Database::prepare(std::string_view sql) {
   sqlite3_stmt* statement = nullptr;
   const int size = static_cast<int>(sql.size());
@@ -120,6 +173,14 @@ core::Result<Statement> Database::prepare(std::string_view sql) {
 core::Status Database::execute(const std::string& sql) {
   if (sqlite3_exec(database_.get(), sql.c_str(), nullptr, nullptr, nullptr) == SQLITE_OK) return {};
   return core::fail(sqlite_error(database_.get(), file_));
+}
+
+core::Result<std::int64_t> Database::read_number(std::string_view sql) {
+  auto statement = prepare(sql);
+  if (!statement) return core::fail(statement.error());
+  const auto row = statement->step();
+  if (!row) return core::fail(row.error());
+  return *row ? statement->integer(0) : 0;
 }
 
 core::Result<Transaction> Transaction::begin(Database& database) {

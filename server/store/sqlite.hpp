@@ -10,6 +10,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "core/base/error.hpp"
 
@@ -54,10 +55,21 @@ class Database {
  public:
   // Creates the file if it is missing.
   static core::Result<Database> open(const std::filesystem::path& file);
+  // Sees what open() would see, a crash's leftovers included, and writes nothing at all, not even beside the
+  // file. Only while nobody else has it open.
+  static core::Result<Database> open_untouched(const std::filesystem::path& file);
 
   core::Result<Statement> prepare(std::string_view sql);
   // One or several statements without rows.
   core::Status execute(const std::string& sql);
+  // The first column of the first row; 0 if there is none.
+  core::Result<std::int64_t> read_number(std::string_view sql);
+  // Writes the log's content into the file itself, as far as nobody is in the way: what is in the log alone
+  // goes with the log.
+  void fold_log();
+  // What SQLite finds wrong with the file's structure: a sentence for each, the first few; empty if it is
+  // whole. Reads all of it, about a gigabyte in a second. What stands in the rows is not looked at.
+  core::Result<std::vector<std::string>> structural_damage();
 
  private:
   struct Close {

@@ -6,34 +6,61 @@
 
 #include <cerrno>
 #include <cstdlib>
+#include <string_view>
+#include <system_error>
 #include <utility>
 
 namespace tessera::store {
 
 namespace {
 
+constexpr const char* kLockName = "lock";
+
 // Held until the descriptor is closed, even by a crash.
-core::Result<Fd> take_lock(const std::filesystem::path& folder) {
-  const std::filesystem::path path = folder / "lock";
+core::Status take_lock(const Fd& lock, const std::filesystem::path& folder, std::string_view what_to_do) {
+  if (::flock(lock.get(), LOCK_EX | LOCK_NB) == 0) return {};
+  if (errno != EWOULDBLOCK) return core::fail(errno_error("locking", folder / kLockName));
+  return core::fail(core::ErrorCode::kFailedPrecondition,
+                    fmt::format("another coordinator runs on {}: {}", folder.string(), what_to_do));
+}
+
+core::Result<Fd> lock_state(const std::filesystem::path& folder) {
+  const std::filesystem::path path = folder / kLockName;
   Fd lock(::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600));
   if (!lock) return core::fail(errno_error("opening", path));
-  if (::flock(lock.get(), LOCK_EX | LOCK_NB) == 0) return lock;
-  if (errno != EWOULDBLOCK) return core::fail(errno_error("locking", path));
-  return core::fail(
-      core::ErrorCode::kFailedPrecondition,
-      fmt::format("another coordinator runs on {}: end it, or choose another folder with --state",
-                  folder.string()));
+  auto taken = take_lock(lock, folder, "end it, or choose another folder with --state");
+  if (!taken) return core::fail(taken.error());
+  return lock;
 }
 
 }  // namespace
 
+core::Result<Fd> lock_existing_state(const std::filesystem::path& folder) {
+  Fd lock(::open((folder / kLockName).c_str(), O_RDONLY | O_CLOEXEC));
+  if (!lock && errno != ENOENT && errno != ENOTDIR)
+    return core::fail(errno_error("opening", folder / kLockName));
+  if (lock) {
+    if (auto taken = take_lock(lock, folder, "end it first, or take a copy of the folder"); !taken)
+      return core::fail(taken.error());
+  } else if (std::error_code unknown; !std::filesystem::exists(folder / kDatabaseName, unknown)) {
+    return core::fail(
+        core::ErrorCode::kNotFound,
+        fmt::format("there is no state of a coordinator in {}: name the folder that was given to "
+                    "--state",
+                    folder.string()));
+  }
+  return lock;
+}
+
 core::Result<StateDirectory> StateDirectory::open(const std::filesystem::path& folder) {
   if (auto created = create_folder(folder); !created) return core::fail(created.error());
-  auto lock = take_lock(folder);
+  auto lock = lock_state(folder);
   if (!lock) return core::fail(lock.error());
-  auto blobs = BlobStore::open(folder / "blobs");
+  auto blobs = BlobStore::open(folder / kBlobsName);
   if (!blobs) return core::fail(blobs.error());
-  auto jobs = JobStore::open(folder / "tessera.db");
+  // A job has files, and they come before it.
+  const bool may_be_new = blobs->list().empty();
+  auto jobs = JobStore::open(folder / kDatabaseName, may_be_new);
   if (!jobs) return core::fail(jobs.error());
   return StateDirectory{std::move(*lock), std::move(*blobs), std::move(*jobs)};
 }

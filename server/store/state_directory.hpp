@@ -4,6 +4,7 @@
 //   tessera.db    jobs and films (job_store.hpp)
 //   blobs/        scenes and their assets (blob_store.hpp)
 //
+// A tessera.db-wal beside the database belongs to it: after a crash it has the last few seconds.
 // Copying the folder while no coordinator runs on it is a backup.
 #pragma once
 
@@ -15,6 +16,14 @@
 #include "server/store/job_store.hpp"
 
 namespace tessera::store {
+
+inline constexpr const char* kDatabaseName = "tessera.db";
+inline constexpr const char* kBlobsName = "blobs";
+
+// For looking at a state, or mending it: held, it keeps every coordinator off. Creates nothing; empty for a
+// copy without a lock. NOT_FOUND if no coordinator has ever run on the folder, FAILED_PRECONDITION if one
+// does now.
+core::Result<Fd> lock_existing_state(const std::filesystem::path& folder);
 
 struct StateDirectory {
   // Creates what is missing. FAILED_PRECONDITION if another coordinator runs on it; otherwise what file.hpp

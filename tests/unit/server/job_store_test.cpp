@@ -169,7 +169,51 @@ TEST_F(JobStoreTest, AFileOfALaterReleaseIsRefused) {
   meddle("PRAGMA user_version = 99");
   const auto opened = JobStore::open(file_);
   ASSERT_FALSE(opened);
-  EXPECT_THAT(opened.error().message, HasSubstr("another release"));
+  EXPECT_THAT(opened.error().message, HasSubstr("was written by a later release"));
+}
+
+TEST_F(JobStoreTest, AFileOfAnotherProgramIsRefusedAndLeftAlone) {
+  store_.reset();
+  meddle("DROP TABLE tiles; DROP TABLE jobs; PRAGMA user_version = 0");
+  const std::string before = read_file(file_);
+  const auto opened = JobStore::open(file_);
+  ASSERT_FALSE(opened);
+  EXPECT_THAT(opened.error().message, HasSubstr("a database of another program"));
+  EXPECT_EQ(read_file(file_), before);
+}
+
+// What the first release wrote: its rows have no sum.
+TEST_F(JobStoreTest, AFileOfTheFirstReleaseIsTakenOver) {
+  JobRow row = job_row("a");
+  ASSERT_TRUE(store().insert_job(row));
+  ASSERT_TRUE(store().write_tiles({tile_row("a", 0, "kept")}));
+  store_.reset();
+  meddle("ALTER TABLE jobs DROP COLUMN row_xxh3; PRAGMA user_version = 1");
+  reopen();
+  EXPECT_THAT(*store().jobs(), ElementsAre(row));
+  EXPECT_EQ((*store().tile("a", 0))->content, "kept");
+  row.revision = 2;
+  ASSERT_TRUE(store().update_job(row));
+  meddle("UPDATE jobs SET spp = 17");
+  EXPECT_FALSE(store().jobs()->front().intact);
+}
+
+TEST_F(JobStoreTest, AJobWhoseRowChangedOnDiskIsNotIntact) {
+  JobRow row = job_row("a");
+  row.request_id = "request";
+  row.counters = row.arithmetic = row.failure = "x";
+  row.finished_ms = 5;
+  ASSERT_TRUE(store().insert_job(row));
+  for (const char* change : {"id = 'b'", "request_id = NULL", "spec = X'00'", "revision = 7", "state = 2",
+                             "failure = ''", "spp = 15", "priority = 1", "created_ms = 0",
+                             "finished_ms = NULL", "counters = X''", "arithmetic = 'y'"}) {
+    ASSERT_TRUE(store().delete_job("a"));
+    ASSERT_TRUE(store().delete_job("b"));
+    ASSERT_TRUE(store().insert_job(row));
+    ASSERT_TRUE(store().jobs()->front().intact);
+    meddle(std::string("UPDATE jobs SET ") + change);
+    EXPECT_FALSE(store().jobs()->front().intact) << change;
+  }
 }
 
 TEST(StateDirectory, IsForOneCoordinatorAtATime) {

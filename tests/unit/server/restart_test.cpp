@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 #include <sqlite3.h>
 
+#include <functional>
+
 #include "tests/unit/server/scripted_farm.hpp"
 
 namespace tessera::coordinator {
@@ -28,6 +30,18 @@ class Restart : public ScriptedFarm {
     EXPECT_EQ(sqlite3_exec(database, sql.c_str(), nullptr, nullptr, nullptr), SQLITE_OK)
         << sqlite3_errmsg(database);
     sqlite3_close(database);
+  }
+
+  // Changes jobs' rows as an earlier run of the coordinator might have left them.
+  void rewrite_jobs(const std::function<void(store::JobRow&)>& change) {
+    coordinator_.reset();
+    auto store = store::JobStore::open(folder_.path() / "state" / "tessera.db");
+    const auto rows = store->jobs();
+    for (store::JobRow row : *rows) {
+      change(row);
+      ++row.revision;
+      EXPECT_TRUE(store->update_job(row));
+    }
   }
 
   int crashes_ = 0;
@@ -114,7 +128,10 @@ TEST_F(Restart, AJobThatWasDoneButNotStoredAsSuchIsDone) {
   const std::string id = submit();
   work('a');
   ASSERT_TRUE(coordinator().checkpoint());
-  meddle("UPDATE jobs SET state = 1, finished_ms = NULL");  // tiles written, the row not yet
+  rewrite_jobs([](store::JobRow& row) {  // tiles written, the row not yet
+    row.state = v1::JOB_STATE_RUNNING;
+    row.finished_ms.reset();
+  });
   open();
   EXPECT_EQ(job(id).state(), v1::JOB_STATE_DONE);
 }
@@ -124,7 +141,10 @@ TEST_F(Restart, SamplesBeyondTheStoredNumberShowThatTheJobWasExtended) {
   ASSERT_TRUE(coordinator().extend_job(id, kSpp + 4));
   work('a');
   ASSERT_TRUE(coordinator().checkpoint());
-  meddle("UPDATE jobs SET spp = 6, state = 1");
+  rewrite_jobs([](store::JobRow& row) {
+    row.spp = kSpp;
+    row.state = v1::JOB_STATE_RUNNING;
+  });
   open();
   EXPECT_EQ(job(id).settings().spp(), kSpp + 4);
 }
@@ -157,13 +177,32 @@ TEST_F(Restart, ADamagedJobFailsAndHarmsNoOther) {
 TEST_F(Restart, ARowThatNoJobCanHaveFailsItAndHarmsNoOther) {
   const std::string damaged = submit(), whole = submit();
   ASSERT_TRUE(coordinator().checkpoint());
-  for (const char* change : {"spp = 0", "spp = 16777217", "state = 0", "state = 99"}) {
-    meddle(std::string("UPDATE jobs SET ") + change + " WHERE id = '" + damaged + "'");
+  const std::pair<std::uint32_t, int> impossible[] = {{0, 1}, {16'777'217, 1}, {kSpp, 0}, {kSpp, 99}};
+  for (const auto& [spp, state] : impossible) {
+    const auto rewrite = [&](std::uint32_t new_spp, int new_state) {
+      rewrite_jobs([&](store::JobRow& row) {
+        if (row.id != damaged) return;
+        row.spp = new_spp;
+        row.state = new_state;
+      });
+    };
+    rewrite(spp, state);
     open();
-    EXPECT_EQ(job(damaged).state(), v1::JOB_STATE_FAILED) << change;
-    EXPECT_EQ(job(whole).state(), v1::JOB_STATE_RUNNING) << change;
-    meddle("UPDATE jobs SET state = 1, spp = 6 WHERE id = '" + damaged + "'");
+    EXPECT_EQ(job(damaged).state(), v1::JOB_STATE_FAILED) << spp << ' ' << state;
+    EXPECT_EQ(job(whole).state(), v1::JOB_STATE_RUNNING) << spp << ' ' << state;
+    rewrite(kSpp, v1::JOB_STATE_RUNNING);
   }
+}
+
+// One bit of a seed would be another picture.
+TEST_F(Restart, AJobWhoseRowChangedOnDiskFailsAndHarmsNoOther) {
+  const std::string damaged = submit(), whole = submit();
+  ASSERT_TRUE(coordinator().checkpoint());
+  meddle("UPDATE jobs SET spp = 7 WHERE id = '" + damaged + "'");
+  open();
+  EXPECT_EQ(job(damaged).state(), v1::JOB_STATE_FAILED);
+  EXPECT_THAT(job(damaged).failure(), HasSubstr("the stored job " + damaged + " is damaged: delete it"));
+  EXPECT_EQ(job(whole).state(), v1::JOB_STATE_RUNNING);
 }
 
 // [0, 4096) in the place of the samples that are done.
@@ -185,7 +224,8 @@ TEST_F(Restart, ADamagedRowDoesNotRaiseAFinishedJobsSamples) {
   work('a');
   ASSERT_TRUE(coordinator().checkpoint());
   for (const v1::JobState state : {v1::JOB_STATE_DONE, v1::JOB_STATE_CANCELLED}) {
-    meddle(kTooManySamples + std::string("; UPDATE jobs SET state = ") + std::to_string(state));
+    rewrite_jobs([&](store::JobRow& row) { row.state = state; });
+    meddle(kTooManySamples);
     open();
     EXPECT_EQ(job(id).state(), state);
     EXPECT_EQ(job(id).settings().spp(), kSpp);

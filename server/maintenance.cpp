@@ -1,0 +1,37 @@
+#include "server/maintenance.hpp"
+
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <cstdlib>
+
+#include "server/coordinator/state_check.hpp"
+
+namespace tessera::server {
+
+namespace {
+
+int print_error(const core::Error& error) {
+  fmt::print(stderr, "tessera-coordinator: {}\n", error.message);
+  return EXIT_FAILURE;
+}
+
+}  // namespace
+
+int check(const std::filesystem::path& state) {
+  const auto findings = coordinator::check_state(state);
+  if (!findings) return print_error(findings.error());
+  fmt::print("{}", coordinator::to_text(*findings));
+  return findings->whole() ? EXIT_SUCCESS : EXIT_FAILURE;
+}
+
+int salvage(const std::filesystem::path& state) {
+  const auto done = coordinator::salvage_state(state);
+  if (!done) return print_error(done.error());
+  fmt::print("kept {} jobs with {} tiles; lost {} jobs, and {} tiles that are rendered again\n", done->jobs,
+             done->tiles, done->lost_jobs, done->lost_tiles);
+  fmt::print("the damaged database is now {}\n", done->set_aside.string());
+  return EXIT_SUCCESS;
+}
+
+}  // namespace tessera::server

@@ -1,0 +1,20 @@
+// What SQLite does not tell of its write-ahead log: it takes the first frame that does not check for the end
+// of the log, and so forgets without a word what a damaged disk has cut off. Reads the file alone.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "core/base/error.hpp"
+
+namespace tessera::store {
+
+// The log that belongs to a database.
+std::filesystem::path log_of(const std::filesystem::path& database);
+
+// Where the log is damaged, as a sentence; nothing if it is whole, or not there. What a crash has torn is no
+// damage: that was the last transaction, and nobody had been told of it. Errors: it cannot be read.
+core::Result<std::optional<std::string>> find_log_damage(const std::filesystem::path& log);
+
+}  // namespace tessera::store

@@ -1,0 +1,98 @@
+#include "server/store/schema.hpp"
+
+#include <fmt/format.h>
+
+#include <iterator>
+
+namespace tessera::store {
+
+using core::ErrorCode;
+
+namespace {
+
+// Step i leads from version i to version i + 1. What was released is never changed here.
+constexpr const char* kSteps[] = {
+    R"(
+  CREATE TABLE meta (name TEXT PRIMARY KEY, value INTEGER NOT NULL);
+  INSERT INTO meta VALUES ('epoch', 0);
+  CREATE TABLE jobs (
+    id TEXT PRIMARY KEY, request_id TEXT, spec BLOB NOT NULL, revision INTEGER NOT NULL, state INTEGER NOT NULL,
+    failure TEXT NOT NULL, spp INTEGER NOT NULL, priority INTEGER NOT NULL, created_ms INTEGER NOT NULL,
+    finished_ms INTEGER, counters BLOB NOT NULL, arithmetic TEXT NOT NULL);
+  CREATE UNIQUE INDEX jobs_by_request_id ON jobs (request_id);
+  CREATE TABLE tiles (
+    job_id TEXT NOT NULL REFERENCES jobs (id) ON DELETE CASCADE, tile INTEGER NOT NULL, done BLOB NOT NULL,
+    content BLOB NOT NULL, row_xxh3 INTEGER NOT NULL, PRIMARY KEY (job_id, tile));
+)",
+    // Jobs are checked like tiles.
+    "ALTER TABLE jobs ADD COLUMN row_xxh3 INTEGER",
+};
+
+core::Error of_another_release(const std::filesystem::path& file, std::int64_t version,
+                               std::string_view what_to_do) {
+  return {ErrorCode::kFailedPrecondition,
+          fmt::format("{} was written by {} release of Tessera (schema {}, this one has {}): {}",
+                      file.string(), version > schema_version() ? "a later" : "an earlier", version,
+                      schema_version(), what_to_do)};
+}
+
+constexpr auto kUseLater = "use that release, or another folder with --state";
+
+core::Status expect_empty(Database& database, const std::filesystem::path& file) {
+  const auto tables = database.read_number("SELECT count(*) FROM sqlite_master");
+  if (!tables) return core::fail(tables.error());
+  if (*tables == 0) return {};
+  return core::fail(
+      ErrorCode::kFailedPrecondition,
+      fmt::format("{} is a database of another program: choose another folder with --state", file.string()));
+}
+
+}  // namespace
+
+core::Error lost(const std::filesystem::path& file) {
+  return {ErrorCode::kDataLoss,
+          fmt::format(
+              "{} is missing or empty, though the files of its jobs are in {}: put back a copy of the state "
+              "folder, or move the folder away to start without its jobs",
+              file.string(), (file.parent_path() / "blobs").string())};
+}
+
+int schema_version() {
+  return static_cast<int>(std::size(kSteps));
+}
+
+core::Status expect_usable(Database& database, const std::filesystem::path& file, bool may_be_new) {
+  const auto version = database.read_number("PRAGMA user_version");
+  if (!version) return core::fail(version.error());
+  if (*version < 0 || *version > schema_version())
+    return core::fail(of_another_release(file, *version, kUseLater));
+  if (*version > 0) return {};
+  if (auto empty = expect_empty(database, file); !empty) return empty;
+  if (!may_be_new) return core::fail(lost(file));
+  return {};
+}
+
+core::Status bring_up_to_date(Database& database) {
+  const auto version = database.read_number("PRAGMA user_version");
+  if (!version) return core::fail(version.error());
+  if (*version == schema_version()) return {};
+  auto transaction = Transaction::begin(database);
+  if (!transaction) return core::fail(transaction.error());
+  for (int step = static_cast<int>(*version); step < schema_version(); ++step) {
+    if (auto taken = database.execute(kSteps[step]); !taken) return taken;
+  }
+  const auto note = fmt::format("PRAGMA user_version = {}", schema_version());
+  if (auto noted = database.execute(note); !noted) return noted;
+  return transaction->commit();
+}
+
+core::Status expect_current(Database& database, const std::filesystem::path& file) {
+  const auto version = database.read_number("PRAGMA user_version");
+  if (!version) return core::fail(version.error());
+  if (*version == schema_version()) return {};
+  if (*version == 0) return core::fail(lost(file));
+  if (*version > schema_version()) return core::fail(of_another_release(file, *version, kUseLater));
+  return core::fail(of_another_release(file, *version, "start a coordinator on it once"));
+}
+
+}  // namespace tessera::store

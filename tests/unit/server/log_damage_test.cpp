@@ -1,0 +1,69 @@
+#include "server/store/log_damage.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "server/store/job_store.hpp"
+#include "tests/support/temporary_folder.hpp"
+
+namespace tessera::store {
+namespace {
+
+using testing::HasSubstr;
+
+// The log as a crash leaves it, after a job and three checkpoints.
+class LogDamage : public testing::Test {
+ protected:
+  LogDamage() {
+    const auto file = folder_.path() / "tessera.db";
+    auto store = *JobStore::open(file);
+    JobRow row;
+    row.id = "a";
+    row.revision = row.state = 1;
+    row.spp = 4;
+    EXPECT_TRUE(store.insert_job(row));
+    for (int tile = 0; tile < 3; ++tile)
+      EXPECT_TRUE(store.write_tiles({{"a", tile, {{0, 4}}, std::string(100'000, 'x')}}));
+    whole_ = read_file(log_of(file));
+  }
+
+  std::optional<std::string> damage_of(const std::string& bytes) {
+    write_file(log_, bytes);
+    return *find_log_damage(log_);
+  }
+  static std::string flipped(std::string bytes, std::size_t at) {
+    bytes[at] = static_cast<char>(bytes[at] ^ 1);
+    return bytes;
+  }
+
+  const TemporaryFolder folder_;
+  const std::filesystem::path log_ = folder_.path() / "log";
+  std::string whole_;
+};
+
+TEST_F(LogDamage, AWholeLogHasNone) {
+  EXPECT_EQ(damage_of(whole_), std::nullopt);
+  EXPECT_EQ(damage_of(""), std::nullopt);
+  EXPECT_EQ(*find_log_damage(folder_.path() / "nowhere"), std::nullopt);
+}
+
+TEST_F(LogDamage, OneBitIsNoticedWhereverLaterTransactionsWouldBeForgotten) {
+  const std::size_t frame = 24 + 16384;
+  for (const std::size_t at :
+       {std::size_t{0}, std::size_t{9}, std::size_t{17}, std::size_t{31}, 32 + std::size_t{1},
+        32 + std::size_t{9}, 32 + std::size_t{20}, 32 + std::size_t{24} + 5000, 32 + frame + 70}) {
+    const auto damage = damage_of(flipped(whole_, at));
+    ASSERT_TRUE(damage) << at;
+    EXPECT_THAT(*damage, HasSubstr(log_.string() + " is damaged"));
+  }
+}
+
+// The last transaction was not acknowledged before it was whole.
+TEST_F(LogDamage, WhatACrashToreAtTheEndIsNone) {
+  EXPECT_EQ(damage_of(whole_.substr(0, whole_.size() - 5)), std::nullopt);
+  EXPECT_EQ(damage_of(whole_.substr(0, whole_.size() - 40'000)), std::nullopt);
+  EXPECT_EQ(damage_of(flipped(whole_, whole_.size() - 40'000)), std::nullopt);
+}
+
+}  // namespace
+}  // namespace tessera::store
