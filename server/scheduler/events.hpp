@@ -48,7 +48,8 @@ struct Dismiss {
 
 // Rendered samples have arrived, however late. Answered by Actions::verdicts. INVALID_ARGUMENT: an item is no
 // tile of the job or leaves samples [0, spp), or the lease was never given, or to another worker that still
-// has it; nothing was counted.
+// has it; nothing was counted. Samples beyond spp of a lease of an earlier run are dropped: that run may have
+// extended the job, and crashed before this was stored.
 struct SubmitResult {
   WorkerId worker;
   JobId job;
@@ -138,7 +139,8 @@ struct Reply {
 enum class Verdict {
   kAccepted,  // was missing, and is now counted as done: the caller must add it to the film before the next
               // event
-  kDropped,   // at least one of its samples is in the film already, or the job takes no results any more
+  kDropped,   // at least one of its samples is in the film already or is no more of the job, or the job takes
+              // no results any more
 };
 
 struct JobChange {

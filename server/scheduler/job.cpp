@@ -173,6 +173,7 @@ bool Job::accept(const WorkItem& item, std::vector<Lease>& ended) {
   suspects_.clear(item);
   refusals_ = 0;
   refusers_.clear();
+  refusing_workers_.clear();
   for (Lease& lease : leases_.trim(item)) {
     copyable_.erase(lease.id);
     ended.push_back(std::move(lease));
@@ -202,18 +203,21 @@ std::optional<std::string> Job::blame(const Lease& lease, const Death& death) {
       fmt::join(names, ", "));
 }
 
-std::optional<std::string> Job::cannot_build(const std::string& worker, const std::string& why,
+std::optional<std::string> Job::cannot_build(const Refuser& refuser, const std::string& why,
                                              const std::set<std::string>& present) {
   ++refusals_;
-  refusers_.insert(worker);
-  const bool nobody_else = leases_.all().empty() &&
-                           std::includes(refusers_.begin(), refusers_.end(), present.begin(), present.end());
+  refusers_.insert(refuser.name);
+  refusing_workers_.insert(refuser.worker);
+  const bool nobody_else =
+      std::includes(refusers_.begin(), refusers_.end(), present.begin(), present.end()) &&
+      std::all_of(leases_.all().begin(), leases_.all().end(),
+                  [&](const auto& entry) { return refusing_workers_.contains(entry.second.holder); });
   if (refusals_ < kRefusalsUntilFailure) return std::nullopt;
   if (refusers_.size() < kRefusersUntilFailure && !nobody_else) return std::nullopt;
   return fmt::format(
       "{} times in a row a worker could not build the scene, the last of them {}: {}. Mend that, or give the "
       "workers the release and the memory that the scene needs; then submit it again",
-      refusals_, worker, why);
+      refusals_, refuser.name, why);
 }
 
 void Job::extend(std::uint32_t spp) {
@@ -223,8 +227,10 @@ void Job::extend(std::uint32_t spp) {
 }
 
 void Job::measure_cost(double thread_seconds, std::uint64_t samples) {
-  constexpr double kNewWeight = 0.1;
-  const double cost = thread_seconds / static_cast<double>(samples);
+  // Whatever a worker says it took, the cost stays a number, and one that others can mend.
+  constexpr double kLeast = 1e-9, kMost = 100, kMostChange = 10, kNewWeight = 0.1;
+  double cost = std::clamp(thread_seconds / static_cast<double>(samples), kLeast, kMost);
+  if (cost_) cost = std::clamp(cost, *cost_ / kMostChange, *cost_ * kMostChange);
   cost_ = cost_ ? *cost_ + kNewWeight * (cost - *cost_) : cost;
 }
 

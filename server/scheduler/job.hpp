@@ -27,6 +27,12 @@ struct Portion {
   bool alone = false;
 };
 
+// Who says that it cannot build the scene; as in Death.
+struct Refuser {
+  WorkerId worker;
+  std::string name;
+};
+
 class Job {
  public:
   // `done`: for each tile, the samples that are done. Empty: none.
@@ -86,9 +92,10 @@ class Job {
   // The holder of an ended lease has died. The sentence to fail the job with, if this is enough and nobody
   // else holds the samples.
   std::optional<std::string> blame(const Lease& lease, const Death& death);
-  // A worker of this name cannot build the scene. The sentence to fail the job with, if that was said three
-  // times in a row, and by three names or by all that are `present` while nobody holds a lease.
-  std::optional<std::string> cannot_build(const std::string& worker, const std::string& why,
+  // A worker cannot build the scene. The sentence to fail the job with, if that was said three times in a
+  // row, and by workers of three names, or by all names that are `present` and every worker that holds a
+  // lease.
+  std::optional<std::string> cannot_build(const Refuser& refuser, const std::string& why,
                                           const std::set<std::string>& present);
   // A worker that was taken for dead lives.
   void absolve(const WorkerId& worker) { suspects_.absolve(worker); }
@@ -102,6 +109,8 @@ class Job {
   // Of JobSnapshot.
   std::uint64_t last_served = 0;
 
+  // Whether a lease has samples that a second worker could be given. Slow; for checks.
+  bool has_copies_to_give() const;
   // See CheckDepth.
   std::optional<std::string> check(bool every_sample) const;
 
@@ -123,9 +132,10 @@ class Job {
   WorkList work_;
   LeaseTable leases_;
   Suspects suspects_;
-  // In a row, and the names of who said so; forgotten with every accepted sample.
+  // In a row, and who said so; forgotten with every accepted sample.
   int refusals_ = 0;
   std::set<std::string> refusers_;
+  std::set<WorkerId> refusing_workers_;
   // Every lease with samples that nobody else holds; may also have others.
   std::set<LeaseId> copyable_;
 

@@ -1,6 +1,8 @@
 // What must be true of a job at any moment.
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "server/scheduler/job.hpp"
 
 namespace tessera::scheduler {
@@ -25,6 +27,11 @@ std::optional<std::string> Job::check(bool every_sample) const {
     }
   }
   return every_sample ? check_counts() : std::nullopt;
+}
+
+bool Job::has_copies_to_give() const {
+  return std::any_of(leases_.all().begin(), leases_.all().end(),
+                     [&](const auto& entry) { return !held_once(entry.second).empty(); });
 }
 
 std::optional<std::string> Job::check_counts() const {

@@ -91,7 +91,7 @@ Worker* Scheduler::on(const DeleteJob& event, Actions& actions) {
   Job* const job = find_or_refuse(event.id, actions);
   if (job == nullptr) return nullptr;
   end_all_leases(*job);
-  for (auto& [id, worker] : roster_.all()) worker.speed.erase(event.id);
+  forget_worker_notes(event.id);
   const auto number = job_numbers_.find(event.id);
   running_.erase(number->second);
   jobs_.erase(number->second);
@@ -167,12 +167,19 @@ void Scheduler::become(Job& job, JobState to, Actions& actions) {
   running_.erase(number);
   if (to == JobState::kPaused) return;
   end_all_leases(job);
-  for (auto& [id, worker] : roster_.all()) worker.speed.erase(job.id());
+  forget_worker_notes(job.id());
 }
 
 void Scheduler::fail(Job& job, const std::string& failure, Actions& actions) {
   job.failure = failure;
   become(job, JobState::kFailed, actions);
+}
+
+void Scheduler::forget_worker_notes(const JobId& job) {
+  for (auto& [id, worker] : roster_.all()) {
+    worker.speed.erase(job);
+    worker.refused.erase(job);
+  }
 }
 
 void Scheduler::end_all_leases(Job& job) {

@@ -67,17 +67,18 @@ void Scheduler::adopt(Worker& worker, const LeaseDescription& reported) {
 }
 
 void Scheduler::top_up(Worker& worker) {
-  while (worker.room() > 0 && grant_free(worker)) {
+  while (worker.room() > 0 && grant_free(worker, false)) {
   }
-  // Copies are for those who would have nothing to do, not to be kept in reserve.
-  if (worker.room() > 0 && worker.leases.empty()) grant_copy(worker);
+  // Copies are for those who would have nothing to do, not to be kept in reserve. What the worker could not
+  // build a moment ago comes last, or it would be given nothing else.
+  if (worker.room() > 0 && worker.leases.empty() && !grant_copy(worker)) grant_free(worker, true);
 }
 
-bool Scheduler::grant_free(Worker& worker) {
+bool Scheduler::grant_free(Worker& worker, bool also_refused) {
   std::vector<Job*> candidates;
   for (const JobNumber number : running_) {
     Job& job = jobs_.at(number);
-    if (job.free() > 0) candidates.push_back(&job);
+    if (job.free() > 0 && (also_refused || !has_refused_lately(worker, job))) candidates.push_back(&job);
   }
   if (candidates.empty()) return false;
   Job& job = *candidates[choose_job(snapshots(candidates))];
@@ -96,7 +97,7 @@ bool Scheduler::grant_copy(Worker& worker) {
   std::vector<Job*> candidates;
   for (const JobNumber number : running_) {
     Job& job = jobs_.at(number);
-    if (job.leased() > 0) candidates.push_back(&job);
+    if (job.leased() > 0 && !has_refused_lately(worker, job)) candidates.push_back(&job);
   }
   while (!candidates.empty()) {
     const std::size_t chosen = choose_job(snapshots(candidates));
@@ -132,6 +133,11 @@ std::vector<JobSnapshot> Scheduler::snapshots(const std::vector<Job*>& jobs) con
     snapshots.push_back({job->priority(), load, job->last_served});
   }
   return snapshots;
+}
+
+bool Scheduler::has_refused_lately(const Worker& worker, const Job& job) const {
+  const auto refused = worker.refused.find(job.id());
+  return refused != worker.refused.end() && now_ < refused->second + options_.lease_duration;
 }
 
 Lease Scheduler::end_lease(Job& job, LeaseId id) {

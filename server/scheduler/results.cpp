@@ -22,8 +22,9 @@ Worker* Scheduler::on(const SubmitResult& event, Actions& actions) {
   std::vector<Lease> ended;
   std::uint64_t accepted_samples = 0;
   for (const WorkItem& item : event.items) {
-    spare_others(*job, item, event.worker);
-    const bool accepted = job->accept(item, ended);
+    const bool fits = job->has(item);
+    if (fits) spare_others(*job, item, event.worker);
+    const bool accepted = fits && job->accept(item, ended);
     actions.verdicts.push_back(accepted ? Verdict::kAccepted : Verdict::kDropped);
     if (accepted) accepted_samples += job->pixel_samples(item);
   }
@@ -62,8 +63,9 @@ void Scheduler::note_refusal(Job& job, const SubmitResult& event, Actions& actio
   for (const auto& [id, worker] : roster_.all()) {
     if (worker.takes_leases()) present.insert(worker.info.name);
   }
-  const std::string& name = roster_.find(event.worker)->info.name;
-  const auto failure = job.cannot_build(name, event.cannot_build, present);
+  Worker& worker = *roster_.find(event.worker);
+  worker.refused[job.id()] = now_;
+  const auto failure = job.cannot_build({event.worker, worker.info.name}, event.cannot_build, present);
   if (failure) fail(job, *failure, actions);
 }
 
@@ -76,10 +78,16 @@ core::Status Scheduler::validate_lease(const Job& job, const SubmitResult& event
                                 event.lease.value, never_given ? "never given" : "given to another worker"));
 }
 
+bool Scheduler::was_extended_before(const Job& job, LeaseId lease, const WorkItem& item) const {
+  const bool of_earlier_run = lease.value >> kLeaseCounterBits < options_.epoch;
+  return of_earlier_run && item.samples.end > job.shape().spp && job.has({item.tile, {0, 1}}) &&
+         !item.samples.empty();
+}
+
 core::Status Scheduler::validate(const Job& job, const SubmitResult& event) const {
   if (auto valid = validate_lease(job, event); !valid) return valid;
   for (const WorkItem& item : event.items) {
-    if (job.has(item)) continue;
+    if (job.has(item) || was_extended_before(job, event.lease, item)) continue;
     return core::fail(
         core::ErrorCode::kInvalidArgument,
         fmt::format("samples [{}, {}) of tile {} are not part of job {}, which has {} tiles and "

@@ -46,6 +46,8 @@ struct Worker {
   bool waiting = false;
   // Pixel samples per second, for each job it has rendered for.
   std::map<JobId, double> speed;
+  // When it last said that it cannot build a job's scene.
+  std::map<JobId, Time> refused;
   RateMeter rate;
   std::uint64_t samples_accepted = 0;
 

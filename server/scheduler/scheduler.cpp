@@ -5,15 +5,9 @@
 #include <utility>
 
 namespace tessera::scheduler {
-namespace {
-
-constexpr int kCounterBits = 40;
-
-}  // namespace
-
 Scheduler::Scheduler(const Options& options)
     : options_(options),
-      last_lease_id_{static_cast<std::uint64_t>(options.epoch) << kCounterBits},
+      last_lease_id_{static_cast<std::uint64_t>(options.epoch) << kLeaseCounterBits},
       roster_(options.lease_duration, options.forget_after) {}
 
 Actions Scheduler::handle(const Event& event, Time now) {

@@ -10,6 +10,7 @@
 //   - a range is accepted only if all of its samples are missing, so none is counted twice;
 //   - a done job lacks nothing;
 //   - leases are held by known workers that were heard of within lease_duration;
+//   - a worker that waits, holds nothing and would take a lease waits because there is none to give;
 //   - samples that a worker may have died of are leased to workers that hold nothing else, and after the
 //     deaths of three workers of different names in a row their job fails, so that they do not take down the
 //     farm.
@@ -132,11 +133,14 @@ class Scheduler {
   void settle_reported(Worker& worker, const Synchronize& event);
   void adopt(Worker& worker, const LeaseDescription& reported);
   void top_up(Worker& worker);
-  bool grant_free(Worker& worker);
+  // `also_refused`: of jobs that it has refused lately as well.
+  bool grant_free(Worker& worker, bool also_refused);
   bool grant_copy(Worker& worker);
   void grant(Worker& worker, Job& job, Portion portion);
   void enter_lease(Worker& worker, Job& job, Lease lease, bool acknowledged);
   std::vector<JobSnapshot> snapshots(const std::vector<Job*>& jobs) const;
+  // The worker has said within lease_duration that it cannot build the scene.
+  bool has_refused_lately(const Worker& worker, const Job& job) const;
   Lease end_lease(Job& job, LeaseId id);
   // Ends a lease whose holder is taken for dead, and what that makes of the job.
   void lose_lease(const Worker& worker, const HeldLease& held, Actions& actions);
@@ -157,16 +161,21 @@ class Scheduler {
   // It must be running or paused.
   void fail(Job& job, const std::string& failure, Actions& actions);
   void end_all_leases(Job& job);
+  // Strikes what workers are known for on a job that needs none any more.
+  void forget_worker_notes(const JobId& job);
 
   // ---- Results (results.cpp) ----
   core::Status validate(const Job& job, const SubmitResult& event) const;
   core::Status validate_lease(const Job& job, const SubmitResult& event) const;
+  // Whether the item may be of samples that an earlier run had extended the job by, and forgot in a crash.
+  bool was_extended_before(const Job& job, LeaseId lease, const WorkItem& item) const;
   void measure(Job& job, const SubmitResult& event);
   void note_refusal(Job& job, const SubmitResult& event, Actions& actions);
   // Sees to it that whoever else holds samples of an item hears at once that they are done.
   void spare_others(const Job& job, const WorkItem& item, const WorkerId& deliverer);
 
   std::optional<std::string> check_workers() const;
+  std::optional<std::string> check_idle(CheckDepth depth) const;
 
   const Options options_;
   Time now_{};

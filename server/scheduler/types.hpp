@@ -23,6 +23,8 @@ struct TextId {
 using JobId = TextId<struct JobTag>;
 using WorkerId = TextId<struct WorkerTag>;
 
+inline constexpr int kLeaseCounterBits = 40;
+
 // The coordinator's epoch in the upper 24 bits, a counter from 1 in the lower 40: never used twice.
 struct LeaseId {
   std::uint64_t value = 0;

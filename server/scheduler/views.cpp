@@ -65,7 +65,25 @@ std::optional<std::string> Scheduler::check_invariants(CheckDepth depth) const {
       return fmt::format("job {}: {}", job.id().value, *wrong);
     }
   }
-  return check_workers();
+  if (const auto wrong = check_workers()) return wrong;
+  return check_idle(depth);
+}
+
+// Nobody who would work waits while there is something to do.
+std::optional<std::string> Scheduler::check_idle(CheckDepth depth) const {
+  for (const auto& [id, worker] : roster_.all()) {
+    if (!worker.waiting || worker.room() <= 0 || !worker.leases.empty()) continue;
+    for (const JobNumber number : running_) {
+      const Job& job = jobs_.at(number);
+      if (job.free() > 0)
+        return fmt::format("worker {} waits, but job {} has free samples", id.value, job.id().value);
+      // Nobody is woken when a refusal is long enough ago.
+      const bool looks_for_copies = depth == CheckDepth::kEverySample && !worker.refused.contains(job.id());
+      if (looks_for_copies && job.has_copies_to_give())
+        return fmt::format("worker {} waits, but could be given copies of job {}", id.value, job.id().value);
+    }
+  }
+  return std::nullopt;
 }
 
 // Every lease of a job is in its holder's entry and the other way round, and no silent worker has any.

@@ -9,31 +9,51 @@ using namespace scheduler;
 
 namespace {
 
-constexpr double kCheckpointSeconds = 2.0;
 constexpr double kParkSeconds = 3.0;
+constexpr double kLookSeconds = 0.5;
 
 }  // namespace
 
-Coordinator::Coordinator(World& world) : world_(world) {}
+bool is_liar(const WorkerId& worker) {
+  return worker.value.starts_with(kLiar);
+}
+
+Coordinator::Coordinator(World& world) : world_(world), disk_(world), referee_(world, films_, options_) {}
 
 void Coordinator::start() {
   if (up()) return;
   ++run_;
   world_.note(fmt::format("coordinator starts, epoch {}", run_));
-  Options options;
+  Options options = options_;
   options.epoch = run_;
   scheduler_ = std::make_unique<Scheduler>(options);
-  for (const auto& [id, job] : stored_) {
-    films_[id] = job.film;
-    RestoreJob restore{id, job.shape, job.priority, job.state, "", {}};
-    for (int tile = 0; tile < job.film.tile_count(); ++tile) restore.done.push_back(job.film.done(tile));
-    if (!handle(restore).status) world_.fail("a stored job was refused");
+  referee_.restarted(run_);
+  for (const Disk::StoredJob& job : disk_.jobs()) restore(job);
+  checkpoint(run_);
+  look_around(run_);
+}
+
+void Coordinator::restore(const Disk::StoredJob& job) {
+  films_[job.id] = job.film;
+  // Tiles are written before the row that says how many samples they have.
+  JobShape shape = job.row.shape;
+  for (int tile = 0; tile < job.film.tile_count(); ++tile) {
+    const IntervalSet done = job.film.done(tile);
+    if (!done.empty()) shape.spp = std::max(shape.spp, done.ranges().back().end);
   }
-  checkpoint_regularly(run_);
+  films_[job.id].extend(shape.spp);
+  RestoreJob event{job.id, shape, job.row.priority, job.row.state, job.row.failure, {}};
+  for (int tile = 0; tile < job.film.tile_count(); ++tile) event.done.push_back(job.film.done(tile));
+  referee_.entered(job.id, job.row.state);
+  const Actions actions = handle(event);
+  if (!actions.status) world_.fail("a stored job was refused");
+  referee_.settled(actions, *scheduler_, clock());
+  for (int tile = 0; tile < job.film.tile_count(); ++tile) compare(job.id, tile);
 }
 
 void Coordinator::crash() {
   world_.note("coordinator crashes");
+  disk_.coordinator_crashed();
   scheduler_.reset();
   parked_.clear();
   films_.clear();
@@ -47,6 +67,14 @@ void Coordinator::stall(Duration duration) {
   stalled_until_ = world_.now() + duration;
 }
 
+void Coordinator::clock_jumps(Duration by) {
+  world_.note(
+      fmt::format("the coordinator's clock jumps by {:.1f} s", std::chrono::duration<double>(by).count()));
+  clock_error_ += by;
+  next_tick_.reset();
+  if (up()) tick_when_due();
+}
+
 // Whether the event must wait; if so it comes again when the stall is over.
 bool Coordinator::delayed(const std::function<void()>& again) {
   if (world_.now() >= stalled_until_) return false;
@@ -57,86 +85,137 @@ bool Coordinator::delayed(const std::function<void()>& again) {
 void Coordinator::synchronize(const Synchronize& request, const Answer& answer) {
   if (!up() || delayed([=, this] { synchronize(request, answer); })) return;
   const WorkerId id = request.worker.id;
-  if (id.value == "liar") {
+  if (request.worker.name == kLiar) {
     for (const LeaseDescription& held : request.held) claimed_.insert(held.id);
   }
   parked_.erase(id);  // answered at once, which its worker does not wait for any more
+  referee_.answered(id);
   const Actions actions = handle(request);
   if (!actions.reply) return world_.fail("Synchronize was not answered");
   if (actions.reply->changed) return answer(*actions.reply);
+  park(id, *actions.reply, answer);
+}
+
+void Coordinator::park(const WorkerId& id, const Reply& reply, const Answer& answer) {
   const std::uint64_t call = ++calls_;
   parked_[id] = {call, answer};
+  referee_.parked(id, reply);
   world_.after(seconds(kParkSeconds), [=, this] { answer_parked(id, call); });
+}
+
+void Coordinator::answer_now(const WorkerId& worker, const Reply& reply) {
+  const Answer answer = parked_.at(worker).answer;
+  parked_.erase(worker);
+  referee_.answered(worker);
+  answer(reply);
 }
 
 void Coordinator::answer_parked(const WorkerId& worker, std::uint64_t call) {
   const auto parked = parked_.find(worker);
   if (parked == parked_.end() || parked->second.call != call) return;
   if (delayed([=, this] { answer_parked(worker, call); })) return;
-  const Answer answer = parked->second.answer;
-  parked_.erase(parked);
   const Actions actions = handle(TopUp{worker});
-  if (actions.reply) answer(*actions.reply);
+  if (actions.reply) return answer_now(worker, *actions.reply);
+  parked_.erase(worker);
+  referee_.answered(worker);
 }
 
 void Coordinator::wake(const WorkerId& worker) {
   const auto parked = parked_.find(worker);
   if (parked == parked_.end()) return;
   const Actions actions = handle(TopUp{worker});
-  if (!actions.reply || !actions.reply->changed) return;
-  const Answer answer = parked->second.answer;
-  parked_.erase(worker);
-  answer(*actions.reply);
+  if (!actions.reply) return;
+  if (actions.reply->changed) return answer_now(worker, *actions.reply);
+  referee_.parked(worker, *actions.reply);
 }
 
 void Coordinator::submit_result(const SubmitResult& result, const std::function<void()>& answer) {
   if (!up() || delayed([=, this] { submit_result(result, answer); })) return;
+  const bool lies = is_liar(result.worker);
+  if (lies) handle(Tick{});
+  const std::string before = lies ? fingerprint(*scheduler_, clock()) : "";
   const Actions actions = handle(result);
-  if (!actions.status && result.worker.value != "liar" && !claimed_.contains(result.lease))
+  if (!actions.status && !lies && !claimed_.contains(result.lease))
     world_.fail("an honest result was refused: " + actions.status.error().message);
+  if (!actions.status && lies && fingerprint(*scheduler_, clock()) != before)
+    world_.fail("a refused result has changed something");
   if (actions.status && actions.verdicts.size() != result.items.size()) {
     return world_.fail("not every item has a verdict");
   }
+  referee_.judged(result, actions);
   for (std::size_t i = 0; i < actions.verdicts.size(); ++i) {
     if (actions.verdicts[i] == Verdict::kDropped) continue;
-    if (!films_[result.job].add(result.items[i])) {
-      world_.fail(fmt::format("job {} tile {} samples [{}, {}) counted twice", result.job.value,
-                              result.items[i].tile, result.items[i].samples.begin,
-                              result.items[i].samples.end));
-    }
+    films_.at(result.job).add(result.items[i]);
+    disk_.accepted(result.job, result.items[i]);
   }
+  referee_.settled(actions, *scheduler_, clock());
   answer();
 }
 
-bool Coordinator::command(const Event& event) {
+bool Coordinator::submit(const SubmitJob& event) {
+  if (event.shape.width_px <= 0) return handle(event).status.has_value();
+  const bool is_known = films_.contains(event.id);
+  if (!is_known &&
+      !disk_.insert(event.id, {event.shape, event.priority, JobState::kRunning, "", ++revisions_}))
+    return false;
+  if (!is_known) shapes_[event.id] = event.shape;
+  if (!is_known) films_[event.id] = ModelFilm(event.shape);
+  if (!is_known) referee_.entered(event.id, JobState::kRunning);
   const bool taken = handle(event).status.has_value();
-  if (const auto* submit = std::get_if<SubmitJob>(&event); submit != nullptr && taken) {
-    films_[submit->id] = ModelFilm(submit->shape);
-    stored_.emplace_back(submit->id,
-                         Stored{submit->shape, submit->priority, JobState::kRunning, films_[submit->id]});
-  }
-  if (const auto* extend = std::get_if<ExtendJob>(&event); extend != nullptr && taken) {
-    films_[extend->id].extend(extend->spp);
-  }
-  if (const auto* gone = std::get_if<DeleteJob>(&event); gone != nullptr && taken) {
-    films_.erase(gone->id);
-    std::erase_if(stored_, [&](const auto& entry) { return entry.first == gone->id; });
-  }
-  store_jobs();
+  if (taken == is_known) world_.fail(fmt::format("job {} was submitted twice", event.id.value));
   return taken;
 }
 
+bool Coordinator::remove(const DeleteJob& event) {
+  if (films_.contains(event.id) && !disk_.remove(event.id)) return false;
+  const bool taken = handle(event).status.has_value();
+  if (taken != films_.contains(event.id)) world_.fail(fmt::format("job {} is deleted twice", event.id.value));
+  films_.erase(event.id);
+  referee_.deleted(event.id);
+  return taken;
+}
+
+bool Coordinator::command(const Event& event) {
+  if (const auto* submitted = std::get_if<SubmitJob>(&event)) return submit(*submitted);
+  if (const auto* gone = std::get_if<DeleteJob>(&event)) return remove(*gone);
+  handle(Tick{});
+  const std::string before = fingerprint(*scheduler_, clock());
+  const Actions actions = handle(event);
+  const bool taken = actions.status.has_value();
+  if (!taken && fingerprint(*scheduler_, clock()) != before)
+    world_.fail("a refused command has changed something");
+  if (const auto* extend = std::get_if<ExtendJob>(&event); extend != nullptr && taken)
+    films_.at(extend->id).extend(extend->spp);
+  referee_.settled(actions, *scheduler_, clock());
+  bool stored = taken;
+  for (const JobView& job : jobs()) {
+    const Disk::StoredJob* const known = disk_.stored(job.id);
+    if (taken && known != nullptr && (known->row.state != job.state || known->row.shape != job.shape))
+      stored &= disk_.update(job.id, row_of(job.id));
+  }
+  return stored;
+}
+
+void Coordinator::dismiss_any() {
+  if (!up()) return;
+  const std::vector<WorkerView> known = workers();
+  if (known.empty()) return;
+  const auto chosen = static_cast<std::size_t>(world_.random.integer(0, static_cast<int>(known.size()) - 1));
+  world_.note(fmt::format("worker {} is dismissed", known[chosen].info.id.value));
+  handle(Dismiss{known[chosen].info.id});
+}
+
 Actions Coordinator::handle(const Event& event) {
-  const Actions actions = scheduler_->handle(event, world_.now());
+  const Actions actions = scheduler_->handle(event, clock());
   if (const auto wrong = scheduler_->check_invariants(CheckDepth::kEverySample)) world_.fail(*wrong);
+  referee_.handled(event, actions, clock());
   for (const JobChange& change : actions.job_changes) {
     world_.note(fmt::format("job {} is {}", change.id.value, job_state_name(change.to)));
     if (change.to == JobState::kFailed && !std::holds_alternative<FailJob>(event)) {
-      failures_[change.id] = scheduler_->job(change.id, world_.now())->failure;
+      failures_[change.id] = scheduler_->job(change.id, clock())->failure;
       world_.note(failures_[change.id]);
     }
   }
-  if (!actions.job_changes.empty()) store_jobs();
   for (const WorkerId& worker : actions.wake) {
     world_.after({}, [this, worker, run = run_] {
       if (up() && run == run_) wake(worker);
@@ -150,7 +229,7 @@ void Coordinator::tick_when_due() {
   const std::optional<Time> due = scheduler_->next_deadline();
   if (!due || (next_tick_ && *next_tick_ <= *due)) return;
   next_tick_ = due;
-  world_.after(*due - world_.now(), [this, due, run = run_] {
+  world_.after(*due - clock(), [this, due, run = run_] {
     if (!up() || run != run_ || next_tick_ != due) return;
     next_tick_.reset();
     if (delayed([this, run] {
@@ -162,33 +241,11 @@ void Coordinator::tick_when_due() {
   });
 }
 
-// The state and the shape of jobs are stored when they change, films only now and then: a job can be stored
-// as done whose film still lacks samples.
-void Coordinator::store_jobs() {
-  for (auto& [id, job] : stored_) {
-    const std::optional<JobView> view = scheduler_->job(id, world_.now());
-    if (!view) continue;
-    job.state = view->state;
-    job.shape = view->shape;
-    job.film.extend(view->shape.spp);
-  }
-}
-
-void Coordinator::checkpoint() {
-  for (auto& [id, job] : stored_) {
-    job.film = films_.at(id);
-    for (int tile = 0; tile < job.film.tile_count(); ++tile) {
-      if (job.film.done(tile) == scheduler_->done(id, tile)) continue;
-      world_.fail(
-          fmt::format("job {} tile {}: the film has other samples than the scheduler", id.value, tile));
-    }
-  }
-}
-
-void Coordinator::checkpoint_regularly(std::uint64_t run) {
+// A coordinator that stands still sees nothing, and has a moment to catch up.
+void Coordinator::look_around(std::uint64_t run) {
   if (!up() || run != run_) return;
-  checkpoint();
-  world_.after(seconds(kCheckpointSeconds), [=, this] { checkpoint_regularly(run); });
+  if (world_.now() > stalled_until_ + seconds(kLookSeconds)) referee_.look_around(*scheduler_, clock());
+  world_.after(seconds(kLookSeconds), [=, this] { look_around(run); });
 }
 
 bool Coordinator::all_settled() const {
@@ -200,12 +257,15 @@ bool Coordinator::all_settled() const {
 }
 
 void Coordinator::check_films() {
-  for (const JobView& job : jobs()) {
-    if (job.state == JobState::kDone && !films_.at(job.id).complete()) {
-      world_.fail(fmt::format("job {} is done, but its film lacks samples", job.id.value));
-    }
+  referee_.look_around(*scheduler_, clock());
+  for (const auto& [id, film] : films_) {
+    for (int tile = 0; tile < film.tile_count(); ++tile) compare(id, tile);
   }
-  checkpoint();
+}
+
+void Coordinator::compare(const JobId& id, int tile) {
+  if (films_.at(id).done(tile) == scheduler_->done(id, tile)) return;
+  world_.fail(fmt::format("job {} tile {}: the film has other samples than the scheduler", id.value, tile));
 }
 
 }  // namespace tessera::simulation

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "tests/simulation/coordinator.hpp"
+#include "tests/simulation/liar.hpp"
 #include "tests/simulation/worker.hpp"
 #include "tests/simulation/world.hpp"
 
@@ -17,71 +18,111 @@ using namespace scheduler;
 
 namespace {
 
+// Faults come, and users speak, until then.
+constexpr double kUnrestSeconds = 40;
+// A straggler is a hundred times slower than the first machine.
+constexpr double kFirstSpeed = 60'000, kStragglerSpeed = 600;
+
 class Farm {
  public:
-  Farm(std::uint64_t seed, bool verbose) : world_(seed, verbose), coordinator_(world_) {}
+  Farm(std::uint64_t seed, bool verbose)
+      : world_(seed, verbose), coordinator_(world_), liar_(world_, coordinator_) {}
 
   FarmReport run();
 
  private:
+  // ---- Beginning and end ----
   void set_up();
-  void submit(int number);
-  void fault();
-  void user();
-  void garbage();
+  void add_machine(int number);
+  void submit();
   void make_deadly(const JobId& id, const JobShape& shape);
-  void check_failures();
+  void make_unbuildable(const JobId& id);
   void calm_down();
-  void bring_up_coordinator();
+  bool is_late() const;
+  void check_failures();
+
+  // ---- What goes wrong ----
+  void fault();
+  void machine_fault(WorkerMachine& machine, int kind);
+  void coordinator_fault(int kind);
+  void power_failure();
+
+  // ---- What users do ----
+  void user();
+  bool command(const char* what, const Event& event);
+  void resume_later(const JobId& id);
+  void odd_command(const JobId& id);
+
   JobId any_job() { return {std::to_string(world_.random.integer(1, jobs_submitted_ + 1))}; }
-  WorkItem any_item();
   WorkerMachine& any_machine() {
     return *machines_[static_cast<std::size_t>(
         world_.random.integer(0, static_cast<int>(machines_.size()) - 1))];
   }
+  double elapsed() const { return std::chrono::duration<double>(world_.now().time_since_epoch()).count(); }
 
   World world_;
   Coordinator coordinator_;
+  Liar liar_;
   std::vector<std::unique_ptr<WorkerMachine>> machines_;
+  std::set<std::string> names_;
   int jobs_submitted_ = 0;
   double pixel_samples_ = 0;
-  // Jobs with samples that every machine dies of.
-  std::set<JobId> deadly_jobs_;
-  // Somebody has delivered results at random, which may be of deadly samples.
-  bool lied_ = false;
+  // How long the scheduler's time may stand still.
+  double set_back_seconds_ = 0;
+  // Jobs with samples that every machine dies of; whose scenes no machine can build; or some cannot.
+  std::set<JobId> deadly_jobs_, unbuildable_jobs_, doubtful_jobs_;
   bool calm_ = false;
 };
+
+// ---- Beginning and end ----
 
 void Farm::set_up() {
   Random& random = world_.random;
   const bool bad_network = random.chance(0.5);
   world_.make_network(bad_network ? 0.05 : 0, bad_network ? 0.05 : 0, bad_network ? 15 : 0.5);
   coordinator_.start();
-  // Speeds that differ up to a hundredfold; the first machine is quick enough to bring every farm to its end.
   const int machines = random.integer(1, 5);
-  for (int m = 0; m < machines; ++m) {
-    const double speed = m == 0 ? 60'000 : 1'500 * std::pow(100, random.real(0, 1));
-    machines_.push_back(std::make_unique<WorkerMachine>(world_, coordinator_, fmt::format("m{}", m), speed));
-    world_.after(seconds(random.real(0, 5)), [this, m] { machines_[static_cast<std::size_t>(m)]->start(); });
-  }
-  for (int j = 0; j < random.integer(1, 3); ++j)
-    world_.after(seconds(random.real(0, 15)), [=, this] { submit(j); });
-  for (int f = 0; f < random.integer(0, 8); ++f)
-    world_.after(seconds(random.real(0, 40)), [this] { fault(); });
-  for (int u = 0; u < random.integer(0, 6); ++u)
-    world_.after(seconds(random.real(1, 40)), [this] { user(); });
-  world_.after(seconds(40), [this] { calm_down(); });
+  for (int m = 0; m < machines; ++m) add_machine(m);
+  for (int j = random.integer(1, 3); j > 0; --j)
+    world_.after(seconds(random.real(0, 15)), [this] { submit(); });
+  for (int f = random.integer(0, 10); f > 0; --f)
+    world_.after(seconds(random.real(0, kUnrestSeconds)), [this] { fault(); });
+  for (int u = random.integer(0, 8); u > 0; --u)
+    world_.after(seconds(random.real(1, kUnrestSeconds)), [this] { user(); });
+  world_.after(seconds(kUnrestSeconds), [this] { calm_down(); });
 }
 
-void Farm::submit(int number) {
-  if (!coordinator_.up()) return world_.after(seconds(1), [=, this] { submit(number); });
+// Speeds that differ up to a hundredfold; the first machine is quick enough to bring every farm to its end.
+void Farm::add_machine(int number) {
+  Random& random = world_.random;
+  double speed = number == 0 ? kFirstSpeed : 1'500 * std::pow(100, random.real(0, 1));
+  if (number > 0 && random.chance(0.15)) speed = kStragglerSpeed;
+  const std::string host = fmt::format("m{}", number);
+  machines_.push_back(std::make_unique<WorkerMachine>(world_, coordinator_, host, speed,
+                                                      random.chance(0.1) ? "render" : host));
+  names_.insert(machines_.back()->name());
+  world_.after(seconds(random.real(0, 5)), [machine = machines_.back().get()] { machine->start(); });
+}
+
+void Farm::submit() {
+  if (!coordinator_.up()) return world_.after(seconds(1), [this] { submit(); });
   Random& random = world_.random;
   const JobShape shape{random.integer(1, 300), random.integer(1, 200),
                        static_cast<std::uint32_t>(random.integer(1, 40))};
-  const JobId id{std::to_string(++jobs_submitted_)};
+  const JobId id{std::to_string(jobs_submitted_ + 1)};
+  if (coordinator_.disk().refuses()) {
+    if (coordinator_.command(SubmitJob{id, shape, 0}))
+      world_.fail("a job was taken that could not be stored");
+    return world_.after(seconds(1), [this] { submit(); });
+  }
+  ++jobs_submitted_;
   world_.note(fmt::format("job {}: {}x{}, {} spp", id.value, shape.width_px, shape.height_px, shape.spp));
   pixel_samples_ += shape.grid().tile_count() * 4096.0 * shape.spp;
-  if (machines_.size() >= scheduler::kDeathsUntilFailure && random.chance(0.05)) make_deadly(id, shape);
+  if (names_.size() >= kDeathsUntilFailure && random.chance(0.05)) {
+    make_deadly(id, shape);
+  } else if (random.chance(0.05)) {
+    make_unbuildable(id);
+  }
   if (!coordinator_.command(SubmitJob{id, shape, random.integer(0, 1)})) world_.fail("a job was refused");
 }
 
@@ -95,105 +136,13 @@ void Farm::make_deadly(const JobId& id, const JobShape& shape) {
   deadly_jobs_.insert(id);
 }
 
-// A job fails by itself if and only if it has deadly samples that nobody claims to have rendered.
-void Farm::check_failures() {
-  for (const auto& [id, failure] : coordinator_.failures()) {
-    if (!deadly_jobs_.contains(id))
-      world_.fail(fmt::format("job {} failed, but nobody dies of it: {}", id.value, failure));
+void Farm::make_unbuildable(const JobId& id) {
+  const bool by_all = world_.random.chance(0.5);
+  world_.note(fmt::format("job {} cannot be built by {}", id.value, by_all ? "anyone" : "the last machine"));
+  for (const auto& machine : machines_) {
+    if (by_all || machine == machines_.back()) machine->cannot_build(id);
   }
-  for (const JobView& job : coordinator_.jobs()) {
-    if (deadly_jobs_.contains(job.id) && job.state == JobState::kDone && !lied_)
-      world_.fail(fmt::format("job {} is done, but whoever renders it dies", job.id.value));
-  }
-}
-
-void Farm::fault() {
-  Random& random = world_.random;
-  WorkerMachine& machine = any_machine();
-  switch (random.integer(0, 7)) {
-    case 0:
-      machine.crash();
-      world_.after(seconds(random.real(0, 20)), [&machine] { machine.start(); });
-      break;
-    case 1:
-      machine.hang(seconds(random.real(0, 40)));
-      break;
-    case 2:
-      machine.stop();
-      world_.after(seconds(random.real(0, 20)), [&machine] { machine.start(); });
-      break;
-    case 3:
-    case 4:
-      if (!coordinator_.up()) break;
-      coordinator_.crash();
-      world_.after(seconds(random.real(0, 15)), [this] { coordinator_.start(); });
-      break;
-    case 5:
-      coordinator_.stall(seconds(random.real(0, 25)));
-      break;
-    default:
-      for (int i = 0; i < 5; ++i) garbage();
-  }
-}
-
-WorkItem Farm::any_item() {
-  const auto begin = static_cast<std::uint32_t>(world_.random.integer(0, 20));
-  return {world_.random.integer(-1, 8), {begin, static_cast<std::uint32_t>(world_.random.integer(0, 25))}};
-}
-
-// Messages that no honest worker sends. Well-formed results among them count like any other.
-void Farm::garbage() {
-  Random& random = world_.random;
-  std::vector<WorkItem> items;
-  for (int i = random.integer(0, 3); i > 0; --i) items.push_back(any_item());
-  const LeaseId lease{(static_cast<std::uint64_t>(random.integer(0, 3)) << 40) +
-                      static_cast<std::uint64_t>(random.integer(0, 30))};
-  if (random.chance(0.5)) {
-    lied_ = true;
-    coordinator_.submit_result({{"liar"}, any_job(), lease, items, random.real(-1, 1), random.chance(0.5)},
-                               [] {});
-  } else {
-    coordinator_.synchronize({{{"liar"}, "liar", "", random.integer(-1, 4)},
-                              {{lease, any_job(), items}, {lease, any_job(), items}},
-                              random.integer(-1, 9),
-                              random.chance(0.2)},
-                             [](const Reply&) {});
-  }
-}
-
-void Farm::user() {
-  if (!coordinator_.up()) return;
-  Random& random = world_.random;
-  const JobId id = any_job();
-  const auto command = [&](const char* what, const Event& event) {
-    const bool taken = coordinator_.command(event);
-    world_.note(fmt::format("user: {} {}{}", what, id.value, taken ? "" : " (refused)"));
-    return taken;
-  };
-  const auto resume = [this, id] {
-    if (coordinator_.up()) coordinator_.command(ResumeJob{id});
-  };
-  switch (random.integer(0, 9)) {
-    case 0:
-      command("cancel", CancelJob{id});
-      break;
-    case 1:
-      command("delete", DeleteJob{id});
-      break;
-    case 2:
-      command("fail", FailJob{id, "it cannot be loaded"});
-      break;
-    case 3:
-    case 4:
-    case 5:
-      command("pause", PauseJob{id});
-      world_.after(seconds(random.real(0, 10)), resume);
-      break;
-    default:
-      if (command("extend", ExtendJob{id, static_cast<std::uint32_t>(random.integer(1, 60))})) {
-        pixel_samples_ += 15 * 4096.0 * 60;
-      }
-  }
+  (by_all || machines_.size() == 1 ? unbuildable_jobs_ : doubtful_jobs_).insert(id);
 }
 
 // From now on there are no faults. Whatever is down comes up, whatever is paused goes on.
@@ -201,10 +150,7 @@ void Farm::calm_down() {
   calm_ = true;
   world_.note("calm");
   world_.make_network(0, 0, 0.1);
-  bring_up_coordinator();
-}
-
-void Farm::bring_up_coordinator() {
+  coordinator_.disk().refuse(Duration::zero());
   coordinator_.start();
   for (const JobView& job : coordinator_.jobs()) {
     if (job.state == JobState::kPaused) coordinator_.command(ResumeJob{job.id});
@@ -212,23 +158,162 @@ void Farm::bring_up_coordinator() {
   for (const auto& machine : machines_) machine->start();
 }
 
+// The first machine alone, with time for every fault to pass, every lease to run out, and every deadly range
+// to have its victims: three machines, of which chance may take one again and again.
+bool Farm::is_late() const {
+  const double bound = kUnrestSeconds + 120 + set_back_seconds_ +
+                       800 * static_cast<double>(deadly_jobs_.size()) + 1.5 * pixel_samples_ / kFirstSpeed;
+  return elapsed() > bound;
+}
+
+// A job fails by itself if and only if it has deadly samples that nobody claims to have rendered, or its
+// scene is said not to be buildable.
+void Farm::check_failures() {
+  for (const auto& [id, failure] : coordinator_.failures()) {
+    const bool guilty = deadly_jobs_.contains(id) || unbuildable_jobs_.contains(id) ||
+                        doubtful_jobs_.contains(id) || liar_.refused().contains(id);
+    if (!guilty) world_.fail(fmt::format("job {} failed, but nobody dies of it: {}", id.value, failure));
+  }
+  for (const JobView& job : coordinator_.jobs()) {
+    const bool cannot_be_done = deadly_jobs_.contains(job.id) || unbuildable_jobs_.contains(job.id);
+    if (cannot_be_done && job.state == JobState::kDone && !liar_.has_delivered())
+      world_.fail(fmt::format("job {} is done, but nobody can have rendered it", job.id.value));
+  }
+}
+
+// ---- What goes wrong ----
+
+void Farm::fault() {
+  const int kind = world_.random.integer(0, 17);
+  if (kind < 7) return machine_fault(any_machine(), kind);
+  if (kind < 15) return coordinator_fault(kind);
+  if (kind == 15) return power_failure();
+  for (int i = 0; i < 5; ++i) liar_.speak(jobs_submitted_, any_machine().worker_id());
+}
+
+void Farm::machine_fault(WorkerMachine& machine, int kind) {
+  Random& random = world_.random;
+  const auto start_later = [&] {
+    world_.after(seconds(random.real(0, 20)), [&machine] { machine.start(); });
+  };
+  switch (kind) {
+    case 0:
+    case 1:
+      machine.crash();
+      return start_later();
+    case 2:
+      return machine.hang(seconds(random.real(0, 40)));
+    case 3:
+      machine.stop();
+      return start_later();
+    case 4:
+    case 5:
+      return machine.slow_down(100, seconds(random.real(0, 40)));
+    default:
+      return machine.cut_off(seconds(random.real(0, 30)));
+  }
+}
+
+void Farm::coordinator_fault(int kind) {
+  Random& random = world_.random;
+  switch (kind) {
+    case 7:
+    case 8:
+    case 9:
+      if (coordinator_.up()) coordinator_.crash();
+      return world_.after(seconds(random.real(0, 15)), [this] { coordinator_.start(); });
+    case 10:
+      return coordinator_.stall(seconds(random.real(0, 25)));
+    case 11:
+      return coordinator_.clock_jumps(seconds(random.real(0.1, 600)));
+    case 12: {
+      const double back = random.real(0.1, 60);
+      set_back_seconds_ += back;
+      return coordinator_.clock_jumps(seconds(-back));
+    }
+    case 13:
+      return coordinator_.disk().refuse(seconds(random.real(0, 20)));
+    default:
+      return coordinator_.dismiss_any();
+  }
+}
+
+// Everything goes dark at once, and comes back one after the other.
+void Farm::power_failure() {
+  if (coordinator_.up()) coordinator_.crash();
+  world_.after(seconds(world_.random.real(0, 10)), [this] { coordinator_.start(); });
+  for (const auto& machine : machines_) {
+    machine->crash();
+    world_.after(seconds(world_.random.real(0, 10)), [machine = machine.get()] { machine->start(); });
+  }
+}
+
+// ---- What users do ----
+
+bool Farm::command(const char* what, const Event& event) {
+  const bool taken = coordinator_.command(event);
+  world_.note(fmt::format("user: {}{}", what, taken ? "" : " (refused, or not stored)"));
+  return taken;
+}
+
+void Farm::resume_later(const JobId& id) {
+  world_.after(seconds(world_.random.real(0, 10)), [this, id] {
+    if (coordinator_.up()) command("resume", ResumeJob{id});
+  });
+}
+
+void Farm::user() {
+  if (!coordinator_.up()) return;
+  Random& random = world_.random;
+  const JobId id = any_job();
+  switch (random.integer(0, 11)) {
+    case 0:
+      command("cancel", CancelJob{id});
+      return;
+    case 1:
+      command("delete", DeleteJob{id});
+      return;
+    case 2:
+      command("fail", FailJob{id, "it cannot be loaded"});
+      return;
+    case 3:
+    case 4:
+    case 5:
+      command("pause", PauseJob{id});
+      return resume_later(id);
+    case 6:
+      return submit();
+    case 7:
+      return odd_command(id);
+    default:
+      pixel_samples_ += 15 * 4096.0 * 60;
+      command("extend", ExtendJob{id, static_cast<std::uint32_t>(random.integer(1, 60))});
+  }
+}
+
+// What no picture has, or has already.
+void Farm::odd_command(const JobId& id) {
+  Random& random = world_.random;
+  const JobShape empty{random.integer(-1, 0), 10, 1};
+  if (coordinator_.command(SubmitJob{{"empty"}, empty, 0})) world_.fail("a picture of nothing was taken");
+  for (const JobView& job : coordinator_.jobs()) {
+    if (coordinator_.command(SubmitJob{job.id, job.shape, 0})) world_.fail("a job was taken twice");
+  }
+  command("extend", ExtendJob{id, 0});
+  command("resume", ResumeJob{id});
+}
+
 FarmReport Farm::run() {
   set_up();
   FarmReport report;
-  // The first machine alone, with time for every fault to pass, every lease to run out, and every deadly
-  // range to have its victims: three machines, of which chance may take one again and again.
-  const auto bound = [&] {
-    return 40 + 120 + 800 * static_cast<double>(deadly_jobs_.size()) +
-           1.5 * pixel_samples_ / machines_[0]->samples_per_second();
-  };
-  const auto elapsed = [&] { return std::chrono::duration<double>(world_.now().time_since_epoch()).count(); };
   while (world_.step()) {
     ++report.events;
     if (calm_ && coordinator_.all_settled()) break;
-    if (elapsed() > bound()) world_.fail("jobs are not finished in time");
+    if (is_late()) world_.fail("jobs are not finished in time");
   }
   if (!world_.failure()) coordinator_.check_films();
   if (!world_.failure()) check_failures();
+  if (world_.failure() && coordinator_.up()) world_.note("the farm:\n" + coordinator_.describe());
   report.failure = world_.failure();
   report.virtual_seconds = elapsed();
   return report;

@@ -8,18 +8,33 @@ ModelFilm::ModelFilm(const scheduler::JobShape& shape)
     : tiles_(static_cast<std::size_t>(shape.grid().tile_count()), std::vector<bool>(shape.spp)) {}
 
 void ModelFilm::extend(std::uint32_t spp) {
-  for (std::vector<bool>& tile : tiles_) tile.resize(spp);
+  for (std::vector<bool>& tile : tiles_) tile.resize(std::max<std::size_t>(spp, tile.size()));
+}
+
+bool ModelFilm::fits(const scheduler::WorkItem& item) const {
+  return item.tile >= 0 && item.tile < tile_count() && !item.samples.empty() &&
+         item.samples.end <= tiles_[static_cast<std::size_t>(item.tile)].size();
 }
 
 bool ModelFilm::add(const scheduler::WorkItem& item) {
-  if (item.tile < 0 || item.tile >= tile_count()) return false;
+  if (!fits(item) || has_any(item)) return false;
   std::vector<bool>& tile = tiles_[static_cast<std::size_t>(item.tile)];
-  if (item.samples.empty() || item.samples.end > tile.size()) return false;
-  for (std::uint32_t s = item.samples.begin; s < item.samples.end; ++s) {
-    if (tile[s]) return false;
-    tile[s] = true;
-  }
+  std::fill(tile.begin() + item.samples.begin, tile.begin() + item.samples.end, true);
   return true;
+}
+
+bool ModelFilm::has(const scheduler::WorkItem& item) const {
+  if (!fits(item)) return false;
+  const std::vector<bool>& tile = tiles_[static_cast<std::size_t>(item.tile)];
+  const auto end = tile.begin() + item.samples.end;
+  return std::find(tile.begin() + item.samples.begin, end, false) == end;
+}
+
+bool ModelFilm::has_any(const scheduler::WorkItem& item) const {
+  if (!fits(item)) return false;
+  const std::vector<bool>& tile = tiles_[static_cast<std::size_t>(item.tile)];
+  const auto end = tile.begin() + item.samples.end;
+  return std::find(tile.begin() + item.samples.begin, end, true) != end;
 }
 
 bool ModelFilm::complete() const {
@@ -35,6 +50,15 @@ scheduler::IntervalSet ModelFilm::done(int tile) const {
     if (samples[s]) set.add({s, s + 1});
   }
   return set;
+}
+
+std::uint64_t ModelFilm::count(int tile) const {
+  const std::vector<bool>& samples = tiles_[static_cast<std::size_t>(tile)];
+  return static_cast<std::uint64_t>(std::count(samples.begin(), samples.end(), true));
+}
+
+void ModelFilm::copy_tile(int tile, const ModelFilm& from) {
+  tiles_[static_cast<std::size_t>(tile)] = from.tiles_[static_cast<std::size_t>(tile)];
 }
 
 }  // namespace tessera::simulation

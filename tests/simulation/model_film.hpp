@@ -15,14 +15,27 @@ class ModelFilm {
   ModelFilm() = default;
   explicit ModelFilm(const scheduler::JobShape& shape);
 
+  // Never takes samples away.
   void extend(std::uint32_t spp);
   // False if any of the samples was there already, or is none of the film's.
   bool add(const scheduler::WorkItem& item);
+  // Whether all of the samples are there; whether any is. False for what is none of the film's.
+  bool has(const scheduler::WorkItem& item) const;
+  bool has_any(const scheduler::WorkItem& item) const;
   bool complete() const;
   int tile_count() const { return static_cast<int>(tiles_.size()); }
   scheduler::IntervalSet done(int tile) const;
+  // How many samples of the tile are there.
+  std::uint64_t count(int tile) const;
+  // Makes one tile what it is in another film of the same job, which may have more samples by now.
+  void copy_tile(int tile, const ModelFilm& from);
+  bool same_tile(int tile, const ModelFilm& other) const {
+    return tiles_[static_cast<std::size_t>(tile)] == other.tiles_[static_cast<std::size_t>(tile)];
+  }
 
  private:
+  bool fits(const scheduler::WorkItem& item) const;
+
   std::vector<std::vector<bool>> tiles_;
 };
 

@@ -12,16 +12,17 @@ namespace {
 
 constexpr double kCallTimeoutSeconds = 5.0;
 constexpr double kResendSeconds = 1.5;
-// Renders of the model all cost the same; tiles at the edges are taken to be whole ones.
-constexpr double kTilePixels = double{core::kTilePx} * core::kTilePx;
+// A render looks up so often whether the machine has become slower or faster.
+constexpr double kLongestStepSeconds = 1.0;
 
 }  // namespace
 
-WorkerMachine::WorkerMachine(World& world, Coordinator& coordinator, std::string name,
-                             double samples_per_second)
+WorkerMachine::WorkerMachine(World& world, Coordinator& coordinator, std::string host,
+                             double samples_per_second, std::string name)
     : world_(world),
       coordinator_(coordinator),
-      name_(std::move(name)),
+      host_(std::move(host)),
+      name_(name.empty() ? host_ : std::move(name)),
       samples_per_second_(samples_per_second),
       wanted_leases_(world.random.integer(1, 3)),
       items_per_delivery_(static_cast<std::size_t>(world.random.integer(1, 12))) {}
@@ -31,11 +32,12 @@ void WorkerMachine::start() {
   if (running_) return;
   ++process_;
   // As real ids, these sort at random.
-  const std::string process = fmt::format("{}.{}", name_, process_);
+  const std::string process = fmt::format("{}.{}", host_, process_);
   id_ = fmt::format("{:04}.{}", std::hash<std::string>{}(process) % 10'000, process);
-  world_.note(fmt::format("{}.{} starts", name_, process_));
+  world_.note(fmt::format("{}.{} starts", host_, process_));
   running_ = true;
-  stop_pending_ = stopping_ = rendering_ = false;
+  stop_pending_ = stopping_ = false;
+  rendering_.reset();
   hung_until_ = {};
   held_.clear();
   outbox_.clear();
@@ -43,7 +45,7 @@ void WorkerMachine::start() {
 }
 
 void WorkerMachine::crash() {
-  if (running_) world_.note(fmt::format("{}.{} crashes", name_, process_));
+  if (running_) world_.note(fmt::format("{}.{} crashes", host_, process_));
   running_ = false;
 }
 
@@ -59,9 +61,26 @@ bool WorkerMachine::deadly(const JobId& job, const WorkItem& item) const {
 }
 
 void WorkerMachine::hang(Duration duration) {
-  world_.note(fmt::format("{}.{} hangs for {:.1f} s", name_, process_,
+  world_.note(fmt::format("{}.{} hangs for {:.1f} s", host_, process_,
                           std::chrono::duration<double>(duration).count()));
   hung_until_ = world_.now() + duration;
+}
+
+void WorkerMachine::slow_down(double factor, Duration duration) {
+  world_.note(fmt::format("{} is {:.0f} times slower for {:.1f} s", host_, factor,
+                          std::chrono::duration<double>(duration).count()));
+  slowness_ = factor;
+  slow_until_ = world_.now() + duration;
+}
+
+void WorkerMachine::cut_off(Duration duration) {
+  world_.note(
+      fmt::format("{} is cut off for {:.1f} s", host_, std::chrono::duration<double>(duration).count()));
+  cut_off_until_ = world_.now() + duration;
+}
+
+void WorkerMachine::send(const std::function<void()>& deliver) {
+  if (world_.now() >= cut_off_until_) world_.send(deliver);
 }
 
 void WorkerMachine::later(Duration delay, std::function<void()> what) {
@@ -83,11 +102,11 @@ void WorkerMachine::synchronize() {
   }
   const std::uint64_t call = ++call_;
   const auto answer = [=, this, process = process_](const Reply& reply) {
-    world_.send([=, this] {
+    send([=, this] {
       if (process == process_) later({}, [=, this] { take_reply(call, reply); });
     });
   };
-  world_.send([=, this] { coordinator_.synchronize(request, answer); });
+  send([=, this] { coordinator_.synchronize(request, answer); });
   later(seconds(kCallTimeoutSeconds), [=, this] {
     if (call == call_) synchronize();
   });
@@ -114,39 +133,58 @@ void WorkerMachine::render_next() {
   const auto next =
       std::find_if(held_.begin(), held_.end(), [](const Held& held) { return !held.to_render.empty(); });
   if (next == held_.end()) return;
-  if (deadly(next->job, next->to_render.front())) {
+  if (unbuildable_.contains(next->job)) return give_back(*next);
+  const WorkItem item = next->to_render.front();
+  if (deadly(next->job, item)) {
     crash();
     return world_.after(seconds(world_.random.real(0.5, 5)), [this] { start(); });
   }
-  rendering_ = true;
-  render_started_ = world_.now();
-  const double duration = render_seconds(next->to_render.front());
-  later(seconds(duration), [=, this, id = next->id, job = next->job, item = next->to_render.front()] {
-    rendered(id, job, item, duration);
+  rendering_ = {next->id,
+                next->job,
+                item,
+                world_.random.real(0.8, 1.3),
+                coordinator_.tile_pixels(next->job, item.tile) * item.samples.count(),
+                0};
+  render_on();
+}
+
+void WorkerMachine::render_on() {
+  const double slowness = world_.now() < slow_until_ ? slowness_ : 1;
+  const double speed = samples_per_second_ / slowness / rendering_->factor;
+  const double step = std::min(kLongestStepSeconds, rendering_->samples_left / speed);
+  later(seconds(step), [=, this] {
+    if (stopping_) return;
+    rendering_->spent_seconds += step;
+    rendering_->samples_left -= step * speed;
+    rendering_->samples_left < 1 ? rendered() : render_on();
   });
 }
 
-void WorkerMachine::rendered(LeaseId id, JobId job, WorkItem item, double duration) {
-  if (stopping_) return;
-  rendering_ = false;
-  if (Held* const held = find(id)) {
-    std::erase(held->to_render, item);
-    held->rendered.push_back(item);
-    held->render_seconds += duration;
+void WorkerMachine::rendered() {
+  const Rendering done = *std::exchange(rendering_, std::nullopt);
+  if (Held* const held = find(done.lease)) {
+    std::erase(held->to_render, done.item);
+    held->rendered.push_back(done.item);
+    held->render_seconds += done.spent_seconds;
     if (held->to_render.empty() || held->rendered.size() >= items_per_delivery_) {
       deliver(*held, held->to_render.empty());
     }
   } else if (world_.random.chance(0.5)) {
     // No longer wanted, but may still be missing.
-    Held late{id, job, {}, {item}, {}, duration, false};
+    Held late{done.lease, done.job, {}, {done.item}, {}, done.spent_seconds, false};
     deliver(late, false);
   }
   render_next();
 }
 
-void WorkerMachine::deliver(Held& held, bool finished) {
+void WorkerMachine::give_back(Held& held) {
+  held.to_render.clear();
+  deliver(held, true, "material 'stone': there is no such file");
+}
+
+void WorkerMachine::deliver(Held& held, bool finished, const std::string& cannot_build) {
   const std::uint64_t delivery = ++deliveries_;
-  outbox_[delivery] = {{id_}, held.job, held.id, held.rendered, held.render_seconds, finished};
+  outbox_[delivery] = {{id_}, held.job, held.id, held.rendered, held.render_seconds, finished, cannot_build};
   held.sent.insert(held.sent.end(), held.rendered.begin(), held.rendered.end());
   held.rendered.clear();
   held.render_seconds = 0;
@@ -158,11 +196,11 @@ void WorkerMachine::send_until_heard(std::uint64_t delivery) {
   const auto result = outbox_.find(delivery);
   if (result == outbox_.end()) return;
   const auto answer = [=, this, process = process_] {
-    world_.send([=, this] {
+    send([=, this] {
       if (process == process_) later({}, [=, this] { heard(delivery); });
     });
   };
-  world_.send([=, this, message = result->second] { coordinator_.submit_result(message, answer); });
+  send([=, this, message = result->second] { coordinator_.submit_result(message, answer); });
   later(seconds(kResendSeconds), [=, this] { send_until_heard(delivery); });
 }
 
@@ -184,7 +222,7 @@ void WorkerMachine::stop() {
   if (!running_ || stopping_) return;
   stop_pending_ = world_.now() < hung_until_;
   if (stop_pending_) return later({}, [this] { stop(); });
-  world_.note(fmt::format("{}.{} stops", name_, process_));
+  world_.note(fmt::format("{}.{} stops", host_, process_));
   stopping_ = true;
   if (rendering_) hand_back_current_range();
   for (Held& held : held_) {
@@ -196,16 +234,15 @@ void WorkerMachine::stop() {
 
 // Of the range it is at, as many samples as there was time for.
 void WorkerMachine::hand_back_current_range() {
-  const auto current =
-      std::find_if(held_.begin(), held_.end(), [](const Held& held) { return !held.to_render.empty(); });
-  if (current == held_.end()) return;
-  const double spent = std::chrono::duration<double>(world_.now() - render_started_).count();
-  const auto samples = static_cast<std::uint32_t>(spent * samples_per_second_ / kTilePixels);
-  WorkItem part = current->to_render.front();
-  part.samples.end = std::min(part.samples.end, part.samples.begin + samples);
+  Held* const current = find(rendering_->lease);
+  if (current == nullptr) return;
+  WorkItem part = rendering_->item;
+  const double pixels = coordinator_.tile_pixels(rendering_->job, part.tile);
+  const double samples = part.samples.count() - rendering_->samples_left / pixels;
+  part.samples.end = part.samples.begin + static_cast<std::uint32_t>(std::max(samples, 0.0));
   if (part.samples.empty()) return;
   current->rendered.push_back(part);
-  current->render_seconds += spent;
+  current->render_seconds += rendering_->spent_seconds;
 }
 
 void WorkerMachine::exit_if_idle() {
@@ -218,10 +255,6 @@ WorkerMachine::Held* WorkerMachine::find(LeaseId id) {
   const auto found =
       std::find_if(held_.begin(), held_.end(), [&](const Held& held) { return held.id == id; });
   return found == held_.end() ? nullptr : &*found;
-}
-
-double WorkerMachine::render_seconds(const WorkItem& item) {
-  return kTilePixels * item.samples.count() / samples_per_second_ * world_.random.real(0.8, 1.3);
 }
 
 }  // namespace tessera::simulation

@@ -4,6 +4,8 @@
 
 #include <deque>
 #include <map>
+#include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -14,7 +16,9 @@ namespace tessera::simulation {
 
 class WorkerMachine {
  public:
-  WorkerMachine(World& world, Coordinator& coordinator, std::string name, double samples_per_second);
+  // `host` tells machines apart, `name` is what its workers say they are called: two may say the same.
+  WorkerMachine(World& world, Coordinator& coordinator, std::string host, double samples_per_second,
+                std::string name = "");
 
   // Starts a worker process with an id of its own; if one is stopping, when it has stopped; if one runs, not.
   void start();
@@ -22,12 +26,21 @@ class WorkerMachine {
   void crash();
   // SIGSTOP for a while.
   void hang(Duration duration);
+  // Renders so many times slower for a while, and is otherwise well.
+  void slow_down(double factor, Duration duration);
+  // Nothing that it sends or is sent arrives until then.
+  void cut_off(Duration duration);
   // From now on its processes die when they come to this item's samples, and are started again after a while.
   void die_of(const scheduler::JobId& job, const scheduler::WorkItem& item);
+  // From now on its workers cannot build this job's scene, and give its leases back.
+  void cannot_build(const scheduler::JobId& job) { unbuildable_.insert(job); }
   // SIGTERM: delivers what it has rendered of its leases, also of the range it is at, and stops.
   void stop();
   bool running() const { return running_; }
   double samples_per_second() const { return samples_per_second_; }
+  const std::string& name() const { return name_; }
+  // Of the worker that runs, or ran last.
+  const std::string& worker_id() const { return id_; }
 
  private:
   struct Held {
@@ -44,15 +57,16 @@ class WorkerMachine {
   void later(Duration delay, std::function<void()> what);
   void synchronize();
   void take_reply(std::uint64_t call, const scheduler::Reply& reply);
+  void send(const std::function<void()>& deliver);
   void render_next();
-  void rendered(scheduler::LeaseId lease, scheduler::JobId job, scheduler::WorkItem item,
-                double render_seconds);
-  void deliver(Held& held, bool finished);
+  void render_on();
+  void rendered();
+  void give_back(Held& held);
+  void deliver(Held& held, bool finished, const std::string& cannot_build = "");
   void send_until_heard(std::uint64_t delivery);
   void heard(std::uint64_t delivery);
   void exit_if_idle();
   Held* find(scheduler::LeaseId id);
-  double render_seconds(const scheduler::WorkItem& item);
   bool deadly(const scheduler::JobId& job, const scheduler::WorkItem& item) const;
   void hand_back_current_range();
 
@@ -61,8 +75,19 @@ class WorkerMachine {
     scheduler::WorkItem item;
   };
 
+  // What it is at. Renders differ from the machine's speed by a factor of their own.
+  struct Rendering {
+    scheduler::LeaseId lease;
+    scheduler::JobId job;
+    scheduler::WorkItem item;
+    double factor = 1;
+    double samples_left = 0;
+    double spent_seconds = 0;
+  };
+
   World& world_;
   Coordinator& coordinator_;
+  const std::string host_;
   const std::string name_;
   const double samples_per_second_;
   // How it likes to work; different for each machine.
@@ -70,6 +95,10 @@ class WorkerMachine {
   const std::size_t items_per_delivery_;
 
   std::vector<Deadly> deadly_;
+  std::set<scheduler::JobId> unbuildable_;
+  double slowness_ = 1;
+  Time slow_until_{};
+  Time cut_off_until_{};
 
   bool running_ = false;
   int process_ = 0;
@@ -78,8 +107,7 @@ class WorkerMachine {
   bool stop_pending_ = false;  // comes when it no longer hangs
   bool stopping_ = false;
   bool start_again_ = false;
-  bool rendering_ = false;
-  Time render_started_{};
+  std::optional<Rendering> rendering_;
   std::uint64_t call_ = 0;
   std::uint64_t deliveries_ = 0;
   std::vector<Held> held_;

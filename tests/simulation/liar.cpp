@@ -1,0 +1,80 @@
+#include "tests/simulation/liar.hpp"
+
+#include <limits>
+
+namespace tessera::simulation {
+
+using namespace scheduler;
+
+void Liar::speak(int jobs, const std::string& victim) {
+  world_.random.chance(0.5) ? deliver(jobs) : synchronize(jobs, victim);
+}
+
+JobId Liar::any_job(int jobs) {
+  return {std::to_string(world_.random.integer(1, jobs + 1))};
+}
+
+// Mostly one that was given, or may be.
+LeaseId Liar::any_lease() {
+  Random& random = world_.random;
+  if (random.chance(0.05)) return {std::numeric_limits<std::uint64_t>::max()};
+  return {(static_cast<std::uint64_t>(random.integer(0, 3)) << 40) +
+          static_cast<std::uint64_t>(random.integer(0, 30))};
+}
+
+WorkItem Liar::any_item() {
+  Random& random = world_.random;
+  constexpr int kMost = std::numeric_limits<int>::max();
+  constexpr std::uint32_t kMostSamples = std::numeric_limits<std::uint32_t>::max();
+  switch (random.integer(0, 19)) {
+    case 0:
+      return {random.chance(0.5) ? kMost : -kMost - 1, {0, 1}};
+    case 1:
+      return {0, {0, kMostSamples}};
+    case 2:
+      return {random.integer(0, 8), {kMostSamples - 1, kMostSamples}};
+    default:
+      const auto begin = static_cast<std::uint32_t>(random.integer(0, 20));
+      return {random.integer(-1, 8), {begin, static_cast<std::uint32_t>(random.integer(0, 25))}};
+  }
+}
+
+std::vector<WorkItem> Liar::any_items() {
+  Random& random = world_.random;
+  std::vector<WorkItem> items;
+  for (int i = random.chance(0.1) ? 100 : random.integer(0, 3); i > 0; --i) items.push_back(any_item());
+  if (!items.empty() && random.chance(0.2)) items.push_back(items.front());
+  return items;
+}
+
+double Liar::any_seconds() {
+  using limits = std::numeric_limits<double>;
+  const double odd[] = {
+      0, 1e-300, 1e308, -1e308, limits::infinity(), -limits::infinity(), limits::quiet_NaN()};
+  return world_.random.chance(0.5) ? world_.random.real(-1, 1) : odd[world_.random.integer(0, 6)];
+}
+
+void Liar::deliver(int jobs) {
+  Random& random = world_.random;
+  has_delivered_ = true;
+  SubmitResult result{{kLiar},       any_job(jobs),      any_lease(), any_items(),
+                      any_seconds(), random.chance(0.5), ""};
+  if (random.chance(0.1)) {
+    result.cannot_build = "it is not to my liking";
+    refused_.insert(result.job);
+  }
+  coordinator_.submit_result(result, [] {});
+}
+
+void Liar::synchronize(int jobs, const std::string& victim) {
+  Random& random = world_.random;
+  const WorkerId id{random.chance(0.2) ? victim : kLiar};
+  Synchronize call{{id, kLiar, "", random.integer(1, 4096)}, {}, random.integer(-1, 9), random.chance(0.2)};
+  for (int i = random.chance(0.1) ? 100 : random.integer(0, 4); i > 0; --i) {
+    call.held.push_back({any_lease(), any_job(jobs), any_items()});
+    if (random.chance(0.3)) call.held.push_back(call.held.back());
+  }
+  coordinator_.synchronize(call, [](const Reply&) {});
+}
+
+}  // namespace tessera::simulation

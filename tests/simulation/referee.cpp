@@ -1,0 +1,231 @@
+#include "tests/simulation/referee.hpp"
+
+#include <algorithm>
+
+namespace tessera::simulation {
+
+using namespace scheduler;
+
+namespace {
+
+// How late the coordinator may be called when a lease runs out.
+constexpr double kPunctualitySeconds = 1.0;
+
+std::set<LeaseId> ids_of(const std::vector<LeaseDescription>& leases) {
+  std::set<LeaseId> ids;
+  for (const LeaseDescription& lease : leases) ids.insert(lease.id);
+  return ids;
+}
+
+bool overlap(const WorkItem& a, const WorkItem& b) {
+  return a.tile == b.tile && a.samples.begin < b.samples.end && b.samples.begin < a.samples.end;
+}
+
+bool holds_any(const Reply& reply, const JobId& job, const WorkItem& item) {
+  return std::any_of(reply.leases.begin(), reply.leases.end(), [&](const LeaseDescription& lease) {
+    return lease.job == job && std::any_of(lease.items.begin(), lease.items.end(),
+                                           [&](const WorkItem& held) { return overlap(held, item); });
+  });
+}
+
+// The arrows of docs/protocol.md.
+bool is_drawn(JobState from, JobState to) {
+  using enum JobState;
+  static const std::set<std::pair<JobState, JobState>> kArrows{
+      {kRunning, kPaused}, {kRunning, kDone},     {kRunning, kCancelled}, {kRunning, kFailed},
+      {kPaused, kRunning}, {kPaused, kCancelled}, {kPaused, kFailed},     {kDone, kRunning}};
+  return kArrows.contains({from, to});
+}
+
+}  // namespace
+
+void Referee::restarted(std::uint32_t epoch) {
+  states_.clear();
+  last_call_.clear();
+  last_heard_.clear();
+  waiting_.clear();
+  woken_.clear();
+  clock_ = {};
+  highest_given_ = std::max(highest_given_, std::uint64_t{epoch} << 40);
+}
+
+void Referee::parked(const WorkerId& worker, const Reply& reply) {
+  waiting_[worker] = reply;
+  woken_.erase(worker);
+}
+
+void Referee::answered(const WorkerId& worker) {
+  waiting_.erase(worker);
+  woken_.erase(worker);
+}
+
+void Referee::handled(const Event& event, const Actions& actions, Time clock) {
+  clock_ = std::max(clock_, clock);
+  if (const auto* call = std::get_if<Synchronize>(&event)) {
+    last_call_[call->worker.id] = *call;
+    last_heard_[call->worker.id] = clock_;
+  }
+  for (const JobChange& change : actions.job_changes) check_arrow(change);
+  woken_.insert(actions.wake.begin(), actions.wake.end());
+  if (actions.reply) check_reply(event, *actions.reply);
+}
+
+void Referee::check_arrow(const JobChange& change) {
+  const auto known = states_.find(change.id);
+  // Restored jobs may change while they are being entered.
+  if (known != states_.end() && known->second != change.from) {
+    world_.fail(fmt::format("job {} was {} and is said to have been {}", change.id.value,
+                            job_state_name(known->second), job_state_name(change.from)));
+  }
+  if (!is_drawn(change.from, change.to)) {
+    world_.fail(fmt::format("job {} went from {} to {}", change.id.value, job_state_name(change.from),
+                            job_state_name(change.to)));
+  }
+  states_[change.id] = change.to;
+}
+
+void Referee::check_reply(const Event& event, const Reply& reply) {
+  const auto* call = std::get_if<Synchronize>(&event);
+  const WorkerId& worker = call != nullptr ? call->worker.id : std::get<TopUp>(event).worker;
+  const auto last = last_call_.find(worker);
+  if (last == last_call_.end()) return world_.fail("a worker that was never heard of has a reply");
+  if (reply.heard_within != options_.lease_duration - (clock_ - last_heard_[worker]))
+    world_.fail(fmt::format("worker {} is told a wrong time", worker.value));
+
+  std::set<LeaseId> reported;
+  for (const LeaseDescription& held : last->second.held) {
+    reported.insert(held.id);
+    if (call != nullptr && held.id.value <= highest_given_) known_.insert({worker, held.id});
+  }
+  const std::uint64_t highest_before = highest_given_;
+  bool has_new = false;
+  for (const LeaseDescription& lease : reply.leases) {
+    const bool is_new = !known_.contains({worker, lease.id});
+    has_new |= is_new;
+    check_lease(lease, is_new, highest_before);
+    known_.insert({worker, lease.id});
+  }
+  const int most = std::min(last->second.wanted_leases, kMaxLeasesPerWorker);
+  if (has_new && (last->second.draining || static_cast<int>(reply.leases.size()) > std::max(most, 0)))
+    world_.fail(fmt::format("worker {} was given more leases than it asked for", worker.value));
+  if (ids_of(reply.leases).size() != reply.leases.size())
+    world_.fail(fmt::format("worker {} is told of one lease twice", worker.value));
+  if (!reply.changed && ids_of(reply.leases) != reported)
+    world_.fail(fmt::format("worker {} is to wait, though its leases have changed", worker.value));
+}
+
+void Referee::check_lease(const LeaseDescription& lease, bool is_new, std::uint64_t highest_before) {
+  const auto state = states_.find(lease.job);
+  const bool runs = state != states_.end() && state->second == JobState::kRunning;
+  const bool may_be_held = runs || (!is_new && state != states_.end() && state->second == JobState::kPaused);
+  if (!may_be_held)
+    world_.fail(fmt::format("lease {} is of job {}, which does not run", lease.id.value, lease.job.value));
+  if (is_new && lease.id.value <= highest_before)
+    world_.fail(fmt::format("lease {} was given a second time", lease.id.value));
+  highest_given_ = std::max(highest_given_, lease.id.value);
+  check_items(lease);
+}
+
+void Referee::check_items(const LeaseDescription& lease) {
+  const auto film = films_.find(lease.job);
+  if (lease.items.empty() || lease.items.size() > kMaxItemsPerLease * 4)
+    world_.fail(fmt::format("lease {} has {} items", lease.id.value, lease.items.size()));
+  if (film == films_.end()) return;
+  for (auto item = lease.items.begin(); item != lease.items.end(); ++item) {
+    if (item->samples.empty() || item->tile < 0 || item->tile >= film->second.tile_count())
+      world_.fail(fmt::format("lease {} is of samples that are none", lease.id.value));
+    if (film->second.has_any(*item))
+      world_.fail(fmt::format("lease {} is of samples that are done", lease.id.value));
+    if (std::any_of(lease.items.begin(), item, [&](const WorkItem& other) { return overlap(other, *item); }))
+      world_.fail(fmt::format("lease {} has samples twice", lease.id.value));
+  }
+}
+
+void Referee::judged(const SubmitResult& event, const Actions& actions) {
+  const auto film = films_.find(event.job);
+  const auto state = states_.find(event.job);
+  if (!actions.status || film == films_.end() || state == states_.end()) return;
+  ModelFilm expected = film->second;
+  const auto lacks_all = [&](const WorkItem& item) { return expected.add(item); };
+  // Its last sample may just have made it done.
+  const bool takes = state->second != JobState::kCancelled && state->second != JobState::kFailed;
+  for (std::size_t i = 0; i < event.items.size(); ++i) {
+    const WorkItem& item = event.items[i];
+    const bool accepted = actions.verdicts[i] == Verdict::kAccepted;
+    if (takes && accepted != lacks_all(item)) {
+      world_.fail(fmt::format("job {} tile {} samples [{}, {}) are {}", event.job.value, item.tile,
+                              item.samples.begin, item.samples.end,
+                              accepted ? "counted twice" : "missing, but were dropped"));
+    }
+    if (!accepted || state->second == JobState::kDone) continue;
+    for (const auto& [worker, reply] : waiting_) {
+      const bool silent = clock_ >= last_heard_[worker] + options_.lease_duration;
+      if (silent || worker == event.worker || !holds_any(reply, event.job, item)) continue;
+      if (!woken_.contains(worker))
+        world_.fail(
+            fmt::format("worker {} is not told that others have rendered what it holds", worker.value));
+    }
+  }
+}
+
+void Referee::settled(const Actions& actions, const Scheduler& scheduler, Time clock) {
+  for (const JobChange& change : actions.job_changes) {
+    const auto view = scheduler.job(change.id, clock);
+    if (view && view->state != states_[change.id])
+      world_.fail(fmt::format("job {} is in another state than was said", change.id.value));
+    if (change.to == JobState::kDone && view && !films_.at(change.id).complete())
+      world_.fail(fmt::format("job {} is done, but its film lacks samples", change.id.value));
+  }
+}
+
+std::uint64_t Referee::samples_in_film(const JobView& job) const {
+  const ModelFilm& film = films_.at(job.id);
+  std::uint64_t samples = 0;
+  for (int tile = 0; tile < film.tile_count(); ++tile)
+    samples += film.count(tile) * job.shape.grid().rect(tile).pixel_count();
+  return samples;
+}
+
+void Referee::look_around(const Scheduler& scheduler, Time clock) {
+  const Time now = std::max(clock_, clock);
+  for (const WorkerView& worker : scheduler.workers(clock)) {
+    const bool overdue =
+        now > last_heard_[worker.info.id] + options_.lease_duration + seconds(kPunctualitySeconds);
+    if (worker.held_leases > 0 && overdue)
+      world_.fail(fmt::format("worker {} is silent and still holds {} leases", worker.info.id.value,
+                              worker.held_leases));
+    if (worker.held_leases > kMaxLeasesPerWorker)
+      world_.fail(fmt::format("worker {} holds {} leases", worker.info.id.value, worker.held_leases));
+    if (!(worker.samples_per_second >= 0))
+      world_.fail(fmt::format("worker {} has no speed", worker.info.id.value));
+  }
+  for (const JobView& job : scheduler.jobs(clock)) {
+    if (job.samples_done != samples_in_film(job))
+      world_.fail(fmt::format("job {} shows {} samples, its film has {}", job.id.value, job.samples_done,
+                              samples_in_film(job)));
+    if (job.state == JobState::kDone && job.samples_done != job.samples_total)
+      world_.fail(fmt::format("job {} is done with {} samples of {}", job.id.value, job.samples_done,
+                              job.samples_total));
+    const bool rests = job.state != JobState::kRunning && job.state != JobState::kPaused;
+    if (rests && job.active_workers > 0)
+      world_.fail(fmt::format("job {} is leased after its end", job.id.value));
+  }
+}
+
+std::string fingerprint(const Scheduler& scheduler, Time clock) {
+  std::string text;
+  for (const JobView& job : scheduler.jobs(clock)) {
+    text += fmt::format("job {} {}x{} {} spp, priority {}, {}: {}; {} of {}, {} workers\n", job.id.value,
+                        job.shape.width_px, job.shape.height_px, job.shape.spp, job.priority,
+                        job_state_name(job.state), job.failure, job.samples_done, job.samples_total,
+                        job.active_workers);
+  }
+  for (const WorkerView& worker : scheduler.workers(clock)) {
+    text += fmt::format("worker {} holds {}, {} accepted{}{}\n", worker.info.id.value, worker.held_leases,
+                        worker.samples_accepted, worker.draining ? ", draining" : "",
+                        worker.silent ? ", silent" : "");
+  }
+  return text;
+}
+
+}  // namespace tessera::simulation

@@ -1,0 +1,72 @@
+// Watches one scheduler from outside: what it says and does is compared with what was said and done before,
+// by rules written here a second time. Knows nothing of the scheduler's insides. Complains to the world.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "server/scheduler/scheduler.hpp"
+#include "tests/simulation/model_film.hpp"
+#include "tests/simulation/world.hpp"
+
+namespace tessera::simulation {
+
+// By job: what has been counted.
+using Films = std::map<scheduler::JobId, ModelFilm>;
+
+class Referee {
+ public:
+  Referee(World& world, const Films& films, const scheduler::Options& options)
+      : world_(world), films_(films), options_(options) {}
+
+  // A new scheduler, to which no lease has been given yet.
+  void restarted(std::uint32_t epoch);
+  // A job that it was handed, in the state in which it was.
+  void entered(const scheduler::JobId& id, scheduler::JobState state) { states_[id] = state; }
+  void deleted(const scheduler::JobId& id) { states_.erase(id); }
+
+  // An event has been handled at this time of the coordinator's clock; the films are not yet what they will
+  // be.
+  void handled(const scheduler::Event& event, const scheduler::Actions& actions, Time clock);
+  // Samples that its films lack must be accepted, others dropped; and who else was rendering them must hear.
+  void judged(const scheduler::SubmitResult& event, const scheduler::Actions& actions);
+  // The films are what they should be.
+  void settled(const scheduler::Actions& actions, const scheduler::Scheduler& scheduler, Time clock);
+  // Nothing need have happened.
+  void look_around(const scheduler::Scheduler& scheduler, Time clock);
+
+  // What this worker's call is waiting with.
+  void parked(const scheduler::WorkerId& worker, const scheduler::Reply& reply);
+  void answered(const scheduler::WorkerId& worker);
+
+ private:
+  void check_reply(const scheduler::Event& event, const scheduler::Reply& reply);
+  void check_lease(const scheduler::LeaseDescription& lease, bool may_be_new, std::uint64_t highest_before);
+  void check_items(const scheduler::LeaseDescription& lease);
+  void check_arrow(const scheduler::JobChange& change);
+  std::uint64_t samples_in_film(const scheduler::JobView& job) const;
+
+  World& world_;
+  const Films& films_;
+  const scheduler::Options options_;
+  std::map<scheduler::JobId, scheduler::JobState> states_;
+  // The coordinator's clock as the scheduler must take it: it never goes back.
+  Time clock_{};
+  std::map<scheduler::WorkerId, scheduler::Synchronize> last_call_;
+  std::map<scheduler::WorkerId, Time> last_heard_;
+  std::map<scheduler::WorkerId, scheduler::Reply> waiting_;
+  // Those of them that are about to ask again.
+  std::set<scheduler::WorkerId> woken_;
+  // Leases that the worker has been told of or has told of.
+  std::set<std::pair<scheduler::WorkerId, scheduler::LeaseId>> known_;
+  // The highest lease given, in all runs.
+  std::uint64_t highest_given_ = 0;
+};
+
+// What a refused event must leave as it was.
+std::string fingerprint(const scheduler::Scheduler& scheduler, Time clock);
+
+}  // namespace tessera::simulation
