@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/guiding/octahedral_map.hpp"
+#include "core/math/simd_double8.hpp"
 
 namespace tessera::core {
 namespace {
@@ -17,22 +18,34 @@ constexpr float kPriorExamples = 1;
 
 constexpr float kBelowOne = 1 - 0x1p-24f;
 
-// Finds the half of [0, 1) in which `x` lies and moves x to the same place of the whole.
-std::size_t descend(float& x) {
-  const std::size_t upper = x >= 0.5f ? 1 : 0;
-  x = 2 * x - static_cast<float>(upper);
+template <typename T>
+Vec2Of<T> place_of(Vec3Of<T> direction) {
+  const Vec2Of<T> point = to_octahedral_square(direction);
+  return {smaller(point.x, T(kBelowOne)), smaller(point.y, T(kBelowOne))};
+}
+
+// Finds the half of [0, 1) in which `x` lies, and moves x to the same place of the whole. True is the upper
+// half.
+template <typename T>
+MaskOf<T> descend(T& x) {
+  const MaskOf<T> upper = x >= 0.5f;
+  x = 2 * x - select(upper, T(1.0f), T(0.0f));
   return upper;
 }
 
 // Chooses the upper half with probability `share` and makes of u the place within the half.
-std::size_t choose(float& u, float share) {
-  const float lower = 1 - share;
-  if (u < lower) {
-    u = std::min(u / lower, kBelowOne);
-    return 0;
-  }
-  u = std::min((u - lower) / share, kBelowOne);
-  return 1;
+template <typename T>
+MaskOf<T> choose(T& u, T share) {
+  const T lower = 1 - share;
+  const MaskOf<T> upper = u >= lower;
+  u = smaller(select(upper, u - lower, u) / select(upper, share, lower), T(kBelowOne));
+  return upper;
+}
+
+template <typename T>
+WordOf<T> quarter(MaskOf<T> right, MaskOf<T> upper) {
+  using Word = WordOf<T>;
+  return select(right, Word(1), Word(0)) + select(upper, Word(2), Word(0));
 }
 
 }  // namespace
@@ -42,8 +55,7 @@ DirectionTrees::Root DirectionTrees::add(std::span<const WeightedDirection> dire
   examples.reserve(directions.size());
   float total = 0;
   for (const auto& [direction, weight] : directions) {
-    const Vec2 point = to_octahedral_square(direction);
-    examples.push_back({{std::min(point.x, kBelowOne), std::min(point.y, kBelowOne)}, weight});
+    examples.push_back({place_of(direction), weight});
     total += weight;
   }
   return build(examples, kPriorExamples * total / static_cast<float>(directions.size()), 0);
@@ -55,7 +67,8 @@ std::uint32_t DirectionTrees::build(std::span<Example> examples, float prior, in
   weights.fill(prior / 4);
   for (const Example& example : examples) {
     Vec2 point = example.point;
-    const std::size_t right = descend(point.x), q = right + 2 * descend(point.y);
+    const bool right = descend(point.x), upper = descend(point.y);
+    const std::size_t q = quarter<float>(right, upper);
     quarters[q].push_back({point, example.weight});
     weights[q] += example.weight;
   }
@@ -71,32 +84,52 @@ std::uint32_t DirectionTrees::build(std::span<Example> examples, float prior, in
   return index;
 }
 
-Vec3 DirectionTrees::sample(Root root, Vec2 u) const {
-  Vec2 corner{0, 0};
-  float side = 1;
-  for (std::uint32_t at = root; at != 0;) {
-    const auto& [share, child] = nodes_[at];
-    const float lower = share[0] + share[1], upper = share[2] + share[3];
-    const std::size_t row = choose(u.y, upper / (lower + upper));
-    const float row_sum = row == 0 ? lower : upper;
-    const std::size_t q = 2 * row + choose(u.x, share[2 * row + 1] / row_sum);
-    side /= 2;
-    corner = corner + Vec2{static_cast<float>(q & 1), static_cast<float>(row)} * side;
-    at = child[q];
+template <typename T>
+T DirectionTrees::share(WordOf<T> node, WordOf<T> quarter) const {
+  return look_up(nodes_[0].share.data(), node * (sizeof(Node) / sizeof(float)) + quarter);
+}
+template <typename T>
+WordOf<T> DirectionTrees::child(WordOf<T> node, WordOf<T> quarter) const {
+  return look_up(nodes_[0].child.data(), node * (sizeof(Node) / sizeof(std::uint32_t)) + quarter);
+}
+
+template <typename T>
+Vec3Of<T> DirectionTrees::sample(WordOf<T> root, Vec2Of<T> u) const {
+  Vec2Of<T> corner{T(0.0f), T(0.0f)};
+  T side = 1.0f;
+  for (WordOf<T> at = root; any(at != 0);) {
+    const MaskOf<T> inside = at != 0;
+    const T share1 = share<T>(at, 1), share3 = share<T>(at, 3);
+    const T lower = share<T>(at, 0) + share1, upper = share<T>(at, 2) + share3;
+    Vec2Of<T> rest = u;
+    const MaskOf<T> above = choose(rest.y, upper / (lower + upper));
+    const MaskOf<T> right = choose(rest.x, select(above, share3, share1) / select(above, upper, lower));
+    side = select(inside, side / 2, side);
+    corner.x = corner.x + select(inside & right, side, T(0.0f));
+    corner.y = corner.y + select(inside & above, side, T(0.0f));
+    u.x = select(inside, rest.x, u.x);
+    u.y = select(inside, rest.y, u.y);
+    at = child<T>(at, quarter<T>(right, above));
   }
   return from_octahedral_square(corner + u * side);
 }
 
-float DirectionTrees::pdf(Root root, Vec3 direction) const {
-  Vec2 point = to_octahedral_square(direction);
-  point = {std::min(point.x, kBelowOne), std::min(point.y, kBelowOne)};
-  float density = 1;
-  for (std::uint32_t at = root; at != 0;) {
-    const std::size_t right = descend(point.x), q = right + 2 * descend(point.y);
-    density *= 4 * nodes_[at].share[q];
-    at = nodes_[at].child[q];
+template <typename T>
+T DirectionTrees::pdf(WordOf<T> root, Vec3Of<T> direction) const {
+  Vec2Of<T> point = place_of(direction);
+  T density = 1.0f;
+  for (WordOf<T> at = root; any(at != 0);) {
+    const MaskOf<T> right = descend(point.x), upper = descend(point.y);
+    const WordOf<T> q = quarter<T>(right, upper);
+    density = density * (4 * share<T>(at, q));
+    at = child<T>(at, q);
   }
   return density / octahedral_area(direction);
 }
+
+template Vec3Of<float> DirectionTrees::sample(Root, Vec2Of<float>) const;
+template Vec3Of<Float8> DirectionTrees::sample(U32x8, Vec2Of<Float8>) const;
+template float DirectionTrees::pdf(Root, Vec3Of<float>) const;
+template Float8 DirectionTrees::pdf(U32x8, Vec3Of<Float8>) const;
 
 }  // namespace tessera::core

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/math/vec3.hpp"
+#include "core/math/word_lanes.hpp"
 
 namespace tessera::core {
 
@@ -24,16 +25,24 @@ class DirectionTrees {
   // The result depends on the order of `examples`, of which there is at least one, in its last bits.
   Root add(std::span<const WeightedDirection> examples);
 
-  // A direction for u in [0, 1) x [0, 1), which keeps neighbours together, and the density per solid angle.
-  Vec3 sample(Root root, Vec2 u) const;
-  float pdf(Root root, Vec3 direction) const;
+  // A direction for u in [0, 1) x [0, 1), which keeps neighbours together, and the density per solid angle. T
+  // is float or Float8. Root 0 is that of no tree and has an even density over the unfolded sphere.
+  template <typename T>
+  Vec3Of<T> sample(WordOf<T> root, Vec2Of<T> u) const;
+  template <typename T>
+  T pdf(WordOf<T> root, Vec3Of<T> direction) const;
 
  private:
   // Of the square's four quarters, x first. Where there is no child, the density is even.
   struct Node {
-    std::array<float, 4> share{};
+    std::array<float, 4> share{0.25f, 0.25f, 0.25f, 0.25f};
     std::array<std::uint32_t, 4> child{};
   };
+  template <typename T>
+  T share(WordOf<T> node, WordOf<T> quarter) const;
+  template <typename T>
+  WordOf<T> child(WordOf<T> node, WordOf<T> quarter) const;
+
   struct Example {
     Vec2 point;  // within the node's square
     float weight;
@@ -41,7 +50,7 @@ class DirectionTrees {
 
   std::uint32_t build(std::span<Example> examples, float prior, int depth);
 
-  std::vector<Node> nodes_{1};  // the first is nobody's, so that child 0 is none
+  std::vector<Node> nodes_{1};  // the first leads to itself, and stands for no child
 };
 
 }  // namespace tessera::core

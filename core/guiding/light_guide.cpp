@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/math/simd_double8.hpp"
+
 namespace tessera::core {
 namespace {
 
@@ -15,10 +17,13 @@ constexpr std::size_t kProbes = 16;
 constexpr float kGuideSpread = 2;
 
 // 0 to 5: the axis along which `normal` is longest, and whether it points backwards.
-std::size_t facing(Vec3 normal) {
-  const Vec3 a = abs(normal);
-  const int axis = a.x >= a.y && a.x >= a.z ? 0 : a.y >= a.z ? 1 : 2;
-  return 2 * static_cast<std::size_t>(axis) + (normal[axis] < 0 ? 1 : 0);
+template <typename T>
+WordOf<T> facing(Vec3Of<T> normal) {
+  using Word = WordOf<T>;
+  const Vec3Of<T> a = abs(normal);
+  const MaskOf<T> is_x = (a.x >= a.y) & (a.x >= a.z), is_y = a.y >= a.z;
+  const T along = select(is_x, normal.x, select(is_y, normal.y, normal.z));
+  return select(is_x, Word(0), select(is_y, Word(2), Word(4))) + select(along < 0, Word(1), Word(0));
 }
 
 Aabb bounds_of(std::span<const Photon> photons) {
@@ -46,26 +51,25 @@ Aabb widened(const Aabb& box) {
   return {box.lower - all, box.upper + all};
 }
 
-bool contains(const Aabb& box, Vec3 p) {
-  return p.x >= box.lower.x && p.y >= box.lower.y && p.z >= box.lower.z && p.x <= box.upper.x &&
-         p.y <= box.upper.y && p.z <= box.upper.z;
-}
-
-// Where the ray from `position`, inside, meets the sphere around `center`: how far along the ray, and by what
-// the cosine there exceeds 1 / radius.
+// Where the ray from the place, inside, meets the sphere: how far along the ray, and by what the cosine there
+// exceeds 1 / radius.
+template <typename T>
 struct Meeting {
-  float t, slope;
+  T t, slope;
 };
-Meeting meet_sphere(const LightGuide::Cell& cell, Vec3 position, Vec3 wi) {
-  const Vec3 o = position - cell.center;
-  const float along = dot(o, wi);
-  const float slope = std::sqrt(along * along - length_squared(o) + cell.radius * cell.radius);
+template <typename T>
+Meeting<T> meet_sphere(const LightGuide::GuidanceOf<T>& from, Vec3Of<T> wi) {
+  using std::sqrt;
+  const Vec3Of<T> o = from.position - from.center;
+  const T along = dot(o, wi);
+  const T slope = sqrt(along * along - length_squared(o) + from.radius * from.radius);
   return {slope - along, slope};
 }
 
 // The direction in which that point lies from the centre.
-Vec3 from_center(const LightGuide::Cell& cell, Vec3 position, Vec3 wi, float t) {
-  return normalize(position - cell.center + wi * t);
+template <typename T>
+Vec3Of<T> from_center(const LightGuide::GuidanceOf<T>& from, Vec3Of<T> wi, T t) {
+  return normalize(from.position - from.center + wi * t);
 }
 
 }  // namespace
@@ -75,13 +79,13 @@ class LightGuide::Builder {
  public:
   LightGuide build(std::span<const Photon> photons, const OtherLight& other_light, int threads) {
     std::array<std::vector<Photon>, 6> by_facing;
-    for (const Photon& photon : photons) by_facing[facing(photon.side_normal)].push_back(photon);
+    for (const Photon& photon : photons) by_facing[facing<float>(photon.side_normal)].push_back(photon);
     for (std::size_t f = 0; f < by_facing.size(); ++f) {
       guide_.roots_[f] = static_cast<std::uint32_t>(guide_.nodes_.size());
       guide_.nodes_.emplace_back();
       divide(guide_.roots_[f], by_facing[f]);
     }
-    const auto count = static_cast<std::int64_t>(guide_.cells_.size());
+    const auto count = static_cast<std::int64_t>(evidence_.size());
 #pragma omp parallel for num_threads(threads) schedule(dynamic, 16)
     for (std::int64_t c = 0; c < count; ++c) choose_share(static_cast<std::size_t>(c), other_light);
     return std::move(guide_);
@@ -114,7 +118,7 @@ class LightGuide::Builder {
   }
 
   std::uint32_t add_cell(std::span<const Photon> photons, const Aabb& box) {
-    if (photons.size() < kLeastCellPhotons || !(area_of(box) > 0)) return kNoCell;
+    if (photons.size() < kLeastCellPhotons || !(area_of(box) > 0)) return 0;
     float flux = 0, flux_over_distance = 0;
     for (const Photon& photon : photons) {
       flux += photon.flux;
@@ -123,8 +127,10 @@ class LightGuide::Builder {
     const float reach = std::max(flux / flux_over_distance, length(box.upper - box.lower));
     Cell cell{widened(box), (box.lower + box.upper) * 0.5f, reach, 0, 0};
     std::vector<WeightedDirection> directions;
-    for (const auto& [position, normal, wi, distance, weight] : photons)
-      directions.push_back({from_center(cell, position, wi, meet_sphere(cell, position, wi).t), weight});
+    for (const auto& [position, normal, wi, distance, weight] : photons) {
+      const GuidanceOf<float> from{1, position, cell.center, cell.radius, 0};
+      directions.push_back({from_center(from, wi, meet_sphere(from, wi).t), weight});
+    }
     cell.directions = guide_.trees_.add(directions);
     guide_.cells_.push_back(cell);
     Evidence& evidence = evidence_.emplace_back(Evidence{flux / area_of(box), {}});
@@ -142,38 +148,69 @@ class LightGuide::Builder {
       squares += value * value;
     }
     const float g = kGuideSpread * irradiance, r = std::sqrt(squares / static_cast<float>(kProbes));
-    guide_.cells_[cell].share = std::clamp(g / (g + r), kLeastShare, kMostShare);
+    guide_.cells_[cell + 1].share = std::clamp(g / (g + r), kLeastShare, kMostShare);
   }
 
   LightGuide guide_;
-  std::vector<Evidence> evidence_;  // of each cell
+  std::vector<Evidence> evidence_;  // of each cell but the first
 };
 
 LightGuide LightGuide::build(std::span<const Photon> photons, const OtherLight& other_light, int threads) {
   return Builder().build(photons, other_light, threads);
 }
 
-const LightGuide::Cell* LightGuide::find(Vec3 position, Vec3 side_normal) const {
-  if (cells_.empty()) return nullptr;
-  const Node* node = &nodes_[roots_[facing(side_normal)]];
-  while (node->axis != kLeaf) {
-    const bool upper = position[static_cast<int>(node->axis)] >= node->split;
-    node = &nodes_[node->child + (upper ? 1 : 0)];
+// The cell of the leaf around each place.
+template <typename T>
+WordOf<T> LightGuide::find(Vec3Of<T> position, Vec3Of<T> side_normal) const {
+  using Word = WordOf<T>;
+  constexpr std::uint32_t kStride = sizeof(Node) / sizeof(std::uint32_t);
+  Word node = look_up(roots_.data(), facing<T>(side_normal));
+  for (;;) {
+    const Word axis = look_up(&nodes_[0].axis, node * kStride),
+               child = look_up(&nodes_[0].child, node * kStride);
+    const MaskOf<T> leaf = axis == kLeaf;
+    if (all(leaf)) return child;
+    const T split = look_up(&nodes_[0].split, node * kStride);
+    const T along = select(axis == 0, position.x, select(axis == 1, position.y, position.z));
+    node = select(leaf, node, child + select(along >= split, Word(1), Word(0)));
   }
-  if (node->child == kNoCell || !contains(cells_[node->child].box, position)) return nullptr;
-  return &cells_[node->child];
 }
 
-Vec3 LightGuide::sample(const Cell& cell, Vec3 position, Vec2 u) const {
-  return normalize(cell.center + trees_.sample(cell.directions, u) * cell.radius - position);
+template <typename T>
+LightGuide::GuidanceOf<T> LightGuide::at(Vec3Of<T> position, Vec3Of<T> side_normal) const {
+  if (nodes_.empty()) return {};
+  constexpr std::uint32_t kStride = sizeof(Cell) / sizeof(float);
+  const WordOf<T> cell = find<T>(position, side_normal) * kStride;
+  const Cell& first = cells_[0];
+  const auto look_up_place = [cell](const Vec3& place) {
+    return Vec3Of<T>{look_up(&place.x, cell), look_up(&place.y, cell), look_up(&place.z, cell)};
+  };
+  const Vec3Of<T> lower = look_up_place(first.box.lower), upper = look_up_place(first.box.upper);
+  const MaskOf<T> contained = (position.x >= lower.x) & (position.y >= lower.y) & (position.z >= lower.z) &
+                              (position.x <= upper.x) & (position.y <= upper.y) & (position.z <= upper.z);
+  return {select(contained, look_up(&first.share, cell), T(0.0f)), position, look_up_place(first.center),
+          look_up(&first.radius, cell), look_up(&first.directions, cell)};
+}
+
+template <typename T>
+Vec3Of<T> LightGuide::sample(const GuidanceOf<T>& from, Vec2Of<T> u) const {
+  return normalize(from.center + trees_.sample<T>(from.directions, u) * from.radius - from.position);
 }
 
 // A patch of the sphere is seen from the position at the distance t and foreshortened by slope / radius, from
 // the centre at the distance of the radius.
-float LightGuide::pdf(const Cell& cell, Vec3 position, Vec3 wi) const {
-  const auto [t, slope] = meet_sphere(cell, position, wi);
-  const float density = trees_.pdf(cell.directions, from_center(cell, position, wi, t));
-  return density * (t * t) / (cell.radius * slope);
+template <typename T>
+T LightGuide::pdf(const GuidanceOf<T>& from, Vec3Of<T> wi) const {
+  const auto [t, slope] = meet_sphere(from, wi);
+  const T density = trees_.pdf<T>(from.directions, from_center(from, wi, t));
+  return density * (t * t) / (from.radius * slope);
 }
+
+template LightGuide::GuidanceOf<float> LightGuide::at(Vec3Of<float>, Vec3Of<float>) const;
+template LightGuide::GuidanceOf<Float8> LightGuide::at(Vec3Of<Float8>, Vec3Of<Float8>) const;
+template Vec3Of<float> LightGuide::sample(const GuidanceOf<float>&, Vec2Of<float>) const;
+template Vec3Of<Float8> LightGuide::sample(const GuidanceOf<Float8>&, Vec2Of<Float8>) const;
+template float LightGuide::pdf(const GuidanceOf<float>&, Vec3Of<float>) const;
+template Float8 LightGuide::pdf(const GuidanceOf<Float8>&, Vec3Of<Float8>) const;
 
 }  // namespace tessera::core

@@ -44,13 +44,24 @@ class LightGuide {
     DirectionTrees::Root directions;
     float share;  // of samples that the guide should choose, above 0 and below 1
   };
-  std::span<const Cell> cells() const { return cells_; }
-  // Nothing where too little is known.
-  const Cell* find(Vec3 position, Vec3 side_normal) const;
+  std::span<const Cell> cells() const { return std::span(cells_).subspan(1); }
 
-  // Directions from a place in the cell's box, and their density per solid angle.
-  Vec3 sample(const Cell& cell, Vec3 position, Vec2 u) const;
-  float pdf(const Cell& cell, Vec3 position, Vec3 wi) const;
+  // What is known at a place: that of the cell around it. T is float, or Float8 for eight places.
+  template <typename T>
+  struct GuidanceOf {
+    T share = 0.0f;  // 0 where too little is known; then there is nothing else
+    Vec3Of<T> position, center;
+    T radius;
+    WordOf<T> directions;
+  };
+  template <typename T>
+  GuidanceOf<T> at(Vec3Of<T> position, Vec3Of<T> side_normal) const;
+
+  // Directions from the place, and their density per solid angle.
+  template <typename T>
+  Vec3Of<T> sample(const GuidanceOf<T>& guidance, Vec2Of<T> u) const;
+  template <typename T>
+  T pdf(const GuidanceOf<T>& guidance, Vec3Of<T> wi) const;
 
  private:
   class Builder;
@@ -59,13 +70,16 @@ class LightGuide {
   struct Node {
     float split;
     std::uint32_t axis;   // or kLeaf
-    std::uint32_t child;  // the lower one; of a leaf its cell, or kNoCell
+    std::uint32_t child;  // the lower one; of a leaf its cell
   };
-  static constexpr std::uint32_t kLeaf = 3, kNoCell = 0xffffffffu;
+  static constexpr std::uint32_t kLeaf = 3;
+
+  template <typename T>
+  WordOf<T> find(Vec3Of<T> position, Vec3Of<T> side_normal) const;
 
   std::array<std::uint32_t, 6> roots_{};  // by the axis that the surface faces most, and its side
   std::vector<Node> nodes_;
-  std::vector<Cell> cells_;
+  std::vector<Cell> cells_{1};  // the first has no place in it, and stands for none
   DirectionTrees trees_;
 };
 

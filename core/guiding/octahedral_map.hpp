@@ -11,27 +11,33 @@ namespace tessera::core {
 // What a density on the square is to be divided by for the density per solid angle at `direction`, which is
 // of unit length. A face of the octahedron at distance r from the centre is seen foreshortened by 1 / r and
 // smaller by 1 / r^2, and 1 / r is the sum of the direction's coordinates without their signs.
-inline float octahedral_area(Vec3 direction) {
-  const Vec3 a = abs(direction);
-  const float sum = a.x + a.y + a.z;
+template <typename T = float>
+T octahedral_area(Vec3Of<T> direction) {
+  const Vec3Of<T> a = abs(direction);
+  const T sum = a.x + a.y + a.z;
   return 4 * sum * sum * sum;
 }
 
 // In [0, 1] x [0, 1].
-inline Vec2 to_octahedral_square(Vec3 direction) {
-  const Vec3 a = abs(direction);
-  const float scale = 1 / (a.x + a.y + a.z);
-  const float x = a.x * scale, y = a.y * scale;
-  const bool upper = direction.z >= 0;
-  const float folded_x = std::copysign(upper ? x : 1 - y, direction.x);
-  const float folded_y = std::copysign(upper ? y : 1 - x, direction.y);
+template <typename T = float>
+Vec2Of<T> to_octahedral_square(Vec3Of<T> direction) {
+  using std::copysign;
+  const Vec3Of<T> a = abs(direction);
+  const T scale = 1 / (a.x + a.y + a.z);
+  const T x = a.x * scale, y = a.y * scale;
+  const MaskOf<T> upper = direction.z >= 0;
+  const T folded_x = copysign(select(upper, x, 1 - y), direction.x);
+  const T folded_y = copysign(select(upper, y, 1 - x), direction.y);
   return {0.5f + 0.5f * folded_x, 0.5f + 0.5f * folded_y};
 }
 
-inline Vec3 from_octahedral_square(Vec2 point) {
-  const float x = 2 * point.x - 1, y = 2 * point.y - 1, z = 1 - std::fabs(x) - std::fabs(y);
-  if (z >= 0) return normalize({x, y, z});
-  return normalize({std::copysign(1 - std::fabs(y), x), std::copysign(1 - std::fabs(x), y), z});
+template <typename T = float>
+Vec3Of<T> from_octahedral_square(Vec2Of<T> point) {
+  using std::copysign, std::fabs;
+  const T x = 2 * point.x - 1, y = 2 * point.y - 1, z = 1 - fabs(x) - fabs(y);
+  const MaskOf<T> upper = z >= 0;
+  return normalize(
+      Vec3Of<T>{select(upper, x, copysign(1 - fabs(y), x)), select(upper, y, copysign(1 - fabs(x), y)), z});
 }
 
 }  // namespace tessera::core

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <bit>
 #include <cassert>
-#include <optional>
 #include <utility>
 
 #include "core/geometry/ray_lanes.hpp"
@@ -152,27 +151,9 @@ void PathTracer::shade(const Paths& paths, const Vertices& vertices, int depth) 
     add_emission(*paths.heads[lane], point, Vec3Lanes(vertices.wo())[lane], light);
   }
   if (settings_.max_depth > 0 && depth >= settings_.max_depth) return;
-  const unsigned lanes = paths.used & ~shade_guided(paths, vertices, depth);
-  connect_to_lights(paths, vertices, lanes & ~vertices.is_delta().bits(), depth);
-  scatter(paths, vertices, lanes, depth);
-}
-
-// Those of which the guide knows something. Answers which they are.
-template <typename Vertices>
-unsigned PathTracer::shade_guided(const Paths& paths, const Vertices& vertices, int depth) {
-  unsigned guided = 0;
-  if (!guide_) return guided;
-  const Vec3Lanes position(vertices.position()), side_normal(vertices.side_normal());
-  for (unsigned lanes = paths.used & ~vertices.is_delta().bits(); lanes != 0; lanes &= lanes - 1) {
-    const auto lane = static_cast<std::size_t>(std::countr_zero(lanes));
-    const Cell* cell = guide_->find(position[lane], side_normal[lane]);
-    if (!cell) continue;
-    const PathVertex vertex(scene_, *paths.rays[lane], *paths.hits[lane]);
-    connect_to_light(*paths.heads[lane], vertex, *cell, depth);
-    scatter(*paths.heads[lane], vertex, *cell, depth);
-    guided |= 1u << lane;
-  }
-  return guided;
+  const Guidance guidance = guidance_at(vertices);
+  connect_to_lights(paths, vertices, guidance.share, paths.used & ~vertices.is_delta().bits(), depth);
+  scatter(paths, vertices, guidance, paths.used, depth);
 }
 
 // What a ray sees that meets nothing.
@@ -205,7 +186,8 @@ float PathTracer::weight_of_found(std::uint32_t light, const PathHead& head, Pdf
 
 // Samples a light for each vertex, and what the vertex reflects of it towards the path's beginning.
 template <typename Vertices>
-void PathTracer::connect_to_lights(const Paths& paths, const Vertices& vertices, unsigned lit, int depth) {
+void PathTracer::connect_to_lights(const Paths& paths, const Vertices& vertices, Float8 guide_share,
+                                   unsigned lit, int depth) {
   if (lit == 0 || light_sampler_.empty()) return;
   const auto u = paths.pads(samplers_, light_pad(depth));
   const Vec3Lanes position(vertices.position()), normal(vertices.lit_normal());
@@ -223,7 +205,7 @@ void PathTracer::connect_to_lights(const Paths& paths, const Vertices& vertices,
   const BsdfValueOf<Float8> scattered = vertices.evaluate(lights.wi);
   const Mask8 found = lights.found & !is_black(scattered.value);
   const Float8 light_pdf = pmf.all() * lights.pdf;
-  const Float8 weight = weight_of_sampled(light_pdf, lights.delta, scattered.pdf);
+  const Float8 weight = weight_of_sampled(light_pdf, lights.delta, scattered.pdf * (1 - guide_share));
   const RgbLanes gained(paths.throughput * (scattered.value * lights.radiance) * (weight / light_pdf));
   const RayLanes rays(vertices.rays_toward(lights));
   for (unsigned lanes = found.bits(); lanes != 0; lanes &= lanes - 1) {
@@ -235,100 +217,87 @@ void PathTracer::connect_to_lights(const Paths& paths, const Vertices& vertices,
 }
 
 // Of light that a light's sample found, against what the BSDF's might have. Nothing else finds delta lights.
-template <typename T>
-T PathTracer::weight_of_sampled(T light_pdf, MaskOf<T> delta, T bsdf_pdf) const {
-  if (settings_.integrator != Integrator::kMis) return T(1.0f);
-  return select(delta, T(1.0f), mis_weight(settings_.heuristic, light_pdf, bsdf_pdf));
+Float8 PathTracer::weight_of_sampled(Float8 light_pdf, Mask8 delta, Float8 bsdf_pdf) const {
+  if (settings_.integrator != Integrator::kMis) return 1.0f;
+  return select(delta, Float8(1.0f), mis_weight(settings_.heuristic, light_pdf, bsdf_pdf));
 }
+
+struct PathTracer::Directions {
+  Mask8 found, delta;
+  Vec3Of<Float8> wi;
+  RgbOf<Float8> weight;  // BSDF * cosine / pdf of the choice
+  Float8 bsdf_pdf;       // the BSDF's share of that pdf
+  Float8 eta;
+  Float8 met_scale, promise;  // PathHead::met_scale, and what PathHead::promise is to be multiplied by
+};
 
 // Sends the paths on that do not end.
 template <typename Vertices>
-void PathTracer::scatter(const Paths& paths, const Vertices& vertices, unsigned going, int depth) {
+void PathTracer::scatter(const Paths& paths, const Vertices& vertices, const Guidance& guidance,
+                         unsigned going, int depth) {
   if (going == 0) return;
   const auto u = paths.pads(samplers_, scatter_pad(depth));
-  const auto next = vertices.sample({u[0], u[1]}, u[2]);
+  const Directions next = choose_directions(vertices, guidance, {u[0], u[1]}, u[2]);
   RgbOf<Float8> throughput = paths.throughput * next.weight;
-  const Float8 eta_scale = paths.eta_scale * (next.eta * next.eta);
-  const Mask8 survives = survives_roulette(throughput, eta_scale, paths.promise, depth, u[3]);
+  const Float8 eta_scale = paths.eta_scale * (next.eta * next.eta), promise = paths.promise * next.promise;
+  const Mask8 survives = survives_roulette(throughput, eta_scale, promise, depth, u[3]);
   const RayLanes rays(vertices.ray_along(next.wi));
   const RgbLanes throughputs(throughput);
-  const FloatLanes eta_scales(eta_scale), pdf(select(next.delta, Float8(kDeltaPdf), next.pdf));
+  const FloatLanes eta_scales(eta_scale), promises(promise), met_scales(next.met_scale);
+  const FloatLanes pdf(select(next.delta, Float8(kDeltaPdf), next.bsdf_pdf));
   const Vec3Lanes position(vertices.position()), normal(vertices.lit_normal());
   for (unsigned lanes = (next.found & survives).bits() & going; lanes != 0; lanes &= lanes - 1) {
     const auto lane = static_cast<std::size_t>(std::countr_zero(lanes));
-    PathHead head = *paths.heads[lane];
-    head.throughput = throughputs[lane];
-    head.eta_scale = eta_scales[lane];
-    head.last_pdf = pdf[lane];
-    head.last = {position[lane], normal[lane]};
-    head.met_scale = 1;
-    next_paths_->push(rays[lane], head);
+    next_paths_->push(rays[lane], {.path = paths.heads[lane]->path,
+                                   .throughput = throughputs[lane],
+                                   .eta_scale = eta_scales[lane],
+                                   .last_pdf = pdf[lane],
+                                   .last = {position[lane], normal[lane]},
+                                   .met_scale = met_scales[lane],
+                                   .promise = promises[lane]});
   }
 }
 
-// The same for one vertex beside the guide.
-void PathTracer::connect_to_light(const PathHead& head, const PathVertex& vertex, const Cell& cell,
-                                  int depth) {
-  if (light_sampler_.empty()) return;
-  const auto u = samplers_[head.path].pad(light_pad(depth));
-  const auto choice = light_sampler_.sample(vertex.lit_point(), two_digits(u[2], u[3]));
-  if (choice.light == kNoLight) return;
-  const auto light =
-      sample_light(scene_.lights()[choice.light], scene_.textures(), vertex.position(), {u[0], u[1]});
-  if (!light) return;
-  const BsdfValue scattered = vertex.evaluate(light->wi);
-  if (is_black(scattered.value)) return;
-  const float light_pdf = choice.pmf * light->pdf;
-  const float weight = weight_of_sampled(light_pdf, light->delta, scattered.pdf * (1 - cell.share));
-  shadow_rays_[connection_count_] = vertex.ray_toward(*light);
-  connections_[connection_count_] = {
-      head.path, head.throughput * (scattered.value * light->radiance) * (weight / light_pdf)};
-  ++connection_count_;
-}
-
-// The same for one path, partly by the guide.
-void PathTracer::scatter(PathHead head, const PathVertex& vertex, const Cell& cell, int depth) {
-  const auto u = samplers_[head.path].pad(scatter_pad(depth));
-  const auto next = choose_direction(head, vertex, cell, {u[0], u[1]}, u[2]);
-  if (!next) return;
-  head.throughput *= next->weight;
-  head.eta_scale *= next->eta * next->eta;
-  if (!survives_roulette(head.throughput, head.eta_scale, head.promise, depth, u[3])) return;
-  head.last_pdf = next->delta ? kDeltaPdf : next->pdf;
-  head.last = vertex.lit_point();
-  next_paths_->push(vertex.ray_along(next->wi), head);
+template <typename Vertices>
+PathTracer::Guidance PathTracer::guidance_at(const Vertices& vertices) const {
+  if (!guide_ || all(vertices.is_delta())) return {};
+  Guidance guidance = guide_->at(vertices.position(), vertices.side_normal());
+  guidance.share = select(vertices.is_delta(), Float8(0.0f), guidance.share);
+  return guidance;
 }
 
 // By the guide or by the BSDF: one sample of a mixture (Veach and Guibas 1995, section 3.3). The guide knows
 // nothing of light that comes straight from its source. So whatever the next ray itself meets is left to the
-// BSDF's samples and the lights', which then need not ask for the guide's densities; `pdf` is the BSDF's
-// share.
-std::optional<PathVertex::Scattered> PathTracer::choose_direction(PathHead& head, const PathVertex& vertex,
-                                                                  const Cell& cell, Vec2 u,
-                                                                  float u_lobe) const {
+// BSDF's samples and the lights', which then need not ask for the guide's densities.
+template <typename Vertices>
+PathTracer::Directions PathTracer::choose_directions(const Vertices& vertices, const Guidance& guidance,
+                                                     Vec2Of<Float8> u, Float8 u_lobe) const {
   constexpr float kBelowOne = 1 - 0x1p-24f;
-  const bool guided = u.x < cell.share;
-  u.x = std::min(guided ? u.x / cell.share : (u.x - cell.share) / (1 - cell.share), kBelowOne);
-  PathVertex::Scattered next{};
-  if (guided) {
-    next.wi = guide_->sample(cell, vertex.position(), u);
-    const auto [value, pdf] = vertex.evaluate(next.wi);
-    if (is_black(value)) return std::nullopt;
-    next.weight = value;  // to be divided by the mixture's density
-    next.pdf = pdf;
-    next.eta = 1;
-  } else {
-    const auto sampled = vertex.sample(u, u_lobe);
-    if (!sampled) return std::nullopt;
-    next = *sampled;
-    next.weight *= next.pdf;
+  const Float8 share = guidance.share, bsdf_share = 1 - share;
+  const Mask8 guided = u.x < share;
+  const Mask8 mixed = share > 0;
+  const Vec2Of<Float8> u_bsdf{smaller((u.x - share) / bsdf_share, Float8(kBelowOne)), u.y};
+  const auto [found, delta, wi, weight, pdf, eta] = vertices.sample(u_bsdf, u_lobe);
+  Directions next{found, delta, wi, weight, pdf, eta, 1.0f, 1.0f};
+  if (!any(mixed)) return next;
+
+  RgbOf<Float8> value = weight * pdf;
+  Float8 bsdf_pdf = pdf;
+  if (any(guided)) {
+    const Vec2Of<Float8> u_guide{smaller(u.x / share, Float8(kBelowOne)), u.y};
+    next.wi = select(guided, guide_->sample(guidance, u_guide), wi);
+    const auto at_guided = vertices.evaluate(select(guided, next.wi, {}));
+    value = select(guided, at_guided.value, value);
+    bsdf_pdf = select(guided, at_guided.pdf, pdf);
+    next.found = (guided & !is_black(value)) | (found & !guided);
+    next.eta = select(guided, Float8(1.0f), eta);
   }
-  const float by_bsdf = (1 - cell.share) * next.pdf;
-  const float mixed = cell.share * guide_->pdf(cell, vertex.position(), next.wi) + by_bsdf;
-  next.weight *= 1 / mixed;
-  head.met_scale = guided ? 0 : mixed / by_bsdf;
-  head.promise *= mixed / next.pdf;
-  next.pdf = by_bsdf;
+  const Float8 by_bsdf = bsdf_share * bsdf_pdf;
+  const Float8 density = share * guide_->pdf(guidance, next.wi) + by_bsdf;
+  next.weight = select(mixed, value * (1 / density), weight);
+  next.bsdf_pdf = select(mixed, by_bsdf, pdf);
+  next.met_scale = select(mixed, select(guided, Float8(0.0f), density / by_bsdf), Float8(1.0f));
+  next.promise = select(mixed, density / bsdf_pdf, Float8(1.0f));
   return next;
 }
 

@@ -6,7 +6,6 @@
 
 #include <array>
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -53,21 +52,20 @@ class PathTracer {
   void add_emission(const PathHead& head, const SurfacePoint& surface, Vec3 wo, std::uint32_t light);
   template <typename Pdf>
   float weight_of_found(std::uint32_t light, const PathHead& head, Pdf pdf) const;
+  using Guidance = LightGuide::GuidanceOf<Float8>;
   template <typename Vertices>
-  void connect_to_lights(const Paths& paths, const Vertices& vertices, unsigned lanes, int depth);
-  template <typename T>
-  T weight_of_sampled(T light_pdf, MaskOf<T> delta, T bsdf_pdf) const;
+  Guidance guidance_at(const Vertices& vertices) const;
   template <typename Vertices>
-  void scatter(const Paths& paths, const Vertices& vertices, unsigned lanes, int depth);
-
-  // Where a guide knows of caustics, vertices are shaded one by one.
-  using Cell = LightGuide::Cell;
+  void connect_to_lights(const Paths& paths, const Vertices& vertices, Float8 guide_share, unsigned lanes,
+                         int depth);
+  Float8 weight_of_sampled(Float8 light_pdf, Mask8 delta, Float8 bsdf_pdf) const;
   template <typename Vertices>
-  unsigned shade_guided(const Paths& paths, const Vertices& vertices, int depth);
-  void connect_to_light(const PathHead& head, const PathVertex& vertex, const Cell& cell, int depth);
-  void scatter(PathHead head, const PathVertex& vertex, const Cell& cell, int depth);
-  std::optional<PathVertex::Scattered> choose_direction(PathHead& head, const PathVertex& vertex,
-                                                        const Cell& cell, Vec2 u, float u_lobe) const;
+  void scatter(const Paths& paths, const Vertices& vertices, const Guidance& guidance, unsigned lanes,
+               int depth);
+  struct Directions;  // in which paths go on
+  template <typename Vertices>
+  Directions choose_directions(const Vertices& vertices, const Guidance& guidance, Vec2Of<Float8> u,
+                               Float8 u_lobe) const;
   void add_unoccluded(RenderCounters& counters);
 
   const Scene& scene_;

@@ -49,6 +49,12 @@ inline U32x8 operator<<(U32x8 a, int count) {
 inline U32x8 operator>>(U32x8 a, int count) {
   return _mm256_srli_epi32(a.v, count);
 }
+inline Mask8 operator==(U32x8 a, U32x8 b) {
+  return _mm256_castsi256_ps(_mm256_cmpeq_epi32(a.v, b.v));
+}
+inline Mask8 operator!=(U32x8 a, U32x8 b) {
+  return !(a == b);
+}
 inline U32x8 select(Mask8 mask, U32x8 a, U32x8 b) {
   return _mm256_blendv_epi8(b.v, a.v, _mm256_castps_si256(mask.v));
 }

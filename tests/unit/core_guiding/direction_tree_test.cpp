@@ -34,7 +34,7 @@ TEST(OctahedralMap, CoversTheSphereOnce) {
   constexpr int kSide = 512;
   for (int y = 0; y < kSide; ++y)
     for (int x = 0; x < kSide; ++x)
-      sum += static_cast<double>(octahedral_area(from_octahedral_square(
+      sum += static_cast<double>(octahedral_area(from_octahedral_square<float>(
           {(static_cast<float>(x) + 0.5f) / kSide, (static_cast<float>(y) + 0.5f) / kSide})));
   EXPECT_NEAR(sum / (kSide * kSide), 4 * static_cast<double>(kPi), 1e-3);
 }
@@ -47,9 +47,9 @@ TEST(DirectionTrees, DensityIntegratesToOne) {
     constexpr int kSide = 1024;  // eight by eight places in each of the smallest squares
     for (int y = 0; y < kSide; ++y)
       for (int x = 0; x < kSide; ++x) {
-        const Vec3 d = from_octahedral_square(
+        const Vec3 d = from_octahedral_square<float>(
             {(static_cast<float>(x) + 0.5f) / kSide, (static_cast<float>(y) + 0.5f) / kSide});
-        sum += static_cast<double>(trees.pdf(root, d)) * static_cast<double>(octahedral_area(d));
+        sum += static_cast<double>(trees.pdf<float>(root, d)) * static_cast<double>(octahedral_area(d));
       }
     EXPECT_NEAR(sum / (kSide * kSide), 1, 2e-3) << count << " examples";
   }
@@ -63,16 +63,16 @@ TEST(DirectionTrees, SamplesFollowTheDensity) {
   const auto cell = [](float c) { return std::min(static_cast<int>(c * kSide), kSide - 1); };
   for (std::uint32_t i = 0; i < kSamples; ++i) {
     const auto u = Sampler(3, 0, 0, i).pad(0);
-    const Vec2 at = to_octahedral_square(trees.sample(root, {u[0], u[1]}));
+    const Vec2 at = to_octahedral_square(trees.sample<float>(root, {u[0], u[1]}));
     ++observed[static_cast<std::size_t>(cell(at.y) * kSide + cell(at.x))];
   }
   for (int y = 0; y < kSide * kFine; ++y)
     for (int x = 0; x < kSide * kFine; ++x) {
-      const Vec3 d = from_octahedral_square({(static_cast<float>(x) + 0.5f) / (kSide * kFine),
-                                             (static_cast<float>(y) + 0.5f) / (kSide * kFine)});
+      const Vec3 d = from_octahedral_square<float>({(static_cast<float>(x) + 0.5f) / (kSide * kFine),
+                                                    (static_cast<float>(y) + 0.5f) / (kSide * kFine)});
       expected[static_cast<std::size_t>(y / kFine * kSide + x / kFine)] +=
-          static_cast<double>(trees.pdf(root, d)) * static_cast<double>(octahedral_area(d)) * kSamples /
-          (kSide * kSide * kFine * kFine);
+          static_cast<double>(trees.pdf<float>(root, d)) * static_cast<double>(octahedral_area(d)) *
+          kSamples / (kSide * kSide * kFine * kFine);
     }
   test::expect_chi_square(observed, expected, 100);
 }
@@ -82,9 +82,9 @@ TEST(DirectionTrees, HaveSomeDensityEverywhereAndMostWhereExamplesAre) {
   const auto root = trees.add(examples(1000));
   for (std::uint32_t i = 0; i < 1000; ++i) {
     const auto u = Sampler(5, 0, 0, i).pad(0);
-    EXPECT_GT(trees.pdf(root, sample_sphere({u[0], u[1]})), 0);
+    EXPECT_GT(trees.pdf<float>(root, sample_sphere({u[0], u[1]})), 0);
   }
-  EXPECT_GT(trees.pdf(root, normalize({-0.1f, 1, 0.1f})), 10 * trees.pdf(root, {0, -1, 0}));
+  EXPECT_GT(trees.pdf<float>(root, normalize({-0.1f, 1, 0.1f})), 10 * trees.pdf<float>(root, {0, -1, 0}));
 }
 
 }  // namespace

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include "core/guiding/octahedral_map.hpp"
+#include "core/math/lane_array.hpp"
+#include "core/math/simd_double8.hpp"
 #include "tests/unit/core_guiding/example_photons.hpp"
 
 namespace tessera::core {
@@ -19,18 +21,23 @@ LightGuide guide_of(std::uint32_t photons, int threads = 1) {
   return LightGuide::build(test::photons_on_floor(photons), darker_at_the_left, threads);
 }
 
+// 0 where nothing is known.
+float share_at(const LightGuide& guide, Vec3 place, Vec3 side_normal = kUp) {
+  return guide.at(place, side_normal).share;
+}
+
 TEST(LightGuide, OfNothingKnowsNothing) {
-  EXPECT_EQ(LightGuide().find({0, 0, 0}, kUp), nullptr);
+  EXPECT_EQ(share_at(LightGuide(), {0, 0, 0}), 0);
   EXPECT_TRUE(guide_of(0).cells().empty());
-  EXPECT_EQ(guide_of(0).find({0, 0, 0}, kUp), nullptr);
+  EXPECT_EQ(share_at(guide_of(0), {0, 0, 0}), 0);
 }
 
 TEST(LightGuide, KnowsOnlyWherePhotonsFell) {
   const LightGuide guide = guide_of(10000);
-  EXPECT_NE(guide.find({0.5f, 0, 0.5f}, kUp), nullptr);
-  EXPECT_EQ(guide.find({0.5f, 0, 0.5f}, -kUp), nullptr) << "the other side";
-  EXPECT_EQ(guide.find({0.5f, 0.5f, 0.5f}, kUp), nullptr) << "above the floor";
-  EXPECT_EQ(guide.find({5, 0, 0.5f}, kUp), nullptr) << "beside it";
+  EXPECT_GT(share_at(guide, {0.5f, 0, 0.5f}), 0);
+  EXPECT_EQ(share_at(guide, {0.5f, 0, 0.5f}, -kUp), 0) << "the other side";
+  EXPECT_EQ(share_at(guide, {0.5f, 0.5f, 0.5f}), 0) << "above the floor";
+  EXPECT_EQ(share_at(guide, {5, 0, 0.5f}), 0) << "beside it";
 }
 
 // From places all over a cell, not only from its middle.
@@ -39,15 +46,15 @@ TEST(LightGuide, DensityIntegratesToOneFromEverywhere) {
   for (std::uint32_t i = 0; i < 4; ++i) {
     const auto u = Sampler(11, 0, 0, i).pad(0);
     const Vec3 place{u[0], 0, u[1]};
-    const LightGuide::Cell* cell = guide.find(place, kUp);
-    ASSERT_NE(cell, nullptr);
+    const auto guidance = guide.at(place, kUp);
+    ASSERT_GT(guidance.share, 0);
     double sum = 0;
     constexpr int kSide = 2048;
     for (int y = 0; y < kSide; ++y)
       for (int x = 0; x < kSide; ++x) {
-        const Vec3 d = from_octahedral_square(
+        const Vec3 d = from_octahedral_square<float>(
             {(static_cast<float>(x) + 0.5f) / kSide, (static_cast<float>(y) + 0.5f) / kSide});
-        sum += static_cast<double>(guide.pdf(*cell, place, d)) * static_cast<double>(octahedral_area(d));
+        sum += static_cast<double>(guide.pdf(guidance, d)) * static_cast<double>(octahedral_area(d));
       }
     EXPECT_NEAR(sum / (kSide * kSide), 1, 0.01);
   }
@@ -57,15 +64,15 @@ TEST(LightGuide, DensityIntegratesToOneFromEverywhere) {
 TEST(LightGuide, SamplesFollowTheDensity) {
   const LightGuide guide = guide_of(3000);
   const Vec3 place{0.3f, 0, 0.8f};
-  const LightGuide::Cell* cell = guide.find(place, kUp);
-  ASSERT_NE(cell, nullptr);
+  const auto guidance = guide.at(place, kUp);
+  ASSERT_GT(guidance.share, 0);
   constexpr std::uint32_t kSamples = 1 << 18;
   double octants[8] = {}, all = 0;
   for (std::uint32_t i = 0; i < kSamples; ++i) {
     const auto u = Sampler(13, 0, 0, i).pad(0);
-    const Vec3 wi = guide.sample(*cell, place, {u[0], u[1]});
+    const Vec3 wi = guide.sample(guidance, Vec2{u[0], u[1]});
     EXPECT_NEAR(length(wi), 1, 1e-5f);
-    const double share = 1 / static_cast<double>(guide.pdf(*cell, place, wi)) / kSamples;
+    const double share = 1 / static_cast<double>(guide.pdf(guidance, wi)) / kSamples;
     octants[(wi.x > 0 ? 1 : 0) + (wi.y > 0 ? 2 : 0) + (wi.z > 0 ? 4 : 0)] += share;
     all += share;
   }
@@ -75,9 +82,9 @@ TEST(LightGuide, SamplesFollowTheDensity) {
 
 TEST(LightGuide, IsAskedForMoreWhereItKnowsMoreOfTheLight) {
   const LightGuide guide = guide_of(10000);
-  const auto left = guide.find({0.02f, 0, 0.5f}, kUp), right = guide.find({0.98f, 0, 0.5f}, kUp);
-  ASSERT_TRUE(left && right);
-  EXPECT_GT(left->share, right->share);
+  const float left = share_at(guide, {0.02f, 0, 0.5f}), right = share_at(guide, {0.98f, 0, 0.5f});
+  EXPECT_GT(left, right);
+  EXPECT_GT(right, 0);
   for (const LightGuide::Cell& cell : guide.cells()) {
     EXPECT_GT(cell.share, 0);
     EXPECT_LT(cell.share, 1);
@@ -86,7 +93,33 @@ TEST(LightGuide, IsAskedForMoreWhereItKnowsMoreOfTheLight) {
 
 TEST(LightGuide, SurvivesPhotonsOfOnePlace) {
   std::vector<Photon> photons(5000, {{1, 2, 3}, kUp, kUp, 1, 1});
-  EXPECT_EQ(LightGuide::build(photons, darker_at_the_left, 1).find({1, 2, 3}, kUp), nullptr);
+  EXPECT_EQ(share_at(LightGuide::build(photons, darker_at_the_left, 1), {1, 2, 3}), 0);
+}
+
+// Eight at once are to the bit what each is alone.
+TEST(LightGuide, AnswersEightPlacesAsItAnswersEach) {
+  const LightGuide guide = guide_of(10000);
+  for (std::uint32_t i = 0; i < 512; ++i) {
+    Vec3Lanes places, normals, wis;
+    FloatLanes u_x, u_y;
+    for (std::uint32_t lane = 0; lane < kLaneCount; ++lane) {
+      const auto u = Sampler(17, 0, 0, kLaneCount * i + lane).pad(0), v = Sampler(17, 1, 0, i).pad(lane);
+      places.set(lane, {1.2f * u[0] - 0.1f, 0, 1.2f * u[1] - 0.1f});  // some beside the floor
+      normals.set(lane, sample_sphere({u[2], u[3]}));
+      wis.set(lane, sample_sphere({v[0], v[1]}));
+      u_x.set(lane, v[2]), u_y.set(lane, v[3]);
+    }
+    const auto all = guide.at(places.all(), normals.all());
+    const FloatLanes share(all.share), pdf(guide.pdf(all, wis.all()));
+    const Vec3Lanes sampled(guide.sample(all, Vec2Of<Float8>{u_x.all(), u_y.all()}));
+    for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
+      const auto one = guide.at(places[lane], normals[lane]);
+      ASSERT_EQ(share[lane], one.share);
+      if (one.share == 0) continue;
+      ASSERT_EQ(pdf[lane], guide.pdf(one, wis[lane]));
+      ASSERT_EQ(sampled[lane], guide.sample(one, Vec2{u_x[lane], u_y[lane]}));
+    }
+  }
 }
 
 }  // namespace
