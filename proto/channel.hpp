@@ -19,7 +19,7 @@ inline constexpr const char* kCoordinatorVariable = "TESSERA_COORDINATOR";
 inline constexpr int kMaxMessageBytes = 64 << 20;
 
 // A channel to the coordinator at HOST:PORT. Connects at its first call, and again whenever the connection is
-// lost: a peer that vanished without a word is noticed within about 20 s, and a restarted one found within
+// lost: a peer that vanished without a word is noticed within about 15 s, and a restarted one found within
 // about 1 s, but only while a call with wait_for_ready waits for it. Between calls nothing drives the
 // connection for up to 5 s. Every call shows the token, if there is one. Errors: those of
 // channel_credentials() and read_token().

@@ -16,6 +16,8 @@ packages=(
   libspdlog-dev libsqlite3-dev libzstd-dev
   # deploy/make_certificates.sh.
   openssl
+  # Tests of networks that break, in network namespaces.
+  iproute2
   # Tests and benchmarks (Embree only to be measured beside).
   libgtest-dev libgmock-dev libbenchmark-dev libembree-dev
   # run_all.sh: reading statistics, and putting pictures on one sheet with their names.

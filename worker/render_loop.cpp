@@ -45,7 +45,9 @@ void RenderLoop::render(const Piece& piece) {
   core::FilmTile tile =
       core::render(**scene, piece.job->settings, piece.item.rect, piece.item.range, threads_);
   const auto took = std::chrono::steady_clock::now() - start;
-  pace_.measured(piece.job->id, piece.item.rect.pixel_count() * piece.item.range.count(), took);
+  const std::uint64_t samples = piece.item.rect.pixel_count() * piece.item.range.count();
+  samples_ += samples;
+  pace_.measured(piece.job->id, samples, took);
   holdings_.rendered(piece, std::move(tile), took);
 }
 

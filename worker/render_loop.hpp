@@ -2,6 +2,7 @@
 // it.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <stop_token>
 
@@ -18,6 +19,8 @@ class RenderLoop {
   // Returns after a stop, at the end of the piece in hand. A job whose scene cannot be built is logged, and
   // its leases are given back.
   void run(const std::stop_token& stop);
+  // Pixel samples rendered so far, wanted by others or not. For the thread that runs it.
+  std::uint64_t samples() const { return samples_; }
 
  private:
   void render(const Piece& piece);
@@ -26,6 +29,7 @@ class RenderLoop {
   Holdings& holdings_;
   SceneCache scenes_;
   Pace pace_;
+  std::uint64_t samples_ = 0;
 };
 
 }  // namespace tessera::worker

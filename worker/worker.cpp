@@ -62,6 +62,7 @@ core::Status Worker::run(const std::stop_token& stop) {
   if (!accepted || wait_for(all_delivered.get_token(), options_.drain_deadline)) delivering.request_stop();
   deliver_thread.join();
   if (accepted) sync.say_goodbye();
+  spdlog::info("has rendered {} samples", render.samples());
   return accepted;
 }
 

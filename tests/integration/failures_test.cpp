@@ -1,14 +1,12 @@
 // What goes wrong on a farm costs time and never a wrong picture.
 #include <gmock/gmock.h>
-#include <grpcpp/client_context.h>
 #include <signal.h>
 
 #include <algorithm>
 
 #include "proto/blob.hpp"
-#include "proto/channel.hpp"
-#include "tessera/v1/worker_service.grpc.pb.h"
 #include "tests/integration/farm_processes.hpp"
+#include "tests/integration/raw_worker.hpp"
 
 namespace tessera::test {
 namespace {
@@ -31,24 +29,10 @@ class FailuresTest : public FarmTest {
 
   // Takes what it is given and says that it holds it. Whether there was something to take.
   bool take_and_die(const std::string& name) {
-    grpc::ClientContext context;
-    context.set_deadline(std::chrono::system_clock::now() + 20s);
-    v1::SynchronizeRequest request;
-    request.set_worker_id(proto::digest_of(name).hex().substr(0, 32));
-    request.set_name(name);
-    request.set_arithmetic_fingerprint("0000000000000000");
-    request.set_threads(1);
-    request.set_wanted_leases(1);
-    v1::SynchronizeResponse response;
-    const auto coordinator = v1::WorkerService::NewStub(*proto::open_channel(address()));
-    const grpc::Status status = coordinator->Synchronize(&context, request, &response);
-    EXPECT_TRUE(status.ok()) << status.error_message();
-    *request.mutable_held() = response.leases();
-    grpc::ClientContext again;
-    again.set_deadline(std::chrono::system_clock::now() + 20s);
-    v1::SynchronizeResponse unchanged;
-    EXPECT_TRUE(coordinator->Synchronize(&again, request, &unchanged).ok());
-    return response.leases_size() > 0;
+    RawWorker worker(address(), name);
+    const bool taken = !worker.synchronize().leases().empty();
+    worker.synchronize();
+    return taken;
   }
 
   void expect_local_bytes(const std::string& id) {

@@ -13,7 +13,21 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr Timeout kStartTimeout = 20s;
-constexpr Timeout kCommandTimeout = 60s;
+constexpr Timeout kCommandTimeout = 120s;
+
+// Again and again while nobody answers: a coordinator that was restarted a moment ago has to be connected to
+// first. Another failure, or none in time, is an empty answer.
+template <typename Method, typename Request, typename Response>
+Response ask(v1::RenderService::StubInterface& api, Method method, const Request& request,
+             Response response) {
+  poll_until(kStartTimeout, [&] {
+    grpc::ClientContext context;
+    context.set_wait_for_ready(true);
+    context.set_deadline(std::chrono::system_clock::now() + kStartTimeout);
+    return (api.*method)(&context, request, &response).error_code() != grpc::StatusCode::UNAVAILABLE;
+  });
+  return response;
+}
 
 std::string listening_address(const std::string& printed) {
   const std::string key = "listening on ";
@@ -40,19 +54,21 @@ ProcessOptions FarmTest::with_files(const std::string& name, std::vector<std::st
   options.arguments = std::move(arguments);
   options.out = folder_ / (stem + ".out");
   options.err = folder_ / (stem + ".err");
+  if (const auto network = networks_.find(name); network != networks_.end())
+    options.network_of = network->second;
   history_.push_back(options);
   return options;
 }
 
 void FarmTest::start_coordinator(double lease_seconds) {
   lease_seconds_ = lease_seconds;
-  address_ = "127.0.0.1:0";
+  address_ = listen_;
   restart_coordinator();
 }
 
 void FarmTest::restart_coordinator() {
   std::vector<std::string> arguments{
-      TESSERA_COORDINATOR_PROGRAM,   "--listen", address_, "--state", folder_ / "state", "--lease-seconds",
+      TESSERA_COORDINATOR_PROGRAM,   "--listen", address_, "--state", state_, "--lease-seconds",
       std::to_string(lease_seconds_)};
   arguments.insert(arguments.end(), coordinator_options_.begin(), coordinator_options_.end());
   coordinator_ = std::make_unique<Process>(with_files("coordinator", std::move(arguments)));
@@ -66,6 +82,20 @@ void FarmTest::restart_coordinator() {
 void FarmTest::kill_coordinator() {
   coordinator_->signal(SIGKILL);
   ASSERT_TRUE(coordinator_->wait(kStartTimeout).has_value());
+}
+
+void FarmTest::stop_coordinator() {
+  coordinator_->signal(SIGTERM);
+  ASSERT_EQ(coordinator_->wait(kStartTimeout), 0);
+}
+
+Outcome FarmTest::run_coordinator(const std::vector<std::string>& arguments) {
+  std::vector<std::string> all{TESSERA_COORDINATOR_PROGRAM};
+  all.insert(all.end(), arguments.begin(), arguments.end());
+  Process process(with_files("coordinator", std::move(all)));
+  const auto exit_code = process.wait(kCommandTimeout);
+  EXPECT_TRUE(exit_code.has_value()) << "did not end";
+  return {exit_code.value_or(-1), process.out(), process.err()};
 }
 
 std::map<std::string, std::string> FarmTest::environment() const {
@@ -85,6 +115,7 @@ Process& FarmTest::start_worker(const std::string& name, int threads) {
       with_files(name, {TESSERA_WORKER, "--coordinator", address_, "--threads", std::to_string(threads),
                         "--cache", folder_ / ("cache-" + name), "--name", name});
   options.environment = environment();
+  if (security_.insecure) options.arguments.push_back("--insecure");
   workers_.push_back(std::make_unique<Process>(std::move(options)));
   return *workers_.back();
 }
@@ -93,6 +124,7 @@ Process FarmTest::start_tessera(const std::vector<std::string>& arguments,
                                 const std::filesystem::path& folder) {
   std::vector<std::string> all{TESSERA_CLIENT};
   all.insert(all.end(), arguments.begin(), arguments.end());
+  if (security_.insecure && arguments.front() != "render") all.push_back("--insecure");
   ProcessOptions options = with_files("tessera", std::move(all));
   options.folder = folder;
   options.environment = environment();
@@ -145,25 +177,20 @@ v1::RenderService::StubInterface& FarmTest::api() {
 }
 
 v1::Job FarmTest::job(const std::string& id) {
-  grpc::ClientContext context;
   v1::GetJobRequest request;
   request.set_job_id(id);
-  v1::GetJobResponse response;
-  api().GetJob(&context, request, &response);
-  return response.job();
+  return ask(api(), &v1::RenderService::StubInterface::GetJob, request, v1::GetJobResponse()).job();
 }
 
 std::vector<v1::Job> FarmTest::jobs() {
-  grpc::ClientContext context;
-  v1::ListJobsResponse response;
-  api().ListJobs(&context, v1::ListJobsRequest(), &response);
+  const auto response =
+      ask(api(), &v1::RenderService::StubInterface::ListJobs, v1::ListJobsRequest(), v1::ListJobsResponse());
   return {response.jobs().begin(), response.jobs().end()};
 }
 
 std::vector<v1::ListWorkersResponse::Worker> FarmTest::workers() {
-  grpc::ClientContext context;
-  v1::ListWorkersResponse response;
-  api().ListWorkers(&context, v1::ListWorkersRequest(), &response);
+  const auto response = ask(api(), &v1::RenderService::StubInterface::ListWorkers, v1::ListWorkersRequest(),
+                            v1::ListWorkersResponse());
   return {response.workers().begin(), response.workers().end()};
 }
 

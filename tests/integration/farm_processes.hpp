@@ -31,6 +31,11 @@ class FarmTest : public ::testing::Test {
   void kill_coordinator();
   // On the same state and address.
   void restart_coordinator();
+  // By SIGTERM; it must end well.
+  void stop_coordinator();
+  // As far as it gets: for coordinators that do not start, and for --check and --salvage.
+  Outcome run_coordinator(const std::vector<std::string>& arguments);
+  Process& coordinator() { return *coordinator_; }
 
   Process& start_worker(const std::string& name, int threads);
   // One command of the command line, from start to end.
@@ -57,6 +62,11 @@ class FarmTest : public ::testing::Test {
   bool wait_for_workers(std::size_t count);
 
   TempFolder folder_;
+  // To be set before a coordinator is started: where it keeps its state and listens at first, and in whose
+  // network namespaces processes run, by their names ("coordinator", "tessera", a worker's).
+  std::filesystem::path state_ = folder_ / "state";
+  std::string listen_ = "127.0.0.1:0";
+  std::map<std::string, pid_t> networks_;
   // To be set before a coordinator is started: its further options, and how this test, workers and the
   // command line show who they are.
   std::vector<std::string> coordinator_options_;

@@ -1,6 +1,7 @@
 #include "tests/integration/processes.hpp"
 
 #include <fcntl.h>
+#include <sched.h>
 #include <signal.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -19,6 +20,12 @@ namespace {
 constexpr auto kPollEvery = std::chrono::milliseconds(10);
 constexpr int kCannotStart = 127;
 
+bool enter_network_of(pid_t pid) {
+  const std::string path = "/proc/" + std::to_string(pid) + "/ns/net";
+  const int network = open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  return network >= 0 && setns(network, CLONE_NEWNET) == 0;
+}
+
 [[noreturn]] void become(const ProcessOptions& options) {
   const auto redirect = [](const std::filesystem::path& path, int descriptor) {
     const int file = open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
@@ -26,6 +33,7 @@ constexpr int kCannotStart = 127;
   };
   redirect(options.out, STDOUT_FILENO);
   redirect(options.err, STDERR_FILENO);
+  if (options.network_of != 0 && !enter_network_of(options.network_of)) _exit(kCannotStart);
   if (chdir(options.folder.c_str()) != 0) _exit(kCannotStart);
   for (const auto& [name, value] : options.environment) setenv(name.c_str(), value.c_str(), 1);
   std::vector<char*> arguments;

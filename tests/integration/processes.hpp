@@ -41,6 +41,7 @@ struct ProcessOptions {
   std::filesystem::path out, err;                  // where its stdout and stderr go
   std::filesystem::path folder = ".";              // where it runs
   std::map<std::string, std::string> environment;  // added to this process's
+  pid_t network_of = 0;  // the process whose network namespace it enters; 0: this one's
 };
 
 // How a process ended: its exit status, or 128 + the signal that killed it.

@@ -2,6 +2,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <thread>
+
 #include "core/scene/settings.hpp"
 #include "proto/blob.hpp"
 #include "tests/unit/server/scripted_farm.hpp"
@@ -218,6 +220,20 @@ TEST_F(Jobs, TakeTheirFilesWithThemWhenTheyAreDeleted) {
   last_used_hours_ago(25);
   coordinator().collect_blobs();
   EXPECT_FALSE(std::filesystem::exists(blob));
+}
+
+// However long that takes, and whatever the clock on the wall says by then.
+TEST_F(Jobs, KeepTheirFilesWhileTheyAreSubmitted) {
+  const auto blob = coordinator().blobs().path(proto::digest_of(kSceneBytes));
+  check_scene_ = [&](const v1::Bundle& bundle, const v1::RenderOverrides& overrides) {
+    std::filesystem::last_write_time(blob,
+                                     std::filesystem::file_time_type::clock::now() - std::chrono::hours(25));
+    std::thread([this] { coordinator().collect_blobs(); }).join();
+    return accept_scene(bundle, overrides);
+  };
+  open();
+  submit();
+  EXPECT_TRUE(std::filesystem::exists(blob));
 }
 
 }  // namespace

@@ -1,0 +1,269 @@
+// Disks that are full, read-only or damaged: a sentence that names the file and says what to do, and whatever
+// is whole goes on.
+#include <gmock/gmock.h>
+#include <signal.h>
+#include <sys/mount.h>
+
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <map>
+
+#include "proto/blob.hpp"
+#include "tests/integration/farm_processes.hpp"
+
+namespace tessera::test {
+namespace {
+
+using namespace std::chrono_literals;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+const std::vector<std::string> kSmall{"--size", "64x64", "--spp", "4"};
+
+class DiskFaultsTest : public FarmTest {
+ protected:
+  std::filesystem::path database() const { return state_ / "tessera.db"; }
+  std::filesystem::path log() const { return state_ / "tessera.db-wal"; }
+
+  Outcome start_in_vain() { return run_coordinator({"--listen", "127.0.0.1:0", "--state", state_}); }
+  Outcome check() { return run_coordinator({"--check", state_}); }
+
+  // Everything in the state folder, by path.
+  std::map<std::string, std::string> everything() const {
+    std::map<std::string, std::string> files;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(state_))
+      files[entry.path()] = entry.is_regular_file() ? read_file(entry.path()) : "";
+    return files;
+  }
+  static void flip(const std::filesystem::path& file, std::uint64_t at, std::size_t count = 1) {
+    std::fstream bytes(file, std::ios::in | std::ios::out | std::ios::binary);
+    for (std::size_t i = 0; i < count; ++i) {
+      bytes.seekg(static_cast<std::streamoff>(at + i));
+      const int byte = bytes.get();
+      bytes.seekp(static_cast<std::streamoff>(at + i));
+      bytes.put(static_cast<char>(byte ^ 0x55));
+    }
+  }
+  // Where these bytes stand in the file.
+  static std::uint64_t find(const std::filesystem::path& file, const std::string& bytes) {
+    const std::size_t at = read_file(file).find(bytes);
+    EXPECT_NE(at, std::string::npos);
+    return at;
+  }
+  std::filesystem::path blob_of(const v1::Job& job, const std::string& path) const {
+    for (const v1::Bundle::Asset& asset : job.bundle().assets()) {
+      const std::string hex = proto::from_proto(asset.digest())->hex();
+      if (asset.path() == path) return state_ / "blobs" / hex.substr(0, 2) / hex.substr(2);
+    }
+    ADD_FAILURE() << "the job has no " << path;
+    return {};
+  }
+  // Two jobs that are done, and the coordinator stopped in good order.
+  std::vector<std::string> make_state() {
+    start_coordinator();
+    start_worker("worker", 1);
+    const std::vector<std::string> ids{submit(kSmall), submit({"--size", "128x64", "--spp", "4"})};
+    for (const std::string& id : ids) EXPECT_TRUE(wait_for_state(id, v1::JOB_STATE_DONE));
+    stop_coordinator();
+    return ids;
+  }
+};
+
+TEST_F(DiskFaultsTest, CheckingASoundStateChangesNothingAndSaysSo) {
+  const std::vector<std::string> ids = make_state();
+  const auto before = everything();
+  const Outcome stopped = check();
+  EXPECT_EQ(stopped.exit_code, 0) << stopped.out << stopped.err;
+  for (const std::string& id : ids) EXPECT_THAT(stopped.out, HasSubstr("job " + id));
+  EXPECT_THAT(stopped.out,
+              AllOf(HasSubstr("16384 of 16384 samples: whole"), HasSubstr("everything is whole: 2 jobs")));
+  EXPECT_EQ(everything(), before);
+
+  restart_coordinator();
+  const Outcome running = check();
+  EXPECT_EQ(running.exit_code, 1);
+  EXPECT_THAT(running.err, HasSubstr("another coordinator runs on " + state_.string()));
+  kill_coordinator();
+  const auto crashed = everything();
+  const Outcome died = check();
+  EXPECT_EQ(died.exit_code, 0) << died.out << died.err;
+  EXPECT_THAT(died.out, HasSubstr("the next start takes in tessera.db-wal"));
+  EXPECT_EQ(everything(), crashed);
+
+  const Outcome nothing = run_coordinator({"--check", folder_ / "."});
+  EXPECT_EQ(nothing.exit_code, 1);
+  EXPECT_THAT(nothing.err, HasSubstr("no state of a coordinator"));
+  EXPECT_EQ(run_coordinator({"--check", folder_ / "nowhere"}).exit_code, 2);
+}
+
+TEST_F(DiskFaultsTest, ASecondCoordinatorAndALaterReleaseAreRefused) {
+  start_coordinator();
+  const Outcome second = start_in_vain();
+  EXPECT_EQ(second.exit_code, 1);
+  EXPECT_THAT(second.err,
+              AllOf(HasSubstr("another coordinator runs on " + state_.string()), HasSubstr("--state")));
+  stop_coordinator();
+  flip(database(), 60, 4);  // the file's user_version
+  const Outcome later = start_in_vain();
+  EXPECT_EQ(later.exit_code, 1);
+  EXPECT_THAT(later.err, AllOf(HasSubstr(database()), HasSubstr("release")));
+}
+
+TEST_F(DiskFaultsTest, ADatabaseThatIsGoneEmptyOrGarbageIsToldAndNeverReplaced) {
+  make_state();
+  const std::string whole = read_file(database());
+  const std::string garbage(whole.size(), 'g');
+  for (const std::string& content :
+       {std::string(), garbage, whole.substr(0, whole.size() / 2), whole.substr(0, 100)}) {
+    SCOPED_TRACE(content.size());
+    write_file(database(), content);
+    const Outcome refused = start_in_vain();
+    EXPECT_EQ(refused.exit_code, 1);
+    EXPECT_THAT(refused.err, AllOf(HasSubstr(database()), HasSubstr("put back a copy")));
+    EXPECT_EQ(check().exit_code, 1);
+    EXPECT_TRUE(read_file(database()) == content);
+  }
+  std::filesystem::remove(database());
+  EXPECT_THAT(start_in_vain().err, HasSubstr("is missing or empty"));
+  std::filesystem::remove(log());
+  write_file(database(), whole);
+  EXPECT_EQ(check().exit_code, 0);
+}
+
+// A tile, which only its own sum tells of, and the structure of the file.
+TEST_F(DiskFaultsTest, SalvageKeepsEveryJobAndRendersDamagedTilesAgain) {
+  const std::vector<std::string> ids = make_state();
+  const std::string pictures[] = {render_here(kSmall, ".exr"),
+                                  render_here({"--size", "128x64", "--spp", "4"}, ".exr")};
+  // The largest cells are films: their pages are most of the file. One in the middle is hit badly.
+  const std::uint64_t size = std::filesystem::file_size(database());
+  constexpr std::uint64_t kPage = 16384;
+  flip(database(), size / kPage / 2 * kPage, 64);
+  const Outcome checked = check();
+  EXPECT_EQ(checked.exit_code, 1);
+  EXPECT_THAT(checked.out, HasSubstr("not everything is whole"));
+
+  const Outcome salvaged = run_coordinator({"--salvage", state_});
+  EXPECT_EQ(salvaged.exit_code, 0) << salvaged.err;
+  EXPECT_THAT(salvaged.out, HasSubstr("kept 2 jobs"));
+  EXPECT_TRUE(std::filesystem::exists(database().string() + ".damaged-1"));
+  EXPECT_EQ(check().exit_code, 0);
+  restart_coordinator();
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    ASSERT_TRUE(wait_for_state(ids[i], v1::JOB_STATE_DONE)) << "lost tiles are not rendered again";
+    EXPECT_TRUE(image(ids[i], ".exr") == pictures[i]);
+  }
+}
+
+TEST_F(DiskFaultsTest, ADamagedLogIsNoEndOfTheLog) {
+  start_coordinator();
+  start_worker("worker", 1);
+  const std::string id = submit({"--size", "128x128", "--spp", "100000"});
+  ASSERT_TRUE(poll_until(30s, [&] {
+    std::error_code ignored;
+    return std::filesystem::file_size(log(), ignored) > 20 * 16384;
+  }));
+  kill_coordinator();
+  flip(log(), 32 + 24 + 100);  // in the first page of it: all that was written later would be forgotten
+  const auto before = everything();
+  const Outcome refused = start_in_vain();
+  EXPECT_EQ(refused.exit_code, 1);
+  EXPECT_THAT(refused.err, AllOf(HasSubstr(log().string() + " is damaged"), HasSubstr("--salvage")));
+  EXPECT_EQ(check().exit_code, 1);
+  EXPECT_EQ(everything(), before);
+  ASSERT_EQ(run_coordinator({"--salvage", state_}).exit_code, 0);
+  restart_coordinator();
+  EXPECT_EQ(job(id).state(), v1::JOB_STATE_RUNNING);
+  EXPECT_TRUE(wait_for_samples(id, job(id).samples_done() + 1));
+}
+
+TEST_F(DiskFaultsTest, ADamagedBlobIsNamedAndHarmsNoOtherJob) {
+  start_coordinator();
+  const std::string id = submit(kSmall);
+  const auto blob = blob_of(job(id), "box.obj");
+  kill_coordinator();
+  flip(blob, 10);
+  const Outcome checked = check();
+  EXPECT_EQ(checked.exit_code, 1);
+  EXPECT_THAT(checked.out,
+              AllOf(HasSubstr(blob.string()), HasSubstr("box.obj"), HasSubstr("submit the scene again")));
+  restart_coordinator();
+  start_worker("worker", 1);
+  ASSERT_TRUE(wait_for_state(id, v1::JOB_STATE_FAILED));
+  EXPECT_THAT(job(id).failure(), HasSubstr("box.obj"));
+  const std::string again = submit(kSmall);
+  EXPECT_TRUE(wait_for_state(again, v1::JOB_STATE_DONE));
+}
+
+// A file system of its own for the state folder, which only root can have.
+class OwnDiskTest : public DiskFaultsTest {
+ protected:
+  void SetUp() override {
+    std::filesystem::create_directory(disk_);
+    if (mount("tessera-test", disk_.c_str(), "tmpfs", 0, "size=2m,mode=0700") != 0)
+      GTEST_SKIP() << "a file system for this test cannot be mounted (that needs root): "
+                   << std::strerror(errno);
+    mounted_ = true;
+    state_ = disk_ / "state";
+  }
+  ~OwnDiskTest() override {
+    if (mounted_) umount2(disk_.c_str(), MNT_DETACH);
+  }
+  void remount(unsigned long flags, const char* options) {
+    ASSERT_EQ(mount("tessera-test", disk_.c_str(), "tmpfs", MS_REMOUNT | flags, options), 0)
+        << std::strerror(errno);
+  }
+
+  const std::filesystem::path disk_ = folder_ / "disk";
+  bool mounted_ = false;
+};
+
+TEST_F(OwnDiskTest, AFullDiskIsToldRendersOnAndIsWrittenToWhenThereIsSpace) {
+  // Some 1.5 MB of film, twice: in the log, and in the file.
+  const std::vector<std::string> options{"--size", "256x192", "--spp", "8"};
+  start_coordinator();
+  const std::string id = submit(options);
+  start_worker("worker", 1);
+  ASSERT_TRUE(wait_for_state(id, v1::JOB_STATE_DONE)) << "the render does not carry on in memory";
+  ASSERT_TRUE(
+      poll_until(20s, [&] { return coordinator().err().find("the disk is full") != std::string::npos; }));
+  EXPECT_THAT(coordinator().err(),
+              HasSubstr(database().string() + ": the disk is full: free some space there"));
+  EXPECT_TRUE(image(id, ".exr") == render_here(options, ".exr"));
+  const Outcome refused = tessera({"submit", kCornell, "--size", "32x32"});
+  if (refused.exit_code != 0) {
+    EXPECT_THAT(refused.err, HasSubstr("the disk is full"));
+  }
+
+  remount(0, "size=64m");
+  ASSERT_TRUE(poll_until(
+      20s, [&] { return coordinator().err().find("checkpoints are written again") != std::string::npos; }));
+  kill_coordinator();
+  EXPECT_EQ(check().exit_code, 0) << check().out;
+  restart_coordinator();
+  EXPECT_EQ(job(id).state(), v1::JOB_STATE_DONE);
+  EXPECT_TRUE(image(id, ".exr") == render_here(options, ".exr"));
+}
+
+TEST_F(OwnDiskTest, AReadOnlyStateFolderIsNamedAndCanBeChecked) {
+  start_coordinator();
+  const std::string id = submit(kSmall);
+  kill_coordinator();
+  remount(MS_RDONLY, "");
+  const Outcome refused = start_in_vain();
+  EXPECT_EQ(refused.exit_code, 1);
+  EXPECT_THAT(refused.err,
+              AllOf(HasSubstr(state_.string()), HasSubstr("read-only file system"), HasSubstr("--state")));
+  const Outcome checked = check();
+  EXPECT_EQ(checked.exit_code, 0) << checked.out << checked.err;
+  EXPECT_THAT(checked.out, HasSubstr(id));
+  remount(0, "size=64m");
+  start_worker("worker", 1);
+  restart_coordinator();
+  EXPECT_TRUE(wait_for_state(id, v1::JOB_STATE_DONE));
+}
+
+}  // namespace
+}  // namespace tessera::test

@@ -1,0 +1,144 @@
+// A farm over a network that breaks: coordinator, workers and clients each in a network namespace of its own.
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <thread>
+
+#include "tests/integration/farm_processes.hpp"
+#include "tests/integration/network.hpp"
+
+namespace tessera::test {
+namespace {
+
+using namespace std::chrono_literals;
+using ::testing::HasSubstr;
+
+constexpr int kCoordinator = 2, kFirst = 3, kSecond = 4, kClient = 5;
+constexpr auto kReconnects = 60s;  // a few seconds, on a machine that has time
+
+// Before anything has threads.
+class NamespacesFirst {
+ public:
+  NamespacesFirst() : why_not_(Network::enter()) {
+    if (!why_not_) network_ = std::make_unique<Network>();
+  }
+  std::optional<std::string> why_not_;
+  std::unique_ptr<Network> network_;
+};
+
+class NetworkTest : private NamespacesFirst, public FarmTest {
+ protected:
+  static constexpr std::uint64_t kSamples = 256ull * 192 * 48;
+  const std::vector<std::string> options_{"--size", "256x192", "--spp", "48"};
+
+  void SetUp() override {
+    if (why_not_) GTEST_SKIP() << "no network namespaces: " << *why_not_;
+    networks_ = {{"coordinator", network().add_host(kCoordinator)},
+                 {"first", network().add_host(kFirst)},
+                 {"second", network().add_host(kSecond)},
+                 {"tessera", network().add_host(kClient)}};
+    listen_ = Network::address_of(kCoordinator) + ":0";
+    coordinator_options_ = {"--insecure"};
+    security_.insecure = true;
+  }
+
+  Network& network() { return *network_; }
+
+  void start_farm(double lease_seconds) {
+    start_coordinator(lease_seconds);
+    start_worker("first", 1);
+    start_worker("second", 1);
+    ASSERT_TRUE(wait_for_workers(2));
+  }
+
+  std::string waited() const { return folder_ / "waited.exr"; }
+  Process submit_and_wait(const std::vector<std::string>& options) {
+    std::vector<std::string> arguments{"submit", kCornell, "--wait", "-o", waited()};
+    arguments.insert(arguments.end(), options.begin(), options.end());
+    return start_tessera(arguments);
+  }
+  void expect_same_bytes_from_a_farm() {
+    const std::vector<std::string> options{"--size", "256x192", "--spp", "16"};
+    start_farm(10);
+    Process client = submit_and_wait(options);
+    EXPECT_EQ(client.wait(120s), 0) << client.err();
+    EXPECT_TRUE(read_file(waited()) == render_here(options, ".exr"));
+    EXPECT_EQ(job(newest_job()).counters().samples(), 256u * 192 * 16);
+  }
+  // Of the job that has just been submitted.
+  std::string newest_job() {
+    EXPECT_TRUE(poll_until(30s, [&] { return !jobs().empty(); }));
+    return jobs().front().id();
+  }
+
+  bool is_heard(const std::string& name) {
+    const auto known = workers();
+    return std::any_of(known.begin(), known.end(),
+                       [&](const auto& worker) { return worker.name() == name && !worker.silent(); });
+  }
+};
+
+TEST_F(NetworkTest, ACutOfThirtySecondsCostsTimeAndNothingElse) {
+  start_farm(3);
+  Process client = submit_and_wait(options_);
+  const std::string id = newest_job();
+  ASSERT_TRUE(wait_for_samples(id, kSamples / 20));
+  ASSERT_LT(job(id).samples_done(), kSamples / 2) << "the job was nearly over too soon for this test";
+  for (const int host : {kFirst, kSecond, kClient}) network().pull(host);
+  const std::uint64_t at_the_cut = job(id).samples_done();
+  std::this_thread::sleep_for(30s);
+  EXPECT_FALSE(is_heard("first"));
+  EXPECT_EQ(job(id).active_workers(), 0u) << "leases of workers that are not heard of";
+  EXPECT_LE(job(id).samples_done() - at_the_cut, kSamples / 4) << "the cables are not pulled";
+  ASSERT_EQ(job(id).state(), v1::JOB_STATE_RUNNING);
+  for (const int host : {kFirst, kSecond, kClient}) network().plug_in(host);
+  EXPECT_TRUE(poll_until(kReconnects, [&] { return is_heard("first") && is_heard("second"); }));
+  ASSERT_TRUE(wait_for_state(id, v1::JOB_STATE_DONE));
+  EXPECT_EQ(client.wait(kReconnects), 0) << client.err();
+  EXPECT_TRUE(read_file(waited()) == render_here(options_, ".exr"));
+  EXPECT_EQ(job(id).samples_done(), kSamples);
+}
+
+TEST_F(NetworkTest, AWorkerThatIsCutOffHoldsNobodyUp) {
+  start_farm(2);
+  const std::string id = submit(options_);
+  ASSERT_TRUE(wait_for_samples(id, kSamples / 20));
+  network().pull(kFirst);
+  ASSERT_TRUE(wait_for_state(id, v1::JOB_STATE_DONE)) << "the other worker does not carry on";
+  EXPECT_TRUE(image(id, ".exr") == render_here(options_, ".exr"));
+  network().plug_in(kFirst);
+  EXPECT_TRUE(poll_until(kReconnects, [&] { return is_heard("first"); }));
+  EXPECT_EQ(job(id).counters().samples(), kSamples) << "late results were counted again";
+}
+
+// Who listens only sends nothing by which it would learn that the other end of its connection is gone.
+TEST_F(NetworkTest, AWatcherOfAnIdleJobNoticesThatTheCoordinatorVanished) {
+  start_coordinator();
+  const std::string id = submit({"--size", "64x64", "--spp", "4"});
+  Process watch = start_tessera({"watch", id});
+  ASSERT_TRUE(watch.wait_until_catches(SIGINT, 20s));
+  std::this_thread::sleep_for(45s);  // more than gRPC's usual number of pings for a silent connection
+  network().pull(kClient);
+  kill_coordinator();  // its last word does not arrive
+  network().plug_in(kClient);
+  network().pull(kCoordinator);
+  ASSERT_TRUE(
+      poll_until(kReconnects, [&] { return watch.err().find("lost the coordinator") != std::string::npos; }));
+  network().plug_in(kCoordinator);
+  restart_coordinator();
+  start_worker("first", 1);
+  EXPECT_EQ(watch.wait(kReconnects), 0) << watch.err();
+}
+
+TEST_F(NetworkTest, TwoHundredMillisecondsOfDelayChangeNoBit) {
+  network().hold_up(200ms);
+  expect_same_bytes_from_a_farm();
+}
+
+TEST_F(NetworkTest, ALossOfFivePercentChangesNoBit) {
+  network().lose(0.05);
+  expect_same_bytes_from_a_farm();
+}
+
+}  // namespace
+}  // namespace tessera::test

@@ -1,0 +1,26 @@
+// What a worker says, from a test: takes leases, says that it holds them, and renders nothing.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "tessera/v1/worker_service.grpc.pb.h"
+
+namespace tessera::test {
+
+class RawWorker {
+ public:
+  // Of no build that there is.
+  static constexpr const char* kFingerprint = "0000000000000000";
+
+  RawWorker(const std::string& address, const std::string& name);
+
+  // Blocks until the coordinator answers. What it answers is held from then on.
+  v1::SynchronizeResponse synchronize();
+
+ private:
+  std::unique_ptr<v1::WorkerService::StubInterface> coordinator_;
+  v1::SynchronizeRequest request_;
+};
+
+}  // namespace tessera::test

@@ -1,0 +1,50 @@
+// A switch of network frames between interfaces of this namespace, run by a thread of its own. Thread-safe.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <deque>
+#include <mutex>
+#include <random>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "tests/integration/network.hpp"
+
+namespace tessera::test {
+
+class Network::Switch {
+ public:
+  Switch();
+  ~Switch();
+
+  // What comes in at one interface goes out at all others.
+  void add_port(const std::string& interface);
+  void hold_up(std::chrono::milliseconds delay) { delay_ms_ = delay.count(); }
+  void lose(double share) { lost_share_ = share; }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  struct Frame {
+    Clock::time_point due;
+    int from;
+    std::string bytes;
+  };
+
+  void run();
+  void take_frames(const std::vector<int>& ports);
+  void pass_on(const std::vector<int>& ports);
+
+  std::atomic<std::int64_t> delay_ms_ = 0;
+  std::atomic<double> lost_share_ = 0;
+  std::atomic<bool> stopping_ = false;
+  std::mutex mutex_;
+  std::vector<int> ports_;  // sockets; guarded by mutex_
+  // Of the thread:
+  std::deque<Frame> held_up_;
+  std::mt19937 random_{1};
+  std::thread thread_;
+};
+
+}  // namespace tessera::test

@@ -1,0 +1,132 @@
+// What a worker that dies, freezes or leaves costs: its lease, and not more.
+#include <gmock/gmock.h>
+#include <signal.h>
+
+#include <algorithm>
+#include <set>
+
+#include "tests/integration/farm_processes.hpp"
+#include "tests/integration/raw_worker.hpp"
+
+namespace tessera::test {
+namespace {
+
+using namespace std::chrono_literals;
+using ::testing::HasSubstr;
+
+class WorkerFaultsTest : public FarmTest {
+ protected:
+  static constexpr std::uint64_t kSamples = 256ull * 192 * 24;
+  const std::vector<std::string> options_{"--size", "256x192", "--spp", "24"};
+
+  // Of the workers of this name that the coordinator remembers.
+  std::uint64_t accepted_of(const std::string& name) {
+    std::uint64_t samples = 0;
+    for (const auto& worker : workers())
+      if (worker.name() == name) samples += worker.samples_accepted();
+    return samples;
+  }
+  bool is_silent(const std::string& name) {
+    const auto known = workers();
+    return std::any_of(known.begin(), known.end(),
+                       [&](const auto& worker) { return worker.name() == name && worker.silent(); });
+  }
+  // Ends it in good order, and answers with what it says that it has rendered.
+  std::uint64_t rendered_by(Process& worker) {
+    worker.signal(SIGTERM);
+    EXPECT_EQ(worker.wait(30s), 0);
+    const std::string log = worker.err(), key = "has rendered ";
+    const std::size_t at = log.find(key);
+    EXPECT_NE(at, std::string::npos) << log;
+    return at == std::string::npos ? 0 : std::stoull(log.substr(at + key.size()));
+  }
+};
+
+// Whoever survives renders what the dead have not delivered, and nothing that was there.
+TEST_F(WorkerFaultsTest, WhateverIsKilledOnlyItsLeasesAreRenderedAgain) {
+  start_coordinator(1);
+  const std::string id = submit(options_);
+  for (int kills = 0; kills < 6; ++kills) {
+    Process& victim = start_worker("victim", 1);
+    const std::uint64_t before = job(id).samples_done();
+    // At another moment of its work each time.
+    ASSERT_TRUE(poll_until(30s, [&] { return job(id).samples_done() >= before + 15'000ull * (kills + 1); }));
+    ASSERT_EQ(job(id).state(), v1::JOB_STATE_RUNNING) << "the job was over too soon for this test";
+    victim.signal(SIGKILL);
+    ASSERT_TRUE(victim.wait(5s).has_value());
+  }
+  ASSERT_TRUE(poll_until(20s, [&] { return job(id).active_workers() == 0; }));
+  const std::uint64_t delivered = job(id).samples_done();
+  ASSERT_LT(delivered, kSamples);
+  Process& survivor = start_worker("survivor", 1);
+  ASSERT_TRUE(wait_for_state(id, v1::JOB_STATE_DONE));
+  EXPECT_EQ(rendered_by(survivor), kSamples - delivered);
+  EXPECT_EQ(job(id).counters().samples(), kSamples);
+  EXPECT_TRUE(image(id, ".exr") == render_here(options_, ".exr"));
+}
+
+TEST_F(WorkerFaultsTest, NoJobWaitsLongerThanTheLeaseAndASecond) {
+  constexpr auto kLease = 2s;
+  start_coordinator(std::chrono::duration<double>(kLease).count());
+  const std::string id = submit({"--size", "64x64", "--spp", "1"});
+  RawWorker dies(address(), "dies"), waits(address(), "waits");
+  ASSERT_TRUE(poll_until(20s, [&] { return !dies.synchronize().leases().empty(); }));
+  dies.synchronize();  // it says that it has it, and is not heard of again
+  const auto died = std::chrono::steady_clock::now();
+  ASSERT_EQ(job(id).active_workers(), 1u);
+  ASSERT_TRUE(poll_until(20s, [&] { return job(id).active_workers() == 0; }));
+  const auto waited = std::chrono::steady_clock::now() - died;
+  EXPECT_LE(waited, kLease + 1s);
+  EXPECT_GE(waited, kLease / 2) << "the lease was taken away while it was held";
+  EXPECT_FALSE(waits.synchronize().leases().empty());
+}
+
+// Nothing is leased while the job is paused: what comes then is of the lease that was lost.
+TEST_F(WorkerFaultsTest, AFrozenWorkersLateResultCountsIfItIsMissing) {
+  start_coordinator(1);
+  Process& worker = start_worker("frozen", 1);
+  const std::string id = submit(options_);
+  ASSERT_TRUE(wait_for_samples(id, kSamples / 20));
+  worker.signal(SIGSTOP);
+  ASSERT_TRUE(poll_until(20s, [&] { return is_silent("frozen"); }));
+  ASSERT_EQ(tessera({"pause", id}).exit_code, 0);
+  const std::uint64_t before = job(id).samples_done();
+  ASSERT_EQ(job(id).active_workers(), 0u);
+  worker.signal(SIGCONT);
+  ASSERT_TRUE(poll_until(30s, [&] { return job(id).samples_done() > before; }));
+  ASSERT_EQ(tessera({"resume", id}).exit_code, 0);
+  ASSERT_TRUE(wait_for_state(id, v1::JOB_STATE_DONE));
+  EXPECT_EQ(job(id).counters().samples(), kSamples);
+  EXPECT_TRUE(image(id, ".exr") == render_here(options_, ".exr"));
+}
+
+TEST_F(WorkerFaultsTest, AWorkerThatIsToldToStopHandsBackAllItHasRendered) {
+  start_coordinator(3600);
+  Process& leaving = start_worker("leaves", 1);
+  const std::string id = submit(options_);
+  ASSERT_TRUE(wait_for_samples(id, kSamples / 20));
+  const std::uint64_t rendered = rendered_by(leaving);
+  EXPECT_EQ(job(id).samples_done(), rendered);
+  EXPECT_EQ(job(id).active_workers(), 0u);
+  ASSERT_LT(rendered, kSamples) << "the job was over too soon for this test";
+  Process& stays = start_worker("stays", 1);
+  ASSERT_TRUE(wait_for_state(id, v1::JOB_STATE_DONE));
+  EXPECT_EQ(rendered_by(stays), kSamples - rendered);
+  EXPECT_TRUE(image(id, ".exr") == render_here(options_, ".exr"));
+}
+
+// The farm's arithmetic is that of whoever came first; here that is another build's.
+TEST_F(WorkerFaultsTest, AWorkerOfAnotherBuildIsToldBothFingerprintsAndEnds) {
+  start_coordinator(60);
+  submit(options_);
+  RawWorker other_build(address(), "other build");
+  ASSERT_TRUE(poll_until(20s, [&] { return !other_build.synchronize().leases().empty(); }));
+  Process& worker = start_worker("this build", 1);
+  EXPECT_EQ(worker.wait(20s), 1);
+  EXPECT_THAT(worker.err(), HasSubstr("computes other bits than this farm"));
+  EXPECT_THAT(worker.err(), HasSubstr(RawWorker::kFingerprint));
+  EXPECT_THAT(worker.err(), HasSubstr("Install the farm's release"));
+}
+
+}  // namespace
+}  // namespace tessera::test
