@@ -17,6 +17,10 @@ constexpr int kLeastPingIntervalMs = 5'000;
 // as when watching a job, would wait for ever for a peer that vanished.
 constexpr int kPingsWithoutData = 0;
 
+// What a caller may send before the coordinator has looked at it. Results come at once in it; without the
+// probe, no pings go to and fro with each of them to find out how much that should be.
+constexpr int kLookaheadBytes = 1 << 20;
+
 namespace interception = grpc::experimental;
 
 // Adds the token to a call's metadata. gRPC's own credentials for calls would do it over TLS alone.
@@ -82,6 +86,8 @@ void apply_server_options(grpc::ServerBuilder& builder) {
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, kKeepaliveTimeoutMs);
   builder.AddChannelArgument(GRPC_ARG_HTTP2_MAX_PINGS_WITHOUT_DATA, kPingsWithoutData);
   builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS, kLeastPingIntervalMs);
+  builder.AddChannelArgument(GRPC_ARG_HTTP2_BDP_PROBE, 0);
+  builder.AddChannelArgument(GRPC_ARG_HTTP2_STREAM_LOOKAHEAD_BYTES, kLookaheadBytes);
   // A second process on the same port is a mistake to be told, not a load balancer.
   builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
 }

@@ -4,8 +4,10 @@
 #include <xxhash.h>
 #include <zstd.h>
 
+#include <algorithm>
 #include <bit>
-#include <cstring>
+#include <cassert>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -22,26 +24,33 @@ static_assert(std::endian::native == std::endian::little, "the wire order is cop
 // Sums are noise in their low bits: a higher level costs time and gains nothing.
 constexpr int kZstdLevel = 1;
 
-// Bytes of one of the two buffers of sums.
-std::size_t sums_bytes(const core::PixelRect& rect) {
-  return rect.pixel_count() * 3 * sizeof(std::uint64_t);
+// Of both buffers of the largest tile.
+constexpr std::size_t kMostSums = std::size_t{2} * 3 * core::kTilePx * core::kTilePx;
+
+// What coding a tile takes besides its result. Kept for the next: to get that much memory anew, and have it
+// filled with zeros, takes as long as decompressing.
+struct Workspace {
+  std::unique_ptr<ZSTD_CCtx, decltype(&ZSTD_freeCCtx)> compressor{ZSTD_createCCtx(), &ZSTD_freeCCtx};
+  std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)> decompressor{ZSTD_createDCtx(), &ZSTD_freeDCtx};
+  std::vector<std::uint64_t> sums = std::vector<std::uint64_t>(kMostSums);
+  std::string frame = std::string(ZSTD_compressBound(kMostSums * sizeof(std::uint64_t)), '\0');
+};
+
+Workspace& workspace() {
+  thread_local Workspace of_this_thread;
+  return of_this_thread;
 }
 
-std::string compress(const std::string& raw) {
-  std::string frame(ZSTD_compressBound(raw.size()), '\0');
-  frame.resize(ZSTD_compress(frame.data(), frame.size(), raw.data(), raw.size(), kZstdLevel));
-  return frame;
-}
-
-core::Result<std::string> decompress(const std::string& frame, std::size_t raw_bytes) {
-  std::string raw(raw_bytes, '\0');
-  const std::size_t written = ZSTD_decompress(raw.data(), raw.size(), frame.data(), frame.size());
+// Into work.sums. The frame must hold exactly so many bytes.
+core::Status decompress(const std::string& frame, std::size_t raw_bytes, Workspace& work) {
+  const std::size_t written =
+      ZSTD_decompressDCtx(work.decompressor.get(), work.sums.data(), raw_bytes, frame.data(), frame.size());
   if (ZSTD_isError(written) != 0)
     return fail(ErrorCode::kInvalidArgument, fmt::format("sums_zstd: {}", ZSTD_getErrorName(written)));
   if (written != raw_bytes)
     return fail(ErrorCode::kInvalidArgument,
                 fmt::format("sums_zstd: must hold {} bytes of sums, got {}", raw_bytes, written));
-  return raw;
+  return {};
 }
 
 core::Result<WorkItem> decode_region(const v1::RenderedItem& message) {
@@ -68,15 +77,18 @@ core::Status check_counters(const core::RenderCounters& counters, const WorkItem
 }  // namespace
 
 v1::RenderedItem encode_tile(const core::FilmTile& tile) {
-  const std::size_t half = sums_bytes(tile.rect);
-  std::string raw(2 * half, '\0');
-  std::memcpy(raw.data(), tile.sums.data(), half);
-  std::memcpy(raw.data() + half, tile.odd_sums.data(), half);
+  assert(tile.sums.size() + tile.odd_sums.size() <= kMostSums);
+  Workspace& work = workspace();
+  const auto end = std::copy(tile.odd_sums.begin(), tile.odd_sums.end(),
+                             std::copy(tile.sums.begin(), tile.sums.end(), work.sums.begin()));
+  const auto bytes = static_cast<std::size_t>(end - work.sums.begin()) * sizeof(std::uint64_t);
+  const std::size_t size = ZSTD_compressCCtx(work.compressor.get(), work.frame.data(), work.frame.size(),
+                                             work.sums.data(), bytes, kZstdLevel);
 
   v1::RenderedItem message;
   *message.mutable_item() = to_proto(WorkItem{tile.rect, tile.range});
-  message.set_sums_zstd(compress(raw));
-  message.set_sums_xxh3(XXH3_64bits(raw.data(), raw.size()));
+  message.set_sums_zstd(work.frame.data(), size);
+  message.set_sums_xxh3(XXH3_64bits(work.sums.data(), bytes));
   *message.mutable_counters() = to_proto(tile.counters);
   return message;
 }
@@ -84,18 +96,22 @@ v1::RenderedItem encode_tile(const core::FilmTile& tile) {
 core::Result<core::FilmTile> decode_tile(const v1::RenderedItem& message) {
   const core::Result<WorkItem> item = decode_region(message);
   if (!item) return fail(item.error());
-  const std::size_t half = sums_bytes(item->rect);
-  const core::Result<std::string> raw = decompress(message.sums_zstd(), 2 * half);
-  if (!raw) return fail(raw.error());
-  if (XXH3_64bits(raw->data(), raw->size()) != message.sums_xxh3())
+  const std::size_t half = item->rect.pixel_count() * 3;
+  Workspace& work = workspace();
+  if (core::Status read = decompress(message.sums_zstd(), 2 * half * sizeof(std::uint64_t), work); !read)
+    return fail(read.error());
+  if (XXH3_64bits(work.sums.data(), 2 * half * sizeof(std::uint64_t)) != message.sums_xxh3())
     return fail(ErrorCode::kInvalidArgument,
                 "sums_xxh3: does not match the sums; they were damaged on the way");
 
-  core::FilmTile tile(item->rect, item->range);
+  core::FilmTile tile;
+  tile.rect = item->rect;
+  tile.range = item->range;
   tile.counters = from_proto(message.counters());
   if (core::Status fits = check_counters(tile.counters, *item); !fits) return fail(fits.error());
-  std::memcpy(tile.sums.data(), raw->data(), half);
-  std::memcpy(tile.odd_sums.data(), raw->data() + half, half);
+  const auto middle = work.sums.begin() + static_cast<std::ptrdiff_t>(half);
+  tile.sums.assign(work.sums.begin(), middle);
+  tile.odd_sums.assign(middle, middle + static_cast<std::ptrdiff_t>(half));
   return tile;
 }
 

@@ -12,7 +12,7 @@ packages=(
   # What comes out: OpenEXR pictures.
   libopenexr-dev libimath-dev
   # The farm: RPC and its code generators, logs, durable state, compressed film tiles.
-  libgrpc++-dev libprotobuf-dev protobuf-compiler protobuf-compiler-grpc
+  libabsl-dev libgrpc++-dev libprotobuf-dev protobuf-compiler protobuf-compiler-grpc
   libspdlog-dev libsqlite3-dev libzstd-dev
   # deploy/make_certificates.sh.
   openssl

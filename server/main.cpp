@@ -1,4 +1,5 @@
 // tessera-coordinator: see options.hpp.
+#include <absl/synchronization/mutex.h>
 #include <signal.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
@@ -81,6 +82,8 @@ int main(int argc, char** argv) {
   const server::Options options = server::parse_options(argc, argv);
   if (!options.check.empty()) return server::check(options.check);
   if (!options.salvage.empty()) return server::salvage(options.salvage);
+  // Debian's Abseil looks for deadlocks each time that gRPC takes a lock.
+  absl::SetMutexDeadlockDetectionMode(absl::OnDeadlockCycle::kIgnore);
   const sigset_t stop_signals = block_stop_signals();
   const auto ended = run(options, stop_signals);
   if (ended) return EXIT_SUCCESS;

@@ -47,6 +47,7 @@ Image map_channels(const TileGrid& grid, const std::vector<Film::TileSums>& tile
   for (int t = 0; t < grid.tile_count(); ++t) {
     const PixelRect rect = grid.rect(t);
     const Film::TileSums& tile = tiles[static_cast<std::size_t>(t)];
+    if (tile.sums.empty()) continue;  // as black as the image is already
     std::size_t i = 0;
     const auto channel = [&] {
       const double v = value(tile.sums[i], tile.odd_sums[i], tile.samples, tile.odd_samples);
@@ -93,14 +94,7 @@ void FilmTile::append(const FilmTile& next) {
   counters.add(next.counters);
 }
 
-Film::Film(TileGrid grid) : grid_(grid) {
-  tiles_.resize(static_cast<std::size_t>(grid.tile_count()));
-  for (int t = 0; t < grid.tile_count(); ++t) {
-    TileSums& tile = tiles_[static_cast<std::size_t>(t)];
-    tile.sums.resize(channel_count(grid.rect(t)));
-    tile.odd_sums.resize(channel_count(grid.rect(t)));
-  }
-}
+Film::Film(TileGrid grid) : grid_(grid), tiles_(static_cast<std::size_t>(grid.tile_count())) {}
 
 void Film::add(const FilmTile& tile) {
   const int tile_px = grid_.tile_px();
@@ -111,6 +105,8 @@ void Film::add(const FilmTile& tile) {
       const PixelRect cell = grid_.rect(index);
       assert(cell.x1 <= tile.rect.x1 && cell.y1 <= tile.rect.y1);
       TileSums& to = tiles_[static_cast<std::size_t>(index)];
+      to.sums.resize(channel_count(cell));
+      to.odd_sums.resize(channel_count(cell));
       add_overlap(to.sums, cell, tile.sums, tile.rect);
       add_overlap(to.odd_sums, cell, tile.odd_sums, tile.rect);
       to.samples += tile.range.count();
@@ -120,9 +116,9 @@ void Film::add(const FilmTile& tile) {
 }
 
 void Film::restore(int index, TileSums sums) {
-  TileSums& tile = tiles_[static_cast<std::size_t>(index)];
-  assert(sums.sums.size() == tile.sums.size() && sums.odd_sums.size() == tile.odd_sums.size());
-  tile = std::move(sums);
+  assert(sums.samples == 0 || sums.sums.size() == channel_count(grid_.rect(index)));
+  assert(sums.odd_sums.size() == sums.sums.size());
+  tiles_[static_cast<std::size_t>(index)] = std::move(sums);
 }
 
 Image Film::develop() const {
@@ -146,7 +142,11 @@ std::uint64_t Film::saturated_pixels() const {
 
 bool Film::operator==(const Film& other) const {
   return grid_.width() == other.grid_.width() && grid_.height() == other.grid_.height() &&
-         grid_.tile_px() == other.grid_.tile_px() && tiles_ == other.tiles_;
+         grid_.tile_px() == other.grid_.tile_px() &&
+         std::equal(tiles_.begin(), tiles_.end(), other.tiles_.begin(),
+                    [](const TileSums& a, const TileSums& b) {
+                      return a == b || (a.samples == 0 && b.samples == 0);  // with buffers or without
+                    });
 }
 
 }  // namespace tessera::core

@@ -63,14 +63,14 @@ class Film {
   void add(const FilmTile& tile);
 
   // One grid tile's sums in the layout of FilmTile, and how many samples of each pixel they hold. For
-  // checkpoints: the samples need not be a range from 0.
+  // checkpoints: the samples need not be a range from 0. Where there are none, no memory is taken either.
   struct TileSums {
     std::vector<std::uint64_t> sums, odd_sums;
     std::uint32_t samples = 0, odd_samples = 0;
     bool operator==(const TileSums&) const = default;
   };
   const TileSums& tile(int index) const { return tiles_[static_cast<std::size_t>(index)]; }
-  // Replaces one grid tile's content. The sizes must be those of the tile.
+  // Replaces one grid tile's content. The sizes must be those of the tile, or 0 if there are no samples.
   void restore(int index, TileSums sums);
 
   // Linear radiance: each pixel the mean of the samples it has so far; black where it has none.

@@ -4,11 +4,16 @@
 
 #include <utility>
 
+#include "proto/convert.hpp"
 #include "proto/tile_codec.hpp"
+#include "server/coordinator/tile_planes.hpp"
 
 namespace tessera::coordinator {
 
 namespace {
+
+// Content without it is of an earlier release: the item as it travels.
+constexpr char kPlanesMark = 'P';
 
 struct SampleCount {
   std::uint32_t all = 0, odd = 0;
@@ -21,6 +26,24 @@ SampleCount count_samples(const std::vector<core::SampleRange>& ranges) {
     count.odd += range.odd_count();
   }
   return count;
+}
+
+// `rect` is what the item's rectangle should be.
+core::Result<core::FilmTile> decode_item_in_planes(const v1::RenderedItem& message,
+                                                   const core::PixelRect& rect) {
+  const auto item = proto::from_proto(message.item());
+  if (!item) return core::fail(item.error());
+  auto planes = decode_planes(message.sums_zstd(), rect.pixel_count() * 3);
+  if (!planes) return core::fail(planes.error());
+  core::FilmTile tile;
+  tile.rect = item->rect;
+  tile.range = item->range;
+  tile.sums = std::move(planes->sums);
+  tile.odd_sums = std::move(planes->odd_sums);
+  tile.counters = proto::from_proto(message.counters());
+  if (tile.counters.samples != rect.pixel_count() * std::uint64_t{tile.range.count()})
+    return core::fail(core::ErrorCode::kDataLoss, "its counters are of other samples");
+  return tile;
 }
 
 }  // namespace
@@ -44,17 +67,17 @@ TileContent JobFilm::copy(int tile) const {
   return {film_.tile(tile), counters_[static_cast<std::size_t>(tile)]};
 }
 
-// The content travels in the form of a rendered item. Which samples it holds stands in `done`; the item's own
-// range only has as many.
+// The content is kept as a rendered item whose sums are in planes (tile_planes.hpp), after a mark that no
+// message begins with. Which samples it holds stands in `done`; the item's own range only has as many.
 store::TileRow encode_tile_row(const std::string& job_id, int tile, const core::PixelRect& rect,
                                std::vector<core::SampleRange> done, const TileContent& content) {
-  core::FilmTile item;
-  item.rect = rect;
-  item.range = {0, count_samples(done).all};
-  item.sums = content.sums.sums;
-  item.odd_sums = content.sums.odd_sums;
-  item.counters = content.counters;
-  return {job_id, tile, std::move(done), proto::encode_tile(item).SerializeAsString()};
+  v1::RenderedItem message;
+  *message.mutable_item() = proto::to_proto(proto::WorkItem{rect, {0, count_samples(done).all}});
+  message.set_sums_zstd(encode_planes(content.sums.sums, content.sums.odd_sums));
+  *message.mutable_counters() = proto::to_proto(content.counters);
+  std::string bytes(1, kPlanesMark);
+  message.AppendToString(&bytes);
+  return {job_id, tile, std::move(done), std::move(bytes)};
 }
 
 core::Result<TileContent> decode_tile_row(const store::TileRow& row, const core::PixelRect& rect) {
@@ -62,9 +85,11 @@ core::Result<TileContent> decode_tile_row(const store::TileRow& row, const core:
     return core::fail(core::ErrorCode::kDataLoss,
                       fmt::format("the stored tile {} of job {} is damaged ({})", row.tile, row.job_id, how));
   };
+  const bool in_planes = !row.content.empty() && row.content.front() == kPlanesMark;
   v1::RenderedItem message;
-  if (!message.ParseFromString(row.content)) return damaged("not a rendered item");
-  auto item = proto::decode_tile(message);
+  if (!message.ParseFromString(in_planes ? row.content.substr(1) : row.content))
+    return damaged("not a rendered item");
+  auto item = in_planes ? decode_item_in_planes(message, rect) : proto::decode_tile(message);
   if (!item) return damaged(item.error().message);
   const SampleCount count = count_samples(row.done);
   if (item->rect != rect || item->range.count() != count.all) return damaged("of another rectangle or range");

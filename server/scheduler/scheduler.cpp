@@ -1,7 +1,6 @@
 #include "server/scheduler/scheduler.hpp"
 
 #include <algorithm>
-#include <iterator>
 #include <utility>
 
 namespace tessera::scheduler {
@@ -29,6 +28,7 @@ Actions Scheduler::handle(const Event& event, Time now) {
 
 void Scheduler::take_leases_of_silent_workers(Actions& actions) {
   while (Worker* const worker = roster_.next_silent(now_)) {
+    hungry_.erase(worker->arrival);
     while (!worker->leases.empty()) lose_lease(*worker, HeldLease(worker->leases.front()), actions);
   }
 }
@@ -38,24 +38,18 @@ Worker* Scheduler::on(const Tick&, Actions&) {
 }
 
 void Scheduler::wake_waiting(Actions& actions) {
-  const auto wake_if = [&](Worker& worker, bool wanted) {
-    if (!worker.waiting || !wanted) return;
-    worker.waiting = false;
-    actions.wake.push_back(worker.info.id);
-  };
-  if (work_appeared_) {
-    // Who came first is first served: what kills workers comes to each of them, as those that are started
-    // again come last.
-    std::vector<Worker*> workers;
-    for (auto& [id, worker] : roster_.all()) workers.push_back(&worker);
-    std::sort(workers.begin(), workers.end(),
-              [](const Worker* a, const Worker* b) { return a->arrival < b->arrival; });
-    for (Worker* worker : workers)
-      wake_if(*worker, worker->room() > 0 || lost_leases_.contains(worker->info.id));
-    return;
-  }
+  // Who came first is first served: what kills workers comes to each of them, as those that are started
+  // again come last.
+  std::map<std::uint64_t, WorkerId> asked;
+  if (work_appeared_) asked.swap(hungry_);
   for (const WorkerId& id : lost_leases_) {
-    if (Worker* const worker = roster_.find(id)) wake_if(*worker, true);
+    if (const Worker* const worker = roster_.find(id)) asked.emplace(worker->arrival, id);
+  }
+  for (const auto& [arrival, id] : asked) {
+    Worker* const worker = roster_.find(id);
+    if (worker == nullptr || !worker->waiting) continue;
+    worker->waiting = false;
+    actions.wake.push_back(id);
   }
 }
 
@@ -70,6 +64,7 @@ Reply Scheduler::reply_to(Worker& worker) {
   worker.shrunk = false;
   reply.heard_within = roster_.deadline(worker) - now_;
   worker.waiting = !reply.changed;
+  if (worker.waiting && worker.room() > 0) hungry_.emplace(worker.arrival, worker.info.id);
   return reply;
 }
 

@@ -189,6 +189,9 @@ class Scheduler {
   JobNumber last_job_number_ = 0;
   std::set<JobNumber> running_;
   Roster roster_;
+  // Every worker that waits and could be given more, by arrival; may also have others. So that an event does
+  // not cost more the more workers there are.
+  std::map<std::uint64_t, WorkerId> hungry_;
 
   // Of the event at hand: whether there may be something to lease that was not there before, and whose leases
   // have ended or shrunk.

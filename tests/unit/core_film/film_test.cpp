@@ -98,6 +98,30 @@ TEST(Film, RestoresWhatItHanded) {
   EXPECT_TRUE(copy == film);
 }
 
+TEST(Film, TakesNoMemoryForTilesWithoutSamples) {
+  Film film(TileGrid(16384, 16384, 64)), other(film.grid());
+  film.add(make_tile(film.grid().rect(70), {0, 1}));
+  EXPECT_EQ(film.tile(70).sums.size(), 64u * 64 * 3);
+  for (const int tile : {0, 69, 71, 65535}) EXPECT_EQ(film.tile(tile).sums.capacity(), 0u) << tile;
+  EXPECT_FALSE(film == other);
+  other.add(make_tile(film.grid().rect(70), {0, 1}));
+  EXPECT_TRUE(film == other);
+}
+
+TEST(Film, IsBlackWithoutErrorWhereItHasNoSamples) {
+  Film film(TileGrid(32, 16, 16));
+  film.add(make_tile({16, 0, 32, 16}, {0, 2}));
+  EXPECT_EQ(film.develop().at(3, 5), Rgb{});
+  EXPECT_EQ(film.standard_error().at(3, 5), Rgb{});
+  EXPECT_NE(film.develop().at(20, 5), Rgb{});
+  // A tile whose buffers are there and hold nothing is the same.
+  Film::TileSums nothing{std::vector<std::uint64_t>(16 * 16 * 3), std::vector<std::uint64_t>(16 * 16 * 3), 0,
+                         0};
+  Film copy = film;
+  copy.restore(0, nothing);
+  EXPECT_TRUE(copy == film);
+}
+
 TEST(RenderCounters, KeepTheFirstNonFiniteSampleWhateverTheOrder) {
   RenderCounters a, b;
   a.first_non_finite = SampleId{5, 1, 0};

@@ -1,0 +1,194 @@
+// How a coordinator bears many workers, large pictures and many jobs: real processes and connections, workers
+// that render nothing (simulated_worker.hpp), and a Markdown table of what the coordinator took.
+// docs/scaling.md tells what the columns mean and what was measured.
+#include <fmt/format.h>
+#include <sys/resource.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <cstdlib>
+#include <iostream>
+
+#include "bench/scale/farm.hpp"
+
+namespace {
+
+using namespace tessera;
+using bench::Counts;
+using bench::Figures;
+using bench::Load;
+
+constexpr double kTileSamples = 64 * 64;
+constexpr double kMiB = 1024 * 1024;
+
+struct Options {
+  std::string coordinator;
+  std::vector<std::string> only;
+  bool quick = false, list = false;
+  int core = -1;
+  double seconds = 20;
+  int workers = 0;
+};
+
+// Leases of two seconds that are one sample of one tile each, in a picture so large that no tile comes twice
+// within the first passes: what costs the coordinator most for each second that a worker works.
+Load two_second_leases(int workers, double seconds) {
+  return {.name = fmt::format("{} workers", workers),
+          .workers = workers,
+          .speed = {.samples_per_second = kTileSamples / 2},
+          .width_px = 8192,
+          .height_px = 4096,
+          .measured_seconds = seconds};
+}
+
+std::vector<Load> loads(const Options& options) {
+  const double seconds = options.seconds;
+  const bench::Speed at_once{.samples_per_second = kTileSamples / 2, .takes_time = false};
+  const std::optional<int> core = options.core < 0 ? std::nullopt : std::optional<int>(options.core);
+  std::vector<Load> all;
+  for (const int workers : {10, 100, 300, 1000, 2000, 3000})
+    all.push_back(two_second_leases(workers, seconds));
+  if (options.workers > 0) all = {two_second_leases(options.workers, seconds)};
+  all.push_back({.name = "saturated",
+                 .workers = 32,
+                 .speed = at_once,
+                 .width_px = 8192,
+                 .height_px = 8192,
+                 .warm_up_seconds = 3,
+                 .measured_seconds = seconds / 2,
+                 .coordinator_core = core});
+  all.push_back({.name = "saturated by 1000",
+                 .workers = 1000,
+                 .speed = at_once,
+                 .width_px = 8192,
+                 .height_px = 8192,
+                 .warm_up_seconds = 3,
+                 .measured_seconds = seconds / 2,
+                 .coordinator_core = core});
+  Load hundred = two_second_leases(1000, seconds);
+  hundred.name = "100 jobs";
+  hundred.jobs = 100;
+  hundred.width_px = hundred.height_px = 1024;
+  all.push_back(hundred);
+  Load large = two_second_leases(1000, seconds);
+  large.name = "16K x 16K";
+  large.width_px = large.height_px = 16384;
+  all.push_back(large);
+  all.push_back({.name = "16K x 16K, whole",
+                 .workers = 32,
+                 .speed = at_once,
+                 .width_px = 16384,
+                 .height_px = 16384,
+                 .spp = 1,
+                 .measured_seconds = 300,
+                 .until_done = true});
+  return all;
+}
+
+std::vector<Load> quick_loads() {
+  std::vector<Load> all{two_second_leases(20, 4), two_second_leases(200, 8)};
+  all[0].warm_up_seconds = all[1].warm_up_seconds = 6;
+  all.push_back({.name = "4 jobs, to their end",
+                 .workers = 20,
+                 .speed = {.samples_per_second = 20 * kTileSamples},
+                 .jobs = 4,
+                 .width_px = 512,
+                 .height_px = 512,
+                 .spp = 4,
+                 .measured_seconds = 60,
+                 .until_done = true});
+  return all;
+}
+
+void print_head() {
+  std::cout << "| | results/s | samples/s | items/result | CPU, share of a core | ms CPU/result | us "
+               "CPU/worker-second "
+               "| MB/s in | MB/s written | MiB resident | beyond the films | result counted, ms: median, p99 "
+               "| next "
+               "lease, ms: median, p99 | workers busy | own CPU | failed calls |\n"
+            << "|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|" << std::endl;
+}
+
+std::string milliseconds(const std::vector<double>& seconds) {
+  return fmt::format("{:.1f}, {:.1f}", 1e3 * bench::quantile(seconds, 0.5),
+                     1e3 * bench::quantile(seconds, 0.99));
+}
+
+void print_row(const Load& load, const Figures& figures) {
+  const Counts& counts = figures.counts;
+  const double results = static_cast<double>(std::max<std::uint64_t>(counts.results, 1));
+  const double cpu = figures.after.cpu_seconds - figures.before.cpu_seconds;
+  const double worker_seconds = figures.seconds * load.workers;
+  const double resident = static_cast<double>(figures.after.most_resident_bytes);
+  const double written = static_cast<double>(figures.after.written_bytes - figures.before.written_bytes);
+  std::cout << fmt::format(
+                   "| {} | {:.1f} | {:.3g} | {:.2f} | {:.3f} | {:.3f} | {:.0f} | {:.1f} | {:.1f} | {:.0f} | "
+                   "{:.0f} | {} | {} | {:.0f} % | {:.2f} | {} |",
+                   load.name, results / figures.seconds,
+                   static_cast<double>(counts.samples) / figures.seconds,
+                   static_cast<double>(counts.items) / results, cpu / figures.seconds, 1e3 * cpu / results,
+                   1e6 * cpu / worker_seconds, static_cast<double>(counts.sent_bytes) / figures.seconds / 1e6,
+                   written / figures.seconds / 1e6, resident / kMiB,
+                   (resident - static_cast<double>(figures.film_bytes)) / kMiB,
+                   milliseconds(counts.submit_seconds), milliseconds(counts.next_lease_seconds),
+                   100 * counts.rendering_seconds / worker_seconds, figures.own_cpu_seconds / figures.seconds,
+                   counts.failed_calls)
+            << std::endl;
+}
+
+// A connection for each worker needs a file for each, here and in the coordinator, which inherits the limit.
+void raise_file_limit() {
+  rlimit limit{};
+  if (getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
+  limit.rlim_cur = limit.rlim_max;
+  setrlimit(RLIMIT_NOFILE, &limit);
+}
+
+Options parse_options(int argc, char** argv) {
+  Options options;
+  options.coordinator = std::filesystem::path(argv[0]).parent_path() / "tessera-coordinator";
+  CLI::App app("Measures a coordinator with simulated workers; prints a Markdown table.");
+  app.add_option("--coordinator", options.coordinator, "The tessera-coordinator to start")
+      ->capture_default_str();
+  app.add_flag("--quick", options.quick, "Half a minute of small farms, to see that it runs");
+  app.add_option("--only", options.only, "Only the loads of these names");
+  app.add_flag("--list", options.list, "Print the names of the loads");
+  app.add_option("--seconds", options.seconds, "How long each is measured")->capture_default_str();
+  app.add_option("--workers", options.workers, "Two-second leases for this many workers alone");
+  app.add_option("--core", options.core, "The core on which the coordinator is saturated; any by default");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    std::exit(app.exit(error) == EXIT_SUCCESS ? EXIT_SUCCESS : 2);
+  }
+  return options;
+}
+
+bool is_wanted(const Options& options, const Load& load) {
+  return options.only.empty() ||
+         std::find(options.only.begin(), options.only.end(), load.name) != options.only.end();
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const Options options = parse_options(argc, argv);
+  raise_file_limit();
+  bool whole = true;
+  if (!options.list) print_head();
+  for (const Load& load : options.quick ? quick_loads() : loads(options)) {
+    if (!is_wanted(options, load)) continue;
+    if (options.list) {
+      std::cout << load.name << '\n';
+      continue;
+    }
+    const auto figures = bench::measure(load, options.coordinator);
+    if (!figures) {
+      std::cerr << "farm_scale: " << load.name << ": " << figures.error().message << '\n';
+      return EXIT_FAILURE;
+    }
+    print_row(load, *figures);
+    whole = whole && figures->counts.items > 0 && (!load.until_done || figures->all_done);
+  }
+  return whole ? EXIT_SUCCESS : EXIT_FAILURE;
+}

@@ -1,0 +1,74 @@
+#include "bench/scale/ready_tiles.hpp"
+
+#include <random>
+
+#include "core/film/film.hpp"
+#include "proto/tile_codec.hpp"
+
+namespace tessera::bench {
+namespace {
+
+constexpr core::PixelRect kTile{0, 0, core::kTilePx, core::kTilePx};
+
+// Whatever range is asked for. Sums of fewer samples compress better, those of more hardly worse.
+constexpr std::uint32_t kSamples = 16;
+constexpr std::uint32_t kVariants = 16;
+
+// Some of the samples find no light at all; the others are spread over a decade around a mean that changes
+// slowly from pixel to pixel.
+class Noise {
+ public:
+  explicit Noise(std::uint32_t seed) : random_(seed) {}
+
+  std::uint64_t sum(std::uint32_t samples, double mean_radiance) {
+    double radiance = 0;
+    for (std::uint32_t i = 0; i < samples; ++i)
+      if (!dark_(random_)) radiance += mean_radiance * spread_(random_);
+    return core::to_fixed_point(radiance, 0.5);
+  }
+
+ private:
+  std::mt19937 random_;
+  std::bernoulli_distribution dark_{0.15};
+  std::lognormal_distribution<double> spread_{-0.3, 0.8};
+};
+
+core::FilmTile noisy_tile(std::uint32_t seed) {
+  Noise noise(seed);
+  core::FilmTile tile(kTile, {0, kSamples});
+  constexpr std::size_t kRow = std::size_t{core::kTilePx} * 3;
+  for (std::size_t i = 0; i < tile.sums.size(); ++i) {
+    const double across = static_cast<double>(i % kRow) / kRow,
+                 down = static_cast<double>(i / kRow) / core::kTilePx;
+    const double mean_radiance = 0.05 + 0.5 * across * down;
+    tile.odd_sums[i] = noise.sum(kSamples / 2, mean_radiance);
+    tile.sums[i] = tile.odd_sums[i] + noise.sum(kSamples / 2, mean_radiance);
+  }
+  return tile;
+}
+
+}  // namespace
+
+ReadyTiles::ReadyTiles() {
+  for (std::uint32_t seed = 0; seed < kVariants; ++seed) {
+    v1::RenderedItem item = proto::encode_tile(noisy_tile(seed));
+    frames_.push_back({std::move(*item.mutable_sums_zstd()), item.sums_xxh3()});
+  }
+}
+
+v1::RenderedItem ReadyTiles::rendered(const proto::WorkItem& item, std::uint64_t variant) const {
+  const Frame& frame = frames_[variant % kVariants];
+  core::RenderCounters counters;
+  counters.samples = item.rect.pixel_count() * item.range.count();
+  counters.closest_hit_rays = 3 * counters.samples;
+  counters.shadow_rays = 2 * counters.samples;
+
+  v1::RenderedItem message;
+  *message.mutable_item() = proto::to_proto(item);
+  message.set_sums_zstd(frame.sums_zstd);
+  message.set_sums_xxh3(frame.sums_xxh3);
+  *message.mutable_counters() = proto::to_proto(counters);
+  return message;
+}
+
+}  // namespace tessera::bench

@@ -1,0 +1,32 @@
+// Rendered items that nobody rendered: whole tiles whose sums are noise like that of a path tracer,
+// compressed beforehand, so that a worker that sends them costs next to nothing. Thread-safe.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "proto/convert.hpp"
+#include "tessera/v1/worker_service.pb.h"
+
+namespace tessera::bench {
+
+class ReadyTiles {
+ public:
+  ReadyTiles();
+
+  // A valid result for the item, which must be a whole tile of 64 x 64 pixels. `variant`: any number; equal
+  // ones give equal sums.
+  v1::RenderedItem rendered(const proto::WorkItem& item, std::uint64_t variant) const;
+
+ private:
+  // The sums of a tile, as they travel.
+  struct Frame {
+    std::string sums_zstd;
+    std::uint64_t sums_xxh3 = 0;
+  };
+
+  std::vector<Frame> frames_;
+};
+
+}  // namespace tessera::bench

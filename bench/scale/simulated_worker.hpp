@@ -1,0 +1,101 @@
+// A worker that speaks the real protocol on a connection of its own, and renders nothing: it lets the time
+// pass that rendering would have taken, and sends ready-made tiles. Keeps two leases, delivers each item as
+// soon as it is "rendered", one delivery at a time, and always has a Synchronize under way, as the real one
+// does (worker/). All calls are asynchronous; a thousand of them need a handful of threads. Thread-safe.
+#pragma once
+
+#include <grpcpp/channel.h>
+
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "bench/scale/ready_tiles.hpp"
+#include "bench/scale/tally.hpp"
+#include "bench/scale/timeline.hpp"
+#include "tessera/v1/worker_service.grpc.pb.h"
+
+namespace tessera::bench {
+
+// How it renders.
+struct Speed {
+  double samples_per_second = 1;
+  // Whether the time passes. Otherwise results are there at once, and only say that they took so long.
+  bool takes_time = true;
+};
+
+class SimulatedWorker : public std::enable_shared_from_this<SimulatedWorker> {
+ public:
+  // What many workers share; must outlive them.
+  struct World {
+    const ReadyTiles& tiles;
+    Timeline& timeline;
+    Tally& tally;
+  };
+
+  SimulatedWorker(int number, Speed speed, std::shared_ptr<grpc::Channel> channel, World world);
+
+  void start();
+  // Ends its calls and begins no others. Its last call has ended when nobody else holds it any more.
+  void stop();
+
+ private:
+  using Clock = Timeline::Clock;
+  struct Held {
+    std::uint64_t id = 0;
+    std::string job_id;
+    std::deque<proto::WorkItem> todo;
+    std::optional<proto::WorkItem> rendering;
+    std::vector<proto::WorkItem> ready, delivering;
+    double ready_seconds = 0;  // what rendering the ready ones took
+
+    bool is_finished() const { return todo.empty() && !rendering && ready.empty(); }
+  };
+  template <typename Request, typename Response>
+  struct Call {
+    grpc::ClientContext context;
+    Request request;
+    Response response;
+    Clock::time_point started = Clock::now();
+  };
+  using SyncCall = Call<v1::SynchronizeRequest, v1::SynchronizeResponse>;
+  using SubmitCall = Call<v1::SubmitResultRequest, v1::SubmitResultResponse>;
+
+  // All of these with mutex_ held.
+  void synchronize();
+  void synchronized(const SyncCall& call, const grpc::Status& status);
+  bool apply(const SyncCall& call);
+  void report(v1::SynchronizeRequest& request) const;
+  void render_next();
+  void rendered(std::uint64_t lease_id);
+  void deliver_next();
+  void submit(std::shared_ptr<SubmitCall> call);
+  void delivered(const std::shared_ptr<SubmitCall>& call, const grpc::Status& status);
+  Held* find(std::uint64_t lease_id);
+  // Does it with mutex_ held, unless the worker has stopped.
+  template <typename Action>
+  void later(double seconds, Action action);
+
+  const std::string id_, name_;
+  const Speed speed_;
+  const World world_;
+  const std::unique_ptr<v1::WorkerService::Stub> stub_;
+
+  std::mutex mutex_;
+  // Guarded by mutex_:
+  std::deque<Held> leases_;
+  std::set<std::string> known_jobs_;
+  std::set<std::uint64_t> just_finished_;  // since the last Synchronize was sent
+  bool rendering_ = false, delivering_ = false, stopped_ = false;
+  std::uint64_t delivered_items_ = 0;
+  std::optional<Clock::time_point> waiting_since_;  // for another lease
+  std::weak_ptr<SyncCall> sync_call_;
+  std::weak_ptr<SubmitCall> submit_call_;
+};
+
+}  // namespace tessera::bench

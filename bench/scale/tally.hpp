@@ -1,0 +1,56 @@
+// What the simulated workers of one farm have seen, while it was counted. Thread-safe.
+#pragma once
+
+#include <cstdint>
+#include <mutex>
+#include <vector>
+
+namespace tessera::bench {
+
+struct Counts {
+  std::uint64_t results = 0;  // answered SubmitResults
+  std::uint64_t items = 0;    // counted ones
+  std::uint64_t dropped_items = 0;
+  std::uint64_t samples = 0;  // pixel samples of all items that were sent
+  std::uint64_t leases = 0;
+  std::uint64_t synchronizes = 0;
+  std::uint64_t sent_bytes = 0;      // messages of both kinds, without framing
+  std::uint64_t received_bytes = 0;  // the answers
+  std::uint64_t failed_calls = 0;
+  double rendering_seconds = 0;  // of all workers together
+  // From sending a result to hearing that it was counted.
+  std::vector<double> submit_seconds;
+  // From sending a lease's last result to getting another lease.
+  std::vector<double> next_lease_seconds;
+};
+
+class Tally {
+ public:
+  // Changes what is counted, if anything is.
+  template <typename Change>
+  void note(Change change) {
+    const std::lock_guard lock(mutex_);
+    if (counting_) change(counts_);
+  }
+
+  void start() {
+    const std::lock_guard lock(mutex_);
+    counts_ = {};
+    counting_ = true;
+  }
+  Counts stop() {
+    const std::lock_guard lock(mutex_);
+    counting_ = false;
+    return counts_;
+  }
+
+ private:
+  std::mutex mutex_;
+  bool counting_ = false;
+  Counts counts_;
+};
+
+// The value below which this share of them lies; 0 if there are none.
+double quantile(std::vector<double> values, double share);
+
+}  // namespace tessera::bench

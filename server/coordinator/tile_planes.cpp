@@ -1,0 +1,108 @@
+#include "server/coordinator/tile_planes.hpp"
+
+#include <fmt/format.h>
+#include <zstd.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstring>
+#include <memory>
+
+namespace tessera::coordinator {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "planes are made of bytes as they lie in memory");
+
+// Of the fast ones. Planes are noise or nearly constant: searching harder finds nothing.
+constexpr int kZstdLevel = -5;
+constexpr std::size_t kBytes = sizeof(std::uint64_t);
+
+using Block = std::array<std::uint64_t, kBytes>;
+
+// Swaps the bits of `low` under `mask << shift` with those of `high` under `mask`.
+void exchange(std::uint64_t& low, std::uint64_t& high, int shift, std::uint64_t mask) {
+  const std::uint64_t difference = (low >> shift ^ high) & mask;
+  high ^= difference;
+  low ^= difference << shift;
+}
+
+// Byte j of word i becomes byte i of word j: quarters of 4 x 4 bytes, then of 2 x 2, then single bytes.
+void transpose(Block& block) {
+  for (std::size_t i = 0; i < 4; ++i) exchange(block[i], block[i + 4], 32, 0x00000000ffffffff);
+  for (const std::size_t i : {0, 1, 4, 5}) exchange(block[i], block[i + 2], 16, 0x0000ffff0000ffff);
+  for (std::size_t i = 0; i < kBytes; i += 2) exchange(block[i], block[i + 1], 8, 0x00ff00ff00ff00ff);
+}
+
+// Puts sums into their places in the planes, of `total` bytes each, from `begin` on.
+void scatter(const std::vector<std::uint64_t>& sums, std::size_t begin, std::size_t total, char* planes) {
+  char* to = planes + begin;
+  std::size_t i = 0;
+  for (; i + kBytes <= sums.size(); i += kBytes, to += kBytes) {
+    Block block;
+    std::memcpy(block.data(), sums.data() + i, sizeof block);
+    transpose(block);
+    for (std::size_t plane = 0; plane < kBytes; ++plane)
+      std::memcpy(to + plane * total, &block[plane], kBytes);
+  }
+  for (; i < sums.size(); ++i, ++to)
+    for (std::size_t plane = 0; plane < kBytes; ++plane)
+      to[plane * total] = static_cast<char>(sums[i] >> (8 * plane) & 0xff);
+}
+
+void gather(const char* planes, std::size_t begin, std::size_t total, std::vector<std::uint64_t>& sums) {
+  const char* from = planes + begin;
+  std::size_t i = 0;
+  for (; i + kBytes <= sums.size(); i += kBytes, from += kBytes) {
+    Block block;
+    for (std::size_t plane = 0; plane < kBytes; ++plane)
+      std::memcpy(&block[plane], from + plane * total, kBytes);
+    transpose(block);
+    std::memcpy(sums.data() + i, block.data(), sizeof block);
+  }
+  for (; i < sums.size(); ++i, ++from)
+    for (std::size_t plane = 0; plane < kBytes; ++plane)
+      sums[i] |= std::uint64_t{static_cast<unsigned char>(from[plane * total])} << (8 * plane);
+}
+
+// Kept by each thread from one tile to the next, since to get that much memory anew takes as long as the
+// work.
+struct Workspace {
+  std::unique_ptr<ZSTD_CCtx, decltype(&ZSTD_freeCCtx)> compressor{ZSTD_createCCtx(), &ZSTD_freeCCtx};
+  std::string planes, frame;
+};
+
+Workspace& workspace() {
+  thread_local Workspace of_this_thread;
+  return of_this_thread;
+}
+
+}  // namespace
+
+std::string encode_planes(const std::vector<std::uint64_t>& sums,
+                          const std::vector<std::uint64_t>& odd_sums) {
+  Workspace& work = workspace();
+  const std::size_t total = sums.size() + odd_sums.size();
+  work.planes.resize(total * kBytes);
+  scatter(sums, 0, total, work.planes.data());
+  scatter(odd_sums, sums.size(), total, work.planes.data());
+  work.frame.resize(ZSTD_compressBound(work.planes.size()));
+  const std::size_t size = ZSTD_compressCCtx(work.compressor.get(), work.frame.data(), work.frame.size(),
+                                             work.planes.data(), work.planes.size(), kZstdLevel);
+  return work.frame.substr(0, size);
+}
+
+core::Result<TilePlanes> decode_planes(std::string_view frame, std::size_t count) {
+  std::string planes(2 * count * kBytes, '\0');
+  const std::size_t size = ZSTD_decompress(planes.data(), planes.size(), frame.data(), frame.size());
+  if (ZSTD_isError(size) != 0 || size != planes.size()) {
+    return core::fail(core::ErrorCode::kDataLoss,
+                      fmt::format("its sums are no whole frame of {} bytes", planes.size()));
+  }
+  TilePlanes result{std::vector<std::uint64_t>(count), std::vector<std::uint64_t>(count)};
+  gather(planes.data(), 0, 2 * count, result.sums);
+  gather(planes.data(), count, 2 * count, result.odd_sums);
+  return result;
+}
+
+}  // namespace tessera::coordinator
