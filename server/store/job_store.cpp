@@ -22,6 +22,7 @@ constexpr auto kPragmas = R"(
   PRAGMA journal_mode = WAL;
   PRAGMA synchronous = FULL;
   PRAGMA foreign_keys = ON;
+  PRAGMA temp_store = MEMORY;  -- else what a statement would need to undo is written to a file, as much again
 )";
 
 constexpr auto kInsertJob =
