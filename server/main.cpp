@@ -3,6 +3,7 @@
 #include <signal.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
+#include <sys/resource.h>
 
 #include <cstdlib>
 #include <iostream>
@@ -24,6 +25,14 @@ sigset_t block_stop_signals() {
   sigaddset(&signals, SIGTERM);
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
   return signals;
+}
+
+// Every worker holds a connection, and many systems allow 1,024 files unless asked.
+void raise_file_limit() {
+  rlimit limit{};
+  if (getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
+  limit.rlim_cur = limit.rlim_max;
+  setrlimit(RLIMIT_NOFILE, &limit);
 }
 
 void warn_of_open_doors(const server::Options& options) {
@@ -84,6 +93,7 @@ int main(int argc, char** argv) {
   if (!options.salvage.empty()) return server::salvage(options.salvage);
   // Debian's Abseil looks for deadlocks each time that gRPC takes a lock.
   absl::SetMutexDeadlockDetectionMode(absl::OnDeadlockCycle::kIgnore);
+  raise_file_limit();
   const sigset_t stop_signals = block_stop_signals();
   const auto ended = run(options, stop_signals);
   if (ended) return EXIT_SUCCESS;
