@@ -8,6 +8,19 @@
 
 namespace tessera::coordinator {
 
+namespace {
+
+core::Error with_advice(core::Error error) {
+  if (error.code == core::ErrorCode::kDataLoss)
+    error.message +=
+        ": submit the scene again; or stop the coordinator and run it once with --salvage, after which the "
+        "tile is "
+        "rendered again";
+  return error;
+}
+
+}  // namespace
+
 core::Result<Picture> Coordinator::picture(const std::string& id) {
   auto described = job(id);
   if (!described) return core::fail(described.error());
@@ -38,7 +51,7 @@ core::Result<core::Image> Coordinator::develop_row(const v1::Job& spec, const co
   }
   for (int i = 0; i < grid.columns(); ++i) {
     auto content = load_tile(spec, grid, first + i);
-    if (!content) return core::fail(content.error());
+    if (!content) return core::fail(with_advice(content.error()));
     strip.restore(i, std::move(content->sums));
   }
   return strip.develop();

@@ -38,9 +38,19 @@ core::Status keep_tiles(store::JobStore& from, store::JobStore& to, const store:
   return {};
 }
 
-core::Result<Salvage> copy_whole_jobs(store::JobStore& from, store::JobStore& to) {
+// Of the old database: what SQLite cannot make sense of is damage, too.
+core::Error beyond_reading(const fs::path& database, const core::Error& error) {
+  if (error.code != core::ErrorCode::kDataLoss && error.code != core::ErrorCode::kInternal) return error;
+  return {core::ErrorCode::kDataLoss,
+          fmt::format(
+              "{} is damaged beyond reading: put back a copy of the state folder, or move the folder away to "
+              "start without its jobs",
+              database.string())};
+}
+
+core::Result<Salvage> copy_whole_jobs(const fs::path& database, store::JobStore& from, store::JobStore& to) {
   const auto rows = from.jobs();
-  if (!rows) return core::fail(rows.error());
+  if (!rows) return core::fail(beyond_reading(database, rows.error()));
   Salvage salvage;
   for (const store::JobRow& row : *rows) {
     const auto record = from_row(row);
@@ -97,10 +107,10 @@ core::Result<Salvage> salvage_state(const fs::path& folder) {
   core::Result<Salvage> salvage;
   {
     auto from = store::JobStore::open_untouched(database);
-    if (!from) return core::fail(from.error());
+    if (!from) return core::fail(beyond_reading(database, from.error()));
     auto to = store::JobStore::open(copy);
     if (!to) return core::fail(to.error());
-    salvage = copy_whole_jobs(*from, *to);
+    salvage = copy_whole_jobs(database, *from, *to);
   }  // closing the copy folds its log into it
   if (!salvage) {
     remove_database(copy);

@@ -139,8 +139,9 @@ core::Result<Database> Database::open_untouched(const std::filesystem::path& fil
   Database database(handle, file);
   if (code != SQLITE_OK) return core::fail(sqlite_error(handle, file));
   sqlite3_db_config(handle, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, nullptr);
-  if (auto alone = database.execute("PRAGMA locking_mode = EXCLUSIVE"); !alone)
-    return core::fail(alone.error());
+  // The second: a file that was cut short is read as far as it goes.
+  if (auto set = database.execute("PRAGMA locking_mode = EXCLUSIVE; PRAGMA writable_schema = ON"); !set)
+    return core::fail(set.error());
   return database;
 }
 

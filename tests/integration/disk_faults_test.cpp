@@ -7,6 +7,7 @@
 #include <cerrno>
 #include <cstring>
 #include <fstream>
+#include <functional>
 #include <map>
 
 #include "proto/blob.hpp"
@@ -132,28 +133,33 @@ TEST_F(DiskFaultsTest, ADatabaseThatIsGoneEmptyOrGarbageIsToldAndNeverReplaced) 
   EXPECT_EQ(check().exit_code, 0);
 }
 
-// A tile, which only its own sum tells of, and the structure of the file.
 TEST_F(DiskFaultsTest, SalvageKeepsEveryJobAndRendersDamagedTilesAgain) {
   const std::vector<std::string> ids = make_state();
   const std::string pictures[] = {render_here(kSmall, ".exr"),
                                   render_here({"--size", "128x64", "--spp", "4"}, ".exr")};
-  // The largest cells are films: their pages are most of the file. One in the middle is hit badly.
-  const std::uint64_t size = std::filesystem::file_size(database());
+  // Films are most of the file. A page in its middle is hit badly, then the last one is cut off.
   constexpr std::uint64_t kPage = 16384;
-  flip(database(), size / kPage / 2 * kPage, 64);
-  const Outcome checked = check();
-  EXPECT_EQ(checked.exit_code, 1);
-  EXPECT_THAT(checked.out, HasSubstr("not everything is whole"));
-
-  const Outcome salvaged = run_coordinator({"--salvage", state_});
-  EXPECT_EQ(salvaged.exit_code, 0) << salvaged.err;
-  EXPECT_THAT(salvaged.out, HasSubstr("kept 2 jobs"));
-  EXPECT_TRUE(std::filesystem::exists(database().string() + ".damaged-1"));
-  EXPECT_EQ(check().exit_code, 0);
-  restart_coordinator();
-  for (std::size_t i = 0; i < ids.size(); ++i) {
-    ASSERT_TRUE(wait_for_state(ids[i], v1::JOB_STATE_DONE)) << "lost tiles are not rendered again";
-    EXPECT_TRUE(image(ids[i], ".exr") == pictures[i]);
+  const std::function<void()> damages[] = {
+      [&] { flip(database(), std::filesystem::file_size(database()) / kPage / 2 * kPage, 64); },
+      [&] { std::filesystem::resize_file(database(), std::filesystem::file_size(database()) - kPage); }};
+  int number = 0;
+  for (const auto& damage : damages) {
+    SCOPED_TRACE(++number);
+    damage();
+    const Outcome checked = check();
+    EXPECT_EQ(checked.exit_code, 1);
+    EXPECT_THAT(checked.out, HasSubstr("not everything is whole"));
+    const Outcome salvaged = run_coordinator({"--salvage", state_});
+    EXPECT_EQ(salvaged.exit_code, 0) << salvaged.err;
+    EXPECT_THAT(salvaged.out, HasSubstr("kept 2 jobs"));
+    EXPECT_TRUE(std::filesystem::exists(database().string() + ".damaged-" + std::to_string(number)));
+    EXPECT_EQ(check().exit_code, 0);
+    restart_coordinator();
+    for (std::size_t i = 0; i < ids.size(); ++i) {
+      ASSERT_TRUE(wait_for_state(ids[i], v1::JOB_STATE_DONE)) << "lost tiles are not rendered again";
+      EXPECT_TRUE(image(ids[i], ".exr") == pictures[i]);
+    }
+    stop_coordinator();
   }
 }
 
