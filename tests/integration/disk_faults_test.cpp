@@ -9,6 +9,7 @@
 #include <fstream>
 #include <functional>
 #include <map>
+#include <thread>
 
 #include "proto/blob.hpp"
 #include "tests/integration/farm_processes.hpp"
@@ -167,10 +168,12 @@ TEST_F(DiskFaultsTest, ADamagedLogIsNoEndOfTheLog) {
   start_coordinator();
   start_worker("worker", 1);
   const std::string id = submit({"--size", "128x128", "--spp", "100000"});
-  ASSERT_TRUE(poll_until(30s, [&] {
-    std::error_code ignored;
-    return std::filesystem::file_size(log(), ignored) > 20 * 16384;
-  }));
+  ASSERT_TRUE(wait_for_samples(id, 1));
+  for (int checkpoint = 0; checkpoint < 4; ++checkpoint) {
+    const auto before = std::filesystem::last_write_time(log());
+    ASSERT_TRUE(poll_until(20s, [&] { return std::filesystem::last_write_time(log()) != before; }));
+    std::this_thread::sleep_for(500ms);  // until it is whole
+  }
   kill_coordinator();
   flip(log(), 32 + 24 + 100);  // in the first page of it: all that was written later would be forgotten
   const auto before = everything();
@@ -227,10 +230,10 @@ class OwnDiskTest : public DiskFaultsTest {
 };
 
 TEST_F(OwnDiskTest, AFullDiskIsToldRendersOnAndIsWrittenToWhenThereIsSpace) {
-  // Some 1.5 MB of film, twice: in the log, and in the file.
   const std::vector<std::string> options{"--size", "256x192", "--spp", "8"};
   start_coordinator();
   const std::string id = submit(options);
+  write_file(disk_ / "filler", std::string(4 << 20, 'f'));  // as much of it as there is space for
   start_worker("worker", 1);
   ASSERT_TRUE(wait_for_state(id, v1::JOB_STATE_DONE)) << "the render does not carry on in memory";
   ASSERT_TRUE(
