@@ -106,8 +106,9 @@ class Job {
   void measure_cost(double thread_seconds, std::uint64_t samples);
   double thread_seconds_per_sample(const SizingOptions& options) const;
   RateMeter rate;
-  // Of JobSnapshot.
+  // Of JobSnapshot; the end of its latest lease in virtual time.
   std::uint64_t last_served = 0;
+  double virtual_finish = 0;
 
   // Whether a lease has samples that a second worker could be given. Slow; for checks.
   bool has_copies_to_give() const;

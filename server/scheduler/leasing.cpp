@@ -117,7 +117,17 @@ bool Scheduler::grant_copy(Worker& worker) {
 void Scheduler::grant(Worker& worker, Job& job, Portion portion) {
   ++last_lease_id_.value;
   job.last_served = ++servings_;
+  charge(job, portion);
   enter_lease(worker, job, {last_lease_id_, worker.info.id, std::move(portion.items), portion.alone}, false);
+}
+
+// Who was away, or had nothing to give, is owed nothing: it goes on from where the others are.
+void Scheduler::charge(Job& job, const Portion& portion) {
+  std::uint64_t samples = 0;
+  for (const WorkItem& item : portion.items) samples += job.pixel_samples(item);
+  virtual_time_ = std::max(virtual_time_, job.virtual_finish);
+  job.virtual_finish =
+      virtual_time_ + static_cast<double>(samples) * job.thread_seconds_per_sample(options_.sizing);
 }
 
 void Scheduler::enter_lease(Worker& worker, Job& job, Lease lease, bool acknowledged) {
@@ -129,8 +139,7 @@ void Scheduler::enter_lease(Worker& worker, Job& job, Lease lease, bool acknowle
 std::vector<JobSnapshot> Scheduler::snapshots(const std::vector<Job*>& jobs) const {
   std::vector<JobSnapshot> snapshots;
   for (const Job* job : jobs) {
-    const double load = static_cast<double>(job->leased()) * job->thread_seconds_per_sample(options_.sizing);
-    snapshots.push_back({job->priority(), load, job->last_served});
+    snapshots.push_back({job->priority(), std::max(virtual_time_, job->virtual_finish), job->last_served});
   }
   return snapshots;
 }

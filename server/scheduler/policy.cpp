@@ -23,7 +23,7 @@ std::uint64_t next_lease_samples(const SizingOptions& options, const WorkerSnaps
 
 std::size_t choose_job(std::span<const JobSnapshot> jobs) {
   const auto rank = [](const JobSnapshot& job) {
-    return std::make_tuple(-static_cast<std::int64_t>(job.priority), job.load_in_flight, job.last_served);
+    return std::make_tuple(-static_cast<std::int64_t>(job.priority), job.start, job.last_served);
   };
   const auto best =
       std::min_element(jobs.begin(), jobs.end(),

@@ -34,15 +34,16 @@ std::uint64_t next_lease_samples(const SizingOptions& options, const WorkerSnaps
 
 struct JobSnapshot {
   int priority = 0;
-  // Thread-seconds of work that workers hold of it: in-flight pixel samples times their measured cost.
-  double load_in_flight = 0;
+  // Where its next lease would begin in virtual time, in which each job goes on by the thread-seconds of work
+  // that it is given (start-time fair queueing, Goyal et al. 1996).
+  double start = 0;
   // When it was last given a worker, as a running number; 0 for never.
   std::uint64_t last_served = 0;
 };
 
 // Which of the jobs (all with work to give, in the order of submission) is served next: the highest priority,
-// of those the least load in flight, of those the one that has waited longest, of those the first. `jobs`
-// must not be empty.
+// of those the earliest start, of those the one that has waited longest, of those the first. `jobs` must not
+// be empty.
 std::size_t choose_job(std::span<const JobSnapshot> jobs);
 
 }  // namespace tessera::scheduler

@@ -137,6 +137,7 @@ class Scheduler {
   bool grant_free(Worker& worker, bool also_refused);
   bool grant_copy(Worker& worker);
   void grant(Worker& worker, Job& job, Portion portion);
+  void charge(Job& job, const Portion& portion);
   void enter_lease(Worker& worker, Job& job, Lease lease, bool acknowledged);
   std::vector<JobSnapshot> snapshots(const std::vector<Job*>& jobs) const;
   // The worker has said within lease_duration that it cannot build the scene.
@@ -183,6 +184,8 @@ class Scheduler {
   // Of all jobs: an id that is in use cannot be taken over a second time.
   std::set<LeaseId> live_leases_;
   std::uint64_t servings_ = 0;
+  // Of JobSnapshot: where the latest lease began. Never goes back.
+  double virtual_time_ = 0;
 
   std::map<JobNumber, Job> jobs_;
   std::map<JobId, JobNumber> job_numbers_;

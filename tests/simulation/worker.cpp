@@ -122,7 +122,7 @@ void WorkerMachine::take_reply(std::uint64_t call, const Reply& reply) {
   std::erase_if(held_, [&](const Held& held) { return !wanted(held); });
   for (const LeaseDescription& lease : reply.leases) {
     if (find(lease.id) != nullptr) continue;
-    held_.push_back({lease.id, lease.job, {lease.items.begin(), lease.items.end()}, {}, {}, 0, false});
+    held_.push_back({lease.id, lease.job, {lease.items.begin(), lease.items.end()}, {}, {}, 0, 0, false});
   }
   if (!stopping_) synchronize();
   render_next();
@@ -166,12 +166,15 @@ void WorkerMachine::rendered() {
     std::erase(held->to_render, done.item);
     held->rendered.push_back(done.item);
     held->render_seconds += done.spent_seconds;
+    held->lease_seconds += done.spent_seconds;
+    if (held->to_render.empty())
+      longest_lease_seconds_ = std::max(longest_lease_seconds_, held->lease_seconds);
     if (held->to_render.empty() || held->rendered.size() >= items_per_delivery_) {
       deliver(*held, held->to_render.empty());
     }
   } else if (world_.random.chance(0.5)) {
     // No longer wanted, but may still be missing.
-    Held late{done.lease, done.job, {}, {done.item}, {}, done.spent_seconds, false};
+    Held late{done.lease, done.job, {}, {done.item}, {}, done.spent_seconds, 0, false};
     deliver(late, false);
   }
   render_next();

@@ -38,6 +38,8 @@ class WorkerMachine {
   void stop();
   bool running() const { return running_; }
   double samples_per_second() const { return samples_per_second_; }
+  // Of those that were rendered to their end.
+  double longest_lease_seconds() const { return longest_lease_seconds_; }
   const std::string& name() const { return name_; }
   // Of the worker that runs, or ran last.
   const std::string& worker_id() const { return id_; }
@@ -49,7 +51,8 @@ class WorkerMachine {
     std::deque<scheduler::WorkItem> to_render;
     std::vector<scheduler::WorkItem> rendered;  // not yet handed to deliver()
     std::vector<scheduler::WorkItem> sent;      // not yet acknowledged
-    double render_seconds = 0;
+    double render_seconds = 0;                  // since the last delivery
+    double lease_seconds = 0;                   // in all
     bool finished = false;
   };
 
@@ -96,6 +99,7 @@ class WorkerMachine {
 
   std::vector<Deadly> deadly_;
   std::set<scheduler::JobId> unbuildable_;
+  double longest_lease_seconds_ = 0;
   double slowness_ = 1;
   Time slow_until_{};
   Time cut_off_until_{};
