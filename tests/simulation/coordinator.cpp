@@ -149,6 +149,8 @@ void Coordinator::submit_result(const SubmitResult& result, const std::function<
     disk_.accepted(result.job, result.items[i]);
   }
   referee_.settled(actions, *scheduler_, clock());
+  // A row may well be stored before the samples of which it speaks.
+  if (!actions.job_changes.empty() && world_.random.chance(0.2)) disk_.update(result.job, row_of(result.job));
   answer();
 }
 
