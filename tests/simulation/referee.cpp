@@ -62,7 +62,6 @@ void Referee::answered(const WorkerId& worker) {
 void Referee::handled(const Event& event, const Actions& actions, Time clock) {
   clock_ = std::max(clock_, clock);
   if (const auto* call = std::get_if<Synchronize>(&event)) {
-    if (actions.reply) check_dropped(*call, *actions.reply);
     last_call_[call->worker.id] = *call;
     last_heard_[call->worker.id] = clock_;
   }
@@ -83,16 +82,6 @@ void Referee::check_arrow(const JobChange& change) {
                             job_state_name(change.to)));
   }
   states_[change.id] = change.to;
-}
-
-// What a worker held and holds no more, or what one that is stopping does not hold, is no longer its own.
-void Referee::check_dropped(const Synchronize& call, const Reply& reply) {
-  const std::set<LeaseId> held = ids_of(call.held), held_before = ids_of(last_call_[call.worker.id].held);
-  for (const LeaseDescription& lease : reply.leases) {
-    if (!held.contains(lease.id) && (call.draining || held_before.contains(lease.id)))
-      world_.fail(fmt::format("worker {} is to keep lease {}, which it has dropped", call.worker.id.value,
-                              lease.id.value));
-  }
 }
 
 void Referee::check_reply(const Event& event, const Reply& reply) {

@@ -44,7 +44,6 @@ class Referee {
 
  private:
   void check_reply(const scheduler::Event& event, const scheduler::Reply& reply);
-  void check_dropped(const scheduler::Synchronize& call, const scheduler::Reply& reply);
   void check_lease(const scheduler::LeaseDescription& lease, bool may_be_new, std::uint64_t highest_before);
   void check_items(const scheduler::LeaseDescription& lease);
   void check_arrow(const scheduler::JobChange& change);
