@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Builds Tessera and runs every test, in three passes:
-#   1. the unit, property and simulation tests under the address and undefined-behaviour sanitizers;
+#   1. the unit, property and simulation tests under the address and undefined-behaviour sanitizers, and what fuzzing
+#      has found worth keeping, with mutants of it (tests/fuzz/README.md);
 #   2. core by itself, without the farm and so without gRPC, and without optimisation: its unit tests;
 #   3. all tests of the release build. CTest's summary of this pass is the last thing printed.
 # Ends with an error at the first pass that fails.
@@ -31,7 +32,7 @@ build build/asan --preset asan
 ASAN_OPTIONS=detect_stack_use_after_return=1 \
   LSAN_OPTIONS=suppressions=$PWD/tests/support/lsan.supp:print_suppressions=0 \
   UBSAN_OPTIONS=print_stacktrace=1 \
-  ctest --preset asan --parallel "$jobs" --progress --label-regex '^(unit|property|simulation)$'
+  ctest --preset asan --parallel "$jobs" --progress --label-regex '^(unit|property|simulation|fuzz)$'
 
 heading "Pass 2 of 3: core without the farm, unoptimised"
 build build/core --preset debug -B build/core -DTESSERA_FARM=OFF

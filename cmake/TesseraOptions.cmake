@@ -12,11 +12,20 @@ target_compile_options(tessera_options INTERFACE
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   # GCC 12 reports null dereferences and overlapping copies inside its own inlined library code (bug 105651).
   target_compile_options(tessera_options INTERFACE -Wno-null-dereference -Wno-restrict)
+elseif(CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
+  # Clang 14 takes parameters of friends for shadows of members, and wants braces that aggregates do not need.
+  target_compile_options(tessera_options INTERFACE -Wno-shadow -Wno-missing-braces)
 endif()
 if(TESSERA_SANITIZE)
   target_compile_options(tessera_options INTERFACE
     -fsanitize=${TESSERA_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
   target_link_options(tessera_options INTERFACE -fsanitize=${TESSERA_SANITIZE})
+endif()
+if(TESSERA_FUZZ)
+  if(NOT CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
+    message(FATAL_ERROR "TESSERA_FUZZ needs Clang: configure with the preset fuzz")
+  endif()
+  target_compile_options(tessera_options INTERFACE -fsanitize=fuzzer-no-link)
 endif()
 
 # tessera_library(NAME SOURCES ... LINKS ...): a static library tessera_NAME with the alias tessera::NAME.

@@ -18,6 +18,8 @@ packages=(
   openssl
   # Tests of networks that break, in network namespaces.
   iproute2
+  # tests/fuzz: Clang with libFuzzer, the sanitizers and OpenMP.
+  clang-14 libclang-rt-14-dev libomp-14-dev
   # Tests and benchmarks (Embree only to be measured beside).
   libgtest-dev libgmock-dev libbenchmark-dev libembree-dev
   # run_all.sh: reading statistics, and putting pictures on one sheet with their names.

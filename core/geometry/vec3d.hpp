@@ -19,7 +19,7 @@ struct Vec3dOf {
   explicit Vec3dOf(Vec3Of<T> v) : x(widened(v.x)), y(widened(v.y)), z(widened(v.z)) {}
 
   D operator[](int axis) const { return axis == 0 ? x : axis == 1 ? y : z; }
-  auto rounded() const { return Vec3Of{to_float(x), to_float(y), to_float(z)}; }
+  auto rounded() const { return Vec3Of<decltype(to_float(x))>{to_float(x), to_float(y), to_float(z)}; }
 
   friend Vec3dOf operator+(Vec3dOf a, Vec3dOf b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
   friend Vec3dOf operator-(Vec3dOf a, Vec3dOf b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }

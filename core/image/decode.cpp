@@ -16,6 +16,7 @@
 #include "core/image/hdr_check.hpp"
 #include "core/image/limits.hpp"
 #include "core/image/srgb.hpp"
+#include "core/image/stb_reason.hpp"
 
 namespace tessera::core {
 namespace {
@@ -56,7 +57,7 @@ Result<Image> decode_with_stb(std::string_view bytes,
   int width = 0, height = 0, channels = 0;
   const StbTexels<T> texels(load(reinterpret_cast<const stbi_uc*>(bytes.data()),
                                  static_cast<int>(bytes.size()), &width, &height, &channels, 3));
-  if (!texels) return unreadable(stbi_failure_reason());
+  if (!texels) return unreadable(stb_reason());
   Image image(width, height);
   const T* next = texels.get();
   for (Rgb& pixel : image.pixels) {
@@ -72,8 +73,7 @@ Result<Image> decode_png_or_hdr(std::string_view bytes) {
   const auto* data = reinterpret_cast<const stbi_uc*>(bytes.data());
   const auto size = static_cast<int>(bytes.size());
   int width = 0, height = 0, channels = 0;
-  if (!stbi_info_from_memory(data, size, &width, &height, &channels))
-    return unreadable(stbi_failure_reason());
+  if (!stbi_info_from_memory(data, size, &width, &height, &channels)) return unreadable(stb_reason());
   if (!is_plausible_size(width, height, bytes.size())) return out_of_bounds(width, height);
   if (!bytes.starts_with(kPngMagic)) {
     if (!is_complete_hdr(bytes, width, height)) return unreadable("the file ends too early");

@@ -9,11 +9,13 @@
 #include <ImfOutputFile.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <cstring>
 #include <stdexcept>
 #include <utility>
 
+#include "core/image/exr_header.hpp"
 #include "core/image/limits.hpp"
 
 namespace tessera::core {
@@ -43,14 +45,18 @@ class StringWriter : public Imf::OStream {
 
 class StringReader : public Imf::IStream {
  public:
-  explicit StringReader(std::string_view bytes) : IStream(kStreamName), bytes_(bytes) {}
+  // Reads `header` in place of as many of the file's first bytes.
+  StringReader(std::string_view header, std::string_view bytes)
+      : IStream(kStreamName), header_(header), bytes_(bytes) {}
 
   bool read(char* data, int size) override {
     const auto count = static_cast<std::size_t>(size);
     if (size < 0 || position_ > bytes_.size() || count > bytes_.size() - position_) {
       throw std::runtime_error("the file ends too early");
     }
-    std::memcpy(data, bytes_.data() + position_, count);
+    const std::size_t of_header = std::min(count, header_.size() - std::min(position_, header_.size()));
+    if (of_header > 0) std::memcpy(data, header_.data() + position_, of_header);
+    std::memcpy(data + of_header, bytes_.data() + position_ + of_header, count - of_header);
     position_ += count;
     return position_ < bytes_.size();
   }
@@ -59,7 +65,7 @@ class StringReader : public Imf::IStream {
   void clear() override {}
 
  private:
-  std::string_view bytes_;
+  std::string_view header_, bytes_;
   std::size_t position_ = 0;
 };
 
@@ -128,12 +134,17 @@ Result<std::string> encode_exr(const Image& image) {
 }
 
 Result<Image> decode_exr(std::string_view bytes) {
+  const auto unreadable = [](std::string_view why) {
+    return fail(ErrorCode::kInvalidArgument, fmt::format("not a readable OpenEXR picture: {}", why));
+  };
+  const Result<std::string> header = checked_exr_header(bytes);
+  if (!header) return unreadable(header.error().message);
   try {
-    StringReader stream(bytes);
+    StringReader stream(*header, bytes);
     Imf::InputFile file(stream, 0);
     return read_pixels(file, bytes.size());
   } catch (const std::exception& e) {
-    return fail(ErrorCode::kInvalidArgument, fmt::format("not a readable OpenEXR picture: {}", e.what()));
+    return unreadable(e.what());
   }
 }
 

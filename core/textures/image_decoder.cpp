@@ -10,7 +10,9 @@
 
 #include "core/image/hdr_check.hpp"
 #include "core/image/srgb.hpp"
+#include "core/image/stb_reason.hpp"
 #include "core/textures/jpeg_check.hpp"
+#include "core/textures/size_check.hpp"
 
 namespace tessera::core {
 namespace {
@@ -37,6 +39,13 @@ struct Size {
   }
 };
 
+// Whether the file has as many bytes as its pixels need.
+bool is_long_enough(std::string_view bytes, Size size) {
+  if (is_hdr_picture(bytes)) return is_complete_hdr(bytes, size.width, size.height);
+  return bytes.starts_with(kJpegStart) ? can_hold_jpeg(bytes, size.width, size.height)
+                                       : can_hold_png(bytes, size.width, size.height);
+}
+
 tl::unexpected<Error> broken_picture(std::string_view why) {
   return fail(ErrorCode::kInvalidArgument, fmt::format("is a broken picture ({})", why));
 }
@@ -47,14 +56,13 @@ Result<Size> checked_size(std::string_view bytes, Encoded encoded) {
   Size size;
   int channels = 0;
   if (!stbi_info_from_memory(encoded.data, encoded.size, &size.width, &size.height, &channels))
-    return broken_picture(stbi_failure_reason());
+    return broken_picture(stb_reason());
   if (size.width < 1 || size.height < 1) return broken_picture("it has no pixels");
   if (std::int64_t{size.width} * size.height > kMaxTexturePixels)
     return fail(ErrorCode::kInvalidArgument,
                 fmt::format("has {} x {} pixels, more than the {} a texture may have", size.width,
                             size.height, kMaxTexturePixels));
-  if (is_hdr_picture(bytes) && !is_complete_hdr(bytes, size.width, size.height))
-    return broken_picture("the file ends too early");
+  if (!is_long_enough(bytes, size)) return broken_picture("the file ends too early");
   return size;
 }
 
@@ -63,7 +71,7 @@ template <typename T>
 Result<StbTexels<T>> load_texels(Encoded encoded, T* (*load)(const stbi_uc*, int, int*, int*, int*, int)) {
   int width = 0, height = 0, channels = 0;
   StbTexels<T> texels(load(encoded.data, encoded.size, &width, &height, &channels, 3));
-  if (!texels) return broken_picture(stbi_failure_reason());
+  if (!texels) return broken_picture(stb_reason());
   return texels;
 }
 

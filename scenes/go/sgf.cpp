@@ -47,7 +47,7 @@ std::string shown(const std::string& value) {
   constexpr std::size_t kLongest = 20;
   std::string text = value.substr(0, kLongest) + (value.size() > kLongest ? "..." : "");
   std::replace_if(
-      text.begin(), text.end(), [](char c) { return std::iscntrl(static_cast<unsigned char>(c)) != 0; }, '?');
+      text.begin(), text.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
   return text;
 }
 

@@ -15,6 +15,13 @@ bool is_known_state(int state) {
   return v1::JobState_IsValid(state) && state != v1::JOB_STATE_UNSPECIFIED;
 }
 
+// Whether a row's text can be told to anybody: the contract's texts are UTF-8.
+bool is_text(const std::string& bytes) {
+  v1::Job told;
+  told.set_failure(bytes);
+  return told.ParseFromString(told.SerializeAsString());
+}
+
 }  // namespace
 
 core::TileGrid grid_of(const v1::Job& spec) {
@@ -73,8 +80,9 @@ core::Result<JobRecord> from_row(const store::JobRow& row) {
   auto spec = std::make_shared<v1::Job>();
   v1::Counters counters;
   if (!row.intact || !spec->ParseFromString(row.spec) || !counters.ParseFromString(row.counters) ||
-      !proto::from_proto(spec->settings()) || !proto::from_proto(spec->display()) || row.spp < 1 ||
-      row.spp > core::kMaxSpp || !is_known_state(row.state)) {
+      spec->id() != row.id || !is_text(row.failure) || !proto::from_proto(spec->settings()) ||
+      !proto::from_proto(spec->display()) || row.spp < 1 || row.spp > core::kMaxSpp ||
+      !is_known_state(row.state)) {
     return core::fail(
         core::ErrorCode::kDataLoss,
         fmt::format(

@@ -1,4 +1,5 @@
 // Taking up the jobs of an earlier run.
+#include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
@@ -25,6 +26,17 @@ std::uint32_t spp_of(const store::JobRow& row, const DoneByTile& done) {
 
 bool is_whole(const std::vector<core::SampleRange>& ranges, std::uint32_t spp) {
   return ranges == std::vector<core::SampleRange>{{0, spp}};
+}
+
+// Of a farm that allowed larger pictures, or of damage: its film would not fit into memory.
+core::Status check_size(const v1::Job& spec, std::uint64_t max_pixels) {
+  const v1::RenderSettings& settings = spec.settings();
+  if (std::uint64_t{settings.width_px()} * settings.height_px() <= max_pixels) return {};
+  return core::fail(
+      core::ErrorCode::kResourceExhausted,
+      fmt::format("a picture on this farm has at most {} pixels, and this one {} x {}: it is kept "
+                  "as it is for a coordinator that allows it",
+                  max_pixels, settings.width_px(), settings.height_px()));
 }
 
 std::vector<scheduler::IntervalSet> done_sets(const scheduler::JobShape& shape, const DoneByTile& done) {
@@ -86,6 +98,8 @@ core::Status Coordinator::restore_job(const store::JobRow& row) {
     unfinished = *lacks;
   }
   if (unfinished) {
+    if (auto fits = check_size(*record->spec, options_.max_pixels); !fits)
+      return restore_damaged_job(row, fits.error().within("taking up job " + row.id));
     auto loaded = load_film(*record->spec);
     if (!loaded) return core::fail(loaded.error());
     for (const std::string& damage : loaded->damage) spdlog::error("{}: it is rendered again", damage);

@@ -24,6 +24,13 @@ constexpr int kMaxItemsPerResult = 256;
 // Of what a worker says in its own words.
 constexpr std::size_t kMostReasonBytes = 1000;
 
+// The beginning of a text, with no character cut in two: the rest could not be sent any more.
+std::string beginning_of(const std::string& text) {
+  std::size_t end = std::min(text.size(), kMostReasonBytes);
+  while (end < text.size() && end > 0 && (static_cast<unsigned char>(text[end]) & 0xc0) == 0x80) --end;
+  return text.substr(0, end);
+}
+
 bool is_id(const std::string& text) {
   return text.size() == 32 && text.find_first_not_of("0123456789abcdef") == std::string::npos;
 }
@@ -231,7 +238,7 @@ core::Result<v1::SubmitResultResponse> Coordinator::count_result(Turn& turn,
                                 {},
                                 seconds(request.render_time()),
                                 request.lease_finished(),
-                                request.cannot_build().substr(0, kMostReasonBytes)};
+                                beginning_of(request.cannot_build())};
   for (const core::FilmTile& tile : tiles)
     event.items.push_back({scheduler::tile_index(grid, tile.rect), tile.range});
   const scheduler::Actions actions = scheduler_.handle(event, turn.now());

@@ -12,8 +12,11 @@ namespace {
 
 constexpr std::uint64_t kVerdictBytes = 1 << 20;
 
-#if defined(__SANITIZE_ADDRESS__)
-constexpr bool kLimitsAddresses = false;  // AddressSanitizer itself maps terabytes
+// AddressSanitizer itself maps terabytes.
+#if defined(__SANITIZE_ADDRESS__)  // GCC
+constexpr bool kLimitsAddresses = false;
+#elif defined(__has_feature)  // Clang
+constexpr bool kLimitsAddresses = !__has_feature(address_sanitizer);
 #else
 constexpr bool kLimitsAddresses = true;
 #endif

@@ -214,7 +214,7 @@ tl::unexpected<Error> FaceReader::bad_corner(std::string_view word) const {
 }
 
 void FaceReader::add(const std::array<std::uint32_t, 3>& triangle) {
-  auto& [positions, uvs, normals] = file_.corners;
+  std::vector<std::int32_t>& positions = file_.corners.positions;
   if (run_is_new_) {
     run_.first_triangle = file_.triangle_count();
     file_.runs.push_back(run_);
@@ -230,8 +230,8 @@ void FaceReader::add(const std::array<std::uint32_t, 3>& triangle) {
     list.push_back(index);
   };
   for (const std::uint32_t i : triangle) {
-    append(uvs, face_[i].uv);
-    append(normals, face_[i].normal);
+    append(file_.corners.uvs, face_[i].uv);
+    append(file_.corners.normals, face_[i].normal);
     positions.push_back(face_[i].position);
   }
 }

@@ -92,6 +92,37 @@ TEST(DecodeImage, ASmallFileThatClaimsAHugePictureIsAnError) {
   EXPECT_THAT(decode_image(exr).error().message, HasSubstr("32768x32768"));
 }
 
+// OpenEXR would take the memory first.
+TEST(DecodeExr, AttributesBeyondTheFileAreErrors) {
+  std::string exr = encode_image(Image(2, 2), ImageFormat::kExr).value();
+  const std::size_t size = exr.find("lineOrder\0lineOrder\0"s) + 20;
+  ASSERT_EQ(exr[size], 1);
+  exr[size + 3] = 0x66;
+  EXPECT_THAT(decode_image(exr).error().message, HasSubstr("OpenEXR picture: the file ends too early"));
+}
+
+TEST(DecodeExr, AttributesOfNoUseAreNotLookedAt) {
+  Image image(2, 2);
+  image.pixels[3] = {1, 2, 3};
+  std::string exr = encode_image(image, ImageFormat::kExr).value();
+  const std::string preview =
+      "preview\0preview\0\x08\0\0\0\xff\xff\0\0\xff\xff\0\0"s;  // of 65535 x 65535 pixels
+  exr.insert(8, preview);
+  // The table of where the chunk is, behind the header.
+  const std::size_t table = exr.find("screenWindowWidth\0float\0"s) + 24 + 4 + 4 + 1;
+  exr[table] = static_cast<char>(exr[table] + static_cast<char>(preview.size()));
+  const auto read = decode_image(exr);
+  ASSERT_TRUE(read.has_value()) << read.error().message;
+  EXPECT_EQ(read->pixels, image.pixels);
+}
+
+// stb_image quotes the names of chunks that it does not know.
+TEST(DecodeImage, SaysNothingThatCannotBePrinted) {
+  std::string damaged = encode_image(Image(2, 2), ImageFormat::kPng).value();
+  damaged.replace(damaged.find("IDAT"), 4, "I\xff\x01\n");
+  EXPECT_EQ(decode_image(damaged).error().message, "not a readable picture: I??? PNG chunk not known");
+}
+
 TEST(DecodePfm, ReadsBigEndianAndGray) {
   const Result<Image> image = decode_image("Pf\n2 1\n1.0\n\x3f\x80\0\0\x40\0\0\0"s);
   ASSERT_TRUE(image) << image.error().message;

@@ -191,6 +191,67 @@ TEST(DecodeTexture, RefusesTooManyPixelsBeforeDecodingThem) {
             "has 40000 x 40000 pixels, more than the 268435456 a texture may have");
 }
 
+// stb_image quotes the names of chunks that it does not know.
+TEST(DecodeTexture, SaysNothingThatCannotBePrinted) {
+  std::string damaged = png(one_color(2, 2, {0.2f, 0.5f, 0.7f}));
+  damaged.replace(damaged.find("IDAT"), 4, "I\xff\x01\n");
+  EXPECT_EQ(error_of(damaged), "is a broken picture (I??? PNG chunk not known)");
+}
+
+// Of a file's claim, before memory is taken for it.
+TEST(DecodeTexture, RefusesMorePixelsThanTheFileCanHold) {
+  std::string small = png(one_color(20, 20, {0.2f, 0.5f, 0.7f}));
+  small[18] = small[22] = 0x20;  // 8,212 pixels a side: each takes 3 bytes, and the file has a hundred
+  EXPECT_EQ(error_of(small), "is a broken picture (the file ends too early)");
+  std::string photograph = jpeg();
+  const std::size_t frame = photograph.find("\xff\xc0");
+  photograph[frame + 5] = photograph[frame + 7] = 0x20;
+  EXPECT_EQ(error_of(photograph), "is a broken picture (the file ends too early)");
+}
+
+std::string big_endian(std::size_t value) {
+  std::string bytes;
+  for (int shift = 24; shift >= 0; shift -= 8) bytes.push_back(static_cast<char>(value >> shift & 0xff));
+  return bytes;
+}
+
+std::string chunk(const std::string& name, const std::string& content) {
+  return big_endian(content.size()) + name + content + std::string(4, '\0');  // stb_image reads no checksums
+}
+
+// So many zeros in a zlib stream: one, and copies of it by the 258 (RFC 1951, fixed codes).
+std::string compressed_zeros(std::size_t count) {
+  std::string bits = "110";  // the last block, with fixed codes
+  bits += "00110000";        // a zero
+  for (std::size_t made = 1; made < count; made += 258) bits += "1100010100000";
+  bits += "0000000";
+  std::string bytes("\x78\x01");
+  for (std::size_t i = 0; i < bits.size(); i += 8) {
+    unsigned byte = 0;
+    for (std::size_t k = 0; k < 8 && i + k < bits.size(); ++k) byte |= (bits[i + k] - '0' + 0u) << k;
+    bytes.push_back(static_cast<char>(byte));
+  }
+  return bytes + std::string(4, '\0');
+}
+
+// Black, a bit for each pixel.
+std::string black_png(std::size_t side_px) {
+  const std::string header = big_endian(side_px) + big_endian(side_px) + std::string("\1\0\0\0\0", 5);
+  return "\x89PNG\r\n\x1a\n" + chunk("IHDR", header) +
+         chunk("IDAT", compressed_zeros(side_px * (1 + (side_px + 7) / 8))) + chunk("IEND", "");
+}
+
+// More than a thousand pixels for each byte of the file.
+TEST(DecodeTexture, ReadsWhatIsCompressedWell) {
+  constexpr int kSidePx = 2000;
+  const std::string file = black_png(kSidePx);
+  ASSERT_LT(file.size(), 4000u);
+  const auto image = decode_texture_image(file, ColorSpace::kSrgb);
+  ASSERT_TRUE(image.has_value()) << image.error().message;
+  EXPECT_EQ(image->width(), kSidePx);
+  EXPECT_EQ(image->largest(), Rgb::gray(0));
+}
+
 // stb_image 2.27 would write such a table over its other data.
 TEST(DecodeTexture, RefusesJpegTablesThatAreTooLong) {
   const auto table = [](int count_each) {

@@ -144,6 +144,8 @@ INSTANTIATE_TEST_SUITE_P(
                 "game.sgf:1: B[AA]: not a point of this board; they run from aa to ss, and a pass is empty"},
         Mistake{"LettersMissing", "(;W[d])",
                 "game.sgf:1: W[d]: not a point of this board; they run from aa to ss, and a pass is empty"},
+        Mistake{"BytesThatCannotBePrinted", "(;W[\xdd\x7f])",
+                "game.sgf:1: W[??]: not a point of this board; they run from aa to ss, and a pass is empty"},
         Mistake{"LongValue", "(;W[a point in the\nlower left])",
                 "game.sgf:1: W[a point in the?lower...]: not a point of this board; they run from aa to ss, "
                 "and a pass is empty"},

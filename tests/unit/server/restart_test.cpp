@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <sqlite3.h>
 
+#include <algorithm>
 #include <functional>
 
 #include "tests/unit/server/scripted_farm.hpp"
@@ -192,6 +193,35 @@ TEST_F(Restart, ARowThatNoJobCanHaveFailsItAndHarmsNoOther) {
     EXPECT_EQ(job(whole).state(), v1::JOB_STATE_RUNNING) << spp << ' ' << state;
     rewrite(kSpp, v1::JOB_STATE_RUNNING);
   }
+}
+
+// Under checksums that are in order, as no coordinator writes them.
+TEST_F(Restart, RowsThatNoCoordinatorHereWritesFailTheirJobsAndHarmNoOther) {
+  const std::string damaged = submit(), whole = submit(), mute = submit(), huge = submit();
+  ASSERT_TRUE(coordinator().checkpoint());
+  rewrite_jobs([&](store::JobRow& row) {
+    if (row.id == mute) row.failure = "no \xff text";
+  });
+  {
+    auto store = store::JobStore::open(folder_.path() / "state" / "tessera.db");
+    auto rows = store->jobs().value();
+    const auto row_of = [&](const std::string& id) -> store::JobRow& {
+      return *std::find_if(rows.begin(), rows.end(), [&](const store::JobRow& row) { return row.id == id; });
+    };
+    row_of(damaged).spec = row_of(whole).spec;
+    v1::Job spec;
+    ASSERT_TRUE(spec.ParseFromString(row_of(huge).spec));
+    spec.mutable_settings()->set_width_px(65536);
+    spec.mutable_settings()->set_height_px(16384);
+    row_of(huge).spec = spec.SerializeAsString();
+    ASSERT_TRUE(store->delete_job(damaged) && store->insert_job(row_of(damaged)));
+    ASSERT_TRUE(store->delete_job(huge) && store->insert_job(row_of(huge)));
+  }
+  open();
+  EXPECT_EQ(job(damaged).state(), v1::JOB_STATE_FAILED);
+  EXPECT_THAT(job(mute).failure(), HasSubstr("is damaged: delete it"));
+  EXPECT_THAT(job(huge).failure(), HasSubstr("at most 268435456 pixels, and this one 65536 x 16384"));
+  EXPECT_EQ(job(whole).state(), v1::JOB_STATE_RUNNING);
 }
 
 // One bit of a seed would be another picture.

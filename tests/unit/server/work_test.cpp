@@ -301,6 +301,22 @@ TEST_F(Work, ASceneThatTheOnlyWorkerCannotBuildFailsTheJob) {
   EXPECT_EQ(job(id).state(), v1::JOB_STATE_FAILED);
 }
 
+// Texts of the contract are UTF-8: what is cut within a character could not be told to anybody.
+TEST_F(Work, ALongReasonOfAWorkerIsCutBetweenCharacters) {
+  const std::string id = submit();
+  for (int i = 0; i < 3; ++i) {
+    v1::SubmitResultRequest given_back = delivery('a', synchronize(greeting('a')).leases(0));
+    given_back.clear_items();
+    std::string reason = "x";
+    for (int k = 0; k < 600; ++k) reason += "\u00e9";
+    given_back.set_cannot_build(reason);
+    deliver(given_back);
+  }
+  v1::Job read_again;
+  EXPECT_TRUE(read_again.ParseFromString(job(id).SerializeAsString()));
+  EXPECT_THAT(read_again.failure(), HasSubstr("\u00e9\u00e9\u00e9"));
+}
+
 TEST_F(Work, ABlobThatIsIntactAfterAllFailsNoJob) {
   const std::string id = submit();
   const proto::Digest scene = proto::digest_of(kSceneBytes);

@@ -1,0 +1,94 @@
+#include "core/image/exr_header.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "core/image/limits.hpp"
+
+namespace tessera::core {
+namespace {
+
+constexpr std::size_t kMagicAndVersion = 8;
+constexpr std::uint32_t kDeepOrOfSeveralParts = 0x1800;
+// What reading a picture takes; all other attributes are passed over.
+constexpr std::array<std::string_view, 9> kNeeded{
+    "channels", "compression",      "dataWindow",         "displayWindow",    "lineOrder",
+    "tiles",    "pixelAspectRatio", "screenWindowCenter", "screenWindowWidth"};
+
+std::uint32_t number_at(std::string_view bytes, std::size_t at) {
+  std::uint32_t value = 0;
+  for (std::size_t i = 0; i < 4; ++i)
+    value |= std::uint32_t{static_cast<unsigned char>(bytes[at + i])} << (8 * i);
+  return value;
+}
+
+// What attributes say of the size of things.
+struct Claims {
+  std::int64_t width = 0, height = 0, tile_width = 0, tile_height = 0;
+  std::int64_t channels = 1;
+};
+
+void note_claim(std::string_view name, std::string_view value, Claims& claims) {
+  const auto number = [&](std::size_t i) {
+    return std::int64_t{static_cast<std::int32_t>(number_at(value, 4 * i))};
+  };
+  if (name == "dataWindow" && value.size() == 16) {
+    claims.width = number(2) - number(0) + 1;
+    claims.height = number(3) - number(1) + 1;
+  } else if (name == "tiles" && value.size() == 9) {
+    claims.tile_width = number_at(value, 0);
+    claims.tile_height = number_at(value, 4);
+  } else if (name == "channels") {
+    // Each has a name of a letter at least, its end, and 16 bytes.
+    claims.channels = static_cast<std::int64_t>(value.size() / 18 + 1);
+  }
+}
+
+// OpenEXR unpacks up to 256 lines at once, or a tile. A file that is worth its claims has a byte for a
+// thousand.
+bool is_plausible_block(const Claims& claims, std::size_t file_bytes) {
+  constexpr std::int64_t kLines = 256, kAlwaysAllowed = std::int64_t{1} << 28, kMostBytesOfOne = 1032;
+  const std::int64_t most = kAlwaysAllowed + kMostBytesOfOne * static_cast<std::int64_t>(file_bytes);
+  if (std::max(claims.tile_width, claims.tile_height) > kMaxPictureSidePx) return false;
+  const std::int64_t pixels =
+      std::max(claims.width * std::min(claims.height, kLines), claims.tile_width * claims.tile_height);
+  return pixels <= most / (4 * claims.channels);
+}
+
+}  // namespace
+
+Result<std::string> checked_exr_header(std::string_view bytes) {
+  const auto refuse = [](std::string what) { return fail(ErrorCode::kInvalidArgument, std::move(what)); };
+  const auto too_early = [&] { return refuse("the file ends too early"); };
+  if (bytes.size() < kMagicAndVersion) return too_early();
+  if ((number_at(bytes, 4) & kDeepOrOfSeveralParts) != 0) return refuse("it is deep, or of several parts");
+  std::string header(bytes.substr(0, kMagicAndVersion));
+  Claims claims;
+  for (;;) {
+    const std::size_t name_end = bytes.find('\0', header.size());
+    if (name_end == std::string_view::npos) return too_early();
+    const std::string_view name = bytes.substr(header.size(), name_end - header.size());
+    header.append(name).push_back('\0');
+    if (name.empty()) break;
+    const std::size_t type_end = bytes.find('\0', header.size());
+    if (type_end == std::string_view::npos || bytes.size() - type_end < 5) return too_early();
+    const std::string_view type = bytes.substr(header.size(), type_end - header.size());
+    const std::size_t size = number_at(bytes, type_end + 1);
+    if (size > bytes.size() - type_end - 5) return too_early();
+    const bool needed = std::find(kNeeded.begin(), kNeeded.end(), name) != kNeeded.end();
+    header.append(needed ? std::string(type) : std::string(type.size(), 'x'));
+    header.append(bytes.substr(type_end, 5 + size));
+    note_claim(name, bytes.substr(type_end + 5, size), claims);
+  }
+  if (!is_plausible_size(claims.width, claims.height, bytes.size()) ||
+      !is_plausible_block(claims, bytes.size()))
+    return refuse(fmt::format("its size of {}x{} pixels is not plausible for a file of its length",
+                              claims.width, claims.height));
+  return header;
+}
+
+}  // namespace tessera::core

@@ -1,0 +1,64 @@
+// A submission: the message, the blobs that it names, and what the validator makes of them, in this process.
+// The first part is a SubmitJobRequest; the others are blobs, whose digests assets get that say none.
+#include "server/validator/judge.hpp"
+#include "tests/fuzz/farm.hpp"
+#include "tests/fuzz/parts.hpp"
+
+namespace tessera::fuzz {
+namespace {
+
+// As validator_process.cpp asks tessera-validator, but for the process.
+core::Result<coordinator::CheckedScene> ask(const store::BlobStore& blobs, const v1::Bundle& bundle,
+                                            const v1::RenderOverrides& overrides) {
+  validator::Question question;
+  *question.mutable_bundle() = bundle;
+  *question.mutable_overrides() = overrides;
+  for (const v1::Bundle::Asset& asset : bundle.assets()) {
+    const auto digest = proto::from_proto(asset.digest());
+    if (digest) (*question.mutable_files())[asset.path()] = blobs.path(*digest).string();
+  }
+  const validator::Verdict verdict = validator::judge(question);
+  expect_sendable(verdict);
+  if (verdict.has_approval())
+    return coordinator::CheckedScene{verdict.approval().settings(), verdict.approval().display()};
+  return core::fail(static_cast<core::ErrorCode>(verdict.refusal().code()), verdict.refusal().message());
+}
+
+void store(const store::BlobStore& blobs, std::string_view bytes) {
+  auto writer = blobs.write(proto::digest_of(bytes));
+  expect(writer && writer->append(bytes) && writer->commit(), "a blob can be stored");
+}
+
+void name_blobs(v1::Bundle& bundle, const std::vector<Part>& parts) {
+  std::size_t next = 1;
+  for (v1::Bundle::Asset& asset : *bundle.mutable_assets()) {
+    if (!asset.digest().sha256().empty() || next == parts.size()) continue;
+    *asset.mutable_digest() = proto::to_proto(proto::digest_of(parts[next++].bytes));
+  }
+}
+
+void submit(std::string_view input) {
+  const std::vector<Part> parts = parts_of(input);
+  v1::SubmitJobRequest request;
+  if (!request.ParseFromString(std::string(parts.front().bytes))) return;
+  name_blobs(*request.mutable_bundle(), parts);
+
+  const store::BlobStore* blobs = nullptr;
+  Farm farm([&](const auto& bundle, const auto& overrides) { return ask(*blobs, bundle, overrides); });
+  blobs = &farm.coordinator().blobs();
+  for (std::size_t i = 1; i < parts.size(); ++i) store(*blobs, parts[i].bytes);
+  const auto job = farm.coordinator().submit_job(request, "somebody");
+  expect_sendable(job);
+  farm.greet('1');
+  farm.reopen();
+  expect(farm.is_open(), "what a coordinator has written it can read");
+  if (job) expect_sendable(farm.coordinator().job(job->id()));
+}
+
+}  // namespace
+}  // namespace tessera::fuzz
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  tessera::fuzz::submit(tessera::fuzz::as_text(data, size));
+  return 0;
+}

@@ -1,0 +1,94 @@
+// What workers and users say to a coordinator, in any order: each part of the input is one message or event,
+// named by its part (parts.hpp). After every one the coordinator's invariants hold, and every answer can be
+// sent.
+#include "proto/convert.hpp"
+#include "proto/tile_codec.hpp"
+#include "tessera/v1/render_service.pb.h"
+#include "tests/fuzz/farm.hpp"
+#include "tests/fuzz/parts.hpp"
+
+namespace tessera::fuzz {
+namespace {
+
+void spell_out(v1::SynchronizeRequest& request) {
+  request.set_worker_id(id_of(request.worker_id()));
+  for (v1::Lease& lease : *request.mutable_held()) lease.set_job_id(id_of(lease.job_id()));
+}
+
+// Sums are made of nothing but their number, so that small inputs can deliver whole tiles.
+void spell_out(v1::SubmitResultRequest& request) {
+  request.set_worker_id(id_of(request.worker_id()));
+  request.set_job_id(id_of(request.job_id()));
+  for (v1::RenderedItem& item : *request.mutable_items()) {
+    const auto work = proto::from_proto(item.item());
+    if (!work || work->rect.width() > core::kTilePx || work->rect.height() > core::kTilePx) continue;
+    item = proto::encode_tile(tile_of(work->rect, work->range));
+  }
+}
+
+void do_to_job(Farm& farm, const Part& part) {
+  coordinator::Coordinator& coordinator = farm.coordinator();
+  v1::CancelJobRequest request;
+  request.set_job_id(std::string(part.bytes));
+  if (!request.ParseFromString(request.SerializeAsString())) return;  // no text: gRPC refuses it
+  const std::string id = id_of(request.job_id());
+  if (part.name == "pause") expect_sendable(coordinator.pause_job(id));
+  if (part.name == "resume") expect_sendable(coordinator.resume_job(id));
+  if (part.name == "cancel") expect_sendable(coordinator.cancel_job(id));
+  if (part.name == "delete") expect_told(coordinator.delete_job(id));
+  if (part.name == "picture") expect_told(coordinator.picture(id));
+  if (part.name == "blob lost") {
+    coordinator.blob_is_lost(proto::digest_of(part.bytes), {core::ErrorCode::kNotFound, "it is not there"});
+  }
+}
+
+void do_part(Farm& farm, const Part& part) {
+  const std::string bytes(part.bytes);
+  coordinator::Coordinator& coordinator = farm.coordinator();
+  v1::SynchronizeRequest synchronize;
+  v1::SubmitResultRequest result;
+  v1::SubmitJobRequest submission;
+  v1::ExtendJobRequest extension;
+  if (part.name == "sync" && synchronize.ParseFromString(bytes)) {
+    spell_out(synchronize);
+    farm.synchronize(synchronize);
+  } else if (part.name == "result" && result.ParseFromString(bytes)) {
+    spell_out(result);
+    expect_sendable(coordinator.submit_result(result));
+  } else if (part.name == "submit" && submission.ParseFromString(bytes)) {
+    expect_sendable(coordinator.submit_job(submission, "somebody"));
+  } else if (part.name == "extend" && extension.ParseFromString(bytes)) {
+    expect_sendable(coordinator.extend_job(id_of(extension.job_id()), extension.spp()));
+  } else if (part.name == "wait") {
+    farm.wait(std::chrono::milliseconds(250) * static_cast<int>(bytes.size()));
+  } else if (part.name == "checkpoint") {
+    expect_told(coordinator.checkpoint());
+  } else if (part.name == "restart") {
+    farm.reopen();
+    expect(farm.is_open(), "what a coordinator has written it can read");
+  } else {
+    do_to_job(farm, part);
+  }
+}
+
+void feed(std::string_view input) {
+  Farm farm;
+  expect(farm.is_open(), "an intact state folder is taken up");
+  farm.greet('1');
+  int parts = 0;
+  for (const Part& part : parts_of(input)) {
+    if (++parts > 32) break;
+    do_part(farm, part);
+    farm.wait(std::chrono::seconds(1));  // checks the invariants
+  }
+  for (const v1::Job& job : farm.coordinator().jobs()) expect_sendable(job);
+  for (const auto& worker : farm.coordinator().workers()) expect_sendable(worker);
+}
+
+}  // namespace
+}  // namespace tessera::fuzz
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  tessera::fuzz::feed(tessera::fuzz::as_text(data, size));
+  return 0;
+}

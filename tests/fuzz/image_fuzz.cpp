@@ -1,0 +1,38 @@
+// A picture: as a texture in both colour spaces, and as `tessera compare` reads it.
+#include "core/image/decode.hpp"
+#include "core/textures/image_decoder.hpp"
+#include "tests/fuzz/expect.hpp"
+#include "tests/fuzz/parts.hpp"
+
+namespace tessera::fuzz {
+namespace {
+
+void decode_as_texture(std::string_view bytes, core::ColorSpace color_space) {
+  const auto image = core::decode_texture_image(bytes, color_space);
+  if (!expect_answer(image)) return;
+  expect(image->width() > 0 && image->height() > 0, "a picture has pixels");
+  for (const core::Vec2 uv : {core::Vec2{0, 0}, core::Vec2{0.5f, 1}, core::Vec2{-7.3f, 1e30f}})
+    for (const auto wrap : {core::Wrap::kRepeat, core::Wrap::kClamp})
+      expect(core::is_finite(image->bilinear(uv, wrap, wrap)), "light is finite");
+  const core::Rgb mean = image->mean(), largest = image->largest();
+  expect(mean.r <= largest.r * 1.001f, "no mean is above the largest");
+}
+
+void decode_as_picture(std::string_view bytes) {
+  const auto image = core::decode_image(bytes);
+  if (!expect_answer(image)) return;
+  const auto width = static_cast<std::size_t>(image->width), height = static_cast<std::size_t>(image->height);
+  expect(image->pixels.size() == width * height, "as many pixels as the size says");
+}
+
+}  // namespace
+}  // namespace tessera::fuzz
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace tessera;
+  const std::string_view bytes = fuzz::as_text(data, size);
+  fuzz::decode_as_texture(bytes, core::ColorSpace::kSrgb);
+  fuzz::decode_as_texture(bytes, core::ColorSpace::kLinear);
+  fuzz::decode_as_picture(bytes);
+  return 0;
+}

@@ -1,0 +1,217 @@
+#!/usr/bin/env bash
+# Writes the seeds that the corpora began with, as files named seed_*: small valid inputs of each kind, and some that
+# are nearly so. All of them are made here. Run it when a format has changed; minimise.sh then adds what fuzzing finds.
+# Usage: tests/fuzz/make_seeds.sh [FOLDER]     (by default tests/fuzz/corpus)
+# TESSERA names the executable that renders the pictures; by default that of the release build.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/../.."
+corpus=$(realpath -m "${1:-tests/fuzz/corpus}")
+tessera=${TESSERA:-$PWD/build/release/bin/tessera}
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+
+seed() { mkdir -p "$corpus/$1"; cat >"$corpus/$1/seed_$2"; }
+part() { printf '\n==== %s\n' "$1"; }
+# message TYPE < TEXT: its bytes.
+message() {
+  protoc --proto_path=proto --encode="tessera.v1.$1" \
+    tessera/v1/types.proto tessera/v1/render_service.proto tessera/v1/worker_service.proto
+}
+
+# ---- Scenes, meshes, materials ----
+cat >"$work/x.obj" <<'EOF'
+mtllib x.mtl
+v 0 0 0
+v 2 0 0
+v 2 2 0
+v 0 2 0
+v 1 1 1.5
+vt 0 0
+vt 1 0
+vt 1 1
+vn 0 0 1
+usemtl tiles
+s 1
+f 1/1/1 2/2/1 5/3/1
+f 2/1/1 3/2/1 -1/-1/-1
+g side
+usemtl wood
+s off
+f 3//1 4//1 5//1
+f 4 3 2 1 # floor
+f 1 \
+ 5 2
+EOF
+cat >"$work/x.mtl" <<'EOF'
+newmtl tiles
+Kd 0.6 0.2 0.1
+Ks 0.3 0.3 0.3
+Ns 40
+Ke 1 1 1
+illum 2
+newmtl wood
+Kd 0.5 0.4 0.3
+map_Kd -s 2 2 1 -o .5 -mm 0 1 -clamp on x.png # old
+newmtl glass
+Ni 1.45
+d 0.2
+illum 7
+Tf 0.9 0.9 0.9
+EOF
+cat >"$work/box.json" <<'EOF'
+{"render": {"width": 4, "height": 3, "spp": 1},
+ "camera": {"position": [0, 0, 3], "look_at": [0, 0, 0]},
+ "materials": {"m": {"type": "lambert", "albedo": [0.9, 0.5, 0.1]}},
+ "shapes": [{"type": "sphere", "radius": 1, "material": "m"}],
+ "environment": {"radiance": [1, 2, 3]}}
+EOF
+for ending in png exr hdr pfm; do
+  "$tessera" render "$work/box.json" -o "$work/x.$ending" --scene-cache "$work/cache" >/dev/null 2>&1
+done
+for i in obj mtl; do seed $i all <"$work/x.$i"; done
+printf '# Exported\r\nv 1 2 3 1 0.5 0.5 0.5\rv 4 5 6\rv 7 8 10\rvp 0.1\rl 1 2\rp 1\rfo 1// 2// 3//\r' | seed obj old
+printf '\xef\xbb\xbfv -1 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\ns off\nf 1 2 3 4\nf 4 3 2 1\nf 1 1 2\nf 1 2 3\n' | seed obj odd_faces
+printf 'v 0 0 0\nv 3 0 0\nv 3 3 0\nv 1.5 1 0\nv 0 3 0\nf 1 2 3 4 5\nvn 0 0 0\nvn 1e38 1e38 1e38\nf 1//1 2//2 3//1\n' | seed obj concave
+printf 'newmtl a b # c\nTr 0.5\nPr 0.3\nPm 1\nnorm -bm 2 n.png\nmap_Ks s.png\nKd spectral x.rfl 1\nKa xyz 1 1 1\n' | seed mtl other
+scene() { { cat; part x.obj; cat "$work/x.obj"; part x.mtl; cat "$work/x.mtl"; part x.png; cat "$work/x.png"; part x.hdr
+  cat "$work/x.hdr"; } | seed scene "$1"; }
+seed scene box <"$work/box.json"
+scene meshes <<'EOF'
+{"camera": {"position": [1, 1, 5], "look_at": [1, 1, 0], "aperture_radius": 0.1, "aperture_blades": 5},
+ "output": {"exposure": 1.5, "tone_curve": "agx"},
+ "objects": {"o": {"shapes": [{"type": "mesh", "file": "x.obj"}]}},
+ "shapes": [{"type": "mesh", "file": "x.obj", "normals": "smooth",
+             "transform": [{"scale": [1, -2, 1]}, {"rotate": {"axis": [0, 1, 0], "degrees": 30}}, {"translate": [1, 2, 3]}]},
+            {"type": "instance", "object": "o", "transform": [{"matrix": [[1, 0, 0, 5], [0, 2, 0, 0], [0, 0, 1, 0]]}]}],
+ "lights": [{"type": "point", "position": [1, 2, 3], "intensity": [4, 5, 6]}]}
+EOF
+scene textures <<'EOF'
+{"camera": {"position": [0.5, 0.5, 2], "look_at": [0.5, 0.5, 0]},
+ "textures": {"t": {"file": "x.png", "wrap": "clamp", "scale": [2, 2], "offset": [0.5, 0]}, "sky": {"file": "x.hdr"}},
+ "materials": {
+  "a": {"type": "lambert", "albedo": {"texture": "t", "tint": 0.5}, "emission": {"texture": "t", "tint": 5}}, // comment
+  "g": {"type": "glass", "ior": 1.5, "transmittance": [1, 0.9, 0.8], "roughness": {"texture": "t", "scale": 0.4}},
+  "p": {"type": "phong", "diffuse": 0.4, "specular": 0.5, "exponent": 9, "lobe": "n+2", "sampling": "uniform"},
+  "c": {"type": "cook_torrance", "conductor": "gold", "roughness": 0.2, "sampling": "half_vector",
+        "normal_map": {"texture": "t", "strength": 2}},
+  "r": {"type": "mirror", "reflectance": 0.9}},
+ "shapes": [{"type": "quad", "corner": [0, 0, 0], "edge_u": [1, 0, 0], "edge_v": [0, 1, 0], "material": "c"},
+            {"type": "sphere", "center": [0.5, 0.5, 0.5], "radius": 0.4, "material": "g"},
+            {"type": "sphere", "center": [3, 0, 0], "radius": 0.4, "material": "a"},
+            {"type": "sphere", "center": [-3, 0, 0], "radius": 0.4, "material": "p"},
+            {"type": "quad", "corner": [0, 0, -9], "edge_u": [9, 0, 0], "edge_v": [0, 9, 0], "material": "r"}],
+ "environment": {"texture": "sky", "rotation_degrees": 45}}
+EOF
+for integrator in naive nee whitted; do
+  sed "s/\"spp\": 1/\"spp\": 1, \"integrator\": \"$integrator\", \"filter\": \"gaussian\", \"max_depth\": 5/" \
+    "$work/box.json" | seed scene $integrator
+done
+lights='"lights": [{"type": "spot", "position": [0, 4, 0], "look_at": [0, 0, 0], "intensity": 9, "angle_degrees": 60,
+  "softness": 0.5}, {"type": "directional", "direction": [0, -1, 0], "irradiance": 2}]}'
+{ grep -v environment "$work/box.json"; echo "$lights"; } | seed scene lights
+sed 's/"radius": 1,/"radius": -1, "radios": 2,/' "$work/box.json" | seed scene mistakes
+
+# ---- Pictures ----
+for ending in png exr hdr pfm; do seed image $ending <"$work/x.$ending"; done
+gm convert "$work/x.png" -depth 16 "$work/deep.png" && seed image png16 <"$work/deep.png"
+gm convert "$work/x.png" -colorspace Gray "$work/gray.png" && seed image png_gray <"$work/gray.png"
+gm convert "$work/x.png" -type Palette -interlace Line "$work/palette.png" && seed image png_palette <"$work/palette.png"
+gm convert "$work/x.png" -quality 60 "$work/x.jpg" && seed image jpg <"$work/x.jpg"
+gm convert "$work/x.png" -resize '40x9!' -interlace Line "$work/progressive.jpg"
+seed image jpg_progressive <"$work/progressive.jpg"
+sed 's/"width": 4/"width": 16/' "$work/box.json" >"$work/wide.json"
+"$tessera" render "$work/wide.json" -o "$work/wide.hdr" >/dev/null 2>&1 && seed image hdr_packed <"$work/wide.hdr"
+{ printf 'Pf\n2 2\n1.0\n'; printf '0123456789abcdef'; } | seed image pfm_gray
+
+# ---- Games ----
+cat <<'EOF' | seed sgf game
+(;FF[4]GM[1]SZ[9]PB[Black]PW[White \] 9p]RE[B+R]DT[2016-03-13]AB[aa:bb][cc]AW[ii]AE[aa]
+;B[dd];W[]C[a pass];B[ee](;W[ed];B[fd])(;W[tt]))
+EOF
+printf '(;SZ[3];B[aa];W[ba];W[ab];B[cc])' | seed sgf capture
+
+# ---- Tokens and certificates ----
+printf '# the farm\nsubmit anna 0123456789abcdef0\nwork shed ABCDEFGHIJKLMNOP-._~+/=\nadmin me aaaaaaaaaaaaaaaaaaaa\n' | seed tokens roles
+printf '0123456789abcdef\r\nmore' | seed tokens one
+printf '[::1]:7420' | seed tokens loopback
+printf '127.0.0.1:0' | seed tokens address
+openssl req -x509 -newkey ec -pkeyopt ec_paramgen_curve:prime256v1 -nodes -days 36500 -subj /CN=fuzz \
+  -keyout "$work/key.pem" -out "$work/certificate.pem" 2>/dev/null
+openssl genpkey -algorithm ed25519 -out "$work/other.pem"
+openssl pkey -in "$work/key.pem" -aes128 -passout pass:secret -out "$work/locked.pem"
+pem() { { cat "$work/certificate.pem"; part key; cat "$work/$2.pem"; } | seed pem "$1"; }
+pem pair key
+pem other_key other
+pem locked_key locked
+{ cat "$work/key.pem"; part key; cat "$work/certificate.pem"; } | seed pem swapped
+
+# ---- The cache of built scenes ----
+scene_file=$(find "$work/cache" -name '*.scene' | head -n 1)
+# Behind the header of 88 bytes: the key's length, the size of a letter, the key.
+key_bytes=$(od -An -j 88 -N 8 -t u8 "$scene_file" | tr -d ' ')
+{ part index; tail -c +$((88 + 8 + 4 + key_bytes + 1)) "$scene_file"; } | seed cache index
+{ part patch; printf '\x60\x00\x00\x00\x01\x02'; } | seed cache patch
+{ part cut; head -c 90 /dev/zero; part patch; printf '\x00\x00\x00\x00X'; } | seed cache cut
+printf '' | seed cache nothing
+
+# ---- The farm ----
+rect_of_tile() { echo "rect { x0: $((64 * $1)) y0: 0 x1: $((64 * $1 + 64)) y1: 64 }"; }
+greeting() {
+  message SynchronizeRequest <<<"worker_id: \"$1\" name: \"host-$1\" version: \"1\" arithmetic_fingerprint: \"f00d\"
+    threads: 4 wanted_leases: ${2:-2} known_job_ids: \"a\" ${3:-}"
+}
+delivery() {
+  message SubmitResultRequest <<<"worker_id: \"1\" job_id: \"a\" lease_id: ${2:-1099511627777}
+    items { item { $(rect_of_tile 1) sample_begin: $1 sample_end: $(($1 + 1)) } sums_zstd: \"a sample\" }
+    render_time { nanos: 500000000 } ${3:-}"
+}
+delivery 2 | seed result one
+{ delivery 3 1099511627777 'lease_finished: true'; part result; delivery 3; } | seed result twice
+{ delivery 2 7; part raw; delivery 2; part result; delivery 40; } | seed result refused
+delivery 2 1099511627777 'cannot_build: "the scene does not fit into memory" lease_finished: true version: "2"
+  arithmetic_fingerprint: "other"' | seed result given_back
+message SubmitResultRequest <<<"worker_id: \"1\" job_id: \"a\" items { item { $(rect_of_tile 0) sample_begin: 0
+  sample_end: 6 } counters { samples: 24576 non_finite_samples: 1 first_non_finite { x: 3 y: 4 sample: 5 } } }" |
+  seed result counters
+{ part sync; greeting 1; part sync; greeting 2; part wait; printf '12345678'; part result; delivery 2; part checkpoint
+  part restart; part sync; greeting 2 2 'held { id: 1099511627778 job_id: "a" items { rect { x1: 64 y1: 64 }
+  sample_begin: 1 sample_end: 3 } }'; } | seed farm restart
+{ part pause; printf a; part resume; printf b; part extend; message ExtendJobRequest <<<'job_id: "c" spp: 9'; part sync
+  greeting 3 5; part cancel; printf b; part delete; printf a; part picture; printf c; } | seed farm changes
+{ part submit; message SubmitJobRequest <<<'request_id: "once" priority: 3 overrides { width_px: 70 spp: 3 }
+  bundle { scene_path: "s" }'; part sync; greeting 1 1 'draining: true'; part wait
+  printf '%100s' ''; part 'blob lost'; printf '{}'; } | seed farm submit
+{ for worker in 1 2 3; do part sync; greeting $worker 3; part wait; printf '%60s' ''; done; } | seed farm silent
+
+# ---- Submissions ----
+assets='bundle { scene_path: "scene.json" assets { path: "scene.json" } assets { path: "x.obj" } assets { path: "x.mtl" }
+  assets { path: "x.png" } }'
+submission() { message SubmitJobRequest <<<"$assets $1"; part blob; cat; for i in obj mtl png; do part blob; cat "$work/x.$i"; done; }
+mesh_scene='{"camera": {"position": [1, 1, 5], "look_at": [1, 1, 0]}, "shapes": [{"type": "mesh", "file": "x.obj"}],
+ "render": {"width": 8, "height": 8}}'
+submission 'request_id: "1" name: "house" priority: -1' <<<"$mesh_scene" | seed bundle mesh
+submission 'overrides { width_px: 9 height_px: 7 spp: 2 seed: 5 integrator: INTEGRATOR_NEE heuristic: HEURISTIC_POWER
+  crop { x0: 1 y0: 1 x1: 4 y1: 5 } } display { exposure_stops: -2 tone_curve: TONE_CURVE_ACES }' \
+  <"$work/box.json" | seed bundle overrides
+submission 'overrides { width_px: 4000000000 }' <"$work/box.json" | seed bundle too_large
+submission '' <<<'{"shapes": [}' | seed bundle broken
+message SubmitJobRequest <<<'bundle { scene_path: "../etc/passwd" assets { path: "../etc/passwd" digest { sha256: "1" } } }' |
+  seed bundle path
+
+# ---- State ----
+settings='settings { width_px: 150 height_px: 100 spp: 6 integrator: INTEGRATOR_MIS filter: PIXEL_FILTER_BOX
+  filter_radius_px: 0.5 }'
+job() { message Job <<<"id: \"aaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaa\" name: \"x\" $*"; }
+{ part spec; job "$settings"; } | seed state spec
+{ part spec; job "settings { width_px: 65536 height_px: 16384 spp: 16777216 integrator: INTEGRATOR_NEE }"; } |
+  seed state large
+{ part spec; job "$settings display { exposure_stops: 4 tone_curve: TONE_CURVE_AGX } created_at { seconds: 99 nanos: 1 }
+  submitter: \"anna\" priority: 4"; part counters; message Counters <<<'samples: 7 shadow_rays: 9'; } | seed state all
+{ part numbers; printf '\x03\x06\x00\x00\x00\x01\x00\x00\x00\x00\x01\x00\x00\x00\x00\x00\x00\x00\x02'; } | seed state numbers
+{ part tile; printf '\x01'; message RenderedItem <<<"item { $(rect_of_tile 1) sample_end: 2 } sums_zstd: \"x\""
+  part done; printf '\x01\x00\x00\x00\x00\x02\x00\x00\x00'; } | seed state tile
+{ part done; printf '\x00\x00\x00\x00\x00\x09\x00\x00\x00\x05\x00\x00\x00\x04\x00\x00\x00'; } | seed state samples
+{ part patch; printf '\x00\x40\x00\x00\x0d\x00\x00'; part patch; printf '\x1c\x00\x00\x00\x01'; } | seed state patch
+{ part cut; head -c 3000 /dev/zero; } | seed state cut
+{ part failure; printf 'no \xff text'; part request_id; printf 'request b'; } | seed state texts
+{ part log; printf '\x37\x7f\x06\x82\x00\x2d\xe2\x18\x00\x00\x40\x00'; head -c 100 /dev/zero; } | seed state log
