@@ -38,7 +38,7 @@ std::uint64_t random_seed();
 // Forever, whatever the error.
 RetryPolicy exponential_backoff(BackoffOptions options = {}, std::uint64_t seed = random_seed());
 
-// Only errors that may pass by themselves: UNAVAILABLE, DEADLINE_EXCEEDED, RESOURCE_EXHAUSTED.
+// Only errors that may pass by themselves: UNAVAILABLE, DEADLINE_EXCEEDED.
 RetryPolicy transient_only(RetryPolicy inner);
 bool is_transient(core::ErrorCode code);
 

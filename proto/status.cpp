@@ -85,6 +85,14 @@ core::Error error_from_grpc(const grpc::Status& status) {
   return {code_from_grpc(status.error_code()), status.error_message()};
 }
 
+core::Error error_from_grpc(const grpc::Status& status, const grpc::ClientContext& call) {
+  core::Error error = error_from_grpc(status);
+  if (error.code == ErrorCode::kResourceExhausted &&
+      call.GetServerTrailingMetadata().contains(kRetryAfterKey))
+    error.code = ErrorCode::kUnavailable;
+  return error;
+}
+
 core::Status from_grpc(const grpc::Status& status) {
   if (status.ok()) return {};
   return core::fail(error_from_grpc(status));

@@ -50,7 +50,8 @@ core::Status run(const server::Options& options, const sigset_t& stop_signals) {
   if (!state) return core::fail(state.error());
   const store::BlobStore blobs = state->blobs;
   std::stop_source stopping;
-  const validator::ProcessOptions validator{.path = options.validator, .stop = stopping.get_token()};
+  const validator::ProcessOptions validator{
+      .path = options.validator, .limits = options.limits, .stop = stopping.get_token()};
   const auto check = [&](const v1::Bundle& bundle,
                          const v1::RenderOverrides& overrides) -> core::Result<coordinator::CheckedScene> {
     const auto approval = validator::validate_scene(validator, blobs, bundle, overrides);
@@ -58,13 +59,15 @@ core::Status run(const server::Options& options, const sigset_t& stop_signals) {
     return coordinator::CheckedScene{approval->settings, approval->display};
   };
   coordinator::Options settings;
+  settings.limits = options.limits;
   settings.lease_duration =
       std::chrono::duration_cast<scheduler::Duration>(std::chrono::duration<double>(options.lease_seconds));
   settings.keep_unused_blobs = std::chrono::duration_cast<std::chrono::seconds>(
       std::chrono::duration<double, std::ratio<3600>>(options.keep_unused_hours));
   const auto coordinator = coordinator::Coordinator::open(settings, std::move(*state), check);
   if (!coordinator) return core::fail(coordinator.error());
-  rpc::ServerOptions serving{.address = options.listen, .security = options.security};
+  rpc::ServerOptions serving{
+      .address = options.listen, .security = options.security, .limits = options.limits};
   if (!options.tokens.empty()) {
     auto access = rpc::Access::read(options.tokens);
     if (!access) return core::fail(access.error());

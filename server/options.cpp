@@ -3,6 +3,8 @@
 #include <CLI/CLI.hpp>
 #include <cstdlib>
 
+#include "server/limit_flags.hpp"
+
 namespace tessera::server {
 
 namespace {
@@ -69,6 +71,7 @@ Options parse_options(int argc, char** argv) {
       ->capture_default_str();
   add_maintenance_flags(app, options);
   add_security_flags(app, options);
+  add_limit_flags(app, options.limits);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

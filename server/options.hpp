@@ -5,6 +5,7 @@
 #include <string>
 
 #include "proto/channel.hpp"
+#include "server/limits.hpp"
 #include "server/store/state_directory.hpp"
 #include "server/validator/validator_process.hpp"
 
@@ -27,6 +28,7 @@ struct Options {
   std::filesystem::path check, salvage;
   // The tessera-validator to start for submitted scenes.
   std::string validator = validator::default_validator_path();
+  Limits limits;
 };
 
 // Reads the command line. On --help, --version and mistakes it prints what there is to say and ends the

@@ -104,7 +104,7 @@ core::Status BlobCache::download(const proto::Digest& digest, const std::string&
   if (!taken) call.context()->TryCancel();
   const grpc::Status finished = stream->Finish();
   if (!taken) return taken;
-  if (!finished.ok()) return proto::from_grpc(finished);
+  if (!finished.ok()) return fail(proto::error_from_grpc(finished, *call.context()));
 
   const auto received = receiver.finish();
   return received ? core::Status{} : fail(received.error());

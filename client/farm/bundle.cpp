@@ -40,7 +40,7 @@ core::Status upload(Farm& farm, const proto::Digest& digest, const std::string& 
   });
   stream->WritesDone();
   const grpc::Status status = stream->Finish();
-  return status.ok() ? core::Status{} : fail(farm.explain(status));
+  return status.ok() ? core::Status{} : fail(farm.explain(status, context));
 }
 
 core::Status upload_asset(Farm& farm, const std::string& folder, const v1::Bundle::Asset& asset) {

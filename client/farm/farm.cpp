@@ -25,14 +25,17 @@ core::Result<std::unique_ptr<Farm>> Farm::open(const FarmOptions& options) {
   return std::unique_ptr<Farm>(new Farm(options, *std::move(channel)));
 }
 
-core::Error Farm::explain(const grpc::Status& status) const {
+core::Error Farm::explain(const grpc::Status& status, const grpc::ClientContext& call) const {
   const bool answered = channel_->GetState(false) == GRPC_CHANNEL_READY;
   if (status.error_code() == grpc::StatusCode::UNAVAILABLE && !answered) return explain_unreachable(status);
   if (status.error_code() == grpc::StatusCode::DEADLINE_EXCEEDED)
     return {core::ErrorCode::kDeadlineExceeded,
             fmt::format("the coordinator at {} did not answer in time: try again, or look at its log",
                         address())};
-  return proto::error_from_grpc(status);
+  core::Error error = proto::error_from_grpc(status, call);
+  if (error.message.find("SERVER: Received message larger") != std::string::npos)
+    error.message += "; this farm takes no larger messages (tessera-coordinator --max-message-mib)";
+  return error;
 }
 
 // gRPC tells a handshake that failed from a peer that is not there in its text alone.

@@ -47,7 +47,7 @@ class Farm {
     context.set_deadline(std::chrono::system_clock::now() + timeout);
     Response response;
     const grpc::Status status = (stub_.get()->*method)(&context, request, &response);
-    if (!status.ok()) return core::fail(explain(status));
+    if (!status.ok()) return core::fail(explain(status, context));
     reached_ = true;
     return response;
   }
@@ -57,7 +57,7 @@ class Farm {
   void prepare(grpc::ClientContext& context) const { context.set_wait_for_ready(reached_); }
 
   // What to tell the user of a call that failed. Where nobody answered, that is how to start a coordinator.
-  core::Error explain(const grpc::Status& status) const;
+  core::Error explain(const grpc::Status& status, const grpc::ClientContext& call) const;
 
  private:
   Farm(const FarmOptions& options, std::shared_ptr<grpc::Channel> channel);

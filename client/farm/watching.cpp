@@ -37,7 +37,7 @@ core::Result<v1::Job> follow_stream(Farm& farm, const std::string& job_id,
   if (over) return *over;
   if (interrupted()) return interruption();
   if (status.ok()) return core::fail(core::ErrorCode::kUnavailable, "the coordinator ended the conversation");
-  return core::fail(farm.explain(status));
+  return core::fail(farm.explain(status, context));
 }
 
 }  // namespace

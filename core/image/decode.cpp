@@ -16,6 +16,7 @@
 #include "core/image/hdr_check.hpp"
 #include "core/image/limits.hpp"
 #include "core/image/srgb.hpp"
+#include "core/image/stb_memory.hpp"
 #include "core/image/stb_reason.hpp"
 
 namespace tessera::core {
@@ -52,11 +53,14 @@ tl::unexpected<Error> out_of_bounds(int width, int height) {
 
 // `load` is one of stb's stbi_load*_from_memory.
 template <typename T>
-Result<Image> decode_with_stb(std::string_view bytes,
+Result<Image> decode_with_stb(std::string_view bytes, int width, int height,
                               T* (*load)(const stbi_uc*, int, int*, int*, int*, int)) {
-  int width = 0, height = 0, channels = 0;
+  int channels = 0;
+  const StbMemory memory(width, height, bytes.size());
   const StbTexels<T> texels(load(reinterpret_cast<const stbi_uc*>(bytes.data()),
                                  static_cast<int>(bytes.size()), &width, &height, &channels, 3));
+  if (memory.was_exceeded()) return unreadable("its data unpack to more than its pixels");
+  if (memory.ran_out()) throw std::bad_alloc();
   if (!texels) return unreadable(stb_reason());
   Image image(width, height);
   const T* next = texels.get();
@@ -77,11 +81,11 @@ Result<Image> decode_png_or_hdr(std::string_view bytes) {
   if (!is_plausible_size(width, height, bytes.size())) return out_of_bounds(width, height);
   if (!bytes.starts_with(kPngMagic)) {
     if (!is_complete_hdr(bytes, width, height)) return unreadable("the file ends too early");
-    return decode_with_stb<float>(bytes, stbi_loadf_from_memory);
+    return decode_with_stb<float>(bytes, width, height, stbi_loadf_from_memory);
   }
   if (stbi_is_16_bit_from_memory(data, size))
-    return decode_with_stb<stbi_us>(bytes, stbi_load_16_from_memory);
-  return decode_with_stb<stbi_uc>(bytes, stbi_load_from_memory);
+    return decode_with_stb<stbi_us>(bytes, width, height, stbi_load_16_from_memory);
+  return decode_with_stb<stbi_uc>(bytes, width, height, stbi_load_from_memory);
 }
 
 // Takes the next word of a PFM header and the one white space after it; empty where there is none.

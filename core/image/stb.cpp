@@ -1,16 +1,75 @@
 // stb_image and stb_image_write, compiled once for everyone: PNG, JPEG and HDR from and to memory. (Without
 // stdio stb_image_write leaves its HDR writer out, even the one into memory.)
+#include <stdlib.h>
+
+#include <limits>
+
+#include "core/image/stb_memory.hpp"
+
+namespace tessera::core {
+namespace {
+
+struct StbUse {
+  std::size_t largest = std::numeric_limits<std::size_t>::max();  // of the pieces that may be taken
+  bool exceeded = false, ran_out = false;
+};
+thread_local StbUse use;
+
+void* note(void* memory) {
+  if (memory == nullptr) use.ran_out = true;
+  return memory;
+}
+
+bool may_take(std::size_t size) {
+  if (size <= use.largest) return true;
+  use.exceeded = true;
+  return false;
+}
+
+void* take(std::size_t size) {
+  return may_take(size) ? note(calloc(1, size)) : nullptr;
+}
+
+void* take_more(void* memory, std::size_t size) {
+  return may_take(size) ? note(realloc(memory, size)) : nullptr;
+}
+
+// The largest is the unpacked data of a PNG: 8 bytes a pixel and one a row, for which stb may take twice as
+// much; or the file's compressed data, put together likewise. JPEGs are padded to 32 pixels each way.
+std::size_t largest_piece(std::int64_t width, std::int64_t height, std::size_t file_bytes) {
+  constexpr std::int64_t kBytesPerPixel = 20, kPadding = 32;
+  constexpr std::size_t kTables = std::size_t{1} << 16;
+  return static_cast<std::size_t>(kBytesPerPixel * (width + kPadding) * (height + kPadding)) +
+         2 * file_bytes + kTables;
+}
+
+}  // namespace
+
+StbMemory::StbMemory(std::int64_t width, std::int64_t height, std::size_t file_bytes) {
+  use = {largest_piece(width, height, file_bytes), false, false};
+}
+StbMemory::~StbMemory() {
+  use = {};
+}
+bool StbMemory::was_exceeded() const {
+  return use.exceeded;
+}
+bool StbMemory::ran_out() const {
+  return use.ran_out;
+}
+
+}  // namespace tessera::core
+
 #define STB_IMAGE_IMPLEMENTATION
 #define STBI_ONLY_PNG
 #define STBI_ONLY_JPEG
 #define STBI_ONLY_HDR
 #define STBI_NO_STDIO
 #define STBI_MAX_DIMENSIONS 65536
-// Broken files make stb_image read tables that it never filled, and fail its assertions: they shall give the same
-// pixels everywhere, and never end the program.
-#include <stdlib.h>
-#define STBI_MALLOC(size) calloc(1, size)
-#define STBI_REALLOC(memory, size) realloc(memory, size)
+// Broken files make stb_image read tables that it never filled, and fail its assertions: they shall give the
+// same pixels everywhere, and never end the program.
+#define STBI_MALLOC(size) tessera::core::take(size)
+#define STBI_REALLOC(memory, size) tessera::core::take_more(memory, size)
 #define STBI_FREE(memory) free(memory)
 #define STBI_ASSERT(condition) ((void)0)
 #include <stb_image.h>

@@ -10,6 +10,7 @@
 
 #include "core/image/hdr_check.hpp"
 #include "core/image/srgb.hpp"
+#include "core/image/stb_memory.hpp"
 #include "core/image/stb_reason.hpp"
 #include "core/textures/jpeg_check.hpp"
 #include "core/textures/size_check.hpp"
@@ -31,16 +32,8 @@ struct Encoded {
   int size;
 };
 
-struct Size {
-  int width = 0, height = 0;
-
-  std::size_t value_count() const {
-    return 3 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
-  }
-};
-
 // Whether the file has as many bytes as its pixels need.
-bool is_long_enough(std::string_view bytes, Size size) {
+bool is_long_enough(std::string_view bytes, TextureSize size) {
   if (is_hdr_picture(bytes)) return is_complete_hdr(bytes, size.width, size.height);
   return bytes.starts_with(kJpegStart) ? can_hold_jpeg(bytes, size.width, size.height)
                                        : can_hold_png(bytes, size.width, size.height);
@@ -50,14 +43,29 @@ tl::unexpected<Error> broken_picture(std::string_view why) {
   return fail(ErrorCode::kInvalidArgument, fmt::format("is a broken picture ({})", why));
 }
 
-Result<Size> checked_size(std::string_view bytes, Encoded encoded) {
-  if (bytes.starts_with(kJpegStart))
-    if (const auto fault = jpeg_fault(bytes)) return broken_picture(*fault);
-  Size size;
+Result<Encoded> encoded_picture(std::string_view bytes) {
+  if (!bytes.starts_with(kPngStart) && !bytes.starts_with(kJpegStart) && !is_hdr_picture(bytes))
+    return fail(ErrorCode::kInvalidArgument, "is not a PNG, JPEG or HDR picture");
+  if (bytes.size() > static_cast<std::size_t>(std::numeric_limits<int>::max()))
+    return fail(ErrorCode::kInvalidArgument, "is too large for a picture (2 GB)");
+  return Encoded{reinterpret_cast<const stbi_uc*>(bytes.data()), static_cast<int>(bytes.size())};
+}
+
+Result<TextureSize> size_of(Encoded encoded) {
+  TextureSize size;
   int channels = 0;
   if (!stbi_info_from_memory(encoded.data, encoded.size, &size.width, &size.height, &channels))
     return broken_picture(stb_reason());
   if (size.width < 1 || size.height < 1) return broken_picture("it has no pixels");
+  return size;
+}
+
+Result<TextureSize> checked_size(std::string_view bytes, Encoded encoded) {
+  if (bytes.starts_with(kJpegStart))
+    if (const auto fault = jpeg_fault(bytes)) return broken_picture(*fault);
+  const auto checked = size_of(encoded);
+  if (!checked) return fail(checked.error());
+  const TextureSize size = *checked;
   if (std::int64_t{size.width} * size.height > kMaxTexturePixels)
     return fail(ErrorCode::kInvalidArgument,
                 fmt::format("has {} x {} pixels, more than the {} a texture may have", size.width,
@@ -68,10 +76,15 @@ Result<Size> checked_size(std::string_view bytes, Encoded encoded) {
 
 // `load` is one of stb's stbi_load*_from_memory.
 template <typename T>
-Result<StbTexels<T>> load_texels(Encoded encoded, T* (*load)(const stbi_uc*, int, int*, int*, int*, int)) {
+Result<StbTexels<T>> load_texels(Encoded encoded, TextureSize size,
+                                 T* (*load)(const stbi_uc*, int, int*, int*, int*, int)) {
   int width = 0, height = 0, channels = 0;
+  const StbMemory memory(size.width, size.height, static_cast<std::size_t>(encoded.size));
   StbTexels<T> texels(load(encoded.data, encoded.size, &width, &height, &channels, 3));
+  if (memory.was_exceeded()) return broken_picture("its data unpack to more than its pixels");
+  if (memory.ran_out()) throw std::bad_alloc();
   if (!texels) return broken_picture(stb_reason());
+  if (width != size.width || height != size.height) return broken_picture("it has two sizes");
   return texels;
 }
 
@@ -85,22 +98,21 @@ std::vector<float> linear_values(const stbi_us* codes, std::size_t count, ColorS
   return values;
 }
 
-Result<TextureImage> decode(std::string_view bytes, ColorSpace color_space) {
-  const Encoded encoded{reinterpret_cast<const stbi_uc*>(bytes.data()), static_cast<int>(bytes.size())};
+Result<TextureImage> decode(std::string_view bytes, Encoded encoded, ColorSpace color_space) {
   const auto size = checked_size(bytes, encoded);
   if (!size) return fail(size.error());
-  const std::size_t count = size->value_count();
+  const std::size_t count = 3 * size->pixels();
   if (is_hdr_picture(bytes)) {
-    const auto texels = load_texels<float>(encoded, stbi_loadf_from_memory);
+    const auto texels = load_texels<float>(encoded, *size, stbi_loadf_from_memory);
     if (!texels) return fail(texels.error());
     return TextureImage(size->width, size->height, std::vector<float>(texels->get(), texels->get() + count));
   }
   if (stbi_is_16_bit_from_memory(encoded.data, encoded.size)) {
-    const auto texels = load_texels<stbi_us>(encoded, stbi_load_16_from_memory);
+    const auto texels = load_texels<stbi_us>(encoded, *size, stbi_load_16_from_memory);
     if (!texels) return fail(texels.error());
     return TextureImage(size->width, size->height, linear_values(texels->get(), count, color_space));
   }
-  const auto texels = load_texels<stbi_uc>(encoded, stbi_load_from_memory);
+  const auto texels = load_texels<stbi_uc>(encoded, *size, stbi_load_from_memory);
   if (!texels) return fail(texels.error());
   return TextureImage(size->width, size->height,
                       std::vector<std::uint8_t>(texels->get(), texels->get() + count), color_space);
@@ -108,13 +120,17 @@ Result<TextureImage> decode(std::string_view bytes, ColorSpace color_space) {
 
 }  // namespace
 
+Result<TextureSize> texture_size(std::string_view bytes) {
+  const auto encoded = encoded_picture(bytes);
+  if (!encoded) return fail(encoded.error());
+  return size_of(*encoded);
+}
+
 Result<TextureImage> decode_texture_image(std::string_view bytes, ColorSpace color_space) {
-  if (!bytes.starts_with(kPngStart) && !bytes.starts_with(kJpegStart) && !is_hdr_picture(bytes))
-    return fail(ErrorCode::kInvalidArgument, "is not a PNG, JPEG or HDR picture");
-  if (bytes.size() > static_cast<std::size_t>(std::numeric_limits<int>::max()))
-    return fail(ErrorCode::kInvalidArgument, "is too large for a picture (2 GB)");
+  const auto encoded = encoded_picture(bytes);
+  if (!encoded) return fail(encoded.error());
   try {
-    return decode(bytes, color_space);
+    return decode(bytes, *encoded, color_space);
   } catch (const std::bad_alloc&) {
     return fail(ErrorCode::kResourceExhausted, "does not fit into memory");
   }

@@ -127,6 +127,7 @@ void Coordinator::note_workers(const Turn& turn) {
 }
 
 void Coordinator::close() {
+  stopping_.request_stop();
   Turn turn(*this);
   closed_ = true;
   for (auto& [worker, call] : parked_) {

@@ -14,6 +14,7 @@
 #include <set>
 #include <shared_mutex>
 #include <span>
+#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,7 @@
 #include "core/image/image.hpp"
 #include "server/coordinator/conduct.hpp"
 #include "server/coordinator/job_record.hpp"
+#include "server/limits.hpp"
 #include "server/scheduler/scheduler.hpp"
 #include "server/store/state_directory.hpp"
 #include "tessera/v1/render_service.pb.h"
@@ -31,8 +33,8 @@ namespace tessera::coordinator {
 struct Options {
   // A worker that is silent for so long loses its leases. See scheduler::Options.
   scheduler::Duration lease_duration = std::chrono::seconds(10);
-  // Largest picture. A film takes 48 bytes of memory for each pixel while its job is not finished.
-  std::uint64_t max_pixels = std::uint64_t{1} << 28;
+  // Of jobs and bundles. What a scene may hold is for whoever checks scenes.
+  server::Limits limits{};
   // Blobs that no job names are kept for so long after they were last uploaded or submitted: long enough for
   // a client to submit what it has uploaded, and for somebody who tries one scene after another.
   std::chrono::seconds keep_unused_blobs = std::chrono::hours(24);
@@ -131,6 +133,10 @@ class Coordinator {
   core::Result<TileContent> load_tile(const v1::Job& spec, const core::TileGrid& grid, int tile);
   core::Result<core::Image> develop_row(const v1::Job& spec, const core::TileGrid& grid, int row);
 
+  class Place;
+  // Among the submitter's open jobs, for one that is about to be checked. RESOURCE_EXHAUSTED if there is
+  // none.
+  core::Result<Place> take_place(const std::string& submitter);
   core::Status check_bundle(const v1::Bundle& bundle);
   // What to answer a submission with whose request_id is known already. ALREADY_EXISTS: it is another
   // submitter's.
@@ -153,7 +159,8 @@ class Coordinator {
   core::Result<ChangedJob> change(Turn& turn, const std::string& id, const scheduler::Event& event);
   // Whether its film must be read back before it can take results again.
   bool needs_film(const Turn& turn, const JobRecord& record) const;
-  core::Status may_extend(const JobRecord& record, std::uint32_t spp) const;
+  core::Status may_extend(const Turn& turn, const JobRecord& record, std::uint32_t spp) const;
+  core::Status may_open_job(const Turn& turn, const std::string& submitter) const;
   v1::Job describe_now(const Turn& turn, const JobRecord& record) const;
   void apply(Turn& turn, const scheduler::Actions& actions);
   void note_change(const scheduler::JobChange& change);
@@ -191,6 +198,7 @@ class Coordinator {
   const Options options_;
   const SceneCheck check_scene_;
 
+  std::stop_source stopping_;    // ends the hashing of bundles
   store::StateDirectory state_;  // thread-safe by itself
   std::mutex submit_mutex_;      // one job is added at a time
   // Shared by submissions, from looking at their blobs to storing their jobs: no blob is removed in between.
@@ -202,7 +210,8 @@ class Coordinator {
   scheduler::Scheduler scheduler_;
   std::map<std::string, JobRecord> jobs_;
   std::map<std::string, std::string> job_of_request_;
-  std::map<std::string, ParkedCall> parked_;  // by worker
+  std::map<std::string, std::uint64_t> places_;  // taken by each submitter for jobs that are being checked
+  std::map<std::string, ParkedCall> parked_;     // by worker
   Conduct conduct_;
   std::string arithmetic_;                      // fingerprint of this farm; empty while any will do
   std::map<std::string, std::string> present_;  // names of the workers that are heard of, by id; for the log

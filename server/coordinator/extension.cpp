@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "proto/convert.hpp"
+#include "server/coordinator/admission.hpp"
 #include "server/coordinator/loaded_film.hpp"
 #include "server/coordinator/turn.hpp"
 
@@ -41,10 +42,14 @@ bool Coordinator::needs_film(const Turn& turn, const JobRecord& record) const {
   return !record.film && scheduler::takes_results(scheduler_.job({record.spec->id()}, turn.now())->state);
 }
 
-core::Status Coordinator::may_extend(const JobRecord& record, std::uint32_t spp) const {
+core::Status Coordinator::may_extend(const Turn& turn, const JobRecord& record, std::uint32_t spp) const {
   v1::RenderSettings settings = record.spec->settings();
   settings.set_spp(spp);
   if (const auto possible = proto::from_proto(settings); !possible) return core::fail(possible.error());
+  if (const auto fits = check_spp(spp, options_.limits); !fits) return fits;
+  const scheduler::JobView view = *scheduler_.job({record.spec->id()}, turn.now());
+  if (view.state == scheduler::JobState::kDone && spp > view.shape.spp)
+    if (const auto may = may_open_job(turn, record.spec->submitter()); !may) return may;
   if (record.arithmetic.empty() || arithmetic_.empty() || record.arithmetic == arithmetic_) return {};
   return core::fail(
       ErrorCode::kFailedPrecondition,
@@ -63,7 +68,7 @@ core::Result<v1::Job> Coordinator::extend_job(const std::string& id, std::uint32
       JobRecord* record = find(id);
       if (record == nullptr || record->revision != extension->revision) continue;  // changed meanwhile
       if (needs_film(turn, *record) && !extension->film) continue;                 // stored meanwhile
-      if (auto may = may_extend(*record, spp); !may) return core::fail(may.error());
+      if (auto may = may_extend(turn, *record, spp); !may) return core::fail(may.error());
       if (!record->film) record->film = std::move(extension->film);
       if (arithmetic_.empty()) arithmetic_ = record->arithmetic;
       changed = change(turn, id, scheduler::ExtendJob{{id}, spp});

@@ -2,6 +2,7 @@
 // Thread-safe.
 #pragma once
 
+#include <atomic>
 #include <condition_variable>
 #include <deque>
 #include <functional>
@@ -23,10 +24,15 @@ class ThreadPool {
   // False, and nothing happens, if too many tasks are waiting already.
   [[nodiscard]] bool post(std::function<void()> task);
 
+  // Tells tasks that wait that there is no time left for their work: each still runs, and asks.
+  void close() { closed_ = true; }
+  bool is_closed() const { return closed_; }
+
  private:
   void run();
 
   const std::size_t max_waiting_;
+  std::atomic<bool> closed_{false};
   std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<std::function<void()>> waiting_;  // guarded by mutex_

@@ -8,6 +8,8 @@
 #include "proto/blob.hpp"
 #include "proto/convert.hpp"
 #include "proto/convert_display.hpp"
+#include "server/coordinator/admission.hpp"
+#include "server/coordinator/place.hpp"
 #include "server/coordinator/turn.hpp"
 #include "server/coordinator/wire.hpp"
 
@@ -33,6 +35,7 @@ std::string file_name(const std::string& path) {
 
 core::Status Coordinator::check_bundle(const v1::Bundle& bundle) {
   std::set<std::string> paths;
+  std::set<proto::Digest> intact_ones;
   std::string missing;
   int missing_count = 0;
   for (const v1::Bundle::Asset& asset : bundle.assets()) {
@@ -41,8 +44,12 @@ core::Status Coordinator::check_bundle(const v1::Bundle& bundle) {
     if (!paths.insert(asset.path()).second) {
       return core::fail(ErrorCode::kInvalidArgument, fmt::format("bundle: {} is named twice", asset.path()));
     }
-    const core::Status intact = state_.blobs.verify(*digest);
-    if (intact) continue;
+    if (intact_ones.contains(*digest)) continue;
+    const core::Status intact = state_.blobs.verify(*digest, stopping_.get_token());
+    if (intact) {
+      intact_ones.insert(*digest);
+      continue;
+    }
     // What was damaged since it was uploaded is as good as missing. Jobs that run with it may have no more
     // need of it: their workers have it.
     const ErrorCode code = intact.error().code;
@@ -64,6 +71,10 @@ core::Status Coordinator::check_bundle(const v1::Bundle& bundle) {
 core::Result<v1::Job> Coordinator::submit_job(const v1::SubmitJobRequest& request,
                                               const std::string& submitter) {
   if (auto known = answer_to_known(request.request_id(), submitter)) return *known;
+  if (auto fits = check_bundle_size(request.bundle(), options_.limits); !fits)
+    return core::fail(fits.error());
+  const auto place = take_place(submitter);
+  if (!place) return core::fail(place.error());
   const std::shared_lock blobs_stay(blobs_in_use_);
   if (auto checked = check_bundle(request.bundle()); !checked) return core::fail(checked.error());
   const auto scene = check_scene_(request.bundle(), request.overrides());
@@ -72,12 +83,7 @@ core::Result<v1::Job> Coordinator::submit_job(const v1::SubmitJobRequest& reques
   if (const auto possible = proto::from_proto(settings); !possible) return core::fail(possible.error());
   const auto display = proto::resolve_display(scene->display, request.display());
   if (!display) return core::fail(display.error());
-  const std::uint64_t pixels = std::uint64_t{settings.width_px()} * settings.height_px();
-  if (pixels > options_.max_pixels) {
-    return core::fail(ErrorCode::kResourceExhausted,
-                      fmt::format("a picture on this farm has at most {} pixels, got {} x {}",
-                                  options_.max_pixels, settings.width_px(), settings.height_px()));
-  }
+  if (auto fits = check_picture(settings, options_.limits); !fits) return core::fail(fits.error());
 
   v1::Job spec;
   spec.set_id(random_id());

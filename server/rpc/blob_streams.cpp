@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "proto/blob.hpp"
+#include "server/coordinator/admission.hpp"
 #include "server/rpc/reactors.hpp"
 
 namespace tessera::rpc {
@@ -12,8 +13,8 @@ namespace tessera::rpc {
 using core::ErrorCode;
 
 UploadStream::UploadStream(const store::BlobStore& blobs, coordinator::ThreadPool& pool,
-                           v1::UploadBlobResponse* response)
-    : blobs_(blobs), pool_(pool), response_(response) {
+                           const server::Limits& limits, v1::UploadBlobResponse* response)
+    : blobs_(blobs), pool_(pool), limits_(limits), response_(response) {
   StartRead(&request_);
 }
 
@@ -39,6 +40,8 @@ core::Status UploadStream::take_chunk() {
   if (!writer_) {
     const auto digest = proto::from_proto(chunk.digest());
     if (!digest) return core::fail(digest.error());
+    // By what it says: a stream that brings more is ended by the writer.
+    if (auto fits = coordinator::check_blob_size(digest->size_bytes, limits_); !fits) return fits;
     auto writer = blobs_.write(*digest);
     if (!writer) return core::fail(writer.error());
     writer_.emplace(std::move(*writer));

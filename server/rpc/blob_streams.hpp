@@ -7,6 +7,7 @@
 
 #include "server/coordinator/coordinator.hpp"
 #include "server/coordinator/thread_pool.hpp"
+#include "server/limits.hpp"
 #include "server/store/blob_store.hpp"
 #include "tessera/v1/render_service.pb.h"
 #include "tessera/v1/worker_service.pb.h"
@@ -19,7 +20,7 @@ namespace tessera::rpc {
 // One blob from a client into the store.
 class UploadStream final : public grpc::ServerReadReactor<v1::UploadBlobRequest> {
  public:
-  UploadStream(const store::BlobStore& blobs, coordinator::ThreadPool& pool,
+  UploadStream(const store::BlobStore& blobs, coordinator::ThreadPool& pool, const server::Limits& limits,
                v1::UploadBlobResponse* response);
 
  private:
@@ -31,6 +32,7 @@ class UploadStream final : public grpc::ServerReadReactor<v1::UploadBlobRequest>
 
   const store::BlobStore& blobs_;
   coordinator::ThreadPool& pool_;
+  const server::Limits& limits_;
   v1::UploadBlobResponse* const response_;
   v1::UploadBlobRequest request_;
   std::optional<store::BlobWriter> writer_;  // from the first chunk on

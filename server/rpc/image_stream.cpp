@@ -34,7 +34,8 @@ std::optional<core::ImageFormat> format_of(v1::ImageFormat format) {
 ImageStream::ImageStream(coordinator::Coordinator& coordinator, coordinator::ThreadPool& pool,
                          const v1::GetImageRequest& request)
     : coordinator_(coordinator) {
-  const bool posted = pool.post([this, request] {
+  const bool posted = pool.post([this, &pool, request] {
+    if (pool.is_closed()) return Finish(stopping());
     if (auto taken = guarded([&] { return take_picture(request); }); !taken)
       return Finish(proto::to_grpc(taken));
     write_next();

@@ -19,6 +19,11 @@ inline grpc::Status busy() {
   return {grpc::StatusCode::UNAVAILABLE, "the coordinator has too much to do at this moment: try again"};
 }
 
+// What work is answered with that still waits when the coordinator stops.
+inline grpc::Status stopping() {
+  return {grpc::StatusCode::UNAVAILABLE, "the coordinator is stopping: try again"};
+}
+
 // The status of `work()`, also when it throws: what libraries throw ends here.
 template <typename Work>
 core::Status guarded(const Work& work) {
@@ -31,15 +36,16 @@ core::Status guarded(const Work& work) {
   }
 }
 
-// Answers a unary call with the status of `work()`, run on `pool`. What `work` refers to must live until
-// then; request and response of a call do.
-template <typename Work>
+// Answers a unary call with the status of `work()`, run on `pool`, or with when_full() if too much waits for
+// that. What `work` refers to must live until then; request and response of a call do.
+template <typename Work, typename WhenFull = grpc::Status (*)()>
 grpc::ServerUnaryReactor* run_unary(grpc::CallbackServerContext* context, coordinator::ThreadPool& pool,
-                                    Work work) {
+                                    Work work, WhenFull when_full = busy) {
   grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
-  const bool posted =
-      pool.post([reactor, work = std::move(work)] { reactor->Finish(proto::to_grpc(guarded(work))); });
-  if (!posted) reactor->Finish(busy());
+  const bool posted = pool.post([reactor, &pool, work = std::move(work)] {
+    reactor->Finish(pool.is_closed() ? stopping() : proto::to_grpc(guarded(work)));
+  });
+  if (!posted) reactor->Finish(when_full());
   return reactor;
 }
 

@@ -6,7 +6,6 @@
 
 #include "server/rpc/blob_streams.hpp"
 #include "server/rpc/image_stream.hpp"
-#include "server/rpc/reactors.hpp"
 #include "server/rpc/watch_call.hpp"
 
 namespace tessera::rpc {
@@ -23,13 +22,14 @@ core::Status put_job(core::Result<v1::Job> job, Response* response) {
 
 }  // namespace
 
-template <typename Work>
+template <typename Work, typename WhenFull>
 grpc::ServerUnaryReactor* RenderService::serve(grpc::CallbackServerContext* context,
-                                               coordinator::ThreadPool& pool, Work work) {
+                                               coordinator::ThreadPool& pool, Work work, WhenFull when_full) {
   Caller caller;
-  if (const auto admitted = access_.admit(*context, Role::kSubmit, caller); !admitted.ok())
+  if (const auto admitted = gate_.admit(*context, Role::kSubmit, caller); !admitted.ok())
     return refuse(context, admitted);
-  return run_unary(context, pool, [caller, work = std::move(work)] { return work(caller); });
+  return run_unary(
+      context, pool, [caller, work = std::move(work)] { return work(caller); }, when_full);
 }
 
 template <typename Work>
@@ -55,16 +55,23 @@ core::Status RenderService::may_change(const Caller& caller, const std::string& 
 grpc::ServerReadReactor<v1::UploadBlobRequest>* RenderService::UploadBlob(
     grpc::CallbackServerContext* context, v1::UploadBlobResponse* response) {
   Caller caller;
-  if (const auto admitted = access_.admit(*context, Role::kSubmit, caller); !admitted.ok())
+  if (const auto admitted = gate_.admit(*context, Role::kSubmit, caller); !admitted.ok())
     return new RefusedStream<grpc::ServerReadReactor<v1::UploadBlobRequest>>(admitted);
-  return new UploadStream(coordinator_.blobs(), pools_.quick, response);
+  return new UploadStream(coordinator_.blobs(), pools_.quick, limits_, response);
 }
 
 grpc::ServerUnaryReactor* RenderService::SubmitJob(grpc::CallbackServerContext* context,
                                                    const v1::SubmitJobRequest* request,
                                                    v1::SubmitJobResponse* response) {
-  return serve(context, pools_.validating, [=, this](const Caller& caller) {
+  const auto work = [=, this](const Caller& caller) {
     return put_job(coordinator_.submit_job(*request, caller.name), response);
+  };
+  return serve(context, pools_.validating, work, [=, this] {
+    constexpr std::chrono::seconds kWait{1};
+    return try_later(*context,
+                     server::over_limit("too many scenes wait to be validated",
+                                        std::to_string(limits_.waiting_scenes), "--max-waiting-scenes"),
+                     kWait);
   });
 }
 
@@ -87,7 +94,7 @@ grpc::ServerUnaryReactor* RenderService::ListJobs(grpc::CallbackServerContext* c
 grpc::ServerWriteReactor<v1::WatchJobResponse>* RenderService::WatchJob(grpc::CallbackServerContext* context,
                                                                         const v1::WatchJobRequest* request) {
   Caller caller;
-  if (const auto admitted = access_.admit(*context, Role::kSubmit, caller); !admitted.ok())
+  if (const auto admitted = gate_.admit(*context, Role::kSubmit, caller); !admitted.ok())
     return new RefusedStream<grpc::ServerWriteReactor<v1::WatchJobResponse>>(admitted);
   return new WatchCall(watches_, request->job_id());
 }
@@ -95,7 +102,7 @@ grpc::ServerWriteReactor<v1::WatchJobResponse>* RenderService::WatchJob(grpc::Ca
 grpc::ServerWriteReactor<v1::GetImageResponse>* RenderService::GetImage(grpc::CallbackServerContext* context,
                                                                         const v1::GetImageRequest* request) {
   Caller caller;
-  if (const auto admitted = access_.admit(*context, Role::kSubmit, caller); !admitted.ok())
+  if (const auto admitted = gate_.admit(*context, Role::kSubmit, caller); !admitted.ok())
     return new RefusedStream<grpc::ServerWriteReactor<v1::GetImageResponse>>(admitted);
   return new ImageStream(coordinator_, pools_.slow, *request);
 }

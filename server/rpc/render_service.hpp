@@ -4,7 +4,8 @@
 
 #include "server/coordinator/coordinator.hpp"
 #include "server/coordinator/thread_pool.hpp"
-#include "server/rpc/access.hpp"
+#include "server/rpc/call_gate.hpp"
+#include "server/rpc/reactors.hpp"
 #include "server/rpc/watch_hub.hpp"
 #include "tessera/v1/render_service.grpc.pb.h"
 
@@ -21,8 +22,9 @@ struct Pools {
 
 class RenderService final : public v1::RenderService::CallbackService {
  public:
-  RenderService(coordinator::Coordinator& coordinator, const Access& access, Pools pools, WatchHub& watches)
-      : coordinator_(coordinator), access_(access), pools_(pools), watches_(watches) {}
+  RenderService(coordinator::Coordinator& coordinator, CallGate& gate, Pools pools, WatchHub& watches,
+                const server::Limits& limits)
+      : coordinator_(coordinator), gate_(gate), pools_(pools), watches_(watches), limits_(limits) {}
 
   grpc::ServerUnaryReactor* FindMissingBlobs(grpc::CallbackServerContext* context,
                                              const v1::FindMissingBlobsRequest* request,
@@ -59,10 +61,11 @@ class RenderService final : public v1::RenderService::CallbackService {
                                         v1::ListWorkersResponse* response) override;
 
  private:
-  // Answers with the status of work(caller), run on `pool`.
-  template <typename Work>
+  // Answers with the status of work(caller), run on `pool`; or that of when_full(), where too much waits for
+  // that already.
+  template <typename Work, typename WhenFull = grpc::Status (*)()>
   grpc::ServerUnaryReactor* serve(grpc::CallbackServerContext* context, coordinator::ThreadPool& pool,
-                                  Work work);
+                                  Work work, WhenFull when_full = busy);
   // The same with the status of work(), for callers who may change the job.
   template <typename Work>
   grpc::ServerUnaryReactor* serve_change(grpc::CallbackServerContext* context, coordinator::ThreadPool& pool,
@@ -70,9 +73,10 @@ class RenderService final : public v1::RenderService::CallbackService {
   core::Status may_change(const Caller& caller, const std::string& job_id);
 
   coordinator::Coordinator& coordinator_;
-  const Access& access_;
+  CallGate& gate_;
   const Pools pools_;
   WatchHub& watches_;
+  const server::Limits& limits_;
 };
 
 }  // namespace tessera::rpc

@@ -11,6 +11,7 @@
 
 #include "proto/channel.hpp"
 #include "server/coordinator/periodic.hpp"
+#include "server/rpc/call_gate.hpp"
 #include "server/rpc/render_service.hpp"
 #include "server/rpc/worker_service.hpp"
 
@@ -27,7 +28,6 @@ constexpr auto kCollectPeriod = std::chrono::minutes(10);
 constexpr auto kLeaveForCalls = std::chrono::seconds(2);
 
 constexpr int kSlowThreads = 2;
-constexpr int kValidatingThreads = 2;
 constexpr std::size_t kMaxWaitingQuick = 1024;
 constexpr std::size_t kMaxWaitingSlow = 64;
 
@@ -53,21 +53,23 @@ class CheckpointLog {
 }  // namespace
 
 struct Server::Parts {
-  Parts(Coordinator& c, Access a)
+  Parts(Coordinator& c, Access access, const server::Limits& l)
       : coordinator(c),
-        access(std::move(a)),
+        limits(l),
+        gate(std::move(access), limits),
         quick(quick_threads(), kMaxWaitingQuick),
         slow(kSlowThreads, kMaxWaitingSlow),
-        validating(kValidatingThreads, kMaxWaitingSlow),
+        validating(limits.validations, limits.waiting_scenes),
         watches(c),
-        render_service(c, access, {quick, slow, validating}, watches),
-        worker_service(c, access, quick),
+        render_service(c, gate, {quick, slow, validating}, watches, limits),
+        worker_service(c, gate, quick),
         ticker(kTickPeriod, [this] { coordinator.tick(); }),
         checkpointer(kCheckpointPeriod, [this] { checkpoint_log.note(coordinator.checkpoint()); }),
         collector(kCollectPeriod, [this] { coordinator.collect_blobs(); }) {}
 
   Coordinator& coordinator;
-  const Access access;
+  const server::Limits limits;
+  CallGate gate;
   coordinator::ThreadPool quick, slow, validating;
   WatchHub watches;
   RenderService render_service;
@@ -92,10 +94,11 @@ core::Result<std::unique_ptr<Server>> Server::start(Coordinator& coordinator, Se
   if (!credentials) return core::fail(credentials.error());
   grpc::EnableDefaultHealthCheckService(true);
   grpc::reflection::InitProtoReflectionServerBuilderPlugin();
-  auto parts = std::make_unique<Parts>(coordinator, std::move(options.access));
+  auto parts = std::make_unique<Parts>(coordinator, std::move(options.access), options.limits);
   int port = 0;
   grpc::ServerBuilder builder;
   proto::apply_server_options(builder);
+  builder.SetMaxReceiveMessageSize(static_cast<int>(options.limits.message_mib * server::kMib));
   builder.AddListeningPort(address, *credentials, &port);
   builder.RegisterService(&parts->render_service);
   builder.RegisterService(&parts->worker_service);
@@ -112,6 +115,8 @@ core::Status Server::stop() {
   if (!parts_) return {};
   Coordinator& coordinator = parts_->coordinator;
   coordinator.close();
+  parts_->slow.close();
+  parts_->validating.close();
   parts_->watches.close();
   parts_->grpc->Shutdown(std::chrono::system_clock::now() + kLeaveForCalls);
   parts_->grpc->Wait();

@@ -7,6 +7,7 @@
 #include "core/base/error.hpp"
 #include "proto/security.hpp"
 #include "server/coordinator/coordinator.hpp"
+#include "server/limits.hpp"
 #include "server/rpc/access.hpp"
 
 namespace tessera::rpc {
@@ -15,6 +16,7 @@ struct ServerOptions {
   std::string address;  // HOST:PORT to listen at; port 0 picks a free one
   proto::ServerSecurity security{};
   Access access{};
+  server::Limits limits{};
 };
 
 class Server {

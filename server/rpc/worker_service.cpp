@@ -10,7 +10,7 @@ grpc::ServerUnaryReactor* WorkerService::Synchronize(grpc::CallbackServerContext
                                                      const v1::SynchronizeRequest* request,
                                                      v1::SynchronizeResponse* response) {
   Caller caller;
-  if (const auto admitted = access_.admit(*context, Role::kWork, caller); !admitted.ok())
+  if (const auto admitted = gate_.admit(*context, Role::kWork, caller); !admitted.ok())
     return refuse(context, admitted);
   return new SynchronizeCall(*context, coordinator_, pool_, request, response);
 }
@@ -19,7 +19,7 @@ grpc::ServerUnaryReactor* WorkerService::SubmitResult(grpc::CallbackServerContex
                                                       const v1::SubmitResultRequest* request,
                                                       v1::SubmitResultResponse* response) {
   Caller caller;
-  if (const auto admitted = access_.admit(*context, Role::kWork, caller); !admitted.ok())
+  if (const auto admitted = gate_.admit(*context, Role::kWork, caller); !admitted.ok())
     return refuse(context, admitted);
   return run_unary(context, pool_, [=, this]() -> core::Status {
     auto counted = coordinator_.submit_result(*request);
@@ -32,7 +32,7 @@ grpc::ServerUnaryReactor* WorkerService::SubmitResult(grpc::CallbackServerContex
 grpc::ServerWriteReactor<v1::FetchBlobResponse>* WorkerService::FetchBlob(
     grpc::CallbackServerContext* context, const v1::FetchBlobRequest* request) {
   Caller caller;
-  if (const auto admitted = access_.admit(*context, Role::kWork, caller); !admitted.ok())
+  if (const auto admitted = gate_.admit(*context, Role::kWork, caller); !admitted.ok())
     return new RefusedStream<grpc::ServerWriteReactor<v1::FetchBlobResponse>>(admitted);
   return new FetchStream(coordinator_, pool_, request->digest());
 }

@@ -4,15 +4,15 @@
 
 #include "server/coordinator/coordinator.hpp"
 #include "server/coordinator/thread_pool.hpp"
-#include "server/rpc/access.hpp"
+#include "server/rpc/call_gate.hpp"
 #include "tessera/v1/worker_service.grpc.pb.h"
 
 namespace tessera::rpc {
 
 class WorkerService final : public v1::WorkerService::CallbackService {
  public:
-  WorkerService(coordinator::Coordinator& coordinator, const Access& access, coordinator::ThreadPool& pool)
-      : coordinator_(coordinator), access_(access), pool_(pool) {}
+  WorkerService(coordinator::Coordinator& coordinator, CallGate& gate, coordinator::ThreadPool& pool)
+      : coordinator_(coordinator), gate_(gate), pool_(pool) {}
 
   grpc::ServerUnaryReactor* Synchronize(grpc::CallbackServerContext* context,
                                         const v1::SynchronizeRequest* request,
@@ -25,7 +25,7 @@ class WorkerService final : public v1::WorkerService::CallbackService {
 
  private:
   coordinator::Coordinator& coordinator_;
-  const Access& access_;
+  CallGate& gate_;
   coordinator::ThreadPool& pool_;
 };
 

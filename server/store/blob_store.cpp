@@ -149,18 +149,20 @@ core::Result<BlobReader> BlobStore::read(const proto::Digest& digest) const {
   return BlobReader(digest, file, std::move(fd));
 }
 
-core::Status BlobStore::check(const proto::Digest& digest) const {
+core::Status BlobStore::check(const proto::Digest& digest, const std::stop_token& stop) const {
   auto reader = read(digest);
   if (!reader) return core::fail(reader.error());
   while (true) {
+    if (stop.stop_requested())
+      return core::fail(ErrorCode::kUnavailable, "the coordinator is stopping: try again");
     const auto bytes = reader->next(proto::kMaxChunkBytes);
     if (!bytes) return core::fail(bytes.error());
     if (bytes->empty()) return {};
   }
 }
 
-core::Status BlobStore::verify(const proto::Digest& digest) const {
-  if (auto intact = check(digest); !intact) return intact;
+core::Status BlobStore::verify(const proto::Digest& digest, const std::stop_token& stop) const {
+  if (auto intact = check(digest, stop); !intact) return intact;
   ::utimensat(AT_FDCWD, path(digest).c_str(), nullptr,
               0);  // at worst it is collected too early, and uploaded again
   return {};

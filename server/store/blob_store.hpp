@@ -8,6 +8,7 @@
 #include <chrono>
 #include <filesystem>
 #include <set>
+#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -71,10 +72,11 @@ class BlobStore {
   core::Result<BlobWriter> write(const proto::Digest& digest) const;
   // NOT_FOUND if it is not here, or of another size; INTERNAL if that cannot be told.
   core::Result<BlobReader> read(const proto::Digest& digest) const;
-  // Reads it from beginning to end. NOT_FOUND, DATA_LOSS, or what the disk says.
-  core::Status check(const proto::Digest& digest) const;
+  // Reads it from beginning to end. NOT_FOUND, DATA_LOSS, or what the disk says; UNAVAILABLE as soon as a
+  // stop is requested.
+  core::Status check(const proto::Digest& digest, const std::stop_token& stop = {}) const;
   // The same, and counts it as used now.
-  core::Status verify(const proto::Digest& digest) const;
+  core::Status verify(const proto::Digest& digest, const std::stop_token& stop = {}) const;
   // Removes a blob's file, so that it can be uploaded anew. Nothing happens if there is none.
   void discard(const proto::Digest& digest) const;
 

@@ -1,5 +1,7 @@
 #include "server/validator/judge.hpp"
 
+#include <fmt/format.h>
+
 #include <exception>
 #include <new>
 #include <string>
@@ -9,6 +11,7 @@
 #include "core/scene/validation.hpp"
 #include "proto/convert.hpp"
 #include "proto/convert_display.hpp"
+#include "server/validator/flags.hpp"
 
 namespace tessera::validator {
 
@@ -23,10 +26,19 @@ core::Error as_mistake(core::Error error) {
   return error;
 }
 
-core::Result<Verdict::Approval> load(const Question& question) {
+// What is exhausted without a limit of the scene's having been met is memory.
+core::Error explain_memory(core::Error error, const Options& options) {
+  const bool names_limit = error.message.find("--max-") != std::string::npos;
+  if (error.code != ErrorCode::kResourceExhausted || names_limit) return error;
+  error.message += fmt::format("; this farm loads scenes within {} MiB (tessera-coordinator {})",
+                               options.confinement.memory_mib, kMemoryFlag);
+  return error;
+}
+
+core::Result<Verdict::Approval> load(const Question& question, const Options& options) {
   core::BundleAssets assets({question.files().begin(), question.files().end()});
   const std::string& path = question.bundle().scene_path();
-  const auto scene = core::load_scene(assets, path, path);
+  const auto scene = core::load_scene(assets, path, path, options.scene);
   if (!scene) return core::fail(as_mistake(scene.error()));
   const auto overrides = proto::from_proto(question.overrides());
   if (!overrides) return core::fail(overrides.error());
@@ -39,13 +51,11 @@ core::Result<Verdict::Approval> load(const Question& question) {
   return approval;
 }
 
-core::Result<Verdict::Approval> load_safely(const Question& question) {
+core::Result<Verdict::Approval> load_safely(const Question& question, const Options& options) {
   try {
-    return load(question);
+    return load(question, options);
   } catch (const std::bad_alloc&) {
-    return core::fail(
-        ErrorCode::kResourceExhausted,
-        "loading the scene takes more memory than this farm allows: use smaller meshes and textures");
+    return core::fail(ErrorCode::kResourceExhausted, "the scene does not fit into memory");
   } catch (const std::exception& error) {
     return core::fail(ErrorCode::kInternal, error.what());
   }
@@ -53,14 +63,15 @@ core::Result<Verdict::Approval> load_safely(const Question& question) {
 
 }  // namespace
 
-Verdict judge(const Question& question) {
+Verdict judge(const Question& question, const Options& options) {
   Verdict verdict;
-  auto approval = load_safely(question);
+  auto approval = load_safely(question, options);
   if (approval) {
     *verdict.mutable_approval() = std::move(*approval);
   } else {
-    verdict.mutable_refusal()->set_code(static_cast<int>(approval.error().code));
-    verdict.mutable_refusal()->set_message(approval.error().message);
+    core::Error error = explain_memory(approval.error(), options);
+    verdict.mutable_refusal()->set_code(static_cast<int>(error.code));
+    verdict.mutable_refusal()->set_message(std::move(error.message));
   }
   return verdict;
 }

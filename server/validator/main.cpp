@@ -1,23 +1,38 @@
-// tessera-validator: reads a Question on standard input, writes a Verdict on standard output. The coordinator
-// starts one for every submitted scene, so that a hostile file can take down no more than this process.
+// tessera-validator: see options.hpp. The coordinator starts one for every submitted scene, so that a hostile
+// file can take down no more than this process.
 #include <cstdlib>
 #include <iostream>
+#include <string>
+#include <vector>
 
 #include "server/validator/judge.hpp"
-#include "server/validator/limits.hpp"
+#include "server/validator/options.hpp"
+#include "server/validator/visible_files.hpp"
 
-int main() {
-  using namespace tessera::validator;
+namespace {
+
+using namespace tessera::validator;
+
+int fail(const std::string& why) {
+  std::cerr << "tessera-validator: " << why << '\n';
+  return EXIT_FAILURE;
+}
+
+std::vector<std::string> paths_of(const Question& question) {
+  std::vector<std::string> paths;
+  for (const auto& [name, path] : question.files()) paths.push_back(path);
+  return paths;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const Options options = parse_options(argc, argv);
+  if (const auto confined = confine(options.confinement); !confined) return fail(confined.error().message);
   Question question;
-  if (!question.ParseFromIstream(&std::cin)) {
-    std::cerr
-        << "tessera-validator: reads one serialised tessera.validator.Question; the coordinator starts it\n";
-    return EXIT_FAILURE;
-  }
-  if (const auto limited = apply_limits({}); !limited) {
-    std::cerr << "tessera-validator: " << limited.error().message << '\n';
-    return EXIT_FAILURE;
-  }
-  const Verdict verdict = judge(question);
+  if (!question.ParseFromIstream(&std::cin))
+    return fail("reads one serialised tessera.validator.Question; the coordinator starts it");
+  if (const auto seen = see_only(paths_of(question)); !seen) return fail(seen.error().message);
+  const Verdict verdict = judge(question, options);
   return verdict.SerializeToOstream(&std::cout) && std::cout.flush() ? EXIT_SUCCESS : EXIT_FAILURE;
 }

@@ -14,6 +14,7 @@
 #include <filesystem>
 #include <optional>
 #include <system_error>
+#include <vector>
 
 extern "C" {  // the header of glibc 2.36 forgets it
 #include <sys/pidfd.h>
@@ -21,6 +22,7 @@ extern "C" {  // the header of glibc 2.36 forgets it
 
 #include "proto/blob.hpp"
 #include "server/store/file.hpp"
+#include "server/validator/flags.hpp"
 #include "server/validator/verdict.pb.h"
 
 namespace tessera::validator {
@@ -56,7 +58,29 @@ core::Result<Fd> memory_file(const char* name, const std::string& content) {
   return file;
 }
 
-core::Result<pid_t> spawn(const std::string& path, const Fd& in, const Fd& out) {
+// Whole seconds of processor time; the timeout is as long, and one that waits for a disk is ended by that.
+std::chrono::seconds processor_time(const server::Limits& limits) {
+  return std::chrono::ceil<std::chrono::seconds>(limits.validation_time);
+}
+
+std::vector<std::string> command_line(const ProcessOptions& options) {
+  const server::Limits& limits = options.limits;
+  return {options.path,
+          kTrianglesFlag,
+          std::to_string(limits.triangles),
+          kTexturePixelsFlag,
+          std::to_string(limits.texture_pixels),
+          kSceneTexturePixelsFlag,
+          std::to_string(limits.scene_texture_pixels),
+          kMemoryFlag,
+          std::to_string(limits.validator_mib),
+          kSecondsFlag,
+          std::to_string(processor_time(limits).count()),
+          kParentFlag,
+          std::to_string(getpid())};
+}
+
+core::Result<pid_t> spawn(const ProcessOptions& options, const Fd& in, const Fd& out) {
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_adddup2(&actions, in.get(), STDIN_FILENO);
@@ -70,25 +94,28 @@ core::Result<pid_t> spawn(const std::string& path, const Fd& in, const Fd& out) 
   posix_spawnattr_setsigmask(&attributes, &none);
   posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK);
 
-  std::string name = path;
+  std::vector<std::string> words = command_line(options);
+  std::vector<char*> arguments;
+  for (std::string& word : words) arguments.push_back(word.data());
+  arguments.push_back(nullptr);
   // One thread: the memory limit counts addresses, of which every OpenMP thread takes many.
   std::array<char, 18> threads{"OMP_NUM_THREADS=1"};
-  const std::array<char*, 2> arguments{name.data(), nullptr}, environment{threads.data(), nullptr};
+  const std::array<char*, 2> environment{threads.data(), nullptr};
   pid_t pid = 0;
   const int error =
-      posix_spawn(&pid, path.c_str(), &actions, &attributes, arguments.data(), environment.data());
+      posix_spawn(&pid, options.path.c_str(), &actions, &attributes, arguments.data(), environment.data());
   posix_spawnattr_destroy(&attributes);
   posix_spawn_file_actions_destroy(&actions);
   if (error == 0) return pid;
   return core::fail(ErrorCode::kInternal,
-                    fmt::format("starting {}: {}: install it there, or name it with --validator", path,
-                                std::strerror(error)));
+                    fmt::format("starting {}: {}: install it there, or name it with --validator",
+                                options.path, std::strerror(error)));
 }
 
 // Whether the process ended by itself before the time was up or a stop was requested.
 bool ends_in_time(const Fd& process, const ProcessOptions& options) {
   constexpr std::chrono::milliseconds kLookAround{50};
-  const auto deadline = std::chrono::steady_clock::now() + options.timeout;
+  const auto deadline = std::chrono::steady_clock::now() + options.limits.validation_time;
   pollfd exit{process.get(), POLLIN, 0};
   while (!options.stop.stop_requested() && std::chrono::steady_clock::now() < deadline) {
     if (poll(&exit, 1, static_cast<int>(kLookAround.count())) == 1) return true;
@@ -127,13 +154,23 @@ core::Result<std::string> read_all(const Fd& file) {
 
 std::string describe_end(int status) {
   if (WIFSIGNALED(status)) {
-    return fmt::format("the validator ended by signal {} ({})", WTERMSIG(status),
-                       strsignal(WTERMSIG(status)));
+    return fmt::format("the validator ended by signal {} ({}{})", WTERMSIG(status),
+                       strsignal(WTERMSIG(status)),
+                       WTERMSIG(status) == SIGKILL ? ", perhaps for want of memory" : "");
   }
   return fmt::format("the validator ended with status {}", WEXITSTATUS(status));
 }
 
-core::Result<Approval> read_verdict(const Fd& out, int status) {
+core::Error takes_too_long(const server::Limits& limits) {
+  return {
+      ErrorCode::kResourceExhausted,
+      fmt::format("the scene could not be validated within {} s, which is all that this farm takes for one "
+                  "(tessera-coordinator {})",
+                  processor_time(limits).count(), kSecondsFlag)};
+}
+
+core::Result<Approval> read_verdict(const Fd& out, int status, const server::Limits& limits) {
+  if (WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU) return core::fail(takes_too_long(limits));
   const auto content = read_all(out);
   if (!content) return core::fail(content.error());
   Verdict verdict;
@@ -164,15 +201,13 @@ core::Result<Approval> validate_scene(const ProcessOptions& options, const store
   if (!in) return core::fail(in.error());
   const auto out = memory_file("verdict", "");
   if (!out) return core::fail(out.error());
-  const auto pid = spawn(options.path, *in, *out);
+  const auto pid = spawn(options, *in, *out);
   if (!pid) return core::fail(pid.error());
   const auto status = wait_for(*pid, options);
   if (!status) return core::fail(status.error());
-  if (*status) return read_verdict(*out, **status);
+  if (*status) return read_verdict(*out, **status, options.limits);
   if (options.stop.stop_requested()) return core::fail(stopping());
-  return core::fail(ErrorCode::kInvalidArgument,
-                    fmt::format("the scene could not be validated within {} s: make it smaller",
-                                std::chrono::duration_cast<std::chrono::seconds>(options.timeout).count()));
+  return core::fail(takes_too_long(options.limits));
 }
 
 }  // namespace tessera::validator

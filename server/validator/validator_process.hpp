@@ -7,6 +7,7 @@
 #include <string>
 
 #include "core/base/error.hpp"
+#include "server/limits.hpp"
 #include "server/store/blob_store.hpp"
 #include "tessera/v1/types.pb.h"
 
@@ -15,8 +16,8 @@ namespace tessera::validator {
 struct ProcessOptions {
   // The executable.
   std::string path;
-  // After so long it is killed.
-  std::chrono::milliseconds timeout = std::chrono::minutes(5);
+  // What a scene may hold, and what loading it may take.
+  server::Limits limits{};
   // When this is requested it is killed, and none is started any more.
   std::stop_token stop{};
 };
@@ -31,8 +32,9 @@ struct Approval {
 std::string default_validator_path();
 
 // How the bundle would be rendered and shown. Its blobs must be in `blobs`. Blocks.
-// INVALID_ARGUMENT also if the validator crashed or ran out of time over it; INTERNAL if it could not be
-// started; UNAVAILABLE after a stop.
+// RESOURCE_EXHAUSTED: the scene is beyond a limit, or could not be loaded within time and memory.
+// INVALID_ARGUMENT also if the validator crashed over it; INTERNAL if it could not be started; UNAVAILABLE
+// after a stop.
 core::Result<Approval> validate_scene(const ProcessOptions& options, const store::BlobStore& blobs,
                                       const v1::Bundle& bundle, const v1::RenderOverrides& overrides);
 

@@ -63,6 +63,7 @@ ProcessOptions FarmTest::with_files(const std::string& name, std::vector<std::st
 void FarmTest::start_coordinator(double lease_seconds) {
   lease_seconds_ = lease_seconds;
   address_ = listen_;
+  api_.reset();
   restart_coordinator();
 }
 

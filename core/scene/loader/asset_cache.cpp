@@ -7,7 +7,6 @@
 #include "core/image/hdr_check.hpp"
 #include "core/scene/loader/text_lines.hpp"
 #include "core/scene/loader/wording.hpp"
-#include "core/textures/image_decoder.hpp"
 
 namespace tessera::core {
 
@@ -26,6 +25,8 @@ Result<std::shared_ptr<const TextureImage>> AssetCache::image(const std::string&
   if (color_space == ColorSpace::kSrgb && is_hdr_picture(*bytes))
     return fail(ErrorCode::kInvalidArgument,
                 in_quotes(path) + " is an HDR picture, which is linear; leave 'color_space' out");
+  if (const auto size = texture_size(*bytes))
+    if (auto counted = count_pixels(path, *size); !counted) return fail(counted.error());
   auto decoded = decode_texture_image(*bytes, space);
   if (!decoded)
     return fail(decoded.error().code, fmt::format("{} {}", in_quotes(path), decoded.error().message));
@@ -34,12 +35,29 @@ Result<std::shared_ptr<const TextureImage>> AssetCache::image(const std::string&
   return shared;
 }
 
+// Before anything is decompressed. What decoding makes has the same size.
+Status AssetCache::count_pixels(const std::string& path, TextureSize size) {
+  const auto& [triangles, of_one, of_all] = limits_;
+  if (size.pixels() > of_one.most)
+    return fail(
+        ErrorCode::kResourceExhausted,
+        fmt::format("{} has {} x {} = {} pixels, more than the {} that a texture may have here ({})",
+                    in_quotes(path), size.width, size.height, size.pixels(), of_one.most, of_one.option));
+  if (size.pixels() > of_all.most - texture_pixels_)
+    return fail(ErrorCode::kResourceExhausted,
+                fmt::format("with {} the scene's textures have {} pixels, more than the {} that a scene's "
+                            "may have here ({})",
+                            in_quotes(path), texture_pixels_ + size.pixels(), of_all.most, of_all.option));
+  texture_pixels_ += size.pixels();
+  return {};
+}
+
 Result<std::shared_ptr<const ObjFile>> AssetCache::obj(const std::string& path) {
   const auto known = objs_.find(path);
   if (known != objs_.end()) return known->second;
   const auto bytes = assets_.read(path);
   if (!bytes) return fail(bytes.error());
-  auto file = read_obj(*bytes, path);
+  auto file = read_obj(*bytes, path, limits_.triangles);
   if (!file) return fail(file.error());
   auto shared = std::make_shared<const ObjFile>(std::move(*file));
   objs_.emplace(path, shared);

@@ -12,6 +12,8 @@
 #include "core/scene/loader/asset_source.hpp"
 #include "core/scene/loader/mtl_reader.hpp"
 #include "core/scene/loader/obj_reader.hpp"
+#include "core/scene/loader/scene_limits.hpp"
+#include "core/textures/image_decoder.hpp"
 #include "core/textures/texture.hpp"
 
 namespace tessera::core {
@@ -21,7 +23,8 @@ std::string path_beside(const std::string& file, const std::string& name);
 
 class AssetCache {
  public:
-  explicit AssetCache(AssetSource& assets) : assets_(assets) {}
+  // Both must stay until this is destroyed.
+  AssetCache(AssetSource& assets, const SceneLimits& limits) : assets_(assets), limits_(limits) {}
 
   // Without a colour space, PNG and JPEG are sRGB and HDR is linear.
   Result<std::shared_ptr<const TextureImage>> image(const std::string& path,
@@ -36,8 +39,12 @@ class AssetCache {
 
  private:
   Result<Library> library(const std::string& path);
+  // Adds them to those of the scene, if the limits allow it.
+  Status count_pixels(const std::string& path, TextureSize size);
 
   AssetSource& assets_;
+  const SceneLimits& limits_;
+  std::uint64_t texture_pixels_ = 0;  // of images_
   std::map<std::pair<std::string, ColorSpace>, std::shared_ptr<const TextureImage>> images_;
   std::map<std::string, std::shared_ptr<const ObjFile>> objs_;
 };

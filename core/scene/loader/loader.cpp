@@ -23,7 +23,8 @@ constexpr std::string_view kMaterialAdvice = "give the shape a \"material\" in t
 // asset.
 class SceneAssembler {
  public:
-  SceneAssembler(AssetSource& assets, Mistakes& mistakes) : cache_(assets), mistakes_(mistakes) {}
+  SceneAssembler(AssetSource& assets, Mistakes& mistakes, const SceneLimits& limits)
+      : cache_(assets, limits), mistakes_(mistakes), limits_(limits) {}
 
   SceneDescription assemble(SceneFile file);
 
@@ -36,6 +37,8 @@ class SceneAssembler {
   void add_shape(ShapeEntry entry, std::string name, Owner& owner);
   void add_object(ObjectEntry entry);
   Result<MeshDescription> load_mesh(const MeshEntry& entry);
+  // Adds a file's triangles to those of the scene, if the limits allow it.
+  Status count_triangles(const std::string& path, std::size_t triangles);
   Result<MaterialNames> load_libraries(const std::string& obj_path, const ObjFile& obj);
   Result<std::vector<std::uint32_t>> own_materials(const std::string& obj_path, const ObjFile& obj);
   Result<std::uint32_t> add_library_material(const std::string& library_path, const MtlMaterial& material);
@@ -43,6 +46,8 @@ class SceneAssembler {
 
   AssetCache cache_;
   Mistakes& mistakes_;
+  const SceneLimits& limits_;
+  std::uint64_t triangles_ = 0;
   SceneDescription scene_;
   std::map<std::pair<std::string, std::string>, std::uint32_t> library_materials_;  // by library and name
 };
@@ -97,6 +102,8 @@ void SceneAssembler::add_shape(ShapeEntry entry, std::string name, Owner& owner)
 Result<MeshDescription> SceneAssembler::load_mesh(const MeshEntry& entry) {
   const auto obj = cache_.obj(entry.file);
   if (!obj) return fail(obj.error());
+  if (auto counted = count_triangles(entry.file, (*obj)->triangle_count()); !counted)
+    return fail(counted.error());
   std::vector<std::uint32_t> materials;
   if (entry.material) {
     materials = {*entry.material};
@@ -109,6 +116,15 @@ Result<MeshDescription> SceneAssembler::load_mesh(const MeshEntry& entry) {
   if (!mesh)
     return fail(mesh.error().code, fmt::format("{} {}", in_quotes(entry.file), mesh.error().message));
   return mesh;
+}
+
+Status SceneAssembler::count_triangles(const std::string& path, std::size_t triangles) {
+  triangles_ += triangles;
+  const auto& [most, option] = limits_.triangles;
+  if (triangles_ <= most) return {};
+  return fail(ErrorCode::kResourceExhausted,
+              fmt::format("with {} the scene has {} triangles, more than the {} that it may have here ({})",
+                          in_quotes(path), triangles_, most, option));
 }
 
 // The scene's materials for the OBJ file's material names.
@@ -189,13 +205,13 @@ Result<int> SceneAssembler::library_texture(const std::string& library_path, con
 }
 
 Result<SceneDescription> load(AssetSource& assets, const std::string& scene_path,
-                              const std::string& display_path) {
+                              const std::string& display_path, const SceneLimits& limits) {
   const auto text = assets.read(scene_path);
   if (!text) return fail(text.error().within(display_path));
   Mistakes mistakes(display_path);
   SceneFile file = parse_scene_file(*text, display_path, mistakes);
   if (!mistakes.empty()) return fail(mistakes.error());
-  SceneDescription scene = SceneAssembler(assets, mistakes).assemble(std::move(file));
+  SceneDescription scene = SceneAssembler(assets, mistakes, limits).assemble(std::move(file));
   if (!mistakes.empty()) return fail(mistakes.error());
   return scene;
 }
@@ -203,9 +219,9 @@ Result<SceneDescription> load(AssetSource& assets, const std::string& scene_path
 }  // namespace
 
 Result<SceneDescription> load_scene(AssetSource& assets, const std::string& scene_path,
-                                    const std::string& display_path) {
+                                    const std::string& display_path, const SceneLimits& limits) {
   try {
-    return load(assets, scene_path, display_path);
+    return load(assets, scene_path, display_path, limits);
   } catch (const std::bad_alloc&) {
     return fail(ErrorCode::kResourceExhausted, display_path + ": the scene does not fit into memory");
   }

@@ -9,13 +9,15 @@
 #include "core/base/error.hpp"
 #include "core/scene/description.hpp"
 #include "core/scene/loader/asset_source.hpp"
+#include "core/scene/loader/scene_limits.hpp"
 
 namespace tessera::core {
 
 // `scene_path` is the scene's own name in `assets`; other paths are relative to it and resolved by `assets`.
-// `display_path` is what error messages call the scene file.
+// `display_path` is what error messages call the scene file. RESOURCE_EXHAUSTED for a scene beyond the
+// limits, or one that does not fit into memory.
 Result<SceneDescription> load_scene(AssetSource& assets, const std::string& scene_path,
-                                    const std::string& display_path);
+                                    const std::string& display_path, const SceneLimits& limits = {});
 
 // The scene file at `path` on this machine and the files beside it.
 Result<SceneDescription> load_scene_file(const std::string& path);

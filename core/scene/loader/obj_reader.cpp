@@ -56,7 +56,7 @@ bool is_corner(std::string_view word) {
 // makes of a face comes back before it asks for the next.
 class FaceReader : private std::streambuf {
  public:
-  FaceReader(std::string_view bytes, const std::string& name, ObjText text);
+  FaceReader(std::string_view bytes, const std::string& name, ObjText text, const SceneLimit& limit);
 
   Result<ObjFile> read();
 
@@ -83,6 +83,7 @@ class FaceReader : private std::streambuf {
   Status corner(const tinyobj::index_t& written, int number);
   Status use_material(std::string_view line);
   Status smooth(std::string_view line);
+  Status count_triangles(std::size_t more) const;
   tl::unexpected<Error> bad_corner(std::string_view word) const;
   tl::unexpected<Error> missing(int index, const Counts& counts, int corner) const;
   std::string_view text_of_corner(int number) const;
@@ -94,6 +95,7 @@ class FaceReader : private std::streambuf {
 
   StatementLines lines_;
   const std::string& name_;
+  const SceneLimit& limit_;
   ObjFile file_;
   Counts positions_, uvs_, normals_;
   ObjFile::Run run_;
@@ -107,9 +109,10 @@ class FaceReader : private std::streambuf {
   std::vector<std::array<std::uint32_t, 3>> triangles_;
 };
 
-FaceReader::FaceReader(std::string_view bytes, const std::string& name, ObjText text)
+FaceReader::FaceReader(std::string_view bytes, const std::string& name, ObjText text, const SceneLimit& limit)
     : lines_(bytes),
       name_(name),
+      limit_(limit),
       positions_{"v", std::ssize(text.positions)},
       uvs_{"vt", std::ssize(text.uvs)},
       normals_{"vn", std::ssize(text.normals)} {
@@ -168,8 +171,7 @@ Status FaceReader::face(const tinyobj::index_t* corners, int count) {
   face_.clear();
   for (int i = 0; i < count; ++i)
     if (auto ok = corner(corners[i], i); !ok) return ok;
-  if (file_.triangle_count() + face_.size() > kMaxObjTriangles)
-    return mistake(fmt::format("the file has more than {} triangles; cut it into several", kMaxObjTriangles));
+  if (auto ok = count_triangles(face_.size() - 2); !ok) return ok;
   if (face_.size() == 3) {
     add({0, 1, 2});
     return {};
@@ -182,6 +184,16 @@ Status FaceReader::face(const tinyobj::index_t* corners, int count) {
     return mistake(fmt::format("a face that is not convex may have {} corners at most", kMaxConcaveCorners));
   for (const auto& triangle : triangles_) add(triangle);
   return {};
+}
+
+Status FaceReader::count_triangles(std::size_t more) const {
+  const std::size_t count = file_.triangle_count() + more;
+  if (count > limit_.most)
+    return fail(ErrorCode::kResourceExhausted,
+                fmt::format("{}:{}: the file has more than the {} triangles that a scene may have here ({})",
+                            name_, lines_.number(), limit_.most, limit_.option));
+  if (count <= kMaxObjTriangles) return {};
+  return mistake(fmt::format("the file has more than {} triangles; cut it into several", kMaxObjTriangles));
 }
 
 Status FaceReader::corner(const tinyobj::index_t& written, int number) {
@@ -275,11 +287,16 @@ const ObjFile::Run& ObjFile::run_of(std::size_t triangle) const {
   return *(after - 1);
 }
 
-Result<ObjFile> read_obj(std::string_view bytes, const std::string& name) {
+Result<ObjFile> read_obj(std::string_view bytes, const std::string& name, const SceneLimit& triangles) {
   bytes = without_byte_order_mark(bytes);
   auto text = scan_obj(bytes, name);
   if (!text) return fail(text.error());
-  return FaceReader(bytes, name, std::move(*text)).read();
+  if (text->face_count > triangles.most)
+    return fail(
+        ErrorCode::kResourceExhausted,
+        fmt::format("{}: the file has {} faces, more than the {} triangles that a scene may have here ({})",
+                    name, text->face_count, triangles.most, triangles.option));
+  return FaceReader(bytes, name, std::move(*text), triangles).read();
 }
 
 }  // namespace tessera::core

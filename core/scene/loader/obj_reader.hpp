@@ -11,6 +11,7 @@
 
 #include "core/base/error.hpp"
 #include "core/scene/loader/obj_scanner.hpp"
+#include "core/scene/loader/scene_limits.hpp"
 
 namespace tessera::core {
 
@@ -40,7 +41,8 @@ struct ObjFile {
   const Run& run_of(std::size_t triangle) const;
 };
 
-// Errors are "NAME:LINE: what"; `name` is what they call the file.
-Result<ObjFile> read_obj(std::string_view bytes, const std::string& name);
+// Errors are "NAME:LINE: what"; `name` is what they call the file. RESOURCE_EXHAUSTED as soon as there are
+// too many triangles.
+Result<ObjFile> read_obj(std::string_view bytes, const std::string& name, const SceneLimit& triangles = {});
 
 }  // namespace tessera::core

@@ -101,6 +101,7 @@ void ScriptedFarm::open(const std::filesystem::path& folder) {
   ASSERT_TRUE(state) << state.error().message;
   Options options;
   options.now = [this] { return now_; };
+  options.limits = limits_;
   auto opened = Coordinator::open(options, std::move(*state), check_scene_);
   ASSERT_TRUE(opened) << opened.error().message;
   coordinator_ = std::move(*opened);

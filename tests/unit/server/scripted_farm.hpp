@@ -53,6 +53,7 @@ class ScriptedFarm : public testing::Test {
   TemporaryFolder folder_;
   scheduler::Time now_{std::chrono::hours(1)};
   SceneCheck check_scene_ = accept_scene;
+  server::Limits limits_;
   std::unique_ptr<Coordinator> coordinator_;
 };
 

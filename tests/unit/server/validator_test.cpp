@@ -6,6 +6,7 @@
 
 #include "proto/blob.hpp"
 #include "server/validator/validator_process.hpp"
+#include "tests/support/hostile_pictures.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace tessera::validator {
@@ -34,6 +35,17 @@ class Validator : public testing::Test {
     EXPECT_FALSE(approval);
     return approval ? core::Error{} : approval.error();
   }
+  static void expect_too_slow(const core::Error& error, const std::string& limit) {
+    EXPECT_EQ(error.code, ErrorCode::kResourceExhausted);
+    EXPECT_THAT(error.message, HasSubstr("could not be validated within " + limit));
+    EXPECT_THAT(error.message, HasSubstr("(tessera-coordinator --validator-seconds)"));
+  }
+  void add_scene_with(const std::string& mesh) {
+    add_file("scene.json", R"({"camera": {"position": [0, 0, 5], "look_at": [0, 0, 0]},
+      "materials": {"m": {"type": "lambert"}},
+      "shapes": [{"type": "mesh", "material": "m", "file": ")" +
+                               mesh + "\"}]}");
+  }
   // Puts a shell script in the validator's place.
   void replace_validator(const std::string& script) {
     const auto path = folder_.path() / "stand-in";
@@ -44,7 +56,7 @@ class Validator : public testing::Test {
 
   TemporaryFolder folder_;
   store::BlobStore blobs_ = *store::BlobStore::open(folder_.path() / "blobs");
-  ProcessOptions options_{.path = TESSERA_VALIDATOR, .timeout = std::chrono::minutes(1)};
+  ProcessOptions options_{.path = TESSERA_VALIDATOR, .limits = {.validation_time = std::chrono::minutes(1)}};
   v1::Bundle bundle_ = [] {
     v1::Bundle bundle;
     bundle.set_scene_path("scene.json");
@@ -123,10 +135,82 @@ TEST_F(Validator, GarbageFromItIsNoVerdict) {
 TEST_F(Validator, IsKilledWhenItTakesTooLong) {
   add_file("scene.json", "{}");
   replace_validator("exec /bin/sleep 600");
-  options_.timeout = std::chrono::milliseconds(50);
+  options_.limits.validation_time = std::chrono::milliseconds(50);
+  expect_too_slow(refusal(), "1 s");
+}
+
+TEST_F(Validator, IsEndedByTheKernelWhenItComputesTooLong) {
+  add_file("scene.json", "{}");
+  replace_validator("kill -XCPU $$");
+  expect_too_slow(refusal(), "60 s");
+}
+
+TEST_F(Validator, IsToldItsLimits) {
+  add_file("scene.json", "{}");
+  replace_validator("echo \"$@\" > " + (folder_.path() / "told").string());
+  options_.limits = {.triangles = 1,
+                     .texture_pixels = 2,
+                     .scene_texture_pixels = 3,
+                     .validator_mib = 444,
+                     .validation_time = std::chrono::seconds(5)};
+  refusal();
+  EXPECT_THAT(read_file(folder_.path() / "told"),
+              testing::StartsWith("--max-triangles 1 --max-texture-pixels 2 --max-scene-texture-pixels 3 "
+                                  "--validator-mib 444 --validator-seconds 5 --parent " +
+                                  std::to_string(getpid())));
+}
+
+TEST_F(Validator, NamesTheLimitOfAScene) {
+  add_scene_file("scene.json");
+  add_scene_file("box.obj");
+  add_scene_file("box.mtl");
+  options_.limits.triangles = 1;
+  const core::Error error = refusal();
+  EXPECT_EQ(error.code, ErrorCode::kResourceExhausted);
+  EXPECT_THAT(error.message, HasSubstr("box.obj"));
+  EXPECT_THAT(error.message, HasSubstr("(tessera-coordinator --max-triangles)"));
+}
+
+TEST_F(Validator, NamesTheLimitOfMemory) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "sanitizers need addresses without limit";
+#endif
+  add_scene_with("big.obj");
+  std::string obj(std::size_t{300} << 20, '\n');
+  add_file("big.obj", obj);
+  options_.limits.validator_mib = 256;
+  const core::Error error = refusal();
+  EXPECT_EQ(error.code, ErrorCode::kResourceExhausted);
+  EXPECT_THAT(error.message, HasSubstr("does not fit into memory; this farm loads scenes within 256 MiB "
+                                       "(tessera-coordinator --validator-mib)"));
+}
+
+TEST_F(Validator, UnpacksNoMoreThanAPictureNeeds) {
+  add_file("scene.json", R"({"camera": {"position": [0, 0, 5], "look_at": [0, 0, 0]},
+    "textures": {"t": {"file": "bomb.png"}}, "materials": {"m": {"type": "lambert", "albedo": {"texture": "t"}}},
+    "shapes": [{"type": "sphere", "radius": 1, "material": "m"}]})");
+  add_file("bomb.png", png_bomb(1'000'000));  // 258 MB
   const core::Error error = refusal();
   EXPECT_EQ(error.code, ErrorCode::kInvalidArgument);
-  EXPECT_THAT(error.message, HasSubstr("could not be validated within"));
+  EXPECT_THAT(error.message,
+              HasSubstr("'bomb.png' is a broken picture (its data unpack to more than its pixels)"));
+}
+
+TEST_F(Validator, DoesNotFollowAMillionBrackets) {
+  add_file("scene.json", std::string(1'000'000, '['));
+  const core::Error error = refusal();
+  EXPECT_EQ(error.code, ErrorCode::kInvalidArgument);
+  EXPECT_THAT(error.message, HasSubstr("nested more than 32 deep"));
+}
+
+TEST_F(Validator, LeavesNoFilesBehind) {
+  add_file("scene.json", "{}");
+  const auto entries = [&] {
+    return std::distance(std::filesystem::recursive_directory_iterator(folder_.path()), {});
+  };
+  const auto before = entries();
+  refusal();
+  EXPECT_EQ(entries(), before);
 }
 
 TEST_F(Validator, IsKilledWhenTheCoordinatorStops) {

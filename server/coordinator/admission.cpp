@@ -1,0 +1,92 @@
+#include "server/coordinator/admission.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+
+#include "server/coordinator/place.hpp"
+#include "server/coordinator/turn.hpp"
+
+namespace tessera::coordinator {
+
+namespace {
+
+// Sizes in a message may be anything.
+std::uint64_t add_capped(std::uint64_t a, std::uint64_t b) {
+  return b > std::numeric_limits<std::uint64_t>::max() - a ? std::numeric_limits<std::uint64_t>::max()
+                                                           : a + b;
+}
+
+std::string in_mib(std::uint64_t mib) {
+  return fmt::format("{} MiB", mib);
+}
+
+}  // namespace
+
+core::Status check_blob_size(std::uint64_t size_bytes, const server::Limits& limits) {
+  if (size_bytes <= limits.blob_bytes()) return {};
+  return core::fail(server::over_limit(fmt::format("the file has {} bytes", size_bytes),
+                                       in_mib(limits.blob_mib), "--max-blob-mib"));
+}
+
+core::Status check_bundle_size(const v1::Bundle& bundle, const server::Limits& limits) {
+  std::uint64_t total = 0;
+  for (const v1::Bundle::Asset& asset : bundle.assets()) {
+    const std::uint64_t size = asset.digest().size_bytes();
+    if (auto fits = check_blob_size(size, limits); !fits)
+      return core::fail(fits.error().within("bundle: " + asset.path()));
+    total = add_capped(total, size);
+  }
+  if (total <= limits.bundle_bytes()) return {};
+  return core::fail(
+      server::over_limit(fmt::format("the {} files of the bundle have {} bytes", bundle.assets_size(), total),
+                         in_mib(limits.bundle_mib), "--max-bundle-mib"));
+}
+
+core::Status check_picture(const v1::RenderSettings& settings, const server::Limits& limits) {
+  const std::uint64_t pixels = std::uint64_t{settings.width_px()} * settings.height_px();
+  if (pixels > limits.picture_pixels)
+    return core::fail(server::over_limit(
+        fmt::format("the picture has {} x {} = {} pixels", settings.width_px(), settings.height_px(), pixels),
+        std::to_string(limits.picture_pixels), "--max-picture-pixels"));
+  return check_spp(settings.spp(), limits);
+}
+
+core::Status check_spp(std::uint32_t spp, const server::Limits& limits) {
+  if (spp <= limits.spp) return {};
+  return core::fail(server::over_limit(fmt::format("the job has {} samples per pixel", spp),
+                                       std::to_string(limits.spp), "--max-spp"));
+}
+
+Coordinator::Place::~Place() {
+  if (coordinator_ == nullptr) return;
+  const Turn turn(*coordinator_);
+  const auto place = coordinator_->places_.find(submitter_);
+  if (--place->second == 0) coordinator_->places_.erase(place);
+}
+
+core::Result<Coordinator::Place> Coordinator::take_place(const std::string& submitter) {
+  const Turn turn(*this);
+  if (auto may = may_open_job(turn, submitter); !may) return core::fail(may.error());
+  return Place(*this, submitter);
+}
+
+core::Status Coordinator::may_open_job(const Turn& turn, const std::string& submitter) const {
+  const auto places = places_.find(submitter);
+  std::uint64_t open = places == places_.end() ? 0 : places->second;
+  for (const auto& [id, record] : jobs_) {
+    if (record.finished_ms || record.spec->submitter() != submitter) continue;
+    const auto view = scheduler_.job({id}, turn.now());
+    if (view && !is_finished(view->state)) ++open;
+  }
+  if (open < options_.limits.open_jobs) return {};
+  const std::string whose = submitter.empty() ? "there are" : fmt::format("'{}' has", submitter);
+  return core::fail(
+      server::over_limit(fmt::format("{} {} unfinished jobs already", whose, open),
+                         fmt::format("{} {}", options_.limits.open_jobs,
+                                     submitter.empty() ? "of all together" : "of each submitter"),
+                         "--max-open-jobs"));
+}
+
+}  // namespace tessera::coordinator

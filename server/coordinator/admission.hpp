@@ -1,0 +1,19 @@
+// Whether a farm takes what it is asked for: the limits of jobs and bundles. Stateless; thread-safe. Errors
+// are RESOURCE_EXHAUSTED and name the option that raises the limit.
+#pragma once
+
+#include "core/base/error.hpp"
+#include "server/limits.hpp"
+#include "tessera/v1/types.pb.h"
+
+namespace tessera::coordinator {
+
+// By the sizes that the bundle itself says, before any of its files is looked at. A file counts as often as
+// it is named.
+core::Status check_bundle_size(const v1::Bundle& bundle, const server::Limits& limits);
+core::Status check_blob_size(std::uint64_t size_bytes, const server::Limits& limits);
+
+core::Status check_picture(const v1::RenderSettings& settings, const server::Limits& limits);
+core::Status check_spp(std::uint32_t spp, const server::Limits& limits);
+
+}  // namespace tessera::coordinator

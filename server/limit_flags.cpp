@@ -1,0 +1,88 @@
+#include "server/limit_flags.hpp"
+
+#include <cstdint>
+#include <limits>
+#include <string>
+
+#include "core/scene/settings.hpp"
+#include "server/validator/flags.hpp"
+
+namespace tessera::server {
+
+namespace {
+
+constexpr std::uint64_t kMany = 1'000'000'000;
+constexpr std::uint64_t kMostMib = std::uint64_t{1} << 30;  // a pebibyte
+// Less than a validator maps before it reads anything, and results of workers do not fit into less.
+constexpr std::uint64_t kLeastValidatorMib = 128;
+constexpr int kLeastMessageMib = 16, kMostMessageMib = 1024;
+// What a texture can have in any case.
+constexpr std::uint64_t kMostTexturePixels = std::uint64_t{1} << 28;
+constexpr double kMostSeconds = 86400;
+
+template <typename T>
+void add(CLI::App& app, const char* flag, T& value, T least, T most, const char* what) {
+  app.add_option(flag, value, what)
+      ->check(CLI::Range(least, most))
+      ->type_name("N")
+      ->capture_default_str()
+      ->group("Limits");
+}
+
+void add_job_flags(CLI::App& app, Limits& limits) {
+  const auto most_pixels = static_cast<std::uint64_t>(core::kMaxImagePixels);
+  add<std::uint64_t>(app, "--max-picture-pixels", limits.picture_pixels, 1, most_pixels,
+                     "Pixels of a picture; a job takes 48 bytes of memory for each");
+  add<std::uint32_t>(app, "--max-spp", limits.spp, 1, core::kMaxSpp, "Samples per pixel of a job");
+  add<std::uint64_t>(app, "--max-open-jobs", limits.open_jobs, 1, kMany,
+                     "Unfinished jobs of one submitter; without --tokens, of all together");
+}
+
+void add_scene_flags(CLI::App& app, Limits& limits) {
+  add<std::uint64_t>(app, "--max-bundle-mib", limits.bundle_mib, 1, kMostMib, "A scene and all its files");
+  add<std::uint64_t>(app, "--max-blob-mib", limits.blob_mib, 1, kMostMib, "One file of a scene");
+  add<std::uint64_t>(app, validator::kTrianglesFlag, limits.triangles, 1, kMany,
+                     "Triangles of a scene's meshes");
+  add<std::uint64_t>(app, validator::kTexturePixelsFlag, limits.texture_pixels, 1, kMostTexturePixels,
+                     "Pixels of a texture");
+  add<std::uint64_t>(app, validator::kSceneTexturePixelsFlag, limits.scene_texture_pixels, 1,
+                     std::numeric_limits<std::uint32_t>::max() * kMib, "Pixels of all textures of a scene");
+}
+
+void add_validator_flags(CLI::App& app, Limits& limits) {
+  add(app, "--validations", limits.validations, 1, 256, "Scenes that are validated at once");
+  add<std::uint64_t>(app, "--max-waiting-scenes", limits.waiting_scenes, 1, kMany,
+                     "Scenes that wait to be validated");
+  add<std::uint64_t>(app, validator::kMemoryFlag, limits.validator_mib, kLeastValidatorMib, kMostMib,
+                     "Memory for validating one scene");
+  app.add_option_function<double>(
+         validator::kSecondsFlag,
+         [&limits](double seconds) {
+           limits.validation_time =
+               std::chrono::duration_cast<std::chrono::milliseconds>(std::chrono::duration<double>(seconds));
+         },
+         "Time for validating one scene")
+      ->check(CLI::Range(1.0, kMostSeconds))
+      ->type_name("N")
+      ->default_str(
+          std::to_string(std::chrono::duration_cast<std::chrono::seconds>(limits.validation_time).count()))
+      ->group("Limits");
+}
+
+void add_call_flags(CLI::App& app, Limits& limits) {
+  add(app, "--max-message-mib", limits.message_mib, kLeastMessageMib, kMostMessageMib, "One message");
+  add(app, "--max-calls-per-second", limits.calls_per_second, 1.0, 1e9,
+      "Calls of one submitter (without --tokens: of one machine), or of one worker; ten seconds' worth at "
+      "once");
+}
+
+}  // namespace
+
+void add_limit_flags(CLI::App& app, Limits& limits) {
+  add_job_flags(app, limits);
+  add_scene_flags(app, limits);
+  add_validator_flags(app, limits);
+  add_call_flags(app, limits);
+}
+
+}  // namespace tessera::server

@@ -1,0 +1,57 @@
+// What a farm takes from those who call it, so that none of them can use it up. Each is an option of
+// tessera-coordinator (limit_flags.cpp), and the sentence of every refusal names it. Plain data.
+#pragma once
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cstdint>
+#include <string_view>
+
+#include "core/base/error.hpp"
+
+namespace tessera::server {
+
+inline constexpr std::uint64_t kMib = std::uint64_t{1} << 20;
+
+struct Limits {
+  // Of a job. Its film takes 48 bytes of memory for each pixel until it is finished.
+  std::uint64_t picture_pixels = std::uint64_t{1} << 28;
+  std::uint32_t spp = 1u << 20;
+  // Jobs of one submitter that are checked, running or paused. Without tokens all are of one submitter.
+  std::uint64_t open_jobs = 1000;
+
+  // Of a bundle: all its files together, and each.
+  std::uint64_t bundle_mib = 16 * 1024;
+  std::uint64_t blob_mib = 4 * 1024;
+
+  // Of a scene, found when it is validated: the triangles of its meshes, and the pixels of one picture and of
+  // all pictures that its textures are read from.
+  std::uint64_t triangles = 100'000'000;
+  std::uint64_t texture_pixels = std::uint64_t{1} << 28;
+  std::uint64_t scene_texture_pixels = std::uint64_t{1} << 30;
+
+  // Of validating: how many scenes at once, how many may wait for that, and what each may take.
+  int validations = 2;
+  std::uint64_t waiting_scenes = 64;
+  std::uint64_t validator_mib = 16 * 1024;
+  std::chrono::milliseconds validation_time = std::chrono::minutes(5);
+
+  // Of calls: one message, and how often a caller may call. Who has been quiet may call as often at once as
+  // in kBurstSeconds.
+  int message_mib = 64;
+  double calls_per_second = 1000;
+
+  std::uint64_t bundle_bytes() const { return bundle_mib * kMib; }
+  std::uint64_t blob_bytes() const { return blob_mib * kMib; }
+};
+
+inline constexpr double kBurstSeconds = 10;
+
+// "FOUND, and this farm takes at most MOST (tessera-coordinator OPTION)".
+inline core::Error over_limit(std::string_view found, std::string_view most, std::string_view option) {
+  return {core::ErrorCode::kResourceExhausted,
+          fmt::format("{}, and this farm takes at most {} (tessera-coordinator {})", found, most, option)};
+}
+
+}  // namespace tessera::server

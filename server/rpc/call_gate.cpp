@@ -1,0 +1,41 @@
+#include "server/rpc/call_gate.hpp"
+
+#include <fmt/format.h>
+
+#include "proto/status.hpp"
+
+namespace tessera::rpc {
+
+namespace {
+
+// "ipv4:10.0.0.5:4242" without the port.
+std::string machine_of(const std::string& peer) {
+  return peer.substr(0, peer.find_last_of(':'));
+}
+
+std::string key_of(const grpc::CallbackServerContext& context, Role role, const Caller& caller) {
+  if (role == Role::kWork) return "worker " + context.peer();
+  return caller.name.empty() ? machine_of(context.peer()) : "user " + caller.name;
+}
+
+}  // namespace
+
+grpc::Status CallGate::admit(grpc::CallbackServerContext& context, Role role, Caller& caller) {
+  if (const grpc::Status admitted = access_.admit(context, role, caller); !admitted.ok()) return admitted;
+  const auto wait = rate_.take(key_of(context, role, caller));
+  if (!wait) return grpc::Status::OK;
+  return try_later(context,
+                   server::over_limit("there are too many calls from here",
+                                      fmt::format("{} a second from each caller", rate_.calls_per_second()),
+                                      "--max-calls-per-second"),
+                   *wait);
+}
+
+grpc::Status try_later(grpc::CallbackServerContext& context, const core::Error& error,
+                       std::chrono::steady_clock::duration wait) {
+  const auto wait_ms = std::chrono::ceil<std::chrono::milliseconds>(wait).count();
+  context.AddTrailingMetadata(proto::kRetryAfterKey, std::to_string(wait_ms));
+  return proto::to_grpc(error);
+}
+
+}  // namespace tessera::rpc

@@ -1,0 +1,42 @@
+// How often each caller may call: a bucket of tokens for everyone, which fills with so many a second and
+// holds those of kBurstSeconds. Thread-safe.
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <string>
+
+namespace tessera::rpc {
+
+class CallRate {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  explicit CallRate(double calls_per_second, std::function<Clock::time_point()> now = Clock::now);
+
+  // Takes a token of the caller's; without one, the time after which there is one.
+  std::optional<Clock::duration> take(const std::string& caller);
+
+  double calls_per_second() const { return calls_per_second_; }
+
+ private:
+  struct Bucket {
+    double tokens;
+    Clock::time_point filled_at;
+  };
+  // Of a bucket, at this moment.
+  double tokens(const Bucket& bucket, Clock::time_point now) const;
+  // Full buckets are as good as none.
+  void forget_full(Clock::time_point now);
+
+  const double calls_per_second_, capacity_;
+  const std::function<Clock::time_point()> now_;
+  std::mutex mutex_;
+  std::map<std::string, Bucket> buckets_;  // guarded by mutex_
+  std::size_t forget_at_;                  // guarded by mutex_; how many buckets there must be
+};
+
+}  // namespace tessera::rpc

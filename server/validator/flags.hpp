@@ -1,0 +1,14 @@
+// The options by which the coordinator tells tessera-validator its limits. Those that an operator raises on
+// the coordinator have the same names there.
+#pragma once
+
+namespace tessera::validator {
+
+inline constexpr const char* kTrianglesFlag = "--max-triangles";
+inline constexpr const char* kTexturePixelsFlag = "--max-texture-pixels";
+inline constexpr const char* kSceneTexturePixelsFlag = "--max-scene-texture-pixels";
+inline constexpr const char* kMemoryFlag = "--validator-mib";
+inline constexpr const char* kSecondsFlag = "--validator-seconds";
+inline constexpr const char* kParentFlag = "--parent";
+
+}  // namespace tessera::validator

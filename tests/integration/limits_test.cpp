@@ -1,0 +1,179 @@
+// Limits and hostile scenes on real processes: each is refused with a sentence, and the coordinator goes on.
+#include <gmock/gmock.h>
+#include <grpcpp/client_context.h>
+#include <signal.h>
+
+#include <future>
+
+#include "core/image/encode.hpp"
+#include "proto/blob.hpp"
+#include "tests/integration/farm_processes.hpp"
+#include "tests/support/hostile_pictures.hpp"
+
+namespace tessera::test {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using Files = std::map<std::string, std::string>;
+
+constexpr const char* kScene = R"({
+  "render": {"width": 16, "height": 16, "spp": 2},
+  "camera": {"position": [0, 0, 4], "look_at": [0, 0, 0]},
+  "textures": {"paint": {"file": "paint.png"}},
+  "materials": {"wall": {"type": "lambert", "albedo": {"texture": "paint"}}},
+  "shapes": [{"type": "mesh", "file": "mesh.obj", "material": "wall"}]
+})";
+
+std::string picture(int side_px) {
+  return *core::encode_image(core::Image(side_px, side_px), core::ImageFormat::kPng);
+}
+
+const Files& small_scene() {
+  static const Files files{{"scene.json", kScene},
+                           {"mesh.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1 4/1\n"},
+                           {"paint.png", picture(8)}};
+  return files;
+}
+
+Files with(const std::string& name, const std::string& bytes) {
+  Files files = small_scene();
+  files[name] = bytes;
+  return files;
+}
+
+class LimitsTest : public FarmTest {
+ protected:
+  void start(const std::vector<std::string>& options) {
+    coordinator_options_ = options;
+    start_coordinator();
+  }
+
+  grpc::Status upload(const std::string& bytes) {
+    grpc::ClientContext context;
+    v1::UploadBlobResponse response;
+    const auto stream = api().UploadBlob(&context, &response);
+    proto::for_each_chunk(proto::digest_of(bytes), bytes, [&](const v1::BlobChunk& chunk) {
+      v1::UploadBlobRequest request;
+      *request.mutable_chunk() = chunk;
+      return stream->Write(request);
+    });
+    stream->WritesDone();
+    return stream->Finish();
+  }
+  // Past the command line, which would refuse much of this by itself.
+  grpc::Status submit_files(const Files& files) {
+    v1::SubmitJobRequest request;
+    request.mutable_bundle()->set_scene_path("scene.json");
+    for (const auto& [name, bytes] : files) {
+      if (const grpc::Status uploaded = upload(bytes); !uploaded.ok()) return uploaded;
+      v1::Bundle::Asset& asset = *request.mutable_bundle()->add_assets();
+      asset.set_path(name);
+      *asset.mutable_digest() = proto::to_proto(proto::digest_of(bytes));
+    }
+    grpc::ClientContext context;
+    v1::SubmitJobResponse response;
+    return api().SubmitJob(&context, request, &response);
+  }
+  void expect_well() {
+    const grpc::Status status = submit_files(small_scene());
+    EXPECT_TRUE(status.ok()) << status.error_message();
+  }
+
+  // In the validator's place: ends or spins over scenes that say so, and asks the real one of others.
+  std::string moody_validator() {
+    const std::filesystem::path path = folder_ / "moody";
+    write_file(path, "#!/bin/sh\nquestion=$(mktemp " + (folder_ / "question-XXXXXX").string() +
+                         ")\ncat > $question\n"
+                         "grep -q crash $question && kill -SEGV $$\n"
+                         "grep -q spin $question && while :; do :; done\n"
+                         "exec " TESSERA_VALIDATOR " \"$@\" < $question\n");
+    std::filesystem::permissions(path, std::filesystem::perms::owner_all);
+    return path;
+  }
+};
+
+struct Excess {
+  std::string option, value;
+  Files files;
+  std::string found;
+};
+
+TEST_F(LimitsTest, EachIsAnOptionThatItsRefusalNames) {
+  const std::string large(3 << 20, '\n');
+  const Excess excesses[] = {
+      {"--max-picture-pixels", "255", small_scene(), "16 x 16 = 256 pixels"},
+      {"--max-spp", "1", small_scene(), "2 samples per pixel"},
+      {"--max-blob-mib", "2", with("mesh.obj", large), "3145728 bytes"},
+      {"--max-triangles", "1", small_scene(), "mesh.obj:6: the file has more than the 1 triangles"},
+      {"--max-texture-pixels", "63", small_scene(), "8 x 8 = 64 pixels"},
+      {"--max-texture-pixels", "1000", with("paint.png", png_header(30000, 30000)), "= 900000000 pixels"},
+      {"--max-scene-texture-pixels", "63", small_scene(), "64 pixels"},
+      {"--max-bundle-mib", "2", with("mesh.obj", large), "the 3 files of the bundle have"},
+  };
+  for (const Excess& excess : excesses) {
+    SCOPED_TRACE(excess.option);
+    start({excess.option, excess.value});
+    const grpc::Status status = submit_files(excess.files);
+    EXPECT_EQ(status.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
+    EXPECT_THAT(status.error_message(),
+                AllOf(HasSubstr(excess.found), HasSubstr("(tessera-coordinator " + excess.option + ")")));
+    EXPECT_TRUE(jobs().empty());
+    stop_coordinator();
+  }
+}
+
+TEST_F(LimitsTest, OfOpenJobsAreToldByTheCommandLine) {
+  start({"--max-open-jobs", "1"});
+  const std::string id = submit({"--spp", "1"});
+  const Outcome second = tessera({"submit", kCornell});
+  EXPECT_EQ(second.exit_code, 1);
+  EXPECT_THAT(second.err,
+              HasSubstr("there are 1 unfinished jobs already, and this farm takes at most 1 of all "
+                        "together (tessera-coordinator --max-open-jobs)"));
+  EXPECT_EQ(tessera({"cancel", id}).exit_code, 0);
+  submit({"--spp", "1"});
+}
+
+TEST_F(LimitsTest, HostileScenesHarmNobodyElse) {
+  start({"--validator", moody_validator(), "--validator-seconds", "1"});
+  const struct {
+    Files files;
+    grpc::StatusCode code;
+    std::string sentence;
+  } hostile[] = {
+      {with("scene.json", std::string(1'000'000, '[')), grpc::StatusCode::INVALID_ARGUMENT, "nested"},
+      {with("paint.png", png_bomb(1'000'000)), grpc::StatusCode::INVALID_ARGUMENT, "more than its pixels"},
+      {with("crash", "crash"), grpc::StatusCode::INVALID_ARGUMENT, "the validator ended by signal 11"},
+      {with("spin", "spin"), grpc::StatusCode::RESOURCE_EXHAUSTED,
+       "could not be validated within 1 s, which is all that this farm takes for one (tessera-coordinator "
+       "--validator-seconds)"},
+  };
+  for (const auto& scene : hostile) {
+    const grpc::Status status = submit_files(scene.files);
+    EXPECT_EQ(status.error_code(), scene.code);
+    EXPECT_THAT(status.error_message(), HasSubstr(scene.sentence));
+    expect_well();
+  }
+  EXPECT_EQ(jobs().size(), std::size(hostile));
+  EXPECT_TRUE(std::filesystem::is_empty(folder_ / "state" / "blobs" / "incoming"));
+}
+
+TEST_F(LimitsTest, ACoordinatorThatIsToldToStopDoesNotWaitForScenes) {
+  start({"--validator", moody_validator(), "--validations", "1"});
+  std::vector<std::future<grpc::Status>> submissions;
+  for (int i = 0; i < 6; ++i)
+    submissions.push_back(
+        std::async(std::launch::async, [this, i] { return submit_files(with("spin", std::to_string(i))); }));
+  const auto spins = [this] {
+    for (const auto& entry : std::filesystem::directory_iterator(folder_.path()))
+      if (entry.path().filename().string().starts_with("question")) return true;
+    return false;
+  };
+  EXPECT_TRUE(poll_until(std::chrono::seconds(60), spins));
+  stop_coordinator();
+  for (auto& submission : submissions) EXPECT_FALSE(submission.get().ok());
+}
+
+}  // namespace
+}  // namespace tessera::test

@@ -1,0 +1,162 @@
+// Scenes of unknown origin: how much they may hold, and that a picture is refused before it is unpacked.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <stb_image_write.h>
+
+#include "core/scene/loader/loader.hpp"
+#include "core/textures/image_decoder.hpp"
+#include "tests/support/hostile_pictures.hpp"
+#include "tests/unit/core_scene/memory_assets.hpp"
+
+namespace tessera::core {
+namespace {
+
+using test::one_color;
+using testing::HasSubstr;
+
+constexpr const char* kTwoTriangles = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n";
+
+std::string mesh(const std::string& file) {
+  return fmt::format(R"({{"type": "mesh", "file": "{}", "material": "light"}})", file);
+}
+
+std::string textures(const std::vector<std::string>& files) {
+  std::string entries;
+  for (std::size_t i = 0; i < files.size(); ++i)
+    entries += fmt::format("{}\"t{}\": {{\"file\": \"{}\"}}", i == 0 ? "" : ", ", i, files[i]);
+  return "\"textures\": {" + entries + "}";
+}
+
+std::string jpeg(int width, int height) {
+  std::string bytes;
+  const std::string pixels(static_cast<std::size_t>(3 * width * height), '\x7f');
+  stbi_write_jpg_to_func(
+      [](void* to, void* data, int size) {
+        static_cast<std::string*>(to)->append(static_cast<char*>(data), static_cast<std::size_t>(size));
+      },
+      &bytes, width, height, 3, pixels.data(), 90);
+  return bytes;
+}
+
+class SceneLimitsTest : public testing::Test {
+ protected:
+  SceneLimitsTest() {
+    limits_.triangles.option = "--triangles";
+    limits_.texture_pixels.option = "--pixels";
+    limits_.scene_texture_pixels.option = "--all-pixels";
+  }
+
+  Result<SceneDescription> load(const std::string& scene) {
+    test::MemoryAssets::Files files = files_;
+    files["scene.json"] = scene;
+    test::MemoryAssets assets(std::move(files));
+    return load_scene(assets, "scene.json", "scene.json", limits_);
+  }
+  std::string load_shapes(const std::string& shapes) {
+    return message_of(load(test::scene_with("", "", shapes)));
+  }
+  std::string load_textures(const std::vector<std::string>& files) {
+    return message_of(load(test::scene_with(textures(files), "", "")));
+  }
+  // Empty where all is well.
+  static std::string message_of(const Result<SceneDescription>& scene) {
+    if (scene) return "";
+    EXPECT_EQ(scene.error().code, ErrorCode::kResourceExhausted) << scene.error().message;
+    return scene.error().message;
+  }
+
+  test::MemoryAssets::Files files_{{"two.obj", kTwoTriangles}};
+  SceneLimits limits_;
+};
+
+TEST_F(SceneLimitsTest, OnOnesOwnMachineThereAreNone) {
+  files_["wood.png"] = test::png(one_color(64, 64, {}));
+  EXPECT_EQ(load_shapes(mesh("two.obj")), "");
+  EXPECT_EQ(load_textures({"wood.png"}), "");
+}
+
+TEST_F(SceneLimitsTest, TrianglesOfOneFile) {
+  limits_.triangles.most = 2;
+  EXPECT_EQ(load_shapes(mesh("two.obj")), "");
+  limits_.triangles.most = 1;
+  EXPECT_THAT(
+      load_shapes(mesh("two.obj")),
+      HasSubstr(
+          "two.obj:5: the file has more than the 1 triangles that a scene may have here (--triangles)"));
+}
+
+TEST_F(SceneLimitsTest, FacesAreCountedBeforeTheyAreRead) {
+  limits_.triangles.most = 1;
+  files_["two.obj"] = "v 0 0 0\nf 7 7 7\nf 8 8 8\n";  // refer to nothing
+  EXPECT_THAT(load_shapes(mesh("two.obj")),
+              HasSubstr("two.obj: the file has 2 faces, more than the 1 triangles"));
+}
+
+TEST_F(SceneLimitsTest, AFileCountsAsOftenAsItsTrianglesAreStored) {
+  limits_.triangles.most = 4;
+  EXPECT_EQ(load_shapes(mesh("two.obj") + "," + mesh("two.obj")), "");
+  limits_.triangles.most = 5;
+  EXPECT_THAT(load_shapes(mesh("two.obj") + "," + mesh("two.obj") + "," + mesh("two.obj")),
+              HasSubstr("with 'two.obj' the scene has 6 triangles, more than the 5"));
+}
+
+TEST_F(SceneLimitsTest, PixelsOfOnePictureWhateverItsFormat) {
+  files_["a.png"] = test::png(one_color(10, 7, {}));
+  files_["b.jpg"] = jpeg(10, 7);
+  files_["c.hdr"] = test::hdr(one_color(10, 7, {}));
+  limits_.texture_pixels.most = 70;
+  for (const char* file : {"a.png", "b.jpg", "c.hdr"}) EXPECT_EQ(load_textures({file}), "") << file;
+  limits_.texture_pixels.most = 69;
+  for (const char* file : {"a.png", "b.jpg", "c.hdr"})
+    EXPECT_THAT(
+        load_textures({file}),
+        HasSubstr(fmt::format("scene.json:2: textures.t0.file: '{}' has 10 x 7 = 70 pixels, more than the "
+                              "69 that a texture may have here (--pixels)",
+                              file)));
+}
+
+// Files of a few bytes: there is nothing behind their headers that could be unpacked.
+TEST_F(SceneLimitsTest, TheHeaderIsEnough) {
+  limits_.texture_pixels.most = 1'000'000;
+  files_["8.png"] = png_header(30000, 30000);
+  files_["16.png"] = png_header(30000, 30000, 16);
+  files_["flat.hdr"] = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 30000 +X 30000\n";
+  for (const char* file : {"8.png", "16.png", "flat.hdr"})
+    EXPECT_THAT(load_textures({file}), HasSubstr("has 30000 x 30000 = 900000000 pixels")) << file;
+}
+
+TEST_F(SceneLimitsTest, PixelsOfAllPictures) {
+  files_["a.png"] = test::png(one_color(10, 7, {}));
+  files_["b.png"] = test::png(one_color(10, 7, Rgb::gray(1)));
+  limits_.scene_texture_pixels.most = 140;
+  EXPECT_EQ(load_textures({"a.png", "b.png", "a.png"}), "") << "each counts once";
+  limits_.scene_texture_pixels.most = 139;
+  EXPECT_THAT(
+      load_textures({"a.png", "b.png"}),
+      HasSubstr("with 'b.png' the scene's textures have 140 pixels, more than the 139 that a scene's may "
+                "have here (--all-pixels)"));
+}
+
+TEST(TextureBomb, OnePixelDoesNotUnpackToMegabytes) {
+  EXPECT_TRUE(decode_texture_image(png_bomb(1), ColorSpace::kSrgb).has_value())
+      << "some more is nobody's harm";
+  const auto bomb = decode_texture_image(png_bomb(400'000), ColorSpace::kSrgb);
+  ASSERT_FALSE(bomb.has_value());
+  EXPECT_EQ(bomb.error().code, ErrorCode::kInvalidArgument);
+  EXPECT_THAT(bomb.error().message, HasSubstr("its data unpack to more than its pixels"));
+}
+
+TEST(TextureBomb, PicturesOfAllShapesHaveTheMemoryTheyNeed) {
+  for (const auto& [width, height] :
+       {std::pair(1, 1), std::pair(1, 4000), std::pair(4000, 1), std::pair(513, 257)}) {
+    const auto decoded = decode_texture_image(jpeg(width, height), ColorSpace::kSrgb);
+    EXPECT_TRUE(decoded.has_value()) << width << " x " << height << ": " << decoded.error().message;
+    EXPECT_TRUE(decode_texture_image(test::png(one_color(width, height, {})), ColorSpace::kSrgb).has_value());
+    EXPECT_TRUE(
+        decode_texture_image(test::hdr(one_color(width, height, {})), ColorSpace::kLinear).has_value());
+  }
+}
+
+}  // namespace
+}  // namespace tessera::core

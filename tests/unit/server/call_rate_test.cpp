@@ -1,0 +1,65 @@
+#include "server/rpc/call_rate.hpp"
+
+#include <gtest/gtest.h>
+
+#include "server/limits.hpp"
+
+namespace tessera::rpc {
+namespace {
+
+using namespace std::chrono_literals;
+
+class CallRateTest : public testing::Test {
+ protected:
+  // How many calls in a row get through.
+  int burst(const std::string& caller) {
+    int calls = 0;
+    while (!rate_.take(caller)) ++calls;
+    return calls;
+  }
+
+  CallRate::Clock::time_point now_{1h};
+  CallRate rate_{2, [this] { return now_; }};
+};
+
+TEST_F(CallRateTest, WhoWasQuietMayCallOftenAtOnce) {
+  EXPECT_EQ(burst("a"), 2 * server::kBurstSeconds);
+}
+
+TEST_F(CallRateTest, ThenSoOftenASecond) {
+  burst("a");
+  now_ += 3s;
+  EXPECT_EQ(burst("a"), 6);
+  now_ += 1h;
+  EXPECT_EQ(burst("a"), 2 * server::kBurstSeconds) << "nobody saves up more";
+}
+
+TEST_F(CallRateTest, SaysWhenToTryAgain) {
+  burst("a");
+  const auto wait = rate_.take("a");
+  ASSERT_TRUE(wait);
+  EXPECT_EQ(*wait, 500ms);
+  now_ += *wait - 1ms;
+  EXPECT_TRUE(rate_.take("a"));
+  now_ += 1ms;
+  EXPECT_FALSE(rate_.take("a"));
+}
+
+TEST_F(CallRateTest, CallersDoNotCountForEachOther) {
+  burst("a");
+  EXPECT_EQ(burst("b"), 2 * server::kBurstSeconds);
+}
+
+TEST_F(CallRateTest, ManyCallersAreForgottenButThoseWhoCallTooOften) {
+  burst("a");
+  for (int i = 0; i < 100'000; ++i) {
+    now_ += 1ms;
+    EXPECT_FALSE(rate_.take("caller " + std::to_string(i)));
+    if (i % 100 == 0) {
+      EXPECT_LE(burst("a"), 1);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace tessera::rpc
