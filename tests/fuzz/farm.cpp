@@ -127,7 +127,7 @@ void Farm::reopen() {
   auto state = store::StateDirectory::open(scratch_folder() / "state");
   if (!expect_answer(state)) return;
   coordinator::Options options;
-  options.max_pixels = kMaxPixels;
+  options.limits.picture_pixels = kMaxPixels;
   options.now = [this] { return now_; };
   auto opened = coordinator::Coordinator::open(options, std::move(*state), check_scene_);
   if (expect_answer(opened)) coordinator_ = std::move(*opened);
