@@ -32,11 +32,11 @@ bool is_whole(const std::vector<core::SampleRange>& ranges, std::uint32_t spp) {
 core::Status check_size(const v1::Job& spec, std::uint64_t max_pixels) {
   const v1::RenderSettings& settings = spec.settings();
   if (std::uint64_t{settings.width_px()} * settings.height_px() <= max_pixels) return {};
-  return core::fail(core::ErrorCode::kResourceExhausted,
-                    fmt::format("a picture on this farm has at most {} pixels (--max-picture-pixels), and "
-                                "this one {} x {}: it is kept "
-                                "as it is for a coordinator that allows it",
-                                max_pixels, settings.width_px(), settings.height_px()));
+  return core::fail(
+      core::ErrorCode::kResourceExhausted,
+      fmt::format("a picture on this farm has at most {} pixels, and this one {} x {} "
+                  "(--max-picture-pixels): it is kept as it is for a coordinator that allows it",
+                  max_pixels, settings.width_px(), settings.height_px()));
 }
 
 std::vector<scheduler::IntervalSet> done_sets(const scheduler::JobShape& shape, const DoneByTile& done) {
