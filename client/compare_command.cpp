@@ -114,7 +114,8 @@ void add_compare_command(CLI::App& app, int& exit_code) {
   command
       ->add_option_function<std::string>(
           "--region", [options](const std::string& text) { options->region = parse_region(text); },
-          "Only W x H pixels, with (X, Y) at their top left")
+          "Only W x H pixels, with (X, Y) at their top left;\n"
+          "B may be a picture of nothing else (render --crop)")
       ->type_name("X,Y,WxH");
   command->add_flag("--json", options->json, "Print one JSON object instead of lines");
   command->footer(kFooter);

@@ -25,11 +25,10 @@ std::uint64_t next_target(std::uint64_t samples, double seconds) {
 
 LocalRender render_locally(const core::Scene& scene, const core::RenderSettings& settings, int threads,
                            ProgressLine& progress, const std::function<bool()>& should_stop) {
-  const core::TileGrid grid(settings.width_px, settings.height_px, core::kTilePx);
+  const core::TileGrid grid(settings.window(), core::kTilePx);
   LocalRender result(grid);
   ProgressState state;
-  state.samples_total = static_cast<std::uint64_t>(settings.width_px) *
-                        static_cast<std::uint64_t>(settings.height_px) * settings.spp;
+  state.samples_total = std::uint64_t{grid.window().pixel_count()} * settings.spp;
   const double start = steady_seconds(), start_core = core_seconds();
   double now = start;
   WorkCutter cutter(grid, settings.spp);

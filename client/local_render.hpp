@@ -1,4 +1,5 @@
-// Renders a whole picture in this process, call by call, with progress and a way out.
+// Renders a picture in this process, or the window of it that the settings ask for, call by call, with
+// progress and a way out.
 #pragma once
 
 #include <functional>

@@ -24,11 +24,12 @@ Status check_picture_paths(const std::vector<std::string>& paths) {
   return {};
 }
 
-Status check_picture_size(const std::vector<std::string>& paths, int width_px, int height_px) {
+Status check_picture_size(const std::vector<std::string>& paths, const core::RenderSettings& settings) {
+  const core::PixelRect window = settings.window();
   for (const std::string& path : paths) {
     const core::Result<core::ImageFormat> format = core::image_format_from_path(path);
     if (!format) return core::fail(format.error());
-    const Status status = core::check_encodable(*format, width_px, height_px);
+    const Status status = core::check_encodable(*format, window.width(), window.height());
     if (!status) return core::fail(status.error().within(path));
   }
   return {};

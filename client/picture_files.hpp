@@ -7,14 +7,15 @@
 #include "core/base/error.hpp"
 #include "core/image/display.hpp"
 #include "core/image/image.hpp"
+#include "core/scene/settings.hpp"
 
 namespace tessera::client {
 
 // Whether every name has an ending we know, none is given twice, and each could be written now.
 core::Status check_picture_paths(const std::vector<std::string>& paths);
 
-// Whether a picture of this size fits the formats.
-core::Status check_picture_size(const std::vector<std::string>& paths, int width_px, int height_px);
+// Whether the picture that the settings ask for fits the formats.
+core::Status check_picture_size(const std::vector<std::string>& paths, const core::RenderSettings& settings);
 
 // Warns that the options for PNG files change nothing where there are some, but no such file.
 void warn_about_idle_display(const std::vector<std::string>& paths, const core::DisplayOverrides& overrides);

@@ -38,15 +38,16 @@ Status check_paths(const RenderOptions& options) {
 // A picture that does not fit into memory is refused now instead of being killed later.
 Status check_memory(const core::RenderSettings& settings) {
   constexpr double kBytesPerPixel = 2 * 3 * 8 + 3 * 4;  // the film's two sums and the developed picture
-  const double needed = kBytesPerPixel * settings.width_px * settings.height_px;
+  const core::PixelRect window = settings.window();
+  const double needed = kBytesPerPixel * static_cast<double>(window.pixel_count());
   const double present =
       static_cast<double>(::sysconf(_SC_PHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGESIZE));
   if (needed <= present) return {};
   return core::fail(
       core::ErrorCode::kResourceExhausted,
       fmt::format("a picture of {}x{} pixels needs {:.0f} GiB of memory, and this machine has {:.0f}: "
-                  "choose a smaller --size",
-                  settings.width_px, settings.height_px, needed / (1 << 30), present / (1 << 30)));
+                  "choose a smaller --size, or parts of it with --crop",
+                  window.width(), window.height(), needed / (1 << 30), present / (1 << 30)));
 }
 
 Result<std::optional<core::SceneStore>> open_scene_store(const RenderOptions& options) {
@@ -77,7 +78,7 @@ Result<LoadedScene> load(const RenderOptions& options) {
   const auto display = core::resolve_display(description.display, options.scene.display);
   if (!display) return core::fail(display.error().within(options.scene.scene_path));
   if (Status status = check_memory(*settings); !status) return core::fail(status.error());
-  Status fits = check_picture_size(options.scene.output_paths, settings->width_px, settings->height_px);
+  Status fits = check_picture_size(options.scene.output_paths, *settings);
   if (!fits) return core::fail(fits.error());
   const double loaded = steady_seconds();
   Result<core::Scene> scene = core::build_scene(std::move(*prepared), options.threads);
@@ -144,9 +145,10 @@ Status write_results(const RenderOptions& options, const LoadedScene& loaded, co
 
 void print_summary(const RenderOptions& options, const RenderStats& stats) {
   const double speed = static_cast<double>(stats.counters.samples) / std::max(stats.render_seconds, 1e-9);
+  const core::PixelRect window = stats.settings.window();
   fmt::print(stderr, "wrote {} ({}x{} pixels, {} spp) in {:.2f} s, {} samples/s\n",
-             fmt::join(options.scene.output_paths, ", "), stats.settings.width_px, stats.settings.height_px,
-             stats.settings.spp, stats.render_seconds, format_count(speed));
+             fmt::join(options.scene.output_paths, ", "), window.width(), window.height(), stats.settings.spp,
+             stats.render_seconds, format_count(speed));
 }
 
 int render_picture(const RenderOptions& options, LoadedScene& loaded) {

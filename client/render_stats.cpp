@@ -6,6 +6,16 @@
 
 namespace tessera::client {
 
+namespace {
+
+nlohmann::json crop_json(const core::RenderSettings& settings) {
+  if (!settings.crop) return nullptr;
+  const auto& [x0, y0, x1, y1] = *settings.crop;
+  return nlohmann::json::array({x0, y0, x1, y1});
+}
+
+}  // namespace
+
 double core_seconds() {
   rusage usage{};
   ::getrusage(RUSAGE_SELF, &usage);
@@ -29,6 +39,7 @@ std::string to_json(const RenderStats& stats, std::uint64_t peak_memory_bytes) {
       {"version", TESSERA_VERSION},
       {"width", stats.settings.width_px},
       {"height", stats.settings.height_px},
+      {"crop", crop_json(stats.settings)},
       {"spp", stats.settings.spp},
       {"integrator", core::integrator_name(stats.settings.integrator)},
       {"heuristic", core::heuristic_name(stats.settings.heuristic)},

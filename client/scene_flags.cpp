@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <sstream>
 #include <system_error>
 
 #include "core/image/encode.hpp"
@@ -39,6 +40,24 @@ void parse_size(const std::string& text, core::RenderOverrides& overrides) {
   }
   overrides.width_px = static_cast<int>(width);
   overrides.height_px = static_cast<int>(height);
+}
+
+// "X0,Y0,X1,Y1". That it lies in the picture can only be checked when its size is known.
+core::PixelRect parse_crop(const std::string& text) {
+  constexpr auto kMaxSide = static_cast<std::uint64_t>(core::kMaxImageSidePx);
+  std::vector<std::uint64_t> sides;
+  std::istringstream parts(text);
+  for (std::string part; std::getline(parts, part, ',');)
+    sides.push_back(whole_number(part).value_or(kMaxSide + 1));
+  const bool four = sides.size() == 4 && std::count(text.begin(), text.end(), ',') == 3;
+  if (!four || sides[0] >= sides[2] || sides[1] >= sides[3] || sides[2] > kMaxSide || sides[3] > kMaxSide) {
+    throw CLI::ValidationError(
+        "--crop",
+        fmt::format("must be X0,Y0,X1,Y1 in pixels with X0 < X1 and Y0 < Y1, such as 100,40,164,72; got '{}'",
+                    text));
+  }
+  return {static_cast<int>(sides[0]), static_cast<int>(sides[1]), static_cast<int>(sides[2]),
+          static_cast<int>(sides[3])};
 }
 
 core::Integrator parse_integrator(const std::string& text) {
@@ -117,6 +136,12 @@ void add_override_options(CLI::App& command, core::RenderOverrides& overrides) {
           "--size", [&overrides](const std::string& text) { parse_size(text, overrides); },
           "Width and height of the picture in pixels")
       ->type_name("WxH");
+  command
+      .add_option_function<std::string>(
+          "--crop", [&overrides](const std::string& text) { overrides.crop = parse_crop(text); },
+          "Render only these pixels of it: from (X0, Y0) at the\n"
+          "top left up to but without X1 and Y1")
+      ->type_name("X0,Y0,X1,Y1");
   command
       .add_option_function<std::string>(
           "--integrator",

@@ -7,9 +7,7 @@ namespace tessera::client {
 using core::PixelRect;
 
 WorkCutter::WorkCutter(core::TileGrid grid, std::uint32_t spp)
-    : blocks_(grid.width(), grid.height(), grid.tile_px() * kBlockTiles),
-      tile_px_(grid.tile_px()),
-      spp_(spp) {}
+    : blocks_(grid.window(), grid.tile_px() * kBlockTiles), tile_px_(grid.tile_px()), spp_(spp) {}
 
 std::optional<WorkPiece> WorkCutter::next(std::uint64_t target_samples) {
   if (block_ == blocks_.tile_count()) return std::nullopt;
@@ -28,7 +26,7 @@ WorkPiece WorkCutter::take_block(PixelRect block, std::uint64_t target_samples) 
 
 // One sample of a run of tiles in one row of the block.
 WorkPiece WorkCutter::take_tiles(PixelRect block, std::uint64_t target_samples) {
-  const core::TileGrid tiles(block.width(), block.height(), tile_px_);
+  const core::TileGrid tiles(block, tile_px_);
   PixelRect run = tiles.rect(tile_++);
   while (tile_ % tiles.columns() != 0) {
     const PixelRect next = tiles.rect(tile_);
@@ -36,8 +34,7 @@ WorkPiece WorkCutter::take_tiles(PixelRect block, std::uint64_t target_samples) 
     run.x1 = next.x1;
     ++tile_;
   }
-  const WorkPiece piece{{block.x0 + run.x0, block.y0 + run.y0, block.x0 + run.x1, block.y0 + run.y1},
-                        {sample_, sample_ + 1}};
+  const WorkPiece piece{run, {sample_, sample_ + 1}};
   if (tile_ == tiles.tile_count()) {
     tile_ = 0;
     advance(1);

@@ -16,8 +16,8 @@ struct WorkPiece {
   std::uint64_t samples() const { return std::uint64_t{rect.pixel_count()} * range.count(); }
 };
 
-// Goes through the picture block by block: first all samples of the first block, which is kBlockTiles by
-// kBlockTiles tiles, so that one call has work for many threads.
+// Goes through the grid's window block by block: first all samples of the first block, which is kBlockTiles
+// by kBlockTiles tiles, so that one call has work for many threads.
 class WorkCutter {
  public:
   WorkCutter(core::TileGrid grid, std::uint32_t spp);

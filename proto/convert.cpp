@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <limits>
+#include <utility>
 
 namespace tessera::proto {
 namespace {
@@ -15,6 +16,20 @@ core::Result<int> to_int(std::uint32_t value, const char* field) {
   if (value > static_cast<std::uint32_t>(std::numeric_limits<int>::max()))
     return fail(ErrorCode::kInvalidArgument, fmt::format("{}: far too large: {}", field, value));
   return static_cast<int>(value);
+}
+
+// What is wrong with a window besides is said by core::check_crop, where the picture's size is known.
+core::Result<core::PixelRect> crop_of(const v1::PixelRect& message) {
+  core::PixelRect crop;
+  for (const auto& [to, value] : {std::pair{&crop.x0, message.x0()},
+                                  {&crop.y0, message.y0()},
+                                  {&crop.x1, message.x1()},
+                                  {&crop.y1, message.y1()}}) {
+    const core::Result<int> number = to_int(value, "crop");
+    if (!number) return fail(number.error());
+    *to = *number;
+  }
+  return crop;
 }
 
 core::Result<core::PixelFilter> filter_of(const v1::RenderSettings& message) {
@@ -118,6 +133,7 @@ v1::RenderSettings to_proto(const core::RenderSettings& settings) {
   message.set_max_depth(static_cast<std::uint32_t>(settings.max_depth));
   message.set_filter(to_proto(settings.filter.kind));
   message.set_filter_radius_px(settings.filter.radius_px);
+  if (settings.crop) *message.mutable_crop() = to_proto(*settings.crop);
   return message;
 }
 
@@ -144,7 +160,22 @@ core::Result<core::RenderSettings> from_proto(const v1::RenderSettings& message)
   const core::Result<core::PixelFilter> filter = filter_of(message);
   if (!filter) return fail(filter.error());
   settings.filter = *filter;
+  if (message.has_crop()) {
+    const core::Result<core::PixelRect> crop = crop_of(message.crop());
+    if (!crop) return fail(crop.error());
+    settings.crop = *crop;
+  }
   return core::resolve_settings(settings, {});
+}
+
+core::PixelRect window_of(const v1::RenderSettings& settings) {
+  const auto rect = [](std::uint32_t x0, std::uint32_t y0, std::uint32_t x1, std::uint32_t y1) {
+    return core::PixelRect{static_cast<int>(x0), static_cast<int>(y0), static_cast<int>(x1),
+                           static_cast<int>(y1)};
+  };
+  const v1::PixelRect& crop = settings.crop();
+  return settings.has_crop() ? rect(crop.x0(), crop.y0(), crop.x1(), crop.y1())
+                             : rect(0, 0, settings.width_px(), settings.height_px());
 }
 
 v1::RenderOverrides to_proto(const core::RenderOverrides& overrides) {
@@ -155,6 +186,7 @@ v1::RenderOverrides to_proto(const core::RenderOverrides& overrides) {
   if (overrides.seed) message.set_seed(*overrides.seed);
   if (overrides.integrator) message.set_integrator(to_proto(*overrides.integrator));
   if (overrides.heuristic) message.set_heuristic(to_proto(*overrides.heuristic));
+  if (overrides.crop) *message.mutable_crop() = to_proto(*overrides.crop);
   return message;
 }
 
@@ -181,6 +213,11 @@ core::Result<core::RenderOverrides> from_proto(const v1::RenderOverrides& messag
     const core::Result<core::Heuristic> heuristic = from_proto(message.heuristic());
     if (!heuristic) return fail(heuristic.error());
     overrides.heuristic = *heuristic;
+  }
+  if (message.has_crop()) {
+    const core::Result<core::PixelRect> crop = crop_of(message.crop());
+    if (!crop) return fail(crop.error());
+    overrides.crop = *crop;
   }
   return overrides;
 }

@@ -25,6 +25,8 @@ core::Result<core::FilterKind> from_proto(v1::PixelFilter filter);
 v1::RenderSettings to_proto(const core::RenderSettings& settings);
 // Within the limits of core/scene/settings.hpp.
 core::Result<core::RenderSettings> from_proto(const v1::RenderSettings& settings);
+// What they ask to render: the crop window, or the whole picture. For settings that were checked.
+core::PixelRect window_of(const v1::RenderSettings& settings);
 
 v1::RenderOverrides to_proto(const core::RenderOverrides& overrides);
 // Only representable, not within limits: core::resolve_settings checks those, in the same words as for a

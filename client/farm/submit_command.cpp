@@ -115,7 +115,7 @@ int run_submit(const SubmitOptions& options) {
   if (core::Status writable = check_picture_paths(paths); !writable) return print_error(writable.error());
   const auto local = bundle_scene(options.scene.scene_path, options.scene.overrides);
   if (!local) return print_error(local.error());
-  core::Status fits = check_picture_size(paths, local->settings.width_px, local->settings.height_px);
+  core::Status fits = check_picture_size(paths, local->settings);
   if (!fits) return print_error(fits.error());
   if (!local->gives_light) warn_about_darkness(options.scene.scene_path);
 

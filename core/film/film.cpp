@@ -43,7 +43,8 @@ double half_difference(std::uint64_t sum, std::uint64_t odd_sum, std::uint32_t s
 
 Image map_channels(const TileGrid& grid, const std::vector<Film::TileSums>& tiles,
                    double (*value)(std::uint64_t, std::uint64_t, std::uint32_t, std::uint32_t)) {
-  Image image(grid.width(), grid.height());
+  const PixelRect& window = grid.window();
+  Image image(window.width(), window.height());
   for (int t = 0; t < grid.tile_count(); ++t) {
     const PixelRect rect = grid.rect(t);
     const Film::TileSums& tile = tiles[static_cast<std::size_t>(t)];
@@ -56,7 +57,7 @@ Image map_channels(const TileGrid& grid, const std::vector<Film::TileSums>& tile
     };
     for (int y = rect.y0; y < rect.y1; ++y) {
       for (int x = rect.x0; x < rect.x1; ++x) {
-        Rgb& pixel = image.at(x, y);
+        Rgb& pixel = image.at(x - window.x0, y - window.y0);
         pixel.r = channel();
         pixel.g = channel();
         pixel.b = channel();
@@ -98,12 +99,12 @@ Film::Film(TileGrid grid) : grid_(grid), tiles_(static_cast<std::size_t>(grid.ti
 
 void Film::add(const FilmTile& tile) {
   const int tile_px = grid_.tile_px();
-  assert(tile.rect.x0 % tile_px == 0 && tile.rect.y0 % tile_px == 0);
+  assert(grid_.window().contains(tile.rect));
   for (int y = tile.rect.y0; y < tile.rect.y1; y += tile_px) {
     for (int x = tile.rect.x0; x < tile.rect.x1; x += tile_px) {
-      const int index = y / tile_px * grid_.columns() + x / tile_px;
+      const int index = grid_.tile_at(x, y);
       const PixelRect cell = grid_.rect(index);
-      assert(cell.x1 <= tile.rect.x1 && cell.y1 <= tile.rect.y1);
+      assert(tile.rect.contains(cell));
       TileSums& to = tiles_[static_cast<std::size_t>(index)];
       to.sums.resize(channel_count(cell));
       to.odd_sums.resize(channel_count(cell));
@@ -141,8 +142,7 @@ std::uint64_t Film::saturated_pixels() const {
 }
 
 bool Film::operator==(const Film& other) const {
-  return grid_.width() == other.grid_.width() && grid_.height() == other.grid_.height() &&
-         grid_.tile_px() == other.grid_.tile_px() &&
+  return grid_ == other.grid_ &&
          std::equal(tiles_.begin(), tiles_.end(), other.tiles_.begin(),
                     [](const TileSums& a, const TileSums& b) {
                       return a == b || (a.samples == 0 && b.samples == 0);  // with buffers or without

@@ -17,6 +17,9 @@ struct PixelRect {
   std::size_t pixel_count() const {
     return static_cast<std::size_t>(width()) * static_cast<std::size_t>(height());
   }
+  bool contains(const PixelRect& other) const {
+    return x0 <= other.x0 && other.x1 <= x1 && y0 <= other.y0 && other.y1 <= y1;
+  }
   bool operator==(const PixelRect&) const = default;
 };
 
@@ -31,26 +34,37 @@ struct SampleRange {
   bool operator==(const SampleRange&) const = default;
 };
 
-// The cutting of a picture into square tiles, numbered row by row from the top left. Tiles at the right and
-// lower edges are cut short by the picture.
+// The cutting of a window of a picture into square tiles, numbered row by row from its top left. Tiles at its
+// right and lower edges are cut short by it. Places are those of the whole picture, of which the window may
+// be all.
 class TileGrid {
  public:
-  TileGrid(int width, int height, int tile_px) : width_(width), height_(height), tile_px_(tile_px) {}
+  // `window` must not be empty.
+  constexpr TileGrid(PixelRect window, int tile_px) : window_(window), tile_px_(tile_px) {}
+  // Of a whole picture.
+  constexpr TileGrid(int width, int height, int tile_px) : TileGrid({0, 0, width, height}, tile_px) {}
 
-  int width() const { return width_; }
-  int height() const { return height_; }
+  const PixelRect& window() const { return window_; }
+  int width() const { return window_.width(); }
+  int height() const { return window_.height(); }
   int tile_px() const { return tile_px_; }
-  int columns() const { return (width_ + tile_px_ - 1) / tile_px_; }
-  int rows() const { return (height_ + tile_px_ - 1) / tile_px_; }
+  int columns() const { return (width() + tile_px_ - 1) / tile_px_; }
+  int rows() const { return (height() + tile_px_ - 1) / tile_px_; }
   int tile_count() const { return columns() * rows(); }
 
   PixelRect rect(int tile) const {
-    const int x = tile % columns() * tile_px_, y = tile / columns() * tile_px_;
-    return {x, y, std::min(x + tile_px_, width_), std::min(y + tile_px_, height_)};
+    const int x = window_.x0 + tile % columns() * tile_px_, y = window_.y0 + tile / columns() * tile_px_;
+    return {x, y, std::min(x + tile_px_, window_.x1), std::min(y + tile_px_, window_.y1)};
   }
+  // The tile with this pixel, which must lie in the window.
+  int tile_at(int x, int y) const {
+    return (y - window_.y0) / tile_px_ * columns() + (x - window_.x0) / tile_px_;
+  }
+  bool operator==(const TileGrid&) const = default;
 
  private:
-  int width_, height_, tile_px_;
+  PixelRect window_;
+  int tile_px_;
 };
 
 inline constexpr int kTilePx = 64;

@@ -54,22 +54,29 @@ Status check_region(const Image& image, ImageRegion region) {
                   region.width, region.height, region.x, region.y, image.width, image.height));
 }
 
+Status check_sizes(const Image& a, const Image& b) {
+  if (a.width == b.width && a.height == b.height) return {};
+  return fail(ErrorCode::kInvalidArgument,
+              fmt::format("the pictures have different sizes: {}x{} and {}x{} pixels", a.width, a.height,
+                          b.width, b.height));
+}
+
 }  // namespace
 
 Result<Comparison> compare(const Image& a, const Image& b) {
+  if (Status status = check_sizes(a, b); !status) return fail(status.error());
   return compare(a, b, {0, 0, b.width, b.height});
 }
 
 Result<Comparison> compare(const Image& a, const Image& b, ImageRegion region) {
-  if (a.width != b.width || a.height != b.height) {
-    return fail(ErrorCode::kInvalidArgument,
-                fmt::format("the pictures have different sizes: {}x{} and {}x{} pixels", a.width, a.height,
-                            b.width, b.height));
-  }
+  const bool b_is_the_part = b.width == region.width && b.height == region.height;
+  const int b_x = b_is_the_part ? region.x : 0, b_y = b_is_the_part ? region.y : 0;
+  if (Status status = check_sizes(a, b); !status && !b_is_the_part) return fail(status.error());
   if (Status status = check_region(a, region); !status) return fail(status.error());
   Comparison result;
   for (int y = region.y; y < region.y + region.height; ++y) {
-    for (int x = region.x; x < region.x + region.width; ++x) add_pixel(result, a.at(x, y), b.at(x, y), x, y);
+    for (int x = region.x; x < region.x + region.width; ++x)
+      add_pixel(result, a.at(x, y), b.at(x - b_x, y - b_y), x, y);
   }
   const double values = 3.0 * region.width * region.height;
   result.mse /= values;

@@ -23,8 +23,8 @@ struct Comparison {
 // `b` is the reference. Errors: the sizes differ.
 Result<Comparison> compare(const Image& a, const Image& b);
 
-// The same of one part of both. Places are those in the whole pictures. Errors also: the part is empty, or
-// not wholly within them.
+// The same of one part of both; `b` may also be a picture of nothing else than that part. Places are those in
+// the whole pictures. Errors also: the part is empty, or not wholly within them.
 Result<Comparison> compare(const Image& a, const Image& b, ImageRegion region);
 
 }  // namespace tessera::core

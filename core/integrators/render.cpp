@@ -163,7 +163,7 @@ void render_block(PixelRect block, FilmTile& tile, Renderer& renderer) {
 FilmTile render(const Scene& scene, const RenderSettings& settings, PixelRect rect, SampleRange range,
                 int threads) {
   FilmTile tile(rect, range);
-  const TileGrid blocks(rect.width(), rect.height(), kBlockPx);
+  const TileGrid blocks(rect, kBlockPx);
   const int team = std::clamp(threads, 1, blocks.tile_count());
   std::vector<RenderCounters> counters(static_cast<std::size_t>(team));
   const LightGuide* guide = caustic_guide(scene, settings, threads);
@@ -171,11 +171,7 @@ FilmTile render(const Scene& scene, const RenderSettings& settings, PixelRect re
   {
     const auto renderer = std::make_unique<Renderer>(scene, settings, guide);
 #pragma omp for schedule(dynamic) nowait
-    for (int b = 0; b < blocks.tile_count(); ++b) {
-      const PixelRect local = blocks.rect(b);
-      render_block({rect.x0 + local.x0, rect.y0 + local.y0, rect.x0 + local.x1, rect.y0 + local.y1}, tile,
-                   *renderer);
-    }
+    for (int b = 0; b < blocks.tile_count(); ++b) render_block(blocks.rect(b), tile, *renderer);
     renderer->flush();
     counters[static_cast<std::size_t>(omp_get_thread_num())] = renderer->counters();
   }

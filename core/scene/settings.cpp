@@ -104,7 +104,19 @@ Status check_settings(const RenderSettings& settings) {
     return fail(ErrorCode::kInvalidArgument,
                 fmt::format("filter_radius: must be greater than 0 and at most {} pixels, got {}",
                             kMaxFilterRadiusPx, radius));
+  if (settings.crop) {
+    if (auto ok = check_crop(*settings.crop, settings.width_px, settings.height_px); !ok)
+      return fail(ok.error().within("crop"));
+  }
   return {};
+}
+
+Status check_crop(const PixelRect& crop, int width_px, int height_px) {
+  if (!crop.empty() && PixelRect{0, 0, width_px, height_px}.contains(crop)) return {};
+  return fail(ErrorCode::kInvalidArgument,
+              fmt::format("must be x0, y0, x1, y1 with x0 < x1 and y0 < y1, within the {} x {} pixels of the "
+                          "picture, got {}, {}, {}, {}",
+                          width_px, height_px, crop.x0, crop.y0, crop.x1, crop.y1));
 }
 
 Result<RenderSettings> resolve_settings(RenderSettings from_scene, const RenderOverrides& overrides) {
@@ -115,6 +127,7 @@ Result<RenderSettings> resolve_settings(RenderSettings from_scene, const RenderO
   settings.seed = overrides.seed.value_or(settings.seed);
   settings.integrator = overrides.integrator.value_or(settings.integrator);
   settings.heuristic = overrides.heuristic.value_or(settings.heuristic);
+  if (overrides.crop) settings.crop = overrides.crop;
   if (auto ok = check_settings(settings); !ok) return fail(ok.error());
   return settings;
 }

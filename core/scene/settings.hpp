@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "core/base/error.hpp"
+#include "core/film/region.hpp"
 
 namespace tessera::core {
 
@@ -67,7 +68,11 @@ struct RenderSettings {
   // Longest path in segments after the camera's. 0: no limit but Russian roulette; kWhittedDepth of kWhitted.
   int max_depth = 0;
   PixelFilter filter = {};
+  // Which pixels of the picture are rendered, and written: what they show is as in the whole picture. Absent:
+  // all of them.
+  std::optional<PixelRect> crop = {};
 
+  PixelRect window() const { return crop.value_or(PixelRect{0, 0, width_px, height_px}); }
   bool operator==(const RenderSettings&) const = default;
 };
 
@@ -78,10 +83,14 @@ struct RenderOverrides {
   std::optional<std::uint64_t> seed;
   std::optional<Integrator> integrator;
   std::optional<Heuristic> heuristic;
+  std::optional<PixelRect> crop;
 };
 
 // Checks the limits above. Errors name the field: "width: must be between 1 and 65536 pixels, got 0".
 Status check_settings(const RenderSettings& settings);
+
+// The part of it about `crop`, for a picture of this size. The error does not name the field.
+Status check_crop(const PixelRect& crop, int width_px, int height_px);
 
 // Applies the overrides and checks the result.
 Result<RenderSettings> resolve_settings(RenderSettings from_scene, const RenderOverrides& overrides);

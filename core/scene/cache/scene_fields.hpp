@@ -20,9 +20,13 @@ auto fields(Is<PixelFilter> auto& value) {
   auto& [kind, radius_px] = value;
   return std::tie(kind, radius_px);
 }
+auto fields(Is<PixelRect> auto& value) {
+  auto& [x0, y0, x1, y1] = value;
+  return std::tie(x0, y0, x1, y1);
+}
 auto fields(Is<RenderSettings> auto& value) {
-  auto& [width_px, height_px, spp, seed, integrator, heuristic, max_depth, filter] = value;
-  return std::tie(width_px, height_px, spp, seed, integrator, heuristic, max_depth, filter);
+  auto& [width_px, height_px, spp, seed, integrator, heuristic, max_depth, filter, crop] = value;
+  return std::tie(width_px, height_px, spp, seed, integrator, heuristic, max_depth, filter, crop);
 }
 auto fields(Is<CameraDescription> auto& value) {
   auto& [position, look_at, up, fov, radius, focus, blades, rotation] = value;

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <cmath>
 
 namespace tessera::core {
@@ -51,9 +52,30 @@ PixelFilter read_filter(const ObjectReader& render) {
   return filter;
 }
 
+PixelRect read_crop(const Field& field) {
+  constexpr std::size_t kCount = 4;
+  const auto* items = field.value().get_if<JsonValue::Array>();
+  if (items == nullptr || items->size() != kCount) {
+    field.must_be("a list of 4 whole numbers, [x0, y0, x1, y1]");
+    return {};
+  }
+  std::array<int, kCount> numbers{};
+  for (std::size_t i = 0; i < kCount; ++i)
+    numbers[i] = static_cast<int>(read_whole_number(field.element(i), 0, kMaxImageSidePx));
+  return {numbers[0], numbers[1], numbers[2], numbers[3]};
+}
+
+// Says nothing where the size or the window could not be read.
+void check_crop_fits(const Field& field, const RenderSettings& settings, std::size_t mistakes_before) {
+  if (field.mistakes().count() != mistakes_before) return;
+  const Status fits = check_crop(*settings.crop, settings.width_px, settings.height_px);
+  if (!fits) field.mistake(fits.error().message);
+}
+
 }  // namespace
 
 RenderSettings read_render(const Field& field) {
+  const std::size_t mistakes_before = field.mistakes().count();
   const ObjectReader object(field, scene_keys::kRender);
   RenderSettings settings;
   const auto read_side = [](const Field& side) { return read_whole_number(side, 1, kMaxImageSidePx); };
@@ -73,6 +95,10 @@ RenderSettings read_render(const Field& field) {
   if (std::int64_t{settings.width_px} * settings.height_px > kMaxImagePixels)
     field.mistake(fmt::format("{} x {} pixels are more than the {} that a picture may have",
                               settings.width_px, settings.height_px, kMaxImagePixels));
+  if (const auto crop = object.find("crop")) {
+    settings.crop = read_crop(*crop);
+    check_crop_fits(*crop, settings, mistakes_before);
+  }
   return settings;
 }
 

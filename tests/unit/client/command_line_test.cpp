@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "core/image/decode.hpp"
+#include "core/image/encode.hpp"
 #include "core/image/file_io.hpp"
 #include "tests/unit/client/process.hpp"
 
@@ -130,6 +132,7 @@ TEST_F(CommandLine, MistakesInTheCommandLineExitWith2) {
       {"render", path("scene.json"), "-o", path("a.gif")},
       {"render", path("scene.json"), "-o", path("a.png"), "--spp", "-3"},
       {"render", path("scene.json"), "-o", path("a.png"), "--size", "0x0"},
+      {"render", path("scene.json"), "-o", path("a.png"), "--crop", "5,5,5,9"},
       {"render", path("scene.json"), "-o", path("a.png"), "--threads", "0"},
       {"render", path("scene.json"), "-o", path("a.png"), "--sppp", "3"},
       {"render", path("scene.json"), "-o", path("a.png"), "another.json"},
@@ -242,6 +245,50 @@ TEST_F(CommandLine, HelpAndVersionGoToStdout) {
     EXPECT_THAT(result.out, HasSubstr("essera"));
     EXPECT_THAT(result.err, IsEmpty());
   }
+}
+
+// The file of a window is that of a picture which consists of nothing else.
+TEST_F(CommandLine, AWindowIsThosePixelsOfTheWholePicture) {
+  write("pixels.json", R"({"render": {"width": 90, "height": 80, "spp": 4, "filter": "gaussian"},)" +
+                           scene_text("1", "[0, 0, 0]").substr(scene_text("1", "").find("\n  \"camera\"")));
+  const auto files = [&](const std::string& name) {
+    std::vector<std::string> arguments{"render", path("pixels.json")};
+    for (const char* ending : {".png", ".exr", ".pfm"}) {
+      arguments.emplace_back("-o");
+      arguments.push_back(path(name + ending));
+    }
+    return arguments;
+  };
+  const auto run = [](std::vector<std::string> arguments, const std::vector<std::string>& more) {
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run_tessera(arguments);
+  };
+  ASSERT_EQ(run(files("whole"), {}).exit_status, 0);
+  const ProcessResult cropped = run(files("part"), {"--crop", "20,7,88,74", "--stats", path("stats.json")});
+  ASSERT_EQ(cropped.exit_status, 0) << cropped.err;
+  EXPECT_THAT(cropped.err, HasSubstr("(68x67 pixels, 4 spp)"));
+  const auto stats = nlohmann::json::parse(read("stats.json"));
+  EXPECT_EQ(stats["samples"], 68 * 67 * 4);
+  EXPECT_EQ(stats["crop"], nlohmann::json({20, 7, 88, 74}));
+
+  const core::Result<core::Image> whole = core::read_image(path("whole.pfm"));
+  ASSERT_TRUE(whole);
+  core::Image part(68, 67);
+  for (int y = 0; y < part.height; ++y)
+    for (int x = 0; x < part.width; ++x) part.at(x, y) = whole->at(20 + x, 7 + y);
+  for (const auto& [ending, format] : {std::pair{".png", core::ImageFormat::kPng},
+                                       {".exr", core::ImageFormat::kExr},
+                                       {".pfm", core::ImageFormat::kPfm}})
+    EXPECT_TRUE(read(std::string("part") + ending) == core::encode_image(part, format, {}).value()) << ending;
+}
+
+TEST_F(CommandLine, AWindowOutsideThePictureIsRefused) {
+  const ProcessResult result = render({"-o", path("a.png"), "--crop", "0,0,41,30"});
+  EXPECT_EQ(result.exit_status, 1);
+  EXPECT_THAT(result.err,
+              HasSubstr("scene.json: crop: must be x0, y0, x1, y1 with x0 < x1 and y0 < y1, within "
+                        "the 40 x 30 pixels of the picture, got 0, 0, 41, 30"));
+  EXPECT_THAT(names(), UnorderedElementsAre("scene.json"));
 }
 
 }  // namespace

@@ -51,5 +51,24 @@ TEST_F(LocalRenderTest, StopsBeforeTheFirstSample) {
   EXPECT_EQ(result.counters.samples, 0u);
 }
 
+// Whatever reaches a pixel from its neighbours' places, it reaches it in a window as well: also at its edge.
+TEST_F(LocalRenderTest, OfAWindowGivesThosePixelsOfTheWholePicture) {
+  settings_.filter = core::default_filter(core::FilterKind::kGaussian);
+  const core::Image whole = render([] { return false; }).film.develop();
+  for (const core::PixelRect& window :
+       {core::PixelRect{0, 0, 150, 70}, {67, 13, 141, 68}, {63, 63, 65, 65}, {149, 69, 150, 70}}) {
+    settings_.crop = window;
+    const LocalRender result = render([] { return false; });
+    EXPECT_TRUE(result.complete);
+    EXPECT_EQ(result.counters.samples, window.pixel_count() * settings_.spp);
+    const core::Image image = result.film.develop();
+    ASSERT_EQ(image.width, window.width());
+    ASSERT_EQ(image.height, window.height());
+    for (int y = 0; y < image.height; ++y)
+      for (int x = 0; x < image.width; ++x)
+        ASSERT_EQ(image.at(x, y), whole.at(window.x0 + x, window.y0 + y)) << x << ' ' << y;
+  }
+}
+
 }  // namespace
 }  // namespace tessera::client

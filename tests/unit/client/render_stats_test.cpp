@@ -24,6 +24,7 @@ TEST(RenderStats, JsonHasEveryField) {
   const nlohmann::json expected = {
       {"width", 640},
       {"height", 480},
+      {"crop", nullptr},
       {"spp", 4},
       {"integrator", "nee"},
       {"heuristic", "balance"},
@@ -45,6 +46,8 @@ TEST(RenderStats, JsonHasEveryField) {
   EXPECT_TRUE(actual.contains("version"));
   actual.erase("version");
   EXPECT_EQ(actual, expected);
+  stats.settings.crop = core::PixelRect{10, 20, 330, 40};
+  EXPECT_EQ(nlohmann::json::parse(to_json(stats, 0))["crop"], nlohmann::json({10, 20, 330, 40}));
 }
 
 TEST(RenderStats, ProcessorTimePassesWithWork) {

@@ -39,7 +39,8 @@ TEST(SceneFlags, NothingGivenOverridesNothing) {
   EXPECT_EQ(flags.scene_path, "scene.json");
   EXPECT_THAT(flags.output_paths, ElementsAre());
   EXPECT_FALSE(flags.overrides.spp || flags.overrides.seed || flags.overrides.width_px ||
-               flags.overrides.height_px || flags.overrides.integrator || flags.overrides.heuristic);
+               flags.overrides.height_px || flags.overrides.integrator || flags.overrides.heuristic ||
+               flags.overrides.crop);
   EXPECT_FALSE(flags.display.exposure_stops || flags.display.tone_curve);
 }
 
@@ -98,6 +99,18 @@ TEST(SceneFlags, BadIntegratorsNameTheChoices) {
 
 TEST(SceneFlags, BadEndingsNameTheChoices) {
   EXPECT_THAT(mistake({"-o", "out.jpg"}), HasSubstr(".png, .exr, .hdr or .pfm"));
+}
+
+TEST(SceneFlags, AWindowIsFourWholeNumbers) {
+  EXPECT_EQ(parse({"scene.json", "--crop", "0,20,300,65536"}).overrides.crop,
+            (core::PixelRect{0, 20, 300, 65536}));
+  for (const char* crop : {"", ",", "1,2,3", "1,2,3,", ",1,2,3", "1,2,3,4,5", "1,2,3,4,", "1, 2,3,4",
+                           "a,b,c,d", "-1,0,5,5", "1,2,3.5,4", "5,0,5,9", "6,0,5,9", "0,9,5,9", "0,10,5,9",
+                           "0,0,65537,1", "0,0,1,99999999999999999999", "100,40,64x32"}) {
+    EXPECT_EQ(mistake({"--crop", crop}),
+              "--crop: must be X0,Y0,X1,Y1 in pixels with X0 < X1 and Y0 < Y1, such as 100,40,164,72; got '" +
+                  std::string(crop) + "'");
+  }
 }
 
 }  // namespace

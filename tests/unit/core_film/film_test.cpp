@@ -122,6 +122,20 @@ TEST(Film, IsBlackWithoutErrorWhereItHasNoSamples) {
   EXPECT_TRUE(copy == film);
 }
 
+TEST(Film, OfAWindowDevelopsToThosePixelsOfTheWholePicture) {
+  const PixelRect window{13, 5, 47, 30};
+  Film whole(TileGrid(50, 33, 16)), part(TileGrid(window, 16));
+  whole.add(make_tile({0, 0, 50, 33}, {0, 5}));
+  for (int t = 0; t < part.grid().tile_count(); ++t) part.add(make_tile(part.grid().rect(t), {0, 5}));
+  const Image all = whole.develop(), cropped = part.develop();
+  ASSERT_EQ(cropped.width, window.width());
+  ASSERT_EQ(cropped.height, window.height());
+  for (int y = 0; y < cropped.height; ++y)
+    for (int x = 0; x < cropped.width; ++x)
+      ASSERT_EQ(cropped.at(x, y), all.at(window.x0 + x, window.y0 + y)) << x << ' ' << y;
+  EXPECT_EQ(part.standard_error().at(3, 4), whole.standard_error().at(16, 9));
+}
+
 TEST(RenderCounters, KeepTheFirstNonFiniteSampleWhateverTheOrder) {
   RenderCounters a, b;
   a.first_non_finite = SampleId{5, 1, 0};
@@ -149,6 +163,25 @@ TEST(TileGrid, CoversThePictureOnce) {
   for (int t = 0; t < grid.tile_count(); ++t) pixels += grid.rect(t).pixel_count();
   EXPECT_EQ(pixels, 130u * 65u);
   EXPECT_EQ(grid.rect(5), (PixelRect{128, 64, 130, 65}));
+}
+
+TEST(TileGrid, BeginsAtTheTopLeftOfItsWindowAndFindsEveryPixelsTile) {
+  const PixelRect window{100, 30, 229, 95};
+  const TileGrid grid(window, 64);
+  EXPECT_EQ(grid.tile_count(), 6);
+  EXPECT_EQ(grid.rect(0), (PixelRect{100, 30, 164, 94}));
+  EXPECT_EQ(grid.rect(5), (PixelRect{228, 94, 229, 95}));
+  for (int y = window.y0; y < window.y1; ++y)
+    for (int x = window.x0; x < window.x1; ++x)
+      ASSERT_TRUE(grid.rect(grid.tile_at(x, y)).contains({x, y, x + 1, y + 1})) << x << ' ' << y;
+}
+
+TEST(PixelRect, ContainsWhatLiesWithinItToTheLastPixel) {
+  const PixelRect rect{10, 20, 30, 40};
+  EXPECT_TRUE(rect.contains(rect));
+  for (const PixelRect& outside :
+       {PixelRect{9, 20, 30, 40}, {10, 19, 30, 40}, {10, 20, 31, 40}, {10, 20, 30, 41}})
+    EXPECT_FALSE(rect.contains(outside));
 }
 
 }  // namespace

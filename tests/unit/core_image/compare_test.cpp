@@ -111,6 +111,23 @@ TEST(Compare, OfARegionCountsItsPixelsAlone) {
   EXPECT_EQ(compare(a, b, {0, 0, 5, 4})->mse, compare(a, b)->mse);
 }
 
+TEST(Compare, OfARegionTakesAPictureOfNothingElse) {
+  Image whole(5, 4), part(3, 2);
+  whole.at(3, 2) = part.at(1, 1) = {1, 2, 3};
+  EXPECT_TRUE(compare(whole, part, {2, 1, 3, 2})->identical);
+  part.at(2, 0) = {0, 0.5f, 0};
+  const Comparison result = compare(whole, part, {2, 1, 3, 2}).value();
+  EXPECT_FALSE(result.identical);
+  EXPECT_EQ(result.largest_x, 4) << "in the whole picture";
+  EXPECT_EQ(result.largest_y, 1);
+  for (const ImageRegion region : {ImageRegion{1, 1, 3, 2}, {2, 2, 3, 2}})
+    EXPECT_FALSE(compare(whole, part, region)->identical);
+  EXPECT_FALSE(compare(whole, part, {3, 1, 3, 2})) << "does not lie in the first";
+  EXPECT_FALSE(compare(whole, part, {2, 1, 2, 2})) << "of another size";
+  EXPECT_FALSE(compare(whole, part)) << "of which part is not said";
+  EXPECT_FALSE(compare(part, whole, {0, 0, 3, 2})) << "the part is the second";
+}
+
 TEST(Compare, RegionsLieWithinThePictures) {
   const Image image(5, 4);
   for (const ImageRegion region : {ImageRegion{0, 0, 0, 1},

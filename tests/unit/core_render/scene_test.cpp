@@ -182,5 +182,37 @@ TEST(Scene, RefusesWhatCannotBeRendered) {
   EXPECT_THAT(error_of(description), HasSubstr("material 'm0': emission"));
 }
 
+// What a window may be, and what is said of one that may not.
+TEST(RenderSettings, TakeAnyWindowWithinThePicture) {
+  const RenderSettings from_scene{.width_px = 640, .height_px = 480};
+  EXPECT_EQ(from_scene.window(), (PixelRect{0, 0, 640, 480}));
+  for (const PixelRect& window : {PixelRect{0, 0, 640, 480}, {639, 479, 640, 480}, {10, 20, 30, 40}}) {
+    const auto settings = resolve_settings(from_scene, {.crop = window});
+    ASSERT_TRUE(settings);
+    EXPECT_EQ(settings->window(), window);
+  }
+  for (const PixelRect& window : {PixelRect{0, 0, 641, 480},
+                                  {0, 0, 640, 481},
+                                  {-1, 0, 5, 5},
+                                  {0, -1, 5, 5},
+                                  {5, 0, 5, 9},
+                                  {0, 9, 5, 3}}) {
+    const auto settings = resolve_settings(from_scene, {.crop = window});
+    ASSERT_FALSE(settings);
+    EXPECT_EQ(settings.error().code, ErrorCode::kInvalidArgument);
+    EXPECT_TRUE(settings.error().message.starts_with(
+        "crop: must be x0, y0, x1, y1 with x0 < x1 and y0 < y1, within the 640 x 480 pixels of the picture, "
+        "got "))
+        << settings.error().message;
+  }
+}
+
+TEST(RenderSettings, KeepTheScenesWindowUnlessThereIsAnother) {
+  const RenderSettings from_scene{.width_px = 640, .height_px = 480, .crop = PixelRect{600, 0, 640, 40}};
+  EXPECT_EQ(resolve_settings(from_scene, {})->window(), (PixelRect{600, 0, 640, 40}));
+  EXPECT_EQ(resolve_settings(from_scene, {.crop = PixelRect{0, 0, 8, 8}})->window(), (PixelRect{0, 0, 8, 8}));
+  EXPECT_FALSE(resolve_settings(from_scene, {.width_px = 320})) << "it does not lie in the smaller picture";
+}
+
 }  // namespace
 }  // namespace tessera::core

@@ -91,6 +91,20 @@ TEST(SceneMistakes, InRender) {
            "render.filter_radius: must be greater than 0 and at most 16 pixels, got 0"},
           {"\"filter_radius\": 16.5",
            "render.filter_radius: must be greater than 0 and at most 16 pixels, got 16.5"},
+          {"\"crop\": [0, 0, 5]",
+           "render.crop: must be a list of 4 whole numbers, [x0, y0, x1, y1], got a list of 3"},
+          {"\"crop\": \"0,0,5,5\"",
+           "render.crop: must be a list of 4 whole numbers, [x0, y0, x1, y1], got the text '0,0,5,5'"},
+          {"\"crop\": [0, 0.5, 5, 5]", "render.crop[1]: must be a whole number between 0 and 65536, got 0.5"},
+          {"\"crop\": [-1, 0, 5, 5]", "render.crop[0]: must be a whole number between 0 and 65536, got -1"},
+          {"\"crop\": [5, 0, 5, 5]",
+           "render.crop: must be x0, y0, x1, y1 with x0 < x1 and y0 < y1, within the 512 x 512 pixels of the "
+           "picture, got 5, 0, 5, 5"},
+          {"\"width\": 60, \"crop\": [0, 0, 61, 5]",
+           "render.crop: must be x0, y0, x1, y1 with x0 < x1 and y0 < y1, within the 60 x 512 pixels of the "
+           "picture, got 0, 0, 61, 5"},
+          {"\"width\": 0, \"crop\": [0, 0, 5, 5]",
+           "render.width: must be a whole number between 1 and 65536, got 0"},
       },
       with_render, 2);
 }

@@ -54,7 +54,7 @@ TEST(SceneReading, TakesEverySetting) {
       "// A comment\n{\"$schema\": \"../scene.schema.json\", /* another */\n"
       "\"render\": {\"width\": 640, \"height\": 480, \"spp\": 16777216, \"seed\": 18446744073709551615,"
       "\"integrator\": \"nee\", \"heuristic\": \"power\", \"max_depth\": 7, \"filter\": \"gaussian\","
-      "\"filter_radius\": 2.25},"
+      "\"filter_radius\": 2.25, \"crop\": [0, 8, 640, 479]},"
       "\"camera\": {\"position\": [1, 2, 3], \"look_at\": [4.5, 5, -6e1], \"up\": [0, 0, 1],"
       "\"vertical_fov_degrees\": 33.5, \"aperture_radius\": 0.25, \"focus_distance\": 9,"
       "\"aperture_blades\": 7, \"aperture_rotation_degrees\": -12.5},"
@@ -69,7 +69,8 @@ TEST(SceneReading, TakesEverySetting) {
                                             .integrator = Integrator::kNee,
                                             .heuristic = Heuristic::kPower,
                                             .max_depth = 7,
-                                            .filter = {FilterKind::kGaussian, 2.25f}}));
+                                            .filter = {FilterKind::kGaussian, 2.25f},
+                                            .crop = PixelRect{0, 8, 640, 479}}));
   EXPECT_EQ(scene.camera.look_at, (Vec3{4.5f, 5, -60}));
   EXPECT_EQ(scene.camera.up, (Vec3{0, 0, 1}));
   EXPECT_EQ(scene.camera.vertical_fov_degrees, 33.5f);

@@ -99,6 +99,7 @@ TEST(Schema, HasTheLimitsAndDefaultsOfTheSettings) {
   EXPECT_EQ(render["integrator"]["default"], integrator_name(defaults.integrator));
   EXPECT_EQ(render["filter"]["default"], filter_name(defaults.filter.kind));
   EXPECT_EQ(render["filter_radius"]["maximum"], kMaxFilterRadiusPx);
+  EXPECT_EQ(render["crop"]["items"]["maximum"], kMaxImageSidePx);
   const json output = at("/properties/output/properties");
   EXPECT_EQ(output["exposure"]["minimum"], -kMaxExposureStops);
   EXPECT_EQ(output["exposure"]["maximum"], kMaxExposureStops);

@@ -18,8 +18,17 @@ TEST(Convert, SettingsComeBackAsTheyWere) {
                                       .integrator = core::Integrator::kNee,
                                       .heuristic = core::Heuristic::kPower,
                                       .max_depth = 5,
-                                      .filter = {core::FilterKind::kTent, 1.75f}};
+                                      .filter = {core::FilterKind::kTent, 1.75f},
+                                      .crop = core::PixelRect{600, 0, 640, 480}};
   EXPECT_EQ(from_proto(to_proto(settings)).value(), settings);
+  EXPECT_EQ(window_of(to_proto(settings)), settings.window());
+}
+
+TEST(Convert, SettingsOfBeforeThereWereWindowsAreOfTheWholePicture) {
+  const v1::RenderSettings message = to_proto(core::RenderSettings{.width_px = 640, .height_px = 480});
+  EXPECT_FALSE(message.has_crop());
+  EXPECT_EQ(from_proto(message)->crop, std::nullopt);
+  EXPECT_EQ(window_of(message), (core::PixelRect{0, 0, 640, 480}));
 }
 
 TEST(Convert, IntegratorsAndHeuristicsComeBackAsTheyWere) {
@@ -62,22 +71,27 @@ TEST(Convert, SettingsOutOfLimitsNameTheField) {
               HasSubstr("filter: must be BOX, TENT or GAUSSIAN, got number 77"));
   EXPECT_THAT(error_with([](auto& m) { m.clear_filter_radius_px(); }), HasSubstr("filter_radius"));
   EXPECT_THAT(error_with([](auto& m) { m.set_filter_radius_px(std::nanf("")); }), HasSubstr("filter_radius"));
+  EXPECT_THAT(error_with([](auto& m) { m.mutable_crop(); }), HasSubstr("crop: must be x0, y0, x1, y1"));
+  EXPECT_THAT(error_with([](auto& m) { m.mutable_crop()->set_x1(0xffffffff); }), HasSubstr("crop: far too"));
 }
 
 TEST(Convert, AbsentOverridesStayAbsent) {
   const core::RenderOverrides none = from_proto(to_proto(core::RenderOverrides{})).value();
-  EXPECT_FALSE(none.width_px || none.height_px || none.spp || none.seed || none.integrator || none.heuristic);
+  EXPECT_FALSE(none.width_px || none.height_px || none.spp || none.seed || none.integrator ||
+               none.heuristic || none.crop);
   const core::RenderOverrides all{.width_px = 1,
                                   .height_px = 0,
                                   .spp = 3,
                                   .seed = 0,
                                   .integrator = core::Integrator::kNaive,
-                                  .heuristic = core::Heuristic::kPower};
+                                  .heuristic = core::Heuristic::kPower,
+                                  .crop = core::PixelRect{0, 1, 2, 3}};
   const core::RenderOverrides back = from_proto(to_proto(all)).value();
   EXPECT_EQ(back.width_px, 1);
   EXPECT_EQ(back.height_px, 0);
   EXPECT_EQ(back.spp, 3u);
   EXPECT_EQ(back.seed, 0u);
+  EXPECT_EQ(back.crop, all.crop);
   EXPECT_EQ(back.integrator, core::Integrator::kNaive);
   EXPECT_EQ(back.heuristic, core::Heuristic::kPower);
 }
