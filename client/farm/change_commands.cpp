@@ -7,6 +7,7 @@
 #include "client/farm/farm.hpp"
 #include "client/farm/job_lookup.hpp"
 #include "client/farm/job_text.hpp"
+#include "client/farm/service_options.hpp"
 #include "client/farm/single_commands.hpp"
 #include "client/scene_flags.hpp"
 #include "core/scene/settings.hpp"
@@ -17,7 +18,8 @@ namespace {
 struct ChangeOptions {
   FarmOptions farm;
   std::string job;
-  std::uint32_t spp = 0;  // for extend
+  std::uint32_t spp = 0;   // for extend
+  ServiceOptions service;  // for update
   bool json = false;
 };
 
@@ -54,6 +56,25 @@ core::Result<v1::Job> extend(Farm& farm, const std::string& id, const ChangeOpti
   return response->job();
 }
 
+core::Result<v1::Job> update(Farm& farm, const std::string& id, const ChangeOptions& options) {
+  v1::UpdateJobRequest request;
+  request.set_job_id(id);
+  if (options.service.priority) request.set_priority(*options.service.priority);
+  if (options.service.max_workers) request.set_max_workers(*options.service.max_workers);
+  const auto response = farm.call(&Farm::Stub::UpdateJob, request);
+  if (!response) return core::fail(response.error());
+  return response->job();
+}
+
+// What a change of how it is served has made of it, where there was one.
+std::string service_text(const v1::Job& job, const ServiceOptions& changed) {
+  if (!changed.priority && !changed.max_workers) return "";
+  const std::string limit = job.max_workers() == 0   ? "any number of workers"
+                            : job.max_workers() == 1 ? "at most 1 worker"
+                                                     : fmt::format("at most {} workers", job.max_workers());
+  return fmt::format(", priority {}, {}", job.priority(), limit);
+}
+
 int run_change(const ChangeOptions& options, Change change) {
   const auto opened = Farm::open(options.farm);
   if (!opened) return print_error(opened.error());
@@ -65,8 +86,8 @@ int run_change(const ChangeOptions& options, Change change) {
   if (options.json)
     fmt::print("{}", to_json_line(*job));
   else
-    fmt::print("job {} ({}) is {}, {} spp\n", short_id(job->id()), job->name(), state_name(job->state()),
-               job->settings().spp());
+    fmt::print("job {} ({}) is {}, {} spp{}\n", short_id(job->id()), job->name(), state_name(job->state()),
+               job->settings().spp(), service_text(*job, options.service));
   return kExitOk;
 }
 
@@ -121,6 +142,15 @@ void add_change_commands(CLI::App& app, int& exit_code) {
           "Samples per pixel in all")
       ->required()
       ->option_text("N");
+
+  const auto [update_command, update_options] =
+      add_change(app, exit_code, "update", "Change how an unfinished job is served", update);
+  add_service_options(*update_command, update_options->service);
+  update_command->callback([options = update_options, &exit_code] {
+    if (!options->service.priority && !options->service.max_workers)
+      throw CLI::RequiredError("--priority or --max-workers");
+    exit_code = run_change(*options, update);
+  });
 
   const auto [delete_command, delete_options] =
       add(app, "delete", "Forget a job and its picture, in any state");

@@ -45,6 +45,18 @@ std::string heuristic_text(v1::Heuristic heuristic) {
   return std::string(core::heuristic_name(known.value_or(core::RenderSettings{}.heuristic)));
 }
 
+// "2", or "2/3" where there may be no more than three.
+std::string workers_text(const v1::Job& job) {
+  const std::string now = std::to_string(job.active_workers());
+  return job.max_workers() == 0 ? now : fmt::format("{}/{}", now, job.max_workers());
+}
+
+std::string crop_text(const v1::RenderSettings& settings) {
+  const v1::PixelRect& crop = settings.crop();
+  return fmt::format("{},{},{},{} of {}x{}", crop.x0(), crop.y0(), crop.x1(), crop.y1(), settings.width_px(),
+                     settings.height_px());
+}
+
 std::string state_of(const v1::ListWorkersResponse::Worker& worker) {
   if (worker.put_aside()) return "put aside";
   if (worker.silent()) return "silent";
@@ -75,7 +87,8 @@ std::string state_name(v1::JobState state) {
 }
 
 std::string size_text(const v1::RenderSettings& settings) {
-  return fmt::format("{}x{}", settings.width_px(), settings.height_px());
+  const core::PixelRect window = proto::window_of(settings);
+  return fmt::format("{}x{}", window.width(), window.height());
 }
 
 bool is_over(v1::JobState state) {
@@ -99,7 +112,7 @@ std::string jobs_table(const v1::ListJobsResponse& jobs, double now_seconds) {
     rows.push_back({short_id(job.id()), job.name(), state_name(job.state()), percent_done(job),
                     size_text(job.settings()), std::to_string(job.settings().spp()),
                     job.state() == v1::JOB_STATE_RUNNING ? speed(job.samples_per_second()) : "-",
-                    std::to_string(job.active_workers()), ago(job.created_at(), now_seconds)});
+                    workers_text(job), std::to_string(job.priority()), ago(job.created_at(), now_seconds)});
   return format_table({{"JOB"},
                        {"NAME"},
                        {"STATE"},
@@ -108,6 +121,7 @@ std::string jobs_table(const v1::ListJobsResponse& jobs, double now_seconds) {
                        {"SPP", Align::kRight},
                        {"SAMPLES", Align::kRight},
                        {"WORKERS", Align::kRight},
+                       {"PRIORITY", Align::kRight},
                        {"SUBMITTED", Align::kRight}},
                       rows);
 }
@@ -141,9 +155,10 @@ std::string job_description(const v1::Job& job) {
       {"integrator", integrator_text(job.settings().integrator())},
       {"seed", std::to_string(job.settings().seed())},
       {"priority", std::to_string(job.priority())},
-      {"workers", std::to_string(job.active_workers())},
+      {"workers", workers_text(job)},
       {"submitted", TimeUtil::ToString(job.created_at())},
       {"scene", fmt::format("{} with {} files", job.bundle().scene_path(), job.bundle().assets_size())}};
+  if (job.settings().has_crop()) rows.push_back({"crop", crop_text(job.settings())});
   if (!job.submitter().empty()) rows.push_back({"submitter", job.submitter()});
   if (job.settings().integrator() == v1::INTEGRATOR_MIS)
     rows.push_back({"heuristic", heuristic_text(job.settings().heuristic())});

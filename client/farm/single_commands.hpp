@@ -9,6 +9,6 @@ void add_submit_command(CLI::App& app, int& exit_code);
 void add_watch_command(CLI::App& app, int& exit_code);
 void add_image_command(CLI::App& app, int& exit_code);
 void add_list_commands(CLI::App& app, int& exit_code);    // jobs, job, workers
-void add_change_commands(CLI::App& app, int& exit_code);  // cancel, pause, resume, extend, delete
+void add_change_commands(CLI::App& app, int& exit_code);  // cancel, pause, resume, extend, update, delete
 
 }  // namespace tessera::client

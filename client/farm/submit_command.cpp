@@ -12,6 +12,7 @@
 #include "client/farm/farm.hpp"
 #include "client/farm/job_text.hpp"
 #include "client/farm/picture_download.hpp"
+#include "client/farm/service_options.hpp"
 #include "client/farm/single_commands.hpp"
 #include "client/farm/watching.hpp"
 #include "client/interrupt.hpp"
@@ -42,7 +43,7 @@ struct SubmitOptions {
   FarmOptions farm;
   SceneFlags scene;
   std::string name;
-  int priority = 0;
+  ServiceOptions service;
   bool wait = false;
   bool json = false;
 };
@@ -54,7 +55,8 @@ v1::SubmitJobRequest make_request(const SubmitOptions& options, const LocalBundl
   request.set_name(options.name);
   *request.mutable_bundle() = local.bundle;
   *request.mutable_overrides() = proto::to_proto(options.scene.overrides);
-  request.set_priority(options.priority);
+  request.set_priority(options.service.priority.value_or(0));
+  request.set_max_workers(options.service.max_workers.value_or(0));
   *request.mutable_display() = proto::to_proto(options.scene.display);
   return request;
 }
@@ -141,8 +143,7 @@ void add_submit_command(CLI::App& app, int& exit_code) {
   add_display_options(*command, options->scene.display);
   command->add_option("--name", options->name, "What people call the job [the scene file's name]")
       ->option_text("NAME");
-  command->add_option("--priority", options->priority, "Jobs of higher priority are served first [0]")
-      ->option_text("N");
+  add_service_options(*command, options->service);
   command->add_flag("--json", options->json, "For programs: the job as one line of JSON instead of its id");
   add_farm_options(*command, options->farm);
   command->footer(kFooter);

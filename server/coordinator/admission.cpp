@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "proto/convert.hpp"
 #include "server/coordinator/place.hpp"
 #include "server/coordinator/turn.hpp"
 
@@ -44,13 +45,12 @@ core::Status check_bundle_size(const v1::Bundle& bundle, const server::Limits& l
                          in_mib(limits.bundle_mib), "--max-bundle-mib"));
 }
 
-core::Status check_picture(const v1::RenderSettings& settings, const server::Limits& limits) {
-  const std::uint64_t pixels = std::uint64_t{settings.width_px()} * settings.height_px();
-  if (pixels > limits.picture_pixels)
-    return core::fail(server::over_limit(
-        fmt::format("the picture has {} x {} = {} pixels", settings.width_px(), settings.height_px(), pixels),
-        std::to_string(limits.picture_pixels), "--max-picture-pixels"));
-  return check_spp(settings.spp(), limits);
+core::Status check_picture_size(const v1::RenderSettings& settings, const server::Limits& limits) {
+  const core::PixelRect window = proto::window_of(settings);
+  if (window.pixel_count() <= limits.picture_pixels) return {};
+  return core::fail(server::over_limit(fmt::format("the picture has {} x {} = {} pixels", window.width(),
+                                                   window.height(), window.pixel_count()),
+                                       std::to_string(limits.picture_pixels), "--max-picture-pixels"));
 }
 
 core::Status check_spp(std::uint32_t spp, const server::Limits& limits) {

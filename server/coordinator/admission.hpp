@@ -13,7 +13,8 @@ namespace tessera::coordinator {
 core::Status check_bundle_size(const v1::Bundle& bundle, const server::Limits& limits);
 core::Status check_blob_size(std::uint64_t size_bytes, const server::Limits& limits);
 
-core::Status check_picture(const v1::RenderSettings& settings, const server::Limits& limits);
+// Of the window that is rendered, not of the picture that it is from.
+core::Status check_picture_size(const v1::RenderSettings& settings, const server::Limits& limits);
 core::Status check_spp(std::uint32_t spp, const server::Limits& limits);
 
 }  // namespace tessera::coordinator

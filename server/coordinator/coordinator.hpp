@@ -84,6 +84,7 @@ class Coordinator {
   core::Result<v1::Job> pause_job(const std::string& id);
   core::Result<v1::Job> resume_job(const std::string& id);
   core::Result<v1::Job> extend_job(const std::string& id, std::uint32_t spp);
+  core::Result<v1::Job> update_job(const v1::UpdateJobRequest& request);
   core::Status delete_job(const std::string& id);
   // Each tile as it is when its row is copied; holds the gate for one row of tiles at a time.
   core::Result<Picture> picture(const std::string& id);

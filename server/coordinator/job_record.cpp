@@ -29,7 +29,7 @@ core::TileGrid grid_of(const v1::Job& spec) {
 }
 
 scheduler::JobShape shape_of(const v1::Job& spec, std::uint32_t spp) {
-  return {static_cast<int>(spec.settings().width_px()), static_cast<int>(spec.settings().height_px()), spp};
+  return {proto::window_of(spec.settings()), spp};
 }
 
 v1::Job describe(const JobRecord& record, const scheduler::JobView& view) {
@@ -50,6 +50,7 @@ v1::Job summarise(const JobRecord& record, const scheduler::JobView& view) {
   job.set_state(to_wire(view.state));
   job.set_failure(view.failure);
   job.set_priority(view.priority);
+  job.set_max_workers(view.max_workers);
   job.set_samples_total(view.samples_total);
   job.set_samples_done(view.samples_done);
   job.set_samples_per_second(view.samples_per_second);
@@ -69,6 +70,7 @@ store::JobRow to_row(const JobRecord& record, const scheduler::JobView& view) {
   row.failure = view.failure;
   row.spp = view.shape.spp;
   row.priority = view.priority;
+  row.max_workers = view.max_workers;
   row.created_ms = ms_from_timestamp(record.spec->created_at());
   row.finished_ms = record.finished_ms;
   row.counters = proto::to_proto(record.counters()).SerializeAsString();

@@ -14,8 +14,8 @@
 namespace tessera::coordinator {
 
 struct JobRecord {
-  // As it was submitted: id, name, submitter, settings, bundle, display, priority and created_at. Never
-  // changes.
+  // As it was submitted: id, name, submitter, settings, bundle, display, priority, max_workers and
+  // created_at. Never changes.
   std::shared_ptr<const v1::Job> spec;
   std::string request_id;
 
@@ -33,7 +33,7 @@ struct JobRecord {
   const core::RenderCounters& counters() const { return film ? film->counters() : stored_counters; }
 };
 
-// The picture's tiles.
+// The tiles of what is rendered.
 core::TileGrid grid_of(const v1::Job& spec);
 scheduler::JobShape shape_of(const v1::Job& spec, std::uint32_t spp);
 

@@ -37,7 +37,9 @@ core::Result<Picture> Coordinator::picture(const std::string& id) {
 
 core::Result<core::Image> Coordinator::develop_row(const v1::Job& spec, const core::TileGrid& grid, int row) {
   const int first = row * grid.columns();
-  core::Film strip(core::TileGrid(grid.width(), grid.rect(first).height(), grid.tile_px()));
+  const core::PixelRect& window = grid.window();
+  const core::PixelRect first_rect = grid.rect(first);
+  core::Film strip(core::TileGrid({window.x0, first_rect.y0, window.x1, first_rect.y1}, grid.tile_px()));
   {
     const Turn turn(*this);
     const JobRecord* record = find(spec.id());

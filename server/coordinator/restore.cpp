@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "server/coordinator/admission.hpp"
 #include "server/coordinator/loaded_film.hpp"
 #include "server/coordinator/turn.hpp"
 #include "server/coordinator/wire.hpp"
@@ -26,17 +27,6 @@ std::uint32_t spp_of(const store::JobRow& row, const DoneByTile& done) {
 
 bool is_whole(const std::vector<core::SampleRange>& ranges, std::uint32_t spp) {
   return ranges == std::vector<core::SampleRange>{{0, spp}};
-}
-
-// Of a farm that allowed larger pictures, or of damage: its film would not fit into memory.
-core::Status check_size(const v1::Job& spec, std::uint64_t max_pixels) {
-  const v1::RenderSettings& settings = spec.settings();
-  if (std::uint64_t{settings.width_px()} * settings.height_px() <= max_pixels) return {};
-  return core::fail(
-      core::ErrorCode::kResourceExhausted,
-      fmt::format("a picture on this farm has at most {} pixels, and this one {} x {} "
-                  "(--max-picture-pixels): it is kept as it is for a coordinator that allows it",
-                  max_pixels, settings.width_px(), settings.height_px()));
 }
 
 std::vector<scheduler::IntervalSet> done_sets(const scheduler::JobShape& shape, const DoneByTile& done) {
@@ -69,8 +59,10 @@ core::Status Coordinator::restore_damaged_job(const store::JobRow& row, const co
   record.revision = record.stored_revision = row.revision;
   record.finished_ms = row.finished_ms;
 
-  const scheduler::RestoreJob event{
-      {row.id}, nothing, row.priority, scheduler::JobState::kFailed, error.message, done_sets(nothing, {})};
+  const scheduler::RestoreJob event{{row.id},       nothing,
+                                    row.priority,   scheduler::JobState::kFailed,
+                                    error.message,  done_sets(nothing, {}),
+                                    row.max_workers};
   return add_restored(event, std::move(record));
 }
 
@@ -98,7 +90,8 @@ core::Status Coordinator::restore_job(const store::JobRow& row) {
     unfinished = *lacks;
   }
   if (unfinished) {
-    if (auto fits = check_size(*record->spec, options_.limits.picture_pixels); !fits)
+    // Of a farm that allowed larger pictures, or of damage: its film would not fit into memory.
+    if (auto fits = check_picture_size(record->spec->settings(), options_.limits); !fits)
       return restore_damaged_job(row, fits.error().within("taking up job " + row.id));
     auto loaded = load_film(*record->spec);
     if (!loaded) return core::fail(loaded.error());
@@ -110,8 +103,8 @@ core::Status Coordinator::restore_job(const store::JobRow& row) {
   // What stands in rows that were not checked cannot raise a job's samples.
   const scheduler::JobShape shape = shape_of(*record->spec, unfinished ? spp_of(row, *done) : row.spp);
 
-  const scheduler::RestoreJob event{{row.id}, shape,       row.priority,
-                                    state,    row.failure, done_sets(shape, *done)};
+  const scheduler::RestoreJob event{
+      {row.id}, shape, row.priority, state, row.failure, done_sets(shape, *done), row.max_workers};
   const core::Status taken_up = add_restored(event, std::move(*record));
   return taken_up ? taken_up : restore_damaged_job(row, taken_up.error().within("taking up job " + row.id));
 }

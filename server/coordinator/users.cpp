@@ -83,7 +83,8 @@ core::Result<v1::Job> Coordinator::submit_job(const v1::SubmitJobRequest& reques
   if (const auto possible = proto::from_proto(settings); !possible) return core::fail(possible.error());
   const auto display = proto::resolve_display(scene->display, request.display());
   if (!display) return core::fail(display.error());
-  if (auto fits = check_picture(settings, options_.limits); !fits) return core::fail(fits.error());
+  if (auto fits = check_picture_size(settings, options_.limits); !fits) return core::fail(fits.error());
+  if (auto fits = check_spp(settings.spp(), options_.limits); !fits) return core::fail(fits.error());
 
   v1::Job spec;
   spec.set_id(random_id());
@@ -92,6 +93,7 @@ core::Result<v1::Job> Coordinator::submit_job(const v1::SubmitJobRequest& reques
   *spec.mutable_display() = proto::to_proto(*display);
   *spec.mutable_bundle() = request.bundle();
   spec.set_priority(request.priority());
+  spec.set_max_workers(request.max_workers());
   spec.set_submitter(submitter);
   *spec.mutable_created_at() = timestamp_from_ms(wall_now_ms());
   return add_job(std::move(spec), request.request_id());
@@ -116,10 +118,15 @@ core::Result<v1::Job> Coordinator::add_job(v1::Job spec, const std::string& requ
   record.spec = std::make_shared<const v1::Job>(std::move(spec));
   record.request_id = request_id;
   record.film = std::make_unique<JobFilm>(grid_of(*record.spec));
-  scheduler::SubmitJob event{
-      {record.spec->id()}, shape_of(*record.spec, record.spec->settings().spp()), record.spec->priority()};
-  const scheduler::JobView submitted{
-      event.id, event.shape, event.priority, scheduler::JobState::kRunning, {}, 0, 0, 0, 0};
+  scheduler::SubmitJob event{{record.spec->id()},
+                             shape_of(*record.spec, record.spec->settings().spp()),
+                             record.spec->priority(),
+                             record.spec->max_workers()};
+  scheduler::JobView submitted;
+  submitted.id = event.id;
+  submitted.shape = event.shape;
+  submitted.priority = event.priority;
+  submitted.max_workers = event.max_workers;
   if (auto stored = state_.jobs.insert_job(to_row(record, submitted)); !stored)
     return core::fail(stored.error());
   record.stored_revision = record.revision;
@@ -130,7 +137,7 @@ core::Result<v1::Job> Coordinator::add_job(v1::Job spec, const std::string& requ
   if (!request_id.empty()) job_of_request_[request_id] = event.id.value;
   const JobRecord& added = jobs_.emplace(event.id.value, std::move(record)).first->second;
   spdlog::info("job {} ({}) submitted: {}x{} pixels, {} samples per pixel", event.id.value,
-               added.spec->name(), event.shape.width_px, event.shape.height_px, event.shape.spp);
+               added.spec->name(), event.shape.window.width(), event.shape.window.height(), event.shape.spp);
   apply(turn, actions);
   return describe_now(turn, added);
 }
@@ -171,6 +178,17 @@ core::Result<v1::Job> Coordinator::pause_job(const std::string& id) {
 
 core::Result<v1::Job> Coordinator::resume_job(const std::string& id) {
   return change_job(id, scheduler::ResumeJob{{id}});
+}
+
+core::Result<v1::Job> Coordinator::update_job(const v1::UpdateJobRequest& request) {
+  scheduler::UpdateJob event{{request.job_id()}, {}, {}};
+  if (request.has_priority()) event.priority = request.priority();
+  if (request.has_max_workers()) event.max_workers = request.max_workers();
+  auto updated = change_job(request.job_id(), event);
+  if (updated)
+    spdlog::info("job {} ({}) has priority {} and at most {} workers (0: any number)", updated->id(),
+                 updated->name(), updated->priority(), updated->max_workers());
+  return updated;
 }
 
 core::Status Coordinator::delete_job(const std::string& id) {

@@ -136,6 +136,13 @@ grpc::ServerUnaryReactor* RenderService::ExtendJob(grpc::CallbackServerContext* 
   });
 }
 
+grpc::ServerUnaryReactor* RenderService::UpdateJob(grpc::CallbackServerContext* context,
+                                                   const v1::UpdateJobRequest* request,
+                                                   v1::UpdateJobResponse* response) {
+  return serve_change(context, pools_.quick, request->job_id(),
+                      [=, this] { return put_job(coordinator_.update_job(*request), response); });
+}
+
 grpc::ServerUnaryReactor* RenderService::DeleteJob(grpc::CallbackServerContext* context,
                                                    const v1::DeleteJobRequest* request,
                                                    v1::DeleteJobResponse*) {

@@ -53,6 +53,9 @@ class RenderService final : public v1::RenderService::CallbackService {
   grpc::ServerUnaryReactor* ExtendJob(grpc::CallbackServerContext* context,
                                       const v1::ExtendJobRequest* request,
                                       v1::ExtendJobResponse* response) override;
+  grpc::ServerUnaryReactor* UpdateJob(grpc::CallbackServerContext* context,
+                                      const v1::UpdateJobRequest* request,
+                                      v1::UpdateJobResponse* response) override;
   grpc::ServerUnaryReactor* DeleteJob(grpc::CallbackServerContext* context,
                                       const v1::DeleteJobRequest* request,
                                       v1::DeleteJobResponse* response) override;

@@ -73,6 +73,8 @@ struct SubmitJob {
   JobId id;
   JobShape shape;
   int priority = 0;
+  // Most workers that hold leases of it at once; 0 for as many as there are.
+  std::uint32_t max_workers = 0;
 };
 
 // A job as it was stored before the coordinator stopped. Jobs share the farm in the order in which they were
@@ -87,6 +89,7 @@ struct RestoreJob {
   std::string failure;
   // For each tile, the samples that are in the film.
   std::vector<IntervalSet> done;
+  std::uint32_t max_workers = 0;
 };
 
 struct PauseJob {
@@ -109,6 +112,15 @@ struct ExtendJob {
   std::uint32_t spp = 0;
 };
 
+// Changes how a job is served; what is absent stays. FAILED_PRECONDITION: it is done, cancelled or failed.
+// Takes no lease away: where more workers hold some than a new limit allows, the job is given no further ones
+// until fewer do.
+struct UpdateJob {
+  JobId id;
+  std::optional<int> priority;
+  std::optional<std::uint32_t> max_workers;
+};
+
 // It cannot be rendered; `failure` is the sentence for its user.
 struct FailJob {
   JobId id;
@@ -119,7 +131,7 @@ struct FailJob {
 struct Tick {};
 
 using Event = std::variant<Synchronize, TopUp, Dismiss, SubmitResult, SubmitJob, RestoreJob, PauseJob,
-                           ResumeJob, CancelJob, DeleteJob, ExtendJob, FailJob, Tick>;
+                           ResumeJob, CancelJob, DeleteJob, ExtendJob, UpdateJob, FailJob, Tick>;
 
 // ---- Answers ----
 

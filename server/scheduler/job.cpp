@@ -13,16 +13,16 @@ constexpr int kRefusalsUntilFailure = 3;
 constexpr std::size_t kRefusersUntilFailure = 3;
 
 std::uint64_t total_samples(const JobShape& shape) {
-  return static_cast<std::uint64_t>(shape.width_px) * static_cast<std::uint64_t>(shape.height_px) * shape.spp;
+  return std::uint64_t{shape.window.pixel_count()} * shape.spp;
 }
 
 }  // namespace
 
-Job::Job(JobId id, JobShape shape, int priority, std::vector<IntervalSet> done)
+Job::Job(JobId id, JobShape shape, Service service, std::vector<IntervalSet> done)
     : id_(std::move(id)),
       shape_(shape),
       grid_(shape.grid()),
-      priority_(priority),
+      service_(service),
       done_(std::move(done)),
       work_(grid_.tile_count(), shape.spp),
       total_(total_samples(shape)) {
@@ -35,6 +35,25 @@ Job::Job(JobId id, JobShape shape, int priority, std::vector<IntervalSet> done)
 void Job::become(JobState to) {
   assert(may_become(state_, to));
   state_ = to;
+}
+
+void Job::serve(const Service& service) {
+  service_ = service;
+  tolerated_workers_ = workers_beyond_limit();
+}
+
+bool Job::may_be_leased_to(const WorkerId& worker) const {
+  const std::size_t others = leases_.holder_count() - (leases_.is_holder(worker) ? 1 : 0);
+  return service_.max_workers == 0 || others < service_.max_workers;
+}
+
+std::size_t Job::workers_beyond_limit() const {
+  const std::size_t holders = leases_.holder_count(), most = service_.max_workers;
+  return most == 0 || holders <= most ? 0 : holders - most;
+}
+
+void Job::note_ended_lease() {
+  tolerated_workers_ = std::min(tolerated_workers_, workers_beyond_limit());
 }
 
 std::uint64_t Job::pixel_samples(const WorkItem& item) const {
@@ -154,6 +173,7 @@ Lease Job::end_lease(LeaseId id) {
     }
     for (const LeaseId other : leases_.of_tile(item.tile)) copyable_.insert(other);
   }
+  note_ended_lease();
   return lease;
 }
 
@@ -178,6 +198,7 @@ bool Job::accept(const WorkItem& item, std::vector<Lease>& ended) {
     copyable_.erase(lease.id);
     ended.push_back(std::move(lease));
   }
+  note_ended_lease();
   return true;
 }
 

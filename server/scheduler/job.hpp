@@ -33,14 +33,23 @@ struct Refuser {
   std::string name;
 };
 
+// How a job is served.
+struct Service {
+  int priority = 0;
+  // Most workers that hold leases of it at once; 0 for as many as there are.
+  std::uint32_t max_workers = 0;
+};
+
 class Job {
  public:
   // `done`: for each tile, the samples that are done. Empty: none.
-  Job(JobId id, JobShape shape, int priority, std::vector<IntervalSet> done);
+  Job(JobId id, JobShape shape, Service service, std::vector<IntervalSet> done);
 
   const JobId& id() const { return id_; }
   const JobShape& shape() const { return shape_; }
-  int priority() const { return priority_; }
+  const Service& service() const { return service_; }
+  // Takes no lease away.
+  void serve(const Service& service);
   JobState state() const { return state_; }
   // The arrow must be legal (job_state.hpp).
   void become(JobState to);
@@ -60,6 +69,8 @@ class Job {
 
   const IntervalSet& done(int tile) const { return done_[static_cast<std::size_t>(tile)]; }
   const LeaseTable& leases() const { return leases_; }
+  // Whether the worker can be given a lease, as far as the limit on workers goes.
+  bool may_be_leased_to(const WorkerId& worker) const;
 
   // ---- Choosing what to lease. Each result is to be handed to lease(); at most kMaxItemsPerLease items.
   // ----
@@ -122,11 +133,15 @@ class Job {
   std::uint32_t samples_for(int tile, std::uint64_t budget) const;
   std::optional<std::string> check_tile(int tile) const;
   std::optional<std::string> check_counts() const;
+  std::size_t workers_beyond_limit() const;
+  void note_ended_lease();
 
   JobId id_;
   JobShape shape_;
   core::TileGrid grid_;
-  int priority_;
+  Service service_;
+  // Workers beyond the limit that held leases when it was lowered, and still do.
+  std::size_t tolerated_workers_ = 0;
   JobState state_ = JobState::kRunning;
 
   std::vector<IntervalSet> done_;

@@ -12,6 +12,10 @@ std::optional<std::string> Job::check(bool every_sample) const {
   if (done_count_ + leased_count_ > total_) {
     return fmt::format("{} samples done and {} leased of {}", done_count_, leased_count_, total_);
   }
+  if (workers_beyond_limit() > tolerated_workers_) {
+    return fmt::format("{} workers hold leases, but no more than {} may", leases_.holder_count(),
+                       service_.max_workers);
+  }
   if (state_ == JobState::kDone && !complete())
     return fmt::format("done, but lacks {} samples", total_ - done_count_);
   if (state_ == JobState::kRunning && complete()) return "lacks nothing, but is not done";

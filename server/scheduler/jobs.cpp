@@ -19,10 +19,10 @@ bool fits(const std::vector<IntervalSet>& done, const JobShape& shape) {
 }  // namespace
 
 core::Status Scheduler::may_add(const JobId& id, const JobShape& shape) const {
-  if (shape.width_px <= 0 || shape.height_px <= 0 || shape.spp == 0) {
+  if (shape.window.empty() || shape.spp == 0) {
     return core::fail(core::ErrorCode::kInvalidArgument,
                       fmt::format("a job of {}x{} pixels and {} samples per pixel has nothing to render",
-                                  shape.width_px, shape.height_px, shape.spp));
+                                  shape.window.width(), shape.window.height(), shape.spp));
   }
   if (find(id) != nullptr) {
     return core::fail(core::ErrorCode::kAlreadyExists, fmt::format("there is a job {} already", id.value));
@@ -32,7 +32,7 @@ core::Status Scheduler::may_add(const JobId& id, const JobShape& shape) const {
 
 Worker* Scheduler::on(const SubmitJob& event, Actions& actions) {
   actions.status = may_add(event.id, event.shape);
-  if (actions.status) add(event.id, event.shape, event.priority, {});
+  if (actions.status) add(event.id, event.shape, {event.priority, event.max_workers}, {});
   return nullptr;
 }
 
@@ -45,7 +45,7 @@ Worker* Scheduler::on(const RestoreJob& event, Actions& actions) {
   }
   if (!actions.status) return nullptr;
 
-  Job& job = add(event.id, event.shape, event.priority, event.done);
+  Job& job = add(event.id, event.shape, {event.priority, event.max_workers}, event.done);
   job.failure = event.failure;
   job.restore_state(event.state);
   if (event.state != JobState::kRunning) running_.erase(job_numbers_.at(event.id));
@@ -120,6 +120,23 @@ Worker* Scheduler::on(const ExtendJob& event, Actions& actions) {
   return nullptr;
 }
 
+Worker* Scheduler::on(const UpdateJob& event, Actions& actions) {
+  Job* const job = find_or_refuse(event.id, actions);
+  if (job == nullptr) return nullptr;
+  if (job->state() != JobState::kRunning && job->state() != JobState::kPaused) {
+    actions.status =
+        core::fail(core::ErrorCode::kFailedPrecondition,
+                   fmt::format("job {} is {}: how it is served can be changed while it is running "
+                               "or paused",
+                               event.id.value, job_state_name(job->state())));
+    return nullptr;
+  }
+  job->serve({event.priority.value_or(job->service().priority),
+              event.max_workers.value_or(job->service().max_workers)});
+  work_appeared_ = true;
+  return nullptr;
+}
+
 Job* Scheduler::find(const JobId& id) {
   const auto found = job_numbers_.find(id);
   return found == job_numbers_.end() ? nullptr : &jobs_.at(found->second);
@@ -138,12 +155,13 @@ Job* Scheduler::find_or_refuse(const JobId& id, Actions& actions) {
   return job;
 }
 
-Job& Scheduler::add(const JobId& id, const JobShape& shape, int priority, std::vector<IntervalSet> done) {
+Job& Scheduler::add(const JobId& id, const JobShape& shape, const Service& service,
+                    std::vector<IntervalSet> done) {
   const JobNumber number = ++last_job_number_;
   job_numbers_.emplace(id, number);
   running_.insert(number);
   work_appeared_ = true;
-  return jobs_.try_emplace(number, id, shape, priority, std::move(done)).first->second;
+  return jobs_.try_emplace(number, id, shape, service, std::move(done)).first->second;
 }
 
 void Scheduler::become(Job& job, JobState to, Actions& actions) {

@@ -33,14 +33,14 @@ void LeaseTable::insert(Lease lease) {
     std::vector<LeaseId>& ids = by_tile_[item.tile];
     if (std::find(ids.begin(), ids.end(), lease.id) == ids.end()) ids.push_back(lease.id);
   }
+  ++lease_counts_[lease.holder];
   const LeaseId id = lease.id;
   leases_.emplace(id, std::move(lease));
 }
 
 Lease LeaseTable::remove(LeaseId id) {
-  Lease lease = std::move(leases_.extract(id).mapped());
-  for (const WorkItem& item : lease.items) drop_from_tile(item.tile, id);
-  return lease;
+  for (const WorkItem& item : leases_.at(id).items) drop_from_tile(item.tile, id);
+  return extract(id);
 }
 
 std::vector<Lease> LeaseTable::trim(const WorkItem& done) {
@@ -49,9 +49,16 @@ std::vector<Lease> LeaseTable::trim(const WorkItem& done) {
     Lease& lease = leases_.at(id);
     lease.items = without(lease.items, done);
     if (!has_tile(lease, done.tile)) drop_from_tile(done.tile, id);
-    if (lease.items.empty()) emptied.push_back(std::move(leases_.extract(id).mapped()));
+    if (lease.items.empty()) emptied.push_back(extract(id));
   }
   return emptied;
+}
+
+Lease LeaseTable::extract(LeaseId id) {
+  Lease lease = std::move(leases_.extract(id).mapped());
+  const auto count = lease_counts_.find(lease.holder);
+  if (--count->second == 0) lease_counts_.erase(count);
+  return lease;
 }
 
 IntervalSet LeaseTable::leased_by_others(int tile, LeaseId but) const {

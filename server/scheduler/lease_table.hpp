@@ -26,6 +26,10 @@ class LeaseTable {
   const std::map<LeaseId, Lease>& all() const { return leases_; }
   const Lease* find(LeaseId id) const;
 
+  // Workers that hold at least one.
+  std::size_t holder_count() const { return lease_counts_.size(); }
+  bool is_holder(const WorkerId& worker) const { return lease_counts_.contains(worker); }
+
   // The id must be new, the items not empty.
   void insert(Lease lease);
   // The lease must be there.
@@ -43,8 +47,12 @@ class LeaseTable {
 
  private:
   void drop_from_tile(int tile, LeaseId id);
+  // Takes out a lease that has no items left in by_tile_.
+  Lease extract(LeaseId id);
 
   std::map<LeaseId, Lease> leases_;
+  // By holder; none is 0.
+  std::map<WorkerId, int> lease_counts_;
   // Each lease once for every tile of its items. Never iterated, so that its order cannot matter.
   std::unordered_map<int, std::vector<LeaseId>> by_tile_;
 };

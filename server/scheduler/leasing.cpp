@@ -56,7 +56,7 @@ void Scheduler::settle_reported(Worker& worker, const Synchronize& event) {
 void Scheduler::adopt(Worker& worker, const LeaseDescription& reported) {
   Job* const job = find(reported.job);
   if (job == nullptr || !(job->state() == JobState::kRunning || job->state() == JobState::kPaused)) return;
-  if (worker.holds_alone()) return;
+  if (worker.holds_alone() || !job->may_be_leased_to(worker.info.id)) return;
   const bool never_given = reported.id == LeaseId{} || reported.id > last_lease_id_;
   if (never_given || live_leases_.contains(reported.id)) return;
   if (static_cast<int>(worker.leases.size()) >= kMaxLeasesPerWorker) return;
@@ -74,16 +74,23 @@ void Scheduler::top_up(Worker& worker) {
   if (worker.room() > 0 && worker.leases.empty() && !grant_copy(worker)) grant_free(worker, true);
 }
 
+int Scheduler::sharers(const Job& job) const {
+  const int active = roster_.active_count();
+  const std::uint32_t most = job.service().max_workers;
+  return most == 0 || most > static_cast<std::uint32_t>(active) ? active : static_cast<int>(most);
+}
+
 bool Scheduler::grant_free(Worker& worker, bool also_refused) {
   std::vector<Job*> candidates;
   for (const JobNumber number : running_) {
     Job& job = jobs_.at(number);
-    if (job.free() > 0 && (also_refused || !has_refused_lately(worker, job))) candidates.push_back(&job);
+    const bool buildable = also_refused || !has_refused_lately(worker, job);
+    if (job.free() > 0 && buildable && job.may_be_leased_to(worker.info.id)) candidates.push_back(&job);
   }
   if (candidates.empty()) return false;
   Job& job = *candidates[choose_job(snapshots(candidates))];
   const std::uint64_t samples =
-      next_lease_samples(options_.sizing, worker.snapshot(job.id()), job.free(), roster_.active_count());
+      next_lease_samples(options_.sizing, worker.snapshot(job.id()), job.free(), sharers(job));
   Portion portion = job.take_free(samples, worker.leases.empty());
   // What must be leased alone waits for the first worker that has nothing left to do.
   if (portion.items.empty()) return false;
@@ -97,13 +104,14 @@ bool Scheduler::grant_copy(Worker& worker) {
   std::vector<Job*> candidates;
   for (const JobNumber number : running_) {
     Job& job = jobs_.at(number);
-    if (job.leased() > 0 && !has_refused_lately(worker, job)) candidates.push_back(&job);
+    const bool buildable = !has_refused_lately(worker, job);
+    if (job.leased() > 0 && buildable && job.may_be_leased_to(worker.info.id)) candidates.push_back(&job);
   }
   while (!candidates.empty()) {
     const std::size_t chosen = choose_job(snapshots(candidates));
     Job& job = *candidates[chosen];
     const std::uint64_t samples =
-        next_lease_samples(options_.sizing, worker.snapshot(job.id()), job.leased(), roster_.active_count());
+        next_lease_samples(options_.sizing, worker.snapshot(job.id()), job.leased(), sharers(job));
     Portion portion = job.take_copies(samples);
     if (!portion.items.empty()) {
       grant(worker, job, std::move(portion));
@@ -139,7 +147,7 @@ void Scheduler::enter_lease(Worker& worker, Job& job, Lease lease, bool acknowle
 std::vector<JobSnapshot> Scheduler::snapshots(const std::vector<Job*>& jobs) const {
   std::vector<JobSnapshot> snapshots;
   for (const Job* job : jobs) {
-    snapshots.push_back({job->priority(), std::max(virtual_time_, job->virtual_finish), job->last_served});
+    snapshots.push_back({job->service().priority, std::max(virtual_time_, job->virtual_finish), job->last_served});
   }
   return snapshots;
 }

@@ -28,7 +28,11 @@ Worker* Scheduler::on(const SubmitResult& event, Actions& actions) {
     actions.verdicts.push_back(accepted ? Verdict::kAccepted : Verdict::kDropped);
     if (accepted) accepted_samples += job->pixel_samples(item);
   }
-  for (const Lease& lease : ended) forget_lease(lease);
+  for (const Lease& lease : ended) {
+    forget_lease(lease);
+    // Another worker may have its place.
+    if (job->service().max_workers > 0 && !job->leases().is_holder(lease.holder)) work_appeared_ = true;
+  }
 
   job->rate.add(static_cast<double>(accepted_samples), now_);
   if (Worker* const worker = roster_.find(event.worker)) {

@@ -4,6 +4,12 @@
 
 namespace tessera::scheduler {
 
+Time Worker::last_refusal() const {
+  Time last = Time::min();
+  for (const auto& [job, time] : refused) last = std::max(last, time);
+  return last;
+}
+
 int Worker::room() const {
   if (holds_alone()) return 0;
   return takes_leases() ? std::min(wanted_leases, kMaxLeasesPerWorker) - static_cast<int>(leases.size()) : 0;

@@ -52,6 +52,8 @@ struct Worker {
   std::uint64_t samples_accepted = 0;
 
   bool takes_leases() const { return !draining && !silent; }
+  // The earliest time there is if it has built every scene.
+  Time last_refusal() const;
   // It holds a lease that is to be its only one.
   bool holds_alone() const { return !leases.empty() && leases.front().alone; }
   // How many more leases it can be given.

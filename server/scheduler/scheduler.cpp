@@ -1,6 +1,7 @@
 #include "server/scheduler/scheduler.hpp"
 
 #include <algorithm>
+#include <tuple>
 #include <utility>
 
 namespace tessera::scheduler {
@@ -33,23 +34,36 @@ void Scheduler::take_leases_of_silent_workers(Actions& actions) {
   }
 }
 
+// Those with nothing to do come first: others have room for what they would only begin later. Then those that
+// have built every scene, or failed to do so longest ago: where there are not places for all, they are not to
+// take the same one again and again. Then who came first: what kills workers comes to each of them, as those
+// that are started again come last.
+bool Scheduler::comes_before(const Worker* a, const Worker* b) {
+  const auto rank = [](const Worker& worker) {
+    return std::tuple(!worker.leases.empty(), worker.last_refusal(), worker.arrival);
+  };
+  return rank(*a) < rank(*b);
+}
+
 Worker* Scheduler::on(const Tick&, Actions&) {
   return nullptr;
 }
 
 void Scheduler::wake_waiting(Actions& actions) {
-  // Who came first is first served: what kills workers comes to each of them, as those that are started
-  // again come last.
   std::map<std::uint64_t, WorkerId> asked;
   if (work_appeared_) asked.swap(hungry_);
   for (const WorkerId& id : lost_leases_) {
     if (const Worker* const worker = roster_.find(id)) asked.emplace(worker->arrival, id);
   }
+  std::vector<Worker*> workers;
   for (const auto& [arrival, id] : asked) {
     Worker* const worker = roster_.find(id);
-    if (worker == nullptr || !worker->waiting) continue;
+    if (worker != nullptr && worker->waiting) workers.push_back(worker);
+  }
+  std::sort(workers.begin(), workers.end(), comes_before);
+  for (Worker* worker : workers) {
     worker->waiting = false;
-    actions.wake.push_back(id);
+    actions.wake.push_back(worker->info.id);
   }
 }
 

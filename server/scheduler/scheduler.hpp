@@ -9,6 +9,7 @@
 //   - a sample of a running or paused job is done, or leased to at most two workers, or free to be leased;
 //   - a range is accepted only if all of its samples are missing, so none is counted twice;
 //   - a done job lacks nothing;
+//   - no more workers hold leases of a job than it allows, or than did when it was last allowed fewer;
 //   - leases are held by known workers that were heard of within lease_duration;
 //   - a worker that waits, holds nothing and would take a lease waits because there is none to give;
 //   - samples that a worker may have died of are leased to workers that hold nothing else, and after the
@@ -59,6 +60,8 @@ struct JobView {
   double samples_per_second = 0;
   // Workers that hold a lease on it.
   int active_workers = 0;
+  // Most that may; 0 for as many as there are.
+  std::uint32_t max_workers = 0;
 };
 
 struct WorkerView {
@@ -121,18 +124,23 @@ class Scheduler {
   Worker* on(const CancelJob& event, Actions& actions);
   Worker* on(const DeleteJob& event, Actions& actions);
   Worker* on(const ExtendJob& event, Actions& actions);
+  Worker* on(const UpdateJob& event, Actions& actions);
   Worker* on(const FailJob& event, Actions& actions);
   Worker* on(const Tick& event, Actions& actions);
 
   // ---- Time and answers (scheduler.cpp) ----
   void take_leases_of_silent_workers(Actions& actions);
   void wake_waiting(Actions& actions);
+  // Who of those that wait is asked first whether it can be given something.
+  static bool comes_before(const Worker* a, const Worker* b);
   Reply reply_to(Worker& worker);
 
   // ---- Leases (leasing.cpp) ----
   void settle_reported(Worker& worker, const Synchronize& event);
   void adopt(Worker& worker, const LeaseDescription& reported);
   void top_up(Worker& worker);
+  // How many workers share the job's work.
+  int sharers(const Job& job) const;
   // `also_refused`: of jobs that it has refused lately as well.
   bool grant_free(Worker& worker, bool also_refused);
   bool grant_copy(Worker& worker);
@@ -155,7 +163,7 @@ class Scheduler {
   const Job* find(const JobId& id) const;
   Job* find_or_refuse(const JobId& id, Actions& actions);
   core::Status may_add(const JobId& id, const JobShape& shape) const;
-  Job& add(const JobId& id, const JobShape& shape, int priority, std::vector<IntervalSet> done);
+  Job& add(const JobId& id, const JobShape& shape, const Service& service, std::vector<IntervalSet> done);
   // The one way in which a job's state changes, with everything that follows from it. Refuses what is not
   // legal.
   void become(Job& job, JobState to, Actions& actions);

@@ -31,13 +31,18 @@ struct LeaseId {
   auto operator<=>(const LeaseId&) const = default;
 };
 
-// What must be rendered of a job: samples [0, spp) of every pixel of the picture, cut into tiles.
+// What must be rendered of a job: samples [0, spp) of every pixel of a window of a picture, cut into tiles.
 struct JobShape {
-  int width_px = 0;
-  int height_px = 0;
+  core::PixelRect window;
   std::uint32_t spp = 0;
 
-  core::TileGrid grid() const { return {width_px, height_px, core::kTilePx}; }
+  constexpr JobShape() = default;
+  constexpr JobShape(core::PixelRect of_picture, std::uint32_t samples) : window(of_picture), spp(samples) {}
+  // A whole picture.
+  constexpr JobShape(int width_px, int height_px, std::uint32_t samples)
+      : JobShape({0, 0, width_px, height_px}, samples) {}
+
+  core::TileGrid grid() const { return {window, core::kTilePx}; }
   bool operator==(const JobShape&) const = default;
 };
 
@@ -53,8 +58,8 @@ inline constexpr int kNoTile = -1;
 
 // The tile whose rectangle this is, or kNoTile.
 inline int tile_index(const core::TileGrid& grid, const core::PixelRect& rect) {
-  if (rect.x0 < 0 || rect.y0 < 0 || rect.x0 >= grid.width() || rect.y0 >= grid.height()) return kNoTile;
-  const int tile = rect.y0 / grid.tile_px() * grid.columns() + rect.x0 / grid.tile_px();
+  if (rect.empty() || !grid.window().contains(rect)) return kNoTile;
+  const int tile = grid.tile_at(rect.x0, rect.y0);
   return grid.rect(tile) == rect ? tile : kNoTile;
 }
 

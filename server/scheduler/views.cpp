@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <set>
 
 #include "server/scheduler/scheduler.hpp"
 
@@ -10,17 +9,16 @@ namespace tessera::scheduler {
 namespace {
 
 JobView view_of(const Job& job, Time now) {
-  std::set<WorkerId> holders;
-  for (const auto& [id, lease] : job.leases().all()) holders.insert(lease.holder);
   return {.id = job.id(),
           .shape = job.shape(),
-          .priority = job.priority(),
+          .priority = job.service().priority,
           .state = job.state(),
           .failure = job.failure,
           .samples_done = job.done(),
           .samples_total = job.total(),
           .samples_per_second = job.rate.per_second(now),
-          .active_workers = static_cast<int>(holders.size())};
+          .active_workers = static_cast<int>(job.leases().holder_count()),
+          .max_workers = job.service().max_workers};
 }
 
 WorkerView view_of(const Worker& worker, Time now) {
@@ -75,6 +73,7 @@ std::optional<std::string> Scheduler::check_idle(CheckDepth depth) const {
     if (!worker.waiting || worker.room() <= 0 || !worker.leases.empty()) continue;
     for (const JobNumber number : running_) {
       const Job& job = jobs_.at(number);
+      if (!job.may_be_leased_to(id)) continue;
       if (job.free() > 0)
         return fmt::format("worker {} waits, but job {} has free samples", id.value, job.id().value);
       // Nobody is woken when a refusal is long enough ago.

@@ -28,13 +28,14 @@ constexpr auto kPragmas = R"(
 constexpr auto kInsertJob =
     "INSERT INTO jobs (id, request_id, spec, revision, state, failure, spp, priority, created_ms, "
     "finished_ms,"
-    " counters, arithmetic, row_xxh3) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13)";
+    " counters, arithmetic, max_workers, row_xxh3)"
+    " VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14)";
 constexpr auto kUpdateJob =
     "UPDATE jobs SET revision = ?2, state = ?3, failure = ?4, spp = ?5, priority = ?6, finished_ms = ?7,"
-    " counters = ?8, arithmetic = ?9, row_xxh3 = ?10 WHERE id = ?1 AND revision < ?2";
+    " counters = ?8, arithmetic = ?9, max_workers = ?10, row_xxh3 = ?11 WHERE id = ?1 AND revision < ?2";
 constexpr auto kListJobs =
     "SELECT id, request_id, spec, revision, state, failure, spp, priority, created_ms, finished_ms,"
-    " counters, arithmetic, row_xxh3 FROM jobs ORDER BY created_ms, rowid";
+    " counters, arithmetic, max_workers, row_xxh3 FROM jobs ORDER BY created_ms, rowid";
 // Changes a row where it stands: replacing it would move it, and change twice as many pages.
 constexpr auto kWriteTile =
     "INSERT INTO tiles (job_id, tile, done, content, row_xxh3)"
@@ -78,8 +79,9 @@ std::vector<core::SampleRange> decode_ranges(std::string_view bytes) {
 // Over everything in a row, so that what the disk changed is noticed whichever part it is.
 std::uint64_t row_checksum(const JobRow& row) {
   // Columns that later releases add take part only where they are not 0: rows from before keep their sum.
-  const std::string key = fmt::format("{} {} {} {} {} {} {}", row.id, row.revision, row.state, row.spp,
-                                      row.priority, row.created_ms, row.finished_ms.value_or(-1));
+  std::string key = fmt::format("{} {} {} {} {} {} {}", row.id, row.revision, row.state, row.spp,
+                                row.priority, row.created_ms, row.finished_ms.value_or(-1));
+  if (row.max_workers != 0) key += fmt::format(" max_workers {}", row.max_workers);
   std::uint64_t hash = XXH3_64bits(key.data(), key.size());
   for (const std::string* part : {&row.request_id, &row.spec, &row.failure, &row.counters, &row.arithmetic})
     hash = XXH3_64bits_withSeed(part->data(), part->size(), hash);
@@ -116,8 +118,9 @@ JobRow read_job(const Statement& row) {
   if (!row.is_null(9)) job.finished_ms = row.integer(9);
   job.counters = row.bytes(10);
   job.arithmetic = row.bytes(11);
+  job.max_workers = static_cast<std::uint32_t>(row.integer(12));
   // Rows of the first release have no sum.
-  job.intact = row.is_null(12) || as_unsigned(row.integer(12)) == row_checksum(job);
+  job.intact = row.is_null(13) || as_unsigned(row.integer(13)) == row_checksum(job);
   return job;
 }
 
@@ -243,7 +246,8 @@ core::Status JobStore::insert_job(const JobRow& job) {
   insert.bind_text(6, job.failure).bind(7, job.spp).bind(8, job.priority).bind(9, job.created_ms);
   job.request_id.empty() ? insert.bind_null(2) : insert.bind_text(2, job.request_id);
   job.finished_ms ? insert.bind(10, *job.finished_ms) : insert.bind_null(10);
-  insert.bind_blob(11, job.counters).bind_text(12, job.arithmetic).bind(13, as_signed(row_checksum(job)));
+  insert.bind_blob(11, job.counters).bind_text(12, job.arithmetic).bind(13, job.max_workers);
+  insert.bind(14, as_signed(row_checksum(job)));
   auto inserted = insert.run();
   if (inserted) impl_->database.fold_log();
   return inserted;
@@ -255,7 +259,8 @@ core::Status JobStore::update_job(const JobRow& job) {
   update.bind_text(1, job.id).bind(2, as_signed(job.revision)).bind(3, job.state).bind_text(4, job.failure);
   update.bind(5, job.spp).bind(6, job.priority);
   job.finished_ms ? update.bind(7, *job.finished_ms) : update.bind_null(7);
-  update.bind_blob(8, job.counters).bind_text(9, job.arithmetic).bind(10, as_signed(row_checksum(job)));
+  update.bind_blob(8, job.counters).bind_text(9, job.arithmetic).bind(10, job.max_workers);
+  update.bind(11, as_signed(row_checksum(job)));
   return update.run();
 }
 

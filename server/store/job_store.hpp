@@ -31,6 +31,7 @@ struct JobRow {
   std::string failure;
   std::uint32_t spp = 0;
   int priority = 0;
+  std::uint32_t max_workers = 0;
   std::int64_t created_ms = 0;  // since 1970-01-01 UTC
   std::optional<std::int64_t> finished_ms;
   std::string counters;    // opaque; of the film as it was when the row was written

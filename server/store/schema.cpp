@@ -26,6 +26,8 @@ constexpr const char* kSteps[] = {
 )",
     // Jobs are checked like tiles.
     "ALTER TABLE jobs ADD COLUMN row_xxh3 INTEGER",
+    // Limits on workers.
+    "ALTER TABLE jobs ADD COLUMN max_workers INTEGER NOT NULL DEFAULT 0",
 };
 
 core::Error of_another_release(const std::filesystem::path& file, std::int64_t version,

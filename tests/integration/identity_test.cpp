@@ -150,5 +150,24 @@ TEST_F(FarmTest, EveryLightAndIntegratorRendersTheSameBytes) {
   }
 }
 
+// A window: the bytes of a local render of it, stopped and continued as well.
+TEST_F(FarmTest, AWindowOfAPictureRendersTheBytesOfALocalRender) {
+  start_coordinator();
+  start_worker("one", 1);
+  start_worker("two", 2);
+  const std::vector<std::string> window{"--size", "300x200", "--crop", "97,30,262,171"};
+  const std::string id = submit(joined({"--spp", "6"}, window));
+  ASSERT_EQ(tessera({"watch", id}).exit_code, 0);
+  for (const char* ending : {".png", ".exr", ".hdr", ".pfm"}) {
+    const std::string farm = image(id, ending);
+    EXPECT_FALSE(farm.empty());
+    EXPECT_TRUE(farm == render_here(joined({"--spp", "6"}, window), ending)) << ending;
+  }
+  EXPECT_EQ(job(id).counters().samples(), 165u * 141 * 6) << "nothing outside it is rendered";
+  ASSERT_EQ(tessera({"extend", id, "--spp", "15"}).exit_code, 0);
+  ASSERT_EQ(tessera({"watch", id}).exit_code, 0);
+  EXPECT_TRUE(image(id, ".exr") == render_here(joined({"--spp", "15"}, window), ".exr"));
+}
+
 }  // namespace
 }  // namespace tessera::test

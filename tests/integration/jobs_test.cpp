@@ -102,5 +102,51 @@ TEST_F(JobsTest, WithoutACoordinatorOneSentenceSaysHowToStartOne) {
   }
 }
 
+TEST_F(JobsTest, AnUpdateChangesHowManyWorkersRenderAJobAndWhoComesFirst) {
+  start_coordinator();
+  for (const char* name : {"one", "two", "three"}) start_worker(name, 1);
+  ASSERT_TRUE(wait_for_workers(3));
+  const std::vector<std::string> long_job{"--size", "256x256", "--spp", "100000"};
+  const auto submit_with = [&](std::vector<std::string> options) {
+    options.insert(options.end(), long_job.begin(), long_job.end());
+    return submit(options);
+  };
+  const auto workers_of = [&](const std::string& id) { return job(id).active_workers(); };
+  const auto comes_to = [&](const std::string& id, std::uint32_t count) {
+    return poll_until(std::chrono::seconds(60), [&] { return workers_of(id) == count; });
+  };
+  const std::string limited = submit_with({"--max-workers", "1", "--priority", "3"});
+  ASSERT_TRUE(wait_for_samples(limited, 1));
+  EXPECT_EQ(workers_of(limited), 1u) << "two are idle";
+  const std::string other = submit_with({});
+  EXPECT_TRUE(comes_to(other, 2)) << "they have something to do now";
+
+  const Outcome raised = tessera({"update", limited, "--max-workers", "2"});
+  ASSERT_EQ(raised.exit_code, 0) << raised.err;
+  EXPECT_THAT(raised.out, HasSubstr("priority 3, at most 2 workers"));
+  EXPECT_TRUE(comes_to(limited, 2));
+  EXPECT_THAT(tessera({"jobs"}).out, HasSubstr("2/2"));
+  // Of lower priority than the other now, which may have everybody.
+  ASSERT_EQ(tessera({"update", limited, "--priority", "-1"}).exit_code, 0);
+  EXPECT_TRUE(comes_to(limited, 0));
+  EXPECT_TRUE(comes_to(other, 3));
+  ASSERT_EQ(tessera({"update", other, "--max-workers", "1"}).exit_code, 0);
+  EXPECT_TRUE(comes_to(other, 1));
+  EXPECT_TRUE(comes_to(limited, 2));
+
+  kill_coordinator();
+  restart_coordinator();
+  EXPECT_EQ(job(limited).priority(), -1);
+  EXPECT_EQ(job(limited).max_workers(), 2u);
+  EXPECT_EQ(job(other).max_workers(), 1u);
+  EXPECT_TRUE(comes_to(limited, 2));
+
+  EXPECT_EQ(tessera({"update", limited}).exit_code, 2) << "nothing to change";
+  ASSERT_EQ(tessera({"cancel", limited}).exit_code, 0);
+  const Outcome over = tessera({"update", limited, "--priority", "9"});
+  EXPECT_EQ(over.exit_code, 1);
+  EXPECT_THAT(over.err, HasSubstr("is cancelled"));
+}
+
 }  // namespace
 }  // namespace tessera::test

@@ -170,8 +170,10 @@ TEST_F(RefusalsTest, MissingFilesAreNamed) {
 TEST_F(RefusalsTest, BadOverridesAreRefused) {
   start_coordinator();
   write_scene({});
-  for (const std::vector<std::string>& flags :
-       {std::vector<std::string>{"--spp", "-3"}, {"--size", "0x0"}, {"--integrator", "magic"}}) {
+  for (const std::vector<std::string>& flags : {std::vector<std::string>{"--spp", "-3"},
+                                                {"--size", "0x0"},
+                                                {"--crop", "5,5,5,9"},
+                                                {"--integrator", "magic"}}) {
     std::vector<std::string> render{"render", "scene.json", "-o", "out.png"}, submit{"submit", "scene.json"};
     render.insert(render.end(), flags.begin(), flags.end());
     submit.insert(submit.end(), flags.begin(), flags.end());
@@ -186,6 +188,11 @@ TEST_F(RefusalsTest, BadOverridesAreRefused) {
   request.mutable_overrides()->set_width_px(16);
   request.mutable_overrides()->set_spp(0);
   EXPECT_THAT(submit_directly(request).error_message(), HasSubstr("spp"));
+  EXPECT_EQ(submit_directly(request).error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+  request.mutable_overrides()->set_spp(1);
+  request.mutable_overrides()->mutable_crop()->set_x1(17);
+  request.mutable_overrides()->mutable_crop()->set_y1(1);
+  EXPECT_THAT(submit_directly(request).error_message(), HasSubstr("crop: must be"));
   EXPECT_EQ(submit_directly(request).error_code(), grpc::StatusCode::INVALID_ARGUMENT);
   EXPECT_TRUE(jobs().empty());
 }

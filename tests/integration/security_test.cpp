@@ -144,8 +144,10 @@ TEST_F(SecurityTest, OnlySubmittersAndAdministratorsChangeAJob) {
   security_.token = folder_ / "bob";
   for (const char* change : {"pause", "cancel", "delete"})
     EXPECT_THAT(refusal({change, id}), HasSubstr("submitted by 'alice'")) << change;
+  EXPECT_THAT(refusal({"update", id, "--priority", "9"}), HasSubstr("submitted by 'alice'"));
   EXPECT_EQ(tessera({"job", id}).exit_code, 0) << "everybody may look";
   security_.token = folder_ / "alice";
+  EXPECT_EQ(tessera({"update", id, "--priority", "9"}).exit_code, 0);
   EXPECT_EQ(tessera({"pause", id}).exit_code, 0);
   security_.token = folder_ / "root";
   EXPECT_EQ(tessera({"delete", id}).exit_code, 0);

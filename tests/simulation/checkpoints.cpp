@@ -21,7 +21,7 @@ constexpr std::size_t kTilesPerBatch = 6;
 
 JobRow Coordinator::row_of(const JobId& id) {
   const JobView view = *scheduler_->job(id, clock());
-  return {view.shape, view.priority, view.state, view.failure, ++revisions_};
+  return {view.shape, view.priority, view.max_workers, view.state, view.failure, ++revisions_};
 }
 
 void Coordinator::checkpoint(std::uint64_t run) {

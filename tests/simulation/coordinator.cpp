@@ -12,6 +12,11 @@ namespace {
 constexpr double kParkSeconds = 3.0;
 constexpr double kLookSeconds = 0.5;
 
+bool is_stored_as(const JobRow& row, const JobView& job) {
+  return row.state == job.state && row.shape == job.shape && row.priority == job.priority &&
+         row.max_workers == job.max_workers;
+}
+
 }  // namespace
 
 bool is_liar(const WorkerId& worker) {
@@ -42,7 +47,7 @@ void Coordinator::restore(const Disk::StoredJob& job) {
     if (!done.empty()) shape.spp = std::max(shape.spp, done.ranges().back().end);
   }
   films_[job.id].extend(shape.spp);
-  RestoreJob event{job.id, shape, job.row.priority, job.row.state, job.row.failure, {}};
+  RestoreJob event{job.id, shape, job.row.priority, job.row.state, job.row.failure, {}, job.row.max_workers};
   for (int tile = 0; tile < job.film.tile_count(); ++tile) event.done.push_back(job.film.done(tile));
   referee_.entered(job.id, job.row.state);
   const Actions actions = handle(event);
@@ -155,11 +160,10 @@ void Coordinator::submit_result(const SubmitResult& result, const std::function<
 }
 
 bool Coordinator::submit(const SubmitJob& event) {
-  if (event.shape.width_px <= 0) return handle(event).status.has_value();
+  if (event.shape.window.empty()) return handle(event).status.has_value();
   const bool is_known = films_.contains(event.id);
-  if (!is_known &&
-      !disk_.insert(event.id, {event.shape, event.priority, JobState::kRunning, "", ++revisions_}))
-    return false;
+  const JobRow row{event.shape, event.priority, event.max_workers, JobState::kRunning, "", ++revisions_};
+  if (!is_known && !disk_.insert(event.id, row)) return false;
   if (!is_known) shapes_[event.id] = event.shape;
   if (!is_known) films_[event.id] = ModelFilm(event.shape);
   if (!is_known) referee_.entered(event.id, JobState::kRunning);
@@ -192,7 +196,7 @@ bool Coordinator::command(const Event& event) {
   bool stored = taken;
   for (const JobView& job : jobs()) {
     const Disk::StoredJob* const known = disk_.stored(job.id);
-    if (taken && known != nullptr && (known->row.state != job.state || known->row.shape != job.shape))
+    if (taken && known != nullptr && !is_stored_as(known->row, job))
       stored &= disk_.update(job.id, row_of(job.id));
   }
   return stored;
@@ -208,7 +212,9 @@ void Coordinator::dismiss_any() {
 }
 
 Actions Coordinator::handle(const Event& event) {
+  const std::vector<JobView> before = jobs();
   const Actions actions = scheduler_->handle(event, clock());
+  referee_.counted(before, jobs());
   if (const auto wrong = scheduler_->check_invariants(CheckDepth::kEverySample)) world_.fail(*wrong);
   referee_.handled(event, actions, clock());
   for (const JobChange& change : actions.job_changes) {

@@ -19,6 +19,7 @@ inline constexpr double kPromisedSeconds = 2.0;
 struct JobRow {
   scheduler::JobShape shape;
   int priority = 0;
+  std::uint32_t max_workers = 0;
   scheduler::JobState state = scheduler::JobState::kRunning;
   std::string failure;
   // Of two copies, the later one has the higher number.

@@ -57,6 +57,10 @@ class Farm {
   void odd_command(const JobId& id);
 
   JobId any_job() { return {std::to_string(world_.random.integer(1, jobs_submitted_ + 1))}; }
+  // Of workers; more often none.
+  std::uint32_t any_limit() {
+    return world_.random.chance(0.6) ? 0 : static_cast<std::uint32_t>(world_.random.integer(1, 4));
+  }
   WorkerMachine& any_machine() {
     return *machines_[static_cast<std::size_t>(
         world_.random.integer(0, static_cast<int>(machines_.size()) - 1))];
@@ -110,7 +114,8 @@ void Farm::add_machine(int number) {
 void Farm::submit() {
   if (!coordinator_.up()) return world_.after(seconds(1), [this] { submit(); });
   Random& random = world_.random;
-  const JobShape shape{random.integer(1, 300), random.integer(1, 200),
+  const int x = random.integer(0, 100), y = random.integer(0, 100);
+  const JobShape shape{{x, y, x + random.integer(1, 300), y + random.integer(1, 200)},
                        static_cast<std::uint32_t>(random.integer(1, 40))};
   const JobId id{std::to_string(jobs_submitted_ + 1)};
   if (coordinator_.disk().refuses()) {
@@ -119,14 +124,16 @@ void Farm::submit() {
     return world_.after(seconds(1), [this] { submit(); });
   }
   ++jobs_submitted_;
-  world_.note(fmt::format("job {}: {}x{}, {} spp", id.value, shape.width_px, shape.height_px, shape.spp));
+  world_.note(
+      fmt::format("job {}: {}x{}, {} spp", id.value, shape.window.width(), shape.window.height(), shape.spp));
   pixel_samples_ += shape.grid().tile_count() * 4096.0 * shape.spp;
   if (names_.size() >= kDeathsUntilFailure && random.chance(0.05)) {
     make_deadly(id, shape);
   } else if (random.chance(0.05)) {
     make_unbuildable(id);
   }
-  if (!coordinator_.command(SubmitJob{id, shape, random.integer(0, 1)})) world_.fail("a job was refused");
+  if (!coordinator_.command(SubmitJob{id, shape, random.integer(0, 1), any_limit()}))
+    world_.fail("a job was refused");
 }
 
 void Farm::make_deadly(const JobId& id, const JobShape& shape) {
@@ -148,7 +155,8 @@ void Farm::make_unbuildable(const JobId& id) {
   (by_all || machines_.size() == 1 ? unbuildable_jobs_ : doubtful_jobs_).insert(id);
 }
 
-// From now on there are no faults. Whatever is down comes up, whatever is paused goes on.
+// From now on there are no faults. Whatever is down comes up, whatever is paused goes on, and jobs may have
+// all workers: one with a limit might be left to the slowest.
 void Farm::calm_down() {
   calm_ = true;
   world_.note("calm");
@@ -157,6 +165,7 @@ void Farm::calm_down() {
   coordinator_.start();
   for (const JobView& job : coordinator_.jobs()) {
     if (job.state == JobState::kPaused) coordinator_.command(ResumeJob{job.id});
+    if (job.max_workers > 0) coordinator_.command(UpdateJob{job.id, {}, 0});
   }
   for (const auto& machine : machines_) machine->start();
 }
@@ -269,7 +278,7 @@ void Farm::user() {
   if (!coordinator_.up()) return;
   Random& random = world_.random;
   const JobId id = any_job();
-  switch (random.integer(0, 11)) {
+  switch (random.integer(0, 14)) {
     case 0:
       command("cancel", CancelJob{id});
       return;
@@ -288,6 +297,13 @@ void Farm::user() {
       return submit();
     case 7:
       return odd_command(id);
+    case 8:
+      command("reprioritise", UpdateJob{id, random.integer(-2, 2), {}});
+      return;
+    case 9:
+    case 10:
+      command("limit", UpdateJob{id, {}, any_limit()});
+      return;
     default:
       pixel_samples_ += 15 * 4096.0 * 60;
       command("extend", ExtendJob{id, static_cast<std::uint32_t>(random.integer(1, 60))});

@@ -168,6 +168,18 @@ void Referee::judged(const SubmitResult& event, const Actions& actions) {
   }
 }
 
+void Referee::counted(const std::vector<JobView>& before, const std::vector<JobView>& after) {
+  for (const JobView& now : after) {
+    const auto was =
+        std::find_if(before.begin(), before.end(), [&](const JobView& job) { return job.id == now.id; });
+    const int had = was == before.end() ? 0 : was->active_workers;
+    if (now.max_workers == 0 || now.active_workers <= std::max(had, static_cast<int>(now.max_workers)))
+      continue;
+    world_.fail(fmt::format("job {} may have {} workers, had {} and has {}", now.id.value, now.max_workers,
+                            had, now.active_workers));
+  }
+}
+
 void Referee::settled(const Actions& actions, const Scheduler& scheduler, Time clock) {
   for (const JobChange& change : actions.job_changes) {
     const auto view = scheduler.job(change.id, clock);
@@ -215,10 +227,10 @@ void Referee::look_around(const Scheduler& scheduler, Time clock) {
 std::string fingerprint(const Scheduler& scheduler, Time clock) {
   std::string text;
   for (const JobView& job : scheduler.jobs(clock)) {
-    text += fmt::format("job {} {}x{} {} spp, priority {}, {}: {}; {} of {}, {} workers\n", job.id.value,
-                        job.shape.width_px, job.shape.height_px, job.shape.spp, job.priority,
-                        job_state_name(job.state), job.failure, job.samples_done, job.samples_total,
-                        job.active_workers);
+    text += fmt::format("job {} {}x{} {} spp, priority {}, {}: {}; {} of {}, {} workers of {}\n",
+                        job.id.value, job.shape.window.width(), job.shape.window.height(), job.shape.spp,
+                        job.priority, job_state_name(job.state), job.failure, job.samples_done,
+                        job.samples_total, job.active_workers, job.max_workers);
   }
   for (const WorkerView& worker : scheduler.workers(clock)) {
     text += fmt::format("worker {} holds {}, {} accepted{}{}\n", worker.info.id.value, worker.held_leases,

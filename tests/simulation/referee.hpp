@@ -31,6 +31,9 @@ class Referee {
   // An event has been handled at this time of the coordinator's clock; the films are not yet what they will
   // be.
   void handled(const scheduler::Event& event, const scheduler::Actions& actions, Time clock);
+  // The jobs before an event and after it: none has more workers than it may have, unless it had so many
+  // before.
+  void counted(const std::vector<scheduler::JobView>& before, const std::vector<scheduler::JobView>& after);
   // Samples that its films lack must be accepted, others dropped; and who else was rendering them must hear.
   void judged(const scheduler::SubmitResult& event, const scheduler::Actions& actions);
   // The films are what they should be.

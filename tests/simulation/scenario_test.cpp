@@ -27,8 +27,8 @@ class FarmScenario : public testing::Test {
     machines_.back()->start();
     return *machines_.back();
   }
-  void submit(const std::string& id, const JobShape& shape) {
-    ASSERT_TRUE(coordinator_.command(SubmitJob{{id}, shape, 0}));
+  void submit(const std::string& id, const JobShape& shape, std::uint32_t max_workers = 0) {
+    ASSERT_TRUE(coordinator_.command(SubmitJob{{id}, shape, 0, max_workers}));
   }
   void run_until(double time_seconds) {
     while (elapsed() < time_seconds && world_.step()) {
@@ -133,6 +133,42 @@ TEST_F(FarmScenario, EqualJobsGetOnEqually) {
     EXPECT_GT(static_cast<double>(job.samples_done), 0.8 * static_cast<double>(job.samples_total))
         << job.id.value;
   }
+}
+
+// One of four workers: others do not help it, and it does not keep them from other jobs.
+TEST_F(FarmScenario, AJobWithALimitGetsItsShareAndItsEqualsTheRest) {
+  for (int i = 0; i < 4; ++i) machine(20'000);
+  submit("limited", kJob, 1);
+  submit("equal", kJob);
+  run_until(20);
+  const auto jobs = coordinator_.jobs();
+  // Renders take 0.7 to 1.3 times as long as the speed says.
+  EXPECT_NEAR(static_cast<double>(jobs[0].samples_done), 20 * 20'000, 0.35 * 20 * 20'000);
+  EXPECT_NEAR(static_cast<double>(jobs[1].samples_done), 60 * 20'000, 0.35 * 60 * 20'000);
+}
+
+TEST_F(FarmScenario, ALimitThatIsLiftedBringsEverybodyAtOnce) {
+  for (int i = 0; i < 4; ++i) machine(20'000);
+  submit("job", kJob, 1);
+  run_until(20);
+  EXPECT_EQ(coordinator_.jobs()[0].active_workers, 1);
+  ASSERT_TRUE(coordinator_.command(scheduler::UpdateJob{{"job"}, {}, 0}));
+  run_until(21);
+  EXPECT_EQ(coordinator_.jobs()[0].active_workers, 4);
+  EXPECT_LT(run_until_one_is_done(), 20 + kSlack * (kJobSamples - 0.7 * 20 * 20'000) / 80'000 + 1);
+}
+
+TEST_F(FarmScenario, AJobThatIsGivenAHigherPriorityOvertakesItsEqual) {
+  for (int i = 0; i < 3; ++i) machine(20'000);
+  for (const char* id : {"a", "b"}) submit(id, kJob);
+  run_until(10);
+  ASSERT_TRUE(coordinator_.command(scheduler::UpdateJob{{"b"}, 1, {}}));
+  run_until(22);  // what was leased before, up to four leases of each
+  const auto before = coordinator_.jobs();
+  run_until(32);
+  const auto after = coordinator_.jobs();
+  EXPECT_EQ(after[0].samples_done, before[0].samples_done);
+  EXPECT_GT(static_cast<double>(after[1].samples_done - before[1].samples_done), 0.65 * 10 * 60'000);
 }
 
 }  // namespace

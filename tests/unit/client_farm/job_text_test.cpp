@@ -29,8 +29,25 @@ TEST(JobText, OnlyWhatIsCompleteIsAHundredPercent) {
   v1::ListJobsResponse jobs;
   *jobs.add_jobs() = some_job();
   EXPECT_EQ(jobs_table(jobs, 1090),
-            "JOB           NAME     STATE    DONE     SIZE  SPP  SAMPLES  WORKERS  SUBMITTED\n"
-            "0123456789ab  cornell  running   99%  640x480   16  1.50M/s        2   1:30 ago\n");
+            "JOB           NAME     STATE    DONE     SIZE  SPP  SAMPLES  WORKERS  PRIORITY  SUBMITTED\n"
+            "0123456789ab  cornell  running   99%  640x480   16  1.50M/s        2         0   1:30 ago\n");
+}
+
+TEST(JobText, SaysHowAJobIsServedAndWhichPartOfThePictureItIs) {
+  v1::ListJobsResponse jobs;
+  v1::Job& job = *jobs.add_jobs() = some_job();
+  job.set_priority(-5);
+  job.set_max_workers(3);
+  v1::PixelRect& crop = *job.mutable_settings()->mutable_crop();
+  crop.set_x0(600);
+  crop.set_y0(10);
+  crop.set_x1(640);
+  crop.set_y1(40);
+  EXPECT_THAT(jobs_table(jobs, 1090), HasSubstr("   40x30   16  1.50M/s      2/3        -5   1:30 ago\n"));
+  EXPECT_THAT(job_description(job), HasSubstr("size       40x30\n"));
+  EXPECT_THAT(job_description(job), HasSubstr("crop       600,10,640,40 of 640x480\n"));
+  EXPECT_THAT(job_description(job), HasSubstr("priority   -5\n"));
+  EXPECT_THAT(job_description(job), HasSubstr("workers    2/3\n"));
 }
 
 TEST(JobText, AJobThatIsOverHasNoSpeed) {

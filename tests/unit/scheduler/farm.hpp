@@ -55,8 +55,8 @@ class Farm : public testing::Test {
   void pass(Duration time) { now_ += time; }
   void tick() { handle(Tick{}); }
 
-  void submit(const std::string& job, JobShape shape, int priority = 0) {
-    ASSERT_TRUE(handle(SubmitJob{{job}, shape, priority}).status);
+  void submit(const std::string& job, JobShape shape, int priority = 0, std::uint32_t max_workers = 0) {
+    ASSERT_TRUE(handle(SubmitJob{{job}, shape, priority, max_workers}).status);
   }
 
   // One thread, so that a first lease without measured speed has 12,500 pixel samples: four tiles' first
@@ -102,7 +102,7 @@ class Farm : public testing::Test {
   void restart() {
     std::vector<RestoreJob> stored;
     for (const JobView& view : scheduler_->jobs(now_)) {
-      stored.push_back({view.id, view.shape, view.priority, view.state, view.failure, {}});
+      stored.push_back({view.id, view.shape, view.priority, view.state, view.failure, {}, view.max_workers});
       for (int tile = 0; tile < view.shape.grid().tile_count(); ++tile) {
         stored.back().done.push_back(scheduler_->done(view.id, tile));
       }

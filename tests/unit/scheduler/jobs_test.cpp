@@ -219,5 +219,48 @@ TEST_F(Jobs, ShowTheirSpeed) {
   EXPECT_NEAR(scheduler_->workers(now_)[0].samples_per_second, kTilePixels, kTilePixels * 0.2);
 }
 
+TEST_F(Jobs, OfAWindowAreRenderedWhole) {
+  submit("job", {{70, 10, 270, 140}, 13});
+  EXPECT_EQ(job("job").samples_total, 200u * 130 * 13);
+  render_all("w");
+  EXPECT_EQ(state("job"), kDone);
+}
+
+TEST_F(JobsInSmallLeases, CanBeGivenAnotherPriority) {
+  submit("a", tiles(100, 4), 1);
+  submit("b", tiles(100, 4));
+  EXPECT_EQ(lease_to("v").job, JobId{"a"});
+  ASSERT_TRUE(handle(UpdateJob{{"b"}, 2, {}}).status);
+  EXPECT_EQ(job("b").priority, 2);
+  EXPECT_EQ(lease_to("w").job, JobId{"b"});
+  ASSERT_TRUE(handle(UpdateJob{{"b"}, -5, {}}).status);
+  EXPECT_EQ(lease_to("x").job, JobId{"a"});
+}
+
+TEST_F(Jobs, KeepWhatAnUpdateDoesNotName) {
+  submit("job", tiles(2, 1), 3, 4);
+  ASSERT_TRUE(handle(UpdateJob{{"job"}, {}, {}}).status);
+  EXPECT_EQ(job("job").priority, 3);
+  EXPECT_EQ(job("job").max_workers, 4u);
+  ASSERT_TRUE(handle(UpdateJob{{"job"}, {}, 0}).status);
+  EXPECT_EQ(job("job").priority, 3);
+  EXPECT_EQ(job("job").max_workers, 0u);
+}
+
+TEST_F(Jobs, CanBeUpdatedWhileTheyArePausedButNotWhenTheyAreOver) {
+  submit("job", tiles(2, 1));
+  handle(PauseJob{{"job"}});
+  EXPECT_TRUE(handle(UpdateJob{{"job"}, 1, {}}).status);
+  handle(CancelJob{{"job"}});
+  submit("done", tiles(2, 1));
+  render_all("w");
+  for (const char* over : {"job", "done"}) {
+    EXPECT_EQ(handle(UpdateJob{{over}, 2, 2}).status.error().code, ErrorCode::kFailedPrecondition);
+    EXPECT_LT(job(over).priority, 2);
+    EXPECT_EQ(job(over).max_workers, 0u);
+  }
+  EXPECT_EQ(handle(UpdateJob{{"none"}, 2, 2}).status.error().code, ErrorCode::kNotFound);
+}
+
 }  // namespace
 }  // namespace tessera::scheduler

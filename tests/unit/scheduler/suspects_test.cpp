@@ -129,7 +129,7 @@ TEST_F(Deaths, OfWorkersThatMayNotHaveHeardOfTheirLeaseCountForNothing) {
 }
 
 TEST(JobTest, DoesNotFailWhileAnotherWorkerHoldsTheSamples) {
-  Job job({"job"}, tiles(4, 1), 0, {});
+  Job job({"job"}, tiles(4, 1), {}, {});
   const std::vector<WorkItem> items = job.take_free(1, true).items;
   job.lease({{1}, {"slow"}, items, false});
   const auto blame = [&](std::uint64_t id, const std::string& worker) {

@@ -64,6 +64,7 @@ TEST_F(JobStoreTest, RestoresJobsInTheOrderOfTheirAge) {
   second.counters = std::string("\0\1", 2);
   second.arithmetic = "0123";
   second.priority = -3;
+  second.max_workers = 4'000'000'000;
   ASSERT_TRUE(store().insert_job(second));
   ASSERT_TRUE(store().insert_job(first));
   reopen();
@@ -188,7 +189,9 @@ TEST_F(JobStoreTest, AFileOfTheFirstReleaseIsTakenOver) {
   ASSERT_TRUE(store().insert_job(row));
   ASSERT_TRUE(store().write_tiles({tile_row("a", 0, "kept")}));
   store_.reset();
-  meddle("ALTER TABLE jobs DROP COLUMN row_xxh3; PRAGMA user_version = 1");
+  meddle(
+      "ALTER TABLE jobs DROP COLUMN row_xxh3; ALTER TABLE jobs DROP COLUMN max_workers; "
+      "PRAGMA user_version = 1");
   reopen();
   EXPECT_THAT(*store().jobs(), ElementsAre(row));
   EXPECT_EQ((*store().tile("a", 0))->content, "kept");
@@ -206,7 +209,7 @@ TEST_F(JobStoreTest, AJobWhoseRowChangedOnDiskIsNotIntact) {
   ASSERT_TRUE(store().insert_job(row));
   for (const char* change : {"id = 'b'", "request_id = NULL", "spec = X'00'", "revision = 7", "state = 2",
                              "failure = ''", "spp = 15", "priority = 1", "created_ms = 0",
-                             "finished_ms = NULL", "counters = X''", "arithmetic = 'y'"}) {
+                             "finished_ms = NULL", "counters = X''", "arithmetic = 'y'", "max_workers = 1"}) {
     ASSERT_TRUE(store().delete_job("a"));
     ASSERT_TRUE(store().delete_job("b"));
     ASSERT_TRUE(store().insert_job(row));
@@ -230,6 +233,24 @@ TEST(StateDirectory, IsFreeAgainAfterwards) {
   const TemporaryFolder folder;
   ASSERT_TRUE(StateDirectory::open(folder.path()));
   EXPECT_TRUE(StateDirectory::open(folder.path()));
+}
+
+TEST_F(JobStoreTest, AFileOfBeforeThereWereLimitsOnWorkersIsTakenOver) {
+  JobRow job = job_row("a");
+  ASSERT_TRUE(store().insert_job(job));
+  ASSERT_TRUE(store().write_tiles({tile_row("a", 3, "content")}));
+  store_.reset();
+  meddle("ALTER TABLE jobs DROP COLUMN max_workers; PRAGMA user_version = 2");
+  for (int start = 0; start < 2; ++start) {
+    reopen();
+    EXPECT_THAT(*store().jobs(), ElementsAre(job));
+    EXPECT_TRUE(*store().tile("a", 3));
+  }
+  job.revision = 2;
+  job.max_workers = 7;
+  ASSERT_TRUE(store().update_job(job));
+  reopen();
+  EXPECT_THAT(*store().jobs(), ElementsAre(job));
 }
 
 }  // namespace

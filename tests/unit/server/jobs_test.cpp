@@ -6,6 +6,7 @@
 
 #include "core/scene/settings.hpp"
 #include "proto/blob.hpp"
+#include "proto/convert.hpp"
 #include "tests/unit/server/scripted_farm.hpp"
 
 namespace tessera::coordinator {
@@ -234,6 +235,101 @@ TEST_F(Jobs, KeepTheirFilesWhileTheyAreSubmitted) {
   open();
   submit();
   EXPECT_TRUE(std::filesystem::exists(blob));
+}
+
+constexpr core::PixelRect kWindow{70, 3, 145, 99};
+
+v1::SubmitJobRequest submission_of_window() {
+  v1::SubmitJobRequest request = submission();
+  *request.mutable_overrides()->mutable_crop() = proto::to_proto(kWindow);
+  return request;
+}
+
+TEST_F(Jobs, OfAWindowComeToThosePixels) {
+  const std::string id = submit(submission_of_window());
+  EXPECT_EQ(job(id).samples_total(), kWindow.pixel_count() * kSpp);
+  EXPECT_EQ(job(id).settings().width_px(), 150u) << "the camera's picture";
+  work('a', 1);
+  ASSERT_TRUE(coordinator().checkpoint());
+  open();  // and after a restart
+  work('b');
+  EXPECT_EQ(job(id).state(), v1::JOB_STATE_DONE);
+  EXPECT_EQ(job(id).counters().samples(), kWindow.pixel_count() * kSpp) << "and no others";
+  EXPECT_EQ(coordinator().picture(id)->image.pixels, ready_made_picture(kWindow, kSpp).pixels);
+  ASSERT_TRUE(coordinator().checkpoint());  // drops the film of the done job
+  EXPECT_EQ(coordinator().picture(id)->image.pixels, ready_made_picture(kWindow, kSpp).pixels);
+  ASSERT_TRUE(coordinator().extend_job(id, kSpp + 3));
+  work('a');
+  EXPECT_EQ(coordinator().picture(id)->image.pixels, ready_made_picture(kWindow, kSpp + 3).pixels);
+}
+
+TEST_F(Jobs, OfAWindowThatIsNoneAreRefused) {
+  for (const core::PixelRect& window : {core::PixelRect{0, 0, 151, 100}, {5, 5, 5, 9}, {9, 0, 3, 5}}) {
+    v1::SubmitJobRequest request = submission();
+    *request.mutable_overrides()->mutable_crop() = proto::to_proto(window);
+    const auto refused = coordinator().submit_job(request);
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().code, ErrorCode::kInvalidArgument);
+    EXPECT_THAT(refused.error().message, HasSubstr("crop: must be"));
+  }
+}
+
+// Of a picture that is too large for the farm, parts may be rendered.
+TEST_F(Jobs, OfAWindowNeedMemoryForTheWindowAlone) {
+  check_scene_ = [](const v1::Bundle& bundle, const v1::RenderOverrides& overrides) {
+    CheckedScene scene = *accept_scene(bundle, overrides);
+    scene.settings.set_width_px(32768);
+    scene.settings.set_height_px(16384);
+    return core::Result<CheckedScene>(scene);
+  };
+  open();
+  EXPECT_TRUE(coordinator().submit_job(submission_of_window()));
+}
+
+TEST_F(Jobs, AreUpdatedForGood) {
+  v1::SubmitJobRequest request = submission();
+  request.set_priority(1);
+  request.set_max_workers(2);
+  const std::string id = submit(request);
+  EXPECT_EQ(job(id).priority(), 1);
+  EXPECT_EQ(job(id).max_workers(), 2u);
+  v1::UpdateJobRequest update;
+  update.set_job_id(id);
+  update.set_priority(-4);
+  EXPECT_EQ(coordinator().update_job(update)->priority(), -4);
+  open();  // as after a crash: nothing was checkpointed
+  EXPECT_EQ(job(id).priority(), -4);
+  EXPECT_EQ(job(id).max_workers(), 2u);
+  update.clear_priority();
+  update.set_max_workers(0);
+  EXPECT_EQ(coordinator().update_job(update)->max_workers(), 0u);
+  open();
+  EXPECT_EQ(job(id).priority(), -4);
+  EXPECT_EQ(job(id).max_workers(), 0u);
+}
+
+TEST_F(Jobs, ThatAreOverAreNotUpdated) {
+  v1::UpdateJobRequest update;
+  update.set_priority(5);
+  update.set_job_id("nobody");
+  EXPECT_EQ(coordinator().update_job(update).error().code, ErrorCode::kNotFound);
+  update.set_job_id(submit());
+  work('a');
+  EXPECT_EQ(coordinator().update_job(update).error().code, ErrorCode::kFailedPrecondition);
+}
+
+TEST_F(Jobs, ThatMayHaveMoreWorkersWakeThoseWhoWait) {
+  v1::SubmitJobRequest request = submission();
+  request.set_max_workers(1);
+  v1::UpdateJobRequest update;
+  update.set_job_id(submit(request));
+  EXPECT_EQ(synchronize(greeting('a')).leases_size(), 1);
+  const WaitingCall call(coordinator(), greeting('b'));
+  EXPECT_FALSE(call.answered());
+  update.set_max_workers(2);
+  EXPECT_EQ(coordinator().update_job(update)->active_workers(), 2u);
+  ASSERT_TRUE(call.answered());
+  EXPECT_EQ(call.answer()->leases_size(), 1);
 }
 
 }  // namespace

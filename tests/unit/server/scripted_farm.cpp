@@ -42,20 +42,26 @@ v1::RenderedItem ready_made_item(const v1::WorkItem& message) {
   return proto::encode_tile(ready_made_tile(item->rect, item->range));
 }
 
-core::Image ready_made_picture(int width_px, int height_px, std::uint32_t spp) {
-  core::Film film({width_px, height_px, core::kTilePx});
+core::Image ready_made_picture(const core::PixelRect& window, std::uint32_t spp) {
+  core::Film film({window, core::kTilePx});
   for (int tile = 0; tile < film.grid().tile_count(); ++tile) {
     film.add(ready_made_tile(film.grid().rect(tile), {0, spp}));
   }
   return film.develop();
 }
 
+core::Image ready_made_picture(int width_px, int height_px, std::uint32_t spp) {
+  return ready_made_picture({0, 0, width_px, height_px}, spp);
+}
+
 core::Result<CheckedScene> accept_scene(const v1::Bundle&, const v1::RenderOverrides& overrides) {
   core::RenderSettings settings;
   settings.width_px = kWidthPx;
   settings.height_px = kHeightPx;
-  settings.spp = overrides.has_spp() ? overrides.spp() : kSpp;
-  return CheckedScene{proto::to_proto(settings), {}};
+  settings.spp = kSpp;
+  const auto resolved = core::resolve_settings(settings, *proto::from_proto(overrides));
+  if (!resolved) return core::fail(resolved.error());
+  return CheckedScene{proto::to_proto(*resolved), {}};
 }
 
 v1::SubmitJobRequest submission() {
