@@ -4,16 +4,17 @@
 #include <cmath>
 
 #include "core/guiding/octahedral_map.hpp"
+#include "core/math/elementary.hpp"
 #include "core/math/simd_double8.hpp"
 
 namespace tessera::core {
 namespace {
 
-// Squares of fewer examples are not divided, nor those of this depth, whose sides are some two degrees.
+// Squares of fewer examples are not divided, nor those of this side, some two degrees.
 constexpr std::size_t kLeastToDivide = 4;
-constexpr int kMaxDepth = 7;
-// How many examples a square is taken to have had beforehand, spread evenly over its quarters, so that none
-// is without any density that merely has had no example yet.
+constexpr float kLeastSide = 1.0f / 128;
+// How many examples there are taken to have been beforehand, spread evenly over the sphere, so that no
+// direction is without any density that merely has had no example yet.
 constexpr float kPriorExamples = 1;
 
 constexpr float kBelowOne = 1 - 0x1p-24f;
@@ -50,38 +51,56 @@ WordOf<T> quarter(MaskOf<T> right, MaskOf<T> upper) {
 
 }  // namespace
 
-DirectionTrees::Root DirectionTrees::add(std::span<const WeightedDirection> directions) {
+DirectionTrees::Added DirectionTrees::add(std::span<const DirectedLight> lights) {
   std::vector<Example> examples;
-  examples.reserve(directions.size());
+  examples.reserve(lights.size());
   float total = 0;
-  for (const auto& [direction, weight] : directions) {
-    examples.push_back({place_of(direction), weight});
-    total += weight;
+  for (const auto& [direction, power, concentration] : lights) {
+    examples.push_back({place_of(direction), power, concentration});
+    total += power;
   }
-  return build(examples, kPriorExamples * total / static_cast<float>(directions.size()), 0);
+  return build(examples, kPriorExamples * total / static_cast<float>(lights.size()), {{0, 0}, 1});
 }
 
-std::uint32_t DirectionTrees::build(std::span<Example> examples, float prior, int depth) {
+// Of the density that is best where a sample's value varies: in proportion to its root mean square (Rath et
+// al. 2020). Over a square, that of light from everywhere in it is its power; of light from a part of it
+// alone it is the larger, the smaller the part.
+DirectionTrees::Added DirectionTrees::build(std::span<const Example> examples, float prior_power,
+                                            Square square) {
   std::array<std::vector<Example>, 4> quarters;
-  std::array<float, 4> weights;
-  weights.fill(prior / 4);
   for (const Example& example : examples) {
     Vec2 point = example.point;
     const bool right = descend(point.x), upper = descend(point.y);
-    const std::size_t q = quarter<float>(right, upper);
-    quarters[q].push_back({point, example.weight});
-    weights[q] += example.weight;
+    quarters[quarter<float>(right, upper)].push_back({point, example.power, example.concentration});
   }
-  const float total = weights[0] + weights[1] + weights[2] + weights[3];
   const auto index = static_cast<std::uint32_t>(nodes_.size());
   nodes_.emplace_back();
-  for (std::size_t q = 0; q < 4; ++q) {
-    const bool divided = quarters[q].size() >= kLeastToDivide && depth + 1 < kMaxDepth;
-    const std::uint32_t child = divided ? build(quarters[q], prior, depth + 1) : 0;
-    nodes_[index].share[q] = weights[q] / total;
-    nodes_[index].child[q] = child;
+  const float side = square.side / 2;
+  std::array<float, 4> values;
+  for (std::uint32_t q = 0; q < 4; ++q) {
+    const Vec2 corner = square.corner + Vec2{static_cast<float>(q & 1), static_cast<float>(q / 2)} * side;
+    if (quarters[q].size() >= kLeastToDivide && side > kLeastSide) {
+      const auto [child, value] = build(quarters[q], prior_power, {corner, side});
+      nodes_[index].child[q] = child;
+      values[q] = value;
+    } else {
+      values[q] = root_mean_square(quarters[q], prior_power, {corner, side});
+    }
   }
-  return index;
+  const float total = values[0] + values[1] + values[2] + values[3];
+  for (std::size_t q = 0; q < 4; ++q) nodes_[index].share[q] = values[q] / total;
+  return {index, total};
+}
+
+float DirectionTrees::root_mean_square(std::span<const Example> examples, float prior_power, Square square) {
+  const Vec3 middle = from_octahedral_square(square.corner + Vec2{0.5f, 0.5f} * square.side);
+  const float solid_angle = octahedral_area(middle) * square.side * square.side;
+  float power = prior_power * solid_angle / (4 * kPi), concentration = 0;
+  for (const Example& example : examples) {
+    power += example.power;
+    concentration += example.concentration;
+  }
+  return std::sqrt(power * power + concentration * solid_angle);
 }
 
 template <typename T>

@@ -1,6 +1,6 @@
-// Distributions of directions learnt from examples: quadtrees over the unfolded sphere, finer where there are
-// more examples (after Müller, Gross and Novák 2017). Many trees share one array of nodes. Immutable once
-// built.
+// Distributions of directions learnt from the light that comes from them: quadtrees over the unfolded sphere,
+// finer where there are more examples (after Müller, Gross and Novák 2017). Many trees share one array of
+// nodes. Immutable once built.
 #pragma once
 
 #include <array>
@@ -13,17 +13,25 @@
 
 namespace tessera::core {
 
-struct WeightedDirection {
+// An example of light.
+struct DirectedLight {
   Vec3 direction;  // unit
-  float weight;    // above 0
+  float power;     // above 0
+  // Where the light comes from few of the directions around: its power times the value of a sample that meets
+  // it. 0 where it comes from all of them.
+  float concentration;
 };
 
 class DirectionTrees {
  public:
   using Root = std::uint32_t;
 
-  // The result depends on the order of `examples`, of which there is at least one, in its last bits.
-  Root add(std::span<const WeightedDirection> examples);
+  struct Added {
+    Root root;
+    float root_mean_square;  // to expect of one sample's value, in units of power
+  };
+  // The result depends on the order of `lights`, of which there is at least one, in its last bits.
+  Added add(std::span<const DirectedLight> lights);
 
   // A direction for u in [0, 1) x [0, 1), which keeps neighbours together, and the density per solid angle. T
   // is float or Float8. Root 0 is that of no tree and has an even density over the unfolded sphere.
@@ -45,10 +53,14 @@ class DirectionTrees {
 
   struct Example {
     Vec2 point;  // within the node's square
-    float weight;
+    float power, concentration;
   };
-
-  std::uint32_t build(std::span<Example> examples, float prior, int depth);
+  struct Square {
+    Vec2 corner;
+    float side;
+  };
+  Added build(std::span<const Example> examples, float prior_power, Square square);
+  static float root_mean_square(std::span<const Example> examples, float prior_power, Square square);
 
   std::vector<Node> nodes_{1};  // the first leads to itself, and stands for no child
 };

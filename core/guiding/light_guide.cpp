@@ -13,8 +13,11 @@ constexpr std::size_t kMostCellPhotons = 256, kLeastCellPhotons = 8;
 constexpr float kLeastShare = 0.05f, kMostShare = 0.7f;
 // How often other light is estimated for a cell.
 constexpr std::size_t kProbes = 16;
-// What the guide samples varies, being a guess; by about this factor in the mean square.
-constexpr float kGuideSpread = 2;
+// How much of a caustic's light comes from directions that the guide cannot tell from those around them;
+// where it can, the power alone says what to expect.
+constexpr float kConcentration = 0.3f;
+// Of a sample, in units of the cell's irradiance; so that sums stay finite.
+constexpr float kLargestValue = 1e12f;
 
 // 0 to 5: the axis along which `normal` is longest, and whether it points backwards.
 template <typename T>
@@ -94,7 +97,7 @@ class LightGuide::Builder {
  private:
   // What is only known while the guide is built.
   struct Evidence {
-    float irradiance;  // by the photons
+    float guided;  // root mean square of the irradiance by one sample of the guide's
     std::array<Photon, kProbes> places;
   };
 
@@ -126,28 +129,32 @@ class LightGuide::Builder {
     }
     const float reach = std::max(flux / flux_over_distance, length(box.upper - box.lower));
     Cell cell{widened(box), (box.lower + box.upper) * 0.5f, reach, 0, 0};
-    std::vector<WeightedDirection> directions;
-    for (const auto& [position, normal, wi, distance, weight] : photons) {
+    const float irradiance = flux / area_of(box);
+    std::vector<DirectedLight> lights;
+    for (const auto& [position, normal, wi, distance, power, radiance] : photons) {
       const GuidanceOf<float> from{1, position, cell.center, cell.radius, 0};
-      directions.push_back({from_center(from, wi, meet_sphere(from, wi).t), weight});
+      const float value = std::min(kLargestValue, kConcentration * radiance * dot(normal, wi) / irradiance);
+      const float part = power / flux;
+      lights.push_back({from_center(from, wi, meet_sphere(from, wi).t), part, part * value});
     }
-    cell.directions = guide_.trees_.add(directions);
+    const auto [directions, root_mean_square] = guide_.trees_.add(lights);
+    cell.directions = directions;
     guide_.cells_.push_back(cell);
-    Evidence& evidence = evidence_.emplace_back(Evidence{flux / area_of(box), {}});
+    Evidence& evidence = evidence_.emplace_back(Evidence{root_mean_square * irradiance, {}});
     for (std::size_t i = 0; i < kProbes; ++i) evidence.places[i] = photons[i * photons.size() / kProbes];
     return static_cast<std::uint32_t>(guide_.cells_.size() - 1);
   }
 
-  // A sample is either of the guide's light, then worth about g, or of the other, then worth about r: its
+  // A sample is either of the guide's light, whose root mean square is g, or of the other, with r: its
   // mean square is g^2 / share + r^2 / (1 - share), which is least at g / (g + r).
   void choose_share(std::size_t cell, const OtherLight& other_light) {
-    const auto& [irradiance, places] = evidence_[cell];
+    const auto& [guided, places] = evidence_[cell];
     float squares = 0;
     for (std::size_t i = 0; i < kProbes; ++i) {
       const float value = other_light(places[i], static_cast<std::uint32_t>(cell * kProbes + i));
       squares += value * value;
     }
-    const float g = kGuideSpread * irradiance, r = std::sqrt(squares / static_cast<float>(kProbes));
+    const float g = guided, r = std::sqrt(squares / static_cast<float>(kProbes));
     guide_.cells_[cell + 1].share = std::clamp(g / (g + r), kLeastShare, kMostShare);
   }
 

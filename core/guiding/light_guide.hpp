@@ -22,6 +22,9 @@ struct Photon {
   Vec3 wi;           // unit, towards where it came from
   float distance;    // to the surface from which it came, above 0
   float flux;        // luminous, above 0
+  // Luminance that a path finds which goes where the photon came from and arrives at the light by mirrors and
+  // glass alone; 0 if the photon was scattered in between.
+  float radiance;
 };
 
 // Estimates the luminous irradiance at a photon's place by all light that neither photons nor lights

@@ -50,12 +50,13 @@ class PhotonTracer {
     const Sampler sampler(kSeed, 0, kPhotonRow, index);
     const auto first = begin(sampler);
     if (!first) return;
-    auto [ray, hit, flux] = *first;
+    auto [ray, hit, flux, radiance] = *first;
     for (int bounce = 0; bounce < kMostBounces && hit.found() && luminance(flux) > 0; ++bounce) {
       const PathVertex vertex(scene_, ray, hit);
       const float distance = length(vertex.position() - ray.origin);
       if (!casters_.contain(hit) && !vertex.is_delta() && distance > 0)
-        photons.push_back({vertex.position(), vertex.side_normal(), vertex.wo(), distance, luminance(flux)});
+        photons.push_back({vertex.position(), vertex.side_normal(), vertex.wo(), distance, luminance(flux),
+                           luminance(radiance)});
       const auto u = sampler.pad(bounce_pad(bounce));
       const auto next = vertex.sample({u[0], u[1]}, u[2]);
       if (!next) return;
@@ -63,6 +64,7 @@ class PhotonTracer {
       const float survival = std::min(1.0f, luminance(flux * weight) / luminance(flux));
       if (u[3] >= survival) return;
       flux *= weight / survival;
+      radiance = casters_.contain(hit) ? radiance * weight : Rgb{};
       ray = vertex.ray_along(next->wi);
       hit = scene_.bvh().closest_hit(scene_.primitives(), ray);
     }
@@ -73,6 +75,7 @@ class PhotonTracer {
     Ray ray;  // from the light
     Hit hit;  // of the caster
     Rgb flux;
+    Rgb radiance;  // Photon::radiance, so far
   };
 
   // Begins at the caster, with a light chosen as next-event estimation does: so all photons of a small lens
@@ -94,7 +97,7 @@ class PhotonTracer {
       return std::nullopt;
     const float cosine = std::fabs(dot(surface.geometric_normal, ray.direction));
     const auto area = static_cast<float>(casters_.area() / kPaths);
-    return First{ray, hit, light->radiance * (cosine * area / light->pdf)};
+    return First{ray, hit, light->radiance * (cosine * area / light->pdf), light->radiance};
   }
 
   const Scene& scene_;
@@ -141,8 +144,9 @@ std::vector<Photon> trace_caustic_photons(const Scene& scene, int threads) {
     for (std::uint32_t i = 0; i < kPathsAtOnce; ++i) tracer.trace(part * kPathsAtOnce + i, parts[part]);
   std::vector<Photon> photons;
   for (const auto& part : parts)
-    std::copy_if(part.begin(), part.end(), std::back_inserter(photons),
-                 [](const Photon& photon) { return photon.flux > 0 && std::isfinite(photon.flux); });
+    std::copy_if(part.begin(), part.end(), std::back_inserter(photons), [](const Photon& photon) {
+      return photon.flux > 0 && std::isfinite(photon.flux) && std::isfinite(photon.radiance);
+    });
   return photons;
 }
 

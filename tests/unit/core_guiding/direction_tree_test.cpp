@@ -12,9 +12,10 @@
 namespace tessera::core {
 namespace {
 
-std::vector<WeightedDirection> examples(std::uint32_t count) {
-  std::vector<WeightedDirection> all;
-  for (const Photon& photon : test::photons_on_floor(count)) all.push_back({photon.wi, photon.flux});
+std::vector<DirectedLight> examples(std::uint32_t count) {
+  std::vector<DirectedLight> all;
+  for (const Photon& photon : test::photons_on_floor(count))
+    all.push_back({photon.wi, photon.flux, 0.1f * photon.flux * photon.radiance});
   return all;
 }
 
@@ -42,7 +43,7 @@ TEST(OctahedralMap, CoversTheSphereOnce) {
 TEST(DirectionTrees, DensityIntegratesToOne) {
   DirectionTrees trees;
   for (const std::uint32_t count : {1u, 5u, 100u, 5000u}) {
-    const auto root = trees.add(examples(count));
+    const auto root = trees.add(examples(count)).root;
     double sum = 0;
     constexpr int kSide = 1024;  // eight by eight places in each of the smallest squares
     for (int y = 0; y < kSide; ++y)
@@ -57,7 +58,7 @@ TEST(DirectionTrees, DensityIntegratesToOne) {
 
 TEST(DirectionTrees, SamplesFollowTheDensity) {
   DirectionTrees trees;
-  const auto root = trees.add(examples(1000));
+  const auto root = trees.add(examples(1000)).root;
   constexpr int kSide = 64, kSamples = 1 << 18, kFine = 8;
   std::vector<double> observed(kSide * kSide), expected(kSide * kSide);
   const auto cell = [](float c) { return std::min(static_cast<int>(c * kSide), kSide - 1); };
@@ -79,12 +80,22 @@ TEST(DirectionTrees, SamplesFollowTheDensity) {
 
 TEST(DirectionTrees, HaveSomeDensityEverywhereAndMostWhereExamplesAre) {
   DirectionTrees trees;
-  const auto root = trees.add(examples(1000));
+  const auto root = trees.add(examples(1000)).root;
   for (std::uint32_t i = 0; i < 1000; ++i) {
     const auto u = Sampler(5, 0, 0, i).pad(0);
     EXPECT_GT(trees.pdf<float>(root, sample_sphere({u[0], u[1]})), 0);
   }
   EXPECT_GT(trees.pdf<float>(root, normalize({-0.1f, 1, 0.1f})), 10 * trees.pdf<float>(root, {0, -1, 0}));
+}
+
+// The same power from either side, but on one of them from few directions.
+TEST(DirectionTrees, LookLongerForLightThatComesFromFewerDirections) {
+  DirectionTrees trees;
+  const Vec3 wide = normalize({1, 1, 1}), narrow = normalize({-1, -1, 1});
+  const auto [root, root_mean_square] = trees.add(std::vector<DirectedLight>{{wide, 1, 0}, {narrow, 1, 4}});
+  EXPECT_GT(trees.pdf<float>(root, narrow), 2 * trees.pdf<float>(root, wide));
+  EXPECT_GT(trees.pdf<float>(root, wide), 2 * trees.pdf<float>(root, normalize({-1, 1, 1})));
+  EXPECT_GT(root_mean_square, 3);
 }
 
 }  // namespace

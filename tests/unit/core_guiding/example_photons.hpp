@@ -20,7 +20,7 @@ inline std::vector<core::Photon> photons_on_floor(std::uint32_t count) {
     const core::Vec3 around = core::sample_cosine_hemisphere({v[0], v[1]});
     const core::Vec3 wi =
         u[2] < 0.7f ? normalize(origin - position) : core::Vec3{around.x, around.z, around.y};
-    photons.push_back({position, {0, 1, 0}, wi, 1, 0.5f + u[3]});
+    photons.push_back({position, {0, 1, 0}, wi, 1, 0.5f + u[3], u[2] < 0.7f ? 10.0f : 0.0f});
   }
   return photons;
 }

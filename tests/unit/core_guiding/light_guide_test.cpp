@@ -92,7 +92,7 @@ TEST(LightGuide, IsAskedForMoreWhereItKnowsMoreOfTheLight) {
 }
 
 TEST(LightGuide, SurvivesPhotonsOfOnePlace) {
-  std::vector<Photon> photons(5000, {{1, 2, 3}, kUp, kUp, 1, 1});
+  std::vector<Photon> photons(5000, {{1, 2, 3}, kUp, kUp, 1, 1, 1});
   EXPECT_EQ(share_at(LightGuide::build(photons, darker_at_the_left, 1), {1, 2, 3}), 0);
 }
 
