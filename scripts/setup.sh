@@ -20,8 +20,8 @@ packages=(
   iproute2
   # tests/fuzz: Clang with libFuzzer, the sanitizers and OpenMP.
   clang-14 libclang-rt-14-dev libomp-14-dev
-  # Tests and benchmarks (Embree only to be measured beside).
-  libgtest-dev libgmock-dev libbenchmark-dev libembree-dev
+  # Tests, counts of instructions, and benchmarks (Embree only to be measured beside).
+  libgtest-dev libgmock-dev libbenchmark-dev libembree-dev valgrind
   # run_all.sh: reading statistics, and putting pictures on one sheet with their names.
   jq graphicsmagick fonts-dejavu-core
 )
