@@ -28,6 +28,11 @@ if(TESSERA_FUZZ)
   target_compile_options(tessera_options INTERFACE -fsanitize=fuzzer-no-link)
 endif()
 
+# Compiling takes most of the time of a test run, and what is compiled once to run for seconds gains little from being
+# optimised well: these come after the build type's own options.
+set(TESSERA_TEST_FLAGS "-O1" CACHE STRING "Compiler options of the tests")
+set(TESSERA_FARM_FLAGS "" CACHE STRING "Compiler options of the farm and its tests: all but core and its tests")
+
 # tessera_library(NAME SOURCES ... LINKS ...): a static library tessera_NAME with the alias tessera::NAME.
 function(tessera_library name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINKS;PRIVATE_LINKS" ${ARGN})
