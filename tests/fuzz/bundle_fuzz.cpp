@@ -17,7 +17,7 @@ core::Result<coordinator::CheckedScene> ask(const store::BlobStore& blobs, const
     const auto digest = proto::from_proto(asset.digest());
     if (digest) (*question.mutable_files())[asset.path()] = blobs.path(*digest).string();
   }
-  const validator::Verdict verdict = validator::judge(question);
+  const validator::Verdict verdict = validator::judge(question, {});
   expect_sendable(verdict);
   if (verdict.has_approval())
     return coordinator::CheckedScene{verdict.approval().settings(), verdict.approval().display()};
