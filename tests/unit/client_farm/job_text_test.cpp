@@ -43,11 +43,11 @@ TEST(JobText, SaysHowAJobIsServedAndWhichPartOfThePictureItIs) {
   crop.set_y0(10);
   crop.set_x1(640);
   crop.set_y1(40);
-  EXPECT_THAT(jobs_table(jobs, 1090), HasSubstr("   40x30   16  1.50M/s      2/3        -5   1:30 ago\n"));
-  EXPECT_THAT(job_description(job), HasSubstr("size       40x30\n"));
-  EXPECT_THAT(job_description(job), HasSubstr("crop       600,10,640,40 of 640x480\n"));
-  EXPECT_THAT(job_description(job), HasSubstr("priority   -5\n"));
-  EXPECT_THAT(job_description(job), HasSubstr("workers    2/3\n"));
+  EXPECT_THAT(jobs_table(jobs, 1090), HasSubstr("  40x30   16  1.50M/s      2/3        -5   1:30 ago\n"));
+  EXPECT_THAT(job_description(job), HasSubstr("size        40x30\n"));
+  EXPECT_THAT(job_description(job), HasSubstr("crop        600,10,640,40 of 640x480\n"));
+  EXPECT_THAT(job_description(job), HasSubstr("priority    -5\n"));
+  EXPECT_THAT(job_description(job), HasSubstr("workers     2/3\n"));
 }
 
 TEST(JobText, AJobThatIsOverHasNoSpeed) {
