@@ -64,6 +64,7 @@ core::Status run(const server::Options& options, const sigset_t& stop_signals) {
       std::chrono::duration_cast<scheduler::Duration>(std::chrono::duration<double>(options.lease_seconds));
   settings.keep_unused_blobs = std::chrono::duration_cast<std::chrono::seconds>(
       std::chrono::duration<double, std::ratio<3600>>(options.keep_unused_hours));
+  settings.audit_share = options.audit;
   const auto coordinator = coordinator::Coordinator::open(settings, std::move(*state), check);
   if (!coordinator) return core::fail(coordinator.error());
   rpc::ServerOptions serving{

@@ -66,6 +66,12 @@ Options parse_options(int argc, char** argv) {
       ->check(CLI::Range(1.0, 1e6))
       ->type_name("N")
       ->capture_default_str();
+  app.add_option(
+         "--audit", options.audit,
+         "The share of ranges, 0 to 1, that a worker of another name renders again, to compare the bits")
+      ->check(CLI::Range(0.0, 1.0))
+      ->type_name("P")
+      ->capture_default_str();
   app.add_option("--validator", options.validator, "The tessera-validator to start for submitted scenes")
       ->type_name("FILE")
       ->capture_default_str();

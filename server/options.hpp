@@ -21,6 +21,9 @@ struct Options {
   double lease_seconds = 10;
   // Scenes' files that no job names are removed after so many hours.
   double keep_unused_hours = 24;
+  // The share of ranges that another worker renders again, to find out who computes other bits. 1: everything
+  // is rendered twice.
+  double audit = 0;
   proto::ServerSecurity security;
   // File with the tokens of those who may call; see rpc::Access. Empty: everybody may do everything.
   std::string tokens;

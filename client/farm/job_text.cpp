@@ -63,6 +63,12 @@ std::string state_of(const v1::ListWorkersResponse::Worker& worker) {
   return worker.draining() ? "leaving" : "working";
 }
 
+// How many of its ranges were rendered again, and how many of them were wrong.
+std::string audits_of(const v1::ListWorkersResponse::Worker& worker) {
+  if (worker.disproved_ranges() == 0) return std::to_string(worker.audited_ranges());
+  return fmt::format("{} ({} wrong)", worker.audited_ranges(), worker.disproved_ranges());
+}
+
 }  // namespace
 
 std::string short_id(const std::string& id) {
@@ -131,18 +137,25 @@ std::string workers_table(const v1::ListWorkersResponse& workers, double now_sec
   for (const v1::ListWorkersResponse::Worker& worker : workers.workers())
     rows.push_back({short_id(worker.id()), worker.name(), state_of(worker), std::to_string(worker.threads()),
                     std::to_string(worker.held_leases()), speed(worker.samples_per_second()),
-                    format_count(static_cast<double>(worker.samples_accepted())),
+                    format_count(static_cast<double>(worker.samples_accepted())), audits_of(worker),
                     ago(worker.last_seen_at(), now_seconds), worker.version()});
-  return format_table({{"WORKER"},
-                       {"NAME"},
-                       {"STATE"},
-                       {"THREADS", Align::kRight},
-                       {"LEASES", Align::kRight},
-                       {"SPEED", Align::kRight},
-                       {"SAMPLES", Align::kRight},
-                       {"SEEN", Align::kRight},
-                       {"VERSION"}},
-                      rows);
+  std::string table = format_table({{"WORKER"},
+                                    {"NAME"},
+                                    {"STATE"},
+                                    {"THREADS", Align::kRight},
+                                    {"LEASES", Align::kRight},
+                                    {"SPEED", Align::kRight},
+                                    {"SAMPLES", Align::kRight},
+                                    {"AUDITS", Align::kRight},
+                                    {"SEEN", Align::kRight},
+                                    {"VERSION"}},
+                                   rows);
+  for (const v1::ListWorkersResponse::Worker& worker : workers.workers()) {
+    if (worker.put_aside_because().empty()) continue;
+    table += fmt::format("{} ({}) is put aside: {}\n", worker.name(), short_id(worker.id()),
+                         worker.put_aside_because());
+  }
+  return table;
 }
 
 std::string job_description(const v1::Job& job) {
@@ -159,6 +172,8 @@ std::string job_description(const v1::Job& job) {
       {"submitted", TimeUtil::ToString(job.created_at())},
       {"scene", fmt::format("{} with {} files", job.bundle().scene_path(), job.bundle().assets_size())}};
   if (job.settings().has_crop()) rows.push_back({"crop", crop_text(job.settings())});
+  if (job.samples_to_verify() > 0)
+    rows.push_back({"to verify", fmt::format("{} samples", job.samples_to_verify())});
   if (!job.submitter().empty()) rows.push_back({"submitter", job.submitter()});
   if (job.settings().integrator() == v1::INTEGRATOR_MIS)
     rows.push_back({"heuristic", heuristic_text(job.settings().heuristic())});

@@ -64,6 +64,7 @@ core::Status Coordinator::write_tiles(std::span<const TileRef> tiles) {
       record->film->mark_clean(ref.tile);
       copies.push_back({ref, grid_of(*record->spec).rect(ref.tile),
                         scheduler_.done({ref.job_id}, ref.tile).ranges(), record->film->copy(ref.tile)});
+      copies.back().content.authored = {fingerprinter_.check(), scheduler_.authored({ref.job_id}, ref.tile)};
     }
   }
   std::vector<store::TileRow> rows;

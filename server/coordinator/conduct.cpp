@@ -1,14 +1,30 @@
 #include "server/coordinator/conduct.hpp"
 
+#include <fmt/format.h>
+
 namespace tessera::coordinator {
 
 bool Conduct::refused(const std::string& worker, const std::string& name) {
   Entry& entry = entries_[worker];
   ++entry.refused;
-  if (++entry.in_a_row < kRefusalsUntilAside || entry.aside) return false;
+  if (++entry.in_a_row < kRefusalsUntilAside) return false;
+  return put_aside(worker, name, fmt::format("{} of its results in a row were refused", kRefusalsUntilAside));
+}
+
+bool Conduct::put_aside(const std::string& worker, const std::string& name, const std::string& because) {
+  Entry& entry = entries_[worker];
+  if (entry.aside) return false;
   entry.aside = true;
-  if (!name.empty()) names_aside_.insert(name);
+  entry.because = because;
+  if (!name.empty()) names_aside_.emplace(name, because);
   return true;
+}
+
+std::string Conduct::because(const std::string& worker, const std::string& name) const {
+  const auto entry = entries_.find(worker);
+  if (entry != entries_.end() && entry->second.aside) return entry->second.because;
+  const auto named = names_aside_.find(name);
+  return named == names_aside_.end() ? "" : named->second;
 }
 
 void Conduct::forget_others(const std::set<std::string>& present) {

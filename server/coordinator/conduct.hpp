@@ -1,7 +1,7 @@
 // Which workers' results were refused, and how often: those of a broken machine, a wrong build or a liar.
-// After too many in a row a worker is put aside, and every later worker of its name
-// with it, unless it has none, until the coordinator is started
-// anew. Not thread-safe; the coordinator's gate guards it.
+// After too many in a row, or when others have disproved it, a worker is put aside, and every later worker of
+// its name with it, unless it has none, until the coordinator is started anew. Not thread-safe; the
+// coordinator's gate guards it.
 #pragma once
 
 #include <cstdint>
@@ -17,6 +17,8 @@ class Conduct {
 
   // A result of this worker was refused. Whether that was once too often.
   bool refused(const std::string& worker, const std::string& name);
+  // The same for any other reason, a part of a sentence. Whether it was not aside already.
+  bool put_aside(const std::string& worker, const std::string& name, const std::string& because);
   // A result of it was in order.
   void in_order(const std::string& worker);
   // All workers but these are forgotten; who was put aside stays so.
@@ -25,15 +27,18 @@ class Conduct {
   std::uint64_t refusals(const std::string& worker) const;
   bool is_aside(const std::string& worker) const;
   bool is_name_aside(const std::string& name) const { return names_aside_.contains(name); }
+  // Why this worker, or the first of this name, is aside: part of a sentence. Empty if neither is.
+  std::string because(const std::string& worker, const std::string& name) const;
 
  private:
   struct Entry {
     std::uint64_t refused = 0;
     int in_a_row = 0;
     bool aside = false;
+    std::string because;
   };
-  std::map<std::string, Entry> entries_;  // by worker
-  std::set<std::string> names_aside_;
+  std::map<std::string, Entry> entries_;            // by worker
+  std::map<std::string, std::string> names_aside_;  // and why
 };
 
 }  // namespace tessera::coordinator

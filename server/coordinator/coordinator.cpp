@@ -20,6 +20,8 @@ scheduler::Options scheduler_options(const Options& options, std::uint32_t epoch
   result.epoch = epoch;
   result.lease_duration = options.lease_duration;
   result.forget_after = 10 * options.lease_duration;
+  result.audit_share = options.audit_share;
+  result.audit_secret = random_number();
   return result;
 }
 
@@ -35,6 +37,7 @@ Coordinator::Coordinator(Options options, store::StateDirectory state, SceneChec
     : options_(std::move(options)),
       check_scene_(std::move(check_scene)),
       state_(std::move(state)),
+      fingerprinter_(state_.jobs.secret()),
       scheduler_(scheduler_options(options_, state_.jobs.epoch())) {}
 
 Coordinator::~Coordinator() {
@@ -83,7 +86,9 @@ std::vector<v1::ListWorkersResponse::Worker> Coordinator::workers() {
   for (const scheduler::WorkerView& worker : scheduler_.workers(turn.now())) {
     result.push_back(to_wire(worker, wall_ms(worker.last_seen, turn.now())));
     result.back().set_refused_results(conduct_.refusals(worker.info.id.value));
-    result.back().set_put_aside(conduct_.is_aside(worker.info.id.value));
+    if (!conduct_.is_aside(worker.info.id.value)) continue;
+    result.back().set_put_aside(true);
+    result.back().set_put_aside_because(conduct_.because(worker.info.id.value, worker.info.name));
   }
   return result;
 }
@@ -95,6 +100,7 @@ void Coordinator::tick() {
   if (turn.now() < next_check_) return;
   next_check_ = turn.now() + kCheckPeriod;
   note_workers(turn);
+  note_lack_of_auditors(turn);
   if (const auto broken = scheduler_.check_invariants(scheduler::CheckDepth::kCounters)) {
     spdlog::critical("a defect, please report it with this line: {}", *broken);
     std::abort();
@@ -151,6 +157,7 @@ void Coordinator::apply(Turn& turn, const scheduler::Actions& actions) {
   while (!todo.empty()) {
     const scheduler::Actions next = std::move(todo.back());
     todo.pop_back();
+    follow_audits(next);
     for (const scheduler::JobChange& change : next.job_changes) note_change(change);
     for (const scheduler::WorkerId& worker : next.wake) {
       if (asked.insert(worker.value).second) todo.push_back(top_up(turn, worker.value, false));

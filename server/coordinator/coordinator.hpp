@@ -21,6 +21,7 @@
 #include "core/base/error.hpp"
 #include "core/image/image.hpp"
 #include "server/coordinator/conduct.hpp"
+#include "server/coordinator/fingerprinter.hpp"
 #include "server/coordinator/job_record.hpp"
 #include "server/limits.hpp"
 #include "server/scheduler/scheduler.hpp"
@@ -38,6 +39,8 @@ struct Options {
   // Blobs that no job names are kept for so long after they were last uploaded or submitted: long enough for
   // a client to submit what it has uploaded, and for somebody who tries one scene after another.
   std::chrono::seconds keep_unused_blobs = std::chrono::hours(24);
+  // The share of ranges that another worker renders again, to compare the bits: 0 to 1.
+  double audit_share = 0;
   // The clock. Tests bring their own.
   std::function<scheduler::Time()> now = std::chrono::steady_clock::now;
 };
@@ -108,6 +111,9 @@ class Coordinator {
   // Writes what has changed since the last one. After an error everything not written is tried again next
   // time.
   core::Status checkpoint();
+  // Lets done jobs run again of which workers that were put aside have rendered something that nobody has
+  // verified. Due now and then; blocks while films are read back.
+  void reopen_jobs();
   // Removes the blobs that nobody has needed for long, unless a job is being submitted. Due now and then.
   void collect_blobs();
   // Answers all waiting calls, and every later one, with UNAVAILABLE.
@@ -129,6 +135,7 @@ class Coordinator {
   core::Status add_restored(const scheduler::RestoreJob& event, JobRecord record);
   core::Result<bool> lacks_samples(const store::JobRow& row, const core::TileGrid& grid,
                                    std::map<int, std::vector<core::SampleRange>>& done);
+  bool can_be_verified(Authored& authored) const;
   core::Result<LoadedFilm> load_film(const v1::Job& spec);
   // Empty where the store has nothing of the tile.
   core::Result<TileContent> load_tile(const v1::Job& spec, const core::TileGrid& grid, int tile);
@@ -153,6 +160,7 @@ class Coordinator {
   core::Result<v1::Job> store_change(core::Result<ChangedJob> changed);
   struct Extension;
   core::Result<Extension> prepare_extension(const std::string& id);
+  core::Status reopen_job(const std::string& id);
   void fail_job(Turn& turn, const std::string& id, const std::string& failure);
 
   // ---- Within a turn ----
@@ -172,8 +180,12 @@ class Coordinator {
   // Whether the scheduler has heard of the worker lately.
   bool is_known(const Turn& turn, const std::string& id) const;
   bool arithmetic_is_bound(const Turn& turn, const std::string& except_worker) const;
+  struct Delivery;
   core::Result<v1::SubmitResultResponse> count_result(Turn& turn, const v1::SubmitResultRequest& request,
-                                                      const std::vector<core::FilmTile>& tiles);
+                                                      const Delivery& delivery);
+  void empty_tiles(const scheduler::Actions& actions);
+  void follow_audits(const scheduler::Actions& actions);
+  void note_lack_of_auditors(const Turn& turn);
   core::Status may_count(const JobRecord& record, const v1::SubmitResultRequest& request) const;
   void note_refused_result(Turn& turn, const std::string& worker, const core::Error& error);
   scheduler::Actions top_up(Turn& turn, const std::string& worker, bool answer_unchanged);
@@ -201,7 +213,8 @@ class Coordinator {
 
   std::stop_source stopping_;    // ends the hashing of bundles
   store::StateDirectory state_;  // thread-safe by itself
-  std::mutex submit_mutex_;      // one job is added at a time
+  const Fingerprinter fingerprinter_;
+  std::mutex submit_mutex_;  // one job is added at a time
   // Shared by submissions, from looking at their blobs to storing their jobs: no blob is removed in between.
   std::shared_mutex blobs_in_use_;
   std::mutex checkpoint_mutex_;  // one checkpoint is written at a time
@@ -214,6 +227,7 @@ class Coordinator {
   std::map<std::string, std::uint64_t> places_;  // taken by each submitter for jobs that are being checked
   std::map<std::string, ParkedCall> parked_;     // by worker
   Conduct conduct_;
+  std::set<std::string> to_reopen_;             // jobs
   std::string arithmetic_;                      // fingerprint of this farm; empty while any will do
   std::map<std::string, std::string> present_;  // names of the workers that are heard of, by id; for the log
   scheduler::Time next_check_{};

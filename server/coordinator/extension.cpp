@@ -1,5 +1,7 @@
-// Asking a job for more samples. A done job's film is only on disk, and is read back outside the gate.
+// Done jobs that run again: for more samples, or since some of theirs are doubted. Their films are only on
+// disk, and are read back outside the gate.
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include <utility>
 
@@ -74,6 +76,35 @@ core::Result<v1::Job> Coordinator::extend_job(const std::string& id, std::uint32
       changed = change(turn, id, scheduler::ExtendJob{{id}, spp});
     }
     return store_change(std::move(*changed));
+  }
+}
+
+void Coordinator::reopen_jobs() {
+  std::set<std::string> ids;
+  {
+    const Turn turn(*this);
+    ids.swap(to_reopen_);
+  }
+  for (const std::string& id : ids) {
+    const core::Status reopened = reopen_job(id);
+    if (reopened || reopened.error().code == core::ErrorCode::kNotFound) continue;
+    spdlog::error("job {} was rendered in part by a worker that is put aside, and cannot be verified: {}", id,
+                  reopened.error().message);
+  }
+}
+
+core::Status Coordinator::reopen_job(const std::string& id) {
+  while (true) {
+    auto preparation = prepare_extension(id);
+    if (!preparation) return core::fail(preparation.error());
+    Turn turn(*this);
+    JobRecord* record = find(id);
+    if (record == nullptr || record->revision != preparation->revision) continue;  // changed meanwhile
+    if (needs_film(turn, *record) && !preparation->film) continue;                 // stored meanwhile
+    if (!record->film) record->film = std::move(preparation->film);
+    const scheduler::Actions actions = scheduler_.handle(scheduler::ReopenJob{{id}}, turn.now());
+    apply(turn, actions);
+    return actions.status;
   }
 }
 

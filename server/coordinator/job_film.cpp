@@ -53,18 +53,34 @@ JobFilm::JobFilm(core::TileGrid grid) : film_(grid), counters_(static_cast<std::
 void JobFilm::add(int tile, const core::FilmTile& samples) {
   film_.add(samples);
   counters_[static_cast<std::size_t>(tile)].add(samples.counters);
-  total_.add(samples.counters);
+  if (total_) total_->add(samples.counters);
   changed_.insert(tile);
+}
+
+void JobFilm::clear(int tile) {
+  const std::size_t channels = film_.grid().rect(tile).pixel_count() * 3;
+  film_.restore(tile, {std::vector<std::uint64_t>(channels), std::vector<std::uint64_t>(channels), 0, 0});
+  counters_[static_cast<std::size_t>(tile)] = {};
+  total_.reset();
+  changed_.insert(tile);
+}
+
+const core::RenderCounters& JobFilm::counters() const {
+  if (!total_) {
+    total_.emplace();
+    for (const core::RenderCounters& tile : counters_) total_->add(tile);
+  }
+  return *total_;
 }
 
 void JobFilm::restore(int tile, TileContent content) {
   film_.restore(tile, std::move(content.sums));
   counters_[static_cast<std::size_t>(tile)] = content.counters;
-  total_.add(content.counters);
+  total_.reset();
 }
 
 TileContent JobFilm::copy(int tile) const {
-  return {film_.tile(tile), counters_[static_cast<std::size_t>(tile)]};
+  return {film_.tile(tile), counters_[static_cast<std::size_t>(tile)], {}};
 }
 
 // The content is kept as a rendered item whose sums are in planes (tile_planes.hpp), after a mark that no
@@ -77,6 +93,7 @@ store::TileRow encode_tile_row(const std::string& job_id, int tile, const core::
   *message.mutable_counters() = proto::to_proto(content.counters);
   std::string bytes(1, kPlanesMark);
   message.AppendToString(&bytes);
+  bytes += encode_authors(content.authored);
   return {job_id, tile, std::move(done), std::move(bytes)};
 }
 
@@ -86,15 +103,16 @@ core::Result<TileContent> decode_tile_row(const store::TileRow& row, const core:
                       fmt::format("the stored tile {} of job {} is damaged ({})", row.tile, row.job_id, how));
   };
   const bool in_planes = !row.content.empty() && row.content.front() == kPlanesMark;
+  const std::string bytes = in_planes ? row.content.substr(1) : row.content;
   v1::RenderedItem message;
-  if (!message.ParseFromString(in_planes ? row.content.substr(1) : row.content))
-    return damaged("not a rendered item");
+  if (!message.ParseFromString(bytes)) return damaged("not a rendered item");
   auto item = in_planes ? decode_item_in_planes(message, rect) : proto::decode_tile(message);
   if (!item) return damaged(item.error().message);
   const SampleCount count = count_samples(row.done);
   if (item->rect != rect || item->range.count() != count.all) return damaged("of another rectangle or range");
   return TileContent{{std::move(item->sums), std::move(item->odd_sums), count.all, count.odd},
-                     item->counters};
+                     item->counters,
+                     decode_authors(row.tile, bytes)};
 }
 
 }  // namespace tessera::coordinator

@@ -9,6 +9,7 @@
 
 #include "core/base/error.hpp"
 #include "core/film/film.hpp"
+#include "server/coordinator/tile_authors.hpp"
 #include "server/store/job_store.hpp"
 
 namespace tessera::coordinator {
@@ -17,6 +18,8 @@ namespace tessera::coordinator {
 struct TileContent {
   core::Film::TileSums sums;
   core::RenderCounters counters;
+  // Who rendered it, in the store alone: while a job runs, the scheduler knows.
+  Authored authored{};
 };
 
 class JobFilm {
@@ -25,13 +28,15 @@ class JobFilm {
 
   // Adds samples of one tile. The caller sees to it that none is added twice.
   void add(int tile, const core::FilmTile& samples);
+  // Takes all samples of a tile out again.
+  void clear(int tile);
   // Puts back what the store had of a tile that is empty so far.
   void restore(int tile, TileContent content);
 
   TileContent copy(int tile) const;
   const core::Film& film() const { return film_; }
   // Of all tiles together.
-  const core::RenderCounters& counters() const { return total_; }
+  const core::RenderCounters& counters() const;
 
   // Tiles that changed since they were last marked clean.
   const std::set<int>& changed() const { return changed_; }
@@ -40,8 +45,8 @@ class JobFilm {
 
  private:
   core::Film film_;
-  std::vector<core::RenderCounters> counters_;  // by tile
-  core::RenderCounters total_;
+  std::vector<core::RenderCounters> counters_;         // by tile
+  mutable std::optional<core::RenderCounters> total_;  // absent: to be added up again
   std::set<int> changed_;
 };
 

@@ -53,6 +53,7 @@ v1::Job summarise(const JobRecord& record, const scheduler::JobView& view) {
   job.set_max_workers(view.max_workers);
   job.set_samples_total(view.samples_total);
   job.set_samples_done(view.samples_done);
+  job.set_samples_to_verify(view.samples_to_verify);
   job.set_samples_per_second(view.samples_per_second);
   job.set_active_workers(static_cast<std::uint32_t>(view.active_workers));
   *job.mutable_counters() = proto::to_proto(record.counters());

@@ -27,6 +27,8 @@ struct JobRecord {
   std::string arithmetic;
   // While it takes results. Null once it is finished and stored: the store has it then.
   std::unique_ptr<JobFilm> film;
+  // How often in a row it was seen to lack nothing but somebody to verify it.
+  int checks_without_auditor = 0;
   // Of the film when there is none in memory.
   core::RenderCounters stored_counters;
 

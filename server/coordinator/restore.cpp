@@ -83,6 +83,7 @@ core::Status Coordinator::restore_job(const store::JobRow& row) {
   auto done = state_.jobs.tiles_done(row.id);
   if (!done) return core::fail(done.error());
 
+  std::vector<scheduler::AuthoredItem> authored;
   bool unfinished = !is_finished(state);
   if (state == scheduler::JobState::kDone) {
     auto lacks = lacks_samples(row, grid_of(*record->spec), *done);
@@ -98,13 +99,15 @@ core::Status Coordinator::restore_job(const store::JobRow& row) {
     for (const std::string& damage : loaded->damage) spdlog::error("{}: it is rendered again", damage);
     record->film = std::move(loaded->film);
     *done = std::move(loaded->done);
+    authored = std::move(loaded->authored);
     if (arithmetic_.empty()) arithmetic_ = record->arithmetic;
   }
   // What stands in rows that were not checked cannot raise a job's samples.
   const scheduler::JobShape shape = shape_of(*record->spec, unfinished ? spp_of(row, *done) : row.spp);
 
   const scheduler::RestoreJob event{
-      {row.id}, shape, row.priority, state, row.failure, done_sets(shape, *done), row.max_workers};
+      {row.id},           shape, row.priority, state, row.failure, done_sets(shape, *done), row.max_workers,
+      std::move(authored)};
   const core::Status taken_up = add_restored(event, std::move(*record));
   return taken_up ? taken_up : restore_damaged_job(row, taken_up.error().within("taking up job " + row.id));
 }
@@ -129,15 +132,33 @@ core::Result<bool> Coordinator::lacks_samples(const store::JobRow& row, const co
   return lacks;
 }
 
+// Makes do with fingerprints that cannot be compared any more, since the secret was lost, where nobody needs
+// them. Whether that is so.
+bool Coordinator::can_be_verified(Authored& authored) const {
+  if (authored.fingerprinter == fingerprinter_.check()) return true;
+  const bool due = std::any_of(authored.items.begin(), authored.items.end(),
+                               [](const auto& each) { return each.due != scheduler::Due::kNo; });
+  authored.items.clear();
+  return !due;
+}
+
 core::Result<Coordinator::LoadedFilm> Coordinator::load_film(const v1::Job& spec) {
   const core::TileGrid grid = grid_of(spec);
   auto done = state_.jobs.tiles_done(spec.id());
   if (!done) return core::fail(done.error());
-  LoadedFilm loaded{std::make_unique<JobFilm>(grid), {}, {}};
+  LoadedFilm loaded{std::make_unique<JobFilm>(grid), {}, {}, {}};
   for (const auto& [tile, ranges] : *done) {
     if (tile < 0 || tile >= grid.tile_count()) continue;
     auto content = load_tile(spec, grid, tile);
     if (content) {  // and so the ranges are those that were written
+      if (!can_be_verified(content->authored)) {
+        loaded.damage.push_back(fmt::format(
+            "tile {} of job {} was to be verified, and its fingerprints are of another state folder", tile,
+            spec.id()));
+        continue;
+      }
+      auto& items = content->authored.items;
+      loaded.authored.insert(loaded.authored.end(), items.begin(), items.end());
       loaded.film->restore(tile, std::move(*content));
       loaded.done[tile] = ranges;
     } else if (content.error().code == core::ErrorCode::kDataLoss) {
@@ -154,7 +175,8 @@ core::Result<TileContent> Coordinator::load_tile(const v1::Job& spec, const core
   if (!row) return core::fail(row.error());
   if (*row) return decode_tile_row(**row, grid.rect(tile));
   const std::size_t channels = grid.rect(tile).pixel_count() * 3;
-  return TileContent{{std::vector<std::uint64_t>(channels), std::vector<std::uint64_t>(channels), 0, 0}, {}};
+  return TileContent{
+      {std::vector<std::uint64_t>(channels), std::vector<std::uint64_t>(channels), 0, 0}, {}, {}};
 }
 
 }  // namespace tessera::coordinator

@@ -4,6 +4,7 @@
 #include <openssl/rand.h>
 
 #include <array>
+#include <bit>
 
 #include "proto/convert.hpp"
 
@@ -74,6 +75,8 @@ v1::ListWorkersResponse::Worker to_wire(const scheduler::WorkerView& worker, std
   *message.mutable_last_seen_at() = timestamp_from_ms(seen_ms);
   message.set_draining(worker.draining);
   message.set_silent(worker.silent);
+  message.set_audited_ranges(worker.audited_ranges);
+  message.set_disproved_ranges(worker.disproved_ranges);
   return message;
 }
 
@@ -92,6 +95,12 @@ google::protobuf::Duration to_wire(scheduler::Duration duration) {
 
 double seconds(const google::protobuf::Duration& duration) {
   return static_cast<double>(duration.seconds()) + 1e-9 * duration.nanos();
+}
+
+std::uint64_t random_number() {
+  std::array<unsigned char, sizeof(std::uint64_t)> bytes{};
+  RAND_bytes(bytes.data(), static_cast<int>(bytes.size()));
+  return std::bit_cast<std::uint64_t>(bytes);
 }
 
 std::string random_id() {

@@ -27,6 +27,8 @@ std::int64_t ms_from_timestamp(const google::protobuf::Timestamp& timestamp);
 google::protobuf::Duration to_wire(scheduler::Duration duration);
 double seconds(const google::protobuf::Duration& duration);
 
+// From the operating system.
+std::uint64_t random_number();
 // 128 bits from the operating system, as 32 lower-case hexadecimal digits.
 std::string random_id();
 

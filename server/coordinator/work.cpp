@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "proto/tile_codec.hpp"
+#include "server/coordinator/plausible.hpp"
 #include "server/coordinator/turn.hpp"
 #include "server/coordinator/wire.hpp"
 
@@ -50,16 +51,6 @@ scheduler::WorkerInfo info_of(const v1::SynchronizeRequest& request) {
   return {{request.worker_id()}, request.name(), request.version(), threads};
 }
 
-core::Status check_first_non_finite(const core::FilmTile& tile) {
-  const auto& id = tile.counters.first_non_finite;
-  const core::PixelRect& rect = tile.rect;
-  if (!id || (id->x >= rect.x0 && id->x < rect.x1 && id->y >= rect.y0 && id->y < rect.y1 &&
-              id->sample >= tile.range.begin && id->sample < tile.range.end)) {
-    return {};
-  }
-  return core::fail(ErrorCode::kInvalidArgument, "counters.first_non_finite: is no sample of this item");
-}
-
 core::Result<std::vector<core::FilmTile>> decode_items(const v1::SubmitResultRequest& request) {
   if (request.items_size() > kMaxItemsPerResult) {
     return core::fail(ErrorCode::kInvalidArgument, fmt::format("items: at most {} in one message, got {}",
@@ -68,7 +59,7 @@ core::Result<std::vector<core::FilmTile>> decode_items(const v1::SubmitResultReq
   std::vector<core::FilmTile> tiles;
   for (int i = 0; i < request.items_size(); ++i) {
     auto tile = proto::decode_tile(request.items(i));
-    core::Status valid = tile ? check_first_non_finite(*tile) : core::fail(tile.error());
+    core::Status valid = tile ? check_plausible(*tile) : core::fail(tile.error());
     if (!valid) return core::fail(valid.error().within(fmt::format("items[{}]", i)));
     tiles.push_back(std::move(*tile));
   }
@@ -122,11 +113,10 @@ core::Status Coordinator::admit(const Turn& turn, const v1::SynchronizeRequest& 
   if (conduct_.is_aside(request.worker_id()) || newly_named) {
     return core::fail(
         ErrorCode::kFailedPrecondition,
-        fmt::format(
-            "worker {} is put aside: {} of its results in a row were refused (the coordinator's log says "
-            "why). Check the machine and its memory; then start the worker under another name (--name), "
-            "or start the coordinator anew",
-            request.name(), Conduct::kRefusalsUntilAside));
+        fmt::format("worker {} is put aside: {} (the coordinator's log says more). Check the machine and "
+                    "its memory; then start the worker under another name (--name), or start the "
+                    "coordinator anew",
+                    request.name(), conduct_.because(request.worker_id(), request.name())));
   }
   const std::string& offered = request.arithmetic_fingerprint();
   if (offered == arithmetic_) return {};
@@ -204,14 +194,23 @@ v1::SynchronizeResponse Coordinator::respond(const scheduler::Reply& reply,
   return response;
 }
 
+// What a result brought, read outside the gate.
+struct Coordinator::Delivery {
+  std::vector<core::FilmTile> tiles;
+  std::vector<scheduler::Fingerprint> fingerprints;
+};
+
 core::Result<v1::SubmitResultResponse> Coordinator::submit_result(const v1::SubmitResultRequest& request) {
-  const auto tiles = decode_items(request);
+  auto tiles = decode_items(request);
+  Delivery delivery;
+  if (tiles) delivery.tiles = std::move(*tiles);
+  for (const core::FilmTile& tile : delivery.tiles) delivery.fingerprints.push_back(fingerprinter_.of(tile));
   Turn turn(*this);
   if (conduct_.is_aside(request.worker_id())) {
     return core::fail(ErrorCode::kFailedPrecondition,
-                      "too many results of this worker were refused: it is put aside");
+                      fmt::format("this worker is put aside: {}", conduct_.because(request.worker_id(), "")));
   }
-  auto counted = tiles ? count_result(turn, request, *tiles)
+  auto counted = tiles ? count_result(turn, request, delivery)
                        : core::Result<v1::SubmitResultResponse>(core::fail(tiles.error()));
   if (!counted && counted.error().code == ErrorCode::kInvalidArgument) {
     note_refused_result(turn, request.worker_id(), counted.error());
@@ -223,11 +222,11 @@ core::Result<v1::SubmitResultResponse> Coordinator::submit_result(const v1::Subm
 
 core::Result<v1::SubmitResultResponse> Coordinator::count_result(Turn& turn,
                                                                  const v1::SubmitResultRequest& request,
-                                                                 const std::vector<core::FilmTile>& tiles) {
+                                                                 const Delivery& delivery) {
   v1::SubmitResultResponse response;
   JobRecord* record = find(request.job_id());
   if (record == nullptr) {
-    response.set_dropped_items(static_cast<std::uint32_t>(tiles.size()));
+    response.set_dropped_items(static_cast<std::uint32_t>(delivery.tiles.size()));
     return response;
   }
   if (auto may = may_count(*record, request); !may) return core::fail(may.error());
@@ -238,8 +237,9 @@ core::Result<v1::SubmitResultResponse> Coordinator::count_result(Turn& turn,
                                 {},
                                 seconds(request.render_time()),
                                 request.lease_finished(),
-                                beginning_of(request.cannot_build())};
-  for (const core::FilmTile& tile : tiles)
+                                beginning_of(request.cannot_build()),
+                                delivery.fingerprints};
+  for (const core::FilmTile& tile : delivery.tiles)
     event.items.push_back({scheduler::tile_index(grid, tile.rect), tile.range});
   const scheduler::Actions actions = scheduler_.handle(event, turn.now());
   if (!actions.status) {
@@ -247,13 +247,16 @@ core::Result<v1::SubmitResultResponse> Coordinator::count_result(Turn& turn,
     return core::fail(actions.status.error());
   }
 
-  for (std::size_t i = 0; i < tiles.size(); ++i) {
+  empty_tiles(actions);
+  for (std::size_t i = 0; i < delivery.tiles.size(); ++i) {
+    if (actions.verdicts[i] == scheduler::Verdict::kAccepted)
+      record->film->add(event.items[i].tile, delivery.tiles[i]);
+    // A worker does not hear whether it rendered something for the first time.
     if (actions.verdicts[i] == scheduler::Verdict::kDropped) {
       response.set_dropped_items(response.dropped_items() + 1);
-      continue;
+    } else {
+      response.set_accepted_items(response.accepted_items() + 1);
     }
-    record->film->add(event.items[i].tile, tiles[i]);
-    response.set_accepted_items(response.accepted_items() + 1);
   }
   if (response.accepted_items() > 0 && record->arithmetic.empty()) {
     const std::string& offered = request.arithmetic_fingerprint();
@@ -290,8 +293,8 @@ void Coordinator::note_refused_result(Turn& turn, const std::string& worker, con
   const std::string& name = known->info.name;
   spdlog::warn("refused a result of worker {} ({}): {}", name, worker, error.message);
   if (!conduct_.refused(worker, name)) return;
-  spdlog::error("worker {} ({}) is put aside: {} of its results in a row were refused", name, worker,
-                Conduct::kRefusalsUntilAside);
+  spdlog::error("worker {} ({}) is put aside: {}. What it rendered before is verified by others", name,
+                worker, conduct_.because(worker, name));
   apply(turn, scheduler_.handle(scheduler::Dismiss{{worker}}, turn.now()));
 }
 

@@ -24,6 +24,7 @@ namespace {
 constexpr auto kTickPeriod = std::chrono::milliseconds(100);
 // With the time of writing, less than the two seconds that a crash may cost.
 constexpr auto kCheckpointPeriod = std::chrono::milliseconds(1000);
+constexpr auto kReopenPeriod = std::chrono::milliseconds(500);
 constexpr auto kCollectPeriod = std::chrono::minutes(10);
 constexpr auto kLeaveForCalls = std::chrono::seconds(2);
 
@@ -65,6 +66,7 @@ struct Server::Parts {
         worker_service(c, gate, quick),
         ticker(kTickPeriod, [this] { coordinator.tick(); }),
         checkpointer(kCheckpointPeriod, [this] { checkpoint_log.note(coordinator.checkpoint()); }),
+        reopener(kReopenPeriod, [this] { coordinator.reopen_jobs(); }),
         collector(kCollectPeriod, [this] { coordinator.collect_blobs(); }) {}
 
   Coordinator& coordinator;
@@ -75,7 +77,7 @@ struct Server::Parts {
   RenderService render_service;
   WorkerService worker_service;
   CheckpointLog checkpoint_log;
-  coordinator::Periodic ticker, checkpointer, collector;
+  coordinator::Periodic ticker, checkpointer, reopener, collector;
   std::unique_ptr<grpc::Server> grpc;
 };
 

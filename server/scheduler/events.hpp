@@ -8,8 +8,11 @@
 #include <vector>
 
 #include "core/base/error.hpp"
+#include "server/scheduler/author.hpp"
+#include "server/scheduler/fingerprint.hpp"
 #include "server/scheduler/interval_set.hpp"
 #include "server/scheduler/job_state.hpp"
+#include "server/scheduler/ledger.hpp"
 #include "server/scheduler/types.hpp"
 
 namespace tessera::scheduler {
@@ -44,6 +47,9 @@ struct TopUp {
 // The worker is to have no more work: what it holds goes to others. NOT_FOUND: it has been forgotten.
 struct Dismiss {
   WorkerId worker;
+  // It is not to be trusted either: what was counted of it, or of any other of its name, is to be verified,
+  // unless it was.
+  bool doubt = false;
 };
 
 // Rendered samples have arrived, however late. Answered by Actions::verdicts. INVALID_ARGUMENT: an item is no
@@ -61,7 +67,13 @@ struct SubmitResult {
   bool lease_finished = false;
   // Why the holder of the lease gives it back: it cannot build the scene. Empty for any other reason.
   std::string cannot_build{};
+  // Of each item.
+  std::vector<Fingerprint> fingerprints{};
 };
+
+inline Fingerprint fingerprint_of(const SubmitResult& result, std::size_t item) {
+  return item < result.fingerprints.size() ? result.fingerprints[item] : Fingerprint{};
+}
 
 // ---- Jobs ----
 // All that name an existing job: NOT_FOUND if there is none. All that ask for a state: FAILED_PRECONDITION if
@@ -77,6 +89,14 @@ struct SubmitJob {
   std::uint32_t max_workers = 0;
 };
 
+// Who rendered samples that are in the film, where nobody else has confirmed them.
+struct AuthoredItem {
+  WorkItem item;
+  Author author;
+  Fingerprint fingerprint;
+  Due due = Due::kNo;
+};
+
 // A job as it was stored before the coordinator stopped. Jobs share the farm in the order in which they were
 // submitted or restored. A running job that lacks nothing becomes done and a done one that lacks samples runs
 // (see Actions::job_changes). Errors: those of SubmitJob; also INVALID_ARGUMENT if `done` is not of the job's
@@ -90,6 +110,14 @@ struct RestoreJob {
   // For each tile, the samples that are in the film.
   std::vector<IntervalSet> done;
   std::uint32_t max_workers = 0;
+  // Items that are not among the samples done, or overlap, are overlooked.
+  std::vector<AuthoredItem> authored{};
+};
+
+// What workers that were put aside have rendered of the job is to be verified: if it is done, it runs again.
+// See Actions::reopen. No change if there is nothing to verify.
+struct ReopenJob {
+  JobId id;
 };
 
 struct PauseJob {
@@ -131,7 +159,7 @@ struct FailJob {
 struct Tick {};
 
 using Event = std::variant<Synchronize, TopUp, Dismiss, SubmitResult, SubmitJob, RestoreJob, PauseJob,
-                           ResumeJob, CancelJob, DeleteJob, ExtendJob, UpdateJob, FailJob, Tick>;
+                           ReopenJob, ResumeJob, CancelJob, DeleteJob, ExtendJob, UpdateJob, FailJob, Tick>;
 
 // ---- Answers ----
 
@@ -151,6 +179,7 @@ struct Reply {
 enum class Verdict {
   kAccepted,  // was missing, and is now counted as done: the caller must add it to the film before the next
               // event
+  kAudited,   // was rendered to verify what is in the film, where it must not be added again
   kDropped,   // at least one of its samples is in the film already or is no more of the job, or the job takes
               // no results any more
 };
@@ -159,6 +188,25 @@ struct JobChange {
   JobId id;
   JobState from = JobState::kRunning, to = JobState::kRunning;
   bool operator==(const JobChange&) const = default;
+};
+
+// A worker has rendered other bits than two others.
+struct Disproof {
+  Author author;
+  // What it was, for people.
+  std::string because;
+};
+
+struct TileOfJob {
+  JobId job;
+  int tile = 0;
+  bool operator==(const TileOfJob&) const = default;
+};
+
+// A job is done, and ranges of it that were chosen for an audit had none: there was nobody for it.
+struct Unaudited {
+  JobId job;
+  std::size_t ranges = 0;
 };
 
 struct Actions {
@@ -172,6 +220,18 @@ struct Actions {
   // Every change of state, in order; also those that follow from something else (RUNNING to DONE with a
   // result, RUNNING to FAILED with the third machine whose worker died of one range).
   std::vector<JobChange> job_changes;
+  // These workers are to be put aside. Their leases are gone already.
+  std::vector<Disproof> disproved;
+  // Everything in these tiles is missing again: empty them before the accepted items are added.
+  std::vector<TileOfJob> dropped_tiles;
+  // Scheduler::authored() has changed for these tiles, apart from those of accepted items.
+  std::vector<TileOfJob> reviewed_tiles;
+  // Done jobs with samples of workers that were put aside: hand in ReopenJob as soon as their films are at
+  // hand again.
+  std::vector<JobId> reopen;
+  // Two workers have rendered other bits of this, and a third must decide; for the log.
+  std::vector<std::string> contradictions;
+  std::vector<Unaudited> unaudited;
   // Workers whose last reply was not `changed` and could now be. For each whose call is still waiting, hand
   // in TopUp, and answer the call if the reply is `changed`. For others do nothing.
   std::vector<WorkerId> wake;

@@ -25,6 +25,7 @@ Job::Job(JobId id, JobShape shape, Service service, std::vector<IntervalSet> don
       service_(service),
       done_(std::move(done)),
       work_(grid_.tile_count(), shape.spp),
+      audits_(grid_),
       total_(total_samples(shape)) {
   done_.resize(static_cast<std::size_t>(grid_.tile_count()));
   for (int tile = 0; tile < grid_.tile_count(); ++tile) {
@@ -43,13 +44,23 @@ void Job::serve(const Service& service) {
 }
 
 bool Job::may_be_leased_to(const WorkerId& worker) const {
-  const std::size_t others = leases_.holder_count() - (leases_.is_holder(worker) ? 1 : 0);
-  return service_.max_workers == 0 || others < service_.max_workers;
+  const std::size_t most = service_.max_workers;
+  return most == 0 || holder_count() - (is_holder(worker) ? 1 : 0) < most;
+}
+
+std::size_t Job::holder_count() const {
+  std::set<WorkerId> auditors;
+  for (const auto& [id, lease] : audit_leases_.all()) {
+    if (!leases_.is_holder(lease.holder)) auditors.insert(lease.holder);
+  }
+  return leases_.holder_count() + auditors.size();
 }
 
 std::size_t Job::workers_beyond_limit() const {
-  const std::size_t holders = leases_.holder_count(), most = service_.max_workers;
-  return most == 0 || holders <= most ? 0 : holders - most;
+  const std::size_t most = service_.max_workers;
+  if (most == 0) return 0;
+  const std::size_t holders = holder_count();
+  return holders <= most ? 0 : holders - most;
 }
 
 void Job::note_ended_lease() {
@@ -152,6 +163,7 @@ std::vector<WorkItem> Job::free_parts(const std::vector<WorkItem>& items) const 
 }
 
 void Job::lease(Lease lease) {
+  if (lease.auditor) return lease_audit(std::move(lease));
   for (const WorkItem& item : lease.items) {
     IntervalSet newly{item.samples};
     newly.remove(leases_.leased(item.tile));
@@ -161,7 +173,13 @@ void Job::lease(Lease lease) {
   leases_.insert(std::move(lease));
 }
 
+const Lease* Job::find_lease(LeaseId id) const {
+  const Lease* const lease = leases_.find(id);
+  return lease != nullptr ? lease : audit_leases_.find(id);
+}
+
 Lease Job::end_lease(LeaseId id) {
+  if (audit_leases_.find(id) != nullptr) return end_audit(id);
   Lease lease = leases_.remove(id);
   copyable_.erase(id);
   for (const WorkItem& item : lease.items) {
@@ -180,6 +198,7 @@ Lease Job::end_lease(LeaseId id) {
 std::vector<Lease> Job::end_all_leases() {
   std::vector<Lease> ended;
   while (!leases_.all().empty()) ended.push_back(end_lease(leases_.all().begin()->first));
+  while (!audit_leases_.all().empty()) ended.push_back(end_audit(audit_leases_.all().begin()->first));
   return ended;
 }
 
@@ -209,6 +228,7 @@ std::optional<std::string> Job::blame(const Lease& lease, const Death& death) {
   const WorkItem& item = lease.items.front();
   // What another worker still holds may yet be rendered.
   if (leases_.leased(item.tile).intersects(item.samples)) return std::nullopt;
+  if (audit_leases_.leased(item.tile).intersects(item.samples)) return std::nullopt;
   const std::vector<Death> deaths = suspects_.first_part(item).deaths;
   if (deaths.size() < kDeathsUntilFailure) return std::nullopt;
   std::vector<std::string> names;
@@ -229,10 +249,11 @@ std::optional<std::string> Job::cannot_build(const Refuser& refuser, const std::
   ++refusals_;
   refusers_.insert(refuser.name);
   refusing_workers_.insert(refuser.worker);
+  const auto has_refused = [&](const auto& entry) { return refusing_workers_.contains(entry.second.holder); };
   const bool nobody_else =
       std::includes(refusers_.begin(), refusers_.end(), present.begin(), present.end()) &&
-      std::all_of(leases_.all().begin(), leases_.all().end(),
-                  [&](const auto& entry) { return refusing_workers_.contains(entry.second.holder); });
+      std::all_of(leases_.all().begin(), leases_.all().end(), has_refused) &&
+      std::all_of(audit_leases_.all().begin(), audit_leases_.all().end(), has_refused);
   if (refusals_ < kRefusalsUntilFailure) return std::nullopt;
   if (refusers_.size() < kRefusersUntilFailure && !nobody_else) return std::nullopt;
   return fmt::format(

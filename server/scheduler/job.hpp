@@ -1,7 +1,9 @@
 // One job's samples: which are done, which are leased to whom, which are free; and how it is doing. Knows
 // nothing of other jobs, of workers beyond their ids, or of time running out. Not thread-safe.
 //
-// A sample is done, or missing. A missing one is leased (to one worker, or to two near the end) or free.
+// A sample is done, or missing. A missing one is leased (to one worker, or to two near the end) or free. A
+// done one may have to be verified: rendered again by another worker, under a lease of its own kind, an
+// audit.
 #pragma once
 
 #include <optional>
@@ -9,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "server/scheduler/audits.hpp"
 #include "server/scheduler/interval_set.hpp"
 #include "server/scheduler/job_state.hpp"
 #include "server/scheduler/lease_table.hpp"
@@ -25,6 +28,8 @@ struct Portion {
   std::vector<WorkItem> items;
   // To a worker that holds nothing else, and is given nothing else until it is done.
   bool alone = false;
+  // Of samples that are done (Lease::auditor).
+  bool audit = false;
 };
 
 // Who says that it cannot build the scene; as in Death.
@@ -65,12 +70,28 @@ class Job {
   std::uint64_t leased() const { return leased_count_; }
   std::uint64_t free() const { return total_ - done_count_ - leased_count_; }
   bool complete() const { return done_count_ == total_; }
+  std::uint64_t to_verify() const { return audits_.due(); }
+  // Complete, and nothing is left to verify.
+  bool settled() const { return complete() && to_verify() == 0; }
   std::uint64_t pixel_samples(const WorkItem& item) const;
 
   const IntervalSet& done(int tile) const { return done_[static_cast<std::size_t>(tile)]; }
+  // Of missing samples.
   const LeaseTable& leases() const { return leases_; }
+  // Of samples that are rendered again.
+  const LeaseTable& audit_leases() const { return audit_leases_; }
+  // Of either kind; null if there is none.
+  const Lease* find_lease(LeaseId id) const;
+  std::size_t lease_count() const { return leases_.all().size() + audit_leases_.all().size(); }
+  // Workers that hold leases of either kind.
+  std::size_t holder_count() const;
+  bool is_holder(const WorkerId& worker) const {
+    return leases_.is_holder(worker) || audit_leases_.is_holder(worker);
+  }
   // Whether the worker can be given a lease, as far as the limit on workers goes.
   bool may_be_leased_to(const WorkerId& worker) const;
+  // Pixel samples that are rendered again.
+  std::uint64_t auditing() const { return auditing_count_; }
 
   // ---- Choosing what to lease. Each result is to be handed to lease(); at most kMaxItemsPerLease items.
   // ----
@@ -81,6 +102,10 @@ class Job {
   // Items that exactly one worker holds, and not alone; of the oldest leases first. For workers that hold
   // nothing.
   Portion take_copies(std::uint64_t samples);
+  // What is due for an audit by this worker; as a copy, of what one other is at.
+  Portion take_audits(std::uint64_t samples, bool holds_nothing, const Author& worker,
+                      const Authors& authors) const;
+  Portion take_audit_copy(const Author& worker, const Authors& authors) const;
   // What is free of these items. Overlooks what is no part of the job.
   std::vector<WorkItem> free_parts(const std::vector<WorkItem>& items) const;
 
@@ -97,6 +122,26 @@ class Job {
   // Counts the item as done if all of it is missing. Returns whether it was. Leases that have nothing left to
   // do are ended and appended to `ended`.
   bool accept(const WorkItem& item, std::vector<Lease>& ended);
+  // Who rendered an item that was just accepted, and its sums.
+  void note_author(const WorkItem& item, AuthorNumber author, const Fingerprint& fingerprint, Due due) {
+    audits_.add(item, author, fingerprint, due);
+  }
+
+  // ---- Audits ----
+
+  const Audits& audits() const { return audits_; }
+  // Whether these are samples that the lease's holder was asked to render again.
+  bool is_audit(LeaseId lease, const WorkItem& item) const;
+  // Takes the sums of such samples. Leases that have nothing left to do are ended and appended to `ended`.
+  std::optional<Ruling> audit(LeaseId lease, const WorkItem& item, const Fingerprint& fingerprint,
+                              std::vector<Lease>& ended);
+  // All samples of the tile are missing again.
+  void drop_tile(int tile, std::vector<Lease>& ended);
+  std::vector<int> doubt(const Authors& authors) { return audits_.doubt(authors); }
+  std::size_t waive_audits() { return audits_.waive(); }
+  void forget_authors() { audits_.clear(); }
+  // Since when it has been waiting for nothing but audits for which there is nobody.
+  std::optional<Time> unaudited_since;
 
   // ---- Deaths and refusals ----
 
@@ -131,10 +176,16 @@ class Job {
   std::vector<WorkItem> held_once(const Lease& lease) const;
   void append_copies(const std::vector<WorkItem>& pieces, std::uint64_t& budget, Portion& portion) const;
   std::uint32_t samples_for(int tile, std::uint64_t budget) const;
+  bool is_suspect(const WorkItem& item) const;
+  void lease_audit(Lease lease);
+  Lease end_audit(LeaseId id);
+  void trim_audits(const WorkItem& item, std::vector<Lease>& ended);
   std::optional<std::string> check_tile(int tile) const;
   std::optional<std::string> check_counts() const;
   std::size_t workers_beyond_limit() const;
   void note_ended_lease();
+  std::optional<std::string> check_leases() const;
+  std::optional<std::string> check_audits() const;
 
   JobId id_;
   JobShape shape_;
@@ -146,7 +197,8 @@ class Job {
 
   std::vector<IntervalSet> done_;
   WorkList work_;
-  LeaseTable leases_;
+  LeaseTable leases_, audit_leases_;
+  Audits audits_;
   Suspects suspects_;
   // In a row, and who said so; forgotten with every accepted sample.
   int refusals_ = 0;
@@ -159,6 +211,8 @@ class Job {
   std::uint64_t done_count_ = 0;
   // Samples with two holders count once.
   std::uint64_t leased_count_ = 0;
+  // Samples with two auditors count twice.
+  std::uint64_t auditing_count_ = 0;
   std::optional<double> cost_;
 };
 

@@ -13,24 +13,59 @@ std::optional<std::string> Job::check(bool every_sample) const {
     return fmt::format("{} samples done and {} leased of {}", done_count_, leased_count_, total_);
   }
   if (workers_beyond_limit() > tolerated_workers_) {
-    return fmt::format("{} workers hold leases, but no more than {} may", leases_.holder_count(),
+    return fmt::format("{} workers hold leases, but no more than {} may", holder_count(),
                        service_.max_workers);
   }
   if (state_ == JobState::kDone && !complete())
     return fmt::format("done, but lacks {} samples", total_ - done_count_);
-  if (state_ == JobState::kRunning && complete()) return "lacks nothing, but is not done";
-  if (state_ != JobState::kRunning && state_ != JobState::kPaused && !leases_.all().empty()) {
-    return fmt::format("{}, but has {} leases", job_state_name(state_), leases_.all().size());
+  if (state_ == JobState::kDone && to_verify() > 0)
+    return fmt::format("done, but has {} samples to verify", to_verify());
+  if (state_ == JobState::kRunning && settled()) return "lacks nothing, but is not done";
+  if (state_ != JobState::kRunning && state_ != JobState::kPaused && lease_count() > 0) {
+    return fmt::format("{}, but has {} leases", job_state_name(state_), lease_count());
   }
-  for (const auto& [id, lease] : leases_.all()) {
-    if (lease.items.empty()) return fmt::format("lease {} holds nothing", id.value);
-    for (const WorkItem& item : lease.items) {
-      if (!has(item)) return fmt::format("lease {} holds samples that are not of the job", id.value);
-      if (done(item.tile).intersects(item.samples))
-        return fmt::format("lease {} holds done samples", id.value);
+  if (const auto wrong = check_leases()) return wrong;
+  return every_sample ? check_counts() : std::nullopt;
+}
+
+std::optional<std::string> Job::check_leases() const {
+  const auto check = [this](const LeaseTable& leases, bool of_done) -> std::optional<std::string> {
+    for (const auto& [id, lease] : leases.all()) {
+      if (lease.items.empty()) return fmt::format("lease {} holds nothing", id.value);
+      for (const WorkItem& item : lease.items) {
+        if (!has(item)) return fmt::format("lease {} holds samples that are not of the job", id.value);
+        const bool wrong =
+            of_done ? !done(item.tile).contains(item.samples) : done(item.tile).intersects(item.samples);
+        if (wrong) return fmt::format("lease {} holds {} samples", id.value, of_done ? "missing" : "done");
+      }
+    }
+    return std::nullopt;
+  };
+  const auto wrong = check(leases_, false);
+  return wrong ? wrong : check(audit_leases_, true);
+}
+
+// The ledger is of done samples, and whatever is due waits for an auditor or is with one.
+std::optional<std::string> Job::check_audits() const {
+  std::uint64_t due = 0, auditing = 0;
+  for (int tile = 0; tile < grid_.tile_count(); ++tile) {
+    std::uint32_t end = 0;
+    for (const LedgerEntry& entry : audits_.ledger().of_tile(tile)) {
+      if (entry.samples.begin < end || entry.samples.empty())
+        return fmt::format("tile {}: its ledger overlaps", tile);
+      if (!done(tile).contains(entry.samples))
+        return fmt::format("tile {}: its ledger has missing samples", tile);
+      if (entry.due() != Due::kNo) due += pixel_samples({tile, entry.samples});
+      end = entry.samples.end;
     }
   }
-  return every_sample ? check_counts() : std::nullopt;
+  for (const auto& [id, lease] : audit_leases_.all()) {
+    for (const WorkItem& item : lease.items) auditing += pixel_samples(item);
+  }
+  if (due != to_verify()) return fmt::format("{} samples to verify, counted {}", due, to_verify());
+  if (auditing != auditing_count_)
+    return fmt::format("{} samples rendered again, counted {}", auditing, auditing_count_);
+  return audits_.check();
 }
 
 bool Job::has_copies_to_give() const {
@@ -49,7 +84,7 @@ std::optional<std::string> Job::check_counts() const {
   if (done_count != done_count_) return fmt::format("{} samples done, counted {}", done_count, done_count_);
   if (leased_count != leased_count_)
     return fmt::format("{} samples leased, counted {}", leased_count, leased_count_);
-  return std::nullopt;
+  return check_audits();
 }
 
 // Every missing sample is leased to at most two, or can be found by who looks for work.

@@ -48,9 +48,19 @@ Worker* Scheduler::on(const RestoreJob& event, Actions& actions) {
   Job& job = add(event.id, event.shape, {event.priority, event.max_workers}, event.done);
   job.failure = event.failure;
   job.restore_state(event.state);
+  restore_authors(job, event.authored);
   if (event.state != JobState::kRunning) running_.erase(job_numbers_.at(event.id));
-  if (event.state == JobState::kRunning && job.complete()) become(job, JobState::kDone, actions);
-  if (event.state == JobState::kDone && !job.complete()) become(job, JobState::kRunning, actions);
+  if (event.state == JobState::kRunning && job.settled()) become(job, JobState::kDone, actions);
+  if (event.state == JobState::kDone && !job.settled()) become(job, JobState::kRunning, actions);
+  return nullptr;
+}
+
+Worker* Scheduler::on(const ReopenJob& event, Actions& actions) {
+  Job* const job = find_or_refuse(event.id, actions);
+  if (job == nullptr) return nullptr;
+  for (const int tile : job->doubt(authors_)) actions.reviewed_tiles.push_back({event.id, tile});
+  work_appeared_ = true;
+  if (job->state() == JobState::kDone && !job->settled()) become(*job, JobState::kRunning, actions);
   return nullptr;
 }
 
@@ -179,12 +189,14 @@ void Scheduler::become(Job& job, JobState to, Actions& actions) {
   if (to == JobState::kRunning) {
     running_.insert(number);
     work_appeared_ = true;
-    if (job.complete()) become(job, JobState::kDone, actions);
+    if (job.settled()) become(job, JobState::kDone, actions);
     return;
   }
   running_.erase(number);
+  job.unaudited_since.reset();
   if (to == JobState::kPaused) return;
   end_all_leases(job);
+  if (!takes_results(to)) job.forget_authors();
   forget_worker_notes(job.id());
 }
 

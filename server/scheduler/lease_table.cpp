@@ -46,12 +46,17 @@ Lease LeaseTable::remove(LeaseId id) {
 std::vector<Lease> LeaseTable::trim(const WorkItem& done) {
   std::vector<Lease> emptied;
   for (const LeaseId id : std::vector<LeaseId>(of_tile(done.tile))) {
-    Lease& lease = leases_.at(id);
-    lease.items = without(lease.items, done);
-    if (!has_tile(lease, done.tile)) drop_from_tile(done.tile, id);
-    if (lease.items.empty()) emptied.push_back(extract(id));
+    if (auto lease = trim(id, done)) emptied.push_back(std::move(*lease));
   }
   return emptied;
+}
+
+std::optional<Lease> LeaseTable::trim(LeaseId id, const WorkItem& done) {
+  Lease& lease = leases_.at(id);
+  lease.items = without(lease.items, done);
+  if (!has_tile(lease, done.tile)) drop_from_tile(done.tile, id);
+  if (!lease.items.empty()) return std::nullopt;
+  return extract(id);
 }
 
 Lease LeaseTable::extract(LeaseId id) {

@@ -3,9 +3,11 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <unordered_map>
 #include <vector>
 
+#include "server/scheduler/author.hpp"
 #include "server/scheduler/interval_set.hpp"
 #include "server/scheduler/types.hpp"
 
@@ -18,6 +20,8 @@ struct Lease {
   std::vector<WorkItem> items;
   // Its holder is to hold nothing else (suspects.hpp).
   bool alone = false;
+  // Its samples are done, and rendered again by this author (audits.hpp).
+  std::optional<AuthorNumber> auditor{};
 };
 
 class LeaseTable {
@@ -38,6 +42,8 @@ class LeaseTable {
   // Takes samples out of all leases. Returns the leases that are left without items; they are no longer
   // there.
   std::vector<Lease> trim(const WorkItem& done);
+  // The same with one lease alone.
+  std::optional<Lease> trim(LeaseId id, const WorkItem& done);
 
   // The leased samples of a tile; those of all leases but one.
   IntervalSet leased(int tile) const { return leased_by_others(tile, LeaseId{}); }

@@ -15,6 +15,7 @@ constexpr Duration kPunctuality = std::chrono::seconds(1);
 Worker* Scheduler::on(const Synchronize& event, Actions&) {
   absolve_if_silent(event.worker.id);
   Worker& worker = roster_.hear(event, now_);
+  authors_.introduce(worker.author());
   settle_reported(worker, event);
   return &worker;
 }
@@ -35,8 +36,8 @@ Worker* Scheduler::on(const Dismiss& event, Actions& actions) {
     actions.status = core::fail(core::ErrorCode::kNotFound, "there is no worker " + event.worker.value);
     return nullptr;
   }
-  worker->wanted_leases = 0;
-  for (const HeldLease& held : std::vector<HeldLease>(worker->leases)) end_lease(*find(held.job), held.id);
+  end_all_leases(*worker);
+  if (event.doubt) distrust(worker->author(), actions);
   return nullptr;
 }
 
@@ -71,7 +72,8 @@ void Scheduler::top_up(Worker& worker) {
   }
   // Copies are for those who would have nothing to do, not to be kept in reserve. What the worker could not
   // build a moment ago comes last, or it would be given nothing else.
-  if (worker.room() > 0 && worker.leases.empty() && !grant_copy(worker)) grant_free(worker, true);
+  if (worker.room() <= 0 || !worker.leases.empty()) return;
+  if (!grant_copy(worker)) grant_free(worker, true);
 }
 
 int Scheduler::sharers(const Job& job) const {
@@ -84,14 +86,19 @@ bool Scheduler::grant_free(Worker& worker, bool also_refused) {
   std::vector<Job*> candidates;
   for (const JobNumber number : running_) {
     Job& job = jobs_.at(number);
+    const bool has_work = job.free() > 0 || can_audit(job, worker);
     const bool buildable = also_refused || !has_refused_lately(worker, job);
-    if (job.free() > 0 && buildable && job.may_be_leased_to(worker.info.id)) candidates.push_back(&job);
+    if (has_work && buildable && job.may_be_leased_to(worker.info.id)) candidates.push_back(&job);
   }
   if (candidates.empty()) return false;
   Job& job = *candidates[choose_job(snapshots(candidates))];
+  const std::uint64_t available = job.free() + job.to_verify();
   const std::uint64_t samples =
-      next_lease_samples(options_.sizing, worker.snapshot(job.id()), job.free(), sharers(job));
-  Portion portion = job.take_free(samples, worker.leases.empty());
+      next_lease_samples(options_.sizing, worker.snapshot(job.id()), available, sharers(job));
+  Portion portion;
+  if (can_audit(job, worker))
+    portion = job.take_audits(samples, worker.leases.empty(), worker.author(), authors_);
+  if (portion.items.empty()) portion = job.take_free(samples, worker.leases.empty());
   // What must be leased alone waits for the first worker that has nothing left to do.
   if (portion.items.empty()) return false;
   grant(worker, job, std::move(portion));
@@ -105,7 +112,8 @@ bool Scheduler::grant_copy(Worker& worker) {
   for (const JobNumber number : running_) {
     Job& job = jobs_.at(number);
     const bool buildable = !has_refused_lately(worker, job);
-    if (job.leased() > 0 && buildable && job.may_be_leased_to(worker.info.id)) candidates.push_back(&job);
+    const bool has_leases = job.leased() + job.auditing() > 0;
+    if (has_leases && buildable && job.may_be_leased_to(worker.info.id)) candidates.push_back(&job);
   }
   while (!candidates.empty()) {
     const std::size_t chosen = choose_job(snapshots(candidates));
@@ -113,6 +121,7 @@ bool Scheduler::grant_copy(Worker& worker) {
     const std::uint64_t samples =
         next_lease_samples(options_.sizing, worker.snapshot(job.id()), job.leased(), sharers(job));
     Portion portion = job.take_copies(samples);
+    if (portion.items.empty()) portion = audit_copy(job, worker);
     if (!portion.items.empty()) {
       grant(worker, job, std::move(portion));
       return true;
@@ -126,7 +135,9 @@ void Scheduler::grant(Worker& worker, Job& job, Portion portion) {
   ++last_lease_id_.value;
   job.last_served = ++servings_;
   charge(job, portion);
-  enter_lease(worker, job, {last_lease_id_, worker.info.id, std::move(portion.items), portion.alone}, false);
+  Lease lease{last_lease_id_, worker.info.id, std::move(portion.items), portion.alone};
+  if (portion.audit) lease.auditor = authors_.number(worker.author());
+  enter_lease(worker, job, std::move(lease), false);
 }
 
 // Who was away, or had nothing to give, is owed nothing: it goes on from where the others are.
@@ -147,7 +158,8 @@ void Scheduler::enter_lease(Worker& worker, Job& job, Lease lease, bool acknowle
 std::vector<JobSnapshot> Scheduler::snapshots(const std::vector<Job*>& jobs) const {
   std::vector<JobSnapshot> snapshots;
   for (const Job* job : jobs) {
-    snapshots.push_back({job->service().priority, std::max(virtual_time_, job->virtual_finish), job->last_served});
+    snapshots.push_back(
+        {job->service().priority, std::max(virtual_time_, job->virtual_finish), job->last_served});
   }
   return snapshots;
 }
@@ -185,6 +197,14 @@ void Scheduler::forget_lease(const Lease& lease) {
   std::erase_if(holder->leases, [&](const HeldLease& held) { return held.id == lease.id; });
   live_leases_.erase(lease.id);
   lost_leases_.insert(lease.holder);
+}
+
+void Scheduler::forget_emptied(const Job& job, const std::vector<Lease>& leases) {
+  for (const Lease& lease : leases) {
+    forget_lease(lease);
+    // Another worker may have its place.
+    if (job.service().max_workers > 0 && !job.is_holder(lease.holder)) work_appeared_ = true;
+  }
 }
 
 }  // namespace tessera::scheduler

@@ -21,6 +21,21 @@ std::uint64_t next_lease_samples(const SizingOptions& options, const WorkerSnaps
                                                   : std::max<std::uint64_t>(available, 1);
 }
 
+bool chosen_for_audit(double share, std::uint64_t secret, const JobId& job, const WorkItem& item) {
+  // A step of splitmix64 (Steele et al. 2014) for each part of the key.
+  std::uint64_t hash = secret;
+  const auto mix = [&hash](std::uint64_t value) {
+    hash += value + 0x9e3779b97f4a7c15;
+    hash = (hash ^ hash >> 30) * 0xbf58476d1ce4e5b9;
+    hash = (hash ^ hash >> 27) * 0x94d049bb133111eb;
+    hash ^= hash >> 31;
+  };
+  for (const char c : job.value) mix(static_cast<unsigned char>(c));
+  mix(static_cast<std::uint64_t>(item.tile));
+  mix(std::uint64_t{item.samples.begin} << 32 | item.samples.end);
+  return static_cast<double>(hash >> 11) * 0x1p-53 < share;
+}
+
 std::size_t choose_job(std::span<const JobSnapshot> jobs) {
   const auto rank = [](const JobSnapshot& job) {
     return std::make_tuple(-static_cast<std::int64_t>(job.priority), job.start, job.last_served);

@@ -5,6 +5,8 @@
 #include <optional>
 #include <span>
 
+#include "server/scheduler/types.hpp"
+
 namespace tessera::scheduler {
 
 struct SizingOptions {
@@ -45,5 +47,9 @@ struct JobSnapshot {
 // of those the earliest start, of those the one that has waited longest, of those the first. `jobs` must not
 // be empty.
 std::size_t choose_job(std::span<const JobSnapshot> jobs);
+
+// Whether a range is one of the share (0 to 1) that is rendered again. Nobody who does not know the secret
+// can tell which ones are.
+bool chosen_for_audit(double share, std::uint64_t secret, const JobId& job, const WorkItem& item);
 
 }  // namespace tessera::scheduler

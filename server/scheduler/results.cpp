@@ -7,6 +7,19 @@
 #include "server/scheduler/scheduler.hpp"
 
 namespace tessera::scheduler {
+namespace {
+
+// What was accepted of a tile that was dropped by the same result is missing as well.
+void drop_what_was_dropped(const SubmitResult& event, Actions& actions) {
+  for (std::size_t i = 0; i < event.items.size(); ++i) {
+    const TileOfJob tile{event.job, event.items[i].tile};
+    const auto& dropped = actions.dropped_tiles;
+    const bool gone = std::find(dropped.begin(), dropped.end(), tile) != dropped.end();
+    if (gone && actions.verdicts[i] == Verdict::kAccepted) actions.verdicts[i] = Verdict::kDropped;
+  }
+}
+
+}  // namespace
 
 Worker* Scheduler::on(const SubmitResult& event, Actions& actions) {
   Job* const job = find(event.job);
@@ -19,33 +32,50 @@ Worker* Scheduler::on(const SubmitResult& event, Actions& actions) {
 
   absolve_if_silent(event.worker);
   measure(*job, event);
+  const Author author = author_of(event.worker);
   std::vector<Lease> ended;
+  std::vector<Ruling> rulings;
   std::uint64_t accepted_samples = 0;
-  for (const WorkItem& item : event.items) {
+  for (std::size_t i = 0; i < event.items.size(); ++i) {
+    const WorkItem& item = event.items[i];
+    if (job->is_audit(event.lease, item)) {
+      actions.verdicts.push_back(Verdict::kAudited);
+      if (auto ruling = take_audit(*job, event, i)) rulings.push_back(std::move(*ruling));
+      continue;
+    }
     const bool fits = job->has(item);
     if (fits) spare_others(*job, item, event.worker);
     const bool accepted = fits && job->accept(item, ended);
     actions.verdicts.push_back(accepted ? Verdict::kAccepted : Verdict::kDropped);
-    if (accepted) accepted_samples += job->pixel_samples(item);
+    if (!accepted) continue;
+    accepted_samples += job->pixel_samples(item);
+    note_author(*job, item, author, fingerprint_of(event, i));
   }
-  for (const Lease& lease : ended) {
-    forget_lease(lease);
-    // Another worker may have its place.
-    if (job->service().max_workers > 0 && !job->leases().is_holder(lease.holder)) work_appeared_ = true;
-  }
+  forget_emptied(*job, ended);
+  for (const Ruling& ruling : rulings) follow(*job, ruling, actions);
+  drop_what_was_dropped(event, actions);
 
   job->rate.add(static_cast<double>(accepted_samples), now_);
   if (Worker* const worker = roster_.find(event.worker)) {
     worker->samples_accepted += accepted_samples;
     worker->rate.add(static_cast<double>(accepted_samples), now_);
   }
-  const Lease* const lease = job->leases().find(event.lease);
+  const Lease* const lease = job->find_lease(event.lease);
   if (lease != nullptr && lease->holder == event.worker) {
     if (event.lease_finished) end_lease(*job, event.lease);
     if (!event.cannot_build.empty()) note_refusal(*job, event, actions);
   }
-  if (job->complete() && job->state() == JobState::kRunning) become(*job, JobState::kDone, actions);
+  if (job->settled() && job->state() == JobState::kRunning) become(*job, JobState::kDone, actions);
   return nullptr;
+}
+
+void Scheduler::note_author(Job& job, const WorkItem& item, const Author& author,
+                            const Fingerprint& fingerprint) {
+  Due due = Due::kNo;
+  if (chosen_for_audit(options_.audit_share, options_.audit_secret, job.id(), item)) due = Due::kChosen;
+  if (authors_.is_distrusted(author)) due = Due::kDoubted;
+  job.note_author(item, authors_.number(author), fingerprint, due);
+  if (due != Due::kNo) work_appeared_ = true;
 }
 
 void Scheduler::spare_others(const Job& job, const WorkItem& item, const WorkerId& deliverer) {
@@ -57,8 +87,7 @@ void Scheduler::spare_others(const Job& job, const WorkItem& item, const WorkerI
              item.samples.begin < held.samples.end;
     };
     if (lease.holder == deliverer || std::none_of(lease.items.begin(), lease.items.end(), shares)) continue;
-    roster_.find(lease.holder)->shrunk = true;
-    lost_leases_.insert(lease.holder);
+    tell_of_less({lease.holder});
   }
 }
 
@@ -75,7 +104,7 @@ void Scheduler::note_refusal(Job& job, const SubmitResult& event, Actions& actio
 
 core::Status Scheduler::validate_lease(const Job& job, const SubmitResult& event) const {
   const bool never_given = event.lease == LeaseId{} || event.lease > last_lease_id_;
-  const Lease* const lease = job.leases().find(event.lease);
+  const Lease* const lease = job.find_lease(event.lease);
   if (!never_given && (lease == nullptr || lease->holder == event.worker)) return {};
   return core::fail(core::ErrorCode::kInvalidArgument,
                     fmt::format("lease {} was {}: deliver items for the lease they were rendered for",

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "server/scheduler/author.hpp"
 #include "server/scheduler/events.hpp"
 #include "server/scheduler/policy.hpp"
 #include "server/scheduler/rate_meter.hpp"
@@ -50,7 +51,10 @@ struct Worker {
   std::map<JobId, Time> refused;
   RateMeter rate;
   std::uint64_t samples_accepted = 0;
+  // Ranges of it that others rendered again, and those of them that were wrong.
+  std::uint64_t audited_ranges = 0, disproved_ranges = 0;
 
+  Author author() const { return {info.name, info.id}; }
   bool takes_leases() const { return !draining && !silent; }
   // The earliest time there is if it has built every scene.
   Time last_refusal() const;

@@ -22,6 +22,7 @@ Actions Scheduler::handle(const Event& event, Time now) {
     top_up(*asking);
     asking->waiting = false;
   }
+  end_vain_waits(actions);
   wake_waiting(actions);
   if (asking != nullptr) actions.reply = reply_to(*asking);
   return actions;
@@ -71,7 +72,7 @@ Reply Scheduler::reply_to(Worker& worker) {
   Reply reply;
   std::set<LeaseId> ids;
   for (const HeldLease& held : worker.leases) {
-    reply.leases.push_back({held.id, held.job, find(held.job)->leases().find(held.id)->items});
+    reply.leases.push_back({held.id, held.job, find(held.job)->find_lease(held.id)->items});
     ids.insert(held.id);
   }
   reply.changed = ids != worker.reported || worker.shrunk;
@@ -83,7 +84,12 @@ Reply Scheduler::reply_to(Worker& worker) {
 }
 
 std::optional<Time> Scheduler::next_deadline() const {
-  return roster_.next_alarm();
+  std::optional<Time> next = roster_.next_alarm();
+  for (const JobNumber number : running_) {
+    const std::optional<Time> since = jobs_.at(number).unaudited_since;
+    if (since) next = std::min(next.value_or(Time::max()), *since + options_.audit_patience);
+  }
+  return next;
 }
 
 }  // namespace tessera::scheduler

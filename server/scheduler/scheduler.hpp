@@ -12,6 +12,8 @@
 //   - no more workers hold leases of a job than it allows, or than did when it was last allowed fewer;
 //   - leases are held by known workers that were heard of within lease_duration;
 //   - a worker that waits, holds nothing and would take a lease waits because there is none to give;
+//   - samples that are due for an audit are rendered again by a worker of another name, and their job is not
+//     done before;
 //   - samples that a worker may have died of are leased to workers that hold nothing else, and after the
 //     deaths of three workers of different names in a row their job fails, so that they do not take down the
 //     farm.
@@ -45,6 +47,12 @@ struct Options {
   // A worker that has not synchronised for so long is forgotten altogether.
   Duration forget_after = std::chrono::seconds(100);
   SizingOptions sizing;
+  // Which share of ranges is rendered again by another worker, and what makes it unpredictable which.
+  double audit_share = 0;
+  std::uint64_t audit_secret = 0;
+  // A job that lacks nothing but audits by lot, for which no worker of another name is there, is done after
+  // so long.
+  Duration audit_patience = std::chrono::seconds(60);
 };
 
 // A job as its users see it. Samples are pixel samples.
@@ -62,6 +70,8 @@ struct JobView {
   int active_workers = 0;
   // Most that may; 0 for as many as there are.
   std::uint32_t max_workers = 0;
+  // Of samples_done, those that another worker is to render again.
+  std::uint64_t samples_to_verify = 0;
 };
 
 struct WorkerView {
@@ -76,6 +86,8 @@ struct WorkerView {
   bool draining = false;
   // Not heard of for lease_duration: it holds nothing, and is shown until forget_after.
   bool silent = false;
+  // Of Worker.
+  std::uint64_t audited_ranges = 0, disproved_ranges = 0;
 };
 
 enum class CheckDepth {
@@ -91,7 +103,8 @@ class Scheduler {
   // event. A time before that of an earlier call is taken for that one.
   Actions handle(const Event& event, Time now);
 
-  // When the next lease runs out or worker is forgotten: handle(Tick{}, …) is due then. Absent: never.
+  // When the next lease runs out, worker is forgotten or wait for an auditor ends: handle(Tick{}, …) is due
+  // then. Absent: never.
   std::optional<Time> next_deadline() const;
 
   // Speeds are those at `now`.
@@ -104,6 +117,9 @@ class Scheduler {
   // The samples of one tile that are done, for checkpoints. The job must exist and have the tile. Valid until
   // the next handle().
   const IntervalSet& done(const JobId& id, int tile) const;
+
+  // Who rendered the samples of one tile, as far as nobody has confirmed them; for checkpoints, with done().
+  std::vector<AuthoredItem> authored(const JobId& id, int tile) const;
 
   // What is wrong, as a sentence; absent if nothing is. Anything else is a defect of the scheduler.
   std::optional<std::string> check_invariants(CheckDepth depth) const;
@@ -119,6 +135,7 @@ class Scheduler {
   Worker* on(const SubmitResult& event, Actions& actions);
   Worker* on(const SubmitJob& event, Actions& actions);
   Worker* on(const RestoreJob& event, Actions& actions);
+  Worker* on(const ReopenJob& event, Actions& actions);
   Worker* on(const PauseJob& event, Actions& actions);
   Worker* on(const ResumeJob& event, Actions& actions);
   Worker* on(const CancelJob& event, Actions& actions);
@@ -157,6 +174,8 @@ class Scheduler {
   void absolve_if_silent(const WorkerId& worker);
   // Strikes an ended lease from its holder's entry.
   void forget_lease(const Lease& lease);
+  // The same with leases of which all is delivered.
+  void forget_emptied(const Job& job, const std::vector<Lease>& leases);
 
   // ---- Jobs (jobs.cpp) ----
   Job* find(const JobId& id);
@@ -180,8 +199,25 @@ class Scheduler {
   bool was_extended_before(const Job& job, LeaseId lease, const WorkItem& item) const;
   void measure(Job& job, const SubmitResult& event);
   void note_refusal(Job& job, const SubmitResult& event, Actions& actions);
+  void note_author(Job& job, const WorkItem& item, const Author& author, const Fingerprint& fingerprint);
   // Sees to it that whoever else holds samples of an item hears at once that they are done.
   void spare_others(const Job& job, const WorkItem& item, const WorkerId& deliverer);
+
+  // ---- Audits (auditing.cpp) ----
+  bool can_audit(const Job& job, const Worker& worker) const;
+  // What another audits, for a second time; nothing if the worker may not.
+  Portion audit_copy(const Job& job, const Worker& worker) const;
+  std::optional<Ruling> take_audit(Job& job, const SubmitResult& event, std::size_t i);
+  void follow(Job& job, const Ruling& ruling, Actions& actions);
+  void disprove(const Job& job, const Ruling& ruling, AuthorNumber author, Actions& actions);
+  void drop_tile(Job& job, int tile, Actions& actions);
+  void distrust(const Author& author, Actions& actions);
+  // They have less to do.
+  void tell_of_less(const std::vector<WorkerId>& workers);
+  void restore_authors(Job& job, const std::vector<AuthoredItem>& authored);
+  void end_vain_waits(Actions& actions);
+  bool waits_in_vain(const Job& job) const;
+  Author author_of(const WorkerId& worker) const;
 
   std::optional<std::string> check_workers() const;
   std::optional<std::string> check_idle(CheckDepth depth) const;
@@ -200,6 +236,7 @@ class Scheduler {
   JobNumber last_job_number_ = 0;
   std::set<JobNumber> running_;
   Roster roster_;
+  Authors authors_;
   // Every worker that waits and could be given more, by arrival; may also have others. So that an event does
   // not cost more the more workers there are.
   std::map<std::uint64_t, WorkerId> hungry_;

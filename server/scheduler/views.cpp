@@ -17,8 +17,9 @@ JobView view_of(const Job& job, Time now) {
           .samples_done = job.done(),
           .samples_total = job.total(),
           .samples_per_second = job.rate.per_second(now),
-          .active_workers = static_cast<int>(job.leases().holder_count()),
-          .max_workers = job.service().max_workers};
+          .active_workers = static_cast<int>(job.holder_count()),
+          .max_workers = job.service().max_workers,
+          .samples_to_verify = job.to_verify()};
 }
 
 WorkerView view_of(const Worker& worker, Time now) {
@@ -28,7 +29,9 @@ WorkerView view_of(const Worker& worker, Time now) {
           .samples_accepted = worker.samples_accepted,
           .last_seen = worker.last_seen,
           .draining = worker.draining,
-          .silent = worker.silent};
+          .silent = worker.silent,
+          .audited_ranges = worker.audited_ranges,
+          .disproved_ranges = worker.disproved_ranges};
 }
 
 }  // namespace
@@ -76,9 +79,12 @@ std::optional<std::string> Scheduler::check_idle(CheckDepth depth) const {
       if (!job.may_be_leased_to(id)) continue;
       if (job.free() > 0)
         return fmt::format("worker {} waits, but job {} has free samples", id.value, job.id().value);
+      if (can_audit(job, worker))
+        return fmt::format("worker {} waits, but could verify samples of job {}", id.value, job.id().value);
       // Nobody is woken when a refusal is long enough ago.
       const bool looks_for_copies = depth == CheckDepth::kEverySample && !worker.refused.contains(job.id());
-      if (looks_for_copies && job.has_copies_to_give())
+      if (!looks_for_copies) continue;
+      if (job.has_copies_to_give() || !audit_copy(job, worker).items.empty())
         return fmt::format("worker {} waits, but could be given copies of job {}", id.value, job.id().value);
     }
   }
@@ -89,7 +95,7 @@ std::optional<std::string> Scheduler::check_idle(CheckDepth depth) const {
 std::optional<std::string> Scheduler::check_workers() const {
   std::size_t held_by_workers = 0, held_of_jobs = 0;
   int active = 0;
-  for (const auto& [number, job] : jobs_) held_of_jobs += job.leases().all().size();
+  for (const auto& [number, job] : jobs_) held_of_jobs += job.lease_count();
   for (const auto& [id, worker] : roster_.all()) {
     active += worker.takes_leases();
     held_by_workers += worker.leases.size();
@@ -106,7 +112,7 @@ std::optional<std::string> Scheduler::check_workers() const {
       return fmt::format("worker {} holds more than a lease that must be alone", id.value);
     for (const HeldLease& held : worker.leases) {
       const Job* const job = find(held.job);
-      const Lease* const lease = job == nullptr ? nullptr : job->leases().find(held.id);
+      const Lease* const lease = job == nullptr ? nullptr : job->find_lease(held.id);
       if (lease == nullptr || lease->holder != id) {
         return fmt::format("worker {} holds lease {}, which is not its own", id.value, held.id.value);
       }

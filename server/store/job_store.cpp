@@ -156,6 +156,19 @@ core::Status expect_whole(Database& database, const std::filesystem::path& file)
   return {};
 }
 
+// SQLite's random numbers come from those of the system.
+constexpr auto kMakeSecret =
+    "INSERT OR IGNORE INTO meta VALUES ('secret_0', random()), ('secret_1', random())";
+
+// Zeros if it was not made yet.
+core::Result<std::array<std::uint64_t, 2>> read_secret(Database& database) {
+  const auto first = database.read_number("SELECT value FROM meta WHERE name = 'secret_0'");
+  if (!first) return core::fail(first.error());
+  const auto second = database.read_number("SELECT value FROM meta WHERE name = 'secret_1'");
+  if (!second) return core::fail(second.error());
+  return std::array{as_unsigned(*first), as_unsigned(*second)};
+}
+
 }  // namespace
 
 struct JobStore::Impl {
@@ -178,6 +191,7 @@ struct JobStore::Impl {
   Statement insert_job, update_job, delete_job, list_jobs, write_tile, tiles_done, read_tile;
   const std::filesystem::path file;
   std::uint32_t epoch = 0;
+  std::array<std::uint64_t, 2> secret{};
   std::mutex mutex;  // guards the database and the statements
 };
 
@@ -198,6 +212,7 @@ core::Result<JobStore> JobStore::open(const std::filesystem::path& file, bool ma
   if (auto counted = database->execute("UPDATE meta SET value = value + 1 WHERE name = 'epoch'"); !counted) {
     return core::fail(counted.error());
   }
+  if (auto made = database->execute(kMakeSecret); !made) return core::fail(made.error());
   database->fold_log();
   return with_statements(std::move(*database), file);
 }
@@ -214,8 +229,11 @@ core::Result<JobStore> JobStore::with_statements(Database database, const std::f
   const auto epoch = database.read_number("SELECT value FROM meta WHERE name = 'epoch'");
   if (!epoch) return core::fail(epoch.error());
   if (*epoch < 1) return core::fail(damaged(file, "it has lost the count of its starts"));
+  const auto secret = read_secret(database);
+  if (!secret) return core::fail(secret.error());
   auto impl = std::make_unique<Impl>(std::move(database), file);
   impl->epoch = static_cast<std::uint32_t>(*epoch);
+  impl->secret = *secret;
   if (auto prepared = impl->prepare_statements(); !prepared) return core::fail(prepared.error());
   return JobStore(std::move(impl));
 }
@@ -237,6 +255,10 @@ core::Result<std::vector<std::string>> JobStore::structural_damage() {
   if (!log) return core::fail(log.error());
   if (damage && *log) damage->push_back(**log);
   return damage;
+}
+
+std::array<std::uint64_t, 2> JobStore::secret() const {
+  return impl_->secret;
 }
 
 core::Status JobStore::insert_job(const JobRow& job) {

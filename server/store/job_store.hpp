@@ -6,6 +6,7 @@
 // Thread-safe; every call blocks for the disk.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <map>
@@ -69,6 +70,9 @@ class JobStore {
   core::Status continue_from(std::uint32_t epoch);
   // What is wrong with the file apart from its rows: a sentence for each; empty if it is whole.
   core::Result<std::vector<std::string>> structural_damage();
+
+  // Random bits, the same for as long as the file lives.
+  std::array<std::uint64_t, 2> secret() const;
 
   core::Status insert_job(const JobRow& job);
   // Writes what may change, unless the store has a later revision or no such job any more.

@@ -79,6 +79,20 @@ TEST(JobText, SaysHowWorkersAreDoing) {
   EXPECT_THAT(workers_table(workers, 0), HasSubstr("silent"));
   worker.set_put_aside(true);
   EXPECT_THAT(workers_table(workers, 0), HasSubstr("put aside"));
+  worker.set_name("machine");
+  worker.set_audited_ranges(9);
+  worker.set_disproved_ranges(2);
+  worker.set_put_aside_because("it rendered other bits");
+  EXPECT_THAT(workers_table(workers, 0), HasSubstr("9 (2 wrong)"));
+  EXPECT_THAT(workers_table(workers, 0), HasSubstr("\nmachine () is put aside: it rendered other bits\n"));
+}
+
+TEST(JobText, SaysHowMuchIsToBeVerified) {
+  v1::Job job = some_job();
+  EXPECT_THAT(job_description(job), ::testing::Not(HasSubstr("to verify")));
+  job.set_samples_to_verify(42);
+  EXPECT_THAT(job_description(job), HasSubstr("to verify"));
+  EXPECT_THAT(job_description(job), HasSubstr("42 samples"));
 }
 
 TEST(JobText, ProgressSaysWhoWorks) {

@@ -108,6 +108,7 @@ void ScriptedFarm::open(const std::filesystem::path& folder) {
   Options options;
   options.now = [this] { return now_; };
   options.limits = limits_;
+  options.audit_share = audit_share_;
   auto opened = Coordinator::open(options, std::move(*state), check_scene_);
   ASSERT_TRUE(opened) << opened.error().message;
   coordinator_ = std::move(*opened);

@@ -55,6 +55,7 @@ class ScriptedFarm : public testing::Test {
   scheduler::Time now_{std::chrono::hours(1)};
   SceneCheck check_scene_ = accept_scene;
   server::Limits limits_;
+  double audit_share_ = 0;  // of the next coordinator
   std::unique_ptr<Coordinator> coordinator_;
 };
 

@@ -1,0 +1,60 @@
+// What follows from audits: workers that are put aside, tiles that are rendered again, done jobs that run
+// once more.
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include "server/coordinator/turn.hpp"
+
+namespace tessera::coordinator {
+
+namespace {
+
+// Between two leases nobody is at a job for a moment.
+constexpr int kChecksUntilSaid = 5;
+
+}  // namespace
+
+// Before what the same result brought is added.
+void Coordinator::empty_tiles(const scheduler::Actions& actions) {
+  for (const scheduler::TileOfJob& dropped : actions.dropped_tiles) {
+    spdlog::warn("tile {} of job {} is rendered again: some of it was wrong", dropped.tile,
+                 dropped.job.value);
+    jobs_.at(dropped.job.value).film->clear(dropped.tile);
+  }
+}
+
+void Coordinator::follow_audits(const scheduler::Actions& actions) {
+  for (const scheduler::TileOfJob& reviewed : actions.reviewed_tiles) {
+    const JobRecord* const record = find(reviewed.job.value);
+    if (record != nullptr && record->film) record->film->mark_changed(reviewed.tile);
+  }
+  for (const scheduler::Disproof& disproof : actions.disproved) {
+    const scheduler::Author& author = disproof.author;
+    if (!conduct_.put_aside(author.worker.value, author.name, disproof.because)) continue;
+    spdlog::error("worker {} ({}) is put aside: {}. What it rendered besides is verified by others",
+                  called(author), author.worker.value, disproof.because);
+  }
+  for (const std::string& contradiction : actions.contradictions) spdlog::warn("{}", contradiction);
+  for (const scheduler::JobId& job : actions.reopen) to_reopen_.insert(job.value);
+  for (const scheduler::Unaudited& unaudited : actions.unaudited) {
+    spdlog::warn(
+        "job {}: {} ranges that were chosen to be audited were not: there was no worker of another name",
+        unaudited.job.value, unaudited.ranges);
+  }
+}
+
+// Says once of each job that nobody who is here can verify the rest of it.
+void Coordinator::note_lack_of_auditors(const Turn& turn) {
+  for (auto& [id, record] : jobs_) {
+    const scheduler::JobView view = *scheduler_.job({id}, turn.now());
+    const bool waits = view.state == scheduler::JobState::kRunning &&
+                       view.samples_done == view.samples_total && view.active_workers == 0;
+    record.checks_without_auditor = waits ? record.checks_without_auditor + 1 : 0;
+    if (record.checks_without_auditor != kChecksUntilSaid) continue;
+    spdlog::warn(
+        "job {} ({}) lacks nothing but {} samples to verify: start a worker of another name (--name)", id,
+        record.spec->name(), view.samples_to_verify);
+  }
+}
+
+}  // namespace tessera::coordinator

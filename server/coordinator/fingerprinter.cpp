@@ -1,0 +1,55 @@
+#include "server/coordinator/fingerprinter.hpp"
+
+#include <openssl/sha.h>
+
+#include <algorithm>
+#include <cassert>
+#include <cstring>
+#include <limits>
+
+namespace tessera::coordinator {
+namespace {
+
+__extension__ using Wide = unsigned __int128;
+
+constexpr std::size_t kMostSums = std::size_t{core::kTilePx} * core::kTilePx * 3;
+
+using Digest = std::array<unsigned char, SHA256_DIGEST_LENGTH>;
+
+// As good as random bits for each number.
+Digest digest_of(const Fingerprinter::Secret& secret, std::size_t number) {
+  const std::array<std::uint64_t, 3> key{secret[0], secret[1], number};
+  Digest digest{};
+  SHA256(reinterpret_cast<const unsigned char*>(key.data()), sizeof(key), digest.data());
+  return digest;
+}
+
+}  // namespace
+
+Fingerprinter::Fingerprinter(const Secret& secret) : coefficients_(2 * kMostSums) {
+  static_assert(SHA256_DIGEST_LENGTH == 2 * sizeof(Coefficient));
+  for (std::size_t i = 0; i < coefficients_.size(); i += 2) {
+    const Digest digest = digest_of(secret, i);
+    std::memcpy(&coefficients_[i], digest.data(), digest.size());
+  }
+  std::memcpy(&check_, digest_of(secret, coefficients_.size()).data(), sizeof(check_));
+}
+
+scheduler::Fingerprint Fingerprinter::of(const core::FilmTile& tile) const {
+  assert(tile.sums.size() <= kMostSums);
+  Wide total = 0;
+  std::uint64_t largest = 0;
+  const auto take = [&](const std::vector<std::uint64_t>& sums, const Coefficient* coefficients) {
+    for (std::size_t i = 0; i < sums.size(); ++i) {
+      total += Wide{sums[i]} * coefficients[i].low + (Wide{sums[i] * coefficients[i].high} << 64);
+      largest = std::max(largest, sums[i]);
+    }
+  };
+  take(tile.sums, coefficients_.data());
+  take(tile.odd_sums, coefficients_.data() + kMostSums);
+  const bool cut_off = largest == core::kFilmSaturated;
+  return {static_cast<std::uint64_t>(total), static_cast<std::uint64_t>(total >> 64),
+          cut_off ? std::numeric_limits<float>::infinity() : static_cast<float>(largest)};
+}
+
+}  // namespace tessera::coordinator

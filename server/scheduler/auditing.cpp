@@ -1,0 +1,163 @@
+// Audits: who may render what again, what follows from it, and whom that disproves.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "server/scheduler/scheduler.hpp"
+
+namespace tessera::scheduler {
+namespace {
+
+std::string describe(const Job& job, const WorkItem& item) {
+  const core::PixelRect rect = job.shape().grid().rect(item.tile);
+  return fmt::format("samples [{}, {}) of tile {} (pixels [{}, {}) x [{}, {})) of job {}", item.samples.begin,
+                     item.samples.end, item.tile, rect.x0, rect.x1, rect.y0, rect.y1, job.id().value);
+}
+
+bool overlaps(const WorkItem& a, const WorkItem& b) {
+  return a.tile == b.tile && a.samples.begin < b.samples.end && b.samples.begin < a.samples.end;
+}
+
+}  // namespace
+
+Author Scheduler::author_of(const WorkerId& worker) const {
+  const Worker* const known = roster_.find(worker);
+  return known != nullptr ? known->author() : Author{{}, worker};
+}
+
+bool Scheduler::can_audit(const Job& job, const Worker& worker) const {
+  if (job.to_verify() == 0 || authors_.is_distrusted(worker.author())) return false;
+  return job.audits().offer(worker.author(), authors_, [](const WorkItem&) { return false; });
+}
+
+Portion Scheduler::audit_copy(const Job& job, const Worker& worker) const {
+  if (job.auditing() == 0 || authors_.is_distrusted(worker.author())) return {};
+  return job.take_audit_copy(worker.author(), authors_);
+}
+
+std::optional<Ruling> Scheduler::take_audit(Job& job, const SubmitResult& event, std::size_t i) {
+  const WorkItem& item = event.items[i];
+  std::vector<WorkerId> others;
+  for (const LeaseId id : job.audit_leases().of_tile(item.tile)) {
+    const Lease& lease = *job.audit_leases().find(id);
+    const bool shares = std::any_of(lease.items.begin(), lease.items.end(),
+                                    [&](const WorkItem& held) { return overlaps(held, item); });
+    if (shares && lease.holder != event.worker) others.push_back(lease.holder);
+  }
+  std::vector<Lease> ended;
+  std::optional<Ruling> ruling = job.audit(event.lease, item, fingerprint_of(event, i), ended);
+  forget_emptied(job, ended);
+  if (ruling) tell_of_less(others);
+  return ruling;
+}
+
+void Scheduler::tell_of_less(const std::vector<WorkerId>& workers) {
+  for (const WorkerId& id : workers) {
+    roster_.find(id)->shrunk = true;
+    lost_leases_.insert(id);
+  }
+}
+
+void Scheduler::follow(Job& job, const Ruling& ruling, Actions& actions) {
+  using enum Ruling::Outcome;
+  actions.reviewed_tiles.push_back({job.id(), ruling.item.tile});
+  if (ruling.outcome == kContradicted) {
+    actions.contradictions.push_back(fmt::format(
+        "{} and {} have rendered other bits of {}: a worker of a third name is to decide",
+        called(authors_.at(ruling.author)), called(authors_.at(ruling.auditor)), describe(job, ruling.item)));
+    work_appeared_ = true;
+    return;
+  }
+  if (Worker* const worker = roster_.find(authors_.at(ruling.author).worker)) ++worker->audited_ranges;
+  if (ruling.outcome == kRefuted) drop_tile(job, ruling.item.tile, actions);
+  for (const AuthorNumber author : ruling.wrong) disprove(job, ruling, author, actions);
+}
+
+void Scheduler::disprove(const Job& job, const Ruling& ruling, AuthorNumber number, Actions& actions) {
+  const Author author = authors_.at(number);
+  if (Worker* const worker = roster_.find(author.worker)) ++worker->disproved_ranges;
+  std::vector<std::string> others;
+  for (const AuthorNumber right : ruling.right) others.push_back(called(authors_.at(right)));
+  actions.disproved.push_back({author, fmt::format("it rendered other bits of {} than {}",
+                                                   describe(job, ruling.item), fmt::join(others, " and "))});
+  distrust(author, actions);
+}
+
+// A film cannot be rid of some samples alone: what is added up stays so.
+void Scheduler::drop_tile(Job& job, int tile, Actions& actions) {
+  std::vector<WorkerId> auditors;
+  for (const LeaseId id : job.audit_leases().of_tile(tile))
+    auditors.push_back(job.audit_leases().find(id)->holder);
+  tell_of_less(auditors);
+  std::vector<Lease> ended;
+  job.drop_tile(tile, ended);
+  for (const Lease& lease : ended) forget_lease(lease);
+  actions.dropped_tiles.push_back({job.id(), tile});
+  work_appeared_ = true;
+}
+
+void Scheduler::distrust(const Author& author, Actions& actions) {
+  authors_.distrust(author);
+  if (Worker* const worker = roster_.find(author.worker)) {
+    worker->wanted_leases = 0;
+    for (const HeldLease& held : std::vector<HeldLease>(worker->leases)) end_lease(*find(held.job), held.id);
+  }
+  for (auto& [number, job] : jobs_) {
+    if (job.state() == JobState::kDone) {
+      if (job.audits().has_doubtful(authors_)) actions.reopen.push_back(job.id());
+      continue;
+    }
+    for (const int tile : job.doubt(authors_)) {
+      actions.reviewed_tiles.push_back({job.id(), tile});
+      work_appeared_ = true;
+    }
+  }
+}
+
+void Scheduler::restore_authors(Job& job, const std::vector<AuthoredItem>& authored) {
+  std::map<int, IntervalSet> known;
+  for (const AuthoredItem& each : authored) {
+    const WorkItem& item = each.item;
+    if (!job.has(item) || !job.done(item.tile).contains(item.samples)) continue;
+    if (known[item.tile].intersects(item.samples)) continue;
+    known[item.tile].add(item.samples);
+    job.note_author(item, authors_.number(each.author), each.fingerprint, each.due);
+  }
+}
+
+// Whether the job lacks nothing but audits that were chosen by lot, and nobody who is here can do them.
+bool Scheduler::waits_in_vain(const Job& job) const {
+  if (!job.complete() || job.settled() || job.audits().any_doubted() || job.audits().anybody_at_work())
+    return false;
+  return std::none_of(roster_.all().begin(), roster_.all().end(), [&](const auto& entry) {
+    return entry.second.takes_leases() && can_audit(job, entry.second);
+  });
+}
+
+void Scheduler::end_vain_waits(Actions& actions) {
+  std::vector<Job*> over;
+  for (const JobNumber number : running_) {
+    Job& job = jobs_.at(number);
+    if (!waits_in_vain(job)) {
+      job.unaudited_since.reset();
+      continue;
+    }
+    if (!job.unaudited_since) job.unaudited_since = now_;
+    if (now_ - *job.unaudited_since >= options_.audit_patience) over.push_back(&job);
+  }
+  for (Job* const job : over) {
+    actions.unaudited.push_back({job->id(), job->waive_audits()});
+    become(*job, JobState::kDone, actions);
+  }
+}
+
+std::vector<AuthoredItem> Scheduler::authored(const JobId& id, int tile) const {
+  std::vector<AuthoredItem> items;
+  for (const LedgerEntry& entry : find(id)->audits().ledger().of_tile(tile)) {
+    items.push_back({{tile, entry.samples}, authors_.at(entry.author), entry.fingerprint(), entry.due()});
+  }
+  return items;
+}
+
+}  // namespace tessera::scheduler

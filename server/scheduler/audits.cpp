@@ -1,0 +1,229 @@
+#include "server/scheduler/audits.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+namespace tessera::scheduler {
+
+WorkItem Audits::item_at(const Key& key) const {
+  return {key.tile, entry_at(key).samples};
+}
+
+const LedgerEntry& Audits::entry_at(const Key& key) const {
+  return ledger_.at(key.tile, key.begin);
+}
+
+void Audits::add(const WorkItem& item, AuthorNumber author, const Fingerprint& fingerprint, Due due) {
+  ledger_.add(item, author, fingerprint, due);
+  if (due == Due::kNo) return;
+  if (due == Due::kDoubted) ++doubted_;
+  waiting_[author].insert(key_of(item));
+}
+
+void Audits::make_due(const WorkItem& item, Due due) {
+  const LedgerEntry& entry = ledger_.at(item.tile, item.samples.begin);
+  const Due before = entry.due();
+  if (before == Due::kNo) waiting_[entry.author].insert(key_of(item));
+  if (before != Due::kDoubted && due == Due::kDoubted) ++doubted_;
+  ledger_.set_due(item.tile, item.samples.begin, due);
+}
+
+std::vector<int> Audits::doubt(const Authors& authors) {
+  std::vector<int> tiles;
+  for (int tile = 0; tile < ledger_.tile_count(); ++tile) {
+    bool any = false;
+    for (std::size_t i = 0; i < ledger_.of_tile(tile).size(); ++i) {
+      const LedgerEntry& entry = ledger_.of_tile(tile)[i];
+      if (entry.due() == Due::kDoubted || !authors.is_distrusted(authors.at(entry.author))) continue;
+      make_due({tile, entry.samples}, Due::kDoubted);
+      any = true;
+    }
+    if (any) tiles.push_back(tile);
+  }
+  return tiles;
+}
+
+bool Audits::has_doubtful(const Authors& authors) const {
+  for (int tile = 0; tile < ledger_.tile_count(); ++tile) {
+    for (const LedgerEntry& entry : ledger_.of_tile(tile)) {
+      if (entry.due() != Due::kDoubted && authors.is_distrusted(authors.at(entry.author))) return true;
+    }
+  }
+  return false;
+}
+
+std::size_t Audits::waive() {
+  std::size_t waived = 0;
+  for (int tile = 0; tile < ledger_.tile_count(); ++tile) {
+    for (const LedgerEntry& entry : ledger_.of_tile(tile)) {
+      if (entry.due() != Due::kChosen) continue;
+      forget({tile, entry.samples.begin});
+      ledger_.set_due(tile, entry.samples.begin, Due::kNo);
+      ++waived;
+    }
+  }
+  return waived;
+}
+
+void Audits::drop_tile(int tile) {
+  for (const LedgerEntry& entry : ledger_.of_tile(tile)) {
+    if (entry.due() == Due::kDoubted) --doubted_;
+    if (entry.due() != Due::kNo) forget({tile, entry.samples.begin});
+  }
+  ledger_.erase_tile(tile);
+}
+
+void Audits::clear() {
+  ledger_.clear();
+  waiting_.clear();
+  contradicted_waiting_.clear();
+  at_work_.clear();
+  claims_.clear();
+  doubted_ = 0;
+}
+
+// That it is due, who is at it and what they said; its entry stays.
+void Audits::forget(const Key& key) {
+  const auto waiting = waiting_.find(entry_at(key).author);
+  if (waiting != waiting_.end()) {
+    waiting->second.erase(key);
+    if (waiting->second.empty()) waiting_.erase(waiting);
+  }
+  contradicted_waiting_.erase(key);
+  at_work_.erase(key);
+  claims_.erase(key);
+}
+
+bool Audits::may_audit(const Author& worker, const Key& key, const Authors& authors) const {
+  if (are_one(worker, authors.at(entry_at(key).author))) return false;
+  const auto claims = claims_.find(key);
+  return claims == claims_.end() ||
+         std::none_of(claims->second.begin(), claims->second.end(),
+                      [&](const Claim& claim) { return are_one(worker, authors.at(claim.author)); });
+}
+
+bool Audits::offer(const Author& worker, const Authors& authors,
+                   const std::function<bool(const WorkItem&)>& take) const {
+  bool any = false;
+  for (const Key& key : contradicted_waiting_) {
+    if (!may_audit(worker, key, authors)) continue;
+    any = true;
+    if (!take(item_at(key))) return true;
+  }
+  for (const auto& [author, keys] : waiting_) {
+    if (are_one(worker, authors.at(author))) continue;
+    any = true;
+    for (const Key& key : keys) {
+      if (!take(item_at(key))) return true;
+    }
+  }
+  return any;
+}
+
+std::optional<WorkItem> Audits::copy_for(const Author& worker, const Authors& authors) const {
+  for (const auto& [key, attempts] : at_work_) {
+    if (attempts.size() > 1 || are_one(worker, authors.at(attempts.front().auditor))) continue;
+    if (may_audit(worker, key, authors)) return item_at(key);
+  }
+  return std::nullopt;
+}
+
+void Audits::begin(const WorkItem& item, LeaseId lease, AuthorNumber auditor) {
+  const Key key = key_of(item);
+  std::vector<Attempt>& attempts = at_work_[key];
+  attempts.push_back({lease, auditor, {}, {}});
+  if (attempts.size() > 1) return;
+  contradicted_waiting_.erase(key);
+  const auto waiting = waiting_.find(entry_at(key).author);
+  if (waiting == waiting_.end()) return;
+  waiting->second.erase(key);
+  if (waiting->second.empty()) waiting_.erase(waiting);
+}
+
+void Audits::free_up(const Key& key) {
+  if (claims_.contains(key)) {
+    contradicted_waiting_.insert(key);
+  } else {
+    waiting_[entry_at(key).author].insert(key);
+  }
+}
+
+std::map<Audits::Key, std::vector<Audits::Attempt>>::iterator Audits::at_work_on(const WorkItem& piece) {
+  // The last entry that begins before these samples or with them: there are none within an entry.
+  const auto after = at_work_.upper_bound(key_of(piece));
+  if (after == at_work_.begin()) return at_work_.end();
+  const auto found = std::prev(after);
+  const bool has = found->first.tile == piece.tile && entry_at(found->first).samples.end >= piece.samples.end;
+  return has ? found : at_work_.end();
+}
+
+void Audits::abandon(LeaseId lease, const WorkItem& piece) {
+  const auto found = at_work_on(piece);
+  if (found == at_work_.end()) return;
+  std::erase_if(found->second, [&](const Attempt& attempt) { return attempt.lease == lease; });
+  if (!found->second.empty()) return;
+  free_up(found->first);
+  at_work_.erase(found);
+}
+
+std::optional<Ruling> Audits::deliver(LeaseId lease, const WorkItem& piece, const Fingerprint& fingerprint) {
+  const auto entry = at_work_on(piece);
+  const Key key = entry->first;
+  const auto attempt = std::find_if(entry->second.begin(), entry->second.end(),
+                                    [&](const Attempt& each) { return each.lease == lease; });
+  attempt->rendered.add(piece.samples);
+  attempt->sum.add(fingerprint);
+  if (!attempt->rendered.contains(entry_at(key).samples)) return std::nullopt;
+  const Claim claim{attempt->auditor, attempt->sum};
+  at_work_.erase(entry);
+  return rule(key, claim);
+}
+
+Ruling Audits::rule(const Key& key, const Claim& claim) {
+  const WorkItem item = item_at(key);
+  const LedgerEntry entry = entry_at(key);
+  Ruling ruling{item, Ruling::Outcome::kContradicted, entry.author, claim.author, {}, {}};
+  std::vector<Claim> earlier{{entry.author, entry.fingerprint()}};
+  if (const auto claims = claims_.find(key); claims != claims_.end())
+    earlier.insert(earlier.end(), claims->second.begin(), claims->second.end());
+  for (const Claim& each : earlier) {
+    const bool agrees = same_sums(each.fingerprint, claim.fingerprint);
+    (agrees ? ruling.right : ruling.wrong).push_back(each.author);
+  }
+  if (ruling.right.empty()) {
+    ruling.wrong.clear();
+    claims_[key].push_back(claim);
+    make_due(item, Due::kDoubted);
+    free_up(key);
+    return ruling;
+  }
+  ruling.right.push_back(claim.author);
+  const bool film_is_right = same_sums(entry.fingerprint(), claim.fingerprint);
+  ruling.outcome = film_is_right ? Ruling::Outcome::kConfirmed : Ruling::Outcome::kRefuted;
+  if (!film_is_right) return ruling;  // the tile is dropped, and everything of it with it
+  if (entry.due() == Due::kDoubted) --doubted_;
+  forget(key);
+  ledger_.erase(key.tile, key.begin);
+  return ruling;
+}
+
+std::optional<std::string> Audits::check() const {
+  std::size_t due = 0, doubted = 0, found = contradicted_waiting_.size() + at_work_.size();
+  for (const auto& [author, keys] : waiting_) found += keys.size();
+  for (int tile = 0; tile < ledger_.tile_count(); ++tile) {
+    for (const LedgerEntry& entry : ledger_.of_tile(tile)) {
+      due += entry.due() != Due::kNo ? 1 : 0;
+      doubted += entry.due() == Due::kDoubted ? 1 : 0;
+    }
+  }
+  if (due != found) return fmt::format("{} ranges are due, {} wait or are rendered again", due, found);
+  if (doubted != doubted_) return fmt::format("{} ranges are doubted, counted {}", doubted, doubted_);
+  for (const auto& [key, attempts] : at_work_) {
+    if (attempts.empty() || attempts.size() > 2) return fmt::format("{} are at one audit", attempts.size());
+  }
+  return std::nullopt;
+}
+
+}  // namespace tessera::scheduler

@@ -1,0 +1,99 @@
+// Rendering done samples of a job again.
+#include <algorithm>
+#include <utility>
+
+#include "server/scheduler/job.hpp"
+
+namespace tessera::scheduler {
+namespace {
+
+bool lies_in(const WorkItem& part, const WorkItem& whole) {
+  return part.tile == whole.tile && part.samples.begin >= whole.samples.begin &&
+         part.samples.end <= whole.samples.end;
+}
+
+}  // namespace
+
+bool Job::is_suspect(const WorkItem& item) const {
+  const Suspects::Part part = suspects_.first_part(item);
+  return !part.deaths.empty() || part.samples != item.samples;
+}
+
+Portion Job::take_audits(std::uint64_t samples, bool holds_nothing, const Author& worker,
+                         const Authors& authors) const {
+  Portion portion;
+  portion.audit = true;
+  audits_.offer(worker, authors, [&](const WorkItem& item) {
+    if (samples == 0 || portion.items.size() == kMaxItemsPerLease) return false;
+    const bool alone = is_suspect(item);
+    if (alone && !(holds_nothing && portion.items.empty())) return false;
+    portion.items.push_back(item);
+    portion.alone = alone;
+    samples -= std::min(samples, pixel_samples(item));
+    return !alone;
+  });
+  return portion;
+}
+
+Portion Job::take_audit_copy(const Author& worker, const Authors& authors) const {
+  const std::optional<WorkItem> item = audits_.copy_for(worker, authors);
+  if (!item || is_suspect(*item)) return {};
+  return {{*item}, false, true};
+}
+
+void Job::lease_audit(Lease lease) {
+  for (const WorkItem& item : lease.items) {
+    auditing_count_ += pixel_samples(item);
+    audits_.begin(item, lease.id, *lease.auditor);
+  }
+  audit_leases_.insert(std::move(lease));
+}
+
+Lease Job::end_audit(LeaseId id) {
+  Lease lease = audit_leases_.remove(id);
+  for (const WorkItem& item : lease.items) {
+    auditing_count_ -= pixel_samples(item);
+    audits_.abandon(id, item);
+  }
+  note_ended_lease();
+  return lease;
+}
+
+bool Job::is_audit(LeaseId lease, const WorkItem& item) const {
+  const Lease* const audit = audit_leases_.find(lease);
+  return audit != nullptr && std::any_of(audit->items.begin(), audit->items.end(),
+                                         [&](const WorkItem& asked) { return lies_in(item, asked); });
+}
+
+std::optional<Ruling> Job::audit(LeaseId lease, const WorkItem& item, const Fingerprint& fingerprint,
+                                 std::vector<Lease>& ended) {
+  suspects_.clear(item);
+  auditing_count_ -= pixel_samples(item);
+  if (auto emptied = audit_leases_.trim(lease, item)) ended.push_back(std::move(*emptied));
+  std::optional<Ruling> ruling = audits_.deliver(lease, item, fingerprint);
+  if (ruling) trim_audits(ruling->item, ended);  // whoever else was at it
+  note_ended_lease();
+  return ruling;
+}
+
+void Job::trim_audits(const WorkItem& item, std::vector<Lease>& ended) {
+  for (const LeaseId id : audit_leases_.of_tile(item.tile)) {
+    for (const WorkItem& held : audit_leases_.find(id)->items) {
+      if (lies_in(held, item)) auditing_count_ -= pixel_samples(held);
+    }
+  }
+  for (Lease& lease : audit_leases_.trim(item)) ended.push_back(std::move(lease));
+}
+
+void Job::drop_tile(int tile, std::vector<Lease>& ended) {
+  const WorkItem whole{tile, {0, shape_.spp}};
+  IntervalSet& done = done_[static_cast<std::size_t>(tile)];
+  done_count_ -= done.count() * grid_.rect(tile).pixel_count();
+  done = {};
+  trim_audits(whole, ended);
+  note_ended_lease();
+  audits_.drop_tile(tile);
+  work_.put_back(whole);
+}
+
+}  // namespace tessera::scheduler

@@ -1,0 +1,163 @@
+// A worker that renders as it should, flips a bit, and delivers that with a valid checksum.
+#include <gmock/gmock.h>
+#include <grpcpp/client_context.h>
+
+#include <algorithm>
+
+#include "core/integrators/fingerprint.hpp"
+#include "core/integrators/render.hpp"
+#include "core/scene/loader/loader.hpp"
+#include "proto/channel.hpp"
+#include "proto/convert.hpp"
+#include "proto/tile_codec.hpp"
+#include "tessera/v1/worker_service.grpc.pb.h"
+#include "tests/integration/farm_processes.hpp"
+
+namespace tessera::test {
+namespace {
+
+using namespace std::chrono_literals;
+using ::testing::HasSubstr;
+
+class Liar {
+ public:
+  explicit Liar(const std::string& address)
+      : scene_(*core::Scene::build(*core::load_scene_file(kCornell), 1)),
+        coordinator_(v1::WorkerService::NewStub(*proto::open_channel(address))) {}
+
+  // Takes a lease and delivers all of it, with a bit flipped in each range. Whether there was one.
+  bool lie() {
+    v1::SynchronizeResponse given;
+    if (!synchronize(given).ok() || given.leases().empty()) return false;
+    for (const v1::JobSpec& job : given.jobs()) settings_ = *proto::from_proto(job.settings());
+    v1::SubmitResultRequest result = message();
+    result.set_job_id(given.leases(0).job_id());
+    result.set_lease_id(given.leases(0).id());
+    result.set_lease_finished(true);
+    result.mutable_render_time()->set_nanos(100'000'000);
+    for (const v1::WorkItem& item : given.leases(0).items()) *result.add_items() = render_wrongly(item);
+    return submit(result).ok();
+  }
+
+  // Delivers what is no result at all.
+  grpc::Status send_garbage() {
+    v1::SubmitResultRequest garbage = message();
+    garbage.add_items()->set_sums_zstd("sums");
+    return submit(garbage);
+  }
+
+  grpc::Status synchronize(v1::SynchronizeResponse& response) {
+    v1::SynchronizeRequest request;
+    request.set_worker_id(id_);
+    request.set_name("liar");
+    request.set_arithmetic_fingerprint(core::arithmetic_fingerprint());
+    request.set_threads(1);
+    request.set_wanted_leases(1);
+    grpc::ClientContext context;
+    context.set_deadline(std::chrono::system_clock::now() + 30s);
+    return coordinator_->Synchronize(&context, request, &response);
+  }
+
+ private:
+  v1::SubmitResultRequest message() const {
+    v1::SubmitResultRequest request;
+    request.set_worker_id(id_);
+    request.set_arithmetic_fingerprint(core::arithmetic_fingerprint());
+    return request;
+  }
+
+  grpc::Status submit(const v1::SubmitResultRequest& request) {
+    grpc::ClientContext context;
+    context.set_deadline(std::chrono::system_clock::now() + 30s);
+    v1::SubmitResultResponse response;
+    return coordinator_->SubmitResult(&context, request, &response);
+  }
+
+  v1::RenderedItem render_wrongly(const v1::WorkItem& message) const {
+    const auto item = *proto::from_proto(message);
+    core::FilmTile tile = core::render(scene_, settings_, item.rect, item.range, 1);
+    const std::size_t middle = tile.sums.size() / 2;
+    const std::uint64_t flipped = std::uint64_t{1} << 30;
+    // Of a sample with an even number, if there is one: else of an odd one, which counts in both sums.
+    if (item.range.odd_count() == item.range.count()) tile.odd_sums[middle] += flipped;
+    tile.sums[middle] += flipped;
+    return proto::encode_tile(tile);
+  }
+
+  const std::string id_ = "11111111111111111111111111111111";
+  core::Scene scene_;
+  core::RenderSettings settings_;
+  std::unique_ptr<v1::WorkerService::StubInterface> coordinator_;
+};
+
+class LiarsTest : public FarmTest {
+ protected:
+  // A worker is shown for ten times as long after it was last heard of.
+  static constexpr double kLeaseSeconds = 20;
+  const std::vector<std::string> options_{"--size", "192x128", "--spp", "16"};
+
+  v1::ListWorkersResponse::Worker liar() {
+    for (const auto& worker : workers()) {
+      if (worker.name() == "liar") return worker;
+    }
+    return {};
+  }
+  void expect_local_bytes(const std::string& id) {
+    EXPECT_TRUE(image(id, ".png") == render_here(options_, ".png"));
+    EXPECT_TRUE(image(id, ".exr") == render_here(options_, ".exr"));
+  }
+};
+
+TEST_F(LiarsTest, AnAuditedFarmFindsOutWhoLiesAndRendersTheLocalPicture) {
+  coordinator_options_ = {"--audit", "1"};
+  start_coordinator(kLeaseSeconds);
+  const std::string id = submit(options_);
+  Liar liar_worker(address());
+  ASSERT_TRUE(liar_worker.lie());
+  ASSERT_TRUE(liar_worker.lie());
+  EXPECT_GT(job(id).samples_to_verify(), 0u);
+  EXPECT_THAT(tessera({"job", id}).out, HasSubstr("to verify"));
+  start_worker("one", 1);
+  start_worker("two", 1);
+  ASSERT_TRUE(wait_for_state(id, v1::JOB_STATE_DONE));
+  expect_local_bytes(id);
+
+  EXPECT_TRUE(liar().put_aside());
+  EXPECT_GT(liar().disproved_ranges(), 0u);
+  EXPECT_THAT(liar().put_aside_because(), HasSubstr("it rendered other bits of samples"));
+  EXPECT_THAT(tessera({"workers"}).out, HasSubstr("is put aside: it rendered other bits of samples"));
+  v1::SynchronizeResponse none;
+  const grpc::Status refused = liar_worker.synchronize(none);
+  EXPECT_EQ(refused.error_code(), grpc::StatusCode::FAILED_PRECONDITION);
+  EXPECT_THAT(refused.error_message(), HasSubstr("worker liar is put aside: it rendered other bits"));
+  for (const auto& worker : workers()) {
+    if (worker.name() == "liar") continue;
+    EXPECT_FALSE(worker.put_aside()) << worker.name();
+    EXPECT_EQ(worker.disproved_ranges(), 0u) << worker.name();
+  }
+}
+
+// Without audits its bits are in a picture that is done, until it gives itself away.
+TEST_F(LiarsTest, WhatWasRenderedByAWorkerThatIsPutAsideIsRenderedAgain) {
+  start_coordinator(kLeaseSeconds);
+  const std::string id = submit(options_);
+  Liar liar_worker(address());
+  ASSERT_TRUE(liar_worker.lie());
+  start_worker("one", 1);
+  start_worker("two", 1);
+  ASSERT_TRUE(wait_for_state(id, v1::JOB_STATE_DONE));
+  EXPECT_FALSE(image(id, ".exr") == render_here(options_, ".exr"));
+
+  v1::SynchronizeResponse nothing;
+  EXPECT_TRUE(liar_worker.synchronize(nothing).ok());
+  for (int i = 0; i < 3; ++i)
+    EXPECT_EQ(liar_worker.send_garbage().error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+  const auto is_mended = [&] {
+    return liar().disproved_ranges() > 0 && job(id).state() == v1::JOB_STATE_DONE;
+  };
+  ASSERT_TRUE(poll_until(60s, is_mended));
+  expect_local_bytes(id);
+}
+
+}  // namespace
+}  // namespace tessera::test
