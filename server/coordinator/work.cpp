@@ -295,7 +295,7 @@ void Coordinator::note_refused_result(Turn& turn, const std::string& worker, con
   if (!conduct_.refused(worker, name)) return;
   spdlog::error("worker {} ({}) is put aside: {}. What it rendered before is verified by others", name,
                 worker, conduct_.because(worker, name));
-  apply(turn, scheduler_.handle(scheduler::Dismiss{{worker}}, turn.now()));
+  apply(turn, scheduler_.handle(scheduler::Dismiss{{worker}, true}, turn.now()));
 }
 
 }  // namespace tessera::coordinator

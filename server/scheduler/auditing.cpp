@@ -38,17 +38,19 @@ Portion Scheduler::audit_copy(const Job& job, const Worker& worker) const {
 
 std::optional<Ruling> Scheduler::take_audit(Job& job, const SubmitResult& event, std::size_t i) {
   const WorkItem& item = event.items[i];
-  std::vector<WorkerId> others;
+  std::vector<std::pair<WorkerId, WorkItem>> held_by_others;
   for (const LeaseId id : job.audit_leases().of_tile(item.tile)) {
     const Lease& lease = *job.audit_leases().find(id);
-    const bool shares = std::any_of(lease.items.begin(), lease.items.end(),
-                                    [&](const WorkItem& held) { return overlaps(held, item); });
-    if (shares && lease.holder != event.worker) others.push_back(lease.holder);
+    if (lease.holder == event.worker) continue;
+    for (const WorkItem& held : lease.items) held_by_others.emplace_back(lease.holder, held);
   }
   std::vector<Lease> ended;
   std::optional<Ruling> ruling = job.audit(event.lease, item, fingerprint_of(event, i), ended);
   forget_emptied(job, ended);
-  if (ruling) tell_of_less(others);
+  if (!ruling) return ruling;
+  for (const auto& [holder, held] : held_by_others) {
+    if (overlaps(held, ruling->item)) tell_of_less({holder});
+  }
   return ruling;
 }
 
@@ -99,10 +101,7 @@ void Scheduler::drop_tile(Job& job, int tile, Actions& actions) {
 
 void Scheduler::distrust(const Author& author, Actions& actions) {
   authors_.distrust(author);
-  if (Worker* const worker = roster_.find(author.worker)) {
-    worker->wanted_leases = 0;
-    for (const HeldLease& held : std::vector<HeldLease>(worker->leases)) end_lease(*find(held.job), held.id);
-  }
+  if (Worker* const worker = roster_.find(author.worker)) end_all_leases(*worker);
   for (auto& [number, job] : jobs_) {
     if (job.state() == JobState::kDone) {
       if (job.audits().has_doubtful(authors_)) actions.reopen.push_back(job.id());
@@ -126,13 +125,20 @@ void Scheduler::restore_authors(Job& job, const std::vector<AuthoredItem>& autho
   }
 }
 
-// Whether the job lacks nothing but audits that were chosen by lot, and nobody who is here can do them.
+// Whether the job lacks nothing but audits that were chosen by lot, and nobody who is here can do them. Who
+// could not build the scene is given it again and again, and is not waited for.
 bool Scheduler::waits_in_vain(const Job& job) const {
-  if (!job.complete() || job.settled() || job.audits().any_doubted() || job.audits().anybody_at_work())
-    return false;
-  return std::none_of(roster_.all().begin(), roster_.all().end(), [&](const auto& entry) {
-    return entry.second.takes_leases() && can_audit(job, entry.second);
+  if (!job.complete() || job.settled() || job.audits().any_doubted()) return false;
+  const auto has_refused = [&](const Worker& worker) { return worker.refused.contains(job.id()); };
+  const auto& leases = job.audit_leases().all();
+  const bool somebody_is_at_it = std::any_of(leases.begin(), leases.end(), [&](const auto& entry) {
+    return !has_refused(*roster_.find(entry.second.holder));
   });
+  return !somebody_is_at_it &&
+         std::none_of(roster_.all().begin(), roster_.all().end(), [&](const auto& entry) {
+           const Worker& worker = entry.second;
+           return worker.takes_leases() && !has_refused(worker) && can_audit(job, worker);
+         });
 }
 
 void Scheduler::end_vain_waits(Actions& actions) {

@@ -69,7 +69,6 @@ class Audits {
   void begin(const WorkItem& item, LeaseId lease, AuthorNumber auditor);
   // The lease has ended without these samples: the range that they are of is due as before.
   void abandon(LeaseId lease, const WorkItem& piece);
-  bool anybody_at_work() const { return !at_work_.empty(); }
 
   // ---- What comes of it ----
   // Samples of an item that this lease has begun. A ruling when they were the last of the item; then nobody

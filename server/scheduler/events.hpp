@@ -95,6 +95,7 @@ struct AuthoredItem {
   Author author;
   Fingerprint fingerprint;
   Due due = Due::kNo;
+  bool operator==(const AuthoredItem&) const = default;
 };
 
 // A job as it was stored before the coordinator stopped. Jobs share the farm in the order in which they were

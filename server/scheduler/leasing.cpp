@@ -176,6 +176,11 @@ Lease Scheduler::end_lease(Job& job, LeaseId id) {
   return lease;
 }
 
+void Scheduler::end_all_leases(Worker& worker) {
+  worker.wanted_leases = 0;
+  for (const HeldLease& held : std::vector<HeldLease>(worker.leases)) end_lease(*find(held.job), held.id);
+}
+
 void Scheduler::lose_lease(const Worker& worker, const HeldLease& held, Actions& actions) {
   Job& job = *find(held.job);
   const Lease lease = end_lease(job, held.id);

@@ -168,6 +168,8 @@ class Scheduler {
   // The worker has said within lease_duration that it cannot build the scene.
   bool has_refused_lately(const Worker& worker, const Job& job) const;
   Lease end_lease(Job& job, LeaseId id);
+  // Whatever it holds goes to others, and it is given nothing until it asks again.
+  void end_all_leases(Worker& worker);
   // Ends a lease whose holder is taken for dead, and what that makes of the job.
   void lose_lease(const Worker& worker, const HeldLease& held, Actions& actions);
   // The worker gives a sign of life. One that was taken for dead was not.

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "tests/simulation/model_sums.hpp"
+
 namespace tessera::simulation {
 
 using namespace scheduler;
@@ -23,7 +25,8 @@ bool is_liar(const WorkerId& worker) {
   return worker.value.starts_with(kLiar);
 }
 
-Coordinator::Coordinator(World& world) : world_(world), disk_(world), referee_(world, films_, options_) {}
+Coordinator::Coordinator(World& world, const Options& options)
+    : world_(world), disk_(world), options_(options), referee_(world, films_, options_) {}
 
 void Coordinator::start() {
   if (up()) return;
@@ -31,6 +34,7 @@ void Coordinator::start() {
   world_.note(fmt::format("coordinator starts, epoch {}", run_));
   Options options = options_;
   options.epoch = run_;
+  options.audit_secret = run_;
   scheduler_ = std::make_unique<Scheduler>(options);
   referee_.restarted(run_);
   for (const Disk::StoredJob& job : disk_.jobs()) restore(job);
@@ -47,7 +51,10 @@ void Coordinator::restore(const Disk::StoredJob& job) {
     if (!done.empty()) shape.spp = std::max(shape.spp, done.ranges().back().end);
   }
   films_[job.id].extend(shape.spp);
-  RestoreJob event{job.id, shape, job.row.priority, job.row.state, job.row.failure, {}, job.row.max_workers};
+  RestoreJob event{job.id,          shape, job.row.priority,    job.row.state,
+                   job.row.failure, {},    job.row.max_workers, {}};
+  for (const auto& [tile, authored] : job.authored)
+    event.authored.insert(event.authored.end(), authored.begin(), authored.end());
   for (int tile = 0; tile < job.film.tile_count(); ++tile) event.done.push_back(job.film.done(tile));
   referee_.entered(job.id, job.row.state);
   const Actions actions = handle(event);
@@ -62,6 +69,9 @@ void Coordinator::crash() {
   scheduler_.reset();
   parked_.clear();
   films_.clear();
+  workers_aside_.clear();
+  names_aside_.clear();
+  to_reopen_.clear();
   next_tick_.reset();
   stalled_until_ = {};
 }
@@ -89,6 +99,7 @@ bool Coordinator::delayed(const std::function<void()>& again) {
 
 void Coordinator::synchronize(const Synchronize& request, const Answer& answer) {
   if (!up() || delayed([=, this] { synchronize(request, answer); })) return;
+  if (is_refused(request.worker)) return;
   const WorkerId id = request.worker.id;
   if (request.worker.name == kLiar) {
     for (const LeaseDescription& held : request.held) claimed_.insert(held.id);
@@ -136,6 +147,7 @@ void Coordinator::wake(const WorkerId& worker) {
 
 void Coordinator::submit_result(const SubmitResult& result, const std::function<void()>& answer) {
   if (!up() || delayed([=, this] { submit_result(result, answer); })) return;
+  if (workers_aside_.contains(result.worker)) return answer();
   const bool lies = is_liar(result.worker);
   if (lies) handle(Tick{});
   const std::string before = lies ? fingerprint(*scheduler_, clock()) : "";
@@ -147,10 +159,13 @@ void Coordinator::submit_result(const SubmitResult& result, const std::function<
   if (actions.status && actions.verdicts.size() != result.items.size()) {
     return world_.fail("not every item has a verdict");
   }
+  if (!actions.status) note_refusal(result.worker);
   referee_.judged(result, actions);
+  empty_tiles(actions);
   for (std::size_t i = 0; i < actions.verdicts.size(); ++i) {
-    if (actions.verdicts[i] == Verdict::kDropped) continue;
-    films_.at(result.job).add(result.items[i]);
+    if (actions.verdicts[i] != Verdict::kAccepted) continue;
+    const bool wrong_bits = fingerprint_of(result, i) != honest_sums(result.job, result.items[i]);
+    films_.at(result.job).add(result.items[i], wrong_bits);
     disk_.accepted(result.job, result.items[i]);
   }
   referee_.settled(actions, *scheduler_, clock());
@@ -217,6 +232,7 @@ Actions Coordinator::handle(const Event& event) {
   referee_.counted(before, jobs());
   if (const auto wrong = scheduler_->check_invariants(CheckDepth::kEverySample)) world_.fail(*wrong);
   referee_.handled(event, actions, clock());
+  follow_audits(actions);
   for (const JobChange& change : actions.job_changes) {
     world_.note(fmt::format("job {} is {}", change.id.value, job_state_name(change.to)));
     if (change.to == JobState::kFailed && !std::holds_alternative<FailJob>(event)) {
@@ -257,7 +273,7 @@ void Coordinator::look_around(std::uint64_t run) {
 }
 
 bool Coordinator::all_settled() const {
-  if (!up()) return false;
+  if (!up() || !to_reopen_.empty()) return false;
   const std::vector<JobView> views = jobs();
   return std::none_of(views.begin(), views.end(), [](const JobView& job) {
     return job.state == JobState::kRunning || job.state == JobState::kPaused;
@@ -266,6 +282,7 @@ bool Coordinator::all_settled() const {
 
 void Coordinator::check_films() {
   referee_.look_around(*scheduler_, clock());
+  check_bits();
   for (const auto& [id, film] : films_) {
     for (int tile = 0; tile < film.tile_count(); ++tile) compare(id, tile);
   }

@@ -20,7 +20,9 @@ class Coordinator {
  public:
   using Answer = std::function<void(const scheduler::Reply&)>;
 
-  explicit Coordinator(World& world);
+  explicit Coordinator(World& world, const scheduler::Options& options = {});
+  // Its results may be wrong, and others may be disproved by nobody.
+  void expect_liar(const std::string& host) { liars_.insert(host); }
 
   void start();
   // Forgets everything but what is stored.
@@ -38,6 +40,11 @@ class Coordinator {
 
   // A user's command. Must be up. Returns whether it was taken and stored.
   bool command(const scheduler::Event& event);
+  // As after too many refused results.
+  void put_aside(const scheduler::Author& author);
+  bool is_aside(const std::string& name) const { return names_aside_.contains(name); }
+  // Whether there are wrong bits in the job's film.
+  bool spoilt(const std::string& job) const { return films_.at({job}).spoilt_tile().has_value(); }
   // Takes away all that a worker holds that was heard of lately; which one, chance says.
   void dismiss_any();
 
@@ -71,6 +78,14 @@ class Coordinator {
   bool delayed(const std::function<void()>& again);
   scheduler::Actions handle(const scheduler::Event& event);
   void restore(const Disk::StoredJob& job);
+  // ---- Audits (coordinator_audits.cpp) ----
+  void follow_audits(const scheduler::Actions& actions);
+  void empty_tiles(const scheduler::Actions& actions);
+  void reopen_later(const scheduler::JobId& job);
+  bool is_refused(const scheduler::WorkerInfo& worker) const;
+  bool is_expected_liar(const scheduler::WorkerId& worker) const;
+  void note_refusal(const scheduler::WorkerId& worker);
+  void check_bits();
   void park(const scheduler::WorkerId& worker, const scheduler::Reply& reply, const Answer& answer);
   void wake(const scheduler::WorkerId& worker);
   void answer_parked(const scheduler::WorkerId& worker, std::uint64_t call);
@@ -100,6 +115,11 @@ class Coordinator {
   // What a liar said it holds: a result that its true holder sends once more may then be refused.
   std::set<scheduler::LeaseId> claimed_;
   std::map<scheduler::WorkerId, Parked> parked_;
+  std::set<std::string> liars_;
+  std::set<scheduler::WorkerId> workers_aside_;
+  std::set<std::string> names_aside_;
+  int refused_ = 0;
+  std::set<scheduler::JobId> to_reopen_;
   std::map<scheduler::JobId, scheduler::JobShape> shapes_;
   Films films_;
   Referee referee_;

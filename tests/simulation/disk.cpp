@@ -20,7 +20,7 @@ bool Disk::written() {
 
 bool Disk::insert(const JobId& id, const JobRow& row) {
   if (!written()) return false;
-  jobs_.push_back({id, row, ModelFilm(row.shape)});
+  jobs_.push_back({id, row, ModelFilm(row.shape), {}});
   return true;
 }
 
@@ -33,10 +33,19 @@ bool Disk::update(const JobId& id, const JobRow& row) {
   return true;
 }
 
-bool Disk::write_tile(const JobId& id, int tile, const ModelFilm& content) {
+bool Disk::write_tile(const JobId& id, int tile, const ModelFilm& content,
+                      const std::vector<AuthoredItem>& authored) {
   if (!written()) return false;
-  if (StoredJob* const job = find(id)) job->film.copy_tile(tile, content);
+  StoredJob* const job = find(id);
+  if (job == nullptr) return true;
+  job->film.copy_tile(tile, content);
+  job->authored[tile] = authored;
   return true;
+}
+
+void Disk::dropped(const JobId& job, int tile) {
+  std::erase_if(accepted_,
+                [&](const Accepted& entry) { return entry.job == job && entry.item.tile == tile; });
 }
 
 bool Disk::remove(const JobId& id) {

@@ -2,6 +2,7 @@
 // refuse to write for a while. Keeps the promise about accepted work in mind.
 #pragma once
 
+#include <map>
 #include <optional>
 #include <set>
 #include <utility>
@@ -32,6 +33,8 @@ class Disk {
     scheduler::JobId id;
     JobRow row;
     ModelFilm film;
+    // By tile.
+    std::map<int, std::vector<scheduler::AuthoredItem>> authored;
   };
 
   explicit Disk(World& world) : world_(world) {}
@@ -44,7 +47,8 @@ class Disk {
   bool insert(const scheduler::JobId& id, const JobRow& row);
   // An older copy changes nothing.
   bool update(const scheduler::JobId& id, const JobRow& row);
-  bool write_tile(const scheduler::JobId& id, int tile, const ModelFilm& content);
+  bool write_tile(const scheduler::JobId& id, int tile, const ModelFilm& content,
+                  const std::vector<scheduler::AuthoredItem>& authored);
   bool remove(const scheduler::JobId& id);
 
   // In the order of submission.
@@ -53,6 +57,8 @@ class Disk {
 
   // ---- The promise ----
   void accepted(const scheduler::JobId& job, const scheduler::WorkItem& item);
+  // The tile's samples were found to be wrong.
+  void dropped(const scheduler::JobId& job, int tile);
   // All that was accepted before the checkpoint began is written.
   void checkpoint_is_complete() { refused_since_.reset(); }
   // Complains of accepted work that is gone although it should have survived, and strikes the rest that is

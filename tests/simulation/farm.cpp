@@ -26,10 +26,27 @@ constexpr double kUnrestSeconds = 40;
 // A straggler is a hundred times slower than the first machine.
 constexpr double kFirstSpeed = 60'000, kStragglerSpeed = 600;
 
+// Two farms of five have audits, which must not change what happens in the others: their chances are drawn
+// apart.
+struct AuditedFarm {
+  explicit AuditedFarm(std::uint64_t seed) : random(seed ^ 0xa0d17) {
+    if (!random.chance(0.4)) return;
+    options.audit_share = random.chance(0.6) ? 1 : random.real(0.01, 1);
+    options.audit_patience = seconds(200);
+  }
+  bool any() const { return options.audit_share > 0; }
+
+  Random random;
+  scheduler::Options options;
+};
+
 class Farm {
  public:
   Farm(std::uint64_t seed, bool verbose)
-      : world_(seed, verbose), coordinator_(world_), liar_(world_, coordinator_) {}
+      : world_(seed, verbose),
+        audited_(seed),
+        coordinator_(world_, audited_.options),
+        liar_(world_, coordinator_) {}
 
   FarmReport run();
 
@@ -38,6 +55,7 @@ class Farm {
   void set_up();
   void add_machine(int number);
   void submit();
+  void set_up_audits();
   void make_deadly(const JobId& id, const JobShape& shape);
   void make_unbuildable(const JobId& id);
   void calm_down();
@@ -68,6 +86,7 @@ class Farm {
   double elapsed() const { return std::chrono::duration<double>(world_.now().time_since_epoch()).count(); }
 
   World world_;
+  AuditedFarm audited_;
   Coordinator coordinator_;
   Liar liar_;
   std::vector<std::unique_ptr<WorkerMachine>> machines_;
@@ -88,8 +107,9 @@ void Farm::set_up() {
   const bool bad_network = random.chance(0.5);
   world_.make_network(bad_network ? 0.05 : 0, bad_network ? 0.05 : 0, bad_network ? 15 : 0.5);
   coordinator_.start();
-  const int machines = random.integer(1, 5);
+  const int machines = std::max(random.integer(1, 5), audited_.any() ? 2 : 1);
   for (int m = 0; m < machines; ++m) add_machine(m);
+  if (audited_.any()) set_up_audits();
   for (int j = random.integer(1, 3); j > 0; --j)
     world_.after(seconds(random.real(0, 15)), [this] { submit(); });
   for (int f = random.integer(0, 10); f > 0; --f)
@@ -105,10 +125,27 @@ void Farm::add_machine(int number) {
   double speed = number == 0 ? kFirstSpeed : 1'500 * std::pow(100, random.real(0, 1));
   if (number > 0 && random.chance(0.15)) speed = kStragglerSpeed;
   const std::string host = fmt::format("m{}", number);
-  machines_.push_back(std::make_unique<WorkerMachine>(world_, coordinator_, host, speed,
-                                                      random.chance(0.1) ? "render" : host));
+  std::string name = random.chance(0.1) ? "render" : host;
+  if (audited_.any() && number < 2) {  // they are to bring it to its end together
+    speed = kFirstSpeed;
+    name = host;
+  }
+  machines_.push_back(std::make_unique<WorkerMachine>(world_, coordinator_, host, speed, name));
   names_.insert(machines_.back()->name());
   world_.after(seconds(random.real(0, 5)), [machine = machines_.back().get()] { machine->start(); });
+}
+
+// The first two are honest, so that the others can be found out.
+void Farm::set_up_audits() {
+  world_.note(fmt::format("{:.0f} % of ranges are audited", 100 * audited_.options.audit_share));
+  for (std::size_t m = 0; m < machines_.size(); ++m) {
+    machines_[m]->split_ranges();
+    if (m < 2 || !audited_.random.chance(0.6)) continue;
+    const std::string host = fmt::format("m{}", m);
+    world_.note(host + " lies");
+    machines_[m]->lie(audited_.random.real(0.05, 1));
+    coordinator_.expect_liar(host);
+  }
 }
 
 void Farm::submit() {
@@ -127,9 +164,10 @@ void Farm::submit() {
   world_.note(
       fmt::format("job {}: {}x{}, {} spp", id.value, shape.window.width(), shape.window.height(), shape.spp));
   pixel_samples_ += shape.grid().tile_count() * 4096.0 * shape.spp;
-  if (names_.size() >= kDeathsUntilFailure && random.chance(0.05)) {
+  // Where there are audits, machines that are put aside, or cannot build a scene, are none to count on.
+  if (names_.size() >= kDeathsUntilFailure && random.chance(0.05) && !audited_.any()) {
     make_deadly(id, shape);
-  } else if (random.chance(0.05)) {
+  } else if (random.chance(0.05) && !audited_.any()) {
     make_unbuildable(id);
   }
   if (!coordinator_.command(SubmitJob{id, shape, random.integer(0, 1), any_limit()}))
@@ -173,8 +211,10 @@ void Farm::calm_down() {
 // The first machine alone, with time for every fault to pass, every lease to run out, and every deadly range
 // to have its victims: three machines, of which chance may take one again and again.
 bool Farm::is_late() const {
-  const double bound = kUnrestSeconds + 120 + set_back_seconds_ +
-                       800 * static_cast<double>(deadly_jobs_.size()) + 1.5 * pixel_samples_ / kFirstSpeed;
+  double bound = kUnrestSeconds + 120 + set_back_seconds_ + 800 * static_cast<double>(deadly_jobs_.size()) +
+                 1.5 * pixel_samples_ / kFirstSpeed;
+  // Everything is rendered twice, and what was spoilt once more; or nobody comes for it.
+  if (audited_.any()) bound += 200 + 6 * pixel_samples_ / kFirstSpeed;
   return elapsed() > bound;
 }
 

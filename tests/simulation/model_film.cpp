@@ -16,11 +16,22 @@ bool ModelFilm::fits(const scheduler::WorkItem& item) const {
          item.samples.end <= tiles_[static_cast<std::size_t>(item.tile)].size();
 }
 
-bool ModelFilm::add(const scheduler::WorkItem& item) {
+bool ModelFilm::add(const scheduler::WorkItem& item, bool wrong_bits) {
   if (!fits(item) || has_any(item)) return false;
   std::vector<bool>& tile = tiles_[static_cast<std::size_t>(item.tile)];
   std::fill(tile.begin() + item.samples.begin, tile.begin() + item.samples.end, true);
+  if (wrong_bits) spoilt_.insert(item.tile);
   return true;
+}
+
+void ModelFilm::clear(int tile) {
+  std::vector<bool>& samples = tiles_[static_cast<std::size_t>(tile)];
+  samples.assign(samples.size(), false);
+  spoilt_.erase(tile);
+}
+
+std::optional<int> ModelFilm::spoilt_tile() const {
+  return spoilt_.empty() ? std::nullopt : std::optional<int>(*spoilt_.begin());
 }
 
 bool ModelFilm::has(const scheduler::WorkItem& item) const {
@@ -59,6 +70,8 @@ std::uint64_t ModelFilm::count(int tile) const {
 
 void ModelFilm::copy_tile(int tile, const ModelFilm& from) {
   tiles_[static_cast<std::size_t>(tile)] = from.tiles_[static_cast<std::size_t>(tile)];
+  spoilt_.erase(tile);
+  if (from.spoilt_.contains(tile)) spoilt_.insert(tile);
 }
 
 }  // namespace tessera::simulation

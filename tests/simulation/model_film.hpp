@@ -1,8 +1,10 @@
-// A film that only counts: for each tile and sample, how often it was added. Knows nothing of the scheduler's
-// sets.
+// A film that only counts: for each tile and sample, whether it was added, and whether its bits were wrong.
+// Knows nothing of the scheduler's sets.
 #pragma once
 
 #include <cstdint>
+#include <optional>
+#include <set>
 #include <vector>
 
 #include "server/scheduler/interval_set.hpp"
@@ -18,7 +20,10 @@ class ModelFilm {
   // Never takes samples away.
   void extend(std::uint32_t spp);
   // False if any of the samples was there already, or is none of the film's.
-  bool add(const scheduler::WorkItem& item);
+  bool add(const scheduler::WorkItem& item, bool wrong_bits = false);
+  void clear(int tile);
+  // A tile with wrong bits in it, if there is one.
+  std::optional<int> spoilt_tile() const;
   // Whether all of the samples are there; whether any is. False for what is none of the film's.
   bool has(const scheduler::WorkItem& item) const;
   bool has_any(const scheduler::WorkItem& item) const;
@@ -30,13 +35,15 @@ class ModelFilm {
   // Makes one tile what it is in another film of the same job, which may have more samples by now.
   void copy_tile(int tile, const ModelFilm& from);
   bool same_tile(int tile, const ModelFilm& other) const {
-    return tiles_[static_cast<std::size_t>(tile)] == other.tiles_[static_cast<std::size_t>(tile)];
+    return tiles_[static_cast<std::size_t>(tile)] == other.tiles_[static_cast<std::size_t>(tile)] &&
+           spoilt_.contains(tile) == other.spoilt_.contains(tile);
   }
 
  private:
   bool fits(const scheduler::WorkItem& item) const;
 
   std::vector<std::vector<bool>> tiles_;
+  std::set<int> spoilt_;
 };
 
 }  // namespace tessera::simulation

@@ -20,7 +20,10 @@ using Films = std::map<scheduler::JobId, ModelFilm>;
 class Referee {
  public:
   Referee(World& world, const Films& films, const scheduler::Options& options)
-      : world_(world), films_(films), options_(options) {}
+      : world_(world), films_(films), options_(options), audits_(options.audit_share > 0) {}
+
+  // From now on samples that are done may be leased as well.
+  void expect_audits() { audits_ = true; }
 
   // A new scheduler, to which no lease has been given yet.
   void restarted(std::uint32_t epoch);
@@ -55,6 +58,7 @@ class Referee {
   World& world_;
   const Films& films_;
   const scheduler::Options options_;
+  bool audits_;
   std::map<scheduler::JobId, scheduler::JobState> states_;
   // The coordinator's clock as the scheduler must take it: it never goes back.
   Time clock_{};

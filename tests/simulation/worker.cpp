@@ -4,6 +4,8 @@
 #include <functional>
 #include <utility>
 
+#include "tests/simulation/model_sums.hpp"
+
 namespace tessera::simulation {
 
 using namespace scheduler;
@@ -122,7 +124,7 @@ void WorkerMachine::take_reply(std::uint64_t call, const Reply& reply) {
   std::erase_if(held_, [&](const Held& held) { return !wanted(held); });
   for (const LeaseDescription& lease : reply.leases) {
     if (find(lease.id) != nullptr) continue;
-    held_.push_back({lease.id, lease.job, {lease.items.begin(), lease.items.end()}, {}, {}, 0, 0, false});
+    held_.push_back({lease.id, lease.job, in_pieces(lease.items), {}, {}, 0, 0, false});
   }
   if (!stopping_) synchronize();
   render_next();
@@ -187,12 +189,37 @@ void WorkerMachine::give_back(Held& held) {
 
 void WorkerMachine::deliver(Held& held, bool finished, const std::string& cannot_build) {
   const std::uint64_t delivery = ++deliveries_;
-  outbox_[delivery] = {{id_}, held.job, held.id, held.rendered, held.render_seconds, finished, cannot_build};
+  outbox_[delivery] = {{id_},    held.job,     held.id,      held.rendered, held.render_seconds,
+                       finished, cannot_build, sums_of(held)};
   held.sent.insert(held.sent.end(), held.rendered.begin(), held.rendered.end());
   held.rendered.clear();
   held.render_seconds = 0;
   held.finished = finished;
   send_until_heard(delivery);
+}
+
+std::vector<Fingerprint> WorkerMachine::sums_of(const Held& held) {
+  std::vector<Fingerprint> sums;
+  for (const WorkItem& item : held.rendered) {
+    const bool lie = lies_ > 0 && world_.random.chance(lies_);
+    const int flipped = lie ? world_.random.integer(1, 1'000'000'000) : 0;
+    sums.push_back(wrong_sums(held.job, item, static_cast<std::uint64_t>(flipped)));
+  }
+  return sums;
+}
+
+std::deque<WorkItem> WorkerMachine::in_pieces(const std::vector<WorkItem>& items) {
+  std::deque<WorkItem> pieces;
+  for (WorkItem item : items) {
+    if (splits_ && item.samples.count() > 1 && world_.random.chance(0.3)) {
+      const auto first =
+          static_cast<std::uint32_t>(world_.random.integer(1, static_cast<int>(item.samples.count()) - 1));
+      pieces.push_back({item.tile, {item.samples.begin, item.samples.begin + first}});
+      item.samples.begin += first;
+    }
+    pieces.push_back(item);
+  }
+  return pieces;
 }
 
 void WorkerMachine::send_until_heard(std::uint64_t delivery) {

@@ -34,6 +34,10 @@ class WorkerMachine {
   void die_of(const scheduler::JobId& job, const scheduler::WorkItem& item);
   // From now on its workers cannot build this job's scene, and give its leases back.
   void cannot_build(const scheduler::JobId& job) { unbuildable_.insert(job); }
+  // From now on that share of what it delivers has flipped bits.
+  void lie(double share) { lies_ = share; }
+  // From now on it delivers many ranges in two parts.
+  void split_ranges() { splits_ = true; }
   // SIGTERM: delivers what it has rendered of its leases, also of the range it is at, and stops.
   void stop();
   bool running() const { return running_; }
@@ -65,6 +69,8 @@ class WorkerMachine {
   void render_on();
   void rendered();
   void give_back(Held& held);
+  std::vector<scheduler::Fingerprint> sums_of(const Held& held);
+  std::deque<scheduler::WorkItem> in_pieces(const std::vector<scheduler::WorkItem>& items);
   void deliver(Held& held, bool finished, const std::string& cannot_build = "");
   void send_until_heard(std::uint64_t delivery);
   void heard(std::uint64_t delivery);
@@ -98,6 +104,8 @@ class WorkerMachine {
   const std::size_t items_per_delivery_;
 
   std::vector<Deadly> deadly_;
+  double lies_ = 0;
+  bool splits_ = false;
   std::set<scheduler::JobId> unbuildable_;
   double longest_lease_seconds_ = 0;
   double slowness_ = 1;

@@ -266,6 +266,19 @@ TEST_F(Audits, AreWaitedForUntilNobodyHasComeForAWhile) {
   EXPECT_EQ(job("job").samples_to_verify, 0u);
 }
 
+TEST_F(Audits, AreNotWaitedForIfTheOnlyOtherCannotBuildTheScene) {
+  submit("job", tiles(4, 1));
+  deliver_sums("a", lease_to("a"), honest);
+  for (int i = 0; i < 8 && state("job") == kRunning; ++i) {
+    const LeaseDescription lease = lease_to("b");
+    handle(SubmitResult{{"b"}, lease.job, lease.id, {}, 0, true, "out of memory"});
+    sync("a");
+    pass(seconds(9));
+    tick();
+  }
+  EXPECT_EQ(state("job"), kDone);
+}
+
 TEST_F(Audits, AreNotGivenUpWhileSomebodyCanDoThem) {
   submit("job", tiles(4, 1));
   deliver_sums("a", lease_to("a"), honest);
@@ -309,7 +322,7 @@ TEST_F(WithoutAudits, WhatAWorkerThatIsPutAsideHasRenderedIsVerified) {
   deliver_sums("liar", lies, wrong);
   deliver_sums("a", lease_to("a"), honest);
   EXPECT_EQ(job("job").samples_to_verify, 0u);
-  const Actions actions = handle(Dismiss{{"liar"}});
+  const Actions actions = handle(Dismiss{{"liar"}, true});
   EXPECT_EQ(actions.reviewed_tiles.size(), lies.items.size());
   EXPECT_EQ(job("job").samples_to_verify, lies.items.size() * kTilePixels);
   // What it delivers under its name still counts, but not without being verified.
@@ -327,7 +340,7 @@ TEST_F(WithoutAudits, ADoneJobRunsAgainWhenItsWorkersAreDoubted) {
   deliver_sums("liar", lease_to("liar"), wrong);
   render("liar", wrong);
   ASSERT_EQ(state("job"), kDone);
-  const Actions put_aside = handle(Dismiss{{"liar"}});
+  const Actions put_aside = handle(Dismiss{{"liar"}, true});
   EXPECT_THAT(put_aside.reopen, ElementsAre(JobId{"job"}));
   const Actions reopened = handle(ReopenJob{{"job"}});
   EXPECT_THAT(reopened.job_changes, ElementsAre(JobChange{{"job"}, kDone, kRunning}));
@@ -345,7 +358,7 @@ TEST_F(WithoutAudits, ADoneJobOfTrustedWorkersStaysDone) {
   submit("job", tiles(2, 1));
   sync("bad", {}, 0);
   render("a");
-  EXPECT_THAT(handle(Dismiss{{"bad"}}).reopen, IsEmpty());
+  EXPECT_THAT(handle(Dismiss{{"bad"}, true}).reopen, IsEmpty());
   EXPECT_TRUE(handle(ReopenJob{{"job"}}).job_changes.empty());
 }
 
@@ -356,7 +369,7 @@ TEST_F(WithoutAudits, ATileIsDroppedWithWhatTheSameResultBrought) {
   const LeaseDescription before{LeaseId{7}, {"job"}, {}};
   deliver_sums("liar", before, {{0, {0, 1}}}, wrong);
   sync("liar", {}, 0);
-  handle(Dismiss{{"liar"}});
+  handle(Dismiss{{"liar"}, true});
   const LeaseDescription first = lease_to("a");
   ASSERT_EQ(first.items[0], (WorkItem{0, {0, 1}}));
   deliver_sums("a", first, honest);

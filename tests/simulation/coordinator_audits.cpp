@@ -1,0 +1,89 @@
+// What the model's coordinator does about workers that lie.
+#include <algorithm>
+
+#include "tests/simulation/coordinator.hpp"
+
+namespace tessera::simulation {
+
+using namespace scheduler;
+
+namespace {
+
+constexpr int kRefusalsUntilAside = 3;
+
+}  // namespace
+
+void Coordinator::empty_tiles(const Actions& actions) {
+  for (const TileOfJob& dropped : actions.dropped_tiles) {
+    world_.note(fmt::format("tile {} of job {} is dropped", dropped.tile, dropped.job.value));
+    films_.at(dropped.job).clear(dropped.tile);
+    disk_.dropped(dropped.job, dropped.tile);
+  }
+}
+
+void Coordinator::follow_audits(const Actions& actions) {
+  for (const Disproof& disproof : actions.disproved) {
+    world_.note(fmt::format("{} is put aside: {}", called(disproof.author), disproof.because));
+    if (!is_expected_liar(disproof.author.worker))
+      world_.fail(
+          fmt::format("{} is honest, but was put aside: {}", called(disproof.author), disproof.because));
+    workers_aside_.insert(disproof.author.worker);
+    if (!disproof.author.name.empty()) names_aside_.insert(disproof.author.name);
+  }
+  for (const std::string& contradiction : actions.contradictions) world_.note(contradiction);
+  for (const Unaudited& job : actions.unaudited)
+    world_.note(fmt::format("job {} is done with {} ranges unaudited", job.job.value, job.ranges));
+  for (const JobId& job : actions.reopen) {
+    if (to_reopen_.insert(job).second) reopen_later(job);
+  }
+}
+
+// Its host's name is a part of a worker's id.
+bool Coordinator::is_expected_liar(const WorkerId& worker) const {
+  return is_liar(worker) || std::any_of(liars_.begin(), liars_.end(), [&](const std::string& host) {
+           return worker.value.find("." + host + ".") != std::string::npos;
+         });
+}
+
+// The film of a done job must be read back first.
+void Coordinator::reopen_later(const JobId& job) {
+  world_.after(seconds(world_.random.real(0, 2)), [this, job, run = run_] {
+    const auto reopen = [this, job, run] {
+      if (up() && run == run_ && to_reopen_.erase(job) > 0) handle(ReopenJob{job});
+    };
+    if (up() && run == run_ && !delayed(reopen)) reopen();
+  });
+}
+
+bool Coordinator::is_refused(const WorkerInfo& worker) const {
+  if (workers_aside_.contains(worker.id)) return true;
+  const auto known = workers();
+  const auto is_it = [&](const WorkerView& each) { return each.info.id == worker.id; };
+  return names_aside_.contains(worker.name) && std::none_of(known.begin(), known.end(), is_it);
+}
+
+// In farms with audits, as in the real ones.
+void Coordinator::note_refusal(const WorkerId& worker) {
+  if (options_.audit_share == 0 || !is_liar(worker) || ++refused_ % kRefusalsUntilAside != 0) return;
+  put_aside({kLiar, worker});
+}
+
+void Coordinator::put_aside(const Author& author) {
+  world_.note(fmt::format("{} is put aside", called(author)));
+  workers_aside_.insert(author.worker);
+  names_aside_.insert(author.name);
+  referee_.expect_audits();
+  handle(Dismiss{author.worker, true});
+}
+
+// Where everything is audited, and honest workers of two names and more are there, no lie gets through.
+void Coordinator::check_bits() {
+  if (options_.audit_share < 1) return;
+  for (const JobView& job : jobs()) {
+    const std::optional<int> spoilt = films_.at(job.id).spoilt_tile();
+    if (job.state == JobState::kDone && spoilt)
+      world_.fail(fmt::format("job {} is done, with wrong bits in tile {}", job.id.value, *spoilt));
+  }
+}
+
+}  // namespace tessera::simulation
