@@ -7,6 +7,14 @@
 namespace tessera::scheduler {
 namespace {
 
+// A worker delivers two ranges of a lease that touch as one, which could be compared with neither.
+bool touches_any(const std::vector<WorkItem>& items, const WorkItem& item) {
+  return std::any_of(items.begin(), items.end(), [&](const WorkItem& other) {
+    return other.tile == item.tile &&
+           (other.samples.end == item.samples.begin || item.samples.end == other.samples.begin);
+  });
+}
+
 bool lies_in(const WorkItem& part, const WorkItem& whole) {
   return part.tile == whole.tile && part.samples.begin >= whole.samples.begin &&
          part.samples.end <= whole.samples.end;
@@ -25,6 +33,7 @@ Portion Job::take_audits(std::uint64_t samples, bool holds_nothing, const Author
   portion.audit = true;
   audits_.offer(worker, authors, [&](const WorkItem& item) {
     if (samples == 0 || portion.items.size() == kMaxItemsPerLease) return false;
+    if (touches_any(portion.items, item)) return true;
     const bool alone = is_suspect(item);
     if (alone && !(holds_nothing && portion.items.empty())) return false;
     portion.items.push_back(item);

@@ -153,7 +153,7 @@ void Referee::judged(const SubmitResult& event, const Actions& actions) {
   for (std::size_t i = 0; i < event.items.size(); ++i) {
     const WorkItem& item = event.items[i];
     const bool accepted = actions.verdicts[i] == Verdict::kAccepted;
-    if (actions.verdicts[i] == Verdict::kAudited) note_audited(event.worker, event.job, item);
+    if (actions.verdicts[i] != Verdict::kDropped) note_delivered(event.worker, event.job, item);
     const TileOfJob tile{event.job, item.tile};
     const auto& dropped = actions.dropped_tiles;
     if (std::find(dropped.begin(), dropped.end(), tile) != dropped.end()) continue;
@@ -186,12 +186,18 @@ void Referee::counted(const std::vector<JobView>& before, const std::vector<JobV
 }
 
 // What a worker has delivered itself it does not render any more, though it may be missing again one day.
-void Referee::note_audited(const WorkerId& worker, const JobId& job, const WorkItem& item) {
+void Referee::note_delivered(const WorkerId& worker, const JobId& job, const WorkItem& item) {
   const auto waiting = waiting_.find(worker);
   if (waiting == waiting_.end()) return;
   for (LeaseDescription& lease : waiting->second.leases) {
-    if (lease.job == job)
-      std::erase_if(lease.items, [&](const WorkItem& held) { return overlap(held, item); });
+    if (lease.job != job) continue;
+    std::vector<WorkItem> rest;
+    for (const WorkItem& held : lease.items) {
+      IntervalSet samples{held.samples};
+      if (held.tile == item.tile) samples.remove(item.samples);
+      for (const core::SampleRange& range : samples.ranges()) rest.push_back({held.tile, range});
+    }
+    lease.items = std::move(rest);
   }
 }
 

@@ -53,8 +53,8 @@ class Referee {
   void check_lease(const scheduler::LeaseDescription& lease, bool may_be_new, std::uint64_t highest_before);
   void check_items(const scheduler::LeaseDescription& lease);
   void check_arrow(const scheduler::JobChange& change);
-  void note_audited(const scheduler::WorkerId& worker, const scheduler::JobId& job,
-                    const scheduler::WorkItem& item);
+  void note_delivered(const scheduler::WorkerId& worker, const scheduler::JobId& job,
+                      const scheduler::WorkItem& item);
   std::uint64_t samples_in_film(const scheduler::JobView& job) const;
 
   World& world_;

@@ -17,6 +17,21 @@ constexpr double kResendSeconds = 1.5;
 // A render looks up so often whether the machine has become slower or faster.
 constexpr double kLongestStepSeconds = 1.0;
 
+// Real workers deliver ranges that touch as one.
+std::vector<WorkItem> joined(const std::vector<WorkItem>& items) {
+  std::vector<WorkItem> result;
+  for (const WorkItem& item : items) {
+    const bool continues =
+        !result.empty() && result.back().tile == item.tile && result.back().samples.end == item.samples.begin;
+    if (continues) {
+      result.back().samples.end = item.samples.end;
+    } else {
+      result.push_back(item);
+    }
+  }
+  return result;
+}
+
 }  // namespace
 
 WorkerMachine::WorkerMachine(World& world, Coordinator& coordinator, std::string host,
@@ -189,6 +204,7 @@ void WorkerMachine::give_back(Held& held) {
 
 void WorkerMachine::deliver(Held& held, bool finished, const std::string& cannot_build) {
   const std::uint64_t delivery = ++deliveries_;
+  if (splits_) held.rendered = joined(held.rendered);
   outbox_[delivery] = {{id_},    held.job,     held.id,      held.rendered, held.render_seconds,
                        finished, cannot_build, sums_of(held)};
   held.sent.insert(held.sent.end(), held.rendered.begin(), held.rendered.end());

@@ -131,6 +131,61 @@ TEST_F(Audits, OfAHigherPriorityComeFirstAndOfALowerOneWait) {
   EXPECT_EQ(lease_to("b").job.value, "high");
 }
 
+// Or they would come back as one.
+TEST_F(Audits, OfRangesThatTouchAreInSeveralLeases) {
+  submit("job", tiles(2, 4));
+  restart();
+  deliver_sums("a", {LeaseId{7}, {"job"}, {}}, {{0, {0, 1}}, {0, {1, 2}}, {0, {2, 4}}, {1, {0, 4}}}, honest);
+  const Reply reply = sync("b", {}, 2);
+  ASSERT_EQ(reply.leases.size(), 2u);
+  EXPECT_EQ(reply.leases[0].items, (std::vector<WorkItem>{{0, {0, 1}}, {0, {2, 4}}, {1, {0, 4}}}));
+  EXPECT_EQ(reply.leases[1].items, (std::vector<WorkItem>{{0, {1, 2}}}));
+}
+
+TEST_F(Audits, AreLeasesOfTheWorkersThatAJobMayHave) {
+  submit("job", tiles(2, 1), 0, 1);
+  deliver_sums("a", lease_to("a"), honest);
+  const LeaseDescription lease = lease_to("b");
+  EXPECT_EQ(job("job").active_workers, 1);
+  EXPECT_THAT(sync("c").leases, IsEmpty());
+  const Actions part = deliver_sums("b", lease, {lease.items[0]}, honest, false);
+  EXPECT_THAT(part.wake, IsEmpty());
+  // It has given the rest back, and another may have its place.
+  const Actions rest = deliver_sums("b", lease, {}, honest);
+  EXPECT_THAT(rest.wake, testing::Contains(WorkerId{"c"}));
+  EXPECT_EQ(lease_to("c").items, std::vector{lease.items[1]});
+}
+
+// Fewer workers may have the job since the limit was lowered, and audits keep it: no invariant is broken.
+TEST_F(Audits, OutliveALowerLimitOnWorkers) {
+  submit("job", tiles(2, 1));
+  deliver_sums("a", lease_to("a"), honest);
+  const LeaseDescription by_b = lease_to("b"), by_c = lease_to("c");
+  ASSERT_TRUE(handle(UpdateJob{{"job"}, {}, 1}).status);
+  EXPECT_EQ(job("job").active_workers, 2);
+  deliver_sums("c", by_c, honest);
+  EXPECT_EQ(job("job").active_workers, 1);
+  EXPECT_THAT(sync("c").leases, IsEmpty());
+  deliver_sums("b", by_b, std::vector{by_b.items[1]}, honest);
+  EXPECT_EQ(state("job"), kDone);
+}
+
+// As jobs that lack samples do, jobs that are audited share the farm by the work that they are given.
+TEST_F(Audits, AreWorkThatAJobIsGiven) {
+  submit("x", tiles(200, 1));
+  submit("y", tiles(200, 1));
+  render("a");
+  options_.audit_share = 0;
+  restart();
+  const auto job_given_to = [&](const std::string& id, int threads) {
+    const Reply reply = *handle(Synchronize{{{id}, id, "0.1.0", threads}, {}, 1}).reply;
+    return reply.leases.at(0).job.value;
+  };
+  EXPECT_EQ(job_given_to("b", 4), "x");
+  EXPECT_EQ(job_given_to("c", 1), "y");
+  EXPECT_EQ(job_given_to("d", 1), "y");
+}
+
 TEST_F(Audits, MayComeInParts) {
   submit("job", tiles(2, 8));
   restart();
