@@ -122,10 +122,11 @@ bool Audits::offer(const Author& worker, const Authors& authors,
   return any;
 }
 
-std::optional<WorkItem> Audits::copy_for(const Author& worker, const Authors& authors) const {
+std::optional<WorkItem> Audits::copy_for(const Author& worker, const Authors& authors,
+                                         const std::function<bool(LeaseId)>& may_share) const {
   for (const auto& [key, attempts] : at_work_) {
     if (attempts.size() > 1 || are_one(worker, authors.at(attempts.front().auditor))) continue;
-    if (may_audit(worker, key, authors)) return item_at(key);
+    if (may_audit(worker, key, authors) && may_share(attempts.front().lease)) return item_at(key);
   }
   return std::nullopt;
 }

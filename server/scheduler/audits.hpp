@@ -64,8 +64,9 @@ class Audits {
   // Offers this worker what is due and nobody is at, until it is refused. Whether there was any.
   bool offer(const Author& worker, const Authors& authors,
              const std::function<bool(const WorkItem&)>& take) const;
-  // Something that one of another name is at.
-  std::optional<WorkItem> copy_for(const Author& worker, const Authors& authors) const;
+  // Something that one of another name is at, under a lease that may be shared.
+  std::optional<WorkItem> copy_for(const Author& worker, const Authors& authors,
+                                   const std::function<bool(LeaseId)>& may_share) const;
   void begin(const WorkItem& item, LeaseId lease, AuthorNumber auditor);
   // The lease has ended without these samples: the range that they are of is due as before.
   void abandon(LeaseId lease, const WorkItem& piece);

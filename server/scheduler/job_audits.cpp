@@ -45,9 +45,11 @@ Portion Job::take_audits(std::uint64_t samples, bool holds_nothing, const Author
 }
 
 Portion Job::take_audit_copy(const Author& worker, const Authors& authors) const {
-  const std::optional<WorkItem> item = audits_.copy_for(worker, authors);
-  if (!item || is_suspect(*item)) return {};
-  return {{*item}, false, true};
+  // What must be alone is not given to two, as in held_once().
+  const auto may_share = [this](LeaseId lease) { return !audit_leases_.find(lease)->alone; };
+  const std::optional<WorkItem> item = audits_.copy_for(worker, authors, may_share);
+  if (!item) return {};
+  return {{*item}, is_suspect(*item), true};
 }
 
 void Job::lease_audit(Lease lease) {
