@@ -3,11 +3,12 @@
 #include <fmt/format.h>
 #include <xxhash.h>
 #include <zstd.h>
+#include <zstd_errors.h>
 
 #include <algorithm>
 #include <bit>
-#include <cassert>
 #include <memory>
+#include <new>
 #include <string>
 #include <vector>
 
@@ -34,6 +35,15 @@ struct Workspace {
   std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)> decompressor{ZSTD_createDCtx(), &ZSTD_freeDCtx};
   std::vector<std::uint64_t> sums = std::vector<std::uint64_t>(kMostSums);
   std::string frame = std::string(ZSTD_compressBound(kMostSums * sizeof(std::uint64_t)), '\0');
+
+  Workspace() {
+    if (!compressor || !decompressor) throw std::bad_alloc();
+  }
+  void make_room_for(std::size_t sum_count) {
+    if (sum_count <= sums.size()) return;
+    sums.resize(sum_count);
+    frame.resize(ZSTD_compressBound(sum_count * sizeof(std::uint64_t)));
+  }
 };
 
 Workspace& workspace() {
@@ -45,6 +55,7 @@ Workspace& workspace() {
 core::Status decompress(const std::string& frame, std::size_t raw_bytes, Workspace& work) {
   const std::size_t written =
       ZSTD_decompressDCtx(work.decompressor.get(), work.sums.data(), raw_bytes, frame.data(), frame.size());
+  if (ZSTD_getErrorCode(written) == ZSTD_error_memory_allocation) throw std::bad_alloc();
   if (ZSTD_isError(written) != 0)
     return fail(ErrorCode::kInvalidArgument, fmt::format("sums_zstd: {}", ZSTD_getErrorName(written)));
   if (written != raw_bytes)
@@ -77,13 +88,14 @@ core::Status check_counters(const core::RenderCounters& counters, const WorkItem
 }  // namespace
 
 v1::RenderedItem encode_tile(const core::FilmTile& tile) {
-  assert(tile.sums.size() + tile.odd_sums.size() <= kMostSums);
   Workspace& work = workspace();
+  work.make_room_for(tile.sums.size() + tile.odd_sums.size());
   const auto end = std::copy(tile.odd_sums.begin(), tile.odd_sums.end(),
                              std::copy(tile.sums.begin(), tile.sums.end(), work.sums.begin()));
   const auto bytes = static_cast<std::size_t>(end - work.sums.begin()) * sizeof(std::uint64_t);
   const std::size_t size = ZSTD_compressCCtx(work.compressor.get(), work.frame.data(), work.frame.size(),
                                              work.sums.data(), bytes, kZstdLevel);
+  if (ZSTD_isError(size) != 0) throw std::bad_alloc();  // the only way to fail where the frame has room
 
   v1::RenderedItem message;
   *message.mutable_item() = to_proto(WorkItem{tile.rect, tile.range});

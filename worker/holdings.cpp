@@ -23,13 +23,15 @@ std::vector<WorkItem> readable_items(const v1::Lease& lease, const v1::RenderSet
   std::vector<WorkItem> items;
   for (const v1::WorkItem& message : lease.items()) {
     const auto item = proto::from_proto(message);
-    const bool inside =
-        item && message.rect().x1() <= settings.width_px() && message.rect().y1() <= settings.height_px();
+    // Of no more than a tile, which is what a result can hold.
+    const bool inside = item && message.rect().x1() <= settings.width_px() &&
+                        message.rect().y1() <= settings.height_px() && item->rect.width() <= core::kTilePx &&
+                        item->rect.height() <= core::kTilePx;
     if (inside)
       items.push_back(*item);
     else
-      spdlog::warn("lease {} asks for pixels or samples that job {} does not have", lease.id(),
-                   lease.job_id());
+      spdlog::warn("lease {} asks for pixels or samples that job {} does not have, or for more than a tile",
+                   lease.id(), lease.job_id());
   }
   return items;
 }

@@ -46,6 +46,16 @@ void expect_refused(const v1::RenderedItem& message, const std::string& reason) 
   EXPECT_THAT(tile.error().message, HasSubstr(reason));
 }
 
+// Nobody asks for that much, and whoever takes it in refuses it: it must only not be written over others.
+TEST(TileCodec, HasRoomForMoreThanOneTile) {
+  const v1::RenderedItem message = encode_tile(some_tile({0, 0, 256, 192}, {0, 2}, 1));
+  std::string sums(256 * 192 * 3 * 2 * sizeof(std::uint64_t), '\0');
+  ASSERT_EQ(ZSTD_decompress(sums.data(), sums.size(), message.sums_zstd().data(), message.sums_zstd().size()),
+            sums.size());
+  EXPECT_EQ(XXH3_64bits(sums.data(), sums.size()), message.sums_xxh3());
+  expect_refused(message, "must lie in one tile");
+}
+
 TEST(TileCodec, GivesBackEveryBit) {
   std::uint64_t seed = 0;
   for (const core::PixelRect rect : {core::PixelRect{0, 0, 64, 64}, {64, 128, 65, 129}, {0, 448, 64, 450}}) {

@@ -94,6 +94,15 @@ TEST_F(HoldingsTest, WorkOutsideThePictureIsNotTaken) {
   EXPECT_TRUE(delivery->tiles.empty());
 }
 
+TEST_F(HoldingsTest, WorkLargerThanATileIsNotTaken) {
+  v1::Lease wide = lease(1, "a", 0, 4);
+  wide.mutable_items(0)->mutable_rect()->set_x1(core::kTilePx + 1);
+  *wide.add_items() = lease(1, "a", 4, 8).items(0);
+  holdings_.apply(answer({wide}, {"a"}));
+  ASSERT_EQ(report().held(0).items_size(), 1);
+  EXPECT_EQ(report().held(0).items(0).sample_begin(), 4u);
+}
+
 TEST_F(HoldingsTest, RendersInOrderAsSoonAsTheFilesAreHere) {
   holdings_.apply(answer({lease(1, "a", 0, 4), lease(2, "b", 0, 4)}, {"a", "b"}));
   const auto first = holdings_.next_to_fetch({});
