@@ -2,12 +2,14 @@
 
 #include <fmt/format.h>
 #include <zstd.h>
+#include <zstd_errors.h>
 
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cstring>
 #include <memory>
+#include <new>
 
 namespace tessera::coordinator {
 namespace {
@@ -70,6 +72,10 @@ void gather(const char* planes, std::size_t begin, std::size_t total, std::vecto
 struct Workspace {
   std::unique_ptr<ZSTD_CCtx, decltype(&ZSTD_freeCCtx)> compressor{ZSTD_createCCtx(), &ZSTD_freeCCtx};
   std::string planes, frame;
+
+  Workspace() {
+    if (!compressor) throw std::bad_alloc();
+  }
 };
 
 Workspace& workspace() {
@@ -89,12 +95,14 @@ std::string encode_planes(const std::vector<std::uint64_t>& sums,
   work.frame.resize(ZSTD_compressBound(work.planes.size()));
   const std::size_t size = ZSTD_compressCCtx(work.compressor.get(), work.frame.data(), work.frame.size(),
                                              work.planes.data(), work.planes.size(), kZstdLevel);
+  if (ZSTD_isError(size) != 0) throw std::bad_alloc();  // the only way to fail where the frame has room
   return work.frame.substr(0, size);
 }
 
 core::Result<TilePlanes> decode_planes(std::string_view frame, std::size_t count) {
   std::string planes(2 * count * kBytes, '\0');
   const std::size_t size = ZSTD_decompress(planes.data(), planes.size(), frame.data(), frame.size());
+  if (ZSTD_getErrorCode(size) == ZSTD_error_memory_allocation) throw std::bad_alloc();
   if (ZSTD_isError(size) != 0 || size != planes.size()) {
     return core::fail(core::ErrorCode::kDataLoss,
                       fmt::format("its sums are no whole frame of {} bytes", planes.size()));
