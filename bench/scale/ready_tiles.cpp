@@ -33,7 +33,14 @@ class Noise {
   std::lognormal_distribution<double> spread_{-0.3, 0.8};
 };
 
-core::FilmTile noisy_tile(std::uint32_t seed) {
+// Which of a range's samples have odd numbers.
+enum Odd : std::size_t { kNone, kSome, kAll };
+
+Odd odd_samples(const core::SampleRange& range) {
+  return range.odd_count() == 0 ? kNone : range.odd_count() == range.count() ? kAll : kSome;
+}
+
+core::FilmTile noisy_tile(std::uint32_t seed, Odd odd) {
   Noise noise(seed);
   core::FilmTile tile(kTile, {0, kSamples});
   constexpr std::size_t kRow = std::size_t{core::kTilePx} * 3;
@@ -41,8 +48,8 @@ core::FilmTile noisy_tile(std::uint32_t seed) {
     const double across = static_cast<double>(i % kRow) / kRow,
                  down = static_cast<double>(i / kRow) / core::kTilePx;
     const double mean_radiance = 0.05 + 0.5 * across * down;
-    tile.odd_sums[i] = noise.sum(kSamples / 2, mean_radiance);
-    tile.sums[i] = tile.odd_sums[i] + noise.sum(kSamples / 2, mean_radiance);
+    tile.odd_sums[i] = odd == kNone ? 0 : noise.sum(kSamples / 2, mean_radiance);
+    tile.sums[i] = tile.odd_sums[i] + (odd == kAll ? 0 : noise.sum(kSamples / 2, mean_radiance));
   }
   return tile;
 }
@@ -50,14 +57,15 @@ core::FilmTile noisy_tile(std::uint32_t seed) {
 }  // namespace
 
 ReadyTiles::ReadyTiles() {
-  for (std::uint32_t seed = 0; seed < kVariants; ++seed) {
-    v1::RenderedItem item = proto::encode_tile(noisy_tile(seed));
-    frames_.push_back({std::move(*item.mutable_sums_zstd()), item.sums_xxh3()});
-  }
+  for (const Odd odd : {kNone, kSome, kAll})
+    for (std::uint32_t seed = 0; seed < kVariants; ++seed) {
+      v1::RenderedItem item = proto::encode_tile(noisy_tile(seed, odd));
+      frames_[odd].push_back({std::move(*item.mutable_sums_zstd()), item.sums_xxh3()});
+    }
 }
 
 v1::RenderedItem ReadyTiles::rendered(const proto::WorkItem& item, std::uint64_t variant) const {
-  const Frame& frame = frames_[variant % kVariants];
+  const Frame& frame = frames_[odd_samples(item.range)][variant % kVariants];
   core::RenderCounters counters;
   counters.samples = item.rect.pixel_count() * item.range.count();
   counters.closest_hit_rays = 3 * counters.samples;

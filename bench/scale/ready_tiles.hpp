@@ -2,6 +2,7 @@
 // compressed beforehand, so that a worker that sends them costs next to nothing. Thread-safe.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -26,7 +27,8 @@ class ReadyTiles {
     std::uint64_t sums_xxh3 = 0;
   };
 
-  std::vector<Frame> frames_;
+  // By which of the range's samples have odd numbers: none, some, all.
+  std::array<std::vector<Frame>, 3> frames_;
 };
 
 }  // namespace tessera::bench
