@@ -10,12 +10,12 @@ namespace tessera::coordinator {
 
 namespace {
 
-core::Error with_advice(core::Error error) {
-  if (error.code == core::ErrorCode::kDataLoss)
-    error.message +=
-        ": submit the scene again; or stop the coordinator and run it once with --salvage, after which the "
-        "tile is "
-        "rendered again";
+core::Error with_advice(core::Error error, v1::JobState state) {
+  if (error.code != core::ErrorCode::kDataLoss) return error;
+  error.message += state == v1::JOB_STATE_CANCELLED || state == v1::JOB_STATE_FAILED
+                       ? ": it is lost, since the job is not rendered any more: submit the scene again"
+                       : ": submit the scene again; or stop the coordinator and run it once with --salvage, "
+                         "after which the tile is rendered again";
   return error;
 }
 
@@ -53,7 +53,7 @@ core::Result<core::Image> Coordinator::develop_row(const v1::Job& spec, const co
   }
   for (int i = 0; i < grid.columns(); ++i) {
     auto content = load_tile(spec, grid, first + i);
-    if (!content) return core::fail(with_advice(content.error()));
+    if (!content) return core::fail(with_advice(content.error(), spec.state()));
     strip.restore(i, std::move(content->sums));
   }
   return strip.develop();

@@ -31,6 +31,13 @@ bool is_unfinished(int state) {
   return !is_finished(from_wire(static_cast<v1::JobState>(state)));
 }
 
+// What becomes of a damaged tile of a job in this state.
+const char* advice_for_tile(int state) {
+  if (is_unfinished(state)) return "it is rendered again at the next start";
+  if (state == v1::JOB_STATE_DONE) return "--salvage has it rendered again";
+  return "it is lost, since the job is not rendered any more: submit the scene again";
+}
+
 void check_assets(const v1::Bundle& bundle, const BlobStates& blobs, bool unfinished, JobFindings& findings) {
   const char* const advice = unfinished ? "submit the scene again: its files are sent anew"
                                         : "the picture is not touched by that, but cannot be extended";
@@ -56,9 +63,7 @@ void check_tiles(store::JobStore& jobs, const store::JobRow& row, const v1::Job&
     if (stored) {
       findings.samples_done += stored->content.sums.samples * grid.rect(tile).pixel_count();
     } else {
-      const char* const advice = is_unfinished(row.state) ? "it is rendered again at the next start"
-                                                          : "--salvage has it rendered again";
-      findings.damage.push_back(fmt::format("{}: {}", stored.error().message, advice));
+      findings.damage.push_back(fmt::format("{}: {}", stored.error().message, advice_for_tile(row.state)));
     }
   }
 }
@@ -96,9 +101,20 @@ void check_jobs(const std::filesystem::path& database, const BlobStates& blobs, 
   if (!damage) findings.damage.push_back(damage.error().message);
   for (const std::string& each : damage.value_or(std::vector<std::string>{}))
     findings.damage.push_back(fmt::format("{}: {}: --salvage keeps what is whole", database.string(), each));
-  const auto rows = jobs->jobs();
-  if (!rows) return findings.damage.push_back(rows.error().message);
-  for (const store::JobRow& row : *rows) findings.jobs.push_back(check_job(*jobs, row, blobs, named));
+  if (jobs->epoch() == 0)
+    findings.damage.push_back(fmt::format(
+        "{} has lost the count of its starts: --salvage goes on from a greater one", database.string()));
+  const auto readable = jobs->readable_jobs();
+  if (!readable) return findings.damage.push_back(readable.error().message);
+  if (readable->unreadable > 0)
+    findings.damage.push_back(fmt::format("{}: {} or more jobs cannot be read: --salvage keeps the others",
+                                          database.string(), readable->unreadable));
+  for (const store::JobRow& row : readable->rows) {
+    const JobFindings& job = findings.jobs.emplace_back(check_job(*jobs, row, blobs, named));
+    if (row.state == v1::JOB_STATE_DONE && job.damage.empty() && job.samples_done < job.samples_total)
+      findings.notes.push_back(
+          fmt::format("samples of job {} are missing: the next start renders them again", job.id));
+  }
 }
 
 void note_leftovers(const std::filesystem::path& folder, const store::BlobStore& blobs,

@@ -35,13 +35,15 @@ std::string to_text(const StateFindings& findings);
 
 struct Salvage {
   std::size_t jobs = 0, lost_jobs = 0;
-  std::size_t tiles = 0, lost_tiles = 0;  // of the jobs that were kept
-  std::filesystem::path set_aside;        // the old database
+  // Of the jobs that were kept. What is lost of a cancelled or failed one is not rendered again.
+  std::size_t tiles = 0, lost_tiles = 0, tiles_lost_for_good = 0;
+  std::filesystem::path set_aside;  // the old database
 };
 
 // Puts a new database in the place of the old one, with every job and tile of it that can be read and is
-// whole; lost tiles are rendered again. The old one is kept beside it under another name. DATA_LOSS if not
-// even the list of jobs can be read. After an error the old one is where it was.
+// whole; lost tiles are rendered again, but for those of cancelled and failed jobs. The old one is kept
+// beside it under another name. DATA_LOSS if not even the list of jobs can be read. After an error the old
+// one is where it was.
 core::Result<Salvage> salvage_state(const std::filesystem::path& folder);
 
 }  // namespace tessera::coordinator

@@ -1,5 +1,9 @@
 #include <fmt/format.h>
 
+#include <chrono>
+#include <ratio>
+#include <set>
+#include <string>
 #include <system_error>
 #include <utility>
 #include <vector>
@@ -8,6 +12,7 @@
 #include "server/coordinator/state_check.hpp"
 #include "server/coordinator/stored_tile.hpp"
 #include "server/store/log_damage.hpp"
+#include "server/store/replacement.hpp"
 #include "server/store/state_directory.hpp"
 
 namespace tessera::coordinator {
@@ -21,6 +26,7 @@ constexpr const char* kCopyName = "tessera.db.salvaged";
 
 core::Status keep_tiles(store::JobStore& from, store::JobStore& to, const store::JobRow& row,
                         const core::TileGrid& grid, Salvage& salvage) {
+  const bool is_rendered_on = row.state != v1::JOB_STATE_CANCELLED && row.state != v1::JOB_STATE_FAILED;
   std::vector<store::TileRow> batch;
   // Not those that are listed: the list may be what is damaged.
   for (int tile = 0; tile < grid.tile_count(); ++tile) {
@@ -29,7 +35,7 @@ core::Status keep_tiles(store::JobStore& from, store::JobStore& to, const store:
       ++salvage.tiles;
       batch.push_back(std::move(stored->row));
     } else if (stored.error().code != core::ErrorCode::kNotFound) {
-      ++salvage.lost_tiles;
+      ++(is_rendered_on ? salvage.lost_tiles : salvage.tiles_lost_for_good);
     }
     if (batch.size() < kTilesPerBatch && tile + 1 < grid.tile_count()) continue;
     if (auto written = to.write_tiles(batch); !written) return written;
@@ -48,19 +54,34 @@ core::Error beyond_reading(const fs::path& database, const core::Error& error) {
               database.string())};
 }
 
+// No coordinator was started more often than every quarter of an hour since 1970, and a lease's number has
+// room for some centuries of that.
+std::uint32_t epoch_beyond_all() {
+  using QuarterHours = std::chrono::duration<std::uint32_t, std::ratio<900>>;
+  return std::chrono::duration_cast<QuarterHours>(std::chrono::system_clock::now().time_since_epoch())
+      .count();
+}
+
+// Damage can make rows appear twice, and give two jobs the same request.
 core::Result<Salvage> copy_whole_jobs(const fs::path& database, store::JobStore& from, store::JobStore& to) {
-  const auto rows = from.jobs();
-  if (!rows) return core::fail(beyond_reading(database, rows.error()));
+  auto readable = from.readable_jobs();
+  if (!readable) return core::fail(beyond_reading(database, readable.error()));
   Salvage salvage;
-  for (const store::JobRow& row : *rows) {
+  salvage.lost_jobs = readable->unreadable;
+  std::set<std::string> kept_ids, kept_requests;
+  for (store::JobRow& row : readable->rows) {
     const auto record = from_row(row);
+    if (record && !kept_ids.insert(row.id).second) continue;
     ++(record ? salvage.jobs : salvage.lost_jobs);
     if (!record) continue;
+    if (!row.request_id.empty() && !kept_requests.insert(row.request_id).second) row.request_id.clear();
     if (auto kept = to.insert_job(row); !kept) return core::fail(kept.error());
     auto kept = keep_tiles(from, to, row, grid_of(*record->spec), salvage);
     if (!kept) return core::fail(kept.error());
   }
-  if (auto later = to.continue_from(from.epoch()); !later) return core::fail(later.error());
+  const std::uint32_t epoch = from.epoch() > 0 ? from.epoch() : epoch_beyond_all();
+  if (auto later = to.continue_from(epoch); !later) return core::fail(later.error());
+  if (auto whole = to.empty_log(); !whole) return core::fail(whole.error());
   return salvage;
 }
 
@@ -72,54 +93,45 @@ void remove_database(const fs::path& file) {
   }
 }
 
-fs::path free_name(const fs::path& database) {
-  for (int number = 1;; ++number) {
-    const fs::path name = fmt::format("{}.damaged-{}", database.string(), number);
-    if (!fs::exists(name)) return name;
-  }
+core::Status expect_no_log(const fs::path& copy) {
+  std::error_code missing;
+  if (fs::file_size(store::log_of(copy), missing) == 0 || missing == std::errc::no_such_file_or_directory)
+    return {};
+  return core::fail(
+      core::ErrorCode::kInternal,
+      fmt::format("{} is not empty after its database was closed: nothing was replaced; try again",
+                  store::log_of(copy).string()));
 }
 
-core::Status move(const fs::path& from, const fs::path& to) {
-  std::error_code error;
-  fs::rename(from, to, error);
-  if (!error) return {};
-  return core::fail(core::ErrorCode::kInternal,
-                    fmt::format("renaming {} to {}: {}", from.string(), to.string(), error.message()));
-}
-
-// The log goes first: left behind, it would be taken for the new database's.
-core::Status set_aside(const fs::path& database, const fs::path& name) {
-  if (fs::exists(store::log_of(database))) {
-    if (auto moved = move(store::log_of(database), store::log_of(name)); !moved) return moved;
+// A copy of an earlier salvage that was cut short goes only when the database is open.
+core::Result<Salvage> make_copy(const fs::path& database, const fs::path& copy) {
+  auto from = store::JobStore::open_untouched(database);
+  if (!from) return core::fail(beyond_reading(database, from.error()));
+  remove_database(copy);
+  core::Result<Salvage> salvage;
+  {
+    auto to = store::JobStore::open(copy);
+    if (!to) return core::fail(to.error());
+    salvage = copy_whole_jobs(database, *from, *to);
   }
-  std::error_code ignored;  // SQLite makes it anew
-  fs::remove(database.string() + "-shm", ignored);
-  return move(database, name);
+  if (auto whole = expect_no_log(copy); salvage && !whole) salvage = core::fail(whole.error());
+  if (!salvage) remove_database(copy);
+  return salvage;
 }
 
 }  // namespace
 
 core::Result<Salvage> salvage_state(const fs::path& folder) {
-  const auto lock = store::lock_existing_state(folder);
+  const auto lock = store::lock_state_to_mend(folder);
   if (!lock) return core::fail(lock.error());
   const fs::path database = folder / store::kDatabaseName, copy = folder / kCopyName;
-  remove_database(copy);
-  core::Result<Salvage> salvage;
-  {
-    auto from = store::JobStore::open_untouched(database);
-    if (!from) return core::fail(beyond_reading(database, from.error()));
-    auto to = store::JobStore::open(copy);
-    if (!to) return core::fail(to.error());
-    salvage = copy_whole_jobs(database, *from, *to);
-  }  // closing the copy folds its log into it
-  if (!salvage) {
-    remove_database(copy);
-    return salvage;
-  }
-  salvage->set_aside = free_name(database);
-  if (auto moved = set_aside(database, salvage->set_aside); !moved) return core::fail(moved.error());
-  if (auto moved = move(copy, database); !moved) return core::fail(moved.error());
-  if (auto safe = store::sync_folder(folder); !safe) return core::fail(safe.error());
+  if (auto undone = store::undo_interrupted_replacement(database); !undone) return core::fail(undone.error());
+  auto salvage = make_copy(database, copy);
+  if (!salvage) return salvage;
+  auto set_aside = store::replace_database(database, copy);
+  remove_database(copy);  // where it was not put in place
+  if (!set_aside) return core::fail(set_aside.error());
+  salvage->set_aside = *std::move(set_aside);
   return salvage;
 }
 

@@ -7,6 +7,7 @@
 
 #include <cerrno>
 #include <cstring>
+#include <system_error>
 
 namespace tessera::store {
 
@@ -81,9 +82,9 @@ core::Status create_folder(const std::filesystem::path& folder) {
     part /= name;
     if (::mkdir(part.c_str(), 0700) == 0 || errno == EEXIST) continue;
     const core::Error error = errno_error("creating", part);
-    if (!std::filesystem::is_directory(part)) return core::fail(error);
+    if (std::error_code unknown; !std::filesystem::is_directory(part, unknown)) return core::fail(error);
   }
-  if (std::filesystem::is_directory(folder)) return {};
+  if (std::error_code unknown; std::filesystem::is_directory(folder, unknown)) return {};
   return core::fail(ErrorCode::kFailedPrecondition, folder.string() + " is not a folder");
 }
 

@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 #include <xxhash.h>
 
+#include <algorithm>
 #include <mutex>
+#include <set>
 #include <system_error>
 #include <utility>
 
@@ -33,9 +35,22 @@ constexpr auto kInsertJob =
 constexpr auto kUpdateJob =
     "UPDATE jobs SET revision = ?2, state = ?3, failure = ?4, spp = ?5, priority = ?6, finished_ms = ?7,"
     " counters = ?8, arithmetic = ?9, max_workers = ?10, row_xxh3 = ?11 WHERE id = ?1 AND revision < ?2";
-constexpr auto kListJobs =
+// Up to what earlier releases had not: the limit of workers, and the sum.
+constexpr auto kReadJobs =
     "SELECT id, request_id, spec, revision, state, failure, spp, priority, created_ms, finished_ms,"
-    " counters, arithmetic, max_workers, row_xxh3 FROM jobs ORDER BY created_ms, rowid";
+    " counters, arithmetic, ";
+constexpr auto kByAge = " FROM jobs ORDER BY created_ms, rowid";
+constexpr auto kByRowid = " FROM jobs WHERE rowid = ?1";
+// Each as far as it can be read: the table itself, and its indexes, which name its rows, too.
+constexpr const char* kTableScans[] = {"SELECT rowid FROM jobs NOT INDEXED ORDER BY rowid",
+                                       "SELECT rowid FROM jobs NOT INDEXED ORDER BY rowid DESC"};
+constexpr const char* kIndexScans[] = {
+    "SELECT rowid FROM jobs INDEXED BY sqlite_autoindex_jobs_1 ORDER BY id",
+    "SELECT rowid FROM jobs INDEXED BY sqlite_autoindex_jobs_1 ORDER BY id DESC"};
+// Rows are numbered from 1. Up to here, those that no scan has come to are tried, too.
+constexpr std::int64_t kMostTried = 1'000'000;
+// A lease's number has room for epochs up to this.
+constexpr std::int64_t kLastEpoch = (1 << 24) - 1;
 // Changes a row where it stands: replacing it would move it, and change twice as many pages.
 constexpr auto kWriteTile =
     "INSERT INTO tiles (job_id, tile, done, content, row_xxh3)"
@@ -133,6 +148,34 @@ core::Status for_each_row(Statement& statement, Take take) {
   return {};
 }
 
+struct RowidScan {
+  std::set<std::int64_t> rowids;
+  core::Status complete;  // or why it is not sure that these are all
+};
+
+core::Status scan_rowids(Database& database, const char* sql, std::set<std::int64_t>& rowids) {
+  auto statement = database.prepare(sql);
+  if (!statement) return core::fail(statement.error());
+  return for_each_row(*statement, [&] { rowids.insert(statement->integer(0)); });
+}
+
+ReadableJobs by_age(ReadableJobs jobs) {
+  std::stable_sort(jobs.rows.begin(), jobs.rows.end(),
+                   [](const JobRow& a, const JobRow& b) { return a.created_ms < b.created_ms; });
+  return jobs;
+}
+
+RowidScan scan_jobs(Database& database) {
+  RowidScan scan;
+  for (const char* const sql : kTableScans) {
+    scan.complete = scan_rowids(database, sql, scan.rowids);
+    if (scan.complete) return scan;
+  }
+  for (const char* const sql : kIndexScans)
+    [[maybe_unused]] const auto as_far_as_it_goes = scan_rowids(database, sql, scan.rowids);
+  return scan;
+}
+
 core::Error damaged(const std::filesystem::path& file, const std::string& how) {
   const std::string folder = file.parent_path().string();
   return {
@@ -169,16 +212,33 @@ core::Result<std::array<std::uint64_t, 2>> read_secret(Database& database) {
   return std::array{as_unsigned(*first), as_unsigned(*second)};
 }
 
+// Without asking SQLite: opening such a file creates it, and reading it empties its log.
+bool is_missing_or_empty(const std::filesystem::path& file) {
+  std::error_code error;
+  const auto size = std::filesystem::file_size(file, error);
+  return error ? error == std::errc::no_such_file_or_directory : size == 0;
+}
+
+core::Status expect_database_of_log(const std::filesystem::path& file, bool may_be_new) {
+  if (!is_missing_or_empty(file) || (may_be_new && is_missing_or_empty(log_of(file)))) return {};
+  return core::fail(lost(file));
+}
+
+core::Result<std::uint32_t> read_epoch(Database& database, const std::filesystem::path& file) {
+  const auto epoch = database.read_number("SELECT value FROM meta WHERE name = 'epoch'");
+  if (!epoch) return core::fail(epoch.error());
+  if (*epoch < 1 || *epoch > kLastEpoch)
+    return core::fail(damaged(file, "it has lost the count of its starts"));
+  return static_cast<std::uint32_t>(*epoch);
+}
+
 }  // namespace
 
 struct JobStore::Impl {
   Impl(Database opened, std::filesystem::path path) : database(std::move(opened)), file(std::move(path)) {}
 
-  core::Status prepare_statements() {
-    const std::pair<Statement*, const char*> wanted[] = {{&insert_job, kInsertJob}, {&update_job, kUpdateJob},
-                                                         {&delete_job, kDeleteJob}, {&list_jobs, kListJobs},
-                                                         {&write_tile, kWriteTile}, {&tiles_done, kTilesDone},
-                                                         {&read_tile, kReadTile}};
+  using Wanted = std::pair<Statement*, std::string>;
+  core::Status prepare(const std::vector<Wanted>& wanted) {
     for (const auto& [statement, sql] : wanted) {
       auto prepared = database.prepare(sql);
       if (!prepared) return core::fail(prepared.error());
@@ -186,9 +246,25 @@ struct JobStore::Impl {
     }
     return {};
   }
+  core::Status prepare_reading(int version) {
+    const std::string jobs =
+        fmt::format("{}{}, {}", kReadJobs, version < kVersionOfWorkerLimits ? "0" : "max_workers",
+                    version < kVersionOfJobSums ? "NULL" : "row_xxh3");
+    return prepare({{&list_jobs, jobs + kByAge},
+                    {&read_job, jobs + kByRowid},
+                    {&tiles_done, kTilesDone},
+                    {&read_tile, kReadTile}});
+  }
+  core::Status prepare_writing() {
+    return prepare({{&insert_job, kInsertJob},
+                    {&update_job, kUpdateJob},
+                    {&delete_job, kDeleteJob},
+                    {&write_tile, kWriteTile}});
+  }
 
   Database database;
-  Statement insert_job, update_job, delete_job, list_jobs, write_tile, tiles_done, read_tile;
+  Statement list_jobs, read_job, tiles_done, read_tile;
+  Statement insert_job, update_job, delete_job, write_tile;  // none if it is only looked at
   const std::filesystem::path file;
   std::uint32_t epoch = 0;
   std::array<std::uint64_t, 2> secret{};
@@ -201,12 +277,14 @@ JobStore& JobStore::operator=(JobStore&&) noexcept = default;
 JobStore::~JobStore() = default;
 
 core::Result<JobStore> JobStore::open(const std::filesystem::path& file, bool may_be_new) {
+  if (auto there = expect_database_of_log(file, may_be_new); !there) return core::fail(there.error());
   if (auto whole = expect_whole_log(file); !whole) return core::fail(whole.error());
   auto database = Database::open(file);
   if (!database) return core::fail(database.error());
   if (auto set = database->execute(kPageSize); !set) return core::fail(set.error());
   if (auto usable = expect_usable(*database, file, may_be_new); !usable) return core::fail(usable.error());
   if (auto whole = expect_whole(*database, file); !whole) return core::fail(whole.error());
+  database->fold_log_on_close();
   if (auto set = database->execute(kPragmas); !set) return core::fail(set.error());
   if (auto current = bring_up_to_date(*database); !current) return core::fail(current.error());
   if (auto counted = database->execute("UPDATE meta SET value = value + 1 WHERE name = 'epoch'"); !counted) {
@@ -214,27 +292,28 @@ core::Result<JobStore> JobStore::open(const std::filesystem::path& file, bool ma
   }
   if (auto made = database->execute(kMakeSecret); !made) return core::fail(made.error());
   database->fold_log();
-  return with_statements(std::move(*database), file);
+  auto impl = std::make_unique<Impl>(std::move(*database), file);
+  const auto epoch = read_epoch(impl->database, file);
+  if (!epoch) return core::fail(epoch.error());
+  impl->epoch = *epoch;
+  const auto secret = read_secret(impl->database);
+  if (!secret) return core::fail(secret.error());
+  impl->secret = *secret;
+  if (auto prepared = impl->prepare_reading(schema_version()); !prepared) return core::fail(prepared.error());
+  if (auto prepared = impl->prepare_writing(); !prepared) return core::fail(prepared.error());
+  return JobStore(std::move(impl));
 }
 
 core::Result<JobStore> JobStore::open_untouched(const std::filesystem::path& file) {
-  if (std::error_code unknown; !std::filesystem::exists(file, unknown)) return core::fail(lost(file));
+  if (is_missing_or_empty(file)) return core::fail(lost(file));
   auto database = Database::open_untouched(file);
   if (!database) return core::fail(database.error());
-  if (auto current = expect_current(*database, file); !current) return core::fail(current.error());
-  return with_statements(std::move(*database), file);
-}
-
-core::Result<JobStore> JobStore::with_statements(Database database, const std::filesystem::path& file) {
-  const auto epoch = database.read_number("SELECT value FROM meta WHERE name = 'epoch'");
-  if (!epoch) return core::fail(epoch.error());
-  if (*epoch < 1) return core::fail(damaged(file, "it has lost the count of its starts"));
-  const auto secret = read_secret(database);
-  if (!secret) return core::fail(secret.error());
-  auto impl = std::make_unique<Impl>(std::move(database), file);
-  impl->epoch = static_cast<std::uint32_t>(*epoch);
-  impl->secret = *secret;
-  if (auto prepared = impl->prepare_statements(); !prepared) return core::fail(prepared.error());
+  const auto version = expect_readable(*database, file);
+  if (!version) return core::fail(version.error());
+  auto impl = std::make_unique<Impl>(std::move(*database), file);
+  impl->epoch = read_epoch(impl->database, file).value_or(0);
+  impl->secret = read_secret(impl->database).value_or(impl->secret);
+  if (auto prepared = impl->prepare_reading(*version); !prepared) return core::fail(prepared.error());
   return JobStore(std::move(impl));
 }
 
@@ -246,6 +325,11 @@ core::Status JobStore::continue_from(std::uint32_t epoch) {
   const std::lock_guard lock(impl_->mutex);
   return impl_->database.execute(
       fmt::format("UPDATE meta SET value = {} WHERE name = 'epoch' AND value < {}", epoch, epoch));
+}
+
+core::Status JobStore::empty_log() {
+  const std::lock_guard lock(impl_->mutex);
+  return impl_->database.empty_log();
 }
 
 core::Result<std::vector<std::string>> JobStore::structural_damage() {
@@ -298,6 +382,31 @@ core::Result<std::vector<JobRow>> JobStore::jobs() {
   const auto read = for_each_row(list, [&] { rows.push_back(read_job(list)); });
   if (!read) return core::fail(read.error());
   return rows;
+}
+
+core::Result<ReadableJobs> JobStore::readable_jobs() {
+  const std::lock_guard lock(impl_->mutex);
+  const RowidScan scan = scan_jobs(impl_->database);
+  core::Status complete = scan.complete;
+  ReadableJobs jobs;
+  const auto read = [&](std::int64_t rowid) {
+    Statement& statement = impl_->read_job.bind(1, rowid);
+    const auto row = statement.step();
+    if (!row) complete = core::fail(row.error());
+    const bool is_here = row && *row;
+    if (is_here) jobs.rows.push_back(read_job(statement));
+    statement.reset();
+    return is_here;
+  };
+  for (const std::int64_t rowid : scan.rowids) jobs.unreadable += read(rowid) ? 0 : 1;
+  if (!scan.complete && !scan.rowids.empty()) {
+    for (std::int64_t rowid = 1; rowid <= std::min(*scan.rowids.rbegin(), kMostTried); ++rowid)
+      if (!scan.rowids.contains(rowid)) read(rowid);
+  }
+  if (complete) return by_age(std::move(jobs));
+  if (jobs.rows.empty()) return core::fail(complete.error());
+  jobs.unreadable = std::max<std::size_t>(jobs.unreadable, 1);
+  return by_age(std::move(jobs));
 }
 
 core::Status JobStore::write_tiles(const std::vector<TileRow>& tiles) {

@@ -51,23 +51,33 @@ struct TileRow {
   bool operator==(const TileRow&) const = default;
 };
 
+// What of a list can be read.
+struct ReadableJobs {
+  std::vector<JobRow> rows;    // by age, oldest first; a damaged list may have the same job twice
+  std::size_t unreadable = 0;  // at least so many more
+};
+
 class JobStore {
  public:
   // Opens or creates the file and counts one more epoch. Reads all of it: a damaged one is DATA_LOSS, since
   // writing to it could spoil what is whole, and is never replaced by an empty one. FAILED_PRECONDITION if it
-  // was written by a later release. Unless `may_be_new`, one that is missing or empty is DATA_LOSS, too.
+  // was written by a later release. Unless `may_be_new`, one that is missing or empty is DATA_LOSS, too, as
+  // is one of which there is only the log. What is refused is left as it was, log included.
   static core::Result<JobStore> open(const std::filesystem::path& file, bool may_be_new = true);
   // For looking at it while nobody else has it open: writes nothing, and opens a damaged one as far as that
-  // can be read. Everything that changes something fails.
+  // can be read, and one of an earlier release as it is. Everything that changes something fails.
   static core::Result<JobStore> open_untouched(const std::filesystem::path& file);
   JobStore(JobStore&&) noexcept;
   JobStore& operator=(JobStore&&) noexcept;
   ~JobStore();
 
-  // How often this state was opened, from 1.
+  // How often this state was opened, from 1; 0 if that cannot be read from one that is only looked at.
   std::uint32_t epoch() const;
   // Makes later epochs greater than this one.
   core::Status continue_from(std::uint32_t epoch);
+  // Writes everything into the file itself, which then stands without its log. UNAVAILABLE if another program
+  // is in the way.
+  core::Status empty_log();
   // What is wrong with the file apart from its rows: a sentence for each; empty if it is whole.
   core::Result<std::vector<std::string>> structural_damage();
 
@@ -81,6 +91,8 @@ class JobStore {
   core::Status delete_job(const std::string& id);
   // By age, oldest first.
   core::Result<std::vector<JobRow>> jobs();
+  // The same of a damaged file, row by row. Fails only where not a single one can be read.
+  core::Result<ReadableJobs> readable_jobs();
 
   // Writes all of these tiles or none. Tiles of jobs that are no longer here are skipped.
   core::Status write_tiles(const std::vector<TileRow>& tiles);
@@ -91,7 +103,6 @@ class JobStore {
 
  private:
   struct Impl;
-  static core::Result<JobStore> with_statements(Database database, const std::filesystem::path& file);
   explicit JobStore(std::unique_ptr<Impl> impl);
 
   std::unique_ptr<Impl> impl_;

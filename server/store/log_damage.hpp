@@ -13,8 +13,9 @@ namespace tessera::store {
 // The log that belongs to a database.
 std::filesystem::path log_of(const std::filesystem::path& database);
 
-// Where the log is damaged, as a sentence; nothing if it is whole, or not there. What a crash has torn is no
-// damage: that was the last transaction, and nobody had been told of it. Errors: it cannot be read.
+// Where the log is damaged, as a sentence; nothing if it is whole, or not there. Of damage to the last
+// transaction alone nothing is told: a crash that tears the one it interrupts, of which nobody has heard,
+// leaves the same. Errors: it cannot be read.
 core::Result<std::optional<std::string>> find_log_damage(const std::filesystem::path& log);
 
 }  // namespace tessera::store

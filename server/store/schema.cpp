@@ -30,15 +30,12 @@ constexpr const char* kSteps[] = {
     "ALTER TABLE jobs ADD COLUMN max_workers INTEGER NOT NULL DEFAULT 0",
 };
 
-core::Error of_another_release(const std::filesystem::path& file, std::int64_t version,
-                               std::string_view what_to_do) {
+core::Error of_another_release(const std::filesystem::path& file, std::int64_t version) {
   return {ErrorCode::kFailedPrecondition,
-          fmt::format("{} was written by {} release of Tessera (schema {}, this one has {}): {}",
-                      file.string(), version > schema_version() ? "a later" : "an earlier", version,
-                      schema_version(), what_to_do)};
+          fmt::format("{} was written by a later release of Tessera (schema {}, this one has {}): use that "
+                      "release, or another folder with --state",
+                      file.string(), version, schema_version())};
 }
-
-constexpr auto kUseLater = "use that release, or another folder with --state";
 
 core::Status expect_empty(Database& database, const std::filesystem::path& file) {
   const auto tables = database.read_number("SELECT count(*) FROM sqlite_master");
@@ -53,10 +50,9 @@ core::Status expect_empty(Database& database, const std::filesystem::path& file)
 
 core::Error lost(const std::filesystem::path& file) {
   return {ErrorCode::kDataLoss,
-          fmt::format(
-              "{} is missing or empty, though the files of its jobs are in {}: put back a copy of the state "
-              "folder, or move the folder away to start without its jobs",
-              file.string(), (file.parent_path() / "blobs").string())};
+          fmt::format("{} is missing or empty, though its log or the files of its jobs are in {}: put back a "
+                      "copy of the state folder, or move the folder away to start without its jobs",
+                      file.string(), file.parent_path().string())};
 }
 
 int schema_version() {
@@ -66,8 +62,7 @@ int schema_version() {
 core::Status expect_usable(Database& database, const std::filesystem::path& file, bool may_be_new) {
   const auto version = database.read_number("PRAGMA user_version");
   if (!version) return core::fail(version.error());
-  if (*version < 0 || *version > schema_version())
-    return core::fail(of_another_release(file, *version, kUseLater));
+  if (*version < 0 || *version > schema_version()) return core::fail(of_another_release(file, *version));
   if (*version > 0) return {};
   if (auto empty = expect_empty(database, file); !empty) return empty;
   if (!may_be_new) return core::fail(lost(file));
@@ -88,13 +83,12 @@ core::Status bring_up_to_date(Database& database) {
   return transaction->commit();
 }
 
-core::Status expect_current(Database& database, const std::filesystem::path& file) {
+core::Result<int> expect_readable(Database& database, const std::filesystem::path& file) {
   const auto version = database.read_number("PRAGMA user_version");
   if (!version) return core::fail(version.error());
-  if (*version == schema_version()) return {};
   if (*version == 0) return core::fail(lost(file));
-  if (*version > schema_version()) return core::fail(of_another_release(file, *version, kUseLater));
-  return core::fail(of_another_release(file, *version, "start a coordinator on it once"));
+  if (*version < 0 || *version > schema_version()) return core::fail(of_another_release(file, *version));
+  return static_cast<int>(*version);
 }
 
 }  // namespace tessera::store

@@ -20,9 +20,12 @@ core::Status expect_usable(Database& database, const std::filesystem::path& file
 // Takes all steps that a usable file lacks, or none.
 core::Status bring_up_to_date(Database& database);
 
-// FAILED_PRECONDITION if the file is of another version, older ones included; DATA_LOSS if it is empty.
-// Changes nothing.
-core::Status expect_current(Database& database, const std::filesystem::path& file);
+// The version of a file that is only to be looked at. FAILED_PRECONDITION if it is of a later release;
+// DATA_LOSS if it is empty. Changes nothing.
+core::Result<int> expect_readable(Database& database, const std::filesystem::path& file);
+
+// From these versions on jobs have a sum, and a limit of workers.
+inline constexpr int kVersionOfJobSums = 2, kVersionOfWorkerLimits = 3;
 
 // What to tell of a state file that should be there.
 core::Error lost(const std::filesystem::path& file);

@@ -86,6 +86,9 @@ Statement& Statement::bind_null(int index) {
 }
 
 core::Result<bool> Statement::step() {
+  if (!statement_)
+    return core::fail(ErrorCode::kFailedPrecondition,
+                      "the database is only looked at: nothing is written to it");
   const int code = sqlite3_step(statement_.get());
   if (code == SQLITE_ROW) return true;
   if (code == SQLITE_DONE) return false;
@@ -100,6 +103,7 @@ core::Status Statement::run() {
 }
 
 void Statement::reset() {
+  if (!statement_) return;
   sqlite3_reset(statement_.get());
   sqlite3_clear_bindings(statement_.get());
 }
@@ -124,6 +128,7 @@ core::Result<Database> Database::open(const std::filesystem::path& file) {
   const int code = sqlite3_open_v2(file.c_str(), &handle, kFlags, nullptr);
   Database database(handle, file);
   if (code != SQLITE_OK) return core::fail(sqlite_error(handle, file));
+  sqlite3_db_config(handle, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, nullptr);
   return database;
 }
 
@@ -147,6 +152,18 @@ core::Result<Database> Database::open_untouched(const std::filesystem::path& fil
 
 void Database::fold_log() {
   [[maybe_unused]] const auto later = execute("PRAGMA wal_checkpoint");  // else SQLite does it when it is due
+}
+
+core::Status Database::empty_log() {
+  const auto busy = read_number("PRAGMA wal_checkpoint(TRUNCATE)");
+  if (!busy) return core::fail(busy.error());
+  if (*busy == 0) return {};
+  return core::fail(ErrorCode::kUnavailable,
+                    fmt::format("{}: is held by another program: end it", file_.string()));
+}
+
+void Database::fold_log_on_close() {
+  sqlite3_db_config(database_.get(), SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 0, nullptr);
 }
 
 core::Result<std::vector<std::string>> Database::structural_damage() {

@@ -19,7 +19,7 @@ namespace tessera::store {
 // One prepared statement. Bind (from 1), step until false, read columns (from 0), reset, and again.
 class Statement {
  public:
-  // Holds none: to be assigned to before it is used.
+  // Holds none: every step fails.
   Statement() = default;
 
   Statement& bind(int index, std::int64_t value);
@@ -53,7 +53,8 @@ class Statement {
 
 class Database {
  public:
-  // Creates the file if it is missing.
+  // Creates the file if it is missing. Closing it leaves file and log as they are, unless fold_log_on_close()
+  // was called.
   static core::Result<Database> open(const std::filesystem::path& file);
   // Sees what open() would see, a crash's leftovers included, and writes nothing at all, not even beside the
   // file. Only while nobody else has it open.
@@ -67,6 +68,10 @@ class Database {
   // Writes the log's content into the file itself, as far as nobody is in the way: what is in the log alone
   // goes with the log.
   void fold_log();
+  // The same, to the last byte, and empties the log. UNAVAILABLE if somebody is in the way.
+  core::Status empty_log();
+  // For a file that is known to be whole: one that is damaged would be damaged further.
+  void fold_log_on_close();
   // What SQLite finds wrong with the file's structure: a sentence for each, the first few; empty if it is
   // whole. Reads all of it, about a gigabyte in a second. What stands in the rows is not looked at.
   core::Result<std::vector<std::string>> structural_damage();

@@ -10,6 +10,8 @@
 #include <system_error>
 #include <utility>
 
+#include "server/store/replacement.hpp"
+
 namespace tessera::store {
 
 namespace {
@@ -24,40 +26,50 @@ core::Status take_lock(const Fd& lock, const std::filesystem::path& folder, std:
                     fmt::format("another coordinator runs on {}: {}", folder.string(), what_to_do));
 }
 
-core::Result<Fd> lock_state(const std::filesystem::path& folder) {
+core::Result<Fd> lock_state(const std::filesystem::path& folder, std::string_view what_to_do) {
   const std::filesystem::path path = folder / kLockName;
   Fd lock(::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600));
   if (!lock) return core::fail(errno_error("opening", path));
-  auto taken = take_lock(lock, folder, "end it, or choose another folder with --state");
-  if (!taken) return core::fail(taken.error());
+  if (auto taken = take_lock(lock, folder, what_to_do); !taken) return core::fail(taken.error());
   return lock;
+}
+
+core::Status expect_state(const std::filesystem::path& folder) {
+  for (const char* const name : {kLockName, kDatabaseName}) {
+    std::error_code error;
+    if (std::filesystem::exists(folder / name, error) || error) return {};
+  }
+  return core::fail(core::ErrorCode::kNotFound,
+                    fmt::format("there is no state of a coordinator in {}: name the folder that was given to "
+                                "--state",
+                                folder.string()));
 }
 
 }  // namespace
 
 core::Result<Fd> lock_existing_state(const std::filesystem::path& folder) {
+  if (auto there = expect_state(folder); !there) return core::fail(there.error());
   Fd lock(::open((folder / kLockName).c_str(), O_RDONLY | O_CLOEXEC));
-  if (!lock && errno != ENOENT && errno != ENOTDIR)
-    return core::fail(errno_error("opening", folder / kLockName));
-  if (lock) {
-    if (auto taken = take_lock(lock, folder, "end it first, or take a copy of the folder"); !taken)
-      return core::fail(taken.error());
-  } else if (std::error_code unknown; !std::filesystem::exists(folder / kDatabaseName, unknown)) {
-    return core::fail(
-        core::ErrorCode::kNotFound,
-        fmt::format("there is no state of a coordinator in {}: name the folder that was given to "
-                    "--state",
-                    folder.string()));
-  }
+  if (!lock && errno == ENOENT) return lock;
+  if (!lock) return core::fail(errno_error("opening", folder / kLockName));
+  if (auto taken = take_lock(lock, folder, "end it first, or take a copy of the folder"); !taken)
+    return core::fail(taken.error());
   return lock;
+}
+
+core::Result<Fd> lock_state_to_mend(const std::filesystem::path& folder) {
+  if (auto there = expect_state(folder); !there) return core::fail(there.error());
+  return lock_state(folder, "end it first");
 }
 
 core::Result<StateDirectory> StateDirectory::open(const std::filesystem::path& folder) {
   if (auto created = create_folder(folder); !created) return core::fail(created.error());
-  auto lock = lock_state(folder);
+  auto lock = lock_state(folder, "end it, or choose another folder with --state");
   if (!lock) return core::fail(lock.error());
   auto blobs = BlobStore::open(folder / kBlobsName);
   if (!blobs) return core::fail(blobs.error());
+  if (auto settled = undo_interrupted_replacement(folder / kDatabaseName); !settled)
+    return core::fail(settled.error());
   // A job has files, and they come before it.
   const bool may_be_new = blobs->list().empty();
   auto jobs = JobStore::open(folder / kDatabaseName, may_be_new);

@@ -20,10 +20,12 @@ namespace tessera::store {
 inline constexpr const char* kDatabaseName = "tessera.db";
 inline constexpr const char* kBlobsName = "blobs";
 
-// For looking at a state, or mending it: held, it keeps every coordinator off. Creates nothing; empty for a
-// copy without a lock. NOT_FOUND if no coordinator has ever run on the folder, FAILED_PRECONDITION if one
+// For looking at a state: held, it keeps every coordinator off. Creates nothing; empty for a copy without a
+// lock. NOT_FOUND if no coordinator has ever run on the folder, FAILED_PRECONDITION if one
 // does now.
 core::Result<Fd> lock_existing_state(const std::filesystem::path& folder);
+// The same for mending it: creates the lock where there is none.
+core::Result<Fd> lock_state_to_mend(const std::filesystem::path& folder);
 
 struct StateDirectory {
   // Creates what is missing. FAILED_PRECONDITION if another coordinator runs on it; otherwise what file.hpp

@@ -201,6 +201,106 @@ TEST_F(JobStoreTest, AFileOfTheFirstReleaseIsTakenOver) {
   EXPECT_FALSE(store().jobs()->front().intact);
 }
 
+TEST_F(JobStoreTest, AFileOfTheFirstReleaseCanBeLookedAt) {
+  const JobRow row = job_row("a");
+  ASSERT_TRUE(store().insert_job(row));
+  ASSERT_TRUE(store().write_tiles({tile_row("a", 0, "kept")}));
+  store_.reset();
+  meddle("ALTER TABLE jobs DROP COLUMN row_xxh3; PRAGMA user_version = 1");
+  const std::string before = read_file(file_);
+  auto looked_at = JobStore::open_untouched(file_);
+  ASSERT_TRUE(looked_at) << looked_at.error().message;
+  EXPECT_THAT(looked_at->readable_jobs()->rows, ElementsAre(row));
+  EXPECT_EQ((*looked_at->tile("a", 0))->content, "kept");
+  EXPECT_FALSE(looked_at->insert_job(job_row("b")));
+  EXPECT_EQ(read_file(file_), before);
+}
+
+TEST_F(JobStoreTest, AJobThatCannotBeReadHidesNoOther) {
+  std::vector<JobRow> rows;
+  for (const char* id : {"a", "b", "c"}) {
+    rows.push_back(job_row(id));
+    rows.back().spec = std::string(100'000, *id);  // of pages of its own
+    ASSERT_TRUE(store().insert_job(rows.back()));
+  }
+  EXPECT_THAT(store().readable_jobs()->rows, ElementsAre(rows[0], rows[1], rows[2]));
+  EXPECT_EQ(store().readable_jobs()->unreadable, 0u);
+  store_.reset();
+  std::string bytes = read_file(file_);
+  // Each page of it begins with the number of the next.
+  for (std::size_t page = 0; page < bytes.size(); page += 16384)
+    if (bytes.compare(page + 4, 64, std::string(64, 'b')) == 0) bytes[page] = '\x7f';
+  write_file(file_, bytes);
+  auto damaged = JobStore::open_untouched(file_);
+  ASSERT_TRUE(damaged);
+  EXPECT_FALSE(damaged->jobs());
+  const auto readable = damaged->readable_jobs();
+  ASSERT_TRUE(readable);
+  EXPECT_THAT(readable->rows, ElementsAre(rows[0], rows[2]));
+  EXPECT_EQ(readable->unreadable, 1u);
+}
+
+TEST_F(JobStoreTest, ACountOfStartsThatIsLostCanBeLookedPast) {
+  store_.reset();
+  meddle("DELETE FROM meta");
+  EXPECT_EQ(JobStore::open(file_).error().code, ErrorCode::kDataLoss);
+  auto looked_at = JobStore::open_untouched(file_);
+  ASSERT_TRUE(looked_at) << looked_at.error().message;
+  EXPECT_EQ(looked_at->epoch(), 0u);
+}
+
+TEST_F(JobStoreTest, ALogIsEmptiedWholeOrNotAtAll) {
+  ASSERT_TRUE(store().insert_job(job_row("a")));
+  sqlite3* reader = nullptr;
+  ASSERT_EQ(sqlite3_open(file_.c_str(), &reader), SQLITE_OK);
+  ASSERT_EQ(sqlite3_exec(reader, "BEGIN; SELECT * FROM jobs", nullptr, nullptr, nullptr), SQLITE_OK);
+  ASSERT_TRUE(store().write_tiles({tile_row("a", 0, "new")}));
+  EXPECT_FALSE(store().empty_log()) << "a reader is in the way";
+  sqlite3_close(reader);
+  EXPECT_TRUE(store().empty_log());
+  EXPECT_EQ(std::filesystem::file_size(file_.string() + "-wal"), 0u);
+}
+
+TEST_F(JobStoreTest, ALogWithoutItsDatabaseIsLeftAlone) {
+  ASSERT_TRUE(store().insert_job(job_row("a")));
+  const TemporaryFolder crashed;
+  const auto database = crashed.path() / "tessera.db", log = crashed.path() / "tessera.db-wal";
+  ASSERT_TRUE(store().write_tiles({tile_row("a", 0, "of the log alone")}));
+  for (const bool is_there : {false, true}) {
+    if (is_there) write_file(database, "");
+    std::filesystem::copy_file(file_.string() + "-wal", log,
+                               std::filesystem::copy_options::overwrite_existing);
+    const std::string before = read_file(log);
+    ASSERT_FALSE(before.empty());
+    for (const bool may_be_new : {false, true})
+      EXPECT_EQ(JobStore::open(database, may_be_new).error().code, ErrorCode::kDataLoss);
+    EXPECT_EQ(JobStore::open_untouched(database).error().code, ErrorCode::kDataLoss);
+    EXPECT_EQ(std::filesystem::exists(database), is_there);
+    EXPECT_TRUE(read_file(log) == before);
+  }
+}
+
+// Else the log's whole pages would be written among damaged ones.
+TEST_F(JobStoreTest, ADamagedFileThatIsRefusedIsLeftAsItWasWithItsLog) {
+  ASSERT_TRUE(store().insert_job(job_row("a")));
+  ASSERT_TRUE(store().write_tiles({tile_row("a", 0, std::string(200'000, 'x'))}));
+  ASSERT_TRUE(store().empty_log());
+  ASSERT_TRUE(store().write_tiles({tile_row("a", 1, "of the log alone")}));
+  const TemporaryFolder crashed;
+  const auto database = crashed.path() / "tessera.db", log = crashed.path() / "tessera.db-wal";
+  std::string bytes = read_file(file_);
+  for (std::size_t page = 16384; page < bytes.size(); page += 16384)
+    if (bytes.compare(page + 4, 64, std::string(64, 'x')) == 0) bytes[page] = '\x7f';
+  write_file(database, bytes);
+  std::filesystem::copy_file(file_.string() + "-wal", log);
+  const std::string before = read_file(log);
+  ASSERT_FALSE(before.empty());
+  EXPECT_EQ(JobStore::open(database).error().code, ErrorCode::kDataLoss);
+  EXPECT_TRUE(read_file(database) == bytes);
+  ASSERT_TRUE(std::filesystem::exists(log));
+  EXPECT_TRUE(read_file(log) == before);
+}
+
 TEST_F(JobStoreTest, AJobWhoseRowChangedOnDiskIsNotIntact) {
   JobRow row = job_row("a");
   row.request_id = "request";

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <sqlite3.h>
 
+#include "server/store/replacement.hpp"
 #include "tests/unit/server/scripted_farm.hpp"
 
 namespace tessera::coordinator {
@@ -104,6 +105,100 @@ TEST_F(StateCheck, SalvageKeepsWhatIsWholeAndTheRestIsRenderedAgain) {
     EXPECT_EQ(job(id).state(), v1::JOB_STATE_DONE);
     EXPECT_EQ(coordinator().picture(id)->image.pixels, ready_made_picture(kWidthPx, kHeightPx, kSpp).pixels);
   }
+}
+
+TEST_F(StateCheck, WhatIsLostOfACancelledJobIsToldToBeLost) {
+  const std::string id = submit();
+  work('a', 3);
+  ASSERT_TRUE(coordinator().cancel_job(id));
+  ASSERT_TRUE(coordinator().checkpoint());
+  meddle("UPDATE tiles SET content = X'00' WHERE tile = (SELECT min(tile) FROM tiles)");
+  EXPECT_THAT(check_state(state())->jobs[0].damage, ElementsAre(HasSubstr("it is lost")));
+  const auto salvage = salvage_state(state());
+  ASSERT_TRUE(salvage) << salvage.error().message;
+  EXPECT_EQ(salvage->lost_tiles, 0u);
+  EXPECT_EQ(salvage->tiles_lost_for_good, 1u);
+}
+
+TEST_F(StateCheck, ATileThatIsMissingFromAFinishedJobIsTold) {
+  fill();
+  meddle("DELETE FROM tiles WHERE tile = 1 AND job_id = '" + done_ + "'");
+  EXPECT_THAT(check_state(state())->notes,
+              ElementsAre(HasSubstr("samples of job " + done_ + " are missing")));
+}
+
+TEST_F(StateCheck, SalvageGoesOnFromAGreaterCountOfStarts) {
+  fill();
+  meddle("DELETE FROM meta");
+  EXPECT_THAT(check_state(state())->damage, ElementsAre(HasSubstr("lost the count of its starts")));
+  ASSERT_TRUE(salvage_state(state()));
+  auto jobs = store::JobStore::open(state() / "tessera.db");
+  ASSERT_TRUE(jobs);
+  EXPECT_GT(jobs->epoch(), 1'000'000u);
+  EXPECT_LT(jobs->epoch(), 1u << 24);
+}
+
+TEST_F(StateCheck, SalvageKeepsAJobOnceHoweverOftenItIsListed) {
+  fill();
+  // As damaged pages have it: without the indexes that would prevent it.
+  meddle(
+      "CREATE TABLE twice AS SELECT * FROM jobs; DROP TABLE jobs;"
+      "CREATE TABLE jobs (id TEXT, request_id TEXT, spec BLOB, revision INTEGER, state INTEGER, failure TEXT,"
+      " spp INTEGER, priority INTEGER, created_ms INTEGER, finished_ms INTEGER, counters BLOB, arithmetic "
+      "TEXT,"
+      " row_xxh3 INTEGER);"
+      "INSERT INTO jobs SELECT * FROM twice; INSERT INTO jobs SELECT * FROM twice; DROP TABLE twice");
+  const auto salvage = salvage_state(state());
+  ASSERT_TRUE(salvage) << salvage.error().message;
+  EXPECT_EQ(salvage->jobs, 2u);
+  EXPECT_EQ(salvage->lost_jobs, 0u);
+  EXPECT_TRUE(check_state(state())->whole());
+}
+
+TEST_F(StateCheck, SalvageTakesTheLockOfAFolderThatHasNone) {
+  fill();
+  close();
+  std::filesystem::remove(state() / "lock");
+  ASSERT_TRUE(check_state(state()));
+  EXPECT_FALSE(std::filesystem::exists(state() / "lock"));
+  ASSERT_TRUE(salvage_state(state()));
+  EXPECT_TRUE(std::filesystem::exists(state() / "lock"));
+}
+
+// As a crash would leave it between the two steps: the log has only its new name, the database has both.
+TEST_F(StateCheck, ASalvageThatWasCutShortIsUndoneAtTheNextStart) {
+  fill();
+  const TemporaryFolder copies;
+  const auto crashed = copies.path() / "state";
+  std::filesystem::copy(state(), crashed, std::filesystem::copy_options::recursive);
+  const auto database = crashed / "tessera.db", log = crashed / "tessera.db-wal";
+  const std::string bytes = read_file(log);
+  ASSERT_FALSE(bytes.empty());
+  std::filesystem::create_hard_link(database, crashed / "tessera.db.damaged-1");
+  std::filesystem::rename(log, crashed / "tessera.db.damaged-1-wal");
+  ASSERT_TRUE(store::undo_interrupted_replacement(database));
+  EXPECT_TRUE(read_file(log) == bytes);
+  EXPECT_FALSE(std::filesystem::exists(crashed / "tessera.db.damaged-1"));
+  EXPECT_FALSE(std::filesystem::exists(crashed / "tessera.db.damaged-1-wal"));
+  const auto salvage = salvage_state(crashed);
+  ASSERT_TRUE(salvage) << salvage.error().message;
+  EXPECT_EQ(salvage->jobs, 2u);
+  EXPECT_TRUE(read_file(salvage->set_aside.string() + "-wal") == bytes);
+  EXPECT_FALSE(std::filesystem::exists(log));
+  EXPECT_TRUE(check_state(crashed)->whole());
+}
+
+TEST_F(StateCheck, ASalvageThatCannotReplaceLeavesEverythingWhereItWas) {
+  fill();
+  close();
+  const auto database = state() / "tessera.db", log = state() / "tessera.db-wal";
+  write_file(log, std::string(10, 'l'));
+  const std::string before = read_file(database);
+  EXPECT_FALSE(store::replace_database(database, state() / "there is no copy"));
+  EXPECT_TRUE(read_file(database) == before);
+  EXPECT_EQ(read_file(log), std::string(10, 'l'));
+  EXPECT_FALSE(std::filesystem::exists(state() / "tessera.db.damaged-1"));
+  EXPECT_FALSE(std::filesystem::exists(state() / "tessera.db.damaged-1-wal"));
 }
 
 TEST_F(StateCheck, ADatabaseThatIsGoneIsNotBegunAnew) {
