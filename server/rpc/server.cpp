@@ -22,9 +22,11 @@ using coordinator::Coordinator;
 namespace {
 
 constexpr auto kTickPeriod = std::chrono::milliseconds(100);
-// With the time of writing, less than the two seconds that a crash may cost.
+// What is accepted just after a checkpoint began waits for the end of the next one: with the time of writing
+// both, that is the two seconds that a crash may cost, as long as each takes no longer than this.
 constexpr auto kCheckpointPeriod = std::chrono::milliseconds(1000);
 constexpr auto kReopenPeriod = std::chrono::milliseconds(500);
+constexpr auto kLongestCheckpoint = std::chrono::milliseconds(500);
 constexpr auto kCollectPeriod = std::chrono::minutes(10);
 constexpr auto kLeaveForCalls = std::chrono::seconds(2);
 
@@ -39,6 +41,23 @@ int quick_threads() {
 // Logs what became of checkpoints, each piece of news once. For one thread at a time.
 class CheckpointLog {
  public:
+  void write(Coordinator& coordinator) {
+    const auto begin = std::chrono::steady_clock::now();
+    const core::Status written = coordinator.checkpoint();
+    note_time(std::chrono::steady_clock::now() - begin);
+    note(written);
+  }
+
+ private:
+  void note_time(std::chrono::steady_clock::duration took) {
+    const bool is_slow = took > kLongestCheckpoint;
+    if (is_slow && !was_slow_)
+      spdlog::warn(
+          "writing a checkpoint took {} ms: while they take more than {} ms, a crash costs more than two "
+          "seconds of work; is the disk busy or slow?",
+          std::chrono::duration_cast<std::chrono::milliseconds>(took).count(), kLongestCheckpoint.count());
+    was_slow_ = is_slow;
+  }
   void note(const core::Status& written) {
     const std::string failure = written ? "" : written.error().message;
     if (failure == failure_) return;
@@ -47,8 +66,8 @@ class CheckpointLog {
     spdlog::error("cannot write checkpoints; a crash would lose the work since the last one: {}", failure);
   }
 
- private:
   std::string failure_;  // empty while all is well
+  bool was_slow_ = false;
 };
 
 }  // namespace
@@ -65,7 +84,7 @@ struct Server::Parts {
         render_service(c, gate, {quick, slow, validating}, watches, limits),
         worker_service(c, gate, quick),
         ticker(kTickPeriod, [this] { coordinator.tick(); }),
-        checkpointer(kCheckpointPeriod, [this] { checkpoint_log.note(coordinator.checkpoint()); }),
+        checkpointer(kCheckpointPeriod, [this] { checkpoint_log.write(coordinator); }),
         reopener(kReopenPeriod, [this] { coordinator.reopen_jobs(); }),
         collector(kCollectPeriod, [this] { coordinator.collect_blobs(); }) {}
 
