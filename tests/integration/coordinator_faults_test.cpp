@@ -92,12 +92,13 @@ TEST_F(CoordinatorFaultsTest, ACrashCostsWhatWasAcceptedInTheLastTwoSeconds) {
     std::vector<Seen> seen;
     const auto begin = Clock::now();
     while (Clock::now() < begin + 4s + crash * 300ms) {
-      seen.push_back({Clock::now(), job(id).samples_done()});
+      const std::uint64_t samples = job(id).samples_done();
+      seen.push_back({Clock::now(), samples});
       std::this_thread::sleep_for(20ms);
     }
     ASSERT_GT(seen.back().samples, seen.front().samples);
-    kill_coordinator();
     const auto killed = Clock::now();
+    kill_coordinator();
     freeze_workers();
     restart_coordinator();
     std::uint64_t promised = 0;

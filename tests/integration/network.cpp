@@ -13,10 +13,8 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <cstdlib>
 #include <cstring>
 #include <functional>
-#include <iostream>
 #include <vector>
 
 #include "tests/integration/processes.hpp"
@@ -63,10 +61,8 @@ bool send_plain_frames(const char* interface) {
   return done;
 }
 
-void expect(bool done, const char* what) {
-  if (done) return;
-  std::cerr << "the network of this test cannot be made: " << what << '\n';
-  std::abort();
+void expect(bool done, const std::string& what) {
+  if (!done) throw NoNetwork("the network of this test cannot be made: " + what);
 }
 
 // A process that does nothing but to keep a namespace of its own. Ends with this one.
@@ -116,7 +112,8 @@ std::optional<std::string> Network::enter() {
 }
 
 Network::Network() : switch_(std::make_unique<Switch>()) {
-  expect(run_ip(0, {"link", "add", port_of(1), "type", "veth", "peer", "name", "eth0"}), "ip link add");
+  expect(run_ip(0, {"link", "add", port_of(1), "type", "veth", "peer", "name", "eth0"}),
+         "ip link add (is `ip` installed, and does the kernel have veth?)");
   configure(0, 1, "eth0");
   plug_in(1);
   switch_->add_port(port_of(1));

@@ -10,9 +10,16 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <stdexcept>
 #include <string>
 
 namespace tessera::test {
+
+// What this machine lacks for it.
+class NoNetwork : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
 
 class Network {
  public:
@@ -20,7 +27,7 @@ class Network {
   // Why that cannot be done here, if so.
   static std::optional<std::string> enter();
 
-  // This process is host 1.
+  // This process is host 1. All of these throw NoNetwork.
   Network();
   ~Network();
   Network(const Network&) = delete;

@@ -20,7 +20,11 @@ constexpr auto kReconnects = 60s;  // a few seconds, on a machine that has time
 class NamespacesFirst {
  public:
   NamespacesFirst() : why_not_(Network::enter()) {
-    if (!why_not_) network_ = std::make_unique<Network>();
+    try {
+      if (!why_not_) network_ = std::make_unique<Network>();
+    } catch (const NoNetwork& error) {
+      why_not_ = error.what();
+    }
   }
   std::optional<std::string> why_not_;
   std::unique_ptr<Network> network_;
@@ -33,10 +37,14 @@ class NetworkTest : private NamespacesFirst, public FarmTest {
 
   void SetUp() override {
     if (why_not_) GTEST_SKIP() << "no network namespaces: " << *why_not_;
-    networks_ = {{"coordinator", network().add_host(kCoordinator)},
-                 {"first", network().add_host(kFirst)},
-                 {"second", network().add_host(kSecond)},
-                 {"tessera", network().add_host(kClient)}};
+    try {
+      networks_ = {{"coordinator", network().add_host(kCoordinator)},
+                   {"first", network().add_host(kFirst)},
+                   {"second", network().add_host(kSecond)},
+                   {"tessera", network().add_host(kClient)}};
+    } catch (const NoNetwork& error) {
+      GTEST_SKIP() << error.what();
+    }
     listen_ = Network::address_of(kCoordinator) + ":0";
     coordinator_options_ = {"--insecure"};
     security_.insecure = true;

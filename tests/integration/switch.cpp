@@ -9,7 +9,8 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cstdlib>
+#include <cerrno>
+#include <cstring>
 
 namespace tessera::test {
 
@@ -28,7 +29,7 @@ int open_port(const std::string& interface) {
   const int yes = 1;
   if (port < 0 || bind(port, reinterpret_cast<const sockaddr*>(&address), sizeof(address)) != 0 ||
       setsockopt(port, SOL_PACKET, PACKET_IGNORE_OUTGOING, &yes, sizeof(yes)) != 0)
-    std::abort();
+    throw NoNetwork("no raw packets here (AF_PACKET): " + std::string(std::strerror(errno)));
   setsockopt(port, SOL_SOCKET, SO_RCVBUF, &kBufferBytes, sizeof(kBufferBytes));
   return port;
 }
