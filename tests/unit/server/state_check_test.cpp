@@ -142,12 +142,8 @@ TEST_F(StateCheck, SalvageKeepsAJobOnceHoweverOftenItIsListed) {
   fill();
   // As damaged pages have it: without the indexes that would prevent it.
   meddle(
-      "CREATE TABLE twice AS SELECT * FROM jobs; DROP TABLE jobs;"
-      "CREATE TABLE jobs (id TEXT, request_id TEXT, spec BLOB, revision INTEGER, state INTEGER, failure TEXT,"
-      " spp INTEGER, priority INTEGER, created_ms INTEGER, finished_ms INTEGER, counters BLOB, arithmetic "
-      "TEXT,"
-      " row_xxh3 INTEGER);"
-      "INSERT INTO jobs SELECT * FROM twice; INSERT INTO jobs SELECT * FROM twice; DROP TABLE twice");
+      "CREATE TABLE twice AS SELECT * FROM jobs; DROP TABLE jobs; CREATE TABLE jobs AS SELECT * FROM twice;"
+      "INSERT INTO jobs SELECT * FROM twice; DROP TABLE twice");
   const auto salvage = salvage_state(state());
   ASSERT_TRUE(salvage) << salvage.error().message;
   EXPECT_EQ(salvage->jobs, 2u);
