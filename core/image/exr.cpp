@@ -134,7 +134,10 @@ Result<std::string> encode_exr(const Image& image) {
 }
 
 Result<Image> decode_exr(std::string_view bytes) {
-  const auto unreadable = [](std::string_view why) {
+  // OpenEXR quotes what it read, whatever it was.
+  const auto unreadable = [](std::string why) {
+    std::ranges::replace_if(
+        why, [](char c) { return c < ' ' || c > '~'; }, '?');
     return fail(ErrorCode::kInvalidArgument, fmt::format("not a readable OpenEXR picture: {}", why));
   };
   const Result<std::string> header = checked_exr_header(bytes);
