@@ -44,27 +44,22 @@ Load two_second_leases(int workers, double seconds) {
 std::vector<Load> loads(const Options& options) {
   const double seconds = options.seconds;
   const bench::Speed at_once{.samples_per_second = kTileSamples / 2, .takes_time = false};
-  const std::optional<int> core = options.core < 0 ? std::nullopt : std::optional<int>(options.core);
+  const auto saturated_by = [&](int workers, const std::string& name) {
+    return Load{.name = name,
+                .workers = workers,
+                .speed = at_once,
+                .width_px = 8192,
+                .height_px = 8192,
+                .warm_up_seconds = 3,
+                .measured_seconds = seconds / 2,
+                .coordinator_core = options.core < 0 ? std::nullopt : std::optional<int>(options.core)};
+  };
   std::vector<Load> all;
   for (const int workers : {10, 100, 300, 1000, 2000, 3000})
     all.push_back(two_second_leases(workers, seconds));
   if (options.workers > 0) all = {two_second_leases(options.workers, seconds)};
-  all.push_back({.name = "saturated",
-                 .workers = 32,
-                 .speed = at_once,
-                 .width_px = 8192,
-                 .height_px = 8192,
-                 .warm_up_seconds = 3,
-                 .measured_seconds = seconds / 2,
-                 .coordinator_core = core});
-  all.push_back({.name = "saturated by 1000",
-                 .workers = 1000,
-                 .speed = at_once,
-                 .width_px = 8192,
-                 .height_px = 8192,
-                 .warm_up_seconds = 3,
-                 .measured_seconds = seconds / 2,
-                 .coordinator_core = core});
+  all.push_back(saturated_by(32, "saturated"));
+  all.push_back(saturated_by(1000, "saturated by 1000"));
   Load hundred = two_second_leases(1000, seconds);
   hundred.name = "100 jobs";
   hundred.jobs = 100;

@@ -8,16 +8,10 @@
 #include <algorithm>
 #include <utility>
 
+#include "server/coordinator/stored_tile.hpp"
 #include "server/coordinator/turn.hpp"
 
 namespace tessera::coordinator {
-
-namespace {
-
-// 64 tiles are 12 MiB of sums, and as much again encoded.
-constexpr std::size_t kTilesPerBatch = 64;
-
-}  // namespace
 
 core::Status Coordinator::checkpoint() {
   const std::lock_guard one_at_a_time(checkpoint_mutex_);

@@ -7,6 +7,7 @@
 
 #include "server/coordinator/admission.hpp"
 #include "server/coordinator/loaded_film.hpp"
+#include "server/coordinator/stored_tile.hpp"
 #include "server/coordinator/turn.hpp"
 #include "server/coordinator/wire.hpp"
 
@@ -171,9 +172,9 @@ core::Result<Coordinator::LoadedFilm> Coordinator::load_film(const v1::Job& spec
 }
 
 core::Result<TileContent> Coordinator::load_tile(const v1::Job& spec, const core::TileGrid& grid, int tile) {
-  const auto row = state_.jobs.tile(spec.id(), tile);
-  if (!row) return core::fail(row.error());
-  if (*row) return decode_tile_row(**row, grid.rect(tile));
+  auto stored = read_stored_tile(state_.jobs, spec.id(), grid, tile);
+  if (stored) return std::move(stored->content);
+  if (stored.error().code != core::ErrorCode::kNotFound) return core::fail(stored.error());
   const std::size_t channels = grid.rect(tile).pixel_count() * 3;
   return TileContent{
       {std::vector<std::uint64_t>(channels), std::vector<std::uint64_t>(channels), 0, 0}, {}, {}};

@@ -21,7 +21,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kTilesPerBatch = 64;
 constexpr const char* kCopyName = "tessera.db.salvaged";
 
 core::Status keep_tiles(store::JobStore& from, store::JobStore& to, const store::JobRow& row,

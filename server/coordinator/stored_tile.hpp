@@ -7,6 +7,9 @@
 
 namespace tessera::coordinator {
 
+// How many are written at once: 12 MiB of sums, and as much again encoded.
+inline constexpr std::size_t kTilesPerBatch = 64;
+
 struct StoredTile {
   store::TileRow row;
   TileContent content;

@@ -1,7 +1,6 @@
 #include "server/store/job_store.hpp"
 
 #include <fmt/format.h>
-#include <xxhash.h>
 
 #include <algorithm>
 #include <mutex>
@@ -10,6 +9,7 @@
 #include <utility>
 
 #include "server/store/log_damage.hpp"
+#include "server/store/row_codec.hpp"
 #include "server/store/schema.hpp"
 #include "server/store/sqlite.hpp"
 
@@ -60,57 +60,6 @@ constexpr auto kWriteTile =
 constexpr auto kDeleteJob = "DELETE FROM jobs WHERE id = ?1";
 constexpr auto kTilesDone = "SELECT tile, done FROM tiles WHERE job_id = ?1 ORDER BY tile";
 constexpr auto kReadTile = "SELECT done, content, row_xxh3 FROM tiles WHERE job_id = ?1 AND tile = ?2";
-
-void put_u32(std::string& out, std::uint32_t value) {
-  for (int shift = 0; shift < 32; shift += 8) out.push_back(static_cast<char>(value >> shift & 0xff));
-}
-
-std::uint32_t get_u32(std::string_view bytes, std::size_t offset) {
-  std::uint32_t value = 0;
-  for (std::size_t i = 0; i < 4; ++i) {
-    value |= static_cast<std::uint32_t>(static_cast<unsigned char>(bytes[offset + i])) << (8 * i);
-  }
-  return value;
-}
-
-// Pairs of little-endian 32-bit numbers.
-std::string encode_ranges(const std::vector<core::SampleRange>& ranges) {
-  std::string bytes;
-  for (const core::SampleRange& range : ranges) {
-    put_u32(bytes, range.begin);
-    put_u32(bytes, range.end);
-  }
-  return bytes;
-}
-
-std::vector<core::SampleRange> decode_ranges(std::string_view bytes) {
-  std::vector<core::SampleRange> ranges;
-  for (std::size_t at = 0; at + 8 <= bytes.size(); at += 8) {
-    ranges.push_back({get_u32(bytes, at), get_u32(bytes, at + 4)});
-  }
-  return ranges;
-}
-
-// Over everything in a row, so that what the disk changed is noticed whichever part it is.
-std::uint64_t row_checksum(const JobRow& row) {
-  // Columns that later releases add take part only where they are not 0: rows from before keep their sum.
-  std::string key = fmt::format("{} {} {} {} {} {} {}", row.id, row.revision, row.state, row.spp,
-                                row.priority, row.created_ms, row.finished_ms.value_or(-1));
-  if (row.max_workers != 0) key += fmt::format(" max_workers {}", row.max_workers);
-  std::uint64_t hash = XXH3_64bits(key.data(), key.size());
-  for (const std::string* part : {&row.request_id, &row.spec, &row.failure, &row.counters, &row.arithmetic})
-    hash = XXH3_64bits_withSeed(part->data(), part->size(), hash);
-  return hash;
-}
-
-std::uint64_t row_checksum(const TileRow& row, std::string_view done) {
-  const std::string key = fmt::format("{} {} {}", row.job_id, row.tile, done.size());
-  std::uint64_t hash = XXH3_64bits(key.data(), key.size());
-  for (const std::string_view part : {done, std::string_view(row.content)}) {
-    hash = XXH3_64bits_withSeed(part.data(), part.size(), hash);
-  }
-  return hash;
-}
 
 std::int64_t as_signed(std::uint64_t value) {
   return static_cast<std::int64_t>(value);

@@ -17,6 +17,14 @@ using testing::HasSubstr;
 
 class Jobs : public ScriptedFarm {};
 
+core::Result<CheckedScene> accept_as_larger_than_allowed(const v1::Bundle& bundle,
+                                                         const v1::RenderOverrides& overrides) {
+  CheckedScene scene = *accept_scene(bundle, overrides);
+  scene.settings.set_width_px(32768);
+  scene.settings.set_height_px(16384);
+  return scene;
+}
+
 TEST_F(Jobs, ASubmittedJobRunsAndIsComplete) {
   v1::SubmitJobRequest request = submission();
   request.set_name("vase");
@@ -84,12 +92,7 @@ TEST_F(Jobs, ASceneThatIsRefusedBecomesNoJob) {
 }
 
 TEST_F(Jobs, APictureTooLargeForTheFarmIsRefused) {
-  check_scene_ = [](const v1::Bundle& bundle, const v1::RenderOverrides& overrides) {
-    CheckedScene scene = *accept_scene(bundle, overrides);
-    scene.settings.set_width_px(32768);
-    scene.settings.set_height_px(16384);
-    return core::Result<CheckedScene>(scene);
-  };
+  check_scene_ = accept_as_larger_than_allowed;
   open();
   EXPECT_EQ(coordinator().submit_job(submission()).error().code, ErrorCode::kResourceExhausted);
 }
@@ -276,12 +279,7 @@ TEST_F(Jobs, OfAWindowThatIsNoneAreRefused) {
 
 // Of a picture that is too large for the farm, parts may be rendered.
 TEST_F(Jobs, OfAWindowNeedMemoryForTheWindowAlone) {
-  check_scene_ = [](const v1::Bundle& bundle, const v1::RenderOverrides& overrides) {
-    CheckedScene scene = *accept_scene(bundle, overrides);
-    scene.settings.set_width_px(32768);
-    scene.settings.set_height_px(16384);
-    return core::Result<CheckedScene>(scene);
-  };
+  check_scene_ = accept_as_larger_than_allowed;
   open();
   EXPECT_TRUE(coordinator().submit_job(submission_of_window()));
 }
