@@ -145,7 +145,7 @@ void add_change_commands(CLI::App& app, int& exit_code) {
 
   const auto [update_command, update_options] =
       add_change(app, exit_code, "update", "Change how an unfinished job is served", update);
-  add_service_options(*update_command, update_options->service);
+  add_service_options(*update_command, "as it is", update_options->service);
   update_command->callback([options = update_options, &exit_code] {
     if (!options->service.priority && !options->service.max_workers)
       throw CLI::RequiredError("--priority or --max-workers");

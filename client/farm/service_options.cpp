@@ -26,12 +26,13 @@ std::int32_t parse_priority(const std::string& text) {
 
 }  // namespace
 
-void add_service_options(CLI::App& command, ServiceOptions& options) {
+void add_service_options(CLI::App& command, const std::string& when_absent, ServiceOptions& options) {
   command
       .add_option_function<std::string>(
           "--priority", [&options](const std::string& text) { options.priority = parse_priority(text); },
           "Jobs of higher priority are served first; equals share\n"
-          "the farm evenly [0]")
+          "the farm evenly [" +
+              when_absent + "]")
       ->type_name("N");
   command
       .add_option_function<std::string>(
@@ -42,7 +43,8 @@ void add_service_options(CLI::App& command, ServiceOptions& options) {
                 static_cast<std::uint32_t>(parse_whole_number("--max-workers", text, 0, kMost));
           },
           "At most so many workers render it at once; 0 for as\n"
-          "many as there are [0]")
+          "many as there are [" +
+              when_absent + "]")
       ->type_name("N");
 }
 

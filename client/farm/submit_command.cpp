@@ -143,7 +143,7 @@ void add_submit_command(CLI::App& app, int& exit_code) {
   add_display_options(*command, options->scene.display);
   command->add_option("--name", options->name, "What people call the job [the scene file's name]")
       ->option_text("NAME");
-  add_service_options(*command, options->service);
+  add_service_options(*command, "0", options->service);
   command->add_flag("--json", options->json, "For programs: the job as one line of JSON instead of its id");
   add_farm_options(*command, options->farm);
   command->footer(kFooter);

@@ -11,7 +11,7 @@ namespace {
 ServiceOptions parse(std::vector<std::string> arguments) {
   CLI::App app;
   ServiceOptions options;
-  add_service_options(app, options);
+  add_service_options(app, "0", options);
   app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));
   return options;
 }
