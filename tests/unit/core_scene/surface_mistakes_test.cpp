@@ -1,0 +1,273 @@
+// Every kind of mistake in textures, materials and shapes, and exactly what is said about it.
+#include <gtest/gtest.h>
+
+#include "tests/unit/core_scene/scene_mistakes.hpp"
+
+namespace tessera::core {
+namespace {
+
+using test::expect_mistakes;
+using test::Mistake;
+using test::mistakes_in;
+using test::scene_with;
+using test::with_materials;
+using test::with_shapes;
+using test::with_textures;
+
+TEST(SceneMistakes, InTextures) {
+  expect_mistakes(
+      {
+          {"\"wood\": {}", "textures.wood: a texture needs the key 'file'"},
+          {"\"wood\": \"wood.png\"", "textures.wood: must be an object in braces, got the text 'wood.png'"},
+          {"\"\": {\"file\": \"gray.png\"}", "textures: a name must not be empty"},
+          {"\"wood\": {\"file\": 3}", "textures.wood.file: must be a text in double quotes, got 3"},
+          {"\"wood\": {\"file\": \"\"}",
+           "textures.wood.file: must be a text in double quotes, got the text ''"},
+          {"\"wood\": {\"file\": \"none.png\"}", "textures.wood.file: 'none.png' does not exist"},
+          {"\"wood\": {\"file\": \"triangle.obj\"}",
+           "textures.wood.file: 'triangle.obj' is not a PNG, JPEG or HDR picture"},
+          {"\"wood\": {\"file\": \"gray.png\", \"color_space\": \"sRGB\"}",
+           "textures.wood.color_space: unknown value 'sRGB'; known are 'srgb', 'linear'"},
+          {"\"wood\": {\"file\": \"gray.png\", \"wrap\": \"clmap\"}",
+           "textures.wood.wrap: unknown value 'clmap'; did you mean 'clamp'?"},
+          {"\"wood\": {\"file\": \"gray.png\", \"scale\": 2}",
+           "textures.wood.scale: must be a list of 2 numbers, got 2"},
+          {"\"wood\": {\"file\": \"gray.png\", \"offset\": [0, 0, 0]}",
+           "textures.wood.offset: must be a list of 2 numbers, got a list of 3"},
+          {"\"wood\": {\"file\": \"gray.png\", \"flie\": 3}",
+           "textures.wood: unknown key 'flie'; did you mean 'file'?"},
+      },
+      with_textures, 2);
+}
+
+TEST(SceneMistakes, InMaterials) {
+  expect_mistakes(
+      {
+          {"\"m\": {}",
+           "materials.m: a material needs the key 'type', one of \"lambert\", \"mirror\", \"glass\", "
+           "\"phong\", \"cook_torrance\""},
+          {"\"m\": 3", "materials.m: must be an object in braces, got 3"},
+          {"\"m\": {\"type\": \"lambertian\"}",
+           "materials.m.type: unknown value 'lambertian'; did you mean 'lambert'?"},
+          {"\"m\": {\"type\": \"lambert\", \"albdo\": 1}",
+           "materials.m: unknown key 'albdo'; did you mean 'albedo'?"},
+          {"\"m\": {\"type\": \"lambert\", \"albedo\": 3}",
+           "materials.m.albedo: must be between 0 and 1, got 3"},
+          {"\"m\": {\"type\": \"lambert\", \"albedo\": [0.5, 0.5, -0.1]}",
+           "materials.m.albedo[2]: must be between 0 and 1, got -0.1"},
+          {"\"m\": {\"type\": \"lambert\", \"albedo\": \"red\"}",
+           "materials.m.albedo: must be a number, a list of 3 numbers or a texture as {\"texture\": "
+           "\"NAME\"}, got the text 'red'"},
+          {"\"m\": {\"type\": \"lambert\", \"albedo\": {\"texture\": \"wood\"}}",
+           "materials.m.albedo.texture: there is no texture 'wood'"},
+          {"\"m\": {\"type\": \"lambert\", \"albedo\": {\"tint\": 1}}",
+           "materials.m.albedo: a textured colour needs the key 'texture'"},
+          {"\"m\": {\"type\": \"lambert\", \"emission\": -1}",
+           "materials.m.emission: must be 0 or greater, got -1"},
+          {"\"m\": {\"type\": \"lambert\", \"emission\": \"lamp\"}",
+           "materials.m.emission: must be a number, a list of 3 numbers or a texture as {\"texture\": "
+           "\"NAME\"}, got the text 'lamp'"},
+          {"\"m\": {\"type\": \"lambert\", \"emission\": [1, 1]}",
+           "materials.m.emission: must be a list of 3 numbers, got a list of 2"},
+          {"\"m\": {\"type\": \"lambert\", \"emission_sides\": \"back\"}",
+           "materials.m.emission_sides: unknown value 'back'; known are 'both', 'front'"},
+          {"\"m\": {\"type\": \"lambert\", \"ior\": 1.5}",
+           "materials.m: unknown key 'ior'; known are 'type', 'albedo', 'emission', 'emission_sides', "
+           "'sampling', 'normal_map'"},
+          {"\"m\": {\"type\": \"mirror\", \"reflectance\": 1.1}",
+           "materials.m.reflectance: must be between 0 and 1, got 1.1"},
+          {"\"m\": {\"type\": \"glass\", \"ior\": 0.67}",
+           "materials.m.ior: must be between 1 and 10 (it is that of the inside; for air in glass, turn the "
+           "surface inside "
+           "out), got 0.67"},
+          {"\"m\": {\"type\": \"glass\", \"transmitance\": 1}",
+           "materials.m: unknown key 'transmitance'; did you mean 'transmittance'?"},
+          {"\"a \\u0001\": {\"type\": \"mirror\", \"reflectance\": 2}",
+           "materials.'a \\x01'.reflectance: must be between 0 and 1, got 2"},
+      },
+      with_materials, 3);
+}
+
+TEST(SceneMistakes, InGlossyMaterials) {
+  expect_mistakes(
+      {
+          {"\"m\": {\"type\": \"glass\", \"fresnel\": \"schlik\"}",
+           "materials.m.fresnel: unknown value 'schlik'; did you mean 'schlick'?"},
+          {"\"m\": {\"type\": \"glass\", \"roughness\": 1.5}",
+           "materials.m.roughness: must be between 0 and 1, got 1.5"},
+          {"\"m\": {\"type\": \"glass\", \"roughness\": [0.1, 0.2, 0.3]}",
+           "materials.m.roughness: must be between 0 and 1, got a list of 3"},
+          {"\"m\": {\"type\": \"glass\", \"roughness\": \"rough\"}",
+           "materials.m.roughness: must be a number without quotes, between 0 and 1, or a texture as "
+           "{\"texture\": \"NAME\"}, got the text 'rough'"},
+          {"\"m\": {\"type\": \"phong\", \"exponent\": \"30\"}",
+           "materials.m.exponent: must be a number without quotes, between 0 and 100000, or a texture as "
+           "{\"texture\": \"NAME\"}, got the text '30'"},
+          {"\"m\": {\"type\": \"glass\", \"roughness\": {\"scale\": 1}}",
+           "materials.m.roughness: a textured number needs the key 'texture'"},
+          {"\"m\": {\"type\": \"phong\", \"exponent\": -1}",
+           "materials.m.exponent: must be between 0 and 100000, got -1"},
+          {"\"m\": {\"type\": \"phong\", \"lobe\": \"n+3\"}",
+           "materials.m.lobe: unknown value 'n+3'; did you mean 'n+1'?"},
+          {"\"m\": {\"type\": \"phong\", \"diffuse\": 0.6, \"specular\": [0.3, 0.5, 0.3]}",
+           "materials.m: 'diffuse' and 'specular' add up to 1.1, and nothing reflects more than 1; lower one "
+           "of them"},
+          {"\"m\": {\"type\": \"phong\", \"specular\": 0.7}",
+           "materials.m: 'diffuse' (0.5 unless given) and 'specular' add up to 1.2, and nothing reflects "
+           "more than 1; lower one of them"},
+          {"\"m\": {\"type\": \"cook_torrance\", \"diffuse\": 0.5}",
+           "materials.m: 'diffuse' and 'specular' (1 unless given) add up to 1.5, and nothing reflects more "
+           "than 1; lower one of them"},
+          {"\"m\": {\"type\": \"cook_torrance\", \"conductor\": \"aluminum\"}",
+           "materials.m.conductor: unknown value 'aluminum'; did you mean 'aluminium'?"},
+          {"\"m\": {\"type\": \"cook_torrance\", \"conductor\": \"gold\", \"f0\": 0.9}",
+           "materials.m.conductor: a conductor has its own reflectance; leave 'f0' out, or this"},
+          {"\"m\": {\"type\": \"cook_torrance\", \"masking\": 1}",
+           "materials.m.masking: must be one of \"smith\", \"schlick\", got 1"},
+          {"\"m\": {\"type\": \"phong\", \"sampling\": \"half_vector\"}",
+           "materials.m.sampling: unknown value 'half_vector'; known are 'bsdf', 'uniform'"},
+          {"\"m\": {\"type\": \"lambert\", \"normal_map\": \"dents\"}",
+           "materials.m.normal_map: must be a texture as {\"texture\": \"NAME\"}, got the text 'dents'"},
+          {"\"m\": {\"type\": \"lambert\", \"normal_map\": {\"texture\": \"dents\"}}",
+           "materials.m.normal_map.texture: there is no texture 'dents'"},
+          {"\"m\": {\"type\": \"lambert\", \"normal_map\": {\"strength\": 1}}",
+           "materials.m.normal_map: a normal map needs the key 'texture'"},
+      },
+      with_materials, 3);
+}
+
+TEST(SceneMistakes, SuggestTextures) {
+  EXPECT_EQ(mistakes_in(scene_with("\"textures\": {\"wood\": {\"file\": \"gray.png\"}}",
+                                   "\"m\": {\"type\": \"lambert\", \"albedo\": {\"texture\": \"wod\"}}", "")),
+            "scene.json:3: materials.m.albedo.texture: there is no texture 'wod'; did you mean 'wood'?");
+}
+
+TEST(SceneMistakes, InShapes) {
+  const std::string sphere = "{\"type\": \"sphere\", \"material\": \"light\", \"radius\": 1, ";
+  const std::string mesh = "{\"type\": \"mesh\", \"file\": \"triangle.obj\", \"material\": \"light\", ";
+  const std::string quad = "{\"type\": \"quad\", \"material\": \"light\", \"corner\": [0, 0, 0], ";
+  expect_mistakes(
+      {
+          {"3", "shapes[0]: must be an object in braces, got 3"},
+          {"{}",
+           "shapes[0]: a shape needs the key 'type', one of \"mesh\", \"sphere\", \"quad\", \"instance\""},
+          {"{\"type\": \"shpere\"}", "shapes[0].type: unknown value 'shpere'; did you mean 'sphere'?"},
+          {"{\"type\": \"sphere\", \"radius\": 1}", "shapes[0]: a sphere needs the key 'material'"},
+          {"{\"type\": \"sphere\", \"material\": \"light\"}", "shapes[0]: a sphere needs the key 'radius'"},
+          {"{\"type\": \"sphere\", \"radius\": 1, \"material\": \"ligth\"}",
+           "shapes[0].material: there is no material 'ligth'; did you mean 'light'?"},
+          {"{\"type\": \"sphere\", \"radius\": 0, \"material\": \"light\"}",
+           "shapes[0].radius: must be greater than 0, got 0"},
+          {"{\"type\": \"sphere\", \"radius\": 1e-50, \"material\": \"light\"}",
+           "shapes[0].radius: must be greater than 0, got 1e-50"},
+          {sphere + "\"transform\": [{\"scale\": [1, 2, 1]}]}",
+           "shapes[0]: a sphere must stay round: its transform must scale by the same factor in all "
+           "directions"},
+          {sphere + "\"transform\": {\"scale\": 2}}",
+           "shapes[0].transform: must be a list of steps such as [{\"scale\": 2}, {\"translate\": [0, 1, "
+           "0]}], got an "
+           "object"},
+          {sphere + "\"transform\": [{\"scale\": 0}]}",
+           "shapes[0].transform[0].scale: must be other than 0, got 0"},
+          {sphere + "\"transform\": [{\"scale\": [1, 0, 1]}]}",
+           "shapes[0].transform[0].scale[1]: must be other than 0, got 0"},
+          {sphere + "\"transform\": [{\"scale\": 1, \"translate\": [0, 0, 0]}]}",
+           "shapes[0].transform[0]: a step is one of 'scale', 'rotate', 'translate' and 'matrix'; write "
+           "several "
+           "as a list of steps"},
+          {sphere + "\"transform\": [{}]}",
+           "shapes[0].transform[0]: a step is one of 'scale', 'rotate', 'translate' and 'matrix'; write "
+           "several "
+           "as a list of steps"},
+          {sphere + "\"transform\": [{\"move\": [0, 0, 0]}]}",
+           "shapes[0].transform[0]: unknown key 'move'; known are 'scale', 'rotate', 'translate', 'matrix'"},
+          {sphere + "\"transform\": [{\"rotate\": {\"axis\": [0, 0, 0], \"degrees\": 3}}]}",
+           "shapes[0].transform[0].rotate: 'axis' must have a length that is greater than 0 and can be "
+           "computed"},
+          {sphere + "\"transform\": [{\"rotate\": {\"axis\": [0, 1, 0], \"degrees\": 3601}}]}",
+           "shapes[0].transform[0].rotate.degrees: must be between -3600 and 3600, got 3601"},
+          {sphere + "\"transform\": [{\"rotate\": {\"axis\": [0, 1, 0]}}]}",
+           "shapes[0].transform[0].rotate: a rotation needs the key 'degrees'"},
+          {sphere + "\"transform\": [{\"scale\": 1e-30}, {\"scale\": 1e-30}]}",
+           "shapes[0].transform: the steps together scale or move too far to be computed"},
+          {mesh + "\"normals\": \"soft\"}",
+           "shapes[0].normals: unknown value 'soft'; known are 'file', 'smooth', 'flat'"},
+          {"{\"type\": \"mesh\", \"material\": \"light\"}", "shapes[0]: a mesh needs the key 'file'"},
+          {"{\"type\": \"mesh\", \"file\": \"none.obj\"}", "shapes[0].file: 'none.obj' does not exist"},
+          {"{\"type\": \"mesh\", \"file\": \"gray.png\", \"material\": \"light\"}",
+           "shapes[0].file: gray.png:1: '\\x89PNG' is not a statement of OBJ files"},
+          {"{\"type\": \"mesh\", \"file\": \"triangle.obj\"}",
+           "shapes[0].file: triangle.obj:7: a face has no material (no 'usemtl' comes before it); give the "
+           "shape a "
+           "\"material\" in the scene file"},
+          {mesh + "\"transform\": [{\"translate\": [3e38, 0, 0]}, {\"scale\": 10}]}",
+           "shapes[0].transform: the steps together scale or move too far to be computed"},
+          {quad + "\"edge_u\": [1, 0, 0], \"edge_v\": [2, 0, 0]}",
+           "shapes[0]: 'edge_u' and 'edge_v' must span an area that is greater than 0 and can be computed"},
+          {quad + "\"edge_u\": [1, 0, 0]}", "shapes[0]: a quad needs the key 'edge_v'"},
+      },
+      with_shapes, 4);
+}
+
+// An instance of an object with a ball that emits and one that does not.
+std::string with_instance(const std::string& instance) {
+  const std::string ball = "{\"type\": \"sphere\", \"radius\": 1, \"material\": ";
+  return scene_with("\"objects\": {\"pair\": {\"shapes\": [" + ball + "\"light\"}, " + ball + "\"matt\"}]}}",
+                    "\"matt\": {\"type\": \"lambert\"}", "{\"type\": \"instance\", " + instance + "}");
+}
+
+TEST(SceneMistakes, InInstances) {
+  const std::string pair = "\"object\": \"pair\", \"transform\": ";
+  EXPECT_EQ(mistakes_in(with_instance("\"object\": \"pair\"")), "no mistake");
+  EXPECT_EQ(mistakes_in(with_instance(pair + "[{\"scale\": [1, 2, 1]}], \"material\": \"matt\"")),
+            "no mistake");
+  expect_mistakes(
+      {
+          {"\"object\": \"pear\"", "shapes[0].object: there is no object 'pear'; known is 'pair'"},
+          {"\"material\": \"matt\"", "shapes[0]: an instance needs the key 'object'"},
+          {"\"object\": \"pair\", \"radius\": 1",
+           "shapes[0]: unknown key 'radius'; known are 'type', 'object', 'material', 'transform'"},
+          {pair + "[{\"matrix\": [[1, 0, 0, 0], [0, 1, 0, 0]]}]",
+           "shapes[0].transform[0].matrix: must be three rows of four numbers such as [[1, 0, 0, 5], [0, 1, "
+           "0, "
+           "0], [0, 0, 1, 0]], got a list of 2"},
+          {pair + "[{\"matrix\": [[1, 0, 0, 0], [0, 1, 0, 0], [0, 1, 0, 0]]}]",
+           "shapes[0].transform: the steps together scale or move too far to be computed"},
+          {pair + "[{\"matrix\": [[1, 1, 0, 0], [0, 1e-12, 0, 0], [0, 0, 1, 0]]}]",
+           "shapes[0]: the transform flattens the object, or scales or moves it too far to be computed"},
+          {pair + "[{\"scale\": [1, 2, 1]}]",
+           "shapes[0]: a sphere of the object emits light and must stay round: the transform must scale by "
+           "the "
+           "same factor in all directions"},
+      },
+      with_instance, 4);
+}
+
+TEST(SceneMistakes, InObjects) {
+  const auto with_objects = [](const std::string& objects) {
+    return scene_with("\"objects\": " + objects, "", "");
+  };
+  const std::vector<Mistake> cases{
+      {"[]", "objects: must be an object in braces, from names to what they stand for, got a list of 0"},
+      {"{\"tree\": {}}", "objects.tree: an object needs the key 'shapes'"},
+      {"{\"tree\": {\"shapes\": []}}",
+       "objects.tree.shapes: must be a list of at least one shape, got a list of 0"},
+      {"{\"tree\": {\"shapes\": [{\"type\": \"mesh\", \"file\": \"none.obj\"}]}}",
+       "objects.tree.shapes[0].file: 'none.obj' does not exist"},
+      {"{\"tree\": {\"shapes\": [{\"type\": \"instance\", \"object\": \"tree\"}]}}",
+       "objects.tree.shapes[0]: an object cannot hold instances of others; write them in the scene's own "
+       "'shapes'"}};
+  for (const auto& [text, message] : cases)
+    EXPECT_EQ(mistakes_in(with_objects(text)), "scene.json:2: " + message) << text;
+}
+
+TEST(SceneMistakes, OfShapesAsAList) {
+  const std::string start = "{\"camera\": {\"position\": [0, 0, 5], \"look_at\": [0, 0, 0]},\n\"shapes\": ";
+  EXPECT_EQ(mistakes_in(start + "[]}"),
+            "scene.json:2: shapes: must be a list of at least one shape, got a list of 0");
+  EXPECT_EQ(mistakes_in(start + "{}}"),
+            "scene.json:2: shapes: must be a list of at least one shape, got an object");
+}
+
+}  // namespace
+}  // namespace tessera::core
