@@ -79,17 +79,21 @@ core::Result<std::shared_ptr<grpc::Channel>> open_channel(const std::string& add
                                                            std::move(interceptors));
 }
 
-void apply_server_options(grpc::ServerBuilder& builder) {
+void apply_server_options(grpc::ServerBuilder& builder, const Patience& patience) {
   builder.SetMaxReceiveMessageSize(kMaxMessageBytes);
   builder.SetMaxSendMessageSize(kMaxMessageBytes);
-  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, kKeepaliveTimeMs);
-  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, kKeepaliveTimeoutMs);
+  const auto add_time = [&](const char* argument, std::chrono::milliseconds time) {
+    builder.AddChannelArgument(argument, static_cast<int>(time.count()));
+  };
+  add_time(GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS, patience.handshake);
+  add_time(GRPC_ARG_KEEPALIVE_TIME_MS, patience.ping_period);
+  add_time(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, patience.answer);
+  // Also who has no call: a machine that vanished would keep its connection for ever.
+  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_PERMIT_WITHOUT_CALLS, 1);
   builder.AddChannelArgument(GRPC_ARG_HTTP2_MAX_PINGS_WITHOUT_DATA, kPingsWithoutData);
   builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS, kLeastPingIntervalMs);
   builder.AddChannelArgument(GRPC_ARG_HTTP2_BDP_PROBE, 0);
   builder.AddChannelArgument(GRPC_ARG_HTTP2_STREAM_LOOKAHEAD_BYTES, kLookaheadBytes);
-  // A second process on the same port is a mistake to be told, not a load balancer.
-  builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
 }
 
 }  // namespace tessera::proto

@@ -4,6 +4,7 @@
 #include <grpcpp/channel.h>
 #include <grpcpp/server_builder.h>
 
+#include <chrono>
 #include <memory>
 #include <string>
 
@@ -26,7 +27,17 @@ inline constexpr int kMaxMessageBytes = 64 << 20;
 core::Result<std::shared_ptr<grpc::Channel>> open_channel(const std::string& address,
                                                           const ClientSecurity& security = {});
 
+// How long a coordinator waits for who has connected.
+struct Patience {
+  // Until the connection is ready for calls, TLS included. open_channel() gives up sooner.
+  std::chrono::milliseconds handshake = std::chrono::seconds(10);
+  // How often it asks whether they are there, and how long it waits for an answer to that, or to what it
+  // sent.
+  std::chrono::milliseconds ping_period = std::chrono::seconds(10);
+  std::chrono::milliseconds answer = std::chrono::seconds(5);
+};
+
 // The same limits on the listening side, and leave for the clients' keepalive.
-void apply_server_options(grpc::ServerBuilder& builder);
+void apply_server_options(grpc::ServerBuilder& builder, const Patience& patience = {});
 
 }  // namespace tessera::proto

@@ -70,6 +70,10 @@ void add_validator_flags(CLI::App& app, Limits& limits) {
 }
 
 void add_call_flags(CLI::App& app, Limits& limits) {
+  add<std::uint64_t>(app, "--max-connections", limits.connections, 1, kMany,
+                     "Connections of workers and users, all together; more are closed at once");
+  add<std::uint64_t>(app, "--max-machine-connections", limits.machine_connections, 1, kMany,
+                     "Connections of one machine (IPv4 address, or 64 bits of an IPv6 address)");
   add(app, "--max-message-mib", limits.message_mib, kLeastMessageMib, kMostMessageMib, "One message");
   add(app, "--max-calls-per-second", limits.calls_per_second, 1.0, 1e9,
       "Calls of one submitter (without --tokens: of one machine), or of one worker; ten seconds' worth at "

@@ -37,6 +37,9 @@ struct Limits {
   std::uint64_t validator_mib = 16 * 1024;
   std::chrono::milliseconds validation_time = std::chrono::minutes(5);
 
+  // Of connections: all together, and of one machine.
+  std::uint64_t connections = 10'000;
+  std::uint64_t machine_connections = 5'000;
   // Of calls: one message, and how often a caller may call. Who has been quiet may call as often at once as
   // in kBurstSeconds.
   int message_mib = 64;

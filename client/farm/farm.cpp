@@ -59,7 +59,9 @@ core::Error Farm::explain_unreachable(const grpc::Status& status) const {
     if (!security.ca.empty()) wants = "it wants --tls-certificate and --tls-key";
     if (!security.certificate.empty()) wants = "it does not trust the authority of this --tls-certificate";
     return unavailable(fmt::format(
-        "the coordinator at {} closed the connection: it has just been stopped, or {}", address(), wants));
+        "the coordinator at {} closed the connection: it has just been stopped, has as many as it takes "
+        "(tessera-coordinator --max-connections), or {}",
+        address(), wants));
   }
   return unavailable(fmt::format(
       "no coordinator answers at {}: start one with 'tessera-coordinator', or say where it is with "

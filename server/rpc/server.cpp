@@ -5,13 +5,15 @@
 #include <grpcpp/health_check_service_interface.h>
 #include <grpcpp/server_builder.h>
 #include <spdlog/spdlog.h>
+#include <sys/resource.h>
 
+#include <algorithm>
 #include <thread>
 #include <utility>
 
-#include "proto/channel.hpp"
 #include "server/coordinator/periodic.hpp"
 #include "server/rpc/call_gate.hpp"
+#include "server/rpc/listener.hpp"
 #include "server/rpc/render_service.hpp"
 #include "server/rpc/worker_service.hpp"
 
@@ -36,6 +38,21 @@ constexpr std::size_t kMaxWaitingSlow = 64;
 
 int quick_threads() {
   return std::max(2, static_cast<int>(std::thread::hardware_concurrency()));
+}
+
+// The limits, or less where the process may not open so many files: a quarter of them is for the store,
+// uploads and validators.
+ConnectionSlots connection_slots(const server::Limits& limits) {
+  std::uint64_t most = limits.connections;
+  rlimit files{};
+  if (getrlimit(RLIMIT_NOFILE, &files) == 0 && most > files.rlim_cur - files.rlim_cur / 4) {
+    most = std::max<std::uint64_t>(1, files.rlim_cur - files.rlim_cur / 4);
+    spdlog::warn(
+        "this process may open {} files, which is too few for --max-connections {}: it takes {} (ulimit -n, "
+        "LimitNOFILE= of systemd)",
+        files.rlim_cur, limits.connections, most);
+  }
+  return {most, limits.machine_connections};
 }
 
 // Logs what became of checkpoints, each piece of news once. For one thread at a time.
@@ -88,6 +105,10 @@ struct Server::Parts {
         reopener(kReopenPeriod, [this] { coordinator.reopen_jobs(); }),
         collector(kCollectPeriod, [this] { coordinator.collect_blobs(); }) {}
 
+  // Once there is a listener.
+  core::Status serve(const std::shared_ptr<grpc::ServerCredentials>& credentials,
+                     const proto::Patience& patience);
+
   Coordinator& coordinator;
   const server::Limits limits;
   CallGate gate;
@@ -97,8 +118,31 @@ struct Server::Parts {
   WorkerService worker_service;
   CheckpointLog checkpoint_log;
   coordinator::Periodic ticker, checkpointer, reopener, collector;
+  std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor> acceptor;
   std::unique_ptr<grpc::Server> grpc;
+  std::unique_ptr<Listener> listener;  // hands on to the acceptor
 };
+
+core::Status Server::Parts::serve(const std::shared_ptr<grpc::ServerCredentials>& credentials,
+                                  const proto::Patience& patience) {
+  grpc::EnableDefaultHealthCheckService(true);
+  grpc::reflection::InitProtoReflectionServerBuilderPlugin();
+  grpc::ServerBuilder builder;
+  proto::apply_server_options(builder, patience);
+  builder.SetMaxReceiveMessageSize(static_cast<int>(limits.message_mib * server::kMib));
+  builder.RegisterService(&render_service);
+  builder.RegisterService(&worker_service);
+  acceptor = builder.experimental().AddExternalConnectionAcceptor(
+      grpc::ServerBuilder::experimental_type::ExternalConnectionType::FROM_FD, credentials);
+  grpc = builder.BuildAndStart();
+  if (!grpc) return core::fail(core::ErrorCode::kInternal, "gRPC does not start");
+  listener->start([this](int descriptor) {
+    grpc::experimental::ExternalConnectionAcceptor::NewConnectionParameters connection;
+    connection.fd = descriptor;
+    acceptor->HandleNewConnection(&connection);
+  });
+  return {};
+}
 
 Server::Server(std::unique_ptr<Parts> parts, std::string address)
     : parts_(std::move(parts)), address_(std::move(address)) {}
@@ -113,22 +157,16 @@ core::Result<std::unique_ptr<Server>> Server::start(Coordinator& coordinator, Se
   const std::string& address = options.address;
   const auto credentials = proto::server_credentials(address, options.security);
   if (!credentials) return core::fail(credentials.error());
-  grpc::EnableDefaultHealthCheckService(true);
-  grpc::reflection::InitProtoReflectionServerBuilderPlugin();
+  auto listening = listen_on(address, options.patience.answer);
+  if (!listening) return core::fail(listening.error());
+  auto listener = Listener::make(std::move(*listening), connection_slots(options.limits));
+  if (!listener) return core::fail(listener.error());
   auto parts = std::make_unique<Parts>(coordinator, std::move(options.access), options.limits);
-  int port = 0;
-  grpc::ServerBuilder builder;
-  proto::apply_server_options(builder);
-  builder.SetMaxReceiveMessageSize(static_cast<int>(options.limits.message_mib * server::kMib));
-  builder.AddListeningPort(address, *credentials, &port);
-  builder.RegisterService(&parts->render_service);
-  builder.RegisterService(&parts->worker_service);
-  parts->grpc = builder.BuildAndStart();
-  if (!parts->grpc || port == 0) {
-    return core::fail(core::ErrorCode::kUnavailable,
-                      fmt::format("cannot listen on {}: is it HOST:PORT, and is the port free?", address));
-  }
-  const std::string host = address.substr(0, address.find_last_of(':'));
+  parts->listener = std::move(*listener);
+  if (const auto served = parts->serve(*credentials, options.patience); !served)
+    return core::fail(served.error());
+  const std::string host = address.substr(0, address.rfind(':'));
+  const int port = parts->listener->port();
   return std::unique_ptr<Server>(new Server(std::move(parts), fmt::format("{}:{}", host, port)));
 }
 
@@ -139,6 +177,7 @@ core::Status Server::stop() {
   parts_->slow.close();
   parts_->validating.close();
   parts_->watches.close();
+  parts_->listener->stop();
   parts_->grpc->Shutdown(std::chrono::system_clock::now() + kLeaveForCalls);
   parts_->grpc->Wait();
   parts_.reset();

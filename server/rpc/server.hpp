@@ -5,6 +5,7 @@
 #include <string>
 
 #include "core/base/error.hpp"
+#include "proto/channel.hpp"
 #include "proto/security.hpp"
 #include "server/coordinator/coordinator.hpp"
 #include "server/limits.hpp"
@@ -17,12 +18,13 @@ struct ServerOptions {
   proto::ServerSecurity security{};
   Access access{};
   server::Limits limits{};
+  proto::Patience patience{};
 };
 
 class Server {
  public:
-  // The coordinator must stay until the server is destroyed. UNAVAILABLE if the port is taken; also the
-  // errors of proto::server_credentials().
+  // The coordinator must stay until the server is destroyed. Errors: those of proto::server_credentials()
+  // and listen_on().
   static core::Result<std::unique_ptr<Server>> start(coordinator::Coordinator& coordinator,
                                                      ServerOptions options);
   // Stops, if that was not done before.

@@ -135,6 +135,36 @@ TEST_F(LimitsTest, OfOpenJobsAreToldByTheCommandLine) {
   submit({"--spp", "1"});
 }
 
+TEST_F(LimitsTest, OfConnectionsAreToldAndWaitedOut) {
+  start({"--max-connections", "2"});
+  const std::vector<std::string> options{"--size", "64x64", "--spp", "64"};
+  const std::string id = submit(options);
+  EXPECT_EQ(jobs().size(), 1u);  // this test's own connection
+  const auto is_in = [](const Process& worker) {
+    return poll_until(std::chrono::seconds(60), [&] {
+      return worker.err().find("registered with the coordinator") != std::string::npos;
+    });
+  };
+  Process& first = start_worker("first", 1);
+  ASSERT_TRUE(is_in(first));
+  const Outcome refused = tessera({"jobs"});
+  EXPECT_EQ(refused.exit_code, 1);
+  EXPECT_THAT(refused.err, HasSubstr("has as many as it takes (tessera-coordinator --max-connections)"));
+  Process& second = start_worker("second", 1);
+  const auto says_closed = [&] {
+    return coordinator().err().find("closed a connection of 127.0.0.1: there are 2") != std::string::npos;
+  };
+  EXPECT_TRUE(poll_until(std::chrono::seconds(60), says_closed));
+  EXPECT_EQ(workers().size(), 1u);
+  first.signal(SIGKILL);
+  EXPECT_TRUE(is_in(second));
+  EXPECT_TRUE(wait_for_state(id, v1::JOB_STATE_DONE));
+  second.signal(SIGTERM);
+  EXPECT_EQ(second.wait(std::chrono::seconds(60)), 0);
+  EXPECT_TRUE(poll_until(std::chrono::seconds(60), [&] { return tessera({"jobs"}).exit_code == 0; }));
+  EXPECT_TRUE(image(id, ".exr") == render_here(options, ".exr"));
+}
+
 TEST_F(LimitsTest, HostileScenesHarmNobodyElse) {
   start({"--validator", moody_validator(), "--validator-seconds", "1"});
   const struct {

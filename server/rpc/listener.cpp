@@ -1,0 +1,127 @@
+#include "server/rpc/listener.hpp"
+
+#include <fmt/format.h>
+#include <poll.h>
+#include <spdlog/spdlog.h>
+#include <sys/eventfd.h>
+#include <sys/socket.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <utility>
+
+namespace tessera::rpc {
+
+using core::ErrorCode;
+using store::Fd;
+
+namespace {
+
+constexpr std::chrono::seconds kNewsPeriod{10};
+// Where descriptors or the kernel's memory are used up: how long until others may have given some back.
+constexpr std::chrono::milliseconds kPause{20};
+
+// What accept() says of the process or the machine, and not of the one connection.
+bool is_exhaustion(int error) {
+  return error == EMFILE || error == ENFILE || error == ENOBUFS || error == ENOMEM;
+}
+
+}  // namespace
+
+void Listener::RareNews::add(std::string sentence) {
+  sentence_ = std::move(sentence);
+  ++times_;
+  tell();
+}
+
+void Listener::RareNews::tell() {
+  const auto now = std::chrono::steady_clock::now();
+  if (times_ == 0 || now < next_) return;
+  spdlog::warn("{}{}", sentence_, times_ == 1 ? "" : fmt::format(" ({} times)", times_));
+  times_ = 0;
+  next_ = now + kNewsPeriod;
+}
+
+int Listener::RareNews::wait_ms() const {
+  if (times_ == 0) return -1;
+  const auto wait = next_ - std::chrono::steady_clock::now();
+  return std::max(0, static_cast<int>(std::chrono::ceil<std::chrono::milliseconds>(wait).count()));
+}
+
+Listener::Listener(ListeningSockets listening, ConnectionSlots slots, Fd stopped)
+    : port_(listening.port),
+      stopped_(std::move(stopped)),
+      sockets_(std::move(listening.sockets)),
+      slots_(std::move(slots)) {}
+
+Listener::~Listener() {
+  stop();
+}
+
+core::Result<std::unique_ptr<Listener>> Listener::make(ListeningSockets listening, ConnectionSlots slots) {
+  Fd stopped(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK));
+  if (!stopped)
+    return core::fail(ErrorCode::kUnavailable, fmt::format("cannot listen: {}", std::strerror(errno)));
+  return std::unique_ptr<Listener>(new Listener(std::move(listening), std::move(slots), std::move(stopped)));
+}
+
+void Listener::start(Take take) {
+  thread_ = std::thread([this, take = std::move(take)] { run(take); });
+}
+
+void Listener::stop() {
+  if (thread_.joinable()) {
+    eventfd_write(stopped_.get(), 1);
+    thread_.join();
+  }
+  sockets_.clear();
+}
+
+void Listener::run(const Take& take) {
+  std::vector<pollfd> waiting{{stopped_.get(), POLLIN, 0}};
+  for (const Fd& socket : sockets_) waiting.push_back({socket.get(), POLLIN, 0});
+  while (true) {
+    const int ready = poll(waiting.data(), waiting.size(), news_.wait_ms());
+    news_.tell();
+    if (ready < 0) std::this_thread::sleep_for(kPause);  // no memory, or a signal
+    if (ready <= 0) continue;
+    if (waiting.front().revents != 0) return;
+    for (std::size_t i = 0; i < sockets_.size(); ++i)
+      if (waiting[i + 1].revents != 0) accept_from(sockets_[i], take);
+  }
+}
+
+void Listener::accept_from(const Fd& socket, const Take& take) {
+  sockaddr_storage peer{};
+  socklen_t length = sizeof peer;
+  Fd connection(
+      ::accept4(socket.get(), reinterpret_cast<sockaddr*>(&peer), &length, SOCK_NONBLOCK | SOCK_CLOEXEC));
+  if (!connection) {
+    if (!is_exhaustion(errno)) return;  // it is gone already
+    news_.add(fmt::format("cannot take a connection: {}; it waits (ulimit -n, LimitNOFILE= of systemd)",
+                          std::strerror(errno)));
+    return std::this_thread::sleep_for(kPause);
+  }
+  const std::string machine = machine_of(peer);
+  if (!has_room(machine)) return;
+  slots_.take(connection.get(), machine);
+  take(connection.release());
+}
+
+bool Listener::has_room(const std::string& machine) {
+  const ConnectionSlots::Room room = slots_.room_for(machine);
+  if (room == ConnectionSlots::Room::kNone)
+    news_.add(
+        fmt::format("closed a connection of {}: there are {}, and this farm takes no more "
+                    "(--max-connections)",
+                    machine, slots_.most()));
+  if (room == ConnectionSlots::Room::kNoneForMachine)
+    news_.add(
+        fmt::format("closed a connection of {}: it has {}, and this farm takes no more of one machine "
+                    "(--max-machine-connections)",
+                    machine, slots_.most_of_machine()));
+  return room == ConnectionSlots::Room::kYes;
+}
+
+}  // namespace tessera::rpc
