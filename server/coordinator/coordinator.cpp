@@ -159,6 +159,7 @@ void Coordinator::apply(Turn& turn, const scheduler::Actions& actions) {
     todo.pop_back();
     follow_audits(next);
     for (const scheduler::JobChange& change : next.job_changes) note_change(change);
+    for (const std::string& stalled : next.stalled) spdlog::warn("{}", stalled);
     for (const scheduler::WorkerId& worker : next.wake) {
       if (asked.insert(worker.value).second) todo.push_back(top_up(turn, worker.value, false));
     }

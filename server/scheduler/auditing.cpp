@@ -33,7 +33,7 @@ bool Scheduler::can_audit(const Job& job, const Worker& worker) const {
 
 Portion Scheduler::audit_copy(const Job& job, const Worker& worker) const {
   if (job.auditing() == 0 || authors_.is_distrusted(worker.author())) return {};
-  return job.take_audit_copy(worker.author(), authors_);
+  return job.next_audit_copy(worker.author(), authors_);
 }
 
 std::optional<Ruling> Scheduler::take_audit(Job& job, const SubmitResult& event, std::size_t i) {
@@ -94,7 +94,7 @@ void Scheduler::drop_tile(Job& job, int tile, Actions& actions) {
   tell_of_less(auditors);
   std::vector<Lease> ended;
   job.drop_tile(tile, ended);
-  for (const Lease& lease : ended) forget_lease(lease);
+  for (const Lease& lease : ended) forget_lease(job, lease);
   actions.dropped_tiles.push_back({job.id(), tile});
   work_appeared_ = true;
 }
@@ -126,18 +126,20 @@ void Scheduler::restore_authors(Job& job, const std::vector<AuthoredItem>& autho
 }
 
 // Whether the job lacks nothing but audits that were chosen by lot, and nobody who is here can do them. Who
-// could not build the scene is given it again and again, and is not waited for.
+// could not build the scene is given it again and again, as is who has stalled; neither is waited for.
 bool Scheduler::waits_in_vain(const Job& job) const {
   if (!job.complete() || job.settled() || job.audits().any_doubted()) return false;
-  const auto has_refused = [&](const Worker& worker) { return worker.refused.contains(job.id()); };
+  const auto is_no_help = [&](const Worker& worker) {
+    return worker.refused.contains(job.id()) || worker.has_stalled(job.id());
+  };
   const auto& leases = job.audit_leases().all();
   const bool somebody_is_at_it = std::any_of(leases.begin(), leases.end(), [&](const auto& entry) {
-    return !has_refused(*roster_.find(entry.second.holder));
+    return !is_no_help(*roster_.find(entry.second.holder));
   });
   return !somebody_is_at_it &&
          std::none_of(roster_.all().begin(), roster_.all().end(), [&](const auto& entry) {
            const Worker& worker = entry.second;
-           return worker.takes_leases() && !has_refused(worker) && can_audit(job, worker);
+           return worker.takes_leases() && !is_no_help(worker) && can_audit(job, worker);
          });
 }
 

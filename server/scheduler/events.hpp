@@ -233,6 +233,9 @@ struct Actions {
   // Two workers have rendered other bits of this, and a third must decide; for the log.
   std::vector<std::string> contradictions;
   std::vector<Unaudited> unaudited;
+  // Workers that are heard of, but from which nothing has come of a job for long, so that others have what
+  // they held of it; for the log.
+  std::vector<std::string> stalled;
   // Workers whose last reply was not `changed` and could now be. For each whose call is still waiting, hand
   // in TopUp, and answer the call if the reply is `changed`. For others do nothing.
   std::vector<WorkerId> wake;

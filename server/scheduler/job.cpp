@@ -3,8 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cassert>
 #include <utility>
+
+#include "server/scheduler/lifecycle.hpp"
 
 namespace tessera::scheduler {
 namespace {
@@ -18,11 +19,12 @@ std::uint64_t total_samples(const JobShape& shape) {
 
 }  // namespace
 
-Job::Job(JobId id, JobShape shape, Service service, std::vector<IntervalSet> done)
+Job::Job(JobId id, JobShape shape, Service service, JobState state, std::vector<IntervalSet> done)
     : id_(std::move(id)),
       shape_(shape),
       grid_(shape.grid()),
       service_(service),
+      state_(state),
       done_(std::move(done)),
       work_(grid_.tile_count(), shape.spp),
       audits_(grid_),
@@ -34,7 +36,7 @@ Job::Job(JobId id, JobShape shape, Service service, std::vector<IntervalSet> don
 }
 
 void Job::become(JobState to) {
-  assert(may_become(state_, to));
+  if (!may_become(state_, to)) no_such_arrow("job", job_state_name(state_), job_state_name(to));
   state_ = to;
 }
 
@@ -89,11 +91,12 @@ std::uint32_t Job::samples_for(int tile, std::uint64_t budget) const {
   return static_cast<std::uint32_t>(std::clamp<std::uint64_t>(fitting, 1, shape_.spp));
 }
 
-Portion Job::take_free(std::uint64_t samples, bool holds_nothing) {
+Portion Job::next_free(std::uint64_t samples, bool holds_nothing) const {
   Portion portion;
+  WorkList::Walk walk(work_);
   const auto wanted = [this](const WorkItem& candidate) { return free_of(candidate); };
   while (!portion.alone && samples > 0 && portion.items.size() < kMaxItemsPerLease) {
-    const std::optional<WorkItem> piece = work_.next(wanted);
+    const std::optional<WorkItem> piece = walk.next(wanted);
     if (!piece) break;
     const Suspects::Part part = suspects_.first_part(*piece);
     portion.alone = !part.deaths.empty();
@@ -101,29 +104,32 @@ Portion Job::take_free(std::uint64_t samples, bool holds_nothing) {
     const bool single = part.deaths.size() >= kDeathsUntilSingleSamples;
     const std::uint32_t count =
         single ? 1 : std::min(samples_for(piece->tile, samples), part.samples.count());
-    work_.take(*piece, count);
+    walk.pass(*piece, count);
     portion.items.push_back({piece->tile, {piece->samples.begin, piece->samples.begin + count}});
     samples -= std::min(samples, pixel_samples(portion.items.back()));
   }
   return portion;
 }
 
-Portion Job::take_copies(std::uint64_t samples) {
+Portion Job::next_copies(std::uint64_t samples) const {
   Portion portion;
-  for (auto id = copyable_.begin();
-       id != copyable_.end() && !portion.alone && samples > 0 && portion.items.size() < kMaxItemsPerLease;) {
-    const std::vector<WorkItem> pieces = held_once(*leases_.find(*id));
-    append_copies(pieces, samples, portion);
-    // Looked through in vain: skipped from now on, until one of the other holders lets go.
-    id = pieces.empty() ? copyable_.erase(id) : std::next(id);
+  for (const LeaseId id : copyable_) {
+    if (portion.alone || samples == 0 || portion.items.size() == kMaxItemsPerLease) break;
+    append_copies(held_once(*leases_.find(id)), samples, portion);
   }
   return portion;
 }
 
-std::vector<WorkItem> Job::held_once(const Lease& lease) const {
-  std::vector<WorkItem> pieces;
+bool Job::has_copies(const Lease& lease) const {
   // What must be alone is not given to two: both might die of one and the same cause, and count as two
   // deaths.
+  return !lease.alone && std::any_of(lease.items.begin(), lease.items.end(), [&](const WorkItem& item) {
+    return !leases_.leased_by_others(item.tile, lease.id).contains(item.samples);
+  });
+}
+
+std::vector<WorkItem> Job::held_once(const Lease& lease) const {
+  std::vector<WorkItem> pieces;
   if (lease.alone) return pieces;
   for (const WorkItem& item : lease.items) {
     IntervalSet samples{item.samples};
@@ -171,6 +177,15 @@ void Job::lease(Lease lease) {
   }
   copyable_.insert(lease.id);
   leases_.insert(std::move(lease));
+  forget_what_is_leased();
+}
+
+// What comes first, and cannot be leased (again) any more. Who chooses overlooks it, but would come across it
+// each time.
+void Job::forget_what_is_leased() {
+  work_.forget_unwanted([this](const WorkItem& candidate) { return free_of(candidate); });
+  while (!copyable_.empty() && !has_copies(*leases_.find(*copyable_.begin())))
+    copyable_.erase(copyable_.begin());
 }
 
 const Lease* Job::find_lease(LeaseId id) const {
@@ -178,9 +193,13 @@ const Lease* Job::find_lease(LeaseId id) const {
   return lease != nullptr ? lease : audit_leases_.find(id);
 }
 
-Lease Job::end_lease(LeaseId id) {
-  if (audit_leases_.find(id) != nullptr) return end_audit(id);
-  Lease lease = leases_.remove(id);
+void Job::acknowledge(LeaseId id) {
+  (audit_leases_.find(id) != nullptr ? audit_leases_ : leases_).acknowledge(id);
+}
+
+Lease Job::end_lease(LeaseId id, LeaseState to) {
+  if (audit_leases_.find(id) != nullptr) return end_audit(id, to);
+  Lease lease = leases_.end(id, to);
   copyable_.erase(id);
   for (const WorkItem& item : lease.items) {
     IntervalSet freed{item.samples};
@@ -197,8 +216,11 @@ Lease Job::end_lease(LeaseId id) {
 
 std::vector<Lease> Job::end_all_leases() {
   std::vector<Lease> ended;
-  while (!leases_.all().empty()) ended.push_back(end_lease(leases_.all().begin()->first));
-  while (!audit_leases_.all().empty()) ended.push_back(end_audit(audit_leases_.all().begin()->first));
+  const auto revoke_first_of = [&](const LeaseTable& leases) {
+    ended.push_back(end_lease(leases.all().begin()->first, LeaseState::kRevoked));
+  };
+  while (!leases_.all().empty()) revoke_first_of(leases_);
+  while (!audit_leases_.all().empty()) revoke_first_of(audit_leases_);
   return ended;
 }
 

@@ -47,8 +47,8 @@ struct Service {
 
 class Job {
  public:
-  // `done`: for each tile, the samples that are done. Empty: none.
-  Job(JobId id, JobShape shape, Service service, std::vector<IntervalSet> done);
+  // As it is submitted, or was stored. `done`: for each tile, the samples that are done; empty: none.
+  Job(JobId id, JobShape shape, Service service, JobState state, std::vector<IntervalSet> done);
 
   const JobId& id() const { return id_; }
   const JobShape& shape() const { return shape_; }
@@ -56,10 +56,8 @@ class Job {
   // Takes no lease away.
   void serve(const Service& service);
   JobState state() const { return state_; }
-  // The arrow must be legal (job_state.hpp).
+  // The one way in which its state changes. The arrow must be drawn (job_state.hpp).
   void become(JobState to);
-  // A state from storage.
-  void restore_state(JobState state) { state_ = state; }
 
   // Why it failed; empty unless it has.
   std::string failure;
@@ -93,26 +91,31 @@ class Job {
   // Pixel samples that are rendered again.
   std::uint64_t auditing() const { return auditing_count_; }
 
-  // ---- Choosing what to lease. Each result is to be handed to lease(); at most kMaxItemsPerLease items.
-  // ----
+  // ---- Choosing what to lease: follows from the job as it is, and changes nothing of it. Of at most
+  // kMaxItemsPerLease items, for lease() ----
 
   // The next free items, of `samples` pixel samples or a little more. Empty only if nothing is free, or if
   // what comes next must be leased alone and the worker holds something.
-  Portion take_free(std::uint64_t samples, bool holds_nothing);
+  Portion next_free(std::uint64_t samples, bool holds_nothing) const;
   // Items that exactly one worker holds, and not alone; of the oldest leases first. For workers that hold
   // nothing.
-  Portion take_copies(std::uint64_t samples);
+  Portion next_copies(std::uint64_t samples) const;
+  // It was empty: not looked for again until one of the leases changes.
+  void note_no_copies() { copyable_.clear(); }
   // What is due for an audit by this worker; as a copy, of what one other is at.
-  Portion take_audits(std::uint64_t samples, bool holds_nothing, const Author& worker,
+  Portion next_audits(std::uint64_t samples, bool holds_nothing, const Author& worker,
                       const Authors& authors) const;
-  Portion take_audit_copy(const Author& worker, const Authors& authors) const;
+  Portion next_audit_copy(const Author& worker, const Authors& authors) const;
   // What is free of these items. Overlooks what is no part of the job.
   std::vector<WorkItem> free_parts(const std::vector<WorkItem>& items) const;
 
   void lease(Lease lease);
 
-  // Ends a lease, which must exist. What nobody else holds of it is free.
-  Lease end_lease(LeaseId id);
+  // Its holder has reported it. It must exist.
+  void acknowledge(LeaseId id);
+  // Ends a lease, which must exist, in a state that is final. What nobody else holds of it is free.
+  Lease end_lease(LeaseId id, LeaseState to);
+  // Revokes them.
   std::vector<Lease> end_all_leases();
 
   // ---- Results ----
@@ -174,11 +177,13 @@ class Job {
  private:
   IntervalSet free_of(const WorkItem& item) const;
   std::vector<WorkItem> held_once(const Lease& lease) const;
+  bool has_copies(const Lease& lease) const;
+  void forget_what_is_leased();
   void append_copies(const std::vector<WorkItem>& pieces, std::uint64_t& budget, Portion& portion) const;
   std::uint32_t samples_for(int tile, std::uint64_t budget) const;
   bool is_suspect(const WorkItem& item) const;
   void lease_audit(Lease lease);
-  Lease end_audit(LeaseId id);
+  Lease end_audit(LeaseId id, LeaseState to);
   void trim_audits(const WorkItem& item, std::vector<Lease>& ended);
   std::optional<std::string> check_tile(int tile) const;
   std::optional<std::string> check_counts() const;
@@ -193,7 +198,7 @@ class Job {
   Service service_;
   // Workers beyond the limit that held leases when it was lowered, and still do.
   std::size_t tolerated_workers_ = 0;
-  JobState state_ = JobState::kRunning;
+  JobState state_;
 
   std::vector<IntervalSet> done_;
   WorkList work_;

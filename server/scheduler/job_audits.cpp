@@ -27,7 +27,7 @@ bool Job::is_suspect(const WorkItem& item) const {
   return !part.deaths.empty() || part.samples != item.samples;
 }
 
-Portion Job::take_audits(std::uint64_t samples, bool holds_nothing, const Author& worker,
+Portion Job::next_audits(std::uint64_t samples, bool holds_nothing, const Author& worker,
                          const Authors& authors) const {
   Portion portion;
   portion.audit = true;
@@ -44,7 +44,7 @@ Portion Job::take_audits(std::uint64_t samples, bool holds_nothing, const Author
   return portion;
 }
 
-Portion Job::take_audit_copy(const Author& worker, const Authors& authors) const {
+Portion Job::next_audit_copy(const Author& worker, const Authors& authors) const {
   // What must be alone is not given to two, as in held_once().
   const auto may_share = [this](LeaseId lease) { return !audit_leases_.find(lease)->alone; };
   const std::optional<WorkItem> item = audits_.copy_for(worker, authors, may_share);
@@ -60,8 +60,8 @@ void Job::lease_audit(Lease lease) {
   audit_leases_.insert(std::move(lease));
 }
 
-Lease Job::end_audit(LeaseId id) {
-  Lease lease = audit_leases_.remove(id);
+Lease Job::end_audit(LeaseId id, LeaseState to) {
+  Lease lease = audit_leases_.end(id, to);
   for (const WorkItem& item : lease.items) {
     auditing_count_ -= pixel_samples(item);
     audits_.abandon(id, item);

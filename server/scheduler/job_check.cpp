@@ -32,6 +32,8 @@ std::optional<std::string> Job::check_leases() const {
   const auto check = [this](const LeaseTable& leases, bool of_done) -> std::optional<std::string> {
     for (const auto& [id, lease] : leases.all()) {
       if (lease.items.empty()) return fmt::format("lease {} holds nothing", id.value);
+      if (!is_live(lease.state))
+        return fmt::format("lease {} is {}, but has not ended", id.value, lease_state_name(lease.state));
       for (const WorkItem& item : lease.items) {
         if (!has(item)) return fmt::format("lease {} holds samples that are not of the job", id.value);
         const bool wrong =
@@ -70,7 +72,7 @@ std::optional<std::string> Job::check_audits() const {
 
 bool Job::has_copies_to_give() const {
   return std::any_of(leases_.all().begin(), leases_.all().end(),
-                     [&](const auto& entry) { return !held_once(entry.second).empty(); });
+                     [&](const auto& entry) { return has_copies(entry.second); });
 }
 
 std::optional<std::string> Job::check_counts() const {

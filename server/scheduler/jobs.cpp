@@ -32,7 +32,7 @@ core::Status Scheduler::may_add(const JobId& id, const JobShape& shape) const {
 
 Worker* Scheduler::on(const SubmitJob& event, Actions& actions) {
   actions.status = may_add(event.id, event.shape);
-  if (actions.status) add(event.id, event.shape, {event.priority, event.max_workers}, {});
+  if (actions.status) add(event.id, event.shape, {event.priority, event.max_workers}, JobState::kRunning, {});
   return nullptr;
 }
 
@@ -45,11 +45,9 @@ Worker* Scheduler::on(const RestoreJob& event, Actions& actions) {
   }
   if (!actions.status) return nullptr;
 
-  Job& job = add(event.id, event.shape, {event.priority, event.max_workers}, event.done);
+  Job& job = add(event.id, event.shape, {event.priority, event.max_workers}, event.state, event.done);
   job.failure = event.failure;
-  job.restore_state(event.state);
   restore_authors(job, event.authored);
-  if (event.state != JobState::kRunning) running_.erase(job_numbers_.at(event.id));
   if (event.state == JobState::kRunning && job.settled()) become(job, JobState::kDone, actions);
   if (event.state == JobState::kDone && !job.settled()) become(job, JobState::kRunning, actions);
   return nullptr;
@@ -165,13 +163,13 @@ Job* Scheduler::find_or_refuse(const JobId& id, Actions& actions) {
   return job;
 }
 
-Job& Scheduler::add(const JobId& id, const JobShape& shape, const Service& service,
+Job& Scheduler::add(const JobId& id, const JobShape& shape, const Service& service, JobState state,
                     std::vector<IntervalSet> done) {
   const JobNumber number = ++last_job_number_;
   job_numbers_.emplace(id, number);
-  running_.insert(number);
+  if (state == JobState::kRunning) running_.insert(number);
   work_appeared_ = true;
-  return jobs_.try_emplace(number, id, shape, service, std::move(done)).first->second;
+  return jobs_.try_emplace(number, id, shape, service, state, std::move(done)).first->second;
 }
 
 void Scheduler::become(Job& job, JobState to, Actions& actions) {
@@ -209,11 +207,12 @@ void Scheduler::forget_worker_notes(const JobId& job) {
   for (auto& [id, worker] : roster_.all()) {
     worker.speed.erase(job);
     worker.refused.erase(job);
+    worker.efforts.erase(job);
   }
 }
 
 void Scheduler::end_all_leases(Job& job) {
-  for (const Lease& lease : job.end_all_leases()) forget_lease(lease);
+  for (const Lease& lease : job.end_all_leases()) forget_lease(job, lease);
 }
 
 }  // namespace tessera::scheduler

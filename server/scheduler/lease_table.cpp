@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "server/scheduler/lifecycle.hpp"
+
 namespace tessera::scheduler {
 namespace {
 
@@ -38,9 +40,20 @@ void LeaseTable::insert(Lease lease) {
   leases_.emplace(id, std::move(lease));
 }
 
-Lease LeaseTable::remove(LeaseId id) {
+void LeaseTable::become(Lease& lease, LeaseState to) {
+  if (!may_become(lease.state, to))
+    no_such_arrow("lease", lease_state_name(lease.state), lease_state_name(to));
+  lease.state = to;
+}
+
+void LeaseTable::acknowledge(LeaseId id) {
+  Lease& lease = leases_.at(id);
+  if (lease.state != LeaseState::kHeld) become(lease, LeaseState::kHeld);
+}
+
+Lease LeaseTable::end(LeaseId id, LeaseState to) {
   for (const WorkItem& item : leases_.at(id).items) drop_from_tile(item.tile, id);
-  return extract(id);
+  return extract(id, to);
 }
 
 std::vector<Lease> LeaseTable::trim(const WorkItem& done) {
@@ -56,11 +69,12 @@ std::optional<Lease> LeaseTable::trim(LeaseId id, const WorkItem& done) {
   lease.items = without(lease.items, done);
   if (!has_tile(lease, done.tile)) drop_from_tile(done.tile, id);
   if (!lease.items.empty()) return std::nullopt;
-  return extract(id);
+  return extract(id, LeaseState::kDone);
 }
 
-Lease LeaseTable::extract(LeaseId id) {
+Lease LeaseTable::extract(LeaseId id, LeaseState to) {
   Lease lease = std::move(leases_.extract(id).mapped());
+  become(lease, to);
   const auto count = lease_counts_.find(lease.holder);
   if (--count->second == 0) lease_counts_.erase(count);
   return lease;

@@ -9,6 +9,7 @@
 
 #include "server/scheduler/author.hpp"
 #include "server/scheduler/interval_set.hpp"
+#include "server/scheduler/lease_state.hpp"
 #include "server/scheduler/types.hpp"
 
 namespace tessera::scheduler {
@@ -22,6 +23,8 @@ struct Lease {
   bool alone = false;
   // Its samples are done, and rendered again by this author (audits.hpp).
   std::optional<AuthorNumber> auditor{};
+  // Changed by the table alone.
+  LeaseState state = LeaseState::kGranted;
 };
 
 class LeaseTable {
@@ -36,11 +39,13 @@ class LeaseTable {
 
   // The id must be new, the items not empty.
   void insert(Lease lease);
-  // The lease must be there.
-  Lease remove(LeaseId id);
+  // Its holder has reported it. The lease must be there; no change if it is held already.
+  void acknowledge(LeaseId id);
+  // Ends a lease, which must be there, in a state that is final.
+  Lease end(LeaseId id, LeaseState to);
 
-  // Takes samples out of all leases. Returns the leases that are left without items; they are no longer
-  // there.
+  // Takes samples out of all leases. Returns the leases that are left without items: they are done, and no
+  // longer there.
   std::vector<Lease> trim(const WorkItem& done);
   // The same with one lease alone.
   std::optional<Lease> trim(LeaseId id, const WorkItem& done);
@@ -52,9 +57,11 @@ class LeaseTable {
   const std::vector<LeaseId>& of_tile(int tile) const;
 
  private:
+  // The one way in which a lease's state changes.
+  static void become(Lease& lease, LeaseState to);
   void drop_from_tile(int tile, LeaseId id);
   // Takes out a lease that has no items left in by_tile_.
-  Lease extract(LeaseId id);
+  Lease extract(LeaseId id, LeaseState to);
 
   std::map<LeaseId, Lease> leases_;
   // By holder; none is 0.

@@ -1,4 +1,6 @@
 // Who holds what: renewing, taking over, granting and ending leases.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <utility>
 
@@ -12,17 +14,19 @@ constexpr Duration kPunctuality = std::chrono::seconds(1);
 
 }  // namespace
 
-Worker* Scheduler::on(const Synchronize& event, Actions&) {
+Worker* Scheduler::on(const Synchronize& event, Actions& actions) {
   absolve_if_silent(event.worker.id);
   Worker& worker = roster_.hear(event, now_);
   authors_.introduce(worker.author());
-  settle_reported(worker, event);
+  settle_reported(worker);
+  end_stalled_leases(worker, actions);
+  for (const LeaseDescription& reported : event.held) adopt(worker, reported);
   return &worker;
 }
 
 Worker* Scheduler::on(const TopUp& event, Actions& actions) {
   Worker* const worker = roster_.find(event.worker);
-  if (worker == nullptr || worker->silent) {
+  if (worker == nullptr || worker->state() == WorkerState::kSilent) {
     actions.status = core::fail(core::ErrorCode::kNotFound,
                                 "worker " + event.worker.value + " has not been heard of for too long");
     return nullptr;
@@ -41,15 +45,64 @@ Worker* Scheduler::on(const Dismiss& event, Actions& actions) {
   return nullptr;
 }
 
-void Scheduler::settle_reported(Worker& worker, const Synchronize& event) {
+void Scheduler::settle_reported(Worker& worker) {
   for (const HeldLease& held : std::vector<HeldLease>(worker.leases)) {
     // What it reported once and reports no more it has dropped. What it never reported it may not have heard
     // of yet.
-    const bool dropped = !worker.reported.contains(held.id) && (held.acknowledged || worker.draining);
-    if (dropped) end_lease(*find(held.job), held.id);
+    Job& job = *find(held.job);
+    if (worker.reported.contains(held.id)) {
+      job.acknowledge(held.id);
+    } else if (worker.state() == WorkerState::kDraining ||
+               job.find_lease(held.id)->state == LeaseState::kHeld) {
+      end_lease(job, held.id, LeaseState::kReturned);
+    }
   }
-  for (HeldLease& held : worker.leases) held.acknowledged = worker.reported.contains(held.id);
-  for (const LeaseDescription& reported : event.held) adopt(worker, reported);
+}
+
+void Scheduler::end_stalled_leases(Worker& worker, Actions& actions) {
+  std::set<JobId> stalled;
+  for (const HeldLease& held : worker.leases) {
+    const Duration in_vain = now_ - worker.efforts.at(held.job).in_vain_since;
+    const bool too_long = in_vain >= patience(options_.lease_duration, 0) &&
+                          in_vain >= patience(options_.lease_duration, expected_seconds(worker));
+    if (too_long) stalled.insert(held.job);
+  }
+  for (const JobId& job : stalled) stall(worker, job, actions);
+}
+
+double Scheduler::expected_seconds(const Worker& worker) const {
+  double seconds = 0;
+  for (const HeldLease& held : worker.leases) {
+    const Job& job = *find(held.job);
+    const double speed = expected_speed(options_.sizing, worker.snapshot(held.job));
+    for (const WorkItem& item : job.find_lease(held.id)->items)
+      seconds += static_cast<double>(job.pixel_samples(item)) / speed;
+  }
+  return seconds;
+}
+
+void Scheduler::stall(Worker& worker, const JobId& id, Actions& actions) {
+  Job& job = *find(id);
+  Effort& effort = worker.efforts.at(id);
+  const Duration in_vain = now_ - effort.in_vain_since;
+  const Duration bar = bar_after(in_vain, effort.stalls);
+  std::string items;
+  for (const HeldLease& held : std::vector<HeldLease>(worker.leases)) {
+    if (held.job != id) continue;
+    const WorkItem first = end_lease(job, held.id, LeaseState::kStalled).items.front();
+    if (items.empty())
+      items = fmt::format("samples [{}, {}) of tile {}", first.samples.begin, first.samples.end, first.tile);
+  }
+  effort.barred_until = now_ + bar;
+  ++effort.stalls;
+  const auto whole_seconds = [](Duration time) {
+    return std::chrono::ceil<std::chrono::seconds>(time).count();
+  };
+  actions.stalled.push_back(fmt::format(
+      "worker {} ({}) is heard of, but has delivered nothing of job {} for {} s, where {} came first: others "
+      "have "
+      "that now, and it is given no more of this job for {} s, or until it delivers",
+      worker.info.name, worker.info.id.value, id.value, whole_seconds(in_vain), items, whole_seconds(bar)));
 }
 
 // Takes over a lease that this scheduler does not know: given by an earlier run of it, or to a worker that
@@ -57,13 +110,15 @@ void Scheduler::settle_reported(Worker& worker, const Synchronize& event) {
 void Scheduler::adopt(Worker& worker, const LeaseDescription& reported) {
   Job* const job = find(reported.job);
   if (job == nullptr || !(job->state() == JobState::kRunning || job->state() == JobState::kPaused)) return;
-  if (worker.holds_alone() || !job->may_be_leased_to(worker.info.id)) return;
+  if (worker.holds_alone() || !may_take(worker, *job)) return;
   const bool never_given = reported.id == LeaseId{} || reported.id > last_lease_id_;
   if (never_given || live_leases_.contains(reported.id)) return;
   if (static_cast<int>(worker.leases.size()) >= kMaxLeasesPerWorker) return;
   std::vector<WorkItem> items = job->free_parts(reported.items);
   if (items.empty()) return;
-  enter_lease(worker, *job, {reported.id, worker.info.id, std::move(items), false}, true);
+  Lease lease{reported.id, worker.info.id, std::move(items)};
+  lease.state = LeaseState::kHeld;
+  enter_lease(worker, *job, std::move(lease));
   work_appeared_ = true;
 }
 
@@ -88,7 +143,7 @@ bool Scheduler::grant_free(Worker& worker, bool also_refused) {
     Job& job = jobs_.at(number);
     const bool has_work = job.free() > 0 || can_audit(job, worker);
     const bool buildable = also_refused || !has_refused_lately(worker, job);
-    if (has_work && buildable && job.may_be_leased_to(worker.info.id)) candidates.push_back(&job);
+    if (has_work && buildable && may_take(worker, job)) candidates.push_back(&job);
   }
   if (candidates.empty()) return false;
   Job& job = *candidates[choose_job(snapshots(candidates))];
@@ -97,8 +152,8 @@ bool Scheduler::grant_free(Worker& worker, bool also_refused) {
       next_lease_samples(options_.sizing, worker.snapshot(job.id()), available, sharers(job));
   Portion portion;
   if (can_audit(job, worker))
-    portion = job.take_audits(samples, worker.leases.empty(), worker.author(), authors_);
-  if (portion.items.empty()) portion = job.take_free(samples, worker.leases.empty());
+    portion = job.next_audits(samples, worker.leases.empty(), worker.author(), authors_);
+  if (portion.items.empty()) portion = job.next_free(samples, worker.leases.empty());
   // What must be leased alone waits for the first worker that has nothing left to do.
   if (portion.items.empty()) return false;
   grant(worker, job, std::move(portion));
@@ -113,14 +168,15 @@ bool Scheduler::grant_copy(Worker& worker) {
     Job& job = jobs_.at(number);
     const bool buildable = !has_refused_lately(worker, job);
     const bool has_leases = job.leased() + job.auditing() > 0;
-    if (has_leases && buildable && job.may_be_leased_to(worker.info.id)) candidates.push_back(&job);
+    if (has_leases && buildable && may_take(worker, job)) candidates.push_back(&job);
   }
   while (!candidates.empty()) {
     const std::size_t chosen = choose_job(snapshots(candidates));
     Job& job = *candidates[chosen];
     const std::uint64_t samples =
         next_lease_samples(options_.sizing, worker.snapshot(job.id()), job.leased(), sharers(job));
-    Portion portion = job.take_copies(samples);
+    Portion portion = job.next_copies(samples);
+    if (portion.items.empty()) job.note_no_copies();
     if (portion.items.empty()) portion = audit_copy(job, worker);
     if (!portion.items.empty()) {
       grant(worker, job, std::move(portion));
@@ -137,7 +193,7 @@ void Scheduler::grant(Worker& worker, Job& job, Portion portion) {
   charge(job, portion);
   Lease lease{last_lease_id_, worker.info.id, std::move(portion.items), portion.alone};
   if (portion.audit) lease.auditor = authors_.number(worker.author());
-  enter_lease(worker, job, std::move(lease), false);
+  enter_lease(worker, job, std::move(lease));
 }
 
 // Who was away, or had nothing to give, is owed nothing: it goes on from where the others are.
@@ -149,9 +205,12 @@ void Scheduler::charge(Job& job, const Portion& portion) {
       virtual_time_ + static_cast<double>(samples) * job.thread_seconds_per_sample(options_.sizing);
 }
 
-void Scheduler::enter_lease(Worker& worker, Job& job, Lease lease, bool acknowledged) {
+void Scheduler::enter_lease(Worker& worker, Job& job, Lease lease) {
+  Effort& effort = worker.efforts[job.id()];
+  const bool goes_on = effort.gave_back && now_ - *effort.gave_back < options_.lease_duration;
+  if (!goes_on && !worker.holds_any_of(job.id())) effort.in_vain_since = now_;
   live_leases_.insert(lease.id);
-  worker.leases.push_back({lease.id, job.id(), acknowledged, lease.alone});
+  worker.leases.push_back({lease.id, job.id(), lease.alone});
   job.lease(std::move(lease));
 }
 
@@ -164,41 +223,56 @@ std::vector<JobSnapshot> Scheduler::snapshots(const std::vector<Job*>& jobs) con
   return snapshots;
 }
 
+bool Scheduler::may_take(const Worker& worker, const Job& job) const {
+  return job.may_be_leased_to(worker.info.id) && !worker.is_barred(job.id(), now_);
+}
+
 bool Scheduler::has_refused_lately(const Worker& worker, const Job& job) const {
   const auto refused = worker.refused.find(job.id());
   return refused != worker.refused.end() && now_ < refused->second + options_.lease_duration;
 }
 
-Lease Scheduler::end_lease(Job& job, LeaseId id) {
-  Lease lease = job.end_lease(id);
-  forget_lease(lease);
+Lease Scheduler::end_lease(Job& job, LeaseId id, LeaseState to) {
+  Lease lease = job.end_lease(id, to);
+  forget_lease(job, lease);
   work_appeared_ = true;
   return lease;
 }
 
 void Scheduler::end_all_leases(Worker& worker) {
   worker.wanted_leases = 0;
-  for (const HeldLease& held : std::vector<HeldLease>(worker.leases)) end_lease(*find(held.job), held.id);
+  for (const HeldLease& held : std::vector<HeldLease>(worker.leases))
+    end_lease(*find(held.job), held.id, LeaseState::kRevoked);
 }
 
 void Scheduler::lose_lease(const Worker& worker, const HeldLease& held, Actions& actions) {
   Job& job = *find(held.job);
-  const Lease lease = end_lease(job, held.id);
+  const bool acknowledged = job.find_lease(held.id)->state == LeaseState::kHeld;
+  const Lease lease = end_lease(job, held.id, LeaseState::kExpired);
   // What it never said it holds it may never have heard of. One that was told to stop had another reason to
   // die. And if nobody looked when its time was up, it was the coordinator that slept.
-  if (!held.acknowledged || worker.draining || now_ > roster_.deadline(worker) + kPunctuality) return;
+  const bool draining = worker.state() == WorkerState::kDraining;
+  if (!acknowledged || draining || now_ > roster_.deadline(worker) + kPunctuality) return;
   const std::optional<std::string> failure = job.blame(lease, {worker.info.id, worker.info.name});
   if (failure) fail(job, *failure, actions);
 }
 
 void Scheduler::absolve_if_silent(const WorkerId& worker) {
   const Worker* const known = roster_.find(worker);
-  if (known != nullptr && !known->silent) return;
+  if (known != nullptr && known->state() != WorkerState::kSilent) return;
   for (auto& [number, job] : jobs_) job.absolve(worker);
 }
 
-void Scheduler::forget_lease(const Lease& lease) {
+void Scheduler::forget_lease(const Job& job, const Lease& lease) {
   Worker* const holder = roster_.find(lease.holder);
+  Effort& effort = holder->efforts[job.id()];
+  effort.gave_back.reset();
+  // What others have done of it, or it could not hold, was not in vain.
+  if (lease.state == LeaseState::kReturned) {
+    effort.gave_back = now_;
+  } else {
+    effort.in_vain_since = now_;
+  }
   std::erase_if(holder->leases, [&](const HeldLease& held) { return held.id == lease.id; });
   live_leases_.erase(lease.id);
   lost_leases_.insert(lease.holder);
@@ -206,7 +280,7 @@ void Scheduler::forget_lease(const Lease& lease) {
 
 void Scheduler::forget_emptied(const Job& job, const std::vector<Lease>& leases) {
   for (const Lease& lease : leases) {
-    forget_lease(lease);
+    forget_lease(job, lease);
     // Another worker may have its place.
     if (job.service().max_workers > 0 && !job.is_holder(lease.holder)) work_appeared_ = true;
   }

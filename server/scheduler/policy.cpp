@@ -6,10 +6,14 @@
 
 namespace tessera::scheduler {
 
+double expected_speed(const SizingOptions& options, const WorkerSnapshot& worker) {
+  const double assumed = options.assumed_samples_per_second_and_thread * std::max(worker.threads, 1);
+  return worker.samples_per_second.value_or(assumed);
+}
+
 std::uint64_t next_lease_samples(const SizingOptions& options, const WorkerSnapshot& worker,
                                  std::uint64_t available, int active_workers) {
-  const double assumed_speed = options.assumed_samples_per_second_and_thread * std::max(worker.threads, 1);
-  const double speed = worker.samples_per_second.value_or(assumed_speed);
+  const double speed = expected_speed(options, worker);
   const double seconds = worker.samples_per_second ? options.lease_seconds : options.first_lease_seconds;
   const double fair_part =
       static_cast<double>(available) / (options.end_divisor * std::max(active_workers, 1));
@@ -34,6 +38,21 @@ bool chosen_for_audit(double share, std::uint64_t secret, const JobId& job, cons
   mix(static_cast<std::uint64_t>(item.tile));
   mix(std::uint64_t{item.samples.begin} << 32 | item.samples.end);
   return static_cast<double>(hash >> 11) * 0x1p-53 < share;
+}
+
+Duration patience(Duration lease_duration, double expected_seconds) {
+  constexpr int kLeast = 10, kMost = 360;
+  constexpr double kTimesExpected = 10;
+  const double most = std::chrono::duration<double>(kMost * lease_duration).count();
+  // Written so that what is not a number is the most.
+  const double seconds = kTimesExpected * expected_seconds < most ? kTimesExpected * expected_seconds : most;
+  return std::max<Duration>(kLeast * lease_duration,
+                            std::chrono::duration_cast<Duration>(std::chrono::duration<double>(seconds)));
+}
+
+Duration bar_after(Duration in_vain, int times_before) {
+  constexpr int kMostDoublings = 10;
+  return in_vain * (1 << std::min(times_before, kMostDoublings));
 }
 
 std::size_t choose_job(std::span<const JobSnapshot> jobs) {

@@ -28,11 +28,23 @@ struct WorkerSnapshot {
   std::optional<double> samples_per_second;
 };
 
+// Pixel samples per second: as measured, or as assumed.
+double expected_speed(const SizingOptions& options, const WorkerSnapshot& worker);
+
 // How many pixel samples the next lease should have, of `available` that could be leased, when
 // `active_workers` (at least 1) share them. At least 1. The last item of a lease may go beyond it: an item is
 // at least one sample of a tile.
 std::uint64_t next_lease_samples(const SizingOptions& options, const WorkerSnapshot& worker,
                                  std::uint64_t available, int active_workers);
+
+// How long a worker may hold leases of a job and deliver nothing of it that counts: ten times as long as all
+// that it holds should take it, but not less than ten lease durations, nor more than 360 (by default 100 s
+// and an hour). A scene may have to be fetched first, and a single sample of a tile is as long as it is.
+Duration patience(Duration lease_duration, double expected_seconds);
+
+// How long a worker that was at a job for so long, in vain, is given no more of it: as long, and twice as
+// long each further time in a row.
+Duration bar_after(Duration in_vain, int times_before);
 
 struct JobSnapshot {
   int priority = 0;

@@ -35,11 +35,12 @@ Worker* Scheduler::on(const SubmitResult& event, Actions& actions) {
   const Author author = author_of(event.worker);
   std::vector<Lease> ended;
   std::vector<Ruling> rulings;
-  std::uint64_t accepted_samples = 0;
+  std::uint64_t accepted_samples = 0, audited_samples = 0;
   for (std::size_t i = 0; i < event.items.size(); ++i) {
     const WorkItem& item = event.items[i];
     if (job->is_audit(event.lease, item)) {
       actions.verdicts.push_back(Verdict::kAudited);
+      audited_samples += job->pixel_samples(item);
       if (auto ruling = take_audit(*job, event, i)) rulings.push_back(std::move(*ruling));
       continue;
     }
@@ -59,10 +60,14 @@ Worker* Scheduler::on(const SubmitResult& event, Actions& actions) {
   if (Worker* const worker = roster_.find(event.worker)) {
     worker->samples_accepted += accepted_samples;
     worker->rate.add(static_cast<double>(accepted_samples), now_);
+    if (accepted_samples + audited_samples > 0) {
+      work_appeared_ |= worker->has_stalled(job->id());  // for this one
+      worker->efforts[job->id()] = {.in_vain_since = now_};
+    }
   }
   const Lease* const lease = job->find_lease(event.lease);
   if (lease != nullptr && lease->holder == event.worker) {
-    if (event.lease_finished) end_lease(*job, event.lease);
+    if (event.lease_finished) end_lease(*job, event.lease, LeaseState::kReturned);
     if (!event.cannot_build.empty()) note_refusal(*job, event, actions);
   }
   if (job->settled() && job->state() == JobState::kRunning) become(*job, JobState::kDone, actions);
@@ -93,8 +98,9 @@ void Scheduler::spare_others(const Job& job, const WorkItem& item, const WorkerI
 
 void Scheduler::note_refusal(Job& job, const SubmitResult& event, Actions& actions) {
   std::set<std::string> present;
+  // Who is at it for ever will never say.
   for (const auto& [id, worker] : roster_.all()) {
-    if (worker.takes_leases()) present.insert(worker.info.name);
+    if (worker.takes_leases() && !worker.has_stalled(job.id())) present.insert(worker.info.name);
   }
   Worker& worker = *roster_.find(event.worker);
   worker.refused[job.id()] = now_;

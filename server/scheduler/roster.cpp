@@ -2,12 +2,27 @@
 
 #include <algorithm>
 
+#include "server/scheduler/lifecycle.hpp"
+
 namespace tessera::scheduler {
 
 Time Worker::last_refusal() const {
   Time last = Time::min();
   for (const auto& [job, time] : refused) last = std::max(last, time);
   return last;
+}
+
+bool Worker::holds_any_of(const JobId& job) const {
+  return std::any_of(leases.begin(), leases.end(), [&](const HeldLease& held) { return held.job == job; });
+}
+
+bool Worker::has_stalled(const JobId& job) const {
+  const auto effort = efforts.find(job);
+  return effort != efforts.end() && effort->second.stalls > 0;
+}
+
+bool Worker::is_barred(const JobId& job, Time now) const {
+  return has_stalled(job) && now < efforts.at(job).barred_until;
 }
 
 int Worker::room() const {
@@ -42,46 +57,54 @@ Worker& Roster::hear(const Synchronize& event, Time now) {
   Worker& worker = entry->second;
   if (is_new) {
     worker.arrival = ++arrivals_;
+    active_count_ += worker.takes_leases();
   } else {
     alarms_.erase({alarm(worker), event.worker.id});
-    active_count_ -= worker.takes_leases();
   }
   worker.info = event.worker;
   worker.last_seen = worker.last_synchronized = now;
-  worker.draining = event.draining;
-  worker.silent = false;
+  become(worker, event.draining ? WorkerState::kDraining : WorkerState::kPresent);
   worker.wanted_leases = event.wanted_leases;
   worker.waiting = false;
   worker.reported.clear();
   for (const LeaseDescription& lease : event.held) worker.reported.insert(lease.id);
-  active_count_ += worker.takes_leases();
   alarms_.emplace(alarm(worker), event.worker.id);
   return worker;
 }
 
+void Roster::become(Worker& worker, WorkerState to) {
+  if (worker.state_ == to) return;
+  if (!may_become(worker.state_, to))
+    no_such_arrow("worker", worker_state_name(worker.state_), worker_state_name(to));
+  active_count_ -= worker.takes_leases();
+  worker.state_ = to;
+  active_count_ += worker.takes_leases();
+}
+
 Time Roster::alarm(const Worker& worker) const {
-  return worker.last_synchronized + (worker.silent ? forget_after_ : lease_duration_);
+  return worker.last_synchronized +
+         (worker.state() == WorkerState::kSilent ? forget_after_ : lease_duration_);
 }
 
 std::optional<Time> Roster::next_alarm() const {
   return alarms_.empty() ? std::nullopt : std::optional<Time>(alarms_.begin()->first);
 }
 
-Worker* Roster::next_silent(Time now) {
+Worker* Roster::next_overdue(Time now) {
   while (!alarms_.empty() && alarms_.begin()->first <= now) {
-    const WorkerId id = alarms_.extract(alarms_.begin()).value().second;
-    Worker& worker = workers_.at(id);
-    if (worker.silent) {
-      workers_.erase(id);
-      continue;
-    }
-    active_count_ -= worker.takes_leases();
-    worker.silent = true;
-    worker.waiting = false;
-    alarms_.emplace(alarm(worker), id);
-    return &worker;
+    Worker& worker = workers_.at(alarms_.begin()->second);
+    if (worker.state() != WorkerState::kSilent) return &worker;
+    become(worker, WorkerState::kForgotten);
+    workers_.erase(alarms_.extract(alarms_.begin()).value().second);
   }
   return nullptr;
+}
+
+void Roster::fall_silent(Worker& worker) {
+  alarms_.erase({alarm(worker), worker.info.id});
+  become(worker, WorkerState::kSilent);
+  worker.waiting = false;
+  alarms_.emplace(alarm(worker), worker.info.id);
 }
 
 }  // namespace tessera::scheduler

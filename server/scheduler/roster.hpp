@@ -13,6 +13,7 @@
 #include "server/scheduler/policy.hpp"
 #include "server/scheduler/rate_meter.hpp"
 #include "server/scheduler/types.hpp"
+#include "server/scheduler/worker_state.hpp"
 
 namespace tessera::scheduler {
 
@@ -20,11 +21,20 @@ namespace tessera::scheduler {
 struct HeldLease {
   LeaseId id;
   JobId job;
-  // The worker has reported it, so it knows of it. Until then the reply with it may have been lost, or be on
-  // its way.
-  bool acknowledged = false;
   // Lease::alone.
   bool alone = false;
+};
+
+// What comes of a worker's leases of one job.
+struct Effort {
+  // It has held some since then (or given them back as they were, and taken others), and nothing that it
+  // delivered has counted.
+  Time in_vain_since{};
+  // When it last gave one back before it was done.
+  std::optional<Time> gave_back{};
+  // How often in a row its leases have ended as STALLED, and until when it is given no others.
+  int stalls = 0;
+  Time barred_until{};
 };
 
 struct Worker {
@@ -34,8 +44,6 @@ struct Worker {
   Time last_seen{};
   // Its last Synchronize. Its leases run out lease_duration later.
   Time last_synchronized{};
-  bool draining = false;
-  bool silent = false;
   int wanted_leases = 0;
   // Oldest first.
   std::vector<HeldLease> leases;
@@ -49,15 +57,23 @@ struct Worker {
   std::map<JobId, double> speed;
   // When it last said that it cannot build a job's scene.
   std::map<JobId, Time> refused;
+  // Of the jobs that it has held leases of.
+  std::map<JobId, Effort> efforts;
   RateMeter rate;
   std::uint64_t samples_accepted = 0;
   // Ranges of it that others rendered again, and those of them that were wrong.
   std::uint64_t audited_ranges = 0, disproved_ranges = 0;
 
   Author author() const { return {info.name, info.id}; }
-  bool takes_leases() const { return !draining && !silent; }
+  WorkerState state() const { return state_; }
+  bool takes_leases() const { return state_ == WorkerState::kPresent; }
   // The earliest time there is if it has built every scene.
   Time last_refusal() const;
+  bool holds_any_of(const JobId& job) const;
+  // Its leases of the job have stalled, and nothing it delivered has counted since.
+  bool has_stalled(const JobId& job) const;
+  // It is given none of the job at this time, for that reason.
+  bool is_barred(const JobId& job, Time now) const;
   // It holds a lease that is to be its only one.
   bool holds_alone() const { return !leases.empty() && leases.front().alone; }
   // How many more leases it can be given.
@@ -65,6 +81,10 @@ struct Worker {
   WorkerSnapshot snapshot(const JobId& job) const;
   // Takes note of a measurement for a job; render_seconds must be positive.
   void measure(const JobId& job, std::uint64_t samples, double render_seconds);
+
+ private:
+  friend class Roster;
+  WorkerState state_ = WorkerState::kPresent;
 };
 
 class Roster {
@@ -84,14 +104,17 @@ class Roster {
   Time deadline(const Worker& worker) const { return worker.last_synchronized + lease_duration_; }
 
   std::optional<Time> next_alarm() const;
-  // Forgets who has been silent for long enough. If a deadline is not after `now`, marks its worker as silent
-  // and returns it; the caller ends its leases, and calls again until nobody is returned.
-  Worker* next_silent(Time now);
+  // Forgets who has been silent for long enough. Returns a worker whose deadline is not after `now`, if there
+  // is one; the caller ends its leases, lets it fall silent, and calls again until nobody is returned.
+  Worker* next_overdue(Time now);
+  void fall_silent(Worker& worker);
 
   // How many take leases.
   int active_count() const { return active_count_; }
 
  private:
+  // The one way in which a worker's state changes; no change if it is in it already.
+  void become(Worker& worker, WorkerState to);
   Time alarm(const Worker& worker) const;
 
   const Duration lease_duration_;

@@ -29,9 +29,10 @@ Actions Scheduler::handle(const Event& event, Time now) {
 }
 
 void Scheduler::take_leases_of_silent_workers(Actions& actions) {
-  while (Worker* const worker = roster_.next_silent(now_)) {
+  while (Worker* const worker = roster_.next_overdue(now_)) {
     hungry_.erase(worker->arrival);
     while (!worker->leases.empty()) lose_lease(*worker, HeldLease(worker->leases.front()), actions);
+    roster_.fall_silent(*worker);
   }
 }
 

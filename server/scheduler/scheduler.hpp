@@ -10,7 +10,8 @@
 //   - a range is accepted only if all of its samples are missing, so none is counted twice;
 //   - a done job lacks nothing;
 //   - no more workers hold leases of a job than it allows, or than did when it was last allowed fewer;
-//   - leases are held by known workers that were heard of within lease_duration;
+//   - leases are held by known workers that were heard of within lease_duration, and of whose deliveries for
+//     the job something has counted within patience() (policy.hpp);
 //   - a worker that waits, holds nothing and would take a lease waits because there is none to give;
 //   - samples that are due for an audit are rendered again by a worker of another name, and their job is not
 //     done before;
@@ -153,7 +154,14 @@ class Scheduler {
   Reply reply_to(Worker& worker);
 
   // ---- Leases (leasing.cpp) ----
-  void settle_reported(Worker& worker, const Synchronize& event);
+  void settle_reported(Worker& worker);
+  // Takes from a worker the leases of each job to which it has contributed nothing for too long.
+  void end_stalled_leases(Worker& worker, Actions& actions);
+  void stall(Worker& worker, const JobId& job, Actions& actions);
+  // How long all that it holds should take it.
+  double expected_seconds(const Worker& worker) const;
+  // Whether it can be given leases of the job, whatever there is to do of it.
+  bool may_take(const Worker& worker, const Job& job) const;
   void adopt(Worker& worker, const LeaseDescription& reported);
   void top_up(Worker& worker);
   // How many workers share the job's work.
@@ -163,11 +171,11 @@ class Scheduler {
   bool grant_copy(Worker& worker);
   void grant(Worker& worker, Job& job, Portion portion);
   void charge(Job& job, const Portion& portion);
-  void enter_lease(Worker& worker, Job& job, Lease lease, bool acknowledged);
+  void enter_lease(Worker& worker, Job& job, Lease lease);
   std::vector<JobSnapshot> snapshots(const std::vector<Job*>& jobs) const;
   // The worker has said within lease_duration that it cannot build the scene.
   bool has_refused_lately(const Worker& worker, const Job& job) const;
-  Lease end_lease(Job& job, LeaseId id);
+  Lease end_lease(Job& job, LeaseId id, LeaseState to);
   // Whatever it holds goes to others, and it is given nothing until it asks again.
   void end_all_leases(Worker& worker);
   // Ends a lease whose holder is taken for dead, and what that makes of the job.
@@ -175,7 +183,7 @@ class Scheduler {
   // The worker gives a sign of life. One that was taken for dead was not.
   void absolve_if_silent(const WorkerId& worker);
   // Strikes an ended lease from its holder's entry.
-  void forget_lease(const Lease& lease);
+  void forget_lease(const Job& job, const Lease& lease);
   // The same with leases of which all is delivered.
   void forget_emptied(const Job& job, const std::vector<Lease>& leases);
 
@@ -184,7 +192,8 @@ class Scheduler {
   const Job* find(const JobId& id) const;
   Job* find_or_refuse(const JobId& id, Actions& actions);
   core::Status may_add(const JobId& id, const JobShape& shape) const;
-  Job& add(const JobId& id, const JobShape& shape, const Service& service, std::vector<IntervalSet> done);
+  Job& add(const JobId& id, const JobShape& shape, const Service& service, JobState state,
+           std::vector<IntervalSet> done);
   // The one way in which a job's state changes, with everything that follows from it. Refuses what is not
   // legal.
   void become(Job& job, JobState to, Actions& actions);

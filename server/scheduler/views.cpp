@@ -28,8 +28,8 @@ WorkerView view_of(const Worker& worker, Time now) {
           .samples_per_second = worker.rate.per_second(now),
           .samples_accepted = worker.samples_accepted,
           .last_seen = worker.last_seen,
-          .draining = worker.draining,
-          .silent = worker.silent,
+          .draining = worker.state() == WorkerState::kDraining,
+          .silent = worker.state() == WorkerState::kSilent,
           .audited_ranges = worker.audited_ranges,
           .disproved_ranges = worker.disproved_ranges};
 }
@@ -76,7 +76,8 @@ std::optional<std::string> Scheduler::check_idle(CheckDepth depth) const {
     if (!worker.waiting || worker.room() <= 0 || !worker.leases.empty()) continue;
     for (const JobNumber number : running_) {
       const Job& job = jobs_.at(number);
-      if (!job.may_be_leased_to(id)) continue;
+      // Nobody is woken when it may take leases again.
+      if (!may_take(worker, job) || worker.has_stalled(job.id())) continue;
       if (job.free() > 0)
         return fmt::format("worker {} waits, but job {} has free samples", id.value, job.id().value);
       if (can_audit(job, worker))
@@ -99,10 +100,10 @@ std::optional<std::string> Scheduler::check_workers() const {
   for (const auto& [id, worker] : roster_.all()) {
     active += worker.takes_leases();
     held_by_workers += worker.leases.size();
-    if (worker.silent && !worker.leases.empty())
+    const bool silent = worker.state() == WorkerState::kSilent;
+    if (silent && !worker.leases.empty())
       return fmt::format("worker {} is silent, but holds leases", id.value);
-    if (!worker.silent && roster_.deadline(worker) <= now_)
-      return fmt::format("worker {} is overdue", id.value);
+    if (!silent && roster_.deadline(worker) <= now_) return fmt::format("worker {} is overdue", id.value);
     if (worker.leases.size() > static_cast<std::size_t>(kMaxLeasesPerWorker)) {
       return fmt::format("worker {} holds {} leases", id.value, worker.leases.size());
     }
@@ -116,6 +117,10 @@ std::optional<std::string> Scheduler::check_workers() const {
       if (lease == nullptr || lease->holder != id) {
         return fmt::format("worker {} holds lease {}, which is not its own", id.value, held.id.value);
       }
+      if (lease->state == LeaseState::kHeld && !worker.reported.contains(held.id))
+        return fmt::format("worker {} does not report lease {}, which is held", id.value, held.id.value);
+      if (worker.is_barred(held.job, now_))
+        return fmt::format("worker {} holds lease {} of a job it is given none of", id.value, held.id.value);
     }
   }
   if (held_by_workers != held_of_jobs || live_leases_.size() != held_of_jobs) {

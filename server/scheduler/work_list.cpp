@@ -15,21 +15,44 @@ SampleRange pass_of(std::uint32_t sample) {
 
 WorkList::WorkList(int tile_count, std::uint32_t spp) : tile_count_(tile_count), spp_(spp) {}
 
-std::optional<WorkItem> WorkList::next(const Wanted& wanted) {
+std::optional<WorkItem> WorkList::Walk::next(const Wanted& wanted) {
   while (const std::optional<WorkItem> candidate = front()) {
     const IntervalSet pieces = wanted(*candidate);
-    if (!pieces.empty()) {
-      const SampleRange piece = pieces.ranges().front();
-      if (piece.begin > candidate->samples.begin) forget_front(*candidate, piece.begin);
-      return WorkItem{candidate->tile, piece};
-    }
-    forget_front(*candidate, candidate->samples.end);
+    go_to(pieces.empty() ? candidate->samples.end : pieces.ranges().front().begin);
+    if (!pieces.empty()) return WorkItem{candidate->tile, pieces.ranges().front()};
   }
   return std::nullopt;
 }
 
-void WorkList::take(const WorkItem& piece, std::uint32_t count) {
-  forget_front(piece, piece.samples.begin + count);
+std::optional<WorkItem> WorkList::Walk::front() {
+  for (; returned_ != list_.returned_.end(); ++returned_, returned_from_ = 0) {
+    for (const SampleRange& range : returned_->second.ranges()) {
+      if (range.end > returned_from_)
+        return WorkItem{returned_->first.second, {std::max(range.begin, returned_from_), range.end}};
+    }
+  }
+  if (cursor_.sample >= list_.spp_) return std::nullopt;
+  return WorkItem{cursor_.tile, {cursor_.sample, std::min(pass_of(cursor_.sample).end, list_.spp_)}};
+}
+
+void WorkList::Walk::go_to(std::uint32_t sample) {
+  if (returned_ != list_.returned_.end()) {
+    returned_from_ = sample;
+    return;
+  }
+  const SampleRange pass = pass_of(cursor_.sample);
+  cursor_.sample = sample;
+  if (sample < std::min(pass.end, list_.spp_)) return;
+  const bool last_tile = cursor_.tile + 1 == list_.tile_count_;
+  cursor_ = last_tile ? Cursor{0, pass.end} : Cursor{cursor_.tile + 1, pass.begin};
+}
+
+void WorkList::forget_unwanted(const Wanted& wanted) {
+  Walk walk(*this);
+  walk.next(wanted);
+  returned_.erase(returned_.begin(), walk.returned_);
+  if (!returned_.empty()) returned_.begin()->second.remove({0, walk.returned_from_});
+  cursor_ = walk.cursor_;
 }
 
 void WorkList::put_back(const WorkItem& item) {
@@ -72,29 +95,6 @@ std::uint32_t WorkList::passed_until(int tile, SampleRange pass) const {
   if (pass.begin != at.begin) return pass.begin < at.begin ? pass.end : pass.begin;
   if (tile != cursor_.tile) return tile < cursor_.tile ? pass.end : pass.begin;
   return cursor_.sample;
-}
-
-std::optional<WorkItem> WorkList::front() const {
-  if (!returned_.empty()) {
-    const auto& [key, samples] = *returned_.begin();
-    return WorkItem{key.second, samples.ranges().front()};
-  }
-  if (cursor_.sample >= spp_) return std::nullopt;
-  return WorkItem{cursor_.tile, {cursor_.sample, std::min(pass_of(cursor_.sample).end, spp_)}};
-}
-
-void WorkList::forget_front(const WorkItem& front, std::uint32_t until) {
-  if (!returned_.empty()) {
-    const auto first = returned_.begin();
-    first->second.remove({front.samples.begin, until});
-    if (first->second.empty()) returned_.erase(first);
-    return;
-  }
-  const SampleRange pass = pass_of(cursor_.sample);
-  cursor_.sample = until;
-  if (until < std::min(pass.end, spp_)) return;
-  const bool last_tile = cursor_.tile + 1 == tile_count_;
-  cursor_ = last_tile ? Cursor{0, pass.end} : Cursor{cursor_.tile + 1, pass.begin};
 }
 
 }  // namespace tessera::scheduler

@@ -29,12 +29,11 @@ class WorkList {
   // Samples [0, spp) of every tile are candidates.
   WorkList(int tile_count, std::uint32_t spp);
 
-  // The first piece that is wanted: of one tile and one pass, as long as possible. Forgets the candidates
-  // before it. Absent when nothing is wanted. Costs O(log n) for each candidate that is kept or forgotten.
-  std::optional<WorkItem> next(const Wanted& wanted);
+  // A way through the candidates in their order, which leaves them as they are. Ends with any change of them.
+  class Walk;
 
-  // Forgets the first `count` samples of `piece`, which next() has just returned.
-  void take(const WorkItem& piece, std::uint32_t count);
+  // Forgets the candidates before the first piece that is wanted.
+  void forget_unwanted(const Wanted& wanted);
 
   // Makes samples candidates (again). Within [0, spp); they may be so already.
   void put_back(const WorkItem& item);
@@ -53,8 +52,6 @@ class WorkList {
 
   // The samples of this pass and tile that lie before the cursor end here.
   std::uint32_t passed_until(int tile, core::SampleRange pass) const;
-  std::optional<WorkItem> front() const;
-  void forget_front(const WorkItem& front, std::uint32_t until);
 
   int tile_count_;
   std::uint32_t spp_;
@@ -63,7 +60,32 @@ class WorkList {
   Cursor cursor_;
   // By pass (its first sample) and tile; no set is empty. All lie before the cursor, so nothing is a
   // candidate twice.
-  std::map<std::pair<std::uint32_t, int>, IntervalSet> returned_;
+  using Returned = std::map<std::pair<std::uint32_t, int>, IntervalSet>;
+  Returned returned_;
+};
+
+class WorkList::Walk {
+ public:
+  explicit Walk(const WorkList& list)
+      : list_(list), returned_(list.returned_.begin()), cursor_(list.cursor_) {}
+
+  // The next piece that is wanted: of one tile and one pass, as long as possible. Absent when nothing more
+  // is.
+  std::optional<WorkItem> next(const Wanted& wanted);
+  // Goes on behind the first `count` samples of `piece`, which next() has just returned.
+  void pass(const WorkItem& piece, std::uint32_t count) { go_to(piece.samples.begin + count); }
+
+ private:
+  friend class WorkList;
+  std::optional<WorkItem> front();
+  // Goes on from this sample of what front() has returned.
+  void go_to(std::uint32_t sample);
+
+  const WorkList& list_;
+  // Where it is: among what came back, from this sample of it; then at the cursor.
+  Returned::const_iterator returned_;
+  std::uint32_t returned_from_ = 0;
+  Cursor cursor_;
 };
 
 }  // namespace tessera::scheduler

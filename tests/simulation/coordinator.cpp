@@ -233,6 +233,7 @@ Actions Coordinator::handle(const Event& event) {
   if (const auto wrong = scheduler_->check_invariants(CheckDepth::kEverySample)) world_.fail(*wrong);
   referee_.handled(event, actions, clock());
   follow_audits(actions);
+  for (const std::string& stalled : actions.stalled) world_.note(stalled);
   for (const JobChange& change : actions.job_changes) {
     world_.note(fmt::format("job {} is {}", change.id.value, job_state_name(change.to)));
     if (change.to == JobState::kFailed && !std::holds_alternative<FailJob>(event)) {

@@ -65,6 +65,7 @@ class Farm {
   // ---- What goes wrong ----
   void fault();
   void machine_fault(WorkerMachine& machine, int kind);
+  void get_stuck(WorkerMachine& machine);
   void coordinator_fault(int kind);
   void power_failure();
 
@@ -95,6 +96,9 @@ class Farm {
   double pixel_samples_ = 0;
   // How long the scheduler's time may stand still.
   double set_back_seconds_ = 0;
+  // How long what workers hold may lie there, of all that come to render nothing.
+  double stuck_seconds_ = 0;
+  bool stuck_for_good_ = false;
   // Jobs with samples that every machine dies of; whose scenes no machine can build; or some cannot.
   std::set<JobId> deadly_jobs_, unbuildable_jobs_, doubtful_jobs_;
   bool calm_ = false;
@@ -165,7 +169,8 @@ void Farm::submit() {
       fmt::format("job {}: {}x{}, {} spp", id.value, shape.window.width(), shape.window.height(), shape.spp));
   pixel_samples_ += shape.grid().tile_count() * 4096.0 * shape.spp;
   // Where there are audits, machines that are put aside, or cannot build a scene, are none to count on.
-  if (names_.size() >= kDeathsUntilFailure && random.chance(0.05) && !audited_.any()) {
+  const bool enough_can_die = names_.size() >= kDeathsUntilFailure && !stuck_for_good_;
+  if (enough_can_die && random.chance(0.05) && !audited_.any()) {
     make_deadly(id, shape);
   } else if (random.chance(0.05) && !audited_.any()) {
     make_unbuildable(id);
@@ -211,8 +216,8 @@ void Farm::calm_down() {
 // The first machine alone, with time for every fault to pass, every lease to run out, and every deadly range
 // to have its victims: three machines, of which chance may take one again and again.
 bool Farm::is_late() const {
-  double bound = kUnrestSeconds + 120 + set_back_seconds_ + 800 * static_cast<double>(deadly_jobs_.size()) +
-                 1.5 * pixel_samples_ / kFirstSpeed;
+  double bound = kUnrestSeconds + 120 + set_back_seconds_ + stuck_seconds_ +
+                 800 * static_cast<double>(deadly_jobs_.size()) + 1.5 * pixel_samples_ / kFirstSpeed;
   // Everything is rendered twice, and what was spoilt once more; or nobody comes for it.
   if (audited_.any()) bound += 200 + 6 * pixel_samples_ / kFirstSpeed;
   return elapsed() > bound;
@@ -236,10 +241,11 @@ void Farm::check_failures() {
 // ---- What goes wrong ----
 
 void Farm::fault() {
-  const int kind = world_.random.integer(0, 17);
+  const int kind = world_.random.integer(0, 19);
   if (kind < 7) return machine_fault(any_machine(), kind);
   if (kind < 15) return coordinator_fault(kind);
   if (kind == 15) return power_failure();
+  if (kind >= 18) return get_stuck(any_machine());
   for (int i = 0; i < 5; ++i) liar_.speak(jobs_submitted_, any_machine().worker_id());
 }
 
@@ -264,6 +270,18 @@ void Farm::machine_fault(WorkerMachine& machine, int kind) {
     default:
       return machine.cut_off(seconds(random.real(0, 30)));
   }
+}
+
+// Most for good; but not those that are to bring the farm to its end, or to die for it.
+void Farm::get_stuck(WorkerMachine& machine) {
+  const bool needed = &machine == machines_[0].get() || (audited_.any() && &machine == machines_[1].get());
+  const bool for_good = world_.random.chance(0.7) && !needed && deadly_jobs_.empty();
+  stuck_for_good_ |= for_good;
+  const double longest = needed ? 60 : 300;
+  const double stuck = for_good ? 1e6 : world_.random.real(0, longest);
+  // Its leases end after ten lease durations, and it may be given others: after one bar, and another.
+  stuck_seconds_ += needed ? longest : 700;
+  machine.get_stuck(seconds(stuck));
 }
 
 void Farm::coordinator_fault(int kind) {

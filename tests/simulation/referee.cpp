@@ -45,6 +45,8 @@ void Referee::restarted(std::uint32_t epoch) {
   last_heard_.clear();
   waiting_.clear();
   woken_.clear();
+  held_in_vain_.clear();
+  slowest_tile_seconds_.clear();
   clock_ = {};
   highest_given_ = std::max(highest_given_, std::uint64_t{epoch} << 40);
 }
@@ -61,7 +63,12 @@ void Referee::answered(const WorkerId& worker) {
 
 void Referee::handled(const Event& event, const Actions& actions, Time clock) {
   clock_ = std::max(clock_, clock);
+  const auto begins_anew = [this](const WorkerId& worker) {
+    std::erase_if(held_in_vain_, [&](const auto& held) { return held.first.first == worker; });
+  };
+  if (const auto* dismissed = std::get_if<Dismiss>(&event)) begins_anew(dismissed->worker);
   if (const auto* call = std::get_if<Synchronize>(&event)) {
+    if (clock_ - last_heard_[call->worker.id] >= options_.lease_duration) begins_anew(call->worker.id);
     last_call_[call->worker.id] = *call;
     last_heard_[call->worker.id] = clock_;
   }
@@ -110,8 +117,59 @@ void Referee::check_reply(const Event& event, const Reply& reply) {
     world_.fail(fmt::format("worker {} was given more leases than it asked for", worker.value));
   if (ids_of(reply.leases).size() != reply.leases.size())
     world_.fail(fmt::format("worker {} is told of one lease twice", worker.value));
+  check_progress(worker, reply);
   if (!reply.changed && ids_of(reply.leases) != reported)
     world_.fail(fmt::format("worker {} is to wait, though its leases have changed", worker.value));
+}
+
+// Nobody holds leases of a job for ever, and contributes nothing to it.
+void Referee::check_progress(const WorkerId& worker, const Reply& reply) {
+  std::map<JobId, std::vector<WorkItem>> items;
+  for (const LeaseDescription& lease : reply.leases)
+    items[lease.job].insert(items[lease.job].end(), lease.items.begin(), lease.items.end());
+  std::erase_if(held_in_vain_, [&](const auto& held) {
+    return held.first.first == worker && !items.contains(held.first.second);
+  });
+  for (auto& [job, held] : items) {
+    const auto known = held_in_vain_.try_emplace({worker, job}, Held{clock_, {}}).first;
+    known->second.items = std::move(held);
+    if (clock_ - known->second.since > longest_in_vain(worker, reply))
+      world_.fail(fmt::format("worker {} holds leases of job {} and has delivered nothing of it for {:.0f} s",
+                              worker.value, job.value,
+                              std::chrono::duration<double>(clock_ - known->second.since).count()));
+  }
+}
+
+// Ten lease durations, and what passes until it calls again; ten times as long as it has shown that it may
+// take.
+Duration Referee::longest_in_vain(const WorkerId& worker, const Reply& reply) const {
+  const auto slowest = slowest_tile_seconds_.find(worker);
+  std::uint64_t samples = 0;
+  for (const LeaseDescription& lease : reply.leases) {
+    for (const WorkItem& item : lease.items) samples += item.samples.count();
+  }
+  const double expected =
+      slowest == slowest_tile_seconds_.end() ? 0 : slowest->second * static_cast<double>(samples);
+  return std::max<Duration>(10 * options_.lease_duration, seconds(10 * expected)) + options_.lease_duration +
+         seconds(kPunctualitySeconds);
+}
+
+void Referee::note_progress(const SubmitResult& event, const Actions& actions) {
+  double samples = 0;
+  for (std::size_t i = 0; i < event.items.size(); ++i) {
+    samples += event.items[i].samples.count();
+    if (actions.verdicts[i] == Verdict::kDropped) continue;
+    for (auto& [who, held] : held_in_vain_) {
+      if (who.second != event.job) continue;
+      const bool has_it = std::any_of(held.items.begin(), held.items.end(),
+                                      [&](const WorkItem& item) { return overlap(item, event.items[i]); });
+      if (has_it || who.first == event.worker) held.since = clock_;
+    }
+  }
+  if (!actions.dropped_tiles.empty()) held_in_vain_.clear();
+  if (samples == 0 || !(event.render_seconds > 0) || event.render_seconds > 1e6) return;
+  double& slowest = slowest_tile_seconds_[event.worker];
+  slowest = std::max(slowest, event.render_seconds / samples);
 }
 
 void Referee::check_lease(const LeaseDescription& lease, bool is_new, std::uint64_t highest_before) {
@@ -146,6 +204,7 @@ void Referee::judged(const SubmitResult& event, const Actions& actions) {
   const auto film = films_.find(event.job);
   const auto state = states_.find(event.job);
   if (!actions.status || film == films_.end() || state == states_.end()) return;
+  note_progress(event, actions);
   ModelFilm expected = film->second;
   const auto lacks_all = [&](const WorkItem& item) { return expected.add(item); };
   // Its last sample may just have made it done.

@@ -53,6 +53,9 @@ class Referee {
   void check_lease(const scheduler::LeaseDescription& lease, bool may_be_new, std::uint64_t highest_before);
   void check_items(const scheduler::LeaseDescription& lease);
   void check_arrow(const scheduler::JobChange& change);
+  void check_progress(const scheduler::WorkerId& worker, const scheduler::Reply& reply);
+  void note_progress(const scheduler::SubmitResult& event, const scheduler::Actions& actions);
+  Duration longest_in_vain(const scheduler::WorkerId& worker, const scheduler::Reply& reply) const;
   void note_delivered(const scheduler::WorkerId& worker, const scheduler::JobId& job,
                       const scheduler::WorkItem& item);
   std::uint64_t samples_in_film(const scheduler::JobView& job) const;
@@ -71,6 +74,14 @@ class Referee {
   std::set<scheduler::WorkerId> woken_;
   // Leases that the worker has been told of or has told of.
   std::set<std::pair<scheduler::WorkerId, scheduler::LeaseId>> known_;
+  // What a worker holds of a job, as it was last told, and since when nothing has come of it.
+  struct Held {
+    Time since;
+    std::vector<scheduler::WorkItem> items;
+  };
+  std::map<std::pair<scheduler::WorkerId, scheduler::JobId>, Held> held_in_vain_;
+  // The most time for a sample of a whole tile that the worker has said it took.
+  std::map<scheduler::WorkerId, double> slowest_tile_seconds_;
   // The highest lease given, in all runs.
   std::uint64_t highest_given_ = 0;
 };

@@ -36,14 +36,14 @@ class FarmScenario : public testing::Test {
     ASSERT_FALSE(world_.failure()) << *world_.failure();
   }
   // When the first job is done.
-  double run_until_one_is_done() {
+  double run_until_one_is_done(double at_most_seconds = 1000) {
     const auto one_is_done = [&] {
       for (const JobView& job : coordinator_.jobs()) {
         if (job.state == JobState::kDone) return true;
       }
       return false;
     };
-    while (!one_is_done() && elapsed() < 1000 && world_.step()) {
+    while (!one_is_done() && elapsed() < at_most_seconds && world_.step()) {
     }
     EXPECT_FALSE(world_.failure()) << *world_.failure();
     return elapsed();
@@ -94,6 +94,25 @@ TEST_F(FarmScenario, TwoWorkersAreNearlyTwiceAsFastAsOne) {
   machine(50'000);
   submit("job", kJob);
   EXPECT_LT(run_until_one_is_done(), kSlack * kJobSamples / 100'000 + 1);
+}
+
+// Its render thread hangs, but it is heard of, and no other may have the job.
+TEST_F(FarmScenario, AStuckWorkerHoldsUpTheJobThatItHasAloneForAHundredSeconds) {
+  WorkerMachine& stuck = machine(50'000);
+  submit("job", kJob, 1);
+  run_until(5);
+  stuck.get_stuck(seconds(1e6));
+  run_until(6);
+  machine(50'000);
+  EXPECT_LT(run_until_one_is_done(), 6 + 105 + kSlack * kJobSamples / 50'000);
+  EXPECT_GT(elapsed(), 6 + 95);
+}
+
+// A sample of one tile takes it five minutes, which nobody can know.
+TEST_F(FarmScenario, AVerySlowFarmLosesNoWork) {
+  machine(4096 / 300.0);
+  submit("job", {64, 64, 8});
+  EXPECT_LT(run_until_one_is_done(8000), kSlack * 8 * 300 + 400);
 }
 
 // The machines of this farm die of one sample in the middle of a job, again and again.

@@ -55,7 +55,7 @@ void WorkerMachine::start() {
   running_ = true;
   stop_pending_ = stopping_ = false;
   rendering_.reset();
-  hung_until_ = {};
+  hung_until_ = stuck_until_ = {};
   held_.clear();
   outbox_.clear();
   synchronize();
@@ -81,6 +81,12 @@ void WorkerMachine::hang(Duration duration) {
   world_.note(fmt::format("{}.{} hangs for {:.1f} s", host_, process_,
                           std::chrono::duration<double>(duration).count()));
   hung_until_ = world_.now() + duration;
+}
+
+void WorkerMachine::get_stuck(Duration duration) {
+  world_.note(fmt::format("{}.{} renders nothing for {:.1f} s", host_, process_,
+                          std::chrono::duration<double>(duration).count()));
+  stuck_until_ = world_.now() + duration;
 }
 
 void WorkerMachine::slow_down(double factor, Duration duration) {
@@ -171,6 +177,7 @@ void WorkerMachine::render_on() {
   const double step = std::min(kLongestStepSeconds, rendering_->samples_left / speed);
   later(seconds(step), [=, this] {
     if (stopping_) return;
+    if (world_.now() < stuck_until_) return later(stuck_until_ - world_.now(), [this] { render_on(); });
     rendering_->spent_seconds += step;
     rendering_->samples_left -= step * speed;
     rendering_->samples_left < 1 ? rendered() : render_on();

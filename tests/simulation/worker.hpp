@@ -26,6 +26,9 @@ class WorkerMachine {
   void crash();
   // SIGSTOP for a while.
   void hang(Duration duration);
+  // Its render thread hangs for a while; it goes on calling, and can be stopped. A process that is started
+  // anew does not hang.
+  void get_stuck(Duration duration);
   // Renders so many times slower for a while, and is otherwise well.
   void slow_down(double factor, Duration duration);
   // Nothing that it sends or is sent arrives until then.
@@ -116,6 +119,7 @@ class WorkerMachine {
   int process_ = 0;
   std::string id_;  // of this process
   Time hung_until_{};
+  Time stuck_until_{};
   bool stop_pending_ = false;  // comes when it no longer hangs
   bool stopping_ = false;
   bool start_again_ = false;

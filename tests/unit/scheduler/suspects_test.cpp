@@ -129,17 +129,17 @@ TEST_F(Deaths, OfWorkersThatMayNotHaveHeardOfTheirLeaseCountForNothing) {
 }
 
 TEST(JobTest, DoesNotFailWhileAnotherWorkerHoldsTheSamples) {
-  Job job({"job"}, tiles(4, 1), {}, {});
-  const std::vector<WorkItem> items = job.take_free(1, true).items;
+  Job job({"job"}, tiles(4, 1), {}, JobState::kRunning, {});
+  const std::vector<WorkItem> items = job.next_free(1, true).items;
   job.lease({{1}, {"slow"}, items, false});
   const auto blame = [&](std::uint64_t id, const std::string& worker) {
     job.lease({{id}, {worker}, items, true});
-    return job.blame(job.end_lease({id}), {{worker}, worker});
+    return job.blame(job.end_lease({id}, LeaseState::kExpired), {{worker}, worker});
   };
   EXPECT_FALSE(blame(2, "a"));
   EXPECT_FALSE(blame(3, "b"));
   EXPECT_FALSE(blame(4, "c"));
-  job.end_lease({1});
+  job.end_lease({1}, LeaseState::kReturned);
   EXPECT_TRUE(blame(5, "c"));
 }
 

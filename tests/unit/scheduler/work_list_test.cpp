@@ -11,18 +11,45 @@ namespace {
 
 using core::SampleRange;
 
-IntervalSet all_of(const WorkItem& item) {
-  return {item.samples};
-}
+// A list of which everything is wanted but what was taken and has not come back.
+class Farm {
+ public:
+  Farm(int tiles, std::uint32_t spp) : work_(tiles, spp), taken_(static_cast<std::size_t>(tiles)) {}
 
-std::vector<WorkItem> drain(WorkList& work) {
-  std::vector<WorkItem> order;
-  while (const auto piece = work.next(all_of)) {
-    order.push_back(*piece);
-    work.take(*piece, piece->samples.count());
+  std::optional<WorkItem> next() const { return WorkList::Walk(work_).next(wanted()); }
+  WorkItem take(std::uint32_t count) {
+    const WorkItem piece = *next();
+    return take({piece.tile, {piece.samples.begin, piece.samples.begin + count}});
   }
-  return order;
-}
+  WorkItem take(const WorkItem& item) {
+    taken_of(item).add(item.samples);
+    work_.forget_unwanted(wanted());
+    return item;
+  }
+  void put_back(const WorkItem& item) {
+    taken_of(item).remove(item.samples);
+    work_.put_back(item);
+  }
+  void extend(std::uint32_t spp) { work_.extend(spp); }
+  std::vector<WorkItem> drain() {
+    std::vector<WorkItem> order;
+    while (const auto piece = next()) order.push_back(take(*piece));
+    return order;
+  }
+
+ private:
+  IntervalSet& taken_of(const WorkItem& item) { return taken_[static_cast<std::size_t>(item.tile)]; }
+  WorkList::Wanted wanted() const {
+    return [this](const WorkItem& item) {
+      IntervalSet samples{item.samples};
+      samples.remove(taken_[static_cast<std::size_t>(item.tile)]);
+      return samples;
+    };
+  }
+
+  WorkList work_;
+  std::vector<IntervalSet> taken_;
+};
 
 TEST(PassOf, CutsSamplesAtPowersOfTwo) {
   EXPECT_EQ(pass_of(0), (SampleRange{0, 1}));
@@ -34,60 +61,60 @@ TEST(PassOf, CutsSamplesAtPowersOfTwo) {
 }
 
 TEST(WorkList, GoesOverAllTilesInPassesOfOneOneTwoFour) {
-  WorkList work(2, 6);
-  EXPECT_EQ(drain(work), (std::vector<WorkItem>{{0, {0, 1}},
-                                                {1, {0, 1}},
-                                                {0, {1, 2}},
-                                                {1, {1, 2}},
-                                                {0, {2, 4}},
-                                                {1, {2, 4}},
-                                                {0, {4, 6}},
-                                                {1, {4, 6}}}));
+  Farm farm(2, 6);
+  EXPECT_EQ(farm.drain(), (std::vector<WorkItem>{{0, {0, 1}},
+                                                 {1, {0, 1}},
+                                                 {0, {1, 2}},
+                                                 {1, {1, 2}},
+                                                 {0, {2, 4}},
+                                                 {1, {2, 4}},
+                                                 {0, {4, 6}},
+                                                 {1, {4, 6}}}));
 }
 
 TEST(WorkList, ResumesAPieceWhereItWasCut) {
-  WorkList work(1, 8);
-  work.take(*work.next(all_of), 1);
-  work.take(*work.next(all_of), 1);
-  work.take(*work.next(all_of), 2);
-  work.take(*work.next(all_of), 3);
-  EXPECT_EQ(drain(work), (std::vector<WorkItem>{{0, {7, 8}}}));
+  Farm farm(1, 8);
+  for (const std::uint32_t count : {1, 1, 2, 3}) farm.take(count);
+  EXPECT_EQ(farm.drain(), (std::vector<WorkItem>{{0, {7, 8}}}));
 }
 
 TEST(WorkList, GivesWhatCameBackFirstAndEarlierPassesBeforeLaterOnes) {
-  WorkList work(3, 8);
-  for (int i = 0; i < 9; ++i) work.take(*work.next(all_of), 1);  // the cursor is at sample 3 of tile 1
-  work.put_back({0, {1, 4}});
-  work.put_back({2, {0, 1}});
-  const std::vector<WorkItem> order = drain(work);
+  Farm farm(3, 8);
+  for (int i = 0; i < 9; ++i) farm.take(1);  // the cursor is at sample 3 of tile 1
+  farm.put_back({0, {1, 4}});
+  farm.put_back({2, {0, 1}});
+  const std::vector<WorkItem> order = farm.drain();
   EXPECT_EQ(std::vector<WorkItem>(order.begin(), order.begin() + 4),
             (std::vector<WorkItem>{{2, {0, 1}}, {0, {1, 2}}, {0, {2, 4}}, {1, {3, 4}}}));
 }
 
 TEST(WorkList, OffersNothingTwiceThatCameBackWithoutHavingBeenTaken) {
-  WorkList work(3, 8);
-  const std::vector<WorkItem> order = drain(work);
-  WorkList again(3, 8);
-  for (int i = 0; i < 4; ++i) again.take(*again.next(all_of), 1);  // the cursor is at sample 1 of tile 1
+  Farm farm(3, 8);
+  const std::vector<WorkItem> order = farm.drain();
+  Farm again(3, 8);
+  for (int i = 0; i < 4; ++i) again.take(1);  // the cursor is at sample 1 of tile 1
   for (int tile = 0; tile < 3; ++tile) again.put_back({tile, {0, 8}});
-  EXPECT_EQ(drain(again), order);
+  EXPECT_EQ(again.drain(), order);
   again.extend(9);
   again.put_back({0, {4, 9}});
   again.extend(16);
-  EXPECT_EQ(drain(again), (std::vector<WorkItem>{{0, {4, 8}}, {0, {8, 16}}, {1, {8, 16}}, {2, {8, 16}}}));
+  EXPECT_EQ(again.drain(), (std::vector<WorkItem>{{0, {4, 8}}, {0, {8, 16}}, {1, {8, 16}}, {2, {8, 16}}}));
 }
 
 TEST(WorkList, OffersTheRestOfAShortPassAfterItIsExtended) {
-  WorkList work(2, 6);
-  drain(work);
-  work.extend(12);
-  const auto only_new = [](const WorkItem& item) { return IntervalSet{item.samples}.intersection({6, 12}); };
-  std::vector<WorkItem> order;
-  while (const auto piece = work.next(only_new)) {
-    order.push_back(*piece);
-    work.take(*piece, piece->samples.count());
-  }
-  EXPECT_EQ(order, (std::vector<WorkItem>{{0, {6, 8}}, {1, {6, 8}}, {0, {8, 12}}, {1, {8, 12}}}));
+  Farm farm(2, 6);
+  farm.drain();
+  farm.extend(12);
+  EXPECT_EQ(farm.drain(), (std::vector<WorkItem>{{0, {6, 8}}, {1, {6, 8}}, {0, {8, 12}}, {1, {8, 12}}}));
+}
+
+TEST(WorkList, IsLeftAsItIsByWhoWalksThroughIt) {
+  Farm farm(2, 8);
+  for (int i = 0; i < 6; ++i) farm.take(1);
+  farm.put_back({1, {0, 1}});
+  const auto first = farm.next();
+  ASSERT_EQ(first, (WorkItem{1, {0, 1}}));
+  EXPECT_EQ(farm.next(), first);
 }
 
 // The model: for each tile a bitmap of the samples that are free, nothing else.
@@ -135,15 +162,19 @@ void walk(std::uint32_t seed) {
   for (int step = 0; step < 150; ++step) {
     switch (rng() % 6) {
       default: {
-        const auto piece = work.next(wanted);
+        WorkList::Walk way(work);
+        const auto piece = way.next(wanted);
         ASSERT_EQ(piece.has_value(), model.count() > 0) << "seed " << seed << " step " << step;
         if (!piece) break;
         ASSERT_EQ(model.free_of(*piece), (IntervalSet{piece->samples}));
         ASSERT_LE(piece->samples.end, pass_of(piece->samples.begin).end);
         const std::uint32_t count = 1 + rng() % piece->samples.count();
         out.push_back({piece->tile, {piece->samples.begin, piece->samples.begin + count}});
-        work.take(*piece, count);
         model.set(out.back(), false);
+        way.pass(*piece, count);
+        const auto behind = way.next(wanted);
+        work.forget_unwanted(wanted);
+        ASSERT_EQ(behind, WorkList::Walk(work).next(wanted)) << "seed " << seed << " step " << step;
         break;
       }
       case 3: {  // part of what is out comes back, the rest is done

@@ -1,0 +1,33 @@
+#include "server/scheduler/worker_state.hpp"
+
+namespace tessera::scheduler {
+
+std::string_view worker_state_name(WorkerState state) {
+  switch (state) {
+    case WorkerState::kPresent:
+      return "present";
+    case WorkerState::kDraining:
+      return "draining";
+    case WorkerState::kSilent:
+      return "silent";
+    case WorkerState::kForgotten:
+      return "forgotten";
+  }
+  return "unknown";
+}
+
+bool may_become(WorkerState from, WorkerState to) {
+  switch (from) {
+    case WorkerState::kPresent:
+      return to == WorkerState::kDraining || to == WorkerState::kSilent;
+    case WorkerState::kDraining:
+      return to == WorkerState::kPresent || to == WorkerState::kSilent;
+    case WorkerState::kSilent:
+      return to != WorkerState::kSilent;
+    case WorkerState::kForgotten:
+      return false;
+  }
+  return false;
+}
+
+}  // namespace tessera::scheduler
