@@ -153,7 +153,7 @@ class Scheduler {
   static bool comes_before(const Worker* a, const Worker* b);
   Reply reply_to(Worker& worker);
 
-  // ---- Leases (leasing.cpp) ----
+  // ---- Leases (leasing.cpp, stalls.cpp) ----
   void settle_reported(Worker& worker);
   // Takes from a worker the leases of each job to which it has contributed nothing for too long.
   void end_stalled_leases(Worker& worker, Actions& actions);

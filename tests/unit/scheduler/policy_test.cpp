@@ -39,6 +39,23 @@ TEST(NextLeaseSamples, IsAtLeastOneWhateverAWorkerClaims) {
   EXPECT_GE(next_lease_samples(kOptions, {-5, std::nullopt}, kPlenty, 0), 1u);
 }
 
+TEST(Patience, IsTenTimesTheLeaseDurationOrWhatIsHeldShouldTakeAndAnHourAtMost) {
+  using std::chrono::seconds;
+  EXPECT_EQ(patience(seconds(10), 0), seconds(100));
+  EXPECT_EQ(patience(seconds(10), 9.9), seconds(100));
+  EXPECT_EQ(patience(seconds(10), 30), seconds(300));
+  EXPECT_EQ(patience(seconds(1), 0), seconds(10));
+  for (const double endless : {1e6, 1e300, std::numeric_limits<double>::quiet_NaN()})
+    EXPECT_EQ(patience(seconds(10), endless), seconds(3600)) << endless;
+}
+
+TEST(BarAfter, DoublesWithEachTimeInARowButNotForEver) {
+  using std::chrono::seconds;
+  EXPECT_EQ(bar_after(seconds(100), 0), seconds(100));
+  EXPECT_EQ(bar_after(seconds(100), 3), seconds(800));
+  EXPECT_EQ(bar_after(seconds(100), 1'000'000), seconds(102'400));
+}
+
 TEST(ChooseJob, TakesTheHighestPriorityFirst) {
   EXPECT_EQ(choose_job(std::vector<JobSnapshot>{{-1, 0, 0}, {5, 100, 9}, {0, 0, 0}}), 1u);
 }
