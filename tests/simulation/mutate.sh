@@ -46,12 +46,14 @@ mutate() {
   elif ! build_mutant "$directory" "$3"; then
     outcome="DOES NOT BUILD: $(grep -m 1 error "$directory/log" || tail -n 1 "$directory/log")"
   else
-    timeout "$longest_seconds" "$directory/simulate_farms" "$farms" >"$directory/farms" 2>&1 || status=$?
+    # In a shell of its own, which keeps to itself how it died.
+    (timeout "$longest_seconds" "$directory/simulate_farms" "$farms" >"$directory/farms" 2>&1; exit $?) \
+      2>"$directory/shell" || status=$?
     case $status in
       0) outcome="NOT NOTICED in $farms farms" ;;
       124) outcome="noticed: it does not come to an end" ;;
       1) outcome="noticed: $(grep -m 1 '^seed' "$directory/farms")" ;;
-      *) outcome="noticed: simulate_farms dies (status $status)" ;;
+      *) outcome="noticed: it ends itself (status $status): $(tail -n 1 "$directory/farms")" ;;
     esac
   fi
   printf '%-28s %s\n' "$1" "$outcome"
