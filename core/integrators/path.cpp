@@ -12,7 +12,7 @@
 namespace tessera::core {
 namespace {
 
-constexpr int kFirstRouletteDepth = 3;
+constexpr int kFirstRouletteDepth = 1;
 constexpr float kMaxSurvival = 0.95f;  // below 1, so that a path between perfect mirrors ends
 
 // For one sample of each strategy (Veach and Guibas 1995). Densities may be so large that their squares are
@@ -26,13 +26,14 @@ T mis_weight(Heuristic heuristic, T pdf, T other_pdf) {
 
 // Russian roulette (Arvo and Kirk 1990), by the throughput without the compression of radiance by refraction,
 // which the way out of the glass undoes, and without what the guide's densities divided it by: there is more
-// light where they are higher (Vorba and Křivánek 2016).
+// light where they are higher (Vorba and Křivánek 2016). By its square root: a dim path that goes on costs
+// time, one that is cut off makes the others bright, and so the best is in between.
 template <typename T>
 MaskOf<T> survives_roulette(RgbOf<T>& throughput, T eta_scale, T promise, int depth, T u) {
   const T contribution = max_component(throughput) * eta_scale * promise;
   const MaskOf<T> goes_on = contribution > 0;
   if (depth < kFirstRouletteDepth) return goes_on;
-  const T survival = smaller(T(kMaxSurvival), contribution);
+  const T survival = smaller(T(kMaxSurvival), sqrt(contribution));
   throughput *= 1 / survival;
   return goes_on & (u < survival);
 }
@@ -59,10 +60,11 @@ struct PathTracer::Paths {
     promise = promises.all();
   }
 
-  std::array<Float8, 4> pads(std::span<const Sampler> samplers, std::uint32_t pad) const {
+  std::array<Float8, 4> pads(std::span<const Sampler> samplers, std::uint32_t pad,
+                             SamplePart part = {}) const {
     std::array<const Sampler*, kLaneCount> of_lanes;
     for (std::size_t lane = 0; lane < kLaneCount; ++lane) of_lanes[lane] = &samplers[heads[lane]->path];
-    return Sampler::pads(of_lanes, pad);
+    return Sampler::pads(of_lanes, pad, part);
   }
 
   std::size_t count;
@@ -80,6 +82,7 @@ PathTracer::PathTracer(const Scene& scene, const RenderSettings& settings, const
       // By chance alone, `naive` finds every other light.
       light_sampler_(settings.integrator == Integrator::kNaive ? scene.delta_light_sampler()
                                                                : scene.light_sampler()),
+      first_light_samples_(light_sampler_.size() > 1 ? kMostLightSamples : 1),
       guide_(guide) {
   for (const Material& material : scene.materials()) bin_of_material_.push_back(bin_of(material));
 }
@@ -152,7 +155,9 @@ void PathTracer::shade(const Paths& paths, const Vertices& vertices, int depth) 
   }
   if (settings_.max_depth > 0 && depth >= settings_.max_depth) return;
   const Guidance guidance = guidance_at(vertices);
-  connect_to_lights(paths, vertices, guidance.share, paths.used & ~vertices.is_delta().bits(), depth);
+  const unsigned lit = light_sampler_.empty() ? 0 : paths.used & ~vertices.is_delta().bits();
+  for (std::uint32_t i = 0; lit != 0 && i < light_samples(depth); ++i)
+    connect_to_lights(paths, vertices, guidance.share, lit, depth, {i, light_samples(depth)});
   scatter(paths, vertices, guidance, paths.used, depth);
 }
 
@@ -187,9 +192,8 @@ float PathTracer::weight_of_found(std::uint32_t light, const PathHead& head, Pdf
 // Samples a light for each vertex, and what the vertex reflects of it towards the path's beginning.
 template <typename Vertices>
 void PathTracer::connect_to_lights(const Paths& paths, const Vertices& vertices, Float8 guide_share,
-                                   unsigned lit, int depth) {
-  if (lit == 0 || light_sampler_.empty()) return;
-  const auto u = paths.pads(samplers_, light_pad(depth));
+                                   unsigned lit, int depth, SamplePart part) {
+  const auto u = paths.pads(samplers_, light_pad(depth), part);
   const Vec3Lanes position(vertices.position()), normal(vertices.lit_normal());
   const FloatLanes coarse(u[2]), fine(u[3]);
   std::array<const Light*, kLaneCount> chosen{};
@@ -204,7 +208,7 @@ void PathTracer::connect_to_lights(const Paths& paths, const Vertices& vertices,
   const LightSamples lights = sample_lights(chosen, scene_.textures(), vertices.position(), {u[0], u[1]});
   const BsdfValueOf<Float8> scattered = vertices.evaluate(lights.wi);
   const Mask8 found = lights.found & !is_black(scattered.value);
-  const Float8 light_pdf = pmf.all() * lights.pdf;
+  const Float8 light_pdf = pmf.all() * lights.pdf * static_cast<float>(part.count);
   const Float8 weight = weight_of_sampled(light_pdf, lights.delta, scattered.pdf * (1 - guide_share));
   const RgbLanes gained(paths.throughput * (scattered.value * lights.radiance) * (weight / light_pdf));
   const RayLanes rays(vertices.rays_toward(lights));
@@ -244,7 +248,8 @@ void PathTracer::scatter(const Paths& paths, const Vertices& vertices, const Gui
   const RayLanes rays(vertices.ray_along(next.wi));
   const RgbLanes throughputs(throughput);
   const FloatLanes eta_scales(eta_scale), promises(promise), met_scales(next.met_scale);
-  const FloatLanes pdf(select(next.delta, Float8(kDeltaPdf), next.bsdf_pdf));
+  const Float8 shared_pdf = next.bsdf_pdf * (1 / static_cast<float>(light_samples(depth)));
+  const FloatLanes pdf(select(next.delta, Float8(kDeltaPdf), shared_pdf));
   const Vec3Lanes position(vertices.position()), normal(vertices.lit_normal());
   for (unsigned lanes = (next.found & survives).bits() & going; lanes != 0; lanes &= lanes - 1) {
     const auto lane = static_cast<std::size_t>(std::countr_zero(lanes));

@@ -42,6 +42,11 @@ class PathTracer {
   static constexpr std::size_t kBins = 3;
   static Bin bin_of(const Material& material);
 
+  // Most of what can be seen comes from the first vertex, and every sample has one: there two lights are
+  // sampled, unless the scene has but one. Later ones are too many for that.
+  static constexpr std::uint32_t kMostLightSamples = 2;
+  std::uint32_t light_samples(int depth) const { return depth == 0 ? first_light_samples_ : 1; }
+
   struct Paths;  // up to eight of them
 
   void step(int depth, RenderCounters& counters);
@@ -57,7 +62,7 @@ class PathTracer {
   Guidance guidance_at(const Vertices& vertices) const;
   template <typename Vertices>
   void connect_to_lights(const Paths& paths, const Vertices& vertices, Float8 guide_share, unsigned lanes,
-                         int depth);
+                         int depth, SamplePart part);
   Float8 weight_of_sampled(Float8 light_pdf, Mask8 delta, Float8 bsdf_pdf) const;
   template <typename Vertices>
   void scatter(const Paths& paths, const Vertices& vertices, const Guidance& guidance, unsigned lanes,
@@ -71,6 +76,7 @@ class PathTracer {
   const Scene& scene_;
   const RenderSettings settings_;
   const LightSampler& light_sampler_;
+  const std::uint32_t first_light_samples_;
   const LightGuide* guide_;
   std::vector<Bin> bin_of_material_;
 
@@ -83,9 +89,10 @@ class PathTracer {
   std::array<std::size_t, kBins> bin_sizes_{};
   std::array<std::array<std::uint32_t, kBatchPaths>, kBins> bins_;
   std::size_t connection_count_ = 0;
-  std::array<Ray, kBatchPaths> shadow_rays_;
-  std::array<Connection, kBatchPaths> connections_;  // of shadow_rays_
-  std::array<std::uint8_t, kBatchPaths> occluded_;   // likewise
+  static constexpr std::size_t kBatchConnections = kMostLightSamples * kBatchPaths;
+  std::array<Ray, kBatchConnections> shadow_rays_;
+  std::array<Connection, kBatchConnections> connections_;  // of shadow_rays_
+  std::array<std::uint8_t, kBatchConnections> occluded_;   // likewise
 };
 
 }  // namespace tessera::core

@@ -26,6 +26,8 @@ class LightSampler {
 
   // Whether there is no light that could be chosen.
   bool empty() const { return members_.empty(); }
+  // How many lights can be chosen.
+  std::size_t size() const { return members_.size(); }
   // u in [0, 1), of more bits than a float has. May choose none (kNoLight) where there are lights that do not
   // shine on the point.
   Choice sample(const LitPoint& point, double u) const;
