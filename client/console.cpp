@@ -5,10 +5,12 @@
 #include <chrono>
 #include <cstdio>
 
+#include "core/base/printable.hpp"
+
 namespace tessera::client {
 
 int print_error(std::string_view message) {
-  fmt::print(stderr, "tessera: error: {}\n", message);
+  fmt::print(stderr, "tessera: error: {}\n", core::printable_lines(message));
   return kExitFailed;
 }
 
@@ -17,7 +19,7 @@ int print_error(const core::Error& error) {
 }
 
 void print_warning(std::string_view message) {
-  fmt::print(stderr, "tessera: warning: {}\n", message);
+  fmt::print(stderr, "tessera: warning: {}\n", core::printable_lines(message));
 }
 
 void warn_about_darkness(std::string_view scene_path) {
@@ -25,7 +27,7 @@ void warn_about_darkness(std::string_view scene_path) {
 }
 
 void print_hint(std::string_view command) {
-  fmt::print(stderr, "Try: {}\n", command);
+  fmt::print(stderr, "Try: {}\n", core::printable(command));
 }
 
 double steady_seconds() {

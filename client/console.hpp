@@ -1,4 +1,4 @@
-// What a command says besides its result, always on stderr.
+// What a command says besides its result, always on stderr, and made printable (core/base/printable.hpp).
 #pragma once
 
 #include <string_view>

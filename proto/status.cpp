@@ -1,6 +1,11 @@
 #include "proto/status.hpp"
 
 #include <cassert>
+#include <charconv>
+#include <cstdint>
+#include <system_error>
+
+#include "core/base/printable.hpp"
 
 namespace tessera::proto {
 namespace {
@@ -70,7 +75,7 @@ ErrorCode code_from_grpc(StatusCode code) {
 }  // namespace
 
 grpc::Status to_grpc(const core::Error& error) {
-  return {code_to_grpc(error.code), error.message};
+  return {code_to_grpc(error.code), core::printable_lines(error.message)};
 }
 
 grpc::Status to_grpc(const core::Status& status) {
@@ -85,11 +90,21 @@ core::Error error_from_grpc(const grpc::Status& status) {
   return {code_from_grpc(status.error_code()), status.error_message()};
 }
 
+std::optional<std::chrono::milliseconds> asked_wait(const grpc::Status& status,
+                                                    const grpc::ClientContext& call) {
+  if (status.error_code() != StatusCode::RESOURCE_EXHAUSTED) return std::nullopt;
+  const auto found = call.GetServerTrailingMetadata().find(kRetryAfterKey);
+  if (found == call.GetServerTrailingMetadata().end()) return std::nullopt;
+  const char* const end = found->second.data() + found->second.size();
+  std::uint32_t wait_ms = 0;
+  const auto read = std::from_chars(found->second.data(), end, wait_ms);
+  if (read.ec != std::errc() || read.ptr != end) return std::nullopt;
+  return std::chrono::milliseconds(wait_ms);
+}
+
 core::Error error_from_grpc(const grpc::Status& status, const grpc::ClientContext& call) {
   core::Error error = error_from_grpc(status);
-  if (error.code == ErrorCode::kResourceExhausted &&
-      call.GetServerTrailingMetadata().contains(kRetryAfterKey))
-    error.code = ErrorCode::kUnavailable;
+  if (asked_wait(status, call)) error.code = ErrorCode::kUnavailable;
   return error;
 }
 

@@ -4,6 +4,9 @@
 #include <grpcpp/client_context.h>
 #include <grpcpp/support/status.h>
 
+#include <chrono>
+#include <optional>
+
 #include "core/base/error.hpp"
 
 namespace tessera::proto {
@@ -20,7 +23,12 @@ core::Status from_grpc(const grpc::Status& status);
 // Only a RESOURCE_EXHAUSTED with it passes by itself.
 inline constexpr const char* kRetryAfterKey = "grpc-retry-pushback-ms";
 
-// The same for a call that has ended: what is exhausted for a moment alone is UNAVAILABLE.
+// How long a call that has ended asks to wait before it is tried again. Nothing where it does not, or asks
+// not to try again (any value that is no number of milliseconds).
+std::optional<std::chrono::milliseconds> asked_wait(const grpc::Status& status,
+                                                    const grpc::ClientContext& call);
+
+// The error of a call that has ended: what is exhausted for a moment alone is UNAVAILABLE.
 core::Error error_from_grpc(const grpc::Status& status, const grpc::ClientContext& call);
 
 }  // namespace tessera::proto

@@ -1,7 +1,6 @@
 // tessera-coordinator: see options.hpp.
 #include <absl/synchronization/mutex.h>
 #include <signal.h>
-#include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 #include <sys/resource.h>
 
@@ -9,6 +8,8 @@
 #include <iostream>
 #include <stop_token>
 
+#include "core/base/printable.hpp"
+#include "proto/log.hpp"
 #include "server/maintenance.hpp"
 #include "server/options.hpp"
 #include "server/rpc/server.hpp"
@@ -91,7 +92,7 @@ core::Status run(const server::Options& options, const sigset_t& stop_signals) {
 int main(int argc, char** argv) {
   // Errors are told once, in our words; GRPC_VERBOSITY=DEBUG brings gRPC's own back.
   setenv("GRPC_VERBOSITY", "NONE", 0);
-  spdlog::set_default_logger(spdlog::stderr_color_mt("tessera-coordinator"));
+  proto::log_to_stderr("tessera-coordinator");
   const server::Options options = server::parse_options(argc, argv);
   if (!options.check.empty()) return server::check(options.check);
   if (!options.salvage.empty()) return server::salvage(options.salvage);
@@ -101,6 +102,6 @@ int main(int argc, char** argv) {
   const sigset_t stop_signals = block_stop_signals();
   const auto ended = run(options, stop_signals);
   if (ended) return EXIT_SUCCESS;
-  std::cerr << "tessera-coordinator: " << ended.error().message << '\n';
+  std::cerr << "tessera-coordinator: " << core::printable_lines(ended.error().message) << '\n';
   return EXIT_FAILURE;
 }

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include "core/base/printable.hpp"
 #include "server/coordinator/state_check.hpp"
 
 namespace tessera::server {
@@ -12,7 +13,7 @@ namespace tessera::server {
 namespace {
 
 int print_error(const core::Error& error) {
-  fmt::print(stderr, "tessera-coordinator: {}\n", error.message);
+  fmt::print(stderr, "tessera-coordinator: {}\n", core::printable_lines(error.message));
   return EXIT_FAILURE;
 }
 

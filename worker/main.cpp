@@ -1,10 +1,10 @@
 // tessera-worker: renders for a farm. Parse, build, wire, run.
-#include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
 #include <cstdlib>
 
 #include "core/integrators/fingerprint.hpp"
+#include "proto/log.hpp"
 #include "worker/options.hpp"
 #include "worker/signals.hpp"
 #include "worker/worker.hpp"
@@ -47,7 +47,7 @@ int main(int argc, char** argv) {
   // Errors are told once, in our words; GRPC_VERBOSITY=DEBUG brings gRPC's own back.
   setenv("GRPC_VERBOSITY", "NONE", 0);
   const worker::Options options = worker::parse_options(argc, argv);
-  spdlog::set_default_logger(spdlog::stderr_color_mt("tessera-worker"));
+  proto::log_to_stderr("tessera-worker");
   if (options.verbose) spdlog::set_level(spdlog::level::debug);
   return run(options);
 }

@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "proto/security_flags.hpp"
+#include "proto/text.hpp"
 
 namespace tessera::worker {
 namespace {
@@ -65,6 +66,8 @@ Options parse_options(int argc, char** argv) {
   app.add_flag("--verbose", options.verbose, "Log more");
   try {
     app.parse(argc, argv);
+    if (const core::Status fit = proto::check_text("--name", options.name); !fit)
+      throw CLI::ValidationError(fit.error().message);
   } catch (const CLI::ParseError& error) {
     std::exit(app.exit(error) == EXIT_SUCCESS ? EXIT_SUCCESS : kExitUsage);
   }

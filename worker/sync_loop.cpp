@@ -56,7 +56,7 @@ core::Status SyncLoop::run(const std::stop_token& stop) {
 // Whether asking again would not help. Who was let in once keeps what it has rendered, and waits until
 // whoever changed the tokens lets it in again.
 bool SyncLoop::is_final(core::ErrorCode code) const {
-  return code == core::ErrorCode::kFailedPrecondition ||
+  return code == core::ErrorCode::kFailedPrecondition || code == core::ErrorCode::kInvalidArgument ||
          (code == core::ErrorCode::kPermissionDenied && !connected_);
 }
 

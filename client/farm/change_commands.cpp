@@ -10,6 +10,7 @@
 #include "client/farm/service_options.hpp"
 #include "client/farm/single_commands.hpp"
 #include "client/scene_flags.hpp"
+#include "core/base/printable.hpp"
 #include "core/scene/settings.hpp"
 
 namespace tessera::client {
@@ -86,8 +87,8 @@ int run_change(const ChangeOptions& options, Change change) {
   if (options.json)
     fmt::print("{}", to_json_line(*job));
   else
-    fmt::print("job {} ({}) is {}, {} spp{}\n", short_id(job->id()), job->name(), state_name(job->state()),
-               job->settings().spp(), service_text(*job, options.service));
+    fmt::print("job {} ({}) is {}, {} spp{}\n", short_id(job->id()), core::printable(job->name()),
+               state_name(job->state()), job->settings().spp(), service_text(*job, options.service));
   return kExitOk;
 }
 
@@ -101,7 +102,7 @@ int run_delete(const ChangeOptions& options) {
   request.set_job_id(found->id());
   const auto response = farm.call(&Farm::Stub::DeleteJob, request);
   if (!response) return print_error(response.error());
-  fmt::print("job {} ({}) is deleted\n", short_id(found->id()), found->name());
+  fmt::print("job {} ({}) is deleted\n", short_id(found->id()), core::printable(found->name()));
   return kExitOk;
 }
 

@@ -11,6 +11,7 @@
 #include "client/farm/single_commands.hpp"
 #include "client/picture_files.hpp"
 #include "client/scene_flags.hpp"
+#include "core/base/printable.hpp"
 
 namespace tessera::client {
 namespace {
@@ -33,7 +34,7 @@ int run_image(const ImageOptions& options) {
   const auto job = download_pictures(farm, found->id(), paths, options.scene.display);
   if (!job) return print_error(job.error());
   fmt::print(stderr, "wrote {}: job {} ({}) is {}, {} of {} samples\n", fmt::join(paths, ", "),
-             short_id(job->id()), job->name(), state_name(job->state()), job->samples_done(),
+             short_id(job->id()), core::printable(job->name()), state_name(job->state()), job->samples_done(),
              job->samples_total());
   return kExitOk;
 }

@@ -7,6 +7,7 @@
 #include <algorithm>
 
 #include "client/farm/table.hpp"
+#include "core/base/printable.hpp"
 #include "core/scene/settings.hpp"
 #include "proto/convert.hpp"
 
@@ -152,8 +153,9 @@ std::string workers_table(const v1::ListWorkersResponse& workers, double now_sec
                                    rows);
   for (const v1::ListWorkersResponse::Worker& worker : workers.workers()) {
     if (worker.put_aside_because().empty()) continue;
-    table += fmt::format("{} ({}) is put aside: {}\n", worker.name(), short_id(worker.id()),
-                         worker.put_aside_because());
+    table += core::printable(fmt::format("{} ({}) is put aside: {}", worker.name(), short_id(worker.id()),
+                                         worker.put_aside_because())) +
+             "\n";
   }
   return table;
 }

@@ -3,16 +3,12 @@
 #include <algorithm>
 #include <cstddef>
 
+#include "core/base/printable.hpp"
+
 namespace tessera::client {
 namespace {
 
 constexpr const char* kGap = "  ";
-
-std::string printable(std::string text) {
-  for (char& c : text)
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
-  return text;
-}
 
 std::size_t width_of(const std::string& text) {
   return static_cast<std::size_t>(std::count_if(
@@ -40,10 +36,10 @@ std::string format_line(const std::vector<Column>& columns, const std::vector<st
 std::string format_table(const std::vector<Column>& columns,
                          const std::vector<std::vector<std::string>>& rows) {
   std::vector<std::vector<std::string>> lines(1);
-  for (const Column& column : columns) lines[0].push_back(column.title);
+  for (const Column& column : columns) lines[0].push_back(core::printable(column.title));
   for (const auto& row : rows) {
     lines.emplace_back();
-    std::transform(row.begin(), row.end(), std::back_inserter(lines.back()), printable);
+    std::transform(row.begin(), row.end(), std::back_inserter(lines.back()), core::printable);
   }
   std::vector<std::size_t> widths(columns.size(), 0);
   for (const auto& line : lines)

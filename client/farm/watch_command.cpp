@@ -11,6 +11,7 @@
 #include "client/farm/single_commands.hpp"
 #include "client/farm/watching.hpp"
 #include "client/interrupt.hpp"
+#include "core/base/printable.hpp"
 
 namespace tessera::client {
 namespace {
@@ -42,7 +43,8 @@ int run_watch(const WatchOptions& options) {
       options.json ? watch_for_programs(farm, found->id()) : watch_with_progress(farm, found->id());
   if (!job) return interrupted() ? kExitInterrupted : print_error(job.error());
   if (!options.json)
-    fmt::print(stderr, "job {} ({}) is {}\n", short_id(job->id()), job->name(), state_name(job->state()));
+    fmt::print(stderr, "job {} ({}) is {}\n", short_id(job->id()), core::printable(job->name()),
+               state_name(job->state()));
   return report_end(*job);
 }
 

@@ -8,6 +8,7 @@
 #include "proto/blob.hpp"
 #include "proto/convert.hpp"
 #include "proto/convert_display.hpp"
+#include "proto/text.hpp"
 #include "server/coordinator/admission.hpp"
 #include "server/coordinator/place.hpp"
 #include "server/coordinator/turn.hpp"
@@ -39,6 +40,7 @@ core::Status Coordinator::check_bundle(const v1::Bundle& bundle) {
   std::string missing;
   int missing_count = 0;
   for (const v1::Bundle::Asset& asset : bundle.assets()) {
+    if (auto fit = proto::check_text("bundle: path", asset.path(), proto::kMostPathBytes); !fit) return fit;
     const auto digest = proto::from_proto(asset.digest());
     if (!digest) return core::fail(digest.error().within("bundle: " + asset.path()));
     if (!paths.insert(asset.path()).second) {
@@ -71,6 +73,8 @@ core::Status Coordinator::check_bundle(const v1::Bundle& bundle) {
 core::Result<v1::Job> Coordinator::submit_job(const v1::SubmitJobRequest& request,
                                               const std::string& submitter) {
   if (auto known = answer_to_known(request.request_id(), submitter)) return *known;
+  if (auto fit = proto::check_text("name", request.name()); !fit) return core::fail(fit.error());
+  if (auto fit = proto::check_text("request_id", request.request_id()); !fit) return core::fail(fit.error());
   if (auto fits = check_bundle_size(request.bundle(), options_.limits); !fits)
     return core::fail(fits.error());
   const auto place = take_place(submitter);

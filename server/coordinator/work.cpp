@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/base/printable.hpp"
+#include "proto/text.hpp"
 #include "proto/tile_codec.hpp"
 #include "server/coordinator/plausible.hpp"
 #include "server/coordinator/turn.hpp"
@@ -43,7 +45,14 @@ core::Status check_request(const v1::SynchronizeRequest& request) {
   if (request.arithmetic_fingerprint().empty()) {
     return core::fail(ErrorCode::kInvalidArgument, "arithmetic_fingerprint: must not be empty");
   }
-  return {};
+  if (auto fit = proto::check_text("name", request.name()); !fit) return fit;
+  if (auto fit = proto::check_text("version", request.version()); !fit) return fit;
+  return proto::check_text("arithmetic_fingerprint", request.arithmetic_fingerprint());
+}
+
+core::Status check_texts(const v1::SubmitResultRequest& request) {
+  if (auto fit = proto::check_text("version", request.version()); !fit) return fit;
+  return proto::check_text("arithmetic_fingerprint", request.arithmetic_fingerprint());
 }
 
 scheduler::WorkerInfo info_of(const v1::SynchronizeRequest& request) {
@@ -201,6 +210,7 @@ struct Coordinator::Delivery {
 };
 
 core::Result<v1::SubmitResultResponse> Coordinator::submit_result(const v1::SubmitResultRequest& request) {
+  if (auto fit = check_texts(request); !fit) return core::fail(fit.error());
   auto tiles = decode_items(request);
   Delivery delivery;
   if (tiles) delivery.tiles = std::move(*tiles);
@@ -237,7 +247,7 @@ core::Result<v1::SubmitResultResponse> Coordinator::count_result(Turn& turn,
                                 {},
                                 seconds(request.render_time()),
                                 request.lease_finished(),
-                                beginning_of(request.cannot_build()),
+                                core::printable(beginning_of(request.cannot_build())),
                                 delivery.fingerprints};
   for (const core::FilmTile& tile : delivery.tiles)
     event.items.push_back({scheduler::tile_index(grid, tile.rect), tile.range});

@@ -26,21 +26,6 @@ bool is_continuation(char c) {
   return (static_cast<unsigned char>(c) & 0xc0) == 0x80;
 }
 
-// How many bytes the printable UTF-8 character at the front takes (RFC 3629, section 4); 0 where there is
-// none.
-std::size_t printable_length(std::string_view text) {
-  const auto byte = [&](std::size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0u; };
-  const unsigned first = byte(0), second = byte(1);
-  if (first < 0x80) return first >= 0x20 && first != 0x7f ? 1 : 0;
-  const unsigned lowest = first == 0xe0 ? 0xa0 : first == 0xf0 ? 0x90 : 0x80;
-  const unsigned highest = first == 0xed ? 0x9f : first == 0xf4 ? 0x8f : 0xbf;
-  if (first < 0xc2 || first > 0xf4 || second < lowest || second > highest) return 0;
-  const std::size_t length = first >= 0xf0 ? 4 : first >= 0xe0 ? 3 : 2;
-  for (std::size_t i = 2; i < length; ++i)
-    if ((byte(i) & 0xc0) != 0x80) return 0;
-  return length;
-}
-
 }  // namespace
 
 std::size_t edit_distance(std::string_view a, std::string_view b) {
@@ -69,17 +54,6 @@ std::string suggestion(std::string_view name, const std::vector<std::string_view
   if (nearest != known.end() && distance(*nearest) <= likeness_limit(name))
     return fmt::format("; did you mean {}?", in_quotes(*nearest));
   return listing(known);
-}
-
-std::string printable(std::string_view text) {
-  std::string shown;
-  while (!text.empty()) {
-    const std::size_t length = printable_length(text);
-    if (length == 0) shown += fmt::format("\\x{:02x}", static_cast<unsigned char>(text.front()));
-    shown += text.substr(0, length);
-    text.remove_prefix(std::max<std::size_t>(length, 1));
-  }
-  return shown;
 }
 
 std::string in_quotes(std::string_view name) {

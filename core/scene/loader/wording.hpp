@@ -6,6 +6,8 @@
 #include <string_view>
 #include <vector>
 
+#include "core/base/printable.hpp"
+
 namespace tessera::core {
 
 // How many letters must be inserted, removed, replaced or swapped with their neighbour to turn `a` into `b`
@@ -15,9 +17,6 @@ std::size_t edit_distance(std::string_view a, std::string_view b);
 // "; did you mean 'albedo'?" where one of `known` is close to `name`, else "; known are 'a', 'b'", else
 // nothing.
 std::string suggestion(std::string_view name, const std::vector<std::string_view>& known);
-
-// Control characters and bytes that are not UTF-8 as \xNN, so that messages can be printed and sent.
-std::string printable(std::string_view text);
 
 // A name out of a file as messages show it: printable, in single quotes, cut to a readable length.
 std::string in_quotes(std::string_view name);

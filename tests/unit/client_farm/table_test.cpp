@@ -23,7 +23,7 @@ TEST(Table, CountsLettersNotBytes) {
 }
 
 TEST(Table, ShowsNoControlCharacters) {
-  EXPECT_EQ(format_table({{"N"}}, {{"a\x1b[2Jb\n"}}), "N\na?[2Jb?\n");
+  EXPECT_EQ(format_table({{"N"}}, {{"a\x1b[2Jb\n"}}), "N\na\\x1b[2Jb\\x0a\n");
 }
 
 }  // namespace

@@ -40,6 +40,25 @@ TEST(Printable, EscapesWhatIsNotUtf8) {
   EXPECT_EQ(printable("\xf4\x90\x80\x80"), "\\xf4\\x90\\x80\\x80");  // beyond U+10FFFF
 }
 
+TEST(Printable, EscapesWhatSteersATerminal) {
+  EXPECT_EQ(printable("a\x1b[2Jb"), "a\\x1b[2Jb");
+  EXPECT_EQ(printable("\xc2\x9b|\xc2\xa0"), "\\xc2\\x9b|\xc2\xa0");  // CSI; a space
+  EXPECT_EQ(printable("\u202egnp.exe|\u2067"),
+            "\\xe2\\x80\\xaegnp.exe|\\xe2\\x81\\xa7");  // from right to left
+  EXPECT_EQ(printable("\u2028"), "\\xe2\\x80\\xa8");
+  EXPECT_EQ(printable("\u200d\u2060\U0001f469"), "\u200d\u2060\U0001f469");
+}
+
+TEST(Printable, KeepsLinesWhereTheyAreMeant) {
+  EXPECT_EQ(printable_lines("a\n  b\r\n"), "a\n  b\\x0d\n");
+  EXPECT_EQ(printable_lines(""), "");
+}
+
+TEST(Printable, IsToldOfEveryText) {
+  for (const char* text : {"", "K\u00e4se \u20ac", "no\\xff"}) EXPECT_TRUE(is_printable(text)) << text;
+  for (const char* text : {"\n", "a\x7f", "\xc3", "ab\xc2\x85", "\u202e"}) EXPECT_FALSE(is_printable(text));
+}
+
 TEST(InQuotes, CutsLongNamesBetweenCharacters) {
   EXPECT_EQ(in_quotes("stone"), "'stone'");
   EXPECT_EQ(in_quotes(std::string(81, 'x')), "'" + std::string(80, 'x') + "...'");

@@ -25,6 +25,25 @@ core::Result<CheckedScene> accept_as_larger_than_allowed(const v1::Bundle& bundl
   return scene;
 }
 
+TEST_F(Jobs, NamesThatCannotBeShownAreRefused) {
+  const auto refusal = [&](const v1::SubmitJobRequest& request) {
+    const auto job = coordinator().submit_job(request);
+    EXPECT_FALSE(job);
+    return job ? "" : job.error().message;
+  };
+  v1::SubmitJobRequest request = submission();
+  request.set_name("a\x1b[2Jb");
+  EXPECT_EQ(refusal(request),
+            "name: must be UTF-8 without line breaks and other control characters, got 'a\\x1b[2Jb'");
+  request = submission();
+  request.set_request_id(std::string(201, 'x'));
+  EXPECT_THAT(refusal(request), testing::HasSubstr("request_id: must have at most 200 bytes"));
+  request = submission();
+  request.mutable_bundle()->mutable_assets(0)->set_path("scene\n.json");
+  EXPECT_THAT(refusal(request), testing::HasSubstr("bundle: path: must be UTF-8"));
+  EXPECT_TRUE(coordinator().jobs().empty());
+}
+
 TEST_F(Jobs, ASubmittedJobRunsAndIsComplete) {
   v1::SubmitJobRequest request = submission();
   request.set_name("vase");

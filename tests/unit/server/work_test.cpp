@@ -317,6 +317,44 @@ TEST_F(Work, ALongReasonOfAWorkerIsCutBetweenCharacters) {
   EXPECT_THAT(read_again.failure(), HasSubstr("\u00e9\u00e9\u00e9"));
 }
 
+TEST_F(Work, AReasonOfAWorkerIsMadePrintable) {
+  const std::string id = submit();
+  for (int i = 0; i < 3; ++i) {
+    v1::SubmitResultRequest given_back = delivery('a', synchronize(greeting('a')).leases(0));
+    given_back.clear_items();
+    given_back.set_cannot_build("a\x1b[2Jb\nc");
+    deliver(given_back);
+  }
+  EXPECT_THAT(job(id).failure(), HasSubstr("a\\x1b[2Jb\\x0ac"));
+}
+
+TEST_F(Work, NamesThatCannotBeShownAreRefused) {
+  const auto refusal = [&](const v1::SynchronizeRequest& request) {
+    const WaitingCall call(coordinator(), request);
+    EXPECT_TRUE(call.answered() && !call.answer());
+    return call.answer() ? core::Error{} : call.answer().error();
+  };
+  v1::SynchronizeRequest request = greeting('a');
+  request.set_name("a\x1b]0;b\a");
+  EXPECT_EQ(refusal(request).code, ErrorCode::kInvalidArgument);
+  EXPECT_EQ(refusal(request).message,
+            "name: must be UTF-8 without line breaks and other control characters, got 'a\\x1b]0;b\\x07'");
+  request.set_name(std::string(201, 'x'));
+  EXPECT_THAT(refusal(request).message, HasSubstr("name: must have at most 200 bytes"));
+  request = greeting('a');
+  request.set_version("1\n2");
+  EXPECT_THAT(refusal(request).message, HasSubstr("version: must be UTF-8"));
+  request = greeting('a');
+  request.set_arithmetic_fingerprint("f\r");
+  EXPECT_THAT(refusal(request).message, HasSubstr("arithmetic_fingerprint: must be UTF-8"));
+  EXPECT_TRUE(coordinator().workers().empty());
+
+  submit();
+  v1::SubmitResultRequest result = delivery('a', synchronize(greeting('a')).leases(0));
+  result.set_version("\x1b");
+  EXPECT_THAT(coordinator().submit_result(result).error().message, HasSubstr("version: must be UTF-8"));
+}
+
 TEST_F(Work, ABlobThatIsIntactAfterAllFailsNoJob) {
   const std::string id = submit();
   const proto::Digest scene = proto::digest_of(kSceneBytes);

@@ -1,0 +1,57 @@
+// Texts from elsewhere: refused where they are chosen, escaped where they are shown.
+#include "proto/text.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <spdlog/spdlog.h>
+
+#include <string>
+
+#include "proto/log.hpp"
+#include "proto/status.hpp"
+
+namespace tessera::proto {
+namespace {
+
+using testing::EndsWith;
+using testing::HasSubstr;
+
+TEST(CheckText, TakesNamesOfAnyLanguage) {
+  EXPECT_TRUE(check_text("name", ""));
+  EXPECT_TRUE(check_text("name", "Käse-rechner 7 (€)"));
+  EXPECT_TRUE(check_text("name", std::string(kMostNameBytes, 'x')));
+}
+
+TEST(CheckText, SaysWhatIsWrong) {
+  const auto steering = check_text("--name", "a\x1b[2Jb");
+  ASSERT_FALSE(steering);
+  EXPECT_EQ(steering.error().code, core::ErrorCode::kInvalidArgument);
+  EXPECT_EQ(steering.error().message,
+            "--name: must be UTF-8 without line breaks and other control characters, got 'a\\x1b[2Jb'");
+  EXPECT_FALSE(check_text("name", "one\ntwo"));
+  EXPECT_FALSE(check_text("name", "\xff"));
+  EXPECT_EQ(check_text("name", std::string(201, 'x')).error().message,
+            "name: must have at most 200 bytes, got 201");
+}
+
+TEST(Log, IsWrittenInPrintableLines) {
+  testing::internal::CaptureStderr();
+  log_to_stderr("tessera-test");
+  spdlog::warn("worker {} has come", "a\x1b[2J\n[forged]\xc2\x9b");
+  EXPECT_THAT(testing::internal::GetCapturedStderr(),
+              EndsWith("worker a\\x1b[2J\\x0a[forged]\\xc2\\x9b has come\n"));
+}
+
+TEST(Log, IsWrittenAsItIsOtherwise) {
+  testing::internal::CaptureStderr();
+  spdlog::info("Käse");
+  EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("[tessera-test] [info] Käse\n"));
+}
+
+TEST(Sentences, LeaveInPrintableLines) {
+  const grpc::Status status = to_grpc(core::Error{core::ErrorCode::kInternal, "a\x1b[2J\n  b"});
+  EXPECT_EQ(status.error_message(), "a\\x1b[2J\n  b");
+}
+
+}  // namespace
+}  // namespace tessera::proto
