@@ -1,5 +1,6 @@
 #include "server/limit_flags.hpp"
 
+#include <chrono>
 #include <cstdint>
 #include <limits>
 #include <string>
@@ -29,6 +30,20 @@ void add(CLI::App& app, const char* flag, T& value, T least, T most, const char*
       ->group("Limits");
 }
 
+void add_seconds(CLI::App& app, const char* flag, std::chrono::milliseconds& value, const char* what) {
+  using Seconds = std::chrono::duration<double>;
+  app.add_option_function<double>(
+         flag,
+         [&value](double seconds) {
+           value = std::chrono::duration_cast<std::chrono::milliseconds>(Seconds(seconds));
+         },
+         what)
+      ->check(CLI::Range(1.0, kMostSeconds))
+      ->type_name("N")
+      ->default_str(std::to_string(std::chrono::duration_cast<std::chrono::seconds>(value).count()))
+      ->group("Limits");
+}
+
 void add_job_flags(CLI::App& app, Limits& limits) {
   const auto most_pixels = static_cast<std::uint64_t>(core::kMaxImagePixels);
   add<std::uint64_t>(app, "--max-picture-pixels", limits.picture_pixels, 1, most_pixels,
@@ -41,6 +56,9 @@ void add_job_flags(CLI::App& app, Limits& limits) {
 void add_scene_flags(CLI::App& app, Limits& limits) {
   add<std::uint64_t>(app, "--max-bundle-mib", limits.bundle_mib, 1, kMostMib, "A scene and all its files");
   add<std::uint64_t>(app, "--max-blob-mib", limits.blob_mib, 1, kMostMib, "One file of a scene");
+  add<std::uint64_t>(app, "--max-store-mib", limits.store_mib, 1, kMostMib,
+                     "All files of scenes together, those on their way included");
+  add<std::uint64_t>(app, "--max-uploads", limits.uploads, 1, kMany, "Files that are uploaded at once");
   add<std::uint64_t>(app, validator::kTrianglesFlag, limits.triangles, 1, kMany,
                      "Triangles of a scene's meshes");
   add<std::uint64_t>(app, validator::kTexturePixelsFlag, limits.texture_pixels, 1, kMostTexturePixels,
@@ -55,18 +73,7 @@ void add_validator_flags(CLI::App& app, Limits& limits) {
                      "Scenes that wait to be validated");
   add<std::uint64_t>(app, validator::kMemoryFlag, limits.validator_mib, kLeastValidatorMib, kMostMib,
                      "Memory for validating one scene");
-  app.add_option_function<double>(
-         validator::kSecondsFlag,
-         [&limits](double seconds) {
-           limits.validation_time =
-               std::chrono::duration_cast<std::chrono::milliseconds>(std::chrono::duration<double>(seconds));
-         },
-         "Time for validating one scene")
-      ->check(CLI::Range(1.0, kMostSeconds))
-      ->type_name("N")
-      ->default_str(
-          std::to_string(std::chrono::duration_cast<std::chrono::seconds>(limits.validation_time).count()))
-      ->group("Limits");
+  add_seconds(app, validator::kSecondsFlag, limits.validation_time, "Time for validating one scene");
 }
 
 void add_call_flags(CLI::App& app, Limits& limits) {
@@ -74,6 +81,10 @@ void add_call_flags(CLI::App& app, Limits& limits) {
                      "Connections of workers and users, all together; more are closed at once");
   add<std::uint64_t>(app, "--max-machine-connections", limits.machine_connections, 1, kMany,
                      "Connections of one machine (IPv4 address, or 64 bits of an IPv6 address)");
+  add<std::uint64_t>(app, "--max-image-mib", limits.image_mib, 1, kMostMib,
+                     "Memory for pictures that are fetched at once; one is always made");
+  add_seconds(app, "--stall-seconds", limits.stall_time,
+              "Uploads and fetched pictures whose callers stand still for so long are ended");
   add(app, "--max-message-mib", limits.message_mib, kLeastMessageMib, kMostMessageMib, "One message");
   add(app, "--max-calls-per-second", limits.calls_per_second, 1.0, 1e9,
       "Calls of one submitter (without --tokens: of one machine), or of one worker; ten seconds' worth at "

@@ -6,6 +6,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <string>
 #include <string_view>
 
 #include "core/base/error.hpp"
@@ -24,6 +25,9 @@ struct Limits {
   // Of a bundle: all its files together, and each.
   std::uint64_t bundle_mib = 16 * 1024;
   std::uint64_t blob_mib = 4 * 1024;
+  // Of all files of scenes that are here or on their way, and how many may be on their way at once.
+  std::uint64_t store_mib = 256 * 1024;
+  std::uint64_t uploads = 64;
 
   // Of a scene, found when it is validated: the triangles of its meshes, and the pixels of one picture and of
   // all pictures that its textures are read from.
@@ -40,6 +44,13 @@ struct Limits {
   // Of connections: all together, and of one machine.
   std::uint64_t connections = 10'000;
   std::uint64_t machine_connections = 5'000;
+
+  // Of pictures that are fetched: the memory of all together, while they are made and sent. One is always
+  // made.
+  std::uint64_t image_mib = 8 * 1024;
+  // Uploads and pictures whose callers stand still for so long are ended.
+  std::chrono::milliseconds stall_time = std::chrono::minutes(1);
+
   // Of calls: one message, and how often a caller may call. Who has been quiet may call as often at once as
   // in kBurstSeconds.
   int message_mib = 64;
@@ -47,6 +58,7 @@ struct Limits {
 
   std::uint64_t bundle_bytes() const { return bundle_mib * kMib; }
   std::uint64_t blob_bytes() const { return blob_mib * kMib; }
+  std::uint64_t store_bytes() const { return store_mib * kMib; }
 };
 
 inline constexpr double kBurstSeconds = 10;
@@ -55,6 +67,18 @@ inline constexpr double kBurstSeconds = 10;
 inline core::Error over_limit(std::string_view found, std::string_view most, std::string_view option) {
   return {core::ErrorCode::kResourceExhausted,
           fmt::format("{}, and this farm takes at most {} (tessera-coordinator {})", found, most, option)};
+}
+
+// The same for places that callers share (FairShare), of which the caller has `own`: "too many SCENES WAIT,
+// ...", or "OWN SCENES from here WAIT already, ...".
+inline core::Error over_share(std::uint64_t own, std::string_view things, std::string_view what_they_do,
+                              std::uint64_t most, std::string_view option) {
+  if (own == 0)
+    return over_limit(fmt::format("too many {} {}", things, what_they_do), std::to_string(most), option);
+  core::Error error = over_limit(fmt::format("{} {} from here {} already", own, things, what_they_do),
+                                 fmt::format("{} from all callers", most), option);
+  error.message += ", some of which it keeps for others";
+  return error;
 }
 
 }  // namespace tessera::server

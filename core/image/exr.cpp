@@ -23,9 +23,13 @@ namespace {
 
 constexpr const char* kStreamName = "picture";
 
+// Of a file whose pixels cannot be compressed: where the row is, and what is said of its block.
+constexpr std::size_t kMostHeaderBytes = 1024, kMostBytesBesideARow = 16;
+
 class StringWriter : public Imf::OStream {
  public:
-  StringWriter() : OStream(kStreamName) {}
+  // Does not grow, and so takes no more memory, up to a file of this size.
+  explicit StringWriter(std::size_t expected_bytes) : OStream(kStreamName) { bytes_.reserve(expected_bytes); }
 
   void write(const char* data, int size) override {
     const auto count = static_cast<std::size_t>(size);
@@ -121,7 +125,8 @@ Result<std::string> encode_exr(const Image& image) {
       header.channels().insert(name, Imf::Channel(Imf::FLOAT));
       frame.insert(name, channel_slice(image, i, header.dataWindow()));
     }
-    StringWriter stream;
+    StringWriter stream(kMostHeaderBytes + image.pixels.size() * sizeof(Rgb) +
+                        static_cast<std::size_t>(image.height) * kMostBytesBesideARow);
     {
       Imf::OutputFile file(stream, header, 0);
       file.setFrameBuffer(frame);

@@ -45,6 +45,20 @@ core::Status check_bundle_size(const v1::Bundle& bundle, const server::Limits& l
                          in_mib(limits.bundle_mib), "--max-bundle-mib"));
 }
 
+core::Status check_store_size(std::uint64_t used_bytes, std::uint64_t more_bytes,
+                              const server::Limits& limits) {
+  if (add_capped(used_bytes, more_bytes) <= limits.store_bytes()) return {};
+  core::Error error =
+      server::over_limit(fmt::format("the files of scenes here have {} bytes, {} more would be too many",
+                                     used_bytes, more_bytes),
+                         in_mib(limits.store_mib), "--max-store-mib");
+  error.message +=
+      ": delete jobs that nobody needs any more (tessera delete); files that no job names make room for "
+      "others "
+      "when they were not used for a quarter of an hour";
+  return core::fail(std::move(error));
+}
+
 core::Status check_picture_size(const v1::RenderSettings& settings, const server::Limits& limits) {
   const core::PixelRect window = proto::window_of(settings);
   if (window.pixel_count() <= limits.picture_pixels) return {};

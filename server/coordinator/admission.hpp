@@ -1,6 +1,8 @@
-// Whether a farm takes what it is asked for: the limits of jobs and bundles. Stateless; thread-safe. Errors
-// are RESOURCE_EXHAUSTED and name the option that raises the limit.
+// Whether a farm takes what it is asked for: the limits of jobs, bundles and the store. Stateless;
+// thread-safe. Errors are RESOURCE_EXHAUSTED and name the option that raises the limit.
 #pragma once
+
+#include <cstdint>
 
 #include "core/base/error.hpp"
 #include "server/limits.hpp"
@@ -12,6 +14,9 @@ namespace tessera::coordinator {
 // it is named.
 core::Status check_bundle_size(const v1::Bundle& bundle, const server::Limits& limits);
 core::Status check_blob_size(std::uint64_t size_bytes, const server::Limits& limits);
+// Whether a store of `used_bytes` has room for so many more. What this counts is for the caller.
+core::Status check_store_size(std::uint64_t used_bytes, std::uint64_t more_bytes,
+                              const server::Limits& limits);
 
 // Of the window that is rendered, not of the picture that it is from.
 core::Status check_picture_size(const v1::RenderSettings& settings, const server::Limits& limits);

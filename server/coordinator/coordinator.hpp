@@ -116,6 +116,9 @@ class Coordinator {
   void reopen_jobs();
   // Removes the blobs that nobody has needed for long, unless a job is being submitted. Due now and then.
   void collect_blobs();
+  // The same of those that nobody has needed for a quarter of an hour, for a store that is full. Does nothing
+  // if that was tried a few seconds ago.
+  void make_room();
   // Answers all waiting calls, and every later one, with UNAVAILABLE.
   void close();
 
@@ -162,6 +165,7 @@ class Coordinator {
   core::Result<Extension> prepare_extension(const std::string& id);
   core::Status reopen_job(const std::string& id);
   void fail_job(Turn& turn, const std::string& id, const std::string& failure);
+  void collect_blobs_unused_for(std::chrono::seconds time);
 
   // ---- Within a turn ----
   JobRecord* find(const std::string& id);
@@ -230,7 +234,7 @@ class Coordinator {
   std::set<std::string> to_reopen_;             // jobs
   std::string arithmetic_;                      // fingerprint of this farm; empty while any will do
   std::map<std::string, std::string> present_;  // names of the workers that are heard of, by id; for the log
-  scheduler::Time next_check_{};
+  scheduler::Time next_check_{}, next_room_{};
   bool closed_ = false;
 };
 

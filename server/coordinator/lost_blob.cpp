@@ -11,6 +11,10 @@ using core::ErrorCode;
 
 namespace {
 
+// Long enough for a client to submit what it has just uploaded.
+constexpr std::chrono::seconds kKeepWhenFull = std::chrono::minutes(15);
+constexpr std::chrono::seconds kRoomPeriod{5};
+
 // The file that the bundle calls by this digest, or null.
 const v1::Bundle::Asset* find_asset(const v1::Bundle& bundle, const proto::Digest& digest) {
   for (const v1::Bundle::Asset& asset : bundle.assets()) {
@@ -52,6 +56,19 @@ void Coordinator::blob_is_lost(const proto::Digest& digest, const core::Error& n
 }
 
 void Coordinator::collect_blobs() {
+  collect_blobs_unused_for(options_.keep_unused_blobs);
+}
+
+void Coordinator::make_room() {
+  {
+    const Turn turn(*this);
+    if (turn.now() < next_room_) return;
+    next_room_ = turn.now() + kRoomPeriod;
+  }
+  collect_blobs_unused_for(std::min(options_.keep_unused_blobs, kKeepWhenFull));
+}
+
+void Coordinator::collect_blobs_unused_for(std::chrono::seconds time) {
   const std::unique_lock nobody_submits(blobs_in_use_, std::try_to_lock);
   if (!nobody_submits) return;
   std::set<std::string> named;
@@ -63,7 +80,7 @@ void Coordinator::collect_blobs() {
       }
     }
   }
-  const std::size_t removed = state_.blobs.collect(named, options_.keep_unused_blobs);
+  const std::size_t removed = state_.blobs.collect(named, time);
   if (removed > 0) spdlog::info("removed {} files of scenes that no job names any more", removed);
 }
 

@@ -8,6 +8,7 @@
 #include <string>
 #include <utility>
 
+#include "core/base/printable.hpp"
 #include "core/image/file_io.hpp"
 #include "proto/blob.hpp"
 #include "proto/security.hpp"
@@ -72,13 +73,13 @@ core::Status Access::add_line(std::string_view line) {
   const auto role =
       std::find_if(kRoles.begin(), kRoles.end(), [&](const auto& r) { return r.first == role_text; });
   if (role == kRoles.end()) return refuse("the first word must be a role: submit, work or admin");
-  if (name.size() > kMaxNameLength)
+  if (name.size() > kMaxNameLength || !core::is_printable(name))
     return refuse(fmt::format("the second word is a name of at most {} characters", kMaxNameLength));
   if (token.size() < kMinTokenLength || !proto::is_token(token)) {
     return refuse(
         fmt::format("the third word is a token of at least {} letters, digits and -._~+/=", kMinTokenLength));
   }
-  if (!callers_.emplace(digest_of_token(token), Caller{name, role->second}).second)
+  if (!callers_.emplace(digest_of_token(token), Caller{name, role->second, {}}).second)
     return refuse("this token was given to somebody already");
   return {};
 }

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <chrono>
 #include <utility>
 
 #include "proto/blob.hpp"
@@ -12,19 +13,51 @@ namespace tessera::rpc {
 
 using core::ErrorCode;
 
-UploadStream::UploadStream(const store::BlobStore& blobs, coordinator::ThreadPool& pool,
-                           const server::Limits& limits, v1::UploadBlobResponse* response)
-    : blobs_(blobs), pool_(pool), limits_(limits), response_(response) {
+UploadStream::UploadStream(coordinator::Coordinator& coordinator, coordinator::ThreadPool& pool,
+                           StreamLimits& streams, coordinator::FairShare::Held place,
+                           v1::UploadBlobResponse* response)
+    : coordinator_(coordinator),
+      pool_(pool),
+      streams_(streams),
+      place_(std::move(place)),
+      response_(response) {
+  streams_.stalls.add(*this);
+  read_next();
+}
+
+void UploadStream::read_next() {
+  const std::lock_guard lock(mutex_);
+  waiting_since_ = Clock::now();
   StartRead(&request_);
 }
 
 void UploadStream::OnReadDone(bool ok) {
+  {
+    const std::lock_guard lock(mutex_);
+    waiting_since_.reset();
+    if (ended_) return;
+  }
   const bool posted = pool_.post([this, ok] {
     if (!ok) return Finish(proto::to_grpc(commit()));
     if (auto taken = take_chunk(); !taken) return Finish(proto::to_grpc(taken));
-    StartRead(&request_);
+    read_next();
   });
   if (!posted) Finish(busy());
+}
+
+void UploadStream::end_if_waiting_since(Clock::time_point time) {
+  const std::lock_guard lock(mutex_);
+  if (ended_ || !waiting_since_ || *waiting_since_ > time) return;
+  ended_ = true;
+  Finish({grpc::StatusCode::UNAVAILABLE,
+          fmt::format(
+              "nothing has come of this upload for {} s (tessera-coordinator --stall-seconds): send it again",
+              std::chrono::duration<double>(streams_.stalls.patience()).count())});
+}
+
+void UploadStream::OnDone() {
+  streams_.stalls.remove(*this);
+  delete this;
 }
 
 core::Status UploadStream::take_chunk() {
@@ -38,16 +71,32 @@ core::Status UploadStream::take_chunk() {
                                                                proto::kMaxChunkBytes, chunk.data().size()));
   }
   if (!writer_) {
-    const auto digest = proto::from_proto(chunk.digest());
-    if (!digest) return core::fail(digest.error());
-    // By what it says: a stream that brings more is ended by the writer.
-    if (auto fits = coordinator::check_blob_size(digest->size_bytes, limits_); !fits) return fits;
-    auto writer = blobs_.write(*digest);
-    if (!writer) return core::fail(writer.error());
-    writer_.emplace(std::move(*writer));
-    *response_->mutable_digest() = chunk.digest();
+    if (auto begun = begin(chunk.digest()); !begun) return begun;
   }
+  if (auto room = make_room(chunk.data().size()); !room) return room;
   return writer_->append(chunk.data());
+}
+
+// By the size that it is said to have: a stream that brings more is ended by the writer.
+core::Status UploadStream::begin(const v1::Digest& message) {
+  const auto digest = proto::from_proto(message);
+  if (!digest) return core::fail(digest.error());
+  if (auto fits = coordinator::check_blob_size(digest->size_bytes, streams_.limits); !fits) return fits;
+  if (auto room = make_room(digest->size_bytes); !room) return room;
+  auto writer = coordinator_.blobs().write(*digest);
+  if (!writer) return core::fail(writer.error());
+  writer_.emplace(std::move(*writer));
+  *response_->mutable_digest() = message;
+  return {};
+}
+
+core::Status UploadStream::make_room(std::uint64_t bytes) {
+  const auto fits = [&] {
+    return coordinator::check_store_size(coordinator_.blobs().used_bytes(), bytes, streams_.limits);
+  };
+  if (fits()) return {};
+  coordinator_.make_room();
+  return fits();
 }
 
 core::Status UploadStream::commit() {

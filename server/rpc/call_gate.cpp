@@ -22,7 +22,8 @@ std::string key_of(const grpc::CallbackServerContext& context, Role role, const 
 
 grpc::Status CallGate::admit(grpc::CallbackServerContext& context, Role role, Caller& caller) {
   if (const grpc::Status admitted = access_.admit(context, role, caller); !admitted.ok()) return admitted;
-  const auto wait = rate_.take(key_of(context, role, caller));
+  caller.key = key_of(context, role, caller);
+  const auto wait = rate_.take(caller.key);
   if (!wait) return grpc::Status::OK;
   return try_later(context,
                    server::over_limit("there are too many calls from here",

@@ -18,9 +18,9 @@ class CallGate {
   CallGate(Access access, const server::Limits& limits)
       : access_(std::move(access)), rate_(limits.calls_per_second) {}
 
-  // Who calls, if they may. Besides the codes of Access::admit(), RESOURCE_EXHAUSTED with try_later() for
-  // those who call too often. Users are told apart by the names of their tokens, or else by their machines;
-  // workers by their connections.
+  // Who calls, with their key, if they may. Besides the codes of Access::admit(), RESOURCE_EXHAUSTED with
+  // try_later() for those who call too often. Users are told apart by the names of their tokens, or else by
+  // their machines; workers by their connections.
   grpc::Status admit(grpc::CallbackServerContext& context, Role role, Caller& caller);
 
  private:

@@ -2,17 +2,25 @@
 
 #include <fmt/format.h>
 
+#include <chrono>
+#include <cstdint>
 #include <optional>
 #include <utility>
 
 #include "core/image/encode.hpp"
 #include "proto/blob.hpp"
+#include "proto/convert.hpp"
 #include "proto/convert_display.hpp"
+#include "server/rpc/call_gate.hpp"
 #include "server/rpc/reactors.hpp"
 
 namespace tessera::rpc {
 
 namespace {
+
+// Most that making a picture takes: itself, and its file with what its library needs beside it.
+constexpr std::uint64_t kBytesPerPixel = 28;
+constexpr std::chrono::seconds kTryAgainAfter{1};
 
 std::optional<core::ImageFormat> format_of(v1::ImageFormat format) {
   switch (format) {
@@ -31,16 +39,36 @@ std::optional<core::ImageFormat> format_of(v1::ImageFormat format) {
 
 }  // namespace
 
-ImageStream::ImageStream(coordinator::Coordinator& coordinator, coordinator::ThreadPool& pool,
-                         const v1::GetImageRequest& request)
-    : coordinator_(coordinator) {
-  const bool posted = pool.post([this, &pool, request] {
+ImageStream::ImageStream(grpc::CallbackServerContext& context, coordinator::Coordinator& coordinator,
+                         coordinator::FairPool& pool, StreamLimits& streams, const ImageCall& call)
+    : context_(context), coordinator_(coordinator), streams_(streams) {
+  streams_.stalls.add(*this);
+  const bool posted = pool.post(call.caller, [this, &pool, call] {
     if (pool.is_closed()) return Finish(stopping());
-    if (auto taken = guarded([&] { return take_picture(request); }); !taken)
+    if (const grpc::Status taken = take_memory(call); !taken.ok()) return Finish(taken);
+    if (auto taken = guarded([&] { return take_picture(call.request); }); !taken)
       return Finish(proto::to_grpc(taken));
     write_next();
   });
   if (!posted) Finish(busy());
+}
+
+grpc::Status ImageStream::take_memory(const ImageCall& call) {
+  const auto job = coordinator_.job_without_bundle(call.request.job_id());
+  if (!job) return proto::to_grpc(job.error());
+  const std::uint64_t need_mib =
+      1 + kBytesPerPixel * proto::window_of(job->settings()).pixel_count() / server::kMib;
+  if (auto taken = streams_.image_mib.take(call.caller, need_mib)) {
+    memory_.emplace(*std::move(taken));
+    return grpc::Status::OK;
+  }
+  const std::uint64_t taken_mib = streams_.image_mib.held();
+  core::Error error = server::over_limit(
+      fmt::format("this picture takes {} MiB of memory, and others that are being fetched {} MiB", need_mib,
+                  taken_mib),
+      fmt::format("{} MiB", streams_.limits.image_mib), "--max-image-mib");
+  error.message += ", some of which it keeps for other callers";
+  return try_later(context_, error, kTryAgainAfter);
 }
 
 core::Status ImageStream::take_picture(const v1::GetImageRequest& request) {
@@ -63,6 +91,10 @@ core::Status ImageStream::take_picture(const v1::GetImageRequest& request) {
 }
 
 void ImageStream::OnWriteDone(bool ok) {
+  {
+    const std::lock_guard lock(mutex_);
+    waiting_since_.reset();
+  }
   if (!ok) return Finish(grpc::Status::CANCELLED);
   if (sent_bytes_ == file_.size()) return Finish(grpc::Status::OK);
   response_.clear_header();
@@ -72,7 +104,22 @@ void ImageStream::OnWriteDone(bool ok) {
 void ImageStream::write_next() {
   response_.set_data(file_.substr(sent_bytes_, proto::kMaxChunkBytes));
   sent_bytes_ += response_.data().size();
+  {
+    const std::lock_guard lock(mutex_);
+    waiting_since_ = Clock::now();
+  }
   StartWrite(&response_);
+}
+
+// A write is under way, which nothing but this ends.
+void ImageStream::end_if_waiting_since(Clock::time_point time) {
+  const std::lock_guard lock(mutex_);
+  if (waiting_since_ && *waiting_since_ <= time) context_.TryCancel();
+}
+
+void ImageStream::OnDone() {
+  streams_.stalls.remove(*this);
+  delete this;
 }
 
 }  // namespace tessera::rpc

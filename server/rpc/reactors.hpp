@@ -6,10 +6,13 @@
 #include <grpcpp/support/server_callback.h>
 
 #include <exception>
+#include <functional>
 #include <new>
+#include <string>
 #include <utility>
 
 #include "proto/status.hpp"
+#include "server/coordinator/fair_pool.hpp"
 #include "server/coordinator/thread_pool.hpp"
 
 namespace tessera::rpc {
@@ -36,13 +39,21 @@ core::Status guarded(const Work& work) {
   }
 }
 
-// Answers a unary call with the status of `work()`, run on `pool`, or with when_full() if too much waits for
-// that. What `work` refers to must live until then; request and response of a call do.
-template <typename Work, typename WhenFull = grpc::Status (*)()>
-grpc::ServerUnaryReactor* run_unary(grpc::CallbackServerContext* context, coordinator::ThreadPool& pool,
-                                    Work work, WhenFull when_full = busy) {
+// FairPool's callers take turns; ThreadPool's do not.
+inline bool post(coordinator::ThreadPool& pool, const std::string&, std::function<void()> task) {
+  return pool.post(std::move(task));
+}
+inline bool post(coordinator::FairPool& pool, const std::string& caller, std::function<void()> task) {
+  return pool.post(caller, std::move(task));
+}
+
+// Answers a unary call of `caller` with the status of `work()`, run on `pool`, or with when_full() if too
+// much waits for that. What `work` refers to must live until then; request and response of a call do.
+template <typename Pool, typename Work, typename WhenFull = grpc::Status (*)()>
+grpc::ServerUnaryReactor* run_unary(grpc::CallbackServerContext* context, Pool& pool,
+                                    const std::string& caller, Work work, WhenFull when_full = busy) {
   grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
-  const bool posted = pool.post([reactor, &pool, work = std::move(work)] {
+  const bool posted = post(pool, caller, [reactor, &pool, work = std::move(work)] {
     reactor->Finish(pool.is_closed() ? stopping() : proto::to_grpc(guarded(work)));
   });
   if (!posted) reactor->Finish(when_full());

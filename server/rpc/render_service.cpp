@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <chrono>
 #include <utility>
 
 #include "server/rpc/blob_streams.hpp"
@@ -11,6 +12,8 @@
 namespace tessera::rpc {
 
 namespace {
+
+constexpr std::chrono::seconds kTryAgainAfter{1};
 
 // Puts a job into a response that has one.
 template <typename Response>
@@ -22,19 +25,24 @@ core::Status put_job(core::Result<v1::Job> job, Response* response) {
 
 }  // namespace
 
-template <typename Work, typename WhenFull>
-grpc::ServerUnaryReactor* RenderService::serve(grpc::CallbackServerContext* context,
-                                               coordinator::ThreadPool& pool, Work work, WhenFull when_full) {
+template <typename Pool, typename Work, typename WhenFull>
+grpc::ServerUnaryReactor* RenderService::serve(grpc::CallbackServerContext* context, Pool& pool, Work work,
+                                               WhenFull when_full) {
   Caller caller;
   if (const auto admitted = gate_.admit(*context, Role::kSubmit, caller); !admitted.ok())
     return refuse(context, admitted);
   return run_unary(
-      context, pool, [caller, work = std::move(work)] { return work(caller); }, when_full);
+      context, pool, caller.key, [caller, work = std::move(work)] { return work(caller); },
+      [&] { return when_full(caller); });
 }
 
-template <typename Work>
-grpc::ServerUnaryReactor* RenderService::serve_change(grpc::CallbackServerContext* context,
-                                                      coordinator::ThreadPool& pool,
+template <typename Pool, typename Work>
+grpc::ServerUnaryReactor* RenderService::serve(grpc::CallbackServerContext* context, Pool& pool, Work work) {
+  return serve(context, pool, std::move(work), [](const Caller&) { return busy(); });
+}
+
+template <typename Pool, typename Work>
+grpc::ServerUnaryReactor* RenderService::serve_change(grpc::CallbackServerContext* context, Pool& pool,
                                                       const std::string& job_id, Work work) {
   return serve(context, pool, [this, &job_id, work = std::move(work)](const Caller& caller) {
     const core::Status allowed = may_change(caller, job_id);
@@ -57,7 +65,15 @@ grpc::ServerReadReactor<v1::UploadBlobRequest>* RenderService::UploadBlob(
   Caller caller;
   if (const auto admitted = gate_.admit(*context, Role::kSubmit, caller); !admitted.ok())
     return new RefusedStream<grpc::ServerReadReactor<v1::UploadBlobRequest>>(admitted);
-  return new UploadStream(coordinator_.blobs(), pools_.quick, limits_, response);
+  auto place = streams_.uploads.take(caller.key);
+  if (!place) {
+    return new RefusedStream<grpc::ServerReadReactor<v1::UploadBlobRequest>>(
+        try_later(*context,
+                  server::over_share(streams_.uploads.held_by(caller.key), "uploads", "are under way",
+                                     streams_.limits.uploads, "--max-uploads"),
+                  kTryAgainAfter));
+  }
+  return new UploadStream(coordinator_, pools_.quick, streams_, *std::move(place), response);
 }
 
 grpc::ServerUnaryReactor* RenderService::SubmitJob(grpc::CallbackServerContext* context,
@@ -66,12 +82,12 @@ grpc::ServerUnaryReactor* RenderService::SubmitJob(grpc::CallbackServerContext* 
   const auto work = [=, this](const Caller& caller) {
     return put_job(coordinator_.submit_job(*request, caller.name), response);
   };
-  return serve(context, pools_.validating, work, [=, this] {
-    constexpr std::chrono::seconds kWait{1};
-    return try_later(*context,
-                     server::over_limit("too many scenes wait to be validated",
-                                        std::to_string(limits_.waiting_scenes), "--max-waiting-scenes"),
-                     kWait);
+  return serve(context, pools_.validating, work, [=, this](const Caller& caller) {
+    return try_later(
+        *context,
+        server::over_share(pools_.validating.waiting_of(caller.key), "scenes", "wait to be validated",
+                           streams_.limits.waiting_scenes, "--max-waiting-scenes"),
+        kTryAgainAfter);
   });
 }
 
@@ -104,7 +120,7 @@ grpc::ServerWriteReactor<v1::GetImageResponse>* RenderService::GetImage(grpc::Ca
   Caller caller;
   if (const auto admitted = gate_.admit(*context, Role::kSubmit, caller); !admitted.ok())
     return new RefusedStream<grpc::ServerWriteReactor<v1::GetImageResponse>>(admitted);
-  return new ImageStream(coordinator_, pools_.slow, *request);
+  return new ImageStream(*context, coordinator_, pools_.slow, streams_, {*request, caller.key});
 }
 
 grpc::ServerUnaryReactor* RenderService::CancelJob(grpc::CallbackServerContext* context,

@@ -3,9 +3,11 @@
 #pragma once
 
 #include "server/coordinator/coordinator.hpp"
+#include "server/coordinator/fair_pool.hpp"
 #include "server/coordinator/thread_pool.hpp"
 #include "server/rpc/call_gate.hpp"
 #include "server/rpc/reactors.hpp"
+#include "server/rpc/stream_limits.hpp"
 #include "server/rpc/watch_hub.hpp"
 #include "tessera/v1/render_service.grpc.pb.h"
 
@@ -15,16 +17,16 @@ struct Pools {
   // For what takes milliseconds.
   coordinator::ThreadPool& quick;
   // For what takes seconds: encoding pictures, reading films back.
-  coordinator::ThreadPool& slow;
+  coordinator::FairPool& slow;
   // For validating scenes, which can take minutes: no picture is to wait for that.
-  coordinator::ThreadPool& validating;
+  coordinator::FairPool& validating;
 };
 
 class RenderService final : public v1::RenderService::CallbackService {
  public:
   RenderService(coordinator::Coordinator& coordinator, CallGate& gate, Pools pools, WatchHub& watches,
-                const server::Limits& limits)
-      : coordinator_(coordinator), gate_(gate), pools_(pools), watches_(watches), limits_(limits) {}
+                StreamLimits& streams)
+      : coordinator_(coordinator), gate_(gate), pools_(pools), watches_(watches), streams_(streams) {}
 
   grpc::ServerUnaryReactor* FindMissingBlobs(grpc::CallbackServerContext* context,
                                              const v1::FindMissingBlobsRequest* request,
@@ -64,14 +66,16 @@ class RenderService final : public v1::RenderService::CallbackService {
                                         v1::ListWorkersResponse* response) override;
 
  private:
-  // Answers with the status of work(caller), run on `pool`; or that of when_full(), where too much waits for
-  // that already.
-  template <typename Work, typename WhenFull = grpc::Status (*)()>
-  grpc::ServerUnaryReactor* serve(grpc::CallbackServerContext* context, coordinator::ThreadPool& pool,
-                                  Work work, WhenFull when_full = busy);
+  // Answers with the status of work(caller), run on `pool`; or that of when_full(caller), where too much
+  // waits for that already.
+  template <typename Pool, typename Work, typename WhenFull>
+  grpc::ServerUnaryReactor* serve(grpc::CallbackServerContext* context, Pool& pool, Work work,
+                                  WhenFull when_full);
+  template <typename Pool, typename Work>
+  grpc::ServerUnaryReactor* serve(grpc::CallbackServerContext* context, Pool& pool, Work work);
   // The same with the status of work(), for callers who may change the job.
-  template <typename Work>
-  grpc::ServerUnaryReactor* serve_change(grpc::CallbackServerContext* context, coordinator::ThreadPool& pool,
+  template <typename Pool, typename Work>
+  grpc::ServerUnaryReactor* serve_change(grpc::CallbackServerContext* context, Pool& pool,
                                          const std::string& job_id, Work work);
   core::Status may_change(const Caller& caller, const std::string& job_id);
 
@@ -79,7 +83,7 @@ class RenderService final : public v1::RenderService::CallbackService {
   CallGate& gate_;
   const Pools pools_;
   WatchHub& watches_;
-  const server::Limits& limits_;
+  StreamLimits& streams_;
 };
 
 }  // namespace tessera::rpc

@@ -94,11 +94,12 @@ struct Server::Parts {
       : coordinator(c),
         limits(l),
         gate(std::move(access), limits),
+        streams(limits),
         quick(quick_threads(), kMaxWaitingQuick),
         slow(kSlowThreads, kMaxWaitingSlow),
         validating(limits.validations, limits.waiting_scenes),
         watches(c),
-        render_service(c, gate, {quick, slow, validating}, watches, limits),
+        render_service(c, gate, {quick, slow, validating}, watches, streams),
         worker_service(c, gate, quick),
         ticker(kTickPeriod, [this] { coordinator.tick(); }),
         checkpointer(kCheckpointPeriod, [this] { checkpoint_log.write(coordinator); }),
@@ -112,7 +113,9 @@ struct Server::Parts {
   Coordinator& coordinator;
   const server::Limits limits;
   CallGate gate;
-  coordinator::ThreadPool quick, slow, validating;
+  StreamLimits streams;
+  coordinator::ThreadPool quick;
+  coordinator::FairPool slow, validating;
   WatchHub watches;
   RenderService render_service;
   WorkerService worker_service;

@@ -11,6 +11,7 @@
 #include <charconv>
 #include <optional>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 namespace tessera::store {
@@ -48,6 +49,12 @@ bool is_whole(const struct ::stat& status, const proto::Digest& digest) {
   return S_ISREG(status.st_mode) && static_cast<std::uint64_t>(status.st_size) == digest.size_bytes;
 }
 
+// 0 if it is not there.
+std::uint64_t size_of(const std::filesystem::path& file) {
+  struct ::stat status {};
+  return ::stat(file.c_str(), &status) == 0 ? static_cast<std::uint64_t>(status.st_size) : 0;
+}
+
 core::Error not_here(const proto::Digest& digest) {
   return {ErrorCode::kNotFound,
           fmt::format("blob {} ({} bytes) is not here: upload it", digest.hex(), digest.size_bytes)};
@@ -56,11 +63,18 @@ core::Error not_here(const proto::Digest& digest) {
 }  // namespace
 
 BlobWriter::BlobWriter(proto::Digest digest, std::filesystem::path target, std::filesystem::path temporary,
-                       Fd fd)
-    : digest_(digest), target_(std::move(target)), temporary_(std::move(temporary)), fd_(std::move(fd)) {}
+                       Fd fd, std::shared_ptr<StoreUsage> usage)
+    : digest_(digest),
+      target_(std::move(target)),
+      temporary_(std::move(temporary)),
+      fd_(std::move(fd)),
+      usage_(std::move(usage)) {}
 
 BlobWriter::~BlobWriter() {
   if (fd_) ::unlink(temporary_.c_str());
+  if (!usage_) return;
+  const std::lock_guard lock(usage_->mutex);
+  usage_->incoming_bytes -= counted_bytes_;
 }
 
 core::Status BlobWriter::append(std::string_view bytes) {
@@ -70,6 +84,11 @@ core::Status BlobWriter::append(std::string_view bytes) {
         fmt::format("blob {}: more bytes than the {} its digest says", digest_.hex(), digest_.size_bytes));
   }
   hasher_.update(bytes);
+  {
+    const std::lock_guard lock(usage_->mutex);
+    usage_->incoming_bytes += bytes.size();
+    counted_bytes_ += bytes.size();
+  }
   return write_all(fd_, bytes, temporary_);
 }
 
@@ -84,9 +103,18 @@ core::Status BlobWriter::commit() {
   }
   if (auto synced = sync_file(fd_, temporary_); !synced) return synced;
   if (auto created = create_folder(target_.parent_path()); !created) return created;
+  if (auto named = take_name(); !named) return named;
+  return sync_folder(target_.parent_path());
+}
+
+core::Status BlobWriter::take_name() {
+  const std::lock_guard lock(usage_->mutex);
+  const std::uint64_t replaced_bytes = size_of(target_);
   if (::rename(temporary_.c_str(), target_.c_str()) != 0) return core::fail(errno_error("writing", target_));
   fd_ = Fd();
-  return sync_folder(target_.parent_path());
+  usage_->stored_bytes += digest_.size_bytes - std::min(usage_->stored_bytes, replaced_bytes);
+  usage_->incoming_bytes -= std::exchange(counted_bytes_, 0);
+  return {};
 }
 
 BlobReader::BlobReader(proto::Digest digest, std::filesystem::path path, Fd fd)
@@ -116,7 +144,14 @@ core::Result<BlobStore> BlobStore::open(const std::filesystem::path& folder) {
   std::error_code ignored;  // what cannot be removed shows when it is created again
   std::filesystem::remove_all(incoming, ignored);
   if (auto created = create_folder(incoming); !created) return core::fail(created.error());
-  return BlobStore(folder);
+  BlobStore store(folder);
+  for (const proto::Digest& digest : store.list()) store.usage_->stored_bytes += digest.size_bytes;
+  return store;
+}
+
+std::uint64_t BlobStore::used_bytes() const {
+  const std::lock_guard lock(usage_->mutex);
+  return usage_->stored_bytes + usage_->incoming_bytes;
 }
 
 std::filesystem::path BlobStore::path(const proto::Digest& digest) const {
@@ -133,7 +168,7 @@ core::Result<BlobWriter> BlobStore::write(const proto::Digest& digest) const {
   std::string temporary = (folder_ / kIncoming / "XXXXXX").string();
   Fd fd(::mkostemp(temporary.data(), O_CLOEXEC));
   if (!fd) return core::fail(errno_error("creating a file in", folder_ / kIncoming));
-  return BlobWriter(digest, path(digest), std::move(temporary), std::move(fd));
+  return BlobWriter(digest, path(digest), std::move(temporary), std::move(fd), usage_);
 }
 
 core::Result<BlobReader> BlobStore::read(const proto::Digest& digest) const {
@@ -197,14 +232,22 @@ std::size_t BlobStore::collect(const std::set<std::string>& keep, std::chrono::s
       const auto used = fs::last_write_time(blob, error);
       if (error || used >= before || keep.contains(group.filename().string() + blob.filename().string()))
         continue;
-      if (fs::remove(blob, error)) ++removed;
+      if (remove(blob)) ++removed;
     }
   }
   return removed;
 }
 
 void BlobStore::discard(const proto::Digest& digest) const {
-  ::unlink(path(digest).c_str());
+  remove(path(digest));
+}
+
+bool BlobStore::remove(const std::filesystem::path& blob) const {
+  const std::lock_guard lock(usage_->mutex);
+  const std::uint64_t bytes = size_of(blob);
+  if (::unlink(blob.c_str()) != 0) return false;
+  usage_->stored_bytes -= std::min(usage_->stored_bytes, bytes);
+  return true;
 }
 
 }  // namespace tessera::store

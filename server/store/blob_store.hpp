@@ -2,11 +2,14 @@
 //
 // A blob becomes visible only when it is whole, checked against its digest and safe on disk. What an
 // interrupted upload leaves lies in FOLDER/incoming and is removed at the next start. BlobStore is
-// thread-safe (it holds nothing that changes); a writer or reader is for one thread at a time.
+// thread-safe, its copies are the same store; a writer or reader is for one thread at a time.
 #pragma once
 
 #include <chrono>
+#include <cstdint>
 #include <filesystem>
+#include <memory>
+#include <mutex>
 #include <set>
 #include <stop_token>
 #include <string>
@@ -17,6 +20,12 @@
 #include "server/store/file.hpp"
 
 namespace tessera::store {
+
+// The bytes in a store, counted as they come and go.
+struct StoreUsage {
+  std::mutex mutex;  // also held while files get and lose their names, so that each is counted once
+  std::uint64_t stored_bytes = 0, incoming_bytes = 0;  // guarded by mutex
+};
 
 // Takes one blob in pieces. Destroyed before commit() succeeded, it leaves nothing behind.
 class BlobWriter {
@@ -32,12 +41,16 @@ class BlobWriter {
 
  private:
   friend class BlobStore;
-  BlobWriter(proto::Digest digest, std::filesystem::path target, std::filesystem::path temporary, Fd fd);
+  BlobWriter(proto::Digest digest, std::filesystem::path target, std::filesystem::path temporary, Fd fd,
+             std::shared_ptr<StoreUsage> usage);
+  core::Status take_name();
 
   proto::Digest digest_;
   std::filesystem::path target_, temporary_;
   Fd fd_;
   proto::Hasher hasher_;
+  std::shared_ptr<StoreUsage> usage_;  // null when moved from
+  std::uint64_t counted_bytes_ = 0;    // of usage_->incoming_bytes
 };
 
 // Gives one blob in pieces, and checks at the end that the file is still what it was.
@@ -63,7 +76,7 @@ class BlobStore {
   // Creates the folder if it is missing and removes what interrupted uploads left.
   static core::Result<BlobStore> open(const std::filesystem::path& folder);
 
-  // For looking at a folder: creates and removes nothing.
+  // For looking at a folder: creates, removes and counts nothing.
   static BlobStore look_at(const std::filesystem::path& folder) { return BlobStore(folder); }
 
   bool contains(const proto::Digest& digest) const;
@@ -80,6 +93,9 @@ class BlobStore {
   // Removes a blob's file, so that it can be uploaded anew. Nothing happens if there is none.
   void discard(const proto::Digest& digest) const;
 
+  // Of all blobs that are here, as when the store was opened and what has come and gone since; and what of
+  // others has come so far.
+  std::uint64_t used_bytes() const;
   // Every blob that is here, whole or not: its size is that of its file.
   std::vector<proto::Digest> list() const;
   // Files that interrupted uploads left.
@@ -92,7 +108,11 @@ class BlobStore {
  private:
   explicit BlobStore(std::filesystem::path folder) : folder_(std::move(folder)) {}
 
+  // Removes a blob's file. Whether there was one.
+  bool remove(const std::filesystem::path& blob) const;
+
   std::filesystem::path folder_;
+  std::shared_ptr<StoreUsage> usage_ = std::make_shared<StoreUsage>();
 };
 
 }  // namespace tessera::store

@@ -109,6 +109,7 @@ TEST_F(LimitsTest, EachIsAnOptionThatItsRefusalNames) {
       {"--max-texture-pixels", "63", small_scene(), "8 x 8 = 64 pixels"},
       {"--max-texture-pixels", "1000", with("paint.png", png_header(30000, 30000)), "= 900000000 pixels"},
       {"--max-scene-texture-pixels", "63", small_scene(), "64 pixels"},
+      {"--max-store-mib", "1", with("mesh.obj", large), "3145728 more would be too many"},
       {"--max-bundle-mib", "2", with("mesh.obj", large), "the 3 files of the bundle have"},
   };
   for (const Excess& excess : excesses) {
@@ -121,6 +122,24 @@ TEST_F(LimitsTest, EachIsAnOptionThatItsRefusalNames) {
     EXPECT_TRUE(jobs().empty());
     stop_coordinator();
   }
+}
+
+TEST_F(LimitsTest, OfStreamsAreOptionsToo) {
+  start({"--max-uploads", "1", "--stall-seconds", "1", "--max-image-mib", "1"});
+  grpc::ClientContext context;
+  v1::UploadBlobResponse response;
+  const auto still = api().UploadBlob(&context, &response);
+  v1::UploadBlobRequest request;
+  *request.mutable_chunk()->mutable_digest() = proto::to_proto(proto::digest_of("never sent"));
+  still->Write(request);
+  EXPECT_TRUE(poll_until(std::chrono::seconds(20), [this] {
+    return !std::filesystem::is_empty(folder_ / "state" / "blobs" / "incoming");
+  }));
+  EXPECT_THAT(still->Finish().error_message(),
+              HasSubstr("nothing has come of this upload for 1 s (tessera-coordinator --stall-seconds)"));
+  EXPECT_TRUE(poll_until(std::chrono::seconds(20), [this] { return upload("small").ok(); }));
+  const std::string id = submit({"--spp", "1"});
+  EXPECT_EQ(tessera({"image", id, "-o", folder_ / "a.png", "-o", folder_ / "b.png"}).exit_code, 0);
 }
 
 TEST_F(LimitsTest, OfOpenJobsAreToldByTheCommandLine) {

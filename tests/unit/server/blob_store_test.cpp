@@ -127,6 +127,38 @@ TEST_F(BlobStoreTest, AnInterruptedUploadIsClearedAtTheNextStart) {
   EXPECT_EQ(files_below(folder_.path()), 0u);
 }
 
+TEST_F(BlobStoreTest, CountsWhatIsHereAndWhatIsOnItsWay) {
+  ASSERT_TRUE(put(proto::digest_of("wanted"), {"wan", "ted"}));
+  EXPECT_EQ(store_.used_bytes(), 6u);
+  {
+    auto writer = store_.write(proto::digest_of("never whole"));
+    ASSERT_TRUE(writer && writer->append("never"));
+    EXPECT_EQ(store_.used_bytes(), 11u);
+    const auto moved = std::move(*writer);
+    EXPECT_EQ(store_.used_bytes(), 11u);
+  }
+  EXPECT_EQ(store_.used_bytes(), 6u) << "half an upload that was given up";
+  EXPECT_FALSE(put(proto::digest_of("other"), {"forged"}));
+  EXPECT_EQ(store_.used_bytes(), 6u);
+}
+
+TEST_F(BlobStoreTest, CountsEachFileOnce) {
+  ASSERT_TRUE(put(proto::digest_of("wanted"), {"wanted"}));
+  ASSERT_TRUE(put(proto::digest_of("wanted"), {"wanted"}));
+  EXPECT_EQ(store_.used_bytes(), 6u);
+  EXPECT_EQ(BlobStore::open(folder_.path())->used_bytes(), 6u);
+  store_.discard(proto::digest_of("wanted"));
+  store_.discard(proto::digest_of("wanted"));
+  EXPECT_EQ(store_.used_bytes(), 0u);
+}
+
+TEST_F(BlobStoreTest, WhatIsCollectedCountsNoMore) {
+  ASSERT_TRUE(put(proto::digest_of("kept"), {"kept"}));
+  ASSERT_TRUE(put(proto::digest_of("unused"), {"unused"}));
+  EXPECT_EQ(store_.collect({proto::digest_of("kept").hex()}, std::chrono::seconds(-60)), 1u);
+  EXPECT_EQ(store_.used_bytes(), 4u);
+}
+
 TEST_F(BlobStoreTest, ABlobThatCannotBeOpenedIsNotMissing) {
   const proto::Digest digest = proto::digest_of("wanted");
   EXPECT_EQ(store_.read(digest).error().code, ErrorCode::kNotFound);

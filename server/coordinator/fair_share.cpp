@@ -1,0 +1,55 @@
+#include "server/coordinator/fair_share.hpp"
+
+#include <map>
+#include <mutex>
+#include <utility>
+
+namespace tessera::coordinator {
+
+struct FairShare::Held::State {
+  explicit State(std::uint64_t most) : all(most) {}
+
+  const std::uint64_t all;
+  std::mutex mutex;
+  std::uint64_t held = 0;                          // guarded by mutex
+  std::map<std::string, std::uint64_t> by_caller;  // guarded by mutex; nobody who has nothing
+};
+
+FairShare::FairShare(std::uint64_t all) : state_(std::make_shared<Held::State>(all)) {}
+
+std::optional<FairShare::Held> FairShare::take(const std::string& caller, std::uint64_t amount) {
+  const std::lock_guard lock(state_->mutex);
+  const auto known = state_->by_caller.find(caller);
+  const std::uint64_t own = known == state_->by_caller.end() ? 0 : known->second;
+  const std::uint64_t left = state_->all > state_->held ? state_->all - state_->held : 0;
+  const bool fits = own <= left && amount <= left - own;
+  if (!fits && state_->held > 0) return std::nullopt;
+  state_->by_caller[caller] = own + amount;
+  state_->held += amount;
+  return Held(state_, caller, amount);
+}
+
+std::uint64_t FairShare::held_by(const std::string& caller) const {
+  const std::lock_guard lock(state_->mutex);
+  const auto known = state_->by_caller.find(caller);
+  return known == state_->by_caller.end() ? 0 : known->second;
+}
+
+std::uint64_t FairShare::held() const {
+  const std::lock_guard lock(state_->mutex);
+  return state_->held;
+}
+
+FairShare::Held::Held(std::shared_ptr<State> state, std::string caller, std::uint64_t amount)
+    : state_(std::move(state)), caller_(std::move(caller)), amount_(amount) {}
+
+FairShare::Held::~Held() {
+  if (!state_) return;
+  const std::lock_guard lock(state_->mutex);
+  state_->held -= amount_;
+  const auto known = state_->by_caller.find(caller_);
+  known->second -= amount_;
+  if (known->second == 0) state_->by_caller.erase(known);
+}
+
+}  // namespace tessera::coordinator
