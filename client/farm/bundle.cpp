@@ -10,6 +10,7 @@
 #include "core/scene/validation.hpp"
 #include "proto/blob.hpp"
 #include "proto/status.hpp"
+#include "proto/text.hpp"
 
 namespace tessera::client {
 namespace {
@@ -52,7 +53,7 @@ core::Status upload_asset(Farm& farm, const std::string& folder, const v1::Bundl
   if (proto::digest_of(*bytes) != *digest)
     return fail(ErrorCode::kFailedPrecondition,
                 fmt::format("'{}' has changed since the scene was read: submit it again", asset.path()));
-  const auto done = patiently<bool>([&]() -> core::Result<bool> {
+  const auto done = patiently<bool>(farm, [&]() -> core::Result<bool> {
     const core::Status sent = upload(farm, *digest, *bytes);
     if (!sent) return fail(sent.error());
     return true;
@@ -76,6 +77,10 @@ core::Result<LocalBundle> bundle_scene(const std::string& scene_path,
   });
   const auto scene = core::load_scene(recording, scene_name, scene_path);
   if (!scene) return fail(scene.error());
+  for (const auto& [path, digest] : digests) {
+    if (const core::Status fit = proto::check_text("the name of a file", path, proto::kMostPathBytes); !fit)
+      return fail(fit.error().within(scene_path));
+  }
   const auto settings = core::resolve_settings(scene->settings, overrides);
   if (!settings) return fail(settings.error().within(scene_path));
   if (const core::Status valid = core::validate_scene(*scene); !valid)

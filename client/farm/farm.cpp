@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <utility>
 
+#include "client/console.hpp"
 #include "proto/security_flags.hpp"
 #include "proto/status.hpp"
 
@@ -23,6 +25,20 @@ core::Result<std::unique_ptr<Farm>> Farm::open(const FarmOptions& options) {
   auto channel = proto::open_channel(options.address, options.security);
   if (!channel) return core::fail(channel.error());
   return std::unique_ptr<Farm>(new Farm(options, *std::move(channel)));
+}
+
+bool Farm::wait_if_asked(const grpc::Status& status, const grpc::ClientContext& call, Patience& patience) {
+  const auto asked = proto::asked_wait(status, call);
+  if (!asked) return false;
+  const auto wait =
+      std::max<proto::Duration>(*asked, *proto::exponential_backoff()({.count = ++patience.waits}));
+  if (std::chrono::steady_clock::now() + wait > patience.until) return false;
+  tell_why_waiting(explain(status, call));
+  return sleep_unless_interrupted(wait);
+}
+
+void Farm::tell_why_waiting(const core::Error& error) {
+  if (!told_why_waiting_.exchange(true)) print_warning(error.message + "; trying again");
 }
 
 core::Error Farm::explain(const grpc::Status& status, const grpc::ClientContext& call) const {

@@ -69,7 +69,7 @@ core::Result<v1::Job> download_pictures(Farm& farm, const std::string& job_id,
     request.set_job_id(job_id);
     request.set_format(to_proto(*format));
     *request.mutable_display() = proto::to_proto(display);
-    auto picture = patiently<DownloadedPicture>([&] { return download(farm, request); });
+    auto picture = patiently<DownloadedPicture>(farm, [&] { return download(farm, request); });
     if (!picture) return fail(picture.error().within(path));
     if (core::Status written = core::write_file_atomically(path, picture->bytes); !written)
       return fail(written.error());

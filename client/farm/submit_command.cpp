@@ -18,8 +18,10 @@
 #include "client/interrupt.hpp"
 #include "client/picture_files.hpp"
 #include "client/scene_flags.hpp"
+#include "core/base/printable.hpp"
 #include "proto/convert.hpp"
 #include "proto/convert_display.hpp"
+#include "proto/text.hpp"
 
 namespace tessera::client {
 namespace {
@@ -66,7 +68,7 @@ core::Result<v1::Job> submit(Farm& farm, const SubmitOptions& options, const Loc
   const v1::SubmitJobRequest request = make_request(options, local);
   const auto submit = [&] {
     return patiently<v1::SubmitJobResponse>(
-        [&] { return farm.call(&Farm::Stub::SubmitJob, request, kSubmitTimeout); });
+        farm, [&] { return farm.call(&Farm::Stub::SubmitJob, request, kSubmitTimeout); });
   };
   auto response = submit();
   // A file that the coordinator thought it had turned out to be damaged there, or has just been cleared away.
@@ -113,6 +115,7 @@ int wait_and_fetch(Farm& farm, const SubmitOptions& options, const v1::Job& subm
 }
 
 int run_submit(const SubmitOptions& options) {
+  if (core::Status fit = proto::check_text("--name", options.name); !fit) return print_error(fit.error());
   const auto& paths = options.scene.output_paths;
   if (core::Status writable = check_picture_paths(paths); !writable) return print_error(writable.error());
   const auto local = bundle_scene(options.scene.scene_path, options.scene.overrides);
@@ -126,7 +129,7 @@ int run_submit(const SubmitOptions& options) {
   Farm& farm = **opened;
   const auto job = submit(farm, options, *local);
   if (!job) return print_error(job.error());
-  fmt::print("{}", options.json ? to_json_line(*job) : job->id() + "\n");
+  fmt::print("{}", options.json ? to_json_line(*job) : core::printable(job->id()) + "\n");
   std::fflush(stdout);
   return options.wait ? wait_and_fetch(farm, options, *job) : kExitOk;
 }

@@ -10,6 +10,7 @@
 #include "client/farm/job_text.hpp"
 #include "client/interrupt.hpp"
 #include "client/progress.hpp"
+#include "proto/status.hpp"
 
 namespace tessera::client {
 namespace {
@@ -19,8 +20,10 @@ tl::unexpected<core::Error> interruption() {
 }
 
 // Follows one stream to its end. The last job it told of; an error if it ended before the job did.
+// `asked_to_wait`: the coordinator is there, and wants to be called less often.
 core::Result<v1::Job> follow_stream(Farm& farm, const std::string& job_id,
-                                    const std::function<void(const v1::Job&)>& on_update) {
+                                    const std::function<void(const v1::Job&)>& on_update,
+                                    bool& asked_to_wait) {
   grpc::ClientContext context;
   farm.prepare(context);
   const std::jthread canceller = cancel_at_interrupt(context);
@@ -34,6 +37,7 @@ core::Result<v1::Job> follow_stream(Farm& farm, const std::string& job_id,
     if (is_over(response.job().state())) over = response.job();
   }
   const grpc::Status status = stream->Finish();
+  asked_to_wait = proto::asked_wait(status, context).has_value();
   if (over) return *over;
   if (interrupted()) return interruption();
   if (status.ok()) return core::fail(core::ErrorCode::kUnavailable, "the coordinator ended the conversation");
@@ -47,17 +51,21 @@ core::Result<v1::Job> watch_job(Farm& farm, const std::string& job_id,
                                 const std::function<void(const std::string&)>& on_notice) {
   const auto policy = proto::transient_only(proto::exponential_backoff());
   int failures = 0;
+  bool asked_to_wait = false;
   for (;;) {
-    auto job = follow_stream(farm, job_id, [&](const v1::Job& update) {
+    const auto note = [&](const v1::Job& update) {
       if (std::exchange(failures, 0) > 0) on_notice("the coordinator is back");
       on_update(update);
-    });
+    };
+    auto job = follow_stream(farm, job_id, note, asked_to_wait);
     if (job) return job;
     if (interrupted()) return interruption();
     const auto wait = policy({.last_code = job.error().code, .count = failures + 1});
     if (!wait) return job;
     if (failures++ == 0)
-      on_notice(fmt::format("lost the coordinator at {}; waiting for it to come back", farm.address()));
+      on_notice(asked_to_wait
+                    ? job.error().message + "; trying again"
+                    : fmt::format("lost the coordinator at {}; waiting for it to come back", farm.address()));
     if (!sleep_unless_interrupted(*wait)) return interruption();
   }
 }

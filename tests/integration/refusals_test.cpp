@@ -197,6 +197,20 @@ TEST_F(RefusalsTest, BadOverridesAreRefused) {
   EXPECT_TRUE(jobs().empty());
 }
 
+TEST_F(RefusalsTest, NamesThatSteerTerminalsAreRefused) {
+  start_coordinator();
+  write_scene({});
+  const std::string sentence = "--name: must be UTF-8 without line breaks and other control characters, got ";
+  const Outcome submitted = tessera({"submit", "scene.json", "--name", "a\x1b[2J"}, scene_folder_);
+  EXPECT_EQ(submitted.exit_code, 1);
+  EXPECT_THAT(submitted.err, HasSubstr(sentence + "'a\\x1b[2J'"));
+  Process& worker = start_worker("b\xff", 1);
+  EXPECT_EQ(worker.wait(std::chrono::seconds(20)), 2);
+  EXPECT_THAT(worker.err(), HasSubstr(sentence + "'b\\xff'"));
+  EXPECT_TRUE(jobs().empty());
+  EXPECT_TRUE(workers().empty());
+}
+
 TEST_F(RefusalsTest, BlobsThatAreNotThereAreAskedFor) {
   start_coordinator();
   v1::SubmitJobRequest request = make_request({});
