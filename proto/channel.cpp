@@ -17,8 +17,8 @@ constexpr int kLeastPingIntervalMs = 5'000;
 // as when watching a job, would wait for ever for a peer that vanished.
 constexpr int kPingsWithoutData = 0;
 
-// What a caller may send before the coordinator has looked at it. Results come at once in it; without the
-// probe, no pings go to and fro with each of them to find out how much that should be.
+// What may be sent before the receiver has looked at it. Results and chunks of blobs come at once in it. Told
+// beforehand, no pings go to and fro with each message to find out how much that should be.
 constexpr int kLookaheadBytes = 1 << 20;
 
 namespace interception = grpc::experimental;
@@ -60,6 +60,8 @@ grpc::ChannelArguments channel_arguments() {
   arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, 100);
   arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, 3'000);
   arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, 1'000);
+  arguments.SetInt(GRPC_ARG_HTTP2_BDP_PROBE, 0);
+  arguments.SetInt(GRPC_ARG_HTTP2_STREAM_LOOKAHEAD_BYTES, kLookaheadBytes);
   // Farms are private networks: their addresses are reached directly, whatever proxy the environment names.
   arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);
   return arguments;

@@ -67,6 +67,7 @@ core::Result<std::shared_ptr<grpc::Channel>> own_connection(const std::string& a
   arguments.SetMaxSendMessageSize(proto::kMaxMessageBytes);
   arguments.SetMaxReceiveMessageSize(proto::kMaxMessageBytes);
   arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
+  arguments.SetInt(GRPC_ARG_HTTP2_BDP_PROBE, 0);  // as in proto/channel.cpp
   arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);
   return grpc::CreateCustomChannel(address, *credentials, arguments);
 }

@@ -1,11 +1,12 @@
 // Writing to the store what has changed.
 //
 // Job rows are copied first and written last: a row that says DONE is only in the store when all of the job's
-// samples are. Tiles stand by themselves, so they are copied and written in bounded batches, however many
-// changed.
+// samples are. Tiles stand by themselves, so they are copied one by one and written in bounded batches,
+// however many changed.
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 #include "server/coordinator/stored_tile.hpp"
@@ -49,23 +50,21 @@ std::vector<Coordinator::TileRef> Coordinator::changed_tiles() {
 }
 
 core::Status Coordinator::write_tiles(std::span<const TileRef> tiles) {
-  std::vector<TileCopy> copies;
-  {
+  const auto take_copy = [this](const TileRef& ref) -> std::optional<TileCopy> {
     const Turn turn(*this);
-    for (const TileRef& ref : tiles) {
-      const JobRecord* record = find(ref.job_id);
-      if (record == nullptr || !record->film) continue;  // deleted meanwhile
-      record->film->mark_clean(ref.tile);
-      copies.push_back({ref, grid_of(*record->spec).rect(ref.tile),
-                        scheduler_.done({ref.job_id}, ref.tile).ranges(), record->film->copy(ref.tile)});
-      copies.back().content.authored = {fingerprinter_.check(), scheduler_.authored({ref.job_id}, ref.tile)};
-    }
-  }
+    const JobRecord* record = find(ref.job_id);
+    if (record == nullptr || !record->film) return std::nullopt;  // deleted meanwhile
+    record->film->mark_clean(ref.tile);
+    TileCopy copy{ref, grid_of(*record->spec).rect(ref.tile),
+                  scheduler_.done({ref.job_id}, ref.tile).ranges(), record->film->copy(ref.tile)};
+    copy.content.authored = {fingerprinter_.check(), scheduler_.authored({ref.job_id}, ref.tile)};
+    return copy;
+  };
   std::vector<store::TileRow> rows;
-  for (TileCopy& copy : copies) {
-    rows.push_back(
-        encode_tile_row(copy.ref.job_id, copy.ref.tile, copy.rect, std::move(copy.done), copy.content));
-    copy.content = {};
+  for (const TileRef& ref : tiles) {  // one at a time: its sums stay in the processor's cache until encoded
+    auto copy = take_copy(ref);
+    if (!copy) continue;
+    rows.push_back(encode_tile_row(ref.job_id, ref.tile, copy->rect, std::move(copy->done), copy->content));
   }
   auto written = state_.jobs.write_tiles(rows);
   if (written) return written;

@@ -108,9 +108,11 @@ void Coordinator::tick() {
 }
 
 void Coordinator::answer_due_calls(Turn& turn) {
+  // Nothing is leased to callers that have gone in any case: this only forgets them.
+  const bool look_for_gone = turn.now() >= next_check_;
   std::vector<std::string> due;
   for (const auto& [worker, call] : parked_) {
-    if (call.deadline <= turn.now() || call.caller.is_gone()) due.push_back(worker);
+    if (call.deadline <= turn.now() || (look_for_gone && call.caller.is_gone())) due.push_back(worker);
   }
   for (const std::string& worker : due) apply(turn, top_up(turn, worker, true));
 }

@@ -7,7 +7,7 @@
 
 namespace tessera::coordinator {
 
-// How many are written at once: 12 MiB of sums, and as much again encoded.
+// How many are written at once: 12 MiB encoded, at most.
 inline constexpr std::size_t kTilesPerBatch = 64;
 
 struct StoredTile {

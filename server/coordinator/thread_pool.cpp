@@ -27,6 +27,18 @@ bool ThreadPool::post(std::function<void()> task) {
   return true;
 }
 
+bool ThreadPool::is_idle() {
+  const std::lock_guard lock(mutex_);
+  return waiting_.empty();
+}
+
+bool ThreadPool::run_or_post(std::function<void()> task) {
+  if (!is_idle() || runs_at_caller_.test_and_set()) return post(std::move(task));
+  task();
+  runs_at_caller_.clear();
+  return true;
+}
+
 void ThreadPool::run() {
   while (true) {
     std::unique_lock lock(mutex_);

@@ -1,5 +1,6 @@
 #include "server/coordinator/tile_planes.hpp"
 
+#include <emmintrin.h>
 #include <fmt/format.h>
 #include <zstd.h>
 #include <zstd_errors.h>
@@ -20,32 +21,43 @@ static_assert(std::endian::native == std::endian::little, "planes are made of by
 constexpr int kZstdLevel = -5;
 constexpr std::size_t kBytes = sizeof(std::uint64_t);
 
-using Block = std::array<std::uint64_t, kBytes>;
+// Sixteen sums, two to each register; or sixteen bytes of each plane, a plane to each register.
+constexpr std::size_t kSumsPerBlock = 16;
+using Block = std::array<__m128i, kBytes>;
 
-// Swaps the bits of `low` under `mask << shift` with those of `high` under `mask`.
-void exchange(std::uint64_t& low, std::uint64_t& high, int shift, std::uint64_t mask) {
-  const std::uint64_t difference = (low >> shift ^ high) & mask;
-  high ^= difference;
-  low ^= difference << shift;
+// Interleaves the bytes of each register whose number has `bit` clear with those of the one that has it set.
+// Of the number of a byte's register and the number of its place, this moves the highest bit of the place
+// into `bit`, and what was there to the lower end of the place.
+template <std::size_t bit>
+void interleave(Block& block) {
+  for (std::size_t i = 0; i < block.size(); ++i) {
+    if ((i & bit) != 0) continue;
+    const __m128i low = _mm_unpacklo_epi8(block[i], block[i + bit]);
+    block[i + bit] = _mm_unpackhi_epi8(block[i], block[i + bit]);
+    block[i] = low;
+  }
 }
 
-// Byte j of word i becomes byte i of word j: quarters of 4 x 4 bytes, then of 2 x 2, then single bytes.
-void transpose(Block& block) {
-  for (std::size_t i = 0; i < 4; ++i) exchange(block[i], block[i + 4], 32, 0x00000000ffffffff);
-  for (const std::size_t i : {0, 1, 4, 5}) exchange(block[i], block[i + 2], 16, 0x0000ffff0000ffff);
-  for (std::size_t i = 0; i < kBytes; i += 2) exchange(block[i], block[i + 1], 8, 0x00ff00ff00ff00ff);
+void load(Block& block, const void* from, std::size_t stride) {
+  for (std::size_t i = 0; i < block.size(); ++i)
+    block[i] = _mm_loadu_si128(reinterpret_cast<const __m128i*>(static_cast<const char*>(from) + i * stride));
 }
 
 // Puts sums into their places in the planes, of `total` bytes each, from `begin` on.
 void scatter(const std::vector<std::uint64_t>& sums, std::size_t begin, std::size_t total, char* planes) {
   char* to = planes + begin;
   std::size_t i = 0;
-  for (; i + kBytes <= sums.size(); i += kBytes, to += kBytes) {
+  for (; i + kSumsPerBlock <= sums.size(); i += kSumsPerBlock, to += kSumsPerBlock) {
     Block block;
-    std::memcpy(block.data(), sums.data() + i, sizeof block);
-    transpose(block);
-    for (std::size_t plane = 0; plane < kBytes; ++plane)
-      std::memcpy(to + plane * total, &block[plane], kBytes);
+    load(block, sums.data() + i, sizeof(__m128i));
+    interleave<4>(block);
+    interleave<2>(block);
+    interleave<1>(block);
+    interleave<4>(block);
+    for (std::size_t plane = 0; plane < kBytes; ++plane) {
+      const std::size_t of_plane = (plane & 1) << 2 | plane >> 1;
+      _mm_storeu_si128(reinterpret_cast<__m128i*>(to + plane * total), block[of_plane]);
+    }
   }
   for (; i < sums.size(); ++i, ++to)
     for (std::size_t plane = 0; plane < kBytes; ++plane)
@@ -55,11 +67,12 @@ void scatter(const std::vector<std::uint64_t>& sums, std::size_t begin, std::siz
 void gather(const char* planes, std::size_t begin, std::size_t total, std::vector<std::uint64_t>& sums) {
   const char* from = planes + begin;
   std::size_t i = 0;
-  for (; i + kBytes <= sums.size(); i += kBytes, from += kBytes) {
+  for (; i + kSumsPerBlock <= sums.size(); i += kSumsPerBlock, from += kSumsPerBlock) {
     Block block;
-    for (std::size_t plane = 0; plane < kBytes; ++plane)
-      std::memcpy(&block[plane], from + plane * total, kBytes);
-    transpose(block);
+    load(block, from, total);
+    interleave<4>(block);
+    interleave<2>(block);
+    interleave<1>(block);
     std::memcpy(sums.data() + i, block.data(), sizeof block);
   }
   for (; i < sums.size(); ++i, ++from)

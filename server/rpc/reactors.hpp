@@ -1,5 +1,6 @@
 // How handlers leave gRPC's threads: every call's work is posted to a pool of ours, and the call finished
-// from there. gRPC has few threads for callbacks; one that blocks stops the others.
+// from there. gRPC has few threads for callbacks, at least two; one that blocks stops the others. What is
+// short is done on one of them at a time, since waking another thread costs a good part of such work.
 #pragma once
 
 #include <grpcpp/server_context.h>
@@ -47,16 +48,30 @@ inline bool post(coordinator::FairPool& pool, const std::string& caller, std::fu
   return pool.post(caller, std::move(task));
 }
 
+// Finishes a unary call with the status of `work()`.
+template <typename Pool, typename Work>
+std::function<void()> finishing(grpc::ServerUnaryReactor* reactor, const Pool& pool, Work work) {
+  return [reactor, &pool, work = std::move(work)] {
+    reactor->Finish(pool.is_closed() ? stopping() : proto::to_grpc(guarded(work)));
+  };
+}
+
 // Answers a unary call of `caller` with the status of `work()`, run on `pool`, or with when_full() if too
 // much waits for that. What `work` refers to must live until then; request and response of a call do.
 template <typename Pool, typename Work, typename WhenFull = grpc::Status (*)()>
 grpc::ServerUnaryReactor* run_unary(grpc::CallbackServerContext* context, Pool& pool,
                                     const std::string& caller, Work work, WhenFull when_full = busy) {
   grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
-  const bool posted = post(pool, caller, [reactor, &pool, work = std::move(work)] {
-    reactor->Finish(pool.is_closed() ? stopping() : proto::to_grpc(guarded(work)));
-  });
-  if (!posted) reactor->Finish(when_full());
+  if (!post(pool, caller, finishing(reactor, pool, std::move(work)))) reactor->Finish(when_full());
+  return reactor;
+}
+
+// The same for work of less than a millisecond, which may be done on the calling thread (run_or_post).
+template <typename Work>
+grpc::ServerUnaryReactor* run_short_unary(grpc::CallbackServerContext* context, coordinator::ThreadPool& pool,
+                                          Work work) {
+  grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
+  if (!pool.run_or_post(finishing(reactor, pool, std::move(work)))) reactor->Finish(busy());
   return reactor;
 }
 

@@ -11,7 +11,7 @@ SynchronizeCall::SynchronizeCall(grpc::CallbackServerContext& context, coordinat
                                  coordinator::ThreadPool& pool, const v1::SynchronizeRequest* request,
                                  v1::SynchronizeResponse* response)
     : response_(response) {
-  const bool posted = pool.post([this, &context, &coordinator, request] {
+  const bool posted = pool.run_or_post([this, &context, &coordinator, request] {
     coordinator::SynchronizeCaller caller;
     caller.answer = [this](core::Result<v1::SynchronizeResponse> result) { answer(std::move(result)); };
     caller.is_gone = [&context] { return context.IsCancelled(); };

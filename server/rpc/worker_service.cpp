@@ -21,7 +21,7 @@ grpc::ServerUnaryReactor* WorkerService::SubmitResult(grpc::CallbackServerContex
   Caller caller;
   if (const auto admitted = gate_.admit(*context, Role::kWork, caller); !admitted.ok())
     return refuse(context, admitted);
-  return run_unary(context, pool_, caller.key, [=, this]() -> core::Status {
+  return run_short_unary(context, pool_, [=, this]() -> core::Status {
     auto counted = coordinator_.submit_result(*request);
     if (!counted) return core::fail(counted.error());
     *response = *counted;

@@ -1,6 +1,7 @@
 // Tiles as the store keeps them.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <zstd.h>
 
 #include "proto/tile_codec.hpp"
 #include "server/coordinator/job_film.hpp"
@@ -11,7 +12,7 @@ namespace {
 
 using core::ErrorCode;
 
-const core::PixelRect kRect{64, 128, 69, 131};  // 45 sums: no multiple of eight
+const core::PixelRect kRect{64, 128, 69, 131};  // 45 sums: no multiple of sixteen
 const std::vector<core::SampleRange> kDone{{0, 3}, {8, 12}};
 
 // Every byte of the sums is needed.
@@ -64,6 +65,25 @@ TEST(TileRow, RefusesWhatIsNotOfTheTile) {
     cut.content.resize(size);
     EXPECT_EQ(code_of(decode_tile_row(cut, kRect)), ErrorCode::kDataLoss) << size;
   }
+}
+
+// What is stored must still be read by later releases: it is not enough that decoding undoes encoding.
+TEST(TilePlanes, HoldTheLowestBytesFirst) {
+  constexpr std::size_t kCount = 45;
+  std::vector<std::uint64_t> sums(kCount), odd_sums(kCount);
+  std::string expected(16 * kCount, '\0');
+  for (std::size_t i = 0; i < 2 * kCount; ++i) {
+    std::uint64_t& sum = i < kCount ? sums[i] : odd_sums[i - kCount];
+    for (std::size_t plane = 0; plane < 8; ++plane) {
+      const std::uint64_t byte = (i * 31 + plane * 7 + 1) & 0xff;
+      sum |= byte << (8 * plane);
+      expected[plane * 2 * kCount + i] = static_cast<char>(byte);
+    }
+  }
+  const std::string frame = encode_planes(sums, odd_sums);
+  std::string planes(expected.size(), '\0');
+  ASSERT_EQ(ZSTD_decompress(planes.data(), planes.size(), frame.data(), frame.size()), planes.size());
+  EXPECT_EQ(planes, expected);
 }
 
 TEST(TilePlanes, AreSmallWhereHighBytesAreAlike) {
