@@ -2,6 +2,9 @@
 
 #include <algorithm>
 
+#include "core/materials/limits.hpp"
+#include "core/materials/normal_map.hpp"
+
 namespace tessera::core {
 namespace {
 
@@ -69,6 +72,61 @@ SurfaceLanes surfaces(const Primitives& primitives, const Rays& rays, const Hits
   return all;
 }
 
+using Materials = std::array<const Material*, kLaneCount>;
+
+// outward_normal() of eight triangles.
+Vec3Of<Float8> outward_normals(const Scene& scene, const Materials& materials, const Hits& hits,
+                               const SurfacePointOf<Float8>& surface) {
+  std::array<const Texture*, kLaneCount> maps{};
+  FloatLanes strength{};
+  Vec3Lanes along_u{}, along_v{};  // zero where there is no map: then normals stay as they are
+  const Texture* some_map = nullptr;
+  for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
+    const NormalMap& map = materials[lane]->normal_map;
+    if (map.texture < 0) continue;
+    some_map = maps[lane] = &scene.textures()[static_cast<std::size_t>(map.texture)];
+    strength.set(lane, map.strength);
+    const auto [of_u, of_v] = scene.primitives().tangents(*hits[lane], {});
+    along_u.set(lane, along_picture(of_u, some_map->scale.x));
+    along_v.set(lane, along_picture(of_v, some_map->scale.y));
+  }
+  if (!some_map) return surface.shading_normal;
+  std::replace(maps.begin(), maps.end(), static_cast<const Texture*>(nullptr), some_map);
+  return bend_by_map(Texture::evaluate(maps, surface.uv), strength.all(), surface.shading_normal,
+                     along_u.all(), along_v.all());
+}
+
+// The models of eight materials that are glossy, with their textures looked up.
+CookTorranceBsdfOf<Float8> glossy_bsdfs(const Materials& materials, const std::vector<Texture>& textures,
+                                        Vec2Of<Float8> uv) {
+  std::array<const ColorParameter*, kLaneCount> diffuse, specular, f0;
+  std::array<const ScalarParameter*, kLaneCount> roughness;
+  RgbLanes eta{}, k{};
+  unsigned metal = 0, schlick_masking = 0, half_vector = 0;
+  for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
+    const auto& model = *std::get_if<CookTorrance>(&materials[lane]->model);
+    diffuse[lane] = &model.diffuse, specular[lane] = &model.specular, f0[lane] = &model.f0;
+    roughness[lane] = &model.roughness;
+    schlick_masking |= (model.masking == Masking::kSchlick ? 1u : 0u) << lane;
+    half_vector |= (materials[lane]->sampling == Sampling::kHalfVector ? 1u : 0u) << lane;
+    if (!model.conductor) continue;
+    metal |= 1u << lane;
+    const ComplexIndex index = complex_index(*model.conductor);
+    eta.set(lane, index.eta), k.set(lane, index.k);
+  }
+  const RgbOf<Float8> kd = evaluate(diffuse, textures, uv), ks = evaluate(specular, textures, uv);
+  const RgbOf<Float8> scale = keep_to_one(kd, ks);
+  return {kd * scale,
+          ks * scale,
+          Mask8::from_bits(metal),
+          evaluate(f0, textures, uv),
+          eta.all(),
+          k.all(),
+          rough_ggx(evaluate(roughness, textures, uv)),
+          Mask8::from_bits(schlick_masking),
+          Mask8::from_bits(half_vector)};
+}
+
 }  // namespace
 
 void MixedBsdfs::set(std::size_t lane, const Bsdf& bsdf) {
@@ -127,13 +185,30 @@ DiffuseVertices diffuse_vertices(const Scene& scene, const Rays& rays, const Hit
   const Vec3Of<Float8> wo = toward_origins(rays);
   const SurfacePointOf<Float8> surface = scene.primitives().triangle_surfaces(hits);
   const ViewedSide<Float8> side(surface, wo);
-  const FloatLanes u(surface.uv.x), v(surface.uv.y);
-  RgbLanes albedo;
-  for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
-    const auto& model = *std::get_if<Lambert>(&scene.material_of(*hits[lane]).model);
-    albedo.set(lane, model.albedo.evaluate(scene.textures(), {u[lane], v[lane]}));
-  }
-  return {surface, wo, side.normal, side.shading_normal(surface.shading_normal, wo), {{albedo.all()}}};
+  std::array<const ColorParameter*, kLaneCount> albedos;
+  for (std::size_t lane = 0; lane < kLaneCount; ++lane)
+    albedos[lane] = &std::get_if<Lambert>(&scene.material_of(*hits[lane]).model)->albedo;
+  const RgbOf<Float8> albedo = evaluate(albedos, scene.textures(), surface.uv);
+  return {surface, wo, side.normal, side.shading_normal(surface.shading_normal, wo), {{albedo}}};
+}
+
+bool is_glossy(const Material& material) {
+  return std::holds_alternative<CookTorrance>(material.model) && material.sampling != Sampling::kUniform;
+}
+
+GlossyVertices glossy_vertices(const Scene& scene, const Rays& rays, const Hits& hits) {
+  const Vec3Of<Float8> wo = toward_origins(rays);
+  const SurfacePointOf<Float8> surface = scene.primitives().triangle_surfaces(hits);
+  const ViewedSide<Float8> side(surface, wo);
+  Materials materials;
+  for (std::size_t lane = 0; lane < kLaneCount; ++lane) materials[lane] = &scene.material_of(*hits[lane]);
+  const Vec3Of<Float8> outward = outward_normals(scene, materials, hits, surface);
+  const Vec3Of<Float8> seen = side.shading_normal(outward, wo);
+  return {surface,
+          wo,
+          side.normal,
+          bend_for_reflection(seen, side.normal, wo),
+          {glossy_bsdfs(materials, scene.textures(), surface.uv)}};
 }
 
 MixedVertices mixed_vertices(const Scene& scene, const Rays& rays, const Hits& hits, std::size_t count) {

@@ -28,6 +28,16 @@ struct DiffuseBsdfs : LambertBsdfOf<Float8> {
   }
 };
 
+// Microfacets over a diffuse part in all lanes.
+struct GlossyBsdfs : CookTorranceBsdfOf<Float8> {
+  Mask8 is_delta() const { return false; }
+  Mask8 transmits() const { return false; }
+  BsdfSamples sample(Vec3Of<Float8> wo_local, Vec2Of<Float8> u, Float8 u_lobe) const {
+    const auto [found, wi_local, scattered] = find(wo_local, u, u_lobe);
+    return {found, false, false, wi_local, scattered.value / scattered.pdf, scattered.pdf, 1.0f};
+  }
+};
+
 // Any model in each lane, evaluated one by one. Lanes that are not set scatter nothing.
 class MixedBsdfs {
  public:
@@ -91,6 +101,12 @@ using DiffuseVertices = EightVertices<DiffuseBsdfs>;
 bool is_diffuse(const Material& material);
 DiffuseVertices diffuse_vertices(const Scene& scene, const std::array<const Ray*, kLaneCount>& rays,
                                  const std::array<const Hit*, kLaneCount>& hits);
+
+// Of triangles whose material is_glossy.
+using GlossyVertices = EightVertices<GlossyBsdfs>;
+bool is_glossy(const Material& material);
+GlossyVertices glossy_vertices(const Scene& scene, const std::array<const Ray*, kLaneCount>& rays,
+                               const std::array<const Hit*, kLaneCount>& hits);
 
 // Of anything. Only the first `count` lanes scatter.
 using MixedVertices = EightVertices<MixedBsdfs>;

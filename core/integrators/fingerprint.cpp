@@ -53,8 +53,8 @@ Texture dents() {
 }  // namespace
 
 // A box open to the front with lights of every kind, one of them textured, spheres of every material, a
-// dented floor, a textured mesh with interpolated normals, and instances of the like, seen through a lens of
-// five blades and a Gaussian filter.
+// dented floor, walls of microfacets, a textured mesh with interpolated normals, and instances of the like,
+// seen through a lens of five blades and a Gaussian filter.
 SceneDescription fingerprint_scene() {
   SceneDescription scene;
   scene.settings = {
@@ -75,11 +75,23 @@ SceneDescription fingerprint_scene() {
                      {.name = "gold", .model = CookTorrance{.conductor = Conductor::kGold}},
                      {.name = "lacquer",
                       .model = CookTorrance{.diffuse = {{0.1f, 0.4f, 0.2f}}, .specular = {Rgb::gray(0.5f)}},
-                      .normal_map = {2, 1}}};
+                      .normal_map = {2, 1}},
+                     {.name = "tiles",
+                      .model = CookTorrance{.diffuse = {Rgb::gray(0.8f), 0},
+                                            .specular = {Rgb::gray(0.5f)},
+                                            .roughness = {0.6f, 0},
+                                            .masking = Masking::kSchlick},
+                      .normal_map = {2, 1}},
+                     {.name = "copper",
+                      .model = CookTorrance{.conductor = Conductor::kCopper},
+                      .sampling = Sampling::kHalfVector}};
   scene.textures = {checks(), sky(), dents()};
   scene.shapes = {tent(),
                   QuadDescription{{-2, 0, 2}, {4, 0, 0}, {0, 0, -4}, 7},
                   QuadDescription{{-2, 0, -2}, {4, 0, 0}, {0, 3, 0}, 0},
+                  QuadDescription{{2, 0, -2}, {0, 0, 4}, {0, 3, 0}, 10},
+                  QuadDescription{{-2, 0, 0}, {0, 0, -2}, {0, 1, 0}, 11},
+                  QuadDescription{{-2, 1, 0}, {0, 0, -2}, {0, 1, 0}, 9},
                   QuadDescription{{-0.5f, 2.9f, -0.5f}, {1, 0, 0}, {0, 0, 1}, 1},
                   SphereDescription{{-0.7f, 0.6f, 0.3f}, 0.6f, 2},
                   SphereDescription{{0.8f, 0.7f, -0.5f}, 0.7f, 3},

@@ -109,11 +109,7 @@ void PathTracer::step(int depth, RenderCounters& counters) {
   for (std::size_t bin = 0; bin < kBins; ++bin)
     for (std::size_t i = 0; i < bin_sizes_[bin]; i += kLaneCount) {
       const Paths paths(*paths_, hits_, {bins_[bin].data() + i, std::min(kLaneCount, bin_sizes_[bin] - i)});
-      if (bin == kDiffuse) {
-        shade(paths, diffuse_vertices(scene_, paths.rays, paths.hits), depth);
-      } else {
-        shade(paths, mixed_vertices(scene_, paths.rays, paths.hits, paths.count), depth);
-      }
+      shade(static_cast<Bin>(bin), paths, depth);
     }
   add_unoccluded(counters);
   std::swap(paths_, next_paths_);
@@ -121,24 +117,34 @@ void PathTracer::step(int depth, RenderCounters& counters) {
 
 PathTracer::Bin PathTracer::bin_of(const Material& material) {
   if (is_diffuse(material)) return kDiffuse;
+  if (is_glossy(material)) return kGlossy;
   const bool smooth =
       std::holds_alternative<Mirror>(material.model) || std::holds_alternative<Glass>(material.model);
   return smooth ? kSmooth : kRough;
 }
 
-// Paths that have left the scene end here.
 void PathTracer::sort_by_material() {
   bin_sizes_ = {};
   const Primitives& primitives = scene_.primitives();
   for (std::uint32_t slot = 0; slot < paths_->size(); ++slot) {
     const Hit& hit = hits_[slot];
-    if (!hit.found()) {
-      add_environment(paths_->head(slot), paths_->rays()[slot].direction);
-      continue;
-    }
-    Bin bin = bin_of_material_[primitives.material(hit)];
-    if (bin == kDiffuse && !primitives.is_plain_triangle(hit)) bin = kRough;
+    Bin bin = hit.found() ? bin_of_material_[primitives.material(hit)] : kLeft;
+    if ((bin == kDiffuse || bin == kGlossy) && !primitives.is_plain_triangle(hit)) bin = kRough;
     bins_[bin][bin_sizes_[bin]++] = slot;
+  }
+}
+
+void PathTracer::shade(Bin bin, const Paths& paths, int depth) {
+  switch (bin) {
+    case kDiffuse:
+      return shade(paths, diffuse_vertices(scene_, paths.rays, paths.hits), depth);
+    case kGlossy:
+      return shade(paths, glossy_vertices(scene_, paths.rays, paths.hits), depth);
+    case kRough:
+    case kSmooth:
+      return shade(paths, mixed_vertices(scene_, paths.rays, paths.hits, paths.count), depth);
+    case kLeft:
+      return add_environment(paths);
   }
 }
 
@@ -161,12 +167,20 @@ void PathTracer::shade(const Paths& paths, const Vertices& vertices, int depth) 
   scatter(paths, vertices, guidance, paths.used, depth);
 }
 
-// What a ray sees that meets nothing.
-void PathTracer::add_environment(const PathHead& head, Vec3 direction) {
+// What rays see that meet nothing.
+void PathTracer::add_environment(const Paths& paths) {
   const std::uint32_t light = scene_.environment_light();
   if (light == kNoLight) return;
-  const float weight = weight_of_found(light, head, [&] { return scene_.environment().pdf(direction); });
-  if (weight > 0) radiance_[head.path] += head.throughput * scene_.environment().radiance(direction) * weight;
+  Vec3Lanes directions;
+  for (std::size_t lane = 0; lane < kLaneCount; ++lane) directions.set(lane, paths.rays[lane]->direction);
+  const Environment::Seen seen = scene_.environment().see(directions.all());
+  const RgbLanes radiance(seen.radiance);
+  const FloatLanes pdf(seen.pdf);
+  for (std::size_t lane = 0; lane < paths.count; ++lane) {
+    const PathHead& head = *paths.heads[lane];
+    const float weight = weight_of_found(light, head, [&] { return pdf[lane]; });
+    if (weight > 0) radiance_[head.path] += head.throughput * radiance[lane] * weight;
+  }
 }
 
 // Emission met by the ray itself.

@@ -36,10 +36,10 @@ class PathTracer {
     Rgb radiance;  // what the path gains
   };
 
-  // Vertices that are shaded together. Mirrors and glass stay apart since few of them are lit by lights'
-  // samples.
-  enum Bin { kDiffuse, kRough, kSmooth };
-  static constexpr std::size_t kBins = 3;
+  // Vertices that are shaded together, and paths that have left the scene. Mirrors and glass stay apart since
+  // few of them are lit by lights' samples.
+  enum Bin { kDiffuse, kGlossy, kRough, kSmooth, kLeft };
+  static constexpr std::size_t kBins = 5;
   static Bin bin_of(const Material& material);
 
   // Most of what can be seen comes from the first vertex, and every sample has one: there two lights are
@@ -53,7 +53,8 @@ class PathTracer {
   void sort_by_material();
   template <typename Vertices>
   void shade(const Paths& paths, const Vertices& vertices, int depth);
-  void add_environment(const PathHead& head, Vec3 direction);
+  void shade(Bin bin, const Paths& paths, int depth);
+  void add_environment(const Paths& paths);
   void add_emission(const PathHead& head, const SurfacePoint& surface, Vec3 wo, std::uint32_t light);
   template <typename Pdf>
   float weight_of_found(std::uint32_t light, const PathHead& head, Pdf pdf) const;
@@ -85,7 +86,7 @@ class PathTracer {
   std::array<PathQueue, 2> queues_;
   PathQueue *paths_ = &queues_[0], *next_paths_ = &queues_[1];
   std::array<Hit, kBatchPaths> hits_;  // of the rays of paths_
-  // Slots of paths_ whose rays hit something, by what shades them.
+  // Slots of paths_, by what their rays hit.
   std::array<std::size_t, kBins> bin_sizes_{};
   std::array<std::array<std::uint32_t, kBatchPaths>, kBins> bins_;
   std::size_t connection_count_ = 0;

@@ -8,9 +8,10 @@ namespace tessera::core {
 Vec3 outward_normal(const Scene& scene, const Material& material, const Hit& hit,
                     const SurfacePoint& surface) {
   if (material.normal_map.texture < 0) return surface.shading_normal;
+  const Texture& map = scene.textures()[static_cast<std::size_t>(material.normal_map.texture)];
   const auto [along_u, along_v] = scene.primitives().tangents(hit, surface);
-  return bend_by_map(material.normal_map, scene.textures(), surface.uv, surface.shading_normal, along_u,
-                     along_v);
+  return bend_by_map(map.evaluate(surface.uv), material.normal_map.strength, surface.shading_normal,
+                     along_picture(along_u, map.scale.x), along_picture(along_v, map.scale.y));
 }
 
 namespace {

@@ -149,9 +149,8 @@ LightSamples AreaLight::sample_quads(const std::array<const AreaLight*, 8>& quad
                                      Vec2Of<Float8> u) {
   Vec3Lanes corner, edge_u, edge_v, front;
   FloatLanes area;
-  RgbLanes radiance;
+  std::array<const ColorParameter*, kLaneCount> radiance;
   unsigned two_sided = 0;
-  const FloatLanes u_x(u.x), u_y(u.y);
   for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
     const AreaLight& light = *quads[lane];
     const QuadLight& quad = *std::get_if<QuadLight>(&light.shape_);
@@ -160,14 +159,14 @@ LightSamples AreaLight::sample_quads(const std::array<const AreaLight*, 8>& quad
     edge_v.set(lane, quad.edge_v);
     front.set(lane, light.front_);
     area.set(lane, light.area_);
-    radiance.set(lane, light.emission_.radiance.evaluate(textures, {u_x[lane], u_y[lane]}));
+    radiance[lane] = &light.emission_.radiance;
     two_sided |= (light.emission_.two_sided ? 1u : 0u) << lane;
   }
   LightSamples samples;
   samples.point = point_of_quad<Float8>({corner.all(), edge_u.all(), edge_v.all()}, front.all(), u);
   samples.wi = normalize(samples.point.position - p_lit);
   samples.pdf = per_solid_angle(area.all(), p_lit, samples.point.position, front.all());
-  samples.radiance = radiance.all();
+  samples.radiance = evaluate(radiance, textures, u);
   const Mask8 shines = Mask8::from_bits(two_sided) | (dot(front.all(), -samples.wi) > 0);
   samples.found = (samples.pdf > 0) & (samples.pdf < std::numeric_limits<float>::infinity()) & shines &
                   !is_black(samples.radiance);

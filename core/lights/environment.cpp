@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/math/elementary.hpp"
+#include "core/math/lane_array.hpp"
 
 namespace tessera::core {
 namespace {
@@ -52,12 +53,20 @@ std::vector<double> texel_means(const TextureImage& image, Rgb factor) {
   return means;
 }
 
-float fraction(float x) {
-  return x - std::floor(x);
+template <typename T>
+T fraction(T x) {
+  using std::floor;
+  return x - floor(x);
 }
 
-int cell_of(float coordinate, int cells) {
-  return std::clamp(static_cast<int>(coordinate * static_cast<float>(cells)), 0, cells - 1);
+template <typename T>
+WordOf<T> cell_of(T coordinate, int cells) {
+  const auto count = static_cast<float>(cells);
+  return to_word(larger(T(0.0f), smaller(coordinate * count, T(count - 1))));
+}
+
+RgbOf<Float8> in_all_lanes(Rgb c) {
+  return {c.r, c.g, c.b};
 }
 
 }  // namespace
@@ -92,9 +101,11 @@ double Environment::solid_angle(int row) const {
   return 2 * kPiDouble / width_ * (row_begin_[r + 1] - row_begin_[r]);
 }
 
-Vec2 Environment::uv_of(Vec3 d) const {
+template <typename T>
+Vec2Of<T> Environment::uv_of(Vec3Of<T> d) const {
+  using std::sqrt;
   constexpr float kInvPi = 1 / kPi;
-  const float longitude = atan2(d.x, -d.z), latitude = atan2(d.y, std::sqrt(d.x * d.x + d.z * d.z));
+  const T longitude = atan2(d.x, -d.z), latitude = atan2(d.y, sqrt(d.x * d.x + d.z * d.z));
   return {fraction(0.5f + (longitude * (kInvPi / 2) + turned_)), 0.5f + latitude * kInvPi};
 }
 
@@ -104,25 +115,74 @@ Rgb Environment::radiance(Vec3 direction) const {
 
 float Environment::pdf(Vec3 direction) const {
   if (!image_) return 1 / (4 * kPi);
-  const Vec2 uv = uv_of(direction);
-  const int row = cell_of(1 - uv.y, height_);
-  return static_cast<float>(texels_.pmf(cell_of(uv.x, width_), row) *
-                            per_solid_angle_[static_cast<std::size_t>(row)]);
+  const auto [x, y] = texel_of(uv_of(direction));
+  return pdf_of_texel(x, y);
 }
 
-std::optional<LightSample> Environment::sample(Vec2 u) const {
-  const GridDistribution::Choice texel = texels_.sample(u);
+template <typename T>
+Vec2Of<WordOf<T>> Environment::texel_of(Vec2Of<T> uv) const {
+  return {cell_of(uv.x, width_), cell_of(1 - uv.y, height_)};
+}
+
+float Environment::pdf_of_texel(std::uint32_t x, std::uint32_t y) const {
+  return static_cast<float>(texels_.pmf(static_cast<int>(x), static_cast<int>(y)) * per_solid_angle_[y]);
+}
+
+RgbOf<Float8> Environment::radiance_at(Vec2Of<Float8> uv) const {
+  std::array<const TextureImage*, kLaneCount> images;
+  images.fill(image_.get());
+  return in_all_lanes(radiance_) * TextureImage::bilinear(images, uv, true, false);
+}
+
+Environment::Seen Environment::see(Vec3Of<Float8> directions) const {
+  if (!image_) return {in_all_lanes(radiance_), 1 / (4 * kPi)};
+  const Vec2Of<Float8> uv = uv_of(directions);
+  const auto [x, y] = texel_of(uv);
+  const WordLanes columns(x), rows(y);
+  FloatLanes pdf;
+  for (std::size_t lane = 0; lane < kLaneCount; ++lane)
+    pdf.set(lane, pdf_of_texel(columns[lane], rows[lane]));
+  return {radiance_at(uv), pdf.all()};
+}
+
+Environment::Place Environment::place(const GridDistribution::Choice& texel) const {
   const auto row = static_cast<std::size_t>(texel.y);
   const double depth =
       row_begin_[row] + (row_begin_[row + 1] - row_begin_[row]) * static_cast<double>(texel.within.y);
-  const auto horizontal = static_cast<float>(std::sqrt(depth * (2 - depth)));
-  const float along_row = (static_cast<float>(texel.x) + texel.within.x) / static_cast<float>(width_);
+  return {(static_cast<float>(texel.x) + texel.within.x) / static_cast<float>(width_),
+          static_cast<float>(std::sqrt(depth * (2 - depth))), static_cast<float>(1 - depth),
+          static_cast<float>(texel.pmf * per_solid_angle_[row])};
+}
+
+template <typename T>
+Vec3Of<T> Environment::direction(T along_row, T horizontal, T height) const {
   const auto [sine, cosine] = sin_cos_turns(along_row - 0.5f - turned_);
-  const Vec3 wi = normalize({horizontal * sine, static_cast<float>(1 - depth), -horizontal * cosine});
+  return normalize(Vec3Of<T>{horizontal * sine, height, -horizontal * cosine});
+}
+
+std::optional<LightSample> Environment::sample(Vec2 u) const {
+  const Place found = place(texels_.sample(u));
+  const Vec3 wi = direction(found.along_row, found.horizontal, found.height);
   const Rgb arriving = radiance(wi);
   if (is_black(arriving)) return std::nullopt;
-  return LightSample{wi, arriving, static_cast<float>(texel.pmf * per_solid_angle_[row]), false,
-                     std::nullopt};
+  return LightSample{wi, arriving, found.pdf, false, std::nullopt};
+}
+
+LightSamples Environment::sample(Vec2Of<Float8> u) const {
+  const auto texels = texels_.sample(u);
+  FloatLanes along_row, horizontal, height, pdf;
+  for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
+    const Place found = place(texels[lane]);
+    along_row.set(lane, found.along_row), horizontal.set(lane, found.horizontal);
+    height.set(lane, found.height), pdf.set(lane, found.pdf);
+  }
+  LightSamples samples;
+  samples.wi = direction(along_row.all(), horizontal.all(), height.all());
+  samples.radiance = image_ ? radiance_at(uv_of(samples.wi)) : in_all_lanes(radiance_);
+  samples.found = !is_black(samples.radiance);
+  samples.pdf = pdf.all();
+  samples.distant = true;
+  return samples;
 }
 
 double Environment::power(double scene_radius) const {

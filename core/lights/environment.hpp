@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/lights/light_sample.hpp"
+#include "core/math/word_lanes.hpp"
 #include "core/sampling/distribution.hpp"
 #include "core/textures/texture.hpp"
 
@@ -30,6 +31,15 @@ class Environment {
   std::optional<LightSample> sample(Vec2 u) const;
   float pdf(Vec3 direction) const;
 
+  // radiance() and pdf() of eight directions.
+  struct Seen {
+    RgbOf<Float8> radiance;
+    Float8 pdf;
+  };
+  Seen see(Vec3Of<Float8> directions) const;
+  // Eight of sample(); only what they have.
+  LightSamples sample(Vec2Of<Float8> u) const;
+
   // Watts, the mean of the channels, that fall on a disk of the scene's radius, from all sides.
   double power(double scene_radius) const;
 
@@ -37,7 +47,22 @@ class Environment {
   double irradiance() const;
 
  private:
-  Vec2 uv_of(Vec3 direction) const;
+  template <typename T>
+  Vec2Of<T> uv_of(Vec3Of<T> direction) const;
+  // Of the texel that (u, v) falls on.
+  template <typename T>
+  Vec2Of<WordOf<T>> texel_of(Vec2Of<T> uv) const;
+  float pdf_of_texel(std::uint32_t x, std::uint32_t y) const;
+  RgbOf<Float8> radiance_at(Vec2Of<Float8> uv) const;  // of the picture
+  // Where a sample falls: how far along its row, in pictures, and how far from the axis and above the equator
+  // on the unit sphere.
+  struct Place {
+    float along_row, horizontal, height;
+    float pdf;
+  };
+  Place place(const GridDistribution::Choice& texel) const;
+  template <typename T>
+  Vec3Of<T> direction(T along_row, T horizontal, T height) const;
   // Of each texel of a row.
   double solid_angle(int row) const;
 

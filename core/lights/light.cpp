@@ -49,6 +49,16 @@ class SampleLanes {
   FloatLanes pdf_{};
 };
 
+// Lights at infinity, which have no points. Those that are found become samples of `all`.
+void take_lanes(LightSamples& all, const LightSamples& distant, Mask8 lanes) {
+  const Mask8 mine = lanes & distant.found;
+  all.found = all.found | mine;
+  all.wi = select(mine, distant.wi, all.wi);
+  all.radiance = select(mine, distant.radiance, all.radiance);
+  all.pdf = select(mine, distant.pdf, all.pdf);
+  all.distant = all.distant | mine;
+}
+
 const AreaLight* as_quad(const Light* light) {
   const auto* area = light ? std::get_if<AreaLight>(light) : nullptr;
   return area && area->is_quad() ? area : nullptr;
@@ -72,11 +82,15 @@ LightSamples sample_lights(const std::array<const Light*, 8>& lights, const std:
                            Vec3Of<Float8> p_lit, Vec2Of<Float8> u) {
   std::array<const AreaLight*, 8> quads;
   const AreaLight* some_quad = nullptr;
-  unsigned quad_lanes = 0, other_lanes = 0;
+  const Environment* environment = nullptr;  // of which a scene has one
+  unsigned quad_lanes = 0, environment_lanes = 0, other_lanes = 0;
   for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
     quads[lane] = as_quad(lights[lane]);
-    if (quads[lane]) some_quad = quads[lane], quad_lanes |= 1u << lane;
-    if (lights[lane] && !quads[lane]) other_lanes |= 1u << lane;
+    if (!lights[lane]) continue;
+    const auto* around = std::get_if<Environment>(lights[lane]);
+    if (quads[lane]) some_quad = quads[lane];
+    if (around) environment = around;
+    (quads[lane] ? quad_lanes : around ? environment_lanes : other_lanes) |= 1u << lane;
   }
   LightSamples samples;
   if (some_quad) {
@@ -85,6 +99,7 @@ LightSamples sample_lights(const std::array<const Light*, 8>& lights, const std:
     samples.found = samples.found & Mask8::from_bits(quad_lanes);
     samples.wi = select(samples.found, samples.wi, Vec3Of<Float8>{});
   }
+  if (environment) take_lanes(samples, environment->sample(u), Mask8::from_bits(environment_lanes));
   if (other_lanes == 0) return samples;
   const Vec3Lanes p(p_lit);
   const FloatLanes u_x(u.x), u_y(u.y);

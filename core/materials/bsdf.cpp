@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/base/overloaded.hpp"
+#include "core/materials/limits.hpp"
 #include "core/sampling/warp.hpp"
 
 namespace tessera::core {
@@ -11,17 +12,6 @@ namespace {
 
 // Below, a microfacet surface bends light too little for floats to find the microfacet from the directions.
 constexpr float kMinBending = 1e-3f;
-
-float squared_roughness(float roughness) {
-  const float r = std::clamp(roughness, 0.0f, 1.0f);
-  return r * r;
-}
-
-// What both parts of a surface are multiplied by, so that they do not reflect more than they receive.
-Rgb keep_to_one(Rgb diffuse, Rgb specular) {
-  const Rgb sum = diffuse + specular;
-  return {1 / std::max(1.0f, sum.r), 1 / std::max(1.0f, sum.g), 1 / std::max(1.0f, sum.b)};
-}
 
 }  // namespace
 
@@ -48,19 +38,16 @@ Bsdf::AtPoint Bsdf::look_up(const Material& material, const std::vector<Texture>
           [&](const CookTorrance& m) -> AtPoint {
             const Rgb diffuse = at(m.diffuse), specular = at(m.specular);
             const Rgb scale = keep_to_one(diffuse, specular);
-            CookTorranceBsdf bsdf{.diffuse = diffuse * scale,
-                                  .specular = specular * scale,
-                                  .f0 = {},
-                                  .metal = {},
-                                  .ggx = Ggx(std::max(squared_roughness(at(m.roughness)), kMinAlpha)),
-                                  .masking = m.masking,
-                                  .sample_half_vector = material.sampling == Sampling::kHalfVector};
-            if (m.conductor) {
-              bsdf.metal = complex_index(*m.conductor);
-            } else {
-              bsdf.f0 = at(m.f0);
-            }
-            return bsdf;
+            const ComplexIndex index = m.conductor ? complex_index(*m.conductor) : ComplexIndex{};
+            return CookTorranceBsdf{.diffuse = diffuse * scale,
+                                    .specular = specular * scale,
+                                    .is_metal = m.conductor.has_value(),
+                                    .f0 = m.conductor ? Rgb{} : at(m.f0),
+                                    .eta = index.eta,
+                                    .k = index.k,
+                                    .ggx = rough_ggx(at(m.roughness)),
+                                    .schlick_masking = m.masking == Masking::kSchlick,
+                                    .sample_half_vector = material.sampling == Sampling::kHalfVector};
           },
       },
       material.model);

@@ -4,28 +4,100 @@
 #include <optional>
 
 #include "core/materials/bsdf_sample.hpp"
-#include "core/materials/material.hpp"
+#include "core/materials/fresnel.hpp"
 #include "core/materials/microfacet.hpp"
+#include "core/sampling/warp.hpp"
 
 namespace tessera::core {
 
-struct CookTorranceBsdf {
+// At one point or, with Float8 for T, at eight.
+template <typename T>
+struct CookTorranceBsdfOf {
   static constexpr bool kIsDelta = false;
 
-  BsdfValue evaluate(Vec3 wo_local, Vec3 wi_local) const;
-  std::optional<BsdfSample> sample(Vec3 wo_local, Vec2 u, float u_lobe) const;
+  BsdfValueOf<T> evaluate(Vec3Of<T> wo_local, Vec3Of<T> wi_local) const {
+    return evaluate(wo_local, wi_local, specular_probability(wo_local.z));
+  }
 
-  Rgb diffuse, specular;  // diffuse + specular <= 1
-  Rgb f0;
-  std::optional<ComplexIndex> metal;  // instead of f0
-  Ggx ggx;
-  Masking masking;
-  bool sample_half_vector;  // else visible normals
+  struct Found {
+    MaskOf<T> any;  // where there is one at all
+    Vec3Of<T> wi_local;
+    BsdfValueOf<T> value;
+  };
+  Found find(Vec3Of<T> wo_local, Vec2Of<T> u, T u_lobe) const;
+
+  std::optional<BsdfSample> sample(Vec3 wo_local, Vec2 u, float u_lobe) const {
+    const Found found = find(wo_local, u, u_lobe);
+    if (!found.any) return std::nullopt;
+    return weighed_sample(found.wi_local, found.value);
+  }
+
+  RgbOf<T> diffuse, specular;  // diffuse + specular <= 1
+  MaskOf<T> is_metal;
+  RgbOf<T> f0;      // unless it is a metal
+  RgbOf<T> eta, k;  // of a metal
+  GgxOf<T> ggx;
+  MaskOf<T> schlick_masking;     // Masking::kSchlick
+  MaskOf<T> sample_half_vector;  // else visible normals
 
  private:
-  Rgb reflectance(float cos_oh) const;
-  float specular_probability(float cos_o) const;
-  float masking_over_4_cos(float cos_o, float cos_i) const;
+  RgbOf<T> reflectance(T cos_oh) const {
+    const RgbOf<T> dielectric = fresnel_schlick(cos_oh, f0);
+    return any(is_metal) ? select(is_metal, fresnel_conductor(cos_oh, eta, k), dielectric) : dielectric;
+  }
+
+  // The share that microfacets have in the light reflected to wo, if all of them lay flat.
+  T specular_probability(T cos_o) const {
+    const T shine = max_component(specular * reflectance(cos_o));
+    return select(is_black(diffuse), T(1.0f), shine / (shine + max_component(diffuse)));
+  }
+
+  T masking_over_4_cos(T cos_o, T cos_i) const {
+    const T smith = ggx.visible_from_both_over_4_cos(cos_o, cos_i);
+    if (!any(schlick_masking)) return smith;
+    const T k_half = ggx.alpha() / 2;
+    const T schlick = 1 / (4 * (cos_o * (1 - k_half) + k_half) * (cos_i * (1 - k_half) + k_half));
+    return select(schlick_masking, schlick, smith);
+  }
+
+  Vec3Of<T> sample_facet(Vec3Of<T> wo, Vec2Of<T> u) const {
+    if (all(sample_half_vector)) return ggx.sample_projected(u);
+    const Vec3Of<T> visible = ggx.sample_visible(wo, u);
+    return any(sample_half_vector) ? select(sample_half_vector, ggx.sample_projected(u), visible) : visible;
+  }
+
+  BsdfValueOf<T> evaluate(Vec3Of<T> wo, Vec3Of<T> wi, T p) const;
 };
+using CookTorranceBsdf = CookTorranceBsdfOf<float>;
+
+// `p` is the specular probability.
+template <typename T>
+BsdfValueOf<T> CookTorranceBsdfOf<T>::evaluate(Vec3Of<T> wo, Vec3Of<T> wi, T p) const {
+  const MaskOf<T> dark = (wo.z <= 0) | (wi.z <= 0);
+  const Vec3Of<T> h = normalize(wo + wi);
+  const T cos_oh = dot(wo, h);
+  const T facets = ggx.density(h) * masking_over_4_cos(wo.z, wi.z);
+  const T pdf_h = select(sample_half_vector, ggx.pdf_projected(h), ggx.pdf_visible(wo, h));
+  const RgbOf<T> value = (diffuse / kPi + specular * reflectance(cos_oh) * facets) * wi.z;
+  const T pdf = p * pdf_h / (4 * cos_oh) + (1 - p) * pdf_cosine_hemisphere(wi.z);
+  return {select(dark, RgbOf<T>{}, value), select(dark, T(0.0f), pdf)};
+}
+
+template <typename T>
+typename CookTorranceBsdfOf<T>::Found CookTorranceBsdfOf<T>::find(Vec3Of<T> wo, Vec2Of<T> u, T u_lobe) const {
+  const T p = specular_probability(wo.z);
+  const MaskOf<T> specular_lobe = u_lobe < p;
+  MaskOf<T> found = wo.z > 0;
+  Vec3Of<T> wi = sample_cosine_hemisphere(u);
+  if (any(specular_lobe)) {
+    const Vec3Of<T> h = sample_facet(wo, u);
+    const MaskOf<T> diffuse_lobe = !specular_lobe;
+    found = found & (diffuse_lobe | (dot(wo, h) > 0));
+    wi = select(specular_lobe, normalize(reflect(wo, h)), wi);
+  }
+  const BsdfValueOf<T> value = evaluate(wo, wi, p);
+  found = found & (value.pdf > 0);
+  return {found, wi, value};
+}
 
 }  // namespace tessera::core

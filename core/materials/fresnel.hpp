@@ -2,7 +2,9 @@
 // incident direction, in [0, 1].
 #pragma once
 
+#include <cmath>
 #include <optional>
+#include <type_traits>
 
 #include "core/math/rgb.hpp"
 #include "core/math/vec3.hpp"
@@ -25,15 +27,44 @@ float fresnel_dielectric_schlick(float cos_i, float eta);
 
 float dielectric_reflectance(DielectricFresnel fresnel, float cos_i, float eta);
 
+template <typename T>
+T fifth_power(T x) {
+  const T x2 = x * x;
+  return x2 * x2 * x;
+}
+
 // Schlick 1994, from the reflectance at normal incidence.
-Rgb fresnel_schlick(float cos_i, Rgb f0);
+template <typename T>
+RgbOf<T> fresnel_schlick(std::type_identity_t<T> cos_i, RgbOf<T> f0) {
+  return f0 + (RgbOf<T>::gray(1) - f0) * fifth_power(1 - smaller(cos_i, T(1.0f)));
+}
+
+// |r|^2 of both polarisations from eta^2 - k^2 - sin^2 and 2 eta k, the parts of the squared normal component
+// of the wave vector in the metal.
+template <typename T>
+T conductor_reflectance(T cos_i, T eta, T k) {
+  using std::sqrt;
+  const T cos2 = cos_i * cos_i, sin2 = 1 - cos2;
+  const T real = eta * eta - k * k - sin2, imaginary = 2 * eta * k;
+  const T magnitude = sqrt(real * real + imaginary * imaginary);
+  const T a = sqrt(larger(T(0.0f), (magnitude + real) / 2));
+  const T across = 2 * a * cos_i, along = across * sin2;
+  const T perpendicular = (magnitude + cos2 - across) / (magnitude + cos2 + across);
+  const T sum = cos2 * magnitude + sin2 * sin2;
+  return perpendicular * (1 + (sum - along) / (sum + along)) / 2;
+}
 
 // Unpolarised reflectance of a metal with the complex index eta + i k, seen from air (Born and Wolf 1999,
 // section 14.2), for each channel.
-Rgb fresnel_conductor(float cos_i, Rgb eta, Rgb k);
+template <typename T>
+RgbOf<T> fresnel_conductor(std::type_identity_t<T> cos_i, RgbOf<T> eta, RgbOf<T> k) {
+  return {conductor_reflectance(cos_i, eta.r, k.r), conductor_reflectance(cos_i, eta.g, k.g),
+          conductor_reflectance(cos_i, eta.b, k.b)};
+}
 
 // `w` and the result point away from the surface; `normal` is of unit length.
-inline Vec3 reflect(Vec3 w, Vec3 normal) {
+template <typename T = float>
+Vec3Of<T> reflect(Vec3Of<T> w, Vec3Of<T> normal) {
   return normal * (2 * dot(w, normal)) - w;
 }
 

@@ -3,44 +3,85 @@
 // the surface's normal; `h` is a microfacet's normal with h.z >= 0.
 #pragma once
 
+#include <cmath>
+
+#include "core/math/elementary.hpp"
 #include "core/math/vec3.hpp"
+#include "core/sampling/warp.hpp"
 
 namespace tessera::core {
 
 // Rougher than this are all microfacets; smoother, floats cannot tell them from a smooth surface.
 inline constexpr float kMinAlpha = 1e-3f;
 
-class Ggx {
+// At one point or, with Float8 for T, at eight.
+template <typename T>
+class GgxOf {
  public:
   // alpha in [kMinAlpha, 1]: half of the microfacets, by their projected area, are steeper than that.
-  explicit Ggx(float alpha) : alpha_(alpha), alpha2_(alpha * alpha) {}
+  explicit GgxOf(T alpha) : alpha_(alpha), alpha2_(alpha * alpha) {}
 
-  float alpha() const { return alpha_; }
+  T alpha() const { return alpha_; }
 
   // D: area of microfacets of normal h for each unit of surface and solid angle (Walter et al. 2007, eq. 33).
-  float density(Vec3 h) const;
+  T density(Vec3Of<T> h) const {
+    // cos^4 (1 + tan^2 / alpha^2)^2, which does not cancel where alpha is small.
+    const T stretched = (h.x * h.x + h.y * h.y) / alpha2_ + h.z * h.z;
+    return 1 / (kPi * alpha2_ * stretched * stretched);
+  }
 
   // The share of microfacets facing `w` that is not masked (Walter et al. 2007, eq. 34). cos_w > 0.
-  float visible(float cos_w) const { return 2 * cos_w / (cos_w + slant(cos_w)); }
+  T visible(T cos_w) const { return 2 * cos_w / (cos_w + slant(cos_w)); }
 
   // The share seen from both directions, correlated by height, over 4 cos_o cos_i (Heitz 2014, eq. 99).
-  float visible_from_both_over_4_cos(float cos_o, float cos_i) const {
+  T visible_from_both_over_4_cos(T cos_o, T cos_i) const {
     return 0.5f / (cos_i * slant(cos_o) + cos_o * slant(cos_i));
   }
 
   // Of the microfacets seen from `wo` (Heitz 2018). wo.z > 0; the density is per solid angle of h.
-  Vec3 sample_visible(Vec3 wo, Vec2 u) const;
-  float pdf_visible(Vec3 wo, Vec3 h) const;
+  Vec3Of<T> sample_visible(Vec3Of<T> wo, Vec2Of<T> u) const;
+  T pdf_visible(Vec3Of<T> wo, Vec3Of<T> h) const {
+    return 2 * larger(T(0.0f), dot(wo, h)) * density(h) / (wo.z + slant(wo.z));
+  }
 
   // Of all microfacets, by their projected area (Walter et al. 2007, eq. 35 and 36).
-  Vec3 sample_projected(Vec2 u) const;
-  float pdf_projected(Vec3 h) const { return density(h) * h.z; }
+  Vec3Of<T> sample_projected(Vec2Of<T> u) const;
+  T pdf_projected(Vec3Of<T> h) const { return density(h) * h.z; }
 
  private:
   // cos * sqrt(1 + alpha^2 tan^2), which is cos (1 + 2 lambda) in Smith's lambda.
-  float slant(float cos_w) const;
+  T slant(T cos_w) const {
+    using std::sqrt;
+    return sqrt(alpha2_ + (1 - alpha2_) * cos_w * cos_w);
+  }
 
-  float alpha_, alpha2_;
+  T alpha_, alpha2_;
 };
+using Ggx = GgxOf<float>;
+
+template <typename T>
+Vec3Of<T> GgxOf<T>::sample_visible(Vec3Of<T> wo, Vec2Of<T> u) const {
+  using std::sqrt;
+  const Vec3Of<T> stretched = normalize(Vec3Of<T>{alpha_ * wo.x, alpha_ * wo.y, wo.z});
+  const T across2 = stretched.x * stretched.x + stretched.y * stretched.y;
+  const Vec3Of<T> t1 =
+      select(across2 > 0, Vec3Of<T>{-stretched.y, stretched.x, 0} / sqrt(across2), Vec3Of<T>{1, 0, 0});
+  const Vec3Of<T> t2 = cross(stretched, t1);
+  // The hemisphere's projection onto the plane across `stretched`: a half disk and a half ellipse.
+  const Vec2Of<T> p = sample_disk(u);
+  const T share = 0.5f * (1 + stretched.z);
+  const T p2 = (1 - share) * sqrt(larger(T(0.0f), 1 - p.x * p.x)) + share * p.y;
+  const Vec3Of<T> n = t1 * p.x + t2 * p2 + stretched * sqrt(larger(T(0.0f), 1 - p.x * p.x - p2 * p2));
+  return normalize(Vec3Of<T>{alpha_ * n.x, alpha_ * n.y, larger(T(1e-6f), n.z)});
+}
+
+template <typename T>
+Vec3Of<T> GgxOf<T>::sample_projected(Vec2Of<T> u) const {
+  using std::sqrt;
+  const T scale = 1 / (1 + (alpha2_ - 1) * u.x), cos2 = (1 - u.x) * scale;
+  const T sin_h = sqrt(alpha2_ * u.x * scale);
+  const auto [s, c] = sin_cos_turns(u.y);
+  return {sin_h * c, sin_h * s, sqrt(cos2)};
+}
 
 }  // namespace tessera::core

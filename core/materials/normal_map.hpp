@@ -1,19 +1,34 @@
-// Normals bent by a tangent-space normal map.
+// Normals bent by a tangent-space normal map. At one point or, with Float8 for T, at eight.
 #pragma once
 
-#include <vector>
-
 #include "core/materials/material.hpp"
+#include "core/math/rgb.hpp"
 #include "core/math/vec3.hpp"
 #include "core/textures/texture.hpp"
 
 namespace tessera::core {
 
-// `normal` bent as the map says at `uv`. Red leans it towards growing u, green towards growing v (the
-// convention of OpenGL), of the picture; blue is along the normal. `along_u` and `along_v` are the surface's
-// directions of growing texture coordinates; where they are zero or parallel to the normal, it stays as it
-// is. All are of unit length.
-Vec3 bend_by_map(const NormalMap& map, const std::vector<Texture>& textures, Vec2 uv, Vec3 normal,
-                 Vec3 along_u, Vec3 along_v);
+// A surface's direction of growing u or v as its picture has it, whose own scale may mirror it: then it grows
+// the other way.
+inline Vec3 along_picture(Vec3 along, float scale) {
+  return scale < 0 ? -along : along;
+}
+
+// `normal` bent as the map's texel says. Red leans it towards growing u, green towards growing v (the
+// convention of OpenGL), of the picture; blue is along the normal. Where the directions along the picture are
+// zero or parallel to the normal, it stays as it is. All are of unit length.
+template <typename T>
+Vec3Of<T> bend_by_map(RgbOf<T> texel, T strength, Vec3Of<T> normal, Vec3Of<T> along_u, Vec3Of<T> along_v) {
+  // Gram and Schmidt; the frame is left-handed where the texture coordinates are mirrored.
+  const Vec3Of<T> flat_u = along_u - normal * dot(normal, along_u);
+  constexpr float kParallel = 1e-4f;
+  const MaskOf<T> has_frame = length(flat_u) > kParallel;
+  const Vec3Of<T> tangent = normalize(flat_u);
+  const Vec3Of<T> bitangent = face_toward(cross(normal, tangent), along_v);
+  const T x = strength * (2 * texel.r - 1), y = strength * (2 * texel.g - 1);
+  constexpr float kLeastHeight = 0.05f;
+  const T z = larger(2 * texel.b - 1, T(kLeastHeight));
+  return select(has_frame, normalize(tangent * x + bitangent * y + normal * z), normal);
+}
 
 }  // namespace tessera::core

@@ -5,15 +5,14 @@
 // Those in single precision are what each sample of a picture needs. They have no branches.
 #pragma once
 
-#include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <limits>
 
 #include "core/math/lanes.hpp"
 #include "core/math/polynomial.hpp"
+#include "core/math/word_lanes.hpp"
 
 namespace tessera::core {
 
@@ -35,29 +34,33 @@ SinCosOf<T> sin_cos_near_zero(T r) {
 }
 
 // Of an angle in turns, |turns| <= 1e6. Error below 1.5e-7 absolute.
-inline SinCos sin_cos_turns(float turns) {
-  const float quarter = std::nearbyint(4 * turns);
-  const SinCos near = sin_cos_near_zero(4 * turns - quarter);  // the difference is exact
-  const auto quadrant = static_cast<std::uint32_t>(static_cast<std::int32_t>(quarter));
-  const bool odd = (quadrant & 1) != 0;
-  const auto negate = [](float value, std::uint32_t bit1) {
-    return std::bit_cast<float>(std::bit_cast<std::uint32_t>(value) ^ ((bit1 & 2) << 30));
-  };
+template <typename T>
+SinCosOf<T> sin_cos_turns(T turns) {
+  using std::nearbyint;
+  using Word = WordOf<T>;
+  const T quarter = nearbyint(4 * turns);
+  const SinCosOf<T> near = sin_cos_near_zero(4 * turns - quarter);  // the difference is exact
+  const Word quadrant = to_word(quarter);
+  const MaskOf<T> odd = (quadrant & Word(1)) != Word(0);
+  const auto negate = [](T value, Word bit1) { return as_float(as_bits(value) ^ ((bit1 & Word(2)) << 30)); };
   return {negate(select(odd, near.cos, near.sin), quadrant),
-          negate(select(odd, near.sin, near.cos), quadrant + 1)};
+          negate(select(odd, near.sin, near.cos), quadrant + Word(1))};
 }
 
 // In [-pi, pi], with the sign of y; atan2(0, 0) is 0. Error below 5e-7 absolute, from a polynomial that
 // misses by 2e-8 at most (Remez 1934).
-inline float atan2(float y, float x) {
-  const float ax = std::fabs(x), ay = std::fabs(y);
-  const float ratio = std::min(ax, ay) / std::max(std::max(ax, ay), std::numeric_limits<float>::denorm_min());
-  const float s = ratio * ratio;
-  const float octant =
+template <typename T>
+T atan2(T y, T x) {
+  using std::fabs, std::copysign;
+  constexpr float kLeast = std::numeric_limits<float>::denorm_min();
+  const T ax = fabs(x), ay = fabs(y);
+  const T ratio = smaller(ax, ay) / larger(larger(ax, ay), T(kLeast));
+  const T s = ratio * ratio;
+  const T octant =
       ratio * polynomial(s, std::array{1.0f, -0.333330929f, 0.199930549f, -0.142071337f, 0.106546797f,
                                        -0.0753368139f, 0.0430394299f, -0.016283048f, 0.0029035632f});
-  const float quadrant = select(ay > ax, kPi / 2 - octant, octant);
-  return std::copysign(select(x < 0, kPi - quadrant, quadrant), y);
+  const T quadrant = select(ay > ax, kPi / 2 - octant, octant);
+  return copysign(select(x < 0, kPi - quadrant, quadrant), y);
 }
 
 // Sine and cosine of an angle in radians, |x| <= 1e4. Error below 1e-7 absolute.

@@ -5,7 +5,7 @@
 #include <cstddef>
 
 #include "core/math/rgb.hpp"
-#include "core/math/simd.hpp"
+#include "core/math/simd_integer.hpp"
 #include "core/math/vec3.hpp"
 
 namespace tessera::core {
@@ -22,6 +22,18 @@ class FloatLanes {
 
  private:
   alignas(32) float values_[kLaneCount];
+};
+
+class WordLanes {
+ public:
+  WordLanes() = default;
+  explicit WordLanes(U32x8 a) { a.store(values_); }
+  std::uint32_t operator[](std::size_t lane) const { return values_[lane]; }
+  void set(std::size_t lane, std::uint32_t value) { values_[lane] = value; }
+  U32x8 all() const { return U32x8::load(values_); }
+
+ private:
+  alignas(32) std::uint32_t values_[kLaneCount];
 };
 
 class Vec3Lanes {

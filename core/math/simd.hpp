@@ -108,6 +108,10 @@ inline Float8 fabs(Float8 a) {
 inline Float8 floor(Float8 a) {
   return {_mm256_floor_ps(a.v)};
 }
+// To the nearest whole number, halves to the even one.
+inline Float8 nearbyint(Float8 a) {
+  return {_mm256_round_ps(a.v, _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC)};
+}
 inline Float8 copysign(Float8 magnitude, Float8 sign) {
   return _mm256_or_ps(fabs(magnitude).v, _mm256_and_ps(_mm256_set1_ps(-0.0f), sign.v));
 }

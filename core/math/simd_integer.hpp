@@ -55,6 +55,10 @@ inline Mask8 operator==(U32x8 a, U32x8 b) {
 inline Mask8 operator!=(U32x8 a, U32x8 b) {
   return !(a == b);
 }
+// Of signed numbers, which are counted modulo 2^32.
+inline Mask8 is_negative(U32x8 a) {
+  return _mm256_castsi256_ps(_mm256_srai_epi32(a.v, 31));
+}
 inline U32x8 select(Mask8 mask, U32x8 a, U32x8 b) {
   return _mm256_blendv_epi8(b.v, a.v, _mm256_castps_si256(mask.v));
 }

@@ -12,6 +12,14 @@ namespace tessera::core {
 template <typename T>
 using WordOf = std::conditional_t<std::is_same_v<T, float>, std::uint32_t, U32x8>;
 
+// Of whole numbers from -2^31 to below 2^31, the negative ones modulo 2^32.
+inline std::uint32_t to_word(float x) {
+  return static_cast<std::uint32_t>(static_cast<std::int32_t>(x));
+}
+inline U32x8 to_word(Float8 x) {
+  return _mm256_cvttps_epi32(x.v);
+}
+
 // table[index], of each lane.
 inline float look_up(const float* table, std::uint32_t index) {
   return table[index];

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <numeric>
 
+#include "core/math/word_lanes.hpp"
+
 namespace tessera::core {
 namespace {
 
@@ -72,14 +74,43 @@ void GuidedCells::guide(std::size_t row) {
   }
 }
 
-GuidedCells::Place GuidedCells::find(std::size_t row, float u) const {
+// `begin`: of that cell.
+GuidedCells::Place GuidedCells::place_in(std::size_t cell, const std::uint32_t* begin, std::uint32_t units) {
   constexpr float kBelowOne = 1 - 0x1p-24f;
+  const double share = begin[1] - begin[0];
+  return {cell, std::min(static_cast<float>((units - begin[0]) / share), kBelowOne), share * kUnit};
+}
+
+GuidedCells::Place GuidedCells::find(std::size_t row, float u) const {
   const auto units = static_cast<std::uint32_t>(u * static_cast<float>(kWhole));
   const std::uint32_t* begin = begin_.data() + row * (width_ + 1);
-  std::size_t cell = guide_[row * guides_ + (units * std::uint64_t{guides_} >> 31)];
+  std::size_t cell = guided_to(row, units);
   while (begin[cell + 1] <= units) ++cell;
-  const double share = begin[cell + 1] - begin[cell];
-  return {cell, std::min(static_cast<float>((units - begin[cell]) / share), kBelowOne), share * kUnit};
+  return place_in(cell, begin + cell, units);
+}
+
+// All lanes look on until none has to, so that they wait for memory together and hardly a branch goes wrong.
+std::array<GuidedCells::Place, kLaneCount> GuidedCells::find(const std::array<std::size_t, kLaneCount>& rows,
+                                                             Float8 u) const {
+  const U32x8 units = to_word(u * static_cast<float>(kWhole));
+  const WordLanes of_lanes(units);
+  WordLanes cells;
+  for (std::size_t lane = 0; lane < kLaneCount; ++lane)
+    cells.set(lane,
+              static_cast<std::uint32_t>(rows[lane] * (width_ + 1) + guided_to(rows[lane], of_lanes[lane])));
+  U32x8 cell = cells.all();
+  for (;;) {
+    // Below 2^31, units are less than where the next cell begins if the difference is negative.
+    const Mask8 here = is_negative(units - look_up(begin_.data(), cell + U32x8(1)));
+    if (all(here)) break;
+    cell = select(here, cell, cell + U32x8(1));
+  }
+  cells = WordLanes(cell);
+  std::array<Place, kLaneCount> places;
+  for (std::size_t lane = 0; lane < kLaneCount; ++lane)
+    places[lane] =
+        place_in(cells[lane] - rows[lane] * (width_ + 1), begin_.data() + cells[lane], of_lanes[lane]);
+  return places;
 }
 
 double GuidedCells::pmf(std::size_t row, std::size_t cell) const {
@@ -91,10 +122,25 @@ GridDistribution::GridDistribution(int width, int height, const std::vector<doub
     : rows_(static_cast<std::size_t>(height), sums_of_rows(static_cast<std::size_t>(width), weights)),
       cells_(static_cast<std::size_t>(width), weights) {}
 
-GridDistribution::Choice GridDistribution::sample(Vec2 u) const {
-  const GuidedCells::Place row = rows_.find(0, u.y), cell = cells_.find(row.cell, u.x);
+GridDistribution::Choice GridDistribution::choice(const GuidedCells::Place& row,
+                                                  const GuidedCells::Place& cell) {
   return {
       static_cast<int>(cell.cell), static_cast<int>(row.cell), {cell.within, row.within}, row.pmf * cell.pmf};
+}
+
+GridDistribution::Choice GridDistribution::sample(Vec2 u) const {
+  const GuidedCells::Place row = rows_.find(0, u.y);
+  return choice(row, cells_.find(row.cell, u.x));
+}
+
+std::array<GridDistribution::Choice, kLaneCount> GridDistribution::sample(Vec2Of<Float8> u) const {
+  const auto rows = rows_.find(std::array<std::size_t, kLaneCount>{}, u.y);
+  std::array<std::size_t, kLaneCount> of_rows;
+  for (std::size_t lane = 0; lane < kLaneCount; ++lane) of_rows[lane] = rows[lane].cell;
+  const auto cells = cells_.find(of_rows, u.x);
+  std::array<Choice, kLaneCount> choices;
+  for (std::size_t lane = 0; lane < kLaneCount; ++lane) choices[lane] = choice(rows[lane], cells[lane]);
+  return choices;
 }
 
 }  // namespace tessera::core

@@ -2,10 +2,12 @@
 // entries, so that stratified numbers stay stratified.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
 
+#include "core/math/lane_array.hpp"
 #include "core/math/vec3.hpp"
 
 namespace tessera::core {
@@ -44,9 +46,16 @@ class GuidedCells {
   };
   // u in [0, 1). Never a cell of weight 0.
   Place find(std::size_t row, float u) const;
+  // Eight of them, each lane as find() does.
+  std::array<Place, kLaneCount> find(const std::array<std::size_t, kLaneCount>& rows, Float8 u) const;
   double pmf(std::size_t row, std::size_t cell) const;
 
  private:
+  std::size_t guided_to(std::size_t row, std::uint32_t units) const {
+    return guide_[row * guides_ + (units * std::uint64_t{guides_} >> 31)];
+  }
+  static Place place_in(std::size_t cell, const std::uint32_t* begin, std::uint32_t units);
+
   void cumulate(std::size_t row, const double* weights);
   void guide(std::size_t row);
 
@@ -70,12 +79,15 @@ class GridDistribution {
   };
   // u in [0, 1). Never a cell of weight 0.
   Choice sample(Vec2 u) const;
+  std::array<Choice, kLaneCount> sample(Vec2Of<Float8> u) const;
   double pmf(int x, int y) const {
     const auto row = static_cast<std::size_t>(y);
     return rows_.pmf(0, row) * cells_.pmf(row, static_cast<std::size_t>(x));
   }
 
  private:
+  static Choice choice(const GuidedCells::Place& row, const GuidedCells::Place& cell);
+
   GuidedCells rows_;  // of one row, which has the grid's rows for cells
   GuidedCells cells_;
 };

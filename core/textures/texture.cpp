@@ -7,28 +7,37 @@
 #include <utility>
 
 #include "core/image/srgb.hpp"
+#include "core/math/word_lanes.hpp"
 
 namespace tessera::core {
 namespace {
 
-// For each value that a byte may have.
-template <typename Decode>
-std::array<float, 256> table(Decode decode) {
-  std::array<float, 256> values{};
-  for (std::size_t code = 0; code < values.size(); ++code) values[code] = decode(code);
+// What the bytes of texels stand for: a table for each format that has bytes, one after the other, so that
+// texels of several formats can be decoded at once. Copies of srgb_decode's values need no call: look-ups are
+// in the innermost loop.
+constexpr std::uint32_t kOfSrgb = 0, kOfLinear = 256, kOfMantissas = 512;
+const std::array<float, 768> kByteValues = [] {
+  std::array<float, 768> values{};
+  for (std::size_t code = 0; code < 256; ++code) {
+    const auto whole = static_cast<float>(code);
+    values[kOfSrgb + code] = srgb_decode(static_cast<std::uint8_t>(code));
+    values[kOfLinear + code] = whole / 255;
+    values[kOfMantissas + code] = whole;
+  }
   return values;
-}
+}();
 
-// A copy of srgb_decode's values that needs no call: lookups are in the innermost loop.
-const std::array<float, 256> kSrgbToLinear =
-    table([](std::size_t code) { return srgb_decode(static_cast<std::uint8_t>(code)); });
-const std::array<float, 256> kByteToUnit =
-    table([](std::size_t code) { return static_cast<float>(code) / 255; });
-
-// What the mantissas of an HDR file's texel count, by its exponent byte (Ward 1991).
+// What the mantissas of an HDR file's texel count, by its exponent byte (Ward 1991); and last, what the
+// values of texels without exponents do.
 constexpr int kExponentBias = 128 + 8;
-const std::array<float, 256> kSharedUnit =
-    table([](std::size_t code) { return std::ldexp(1.0f, static_cast<int>(code) - kExponentBias); });
+constexpr std::uint32_t kOfExponents = 0, kOne = 256;
+const std::array<float, 257> kUnits = [] {
+  std::array<float, 257> units{};
+  for (int code = 0; code < 256; ++code)
+    units[static_cast<std::size_t>(code)] = std::ldexp(1.0f, code - kExponentBias);
+  units[kOne] = 1;
+  return units;
+}();
 
 std::uint32_t pack(std::uint32_t r, std::uint32_t g, std::uint32_t b, std::uint32_t rest) {
   return r | g << 8 | b << 16 | rest << 24;
@@ -42,7 +51,7 @@ std::optional<std::uint32_t> shared_exponent(Rgb color) {
   if (!is_finite(color) || !(std::frexp(greatest, &exponent) > 0)) return std::nullopt;
   const int code = exponent + kExponentBias - 8;
   if (code < 0 || code > 255) return std::nullopt;
-  const float unit = kSharedUnit[static_cast<std::size_t>(code)];
+  const float unit = kUnits[static_cast<std::size_t>(code)];
   const auto mantissa = [unit](float value) {
     return static_cast<std::uint32_t>(std::max(value, 0.0f) / unit);
   };
@@ -53,29 +62,50 @@ std::optional<std::uint32_t> shared_exponent(Rgb color) {
 }
 
 // Where a coordinate falls between two rows or columns of texels.
+template <typename T>
 struct Footprint {
-  int first, second;
-  float weight;  // of the second
+  WordOf<T> first, second;
+  T weight;  // of the second
 };
 
-int wrap_index(int i, int size, Wrap wrap) {
-  if (wrap == Wrap::kClamp) return i < 0 ? 0 : i >= size ? size - 1 : i;
-  return i < 0 ? i + size : i >= size ? i - size : i;
+template <typename T>
+T wrap_index(T i, T size, MaskOf<T> repeat) {
+  const T below = select(repeat, i + size, T(0.0f)), above = select(repeat, i - size, size - 1.0f);
+  return select(i < 0.0f, below, select(i >= size, above, i));
 }
 
 // `coordinate` counts pictures, from 0 at the first texel's outer edge.
-Footprint footprint(float coordinate, int size, Wrap wrap) {
-  const float within = wrap == Wrap::kRepeat ? coordinate - std::floor(coordinate) : coordinate;
+template <typename T>
+Footprint<T> footprint(T coordinate, T size, MaskOf<T> repeat) {
+  using std::floor;
+  const T within = select(repeat, coordinate - floor(coordinate), coordinate);
   // Written so that NaN, too, ends in the picture.
-  const float clamped = within > 0 ? (within < 1 ? within : 1.0f) : 0.0f;
-  const float position = clamped * static_cast<float>(size) - 0.5f;
-  const float below = std::floor(position);
-  const int first = static_cast<int>(below);
-  return {wrap_index(first, size, wrap), wrap_index(first + 1, size, wrap), position - below};
+  const T clamped = select(within > 0.0f, select(within < 1.0f, within, T(1.0f)), T(0.0f));
+  const T position = clamped * size - 0.5f;
+  const T first = floor(position);
+  return {to_word(wrap_index(first, size, repeat)), to_word(wrap_index(first + 1.0f, size, repeat)),
+          position - first};
 }
 
-Rgb mix(Rgb a, Rgb b, float weight) {
+template <typename T>
+RgbOf<T> mix(RgbOf<T> a, RgbOf<T> b, T weight) {
   return a * (1 - weight) + b * weight;
+}
+
+// Of a texel's bytes.
+template <typename T>
+RgbOf<T> decode(WordOf<T> texel, WordOf<T> values, WordOf<T> unit) {
+  const auto value = [&](int shift) { return look_up(kByteValues.data(), values + (texel >> shift & 255u)); };
+  return RgbOf<T>{value(0), value(8), value(16)} * look_up(kUnits.data(), unit + (texel >> 24));
+}
+
+// The place of a texel in tiles that lie in rows of `tiles_along`.
+template <typename Word>
+Word place_in_tiles(Word x, Word y, Word tiles_along) {
+  return ((y >> 2) * tiles_along + (x >> 2)) * 16u + ((y & 3u) * 4u + (x & 3u));
+}
+auto& texel_of(auto& tiles, std::uint32_t place) {
+  return tiles[place / 16].texels[place % 16];
 }
 
 }  // namespace
@@ -87,9 +117,10 @@ TextureImage::TextureImage(int width, int height, const std::vector<std::uint8_t
               .format = color_space == ColorSpace::kSrgb ? Format::kSrgbBytes : Format::kLinearBytes} {
   texels_.tiles = empty_tiles();
   const std::uint8_t* next = bytes.data();
-  for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x, next += 3)
-      texels_.tiles[tile_of(x, y)].texels[within_tile(x, y)] = pack(next[0], next[1], next[2], 0);
+  const auto columns = static_cast<std::uint32_t>(width), rows = static_cast<std::uint32_t>(height);
+  for (std::uint32_t y = 0; y < rows; ++y)
+    for (std::uint32_t x = 0; x < columns; ++x, next += 3)
+      texel_of(texels_.tiles, place_of(x, y)) = pack(next[0], next[1], next[2], 0);
 }
 
 TextureImage::TextureImage(int width, int height, std::vector<float> linear)
@@ -103,65 +134,103 @@ TextureImage::TextureImage(int width, int height, std::vector<float> linear)
 // Empty if that does not keep every value.
 std::vector<TextureImage::Tile> TextureImage::with_shared_exponents() const {
   auto tiles = empty_tiles();
-  for (int y = 0; y < height(); ++y)
-    for (int x = 0; x < width(); ++x) {
-      const auto texel = shared_exponent(fetch<Format::kFloats>(x, y));
+  const auto columns = static_cast<std::uint32_t>(width()), rows = static_cast<std::uint32_t>(height());
+  for (std::uint32_t y = 0; y < rows; ++y)
+    for (std::uint32_t x = 0; x < columns; ++x) {
+      const auto texel = shared_exponent(fetch(x, y));
       if (!texel) return {};
-      tiles[tile_of(x, y)].texels[within_tile(x, y)] = *texel;
+      texel_of(tiles, place_of(x, y)) = *texel;
     }
   return tiles;
 }
 
-template <TextureImage::Format kFormat>
-Rgb TextureImage::fetch(int x, int y) const {
-  if constexpr (kFormat == Format::kFloats) {
-    const float* rgb =
-        texels_.floats.data() +
-        3 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(width()) + static_cast<std::size_t>(x));
-    return {rgb[0], rgb[1], rgb[2]};
-  } else {
-    const std::uint32_t texel = texels_.tiles[tile_of(x, y)].texels[within_tile(x, y)];
-    const std::uint32_t r = texel & 255, g = texel >> 8 & 255, b = texel >> 16 & 255;
-    if constexpr (kFormat == Format::kSharedExponent) {
-      const auto value = [](std::uint32_t mantissa) {
-        return static_cast<float>(static_cast<int>(mantissa));
-      };
-      return Rgb{value(r), value(g), value(b)} * kSharedUnit[texel >> 24];
-    } else {
-      const auto& linear = kFormat == Format::kSrgbBytes ? kSrgbToLinear : kByteToUnit;
-      return {linear[r], linear[g], linear[b]};
-    }
-  }
+std::uint32_t TextureImage::place_of(std::uint32_t x, std::uint32_t y) const {
+  return place_in_tiles(x, y, tiles_along(width()));
 }
 
-// Calls `visit` with a function from x and y to the texel there.
-template <typename Visit>
-auto TextureImage::visit_format(const Visit& visit) const {
-  switch (texels_.format) {
-    case Format::kSrgbBytes:
-      return visit([this](int x, int y) { return fetch<Format::kSrgbBytes>(x, y); });
-    case Format::kLinearBytes:
-      return visit([this](int x, int y) { return fetch<Format::kLinearBytes>(x, y); });
-    case Format::kSharedExponent:
-      return visit([this](int x, int y) { return fetch<Format::kSharedExponent>(x, y); });
-    case Format::kFloats:
-      break;
+TextureImage::Decoding TextureImage::decoding() const {
+  if (texels_.format == Format::kSharedExponent) return {kOfMantissas, kOfExponents};
+  return {texels_.format == Format::kSrgbBytes ? kOfSrgb : kOfLinear, kOne};
+}
+
+Rgb TextureImage::fetch(std::uint32_t x, std::uint32_t y) const {
+  if (texels_.format == Format::kFloats) {
+    const float* rgb = texels_.floats.data() + 3 * (std::size_t{y} * static_cast<std::size_t>(width()) + x);
+    return {rgb[0], rgb[1], rgb[2]};
   }
-  return visit([this](int x, int y) { return fetch<Format::kFloats>(x, y); });
+  const auto [values, unit] = decoding();
+  return decode<float>(texel_of(texels_.tiles, place_of(x, y)), values, unit);
 }
 
 Rgb TextureImage::texel(int x, int y) const {
-  return visit_format([x, y](const auto& at) { return at(x, y); });
+  return fetch(static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y));
 }
 
 Rgb TextureImage::bilinear(Vec2 uv, Wrap wrap_u, Wrap wrap_v) const {
-  const Footprint column = footprint(uv.x, width(), wrap_u);
-  const Footprint row = footprint(1 - uv.y, height(), wrap_v);
-  return visit_format([&](const auto& at) {
-    const Rgb upper = mix(at(column.first, row.first), at(column.second, row.first), column.weight);
-    const Rgb lower = mix(at(column.first, row.second), at(column.second, row.second), column.weight);
+  const auto column = footprint(uv.x, static_cast<float>(width()), wrap_u == Wrap::kRepeat);
+  const auto row = footprint(1 - uv.y, static_cast<float>(height()), wrap_v == Wrap::kRepeat);
+  const Rgb upper = mix(fetch(column.first, row.first), fetch(column.second, row.first), column.weight);
+  const Rgb lower = mix(fetch(column.first, row.second), fetch(column.second, row.second), column.weight);
+  return mix(upper, lower, row.weight);
+}
+
+// Eight pictures that are kept in bytes; one black texel in the place of any that is not.
+class TextureImage::Eight {
+ public:
+  explicit Eight(const std::array<const TextureImage*, kLaneCount>& images) {
+    static const Tile kBlack{};
+    for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
+      const TextureImage& image = *images[lane];
+      const bool in_bytes = image.texels_.format != Format::kFloats;
+      const auto [of_values, of_unit] = image.decoding();
+      widths_.set(lane, in_bytes ? static_cast<float>(image.width()) : 1);
+      heights_.set(lane, in_bytes ? static_cast<float>(image.height()) : 1);
+      tiles_along_.set(lane, tiles_along(image.width()));
+      values_.set(lane, of_values);
+      units_.set(lane, of_unit);
+      texels_[lane] = (in_bytes ? image.texels_.tiles.data() : &kBlack)->texels.data();
+    }
+  }
+
+  // All texels are asked for before the first is needed, so that their cache misses are waited for together.
+  RgbOf<Float8> bilinear(Vec2Of<Float8> uv, Mask8 repeat_u, Mask8 repeat_v) const {
+    const auto column = footprint(uv.x, widths_.all(), repeat_u);
+    const auto row = footprint(1 - uv.y, heights_.all(), repeat_v);
+    const U32x8 upper_left = fetch(column.first, row.first), upper_right = fetch(column.second, row.first);
+    const U32x8 lower_left = fetch(column.first, row.second), lower_right = fetch(column.second, row.second);
+    const auto upper = mix(color(upper_left), color(upper_right), column.weight);
+    const auto lower = mix(color(lower_left), color(lower_right), column.weight);
     return mix(upper, lower, row.weight);
-  });
+  }
+
+ private:
+  U32x8 fetch(U32x8 x, U32x8 y) const {
+    const WordLanes places(place_in_tiles(x, y, tiles_along_.all()));
+    WordLanes fetched;
+    for (std::size_t lane = 0; lane < kLaneCount; ++lane) fetched.set(lane, texels_[lane][places[lane]]);
+    return fetched.all();
+  }
+  RgbOf<Float8> color(U32x8 texel) const { return decode<Float8>(texel, values_.all(), units_.all()); }
+
+  FloatLanes widths_, heights_;
+  WordLanes tiles_along_, values_, units_;
+  std::array<const std::uint32_t*, kLaneCount> texels_;
+};
+
+RgbOf<Float8> TextureImage::bilinear(const std::array<const TextureImage*, kLaneCount>& images,
+                                     Vec2Of<Float8> uv, Mask8 repeat_u, Mask8 repeat_v) {
+  const RgbOf<Float8> of_bytes = Eight(images).bilinear(uv, repeat_u, repeat_v);
+  const auto in_floats = [](const TextureImage* image) { return image->texels_.format == Format::kFloats; };
+  if (std::none_of(images.begin(), images.end(), in_floats)) return of_bytes;
+  RgbLanes all(of_bytes);
+  const FloatLanes u(uv.x), v(uv.y);
+  const auto wrap = [](Mask8 repeat, std::size_t lane) {
+    return (repeat.bits() >> lane & 1) != 0 ? Wrap::kRepeat : Wrap::kClamp;
+  };
+  for (std::size_t lane = 0; lane < kLaneCount; ++lane)
+    if (in_floats(images[lane]))
+      all.set(lane, images[lane]->bilinear({u[lane], v[lane]}, wrap(repeat_u, lane), wrap(repeat_v, lane)));
+  return all.all();
 }
 
 Rgb TextureImage::mean() const {
@@ -189,6 +258,62 @@ Rgb TextureImage::largest() const {
 
 Rgb Texture::evaluate(Vec2 uv) const {
   return image->bilinear({uv.x * scale.x + offset.x, uv.y * scale.y + offset.y}, wrap, wrap);
+}
+
+RgbOf<Float8> Texture::evaluate(const std::array<const Texture*, kLaneCount>& textures, Vec2Of<Float8> uv) {
+  std::array<const TextureImage*, kLaneCount> images;
+  FloatLanes scale_u, scale_v, offset_u, offset_v;
+  unsigned repeat = 0;
+  for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
+    const Texture& texture = *textures[lane];
+    images[lane] = texture.image.get();
+    scale_u.set(lane, texture.scale.x), scale_v.set(lane, texture.scale.y);
+    offset_u.set(lane, texture.offset.x), offset_v.set(lane, texture.offset.y);
+    repeat |= (texture.wrap == Wrap::kRepeat ? 1u : 0u) << lane;
+  }
+  const Vec2Of<Float8> at{uv.x * scale_u.all() + offset_u.all(), uv.y * scale_v.all() + offset_v.all()};
+  return TextureImage::bilinear(images, at, Mask8::from_bits(repeat), Mask8::from_bits(repeat));
+}
+
+namespace {
+
+// The textures of eight parameters, where any has one. Where a lane has none, another's.
+template <typename Parameter>
+struct TexturesOf {
+  TexturesOf(const std::array<const Parameter*, kLaneCount>& parameters, const std::vector<Texture>& all) {
+    const Texture* some = nullptr;
+    for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
+      if (parameters[lane]->texture < 0) continue;
+      some = textures[lane] = &all[static_cast<std::size_t>(parameters[lane]->texture)];
+      textured |= 1u << lane;
+    }
+    std::replace(textures.begin(), textures.end(), static_cast<const Texture*>(nullptr), some);
+  }
+
+  unsigned textured = 0;  // bit i for lane i
+  std::array<const Texture*, kLaneCount> textures{};
+};
+
+}  // namespace
+
+RgbOf<Float8> evaluate(const std::array<const ColorParameter*, kLaneCount>& parameters,
+                       const std::vector<Texture>& textures, Vec2Of<Float8> uv) {
+  RgbLanes constants;
+  for (std::size_t lane = 0; lane < kLaneCount; ++lane) constants.set(lane, parameters[lane]->value);
+  const RgbOf<Float8> value = constants.all();
+  const TexturesOf of(parameters, textures);
+  if (of.textured == 0) return value;
+  return select(Mask8::from_bits(of.textured), value * Texture::evaluate(of.textures, uv), value);
+}
+
+Float8 evaluate(const std::array<const ScalarParameter*, kLaneCount>& parameters,
+                const std::vector<Texture>& textures, Vec2Of<Float8> uv) {
+  FloatLanes constants;
+  for (std::size_t lane = 0; lane < kLaneCount; ++lane) constants.set(lane, parameters[lane]->value);
+  const Float8 value = constants.all();
+  const TexturesOf of(parameters, textures);
+  if (of.textured == 0) return value;
+  return select(Mask8::from_bits(of.textured), value * Texture::evaluate(of.textures, uv).r, value);
 }
 
 }  // namespace tessera::core

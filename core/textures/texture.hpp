@@ -11,7 +11,9 @@
 #include <utility>
 #include <vector>
 
+#include "core/math/lane_array.hpp"
 #include "core/math/rgb.hpp"
+#include "core/math/simd_double8.hpp"
 #include "core/math/vec3.hpp"
 
 namespace tessera::core {
@@ -53,22 +55,27 @@ class TextureImage {
 
   Rgb texel(int x, int y) const;                          // linear; 0 <= x < width, 0 <= y < height
   Rgb bilinear(Vec2 uv, Wrap wrap_u, Wrap wrap_v) const;  // linear, between the nearest four texels
-  Rgb mean() const;                                       // of all texels, linear
-  Rgb largest() const;                                    // of each channel, linear
+  // Of eight pictures, each lane as bilinear() does.
+  static RgbOf<Float8> bilinear(const std::array<const TextureImage*, kLaneCount>& images, Vec2Of<Float8> uv,
+                                Mask8 repeat_u, Mask8 repeat_v);
+  Rgb mean() const;     // of all texels, linear
+  Rgb largest() const;  // of each channel, linear
 
  private:
-  template <Format kFormat>
-  Rgb fetch(int x, int y) const;
-  template <typename Visit>
-  auto visit_format(const Visit& visit) const;
+  class Eight;
 
-  std::size_t tile_of(int x, int y) const {
-    return static_cast<std::size_t>(y >> 2) * tiles_along(width()) + static_cast<std::size_t>(x >> 2);
-  }
-  static std::size_t tiles_along(int texels) { return (static_cast<std::size_t>(texels) + 3) / 4; }
-  static std::size_t within_tile(int x, int y) { return static_cast<std::size_t>((y & 3) * 4 + (x & 3)); }
+  Rgb fetch(std::uint32_t x, std::uint32_t y) const;
+  // Which entries of the tables decode the bytes of a texel.
+  struct Decoding {
+    std::uint32_t values, unit;
+  };
+  Decoding decoding() const;
+
+  // The number of a texel, counting those of one tile after those of another.
+  std::uint32_t place_of(std::uint32_t x, std::uint32_t y) const;
+  static std::uint32_t tiles_along(int texels) { return (static_cast<std::uint32_t>(texels) + 3) / 4; }
   std::vector<Tile> empty_tiles() const {
-    return std::vector<Tile>(tiles_along(width()) * tiles_along(height()));
+    return std::vector<Tile>(std::size_t{tiles_along(width())} * tiles_along(height()));
   }
   std::vector<Tile> with_shared_exponents() const;
 
@@ -82,6 +89,8 @@ struct Texture {
   Vec2 offset{0, 0};
 
   Rgb evaluate(Vec2 uv) const;  // bilinear, linear colour
+  // Eight of them, each lane as evaluate() does.
+  static RgbOf<Float8> evaluate(const std::array<const Texture*, kLaneCount>& textures, Vec2Of<Float8> uv);
 };
 
 // A constant, or a texture times a constant.
@@ -105,5 +114,11 @@ struct ScalarParameter {
     return texture < 0 ? value : value * textures[static_cast<std::size_t>(texture)].evaluate(uv).r;
   }
 };
+
+// Eight parameters, each lane as its evaluate() does.
+RgbOf<Float8> evaluate(const std::array<const ColorParameter*, kLaneCount>& parameters,
+                       const std::vector<Texture>& textures, Vec2Of<Float8> uv);
+Float8 evaluate(const std::array<const ScalarParameter*, kLaneCount>& parameters,
+                const std::vector<Texture>& textures, Vec2Of<Float8> uv);
 
 }  // namespace tessera::core

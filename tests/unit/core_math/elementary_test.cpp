@@ -39,9 +39,9 @@ TEST(Elementary, ArcTangentIsAccurateInAllQuadrants) {
     ASSERT_NEAR(core::atan2(y, x), std::atan2(static_cast<double>(y), static_cast<double>(x)), 5e-7)
         << y << " " << x;
   }
-  EXPECT_EQ(core::atan2(0, 0), 0);
-  EXPECT_FLOAT_EQ(core::atan2(0, -1), core::kPi);
-  EXPECT_FLOAT_EQ(core::atan2(-1, 0), -core::kPi / 2);
+  EXPECT_EQ(core::atan2(0.0f, 0.0f), 0);
+  EXPECT_FLOAT_EQ(core::atan2(0.0f, -1.0f), core::kPi);
+  EXPECT_FLOAT_EQ(core::atan2(-1.0f, 0.0f), -core::kPi / 2);
   constexpr float kTiny = 0x1p-149f, kHuge = std::numeric_limits<float>::max();
   EXPECT_FLOAT_EQ(core::atan2(kTiny, kTiny), core::kPi / 4);
   EXPECT_FLOAT_EQ(core::atan2(kHuge, -kHuge), core::kPi * 3 / 4);

@@ -50,7 +50,7 @@ TEST_P(EnvironmentSampling, SamplesMatchTheDensity) {
   std::vector<double> observed(static_cast<std::size_t>(width * height)), expected(observed.size());
   for (int i = 0; i < kSamples; ++i) {
     const auto u = Sampler(3, i % 1000, i / 1000, 0).pad(0);
-    const auto s = environment_.sample({u[0], u[1]});
+    const auto s = environment_.sample(Vec2{u[0], u[1]});
     if (!s) continue;
     const double turn = (std::atan2(static_cast<double>(s->wi.x), static_cast<double>(-s->wi.z)) + rotation) /
                         (2 * kPiDouble);
@@ -80,7 +80,7 @@ TEST_P(EnvironmentSampling, SampleAndPdfAgree) {
   int differing = 0;
   for (int i = 0; i < kSamples; ++i) {
     const auto u = Sampler(4, i, 0, 0).pad(0);
-    const auto s = environment_.sample({u[0], u[1]});
+    const auto s = environment_.sample(Vec2{u[0], u[1]});
     if (!s) continue;
     const auto pdf = static_cast<double>(s->pdf);
     differing += std::fabs(static_cast<double>(environment_.pdf(s->wi)) - pdf) > 1e-4 * pdf ? 1 : 0;
@@ -106,7 +106,7 @@ TEST_P(EnvironmentSampling, FindsTheLightThatThereIs) {
   double sampled = 0, looked = 0;
   for (int i = 0; i < kSamples; ++i) {
     const auto u = Sampler(7, i % 1000, i / 1000, 0).pad(0);
-    if (const auto s = environment_.sample({u[0], u[1]}))
+    if (const auto s = environment_.sample(Vec2{u[0], u[1]}))
       sampled += static_cast<double>(s->radiance.g / s->pdf) / kSamples;
   }
   for (int row = 0; row < kRows; ++row)
@@ -150,7 +150,7 @@ TEST(EnvironmentSampling, OneBrightTexelGetsAllSamples) {
       Rgb::gray(1), picture(64, 32, [](int x, int y) { return x == 20 && y == 9 ? 1000.0f : 0.0f; }), 0);
   for (int i = 0; i < 1000; ++i) {
     const auto u = Sampler(8, i, 0, 0).pad(0);
-    const auto s = environment.sample({u[0], u[1]});
+    const auto s = environment.sample(Vec2{u[0], u[1]});
     if (!s) continue;
     const double theta = std::acos(static_cast<double>(s->wi.y));
     const double phi = std::atan2(static_cast<double>(s->wi.x), static_cast<double>(-s->wi.z));
@@ -167,7 +167,7 @@ TEST(EnvironmentSampling, FindsAFaintSkyBesideASun) {
   double from_above = 0;
   for (int i = 0; i < kSamples; ++i) {
     const auto u = Sampler(9, i % 1000, i / 1000, 0).pad(0);
-    const auto s = environment.sample({u[0], u[1]});
+    const auto s = environment.sample(Vec2{u[0], u[1]});
     if (s && s->wi.y > 0) from_above += static_cast<double>(s->radiance.g / s->pdf) / kSamples;
   }
   EXPECT_NEAR(from_above, 2 * kPiDouble, 0.05 * 2 * kPiDouble);

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <memory>
 #include <optional>
 #include <random>
 #include <vector>
@@ -46,14 +47,14 @@ class EightLanes : public testing::Test {
       return all;
     }
   };
-  Sights look(bool at_diffuse_triangles) {
+  // At triangles alone whose material is `only_at`, if that is given.
+  Sights look(bool (*only_at)(const Material&)) {
     Sights sights;
     for (std::size_t lane = 0; lane < kLaneCount;) {
       const Ray ray{random_point(), random_point()};
       const Hit hit = scene_.bvh().closest_hit(scene_.primitives(), ray);
       if (!hit.found()) continue;
-      if (at_diffuse_triangles &&
-          (!scene_.primitives().is_plain_triangle(hit) || !is_diffuse(scene_.material_of(hit))))
+      if (only_at && (!scene_.primitives().is_plain_triangle(hit) || !only_at(scene_.material_of(hit))))
         continue;
       sights.rays[lane] = ray;
       sights.hits[lane++] = hit;
@@ -147,7 +148,7 @@ class EightLanes : public testing::Test {
 
 TEST_F(EightLanes, OfDiffuseTriangles) {
   for (int i = 0; i < 1000; ++i) {
-    const Sights sights = look(true);
+    const Sights sights = look(is_diffuse);
     compare(sights, diffuse_vertices(scene_, sights.ray_pointers(), sights.hit_pointers()));
     if (HasFatalFailure()) return;
   }
@@ -155,9 +156,82 @@ TEST_F(EightLanes, OfDiffuseTriangles) {
   EXPECT_GT(lights_found_, 4000);
 }
 
+TEST_F(EightLanes, OfGlossyTriangles) {
+  for (int i = 0; i < 1000; ++i) {
+    const Sights sights = look(is_glossy);
+    compare(sights, glossy_vertices(scene_, sights.ray_pointers(), sights.hit_pointers()));
+    if (HasFatalFailure()) return;
+  }
+  EXPECT_GT(samples_found_, 6000);
+  EXPECT_GT(lights_found_, 4000);
+}
+
+// A picture of each format that pictures are kept in.
+std::vector<std::shared_ptr<const TextureImage>> pictures_of_every_format() {
+  std::mt19937 generator(2);
+  constexpr int kWidth = 37, kHeight = 21;
+  std::vector<std::uint8_t> bytes(3 * kWidth * kHeight);
+  for (std::uint8_t& byte : bytes) byte = static_cast<std::uint8_t>(generator());
+  std::vector<float> exact, odd;
+  for (const std::uint8_t byte : bytes) {
+    exact.push_back(static_cast<float>(byte) / 8);
+    odd.push_back(static_cast<float>(byte) / 3);
+  }
+  return {std::make_shared<TextureImage>(kWidth, kHeight, bytes),
+          std::make_shared<TextureImage>(kWidth, kHeight, bytes, ColorSpace::kLinear),
+          std::make_shared<TextureImage>(kWidth, kHeight, exact),
+          std::make_shared<TextureImage>(kWidth, kHeight, odd)};
+}
+
+TEST_F(EightLanes, OfTextures) {
+  const auto pictures = pictures_of_every_format();
+  for (int i = 0; i < 2000; ++i) {
+    std::array<Texture, kLaneCount> textures;
+    std::array<const Texture*, kLaneCount> pointers;
+    FloatLanes u, v;
+    for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
+      const auto& picture = pictures[generator_() % (i % 2 == 0 ? 3 : 4)];
+      textures[lane] = {picture, random() < 0.5f ? Wrap::kRepeat : Wrap::kClamp, {3, -2}, {0.2f, random()}};
+      pointers[lane] = &textures[lane];
+      u.set(lane, 2 * random() - 0.5f), v.set(lane, random() < 0.1f ? 0 : 3 * random() - 1);
+    }
+    const RgbLanes together(Texture::evaluate(pointers, {u.all(), v.all()}));
+    for (std::size_t lane = 0; lane < kLaneCount; ++lane)
+      ASSERT_EQ(together[lane], textures[lane].evaluate({u[lane], v[lane]}));
+  }
+}
+
+TEST_F(EightLanes, OfSurroundings) {
+  auto pictures = pictures_of_every_format();
+  pictures.push_back(nullptr);
+  for (const auto& picture : pictures) {
+    const Environment environment({0.5f, 1, 2}, picture, 40);
+    for (int i = 0; i < 2000; ++i) {
+      FloatLanes u_x, u_y;
+      Vec3Lanes directions;
+      for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
+        u_x.set(lane, random()), u_y.set(lane, random());
+        directions.set(lane, {random() - 0.5f, random() < 0.1f ? 0 : random() - 0.5f, random() - 0.5f});
+      }
+      const LightSamples samples = environment.sample(Vec2Of<Float8>{u_x.all(), u_y.all()});
+      const auto [radiance, pdf] = environment.see(directions.all());
+      for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
+        ASSERT_EQ(RgbLanes(radiance)[lane], environment.radiance(directions[lane]));
+        ASSERT_EQ(FloatLanes(pdf)[lane], environment.pdf(directions[lane]));
+        const auto sample = environment.sample(Vec2{u_x[lane], u_y[lane]});
+        ASSERT_EQ(has(samples.found, lane), sample.has_value());
+        if (!sample) continue;
+        ASSERT_EQ(Vec3Lanes(samples.wi)[lane], sample->wi);
+        ASSERT_EQ(RgbLanes(samples.radiance)[lane], sample->radiance);
+        ASSERT_EQ(FloatLanes(samples.pdf)[lane], sample->pdf);
+      }
+    }
+  }
+}
+
 TEST_F(EightLanes, OfAllMaterialsAndShapes) {
   for (int i = 0; i < 2000; ++i) {
-    const Sights sights = look(false);
+    const Sights sights = look(nullptr);
     compare(sights, mixed_vertices(scene_, sights.ray_pointers(), sights.hit_pointers(), kLaneCount));
     if (HasFatalFailure()) return;
   }

@@ -34,7 +34,7 @@ TEST(GridDistribution, ChoosesCellsInProportionAndEvenlyWithinThem) {
   for (int i = 0; i < kSide; ++i)
     for (int j = 0; j < kSide; ++j) {
       const auto choice =
-          grid.sample({(static_cast<float>(i) + 0.5f) / kSide, (static_cast<float>(j) + 0.5f) / kSide});
+          grid.sample(Vec2{(static_cast<float>(i) + 0.5f) / kSide, (static_cast<float>(j) + 0.5f) / kSide});
       const auto cell = static_cast<std::size_t>(choice.y * 3 + choice.x);
       ASSERT_GT(weights[cell], 0);
       ASSERT_EQ(choice.pmf, grid.pmf(choice.x, choice.y));
@@ -54,7 +54,7 @@ TEST(GridDistribution, ChoosesCellsInProportionAndEvenlyWithinThem) {
 
 TEST(GridDistribution, ReachesBothEndsOfItsRange) {
   const GridDistribution grid(2, 2, {1, 0, 0, 1e-3});
-  const auto first = grid.sample({0, 0}), last = grid.sample({1 - 0x1p-24f, 1 - 0x1p-24f});
+  const auto first = grid.sample(Vec2{0, 0}), last = grid.sample(Vec2{1 - 0x1p-24f, 1 - 0x1p-24f});
   EXPECT_EQ(first.x + 2 * first.y, 0);
   EXPECT_EQ(last.x + 2 * last.y, 3);
   EXPECT_LT(last.within.x, 1);
@@ -76,7 +76,7 @@ TEST(GridDistribution, FindsTheCellThatTheNumberFallsOn) {
   double end = grid.pmf(0, 0);
   for (int i = 0; i < 1 << 20; ++i) {
     while (end <= i * 0x1p-20) end += grid.pmf(++cell, 0);
-    const auto choice = grid.sample({static_cast<float>(i) * 0x1p-20f, 0.5f});
+    const auto choice = grid.sample(Vec2{static_cast<float>(i) * 0x1p-20f, 0.5f});
     ASSERT_EQ(choice.x, cell) << i;
     ASSERT_NEAR(choice.within.x, (i * 0x1p-20 - (end - choice.pmf)) / choice.pmf, 1e-6);
   }

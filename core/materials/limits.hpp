@@ -1,0 +1,29 @@
+// What looked-up parameters are held to, so that surfaces do not reflect more than they receive. T is float
+// or Float8.
+#pragma once
+
+#include "core/materials/microfacet.hpp"
+#include "core/math/rgb.hpp"
+
+namespace tessera::core {
+
+template <typename T>
+T squared_roughness(T roughness) {
+  const T r = select(roughness < 0, T(0.0f), select(roughness > 1, T(1.0f), roughness));
+  return r * r;
+}
+
+// Of microfacets that are never taken for a smooth surface.
+template <typename T>
+GgxOf<T> rough_ggx(T roughness) {
+  return GgxOf<T>(larger(squared_roughness(roughness), T(kMinAlpha)));
+}
+
+// What both parts of a surface are multiplied by.
+template <typename T>
+RgbOf<T> keep_to_one(RgbOf<T> diffuse, RgbOf<T> specular) {
+  const RgbOf<T> sum = diffuse + specular;
+  return {1 / larger(T(1.0f), sum.r), 1 / larger(T(1.0f), sum.g), 1 / larger(T(1.0f), sum.b)};
+}
+
+}  // namespace tessera::core
