@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cassert>
+#include <cmath>
 #include <utility>
 
 #include "core/geometry/ray_lanes.hpp"
@@ -15,8 +16,8 @@ namespace {
 constexpr int kFirstRouletteDepth = 1;
 constexpr float kMaxSurvival = 0.95f;  // below 1, so that a path between perfect mirrors ends
 
-// For one sample of each strategy (Veach and Guibas 1995). Densities may be so large that their squares are
-// not finite, but their ratio's is.
+// Of densities that are all times the number of samples with them, or all divided by the same (Veach and
+// Guibas 1995). They may be so large that their squares are not finite, but their ratio's is.
 template <typename T>
 T mis_weight(Heuristic heuristic, T pdf, T other_pdf) {
   if (heuristic == Heuristic::kBalance) return pdf / (pdf + other_pdf);
@@ -33,6 +34,7 @@ MaskOf<T> survives_roulette(RgbOf<T>& throughput, T eta_scale, T promise, int de
   const T contribution = max_component(throughput) * eta_scale * promise;
   const MaskOf<T> goes_on = contribution > 0;
   if (depth < kFirstRouletteDepth) return goes_on;
+  using std::sqrt;
   const T survival = smaller(T(kMaxSurvival), sqrt(contribution));
   throughput *= 1 / survival;
   return goes_on & (u < survival);
@@ -120,7 +122,7 @@ PathTracer::Bin PathTracer::bin_of(const Material& material) {
   if (is_glossy(material)) return kGlossy;
   const bool smooth =
       std::holds_alternative<Mirror>(material.model) || std::holds_alternative<Glass>(material.model);
-  return smooth ? kSmooth : kRough;
+  return smooth ? kMirrorsAndGlass : kRough;
 }
 
 void PathTracer::sort_by_material() {
@@ -141,7 +143,7 @@ void PathTracer::shade(Bin bin, const Paths& paths, int depth) {
     case kGlossy:
       return shade(paths, glossy_vertices(scene_, paths.rays, paths.hits), depth);
     case kRough:
-    case kSmooth:
+    case kMirrorsAndGlass:
       return shade(paths, mixed_vertices(scene_, paths.rays, paths.hits, paths.count), depth);
     case kLeft:
       return add_environment(paths);
@@ -164,7 +166,7 @@ void PathTracer::shade(const Paths& paths, const Vertices& vertices, int depth) 
   const unsigned lit = light_sampler_.empty() ? 0 : paths.used & ~vertices.is_delta().bits();
   for (std::uint32_t i = 0; lit != 0 && i < light_samples(depth); ++i)
     connect_to_lights(paths, vertices, guidance.share, lit, depth, {i, light_samples(depth)});
-  scatter(paths, vertices, guidance, paths.used, depth);
+  scatter(paths, vertices, guidance, depth);
 }
 
 // What rays see that meet nothing.
@@ -222,12 +224,16 @@ void PathTracer::connect_to_lights(const Paths& paths, const Vertices& vertices,
   const LightSamples lights = sample_lights(chosen, scene_.textures(), vertices.position(), {u[0], u[1]});
   const BsdfValueOf<Float8> scattered = vertices.evaluate(lights.wi);
   const Mask8 found = lights.found & !is_black(scattered.value);
-  const Float8 light_pdf = pmf.all() * lights.pdf * static_cast<float>(part.count);
-  const Float8 weight = weight_of_sampled(light_pdf, lights.delta, scattered.pdf * (1 - guide_share));
-  const RgbLanes gained(paths.throughput * (scattered.value * lights.radiance) * (weight / light_pdf));
+  const float share =
+      1 / static_cast<float>(part.count);  // of all samples of lights, as in PathHead::last_pdf
+  const Float8 light_pdf = pmf.all() * lights.pdf;
+  const Float8 weight = weight_of_sampled(light_pdf, lights.delta, scattered.pdf * (1 - guide_share) * share);
+  const RgbLanes gained(paths.throughput * (scattered.value * lights.radiance) *
+                        (weight * share / light_pdf));
   const RayLanes rays(vertices.rays_toward(lights));
   for (unsigned lanes = found.bits(); lanes != 0; lanes &= lanes - 1) {
     const auto lane = static_cast<std::size_t>(std::countr_zero(lanes));
+    assert(connection_count_ < kBatchConnections);
     shadow_rays_[connection_count_] = rays[lane];
     connections_[connection_count_] = {paths.heads[lane]->path, gained[lane]};
     ++connection_count_;
@@ -251,9 +257,7 @@ struct PathTracer::Directions {
 
 // Sends the paths on that do not end.
 template <typename Vertices>
-void PathTracer::scatter(const Paths& paths, const Vertices& vertices, const Guidance& guidance,
-                         unsigned going, int depth) {
-  if (going == 0) return;
+void PathTracer::scatter(const Paths& paths, const Vertices& vertices, const Guidance& guidance, int depth) {
   const auto u = paths.pads(samplers_, scatter_pad(depth));
   const Directions next = choose_directions(vertices, guidance, {u[0], u[1]}, u[2]);
   RgbOf<Float8> throughput = paths.throughput * next.weight;
@@ -265,7 +269,7 @@ void PathTracer::scatter(const Paths& paths, const Vertices& vertices, const Gui
   const Float8 shared_pdf = next.bsdf_pdf * (1 / static_cast<float>(light_samples(depth)));
   const FloatLanes pdf(select(next.delta, Float8(kDeltaPdf), shared_pdf));
   const Vec3Lanes position(vertices.position()), normal(vertices.lit_normal());
-  for (unsigned lanes = (next.found & survives).bits() & going; lanes != 0; lanes &= lanes - 1) {
+  for (unsigned lanes = (next.found & survives).bits() & paths.used; lanes != 0; lanes &= lanes - 1) {
     const auto lane = static_cast<std::size_t>(std::countr_zero(lanes));
     next_paths_->push(rays[lane], {.path = paths.heads[lane]->path,
                                    .throughput = throughputs[lane],

@@ -38,12 +38,12 @@ class PathTracer {
 
   // Vertices that are shaded together, and paths that have left the scene. Mirrors and glass stay apart since
   // few of them are lit by lights' samples.
-  enum Bin { kDiffuse, kGlossy, kRough, kSmooth, kLeft };
+  enum Bin { kDiffuse, kGlossy, kRough, kMirrorsAndGlass, kLeft };
   static constexpr std::size_t kBins = 5;
   static Bin bin_of(const Material& material);
 
-  // Most of what can be seen comes from the first vertex, and every sample has one: there two lights are
-  // sampled, unless the scene has but one. Later ones are too many for that.
+  // Most of what can be seen comes from a path's first vertex: there two lights are sampled, unless the scene
+  // has but one, and one at each of the vertices behind it, which are more and count less.
   static constexpr std::uint32_t kMostLightSamples = 2;
   std::uint32_t light_samples(int depth) const { return depth == 0 ? first_light_samples_ : 1; }
 
@@ -62,12 +62,11 @@ class PathTracer {
   template <typename Vertices>
   Guidance guidance_at(const Vertices& vertices) const;
   template <typename Vertices>
-  void connect_to_lights(const Paths& paths, const Vertices& vertices, Float8 guide_share, unsigned lanes,
+  void connect_to_lights(const Paths& paths, const Vertices& vertices, Float8 guide_share, unsigned lit,
                          int depth, SamplePart part);
   Float8 weight_of_sampled(Float8 light_pdf, Mask8 delta, Float8 bsdf_pdf) const;
   template <typename Vertices>
-  void scatter(const Paths& paths, const Vertices& vertices, const Guidance& guidance, unsigned lanes,
-               int depth);
+  void scatter(const Paths& paths, const Vertices& vertices, const Guidance& guidance, int depth);
   struct Directions;  // in which paths go on
   template <typename Vertices>
   Directions choose_directions(const Vertices& vertices, const Guidance& guidance, Vec2Of<Float8> u,

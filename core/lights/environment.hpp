@@ -37,7 +37,7 @@ class Environment {
     Float8 pdf;
   };
   Seen see(Vec3Of<Float8> directions) const;
-  // Eight of sample(); only what they have.
+  // sample() of eight, without points. Where nothing is found, wi is not zero.
   LightSamples sample(Vec2Of<Float8> u) const;
 
   // Watts, the mean of the channels, that fall on a disk of the scene's radius, from all sides.

@@ -25,7 +25,7 @@ using Light = std::variant<AreaLight, PointLight, SpotLight, DirectionalLight, E
 std::optional<LightSample> sample_light(const Light& light, const std::vector<Texture>& textures, Vec3 p_lit,
                                         Vec2 u);
 
-// Eight lights, each lane as sample_light() does. Null for none.
+// Eight lights, each lane as sample_light() does. Null for none. No two of them are different surroundings.
 LightSamples sample_lights(const std::array<const Light*, 8>& lights, const std::vector<Texture>& textures,
                            Vec3Of<Float8> p_lit, Vec2Of<Float8> u);
 

@@ -25,7 +25,7 @@ struct LightSamples {
   Mask8 found = false;  // where there is one at all
   Vec3Of<Float8> wi;    // zero elsewhere
   RgbOf<Float8> radiance;
-  Float8 pdf;
+  Float8 pdf{};
   Mask8 delta = false;
   Mask8 distant = false;  // has no point
   SurfacePointOf<Float8> point;

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <random>
@@ -180,6 +181,8 @@ std::vector<std::shared_ptr<const TextureImage>> pictures_of_every_format() {
   return {std::make_shared<TextureImage>(kWidth, kHeight, bytes),
           std::make_shared<TextureImage>(kWidth, kHeight, bytes, ColorSpace::kLinear),
           std::make_shared<TextureImage>(kWidth, kHeight, exact),
+          std::make_shared<TextureImage>(1, 1, std::vector<std::uint8_t>{10, 100, 200}),
+          std::make_shared<TextureImage>(1, 1, std::vector<float>{0.1f, 2, 3}),
           std::make_shared<TextureImage>(kWidth, kHeight, odd)};
 }
 
@@ -190,10 +193,14 @@ TEST_F(EightLanes, OfTextures) {
     std::array<const Texture*, kLaneCount> pointers;
     FloatLanes u, v;
     for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
-      const auto& picture = pictures[generator_() % (i % 2 == 0 ? 3 : 4)];
+      const auto& picture = pictures[generator_() % (i % 2 == 0 ? 3 : pictures.size())];
       textures[lane] = {picture, random() < 0.5f ? Wrap::kRepeat : Wrap::kClamp, {3, -2}, {0.2f, random()}};
       pointers[lane] = &textures[lane];
-      u.set(lane, 2 * random() - 0.5f), v.set(lane, random() < 0.1f ? 0 : 3 * random() - 1);
+      constexpr float kOdd[] = {std::numeric_limits<float>::quiet_NaN(),
+                                std::numeric_limits<float>::infinity(),
+                                -std::numeric_limits<float>::infinity(), 1e30f};
+      u.set(lane, random() < 0.1f ? kOdd[generator_() % 4] : 2 * random() - 0.5f);
+      v.set(lane, random() < 0.1f ? 0 : 3 * random() - 1);
     }
     const RgbLanes together(Texture::evaluate(pointers, {u.all(), v.all()}));
     for (std::size_t lane = 0; lane < kLaneCount; ++lane)
