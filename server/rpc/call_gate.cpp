@@ -3,15 +3,11 @@
 #include <fmt/format.h>
 
 #include "proto/status.hpp"
+#include "server/rpc/connection_slots.hpp"
 
 namespace tessera::rpc {
 
 namespace {
-
-// "ipv4:10.0.0.5:4242" without the port.
-std::string machine_of(const std::string& peer) {
-  return peer.substr(0, peer.find_last_of(':'));
-}
 
 std::string key_of(const grpc::CallbackServerContext& context, Role role, const Caller& caller) {
   if (role == Role::kWork) return "worker " + context.peer();

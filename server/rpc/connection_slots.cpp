@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <regex>
 #include <utility>
 
 namespace tessera::rpc {
@@ -34,6 +35,17 @@ std::string machine_of(const sockaddr_storage& peer) {
   std::fill(std::begin(network.s6_addr) + kNetworkBytes, std::end(network.s6_addr), std::uint8_t{0});
   inet_ntop(AF_INET6, &network, text, sizeof text);
   return std::string(text) + "/64";
+}
+
+std::string machine_of(const std::string& peer) {
+  static const std::regex kIpv6(R"(ipv6:(?:\[|%5B)([0-9a-f:.]+)(?:\]|%5D):\d+)", std::regex::icase);
+  std::smatch parts;
+  sockaddr_storage address{};
+  auto& ipv6 = reinterpret_cast<sockaddr_in6&>(address);
+  ipv6.sin6_family = AF_INET6;
+  if (std::regex_match(peer, parts, kIpv6) && inet_pton(AF_INET6, parts.str(1).c_str(), &ipv6.sin6_addr) == 1)
+    return machine_of(address);
+  return peer.substr(0, peer.find_last_of(':'));
 }
 
 ConnectionSlots::Room ConnectionSlots::room_for(const std::string& machine) {

@@ -14,6 +14,9 @@ namespace tessera::rpc {
 
 // "10.0.0.5", or the 64 bits of an IPv6 address that its network gives: their owner has all that follow.
 std::string machine_of(const sockaddr_storage& peer);
+// The same of a peer as gRPC names it: "ipv4:10.0.0.5:4242", "ipv6:[2001:db8::5]:4242" or with %5B and %5D
+// for the brackets. What is neither, without what follows the last colon.
+std::string machine_of(const std::string& peer);
 
 class ConnectionSlots {
  public:

@@ -149,6 +149,10 @@ TEST(ConnectionSlots, AMachineIsAnAddressOrItsNetwork) {
   EXPECT_EQ(machine_of(address_of(AF_INET, "10.0.0.5")), "10.0.0.5");
   EXPECT_EQ(machine_of(address_of(AF_INET6, "2001:db8:1:2:3:4:5:6")), "2001:db8:1:2::/64");
   EXPECT_EQ(machine_of(address_of(AF_INET6, "2001:db8:1:2::9")), "2001:db8:1:2::/64");
+  EXPECT_EQ(machine_of("ipv4:10.0.0.5:4242"), "ipv4:10.0.0.5");
+  EXPECT_EQ(machine_of("ipv6:[2001:db8:1:2::9]:4242"), "2001:db8:1:2::/64");
+  EXPECT_EQ(machine_of("ipv6:%5B2001:db8:1:2:3:4:5:6%5D:17"), "2001:db8:1:2::/64");
+  EXPECT_EQ(machine_of("ipv6:%5Bfe80::1%25eth0%5D:17"), "ipv6:%5Bfe80::1%25eth0%5D");
 }
 
 TEST(ListeningSockets, HaveOnePortAtAllAddresses) {
@@ -284,7 +288,7 @@ TEST_P(Connections, NoneLeavesItsSlotTaken) {
 }
 
 TEST_P(Connections, WithoutAWordAreClosed) {
-  start({.connections = 1}, {.handshake = 200ms, .ping_period = 1h, .answer = 1h});
+  start({.connections = 1}, {.handshake = 2s, .ping_period = 1h, .answer = 1h});
   const Fd silent = connect_to(port());
   ASSERT_TRUE(silent);
   EXPECT_TRUE(is_closed_at_last(silent));
@@ -297,7 +301,7 @@ INSTANTIATE_TEST_SUITE_P(, PlainConnections, testing::Values(false), [](const au
 
 // As a machine that lost its power, or a stopped process, between two calls.
 TEST_P(PlainConnections, WhoAnswersNoPingsAreClosed) {
-  start({.connections = 1}, {.ping_period = 200ms, .answer = 200ms});
+  start({.connections = 1}, {.ping_period = 1s, .answer = 2s});
   const Fd stopped = connect_to(port());
   const std::string preface("PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n\0\0\0\4\0\0\0\0\0", 24 + 9);  // RFC 9113, 3.4
   ASSERT_EQ(::send(stopped.get(), preface.data(), preface.size(), 0), static_cast<ssize_t>(preface.size()));
