@@ -74,7 +74,7 @@ bool for_each_chunk(const Digest& digest, std::string_view bytes,
   v1::BlobChunk chunk;
   *chunk.mutable_digest() = to_proto(digest);
   do {
-    const std::string_view piece = bytes.substr(0, kMaxChunkBytes);
+    const std::string_view piece = bytes.substr(0, kChunkBytes);
     chunk.set_data(piece.data(), piece.size());
     if (!send(chunk)) return false;
     chunk.clear_digest();

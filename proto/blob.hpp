@@ -16,6 +16,8 @@
 namespace tessera::proto {
 
 inline constexpr std::size_t kMaxChunkBytes = std::size_t{1} << 20;
+// As many are sent at a time: so few that a slow line brings some often, and does not seem to stand still.
+inline constexpr std::size_t kChunkBytes = std::size_t{1} << 16;
 
 // What a blob is known by.
 struct Digest {

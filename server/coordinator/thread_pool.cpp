@@ -34,7 +34,7 @@ bool ThreadPool::is_idle() {
 
 bool ThreadPool::run_or_post(std::function<void()> task) {
   if (!is_idle() || runs_at_caller_.test_and_set()) return post(std::move(task));
-  task();
+  [&]() noexcept { task(); }();
   runs_at_caller_.clear();
   return true;
 }

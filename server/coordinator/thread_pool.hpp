@@ -23,8 +23,8 @@ class ThreadPool {
 
   // False, and nothing happens, if too many tasks are waiting already.
   [[nodiscard]] bool post(std::function<void()> task);
-  // The same for a task that takes less than a millisecond and throws nothing: to run it on the caller's
-  // thread costs less than to wake another. That is done with one at a time, while nothing waits.
+  // The same for a task that is short: to run it on the caller's thread costs less than to wake another. That
+  // is done with one at a time, while nothing waits. A task that throws ends the process on either thread.
   [[nodiscard]] bool run_or_post(std::function<void()> task);
 
   // Tells tasks that wait that there is no time left for their work: each still runs, and asks.

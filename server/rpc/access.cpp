@@ -74,7 +74,8 @@ core::Status Access::add_line(std::string_view line) {
       std::find_if(kRoles.begin(), kRoles.end(), [&](const auto& r) { return r.first == role_text; });
   if (role == kRoles.end()) return refuse("the first word must be a role: submit, work or admin");
   if (name.size() > kMaxNameLength || !core::is_printable(name))
-    return refuse(fmt::format("the second word is a name of at most {} characters", kMaxNameLength));
+    return refuse(fmt::format("the second word is a name of at most {} printable characters, in UTF-8",
+                              kMaxNameLength));
   if (token.size() < kMinTokenLength || !proto::is_token(token)) {
     return refuse(
         fmt::format("the third word is a token of at least {} letters, digits and -._~+/=", kMinTokenLength));

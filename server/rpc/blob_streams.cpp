@@ -133,7 +133,7 @@ void FetchStream::OnWriteDone(bool ok) {
 }
 
 void FetchStream::write_next() {
-  auto bytes = reader_->next(proto::kMaxChunkBytes);
+  auto bytes = reader_->next(proto::kChunkBytes);
   if (!bytes) return fail(bytes.error());
   left_bytes_ -= bytes->size();
   response_.mutable_chunk()->set_data(std::move(*bytes));

@@ -102,7 +102,7 @@ void ImageStream::OnWriteDone(bool ok) {
 }
 
 void ImageStream::write_next() {
-  response_.set_data(file_.substr(sent_bytes_, proto::kMaxChunkBytes));
+  response_.set_data(file_.substr(sent_bytes_, proto::kChunkBytes));
   sent_bytes_ += response_.data().size();
   {
     const std::lock_guard lock(mutex_);

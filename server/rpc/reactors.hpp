@@ -66,7 +66,7 @@ grpc::ServerUnaryReactor* run_unary(grpc::CallbackServerContext* context, Pool& 
   return reactor;
 }
 
-// The same for work of less than a millisecond, which may be done on the calling thread (run_or_post).
+// The same for work that is short, which may be done on the calling thread (run_or_post).
 template <typename Work>
 grpc::ServerUnaryReactor* run_short_unary(grpc::CallbackServerContext* context, coordinator::ThreadPool& pool,
                                           Work work) {

@@ -6,6 +6,13 @@
 
 namespace tessera::rpc {
 
+namespace {
+
+// What a result of one tile has at most, about; it is decompressed in less than a millisecond.
+constexpr std::size_t kShortResultBytes = 256 << 10;
+
+}  // namespace
+
 grpc::ServerUnaryReactor* WorkerService::Synchronize(grpc::CallbackServerContext* context,
                                                      const v1::SynchronizeRequest* request,
                                                      v1::SynchronizeResponse* response) {
@@ -21,12 +28,14 @@ grpc::ServerUnaryReactor* WorkerService::SubmitResult(grpc::CallbackServerContex
   Caller caller;
   if (const auto admitted = gate_.admit(*context, Role::kWork, caller); !admitted.ok())
     return refuse(context, admitted);
-  return run_short_unary(context, pool_, [=, this]() -> core::Status {
+  const auto count = [=, this]() -> core::Status {
     auto counted = coordinator_.submit_result(*request);
     if (!counted) return core::fail(counted.error());
     *response = *counted;
     return {};
-  });
+  };
+  const bool is_short = request->items_size() <= 1 && request->ByteSizeLong() <= kShortResultBytes;
+  return is_short ? run_short_unary(context, pool_, count) : run_unary(context, pool_, caller.key, count);
 }
 
 grpc::ServerWriteReactor<v1::FetchBlobResponse>* WorkerService::FetchBlob(

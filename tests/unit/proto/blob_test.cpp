@@ -59,10 +59,10 @@ TEST(Hasher, DoesNotSeeHowBytesWereCut) {
 
 TEST(Chunks, PutTogetherAreTheBlob) {
   for (const std::size_t size :
-       {std::size_t{0}, std::size_t{1}, kMaxChunkBytes, kMaxChunkBytes + 1, 3 * kMaxChunkBytes}) {
+       {std::size_t{0}, std::size_t{1}, kChunkBytes, kChunkBytes + 1, 3 * kChunkBytes}) {
     const std::string bytes = pattern(size);
     const auto chunks = chunks_of(bytes);
-    EXPECT_EQ(chunks.size(), std::max<std::size_t>(1, (size + kMaxChunkBytes - 1) / kMaxChunkBytes));
+    EXPECT_EQ(chunks.size(), std::max<std::size_t>(1, (size + kChunkBytes - 1) / kChunkBytes));
     std::string received;
     BlobReceiver receiver([&](std::string_view piece) {
       received += piece;
@@ -76,7 +76,7 @@ TEST(Chunks, PutTogetherAreTheBlob) {
 }
 
 TEST(Chunks, StopWhenTheReceiverIsGone) {
-  const std::string bytes = pattern(3 * kMaxChunkBytes);
+  const std::string bytes = pattern(3 * kChunkBytes);
   int sent = 0;
   EXPECT_FALSE(for_each_chunk(digest_of(bytes), bytes, [&](const v1::BlobChunk&) { return ++sent < 2; }));
   EXPECT_EQ(sent, 2);
@@ -97,7 +97,7 @@ class BlobReceiverTest : public ::testing::Test {
     EXPECT_LE(kept, bytes_.size());
   }
 
-  const std::string bytes_ = pattern(kMaxChunkBytes + 10);
+  const std::string bytes_ = pattern(kChunkBytes + 10);
 };
 
 TEST_F(BlobReceiverTest, RefusesAStreamWithoutADigest) {

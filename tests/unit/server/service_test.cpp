@@ -93,7 +93,7 @@ class Service : public testing::Test {
     const auto stream = workers_->FetchBlob(&context, request);
     v1::FetchBlobResponse response;
     while (stream->Read(&response)) {
-      EXPECT_LE(response.chunk().data().size(), proto::kMaxChunkBytes);
+      EXPECT_LE(response.chunk().data().size(), proto::kChunkBytes);
       EXPECT_EQ(response.chunk().has_digest(), bytes.empty());
       bytes += response.chunk().data();
     }
@@ -171,7 +171,7 @@ TEST_F(Service, ThePictureOfARunningJobAndOfNone) {
 }
 
 TEST_F(Service, BlobsGoInAndOutInPieces) {
-  std::string bytes(3 * proto::kMaxChunkBytes + 17, '\0');
+  std::string bytes(3 * proto::kChunkBytes + 17, '\0');
   for (std::size_t i = 0; i < bytes.size(); ++i) bytes[i] = static_cast<char>(i * i >> 7);
   const proto::Digest digest = proto::digest_of(bytes);
   v1::FindMissingBlobsRequest question;
