@@ -44,6 +44,7 @@ TEST(Log, IsWrittenInPrintableLines) {
 
 TEST(Log, IsWrittenAsItIsOtherwise) {
   testing::internal::CaptureStderr();
+  log_to_stderr("tessera-test");
   spdlog::info("Käse");
   EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("[tessera-test] [info] Käse\n"));
 }
