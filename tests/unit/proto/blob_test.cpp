@@ -132,7 +132,7 @@ TEST_F(BlobReceiverTest, RefusesAnotherBlob) {
 TEST_F(BlobReceiverTest, RefusesAnOversizedChunk) {
   v1::BlobChunk chunk;
   *chunk.mutable_digest() = to_proto(digest_of(bytes_));
-  chunk.set_data(bytes_);
+  chunk.set_data(pattern(kMaxChunkBytes + 1));
   expect_refused({chunk}, ErrorCode::kInvalidArgument, "a chunk may hold");
 }
 
