@@ -44,9 +44,9 @@ TEST(Log, IsWrittenInPrintableLines) {
 
 TEST(Log, IsWrittenAsItIsOtherwise) {
   testing::internal::CaptureStderr();
-  log_to_stderr("tessera-test");
+  log_to_stderr("tessera-other");
   spdlog::info("Käse");
-  EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("[tessera-test] [info] Käse\n"));
+  EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("[tessera-other] [info] Käse\n"));
 }
 
 TEST(Sentences, LeaveInPrintableLines) {
