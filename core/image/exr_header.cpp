@@ -14,10 +14,23 @@ namespace {
 
 constexpr std::size_t kMagicAndVersion = 8;
 constexpr std::uint32_t kDeepOrOfSeveralParts = 0x1800;
+
+struct Attribute {
+  std::string_view name, type;
+  std::size_t bytes;  // 0: a list of channels, of any length
+};
+
 // What reading a picture takes; all other attributes are passed over.
-constexpr std::array<std::string_view, 9> kNeeded{
-    "channels", "compression",      "dataWindow",         "displayWindow",    "lineOrder",
-    "tiles",    "pixelAspectRatio", "screenWindowCenter", "screenWindowWidth"};
+constexpr std::array<Attribute, 9> kNeeded{{{"channels", "chlist", 0},
+                                            {"compression", "compression", 1},
+                                            {"dataWindow", "box2i", 16},
+                                            {"displayWindow", "box2i", 16},
+                                            {"lineOrder", "lineOrder", 1},
+                                            {"tiles", "tiledesc", 9},
+                                            {"pixelAspectRatio", "float", 4},
+                                            {"screenWindowCenter", "v2f", 8},
+                                            {"screenWindowWidth", "float", 4}}};
+constexpr std::size_t kChannelBytes = 16;  // behind its name
 
 std::uint32_t number_at(std::string_view bytes, std::size_t at) {
   std::uint32_t value = 0;
@@ -26,25 +39,42 @@ std::uint32_t number_at(std::string_view bytes, std::size_t at) {
   return value;
 }
 
+// Whether names and what stands behind each fill the value, and an empty name ends it.
+bool is_channel_list(std::string_view value) {
+  for (;;) {
+    const std::size_t name_end = value.find('\0');
+    if (name_end == 0) return value.size() == 1;
+    if (name_end == std::string_view::npos || value.size() - name_end <= kChannelBytes) return false;
+    value.remove_prefix(name_end + 1 + kChannelBytes);
+  }
+}
+
+// OpenEXR reads each type by rules of its own and goes on where these have led it, not behind the value.
+bool is_as_needed(const Attribute& needed, std::string_view type, std::string_view value) {
+  if (type != needed.type) return false;
+  return needed.bytes == 0 ? is_channel_list(value) : value.size() == needed.bytes;
+}
+
 // What attributes say of the size of things.
 struct Claims {
   std::int64_t width = 0, height = 0, tile_width = 0, tile_height = 0;
-  std::int64_t channels = 1;
+  std::int64_t channels = 0;
 };
 
+// Of an attribute that is as needed.
 void note_claim(std::string_view name, std::string_view value, Claims& claims) {
   const auto number = [&](std::size_t i) {
     return std::int64_t{static_cast<std::int32_t>(number_at(value, 4 * i))};
   };
-  if (name == "dataWindow" && value.size() == 16) {
+  if (name == "dataWindow") {
     claims.width = number(2) - number(0) + 1;
     claims.height = number(3) - number(1) + 1;
-  } else if (name == "tiles" && value.size() == 9) {
+  } else if (name == "tiles") {
     claims.tile_width = number_at(value, 0);
     claims.tile_height = number_at(value, 4);
   } else if (name == "channels") {
-    // Each has a name of a letter at least, its end, and 16 bytes.
-    claims.channels = static_cast<std::int64_t>(value.size() / 18 + 1);
+    // Each has a name of a letter at least and its end. Several lists add up.
+    claims.channels += static_cast<std::int64_t>(value.size() / (2 + kChannelBytes) + 1);
   }
 }
 
@@ -56,7 +86,7 @@ bool is_plausible_block(const Claims& claims, std::size_t file_bytes) {
   if (std::max(claims.tile_width, claims.tile_height) > kMaxPictureSidePx) return false;
   const std::int64_t pixels =
       std::max(claims.width * std::min(claims.height, kLines), claims.tile_width * claims.tile_height);
-  return pixels <= most / (4 * claims.channels);
+  return pixels <= most / (4 * std::max<std::int64_t>(claims.channels, 1));
 }
 
 }  // namespace
@@ -79,10 +109,15 @@ Result<std::string> checked_exr_header(std::string_view bytes) {
     const std::string_view type = bytes.substr(header.size(), type_end - header.size());
     const std::size_t size = number_at(bytes, type_end + 1);
     if (size > bytes.size() - type_end - 5) return too_early();
-    const bool needed = std::find(kNeeded.begin(), kNeeded.end(), name) != kNeeded.end();
-    header.append(needed ? std::string(type) : std::string(type.size(), 'x'));
+    const std::string_view value = bytes.substr(type_end + 5, size);
+    const auto needed = std::ranges::find(kNeeded, name, &Attribute::name);
+    if (needed != kNeeded.end()) {
+      if (!is_as_needed(*needed, type, value))
+        return refuse(fmt::format("its attribute {} is damaged", name));
+      note_claim(name, value, claims);
+    }
+    header.append(needed != kNeeded.end() ? std::string(type) : std::string(type.size(), 'x'));
     header.append(bytes.substr(type_end, 5 + size));
-    note_claim(name, bytes.substr(type_end + 5, size), claims);
   }
   if (!is_plausible_size(claims.width, claims.height, bytes.size()) ||
       !is_plausible_block(claims, bytes.size()))

@@ -22,6 +22,10 @@ bool is_text(const std::string& bytes) {
   return told.ParseFromString(told.SerializeAsString());
 }
 
+bool is_time(std::int64_t ms) {
+  return ms_from_timestamp(timestamp_from_ms(ms)) == ms;
+}
+
 }  // namespace
 
 core::TileGrid grid_of(const v1::Job& spec) {
@@ -85,7 +89,7 @@ core::Result<JobRecord> from_row(const store::JobRow& row) {
   if (!row.intact || !spec->ParseFromString(row.spec) || !counters.ParseFromString(row.counters) ||
       spec->id() != row.id || !is_text(row.failure) || !proto::from_proto(spec->settings()) ||
       !proto::from_proto(spec->display()) || row.spp < 1 || row.spp > core::kMaxSpp ||
-      !is_known_state(row.state)) {
+      !is_known_state(row.state) || !is_time(row.finished_ms.value_or(0))) {
     return core::fail(
         core::ErrorCode::kDataLoss,
         fmt::format(

@@ -3,6 +3,7 @@
 #include <google/protobuf/util/time_util.h>
 #include <openssl/rand.h>
 
+#include <algorithm>
 #include <array>
 #include <bit>
 
@@ -81,7 +82,9 @@ v1::ListWorkersResponse::Worker to_wire(const scheduler::WorkerView& worker, std
 }
 
 google::protobuf::Timestamp timestamp_from_ms(std::int64_t ms) {
-  return TimeUtil::MillisecondsToTimestamp(ms);
+  constexpr std::int64_t kFirst = TimeUtil::kTimestampMinSeconds * 1000;
+  constexpr std::int64_t kLast = TimeUtil::kTimestampMaxSeconds * 1000;
+  return TimeUtil::MillisecondsToTimestamp(std::clamp(ms, kFirst, kLast));
 }
 
 std::int64_t ms_from_timestamp(const google::protobuf::Timestamp& timestamp) {

@@ -22,6 +22,7 @@ scheduler::LeaseDescription from_wire(const v1::Lease& lease, const core::TileGr
 // `seen_ms` is when it was last seen, in milliseconds since 1970-01-01 UTC.
 v1::ListWorkersResponse::Worker to_wire(const scheduler::WorkerView& worker, std::int64_t seen_ms);
 
+// The nearest moment from the year 1 to 9999: a Timestamp holds no other.
 google::protobuf::Timestamp timestamp_from_ms(std::int64_t ms);
 std::int64_t ms_from_timestamp(const google::protobuf::Timestamp& timestamp);
 google::protobuf::Duration to_wire(scheduler::Duration duration);

@@ -59,8 +59,8 @@ store::TileRow tile_row(const v1::Job& spec, int tile, core::SampleRange range) 
 void make_template(const fs::path& folder) {
   auto state = store::StateDirectory::open(folder);
   expect(state.has_value(), "a new state folder can be made");
-  const v1::Job a = spec_of(id_of("a"), 150, 100, 6), b = spec_of(id_of("b"), 64, 64, 4),
-                c = spec_of(id_of("c"), 10, 10, 1);
+  const v1::Job a = spec_of(id_of("a"), 130, 4, 6), b = spec_of(id_of("b"), 64, 8, 4),
+                c = spec_of(id_of("c"), 10, 5, 1);
   const bool stored =
       state->jobs.insert_job(row_of(a, v1::JOB_STATE_RUNNING)) &&
       state->jobs.insert_job(row_of(b, v1::JOB_STATE_PAUSED)) &&
@@ -80,13 +80,13 @@ const fs::path& template_folder() {
   return folder;
 }
 
-// Accepts any scene: 40 x 30 pixels, 2 samples per pixel, overrides applied.
+// Accepts any scene: 40 x 3 pixels, 2 samples per pixel, overrides applied.
 core::Result<coordinator::CheckedScene> accept(const v1::Bundle&, const v1::RenderOverrides& overrides) {
   const auto wanted = proto::from_proto(overrides);
   if (!wanted) return core::fail(wanted.error());
   core::RenderSettings settings;
   settings.width_px = 40;
-  settings.height_px = 30;
+  settings.height_px = 3;
   settings.spp = 2;
   const auto resolved = core::resolve_settings(settings, *wanted);
   if (!resolved) return core::fail(resolved.error());
@@ -128,6 +128,7 @@ void Farm::reopen() {
   if (!expect_answer(state)) return;
   coordinator::Options options;
   options.limits.picture_pixels = kMaxPixels;
+  options.audit_share = 1;  // of all ranges, so that chance chooses none
   options.now = [this] { return now_; };
   auto opened = coordinator::Coordinator::open(options, std::move(*state), check_scene_);
   if (expect_answer(opened)) coordinator_ = std::move(*opened);

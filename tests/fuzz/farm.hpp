@@ -21,8 +21,8 @@ core::FilmTile tile_of(const core::PixelRect& rect, core::SampleRange range);
 
 class Farm {
  public:
-  // Jobs "a" (running, 150 x 100 pixels, 6 samples per pixel, begun), "b" (paused) and "c" (done).
-  // `damage` may change the state folder before a coordinator opens it.
+  // Jobs "a" (running, 130 x 4 pixels in three tiles, 6 samples per pixel, begun), "b" (paused) and "c"
+  // (done). `damage` may change the state folder before a coordinator opens it.
   using Damage = std::function<void(const std::filesystem::path& folder)>;
   explicit Farm(coordinator::SceneCheck check_scene = nullptr, const Damage& damage = nullptr);
   ~Farm();

@@ -15,14 +15,17 @@ void spell_out(v1::SynchronizeRequest& request) {
   for (v1::Lease& lease : *request.mutable_held()) lease.set_job_id(id_of(lease.job_id()));
 }
 
-// Sums are made of nothing but their number, so that small inputs can deliver whole tiles.
+// Sums are made of nothing but their number, so that small inputs can deliver whole tiles, and of what stands
+// as the compressed sums, so that workers can deliver different ones.
 void spell_out(v1::SubmitResultRequest& request) {
   request.set_worker_id(id_of(request.worker_id()));
   request.set_job_id(id_of(request.job_id()));
   for (v1::RenderedItem& item : *request.mutable_items()) {
     const auto work = proto::from_proto(item.item());
     if (!work || work->rect.width() > core::kTilePx || work->rect.height() > core::kTilePx) continue;
-    item = proto::encode_tile(tile_of(work->rect, work->range));
+    core::FilmTile tile = tile_of(work->rect, work->range);
+    if (!item.sums_zstd().empty()) tile.sums.front() += static_cast<unsigned char>(item.sums_zstd().front());
+    item = proto::encode_tile(tile);
   }
 }
 

@@ -155,7 +155,7 @@ key_bytes=$(od -An -j 88 -N 8 -t u8 "$scene_file" | tr -d ' ')
 printf '' | seed cache nothing
 
 # ---- The farm ----
-rect_of_tile() { echo "rect { x0: $((64 * $1)) y0: 0 x1: $((64 * $1 + 64)) y1: 64 }"; }
+rect_of_tile() { echo "rect { x0: $((64 * $1)) y0: 0 x1: $((64 * $1 + 64)) y1: 4 }"; }
 greeting() {
   message SynchronizeRequest <<<"worker_id: \"$1\" name: \"host-$1\" version: \"1\" arithmetic_fingerprint: \"f00d\"
     threads: 4 wanted_leases: ${2:-2} known_job_ids: \"a\" ${3:-}"
@@ -171,16 +171,22 @@ delivery 2 | seed result one
 delivery 2 1099511627777 'cannot_build: "the scene does not fit into memory" lease_finished: true version: "2"
   arithmetic_fingerprint: "other"' | seed result given_back
 message SubmitResultRequest <<<"worker_id: \"1\" job_id: \"a\" items { item { $(rect_of_tile 0) sample_begin: 0
-  sample_end: 6 } counters { samples: 24576 non_finite_samples: 1 first_non_finite { x: 3 y: 4 sample: 5 } } }" |
+  sample_end: 6 } counters { samples: 1536 non_finite_samples: 1 first_non_finite { x: 3 y: 4 sample: 5 } } }" |
   seed result counters
 { part sync; greeting 1; part sync; greeting 2; part wait; printf '12345678'; part result; delivery 2; part checkpoint
-  part restart; part sync; greeting 2 2 'held { id: 1099511627778 job_id: "a" items { rect { x1: 64 y1: 64 }
+  part restart; part sync; greeting 2 2 'held { id: 1099511627778 job_id: "a" items { rect { x1: 64 y1: 4 }
   sample_begin: 1 sample_end: 3 } }'; } | seed farm restart
 { part pause; printf a; part resume; printf b; part extend; message ExtendJobRequest <<<'job_id: "c" spp: 9'; part sync
   greeting 3 5; part cancel; printf b; part delete; printf a; part picture; printf c; } | seed farm changes
 { part submit; message SubmitJobRequest <<<'request_id: "once" priority: 3 overrides { width_px: 70 spp: 3 }
   bundle { scene_path: "s" }'; part sync; greeting 1 1 'draining: true'; part wait
   printf '%100s' ''; part 'blob lost'; printf '{}'; } | seed farm submit
+item() { echo "items { item { $(rect_of_tile "$1") sample_begin: $2 sample_end: $3 } ${4:-} }"; }
+{ part result; message SubmitResultRequest <<<"worker_id: \"1\" job_id: \"a\" $(item 1 2 4)"
+  for worker in 2 3; do part sync; greeting $worker 5; done
+  for worker in 2 3; do
+    part result; message SubmitResultRequest <<<"worker_id: \"$worker\" job_id: \"a\" $(item 1 2 4 'sums_zstd: "x"')"
+  done; part checkpoint; part restart; part sync; greeting 3; } | seed farm audits
 { for worker in 1 2 3; do part sync; greeting $worker 3; part wait; printf '%60s' ''; done; } | seed farm silent
 
 # ---- Submissions ----
@@ -199,7 +205,7 @@ message SubmitJobRequest <<<'bundle { scene_path: "../etc/passwd" assets { path:
   seed bundle path
 
 # ---- State ----
-settings='settings { width_px: 150 height_px: 100 spp: 6 integrator: INTEGRATOR_MIS filter: PIXEL_FILTER_BOX
+settings='settings { width_px: 130 height_px: 4 spp: 6 integrator: INTEGRATOR_MIS filter: PIXEL_FILTER_BOX
   filter_radius_px: 0.5 }'
 job() { message Job <<<"id: \"aaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaa\" name: \"x\" $*"; }
 { part spec; job "$settings"; } | seed state spec

@@ -19,15 +19,16 @@ if [ "${FUZZ_BUILD:-yes}" = yes ]; then
 fi
 mkdir -p "$logs"
 
+export ASAN_OPTIONS=detect_stack_use_after_return=1:allocator_may_return_null=0 UBSAN_OPTIONS=print_stacktrace=1
+export LSAN_OPTIONS=suppressions=tests/support/lsan.supp:print_suppressions=0
 fuzz() {
   local target=$1 options=()
   [ ! -f "tests/fuzz/dictionaries/$target.dict" ] || options+=(-dict="tests/fuzz/dictionaries/$target.dict")
   mkdir -p "build/fuzz/found/$target"
-  ASAN_OPTIONS=detect_stack_use_after_return=1:allocator_may_return_null=0 \
-    UBSAN_OPTIONS=print_stacktrace=1 LSAN_OPTIONS=suppressions=tests/support/lsan.supp:print_suppressions=0 \
-    "build/fuzz/bin/fuzz_$target" "build/fuzz/found/$target" "tests/fuzz/corpus/$target" "${options[@]}" \
+  local TIMEFORMAT='processor seconds: %U %S'
+  { time "build/fuzz/bin/fuzz_$target" "build/fuzz/found/$target" "tests/fuzz/corpus/$target" "${options[@]}" \
     -max_total_time="$seconds" -max_len=8192 -timeout=60 -rss_limit_mb=2048 -malloc_limit_mb=512 \
-    -print_final_stats=1 -artifact_prefix="$logs/$target-" >"$logs/$target.log" 2>&1 ||
+    -print_final_stats=1 -artifact_prefix="$logs/$target-" >"$logs/$target.log" 2>&1; } 2>>"$logs/$target.log" ||
     echo "$target: see $logs/$target.log" >>"$logs/failed"
 }
 

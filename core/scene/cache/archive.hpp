@@ -116,6 +116,11 @@ class Reader {
       std::apply([&](auto&... each) { ((*this)(each), ...); }, fields(value));
     }
   }
+  void operator()(bool& value) {
+    const auto byte = read<std::uint8_t>();
+    good_ = good_ && byte <= 1;
+    value = byte == 1;
+  }
   void operator()(std::string& text) {
     array(text, [&](std::size_t size) { text.resize(size); });
   }
@@ -130,7 +135,7 @@ class Reader {
   template <typename T>
   void operator()(std::optional<T>& value) {
     value.reset();
-    if (read<bool>()) (*this)(value.emplace());
+    if (read<bool>() && good_) (*this)(value.emplace());
   }
   template <typename... Ts>
   void operator()(std::variant<Ts...>& value) {

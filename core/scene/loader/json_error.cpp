@@ -43,12 +43,10 @@ std::string_view phrase_for(std::string_view message, std::span<const Phrase> ph
   return otherwise;
 }
 
-// The part of `message` between `before` and `after`; `after` may be missing.
-std::string_view between(std::string_view message, std::string_view before, std::string_view after) {
+// What follows `before`; nothing where that is missing.
+std::string_view behind(std::string_view message, std::string_view before) {
   const std::size_t begin = message.find(before);
-  if (begin == std::string_view::npos) return {};
-  message.remove_prefix(begin + before.size());
-  return message.substr(0, message.find(after));
+  return begin == std::string_view::npos ? std::string_view{} : message.substr(begin + before.size());
 }
 
 // nlohmann's "[json.exception.parse_error.101] parse error at line 1, column 7: syntax error while parsing
@@ -75,9 +73,10 @@ std::string explain_unexpected(std::string_view message, std::string_view unexpe
 std::string explain(std::string_view message, std::string_view token) {
   if (contains(message, "number overflow"))
     return fmt::format("the number {} is too large", in_quotes(token));
-  const std::string_view unexpected = between(message, " - unexpected ", ";");
+  const std::string_view expectation = behind(message, " - unexpected ");
+  const std::string_view unexpected = expectation.substr(0, expectation.find(';'));
   if (!unexpected.empty()) return explain_unexpected(message, unexpected);
-  const std::string_view reason = between(message, " - ", "; last read");  // of the lexer
+  const std::string_view reason = behind(message, " - ");  // of the lexer
   if (reason == "invalid literal")
     return fmt::format("{} is not JSON; texts and keys need double quotes", in_quotes(token));
   if (contains(reason, "missing closing quote") || contains(reason, "U+000A"))
@@ -92,9 +91,16 @@ Error not_json(std::string_view text, const std::string& file, std::size_t posit
   return {ErrorCode::kInvalidArgument, fmt::format("{}:{}:{}: not valid JSON: {}", file, line, column, what)};
 }
 
+// Without what the lexer has read last, which may say anything.
+JsonParserError without_quotation(JsonParserError error) {
+  error.message = error.message.substr(0, error.message.find("; last read: "));
+  return error;
+}
+
 }  // namespace
 
-Error explain_json_error(std::string_view text, const std::string& file, const JsonParserError& error) {
+Error explain_json_error(std::string_view text, const std::string& file, const JsonParserError& quoting) {
+  const JsonParserError error = without_quotation(quoting);
   const std::string_view token = faulty_token(text, error);
   return not_json(text, file, static_cast<std::size_t>(token.data() - text.data()),
                   explain(error.message, token));

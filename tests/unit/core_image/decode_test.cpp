@@ -101,6 +101,26 @@ TEST(DecodeExr, AttributesBeyondTheFileAreErrors) {
   EXPECT_THAT(decode_image(exr).error().message, HasSubstr("OpenEXR picture: the file ends too early"));
 }
 
+// OpenEXR would go on at another byte than the one behind the attribute.
+TEST(DecodeExr, AttributesThatAreNotOfTheirTypeAreErrors) {
+  const std::string exr = encode_image(Image(2, 2), ImageFormat::kExr).value();
+  const std::size_t first_channel = exr.find("chlist") + 7 + 4;
+  ASSERT_EQ(exr.substr(first_channel, 2), "B\0"s);
+  std::string longer_name = exr;
+  longer_name[first_channel + 1] = 'B';
+  EXPECT_THAT(decode_image(longer_name).error().message,
+              HasSubstr("OpenEXR picture: its attribute channels is damaged"));
+  std::string other_type = exr;
+  other_type.replace(other_type.find("box2i"), 5, "box2f");
+  EXPECT_THAT(decode_image(other_type).error().message, HasSubstr("its attribute dataWindow is damaged"));
+  std::string shorter = exr;
+  const std::size_t size = shorter.find("\0v2f\0"s) + 5;
+  ASSERT_EQ(shorter[size], 8);
+  shorter[size] = 7;
+  EXPECT_THAT(decode_image(shorter).error().message,
+              HasSubstr("its attribute screenWindowCenter is damaged"));
+}
+
 TEST(DecodeExr, AttributesOfNoUseAreNotLookedAt) {
   Image image(2, 2);
   image.pixels[3] = {1, 2, 3};

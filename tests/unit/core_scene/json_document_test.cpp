@@ -98,6 +98,16 @@ TEST(JsonDocument, ExplainsWhatIsNotJson) {
     EXPECT_EQ(error_of(text), "x.json:" + std::string(message)) << text;
 }
 
+// The parser quotes the text in what it says.
+TEST(JsonDocument, ExplainsTextsThatReadLikeTheParsersMessages) {
+  for (const std::string said : {"number overflow", "unexpected string literal", "invalid literal"}) {
+    EXPECT_EQ(error_of("\"" + said + "\n"),
+              "x.json:1:" + std::to_string(said.size() + 2) +
+                  ": not valid JSON: a text has no closing double quote in its line")
+        << said;
+  }
+}
+
 TEST(JsonDocument, LimitsNesting) {
   EXPECT_EQ(error_of(std::string(32, '[') + std::string(32, ']')), "no error");
   EXPECT_EQ(error_of("\n" + std::string(33, '[') + std::string(33, ']')),

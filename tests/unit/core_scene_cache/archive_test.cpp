@@ -10,21 +10,25 @@ namespace {
 
 constexpr Checksum kVersion{1, 2};
 
-// Whether a Value can be read from a file whose index has these numbers: eight bytes and four.
-template <typename Value>
-bool is_read(std::uint64_t size, std::uint32_t rest) {
+// Whether a Value can be read from a file whose index has these numbers.
+template <typename Value, typename... Numbers>
+bool is_read_from(Numbers... numbers) {
   const TemporaryFolder folder;
   const std::string path = folder.path() / "file";
   auto file = BlockFileWriter::create(path, kVersion, 1).value();
   Writer writer(file);
-  writer(size);
-  writer(rest);
+  (writer(numbers), ...);
   EXPECT_TRUE(file.finish(writer.bytes()));
   auto stored = BlockFileReader::open(path, kVersion, 1).value();
   Reader reader(stored);
   Value value;
   reader(value);
   return reader.complete();
+}
+
+template <typename Value>
+bool is_read(std::uint64_t size, std::uint32_t rest) {
+  return is_read_from<Value>(size, rest);
 }
 
 TEST(Archive, RefusesArraysLargerThanTheFile) {
@@ -36,6 +40,14 @@ TEST(Archive, RefusesArraysLargerThanTheFile) {
     EXPECT_FALSE(is_read<std::string>(size, 1)) << size;
     EXPECT_FALSE(is_read<std::vector<std::string>>(size, 0)) << size;
   }
+}
+
+TEST(Archive, RefusesTruthsThatAreNeitherTrueNorFalse) {
+  EXPECT_TRUE(is_read_from<bool>(std::uint8_t{0}));
+  EXPECT_TRUE(is_read_from<bool>(std::uint8_t{1}));
+  EXPECT_FALSE(is_read_from<bool>(std::uint8_t{2}));
+  EXPECT_TRUE(is_read_from<std::optional<float>>(std::uint8_t{1}, 0.5f));
+  EXPECT_FALSE(is_read_from<std::optional<float>>(std::uint8_t{104}, 0.5f));
 }
 
 TEST(Archive, KnowsHowMuchItWillWrite) {

@@ -197,7 +197,8 @@ TEST_F(Restart, ARowThatNoJobCanHaveFailsItAndHarmsNoOther) {
 
 // Under checksums that are in order, as no coordinator writes them.
 TEST_F(Restart, RowsThatNoCoordinatorHereWritesFailTheirJobsAndHarmNoOther) {
-  const std::string damaged = submit(), whole = submit(), mute = submit(), huge = submit();
+  const std::string damaged = submit(), whole = submit(), mute = submit(), huge = submit(),
+                    timeless = submit();
   ASSERT_TRUE(coordinator().checkpoint());
   rewrite_jobs([&](store::JobRow& row) {
     if (row.id == mute) row.failure = "no \xff text";
@@ -214,13 +215,16 @@ TEST_F(Restart, RowsThatNoCoordinatorHereWritesFailTheirJobsAndHarmNoOther) {
     spec.mutable_settings()->set_width_px(65536);
     spec.mutable_settings()->set_height_px(16384);
     row_of(huge).spec = spec.SerializeAsString();
-    ASSERT_TRUE(store->delete_job(damaged) && store->insert_job(row_of(damaged)));
-    ASSERT_TRUE(store->delete_job(huge) && store->insert_job(row_of(huge)));
+    row_of(timeless).created_ms = INT64_MIN;
+    row_of(timeless).finished_ms = INT64_MAX;
+    for (const std::string& id : {damaged, huge, timeless})
+      ASSERT_TRUE(store->delete_job(id) && store->insert_job(row_of(id)));
   }
   open();
   EXPECT_EQ(job(damaged).state(), v1::JOB_STATE_FAILED);
   EXPECT_THAT(job(mute).failure(), HasSubstr("is damaged: delete it"));
   EXPECT_THAT(job(huge).failure(), HasSubstr("65536 x 16384"));
+  EXPECT_THAT(job(timeless).failure(), HasSubstr("is damaged: delete it"));
   EXPECT_EQ(job(whole).state(), v1::JOB_STATE_RUNNING);
 }
 
