@@ -16,11 +16,18 @@ constexpr std::size_t kMostSums = std::size_t{core::kTilePx} * core::kTilePx * 3
 
 using Digest = std::array<unsigned char, SHA256_DIGEST_LENGTH>;
 
-// As good as random bits for each number.
+// As good as random bits for each number. Not by EVP or SHA256(), which look for the algorithm or take memory
+// for every digest: starting a coordinator takes thousands of them.
 Digest digest_of(const Fingerprinter::Secret& secret, std::size_t number) {
   const std::array<std::uint64_t, 3> key{secret[0], secret[1], number};
   Digest digest{};
-  SHA256(reinterpret_cast<const unsigned char*>(key.data()), sizeof(key), digest.data());
+  SHA256_CTX context;
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wdeprecated-declarations"
+  SHA256_Init(&context);
+  SHA256_Update(&context, key.data(), sizeof(key));
+  SHA256_Final(digest.data(), &context);
+#pragma GCC diagnostic pop
   return digest;
 }
 
