@@ -14,6 +14,7 @@
 #include "core/accel/ray_group.hpp"
 #include "core/accel/sheared_group.hpp"
 #include "core/geometry/primitives.hpp"
+#include "core/math/lane_array.hpp"
 
 namespace tessera::core {
 
@@ -31,7 +32,13 @@ class GroupHits {
   // Keeps references, and tells `group` how far its rays reach. rays[order[i]] is ray i.
   GroupHits(const GroupScene& scene, std::span<const Ray> rays, std::span<const std::uint32_t> order,
             const RayColumns& columns, RayGroup& group)
-      : scene_(scene), rays_(rays), order_(order), group_(group), sheared_(columns), alive_(columns.all()) {
+      : scene_(scene),
+        rays_(rays),
+        order_(order),
+        columns_(columns),
+        group_(group),
+        sheared_(columns),
+        alive_(columns.all()) {
     for (std::size_t i = 0; i < kSize; i += kLanes) {
       const Float8 t_max = Float8::load(columns.t_max + i);
       t_max.store(t_low_ + i);
@@ -44,7 +51,16 @@ class GroupHits {
   // Those whose answer is still open: for kAny, those that are not known to hit anything.
   RaySet alive() const { return alive_; }
 
-  // The rays of `set` against all of a packet's primitives, each ray by itself.
+  // The rays of `set` against a packet's spheres, eight rays at once.
+  void test_spheres(const BvhPacket& packet, RaySet set) {
+    for (unsigned spheres = packet.sphere_lanes; spheres != 0; spheres &= spheres - 1) {
+      const std::uint32_t primitive = packet.primitives[std::countr_zero(spheres)];
+      for (std::size_t v = 0; v < RayGroup::kVectors; ++v)
+        if (lanes_of(set, v) != 0) test_sphere(primitive, v, Mask8::from_bits(lanes_of(set, v)));
+    }
+  }
+
+  // The rays of `set` against all of a packet's triangles, each ray by itself.
   void test_each(const BvhPacket& packet, RaySet set) {
     for_each_ray(set, [&](std::size_t i) { test_one(i, packet); });
   }
@@ -99,7 +115,7 @@ class GroupHits {
       return Double4::load(packet.corners[corner][sheared_.axis(i, axis)]);
     });
     unsigned lanes = hits.lanes() & packet.triangle_lanes;
-    if ((lanes | packet.sphere_lanes) == 0) return;
+    if (lanes == 0) return;
     settle_candidate(i);
     for (; lanes != 0; lanes &= lanes - 1) {
       const int lane = std::countr_zero(lanes);
@@ -107,9 +123,31 @@ class GroupHits {
       if (t <= hits_[i].t)
         hits_[i].improve(ray(i), {t, packet.primitives[lane], hits.b1(lane), hits.b2(lane)});
     }
-    for (unsigned spheres = packet.sphere_lanes; spheres != 0; spheres &= spheres - 1)
-      scene_.primitives.intersect(packet.primitives[std::countr_zero(spheres)], ray(i), hits_[i]);
     update(i);
+  }
+
+  void test_sphere(std::uint32_t primitive, std::size_t v, Mask8 asked) {
+    using Wide = Vec3dOf<Double8>;
+    const auto column = [&](const auto& values, int axis) { return Float8::load(values[axis] + kLanes * v); };
+    const auto wide = [&](const auto& values) {
+      return Wide(Vec3Of<Float8>{column(values, 0), column(values, 1), column(values, 2)});
+    };
+    const Sphere& sphere = scene_.primitives.sphere(primitive);
+    const Vec3 center = sphere.center;
+    const auto [found, exact_t] = intersect_sphere<Float8>(wide(columns_.origin), wide(columns_.direction),
+                                                           {{center.x, center.y, center.z}, sphere.radius});
+    const Float8 t = to_float(exact_t);
+    const Mask8 hit = asked & found & (t > 0);
+    if (kQuery == Query::kAny) {
+      alive_ &= ~to_set((hit & (t < Float8::load(columns_.t_max + kLanes * v))).bits(), v);
+      return;
+    }
+    const FloatLanes distances(t);
+    for_each_ray(to_set((hit & (t <= Float8::load(t_high_ + kLanes * v))).bits(), v), [&](std::size_t i) {
+      settle_candidate(i);
+      hits_[i].improve(ray(i), {distances[i % kLanes], primitive, 0, 0});
+      update(i);
+    });
   }
 
   // Without branches but for triangles that none of the rays hits and for what is not sure: how many of the
@@ -234,6 +272,7 @@ class GroupHits {
   const GroupScene& scene_;
   std::span<const Ray> rays_;
   std::span<const std::uint32_t> order_;
+  const RayColumns& columns_;
   RayGroup& group_;
   ShearedGroup sheared_;
   RaySet alive_;

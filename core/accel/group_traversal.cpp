@@ -45,7 +45,7 @@ template <Query kQuery>
 class GroupTraversal {
  public:
   GroupTraversal(const GroupScene& scene, std::span<const Ray> rays, std::span<const std::uint32_t> order)
-      : GroupTraversal(scene, rays, order, RayColumns(rays, order)) {}
+      : scene_(scene), columns_(rays, order), group_(columns_), hits_(scene, rays, order, columns_, group_) {}
 
   std::span<const Hit> run() {
     stack_.push(0, {0, BvhChild::node(0), hits_.alive()});
@@ -68,10 +68,6 @@ class GroupTraversal {
   RaySet missing() const { return hits_.alive(); }
 
  private:
-  GroupTraversal(const GroupScene& scene, std::span<const Ray> rays, std::span<const std::uint32_t> order,
-                 const RayColumns& columns)
-      : scene_(scene), group_(columns), hits_(scene, rays, order, columns, group_) {}
-
   void enter(const BvhNode& node, RaySet set) {
     alignas(32) float t_near[BvhNode::kWidth];
     unsigned met = group_.boxes_met(node, t_near);
@@ -93,9 +89,10 @@ class GroupTraversal {
     const BvhPacket& packet = scene_.packets[index];
     if (packet.instance_lanes != 0)
       return for_each_ray(set, [&](std::size_t i) { go_alone(i, BvhChild::packet(index)); });
+    if (packet.sphere_lanes != 0) hits_.test_spheres(packet, set);
+    if (packet.triangle_lanes == 0) return;
     const int cost_together = std::popcount(packet.triangle_lanes) * vectors_of(set) * kTriangleVsVector;
-    if (group_.can_filter() && packet.sphere_lanes == 0 &&
-        cost_together <= std::popcount(set) * kRayVsPacket) {
+    if (group_.can_filter() && cost_together <= std::popcount(set) * kRayVsPacket) {
       hits_.test_together(index, set);
     } else {
       hits_.test_each(packet, set);
@@ -112,6 +109,7 @@ class GroupTraversal {
   }
 
   const GroupScene& scene_;
+  const RayColumns columns_;
   RayGroup group_;
   GroupHits<kQuery> hits_;
   GroupStack stack_;

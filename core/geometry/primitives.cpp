@@ -7,7 +7,7 @@
 
 #include "core/geometry/model_point.hpp"
 #include "core/geometry/rounding.hpp"
-#include "core/math/simd_integer.hpp"
+#include "core/math/lane_array.hpp"
 
 namespace tessera::core {
 namespace {
@@ -224,20 +224,23 @@ SurfacePointOf<Float8> Primitives::triangle_surfaces(const std::array<const Hit*
 
 template <typename AnyRay>
 Primitives::ModelPoint Primitives::sphere_point(const AnyRay& ray, const Hit& hit) const {
-  const Sphere& ball = sphere(hit.primitive);
-  const Vec3d center(ball.center);
-  // hit.t has been rounded to a float, which far away is coarser than the sphere.
-  const double t = intersect_sphere(ray, ball).value_or(hit.t);
-  const Vec3d from_center = Vec3d(ray.origin) + t * Vec3d(ray.direction) - center;
-  const Vec3d normal = (1 / length(from_center)) * from_center;
-  const Vec3d arm = static_cast<double>(ball.radius) * normal;
+  return point_of_sphere(sphere(hit.primitive), Vec3d(ray.origin), Vec3d(ray.direction), hit.t);
+}
 
-  ModelPoint point;
-  point.position = center + arm;
-  point.terms = abs(center) + abs(arm);
-  point.geometric_normal = from_center;
-  point.uv = sphere_uv(normal.rounded());
-  return point;
+SurfacePointOf<Float8> Primitives::sphere_surfaces(const std::array<const Ray*, kLaneCount>& rays,
+                                                   const std::array<const Hit*, kLaneCount>& hits) const {
+  Vec3Lanes origin, direction, center;
+  FloatLanes radius, t;
+  for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
+    origin.set(lane, rays[lane]->origin);
+    direction.set(lane, rays[lane]->direction);
+    t.set(lane, hits[lane]->t);
+    center.set(lane, sphere(hits[lane]->primitive).center);
+    radius.set(lane, sphere(hits[lane]->primitive).radius);
+  }
+  using Wide = Vec3dOf<Double8>;
+  const SphereOf<Float8> spheres{center.all(), radius.all()};
+  return in_world(InPlace(), point_of_sphere(spheres, Wide(origin.all()), Wide(direction.all()), t.all()));
 }
 
 Tangents Primitives::tangents(const Hit& hit, const SurfacePoint& point) const {

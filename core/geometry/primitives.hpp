@@ -53,6 +53,8 @@ class Primitives {
   bool is_sphere(std::uint32_t primitive) const { return primitive >= triangle_count(); }
   // Of a triangle that is in no instance.
   bool is_plain_triangle(const Hit& hit) const { return !hit.in_instance() && !is_sphere(hit.primitive); }
+  // Of a sphere that is in no instance.
+  bool is_plain_sphere(const Hit& hit) const { return !hit.in_instance() && is_sphere(hit.primitive); }
   bool is_instance(std::uint32_t primitive) const { return primitive >= triangle_count() + sphere_count(); }
 
   const std::vector<Primitives>& objects() const { return objects_; }
@@ -95,6 +97,9 @@ class Primitives {
   SurfacePoint surface(const Ray& ray, const Hit& hit) const;
   // Of eight hits of triangles that are in no instance, one in each lane.
   SurfacePointOf<Float8> triangle_surfaces(const std::array<const Hit*, 8>& hits) const;
+  // Of eight hits of spheres that are in no instance.
+  SurfacePointOf<Float8> sphere_surfaces(const std::array<const Ray*, 8>& rays,
+                                         const std::array<const Hit*, 8>& hits) const;
   // Where surface() made `point` of the same hit.
   Tangents tangents(const Hit& hit, const SurfacePoint& point) const;
 

@@ -1,6 +1,7 @@
 #include "core/integrators/eight_vertices.hpp"
 
 #include <algorithm>
+#include <bit>
 
 #include "core/materials/limits.hpp"
 #include "core/materials/normal_map.hpp"
@@ -10,6 +11,7 @@ namespace {
 
 using Rays = std::array<const Ray*, kLaneCount>;
 using Hits = std::array<const Hit*, kLaneCount>;
+constexpr unsigned kAllLanes = (1u << kLaneCount) - 1;
 
 Vec3Of<Float8> toward_origins(const Rays& rays) {
   Vec3Lanes directions;
@@ -56,20 +58,39 @@ class SurfaceLanes {
   FloatLanes u_, v_;
 };
 
-SurfaceLanes surfaces(const Primitives& primitives, const Rays& rays, const Hits& hits) {
-  const auto is_triangle = [&](const Hit* hit) { return primitives.is_plain_triangle(*hit); };
-  const auto some_triangle = std::find_if(hits.begin(), hits.end(), is_triangle);
-  SurfacePointOf<Float8> triangles;
-  if (some_triangle != hits.end()) {
-    Hits of_triangles = hits;
-    for (const Hit*& hit : of_triangles)
-      if (!is_triangle(hit)) hit = *some_triangle;
-    triangles = primitives.triangle_surfaces(of_triangles);
-  }
-  SurfaceLanes all(triangles);
+SurfacePointOf<Float8> select(Mask8 mask, const SurfacePointOf<Float8>& a, const SurfacePointOf<Float8>& b) {
+  return {select(mask, a.position, b.position),
+          select(mask, a.position_error, b.position_error),
+          select(mask, a.geometric_normal, b.geometric_normal),
+          select(mask, a.shading_normal, b.shading_normal),
+          {select(mask, a.uv.x, b.uv.x), select(mask, a.uv.y, b.uv.y)}};
+}
+
+// The lanes of a set, and in those that are not in it another one that is.
+template <typename Pointers>
+Pointers filled(Pointers all, unsigned set) {
+  const auto some = static_cast<std::size_t>(std::countr_zero(set));
   for (std::size_t lane = 0; lane < kLaneCount; ++lane)
-    if (!is_triangle(hits[lane])) all.set(lane, primitives.surface(*rays[lane], *hits[lane]));
+    if ((set >> lane & 1) == 0) all[lane] = all[some];
   return all;
+}
+
+SurfacePointOf<Float8> surfaces(const Primitives& primitives, const Rays& rays, const Hits& hits) {
+  unsigned triangles = 0, spheres = 0;
+  for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
+    triangles |= (primitives.is_plain_triangle(*hits[lane]) ? 1u : 0u) << lane;
+    spheres |= (primitives.is_plain_sphere(*hits[lane]) ? 1u : 0u) << lane;
+  }
+  SurfacePointOf<Float8> all;
+  if (triangles != 0) all = primitives.triangle_surfaces(filled(hits, triangles));
+  if (spheres != 0)
+    all = select(Mask8::from_bits(spheres),
+                 primitives.sphere_surfaces(filled(rays, spheres), filled(hits, spheres)), all);
+  if ((triangles | spheres) == kAllLanes) return all;
+  SurfaceLanes lanes(all);
+  for (std::size_t lane = 0; lane < kLaneCount; ++lane)
+    if (hits[lane]->in_instance()) lanes.set(lane, primitives.surface(*rays[lane], *hits[lane]));
+  return lanes.all();
 }
 
 using Materials = std::array<const Material*, kLaneCount>;
@@ -213,19 +234,19 @@ GlossyVertices glossy_vertices(const Scene& scene, const Rays& rays, const Hits&
 
 MixedVertices mixed_vertices(const Scene& scene, const Rays& rays, const Hits& hits, std::size_t count) {
   const Vec3Of<Float8> wo = toward_origins(rays);
-  const SurfaceLanes lanes = surfaces(scene.primitives(), rays, hits);
-  const SurfacePointOf<Float8> surface = lanes.all();
+  const SurfacePointOf<Float8> surface = surfaces(scene.primitives(), rays, hits);
   const ViewedSide<Float8> side(surface, wo);
   Vec3Lanes outward(surface.shading_normal);
+  const FloatLanes u(surface.uv.x), v(surface.uv.y);
   MixedBsdfs bsdfs;
   unsigned diffuse = 0;
   for (std::size_t lane = 0; lane < count; ++lane) {
     const Material& material = scene.material_of(*hits[lane]);
-    const SurfacePoint point = lanes[lane];
     if (material.normal_map.texture >= 0)
-      outward.set(lane, outward_normal(scene, material, *hits[lane], point));
+      outward.set(lane, outward_normal(scene, material, *hits[lane], SurfaceLanes(surface)[lane]));
     if (std::holds_alternative<Lambert>(material.model)) diffuse |= 1u << lane;
-    bsdfs.set(lane, Bsdf(material, scene.textures(), point.uv, (side.outside.bits() >> lane & 1) != 0));
+    bsdfs.set(lane,
+              Bsdf(material, scene.textures(), {u[lane], v[lane]}, (side.outside.bits() >> lane & 1) != 0));
   }
   const Vec3Of<Float8> seen = side.shading_normal(outward.all(), wo);
   const Vec3Of<Float8> bent =

@@ -187,6 +187,9 @@ inline Double4 abs(Double4 a) {
 inline Double4 sqrt(Double4 a) {
   return {_mm256_sqrt_pd(a.v)};
 }
+inline Double4 copysign(Double4 magnitude, Double4 sign) {
+  return {_mm256_or_pd(abs(magnitude).v, _mm256_and_pd(_mm256_set1_pd(-0.0), sign.v))};
+}
 // To the nearest whole number, halves to the even one.
 inline Double4 nearbyint(Double4 a) {
   return {_mm256_round_pd(a.v, _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC)};

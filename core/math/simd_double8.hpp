@@ -54,6 +54,9 @@ inline Double8 fabs(Double8 a) {
 inline Double8 sqrt(Double8 a) {
   return {sqrt(a.low), sqrt(a.high)};
 }
+inline Double8 copysign(Double8 magnitude, Double8 sign) {
+  return {copysign(magnitude.low, sign.low), copysign(magnitude.high, sign.high)};
+}
 inline Double8 nearbyint(Double8 a) {
   return {nearbyint(a.low), nearbyint(a.high)};
 }
@@ -69,6 +72,9 @@ inline Mask8 operator<(Double8 a, Double8 b) {
 }
 inline Mask8 operator>(Double8 a, Double8 b) {
   return b < a;
+}
+inline Mask8 operator>=(Double8 a, Double8 b) {
+  return narrowed(_mm256_cmp_pd(a.low.v, b.low.v, _CMP_GE_OQ), _mm256_cmp_pd(a.high.v, b.high.v, _CMP_GE_OQ));
 }
 inline Double8 select(Mask8 mask, Double8 a, Double8 b) {
   const __m256i lanes = _mm256_castps_si256(mask.v);

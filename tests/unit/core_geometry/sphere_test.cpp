@@ -2,9 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 
+#include "core/math/lane_array.hpp"
+#include "core/math/simd_double8.hpp"
 #include "tests/unit/core_geometry/shapes.hpp"
 
 namespace tessera::core {
@@ -65,6 +69,40 @@ TEST(Sphere, WithoutASurfaceIsNeverHit) {
   EXPECT_FALSE(intersect_sphere({{0, 0, 3}, {0, 0, -1}}, {{nan, 0, 0}, 1}));
   EXPECT_FALSE(intersect_sphere({{0, 0, 3}, {0, 0, 0}}, {{0, 0, 0}, 1}));
   EXPECT_FALSE(intersect_sphere({{0, 0, nan}, {0, 0, -1}}, {{0, 0, 0}, 1}));
+}
+
+// Rays that meet, miss, leave and touch spheres, some of which have no surface.
+TEST(Sphere, EightAtOnceAreToTheBitWhatEachIsAlone) {
+  test::Random random(6);
+  int hits = 0;
+  for (int i = 0; i < 20000; ++i) {
+    Vec3Lanes origins, directions, centers;
+    FloatLanes radii;
+    std::array<std::optional<double>, kLaneCount> alone;
+    for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
+      const Sphere sphere{random.in_box(1), random.below(20) == 0 ? 0 : random.uniform(0.1f, 2)};
+      const bool from_surface = random.below(4) == 0;
+      const Vec3 origin =
+          from_surface ? sphere.center + random.direction() * sphere.radius : random.in_box(2);
+      const Vec3 direction = random.below(20) == 0 ? Vec3{} : random.in_box(1);
+      origins.set(lane, origin), directions.set(lane, direction);
+      centers.set(lane, sphere.center), radii.set(lane, sphere.radius);
+      alone[lane] = intersect_sphere(Ray{origin, direction}, sphere);
+    }
+    using Wide = Vec3dOf<Double8>;
+    const auto [found, t] =
+        intersect_sphere<Float8>(Wide(origins.all()), Wide(directions.all()), {centers.all(), radii.all()});
+    alignas(32) double distances[kLaneCount];
+    t.low.store(distances);
+    t.high.store(distances + 4);
+    for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
+      ASSERT_EQ((found.bits() >> lane & 1) != 0, alone[lane].has_value());
+      if (!alone[lane]) continue;
+      ASSERT_EQ(distances[lane], *alone[lane]);
+      ++hits;
+    }
+  }
+  EXPECT_GT(hits, 40000);
 }
 
 TEST(SphereUv, RunsEastwardsAndNorthwards) {
