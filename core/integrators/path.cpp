@@ -210,16 +210,16 @@ template <typename Vertices>
 void PathTracer::connect_to_lights(const Paths& paths, const Vertices& vertices, Float8 guide_share,
                                    unsigned lit, int depth, SamplePart part) {
   const auto u = paths.pads(samplers_, light_pad(depth), part);
-  const Vec3Lanes position(vertices.position()), normal(vertices.lit_normal());
   const FloatLanes coarse(u[2]), fine(u[3]);
+  std::array<double, kLaneCount> u_light;
+  for (std::size_t lane = 0; lane < kLaneCount; ++lane) u_light[lane] = two_digits(coarse[lane], fine[lane]);
+  const auto choices = light_sampler_.sample({vertices.position(), vertices.lit_normal()}, u_light, lit);
   std::array<const Light*, kLaneCount> chosen{};
-  FloatLanes pmf{};
-  for (unsigned lanes = lit; lanes != 0; lanes &= lanes - 1) {
-    const auto lane = static_cast<std::size_t>(std::countr_zero(lanes));
-    const auto choice =
-        light_sampler_.sample({position[lane], normal[lane]}, two_digits(coarse[lane], fine[lane]));
-    if (choice.light != kNoLight) chosen[lane] = &scene_.lights()[choice.light];
-    pmf.set(lane, choice.pmf);
+  FloatLanes pmf;
+  for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
+    const auto& [light, chance] = choices[lane];
+    if ((lit >> lane & 1) != 0 && light != kNoLight) chosen[lane] = &scene_.lights()[light];
+    pmf.set(lane, chance);
   }
   const LightSamples lights = sample_lights(chosen, scene_.textures(), vertices.position(), {u[0], u[1]});
   const BsdfValueOf<Float8> scattered = vertices.evaluate(lights.wi);

@@ -66,29 +66,6 @@ SurfacePointOf<T> point_of_quad(const QuadLightOf<T>& q, Vec3Of<T> normal, Vec2O
   return point;
 }
 
-// From outside, the cone of directions that a sphere fills, by its sine squared and one minus its cosine.
-// Nothing from inside, where it fills all of them, and for points that rounding may have put on either side
-// of the sphere itself.
-struct Cone {
-  float sin2_max;
-  float one_minus_cos_max;
-};
-
-std::optional<Cone> cone_of(const SphereLight& sphere, Vec3 p_lit) {
-  const float distance2 = length_squared(p_lit - sphere.center);
-  const float radius2 = sphere.radius * sphere.radius;
-  constexpr float kClearlyOutside = 1.01f;
-  if (distance2 <= kClearlyOutside * radius2) return std::nullopt;
-  const float sin2_max = radius2 / distance2;
-  const float cos_max = std::sqrt(std::max(0.0f, 1 - sin2_max));
-  // sin^2 / (1 + cos), which does not cancel for small cones.
-  return Cone{sin2_max, sin2_max / (1 + cos_max)};
-}
-
-float pdf_cone(const Cone& cone) {
-  return 1 / (2 * kPi * cone.one_minus_cos_max);
-}
-
 // Area density to solid angle density.
 template <typename T>
 T per_solid_angle(T area, Vec3Of<T> p_lit, Vec3Of<T> p_light, Vec3Of<T> normal) {
@@ -97,6 +74,66 @@ T per_solid_angle(T area, Vec3Of<T> p_lit, Vec3Of<T> p_light, Vec3Of<T> normal) 
   const T distance2 = length_squared(d);
   const T cos_light = fabs(dot(d, normal)) / sqrt(distance2);
   return select(cos_light > 0, distance2 / (cos_light * area), T(0.0f));
+}
+
+// From outside, the cone of directions that a sphere fills, by its sine squared and one minus its cosine.
+// There is none from inside, where it fills all of them, and for points that rounding may have put on either
+// side of the sphere itself.
+template <typename T>
+struct ConeOf {
+  ConeOf(const SphereOf<T>& sphere, Vec3Of<T> p_lit) {
+    using std::sqrt;
+    constexpr float kClearlyOutside = 1.01f;
+    const T distance2 = length_squared(p_lit - sphere.center), radius2 = sphere.radius * sphere.radius;
+    exists = distance2 > kClearlyOutside * radius2;
+    sin2_max = radius2 / distance2;
+    // sin^2 / (1 + cos), which does not cancel for small cones.
+    one_minus_cos_max = sin2_max / (1 + sqrt(larger(T(0.0f), 1 - sin2_max)));
+  }
+
+  T pdf() const { return 1 / (2 * kPi * one_minus_cos_max); }
+  // The normal of the sphere where a direction meets it that is uniform in the cone (Pharr et al. 2023,
+  // section 6.2.4). `axis`: from the sphere's centre to the lit point.
+  Vec3Of<T> sample(Vec3Of<T> axis, Vec2Of<T> u) const {
+    using std::sqrt;
+    const T one_minus_cos = u.x * one_minus_cos_max;
+    const T cos_theta = 1 - one_minus_cos;
+    const T sin2_theta = one_minus_cos * (1 + cos_theta);
+    // The angle at the centre between the axis and the point that the direction meets.
+    const T cos_alpha =
+        sin2_theta / sqrt(sin2_max) + cos_theta * sqrt(larger(T(0.0f), 1 - sin2_theta / sin2_max));
+    const T sin_alpha = sqrt(larger(T(0.0f), 1 - cos_alpha * cos_alpha));
+    const auto [sin_phi, cos_phi] = sin_cos_turns(u.y);
+    return FrameOf<T>::around(normalize(axis))
+        .to_world({sin_alpha * cos_phi, sin_alpha * sin_phi, cos_alpha});
+  }
+
+  MaskOf<T> exists;
+  T sin2_max, one_minus_cos_max;
+};
+
+template <typename T>
+struct FoundOnSphere {
+  SurfacePointOf<T> point;
+  T pdf;
+};
+
+// From outside, uniform in the cone; elsewhere, uniform over the area.
+template <typename T>
+FoundOnSphere<T> find_on_sphere(const SphereOf<T>& sphere, T deviation, T area, Vec3Of<T> p_lit,
+                                Vec2Of<T> u) {
+  const ConeOf<T> cone(sphere, p_lit);
+  Vec3Of<T> outward = cone.sample(p_lit - sphere.center, u);
+  T pdf = cone.pdf();
+  if (!all(cone.exists)) outward = select(cone.exists, outward, sample_sphere(u));
+  SurfacePointOf<T> point;
+  point.position = sphere.center + outward * sphere.radius;
+  point.position_error = (abs(sphere.center) + abs(outward) * sphere.radius) * T(rounding_bound(8)) +
+                         Vec3Of<T>{deviation, deviation, deviation};
+  point.geometric_normal = outward;
+  if (!all(cone.exists))
+    pdf = select(cone.exists, pdf, per_solid_angle(area, p_lit, point.position, outward));
+  return {point, pdf};
 }
 
 }  // namespace
@@ -173,42 +210,51 @@ LightSamples AreaLight::sample_quads(const std::array<const AreaLight*, 8>& quad
   return samples;
 }
 
-// From outside, uniform in the cone (Pharr et al. 2023, section 6.2.4); elsewhere, uniform over the area.
 AreaLight::Found AreaLight::find(const SphereLight& sphere, Vec3 p_lit, Vec2 u) const {
-  const auto cone = cone_of(sphere, p_lit);
-  if (!cone) return flat(point_of(sphere, sample_sphere(u)), p_lit);
-
-  const float one_minus_cos = u.x * cone->one_minus_cos_max;
-  const float cos_theta = 1 - one_minus_cos;
-  const float sin2_theta = one_minus_cos * (1 + cos_theta);
-  // The angle at the centre between the axis and the point that the direction meets.
-  const float cos_alpha = sin2_theta / std::sqrt(cone->sin2_max) +
-                          cos_theta * std::sqrt(std::max(0.0f, 1 - sin2_theta / cone->sin2_max));
-  const float sin_alpha = std::sqrt(std::max(0.0f, 1 - cos_alpha * cos_alpha));
-  const auto [sin_phi, cos_phi] = sin_cos_turns(u.y);
-  const Frame axis = Frame::around(normalize(p_lit - sphere.center));
-  const Vec3 outward = axis.to_world({sin_alpha * cos_phi, sin_alpha * sin_phi, cos_alpha});
-
-  const SurfacePoint point = point_of(sphere, outward);
-  return {point, normalize(point.position - p_lit), pdf_cone(*cone)};
-}
-
-SurfacePoint AreaLight::point_of(const SphereLight& sphere, Vec3 outward) const {
-  SurfacePoint point;
-  point.position = sphere.center + outward * sphere.radius;
-  const Vec3 deviation{sphere.deviation, sphere.deviation, sphere.deviation};
-  point.position_error = (abs(sphere.center) + abs(outward) * sphere.radius) * rounding_bound(8) + deviation;
-  point.geometric_normal = outward;
+  auto [point, pdf] =
+      find_on_sphere<float>({sphere.center, sphere.radius}, sphere.deviation, area_, p_lit, u);
+  const Vec3 outward = point.geometric_normal;
   if (emission_.radiance.texture >= 0)
     point.uv =
         sphere_uv({dot(outward, sphere.x_axis), dot(outward, sphere.y_axis), dot(outward, sphere.z_axis)});
-  return point;
+  return {point, normalize(point.position - p_lit), pdf};
+}
+
+LightSamples AreaLight::sample_even_spheres(const std::array<const AreaLight*, 8>& spheres,
+                                            Vec3Of<Float8> p_lit, Vec2Of<Float8> u) {
+  Vec3Lanes center;
+  FloatLanes radius, deviation, area;
+  RgbLanes radiance;
+  unsigned two_sided = 0;
+  for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
+    const AreaLight& light = *spheres[lane];
+    const SphereLight& sphere = *std::get_if<SphereLight>(&light.shape_);
+    center.set(lane, sphere.center);
+    radius.set(lane, sphere.radius);
+    deviation.set(lane, sphere.deviation);
+    area.set(lane, light.area_);
+    radiance.set(lane, light.emission_.radiance.value);
+    two_sided |= (light.emission_.two_sided ? 1u : 0u) << lane;
+  }
+  LightSamples samples;
+  const SphereOf<Float8> balls{center.all(), radius.all()};
+  const auto found = find_on_sphere(balls, deviation.all(), area.all(), p_lit, u);
+  samples.point = found.point;
+  samples.wi = normalize(found.point.position - p_lit);
+  samples.pdf = found.pdf;
+  samples.radiance = radiance.all();
+  const Mask8 shines =
+      Mask8::from_bits(two_sided) | (dot(found.point.position - balls.center, -samples.wi) > 0);
+  samples.found = (samples.pdf > 0) & (samples.pdf < std::numeric_limits<float>::infinity()) & shines &
+                  !is_black(samples.radiance);
+  return samples;
 }
 
 float AreaLight::pdf(Vec3 p_lit, Vec3 p_light) const {
   const auto* sphere = std::get_if<SphereLight>(&shape_);
   if (!sphere) return per_solid_angle(area_, p_lit, p_light, front_);
-  if (const auto cone = cone_of(*sphere, p_lit)) return pdf_cone(*cone);
+  const ConeOf<float> cone({sphere->center, sphere->radius}, p_lit);
+  if (cone.exists) return cone.pdf();
   return per_solid_angle(area_, p_lit, p_light, normalize(p_light - sphere->center));
 }
 

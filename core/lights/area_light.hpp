@@ -54,6 +54,13 @@ class AreaLight {
                                    const std::vector<Texture>& textures, Vec3Of<Float8> p_lit,
                                    Vec2Of<Float8> u);
 
+  // A sphere that shines alike all over.
+  bool is_even_sphere() const {
+    return std::holds_alternative<SphereLight>(shape_) && emission_.radiance.texture < 0;
+  }
+  static LightSamples sample_even_spheres(const std::array<const AreaLight*, 8>& spheres,
+                                          Vec3Of<Float8> p_lit, Vec2Of<Float8> u);
+
   // The density with which sample() finds p_light, a point of the light, from p_lit.
   float pdf(Vec3 p_lit, Vec3 p_light) const;
 
@@ -72,7 +79,6 @@ class AreaLight {
   Found find(const TriangleLight& triangle, Vec3 p_lit, Vec2 u) const;
   Found find(const QuadLight& quad, Vec3 p_lit, Vec2 u) const;
   Found find(const SphereLight& sphere, Vec3 p_lit, Vec2 u) const;
-  SurfacePoint point_of(const SphereLight& sphere, Vec3 outward) const;
 
   LightShape shape_;
   Vec3 front_;

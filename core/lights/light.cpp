@@ -49,20 +49,39 @@ class SampleLanes {
   FloatLanes pdf_{};
 };
 
-// Lights at infinity, which have no points. Those that are found become samples of `all`.
-void take_lanes(LightSamples& all, const LightSamples& distant, Mask8 lanes) {
-  const Mask8 mine = lanes & distant.found;
+// Those of `lanes` that are found become samples of `all`.
+void take_lanes(LightSamples& all, const LightSamples& others, Mask8 lanes) {
+  const Mask8 mine = lanes & others.found;
   all.found = all.found | mine;
-  all.wi = select(mine, distant.wi, all.wi);
-  all.radiance = select(mine, distant.radiance, all.radiance);
-  all.pdf = select(mine, distant.pdf, all.pdf);
-  all.distant = all.distant | mine;
+  all.wi = select(mine, others.wi, all.wi);
+  all.radiance = select(mine, others.radiance, all.radiance);
+  all.pdf = select(mine, others.pdf, all.pdf);
+  all.distant = all.distant | (mine & others.distant);
+  all.point.position = select(mine, others.point.position, all.point.position);
+  all.point.position_error = select(mine, others.point.position_error, all.point.position_error);
+  all.point.geometric_normal = select(mine, others.point.geometric_normal, all.point.geometric_normal);
 }
 
-const AreaLight* as_quad(const Light* light) {
-  const auto* area = light ? std::get_if<AreaLight>(light) : nullptr;
-  return area && area->is_quad() ? area : nullptr;
-}
+// Lights that are sampled together, each in its lane.
+class AreaLights {
+ public:
+  void set(std::size_t lane, const AreaLight* light) {
+    lights_[lane] = some_ = light;
+    lanes_ |= 1u << lane;
+  }
+  bool empty() const { return lanes_ == 0; }
+  Mask8 lanes() const { return Mask8::from_bits(lanes_); }
+  // One in every lane.
+  const std::array<const AreaLight*, kLaneCount>& filled() {
+    std::replace(lights_.begin(), lights_.end(), static_cast<const AreaLight*>(nullptr), some_);
+    return lights_;
+  }
+
+ private:
+  std::array<const AreaLight*, kLaneCount> lights_{};
+  const AreaLight* some_ = nullptr;
+  unsigned lanes_ = 0;
+};
 
 }  // namespace
 
@@ -80,25 +99,29 @@ std::optional<LightSample> sample_light(const Light& light, const std::vector<Te
 
 LightSamples sample_lights(const std::array<const Light*, 8>& lights, const std::vector<Texture>& textures,
                            Vec3Of<Float8> p_lit, Vec2Of<Float8> u) {
-  std::array<const AreaLight*, 8> quads;
-  const AreaLight* some_quad = nullptr;
+  AreaLights quads, spheres;
   const Environment* environment = nullptr;  // of which a scene has one
-  unsigned quad_lanes = 0, environment_lanes = 0, other_lanes = 0;
+  unsigned environment_lanes = 0, other_lanes = 0;
   for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
-    quads[lane] = as_quad(lights[lane]);
     if (!lights[lane]) continue;
+    const auto* area = std::get_if<AreaLight>(lights[lane]);
     const auto* around = std::get_if<Environment>(lights[lane]);
-    if (quads[lane]) some_quad = quads[lane];
-    if (around) environment = around;
-    (quads[lane] ? quad_lanes : around ? environment_lanes : other_lanes) |= 1u << lane;
+    if (area && area->is_quad()) {
+      quads.set(lane, area);
+    } else if (area && area->is_even_sphere()) {
+      spheres.set(lane, area);
+    } else if (around) {
+      environment = around;
+      environment_lanes |= 1u << lane;
+    } else {
+      other_lanes |= 1u << lane;
+    }
   }
   LightSamples samples;
-  if (some_quad) {
-    std::replace(quads.begin(), quads.end(), static_cast<const AreaLight*>(nullptr), some_quad);
-    samples = AreaLight::sample_quads(quads, textures, p_lit, u);
-    samples.found = samples.found & Mask8::from_bits(quad_lanes);
-    samples.wi = select(samples.found, samples.wi, Vec3Of<Float8>{});
-  }
+  if (!quads.empty())
+    take_lanes(samples, AreaLight::sample_quads(quads.filled(), textures, p_lit, u), quads.lanes());
+  if (!spheres.empty())
+    take_lanes(samples, AreaLight::sample_even_spheres(spheres.filled(), p_lit, u), spheres.lanes());
   if (environment) take_lanes(samples, environment->sample(u), Mask8::from_bits(environment_lanes));
   if (other_lanes == 0) return samples;
   const Vec3Lanes p(p_lit);

@@ -1,6 +1,7 @@
 #include "core/lights/light_sampler.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <utility>
 
 namespace tessera::core {
@@ -34,14 +35,14 @@ double LightSampler::irradiance(const Distant& distant, const LitPoint& point) {
   return distant.irradiance * static_cast<double>(std::max(0.0f, dot(distant.wi, point.normal)));
 }
 
-LightSampler::Total LightSampler::total(const LitPoint& point) const {
+LightSampler::Total LightSampler::total(const LightTree::Weights& root, const LitPoint& point) const {
   Total total;
   const auto add = [&](double irradiance) {
     total.irradiance += irradiance;
     total.alternatives += irradiance > 0 ? 1 : 0;
     return irradiance;
   };
-  total.tree = add(tree_.irradiance(point));
+  total.tree = add(tree_.irradiance(root));
   for (const Distant& distant : distant_) add(irradiance(distant, point));
   return total;
 }
@@ -51,12 +52,13 @@ double LightSampler::share(const Total& total, double irradiance) {
   return (1 - kEvenShare) * irradiance / total.irradiance + kEvenShare / total.alternatives;
 }
 
-LightSampler::Choice LightSampler::sample_by_place(const LitPoint& point, double u) const {
-  if (distant_.empty()) return tree_.sample(point, u);
-  const Total all = total(point);
+LightSampler::Choice LightSampler::sample_by_place(const LightTree::Weights& root, const LitPoint& point,
+                                                   double u) const {
+  if (distant_.empty()) return tree_.sample(root, point, u);
+  const Total all = total(root, point);
   const double of_tree = share(all, all.tree);
   if (u < of_tree) {
-    Choice choice = tree_.sample(point, u / of_tree);
+    Choice choice = tree_.sample(root, point, u / of_tree);
     choice.pmf *= static_cast<float>(of_tree);
     return choice;
   }
@@ -75,17 +77,36 @@ std::optional<float> LightSampler::pmf_by_place(const LitPoint& point, std::uint
   if (tree_.contains(light)) {
     const float pmf = tree_.pmf(point, light);
     if (distant_.empty()) return pmf;
-    const Total all = total(point);
+    const Total all = total(tree_.weigh_root(point), point);
     return pmf * static_cast<float>(share(all, all.tree));
   }
   const auto distant = std::find_if(distant_.begin(), distant_.end(),
                                     [light](const Distant& each) { return each.light == light; });
   if (distant == distant_.end()) return std::nullopt;
-  return static_cast<float>(share(total(point), irradiance(*distant, point)));
+  return static_cast<float>(share(total(tree_.weigh_root(point), point), irradiance(*distant, point)));
 }
 
 LightSampler::Choice LightSampler::sample(const LitPoint& point, double u) const {
-  if (members_.size() == 1) return {members_[0], 1};
+  return members_.size() == 1 ? Choice{members_[0], 1} : sample(tree_.weigh_root(point), point, u);
+}
+
+std::array<LightSampler::Choice, kLaneCount> LightSampler::sample(const LitPoints& points,
+                                                                  const std::array<double, kLaneCount>& u,
+                                                                  unsigned asked) const {
+  std::array<Choice, kLaneCount> choices;
+  choices.fill(members_.size() == 1 ? Choice{members_[0], 1} : Choice{kNoLight, 0});
+  if (members_.size() == 1) return choices;
+  const Vec3Lanes position(points.position), normal(points.normal);
+  const auto roots = tree_.weigh_root(points);
+  for (; asked != 0; asked &= asked - 1) {
+    const auto lane = static_cast<std::size_t>(std::countr_zero(asked));
+    choices[lane] = sample(roots[lane], {position[lane], normal[lane]}, u[lane]);
+  }
+  return choices;
+}
+
+LightSampler::Choice LightSampler::sample(const LightTree::Weights& root, const LitPoint& point,
+                                          double u) const {
   const double uniform = kUniformShare / static_cast<double>(members_.size());
   Choice choice;
   if (u < kUniformShare) {
@@ -93,7 +114,7 @@ LightSampler::Choice LightSampler::sample(const LitPoint& point, double u) const
     choice.light = members_[std::min(index, members_.size() - 1)];
     choice.pmf = *pmf_by_place(point, choice.light);
   } else {
-    choice = sample_by_place(point, (u - kUniformShare) / (1 - kUniformShare));
+    choice = sample_by_place(root, point, (u - kUniformShare) / (1 - kUniformShare));
     if (choice.light == kNoLight) return choice;
   }
   choice.pmf = static_cast<float>((1 - kUniformShare) * static_cast<double>(choice.pmf) + uniform);

@@ -5,12 +5,14 @@
 // Lights with a place are chosen by a tree. Those at infinity, which are few, stand beside it one by one.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <vector>
 
 #include "core/lights/light.hpp"
 #include "core/lights/light_tree.hpp"
+#include "core/math/lane_array.hpp"
 
 namespace tessera::core {
 
@@ -31,6 +33,9 @@ class LightSampler {
   // u in [0, 1), of more bits than a float has. May choose none (kNoLight) where there are lights that do not
   // shine on the point.
   Choice sample(const LitPoint& point, double u) const;
+  // For eight points, each lane as the above; nothing in lanes whose bit in `asked` is not set.
+  std::array<Choice, kLaneCount> sample(const LitPoints& points, const std::array<double, kLaneCount>& u,
+                                        unsigned asked) const;
   // With which sample() chooses the light; 0 of one that it never does.
   float pmf(const LitPoint& point, std::uint32_t light) const;
 
@@ -48,9 +53,11 @@ class LightSampler {
   };
 
   static double irradiance(const Distant& distant, const LitPoint& point);
-  Total total(const LitPoint& point) const;
+  // `root`: what the tree's root weighs at the point.
+  Total total(const LightTree::Weights& root, const LitPoint& point) const;
   static double share(const Total& total, double irradiance);
-  Choice sample_by_place(const LitPoint& point, double u) const;
+  Choice sample(const LightTree::Weights& root, const LitPoint& point, double u) const;
+  Choice sample_by_place(const LightTree::Weights& root, const LitPoint& point, double u) const;
   // Nothing of lights that are not among these.
   std::optional<float> pmf_by_place(const LitPoint& point, std::uint32_t light) const;
 

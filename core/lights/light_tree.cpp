@@ -27,15 +27,8 @@ Float8 load(const std::array<float, LightTree::kWidth>& lanes) {
   return Float8::load(lanes.data());
 }
 
-// Eight vectors.
-struct Vec3x8 {
-  Float8 x, y, z;
-};
-Vec3x8 load(const std::array<float, LightTree::kWidth> (&lanes)[3]) {
+Vec3Of<Float8> load(const std::array<float, LightTree::kWidth> (&lanes)[3]) {
   return {load(lanes[0]), load(lanes[1]), load(lanes[2])};
-}
-Float8 dot(const Vec3x8& a, const Vec3x8& b) {
-  return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
 // Whether the tree is of a single light, which needs no weighing: lanes without a child hold 0.
@@ -45,46 +38,99 @@ bool leaf_alone(const auto& nodes) {
 
 }  // namespace
 
+// A child of a node in each lane, or the same one in all.
+struct LightTree::Children {
+  // All of them.
+  explicit Children(const Node& node)
+      : center(load(node.center)),
+        axis(load(node.axis)),
+        radius2(load(node.radius2)),
+        nearest2(load(node.nearest2)),
+        cone{load(node.cos_o), load(node.sin_o)},
+        cos_e(load(node.cos_e)),
+        back(load(node.back)),
+        intensity(load(node.intensity)) {}
+  // The one in lane i.
+  Children(const Node& node, std::size_t i)
+      : center{node.center[0][i], node.center[1][i], node.center[2][i]},
+        axis{node.axis[0][i], node.axis[1][i], node.axis[2][i]},
+        radius2(node.radius2[i]),
+        nearest2(node.nearest2[i]),
+        cone{node.cos_o[i], node.sin_o[i]},
+        cos_e(node.cos_e[i]),
+        back(node.back[i]),
+        intensity(node.intensity[i]) {}
+
+  Float8 weights(const LitPoints& points) const;
+
+  Vec3Of<Float8> center, axis;
+  Float8 radius2, nearest2;
+  Angle cone;
+  Float8 cos_e, back, intensity;
+};
+
 // How much light each child may send to the point: of all places in its sphere and all normals in its cone,
 // those that suit best (Conty Estevez and Kulla 2018, section 3.2). From within the sphere, nothing is ruled
 // out.
-LightTree::Weights LightTree::weigh(const Node& node, const LitPoint& point) {
+Float8 LightTree::Children::weights(const LitPoints& points) const {
   constexpr float kLeastDistance2 = 1e-30f;
-  const Vec3x8 center = load(node.center);
-  const Vec3x8 to_center{center.x - point.position.x, center.y - point.position.y,
-                         center.z - point.position.z};
-  const Vec3x8 normal{point.normal.x, point.normal.y, point.normal.z};
-  const Float8 distance2 = max(dot(to_center, to_center), kLeastDistance2), radius2 = load(node.radius2);
+  const Vec3Of<Float8> to_center = center - points.position, normal = points.normal;
+  const Float8 distance2 = max(dot(to_center, to_center), kLeastDistance2);
   const Float8 per_distance = 1.0f / sqrt(distance2);
   const Mask8 inside = radius2 >= distance2;
 
   const Float8 sin2_of_sphere = min(radius2 * (per_distance * per_distance), 1.0f);
   const Angle sphere{sqrt(1.0f - sin2_of_sphere), sqrt(sin2_of_sphere)};
-  const Angle cone{load(node.cos_o), load(node.sin_o)};
 
-  const Float8 to_axis = -dot(to_center, load(node.axis)) * per_distance;
-  const Angle from_axis = Angle::of_cosine(max(to_axis, to_axis * load(node.back)));
+  const Float8 to_axis = -dot(to_center, axis) * per_distance;
+  const Angle from_axis = Angle::of_cosine(max(to_axis, to_axis * back));
   const Float8 leaving = excess(excess(from_axis, cone), sphere).cosine;
-  const Float8 sent = select(leaving >= load(node.cos_e), leaving, 0.0f);
+  const Float8 sent = select(leaving >= cos_e, leaving, 0.0f);
 
   const Angle from_normal = Angle::of_cosine(dot(to_center, normal) * per_distance);
   const Float8 arriving = max(excess(from_normal, sphere).cosine, 0.0f);
-  const Float8 received = select(Mask8(point.normal == Vec3{}), 1.0f, arriving);
+  const Mask8 has_no_normal = (normal.x == 0) & (normal.y == 0) & (normal.z == 0);
+  const Float8 received = select(has_no_normal, 1.0f, arriving);
 
   const Float8 facing = select(inside, 1.0f, sent * received);
-  Weights weights;
-  (load(node.intensity) / max(distance2, load(node.nearest2)) * facing).store(weights.lanes.data());
+  return intensity / max(distance2, nearest2) * facing;
+}
+
+void LightTree::Weights::add_up() {
   double sum = 0;
-  for (std::size_t lane = 0; lane < kWidth; ++lane)
-    weights.sums[lane] = sum += static_cast<double>(weights.lanes[lane]);
+  for (std::size_t lane = 0; lane < kWidth; ++lane) sums[lane] = sum += static_cast<double>(lanes[lane]);
+}
+
+LightTree::Weights LightTree::weigh(const Node& node, const LitPoint& point) {
+  const auto [p, n] = point;
+  Weights weights;
+  Children(node).weights({{p.x, p.y, p.z}, {n.x, n.y, n.z}}).store(weights.lanes.data());
+  weights.add_up();
   return weights;
 }
 
-LightTree::Choice LightTree::sample(const LitPoint& point, double u) const {
+LightTree::Weights LightTree::weigh_root(const LitPoint& point) const {
+  return empty() ? Weights{} : weigh(nodes_[0], point);
+}
+
+// A child at a time, since few trees have eight at their root.
+std::array<LightTree::Weights, LightTree::kWidth> LightTree::weigh_root(const LitPoints& points) const {
+  std::array<Weights, kWidth> weights{};
+  if (empty()) return weights;
+  for (std::size_t child = 0; child < kWidth && nodes_[0].children[child] != 0; ++child) {
+    alignas(32) Lanes of_points;
+    Children(nodes_[0], child).weights(points).store(of_points.data());
+    for (std::size_t i = 0; i < kWidth; ++i) weights[i].lanes[child] = of_points[i];
+  }
+  for (Weights& of_point : weights) of_point.add_up();
+  return weights;
+}
+
+LightTree::Choice LightTree::sample(const Weights& root, const LitPoint& point, double u) const {
   if (leaf_alone(nodes_)) return {static_cast<std::uint32_t>(~nodes_[0].children[0]), 1};
   float pmf = 1;
+  Weights weights = root;
   for (std::size_t at = 0;;) {
-    const Weights weights = weigh(nodes_[at], point);
     if (!(weights.sum() > 0)) return {kNoLight, 0};
     const double sought = std::min(u, kBelowOne) * weights.sum();
     std::size_t lane = 0;  // the first whose sum exceeds what is sought: never one of weight 0
@@ -95,6 +141,7 @@ LightTree::Choice LightTree::sample(const LitPoint& point, double u) const {
     const std::int32_t child = nodes_[at].children[lane];
     if (child < 0) return {static_cast<std::uint32_t>(~child), pmf};
     at = static_cast<std::size_t>(child);
+    weights = weigh(nodes_[at], point);
   }
 }
 
@@ -110,10 +157,6 @@ float LightTree::pmf(const LitPoint& point, std::uint32_t light) const {
     if (at < kWidth) return pmf;
     at = node.parent;
   }
-}
-
-double LightTree::irradiance(const LitPoint& point) const {
-  return empty() ? 0 : weigh(nodes_[0], point).sum() * power_;
 }
 
 }  // namespace tessera::core

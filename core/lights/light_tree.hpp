@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/lights/light_bounds.hpp"
+#include "core/math/simd.hpp"
 #include "core/math/vec3.hpp"
 
 namespace tessera::core {
@@ -18,6 +19,11 @@ inline constexpr std::uint32_t kNoLight = 0xffffffffu;
 struct LitPoint {
   Vec3 position{};
   Vec3 normal{};  // unit, of the side that is lit; zero where light counts from all sides
+};
+
+// Eight of them.
+struct LitPoints {
+  Vec3Of<Float8> position, normal;
 };
 
 class LightTree {
@@ -39,13 +45,20 @@ class LightTree {
     std::uint32_t light;  // kNoLight: of those that might have been chosen, none shines here
     float pmf;
   };
+  class Weights;
+  // Of the root's children, as the following take it.
+  Weights weigh_root(const LitPoint& point) const;
+  // Of eight points.
+  std::array<Weights, kWidth> weigh_root(const LitPoints& points) const;
   // u in [0, 1], of more bits than a float has.
+  Choice sample(const Weights& root, const LitPoint& point, double u) const;
   Choice sample(const LitPoint& point, double u) const;
   float pmf(const LitPoint& point, std::uint32_t light) const;
   bool contains(std::uint32_t light) const { return light < leaves_.size() && leaves_[light] != kNoLeaf; }
 
   // About how much light arrives, shadows apart: irradiance, the mean of the channels. Zero only where
   // rounding might decide whether any does.
+  double irradiance(const Weights& root) const;
   double irradiance(const LitPoint& point) const;
 
  private:
@@ -66,21 +79,37 @@ class LightTree {
   // A lane of a node: kWidth * node + lane.
   static constexpr std::uint32_t kNoLeaf = 0xffffffffu;
 
-  // Of a node's children, and their sums up to and with each.
-  struct Weights {
-    alignas(32) Lanes lanes;
-    std::array<double, kWidth> sums;
-
-    double sum() const { return sums.back(); }
-    float share(std::size_t lane) const {
-      return static_cast<float>(static_cast<double>(lanes[lane]) / sum());
-    }
-  };
+  struct Children;
   static Weights weigh(const Node& node, const LitPoint& point);
 
   std::vector<Node> nodes_;            // the root first
   std::vector<std::uint32_t> leaves_;  // of each light, its lane
   double power_ = 0;                   // of all lights
 };
+
+// How much light a node's children may send to a point, and their sums up to and with each.
+class LightTree::Weights {
+ public:
+  double sum() const { return sums.back(); }
+
+ private:
+  friend LightTree;
+
+  void add_up();
+  float share(std::size_t lane) const { return static_cast<float>(static_cast<double>(lanes[lane]) / sum()); }
+
+  alignas(32) Lanes lanes;
+  std::array<double, kWidth> sums;
+};
+
+inline double LightTree::irradiance(const Weights& root) const {
+  return root.sum() * power_;
+}
+inline double LightTree::irradiance(const LitPoint& point) const {
+  return irradiance(weigh_root(point));
+}
+inline LightTree::Choice LightTree::sample(const LitPoint& point, double u) const {
+  return sample(weigh_root(point), point, u);
+}
 
 }  // namespace tessera::core

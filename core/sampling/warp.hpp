@@ -47,8 +47,10 @@ T pdf_cosine_hemisphere(T cos_theta) {
 }
 
 // Uniform on the unit sphere, density 1 / (4 pi) per solid angle.
-inline Vec3 sample_sphere(Vec2 u) {
-  const float z = 1 - 2 * u.x, r = std::sqrt(std::max(0.0f, 1 - z * z));
+template <typename T = float>
+Vec3Of<T> sample_sphere(Vec2Of<T> u) {
+  using std::sqrt;
+  const T z = 1 - 2 * u.x, r = sqrt(larger(T(0.0f), 1 - z * z));
   const auto [s, c] = sin_cos_turns(u.y);
   return {r * c, r * s, z};
 }

@@ -54,6 +54,34 @@ TEST_P(Frequencies, AreThePmf) {
 INSTANTIATE_TEST_SUITE_P(LightSampler, Frequencies, testing::Values(false, true),
                          [](const auto& test_case) { return test_case.param ? "WithSunAndSky" : "OfLamps"; });
 
+// With a tree of many nodes, of one node, and of one lamp; and for a single light.
+TEST_P(Frequencies, OfEightPointsAreThoseOfEach) {
+  for (const int count : {120, 5, 1}) {
+    auto lights = test::scattered_lights(count);
+    if (GetParam()) lights = with_sun_and_sky(std::move(lights));
+    const LightSampler sampler(lights, Among::kAll, 1);
+    for (int i = 0; i < 500; ++i) {
+      Vec3Lanes position, normal;
+      std::array<double, kLaneCount> u;
+      for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
+        const int n = 8 * i + static_cast<int>(lane);
+        const LitPoint point = test::lit_point(n);
+        position.set(lane, point.position);
+        normal.set(lane, n % 5 == 0 ? Vec3{} : point.normal);
+        u[lane] = static_cast<double>(test::numbers(n, 42)[0]);
+      }
+      const unsigned asked = 0xb7;
+      const auto together = sampler.sample({position.all(), normal.all()}, u, asked);
+      for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
+        if ((asked >> lane & 1) == 0) continue;
+        const auto alone = sampler.sample({position[lane], normal[lane]}, u[lane]);
+        ASSERT_EQ(together[lane].light, alone.light);
+        ASSERT_EQ(together[lane].pmf, alone.pmf);
+      }
+    }
+  }
+}
+
 TEST(LightSampler, FindsAFaintLightBesideOneBrighterByAnyFactor) {
   const LightSampler lamps({PointLight({1, 0, 0}, Rgb::gray(1e-6f)), PointLight({2, 0, 0}, Rgb::gray(1e12f))},
                            Among::kAll, 1);
