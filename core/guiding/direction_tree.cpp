@@ -88,8 +88,15 @@ DirectionTrees::Added DirectionTrees::build(std::span<const Example> examples, f
     }
   }
   const float total = values[0] + values[1] + values[2] + values[3];
-  for (std::size_t q = 0; q < 4; ++q) nodes_[index].share[q] = values[q] / total;
+  for (float& value : values) value /= total;
+  nodes_[index].set_shares(values);
   return {index, total};
+}
+
+void DirectionTrees::Node::set_shares(std::array<float, 4> shares) {
+  share = shares;
+  const float lower = share[0] + share[1], upper = share[2] + share[3];
+  share_of_half = {upper / (lower + upper), share[1] / lower, share[3] / upper};
 }
 
 float DirectionTrees::root_mean_square(std::span<const Example> examples, float prior_power, Square square) {
@@ -108,6 +115,10 @@ T DirectionTrees::share(WordOf<T> node, WordOf<T> quarter) const {
   return look_up(nodes_[0].share.data(), node * (sizeof(Node) / sizeof(float)) + quarter);
 }
 template <typename T>
+T DirectionTrees::share_of_half(WordOf<T> node, WordOf<T> half) const {
+  return look_up(nodes_[0].share_of_half.data(), node * (sizeof(Node) / sizeof(float)) + half);
+}
+template <typename T>
 WordOf<T> DirectionTrees::child(WordOf<T> node, WordOf<T> quarter) const {
   return look_up(nodes_[0].child.data(), node * (sizeof(Node) / sizeof(std::uint32_t)) + quarter);
 }
@@ -118,11 +129,9 @@ Vec3Of<T> DirectionTrees::sample(WordOf<T> root, Vec2Of<T> u) const {
   T side = 1.0f;
   for (WordOf<T> at = root; any(at != 0);) {
     const MaskOf<T> inside = at != 0;
-    const T share1 = share<T>(at, 1), share3 = share<T>(at, 3);
-    const T lower = share<T>(at, 0) + share1, upper = share<T>(at, 2) + share3;
     Vec2Of<T> rest = u;
-    const MaskOf<T> above = choose(rest.y, upper / (lower + upper));
-    const MaskOf<T> right = choose(rest.x, select(above, share3, share1) / select(above, upper, lower));
+    const MaskOf<T> above = choose(rest.y, share_of_half<T>(at, 0));
+    const MaskOf<T> right = choose(rest.x, share_of_half<T>(at, select(above, WordOf<T>(2), WordOf<T>(1))));
     side = select(inside, side / 2, side);
     corner.x = corner.x + select(inside & right, side, T(0.0f));
     corner.y = corner.y + select(inside & above, side, T(0.0f));

@@ -43,11 +43,18 @@ class DirectionTrees {
  private:
   // Of the square's four quarters, x first. Where there is no child, the density is even.
   struct Node {
+    void set_shares(std::array<float, 4> shares);
+
     std::array<float, 4> share{0.25f, 0.25f, 0.25f, 0.25f};
     std::array<std::uint32_t, 4> child{};
+    // What sample() takes of the shares: of the upper half, and of the right quarters in the lower and in the
+    // upper half.
+    std::array<float, 3> share_of_half{0.5f, 0.5f, 0.5f};
   };
   template <typename T>
   T share(WordOf<T> node, WordOf<T> quarter) const;
+  template <typename T>
+  T share_of_half(WordOf<T> node, WordOf<T> half) const;
   template <typename T>
   WordOf<T> child(WordOf<T> node, WordOf<T> quarter) const;
 
