@@ -25,7 +25,7 @@ echo "all there"
 heading "Build (some minutes the first time)"
 mkdir -p build out
 programs=(tessera tessera-coordinator tessera-worker tessera-validator scene_files)
-if ! { cmake --preset release && cmake --build --preset release --parallel "$(nproc)" --target "${programs[@]}"; } \
+if ! { cmake --preset release -DCMAKE_UNITY_BUILD=ON && cmake --build --preset release --parallel "$(nproc)" --target "${programs[@]}"; } \
   >build/release.log 2>&1; then
   tail -n 60 build/release.log >&2
   fail "the build failed; the whole log is in build/release.log"

@@ -20,7 +20,8 @@ namespace {
 constexpr int kExitDifferent = 1;
 constexpr int kExitCannotCompare = 2;
 
-constexpr const char* kFooter = R"(Exit status: 0 if identical, 1 if different, 2 if they cannot be compared.
+constexpr const char* kCompareFooter =
+    R"(Exit status: 0 if identical, 1 if different, 2 if they cannot be compared.
 
 Pictures are compared in linear light; PNG is decoded with the sRGB transfer
 function. B is the reference of the relative error: the mean over pixels and
@@ -118,7 +119,7 @@ void add_compare_command(CLI::App& app, int& exit_code) {
           "B may be a picture of nothing else (render --crop)")
       ->type_name("X,Y,WxH");
   command->add_flag("--json", options->json, "Print one JSON object instead of lines");
-  command->footer(kFooter);
+  command->footer(kCompareFooter);
   command->callback([options, &exit_code] { exit_code = run_compare(*options); });
 }
 

@@ -9,7 +9,7 @@
 namespace tessera::client {
 namespace {
 
-constexpr const char* kFooter =
+constexpr const char* kRenderFooter =
     R"(Values given here replace those of the scene file. The picture is the same, byte
 for byte, for any number of threads, and on a farm (tessera submit).
 
@@ -76,7 +76,7 @@ void add_render_options(CLI::App& command, RenderOptions& options) {
   add_override_options(command, options.scene.overrides);
   add_display_options(command, options.scene.display);
   add_local_options(command, options);
-  command.footer(kFooter);
+  command.footer(kRenderFooter);
 }
 
 }  // namespace tessera::client

@@ -16,7 +16,7 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr proto::Duration kSubmitDeadline = 30s;
-constexpr proto::BackoffOptions kBackoff{.first = 100ms, .longest = 2s};
+constexpr proto::BackoffOptions kDeliveryBackoff{.first = 100ms, .longest = 2s};
 
 // Sending it again cannot help. After any other error the result may still be wanted.
 bool is_refusal(core::ErrorCode code) {
@@ -34,7 +34,7 @@ proto::RetryPolicy unless_refused(proto::RetryPolicy inner) {
 }  // namespace
 
 void DeliverLoop::run(const std::stop_token& stop) {
-  const proto::RetryPolicy policy = unless_refused(proto::exponential_backoff(kBackoff));
+  const proto::RetryPolicy policy = unless_refused(proto::exponential_backoff(kDeliveryBackoff));
   while (const auto delivery = holdings_.next_delivery(stop)) {
     const v1::SubmitResultRequest request = encode(*delivery);
     const core::Status done = proto::retry(policy, waiter_until(stop), [&] { return submit(request, stop); });

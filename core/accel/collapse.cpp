@@ -12,8 +12,6 @@ namespace {
 constexpr float kNodeCost = 1.5f, kPacketCost = 1;
 constexpr int kTaskDepth = 10;  // below, subtrees are not worth a task
 
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
-
 }  // namespace
 
 Collapse::Collapse(const BinaryBvh& tree, int threads) : tree_(tree), plans_(tree.nodes.size() / 2) {
@@ -43,13 +41,13 @@ Collapse::Costs Collapse::merge(const BinaryBvh::Node& node, const Costs& left, 
   // As many places before it as the costs of the right child are moved on.
   float shifted[2 * kWidth];
   for (std::size_t i = 0; i < kWidth; i += 8) {
-    Float8::broadcast(kInfinity).store_unaligned(shifted + i);
+    Float8::broadcast(std::numeric_limits<float>::infinity()).store_unaligned(shifted + i);
     Float8::load(right.of_trees + i).store_unaligned(shifted + kWidth + i);
   }
   Costs costs;
   alignas(32) float left_trees[kWidth];
   for (std::size_t half = 0; half < kWidth; half += 8) {
-    Float8 best = Float8::broadcast(kInfinity), choice = Float8::broadcast(0);
+    Float8 best = Float8::broadcast(std::numeric_limits<float>::infinity()), choice = Float8::broadcast(0);
     for (std::size_t i = 0; i + 1 < half + 8; ++i) {
       const Float8 cost =
           Float8::broadcast(left.of_trees[i]) + Float8::load_unaligned(shifted + kWidth + half - (i + 1));

@@ -2,13 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "core/math/elementary.hpp"
 
 namespace tessera::core {
 namespace {
-
-constexpr double kPiDouble = 3.14159265358979323846;
 
 // From a position that is known exactly.
 std::optional<LightSample> sample_position(Vec3 position, Rgb intensity, Vec3 p_lit) {
@@ -34,7 +33,7 @@ std::optional<LightSample> PointLight::sample(Vec3 p_lit) const {
 }
 
 double PointLight::power() const {
-  return 4 * kPiDouble * static_cast<double>(mean(intensity_));
+  return 4 * std::numbers::pi * static_cast<double>(mean(intensity_));
 }
 
 LightBounds PointLight::bounds() const {
@@ -65,7 +64,7 @@ std::optional<LightSample> SpotLight::sample(Vec3 p_lit) const {
 // The cubic's mean over the falloff is one half.
 double SpotLight::power() const {
   const double mean_edge = (static_cast<double>(inner_edge_) + static_cast<double>(outer_edge_)) / 2;
-  return 2 * kPiDouble * static_cast<double>(mean(intensity_)) * mean_edge;
+  return 2 * std::numbers::pi * static_cast<double>(mean(intensity_)) * mean_edge;
 }
 
 // Taken to shine alike up to its edge.
@@ -81,7 +80,7 @@ std::optional<LightSample> DirectionalLight::sample() const {
 }
 
 double DirectionalLight::power(double scene_radius) const {
-  return static_cast<double>(mean(irradiance_)) * kPiDouble * scene_radius * scene_radius;
+  return static_cast<double>(mean(irradiance_)) * std::numbers::pi * scene_radius * scene_radius;
 }
 
 }  // namespace tessera::core

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 #include "core/math/elementary.hpp"
@@ -10,9 +11,8 @@
 namespace tessera::core {
 namespace {
 
-constexpr double kPiDouble = 3.14159265358979323846;
 // Of the samples, over all that shines alike: a faint sky is found beside a sun brighter by any factor.
-constexpr double kUniformShare = 0.1;
+constexpr double kUniformDirections = 0.1;
 
 // 1 - cos(theta) where each row of an equirectangular picture begins, and 2 where the last one ends. By the
 // sine of half the angle, which does not cancel near the pole.
@@ -90,15 +90,15 @@ Environment::Environment(Rgb radiance, std::shared_ptr<const TextureImage> image
   }
   for (std::size_t i = 0; i < weights.size(); ++i)
     if (weights[i] > 0)
-      weights[i] =
-          angle_of(i) * ((1 - kUniformShare) * weights[i] / radiance_over_sphere_ + kUniformShare / lit);
+      weights[i] = angle_of(i) *
+                   ((1 - kUniformDirections) * weights[i] / radiance_over_sphere_ + kUniformDirections / lit);
   texels_ = GridDistribution(width_, height_, weights);
   for (int row = 0; row < height_; ++row) per_solid_angle_.push_back(1 / solid_angle(row));
 }
 
 double Environment::solid_angle(int row) const {
   const auto r = static_cast<std::size_t>(row);
-  return 2 * kPiDouble / width_ * (row_begin_[r + 1] - row_begin_[r]);
+  return 2 * std::numbers::pi / width_ * (row_begin_[r + 1] - row_begin_[r]);
 }
 
 template <typename T>
@@ -186,7 +186,7 @@ LightSamples Environment::sample(Vec2Of<Float8> u) const {
 }
 
 double Environment::power(double scene_radius) const {
-  return radiance_over_sphere_ * kPiDouble * scene_radius * scene_radius;
+  return radiance_over_sphere_ * std::numbers::pi * scene_radius * scene_radius;
 }
 
 double Environment::irradiance() const {

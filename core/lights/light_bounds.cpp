@@ -1,12 +1,11 @@
 #include "core/lights/light_bounds.hpp"
 
 #include <cmath>
+#include <numbers>
 #include <tuple>
 
 namespace tessera::core {
 namespace {
-
-constexpr double kPiDouble = 3.14159265358979323846;
 
 // The unit vector at a right angle to `axis` on the side of `toward`; zero where they are parallel.
 Vec3 perpendicular(Vec3 axis, Vec3 toward) {
@@ -73,10 +72,10 @@ double LightBounds::intensity() const {
 }
 
 double LightBounds::orientation_measure() const {
-  if (normals_.is_all()) return 4 * kPiDouble;
+  if (normals_.is_all()) return 4 * std::numbers::pi;
   const auto cos_o = static_cast<double>(normals_.cos_o), sin_o = static_cast<double>(normals_.sin_o);
   const auto cos_e = static_cast<double>(falloff_.cos_e), spread = static_cast<double>(falloff_.spread);
-  return kPiDouble * (2 * (1 - cos_o) + cos_o * (1 - cos_e * cos_e) + sin_o * spread);
+  return std::numbers::pi * (2 * (1 - cos_o) + cos_o * (1 - cos_e * cos_e) + sin_o * spread);
 }
 
 }  // namespace tessera::core

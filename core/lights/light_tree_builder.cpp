@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <span>
 #include <utility>
 
@@ -40,8 +41,7 @@ double cost(const LightBounds& bounds) {
 // Squared: how near lights around the point are taken to be. Surfaces send no more than if they filled all of
 // the view, which is as much as a disk at this distance; of those that are strewn about, some are near.
 double nearest2(const LightBounds& bounds) {
-  constexpr double kPiDouble = 3.14159265358979323846;
-  return std::max(bounds.area() / kPiDouble, 0.1 * squared_diagonal(bounds.box()) / 4);
+  return std::max(bounds.area() / std::numbers::pi, 0.1 * squared_diagonal(bounds.box()) / 4);
 }
 
 // Cuts the extent of the lights' middles along one axis into bins of equal length.

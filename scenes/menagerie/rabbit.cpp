@@ -16,7 +16,7 @@ using modelling::Field;
 using modelling::limb;
 using modelling::unite;
 
-Field trunk() {
+Field torso() {
   const Field rump = ellipsoid({{0, 4.9f, -3.4f}, {3.7f, 4.9f, 4.5f}});
   const Field back = ellipsoid({{0, 5.9f, -0.6f}, {3.3f, 4.5f, 5}, {0, 1, 0.3f}, {0, -0.3f, 1}});
   const Field chest = ellipsoid({{0, 6, 2.7f}, {2.8f, 4.2f, 2.8f}, {0, 1, 0.1f}, {0, 0, 1}});
@@ -71,7 +71,7 @@ Field with_eyes(Field head) {
   return unite(std::move(head), both_sides(eye, 0), 0.06f);
 }
 
-Field ear() {
+Field long_ear() {
   const Vec3 up{0.2f, 1, -0.34f}, forward{0.25f, 0.25f, 1}, middle{1.55f, 16.6f, 2.6f};
   const Field shell = ellipsoid({middle, {1.18f, 3.9f, 0.62f}, up, forward});
   const Field hollow = ellipsoid({middle + Vec3{0.16f, 0.25f, 0.62f}, {0.78f, 3.25f, 0.66f}, up, forward});
@@ -80,10 +80,10 @@ Field ear() {
 }
 
 Field whole_rabbit() {
-  Field body = unite(trunk(), both_sides(haunch(), 0), 0.3f);
+  Field body = unite(torso(), both_sides(haunch(), 0), 0.3f);
   body = unite(std::move(body), both_sides(hind_foot(), 0), 0.35f);
   body = unite(std::move(body), both_sides(foreleg(), 0.2f), 0.8f);
-  const Field head = unite(with_eyes(skull()), both_sides(ear(), 0.3f), 0.5f);
+  const Field head = unite(with_eyes(skull()), both_sides(long_ear(), 0.3f), 0.5f);
   const Field tail = ellipsoid({{0, 3.9f, -8}, {1.5f, 1.6f, 1.5f}});
   const Field ground = [](Vec3 p) { return p.y; };
   return carve(unite(unite(std::move(body), head, 1.3f), tail, 0.4f), ground, 0.1f);

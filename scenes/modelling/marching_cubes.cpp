@@ -117,7 +117,7 @@ const CaseTable& case_table() {
   return table;
 }
 
-struct Cell {
+struct Voxel {
   int x, y, z;
 };
 
@@ -144,15 +144,15 @@ class Mesher {
  private:
   static constexpr std::uint32_t kNoVertex = 0xffffffffu;
 
-  std::size_t index(Cell c) const {
+  std::size_t index(Voxel c) const {
     const auto wide = [](int v) { return static_cast<std::size_t>(v); };
     return (wide(c.z) * wide(corners_[1]) + wide(c.y)) * wide(corners_[0]) + wide(c.x);
   }
-  Vec3 position(Cell c) const {
+  Vec3 position(Voxel c) const {
     return lattice_.low +
            Vec3{static_cast<float>(c.x), static_cast<float>(c.y), static_cast<float>(c.z)} * lattice_.size;
   }
-  static Cell corner_cell(Cell cube, int corner) {
+  static Voxel corner_cell(Voxel cube, int corner) {
     return {cube.x + coordinate(corner, 0), cube.y + coordinate(corner, 1), cube.z + coordinate(corner, 2)};
   }
 
@@ -169,7 +169,7 @@ class Mesher {
     }
   }
 
-  void add_cube(Cell cube) {
+  void add_cube(Voxel cube) {
     std::size_t mask = 0;
     for (int c = 0; c < kCorners; ++c) {
       if (values_[index(corner_cell(cube, c))] < 0) mask |= std::size_t{1} << c;
@@ -180,9 +180,9 @@ class Mesher {
   }
 
   // The vertex on an edge of a cube; cubes share those of the edges they share.
-  std::uint32_t vertex(Cell cube, int edge) {
+  std::uint32_t vertex(Voxel cube, int edge) {
     const int axis = edge / 4, low = low_corner_of_edge(edge);
-    const Cell from = corner_cell(cube, low), to = corner_cell(cube, low | 1 << axis);
+    const Voxel from = corner_cell(cube, low), to = corner_cell(cube, low | 1 << axis);
     std::uint32_t& known = edge_vertices_[index(from) * 3 + static_cast<std::size_t>(axis)];
     if (known == kNoVertex) {
       known = static_cast<std::uint32_t>(mesh_.positions.size());
@@ -194,7 +194,7 @@ class Mesher {
   }
 
   // Not quite at the ends, where vertices of several edges would meet.
-  Vec3 crossing(Cell from, Cell to) const {
+  Vec3 crossing(Voxel from, Voxel to) const {
     constexpr float kClosest = 1.0f / 32;
     const float a = values_[index(from)], b = values_[index(to)];
     const float t = std::clamp(a / (a - b), kClosest, 1 - kClosest);

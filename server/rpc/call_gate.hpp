@@ -29,7 +29,8 @@ class CallGate {
 };
 
 // RESOURCE_EXHAUSTED for a reason that passes by itself: says when to try again, in gRPC's own way
-// (proto/status.hpp).
+// (proto/status.hpp); where nothing better is known, after a second.
+inline constexpr std::chrono::seconds kTryAgainAfter{1};
 grpc::Status try_later(grpc::CallbackServerContext& context, const core::Error& error,
                        std::chrono::steady_clock::duration wait);
 

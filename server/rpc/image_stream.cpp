@@ -20,7 +20,6 @@ namespace {
 
 // Most that making a picture takes: itself, and its file with what its library needs beside it.
 constexpr std::uint64_t kBytesPerPixel = 28;
-constexpr std::chrono::seconds kTryAgainAfter{1};
 
 std::optional<core::ImageFormat> format_of(v1::ImageFormat format) {
   switch (format) {

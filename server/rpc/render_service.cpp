@@ -13,8 +13,6 @@ namespace tessera::rpc {
 
 namespace {
 
-constexpr std::chrono::seconds kTryAgainAfter{1};
-
 // Puts a job into a response that has one.
 template <typename Response>
 core::Status put_job(core::Result<v1::Job> job, Response* response) {

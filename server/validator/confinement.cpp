@@ -28,10 +28,6 @@ constexpr bool kIsSanitized = __has_feature(address_sanitizer) || __has_feature(
 constexpr bool kIsSanitized = false;
 #endif
 
-core::Error system_error(const char* what) {
-  return {core::ErrorCode::kInternal, fmt::format("{}: {}", what, std::strerror(errno))};
-}
-
 core::Status set_limit(__rlimit_resource resource, const char* name, std::uint64_t value,
                        std::uint64_t leeway = 0) {
   const rlimit limit{value, value + leeway};

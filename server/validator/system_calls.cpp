@@ -96,7 +96,11 @@ core::Status forbid_system_calls() {
   std::vector<sock_filter> filter = make_filter();
   const sock_fprog program{static_cast<unsigned short>(filter.size()), filter.data()};
   if (prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, &program) == 0 || errno == EINVAL) return {};
-  return core::fail(core::ErrorCode::kInternal, fmt::format("PR_SET_SECCOMP: {}", std::strerror(errno)));
+  return core::fail(system_error("PR_SET_SECCOMP"));
+}
+
+core::Error system_error(const char* call) {
+  return {core::ErrorCode::kInternal, fmt::format("{}: {}", call, std::strerror(errno))};
 }
 
 }  // namespace tessera::validator

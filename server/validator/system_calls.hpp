@@ -10,4 +10,7 @@ namespace tessera::validator {
 // kernel without filters of system calls (seccomp(2)).
 core::Status forbid_system_calls();
 
+// What errno says of a call that has failed: INTERNAL.
+core::Error system_error(const char* call);
+
 }  // namespace tessera::validator

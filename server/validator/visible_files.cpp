@@ -9,16 +9,14 @@
 #include <cerrno>
 #include <cstring>
 
+#include "server/validator/system_calls.hpp"
+
 namespace tessera::validator {
 
 namespace {
 
 // Every right of the first version: what is handled and not granted is refused.
 constexpr std::uint64_t kAllRights = (LANDLOCK_ACCESS_FS_MAKE_SYM << 1) - 1;
-
-core::Error system_error(const char* what) {
-  return {core::ErrorCode::kInternal, fmt::format("{}: {}", what, std::strerror(errno))};
-}
 
 // A file that is not there is told by whoever reads it.
 core::Status show(int rules, const std::string& path) {

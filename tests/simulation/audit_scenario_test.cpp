@@ -7,12 +7,12 @@
 #include <vector>
 
 #include "tests/simulation/coordinator.hpp"
+#include "tests/simulation/ordinary_job.hpp"
 #include "tests/simulation/worker.hpp"
 
 namespace tessera::simulation {
 namespace {
 
-using scheduler::JobShape;
 using scheduler::JobState;
 using scheduler::SubmitJob;
 
@@ -32,7 +32,7 @@ class AuditScenario : public testing::Test {
   }
   void start() {
     coordinator_.start();
-    ASSERT_TRUE(coordinator_.command(SubmitJob{{"job"}, JobShape{256, 256, 32}, 0}));
+    ASSERT_TRUE(coordinator_.command(SubmitJob{{"job"}, kJob, 0}));
   }
   // When the job is done; 1000 if it is not.
   double run_until_done() {
@@ -55,9 +55,6 @@ class AuditScenario : public testing::Test {
   Coordinator coordinator_;
   std::vector<std::unique_ptr<WorkerMachine>> machines_;
 };
-
-constexpr double kJobSamples = 256.0 * 256 * 32;
-constexpr double kSlack = 1.3;
 
 TEST_F(AuditScenario, AnAuditOfEverythingCostsAsMuchAsTheRender) {
   start();

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "tests/simulation/coordinator.hpp"
+#include "tests/simulation/ordinary_job.hpp"
 #include "tests/simulation/worker.hpp"
 
 namespace tessera::simulation {
@@ -54,12 +55,6 @@ class FarmScenario : public testing::Test {
   Coordinator coordinator_{world_};
   std::vector<std::unique_ptr<WorkerMachine>> machines_;
 };
-
-// 256x256 pixels with 32 spp: 2.1 million samples.
-constexpr JobShape kJob{256, 256, 32};
-constexpr double kJobSamples = 256.0 * 256 * 32;
-// Renders take up to 1.3 times as long as the machine's speed says, and messages some time.
-constexpr double kSlack = 1.3;
 
 TEST_F(FarmScenario, AStragglerDoesNotHoldUpTheEnd) {
   machine(500);

@@ -21,7 +21,7 @@ constexpr double kLargestFloat = std::numeric_limits<float>::max();
 
 // The `count` numbers of a list; nullopt after a mistake.
 template <std::size_t count>
-std::optional<std::array<float, count>> read_numbers(const Field& field, const Bounds& bounds) {
+std::optional<std::array<float, count>> field_numbers(const Field& field, const Bounds& bounds) {
   const auto* items = field.value().get_if<JsonValue::Array>();
   if (items == nullptr || items->size() != count) {
     field.must_be(fmt::format("a list of {} numbers", count));
@@ -123,12 +123,12 @@ std::size_t read_choice(const Field& field, std::span<const std::string_view> wo
 }
 
 Vec2 read_vec2(const Field& field, const Bounds& bounds) {
-  const auto numbers = read_numbers<2>(field, bounds);
+  const auto numbers = field_numbers<2>(field, bounds);
   return numbers ? Vec2{(*numbers)[0], (*numbers)[1]} : Vec2{1, 1};
 }
 
 Vec3 read_vec3(const Field& field, const Bounds& bounds) {
-  const auto numbers = read_numbers<3>(field, bounds);
+  const auto numbers = field_numbers<3>(field, bounds);
   return numbers ? Vec3{(*numbers)[0], (*numbers)[1], (*numbers)[2]} : Vec3{1, 1, 1};
 }
 

@@ -40,10 +40,6 @@ int take_numbers(std::string_view& line, std::array<float, 3>& numbers, int most
   return count;
 }
 
-tl::unexpected<Error> mistake(std::string message) {
-  return fail(ErrorCode::kInvalidArgument, std::move(message));
-}
-
 Status take_option(const Option& option, std::string_view& line, MtlMap& map) {
   if (option.most == kWord) {
     const std::string_view word = take_word(line);

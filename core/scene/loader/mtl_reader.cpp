@@ -120,10 +120,6 @@ class MtlReader {
   std::vector<Statements> materials_;
 };
 
-tl::unexpected<Error> mistake(std::string message) {
-  return fail(ErrorCode::kInvalidArgument, std::move(message));
-}
-
 Result<std::vector<MtlMaterial>> MtlReader::read(const std::string& name) {
   while (!rest_.empty()) {
     ++line_number_;

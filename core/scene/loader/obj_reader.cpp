@@ -20,7 +20,7 @@ namespace tessera::core {
 namespace {
 
 // From 0; -1 for none.
-struct Corner {
+struct FaceCorner {
   std::int32_t position = -1, uv = -1, normal = -1;
 };
 
@@ -104,7 +104,7 @@ class FaceReader : private std::streambuf {
   Status status_;  // of the first statement that is wrong
   // Of one face; kept for their memory.
   std::string face_text_;
-  std::vector<Corner> face_;
+  std::vector<FaceCorner> face_;
   std::vector<Vec3> outline_;
   std::vector<std::array<std::uint32_t, 3>> triangles_;
 };
@@ -178,7 +178,7 @@ Status FaceReader::face(const tinyobj::index_t* corners, int count) {
   }
   outline_.clear();
   triangles_.clear();
-  for (const Corner& c : face_)
+  for (const FaceCorner& c : face_)
     outline_.push_back(file_.text.positions[static_cast<std::size_t>(c.position)]);
   if (!triangulate(outline_, triangles_))
     return mistake(fmt::format("a face that is not convex may have {} corners at most", kMaxConcaveCorners));

@@ -63,4 +63,8 @@ std::string in_quotes(std::string_view name) {
   return "'" + printable(name.substr(0, end)) + "...'";
 }
 
+tl::unexpected<Error> mistake(std::string message) {
+  return fail(ErrorCode::kInvalidArgument, std::move(message));
+}
+
 }  // namespace tessera::core

@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/base/error.hpp"
 #include "core/base/printable.hpp"
 
 namespace tessera::core {
@@ -20,5 +21,8 @@ std::string suggestion(std::string_view name, const std::vector<std::string_view
 
 // A name out of a file as messages show it: printable, in single quotes, cut to a readable length.
 std::string in_quotes(std::string_view name);
+
+// What a file says that it must not: INVALID_ARGUMENT.
+tl::unexpected<Error> mistake(std::string message);
 
 }  // namespace tessera::core

@@ -1,6 +1,7 @@
 // What a white furnace says: no surface gives back more than it gets, and surfaces of microfacets lose no
 // more than what bounces between facets, which a single reflection leaves out.
 #include <gtest/gtest.h>
+#include <numbers>
 
 #include <cmath>
 #include <fstream>
@@ -14,8 +15,6 @@
 
 namespace tessera::core {
 namespace {
-
-constexpr double kPiDouble = 3.14159265358979323846;
 
 Vec3 viewer(double cos_o) {
   return {static_cast<float>(std::sqrt(1 - cos_o * cos_o)), 0, static_cast<float>(cos_o)};
@@ -53,7 +52,8 @@ double ggx_albedo(double roughness, double cos_o) {
     for (int j = 0; j < kSteps; ++j) {
       // Normals in proportion to D cos: u = tan^2 / (alpha^2 + tan^2), taken by the square root of 1 - u,
       // which smooths the pole at the horizon.
-      const double root = (i + 0.5) / kSteps, u = 1 - root * root, phi = kPiDouble * (j + 0.5) / kSteps;
+      const double root = (i + 0.5) / kSteps, u = 1 - root * root,
+                   phi = std::numbers::pi * (j + 0.5) / kSteps;
       const double cos_h = root / std::sqrt(1 + (alpha * alpha - 1) * u);
       const double oh = sin_o * std::sqrt(1 - cos_h * cos_h) * std::cos(phi) + cos_o * cos_h;
       const double cos_i = 2 * oh * cos_h - cos_o;

@@ -1,5 +1,6 @@
 // Samplers against their densities.
 #include <gtest/gtest.h>
+#include <numbers>
 
 #include <algorithm>
 #include <cmath>
@@ -11,7 +12,6 @@
 namespace tessera::core {
 namespace {
 
-constexpr double kPiDouble = 3.14159265358979323846;
 constexpr int kSamples = 100000;
 
 // Cells of equal solid angle that cover the sphere, around a pole that none of the viewers' lobes is near.
@@ -28,7 +28,7 @@ std::size_t cell_of(Vec3 direction) {
 }
 
 Vec3 direction(double row, double column) {
-  const double z = 1 - 2 * row / kRows, phi = 2 * kPiDouble * (column / kColumns - 0.5);
+  const double z = 1 - 2 * row / kRows, phi = 2 * std::numbers::pi * (column / kColumns - 0.5);
   const double rho = std::sqrt(1 - z * z);
   return kCells.to_world({static_cast<float>(rho * std::cos(phi)), static_cast<float>(rho * std::sin(phi)),
                           static_cast<float>(z)});
@@ -37,7 +37,7 @@ Vec3 direction(double row, double column) {
 // How many of the samples fall into each cell by the density; the last entry is for no sample at all.
 std::vector<double> expected_counts(const Bsdf& bsdf, Vec3 wo) {
   std::vector<double> counts(kRows * kColumns + 1);
-  constexpr double kSolidAngle = 4 * kPiDouble / (kRows * kColumns * kFine * kFine);
+  constexpr double kSolidAngle = 4 * std::numbers::pi / (kRows * kColumns * kFine * kFine);
   double sum = 0;
   for (int r = 0; r < kRows * kFine; ++r)
     for (int c = 0; c < kColumns * kFine; ++c) {

@@ -3,24 +3,21 @@
 #include <gtest/gtest.h>
 
 #include "core/math/frame.hpp"
+#include "tests/support/near.hpp"
 
 namespace tessera::core {
 namespace {
 
-void expect_near(Vec3 a, Vec3 b, float tolerance = 1e-6f) {
-  EXPECT_LE(length(a - b), tolerance);
-}
-
 TEST(Transform, AppliesTheInnerMapFirst) {
   const Transform t = compose(translation({1, 0, 0}), scaling({2, 3, 4}));
-  expect_near(t.point({1, 1, 1}), {3, 3, 4});
-  expect_near(t.direction({1, 1, 1}), {2, 3, 4});
+  expect_near(t.point({1, 1, 1}), {3, 3, 4}, 1e-6f);
+  expect_near(t.direction({1, 1, 1}), {2, 3, 4}, 1e-6f);
 }
 
 TEST(Transform, RotatesCounterClockwiseAroundTheAxis) {
-  expect_near(rotation({0, 0, 2}, 90).direction({1, 0, 0}), {0, 1, 0});
-  expect_near(rotation({0, 1, 0}, 90).direction({0, 0, 1}), {1, 0, 0});
-  expect_near(rotation({1, 1, 1}, 120).direction({1, 0, 0}), {0, 1, 0});
+  expect_near(rotation({0, 0, 2}, 90).direction({1, 0, 0}), {0, 1, 0}, 1e-6f);
+  expect_near(rotation({0, 1, 0}, 90).direction({0, 0, 1}), {1, 0, 0}, 1e-6f);
+  expect_near(rotation({1, 1, 1}, 120).direction({1, 0, 0}), {0, 1, 0}, 1e-6f);
 }
 
 TEST(Transform, KeepsNormalsPerpendicular) {
@@ -42,8 +39,8 @@ TEST(Frame, IsOrthonormalForEveryNormal) {
     const Frame frame = Frame::around(n);
     EXPECT_NEAR(length(frame.tangent), 1, 1e-6);
     EXPECT_NEAR(dot(frame.tangent, frame.bitangent), 0, 1e-6);
-    expect_near(cross(frame.tangent, frame.bitangent), n);
-    expect_near(frame.to_local(n), {0, 0, 1});
+    expect_near(cross(frame.tangent, frame.bitangent), n, 1e-6f);
+    expect_near(frame.to_local(n), {0, 0, 1}, 1e-6f);
     expect_near(frame.to_world(frame.to_local({1, 2, 3})), {1, 2, 3}, 1e-5f);
   }
 }

@@ -4,21 +4,19 @@
 
 #include <cmath>
 
+#include "tests/support/near.hpp"
+
 namespace tessera::core {
 namespace {
 
 constexpr CameraDescription kAhead{.position = {1, 2, 3}, .look_at = {1, 2, -7}, .vertical_fov_degrees = 90};
 
-void expect_near(Vec3 a, Vec3 b, float tolerance = 1e-5f) {
-  EXPECT_LE(length(a - b), tolerance) << a.x << " " << a.y << " " << a.z;
-}
-
 TEST(Camera, SeesRightToTheRightAndUpAbove) {
   const Camera camera(kAhead);
-  expect_near(camera.ray({100, 50}, 200, 100, {}).direction, {0, 0, -1});
-  expect_near(camera.ray({100, 0}, 200, 100, {}).direction, normalize({0, 1, -1}));
-  expect_near(camera.ray({200, 50}, 200, 100, {}).direction, normalize({2, 0, -1}));
-  expect_near(camera.ray({0, 100}, 200, 100, {}).direction, normalize({-2, -1, -1}));
+  expect_near(camera.ray({100, 50}, 200, 100, {}).direction, {0, 0, -1}, 1e-5f);
+  expect_near(camera.ray({100, 0}, 200, 100, {}).direction, normalize({0, 1, -1}), 1e-5f);
+  expect_near(camera.ray({200, 50}, 200, 100, {}).direction, normalize({2, 0, -1}), 1e-5f);
+  expect_near(camera.ray({0, 100}, 200, 100, {}).direction, normalize({-2, -1, -1}), 1e-5f);
 }
 
 TEST(Camera, PinholeRaysStartAtItsPosition) {
@@ -34,7 +32,7 @@ TEST(Camera, EveryLensPointSeesTheSamePointInFocus) {
   const Vec3 in_focus = sharp.origin + sharp.direction * (4 / -sharp.direction.z);
   for (const Vec2 lens : {Vec2{0.1f, 0.9f}, {0.5f, 0.2f}, {0.99f, 0.99f}}) {
     const Ray ray = camera.ray({150, 20}, 200, 100, lens);
-    expect_near(ray.origin + ray.direction * (4 / -ray.direction.z), in_focus);
+    expect_near(ray.origin + ray.direction * (4 / -ray.direction.z), in_focus, 1e-5f);
   }
 }
 
@@ -61,7 +59,7 @@ TEST(Camera, CanFocusAtInfinity) {
   description.aperture_radius = 0.5f;
   description.focus_distance = 1e30f;
   const Ray ray = Camera(description).ray({150, 20}, 200, 100, {0.9f, 0.4f});
-  expect_near(ray.direction, Camera(kAhead).ray({150, 20}, 200, 100, {}).direction);
+  expect_near(ray.direction, Camera(kAhead).ray({150, 20}, 200, 100, {}).direction, 1e-5f);
   EXPECT_NE(ray.origin, description.position);
 }
 
@@ -69,7 +67,7 @@ TEST(Camera, FocusesAtWhatItLooksAtByDefault) {
   CameraDescription description = kAhead;
   description.aperture_radius = 0.5f;
   const Ray ray = Camera(description).ray({100, 50}, 200, 100, {0.9f, 0.4f});
-  expect_near(ray.origin + ray.direction * (10 / -ray.direction.z), description.look_at);
+  expect_near(ray.origin + ray.direction * (10 / -ray.direction.z), description.look_at, 1e-5f);
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include "core/lights/environment.hpp"
 
 #include <gtest/gtest.h>
+#include <numbers>
 
 #include <cmath>
 #include <functional>
@@ -14,8 +15,6 @@
 
 namespace tessera::core {
 namespace {
-
-constexpr double kPiDouble = 3.14159265358979;
 
 using Picture = std::shared_ptr<const TextureImage>;
 
@@ -46,28 +45,29 @@ TEST_P(EnvironmentSampling, SamplesMatchTheDensity) {
   constexpr int kSamples = 200000;
   const int width = GetParam().image ? GetParam().image->width() : 32;
   const int height = GetParam().image ? GetParam().image->height() : 16;
-  const double rotation = static_cast<double>(GetParam().rotation) * kPiDouble / 180;
+  const double rotation = static_cast<double>(GetParam().rotation) * std::numbers::pi / 180;
   std::vector<double> observed(static_cast<std::size_t>(width * height)), expected(observed.size());
   for (int i = 0; i < kSamples; ++i) {
     const auto u = Sampler(3, i % 1000, i / 1000, 0).pad(0);
     const auto s = environment_.sample(Vec2{u[0], u[1]});
     if (!s) continue;
     const double turn = (std::atan2(static_cast<double>(s->wi.x), static_cast<double>(-s->wi.z)) + rotation) /
-                        (2 * kPiDouble);
+                        (2 * std::numbers::pi);
     const double column = (turn + 0.5 - std::floor(turn + 0.5)) * width;
-    const double row = std::acos(static_cast<double>(s->wi.y)) / kPiDouble * height;
+    const double row = std::acos(static_cast<double>(s->wi.y)) / std::numbers::pi * height;
     observed[static_cast<std::size_t>(std::min(static_cast<int>(row), height - 1) * width +
                                       std::min(static_cast<int>(column), width - 1))] += 1;
   }
   for (int y = 0; y < 2 * height; ++y)
     for (int x = 0; x < 2 * width; ++x) {
-      const double above = kPiDouble * y / (2 * height), below = kPiDouble * (y + 1) / (2 * height);
-      const double phi = 2 * kPiDouble * ((x + 0.5) / (2 * width) - 0.5) - rotation,
+      const double above = std::numbers::pi * y / (2 * height),
+                   below = std::numbers::pi * (y + 1) / (2 * height);
+      const double phi = 2 * std::numbers::pi * ((x + 0.5) / (2 * width) - 0.5) - rotation,
                    theta = (above + below) / 2;
       const Vec3 w{static_cast<float>(std::sin(theta) * std::sin(phi)), static_cast<float>(std::cos(theta)),
                    static_cast<float>(-std::sin(theta) * std::cos(phi))};
       if (is_black(environment_.radiance(w))) continue;
-      const double solid_angle = 2 * kPiDouble / (2 * width) * (std::cos(above) - std::cos(below));
+      const double solid_angle = 2 * std::numbers::pi / (2 * width) * (std::cos(above) - std::cos(below));
       expected[static_cast<std::size_t>(y / 2 * width + x / 2)] +=
           static_cast<double>(environment_.pdf(w)) * solid_angle * kSamples;
     }
@@ -112,16 +112,16 @@ TEST_P(EnvironmentSampling, FindsTheLightThatThereIs) {
   for (int row = 0; row < kRows; ++row)
     for (int column = 0; column < kColumns; ++column) {
       const double y = 1 - 2 * (row + 0.5) / kRows, rho = std::sqrt(1 - y * y);
-      const double phi = 2 * kPiDouble * (column + 0.5) / kColumns;
+      const double phi = 2 * std::numbers::pi * (column + 0.5) / kColumns;
       looked +=
           static_cast<double>(environment_
                                   .radiance({static_cast<float>(rho * std::cos(phi)), static_cast<float>(y),
                                              static_cast<float>(rho * std::sin(phi))})
                                   .g) *
-          4 * kPiDouble / (kRows * kColumns);
+          4 * std::numbers::pi / (kRows * kColumns);
     }
   EXPECT_NEAR(sampled, looked, 0.01 * looked);
-  EXPECT_NEAR(environment_.power(1) / kPiDouble, looked, 0.1 * looked);
+  EXPECT_NEAR(environment_.power(1) / std::numbers::pi, looked, 0.1 * looked);
 }
 
 INSTANTIATE_TEST_SUITE_P(
@@ -154,8 +154,8 @@ TEST(EnvironmentSampling, OneBrightTexelGetsAllSamples) {
     if (!s) continue;
     const double theta = std::acos(static_cast<double>(s->wi.y));
     const double phi = std::atan2(static_cast<double>(s->wi.x), static_cast<double>(-s->wi.z));
-    EXPECT_NEAR(theta, kPiDouble * 9.5 / 32, 1.5 * kPiDouble / 32);
-    EXPECT_NEAR(phi, 2 * kPiDouble * (20.5 / 64 - 0.5), 1.5 * 2 * kPiDouble / 64);
+    EXPECT_NEAR(theta, std::numbers::pi * 9.5 / 32, 1.5 * std::numbers::pi / 32);
+    EXPECT_NEAR(phi, 2 * std::numbers::pi * (20.5 / 64 - 0.5), 1.5 * 2 * std::numbers::pi / 64);
   }
 }
 
@@ -170,7 +170,7 @@ TEST(EnvironmentSampling, FindsAFaintSkyBesideASun) {
     const auto s = environment.sample(Vec2{u[0], u[1]});
     if (s && s->wi.y > 0) from_above += static_cast<double>(s->radiance.g / s->pdf) / kSamples;
   }
-  EXPECT_NEAR(from_above, 2 * kPiDouble, 0.05 * 2 * kPiDouble);
+  EXPECT_NEAR(from_above, 2 * std::numbers::pi, 0.05 * 2 * std::numbers::pi);
 }
 
 TEST(EnvironmentPicture, LiesAsItIsSeenFromInside) {
@@ -179,7 +179,7 @@ TEST(EnvironmentPicture, LiesAsItIsSeenFromInside) {
       Rgb::gray(1),
       picture(8, 2, [](int x, int y) { return static_cast<float>((x + 1) * (y == 0 ? 1 : 10)); }), 0);
   const auto seen = [&](double u, double v) {
-    const double longitude = 2 * kPiDouble * (u - 0.5), latitude = kPiDouble * (v - 0.5);
+    const double longitude = 2 * std::numbers::pi * (u - 0.5), latitude = std::numbers::pi * (v - 0.5);
     return environment
         .radiance({static_cast<float>(std::cos(latitude) * std::sin(longitude)),
                    static_cast<float>(std::sin(latitude)),

@@ -1,5 +1,6 @@
 // What each kind of light does to a diffuse surface, against closed forms: every strategy finds it.
 #include <gtest/gtest.h>
+#include <numbers>
 
 #include <cmath>
 #include <memory>
@@ -12,7 +13,6 @@
 namespace tessera::core {
 namespace {
 
-constexpr double kPiDouble = 3.14159265358979;
 constexpr float kAlbedo = 0.6f;
 
 using test::expect_radiance;
@@ -27,7 +27,7 @@ test::SceneMaker lit_square() {
 
 // The radiance of the square under an irradiance.
 double reflected(double irradiance) {
-  return static_cast<double>(kAlbedo) / kPiDouble * irradiance;
+  return static_cast<double>(kAlbedo) / std::numbers::pi * irradiance;
 }
 
 // What of a polygon is above the ground (Sutherland and Hodgman 1974).
@@ -114,7 +114,8 @@ double sphere_form_factor(double distance, double cos_theta) {
   const double h2 = distance * distance, k = 1 - h2 * cos_theta * cos_theta;
   if (k <= 0) return std::max(0.0, cos_theta) / h2;
   const double rim = std::acos(-cos_theta * std::sqrt((h2 - 1) / (1 - cos_theta * cos_theta)));
-  return ((cos_theta * rim - std::sqrt(k * (h2 - 1))) / h2 + std::atan(std::sqrt(k / (h2 - 1)))) / kPiDouble;
+  return ((cos_theta * rim - std::sqrt(k * (h2 - 1))) / h2 + std::atan(std::sqrt(k / (h2 - 1)))) /
+         std::numbers::pi;
 }
 
 struct SphereCase {
@@ -132,7 +133,7 @@ TEST_P(SphereLightOverPlane, MatchesTheFormFactor) {
   const double distance = static_cast<double>(length(center));
   const double form_factor =
       sphere_form_factor(distance / static_cast<double>(radius), static_cast<double>(center.y) / distance);
-  expect_radiance(maker.build(), reflected(8 * kPiDouble * form_factor));
+  expect_radiance(maker.build(), reflected(8 * std::numbers::pi * form_factor));
 }
 
 INSTANTIATE_TEST_SUITE_P(ClosedForm, SphereLightOverPlane,
@@ -215,13 +216,14 @@ TEST(SpotLight, FallsOffFromItsInnerToItsOuterCone) {
   // From straight above, the axis at an angle from the vertical: 20 degrees of 30 are in full light, and half
   // way in the cosine there is half of the light.
   const auto from_axis = [](double degrees) {
-    const double angle = degrees * kPiDouble / 180;
+    const double angle = degrees * std::numbers::pi / 180;
     return square_under(SpotLightDescription{
         {0, 2, 0}, {static_cast<float>(2 * std::tan(angle)), 0, 0}, Rgb::gray(7), 60, 1.0f / 3});
   };
-  const double full = reflected(7.0 / 4), half = (std::cos(kPiDouble / 9) + std::cos(kPiDouble / 6)) / 2;
+  const double full = reflected(7.0 / 4),
+               half = (std::cos(std::numbers::pi / 9) + std::cos(std::numbers::pi / 6)) / 2;
   for (const double degrees : {0.0, 15.0, 19.9}) expect_radiance(from_axis(degrees), full, 64);
-  expect_radiance(from_axis(std::acos(half) * 180 / kPiDouble), full / 2, 64);
+  expect_radiance(from_axis(std::acos(half) * 180 / std::numbers::pi), full / 2, 64);
   EXPECT_EQ(test::mean_radiance(from_axis(30.1), {}, 64).value, 0);
 }
 
@@ -243,8 +245,9 @@ TEST(DeltaLights, AddUp) {
   maker.description().environment = {{Rgb::gray(0.5f)}};
   maker.add(SphereDescription{{0, 3, 0}, 0.3f, maker.material(test::lambert(0), Rgb::gray(20))});
   // The lamp hides as much of the surroundings as it fills.
-  const double lamp = kPiDouble * 0.01;
-  expect_radiance(maker.build(), reflected(1 + 1 + 0.8 * 2 + 20 * lamp + 0.5 * (kPiDouble - lamp)), 8000);
+  const double lamp = std::numbers::pi * 0.01;
+  expect_radiance(maker.build(), reflected(1 + 1 + 0.8 * 2 + 20 * lamp + 0.5 * (std::numbers::pi - lamp)),
+                  8000);
 }
 
 // A convex object that is lit by the same radiance from everywhere reflects its albedo of it, whatever its
@@ -283,13 +286,13 @@ double irradiance_of(const Environment& environment) {
   for (int i = 0; i < kRows; ++i) {
     const double cosine = (i + 0.5) / kRows, sine = std::sqrt(1 - cosine * cosine);
     for (int j = 0; j < kColumns; ++j) {
-      const double phi = 2 * kPiDouble * (j + 0.5) / kColumns;
+      const double phi = 2 * std::numbers::pi * (j + 0.5) / kColumns;
       const Vec3 d{static_cast<float>(sine * std::cos(phi)), static_cast<float>(cosine),
                    static_cast<float>(sine * std::sin(phi))};
       sum += cosine * static_cast<double>(environment.radiance(d).r);
     }
   }
-  return sum * 2 * kPiDouble / (kRows * kColumns);
+  return sum * 2 * std::numbers::pi / (kRows * kColumns);
 }
 
 TEST(EnvironmentPicture, LightsAsItsIntegralSays) {

@@ -1,6 +1,7 @@
 #include "core/lights/light_bounds.hpp"
 
 #include <gtest/gtest.h>
+#include <numbers>
 
 #include <cmath>
 
@@ -8,8 +9,6 @@
 
 namespace tessera::core {
 namespace {
-
-constexpr double kPiDouble = 3.14159265358979;
 
 LightBounds facing(const NormalCone& normals, bool two_sided = false) {
   return LightBounds({{{-1, -1, -1}, {1, 1, 1}}}, normals, Falloff::cosine(), 1, two_sided);
@@ -47,10 +46,10 @@ TEST(LightBounds, AreNoWiderThanTheyNeedBe) {
   const Vec3 x{1, 0, 0}, y{0, 1, 0}, between = normalize(x + y);
   LightBounds both = facing(NormalCone::only(x));
   both.include(facing(NormalCone::only(y)));
-  EXPECT_NEAR(both.normals().cos_o, std::cos(kPiDouble / 4), 1e-6);
+  EXPECT_NEAR(both.normals().cos_o, std::cos(std::numbers::pi / 4), 1e-6);
   EXPECT_NEAR(dot(both.normals().axis, between), 1, 1e-6);
   both.include(facing(NormalCone::only(between)));
-  EXPECT_NEAR(both.normals().cos_o, std::cos(kPiDouble / 4), 1e-6);
+  EXPECT_NEAR(both.normals().cos_o, std::cos(std::numbers::pi / 4), 1e-6);
   both.include(facing(NormalCone::only(-x)));
   EXPECT_TRUE(both.normals().is_all());
 
@@ -63,7 +62,7 @@ TEST(LightBounds, SumPowerAndBoundPlaces) {
   LightBounds bounds;
   bounds.include(PointLight({1, 2, 3}, {1, 2, 6}).bounds());
   bounds.include(PointLight({-1, 5, 0}, Rgb::gray(2)).bounds());
-  EXPECT_NEAR(bounds.power(), 5 * 4 * kPiDouble, 1e-5);
+  EXPECT_NEAR(bounds.power(), 5 * 4 * std::numbers::pi, 1e-5);
   EXPECT_NEAR(bounds.intensity(), 5, 1e-6);
   EXPECT_EQ(bounds.box(), (Aabb{{-1, 2, 0}, {1, 5, 3}}));
 }
@@ -89,10 +88,10 @@ TEST(LightBounds, MeasureTheFalloffOverAllDirections) {
       constexpr int kSteps = 10000;
       double integral = 0;
       for (int i = 0; i < kSteps; ++i) {
-        const double theta = kPiDouble * (i + 0.5) / kSteps;
+        const double theta = std::numbers::pi * (i + 0.5) / kSteps;
         const double beyond = std::max(0.0, theta - static_cast<double>(theta_o));
         if (beyond < static_cast<double>(theta_e))
-          integral += 2 * kPiDouble * std::sin(theta) * std::cos(beyond) * kPiDouble / kSteps;
+          integral += 2 * std::numbers::pi * std::sin(theta) * std::cos(beyond) * std::numbers::pi / kSteps;
       }
       const LightBounds bounds({{Vec3{}, Vec3{}}}, cone, falloff, 1, false);
       EXPECT_NEAR(bounds.orientation_measure(), integral, 2e-3) << theta_o << ' ' << theta_e;

@@ -1,6 +1,7 @@
 #include "core/lights/light.hpp"
 
 #include <gtest/gtest.h>
+#include <numbers>
 
 #include <cmath>
 #include <vector>
@@ -13,8 +14,6 @@
 
 namespace tessera::core {
 namespace {
-
-constexpr double kPiDouble = 3.14159265358979;
 
 struct LightCase {
   const char* name;
@@ -68,8 +67,8 @@ TEST_P(LightSampling, AgreesWithLookingAround) {
     const Vec3 wi = sample_sphere({u[0], u[3]});
     const double density = pdf(wi);
     if (density == 0) continue;
-    looked += static_cast<double>(std::fabs(dot(wi, axis))) * 4 * kPiDouble / kSamples;
-    pdf_integral += density * 4 * kPiDouble / kSamples;
+    looked += static_cast<double>(std::fabs(dot(wi, axis))) * 4 * std::numbers::pi / kSamples;
+    pdf_integral += density * 4 * std::numbers::pi / kSamples;
   }
   EXPECT_NEAR(sampled, looked, 0.03 * looked);
   EXPECT_NEAR(pdf_integral, 1, 0.05);
@@ -80,7 +79,7 @@ TEST_P(LightSampling, SamplesMatchTheDensity) {
   constexpr int kRows = 12, kColumns = 24, kSamples = 100000, kFine = 24;
   const Vec3 p = GetParam().p_lit;
   const Frame frame = Frame::around(normalize(GetParam().middle - p));
-  const double cap = 1 - std::cos(GetParam().cap_degrees * kPiDouble / 180);
+  const double cap = 1 - std::cos(GetParam().cap_degrees * std::numbers::pi / 180);
   std::vector<double> observed(kRows * kColumns), expected(kRows * kColumns);
   for (int i = 0; i < kSamples; ++i) {
     const auto u = Sampler(9, i % 1000, i / 1000, 0).pad(0);
@@ -97,11 +96,11 @@ TEST_P(LightSampling, SamplesMatchTheDensity) {
   for (int r = 0; r < kRows * kFine; ++r)
     for (int c = 0; c < kColumns * kFine; ++c) {
       const double z = 1 - cap * (r + 0.5) / (kRows * kFine), rho = std::sqrt(1 - z * z);
-      const double phi = 2 * kPiDouble * ((c + 0.5) / (kColumns * kFine) - 0.5);
+      const double phi = 2 * std::numbers::pi * ((c + 0.5) / (kColumns * kFine) - 0.5);
       const Vec3 w{static_cast<float>(rho * std::cos(phi)), static_cast<float>(rho * std::sin(phi)),
                    static_cast<float>(z)};
       expected[static_cast<std::size_t>(r / kFine * kColumns + c / kFine)] +=
-          pdf(frame.to_world(w)) * cap * 2 * kPiDouble / (kRows * kColumns * kFine * kFine) * kSamples;
+          pdf(frame.to_world(w)) * cap * 2 * std::numbers::pi / (kRows * kColumns * kFine * kFine) * kSamples;
     }
   test::expect_chi_square(observed, expected, 50);
 }
@@ -190,13 +189,14 @@ TEST(DeltaLights, HaveThePowerOfWhatTheySend) {
       constexpr int kSteps = 100000;
       double sent = 0;
       for (int i = 0; i < kSteps; ++i)
-        sent += 2 * 2 * kPiDouble * 2 / kSteps *
+        sent += 2 * 2 * std::numbers::pi * 2 / kSteps *
                 static_cast<double>(spot.falloff(2 * (static_cast<float>(i) + 0.5f) / kSteps));
       EXPECT_NEAR(spot.power(), sent, 1e-3 * sent) << angle << ' ' << softness;
     }
-  EXPECT_NEAR(PointLight({}, Rgb::gray(2)).power(), 8 * kPiDouble, 1e-5);
-  EXPECT_NEAR(power(DirectionalLight({0, 1, 0}, Rgb::gray(2)), 3), 2 * 9 * kPiDouble, 1e-5);
-  EXPECT_NEAR(power(Environment(Rgb::gray(2), nullptr, 0), 3), 2 * 4 * kPiDouble * 9 * kPiDouble, 1e-3);
+  EXPECT_NEAR(PointLight({}, Rgb::gray(2)).power(), 8 * std::numbers::pi, 1e-5);
+  EXPECT_NEAR(power(DirectionalLight({0, 1, 0}, Rgb::gray(2)), 3), 2 * 9 * std::numbers::pi, 1e-5);
+  EXPECT_NEAR(power(Environment(Rgb::gray(2), nullptr, 0), 3),
+              2 * 4 * std::numbers::pi * 9 * std::numbers::pi, 1e-3);
 }
 
 TEST(SpotLight, MayBeAsNarrowAsALaser) {

@@ -1,6 +1,7 @@
 #include "core/integrators/whitted.hpp"
 
 #include <gtest/gtest.h>
+#include <numbers>
 
 #include <cmath>
 #include <vector>
@@ -10,8 +11,6 @@
 
 namespace tessera::core {
 namespace {
-
-constexpr double kPiDouble = 3.14159265358979;
 
 double whitted(const Scene& scene, int max_depth = 0, std::uint32_t spp = 4) {
   return test::mean_radiance(scene, {.integrator = Integrator::kWhitted, .max_depth = max_depth}, spp).value;
@@ -36,7 +35,7 @@ TEST(Whitted, LightsADiffuseSurfaceOnceFromEachLight) {
   maker.description().lights = {PointLightDescription{{0, 2, 0}, Rgb::gray(8)},
                                 SpotLightDescription{{0, 1, 0}, {0, 0, 0}, Rgb::gray(3)},
                                 DirectionalLightDescription{{3, -4, 0}, Rgb::gray(5)}};
-  EXPECT_NEAR(whitted(maker.build(), 0, 1), 0.6 / kPiDouble * (8.0 / 4 + 3 + 5 * 0.8), 1e-4);
+  EXPECT_NEAR(whitted(maker.build(), 0, 1), 0.6 / std::numbers::pi * (8.0 / 4 + 3 + 5 * 0.8), 1e-4);
 }
 
 TEST(Whitted, CastsShadows) {
@@ -68,7 +67,7 @@ TEST(Whitted, SamplesSomeOfManyLights) {
     irradiance += static_cast<double>(intensity / (height * height));
   }
   const Scene scene = maker.build();
-  EXPECT_NEAR(whitted(scene, 0, 2000), 0.6 / kPiDouble * irradiance, 2e-3 * irradiance);
+  EXPECT_NEAR(whitted(scene, 0, 2000), 0.6 / std::numbers::pi * irradiance, 2e-3 * irradiance);
   const RenderSettings settings{.width_px = 4, .height_px = 4, .integrator = Integrator::kWhitted};
   EXPECT_EQ(render(scene, settings, {0, 0, 4, 4}, {0, 1}, 1).counters.shadow_rays, 16 * kMostWhittedLights);
 }
@@ -80,8 +79,8 @@ TEST(Whitted, LeavesOutLightThatIsScatteredTwice) {
   maker.add(QuadDescription{{-1, 0, -1}, {2, 0, 0}, {0, 2, 0}, white});
   maker.description().lights = {PointLightDescription{{0, 2, 0}, Rgb::gray(8)}};
   const Scene scene = maker.build();
-  EXPECT_NEAR(whitted(scene), 0.6 / kPiDouble * 2, 1e-4);
-  EXPECT_GT(test::mean_radiance(scene, {}, 200).value, 1.02 * 0.6 / kPiDouble * 2);
+  EXPECT_NEAR(whitted(scene), 0.6 / std::numbers::pi * 2, 1e-4);
+  EXPECT_GT(test::mean_radiance(scene, {}, 200).value, 1.02 * 0.6 / std::numbers::pi * 2);
 }
 
 TEST(Whitted, MirrorsShowWhatIsBeforeThem) {

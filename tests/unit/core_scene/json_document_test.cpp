@@ -14,7 +14,7 @@ JsonValue parse(std::string_view text) {
   return value ? std::move(*value) : JsonValue{};
 }
 
-std::string error_of(std::string_view text) {
+std::string json_error(std::string_view text) {
   Mistakes mistakes("x.json");
   const auto value = parse_json(text, "x.json", mistakes);
   return value ? "no error" : value.error().message;
@@ -95,7 +95,7 @@ TEST(JsonDocument, ExplainsWhatIsNotJson) {
       {std::string_view("[1]\n\0x", 6), "2:1: not valid JSON: a NUL character"},
   };
   for (const auto& [text, message] : cases)
-    EXPECT_EQ(error_of(text), "x.json:" + std::string(message)) << text;
+    EXPECT_EQ(json_error(text), "x.json:" + std::string(message)) << text;
 }
 
 // The parser quotes the text in what it says.
@@ -109,10 +109,10 @@ TEST(JsonDocument, ExplainsTextsThatReadLikeTheParsersMessages) {
 }
 
 TEST(JsonDocument, LimitsNesting) {
-  EXPECT_EQ(error_of(std::string(32, '[') + std::string(32, ']')), "no error");
-  EXPECT_EQ(error_of("\n" + std::string(33, '[') + std::string(33, ']')),
+  EXPECT_EQ(json_error(std::string(32, '[') + std::string(32, ']')), "no error");
+  EXPECT_EQ(json_error("\n" + std::string(33, '[') + std::string(33, ']')),
             "x.json:2: lists and objects are nested more than 32 deep");
-  EXPECT_EQ(error_of(std::string(1'000'000, '[')),
+  EXPECT_EQ(json_error(std::string(1'000'000, '[')),
             "x.json:1: lists and objects are nested more than 32 deep");
 }
 

@@ -4,10 +4,12 @@
 
 #include <cmath>
 
+#include "tests/support/near.hpp"
+
 namespace tessera::core {
 namespace {
 
-ObjFile read(const std::string& text) {
+ObjFile file_of(const std::string& text) {
   auto file = read_obj(text, "x.obj");
   EXPECT_TRUE(file.has_value()) << file.error().message;
   return file ? std::move(*file) : ObjFile{};
@@ -15,7 +17,7 @@ ObjFile read(const std::string& text) {
 
 MeshDescription mesh_of(const std::string& text, NormalsMode mode = NormalsMode::kFlat,
                         const Transform& transform = {}) {
-  auto mesh = build_mesh(read(text), mode, transform, {0});
+  auto mesh = build_mesh(file_of(text), mode, transform, {0});
   EXPECT_TRUE(mesh.has_value()) << mesh.error().message;
   return mesh ? std::move(*mesh) : MeshDescription{};
 }
@@ -23,11 +25,6 @@ MeshDescription mesh_of(const std::string& text, NormalsMode mode = NormalsMode:
 Vec3 face_normal(const MeshDescription& mesh, std::size_t t) {
   const auto [a, b, c] = mesh.triangles[t];
   return normalize(cross(mesh.positions[b] - mesh.positions[a], mesh.positions[c] - mesh.positions[a]));
-}
-
-void expect_near(Vec3 a, Vec3 b, float tolerance = 1e-6f) {
-  EXPECT_LE(length(a - b), tolerance)
-      << a.x << ' ' << a.y << ' ' << a.z << " is not " << b.x << ' ' << b.y << ' ' << b.z;
 }
 
 // A cube from -1 to 1 with six quads, counter-clockwise from outside, without normals.
@@ -83,7 +80,7 @@ TEST(BuildMesh, LeavesOutTrianglesWithoutArea) {
   const MeshDescription mesh =
       mesh_of("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 2 0 0\nf 1 2 4\nf 1 1 2\nf 1 2 3\nf 2 2 2\n");
   EXPECT_EQ(mesh.triangles.size(), 1u);
-  const auto none = build_mesh(read("v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n"), NormalsMode::kFile, {}, {0});
+  const auto none = build_mesh(file_of("v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n"), NormalsMode::kFile, {}, {0});
   ASSERT_FALSE(none.has_value());
   EXPECT_EQ(none.error().message, "has no face with an area greater than 0");
 }
@@ -95,15 +92,15 @@ TEST(BuildMesh, LeavesOutTrianglesThatLieOnEarlierOnes) {
   EXPECT_EQ(mesh_of(square + "f 1 2 3\nf 3 1 2\nf 2 3 1\n").triangles.size(), 1u);
   EXPECT_EQ(mesh_of(square + "f 1 2 3\nf 5 2 3\n").triangles.size(), 1u);  // another vertex in the same place
   EXPECT_EQ(mesh_of(square + "f 1 2 3\nf 3 2 1\n").triangles.size(), 2u);  // the other side
-  const auto mesh =
-      build_mesh(read(square + "usemtl a\nf 1 2 3\nusemtl b\nf 1 2 3 4\n"), NormalsMode::kFile, {}, {7, 9});
+  const auto mesh = build_mesh(file_of(square + "usemtl a\nf 1 2 3\nusemtl b\nf 1 2 3 4\n"),
+                               NormalsMode::kFile, {}, {7, 9});
   ASSERT_TRUE(mesh.has_value());
   EXPECT_EQ(mesh->triangle_materials, (std::vector<std::uint32_t>{7, 9}));  // the first counts
 }
 
 TEST(BuildMesh, KeepsTheMaterialsOfTrianglesThatStay) {
   const ObjFile file =
-      read("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nusemtl a\nf 1 2 3\nf 1 1 1\nusemtl b\nf 2 4 3\n");
+      file_of("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nusemtl a\nf 1 2 3\nf 1 1 1\nusemtl b\nf 2 4 3\n");
   const auto mesh = build_mesh(file, NormalsMode::kFile, {}, {7, 9});
   ASSERT_TRUE(mesh.has_value());
   EXPECT_EQ(mesh->triangle_materials, (std::vector<std::uint32_t>{7, 9}));
@@ -112,25 +109,25 @@ TEST(BuildMesh, KeepsTheMaterialsOfTrianglesThatStay) {
 TEST(BuildMesh, UsesTheNormalsOfTheFile) {
   const std::string text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 5\nvn 0 3 4\nf 1//1 2//2 3//1\n";
   const MeshDescription mesh = mesh_of(text, NormalsMode::kFile);
-  expect_near(mesh.normals[0], {0, 0, 1});
-  expect_near(mesh.normals[1], {0, 0.6f, 0.8f});
+  expect_near(mesh.normals[0], {0, 0, 1}, 1e-6f);
+  expect_near(mesh.normals[1], {0, 0.6f, 0.8f}, 1e-6f);
   EXPECT_TRUE(mesh_of(text, NormalsMode::kFlat).normals.empty());
-  expect_near(mesh_of(text, NormalsMode::kSmooth).normals[1], {0, 0, 1});
+  expect_near(mesh_of(text, NormalsMode::kSmooth).normals[1], {0, 0, 1}, 1e-6f);
 }
 
 TEST(BuildMesh, ComputesNormalsWhereTheFileHasNoneOrZero) {
   const MeshDescription mesh =
       mesh_of("v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 1 0\nvn 0 0 0\nf 1//1 2//2 3\n", NormalsMode::kFile);
-  expect_near(mesh.normals[0], {0, 1, 0});
-  expect_near(mesh.normals[1], {0, 0, 1});
-  expect_near(mesh.normals[2], {0, 0, 1});
+  expect_near(mesh.normals[0], {0, 1, 0}, 1e-6f);
+  expect_near(mesh.normals[1], {0, 0, 1}, 1e-6f);
+  expect_near(mesh.normals[2], {0, 0, 1}, 1e-6f);
 }
 
 TEST(BuildMesh, KeepsTheEdgesOfACubeUnlessAskedToSmoothThem) {
   const MeshDescription sharp = mesh_of(kCube, NormalsMode::kFile);
   EXPECT_EQ(sharp.positions.size(), 24u);
   for (std::size_t t = 0; t < sharp.triangles.size(); ++t)
-    for (const auto v : sharp.triangles[t]) expect_near(sharp.normals[v], face_normal(sharp, t));
+    for (const auto v : sharp.triangles[t]) expect_near(sharp.normals[v], face_normal(sharp, t), 1e-6f);
   const MeshDescription smooth = mesh_of(kCube, NormalsMode::kSmooth);
   EXPECT_EQ(smooth.positions.size(), 8u);
   // The diagonals of the quads give faces different weights at a corner, so the mean is near the diagonal
@@ -166,14 +163,14 @@ TEST(BuildMesh, ShadesFacesWithoutSmoothingFlat) {
   EXPECT_TRUE(all.normals.empty());
   EXPECT_EQ(all.positions.size(), 8u);
   const MeshDescription some = mesh_of(kCube + "s 0\nf 1 2 7\ns 1\nf 2 7 8\n", NormalsMode::kFile);
-  for (const auto v : some.triangles[12]) expect_near(some.normals[v], face_normal(some, 12));
+  for (const auto v : some.triangles[12]) expect_near(some.normals[v], face_normal(some, 12), 1e-6f);
 }
 
 TEST(BuildMesh, GivesFileNormalsPrecedenceOverSmoothingGroups) {
   const MeshDescription mesh =
       mesh_of("v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0.6 0.8\ns off\nf 1//1 2//1 3\n", NormalsMode::kFile);
-  expect_near(mesh.normals[0], {0, 0.6f, 0.8f});
-  expect_near(mesh.normals[2], {0, 0, 1});
+  expect_near(mesh.normals[0], {0, 0.6f, 0.8f}, 1e-6f);
+  expect_near(mesh.normals[2], {0, 0, 1}, 1e-6f);
 }
 
 // Pairs of faces back to back around one vertex: everything cancels out there, and each face keeps a normal
@@ -211,8 +208,8 @@ TEST(BuildMesh, WeighsNormalsByArea) {
   // Around the first vertex a triangle of area 1.5 facing z and one of area 0.5 facing x.
   const MeshDescription mesh =
       mesh_of("v 0 0 0\nv 3 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 3 4\n", NormalsMode::kSmooth);
-  expect_near(mesh.normals[0], normalize({1, 0, 3}));
-  expect_near(mesh.normals[1], {0, 0, 1});
+  expect_near(mesh.normals[0], normalize({1, 0, 3}), 1e-6f);
+  expect_near(mesh.normals[1], {0, 0, 1}, 1e-6f);
 }
 
 TEST(BuildMesh, GivesUnitNormalsAtAnyScale) {
@@ -252,7 +249,7 @@ TEST(BuildMesh, KeepsTheOutsideOfMirroredSolidsOutside) {
 }
 
 TEST(BuildMesh, RefusesCoordinatesThatOverflow) {
-  const auto mesh = build_mesh(read("v 0 0 0\nv 1e30 0 0\nv 0 1e30 0\nf 1 2 3\n"), NormalsMode::kFile,
+  const auto mesh = build_mesh(file_of("v 0 0 0\nv 1e30 0 0\nv 0 1e30 0\nf 1 2 3\n"), NormalsMode::kFile,
                                scaling({1e10f, 1e10f, 1e10f}), {0});
   ASSERT_FALSE(mesh.has_value());
   EXPECT_EQ(mesh.error().message, "reaches farther than can be computed after its transform");

@@ -125,7 +125,7 @@ test::MemoryAssets::Files files(const std::string& obj, const std::string& mtl) 
 }
 
 // With the file's own normals, and so its smoothing groups; kScene asks for "smooth".
-Result<MeshDescription> mesh_of(const std::string& obj) {
+Result<MeshDescription> built_mesh(const std::string& obj) {
   const auto file = read_obj(obj, "x.obj");
   if (!file) return fail(file.error());
   const std::vector<std::uint32_t> materials(std::max<std::size_t>(file->material_names.size(), 1), 0);
@@ -146,7 +146,7 @@ TEST(Mutants, OfAnObjFileBecomeSoundMeshesOrAreRefused) {
   int built = 0;
   for (int i = 0; i < 10 * kMutants; ++i) {
     const std::string obj = mutate(kObj, random);
-    const auto mesh = mesh_of(obj);
+    const auto mesh = built_mesh(obj);
     expect_answer(mesh, obj);
     if (mesh) expect_sound(*mesh, obj);
     built += mesh ? 1 : 0;

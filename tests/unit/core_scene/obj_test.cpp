@@ -9,12 +9,12 @@
 namespace tessera::core {
 namespace {
 
-std::string error_of(std::string_view text) {
+std::string obj_error(std::string_view text) {
   const auto file = read_obj(text, "x.obj");
   return file ? "no error" : file.error().message;
 }
 
-ObjFile read(std::string_view text) {
+ObjFile read_text(std::string_view text) {
   auto file = read_obj(text, "x.obj");
   EXPECT_TRUE(file.has_value()) << file.error().message;
   return file ? std::move(*file) : ObjFile{};
@@ -58,26 +58,26 @@ TEST(ParseFloat, TakesDecimalNumbersOnly) {
 
 TEST(Obj, ReadsAllKindsOfCorners) {
   const std::string vertices = kFourCorners + "vt 0 0\nvt 1\nvn 0 0 1\n";
-  EXPECT_EQ(corners_of(read(vertices + "f 1 2 3")), "0/-/- 1/-/- 2/-/-");
-  EXPECT_EQ(corners_of(read(vertices + "f 1/1 2/2 3/1")), "0/0/- 1/1/- 2/0/-");
-  EXPECT_EQ(corners_of(read(vertices + "f 1//1 2//1 3//1")), "0/-/0 1/-/0 2/-/0");
-  EXPECT_EQ(corners_of(read(vertices + "f 1/2/1 2/1/1 4/2/1")), "0/1/0 1/0/0 3/1/0");
-  EXPECT_EQ(read(vertices + "f 1 2 3").text.uvs, (std::vector<Vec2>{{0, 0}, {1, 0}}));
+  EXPECT_EQ(corners_of(read_text(vertices + "f 1 2 3")), "0/-/- 1/-/- 2/-/-");
+  EXPECT_EQ(corners_of(read_text(vertices + "f 1/1 2/2 3/1")), "0/0/- 1/1/- 2/0/-");
+  EXPECT_EQ(corners_of(read_text(vertices + "f 1//1 2//1 3//1")), "0/-/0 1/-/0 2/-/0");
+  EXPECT_EQ(corners_of(read_text(vertices + "f 1/2/1 2/1/1 4/2/1")), "0/1/0 1/0/0 3/1/0");
+  EXPECT_EQ(read_text(vertices + "f 1 2 3").text.uvs, (std::vector<Vec2>{{0, 0}, {1, 0}}));
 }
 
 TEST(Obj, CountsNegativeIndicesFromTheFace) {
-  EXPECT_EQ(corners_of(read(
+  EXPECT_EQ(corners_of(read_text(
                 "v 0 0 0\nv 1 0 0\nvt 0 0\nvn 0 0 1\nv 0 1 0\nf -3/-1/-1 -2/-1/-1 -1/-1/-1\nv 5 5 5\nvt 1 1\n"
                 "f -1 -2 -4\n")),
             "0/0/0 1/0/0 2/0/0 3/-/- 2/-/- 0/-/-");
 }
 
 TEST(Obj, TakesFacesBeforeTheirVertices) {
-  EXPECT_EQ(corners_of(read("f 1 2 3\n" + kFourCorners)), "0/-/- 1/-/- 2/-/-");
+  EXPECT_EQ(corners_of(read_text("f 1 2 3\n" + kFourCorners)), "0/-/- 1/-/- 2/-/-");
 }
 
 TEST(Obj, CutsPolygons) {
-  EXPECT_EQ(corners_of(read(kFourCorners + "f 1 2 3 4")), "0/-/- 1/-/- 2/-/- 0/-/- 2/-/- 3/-/-");
+  EXPECT_EQ(corners_of(read_text(kFourCorners + "f 1 2 3 4")), "0/-/- 1/-/- 2/-/- 0/-/- 2/-/- 3/-/-");
 }
 
 TEST(Obj, CutsPolygonsOfManyCorners) {
@@ -87,43 +87,45 @@ TEST(Obj, CutsPolygonsOfManyCorners) {
             std::to_string(std::sin(i * 2 * M_PI / 1000)) + " 0\n";
     face += " " + std::to_string(i + 1);
   }
-  EXPECT_EQ(read(text + face).triangle_count(), 998u);
+  EXPECT_EQ(read_text(text + face).triangle_count(), 998u);
 }
 
 TEST(Obj, AcceptsTheLayoutsThatPeopleWrite) {
   const std::string expected = "0/-/- 1/-/- 2/-/-";
-  EXPECT_EQ(corners_of(read("\xef\xbb\xbfv 0 0 0\r\nv 1 0 0\r\nv 0 1 0\r\nf 1 2 3\r\n")), expected);
-  EXPECT_EQ(corners_of(read("v 0 0 0\rv 1 0 0\rv 0 1 0\rf 1 2 3\r")), expected);
-  EXPECT_EQ(corners_of(read("\tv\t0  0\t0 \nv 1 0 0\t\n  v 0 1 0\nf\t1   2 3  ")), expected);
-  EXPECT_EQ(corners_of(read("# c\n\nv 0 0 0 # origin\nv 1 0 0 1.0\nv 0 1 0 0.5 0.5 0.5\n   # d\nf 1 2 3\n#")),
-            expected);
+  EXPECT_EQ(corners_of(read_text("\xef\xbb\xbfv 0 0 0\r\nv 1 0 0\r\nv 0 1 0\r\nf 1 2 3\r\n")), expected);
+  EXPECT_EQ(corners_of(read_text("v 0 0 0\rv 1 0 0\rv 0 1 0\rf 1 2 3\r")), expected);
+  EXPECT_EQ(corners_of(read_text("\tv\t0  0\t0 \nv 1 0 0\t\n  v 0 1 0\nf\t1   2 3  ")), expected);
   EXPECT_EQ(
-      corners_of(read("o thing\ng a b\nv 0 0 0\nv 1 0 0\nv 0 1 0\ns off\ns 1\nl 1 2\np 1\nvp 0 0\nf 1 2 3")),
+      corners_of(read_text("# c\n\nv 0 0 0 # origin\nv 1 0 0 1.0\nv 0 1 0 0.5 0.5 0.5\n   # d\nf 1 2 3\n#")),
       expected);
+  EXPECT_EQ(corners_of(read_text(
+                "o thing\ng a b\nv 0 0 0\nv 1 0 0\nv 0 1 0\ns off\ns 1\nl 1 2\np 1\nvp 0 0\nf 1 2 3")),
+            expected);
 }
 
 TEST(Obj, PassesOverComments) {
-  EXPECT_EQ(corners_of(read("v 0 0 0# origin\nv 1 0 0 # \\\nv 0 1 0#\n# c \\\nf 1 2 3 # 4 \\\nf 3 2 1#\n")),
-            "0/-/- 1/-/- 2/-/- 2/-/- 1/-/- 0/-/-");
-  EXPECT_EQ(corners_of(read(
+  EXPECT_EQ(
+      corners_of(read_text("v 0 0 0# origin\nv 1 0 0 # \\\nv 0 1 0#\n# c \\\nf 1 2 3 # 4 \\\nf 3 2 1#\n")),
+      "0/-/- 1/-/- 2/-/- 2/-/- 1/-/- 0/-/-");
+  EXPECT_EQ(corners_of(read_text(
                 "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0 # uv\nvn 0 0 1 # n\ns 1 # soft\nf 1/1/1 2/1/1 3/1/1")),
             "0/0/0 1/0/0 2/0/0");
 }
 
 TEST(Obj, JoinsContinuedLines) {
   for (const std::string end : {"\n", "\r\n", "\r"})
-    EXPECT_EQ(corners_of(read("v 0 \\" + end + "0 0" + end + "v 1\\" + end + " 0 0" + end + "v 0 1 0" + end +
-                              "f 1\\" + end + "\\" + end + "2 \\" + end + "3" + end)),
+    EXPECT_EQ(corners_of(read_text("v 0 \\" + end + "0 0" + end + "v 1\\" + end + " 0 0" + end + "v 0 1 0" +
+                                   end + "f 1\\" + end + "\\" + end + "2 \\" + end + "3" + end)),
               "0/-/- 1/-/- 2/-/-")
         << end;
-  EXPECT_EQ(read(kFourCorners + "usemtl red \\\nbrick\nf 1 2 3").material_names[0], "red  brick");
+  EXPECT_EQ(read_text(kFourCorners + "usemtl red \\\nbrick\nf 1 2 3").material_names[0], "red  brick");
 }
 
 TEST(Obj, ReadsSmoothingGroups) {
   const ObjFile file =
-      read(kFourCorners +
-           "f 1 2 3\ns 1\nf 1 2 3 4\ns off\nf 1 2 3\ng other\nf 1 2 3\ns 4294967295\nf 1 2 3\n"
-           "s 0\nf 1 2 3\ns 2 3\ns on\nf 1 2 3\n");
+      read_text(kFourCorners +
+                "f 1 2 3\ns 1\nf 1 2 3 4\ns off\nf 1 2 3\ng other\nf 1 2 3\ns 4294967295\nf 1 2 3\n"
+                "s 0\nf 1 2 3\ns 2 3\ns on\nf 1 2 3\n");
   std::vector<std::optional<std::uint32_t>> groups;
   for (std::size_t t = 0; t < file.triangle_count(); ++t) groups.push_back(file.run_of(t).smoothing_group);
   EXPECT_EQ(groups, (std::vector<std::optional<std::uint32_t>>{std::nullopt, 1, 1, 0, 0, 4294967295, 0, 1}));
@@ -131,25 +133,26 @@ TEST(Obj, ReadsSmoothingGroups) {
 }
 
 TEST(Obj, MixesFacesWithAndWithoutCoordinatesAndNormals) {
-  EXPECT_EQ(corners_of(read(kFourCorners + "vt 0 0\nvn 0 0 1\nf 1 2 3\nf 1/1 2 3\nf 1 2//1 3\nf 2 3 4\n")),
-            "0/-/- 1/-/- 2/-/- 0/0/- 1/-/- 2/-/- 0/-/- 1/-/0 2/-/- 1/-/- 2/-/- 3/-/-");
+  EXPECT_EQ(
+      corners_of(read_text(kFourCorners + "vt 0 0\nvn 0 0 1\nf 1 2 3\nf 1/1 2 3\nf 1 2//1 3\nf 2 3 4\n")),
+      "0/-/- 1/-/- 2/-/- 0/0/- 1/-/- 2/-/- 0/-/- 1/-/0 2/-/- 1/-/- 2/-/- 3/-/-");
 }
 
 TEST(Obj, KeepsOnlyTheListsThatFacesUse) {
-  const ObjFile file = read(kFourCorners + "vt 0 0\nvn 0 0 1\nf 1 2 3\n");
+  const ObjFile file = read_text(kFourCorners + "vt 0 0\nvn 0 0 1\nf 1 2 3\n");
   EXPECT_TRUE(file.corners.uvs.empty());
   EXPECT_TRUE(file.corners.normals.empty());
 }
 
 TEST(Obj, TakesTheFacesOfOldFilesAndAllStatementsOfPolygons) {
-  EXPECT_EQ(corners_of(read(kFourCorners + "fo 1 2 3\nusemap x\nmaplib y\nlod 3\nmg 1 2\n")),
+  EXPECT_EQ(corners_of(read_text(kFourCorners + "fo 1 2 3\nusemap x\nmaplib y\nlod 3\nmg 1 2\n")),
             "0/-/- 1/-/- 2/-/-");
 }
 
 TEST(Obj, TellsMaterialsApart) {
-  const ObjFile file = read(kFourCorners +
-                            "mtllib a.mtl\nf 1 2 3\nusemtl red brick \nf 1 2 3\nusemtl\tblue\nf 1 2 3 "
-                            "4\nusemtl red brick\nf 2 3 4");
+  const ObjFile file = read_text(kFourCorners +
+                                 "mtllib a.mtl\nf 1 2 3\nusemtl red brick \nf 1 2 3\nusemtl\tblue\nf 1 2 3 "
+                                 "4\nusemtl red brick\nf 2 3 4");
   EXPECT_EQ(file.material_names, (std::vector<std::string>{"red brick", "blue"}));
   EXPECT_EQ(file.material_lines, (std::vector<int>{7, 9}));
   std::vector<std::uint32_t> materials;
@@ -225,7 +228,7 @@ TEST(Obj, ReportsMistakesWithTheirLine) {
       {"call other.obj\n", "1: 'call' reads another file, which is not supported; put its statements here"},
       {"csh rm -r *\n", "1: 'csh' runs a command, which a scene must not; take the line out"},
   };
-  for (const auto& [text, message] : cases) EXPECT_EQ(error_of(text), "x.obj:" + message) << text;
+  for (const auto& [text, message] : cases) EXPECT_EQ(obj_error(text), "x.obj:" + message) << text;
 }
 
 TEST(Obj, RefusesConcaveFacesOfTooManyCorners) {
@@ -234,7 +237,7 @@ TEST(Obj, RefusesConcaveFacesOfTooManyCorners) {
     text += "v " + std::to_string(i) + " " + std::to_string(i % 2) + " 0\n";
     face += " " + std::to_string(i + 1);
   }
-  EXPECT_EQ(error_of(text + "v 2500 9999 0\n" + face + " 5001\n"),
+  EXPECT_EQ(obj_error(text + "v 2500 9999 0\n" + face + " 5001\n"),
             "x.obj:5003: a face that is not convex may have 4096 corners at most");
 }
 
@@ -242,8 +245,8 @@ TEST(Obj, IsRefusedWhenCutWithinALine) {
   const std::string text = kFourCorners + "vt 0.5 0.5\nvn 0 0 1\nf 1/1/1 2/1/1 3/1/1\nf 1/1/1 3/1/1 4/1/1\n";
   const std::size_t first_face = text.find("f ");
   for (std::size_t size = 0; size < first_face + 15; ++size)
-    EXPECT_NE(error_of(text.substr(0, size)), "no error") << size;
-  EXPECT_EQ(error_of(text), "no error");
+    EXPECT_NE(obj_error(text.substr(0, size)), "no error") << size;
+  EXPECT_EQ(obj_error(text), "no error");
 }
 
 }  // namespace

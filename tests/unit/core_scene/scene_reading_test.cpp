@@ -1,6 +1,7 @@
 // What good scene files turn into.
 #include <gtest/gtest.h>
 
+#include "tests/support/near.hpp"
 #include "tests/unit/core_scene/memory_assets.hpp"
 
 namespace tessera::core {
@@ -13,11 +14,6 @@ SceneDescription load(const std::string& scene, const MemoryAssets::Files& files
   auto loaded = test::load(scene, files);
   EXPECT_TRUE(loaded.has_value()) << loaded.error().message;
   return loaded ? std::move(*loaded) : SceneDescription{};
-}
-
-void expect_near(Vec3 a, Vec3 b) {
-  EXPECT_LE(length(a - b), 1e-5f) << a.x << ' ' << a.y << ' ' << a.z << " is not " << b.x << ' ' << b.y << ' '
-                                  << b.z;
 }
 
 TEST(SceneReading, HasSensibleDefaults) {
@@ -235,7 +231,7 @@ TEST(SceneReading, AppliesTransformsInTheOrderWritten) {
       "[{\"scale\": 2}, {\"rotate\": {\"axis\": [0, 0, 5], \"degrees\": 90}}, {\"translate\": [10, 20, "
       "30]}]}"));
   const auto& sphere = std::get<SphereDescription>(scene.shapes[0]);
-  expect_near(sphere.center, {10, 22, 30});
+  expect_near(sphere.center, {10, 22, 30}, 1e-5f);
   EXPECT_NEAR(sphere.radius, 2, 1e-5f);
 }
 

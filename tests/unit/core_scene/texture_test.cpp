@@ -171,23 +171,23 @@ TEST(DecodeTexture, ReadsJpeg) {
   EXPECT_NEAR(image->texel(28, 8).b * 255, 60, 4);
 }
 
-std::string error_of(const std::string& bytes) {
+std::string decoding_error(const std::string& bytes) {
   const auto image = decode_texture_image(bytes, ColorSpace::kSrgb);
   return image ? "no error" : image.error().message;
 }
 
 TEST(DecodeTexture, RefusesWhatIsNoPicture) {
-  EXPECT_EQ(error_of(""), "is not a PNG, JPEG or HDR picture");
-  EXPECT_EQ(error_of("Dear reader,"), "is not a PNG, JPEG or HDR picture");
-  EXPECT_EQ(error_of("GIF89a"), "is not a PNG, JPEG or HDR picture");
-  EXPECT_EQ(error_of("BM picture of Windows"), "is not a PNG, JPEG or HDR picture");
-  EXPECT_NE(error_of("\x89PNG\r\n\x1a\n").find("is a broken picture"), std::string::npos);
-  EXPECT_NE(error_of("\xff\xd8\xff\xe0").find("is a broken picture"), std::string::npos);
-  EXPECT_NE(error_of("#?RADIANCE\n\n").find("is a broken picture"), std::string::npos);
+  EXPECT_EQ(decoding_error(""), "is not a PNG, JPEG or HDR picture");
+  EXPECT_EQ(decoding_error("Dear reader,"), "is not a PNG, JPEG or HDR picture");
+  EXPECT_EQ(decoding_error("GIF89a"), "is not a PNG, JPEG or HDR picture");
+  EXPECT_EQ(decoding_error("BM picture of Windows"), "is not a PNG, JPEG or HDR picture");
+  EXPECT_NE(decoding_error("\x89PNG\r\n\x1a\n").find("is a broken picture"), std::string::npos);
+  EXPECT_NE(decoding_error("\xff\xd8\xff\xe0").find("is a broken picture"), std::string::npos);
+  EXPECT_NE(decoding_error("#?RADIANCE\n\n").find("is a broken picture"), std::string::npos);
 }
 
 TEST(DecodeTexture, RefusesTooManyPixelsBeforeDecodingThem) {
-  EXPECT_EQ(error_of("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 40000 +X 40000\n"),
+  EXPECT_EQ(decoding_error("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 40000 +X 40000\n"),
             "has 40000 x 40000 pixels, more than the 268435456 a texture may have");
 }
 
@@ -195,18 +195,18 @@ TEST(DecodeTexture, RefusesTooManyPixelsBeforeDecodingThem) {
 TEST(DecodeTexture, SaysNothingThatCannotBePrinted) {
   std::string damaged = png(one_color(2, 2, {0.2f, 0.5f, 0.7f}));
   damaged.replace(damaged.find("IDAT"), 4, "I\xff\x01\n");
-  EXPECT_EQ(error_of(damaged), "is a broken picture (I??? PNG chunk not known)");
+  EXPECT_EQ(decoding_error(damaged), "is a broken picture (I??? PNG chunk not known)");
 }
 
 // Of a file's claim, before memory is taken for it.
 TEST(DecodeTexture, RefusesMorePixelsThanTheFileCanHold) {
   std::string small = png(one_color(20, 20, {0.2f, 0.5f, 0.7f}));
   small[18] = small[22] = 0x20;  // 8,212 pixels a side: each takes 3 bytes, and the file has a hundred
-  EXPECT_EQ(error_of(small), "is a broken picture (the file ends too early)");
+  EXPECT_EQ(decoding_error(small), "is a broken picture (the file ends too early)");
   std::string photograph = jpeg();
   const std::size_t frame = photograph.find("\xff\xc0");
   photograph[frame + 5] = photograph[frame + 7] = 0x20;
-  EXPECT_EQ(error_of(photograph), "is a broken picture (the file ends too early)");
+  EXPECT_EQ(decoding_error(photograph), "is a broken picture (the file ends too early)");
 }
 
 std::string big_endian(std::size_t value) {
@@ -262,11 +262,11 @@ TEST(DecodeTexture, RefusesJpegTablesThatAreTooLong) {
     segment[1] = static_cast<char>(segment.size() % 256);
     return "\xff\xc4" + segment;
   };
-  EXPECT_EQ(error_of(jpeg().insert(2, table(17))), "is a broken picture (a Huffman table is too long)");
-  EXPECT_EQ(error_of(jpeg().insert(jpeg().size() - 2, table(255))),
+  EXPECT_EQ(decoding_error(jpeg().insert(2, table(17))), "is a broken picture (a Huffman table is too long)");
+  EXPECT_EQ(decoding_error(jpeg().insert(jpeg().size() - 2, table(255))),
             "is a broken picture (a Huffman table is too long)");
-  EXPECT_NE(error_of(jpeg().insert(2, table(16))), "is a broken picture (a Huffman table is too long)");
-  EXPECT_EQ(error_of(jpeg().substr(0, 400)), "is a broken picture (the file ends too early)");
+  EXPECT_NE(decoding_error(jpeg().insert(2, table(16))), "is a broken picture (a Huffman table is too long)");
+  EXPECT_EQ(decoding_error(jpeg().substr(0, 400)), "is a broken picture (the file ends too early)");
 }
 
 // Every beginning of a file but the whole is refused, and none takes for ever.
@@ -275,10 +275,10 @@ TEST(DecodeTexture, RefusesCutFiles) {
   Image noise(24, 9);
   for (Rgb& pixel : noise.pixels) pixel = Rgb::gray(static_cast<float>(random() % 4) / 4);
   for (const std::string& file : {png(noise), hdr(noise), jpeg()}) {
-    ASSERT_EQ(error_of(file), "no error");
+    ASSERT_EQ(decoding_error(file), "no error");
     const std::size_t tail = file.starts_with("\x89PNG") ? 12 : 0;  // PNG's last chunk holds nothing
     for (std::size_t size = 0; size + tail < file.size(); ++size)
-      EXPECT_NE(error_of(file.substr(0, size)), "no error") << size;
+      EXPECT_NE(decoding_error(file.substr(0, size)), "no error") << size;
   }
 }
 

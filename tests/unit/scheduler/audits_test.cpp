@@ -9,10 +9,6 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using enum JobState;
 
-Fingerprint sums(std::uint64_t of) {
-  return {of, 0, 1};
-}
-
 // Honest sums are linear in the number of samples, as a film's are.
 Fingerprint honest(const WorkItem& item) {
   Fingerprint total;

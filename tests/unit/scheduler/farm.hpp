@@ -35,6 +35,10 @@ inline void PrintTo(const JobChange& change, std::ostream* out) {
   *out << change.id.value << " from " << job_state_name(change.from) << " to " << job_state_name(change.to);
 }
 
+inline Fingerprint sums(std::uint64_t of) {
+  return {of, 0, 1};
+}
+
 // Short enough that the invariants are cheap, large enough for several tiles: two rows of `tiles / 2`.
 inline JobShape tiles(int count, std::uint32_t spp) {
   return {count / 2 * core::kTilePx, 2 * core::kTilePx, spp};

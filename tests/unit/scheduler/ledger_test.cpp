@@ -4,10 +4,6 @@
 namespace tessera::scheduler {
 namespace {
 
-Fingerprint sums(std::uint64_t of) {
-  return {of, 0, 1};
-}
-
 TEST(AuditChoice, IsOfTheShareThatWasAskedForAndFollowsFromItsSecret) {
   int chosen = 0, differ = 0;
   for (int tile = 0; tile < 1000; ++tile) {

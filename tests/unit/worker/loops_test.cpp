@@ -18,14 +18,14 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr core::PixelRect kTile{0, 0, 64, 64};
+constexpr core::PixelRect kLeasedTile{0, 0, 64, 64};
 const Identity kIdentity{"id", "name", "0.1.0", "fingerprint", 3};
 
 grpc::Status give_lease(const v1::SynchronizeRequest&, v1::SynchronizeResponse& response) {
   v1::Lease& lease = *response.add_leases();
   lease.set_id(1);
   lease.set_job_id("job");
-  *lease.add_items() = proto::to_proto(WorkItem{kTile, {0, 4}});
+  *lease.add_items() = proto::to_proto(WorkItem{kLeasedTile, {0, 4}});
   v1::JobSpec& spec = *response.add_jobs();
   spec.set_job_id("job");
   *spec.mutable_settings() = proto::to_proto(core::RenderSettings{});
