@@ -101,7 +101,7 @@ TEST(JsonDocument, ExplainsWhatIsNotJson) {
 // The parser quotes the text in what it says.
 TEST(JsonDocument, ExplainsTextsThatReadLikeTheParsersMessages) {
   for (const std::string said : {"number overflow", "unexpected string literal", "invalid literal"}) {
-    EXPECT_EQ(error_of("\"" + said + "\n"),
+    EXPECT_EQ(json_error("\"" + said + "\n"),
               "x.json:1:" + std::to_string(said.size() + 2) +
                   ": not valid JSON: a text has no closing double quote in its line")
         << said;
