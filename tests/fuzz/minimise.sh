@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Adds to the corpora what fuzzing has found, as few and as small inputs as reach the same code: those of at most 4 kB.
+# Adds to the corpora what fuzzing has found, as few inputs of at most 2 kB as reach the same branches. How often each is
+# taken does not count: that would be thousands.
 # Usage: tests/fuzz/minimise.sh [TARGET ...]     (by default all of them)
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
@@ -9,7 +10,8 @@ for target in "${targets[@]}"; do
   corpus=tests/fuzz/corpus/$target
   merged=$(mktemp -d)
   cp "$corpus"/* "$merged"
-  "build/fuzz/bin/fuzz_$target" -merge=1 -max_len=4096 "$merged" "build/fuzz/found/$target" >/dev/null 2>&1
+  "build/fuzz/bin/fuzz_$target" -merge=1 -set_cover_merge=1 -use_counters=0 -max_len=2048 \
+    "$merged" "build/fuzz/found/$target" >/dev/null 2>&1
   # The seeds keep their names; what is new has its content's hash for one.
   cp --update=none "$merged"/* "$corpus" 2>/dev/null || cp -n "$merged"/* "$corpus"
   rm -r "$merged"
