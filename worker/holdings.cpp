@@ -52,6 +52,16 @@ void Holdings::report(v1::SynchronizeRequest& request) {
   // Leases that only wait to be given back do not keep this worker from other work.
   request.set_wanted_leases(draining_ ? 0 : options_.wanted_leases + given_up);
   request.set_draining(draining_);
+  report_activity(request);
+}
+
+// What is fetched goes on being fetched when others have been given its leases.
+void Holdings::report_activity(v1::SynchronizeRequest& request) const {
+  for (const auto& [id, entry] : jobs_) {
+    const bool comes_next = entry.stage == Stage::kWanted && holds_any_of(id);
+    if (comes_next || entry.stage == Stage::kFetching) request.add_fetching_job_ids(id);
+  }
+  request.set_rendering_lease_id(rendering_lease_);
 }
 
 bool Holdings::apply(const v1::SynchronizeResponse& response) {
@@ -95,10 +105,14 @@ bool Holdings::add_lease(const v1::Lease& lease) {
 void Holdings::forget_idle_jobs() {
   std::size_t idle = 0;
   std::erase_if(jobs_, [&](const auto& job) {
-    const bool held = std::any_of(leases_.begin(), leases_.end(),
-                                  [&](const HeldLease& lease) { return lease.job_id() == job.first; });
-    return !held && ++idle > kIdleJobsKept;
+    const bool needed = holds_any_of(job.first) || job.second.stage == Stage::kFetching;
+    return !needed && ++idle > kIdleJobsKept;
   });
+}
+
+bool Holdings::holds_any_of(const std::string& job_id) const {
+  return std::any_of(leases_.begin(), leases_.end(),
+                     [&](const HeldLease& lease) { return lease.job_id() == job_id; });
 }
 
 std::optional<v1::JobSpec> Holdings::next_to_fetch(const std::stop_token& stop) {
@@ -164,8 +178,14 @@ std::optional<Piece> Holdings::take(const std::stop_token& stop, const SizePiece
   }
 }
 
+void Holdings::begins(const Piece& piece) {
+  std::lock_guard lock(mutex_);
+  rendering_lease_ = piece.lease_id;
+}
+
 void Holdings::rendered(const Piece& piece, core::FilmTile tile, Duration render_time) {
   std::lock_guard lock(mutex_);
+  rendering_lease_ = 0;
   find_lease(piece.lease_id)->rendered(std::move(tile), render_time);
   const auto job = jobs_.find(piece.job->id);
   if (job != jobs_.end()) job->second.failures = 0;

@@ -73,6 +73,8 @@ class Holdings {
   // Blocks until there is something to render; nothing after a stop. Each piece is followed by one of the two
   // below.
   std::optional<Piece> take(const std::stop_token& stop, const SizePiece& size_piece);
+  // Its scene is ready, and its samples come next; need not be called.
+  void begins(const Piece& piece);
   void rendered(const Piece& piece, core::FilmTile tile, Duration render_time);
   // The scene cannot be built, for this reason; empty if its files must be fetched again first.
   void cannot_render(const Piece& piece, const std::string& why);
@@ -108,6 +110,8 @@ class Holdings {
   bool add_lease(const v1::Lease& lease);
   bool is_unusable(const std::string& job_id) const;
   void make_unusable(const std::string& job_id);
+  bool holds_any_of(const std::string& job_id) const;
+  void report_activity(v1::SynchronizeRequest& request) const;
   void forget_idle_jobs();
   HeldLease* next_renderable();
   HeldLease* next_sendable(Clock::time_point now);
@@ -125,6 +129,7 @@ class Holdings {
   std::list<HeldLease> leases_;       // guarded by mutex_; in the order they are to be rendered
   std::set<std::uint64_t> unwanted_;  // guarded by mutex_; held, but only until what is rendered is delivered
   std::set<std::uint64_t> just_finished_;  // guarded by mutex_; since the last report
+  std::uint64_t rendering_lease_ = 0;      // guarded by mutex_; 0 unless samples are being rendered
   std::map<std::string, JobEntry> jobs_;   // guarded by mutex_
   bool draining_ = false;                  // guarded by mutex_
 };

@@ -41,6 +41,7 @@ void RenderLoop::render(const Piece& piece) {
     holdings_.cannot_render(piece, files_are_here(piece.job->files) ? scene.error().message : "");
     return;
   }
+  holdings_.begins(piece);
   const auto start = std::chrono::steady_clock::now();
   core::FilmTile tile =
       core::render(**scene, piece.job->settings, piece.item.rect, piece.item.range, threads_);

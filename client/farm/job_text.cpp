@@ -61,7 +61,28 @@ std::string crop_text(const v1::RenderSettings& settings) {
 std::string state_of(const v1::ListWorkersResponse::Worker& worker) {
   if (worker.put_aside()) return "put aside";
   if (worker.silent()) return "silent";
-  return worker.draining() ? "leaving" : "working";
+  if (worker.draining()) return "leaving";
+  if (worker.stuck()) return "stuck";
+  if (worker.bars().empty()) return "working";
+  const bool only_fetches =
+      std::all_of(worker.bars().begin(), worker.bars().end(), [](const auto& bar) { return bar.fetching(); });
+  return only_fetches ? "fetching" : "barred";
+}
+
+// Why it is given nothing, or nothing of some jobs.
+std::vector<std::string> remarks_on(const v1::ListWorkersResponse::Worker& worker) {
+  std::vector<std::string> remarks;
+  if (!worker.put_aside_because().empty()) remarks.push_back("is put aside: " + worker.put_aside_because());
+  if (worker.stuck())
+    remarks.push_back("still renders what went to others, and is given nothing until it is through with it");
+  for (const auto& bar : worker.bars()) {
+    const double seconds = static_cast<double>(TimeUtil::DurationToMilliseconds(bar.remaining())) / 1e3;
+    remarks.push_back(fmt::format(
+        "is given nothing of job {} {}", short_id(bar.job_id()),
+        bar.fetching() ? "until it has fetched its scene"
+                       : fmt::format("for {}, or until it delivers some of it", format_duration(seconds))));
+  }
+  return remarks;
 }
 
 // How many of its ranges were rendered again, and how many of them were wrong.
@@ -152,10 +173,10 @@ std::string workers_table(const v1::ListWorkersResponse& workers, double now_sec
                                     {"VERSION"}},
                                    rows);
   for (const v1::ListWorkersResponse::Worker& worker : workers.workers()) {
-    if (worker.put_aside_because().empty()) continue;
-    table += core::printable(fmt::format("{} ({}) is put aside: {}", worker.name(), short_id(worker.id()),
-                                         worker.put_aside_because())) +
-             "\n";
+    for (const std::string& remark : remarks_on(worker)) {
+      table +=
+          core::printable(fmt::format("{} ({}) {}", worker.name(), short_id(worker.id()), remark)) + "\n";
+    }
   }
   return table;
 }

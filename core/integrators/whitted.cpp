@@ -37,9 +37,10 @@ class TreeTracer {
 
  private:
   // Follows the greater branch of each fork itself and the lesser one by a call. That one has at most half of
-  // the light, so that calls are nested a dozen deep at most before too little is left.
+  // the light, so that calls are nested a dozen deep at most before too little is left; where textures
+  // reflect more than they receive, as deep as the tree.
   void follow(Branch branch) {
-    for (;;) {
+    while (rays_++ < kMostWhittedRays) {
       ++counters_.closest_hit_rays;
       const Hit hit = scene_.bvh().closest_hit(scene_.primitives(), branch.ray);
       if (!hit.found()) return add_environment(branch);
@@ -114,6 +115,7 @@ class TreeTracer {
   const Sampler& sampler_;
   RenderCounters& counters_;
   int max_depth_;
+  int rays_ = 0;
   Rgb radiance_{};
 };
 

@@ -57,6 +57,8 @@ inline constexpr int kMaxImageSidePx = 65536;
 inline constexpr std::int64_t kMaxImagePixels = std::int64_t{1} << 30;
 inline constexpr std::uint32_t kMaxSpp = 1u << 24;
 inline constexpr int kWhittedDepth = 8;
+// That a scene may ask for. Russian roulette lets one path of 10^23 get so far.
+inline constexpr int kMaxDepth = 1024;
 
 struct RenderSettings {
   int width_px = 512;

@@ -309,6 +309,10 @@ Rgb color_of(const LightDescription& light) {
 
 Status validate_scene(const SceneDescription& scene) {
   if (auto ok = check_settings(scene.settings); !ok) return fail(ok.error().within("render"));
+  // Jobs that were stored by earlier releases may have more.
+  if (scene.settings.max_depth > kMaxDepth)
+    return invalid(fmt::format("render: max_depth: must be between 0 and {}, got {}", kMaxDepth,
+                               scene.settings.max_depth));
   if (auto ok = check_display(scene.display); !ok) return fail(ok.error().within("output"));
   if (auto ok = check_camera(scene.camera); !ok) return ok;
   if (auto ok = check_materials(scene); !ok) return ok;

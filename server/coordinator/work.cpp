@@ -85,10 +85,12 @@ void Coordinator::synchronize(const v1::SynchronizeRequest& request, Synchronize
   if (admitted) admitted = admit(turn, request);
   if (!admitted) return refuse(turn, caller, admitted.error());
 
-  scheduler::Synchronize event{info_of(request),
-                               {},
-                               static_cast<int>(std::min<std::uint32_t>(request.wanted_leases(), 1024)),
-                               request.draining()};
+  scheduler::Synchronize event{
+      info_of(request),   {}, static_cast<int>(std::min<std::uint32_t>(request.wanted_leases(), 1024)),
+      request.draining(), {}, {request.rendering_lease_id()}};
+  for (const std::string& job : request.fetching_job_ids()) {
+    if (find(job) != nullptr) event.fetching.insert({job});
+  }
   for (const v1::Lease& lease : request.held()) {
     if (const JobRecord* record = find(lease.job_id()))
       event.held.push_back(from_wire(lease, grid_of(*record->spec)));

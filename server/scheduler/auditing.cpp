@@ -130,7 +130,7 @@ void Scheduler::restore_authors(Job& job, const std::vector<AuthoredItem>& autho
 bool Scheduler::waits_in_vain(const Job& job) const {
   if (!job.complete() || job.settled() || job.audits().any_doubted()) return false;
   const auto is_no_help = [&](const Worker& worker) {
-    return worker.refused.contains(job.id()) || worker.has_stalled(job.id());
+    return worker.refused.contains(job.id()) || worker.has_stalled(job.id()) || worker.stuck;
   };
   const auto& leases = job.audit_leases().all();
   const bool somebody_is_at_it = std::any_of(leases.begin(), leases.end(), [&](const auto& entry) {

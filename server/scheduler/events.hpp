@@ -3,6 +3,7 @@
 #pragma once
 
 #include <optional>
+#include <set>
 #include <string>
 #include <variant>
 #include <vector>
@@ -35,6 +36,10 @@ struct Synchronize {
   int wanted_leases = 1;
   // It takes no new leases, and what it does not hold any more goes to others at once.
   bool draining = false;
+  // Jobs whose files it is fetching, or is about to.
+  std::set<JobId> fetching{};
+  // The lease that it is rendering at this moment, its own or not any more; 0: none.
+  LeaseId rendering{};
 };
 
 // Asks again on behalf of a worker whose last Synchronize is still unanswered, since Actions::wake named it.
@@ -219,7 +224,7 @@ struct Actions {
   // For SubmitResult: one for each item.
   std::vector<Verdict> verdicts;
   // Every change of state, in order; also those that follow from something else (RUNNING to DONE with a
-  // result, RUNNING to FAILED with the third machine whose worker died of one range).
+  // result, RUNNING to FAILED with the third machine whose worker died of one range or was stuck in it).
   std::vector<JobChange> job_changes;
   // These workers are to be put aside. Their leases are gone already.
   std::vector<Disproof> disproved;

@@ -13,6 +13,31 @@ namespace {
 constexpr int kRefusalsUntilFailure = 3;
 constexpr std::size_t kRefusersUntilFailure = 3;
 
+constexpr const char* kWhatToDoAboutStuck =
+    "Render the pixels here to see what keeps them (tessera render SCENE --crop), lower what the scene asks "
+    "for there, such as max_depth, or look at how busy the machines are; then submit it again";
+
+std::string names_of(const std::vector<Loss>& losses) {
+  std::vector<std::string> names;
+  for (const Loss& each : losses) names.push_back(fmt::format("{} ({:.8})", each.name, each.worker.value));
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+std::string sentence_on(const WorkItem& item, const core::PixelRect& rect, const std::vector<Loss>& losses) {
+  const auto is = [](LossKind kind) { return [kind](const Loss& loss) { return loss.kind == kind; }; };
+  const bool any_died = std::any_of(losses.begin(), losses.end(), is(LossKind::kDied));
+  const bool any_stuck = std::any_of(losses.begin(), losses.end(), is(LossKind::kStuck));
+  const char* const what = !any_stuck  ? "died one after the other while they rendered"
+                           : !any_died ? "came to no end one after the other with"
+                                       : "died or came to no end one after the other while they rendered";
+  return fmt::format(
+      "{} workers {} samples [{}, {}) of tile {} (pixels [{}, {}) x [{}, {})): {}. {}", losses.size(), what,
+      item.samples.begin, item.samples.end, item.tile, rect.x0, rect.x1, rect.y0, rect.y1, names_of(losses),
+      any_stuck ? kWhatToDoAboutStuck
+                : "Look into their logs, and whether they have the memory that the scene needs; then submit "
+                  "it again");
+}
+
 std::uint64_t total_samples(const JobShape& shape) {
   return std::uint64_t{shape.window.pixel_count()} * shape.spp;
 }
@@ -99,9 +124,9 @@ Portion Job::next_free(std::uint64_t samples, bool holds_nothing) const {
     const std::optional<WorkItem> piece = walk.next(wanted);
     if (!piece) break;
     const Suspects::Part part = suspects_.first_part(*piece);
-    portion.alone = !part.deaths.empty();
+    portion.alone = !part.losses.empty();
     if (portion.alone && !(holds_nothing && portion.items.empty())) return {std::move(portion.items), false};
-    const bool single = part.deaths.size() >= kDeathsUntilSingleSamples;
+    const bool single = part.losses.size() >= kLossesUntilSingleSamples;
     const std::uint32_t count =
         single ? 1 : std::min(samples_for(piece->tile, samples), part.samples.count());
     walk.pass(*piece, count);
@@ -143,7 +168,7 @@ void Job::append_copies(const std::vector<WorkItem>& pieces, std::uint64_t& budg
   for (const WorkItem& piece : pieces) {
     if (portion.alone || budget == 0 || portion.items.size() == kMaxItemsPerLease) return;
     const Suspects::Part part = suspects_.first_part(piece);
-    const bool suspect = !part.deaths.empty();
+    const bool suspect = !part.losses.empty();
     if (suspect && !portion.items.empty()) continue;
     const std::uint32_t count = std::min(samples_for(piece.tile, budget), part.samples.count());
     portion.items.push_back({piece.tile, {piece.samples.begin, piece.samples.begin + count}});
@@ -232,6 +257,7 @@ bool Job::accept(const WorkItem& item, std::vector<Lease>& ended) {
   done_count_ += pixel_samples(item);
   done.add(item.samples);
   suspects_.clear(item);
+  stuck_before_any_.clear();
   refusals_ = 0;
   refusers_.clear();
   refusing_workers_.clear();
@@ -243,27 +269,43 @@ bool Job::accept(const WorkItem& item, std::vector<Lease>& ended) {
   return true;
 }
 
-std::optional<std::string> Job::blame(const Lease& lease, const Death& death) {
-  for (const WorkItem& item : lease.items) suspects_.blame(item, death, lease.alone);
+std::optional<std::string> Job::blame(const Lease& lease, const Loss& loss) {
+  for (const WorkItem& item : lease.items) suspects_.blame(item, loss, lease.alone);
   // Of several items it cannot be told which it was.
-  if (!lease.alone) return std::nullopt;
-  const WorkItem& item = lease.items.front();
+  return lease.alone ? verdict_on(lease.items.front()) : std::nullopt;
+}
+
+std::optional<std::string> Job::blame(const WorkItem& item, const Loss& loss) {
+  // What somebody has rendered comes to an end.
+  if (done(item.tile).intersects(item.samples)) return std::nullopt;
+  suspects_.blame(item, loss, true);
+  const auto is_of_name = [&](const Loss& other) { return other.name == loss.name; };
+  if (std::none_of(stuck_before_any_.begin(), stuck_before_any_.end(), is_of_name))
+    stuck_before_any_.push_back(loss);
+  return verdict_on(item);
+}
+
+std::optional<std::string> Job::verdict_on(const WorkItem& item) const {
   // What another worker still holds may yet be rendered.
   if (leases_.leased(item.tile).intersects(item.samples)) return std::nullopt;
   if (audit_leases_.leased(item.tile).intersects(item.samples)) return std::nullopt;
-  const std::vector<Death> deaths = suspects_.first_part(item).deaths;
-  if (deaths.size() < kDeathsUntilFailure) return std::nullopt;
-  std::vector<std::string> names;
-  for (const Death& each : deaths) names.push_back(fmt::format("{} ({:.8})", each.name, each.worker.value));
-  const core::PixelRect rect = grid_.rect(item.tile);
+  const std::vector<Loss> losses = suspects_.first_part(item).losses;
+  if (losses.size() < kLossesUntilFailure) return std::nullopt;
+  return sentence_on({item.tile, suspects_.to_be_told(item)}, grid_.rect(item.tile), losses);
+}
+
+std::optional<std::string> Job::nobody_gets_on() const {
+  if (done_count_ > 0 || lease_count() > 0 || stuck_before_any_.size() < kLossesUntilFailure)
+    return std::nullopt;
   return fmt::format(
-      "{} workers died one after the other while they rendered samples [{}, {}) of tile {} (pixels [{}, {}) "
-      "x "
-      "[{}, {})): {}. Look into their logs, and whether they have the memory that the scene needs; then "
-      "submit "
-      "it again",
-      deaths.size(), item.samples.begin, item.samples.end, item.tile, rect.x0, rect.x1, rect.y0, rect.y1,
-      fmt::join(names, ", "));
+      "{} workers came to no end with whatever they had of it, and nobody has rendered a sample: {}. {}",
+      stuck_before_any_.size(), names_of(stuck_before_any_), kWhatToDoAboutStuck);
+}
+
+void Job::absolve(const WorkerId& worker, LossKind kind) {
+  suspects_.absolve(worker, kind);
+  if (kind == LossKind::kStuck)
+    std::erase_if(stuck_before_any_, [&](const Loss& loss) { return loss.worker == worker; });
 }
 
 std::optional<std::string> Job::cannot_build(const Refuser& refuser, const std::string& why,

@@ -32,7 +32,7 @@ struct Portion {
   bool audit = false;
 };
 
-// Who says that it cannot build the scene; as in Death.
+// Who says that it cannot build the scene; as in Loss.
 struct Refuser {
   WorkerId worker;
   std::string name;
@@ -146,18 +146,23 @@ class Job {
   // Since when it has been waiting for nothing but audits for which there is nobody.
   std::optional<Time> unaudited_since;
 
-  // ---- Deaths and refusals ----
+  // ---- Losses and refusals ----
 
   // The holder of an ended lease has died. The sentence to fail the job with, if this is enough and nobody
   // else holds the samples.
-  std::optional<std::string> blame(const Lease& lease, const Death& death);
+  std::optional<std::string> blame(const Lease& lease, const Loss& loss);
+  // The same of a worker that is stuck in these samples.
+  std::optional<std::string> blame(const WorkItem& item, const Loss& loss);
+  // The sentence to fail the job with, if nothing of it was ever counted, nobody holds any of it, and workers
+  // of three names were stuck in whatever they had of it.
+  std::optional<std::string> nobody_gets_on() const;
   // A worker cannot build the scene. The sentence to fail the job with, if that was said three times in a
   // row, and by workers of three names, or by all names that are `present` and every worker that holds a
   // lease.
   std::optional<std::string> cannot_build(const Refuser& refuser, const std::string& why,
                                           const std::set<std::string>& present);
-  // A worker that was taken for dead lives.
-  void absolve(const WorkerId& worker) { suspects_.absolve(worker); }
+  // A worker that was taken for dead lives, or for stuck goes on to something else.
+  void absolve(const WorkerId& worker, LossKind kind);
 
   void extend(std::uint32_t spp);
 
@@ -185,6 +190,7 @@ class Job {
   void lease_audit(Lease lease);
   Lease end_audit(LeaseId id, LeaseState to);
   void trim_audits(const WorkItem& item, std::vector<Lease>& ended);
+  std::optional<std::string> verdict_on(const WorkItem& item) const;
   std::optional<std::string> check_tile(int tile) const;
   std::optional<std::string> check_counts() const;
   std::size_t workers_beyond_limit() const;
@@ -205,6 +211,8 @@ class Job {
   LeaseTable leases_, audit_leases_;
   Audits audits_;
   Suspects suspects_;
+  // Workers that were stuck in any samples, of different names; forgotten with the first accepted sample.
+  std::vector<Loss> stuck_before_any_;
   // In a row, and who said so; forgotten with every accepted sample.
   int refusals_ = 0;
   std::set<std::string> refusers_;

@@ -24,7 +24,7 @@ bool lies_in(const WorkItem& part, const WorkItem& whole) {
 
 bool Job::is_suspect(const WorkItem& item) const {
   const Suspects::Part part = suspects_.first_part(item);
-  return !part.deaths.empty() || part.samples != item.samples;
+  return !part.losses.empty() || part.samples != item.samples;
 }
 
 Portion Job::next_audits(std::uint64_t samples, bool holds_nothing, const Author& worker,

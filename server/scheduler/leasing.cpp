@@ -17,6 +17,7 @@ Worker* Scheduler::on(const Synchronize& event, Actions& actions) {
   Worker& worker = roster_.hear(event, now_);
   authors_.introduce(worker.author());
   settle_reported(worker);
+  look_after_stuck(worker, actions);
   end_stalled_leases(worker, actions);
   for (const LeaseDescription& reported : event.held) adopt(worker, reported);
   return &worker;
@@ -62,7 +63,7 @@ void Scheduler::settle_reported(Worker& worker) {
 void Scheduler::adopt(Worker& worker, const LeaseDescription& reported) {
   Job* const job = find(reported.job);
   if (job == nullptr || !(job->state() == JobState::kRunning || job->state() == JobState::kPaused)) return;
-  if (worker.holds_alone() || !may_take(worker, *job)) return;
+  if (worker.holds_alone() || worker.stuck || !may_take(worker, *job)) return;
   const bool never_given = reported.id == LeaseId{} || reported.id > last_lease_id_;
   if (never_given || live_leases_.contains(reported.id)) return;
   if (static_cast<int>(worker.leases.size()) >= kMaxLeasesPerWorker) return;
@@ -208,7 +209,7 @@ void Scheduler::lose_lease(const Worker& worker, const HeldLease& held, Actions&
 void Scheduler::absolve_if_silent(const WorkerId& worker) {
   const Worker* const known = roster_.find(worker);
   if (known != nullptr && known->state() != WorkerState::kSilent) return;
-  for (auto& [number, job] : jobs_) job.absolve(worker);
+  for (auto& [number, job] : jobs_) job.absolve(worker, LossKind::kDied);
 }
 
 void Scheduler::forget_lease(const Job& job, const Lease& lease) {

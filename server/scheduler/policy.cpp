@@ -40,10 +40,15 @@ bool chosen_for_audit(double share, std::uint64_t secret, const JobId& job, cons
   return static_cast<double>(hash >> 11) * 0x1p-53 < share;
 }
 
+Duration longest_patience(Duration lease_duration) {
+  constexpr int kMost = 360;
+  return kMost * lease_duration;
+}
+
 Duration patience(Duration lease_duration, double expected_seconds) {
-  constexpr int kLeast = 10, kMost = 360;
+  constexpr int kLeast = 10;
   constexpr double kTimesExpected = 10;
-  const double most = std::chrono::duration<double>(kMost * lease_duration).count();
+  const double most = std::chrono::duration<double>(longest_patience(lease_duration)).count();
   // Written so that what is not a number is the most.
   const double seconds = kTimesExpected * expected_seconds < most ? kTimesExpected * expected_seconds : most;
   return std::max<Duration>(kLeast * lease_duration,

@@ -41,6 +41,8 @@ std::uint64_t next_lease_samples(const SizingOptions& options, const WorkerSnaps
 // that it holds should take it, but not less than ten lease durations, nor more than 360 (by default 100 s
 // and an hour). A scene may have to be fetched first, and a single sample of a tile is as long as it is.
 Duration patience(Duration lease_duration, double expected_seconds);
+// The most that patience() is.
+Duration longest_patience(Duration lease_duration);
 
 // How long a worker that was at a job for so long, in vain, is given no more of it: as long, and twice as
 // long each further time in a row.

@@ -62,6 +62,7 @@ Worker* Scheduler::on(const SubmitResult& event, Actions& actions) {
     worker->rate.add(static_cast<double>(accepted_samples), now_);
     if (accepted_samples + audited_samples > 0) {
       work_appeared_ |= worker->has_stalled(job->id());  // for this one
+      roster_.has_delivered(worker->info.name);
       worker->efforts[job->id()] = {.in_vain_since = now_};
     }
   }
@@ -100,7 +101,8 @@ void Scheduler::note_refusal(Job& job, const SubmitResult& event, Actions& actio
   std::set<std::string> present;
   // Who is at it for ever will never say.
   for (const auto& [id, worker] : roster_.all()) {
-    if (worker.takes_leases() && !worker.has_stalled(job.id())) present.insert(worker.info.name);
+    const bool never_says = worker.stuck || worker.has_stalled(job.id());
+    if (worker.takes_leases() && !never_says) present.insert(worker.info.name);
   }
   Worker& worker = *roster_.find(event.worker);
   worker.refused[job.id()] = now_;

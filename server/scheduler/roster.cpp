@@ -26,7 +26,7 @@ bool Worker::is_barred(const JobId& job, Time now) const {
 }
 
 int Worker::room() const {
-  if (holds_alone()) return 0;
+  if (holds_alone() || stuck) return 0;
   return takes_leases() ? std::min(wanted_leases, kMaxLeasesPerWorker) - static_cast<int>(leases.size()) : 0;
 }
 
@@ -68,6 +68,9 @@ Worker& Roster::hear(const Synchronize& event, Time now) {
   worker.waiting = false;
   worker.reported.clear();
   for (const LeaseDescription& lease : event.held) worker.reported.insert(lease.id);
+  worker.fetching = event.fetching;
+  if (event.rendering != worker.rendering) worker.rendering_since = now;
+  worker.rendering = event.rendering;
   alarms_.emplace(alarm(worker), event.worker.id);
   return worker;
 }
@@ -101,6 +104,10 @@ Worker* Roster::next_overdue(Time now) {
 }
 
 void Roster::fall_silent(Worker& worker) {
+  if (worker.stuck && !worker.stuck->blamed) {
+    kept_[worker.info.name] += worker.last_synchronized - worker.stuck->since;
+    worker.stuck->since = worker.last_synchronized;
+  }
   alarms_.erase({alarm(worker), worker.info.id});
   become(worker, WorkerState::kSilent);
   worker.waiting = false;

@@ -35,6 +35,20 @@ struct Effort {
   // How often in a row its leases have ended as STALLED, and until when it is given no others.
   int stalls = 0;
   Time barred_until{};
+  // How often that was its own fault. Who is fetching the scene is excused, once.
+  int faults = 0;
+  bool excused = false;
+};
+
+// A worker says that it is rendering a lease that it has not any more, since it was at it for too long.
+struct Stuck {
+  LeaseId lease;
+  JobId job{};
+  // What it is at, if that is known, since when, and after what time that is held against the samples.
+  std::optional<WorkItem> item{};
+  Time since{};
+  Duration counts_after{};
+  bool blamed = false;
 };
 
 struct Worker {
@@ -47,8 +61,14 @@ struct Worker {
   int wanted_leases = 0;
   // Oldest first.
   std::vector<HeldLease> leases;
-  // What it said it holds in its last Synchronize.
+  // What it said it holds in its last Synchronize, which jobs' files it is fetching, and which lease it is
+  // rendering, since when.
   std::set<LeaseId> reported;
+  std::set<JobId> fetching;
+  LeaseId rendering;
+  Time rendering_since{};
+  // It is given nothing.
+  std::optional<Stuck> stuck;
   // Others have delivered some of what it holds since its last reply.
   bool shrunk = false;
   // Its last reply was not `changed`, so that its call may be waiting.
@@ -72,8 +92,9 @@ struct Worker {
   bool holds_any_of(const JobId& job) const;
   // Its leases of the job have stalled, and nothing it delivered has counted since.
   bool has_stalled(const JobId& job) const;
-  // It is given none of the job at this time, for that reason.
+  // It is given none of the job at this time, for that reason; or as long as it is fetching its files.
   bool is_barred(const JobId& job, Time now) const;
+  bool awaits_files(const JobId& job) const { return has_stalled(job) && fetching.contains(job); }
   // It holds a lease that is to be its only one.
   bool holds_alone() const { return !leases.empty() && leases.front().alone; }
   // How many more leases it can be given.
@@ -112,6 +133,22 @@ class Roster {
   // How many take leases.
   int active_count() const { return active_count_; }
 
+  // Whether something that workers of this name delivered has counted since one of them was last stuck.
+  bool has_shown(const std::string& name) const { return shown_.contains(name); }
+  void has_delivered(const std::string& name) {
+    shown_.insert(name);
+    kept_.erase(name);
+  }
+  void has_to_show_again(const std::string& name) {
+    shown_.erase(name);
+    kept_.erase(name);
+  }
+  // How long workers of this name that have ended were stuck, since then.
+  Duration was_kept(const std::string& name) const {
+    const auto kept = kept_.find(name);
+    return kept == kept_.end() ? Duration::zero() : kept->second;
+  }
+
  private:
   // The one way in which a worker's state changes; no change if it is in it already.
   void become(Worker& worker, WorkerState to);
@@ -124,6 +161,8 @@ class Roster {
   std::set<std::pair<Time, WorkerId>> alarms_;
   int active_count_ = 0;
   std::uint64_t arrivals_ = 0;
+  std::set<std::string> shown_;
+  std::map<std::string, Duration> kept_;
 };
 
 }  // namespace tessera::scheduler

@@ -15,9 +15,10 @@
 //   - a worker that waits, holds nothing and would take a lease waits because there is none to give;
 //   - samples that are due for an audit are rendered again by a worker of another name, and their job is not
 //     done before;
-//   - samples that a worker may have died of are leased to workers that hold nothing else, and after the
-//     deaths of three workers of different names in a row their job fails, so that they do not take down the
-//     farm.
+//   - samples that a worker may have died of, or is stuck in, are leased to workers that hold nothing else,
+//     and when they have cost three workers of different names in a row their job fails, so that they do not
+//     take down the farm;
+//   - a worker that is stuck holds nothing.
 //
 // After a restart, hand in RestoreJob for each stored job, in the order of their submission, with a higher
 // epoch. Workers then report leases that this scheduler has not given; it takes them over where their samples
@@ -75,6 +76,14 @@ struct JobView {
   std::uint64_t samples_to_verify = 0;
 };
 
+// A job of which a worker is given nothing for a while, since its leases of it have stalled.
+struct BarView {
+  JobId job;
+  Duration remaining{};
+  // For as long as it says that it is fetching the job's files.
+  bool fetching = false;
+};
+
 struct WorkerView {
   WorkerInfo info;
   int held_leases = 0;
@@ -89,6 +98,9 @@ struct WorkerView {
   bool silent = false;
   // Of Worker.
   std::uint64_t audited_ranges = 0, disproved_ranges = 0;
+  // It is given nothing, since it says that it is still rendering what went to others.
+  bool stuck = false;
+  std::vector<BarView> bars{};
 };
 
 enum class CheckDepth {
@@ -157,7 +169,15 @@ class Scheduler {
   void settle_reported(Worker& worker);
   // Takes from a worker the leases of each job to which it has contributed nothing for too long.
   void end_stalled_leases(Worker& worker, Actions& actions);
+  std::set<JobId> stalled_jobs(const Worker& worker) const;
   void stall(Worker& worker, const JobId& job, Actions& actions);
+  Duration bar(Worker& worker, const JobId& job, Duration in_vain);
+  // What it is stuck in, if it has leases of these jobs in vain for that reason.
+  std::optional<Stuck> what_keeps(const Worker& worker, const std::set<JobId>& stalled) const;
+  // A worker that was stuck has called: it is not any more, or for so long that its samples are to blame.
+  void look_after_stuck(Worker& worker, Actions& actions);
+  void blame_what_keeps(Worker& worker, Actions& actions);
+  void give_up_if_nobody_gets_on(Job& job, Actions& actions);
   // How long all that it holds should take it.
   double expected_seconds(const Worker& worker) const;
   // Whether it can be given leases of the job, whatever there is to do of it.

@@ -1,6 +1,8 @@
 #include "server/scheduler/suspects.hpp"
 
 #include <algorithm>
+#include <optional>
+#include <set>
 
 #include "server/scheduler/interval_set.hpp"
 
@@ -24,25 +26,73 @@ bool lies_in(const Part& part, core::SampleRange samples) {
   return part.samples.begin >= samples.begin && part.samples.end <= samples.end;
 }
 
-bool names(const std::vector<Death>& deaths, const std::string& machine) {
-  return std::any_of(deaths.begin(), deaths.end(), [&](const Death& d) { return d.name == machine; });
+bool names(const std::vector<Loss>& losses, const std::string& machine) {
+  return std::any_of(losses.begin(), losses.end(), [&](const Loss& loss) { return loss.name == machine; });
 }
 
 }  // namespace
 
-void Suspects::blame(const WorkItem& item, const Death& death, bool alone) {
+void Suspects::blame(const WorkItem& item, const Loss& loss, bool alone) {
   std::vector<Part>& parts = by_tile_[item.tile];
   split_at(parts, item.samples.begin);
   split_at(parts, item.samples.end);
+  if (loss.kind == LossKind::kStuck) spread(parts, item, loss);
   IntervalSet unsuspected{item.samples};
   for (Part& part : parts) {
     if (!lies_in(part, item.samples)) continue;
     unsuspected.remove(part.samples);
-    if (alone && !names(part.deaths, death.name)) part.deaths.push_back(death);
+    const bool counts = alone || loss.kind == LossKind::kStuck;
+    if (counts && !names(part.losses, loss.name)) part.losses.push_back(loss);
+    for (Loss& each : part.losses) each.direct |= counts && each.name == loss.name;
   }
-  for (const core::SampleRange& range : unsuspected.ranges()) parts.push_back({range, {death}});
+  for (const core::SampleRange& range : unsuspected.ranges()) parts.push_back({range, {loss}});
   std::sort(parts.begin(), parts.end(),
             [](const Part& a, const Part& b) { return a.samples.begin < b.samples.begin; });
+}
+
+void Suspects::spread(std::vector<Part>& parts, const WorkItem& item, const Loss& loss) {
+  Loss indirect = loss;
+  indirect.direct = false;
+  std::set<WorkerId> earlier;
+  for (const Part& part : parts) {
+    for (const Loss& each : part.losses) {
+      if (lies_in(part, item.samples) && each.kind == LossKind::kStuck) earlier.insert(each.worker);
+    }
+  }
+  for (Part& part : parts) {
+    const bool shared = std::any_of(part.losses.begin(), part.losses.end(), [&](const Loss& each) {
+      return each.kind == LossKind::kStuck && earlier.contains(each.worker);
+    });
+    if (shared && !names(part.losses, loss.name)) part.losses.push_back(indirect);
+  }
+}
+
+core::SampleRange Suspects::to_be_told(const WorkItem& item) const {
+  const Part first = first_part(item);
+  const auto tile = by_tile_.find(item.tile);
+  const bool all_direct =
+      std::all_of(first.losses.begin(), first.losses.end(), [](const Loss& loss) { return loss.direct; });
+  if (all_direct || tile == by_tile_.end()) return first.samples;
+  const auto workers = [](const Part& part) {
+    std::set<WorkerId> ids;
+    for (const Loss& loss : part.losses) ids.insert(loss.worker);
+    return ids;
+  };
+  std::optional<core::SampleRange> shared;
+  for (const Part& part : tile->second) {
+    const bool contains = part.samples.begin <= item.samples.begin && item.samples.begin < part.samples.end;
+    if (contains) shared = part.samples;
+  }
+  if (!shared) return first.samples;
+  const std::set<WorkerId> lost = workers(first);
+  const auto extend = [&](const Part& part) {
+    if (workers(part) != lost) return;
+    if (part.samples.begin == shared->end) shared->end = part.samples.end;
+    if (part.samples.end == shared->begin) shared->begin = part.samples.begin;
+  };
+  std::for_each(tile->second.begin(), tile->second.end(), extend);
+  std::for_each(tile->second.rbegin(), tile->second.rend(), extend);
+  return *shared;
 }
 
 void Suspects::clear(const WorkItem& item) {
@@ -54,10 +104,11 @@ void Suspects::clear(const WorkItem& item) {
   if (tile->second.empty()) by_tile_.erase(tile);
 }
 
-void Suspects::absolve(const WorkerId& worker) {
+void Suspects::absolve(const WorkerId& worker, LossKind kind) {
+  const auto was_none = [&](const Loss& loss) { return loss.worker == worker && loss.kind == kind; };
   for (auto& [tile, parts] : by_tile_) {
-    for (Part& part : parts) std::erase_if(part.deaths, [&](const Death& d) { return d.worker == worker; });
-    std::erase_if(parts, [](const Part& part) { return part.deaths.empty(); });
+    for (Part& part : parts) std::erase_if(part.losses, was_none);
+    std::erase_if(parts, [](const Part& part) { return part.losses.empty(); });
   }
   std::erase_if(by_tile_, [](const auto& tile) { return tile.second.empty(); });
 }
@@ -72,7 +123,7 @@ Suspects::Part Suspects::first_part(const WorkItem& item) const {
     return core::SampleRange{item.samples.begin, std::min(end, item.samples.end)};
   };
   if (found->samples.begin > item.samples.begin) return {until(found->samples.begin), {}};
-  return {until(found->samples.end), found->deaths};
+  return {until(found->samples.end), found->losses};
 }
 
 }  // namespace tessera::scheduler

@@ -22,6 +22,16 @@ JobView view_of(const Job& job, Time now) {
           .samples_to_verify = job.to_verify()};
 }
 
+std::vector<BarView> bars_of(const Worker& worker, Time now) {
+  std::vector<BarView> bars;
+  for (const auto& [job, effort] : worker.efforts) {
+    const bool fetching = worker.awaits_files(job);
+    if (!worker.is_barred(job, now) && !fetching) continue;
+    bars.push_back({job, std::max(effort.barred_until - now, Duration::zero()), fetching});
+  }
+  return bars;
+}
+
 WorkerView view_of(const Worker& worker, Time now) {
   return {.info = worker.info,
           .held_leases = static_cast<int>(worker.leases.size()),
@@ -31,7 +41,9 @@ WorkerView view_of(const Worker& worker, Time now) {
           .draining = worker.state() == WorkerState::kDraining,
           .silent = worker.state() == WorkerState::kSilent,
           .audited_ranges = worker.audited_ranges,
-          .disproved_ranges = worker.disproved_ranges};
+          .disproved_ranges = worker.disproved_ranges,
+          .stuck = worker.stuck.has_value(),
+          .bars = bars_of(worker, now)};
 }
 
 }  // namespace
@@ -101,8 +113,8 @@ std::optional<std::string> Scheduler::check_workers() const {
     active += worker.takes_leases();
     held_by_workers += worker.leases.size();
     const bool silent = worker.state() == WorkerState::kSilent;
-    if (silent && !worker.leases.empty())
-      return fmt::format("worker {} is silent, but holds leases", id.value);
+    if ((silent || worker.stuck) && !worker.leases.empty())
+      return fmt::format("worker {} is {}, but holds leases", id.value, silent ? "silent" : "stuck");
     if (!silent && roster_.deadline(worker) <= now_) return fmt::format("worker {} is overdue", id.value);
     if (worker.leases.size() > static_cast<std::size_t>(kMaxLeasesPerWorker)) {
       return fmt::format("worker {} holds {} leases", id.value, worker.leases.size());

@@ -44,6 +44,7 @@ class Farm {
  public:
   Farm(std::uint64_t seed, bool verbose)
       : world_(seed, verbose),
+        slow_(seed ^ 0x510),
         audited_(seed),
         coordinator_(world_, audited_.options),
         liar_(world_, coordinator_) {}
@@ -57,6 +58,9 @@ class Farm {
   void submit();
   void set_up_audits();
   void make_deadly(const JobId& id, const JobShape& shape);
+  void make_endless(const JobId& id, const JobShape& shape);
+  void start_anew_who_is_at_no_end();
+  bool make_slow(WorkerMachine& machine);
   void make_unbuildable(const JobId& id);
   void calm_down();
   bool is_late() const;
@@ -87,10 +91,13 @@ class Farm {
   double elapsed() const { return std::chrono::duration<double>(world_.now().time_since_epoch()).count(); }
 
   World world_;
+  // What has to do with fetching and with samples without end is drawn apart as well.
+  Random slow_;
   AuditedFarm audited_;
   Coordinator coordinator_;
   Liar liar_;
   std::vector<std::unique_ptr<WorkerMachine>> machines_;
+  // Of those that render.
   std::set<std::string> names_;
   int jobs_submitted_ = 0;
   double pixel_samples_ = 0;
@@ -99,8 +106,11 @@ class Farm {
   // How long what workers hold may lie there, of all that come to render nothing.
   double stuck_seconds_ = 0;
   bool stuck_for_good_ = false;
-  // Jobs with samples that every machine dies of; whose scenes no machine can build; or some cannot.
-  std::set<JobId> deadly_jobs_, unbuildable_jobs_, doubtful_jobs_;
+  // As many names as that may fail a job.
+  std::set<std::string> stuck_names_;
+  // Jobs with samples that every machine dies of, or comes to no end with; whose scenes no machine can build;
+  // or some cannot.
+  std::set<JobId> deadly_jobs_, endless_jobs_, unbuildable_jobs_, doubtful_jobs_;
   bool calm_ = false;
 };
 
@@ -135,8 +145,24 @@ void Farm::add_machine(int number) {
     name = host;
   }
   machines_.push_back(std::make_unique<WorkerMachine>(world_, coordinator_, host, speed, name));
-  names_.insert(machines_.back()->name());
+  const bool may_be_slow = number >= (audited_.any() ? 2 : 1);
+  if (!may_be_slow || !make_slow(*machines_.back())) names_.insert(name);
   world_.after(seconds(random.real(0, 5)), [machine = machines_.back().get()] { machine->start(); });
+}
+
+// On a slow line, or one that says so for ever. Whether it is one that renders nothing at all.
+bool Farm::make_slow(WorkerMachine& machine) {
+  if (slow_.chance(0.8)) return false;
+  stuck_seconds_ += 700;
+  if (slow_.chance(0.2)) {
+    world_.note(machine.name() + " feigns to fetch");
+    machine.feign_fetching();
+    return true;
+  }
+  const double fetch_seconds = std::pow(10, slow_.real(0, 3));
+  world_.note(fmt::format("{} takes {:.0f} s to fetch a scene", machine.name(), fetch_seconds));
+  machine.fetch_slowly(seconds(fetch_seconds));
+  return false;
 }
 
 // The first two are honest, so that the others can be found out.
@@ -169,11 +195,13 @@ void Farm::submit() {
       fmt::format("job {}: {}x{}, {} spp", id.value, shape.window.width(), shape.window.height(), shape.spp));
   pixel_samples_ += shape.grid().tile_count() * 4096.0 * shape.spp;
   // Where there are audits, machines that are put aside, or cannot build a scene, are none to count on.
-  const bool enough_can_die = names_.size() >= kDeathsUntilFailure && !stuck_for_good_;
+  const bool enough_can_die = names_.size() >= kLossesUntilFailure && !stuck_for_good_;
   if (enough_can_die && random.chance(0.05) && !audited_.any()) {
     make_deadly(id, shape);
   } else if (random.chance(0.05) && !audited_.any()) {
     make_unbuildable(id);
+  } else if (enough_can_die && slow_.chance(0.05) && !audited_.any()) {
+    make_endless(id, shape);
   }
   if (!coordinator_.command(SubmitJob{id, shape, random.integer(0, 1), any_limit()}))
     world_.fail("a job was refused");
@@ -187,6 +215,29 @@ void Farm::make_deadly(const JobId& id, const JobShape& shape) {
   for (const auto& machine : machines_)
     machine->die_of(id, {tile, {first, std::min(first + count, shape.spp)}});
   deadly_jobs_.insert(id);
+}
+
+void Farm::make_endless(const JobId& id, const JobShape& shape) {
+  const int tile = slow_.integer(0, shape.grid().tile_count() - 1);
+  const auto first = static_cast<std::uint32_t>(slow_.integer(0, static_cast<int>(shape.spp) - 1));
+  const auto count = static_cast<std::uint32_t>(slow_.integer(1, 8));
+  world_.note(fmt::format("job {} never ends from sample {} of tile {} on", id.value, first, tile));
+  for (const auto& machine : machines_)
+    machine->never_ends(id, {tile, {first, std::min(first + count, shape.spp)}});
+  if (endless_jobs_.empty()) start_anew_who_is_at_no_end();
+  endless_jobs_.insert(id);
+}
+
+// Somebody looks at the machines from time to time; most often soon, else after more than an hour.
+void Farm::start_anew_who_is_at_no_end() {
+  world_.after(seconds(slow_.chance(0.7) ? slow_.real(150, 400) : 4200), [this] {
+    for (const auto& machine : machines_) {
+      if (!machine->is_at_no_end()) continue;
+      machine->crash();
+      machine->start();
+    }
+    start_anew_who_is_at_no_end();
+  });
 }
 
 void Farm::make_unbuildable(const JobId& id) {
@@ -217,22 +268,26 @@ void Farm::calm_down() {
 // to have its victims: three machines, of which chance may take one again and again.
 bool Farm::is_late() const {
   double bound = kUnrestSeconds + 120 + set_back_seconds_ + stuck_seconds_ +
-                 800 * static_cast<double>(deadly_jobs_.size()) + 1.5 * pixel_samples_ / kFirstSpeed;
+                 800 * static_cast<double>(deadly_jobs_.size()) +
+                 40'000 * static_cast<double>(endless_jobs_.size()) + 1.5 * pixel_samples_ / kFirstSpeed;
   // Everything is rendered twice, and what was spoilt once more; or nobody comes for it.
   if (audited_.any()) bound += 200 + 6 * pixel_samples_ / kFirstSpeed;
   return elapsed() > bound;
 }
 
-// A job fails by itself if and only if it has deadly samples that nobody claims to have rendered, or its
-// scene is said not to be buildable.
+// A job fails by itself if and only if it has samples that nobody survives, or comes to an end with, and
+// nobody claims to have rendered, or its scene is said not to be buildable; or if chance made three machines
+// stuck.
 void Farm::check_failures() {
   for (const auto& [id, failure] : coordinator_.failures()) {
-    const bool guilty = deadly_jobs_.contains(id) || unbuildable_jobs_.contains(id) ||
-                        doubtful_jobs_.contains(id) || liar_.refused().contains(id);
+    const bool guilty = deadly_jobs_.contains(id) || endless_jobs_.contains(id) ||
+                        unbuildable_jobs_.contains(id) || doubtful_jobs_.contains(id) ||
+                        liar_.refused().contains(id) || stuck_names_.size() >= kLossesUntilFailure;
     if (!guilty) world_.fail(fmt::format("job {} failed, but nobody dies of it: {}", id.value, failure));
   }
   for (const JobView& job : coordinator_.jobs()) {
-    const bool cannot_be_done = deadly_jobs_.contains(job.id) || unbuildable_jobs_.contains(job.id);
+    const bool cannot_be_done =
+        deadly_jobs_.contains(job.id) || endless_jobs_.contains(job.id) || unbuildable_jobs_.contains(job.id);
     if (cannot_be_done && job.state == JobState::kDone && !liar_.has_delivered())
       world_.fail(fmt::format("job {} is done, but nobody can have rendered it", job.id.value));
   }
@@ -275,7 +330,8 @@ void Farm::machine_fault(WorkerMachine& machine, int kind) {
 // Most for good; but not those that are to bring the farm to its end, or to die for it.
 void Farm::get_stuck(WorkerMachine& machine) {
   const bool needed = &machine == machines_[0].get() || (audited_.any() && &machine == machines_[1].get());
-  const bool for_good = world_.random.chance(0.7) && !needed && deadly_jobs_.empty();
+  const bool for_good = world_.random.chance(0.7) && !needed && deadly_jobs_.empty() && endless_jobs_.empty();
+  stuck_names_.insert(machine.name());
   stuck_for_good_ |= for_good;
   const double longest = needed ? 60 : 300;
   const double stuck = for_good ? 1e6 : world_.random.real(0, longest);

@@ -28,6 +28,10 @@ class FarmScenario : public testing::Test {
     machines_.back()->start();
     return *machines_.back();
   }
+  WorkerMachine& machine_at(int number) {
+    while (machines_.size() <= static_cast<std::size_t>(number)) machine(50'000);
+    return *machines_[static_cast<std::size_t>(number)];
+  }
   void submit(const std::string& id, const JobShape& shape, std::uint32_t max_workers = 0) {
     ASSERT_TRUE(coordinator_.command(SubmitJob{{id}, shape, 0, max_workers}));
   }
@@ -124,6 +128,60 @@ TEST_F(FarmScenario, ARangeThatKillsItsWorkersEndsItsJobAndNoOther) {
               testing::HasSubstr("3 workers died one after the other while they rendered "
                                  "samples [9, 10) of tile 5 (pixels [64, 128) x [64, 128))"));
   EXPECT_EQ(jobs[1].state, JobState::kDone);
+}
+
+// The machines of this farm come to no end with one sample in the middle of a job. One is spared that.
+TEST_F(FarmScenario, ARangeThatNeverEndsEndsItsJobAndNoOther) {
+  for (int i = 0; i < 4; ++i) machine(50'000).never_ends({"endless"}, {5, {9, 10}});
+  submit("endless", kJob);
+  submit("other", kJob);
+  run_until(600);
+  const auto jobs = coordinator_.jobs();
+  EXPECT_EQ(jobs[0].state, JobState::kFailed);
+  EXPECT_THAT(jobs[0].failure,
+              testing::HasSubstr("3 workers came to no end one after the other with "
+                                 "samples [9, 10) of tile 5 (pixels [64, 128) x [64, 128))"));
+  EXPECT_EQ(jobs[1].state, JobState::kDone);
+}
+
+// Nothing of it is ever rendered, and so no range has three workers.
+TEST_F(FarmScenario, AJobOfWhichNothingEverEndsFailsToo) {
+  for (int i = 0; i < 4; ++i) {
+    for (int tile = 0; tile < 16; ++tile) machine_at(i).never_ends({"endless"}, {tile, {0, 32}});
+  }
+  submit("other", kJob);
+  run_until_one_is_done();
+  submit("endless", kJob);
+  run_until(elapsed() + 150);
+  EXPECT_EQ(coordinator_.jobs()[1].state, JobState::kFailed);
+  EXPECT_THAT(coordinator_.jobs()[1].failure,
+              testing::HasSubstr("workers came to no end with whatever they had of it, and nobody has "
+                                 "rendered a sample: m"));
+}
+
+// One that hangs in everything has shown nothing, and fails no job.
+TEST_F(FarmScenario, MachinesThatAreBrokenFailNoJob) {
+  for (int i = 0; i < 3; ++i) machine(50'000).get_stuck(seconds(1e6));
+  submit("job", kJob);
+  run_until(1000);
+  EXPECT_EQ(coordinator_.jobs()[0].state, JobState::kRunning);
+  machine(50'000);
+  run_until_one_is_done(2000);
+  EXPECT_EQ(coordinator_.jobs()[0].state, JobState::kDone);
+}
+
+// Its leases are not kept for it, and it has others as soon as it can render them.
+TEST_F(FarmScenario, WhoFetchesForLongIsServedAsSoonAsItHasTheScene) {
+  WorkerMachine& slow = machine(50'000);
+  slow.fetch_slowly(seconds(700));
+  submit("job", {1024, 1024, 256}, 0);
+  run_until(105);
+  EXPECT_EQ(coordinator_.workers()[0].held_leases, 0) << "others may have them";
+  run_until(695);
+  EXPECT_EQ(coordinator_.workers()[0].held_leases, 0);
+  run_until(710);
+  EXPECT_GT(coordinator_.workers()[0].held_leases, 0);
+  EXPECT_GT(coordinator_.workers()[0].samples_accepted, 0u);
 }
 
 // Whatever kills them, it is not the samples as long as it happens on one machine alone.

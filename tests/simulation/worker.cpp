@@ -56,6 +56,7 @@ void WorkerMachine::start() {
   stop_pending_ = stopping_ = false;
   rendering_.reset();
   hung_until_ = stuck_until_ = {};
+  fetching_.clear();
   held_.clear();
   outbox_.clear();
   synchronize();
@@ -70,10 +71,14 @@ void WorkerMachine::die_of(const JobId& job, const WorkItem& item) {
   deadly_.push_back({job, item});
 }
 
-bool WorkerMachine::deadly(const JobId& job, const WorkItem& item) const {
-  return std::any_of(deadly_.begin(), deadly_.end(), [&](const Deadly& deadly) {
-    return deadly.job == job && deadly.item.tile == item.tile &&
-           deadly.item.samples.begin < item.samples.end && item.samples.begin < deadly.item.samples.end;
+void WorkerMachine::never_ends(const JobId& job, const WorkItem& item) {
+  endless_.push_back({job, item});
+}
+
+bool WorkerMachine::any_holds(const std::vector<Trap>& traps, const JobId& job, const WorkItem& item) {
+  return std::any_of(traps.begin(), traps.end(), [&](const Trap& trap) {
+    return trap.job == job && trap.item.tile == item.tile && trap.item.samples.begin < item.samples.end &&
+           item.samples.begin < trap.item.samples.end;
   });
 }
 
@@ -123,6 +128,8 @@ void WorkerMachine::synchronize() {
     lease.items.insert(lease.items.end(), held.to_render.begin(), held.to_render.end());
     if (!lease.items.empty()) request.held.push_back(std::move(lease));
   }
+  request.fetching = fetching();
+  if (rendering_) request.rendering = rendering_->lease;
   const std::uint64_t call = ++call_;
   const auto answer = [=, this, process = process_](const Reply& reply) {
     send([=, this] {
@@ -147,18 +154,40 @@ void WorkerMachine::take_reply(std::uint64_t call, const Reply& reply) {
     if (find(lease.id) != nullptr) continue;
     held_.push_back({lease.id, lease.job, in_pieces(lease.items), {}, {}, 0, 0, false});
   }
+  fetch_what_is_new();
   if (!stopping_) synchronize();
   render_next();
 }
 
+// Goes on when others have been given the leases that it is for.
+void WorkerMachine::fetch_what_is_new() {
+  for (const Held& held : held_) {
+    const JobId job = held.job;
+    if (is_here(job) || !fetching_.insert(job).second) continue;
+    later(fetch_time_, [=, this] {
+      fetching_.erase(job);
+      here_.insert(job);
+      render_next();
+    });
+  }
+}
+
+std::set<JobId> WorkerMachine::fetching() const {
+  if (!feigns_) return fetching_;
+  std::set<JobId> jobs;
+  for (const Held& held : held_) jobs.insert(held.job);
+  return jobs;
+}
+
 void WorkerMachine::render_next() {
-  if (rendering_ || stopping_) return;
-  const auto next =
-      std::find_if(held_.begin(), held_.end(), [](const Held& held) { return !held.to_render.empty(); });
+  if (rendering_ || stopping_ || feigns_) return;
+  const auto next = std::find_if(held_.begin(), held_.end(), [this](const Held& held) {
+    return !held.to_render.empty() && is_here(held.job);
+  });
   if (next == held_.end()) return;
   if (unbuildable_.contains(next->job)) return give_back(*next);
   const WorkItem item = next->to_render.front();
-  if (deadly(next->job, item)) {
+  if (any_holds(deadly_, next->job, item)) {
     crash();
     return world_.after(seconds(world_.random.real(0.5, 5)), [this] { start(); });
   }
@@ -167,7 +196,9 @@ void WorkerMachine::render_next() {
                 item,
                 world_.random.real(0.8, 1.3),
                 coordinator_.tile_pixels(next->job, item.tile) * item.samples.count(),
-                0};
+                0,
+                any_holds(endless_, next->job, item)};
+  if (rendering_->endless) return world_.note(fmt::format("{}.{} comes to no end", host_, process_));
   render_on();
 }
 

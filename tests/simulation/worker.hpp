@@ -35,6 +35,15 @@ class WorkerMachine {
   void cut_off(Duration duration);
   // From now on its processes die when they come to this item's samples, and are started again after a while.
   void die_of(const scheduler::JobId& job, const scheduler::WorkItem& item);
+  // From now on its processes come to no end with this item's samples, but go on calling.
+  void never_ends(const scheduler::JobId& job, const scheduler::WorkItem& item);
+  // Whether that has happened to the one that runs.
+  bool is_at_no_end() const { return running_ && rendering_ && rendering_->endless; }
+  // From now on it takes so long to fetch a job's scene, which it keeps.
+  void fetch_slowly(Duration duration) { fetch_time_ = duration; }
+  // From now on it says that it is fetching the scene of whatever it is given, until others have that, and
+  // renders nothing.
+  void feign_fetching() { feigns_ = true; }
   // From now on its workers cannot build this job's scene, and give its leases back.
   void cannot_build(const scheduler::JobId& job) { unbuildable_.insert(job); }
   // From now on that share of what it delivers has flipped bits.
@@ -68,6 +77,9 @@ class WorkerMachine {
   void synchronize();
   void take_reply(std::uint64_t call, const scheduler::Reply& reply);
   void send(const std::function<void()>& deliver);
+  void fetch_what_is_new();
+  bool is_here(const scheduler::JobId& job) const { return fetch_time_ == Duration{} || here_.contains(job); }
+  std::set<scheduler::JobId> fetching() const;
   void render_next();
   void render_on();
   void rendered();
@@ -79,13 +91,13 @@ class WorkerMachine {
   void heard(std::uint64_t delivery);
   void exit_if_idle();
   Held* find(scheduler::LeaseId id);
-  bool deadly(const scheduler::JobId& job, const scheduler::WorkItem& item) const;
-  void hand_back_current_range();
-
-  struct Deadly {
+  struct Trap {
     scheduler::JobId job;
     scheduler::WorkItem item;
   };
+  static bool any_holds(const std::vector<Trap>& traps, const scheduler::JobId& job,
+                        const scheduler::WorkItem& item);
+  void hand_back_current_range();
 
   // What it is at. Renders differ from the machine's speed by a factor of their own.
   struct Rendering {
@@ -95,6 +107,7 @@ class WorkerMachine {
     double factor = 1;
     double samples_left = 0;
     double spent_seconds = 0;
+    bool endless = false;
   };
 
   World& world_;
@@ -106,7 +119,10 @@ class WorkerMachine {
   const int wanted_leases_;
   const std::size_t items_per_delivery_;
 
-  std::vector<Deadly> deadly_;
+  std::vector<Trap> deadly_, endless_;
+  Duration fetch_time_{};
+  bool feigns_ = false;
+  std::set<scheduler::JobId> here_;
   double lies_ = 0;
   bool splits_ = false;
   std::set<scheduler::JobId> unbuildable_;
@@ -123,6 +139,7 @@ class WorkerMachine {
   bool stop_pending_ = false;  // comes when it no longer hangs
   bool stopping_ = false;
   bool start_again_ = false;
+  std::set<scheduler::JobId> fetching_;
   std::optional<Rendering> rendering_;
   std::uint64_t call_ = 0;
   std::uint64_t deliveries_ = 0;

@@ -44,6 +44,17 @@ int read_blades(const Field& field) {
   return 0;
 }
 
+// 0 for none.
+int read_max_depth(const Field& field) {
+  const auto* number = field.value().get_if<JsonValue::Number>();
+  const auto depth = number == nullptr ? std::nullopt : number->whole;
+  if (depth && *depth <= std::uint64_t{kMaxDepth}) return static_cast<int>(*depth);
+  field.must_be(
+      fmt::format("a whole number between 1 and {}, or 0 for {} with whitted and no limit otherwise",
+                  kMaxDepth, kWhittedDepth));
+  return 0;
+}
+
 PixelFilter read_filter(const ObjectReader& render) {
   const auto kind = read_or(render, "filter", FilterKind::kBox, read_choice,
                             std::span<const std::string_view>(scene_keys::kFilters));
@@ -85,8 +96,7 @@ RenderSettings read_render(const Field& field) {
       read_or(object, "spp", settings.spp, read_whole_number, std::uint64_t{1}, std::uint64_t{kMaxSpp});
   settings.seed =
       read_or(object, "seed", settings.seed, read_whole_number, std::uint64_t{0}, ~std::uint64_t{0});
-  settings.max_depth = read_or(object, "max_depth", settings.max_depth, read_whole_number, std::uint64_t{0},
-                               std::uint64_t{1} << 20);
+  settings.max_depth = read_or(object, "max_depth", settings.max_depth, read_max_depth);
   settings.integrator = read_or(object, "integrator", settings.integrator, read_choice,
                                 std::span<const std::string_view>(scene_keys::kIntegrators));
   settings.filter = read_filter(object);

@@ -87,6 +87,26 @@ TEST(JobText, SaysHowWorkersAreDoing) {
   EXPECT_THAT(workers_table(workers, 0), HasSubstr("\nmachine () is put aside: it rendered other bits\n"));
 }
 
+TEST(JobText, SaysWhoIsGivenNothingAndForHowLong) {
+  v1::ListWorkersResponse workers;
+  v1::ListWorkersResponse::Worker& worker = *workers.add_workers();
+  worker.set_name("machine");
+  worker.set_id("1234567890abcdef");
+  auto& bar = *worker.add_bars();
+  bar.set_job_id("fedcba0987654321");
+  bar.mutable_remaining()->set_seconds(95);
+  EXPECT_THAT(workers_table(workers, 0), HasSubstr("barred"));
+  EXPECT_THAT(workers_table(workers, 0),
+              HasSubstr("\nmachine (1234567890ab) is given nothing of job fedcba098765 for 1:35, or until it "
+                        "delivers some of it\n"));
+  bar.set_fetching(true);
+  EXPECT_THAT(workers_table(workers, 0), HasSubstr("  fetching  "));
+  EXPECT_THAT(workers_table(workers, 0), HasSubstr("of job fedcba098765 until it has fetched its scene\n"));
+  worker.set_stuck(true);
+  EXPECT_THAT(workers_table(workers, 0), HasSubstr("stuck"));
+  EXPECT_THAT(workers_table(workers, 0), HasSubstr("\nmachine (1234567890ab) still renders what went to "));
+}
+
 TEST(JobText, SaysHowMuchIsToBeVerified) {
   v1::Job job = some_job();
   EXPECT_THAT(job_description(job), ::testing::Not(HasSubstr("to verify")));

@@ -105,6 +105,21 @@ TEST(Whitted, FollowsReflectionsToTheDepthLimit) {
   EXPECT_NEAR(whitted(scene, 1000), 5, 0.01) << "ends where too little is left";
 }
 
+// Surfaces that split light and give off more than they receive, as by bright textures: twice as many rays at
+// each depth.
+TEST(Whitted, EndsATreeThatGrowsWithoutEnd) {
+  test::SceneMaker maker(looking_ahead(0.5f));
+  const auto glass =
+      maker.material(Glass{.ior = 4, .reflectance = {Rgb::gray(8)}, .transmittance = {Rgb::gray(8)}});
+  for (const float z : {-1.0f, 1.0f}) maker.add(upright(z, glass));
+  maker.add(upright(-2, maker.material(Mirror{})));
+  maker.add(upright(2, maker.material(Mirror{})));
+  const RenderSettings settings{
+      .width_px = 1, .height_px = 1, .integrator = Integrator::kWhitted, .max_depth = kMaxDepth};
+  EXPECT_EQ(render(maker.build(), settings, {0, 0, 1, 1}, {0, 1}, 1).counters.closest_hit_rays,
+            static_cast<std::uint64_t>(kMostWhittedRays));
+}
+
 // Through a slab of glass: T^2 + T^2 R^2 + ..., each term two surfaces deeper than the last.
 TEST(Whitted, FollowsBothBranchesAtGlass) {
   test::SceneMaker maker(looking_ahead(3));

@@ -31,7 +31,14 @@ TEST(SceneMistakes, InRender) {
           {"\"seed\": 18446744073709551616",
            "render.seed: must be a whole number between 0 and 18446744073709551615, got "
            "1.8446744073709552e+19"},
-          {"\"max_depth\": -1", "render.max_depth: must be a whole number between 0 and 1048576, got -1"},
+          {"\"max_depth\": -1",
+           "render.max_depth: must be a whole number between 1 and 1024, or 0 for 8 with whitted and no "
+           "limit "
+           "otherwise, got -1"},
+          {"\"max_depth\": 1025",
+           "render.max_depth: must be a whole number between 1 and 1024, or 0 for 8 with whitted and no "
+           "limit "
+           "otherwise, got 1025"},
           {"\"integrator\": \"miss\"", "render.integrator: unknown value 'miss'; did you mean 'mis'?"},
           {"\"integrator\": \"bdpt\"",
            "render.integrator: unknown value 'bdpt'; known are 'naive', 'nee', 'mis', 'whitted'"},

@@ -9,7 +9,7 @@ using testing::HasSubstr;
 
 std::vector<std::string> names(const Suspects::Part& part) {
   std::vector<std::string> names;
-  for (const Death& death : part.deaths) names.push_back(death.name);
+  for (const Loss& loss : part.losses) names.push_back(loss.name);
   return names;
 }
 
@@ -20,12 +20,12 @@ TEST(SuspectsTest, PartsAreCutWhereTheDeathsDiffer) {
   suspects.blame({3, {8, 10}}, {{"2"}, "b"}, true);
   const Suspects::Part before = suspects.first_part({3, {0, 32}});
   EXPECT_EQ(before.samples, (core::SampleRange{0, 4}));
-  EXPECT_TRUE(before.deaths.empty());
+  EXPECT_TRUE(before.losses.empty());
   EXPECT_EQ(suspects.first_part({3, {4, 32}}).samples, (core::SampleRange{4, 8}));
   EXPECT_THAT(names(suspects.first_part({3, {9, 32}})), ElementsAre("a", "b"));
   EXPECT_EQ(suspects.first_part({3, {12, 14}}).samples, (core::SampleRange{12, 14}));
-  EXPECT_TRUE(suspects.first_part({3, {16, 32}}).deaths.empty());
-  EXPECT_TRUE(suspects.first_part({2, {4, 12}}).deaths.empty());
+  EXPECT_TRUE(suspects.first_part({3, {16, 32}}).losses.empty());
+  EXPECT_TRUE(suspects.first_part({2, {4, 12}}).losses.empty());
 }
 
 TEST(SuspectsTest, DeathsThatMayHaveHadOneCauseCountOnce) {
@@ -40,11 +40,24 @@ TEST(SuspectsTest, RenderedSamplesAndWorkersThatLiveAreForgotten) {
   suspects.blame({0, {0, 8}}, {{"1"}, "a"}, false);
   suspects.blame({0, {0, 8}}, {{"2"}, "b"}, true);
   suspects.clear({0, {2, 4}});
-  EXPECT_TRUE(suspects.first_part({0, {2, 4}}).deaths.empty());
-  suspects.absolve({"1"});
+  EXPECT_TRUE(suspects.first_part({0, {2, 4}}).losses.empty());
+  suspects.absolve({"1"}, LossKind::kDied);
   EXPECT_THAT(names(suspects.first_part({0, {0, 2}})), ElementsAre("b"));
-  suspects.absolve({"2"});
+  suspects.absolve({"2"}, LossKind::kDied);
   EXPECT_EQ(suspects.first_part({0, {0, 8}}).samples, (core::SampleRange{0, 8}));
+}
+
+TEST(SuspectsTest, PartsThatKeepAWorkerEachAreOneRange) {
+  Suspects suspects;
+  suspects.blame({0, {4, 12}}, {{"1"}, "a", LossKind::kStuck}, true);
+  suspects.blame({0, {4, 6}}, {{"2"}, "b", LossKind::kStuck}, true);
+  suspects.blame({0, {9, 10}}, {{"3"}, "c", LossKind::kStuck}, true);
+  EXPECT_THAT(names(suspects.first_part({0, {9, 10}})), ElementsAre("a", "b", "c"));
+  EXPECT_EQ(suspects.to_be_told({0, {9, 10}}), (core::SampleRange{4, 12}));
+  suspects.absolve({"2"}, LossKind::kDied);
+  suspects.absolve({"3"}, LossKind::kStuck);
+  EXPECT_EQ(suspects.to_be_told({0, {4, 6}}), (core::SampleRange{4, 6})) << "both were there";
+  EXPECT_THAT(names(suspects.first_part({0, {4, 12}})), ElementsAre("a", "b"));
 }
 
 class Deaths : public Farm {

@@ -113,6 +113,28 @@ TEST_F(HoldingsTest, RendersInOrderAsSoonAsTheFilesAreHere) {
   EXPECT_EQ(take().lease_id, 1u);
 }
 
+TEST_F(HoldingsTest, SaysWhatItFetchesAndRenders) {
+  holdings_.apply(answer({lease(1, "a", 0, 8)}, {"a"}));
+  const auto fetching = [&] { return report().fetching_job_ids_size(); };
+  ASSERT_EQ(fetching(), 1) << "about to";
+  EXPECT_EQ(report().fetching_job_ids(0), "a");
+  const auto spec = holdings_.next_to_fetch({});
+  ASSERT_TRUE(spec);
+  holdings_.apply(answer({}));
+  EXPECT_EQ(fetching(), 1) << "though others have its lease";
+  holdings_.fetched(std::make_shared<Job>(Job{"a", {}, {}}));
+  EXPECT_EQ(fetching(), 0);
+
+  holdings_.apply(answer({lease(2, "a", 0, 8)}));
+  const Piece piece = take();
+  EXPECT_EQ(report().rendering_lease_id(), 0u) << "its scene is not built yet";
+  holdings_.begins(piece);
+  holdings_.apply(answer({}));
+  EXPECT_EQ(report().rendering_lease_id(), 2u) << "though others have it";
+  render(piece);
+  EXPECT_EQ(report().rendering_lease_id(), 0u);
+}
+
 TEST_F(HoldingsTest, WakesWhoWaitsForWork) {
   auto fetched = std::async(std::launch::async, [&] { return holdings_.next_to_fetch({}); });
   auto taken = std::async(std::launch::async, [&] { return take(); });
