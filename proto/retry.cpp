@@ -62,4 +62,20 @@ core::Status retry(const RetryPolicy& policy, const Waiter& waiter,
   }
 }
 
+core::Status retry_long(const RetryPolicy& policy, const Waiter& waiter,
+                        const std::function<core::Status(bool& progress)>& attempt) {
+  Duration start{};
+  for (int count = 1;; ++count) {
+    bool progress = count == 1;
+    core::Status status = attempt(progress);
+    if (status) return status;
+    if (progress) {
+      start = waiter.now();
+      count = 1;
+    }
+    const std::optional<Duration> wait = policy({status.error().code, count, waiter.now() - start});
+    if (!wait || !waiter.wait(*wait)) return status;
+  }
+}
+
 }  // namespace tessera::proto

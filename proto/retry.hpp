@@ -57,4 +57,10 @@ Waiter real_time();
 core::Status retry(const RetryPolicy& policy, const Waiter& waiter,
                    const std::function<core::Status()>& attempt);
 
+// The same for attempts that can take long, each of which sets its argument once something got through.
+// Attempts and time are counted from the end of the last one that did, or of the first: patience is with a
+// peer that takes nothing.
+core::Status retry_long(const RetryPolicy& policy, const Waiter& waiter,
+                        const std::function<core::Status(bool& progress)>& attempt);
+
 }  // namespace tessera::proto

@@ -81,10 +81,12 @@ void add_call_flags(CLI::App& app, Limits& limits) {
                      "Connections of workers and users, all together; more are closed at once");
   add<std::uint64_t>(app, "--max-machine-connections", limits.machine_connections, 1, kMany,
                      "Connections of one machine (IPv4 address, or 64 bits of an IPv6 address)");
+  add<std::uint64_t>(app, "--max-fetches", limits.fetches, 1, kMany, "Files that workers fetch at once");
   add<std::uint64_t>(app, "--max-image-mib", limits.image_mib, 1, kMostMib,
                      "Memory for pictures that are fetched at once; one is always made");
-  add_seconds(app, "--stall-seconds", limits.stall_time,
-              "Uploads and fetched pictures whose callers stand still for so long are ended");
+  add_seconds(
+      app, "--stall-seconds", limits.stall_time,
+      "Uploads, and files and pictures that are fetched, whose callers stand still for so long are ended");
   add(app, "--max-message-mib", limits.message_mib, kLeastMessageMib, kMostMessageMib, "One message");
   add(app, "--max-calls-per-second", limits.calls_per_second, 1.0, 1e9,
       "Calls of one submitter (without --tokens: of one machine), or of one worker; ten seconds' worth at "

@@ -45,10 +45,12 @@ struct Limits {
   std::uint64_t connections = 10'000;
   std::uint64_t machine_connections = 5'000;
 
+  // Files that workers fetch at once.
+  std::uint64_t fetches = 2048;
   // Of pictures that are fetched: the memory of all together, while they are made and sent. One is always
   // made.
   std::uint64_t image_mib = 8 * 1024;
-  // Uploads and pictures whose callers stand still for so long are ended.
+  // Streams whose callers stand still for so long are ended, and pictures wait for memory no longer.
   std::chrono::milliseconds stall_time = std::chrono::minutes(1);
 
   // Of calls: one message, and how often a caller may call. Who has been quiet may call as often at once as

@@ -2,7 +2,6 @@
 #include <absl/synchronization/mutex.h>
 #include <signal.h>
 #include <spdlog/spdlog.h>
-#include <sys/resource.h>
 
 #include <cstdlib>
 #include <iostream>
@@ -10,6 +9,7 @@
 
 #include "core/base/printable.hpp"
 #include "proto/log.hpp"
+#include "proto/open_files.hpp"
 #include "server/maintenance.hpp"
 #include "server/options.hpp"
 #include "server/rpc/server.hpp"
@@ -26,14 +26,6 @@ sigset_t block_stop_signals() {
   sigaddset(&signals, SIGTERM);
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
   return signals;
-}
-
-// Every worker holds a connection, and many systems allow 1,024 files unless asked.
-void raise_file_limit() {
-  rlimit limit{};
-  if (getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
-  limit.rlim_cur = limit.rlim_max;
-  setrlimit(RLIMIT_NOFILE, &limit);
 }
 
 void warn_of_open_doors(const server::Options& options) {
@@ -98,7 +90,7 @@ int main(int argc, char** argv) {
   if (!options.salvage.empty()) return server::salvage(options.salvage);
   // Debian's Abseil looks for deadlocks each time that gRPC takes a lock.
   absl::SetMutexDeadlockDetectionMode(absl::OnDeadlockCycle::kIgnore);
-  raise_file_limit();
+  proto::raise_file_limit();
   const sigset_t stop_signals = block_stop_signals();
   const auto ended = run(options, stop_signals);
   if (ended) return EXIT_SUCCESS;

@@ -104,6 +104,9 @@ core::Status BlobCache::download(const proto::Digest& digest, const std::string&
   if (!taken) call.context()->TryCancel();
   const grpc::Status finished = stream->Finish();
   if (!taken) return taken;
+  if (finished.error_code() == grpc::StatusCode::CANCELLED && !stop.stop_requested())
+    return fail(ErrorCode::kUnavailable,
+                "the coordinator ended the download: it is stopping, or for long too little was taken here");
   if (!finished.ok()) return fail(proto::error_from_grpc(finished, *call.context()));
 
   const auto received = receiver.finish();

@@ -2,7 +2,6 @@
 // that render nothing (simulated_worker.hpp), and a Markdown table of what the coordinator took.
 // docs/scaling.md tells what the columns mean and what was measured.
 #include <fmt/format.h>
-#include <sys/resource.h>
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
@@ -10,6 +9,7 @@
 #include <iostream>
 
 #include "bench/scale/farm.hpp"
+#include "proto/open_files.hpp"
 
 namespace {
 
@@ -131,14 +131,6 @@ void print_row(const Load& load, const Figures& figures) {
             << std::endl;
 }
 
-// A connection for each worker needs a file for each, here and in the coordinator, which inherits the limit.
-void raise_file_limit() {
-  rlimit limit{};
-  if (getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
-  limit.rlim_cur = limit.rlim_max;
-  setrlimit(RLIMIT_NOFILE, &limit);
-}
-
 Options parse_options(int argc, char** argv) {
   Options options;
   options.coordinator = std::filesystem::path(argv[0]).parent_path() / "tessera-coordinator";
@@ -168,7 +160,7 @@ bool is_wanted(const Options& options, const Load& load) {
 
 int main(int argc, char** argv) {
   const Options options = parse_options(argc, argv);
-  raise_file_limit();
+  proto::raise_file_limit();  // a connection for each worker needs a file for each
   bool whole = true;
   if (!options.list) print_head();
   for (const Load& load : options.quick ? quick_loads() : loads(options)) {

@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <cstdint>
 #include <filesystem>
 #include <set>
+#include <utility>
 
 #include "core/scene/loader/asset_source.hpp"
 #include "core/scene/loader/loader.hpp"
@@ -29,22 +31,29 @@ v1::Bundle to_bundle(const std::string& scene_name, const std::map<std::string, 
   return bundle;
 }
 
-core::Status upload(Farm& farm, const proto::Digest& digest, const std::string& bytes) {
+// More than what is sent before the coordinator has looked at any of it (proto/channel.cpp).
+constexpr std::uint64_t kSurelyTakenBytes = std::uint64_t{2} << 20;
+
+core::Status upload(Farm& farm, const proto::Digest& digest, const std::string& bytes, bool& progress) {
   grpc::ClientContext context;
   farm.prepare(context);
   v1::UploadBlobResponse response;
   const auto stream = farm.stub().UploadBlob(&context, &response);
   v1::UploadBlobRequest request;
+  std::uint64_t sent_bytes = 0;
   proto::for_each_chunk(digest, bytes, [&](const v1::BlobChunk& chunk) {
     *request.mutable_chunk() = chunk;
+    sent_bytes += chunk.data().size();
     return stream->Write(request);
   });
   stream->WritesDone();
   const grpc::Status status = stream->Finish();
+  progress = progress || status.ok() || sent_bytes > kSurelyTakenBytes;
   return status.ok() ? core::Status{} : fail(farm.explain(status, context));
 }
 
-core::Status upload_asset(Farm& farm, const std::string& folder, const v1::Bundle::Asset& asset) {
+core::Status upload_asset(Farm& farm, const std::string& folder, const v1::Bundle::Asset& asset,
+                          bool& progress) {
   const auto digest = proto::from_proto(asset.digest());
   if (!digest) return fail(digest.error());
   core::FolderAssets files(folder);
@@ -53,12 +62,19 @@ core::Status upload_asset(Farm& farm, const std::string& folder, const v1::Bundl
   if (proto::digest_of(*bytes) != *digest)
     return fail(ErrorCode::kFailedPrecondition,
                 fmt::format("'{}' has changed since the scene was read: submit it again", asset.path()));
-  const auto done = patiently<bool>(farm, [&]() -> core::Result<bool> {
-    const core::Status sent = upload(farm, *digest, *bytes);
-    if (!sent) return fail(sent.error());
-    return true;
-  });
+  const core::Status done = upload(farm, *digest, *bytes, progress);
   return done ? core::Status{} : fail(done.error().within(fmt::format("uploading '{}'", asset.path())));
+}
+
+// By their SHA-256. The coordinator keeps what it has of these files from now on.
+core::Result<std::set<std::string>> find_missing(Farm& farm, const v1::Bundle& bundle) {
+  v1::FindMissingBlobsRequest request;
+  for (const v1::Bundle::Asset& asset : bundle.assets()) *request.add_digests() = asset.digest();
+  const auto response = farm.call(&Farm::Stub::FindMissingBlobs, request);
+  if (!response) return fail(response.error());
+  std::set<std::string> missing;
+  for (const v1::Digest& digest : response->missing()) missing.insert(digest.sha256());
+  return missing;
 }
 
 }  // namespace
@@ -92,17 +108,22 @@ core::Result<LocalBundle> bundle_scene(const std::string& scene_path,
 }
 
 core::Status upload_missing(Farm& farm, const LocalBundle& local) {
-  v1::FindMissingBlobsRequest request;
-  for (const v1::Bundle::Asset& asset : local.bundle.assets()) *request.add_digests() = asset.digest();
-  const auto response = farm.call(&Farm::Stub::FindMissingBlobs, request);
-  if (!response) return fail(response.error());
-  std::set<std::string> missing;
-  for (const v1::Digest& digest : response->missing()) missing.insert(digest.sha256());
-  for (const v1::Bundle::Asset& asset : local.bundle.assets()) {
-    if (missing.erase(asset.digest().sha256()) == 0) continue;
-    if (core::Status sent = upload_asset(farm, local.folder, asset); !sent) return sent;
-  }
-  return {};
+  auto missing = find_missing(farm, local.bundle);
+  if (!missing) return fail(missing.error());
+  bool first = true;
+  const auto done = patiently<bool>(farm, [&](bool& progress) -> core::Result<bool> {
+    // A coordinator that was started anew keeps nothing for who does not ask again.
+    if (!std::exchange(first, false)) missing = find_missing(farm, local.bundle);
+    if (!missing) return fail(missing.error());
+    for (const v1::Bundle::Asset& asset : local.bundle.assets()) {
+      if (!missing->contains(asset.digest().sha256())) continue;
+      if (core::Status sent = upload_asset(farm, local.folder, asset, progress); !sent)
+        return fail(sent.error());
+      missing->erase(asset.digest().sha256());
+    }
+    return true;
+  });
+  return done ? core::Status{} : fail(done.error());
 }
 
 }  // namespace tessera::client

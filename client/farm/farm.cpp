@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "client/console.hpp"
+#include "client/interrupt.hpp"
 #include "proto/security_flags.hpp"
 #include "proto/status.hpp"
 
@@ -38,7 +39,10 @@ bool Farm::wait_if_asked(const grpc::Status& status, const grpc::ClientContext& 
 }
 
 void Farm::tell_why_waiting(const core::Error& error) {
-  if (!told_why_waiting_.exchange(true)) print_warning(error.message + "; trying again");
+  std::string reason = error.message;
+  std::erase_if(reason, [](char c) { return c >= '0' && c <= '9'; });
+  const std::lock_guard lock(mutex_);
+  if (told_reasons_.insert(std::move(reason)).second) print_warning(error.message + "; trying again");
 }
 
 core::Error Farm::explain(const grpc::Status& status, const grpc::ClientContext& call) const {
@@ -48,6 +52,12 @@ core::Error Farm::explain(const grpc::Status& status, const grpc::ClientContext&
     return {core::ErrorCode::kDeadlineExceeded,
             fmt::format("the coordinator at {} did not answer in time: try again, or look at its log",
                         address())};
+  if (status.error_code() == grpc::StatusCode::CANCELLED && !interrupted())
+    return {
+        core::ErrorCode::kUnavailable,
+        fmt::format("the coordinator at {} ended the call: it is stopping, or for long too little of what "
+                    "it sent was taken here (tessera-coordinator --stall-seconds)",
+                    address())};
   core::Error error = proto::error_from_grpc(status, call);
   if (error.message.find("SERVER: Received message larger") != std::string::npos)
     error.message += "; this farm takes no larger messages (tessera-coordinator --max-message-mib)";

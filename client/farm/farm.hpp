@@ -9,6 +9,8 @@
 #include <chrono>
 #include <functional>
 #include <memory>
+#include <mutex>
+#include <set>
 #include <string>
 
 #include "client/farm/interruption.hpp"
@@ -69,7 +71,7 @@ class Farm {
   // What to tell the user of a call that failed. Where nobody answered, that is how to start a coordinator.
   core::Error explain(const grpc::Status& status, const grpc::ClientContext& call) const;
 
-  // Says on stderr why a command waits and tries again, the first time that one does.
+  // Says on stderr why a command waits and tries again: each reason once, whatever numbers are in it.
   void tell_why_waiting(const core::Error& error);
 
  private:
@@ -90,13 +92,15 @@ class Farm {
   std::shared_ptr<grpc::Channel> channel_;
   std::unique_ptr<Stub> stub_;
   std::atomic<bool> reached_{false};
-  std::atomic<bool> told_why_waiting_{false};
+  std::mutex mutex_;
+  std::set<std::string> told_reasons_;  // guarded by mutex_; without their numbers
 };
 
-// `attempt` again and again while the coordinator restarts or asks to wait, for up to a minute. For steps of
-// a longer task; a command's first call should fail at once where nobody answers.
+// `attempt` again and again while the coordinator restarts or asks to wait, for up to a minute after the last
+// one of which something got through: those set their argument. For steps of a longer task; a command's first
+// call should fail at once where nobody answers.
 template <typename T>
-core::Result<T> patiently(Farm& farm, const std::function<core::Result<T>()>& attempt) {
+core::Result<T> patiently(Farm& farm, const std::function<core::Result<T>(bool& progress)>& attempt) {
   core::Result<T> result;
   const auto backoff = proto::within(kPatience, proto::transient_only(proto::exponential_backoff()));
   const proto::RetryPolicy policy = [&](const proto::Attempts& attempts) {
@@ -106,8 +110,8 @@ core::Result<T> patiently(Farm& farm, const std::function<core::Result<T>()>& at
   };
   proto::Waiter waiter = proto::real_time();
   waiter.wait = sleep_unless_interrupted;
-  const core::Status done = proto::retry(policy, waiter, [&]() -> core::Status {
-    result = attempt();
+  const core::Status done = proto::retry_long(policy, waiter, [&](bool& progress) -> core::Status {
+    result = attempt(progress);
     return result ? core::Status{} : core::fail(result.error());
   });
   return done ? std::move(result) : core::fail(done.error());

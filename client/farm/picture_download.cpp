@@ -33,7 +33,7 @@ v1::ImageFormat to_proto(core::ImageFormat format) {
   return v1::IMAGE_FORMAT_UNSPECIFIED;
 }
 
-core::Result<DownloadedPicture> download(Farm& farm, const v1::GetImageRequest& request) {
+core::Result<DownloadedPicture> download(Farm& farm, const v1::GetImageRequest& request, bool& progress) {
   grpc::ClientContext context;
   farm.prepare(context);
   const std::jthread canceller = cancel_at_interrupt(context);
@@ -47,6 +47,7 @@ core::Result<DownloadedPicture> download(Farm& farm, const v1::GetImageRequest& 
       picture.job = response.header().job();
     }
     picture.bytes += response.data();
+    progress = true;
   }
   const grpc::Status status = stream->Finish();
   if (!status.ok()) return fail(farm.explain(status, context));
@@ -69,7 +70,8 @@ core::Result<v1::Job> download_pictures(Farm& farm, const std::string& job_id,
     request.set_job_id(job_id);
     request.set_format(to_proto(*format));
     *request.mutable_display() = proto::to_proto(display);
-    auto picture = patiently<DownloadedPicture>(farm, [&] { return download(farm, request); });
+    auto picture =
+        patiently<DownloadedPicture>(farm, [&](bool& progress) { return download(farm, request, progress); });
     if (!picture) return fail(picture.error().within(path));
     if (core::Status written = core::write_file_atomically(path, picture->bytes); !written)
       return fail(written.error());

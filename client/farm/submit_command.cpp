@@ -68,7 +68,7 @@ core::Result<v1::Job> submit(Farm& farm, const SubmitOptions& options, const Loc
   const v1::SubmitJobRequest request = make_request(options, local);
   const auto submit = [&] {
     return patiently<v1::SubmitJobResponse>(
-        farm, [&] { return farm.call(&Farm::Stub::SubmitJob, request, kSubmitTimeout); });
+        farm, [&](bool&) { return farm.call(&Farm::Stub::SubmitJob, request, kSubmitTimeout); });
   };
   auto response = submit();
   // A file that the coordinator thought it had turned out to be damaged there, or has just been cleared away.

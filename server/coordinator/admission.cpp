@@ -13,6 +13,10 @@ namespace tessera::coordinator {
 
 namespace {
 
+constexpr const char* kWhatMakesRoom =
+    ": delete jobs that nobody needs any more (tessera delete); files that were uploaded and not submitted "
+    "make room after a quarter of an hour";
+
 // Sizes in a message may be anything.
 std::uint64_t add_capped(std::uint64_t a, std::uint64_t b) {
   return b > std::numeric_limits<std::uint64_t>::max() - a ? std::numeric_limits<std::uint64_t>::max()
@@ -52,11 +56,18 @@ core::Status check_store_size(std::uint64_t used_bytes, std::uint64_t more_bytes
       server::over_limit(fmt::format("the files of scenes here have {} bytes, {} more would be too many",
                                      used_bytes, more_bytes),
                          in_mib(limits.store_mib), "--max-store-mib");
-  error.message +=
-      ": delete jobs that nobody needs any more (tessera delete); files that no job names make room for "
-      "others "
-      "when they were not used for a quarter of an hour";
+  error.message += kWhatMakesRoom;
   return core::fail(std::move(error));
+}
+
+core::Error over_store_share(std::uint64_t own_bytes, std::uint64_t more_bytes,
+                             const server::Limits& limits) {
+  core::Error error = server::over_limit(
+      fmt::format("the files of scenes from here have {} bytes, {} more would be more than their share",
+                  own_bytes, more_bytes),
+      in_mib(limits.store_mib) + " from all callers", "--max-store-mib");
+  error.message += fmt::format(", some of which it keeps for others{}", kWhatMakesRoom);
+  return error;
 }
 
 core::Status check_picture_size(const v1::RenderSettings& settings, const server::Limits& limits) {

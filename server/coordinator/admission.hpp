@@ -18,6 +18,9 @@ core::Status check_blob_size(std::uint64_t size_bytes, const server::Limits& lim
 core::Status check_store_size(std::uint64_t used_bytes, std::uint64_t more_bytes,
                               const server::Limits& limits);
 
+// What to refuse a file with that would fit, but not into the share of its caller, who has so much.
+core::Error over_store_share(std::uint64_t own_bytes, std::uint64_t more_bytes, const server::Limits& limits);
+
 // Of the window that is rendered, not of the picture that it is from.
 core::Status check_picture_size(const v1::RenderSettings& settings, const server::Limits& limits);
 core::Status check_spp(std::uint32_t spp, const server::Limits& limits);

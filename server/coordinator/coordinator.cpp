@@ -37,6 +37,7 @@ Coordinator::Coordinator(Options options, store::StateDirectory state, SceneChec
     : options_(std::move(options)),
       check_scene_(std::move(check_scene)),
       state_(std::move(state)),
+      files_(state_.blobs, {options_.limits, options_.keep_unused_blobs, options_.now}),
       fingerprinter_(state_.jobs.secret()),
       scheduler_(scheduler_options(options_, state_.jobs.epoch())) {}
 

@@ -12,7 +12,6 @@
 #include <mutex>
 #include <optional>
 #include <set>
-#include <shared_mutex>
 #include <span>
 #include <stop_token>
 #include <string>
@@ -23,6 +22,7 @@
 #include "server/coordinator/conduct.hpp"
 #include "server/coordinator/fingerprinter.hpp"
 #include "server/coordinator/job_record.hpp"
+#include "server/coordinator/scene_files.hpp"
 #include "server/limits.hpp"
 #include "server/scheduler/scheduler.hpp"
 #include "server/store/state_directory.hpp"
@@ -36,8 +36,8 @@ struct Options {
   scheduler::Duration lease_duration = std::chrono::seconds(10);
   // Of jobs and bundles. What a scene may hold is for whoever checks scenes.
   server::Limits limits{};
-  // Blobs that no job names are kept for so long after they were last uploaded or submitted: long enough for
-  // a client to submit what it has uploaded, and for somebody who tries one scene after another.
+  // Blobs that no job names are kept for so long after they were last uploaded or submitted, while nobody
+  // wants their room: for somebody who tries one scene after another.
   std::chrono::seconds keep_unused_blobs = std::chrono::hours(24);
   // The share of ranges that another worker renders again, to compare the bits: 0 to 1.
   double audit_share = 0;
@@ -99,6 +99,8 @@ class Coordinator {
   core::Result<v1::SubmitResultResponse> submit_result(const v1::SubmitResultRequest& request);
 
   const store::BlobStore& blobs() const { return state_.blobs; }
+  // Who needs them, and their room.
+  SceneFiles& files() { return files_; }
   // A worker could not be given a blob for this reason. If it is missing or damaged, also when it is read
   // once more, every unfinished job that needs it fails with the sentence, and the file is removed, so that
   // submitting again mends it. Blocks while the blob is read.
@@ -114,11 +116,6 @@ class Coordinator {
   // Lets done jobs run again of which workers that were put aside have rendered something that nobody has
   // verified. Due now and then; blocks while films are read back.
   void reopen_jobs();
-  // Removes the blobs that nobody has needed for long, unless a job is being submitted. Due now and then.
-  void collect_blobs();
-  // The same of those that nobody has needed for a quarter of an hour, for a store that is full. Does nothing
-  // if that was tried a few seconds ago.
-  void make_room();
   // Answers all waiting calls, and every later one, with UNAVAILABLE.
   void close();
 
@@ -153,7 +150,7 @@ class Coordinator {
   // submitter's.
   std::optional<core::Result<v1::Job>> answer_to_known(const std::string& request_id,
                                                        const std::string& submitter);
-  core::Result<v1::Job> add_job(v1::Job spec, const std::string& request_id);
+  core::Result<v1::Job> add_job(v1::Job spec, const std::string& request_id, BlobClaims::Hold files);
 
   struct ChangedJob {
     v1::Job job;
@@ -165,7 +162,6 @@ class Coordinator {
   core::Result<Extension> prepare_extension(const std::string& id);
   core::Status reopen_job(const std::string& id);
   void fail_job(Turn& turn, const std::string& id, const std::string& failure);
-  void collect_blobs_unused_for(std::chrono::seconds time);
 
   // ---- Within a turn ----
   JobRecord* find(const std::string& id);
@@ -215,12 +211,12 @@ class Coordinator {
   const Options options_;
   const SceneCheck check_scene_;
 
-  std::stop_source stopping_;    // ends the hashing of bundles
-  store::StateDirectory state_;  // thread-safe by itself
+  std::stop_source stopping_;  // ends the hashing of bundles
+  // Thread-safe by themselves:
+  store::StateDirectory state_;
+  SceneFiles files_;
   const Fingerprinter fingerprinter_;
-  std::mutex submit_mutex_;  // one job is added at a time
-  // Shared by submissions, from looking at their blobs to storing their jobs: no blob is removed in between.
-  std::shared_mutex blobs_in_use_;
+  std::mutex submit_mutex_;      // one job is added at a time
   std::mutex checkpoint_mutex_;  // one checkpoint is written at a time
 
   std::mutex gate_;
@@ -234,7 +230,7 @@ class Coordinator {
   std::set<std::string> to_reopen_;             // jobs
   std::string arithmetic_;                      // fingerprint of this farm; empty while any will do
   std::map<std::string, std::string> present_;  // names of the workers that are heard of, by id; for the log
-  scheduler::Time next_check_{}, next_room_{};
+  scheduler::Time next_check_{};
   bool closed_ = false;
 };
 

@@ -24,8 +24,11 @@ std::optional<FairShare::Held> FairShare::take(const std::string& caller, std::u
   const std::uint64_t left = state_->all > state_->held ? state_->all - state_->held : 0;
   const bool fits = own <= left && amount <= left - own;
   if (!fits && state_->held > 0) return std::nullopt;
-  state_->by_caller[caller] = own + amount;
-  state_->held += amount;
+  return Held(state_, caller, amount);
+}
+
+FairShare::Held FairShare::note(const std::string& caller, std::uint64_t amount) {
+  const std::lock_guard lock(state_->mutex);
   return Held(state_, caller, amount);
 }
 
@@ -40,11 +43,16 @@ std::uint64_t FairShare::held() const {
   return state_->held;
 }
 
+// Under the lock.
 FairShare::Held::Held(std::shared_ptr<State> state, std::string caller, std::uint64_t amount)
-    : state_(std::move(state)), caller_(std::move(caller)), amount_(amount) {}
+    : state_(std::move(state)), caller_(std::move(caller)), amount_(amount) {
+  if (amount_ == 0) return;
+  state_->by_caller[caller_] += amount_;
+  state_->held += amount_;
+}
 
 FairShare::Held::~Held() {
-  if (!state_) return;
+  if (!state_ || amount_ == 0) return;
   const std::lock_guard lock(state_->mutex);
   state_->held -= amount_;
   const auto known = state_->by_caller.find(caller_);

@@ -11,6 +11,11 @@
 
 namespace tessera::coordinator {
 
+// What a caller who has a name is known by, also after a restart. Who has none is known by their machine.
+inline std::string named_caller(const std::string& name) {
+  return "user " + name;
+}
+
 class FairShare {
  public:
   explicit FairShare(std::uint64_t all);
@@ -34,6 +39,8 @@ class FairShare {
 
   // Nothing if that were more than the caller's share. Who is alone gets any amount once.
   std::optional<Held> take(const std::string& caller, std::uint64_t amount = 1);
+  // Whatever the caller's share is: for what is there already.
+  Held note(const std::string& caller, std::uint64_t amount);
 
   // How much the caller has, and all together.
   std::uint64_t held_by(const std::string& caller) const;

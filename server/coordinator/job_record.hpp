@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "server/coordinator/blob_claims.hpp"
 #include "server/coordinator/job_film.hpp"
 #include "server/scheduler/scheduler.hpp"
 #include "server/store/job_store.hpp"
@@ -18,6 +19,7 @@ struct JobRecord {
   // created_at. Never changes.
   std::shared_ptr<const v1::Job> spec;
   std::string request_id;
+  BlobClaims::Hold files;  // the bundle's
 
   // Grows with every change of what the store keeps of the job besides its tiles.
   std::uint64_t revision = 1;

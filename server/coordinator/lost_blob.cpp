@@ -1,4 +1,4 @@
-// What follows from a blob that the store cannot give back, and from one that nobody wants any more.
+// What follows from a blob that the store cannot give back.
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
@@ -10,10 +10,6 @@ namespace tessera::coordinator {
 using core::ErrorCode;
 
 namespace {
-
-// Long enough for a client to submit what it has just uploaded.
-constexpr std::chrono::seconds kKeepWhenFull = std::chrono::minutes(15);
-constexpr std::chrono::seconds kRoomPeriod{5};
 
 // The file that the bundle calls by this digest, or null.
 const v1::Bundle::Asset* find_asset(const v1::Bundle& bundle, const proto::Digest& digest) {
@@ -53,35 +49,6 @@ void Coordinator::blob_is_lost(const proto::Digest& digest, const core::Error& n
     state_.blobs.discard(digest);
   }
   for (const auto& [id, failure] : failures) fail_job(turn, id, failure);
-}
-
-void Coordinator::collect_blobs() {
-  collect_blobs_unused_for(options_.keep_unused_blobs);
-}
-
-void Coordinator::make_room() {
-  {
-    const Turn turn(*this);
-    if (turn.now() < next_room_) return;
-    next_room_ = turn.now() + kRoomPeriod;
-  }
-  collect_blobs_unused_for(std::min(options_.keep_unused_blobs, kKeepWhenFull));
-}
-
-void Coordinator::collect_blobs_unused_for(std::chrono::seconds time) {
-  const std::unique_lock nobody_submits(blobs_in_use_, std::try_to_lock);
-  if (!nobody_submits) return;
-  std::set<std::string> named;
-  {
-    const Turn turn(*this);
-    for (const auto& [id, record] : jobs_) {
-      for (const v1::Bundle::Asset& asset : record.spec->bundle().assets()) {
-        if (const auto digest = proto::from_proto(asset.digest())) named.insert(digest->hex());
-      }
-    }
-  }
-  const std::size_t removed = state_.blobs.collect(named, time);
-  if (removed > 0) spdlog::info("removed {} files of scenes that no job names any more", removed);
 }
 
 void Coordinator::fail_job(Turn& turn, const std::string& id, const std::string& failure) {

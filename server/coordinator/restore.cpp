@@ -54,6 +54,8 @@ core::Status Coordinator::restore_damaged_job(const store::JobRow& row, const co
   spec->mutable_settings()->set_width_px(1);
   spec->mutable_settings()->set_height_px(1);
   *spec->mutable_created_at() = timestamp_from_ms(row.created_ms);
+  // Its files stay, if it can be told which those are: it may be taken up at the next start.
+  if (const auto readable = from_row(row)) *spec->mutable_bundle() = readable->spec->bundle();
   JobRecord record;
   record.spec = std::move(spec);
   record.request_id = row.request_id;
@@ -68,6 +70,8 @@ core::Status Coordinator::restore_damaged_job(const store::JobRow& row, const co
 }
 
 core::Status Coordinator::add_restored(const scheduler::RestoreJob& event, JobRecord record) {
+  record.files = files_.hold(record.spec->bundle());
+  files_.charge_to(record.spec->submitter(), record.spec->bundle());
   Turn turn(*this);
   const scheduler::Actions actions = scheduler_.handle(event, turn.now());
   if (!actions.status) return core::fail(actions.status.error());

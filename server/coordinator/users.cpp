@@ -79,7 +79,7 @@ core::Result<v1::Job> Coordinator::submit_job(const v1::SubmitJobRequest& reques
     return core::fail(fits.error());
   const auto place = take_place(submitter);
   if (!place) return core::fail(place.error());
-  const std::shared_lock blobs_stay(blobs_in_use_);
+  auto files = files_.hold(request.bundle());
   if (auto checked = check_bundle(request.bundle()); !checked) return core::fail(checked.error());
   const auto scene = check_scene_(request.bundle(), request.overrides());
   if (!scene) return core::fail(scene.error());
@@ -100,7 +100,9 @@ core::Result<v1::Job> Coordinator::submit_job(const v1::SubmitJobRequest& reques
   spec.set_max_workers(request.max_workers());
   spec.set_submitter(submitter);
   *spec.mutable_created_at() = timestamp_from_ms(wall_now_ms());
-  return add_job(std::move(spec), request.request_id());
+  auto added = add_job(std::move(spec), request.request_id(), std::move(files));
+  if (added) files_.charge_to(submitter, request.bundle());
+  return added;
 }
 
 std::optional<core::Result<v1::Job>> Coordinator::answer_to_known(const std::string& request_id,
@@ -114,13 +116,15 @@ std::optional<core::Result<v1::Job>> Coordinator::answer_to_known(const std::str
                     "another submitter has used this request_id: take a random one for each submission");
 }
 
-core::Result<v1::Job> Coordinator::add_job(v1::Job spec, const std::string& request_id) {
+core::Result<v1::Job> Coordinator::add_job(v1::Job spec, const std::string& request_id,
+                                           BlobClaims::Hold files) {
   const std::lock_guard one_at_a_time(submit_mutex_);
   if (auto known = answer_to_known(request_id, spec.submitter())) return *known;
 
   JobRecord record;
   record.spec = std::make_shared<const v1::Job>(std::move(spec));
   record.request_id = request_id;
+  record.files = std::move(files);
   record.film = std::make_unique<JobFilm>(grid_of(*record.spec));
   scheduler::SubmitJob event{{record.spec->id()},
                              shape_of(*record.spec, record.spec->settings().spp()),
@@ -199,12 +203,13 @@ core::Status Coordinator::delete_job(const std::string& id) {
   // From the store first: a job that is gone from memory alone would be back after a restart.
   if (const auto known = job(id); !known) return core::fail(known.error());
   if (const core::Status deleted = state_.jobs.delete_job(id); !deleted) return deleted;
+  std::map<std::string, JobRecord>::node_type deleted_one;  // let go of after the turn
   Turn turn(*this);
   const scheduler::Actions actions = scheduler_.handle(scheduler::DeleteJob{{id}}, turn.now());
   apply(turn, actions);
   if (!actions.status) return actions.status;
   job_of_request_.erase(jobs_.at(id).request_id);
-  jobs_.erase(id);
+  deleted_one = jobs_.extract(id);
   spdlog::info("job {} deleted", id);
   return {};
 }

@@ -7,20 +7,16 @@
 
 #include "proto/blob.hpp"
 #include "server/coordinator/admission.hpp"
+#include "server/rpc/call_gate.hpp"
 #include "server/rpc/reactors.hpp"
 
 namespace tessera::rpc {
 
 using core::ErrorCode;
 
-UploadStream::UploadStream(coordinator::Coordinator& coordinator, coordinator::ThreadPool& pool,
-                           StreamLimits& streams, coordinator::FairShare::Held place,
-                           v1::UploadBlobResponse* response)
-    : coordinator_(coordinator),
-      pool_(pool),
-      streams_(streams),
-      place_(std::move(place)),
-      response_(response) {
+UploadStream::UploadStream(grpc::CallbackServerContext& context, coordinator::Coordinator& coordinator,
+                           const Pools& pools, StreamLimits& streams, UploadCall call)
+    : context_(context), coordinator_(coordinator), pools_(pools), streams_(streams), call_(std::move(call)) {
   streams_.stalls.add(*this);
   read_next();
 }
@@ -37,10 +33,13 @@ void UploadStream::OnReadDone(bool ok) {
     waiting_since_.reset();
     if (ended_) return;
   }
-  const bool posted = pool_.post([this, ok] {
-    if (!ok) return Finish(proto::to_grpc(commit()));
-    if (auto taken = take_chunk(); !taken) return Finish(proto::to_grpc(taken));
-    read_next();
+  const bool posted = pools_.quick.post([this, ok] {
+    if (!ok) {
+      const core::Status done = commit();
+      use_.reset();  // its claims count from here, not from when gRPC lets go of this
+      return Finish(proto::to_grpc(done));
+    }
+    take_chunk();
   });
   if (!posted) Finish(busy());
 }
@@ -60,7 +59,13 @@ void UploadStream::OnDone() {
   delete this;
 }
 
-core::Status UploadStream::take_chunk() {
+void UploadStream::take_chunk() {
+  if (auto fine = check_chunk(); !fine) return Finish(proto::to_grpc(fine));
+  if (writer_) return append();
+  begin();
+}
+
+core::Status UploadStream::check_chunk() const {
   const v1::BlobChunk& chunk = request_.chunk();
   if (chunk.has_digest() == writer_.has_value()) {
     return core::fail(ErrorCode::kInvalidArgument,
@@ -70,33 +75,44 @@ core::Status UploadStream::take_chunk() {
     return core::fail(ErrorCode::kInvalidArgument, fmt::format("chunk.data: must be at most {} bytes, got {}",
                                                                proto::kMaxChunkBytes, chunk.data().size()));
   }
-  if (!writer_) {
-    if (auto begun = begin(chunk.digest()); !begun) return begun;
-  }
-  if (auto room = make_room(chunk.data().size()); !room) return room;
-  return writer_->append(chunk.data());
-}
-
-// By the size that it is said to have: a stream that brings more is ended by the writer.
-core::Status UploadStream::begin(const v1::Digest& message) {
-  const auto digest = proto::from_proto(message);
-  if (!digest) return core::fail(digest.error());
-  if (auto fits = coordinator::check_blob_size(digest->size_bytes, streams_.limits); !fits) return fits;
-  if (auto room = make_room(digest->size_bytes); !room) return room;
-  auto writer = coordinator_.blobs().write(*digest);
-  if (!writer) return core::fail(writer.error());
-  writer_.emplace(std::move(*writer));
-  *response_->mutable_digest() = message;
   return {};
 }
 
-core::Status UploadStream::make_room(std::uint64_t bytes) {
-  const auto fits = [&] {
-    return coordinator::check_store_size(coordinator_.blobs().used_bytes(), bytes, streams_.limits);
-  };
-  if (fits()) return {};
-  coordinator_.make_room();
-  return fits();
+// By the size that it is said to have: a stream that brings more is ended by the writer.
+void UploadStream::begin() {
+  const auto digest = proto::from_proto(request_.chunk().digest());
+  if (!digest) return Finish(proto::to_grpc(digest.error()));
+  if (auto fits = coordinator::check_blob_size(digest->size_bytes, streams_.limits); !fits)
+    return Finish(proto::to_grpc(fits));
+  auto use = coordinator_.files().use(call_.caller, *digest);
+  if (!use) return Finish(try_later(context_, use.error(), kTryAgainAfter));
+  use_.emplace(*std::move(use));
+  *call_.response->mutable_digest() = request_.chunk().digest();
+  take_room(*digest);
+}
+
+void UploadStream::take_room(const proto::Digest& digest) {
+  auto writer = coordinator_.files().write(call_.caller, digest);
+  if (writer) {
+    writer_.emplace(*std::move(writer));
+    return append();
+  }
+  if (writer.error().code != ErrorCode::kResourceExhausted) return Finish(proto::to_grpc(writer.error()));
+  if (!pools_.clearing.post(call_.caller, [this, digest] { make_room(digest); })) Finish(busy());
+}
+
+void UploadStream::make_room(const proto::Digest& digest) {
+  if (pools_.clearing.is_closed()) return Finish(stopping());
+  auto writer = coordinator_.files().write_making_room(call_.caller, digest);
+  if (!writer) return Finish(proto::to_grpc(writer.error()));
+  writer_.emplace(*std::move(writer));
+  append();
+}
+
+void UploadStream::append() {
+  if (auto appended = writer_->append(request_.chunk().data()); !appended)
+    return Finish(proto::to_grpc(appended));
+  read_next();
 }
 
 core::Status UploadStream::commit() {
@@ -104,19 +120,20 @@ core::Status UploadStream::commit() {
   return writer_->commit();
 }
 
-FetchStream::FetchStream(coordinator::Coordinator& coordinator, coordinator::ThreadPool& pool,
-                         const v1::Digest& digest)
-    : coordinator_(coordinator), pool_(pool), message_(digest) {
-  *response_.mutable_chunk()->mutable_digest() = digest;
-  const bool posted = pool_.post([this, digest] {
-    if (auto opened = open(digest); !opened) return fail(opened.error());
+FetchStream::FetchStream(grpc::CallbackServerContext& context, coordinator::Coordinator& coordinator,
+                         coordinator::ThreadPool& pool, StreamLimits& streams, FetchCall call)
+    : context_(context), coordinator_(coordinator), pool_(pool), streams_(streams), call_(std::move(call)) {
+  *response_.mutable_chunk()->mutable_digest() = call_.digest;
+  streams_.stalls.add(*this);
+  const bool posted = pool_.post([this] {
+    if (auto opened = open(); !opened) return fail(opened.error());
     write_next();
   });
   if (!posted) Finish(busy());
 }
 
-core::Status FetchStream::open(const v1::Digest& message) {
-  const auto digest = proto::from_proto(message);
+core::Status FetchStream::open() {
+  const auto digest = proto::from_proto(call_.digest);
   if (!digest) return core::fail(digest.error());
   auto reader = coordinator_.blobs().read(*digest);
   if (!reader) return core::fail(reader.error());
@@ -126,6 +143,10 @@ core::Status FetchStream::open(const v1::Digest& message) {
 }
 
 void FetchStream::OnWriteDone(bool ok) {
+  {
+    const std::lock_guard lock(mutex_);
+    waiting_since_.reset();
+  }
   if (!ok) return Finish(grpc::Status::CANCELLED);
   if (left_bytes_ == 0) return Finish(grpc::Status::OK);
   response_.mutable_chunk()->clear_digest();
@@ -137,11 +158,26 @@ void FetchStream::write_next() {
   if (!bytes) return fail(bytes.error());
   left_bytes_ -= bytes->size();
   response_.mutable_chunk()->set_data(std::move(*bytes));
+  {
+    const std::lock_guard lock(mutex_);
+    waiting_since_ = Clock::now();
+  }
   StartWrite(&response_);
 }
 
+// A write is under way, which nothing but this ends.
+void FetchStream::end_if_waiting_since(Clock::time_point time) {
+  const std::lock_guard lock(mutex_);
+  if (waiting_since_ && *waiting_since_ <= time) context_.TryCancel();
+}
+
+void FetchStream::OnDone() {
+  streams_.stalls.remove(*this);
+  delete this;
+}
+
 void FetchStream::fail(const core::Error& error) {
-  if (const auto digest = proto::from_proto(message_)) coordinator_.blob_is_lost(*digest, error);
+  if (const auto digest = proto::from_proto(call_.digest)) coordinator_.blob_is_lost(*digest, error);
   Finish(proto::to_grpc(core::Status(core::fail(error))));
 }
 

@@ -1,13 +1,15 @@
 // Blobs on their way in and out, 1 MiB at a time.
 #pragma once
 
+#include <grpcpp/server_context.h>
 #include <grpcpp/support/server_callback.h>
 
 #include <mutex>
 #include <optional>
+#include <string>
 
 #include "server/coordinator/coordinator.hpp"
-#include "server/coordinator/thread_pool.hpp"
+#include "server/rpc/pools.hpp"
 #include "server/rpc/stream_limits.hpp"
 #include "server/store/blob_store.hpp"
 #include "tessera/v1/render_service.pb.h"
@@ -16,14 +18,19 @@
 namespace tessera::rpc {
 
 // Both are owned by gRPC until OnDone. There is never more than one operation under way, so that their
-// members need no lock, but for those that say when and whether an upload is ended for standing still.
+// members need no lock, but for those that say when and whether a call is ended for standing still.
+
+struct UploadCall {
+  std::string caller;                  // its key
+  coordinator::FairShare::Held place;  // one of streams.uploads
+  v1::UploadBlobResponse* response;
+};
 
 // One blob from a client into the store.
 class UploadStream final : public grpc::ServerReadReactor<v1::UploadBlobRequest>, private WatchedStream {
  public:
-  // `place` is one of streams.uploads.
-  UploadStream(coordinator::Coordinator& coordinator, coordinator::ThreadPool& pool, StreamLimits& streams,
-               coordinator::FairShare::Held place, v1::UploadBlobResponse* response);
+  UploadStream(grpc::CallbackServerContext& context, coordinator::Coordinator& coordinator,
+               const Pools& pools, StreamLimits& streams, UploadCall call);
 
  private:
   void OnReadDone(bool ok) override;
@@ -31,45 +38,62 @@ class UploadStream final : public grpc::ServerReadReactor<v1::UploadBlobRequest>
   void end_if_waiting_since(Clock::time_point time) override;
 
   void read_next();
-  core::Status take_chunk();
-  core::Status begin(const v1::Digest& message);
-  // Whether the store has room for so many bytes more.
-  core::Status make_room(std::uint64_t bytes);
+  void take_chunk();
+  core::Status check_chunk() const;
+  void begin();
+  // Goes on to make room, where that takes as long as it may, if there is none.
+  void take_room(const proto::Digest& digest);
+  void make_room(const proto::Digest& digest);
+  void append();
   core::Status commit();
 
+  grpc::CallbackServerContext& context_;
   coordinator::Coordinator& coordinator_;
-  coordinator::ThreadPool& pool_;
+  const Pools pools_;
   StreamLimits& streams_;
-  const coordinator::FairShare::Held place_;
-  v1::UploadBlobResponse* const response_;
+  const UploadCall call_;
   v1::UploadBlobRequest request_;
-  std::optional<store::BlobWriter> writer_;  // from the first chunk on
+  // From the first chunk on:
+  std::optional<coordinator::BlobClaims::Use> use_;
+  std::optional<store::BlobWriter> writer_;
 
   std::mutex mutex_;
   std::optional<Clock::time_point> waiting_since_;  // guarded by mutex_; while a read is under way
   bool ended_ = false;                              // guarded by mutex_; for standing still
 };
 
+struct FetchCall {
+  v1::Digest digest;
+  coordinator::FairShare::Held place;  // one of streams.fetches
+};
+
 // One blob from the store to a worker.
-class FetchStream final : public grpc::ServerWriteReactor<v1::FetchBlobResponse> {
+class FetchStream final : public grpc::ServerWriteReactor<v1::FetchBlobResponse>, private WatchedStream {
  public:
-  FetchStream(coordinator::Coordinator& coordinator, coordinator::ThreadPool& pool, const v1::Digest& digest);
+  FetchStream(grpc::CallbackServerContext& context, coordinator::Coordinator& coordinator,
+              coordinator::ThreadPool& pool, StreamLimits& streams, FetchCall call);
 
  private:
   void OnWriteDone(bool ok) override;
-  void OnDone() override { delete this; }
+  void OnDone() override;
+  void end_if_waiting_since(Clock::time_point time) override;
 
-  core::Status open(const v1::Digest& digest);
+  core::Status open();
   void write_next();
   // Ends the call, and tells the coordinator what its store has lost.
   void fail(const core::Error& error);
 
+  grpc::CallbackServerContext& context_;
   coordinator::Coordinator& coordinator_;
   coordinator::ThreadPool& pool_;
-  const v1::Digest message_;
+  StreamLimits& streams_;
+  const FetchCall call_;
   v1::FetchBlobResponse response_;
   std::optional<store::BlobReader> reader_;
   std::uint64_t left_bytes_ = 0;
+
+  std::mutex mutex_;
+  std::optional<Clock::time_point> waiting_since_;  // guarded by mutex_; while a write is under way
 };
 
 }  // namespace tessera::rpc

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "proto/status.hpp"
+#include "server/coordinator/fair_share.hpp"
 #include "server/rpc/connection_slots.hpp"
 
 namespace tessera::rpc {
@@ -11,7 +12,7 @@ namespace {
 
 std::string key_of(const grpc::CallbackServerContext& context, Role role, const Caller& caller) {
   if (role == Role::kWork) return "worker " + context.peer();
-  return caller.name.empty() ? machine_of(context.peer()) : "user " + caller.name;
+  return caller.name.empty() ? machine_of(context.peer()) : coordinator::named_caller(caller.name);
 }
 
 }  // namespace

@@ -39,38 +39,46 @@ std::optional<core::ImageFormat> format_of(v1::ImageFormat format) {
 }  // namespace
 
 ImageStream::ImageStream(grpc::CallbackServerContext& context, coordinator::Coordinator& coordinator,
-                         coordinator::FairPool& pool, StreamLimits& streams, const ImageCall& call)
-    : context_(context), coordinator_(coordinator), streams_(streams) {
+                         const Pools& pools, StreamLimits& streams, ImageCall call)
+    : context_(context), coordinator_(coordinator), pools_(pools), streams_(streams), call_(std::move(call)) {
   streams_.stalls.add(*this);
-  const bool posted = pool.post(call.caller, [this, &pool, call] {
-    if (pool.is_closed()) return Finish(stopping());
-    if (const grpc::Status taken = take_memory(call); !taken.ok()) return Finish(taken);
-    if (auto taken = guarded([&] { return take_picture(call.request); }); !taken)
-      return Finish(proto::to_grpc(taken));
+  if (!pools_.quick.post([this] { wait_for_memory(); })) Finish(busy());
+}
+
+// Once it waits it may be over at any moment, but not before OnDone has had the lock.
+void ImageStream::wait_for_memory() {
+  const auto job = coordinator_.job_without_bundle(call_.request.job_id());
+  if (!job) return Finish(proto::to_grpc(job.error()));
+  need_mib_ = 1 + kBytesPerPixel * proto::window_of(job->settings()).pixel_count() / server::kMib;
+  const std::lock_guard lock(mutex_);
+  if (cancelled_) return Finish(grpc::Status::CANCELLED);
+  queued_since_ = Clock::now();
+  const auto granted = [this](coordinator::FairQueue::Held memory) { make_picture(std::move(memory)); };
+  if (!streams_.image_mib.wait(this, call_.caller, need_mib_, granted)) Finish(no_memory());
+}
+
+// Not under the lock, or under that of wait_for_memory().
+void ImageStream::make_picture(coordinator::FairQueue::Held memory) {
+  memory_.emplace(std::move(memory));
+  const bool posted = pools_.slow.post(call_.caller, [this] {
+    if (pools_.slow.is_closed()) return Finish(stopping());
+    if (auto taken = guarded([&] { return take_picture(); }); !taken) return Finish(proto::to_grpc(taken));
     write_next();
   });
   if (!posted) Finish(busy());
 }
 
-grpc::Status ImageStream::take_memory(const ImageCall& call) {
-  const auto job = coordinator_.job_without_bundle(call.request.job_id());
-  if (!job) return proto::to_grpc(job.error());
-  const std::uint64_t need_mib =
-      1 + kBytesPerPixel * proto::window_of(job->settings()).pixel_count() / server::kMib;
-  if (auto taken = streams_.image_mib.take(call.caller, need_mib)) {
-    memory_.emplace(*std::move(taken));
-    return grpc::Status::OK;
-  }
-  const std::uint64_t taken_mib = streams_.image_mib.held();
+grpc::Status ImageStream::no_memory() {
   core::Error error = server::over_limit(
-      fmt::format("this picture takes {} MiB of memory, and others that are being fetched {} MiB", need_mib,
-                  taken_mib),
+      fmt::format("this picture takes {} MiB of memory, and others that are being fetched {} MiB", need_mib_,
+                  streams_.image_mib.held()),
       fmt::format("{} MiB", streams_.limits.image_mib), "--max-image-mib");
   error.message += ", some of which it keeps for other callers";
   return try_later(context_, error, kTryAgainAfter);
 }
 
-core::Status ImageStream::take_picture(const v1::GetImageRequest& request) {
+core::Status ImageStream::take_picture() {
+  const v1::GetImageRequest& request = call_.request;
   const auto format = format_of(request.format());
   if (!format) {
     return core::fail(
@@ -110,14 +118,25 @@ void ImageStream::write_next() {
   StartWrite(&response_);
 }
 
-// A write is under way, which nothing but this ends.
+// Memory comes together while others take their pictures, and no longer than they may stand still. A write
+// that is under way nothing but this ends.
 void ImageStream::end_if_waiting_since(Clock::time_point time) {
   const std::lock_guard lock(mutex_);
-  if (waiting_since_ && *waiting_since_ <= time) context_.TryCancel();
+  if (waiting_since_ && *waiting_since_ <= time) return context_.TryCancel();
+  if (queued_since_ && *queued_since_ <= time && streams_.image_mib.leave(this)) Finish(no_memory());
+}
+
+void ImageStream::OnCancel() {
+  {
+    const std::lock_guard lock(mutex_);
+    cancelled_ = true;
+  }
+  if (streams_.image_mib.leave(this)) Finish(grpc::Status::CANCELLED);
 }
 
 void ImageStream::OnDone() {
   streams_.stalls.remove(*this);
+  { const std::lock_guard whoever_ended_it_is_done(mutex_); }
   delete this;
 }
 

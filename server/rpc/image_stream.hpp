@@ -4,12 +4,13 @@
 #include <grpcpp/server_context.h>
 #include <grpcpp/support/server_callback.h>
 
+#include <cstdint>
 #include <mutex>
 #include <optional>
 #include <string>
 
 #include "server/coordinator/coordinator.hpp"
-#include "server/coordinator/fair_pool.hpp"
+#include "server/rpc/pools.hpp"
 #include "server/rpc/stream_limits.hpp"
 
 namespace tessera::rpc {
@@ -20,34 +21,45 @@ struct ImageCall {
 };
 
 // Owned by gRPC until OnDone. There is never more than one operation under way, so that its members need no
-// lock, but for the one that says since when the client is waited for.
+// lock, but for those that say what it waits for.
+//
+//   constructed ──► waits for memory ──► is made ──► is sent
+//                        │ gives up, is cancelled      │ is not taken
+//                        ▼                             ▼
+//                      ended                         ended
 class ImageStream final : public grpc::ServerWriteReactor<v1::GetImageResponse>, private WatchedStream {
  public:
-  // Develops and encodes the picture on `pool`. Until all of it is sent, the memory that took counts for its
-  // caller.
-  ImageStream(grpc::CallbackServerContext& context, coordinator::Coordinator& coordinator,
-              coordinator::FairPool& pool, StreamLimits& streams, const ImageCall& call);
+  // Waits for the memory that making the picture takes, and is given back when all of it is sent.
+  ImageStream(grpc::CallbackServerContext& context, coordinator::Coordinator& coordinator, const Pools& pools,
+              StreamLimits& streams, ImageCall call);
 
  private:
   void OnWriteDone(bool ok) override;
+  void OnCancel() override;
   void OnDone() override;
   void end_if_waiting_since(Clock::time_point time) override;
 
-  // RESOURCE_EXHAUSTED, with the time after which to try again, if there is not enough memory left for this
-  // caller.
-  grpc::Status take_memory(const ImageCall& call);
-  core::Status take_picture(const v1::GetImageRequest& request);
+  void wait_for_memory();
+  void make_picture(coordinator::FairQueue::Held memory);
+  core::Status take_picture();
   void write_next();
+  // RESOURCE_EXHAUSTED, with the time after which to try again.
+  grpc::Status no_memory();
 
   grpc::CallbackServerContext& context_;
   coordinator::Coordinator& coordinator_;
+  const Pools pools_;
   StreamLimits& streams_;
-  std::optional<coordinator::FairShare::Held> memory_;
+  const ImageCall call_;
+  std::uint64_t need_mib_ = 0;
+  std::optional<coordinator::FairQueue::Held> memory_;
   std::string file_;
   std::size_t sent_bytes_ = 0;
   v1::GetImageResponse response_;
 
   std::mutex mutex_;
+  bool cancelled_ = false;                          // guarded by mutex_; before it waited for memory
+  std::optional<Clock::time_point> queued_since_;   // guarded by mutex_; also when it waits no more
   std::optional<Clock::time_point> waiting_since_;  // guarded by mutex_; while a write is under way
 };
 

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <chrono>
+#include <memory>
+#include <set>
 #include <utility>
 
 #include "server/rpc/blob_streams.hpp"
@@ -71,16 +73,26 @@ grpc::ServerReadReactor<v1::UploadBlobRequest>* RenderService::UploadBlob(
                                      streams_.limits.uploads, "--max-uploads"),
                   kTryAgainAfter));
   }
-  return new UploadStream(coordinator_, pools_.quick, streams_, *std::move(place), response);
+  return new UploadStream(*context, coordinator_, pools_, streams_,
+                          {caller.key, *std::move(place), response});
 }
 
 grpc::ServerUnaryReactor* RenderService::SubmitJob(grpc::CallbackServerContext* context,
                                                    const v1::SubmitJobRequest* request,
                                                    v1::SubmitJobResponse* response) {
-  const auto work = [=, this](const Caller& caller) {
-    return put_job(coordinator_.submit_job(*request, caller.name), response);
+  Caller caller;
+  if (const auto admitted = gate_.admit(*context, Role::kSubmit, caller); !admitted.ok())
+    return refuse(context, admitted);
+  // From now on, however long it waits for its turn.
+  auto claimed = coordinator_.files().claim(caller.key, coordinator::files_of(request->bundle()));
+  if (!claimed) return refuse(context, try_later(*context, claimed.error(), kTryAgainAfter));
+  const auto claim = std::make_shared<coordinator::BlobClaims::Use>(*std::move(claimed));
+  const auto work = [=, this] {
+    core::Status submitted = put_job(coordinator_.submit_job(*request, caller.name), response);
+    if (submitted) claim->settle();
+    return submitted;
   };
-  return serve(context, pools_.validating, work, [=, this](const Caller& caller) {
+  return run_unary(context, pools_.validating, caller.key, work, [&] {
     return try_later(
         *context,
         server::over_share(pools_.validating.waiting_of(caller.key), "scenes", "wait to be validated",
@@ -118,7 +130,7 @@ grpc::ServerWriteReactor<v1::GetImageResponse>* RenderService::GetImage(grpc::Ca
   Caller caller;
   if (const auto admitted = gate_.admit(*context, Role::kSubmit, caller); !admitted.ok())
     return new RefusedStream<grpc::ServerWriteReactor<v1::GetImageResponse>>(admitted);
-  return new ImageStream(*context, coordinator_, pools_.slow, streams_, {*request, caller.key});
+  return new ImageStream(*context, coordinator_, pools_, streams_, {*request, caller.key});
 }
 
 grpc::ServerUnaryReactor* RenderService::CancelJob(grpc::CallbackServerContext* context,
@@ -176,16 +188,30 @@ grpc::ServerUnaryReactor* RenderService::ListWorkers(grpc::CallbackServerContext
 grpc::ServerUnaryReactor* RenderService::FindMissingBlobs(grpc::CallbackServerContext* context,
                                                           const v1::FindMissingBlobsRequest* request,
                                                           v1::FindMissingBlobsResponse* response) {
-  return serve(context, pools_.quick, [=, this](const Caller&) -> core::Status {
-    std::set<proto::Digest> missing;
-    for (const v1::Digest& message : request->digests()) {
-      const auto digest = proto::from_proto(message);
-      if (!digest) return core::fail(digest.error());
-      if (!coordinator_.blobs().contains(*digest)) missing.insert(*digest);
-    }
-    for (const proto::Digest& digest : missing) *response->add_missing() = proto::to_proto(digest);
-    return {};
+  return serve(context, pools_.quick, [=, this](const Caller& caller) {
+    core::Status found = find_missing(caller.key, *request, *response);
+    if (!found && found.error().code == core::ErrorCode::kResourceExhausted)
+      static_cast<void>(try_later(*context, found.error(), kTryAgainAfter));
+    return found;
   });
+}
+
+// Those that are here are claimed before they are looked at, and so still here when the others have come.
+core::Status RenderService::find_missing(const std::string& caller,
+                                         const v1::FindMissingBlobsRequest& request,
+                                         v1::FindMissingBlobsResponse& response) {
+  std::set<proto::Digest> files;
+  for (const v1::Digest& message : request.digests()) {
+    const auto digest = proto::from_proto(message);
+    if (!digest) return core::fail(digest.error());
+    files.insert(*digest);
+  }
+  const auto claimed = coordinator_.files().claim(caller, {files.begin(), files.end()});
+  if (!claimed) return core::fail(claimed.error());
+  for (const proto::Digest& file : files) {
+    if (!coordinator_.blobs().contains(file)) *response.add_missing() = proto::to_proto(file);
+  }
+  return {};
 }
 
 }  // namespace tessera::rpc

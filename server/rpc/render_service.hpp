@@ -3,24 +3,14 @@
 #pragma once
 
 #include "server/coordinator/coordinator.hpp"
-#include "server/coordinator/fair_pool.hpp"
-#include "server/coordinator/thread_pool.hpp"
 #include "server/rpc/call_gate.hpp"
+#include "server/rpc/pools.hpp"
 #include "server/rpc/reactors.hpp"
 #include "server/rpc/stream_limits.hpp"
 #include "server/rpc/watch_hub.hpp"
 #include "tessera/v1/render_service.grpc.pb.h"
 
 namespace tessera::rpc {
-
-struct Pools {
-  // For what takes milliseconds.
-  coordinator::ThreadPool& quick;
-  // For what takes seconds: encoding pictures, reading films back.
-  coordinator::FairPool& slow;
-  // For validating scenes, which can take minutes: no picture is to wait for that.
-  coordinator::FairPool& validating;
-};
 
 class RenderService final : public v1::RenderService::CallbackService {
  public:
@@ -77,6 +67,8 @@ class RenderService final : public v1::RenderService::CallbackService {
   template <typename Pool, typename Work>
   grpc::ServerUnaryReactor* serve_change(grpc::CallbackServerContext* context, Pool& pool,
                                          const std::string& job_id, Work work);
+  core::Status find_missing(const std::string& caller, const v1::FindMissingBlobsRequest& request,
+                            v1::FindMissingBlobsResponse& response);
   core::Status may_change(const Caller& caller, const std::string& job_id);
 
   coordinator::Coordinator& coordinator_;

@@ -32,7 +32,7 @@ constexpr auto kLongestCheckpoint = std::chrono::milliseconds(500);
 constexpr auto kCollectPeriod = std::chrono::minutes(10);
 constexpr auto kLeaveForCalls = std::chrono::seconds(2);
 
-constexpr int kSlowThreads = 2;
+constexpr int kSlowThreads = 2, kClearingThreads = 1;
 constexpr std::size_t kMaxWaitingQuick = 1024;
 constexpr std::size_t kMaxWaitingSlow = 64;
 
@@ -98,13 +98,14 @@ struct Server::Parts {
         quick(quick_threads(), kMaxWaitingQuick),
         slow(kSlowThreads, kMaxWaitingSlow),
         validating(limits.validations, limits.waiting_scenes),
+        clearing(kClearingThreads, limits.uploads),
         watches(c),
-        render_service(c, gate, {quick, slow, validating}, watches, streams),
-        worker_service(c, gate, quick),
+        render_service(c, gate, {quick, slow, validating, clearing}, watches, streams),
+        worker_service(c, gate, quick, streams),
         ticker(kTickPeriod, [this] { coordinator.tick(); }),
         checkpointer(kCheckpointPeriod, [this] { checkpoint_log.write(coordinator); }),
         reopener(kReopenPeriod, [this] { coordinator.reopen_jobs(); }),
-        collector(kCollectPeriod, [this] { coordinator.collect_blobs(); }) {}
+        collector(kCollectPeriod, [this] { coordinator.files().collect(); }) {}
 
   // Once there is a listener.
   core::Status serve(const std::shared_ptr<grpc::ServerCredentials>& credentials,
@@ -115,7 +116,7 @@ struct Server::Parts {
   CallGate gate;
   StreamLimits streams;
   coordinator::ThreadPool quick;
-  coordinator::FairPool slow, validating;
+  coordinator::FairPool slow, validating, clearing;
   WatchHub watches;
   RenderService render_service;
   WorkerService worker_service;
@@ -179,6 +180,7 @@ core::Status Server::stop() {
   coordinator.close();
   parts_->slow.close();
   parts_->validating.close();
+  parts_->clearing.close();
   parts_->watches.close();
   parts_->listener->stop();
   parts_->grpc->Shutdown(std::chrono::system_clock::now() + kLeaveForCalls);

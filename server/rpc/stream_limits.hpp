@@ -1,19 +1,28 @@
-// What streams share: places for uploads, memory for pictures, and patience with callers that stand still.
-// Thread-safe.
+// What streams share: places for uploads and downloads, memory for pictures, and patience with callers that
+// stand still. Thread-safe.
 #pragma once
 
+#include "server/coordinator/fair_queue.hpp"
 #include "server/coordinator/fair_share.hpp"
 #include "server/limits.hpp"
 #include "server/rpc/stall_watch.hpp"
 
 namespace tessera::rpc {
 
+// Pictures that wait for memory.
+inline constexpr std::uint64_t kMaxWaitingImages = 64;
+
 struct StreamLimits {
   explicit StreamLimits(const server::Limits& l)
-      : limits(l), uploads(l.uploads), image_mib(l.image_mib), stalls(l.stall_time) {}
+      : limits(l),
+        uploads(l.uploads),
+        fetches(l.fetches),
+        image_mib(l.image_mib, kMaxWaitingImages),
+        stalls(l.stall_time) {}
 
   const server::Limits& limits;
-  coordinator::FairShare uploads, image_mib;
+  coordinator::FairShare uploads, fetches;
+  coordinator::FairQueue image_mib;
   StallWatch stalls;
 };
 

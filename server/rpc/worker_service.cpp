@@ -1,6 +1,12 @@
 #include "server/rpc/worker_service.hpp"
 
+#include <chrono>
+#include <string>
+#include <utility>
+
 #include "server/rpc/blob_streams.hpp"
+#include "server/rpc/call_gate.hpp"
+#include "server/rpc/connection_slots.hpp"
 #include "server/rpc/reactors.hpp"
 #include "server/rpc/synchronize_call.hpp"
 
@@ -43,7 +49,17 @@ grpc::ServerWriteReactor<v1::FetchBlobResponse>* WorkerService::FetchBlob(
   Caller caller;
   if (const auto admitted = gate_.admit(*context, Role::kWork, caller); !admitted.ok())
     return new RefusedStream<grpc::ServerWriteReactor<v1::FetchBlobResponse>>(admitted);
-  return new FetchStream(coordinator_, pool_, request->digest());
+  // Workers of one machine count together: each could have many connections.
+  const std::string machine = machine_of(context->peer());
+  auto place = streams_.fetches.take(machine);
+  if (!place) {
+    return new RefusedStream<grpc::ServerWriteReactor<v1::FetchBlobResponse>>(
+        try_later(*context,
+                  server::over_share(streams_.fetches.held_by(machine), "files", "are being fetched",
+                                     streams_.limits.fetches, "--max-fetches"),
+                  kTryAgainAfter));
+  }
+  return new FetchStream(*context, coordinator_, pool_, streams_, {request->digest(), *std::move(place)});
 }
 
 }  // namespace tessera::rpc

@@ -5,14 +5,16 @@
 #include "server/coordinator/coordinator.hpp"
 #include "server/coordinator/thread_pool.hpp"
 #include "server/rpc/call_gate.hpp"
+#include "server/rpc/stream_limits.hpp"
 #include "tessera/v1/worker_service.grpc.pb.h"
 
 namespace tessera::rpc {
 
 class WorkerService final : public v1::WorkerService::CallbackService {
  public:
-  WorkerService(coordinator::Coordinator& coordinator, CallGate& gate, coordinator::ThreadPool& pool)
-      : coordinator_(coordinator), gate_(gate), pool_(pool) {}
+  WorkerService(coordinator::Coordinator& coordinator, CallGate& gate, coordinator::ThreadPool& pool,
+                StreamLimits& streams)
+      : coordinator_(coordinator), gate_(gate), pool_(pool), streams_(streams) {}
 
   grpc::ServerUnaryReactor* Synchronize(grpc::CallbackServerContext* context,
                                         const v1::SynchronizeRequest* request,
@@ -27,6 +29,7 @@ class WorkerService final : public v1::WorkerService::CallbackService {
   coordinator::Coordinator& coordinator_;
   CallGate& gate_;
   coordinator::ThreadPool& pool_;
+  StreamLimits& streams_;
 };
 
 }  // namespace tessera::rpc

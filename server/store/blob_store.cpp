@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <cerrno>
 #include <charconv>
-#include <optional>
 #include <system_error>
 #include <utility>
 #include <vector>
@@ -49,12 +48,6 @@ bool is_whole(const struct ::stat& status, const proto::Digest& digest) {
   return S_ISREG(status.st_mode) && static_cast<std::uint64_t>(status.st_size) == digest.size_bytes;
 }
 
-// 0 if it is not there.
-std::uint64_t size_of(const std::filesystem::path& file) {
-  struct ::stat status {};
-  return ::stat(file.c_str(), &status) == 0 ? static_cast<std::uint64_t>(status.st_size) : 0;
-}
-
 core::Error not_here(const proto::Digest& digest) {
   return {ErrorCode::kNotFound,
           fmt::format("blob {} ({} bytes) is not here: upload it", digest.hex(), digest.size_bytes)};
@@ -62,58 +55,46 @@ core::Error not_here(const proto::Digest& digest) {
 
 }  // namespace
 
-BlobWriter::BlobWriter(proto::Digest digest, std::filesystem::path target, std::filesystem::path temporary,
-                       Fd fd, std::shared_ptr<StoreUsage> usage)
-    : digest_(digest),
-      target_(std::move(target)),
-      temporary_(std::move(temporary)),
-      fd_(std::move(fd)),
-      usage_(std::move(usage)) {}
+BlobWriter::BlobWriter(Parts parts) : parts_(std::move(parts)) {}
 
 BlobWriter::~BlobWriter() {
-  if (fd_) ::unlink(temporary_.c_str());
-  if (!usage_) return;
-  const std::lock_guard lock(usage_->mutex);
-  usage_->incoming_bytes -= counted_bytes_;
+  if (parts_.fd) ::unlink(parts_.temporary.c_str());
 }
 
 core::Status BlobWriter::append(std::string_view bytes) {
-  if (bytes.size() > digest_.size_bytes - hasher_.size_bytes()) {
+  const proto::Digest& digest = parts_.digest;
+  if (bytes.size() > digest.size_bytes - hasher_.size_bytes()) {
     return core::fail(
         ErrorCode::kInvalidArgument,
-        fmt::format("blob {}: more bytes than the {} its digest says", digest_.hex(), digest_.size_bytes));
+        fmt::format("blob {}: more bytes than the {} its digest says", digest.hex(), digest.size_bytes));
   }
   hasher_.update(bytes);
-  {
-    const std::lock_guard lock(usage_->mutex);
-    usage_->incoming_bytes += bytes.size();
-    counted_bytes_ += bytes.size();
-  }
-  return write_all(fd_, bytes, temporary_);
+  return write_all(parts_.fd, bytes, parts_.temporary);
 }
 
 core::Status BlobWriter::commit() {
   const proto::Digest actual = hasher_.finish();
-  if (actual != digest_) {
+  if (actual != parts_.digest) {
     return core::fail(
         ErrorCode::kDataLoss,
         fmt::format("blob {}: the {} bytes that came are not those of its digest ({} bytes): send it "
                     "again, and check that the file is not being written to",
-                    digest_.hex(), actual.size_bytes, digest_.size_bytes));
+                    parts_.digest.hex(), actual.size_bytes, parts_.digest.size_bytes));
   }
-  if (auto synced = sync_file(fd_, temporary_); !synced) return synced;
-  if (auto created = create_folder(target_.parent_path()); !created) return created;
+  const std::filesystem::path folder = parts_.target.parent_path();
+  if (auto synced = sync_file(parts_.fd, parts_.temporary); !synced) return synced;
+  if (auto created = create_folder(folder); !created) return created;
   if (auto named = take_name(); !named) return named;
-  return sync_folder(target_.parent_path());
+  return sync_folder(folder);
 }
 
 core::Status BlobWriter::take_name() {
-  const std::lock_guard lock(usage_->mutex);
-  const std::uint64_t replaced_bytes = size_of(target_);
-  if (::rename(temporary_.c_str(), target_.c_str()) != 0) return core::fail(errno_error("writing", target_));
-  fd_ = Fd();
-  usage_->stored_bytes += digest_.size_bytes - std::min(usage_->stored_bytes, replaced_bytes);
-  usage_->incoming_bytes -= std::exchange(counted_bytes_, 0);
+  const std::lock_guard lock(parts_.index->mutex);
+  if (::rename(parts_.temporary.c_str(), parts_.target.c_str()) != 0)
+    return core::fail(errno_error("writing", parts_.target));
+  parts_.fd = Fd();
+  parts_.index->blobs.insert_or_assign(parts_.digest.hex(),
+                                       StoreIndex::Blob{parts_.digest, std::move(parts_.charge)});
   return {};
 }
 
@@ -145,13 +126,29 @@ core::Result<BlobStore> BlobStore::open(const std::filesystem::path& folder) {
   std::filesystem::remove_all(incoming, ignored);
   if (auto created = create_folder(incoming); !created) return core::fail(created.error());
   BlobStore store(folder);
-  for (const proto::Digest& digest : store.list()) store.usage_->stored_bytes += digest.size_bytes;
+  for (const proto::Digest& digest : store.list()) store.index_->blobs[digest.hex()].digest = digest;
   return store;
 }
 
-std::uint64_t BlobStore::used_bytes() const {
-  const std::lock_guard lock(usage_->mutex);
-  return usage_->stored_bytes + usage_->incoming_bytes;
+std::vector<proto::Digest> BlobStore::stored() const {
+  const std::lock_guard lock(index_->mutex);
+  std::vector<proto::Digest> digests;
+  digests.reserve(index_->blobs.size());
+  for (const auto& [hex, blob] : index_->blobs) digests.push_back(blob.digest);
+  return digests;
+}
+
+void BlobStore::charge(const proto::Digest& digest, Charge charge) const {
+  const std::lock_guard lock(index_->mutex);
+  const auto known = index_->blobs.find(digest.hex());
+  if (known != index_->blobs.end()) known->second.charge = std::move(charge);
+}
+
+std::optional<std::filesystem::file_time_type> BlobStore::last_used(const proto::Digest& digest) const {
+  std::error_code error;
+  const auto used = std::filesystem::last_write_time(path(digest), error);
+  if (error) return std::nullopt;
+  return used;
 }
 
 std::filesystem::path BlobStore::path(const proto::Digest& digest) const {
@@ -164,11 +161,11 @@ bool BlobStore::contains(const proto::Digest& digest) const {
   return ::stat(path(digest).c_str(), &status) == 0 && is_whole(status, digest);
 }
 
-core::Result<BlobWriter> BlobStore::write(const proto::Digest& digest) const {
+core::Result<BlobWriter> BlobStore::write(const proto::Digest& digest, Charge charge) const {
   std::string temporary = (folder_ / kIncoming / "XXXXXX").string();
   Fd fd(::mkostemp(temporary.data(), O_CLOEXEC));
   if (!fd) return core::fail(errno_error("creating a file in", folder_ / kIncoming));
-  return BlobWriter(digest, path(digest), std::move(temporary), std::move(fd), usage_);
+  return BlobWriter({digest, path(digest), std::move(temporary), std::move(charge), index_, std::move(fd)});
 }
 
 core::Result<BlobReader> BlobStore::read(const proto::Digest& digest) const {
@@ -221,33 +218,20 @@ std::vector<std::filesystem::path> BlobStore::interrupted() const {
   return paths_in(folder_ / kIncoming);
 }
 
-std::size_t BlobStore::collect(const std::set<std::string>& keep, std::chrono::seconds unused_for) const {
-  namespace fs = std::filesystem;
-  const auto before = fs::file_time_type::clock::now() - unused_for;
-  std::size_t removed = 0;
-  for (const fs::path& group : paths_in(folder_)) {
-    if (group.filename() == kIncoming) continue;
-    for (const fs::path& blob : paths_in(group)) {
-      std::error_code error;  // a file that cannot be looked at or removed stays
-      const auto used = fs::last_write_time(blob, error);
-      if (error || used >= before || keep.contains(group.filename().string() + blob.filename().string()))
-        continue;
-      if (remove(blob)) ++removed;
-    }
-  }
-  return removed;
+RemovedBlob::RemovedBlob(std::filesystem::path file, Charge charge)
+    : file_(std::move(file)), charge_(std::move(charge)) {}
+
+RemovedBlob::~RemovedBlob() {
+  if (!file_.empty()) ::unlink(file_.c_str());
 }
 
-void BlobStore::discard(const proto::Digest& digest) const {
-  remove(path(digest));
-}
-
-bool BlobStore::remove(const std::filesystem::path& blob) const {
-  const std::lock_guard lock(usage_->mutex);
-  const std::uint64_t bytes = size_of(blob);
-  if (::unlink(blob.c_str()) != 0) return false;
-  usage_->stored_bytes -= std::min(usage_->stored_bytes, bytes);
-  return true;
+// A file that another of the same name pushes out of `incoming` was to go as well.
+RemovedBlob BlobStore::take_away(const proto::Digest& digest) const {
+  std::filesystem::path aside = folder_ / kIncoming / (digest.hex() + ".removed");
+  const std::lock_guard lock(index_->mutex);
+  if (::rename(path(digest).c_str(), aside.c_str()) != 0 && errno != ENOENT) return {{}, {}};
+  const auto blob = index_->blobs.extract(digest.hex());
+  return {std::move(aside), blob ? std::move(blob.mapped().charge) : Charge()};
 }
 
 }  // namespace tessera::store

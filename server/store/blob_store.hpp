@@ -5,12 +5,12 @@
 // thread-safe, its copies are the same store; a writer or reader is for one thread at a time.
 #pragma once
 
-#include <chrono>
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <mutex>
-#include <set>
+#include <optional>
 #include <stop_token>
 #include <string>
 #include <vector>
@@ -21,10 +21,17 @@
 
 namespace tessera::store {
 
-// The bytes in a store, counted as they come and go.
-struct StoreUsage {
-  std::mutex mutex;  // also held while files get and lose their names, so that each is counted once
-  std::uint64_t stored_bytes = 0, incoming_bytes = 0;  // guarded by mutex
+// Stands for the room that a blob takes, with whoever counts that. Let go of when the file is gone.
+using Charge = std::shared_ptr<const void>;
+
+// What a store has, as it comes and goes.
+struct StoreIndex {
+  struct Blob {
+    proto::Digest digest;
+    Charge charge;
+  };
+  std::mutex mutex;                   // also held while files get and lose their names
+  std::map<std::string, Blob> blobs;  // guarded by mutex; by their SHA-256 in hexadecimal digits
 };
 
 // Takes one blob in pieces. Destroyed before commit() succeeded, it leaves nothing behind.
@@ -41,16 +48,18 @@ class BlobWriter {
 
  private:
   friend class BlobStore;
-  BlobWriter(proto::Digest digest, std::filesystem::path target, std::filesystem::path temporary, Fd fd,
-             std::shared_ptr<StoreUsage> usage);
+  struct Parts {
+    proto::Digest digest;
+    std::filesystem::path target, temporary;
+    Charge charge;
+    std::shared_ptr<StoreIndex> index;
+    Fd fd;
+  };
+  explicit BlobWriter(Parts parts);
   core::Status take_name();
 
-  proto::Digest digest_;
-  std::filesystem::path target_, temporary_;
-  Fd fd_;
+  Parts parts_;
   proto::Hasher hasher_;
-  std::shared_ptr<StoreUsage> usage_;  // null when moved from
-  std::uint64_t counted_bytes_ = 0;    // of usage_->incoming_bytes
 };
 
 // Gives one blob in pieces, and checks at the end that the file is still what it was.
@@ -71,6 +80,22 @@ class BlobReader {
   std::uint64_t left_bytes_;
 };
 
+// A blob that was taken out of a store. Its file, and then its charge, go when this is destroyed, which can
+// take a while.
+class RemovedBlob {
+ public:
+  RemovedBlob(RemovedBlob&&) = default;
+  RemovedBlob& operator=(RemovedBlob&&) = delete;
+  ~RemovedBlob();
+
+ private:
+  friend class BlobStore;
+  RemovedBlob(std::filesystem::path file, Charge charge);
+
+  std::filesystem::path file_;  // empty when moved from
+  Charge charge_;
+};
+
 class BlobStore {
  public:
   // Creates the folder if it is missing and removes what interrupted uploads left.
@@ -82,7 +107,8 @@ class BlobStore {
   bool contains(const proto::Digest& digest) const;
   // Where the blob's file is or would be.
   std::filesystem::path path(const proto::Digest& digest) const;
-  core::Result<BlobWriter> write(const proto::Digest& digest) const;
+  // The charge is kept until the blob is removed, or the writer is destroyed before commit() succeeded.
+  core::Result<BlobWriter> write(const proto::Digest& digest, Charge charge = {}) const;
   // NOT_FOUND if it is not here, or of another size; INTERNAL if that cannot be told.
   core::Result<BlobReader> read(const proto::Digest& digest) const;
   // Reads it from beginning to end. NOT_FOUND, DATA_LOSS, or what the disk says; UNAVAILABLE as soon as a
@@ -91,28 +117,26 @@ class BlobStore {
   // The same, and counts it as used now.
   core::Status verify(const proto::Digest& digest, const std::stop_token& stop = {}) const;
   // Removes a blob's file, so that it can be uploaded anew. Nothing happens if there is none.
-  void discard(const proto::Digest& digest) const;
+  void discard(const proto::Digest& digest) const { take_away(digest); }
+  // The same at once, however large the file is: what takes time is left for when the answer is destroyed.
+  RemovedBlob take_away(const proto::Digest& digest) const;
 
-  // Of all blobs that are here, as when the store was opened and what has come and gone since; and what of
-  // others has come so far.
-  std::uint64_t used_bytes() const;
-  // Every blob that is here, whole or not: its size is that of its file.
+  // What was here when the store was opened, and what has come and not gone since. Asks no disk.
+  std::vector<proto::Digest> stored() const;
+  // Replaces the charge of a blob that is here.
+  void charge(const proto::Digest& digest, Charge charge) const;
+  // When the blob was uploaded or verified last. Nothing if that cannot be told.
+  std::optional<std::filesystem::file_time_type> last_used(const proto::Digest& digest) const;
+  // Every blob that is in the folder, whole or not: its size is that of its file.
   std::vector<proto::Digest> list() const;
   // Files that interrupted uploads left.
   std::vector<std::filesystem::path> interrupted() const;
 
-  // Removes every blob that was neither uploaded nor verified within `unused_for`, but for those of which
-  // `keep` has the SHA-256 in hexadecimal digits. Answers with how many that were.
-  std::size_t collect(const std::set<std::string>& keep, std::chrono::seconds unused_for) const;
-
  private:
   explicit BlobStore(std::filesystem::path folder) : folder_(std::move(folder)) {}
 
-  // Removes a blob's file. Whether there was one.
-  bool remove(const std::filesystem::path& blob) const;
-
   std::filesystem::path folder_;
-  std::shared_ptr<StoreUsage> usage_ = std::make_shared<StoreUsage>();
+  std::shared_ptr<StoreIndex> index_ = std::make_shared<StoreIndex>();
 };
 
 }  // namespace tessera::store

@@ -6,8 +6,12 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <fstream>
+#include <iterator>
 #include <string>
 
+#include "client/farm/bundle.hpp"
+#include "client/farm/picture_download.hpp"
 #include "proto/status.hpp"
 
 namespace tessera::client {
@@ -16,20 +20,52 @@ namespace {
 using core::ErrorCode;
 using testing::HasSubstr;
 
-// Refuses so many calls before it answers.
+// Refuses so many calls before it answers. Has no picture and no file but ends the first of each.
 class BusyService final : public v1::RenderService::Service {
  public:
+  grpc::Status GetImage(grpc::ServerContext* context, const v1::GetImageRequest*,
+                        grpc::ServerWriter<v1::GetImageResponse>* writer) override {
+    v1::GetImageResponse response;
+    response.mutable_header()->set_size_bytes(7);
+    response.set_data("pic");
+    writer->Write(response);
+    if (++calls <= refusals) {
+      context->TryCancel();
+      return {code, "CANCELLED"};
+    }
+    response.clear_header();
+    response.set_data("ture");
+    writer->Write(response);
+    return grpc::Status::OK;
+  }
+  grpc::Status FindMissingBlobs(grpc::ServerContext*, const v1::FindMissingBlobsRequest* request,
+                                v1::FindMissingBlobsResponse* response) override {
+    ++questions;
+    *response->mutable_missing() = request->digests();
+    for (int i = 0; i < uploads; ++i) response->mutable_missing()->RemoveLast();
+    return grpc::Status::OK;
+  }
+  grpc::Status UploadBlob(grpc::ServerContext*, grpc::ServerReader<v1::UploadBlobRequest>* reader,
+                          v1::UploadBlobResponse*) override {
+    v1::UploadBlobRequest request;
+    while (reader->Read(&request)) {
+    }
+    if (++calls <= refusals) return {code, "the connection broke"};
+    ++uploads;
+    return grpc::Status::OK;
+  }
   grpc::Status ListJobs(grpc::ServerContext* context, const v1::ListJobsRequest*,
                         v1::ListJobsResponse*) override {
     if (++calls > refusals) return grpc::Status::OK;
     if (!pushback.empty()) context->AddTrailingMetadata(proto::kRetryAfterKey, pushback);
-    return {code, "there are too many calls from here"};
+    return {code, reason};
   }
 
   int refusals = 0;
   grpc::StatusCode code = grpc::StatusCode::RESOURCE_EXHAUSTED;
   std::string pushback = "1";
-  std::atomic<int> calls{0};
+  std::string reason = "there are too many calls from here";
+  std::atomic<int> calls{0}, questions{0}, uploads{0};
 };
 
 class FarmCalls : public testing::Test {
@@ -73,6 +109,43 @@ TEST_F(FarmCalls, ThatAreAskedToWaitAreTriedAgain) {
   EXPECT_EQ(told_, "") << "it is told once";
 }
 
+TEST_F(FarmCalls, ThatWaitSayEachReasonOnce) {
+  for (const char* reason : {"2 scenes wait", "17 scenes wait", "it is stopping", "3 scenes wait"}) {
+    service_.calls = 0;
+    service_.refusals = 1;
+    service_.reason = reason;
+    EXPECT_TRUE(list());
+    EXPECT_EQ(told_.empty(), reason[0] == '1' || reason[0] == '3') << reason << told_;
+  }
+}
+
+TEST_F(FarmCalls, ForPicturesThatTheCoordinatorEndedAreTriedAgain) {
+  const std::string path = testing::TempDir() + "/ended.pfm";
+  service_.refusals = 2;
+  service_.code = grpc::StatusCode::CANCELLED;
+  testing::internal::CaptureStderr();
+  const auto job = download_pictures(*farm_, "id", {path}, {});
+  EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("ended the call: it is stopping, or"));
+  EXPECT_TRUE(job) << job.error().message;
+  EXPECT_EQ(service_.calls, 3);
+  std::ifstream file(path, std::ios::binary);
+  EXPECT_EQ(std::string(std::istreambuf_iterator<char>(file), {}), "picture");
+}
+
+// Who was started anew has forgotten what was asked before.
+TEST_F(FarmCalls, AnUploadThatBrokeAsksFirstWhatIsMissing) {
+  const auto local = bundle_scene(TESSERA_SOURCE_DIR "/scenes/cornell/scene.json", {});
+  ASSERT_TRUE(local);
+  service_.refusals = 1;
+  service_.code = grpc::StatusCode::UNAVAILABLE;
+  testing::internal::CaptureStderr();
+  const core::Status uploaded = upload_missing(*farm_, *local);
+  EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("the connection broke; trying again"));
+  EXPECT_TRUE(uploaded);
+  EXPECT_EQ(service_.questions, 2);
+  EXPECT_EQ(service_.uploads, local->bundle.assets_size());
+}
+
 TEST_F(FarmCalls, ThatAreOverALimitFailAtOnce) {
   service_.refusals = 3;
   service_.pushback = "";
@@ -104,7 +177,7 @@ TEST_F(FarmCalls, OfLongerTasksAreTriedAgain) {
   service_.code = grpc::StatusCode::UNAVAILABLE;
   testing::internal::CaptureStderr();
   const auto answer = patiently<v1::ListJobsResponse>(
-      *farm_, [&] { return farm_->call(&Farm::Stub::ListJobs, v1::ListJobsRequest()); });
+      *farm_, [&](bool&) { return farm_->call(&Farm::Stub::ListJobs, v1::ListJobsRequest()); });
   EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("; trying again"));
   EXPECT_TRUE(answer);
   EXPECT_EQ(service_.calls, 3);

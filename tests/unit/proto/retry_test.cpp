@@ -92,5 +92,33 @@ TEST(Retry, GivesUpWhenInterrupted) {
   EXPECT_EQ(attempts, 1);
 }
 
+// Attempts that take ten seconds each, of which the first few get something through.
+TEST(RetryLong, PatienceBeginsAnewWhenSomethingGotThrough) {
+  FakeTime time;
+  int attempts = 0;
+  const auto status =
+      retry_long(within(30s, exponential_backoff(kNoJitter)), time.waiter(), [&](bool& progress) {
+        time.now += 10s;
+        if (++attempts <= 9) progress = true;
+        return failure(ErrorCode::kUnavailable);
+      });
+  EXPECT_FALSE(status.has_value());
+  EXPECT_EQ(attempts, 9 + 2);
+  EXPECT_EQ(time.waits[8], 100ms) << "as after the first";
+  EXPECT_EQ(time.waits[9], 200ms);
+}
+
+TEST(RetryLong, TheFirstAttemptMayTakeAsLongAsItWants) {
+  FakeTime time;
+  int attempts = 0;
+  const auto status =
+      retry_long(within(1s, exponential_backoff(kNoJitter)), time.waiter(), [&](bool&) -> core::Status {
+        time.now += 10min;
+        return ++attempts < 2 ? failure(ErrorCode::kUnavailable) : core::Status{};
+      });
+  EXPECT_TRUE(status.has_value());
+  EXPECT_EQ(attempts, 2);
+}
+
 }  // namespace
 }  // namespace tessera::proto

@@ -5,6 +5,8 @@
 
 #include <atomic>
 #include <barrier>
+#include <memory>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -127,36 +129,59 @@ TEST_F(BlobStoreTest, AnInterruptedUploadIsClearedAtTheNextStart) {
   EXPECT_EQ(files_below(folder_.path()), 0u);
 }
 
-TEST_F(BlobStoreTest, CountsWhatIsHereAndWhatIsOnItsWay) {
-  ASSERT_TRUE(put(proto::digest_of("wanted"), {"wan", "ted"}));
-  EXPECT_EQ(store_.used_bytes(), 6u);
+// Whether somebody keeps it.
+bool is_kept(const std::weak_ptr<int>& charge) {
+  return !charge.expired();
+}
+
+TEST_F(BlobStoreTest, KeepsAChargeFromTheFirstByteUntilTheFileIsGone) {
+  auto charge = std::make_shared<int>();
+  const std::weak_ptr<int> kept = charge;
   {
-    auto writer = store_.write(proto::digest_of("never whole"));
-    ASSERT_TRUE(writer && writer->append("never"));
-    EXPECT_EQ(store_.used_bytes(), 11u);
+    auto writer = store_.write(proto::digest_of("wanted"), std::move(charge));
+    ASSERT_TRUE(writer && writer->append("wan"));
     const auto moved = std::move(*writer);
-    EXPECT_EQ(store_.used_bytes(), 11u);
+    EXPECT_TRUE(is_kept(kept));
   }
-  EXPECT_EQ(store_.used_bytes(), 6u) << "half an upload that was given up";
-  EXPECT_FALSE(put(proto::digest_of("other"), {"forged"}));
-  EXPECT_EQ(store_.used_bytes(), 6u);
+  EXPECT_FALSE(is_kept(kept)) << "an upload that was given up";
 }
 
-TEST_F(BlobStoreTest, CountsEachFileOnce) {
-  ASSERT_TRUE(put(proto::digest_of("wanted"), {"wanted"}));
-  ASSERT_TRUE(put(proto::digest_of("wanted"), {"wanted"}));
-  EXPECT_EQ(store_.used_bytes(), 6u);
-  EXPECT_EQ(BlobStore::open(folder_.path())->used_bytes(), 6u);
-  store_.discard(proto::digest_of("wanted"));
-  store_.discard(proto::digest_of("wanted"));
-  EXPECT_EQ(store_.used_bytes(), 0u);
+TEST_F(BlobStoreTest, ABlobThatIsReplacedOrRemovedCostsNothingMore) {
+  const proto::Digest digest = proto::digest_of("wanted");
+  std::vector<std::weak_ptr<int>> charges;
+  for (int i = 0; i < 2; ++i) {
+    auto charge = std::make_shared<int>();
+    charges.push_back(charge);
+    auto writer = store_.write(digest, std::move(charge));
+    ASSERT_TRUE(writer && writer->append("wanted") && writer->commit());
+  }
+  EXPECT_FALSE(is_kept(charges[0]));
+  EXPECT_TRUE(is_kept(charges[1]));
+  auto another = std::make_shared<int>();
+  charges.push_back(another);
+  store_.charge(digest, std::move(another));
+  EXPECT_FALSE(is_kept(charges[1]));
+  EXPECT_TRUE(is_kept(charges[2]));
+  {
+    const RemovedBlob removed = store_.take_away(digest);
+    EXPECT_FALSE(store_.contains(digest));
+    EXPECT_TRUE(is_kept(charges[2])) << "its file takes room still";
+    EXPECT_EQ(files_below(folder_.path()), 1u);
+  }
+  EXPECT_FALSE(is_kept(charges[2]));
+  EXPECT_EQ(files_below(folder_.path()), 0u);
+  store_.discard(digest);
 }
 
-TEST_F(BlobStoreTest, WhatIsCollectedCountsNoMore) {
-  ASSERT_TRUE(put(proto::digest_of("kept"), {"kept"}));
-  ASSERT_TRUE(put(proto::digest_of("unused"), {"unused"}));
-  EXPECT_EQ(store_.collect({proto::digest_of("kept").hex()}, std::chrono::seconds(-60)), 1u);
-  EXPECT_EQ(store_.used_bytes(), 4u);
+TEST_F(BlobStoreTest, KnowsWhatIsHere) {
+  const proto::Digest first = proto::digest_of("first"), second = proto::digest_of("second");
+  ASSERT_TRUE(put(first, {"first"}));
+  const BlobStore store = *BlobStore::open(folder_.path());
+  EXPECT_EQ(store.stored(), std::vector{first});
+  auto writer = store.write(second);
+  ASSERT_TRUE(writer && writer->append("second") && writer->commit());
+  store.discard(first);
+  EXPECT_EQ(store.stored(), std::vector{second});
 }
 
 TEST_F(BlobStoreTest, ABlobThatCannotBeOpenedIsNotMissing) {

@@ -234,14 +234,14 @@ TEST_F(Jobs, TakeTheirFilesWithThemWhenTheyAreDeleted) {
   };
   const std::string id = submit();
   last_used_hours_ago(25);
-  coordinator().collect_blobs();
+  coordinator().files().collect();
   EXPECT_TRUE(std::filesystem::exists(blob)) << "a job needs it";
   ASSERT_TRUE(coordinator().delete_job(id));
   last_used_hours_ago(23);
-  coordinator().collect_blobs();
+  coordinator().files().collect();
   EXPECT_TRUE(std::filesystem::exists(blob)) << "it may be submitted again";
   last_used_hours_ago(25);
-  coordinator().collect_blobs();
+  coordinator().files().collect();
   EXPECT_FALSE(std::filesystem::exists(blob));
 }
 
@@ -251,7 +251,7 @@ TEST_F(Jobs, KeepTheirFilesWhileTheyAreSubmitted) {
   check_scene_ = [&](const v1::Bundle& bundle, const v1::RenderOverrides& overrides) {
     std::filesystem::last_write_time(blob,
                                      std::filesystem::file_time_type::clock::now() - std::chrono::hours(25));
-    std::thread([this] { coordinator().collect_blobs(); }).join();
+    std::thread([this] { coordinator().files().collect(); }).join();
     return accept_scene(bundle, overrides);
   };
   open();

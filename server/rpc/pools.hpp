@@ -1,0 +1,20 @@
+// The threads that calls are answered by, and what each kind is for. Thread-safe.
+#pragma once
+
+#include "server/coordinator/fair_pool.hpp"
+#include "server/coordinator/thread_pool.hpp"
+
+namespace tessera::rpc {
+
+struct Pools {
+  // For what takes milliseconds.
+  coordinator::ThreadPool& quick;
+  // For what takes seconds: encoding pictures, reading films back.
+  coordinator::FairPool& slow;
+  // For validating scenes, which can take minutes: no picture is to wait for that.
+  coordinator::FairPool& validating;
+  // For removing files from a full store: whoever uploads waits for that, and nobody else.
+  coordinator::FairPool& clearing;
+};
+
+}  // namespace tessera::rpc
