@@ -28,9 +28,6 @@ class CallGate {
   CallRate rate_;
 };
 
-// Where nothing tells when what callers share is free again.
-inline constexpr std::chrono::seconds kTryAgainAfter{1};
-
 // RESOURCE_EXHAUSTED for a reason that passes by itself: says when to try again, in gRPC's own way
 // (proto/status.hpp); where nothing better is known, after a second.
 inline constexpr std::chrono::seconds kTryAgainAfter{1};
