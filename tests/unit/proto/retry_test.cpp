@@ -103,7 +103,7 @@ TEST(RetryLong, PatienceBeginsAnewWhenSomethingGotThrough) {
         return failure(ErrorCode::kUnavailable);
       });
   EXPECT_FALSE(status.has_value());
-  EXPECT_EQ(attempts, 9 + 2);
+  EXPECT_EQ(attempts, 9 + 3);
   EXPECT_EQ(time.waits[8], 100ms) << "as after the first";
   EXPECT_EQ(time.waits[9], 200ms);
 }
