@@ -19,6 +19,11 @@ RawWorker::RawWorker(const std::string& address, const std::string& name)
   request_.set_wanted_leases(1);
 }
 
+void RawWorker::say_fetching(const std::string& job_id) {
+  request_.clear_fetching_job_ids();
+  if (!job_id.empty()) request_.add_fetching_job_ids(job_id);
+}
+
 v1::SynchronizeResponse RawWorker::synchronize() {
   grpc::ClientContext context;
   context.set_deadline(std::chrono::system_clock::now() + std::chrono::seconds(20));

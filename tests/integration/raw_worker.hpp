@@ -15,6 +15,9 @@ class RawWorker {
 
   RawWorker(const std::string& address, const std::string& name);
 
+  // What it says it is doing from now on: the job whose files it is fetching, or none.
+  void say_fetching(const std::string& job_id);
+
   // Blocks until the coordinator answers. What it answers is held from then on.
   v1::SynchronizeResponse synchronize();
 

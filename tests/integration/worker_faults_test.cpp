@@ -85,6 +85,22 @@ TEST_F(WorkerFaultsTest, NoJobWaitsLongerThanTheLeaseAndASecond) {
   EXPECT_FALSE(waits.synchronize().leases().empty());
 }
 
+TEST_F(WorkerFaultsTest, WhoFetchesForTenLeaseTimesMakesRoomAndIsServedWhenItHasTheScene) {
+  start_coordinator(1);
+  const std::string id = submit({"--size", "64x64", "--spp", "1"});
+  RawWorker far(address(), "far");
+  far.say_fetching(id);
+  ASSERT_TRUE(poll_until(20s, [&] { return !far.synchronize().leases().empty(); }));
+  const auto leased = std::chrono::steady_clock::now();
+  ASSERT_TRUE(poll_until(60s, [&] { return far.synchronize().leases().empty(); }));
+  EXPECT_GE(std::chrono::steady_clock::now() - leased, 8s);
+  const auto listed = tessera({"workers"});
+  EXPECT_THAT(listed.out, HasSubstr("  fetching  "));
+  EXPECT_THAT(listed.out, HasSubstr("until it has fetched its scene"));
+  far.say_fetching("");
+  EXPECT_TRUE(poll_until(20s, [&] { return !far.synchronize().leases().empty(); }));
+}
+
 // Nothing is leased while the job is paused: what comes then is of the lease that was lost.
 TEST_F(WorkerFaultsTest, AFrozenWorkersLateResultCountsIfItIsMissing) {
   start_coordinator(1);
