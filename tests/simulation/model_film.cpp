@@ -5,7 +5,10 @@
 namespace tessera::simulation {
 
 ModelFilm::ModelFilm(const scheduler::JobShape& shape)
-    : tiles_(static_cast<std::size_t>(shape.grid().tile_count()), std::vector<bool>(shape.spp)) {}
+    : tiles_(static_cast<std::size_t>(shape.grid().tile_count()), std::vector<bool>(shape.spp)) {
+  for (int tile = 0; tile < tile_count(); ++tile)
+    tile_pixels_.push_back(shape.grid().rect(tile).pixel_count());
+}
 
 void ModelFilm::extend(std::uint32_t spp) {
   for (std::vector<bool>& tile : tiles_) tile.resize(std::max<std::size_t>(spp, tile.size()));

@@ -28,6 +28,11 @@ class ModelFilm {
   bool has(const scheduler::WorkItem& item) const;
   bool has_any(const scheduler::WorkItem& item) const;
   bool complete() const;
+  // 0 for a tile that is none of the film's.
+  double pixel_samples(const scheduler::WorkItem& item) const {
+    if (item.tile < 0 || item.tile >= tile_count()) return 0;
+    return tile_pixels_[static_cast<std::size_t>(item.tile)] * item.samples.count();
+  }
   int tile_count() const { return static_cast<int>(tiles_.size()); }
   scheduler::IntervalSet done(int tile) const;
   // How many samples of the tile are there.
@@ -42,6 +47,7 @@ class ModelFilm {
  private:
   bool fits(const scheduler::WorkItem& item) const;
 
+  std::vector<double> tile_pixels_;
   std::vector<std::vector<bool>> tiles_;
   std::set<int> spoilt_;
 };

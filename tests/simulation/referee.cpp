@@ -46,7 +46,7 @@ void Referee::restarted(std::uint32_t epoch) {
   waiting_.clear();
   woken_.clear();
   held_in_vain_.clear();
-  slowest_tile_seconds_.clear();
+  slowest_seconds_.clear();
   clock_ = {};
   highest_given_ = std::max(highest_given_, std::uint64_t{epoch} << 40);
 }
@@ -143,13 +143,12 @@ void Referee::check_progress(const WorkerId& worker, const Reply& reply) {
 // Ten lease durations, and what passes until it calls again; ten times as long as it has shown that it may
 // take.
 Duration Referee::longest_in_vain(const WorkerId& worker, const Reply& reply) const {
-  const auto slowest = slowest_tile_seconds_.find(worker);
-  std::uint64_t samples = 0;
+  const auto slowest = slowest_seconds_.find(worker);
+  double samples = 0;
   for (const LeaseDescription& lease : reply.leases) {
-    for (const WorkItem& item : lease.items) samples += item.samples.count();
+    for (const WorkItem& item : lease.items) samples += films_.at(lease.job).pixel_samples(item);
   }
-  const double expected =
-      slowest == slowest_tile_seconds_.end() ? 0 : slowest->second * static_cast<double>(samples);
+  const double expected = slowest == slowest_seconds_.end() ? 0 : slowest->second * samples;
   return std::max<Duration>(10 * options_.lease_duration, seconds(10 * expected)) + options_.lease_duration +
          seconds(kPunctualitySeconds);
 }
@@ -157,7 +156,7 @@ Duration Referee::longest_in_vain(const WorkerId& worker, const Reply& reply) co
 void Referee::note_progress(const SubmitResult& event, const Actions& actions) {
   double samples = 0;
   for (std::size_t i = 0; i < event.items.size(); ++i) {
-    samples += event.items[i].samples.count();
+    samples += films_.at(event.job).pixel_samples(event.items[i]);
     if (actions.verdicts[i] == Verdict::kDropped) continue;
     for (auto& [who, held] : held_in_vain_) {
       if (who.second != event.job) continue;
@@ -168,7 +167,7 @@ void Referee::note_progress(const SubmitResult& event, const Actions& actions) {
   }
   if (!actions.dropped_tiles.empty()) held_in_vain_.clear();
   if (samples == 0 || !(event.render_seconds > 0) || event.render_seconds > 1e6) return;
-  double& slowest = slowest_tile_seconds_[event.worker];
+  double& slowest = slowest_seconds_[event.worker];
   slowest = std::max(slowest, event.render_seconds / samples);
 }
 

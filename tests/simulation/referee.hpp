@@ -80,8 +80,8 @@ class Referee {
     std::vector<scheduler::WorkItem> items;
   };
   std::map<std::pair<scheduler::WorkerId, scheduler::JobId>, Held> held_in_vain_;
-  // The most time for a sample of a whole tile that the worker has said it took.
-  std::map<scheduler::WorkerId, double> slowest_tile_seconds_;
+  // The most time for a sample of a pixel that the worker has said it took.
+  std::map<scheduler::WorkerId, double> slowest_seconds_;
   // The highest lease given, in all runs.
   std::uint64_t highest_given_ = 0;
 };
