@@ -11,6 +11,10 @@ namespace {
 
 class FairQueueTest : public testing::Test {
  protected:
+  // Nobody may be granted anything while held_ is destroyed.
+  ~FairQueueTest() override {
+    for (const auto& [name, who] : names_) queue_.leave(&who);
+  }
   // Of the caller with the first letter of its name.
   bool wait(const std::string& name, std::uint64_t amount) {
     const auto [entry, added] = names_.emplace(name, name);
