@@ -29,11 +29,24 @@ change() {
   printf '%s\n' "${content/"$2"/"$3"}"
 }
 
+# unit_of FILE: what is compiled to have FILE in it, from the build directory: the file, or, where several are compiled as
+# one, the source that includes it.
+unit_of() {
+  local units
+  mapfile -t units < <(sed -nE 's#.* -c ([^ ]+)$#\1#p' "$work/commands")
+  printf '%s\n' "${units[@]}" | grep -m 1 -e "$1\$" || (cd "$build" && grep -l -F "$root/$1\"" "${units[@]}")
+}
+
 # build_mutant DIRECTORY FILE: compiles the changed copy of FILE in it, and links a simulator with that in front.
 build_mutant() {
-  local compile
-  compile=$(grep -m 1 -e "-c [^ ]*$2\$" "$work/commands") || return 1
-  compile=$(sed -E "s# -MD -MT [^ ]+ -MF [^ ]+##; s# -o [^ ]+ -c [^ ]+\$# -O0 -o '$1/mutant.o' -c '$1/mutant.cpp'#" <<<"$compile")
+  local unit source=$1/mutant.cpp compile
+  unit=$(unit_of "$2") || return 1
+  if [[ $unit != *"$2" ]]; then
+    source=$1/unit.cpp
+    (cd "$build" && sed "s#\"$root/$2\"#\"$1/mutant.cpp\"#" "$unit") >"$source" || return 1
+  fi
+  compile=$(grep -m 1 -F -e " -c $unit" "$work/commands") || return 1
+  compile=$(sed -E "s# -MD -MT [^ ]+ -MF [^ ]+##; s# -o [^ ]+ -c [^ ]+\$# -O0 -o '$1/mutant.o' -c '$source'#" <<<"$compile")
   (cd "$build" && eval "$compile" && eval "${link/-o bin\/simulate_farms/"'$1/mutant.o' -o '$1/simulate_farms'"}") >"$1/log" 2>&1
 }
 
