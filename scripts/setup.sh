@@ -14,8 +14,6 @@ packages=(
   # The farm: RPC and its code generators, logs, durable state, compressed film tiles.
   libabsl-dev libgrpc++-dev libprotobuf-dev protobuf-compiler protobuf-compiler-grpc
   libspdlog-dev libsqlite3-dev libzstd-dev
-  # An allocator for the many threads of a coordinator.
-  libgoogle-perftools-dev
   # deploy/make_certificates.sh.
   openssl
   # Tests of networks that break, in network namespaces.
