@@ -120,7 +120,7 @@ class Coordinator {
   std::set<std::string> names_aside_;
   int refused_ = 0;
   std::set<scheduler::JobId> to_reopen_;
-  std::set<scheduler::JobId> unaudited_;  // of some ranges; survives restarts, as what users were told does
+  std::set<scheduler::JobId> unaudited_;  // of some ranges, since the clock had jumped; survives restarts
   std::map<scheduler::JobId, scheduler::JobShape> shapes_;
   Films films_;
   Referee referee_;

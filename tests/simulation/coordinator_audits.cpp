@@ -33,7 +33,7 @@ void Coordinator::follow_audits(const Actions& actions) {
   for (const std::string& contradiction : actions.contradictions) world_.note(contradiction);
   for (const Unaudited& job : actions.unaudited) {
     world_.note(fmt::format("job {} is done with {} ranges unaudited", job.job.value, job.ranges));
-    unaudited_.insert(job.job);
+    if (clock_error_ > Duration::zero()) unaudited_.insert(job.job);
   }
   for (const JobId& job : actions.reopen) {
     if (to_reopen_.insert(job).second) reopen_later(job);
@@ -79,8 +79,7 @@ void Coordinator::put_aside(const Author& author) {
 }
 
 // Where everything is audited, and honest workers of two names and more are there, no lie gets through;
-// unless they come so late, or a clock jumps so far, that the coordinator has said that it waits for them no
-// more.
+// unless the clock jumps so far that the coordinator has said that it waits for them no more.
 void Coordinator::check_bits() {
   if (options_.audit_share < 1) return;
   for (const JobView& job : jobs()) {
