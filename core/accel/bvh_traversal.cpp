@@ -54,7 +54,7 @@ void for_each_group(std::span<const Ray> rays, const Together& together, const A
     const OctantOrder order(rays, begin, std::min(begin + kRun, rays.size()));
     for (std::size_t octant = 0; octant < OctantOrder::kOctants; ++octant) {
       for (auto left = order.rays(octant); !left.empty();) {
-        const auto group = left.first(std::min(RayColumns::kSize, left.size()));
+        const auto group = left.first(std::min(kGroupSize, left.size()));
         left = left.subspan(group.size());
         if (group.size() >= kLeastGroup) {
           together(group);

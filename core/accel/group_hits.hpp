@@ -14,32 +14,28 @@
 #include "core/accel/ray_group.hpp"
 #include "core/accel/sheared_group.hpp"
 #include "core/geometry/primitives.hpp"
+#include "core/geometry/rounding.hpp"
 #include "core/math/lane_array.hpp"
 
 namespace tessera::core {
 
-// What a group is traced against.
+// What a group is traced against: a scene or an object.
 struct GroupScene {
   const Primitives& primitives;
-  const Bvh::Arrays* objects;  // the trees of those that instances show
+  const Bvh::Arrays* objects;  // of a scene: the trees of those that instances show
   const BvhNode* nodes;
   const BvhPacket* packets;
 };
 
-template <Query kQuery>
+template <Query kQuery, typename AnyRay>
 class GroupHits {
  public:
-  // Keeps references, and tells `group` how far its rays reach. rays[order[i]] is ray i.
-  GroupHits(const GroupScene& scene, std::span<const Ray> rays, std::span<const std::uint32_t> order,
-            const RayColumns& columns, RayGroup& group)
-      : scene_(scene),
-        rays_(rays),
-        order_(order),
-        columns_(columns),
-        group_(group),
-        sheared_(columns),
-        alive_(columns.all()) {
-    for (std::size_t i = 0; i < kSize; i += kLanes) {
+  using Columns = RayColumns<AnyRay>;
+
+  // Keeps references, and tells `group` how far its rays reach.
+  GroupHits(const GroupScene& scene, const Columns& columns, RayGroup<AnyRay>& group)
+      : scene_(scene), columns_(columns), group_(group), sheared_(columns), alive_(columns.all()) {
+    for (std::size_t i = 0; i < kLanes * columns.vectors(); i += kLanes) {
       const Float8 t_max = Float8::load(columns.t_max + i);
       t_max.store(t_low_ + i);
       min(t_max, Float8(std::numeric_limits<float>::infinity())).store(t_high_ + i);
@@ -47,15 +43,19 @@ class GroupHits {
     }
   }
 
-  const Ray& ray(std::size_t i) const { return rays_[order_[i]]; }
   // Those whose answer is still open: for kAny, those that are not known to hit anything.
   RaySet alive() const { return alive_; }
+  // Ray i hits nothing at this t or beyond that would improve on what it hits.
+  float reach(std::size_t i) const {
+    // What is as near may come first.
+    return kQuery == Query::kAny ? columns_.t_max[i] : std::min(columns_.t_max[i], next_float_up(t_high_[i]));
+  }
 
   // The rays of `set` against a packet's spheres, eight rays at once.
   void test_spheres(const BvhPacket& packet, RaySet set) {
     for (unsigned spheres = packet.sphere_lanes; spheres != 0; spheres &= spheres - 1) {
       const std::uint32_t primitive = packet.primitives[std::countr_zero(spheres)];
-      for (std::size_t v = 0; v < RayGroup::kVectors; ++v)
+      for (std::size_t v = 0; v < columns_.vectors(); ++v)
         if (lanes_of(set, v) != 0) test_sphere(primitive, v, Mask8::from_bits(lanes_of(set, v)));
     }
   }
@@ -68,7 +68,7 @@ class GroupHits {
   // The rays of `set` against all triangles of packet `index`, eight rays at once. Only where
   // RayGroup::can_filter.
   void test_together(std::uint32_t index, RaySet set) {
-    for (std::size_t v = 0; v < RayGroup::kVectors; ++v)
+    for (std::size_t v = 0; v < columns_.vectors(); ++v)
       if (lanes_of(set, v) != 0) test_vector(index, v, Mask8::from_bits(lanes_of(set, v)));
     settle();
   }
@@ -77,13 +77,26 @@ class GroupHits {
   template <typename Find>
   void improve(std::size_t i, const Find& find) {
     settle_candidate(i);
-    hits_[i] = find(ray(i), sheared_, hits_[i]);
+    hits_[i] = find(columns_.ray(i), sheared_, hits_[i]);
     update(i);
   }
 
+  // The rays of `set` hit hit_of(i), unless they hit something better.
+  template <typename HitOf>
+  void improve_all(RaySet set, const HitOf& hit_of) {
+    for_each_ray(set, [&](std::size_t i) { enqueue_candidate(i); });
+    settle();
+    for_each_ray(set, [&](std::size_t i) {
+      improve_hit(i, hit_of(i));
+      update(i);
+    });
+  }
+  // For kAny: the rays of `set` hit something.
+  void occlude(RaySet set) { alive_ &= ~set; }
+
   // What the rays hit, after all has been tested.
   std::span<const Hit> finish() {
-    for (std::size_t first = 0; first < order_.size(); first += 4) {
+    for (std::size_t first = 0; first < columns_.count; first += 4) {
       std::array<Pair, 4> pairs;
       RaySet open = 0;
       for (std::size_t k = 0; k < 4; ++k) {
@@ -95,11 +108,11 @@ class GroupHits {
       const TriangleHits hits(sheared_.rays(first), Corners(*this, pairs), TriangleHits::Certain());
       for_each_hit(hits, pairs, open, [&](std::size_t i, const Hit& hit) { hits_[i] = hit; });
     }
-    return std::span(hits_).first(order_.size());
+    return std::span(hits_).first(columns_.count);
   }
 
  private:
-  static constexpr std::size_t kSize = RayGroup::kSize, kLanes = RayGroup::kLanes;
+  static constexpr std::size_t kSize = Columns::kSize, kLanes = Columns::kLanes;
   static constexpr std::uint32_t kNothing = 0xffffffffu;
 
   struct Pair {
@@ -120,17 +133,18 @@ class GroupHits {
     for (; lanes != 0; lanes &= lanes - 1) {
       const int lane = std::countr_zero(lanes);
       const float t = hits.t(lane);
-      if (t <= hits_[i].t)
-        hits_[i].improve(ray(i), {t, packet.primitives[lane], hits.b1(lane), hits.b2(lane)});
+      if (t <= hits_[i].t) improve_hit(i, {t, packet.primitives[lane], hits.b1(lane), hits.b2(lane)});
     }
     update(i);
   }
 
   void test_sphere(std::uint32_t primitive, std::size_t v, Mask8 asked) {
     using Wide = Vec3dOf<Double8>;
-    const auto column = [&](const auto& values, int axis) { return Float8::load(values[axis] + kLanes * v); };
+    const auto column = [v](const auto& values, int axis) {
+      return in_double(Columns::Lanes::load(values[axis] + kLanes * v));
+    };
     const auto wide = [&](const auto& values) {
-      return Wide(Vec3Of<Float8>{column(values, 0), column(values, 1), column(values, 2)});
+      return Wide(column(values, 0), column(values, 1), column(values, 2));
     };
     const Sphere& sphere = scene_.primitives.sphere(primitive);
     const Vec3 center = sphere.center;
@@ -145,7 +159,7 @@ class GroupHits {
     const FloatLanes distances(t);
     for_each_ray(to_set((hit & (t <= Float8::load(t_high_ + kLanes * v))).bits(), v), [&](std::size_t i) {
       settle_candidate(i);
-      hits_[i].improve(ray(i), {distances[i % kLanes], primitive, 0, 0});
+      improve_hit(i, {distances[i % kLanes], primitive, 0, 0});
       update(i);
     });
   }
@@ -210,7 +224,7 @@ class GroupHits {
       const TriangleHits hits(sheared_.rays(rays), Corners(*this, pairs));
       if (hits.lanes() != 0) {
         for_each_hit(hits, pairs, (RaySet{1} << count) - 1,
-                     [&](std::size_t i, const Hit& hit) { hits_[i].improve(ray(i), hit); });
+                     [&](std::size_t i, const Hit& hit) { improve_hit(i, hit); });
       }
       for (std::size_t k = 0; k < count; ++k) {
         update(rays[k]);
@@ -257,6 +271,8 @@ class GroupHits {
     });
   }
 
+  void improve_hit(std::size_t i, const Hit& hit) { hits_[i].improve(columns_.ray(i), hit); }
+
   // After hits_[i] may have changed.
   void update(std::size_t i) {
     if (kQuery == Query::kAny) {
@@ -264,16 +280,14 @@ class GroupHits {
       return;
     }
     // A t_max that is NaN stays so in t_low_, and nothing is sure of such a ray.
-    t_low_[i] = std::min(ray(i).t_max, hits_[i].t);
-    t_high_[i] = std::min(hits_[i].t, ray(i).t_max);
+    t_low_[i] = std::min(columns_.t_max[i], hits_[i].t);
+    t_high_[i] = std::min(hits_[i].t, columns_.t_max[i]);
     group_.set_limit(i, box_limit(t_high_[i]));
   }
 
   const GroupScene& scene_;
-  std::span<const Ray> rays_;
-  std::span<const std::uint32_t> order_;
-  const RayColumns& columns_;
-  RayGroup& group_;
+  const Columns& columns_;
+  RayGroup<AnyRay>& group_;
   ShearedGroup sheared_;
   RaySet alive_;
   // Bounds on t of the best hit that is known, candidate or not; t_max where there is none.

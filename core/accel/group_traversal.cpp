@@ -4,6 +4,7 @@
 #include <bit>
 
 #include "core/accel/ray_traversal.hpp"
+#include "core/accel/rays_in_object.hpp"
 
 namespace tessera::core {
 namespace {
@@ -12,6 +13,8 @@ namespace {
 constexpr int kBoxVsVector = 9, kRayVsBoxes = 20, kTriangleVsVector = 24, kRayVsPacket = 28;
 // From here on rays go alone.
 constexpr int kFewRays = 3;
+// What it takes to prepare a group in an object is not worth it for fewer.
+constexpr int kLeastInObject = 8;
 
 // A child yet to be visited, and the rays that meet its box.
 struct GroupEntry {
@@ -41,11 +44,12 @@ class GroupStack {
   std::size_t size_ = 0;
 };
 
-template <Query kQuery>
+// Of Rays, or of ObjectRays in the space of an object, which shows no others. Keeps references.
+template <Query kQuery, typename AnyRay>
 class GroupTraversal {
  public:
-  GroupTraversal(const GroupScene& scene, std::span<const Ray> rays, std::span<const std::uint32_t> order)
-      : scene_(scene), columns_(rays, order), group_(columns_), hits_(scene, rays, order, columns_, group_) {}
+  GroupTraversal(const GroupScene& scene, const RayColumns<AnyRay>& columns)
+      : scene_(scene), columns_(columns), group_(columns), hits_(scene, columns, group_) {}
 
   std::span<const Hit> run() {
     stack_.push(0, {0, BvhChild::node(0), hits_.alive()});
@@ -87,8 +91,8 @@ class GroupTraversal {
 
   void visit(std::uint32_t index, RaySet set) {
     const BvhPacket& packet = scene_.packets[index];
-    if (packet.instance_lanes != 0)
-      return for_each_ray(set, [&](std::size_t i) { go_alone(i, BvhChild::packet(index)); });
+    if constexpr (std::is_same_v<AnyRay, Ray>)
+      if (packet.instance_lanes != 0) enter_instances(packet, set);
     if (packet.sphere_lanes != 0) hits_.test_spheres(packet, set);
     if (packet.triangle_lanes == 0) return;
     const int cost_together = std::popcount(packet.triangle_lanes) * vectors_of(set) * kTriangleVsVector;
@@ -99,8 +103,71 @@ class GroupTraversal {
     }
   }
 
+  void enter_instances(const BvhPacket& packet, RaySet set) {
+    for (unsigned lanes = packet.instance_lanes; lanes != 0; lanes &= lanes - 1) {
+      const std::uint32_t primitive = packet.primitives[std::countr_zero(lanes)];
+      enter_instance(scene_.primitives.instance_number(primitive), set & hits_.alive());
+    }
+  }
+
+  void enter_instance(std::uint32_t number, RaySet set) {
+    const Instance& instance = scene_.primitives.instance(number);
+    const Bvh::Arrays& tree = scene_.objects[instance.object];
+    const GroupScene object{scene_.primitives.object_of(instance), nullptr, tree.nodes.data(),
+                            tree.packets.data()};
+    const RaysInObject rays(instance.placement, columns_, set);
+    rays.for_each_octant([&](RaySet octant) {
+      if (std::popcount(octant) >= kLeastInObject) {
+        trace_together(object, number, rays, octant);
+      } else {
+        for_each_ray(octant, [&](std::size_t i) { trace_alone(object, number, rays, i); });
+      }
+    });
+  }
+
+  void trace_together(const GroupScene& object, std::uint32_t number, const RaysInObject& rays, RaySet set) {
+    std::array<std::uint8_t, kGroupSize> place, ray_at;  // of a ray of this group among the set, and back
+    std::size_t count = 0;
+    for_each_ray(set, [&](std::size_t i) {
+      place[i] = static_cast<std::uint8_t>(count);
+      ray_at[count++] = static_cast<std::uint8_t>(i);
+    });
+    const RayColumns<ObjectRay> columns(
+        count, [&](std::size_t k) { return rays.ray(ray_at[k], hits_.reach(ray_at[k])); });
+    GroupTraversal<kQuery, ObjectRay> traversal(object, columns);
+    const std::span<const Hit> found = traversal.run();
+    if (kQuery == Query::kAny) return hits_.occlude(spread(columns.all() & ~traversal.missing(), ray_at));
+    RaySet hit = 0;
+    for (std::size_t k = 0; k < count; ++k) hit |= RaySet{found[k].found()} << ray_at[k];
+    improve_all(hit, number, [&](std::size_t i) { return found[place[i]]; });
+  }
+
+  void trace_alone(const GroupScene& object, std::uint32_t number, const RaysInObject& rays, std::size_t i) {
+    const ObjectRay ray = rays.ray(i, hits_.reach(i));
+    const Hit found =
+        RayTraversal(object.primitives, nullptr, ray).template run<kQuery>(object.nodes, object.packets);
+    if (found.found()) improve_all(RaySet{1} << i, number, [&](std::size_t) { return found; });
+  }
+
+  // By hits in an instance.
+  template <typename HitOf>
+  void improve_all(RaySet set, std::uint32_t instance, const HitOf& hit_of) {
+    hits_.improve_all(set, [&](std::size_t i) {
+      Hit hit = hit_of(i);
+      hit.instance = instance;
+      return hit;
+    });
+  }
+
+  // Bit k of `set` becomes bit bit_of[k].
+  static RaySet spread(RaySet set, const std::array<std::uint8_t, kGroupSize>& bit_of) {
+    RaySet spread = 0;
+    for_each_ray(set, [&](std::size_t k) { spread |= RaySet{1} << bit_of[k]; });
+    return spread;
+  }
+
   void go_alone(std::size_t i, BvhChild child) {
-    hits_.improve(i, [&](const Ray& ray, const ShearedGroup& sheared, const Hit& best) {
+    hits_.improve(i, [&](const AnyRay& ray, const ShearedGroup& sheared, const Hit& best) {
       RayTraversal alone(
           scene_.primitives, scene_.objects, ray, best, [&] { return group_.slab_ray(i); },
           [&] { return sheared.ray(i); });
@@ -109,24 +176,30 @@ class GroupTraversal {
   }
 
   const GroupScene& scene_;
-  const RayColumns columns_;
-  RayGroup group_;
-  GroupHits<kQuery> hits_;
+  const RayColumns<AnyRay>& columns_;
+  RayGroup<AnyRay> group_;
+  GroupHits<kQuery, AnyRay> hits_;
   GroupStack stack_;
 };
+
+RayColumns<Ray> columns_of(std::span<const Ray> rays, std::span<const std::uint32_t> order) {
+  return {order.size(), [&](std::size_t i) -> const Ray& { return rays[order[i]]; }};
+}
 
 }  // namespace
 
 void trace_closest(const GroupScene& scene, std::span<const Ray> rays, std::span<const std::uint32_t> order,
                    std::span<Hit> hits) {
-  GroupTraversal<Query::kClosest> traversal(scene, rays, order);
+  const RayColumns<Ray> columns = columns_of(rays, order);
+  GroupTraversal<Query::kClosest, Ray> traversal(scene, columns);
   const std::span<const Hit> found = traversal.run();
   for (std::size_t i = 0; i < order.size(); ++i) hits[order[i]] = found[i];
 }
 
 void trace_any(const GroupScene& scene, std::span<const Ray> rays, std::span<const std::uint32_t> order,
                std::span<std::uint8_t> occluded) {
-  GroupTraversal<Query::kAny> traversal(scene, rays, order);
+  const RayColumns<Ray> columns = columns_of(rays, order);
+  GroupTraversal<Query::kAny, Ray> traversal(scene, columns);
   traversal.run();
   for (std::size_t i = 0; i < order.size(); ++i)
     occluded[order[i]] = (traversal.missing() >> i & 1) != 0 ? 0 : 1;

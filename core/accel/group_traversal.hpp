@@ -3,6 +3,8 @@
 // sixteen boxes, whichever is less work. Where few rays go on together, each goes its own way
 // (ray_traversal.hpp).
 //
+// Where rays come to an instance together, they become groups again in the space of its object.
+//
 // Rays from neighbouring pixels, or to one lamp, stay together down to the triangles; scattered ones at least
 // share the upper levels of the tree.
 #pragma once
@@ -14,7 +16,7 @@
 
 namespace tessera::core {
 
-// rays[order[i]] are of one octant (ray_columns.hpp), and there are at most RayColumns::kSize. Answers go to
+// rays[order[i]] are of one octant (ray_columns.hpp), and there are at most kGroupSize. Answers go to
 // hits[order[i]] and occluded[order[i]].
 void trace_closest(const GroupScene& scene, std::span<const Ray> rays, std::span<const std::uint32_t> order,
                    std::span<Hit> hits);

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/accel/box_test.hpp"
+#include "core/geometry/rounding.hpp"
 #include "core/geometry/triangle.hpp"
 
 namespace tessera::core {
@@ -15,48 +16,71 @@ constexpr float kInfinity = std::numeric_limits<float>::infinity();
 float least(Float8 a) {
   alignas(32) float lanes[8];
   a.store(lanes);
-  return *std::min_element(lanes, lanes + 8);
+  for (std::size_t half = 4; half > 0; half /= 2)
+    for (std::size_t i = 0; i < half; ++i) lanes[i] = std::min(lanes[i], lanes[i + half]);
+  return lanes[0];
 }
 float greatest(Float8 a) {
   return -least(-a);
 }
 
+struct Bounds {
+  float least, greatest;
+};
+// Of `count` values, a multiple of eight. A NaN stays outside the bounds: a ray that has one hits nothing.
+Bounds bounds_of(const float* values, std::size_t count) {
+  Float8 low(kInfinity), high(-kInfinity);
+  for (std::size_t i = 0; i < count; i += 8) {
+    low = min(Float8::load(values + i), low);
+    high = max(Float8::load(values + i), high);
+  }
+  return {least(low), greatest(high)};
+}
+
 }  // namespace
 
-RayGroup::RayGroup(const RayColumns& rays) {
-  has_bounds_ = true;
-  for (int axis = 0; axis < 3; ++axis) {
-    for (std::size_t i = 0; i < kSize; i += kLanes) {
-      const Float8 inverse = Float8(1) / Float8::load(rays.direction[axis] + i);
-      Float8::load(rays.origin[axis] + i).store(origin_[axis] + i);
-      inverse.store(inverse_[axis] + i);
-      (inverse * Float8(kBoxSlack)).store(far_inverse_[axis] + i);
-    }
-    set_bounds(axis, std::signbit(rays.direction[axis][0]));
-  }
-  for (std::size_t v = 0; v < kVectors; ++v)
+template <typename AnyRay>
+RayGroup<AnyRay>::RayGroup(const Columns& rays) : has_bounds_(true), count_(kLanes * rays.vectors()) {
+  for (int axis = 0; axis < 3; ++axis) set_axis(rays, axis, std::signbit(rays.direction[axis][0]));
+  std::fill_n(limit_, kSize, 0.0f);
+  for (std::size_t v = 0; v < rays.vectors(); ++v)
     set_limits(v, min(Float8::load(rays.t_max + kLanes * v), Float8(kInfinity)));
   prepare_filter(rays);
 }
 
-// A NaN stays outside the bounds: a ray that has one hits nothing.
-void RayGroup::set_bounds(int axis, bool negative) {
+template <typename AnyRay>
+void RayGroup<AnyRay>::set_axis(const Columns& rays, int axis, bool negative) {
   near_side_[axis] = 3 * (negative ? BvhNode::kUpper : BvhNode::kLower) + axis;
   far_side_[axis] = 3 * (negative ? BvhNode::kLower : BvhNode::kUpper) + axis;
-  Float8 least_origin(kInfinity), greatest_origin(-kInfinity);
-  Float8 least_inverse(kInfinity), greatest_inverse(-kInfinity);
-  for (std::size_t i = 0; i < kSize; i += kLanes) {
-    const Float8 origin = Float8::load(origin_[axis] + i), inverse = Float8::load(inverse_[axis] + i);
-    least_origin = min(origin, least_origin);
-    greatest_origin = max(origin, greatest_origin);
-    least_inverse = min(inverse, least_inverse);
-    greatest_inverse = max(inverse, greatest_inverse);
+  for (std::size_t i = 0; i < count_; i += kLanes) {
+    store_origins(Lanes::load(rays.origin[axis] + i), axis, i, negative);
+    const Float8 inverse = in_float(Lanes(1.0f) / Lanes::load(rays.direction[axis] + i));
+    inverse.store(inverse_[axis] + i);
+    (inverse * Float8(kBoxSlack)).store(far_inverse_[axis] + i);
   }
-  const float low = least(least_origin), high = greatest(greatest_origin);
-  origin_bounds_[axis][0] = negative ? low : high;
-  origin_bounds_[axis][1] = negative ? high : low;
-  inverse_bounds_[axis][0] = least(least_inverse);
-  inverse_bounds_[axis][1] = greatest(greatest_inverse);
+  set_bounds(axis, negative);
+}
+
+template <>
+void RayGroup<Ray>::store_origins(Float8 origin, int axis, std::size_t first, bool) {
+  origin.store(origin_[kNear][axis] + first);
+}
+template <>
+void RayGroup<ObjectRay>::store_origins(Double8 origin, int axis, std::size_t first, bool negative) {
+  const Float8 below = rounded_down(origin), above = -rounded_down(-origin);
+  (negative ? below : above).store(origin_[kNear][axis] + first);
+  (negative ? above : below).store(origin_[kFar][axis] + first);
+}
+
+template <typename AnyRay>
+void RayGroup<AnyRay>::set_bounds(int axis, bool negative) {
+  const Bounds of_near = bounds_of(origin_[kNear][axis], count_);
+  const Bounds of_far = kOrigins == 1 ? of_near : bounds_of(origin_[kFar][axis], count_);
+  origin_bounds_[axis][0] = negative ? of_near.least : of_near.greatest;
+  origin_bounds_[axis][1] = negative ? of_far.greatest : of_far.least;
+  const Bounds of_inverse = bounds_of(inverse_[axis], count_);
+  inverse_bounds_[axis][0] = of_inverse.least;
+  inverse_bounds_[axis][1] = of_inverse.greatest;
   for (int i = 0; i < 2; ++i) {
     far_inverse_bounds_[axis][i] = inverse_bounds_[axis][i] * kBoxSlack;
     has_bounds_ =
@@ -65,29 +89,51 @@ void RayGroup::set_bounds(int axis, bool negative) {
 }
 
 // z is the axis along which most of the rays are long.
-void RayGroup::prepare_filter(const RayColumns& rays) {
+template <typename AnyRay>
+void RayGroup<AnyRay>::choose_filter_axes(const Columns& rays) {
   Float8 sum[3] = {0.0f, 0.0f, 0.0f};
   for (int axis = 0; axis < 3; ++axis)
-    for (std::size_t i = 0; i < kSize; i += kLanes)
-      sum[axis] = sum[axis] + fabs(Float8::load(rays.direction[axis] + i));
+    for (std::size_t i = 0; i < count_; i += kLanes)
+      sum[axis] = sum[axis] + fabs(in_float(Lanes::load(rays.direction[axis] + i)));
   const int z = longest_axis(Vec3{greatest(sum[0]), greatest(sum[1]), greatest(sum[2])});
-  const int x = (z + 1) % 3, y = (z + 2) % 3;
-  filter_axes_[0] = x, filter_axes_[1] = y, filter_axes_[2] = z;
+  filter_axes_[0] = (z + 1) % 3, filter_axes_[1] = (z + 2) % 3, filter_axes_[2] = z;
+}
+
+// Shears of either are wrong by two roundings at most: doubles are rounded once, in the end.
+template <>
+Float8 RayGroup<Ray>::filter_inverse(const Columns&, std::size_t first) const {
+  return Float8::load(inverse_[filter_axes_[2]] + first);
+}
+template <>
+Double8 RayGroup<ObjectRay>::filter_inverse(const Columns& rays, std::size_t first) const {
+  return Double8(1) / Double8::load(rays.direction[filter_axes_[2]] + first);
+}
+
+template <typename AnyRay>
+void RayGroup<AnyRay>::prepare_filter(const Columns& rays) {
+  choose_filter_axes(rays);
+  const auto [x, y, z] = filter_axes_;
   Mask8 all_in_range(true);
-  for (std::size_t i = 0; i < kSize; i += kLanes) {
-    const Float8 inverse = Float8::load(inverse_[z] + i);
-    const Float8 shear_x = Float8::load(rays.direction[x] + i) * inverse;
-    const Float8 shear_y = Float8::load(rays.direction[y] + i) * inverse;
+  Float8 origin_terms(0);
+  for (std::size_t i = 0; i < count_; i += kLanes) {
+    const Lanes exact_inverse = filter_inverse(rays, i);
+    const Float8 inverse = in_float(exact_inverse);
+    const Float8 shear_x = in_float(Lanes::load(rays.direction[x] + i) * exact_inverse);
+    const Float8 shear_y = in_float(Lanes::load(rays.direction[y] + i) * exact_inverse);
     const Mask8 in_range = (fabs(inverse) > Float8(0x1p-100f)) & (fabs(inverse) < Float8(0x1p100f)) &
                            (fabs(shear_x) <= Float8(2)) & (fabs(shear_y) <= Float8(2));
     shear_x.store(shear_[0] + i);
     shear_y.store(shear_[1] + i);
     all_in_range = all_in_range & in_range;
+    const auto magnitude = [&](int axis) { return fabs(Float8::load(origin_[kNear][axis] + i)); };
+    origin_terms = max(max(magnitude(x), magnitude(y)) + Float8(2) * magnitude(z), origin_terms);
   }
   can_filter_ = all(all_in_range);
+  if (kOrigins == 2) origin_terms_ = greatest(origin_terms);
 }
 
-RaySet RayGroup::reaching(RaySet set, float t) const {
+template <typename AnyRay>
+RaySet RayGroup<AnyRay>::reaching(RaySet set, float t) const {
   RaySet reaching = 0;
   for (std::size_t v = 0; v < kVectors; ++v) {
     reaching |= RaySet{(Float8::load(limit_ + kLanes * v) >= Float8(t)).bits()} << (kLanes * v);
@@ -95,7 +141,8 @@ RaySet RayGroup::reaching(RaySet set, float t) const {
   return set & reaching;
 }
 
-unsigned RayGroup::boxes_met(const BvhNode& node, float* t_near) const {
+template <typename AnyRay>
+unsigned RayGroup<AnyRay>::boxes_met(const BvhNode& node, float* t_near) const {
   if (!has_bounds_) {
     std::fill_n(t_near, BvhNode::kWidth, 0.0f);
     return 0xffffu;
@@ -121,15 +168,17 @@ unsigned RayGroup::boxes_met(const BvhNode& node, float* t_near) const {
   return met;
 }
 
-void RayGroup::rays_meeting(const BvhNode& node, unsigned met, RaySet set,
-                            std::array<RaySet, BvhNode::kWidth>& meeting) const {
+template <typename AnyRay>
+void RayGroup<AnyRay>::rays_meeting(const BvhNode& node, unsigned met, RaySet set,
+                                    std::array<RaySet, BvhNode::kWidth>& meeting) const {
   for (; met != 0; met &= met - 1) {
     const int lane = std::countr_zero(met);
     meeting[static_cast<std::size_t>(lane)] = rays_meeting_box(node, lane, set);
   }
 }
 
-RaySet RayGroup::rays_meeting_box(const BvhNode& node, int lane, RaySet set) const {
+template <typename AnyRay>
+RaySet RayGroup<AnyRay>::rays_meeting_box(const BvhNode& node, int lane, RaySet set) const {
   RaySet meeting = 0;
   Float8 planes_near[3], planes_far[3];
   for (int axis = 0; axis < 3; ++axis) {
@@ -140,25 +189,27 @@ RaySet RayGroup::rays_meeting_box(const BvhNode& node, int lane, RaySet set) con
     if (lanes_of(set, v) == 0) continue;
     Float8 near(0), far = Float8::load(limit_ + kLanes * v);
     for (int axis = 0; axis < 3; ++axis) {
-      const Float8 origin = Float8::load(origin_[axis] + kLanes * v);
-      near = max((planes_near[axis] - origin) * Float8::load(inverse_[axis] + kLanes * v), near);
-      far = min((planes_far[axis] - origin) * Float8::load(far_inverse_[axis] + kLanes * v), far);
+      const Float8 of_near = Float8::load(origin_[kNear][axis] + kLanes * v);
+      const Float8 of_far = Float8::load(origin_[kFar][axis] + kLanes * v);
+      near = max((planes_near[axis] - of_near) * Float8::load(inverse_[axis] + kLanes * v), near);
+      far = min((planes_far[axis] - of_far) * Float8::load(far_inverse_[axis] + kLanes * v), far);
     }
     meeting |= RaySet{less_equal(near, far)} << (kLanes * v);
   }
   return meeting & set;
 }
 
-unsigned RayGroup::boxes_met_by(std::size_t ray, const BvhNode& node) const {
+template <typename AnyRay>
+unsigned RayGroup<AnyRay>::boxes_met_by(std::size_t ray, const BvhNode& node) const {
   unsigned met = 0;
   for (int lane = 0; lane < BvhNode::kWidth; lane += 8) {
     Float8 near(0), far(limit_[ray]);
     for (int axis = 0; axis < 3; ++axis) {
-      const Float8 origin(origin_[axis][ray]);
-      near = max((Float8::load(node.bounds[near_side_[axis]] + lane) - origin) * Float8(inverse_[axis][ray]),
+      const Float8 of_near(origin_[kNear][axis][ray]), of_far(origin_[kFar][axis][ray]);
+      near = max((Float8::load(node.bounds[near_side_[axis]] + lane) - of_near) * Float8(inverse_[axis][ray]),
                  near);
       far =
-          min((Float8::load(node.bounds[far_side_[axis]] + lane) - origin) * Float8(far_inverse_[axis][ray]),
+          min((Float8::load(node.bounds[far_side_[axis]] + lane) - of_far) * Float8(far_inverse_[axis][ray]),
               far);
     }
     met |= less_equal(near, far) << lane;
@@ -167,8 +218,9 @@ unsigned RayGroup::boxes_met_by(std::size_t ray, const BvhNode& node) const {
 }
 
 // A row of sixteen bits for each ray becomes a column of 64 for each box.
-unsigned RayGroup::rays_meeting(const BvhNode& node, RaySet set,
-                                std::array<RaySet, BvhNode::kWidth>& meeting) const {
+template <typename AnyRay>
+unsigned RayGroup<AnyRay>::rays_meeting(const BvhNode& node, RaySet set,
+                                        std::array<RaySet, BvhNode::kWidth>& meeting) const {
   alignas(32) std::uint8_t rows[2][kSize] = {};
   unsigned met_by_any = 0;
   for_each_ray(set, [&](std::size_t i) {
@@ -181,5 +233,8 @@ unsigned RayGroup::rays_meeting(const BvhNode& node, RaySet set,
   transpose_bits(rows[1], meeting.data() + 8);
   return met_by_any;
 }
+
+template class RayGroup<Ray>;
+template class RayGroup<ObjectRay>;
 
 }  // namespace tessera::core

@@ -1,10 +1,12 @@
 // A group of rays that go into the same octant against boxes, eight rays or eight boxes at once, and all rays
-// together by bounds of their origins and directions.
+// together by bounds of their origins and directions. Of Rays, or of ObjectRays, whose origins, in double,
+// are rounded so that boxes begin too early and end too late.
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <type_traits>
 
 #include "core/accel/box_test.hpp"
 #include "core/accel/bvh_layout.hpp"
@@ -14,17 +16,19 @@
 
 namespace tessera::core {
 
+template <typename AnyRay>
 class RayGroup {
  public:
-  static constexpr std::size_t kSize = RayColumns::kSize, kLanes = RayColumns::kLanes,
-                               kVectors = RayColumns::kVectors;
+  using Columns = RayColumns<AnyRay>;
+  static constexpr std::size_t kSize = Columns::kSize, kLanes = Columns::kLanes, kVectors = Columns::kVectors;
 
-  explicit RayGroup(const RayColumns& rays);
+  explicit RayGroup(const Columns& rays);
 
   // One of the rays, prepared to go on alone.
-  SlabRay<Ray> slab_ray(std::size_t i) const {
+  SlabRay<AnyRay> slab_ray(std::size_t i) const {
     const auto at = [i](const auto& values) { return Vec3{values[0][i], values[1][i], values[2][i]}; };
-    return SlabRay<Ray>(at(origin_), at(inverse_), at(far_inverse_), near_side_, far_side_);
+    return SlabRay<AnyRay>(at(origin_[kNear]), at(origin_[kFar]), at(inverse_), at(far_inverse_), near_side_,
+                           far_side_);
   }
 
   // Boxes that begin beyond a ray's limit do not concern it.
@@ -49,12 +53,13 @@ class RayGroup {
   // The rays of one vector as the filter of triangles takes them, with axes x, y and z.
   FilterRays filter_rays(std::size_t vector) const {
     const auto at = [&](const float* values) { return Float8::load(values + kLanes * vector); };
-    return {at(origin_[filter_axes_[0]]),
-            at(origin_[filter_axes_[1]]),
-            at(origin_[filter_axes_[2]]),
+    return {at(origin_[kNear][filter_axes_[0]]),
+            at(origin_[kNear][filter_axes_[1]]),
+            at(origin_[kNear][filter_axes_[2]]),
             at(shear_[0]),
             at(shear_[1]),
-            at(inverse_[filter_axes_[2]])};
+            at(inverse_[filter_axes_[2]]),
+            Float8(origin_terms_)};
   }
   const int* filter_axes() const { return filter_axes_; }
   // Whether the filter can tell something about every ray.
@@ -63,9 +68,17 @@ class RayGroup {
  private:
   RaySet rays_meeting_box(const BvhNode& node, int lane, RaySet set) const;
   unsigned boxes_met_by(std::size_t ray, const BvhNode& node) const;
-  // All origins, and all inverses, of one axis; `negative` says where the rays go.
+  using Lanes = typename Columns::Lanes;
+  // Of origins, those that boxes' near and far sides are taken relative to. Rays' own are exact.
+  static constexpr int kOrigins = std::is_same_v<AnyRay, Ray> ? 1 : 2, kNear = 0, kFar = kOrigins - 1;
+
+  // Sets and bounds origins and inverses of one axis; `negative` says where the rays go.
+  void set_axis(const Columns& rays, int axis, bool negative);
   void set_bounds(int axis, bool negative);
-  void prepare_filter(const RayColumns& rays);
+  void store_origins(Lanes origin, int axis, std::size_t first, bool negative);
+  void prepare_filter(const Columns& rays);
+  void choose_filter_axes(const Columns& rays);
+  Lanes filter_inverse(const Columns& rays, std::size_t first) const;
 
   int near_side_[3], far_side_[3];  // of BvhNode::bounds
   // Bounds over all rays, those of origins ordered as a ray meets them: boxes' near sides are taken relative
@@ -74,7 +87,9 @@ class RayGroup {
   bool has_bounds_;
   bool can_filter_;
   int filter_axes_[3];
-  alignas(32) float origin_[3][kSize];
+  float origin_terms_ = 0;  // of FilterRays, the largest
+  std::size_t count_;       // of rays, up to a multiple of eight
+  alignas(32) float origin_[kOrigins][3][kSize];
   alignas(32) float inverse_[3][kSize];
   alignas(32) float far_inverse_[3][kSize];
   alignas(32) float limit_[kSize];

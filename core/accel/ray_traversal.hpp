@@ -23,6 +23,17 @@ enum class Query { kClosest, kAny };
 
 // A ray's directions prepared for box tests.
 struct SlabDirections {
+  SlabDirections() = default;
+  // From what has been computed: inverses of the direction, without and with slack.
+  SlabDirections(Vec3 inverse, Vec3 far, const int (&near_sides)[3], const int (&far_sides)[3]) {
+    for (int axis = 0; axis < 3; ++axis) {
+      near_inverse[axis] = Float8(inverse[axis]);
+      far_inverse[axis] = Float8(far[axis]);
+      near_side[axis] = near_sides[axis];
+      far_side[axis] = far_sides[axis];
+    }
+  }
+
   // Whether a box's upper side is the near one along the axis.
   bool prepare(int axis, float inverse) {
     const int near = std::signbit(inverse) ? BvhNode::kUpper : BvhNode::kLower;
@@ -50,15 +61,10 @@ struct SlabRay<Ray> : SlabDirections {
     }
   }
 
-  // The same from parts that have been computed: inverses of the direction, without and with slack.
-  SlabRay(Vec3 o, Vec3 inverse, Vec3 far, const int (&near_sides)[3], const int (&far_sides)[3]) {
-    for (int axis = 0; axis < 3; ++axis) {
-      origin[axis] = Float8(o[axis]);
-      near_inverse[axis] = Float8(inverse[axis]);
-      far_inverse[axis] = Float8(far[axis]);
-      near_side[axis] = near_sides[axis];
-      far_side[axis] = far_sides[axis];
-    }
+  // The same of parts that have been computed; the two origins are one.
+  SlabRay(Vec3 o, Vec3, Vec3 inverse, Vec3 far, const int (&near_sides)[3], const int (&far_sides)[3])
+      : SlabDirections(inverse, far, near_sides, far_sides) {
+    for (int axis = 0; axis < 3; ++axis) origin[axis] = Float8(o[axis]);
   }
 
   Float8 origin_for_near(int axis) const { return origin[axis]; }
@@ -76,6 +82,16 @@ struct SlabRay<ObjectRay> : SlabDirections {
       const float below = rounded_down(ray.origin[axis]), above = -rounded_down(-ray.origin[axis]);
       near_origin[axis] = Float8::broadcast(descends ? below : above);
       far_origin[axis] = Float8::broadcast(descends ? above : below);
+    }
+  }
+
+  // The same of parts that have been computed.
+  SlabRay(Vec3 of_near, Vec3 of_far, Vec3 inverse, Vec3 far, const int (&near_sides)[3],
+          const int (&far_sides)[3])
+      : SlabDirections(inverse, far, near_sides, far_sides) {
+    for (int axis = 0; axis < 3; ++axis) {
+      near_origin[axis] = Float8(of_near[axis]);
+      far_origin[axis] = Float8(of_far[axis]);
     }
   }
 

@@ -6,14 +6,15 @@
 
 #include "core/accel/ray_columns.hpp"
 #include "core/accel/triangle_hits.hpp"
-#include "core/math/simd.hpp"
+#include "core/math/simd_double8.hpp"
 
 namespace tessera::core {
 
 class ShearedGroup {
  public:
-  explicit ShearedGroup(const RayColumns& rays) {
-    for (std::size_t v = 0; v < RayColumns::kVectors; ++v) prepare(rays, v);
+  template <typename AnyRay>
+  explicit ShearedGroup(const RayColumns<AnyRay>& rays) {
+    for (std::size_t v = 0; v < rays.vectors(); ++v) prepare(rays, v);
   }
 
   // Which coordinate is a ray's x, y or z: 0, 1 or 2.
@@ -53,46 +54,39 @@ class ShearedGroup {
   }
 
   // Eight at a time; the axes as longest_axis chooses them.
-  void prepare(const RayColumns& rays, std::size_t v) {
-    const std::size_t first = RayColumns::kLanes * v;
-    const auto column = [&](const float(&values)[3][RayColumns::kSize], int axis) {
-      return Float8::load(values[axis] + first);
-    };
-    const Float8 x = fabs(column(rays.direction, 0)), y = fabs(column(rays.direction, 1)),
-                 z = fabs(column(rays.direction, 2));
+  template <typename AnyRay>
+  void prepare(const RayColumns<AnyRay>& rays, std::size_t v) {
+    using Lanes = typename RayColumns<AnyRay>::Lanes;
+    const std::size_t first = RayColumns<AnyRay>::kLanes * v;
+    const auto column = [first](const auto& values, int axis) { return Lanes::load(values[axis] + first); };
+    const Lanes x = fabs(column(rays.direction, 0)), y = fabs(column(rays.direction, 1)),
+                z = fabs(column(rays.direction, 2));
     const Mask8 x_over_y = x > y, xy_over_z = select(x_over_y, x, y) > z;
     const Mask8 is_x = xy_over_z & x_over_y;
     z_is_y_ |= to_set((xy_over_z & !x_over_y).bits(), v);
     z_is_z_ |= to_set((!xy_over_z).bits(), v);
     // The axis that is `after` steps behind z in the circle x, y, z.
-    const auto turned = [&](const float(&values)[3][RayColumns::kSize], int after) {
-      return select(is_x, column(values, after),
-                    select(xy_over_z, column(values, (1 + after) % 3), column(values, (2 + after) % 3)));
+    const auto turned = [&](const auto& values, int after) {
+      return in_double(
+          select(is_x, column(values, after),
+                 select(xy_over_z, column(values, (1 + after) % 3), column(values, (2 + after) % 3))));
     };
-    alignas(32) float origin[3][8], direction[3][8];
-    for (int i = 0; i < 3; ++i) {
-      turned(rays.origin, i).store(origin[i]);
-      turned(rays.direction, i).store(direction[i]);
-    }
-    for (std::size_t half = 0; half < 8; half += 4) {
-      const std::size_t at = first + half;
-      const Double4 direction_z = Double4::load(direction[0] + half);
-      Double4::load(origin[0] + half).store(origin_z_ + at);
-      Double4::load(origin[1] + half).store(origin_x_ + at);
-      Double4::load(origin[2] + half).store(origin_y_ + at);
-      direction_z.store(direction_z_ + at);
-      (Double4::load(direction[1] + half) / direction_z).store(shear_x_ + at);
-      (Double4::load(direction[2] + half) / direction_z).store(shear_y_ + at);
-    }
+    turned(rays.origin, 0).store(origin_z_ + first);
+    turned(rays.origin, 1).store(origin_x_ + first);
+    turned(rays.origin, 2).store(origin_y_ + first);
+    const Double8 direction_z = turned(rays.direction, 0);
+    direction_z.store(direction_z_ + first);
+    (turned(rays.direction, 1) / direction_z).store(shear_x_ + first);
+    (turned(rays.direction, 2) / direction_z).store(shear_y_ + first);
   }
 
   RaySet z_is_y_ = 0, z_is_z_ = 0;
-  alignas(32) double origin_x_[RayColumns::kSize];
-  alignas(32) double origin_y_[RayColumns::kSize];
-  alignas(32) double origin_z_[RayColumns::kSize];
-  alignas(32) double shear_x_[RayColumns::kSize];
-  alignas(32) double shear_y_[RayColumns::kSize];
-  alignas(32) double direction_z_[RayColumns::kSize];
+  alignas(32) double origin_x_[kGroupSize];
+  alignas(32) double origin_y_[kGroupSize];
+  alignas(32) double origin_z_[kGroupSize];
+  alignas(32) double shear_x_[kGroupSize];
+  alignas(32) double shear_y_[kGroupSize];
+  alignas(32) double direction_z_[kGroupSize];
 };
 
 }  // namespace tessera::core

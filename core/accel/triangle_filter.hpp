@@ -6,9 +6,11 @@
 // The error bounds: let u be the unit roundoff of float. Coordinates relative to the origin have relative
 // error u, shears (of magnitude 2 at most) 2u, so that a sheared coordinate is wrong by
 // u (|X| + 3 |S Z| + |x|) <= u (2L + 8Z), where L is the largest sheared |x| or |y| of the triangle and Z the
-// largest |z|. An edge function is then wrong by E = 4 L u (2L + 8Z) + 3 u L^2 = u L (11 L + 32 Z), to first
-// order. Where all three have one sign, weights of the corners are wrong by 3 E / det each way, and t by
-// Z (6 E / det + 11 u). Each bound is taken a little larger, and a tiny number is added for what underflows.
+// largest |z|. An origin (X, Y, Z) that is no float is wrong itself, by up to 2u of each coordinate, which
+// adds 2u O, with O = max(|X|, |Y|) + 2 |Z|. An edge function is then wrong by E = 4 L u (2L + 8Z + 2 O) +
+// 3 u L^2 = u L (11 L + 32 Z + 8 O), to first order. Where all three have one sign, weights of the corners
+// are wrong by 3 E / det each way, and t by Z (6 E / det + 11 u) + u O. Each bound is taken a little larger,
+// and a tiny number is added for what underflows.
 #pragma once
 
 #include "core/geometry/rounding.hpp"
@@ -22,6 +24,7 @@ struct FilterRays {
   Float8 origin_x, origin_y, origin_z;
   Float8 shear_x, shear_y;  // the direction's x and y for each unit of z
   Float8 inverse_z;         // of the direction
+  Float8 origin_terms;      // O, 0 where origins are exact
 };
 
 class TriangleFilter {
@@ -40,7 +43,10 @@ class TriangleFilter {
     }
     const Float8 extent = max(max_abs(x_), max_abs(y_));
     max_z_ = max_abs(z_);
-    e_error_ = extent * (Float8(kErrorOfExtent) * extent + Float8(kErrorOfZ) * max_z_) + Float8(0x1p-120f);
+    const Float8 of_origin_and_z =
+        multiply_add(Float8(kErrorOfZ), max_z_, Float8(kErrorOfOrigin) * rays.origin_terms);
+    e_error_ = multiply_add(extent, multiply_add(Float8(kErrorOfExtent), extent, of_origin_and_z),
+                            Float8(0x1p-120f));
     least_ = min(min(e_[0], e_[1]), e_[2]);
     greatest_ = max(max(e_[0], e_[1]), e_[2]);
   }
@@ -59,12 +65,15 @@ class TriangleFilter {
     const Float8 z = e_[0] * inverse_det * z_[0] + e_[1] * inverse_det * z_[1] + e_[2] * inverse_det * z_[2];
     const Float8 t = z * rays.inverse_z;
     const Float8 relative_error = Float8(6.5f) * e_error_ * fabs(inverse_det) + Float8(gamma<float>(16));
-    const Float8 error = (max_z_ + Float8(0x1p-100f)) * relative_error * fabs(rays.inverse_z);
+    const Float8 error_of_z =
+        multiply_add(max_z_ + Float8(0x1p-100f), relative_error, Float8(gamma<float>(2)) * rays.origin_terms);
+    const Float8 error = error_of_z * fabs(rays.inverse_z);
     return {t - error, t + error};
   }
 
  private:
-  static constexpr float kErrorOfExtent = gamma<float>(12), kErrorOfZ = gamma<float>(33);
+  static constexpr float kErrorOfExtent = gamma<float>(12), kErrorOfZ = gamma<float>(33),
+                         kErrorOfOrigin = gamma<float>(10);
 
   static Float8 max_abs(const Float8 (&a)[3]) { return max(max(fabs(a[0]), fabs(a[1])), fabs(a[2])); }
 

@@ -49,7 +49,7 @@ bool Placement::can_place(const Transform& t) {
 }
 
 ObjectRay Placement::to_object(const Ray& ray) const {
-  return {object_vector(Vec3d(ray.origin) - origin_), object_vector(Vec3d(ray.direction)), ray.t_max};
+  return {object_point(Vec3d(ray.origin)), object_vector(Vec3d(ray.direction)), ray.t_max};
 }
 
 Aabb Placement::bounds(const Aabb& box) const {

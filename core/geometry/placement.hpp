@@ -20,8 +20,17 @@ class Placement {
   // By the inverse transpose, which keeps outside what is outside, mirrored or not. Not of unit length.
   Vec3d normal(Vec3d n) const { return n.x * inverse_x_ + n.y * inverse_y_ + n.z * inverse_z_; }
 
-  // From the world into the object.
+  // From the world into the object. A ray, or its parts; of eight at once (D is Double8) to the bit the same.
   ObjectRay to_object(const Ray& ray) const;
+  template <typename D>
+  Vec3dOf<D> object_point(Vec3dOf<D> p) const {
+    return object_vector(p - Vec3dOf<D>(origin_.x, origin_.y, origin_.z));
+  }
+  template <typename D>
+  Vec3dOf<D> object_vector(Vec3dOf<D> v) const {
+    const auto along = [&v](const Vec3d& row) { return dot(Vec3dOf<D>(row.x, row.y, row.z), v); };
+    return {along(inverse_x_), along(inverse_y_), along(inverse_z_)};
+  }
   Vec3d object_normal(Vec3d n) const { return {dot(x_axis_, n), dot(y_axis_, n), dot(z_axis_, n)}; }
 
   // Contains what the map makes of the points in `box`, and where rays find them.
@@ -33,8 +42,6 @@ class Placement {
   Vec3d error_terms(Vec3d terms) const;
 
  private:
-  Vec3d object_vector(Vec3d v) const { return {dot(inverse_x_, v), dot(inverse_y_, v), dot(inverse_z_, v)}; }
-
   Vec3d x_axis_, y_axis_, z_axis_, origin_;  // the map's columns
   Vec3d inverse_x_, inverse_y_, inverse_z_;  // the rows of the inverse of the first three
 };

@@ -38,10 +38,11 @@ T rounded_away(T x, T offset) {
   return select((offset > 0) | down, select(down, -stepped, stepped), x);
 }
 
-// The greatest float that is not above x.
-inline float rounded_down(double x) {
-  const auto nearest = static_cast<float>(x);
-  return static_cast<double>(nearest) > x ? next_float_down(nearest) : nearest;
+// The greatest float that is not above x, which is in double precision.
+template <typename D>
+auto rounded_down(D x) {
+  const auto nearest = to_float(x);
+  return select(widened(nearest) > x, next_float_down(nearest), nearest);
 }
 
 }  // namespace tessera::core

@@ -112,10 +112,17 @@ inline Float8 floor(Float8 a) {
 inline Float8 nearbyint(Float8 a) {
   return {_mm256_round_ps(a.v, _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC)};
 }
+// Of each lane, whether its sign bit is set.
+inline Mask8 signbit(Float8 a) {
+  return _mm256_castsi256_ps(_mm256_srai_epi32(_mm256_castps_si256(a.v), 31));
+}
 inline Float8 copysign(Float8 magnitude, Float8 sign) {
   return _mm256_or_ps(fabs(magnitude).v, _mm256_and_ps(_mm256_set1_ps(-0.0f), sign.v));
 }
-// a * b - c and c - a * b, rounded once.
+// a * b + c, a * b - c and c - a * b, rounded once.
+inline Float8 multiply_add(Float8 a, Float8 b, Float8 c) {
+  return {_mm256_fmadd_ps(a.v, b.v, c.v)};
+}
 inline Float8 multiply_subtract(Float8 a, Float8 b, Float8 c) {
   return {_mm256_fmsub_ps(a.v, b.v, c.v)};
 }

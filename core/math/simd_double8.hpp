@@ -11,6 +11,8 @@ struct Double8 {
   Double8() = default;
   Double8(Double4 first_four, Double4 last_four) : low(first_four), high(last_four) {}
   Double8(double every) : low(every), high(every) {}
+  static Double8 load(const double* aligned) { return {Double4::load(aligned), Double4::load(aligned + 4)}; }
+  void store(double* aligned) const { low.store(aligned), high.store(aligned + 4); }
 };
 
 template <>

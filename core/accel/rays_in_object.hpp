@@ -1,0 +1,57 @@
+// Rays of a group in the space of an object that an instance shows: eight at once, to the bit what
+// Placement::to_object makes of each. Rays that point into one octant of the world may point into several
+// there.
+#pragma once
+
+#include "core/accel/ray_columns.hpp"
+#include "core/geometry/placement.hpp"
+
+namespace tessera::core {
+
+class RaysInObject {
+ public:
+  RaysInObject(const Placement& placement, const RayColumns<Ray>& rays, RaySet set) : set_(set) {
+    for (std::size_t v = 0; v < rays.vectors(); ++v)
+      if (lanes_of(set, v) != 0) move(placement, rays, v);
+  }
+
+  // One of the set; t_max is the caller's to say.
+  ObjectRay ray(std::size_t i, float t_max) const {
+    return {{origin_[0][i], origin_[1][i], origin_[2][i]},
+            {direction_[0][i], direction_[1][i], direction_[2][i]},
+            t_max};
+  }
+
+  // Calls what(rays) for those of each octant, where there are any.
+  template <typename What>
+  void for_each_octant(const What& what) const {
+    for (unsigned octant = 0; octant < 8; ++octant) {
+      RaySet rays = set_;
+      for (unsigned axis = 0; axis < 3; ++axis)
+        rays &= (octant >> axis & 1) != 0 ? negative_[axis] : ~negative_[axis];
+      if (rays != 0) what(rays);
+    }
+  }
+
+ private:
+  void move(const Placement& placement, const RayColumns<Ray>& rays, std::size_t v) {
+    const std::size_t first = RayColumns<Ray>::kLanes * v;
+    const auto wide = [first](const auto& values) {
+      return Vec3dOf<Double8>(Vec3Of<Float8>{Float8::load(values[0] + first), Float8::load(values[1] + first),
+                                             Float8::load(values[2] + first)});
+    };
+    const Vec3dOf<Double8> origin = placement.object_point(wide(rays.origin));
+    const Vec3dOf<Double8> direction = placement.object_vector(wide(rays.direction));
+    for (int axis = 0; axis < 3; ++axis) {
+      origin[axis].store(origin_[axis] + first);
+      direction[axis].store(direction_[axis] + first);
+      negative_[axis] |= to_set(signbit(to_float(direction[axis])).bits(), v);
+    }
+  }
+
+  RaySet set_, negative_[3] = {};  // those whose direction is negative along each axis
+  alignas(32) double origin_[3][kGroupSize];
+  alignas(32) double direction_[3][kGroupSize];
+};
+
+}  // namespace tessera::core

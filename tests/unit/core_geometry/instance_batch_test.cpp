@@ -1,0 +1,176 @@
+// Groups of rays that go on through instances: to the bit what every ray finds alone, and what asking every
+// primitive of every instance finds, wherever and however an object is shown and wherever it was modelled.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <tuple>
+
+#include "tests/unit/core_geometry/batches.hpp"
+
+namespace tessera::core {
+namespace {
+
+// What is modelled within about 1 of `center`.
+Primitives body(Vec3 center) {
+  Primitives made = test::icosphere(3, center, 1).primitives();
+  made.add_sphere(center + Vec3{0.3f, 0.9f, 0}, 0.4f, 0);
+  return made;
+}
+
+// Edges and corners at multiples of an eighth: rays along the axes meet them exactly.
+Primitives sheets(Vec3 center) {
+  test::Mesh mesh;
+  for (int layer = -1; layer <= 1; ++layer)
+    for (int y = -8; y < 8; ++y)
+      for (int x = -8; x < 8; ++x) {
+        const auto corner = [&](int dx, int dy) {
+          return center + 0.125f * Vec3{static_cast<float>(x + dx), static_cast<float>(y + dy),
+                                        static_cast<float>(4 * layer)};
+        };
+        mesh.add({corner(0, 0), corner(1, 0), corner(1, 1)});
+        mesh.add({corner(0, 0), corner(1, 1), corner(0, 1)});
+      }
+  return mesh.primitives();
+}
+
+// How large instances are, how far from the origin of the world they stand, and how far from that of its own
+// space the object was modelled, both in units of its size.
+struct Show {
+  float size, distance, modelled_at;
+};
+
+// The map that shows at `place`, `size` as large, what was modelled at `center`.
+Transform placement_at(test::Random& random, const Show& show, Vec3 center) {
+  Transform turned = compose(scaling({show.size, show.size, show.size}), test::random_transform(random, 0));
+  turned.origin = {};
+  const Vec3 place = show.size * (show.distance * Vec3{0.6f, -0.64f, 0.48f} + random.in_box(1.5f));
+  turned.origin = place - turned.point(center);
+  return turned;
+}
+
+// Overlapping, turned, mirrored, scaled by different factors along the axes; each third where the one before
+// it is, and one whose shapes are the scene's own as well.
+test::Soup shown(const Show& show, test::Random& random) {
+  const Vec3 center = show.modelled_at * Vec3{0.48f, 0.6f, -0.64f};
+  Primitives primitives = body({});
+  primitives.add_object(body(center));
+  primitives.add_object(sheets(center));
+  primitives.add_object(body({}));
+  Transform transform;
+  for (std::uint32_t i = 0; i < 9; ++i) {
+    if (i % 3 != 2) transform = placement_at(random, show, center);
+    primitives.add_instance({Placement(transform), i / 3 % 2});
+  }
+  primitives.add_instance({Placement({}), 2});
+  const Transform straight = {{show.size, 0, 0}, {0, -show.size, 0}, {0, 0, show.size}, {}};
+  primitives.add_instance({Placement(straight), 1});
+  return {"shown", std::move(primitives), 4 * show.size};
+}
+
+// From where instances stand, so that rays do not all come from afar.
+test::Rays moved(test::Rays rays, Vec3 by) {
+  for (Ray& ray : rays) ray.origin = ray.origin + by;
+  return rays;
+}
+
+void expect_what_brute_force_finds(const Bvh& bvh, const Primitives& primitives, const test::Rays& rays) {
+  std::vector<Hit> hits(rays.size());
+  bvh.closest_hits(primitives, rays, hits);
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    const Hit expected = test::brute_force_hit(primitives, rays[i]);
+    ASSERT_TRUE(test::identical(hits[i], expected)) << i << "\nexpected " << test::describe(rays[i], expected)
+                                                    << "\n     got " << test::describe(rays[i], hits[i]);
+  }
+}
+
+class GroupsThroughInstances : public testing::TestWithParam<std::tuple<float, float, float>> {
+ protected:
+  Show show() const { return std::make_from_tuple<Show>(GetParam()); }
+};
+
+TEST_P(GroupsThroughInstances, FindWhatEachRayFindsAlone) {
+  test::Random random(21);
+  for (int scene = 0; scene < 4; ++scene) {
+    const test::Soup soup = shown(show(), random);
+    const Bvh bvh = Bvh::build(soup.primitives, 1);
+    const Vec3 place = show().size * show().distance * Vec3{0.6f, -0.64f, 0.48f};
+    for (const std::size_t count : {9u, 64u, 300u}) {
+      for (const float pixel : {1e-4f, 0.01f, 0.1f}) {
+        const test::Rays rays = test::camera_rays(soup, random, count, pixel);
+        test::expect_same_answers(bvh, soup.primitives, rays);
+        test::expect_same_answers(bvh, soup.primitives, moved(rays, place));
+      }
+      test::expect_same_answers(bvh, soup.primitives, test::lamp_rays(soup, random, count, true));
+      test::expect_same_answers(bvh, soup.primitives, test::lamp_rays(soup, random, count, false));
+      test::expect_same_answers(bvh, soup.primitives, test::random_rays(soup, random, count));
+      test::expect_same_answers(bvh, soup.primitives, moved(test::random_rays(soup, random, count), place));
+      test::expect_same_answers(bvh, soup.primitives, test::parallel_rays(random, count));
+      if (HasFatalFailure()) return;
+    }
+  }
+}
+
+TEST_P(GroupsThroughInstances, FindWhatBruteForceFinds) {
+  test::Random random(22);
+  const test::Soup soup = shown(show(), random);
+  const Bvh bvh = Bvh::build(soup.primitives, 1);
+  for (int i = 0; i < 3; ++i) {
+    expect_what_brute_force_finds(bvh, soup.primitives, test::camera_rays(soup, random, 64, 0.03f));
+    expect_what_brute_force_finds(bvh, soup.primitives, test::lamp_rays(soup, random, 64, false));
+    expect_what_brute_force_finds(bvh, soup.primitives, test::lamp_rays(soup, random, 64, true));
+    if (HasFatalFailure()) return;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(SizesAndDistances, GroupsThroughInstances,
+                         testing::Combine(testing::Values(1.0f, 1e-6f, 1e6f), testing::Values(0.0f, 1000.0f),
+                                          testing::Values(0.0f, 3.0f, 30000.0f)));
+
+// At edges and corners of a closed mesh, from inside, from one point and from many.
+TEST(GroupsThroughInstances, LeakNothingThroughAClosedMesh) {
+  test::Random random(23);
+  for (int t = 0; t < 24; ++t) {
+    const Vec3 center = t % 2 == 0 ? Vec3{5, 0, 0} : Vec3{4000, -3000, 2000};
+    Primitives primitives;
+    primitives.add_object(test::icosphere(3, center, 1).primitives());
+    primitives.add_instance({Placement(placement_at(random, {1, t % 3 == 0 ? 500.0f : 0.0f, 0}, center)), 0});
+    const Bvh bvh = Bvh::build(primitives, 1);
+    const Placement& placement = primitives.instance(0).placement;
+    test::Rays rays(4096);
+    const Vec3 from = center + random.in_box(0.4f);
+    for (Ray& ray : rays) {
+      const Vec3 inside = t % 4 < 2 ? from : center + random.in_box(0.4f);
+      ray.origin = placement.point(Vec3d(inside)).rounded();
+      ray.direction = test::point_of(primitives, random) - ray.origin;
+    }
+    std::vector<Hit> hits(rays.size());
+    std::vector<std::uint8_t> occluded(rays.size());
+    bvh.closest_hits(primitives, rays, hits);
+    bvh.any_hits(primitives, rays, occluded);
+    for (std::size_t i = 0; i < rays.size(); ++i)
+      ASSERT_TRUE(hits[i].found() && occluded[i] == 1) << t << ' ' << test::describe(rays[i], hits[i]);
+  }
+}
+
+TEST(GroupsThroughInstances, SurviveRaysThatAreNotRaysAmongOthers) {
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  test::Random random(24);
+  const test::Soup soup = shown({1, 0, 3}, random);
+  const Bvh bvh = Bvh::build(soup.primitives, 1);
+  for (const float bad : {nan, kInfinity, -kInfinity, 0.0f, 3e38f})
+    for (test::Rays rays :
+         {test::camera_rays(soup, random, 64, 0.01f), test::random_rays(soup, random, 64)}) {
+      rays[3].direction = {bad, bad, bad};
+      rays[8].origin.y = bad;
+      rays[30].direction.z = bad;
+      rays[31].t_max = bad;
+      rays[32].t_max = -1;
+      test::expect_same_answers(bvh, soup.primitives, rays);
+      if (HasFatalFailure()) return;
+    }
+}
+
+}  // namespace
+}  // namespace tessera::core
