@@ -127,6 +127,58 @@ INSTANTIATE_TEST_SUITE_P(SizesAndDistances, GroupsThroughInstances,
                          testing::Combine(testing::Values(1.0f, 1e-6f, 1e6f), testing::Values(0.0f, 1000.0f),
                                           testing::Values(0.0f, 3.0f, 30000.0f)));
 
+// A slanted sheet of cells * cells cells, 8 * 8 across, raised by so many units in the last place of its
+// coordinates.
+void add_slanted(test::Mesh& mesh, Vec3 center, int cells, int raised) {
+  const auto corner = [&](int column, int row) {
+    const float x = 8.0f * static_cast<float>(column) / static_cast<float>(cells) - 4;
+    const float y = 8.0f * static_cast<float>(row) / static_cast<float>(cells) - 4;
+    Vec3 p = center + Vec3{x, y, 0.4f * x - 0.3f * y};
+    for (int i = 0; i < raised; ++i) p.z = std::nextafter(p.z, std::numeric_limits<float>::infinity());
+    return p;
+  };
+  for (int row = 0; row < cells; ++row)
+    for (int column = 0; column < cells; ++column) {
+      mesh.add({corner(column, row), corner(column + 1, row), corner(column + 1, row + 1)});
+      mesh.add({corner(column, row), corner(column + 1, row + 1), corner(column, row + 1)});
+    }
+}
+
+// From one point near a sheet down at it.
+test::Rays rays_from_close_by(test::Random& random, std::size_t count) {
+  const float x = random.uniform(-3, 3), y = random.uniform(-3, 3);
+  const Vec3 eye{x, y, 0.4f * x - 0.3f * y + random.uniform(0.003f, 0.03f)};
+  test::Rays rays;
+  for (std::size_t i = 0; i < count; ++i)
+    rays.push_back({eye, {random.uniform(-0.5f, 0.5f), random.uniform(-0.5f, 0.5f), -1}});
+  return rays;
+}
+
+// Sheets so close that float arithmetic cannot tell which is nearer: the scene's own, whose triangles rays
+// meet before they come to instances, and three in each object, of cells that are not the same.
+TEST(GroupsThroughInstances, TellSurfacesApartThatAreAHairFromEachOther) {
+  test::Random random(25);
+  for (int scene = 0; scene < 20; ++scene) {
+    const Vec3 center = scene % 2 == 0 ? Vec3{} : Vec3{20000, -15000, 30000};
+    test::Mesh own, sheets_of_object;
+    add_slanted(own, {}, 1, 0);
+    add_slanted(sheets_of_object, center, 1, 1);
+    add_slanted(sheets_of_object, center, 9, 0);
+    add_slanted(sheets_of_object, center, 7, 1);
+    test::Soup soup{"hair", own.primitives(), 4};
+    soup.primitives.add_object(sheets_of_object.primitives());
+    for (int i = 0; i < 4; ++i)
+      soup.primitives.add_instance({Placement(translation(random.in_box(3e-7f) - center)), 0});
+    const Bvh bvh = Bvh::build(soup.primitives, 1);
+    for (const float pixel : {1e-3f, 0.01f, 0.1f})
+      test::expect_same_answers(bvh, soup.primitives, test::camera_rays(soup, random, 640, pixel));
+    test::expect_same_answers(bvh, soup.primitives, test::lamp_rays(soup, random, 640, false));
+    for (int i = 0; i < 30; ++i)
+      test::expect_same_answers(bvh, soup.primitives, rays_from_close_by(random, 64));
+    if (HasFatalFailure()) return;
+  }
+}
+
 // At edges and corners of a closed mesh, from inside, from one point and from many.
 TEST(GroupsThroughInstances, LeakNothingThroughAClosedMesh) {
   test::Random random(23);
