@@ -7,7 +7,6 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <optional>
 #include <string>
 
 #include "server/coordinator/fair_share.hpp"
@@ -19,23 +18,9 @@ class FairQueue {
   // At most `max_waiting` wait, and of those each caller has its share.
   FairQueue(std::uint64_t all, std::uint64_t max_waiting);
 
-  // What was granted; destroyed, it is given back, and granted to those who wait on the same thread.
-  class Held {
-   public:
-    Held(Held&&) noexcept = default;
-    Held& operator=(Held&&) = delete;
-    ~Held();
-
-   private:
-    friend class FairQueue;
-    struct State;
-    Held(std::shared_ptr<State> state, FairShare::Held held);
-
-    std::shared_ptr<State> state_;  // null when moved from
-    std::optional<FairShare::Held> held_;
-  };
-  // Called once, under no lock of the queue; must be short.
-  using Granted = std::function<void(Held)>;
+  // Called once with what was granted, under no lock of the queue; must be short. What is given back is
+  // granted to those who wait on the same thread.
+  using Granted = std::function<void(FairShare::Held)>;
 
   // Waits as `who`, which nobody else does. It is granted later, or before this returns. False, and nothing
   // happens, if too many wait.
@@ -47,7 +32,8 @@ class FairQueue {
   std::uint64_t held() const;
 
  private:
-  const std::shared_ptr<Held::State> state_;
+  struct State;
+  const std::shared_ptr<State> state_;
 };
 
 }  // namespace tessera::coordinator

@@ -7,15 +7,26 @@
 namespace tessera::coordinator {
 
 struct FairShare::Held::State {
-  explicit State(std::uint64_t most) : all(most) {}
+  State(std::uint64_t most, std::function<void()> tell) : all(most), given_back(std::move(tell)) {}
+  void give_back(const std::string& caller, std::uint64_t amount);
 
   const std::uint64_t all;
+  const std::function<void()> given_back;
   std::mutex mutex;
   std::uint64_t held = 0;                          // guarded by mutex
   std::map<std::string, std::uint64_t> by_caller;  // guarded by mutex; nobody who has nothing
 };
 
-FairShare::FairShare(std::uint64_t all) : state_(std::make_shared<Held::State>(all)) {}
+void FairShare::Held::State::give_back(const std::string& caller, std::uint64_t amount) {
+  const std::lock_guard lock(mutex);
+  held -= amount;
+  const auto known = by_caller.find(caller);
+  known->second -= amount;
+  if (known->second == 0) by_caller.erase(known);
+}
+
+FairShare::FairShare(std::uint64_t all, std::function<void()> given_back)
+    : state_(std::make_shared<Held::State>(all, std::move(given_back))) {}
 
 std::optional<FairShare::Held> FairShare::take(const std::string& caller, std::uint64_t amount) {
   const std::lock_guard lock(state_->mutex);
@@ -53,11 +64,8 @@ FairShare::Held::Held(std::shared_ptr<State> state, std::string caller, std::uin
 
 FairShare::Held::~Held() {
   if (!state_ || amount_ == 0) return;
-  const std::lock_guard lock(state_->mutex);
-  state_->held -= amount_;
-  const auto known = state_->by_caller.find(caller_);
-  known->second -= amount_;
-  if (known->second == 0) state_->by_caller.erase(known);
+  state_->give_back(caller_, amount_);
+  if (state_->given_back) state_->given_back();
 }
 
 }  // namespace tessera::coordinator

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -18,7 +19,8 @@ inline std::string named_caller(const std::string& name) {
 
 class FairShare {
  public:
-  explicit FairShare(std::uint64_t all);
+  // `given_back` is called, under no lock, each time that something was given back.
+  explicit FairShare(std::uint64_t all, std::function<void()> given_back = nullptr);
 
   // What a caller has taken; destroyed, it is given back. May outlive the share.
   class Held {

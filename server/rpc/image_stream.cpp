@@ -53,12 +53,12 @@ void ImageStream::wait_for_memory() {
   const std::lock_guard lock(mutex_);
   if (cancelled_) return Finish(grpc::Status::CANCELLED);
   queued_since_ = Clock::now();
-  const auto granted = [this](coordinator::FairQueue::Held memory) { make_picture(std::move(memory)); };
+  const auto granted = [this](coordinator::FairShare::Held memory) { make_picture(std::move(memory)); };
   if (!streams_.image_mib.wait(this, call_.caller, need_mib_, granted)) Finish(no_memory());
 }
 
 // Not under the lock, or under that of wait_for_memory().
-void ImageStream::make_picture(coordinator::FairQueue::Held memory) {
+void ImageStream::make_picture(coordinator::FairShare::Held memory) {
   memory_.emplace(std::move(memory));
   const bool posted = pools_.slow.post(call_.caller, [this] {
     if (pools_.slow.is_closed()) return Finish(stopping());

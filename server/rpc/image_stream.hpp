@@ -40,7 +40,7 @@ class ImageStream final : public grpc::ServerWriteReactor<v1::GetImageResponse>,
   void end_if_waiting_since(Clock::time_point time) override;
 
   void wait_for_memory();
-  void make_picture(coordinator::FairQueue::Held memory);
+  void make_picture(coordinator::FairShare::Held memory);
   core::Status take_picture();
   void write_next();
   // RESOURCE_EXHAUSTED, with the time after which to try again.
@@ -52,7 +52,7 @@ class ImageStream final : public grpc::ServerWriteReactor<v1::GetImageResponse>,
   StreamLimits& streams_;
   const ImageCall call_;
   std::uint64_t need_mib_ = 0;
-  std::optional<coordinator::FairQueue::Held> memory_;
+  std::optional<coordinator::FairShare::Held> memory_;
   std::string file_;
   std::size_t sent_bytes_ = 0;
   v1::GetImageResponse response_;

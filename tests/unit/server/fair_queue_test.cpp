@@ -18,7 +18,7 @@ class FairQueueTest : public testing::Test {
   // Of the caller with the first letter of its name.
   bool wait(const std::string& name, std::uint64_t amount) {
     const auto [entry, added] = names_.emplace(name, name);
-    return queue_.wait(&entry->second, name.substr(0, 1), amount, [this, name](FairQueue::Held held) {
+    return queue_.wait(&entry->second, name.substr(0, 1), amount, [this, name](FairShare::Held held) {
       order_.push_back(name);
       held_.emplace(name, std::move(held));
     });
@@ -32,7 +32,7 @@ class FairQueueTest : public testing::Test {
   FairQueue queue_{100, 8};
   std::map<std::string, const std::string> names_;
   std::vector<std::string> order_;
-  std::map<std::string, FairQueue::Held> held_;
+  std::map<std::string, FairShare::Held> held_;
 };
 
 using Names = std::vector<std::string>;
