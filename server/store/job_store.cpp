@@ -135,9 +135,9 @@ core::Error damaged(const std::filesystem::path& file, const std::string& how) {
 }
 
 core::Status expect_whole_log(const std::filesystem::path& file) {
-  const auto damage = find_log_damage(log_of(file));
-  if (!damage) return core::fail(damage.error());
-  if (*damage) return core::fail(damaged(file, **damage));
+  const auto log = look_at_log(log_of(file));
+  if (!log) return core::fail(log.error());
+  if (log->damage) return core::fail(damaged(file, *log->damage));
   return {};
 }
 
@@ -284,9 +284,9 @@ core::Status JobStore::empty_log() {
 core::Result<std::vector<std::string>> JobStore::structural_damage() {
   const std::lock_guard lock(impl_->mutex);
   auto damage = impl_->database.structural_damage();
-  const auto log = find_log_damage(log_of(impl_->file));
+  const auto log = look_at_log(log_of(impl_->file));
   if (!log) return core::fail(log.error());
-  if (damage && *log) damage->push_back(**log);
+  if (damage && log->damage) damage->push_back(*log->damage);
   return damage;
 }
 

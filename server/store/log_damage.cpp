@@ -67,31 +67,41 @@ Header read_header(std::string_view bytes) {
   return header;
 }
 
-// Counts the transactions that were committed behind the first frame that does not check.
+// Finds the first frame that does not check, and counts the transactions that were committed behind it.
 class Walk {
  public:
   explicit Walk(const Header& header) : header_(header), sums_(header.sums) {}
 
   void take(std::string_view frame) {
     const bool of_this_log = frame.substr(8, 8) == header_.salts;  // or left from before it was begun anew
-    if (!broken_) {
-      sums_.add(frame.substr(0, kSummedOfFrame), header_.words_are_big_endian);
-      sums_.add(frame.substr(kFrameHeaderBytes), header_.words_are_big_endian);
-      broken_ = !of_this_log || !sums_.stand_in(frame, 16);
-      if (!broken_) ++whole_frames_;
-    }
     const bool commits = big_endian(frame, 4) != 0;
-    if (broken_ && of_this_log && commits) ++unreadable_commits_;
+    if (!broken_ && of_this_log && continues(frame)) {
+      ++whole_frames_;
+      within_transaction_ = !commits;
+      return;
+    }
+    if (!broken_ && of_this_log) within_transaction_ = true;
+    broken_ = true;
+    if (of_this_log && commits) ++unreadable_commits_;
   }
+  // What is left behind the last frame.
+  void end(std::streamsize bytes) { within_transaction_ |= !broken_ && bytes > 0; }
 
   std::uint64_t whole_frames() const { return whole_frames_; }
   // Each was written only when the one before was safe on disk: a crash tears one at most.
   bool damaged() const { return unreadable_commits_ > 1; }
+  bool torn() const { return within_transaction_; }
 
  private:
+  bool continues(std::string_view frame) {
+    sums_.add(frame.substr(0, kSummedOfFrame), header_.words_are_big_endian);
+    sums_.add(frame.substr(kFrameHeaderBytes), header_.words_are_big_endian);
+    return sums_.stand_in(frame, 16);
+  }
+
   const Header& header_;
   Sums sums_;
-  bool broken_ = false;
+  bool broken_ = false, within_transaction_ = false;
   std::uint64_t whole_frames_ = 0, unreadable_commits_ = 0;
 };
 
@@ -101,22 +111,24 @@ std::filesystem::path log_of(const std::filesystem::path& database) {
   return database.string() + "-wal";
 }
 
-core::Result<std::optional<std::string>> find_log_damage(const std::filesystem::path& log) {
+core::Result<LogFindings> look_at_log(const std::filesystem::path& log) {
   std::error_code missing;
   const auto size = std::filesystem::file_size(log, missing);
-  if (missing || size <= kHeaderBytes) return std::nullopt;
+  if (missing || size <= kHeaderBytes) return LogFindings{};
   std::ifstream file(log, std::ios::binary);
   std::string bytes(kHeaderBytes, '\0');
   if (!file.read(bytes.data(), kHeaderBytes)) return core::fail(errno_error("reading", log));
   const Header header = read_header(bytes);
-  if (!header.whole) return fmt::format("{} is damaged at its beginning", log.string());
+  if (!header.whole)
+    return LogFindings{.damage = fmt::format("{} is damaged at its beginning", log.string())};
   Walk walk(header);
   const std::size_t frame_bytes = kFrameHeaderBytes + header.page_bytes;
   bytes.resize(frame_bytes);
   while (file.read(bytes.data(), static_cast<std::streamsize>(frame_bytes))) walk.take(bytes);
-  if (!walk.damaged()) return std::nullopt;
-  return fmt::format("{} is damaged at byte {}", log.string(),
-                     kHeaderBytes + walk.whole_frames() * frame_bytes);
+  walk.end(file.gcount());
+  if (!walk.damaged()) return LogFindings{.damage = std::nullopt, .torn_end = walk.torn()};
+  return LogFindings{.damage = fmt::format("{} is damaged at byte {}", log.string(),
+                                           kHeaderBytes + walk.whole_frames() * frame_bytes)};
 }
 
 }  // namespace tessera::store

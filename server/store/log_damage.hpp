@@ -13,9 +13,15 @@ namespace tessera::store {
 // The log that belongs to a database.
 std::filesystem::path log_of(const std::filesystem::path& database);
 
-// Where the log is damaged, as a sentence; nothing if it is whole, or not there. Of damage to the last
-// transaction alone nothing is told: a crash that tears the one it interrupts, of which nobody has heard,
-// leaves the same. Errors: it cannot be read.
-core::Result<std::optional<std::string>> find_log_damage(const std::filesystem::path& log);
+struct LogFindings {
+  // Where the log is damaged, as a sentence; nothing if it is whole, or not there.
+  std::optional<std::string> damage;
+  // Its last transaction is there in parts, and will not count. That is no damage: a crash that tears the one
+  // it interrupts, of which nobody has heard, leaves the same.
+  bool torn_end = false;
+};
+
+// Errors: it cannot be read.
+core::Result<LogFindings> look_at_log(const std::filesystem::path& log);
 
 }  // namespace tessera::store

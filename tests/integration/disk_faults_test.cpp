@@ -38,17 +38,19 @@ class DiskFaultsTest : public FarmTest {
       files[entry.path()] = entry.is_regular_file() ? read_file(entry.path()) : "";
     return files;
   }
-  // Transactions since the log was last begun anew (SQLite Consortium 2022, section 4).
-  std::size_t commits_in_log() const {
-    constexpr std::size_t kHeader = 32, kFrame = 24 + 16384;
+  // Where each transaction ends in the log since that was last begun anew (SQLite Consortium 2022, section
+  // 4).
+  std::vector<std::size_t> commits_in_log() const {
+    constexpr std::size_t kHeader = 32;
     const std::string bytes = read_file(log());
-    std::size_t commits = 0;
+    std::vector<std::size_t> commits;
     for (std::size_t at = kHeader; at + kFrame <= bytes.size(); at += kFrame) {
       const bool of_this_log = bytes.compare(at + 8, 8, bytes, 16, 8) == 0;
-      if (of_this_log && bytes.compare(at + 4, 4, std::string(4, '\0')) != 0) ++commits;
+      if (of_this_log && bytes.compare(at + 4, 4, std::string(4, '\0')) != 0) commits.push_back(at + kFrame);
     }
     return commits;
   }
+  static constexpr std::size_t kFrame = 24 + 16384;
   static void flip(const std::filesystem::path& file, std::uint64_t at, std::size_t count = 1) {
     std::fstream bytes(file, std::ios::in | std::ios::out | std::ios::binary);
     for (std::size_t i = 0; i < count; ++i) {
@@ -179,7 +181,7 @@ TEST_F(DiskFaultsTest, ADamagedLogIsNoEndOfTheLog) {
   start_worker("worker", 1);
   const std::string id = submit({"--size", "128x128", "--spp", "100000"});
   ASSERT_TRUE(wait_for_samples(id, 1));
-  ASSERT_TRUE(poll_until(60s, [&] { return commits_in_log() >= 4; }));
+  ASSERT_TRUE(poll_until(60s, [&] { return commits_in_log().size() >= 4; }));
   kill_coordinator();
   flip(log(), 32 + 24 + 100);  // in the first page of it: all that was written later would be forgotten
   const auto before = everything();
@@ -192,6 +194,45 @@ TEST_F(DiskFaultsTest, ADamagedLogIsNoEndOfTheLog) {
   restart_coordinator();
   EXPECT_EQ(job(id).state(), v1::JOB_STATE_RUNNING);
   EXPECT_TRUE(wait_for_samples(id, job(id).samples_done() + 1));
+}
+
+// As by a crash of the machine. Also in a folder of another name, which the state was copied to.
+TEST_F(DiskFaultsTest, ALogWhoseEndIsCutOffCostsItsLastTransactionAndNoJob) {
+  const std::vector<std::string> options{"--size", "128x128", "--spp", "4000"};
+  start_coordinator();
+  Process& worker = start_worker("worker", 1);
+  const std::string done = submit(kSmall);
+  ASSERT_TRUE(wait_for_state(done, v1::JOB_STATE_DONE));
+  const std::string picture = image(done, ".exr");
+  const std::string id = submit(options);
+  ASSERT_TRUE(poll_until(60s, [&] { return job(id).samples_done() > 0 && commits_in_log().size() >= 4; }));
+  kill_coordinator();
+  worker.signal(SIGKILL);
+  const std::vector<std::size_t> commits = commits_in_log();
+  const std::size_t last = commits.back(), last_but_one = commits.at(commits.size() - 2);
+  const auto whole = state_;
+  const auto samples_with_log_of = [&](std::size_t bytes) {
+    state_ = folder_ / std::to_string(bytes);
+    std::filesystem::copy(whole, state_, std::filesystem::copy_options::recursive);
+    std::filesystem::resize_file(log(), bytes);
+    const Outcome checked = check();
+    EXPECT_EQ(checked.exit_code, 0) << checked.out;
+    EXPECT_THAT(checked.out,
+                AllOf(HasSubstr("everything is whole: 2 jobs"), HasSubstr("takes in tessera.db-wal")));
+    const bool torn = bytes != last && bytes != last_but_one;
+    EXPECT_EQ(checked.out.find("tessera.db-wal is not all there") != std::string::npos, torn) << checked.out;
+    restart_coordinator();
+    const std::uint64_t samples = job(id).samples_done();
+    EXPECT_THAT(checked.out, HasSubstr(std::to_string(samples) + " of "));
+    EXPECT_EQ(job(id).state(), v1::JOB_STATE_RUNNING);
+    EXPECT_TRUE(image(done, ".exr") == picture);
+    kill_coordinator();
+    return samples;
+  };
+  const std::uint64_t all = samples_with_log_of(last), fewer = samples_with_log_of(last_but_one);
+  EXPECT_LE(fewer, all);
+  for (const std::size_t cut : {std::size_t{1}, kFrame, last - last_but_one - 1})
+    EXPECT_EQ(samples_with_log_of(last - cut), fewer) << cut;
 }
 
 TEST_F(DiskFaultsTest, ADamagedBlobIsNamedAndHarmsNoOtherJob) {

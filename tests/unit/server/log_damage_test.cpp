@@ -27,10 +27,11 @@ class LogDamage : public testing::Test {
     whole_ = read_file(log_of(file));
   }
 
-  std::optional<std::string> damage_of(const std::string& bytes) {
+  LogFindings look_at(const std::string& bytes) {
     write_file(log_, bytes);
-    return *find_log_damage(log_);
+    return *look_at_log(log_);
   }
+  std::optional<std::string> damage_of(const std::string& bytes) { return look_at(bytes).damage; }
   static std::string flipped(std::string bytes, std::size_t at) {
     bytes[at] = static_cast<char>(bytes[at] ^ 1);
     return bytes;
@@ -44,7 +45,8 @@ class LogDamage : public testing::Test {
 TEST_F(LogDamage, AWholeLogHasNone) {
   EXPECT_EQ(damage_of(whole_), std::nullopt);
   EXPECT_EQ(damage_of(""), std::nullopt);
-  EXPECT_EQ(*find_log_damage(folder_.path() / "nowhere"), std::nullopt);
+  EXPECT_EQ(look_at_log(folder_.path() / "nowhere")->damage, std::nullopt);
+  EXPECT_FALSE(look_at(whole_).torn_end);
 }
 
 TEST_F(LogDamage, OneBitIsNoticedWhereverLaterTransactionsWouldBeForgotten) {
@@ -60,9 +62,25 @@ TEST_F(LogDamage, OneBitIsNoticedWhereverLaterTransactionsWouldBeForgotten) {
 
 // The last transaction was not acknowledged before it was whole.
 TEST_F(LogDamage, WhatACrashToreAtTheEndIsNone) {
-  EXPECT_EQ(damage_of(whole_.substr(0, whole_.size() - 5)), std::nullopt);
-  EXPECT_EQ(damage_of(whole_.substr(0, whole_.size() - 40'000)), std::nullopt);
-  EXPECT_EQ(damage_of(flipped(whole_, whole_.size() - 40'000)), std::nullopt);
+  const std::size_t frame = 24 + 16384;
+  for (const std::string& torn :
+       {whole_.substr(0, whole_.size() - 5), whole_.substr(0, whole_.size() - frame),
+        whole_.substr(0, whole_.size() - 40'000), flipped(whole_, whole_.size() - 40'000),
+        flipped(whole_, whole_.size() - 1)}) {
+    const LogFindings found = look_at(torn);
+    EXPECT_EQ(found.damage, std::nullopt);
+    EXPECT_TRUE(found.torn_end);
+  }
+}
+
+// A log that is begun anew is not cut: behind its end are frames of before.
+TEST_F(LogDamage, WhatIsLeftFromBeforeIsNoTornEnd) {
+  const std::size_t frame = 24 + 16384;
+  std::string before = whole_;
+  for (std::size_t at = 32; at < before.size(); at += frame) before[at + 8] ^= 1;
+  const LogFindings found = look_at(whole_ + before.substr(32));
+  EXPECT_EQ(found.damage, std::nullopt);
+  EXPECT_FALSE(found.torn_end);
 }
 
 }  // namespace
