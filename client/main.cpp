@@ -1,5 +1,6 @@
 // tessera: the command line. Hands over to the command that was called and reports its exit status.
 #include <CLI/CLI.hpp>
+#include <cstdio>
 #include <cstdlib>
 #include <exception>
 #include <string>
@@ -28,6 +29,13 @@ int end_parsing(const CLI::App& app, const CLI::ParseError& end, const std::stri
   return kExitUsage;
 }
 
+// Also of a command whose results did not get to where they were sent.
+int with_results_written(int exit_code) {
+  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return exit_code;
+  print_error("stdout cannot be written, so results are missing: is the disk full that it goes to?");
+  return exit_code == kExitOk ? kExitFailed : exit_code;
+}
+
 int run(int argc, char** argv) {
   CLI::App app{"Tessera renders pictures by path tracing, on one machine or on many.", "tessera"};
   app.set_version_flag("--version", "tessera " TESSERA_VERSION);
@@ -44,7 +52,7 @@ int run(int argc, char** argv) {
   } catch (const CLI::ParseError& end) {
     return end_parsing(app, end, argc > 1 ? argv[1] : "");
   }
-  return exit_code;
+  return with_results_written(exit_code);
 }
 
 }  // namespace

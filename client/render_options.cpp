@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <thread>
 
+#include "proto/number_range.hpp"
+
 namespace tessera::client {
 namespace {
 
@@ -56,7 +58,7 @@ void add_local_options(CLI::App& command, RenderOptions& options) {
   command
       .add_option("--scene-cache-gib", options.scene_cache_gib,
                   "Size of that folder: beyond it, scenes that were not used for longest are removed")
-      ->check(CLI::Range(0.0, 1e6))
+      ->check(proto::number_between(0.0, 1e6))
       ->type_name("N")
       ->capture_default_str();
   command.add_flag("-q,--quiet", options.quiet, "No progress; warnings and errors only");

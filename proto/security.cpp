@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cctype>
+#include <charconv>
+#include <cstdint>
 
 #include "core/image/file_io.hpp"
 #include "proto/pem.hpp"
@@ -13,6 +15,26 @@ namespace tessera::proto {
 namespace {
 
 using core::ErrorCode;
+
+// Of gRPC's ways to say where somebody is these are for sockets of this machine, which have no port.
+bool is_local_socket(const std::string& address) {
+  return address.starts_with("unix:") || address.starts_with("unix-abstract:");
+}
+
+core::Status check_form(const std::string& address) {
+  if (is_local_socket(address)) return {};
+  const std::size_t colon = std::min(address.rfind(':'), address.size());
+  const char* const end = address.data() + address.size();
+  std::uint16_t port = 0;
+  const auto [rest, error] = std::from_chars(address.data() + std::min(colon + 1, address.size()), end, port);
+  const bool brackets = address.starts_with('[') && colon > 0 && address[colon - 1] == ']';
+  const bool one_colon = address.find(':') == colon || brackets || address.find("://") != std::string::npos;
+  if (colon > 0 && one_colon && error == std::errc() && rest == end) return {};
+  return core::fail(
+      ErrorCode::kInvalidArgument,
+      fmt::format("'{}' is not HOST:PORT, such as render.example.org:7420, 127.0.0.1:7420 or [::1]:7420",
+                  address));
+}
 
 core::Status both_or_neither(const std::string& certificate, const std::string& key) {
   if (certificate.empty() == key.empty()) return {};
@@ -33,7 +55,7 @@ core::Status allow_plain(const std::string& address, bool insecure, const char* 
 }  // namespace
 
 bool is_loopback(const std::string& address) {
-  if (address.rfind("unix:", 0) == 0 || address.rfind("unix-abstract:", 0) == 0) return true;
+  if (is_local_socket(address)) return true;
   const std::string host = address.substr(0, address.find_last_of(':'));
   in_addr numeric{};
   const bool is_127 = inet_pton(AF_INET, host.c_str(), &numeric) == 1 && host.rfind("127.", 0) == 0;
@@ -49,6 +71,7 @@ bool is_token(std::string_view text) {
 
 core::Result<std::shared_ptr<grpc::ChannelCredentials>> channel_credentials(const std::string& address,
                                                                             const ClientSecurity& security) {
+  if (const auto formed = check_form(address); !formed) return core::fail(formed.error());
   if (const auto paired = both_or_neither(security.certificate, security.key); !paired)
     return core::fail(paired.error());
   if (security.ca.empty()) {
@@ -73,6 +96,7 @@ core::Result<std::shared_ptr<grpc::ChannelCredentials>> channel_credentials(cons
 
 core::Result<std::shared_ptr<grpc::ServerCredentials>> server_credentials(const std::string& address,
                                                                           const ServerSecurity& security) {
+  if (const auto formed = check_form(address); !formed) return core::fail(formed.error().within("--listen"));
   if (const auto paired = both_or_neither(security.certificate, security.key); !paired)
     return core::fail(paired.error());
   if (security.certificate.empty()) {

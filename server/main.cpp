@@ -39,6 +39,8 @@ void warn_of_open_doors(const server::Options& options) {
 }
 
 core::Status run(const server::Options& options, const sigset_t& stop_signals) {
+  if (const auto found = validator::check_validator(options.validator); !found)
+    return core::fail(found.error());
   auto state = store::StateDirectory::open(options.state);
   if (!state) return core::fail(state.error());
   const store::BlobStore blobs = state->blobs;

@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdlib>
 
+#include "proto/number_range.hpp"
 #include "server/limit_flags.hpp"
 
 namespace tessera::server {
@@ -58,18 +59,18 @@ Options parse_options(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--lease-seconds", options.lease_seconds,
                  "A worker silent for so long loses its work to others")
-      ->check(CLI::Range(1.0, 3600.0))
+      ->check(proto::number_between(1.0, 3600.0))
       ->type_name("N")
       ->capture_default_str();
   app.add_option("--keep-unused-hours", options.keep_unused_hours,
                  "Files of scenes that no job names any more are removed after so many hours")
-      ->check(CLI::Range(1.0, 1e6))
+      ->check(proto::number_between(1.0, 1e6))
       ->type_name("N")
       ->capture_default_str();
   app.add_option(
          "--audit", options.audit,
          "The share of ranges, 0 to 1, that a worker of another name renders again, to compare the bits")
-      ->check(CLI::Range(0.0, 1.0))
+      ->check(proto::number_between(0.0, 1.0))
       ->type_name("P")
       ->capture_default_str();
   app.add_option("--validator", options.validator, "The tessera-validator to start for submitted scenes")

@@ -5,6 +5,7 @@
 
 #include "core/integrators/fingerprint.hpp"
 #include "proto/log.hpp"
+#include "proto/unreachable.hpp"
 #include "worker/options.hpp"
 #include "worker/signals.hpp"
 #include "worker/worker.hpp"
@@ -12,6 +13,14 @@
 namespace {
 
 using namespace tessera;
+
+worker::SyncLoop::Explain explaining(const worker::Options& options) {
+  return [options](const grpc::Status& status) {
+    return proto::is_no_connection(status)
+               ? proto::explain_no_connection(status, options.coordinator, options.security)
+               : proto::error_from_grpc(status);
+  };
+}
 
 int run(const worker::Options& options) {
   const worker::StopSignals signals;
@@ -33,7 +42,8 @@ int run(const worker::Options& options) {
                             .threads = options.threads};
   spdlog::info("worker {} ({}) with {} threads, for the coordinator at {}, cache {}", options.name,
                identity.worker_id, options.threads, options.coordinator, options.cache);
-  const core::Status done = worker::Worker(std::move(identity), *cache, *coordinator).run(signals.token());
+  worker::Worker worker(std::move(identity), *cache, *coordinator, {.explain = explaining(options)});
+  const core::Status done = worker.run(signals.token());
   if (!done) {
     spdlog::error("refused by the coordinator: {}", done.error().message);
     return 1;

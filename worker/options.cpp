@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <thread>
 
+#include "proto/number_range.hpp"
 #include "proto/security_flags.hpp"
 #include "proto/text.hpp"
 
@@ -47,7 +48,7 @@ Options parse_options(int argc, char** argv) {
       ->type_name("HOST:PORT")
       ->capture_default_str();
   app.add_option("--threads", options.threads, "Threads to render with")
-      ->check(CLI::Range(1u, kMostThreads))
+      ->check(proto::number_between(1u, kMostThreads))
       ->type_name("N")
       ->capture_default_str();
   app.add_option("--cache", options.cache,
@@ -56,7 +57,7 @@ Options parse_options(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--cache-gib", options.cache_gib,
                  "Size of the cache: beyond it, files that were not used for longest are removed")
-      ->check(CLI::Range(0.0, 1e6))
+      ->check(proto::number_between(0.0, 1e6))
       ->type_name("N")
       ->capture_default_str();
   app.add_option("--name", options.name, "What people call this worker")

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <chrono>
 
-#include "proto/status.hpp"
 #include "worker/waiting.hpp"
 
 namespace tessera::worker {
@@ -71,24 +70,21 @@ core::Result<v1::SynchronizeResponse> SyncLoop::synchronize(const std::stop_toke
   holdings_.report(request);
 
   StoppableCall call(stop, deadline);
-  // The first failure is told at once; then the call itself waits for the coordinator to come back.
-  call.context()->set_wait_for_ready(failing_with_.has_value());
   v1::SynchronizeResponse response;
   const grpc::Status status = coordinator_.Synchronize(call.context(), request, &response);
-  if (!status.ok()) return core::fail(proto::error_from_grpc(status));
+  if (!status.ok()) return core::fail(explain_(status));
   return response;
 }
 
 void SyncLoop::note_success() {
-  if (!connected_ || failing_with_)
+  if (!connected_ || !told_reasons_.empty())
     spdlog::info(connected_ ? "the coordinator is back" : "registered with the coordinator");
   connected_ = true;
-  failing_with_.reset();
+  told_reasons_.clear();
 }
 
 void SyncLoop::note_failure(const core::Error& error) {
-  if (failing_with_ == error.code) return;
-  failing_with_ = error.code;
+  if (!told_reasons_.insert(error.message).second) return;
   if (error.code == core::ErrorCode::kPermissionDenied) {
     spdlog::warn("not let in any more ({}); trying again until that has changed", error.message);
   } else {

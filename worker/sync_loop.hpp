@@ -3,12 +3,14 @@
 // runs it.
 #pragma once
 
-#include <optional>
+#include <functional>
+#include <set>
 #include <stop_token>
 #include <string>
 
 #include "core/base/error.hpp"
 #include "proto/retry.hpp"
+#include "proto/status.hpp"
 #include "tessera/v1/worker_service.grpc.pb.h"
 #include "worker/holdings.hpp"
 #include "worker/identity.hpp"
@@ -17,8 +19,16 @@ namespace tessera::worker {
 
 class SyncLoop {
  public:
-  SyncLoop(Identity identity, v1::WorkerService::StubInterface& coordinator, Holdings& holdings)
-      : identity_(std::move(identity)), coordinator_(coordinator), holdings_(holdings) {}
+  // The error of a call that failed.
+  using Explain = std::function<core::Error(const grpc::Status&)>;
+
+  SyncLoop(
+      Identity identity, v1::WorkerService::StubInterface& coordinator, Holdings& holdings,
+      Explain explain = [](const grpc::Status& status) { return proto::error_from_grpc(status); })
+      : identity_(std::move(identity)),
+        explain_(std::move(explain)),
+        coordinator_(coordinator),
+        holdings_(holdings) {}
 
   // Returns after a stop, or with FAILED_PRECONDITION if the coordinator refuses this worker. Whatever else
   // goes wrong is tried again, forever.
@@ -35,10 +45,11 @@ class SyncLoop {
   void note_failure(const core::Error& error);
 
   const Identity identity_;
+  const Explain explain_;
   v1::WorkerService::StubInterface& coordinator_;
   Holdings& holdings_;
   bool connected_ = false;
-  std::optional<core::ErrorCode> failing_with_;  // of the last call; nothing if it was answered
+  std::set<std::string> told_reasons_;  // why it is not answered; empty while it is
 };
 
 }  // namespace tessera::worker

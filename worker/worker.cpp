@@ -30,11 +30,14 @@ std::optional<core::SceneStore> open_scene_store(const BlobCache& cache) {
 
 Worker::Worker(Identity identity, const BlobCache& cache, v1::WorkerService::StubInterface& coordinator,
                Options options)
-    : identity_(std::move(identity)), cache_(cache), coordinator_(coordinator), options_(options) {}
+    : identity_(std::move(identity)),
+      cache_(cache),
+      coordinator_(coordinator),
+      options_(std::move(options)) {}
 
 core::Status Worker::run(const std::stop_token& stop) {
   Holdings holdings;
-  SyncLoop sync(identity_, coordinator_, holdings);
+  SyncLoop sync(identity_, coordinator_, holdings, options_.explain);
   FetchLoop fetch(cache_, coordinator_, holdings);
   RenderLoop render(static_cast<int>(identity_.threads), holdings, open_scene_store(cache_));
   DeliverLoop deliver(identity_, coordinator_, holdings);

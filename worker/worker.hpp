@@ -17,6 +17,8 @@ class Worker {
   struct Options {
     // How long a stopping worker tries to deliver what it has rendered.
     proto::Duration drain_deadline = std::chrono::seconds(20);
+    // What is the matter where no coordinator is reached.
+    SyncLoop::Explain explain = [](const grpc::Status& status) { return proto::error_from_grpc(status); };
   };
 
   // All three must outlive the worker.

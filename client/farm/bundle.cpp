@@ -36,7 +36,6 @@ constexpr std::uint64_t kSurelyTakenBytes = std::uint64_t{2} << 20;
 
 core::Status upload(Farm& farm, const proto::Digest& digest, const std::string& bytes, bool& progress) {
   grpc::ClientContext context;
-  farm.prepare(context);
   v1::UploadBlobResponse response;
   const auto stream = farm.stub().UploadBlob(&context, &response);
   v1::UploadBlobRequest request;
@@ -108,12 +107,9 @@ core::Result<LocalBundle> bundle_scene(const std::string& scene_path,
 }
 
 core::Status upload_missing(Farm& farm, const LocalBundle& local) {
-  auto missing = find_missing(farm, local.bundle);
-  if (!missing) return fail(missing.error());
-  bool first = true;
   const auto done = patiently<bool>(farm, [&](bool& progress) -> core::Result<bool> {
-    // A coordinator that was started anew keeps nothing for who does not ask again.
-    if (!std::exchange(first, false)) missing = find_missing(farm, local.bundle);
+    // Each time: a coordinator that was started anew keeps nothing for who does not ask again.
+    auto missing = find_missing(farm, local.bundle);
     if (!missing) return fail(missing.error());
     for (const v1::Bundle::Asset& asset : local.bundle.assets()) {
       if (!missing->contains(asset.digest().sha256())) continue;

@@ -9,6 +9,7 @@
 #include "client/interrupt.hpp"
 #include "proto/security_flags.hpp"
 #include "proto/status.hpp"
+#include "proto/unreachable.hpp"
 
 namespace tessera::client {
 
@@ -34,20 +35,25 @@ bool Farm::wait_if_asked(const grpc::Status& status, const grpc::ClientContext& 
   const auto wait =
       std::max<proto::Duration>(*asked, *proto::exponential_backoff()({.count = ++patience.waits}));
   if (std::chrono::steady_clock::now() + wait > patience.until) return false;
-  tell_why_waiting(explain(status, call));
+  tell_why_waiting(explain(status, call), patience.total);
   return sleep_unless_interrupted(wait);
 }
 
-void Farm::tell_why_waiting(const core::Error& error) {
+void Farm::tell_why_waiting(const core::Error& error, std::chrono::seconds most) {
   std::string reason = error.message;
   std::erase_if(reason, [](char c) { return c >= '0' && c <= '9'; });
   const std::lock_guard lock(mutex_);
-  if (told_reasons_.insert(std::move(reason)).second) print_warning(error.message + "; trying again");
+  if (told_reasons_.insert(std::move(reason)).second)
+    print_warning(fmt::format("{}; trying again for up to {} s", error.message, most.count()));
 }
 
 core::Error Farm::explain(const grpc::Status& status, const grpc::ClientContext& call) const {
-  const bool answered = channel_->GetState(false) == GRPC_CHANNEL_READY;
-  if (status.error_code() == grpc::StatusCode::UNAVAILABLE && !answered) return explain_unreachable(status);
+  const bool connected = channel_->GetState(false) == GRPC_CHANNEL_READY;
+  if (status.error_code() == grpc::StatusCode::UNAVAILABLE && !connected) {
+    if (reached_)
+      return {core::ErrorCode::kUnavailable, fmt::format("lost the coordinator at {}", address())};
+    return proto::explain_no_connection(status, address(), options_.security);
+  }
   if (status.error_code() == grpc::StatusCode::DEADLINE_EXCEEDED)
     return {core::ErrorCode::kDeadlineExceeded,
             fmt::format("the coordinator at {} did not answer in time: try again, or look at its log",
@@ -62,37 +68,6 @@ core::Error Farm::explain(const grpc::Status& status, const grpc::ClientContext&
   if (error.message.find("SERVER: Received message larger") != std::string::npos)
     error.message += "; this farm takes no larger messages (tessera-coordinator --max-message-mib)";
   return error;
-}
-
-// gRPC tells a handshake that failed from a peer that is not there in its text alone.
-core::Error Farm::explain_unreachable(const grpc::Status& status) const {
-  const proto::ClientSecurity& security = options_.security;
-  const std::string& text = status.error_message();
-  const auto says = [&](const char* words) { return text.find(words) != std::string::npos; };
-  const auto unavailable = [](std::string sentence) {
-    return core::Error{core::ErrorCode::kUnavailable, std::move(sentence)};
-  };
-  if (says("wrong version number"))
-    return unavailable(fmt::format("the coordinator at {} speaks no TLS: leave out --tls-ca", address()));
-  if (says("andshake")) {
-    return unavailable(fmt::format(
-        "{} answers, but this program does not trust it: is --tls-ca the authority of its certificate, and "
-        "is that for this name? ({})",
-        address(), text));
-  }
-  if (says("ocket closed") || says("reset by peer")) {
-    const char* wants = "it speaks TLS and wants --tls-ca";
-    if (!security.ca.empty()) wants = "it wants --tls-certificate and --tls-key";
-    if (!security.certificate.empty()) wants = "it does not trust the authority of this --tls-certificate";
-    return unavailable(fmt::format(
-        "the coordinator at {} closed the connection: it has just been stopped, has as many as it takes "
-        "(tessera-coordinator --max-connections), or {}",
-        address(), wants));
-  }
-  return unavailable(fmt::format(
-      "no coordinator answers at {}: start one with 'tessera-coordinator', or say where it is with "
-      "--coordinator HOST:PORT or {}",
-      address(), proto::kCoordinatorVariable));
 }
 
 }  // namespace tessera::client

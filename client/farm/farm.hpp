@@ -1,6 +1,7 @@
 // The farm a command speaks to: where it is, and calls whose errors are sentences. Thread-safe.
 #pragma once
 
+#include <fmt/format.h>
 #include <grpcpp/client_context.h>
 
 #include <CLI/CLI.hpp>
@@ -14,6 +15,7 @@
 #include <string>
 
 #include "client/farm/interruption.hpp"
+#include "client/interrupt.hpp"
 #include "core/base/error.hpp"
 #include "proto/channel.hpp"
 #include "proto/retry.hpp"
@@ -21,12 +23,10 @@
 
 namespace tessera::client {
 
-// With a coordinator that restarts, or has too much to do.
-inline constexpr std::chrono::seconds kPatience{60};
-
 struct FarmOptions {
   std::string address = proto::kDefaultCoordinator;  // HOST:PORT
   proto::ClientSecurity security;
+  std::chrono::seconds patience{60};  // with a coordinator that restarts, or has too much to do
 };
 
 // Adds --coordinator and what concerns certificates and tokens. `options` are filled in while the command
@@ -41,18 +41,21 @@ class Farm {
   static core::Result<std::unique_ptr<Farm>> open(const FarmOptions& options);
 
   const std::string& address() const { return options_.address; }
+  // Whether the coordinator has ever answered.
+  bool reached() const { return reached_; }
+  std::chrono::seconds patience() const { return options_.patience; }
   Stub& stub() { return *stub_; }
 
-  // One call of a method, e.g. call(&Farm::Stub::GetJob, request). Blocks for up to `timeout`; and where the
-  // coordinator asks to wait, says so and tries again, for up to `timeout` or a minute.
+  // One call of a method, e.g. call(&Farm::Stub::GetJob, request). Blocks for up to `timeout`, and fails at
+  // once if nobody is there; where the coordinator asks to wait, says so and tries again, for up to `timeout`
+  // or its patience.
   template <typename Request, typename Response>
   core::Result<Response> call(grpc::Status (Stub::*method)(grpc::ClientContext*, const Request&, Response*),
                               const Request& request,
                               std::chrono::seconds timeout = std::chrono::seconds(30)) {
-    Patience patience(std::max(timeout, kPatience));
+    Patience patience(std::max(timeout, options_.patience));
     while (true) {
       grpc::ClientContext context;
-      prepare(context);
       context.set_deadline(std::chrono::system_clock::now() + timeout);
       Response response;
       const grpc::Status status = (stub_.get()->*method)(&context, request, &response);
@@ -64,20 +67,20 @@ class Farm {
     }
   }
 
-  // For streams: makes the call wait for a coordinator that has been reached before and is lost. The first
-  // call of a command fails at once if nobody is there.
-  void prepare(grpc::ClientContext& context) const { context.set_wait_for_ready(reached_); }
-
-  // What to tell the user of a call that failed. Where nobody answered, that is how to start a coordinator.
+  // What to tell the user of a call that failed. Where nobody has ever answered, that is how to start a
+  // coordinator.
   core::Error explain(const grpc::Status& status, const grpc::ClientContext& call) const;
 
-  // Says on stderr why a command waits and tries again: each reason once, whatever numbers are in it.
-  void tell_why_waiting(const core::Error& error);
+  // Says on stderr why a command waits and tries again, and for how long at most: each reason once, whatever
+  // numbers are in it.
+  void tell_why_waiting(const core::Error& error, std::chrono::seconds most);
 
  private:
   // How long a call that the coordinator asks to wait may be tried again.
   struct Patience {
-    explicit Patience(std::chrono::seconds total) : until(std::chrono::steady_clock::now() + total) {}
+    explicit Patience(std::chrono::seconds most)
+        : total(most), until(std::chrono::steady_clock::now() + most) {}
+    std::chrono::seconds total;
     std::chrono::steady_clock::time_point until;
     int waits = 0;
   };
@@ -86,7 +89,6 @@ class Farm {
   bool wait_if_asked(const grpc::Status& status, const grpc::ClientContext& call, Patience& patience);
 
   Farm(const FarmOptions& options, std::shared_ptr<grpc::Channel> channel);
-  core::Error explain_unreachable(const grpc::Status& status) const;
 
   const FarmOptions options_;
   std::shared_ptr<grpc::Channel> channel_;
@@ -96,16 +98,18 @@ class Farm {
   std::set<std::string> told_reasons_;  // guarded by mutex_; without their numbers
 };
 
-// `attempt` again and again while the coordinator restarts or asks to wait, for up to a minute after the last
-// one of which something got through: those set their argument. For steps of a longer task; a command's first
-// call should fail at once where nobody answers.
+// `attempt` again and again while the coordinator restarts or asks to wait, until the farm's patience has
+// passed since the last one of which something got through: those set their argument. For steps of a longer
+// task. Where nobody has ever answered, the first failure is the answer.
 template <typename T>
 core::Result<T> patiently(Farm& farm, const std::function<core::Result<T>(bool& progress)>& attempt) {
   core::Result<T> result;
-  const auto backoff = proto::within(kPatience, proto::transient_only(proto::exponential_backoff()));
+  bool waited = false;
+  const auto backoff = proto::within(farm.patience(), proto::transient_only(proto::exponential_backoff()));
   const proto::RetryPolicy policy = [&](const proto::Attempts& attempts) {
-    const auto wait = backoff(attempts);
-    if (wait) farm.tell_why_waiting(result.error());
+    const auto wait = farm.reached() ? backoff(attempts) : std::nullopt;
+    if (wait) farm.tell_why_waiting(result.error(), farm.patience());
+    waited = waited || wait;
     return wait;
   };
   proto::Waiter waiter = proto::real_time();
@@ -114,7 +118,11 @@ core::Result<T> patiently(Farm& farm, const std::function<core::Result<T>(bool& 
     result = attempt(progress);
     return result ? core::Status{} : core::fail(result.error());
   });
-  return done ? std::move(result) : core::fail(done.error());
+  if (done) return result;
+  core::Error error = done.error();
+  if (waited && proto::is_transient(error.code) && !interrupted())
+    error.message += fmt::format("; this was tried for {} s", farm.patience().count());
+  return core::fail(std::move(error));
 }
 
 }  // namespace tessera::client

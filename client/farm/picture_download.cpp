@@ -35,7 +35,6 @@ v1::ImageFormat to_proto(core::ImageFormat format) {
 
 core::Result<DownloadedPicture> download(Farm& farm, const v1::GetImageRequest& request, bool& progress) {
   grpc::ClientContext context;
-  farm.prepare(context);
   const std::jthread canceller = cancel_at_interrupt(context);
   const auto stream = farm.stub().GetImage(&context, request);
   DownloadedPicture picture;

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <chrono>
 #include <optional>
 #include <thread>
 
@@ -15,6 +16,9 @@
 namespace tessera::client {
 namespace {
 
+// So soon is a coordinator found that has come back.
+constexpr std::chrono::seconds kLongestPause{2};
+
 tl::unexpected<core::Error> interruption() {
   return core::fail(core::ErrorCode::kCancelled, "interrupted");
 }
@@ -25,7 +29,6 @@ core::Result<v1::Job> follow_stream(Farm& farm, const std::string& job_id,
                                     const std::function<void(const v1::Job&)>& on_update,
                                     bool& asked_to_wait) {
   grpc::ClientContext context;
-  farm.prepare(context);
   const std::jthread canceller = cancel_at_interrupt(context);
   v1::WatchJobRequest request;
   request.set_job_id(job_id);
@@ -49,7 +52,7 @@ core::Result<v1::Job> follow_stream(Farm& farm, const std::string& job_id,
 core::Result<v1::Job> watch_job(Farm& farm, const std::string& job_id,
                                 const std::function<void(const v1::Job&)>& on_update,
                                 const std::function<void(const std::string&)>& on_notice) {
-  const auto policy = proto::transient_only(proto::exponential_backoff());
+  const auto policy = proto::transient_only(proto::exponential_backoff({.longest = kLongestPause}));
   int failures = 0;
   bool asked_to_wait = false;
   for (;;) {

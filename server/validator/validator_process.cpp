@@ -189,9 +189,17 @@ core::Result<Approval> read_verdict(const Fd& out, int status, const server::Lim
 }  // namespace
 
 std::string default_validator_path() {
-  std::error_code ignored;  // then the path does not exist, and the first scene says so
+  std::error_code ignored;  // then the path does not exist, as check_validator() says
   return (std::filesystem::read_symlink("/proc/self/exe", ignored).parent_path() / "tessera-validator")
       .string();
+}
+
+core::Status check_validator(const std::string& path) {
+  const bool is_file = std::filesystem::is_regular_file(path);
+  if (is_file && access(path.c_str(), X_OK) == 0) return {};
+  return core::fail(ErrorCode::kFailedPrecondition,
+                    fmt::format("{}: {}: install tessera-validator there, or name it with --validator", path,
+                                is_file ? "cannot be executed" : "there is no such program"));
 }
 
 core::Result<Approval> validate_scene(const ProcessOptions& options, const store::BlobStore& blobs,

@@ -31,6 +31,9 @@ struct Approval {
 // The executable next to this process's own.
 std::string default_validator_path();
 
+// FAILED_PRECONDITION if there is no program to start at this path: every scene would be refused.
+core::Status check_validator(const std::string& path);
+
 // How the bundle would be rendered and shown. Its blobs must be in `blobs`. Blocks.
 // RESOURCE_EXHAUSTED: the scene is beyond a limit, or could not be loaded within time and memory.
 // INVALID_ARGUMENT also if the validator crashed over it; INTERNAL if it could not be started; UNAVAILABLE

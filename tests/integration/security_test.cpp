@@ -82,6 +82,28 @@ TEST_F(SecurityTest, WhoCannotShowThemselvesIsToldWhatIsMissing) {
   EXPECT_THAT(refusal({"jobs"}), HasSubstr("does not trust the authority of this --tls-certificate"));
 }
 
+// A worker tries again for ever: its log says what is the matter, and again where that changes.
+TEST_F(SecurityTest, WhoCannotConnectIsToldWhatToMend) {
+  listen_ = "127.0.0.2:0";  // for which the certificate is not
+  speak_tls();
+  start_coordinator();
+  const auto says = [&](Process& worker, const char* words) {
+    return poll_until(std::chrono::seconds(20),
+                      [&] { return worker.err().find(words) != std::string::npos; });
+  };
+  EXPECT_TRUE(says(start_worker("plain", 1), "it speaks TLS and wants --tls-ca"));
+  security_.ca = certificate("ca.pem");
+  const char* const other_names = "its certificate is for other names";
+  EXPECT_THAT(refusal({"jobs"}), HasSubstr(other_names));
+  Process& misled = start_worker("misled", 1);
+  EXPECT_TRUE(says(misled, other_names));
+  make_certificates("others");
+  security_.ca = folder_ / "others" / "ca.pem";
+  EXPECT_TRUE(says(start_worker("stranger", 1), "is --tls-ca the authority of its certificate?"));
+  kill_coordinator();
+  EXPECT_TRUE(says(misled, "no coordinator answers at "));
+}
+
 TEST_F(SecurityTest, TokensAllowWhatTheirRoleDoes) {
   ask_for_tokens();
   start_coordinator();
@@ -180,6 +202,16 @@ TEST_F(SecurityTest, ACoordinatorThatCannotBeSafeDoesNotStart) {
     EXPECT_THAT(said, ::testing::Not(HasSubstr("0123456789"))) << "a secret in a log";
   }
   complaint({"--listen", "127.0.0.1:0", "--tokens", ""}, 2);
+  EXPECT_THAT(complaint({"--listen", "7420"}, 1), HasSubstr("--listen: '7420' is not HOST:PORT"));
+  EXPECT_THAT(complaint({"--listen", "127.0.0.1:0", "--validator", folder_ / "none"}, 1),
+              HasSubstr("none: there is no such program: install tessera-validator there"));
+  for (const char* option : {"--audit", "--lease-seconds", "--stall-seconds", "--max-calls-per-second"})
+    EXPECT_THAT(complaint({option, "nan"}, 2), HasSubstr("got 'nan'")) << option;
+  EXPECT_THAT(complaint({"--listen", "7420"}, 1), HasSubstr("--listen: '7420' is not HOST:PORT"));
+  EXPECT_THAT(complaint({"--listen", "127.0.0.1:0", "--validator", folder_ / "none"}, 1),
+              HasSubstr("none: there is no such program: install tessera-validator there"));
+  for (const char* option : {"--audit", "--lease-seconds", "--stall-seconds", "--max-calls-per-second"})
+    EXPECT_THAT(complaint({option, "nan"}, 2), HasSubstr("got 'nan'")) << option;
 }
 
 }  // namespace

@@ -39,11 +39,11 @@ std::string contents(std::FILE* file) {
 
 }  // namespace
 
-ProcessResult run_tessera(const std::vector<std::string>& arguments) {
+ProcessResult run_tessera(const std::vector<std::string>& arguments, const char* stdout_device) {
   std::FILE *out = std::tmpfile(), *err = std::tmpfile();
   const pid_t child = ::fork();
   if (child == 0) {
-    ::dup2(::fileno(out), STDOUT_FILENO);
+    ::dup2(stdout_device == nullptr ? ::fileno(out) : ::open(stdout_device, O_WRONLY), STDOUT_FILENO);
     ::dup2(::fileno(err), STDERR_FILENO);
     become_tessera(arguments);
   }

@@ -11,8 +11,8 @@ struct ProcessResult {
   std::string out, err;
 };
 
-// Runs to the end with stdout and stderr in files.
-ProcessResult run_tessera(const std::vector<std::string>& arguments);
+// Runs to the end with stdout and stderr in files, or with stdout to this device.
+ProcessResult run_tessera(const std::vector<std::string>& arguments, const char* stdout_device = nullptr);
 
 // Runs with stderr on a terminal of its own; sends `signal` when `text` has appeared there.
 ProcessResult run_on_terminal_and_signal(const std::vector<std::string>& arguments, const std::string& text,

@@ -76,8 +76,12 @@ class FarmCalls : public testing::Test {
     builder.AddListeningPort("127.0.0.1:0", grpc::InsecureServerCredentials(), &port);
     builder.RegisterService(&service_);
     server_ = builder.BuildAndStart();
-    farm_ = std::move(*Farm::open({.address = "127.0.0.1:" + std::to_string(port), .security = {}}));
+    address_ = "127.0.0.1:" + std::to_string(port);
+    open_farm({.address = address_, .security = {}});
   }
+  void open_farm(const FarmOptions& options) { farm_ = std::move(*Farm::open(options)); }
+  // Something else than what a test is about.
+  void reach() { ASSERT_TRUE(farm_->call(&Farm::Stub::FindMissingBlobs, v1::FindMissingBlobsRequest())); }
   core::Result<v1::ListJobsResponse> list() {
     testing::internal::CaptureStderr();
     auto answer = farm_->call(&Farm::Stub::ListJobs, v1::ListJobsRequest());
@@ -95,6 +99,7 @@ class FarmCalls : public testing::Test {
 
   BusyService service_;
   std::unique_ptr<grpc::Server> server_;
+  std::string address_;
   std::unique_ptr<Farm> farm_;
   std::string told_;  // on stderr
 };
@@ -103,7 +108,7 @@ TEST_F(FarmCalls, ThatAreAskedToWaitAreTriedAgain) {
   service_.refusals = 3;
   EXPECT_TRUE(list());
   EXPECT_EQ(service_.calls, 4);
-  EXPECT_EQ(told_, "tessera: warning: there are too many calls from here; trying again\n");
+  EXPECT_EQ(told_, "tessera: warning: there are too many calls from here; trying again for up to 60 s\n");
   service_.calls = 0;
   EXPECT_TRUE(list());
   EXPECT_EQ(told_, "") << "it is told once";
@@ -120,6 +125,7 @@ TEST_F(FarmCalls, ThatWaitSayEachReasonOnce) {
 }
 
 TEST_F(FarmCalls, ForPicturesThatTheCoordinatorEndedAreTriedAgain) {
+  reach();
   const std::string path = testing::TempDir() + "/ended.pfm";
   service_.refusals = 2;
   service_.code = grpc::StatusCode::CANCELLED;
@@ -172,6 +178,7 @@ TEST_F(FarmCalls, DoNotWaitForACoordinatorThatNeverAnswered) {
 }
 
 TEST_F(FarmCalls, OfLongerTasksAreTriedAgain) {
+  reach();
   service_.refusals = 2;
   service_.pushback = "";
   service_.code = grpc::StatusCode::UNAVAILABLE;
@@ -181,6 +188,35 @@ TEST_F(FarmCalls, OfLongerTasksAreTriedAgain) {
   EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("; trying again"));
   EXPECT_TRUE(answer);
   EXPECT_EQ(service_.calls, 3);
+}
+
+// Wherever it is lost: the command says that it waits, and in the end that it did so in vain.
+TEST_F(FarmCalls, ToACoordinatorThatIsLostAreTriedAgainForAWhile) {
+  open_farm({.address = address_, .security = {}, .patience = std::chrono::seconds(1)});
+  const auto local = bundle_scene(TESSERA_SOURCE_DIR "/scenes/cornell/scene.json", {});
+  ASSERT_TRUE(local);
+  reach();
+  server_->Shutdown(std::chrono::system_clock::now());
+  const std::string lost = "lost the coordinator at " + address_;
+  testing::internal::CaptureStderr();
+  const core::Status uploaded = upload_missing(*farm_, *local);
+  EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr(lost + "; trying again for up to 1 s"));
+  ASSERT_FALSE(uploaded);
+  EXPECT_EQ(uploaded.error().message, lost + "; this was tried for 1 s");
+  const auto picture = download_pictures(*farm_, "id", {testing::TempDir() + "/lost.pfm"}, {});
+  ASSERT_FALSE(picture);
+  EXPECT_THAT(picture.error().message, HasSubstr(lost + "; this was tried for 1 s"));
+}
+
+TEST_F(FarmCalls, ToACoordinatorThatNeverAnsweredFailAtOnce) {
+  server_->Shutdown(std::chrono::system_clock::now());
+  const auto local = bundle_scene(TESSERA_SOURCE_DIR "/scenes/cornell/scene.json", {});
+  ASSERT_TRUE(local);
+  testing::internal::CaptureStderr();
+  const core::Status uploaded = upload_missing(*farm_, *local);
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+  ASSERT_FALSE(uploaded);
+  EXPECT_THAT(uploaded.error().message, HasSubstr("no coordinator answers at " + address_));
 }
 
 }  // namespace

@@ -43,6 +43,24 @@ TEST(Security, BeyondTheLoopbackGoingWithoutTlsMustBeAskedFor) {
   EXPECT_TRUE(server_credentials("0.0.0.0:1", serving));
 }
 
+TEST(Security, AddressesAreHostAndPort) {
+  ClientSecurity client;
+  ServerSecurity server;
+  client.insecure = server.insecure = true;
+  for (const char* address : {"", "7420", "localhost", "localhost:", ":7420", "localhost:x",
+                              "localhost:65536", "localhost:-1", "::1:7420", "[::1]", "localhost:7420 "}) {
+    const auto calling = channel_credentials(address, client);
+    ASSERT_FALSE(calling) << address;
+    EXPECT_THAT(calling.error().message, HasSubstr("is not HOST:PORT, such as")) << address;
+    const auto serving = server_credentials(address, server);
+    ASSERT_FALSE(serving) << address;
+    EXPECT_THAT(serving.error().message, HasSubstr("--listen: '")) << address;
+  }
+  for (const char* address : {"localhost:1", "10.0.0.1:65535", "[2001:db8::1]:7420", "unix:/tmp/socket",
+                              "dns:///render.example.org:7420"})
+    EXPECT_TRUE(channel_credentials(address, client)) << address;
+}
+
 TEST(Security, OptionsThatBelongTogetherAreAskedForTogether) {
   ClientSecurity client;
   client.certificate = "worker.pem";

@@ -232,5 +232,15 @@ TEST_F(Validator, SaysWhereItShouldBe) {
   EXPECT_THAT(error.message, HasSubstr(options_.path));
 }
 
+TEST(ValidatorProgram, MustBeThere) {
+  EXPECT_TRUE(check_validator(TESSERA_VALIDATOR));
+  for (const std::string& path : {std::string("/nowhere/tessera-validator"), testing::TempDir()}) {
+    const core::Status found = check_validator(path);
+    ASSERT_FALSE(found) << path;
+    EXPECT_THAT(found.error().message, HasSubstr(path + ": there is no such program"));
+    EXPECT_THAT(found.error().message, HasSubstr("--validator"));
+  }
+}
+
 }  // namespace
 }  // namespace tessera::validator

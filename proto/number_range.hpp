@@ -1,0 +1,22 @@
+// Numbers of the command line that must lie between two others.
+#pragma once
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <string>
+
+namespace tessera::proto {
+
+// For CLI::Option::check. Unlike CLI::Range it refuses "nan", too. `--help` shows the range.
+template <typename T>
+CLI::Validator number_between(T least, T most) {
+  const auto problem = [least, most](const std::string& text) {
+    T value{};
+    if (CLI::detail::lexical_cast(text, value) && value >= least && value <= most) return std::string();
+    return fmt::format("must be a number from {} to {}; got '{}'", least, most, text);
+  };
+  return CLI::Validator(problem, fmt::format("{} to {}", least, most));
+}
+
+}  // namespace tessera::proto

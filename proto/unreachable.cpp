@@ -1,0 +1,65 @@
+#include "proto/unreachable.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <initializer_list>
+#include <string_view>
+
+#include "proto/channel.hpp"
+
+namespace tessera::proto {
+namespace {
+
+bool says(const grpc::Status& status, std::initializer_list<std::string_view> any_of) {
+  const std::string text = status.error_message();
+  return std::any_of(any_of.begin(), any_of.end(),
+                     [&](std::string_view words) { return text.find(words) != std::string::npos; });
+}
+
+std::string closed_at_once(const std::string& address, const ClientSecurity& security) {
+  const char* wants = "it speaks TLS and wants --tls-ca";
+  if (!security.ca.empty()) wants = "it wants --tls-certificate and --tls-key";
+  if (!security.certificate.empty()) wants = "it does not trust the authority of this --tls-certificate";
+  return fmt::format(
+      "the coordinator at {} closed the connection: it has just been stopped, has as many as it takes "
+      "(tessera-coordinator --max-connections), or {}",
+      address, wants);
+}
+
+std::string explain(const grpc::Status& status, const std::string& address, const ClientSecurity& security) {
+  if (says(status, {"wrong version number"}))
+    return fmt::format("the coordinator at {} speaks no TLS: leave out --tls-ca", address);
+  if (says(status, {"not in peer certificate"})) {
+    return fmt::format(
+        "{} answers, but its certificate is for other names: call it by one of those, or make a certificate "
+        "for this one as well",
+        address);
+  }
+  if (says(status, {"andshake failed"})) {
+    return fmt::format(
+        "{} answers, but this program does not trust it: is --tls-ca the authority of its certificate? ({})",
+        address, status.error_message());
+  }
+  if (says(status, {"ocket closed", "reset by peer"})) return closed_at_once(address, security);
+  if (says(status, {"DNS resolution"}))
+    return fmt::format("no machine is known by the name in {}: is it spelled right?", address);
+  return fmt::format(
+      "no coordinator answers at {}: start one with 'tessera-coordinator', or say where it is with "
+      "--coordinator HOST:PORT or {}",
+      address, kCoordinatorVariable);
+}
+
+}  // namespace
+
+bool is_no_connection(const grpc::Status& status) {
+  return status.error_code() == grpc::StatusCode::UNAVAILABLE &&
+         says(status, {"failed to connect", "DNS resolution"});
+}
+
+core::Error explain_no_connection(const grpc::Status& status, const std::string& address,
+                                  const ClientSecurity& security) {
+  return {core::ErrorCode::kUnavailable, explain(status, address, security)};
+}
+
+}  // namespace tessera::proto

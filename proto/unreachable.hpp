@@ -1,0 +1,22 @@
+// What to tell whoever reaches no coordinator: gRPC tells a handshake that failed, or a name that nobody has,
+// from a peer that is not there in its text alone. Stateless.
+#pragma once
+
+#include <grpcpp/support/status.h>
+
+#include <string>
+
+#include "core/base/error.hpp"
+#include "proto/security.hpp"
+
+namespace tessera::proto {
+
+// Whether a call ended so because no connection could be made.
+bool is_no_connection(const grpc::Status& status);
+
+// Why not, as far as it shows, and what to mend: UNAVAILABLE. `address` and `security` are those that the
+// channel was opened with.
+core::Error explain_no_connection(const grpc::Status& status, const std::string& address,
+                                  const ClientSecurity& security);
+
+}  // namespace tessera::proto
