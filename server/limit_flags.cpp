@@ -6,6 +6,7 @@
 #include <string>
 
 #include "core/scene/settings.hpp"
+#include "proto/number_range.hpp"
 #include "server/validator/flags.hpp"
 
 namespace tessera::server {
@@ -24,7 +25,7 @@ constexpr double kMostSeconds = 86400;
 template <typename T>
 void add(CLI::App& app, const char* flag, T& value, T least, T most, const char* what) {
   app.add_option(flag, value, what)
-      ->check(CLI::Range(least, most))
+      ->check(proto::number_between(least, most))
       ->type_name("N")
       ->capture_default_str()
       ->group("Limits");
@@ -38,7 +39,7 @@ void add_seconds(CLI::App& app, const char* flag, std::chrono::milliseconds& val
            value = std::chrono::duration_cast<std::chrono::milliseconds>(Seconds(seconds));
          },
          what)
-      ->check(CLI::Range(1.0, kMostSeconds))
+      ->check(proto::number_between(1.0, kMostSeconds))
       ->type_name("N")
       ->default_str(std::to_string(std::chrono::duration_cast<std::chrono::seconds>(value).count()))
       ->group("Limits");
@@ -82,11 +83,13 @@ void add_call_flags(CLI::App& app, Limits& limits) {
   add<std::uint64_t>(app, "--max-machine-connections", limits.machine_connections, 1, kMany,
                      "Connections of one machine (IPv4 address, or 64 bits of an IPv6 address)");
   add<std::uint64_t>(app, "--max-fetches", limits.fetches, 1, kMany, "Files that workers fetch at once");
+  add<std::uint64_t>(app, "--max-watches", limits.watches, 1, kMany, "Jobs that are watched at once");
   add<std::uint64_t>(app, "--max-image-mib", limits.image_mib, 1, kMostMib,
                      "Memory for pictures that are fetched at once; one is always made");
-  add_seconds(
-      app, "--stall-seconds", limits.stall_time,
-      "Uploads, and files and pictures that are fetched, whose callers stand still for so long are ended");
+  add_seconds(app, "--stall-seconds", limits.stall_time,
+              "Uploads, files and pictures that are fetched, and jobs that are watched, whose callers stand "
+              "still for "
+              "so long are ended");
   add(app, "--max-message-mib", limits.message_mib, kLeastMessageMib, kMostMessageMib, "One message");
   add(app, "--max-calls-per-second", limits.calls_per_second, 1.0, 1e9,
       "Calls of one submitter (without --tokens: of one machine), or of one worker; ten seconds' worth at "

@@ -47,6 +47,8 @@ struct Limits {
 
   // Files that workers fetch at once.
   std::uint64_t fetches = 2048;
+  // Jobs that are watched at once; a job that several watch counts for each.
+  std::uint64_t watches = 4096;
   // Of pictures that are fetched: the memory of all together, while they are made and sent. One is always
   // made.
   std::uint64_t image_mib = 8 * 1024;

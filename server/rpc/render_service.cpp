@@ -122,7 +122,15 @@ grpc::ServerWriteReactor<v1::WatchJobResponse>* RenderService::WatchJob(grpc::Ca
   Caller caller;
   if (const auto admitted = gate_.admit(*context, Role::kSubmit, caller); !admitted.ok())
     return new RefusedStream<grpc::ServerWriteReactor<v1::WatchJobResponse>>(admitted);
-  return new WatchCall(watches_, request->job_id());
+  auto place = streams_.watches.take(caller.key);
+  if (!place) {
+    return new RefusedStream<grpc::ServerWriteReactor<v1::WatchJobResponse>>(
+        try_later(*context,
+                  server::over_share(streams_.watches.held_by(caller.key), "jobs", "are being watched",
+                                     streams_.limits.watches, "--max-watches"),
+                  kTryAgainAfter));
+  }
+  return new WatchCall(*context, watches_, streams_.stalls, {request->job_id(), *std::move(place)});
 }
 
 grpc::ServerWriteReactor<v1::GetImageResponse>* RenderService::GetImage(grpc::CallbackServerContext* context,

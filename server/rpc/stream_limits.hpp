@@ -1,5 +1,5 @@
-// What streams share: places for uploads and downloads, memory for pictures, and patience with callers that
-// stand still. Thread-safe.
+// What streams share: places for uploads, downloads and watchers, memory for pictures, and patience with
+// callers that stand still. Thread-safe.
 #pragma once
 
 #include "server/coordinator/fair_queue.hpp"
@@ -17,11 +17,12 @@ struct StreamLimits {
       : limits(l),
         uploads(l.uploads),
         fetches(l.fetches),
+        watches(l.watches),
         image_mib(l.image_mib, kMaxWaitingImages),
         stalls(l.stall_time) {}
 
   const server::Limits& limits;
-  coordinator::FairShare uploads, fetches;
+  coordinator::FairShare uploads, fetches, watches;
   coordinator::FairQueue image_mib;
   StallWatch stalls;
 };

@@ -1,5 +1,6 @@
 #include "server/rpc/watch_call.hpp"
 
+#include <chrono>
 #include <utility>
 
 #include "proto/status.hpp"
@@ -16,13 +17,16 @@ bool is_final(v1::JobState state) {
 
 }  // namespace
 
-WatchCall::WatchCall(WatchHub& hub, std::string job_id) : hub_(hub), job_id_(std::move(job_id)) {
+WatchCall::WatchCall(grpc::CallbackServerContext& context, WatchHub& hub, StallWatch& stalls,
+                     WatchRequest request)
+    : context_(context), hub_(hub), stalls_(stalls), request_(std::move(request)) {
+  stalls_.add(*this);
   hub_.add(*this);
 }
 
 void WatchCall::tell(const core::Result<v1::Job>& job) {
   if (!job) return end(proto::to_grpc(job.error()));
-  const bool soon = std::chrono::steady_clock::now() < last_sent_at_ + kShortestInterval;
+  const bool soon = Clock::now() < last_sent_at_ + kShortestInterval;
   if (writing_ || ending_ || (soon && !is_final(job->state()))) return;
   std::string bytes = job->SerializeAsString();
   if (bytes == last_sent_) return;
@@ -32,7 +36,7 @@ void WatchCall::tell(const core::Result<v1::Job>& job) {
 }
 
 void WatchCall::write(const v1::Job& job) {
-  last_sent_at_ = std::chrono::steady_clock::now();
+  last_sent_at_ = Clock::now();
   writing_ = true;
   *response_.mutable_job() = job;
   StartWrite(&response_);
@@ -43,6 +47,12 @@ void WatchCall::end(grpc::Status status) {
   if (writing_ || finished_) return;
   finished_ = true;
   Finish(*ending_);
+}
+
+// A write is under way, which nothing but this ends.
+void WatchCall::end_if_waiting_since(Clock::time_point time) {
+  const std::lock_guard lock(hub_.mutex());
+  if (writing_ && last_sent_at_ <= time) context_.TryCancel();
 }
 
 void WatchCall::OnWriteDone(bool ok) {
@@ -59,6 +69,7 @@ void WatchCall::OnCancel() {
 
 void WatchCall::OnDone() {
   hub_.remove(*this);
+  stalls_.remove(*this);
   delete this;
 }
 

@@ -11,7 +11,7 @@ constexpr auto kPeriod = std::chrono::milliseconds(100);
 WatchHub::WatchHub(coordinator::Coordinator& coordinator)
     : coordinator_(coordinator), teller_(kPeriod, [this] {
         const std::lock_guard lock(mutex_);
-        for (Watcher* watcher : watchers_) tell(*watcher);
+        tell_all();
       }) {}
 
 WatchHub::~WatchHub() {
@@ -21,7 +21,8 @@ WatchHub::~WatchHub() {
 void WatchHub::add(Watcher& watcher) {
   const std::lock_guard lock(mutex_);
   watchers_.insert(&watcher);
-  tell(watcher);
+  Known known;
+  tell(watcher, known);
 }
 
 void WatchHub::remove(Watcher& watcher) {
@@ -32,13 +33,21 @@ void WatchHub::remove(Watcher& watcher) {
 void WatchHub::close() {
   const std::lock_guard lock(mutex_);
   closed_ = true;
-  for (Watcher* watcher : watchers_) tell(*watcher);
+  tell_all();
 }
 
-void WatchHub::tell(Watcher& watcher) {
+void WatchHub::tell_all() {
+  Known known;
+  for (Watcher* watcher : watchers_) tell(*watcher, known);
+}
+
+void WatchHub::tell(Watcher& watcher, Known& known) {
   if (closed_)
     return watcher.tell(core::fail(core::ErrorCode::kUnavailable, "the coordinator is stopping: try again"));
-  watcher.tell(coordinator_.job_without_bundle(watcher.job_id()));
+  const std::string& id = watcher.job_id();
+  auto job = known.find(id);
+  if (job == known.end()) job = known.emplace(id, coordinator_.job_without_bundle(id)).first;
+  watcher.tell(job->second);
 }
 
 }  // namespace tessera::rpc

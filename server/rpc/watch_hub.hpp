@@ -1,6 +1,7 @@
 // Sees to it that everyone who watches a job hears of its changes. Thread-safe.
 #pragma once
 
+#include <map>
 #include <mutex>
 #include <set>
 #include <string>
@@ -34,7 +35,10 @@ class WatchHub {
   std::mutex& mutex() { return mutex_; }
 
  private:
-  void tell(Watcher& watcher);
+  // What all watchers of a job are told of it in one round: it is looked up once.
+  using Known = std::map<std::string, core::Result<v1::Job>>;
+  void tell(Watcher& watcher, Known& known);
+  void tell_all();  // under the lock
 
   coordinator::Coordinator& coordinator_;
   std::mutex mutex_;
