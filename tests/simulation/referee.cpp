@@ -47,6 +47,8 @@ void Referee::restarted(std::uint32_t epoch) {
   woken_.clear();
   held_in_vain_.clear();
   slowest_seconds_.clear();
+  began_.reset();
+  last_rendered_.clear();
   clock_ = {};
   highest_given_ = std::max(highest_given_, std::uint64_t{epoch} << 40);
 }
@@ -63,6 +65,7 @@ void Referee::answered(const WorkerId& worker) {
 
 void Referee::handled(const Event& event, const Actions& actions, Time clock) {
   clock_ = std::max(clock_, clock);
+  if (!began_) began_ = clock_;
   const auto begins_anew = [this](const WorkerId& worker) {
     std::erase_if(held_in_vain_, [&](const auto& held) { return held.first.first == worker; });
   };
@@ -73,6 +76,7 @@ void Referee::handled(const Event& event, const Actions& actions, Time clock) {
     last_heard_[call->worker.id] = clock_;
   }
   for (const JobChange& change : actions.job_changes) check_arrow(change);
+  for (const Unaudited& given_up : actions.unaudited) check_given_up(given_up.job);
   woken_.insert(actions.wake.begin(), actions.wake.end());
   if (actions.reply) check_reply(event, *actions.reply);
 }
@@ -89,6 +93,15 @@ void Referee::check_arrow(const JobChange& change) {
                             job_state_name(change.to)));
   }
   states_[change.id] = change.to;
+}
+
+// Nobody could have audited it for as long as one is to wait for somebody who can.
+void Referee::check_given_up(const JobId& job) const {
+  const auto last = last_rendered_.find(job);
+  const Duration waited = clock_ - (last == last_rendered_.end() ? *began_ : last->second);
+  if (waited >= options_.audit_patience) return;
+  world_.fail(fmt::format("job {} is done without its audits {:.0f} s after somebody rendered of it",
+                          job.value, std::chrono::duration<double>(waited).count()));
 }
 
 void Referee::check_reply(const Event& event, const Reply& reply) {
@@ -158,6 +171,7 @@ void Referee::note_progress(const SubmitResult& event, const Actions& actions) {
   for (std::size_t i = 0; i < event.items.size(); ++i) {
     samples += films_.at(event.job).pixel_samples(event.items[i]);
     if (actions.verdicts[i] == Verdict::kDropped) continue;
+    last_rendered_[event.job] = clock_;
     for (auto& [who, held] : held_in_vain_) {
       if (who.second != event.job) continue;
       const bool has_it = std::any_of(held.items.begin(), held.items.end(),

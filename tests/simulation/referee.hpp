@@ -54,6 +54,7 @@ class Referee {
   void check_items(const scheduler::LeaseDescription& lease);
   void check_arrow(const scheduler::JobChange& change);
   void check_progress(const scheduler::WorkerId& worker, const scheduler::Reply& reply);
+  void check_given_up(const scheduler::JobId& job) const;
   void note_progress(const scheduler::SubmitResult& event, const scheduler::Actions& actions);
   Duration longest_in_vain(const scheduler::WorkerId& worker, const scheduler::Reply& reply) const;
   void note_delivered(const scheduler::WorkerId& worker, const scheduler::JobId& job,
@@ -67,6 +68,10 @@ class Referee {
   std::map<scheduler::JobId, scheduler::JobState> states_;
   // The coordinator's clock as the scheduler must take it: it never goes back.
   Time clock_{};
+  // When this scheduler was first handed anything, and when any of a job was last rendered, or rendered
+  // again.
+  std::optional<Time> began_;
+  std::map<scheduler::JobId, Time> last_rendered_;
   std::map<scheduler::WorkerId, scheduler::Synchronize> last_call_;
   std::map<scheduler::WorkerId, Time> last_heard_;
   std::map<scheduler::WorkerId, scheduler::Reply> waiting_;
