@@ -2,7 +2,7 @@
 # Builds Tessera and runs every test, in three passes:
 #   1. the unit, property and simulation tests under the address and undefined-behaviour sanitizers, and what fuzzing
 #      has found worth keeping, with mutants of it (tests/fuzz/README.md);
-#   2. core by itself, without the farm and so without gRPC, and without optimisation: its unit tests;
+#   2. core by itself, without the farm and so without gRPC, hardly optimised, with its assertions: its unit tests;
 #   3. all tests of the release build. CTest's summary of this pass is the last thing printed.
 # Ends with an error at the first pass that fails.
 set -euo pipefail
@@ -37,10 +37,11 @@ ASAN_OPTIONS=detect_stack_use_after_return=1 \
   UBSAN_OPTIONS=print_stacktrace=1 \
   ctest --preset asan --parallel "$jobs" --progress --label-regex '^(unit|property|simulation|fuzz)$'
 
-heading "Pass 2 of 3: core without the farm, unoptimised"
-build build/core "--preset debug -B build/core -DTESSERA_FARM=OFF" tests_unit
+heading "Pass 2 of 3: core without the farm, hardly optimised"
+build build/core "--preset core" tests_unit
 ctest --test-dir build/core --output-on-failure --parallel "$jobs" --progress --label-regex '^unit$'
 
 heading "Pass 3 of 3: every test of the release build"
 build build/release "--preset release"
-ctest --preset release --parallel "$jobs"
+# One more than there are processors: tests with real processes wait more than they compute.
+ctest --preset release --parallel $((jobs + 1))

@@ -33,7 +33,7 @@ class BruteForce : public testing::TestWithParam<std::uint32_t> {};
 
 TEST_P(BruteForce, FindsTheSameHitsInEverySoup) {
   const std::uint32_t count = GetParam();
-  const int rays = static_cast<int>(std::min(20000u, 4000000 / count));
+  const int rays = static_cast<int>(std::min(10000u, 2000000 / count));
   for (const test::Soup& soup : test::all_soups(count)) {
     SCOPED_TRACE(soup.name);
     const Bvh bvh = Bvh::build(soup.primitives, 2);

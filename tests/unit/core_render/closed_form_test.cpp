@@ -23,7 +23,7 @@ TEST_P(Furnace, HasTheRadianceOfTheGeometricSeries) {
       {.position = {0.2f, 0.1f, 0.3f}, .look_at = {1, 0.4f, 0}, .vertical_fov_degrees = 90});
   maker.add(SphereDescription{{0, 0, 0}, 1, maker.material(test::lambert(albedo), Rgb::gray(0.5f))});
   const Scene scene = maker.build();
-  expect_radiance(scene, 0.5 / (1 - static_cast<double>(albedo)), 1000);
+  expect_radiance(scene, 0.5 / (1 - static_cast<double>(albedo)), 500);
 }
 
 INSTANTIATE_TEST_SUITE_P(ClosedForm, Furnace, testing::Values(0.0f, 0.3f, 0.5f, 0.8f, 0.95f));

@@ -247,7 +247,7 @@ TEST(DeltaLights, AddUp) {
   // The lamp hides as much of the surroundings as it fills.
   const double lamp = std::numbers::pi * 0.01;
   expect_radiance(maker.build(), reflected(1 + 1 + 0.8 * 2 + 20 * lamp + 0.5 * (std::numbers::pi - lamp)),
-                  8000);
+                  3000);
 }
 
 // A convex object that is lit by the same radiance from everywhere reflects its albedo of it, whatever its
