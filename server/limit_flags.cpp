@@ -88,8 +88,7 @@ void add_call_flags(CLI::App& app, Limits& limits) {
                      "Memory for pictures that are fetched at once; one is always made");
   add_seconds(app, "--stall-seconds", limits.stall_time,
               "Uploads, files and pictures that are fetched, and jobs that are watched, whose callers stand "
-              "still for "
-              "so long are ended");
+              "still for so long are ended");
   add(app, "--max-message-mib", limits.message_mib, kLeastMessageMib, kMostMessageMib, "One message");
   add(app, "--max-calls-per-second", limits.calls_per_second, 1.0, 1e9,
       "Calls of one submitter (without --tokens: of one machine), or of one worker; ten seconds' worth at "

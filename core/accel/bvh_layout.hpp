@@ -7,9 +7,7 @@
 
 namespace tessera::core {
 
-// A node or a packet, by its index in the Bvh's arrays. A third kind, an instance of another Bvh, would take
-// the next bit: an index into an array of roots and transforms, where a ray or a group of rays is traced on,
-// transformed, by the same queries, with its best hit so far.
+// A node or a packet, by its index in the Bvh's arrays.
 class BvhChild {
  public:
   BvhChild() = default;
