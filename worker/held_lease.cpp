@@ -38,7 +38,7 @@ std::vector<WorkItem> joined(std::vector<WorkItem> items) {
 }  // namespace
 
 std::vector<WorkItem> HeldLease::items() const {
-  std::vector<WorkItem> all = delivering_;
+  std::vector<WorkItem> all = delivering_.value_or(std::vector<WorkItem>());
   for (const core::FilmTile& tile : ready_) all.push_back({tile.rect, tile.range});
   if (growing_) all.push_back({growing_->rect, growing_->range});
   if (rendering_) all.push_back(*rendering_);
@@ -109,7 +109,7 @@ void HeldLease::flush() {
 
 bool HeldLease::has_delivery() const {
   const bool finished = !has_todo() && !rendering_;
-  return delivering_.empty() && (!ready_.empty() || finished);
+  return !delivering_ && (!ready_.empty() || finished);
 }
 
 Delivery HeldLease::take_batch() {
@@ -119,10 +119,11 @@ Delivery HeldLease::take_batch() {
   Delivery delivery;
   delivery.lease_id = id_;
   delivery.job_id = job_id_;
+  delivering_.emplace();
   std::size_t bytes = 0;
   while (!ready_.empty() && (bytes == 0 || bytes + sums_bytes(ready_.front()) <= kMaxBatchBytes)) {
     bytes += sums_bytes(ready_.front());
-    delivering_.push_back({ready_.front().rect, ready_.front().range});
+    delivering_->push_back({ready_.front().rect, ready_.front().range});
     delivery.tiles.push_back(std::move(ready_.front()));
     ready_.pop_front();
   }
@@ -132,11 +133,11 @@ Delivery HeldLease::take_batch() {
 }
 
 void HeldLease::delivered() {
-  delivering_.clear();
+  delivering_.reset();
 }
 
 bool HeldLease::empty() const {
-  return !has_todo() && !rendering_ && !growing_ && ready_.empty() && delivering_.empty();
+  return !has_todo() && !rendering_ && !growing_ && ready_.empty() && !delivering_;
 }
 
 }  // namespace tessera::worker

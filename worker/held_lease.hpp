@@ -79,7 +79,7 @@ class HeldLease {
   Duration growing_time_{};
   std::deque<core::FilmTile> ready_;
   Duration ready_time_{};
-  std::vector<WorkItem> delivering_;
+  std::optional<std::vector<WorkItem>> delivering_;  // also of a lease that is given back without any
 };
 
 }  // namespace tessera::worker

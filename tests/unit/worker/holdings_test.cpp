@@ -237,6 +237,20 @@ TEST_F(HoldingsTest, FilesThatCannotBeFetchedGiveTheLeaseBack) {
   EXPECT_EQ(delivery->cannot_build, "") << "the scene may be fine";
 }
 
+// Nothing was rendered of it, and its end is on its way.
+TEST_F(HoldingsTest, ALeaseThatIsTakenAwayWhileItIsGivenBackStaysUntilThatHasArrived) {
+  holdings_.apply(answer({lease(1, "a", 0, 8)}, {"a"}));
+  holdings_.next_to_fetch({});
+  holdings_.cannot_fetch("a");
+  const auto delivery = holdings_.next_delivery({});
+  holdings_.apply(answer({}));
+  holdings_.delivered(*delivery);
+  EXPECT_TRUE(held().empty());
+  holdings_.apply(answer({lease(2, "a", 0, 8)}));
+  make_ready("a");
+  EXPECT_EQ(take().lease_id, 2u);
+}
+
 TEST(Holdings, KeepsALeaseItCannotRenderForAWhileAndTakesOtherWork) {
   Holdings holdings({.first_delay = 1h, .longest_delay = 1h});
   holdings.apply(answer({lease(1, "a", 0, 8)}, {"a"}));
