@@ -8,7 +8,8 @@
 
 namespace tessera::proto {
 
-// For CLI::Option::check. Unlike CLI::Range it refuses "nan", too. `--help` shows the range.
+// For CLI::Option::check. Unlike CLI::Range, whose way to read numbers it shares, it refuses "nan", too.
+// `--help` shows the range.
 template <typename T>
 CLI::Validator number_between(T least, T most) {
   const auto problem = [least, most](const std::string& text) {

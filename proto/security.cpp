@@ -28,7 +28,7 @@ core::Status check_form(const std::string& address) {
   std::uint16_t port = 0;
   const auto [rest, error] = std::from_chars(address.data() + std::min(colon + 1, address.size()), end, port);
   const bool brackets = address.starts_with('[') && colon > 0 && address[colon - 1] == ']';
-  const bool one_colon = address.find(':') == colon || brackets || address.find("://") != std::string::npos;
+  const bool one_colon = address.find(':') == colon || brackets || address.starts_with("dns:///");
   if (colon > 0 && one_colon && error == std::errc() && rest == end) return {};
   return core::fail(
       ErrorCode::kInvalidArgument,

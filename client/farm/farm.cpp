@@ -39,6 +39,12 @@ bool Farm::wait_if_asked(const grpc::Status& status, const grpc::ClientContext& 
   return sleep_unless_interrupted(wait);
 }
 
+core::Error Farm::explain_end(const grpc::Status& status, const grpc::ClientContext& call) const {
+  core::Error error = explain(status, call);
+  if (proto::asked_wait(status, call)) error.code = core::ErrorCode::kResourceExhausted;
+  return error;
+}
+
 void Farm::tell_why_waiting(const core::Error& error, std::chrono::seconds most) {
   std::string reason = error.message;
   std::erase_if(reason, [](char c) { return c >= '0' && c <= '9'; });

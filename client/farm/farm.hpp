@@ -41,7 +41,7 @@ class Farm {
   static core::Result<std::unique_ptr<Farm>> open(const FarmOptions& options);
 
   const std::string& address() const { return options_.address; }
-  // Whether the coordinator has ever answered.
+  // Whether the coordinator has ever granted a call().
   bool reached() const { return reached_; }
   std::chrono::seconds patience() const { return options_.patience; }
   Stub& stub() { return *stub_; }
@@ -63,7 +63,7 @@ class Farm {
         reached_ = true;
         return response;
       }
-      if (!wait_if_asked(status, context, patience)) return core::fail(explain(status, context));
+      if (!wait_if_asked(status, context, patience)) return core::fail(explain_end(status, context));
     }
   }
 
@@ -87,6 +87,8 @@ class Farm {
   // Waits as long as a call that failed asks to, and longer each time. False, and nothing happens, if it does
   // not ask, or beyond all patience; also if interrupted.
   bool wait_if_asked(const grpc::Status& status, const grpc::ClientContext& call, Patience& patience);
+  // Of a call that is not tried again: what it asked to wait for has been waited for.
+  core::Error explain_end(const grpc::Status& status, const grpc::ClientContext& call) const;
 
   Farm(const FarmOptions& options, std::shared_ptr<grpc::Channel> channel);
 

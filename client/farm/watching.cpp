@@ -2,9 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <optional>
+#include <string>
 #include <thread>
+#include <utility>
 
 #include "client/console.hpp"
 #include "client/farm/interruption.hpp"
@@ -24,10 +27,10 @@ tl::unexpected<core::Error> interruption() {
 }
 
 // Follows one stream to its end. The last job it told of; an error if it ended before the job did.
-// `asked_to_wait`: the coordinator is there, and wants to be called less often.
+// `asked`: to wait for so long, by a coordinator that is there.
 core::Result<v1::Job> follow_stream(Farm& farm, const std::string& job_id,
                                     const std::function<void(const v1::Job&)>& on_update,
-                                    bool& asked_to_wait) {
+                                    std::optional<std::chrono::milliseconds>& asked) {
   grpc::ClientContext context;
   const std::jthread canceller = cancel_at_interrupt(context);
   v1::WatchJobRequest request;
@@ -40,7 +43,7 @@ core::Result<v1::Job> follow_stream(Farm& farm, const std::string& job_id,
     if (is_over(response.job().state())) over = response.job();
   }
   const grpc::Status status = stream->Finish();
-  asked_to_wait = proto::asked_wait(status, context).has_value();
+  asked = proto::asked_wait(status, context);
   if (over) return *over;
   if (interrupted()) return interruption();
   if (status.ok()) return core::fail(core::ErrorCode::kUnavailable, "the coordinator ended the conversation");
@@ -53,23 +56,26 @@ core::Result<v1::Job> watch_job(Farm& farm, const std::string& job_id,
                                 const std::function<void(const v1::Job&)>& on_update,
                                 const std::function<void(const std::string&)>& on_notice) {
   const auto policy = proto::transient_only(proto::exponential_backoff({.longest = kLongestPause}));
+  const std::string lost =
+      fmt::format("lost the coordinator at {}; waiting for it to come back", farm.address());
   int failures = 0;
-  bool asked_to_wait = false;
+  std::string told;  // of these failures
+  std::optional<std::chrono::milliseconds> asked;
   for (;;) {
     const auto note = [&](const v1::Job& update) {
-      if (std::exchange(failures, 0) > 0) on_notice("the coordinator is back");
+      failures = 0;
+      if (std::exchange(told, "") == lost) on_notice("the coordinator is back");
       on_update(update);
     };
-    auto job = follow_stream(farm, job_id, note, asked_to_wait);
+    auto job = follow_stream(farm, job_id, note, asked);
     if (job) return job;
     if (interrupted()) return interruption();
-    const auto wait = policy({.last_code = job.error().code, .count = failures + 1});
+    const auto wait = policy({.last_code = job.error().code, .count = ++failures});
     if (!wait) return job;
-    if (failures++ == 0)
-      on_notice(asked_to_wait
-                    ? job.error().message + "; trying again"
-                    : fmt::format("lost the coordinator at {}; waiting for it to come back", farm.address()));
-    if (!sleep_unless_interrupted(*wait)) return interruption();
+    const std::string why = asked ? job.error().message + "; trying again" : lost;
+    if (std::exchange(told, why) != why) on_notice(why);
+    const auto pause = std::max<proto::Duration>(*wait, asked.value_or(std::chrono::milliseconds(0)));
+    if (!sleep_unless_interrupted(pause)) return interruption();
   }
 }
 

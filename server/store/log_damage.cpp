@@ -80,9 +80,10 @@ class Walk {
       within_transaction_ = !commits;
       return;
     }
-    if (!broken_ && of_this_log) within_transaction_ = true;
     broken_ = true;
-    if (of_this_log && commits) ++unreadable_commits_;
+    if (!of_this_log) return;
+    within_transaction_ = true;
+    if (commits) ++unreadable_commits_;
   }
   // What is left behind the last frame.
   void end(std::streamsize bytes) { within_transaction_ |= !broken_ && bytes > 0; }

@@ -195,11 +195,16 @@ std::string default_validator_path() {
 }
 
 core::Status check_validator(const std::string& path) {
-  const bool is_file = std::filesystem::is_regular_file(path);
+  std::error_code unknown;  // also of a path that may not be looked at
+  const bool is_file = std::filesystem::is_regular_file(path, unknown);
   if (is_file && access(path.c_str(), X_OK) == 0) return {};
-  return core::fail(ErrorCode::kFailedPrecondition,
-                    fmt::format("{}: {}: install tessera-validator there, or name it with --validator", path,
-                                is_file ? "cannot be executed" : "there is no such program"));
+  const bool missing = !unknown || unknown == std::errc::no_such_file_or_directory;
+  const std::string why = is_file   ? "cannot be executed"
+                          : missing ? "there is no such program"
+                                    : unknown.message();
+  return core::fail(
+      ErrorCode::kFailedPrecondition,
+      fmt::format("{}: {}: install tessera-validator there, or name it with --validator", path, why));
 }
 
 core::Result<Approval> validate_scene(const ProcessOptions& options, const store::BlobStore& blobs,

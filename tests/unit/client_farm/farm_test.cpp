@@ -167,7 +167,18 @@ TEST_F(FarmCalls, ThatAreNotToBeTriedAgainFailAtOnce) {
 TEST_F(FarmCalls, DoNotWaitForHours) {
   service_.refusals = 3;
   service_.pushback = "7200000";
-  expect_failure_at_once(ErrorCode::kUnavailable);
+  expect_failure_at_once(ErrorCode::kResourceExhausted);
+}
+
+TEST_F(FarmCalls, OfLongerTasksAreNotTriedAgainForWhatACallHasWaitedFor) {
+  reach();
+  service_.refusals = 3;
+  service_.pushback = "7200000";
+  const auto answer = patiently<v1::ListJobsResponse>(
+      *farm_, [&](bool&) { return farm_->call(&Farm::Stub::ListJobs, v1::ListJobsRequest()); });
+  ASSERT_FALSE(answer);
+  EXPECT_EQ(answer.error().message, service_.reason);
+  EXPECT_EQ(service_.calls, 1);
 }
 
 TEST_F(FarmCalls, DoNotWaitForACoordinatorThatNeverAnswered) {

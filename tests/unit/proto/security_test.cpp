@@ -47,8 +47,9 @@ TEST(Security, AddressesAreHostAndPort) {
   ClientSecurity client;
   ServerSecurity server;
   client.insecure = server.insecure = true;
-  for (const char* address : {"", "7420", "localhost", "localhost:", ":7420", "localhost:x",
-                              "localhost:65536", "localhost:-1", "::1:7420", "[::1]", "localhost:7420 "}) {
+  for (const char* address :
+       {"", "7420", "localhost", "localhost:", ":7420", "localhost:x", "localhost:65536", "localhost:-1",
+        "http://localhost:7420", "::1:7420", "[::1]", "localhost:7420 "}) {
     const auto calling = channel_credentials(address, client);
     ASSERT_FALSE(calling) << address;
     EXPECT_THAT(calling.error().message, HasSubstr("is not HOST:PORT, such as")) << address;

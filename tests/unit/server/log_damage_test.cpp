@@ -31,6 +31,12 @@ class LogDamage : public testing::Test {
     write_file(log_, bytes);
     return *look_at_log(log_);
   }
+  std::size_t begin_of_last_transaction() const {
+    const std::size_t frame = 24 + 16384;
+    std::size_t at = whole_.size() - frame;  // which commits; so does the frame before the first
+    while (whole_.substr(at - frame + 4, 4) == std::string(4, '\0')) at -= frame;
+    return at;
+  }
   std::optional<std::string> damage_of(const std::string& bytes) { return look_at(bytes).damage; }
   static std::string flipped(std::string bytes, std::size_t at) {
     bytes[at] = static_cast<char>(bytes[at] ^ 1);
@@ -66,7 +72,7 @@ TEST_F(LogDamage, WhatACrashToreAtTheEndIsNone) {
   for (const std::string& torn :
        {whole_.substr(0, whole_.size() - 5), whole_.substr(0, whole_.size() - frame),
         whole_.substr(0, whole_.size() - 40'000), flipped(whole_, whole_.size() - 40'000),
-        flipped(whole_, whole_.size() - 1)}) {
+        flipped(whole_, whole_.size() - 1), flipped(whole_, begin_of_last_transaction() + 9)}) {
     const LogFindings found = look_at(torn);
     EXPECT_EQ(found.damage, std::nullopt);
     EXPECT_TRUE(found.torn_end);

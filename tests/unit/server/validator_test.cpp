@@ -240,6 +240,8 @@ TEST(ValidatorProgram, MustBeThere) {
     EXPECT_THAT(found.error().message, HasSubstr(path + ": there is no such program"));
     EXPECT_THAT(found.error().message, HasSubstr("--validator"));
   }
+  EXPECT_THAT(check_validator("/" + std::string(5000, 'x')).error().message,
+              HasSubstr(": File name too long: "));
 }
 
 }  // namespace

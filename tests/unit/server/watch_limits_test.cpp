@@ -1,8 +1,10 @@
 // Limits of jobs that are watched.
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <memory>
 #include <string>
+#include <thread>
 
 #include "proto/status.hpp"
 #include "tests/unit/server/limited_service.hpp"
@@ -32,6 +34,7 @@ class WatchLimits : public LimitedService {
       const auto watch = begin_watch(*users_, job);
       if (is_let_in(*watch)) break;
       ASSERT_EQ(watch->stream->Finish().error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
     }
   }
   // Of one who asks for no more than this at a time.
