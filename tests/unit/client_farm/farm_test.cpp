@@ -9,9 +9,11 @@
 #include <fstream>
 #include <iterator>
 #include <string>
+#include <vector>
 
 #include "client/farm/bundle.hpp"
 #include "client/farm/picture_download.hpp"
+#include "client/farm/watching.hpp"
 #include "proto/status.hpp"
 
 namespace tessera::client {
@@ -59,6 +61,18 @@ class BusyService final : public v1::RenderService::Service {
     if (++calls > refusals) return grpc::Status::OK;
     if (!pushback.empty()) context->AddTrailingMetadata(proto::kRetryAfterKey, pushback);
     return {code, reason};
+  }
+
+  grpc::Status WatchJob(grpc::ServerContext* context, const v1::WatchJobRequest*,
+                        grpc::ServerWriter<v1::WatchJobResponse>* writer) override {
+    if (++calls <= refusals) {
+      if (!pushback.empty()) context->AddTrailingMetadata(proto::kRetryAfterKey, pushback);
+      return {code, reason};
+    }
+    v1::WatchJobResponse response;
+    response.mutable_job()->set_state(v1::JOB_STATE_DONE);
+    writer->Write(response);
+    return grpc::Status::OK;
   }
 
   int refusals = 0;
@@ -150,6 +164,24 @@ TEST_F(FarmCalls, AnUploadThatBrokeAsksFirstWhatIsMissing) {
   EXPECT_TRUE(uploaded);
   EXPECT_EQ(service_.questions, 2);
   EXPECT_EQ(service_.uploads, local->bundle.assets_size());
+}
+
+// Of why it waits, and only of a coordinator that was away that it is back.
+TEST_F(FarmCalls, WhoWatchesIsToldWhyThatWaits) {
+  const auto notices = [&] {
+    std::vector<std::string> all;
+    const auto job = watch_job(
+        *farm_, "id", [](const v1::Job&) {}, [&](const std::string& notice) { all.push_back(notice); });
+    EXPECT_TRUE(job);
+    return all;
+  };
+  service_.refusals = 2;
+  EXPECT_THAT(notices(), testing::ElementsAre(service_.reason + "; trying again"));
+  service_.calls = 0;
+  service_.code = grpc::StatusCode::UNAVAILABLE;
+  service_.pushback = "";
+  EXPECT_THAT(notices(), testing::ElementsAre(HasSubstr("lost the coordinator at " + address_),
+                                              "the coordinator is back"));
 }
 
 TEST_F(FarmCalls, ThatAreOverALimitFailAtOnce) {

@@ -64,4 +64,15 @@ void expect_same_answers(const Bvh& bvh, const Primitives& primitives, const Ray
   }
 }
 
+void expect_same_answers_beside(float bad, const Bvh& bvh, const Soup& soup, Random& random) {
+  for (Rays rays : {camera_rays(soup, random, 64, 0.01f), random_rays(soup, random, 64)}) {
+    rays[3].direction = {bad, bad, bad};
+    rays[8].origin.y = bad;
+    rays[30].direction.z = bad;
+    rays[31].t_max = bad;
+    rays[32].t_max = -1;
+    ASSERT_NO_FATAL_FAILURE(expect_same_answers(bvh, soup.primitives, rays)) << bad;
+  }
+}
+
 }  // namespace tessera::core::test

@@ -25,4 +25,7 @@ Rays parallel_rays(Random& random, std::size_t count);
 // Whether both queries of many rays answer as that of one ray does, bit for bit; a fatal failure if not.
 void expect_same_answers(const Bvh& bvh, const Primitives& primitives, const Rays& rays);
 
+// The same of rays among which are some that are none, with the number `bad` where it should not be.
+void expect_same_answers_beside(float bad, const Bvh& bvh, const Soup& soup, Random& random);
+
 }  // namespace tessera::core::test
