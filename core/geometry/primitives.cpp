@@ -8,6 +8,7 @@
 #include "core/geometry/model_point.hpp"
 #include "core/geometry/rounding.hpp"
 #include "core/math/lane_array.hpp"
+#include "core/math/row_lookup.hpp"
 
 namespace tessera::core {
 namespace {
@@ -21,15 +22,13 @@ void append(std::vector<T>& all, std::vector<T> more) {
   }
 }
 
-Vec3Of<Float8> gather(const std::vector<Vec3>& table, U32x8 index) {
-  const float* first = &table[0].x;
-  const U32x8 at = index * 3u;
-  return {Float8::gather(first, at.v), Float8::gather(first + 1, at.v), Float8::gather(first + 2, at.v)};
+Vec3Of<Float8> look_up_vectors(const std::vector<Vec3>& table, U32x8 index) {
+  const auto [x, y, z] = look_up_row<3>(&table[0].x, index * 3u);
+  return {x, y, z};
 }
-Vec2Of<Float8> gather(const std::vector<Vec2>& table, U32x8 index) {
-  const float* first = &table[0].x;
-  const U32x8 at = index * 2u;
-  return {Float8::gather(first, at.v), Float8::gather(first + 1, at.v)};
+Vec2Of<Float8> look_up_vectors(const std::vector<Vec2>& table, U32x8 index) {
+  const auto [x, y] = look_up_row<2>(&table[0].x, index * 2u);
+  return {x, y};
 }
 
 // Rounded outwards, and finite however large the sphere.
@@ -209,15 +208,14 @@ SurfacePointOf<Float8> Primitives::triangle_surfaces(const std::array<const Hit*
     b1[lane] = as_bits(hit.b1);
     b2[lane] = as_bits(hit.b2);
   }
-  const U32x8 triangle = U32x8::load(primitives.data()) * 3u;
+  const auto vertices = look_up_row<3>(triangles_[0].data(), U32x8::load(primitives.data()) * 3u);
   TriangleAtHit<Float8> at_hit;
   at_hit.b1 = as_float(U32x8::load(b1.data()));
   at_hit.b2 = as_float(U32x8::load(b2.data()));
   for (std::size_t corner = 0; corner < 3; ++corner) {
-    const U32x8 vertex = U32x8::gather(triangles_[0].data() + corner, triangle);
-    at_hit.corners[corner] = gather(positions_, vertex);
-    if (!normals_.empty()) at_hit.normals[corner] = gather(normals_, vertex);
-    if (!uvs_.empty()) at_hit.uvs[corner] = gather(uvs_, vertex);
+    at_hit.corners[corner] = look_up_vectors(positions_, vertices[corner]);
+    if (!normals_.empty()) at_hit.normals[corner] = look_up_vectors(normals_, vertices[corner]);
+    if (!uvs_.empty()) at_hit.uvs[corner] = look_up_vectors(uvs_, vertices[corner]);
   }
   return in_world(InPlace(), point_of_triangle(at_hit));
 }

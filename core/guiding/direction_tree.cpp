@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include "core/guiding/octahedral_map.hpp"
 #include "core/math/elementary.hpp"
@@ -12,152 +13,200 @@ namespace {
 
 // Squares of fewer examples are not divided, nor those of this side, some two degrees.
 constexpr std::size_t kLeastToDivide = 4;
-constexpr float kLeastSide = 1.0f / 128;
+constexpr int kFinestSquares = 128;  // along a side
+constexpr float kLeastSide = 1.0f / kFinestSquares;
 // How many examples there are taken to have been beforehand, spread evenly over the sphere, so that no
 // direction is without any density that merely has had no example yet.
 constexpr float kPriorExamples = 1;
 
+// The curve's end, and the chance of all leaves together: the most that sixteen bits hold.
+constexpr std::uint32_t kCurve = kFinestSquares * kFinestSquares, kCertain = 32767;
+constexpr std::size_t kBlockLeaves = 15, kMostLeaves = 16 * kBlockLeaves;
+
 constexpr float kBelowOne = 1 - 0x1p-24f;
 
+// Numbers of seven bits, each bit moved to twice its place, and back.
+template <typename Word>
+Word spread_bits(Word x) {
+  x = (x | x << 4) & 0x070f;
+  x = (x | x << 2) & 0x1333;
+  return (x | x << 1) & 0x1555;
+}
+template <typename Word>
+Word gather_bits(Word x) {
+  x = x & 0x1555;
+  x = (x | x >> 1) & 0x1333;
+  x = (x | x >> 2) & 0x070f;
+  return (x | x >> 4) & 0x007f;
+}
+
+// Where on the curve the finest square is that has the direction in it.
 template <typename T>
-Vec2Of<T> place_of(Vec3Of<T> direction) {
+WordOf<T> place_of(Vec3Of<T> direction) {
   const Vec2Of<T> point = to_octahedral_square(direction);
-  return {smaller(point.x, T(kBelowOne)), smaller(point.y, T(kBelowOne))};
-}
-
-// Finds the half of [0, 1) in which `x` lies, and moves x to the same place of the whole. True is the upper
-// half.
-template <typename T>
-MaskOf<T> descend(T& x) {
-  const MaskOf<T> upper = x >= 0.5f;
-  x = 2 * x - select(upper, T(1.0f), T(0.0f));
-  return upper;
-}
-
-// Chooses the upper half with probability `share` and makes of u the place within the half.
-template <typename T>
-MaskOf<T> choose(T& u, T share) {
-  const T lower = 1 - share;
-  const MaskOf<T> upper = u >= lower;
-  u = smaller(select(upper, u - lower, u) / select(upper, share, lower), T(kBelowOne));
-  return upper;
-}
-
-template <typename T>
-WordOf<T> quarter(MaskOf<T> right, MaskOf<T> upper) {
-  using Word = WordOf<T>;
-  return select(right, Word(1), Word(0)) + select(upper, Word(2), Word(0));
+  const auto number = [](T x) {
+    return to_word(smaller(x, T(kBelowOne)) * static_cast<float>(kFinestSquares));
+  };
+  return spread_bits(number(point.x)) | spread_bits(number(point.y)) << 1;
 }
 
 }  // namespace
 
-DirectionTrees::Added DirectionTrees::add(std::span<const DirectedLight> lights) {
-  std::vector<Example> examples;
-  examples.reserve(lights.size());
-  float total = 0;
-  for (const auto& [direction, power, concentration] : lights) {
-    examples.push_back({place_of(direction), power, concentration});
-    total += power;
-  }
-  return build(examples, kPriorExamples * total / static_cast<float>(lights.size()), {{0, 0}, 1});
-}
+// Finds the leaves.
+class DirectionTrees::Divider {
+ public:
+  struct Example {
+    Vec2 point;  // within the square
+    float power, concentration;
+  };
+  struct Square {
+    Vec2 corner;
+    float side;
+    std::uint32_t place;
+  };
 
-// Of the density that is best where a sample's value varies: in proportion to its root mean square (Rath et
-// al. 2020). Over a square, that of light from everywhere in it is its power; of light from a part of it
-// alone it is the larger, the smaller the part.
-DirectionTrees::Added DirectionTrees::build(std::span<const Example> examples, float prior_power,
-                                            Square square) {
-  std::array<std::vector<Example>, 4> quarters;
-  for (const Example& example : examples) {
-    Vec2 point = example.point;
-    const bool right = descend(point.x), upper = descend(point.y);
-    quarters[quarter<float>(right, upper)].push_back({point, example.power, example.concentration});
-  }
-  const auto index = static_cast<std::uint32_t>(nodes_.size());
-  nodes_.emplace_back();
-  const float side = square.side / 2;
-  std::array<float, 4> values;
-  for (std::uint32_t q = 0; q < 4; ++q) {
-    const Vec2 corner = square.corner + Vec2{static_cast<float>(q & 1), static_cast<float>(q / 2)} * side;
-    if (quarters[q].size() >= kLeastToDivide && side > kLeastSide) {
-      const auto [child, value] = build(quarters[q], prior_power, {corner, side});
-      nodes_[index].child[q] = child;
-      values[q] = value;
-    } else {
-      values[q] = root_mean_square(quarters[q], prior_power, {corner, side});
+  Divider(float prior_power, std::size_t least_to_divide)
+      : prior_power_(prior_power), least_to_divide_(least_to_divide) {}
+
+  // Of the density that is best where a sample's value varies: in proportion to its root mean square (Rath et
+  // al. 2020). Over a square, that of light from everywhere in it is its power; of light from a part of it
+  // alone it is the larger, the smaller the part.
+  void divide(std::span<const Example> examples, const Square& square) {
+    std::array<std::vector<Example>, 4> quarters;
+    for (const auto& [point, power, concentration] : examples) {
+      const Vec2 scaled = point * 2;
+      const bool right = scaled.x >= 1, upper = scaled.y >= 1;
+      const Vec2 rest{scaled.x - static_cast<float>(right), scaled.y - static_cast<float>(upper)};
+      quarters[(right ? 1 : 0) + (upper ? 2 : 0)].push_back({rest, power, concentration});
+    }
+    const float side = square.side / 2;
+    const auto area = static_cast<std::uint32_t>(side * side * static_cast<float>(kCurve));
+    for (std::uint32_t q = 0; q < 4; ++q) {
+      const Vec2 corner = square.corner + Vec2{static_cast<float>(q & 1), static_cast<float>(q / 2)} * side;
+      const Square quarter{corner, side, square.place + q * area};
+      if (quarters[q].size() >= least_to_divide_ && side > kLeastSide)
+        divide(quarters[q], quarter);
+      else
+        leaves_.push_back({quarter.place, root_mean_square(quarters[q], quarter)});
     }
   }
-  const float total = values[0] + values[1] + values[2] + values[3];
-  for (float& value : values) value /= total;
-  nodes_[index].set_shares(values);
-  return {index, total};
-}
+  std::span<const Leaf> leaves() const { return leaves_; }
 
-void DirectionTrees::Node::set_shares(std::array<float, 4> shares) {
-  share = shares;
-  const float lower = share[0] + share[1], upper = share[2] + share[3];
-  share_of_half = {upper / (lower + upper), share[1] / lower, share[3] / upper};
-}
-
-float DirectionTrees::root_mean_square(std::span<const Example> examples, float prior_power, Square square) {
-  const Vec3 middle = from_octahedral_square(square.corner + Vec2{0.5f, 0.5f} * square.side);
-  const float solid_angle = octahedral_area(middle) * square.side * square.side;
-  float power = prior_power * solid_angle / (4 * kPi), concentration = 0;
-  for (const Example& example : examples) {
-    power += example.power;
-    concentration += example.concentration;
+ private:
+  float root_mean_square(std::span<const Example> examples, const Square& square) const {
+    const Vec3 middle = from_octahedral_square(square.corner + Vec2{0.5f, 0.5f} * square.side);
+    const float solid_angle = octahedral_area(middle) * square.side * square.side;
+    float power = prior_power_ * solid_angle / (4 * kPi), concentration = 0;
+    for (const Example& example : examples) {
+      power += example.power;
+      concentration += example.concentration;
+    }
+    return std::sqrt(power * power + concentration * solid_angle);
   }
-  return std::sqrt(power * power + concentration * solid_angle);
+
+  float prior_power_;
+  std::size_t least_to_divide_;
+  std::vector<Leaf> leaves_;
+};
+
+DirectionTrees::DirectionTrees() {
+  store(std::array{Leaf{0, 1}}, 1);
 }
 
-template <typename T>
-T DirectionTrees::share(WordOf<T> node, WordOf<T> quarter) const {
-  return look_up(nodes_[0].share.data(), node * (sizeof(Node) / sizeof(float)) + quarter);
-}
-template <typename T>
-T DirectionTrees::share_of_half(WordOf<T> node, WordOf<T> half) const {
-  return look_up(nodes_[0].share_of_half.data(), node * (sizeof(Node) / sizeof(float)) + half);
-}
-template <typename T>
-WordOf<T> DirectionTrees::child(WordOf<T> node, WordOf<T> quarter) const {
-  return look_up(nodes_[0].child.data(), node * (sizeof(Node) / sizeof(std::uint32_t)) + quarter);
-}
-
-template <typename T>
-Vec3Of<T> DirectionTrees::sample(WordOf<T> root, Vec2Of<T> u) const {
-  Vec2Of<T> corner{T(0.0f), T(0.0f)};
-  T side = 1.0f;
-  for (WordOf<T> at = root; any(at != 0);) {
-    const MaskOf<T> inside = at != 0;
-    Vec2Of<T> rest = u;
-    const MaskOf<T> above = choose(rest.y, share_of_half<T>(at, 0));
-    const MaskOf<T> right = choose(rest.x, share_of_half<T>(at, select(above, WordOf<T>(2), WordOf<T>(1))));
-    side = select(inside, side / 2, side);
-    corner.x = corner.x + select(inside & right, side, T(0.0f));
-    corner.y = corner.y + select(inside & above, side, T(0.0f));
-    u.x = select(inside, rest.x, u.x);
-    u.y = select(inside, rest.y, u.y);
-    at = child<T>(at, quarter<T>(right, above));
+DirectionTrees::Added DirectionTrees::add(std::span<const DirectedLight> lights) {
+  std::vector<Divider::Example> examples;
+  examples.reserve(lights.size());
+  float power = 0;
+  for (const DirectedLight& light : lights) {
+    const Vec2 point = to_octahedral_square(light.direction);
+    examples.push_back(
+        {{std::min(point.x, kBelowOne), std::min(point.y, kBelowOne)}, light.power, light.concentration});
+    power += light.power;
   }
-  return from_octahedral_square(corner + u * side);
+  const float prior_power = kPriorExamples * power / static_cast<float>(lights.size());
+  // Where there are too many leaves for a tree, larger ones will do.
+  for (std::size_t least = kLeastToDivide;; least *= 2) {
+    Divider divider(prior_power, least);
+    divider.divide(examples, {{0, 0}, 1, 0});
+    if (divider.leaves().size() > kMostLeaves) continue;
+    float total = 0;
+    for (const Leaf& leaf : divider.leaves()) total += leaf.value;
+    return {store(divider.leaves(), total), total};
+  }
+}
+
+// Chances are rounded, but never to nothing.
+DirectionTrees::Root DirectionTrees::store(std::span<const Leaf> leaves, float total) {
+  SixteenShorts ends_by_place, ends_by_chance;
+  ends_by_place.fill(kCurve);
+  ends_by_chance.fill(kCertain);
+  const auto root = static_cast<Root>(blocks_.size());
+  blocks_.resize(root + 1 + (leaves.size() + kBlockLeaves - 1) / kBlockLeaves,
+                 {{ends_by_place, ends_by_chance}});
+  const float spare = static_cast<float>(kCertain - leaves.size());
+  float before = 0;
+  for (std::size_t i = 0; i < leaves.size(); ++i) {
+    const std::size_t number = i / kBlockLeaves, within = i % kBlockLeaves;
+    const auto set = [&](std::size_t block, std::size_t slot) {
+      auto& [by_place, by_chance] = blocks_[root + block].begins;
+      by_place[slot] = static_cast<std::int16_t>(leaves[i].place);
+      by_chance[slot] = static_cast<std::int16_t>(i + static_cast<std::size_t>(before / total * spare));
+    };
+    set(1 + number, within);
+    if (within == 0) set(0, number);
+    if (within == 0 && number > 0) set(number, kBlockLeaves);
+    before += leaves[i].value;
+  }
+  return root;
+}
+
+DirectionTrees::Extent<std::uint32_t> DirectionTrees::find(std::uint32_t root, bool by_chance,
+                                                           std::uint32_t key) const {
+  const std::size_t order = by_chance ? 1 : 0;
+  const auto searched = static_cast<std::int16_t>(key);
+  const std::uint32_t number = count_up_to(searched, blocks_[root].begins[order]);
+  const Block& block = blocks_[root + number];
+  const std::uint32_t leaf = count_up_to(searched, block.begins[order]) - 1;
+  Extent<std::uint32_t> extent;
+  std::memcpy(&extent.place, &block.begins[0][leaf], sizeof(std::uint32_t));
+  std::memcpy(&extent.chance, &block.begins[1][leaf], sizeof(std::uint32_t));
+  return extent;
+}
+
+DirectionTrees::Extent<U32x8> DirectionTrees::find(U32x8 root, Mask8 by_chance, U32x8 key) const {
+  const WordLanes roots(root), keys(key);
+  const unsigned chances = by_chance.bits();
+  WordLanes place, chance;
+  for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
+    const auto extent = find(roots[lane], (chances >> lane & 1) != 0, keys[lane]);
+    place.set(lane, extent.place);
+    chance.set(lane, extent.chance);
+  }
+  return {place.all(), chance.all()};
 }
 
 template <typename T>
-T DirectionTrees::pdf(WordOf<T> root, Vec3Of<T> direction) const {
-  Vec2Of<T> point = place_of(direction);
-  T density = 1.0f;
-  for (WordOf<T> at = root; any(at != 0);) {
-    const MaskOf<T> right = descend(point.x), upper = descend(point.y);
-    const WordOf<T> q = quarter<T>(right, upper);
-    density = density * (4 * share<T>(at, q));
-    at = child<T>(at, q);
+DirectionTrees::DirectionOf<T> DirectionTrees::sample_or(WordOf<T> root, MaskOf<T> sampled, Vec2Of<T> u,
+                                                         Vec3Of<T> other) const {
+  using std::sqrt;
+  const T u_chance = u.x * static_cast<float>(kCertain);
+  const auto leaf = find(root, sampled, select(sampled, to_word(u_chance), place_of(other)));
+  const WordOf<T> place = leaf.place & 0xffff, before = leaf.chance & 0xffff;
+  const T area = to_float((leaf.place >> 16) - place), chance = to_float((leaf.chance >> 16) - before);
+  Vec3Of<T> direction = other;
+  if (any(sampled)) {
+    // What is left of the number is even again.
+    const Vec2Of<T> within{smaller((u_chance - to_float(before)) / chance, T(kBelowOne)), u.y};
+    const Vec2Of<T> corner{to_float(gather_bits(place)), to_float(gather_bits(place >> 1))};
+    const Vec2Of<T> point = (corner + within * sqrt(area)) * T(kLeastSide);
+    direction = select(sampled, from_octahedral_square(point), other);
   }
-  return density / octahedral_area(direction);
+  constexpr float kEven = static_cast<float>(kCurve) / kCertain;
+  return {direction, chance * kEven / (area * octahedral_area(direction))};
 }
 
-template Vec3Of<float> DirectionTrees::sample(Root, Vec2Of<float>) const;
-template Vec3Of<Float8> DirectionTrees::sample(U32x8, Vec2Of<Float8>) const;
-template float DirectionTrees::pdf(Root, Vec3Of<float>) const;
-template Float8 DirectionTrees::pdf(U32x8, Vec3Of<Float8>) const;
+template DirectionTrees::DirectionOf<float> DirectionTrees::sample_or(std::uint32_t, bool, Vec2, Vec3) const;
+template DirectionTrees::DirectionOf<Float8> DirectionTrees::sample_or(U32x8, Mask8, Vec2Of<Float8>,
+                                                                       Vec3Of<Float8>) const;
 
 }  // namespace tessera::core

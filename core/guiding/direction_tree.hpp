@@ -1,6 +1,6 @@
 // Distributions of directions learnt from the light that comes from them: quadtrees over the unfolded sphere,
-// finer where there are more examples (after Müller, Gross and Novák 2017). Many trees share one array of
-// nodes. Immutable once built.
+// finer where there are more examples (after Müller, Gross and Novák 2017). Many trees share one array.
+// Immutable once built.
 #pragma once
 
 #include <array>
@@ -8,8 +8,8 @@
 #include <span>
 #include <vector>
 
+#include "core/math/row_lookup.hpp"
 #include "core/math/vec3.hpp"
-#include "core/math/word_lanes.hpp"
 
 namespace tessera::core {
 
@@ -26,6 +26,8 @@ class DirectionTrees {
  public:
   using Root = std::uint32_t;
 
+  DirectionTrees();
+
   struct Added {
     Root root;
     float root_mean_square;  // to expect of one sample's value, in units of power
@@ -33,43 +35,41 @@ class DirectionTrees {
   // The result depends on the order of `lights`, of which there is at least one, in its last bits.
   Added add(std::span<const DirectedLight> lights);
 
-  // A direction for u in [0, 1) x [0, 1), which keeps neighbours together, and the density per solid angle. T
-  // is float or Float8. Root 0 is that of no tree and has an even density over the unfolded sphere.
   template <typename T>
-  Vec3Of<T> sample(WordOf<T> root, Vec2Of<T> u) const;
+  struct DirectionOf {
+    Vec3Of<T> direction;  // unit
+    T pdf;                // per solid angle
+  };
+  // Where `sampled`, a direction for u in [0, 1) x [0, 1); elsewhere `other`. T is float or Float8. Root 0 is
+  // that of no tree and has an even density over the unfolded sphere.
   template <typename T>
-  T pdf(WordOf<T> root, Vec3Of<T> direction) const;
+  DirectionOf<T> sample_or(WordOf<T> root, MaskOf<T> sampled, Vec2Of<T> u, Vec3Of<T> other) const;
 
  private:
-  // Of the square's four quarters, x first. Where there is no child, the density is even.
-  struct Node {
-    void set_shares(std::array<float, 4> shares);
-
-    std::array<float, 4> share{0.25f, 0.25f, 0.25f, 0.25f};
-    std::array<std::uint32_t, 4> child{};
-    // What sample() takes of the shares: of the upper half, and of the right quarters in the lower and in the
-    // upper half.
-    std::array<float, 3> share_of_half{0.5f, 0.5f, 0.5f};
+  // Only a tree's leaves are kept, in their order along the Z-order curve (Morton 1966), fifteen to a block:
+  // where on the curve each begins, and the chance of all before it. So the leaf at a place is found as the
+  // leaf of a random number is, by counting. A tree's first block has the first leaf of each that follows.
+  // Rows are filled up with what the last leaf ends at, and blocks with the next one's first leaf.
+  struct alignas(64) Block {
+    std::array<SixteenShorts, 2> begins;  // by place, by chance
   };
-  template <typename T>
-  T share(WordOf<T> node, WordOf<T> quarter) const;
-  template <typename T>
-  T share_of_half(WordOf<T> node, WordOf<T> half) const;
-  template <typename T>
-  WordOf<T> child(WordOf<T> node, WordOf<T> quarter) const;
-
-  struct Example {
-    Vec2 point;  // within the node's square
-    float power, concentration;
+  struct Leaf {
+    std::uint32_t place;
+    float value;  // its chance, times the same factor for all
   };
-  struct Square {
-    Vec2 corner;
-    float side;
-  };
-  Added build(std::span<const Example> examples, float prior_power, Square square);
-  static float root_mean_square(std::span<const Example> examples, float prior_power, Square square);
+  Root store(std::span<const Leaf> leaves, float total);
 
-  std::vector<Node> nodes_{1};  // the first leads to itself, and stands for no child
+  // Of a leaf, or of eight: where it begins, in the lower half of the word, and where it ends.
+  template <typename Word>
+  struct Extent {
+    Word place, chance;
+  };
+  Extent<std::uint32_t> find(std::uint32_t root, bool by_chance, std::uint32_t key) const;
+  Extent<U32x8> find(U32x8 root, Mask8 by_chance, U32x8 key) const;
+
+  class Divider;
+
+  std::vector<Block> blocks_;
 };
 
 }  // namespace tessera::core

@@ -1,6 +1,9 @@
 #include "core/guiding/light_guide.hpp"
 
 #include <algorithm>
+#include <cassert>
+#include <cstddef>
+#include <limits>
 #include <utility>
 
 #include "core/math/simd_double8.hpp"
@@ -54,26 +57,34 @@ Aabb widened(const Aabb& box) {
   return {box.lower - all, box.upper + all};
 }
 
-// Where the ray from the place, inside, meets the sphere: how far along the ray, and by what the cosine there
-// exceeds 1 / radius.
+// How far the sphere is from a place inside.
 template <typename T>
-struct Meeting {
-  T t, slope;
-};
-template <typename T>
-Meeting<T> meet_sphere(const LightGuide::GuidanceOf<T>& from, Vec3Of<T> wi) {
+T distance_to_sphere(Vec3Of<T> in_sphere, T radius, Vec3Of<T> wi) {
   using std::sqrt;
-  const Vec3Of<T> o = from.position - from.center;
-  const T along = dot(o, wi);
-  const T slope = sqrt(along * along - length_squared(o) + from.radius * from.radius);
-  return {slope - along, slope};
+  const T along = dot(in_sphere, wi);
+  return sqrt(along * along - length_squared(in_sphere) + radius * radius) - along;
 }
 
-// The direction in which that point lies from the centre.
+// The direction in which the sphere's point lies from the centre.
 template <typename T>
-Vec3Of<T> from_center(const LightGuide::GuidanceOf<T>& from, Vec3Of<T> wi, T t) {
-  return normalize(from.position - from.center + wi * t);
+Vec3Of<T> from_center(Vec3Of<T> in_sphere, T radius, Vec3Of<T> wi) {
+  return (in_sphere + wi * distance_to_sphere(in_sphere, radius, wi)) * (1 / radius);
 }
+
+constexpr int kNodeSplits = 3;  // one after another
+constexpr std::uint32_t kAxesBits = 14;
+
+// Which of a node's children a place is in, by a bit for each of the splits that it is not below: the first
+// split, two for its sides, four for theirs.
+constexpr auto kChildByBits = [] {
+  std::array<std::uint8_t, 128> child{};
+  for (unsigned bits = 0; bits < 128; ++bits) {
+    unsigned slot = 1;
+    for (int split = 0; split < kNodeSplits; ++split) slot = 2 * slot + (bits >> (slot - 1) & 1);
+    child[bits] = static_cast<std::uint8_t>(slot - 8);
+  }
+  return child;
+}();
 
 }  // namespace
 
@@ -83,11 +94,14 @@ class LightGuide::Builder {
   LightGuide build(std::span<const Photon> photons, const OtherLight& other_light, int threads) {
     std::array<std::vector<Photon>, 6> by_facing;
     for (const Photon& photon : photons) by_facing[facing<float>(photon.side_normal)].push_back(photon);
+    std::vector<std::uint32_t> roots(by_facing.size());
+    int splits = 0;
     for (std::size_t f = 0; f < by_facing.size(); ++f) {
-      guide_.roots_[f] = static_cast<std::uint32_t>(guide_.nodes_.size());
-      guide_.nodes_.emplace_back();
-      divide(guide_.roots_[f], by_facing[f]);
+      roots[f] = static_cast<std::uint32_t>(splits_.size());
+      splits_.emplace_back();
+      splits = std::max(splits, divide(roots[f], by_facing[f]));
     }
+    join(std::move(roots), splits);
     const auto count = static_cast<std::int64_t>(evidence_.size());
 #pragma omp parallel for num_threads(threads) schedule(dynamic, 16)
     for (std::int64_t c = 0; c < count; ++c) choose_share(static_cast<std::size_t>(c), other_light);
@@ -95,17 +109,26 @@ class LightGuide::Builder {
   }
 
  private:
+  // What space is divided by, before nodes are made of it.
+  struct Split {
+    float place;
+    std::uint32_t axis;   // or kLeaf
+    std::uint32_t child;  // the lower one, beside the other; of a leaf its cell
+  };
+  static constexpr std::uint32_t kLeaf = 3;
+
   // What is only known while the guide is built.
   struct Evidence {
     float guided;  // root mean square of the irradiance by one sample of the guide's
     std::array<Photon, kProbes> places;
   };
 
-  void divide(std::uint32_t node, std::span<Photon> photons) {
+  // Answers how many splits there are one below the other.
+  int divide(std::uint32_t split, std::span<Photon> photons) {
     const Aabb box = bounds_of(photons);
     if (photons.size() <= kMostCellPhotons) {
-      guide_.nodes_[node] = {0, kLeaf, add_cell(photons, box)};
-      return;
+      splits_[split] = {0, kLeaf, add_cell(photons, box)};
+      return 0;
     }
     const int axis = longest_axis(box);
     // The order among equals is kept, so that it is the same everywhere.
@@ -113,11 +136,47 @@ class LightGuide::Builder {
       return a.position[axis] < b.position[axis];
     });
     const std::size_t half = photons.size() / 2;
-    const auto child = static_cast<std::uint32_t>(guide_.nodes_.size());
-    guide_.nodes_[node] = {photons[half].position[axis], static_cast<std::uint32_t>(axis), child};
-    guide_.nodes_.resize(guide_.nodes_.size() + 2);
-    divide(child, photons.first(half));
-    divide(child + 1, photons.subspan(half));
+    const auto child = static_cast<std::uint32_t>(splits_.size());
+    splits_[split] = {photons[half].position[axis], static_cast<std::uint32_t>(axis), child};
+    splits_.resize(splits_.size() + 2);
+    const int below = divide(child, photons.first(half));
+    return 1 + std::max(below, divide(child + 1, photons.subspan(half)));
+  }
+
+  // Makes nodes of the splits, level by level, so that all leaves come to lie equally deep.
+  void join(std::vector<std::uint32_t> row, int splits) {
+    for (; splits > 0; ++guide_.levels_) {
+      const int joined = (splits - 1) % kNodeSplits + 1;
+      splits -= joined;
+      const std::size_t next_row = splits > 0 ? guide_.nodes_.size() + row.size() : 0;
+      std::vector<std::uint32_t> below;
+      for (const std::uint32_t split : row) {
+        const auto first_child = static_cast<std::uint32_t>(next_row + below.size());
+        assert(first_child < 1u << (32 - kAxesBits));
+        Node& node = guide_.nodes_.emplace_back();
+        node.splits.fill(as_bits(std::numeric_limits<float>::infinity()));
+        node.axes_and_children = first_child << kAxesBits;
+        below.resize(below.size() + (std::size_t{1} << joined));
+        fill(node, 1, split, kNodeSplits - joined, &below[below.size() - (std::size_t{1} << joined)]);
+      }
+      row = std::move(below);
+    }
+    for (const std::uint32_t leaf : row) guide_.cell_of_leaf_.push_back(splits_[leaf].child);
+  }
+
+  // Fills the node's part from `slot` on, of the binary heap that its splits make up, but for `empty` splits
+  // at its top, with what is from `split` on. A place that is not divided lies below a split at infinity.
+  void fill(Node& node, std::uint32_t slot, std::uint32_t split, int empty, std::uint32_t* below) const {
+    if (slot > node.splits.size()) {
+      below[slot - node.splits.size() - 1] = split;
+      return;
+    }
+    const auto [place, axis, child] = splits_[split];
+    if (empty > 0 || axis == kLeaf) return fill(node, 2 * slot, split, empty - 1, below);
+    node.splits[slot - 1] = as_bits(place);
+    node.axes_and_children |= axis << 2 * (slot - 1);
+    fill(node, 2 * slot, child, 0, below);
+    fill(node, 2 * slot + 1, child + 1, 0, below);
   }
 
   std::uint32_t add_cell(std::span<const Photon> photons, const Aabb& box) {
@@ -132,10 +191,9 @@ class LightGuide::Builder {
     const float irradiance = flux / area_of(box);
     std::vector<DirectedLight> lights;
     for (const auto& [position, normal, wi, distance, power, radiance] : photons) {
-      const GuidanceOf<float> from{1, position, cell.center, cell.radius, 0};
       const float value = std::min(kLargestValue, kConcentration * radiance * dot(normal, wi) / irradiance);
       const float part = power / flux;
-      lights.push_back({from_center(from, wi, meet_sphere(from, wi).t), part, part * value});
+      lights.push_back({from_center(position - cell.center, cell.radius, wi), part, part * value});
     }
     const auto [directions, root_mean_square] = guide_.trees_.add(lights);
     cell.directions = directions;
@@ -159,65 +217,69 @@ class LightGuide::Builder {
   }
 
   LightGuide guide_;
-  std::vector<Evidence> evidence_;  // of each cell but the first
+  std::vector<Split> splits_{{0, kLeaf, 0}};  // the first stands for none
+  std::vector<Evidence> evidence_;            // of each cell but the first
 };
 
 LightGuide LightGuide::build(std::span<const Photon> photons, const OtherLight& other_light, int threads) {
   return Builder().build(photons, other_light, threads);
 }
 
-// The cell of the leaf around each place.
-template <typename T>
-WordOf<T> LightGuide::find(Vec3Of<T> position, Vec3Of<T> side_normal) const {
-  using Word = WordOf<T>;
-  constexpr std::uint32_t kStride = sizeof(Node) / sizeof(std::uint32_t);
-  Word node = look_up(roots_.data(), facing<T>(side_normal));
-  for (;;) {
-    const Word axis = look_up(&nodes_[0].axis, node * kStride),
-               child = look_up(&nodes_[0].child, node * kStride);
-    const MaskOf<T> leaf = axis == kLeaf;
-    if (all(leaf)) return child;
-    const T split = look_up(&nodes_[0].split, node * kStride);
-    const T along = select(axis == 0, position.x, select(axis == 1, position.y, position.z));
-    node = select(leaf, node, child + select(along >= split, Word(1), Word(0)));
+std::uint32_t LightGuide::cell_at(std::uint32_t facing, Vec3 position) const {
+  const CoordinateLanes coordinates(position);
+  std::uint32_t at = facing;
+  for (int level = 0; level < levels_; ++level) {
+    const Node& node = nodes_[at];
+    const Float8 splits = as_float(U32x8::load(node.splits.data()));  // and a number that is none
+    const Mask8 above = coordinates.along(unpack_pairs_of_bits(node.axes_and_children)) >= splits;
+    at = (node.axes_and_children >> kAxesBits) + kChildByBits[above.bits() & 0x7f];
   }
+  return cell_of_leaf_[at];
+}
+
+U32x8 LightGuide::cell_at(U32x8 facing, Vec3Of<Float8> position) const {
+  const WordLanes facings(facing);
+  const Vec3Lanes positions(position);
+  WordLanes cells;
+  for (std::size_t lane = 0; lane < kLaneCount; ++lane)
+    cells.set(lane, cell_at(facings[lane], positions[lane]));
+  return cells.all();
 }
 
 template <typename T>
 LightGuide::GuidanceOf<T> LightGuide::at(Vec3Of<T> position, Vec3Of<T> side_normal) const {
-  if (nodes_.empty()) return {};
-  constexpr std::uint32_t kStride = sizeof(Cell) / sizeof(float);
-  const WordOf<T> cell = find<T>(position, side_normal) * kStride;
-  const Cell& first = cells_[0];
-  const auto look_up_place = [cell](const Vec3& place) {
-    return Vec3Of<T>{look_up(&place.x, cell), look_up(&place.y, cell), look_up(&place.z, cell)};
-  };
-  const Vec3Of<T> lower = look_up_place(first.box.lower), upper = look_up_place(first.box.upper);
-  const MaskOf<T> contained = (position.x >= lower.x) & (position.y >= lower.y) & (position.z >= lower.z) &
-                              (position.x <= upper.x) & (position.y <= upper.y) & (position.z <= upper.z);
-  return {select(contained, look_up(&first.share, cell), T(0.0f)), position, look_up_place(first.center),
-          look_up(&first.radius, cell), look_up(&first.directions, cell)};
+  if (cell_of_leaf_.empty()) return {};
+  static_assert(offsetof(Cell, share) == 11 * sizeof(float));
+  const WordOf<T> cell = cell_at(facing<T>(side_normal), position) * (sizeof(Cell) / sizeof(float));
+  const float* words = &cells_[0].box.lower.x;
+  const auto [lower_x, lower_y, lower_z, upper_x] = look_up_row<4>(words, cell);
+  const auto [upper_y, upper_z, center_x, center_y] = look_up_row<4>(words + 4, cell);
+  const auto [center_z, radius, directions, share] = look_up_row<4>(words + 8, cell);
+  const MaskOf<T> contained = (position.x >= lower_x) & (position.y >= lower_y) & (position.z >= lower_z) &
+                              (position.x <= upper_x) & (position.y <= upper_y) & (position.z <= upper_z);
+  return {select(contained, share, T(0.0f)), position - Vec3Of<T>{center_x, center_y, center_z}, radius,
+          as_bits(directions)};
 }
 
+// A patch of the sphere is seen from the place at a distance and foreshortened by slope / radius, from the
+// centre at the distance of the radius.
 template <typename T>
-Vec3Of<T> LightGuide::sample(const GuidanceOf<T>& from, Vec2Of<T> u) const {
-  return normalize(from.center + trees_.sample<T>(from.directions, u) * from.radius - from.position);
+DirectionTrees::DirectionOf<T> LightGuide::sample_or(const GuidanceOf<T>& from, MaskOf<T> sampled,
+                                                     Vec2Of<T> u, Vec3Of<T> other) const {
+  const auto [direction, pdf] =
+      trees_.sample_or<T>(from.directions, sampled, u, from_center(from.in_sphere, from.radius, other));
+  const Vec3Of<T> toward = direction * from.radius - from.in_sphere;
+  const T distance = length(toward);
+  const Vec3Of<T> wi = select(sampled, toward * (1 / distance), other);
+  const T slope = distance + dot(from.in_sphere, wi);
+  return {wi, pdf * (distance * distance) / (from.radius * slope)};
 }
 
-// A patch of the sphere is seen from the position at the distance t and foreshortened by slope / radius, from
-// the centre at the distance of the radius.
-template <typename T>
-T LightGuide::pdf(const GuidanceOf<T>& from, Vec3Of<T> wi) const {
-  const auto [t, slope] = meet_sphere(from, wi);
-  const T density = trees_.pdf<T>(from.directions, from_center(from, wi, t));
-  return density * (t * t) / (from.radius * slope);
-}
-
-template LightGuide::GuidanceOf<float> LightGuide::at(Vec3Of<float>, Vec3Of<float>) const;
+template LightGuide::GuidanceOf<float> LightGuide::at(Vec3, Vec3) const;
 template LightGuide::GuidanceOf<Float8> LightGuide::at(Vec3Of<Float8>, Vec3Of<Float8>) const;
-template Vec3Of<float> LightGuide::sample(const GuidanceOf<float>&, Vec2Of<float>) const;
-template Vec3Of<Float8> LightGuide::sample(const GuidanceOf<Float8>&, Vec2Of<Float8>) const;
-template float LightGuide::pdf(const GuidanceOf<float>&, Vec3Of<float>) const;
-template Float8 LightGuide::pdf(const GuidanceOf<Float8>&, Vec3Of<Float8>) const;
+template DirectionTrees::DirectionOf<float> LightGuide::sample_or(const GuidanceOf<float>&, bool, Vec2,
+                                                                  Vec3) const;
+template DirectionTrees::DirectionOf<Float8> LightGuide::sample_or(const GuidanceOf<Float8>&, Mask8,
+                                                                   Vec2Of<Float8>, Vec3Of<Float8>) const;
 
 }  // namespace tessera::core

@@ -37,8 +37,8 @@ class LightGuide {
   // The result does not depend on `threads`.
   static LightGuide build(std::span<const Photon> photons, const OtherLight& other_light, int threads);
 
-  // A neighbourhood on surfaces that face about the same way.
-  struct Cell {
+  // A neighbourhood on surfaces that face about the same way. Read in rows of four numbers.
+  struct alignas(64) Cell {
     Aabb box;
     // A sphere around the box, about as far away as where the light comes from. Directions are kept as those
     // of its points from its centre, so that what is near is seen elsewhere from another place of the box.
@@ -52,36 +52,39 @@ class LightGuide {
   // What is known at a place: that of the cell around it. T is float, or Float8 for eight places.
   template <typename T>
   struct GuidanceOf {
-    T share = 0.0f;  // 0 where too little is known; then there is nothing else
-    Vec3Of<T> position, center;
+    T share = 0.0f;       // 0 where too little is known; then there is nothing else
+    Vec3Of<T> in_sphere;  // the place, from the centre
     T radius;
     WordOf<T> directions;
   };
   template <typename T>
   GuidanceOf<T> at(Vec3Of<T> position, Vec3Of<T> side_normal) const;
 
-  // Directions from the place, and their density per solid angle.
+  // Where `sampled`, a direction from the place for u in [0, 1) x [0, 1); elsewhere `other`; and its density
+  // per solid angle.
   template <typename T>
-  Vec3Of<T> sample(const GuidanceOf<T>& guidance, Vec2Of<T> u) const;
-  template <typename T>
-  T pdf(const GuidanceOf<T>& guidance, Vec3Of<T> wi) const;
+  DirectionTrees::DirectionOf<T> sample_or(const GuidanceOf<T>& from, MaskOf<T> sampled, Vec2Of<T> u,
+                                           Vec3Of<T> other) const;
 
  private:
   class Builder;
 
-  // Divides space in two, below `split` and from it on. The children lie side by side.
-  struct Node {
-    float split;
-    std::uint32_t axis;   // or kLeaf
-    std::uint32_t child;  // the lower one; of a leaf its cell
+  // Three splits of space, one after another, below and from a coordinate on: seven of them, since the second
+  // and the third are others on each side. From the lowest bits on, `axes_and_children` has two bits with the
+  // axis of each, and then the number of the first child.
+  struct alignas(32) Node {
+    std::array<std::uint32_t, 7> splits;  // as_bits
+    std::uint32_t axes_and_children;
   };
-  static constexpr std::uint32_t kLeaf = 3;
 
-  template <typename T>
-  WordOf<T> find(Vec3Of<T> position, Vec3Of<T> side_normal) const;
+  std::uint32_t cell_at(std::uint32_t facing, Vec3 position) const;
+  U32x8 cell_at(U32x8 facing, Vec3Of<Float8> position) const;
 
-  std::array<std::uint32_t, 6> roots_{};  // by the axis that the surface faces most, and its side
+  // The first six are the roots, by the axis that the surface faces most, and its side. All leaves are
+  // `levels_` below them.
   std::vector<Node> nodes_;
+  int levels_ = 0;
+  std::vector<std::uint32_t> cell_of_leaf_;
   std::vector<Cell> cells_{1};  // the first has no place in it, and stands for none
   DirectionTrees trees_;
 };

@@ -36,8 +36,9 @@ Vec3Of<T> from_octahedral_square(Vec2Of<T> point) {
   using std::copysign, std::fabs;
   const T x = 2 * point.x - 1, y = 2 * point.y - 1, z = 1 - fabs(x) - fabs(y);
   const MaskOf<T> upper = z >= 0;
-  return normalize(
-      Vec3Of<T>{select(upper, x, copysign(1 - fabs(y), x)), select(upper, y, copysign(1 - fabs(x), y)), z});
+  const Vec3Of<T> on_octahedron{select(upper, x, copysign(1 - fabs(y), x)),
+                                select(upper, y, copysign(1 - fabs(x), y)), z};
+  return on_octahedron * (1 / length(on_octahedron));
 }
 
 }  // namespace tessera::core

@@ -14,6 +14,7 @@ namespace tessera::core {
 namespace {
 
 constexpr int kFirstRouletteDepth = 1;
+constexpr float kSurvivalScale = 1.2f;
 constexpr float kMaxSurvival = 0.95f;  // below 1, so that a path between perfect mirrors ends
 
 // Of densities that are all times the number of samples with them, or all divided by the same (Veach and
@@ -27,15 +28,15 @@ T mis_weight(Heuristic heuristic, T pdf, T other_pdf) {
 
 // Russian roulette (Arvo and Kirk 1990), by the throughput without the compression of radiance by refraction,
 // which the way out of the glass undoes, and without what the guide's densities divided it by: there is more
-// light where they are higher (Vorba and Křivánek 2016). By its square root: a dim path that goes on costs
-// time, one that is cut off makes the others bright, and so the best is in between.
+// light where they are higher (Vorba and Křivánek 2016). By its square root, and a fifth more: a dim path
+// that goes on costs time, one that is cut off makes the others bright, and so the best is in between.
 template <typename T>
 MaskOf<T> survives_roulette(RgbOf<T>& throughput, T eta_scale, T promise, int depth, T u) {
   const T contribution = max_component(throughput) * eta_scale * promise;
   const MaskOf<T> goes_on = contribution > 0;
   if (depth < kFirstRouletteDepth) return goes_on;
   using std::sqrt;
-  const T survival = smaller(T(kMaxSurvival), sqrt(contribution));
+  const T survival = smaller(T(kMaxSurvival), kSurvivalScale * sqrt(contribution));
   throughput *= 1 / survival;
   return goes_on & (u < survival);
 }
@@ -304,11 +305,12 @@ PathTracer::Directions PathTracer::choose_directions(const Vertices& vertices, c
   Directions next{found, delta, wi, weight, pdf, eta, 1.0f, 1.0f};
   if (!any(mixed)) return next;
 
+  const Vec2Of<Float8> u_guide{smaller(u.x / share, Float8(kBelowOne)), u.y};
+  const auto [mixed_wi, guide_pdf] = guide_->sample_or(guidance, guided, u_guide, wi);
+  next.wi = mixed_wi;
   RgbOf<Float8> value = weight * pdf;
   Float8 bsdf_pdf = pdf;
   if (any(guided)) {
-    const Vec2Of<Float8> u_guide{smaller(u.x / share, Float8(kBelowOne)), u.y};
-    next.wi = select(guided, guide_->sample(guidance, u_guide), wi);
     const auto at_guided = vertices.evaluate(select(guided, next.wi, {}));
     value = select(guided, at_guided.value, value);
     bsdf_pdf = select(guided, at_guided.pdf, pdf);
@@ -316,7 +318,7 @@ PathTracer::Directions PathTracer::choose_directions(const Vertices& vertices, c
     next.eta = select(guided, Float8(1.0f), eta);
   }
   const Float8 by_bsdf = bsdf_share * bsdf_pdf;
-  const Float8 density = share * guide_->pdf(guidance, next.wi) + by_bsdf;
+  const Float8 density = share * guide_pdf + by_bsdf;
   next.weight = select(mixed, value * (1 / density), weight);
   next.bsdf_pdf = select(mixed, by_bsdf, pdf);
   next.met_scale = select(mixed, select(guided, Float8(0.0f), density / by_bsdf), Float8(1.0f));

@@ -40,6 +40,17 @@ TEST(LightGuide, KnowsOnlyWherePhotonsFell) {
   EXPECT_EQ(share_at(guide, {5, 0, 0.5f}), 0) << "beside it";
 }
 
+// However many photons there are on surfaces that face the same way, and so however deep their cells lie.
+TEST(LightGuide, FindsTheCellsOfAllPhotons) {
+  std::vector<Photon> photons = test::photons_on_floor(20000);
+  for (std::size_t i = 0; i < photons.size(); ++i) {
+    const float u = photons[i].position.x;
+    photons[i].side_normal = i < 100 ? Vec3{1, 0, 0} : i < 3000 ? Vec3{0, 0, -1} : u < 0.1f ? -kUp : kUp;
+  }
+  const LightGuide guide = LightGuide::build(photons, darker_at_the_left, 1);
+  for (const Photon& photon : photons) ASSERT_GT(share_at(guide, photon.position, photon.side_normal), 0);
+}
+
 // From places all over a cell, not only from its middle.
 TEST(LightGuide, DensityIntegratesToOneFromEverywhere) {
   const LightGuide guide = guide_of(3000);
@@ -54,7 +65,8 @@ TEST(LightGuide, DensityIntegratesToOneFromEverywhere) {
       for (int x = 0; x < kSide; ++x) {
         const Vec3 d = from_octahedral_square<float>(
             {(static_cast<float>(x) + 0.5f) / kSide, (static_cast<float>(y) + 0.5f) / kSide});
-        sum += static_cast<double>(guide.pdf(guidance, d)) * static_cast<double>(octahedral_area(d));
+        sum += static_cast<double>(guide.sample_or(guidance, false, {}, d).pdf) *
+               static_cast<double>(octahedral_area(d));
       }
     EXPECT_NEAR(sum / (kSide * kSide), 1, 0.01);
   }
@@ -70,9 +82,9 @@ TEST(LightGuide, SamplesFollowTheDensity) {
   double octants[8] = {}, all = 0;
   for (std::uint32_t i = 0; i < kSamples; ++i) {
     const auto u = Sampler(13, 0, 0, i).pad(0);
-    const Vec3 wi = guide.sample(guidance, Vec2{u[0], u[1]});
+    const auto [wi, pdf] = guide.sample_or(guidance, true, {u[0], u[1]}, kUp);
     EXPECT_NEAR(length(wi), 1, 1e-5f);
-    const double share = 1 / static_cast<double>(guide.pdf(guidance, wi)) / kSamples;
+    const double share = 1 / static_cast<double>(pdf) / kSamples;
     octants[(wi.x > 0 ? 1 : 0) + (wi.y > 0 ? 2 : 0) + (wi.z > 0 ? 4 : 0)] += share;
     all += share;
   }
@@ -110,14 +122,17 @@ TEST(LightGuide, AnswersEightPlacesAsItAnswersEach) {
       u_x.set(lane, v[2]), u_y.set(lane, v[3]);
     }
     const auto all = guide.at(places.all(), normals.all());
-    const FloatLanes share(all.share), pdf(guide.pdf(all, wis.all()));
-    const Vec3Lanes sampled(guide.sample(all, Vec2Of<Float8>{u_x.all(), u_y.all()}));
+    const auto chosen =
+        guide.sample_or(all, Mask8::from_bits(i), Vec2Of<Float8>{u_x.all(), u_y.all()}, wis.all());
+    const FloatLanes share(all.share), pdf(chosen.pdf);
+    const Vec3Lanes direction(chosen.direction);
     for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
       const auto one = guide.at(places[lane], normals[lane]);
       ASSERT_EQ(share[lane], one.share);
       if (one.share == 0) continue;
-      ASSERT_EQ(pdf[lane], guide.pdf(one, wis[lane]));
-      ASSERT_EQ(sampled[lane], guide.sample(one, Vec2{u_x[lane], u_y[lane]}));
+      const auto of_one = guide.sample_or(one, (i >> lane & 1) != 0, {u_x[lane], u_y[lane]}, wis[lane]);
+      ASSERT_EQ(pdf[lane], of_one.pdf);
+      ASSERT_EQ(direction[lane], of_one.direction);
     }
   }
 }

@@ -1,0 +1,82 @@
+// Looking things up in tables where what belongs together lies together: whole rows are read, for one lane
+// after another, which takes a fraction of what gathering number by number does.
+#pragma once
+
+#include <array>
+#include <bit>
+#include <cstdint>
+
+#include "core/math/lane_array.hpp"
+#include "core/math/word_lanes.hpp"
+
+namespace tessera::core {
+
+// Two, three or four numbers, and zeros; nothing behind them is read.
+template <std::size_t kCount>
+__m128 load_row(const float* from) {
+  static_assert(kCount >= 2 && kCount <= 4);
+  if constexpr (kCount == 4) return _mm_loadu_ps(from);
+  if constexpr (kCount == 3) return _mm_maskload_ps(from, _mm_setr_epi32(-1, -1, -1, 0));
+  return _mm_castsi128_ps(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(from)));
+}
+
+// table[index], table[index + 1] and so on, of each lane.
+template <std::size_t kCount>
+std::array<float, kCount> look_up_row(const float* table, std::uint32_t index) {
+  std::array<float, kCount> row;
+  for (std::uint32_t i = 0; i < kCount; ++i) row[i] = table[index + i];
+  return row;
+}
+template <std::size_t kCount>
+std::array<Float8, kCount> look_up_row(const float* table, U32x8 index) {
+  const WordLanes of_lane(index);
+  const auto pair = [&](std::size_t lane) {  // the rows of this lane and of the fourth after it
+    return _mm256_set_m128(load_row<kCount>(table + of_lane[lane + 4]),
+                           load_row<kCount>(table + of_lane[lane]));
+  };
+  const __m256 a = pair(0), b = pair(1), c = pair(2), d = pair(3);
+  const __m256 ab_low = _mm256_unpacklo_ps(a, b), cd_low = _mm256_unpacklo_ps(c, d);
+  const __m256 ab_high = _mm256_unpackhi_ps(a, b), cd_high = _mm256_unpackhi_ps(c, d);
+  std::array<Float8, kCount> columns;
+  columns[0] = _mm256_shuffle_ps(ab_low, cd_low, 0x44);
+  columns[1] = _mm256_shuffle_ps(ab_low, cd_low, 0xee);
+  if constexpr (kCount > 2) columns[2] = _mm256_shuffle_ps(ab_high, cd_high, 0x44);
+  if constexpr (kCount > 3) columns[3] = _mm256_shuffle_ps(ab_high, cd_high, 0xee);
+  return columns;
+}
+template <std::size_t kCount>
+std::array<U32x8, kCount> look_up_row(const std::uint32_t* table, U32x8 index) {
+  const auto columns = look_up_row<kCount>(reinterpret_cast<const float*>(table), index);
+  std::array<U32x8, kCount> words;
+  for (std::size_t i = 0; i < kCount; ++i) words[i] = as_bits(columns[i]);
+  return words;
+}
+
+// Sixteen numbers in a register.
+using SixteenShorts = std::array<std::int16_t, 16>;
+
+// How many of numbers that do not descend are at most `key`.
+inline std::uint32_t count_up_to(std::int16_t key, const SixteenShorts& numbers) {
+  const __m256i all = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(numbers.data()));
+  const __m256i above = _mm256_cmpgt_epi16(all, _mm256_set1_epi16(key));
+  // Two bits for each.
+  return static_cast<std::uint32_t>(std::countr_zero(static_cast<unsigned>(_mm256_movemask_epi8(above)))) / 2;
+}
+
+// Of numbers of two bits, the first in the lowest: the one at the lane's place, in its lowest bits.
+inline U32x8 unpack_pairs_of_bits(std::uint32_t packed) {
+  return _mm256_srlv_epi32(U32x8(packed).v, _mm256_setr_epi32(0, 2, 4, 6, 8, 10, 12, 14));
+}
+
+// A point, to be asked for one of its coordinates in each lane.
+class CoordinateLanes {
+ public:
+  explicit CoordinateLanes(Vec3 p) : twice_(_mm256_setr_ps(p.x, p.y, p.z, 0, p.x, p.y, p.z, 0)) {}
+  // The axis is what the two lowest bits say.
+  Float8 along(U32x8 axis) const { return _mm256_permutevar_ps(twice_.v, axis.v); }
+
+ private:
+  Float8 twice_;
+};
+
+}  // namespace tessera::core
