@@ -1,12 +1,17 @@
 #!/usr/bin/env bash
-# How cost grows with triangles, pixels, samples, lights, depth, threads and workers: measures, writes a table for
-# each into DIR, and plots them. Needs the release build with -DTESSERA_BENCH=ON, jq and gnuplot-nox, and a machine
-# with nothing else to do.
+# How cost grows with triangles, pixels, samples, lights, depth, threads and workers: measures all of that or the
+# SERIES named, writes a table for each into DIR, and plots all that are there. Needs the release build with
+# -DTESSERA_BENCH=ON, jq and gnuplot-nox, and a machine with nothing else to do.
 set -euo pipefail
 
-[ $# -eq 1 ] || { echo "Usage: bench/growth/measure.sh DIR" >&2; exit 2; }
+all=(triangles pixels samples lights depth threads workers)
+[ $# -ge 1 ] || { echo "Usage: bench/growth/measure.sh DIR [SERIES...], of: ${all[*]}" >&2; exit 2; }
 mkdir -p "$1"
 out=$(cd "$1" && pwd)
+shift
+for name in "$@"; do
+  [[ " ${all[*]} " == *" $name "* ]] || { echo "measure.sh: there is no series '$name', but ${all[*]}" >&2; exit 2; }
+done
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 bin=build/release/bin
 for program in tessera tessera_bench tessera-coordinator tessera-worker; do
@@ -21,12 +26,12 @@ cornell=$work/cornell.json
 sed -e 's|^ *//.*||' -e "s|\"box.obj\"|\"$PWD/scenes/cornell/box.obj\"|" scenes/cornell/scene.json >"$cornell"
 
 rounds=3
-# render_seconds SCENE OPTIONS...: the least of some renders on one thread, unless the options say otherwise.
+# render_seconds THREADS SCENE OPTIONS...: the least of some renders.
 render_seconds() {
-  local round scene=$1
-  shift
+  local round threads=$1 scene=$2
+  shift 2
   for ((round = 0; round < rounds; ++round)); do
-    "$bin/tessera" render "$scene" --quiet --threads 1 "$@" -o "$work/picture.exr" --stats "$work/stats.json"
+    "$bin/tessera" render "$scene" --quiet --threads "$threads" "$@" -o "$work/picture.exr" --stats "$work/stats.json"
     jq .render_seconds "$work/stats.json"
   done | sort -g | head -n 1
 }
@@ -37,7 +42,8 @@ series() {
   table=$out/$1.tsv
   printf '# %s\n' "$2" >"$table"
 }
-row() { printf '%s\t%s\n' "$1" "$2" | tee -a "$table" >&2; }
+# What was measured comes through a pipe: where that fails, so does the script.
+row() { printf '%s\t%s\n' "$1" "$(cat)" | tee -a "$table" >&2; }
 
 triangles() {
   echo "== triangles" >&2
@@ -53,14 +59,14 @@ pixels() {
   local side
   series pixels 'pixels	seconds'
   for side in 64 128 256 512 1024; do
-    row $((side * side)) "$(render_seconds "$cornell" --size "${side}x$side" --spp 4)"
+    render_seconds 1 "$cornell" --size "${side}x$side" --spp 4 | row $((side * side))
   done
 }
 
 samples() {
   local spp
   series samples 'samples per pixel	seconds'
-  for spp in 1 4 16 64 256; do row "$spp" "$(render_seconds "$cornell" --size 128x128 --spp "$spp")"; done
+  for spp in 1 4 16 64 256; do render_seconds 1 "$cornell" --size 128x128 --spp "$spp" | row "$spp"; done
 }
 
 # A floor under evenly spread lamps that together are as bright, however many.
@@ -80,8 +86,7 @@ lights() {
   series lights 'lights	µs for each sample'
   for side in 1 3 10 32 100 316; do
     lamps "$side" >"$work/lamps.json"
-    row $((side * side)) "$(render_seconds "$work/lamps.json" |
-      jq "1e6 * . / (256 * 256 * 4)")"
+    render_seconds 1 "$work/lamps.json" | jq "1e6 * . / (256 * 256 * 4)" | row $((side * side))
   done
 }
 
@@ -90,7 +95,7 @@ depth() {
   series depth 'max_depth	seconds'
   for depth in 1 2 4 8 16 32 64; do
     sed "s|\"spp\": 64|\"spp\": 64, \"max_depth\": $depth|" "$cornell" >"$work/depth.json"
-    row "$depth" "$(render_seconds "$work/depth.json" --size 256x256 --spp 16)"
+    render_seconds 1 "$work/depth.json" --size 256x256 --spp 16 | row "$depth"
   done
 }
 
@@ -98,7 +103,7 @@ threads() {
   local n
   series threads 'threads	samples per second'
   for ((n = 1; n <= $(nproc); ++n)); do
-    row "$n" "$(render_seconds "$cornell" --threads "$n" --spp 16 | jq '512 * 512 * 16 / .')"
+    render_seconds "$n" "$cornell" --spp 16 | jq '512 * 512 * 16 / .' | row "$n"
   done
 }
 
@@ -109,17 +114,12 @@ workers() {
   for ((n = 1; n <= $(nproc); ++n)); do
     start_worker "$bin" "worker-$n" 1
     begin=$(date +%s.%N)
-    "$bin/tessera" submit "$cornell" --spp 64 --coordinator "$address" --wait -o "$work/farm.exr" >/dev/null 2>&1
-    row "$n" "$(jq -n "512 * 512 * 64 / ($(date +%s.%N) - $begin)")"
+    "$bin/tessera" submit "$cornell" --spp 192 --coordinator "$address" --wait -o "$work/farm.exr" >/dev/null 2>&1
+    jq -n "512 * 512 * 192 / ($(date +%s.%N) - $begin)" | row "$n"
   done
 }
 
-triangles
-pixels
-samples
-lights
-depth
-threads
-workers
+[ $# -gt 0 ] || set -- "${all[@]}"
+for name in "$@"; do "$name"; done
 gnuplot -e "dir='$out'" bench/growth/plots.gp
 echo "tables and plots are in $out" >&2
