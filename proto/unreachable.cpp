@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <initializer_list>
 #include <string_view>
+#include <utility>
 
 #include "proto/channel.hpp"
 
@@ -17,14 +18,20 @@ bool says(const grpc::Status& status, std::initializer_list<std::string_view> an
                      [&](std::string_view words) { return text.find(words) != std::string::npos; });
 }
 
+// Where the limits on connections are reached, they are closed without a word.
+constexpr const char* kHasEnough =
+    "has as many as it takes (tessera-coordinator --max-connections, --max-machine-connections)";
+
+bool is_closed_at_once(const grpc::Status& status) {
+  return says(status, {"ocket closed", "reset by peer"});
+}
+
 std::string closed_at_once(const std::string& address, const ClientSecurity& security) {
   const char* wants = "it speaks TLS and wants --tls-ca";
   if (!security.ca.empty()) wants = "it wants --tls-certificate and --tls-key";
   if (!security.certificate.empty()) wants = "it does not trust the authority of this --tls-certificate";
-  return fmt::format(
-      "the coordinator at {} closed the connection: it has just been stopped, has as many as it takes "
-      "(tessera-coordinator --max-connections), or {}",
-      address, wants);
+  return fmt::format("the coordinator at {} closed the connection: it has just been stopped, {}, or {}",
+                     address, kHasEnough, wants);
 }
 
 std::string explain(const grpc::Status& status, const std::string& address, const ClientSecurity& security) {
@@ -41,7 +48,7 @@ std::string explain(const grpc::Status& status, const std::string& address, cons
         "{} answers, but this program does not trust it: is --tls-ca the authority of its certificate? ({})",
         address, status.error_message());
   }
-  if (says(status, {"ocket closed", "reset by peer"})) return closed_at_once(address, security);
+  if (is_closed_at_once(status)) return closed_at_once(address, security);
   if (says(status, {"DNS resolution"}))
     return fmt::format("no machine is known by the name in {}: is it spelled right?", address);
   return fmt::format(
@@ -60,6 +67,18 @@ bool is_no_connection(const grpc::Status& status) {
 core::Error explain_no_connection(const grpc::Status& status, const std::string& address,
                                   const ClientSecurity& security) {
   return {core::ErrorCode::kUnavailable, explain(status, address, security)};
+}
+
+std::string lost_coordinator(const std::string& address) {
+  return fmt::format("lost the coordinator at {}", address);
+}
+
+core::Error explain_loss(const grpc::Status& status, const std::string& address) {
+  std::string message = lost_coordinator(address);
+  // Else it was a connection that had been made before.
+  if (is_no_connection(status) && is_closed_at_once(status))
+    message += fmt::format(": it closed a new connection, since it is stopping or {}", kHasEnough);
+  return {core::ErrorCode::kUnavailable, std::move(message)};
 }
 
 }  // namespace tessera::proto

@@ -19,4 +19,9 @@ bool is_no_connection(const grpc::Status& status);
 core::Error explain_no_connection(const grpc::Status& status, const std::string& address,
                                   const ClientSecurity& security);
 
+// The same of a coordinator that has answered before: what begins with lost_coordinator() and says why, where
+// that shows.
+core::Error explain_loss(const grpc::Status& status, const std::string& address);
+std::string lost_coordinator(const std::string& address);
+
 }  // namespace tessera::proto

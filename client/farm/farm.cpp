@@ -56,9 +56,8 @@ void Farm::tell_why_waiting(const core::Error& error, std::chrono::seconds most)
 core::Error Farm::explain(const grpc::Status& status, const grpc::ClientContext& call) const {
   const bool connected = channel_->GetState(false) == GRPC_CHANNEL_READY;
   if (status.error_code() == grpc::StatusCode::UNAVAILABLE && !connected) {
-    if (reached_)
-      return {core::ErrorCode::kUnavailable, fmt::format("lost the coordinator at {}", address())};
-    return proto::explain_no_connection(status, address(), options_.security);
+    return reached_ ? proto::explain_loss(status, address())
+                    : proto::explain_no_connection(status, address(), options_.security);
   }
   if (status.error_code() == grpc::StatusCode::DEADLINE_EXCEEDED)
     return {core::ErrorCode::kDeadlineExceeded,

@@ -2,16 +2,27 @@
 
 #include <fmt/format.h>
 
+#include <cstdint>
 #include <vector>
 
 #include "client/farm/job_text.hpp"
 
 namespace tessera::client {
 
+namespace {
+
+// Jobs that must match to know that one alone does not.
+constexpr std::uint32_t kEnoughToTell = 2;
+
+}  // namespace
+
 core::Result<v1::Job> find_job(Farm& farm, const std::string& id_or_prefix) {
-  const auto list = farm.call(&Farm::Stub::ListJobs, v1::ListJobsRequest());
+  v1::ListJobsRequest request;
+  request.set_id_prefix(id_or_prefix);
+  request.set_max_jobs(kEnoughToTell);
+  const auto list = farm.call(&Farm::Stub::ListJobs, request);
   if (!list) return core::fail(list.error());
-  std::vector<v1::Job> matches;
+  std::vector<v1::Job> matches;  // of an earlier release's coordinator, which answers with every job
   for (const v1::Job& job : list->jobs()) {
     if (job.id() == id_or_prefix) return job;
     if (!id_or_prefix.empty() && job.id().starts_with(id_or_prefix)) matches.push_back(job);

@@ -15,6 +15,7 @@
 #include "client/interrupt.hpp"
 #include "client/progress.hpp"
 #include "proto/status.hpp"
+#include "proto/unreachable.hpp"
 
 namespace tessera::client {
 namespace {
@@ -56,15 +57,14 @@ core::Result<v1::Job> watch_job(Farm& farm, const std::string& job_id,
                                 const std::function<void(const v1::Job&)>& on_update,
                                 const std::function<void(const std::string&)>& on_notice) {
   const auto policy = proto::transient_only(proto::exponential_backoff({.longest = kLongestPause}));
-  const std::string lost =
-      fmt::format("lost the coordinator at {}; waiting for it to come back", farm.address());
+  const std::string lost = proto::lost_coordinator(farm.address());
   int failures = 0;
   std::string told;  // of these failures
   std::optional<std::chrono::milliseconds> asked;
   for (;;) {
     const auto note = [&](const v1::Job& update) {
       failures = 0;
-      if (std::exchange(told, "") == lost) on_notice("the coordinator is back");
+      if (std::exchange(told, "").starts_with(lost)) on_notice("the coordinator is back");
       on_update(update);
     };
     auto job = follow_stream(farm, job_id, note, asked);
@@ -72,7 +72,10 @@ core::Result<v1::Job> watch_job(Farm& farm, const std::string& job_id,
     if (interrupted()) return interruption();
     const auto wait = policy({.last_code = job.error().code, .count = ++failures});
     if (!wait) return job;
-    const std::string why = asked ? job.error().message + "; trying again" : lost;
+    const std::string& error = job.error().message;
+    const std::string why = asked
+                                ? error + "; trying again"
+                                : (error.starts_with(lost) ? error : lost) + "; waiting for it to come back";
     if (std::exchange(told, why) != why) on_notice(why);
     const auto pause = std::max<proto::Duration>(*wait, asked.value_or(std::chrono::milliseconds(0)));
     if (!sleep_unless_interrupted(pause)) return interruption();

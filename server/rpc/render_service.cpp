@@ -109,10 +109,10 @@ grpc::ServerUnaryReactor* RenderService::GetJob(grpc::CallbackServerContext* con
 }
 
 grpc::ServerUnaryReactor* RenderService::ListJobs(grpc::CallbackServerContext* context,
-                                                  const v1::ListJobsRequest*,
+                                                  const v1::ListJobsRequest* request,
                                                   v1::ListJobsResponse* response) {
   return serve(context, pools_.quick, [=, this](const Caller&) {
-    for (v1::Job& job : coordinator_.jobs()) *response->add_jobs() = std::move(job);
+    for (v1::Job& job : coordinator_.jobs(*request)) *response->add_jobs() = std::move(job);
     return core::Status();
   });
 }

@@ -30,6 +30,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "server/scheduler/events.hpp"
@@ -124,6 +125,8 @@ class Scheduler {
   std::optional<JobView> job(const JobId& id, Time now) const;
   // In the order of submission.
   std::vector<JobView> jobs(Time now) const;
+  // Those whose ids begin so; of more than `most` the latest. Takes time for these alone.
+  std::vector<JobView> jobs(Time now, std::string_view id_prefix, std::size_t most) const;
   // In the order of their ids.
   std::vector<WorkerView> workers(Time now) const;
 

@@ -59,6 +59,18 @@ std::vector<JobView> Scheduler::jobs(Time now) const {
   return views;
 }
 
+std::vector<JobView> Scheduler::jobs(Time now, std::string_view id_prefix, std::size_t most) const {
+  std::vector<JobNumber> numbers;
+  for (auto job = job_numbers_.lower_bound(JobId{std::string(id_prefix)});
+       job != job_numbers_.end() && job->first.value.starts_with(id_prefix); ++job)
+    numbers.push_back(job->second);
+  std::sort(numbers.begin(), numbers.end());
+  const std::size_t first = numbers.size() - std::min(most, numbers.size());
+  std::vector<JobView> views;
+  for (std::size_t i = first; i < numbers.size(); ++i) views.push_back(view_of(jobs_.at(numbers[i]), now));
+  return views;
+}
+
 std::vector<WorkerView> Scheduler::workers(Time now) const {
   std::vector<WorkerView> views;
   for (const auto& [id, worker] : roster_.all()) views.push_back(view_of(worker, now));

@@ -1,14 +1,18 @@
 // How commands speak to a coordinator that refuses them: when they wait, and when they do not.
 #include "client/farm/farm.hpp"
 
+#include <arpa/inet.h>
 #include <gmock/gmock.h>
 #include <grpcpp/server_builder.h>
 #include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include <atomic>
 #include <fstream>
 #include <iterator>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "client/farm/bundle.hpp"
@@ -249,6 +253,59 @@ TEST_F(FarmCalls, ToACoordinatorThatIsLostAreTriedAgainForAWhile) {
   const auto picture = download_pictures(*farm_, "id", {testing::TempDir() + "/lost.pfm"}, {});
   ASSERT_FALSE(picture);
   EXPECT_THAT(picture.error().message, HasSubstr(lost + "; this was tried for 1 s"));
+}
+
+// As a coordinator does that has as many connections as it takes.
+class ClosingDoor {
+ public:
+  explicit ClosingDoor(int port) : socket_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+    const int yes = 1;
+    ::setsockopt(socket_, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_port = htons(static_cast<std::uint16_t>(port));
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    EXPECT_EQ(::bind(socket_, reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
+    EXPECT_EQ(::listen(socket_, 16), 0);
+    thread_ = std::thread([this] {
+      for (int taken = 0; (taken = ::accept(socket_, nullptr, nullptr)) >= 0;) ::close(taken);
+    });
+  }
+  ~ClosingDoor() {
+    ::shutdown(socket_, SHUT_RDWR);
+    thread_.join();
+    ::close(socket_);
+  }
+
+ private:
+  const int socket_;
+  std::thread thread_;
+};
+
+// Whoever watches, too.
+TEST_F(FarmCalls, ToACoordinatorThatTurnsThemAwaySayWhy) {
+  open_farm({.address = address_, .security = {}, .patience = std::chrono::seconds(1)});
+  reach();
+  server_->Shutdown(std::chrono::system_clock::now());
+  const ClosingDoor door(std::stoi(address_.substr(address_.rfind(':') + 1)));
+  const std::string why = "lost the coordinator at " + address_ +
+                          ": it closed a new connection, since it is stopping or has as many as it takes "
+                          "(tessera-coordinator --max-connections, --max-machine-connections)";
+  const auto told = [this] { return list().error().message; };
+  std::string last = told();  // of the connection that there was, perhaps
+  for (int i = 0; i < 100 && last != why; ++i) last = told();
+  EXPECT_EQ(last, why);
+  struct Told {
+    std::string notice;
+  };
+  const auto throw_notice = [](const std::string& notice) { throw Told{notice}; };
+  try {
+    static_cast<void>(watch_job(
+        *farm_, "id", [](const v1::Job&) {}, throw_notice));
+    ADD_FAILURE() << "it waits";
+  } catch (const Told& first) {
+    EXPECT_EQ(first.notice, why + "; waiting for it to come back");
+  }
 }
 
 TEST_F(FarmCalls, ToACoordinatorThatNeverAnsweredFailAtOnce) {

@@ -296,6 +296,24 @@ TEST_F(Jobs, OfAWindowThatIsNoneAreRefused) {
   }
 }
 
+TEST_F(Jobs, AreFoundByTheBeginningOfTheirIds) {
+  for (int i = 0; i < 20; ++i) submit();  // so that some begin with the same digit
+  const auto all = coordinator().jobs();
+  for (const std::string prefix : {"", "0", "7", "c", "f", all[3].id().c_str(), "g", "0000x"}) {
+    for (const std::size_t most : {0u, 1u, 2u, 100u}) {
+      std::vector<std::string> expected, found;
+      for (const v1::Job& job : all)
+        if (job.id().starts_with(prefix) && (most == 0 || expected.size() < most))
+          expected.push_back(job.id());
+      v1::ListJobsRequest request;
+      request.set_id_prefix(prefix);
+      request.set_max_jobs(static_cast<std::uint32_t>(most));
+      for (const v1::Job& job : coordinator().jobs(request)) found.push_back(job.id());
+      EXPECT_EQ(found, expected) << prefix << " " << most;
+    }
+  }
+}
+
 // Of a picture that is too large for the farm, parts may be rendered.
 TEST_F(Jobs, OfAWindowNeedMemoryForTheWindowAlone) {
   check_scene_ = accept_as_larger_than_allowed;
