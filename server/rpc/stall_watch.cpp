@@ -13,20 +13,9 @@ constexpr std::chrono::milliseconds kLongestPeriod{1000};
 StallWatch::StallWatch(std::chrono::milliseconds patience)
     : patience_(patience), looker_(std::min(kLongestPeriod, patience / 4), [this] { look(); }) {}
 
-void StallWatch::add(WatchedStream& stream) {
-  const std::lock_guard lock(mutex_);
-  streams_.insert(&stream);
-}
-
-void StallWatch::remove(WatchedStream& stream) {
-  const std::lock_guard lock(mutex_);
-  streams_.erase(&stream);
-}
-
 void StallWatch::look() {
   const auto since = WatchedStream::Clock::now() - patience_;
-  const std::lock_guard lock(mutex_);
-  for (WatchedStream* stream : streams_) stream->end_if_waiting_since(since);
+  streams_.for_each([since](WatchedStream& stream) { stream.end_if_waiting_since(since); });
 }
 
 }  // namespace tessera::rpc

@@ -3,11 +3,9 @@
 #pragma once
 
 #include <chrono>
-#include <mutex>
-#include <optional>
-#include <set>
 
 #include "server/coordinator/periodic.hpp"
+#include "server/rpc/observer_list.hpp"
 
 namespace tessera::rpc {
 
@@ -16,8 +14,8 @@ class WatchedStream {
  public:
   using Clock = std::chrono::steady_clock;
   virtual ~WatchedStream() = default;
-  // Ends the call if it has waited since this time or longer. Called under the watch's lock; must not block
-  // and not call the watch.
+  // Ends the call if it has waited since this time or longer. Called under no lock of the watch; must not
+  // call it.
   virtual void end_if_waiting_since(Clock::time_point time) = 0;
 };
 
@@ -25,9 +23,9 @@ class StallWatch {
  public:
   explicit StallWatch(std::chrono::milliseconds patience);
 
-  void add(WatchedStream& stream);
+  void add(WatchedStream& stream) { streams_.add(stream); }
   // Afterwards it is not called any more.
-  void remove(WatchedStream& stream);
+  void remove(WatchedStream& stream) { streams_.remove(stream); }
 
   std::chrono::milliseconds patience() const { return patience_; }
 
@@ -35,8 +33,7 @@ class StallWatch {
   void look();
 
   const std::chrono::milliseconds patience_;
-  std::mutex mutex_;
-  std::set<WatchedStream*> streams_;  // guarded by mutex_
+  ObserverList<WatchedStream> streams_;
   coordinator::Periodic looker_;
 };
 

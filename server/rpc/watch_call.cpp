@@ -25,6 +25,7 @@ WatchCall::WatchCall(grpc::CallbackServerContext& context, WatchHub& hub, StallW
 }
 
 void WatchCall::tell(const core::Result<v1::Job>& job) {
+  const std::lock_guard lock(mutex_);
   if (!job) return end(proto::to_grpc(job.error()));
   const bool soon = Clock::now() < last_sent_at_ + kShortestInterval;
   if (writing_ || ending_ || (soon && !is_final(job->state()))) return;
@@ -51,25 +52,26 @@ void WatchCall::end(grpc::Status status) {
 
 // A write is under way, which nothing but this ends.
 void WatchCall::end_if_waiting_since(Clock::time_point time) {
-  const std::lock_guard lock(hub_.mutex());
+  const std::lock_guard lock(mutex_);
   if (writing_ && last_sent_at_ <= time) context_.TryCancel();
 }
 
 void WatchCall::OnWriteDone(bool ok) {
-  const std::lock_guard lock(hub_.mutex());
+  const std::lock_guard lock(mutex_);
   writing_ = false;
   if (!ok) return end(grpc::Status::CANCELLED);
   if (ending_) end(*ending_);
 }
 
 void WatchCall::OnCancel() {
-  const std::lock_guard lock(hub_.mutex());
+  const std::lock_guard lock(mutex_);
   end(grpc::Status::CANCELLED);
 }
 
 void WatchCall::OnDone() {
   hub_.remove(*this);
   stalls_.remove(*this);
+  { const std::lock_guard whoever_ended_it_is_done(mutex_); }
   delete this;
 }
 

@@ -4,6 +4,7 @@
 #include <grpcpp/server_context.h>
 #include <grpcpp/support/server_callback.h>
 
+#include <mutex>
 #include <optional>
 #include <string>
 
@@ -18,8 +19,8 @@ struct WatchRequest {
   coordinator::FairShare::Held place;  // one of streams.watches
 };
 
-// Owned by gRPC until OnDone. Members are guarded by the hub's mutex. One write is in flight at a time, and
-// Finish waits for it; what the client is too slow for is skipped, and one who takes nothing is ended.
+// Owned by gRPC until OnDone. One write is in flight at a time, and Finish waits for it; what the client is
+// too slow for is skipped, and one who takes nothing is ended.
 class WatchCall final : public grpc::ServerWriteReactor<v1::WatchJobResponse>,
                         private Watcher,
                         private WatchedStream {
@@ -34,6 +35,7 @@ class WatchCall final : public grpc::ServerWriteReactor<v1::WatchJobResponse>,
   void OnCancel() override;
   void OnDone() override;
 
+  // ---- Under the lock ----
   void write(const v1::Job& job);
   // Finishes the call now or after the write in flight. The first status counts.
   void end(grpc::Status status);
@@ -42,6 +44,9 @@ class WatchCall final : public grpc::ServerWriteReactor<v1::WatchJobResponse>,
   WatchHub& hub_;
   StallWatch& stalls_;
   const WatchRequest request_;
+
+  std::mutex mutex_;
+  // Guarded by mutex_:
   v1::WatchJobResponse response_;
   std::string last_sent_;  // serialised
   Clock::time_point last_sent_at_{};

@@ -9,36 +9,29 @@ constexpr auto kPeriod = std::chrono::milliseconds(100);
 }  // namespace
 
 WatchHub::WatchHub(coordinator::Coordinator& coordinator)
-    : coordinator_(coordinator), teller_(kPeriod, [this] {
-        const std::lock_guard lock(mutex_);
-        tell_all();
-      }) {}
+    : coordinator_(coordinator), teller_(kPeriod, [this] { tell_all(); }) {}
 
 WatchHub::~WatchHub() {
   close();
 }
 
+// Nobody else tells it before it is in the list, so that what it hears first is not older than what comes
+// next.
 void WatchHub::add(Watcher& watcher) {
-  const std::lock_guard lock(mutex_);
-  watchers_.insert(&watcher);
   Known known;
   tell(watcher, known);
-}
-
-void WatchHub::remove(Watcher& watcher) {
-  const std::lock_guard lock(mutex_);
-  watchers_.erase(&watcher);
+  watchers_.add(watcher);
+  if (closed_) tell(watcher, known);
 }
 
 void WatchHub::close() {
-  const std::lock_guard lock(mutex_);
   closed_ = true;
   tell_all();
 }
 
 void WatchHub::tell_all() {
   Known known;
-  for (Watcher* watcher : watchers_) tell(*watcher, known);
+  watchers_.for_each([&](Watcher& watcher) { tell(watcher, known); });
 }
 
 void WatchHub::tell(Watcher& watcher, Known& known) {
