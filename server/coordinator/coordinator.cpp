@@ -4,6 +4,7 @@
 #include <spdlog/spdlog.h>
 
 #include <cstdlib>
+#include <limits>
 #include <utility>
 
 #include "server/coordinator/turn.hpp"
@@ -49,6 +50,8 @@ core::Result<std::unique_ptr<Coordinator>> Coordinator::open(Options options, st
                                                              SceneCheck check_scene) {
   std::unique_ptr<Coordinator> coordinator(
       new Coordinator(std::move(options), std::move(state), std::move(check_scene)));
+  if (const auto& torn_end = coordinator->state_.jobs.torn_end())
+    spdlog::warn("{}: going on from what was written before", *torn_end);
   const auto rows = coordinator->state_.jobs.jobs();
   if (!rows) return core::fail(rows.error());
   for (const store::JobRow& row : *rows) {
@@ -72,10 +75,12 @@ core::Result<v1::Job> Coordinator::job_without_bundle(const std::string& id) {
   return summarise(*record, *scheduler_.job({id}, turn.now()));
 }
 
-std::vector<v1::Job> Coordinator::jobs() {
+std::vector<v1::Job> Coordinator::jobs(const v1::ListJobsRequest& request) {
+  const std::size_t most =
+      request.max_jobs() == 0 ? std::numeric_limits<std::size_t>::max() : request.max_jobs();
   const Turn turn(*this);
   std::vector<v1::Job> result;
-  for (const scheduler::JobView& view : scheduler_.jobs(turn.now())) {
+  for (const scheduler::JobView& view : scheduler_.jobs(turn.now(), request.id_prefix(), most)) {
     result.push_back(summarise(jobs_.at(view.id.value), view));
   }
   return {result.rbegin(), result.rend()};

@@ -80,8 +80,8 @@ class Coordinator {
   core::Result<v1::Job> submit_job(const v1::SubmitJobRequest& request, const std::string& submitter = {});
   core::Result<v1::Job> job(const std::string& id);
   core::Result<v1::Job> job_without_bundle(const std::string& id);
-  // Newest first, without their bundles.
-  std::vector<v1::Job> jobs();
+  // Those that are asked for, newest first, without their bundles.
+  std::vector<v1::Job> jobs(const v1::ListJobsRequest& request = {});
   // These return when the change is stored.
   core::Result<v1::Job> cancel_job(const std::string& id);
   core::Result<v1::Job> pause_job(const std::string& id);

@@ -126,10 +126,7 @@ void note_leftovers(const std::filesystem::path& folder, const store::BlobStore&
     findings.notes.push_back(fmt::format("the coordinator did not end by itself: the next start takes in {}",
                                          log.filename().string()));
   if (const auto looked = store::look_at_log(log); looked && looked->torn_end)
-    findings.notes.push_back(fmt::format(
-        "what was last written to {} is not all there, as a crash may leave it: the next start goes on from "
-        "what was written before",
-        log.filename().string()));
+    findings.notes.push_back(*looked->torn_end + ": the next start goes on from what was written before");
   if (const auto interrupted = blobs.interrupted(); !interrupted.empty())
     findings.notes.push_back(
         fmt::format("{} interrupted uploads: the next start removes them", interrupted.size()));

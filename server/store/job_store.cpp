@@ -2,71 +2,15 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <mutex>
-#include <set>
-#include <system_error>
 #include <utility>
 
+#include "server/store/job_store_impl.hpp"
 #include "server/store/log_damage.hpp"
 #include "server/store/row_codec.hpp"
-#include "server/store/schema.hpp"
-#include "server/store/sqlite.hpp"
 
 namespace tessera::store {
 
 using core::ErrorCode;
-
-namespace {
-
-constexpr auto kPageSize = "PRAGMA page_size = 16384";  // of new files
-constexpr auto kPragmas = R"(
-  PRAGMA journal_mode = WAL;
-  PRAGMA synchronous = FULL;
-  PRAGMA foreign_keys = ON;
-  PRAGMA temp_store = MEMORY;  -- else what a statement would need to undo is written to a file, as much again
-)";
-
-constexpr auto kInsertJob =
-    "INSERT INTO jobs (id, request_id, spec, revision, state, failure, spp, priority, created_ms, "
-    "finished_ms,"
-    " counters, arithmetic, max_workers, row_xxh3)"
-    " VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14)";
-constexpr auto kUpdateJob =
-    "UPDATE jobs SET revision = ?2, state = ?3, failure = ?4, spp = ?5, priority = ?6, finished_ms = ?7,"
-    " counters = ?8, arithmetic = ?9, max_workers = ?10, row_xxh3 = ?11 WHERE id = ?1 AND revision < ?2";
-// Up to what earlier releases had not: the limit of workers, and the sum.
-constexpr auto kReadJobs =
-    "SELECT id, request_id, spec, revision, state, failure, spp, priority, created_ms, finished_ms,"
-    " counters, arithmetic, ";
-constexpr auto kByAge = " FROM jobs ORDER BY created_ms, rowid";
-constexpr auto kByRowid = " FROM jobs WHERE rowid = ?1";
-// Each as far as it can be read: the table itself, and its indexes, which name its rows, too.
-constexpr const char* kTableScans[] = {"SELECT rowid FROM jobs NOT INDEXED ORDER BY rowid",
-                                       "SELECT rowid FROM jobs NOT INDEXED ORDER BY rowid DESC"};
-constexpr const char* kIndexScans[] = {
-    "SELECT rowid FROM jobs INDEXED BY sqlite_autoindex_jobs_1 ORDER BY id",
-    "SELECT rowid FROM jobs INDEXED BY sqlite_autoindex_jobs_1 ORDER BY id DESC"};
-// Rows are numbered from 1. Up to here, those that no scan has come to are tried, too.
-constexpr std::int64_t kMostTried = 1'000'000;
-// A lease's number has room for epochs up to this.
-constexpr std::int64_t kLastEpoch = (1 << 24) - 1;
-// Changes a row where it stands: replacing it would move it, and change twice as many pages.
-constexpr auto kWriteTile =
-    "INSERT INTO tiles (job_id, tile, done, content, row_xxh3)"
-    " SELECT ?1, ?2, ?3, ?4, ?5 WHERE EXISTS (SELECT 1 FROM jobs WHERE id = ?1)"
-    " ON CONFLICT (job_id, tile) DO UPDATE"
-    " SET done = excluded.done, content = excluded.content, row_xxh3 = excluded.row_xxh3";
-constexpr auto kDeleteJob = "DELETE FROM jobs WHERE id = ?1";
-constexpr auto kTilesDone = "SELECT tile, done FROM tiles WHERE job_id = ?1 ORDER BY tile";
-constexpr auto kReadTile = "SELECT done, content, row_xxh3 FROM tiles WHERE job_id = ?1 AND tile = ?2";
-
-std::int64_t as_signed(std::uint64_t value) {
-  return static_cast<std::int64_t>(value);
-}
-std::uint64_t as_unsigned(std::int64_t value) {
-  return static_cast<std::uint64_t>(value);
-}
 
 JobRow read_job(const Statement& row) {
   JobRow job;
@@ -88,186 +32,17 @@ JobRow read_job(const Statement& row) {
   return job;
 }
 
-template <typename Take>
-core::Status for_each_row(Statement& statement, Take take) {
-  auto row = statement.step();
-  for (; row && *row; row = statement.step()) take();
-  statement.reset();
-  if (!row) return core::fail(row.error());
-  return {};
-}
-
-struct RowidScan {
-  std::set<std::int64_t> rowids;
-  core::Status complete;  // or why it is not sure that these are all
-};
-
-core::Status scan_rowids(Database& database, const char* sql, std::set<std::int64_t>& rowids) {
-  auto statement = database.prepare(sql);
-  if (!statement) return core::fail(statement.error());
-  return for_each_row(*statement, [&] { rowids.insert(statement->integer(0)); });
-}
-
-ReadableJobs by_age(ReadableJobs jobs) {
-  std::stable_sort(jobs.rows.begin(), jobs.rows.end(),
-                   [](const JobRow& a, const JobRow& b) { return a.created_ms < b.created_ms; });
-  return jobs;
-}
-
-RowidScan scan_jobs(Database& database) {
-  RowidScan scan;
-  for (const char* const sql : kTableScans) {
-    scan.complete = scan_rowids(database, sql, scan.rowids);
-    if (scan.complete) return scan;
-  }
-  for (const char* const sql : kIndexScans)
-    [[maybe_unused]] const auto as_far_as_it_goes = scan_rowids(database, sql, scan.rowids);
-  return scan;
-}
-
-core::Error damaged(const std::filesystem::path& file, const std::string& how) {
-  const std::string folder = file.parent_path().string();
-  return {
-      ErrorCode::kDataLoss,
-      fmt::format("{} is damaged ({}): put back a copy of the state folder; or see with 'tessera-coordinator "
-                  "--check {}' which jobs are whole, and keep these with 'tessera-coordinator --salvage {}'",
-                  file.string(), how, folder, folder)};
-}
-
-core::Status expect_whole_log(const std::filesystem::path& file) {
-  const auto log = look_at_log(log_of(file));
-  if (!log) return core::fail(log.error());
-  if (log->damage) return core::fail(damaged(file, *log->damage));
-  return {};
-}
-
-core::Status expect_whole(Database& database, const std::filesystem::path& file) {
-  const auto damage = database.structural_damage();
-  if (!damage) return core::fail(damage.error());
-  if (!damage->empty()) return core::fail(damaged(file, damage->front()));
-  return {};
-}
-
-// SQLite's random numbers come from those of the system.
-constexpr auto kMakeSecret =
-    "INSERT OR IGNORE INTO meta VALUES ('secret_0', random()), ('secret_1', random())";
-
-// Zeros if it was not made yet.
-core::Result<std::array<std::uint64_t, 2>> read_secret(Database& database) {
-  const auto first = database.read_number("SELECT value FROM meta WHERE name = 'secret_0'");
-  if (!first) return core::fail(first.error());
-  const auto second = database.read_number("SELECT value FROM meta WHERE name = 'secret_1'");
-  if (!second) return core::fail(second.error());
-  return std::array{as_unsigned(*first), as_unsigned(*second)};
-}
-
-// Without asking SQLite: opening such a file creates it, and reading it empties its log.
-bool is_missing_or_empty(const std::filesystem::path& file) {
-  std::error_code error;
-  const auto size = std::filesystem::file_size(file, error);
-  return error ? error == std::errc::no_such_file_or_directory : size == 0;
-}
-
-core::Status expect_database_of_log(const std::filesystem::path& file, bool may_be_new) {
-  if (!is_missing_or_empty(file) || (may_be_new && is_missing_or_empty(log_of(file)))) return {};
-  return core::fail(lost(file));
-}
-
-core::Result<std::uint32_t> read_epoch(Database& database, const std::filesystem::path& file) {
-  const auto epoch = database.read_number("SELECT value FROM meta WHERE name = 'epoch'");
-  if (!epoch) return core::fail(epoch.error());
-  if (*epoch < 1 || *epoch > kLastEpoch)
-    return core::fail(damaged(file, "it has lost the count of its starts"));
-  return static_cast<std::uint32_t>(*epoch);
-}
-
-}  // namespace
-
-struct JobStore::Impl {
-  Impl(Database opened, std::filesystem::path path) : database(std::move(opened)), file(std::move(path)) {}
-
-  using Wanted = std::pair<Statement*, std::string>;
-  core::Status prepare(const std::vector<Wanted>& wanted) {
-    for (const auto& [statement, sql] : wanted) {
-      auto prepared = database.prepare(sql);
-      if (!prepared) return core::fail(prepared.error());
-      *statement = std::move(*prepared);
-    }
-    return {};
-  }
-  core::Status prepare_reading(int version) {
-    const std::string jobs =
-        fmt::format("{}{}, {}", kReadJobs, version < kVersionOfWorkerLimits ? "0" : "max_workers",
-                    version < kVersionOfJobSums ? "NULL" : "row_xxh3");
-    return prepare({{&list_jobs, jobs + kByAge},
-                    {&read_job, jobs + kByRowid},
-                    {&tiles_done, kTilesDone},
-                    {&read_tile, kReadTile}});
-  }
-  core::Status prepare_writing() {
-    return prepare({{&insert_job, kInsertJob},
-                    {&update_job, kUpdateJob},
-                    {&delete_job, kDeleteJob},
-                    {&write_tile, kWriteTile}});
-  }
-
-  Database database;
-  Statement list_jobs, read_job, tiles_done, read_tile;
-  Statement insert_job, update_job, delete_job, write_tile;  // none if it is only looked at
-  const std::filesystem::path file;
-  std::uint32_t epoch = 0;
-  std::array<std::uint64_t, 2> secret{};
-  std::mutex mutex;  // guards the database and the statements
-};
-
 JobStore::JobStore(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 JobStore::JobStore(JobStore&&) noexcept = default;
 JobStore& JobStore::operator=(JobStore&&) noexcept = default;
 JobStore::~JobStore() = default;
 
-core::Result<JobStore> JobStore::open(const std::filesystem::path& file, bool may_be_new) {
-  if (auto there = expect_database_of_log(file, may_be_new); !there) return core::fail(there.error());
-  if (auto whole = expect_whole_log(file); !whole) return core::fail(whole.error());
-  auto database = Database::open(file);
-  if (!database) return core::fail(database.error());
-  if (auto set = database->execute(kPageSize); !set) return core::fail(set.error());
-  if (auto usable = expect_usable(*database, file, may_be_new); !usable) return core::fail(usable.error());
-  if (auto whole = expect_whole(*database, file); !whole) return core::fail(whole.error());
-  database->fold_log_on_close();
-  if (auto set = database->execute(kPragmas); !set) return core::fail(set.error());
-  if (auto current = bring_up_to_date(*database); !current) return core::fail(current.error());
-  if (auto counted = database->execute("UPDATE meta SET value = value + 1 WHERE name = 'epoch'"); !counted) {
-    return core::fail(counted.error());
-  }
-  if (auto made = database->execute(kMakeSecret); !made) return core::fail(made.error());
-  database->fold_log();
-  auto impl = std::make_unique<Impl>(std::move(*database), file);
-  const auto epoch = read_epoch(impl->database, file);
-  if (!epoch) return core::fail(epoch.error());
-  impl->epoch = *epoch;
-  const auto secret = read_secret(impl->database);
-  if (!secret) return core::fail(secret.error());
-  impl->secret = *secret;
-  if (auto prepared = impl->prepare_reading(schema_version()); !prepared) return core::fail(prepared.error());
-  if (auto prepared = impl->prepare_writing(); !prepared) return core::fail(prepared.error());
-  return JobStore(std::move(impl));
-}
-
-core::Result<JobStore> JobStore::open_untouched(const std::filesystem::path& file) {
-  if (is_missing_or_empty(file)) return core::fail(lost(file));
-  auto database = Database::open_untouched(file);
-  if (!database) return core::fail(database.error());
-  const auto version = expect_readable(*database, file);
-  if (!version) return core::fail(version.error());
-  auto impl = std::make_unique<Impl>(std::move(*database), file);
-  impl->epoch = read_epoch(impl->database, file).value_or(0);
-  impl->secret = read_secret(impl->database).value_or(impl->secret);
-  if (auto prepared = impl->prepare_reading(*version); !prepared) return core::fail(prepared.error());
-  return JobStore(std::move(impl));
-}
-
 std::uint32_t JobStore::epoch() const {
   return impl_->epoch;
+}
+
+const std::optional<std::string>& JobStore::torn_end() const {
+  return impl_->torn_end;
 }
 
 core::Status JobStore::continue_from(std::uint32_t epoch) {
@@ -331,31 +106,6 @@ core::Result<std::vector<JobRow>> JobStore::jobs() {
   const auto read = for_each_row(list, [&] { rows.push_back(read_job(list)); });
   if (!read) return core::fail(read.error());
   return rows;
-}
-
-core::Result<ReadableJobs> JobStore::readable_jobs() {
-  const std::lock_guard lock(impl_->mutex);
-  const RowidScan scan = scan_jobs(impl_->database);
-  core::Status complete = scan.complete;
-  ReadableJobs jobs;
-  const auto read = [&](std::int64_t rowid) {
-    Statement& statement = impl_->read_job.bind(1, rowid);
-    const auto row = statement.step();
-    if (!row) complete = core::fail(row.error());
-    const bool is_here = row && *row;
-    if (is_here) jobs.rows.push_back(read_job(statement));
-    statement.reset();
-    return is_here;
-  };
-  for (const std::int64_t rowid : scan.rowids) jobs.unreadable += read(rowid) ? 0 : 1;
-  if (!scan.complete && !scan.rowids.empty()) {
-    for (std::int64_t rowid = 1; rowid <= std::min(*scan.rowids.rbegin(), kMostTried); ++rowid)
-      if (!scan.rowids.contains(rowid)) read(rowid);
-  }
-  if (complete) return by_age(std::move(jobs));
-  if (jobs.rows.empty()) return core::fail(complete.error());
-  jobs.unreadable = std::max<std::size_t>(jobs.unreadable, 1);
-  return by_age(std::move(jobs));
 }
 
 core::Status JobStore::write_tiles(const std::vector<TileRow>& tiles) {

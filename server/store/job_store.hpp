@@ -73,6 +73,8 @@ class JobStore {
 
   // How often this state was opened, from 1; 0 if that cannot be read from one that is only looked at.
   std::uint32_t epoch() const;
+  // What was missing of its log's end when it was opened, and so does not count (log_damage.hpp).
+  const std::optional<std::string>& torn_end() const;
   // Makes later epochs greater than this one.
   core::Status continue_from(std::uint32_t epoch);
   // Writes everything into the file itself, which then stands without its log. UNAVAILABLE if another program

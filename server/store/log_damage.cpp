@@ -7,6 +7,7 @@
 #include <fstream>
 #include <string_view>
 #include <system_error>
+#include <utility>
 
 #include "server/store/file.hpp"
 
@@ -16,7 +17,7 @@ namespace {
 
 constexpr std::size_t kHeaderBytes = 32, kFrameHeaderBytes = 24;
 // Of the header and of a frame's, what the sums stand behind.
-constexpr std::size_t kSummedOfHeader = 24, kSummedOfFrame = 8;
+constexpr std::size_t kSummedOfHeader = 24, kSummedOfFrame = 8, kSumsOfFrame = 16;
 constexpr std::uint32_t kMagic = 0x377f0682;  // its last bit: sums are over big-endian words
 constexpr std::uint32_t kLeastPage = 512, kMostPage = 65536;
 
@@ -43,10 +44,12 @@ struct Sums {
       second += word(bytes, at + 4) + first;
     }
   }
-  bool stand_in(std::string_view bytes, std::size_t at) const {
-    return big_endian(bytes, at) == first && big_endian(bytes, at + 4) == second;
-  }
+  bool operator==(const Sums&) const = default;
 };
+
+Sums stored_sums(std::string_view bytes, std::size_t at) {
+  return {big_endian(bytes, at), big_endian(bytes, at + 4)};
+}
 
 struct Header {
   bool whole = false, words_are_big_endian = false;
@@ -62,7 +65,7 @@ Header read_header(std::string_view bytes) {
   header.page_bytes = big_endian(bytes, 8);
   header.salts = bytes.substr(16, 8);
   header.sums.add(bytes.substr(0, kSummedOfHeader), header.words_are_big_endian);
-  header.whole = (magic & ~1u) == kMagic && header.sums.stand_in(bytes, kSummedOfHeader) &&
+  header.whole = (magic & ~1u) == kMagic && header.sums == stored_sums(bytes, kSummedOfHeader) &&
                  header.page_bytes >= kLeastPage && header.page_bytes <= kMostPage;
   return header;
 }
@@ -70,20 +73,16 @@ Header read_header(std::string_view bytes) {
 // Finds the first frame that does not check, and counts the transactions that were committed behind it.
 class Walk {
  public:
-  explicit Walk(const Header& header) : header_(header), sums_(header.sums) {}
+  explicit Walk(const Header& header) : header_(header), last_sums_(header.sums) {}
 
   void take(std::string_view frame) {
-    const bool of_this_log = frame.substr(8, 8) == header_.salts;  // or left from before it was begun anew
+    const bool has_salts = frame.substr(8, 8) == header_.salts;
+    const bool follows = follows_the_last(frame);
     const bool commits = big_endian(frame, 4) != 0;
-    if (!broken_ && of_this_log && continues(frame)) {
-      ++whole_frames_;
-      within_transaction_ = !commits;
-      return;
-    }
-    broken_ = true;
-    if (!of_this_log) return;
-    within_transaction_ = true;
-    if (commits) ++unreadable_commits_;
+    broken_ |= !has_salts || !follows;
+    if (broken_) return take_behind_the_break(has_salts, follows, commits);
+    ++whole_frames_;
+    within_transaction_ = !commits;
   }
   // What is left behind the last frame.
   void end(std::streamsize bytes) { within_transaction_ |= !broken_ && bytes > 0; }
@@ -92,19 +91,47 @@ class Walk {
   // Each was written only when the one before was safe on disk: a crash tears one at most.
   bool damaged() const { return unreadable_commits_ > 1; }
   bool torn() const { return within_transaction_; }
+  // Its end is there. What is torn while it is written lacks that, unless the machine goes down with it.
+  bool torn_before_its_end() const { return unreadable_commits_ > 0; }
 
  private:
-  bool continues(std::string_view frame) {
-    sums_.add(frame.substr(0, kSummedOfFrame), header_.words_are_big_endian);
-    sums_.add(frame.substr(kFrameHeaderBytes), header_.words_are_big_endian);
-    return sums_.stand_in(frame, 16);
+  // By the sums, which do not stand behind the salts.
+  bool follows_the_last(std::string_view frame) {
+    Sums sums = std::exchange(last_sums_, stored_sums(frame, kSumsOfFrame));
+    sums.add(frame.substr(0, kSummedOfFrame), header_.words_are_big_endian);
+    sums.add(frame.substr(kFrameHeaderBytes), header_.words_are_big_endian);
+    return sums == last_sums_;
+  }
+  // A frame without this log's salts is left from before the log was begun anew, unless it follows one of
+  // this log, or one of this log follows it.
+  void take_behind_the_break(bool has_salts, bool follows, bool commits) {
+    if (!follows) doubtful_commits_ = 0;
+    doubtful_commits_ += commits ? 1 : 0;
+    last_is_of_this_log_ = has_salts || (follows && last_is_of_this_log_);
+    if (!last_is_of_this_log_) return;
+    within_transaction_ = true;
+    unreadable_commits_ += std::exchange(doubtful_commits_, 0);
   }
 
   const Header& header_;
-  Sums sums_;
-  bool broken_ = false, within_transaction_ = false;
+  Sums last_sums_;  // as the last frame has them
+  bool broken_ = false, within_transaction_ = false, last_is_of_this_log_ = true;
   std::uint64_t whole_frames_ = 0, unreadable_commits_ = 0;
+  std::uint64_t doubtful_commits_ = 0;  // in frames that follow one another, and may be of this log
 };
+
+std::string torn_end(const std::filesystem::path& log, const Walk& walk, std::uint64_t end) {
+  const std::string text = fmt::format(
+      "what was last written to {} is not all there, as a crash may leave it", log.filename().string());
+  if (!walk.torn_before_its_end()) return text;
+  return text + fmt::format(
+                    ", or a damaged disk: it does not check from byte {} on, though its end is there. Unless "
+                    "the whole "
+                    "machine crashed, what was accepted last is lost: samples are rendered again, but a job "
+                    "that was "
+                    "submitted, changed or deleted then is as it was before",
+                    end);
+}
 
 }  // namespace
 
@@ -121,15 +148,19 @@ core::Result<LogFindings> look_at_log(const std::filesystem::path& log) {
   if (!file.read(bytes.data(), kHeaderBytes)) return core::fail(errno_error("reading", log));
   const Header header = read_header(bytes);
   if (!header.whole)
-    return LogFindings{.damage = fmt::format("{} is damaged at its beginning", log.string())};
+    return LogFindings{.damage = fmt::format("{} is damaged at its beginning", log.string()),
+                       .torn_end = std::nullopt};
   Walk walk(header);
   const std::size_t frame_bytes = kFrameHeaderBytes + header.page_bytes;
   bytes.resize(frame_bytes);
   while (file.read(bytes.data(), static_cast<std::streamsize>(frame_bytes))) walk.take(bytes);
   walk.end(file.gcount());
-  if (!walk.damaged()) return LogFindings{.damage = std::nullopt, .torn_end = walk.torn()};
-  return LogFindings{.damage = fmt::format("{} is damaged at byte {}", log.string(),
-                                           kHeaderBytes + walk.whole_frames() * frame_bytes)};
+  const std::uint64_t end = kHeaderBytes + walk.whole_frames() * frame_bytes;
+  if (walk.damaged())
+    return LogFindings{.damage = fmt::format("{} is damaged at byte {}", log.string(), end),
+                       .torn_end = std::nullopt};
+  return walk.torn() ? LogFindings{.damage = std::nullopt, .torn_end = torn_end(log, walk, end)}
+                     : LogFindings{};
 }
 
 }  // namespace tessera::store

@@ -16,9 +16,10 @@ std::filesystem::path log_of(const std::filesystem::path& database);
 struct LogFindings {
   // Where the log is damaged, as a sentence; nothing if it is whole, or not there.
   std::optional<std::string> damage;
-  // Its last transaction is there in parts, and will not count. That is no damage: a crash that tears the one
-  // it interrupts, of which nobody has heard, leaves the same.
-  bool torn_end = false;
+  // That its last transaction is there in parts, and will not count, as a sentence that says what may be
+  // lost. That is no damage for sure: a crash that tears the one it interrupts, of which nobody has heard,
+  // leaves the same.
+  std::optional<std::string> torn_end;
 };
 
 // Errors: it cannot be read.

@@ -168,7 +168,7 @@ TEST_F(LimitsTest, OfConnectionsAreToldAndWaitedOut) {
   ASSERT_TRUE(is_in(first));
   const Outcome refused = tessera({"jobs"});
   EXPECT_EQ(refused.exit_code, 1);
-  EXPECT_THAT(refused.err, HasSubstr("has as many as it takes (tessera-coordinator --max-connections)"));
+  EXPECT_THAT(refused.err, HasSubstr("has as many as it takes (tessera-coordinator --max-connections,"));
   Process& second = start_worker("second", 1);
   const auto says_closed = [&] {
     return coordinator().err().find("closed a connection of 127.0.0.1: there are 2") != std::string::npos;

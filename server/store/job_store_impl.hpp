@@ -1,0 +1,59 @@
+// What the parts of the job store share: its database, the statements, and how a row of a job is read. For
+// them alone.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "server/store/job_store.hpp"
+#include "server/store/sqlite.hpp"
+
+namespace tessera::store {
+
+struct JobStore::Impl {
+  Impl(Database opened, std::filesystem::path path) : database(std::move(opened)), file(std::move(path)) {}
+
+  // Of a file of this version of the schema.
+  core::Status prepare_reading(int version);
+  core::Status prepare_writing();
+
+  Database database;
+  Statement list_jobs, read_job, tiles_done, read_tile;
+  Statement insert_job, update_job, delete_job, write_tile;  // none if it is only looked at
+  const std::filesystem::path file;
+  std::uint32_t epoch = 0;
+  std::array<std::uint64_t, 2> secret{};
+  std::optional<std::string> torn_end;
+  std::mutex mutex;  // guards the database and the statements
+
+ private:
+  using Wanted = std::pair<Statement*, std::string>;
+  core::Status prepare(const std::vector<Wanted>& wanted);
+};
+
+inline std::int64_t as_signed(std::uint64_t value) {
+  return static_cast<std::int64_t>(value);
+}
+inline std::uint64_t as_unsigned(std::int64_t value) {
+  return static_cast<std::uint64_t>(value);
+}
+
+// Of a statement that lists or reads jobs.
+JobRow read_job(const Statement& row);
+
+template <typename Take>
+core::Status for_each_row(Statement& statement, Take take) {
+  auto row = statement.step();
+  for (; row && *row; row = statement.step()) take();
+  statement.reset();
+  if (!row) return core::fail(row.error());
+  return {};
+}
+
+}  // namespace tessera::store
