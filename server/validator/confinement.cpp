@@ -19,15 +19,6 @@ constexpr std::uint64_t kVerdictBytes = 1 << 20;
 // Standard input, output and error, and one file of the scene at a time.
 constexpr std::uint64_t kMaxFiles = 16;
 
-// Sanitizers themselves map terabytes, start processes and trace themselves.
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)  // GCC
-constexpr bool kIsSanitized = true;
-#elif defined(__has_feature)  // Clang
-constexpr bool kIsSanitized = __has_feature(address_sanitizer) || __has_feature(thread_sanitizer);
-#else
-constexpr bool kIsSanitized = false;
-#endif
-
 core::Status set_limit(__rlimit_resource resource, const char* name, std::uint64_t value,
                        std::uint64_t leeway = 0) {
   const rlimit limit{value, value + leeway};

@@ -11,6 +11,16 @@
 
 namespace tessera::validator {
 
+// Sanitizers themselves map terabytes, start processes and trace themselves: their builds keep what that
+// takes.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)  // GCC
+inline constexpr bool kIsSanitized = true;
+#elif defined(__has_feature)  // Clang
+inline constexpr bool kIsSanitized = __has_feature(address_sanitizer) || __has_feature(thread_sanitizer);
+#else
+inline constexpr bool kIsSanitized = false;
+#endif
+
 struct Confinement {
   std::uint64_t memory_mib = 16 * 1024;  // address space; beyond it allocations fail
   std::uint64_t cpu_seconds = 300;       // beyond it the kernel ends the process

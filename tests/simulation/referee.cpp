@@ -48,7 +48,8 @@ void Referee::restarted(std::uint32_t epoch) {
   held_in_vain_.clear();
   slowest_seconds_.clear();
   began_.reset();
-  last_rendered_.clear();
+  last_helped_.clear();
+  tried_.clear();
   clock_ = {};
   highest_given_ = std::max(highest_given_, std::uint64_t{epoch} << 40);
 }
@@ -75,6 +76,8 @@ void Referee::handled(const Event& event, const Actions& actions, Time clock) {
     last_call_[call->worker.id] = *call;
     last_heard_[call->worker.id] = clock_;
   }
+  const auto* result = std::get_if<SubmitResult>(&event);
+  if (result != nullptr && !result->cannot_build.empty()) tried_.insert({result->worker, result->job});
   for (const JobChange& change : actions.job_changes) check_arrow(change);
   for (const Unaudited& given_up : actions.unaudited) check_given_up(given_up.job);
   woken_.insert(actions.wake.begin(), actions.wake.end());
@@ -97,11 +100,11 @@ void Referee::check_arrow(const JobChange& change) {
 
 // Nobody could have audited it for as long as one is to wait for somebody who can.
 void Referee::check_given_up(const JobId& job) const {
-  const auto last = last_rendered_.find(job);
-  const Duration waited = clock_ - (last == last_rendered_.end() ? *began_ : last->second);
+  const auto last = last_helped_.find(job);
+  const Duration waited = clock_ - (last == last_helped_.end() ? *began_ : last->second);
   if (waited >= options_.audit_patience) return;
-  world_.fail(fmt::format("job {} is done without its audits {:.0f} s after somebody rendered of it",
-                          job.value, std::chrono::duration<double>(waited).count()));
+  world_.fail(fmt::format("job {} is done without its audits {:.0f} s after somebody was at it", job.value,
+                          std::chrono::duration<double>(waited).count()));
 }
 
 void Referee::check_reply(const Event& event, const Reply& reply) {
@@ -124,6 +127,7 @@ void Referee::check_reply(const Event& event, const Reply& reply) {
     has_new |= is_new;
     check_lease(lease, is_new, highest_before);
     known_.insert({worker, lease.id});
+    if (is_new && tried_.insert({worker, lease.job}).second) last_helped_[lease.job] = clock_;
   }
   const int most = std::min(last->second.wanted_leases, kMaxLeasesPerWorker);
   if (has_new && (last->second.draining || static_cast<int>(reply.leases.size()) > std::max(most, 0)))
@@ -171,7 +175,7 @@ void Referee::note_progress(const SubmitResult& event, const Actions& actions) {
   for (std::size_t i = 0; i < event.items.size(); ++i) {
     samples += films_.at(event.job).pixel_samples(event.items[i]);
     if (actions.verdicts[i] == Verdict::kDropped) continue;
-    last_rendered_[event.job] = clock_;
+    last_helped_[event.job] = clock_;
     for (auto& [who, held] : held_in_vain_) {
       if (who.second != event.job) continue;
       const bool has_it = std::any_of(held.items.begin(), held.items.end(),

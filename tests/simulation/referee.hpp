@@ -69,9 +69,11 @@ class Referee {
   // The coordinator's clock as the scheduler must take it: it never goes back.
   Time clock_{};
   // When this scheduler was first handed anything, and when any of a job was last rendered, or rendered
-  // again.
+  // again, or given to somebody of whom nothing speaks against it.
   std::optional<Time> began_;
-  std::map<scheduler::JobId, Time> last_rendered_;
+  std::map<scheduler::JobId, Time> last_helped_;
+  // Who was given leases of the job before, or has said that it cannot build it.
+  std::set<std::pair<scheduler::WorkerId, scheduler::JobId>> tried_;
   std::map<scheduler::WorkerId, scheduler::Synchronize> last_call_;
   std::map<scheduler::WorkerId, Time> last_heard_;
   std::map<scheduler::WorkerId, scheduler::Reply> waiting_;

@@ -1,5 +1,5 @@
-// Who renders what again, and what comes of it.
-#include "tests/unit/scheduler/farm.hpp"
+// Who renders what again, and for how long that is waited for.
+#include "tests/unit/scheduler/audited_farm.hpp"
 
 namespace tessera::scheduler {
 namespace {
@@ -9,77 +9,8 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using enum JobState;
 
-// Honest sums are linear in the number of samples, as a film's are.
-Fingerprint honest(const WorkItem& item) {
-  Fingerprint total;
-  for (std::uint32_t s = item.samples.begin; s < item.samples.end; ++s)
-    total.add(sums(1000 * static_cast<std::uint64_t>(item.tile + 1) + s));
-  return total;
-}
-
-Fingerprint wrong(const WorkItem& item) {
-  Fingerprint total = honest(item);
-  total.add(sums(7));
-  return total;
-}
-
-using Sums = Fingerprint (*)(const WorkItem&);
-
-class AuditsOf : public Farm {
- protected:
-  explicit AuditsOf(double share) : Farm(audited(share)) {}
-
-  Actions deliver_sums(const std::string& worker, const LeaseDescription& lease,
-                       const std::vector<WorkItem>& items, Sums sums_of, bool finished = true) {
-    SubmitResult result{{worker}, lease.job, lease.id, items, 0.25, finished};
-    for (const WorkItem& item : items) result.fingerprints.push_back(sums_of(item));
-    return handle(result);
-  }
-  Actions deliver_sums(const std::string& worker, const LeaseDescription& lease, Sums sums_of) {
-    return deliver_sums(worker, lease, lease.items, sums_of);
-  }
-  // Renders what it is given until it is given nothing.
-  void render(const std::string& worker, Sums sums_of = honest) {
-    for (int rounds = 0; rounds < 1000 && !HasFailure(); ++rounds) {
-      const Reply reply = sync(worker);
-      if (reply.leases.empty()) return;
-      for (const LeaseDescription& lease : reply.leases) deliver_sums(worker, lease, sums_of);
-    }
-    ADD_FAILURE() << "there is no end to the work";
-  }
-  // Everybody in turn, until nobody is given anything.
-  void render_together(const std::vector<std::pair<std::string, Sums>>& workers) {
-    for (int rounds = 0; rounds < 1000 && state("job") == kRunning; ++rounds) {
-      for (const auto& [worker, sums_of] : workers) {
-        const Reply reply = sync(worker);
-        for (const LeaseDescription& lease : reply.leases) deliver_sums(worker, lease, sums_of);
-      }
-    }
-  }
-  WorkerView worker(const std::string& id) {
-    for (const WorkerView& view : scheduler_->workers(now_)) {
-      if (view.info.id.value == id) return view;
-    }
-    return {};
-  }
-
- private:
-  static Options audited(double share) {
-    Options options;
-    options.audit_share = share;
-    options.audit_secret = 17;
-    // A first lease has up to 100,000 samples, of a small job all there are.
-    options.sizing.first_lease_seconds = 2;
-    options.sizing.end_divisor = 0.01;
-    return options;
-  }
-};
-
 struct Audits : AuditsOf {
   Audits() : AuditsOf(1) {}
-};
-struct WithoutAudits : AuditsOf {
-  WithoutAudits() : AuditsOf(0) {}
 };
 
 TEST_F(Audits, AreForWorkersOfAnotherName) {
@@ -240,66 +171,6 @@ TEST_F(Audits, ThatTakeLongAreGivenToAnotherAsWell) {
   EXPECT_THAT(sync("slow", {slow}).leases, IsEmpty());
 }
 
-TEST_F(Audits, DisproveALiarBySentence) {
-  submit("job", tiles(4, 1));
-  const LeaseDescription lease = lease_to("liar");
-  deliver_sums("liar", lease, wrong);
-  const LeaseDescription by_b = lease_to("b");
-  const Actions contradicted = deliver_sums("b", by_b, {by_b.items[0]}, honest, false);
-  ASSERT_EQ(contradicted.contradictions.size(), 1u);
-  EXPECT_THAT(contradicted.contradictions[0],
-              HasSubstr("liar and b have rendered other bits of samples [0, 1) of tile 0"));
-  EXPECT_THAT(contradicted.disproved, IsEmpty());
-  // What is contradicted comes first.
-  const LeaseDescription by_c = lease_to("c");
-  ASSERT_EQ(by_c.items[0], by_b.items[0]);
-  const Actions decided = deliver_sums("c", by_c, {by_c.items[0]}, honest, false);
-  ASSERT_EQ(decided.disproved.size(), 1u);
-  EXPECT_EQ(decided.disproved[0].author, (Author{"liar", {"liar"}}));
-  EXPECT_EQ(decided.disproved[0].because,
-            "it rendered other bits of samples [0, 1) of tile 0 (pixels [0, 64) x [0, 64)) of job job than b "
-            "and c");
-  EXPECT_THAT(decided.dropped_tiles, ElementsAre(TileOfJob{{"job"}, 0}));
-  EXPECT_EQ(scheduler_->done({"job"}, 0), IntervalSet{});
-  EXPECT_EQ(worker("liar").disproved_ranges, 1u);
-
-  render_together({{"b", honest}, {"c", honest}});
-  EXPECT_EQ(state("job"), kDone);
-  EXPECT_EQ(job("job").samples_done, job("job").samples_total);
-}
-
-TEST_F(Audits, DisproveWhoContradictsTheTruth) {
-  submit("job", tiles(2, 1));
-  deliver_sums("a", lease_to("a"), honest);
-  const LeaseDescription lie = lease_to("liar");
-  deliver_sums("liar", lie, {lie.items[0]}, wrong, false);
-  const LeaseDescription third = lease_to("c");
-  const Actions decided = deliver_sums("c", third, {lie.items[0]}, honest, false);
-  ASSERT_EQ(decided.disproved.size(), 1u);
-  EXPECT_EQ(decided.disproved[0].author.name, "liar");
-  EXPECT_THAT(decided.dropped_tiles, IsEmpty());
-  EXPECT_EQ(worker("liar").held_leases, 0);
-}
-
-// Two liars that say different things do not vouch for each other.
-TEST_F(Audits, NeedTwoThatAgree) {
-  submit("job", tiles(2, 1));
-  const auto lie_otherwise = [](const WorkItem& item) {
-    Fingerprint total = honest(item);
-    total.add(sums(99));
-    return total;
-  };
-  deliver_sums("liar", lease_to("liar"), wrong);
-  deliver_sums("other liar", lease_to("other liar"), lie_otherwise);
-  render("b");
-  EXPECT_EQ(state("job"), kRunning);
-  EXPECT_EQ(job("job").samples_done, job("job").samples_total);
-  render_together({{"b", honest}, {"c", honest}});
-  EXPECT_EQ(state("job"), kDone);
-  EXPECT_GE(worker("liar").disproved_ranges, 1u);
-  EXPECT_GE(worker("other liar").disproved_ranges, 1u);
-}
-
 TEST_F(Audits, AreWaitedForUntilNobodyHasComeForAWhile) {
   submit("job", tiles(4, 1));
   deliver_sums("a", lease_to("a"), honest);
@@ -341,6 +212,24 @@ TEST_F(Audits, AreNotGivenUpWhileSomebodyCanDoThem) {
   EXPECT_EQ(state("job"), kRunning);
 }
 
+// Whoever could have done them meanwhile, and has gone again.
+TEST_F(Audits, AreWaitedForAnewSinceSomebodyWasHere) {
+  submit("job", tiles(4, 1));
+  deliver_sums("a", lease_to("a"), honest);
+  const auto wait = [&](int times) {
+    for (int i = 0; i < times; ++i) {
+      pass(seconds(9));
+      EXPECT_THAT(sync("a").leases, IsEmpty());
+    }
+  };
+  wait(6);
+  sync("b", {}, 0);
+  wait(8);  // who has been silent for ten seconds cannot do them
+  EXPECT_EQ(state("job"), kRunning);
+  wait(1);
+  EXPECT_EQ(state("job"), kDone);
+}
+
 TEST_F(Audits, AreStillDueAfterARestart) {
   submit("job", tiles(4, 1));
   deliver_sums("a", lease_to("a"), honest);
@@ -365,71 +254,6 @@ TEST_F(Audits, OfSamplesThatKillTheirWorkersEndTheJob) {
   }
   EXPECT_EQ(state("job"), kFailed);
   EXPECT_THAT(job("job").failure, HasSubstr("3 workers died one after the other"));
-}
-
-TEST_F(WithoutAudits, WhatAWorkerThatIsPutAsideHasRenderedIsVerified) {
-  submit("job", tiles(100, 2));
-  const LeaseDescription lies = lease_to("liar");
-  deliver_sums("liar", lies, wrong);
-  deliver_sums("a", lease_to("a"), honest);
-  EXPECT_EQ(job("job").samples_to_verify, 0u);
-  const Actions actions = handle(Dismiss{{"liar"}, true});
-  EXPECT_EQ(actions.reviewed_tiles.size(), lies.items.size());
-  EXPECT_EQ(job("job").samples_to_verify, lies.items.size() * kTilePixels);
-  // What it delivers under its name still counts, but not without being verified.
-  const Reply late = *handle(Synchronize{{{"late"}, "liar", "0.1.0", 1}, {}, 1}).reply;
-  const LeaseDescription more_lies = late.leases.at(0);
-  deliver_sums("late", more_lies, wrong);
-  EXPECT_EQ(job("job").samples_to_verify, (lies.items.size() + more_lies.items.size()) * kTilePixels);
-  render_together({{"a", honest}, {"b", honest}, {"c", honest}});
-  EXPECT_EQ(state("job"), kDone);
-  EXPECT_GE(worker("liar").disproved_ranges, 1u);
-}
-
-TEST_F(WithoutAudits, ADoneJobRunsAgainWhenItsWorkersAreDoubted) {
-  submit("job", tiles(2, 1));
-  deliver_sums("liar", lease_to("liar"), wrong);
-  render("liar", wrong);
-  ASSERT_EQ(state("job"), kDone);
-  const Actions put_aside = handle(Dismiss{{"liar"}, true});
-  EXPECT_THAT(put_aside.reopen, ElementsAre(JobId{"job"}));
-  const Actions reopened = handle(ReopenJob{{"job"}});
-  EXPECT_THAT(reopened.job_changes, ElementsAre(JobChange{{"job"}, kDone, kRunning}));
-  EXPECT_EQ(reopened.reviewed_tiles.size(), 2u);
-  EXPECT_EQ(job("job").samples_to_verify, job("job").samples_total);
-  // Nobody waits for this in vain: it goes on whenever somebody comes.
-  pass(seconds(1000));
-  tick();
-  EXPECT_EQ(state("job"), kRunning);
-  render_together({{"a", honest}, {"b", honest}});
-  EXPECT_EQ(state("job"), kDone);
-}
-
-TEST_F(WithoutAudits, ADoneJobOfTrustedWorkersStaysDone) {
-  submit("job", tiles(2, 1));
-  sync("bad", {}, 0);
-  render("a");
-  EXPECT_THAT(handle(Dismiss{{"bad"}, true}).reopen, IsEmpty());
-  EXPECT_TRUE(handle(ReopenJob{{"job"}}).job_changes.empty());
-}
-
-// A tile whose samples were dropped is empty, also of what the same result brought.
-TEST_F(WithoutAudits, ATileIsDroppedWithWhatTheSameResultBrought) {
-  submit("job", tiles(2, 2));
-  restart();
-  const LeaseDescription before{LeaseId{7}, {"job"}, {}};
-  deliver_sums("liar", before, {{0, {0, 1}}}, wrong);
-  sync("liar", {}, 0);
-  handle(Dismiss{{"liar"}, true});
-  const LeaseDescription first = lease_to("a");
-  ASSERT_EQ(first.items[0], (WorkItem{0, {0, 1}}));
-  deliver_sums("a", first, honest);
-  const LeaseDescription second = lease_to("b");
-  ASSERT_EQ(second.items[0], (WorkItem{0, {0, 1}}));
-  const Actions actions = deliver_sums("b", second, {{0, {1, 2}}, {0, {0, 1}}}, honest);
-  EXPECT_THAT(actions.verdicts, ElementsAre(Verdict::kDropped, Verdict::kAudited));
-  EXPECT_THAT(actions.dropped_tiles, ElementsAre(TileOfJob{{"job"}, 0}));
-  EXPECT_EQ(scheduler_->done({"job"}, 0), IntervalSet{});
 }
 
 }  // namespace

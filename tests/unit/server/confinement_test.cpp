@@ -24,12 +24,6 @@
 namespace tessera::validator {
 namespace {
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool kIsSanitized = true;
-#else
-constexpr bool kIsSanitized = false;
-#endif
-
 // The wait status of a process that does this and ends with the exit status of it.
 int status_of(const std::function<int()>& what) {
   const pid_t pid = fork();

@@ -1,0 +1,110 @@
+// A farm of which chance does what it likes, until there is calm and every job must come to its end. What
+// happens follows from the seed.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "tests/simulation/coordinator.hpp"
+#include "tests/simulation/farm.hpp"
+#include "tests/simulation/liar.hpp"
+#include "tests/simulation/worker.hpp"
+#include "tests/simulation/world.hpp"
+
+namespace tessera::simulation {
+
+// Two farms of five have audits, which must not change what happens in the others: their chances are drawn
+// apart.
+struct AuditedFarm {
+  explicit AuditedFarm(std::uint64_t seed) : random(seed ^ 0xa0d17) {
+    if (!random.chance(0.4)) return;
+    options.audit_share = random.chance(0.6) ? 1 : random.real(0.01, 1);
+    options.audit_patience = seconds(200);
+  }
+  bool any() const { return options.audit_share > 0; }
+
+  Random random;
+  scheduler::Options options;
+};
+
+class RoughFarm {
+ public:
+  RoughFarm(std::uint64_t seed, bool verbose)
+      : world_(seed, verbose),
+        slow_(seed ^ 0x510),
+        audited_(seed),
+        coordinator_(world_, audited_.options),
+        liar_(world_, coordinator_) {}
+
+  FarmReport run();
+
+ private:
+  // ---- Beginning and end ----
+  void set_up();
+  void add_machine(int number);
+  bool make_slow(WorkerMachine& machine);
+  void set_up_audits();
+  void calm_down();
+  bool is_late() const;
+  void check_failures();
+
+  // ---- Jobs ----
+  void submit();
+  void make_deadly(const scheduler::JobId& id, const scheduler::JobShape& shape);
+  void make_endless(const scheduler::JobId& id, const scheduler::JobShape& shape);
+  void start_anew_who_is_at_no_end();
+  void make_unbuildable(const scheduler::JobId& id);
+
+  // ---- What goes wrong ----
+  void fault();
+  void machine_fault(WorkerMachine& machine, int kind);
+  void get_stuck(WorkerMachine& machine);
+  void coordinator_fault(int kind);
+  void power_failure();
+
+  // ---- What users do ----
+  void user();
+  bool command(const char* what, const scheduler::Event& event);
+  void resume_later(const scheduler::JobId& id);
+  void odd_command(const scheduler::JobId& id);
+
+  scheduler::JobId any_job() { return {std::to_string(world_.random.integer(1, jobs_submitted_ + 1))}; }
+  // Of workers; more often none.
+  std::uint32_t any_limit() {
+    return world_.random.chance(0.6) ? 0 : static_cast<std::uint32_t>(world_.random.integer(1, 4));
+  }
+  WorkerMachine& any_machine() {
+    return *machines_[static_cast<std::size_t>(
+        world_.random.integer(0, static_cast<int>(machines_.size()) - 1))];
+  }
+  double elapsed() const { return std::chrono::duration<double>(world_.now().time_since_epoch()).count(); }
+
+  World world_;
+  // What has to do with fetching and with samples without end is drawn apart as well.
+  Random slow_;
+  AuditedFarm audited_;
+  Coordinator coordinator_;
+  Liar liar_;
+  std::vector<std::unique_ptr<WorkerMachine>> machines_;
+  // Of those that render.
+  std::set<std::string> names_;
+  int jobs_submitted_ = 0;
+  double pixel_samples_ = 0;
+  // How long the scheduler's time may stand still.
+  double set_back_seconds_ = 0;
+  // How long what workers hold may lie there, of all that come to render nothing.
+  double stuck_seconds_ = 0;
+  bool stuck_for_good_ = false;
+  // As many names as that may fail a job.
+  std::set<std::string> stuck_names_;
+  // Jobs with samples that every machine dies of, or comes to no end with; whose scenes no machine can build;
+  // or some cannot.
+  std::set<scheduler::JobId> deadly_jobs_, endless_jobs_, unbuildable_jobs_, doubtful_jobs_;
+  bool calm_ = false;
+};
+
+}  // namespace tessera::simulation

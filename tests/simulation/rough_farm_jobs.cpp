@@ -1,0 +1,81 @@
+// Jobs of a rough farm, and what is wrong with some of them.
+#include <algorithm>
+
+#include "tests/simulation/rough_farm.hpp"
+
+namespace tessera::simulation {
+
+using namespace scheduler;
+
+void RoughFarm::submit() {
+  if (!coordinator_.up()) return world_.after(seconds(1), [this] { submit(); });
+  Random& random = world_.random;
+  const int x = random.integer(0, 100), y = random.integer(0, 100);
+  const JobShape shape{{x, y, x + random.integer(1, 300), y + random.integer(1, 200)},
+                       static_cast<std::uint32_t>(random.integer(1, 40))};
+  const JobId id{std::to_string(jobs_submitted_ + 1)};
+  if (coordinator_.disk().refuses()) {
+    if (coordinator_.command(SubmitJob{id, shape, 0}))
+      world_.fail("a job was taken that could not be stored");
+    return world_.after(seconds(1), [this] { submit(); });
+  }
+  ++jobs_submitted_;
+  world_.note(
+      fmt::format("job {}: {}x{}, {} spp", id.value, shape.window.width(), shape.window.height(), shape.spp));
+  pixel_samples_ += shape.grid().tile_count() * 4096.0 * shape.spp;
+  // Where there are audits, machines that are put aside, or cannot build a scene, are none to count on.
+  const bool enough_can_die = names_.size() >= kLossesUntilFailure && !stuck_for_good_;
+  if (enough_can_die && random.chance(0.05) && !audited_.any()) {
+    make_deadly(id, shape);
+  } else if (random.chance(0.05) && !audited_.any()) {
+    make_unbuildable(id);
+  } else if (enough_can_die && slow_.chance(0.05) && !audited_.any()) {
+    make_endless(id, shape);
+  }
+  if (!coordinator_.command(SubmitJob{id, shape, random.integer(0, 1), any_limit()}))
+    world_.fail("a job was refused");
+}
+
+void RoughFarm::make_deadly(const JobId& id, const JobShape& shape) {
+  const int tile = world_.random.integer(0, shape.grid().tile_count() - 1);
+  const auto first = static_cast<std::uint32_t>(world_.random.integer(0, static_cast<int>(shape.spp) - 1));
+  const auto count = static_cast<std::uint32_t>(world_.random.integer(1, 8));
+  world_.note(fmt::format("job {} is deadly from sample {} of tile {} on", id.value, first, tile));
+  for (const auto& machine : machines_)
+    machine->die_of(id, {tile, {first, std::min(first + count, shape.spp)}});
+  deadly_jobs_.insert(id);
+}
+
+void RoughFarm::make_endless(const JobId& id, const JobShape& shape) {
+  const int tile = slow_.integer(0, shape.grid().tile_count() - 1);
+  const auto first = static_cast<std::uint32_t>(slow_.integer(0, static_cast<int>(shape.spp) - 1));
+  const auto count = static_cast<std::uint32_t>(slow_.integer(1, 8));
+  world_.note(fmt::format("job {} never ends from sample {} of tile {} on", id.value, first, tile));
+  for (const auto& machine : machines_)
+    machine->never_ends(id, {tile, {first, std::min(first + count, shape.spp)}});
+  if (endless_jobs_.empty()) start_anew_who_is_at_no_end();
+  endless_jobs_.insert(id);
+}
+
+// Somebody looks at the machines from time to time; most often soon, else after more than an hour.
+void RoughFarm::start_anew_who_is_at_no_end() {
+  world_.after(seconds(slow_.chance(0.7) ? slow_.real(150, 400) : 4200), [this] {
+    for (const auto& machine : machines_) {
+      if (!machine->is_at_no_end()) continue;
+      machine->crash();
+      machine->start();
+    }
+    start_anew_who_is_at_no_end();
+  });
+}
+
+void RoughFarm::make_unbuildable(const JobId& id) {
+  const bool by_all = world_.random.chance(0.5);
+  world_.note(fmt::format("job {} cannot be built by {}", id.value, by_all ? "anyone" : "the last machine"));
+  for (const auto& machine : machines_) {
+    if (by_all || machine == machines_.back()) machine->cannot_build(id);
+  }
+  (by_all || machines_.size() == 1 ? unbuildable_jobs_ : doubtful_jobs_).insert(id);
+}
+
+}  // namespace tessera::simulation

@@ -1,0 +1,151 @@
+// What goes wrong in a rough farm, and what its users do.
+#include "tests/simulation/rough_farm.hpp"
+
+namespace tessera::simulation {
+
+using namespace scheduler;
+
+// ---- What goes wrong ----
+
+void RoughFarm::fault() {
+  const int kind = world_.random.integer(0, 19);
+  if (kind < 7) return machine_fault(any_machine(), kind);
+  if (kind < 15) return coordinator_fault(kind);
+  if (kind == 15) return power_failure();
+  if (kind >= 18) return get_stuck(any_machine());
+  for (int i = 0; i < 5; ++i) liar_.speak(jobs_submitted_, any_machine().worker_id());
+}
+
+void RoughFarm::machine_fault(WorkerMachine& machine, int kind) {
+  Random& random = world_.random;
+  const auto start_later = [&] {
+    world_.after(seconds(random.real(0, 20)), [&machine] { machine.start(); });
+  };
+  switch (kind) {
+    case 0:
+    case 1:
+      machine.crash();
+      return start_later();
+    case 2:
+      return machine.hang(seconds(random.real(0, 40)));
+    case 3:
+      machine.stop();
+      return start_later();
+    case 4:
+    case 5:
+      return machine.slow_down(100, seconds(random.real(0, 40)));
+    default:
+      return machine.cut_off(seconds(random.real(0, 30)));
+  }
+}
+
+// Most for good; but not those that are to bring the farm to its end, or to die for it.
+void RoughFarm::get_stuck(WorkerMachine& machine) {
+  const bool needed = &machine == machines_[0].get() || (audited_.any() && &machine == machines_[1].get());
+  const bool for_good = world_.random.chance(0.7) && !needed && deadly_jobs_.empty() && endless_jobs_.empty();
+  stuck_names_.insert(machine.name());
+  stuck_for_good_ |= for_good;
+  const double longest = needed ? 60 : 300;
+  const double stuck = for_good ? 1e6 : world_.random.real(0, longest);
+  // Its leases end after ten lease durations, and it may be given others: after one bar, and another.
+  stuck_seconds_ += needed ? longest : 700;
+  machine.get_stuck(seconds(stuck));
+}
+
+void RoughFarm::coordinator_fault(int kind) {
+  Random& random = world_.random;
+  switch (kind) {
+    case 7:
+    case 8:
+    case 9:
+      if (coordinator_.up()) coordinator_.crash();
+      return world_.after(seconds(random.real(0, 15)), [this] { coordinator_.start(); });
+    case 10:
+      return coordinator_.stall(seconds(random.real(0, 25)));
+    case 11:
+      return coordinator_.clock_jumps(seconds(random.real(0.1, 600)));
+    case 12: {
+      const double back = random.real(0.1, 60);
+      set_back_seconds_ += back;
+      return coordinator_.clock_jumps(seconds(-back));
+    }
+    case 13:
+      return coordinator_.disk().refuse(seconds(random.real(0, 20)));
+    default:
+      return coordinator_.dismiss_any();
+  }
+}
+
+// Everything goes dark at once, and comes back one after the other.
+void RoughFarm::power_failure() {
+  if (coordinator_.up()) coordinator_.crash();
+  world_.after(seconds(world_.random.real(0, 10)), [this] { coordinator_.start(); });
+  for (const auto& machine : machines_) {
+    machine->crash();
+    world_.after(seconds(world_.random.real(0, 10)), [machine = machine.get()] { machine->start(); });
+  }
+}
+
+// ---- What users do ----
+
+bool RoughFarm::command(const char* what, const Event& event) {
+  const bool taken = coordinator_.command(event);
+  world_.note(fmt::format("user: {}{}", what, taken ? "" : " (refused, or not stored)"));
+  return taken;
+}
+
+void RoughFarm::resume_later(const JobId& id) {
+  world_.after(seconds(world_.random.real(0, 10)), [this, id] {
+    if (coordinator_.up()) command("resume", ResumeJob{id});
+  });
+}
+
+void RoughFarm::user() {
+  if (!coordinator_.up()) return;
+  Random& random = world_.random;
+  const JobId id = any_job();
+  switch (random.integer(0, 14)) {
+    case 0:
+      command("cancel", CancelJob{id});
+      return;
+    case 1:
+      command("delete", DeleteJob{id});
+      return;
+    case 2:
+      command("fail", FailJob{id, "it cannot be loaded"});
+      return;
+    case 3:
+    case 4:
+    case 5:
+      command("pause", PauseJob{id});
+      return resume_later(id);
+    case 6:
+      return submit();
+    case 7:
+      return odd_command(id);
+    case 8:
+      command("reprioritise", UpdateJob{id, random.integer(-2, 2), {}});
+      return;
+    case 9:
+    case 10:
+      command("limit", UpdateJob{id, {}, any_limit()});
+      return;
+    default:
+      pixel_samples_ += 15 * 4096.0 * 60;
+      command("extend", ExtendJob{id, static_cast<std::uint32_t>(random.integer(1, 60))});
+  }
+}
+
+// What no picture has, or has already.
+void RoughFarm::odd_command(const JobId& id) {
+  Random& random = world_.random;
+  const JobShape empty{random.integer(-1, 0), 10, 1};
+  if (coordinator_.command(SubmitJob{{"empty"}, empty, 0})) world_.fail("a picture of nothing was taken");
+  for (const JobView& job : coordinator_.jobs()) {
+    if (coordinator_.command(SubmitJob{job.id, job.shape, 0})) world_.fail("a job was taken twice");
+  }
+  command("extend", ExtendJob{id, 0});
+  command("resume", ResumeJob{id});
+}
+
+}  // namespace tessera::simulation
