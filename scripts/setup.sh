@@ -18,7 +18,7 @@ packages=(
   openssl
   # Tests of networks that break, in network namespaces.
   iproute2
-  # tests/fuzz: Clang with libFuzzer, the sanitizers and OpenMP.
+  # tests/fuzz and the preset tsan: Clang with libFuzzer, the sanitizers and OpenMP.
   clang-14 libclang-rt-14-dev libomp-14-dev
   # Tests, counts of instructions, and benchmarks (Embree only to be measured beside).
   libgtest-dev libgmock-dev libbenchmark-dev libembree-dev valgrind
