@@ -56,11 +56,9 @@ core::Result<DownloadedPicture> download(Farm& farm, const v1::GetImageRequest& 
   return picture;
 }
 
-}  // namespace
-
-core::Result<v1::Job> download_pictures(Farm& farm, const std::string& job_id,
-                                        const std::vector<std::string>& paths,
-                                        const core::DisplayOverrides& display) {
+core::Result<v1::Job> download_to(Farm& farm, const std::string& job_id,
+                                  const std::vector<std::string>& paths,
+                                  const core::DisplayOverrides& display, bool only_finished) {
   v1::Job job;
   for (const std::string& path : paths) {
     const auto format = core::image_format_from_path(path);
@@ -72,11 +70,25 @@ core::Result<v1::Job> download_pictures(Farm& farm, const std::string& job_id,
     auto picture =
         patiently<DownloadedPicture>(farm, [&](bool& progress) { return download(farm, request, progress); });
     if (!picture) return fail(picture.error().within(path));
+    if (only_finished && picture->job.state() != v1::JOB_STATE_DONE) return std::move(picture->job);
     if (core::Status written = core::write_file_atomically(path, picture->bytes); !written)
       return fail(written.error());
     job = std::move(picture->job);
   }
   return job;
+}
+
+}  // namespace
+
+core::Result<v1::Job> download_pictures(Farm& farm, const std::string& job_id,
+                                        const std::vector<std::string>& paths,
+                                        const core::DisplayOverrides& display) {
+  return download_to(farm, job_id, paths, display, false);
+}
+
+core::Result<v1::Job> download_finished_pictures(Farm& farm, const std::string& job_id,
+                                                 const std::vector<std::string>& paths) {
+  return download_to(farm, job_id, paths, {}, true);
 }
 
 }  // namespace tessera::client

@@ -16,4 +16,10 @@ core::Result<v1::Job> download_pictures(Farm& farm, const std::string& job_id,
                                         const std::vector<std::string>& paths,
                                         const core::DisplayOverrides& display);
 
+// The same of a job that was DONE, as it asked for its pictures to be. Writes nothing that is not, and answers
+// with the job as it is then: a coordinator that crashed with a full disk, or that puts a worker aside, lets
+// it run again.
+core::Result<v1::Job> download_finished_pictures(Farm& farm, const std::string& job_id,
+                                                 const std::vector<std::string>& paths);
+
 }  // namespace tessera::client

@@ -98,20 +98,25 @@ void print_summary(const v1::Job& job, const std::vector<std::string>& paths) {
 
 int wait_and_fetch(Farm& farm, const SubmitOptions& options, const v1::Job& submitted) {
   watch_for_interrupt();
-  const auto job = watch_with_progress(farm, submitted.id());
-  if (!job && interrupted()) return report_interrupt(submitted);
-  if (!job) return print_error(job.error());
-  if (const int status = report_end(*job); status != kExitOk) return status;
-  const auto& paths = options.scene.output_paths;
-  if (paths.empty()) return kExitOk;
-  const auto pictured = download_pictures(farm, job->id(), paths, {});
-  if (!pictured) {
-    print_error(pictured.error());
-    print_hint(fmt::format("tessera image {} -o FILE", short_id(job->id())));
-    return interrupted() ? kExitInterrupted : kExitFailed;
+  while (true) {
+    const auto job = watch_with_progress(farm, submitted.id());
+    if (!job && interrupted()) return report_interrupt(submitted);
+    if (!job) return print_error(job.error());
+    if (const int status = report_end(*job); status != kExitOk) return status;
+    const auto& paths = options.scene.output_paths;
+    if (paths.empty()) return kExitOk;
+    const auto pictured = download_finished_pictures(farm, job->id(), paths);
+    if (!pictured) {
+      print_error(pictured.error());
+      print_hint(fmt::format("tessera image {} -o FILE", short_id(job->id())));
+      return interrupted() ? kExitInterrupted : kExitFailed;
+    }
+    if (pictured->state() == v1::JOB_STATE_DONE) {
+      print_summary(*pictured, paths);
+      return kExitOk;
+    }
+    print_warning("some of the samples are to be rendered again; waiting for them");
   }
-  print_summary(*job, paths);
-  return kExitOk;
 }
 
 int run_submit(const SubmitOptions& options) {

@@ -17,6 +17,14 @@ namespace tessera::coordinator {
 core::Status Coordinator::checkpoint() {
   const std::lock_guard one_at_a_time(checkpoint_mutex_);
   const std::vector<store::JobRow> rows = changed_rows();
+  const core::Status written = write(rows);
+  if (written) note_stored(rows);
+  // Also if nothing can be written, on a full disk: whoever waits for a picture can have it from memory.
+  tell_ends(rows);
+  return written;
+}
+
+core::Status Coordinator::write(const std::vector<store::JobRow>& rows) {
   const std::vector<TileRef> tiles = changed_tiles();
   for (std::size_t begin = 0; begin < tiles.size(); begin += kTilesPerBatch) {
     const std::size_t count = std::min(kTilesPerBatch, tiles.size() - begin);
@@ -25,12 +33,12 @@ core::Status Coordinator::checkpoint() {
   for (const store::JobRow& row : rows) {
     if (auto written = state_.jobs.update_job(row); !written) return written;
   }
-  note_stored(rows);
   return {};
 }
 
 std::vector<store::JobRow> Coordinator::changed_rows() {
   const Turn turn(*this);
+  checkpoint_is_awaited_ = false;
   std::vector<store::JobRow> rows;
   for (const auto& [id, record] : jobs_) {
     if (record.revision == record.stored_revision) continue;
@@ -87,6 +95,15 @@ void Coordinator::note_stored(const std::vector<store::JobRow>& rows) {
     if (!stored || !is_finished(scheduler_.job({id}, turn.now())->state)) continue;
     record.stored_counters = record.film->counters();
     record.film.reset();
+  }
+}
+
+void Coordinator::tell_ends(const std::vector<store::JobRow>& rows) {
+  const Turn turn(*this);
+  for (const store::JobRow& row : rows) {
+    JobRecord* record = find(row.id);
+    if (record != nullptr && record->untold_end && *record->untold_end <= row.revision)
+      record->untold_end.reset();
   }
 }
 

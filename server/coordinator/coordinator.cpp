@@ -99,11 +99,11 @@ std::vector<v1::ListWorkersResponse::Worker> Coordinator::workers() {
   return result;
 }
 
-void Coordinator::tick() {
+bool Coordinator::tick() {
   Turn turn(*this);
   apply(turn, scheduler_.handle(scheduler::Tick{}, turn.now()));
   answer_due_calls(turn);
-  if (turn.now() < next_check_) return;
+  if (turn.now() < next_check_) return checkpoint_is_awaited_;
   next_check_ = turn.now() + kCheckPeriod;
   note_workers(turn);
   note_lack_of_auditors(turn);
@@ -111,6 +111,7 @@ void Coordinator::tick() {
     spdlog::critical("a defect, please report it with this line: {}", *broken);
     std::abort();
   }
+  return checkpoint_is_awaited_;
 }
 
 void Coordinator::answer_due_calls(Turn& turn) {
@@ -179,6 +180,11 @@ void Coordinator::note_change(const scheduler::JobChange& change) {
   if (record == nullptr) return;
   ++record->revision;
   record->finished_ms.reset();
+  record->untold_end.reset();
+  if (change.to == scheduler::JobState::kDone || change.to == scheduler::JobState::kFailed) {
+    record->untold_end = record->revision;
+    checkpoint_is_awaited_ = true;
+  }
   if (is_finished(change.to)) {
     record->finished_ms = std::chrono::duration_cast<std::chrono::milliseconds>(
                               std::chrono::system_clock::now().time_since_epoch())

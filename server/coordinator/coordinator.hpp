@@ -89,7 +89,8 @@ class Coordinator {
   core::Result<v1::Job> extend_job(const std::string& id, std::uint32_t spp);
   core::Result<v1::Job> update_job(const v1::UpdateJobRequest& request);
   core::Status delete_job(const std::string& id);
-  // Each tile as it is when its row is copied; holds the gate for one row of tiles at a time.
+  // Each tile as it is when its row is copied, of a job that is done all as they were when it was; holds the
+  // gate for one row of tiles at a time.
   core::Result<Picture> picture(const std::string& id);
   std::vector<v1::ListWorkersResponse::Worker> workers();
 
@@ -108,8 +109,9 @@ class Coordinator {
 
   // ---- For whoever runs it ----
   // Lets time pass: takes leases from silent workers, answers calls that have waited long enough. Due about
-  // every 100 ms. Ends the process if an invariant is broken, rather than let it spoil a picture.
-  void tick();
+  // every 100 ms. Whether somebody waits for a checkpoint: users are told of a job that is done, or has failed,
+  // after the next one. Ends the process if an invariant is broken, rather than let it spoil a picture.
+  bool tick();
   // Writes what has changed since the last one. After an error everything not written is tried again next
   // time.
   core::Status checkpoint();
@@ -139,6 +141,9 @@ class Coordinator {
   core::Result<LoadedFilm> load_film(const v1::Job& spec);
   // Empty where the store has nothing of the tile.
   core::Result<TileContent> load_tile(const v1::Job& spec, const core::TileGrid& grid, int tile);
+  // Of JobRecord; 0 if there is no such job.
+  std::uint64_t revision(const std::string& id);
+  core::Result<Picture> take_picture(const std::string& id);
   core::Result<core::Image> develop_row(const v1::Job& spec, const core::TileGrid& grid, int row);
 
   class Place;
@@ -206,7 +211,9 @@ class Coordinator {
   std::vector<store::JobRow> changed_rows();
   std::vector<TileRef> changed_tiles();
   core::Status write_tiles(std::span<const TileRef> tiles);
+  core::Status write(const std::vector<store::JobRow>& rows);
   void note_stored(const std::vector<store::JobRow>& rows);
+  void tell_ends(const std::vector<store::JobRow>& rows);
 
   const Options options_;
   const SceneCheck check_scene_;
@@ -231,6 +238,7 @@ class Coordinator {
   std::string arithmetic_;                      // fingerprint of this farm; empty while any will do
   std::map<std::string, std::string> present_;  // names of the workers that are heard of, by id; for the log
   scheduler::Time next_check_{};
+  bool checkpoint_is_awaited_ = false;
   bool closed_ = false;
 };
 

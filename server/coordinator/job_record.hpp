@@ -25,6 +25,9 @@ struct JobRecord {
   std::uint64_t revision = 1;
   std::uint64_t stored_revision = 0;
   std::optional<std::int64_t> finished_ms;
+  // The revision in which it came to its end by itself, until a checkpoint has tried to store that: before, a
+  // crash would make it run again, so nobody is told.
+  std::optional<std::uint64_t> untold_end;
   // Fingerprint of the workers that rendered it; empty before the first samples.
   std::string arithmetic;
   // While it takes results. Null once it is finished and stored: the store has it then.
@@ -41,7 +44,7 @@ struct JobRecord {
 core::TileGrid grid_of(const v1::Job& spec);
 scheduler::JobShape shape_of(const v1::Job& spec, std::uint32_t spp);
 
-// The job as its users see it.
+// The job as its users see it: one whose end is untold still runs.
 v1::Job describe(const JobRecord& record, const scheduler::JobView& view);
 // The same without the bundle, which can name thousands of files.
 v1::Job summarise(const JobRecord& record, const scheduler::JobView& view);

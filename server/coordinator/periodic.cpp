@@ -8,7 +8,10 @@ Periodic::Periodic(std::chrono::milliseconds period, std::function<void()> call)
     : period_(period), call_(std::move(call)) {
   thread_ = std::thread([this] {
     std::unique_lock lock(mutex_);
-    while (!stop_.wait_for(lock, period_, [this] { return stopping_; })) {
+    for (;;) {
+      changed_.wait_for(lock, period_, [this] { return stopping_ || hurried_; });
+      if (stopping_) return;
+      hurried_ = false;
       lock.unlock();
       call_();
       lock.lock();
@@ -21,8 +24,16 @@ Periodic::~Periodic() {
     const std::lock_guard lock(mutex_);
     stopping_ = true;
   }
-  stop_.notify_all();
+  changed_.notify_all();
   thread_.join();
+}
+
+void Periodic::hurry() {
+  {
+    const std::lock_guard lock(mutex_);
+    hurried_ = true;
+  }
+  changed_.notify_all();
 }
 
 }  // namespace tessera::coordinator

@@ -15,6 +15,8 @@ class Periodic {
   Periodic(std::chrono::milliseconds period, std::function<void()> call);
   // Waits for a call that is under way.
   ~Periodic();
+  // Calls at once, or when the call that is under way is over.
+  void hurry();
   Periodic(const Periodic&) = delete;
   Periodic& operator=(const Periodic&) = delete;
 
@@ -22,8 +24,10 @@ class Periodic {
   const std::chrono::milliseconds period_;
   const std::function<void()> call_;
   std::mutex mutex_;
-  std::condition_variable stop_;
-  bool stopping_ = false;  // guarded by mutex_
+  std::condition_variable changed_;
+  // Guarded by mutex_:
+  bool stopping_ = false;
+  bool hurried_ = false;
   std::thread thread_;
 };
 

@@ -22,6 +22,21 @@ core::Error with_advice(core::Error error, v1::JobState state) {
 }  // namespace
 
 core::Result<Picture> Coordinator::picture(const std::string& id) {
+  while (true) {
+    const std::uint64_t before = revision(id);
+    auto picture = take_picture(id);
+    // A job that is done keeps its picture, unless it has begun to run again meanwhile.
+    if (!picture || picture->job.state() != v1::JOB_STATE_DONE || revision(id) == before) return picture;
+  }
+}
+
+std::uint64_t Coordinator::revision(const std::string& id) {
+  const Turn turn(*this);
+  const JobRecord* record = find(id);
+  return record == nullptr ? 0 : record->revision;
+}
+
+core::Result<Picture> Coordinator::take_picture(const std::string& id) {
   auto described = job(id);
   if (!described) return core::fail(described.error());
   const core::TileGrid grid = grid_of(*described);

@@ -102,8 +102,11 @@ struct Server::Parts {
         watches(c),
         render_service(c, gate, {quick, slow, validating, clearing}, watches, streams),
         worker_service(c, gate, quick, streams),
-        ticker(kTickPeriod, [this] { coordinator.tick(); }),
         checkpointer(kCheckpointPeriod, [this] { checkpoint_log.write(coordinator); }),
+        ticker(kTickPeriod,
+               [this] {
+                 if (coordinator.tick()) checkpointer.hurry();
+               }),
         reopener(kReopenPeriod, [this] { coordinator.reopen_jobs(); }),
         collector(kCollectPeriod, [this] { coordinator.files().collect(); }) {}
 
@@ -121,7 +124,7 @@ struct Server::Parts {
   RenderService render_service;
   WorkerService worker_service;
   CheckpointLog checkpoint_log;
-  coordinator::Periodic ticker, checkpointer, reopener, collector;
+  coordinator::Periodic checkpointer, ticker, reopener, collector;
   std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor> acceptor;
   std::unique_ptr<grpc::Server> grpc;
   std::unique_ptr<Listener> listener;  // hands on to the acceptor

@@ -19,19 +19,13 @@ using ::testing::HasSubstr;
 
 class CoordinatorFaultsTest : public FarmTest {
  protected:
-  static constexpr std::uint64_t kSamples = 320ull * 256 * 48;
-  const std::vector<std::string> options_{"--size", "320x256", "--spp", "48"};
+  static constexpr std::uint64_t kSpp = 48, kSamples = 320 * 256 * kSpp;
+  const std::vector<std::string> options_{"--size", "320x256", "--spp", std::to_string(kSpp)};
 
   void start_farm() {
     start_coordinator();
     crew_ = {&start_worker("one", 1), &start_worker("two", 1)};
     ASSERT_TRUE(wait_for_workers(2));
-  }
-  std::string picture_path(const std::string& name) const { return folder_ / name; }
-  Process submit_and_wait(const std::string& picture) {
-    std::vector<std::string> arguments{"submit", kCornell, "--wait", "-o", picture_path(picture)};
-    arguments.insert(arguments.end(), options_.begin(), options_.end());
-    return start_tessera(arguments);
   }
   void freeze_workers() {
     for (const Process* worker : crew_) worker->signal(SIGSTOP);
@@ -53,12 +47,18 @@ class CoordinatorFaultsTest : public FarmTest {
 
 // In the middle of writing, just after it, and at any other moment.
 TEST_F(CoordinatorFaultsTest, KilledAgainAndAgainItLosesNoBit) {
+  // Twice as long as the others' picture, for many crashes.
+  const std::vector<std::string> options{"--size", "320x256", "--spp", std::to_string(2 * kSpp)};
   start_farm();
-  Process client = submit_and_wait("waited.exr");
+  freeze_workers();
+  std::vector<std::string> arguments{"submit", kCornell, "--wait", "-o", folder_ / "waited.exr"};
+  arguments.insert(arguments.end(), options.begin(), options.end());
+  Process client = start_tessera(arguments);
   ASSERT_TRUE(poll_until(30s, [&] { return !jobs().empty(); }));
   const std::string id = jobs().front().id();
   Process watcher = start_tessera({"watch", id});
   ASSERT_TRUE(watcher.wait_until_catches(SIGINT, 20s));
+  thaw_workers();
   ASSERT_TRUE(wait_for_samples(id, 1));
   std::mt19937 random(7);
   int kills = 0;
@@ -73,11 +73,25 @@ TEST_F(CoordinatorFaultsTest, KilledAgainAndAgainItLosesNoBit) {
   ASSERT_TRUE(wait_for_state(id, v1::JOB_STATE_DONE));
   EXPECT_EQ(client.wait(60s), 0) << client.err();
   EXPECT_EQ(watcher.wait(60s), 0) << watcher.err();
-  EXPECT_TRUE(read_file(picture_path("waited.exr")) == render_here(options_, ".exr"));
-  EXPECT_EQ(job(id).samples_done(), kSamples);
-  EXPECT_EQ(job(id).counters().samples(), kSamples);
+  EXPECT_TRUE(read_file(folder_ / "waited.exr") == render_here(options, ".exr"));
+  EXPECT_EQ(job(id).samples_done(), 2 * kSamples);
+  EXPECT_EQ(job(id).counters().samples(), 2 * kSamples);
   stop_coordinator();
   EXPECT_EQ(run_coordinator({"--check", state_}).exit_code, 0);
+}
+
+// Whoever is told that a job is done has its picture, even if the coordinator dies at that moment.
+TEST_F(CoordinatorFaultsTest, WhatIsToldToBeDoneIsDoneAfterACrash) {
+  start_farm();
+  const std::vector<std::string> options{"--size", "320x256", "--spp", "2"};
+  for (int crash = 0; crash < 4; ++crash) {
+    const std::string id = submit(options);
+    ASSERT_TRUE(poll_until(60s, [&] { return job(id).state() == v1::JOB_STATE_DONE; }));
+    kill_coordinator();
+    restart_coordinator();
+    EXPECT_EQ(job(id).state(), v1::JOB_STATE_DONE);
+    EXPECT_TRUE(image(id, ".exr") == render_here(options, ".exr"));
+  }
 }
 
 TEST_F(CoordinatorFaultsTest, ACrashCostsWhatWasAcceptedInTheLastTwoSeconds) {

@@ -150,10 +150,15 @@ TEST_F(DiskFaultsTest, SalvageKeepsEveryJobAndRendersDamagedTilesAgain) {
   const std::vector<std::string> ids = make_state();
   const std::string pictures[] = {render_here(kSmall, ".exr"),
                                   render_here({"--size", "128x64", "--spp", "4"}, ".exr")};
-  // Films are most of the file. A page in its middle is hit badly, then the last one is cut off.
+  // Films are most of the file. The first page from its middle on that is in use is hit badly, then the last
+  // one is cut off.
   constexpr std::uint64_t kPage = 16384;
   const std::function<void()> damages[] = {
-      [&] { flip(database(), std::filesystem::file_size(database()) / kPage / 2 * kPage, 64); },
+      [&] {
+        const std::uint64_t pages = std::filesystem::file_size(database()) / kPage;
+        for (std::uint64_t page = pages / 2; page < pages && check().exit_code == 0; ++page)
+          flip(database(), page * kPage, 64);
+      },
       [&] { std::filesystem::resize_file(database(), std::filesystem::file_size(database()) - kPage); }};
   int number = 0;
   for (const auto& damage : damages) {

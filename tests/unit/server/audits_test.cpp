@@ -43,10 +43,10 @@ class Audits : public ScriptedFarm {
     return true;
   }
   void render_together(const std::string& workers, const std::string& id) {
-    for (int rounds = 0; rounds < 100 && job(id).state() == v1::JOB_STATE_RUNNING; ++rounds) {
+    for (int rounds = 0; rounds < 100 && stored_job(id).state() == v1::JOB_STATE_RUNNING; ++rounds) {
       for (const char worker : workers) render(worker);
     }
-    EXPECT_EQ(job(id).state(), v1::JOB_STATE_DONE);
+    EXPECT_EQ(stored_job(id).state(), v1::JOB_STATE_DONE);
   }
   v1::ListWorkersResponse::Worker worker(char id) {
     for (const auto& each : coordinator().workers()) {

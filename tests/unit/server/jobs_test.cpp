@@ -182,7 +182,7 @@ TEST_F(Jobs, ChangesOfStateMayBeRepeated) {
 TEST_F(Jobs, ExtendingADoneJobGivesThePictureOfTheHigherNumber) {
   const std::string id = submit();
   work('a');
-  ASSERT_EQ(job(id).state(), v1::JOB_STATE_DONE);
+  ASSERT_EQ(stored_job(id).state(), v1::JOB_STATE_DONE);
   for (const std::uint32_t spp : {kSpp + 1, kSpp + 5}) {
     ASSERT_TRUE(coordinator().checkpoint());  // drops the film of the done job
     const v1::Job extended = *coordinator().extend_job(id, spp);
@@ -190,7 +190,7 @@ TEST_F(Jobs, ExtendingADoneJobGivesThePictureOfTheHigherNumber) {
     EXPECT_EQ(extended.settings().spp(), spp);
     EXPECT_FALSE(extended.has_finished_at());
     work('a');
-    EXPECT_EQ(job(id).state(), v1::JOB_STATE_DONE);
+    EXPECT_EQ(stored_job(id).state(), v1::JOB_STATE_DONE);
     EXPECT_EQ(coordinator().picture(id)->image.pixels, ready_made_picture(kWidthPx, kHeightPx, spp).pixels);
   }
 }
@@ -275,7 +275,7 @@ TEST_F(Jobs, OfAWindowComeToThosePixels) {
   ASSERT_TRUE(coordinator().checkpoint());
   open();  // and after a restart
   work('b');
-  EXPECT_EQ(job(id).state(), v1::JOB_STATE_DONE);
+  EXPECT_EQ(stored_job(id).state(), v1::JOB_STATE_DONE);
   EXPECT_EQ(job(id).counters().samples(), kWindow.pixel_count() * kSpp) << "and no others";
   EXPECT_EQ(coordinator().picture(id)->image.pixels, ready_made_picture(kWindow, kSpp).pixels);
   ASSERT_TRUE(coordinator().checkpoint());  // drops the film of the done job

@@ -111,7 +111,7 @@ TEST_F(Limits, AFinishedJobThatIsExtendedIsOpenAgain) {
   limit({.open_jobs = 1});
   const std::string done = submit();
   work('a');
-  ASSERT_EQ(job(done).state(), v1::JOB_STATE_DONE);
+  ASSERT_EQ(stored_job(done).state(), v1::JOB_STATE_DONE);
   submit();
   const auto extended = coordinator().extend_job(done, kSpp + 1);
   ASSERT_FALSE(extended);

@@ -61,7 +61,7 @@ TEST_F(Restart, CarriesOnFromTheCheckpointToTheSamePicture) {
   EXPECT_EQ(job(id).counters().SerializeAsString(), before.counters().SerializeAsString());
   EXPECT_EQ(coordinator().picture(id)->image.pixels, so_far.pixels);
   work('b');
-  EXPECT_EQ(job(id).state(), v1::JOB_STATE_DONE);
+  EXPECT_EQ(stored_job(id).state(), v1::JOB_STATE_DONE);
   EXPECT_EQ(coordinator().picture(id)->image.pixels, ready_made_picture(kWidthPx, kHeightPx, kSpp).pixels);
 }
 
@@ -116,13 +116,29 @@ TEST_F(Restart, LeaseNumbersAreNeverUsedAgain) {
 TEST_F(Restart, ADoneJobStaysDoneWithItsPictureTimeAndCounters) {
   const std::string id = submit();
   work('a');
-  const v1::Job before = job(id);
   ASSERT_TRUE(coordinator().checkpoint());
+  const v1::Job before = job(id);
   open();
   EXPECT_EQ(job(id).state(), v1::JOB_STATE_DONE);
   EXPECT_EQ(job(id).finished_at().SerializeAsString(), before.finished_at().SerializeAsString());
   EXPECT_EQ(job(id).counters().SerializeAsString(), before.counters().SerializeAsString());
   EXPECT_EQ(coordinator().picture(id)->image.pixels, ready_made_picture(kWidthPx, kHeightPx, kSpp).pixels);
+}
+
+TEST_F(Restart, TheEndOfAJobIsToldOnceACrashCannotUndoIt) {
+  const std::string id = submit();
+  EXPECT_FALSE(coordinator().tick());
+  work('a');
+  EXPECT_EQ(job(id).samples_done(), kSamples);
+  EXPECT_EQ(job(id).state(), v1::JOB_STATE_RUNNING);
+  EXPECT_FALSE(job(id).has_finished_at());
+  EXPECT_TRUE(coordinator().tick()) << "nobody is asked for a checkpoint";
+  ASSERT_TRUE(coordinator().checkpoint());
+  EXPECT_FALSE(coordinator().tick());
+  EXPECT_EQ(job(id).state(), v1::JOB_STATE_DONE);
+  EXPECT_TRUE(job(id).has_finished_at());
+  crash();
+  EXPECT_EQ(job(id).state(), v1::JOB_STATE_DONE);
 }
 
 TEST_F(Restart, AJobThatWasDoneButNotStoredAsSuchIsDone) {
@@ -134,7 +150,7 @@ TEST_F(Restart, AJobThatWasDoneButNotStoredAsSuchIsDone) {
     row.finished_ms.reset();
   });
   open();
-  EXPECT_EQ(job(id).state(), v1::JOB_STATE_DONE);
+  EXPECT_EQ(stored_job(id).state(), v1::JOB_STATE_DONE);
 }
 
 TEST_F(Restart, SamplesBeyondTheStoredNumberShowThatTheJobWasExtended) {
@@ -171,7 +187,7 @@ TEST_F(Restart, ADamagedJobFailsAndHarmsNoOther) {
   EXPECT_EQ(job(damaged).state(), v1::JOB_STATE_FAILED);
   EXPECT_THAT(job(damaged).failure(), HasSubstr("the stored job " + damaged + " is damaged: delete it"));
   work('b');
-  EXPECT_EQ(job(whole).state(), v1::JOB_STATE_DONE);
+  EXPECT_EQ(stored_job(whole).state(), v1::JOB_STATE_DONE);
   EXPECT_TRUE(coordinator().delete_job(damaged));
 }
 

@@ -126,6 +126,11 @@ v1::Job ScriptedFarm::job(const std::string& id) {
   return found ? *found : v1::Job();
 }
 
+v1::Job ScriptedFarm::stored_job(const std::string& id) {
+  EXPECT_TRUE(coordinator().checkpoint());
+  return job(id);
+}
+
 v1::SynchronizeResponse ScriptedFarm::synchronize(const v1::SynchronizeRequest& request) {
   const WaitingCall call(coordinator(), request);
   EXPECT_TRUE(call.answered());

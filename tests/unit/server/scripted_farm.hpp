@@ -45,6 +45,8 @@ class ScriptedFarm : public testing::Test {
   // The job's id.
   std::string submit(const v1::SubmitJobRequest& request = submission());
   v1::Job job(const std::string& id);
+  // The same when all that has happened to it is stored: its end is told then.
+  v1::Job stored_job(const std::string& id);
   // The answer, which must come at once.
   v1::SynchronizeResponse synchronize(const v1::SynchronizeRequest& request);
   v1::SubmitResultResponse deliver(const v1::SubmitResultRequest& request);

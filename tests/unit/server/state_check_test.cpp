@@ -102,7 +102,7 @@ TEST_F(StateCheck, SalvageKeepsWhatIsWholeAndTheRestIsRenderedAgain) {
   EXPECT_EQ(job(done_).state(), v1::JOB_STATE_RUNNING);
   work('c');
   for (const std::string& id : {done_, running_}) {
-    EXPECT_EQ(job(id).state(), v1::JOB_STATE_DONE);
+    EXPECT_EQ(stored_job(id).state(), v1::JOB_STATE_DONE);
     EXPECT_EQ(coordinator().picture(id)->image.pixels, ready_made_picture(kWidthPx, kHeightPx, kSpp).pixels);
   }
 }

@@ -14,7 +14,7 @@ class Work : public ScriptedFarm {};
 
 TEST_F(Work, AFarmComesToTheLocalPicture) {
   const std::string id = submit();
-  while (job(id).state() == v1::JOB_STATE_RUNNING) {
+  while (stored_job(id).state() == v1::JOB_STATE_RUNNING) {
     for (const char worker : {'a', 'b', 'c'}) work(worker, 1);
   }
   const v1::Job done = job(id);
@@ -79,7 +79,7 @@ TEST_F(Work, AJobWhoseSceneNobodyCanBuildFails) {
     given_back.set_cannot_build("scene.json:3: shapes: unknown shape 'torus'");
     deliver(given_back);
   }
-  EXPECT_EQ(job(id).state(), v1::JOB_STATE_FAILED);
+  EXPECT_EQ(stored_job(id).state(), v1::JOB_STATE_FAILED);
   EXPECT_THAT(job(id).failure(),
               HasSubstr("3 times in a row a worker could not build the scene, the last of them host-c: "
                         "scene.json:3: shapes: unknown shape 'torus'"));
@@ -98,7 +98,7 @@ TEST_F(Work, ASceneThatOneWorkerAloneCannotBuildFailsNoJob) {
   for (int i = 0; i < 5; ++i) refuse('a');
   EXPECT_EQ(job(id).state(), v1::JOB_STATE_RUNNING);
   work('c');
-  EXPECT_EQ(job(id).state(), v1::JOB_STATE_DONE);
+  EXPECT_EQ(stored_job(id).state(), v1::JOB_STATE_DONE);
 }
 
 TEST_F(Work, ASceneThatTheOnlyWorkerCannotBuildFailsTheJob) {
@@ -110,7 +110,7 @@ TEST_F(Work, ASceneThatTheOnlyWorkerCannotBuildFailsTheJob) {
     given_back.set_cannot_build("out of memory");
     deliver(given_back);
   }
-  EXPECT_EQ(job(id).state(), v1::JOB_STATE_FAILED);
+  EXPECT_EQ(stored_job(id).state(), v1::JOB_STATE_FAILED);
 }
 
 // Texts of the contract are UTF-8: what is cut within a character could not be told to anybody.
@@ -125,7 +125,7 @@ TEST_F(Work, ALongReasonOfAWorkerIsCutBetweenCharacters) {
     deliver(given_back);
   }
   v1::Job read_again;
-  EXPECT_TRUE(read_again.ParseFromString(job(id).SerializeAsString()));
+  EXPECT_TRUE(read_again.ParseFromString(stored_job(id).SerializeAsString()));
   EXPECT_THAT(read_again.failure(), HasSubstr("\u00e9\u00e9\u00e9"));
 }
 
@@ -137,7 +137,7 @@ TEST_F(Work, AReasonOfAWorkerIsMadePrintable) {
     given_back.set_cannot_build("a\x1b[2Jb\nc");
     deliver(given_back);
   }
-  EXPECT_THAT(job(id).failure(), HasSubstr("a\\x1b[2Jb\\x0ac"));
+  EXPECT_THAT(stored_job(id).failure(), HasSubstr("a\\x1b[2Jb\\x0ac"));
 }
 
 TEST_F(Work, NamesThatCannotBeShownAreRefused) {
@@ -174,7 +174,7 @@ TEST_F(Work, ABlobThatIsIntactAfterAllFailsNoJob) {
   EXPECT_EQ(job(id).state(), v1::JOB_STATE_RUNNING);
   coordinator().blobs().discard(scene);
   coordinator().blob_is_lost(scene, {ErrorCode::kNotFound, "gone"});
-  EXPECT_EQ(job(id).state(), v1::JOB_STATE_FAILED);
+  EXPECT_EQ(stored_job(id).state(), v1::JOB_STATE_FAILED);
 }
 
 TEST_F(Work, SubmittingWhatIsDamagedAsksForItAndFailsNoRunningJob) {
@@ -200,14 +200,14 @@ TEST_F(Work, WorkersAreListed) {
 }
 
 TEST_F(Work, TheLeaseOfASilentWorkerGoesToAnother) {
-  submit();
+  const std::string id = submit();
   const v1::Lease lost = synchronize(greeting('a')).leases(0);
   now_ += std::chrono::seconds(11);
   EXPECT_FALSE(coordinator().workers()[0].silent());
   coordinator().tick();
   EXPECT_TRUE(coordinator().workers()[0].silent());
   work('b');
-  EXPECT_EQ(coordinator().jobs()[0].state(), v1::JOB_STATE_DONE);
+  EXPECT_EQ(stored_job(id).state(), v1::JOB_STATE_DONE);
   EXPECT_EQ(deliver(delivery('a', lost)).accepted_items(), 0u);
 }
 
