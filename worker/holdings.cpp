@@ -18,6 +18,14 @@ v1::Lease to_proto(const HeldLease& lease) {
   return message;
 }
 
+v1::Rendering to_proto(const Piece& piece) {
+  v1::Rendering message;
+  message.set_lease_id(piece.lease_id);
+  message.set_job_id(piece.job->id);
+  *message.mutable_item() = proto::to_proto(piece.item);
+  return message;
+}
+
 // The items that can be; others are left out and so stay with the coordinator.
 std::vector<WorkItem> readable_items(const v1::Lease& lease, const v1::RenderSettings& settings) {
   std::vector<WorkItem> items;
@@ -61,7 +69,7 @@ void Holdings::report_activity(v1::SynchronizeRequest& request) const {
     const bool comes_next = entry.stage == Stage::kWanted && holds_any_of(id);
     if (comes_next || entry.stage == Stage::kFetching) request.add_fetching_job_ids(id);
   }
-  request.set_rendering_lease_id(rendering_lease_);
+  if (rendering_) *request.mutable_rendering() = to_proto(*rendering_);
 }
 
 bool Holdings::apply(const v1::SynchronizeResponse& response) {
@@ -180,12 +188,12 @@ std::optional<Piece> Holdings::take(const std::stop_token& stop, const SizePiece
 
 void Holdings::begins(const Piece& piece) {
   std::lock_guard lock(mutex_);
-  rendering_lease_ = piece.lease_id;
+  rendering_ = piece;
 }
 
 void Holdings::rendered(const Piece& piece, core::FilmTile tile, Duration render_time) {
   std::lock_guard lock(mutex_);
-  rendering_lease_ = 0;
+  rendering_.reset();
   find_lease(piece.lease_id)->rendered(std::move(tile), render_time);
   const auto job = jobs_.find(piece.job->id);
   if (job != jobs_.end()) job->second.failures = 0;

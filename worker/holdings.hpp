@@ -129,7 +129,7 @@ class Holdings {
   std::list<HeldLease> leases_;       // guarded by mutex_; in the order they are to be rendered
   std::set<std::uint64_t> unwanted_;  // guarded by mutex_; held, but only until what is rendered is delivered
   std::set<std::uint64_t> just_finished_;  // guarded by mutex_; since the last report
-  std::uint64_t rendering_lease_ = 0;      // guarded by mutex_; 0 unless samples are being rendered
+  std::optional<Piece> rendering_;         // guarded by mutex_; whose samples are being rendered
   std::map<std::string, JobEntry> jobs_;   // guarded by mutex_
   bool draining_ = false;                  // guarded by mutex_
 };

@@ -64,6 +64,13 @@ scheduler::LeaseDescription from_wire(const v1::Lease& message, const core::Tile
   return lease;
 }
 
+scheduler::Rendering from_wire(const v1::Rendering& message, const core::TileGrid& grid) {
+  scheduler::Rendering rendering{{message.lease_id()}, {message.job_id()}, {scheduler::kNoTile, {}}};
+  if (const auto item = proto::from_proto(message.item()))
+    rendering.item = {scheduler::tile_index(grid, item->rect), item->range};
+  return rendering;
+}
+
 v1::ListWorkersResponse::Worker to_wire(const scheduler::WorkerView& worker, std::int64_t seen_ms) {
   v1::ListWorkersResponse::Worker message;
   message.set_id(worker.info.id.value);

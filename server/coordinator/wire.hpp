@@ -18,6 +18,8 @@ scheduler::JobState from_wire(v1::JobState state);
 v1::Lease to_wire(const scheduler::LeaseDescription& lease, const core::TileGrid& grid);
 // Items that are no work at all are left out, rectangles that are no tile become kNoTile.
 scheduler::LeaseDescription from_wire(const v1::Lease& lease, const core::TileGrid& grid);
+// An item that is no work at all becomes one of kNoTile, too.
+scheduler::Rendering from_wire(const v1::Rendering& rendering, const core::TileGrid& grid);
 
 // `seen_ms` is when it was last seen, in milliseconds since 1970-01-01 UTC.
 v1::ListWorkersResponse::Worker to_wire(const scheduler::WorkerView& worker, std::int64_t seen_ms);

@@ -85,9 +85,15 @@ void Coordinator::synchronize(const v1::SynchronizeRequest& request, Synchronize
   if (admitted) admitted = admit(turn, request);
   if (!admitted) return refuse(turn, caller, admitted.error());
 
-  scheduler::Synchronize event{
-      info_of(request),   {}, static_cast<int>(std::min<std::uint32_t>(request.wanted_leases(), 1024)),
-      request.draining(), {}, {request.rendering_lease_id()}};
+  scheduler::Synchronize event{info_of(request),
+                               {},
+                               static_cast<int>(std::min<std::uint32_t>(request.wanted_leases(), 1024)),
+                               request.draining()};
+  if (request.has_rendering()) {
+    event.rendering = {{request.rendering().lease_id()}, {}, {}};
+    if (const JobRecord* record = find(request.rendering().job_id()))
+      event.rendering = from_wire(request.rendering(), grid_of(*record->spec));
+  }
   for (const std::string& job : request.fetching_job_ids()) {
     if (find(job) != nullptr) event.fetching.insert({job});
   }

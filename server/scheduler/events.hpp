@@ -27,6 +27,15 @@ struct WorkerInfo {
   int threads = 1;
 };
 
+// What a worker says that it renders at this moment.
+struct Rendering {
+  // Its own or not any more.
+  LeaseId lease;
+  JobId job;
+  WorkItem item;
+  bool operator==(const Rendering&) const = default;
+};
+
 // A worker says what it is and what it holds. Renews its leases; answered by Actions::reply.
 struct Synchronize {
   WorkerInfo worker;
@@ -38,8 +47,8 @@ struct Synchronize {
   bool draining = false;
   // Jobs whose files it is fetching, or is about to.
   std::set<JobId> fetching{};
-  // The lease that it is rendering at this moment, its own or not any more; 0: none.
-  LeaseId rendering{};
+  // Samples that are not among those of the lease are overlooked.
+  std::optional<Rendering> rendering{};
 };
 
 // Asks again on behalf of a worker whose last Synchronize is still unanswered, since Actions::wake named it.

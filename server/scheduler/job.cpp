@@ -275,23 +275,36 @@ std::optional<std::string> Job::blame(const Lease& lease, const Loss& loss) {
   return lease.alone ? verdict_on(lease.items.front()) : std::nullopt;
 }
 
-std::optional<std::string> Job::blame(const WorkItem& item, const Loss& loss) {
-  // What somebody has rendered comes to an end.
-  if (done(item.tile).intersects(item.samples)) return std::nullopt;
-  suspects_.blame(item, loss, true);
+std::optional<std::string> Job::blame(const std::vector<WorkItem>& items, const Loss& loss) {
+  std::vector<WorkItem> missing;
+  for (const WorkItem& item : items) {
+    IntervalSet samples{item.samples};
+    // What somebody has rendered comes to an end.
+    samples.remove(done(item.tile));
+    for (const core::SampleRange& range : samples.ranges()) missing.push_back({item.tile, range});
+  }
+  if (missing.empty()) return std::nullopt;
+  for (const WorkItem& item : missing) suspects_.blame(item, loss, true);
   const auto is_of_name = [&](const Loss& other) { return other.name == loss.name; };
   if (std::none_of(stuck_before_any_.begin(), stuck_before_any_.end(), is_of_name))
     stuck_before_any_.push_back(loss);
-  return verdict_on(item);
+  for (const WorkItem& item : missing) {
+    if (auto verdict = verdict_on(item)) return verdict;
+  }
+  return std::nullopt;
 }
 
 std::optional<std::string> Job::verdict_on(const WorkItem& item) const {
-  // What another worker still holds may yet be rendered.
-  if (leases_.leased(item.tile).intersects(item.samples)) return std::nullopt;
-  if (audit_leases_.leased(item.tile).intersects(item.samples)) return std::nullopt;
-  const std::vector<Loss> losses = suspects_.first_part(item).losses;
-  if (losses.size() < kLossesUntilFailure) return std::nullopt;
-  return sentence_on({item.tile, suspects_.to_be_told(item)}, grid_.rect(item.tile), losses);
+  Suspects::Part part;
+  for (WorkItem rest = item; !rest.samples.empty(); rest.samples.begin = part.samples.end) {
+    part = suspects_.first_part(rest);
+    if (part.losses.size() < kLossesUntilFailure) continue;
+    // What another worker still holds may yet be rendered.
+    if (leases_.leased(item.tile).intersects(part.samples)) continue;
+    if (audit_leases_.leased(item.tile).intersects(part.samples)) continue;
+    return sentence_on({item.tile, suspects_.to_be_told(rest)}, grid_.rect(item.tile), part.losses);
+  }
+  return std::nullopt;
 }
 
 std::optional<std::string> Job::nobody_gets_on() const {

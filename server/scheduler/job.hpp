@@ -151,8 +151,8 @@ class Job {
   // The holder of an ended lease has died. The sentence to fail the job with, if this is enough and nobody
   // else holds the samples.
   std::optional<std::string> blame(const Lease& lease, const Loss& loss);
-  // The same of a worker that is stuck in these samples.
-  std::optional<std::string> blame(const WorkItem& item, const Loss& loss);
+  // The same of a worker that is stuck in these samples, as far as they are missing.
+  std::optional<std::string> blame(const std::vector<WorkItem>& items, const Loss& loss);
   // The sentence to fail the job with, if nothing of it was ever counted, nobody holds any of it, and workers
   // of three names were stuck in whatever they had of it.
   std::optional<std::string> nobody_gets_on() const;

@@ -61,6 +61,9 @@ Worker& Roster::hear(const Synchronize& event, Time now) {
   } else {
     alarms_.erase({alarm(worker), event.worker.id});
   }
+  // It may have begun right after it last called.
+  if (event.rendering != worker.rendering) worker.rendering_since = is_new ? now : worker.last_synchronized;
+  worker.rendering = event.rendering;
   worker.info = event.worker;
   worker.last_seen = worker.last_synchronized = now;
   become(worker, event.draining ? WorkerState::kDraining : WorkerState::kPresent);
@@ -69,8 +72,6 @@ Worker& Roster::hear(const Synchronize& event, Time now) {
   worker.reported.clear();
   for (const LeaseDescription& lease : event.held) worker.reported.insert(lease.id);
   worker.fetching = event.fetching;
-  if (event.rendering != worker.rendering) worker.rendering_since = now;
-  worker.rendering = event.rendering;
   alarms_.emplace(alarm(worker), event.worker.id);
   return worker;
 }

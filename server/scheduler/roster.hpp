@@ -40,12 +40,12 @@ struct Effort {
   bool excused = false;
 };
 
-// A worker says that it is rendering a lease that it has not any more, since it was at it for too long.
+// A worker says that it renders what it has not any more, since it was at it for too long.
 struct Stuck {
-  LeaseId lease;
-  JobId job{};
-  // What it is at, if that is known, since when, and after what time that is held against the samples.
-  std::optional<WorkItem> item{};
+  Rendering rendering;
+  // What was missing of that when it lost it; empty if it did not hold it.
+  std::vector<WorkItem> items{};
+  // Since when it is at it, and after what time that is held against the samples.
   Time since{};
   Duration counts_after{};
   bool blamed = false;
@@ -61,11 +61,11 @@ struct Worker {
   int wanted_leases = 0;
   // Oldest first.
   std::vector<HeldLease> leases;
-  // What it said it holds in its last Synchronize, which jobs' files it is fetching, and which lease it is
-  // rendering, since when.
+  // What it said it holds in its last Synchronize, which jobs' files it is fetching, and what it renders,
+  // since when.
   std::set<LeaseId> reported;
   std::set<JobId> fetching;
-  LeaseId rendering;
+  std::optional<Rendering> rendering;
   Time rendering_since{};
   // It is given nothing.
   std::optional<Stuck> stuck;

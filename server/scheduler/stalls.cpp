@@ -2,6 +2,7 @@
 // after the other.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <set>
 #include <string>
 #include <vector>
@@ -17,6 +18,17 @@ long whole_seconds(Duration time) {
 
 std::string describe(const WorkItem& item) {
   return fmt::format("samples [{}, {}) of tile {}", item.samples.begin, item.samples.end, item.tile);
+}
+
+// What of the items is a part of `piece`.
+std::vector<WorkItem> parts_in(const WorkItem& piece, const std::vector<WorkItem>& items) {
+  std::vector<WorkItem> parts;
+  for (const WorkItem& item : items) {
+    const core::SampleRange common{std::max(item.samples.begin, piece.samples.begin),
+                                   std::min(item.samples.end, piece.samples.end)};
+    if (item.tile == piece.tile && !common.empty()) parts.push_back({item.tile, common});
+  }
+  return parts;
 }
 
 }  // namespace
@@ -63,16 +75,15 @@ double Scheduler::expected_seconds(const Worker& worker) const {
 }
 
 std::optional<Stuck> Scheduler::what_keeps(const Worker& worker, const std::set<JobId>& stalled) const {
-  if (worker.rendering == LeaseId{}) return std::nullopt;
-  Stuck stuck{.lease = worker.rendering, .since = worker.rendering_since};
+  if (!worker.rendering) return std::nullopt;
+  Stuck stuck{.rendering = *worker.rendering, .since = worker.rendering_since};
   for (const HeldLease& held : worker.leases) {
-    if (held.id != worker.rendering) continue;
+    if (held.id != stuck.rendering.lease) continue;
     // It is well, and at something else.
     if (!stalled.contains(held.job)) return std::nullopt;
-    stuck.job = held.job;
     stuck.since = std::max(stuck.since, worker.efforts.at(held.job).in_vain_since);
-    // Items are rendered in their order.
-    stuck.item = find(held.job)->find_lease(held.id)->items.front();
+    if (held.job == stuck.rendering.job)
+      stuck.items = parts_in(stuck.rendering.item, find(held.job)->find_lease(held.id)->items);
   }
   // Nobody can tell one that is broken, or very slow, from one that is kept; but who has delivered is
   // neither, and what is honest takes no hour.
@@ -99,10 +110,13 @@ void Scheduler::stall(Worker& worker, const JobId& id, Actions& actions) {
       : barred > Duration{0}
           ? fmt::format("no more of this job for {} s, or until it delivers", whole_seconds(barred))
           : "no more of this job until it has the files of its scene";
-  actions.stalled.push_back(
-      fmt::format("worker {} ({}) is heard of, but has delivered nothing of job {} for {} s, where {} came "
-                  "first: others have that now, and it is given {}",
-                  worker.info.name, worker.info.id.value, id.value, whole_seconds(in_vain), items, until));
+  const bool is_kept = worker.stuck && worker.stuck->rendering.job == id && !worker.stuck->items.empty();
+  const std::string at = is_kept ? "and says that it renders " + describe(worker.stuck->items.front())
+                                 : fmt::format("where {} came first", items);
+  actions.stalled.push_back(fmt::format(
+      "worker {} ({}) is heard of, but has delivered nothing of job {} for {} s, {}: others have that now, "
+      "and it is given {}",
+      worker.info.name, worker.info.id.value, id.value, whole_seconds(in_vain), at, until));
 }
 
 // One that is fetching a large scene is well; but it may say so for ever. Where nothing of a worker was ever
@@ -127,9 +141,14 @@ bool Scheduler::may_take(const Worker& worker, const Job& job) const {
 
 void Scheduler::look_after_stuck(Worker& worker, Actions& actions) {
   if (!worker.stuck) return;
-  if (worker.rendering == worker.stuck->lease) return blame_what_keeps(worker, actions);
+  const Rendering& before = worker.stuck->rendering;
+  Job* const job = find(before.job);
+  const bool goes_on = worker.rendering == before;
+  // Of a job that is gone nobody knows the tiles.
+  const bool may_go_on = job == nullptr && worker.rendering && worker.rendering->lease == before.lease;
+  if (goes_on || may_go_on) return blame_what_keeps(worker, actions);
   // It was slow.
-  if (Job* const job = find(worker.stuck->job)) job->absolve(worker.info.id, LossKind::kStuck);
+  if (job != nullptr) job->absolve(worker.info.id, LossKind::kStuck);
   worker.stuck.reset();
 }
 
@@ -138,9 +157,9 @@ void Scheduler::blame_what_keeps(Worker& worker, Actions& actions) {
   if (stuck.blamed || now_ - stuck.since < stuck.counts_after) return;
   stuck.blamed = true;
   roster_.has_to_show_again(worker.info.name);
-  Job* const job = find(stuck.job);
-  if (!stuck.item || job == nullptr || !may_become(job->state(), JobState::kFailed)) return;
-  const auto failure = job->blame(*stuck.item, {worker.info.id, worker.info.name, LossKind::kStuck});
+  Job* const job = find(stuck.rendering.job);
+  if (job == nullptr || !may_become(job->state(), JobState::kFailed)) return;
+  const auto failure = job->blame(stuck.items, {worker.info.id, worker.info.name, LossKind::kStuck});
   if (failure) return fail(*job, *failure, actions);
   give_up_if_nobody_gets_on(*job, actions);
 }

@@ -13,6 +13,8 @@ namespace {
 void spell_out(v1::SynchronizeRequest& request) {
   request.set_worker_id(id_of(request.worker_id()));
   for (v1::Lease& lease : *request.mutable_held()) lease.set_job_id(id_of(lease.job_id()));
+  if (!request.has_rendering()) return;
+  request.mutable_rendering()->set_job_id(id_of(request.rendering().job_id()));
 }
 
 // Sums are made of nothing but their number, so that small inputs can deliver whole tiles, and of what stands

@@ -1,19 +1,21 @@
 #include "tests/simulation/farm.hpp"
 
 #include "tests/simulation/calm_farm.hpp"
+#include "tests/simulation/kept_farm.hpp"
 #include "tests/simulation/rough_farm.hpp"
 
 namespace tessera::simulation {
 
 namespace {
 
-// One farm of so many has no unrest at all.
-constexpr std::uint64_t kCalmFarms = 100;
+// One farm of so many has no unrest at all, and one nothing but a sample that never ends.
+constexpr std::uint64_t kQuietFarms = 100, kKeptFarm = 50;
 
 }  // namespace
 
 FarmReport simulate_farm(std::uint64_t seed, bool verbose) {
-  if (seed % kCalmFarms == 0) return simulate_calm_farm(seed, verbose);
+  if (seed % kQuietFarms == 0) return simulate_calm_farm(seed, verbose);
+  if (seed % kQuietFarms == kKeptFarm) return simulate_kept_farm(seed, verbose);
   return RoughFarm(seed, verbose).run();
 }
 

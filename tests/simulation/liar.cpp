@@ -74,7 +74,10 @@ void Liar::synchronize(int jobs, const std::string& victim) {
     call.held.push_back({any_lease(), any_job(jobs), any_items()});
     if (random.chance(0.3)) call.held.push_back(call.held.back());
   }
-  if (!call.held.empty() && call.wanted_leases % 2 == 0) call.rendering = call.held.front().id;
+  if (!call.held.empty() && call.wanted_leases % 2 == 0) {
+    const LeaseDescription& first = call.held.front();
+    call.rendering = {first.id, first.job, first.items.empty() ? WorkItem{} : first.items.back()};
+  }
   for (const LeaseDescription& lease : call.held) {
     if (call.wanted_leases % 3 == 0) call.fetching.insert(lease.job);
   }

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/simulation/farm.hpp"
+#include "tests/simulation/kept_farm.hpp"
 
 namespace tessera::simulation {
 namespace {
@@ -13,6 +14,12 @@ TEST(FarmSimulation, FollowsFromItsSeed) {
     EXPECT_EQ(a.events, b.events);
     EXPECT_EQ(a.virtual_seconds, b.virtual_seconds);
   }
+}
+
+// Whichever sample that is, and however the machines like to work.
+TEST(FarmSimulation, ASampleThatNeverEndsEndsItsJobAndNoOther) {
+  for (std::uint64_t seed = 1; seed <= 40; ++seed)
+    EXPECT_EQ(simulate_kept_farm(seed, false).failure, std::nullopt) << "seed " << seed;
 }
 
 }  // namespace

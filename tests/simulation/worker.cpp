@@ -129,7 +129,7 @@ void WorkerMachine::synchronize() {
     if (!lease.items.empty()) request.held.push_back(std::move(lease));
   }
   request.fetching = fetching();
-  if (rendering_) request.rendering = rendering_->lease;
+  if (rendering_) request.rendering = {rendering_->lease, rendering_->job, rendering_->item};
   const std::uint64_t call = ++call_;
   const auto answer = [=, this, process = process_](const Reply& reply) {
     send([=, this] {

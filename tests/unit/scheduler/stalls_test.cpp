@@ -1,9 +1,5 @@
 // Workers that are heard of, hold leases, and deliver nothing: no lease is held for ever.
-#include <fmt/format.h>
-
-#include <algorithm>
-
-#include "tests/unit/scheduler/farm.hpp"
+#include "tests/unit/scheduler/stalled_farm.hpp"
 
 namespace tessera::scheduler {
 namespace {
@@ -12,49 +8,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-class Stalls : public Farm {
- protected:
-  // Reports what it holds every five seconds for so long. Returns what it holds then, and what was logged.
-  Actions keep_reporting(const std::string& worker, std::vector<LeaseDescription>& held, Duration time) {
-    Actions last;
-    for (const Time end = now_ + time; now_ < end;) {
-      pass(seconds(5));
-      last = handle(Synchronize{{{worker}, worker, "0.1.0", 1}, held, 1, false, fetching_, rendering_});
-      held = last.reply->leases;
-    }
-    return last;
-  }
-  Actions keep_rendering(const std::string& worker, std::vector<LeaseDescription>& held, Duration time) {
-    rendering_ = held.at(0).id;
-    stuck_in_ = rendering_;
-    Actions last = keep_reporting(worker, held, time);
-    rendering_ = {};
-    return last;
-  }
-  // Something that it delivers counts.
-  void show(const std::string& worker) {
-    const LeaseDescription lease = lease_to(worker);
-    deliver(worker, lease);
-  }
-  // It never gets through with the first item of what it is given, which is returned. It is stuck after 100
-  // s, and that counts five later: it has not said before that it renders.
-  WorkItem lose(const std::string& worker, Duration time = seconds(105)) {
-    std::vector<LeaseDescription> held{lease_to(worker)};
-    const WorkItem item = held[0].items.at(0);
-    last_ = keep_rendering(worker, held, time);
-    EXPECT_THAT(held, testing::IsEmpty());
-    return item;
-  }
-  const WorkerView& view(const std::string& worker) {
-    views_ = scheduler_->workers(now_);
-    return *std::find_if(views_.begin(), views_.end(), [&](const auto& v) { return v.info.name == worker; });
-  }
-
-  std::set<JobId> fetching_;
-  LeaseId rendering_, stuck_in_;
-  Actions last_;
-  std::vector<WorkerView> views_;
-};
+class Stalls : public StalledFarm {};
 
 TEST_F(Stalls, ALeaseOfWhichNothingComesEndsAfterTenLeaseDurations) {
   submit("job", tiles(100, 16), 0, 1);
@@ -175,34 +129,6 @@ TEST_F(Stalls, FetchingOneSceneExcusesNobodyFromAnotherJob) {
   EXPECT_THAT(held, IsEmpty());
 }
 
-TEST_F(Stalls, WhoSaysThatItStillRendersWhatOthersHaveIsGivenNothing) {
-  submit("job", tiles(100, 16), 1);
-  std::vector<LeaseDescription> held{lease_to("stuck")};
-  const LeaseDescription lease = held.front();
-  submit("other", tiles(100, 16));
-  keep_rendering("stuck", held, seconds(100));
-  rendering_ = lease.id;
-  keep_reporting("stuck", held, seconds(1000));
-  EXPECT_THAT(held, IsEmpty());
-  EXPECT_TRUE(view("stuck").stuck);
-  rendering_ = {};
-  keep_reporting("stuck", held, seconds(5));
-  EXPECT_EQ(held.size(), 1u);
-  EXPECT_FALSE(view("stuck").stuck);
-}
-
-TEST_F(Stalls, WhatWaitsBehindTheRangeThatKeepsItGoesToOthersAtOnce) {
-  submit("job", tiles(100, 16), 1);
-  std::vector<LeaseDescription> held{lease_to("stuck")};
-  keep_rendering("stuck", held, seconds(60));
-  submit("other", tiles(100, 16), 2);
-  held = sync("stuck", held, 2).leases;
-  ASSERT_EQ(held.size(), 2u);
-  keep_rendering("stuck", held, seconds(40));
-  EXPECT_THAT(held, IsEmpty());
-  EXPECT_EQ(job("other").active_workers, 0);
-}
-
 TEST_F(Stalls, KeepTheWorkerFromOtherJobsNot) {
   submit("job", tiles(100, 16), 1);
   std::vector<LeaseDescription> held{lease_to("stuck")};
@@ -266,79 +192,6 @@ TEST_F(Stalls, AGapBetweenLeasesIsNobodysFault) {
   EXPECT_EQ(held.size(), 1u);
 }
 
-TEST_F(Stalls, ASampleThatThreeWorkersComeToNoEndWithFailsItsJob) {
-  submit("job", tiles(4, 8));
-  submit("other", tiles(4, 8), -1);
-  for (const char* name : {"a", "b", "c"}) show(name);
-  const WorkItem a = lose("a"), b = lose("b");
-  EXPECT_EQ(state("job"), JobState::kRunning);
-  const WorkItem c = lose("c");
-  EXPECT_EQ(b.tile, a.tile);
-  EXPECT_EQ(b.samples.begin, a.samples.begin);
-  EXPECT_EQ(c, (WorkItem{a.tile, {a.samples.begin, a.samples.begin + 1}}));
-  EXPECT_EQ(state("job"), JobState::kFailed);
-  EXPECT_THAT(last_.job_changes, ElementsAre(JobChange{{"job"}, JobState::kRunning, JobState::kFailed}));
-  EXPECT_THAT(job("job").failure,
-              HasSubstr(fmt::format("3 workers came to no end one after the other with samples [{}, {}) of "
-                                    "tile {} (pixels [",
-                                    c.samples.begin, c.samples.end, c.tile)));
-  EXPECT_THAT(job("job").failure, HasSubstr("a (a), b (b), c (c)"));
-  EXPECT_EQ(state("other"), JobState::kRunning);
-}
-
-TEST_F(Stalls, WorkersThatHaveNotShownThatTheyCanDeliverFailNoJob) {
-  submit("job", tiles(4, 8));
-  for (const char* name : {"a", "b", "c", "d", "e"}) {
-    std::vector<LeaseDescription> held{lease_to(name)};
-    keep_rendering(name, held, seconds(100));
-    EXPECT_TRUE(view(name).stuck);
-  }
-  EXPECT_EQ(state("job"), JobState::kRunning);
-}
-
-// A machine that breaks hangs in whatever it is given, and again when it is started anew.
-TEST_F(Stalls, AMachineThatIsBrokenCountsOnceUntilItDelivers) {
-  submit("first", tiles(4, 8), 1);
-  show("a");
-  for (int i = 0; i < 5; ++i) {
-    const std::string id = "a" + std::to_string(i);
-    Actions last = handle(Synchronize{{{id}, "a", "0.1.0", 1}, {}, 1, false});
-    for (int s = 0; s < 20; ++s) {
-      pass(seconds(5));
-      const std::vector<LeaseDescription> held = last.reply->leases;
-      last = handle(Synchronize{{{id}, "a", "0.1.0", 1}, held, 1, false, {}, held.at(0).id});
-    }
-    EXPECT_THAT(last.reply->leases, IsEmpty());
-  }
-  EXPECT_EQ(state("first"), JobState::kRunning);
-}
-
-TEST_F(Stalls, WhoWasOnlySlowIsTakenBack) {
-  submit("job", tiles(4, 8));
-  for (const char* name : {"a", "b", "c"}) show(name);
-  lose("a");
-  std::vector<LeaseDescription> none;
-  keep_reporting("a", none, seconds(5));  // it is at something else now
-  sync("a", {}, 1, true);
-  lose("b");
-  lose("c");
-  EXPECT_EQ(state("job"), JobState::kRunning) << "two of three are left";
-}
-
-// Nothing honest takes an hour, whoever is at it.
-TEST_F(Stalls, AnHourAtOneRangeCountsAgainstItInAnyCase) {
-  submit("job", tiles(2, 1));
-  for (const char* name : {"a", "b", "c"}) {
-    EXPECT_EQ(lose(name, seconds(3600)), (WorkItem{0, {0, 1}}));
-    EXPECT_EQ(state("job"), JobState::kRunning);
-    rendering_ = stuck_in_;
-    std::vector<LeaseDescription> none;
-    keep_reporting(name, none, seconds(5));
-    rendering_ = {};
-  }
-  EXPECT_EQ(state("job"), JobState::kFailed);
-}
-
 // What others may have done of it, or a coordinator that slept, is no fault of the worker's.
 TEST_F(Stalls, ALeaseThatRanOutAndIsTakenUpAgainBeginsAnew) {
   submit("job", tiles(100, 16));
@@ -347,22 +200,6 @@ TEST_F(Stalls, ALeaseThatRanOutAndIsTakenUpAgainBeginsAnew) {
   pass(seconds(60));
   keep_reporting("w", held, seconds(95));
   EXPECT_EQ(held.size(), 1u);
-}
-
-TEST_F(Stalls, AStuckWorkerDoesNotKeepAJobThatNobodyCanBuildAlive) {
-  submit("job", tiles(100, 8));
-  std::vector<LeaseDescription> held{lease_to("stuck")};
-  const auto refuse = [&] {
-    const Reply reply = sync("other");
-    SubmitResult given_back{{"other"}, {"job"}, reply.leases.at(0).id, {}, 0, true};
-    given_back.cannot_build = "out of memory";
-    handle(given_back);
-  };
-  for (int i = 0; i < 3; ++i) refuse();
-  keep_reporting("stuck", held, seconds(100));
-  EXPECT_EQ(state("job"), JobState::kRunning);
-  refuse();
-  EXPECT_EQ(state("job"), JobState::kFailed);
 }
 
 }  // namespace

@@ -156,6 +156,30 @@ TEST(JobTest, DoesNotFailWhileAnotherWorkerHoldsTheSamples) {
   EXPECT_TRUE(blame(5, "c"));
 }
 
+TEST(JobTest, CountsWhoIsStuckAgainstWhatIsMissing) {
+  Job job({"job"}, tiles(4, 8), {}, JobState::kRunning, {});
+  std::vector<Lease> ended;
+  ASSERT_TRUE(job.accept({0, {0, 2}}, ended));
+  const auto blame = [&](const std::string& worker, const std::vector<WorkItem>& items) {
+    return job.blame(items, {{worker}, worker, LossKind::kStuck});
+  };
+  for (const char* worker : {"a", "b", "c"}) EXPECT_FALSE(blame(worker, {{0, {0, 2}}})) << "it ends";
+  EXPECT_FALSE(blame("a", {{0, {1, 4}}}));
+  EXPECT_FALSE(blame("b", {{0, {1, 4}}}));
+  EXPECT_THAT(blame("c", {{1, {0, 1}}, {0, {1, 4}}}).value_or(""), HasSubstr("samples [2, 4) of tile 0"));
+}
+
+TEST(JobTest, FailsForAnyPartOfWhatAWorkerIsStuckIn) {
+  Job job({"job"}, tiles(4, 8), {}, JobState::kRunning, {});
+  std::uint64_t id = 0;
+  for (const char* worker : {"a", "b"}) {
+    job.lease({{++id}, {worker}, {{0, {6, 7}}}, true});
+    EXPECT_FALSE(job.blame(job.end_lease({id}, LeaseState::kExpired), {{worker}, worker}));
+  }
+  const auto failure = job.blame({{0, {4, 8}}}, {{"c"}, "c", LossKind::kStuck});
+  EXPECT_THAT(failure.value_or(""), HasSubstr("samples [6, 7) of tile 0"));
+}
+
 TEST_F(Deaths, AfterTwoTheSamplesAreLeasedOneByOne) {
   submit("job", tiles(2, 16));
   const LeaseDescription first = lease_to("quick");

@@ -2,6 +2,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <functional>
+
 #include "tests/unit/server/scripted_farm.hpp"
 
 namespace tessera::coordinator {
@@ -10,7 +12,32 @@ namespace {
 using core::ErrorCode;
 using testing::HasSubstr;
 
-class Work : public ScriptedFarm {};
+class Work : public ScriptedFarm {
+ protected:
+  // A worker that calls for a hundred seconds, and delivers nothing.
+  void keep_saying(const v1::SynchronizeRequest& request) {
+    for (int call = 0; call < 20; ++call) {
+      now_ += std::chrono::seconds(5);
+      const WaitingCall waiting(coordinator(), request);
+    }
+  }
+  bool is_stuck(char worker) {
+    for (const auto& each : coordinator().workers()) {
+      if (each.id() == std::string(32, worker)) return each.stuck();
+    }
+    return false;
+  }
+  // What a worker says that holds a lease, and renders this item of it.
+  v1::SynchronizeRequest rendering(char worker, const v1::Lease& lease, int item) {
+    v1::SynchronizeRequest request = greeting(worker);
+    *request.add_held() = lease;
+    request.add_known_job_ids(lease.job_id());
+    request.mutable_rendering()->set_lease_id(lease.id());
+    request.mutable_rendering()->set_job_id(lease.job_id());
+    *request.mutable_rendering()->mutable_item() = lease.items(item);
+    return request;
+  }
+};
 
 TEST_F(Work, AFarmComesToTheLocalPicture) {
   const std::string id = submit();
@@ -197,6 +224,48 @@ TEST_F(Work, WorkersAreListed) {
   EXPECT_EQ(workers[0].held_leases(), 1u);
   EXPECT_GT(workers[0].samples_accepted(), 0u);
   EXPECT_GT(workers[0].last_seen_at().seconds(), 1'700'000'000);
+}
+
+TEST_F(Work, SamplesThatKeepThreeWorkersFailTheirJob) {
+  const std::string id = submit();
+  for (const char worker : {'a', 'b', 'c'}) work(worker, 1);
+  const v1::Lease lease = synchronize(greeting('a')).leases(0);
+  ASSERT_GT(lease.items_size(), 1);
+  keep_saying(rendering('a', lease, 1));
+  work('b', 1);  // what comes before
+  for (const char worker : {'b', 'c'}) {
+    EXPECT_EQ(job(id).state(), v1::JOB_STATE_RUNNING);
+    const v1::Lease alone = synchronize(greeting(worker)).leases(0);
+    EXPECT_EQ(alone.items(0).SerializeAsString(), lease.items(1).SerializeAsString());
+    keep_saying(rendering(worker, alone, 0));
+  }
+  EXPECT_EQ(job(id).state(), v1::JOB_STATE_FAILED);
+  EXPECT_THAT(job(id).failure(), HasSubstr("host-a (aaaaaaaa), host-b (bbbbbbbb), host-c (cccccccc)"));
+}
+
+TEST_F(Work, LiesAboutWhatIsRenderedCountAgainstNoSamples) {
+  v1::SubmitJobRequest job = submission();
+  job.mutable_overrides()->set_spp(64);
+  submit(job);
+  const std::vector<std::function<void(v1::Rendering&)>> lies{
+      [](v1::Rendering& said) { said.Clear(); },
+      [](v1::Rendering& said) { said.clear_item(); },
+      [](v1::Rendering& said) { said.set_job_id("none"); },
+      [](v1::Rendering& said) { said.set_lease_id(~std::uint64_t{0}); },
+      [](v1::Rendering& said) { said.mutable_item()->mutable_rect()->set_x1(~std::uint32_t{0}); },
+      [](v1::Rendering& said) { said.mutable_item()->mutable_rect()->set_x0(1); },
+      [](v1::Rendering& said) { said.mutable_item()->set_sample_end(0); },
+  };
+  for (std::size_t lie = 0; lie < lies.size(); ++lie) work(static_cast<char>('0' + lie), 1);
+  for (std::size_t lie = 0; lie < lies.size(); ++lie) {
+    const char worker = static_cast<char>('0' + lie);
+    const v1::Lease lease = synchronize(greeting(worker)).leases(0);
+    EXPECT_GT(lease.items_size(), 1) << "nothing is suspected, and leased by itself";
+    v1::SynchronizeRequest request = rendering(worker, lease, 0);
+    lies[lie](*request.mutable_rendering());
+    keep_saying(request);
+    EXPECT_TRUE(is_stuck(worker)) << lie;
+  }
 }
 
 TEST_F(Work, TheLeaseOfASilentWorkerGoesToAnother) {

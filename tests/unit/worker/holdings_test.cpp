@@ -127,12 +127,26 @@ TEST_F(HoldingsTest, SaysWhatItFetchesAndRenders) {
 
   holdings_.apply(answer({lease(2, "a", 0, 8)}));
   const Piece piece = take();
-  EXPECT_EQ(report().rendering_lease_id(), 0u) << "its scene is not built yet";
+  EXPECT_FALSE(report().has_rendering()) << "its scene is not built yet";
   holdings_.begins(piece);
   holdings_.apply(answer({}));
-  EXPECT_EQ(report().rendering_lease_id(), 2u) << "though others have it";
+  ASSERT_TRUE(report().has_rendering()) << "though others have it";
+  EXPECT_EQ(report().rendering().lease_id(), 2u);
+  EXPECT_EQ(report().rendering().job_id(), "a");
   render(piece);
-  EXPECT_EQ(report().rendering_lease_id(), 0u);
+  EXPECT_FALSE(report().has_rendering());
+}
+
+TEST_F(HoldingsTest, SaysWhichSamplesItIsAt) {
+  holdings_.apply(answer({lease(1, "a", 0, 4), lease(2, "a", 4, 8)}, {"a"}));
+  make_ready("a");
+  const Piece first = take(2 * 4096);
+  holdings_.begins(first);
+  EXPECT_EQ(proto::from_proto(report().rendering().item()).value(), (WorkItem{kTile, {0, 2}}));
+  render(first);
+  holdings_.begins(take());
+  EXPECT_EQ(proto::from_proto(report().rendering().item()).value(), (WorkItem{kTile, {2, 4}}))
+      << "what is rendered waits to be delivered";
 }
 
 TEST_F(HoldingsTest, WakesWhoWaitsForWork) {
