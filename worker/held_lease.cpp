@@ -100,6 +100,12 @@ void HeldLease::not_rendered() {
   rendering_.reset();
 }
 
+void HeldLease::abandon() {
+  assert(rendering_);
+  rendering_.reset();
+  stop_rendering();
+}
+
 void HeldLease::flush() {
   if (!growing_) return;
   ready_.push_back(std::move(*growing_));

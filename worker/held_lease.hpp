@@ -57,6 +57,8 @@ class HeldLease {
   void rendered(core::FilmTile tile, Duration render_time);
   // The piece that take() gave could not be rendered and is to be done again.
   void not_rendered();
+  // The piece that take() gave never will be rendered: nothing more is, and what was before it can be sent.
+  void abandon();
 
   // Whether something can be sent: rendered tiles, or that the lease is finished.
   bool has_delivery() const;

@@ -1,5 +1,6 @@
 #include "worker/holdings.hpp"
 
+#include <google/protobuf/util/time_util.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
@@ -9,6 +10,8 @@ namespace {
 
 // Jobs beyond those of held leases that stay known, so that a farm that alternates need not repeat itself.
 constexpr std::size_t kIdleJobsKept = 16;
+// Of any coordinator.
+constexpr Duration kLongestLeaseTime = std::chrono::hours(1);
 
 v1::Lease to_proto(const HeldLease& lease) {
   v1::Lease message;
@@ -24,6 +27,12 @@ v1::Rendering to_proto(const Piece& piece) {
   message.set_job_id(piece.job->id);
   *message.mutable_item() = proto::to_proto(piece.item);
   return message;
+}
+
+Duration heard_within(const v1::SynchronizeResponse& response) {
+  using google::protobuf::util::TimeUtil;
+  const std::chrono::milliseconds told(TimeUtil::DurationToMilliseconds(response.heard_within()));
+  return std::clamp<Duration>(told, Duration::zero(), kLongestLeaseTime);
 }
 
 // The items that can be; others are left out and so stay with the coordinator.
@@ -74,6 +83,7 @@ void Holdings::report_activity(v1::SynchronizeRequest& request) const {
 
 bool Holdings::apply(const v1::SynchronizeResponse& response) {
   std::lock_guard lock(mutex_);
+  heard_within_ = std::max(heard_within_, heard_within(response));
   bool changed = false;
   for (const v1::JobSpec& spec : response.jobs()) {
     const auto [job, is_new] = jobs_.try_emplace(spec.job_id());
@@ -86,7 +96,7 @@ bool Holdings::apply(const v1::SynchronizeResponse& response) {
   for (HeldLease& lease : leases_) {
     const auto still = wanted.find(lease.id());
     if (still == wanted.end()) {
-      changed |= unwanted_.insert(lease.id()).second;
+      changed |= unwanted_.try_emplace(lease.id(), Clock::now()).second;
       lease.stop_rendering();
     } else {
       changed |= lease.keep_only(readable_items(*still->second, jobs_.at(lease.job_id()).spec.settings()));
@@ -189,11 +199,15 @@ std::optional<Piece> Holdings::take(const std::stop_token& stop, const SizePiece
 void Holdings::begins(const Piece& piece) {
   std::lock_guard lock(mutex_);
   rendering_ = piece;
+  rendering_since_ = Clock::now();
+  announce_change();
 }
 
 void Holdings::rendered(const Piece& piece, core::FilmTile tile, Duration render_time) {
   std::lock_guard lock(mutex_);
   rendering_.reset();
+  has_rendered_ = true;
+  if (has_abandoned_) return;
   find_lease(piece.lease_id)->rendered(std::move(tile), render_time);
   const auto job = jobs_.find(piece.job->id);
   if (job != jobs_.end()) job->second.failures = 0;
@@ -275,8 +289,45 @@ void Holdings::delivered(const Delivery& delivery) {
   announce_change();
 }
 
+std::optional<UnwantedPiece> Holdings::abandon_endless(const std::stop_token& stop,
+                                                       const Overtime& overtime) {
+  std::unique_lock lock(mutex_);
+  for (;;) {
+    if (stop.stop_requested()) return std::nullopt;
+    auto unwanted = unwanted_piece();
+    const Clock::time_point until =
+        unwanted ? unwanted->unwanted_since + overtime(*unwanted) : Clock::time_point::max();
+    if (Clock::now() >= until) {
+      has_abandoned_ = true;
+      find_lease(unwanted->piece.lease_id)->abandon();
+      stop_taking();
+      return unwanted;
+    }
+    await_change(lock, stop, until);
+  }
+}
+
+std::optional<UnwantedPiece> Holdings::unwanted_piece() const {
+  if (!rendering_) return std::nullopt;
+  const auto unwanted = unwanted_.find(rendering_->lease_id);
+  if (unwanted == unwanted_.end() && !nothing_wanted_since_) return std::nullopt;
+  const Clock::time_point heard = unwanted == unwanted_.end() ? *nothing_wanted_since_ : unwanted->second;
+  const Clock::time_point since = std::max(heard, rendering_since_);
+  return UnwantedPiece{*rendering_, since - rendering_since_, since, heard_within_, !has_rendered_};
+}
+
+void Holdings::want_nothing() {
+  std::lock_guard lock(mutex_);
+  nothing_wanted_since_ = Clock::now();
+  announce_change();
+}
+
 void Holdings::drain() {
   std::lock_guard lock(mutex_);
+  stop_taking();
+}
+
+void Holdings::stop_taking() {
   draining_ = true;
   for (HeldLease& lease : leases_) lease.stop_rendering();
   announce_change();

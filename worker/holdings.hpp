@@ -37,6 +37,19 @@ struct Piece {
   WorkItem item;
 };
 
+// One that is being rendered for nobody: its lease was taken away, its job has ended, or the worker is to
+// stop.
+struct UnwantedPiece {
+  Piece piece;
+  // How long it had been rendered when that was heard, and since when it goes on all the same.
+  Duration wanted_for{};
+  std::chrono::steady_clock::time_point unwanted_since{};
+  // The longest time within which the coordinator asked to be heard from: its lease time.
+  Duration heard_within{};
+  // This worker has rendered no other.
+  bool first = false;
+};
+
 class Holdings {
  public:
   struct Options {
@@ -87,8 +100,20 @@ class Holdings {
   // It has arrived, or was refused for good.
   void delivered(const Delivery& delivery);
 
+  // ---- For the thread that watches the one that renders ----
+
+  // How long an unwanted piece may go on.
+  using Overtime = std::function<Duration(const UnwantedPiece&)>;
+
+  // Blocks until a piece has gone on for longer, takes it for endless, and does as drain() does without
+  // waiting for it. It is still reported as being rendered, and dropped if it is rendered after all. Nothing
+  // after a stop.
+  std::optional<UnwantedPiece> abandon_endless(const std::stop_token& stop, const Overtime& overtime);
+
   // ---- For whoever stops the worker ----
 
+  // The piece in hand is unwanted from now on, whatever its lease.
+  void want_nothing();
   // From now on nothing new is rendered or taken; what is rendered is still to be delivered.
   void drain();
 
@@ -117,6 +142,8 @@ class Holdings {
   HeldLease* next_sendable(Clock::time_point now);
   Delivery batch_of(HeldLease& lease) const;
   Clock::time_point next_give_back() const;
+  std::optional<UnwantedPiece> unwanted_piece() const;
+  void stop_taking();
   void announce_change();
   void await_change(std::unique_lock<std::mutex>& lock, const std::stop_token& stop,
                     Clock::time_point until = Clock::time_point::max());
@@ -125,13 +152,19 @@ class Holdings {
 
   mutable std::mutex mutex_;
   std::condition_variable_any changed_;
-  std::uint64_t version_ = 0;         // guarded by mutex_; of everything below
-  std::list<HeldLease> leases_;       // guarded by mutex_; in the order they are to be rendered
-  std::set<std::uint64_t> unwanted_;  // guarded by mutex_; held, but only until what is rendered is delivered
+  std::uint64_t version_ = 0;    // guarded by mutex_; of everything below
+  std::list<HeldLease> leases_;  // guarded by mutex_; in the order they are to be rendered
+  // Guarded by mutex_; held, but only until what is rendered is delivered. Since when.
+  std::map<std::uint64_t, Clock::time_point> unwanted_;
   std::set<std::uint64_t> just_finished_;  // guarded by mutex_; since the last report
   std::optional<Piece> rendering_;         // guarded by mutex_; whose samples are being rendered
-  std::map<std::string, JobEntry> jobs_;   // guarded by mutex_
-  bool draining_ = false;                  // guarded by mutex_
+  Clock::time_point rendering_since_{};    // guarded by mutex_
+  std::optional<Clock::time_point> nothing_wanted_since_;  // guarded by mutex_
+  bool has_rendered_ = false;                              // guarded by mutex_; any piece
+  bool has_abandoned_ = false;                             // guarded by mutex_; the piece in hand
+  Duration heard_within_{};                                // guarded by mutex_; the longest of all answers
+  std::map<std::string, JobEntry> jobs_;                   // guarded by mutex_
+  bool draining_ = false;                                  // guarded by mutex_
 };
 
 }  // namespace tessera::worker

@@ -8,6 +8,7 @@
 #include "proto/unreachable.hpp"
 #include "worker/options.hpp"
 #include "worker/signals.hpp"
+#include "worker/start_anew.hpp"
 #include "worker/worker.hpp"
 
 namespace {
@@ -22,8 +23,8 @@ worker::SyncLoop::Explain explaining(const worker::Options& options) {
   };
 }
 
-int run(const worker::Options& options) {
-  const worker::StopSignals signals;
+int run(const worker::Options& options, char** arguments) {
+  worker::StopSignals signals;
   const auto cache = worker::BlobCache::open(options.cache, options.cache_bytes());
   if (!cache) {
     spdlog::error("{}: choose another folder with --cache", cache.error().message);
@@ -42,7 +43,9 @@ int run(const worker::Options& options) {
                             .threads = options.threads};
   spdlog::info("worker {} ({}) with {} threads, for the coordinator at {}, cache {}", options.name,
                identity.worker_id, options.threads, options.coordinator, options.cache);
-  worker::Worker worker(std::move(identity), *cache, *coordinator, {.explain = explaining(options)});
+  worker::Worker::Options how = worker::that_starts_anew(arguments, signals);
+  how.explain = explaining(options);
+  worker::Worker worker(std::move(identity), *cache, *coordinator, std::move(how));
   const core::Status done = worker.run(signals.token());
   if (!done) {
     spdlog::error("refused by the coordinator: {}", done.error().message);
@@ -56,8 +59,9 @@ int run(const worker::Options& options) {
 int main(int argc, char** argv) {
   // Errors are told once, in our words; GRPC_VERBOSITY=DEBUG brings gRPC's own back.
   setenv("GRPC_VERBOSITY", "NONE", 0);
+  worker::keep_program_name();
   const worker::Options options = worker::parse_options(argc, argv);
   proto::log_to_stderr("tessera-worker");
   if (options.verbose) spdlog::set_level(spdlog::level::debug);
-  return run(options);
+  return run(options, argv);
 }

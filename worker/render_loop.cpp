@@ -8,8 +8,6 @@
 #include <system_error>
 #include <utility>
 
-#include "core/integrators/render.hpp"
-
 namespace tessera::worker {
 namespace {
 
@@ -25,8 +23,11 @@ bool files_are_here(const SceneFiles& files) {
 
 }  // namespace
 
-RenderLoop::RenderLoop(int threads, Holdings& holdings, std::optional<core::SceneStore> store)
-    : threads_(threads), holdings_(holdings), scenes_(kScenesKept, threads, std::move(store)) {}
+RenderLoop::RenderLoop(int threads, Holdings& holdings, std::optional<core::SceneStore> store, Render render)
+    : threads_(threads),
+      render_(std::move(render)),
+      holdings_(holdings),
+      scenes_(kScenesKept, threads, std::move(store)) {}
 
 void RenderLoop::run(const std::stop_token& stop) {
   const auto size_piece = [this](const std::string& job_id) { return pace_.target_samples(job_id); };
@@ -43,8 +44,7 @@ void RenderLoop::render(const Piece& piece) {
   }
   holdings_.begins(piece);
   const auto start = std::chrono::steady_clock::now();
-  core::FilmTile tile =
-      core::render(**scene, piece.job->settings, piece.item.rect, piece.item.range, threads_);
+  core::FilmTile tile = render_(**scene, piece.job->settings, piece.item.rect, piece.item.range, threads_);
   const auto took = std::chrono::steady_clock::now() - start;
   const std::uint64_t samples = piece.item.rect.pixel_count() * piece.item.range.count();
   samples_ += samples;

@@ -2,10 +2,13 @@
 // it.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <stop_token>
 
+#include "core/integrators/render.hpp"
 #include "worker/holdings.hpp"
 #include "worker/pace.hpp"
 #include "worker/scene_cache.hpp"
@@ -14,22 +17,28 @@ namespace tessera::worker {
 
 class RenderLoop {
  public:
-  RenderLoop(int threads, Holdings& holdings, std::optional<core::SceneStore> store = {});
+  // As core::render.
+  using Render = std::function<core::FilmTile(const core::Scene&, const core::RenderSettings&,
+                                              core::PixelRect, core::SampleRange, int threads)>;
+
+  RenderLoop(int threads, Holdings& holdings, std::optional<core::SceneStore> store = {},
+             Render render = core::render);
 
   // Returns after a stop, at the end of the piece in hand. A job whose scene cannot be built is logged, and
   // its leases are given back.
   void run(const std::stop_token& stop);
-  // Pixel samples rendered so far, wanted by others or not. For the thread that runs it.
+  // Pixel samples rendered so far, wanted by others or not. From any thread.
   std::uint64_t samples() const { return samples_; }
 
  private:
   void render(const Piece& piece);
 
   const int threads_;
+  const Render render_;
   Holdings& holdings_;
   SceneCache scenes_;
   Pace pace_;
-  std::uint64_t samples_ = 0;
+  std::atomic<std::uint64_t> samples_ = 0;
 };
 
 }  // namespace tessera::worker

@@ -15,6 +15,8 @@ class StopSignals {
   StopSignals& operator=(const StopSignals&) = delete;
 
   std::stop_token token() const { return stop_.get_token(); }
+  // Signals from now on are left to the program that this process is about to become.
+  void leave_pending() { thread_ = {}; }
 
  private:
   std::stop_source stop_;

@@ -10,7 +10,6 @@
 #include "worker/deliver_loop.hpp"
 #include "worker/fetch_loop.hpp"
 #include "worker/holdings.hpp"
-#include "worker/render_loop.hpp"
 #include "worker/waiting.hpp"
 
 namespace tessera::worker {
@@ -26,6 +25,20 @@ std::optional<core::SceneStore> open_scene_store(const BlobCache& cache) {
   return std::nullopt;
 }
 
+long seconds(Duration time) {
+  return static_cast<long>(std::chrono::round<std::chrono::seconds>(time).count());
+}
+
+std::string describe(const UnwantedPiece& unwanted) {
+  const auto& [rect, range] = unwanted.piece.item;
+  const Duration for_nobody = std::chrono::steady_clock::now() - unwanted.unwanted_since;
+  return fmt::format(
+      "job {}: samples [{}, {}) of the tile with the pixels [{}, {}) x [{}, {}) came to no end in {} s, of "
+      "which nobody wanted them for the last {} s: this worker gives them up",
+      unwanted.piece.job->id, range.begin, range.end, rect.x0, rect.x1, rect.y0, rect.y1,
+      seconds(unwanted.wanted_for + for_nobody), seconds(for_nobody));
+}
+
 }  // namespace
 
 Worker::Worker(Identity identity, const BlobCache& cache, v1::WorkerService::StubInterface& coordinator,
@@ -39,11 +52,12 @@ core::Status Worker::run(const std::stop_token& stop) {
   Holdings holdings;
   SyncLoop sync(identity_, coordinator_, holdings, options_.explain);
   FetchLoop fetch(cache_, coordinator_, holdings);
-  RenderLoop render(static_cast<int>(identity_.threads), holdings, open_scene_store(cache_));
+  RenderLoop render(static_cast<int>(identity_.threads), holdings, open_scene_store(cache_), options_.render);
   DeliverLoop deliver(identity_, coordinator_, holdings);
 
   std::stop_source working;  // ends with a stop, or when the coordinator refuses this worker
   const std::stop_callback end_work(stop, [&] { working.request_stop(); });
+  const std::stop_callback want_nothing(working.get_token(), [&] { holdings.want_nothing(); });
 
   core::Status accepted;
   std::thread sync_thread([&] {
@@ -58,7 +72,15 @@ core::Status Worker::run(const std::stop_token& stop) {
     all_delivered.request_stop();
   });
 
-  render.run(working.get_token());
+  std::stop_source rendering;
+  std::thread render_thread([&] {
+    render.run(working.get_token());
+    rendering.request_stop();
+  });
+
+  const auto endless = holdings.abandon_endless(rendering.get_token(), options_.overtime);
+  if (endless) spdlog::warn("{}", describe(*endless));
+  working.request_stop();
   holdings.drain();
   sync_thread.join();
   fetch_thread.join();
@@ -66,6 +88,8 @@ core::Status Worker::run(const std::stop_token& stop) {
   deliver_thread.join();
   if (accepted) sync.say_goodbye();
   spdlog::info("has rendered {} samples", render.samples());
+  if (endless) options_.start_anew(*endless);
+  render_thread.join();
   return accepted;
 }
 

@@ -1,6 +1,7 @@
-// A worker: the threads that synchronise, fetch, render and deliver, and how they end.
+// A worker: the threads that synchronise, fetch, render and deliver, and how they end; or do not.
 #pragma once
 
+#include <functional>
 #include <stop_token>
 #include <string>
 
@@ -8,6 +9,8 @@
 #include "proto/retry.hpp"
 #include "tessera/v1/worker_service.grpc.pb.h"
 #include "worker/blob_cache.hpp"
+#include "worker/overtime.hpp"
+#include "worker/render_loop.hpp"
 #include "worker/sync_loop.hpp"
 
 namespace tessera::worker {
@@ -19,6 +22,12 @@ class Worker {
     proto::Duration drain_deadline = std::chrono::seconds(20);
     // What is the matter where no coordinator is reached.
     SyncLoop::Explain explain = [](const grpc::Status& status) { return proto::error_from_grpc(status); };
+    RenderLoop::Render render = core::render;
+    // How long a piece is rendered for nobody before it is taken for endless.
+    Holdings::Overtime overtime = [](const UnwantedPiece& piece) { return longest_overtime(piece, 0); };
+    // Replaces this process, since nothing ends the threads that are at such a piece. Called when everything
+    // else is delivered. Should it return, the piece is waited for.
+    std::function<void(const UnwantedPiece&)> start_anew = [](const UnwantedPiece&) {};
   };
 
   // All three must outlive the worker.
@@ -27,8 +36,8 @@ class Worker {
   Worker(Identity identity, const BlobCache& cache, v1::WorkerService::StubInterface& coordinator,
          Options options);
 
-  // Works until a stop is requested, then finishes the piece in hand, delivers what is rendered, takes leave
-  // and returns. The calling thread renders. Error: the coordinator refused this worker.
+  // Works until a stop is requested, then finishes the piece in hand (unless that is taken for endless),
+  // delivers what is rendered, takes leave and returns. Error: the coordinator refused this worker.
   core::Status run(const std::stop_token& stop);
 
  private:

@@ -132,6 +132,20 @@ TEST(HeldLease, APieceThatCouldNotBeRenderedIsDoneAgain) {
   EXPECT_TRUE(lease.empty());
 }
 
+TEST(HeldLease, OfAnAbandonedPieceWhatWasRenderedBeforeItIsSent) {
+  HeldLease lease = some_lease();
+  render_next(lease, 2 * kOneSample);
+  lease.take(kOneSample);
+  EXPECT_FALSE(lease.has_delivery());
+  lease.abandon();
+  ASSERT_TRUE(lease.has_delivery());
+  const Delivery delivery = lease.take_batch();
+  EXPECT_EQ(items_of(delivery), (std::vector<WorkItem>{{kTileA, {0, 2}}}));
+  EXPECT_TRUE(delivery.lease_finished);
+  lease.delivered();
+  EXPECT_TRUE(lease.empty());
+}
+
 TEST(HeldLease, AMessageStaysSmall) {
   std::vector<WorkItem> items;
   for (int x = 0; x < 100; ++x) items.push_back({{64 * x, 0, 64 * x + 64, 64}, {0, 1}});

@@ -1,0 +1,68 @@
+#include "worker/start_anew.hpp"
+
+#include <omp.h>
+#include <sched.h>
+#include <spdlog/spdlog.h>
+#include <sys/prctl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <string>
+#include <vector>
+
+#include "worker/overtime.hpp"
+
+namespace tessera::worker {
+namespace {
+
+// How many starts in a row rendered nothing and were replaced by the next, this one being that.
+constexpr const char* kBarrenStarts = "TESSERA_WORKER_BARREN_STARTS";
+constexpr int kMostBarrenStarts = 100;
+
+// With OMP_PROC_BIND every thread keeps to some processors, and the new program would have no others.
+void spread_over_all_places() {
+  cpu_set_t all;
+  CPU_ZERO(&all);
+  for (int place = 0; place < omp_get_num_places(); ++place) {
+    std::vector<int> processors(static_cast<std::size_t>(omp_get_place_num_procs(place)));
+    omp_get_place_proc_ids(place, processors.data());
+    for (const int processor : processors) CPU_SET(static_cast<std::size_t>(processor), &all);
+  }
+  if (CPU_COUNT(&all) > 0) sched_setaffinity(0, sizeof all, &all);
+}
+
+int barren_starts() {
+  const char* const text = std::getenv(kBarrenStarts);
+  return text == nullptr ? 0 : std::clamp(std::atoi(text), 0, kMostBarrenStarts);
+}
+
+[[noreturn]] void start_anew(char** arguments, int barren_starts) {
+  setenv(kBarrenStarts, std::to_string(barren_starts).c_str(), 1);
+  spread_over_all_places();
+  spdlog::info("starting anew, as threads that render for ever can be ended in no other way");
+  execv("/proc/self/exe", arguments);
+  spdlog::critical("cannot start anew: {}", std::strerror(errno));
+  _exit(EXIT_FAILURE);
+}
+
+}  // namespace
+
+Worker::Options that_starts_anew(char** arguments, StopSignals& signals) {
+  const int barren = barren_starts();
+  return {.overtime = [barren](const UnwantedPiece& piece) { return longest_overtime(piece, barren); },
+          .start_anew =
+              [=, &signals](const UnwantedPiece& piece) {
+                signals.leave_pending();
+                if (signals.token().stop_requested()) _exit(EXIT_SUCCESS);
+                start_anew(arguments, piece.first ? barren + 1 : 0);
+              }};
+}
+
+void keep_program_name() {
+  prctl(PR_SET_NAME, program_invocation_short_name);
+}
+
+}  // namespace tessera::worker
