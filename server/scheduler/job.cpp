@@ -345,16 +345,4 @@ void Job::extend(std::uint32_t spp) {
   work_.extend(spp);
 }
 
-void Job::measure_cost(double thread_seconds, std::uint64_t samples) {
-  // Whatever a worker says it took, the cost stays a number, and one that others can mend.
-  constexpr double kLeast = 1e-9, kMost = 100, kMostChange = 10, kNewWeight = 0.1;
-  double cost = std::clamp(thread_seconds / static_cast<double>(samples), kLeast, kMost);
-  if (cost_) cost = std::clamp(cost, *cost_ / kMostChange, *cost_ * kMostChange);
-  cost_ = cost_ ? *cost_ + kNewWeight * (cost - *cost_) : cost;
-}
-
-double Job::thread_seconds_per_sample(const SizingOptions& options) const {
-  return cost_.value_or(1.0 / options.assumed_samples_per_second_and_thread);
-}
-
 }  // namespace tessera::scheduler

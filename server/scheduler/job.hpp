@@ -167,8 +167,8 @@ class Job {
   void extend(std::uint32_t spp);
 
   // ---- How it is doing ----
-  void measure_cost(double thread_seconds, std::uint64_t samples);
-  double thread_seconds_per_sample(const SizingOptions& options) const;
+  // What a pixel sample of it costs in work, as Worker::pace counts it; absent: never measured.
+  std::optional<double> cost;
   RateMeter rate;
   // Of JobSnapshot; the end of its latest lease in virtual time.
   std::uint64_t last_served = 0;
@@ -226,7 +226,6 @@ class Job {
   std::uint64_t leased_count_ = 0;
   // Samples with two auditors count twice.
   std::uint64_t auditing_count_ = 0;
-  std::optional<double> cost_;
 };
 
 }  // namespace tessera::scheduler

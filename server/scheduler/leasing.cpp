@@ -154,8 +154,7 @@ void Scheduler::charge(Job& job, const Portion& portion) {
   std::uint64_t samples = 0;
   for (const WorkItem& item : portion.items) samples += job.pixel_samples(item);
   virtual_time_ = std::max(virtual_time_, job.virtual_finish);
-  job.virtual_finish =
-      virtual_time_ + static_cast<double>(samples) * job.thread_seconds_per_sample(options_.sizing);
+  job.virtual_finish = virtual_time_ + static_cast<double>(samples) * cost_of(options_.sizing, job.cost);
 }
 
 void Scheduler::enter_lease(Worker& worker, Job& job, Lease lease) {

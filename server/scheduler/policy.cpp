@@ -25,6 +25,29 @@ std::uint64_t next_lease_samples(const SizingOptions& options, const WorkerSnaps
                                                   : std::max<std::uint64_t>(available, 1);
 }
 
+double cost_of(const SizingOptions& options, const std::optional<double>& cost) {
+  return cost.value_or(1.0 / options.assumed_samples_per_second_and_thread);
+}
+
+void learn_cost(const SizingOptions& options, std::optional<double>& cost, std::optional<double>& pace,
+                double seconds_per_sample) {
+  constexpr double kLeastCost = 1e-9, kMostCost = 100, kLeastPace = 1e-6, kMostPace = 1e9;
+  constexpr double kMostChange = 10, kNewWeight = 0.1;
+  double new_cost = cost_of(options, cost);
+  double new_pace = pace ? *pace : std::clamp(new_cost / seconds_per_sample, kLeastPace, kMostPace);
+  if (!cost) {
+    new_cost = new_pace * seconds_per_sample;
+  } else {
+    // Their product stays, so that neither runs away.
+    const double longer = std::clamp(new_pace * seconds_per_sample / new_cost, 1 / kMostChange, kMostChange);
+    const double change = std::pow(longer, kNewWeight);
+    new_cost *= change;
+    new_pace /= change;
+  }
+  cost = std::clamp(new_cost, kLeastCost, kMostCost);
+  pace = std::clamp(new_pace, kLeastPace, kMostPace);
+}
+
 bool chosen_for_audit(double share, std::uint64_t secret, const JobId& job, const WorkItem& item) {
   // A step of splitmix64 (Steele et al. 2014) for each part of the key.
   std::uint64_t hash = secret;

@@ -37,6 +37,14 @@ double expected_speed(const SizingOptions& options, const WorkerSnapshot& worker
 std::uint64_t next_lease_samples(const SizingOptions& options, const WorkerSnapshot& worker,
                                  std::uint64_t available, int active_workers);
 
+// The work of a pixel sample: what is known of it, or what all jobs are taken to cost.
+double cost_of(const SizingOptions& options, const std::optional<double>& cost);
+// A sample of a job took a worker so many seconds. What is known of one tells of the other; where both are
+// known, the difference is put down to both, so that a job costs the same whichever machines serve it.
+// Whatever workers say, both stay numbers that others can mend.
+void learn_cost(const SizingOptions& options, std::optional<double>& cost, std::optional<double>& pace,
+                double seconds_per_sample);
+
 // How long a worker may hold leases of a job and deliver nothing of it that counts: ten times as long as all
 // that it holds should take it, but not less than ten lease durations, nor more than 360 (by default 100 s
 // and an hour). A scene may have to be fetched first, and a single sample of a tile is as long as it is.
@@ -50,8 +58,8 @@ Duration bar_after(Duration in_vain, int times_before);
 
 struct JobSnapshot {
   int priority = 0;
-  // Where its next lease would begin in virtual time, in which each job goes on by the thread-seconds of work
-  // that it is given (start-time fair queueing, Goyal et al. 1996).
+  // Where its next lease would begin in virtual time, in which each job goes on by the work that it is
+  // given (start-time fair queueing, Goyal et al. 1996).
   double start = 0;
   // When it was last given a worker, as a running number; 0 for never.
   std::uint64_t last_served = 0;

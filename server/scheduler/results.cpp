@@ -148,7 +148,7 @@ void Scheduler::measure(Job& job, const SubmitResult& event) {
   for (const WorkItem& item : event.items) samples += job.pixel_samples(item);
   if (samples == 0 || !(event.render_seconds > 0) || !std::isfinite(event.render_seconds)) return;
   worker->measure(job.id(), samples, event.render_seconds);
-  job.measure_cost(event.render_seconds * worker->info.threads, samples);
+  learn_cost(options_.sizing, job.cost, worker->pace, event.render_seconds / static_cast<double>(samples));
 }
 
 }  // namespace tessera::scheduler

@@ -70,6 +70,25 @@ TEST_F(Jobs, ShareByTheWorkTheyCauseNotByTheirSamples) {
   EXPECT_EQ(samples["cheap"], 20u);
 }
 
+TEST_F(Jobs, CostTheSameWhicheverMachinesServeThem) {
+  submit("a", tiles(4000, 64));
+  const auto serve = [&](const std::string& worker, double samples_per_second) {
+    const LeaseDescription lease = lease_to(worker);
+    std::uint64_t samples = 0;
+    for (const WorkItem& item : lease.items) samples += item.samples.count() * kTilePixels;
+    deliver(worker, lease, lease.items, true, static_cast<double>(samples) / samples_per_second);
+    return lease.job.value;
+  };
+  serve("fast", 400'000);
+  for (int i = 0; i < 5; ++i) EXPECT_EQ(serve("slow", 4'000), "a");
+  submit("b", tiles(4000, 64), 1);
+  for (int i = 0; i < 5; ++i) EXPECT_EQ(serve("fast", 400'000), "b");
+  handle(UpdateJob{{"b"}, 0, {}});
+  std::map<std::string, int> leases;
+  for (int i = 0; i < 20; ++i) ++leases[serve("fast", 400'000)];
+  EXPECT_NEAR(leases["a"], 10, 1);
+}
+
 TEST_F(Jobs, ArePausedAndResumed) {
   submit("job", tiles(100, 4));
   const LeaseDescription lease = lease_to("w");

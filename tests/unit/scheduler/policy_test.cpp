@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
+#include <optional>
 #include <vector>
 
 namespace tessera::scheduler {
@@ -37,6 +39,31 @@ TEST(NextLeaseSamples, IsAtLeastOneWhateverAWorkerClaims) {
   }
   EXPECT_EQ(next_lease_samples(kOptions, {1, std::numeric_limits<double>::infinity()}, 7, 1), 7u);
   EXPECT_GE(next_lease_samples(kOptions, {-5, std::nullopt}, kPlenty, 0), 1u);
+}
+
+TEST(LearnCost, IsTheSameWhicheverMachinesServeAJob) {
+  const SizingOptions options;
+  std::optional<double> cheap, dear, fast, slow;
+  learn_cost(options, cheap, fast, 1e-5);
+  learn_cost(options, cheap, slow, 50e-5);
+  for (int i = 0; i < 10; ++i) learn_cost(options, dear, slow, 100e-5);
+  for (int i = 0; i < 10; ++i) learn_cost(options, cheap, fast, 1e-5);
+  EXPECT_NEAR(cost_of(options, dear) / cost_of(options, cheap), 2, 1e-9);
+}
+
+TEST(LearnCost, MendsWhatAWorkerClaimed) {
+  const SizingOptions options;
+  std::optional<double> a, b, honest, liar;
+  learn_cost(options, a, honest, 1e-5);
+  for (const double seconds : {1e-5, 5e-324, 1e-300, 1e308, 1e308, 1e308}) {
+    learn_cost(options, a, liar, seconds);
+    EXPECT_TRUE(*a > 0 && std::isfinite(*a) && *liar > 0 && std::isfinite(*liar)) << seconds;
+  }
+  for (int i = 0; i < 100; ++i) {
+    learn_cost(options, a, honest, 1e-5);
+    learn_cost(options, b, honest, 1e-5);
+  }
+  EXPECT_NEAR(*a / *b, 1, 1e-3);
 }
 
 TEST(Patience, IsTenTimesTheLeaseDurationOrWhatIsHeldShouldTakeAndAnHourAtMost) {
