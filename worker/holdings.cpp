@@ -11,7 +11,7 @@ namespace {
 // Jobs beyond those of held leases that stay known, so that a farm that alternates need not repeat itself.
 constexpr std::size_t kIdleJobsKept = 16;
 // Of any coordinator.
-constexpr Duration kLongestLeaseTime = std::chrono::hours(1);
+constexpr std::chrono::seconds kLongestLeaseTime{3600};
 
 v1::Lease to_proto(const HeldLease& lease) {
   v1::Lease message;
@@ -31,8 +31,10 @@ v1::Rendering to_proto(const Piece& piece) {
 
 Duration heard_within(const v1::SynchronizeResponse& response) {
   using google::protobuf::util::TimeUtil;
-  const std::chrono::milliseconds told(TimeUtil::DurationToMilliseconds(response.heard_within()));
-  return std::clamp<Duration>(told, Duration::zero(), kLongestLeaseTime);
+  const std::int64_t told_s = TimeUtil::DurationToSeconds(response.heard_within());
+  if (told_s >= kLongestLeaseTime.count()) return kLongestLeaseTime;
+  return std::chrono::milliseconds(
+      std::max<std::int64_t>(TimeUtil::DurationToMilliseconds(response.heard_within()), 0));
 }
 
 // The items that can be; others are left out and so stay with the coordinator.
@@ -313,7 +315,8 @@ std::optional<UnwantedPiece> Holdings::unwanted_piece() const {
   if (unwanted == unwanted_.end() && !nothing_wanted_since_) return std::nullopt;
   const Clock::time_point heard = unwanted == unwanted_.end() ? *nothing_wanted_since_ : unwanted->second;
   const Clock::time_point since = std::max(heard, rendering_since_);
-  return UnwantedPiece{*rendering_, since - rendering_since_, since, heard_within_, !has_rendered_};
+  return UnwantedPiece{*rendering_,   since - rendering_since_, since,
+                       heard_within_, !has_rendered_,           nothing_wanted_since_.has_value()};
 }
 
 void Holdings::want_nothing() {

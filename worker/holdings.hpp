@@ -48,6 +48,8 @@ struct UnwantedPiece {
   Duration heard_within{};
   // This worker has rendered no other.
   bool first = false;
+  // It is to stop.
+  bool stopping = false;
 };
 
 class Holdings {

@@ -54,7 +54,11 @@ Worker::Options that_starts_anew(char** arguments, StopSignals& signals) {
   const int barren = barren_starts();
   return {.overtime = [barren](const UnwantedPiece& piece) { return longest_overtime(piece, barren); },
           .start_anew =
-              [=, &signals](const UnwantedPiece& piece) {
+              [=, &signals](const UnwantedPiece& piece, const core::Status& accepted) {
+                if (!accepted) {
+                  spdlog::error("refused by the coordinator: {}", accepted.error().message);
+                  _exit(EXIT_FAILURE);
+                }
                 signals.leave_pending();
                 if (signals.token().stop_requested()) _exit(EXIT_SUCCESS);
                 start_anew(arguments, piece.first ? barren + 1 : 0);

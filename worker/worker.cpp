@@ -88,7 +88,7 @@ core::Status Worker::run(const std::stop_token& stop) {
   deliver_thread.join();
   if (accepted) sync.say_goodbye();
   spdlog::info("has rendered {} samples", render.samples());
-  if (endless) options_.start_anew(*endless);
+  if (endless) options_.start_anew(*endless, accepted);
   render_thread.join();
   return accepted;
 }

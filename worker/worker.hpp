@@ -27,7 +27,8 @@ class Worker {
     Holdings::Overtime overtime = [](const UnwantedPiece& piece) { return longest_overtime(piece, 0); };
     // Replaces this process, since nothing ends the threads that are at such a piece. Called when everything
     // else is delivered. Should it return, the piece is waited for.
-    std::function<void(const UnwantedPiece&)> start_anew = [](const UnwantedPiece&) {};
+    std::function<void(const UnwantedPiece&, const core::Status&)> start_anew = [](const UnwantedPiece&,
+                                                                                   const core::Status&) {};
   };
 
   // All three must outlive the worker.

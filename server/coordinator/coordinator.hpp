@@ -141,8 +141,6 @@ class Coordinator {
   core::Result<LoadedFilm> load_film(const v1::Job& spec);
   // Empty where the store has nothing of the tile.
   core::Result<TileContent> load_tile(const v1::Job& spec, const core::TileGrid& grid, int tile);
-  // Of JobRecord; 0 if there is no such job.
-  std::uint64_t revision(const std::string& id);
   core::Result<Picture> take_picture(const std::string& id);
   core::Result<core::Image> develop_row(const v1::Job& spec, const core::TileGrid& grid, int row);
 

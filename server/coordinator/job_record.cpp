@@ -61,7 +61,8 @@ v1::Job summarise(const JobRecord& record, const scheduler::JobView& view) {
   job.set_samples_per_second(view.samples_per_second);
   job.set_active_workers(static_cast<std::uint32_t>(view.active_workers));
   *job.mutable_counters() = proto::to_proto(record.counters());
-  if (record.finished_ms && !record.untold_end) *job.mutable_finished_at() = timestamp_from_ms(*record.finished_ms);
+  if (record.finished_ms && !record.untold_end)
+    *job.mutable_finished_at() = timestamp_from_ms(*record.finished_ms);
   return job;
 }
 

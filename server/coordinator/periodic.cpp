@@ -9,7 +9,8 @@ Periodic::Periodic(std::chrono::milliseconds period, std::function<void()> call)
   thread_ = std::thread([this] {
     std::unique_lock lock(mutex_);
     for (;;) {
-      changed_.wait_for(lock, period_, [this] { return stopping_ || hurried_; });
+      changed_.wait_for(lock, period_ / 4, [this] { return stopping_; });
+      changed_.wait_for(lock, period_ - period_ / 4, [this] { return stopping_ || hurried_; });
       if (stopping_) return;
       hurried_ = false;
       lock.unlock();

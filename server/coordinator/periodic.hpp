@@ -15,7 +15,7 @@ class Periodic {
   Periodic(std::chrono::milliseconds period, std::function<void()> call);
   // Waits for a call that is under way.
   ~Periodic();
-  // Calls at once, or when the call that is under way is over.
+  // The next call need not wait for longer than a quarter of the period.
   void hurry();
   Periodic(const Periodic&) = delete;
   Periodic& operator=(const Periodic&) = delete;

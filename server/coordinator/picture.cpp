@@ -1,5 +1,6 @@
 // The picture of a job, finished or not.
 #include <fmt/format.h>
+#include <google/protobuf/util/time_util.h>
 
 #include <algorithm>
 #include <utility>
@@ -23,17 +24,13 @@ core::Error with_advice(core::Error error, v1::JobState state) {
 
 core::Result<Picture> Coordinator::picture(const std::string& id) {
   while (true) {
-    const std::uint64_t before = revision(id);
     auto picture = take_picture(id);
-    // A job that is done keeps its picture, unless it has begun to run again meanwhile.
-    if (!picture || picture->job.state() != v1::JOB_STATE_DONE || revision(id) == before) return picture;
+    if (!picture || picture->job.state() != v1::JOB_STATE_DONE) return picture;
+    // What is done keeps its picture, unless it has begun to run again meanwhile.
+    const auto now = job_without_bundle(id);
+    if (!now) return core::fail(now.error());
+    if (now->finished_at() == picture->job.finished_at()) return picture;
   }
-}
-
-std::uint64_t Coordinator::revision(const std::string& id) {
-  const Turn turn(*this);
-  const JobRecord* record = find(id);
-  return record == nullptr ? 0 : record->revision;
 }
 
 core::Result<Picture> Coordinator::take_picture(const std::string& id) {

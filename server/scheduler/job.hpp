@@ -167,8 +167,8 @@ class Job {
   void extend(std::uint32_t spp);
 
   // ---- How it is doing ----
-  // What a pixel sample of it costs in work, as Worker::pace counts it; absent: never measured.
-  std::optional<double> cost;
+  // What a pixel sample of it costs in work, as Worker::pace counts it.
+  Estimate cost;
   RateMeter rate;
   // Of JobSnapshot; the end of its latest lease in virtual time.
   std::uint64_t last_served = 0;

@@ -25,27 +25,27 @@ std::uint64_t next_lease_samples(const SizingOptions& options, const WorkerSnaps
                                                   : std::max<std::uint64_t>(available, 1);
 }
 
-double cost_of(const SizingOptions& options, const std::optional<double>& cost) {
-  return cost.value_or(1.0 / options.assumed_samples_per_second_and_thread);
+double cost_of(const SizingOptions& options, const Estimate& cost) {
+  return cost.results > 0 ? cost.value : 1.0 / options.assumed_samples_per_second_and_thread;
 }
 
-void learn_cost(const SizingOptions& options, std::optional<double>& cost, std::optional<double>& pace,
-                double seconds_per_sample) {
+void learn_cost(Estimate& cost, Estimate& pace, int threads, double seconds_per_sample) {
   constexpr double kLeastCost = 1e-9, kMostCost = 100, kLeastPace = 1e-6, kMostPace = 1e9;
-  constexpr double kMostChange = 10, kNewWeight = 0.1;
-  double new_cost = cost_of(options, cost);
-  double new_pace = pace ? *pace : std::clamp(new_cost / seconds_per_sample, kLeastPace, kMostPace);
-  if (!cost) {
-    new_cost = new_pace * seconds_per_sample;
-  } else {
-    // Their product stays, so that neither runs away.
-    const double longer = std::clamp(new_pace * seconds_per_sample / new_cost, 1 / kMostChange, kMostChange);
-    const double change = std::pow(longer, kNewWeight);
-    new_cost *= change;
-    new_pace /= change;
-  }
-  cost = std::clamp(new_cost, kLeastCost, kMostCost);
-  pace = std::clamp(new_pace, kLeastPace, kMostPace);
+  constexpr double kMostChange = 10;
+  // The fewer results an estimate is made of, the more of the difference is its own error.
+  const auto weight = [](const Estimate& estimate) {
+    constexpr double kLeast = 0.1;
+    return std::max(kLeast, 1 / (1 + static_cast<double>(estimate.results)));
+  };
+  if (pace.results == 0)
+    pace.value =
+        std::clamp(cost.results > 0 ? cost.value / seconds_per_sample : threads, kLeastPace, kMostPace);
+  if (cost.results == 0) cost.value = std::clamp(pace.value * seconds_per_sample, kLeastCost, kMostCost);
+  const double longer =
+      std::clamp(pace.value * seconds_per_sample / cost.value, 1 / kMostChange, kMostChange);
+  cost.value = std::clamp(cost.value * std::pow(longer, weight(cost)), kLeastCost, kMostCost);
+  pace.value = std::clamp(pace.value / std::pow(longer, weight(pace)), kLeastPace, kMostPace);
+  ++cost.results, ++pace.results;
 }
 
 bool chosen_for_audit(double share, std::uint64_t secret, const JobId& job, const WorkItem& item) {

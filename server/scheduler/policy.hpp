@@ -37,13 +37,19 @@ double expected_speed(const SizingOptions& options, const WorkerSnapshot& worker
 std::uint64_t next_lease_samples(const SizingOptions& options, const WorkerSnapshot& worker,
                                  std::uint64_t available, int active_workers);
 
+// A number that results tell; unknown before the first.
+struct Estimate {
+  double value = 0;
+  std::uint64_t results = 0;
+};
+
 // The work of a pixel sample: what is known of it, or what all jobs are taken to cost.
-double cost_of(const SizingOptions& options, const std::optional<double>& cost);
-// A sample of a job took a worker so many seconds. What is known of one tells of the other; where both are
-// known, the difference is put down to both, so that a job costs the same whichever machines serve it.
-// Whatever workers say, both stay numbers that others can mend.
-void learn_cost(const SizingOptions& options, std::optional<double>& cost, std::optional<double>& pace,
-                double seconds_per_sample);
+double cost_of(const SizingOptions& options, const Estimate& cost);
+// A sample of a job took a worker so many seconds. What is known of one tells of the other; where neither is,
+// the worker is taken to do a second's work in a second of each thread; where both are, the difference is put
+// down to both, so that a job costs the same whichever machines serve it. Whatever workers say, both stay
+// numbers that others can mend.
+void learn_cost(Estimate& cost, Estimate& pace, int threads, double seconds_per_sample);
 
 // How long a worker may hold leases of a job and deliver nothing of it that counts: ten times as long as all
 // that it holds should take it, but not less than ten lease durations, nor more than 360 (by default 100 s

@@ -148,7 +148,8 @@ void Scheduler::measure(Job& job, const SubmitResult& event) {
   for (const WorkItem& item : event.items) samples += job.pixel_samples(item);
   if (samples == 0 || !(event.render_seconds > 0) || !std::isfinite(event.render_seconds)) return;
   worker->measure(job.id(), samples, event.render_seconds);
-  learn_cost(options_.sizing, job.cost, worker->pace, event.render_seconds / static_cast<double>(samples));
+  learn_cost(job.cost, worker->pace, worker->info.threads,
+             event.render_seconds / static_cast<double>(samples));
 }
 
 }  // namespace tessera::scheduler

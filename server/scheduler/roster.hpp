@@ -75,8 +75,8 @@ struct Worker {
   bool waiting = false;
   // Pixel samples per second, for each job it has rendered for.
   std::map<JobId, double> speed;
-  // Work per second, on whatever job; absent: never measured.
-  std::optional<double> pace;
+  // Work per second, on whatever job.
+  Estimate pace;
   // When it last said that it cannot build a job's scene.
   std::map<JobId, Time> refused;
   // Of the jobs that it has held leases of.

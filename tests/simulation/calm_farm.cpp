@@ -20,7 +20,7 @@ constexpr JobShape kShape{320, 256, 3000};
 constexpr double kSeconds = 240;
 // Jobs of equal priority get at least this part of an equal share. What machines hold at the end is not
 // counted yet: up to three leases each, all of which may be of one job.
-constexpr double kLeastShare = 0.9;
+constexpr double kLeastShare = 0.85;
 // Of what the machines could render at most, this much is rendered.
 constexpr double kLeastUse = 0.8;
 // The policy aims at two seconds; renders take up to 1.3 times as long as the machine's speed says, and it is

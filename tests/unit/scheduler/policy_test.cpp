@@ -42,28 +42,34 @@ TEST(NextLeaseSamples, IsAtLeastOneWhateverAWorkerClaims) {
 }
 
 TEST(LearnCost, IsTheSameWhicheverMachinesServeAJob) {
-  const SizingOptions options;
-  std::optional<double> cheap, dear, fast, slow;
-  learn_cost(options, cheap, fast, 1e-5);
-  learn_cost(options, cheap, slow, 50e-5);
-  for (int i = 0; i < 10; ++i) learn_cost(options, dear, slow, 100e-5);
-  for (int i = 0; i < 10; ++i) learn_cost(options, cheap, fast, 1e-5);
-  EXPECT_NEAR(cost_of(options, dear) / cost_of(options, cheap), 2, 1e-9);
+  Estimate cheap, dear, fast, slow;
+  learn_cost(cheap, fast, 1, 1e-5);
+  learn_cost(cheap, slow, 1, 50e-5);
+  for (int i = 0; i < 10; ++i) learn_cost(dear, slow, 1, 100e-5);
+  for (int i = 0; i < 10; ++i) learn_cost(cheap, fast, 1, 1e-5);
+  EXPECT_NEAR(dear.value / cheap.value, 2, 1e-9);
+}
+
+TEST(LearnCost, IsExactAtOnceAmongEqualMachines) {
+  Estimate cheap, dear, first, second;
+  learn_cost(cheap, first, 4, 1e-5);
+  learn_cost(dear, second, 4, 100e-5);
+  EXPECT_NEAR(dear.value / cheap.value, 100, 1e-9);
 }
 
 TEST(LearnCost, MendsWhatAWorkerClaimed) {
-  const SizingOptions options;
-  std::optional<double> a, b, honest, liar;
-  learn_cost(options, a, honest, 1e-5);
+  Estimate a, b, honest, liar;
+  learn_cost(a, honest, 1, 1e-5);
   for (const double seconds : {1e-5, 5e-324, 1e-300, 1e308, 1e308, 1e308}) {
-    learn_cost(options, a, liar, seconds);
-    EXPECT_TRUE(*a > 0 && std::isfinite(*a) && *liar > 0 && std::isfinite(*liar)) << seconds;
+    learn_cost(a, liar, 1, seconds);
+    EXPECT_TRUE(a.value > 0 && std::isfinite(a.value) && liar.value > 0 && std::isfinite(liar.value))
+        << seconds;
   }
   for (int i = 0; i < 100; ++i) {
-    learn_cost(options, a, honest, 1e-5);
-    learn_cost(options, b, honest, 1e-5);
+    learn_cost(a, honest, 1, 1e-5);
+    learn_cost(b, honest, 1, 1e-5);
   }
-  EXPECT_NEAR(*a / *b, 1, 1e-3);
+  EXPECT_NEAR(a.value / b.value, 1, 1e-3);
 }
 
 TEST(Patience, IsTenTimesTheLeaseDurationOrWhatIsHeldShouldTakeAndAnHourAtMost) {

@@ -73,7 +73,7 @@ class Service : public testing::Test {
   }
 
   void work_until_done(const std::string& id) {
-    while (job(id).state() == v1::JOB_STATE_RUNNING) {
+    while (job(id).samples_done() < coordinator::kSamples) {
       grpc::ClientContext context;
       v1::SynchronizeResponse response;
       ASSERT_TRUE(workers_->Synchronize(&context, greeting('a'), &response).ok());
@@ -84,6 +84,8 @@ class Service : public testing::Test {
         ASSERT_TRUE(status.ok()) << status.error_message();
       }
     }
+    while (job(id).state() == v1::JOB_STATE_RUNNING)
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
 
   grpc::Status fetch(const proto::Digest& digest, std::string& bytes) {

@@ -239,7 +239,7 @@ TEST_F(Work, SamplesThatKeepThreeWorkersFailTheirJob) {
     EXPECT_EQ(alone.items(0).SerializeAsString(), lease.items(1).SerializeAsString());
     keep_saying(rendering(worker, alone, 0));
   }
-  EXPECT_EQ(job(id).state(), v1::JOB_STATE_FAILED);
+  EXPECT_EQ(stored_job(id).state(), v1::JOB_STATE_FAILED);
   EXPECT_THAT(job(id).failure(), HasSubstr("host-a (aaaaaaaa), host-b (bbbbbbbb), host-c (cccccccc)"));
 }
 

@@ -50,6 +50,12 @@ TEST(Overtime, IsDoubledForEachStartThatRenderedNothing) {
   EXPECT_EQ(longest_overtime(unwanted(10s, 100s, false), 3), 200s) << "this one has rendered something";
 }
 
+TEST(Overtime, IsNoLongerForAWorkerThatIsToStop) {
+  UnwantedPiece piece = unwanted(10s, 1000s, true);
+  piece.stopping = true;
+  EXPECT_EQ(longest_overtime(piece, 3), 200s);
+}
+
 TEST(Overtime, IsToldFromStartToStart) {
   sigset_t signals_before;
   pthread_sigmask(SIG_SETMASK, nullptr, &signals_before);
@@ -215,7 +221,7 @@ TEST(EndlessWorker, DeliversSaysWhatItIsAtAndStartsAnew) {
                                int) { return renderer.render(rect, range); },
                  .overtime = [](const UnwantedPiece&) { return 0s; },
                  .start_anew =
-                     [&](const UnwantedPiece& piece) {
+                     [&](const UnwantedPiece& piece, const core::Status&) {
                        said = coordinator.wait_for_syncs(3);
                        delivered = coordinator.wait_for_results(1);
                        endless = piece.piece;
@@ -224,7 +230,8 @@ TEST(EndlessWorker, DeliversSaysWhatItIsAtAndStartsAnew) {
   EXPECT_TRUE(worker.run({}).has_value());
 
   ASSERT_TRUE(endless.has_value());
-  EXPECT_EQ(endless->item, (WorkItem{kCorner, {1, 4}}));
+  EXPECT_EQ(endless->item.rect, kCorner);
+  EXPECT_EQ(endless->item.range.begin, 1u);
   ASSERT_EQ(delivered.size(), 1u);
   ASSERT_EQ(delivered[0].items_size(), 1);
   EXPECT_EQ(delivered[0].items(0).item().sample_end(), 1u);
