@@ -115,7 +115,7 @@ int wait_and_fetch(Farm& farm, const SubmitOptions& options, const v1::Job& subm
       print_summary(*pictured, paths);
       return kExitOk;
     }
-    print_warning("some of the samples are to be rendered again; waiting for them");
+    print_warning("the job is not done any more; waiting for it");
   }
 }
 

@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include <atomic>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <string>
@@ -33,6 +34,7 @@ class BusyService final : public v1::RenderService::Service {
                         grpc::ServerWriter<v1::GetImageResponse>* writer) override {
     v1::GetImageResponse response;
     response.mutable_header()->set_size_bytes(7);
+    response.mutable_header()->mutable_job()->set_state(pictured);
     response.set_data("pic");
     writer->Write(response);
     if (++calls <= refusals) {
@@ -83,6 +85,7 @@ class BusyService final : public v1::RenderService::Service {
   grpc::StatusCode code = grpc::StatusCode::RESOURCE_EXHAUSTED;
   std::string pushback = "1";
   std::string reason = "there are too many calls from here";
+  std::atomic<v1::JobState> pictured{v1::JOB_STATE_DONE};
   std::atomic<int> calls{0}, questions{0}, uploads{0};
 };
 
@@ -154,6 +157,21 @@ TEST_F(FarmCalls, ForPicturesThatTheCoordinatorEndedAreTriedAgain) {
   EXPECT_EQ(service_.calls, 3);
   std::ifstream file(path, std::ios::binary);
   EXPECT_EQ(std::string(std::istreambuf_iterator<char>(file), {}), "picture");
+}
+
+TEST_F(FarmCalls, ForPicturesOfAJobThatRunsAgainWriteNothing) {
+  const std::string path = testing::TempDir() + "/finished.pfm";
+  std::filesystem::remove(path);
+  service_.pictured = v1::JOB_STATE_RUNNING;
+  auto job = download_finished_pictures(*farm_, "id", {path});
+  ASSERT_TRUE(job) << job.error().message;
+  EXPECT_EQ(job->state(), v1::JOB_STATE_RUNNING);
+  EXPECT_FALSE(std::filesystem::exists(path));
+  service_.pictured = v1::JOB_STATE_DONE;
+  job = download_finished_pictures(*farm_, "id", {path});
+  ASSERT_TRUE(job) << job.error().message;
+  EXPECT_EQ(job->state(), v1::JOB_STATE_DONE);
+  EXPECT_TRUE(std::filesystem::exists(path));
 }
 
 // Who was started anew has forgotten what was asked before.
