@@ -1,12 +1,13 @@
 #!/usr/bin/env bash
 # instructions.sh TESSERA: how many machine instructions a sample of a path takes, by callgrind, against what they were
 # when rendering was last tuned (expected.tsv: scene, instructions of a sample). What is read and built before is not
-# in it: it is the difference of two renders. Fails beyond a margin of 3 %. Whoever saves some stores the new numbers.
+# in it: it is the difference of two renders. Fails beyond a margin of 6 %: `tessera render` cuts its work by the clock, so
+# that a slow or busy machine renders more and smaller pieces, for up to 3 % more. Whoever saves some stores the new numbers.
 set -euo pipefail
 
 tessera=$1
 folder=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
-margin=1.03
+margin=1.06
 side=48
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
