@@ -102,7 +102,7 @@ Estimate estimate(const Scene& scene, const std::vector<PathVertex>& vertices, c
       const auto choice = choose(vertex.lit_point(), two_digits(u[2], u[3]));
       if (choice.light == kNoLight) continue;
       const auto light =
-          sample_light(scene.lights()[choice.light], scene.textures(), vertex.position(), {u[0], u[1]});
+          sample_light(scene.lights()[choice.light], scene.textures(), vertex.lit_point(), {u[0], u[1]});
       if (!light) continue;
       const Rgb scattered = vertex.evaluate(light->wi).value;
       if (is_black(scattered) || scene.bvh().any_hit(scene.primitives(), vertex.ray_toward(*light))) continue;

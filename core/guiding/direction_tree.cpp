@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "core/guiding/octahedral_map.hpp"
+#include "core/math/octahedral_map.hpp"
 #include "core/math/elementary.hpp"
 #include "core/math/simd_double8.hpp"
 

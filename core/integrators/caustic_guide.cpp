@@ -33,7 +33,7 @@ std::optional<LightSample> sample_any_light(const Scene& scene, const LitPoint& 
                                             const std::array<float, 4>& u) {
   const auto choice = scene.light_sampler().sample(point, two_digits(u[2], u[3]));
   if (choice.light == kNoLight) return std::nullopt;
-  auto light = sample_light(scene.lights()[choice.light], scene.textures(), point.position, {u[0], u[1]});
+  auto light = sample_light(scene.lights()[choice.light], scene.textures(), point, {u[0], u[1]});
   if (light) light->pdf *= choice.pmf;
   return light;
 }

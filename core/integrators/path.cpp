@@ -174,9 +174,12 @@ void PathTracer::shade(const Paths& paths, const Vertices& vertices, int depth) 
 void PathTracer::add_environment(const Paths& paths) {
   const std::uint32_t light = scene_.environment_light();
   if (light == kNoLight) return;
-  Vec3Lanes directions;
-  for (std::size_t lane = 0; lane < kLaneCount; ++lane) directions.set(lane, paths.rays[lane]->direction);
-  const Environment::Seen seen = scene_.environment().see(directions.all());
+  Vec3Lanes directions, normals;
+  for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
+    directions.set(lane, paths.rays[lane]->direction);
+    normals.set(lane, paths.heads[lane]->last.normal);
+  }
+  const Environment::Seen seen = scene_.environment().see(normals.all(), directions.all());
   const RgbLanes radiance(seen.radiance);
   const FloatLanes pdf(seen.pdf);
   for (std::size_t lane = 0; lane < paths.count; ++lane) {
@@ -214,7 +217,8 @@ void PathTracer::connect_to_lights(const Paths& paths, const Vertices& vertices,
   const FloatLanes coarse(u[2]), fine(u[3]);
   std::array<double, kLaneCount> u_light;
   for (std::size_t lane = 0; lane < kLaneCount; ++lane) u_light[lane] = two_digits(coarse[lane], fine[lane]);
-  const auto choices = light_sampler_.sample({vertices.position(), vertices.lit_normal()}, u_light, lit);
+  const LitPoints lit_points{vertices.position(), vertices.lit_normal()};
+  const auto choices = light_sampler_.sample(lit_points, u_light, lit);
   std::array<const Light*, kLaneCount> chosen{};
   FloatLanes pmf;
   for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
@@ -222,7 +226,7 @@ void PathTracer::connect_to_lights(const Paths& paths, const Vertices& vertices,
     if ((lit >> lane & 1) != 0 && light != kNoLight) chosen[lane] = &scene_.lights()[light];
     pmf.set(lane, chance);
   }
-  const LightSamples lights = sample_lights(chosen, scene_.textures(), vertices.position(), {u[0], u[1]});
+  const LightSamples lights = sample_lights(chosen, scene_.textures(), lit_points, {u[0], u[1]});
   const BsdfValueOf<Float8> scattered = vertices.evaluate(lights.wi);
   const Mask8 found = lights.found & !is_black(scattered.value);
   const float share =

@@ -105,7 +105,7 @@ class TreeTracer {
 
   // `choice.pmf`: how many samples the light gets in expectation.
   void add_light(const Branch& branch, const PathVertex& vertex, LightSampler::Choice choice, Vec2 u) {
-    const auto light = sample_light(scene_.lights()[choice.light], scene_.textures(), vertex.position(), u);
+    const auto light = sample_light(scene_.lights()[choice.light], scene_.textures(), vertex.lit_point(), u);
     if (!light) return;
     const Rgb reflected = reflected_light(scene_, vertex, *light, counters_);
     radiance_ += branch.weight * reflected / (light->pdf * choice.pmf);

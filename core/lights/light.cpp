@@ -85,20 +85,20 @@ class AreaLights {
 
 }  // namespace
 
-std::optional<LightSample> sample_light(const Light& light, const std::vector<Texture>& textures, Vec3 p_lit,
-                                        Vec2 u) {
+std::optional<LightSample> sample_light(const Light& light, const std::vector<Texture>& textures,
+                                        const LitPoint& lit, Vec2 u) {
   return std::visit(Overloaded{
-                        [&](const AreaLight& area) { return area.sample(textures, p_lit, u); },
-                        [&](const PointLight& point) { return point.sample(p_lit); },
-                        [&](const SpotLight& spot) { return spot.sample(p_lit); },
+                        [&](const AreaLight& area) { return area.sample(textures, lit.position, u); },
+                        [&](const PointLight& point) { return point.sample(lit.position); },
+                        [&](const SpotLight& spot) { return spot.sample(lit.position); },
                         [&](const DirectionalLight& directional) { return directional.sample(); },
-                        [&](const Environment& environment) { return environment.sample(u); },
+                        [&](const Environment& environment) { return environment.sample(lit.normal, u); },
                     },
                     light);
 }
 
 LightSamples sample_lights(const std::array<const Light*, 8>& lights, const std::vector<Texture>& textures,
-                           Vec3Of<Float8> p_lit, Vec2Of<Float8> u) {
+                           const LitPoints& lit, Vec2Of<Float8> u) {
   AreaLights quads, spheres;
   const Environment* environment = nullptr;  // of which a scene has one
   unsigned environment_lanes = 0, other_lanes = 0;
@@ -119,17 +119,19 @@ LightSamples sample_lights(const std::array<const Light*, 8>& lights, const std:
   }
   LightSamples samples;
   if (!quads.empty())
-    take_lanes(samples, AreaLight::sample_quads(quads.filled(), textures, p_lit, u), quads.lanes());
+    take_lanes(samples, AreaLight::sample_quads(quads.filled(), textures, lit.position, u), quads.lanes());
   if (!spheres.empty())
-    take_lanes(samples, AreaLight::sample_even_spheres(spheres.filled(), p_lit, u), spheres.lanes());
-  if (environment) take_lanes(samples, environment->sample(u), Mask8::from_bits(environment_lanes));
+    take_lanes(samples, AreaLight::sample_even_spheres(spheres.filled(), lit.position, u), spheres.lanes());
+  if (environment)
+    take_lanes(samples, environment->sample(lit.normal, u), Mask8::from_bits(environment_lanes));
   if (other_lanes == 0) return samples;
-  const Vec3Lanes p(p_lit);
+  const Vec3Lanes position(lit.position), normal(lit.normal);
   const FloatLanes u_x(u.x), u_y(u.y);
   SampleLanes others;
   for (; other_lanes != 0; other_lanes &= other_lanes - 1) {
     const auto lane = static_cast<std::size_t>(std::countr_zero(other_lanes));
-    const auto sample = sample_light(*lights[lane], textures, p[lane], {u_x[lane], u_y[lane]});
+    const auto sample =
+        sample_light(*lights[lane], textures, {position[lane], normal[lane]}, {u_x[lane], u_y[lane]});
     if (sample) others.set(lane, *sample);
   }
   others.merge_into(samples);

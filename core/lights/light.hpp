@@ -15,19 +15,20 @@
 #include "core/lights/delta_lights.hpp"
 #include "core/lights/environment.hpp"
 #include "core/lights/light_bounds.hpp"
+#include "core/lights/lit_point.hpp"
 
 namespace tessera::core {
 
 using Light = std::variant<AreaLight, PointLight, SpotLight, DirectionalLight, Environment>;
 
-// A direction from `p_lit` to the light. Nothing where the light cannot be sampled from there, or sends
+// A direction from the point to the light. Nothing where the light cannot be sampled from there, or sends
 // nothing along the direction found.
-std::optional<LightSample> sample_light(const Light& light, const std::vector<Texture>& textures, Vec3 p_lit,
-                                        Vec2 u);
+std::optional<LightSample> sample_light(const Light& light, const std::vector<Texture>& textures,
+                                        const LitPoint& lit, Vec2 u);
 
 // Eight lights, each lane as sample_light() does. Null for none. No two of them are different surroundings.
 LightSamples sample_lights(const std::array<const Light*, 8>& lights, const std::vector<Texture>& textures,
-                           Vec3Of<Float8> p_lit, Vec2Of<Float8> u);
+                           const LitPoints& lit, Vec2Of<Float8> u);
 
 // Whether only sampling finds the light: it has no extent that a ray could meet.
 bool is_delta(const Light& light);

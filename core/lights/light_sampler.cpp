@@ -23,15 +23,17 @@ LightSampler::LightSampler(const std::vector<Light>& lights, Among among, int th
     if (const auto of_light = bounds(lights[i]))
       placed.push_back({*of_light, i});
     else if (const auto* directional = std::get_if<DirectionalLight>(&lights[i]))
-      distant_.push_back({i, directional->wi(), directional->irradiance()});
+      distant_.push_back({.light = i, .wi = directional->wi(), .irradiance = directional->irradiance()});
     else
-      distant_.push_back({i, {}, std::get_if<Environment>(&lights[i])->irradiance()});
+      distant_.push_back(
+          {.light = i, .by_facing = std::get_if<Environment>(&lights[i])->sought_irradiance()});
   }
   tree_ = LightTree::build(std::move(placed), threads);
 }
 
 double LightSampler::irradiance(const Distant& distant, const LitPoint& point) {
-  if (distant.wi == Vec3{} || point.normal == Vec3{}) return distant.irradiance;
+  if (!distant.by_facing.empty()) return distant.by_facing[facing_of(point.normal)];
+  if (point.normal == Vec3{}) return distant.irradiance;
   return distant.irradiance * static_cast<double>(std::max(0.0f, dot(distant.wi, point.normal)));
 }
 

@@ -43,8 +43,11 @@ class LightSampler {
   // A light at infinity.
   struct Distant {
     std::uint32_t light;
-    Vec3 wi;            // unit; zero if it comes from all around
-    double irradiance;  // of a surface that faces it, the mean of the channels
+    // The mean of the channels, shadows apart: of a surface that faces wi, or by facing if light comes from
+    // all around.
+    Vec3 wi{};
+    double irradiance = 0;
+    std::vector<double> by_facing{};
   };
   // How much light comes from the tree and from all at infinity, and from how many of these alternatives.
   struct Total {

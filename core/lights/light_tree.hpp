@@ -8,23 +8,13 @@
 #include <vector>
 
 #include "core/lights/light_bounds.hpp"
+#include "core/lights/lit_point.hpp"
 #include "core/math/simd.hpp"
 #include "core/math/vec3.hpp"
 
 namespace tessera::core {
 
 inline constexpr std::uint32_t kNoLight = 0xffffffffu;
-
-// Where light is sought.
-struct LitPoint {
-  Vec3 position{};
-  Vec3 normal{};  // unit, of the side that is lit; zero where light counts from all sides
-};
-
-// Eight of them.
-struct LitPoints {
-  Vec3Of<Float8> position, normal;
-};
 
 class LightTree {
  public:

@@ -55,12 +55,15 @@ std::array<U32x8, kCount> look_up_row(const std::uint32_t* table, U32x8 index) {
 // Sixteen numbers in a register.
 using SixteenShorts = std::array<std::int16_t, 16>;
 
-// How many of numbers that do not descend are at most `key`.
-inline std::uint32_t count_up_to(std::int16_t key, const SixteenShorts& numbers) {
-  const __m256i all = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(numbers.data()));
+// How many of sixteen numbers that do not descend are at most `key`.
+inline std::uint32_t count_up_to(std::int16_t key, const std::int16_t* numbers) {
+  const __m256i all = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(numbers));
   const __m256i above = _mm256_cmpgt_epi16(all, _mm256_set1_epi16(key));
   // Two bits for each.
   return static_cast<std::uint32_t>(std::countr_zero(static_cast<unsigned>(_mm256_movemask_epi8(above)))) / 2;
+}
+inline std::uint32_t count_up_to(std::int16_t key, const SixteenShorts& numbers) {
+  return count_up_to(key, numbers.data());
 }
 
 // Of numbers of two bits, the first in the lowest: the one at the lane's place, in its lowest bits.

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <numeric>
 
-#include "core/math/word_lanes.hpp"
-
 namespace tessera::core {
 namespace {
 
@@ -89,30 +87,6 @@ GuidedCells::Place GuidedCells::find(std::size_t row, float u) const {
   return place_in(cell, begin + cell, units);
 }
 
-// All lanes look on until none has to, so that they wait for memory together and hardly a branch goes wrong.
-std::array<GuidedCells::Place, kLaneCount> GuidedCells::find(const std::array<std::size_t, kLaneCount>& rows,
-                                                             Float8 u) const {
-  const U32x8 units = to_word(u * static_cast<float>(kWhole));
-  const WordLanes of_lanes(units);
-  WordLanes cells;
-  for (std::size_t lane = 0; lane < kLaneCount; ++lane)
-    cells.set(lane,
-              static_cast<std::uint32_t>(rows[lane] * (width_ + 1) + guided_to(rows[lane], of_lanes[lane])));
-  U32x8 cell = cells.all();
-  for (;;) {
-    // Below 2^31, units are less than where the next cell begins if the difference is negative.
-    const Mask8 here = is_negative(units - look_up(begin_.data(), cell + U32x8(1)));
-    if (all(here)) break;
-    cell = select(here, cell, cell + U32x8(1));
-  }
-  cells = WordLanes(cell);
-  std::array<Place, kLaneCount> places;
-  for (std::size_t lane = 0; lane < kLaneCount; ++lane)
-    places[lane] =
-        place_in(cells[lane] - rows[lane] * (width_ + 1), begin_.data() + cells[lane], of_lanes[lane]);
-  return places;
-}
-
 double GuidedCells::pmf(std::size_t row, std::size_t cell) const {
   const std::uint32_t* begin = begin_.data() + row * (width_ + 1) + cell;
   return (begin[1] - begin[0]) * kUnit;
@@ -131,16 +105,6 @@ GridDistribution::Choice GridDistribution::choice(const GuidedCells::Place& row,
 GridDistribution::Choice GridDistribution::sample(Vec2 u) const {
   const GuidedCells::Place row = rows_.find(0, u.y);
   return choice(row, cells_.find(row.cell, u.x));
-}
-
-std::array<GridDistribution::Choice, kLaneCount> GridDistribution::sample(Vec2Of<Float8> u) const {
-  const auto rows = rows_.find(std::array<std::size_t, kLaneCount>{}, u.y);
-  std::array<std::size_t, kLaneCount> of_rows;
-  for (std::size_t lane = 0; lane < kLaneCount; ++lane) of_rows[lane] = rows[lane].cell;
-  const auto cells = cells_.find(of_rows, u.x);
-  std::array<Choice, kLaneCount> choices;
-  for (std::size_t lane = 0; lane < kLaneCount; ++lane) choices[lane] = choice(rows[lane], cells[lane]);
-  return choices;
 }
 
 }  // namespace tessera::core

@@ -2,12 +2,10 @@
 // entries, so that stratified numbers stay stratified.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
 
-#include "core/math/lane_array.hpp"
 #include "core/math/vec3.hpp"
 
 namespace tessera::core {
@@ -46,8 +44,6 @@ class GuidedCells {
   };
   // u in [0, 1). Never a cell of weight 0.
   Place find(std::size_t row, float u) const;
-  // Eight of them, each lane as find() does.
-  std::array<Place, kLaneCount> find(const std::array<std::size_t, kLaneCount>& rows, Float8 u) const;
   double pmf(std::size_t row, std::size_t cell) const;
 
  private:
@@ -79,7 +75,6 @@ class GridDistribution {
   };
   // u in [0, 1). Never a cell of weight 0.
   Choice sample(Vec2 u) const;
-  std::array<Choice, kLaneCount> sample(Vec2Of<Float8> u) const;
   double pmf(int x, int y) const {
     const auto row = static_cast<std::size_t>(y);
     return rows_.pmf(0, row) * cells_.pmf(row, static_cast<std::size_t>(x));

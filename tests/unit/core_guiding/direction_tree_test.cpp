@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "core/guiding/octahedral_map.hpp"
+#include "core/math/octahedral_map.hpp"
 #include "core/sampling/warp.hpp"
 #include "tests/support/chi_square.hpp"
 #include "tests/unit/core_guiding/example_photons.hpp"

@@ -3,10 +3,12 @@
 #include <gtest/gtest.h>
 #include <numbers>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <memory>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "core/sampling/sampler.hpp"
@@ -32,24 +34,37 @@ struct EnvironmentCase {
   int least_cells = 50;  // that samples fall into
 };
 
-class EnvironmentSampling : public testing::TestWithParam<EnvironmentCase> {
- protected:
-  EnvironmentSampling() : environment_(Rgb::gray(2), GetParam().image, GetParam().rotation) {}
-
-  Environment environment_;
+struct LitCase {
+  const char* name;
+  Vec3 normal;
 };
 
-// Pearson's test with the picture's texels for cells, on each of which the density is constant. Samples of
-// black directions are not answered; light begins and ends half way between texels' edges.
+class EnvironmentSampling : public testing::TestWithParam<std::tuple<EnvironmentCase, LitCase>> {
+ protected:
+  const EnvironmentCase& surroundings() const { return std::get<0>(GetParam()); }
+  // What light from a direction counts for.
+  double cosine(Vec3 direction) const {
+    return normal_ == Vec3{} ? 1 : std::max(0.0, static_cast<double>(dot(normal_, direction)));
+  }
+
+  Environment environment_{Rgb::gray(2), surroundings().image, surroundings().rotation};
+  Vec3 normal_ = std::get<1>(GetParam()).normal;
+};
+
+// Pearson's test with the picture's texels for cells, or parts of them, on each of which the density is
+// constant. Samples of black directions are not answered; light begins and ends half way between texels'
+// edges.
 TEST_P(EnvironmentSampling, SamplesMatchTheDensity) {
   constexpr int kSamples = 200000;
-  const int width = GetParam().image ? GetParam().image->width() : 32;
-  const int height = GetParam().image ? GetParam().image->height() : 16;
-  const double rotation = static_cast<double>(GetParam().rotation) * std::numbers::pi / 180;
+  const auto at_least = [](int texels, int least) { return texels * ((least + texels - 1) / texels); };
+  const Picture& image = surroundings().image;
+  const int width = at_least(image ? image->width() : 1, 32),
+            height = at_least(image ? image->height() : 1, 16);
+  const double rotation = static_cast<double>(surroundings().rotation) * std::numbers::pi / 180;
   std::vector<double> observed(static_cast<std::size_t>(width * height)), expected(observed.size());
   for (int i = 0; i < kSamples; ++i) {
     const auto u = Sampler(3, i % 1000, i / 1000, 0).pad(0);
-    const auto s = environment_.sample(Vec2{u[0], u[1]});
+    const auto s = environment_.sample(normal_, {u[0], u[1]});
     if (!s) continue;
     const double turn = (std::atan2(static_cast<double>(s->wi.x), static_cast<double>(-s->wi.z)) + rotation) /
                         (2 * std::numbers::pi);
@@ -69,9 +84,9 @@ TEST_P(EnvironmentSampling, SamplesMatchTheDensity) {
       if (is_black(environment_.radiance(w))) continue;
       const double solid_angle = 2 * std::numbers::pi / (2 * width) * (std::cos(above) - std::cos(below));
       expected[static_cast<std::size_t>(y / 2 * width + x / 2)] +=
-          static_cast<double>(environment_.pdf(w)) * solid_angle * kSamples;
+          static_cast<double>(environment_.pdf(normal_, w)) * solid_angle * kSamples;
     }
-  test::expect_chi_square(observed, expected, GetParam().least_cells);
+  test::expect_chi_square(observed, expected, surroundings().least_cells);
 }
 
 // All but the few samples that rounding puts into the neighbouring texel.
@@ -80,10 +95,10 @@ TEST_P(EnvironmentSampling, SampleAndPdfAgree) {
   int differing = 0;
   for (int i = 0; i < kSamples; ++i) {
     const auto u = Sampler(4, i, 0, 0).pad(0);
-    const auto s = environment_.sample(Vec2{u[0], u[1]});
+    const auto s = environment_.sample(normal_, {u[0], u[1]});
     if (!s) continue;
     const auto pdf = static_cast<double>(s->pdf);
-    differing += std::fabs(static_cast<double>(environment_.pdf(s->wi)) - pdf) > 1e-4 * pdf ? 1 : 0;
+    differing += std::fabs(static_cast<double>(environment_.pdf(normal_, s->wi)) - pdf) > 1e-4 * pdf ? 1 : 0;
     ASSERT_EQ(s->radiance, environment_.radiance(s->wi)) << "of a unit direction, as rays look it up";
     ASSERT_FALSE(s->point);
     ASSERT_FALSE(s->delta);
@@ -96,53 +111,61 @@ TEST_P(EnvironmentSampling, DensityIsThereWhereverThereIsLight) {
     const auto u = Sampler(6, i, 0, 0).pad(0);
     const Vec3 w = sample_sphere({u[0], u[1]});
     if (is_black(environment_.radiance(w))) continue;
-    ASSERT_GT(environment_.pdf(w), 0);
+    ASSERT_GT(environment_.pdf(normal_, w), 0);
   }
 }
 
-// The integral of radiance, once by sampling, once by the midpoint rule, and about what the power says.
+// The integral of radiance times the cosine, once by sampling, once by the midpoint rule, and about what the
+// power says.
 TEST_P(EnvironmentSampling, FindsTheLightThatThereIs) {
   constexpr int kSamples = 100000, kRows = 1000, kColumns = 1000;
-  double sampled = 0, looked = 0;
+  double sampled = 0, looked = 0, over_sphere = 0;
   for (int i = 0; i < kSamples; ++i) {
     const auto u = Sampler(7, i % 1000, i / 1000, 0).pad(0);
-    if (const auto s = environment_.sample(Vec2{u[0], u[1]}))
-      sampled += static_cast<double>(s->radiance.g / s->pdf) / kSamples;
+    if (const auto s = environment_.sample(normal_, {u[0], u[1]}))
+      sampled += static_cast<double>(s->radiance.g / s->pdf) * cosine(s->wi) / kSamples;
   }
   for (int row = 0; row < kRows; ++row)
     for (int column = 0; column < kColumns; ++column) {
       const double y = 1 - 2 * (row + 0.5) / kRows, rho = std::sqrt(1 - y * y);
       const double phi = 2 * std::numbers::pi * (column + 0.5) / kColumns;
-      looked +=
-          static_cast<double>(environment_
-                                  .radiance({static_cast<float>(rho * std::cos(phi)), static_cast<float>(y),
-                                             static_cast<float>(rho * std::sin(phi))})
-                                  .g) *
-          4 * std::numbers::pi / (kRows * kColumns);
+      const Vec3 w{static_cast<float>(rho * std::cos(phi)), static_cast<float>(y),
+                   static_cast<float>(rho * std::sin(phi))};
+      const double light =
+          static_cast<double>(environment_.radiance(w).g) * 4 * std::numbers::pi / (double{kRows} * kColumns);
+      looked += light * cosine(w);
+      over_sphere += light;
     }
-  EXPECT_NEAR(sampled, looked, 0.01 * looked);
-  EXPECT_NEAR(environment_.power(1) / std::numbers::pi, looked, 0.1 * looked);
+  EXPECT_NEAR(sampled, looked, 0.01 * looked + 1e-4 * over_sphere);
+  EXPECT_NEAR(environment_.power(1) / std::numbers::pi, over_sphere, 0.1 * over_sphere);
 }
 
 INSTANTIATE_TEST_SUITE_P(
     Pictures, EnvironmentSampling,
-    testing::Values(
-        EnvironmentCase{"constant", nullptr, 0, 512},
-        EnvironmentCase{"coarse",
-                        picture(8, 4, [](int x, int y) { return static_cast<float>((x * 5 + y * 3) % 7); }),
-                        0, 30},
-        EnvironmentCase{"coarse_turned",
-                        picture(8, 4, [](int x, int y) { return static_cast<float>((x * 5 + y * 3) % 7); }),
-                        77, 30},
-        EnvironmentCase{"black_above", picture(16, 9, [](int, int y) { return y < 5 ? 0.0f : 1.0f; }), 0, 80},
-        EnvironmentCase{"one_bright_texel",
-                        picture(64, 32, [](int x, int y) { return x == 20 && y == 9 ? 1000.0f : 0.0f; }),
-                        -200, 9},
-        EnvironmentCase{"bright_pole",
-                        picture(32, 16, [](int x, int y) { return y == 0 && x == 3 ? 500.0f : 0.1f; })},
-        EnvironmentCase{"across_the_seam",
-                        picture(32, 16, [](int x, int y) { return x == 0 && y == 8 ? 100.0f : 0.01f; }), 15}),
-    [](const auto& test_case) { return std::string(test_case.param.name); });
+    testing::Combine(
+        testing::Values(
+            EnvironmentCase{"constant", nullptr, 0, 480},
+            EnvironmentCase{
+                "coarse", picture(8, 4, [](int x, int y) { return static_cast<float>((x * 5 + y * 3) % 7); }),
+                0, 30},
+            EnvironmentCase{
+                "coarse_turned",
+                picture(8, 4, [](int x, int y) { return static_cast<float>((x * 5 + y * 3) % 7); }), 77, 30},
+            EnvironmentCase{"black_above", picture(16, 9, [](int, int y) { return y < 5 ? 0.0f : 1.0f; }), 0,
+                            80},
+            EnvironmentCase{"one_bright_texel",
+                            picture(64, 32, [](int x, int y) { return x == 20 && y == 9 ? 1000.0f : 0.0f; }),
+                            -200, 9},
+            EnvironmentCase{"bright_pole",
+                            picture(32, 16, [](int x, int y) { return y == 0 && x == 3 ? 500.0f : 0.1f; })},
+            EnvironmentCase{"across_the_seam",
+                            picture(32, 16, [](int x, int y) { return x == 0 && y == 8 ? 100.0f : 0.01f; }),
+                            15}),
+        testing::Values(LitCase{"from_all_sides", {}}, LitCase{"from_above", {0, 1, 0}},
+                        LitCase{"aslant", {0.48f, -0.6f, 0.64f}})),
+    [](const auto& test_case) {
+      return std::string(std::get<0>(test_case.param).name) + "_" + std::get<1>(test_case.param).name;
+    });
 
 // Only the texel and those beside it, between which it is interpolated.
 TEST(EnvironmentSampling, OneBrightTexelGetsAllSamples) {
@@ -150,7 +173,7 @@ TEST(EnvironmentSampling, OneBrightTexelGetsAllSamples) {
       Rgb::gray(1), picture(64, 32, [](int x, int y) { return x == 20 && y == 9 ? 1000.0f : 0.0f; }), 0);
   for (int i = 0; i < 1000; ++i) {
     const auto u = Sampler(8, i, 0, 0).pad(0);
-    const auto s = environment.sample(Vec2{u[0], u[1]});
+    const auto s = environment.sample(Vec3{}, Vec2{u[0], u[1]});
     if (!s) continue;
     const double theta = std::acos(static_cast<double>(s->wi.y));
     const double phi = std::atan2(static_cast<double>(s->wi.x), static_cast<double>(-s->wi.z));
@@ -167,10 +190,44 @@ TEST(EnvironmentSampling, FindsAFaintSkyBesideASun) {
   double from_above = 0;
   for (int i = 0; i < kSamples; ++i) {
     const auto u = Sampler(9, i % 1000, i / 1000, 0).pad(0);
-    const auto s = environment.sample(Vec2{u[0], u[1]});
+    const auto s = environment.sample(Vec3{}, Vec2{u[0], u[1]});
     if (s && s->wi.y > 0) from_above += static_cast<double>(s->radiance.g / s->pdf) / kSamples;
   }
   EXPECT_NEAR(from_above, 2 * std::numbers::pi, 0.05 * 2 * std::numbers::pi);
+}
+
+// Nine samples in ten that light a floor come from above it, of a sky that is the same all over; and no
+// direction has more than a little over its due.
+TEST(EnvironmentSampling, LooksWhereTheSurfaceFaces) {
+  const Environment environment(Rgb::gray(1), nullptr, 0);
+  constexpr int kSamples = 10000;
+  int above = 0;
+  double highest = 0;
+  for (int i = 0; i < kSamples; ++i) {
+    const auto u = Sampler(10, i % 100, i / 100, 0).pad(0);
+    const auto s = environment.sample(Vec3{0, 1, 0}, Vec2{u[0], u[1]});
+    ASSERT_TRUE(s);
+    above += s->wi.y > 0 ? 1 : 0;
+    if (s->wi.y > 0.5f) highest = std::max(highest, static_cast<double>(s->wi.y / s->pdf) / std::numbers::pi);
+  }
+  EXPECT_GT(above, 0.95 * kSamples);
+  EXPECT_LT(highest, 1.4) << "times the light that it stands for";
+}
+
+// A sun counts in full where it is seen, the sky a quarter: its light is found by rays that are scattered,
+// too.
+TEST(EnvironmentSampling, SeeksTheSunMoreThanTheSky) {
+  const auto sought = [](const Picture& sky, Vec3 normal) {
+    return Environment(Rgb::gray(1), sky, 0).sought_irradiance()[facing_of(normal)];
+  };
+  const auto even = picture(64, 32, [](int, int) { return 1.0f; });
+  const auto sun = picture(64, 32, [](int x, int y) { return x == 20 && y == 9 ? 1e5f : 0.0f; });
+  EXPECT_NEAR(sought(even, {0, 1, 0}), std::numbers::pi / 4, 0.02);
+  EXPECT_NEAR(sought(even, {0, 0, 0}), std::numbers::pi / 4, 1e-3);
+  const double theta = std::numbers::pi * 9.5 / 32,
+               solid_angle = std::sin(theta) * std::pow(std::numbers::pi / 32, 2);
+  EXPECT_NEAR(sought(sun, {0, 1, 0}), 1e5 * solid_angle * std::cos(theta), 0.05 * 1e5 * solid_angle);
+  EXPECT_EQ(sought(sun, {0, -1, 0}), 0);
 }
 
 TEST(EnvironmentPicture, LiesAsItIsSeenFromInside) {

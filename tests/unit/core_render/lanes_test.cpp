@@ -11,6 +11,7 @@
 #include "core/geometry/ray_lanes.hpp"
 #include "core/integrators/eight_vertices.hpp"
 #include "core/integrators/fingerprint.hpp"
+#include "core/sampling/warp.hpp"
 
 namespace tessera::core {
 namespace {
@@ -124,12 +125,12 @@ class EightLanes : public testing::Test {
       lights[lane] = random() < 0.1f ? nullptr : &scene_.lights()[generator_() % scene_.lights().size()];
       u_x.set(lane, random()), u_y.set(lane, random());
     }
-    const LightSamples samples =
-        sample_lights(lights, scene_.textures(), together.position(), {u_x.all(), u_y.all()});
+    const LightSamples samples = sample_lights(
+        lights, scene_.textures(), {together.position(), together.lit_normal()}, {u_x.all(), u_y.all()});
     const RayLanes rays(together.rays_toward(samples));
     for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
       const auto sample = lights[lane] ? sample_light(*lights[lane], scene_.textures(),
-                                                      alone[lane].position(), {u_x[lane], u_y[lane]})
+                                                      alone[lane].lit_point(), {u_x[lane], u_y[lane]})
                                        : std::nullopt;
       ASSERT_EQ(has(samples.found, lane), sample.has_value());
       if (!sample) continue;
@@ -215,17 +216,18 @@ TEST_F(EightLanes, OfSurroundings) {
     const Environment environment({0.5f, 1, 2}, picture, 40);
     for (int i = 0; i < 2000; ++i) {
       FloatLanes u_x, u_y;
-      Vec3Lanes directions;
+      Vec3Lanes directions, normals;
       for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
         u_x.set(lane, random()), u_y.set(lane, random());
         directions.set(lane, {random() - 0.5f, random() < 0.1f ? 0 : random() - 0.5f, random() - 0.5f});
+        normals.set(lane, random() < 0.2f ? Vec3{} : sample_sphere({random(), random()}));
       }
-      const LightSamples samples = environment.sample(Vec2Of<Float8>{u_x.all(), u_y.all()});
-      const auto [radiance, pdf] = environment.see(directions.all());
+      const LightSamples samples = environment.sample(normals.all(), Vec2Of<Float8>{u_x.all(), u_y.all()});
+      const auto [radiance, pdf] = environment.see(normals.all(), directions.all());
       for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
         ASSERT_EQ(RgbLanes(radiance)[lane], environment.radiance(directions[lane]));
-        ASSERT_EQ(FloatLanes(pdf)[lane], environment.pdf(directions[lane]));
-        const auto sample = environment.sample(Vec2{u_x[lane], u_y[lane]});
+        ASSERT_EQ(FloatLanes(pdf)[lane], environment.pdf(normals[lane], directions[lane]));
+        const auto sample = environment.sample(normals[lane], {u_x[lane], u_y[lane]});
         ASSERT_EQ(has(samples.found, lane), sample.has_value());
         if (!sample) continue;
         ASSERT_EQ(Vec3Lanes(samples.wi)[lane], sample->wi);

@@ -84,7 +84,7 @@ TEST_P(LightSampling, SamplesMatchTheDensity) {
   for (int i = 0; i < kSamples; ++i) {
     const auto u = Sampler(9, i % 1000, i / 1000, 0).pad(0);
     const auto choice = scene_.light_sampler().sample({p}, static_cast<double>(u[2]));
-    const auto s = sample_light(scene_.lights()[choice.light], {}, p, {u[0], u[1]});
+    const auto s = sample_light(scene_.lights()[choice.light], {}, {p, {}}, {u[0], u[1]});
     ASSERT_TRUE(s);
     const Vec3 w = frame.to_local(s->wi);
     const double row = (1 - static_cast<double>(w.z)) / cap * kRows;
@@ -166,19 +166,19 @@ TEST(AreaLight, HasThePowerOfTheSidesThatEmit) {
 
 TEST(DeltaLights, AreSampledInTheOneDirectionThatTheyComeFrom) {
   const Vec3 p{1, 0, 0};
-  const auto point = sample_light(PointLight({1, 2, 0}, Rgb::gray(8)), {}, p, {});
+  const auto point = sample_light(PointLight({1, 2, 0}, Rgb::gray(8)), {}, {p, {}}, {});
   ASSERT_TRUE(point);
   EXPECT_EQ(point->wi, (Vec3{0, 1, 0}));
   EXPECT_EQ(point->radiance, Rgb::gray(2));
   EXPECT_EQ(point->point->position, (Vec3{1, 2, 0}));
   EXPECT_TRUE(point->delta);
   EXPECT_EQ(point->pdf, 1);
-  const auto sun = sample_light(DirectionalLight({0, -1, 0}, Rgb::gray(3)), {}, p, {});
+  const auto sun = sample_light(DirectionalLight({0, -1, 0}, Rgb::gray(3)), {}, {p, {}}, {});
   ASSERT_TRUE(sun);
   EXPECT_EQ(sun->wi, (Vec3{0, 1, 0}));
   EXPECT_FALSE(sun->point) << "it is nowhere in particular";
-  EXPECT_FALSE(sample_light(PointLight(p, Rgb::gray(8)), {}, p, {})) << "the light itself is not lit";
-  EXPECT_FALSE(sample_light(SpotLight({1, 2, 0}, Rgb::gray(8), {{0, 1, 0}, 90, 0}), {}, p, {}));
+  EXPECT_FALSE(sample_light(PointLight(p, Rgb::gray(8)), {}, {p, {}}, {})) << "the light itself is not lit";
+  EXPECT_FALSE(sample_light(SpotLight({1, 2, 0}, Rgb::gray(8), {{0, 1, 0}, 90, 0}), {}, {p, {}}, {}));
 }
 
 // Power by integrating what leaves a light over all directions.

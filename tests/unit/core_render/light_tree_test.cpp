@@ -13,7 +13,7 @@ namespace {
 // Whether anything at all arrives at the point, by more than rounding.
 bool shines_on(const Light& light, const LitPoint& point, int index) {
   const auto u = test::numbers(index, 30);
-  const auto sample = sample_light(light, {}, point.position, {u[0], u[1]});
+  const auto sample = sample_light(light, {}, point, {u[0], u[1]});
   constexpr float kClearly = 1e-4f;
   if (!sample) return false;
   if (std::holds_alternative<AreaLight>(light) &&

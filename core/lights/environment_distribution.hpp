@@ -1,0 +1,105 @@
+// Which way to look for light that comes from all around: in proportion to the radiance times the cosine that
+// it arrives under, which depends on the way that the lit surface faces. Immutable.
+//
+// The sphere of directions is cut into cells along the rows and columns of an equirectangular picture. For
+// each way to face there is a table of what each cell sends, and all tables together fit into a near cache.
+// Within a cell directions are even, and the picture's texels need not be looked at; but for cells that are
+// uneven, such as the sun's, whose texels have a distribution of their own.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "core/lights/equirectangular.hpp"
+#include "core/lights/facing.hpp"
+#include "core/sampling/distribution.hpp"
+
+namespace tessera::core {
+
+class EnvironmentDistribution {
+ public:
+  // `radiance`: the mean of the channels over each texel, row by row from the upper edge; not negative.
+  EnvironmentDistribution(int width, int height, const std::vector<double>& radiance,
+                          const EquirectangularMap& map);
+
+  // A direction, by its place in the picture (EquirectangularMap::direction).
+  template <typename T>
+  struct PlaceOf {
+    T along_row, depth, side;
+    T pdf;  // per solid angle
+  };
+  // u in [0, 1). Nine times in ten in proportion to the radiance, else to anything that shines alike, and
+  // both times the cosine; but one time in twenty without it. So wherever there is light there is a density.
+  PlaceOf<float> sample(std::uint32_t facing, Vec2 u) const;
+  PlaceOf<Float8> sample(U32x8 facings, Vec2Of<Float8> u) const;
+
+  // Of the direction that falls on (u, v) of the picture.
+  float pdf(std::uint32_t facing, Vec2 uv) const;
+  Float8 pdf(U32x8 facings, Vec2Of<Float8> uv) const;
+
+  // All radiance, integrated over solid angle.
+  double radiance_over_sphere() const { return radiance_over_sphere_; }
+  // By facing, the irradiance that lights are sampled for, shadows apart: what is uneven, and a quarter of
+  // the rest, which rays that are scattered find as well. For all sides at once: of a surface that half of
+  // the surroundings shine on, were they alike all over.
+  const std::vector<double>& sought_irradiance() const { return sought_; }
+
+ private:
+  static constexpr int kBands = 16, kSectors = 32;
+  static constexpr std::size_t kCells = std::size_t{kBands} * kSectors;
+  using OfCells = std::array<double, kCells>;  // by band and sector
+
+  // Of a whole: where each share begins, and where the last one ends.
+  template <std::size_t kCount>
+  using Shares = std::array<std::int16_t, kCount + 1>;
+  struct Choice {
+    Shares<kBands> bands;
+    std::array<Shares<kSectors>, kBands> sectors;  // of each band
+  };
+  // What lies between two rows and two columns, as in PlaceOf; or several of these.
+  template <typename T>
+  struct PatchOf {
+    T along_row, row_size, depth, depth_size, side;
+    T per_solid_angle;  // one over that of the patch
+
+    PlaceOf<T> at(Vec2Of<T> within, T chance) const {
+      return {along_row + row_size * within.x, depth + depth_size * within.y, side, chance * per_solid_angle};
+    }
+  };
+  struct Texels {
+    int first_column, first_row;
+    GridDistribution distribution;
+  };
+  static constexpr std::int32_t kEven = -1;
+  struct Cell {
+    PatchOf<float> patch;
+    std::int32_t texels = kEven;  // the number of its Texels if it is uneven
+  };
+  template <typename T>
+  struct ChosenOf;
+  class ChosenLanes;
+  class PlaceLanes;
+  class Grid;
+
+  struct CellSums;
+
+  void add_cell(const Grid& grid, std::size_t band, std::size_t sector, CellSums& sums);
+  void add_choice(const CellSums& sums, const OfCells& cosines);
+  ChosenOf<float> chosen(std::uint32_t facing, std::size_t band, std::size_t sector) const;
+  ChosenOf<float> choose(std::uint32_t facing, std::uint32_t x, std::uint32_t y) const;
+  PlaceOf<float> on_texel(const ChosenOf<float>& chosen, Vec2 within) const;
+  float pdf_at(std::uint32_t facing, std::uint32_t column, std::uint32_t row) const;
+
+  // Of the grid: the picture's columns and rows, or parts of them where they are fewer than sectors or bands.
+  int width_, height_;
+  std::vector<std::uint8_t> sector_of_column_, band_of_row_;
+  std::vector<PatchOf<float>> first_texels_;  // of each row
+  std::array<Cell, kCells> cells_;
+  std::vector<Texels> texels_;
+  std::vector<Choice> choices_;  // by facing
+  std::vector<double> sought_;   // by facing
+  double radiance_over_sphere_ = 0;
+};
+
+}  // namespace tessera::core
