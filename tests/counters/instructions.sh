@@ -1,22 +1,22 @@
 #!/usr/bin/env bash
-# instructions.sh TESSERA: how many machine instructions a sample of a path takes, by callgrind, against what they were
-# when rendering was last tuned (expected.tsv: scene, instructions of a sample). What is read and built before is not
-# in it: it is the difference of two renders. Fails beyond a margin of 6 %: `tessera render` cuts its work by the clock, so
-# that a slow or busy machine renders more and smaller pieces, for up to 3 % more. Whoever saves some stores the new numbers.
+# instructions.sh RENDER_SAMPLES: how many machine instructions a sample of a path takes, by callgrind, against what they
+# were when rendering was last tuned (expected.tsv: scene, instructions of a sample). What is read and built before is not
+# in it: it is the difference of two renders. Fails beyond a margin of 3 %, for compilers other than the one that was
+# counted with. Whoever saves some stores the new numbers.
 set -euo pipefail
 
-tessera=$1
+render_samples=$1
 folder=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
-margin=1.06
+margin=1.03
 side=48
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
+counted=$(mktemp)
+trap 'rm -f "$counted"' EXIT
 
 # instructions_of SCENE SPP
 instructions_of() {
-  valgrind --tool=callgrind --callgrind-out-file=/dev/null "$tessera" render "$folder/../../$1" --size "${side}x$side" \
-    --spp "$2" --threads 1 --quiet -o "$work/picture.pfm" 2>"$work/callgrind" || { cat "$work/callgrind" >&2; exit 1; }
-  sed -n 's/.*Collected : //p' "$work/callgrind"
+  valgrind --tool=callgrind --callgrind-out-file=/dev/null "$render_samples" "$folder/../../$1" "$side" "$2" \
+    >"$counted" 2>&1 || { cat "$counted" >&2; exit 1; }
+  sed -n 's/.*Collected : //p' "$counted"
 }
 
 worse=0
