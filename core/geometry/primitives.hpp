@@ -70,6 +70,19 @@ class Primitives {
                                 : triangle_materials_[primitive];
   }
   std::uint32_t material(const Hit& hit) const;
+  // Asks memory for what material() and prefetch_corners() will read of a triangle that is in no instance.
+  void prefetch_triangle(std::uint32_t primitive) const {
+    __builtin_prefetch(&triangle_materials_[primitive]);
+    __builtin_prefetch(&triangles_[primitive]);
+  }
+  // Asks for what triangle_surfaces() will read.
+  void prefetch_corners(std::uint32_t primitive) const {
+    for (const std::uint32_t vertex : triangles_[primitive]) {
+      __builtin_prefetch(&positions_[vertex]);
+      if (!normals_.empty()) __builtin_prefetch(&normals_[vertex]);
+      if (!uvs_.empty()) __builtin_prefetch(&uvs_[vertex]);
+    }
+  }
   TriangleCorners triangle_corners(std::uint32_t primitive) const {
     const auto& [v0, v1, v2] = triangles_[primitive];
     return {positions_[v0], positions_[v1], positions_[v2]};

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <cstring>
 
-#include "core/math/octahedral_map.hpp"
 #include "core/math/elementary.hpp"
+#include "core/math/octahedral_map.hpp"
 #include "core/math/simd_double8.hpp"
 
 namespace tessera::core {

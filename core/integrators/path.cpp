@@ -45,7 +45,8 @@ MaskOf<T> survives_roulette(RgbOf<T>& throughput, T eta_scale, T promise, int de
 
 // Where there are fewer than eight, the other lanes repeat the first.
 struct PathTracer::Paths {
-  Paths(const PathQueue& queue, std::span<const Hit> all_hits, std::span<const std::uint32_t> slots)
+  Paths(const PathQueue& queue, std::span<const Hit> all_hits, std::span<const bool> all_shine,
+        std::span<const std::uint32_t> slots)
       : count(slots.size()), used((1u << slots.size()) - 1) {
     RgbLanes throughputs;
     FloatLanes eta_scales, promises;
@@ -54,6 +55,7 @@ struct PathTracer::Paths {
       heads[lane] = &queue.head(slot);
       hits[lane] = &all_hits[slot];
       rays[lane] = &queue.rays()[slot];
+      shining |= (lane < slots.size() && all_shine[slot] ? 1u : 0u) << lane;
       throughputs.set(lane, heads[lane]->throughput);
       eta_scales.set(lane, heads[lane]->eta_scale);
       promises.set(lane, heads[lane]->promise);
@@ -71,7 +73,8 @@ struct PathTracer::Paths {
   }
 
   std::size_t count;
-  unsigned used;  // bit i for lane i
+  unsigned used;         // bit i for lane i
+  unsigned shining = 0;  // likewise: what was hit might shine
   std::array<const PathHead*, kLaneCount> heads;
   std::array<const Ray*, kLaneCount> rays;
   std::array<const Hit*, kLaneCount> hits;
@@ -87,7 +90,8 @@ PathTracer::PathTracer(const Scene& scene, const RenderSettings& settings, const
                                                                : scene.light_sampler()),
       first_light_samples_(light_sampler_.size() > 1 ? kMostLightSamples : 1),
       guide_(guide) {
-  for (const Material& material : scene.materials()) bin_of_material_.push_back(bin_of(material));
+  for (const Material& material : scene.materials())
+    material_kinds_.push_back({bin_of(material), !is_black(material.emission.value)});
 }
 
 void PathTracer::trace(std::span<const Ray> rays, std::span<const Sampler> samplers, std::span<Rgb> radiance,
@@ -111,7 +115,8 @@ void PathTracer::step(int depth, RenderCounters& counters) {
   next_paths_->clear();
   for (std::size_t bin = 0; bin < kBins; ++bin)
     for (std::size_t i = 0; i < bin_sizes_[bin]; i += kLaneCount) {
-      const Paths paths(*paths_, hits_, {bins_[bin].data() + i, std::min(kLaneCount, bin_sizes_[bin] - i)});
+      const Paths paths(*paths_, hits_, shines_,
+                        {bins_[bin].data() + i, std::min(kLaneCount, bin_sizes_[bin] - i)});
       shade(static_cast<Bin>(bin), paths, depth);
     }
   add_unoccluded(counters);
@@ -126,13 +131,20 @@ PathTracer::Bin PathTracer::bin_of(const Material& material) {
   return smooth ? kMirrorsAndGlass : kRough;
 }
 
+// What the triangles' vertices will be made of is asked for here, for all of them, since all of it may be far
+// away.
 void PathTracer::sort_by_material() {
   bin_sizes_ = {};
   const Primitives& primitives = scene_.primitives();
+  const auto is_triangle = [&](const Hit& hit) { return hit.found() && primitives.is_plain_triangle(hit); };
+  for (const Hit& hit : std::span(hits_).first(paths_->size()))
+    if (is_triangle(hit)) primitives.prefetch_triangle(hit.primitive);
   for (std::uint32_t slot = 0; slot < paths_->size(); ++slot) {
     const Hit& hit = hits_[slot];
-    Bin bin = hit.found() ? bin_of_material_[primitives.material(hit)] : kLeft;
-    if ((bin == kDiffuse || bin == kGlossy) && !primitives.is_plain_triangle(hit)) bin = kRough;
+    if (is_triangle(hit)) primitives.prefetch_corners(hit.primitive);
+    auto [bin, shines] = hit.found() ? material_kinds_[primitives.material(hit)] : MaterialKind{kLeft, false};
+    shines_[slot] = shines;
+    if ((bin == kDiffuse || bin == kGlossy) && !is_triangle(hit)) bin = kRough;
     bins_[bin][bin_sizes_[bin]++] = slot;
   }
 }
@@ -153,7 +165,7 @@ void PathTracer::shade(Bin bin, const Paths& paths, int depth) {
 
 template <typename Vertices>
 void PathTracer::shade(const Paths& paths, const Vertices& vertices, int depth) {
-  for (unsigned lanes = paths.used; lanes != 0; lanes &= lanes - 1) {
+  for (unsigned lanes = paths.shining; lanes != 0; lanes &= lanes - 1) {
     const auto lane = static_cast<std::size_t>(std::countr_zero(lanes));
     const std::uint32_t light = scene_.light_of(*paths.hits[lane]);
     if (light == kNoLight) continue;

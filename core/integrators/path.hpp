@@ -78,13 +78,18 @@ class PathTracer {
   const LightSampler& light_sampler_;
   const std::uint32_t first_light_samples_;
   const LightGuide* guide_;
-  std::vector<Bin> bin_of_material_;
+  struct MaterialKind {
+    Bin bin;
+    bool shines;
+  };
+  std::vector<MaterialKind> material_kinds_;
 
   std::span<const Sampler> samplers_;  // of the batch's paths
   std::span<Rgb> radiance_;
   std::array<PathQueue, 2> queues_;
   PathQueue *paths_ = &queues_[0], *next_paths_ = &queues_[1];
-  std::array<Hit, kBatchPaths> hits_;  // of the rays of paths_
+  std::array<Hit, kBatchPaths> hits_;     // of the rays of paths_
+  std::array<bool, kBatchPaths> shines_;  // whether the material of what they hit does
   // Slots of paths_, by what their rays hit.
   std::array<std::size_t, kBins> bin_sizes_{};
   std::array<std::array<std::uint32_t, kBatchPaths>, kBins> bins_;

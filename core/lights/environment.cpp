@@ -1,15 +1,19 @@
 #include "core/lights/environment.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <numbers>
 #include <utility>
 
-#include "core/math/elementary.hpp"
+#include "core/lights/facing.hpp"
 #include "core/math/lane_array.hpp"
 
 namespace tessera::core {
 namespace {
+
+// In double, which has something left of the smallest float.
+double mean_of(Rgb c) {
+  return (static_cast<double>(c.r) + static_cast<double>(c.g) + static_cast<double>(c.b)) / 3;
+}
 
 // The mean over a texel of what is interpolated linearly between it and its two neighbours.
 double mean_over_texel(double before, double here, double after) {
@@ -24,7 +28,7 @@ std::vector<double> texel_means(const TextureImage& image, Rgb factor) {
   std::vector<double> across(width * height), means(width * height), row(width);
   for (std::size_t y = 0; y < height; ++y) {
     for (std::size_t x = 0; x < width; ++x)
-      row[x] = static_cast<double>(mean(factor * image.texel(static_cast<int>(x), static_cast<int>(y))));
+      row[x] = mean_of(factor * image.texel(static_cast<int>(x), static_cast<int>(y)));
     for (std::size_t x = 0; x < width; ++x)
       across[y * width + x] = mean_over_texel(row[(x + width - 1) % width], row[x], row[(x + 1) % width]);
   }
@@ -39,8 +43,8 @@ std::vector<double> texel_means(const TextureImage& image, Rgb factor) {
 
 EnvironmentDistribution distribution_of(Rgb radiance, const TextureImage* image,
                                         const EquirectangularMap& map) {
-  if (!image) return {1, 1, {static_cast<double>(mean(radiance))}, map};
-  return {image->width(), image->height(), texel_means(*image, radiance), map};
+  if (!image) return EnvironmentDistribution::build(1, 1, {mean_of(radiance)}, map);
+  return EnvironmentDistribution::build(image->width(), image->height(), texel_means(*image, radiance), map);
 }
 
 RgbOf<Float8> in_all_lanes(Rgb c) {
@@ -53,7 +57,8 @@ Environment::Environment(Rgb radiance, std::shared_ptr<const TextureImage> image
     : radiance_(radiance),
       image_(std::move(image)),
       map_(rotation_degrees),
-      distribution_(distribution_of(radiance_, image_.get(), map_)) {}
+      distribution_(
+          std::make_shared<EnvironmentDistribution>(distribution_of(radiance_, image_.get(), map_))) {}
 
 Rgb Environment::radiance(Vec3 direction) const {
   return image_ ? radiance_ * image_->bilinear(map_.uv_of(direction), Wrap::kRepeat, Wrap::kClamp)
@@ -61,11 +66,10 @@ Rgb Environment::radiance(Vec3 direction) const {
 }
 
 float Environment::pdf(Vec3 normal, Vec3 direction) const {
-  return distribution_.pdf(facing_of(normal), map_.uv_of(direction));
+  return distribution_->pdf(facing_of(normal), map_.uv_of(direction));
 }
 
 RgbOf<Float8> Environment::radiance_at(Vec2Of<Float8> uv) const {
-  if (!image_) return in_all_lanes(radiance_);
   std::array<const TextureImage*, kLaneCount> images;
   images.fill(image_.get());
   return in_all_lanes(radiance_) * TextureImage::bilinear(images, uv, true, false);
@@ -73,11 +77,11 @@ RgbOf<Float8> Environment::radiance_at(Vec2Of<Float8> uv) const {
 
 Environment::Seen Environment::see(Vec3Of<Float8> normals, Vec3Of<Float8> directions) const {
   const Vec2Of<Float8> uv = map_.uv_of(directions);
-  return {radiance_at(uv), distribution_.pdf(facing_of(normals), uv)};
+  return {image_ ? radiance_at(uv) : in_all_lanes(radiance_), distribution_->pdf(facing_of(normals), uv)};
 }
 
 std::optional<LightSample> Environment::sample(Vec3 normal, Vec2 u) const {
-  const auto [along_row, depth, side, pdf] = distribution_.sample(facing_of(normal), u);
+  const auto [along_row, depth, side, pdf] = distribution_->sample(facing_of(normal), u);
   const Vec3 wi = map_.direction(along_row, depth, side);
   const Rgb arriving = radiance(wi);
   if (is_black(arriving)) return std::nullopt;
@@ -85,10 +89,10 @@ std::optional<LightSample> Environment::sample(Vec3 normal, Vec2 u) const {
 }
 
 LightSamples Environment::sample(Vec3Of<Float8> normals, Vec2Of<Float8> u) const {
-  const auto [along_row, depth, side, pdf] = distribution_.sample(facing_of(normals), u);
+  const auto [along_row, depth, side, pdf] = distribution_->sample(facing_of(normals), u);
   LightSamples samples;
   samples.wi = map_.direction(along_row, depth, side);
-  samples.radiance = radiance_at(map_.uv_of(samples.wi));
+  samples.radiance = image_ ? radiance_at(map_.uv_of(samples.wi)) : in_all_lanes(radiance_);
   samples.found = !is_black(samples.radiance);
   samples.pdf = pdf;
   samples.distant = true;
@@ -96,7 +100,7 @@ LightSamples Environment::sample(Vec3Of<Float8> normals, Vec2Of<Float8> u) const
 }
 
 double Environment::power(double scene_radius) const {
-  return distribution_.radiance_over_sphere() * std::numbers::pi * scene_radius * scene_radius;
+  return distribution_->radiance_over_sphere() * std::numbers::pi * scene_radius * scene_radius;
 }
 
 }  // namespace tessera::core

@@ -40,7 +40,7 @@ class Environment {
   double power(double scene_radius) const;
 
   // EnvironmentDistribution::sought_irradiance, the mean of the channels.
-  const std::vector<double>& sought_irradiance() const { return distribution_.sought_irradiance(); }
+  const std::vector<double>& sought_irradiance() const { return distribution_->sought_irradiance(); }
 
  private:
   RgbOf<Float8> radiance_at(Vec2Of<Float8> uv) const;  // of the picture
@@ -48,7 +48,7 @@ class Environment {
   Rgb radiance_;
   std::shared_ptr<const TextureImage> image_;
   EquirectangularMap map_;
-  EnvironmentDistribution distribution_;
+  std::shared_ptr<const EnvironmentDistribution> distribution_;
 };
 
 }  // namespace tessera::core

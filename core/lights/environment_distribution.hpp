@@ -19,9 +19,10 @@ namespace tessera::core {
 
 class EnvironmentDistribution {
  public:
-  // `radiance`: the mean of the channels over each texel, row by row from the upper edge; not negative.
-  EnvironmentDistribution(int width, int height, const std::vector<double>& radiance,
-                          const EquirectangularMap& map);
+  // `radiance`: the mean of the channels over each texel, row by row from the upper edge; finite, not
+  // negative, and somewhere positive.
+  static EnvironmentDistribution build(int width, int height, const std::vector<double>& radiance,
+                                       const EquirectangularMap& map);
 
   // A direction, by its place in the picture (EquirectangularMap::direction).
   template <typename T>
@@ -46,9 +47,10 @@ class EnvironmentDistribution {
   const std::vector<double>& sought_irradiance() const { return sought_; }
 
  private:
+  friend class EnvironmentDistributionBuilder;
+
   static constexpr int kBands = 16, kSectors = 32;
   static constexpr std::size_t kCells = std::size_t{kBands} * kSectors;
-  using OfCells = std::array<double, kCells>;  // by band and sector
 
   // Of a whole: where each share begins, and where the last one ends.
   template <std::size_t kCount>
@@ -57,6 +59,8 @@ class EnvironmentDistribution {
     Shares<kBands> bands;
     std::array<Shares<kSectors>, kBands> sectors;  // of each band
   };
+  static constexpr std::int16_t kWhole = 32767;
+
   // What lies between two rows and two columns, as in PlaceOf; or several of these.
   template <typename T>
   struct PatchOf {
@@ -67,35 +71,32 @@ class EnvironmentDistribution {
       return {along_row + row_size * within.x, depth + depth_size * within.y, side, chance * per_solid_angle};
     }
   };
-  struct Texels {
-    int first_column, first_row;
-    GridDistribution distribution;
-  };
   static constexpr std::int32_t kEven = -1;
   struct Cell {
     PatchOf<float> patch;
     std::int32_t texels = kEven;  // the number of its Texels if it is uneven
   };
+  struct Texels {
+    int first_column, first_row;
+    GridDistribution distribution;
+  };
   template <typename T>
-  struct ChosenOf;
+  struct SharesOf;
+  struct Chosen;
   class ChosenLanes;
   class PlaceLanes;
-  class Grid;
 
-  struct CellSums;
-
-  void add_cell(const Grid& grid, std::size_t band, std::size_t sector, CellSums& sums);
-  void add_choice(const CellSums& sums, const OfCells& cosines);
-  ChosenOf<float> chosen(std::uint32_t facing, std::size_t band, std::size_t sector) const;
-  ChosenOf<float> choose(std::uint32_t facing, std::uint32_t x, std::uint32_t y) const;
-  PlaceOf<float> on_texel(const ChosenOf<float>& chosen, Vec2 within) const;
+  EnvironmentDistribution() = default;
+  Chosen chosen(std::uint32_t facing, std::size_t band, std::size_t sector) const;
+  Chosen choose(std::uint32_t facing, std::uint32_t x, std::uint32_t y) const;
+  PlaceOf<float> on_texel(const Chosen& chosen, Vec2 within) const;
   float pdf_at(std::uint32_t facing, std::uint32_t column, std::uint32_t row) const;
 
   // Of the grid: the picture's columns and rows, or parts of them where they are fewer than sectors or bands.
-  int width_, height_;
+  int width_ = 0, height_ = 0;
   std::vector<std::uint8_t> sector_of_column_, band_of_row_;
   std::vector<PatchOf<float>> first_texels_;  // of each row
-  std::array<Cell, kCells> cells_;
+  std::vector<Cell> cells_;                   // by band and sector
   std::vector<Texels> texels_;
   std::vector<Choice> choices_;  // by facing
   std::vector<double> sought_;   // by facing

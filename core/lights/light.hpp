@@ -20,6 +20,7 @@
 namespace tessera::core {
 
 using Light = std::variant<AreaLight, PointLight, SpotLight, DirectionalLight, Environment>;
+static_assert(sizeof(Light) <= 128, "there may be a hundred thousand of them");
 
 // A direction from the point to the light. Nothing where the light cannot be sampled from there, or sends
 // nothing along the direction found.

@@ -4,6 +4,8 @@
 #include <bit>
 #include <utility>
 
+#include "core/lights/facing.hpp"
+
 namespace tessera::core {
 namespace {
 

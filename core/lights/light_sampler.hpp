@@ -1,6 +1,6 @@
 // Which light to sample, by where the lit point is: nine times in ten in proportion to the light that each
-// may send there, shadows apart; else any of them alike. So a faint light is still found beside one that is
-// brighter by any factor.
+// may send there, shadows apart, of even surroundings a quarter of it; else any of them alike. So a faint
+// light is still found beside one that is brighter by any factor.
 //
 // Lights with a place are chosen by a tree. Those at infinity, which are few, stand beside it one by one.
 #pragma once
@@ -43,10 +43,9 @@ class LightSampler {
   // A light at infinity.
   struct Distant {
     std::uint32_t light;
-    // The mean of the channels, shadows apart: of a surface that faces wi, or by facing if light comes from
-    // all around.
-    Vec3 wi{};
-    double irradiance = 0;
+    Vec3 wi{};              // unit
+    double irradiance = 0;  // of a surface that faces it, the mean of the channels
+    // Instead of these, for light from all around: EnvironmentDistribution::sought_irradiance.
     std::vector<double> by_facing{};
   };
   // How much light comes from the tree and from all at infinity, and from how many of these alternatives.

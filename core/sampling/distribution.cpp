@@ -72,19 +72,14 @@ void GuidedCells::guide(std::size_t row) {
   }
 }
 
-// `begin`: of that cell.
-GuidedCells::Place GuidedCells::place_in(std::size_t cell, const std::uint32_t* begin, std::uint32_t units) {
-  constexpr float kBelowOne = 1 - 0x1p-24f;
-  const double share = begin[1] - begin[0];
-  return {cell, std::min(static_cast<float>((units - begin[0]) / share), kBelowOne), share * kUnit};
-}
-
 GuidedCells::Place GuidedCells::find(std::size_t row, float u) const {
+  constexpr float kBelowOne = 1 - 0x1p-24f;
   const auto units = static_cast<std::uint32_t>(u * static_cast<float>(kWhole));
   const std::uint32_t* begin = begin_.data() + row * (width_ + 1);
   std::size_t cell = guided_to(row, units);
   while (begin[cell + 1] <= units) ++cell;
-  return place_in(cell, begin + cell, units);
+  const double share = begin[cell + 1] - begin[cell];
+  return {cell, std::min(static_cast<float>((units - begin[cell]) / share), kBelowOne), share * kUnit};
 }
 
 double GuidedCells::pmf(std::size_t row, std::size_t cell) const {
@@ -96,15 +91,10 @@ GridDistribution::GridDistribution(int width, int height, const std::vector<doub
     : rows_(static_cast<std::size_t>(height), sums_of_rows(static_cast<std::size_t>(width), weights)),
       cells_(static_cast<std::size_t>(width), weights) {}
 
-GridDistribution::Choice GridDistribution::choice(const GuidedCells::Place& row,
-                                                  const GuidedCells::Place& cell) {
+GridDistribution::Choice GridDistribution::sample(Vec2 u) const {
+  const GuidedCells::Place row = rows_.find(0, u.y), cell = cells_.find(row.cell, u.x);
   return {
       static_cast<int>(cell.cell), static_cast<int>(row.cell), {cell.within, row.within}, row.pmf * cell.pmf};
-}
-
-GridDistribution::Choice GridDistribution::sample(Vec2 u) const {
-  const GuidedCells::Place row = rows_.find(0, u.y);
-  return choice(row, cells_.find(row.cell, u.x));
 }
 
 }  // namespace tessera::core

@@ -33,7 +33,6 @@ class DiscreteDistribution {
 // the rounded ones.
 class GuidedCells {
  public:
-  GuidedCells() = default;
   // Weights row by row; not negative. None can be found in a row where all are 0.
   GuidedCells(std::size_t width, const std::vector<double>& weights);
 
@@ -50,8 +49,6 @@ class GuidedCells {
   std::size_t guided_to(std::size_t row, std::uint32_t units) const {
     return guide_[row * guides_ + (units * std::uint64_t{guides_} >> 31)];
   }
-  static Place place_in(std::size_t cell, const std::uint32_t* begin, std::uint32_t units);
-
   void cumulate(std::size_t row, const double* weights);
   void guide(std::size_t row);
 
@@ -64,7 +61,6 @@ class GuidedCells {
 // of that row.
 class GridDistribution {
  public:
-  GridDistribution() = default;
   // Weights row by row; not negative. None can be sampled where all are 0.
   GridDistribution(int width, int height, const std::vector<double>& weights);
 
@@ -81,8 +77,6 @@ class GridDistribution {
   }
 
  private:
-  static Choice choice(const GuidedCells::Place& row, const GuidedCells::Place& cell);
-
   GuidedCells rows_;  // of one row, which has the grid's rows for cells
   GuidedCells cells_;
 };

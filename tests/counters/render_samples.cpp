@@ -8,8 +8,11 @@
 #include <string_view>
 #include <system_error>
 
+#include "core/base/error.hpp"
+#include "core/film/film.hpp"
 #include "core/integrators/render.hpp"
 #include "core/scene/loader/loader.hpp"
+#include "core/scene/scene.hpp"
 
 namespace tessera::core {
 namespace {

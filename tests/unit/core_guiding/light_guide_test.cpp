@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "core/math/octahedral_map.hpp"
 #include "core/math/lane_array.hpp"
+#include "core/math/octahedral_map.hpp"
 #include "core/math/simd_double8.hpp"
 #include "tests/unit/core_guiding/example_photons.hpp"
 

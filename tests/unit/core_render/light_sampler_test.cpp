@@ -103,6 +103,8 @@ TEST(LightSampler, WeighsLightsAtInfinityByWhatTheySendToTheSurface) {
   EXPECT_NEAR(sampler.pmf(below, 0), expected(1.0 / 8), 3e-3);
   EXPECT_NEAR(sampler.pmf(below, 1), expected(6.0 / 8), 3e-3);
   EXPECT_NEAR(sampler.pmf(below, 2), expected(1.0 / 8), 3e-3);
+  for (std::uint32_t light = 0; light < 3; ++light)
+    EXPECT_NEAR(sampler.pmf({{0, 0, 0}, {}}, light), expected(light == 1 ? 6.0 / 8 : 1.0 / 8), 1e-4);
   const LitPoint turned_away{{0, 0, 0}, {0, -1, 0}};
   EXPECT_NEAR(sampler.pmf(turned_away, 0), 0.1 / 3, 1e-6);
   EXPECT_NEAR(sampler.pmf(turned_away, 1), 0.1 / 3, 1e-6);

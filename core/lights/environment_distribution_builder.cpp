@@ -1,0 +1,266 @@
+// How an EnvironmentDistribution is made.
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+#include "core/lights/environment_distribution.hpp"
+#include "core/math/elementary.hpp"
+
+namespace tessera::core {
+namespace {
+
+// Of the samples, over all that shines alike: a faint sky is found beside a sun brighter by any factor.
+constexpr double kUniformDirections = 0.1;
+// Of the samples, without regard to cosines: surfaces of one facing differ a little in what they see.
+constexpr double kAnyCosine = 0.05;
+// A cell is uneven if the density of a texel in it is above this times the mean. Less than that is little
+// beside the noise of shadows.
+constexpr double kMostUneven = 1.5;
+// What light of even cells counts for when a light is chosen. A light's sample is of less use there than for
+// lamps and suns, which no ray that is scattered finds.
+constexpr double kFoundAnyway = 0.25;
+
+// Places along the sides of a cell, and of a facing's square, and what they count for: the trapezoidal rule.
+// With the corners, no cell that a facing sees any of counts for nothing.
+constexpr std::array<float, 3> kAlong{0, 0.5f, 1}, kAlongWeights{0.25f, 0.5f, 0.25f};
+constexpr std::size_t kPlaces = kAlong.size() * kAlong.size();
+constexpr Vec2 place(std::size_t i) {
+  return {kAlong[i % kAlong.size()], kAlong[i / kAlong.size()]};
+}
+constexpr float place_weight(std::size_t i) {
+  return kAlongWeights[i % kAlong.size()] * kAlongWeights[i / kAlong.size()];
+}
+
+// Into how many parts each of `count` is to be cut to be at least `least` together.
+int parts(int count, int least) {
+  return (least + count - 1) / count;
+}
+
+// How far below the upper pole a row begins, on the unit sphere. By the sine of half the angle, which does
+// not cancel near the pole.
+double depth_of_row(int row, int rows) {
+  const double half_sine =
+      static_cast<double>(sin(kPi / 2 * static_cast<float>(row) / static_cast<float>(rows)));
+  return 2 * half_sine * half_sine;
+}
+
+// What lies between two rows, seen from the nearer pole.
+struct Heights {
+  Heights(int first, int end, int rows)
+      : upper(first + end <= rows),
+        begin(depth_of_row(upper ? first : rows - first, rows)),
+        size(depth_of_row(upper ? end : rows - end, rows) - begin) {}
+
+  bool upper;
+  double begin, size;
+};
+
+// Everything of some weight gets one unit, and its share of the others. What is nothing has all at 0.
+template <std::size_t kCount>
+std::array<std::int16_t, kCount + 1> shares_of(const double* weights, std::int16_t whole) {
+  std::array<std::int16_t, kCount + 1> begins{};
+  const double sum = std::accumulate(weights, weights + kCount, 0.0);
+  if (!(sum > 0)) return begins;
+  const auto with_weight = std::count_if(weights, weights + kCount, [](double w) { return w > 0; });
+  const double shared = static_cast<double>(whole - with_weight);
+  double before = 0;
+  int units = 0;
+  for (std::size_t i = 0; i < kCount; ++i) {
+    before += weights[i];
+    units += weights[i] > 0 ? 1 : 0;
+    begins[i + 1] = static_cast<std::int16_t>(static_cast<int>(before / sum * shared + 0.5) + units);
+  }
+  return begins;
+}
+
+}  // namespace
+
+class EnvironmentDistributionBuilder {
+ public:
+  // The grid is the picture's texels or parts of them: at least one row for each band, and one column for
+  // each sector.
+  EnvironmentDistributionBuilder(int width, int height, const std::vector<double>& radiance,
+                                 const EquirectangularMap& map)
+      : columns_per_texel_(parts(width, kSectors)),
+        rows_per_texel_(parts(height, kBands)),
+        picture_width_(width),
+        width_(width * columns_per_texel_),
+        height_(height * rows_per_texel_),
+        radiance_(radiance),
+        map_(map) {}
+
+  EnvironmentDistribution build() {
+    add_grid();
+    measure_light();
+    for (std::size_t cell = 0; cell < kCells; ++cell) add_cell(cell);
+    for (std::uint32_t facing = 0; facing < kAllSides; ++facing) add_choice(cosines_of(facing));
+    OfCells mean_cosine;
+    mean_cosine.fill(kMeanCosine);
+    add_choice(mean_cosine);
+    return std::move(made_);
+  }
+
+ private:
+  static constexpr int kBands = EnvironmentDistribution::kBands, kSectors = EnvironmentDistribution::kSectors;
+  static constexpr std::size_t kCells = EnvironmentDistribution::kCells;
+  static constexpr double kMeanCosine = 0.25;  // over the sphere, and none behind the surface
+  using OfCells = std::array<double, kCells>;  // by band and sector
+  using Patch = EnvironmentDistribution::PatchOf<float>;
+
+  struct Bounds {
+    int first_column, first_row, end_column, end_row;
+  };
+  Bounds bounds(std::size_t cell) const {
+    const auto first = [](std::size_t part, int parts, int texels) {
+      return static_cast<int>((static_cast<std::int64_t>(part) * texels + parts - 1) / parts);
+    };
+    const std::size_t band = cell / kSectors, sector = cell % kSectors;
+    return {first(sector, kSectors, width_), first(band, kBands, height_),
+            first(sector + 1, kSectors, width_), first(band + 1, kBands, height_)};
+  }
+
+  Patch patch(const Bounds& b) const {
+    const double along_row = static_cast<double>(b.first_column) / width_;
+    const double row_size = static_cast<double>(b.end_column - b.first_column) / width_;
+    const Heights heights(b.first_row, b.end_row, height_);
+    const double solid_angle = 2 * std::numbers::pi * row_size * std::fabs(heights.size);
+    return {static_cast<float>(along_row),     static_cast<float>(row_size),
+            static_cast<float>(heights.begin), static_cast<float>(heights.size),
+            heights.upper ? 1.0f : -1.0f,      static_cast<float>(1 / solid_angle)};
+  }
+  Vec3 direction(const Patch& p, Vec2 place) const {
+    return map_.direction(p.along_row + p.row_size * place.x, p.depth + p.depth_size * place.y, p.side);
+  }
+
+  // Calls function(radiance, solid angle, column, row) for each texel of the grid between these.
+  template <typename Function>
+  void for_each(const Bounds& b, Function function) const {
+    for (int row = b.first_row; row < b.end_row; ++row) {
+      const double* texels = radiance_.data() + static_cast<std::size_t>(row / rows_per_texel_) *
+                                                    static_cast<std::size_t>(picture_width_);
+      const double solid_angle = solid_angles_[static_cast<std::size_t>(row)];
+      for (int column = b.first_column; column < b.end_column; ++column)
+        function(texels[columns_per_texel_ == 1 ? column : column / columns_per_texel_], solid_angle, column,
+                 row);
+    }
+  }
+
+  void add_grid() {
+    made_.width_ = width_;
+    made_.height_ = height_;
+    for (int column = 0; column < width_; ++column)
+      made_.sector_of_column_.push_back(static_cast<std::uint8_t>(std::int64_t{column} * kSectors / width_));
+    for (int row = 0; row < height_; ++row) {
+      made_.band_of_row_.push_back(static_cast<std::uint8_t>(std::int64_t{row} * kBands / height_));
+      made_.first_texels_.push_back(patch({0, row, 1, row + 1}));
+      solid_angles_.push_back(2 * std::numbers::pi / width_ * std::fabs(Heights(row, row + 1, height_).size));
+    }
+  }
+
+  void measure_light() {
+    double over_sphere = 0, lit = 0;
+    for_each({0, 0, width_, height_}, [&](double radiance, double solid_angle, int, int) {
+      over_sphere += radiance * solid_angle;
+      if (radiance > 0) lit += solid_angle;
+    });
+    assert(over_sphere > 0 && std::isfinite(over_sphere));
+    made_.radiance_over_sphere_ = over_sphere;
+    density_per_radiance_ = (1 - kUniformDirections) / over_sphere;
+    least_density_ = kUniformDirections / lit;
+  }
+
+  // Per solid angle, without regard to cosines.
+  double density(double radiance) const {
+    return radiance > 0 ? radiance * density_per_radiance_ + least_density_ : 0;
+  }
+
+  void add_cell(std::size_t index) {
+    const Bounds within = bounds(index);
+    double solid_angle = 0, highest = 0;
+    Bounds brightest = within;
+    for_each(within, [&](double radiance, double angle, int column, int row) {
+      const double here = density(radiance);
+      solid_angle += angle;
+      light_[index] += radiance * angle;
+      chance_[index] += here * angle;
+      if (here > highest) highest = here, brightest = {column, row, column + 1, row + 1};
+    });
+    made_.cells_.push_back({.patch = patch(within)});
+    EnvironmentDistribution::Cell& cell = made_.cells_.back();
+    for (std::size_t i = 0; i < kPlaces; ++i) directions_[index][i] = direction(cell.patch, place(i));
+    if (highest * solid_angle <= kMostUneven * chance_[index]) return;
+    brightest_[index] = direction(patch(brightest), {0.5f, 0.5f});
+    cell.texels = static_cast<std::int32_t>(made_.texels_.size());
+    made_.texels_.push_back({within.first_column, within.first_row, texels(within)});
+  }
+
+  GridDistribution texels(const Bounds& within) const {
+    std::vector<double> chances;
+    for_each(within,
+             [&](double radiance, double angle, int, int) { chances.push_back(density(radiance) * angle); });
+    return {within.end_column - within.first_column, within.end_row - within.first_row, chances};
+  }
+
+  // Of surfaces that face this way, in the mean over these and over each cell, of an uneven one half of it
+  // where it is brightest.
+  OfCells cosines_of(std::uint32_t facing) const {
+    OfCells cosines{};
+    for (std::size_t n = 0; n < kPlaces; ++n) {
+      const Vec3 normal = normal_facing(facing, place(n));
+      const auto cosine = [normal](Vec3 direction) { return std::max(0.0f, dot(normal, direction)); };
+      for (std::size_t cell = 0; cell < kCells; ++cell) {
+        float mean = 0;
+        for (std::size_t i = 0; i < kPlaces; ++i) mean += place_weight(i) * cosine(directions_[cell][i]);
+        if (made_.cells_[cell].texels != EnvironmentDistribution::kEven)
+          mean = 0.5f * (mean + cosine(brightest_[cell]));
+        cosines[cell] += static_cast<double>(place_weight(n) * mean);
+      }
+    }
+    return cosines;
+  }
+
+  // In proportion to the light times the cosine.
+  void add_choice(const OfCells& cosines) {
+    const double reflected = std::inner_product(cosines.begin(), cosines.end(), chance_.begin(), 0.0);
+    OfCells weights;
+    double sought = 0;
+    for (std::size_t cell = 0; cell < kCells; ++cell) {
+      const double share = reflected > 0 ? cosines[cell] / reflected : 1;
+      weights[cell] = chance_[cell] * ((1 - kAnyCosine) * share + kAnyCosine);
+      const bool even = made_.cells_[cell].texels == EnvironmentDistribution::kEven;
+      const double cosine = (1 - kAnyCosine) * cosines[cell] + kAnyCosine * kMeanCosine;
+      sought += (even ? kFoundAnyway : 1) * cosine * light_[cell];
+    }
+    std::array<double, kBands> of_bands;
+    EnvironmentDistribution::Choice choice;
+    for (std::size_t band = 0; band < kBands; ++band) {
+      const double* of_sectors = weights.data() + band * kSectors;
+      of_bands[band] = std::accumulate(of_sectors, of_sectors + kSectors, 0.0);
+      choice.sectors[band] = shares_of<kSectors>(of_sectors, EnvironmentDistribution::kWhole);
+    }
+    choice.bands = shares_of<kBands>(of_bands.data(), EnvironmentDistribution::kWhole);
+    made_.choices_.push_back(choice);
+    made_.sought_.push_back(sought);
+  }
+
+  const int columns_per_texel_, rows_per_texel_, picture_width_, width_, height_;
+  const std::vector<double>& radiance_;
+  const EquirectangularMap& map_;
+  std::vector<double> solid_angles_;  // of a texel of each row
+  double density_per_radiance_ = 0, least_density_ = 0;
+  OfCells light_{}, chance_{};  // over the cell's solid angle: radiance, density
+  std::array<std::array<Vec3, kPlaces>, kCells> directions_{};
+  std::array<Vec3, kCells> brightest_{};
+  EnvironmentDistribution made_;
+};
+
+EnvironmentDistribution EnvironmentDistribution::build(int width, int height,
+                                                       const std::vector<double>& radiance,
+                                                       const EquirectangularMap& map) {
+  return EnvironmentDistributionBuilder(width, height, radiance, map).build();
+}
+
+}  // namespace tessera::core
