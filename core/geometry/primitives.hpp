@@ -75,7 +75,7 @@ class Primitives {
     __builtin_prefetch(&triangle_materials_[primitive]);
     __builtin_prefetch(&triangles_[primitive]);
   }
-  // Asks for what triangle_surfaces() will read.
+  // Asks for where what triangle_surfaces() will read begins.
   void prefetch_corners(std::uint32_t primitive) const {
     for (const std::uint32_t vertex : triangles_[primitive]) {
       __builtin_prefetch(&positions_[vertex]);

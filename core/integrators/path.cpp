@@ -141,10 +141,11 @@ void PathTracer::sort_by_material() {
     if (is_triangle(hit)) primitives.prefetch_triangle(hit.primitive);
   for (std::uint32_t slot = 0; slot < paths_->size(); ++slot) {
     const Hit& hit = hits_[slot];
-    if (is_triangle(hit)) primitives.prefetch_corners(hit.primitive);
+    const bool triangle = is_triangle(hit);
+    if (triangle) primitives.prefetch_corners(hit.primitive);
     auto [bin, shines] = hit.found() ? material_kinds_[primitives.material(hit)] : MaterialKind{kLeft, false};
     shines_[slot] = shines;
-    if ((bin == kDiffuse || bin == kGlossy) && !is_triangle(hit)) bin = kRough;
+    if ((bin == kDiffuse || bin == kGlossy) && !triangle) bin = kRough;
     bins_[bin][bin_sizes_[bin]++] = slot;
   }
 }

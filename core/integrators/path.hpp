@@ -41,6 +41,10 @@ class PathTracer {
   enum Bin { kDiffuse, kGlossy, kRough, kMirrorsAndGlass, kLeft };
   static constexpr std::size_t kBins = 5;
   static Bin bin_of(const Material& material);
+  struct MaterialKind {
+    Bin bin;
+    bool shines;
+  };
 
   // Most of what can be seen comes from a path's first vertex: there two lights are sampled, unless the scene
   // has but one, and one at each of the vertices behind it, which are more and count less.
@@ -78,10 +82,6 @@ class PathTracer {
   const LightSampler& light_sampler_;
   const std::uint32_t first_light_samples_;
   const LightGuide* guide_;
-  struct MaterialKind {
-    Bin bin;
-    bool shines;
-  };
   std::vector<MaterialKind> material_kinds_;
 
   std::span<const Sampler> samplers_;  // of the batch's paths

@@ -1,6 +1,7 @@
 #include "core/lights/environment.hpp"
 
 #include <algorithm>
+#include <array>
 #include <numbers>
 #include <utility>
 

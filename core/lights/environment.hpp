@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/lights/environment_distribution.hpp"
+#include "core/lights/equirectangular.hpp"
 #include "core/lights/light_sample.hpp"
 #include "core/textures/texture.hpp"
 
@@ -39,7 +40,7 @@ class Environment {
   // Watts, the mean of the channels, that fall on a disk of the scene's radius, from all sides.
   double power(double scene_radius) const;
 
-  // EnvironmentDistribution::sought_irradiance, the mean of the channels.
+  // EnvironmentDistribution::sought_irradiance: of the mean of the channels, by facing_of() of the surface.
   const std::vector<double>& sought_irradiance() const { return distribution_->sought_irradiance(); }
 
  private:

@@ -21,7 +21,7 @@ WordOf<T> texel_along(T coordinate, int texels) {
 // Which of the shares a number falls on, below the end of the last.
 template <std::size_t kCount>
 std::size_t share_at(const std::array<std::int16_t, kCount>& begins, std::uint32_t number) {
-  assert(number < 32767);
+  assert(number < static_cast<std::uint32_t>(begins.back()));
   std::uint32_t up_to = 0;
   for (std::size_t i = 0; i + 1 < kCount; i += 16)
     up_to += count_up_to(static_cast<std::int16_t>(number), begins.data() + i);
@@ -40,8 +40,8 @@ struct EnvironmentDistribution::SharesOf {
     constexpr float kUnit = 1 / (float{kWhole} * float{kWhole});
     return band_size * sector_size * kUnit;
   }
-  // Where numbers fall in the shares, in [0, 1). Of their 24 bits the rarest cell, a thirty-thousandth of all
-  // light, leaves nine.
+  // Where numbers fall in the shares, in [0, 1). Of their 24 bits the smallest share leaves nine: of an
+  // uneven cell as rare as that, some texels are never found.
   Vec2Of<T> within(Vec2Of<T> u) const {
     return {smaller((u.x * float{kWhole} - sector_begin) / sector_size, T(kJustBelowOne)),
             smaller((u.y * float{kWhole} - band_begin) / band_size, T(kJustBelowOne))};
@@ -50,7 +50,7 @@ struct EnvironmentDistribution::SharesOf {
 
 struct EnvironmentDistribution::Chosen {
   SharesOf<float> shares;
-  std::int32_t texels;  // as Cell has it
+  std::int32_t uneven;  // as Cell has it
 };
 
 class EnvironmentDistribution::ChosenLanes {
@@ -101,7 +101,7 @@ EnvironmentDistribution::Chosen EnvironmentDistribution::chosen(std::uint32_t fa
   const Shares<kSectors>& sectors = choice.sectors[band];
   return {{begin(choice.bands, band), size(choice.bands, band), begin(sectors, sector), size(sectors, sector),
            cell.patch},
-          cell.texels};
+          cell.uneven};
 }
 
 // The numbers are of the whole.
@@ -114,7 +114,7 @@ EnvironmentDistribution::Chosen EnvironmentDistribution::choose(std::uint32_t fa
 
 EnvironmentDistribution::PlaceOf<float> EnvironmentDistribution::on_texel(const Chosen& chosen,
                                                                           Vec2 within) const {
-  const auto& [first_column, first_row, distribution] = texels_[static_cast<std::size_t>(chosen.texels)];
+  const auto& [first_column, first_row, distribution] = texels_[static_cast<std::size_t>(chosen.uneven)];
   const GridDistribution::Choice texel = distribution.sample(within);
   PatchOf<float> patch = first_texels_[static_cast<std::size_t>(first_row + texel.y)];
   patch.along_row = static_cast<float>(first_column + texel.x) * patch.row_size;
@@ -124,7 +124,7 @@ EnvironmentDistribution::PlaceOf<float> EnvironmentDistribution::on_texel(const 
 EnvironmentDistribution::PlaceOf<float> EnvironmentDistribution::sample(std::uint32_t facing, Vec2 u) const {
   const Chosen cell = choose(facing, to_word(u.x * float{kWhole}), to_word(u.y * float{kWhole}));
   const Vec2 within = cell.shares.within(u);
-  return cell.texels == kEven ? cell.shares.patch.at(within, cell.shares.chance()) : on_texel(cell, within);
+  return cell.uneven == kEven ? cell.shares.patch.at(within, cell.shares.chance()) : on_texel(cell, within);
 }
 
 EnvironmentDistribution::PlaceOf<Float8> EnvironmentDistribution::sample(U32x8 facings,
@@ -136,7 +136,7 @@ EnvironmentDistribution::PlaceOf<Float8> EnvironmentDistribution::sample(U32x8 f
   for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
     of_lanes[lane] = choose(facing[lane], x[lane], y[lane]);
     lanes.set(lane, of_lanes[lane].shares);
-    uneven |= (of_lanes[lane].texels == kEven ? 0u : 1u) << lane;
+    uneven |= (of_lanes[lane].uneven == kEven ? 0u : 1u) << lane;
   }
   const SharesOf<Float8> cells = lanes.all();
   const Vec2Of<Float8> within = cells.within(u);
@@ -152,9 +152,9 @@ EnvironmentDistribution::PlaceOf<Float8> EnvironmentDistribution::sample(U32x8 f
 }
 
 float EnvironmentDistribution::pdf_at(std::uint32_t facing, std::uint32_t column, std::uint32_t row) const {
-  const auto [shares, number] = chosen(facing, band_of_row_[row], sector_of_column_[column]);
-  if (number == kEven) return shares.chance() * shares.patch.per_solid_angle;
-  const auto& [first_column, first_row, distribution] = texels_[static_cast<std::size_t>(number)];
+  const auto [shares, uneven] = chosen(facing, band_of_row_[row], sector_of_column_[column]);
+  if (uneven == kEven) return shares.chance() * shares.patch.per_solid_angle;
+  const auto& [first_column, first_row, distribution] = texels_[static_cast<std::size_t>(uneven)];
   const double pmf =
       distribution.pmf(static_cast<int>(column) - first_column, static_cast<int>(row) - first_row);
   return shares.chance() * static_cast<float>(pmf) * first_texels_[row].per_solid_angle;

@@ -8,19 +8,20 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
 #include "core/lights/equirectangular.hpp"
-#include "core/lights/facing.hpp"
+#include "core/math/simd_integer.hpp"
 #include "core/sampling/distribution.hpp"
 
 namespace tessera::core {
 
 class EnvironmentDistribution {
  public:
-  // `radiance`: the mean of the channels over each texel, row by row from the upper edge; finite, not
-  // negative, and somewhere positive.
+  // `radiance`: the mean of the channels over each texel, row by row from the upper edge; finite and not
+  // negative. Of surroundings that are black there is nothing but radiance_over_sphere().
   static EnvironmentDistribution build(int width, int height, const std::vector<double>& radiance,
                                        const EquirectangularMap& map);
 
@@ -30,8 +31,9 @@ class EnvironmentDistribution {
     T along_row, depth, side;
     T pdf;  // per solid angle
   };
-  // u in [0, 1). Nine times in ten in proportion to the radiance, else to anything that shines alike, and
-  // both times the cosine; but one time in twenty without it. So wherever there is light there is a density.
+  // By facing_of() of the surface; u in [0, 1). Nine times in ten in proportion to the radiance, else to
+  // anything that shines alike, and both times the cosine; but one time in twenty without it. So wherever
+  // there is light there is a density.
   PlaceOf<float> sample(std::uint32_t facing, Vec2 u) const;
   PlaceOf<Float8> sample(U32x8 facings, Vec2Of<Float8> u) const;
 
@@ -41,9 +43,9 @@ class EnvironmentDistribution {
 
   // All radiance, integrated over solid angle.
   double radiance_over_sphere() const { return radiance_over_sphere_; }
-  // By facing, the irradiance that lights are sampled for, shadows apart: what is uneven, and a quarter of
-  // the rest, which rays that are scattered find as well. For all sides at once: of a surface that half of
-  // the surroundings shine on, were they alike all over.
+  // kFacings numbers: the irradiance that lights are sampled for, shadows apart: what is uneven, and a
+  // quarter of the rest, which rays that are scattered find as well. For all sides at once: of a surface that
+  // half of the surroundings shine on, were they alike all over.
   const std::vector<double>& sought_irradiance() const { return sought_; }
 
  private:
@@ -74,7 +76,7 @@ class EnvironmentDistribution {
   static constexpr std::int32_t kEven = -1;
   struct Cell {
     PatchOf<float> patch;
-    std::int32_t texels = kEven;  // the number of its Texels if it is uneven
+    std::int32_t uneven = kEven;  // else the number of its Texels
   };
   struct Texels {
     int first_column, first_row;

@@ -5,8 +5,11 @@
 #include <cmath>
 #include <numbers>
 #include <numeric>
+#include <utility>
+#include <vector>
 
 #include "core/lights/environment_distribution.hpp"
+#include "core/lights/facing.hpp"
 #include "core/math/elementary.hpp"
 
 namespace tessera::core {
@@ -19,8 +22,8 @@ constexpr double kAnyCosine = 0.05;
 // A cell is uneven if the density of a texel in it is above this times the mean. Less than that is little
 // beside the noise of shadows.
 constexpr double kMostUneven = 1.5;
-// What light of even cells counts for when a light is chosen. A light's sample is of less use there than for
-// lamps and suns, which no ray that is scattered finds.
+// What light of even cells counts for when a light is chosen. Scattered rays find it well, and lamps and suns
+// seldom, which need samples of lights the more.
 constexpr double kFoundAnyway = 0.25;
 
 // Places along the sides of a cell, and of a facing's square, and what they count for: the trapezoidal rule.
@@ -90,11 +93,15 @@ class EnvironmentDistributionBuilder {
         width_(width * columns_per_texel_),
         height_(height * rows_per_texel_),
         radiance_(radiance),
-        map_(map) {}
+        map_(map) {
+    for (int row = 0; row < height_; ++row)
+      solid_angles_.push_back(2 * std::numbers::pi / width_ * std::fabs(Heights(row, row + 1, height_).size));
+  }
 
   EnvironmentDistribution build() {
-    add_grid();
     measure_light();
+    if (made_.radiance_over_sphere_ == 0) return std::move(made_);
+    add_grid();
     for (std::size_t cell = 0; cell < kCells; ++cell) add_cell(cell);
     for (std::uint32_t facing = 0; facing < kAllSides; ++facing) add_choice(cosines_of(facing));
     OfCells mean_cosine;
@@ -156,7 +163,6 @@ class EnvironmentDistributionBuilder {
     for (int row = 0; row < height_; ++row) {
       made_.band_of_row_.push_back(static_cast<std::uint8_t>(std::int64_t{row} * kBands / height_));
       made_.first_texels_.push_back(patch({0, row, 1, row + 1}));
-      solid_angles_.push_back(2 * std::numbers::pi / width_ * std::fabs(Heights(row, row + 1, height_).size));
     }
   }
 
@@ -166,7 +172,7 @@ class EnvironmentDistributionBuilder {
       over_sphere += radiance * solid_angle;
       if (radiance > 0) lit += solid_angle;
     });
-    assert(over_sphere > 0 && std::isfinite(over_sphere));
+    assert(over_sphere >= 0 && std::isfinite(over_sphere));
     made_.radiance_over_sphere_ = over_sphere;
     density_per_radiance_ = (1 - kUniformDirections) / over_sphere;
     least_density_ = kUniformDirections / lit;
@@ -193,7 +199,7 @@ class EnvironmentDistributionBuilder {
     for (std::size_t i = 0; i < kPlaces; ++i) directions_[index][i] = direction(cell.patch, place(i));
     if (highest * solid_angle <= kMostUneven * chance_[index]) return;
     brightest_[index] = direction(patch(brightest), {0.5f, 0.5f});
-    cell.texels = static_cast<std::int32_t>(made_.texels_.size());
+    cell.uneven = static_cast<std::int32_t>(made_.texels_.size());
     made_.texels_.push_back({within.first_column, within.first_row, texels(within)});
   }
 
@@ -214,7 +220,7 @@ class EnvironmentDistributionBuilder {
       for (std::size_t cell = 0; cell < kCells; ++cell) {
         float mean = 0;
         for (std::size_t i = 0; i < kPlaces; ++i) mean += place_weight(i) * cosine(directions_[cell][i]);
-        if (made_.cells_[cell].texels != EnvironmentDistribution::kEven)
+        if (made_.cells_[cell].uneven != EnvironmentDistribution::kEven)
           mean = 0.5f * (mean + cosine(brightest_[cell]));
         cosines[cell] += static_cast<double>(place_weight(n) * mean);
       }
@@ -230,7 +236,7 @@ class EnvironmentDistributionBuilder {
     for (std::size_t cell = 0; cell < kCells; ++cell) {
       const double share = reflected > 0 ? cosines[cell] / reflected : 1;
       weights[cell] = chance_[cell] * ((1 - kAnyCosine) * share + kAnyCosine);
-      const bool even = made_.cells_[cell].texels == EnvironmentDistribution::kEven;
+      const bool even = made_.cells_[cell].uneven == EnvironmentDistribution::kEven;
       const double cosine = (1 - kAnyCosine) * cosines[cell] + kAnyCosine * kMeanCosine;
       sought += (even ? kFoundAnyway : 1) * cosine * light_[cell];
     }

@@ -10,12 +10,6 @@
 
 namespace tessera::core {
 
-template <typename T>
-T fraction(T x) {
-  using std::floor;
-  return x - floor(x);
-}
-
 class EquirectangularMap {
  public:
   // The picture is turned about +y, counter-clockwise seen from above.
@@ -41,6 +35,12 @@ class EquirectangularMap {
   }
 
  private:
+  template <typename T>
+  static T fraction(T x) {
+    using std::floor;
+    return x - floor(x);
+  }
+
   float turned_;
 };
 

@@ -1,5 +1,6 @@
 // Which light to sample, by where the lit point is: nine times in ten in proportion to the light that each
-// may send there, shadows apart, of even surroundings a quarter of it; else any of them alike. So a faint
+// may send there, shadows apart, of even surroundings a quarter of it,
+// as it suits multiple importance sampling; else any of them alike. So a faint
 // light is still found beside one that is brighter by any factor.
 //
 // Lights with a place are chosen by a tree. Those at infinity, which are few, stand beside it one by one.
@@ -45,7 +46,8 @@ class LightSampler {
     std::uint32_t light;
     Vec3 wi{};              // unit
     double irradiance = 0;  // of a surface that faces it, the mean of the channels
-    // Instead of these, for light from all around: EnvironmentDistribution::sought_irradiance.
+    // Instead of these, for light from all around: EnvironmentDistribution::sought_irradiance, by
+    // facing_of().
     std::vector<double> by_facing{};
   };
   // How much light comes from the tree and from all at infinity, and from how many of these alternatives.

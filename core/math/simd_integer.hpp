@@ -17,10 +17,6 @@ struct U32x8 {
   static U32x8 load(const std::uint32_t* from) {
     return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(from));
   }
-  // table[index[i]] in lane i.
-  static U32x8 gather(const std::uint32_t* table, U32x8 index) {
-    return _mm256_i32gather_epi32(reinterpret_cast<const int*>(table), index.v, 4);
-  }
 
   void store(std::uint32_t* to) const { _mm256_storeu_si256(reinterpret_cast<__m256i*>(to), v); }
 };
@@ -54,10 +50,6 @@ inline Mask8 operator==(U32x8 a, U32x8 b) {
 }
 inline Mask8 operator!=(U32x8 a, U32x8 b) {
   return !(a == b);
-}
-// Of signed numbers, which are counted modulo 2^32.
-inline Mask8 is_negative(U32x8 a) {
-  return _mm256_castsi256_ps(_mm256_srai_epi32(a.v, 31));
 }
 inline U32x8 select(Mask8 mask, U32x8 a, U32x8 b) {
   return _mm256_blendv_epi8(b.v, a.v, _mm256_castps_si256(mask.v));

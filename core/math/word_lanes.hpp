@@ -24,14 +24,8 @@ inline U32x8 to_word(Float8 x) {
 inline float look_up(const float* table, std::uint32_t index) {
   return table[index];
 }
-inline std::uint32_t look_up(const std::uint32_t* table, std::uint32_t index) {
-  return table[index];
-}
 inline Float8 look_up(const float* table, U32x8 index) {
   return Float8::gather(table, index.v);
-}
-inline U32x8 look_up(const std::uint32_t* table, U32x8 index) {
-  return U32x8::gather(table, index);
 }
 
 }  // namespace tessera::core

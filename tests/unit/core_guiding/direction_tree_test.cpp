@@ -23,27 +23,6 @@ float pdf_of(const DirectionTrees& trees, DirectionTrees::Root root, Vec3 direct
   return trees.sample_or<float>(root, false, {}, direction).pdf;
 }
 
-TEST(OctahedralMap, GoesThereAndBack) {
-  for (std::uint32_t i = 0; i < 4096; ++i) {
-    const auto u = Sampler(1, 0, 0, i).pad(0);
-    const Vec3 d = sample_sphere({u[0], u[1]});
-    EXPECT_LT(length(from_octahedral_square(to_octahedral_square(d)) - d), 1e-5f);
-  }
-  for (const Vec3 axis :
-       {Vec3{1, 0, 0}, Vec3{-1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, -1, 0}, Vec3{0, 0, 1}, Vec3{0, 0, -1}})
-    EXPECT_LT(length(from_octahedral_square(to_octahedral_square(axis)) - axis), 1e-5f);
-}
-
-TEST(OctahedralMap, CoversTheSphereOnce) {
-  double sum = 0;
-  constexpr int kSide = 512;
-  for (int y = 0; y < kSide; ++y)
-    for (int x = 0; x < kSide; ++x)
-      sum += static_cast<double>(octahedral_area(from_octahedral_square<float>(
-          {(static_cast<float>(x) + 0.5f) / kSide, (static_cast<float>(y) + 0.5f) / kSide})));
-  EXPECT_NEAR(sum / (kSide * kSide), 4 * static_cast<double>(kPi), 1e-3);
-}
-
 TEST(DirectionTrees, DensityIntegratesToOne) {
   DirectionTrees trees;
   for (const std::uint32_t count : {1u, 5u, 100u, 5000u}) {

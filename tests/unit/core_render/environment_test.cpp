@@ -11,6 +11,7 @@
 #include <tuple>
 #include <vector>
 
+#include "core/lights/facing.hpp"
 #include "core/sampling/sampler.hpp"
 #include "core/sampling/warp.hpp"
 #include "tests/support/chi_square.hpp"
@@ -259,6 +260,21 @@ TEST(EnvironmentSampling, FindsASunJustOverTheHorizon) {
       EXPECT_GT(environment.sought_irradiance()[facing_of(normal)], 0) << i;
     }
   }
+}
+
+TEST(EnvironmentSampling, ReachesBothEndsOfItsRange) {
+  const Environment environment(Rgb::gray(1), picture(64, 32, [](int, int) { return 1.0f; }), 0);
+  constexpr float kJustBelowOne = 1 - 0x1p-24f;
+  const auto top = environment.sample(Vec3{}, Vec2{0, 0});
+  const auto bottom = environment.sample(Vec3{}, Vec2{kJustBelowOne, kJustBelowOne});
+  ASSERT_TRUE(top && bottom);
+  EXPECT_NEAR(top->wi.y, 1, 1e-6);
+  EXPECT_NEAR(bottom->wi.y, -1, 1e-6);
+}
+
+TEST(EnvironmentSampling, BlackSurroundingsHaveNoPower) {
+  EXPECT_EQ(Environment(Rgb::gray(0), nullptr, 0).power(1), 0);
+  EXPECT_EQ(Environment(Rgb::gray(1), picture(7, 3, [](int, int) { return 0.0f; }), 0).power(1), 0);
 }
 
 // A sun counts in full where it is seen, the sky a quarter: its light is found by rays that are scattered,
