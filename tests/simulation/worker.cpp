@@ -198,7 +198,10 @@ void WorkerMachine::render_next() {
                 coordinator_.tile_pixels(next->job, item.tile) * item.samples.count(),
                 0,
                 any_holds(endless_, next->job, item)};
-  if (rendering_->endless) return world_.note(fmt::format("{}.{} comes to no end", host_, process_));
+  if (rendering_->endless) {
+    has_been_at_no_end_ = true;
+    return world_.note(fmt::format("{}.{} comes to no end", host_, process_));
+  }
   render_on();
 }
 

@@ -39,6 +39,8 @@ class WorkerMachine {
   void never_ends(const scheduler::JobId& job, const scheduler::WorkItem& item);
   // Whether that has happened to the one that runs.
   bool is_at_no_end() const { return running_ && rendering_ && rendering_->endless; }
+  // Whether it ever was, in any of its processes.
+  bool has_been_at_no_end() const { return has_been_at_no_end_; }
   // From now on it takes so long to fetch a job's scene, which it keeps.
   void fetch_slowly(Duration duration) { fetch_time_ = duration; }
   // From now on it says that it is fetching the scene of whatever it is given, until others have that, and
@@ -136,6 +138,7 @@ class WorkerMachine {
   std::string id_;  // of this process
   Time hung_until_{};
   Time stuck_until_{};
+  bool has_been_at_no_end_ = false;
   bool stop_pending_ = false;  // comes when it no longer hangs
   bool stopping_ = false;
   bool start_again_ = false;
