@@ -86,7 +86,7 @@ Image banded() {
   const Rgb spot = srgb(0xb4512f);
   return paint_globe([=](Vec3 p) {
     const float eddies = 0.05f * fractal_noise({p.x * 5, p.y * 14, p.z * 5}, 4);
-    const float place = (p.y + eddies + 1) * 6.5f;
+    const float place = std::max(0.0f, p.y + eddies + 1) * 6.5f;
     const float belt = std::floor(place), within = place - belt;
     const auto at = [&](float i) { return belts[static_cast<std::size_t>(i) % belts.size()]; };
     const Rgb color = blend(at(belt), at(belt + 1), smooth_step(0.55f, 1, within));
