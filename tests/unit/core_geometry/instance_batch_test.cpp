@@ -86,7 +86,10 @@ void expect_what_brute_force_finds(const Bvh& bvh, const Primitives& primitives,
 
 class GroupsThroughInstances : public testing::TestWithParam<std::tuple<float, float, float>> {
  protected:
-  Show show() const { return std::make_from_tuple<Show>(GetParam()); }
+  Show show() const {
+    const auto [size, distance, modelled_at] = GetParam();
+    return {size, distance, modelled_at};
+  }
 };
 
 TEST_P(GroupsThroughInstances, FindWhatEachRayFindsAlone) {
