@@ -13,8 +13,9 @@
 namespace tessera::core {
 namespace {
 
+// Where a path first may end, and what the chance to go on is scaled by there, and further on.
 constexpr int kFirstRouletteDepth = 1;
-constexpr float kSurvivalScale = 1.2f;
+constexpr float kFirstSurvivalScale = 1.6f, kSurvivalScale = 1.2f;
 constexpr float kMaxSurvival = 0.95f;  // below 1, so that a path between perfect mirrors ends
 
 // Of densities that are all times the number of samples with them, or all divided by the same (Veach and
@@ -28,15 +29,17 @@ T mis_weight(Heuristic heuristic, T pdf, T other_pdf) {
 
 // Russian roulette (Arvo and Kirk 1990), by the throughput without the compression of radiance by refraction,
 // which the way out of the glass undoes, and without what the guide's densities divided it by: there is more
-// light where they are higher (Vorba and Křivánek 2016). By its square root, and a fifth more: a dim path
-// that goes on costs time, one that is cut off makes the others bright, and so the best is in between.
+// light where they are higher (Vorba and Křivánek 2016). By its square root, and more: a dim path that goes
+// on costs time, one that is cut off makes the others bright, and so the best is in between. The first
+// roulette is the mildest, since all light that comes by more than two bounces has to pass it.
 template <typename T>
 MaskOf<T> survives_roulette(RgbOf<T>& throughput, T eta_scale, T promise, int depth, T u) {
   const T contribution = max_component(throughput) * eta_scale * promise;
   const MaskOf<T> goes_on = contribution > 0;
   if (depth < kFirstRouletteDepth) return goes_on;
   using std::sqrt;
-  const T survival = smaller(T(kMaxSurvival), kSurvivalScale * sqrt(contribution));
+  const float scale = depth == kFirstRouletteDepth ? kFirstSurvivalScale : kSurvivalScale;
+  const T survival = smaller(T(kMaxSurvival), scale * sqrt(contribution));
   throughput *= 1 / survival;
   return goes_on & (u < survival);
 }
