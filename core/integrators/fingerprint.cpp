@@ -13,12 +13,19 @@
 namespace tessera::core {
 namespace {
 
-// A picture of surroundings as linear floats, with a bright texel.
+// A picture of surroundings as linear floats, with clouds and a sun, black below.
 Texture sky() {
-  const TextureImage image{4, 2,
-                           std::vector<float>{.1f, .2f, .4f, .1f, .2f, .4f, 5,   4,   3,   .1f, .2f, .4f,
-                                              .1f, .1f, .1f, 0,   0,   0,   .1f, .1f, .1f, 0,   0,   0}};
-  return {.image = std::make_shared<TextureImage>(image)};
+  constexpr int kWidth = 96, kHeight = 48;
+  std::vector<float> texels;
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 0; x < kWidth; ++x) {
+      const bool is_sun = (x == 63 || x == 64) && (y == 16 || y == 17);
+      const float cloud = static_cast<float>((x * 7 + y * 11) % 13) / 40;
+      const float blue = y < kHeight / 2 ? 0.4f : 0;
+      texels.insert(texels.end(),
+                    {is_sun ? 300 : cloud * blue, is_sun ? 250 : blue / 2, is_sun ? 200 : blue});
+    }
+  return {.image = std::make_shared<TextureImage>(TextureImage{kWidth, kHeight, std::move(texels)})};
 }
 
 // A 2 x 2 picture as sRGB bytes.

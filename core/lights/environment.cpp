@@ -42,10 +42,16 @@ std::vector<double> texel_means(const TextureImage& image, Rgb factor) {
   return means;
 }
 
+Rgb radiance_of(Rgb radiance, const TextureImage* image, Vec2 uv) {
+  return image ? radiance * image->bilinear(uv, Wrap::kRepeat, Wrap::kClamp) : radiance;
+}
+
 EnvironmentDistribution distribution_of(Rgb radiance, const TextureImage* image,
                                         const EquirectangularMap& map) {
-  if (!image) return EnvironmentDistribution::build(1, 1, {mean_of(radiance)}, map);
-  return EnvironmentDistribution::build(image->width(), image->height(), texel_means(*image, radiance), map);
+  const auto mean_at = [&](Vec2 uv) { return mean_of(radiance_of(radiance, image, uv)); };
+  if (!image) return EnvironmentDistribution::build(1, 1, {mean_of(radiance)}, mean_at, map);
+  return EnvironmentDistribution::build(image->width(), image->height(), texel_means(*image, radiance),
+                                        mean_at, map);
 }
 
 RgbOf<Float8> in_all_lanes(Rgb c) {
@@ -62,8 +68,7 @@ Environment::Environment(Rgb radiance, std::shared_ptr<const TextureImage> image
           std::make_shared<EnvironmentDistribution>(distribution_of(radiance_, image_.get(), map_))) {}
 
 Rgb Environment::radiance(Vec3 direction) const {
-  return image_ ? radiance_ * image_->bilinear(map_.uv_of(direction), Wrap::kRepeat, Wrap::kClamp)
-                : radiance_;
+  return radiance_of(radiance_, image_.get(), map_.uv_of(direction));
 }
 
 float Environment::pdf(Vec3 normal, Vec3 direction) const {

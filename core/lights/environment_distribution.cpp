@@ -1,21 +1,36 @@
 #include "core/lights/environment_distribution.hpp"
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cassert>
 
+#include "core/math/elementary.hpp"
 #include "core/math/lane_array.hpp"
 #include "core/math/row_lookup.hpp"
+#include "core/sampling/hash.hpp"
 
 namespace tessera::core {
 namespace {
 
-constexpr float kJustBelowOne = 1 - 0x1p-24f;
+// How near the poles the density of interpolated texels still grows, as the sine of the angle: it would be
+// infinite at the poles.
+constexpr float kLeastSine = 1e-6f;
 
-template <typename T>
-WordOf<T> texel_along(T coordinate, int texels) {
-  const auto count = static_cast<float>(texels);
-  return to_word(larger(T(0.0f), smaller(coordinate * count, T(count - 1))));
+// The numbers with more bits below their 24, made of all that these have: a rare cell leaves too few of the
+// 24 to find its texels by.
+Vec2Of<double> with_more_bits(Vec2 u) {
+  const std::uint64_t more = hash(std::uint64_t{as_bits(u.x)}, as_bits(u.y));
+  const auto refined = [](float number, std::uint64_t bits) {
+    return static_cast<double>(to_word(number * 0x1p24f)) * 0x1p-24 +
+           static_cast<double>(bits >> 8) * 0x1p-48;
+  };
+  return {refined(u.x, more >> 32), refined(u.y, more & 0xffffffff)};
+}
+
+// The texel that a place lies in, counted from the first. Written so that NaN, too, ends in the picture.
+std::uint32_t texel_at(float place, int texels) {
+  return to_word(larger(0.0f, smaller(place, static_cast<float>(texels - 1))));
 }
 
 // Which of the shares a number falls on, below the end of the last.
@@ -40,11 +55,12 @@ struct EnvironmentDistribution::SharesOf {
     constexpr float kUnit = 1 / (float{kWhole} * float{kWhole});
     return band_size * sector_size * kUnit;
   }
-  // Where numbers fall in the shares, in [0, 1). Of their 24 bits the smallest share leaves nine: of an
-  // uneven cell as rare as that, some texels are never found.
-  Vec2Of<T> within(Vec2Of<T> u) const {
-    return {smaller((u.x * float{kWhole} - sector_begin) / sector_size, T(kJustBelowOne)),
-            smaller((u.y * float{kWhole} - band_begin) / band_size, T(kJustBelowOne))};
+  // Where numbers fall in the shares, in [0, 1). The whole is a power of two, so nothing is rounded across
+  // the shares' ends.
+  template <typename U>
+  Vec2Of<U> within(Vec2Of<U> u) const {
+    return {(u.x * U(float{kWhole}) - U(sector_begin)) / U(sector_size),
+            (u.y * U(float{kWhole}) - U(band_begin)) / U(band_size)};
   }
 };
 
@@ -112,19 +128,31 @@ EnvironmentDistribution::Chosen EnvironmentDistribution::choose(std::uint32_t fa
   return chosen(facing, band, share_at(choice.sectors[band], x));
 }
 
-EnvironmentDistribution::PlaceOf<float> EnvironmentDistribution::on_texel(const Chosen& chosen,
-                                                                          Vec2 within) const {
+EnvironmentDistribution::PlaceOf<float> EnvironmentDistribution::sample_texels(const Chosen& chosen,
+                                                                               Vec2 u) const {
   const auto& [first_column, first_row, distribution] = texels_[static_cast<std::size_t>(chosen.uneven)];
-  const GridDistribution::Choice texel = distribution.sample(within);
-  PatchOf<float> patch = first_texels_[static_cast<std::size_t>(first_row + texel.y)];
-  patch.along_row = static_cast<float>(first_column + texel.x) * patch.row_size;
-  return patch.at(texel.within, chosen.shares.chance() * static_cast<float>(texel.pmf));
+  const auto [place, density] = distribution.sample(chosen.shares.within(with_more_bits(u)));
+  const float column = static_cast<float>(first_column) + place.x,
+              row = static_cast<float>(first_row) + place.y;
+  const auto width = static_cast<float>(width_), height = static_cast<float>(height_);
+  const bool upper = 2 * row <= height;
+  const float half_sine = sin(kPi / 2 * (upper ? row : height - row) / height);
+  return {column / width, 2 * half_sine * half_sine, upper ? 1.0f : -1.0f,
+          chosen.shares.chance() * density * texels_per_solid_angle(row)};
+}
+
+// At that many rows below the upper pole.
+float EnvironmentDistribution::texels_per_solid_angle(float row) const {
+  const auto width = static_cast<float>(width_), height = static_cast<float>(height_);
+  const float inside = larger(0.0f, smaller(row, height));
+  const float sine = sin(kPi * std::min(inside, height - inside) / height);
+  return width * height / (2 * kPi * kPi * std::max(sine, kLeastSine));
 }
 
 EnvironmentDistribution::PlaceOf<float> EnvironmentDistribution::sample(std::uint32_t facing, Vec2 u) const {
   const Chosen cell = choose(facing, to_word(u.x * float{kWhole}), to_word(u.y * float{kWhole}));
-  const Vec2 within = cell.shares.within(u);
-  return cell.uneven == kEven ? cell.shares.patch.at(within, cell.shares.chance()) : on_texel(cell, within);
+  return cell.uneven == kEven ? cell.shares.patch.at(cell.shares.within(u), cell.shares.chance())
+                              : sample_texels(cell, u);
 }
 
 EnvironmentDistribution::PlaceOf<Float8> EnvironmentDistribution::sample(U32x8 facings,
@@ -139,36 +167,37 @@ EnvironmentDistribution::PlaceOf<Float8> EnvironmentDistribution::sample(U32x8 f
     uneven |= (of_lanes[lane].uneven == kEven ? 0u : 1u) << lane;
   }
   const SharesOf<Float8> cells = lanes.all();
-  const Vec2Of<Float8> within = cells.within(u);
-  const PlaceOf<Float8> even = cells.patch.at(within, cells.chance());
+  const PlaceOf<Float8> even = cells.patch.at(cells.within(u), cells.chance());
   if (uneven == 0) return even;
-  const FloatLanes within_x(within.x), within_y(within.y);
+  const FloatLanes u_x(u.x), u_y(u.y);
   PlaceLanes places(even);
   for (; uneven != 0; uneven &= uneven - 1) {
     const auto lane = static_cast<std::size_t>(std::countr_zero(uneven));
-    places.set(lane, on_texel(of_lanes[lane], {within_x[lane], within_y[lane]}));
+    places.set(lane, sample_texels(of_lanes[lane], {u_x[lane], u_y[lane]}));
   }
   return places.all();
 }
 
-float EnvironmentDistribution::pdf_at(std::uint32_t facing, std::uint32_t column, std::uint32_t row) const {
-  const auto [shares, uneven] = chosen(facing, band_of_row_[row], sector_of_column_[column]);
+// A place of the picture, in texels from its upper left corner.
+float EnvironmentDistribution::pdf_at(std::uint32_t facing, Vec2 place) const {
+  const auto [shares, uneven] =
+      chosen(facing, band_of_row_[texel_at(place.y, height_)], sector_of_column_[texel_at(place.x, width_)]);
   if (uneven == kEven) return shares.chance() * shares.patch.per_solid_angle;
   const auto& [first_column, first_row, distribution] = texels_[static_cast<std::size_t>(uneven)];
-  const double pmf =
-      distribution.pmf(static_cast<int>(column) - first_column, static_cast<int>(row) - first_row);
-  return shares.chance() * static_cast<float>(pmf) * first_texels_[row].per_solid_angle;
+  const Vec2 within{place.x - static_cast<float>(first_column), place.y - static_cast<float>(first_row)};
+  return shares.chance() * distribution.density(within) * texels_per_solid_angle(place.y);
 }
 
 float EnvironmentDistribution::pdf(std::uint32_t facing, Vec2 uv) const {
-  return pdf_at(facing, texel_along(uv.x, width_), texel_along(1 - uv.y, height_));
+  return pdf_at(facing, {uv.x * static_cast<float>(width_), (1 - uv.y) * static_cast<float>(height_)});
 }
 
 Float8 EnvironmentDistribution::pdf(U32x8 facings, Vec2Of<Float8> uv) const {
-  const WordLanes facing(facings), column(texel_along(uv.x, width_)), row(texel_along(1 - uv.y, height_));
+  const WordLanes facing(facings);
+  const FloatLanes x(uv.x * static_cast<float>(width_)), y((1 - uv.y) * static_cast<float>(height_));
   FloatLanes pdf;
   for (std::size_t lane = 0; lane < kLaneCount; ++lane)
-    pdf.set(lane, pdf_at(facing[lane], column[lane], row[lane]));
+    pdf.set(lane, pdf_at(facing[lane], {x[lane], y[lane]}));
   return pdf.all();
 }
 

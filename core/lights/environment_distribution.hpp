@@ -4,26 +4,30 @@
 // The sphere of directions is cut into cells along the rows and columns of an equirectangular picture. For
 // each way to face there is a table of what each cell sends, and all tables together fit into a near cache.
 // Within a cell directions are even, and the picture's texels need not be looked at; but for cells that are
-// uneven, such as the sun's, whose texels have a distribution of their own.
+// uneven, such as the sun's, which have a distribution of their own, interpolated between texels as light is
+// within the cell.
 #pragma once
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "core/lights/equirectangular.hpp"
 #include "core/math/simd_integer.hpp"
-#include "core/sampling/distribution.hpp"
+#include "core/sampling/bilinear_distribution.hpp"
 
 namespace tessera::core {
 
 class EnvironmentDistribution {
  public:
-  // `radiance`: the mean of the channels over each texel, row by row from the upper edge; finite and not
-  // negative. Of surroundings that are black there is nothing but radiance_over_sphere().
-  static EnvironmentDistribution build(int width, int height, const std::vector<double>& radiance,
-                                       const EquirectangularMap& map);
+  // The mean of the channels at (u, v) of the picture; finite and not negative.
+  using RadianceAt = std::function<double(Vec2 uv)>;
+  // `means`: of that over each texel, row by row from the upper edge. Of surroundings that are black there is
+  // nothing but radiance_over_sphere().
+  static EnvironmentDistribution build(int width, int height, const std::vector<double>& means,
+                                       const RadianceAt& radiance_at, const EquirectangularMap& map);
 
   // A direction, by its place in the picture (EquirectangularMap::direction).
   template <typename T>
@@ -61,7 +65,7 @@ class EnvironmentDistribution {
     Shares<kBands> bands;
     std::array<Shares<kSectors>, kBands> sectors;  // of each band
   };
-  static constexpr std::int16_t kWhole = 32767;
+  static constexpr std::int16_t kWhole = 1 << 14;
 
   // What lies between two rows and two columns, as in PlaceOf; or several of these.
   template <typename T>
@@ -80,7 +84,7 @@ class EnvironmentDistribution {
   };
   struct Texels {
     int first_column, first_row;
-    GridDistribution distribution;
+    BilinearDistribution distribution;
   };
   template <typename T>
   struct SharesOf;
@@ -91,14 +95,14 @@ class EnvironmentDistribution {
   EnvironmentDistribution() = default;
   Chosen chosen(std::uint32_t facing, std::size_t band, std::size_t sector) const;
   Chosen choose(std::uint32_t facing, std::uint32_t x, std::uint32_t y) const;
-  PlaceOf<float> on_texel(const Chosen& chosen, Vec2 within) const;
-  float pdf_at(std::uint32_t facing, std::uint32_t column, std::uint32_t row) const;
+  PlaceOf<float> sample_texels(const Chosen& chosen, Vec2 u) const;
+  float texels_per_solid_angle(float row) const;
+  float pdf_at(std::uint32_t facing, Vec2 place) const;
 
   // Of the grid: the picture's columns and rows, or parts of them where they are fewer than sectors or bands.
   int width_ = 0, height_ = 0;
   std::vector<std::uint8_t> sector_of_column_, band_of_row_;
-  std::vector<PatchOf<float>> first_texels_;  // of each row
-  std::vector<Cell> cells_;                   // by band and sector
+  std::vector<Cell> cells_;  // by band and sector
   std::vector<Texels> texels_;
   std::vector<Choice> choices_;  // by facing
   std::vector<double> sought_;   // by facing

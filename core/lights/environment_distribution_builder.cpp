@@ -3,6 +3,7 @@
 #include <array>
 #include <cassert>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <numeric>
 #include <utility>
@@ -11,6 +12,7 @@
 #include "core/lights/environment_distribution.hpp"
 #include "core/lights/facing.hpp"
 #include "core/math/elementary.hpp"
+#include "core/sampling/shares.hpp"
 
 namespace tessera::core {
 namespace {
@@ -61,21 +63,10 @@ struct Heights {
   double begin, size;
 };
 
-// Everything of some weight gets one unit, and its share of the others. What is nothing has all at 0.
 template <std::size_t kCount>
 std::array<std::int16_t, kCount + 1> shares_of(const double* weights, std::int16_t whole) {
-  std::array<std::int16_t, kCount + 1> begins{};
-  const double sum = std::accumulate(weights, weights + kCount, 0.0);
-  if (!(sum > 0)) return begins;
-  const auto with_weight = std::count_if(weights, weights + kCount, [](double w) { return w > 0; });
-  const double shared = static_cast<double>(whole - with_weight);
-  double before = 0;
-  int units = 0;
-  for (std::size_t i = 0; i < kCount; ++i) {
-    before += weights[i];
-    units += weights[i] > 0 ? 1 : 0;
-    begins[i + 1] = static_cast<std::int16_t>(static_cast<int>(before / sum * shared + 0.5) + units);
-  }
+  std::array<std::int16_t, kCount + 1> begins;
+  cumulate_shares<std::int16_t>({weights, kCount}, whole, begins);
   return begins;
 }
 
@@ -85,14 +76,16 @@ class EnvironmentDistributionBuilder {
  public:
   // The grid is the picture's texels or parts of them: at least one row for each band, and one column for
   // each sector.
-  EnvironmentDistributionBuilder(int width, int height, const std::vector<double>& radiance,
+  EnvironmentDistributionBuilder(int width, int height, const std::vector<double>& means,
+                                 const EnvironmentDistribution::RadianceAt& radiance_at,
                                  const EquirectangularMap& map)
       : columns_per_texel_(parts(width, kSectors)),
         rows_per_texel_(parts(height, kBands)),
         picture_width_(width),
         width_(width * columns_per_texel_),
         height_(height * rows_per_texel_),
-        radiance_(radiance),
+        means_(means),
+        radiance_at_(radiance_at),
         map_(map) {
     for (int row = 0; row < height_; ++row)
       solid_angles_.push_back(2 * std::numbers::pi / width_ * std::fabs(Heights(row, row + 1, height_).size));
@@ -142,12 +135,12 @@ class EnvironmentDistributionBuilder {
     return map_.direction(p.along_row + p.row_size * place.x, p.depth + p.depth_size * place.y, p.side);
   }
 
-  // Calls function(radiance, solid angle, column, row) for each texel of the grid between these.
+  // Calls function(mean radiance, solid angle, column, row) for each texel of the grid between these.
   template <typename Function>
   void for_each(const Bounds& b, Function function) const {
     for (int row = b.first_row; row < b.end_row; ++row) {
-      const double* texels = radiance_.data() + static_cast<std::size_t>(row / rows_per_texel_) *
-                                                    static_cast<std::size_t>(picture_width_);
+      const double* texels = means_.data() + static_cast<std::size_t>(row / rows_per_texel_) *
+                                                 static_cast<std::size_t>(picture_width_);
       const double solid_angle = solid_angles_[static_cast<std::size_t>(row)];
       for (int column = b.first_column; column < b.end_column; ++column)
         function(texels[columns_per_texel_ == 1 ? column : column / columns_per_texel_], solid_angle, column,
@@ -160,10 +153,8 @@ class EnvironmentDistributionBuilder {
     made_.height_ = height_;
     for (int column = 0; column < width_; ++column)
       made_.sector_of_column_.push_back(static_cast<std::uint8_t>(std::int64_t{column} * kSectors / width_));
-    for (int row = 0; row < height_; ++row) {
+    for (int row = 0; row < height_; ++row)
       made_.band_of_row_.push_back(static_cast<std::uint8_t>(std::int64_t{row} * kBands / height_));
-      made_.first_texels_.push_back(patch({0, row, 1, row + 1}));
-    }
   }
 
   void measure_light() {
@@ -179,9 +170,8 @@ class EnvironmentDistributionBuilder {
   }
 
   // Per solid angle, without regard to cosines.
-  double density(double radiance) const {
-    return radiance > 0 ? radiance * density_per_radiance_ + least_density_ : 0;
-  }
+  double lit_density(double radiance) const { return radiance * density_per_radiance_ + least_density_; }
+  double density(double radiance) const { return radiance > 0 ? lit_density(radiance) : 0; }
 
   void add_cell(std::size_t index) {
     const Bounds within = bounds(index);
@@ -203,11 +193,32 @@ class EnvironmentDistributionBuilder {
     made_.texels_.push_back({within.first_column, within.first_row, texels(within)});
   }
 
-  GridDistribution texels(const Bounds& within) const {
-    std::vector<double> chances;
-    for_each(within,
-             [&](double radiance, double angle, int, int) { chances.push_back(density(radiance) * angle); });
-    return {within.end_column - within.first_column, within.end_row - within.first_row, chances};
+  // What the picture is interpolated between in and around a texel: the radiance in its middle. For those at
+  // the cell's edge, the most between there and the edge: light of a sun beyond it comes over the edge, and
+  // the density does not.
+  double radiance_around(const Bounds& within, int column, int row) const {
+    const auto span = [](int texel, int first, int end) {
+      return std::pair{static_cast<float>(texel) + (texel == first ? 0.0f : 0.5f),
+                       static_cast<float>(texel) + (texel + 1 == end ? 1.0f : 0.5f)};
+    };
+    const auto [left, right] = span(column, within.first_column, within.end_column);
+    const auto [top, bottom] = span(row, within.first_row, within.end_row);
+    constexpr double kMost = std::numeric_limits<float>::max();  // interpolated, it might round to infinity
+    double most = 0;
+    for (float along = left; along <= right; along += 0.5f)
+      for (float down = top; down <= bottom; down += 0.5f)
+        most = std::max(
+            most, radiance_at_({along / static_cast<float>(width_), 1 - down / static_cast<float>(height_)}));
+    return std::min(most, kMost);
+  }
+
+  // Texels that are not black all over have some weight, so that there is a density wherever there is light.
+  BilinearDistribution texels(const Bounds& within) const {
+    std::vector<double> weights;
+    for_each(within, [&](double mean, double angle, int column, int row) {
+      weights.push_back(mean > 0 ? lit_density(radiance_around(within, column, row)) * angle : 0);
+    });
+    return {within.end_column - within.first_column, within.end_row - within.first_row, weights};
   }
 
   // Of surfaces that face this way, in the mean over these and over each cell, of an uneven one half of it
@@ -253,7 +264,8 @@ class EnvironmentDistributionBuilder {
   }
 
   const int columns_per_texel_, rows_per_texel_, picture_width_, width_, height_;
-  const std::vector<double>& radiance_;
+  const std::vector<double>& means_;
+  const EnvironmentDistribution::RadianceAt& radiance_at_;
   const EquirectangularMap& map_;
   std::vector<double> solid_angles_;  // of a texel of each row
   double density_per_radiance_ = 0, least_density_ = 0;
@@ -264,9 +276,10 @@ class EnvironmentDistributionBuilder {
 };
 
 EnvironmentDistribution EnvironmentDistribution::build(int width, int height,
-                                                       const std::vector<double>& radiance,
+                                                       const std::vector<double>& means,
+                                                       const RadianceAt& radiance_at,
                                                        const EquirectangularMap& map) {
-  return EnvironmentDistributionBuilder(width, height, radiance, map).build();
+  return EnvironmentDistributionBuilder(width, height, means, radiance_at, map).build();
 }
 
 }  // namespace tessera::core

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <numeric>
+#include <span>
+
+#include "core/sampling/shares.hpp"
 
 namespace tessera::core {
 namespace {
@@ -41,24 +44,9 @@ GuidedCells::GuidedCells(std::size_t width, const std::vector<double>& weights)
   begin_.resize(rows * (width + 1));
   guide_.resize(rows * guides_);
   for (std::size_t row = 0; row < rows; ++row) {
-    cumulate(row, weights.data() + row * width);
-    if (begin_[row * (width + 1) + width] == kWhole) guide(row);
-  }
-}
-
-// Every cell with a weight gets one unit, and its share of the others.
-void GuidedCells::cumulate(std::size_t row, const double* weights) {
-  const double sum = std::accumulate(weights, weights + width_, 0.0);
-  if (!(sum > 0)) return;
-  const auto with_weight = std::count_if(weights, weights + width_, [](double w) { return w > 0; });
-  const double shared = kWhole - static_cast<double>(with_weight);
-  std::uint32_t* begin = begin_.data() + row * (width_ + 1);
-  double before = 0;
-  std::uint32_t cells_before = 0;
-  for (std::size_t i = 0; i < width_; ++i) {
-    before += weights[i];
-    cells_before += weights[i] > 0 ? 1 : 0;
-    begin[i + 1] = static_cast<std::uint32_t>(before / sum * shared + 0.5) + cells_before;
+    const std::span<std::uint32_t> begins{begin_.data() + row * (width + 1), width + 1};
+    cumulate_shares<std::uint32_t>({weights.data() + row * width, width}, kWhole, begins);
+    if (begins.back() == kWhole) guide(row);
   }
 }
 
@@ -72,14 +60,15 @@ void GuidedCells::guide(std::size_t row) {
   }
 }
 
-GuidedCells::Place GuidedCells::find(std::size_t row, float u) const {
+GuidedCells::Place GuidedCells::find(std::size_t row, double u) const {
   constexpr float kBelowOne = 1 - 0x1p-24f;
-  const auto units = static_cast<std::uint32_t>(u * static_cast<float>(kWhole));
+  const double units = u * kWhole;
+  const auto whole_units = static_cast<std::uint32_t>(units);
   const std::uint32_t* begin = begin_.data() + row * (width_ + 1);
-  std::size_t cell = guided_to(row, units);
-  while (begin[cell + 1] <= units) ++cell;
+  std::size_t cell = guided_to(row, whole_units);
+  while (begin[cell + 1] <= whole_units) ++cell;
   const double share = begin[cell + 1] - begin[cell];
-  return {cell, std::min(static_cast<float>((units - begin[cell]) / share), kBelowOne), share * kUnit};
+  return {cell, std::min(static_cast<float>((units - begin[cell]) / share), kBelowOne)};
 }
 
 double GuidedCells::pmf(std::size_t row, std::size_t cell) const {
@@ -91,10 +80,9 @@ GridDistribution::GridDistribution(int width, int height, const std::vector<doub
     : rows_(static_cast<std::size_t>(height), sums_of_rows(static_cast<std::size_t>(width), weights)),
       cells_(static_cast<std::size_t>(width), weights) {}
 
-GridDistribution::Choice GridDistribution::sample(Vec2 u) const {
+GridDistribution::Choice GridDistribution::sample(Vec2Of<double> u) const {
   const GuidedCells::Place row = rows_.find(0, u.y), cell = cells_.find(row.cell, u.x);
-  return {
-      static_cast<int>(cell.cell), static_cast<int>(row.cell), {cell.within, row.within}, row.pmf * cell.pmf};
+  return {static_cast<int>(cell.cell), static_cast<int>(row.cell), {cell.within, row.within}};
 }
 
 }  // namespace tessera::core

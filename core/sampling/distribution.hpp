@@ -39,17 +39,15 @@ class GuidedCells {
   struct Place {
     std::size_t cell;
     float within;  // in [0, 1)
-    double pmf;
   };
-  // u in [0, 1). Never a cell of weight 0.
-  Place find(std::size_t row, float u) const;
+  // u in [0, 1). Never a cell of weight 0. Takes more bits than a float has: else rare cells are lost.
+  Place find(std::size_t row, double u) const;
   double pmf(std::size_t row, std::size_t cell) const;
 
  private:
   std::size_t guided_to(std::size_t row, std::uint32_t units) const {
     return guide_[row * guides_ + (units * std::uint64_t{guides_} >> 31)];
   }
-  void cumulate(std::size_t row, const double* weights);
   void guide(std::size_t row);
 
   std::size_t width_ = 0, guides_ = 0;  // of each row
@@ -67,10 +65,9 @@ class GridDistribution {
   struct Choice {
     int x, y;
     Vec2 within;  // where in the cell, in [0, 1)
-    double pmf;   // of the cell
   };
-  // u in [0, 1). Never a cell of weight 0.
-  Choice sample(Vec2 u) const;
+  // u in [0, 1). Never a cell of weight 0. Takes more bits than a float has, as GuidedCells::find.
+  Choice sample(Vec2Of<double> u) const;
   double pmf(int x, int y) const {
     const auto row = static_cast<std::size_t>(y);
     return rows_.pmf(0, row) * cells_.pmf(row, static_cast<std::size_t>(x));

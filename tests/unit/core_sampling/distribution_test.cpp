@@ -4,6 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+
+#include "core/sampling/bilinear_distribution.hpp"
 
 namespace tessera::core {
 namespace {
@@ -33,11 +36,9 @@ TEST(GridDistribution, ChoosesCellsInProportionAndEvenlyWithinThem) {
   std::vector<double> counts(9), x(9), y(9);
   for (int i = 0; i < kSide; ++i)
     for (int j = 0; j < kSide; ++j) {
-      const auto choice =
-          grid.sample(Vec2{(static_cast<float>(i) + 0.5f) / kSide, (static_cast<float>(j) + 0.5f) / kSide});
+      const auto choice = grid.sample({(i + 0.5) / kSide, (j + 0.5) / kSide});
       const auto cell = static_cast<std::size_t>(choice.y * 3 + choice.x);
       ASSERT_GT(weights[cell], 0);
-      ASSERT_EQ(choice.pmf, grid.pmf(choice.x, choice.y));
       ASSERT_GE(std::min(choice.within.x, choice.within.y), 0);
       ASSERT_LT(std::max(choice.within.x, choice.within.y), 1);
       counts[cell] += 1.0 / (kSide * kSide);
@@ -54,7 +55,7 @@ TEST(GridDistribution, ChoosesCellsInProportionAndEvenlyWithinThem) {
 
 TEST(GridDistribution, ReachesBothEndsOfItsRange) {
   const GridDistribution grid(2, 2, {1, 0, 0, 1e-3});
-  const auto first = grid.sample(Vec2{0, 0}), last = grid.sample(Vec2{1 - 0x1p-24f, 1 - 0x1p-24f});
+  const auto first = grid.sample({0, 0}), last = grid.sample({1 - 0x1p-53, 1 - 0x1p-53});
   EXPECT_EQ(first.x + 2 * first.y, 0);
   EXPECT_EQ(last.x + 2 * last.y, 3);
   EXPECT_LT(last.within.x, 1);
@@ -76,10 +77,65 @@ TEST(GridDistribution, FindsTheCellThatTheNumberFallsOn) {
   double end = grid.pmf(0, 0);
   for (int i = 0; i < 1 << 20; ++i) {
     while (end <= i * 0x1p-20) end += grid.pmf(++cell, 0);
-    const auto choice = grid.sample(Vec2{static_cast<float>(i) * 0x1p-20f, 0.5f});
+    const auto choice = grid.sample({i * 0x1p-20, 0.5});
     ASSERT_EQ(choice.x, cell) << i;
-    ASSERT_NEAR(choice.within.x, (i * 0x1p-20 - (end - choice.pmf)) / choice.pmf, 1e-6);
+    ASSERT_NEAR(choice.within.x, (i * 0x1p-20 - end) / grid.pmf(cell, 0) + 1, 1e-6);
   }
+}
+
+// Between the middles of four cells the density is the mean of theirs, and what is sampled is what it says.
+TEST(BilinearDistribution, IsInterpolatedBetweenMiddlesAndSampledSo) {
+  const std::vector<double> weights{0, 1, 3, 0, 0, 8, 4, 0, 0, 0, 2, 6};
+  const BilinearDistribution grid(4, 3, weights);
+  EXPECT_FLOAT_EQ(grid.density({1.5f, 0.5f}), 1 / 24.0f);
+  EXPECT_FLOAT_EQ(grid.density({2.0f, 1.0f}), (1 + 3 + 8 + 4) / 4 / 24.0f);
+  EXPECT_FLOAT_EQ(grid.density({3.9f, 2.9f}), 6 / 24.0f) << "even beyond the outermost middles";
+  EXPECT_FLOAT_EQ(grid.density({0.25f, 2.0f}), 0);
+
+  constexpr int kSide = 600, kPerCell = 4;
+  std::vector<double> observed(4 * 3 * kPerCell * kPerCell), expected(observed.size());
+  const auto part = [](Vec2 place) {
+    const int x = std::min(static_cast<int>(place.x * kPerCell), 4 * kPerCell - 1),
+              y = std::min(static_cast<int>(place.y * kPerCell), 3 * kPerCell - 1);
+    return static_cast<std::size_t>(y * 4 * kPerCell + x);
+  };
+  for (int i = 0; i < kSide; ++i)
+    for (int j = 0; j < kSide; ++j) {
+      const auto [place, density] = grid.sample({(i + 0.5) / kSide, (j + 0.5) / kSide});
+      ASSERT_GT(density, 0);
+      observed[part(place)] += 1.0 / (kSide * kSide);
+    }
+  double total = 0;
+  for (int y = 0; y < 3 * kPerCell; ++y)
+    for (int x = 0; x < 4 * kPerCell; ++x) {
+      const Vec2 middle{(static_cast<float>(x) + 0.5f) / kPerCell, (static_cast<float>(y) + 0.5f) / kPerCell};
+      const double density = static_cast<double>(grid.density(middle)) / (kPerCell * kPerCell);
+      EXPECT_NEAR(observed[part(middle)], density, 5e-4) << x << ", " << y;
+      total += density;
+    }
+  EXPECT_NEAR(total, 1, 1e-6);
+}
+
+TEST(BilinearDistribution, HasADensityAtBothEndsOfItsRange) {
+  for (const std::vector<double>& weights : {std::vector<double>{0, 1, 0}, {1, 0, 0}, {0, 0, 2}, {1, 5, 2}}) {
+    const BilinearDistribution grid(3, 1, weights);
+    for (const double u : {0.0, 1 - 0x1p-53}) {
+      const auto [place, density] = grid.sample({u, u});
+      EXPECT_GE(std::min(place.x, place.y), 0);
+      EXPECT_LE(place.x, 3);
+      EXPECT_LE(place.y, 1);
+      EXPECT_GT(density, 0);
+    }
+  }
+}
+
+TEST(BilinearDistribution, HasSomeDensityEverywhere) {
+  const BilinearDistribution grid(2, 1, {1, 3});
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN(),
+                  kInfinity = std::numeric_limits<float>::infinity();
+  EXPECT_FLOAT_EQ(grid.density({-1, 0}), 0.25f);
+  EXPECT_FLOAT_EQ(grid.density({kInfinity, 7}), 0.75f);
+  EXPECT_FLOAT_EQ(grid.density({kNan, kNan}), 0.25f);
 }
 
 }  // namespace

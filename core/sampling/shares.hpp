@@ -1,0 +1,34 @@
+// Weights as shares of a whole that is counted in units.
+#pragma once
+
+#include <algorithm>
+#include <cassert>
+#include <cstddef>
+#include <numeric>
+#include <span>
+
+namespace tessera::core {
+
+// Where the share of each weight begins, and where the last one ends: begins has one more than weights.
+// Everything of some weight gets one unit, and its share of the others. Weights are not negative; no more of
+// them have some than there are units. Of nothing but zeros all begin at 0.
+template <typename Unit>
+void cumulate_shares(std::span<const double> weights, Unit whole, std::span<Unit> begins) {
+  assert(begins.size() == weights.size() + 1);
+  std::fill(begins.begin(), begins.end(), Unit{0});
+  const double sum = std::accumulate(weights.begin(), weights.end(), 0.0);
+  if (!(sum > 0)) return;
+  const auto with_weight = std::count_if(weights.begin(), weights.end(), [](double w) { return w > 0; });
+  const double shared = static_cast<double>(whole) - static_cast<double>(with_weight);
+  assert(shared >= 0);
+  double before = 0;
+  std::size_t with_weight_before = 0;
+  for (std::size_t i = 0; i < weights.size(); ++i) {
+    before += weights[i];
+    with_weight_before += weights[i] > 0 ? 1 : 0;
+    const auto shared_before = static_cast<std::size_t>(before / sum * shared + 0.5);
+    begins[i + 1] = static_cast<Unit>(shared_before + with_weight_before);
+  }
+}
+
+}  // namespace tessera::core
