@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "core/base/printable.hpp"
 #include "core/scene/settings.hpp"
 #include "proto/convert.hpp"
 #include "proto/convert_display.hpp"
@@ -15,18 +16,17 @@ bool is_known_state(int state) {
   return v1::JobState_IsValid(state) && state != v1::JOB_STATE_UNSPECIFIED;
 }
 
-// Whether a row's text can be told to anybody: the contract's texts are UTF-8.
-bool is_text(const std::string& bytes) {
-  v1::Job told;
-  told.set_failure(bytes);
-  return told.ParseFromString(told.SerializeAsString());
-}
-
 bool is_time(std::int64_t ms) {
   return ms_from_timestamp(timestamp_from_ms(ms)) == ms;
 }
 
 }  // namespace
+
+bool is_text(const std::string& bytes) {
+  v1::Job told;
+  told.set_failure(bytes);
+  return told.ParseFromString(told.SerializeAsString());
+}
 
 core::TileGrid grid_of(const v1::Job& spec) {
   return shape_of(spec, 0).grid();
@@ -96,7 +96,7 @@ core::Result<JobRecord> from_row(const store::JobRow& row) {
         fmt::format(
             "the stored job {} is damaged: delete it and submit its scene again, or put back a copy of the "
             "state folder",
-            row.id));
+            core::printable(row.id)));
   }
   JobRecord record;
   record.spec = std::move(spec);

@@ -49,6 +49,8 @@ v1::Job describe(const JobRecord& record, const scheduler::JobView& view);
 // The same without the bundle, which can name thousands of files.
 v1::Job summarise(const JobRecord& record, const scheduler::JobView& view);
 
+// Whether a row's text can be told to anybody: the contract's texts are UTF-8.
+bool is_text(const std::string& bytes);
 store::JobRow to_row(const JobRecord& record, const scheduler::JobView& view);
 // DATA_LOSS if the row cannot be read. The film is left out.
 core::Result<JobRecord> from_row(const store::JobRow& row);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/base/printable.hpp"
 #include "server/coordinator/admission.hpp"
 #include "server/coordinator/loaded_film.hpp"
 #include "server/coordinator/stored_tile.hpp"
@@ -44,8 +45,13 @@ std::vector<scheduler::IntervalSet> done_sets(const scheduler::JobShape& shape, 
 }  // namespace
 
 // One damaged job is no reason to refuse all others: it is there to be seen and to be deleted, as failed. Its
-// row is left as it is.
+// row is left as it is. But nobody could be told of one whose name is no text, nor ask to delete it.
 core::Status Coordinator::restore_damaged_job(const store::JobRow& row, const core::Error& error) {
+  if (!is_text(row.id)) {
+    spdlog::error("a stored job is damaged to its name, {}, and is left out: --salvage keeps the others",
+                  core::printable(row.id));
+    return {};
+  }
   spdlog::error("{}", error.message);
   const scheduler::JobShape nothing{1, 1, 1};
   auto spec = std::make_shared<v1::Job>();

@@ -160,13 +160,13 @@ core::Result<StateFindings> check_state(const std::filesystem::path& folder) {
 std::string to_text(const StateFindings& findings) {
   std::string text;
   for (const JobFindings& job : findings.jobs) {
-    text +=
-        fmt::format("job {}  {}, {}, {} of {} samples: {}\n", job.id, core::printable(job.name), job.state,
-                    job.samples_done, job.samples_total, job.damage.empty() ? "whole" : "DAMAGED");
+    text += fmt::format("job {}  {}, {}, {} of {} samples: {}\n", core::printable(job.id),
+                        core::printable(job.name), job.state, job.samples_done, job.samples_total,
+                        job.damage.empty() ? "whole" : "DAMAGED");
     for (const std::string& damage : job.damage) text += "  " + core::printable(damage) + "\n";
   }
   for (const std::string& damage : findings.damage) text += "DAMAGED: " + core::printable(damage) + "\n";
-  for (const std::string& note : findings.notes) text += "note: " + note + "\n";
+  for (const std::string& note : findings.notes) text += "note: " + core::printable(note) + "\n";
   const auto damaged = std::count_if(findings.jobs.begin(), findings.jobs.end(),
                                      [](const JobFindings& job) { return !job.damage.empty(); });
   return text + (findings.whole() ? fmt::format("everything is whole: {} jobs, {} files\n",

@@ -244,6 +244,18 @@ TEST_F(Restart, RowsThatNoCoordinatorHereWritesFailTheirJobsAndHarmNoOther) {
   EXPECT_EQ(job(whole).state(), v1::JOB_STATE_RUNNING);
 }
 
+TEST_F(Restart, AJobWhoseNameIsNoTextIsLeftOutAndHarmsNoOther) {
+  const std::string damaged = submit(), whole = submit();
+  ASSERT_TRUE(coordinator().checkpoint());
+  meddle("UPDATE jobs SET id = CAST(X'6AFF' AS TEXT) WHERE id = '" + damaged + "'");
+  open();
+  const std::vector<v1::Job> jobs = coordinator().jobs();
+  ASSERT_EQ(jobs.size(), 1u);
+  EXPECT_EQ(jobs[0].id(), whole);
+  EXPECT_EQ(jobs[0].state(), v1::JOB_STATE_RUNNING);
+  EXPECT_TRUE(coordinator().checkpoint());
+}
+
 // One bit of a seed would be another picture.
 TEST_F(Restart, AJobWhoseRowChangedOnDiskFailsAndHarmsNoOther) {
   const std::string damaged = submit(), whole = submit();

@@ -70,6 +70,10 @@ TEST_F(StateCheck, NamesWhatIsDamagedAndWhatToDo) {
   EXPECT_THAT(check_state(state())->jobs[0].damage,
               ElementsAre(HasSubstr("the stored job " + done_ + " is damaged")));
 
+  meddle("UPDATE jobs SET id = CAST(X'6AFF0A' AS TEXT) WHERE id = '" + done_ + "'");
+  EXPECT_THAT(to_text(*check_state(state())),
+              AllOf(HasSubstr("job j\\xff\\x0a  ?"), HasSubstr("the stored job j\\xff\\x0a is damaged")));
+
   const auto blob = store::BlobStore::look_at(state() / "blobs").path(proto::digest_of(kSceneBytes));
   write_file(blob, "[}");
   EXPECT_THAT(to_text(*check_state(state())),
