@@ -1,5 +1,6 @@
 #include "bench/soups.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/math/elementary.hpp"
@@ -143,6 +144,38 @@ Soup go_board() {
   soup.eye = {3, 14, 20};
   soup.look_at = {0, 2, 1};
   soup.lamp = {{-12, 25, 5}, 3};
+  return soup;
+}
+
+Soup strands() {
+  constexpr int kStrands = 15'000, kSegments = 10;
+  constexpr float kStep = 0.12f, kHalfWidth = 0.003f, kCurl = 0.22f, kWeight = 0.12f, kRadius = 1,
+                  kFloor = -1.5f;
+  Soup soup;
+  for (int strand = 0; strand < kStrands; ++strand) {
+    const auto u = Sampler(2, strand, 0, 0).pad(0);
+    Vec3 direction = sample_sphere({u[0], u[1]});
+    Vec3 root = direction * kRadius;
+    const Vec3 side =
+        Frame::around(direction).to_world({cos(2 * kPi * u[2]), sin(2 * kPi * u[2]), 0}) * kHalfWidth;
+    const auto first = static_cast<std::uint32_t>(soup.positions.size());
+    for (int joint = 0; joint <= kSegments; ++joint) {
+      soup.positions.insert(soup.positions.end(), {root - side, root + side});
+      const auto v = Sampler(2, strand, 1 + joint, 0).pad(0);
+      direction = normalize(direction + sample_sphere({v[0], v[1]}) * kCurl - Vec3{0, kWeight, 0});
+      root = root + direction * kStep;
+      root.y = std::max(root.y, kFloor + 0.01f);
+    }
+    for (std::uint32_t i = first; i < first + 2 * kSegments; i += 2) {
+      soup.triangles.push_back({i, i + 1, i + 3});
+      soup.triangles.push_back({i, i + 3, i + 2});
+    }
+  }
+  for (Vec3& position : soup.positions) position.y -= kFloor;
+  add_ground(soup, 20);
+  soup.eye = {0, 3, 7};
+  soup.look_at = {0, 1.4f, 0};
+  soup.lamp = {{-2, 6.5f, 2}, 0.6f};
   return soup;
 }
 

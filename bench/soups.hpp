@@ -33,6 +33,10 @@ Soup blob_field(int side, int rows);
 // some as large as the scene.
 Soup go_board();
 
+// 15,000 strands that grow from a ball on a plane and hang down: 300,000 triangles, long and thin, at all
+// angles, whose boxes overlap by far.
+Soup strands();
+
 struct RaySets {
   std::vector<Ray> primary;  // from a pinhole, side * side pixels in blocks of 8 * 8
   std::vector<Ray> bounce;   // one from each primary hit, cosine-distributed

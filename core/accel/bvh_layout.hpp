@@ -5,14 +5,22 @@
 #include <array>
 #include <cstdint>
 
+#include "core/math/simd_integer.hpp"
+
 namespace tessera::core {
 
 // A node or a packet, by its index in the Bvh's arrays.
 class BvhChild {
  public:
   BvhChild() = default;
-  static BvhChild node(std::uint32_t index) { return BvhChild(index); }
-  static BvhChild packet(std::uint32_t index) { return BvhChild(index | kPacketBit); }
+  static constexpr BvhChild node(std::uint32_t index) { return BvhChild(index); }
+  static constexpr BvhChild packet(std::uint32_t index) { return BvhChild(index | kPacketBit); }
+
+  // Bit i for child i of eight.
+  static unsigned packets_among(const BvhChild* eight) {
+    static_assert(sizeof(BvhChild) == sizeof(bits_) && kPacketBit == 1u << 31);
+    return highest_bits(U32x8::load(&eight->bits_));
+  }
 
   bool is_packet() const { return (bits_ & kPacketBit) != 0; }
   std::uint32_t index() const { return bits_ & ~kPacketBit; }
@@ -20,7 +28,7 @@ class BvhChild {
 
  private:
   static constexpr std::uint32_t kPacketBit = 0x80000000u;
-  explicit BvhChild(std::uint32_t bits) : bits_(bits) {}
+  constexpr explicit BvhChild(std::uint32_t bits) : bits_(bits) {}
   std::uint32_t bits_;  // not initialised, so that a stack of these costs nothing to make
 };
 
@@ -33,8 +41,14 @@ struct alignas(64) BvhNode {
   std::array<BvhChild, kWidth> children;
 
   BvhNode();
+  // Bit i for lane i: those whose children are packets, or that are not used.
+  unsigned packet_lanes() const;
   bool operator==(const BvhNode&) const = default;
 };
+
+inline unsigned BvhNode::packet_lanes() const {
+  return BvhChild::packets_among(children.data()) | BvhChild::packets_among(children.data() + 8) << 8;
+}
 
 // The primitives of a leaf: a lane each, triangles with a copy of their corners. Unused lanes are in no mask.
 struct alignas(64) BvhPacket {

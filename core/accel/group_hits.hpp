@@ -73,6 +73,12 @@ class GroupHits {
     settle();
   }
 
+  // Computes the candidates of the rays of `set`, four at once.
+  void settle_candidates(RaySet set) {
+    for_each_ray(set, [&](std::size_t i) { enqueue_candidate(i); });
+    settle();
+  }
+
   // Lets find(ray, the rays sheared, best hit so far) answer with the best hit of ray i.
   template <typename Find>
   void improve(std::size_t i, const Find& find) {
@@ -84,8 +90,7 @@ class GroupHits {
   // The rays of `set` hit hit_of(i), unless they hit something better.
   template <typename HitOf>
   void improve_all(RaySet set, const HitOf& hit_of) {
-    for_each_ray(set, [&](std::size_t i) { enqueue_candidate(i); });
-    settle();
+    settle_candidates(set);
     for_each_ray(set, [&](std::size_t i) {
       improve_hit(i, hit_of(i));
       update(i);

@@ -11,7 +11,7 @@ namespace {
 
 // What tests cost, in cycles, as far as choosing between them goes.
 constexpr int kBoxVsVector = 9, kRayVsBoxes = 20, kTriangleVsVector = 24, kRayVsPacket = 28;
-// From here on rays go alone.
+// So many rays or fewer go alone.
 constexpr int kFewRays = 3;
 // What it takes to prepare a group in an object is not worth it for fewer.
 constexpr int kLeastInObject = 8;
@@ -44,6 +44,36 @@ class GroupStack {
   std::size_t size_ = 0;
 };
 
+// Nodes that rays are yet to visit, each ray by itself.
+class LonelyNodes {
+ public:
+  // Adds a node to those of ray i, sorted for Query::kClosest. False if there is room for no other.
+  template <Query kQuery>
+  bool add(std::size_t i, StackEntry entry) {
+    const RaySet ray = RaySet{1} << i;
+    if ((rays_ & ray) == 0) counts_[i] = 0;
+    rays_ |= ray;
+    std::size_t slot = counts_[i]++;
+    if (kQuery == Query::kClosest)
+      for (; slot > 0 && entries_[i][slot - 1] < entry; --slot) entries_[i][slot] = entries_[i][slot - 1];
+    entries_[i][slot] = entry;
+    return counts_[i] < kMaxBeginnings;
+  }
+
+  // Those that have any.
+  RaySet rays() const { return rays_; }
+  // All of ray i, which has no more then; valid until another is added.
+  std::span<const StackEntry> take(std::size_t i) {
+    rays_ &= ~(RaySet{1} << i);
+    return std::span(entries_[i]).first(counts_[i]);
+  }
+
+ private:
+  RaySet rays_ = 0;
+  std::array<std::uint8_t, kGroupSize> counts_;
+  std::array<std::array<StackEntry, kMaxBeginnings>, kGroupSize> entries_;
+};
+
 // Of Rays, or of ObjectRays in the space of an object, which shows no others. Keeps references.
 template <Query kQuery, typename AnyRay>
 class GroupTraversal {
@@ -60,11 +90,14 @@ class GroupTraversal {
       if (entry.child.is_packet()) {
         visit(entry.child.index(), set);
       } else if (std::popcount(set) <= kFewRays) {
-        for_each_ray(set, [&](std::size_t i) { go_alone(i, entry.child); });
+        for_each_ray(set, [&](std::size_t i) { leave_alone(i, {entry.t_near, entry.child}); });
       } else {
         enter(scene_.nodes[entry.child.index()], set);
       }
     }
+    const RaySet rest = lonely_.rays() & hits_.alive();
+    hits_.settle_candidates(rest);
+    for_each_ray(rest, [&](std::size_t i) { go_alone(i); });
     return kQuery == Query::kClosest ? hits_.finish() : std::span<const Hit>();
   }
 
@@ -85,7 +118,14 @@ class GroupTraversal {
     const std::size_t base = stack_.size();
     for (; met != 0; met &= met - 1) {
       const auto lane = static_cast<std::size_t>(std::countr_zero(met));
-      if (meeting[lane] != 0) stack_.push(base, {t_near[lane], node.children[lane], meeting[lane]});
+      const BvhChild child = node.children[lane];
+      if (!child.is_packet() && std::popcount(meeting[lane]) <= kFewRays) {
+        for_each_ray(meeting[lane], [&](std::size_t i) {
+          leave_alone(i, {group_.entry_into(node, lane, i), child});
+        });
+      } else if (meeting[lane] != 0) {
+        stack_.push(base, {t_near[lane], child, meeting[lane]});
+      }
     }
   }
 
@@ -166,12 +206,17 @@ class GroupTraversal {
     return spread;
   }
 
-  void go_alone(std::size_t i, BvhChild child) {
+  // Leaves a node for ray i to visit later, when all is known that the group finds together.
+  void leave_alone(std::size_t i, StackEntry entry) {
+    if (!lonely_.add<kQuery>(i, entry)) go_alone(i);
+  }
+
+  void go_alone(std::size_t i) {
     hits_.improve(i, [&](const AnyRay& ray, const ShearedGroup& sheared, const Hit& best) {
       RayTraversal alone(
           scene_.primitives, scene_.objects, ray, best, [&] { return group_.slab_ray(i); },
           [&] { return sheared.ray(i); });
-      return alone.template run<kQuery>(scene_.nodes, scene_.packets, child);
+      return alone.template run<kQuery>(scene_.nodes, scene_.packets, lonely_.take(i));
     });
   }
 
@@ -180,6 +225,7 @@ class GroupTraversal {
   RayGroup<AnyRay> group_;
   GroupHits<kQuery, AnyRay> hits_;
   GroupStack stack_;
+  LonelyNodes lonely_;
 };
 
 RayColumns<Ray> columns_of(std::span<const Ray> rays, std::span<const std::uint32_t> order) {

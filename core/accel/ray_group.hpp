@@ -3,6 +3,7 @@
 // are rounded so that boxes begin too early and end too late.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <limits>
@@ -29,6 +30,16 @@ class RayGroup {
     const auto at = [i](const auto& values) { return Vec3{values[0][i], values[1][i], values[2][i]}; };
     return SlabRay<AnyRay>(at(origin_[kNear]), at(origin_[kFar]), at(inverse_), at(far_inverse_), near_side_,
                            far_side_);
+  }
+
+  // Where a ray enters the box in a lane of a node that it meets.
+  float entry_into(const BvhNode& node, std::size_t lane, std::size_t ray) const {
+    float near = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+      const float plane = node.bounds[near_side_[axis]][lane];
+      near = std::max(near, (plane - origin_[kNear][axis][ray]) * inverse_[axis][ray]);
+    }
+    return near;
   }
 
   // Boxes that begin beyond a ray's limit do not concern it.

@@ -7,6 +7,7 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <span>
 #include <type_traits>
 
 #include "core/accel/binary_bvh.hpp"
@@ -106,7 +107,7 @@ struct SlabRay<ObjectRay> : SlabDirections {
 class StackEntry {
  public:
   StackEntry() = default;
-  StackEntry(float t_near, BvhChild child)
+  constexpr StackEntry(float t_near, BvhChild child)
       : key_(std::uint64_t{std::bit_cast<std::uint32_t>(t_near)} << 32 |
              std::bit_cast<std::uint32_t>(child)) {}
 
@@ -118,8 +119,13 @@ class StackEntry {
   std::uint64_t key_;  // not initialised, so that a stack of these costs nothing to make
 };
 
+// The whole tree.
+inline constexpr StackEntry kRoot(0, BvhChild::node(0));
+
 // Each level of the tree leaves all children but one behind.
 inline constexpr std::size_t kMaxStackSize = 1 + (BvhNode::kWidth - 1) * (kMaxBinaryDepth + 1);
+// How many nodes a ray may begin with.
+inline constexpr std::size_t kMaxBeginnings = 16;
 
 // What is yet to be visited, nearest on top.
 class Stack {
@@ -136,6 +142,12 @@ class Stack {
 
   void push(StackEntry entry) { entries_[size_++] = entry; }
 
+  // Pushes the lanes of `node` that are in `mask`, as if all were equally near.
+  void push_unsorted(const BvhNode& node, unsigned mask) {
+    for (; mask != 0; mask &= mask - 1)
+      push({0, node.children[static_cast<std::size_t>(std::countr_zero(mask))]});
+  }
+
   // Pushes the lanes of `node` that are in `mask`, the nearest last.
   void push_sorted(const BvhNode& node, unsigned mask, const float* t_near) {
     const std::size_t base = size_;
@@ -149,7 +161,7 @@ class Stack {
   }
 
  private:
-  std::array<StackEntry, kMaxStackSize> entries_;
+  std::array<StackEntry, kMaxStackSize + kMaxBeginnings> entries_;
   std::size_t size_ = 0;
 };
 
@@ -195,33 +207,58 @@ class RayTraversal {
     update_limit();
   }
 
-  // Of what is known and what is in or below `next`, the nearest, or, for kAny, any hit.
-  // Tells `visits` of each node and each packet that it visits.
+  // Of what is known and what is in or below some nodes, of which the nearest is the last: the nearest, or,
+  // for kAny, any hit. Tells `visits` of each node and each packet that it visits.
   template <Query kQuery, typename Visits = UncountedVisits>
-  Hit run(const BvhNode* nodes, const BvhPacket* packets, BvhChild next = BvhChild::node(0),
-          Visits visits = {}) {
-    do {
-      while (!next.is_packet()) {
-        visits.node();
-        if (!enter(nodes[next.index()], next)) return hit_;
-      }
-      visits.packet();
-      visit<kQuery>(packets[next.index()]);
-      if (kQuery == Query::kAny && hit_.found()) break;
-    } while (stack_.pop(limit_, next));
+  Hit run(const BvhNode* nodes, const BvhPacket* packets,
+          std::span<const StackEntry> beginnings = {&kRoot, 1}, Visits visits = {}) {
+    for (const StackEntry& entry : beginnings) stack_.push(entry);
+    if constexpr (kQuery == Query::kClosest) {
+      find_closest(nodes, packets, visits);
+    } else {
+      find_any(nodes, packets, visits);
+    }
     return hit_;
   }
 
  private:
   void update_limit() { limit_ = box_limit(std::min(hit_.t, ray_.t_max)); }
 
+  template <typename Visits>
+  void find_closest(const BvhNode* nodes, const BvhPacket* packets, Visits visits) {
+    for (BvhChild next; stack_.pop(limit_, next);) {
+      while (!next.is_packet()) {
+        visits.node();
+        if (!enter(nodes[next.index()], next)) return;
+      }
+      visits.packet();
+      visit<Query::kClosest>(packets[next.index()]);
+    }
+  }
+
+  // A ray that hits nothing has to visit everything that it meets, in whatever order: nothing is sorted, and
+  // packets are tested where they are met, so that neither they nor the next node wait for each other.
+  template <typename Visits>
+  void find_any(const BvhNode* nodes, const BvhPacket* packets, Visits visits) {
+    for (BvhChild next; stack_.pop(limit_, next);) {
+      visits.node();
+      const BvhNode& node = nodes[next.index()];
+      alignas(32) float t_near[BvhNode::kWidth];
+      const unsigned met = meet_boxes(node, t_near), packet_lanes = node.packet_lanes();
+      stack_.push_unsorted(node, met & ~packet_lanes);
+      for (unsigned lanes = met & packet_lanes; lanes != 0; lanes &= lanes - 1) {
+        visits.packet();
+        visit<Query::kAny>(packets[node.children[static_cast<std::size_t>(std::countr_zero(lanes))].index()]);
+        if (hit_.found()) return;
+      }
+    }
+  }
+
   // Leaves in `next` what is to be visited next: the nearest child that the ray meets, or else something from
   // the stack. False if there is nothing.
   bool enter(const BvhNode& node, BvhChild& next) {
     alignas(32) float t_near[BvhNode::kWidth];
-    unsigned mask = 0;
-    for (int lane = 0; lane < BvhNode::kWidth; lane += 8)
-      mask |= meet_boxes(node, lane, t_near + lane) << lane;
+    const unsigned mask = meet_boxes(node, t_near);
     if (mask == 0) return stack_.pop(limit_, next);
 
     const auto first = static_cast<std::size_t>(std::countr_zero(mask));
@@ -239,8 +276,16 @@ class RayTraversal {
     return true;
   }
 
-  // Which of eight boxes, from `lane` on, the ray meets before the limit, and where.
-  unsigned meet_boxes(const BvhNode& node, int lane, float* t_near) const {
+  // Which boxes the ray meets before the limit, and where.
+  unsigned meet_boxes(const BvhNode& node, float* t_near) const {
+    unsigned met = 0;
+    for (int lane = 0; lane < BvhNode::kWidth; lane += 8)
+      met |= meet_eight_boxes(node, lane, t_near + lane) << lane;
+    return met;
+  }
+
+  // From `lane` on.
+  unsigned meet_eight_boxes(const BvhNode& node, int lane, float* t_near) const {
     // 0 * infinity is NaN, where the ray lies in the plane of a box's side: max and min then keep their
     // second argument, and that side does not count.
     Float8 near = Float8::broadcast(0), far = Float8::broadcast(limit_);

@@ -55,6 +55,11 @@ inline U32x8 select(Mask8 mask, U32x8 a, U32x8 b) {
   return _mm256_blendv_epi8(b.v, a.v, _mm256_castps_si256(mask.v));
 }
 
+// Bit i is the highest of lane i.
+inline unsigned highest_bits(U32x8 a) {
+  return static_cast<unsigned>(_mm256_movemask_ps(_mm256_castsi256_ps(a.v)));
+}
+
 inline U32x8 as_bits(Float8 a) {
   return _mm256_castps_si256(a.v);
 }

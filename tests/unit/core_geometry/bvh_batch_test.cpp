@@ -31,6 +31,20 @@ TEST_P(Batch, AnswersAsOneByOne) {
 
 INSTANTIATE_TEST_SUITE_P(Sizes, Batch, testing::Values(1, 33, 400, 1500));
 
+// Rays that each meet more boxes which no other ray meets than are kept for later.
+TEST(Batch, AnswersAsOneByOneAmongNeedles) {
+  test::Random random(13);
+  test::Mesh mesh;
+  for (int i = 0; i < 20000; ++i) {
+    const Vec3 middle = random.in_box(1), along = random.direction() * 0.2f, across = random.in_box(0.002f);
+    mesh.add({middle - along, middle + along, middle + along + across});
+  }
+  const test::Soup needles{"needles", mesh.primitives(), 1};
+  const Bvh bvh = Bvh::build(needles.primitives, 2);
+  test::expect_same_answers(bvh, needles.primitives, test::random_rays(needles, random, 600));
+  test::expect_same_answers(bvh, needles.primitives, test::lamp_rays(needles, random, 600, true));
+}
+
 TEST(Batch, SurvivesRaysThatAreNotRaysAmongOthers) {
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   const float nan = std::numeric_limits<float>::quiet_NaN();
