@@ -317,7 +317,7 @@ void run(int rounds, int side, std::string_view only) {
   compare_if_asked("blob, 69k", [] { return blob_on_plane(132); });
   compare_if_asked("go, 133k", [] { return go_board(); });
   compare_if_asked("blobs, 1.7M", [] { return blob_field(5, 132); });
-  compare_if_asked("strands, 300k", [] { return strands(); });
+  compare_if_asked("strands, 300k", [] { return strands_on_plane(); });
   std::printf(
       "\nGeometric means: single over Embree's single rays %.3f, batch over these %.3f, batch over the "
       "best of Embree %.3f\n",

@@ -61,6 +61,29 @@ void add_blob(Soup& soup, int rows, Vec3 center, float size, float turn) {
   });
 }
 
+// A ribbon that grows out of a ball of radius 1 and bends at random and downwards, but not below y = 0.
+void add_strand(Soup& soup, int number, Vec3 center) {
+  constexpr int kSegments = 10;
+  constexpr float kStep = 0.12f, kHalfWidth = 0.003f, kCurl = 0.22f, kWeight = 0.12f;
+  const auto u = Sampler(2, number, 0, 0).pad(0);
+  Vec3 direction = sample_sphere({u[0], u[1]});
+  const float turn = 2 * kPi * u[2];
+  const Vec3 side = Frame::around(direction).to_world({cos(turn), sin(turn), 0}) * kHalfWidth;
+  const auto first = static_cast<std::uint32_t>(soup.positions.size());
+  Vec3 joint = center + direction;
+  for (int i = 0; i <= kSegments; ++i) {
+    soup.positions.insert(soup.positions.end(), {joint - side, joint + side});
+    const auto v = Sampler(2, number, 1 + i, 0).pad(0);
+    direction = normalize(direction + sample_sphere({v[0], v[1]}) * kCurl - Vec3{0, kWeight, 0});
+    joint = joint + direction * kStep;
+    joint.y = std::max(joint.y, 0.01f);
+  }
+  for (std::uint32_t i = first; i < first + 2 * kSegments; i += 2) {
+    soup.triangles.push_back({i, i + 1, i + 3});
+    soup.triangles.push_back({i, i + 3, i + 2});
+  }
+}
+
 struct Camera {
   explicit Camera(const Soup& soup)
       : forward(normalize(soup.look_at - soup.eye)),
@@ -148,30 +171,13 @@ Soup go_board() {
 }
 
 Soup strands() {
-  constexpr int kStrands = 15'000, kSegments = 10;
-  constexpr float kStep = 0.12f, kHalfWidth = 0.003f, kCurl = 0.22f, kWeight = 0.12f, kRadius = 1,
-                  kFloor = -1.5f;
   Soup soup;
-  for (int strand = 0; strand < kStrands; ++strand) {
-    const auto u = Sampler(2, strand, 0, 0).pad(0);
-    Vec3 direction = sample_sphere({u[0], u[1]});
-    Vec3 root = direction * kRadius;
-    const Vec3 side =
-        Frame::around(direction).to_world({cos(2 * kPi * u[2]), sin(2 * kPi * u[2]), 0}) * kHalfWidth;
-    const auto first = static_cast<std::uint32_t>(soup.positions.size());
-    for (int joint = 0; joint <= kSegments; ++joint) {
-      soup.positions.insert(soup.positions.end(), {root - side, root + side});
-      const auto v = Sampler(2, strand, 1 + joint, 0).pad(0);
-      direction = normalize(direction + sample_sphere({v[0], v[1]}) * kCurl - Vec3{0, kWeight, 0});
-      root = root + direction * kStep;
-      root.y = std::max(root.y, kFloor + 0.01f);
-    }
-    for (std::uint32_t i = first; i < first + 2 * kSegments; i += 2) {
-      soup.triangles.push_back({i, i + 1, i + 3});
-      soup.triangles.push_back({i, i + 3, i + 2});
-    }
-  }
-  for (Vec3& position : soup.positions) position.y -= kFloor;
+  for (int number = 0; number < 15'000; ++number) add_strand(soup, number, {0, 1.5f, 0});
+  return soup;
+}
+
+Soup strands_on_plane() {
+  Soup soup = strands();
   add_ground(soup, 20);
   soup.eye = {0, 3, 7};
   soup.look_at = {0, 1.4f, 0};

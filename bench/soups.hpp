@@ -33,9 +33,12 @@ Soup blob_field(int side, int rows);
 // some as large as the scene.
 Soup go_board();
 
-// 15,000 strands that grow from a ball on a plane and hang down: 300,000 triangles, long and thin, at all
-// angles, whose boxes overlap by far.
+// 15,000 strands of hair, as if on a ball that floats above the ground: 300,000 long and thin triangles, at
+// all angles, whose boxes overlap by far.
 Soup strands();
+
+// They above a plane.
+Soup strands_on_plane();
 
 struct RaySets {
   std::vector<Ray> primary;  // from a pinhole, side * side pixels in blocks of 8 * 8

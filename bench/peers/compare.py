@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Renders five scenes with Cycles and with Tessera, in turns on one core, and prints a table of both as Markdown.
+"""Renders six scenes with Cycles and with Tessera, in turns on one core, and prints a table of both as Markdown.
 
 Needs Blender (Debian's 3.4.1: apt install blender) and a release build with -DTESSERA_BENCH=ON whose targets tessera,
 scene_files and tessera_peer_files are built. docs/performance.md says what is compared, and how.
@@ -36,6 +36,7 @@ SCENES = [
     Scene("go", "scenes/go/scene.json", 832, 512),
     Scene("glass_and_water", "scenes/glass_and_water/fresnel.json", 640, 480),
     Scene("field", "bench/peers/field/scene.json", 960, 540),
+    Scene("strands", "bench/peers/strands/scene.json", 480, 360),
 ]
 
 
@@ -169,9 +170,10 @@ def check_requirements(scenes):
         raise Failed("there is no blender to compare with; 'apt install blender' installs it on Debian")
     if not os.access(TESSERA, os.X_OK):
         raise Failed(f"there is no {TESSERA}; build it (./run.sh does), or say in which folder it is with TESSERA_BIN")
-    blobs = os.path.join(HERE, "field/generated/blobs.obj")
-    if any(scene.name == "field" for scene in scenes) and not os.path.exists(blobs):
-        raise Failed(f"there is no {blobs}; 'cmake --build build/release --target tessera_peer_files' makes it")
+    for name, mesh in (("field", "blobs.obj"), ("strands", "strands.obj")):
+        path = os.path.join(HERE, name, "generated", mesh)
+        if any(scene.name == name for scene in scenes) and not os.path.exists(path):
+            raise Failed(f"there is no {path}; 'cmake --build build/release --target tessera_peer_files' makes it")
 
 
 def compare(options):

@@ -16,7 +16,7 @@ class BvhChild {
   static constexpr BvhChild node(std::uint32_t index) { return BvhChild(index); }
   static constexpr BvhChild packet(std::uint32_t index) { return BvhChild(index | kPacketBit); }
 
-  // Bit i for child i of eight.
+  // Bit i for child i of the eight from there on.
   static unsigned packets_among(const BvhChild* eight) {
     static_assert(sizeof(BvhChild) == sizeof(bits_) && kPacketBit == 1u << 31);
     return highest_bits(U32x8::load(&eight->bits_));

@@ -44,10 +44,11 @@ class GroupStack {
   std::size_t size_ = 0;
 };
 
-// Nodes that rays are yet to visit, each ray by itself.
-class LonelyNodes {
+// Nodes that rays are yet to visit, each ray by itself. There is room for few, so that those of all rays take
+// no more than eight kilobytes.
+class KeptNodes {
  public:
-  // Adds a node to those of ray i, sorted for Query::kClosest. False if there is room for no other.
+  // False once ray i can keep no other: then it has to go. Sorted for kClosest, the nearest last.
   template <Query kQuery>
   bool add(std::size_t i, StackEntry entry) {
     const RaySet ray = RaySet{1} << i;
@@ -60,9 +61,9 @@ class LonelyNodes {
     return counts_[i] < kMaxBeginnings;
   }
 
-  // Those that have any.
+  // Those that keep any.
   RaySet rays() const { return rays_; }
-  // All of ray i, which has no more then; valid until another is added.
+  // Those of ray i, which keeps none from then on; valid until it keeps another.
   std::span<const StackEntry> take(std::size_t i) {
     rays_ &= ~(RaySet{1} << i);
     return std::span(entries_[i]).first(counts_[i]);
@@ -90,12 +91,12 @@ class GroupTraversal {
       if (entry.child.is_packet()) {
         visit(entry.child.index(), set);
       } else if (std::popcount(set) <= kFewRays) {
-        for_each_ray(set, [&](std::size_t i) { leave_alone(i, {entry.t_near, entry.child}); });
+        for_each_ray(set, [&](std::size_t i) { keep(i, {entry.t_near, entry.child}); });
       } else {
         enter(scene_.nodes[entry.child.index()], set);
       }
     }
-    const RaySet rest = lonely_.rays() & hits_.alive();
+    const RaySet rest = kept_.rays() & hits_.alive();
     hits_.settle_candidates(rest);
     for_each_ray(rest, [&](std::size_t i) { go_alone(i); });
     return kQuery == Query::kClosest ? hits_.finish() : std::span<const Hit>();
@@ -121,7 +122,7 @@ class GroupTraversal {
       const BvhChild child = node.children[lane];
       if (!child.is_packet() && std::popcount(meeting[lane]) <= kFewRays) {
         for_each_ray(meeting[lane], [&](std::size_t i) {
-          leave_alone(i, {group_.entry_into(node, lane, i), child});
+          keep(i, {group_.entry_into(node, lane, i), child});
         });
       } else if (meeting[lane] != 0) {
         stack_.push(base, {t_near[lane], child, meeting[lane]});
@@ -206,9 +207,9 @@ class GroupTraversal {
     return spread;
   }
 
-  // Leaves a node for ray i to visit later, when all is known that the group finds together.
-  void leave_alone(std::size_t i, StackEntry entry) {
-    if (!lonely_.add<kQuery>(i, entry)) go_alone(i);
+  // Ray i visits a node by itself, once the group is through or there is room for no other.
+  void keep(std::size_t i, StackEntry entry) {
+    if (!kept_.add<kQuery>(i, entry)) go_alone(i);
   }
 
   void go_alone(std::size_t i) {
@@ -216,7 +217,7 @@ class GroupTraversal {
       RayTraversal alone(
           scene_.primitives, scene_.objects, ray, best, [&] { return group_.slab_ray(i); },
           [&] { return sheared.ray(i); });
-      return alone.template run<kQuery>(scene_.nodes, scene_.packets, lonely_.take(i));
+      return alone.template run<kQuery>(scene_.nodes, scene_.packets, kept_.take(i));
     });
   }
 
@@ -225,7 +226,7 @@ class GroupTraversal {
   RayGroup<AnyRay> group_;
   GroupHits<kQuery, AnyRay> hits_;
   GroupStack stack_;
-  LonelyNodes lonely_;
+  KeptNodes kept_;
 };
 
 RayColumns<Ray> columns_of(std::span<const Ray> rays, std::span<const std::uint32_t> order) {

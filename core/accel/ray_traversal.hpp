@@ -1,5 +1,5 @@
-// One ray's way through the tree: nodes are visited nearest first, from a stack, and culled where they cannot
-// hold a better hit.
+// One ray's way through the tree. For the closest hit nodes are visited nearest first, from a stack, and
+// culled where they cannot hold a better hit; for any hit in any order.
 #pragma once
 
 #include <algorithm>
@@ -127,7 +127,7 @@ inline constexpr std::size_t kMaxStackSize = 1 + (BvhNode::kWidth - 1) * (kMaxBi
 // How many nodes a ray may begin with.
 inline constexpr std::size_t kMaxBeginnings = 16;
 
-// What is yet to be visited, nearest on top.
+// What is yet to be visited, nearest on top where it is pushed so.
 class Stack {
  public:
   // Takes the next entry that begins before `limit`; false if there is none.
@@ -207,8 +207,9 @@ class RayTraversal {
     update_limit();
   }
 
-  // Of what is known and what is in or below some nodes, of which the nearest is the last: the nearest, or,
-  // for kAny, any hit. Tells `visits` of each node and each packet that it visits.
+  // The best of the hit that is known and of what lies in or below `beginnings`, or, for kAny, any of these.
+  // They are at most kMaxBeginnings nodes, no packets; for kClosest sorted, the nearest last, and `visits` is
+  // told of each node and each packet that is visited.
   template <Query kQuery, typename Visits = UncountedVisits>
   Hit run(const BvhNode* nodes, const BvhPacket* packets,
           std::span<const StackEntry> beginnings = {&kRoot, 1}, Visits visits = {}) {
@@ -216,7 +217,7 @@ class RayTraversal {
     if constexpr (kQuery == Query::kClosest) {
       find_closest(nodes, packets, visits);
     } else {
-      find_any(nodes, packets, visits);
+      find_any(nodes, packets);
     }
     return hit_;
   }
@@ -237,17 +238,14 @@ class RayTraversal {
   }
 
   // A ray that hits nothing has to visit everything that it meets, in whatever order: nothing is sorted, and
-  // packets are tested where they are met, so that neither they nor the next node wait for each other.
-  template <typename Visits>
-  void find_any(const BvhNode* nodes, const BvhPacket* packets, Visits visits) {
+  // packets are tested where they are met, so that they and the next node do not wait for each other.
+  void find_any(const BvhNode* nodes, const BvhPacket* packets) {
     for (BvhChild next; stack_.pop(limit_, next);) {
-      visits.node();
       const BvhNode& node = nodes[next.index()];
       alignas(32) float t_near[BvhNode::kWidth];
       const unsigned met = meet_boxes(node, t_near), packet_lanes = node.packet_lanes();
       stack_.push_unsorted(node, met & ~packet_lanes);
       for (unsigned lanes = met & packet_lanes; lanes != 0; lanes &= lanes - 1) {
-        visits.packet();
         visit<Query::kAny>(packets[node.children[static_cast<std::size_t>(std::countr_zero(lanes))].index()]);
         if (hit_.found()) return;
       }

@@ -31,7 +31,7 @@ TEST_P(Batch, AnswersAsOneByOne) {
 
 INSTANTIATE_TEST_SUITE_P(Sizes, Batch, testing::Values(1, 33, 400, 1500));
 
-// Rays that each meet more boxes which no other ray meets than are kept for later.
+// Rays that scatter so widely that each keeps more nodes for itself than there is room for.
 TEST(Batch, AnswersAsOneByOneAmongNeedles) {
   test::Random random(13);
   test::Mesh mesh;

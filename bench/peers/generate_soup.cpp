@@ -1,4 +1,4 @@
-// Writes 25 bumpy bodies of 1.7 million triangles as an OBJ file: tessera-generate-field FILE
+// Writes a soup of triangles as an OBJ file: tessera-generate-soup NAME FILE
 // The same bytes on every machine and at every run.
 #include <span>
 #include <string>
@@ -12,12 +12,17 @@
 namespace tessera::bench {
 namespace {
 
-core::Status generate(const std::string& path) {
-  constexpr int kSide = 5, kRows = 132;
-  const core::Soup soup = core::blobs(kSide, kRows);
+core::Status write(const core::Soup& soup, const std::string& path) {
   core::MeshDescription mesh{soup.positions, {}, {}, soup.triangles, {0}};
   modelling::smooth_normals(mesh);
   return core::write_file_atomically(path, modelling::obj_text(mesh));
+}
+
+core::Status generate(const std::string& name, const std::string& path) {
+  if (name == "blobs") return write(core::blobs(5, 132), path);
+  if (name == "strands") return write(core::strands(), path);
+  return core::fail(core::ErrorCode::kInvalidArgument,
+                    "there is no soup '" + name + "'; there are blobs and strands");
 }
 
 }  // namespace
@@ -25,8 +30,11 @@ core::Status generate(const std::string& path) {
 
 int main(int argc, char** argv) {
   const tessera::modelling::Program program{
-      "tessera-generate-field", "FILE", "Writes 25 bodies of 1.7 million triangles as an OBJ file.", 1, 1};
+      "tessera-generate-soup", "NAME FILE",
+      "Writes blobs (25, of 1.7 million triangles) or strands (a ball of "
+      "hair, of 300,000) as an OBJ file.",
+      2, 2};
   return tessera::modelling::run_program(program, argc, argv, [](std::span<const std::string> arguments) {
-    return tessera::bench::generate(arguments[0]);
+    return tessera::bench::generate(arguments[0], arguments[1]);
   });
 }
