@@ -5,14 +5,15 @@
 #include <zstd.h>
 #include <zstd_errors.h>
 
-#include <algorithm>
 #include <bit>
 #include <memory>
 #include <new>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "proto/convert.hpp"
+#include "proto/tile_planes.hpp"
 
 namespace tessera::proto {
 namespace {
@@ -22,46 +23,38 @@ using core::fail;
 
 static_assert(std::endian::native == std::endian::little, "the wire order is copied as it lies in memory");
 
-// Sums are noise in their low bits: a higher level costs time and gains nothing.
-constexpr int kZstdLevel = 1;
-
-// Of both buffers of the largest tile.
-constexpr std::size_t kMostSums = std::size_t{2} * 3 * core::kTilePx * core::kTilePx;
-
-// What coding a tile takes besides its result. Kept for the next: to get that much memory anew, and have it
-// filled with zeros, takes as long as decompressing.
-struct Workspace {
-  std::unique_ptr<ZSTD_CCtx, decltype(&ZSTD_freeCCtx)> compressor{ZSTD_createCCtx(), &ZSTD_freeCCtx};
-  std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)> decompressor{ZSTD_createDCtx(), &ZSTD_freeDCtx};
-  std::vector<std::uint64_t> sums = std::vector<std::uint64_t>(kMostSums);
-  std::string frame = std::string(ZSTD_compressBound(kMostSums * sizeof(std::uint64_t)), '\0');
-
-  Workspace() {
-    if (!compressor || !decompressor) throw std::bad_alloc();
-  }
-  void make_room_for(std::size_t sum_count) {
-    if (sum_count <= sums.size()) return;
-    sums.resize(sum_count);
-    frame.resize(ZSTD_compressBound(sum_count * sizeof(std::uint64_t)));
-  }
-};
-
-Workspace& workspace() {
-  thread_local Workspace of_this_thread;
-  return of_this_thread;
+// The checksum of all sums in a row. The state of XXH3 is large and wants to be aligned: it is kept.
+std::uint64_t checksum(const std::vector<std::uint64_t>& sums, const std::vector<std::uint64_t>& odd_sums) {
+  thread_local const std::unique_ptr<XXH3_state_t, decltype(&XXH3_freeState)> state{XXH3_createState(),
+                                                                                    &XXH3_freeState};
+  if (!state) throw std::bad_alloc();
+  XXH3_64bits_reset(state.get());
+  for (const auto* part : {&sums, &odd_sums})
+    XXH3_64bits_update(state.get(), part->data(), part->size() * sizeof(std::uint64_t));
+  return XXH3_64bits_digest(state.get());
 }
 
-// Into work.sums. The frame must hold exactly so many bytes.
-core::Status decompress(const std::string& frame, std::size_t raw_bytes, Workspace& work) {
-  const std::size_t written =
-      ZSTD_decompressDCtx(work.decompressor.get(), work.sums.data(), raw_bytes, frame.data(), frame.size());
+// The sums one after the other, as earlier builds sent and stored them. `count` is the size of each half.
+core::Result<TilePlanes> decode_in_a_row(const std::string& frame, std::size_t count) {
+  std::vector<std::uint64_t> sums(2 * count);
+  const std::size_t raw_bytes = sums.size() * sizeof(std::uint64_t);
+  const std::size_t written = ZSTD_decompress(sums.data(), raw_bytes, frame.data(), frame.size());
   if (ZSTD_getErrorCode(written) == ZSTD_error_memory_allocation) throw std::bad_alloc();
-  if (ZSTD_isError(written) != 0)
-    return fail(ErrorCode::kInvalidArgument, fmt::format("sums_zstd: {}", ZSTD_getErrorName(written)));
-  if (written != raw_bytes)
-    return fail(ErrorCode::kInvalidArgument,
-                fmt::format("sums_zstd: must hold {} bytes of sums, got {}", raw_bytes, written));
-  return {};
+  if (ZSTD_isError(written) != 0 || written != raw_bytes)
+    return fail(ErrorCode::kDataLoss, fmt::format("its sums are no whole frame of {} bytes", raw_bytes));
+  const auto middle = sums.begin() + static_cast<std::ptrdiff_t>(count);
+  std::vector<std::uint64_t> odd_sums(middle, sums.end());
+  sums.resize(count);
+  return TilePlanes{std::move(sums), std::move(odd_sums)};
+}
+
+core::Result<TilePlanes> decode_sums(const v1::RenderedItem& message, std::size_t count) {
+  const bool in_a_row = message.planes_zstd().empty() && !message.sums_zstd().empty();
+  auto sums =
+      in_a_row ? decode_in_a_row(message.sums_zstd(), count) : decode_planes(message.planes_zstd(), count);
+  if (sums) return sums;
+  return fail(ErrorCode::kInvalidArgument,
+              fmt::format("{}: {}", in_a_row ? "sums_zstd" : "planes_zstd", sums.error().message));
 }
 
 core::Result<WorkItem> decode_region(const v1::RenderedItem& message) {
@@ -88,19 +81,10 @@ core::Status check_counters(const core::RenderCounters& counters, const WorkItem
 }  // namespace
 
 v1::RenderedItem encode_tile(const core::FilmTile& tile) {
-  Workspace& work = workspace();
-  work.make_room_for(tile.sums.size() + tile.odd_sums.size());
-  const auto end = std::copy(tile.odd_sums.begin(), tile.odd_sums.end(),
-                             std::copy(tile.sums.begin(), tile.sums.end(), work.sums.begin()));
-  const auto bytes = static_cast<std::size_t>(end - work.sums.begin()) * sizeof(std::uint64_t);
-  const std::size_t size = ZSTD_compressCCtx(work.compressor.get(), work.frame.data(), work.frame.size(),
-                                             work.sums.data(), bytes, kZstdLevel);
-  if (ZSTD_isError(size) != 0) throw std::bad_alloc();  // the only way to fail where the frame has room
-
   v1::RenderedItem message;
   *message.mutable_item() = to_proto(WorkItem{tile.rect, tile.range});
-  message.set_sums_zstd(work.frame.data(), size);
-  message.set_sums_xxh3(XXH3_64bits(work.sums.data(), bytes));
+  message.set_planes_zstd(encode_planes(tile.sums, tile.odd_sums));
+  message.set_sums_xxh3(checksum(tile.sums, tile.odd_sums));
   *message.mutable_counters() = to_proto(tile.counters);
   return message;
 }
@@ -108,22 +92,18 @@ v1::RenderedItem encode_tile(const core::FilmTile& tile) {
 core::Result<core::FilmTile> decode_tile(const v1::RenderedItem& message) {
   const core::Result<WorkItem> item = decode_region(message);
   if (!item) return fail(item.error());
-  const std::size_t half = item->rect.pixel_count() * 3;
-  Workspace& work = workspace();
-  if (core::Status read = decompress(message.sums_zstd(), 2 * half * sizeof(std::uint64_t), work); !read)
-    return fail(read.error());
-  if (XXH3_64bits(work.sums.data(), 2 * half * sizeof(std::uint64_t)) != message.sums_xxh3())
+  auto read = decode_sums(message, item->rect.pixel_count() * 3);
+  if (!read) return fail(read.error());
+  if (checksum(read->sums, read->odd_sums) != message.sums_xxh3())
     return fail(ErrorCode::kInvalidArgument,
                 "sums_xxh3: does not match the sums; they were damaged on the way");
-
   core::FilmTile tile;
   tile.rect = item->rect;
   tile.range = item->range;
+  tile.sums = std::move(read->sums);
+  tile.odd_sums = std::move(read->odd_sums);
   tile.counters = from_proto(message.counters());
   if (core::Status fits = check_counters(tile.counters, *item); !fits) return fail(fits.error());
-  const auto middle = work.sums.begin() + static_cast<std::ptrdiff_t>(half);
-  tile.sums.assign(work.sums.begin(), middle);
-  tile.odd_sums.assign(middle, middle + static_cast<std::ptrdiff_t>(half));
   return tile;
 }
 

@@ -1,4 +1,4 @@
-// A film tile as it travels: a zstd frame of its sums with their XXH3-64, as worker_service.proto says. Pure
+// A film tile as it travels: its sums in planes with their XXH3-64, as worker_service.proto says. Pure
 // functions.
 #pragma once
 

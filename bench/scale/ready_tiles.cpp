@@ -60,7 +60,7 @@ ReadyTiles::ReadyTiles() {
   for (const Odd odd : {kNone, kSome, kAll})
     for (std::uint32_t seed = 0; seed < kVariants; ++seed) {
       v1::RenderedItem item = proto::encode_tile(noisy_tile(seed, odd));
-      frames_[odd].push_back({std::move(*item.mutable_sums_zstd()), item.sums_xxh3()});
+      frames_[odd].push_back({std::move(*item.mutable_planes_zstd()), item.sums_xxh3()});
     }
 }
 
@@ -73,7 +73,7 @@ v1::RenderedItem ReadyTiles::rendered(const proto::WorkItem& item, std::uint64_t
 
   v1::RenderedItem message;
   *message.mutable_item() = proto::to_proto(item);
-  message.set_sums_zstd(frame.sums_zstd);
+  message.set_planes_zstd(frame.planes_zstd);
   message.set_sums_xxh3(frame.sums_xxh3);
   *message.mutable_counters() = proto::to_proto(counters);
   return message;

@@ -23,7 +23,7 @@ class ReadyTiles {
  private:
   // The sums of a tile, as they travel.
   struct Frame {
-    std::string sums_zstd;
+    std::string planes_zstd;
     std::uint64_t sums_xxh3 = 0;
   };
 

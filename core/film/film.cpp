@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <span>
 #include <tuple>
 #include <utility>
 
@@ -17,16 +18,16 @@ void add_row(std::uint64_t* to, const std::uint64_t* from, std::size_t count) {
   for (std::size_t i = 0; i < count; ++i) to[i] = add_saturating(to[i], from[i]);
 }
 
-// Adds the part of `tile` that lies in `cell`, a grid tile's rectangle, to that grid tile's buffer.
-void add_overlap(std::vector<std::uint64_t>& to, PixelRect cell, const std::vector<std::uint64_t>& from,
-                 PixelRect rect) {
+// Adds the part of `rect` that lies in `cell`, a grid tile's rectangle, to that grid tile's buffer.
+void add_overlap(SumBuffer& to, PixelRect cell, std::span<const std::uint64_t> from, PixelRect rect) {
+  if (rect == cell) return to.add(0, from);
   const auto cell_row = static_cast<std::size_t>(cell.width()) * 3;
   const auto rect_row = static_cast<std::size_t>(rect.width()) * 3;
   for (int y = cell.y0; y < cell.y1; ++y) {
     const auto to_offset = static_cast<std::size_t>(y - cell.y0) * cell_row;
     const auto from_offset =
         static_cast<std::size_t>(y - rect.y0) * rect_row + static_cast<std::size_t>(cell.x0 - rect.x0) * 3;
-    add_row(to.data() + to_offset, from.data() + from_offset, cell_row);
+    to.add(to_offset, from.subspan(from_offset, cell_row));
   }
 }
 
@@ -41,13 +42,14 @@ double half_difference(std::uint64_t sum, std::uint64_t odd_sum, std::uint32_t s
   return std::fabs(mean(sum - odd_sum, samples - odd_samples) - mean(odd_sum, odd_samples)) / 2;
 }
 
-Image map_channels(const TileGrid& grid, const std::vector<Film::TileSums>& tiles,
+Image map_channels(const Film& film,
                    double (*value)(std::uint64_t, std::uint64_t, std::uint32_t, std::uint32_t)) {
+  const TileGrid& grid = film.grid();
   const PixelRect& window = grid.window();
   Image image(window.width(), window.height());
   for (int t = 0; t < grid.tile_count(); ++t) {
     const PixelRect rect = grid.rect(t);
-    const Film::TileSums& tile = tiles[static_cast<std::size_t>(t)];
+    const Film::TileSums tile = film.tile(t);
     if (tile.sums.empty()) continue;  // as black as the image is already
     std::size_t i = 0;
     const auto channel = [&] {
@@ -95,7 +97,12 @@ void FilmTile::append(const FilmTile& next) {
   counters.add(next.counters);
 }
 
-Film::Film(TileGrid grid) : grid_(grid), tiles_(static_cast<std::size_t>(grid.tile_count())) {}
+Film::Film(TileGrid grid) : grid_(grid), tiles_(static_cast<std::size_t>(grid.tile_count())) {
+  for (int i = 0; i < grid.tile_count(); ++i) {
+    const SumBuffer none(channel_count(grid.rect(i)));
+    tiles_[static_cast<std::size_t>(i)] = {none, none};
+  }
+}
 
 void Film::add(const FilmTile& tile) {
   const int tile_px = grid_.tile_px();
@@ -105,9 +112,7 @@ void Film::add(const FilmTile& tile) {
       const int index = grid_.tile_at(x, y);
       const PixelRect cell = grid_.rect(index);
       assert(tile.rect.contains(cell));
-      TileSums& to = tiles_[static_cast<std::size_t>(index)];
-      to.sums.resize(channel_count(cell));
-      to.odd_sums.resize(channel_count(cell));
+      Tile& to = tiles_[static_cast<std::size_t>(index)];
       add_overlap(to.sums, cell, tile.sums, tile.rect);
       add_overlap(to.odd_sums, cell, tile.odd_sums, tile.rect);
       to.samples += tile.range.count();
@@ -116,37 +121,44 @@ void Film::add(const FilmTile& tile) {
   }
 }
 
-void Film::restore(int index, TileSums sums) {
-  assert(sums.samples == 0 || sums.sums.size() == channel_count(grid_.rect(index)));
-  assert(sums.odd_sums.size() == sums.sums.size());
-  tiles_[static_cast<std::size_t>(index)] = std::move(sums);
+Film::TileSums Film::tile(int index) const {
+  const Tile& tile = tiles_[static_cast<std::size_t>(index)];
+  if (tile.samples == 0) return {};
+  return {tile.sums.values(), tile.odd_sums.values(), tile.samples, tile.odd_samples};
+}
+
+void Film::restore(int index, const TileSums& sums) {
+  const SumBuffer none(channel_count(grid_.rect(index)));
+  assert(sums.samples == 0 || (sums.sums.size() == none.size() && sums.odd_sums.size() == none.size()));
+  Tile& tile = tiles_[static_cast<std::size_t>(index)];
+  tile = {none, none, sums.samples, sums.odd_samples};
+  tile.sums.add(0, sums.sums);
+  tile.odd_sums.add(0, sums.odd_sums);
+}
+
+std::size_t Film::memory_bytes(int index) const {
+  const Tile& tile = tiles_[static_cast<std::size_t>(index)];
+  return tile.sums.memory_bytes() + tile.odd_sums.memory_bytes();
 }
 
 Image Film::develop() const {
-  return map_channels(grid_, tiles_,
-                      [](std::uint64_t sum, std::uint64_t, std::uint32_t samples, std::uint32_t) {
-                        return mean(sum, samples);
-                      });
+  return map_channels(*this, [](std::uint64_t sum, std::uint64_t, std::uint32_t samples, std::uint32_t) {
+    return mean(sum, samples);
+  });
 }
 
 Image Film::standard_error() const {
-  return map_channels(grid_, tiles_, half_difference);
+  return map_channels(*this, half_difference);
 }
 
 std::uint64_t Film::saturated_pixels() const {
   std::uint64_t count = 0;
-  for (const TileSums& tile : tiles_)
-    for (std::size_t i = 0; i < tile.sums.size(); i += 3)
-      count += std::max({tile.sums[i], tile.sums[i + 1], tile.sums[i + 2]}) == kFilmSaturated ? 1 : 0;
+  for (const Tile& tile : tiles_) {
+    const std::vector<std::uint64_t> sums = tile.sums.values();
+    for (std::size_t i = 0; i < sums.size(); i += 3)
+      count += std::max({sums[i], sums[i + 1], sums[i + 2]}) == kFilmSaturated ? 1 : 0;
+  }
   return count;
-}
-
-bool Film::operator==(const Film& other) const {
-  return grid_ == other.grid_ &&
-         std::equal(tiles_.begin(), tiles_.end(), other.tiles_.begin(),
-                    [](const TileSums& a, const TileSums& b) {
-                      return a == b || (a.samples == 0 && b.samples == 0);  // with buffers or without
-                    });
 }
 
 }  // namespace tessera::core

@@ -11,6 +11,7 @@
 
 #include "core/film/fixed_point.hpp"
 #include "core/film/region.hpp"
+#include "core/film/sum_buffer.hpp"
 #include "core/image/image.hpp"
 
 namespace tessera::core {
@@ -62,16 +63,18 @@ class Film {
   // sample is added twice. Counters are not kept here.
   void add(const FilmTile& tile);
 
-  // One grid tile's sums in the layout of FilmTile, and how many samples of each pixel they hold. For
-  // checkpoints: the samples need not be a range from 0. Where there are none, no memory is taken either.
+  // One grid tile's sums in the layout of FilmTile, and how many samples of each pixel they hold; empty where
+  // there are none. For checkpoints: the samples need not be a range from 0.
   struct TileSums {
     std::vector<std::uint64_t> sums, odd_sums;
     std::uint32_t samples = 0, odd_samples = 0;
     bool operator==(const TileSums&) const = default;
   };
-  const TileSums& tile(int index) const { return tiles_[static_cast<std::size_t>(index)]; }
+  TileSums tile(int index) const;
   // Replaces one grid tile's content. The sizes must be those of the tile, or 0 if there are no samples.
-  void restore(int index, TileSums sums);
+  void restore(int index, const TileSums& sums);
+  // What the tile's sums take: nothing before there are samples, and no more than 48 bytes for each pixel.
+  std::size_t memory_bytes(int index) const;
 
   // The pictures are of the grid's window, and of its size.
   // Linear radiance: each pixel the mean of the samples it has so far; black where it has none.
@@ -84,11 +87,17 @@ class Film {
   // Pixels of which a channel's sum has reached the end of its range: they come out too dark.
   std::uint64_t saturated_pixels() const;
 
-  bool operator==(const Film& other) const;
+  bool operator==(const Film& other) const = default;
 
  private:
+  struct Tile {
+    SumBuffer sums, odd_sums;
+    std::uint32_t samples = 0, odd_samples = 0;
+    bool operator==(const Tile&) const = default;
+  };
+
   TileGrid grid_;
-  std::vector<TileSums> tiles_;
+  std::vector<Tile> tiles_;
 };
 
 }  // namespace tessera::core

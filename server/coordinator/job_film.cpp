@@ -6,13 +6,13 @@
 
 #include "proto/convert.hpp"
 #include "proto/tile_codec.hpp"
-#include "server/coordinator/tile_planes.hpp"
+#include "proto/tile_planes.hpp"
 
 namespace tessera::coordinator {
 
 namespace {
 
-// Content without it is of an earlier release: the item as it travels.
+// Content without it is of an earlier release: the item as it travelled then.
 constexpr char kPlanesMark = 'P';
 
 struct SampleCount {
@@ -33,7 +33,7 @@ core::Result<core::FilmTile> decode_item_in_planes(const v1::RenderedItem& messa
                                                    const core::PixelRect& rect) {
   const auto item = proto::from_proto(message.item());
   if (!item) return core::fail(item.error());
-  auto planes = decode_planes(message.sums_zstd(), rect.pixel_count() * 3);
+  auto planes = proto::decode_planes(message.sums_zstd(), rect.pixel_count() * 3);
   if (!planes) return core::fail(planes.error());
   core::FilmTile tile;
   tile.rect = item->rect;
@@ -58,8 +58,7 @@ void JobFilm::add(int tile, const core::FilmTile& samples) {
 }
 
 void JobFilm::clear(int tile) {
-  const std::size_t channels = film_.grid().rect(tile).pixel_count() * 3;
-  film_.restore(tile, {std::vector<std::uint64_t>(channels), std::vector<std::uint64_t>(channels), 0, 0});
+  film_.restore(tile, {});
   counters_[static_cast<std::size_t>(tile)] = {};
   total_.reset();
   changed_.insert(tile);
@@ -73,8 +72,8 @@ const core::RenderCounters& JobFilm::counters() const {
   return *total_;
 }
 
-void JobFilm::restore(int tile, TileContent content) {
-  film_.restore(tile, std::move(content.sums));
+void JobFilm::restore(int tile, const TileContent& content) {
+  film_.restore(tile, content.sums);
   counters_[static_cast<std::size_t>(tile)] = content.counters;
   total_.reset();
 }
@@ -89,7 +88,7 @@ store::TileRow encode_tile_row(const std::string& job_id, int tile, const core::
                                std::vector<core::SampleRange> done, const TileContent& content) {
   v1::RenderedItem message;
   *message.mutable_item() = proto::to_proto(proto::WorkItem{rect, {0, count_samples(done).all}});
-  message.set_sums_zstd(encode_planes(content.sums.sums, content.sums.odd_sums));
+  message.set_sums_zstd(proto::encode_planes(content.sums.sums, content.sums.odd_sums));
   *message.mutable_counters() = proto::to_proto(content.counters);
   std::string bytes(1, kPlanesMark);
   message.AppendToString(&bytes);

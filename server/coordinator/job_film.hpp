@@ -31,7 +31,7 @@ class JobFilm {
   // Takes all samples of a tile out again.
   void clear(int tile);
   // Puts back what the store had of a tile that is empty so far.
-  void restore(int tile, TileContent content);
+  void restore(int tile, const TileContent& content);
 
   TileContent copy(int tile) const;
   const core::Film& film() const { return film_; }

@@ -66,7 +66,7 @@ core::Result<core::Image> Coordinator::develop_row(const v1::Job& spec, const co
   for (int i = 0; i < grid.columns(); ++i) {
     auto content = load_tile(spec, grid, first + i);
     if (!content) return core::fail(with_advice(content.error(), spec.state()));
-    strip.restore(i, std::move(content->sums));
+    strip.restore(i, content->sums);
   }
   return strip.develop();
 }

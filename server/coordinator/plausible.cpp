@@ -39,7 +39,7 @@ core::Status check_odd_sums(const core::FilmTile& tile) {
     if (possible) continue;
     return fail(
         ErrorCode::kInvalidArgument,
-        fmt::format("sums_zstd: sum {} is {}, and that of its {} odd-numbered samples {}, which cannot be", i,
+        fmt::format("sums: number {} is {}, and that of its {} odd-numbered samples {}, which cannot be", i,
                     sum, tile.range.odd_count(), odd));
   }
   return {};

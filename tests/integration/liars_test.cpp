@@ -42,7 +42,7 @@ class Liar {
   // Delivers what is no result at all.
   grpc::Status send_garbage() {
     v1::SubmitResultRequest garbage = message();
-    garbage.add_items()->set_sums_zstd("sums");
+    garbage.add_items()->set_planes_zstd("sums");
     return submit(garbage);
   }
 

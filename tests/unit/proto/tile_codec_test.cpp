@@ -8,6 +8,8 @@
 #include <random>
 #include <string>
 
+#include "proto/tile_planes.hpp"
+
 namespace tessera::proto {
 namespace {
 
@@ -32,11 +34,18 @@ v1::RenderedItem some_message() {
   return encode_tile(some_tile({64, 0, 128, 37}, {3, 8}, 1));
 }
 
-void set_sums(v1::RenderedItem& message, const std::string& raw) {
+std::string zstd_frame(const std::string& raw) {
   std::string frame(ZSTD_compressBound(raw.size()), '\0');
   frame.resize(ZSTD_compress(frame.data(), frame.size(), raw.data(), raw.size(), 1));
-  message.set_sums_zstd(frame);
-  message.set_sums_xxh3(XXH3_64bits(raw.data(), raw.size()));
+  return frame;
+}
+
+// The sums one after the other, as bytes.
+std::string in_a_row(const core::FilmTile& tile) {
+  std::string raw;
+  for (const auto* sums : {&tile.sums, &tile.odd_sums})
+    raw.append(reinterpret_cast<const char*>(sums->data()), sums->size() * sizeof(std::uint64_t));
+  return raw;
 }
 
 void expect_refused(const v1::RenderedItem& message, const std::string& reason) {
@@ -48,11 +57,12 @@ void expect_refused(const v1::RenderedItem& message, const std::string& reason) 
 
 // Nobody asks for that much, and whoever takes it in refuses it: it must only not be written over others.
 TEST(TileCodec, HasRoomForMoreThanOneTile) {
-  const v1::RenderedItem message = encode_tile(some_tile({0, 0, 256, 192}, {0, 2}, 1));
-  std::string sums(256 * 192 * 3 * 2 * sizeof(std::uint64_t), '\0');
-  ASSERT_EQ(ZSTD_decompress(sums.data(), sums.size(), message.sums_zstd().data(), message.sums_zstd().size()),
-            sums.size());
-  EXPECT_EQ(XXH3_64bits(sums.data(), sums.size()), message.sums_xxh3());
+  const core::FilmTile tile = some_tile({0, 0, 256, 192}, {0, 2}, 1);
+  const v1::RenderedItem message = encode_tile(tile);
+  const auto planes = decode_planes(message.planes_zstd(), tile.sums.size());
+  ASSERT_TRUE(planes);
+  EXPECT_EQ(planes->sums, tile.sums);
+  EXPECT_EQ(planes->odd_sums, tile.odd_sums);
   expect_refused(message, "must lie in one tile");
 }
 
@@ -71,37 +81,50 @@ TEST(TileCodec, GivesBackEveryBit) {
 }
 
 // The layout that the contract promises to programs in other languages.
-TEST(TileCodec, WritesSumsThenOddSumsLittleEndian) {
+TEST(TileCodec, WritesPlanesAndTheChecksumOfTheSums) {
   core::FilmTile tile({0, 0, 1, 1}, {0, 2});
   tile.sums = {0x0102030405060708, 2, 3};
   tile.odd_sums = {4, 5, 6};
   tile.counters.samples = 2;
   const v1::RenderedItem message = encode_tile(tile);
-  std::string raw(48, '\0');
-  ASSERT_EQ(ZSTD_decompress(raw.data(), raw.size(), message.sums_zstd().data(), message.sums_zstd().size()),
-            48u);
-  EXPECT_EQ(raw.substr(0, 8), std::string("\x08\x07\x06\x05\x04\x03\x02\x01", 8));
-  EXPECT_EQ(raw[24], 4);
-  EXPECT_EQ(message.sums_xxh3(), XXH3_64bits(raw.data(), raw.size()));
+  const std::string& frame = message.planes_zstd();
+  std::string planes(48, '\0');
+  ASSERT_EQ(ZSTD_decompress(planes.data(), planes.size(), frame.data(), frame.size()), 48u);
+  EXPECT_EQ(planes.substr(0, 12), std::string("\x08\x02\x03\x04\x05\x06\x07\0\0\0\0\0", 12));
+  EXPECT_EQ(message.sums_xxh3(), XXH3_64bits(in_a_row(tile).data(), 48));
+  EXPECT_TRUE(message.sums_zstd().empty());
+}
+
+TEST(TileCodec, ReadsWhatEarlierBuildsSent) {
+  const core::FilmTile tile = some_tile({64, 0, 128, 37}, {3, 8}, 2);
+  v1::RenderedItem message = encode_tile(tile);
+  message.clear_planes_zstd();
+  message.set_sums_zstd(zstd_frame(in_a_row(tile)));
+  const auto back = decode_tile(message);
+  ASSERT_TRUE(back) << back.error().message;
+  EXPECT_EQ(back->sums, tile.sums);
+  EXPECT_EQ(back->odd_sums, tile.odd_sums);
+  message.set_sums_zstd(zstd_frame(in_a_row(tile).substr(8)));
+  expect_refused(message, "sums_zstd: its sums are no whole frame of 113664 bytes");
 }
 
 TEST(TileCodec, RefusesEveryTruncation) {
   const v1::RenderedItem whole = some_message();
-  const std::size_t size = whole.sums_zstd().size();
+  const std::size_t size = whole.planes_zstd().size();
   for (std::size_t kept = 0; kept < size; kept += 1 + size / 200) {
     v1::RenderedItem message = whole;
-    message.mutable_sums_zstd()->resize(kept);
-    expect_refused(message, "sums_zstd");
+    message.mutable_planes_zstd()->resize(kept);
+    expect_refused(message, "planes_zstd");
   }
 }
 
 TEST(TileCodec, NeverTakesDamagedSums) {
   const v1::RenderedItem whole = some_message();
   const core::FilmTile original = *decode_tile(whole);
-  const std::size_t bits = whole.sums_zstd().size() * 8;
+  const std::size_t bits = whole.planes_zstd().size() * 8;
   for (std::size_t bit = 0; bit < bits; bit += 1 + bits / 2000) {
     v1::RenderedItem message = whole;
-    char& byte = (*message.mutable_sums_zstd())[bit / 8];
+    char& byte = (*message.mutable_planes_zstd())[bit / 8];
     byte = static_cast<char>(byte ^ (1 << (bit % 8)));
     // A flipped bit that zstd does not use may pass, but then the sums are those that were sent.
     if (const auto tile = decode_tile(message)) {
@@ -119,17 +142,17 @@ TEST(TileCodec, RefusesAWrongChecksum) {
 
 TEST(TileCodec, RefusesAFrameThatGrowsBeyondItsTile) {
   v1::RenderedItem message = some_message();
-  set_sums(message, std::string(std::size_t{64} << 20, '\0'));
-  ASSERT_LT(message.sums_zstd().size(), 10'000u);
-  expect_refused(message, "sums_zstd");
+  message.set_planes_zstd(zstd_frame(std::string(std::size_t{64} << 20, '\0')));
+  ASSERT_LT(message.planes_zstd().size(), 10'000u);
+  expect_refused(message, "planes_zstd");
 }
 
 TEST(TileCodec, RefusesAFrameOfAnotherTilesSize) {
   v1::RenderedItem message = some_message();
-  set_sums(message, std::string(64 * 37 * 48 - 8, '\0'));
-  expect_refused(message, "must hold 113664 bytes of sums, got 113656");
-  set_sums(message, std::string(64 * 37 * 48 + 8, '\0'));
-  expect_refused(message, "sums_zstd");
+  for (const std::size_t size : {64 * 37 * 48 - 8, 64 * 37 * 48 + 8}) {
+    message.set_planes_zstd(zstd_frame(std::string(size, '\0')));
+    expect_refused(message, "planes_zstd: its sums are no whole frame of 113664 bytes");
+  }
 }
 
 TEST(TileCodec, RefusesRectanglesAndRangesThatCannotBe) {

@@ -59,8 +59,8 @@ INSTANTIATE_TEST_SUITE_P(
             }},
         Lie{"EmptyRange",
             [](auto& item) { item.mutable_item()->set_sample_end(item.item().sample_begin()); }},
-        Lie{"TooManySums", [](auto& item) { item.set_sums_zstd(item.sums_zstd() + item.sums_zstd()); }},
-        Lie{"NoZstd", [](auto& item) { item.set_sums_zstd("sums"); }},
+        Lie{"TooManySums", [](auto& item) { item.set_planes_zstd(item.planes_zstd() + item.planes_zstd()); }},
+        Lie{"NoZstd", [](auto& item) { item.set_planes_zstd("sums"); }},
         Lie{"WrongChecksum", [](auto& item) { item.set_sums_xxh3(item.sums_xxh3() ^ 1); }},
         Lie{"WrongSampleCount", [](auto& item) { item.mutable_counters()->set_samples(1); }},
         Lie{"AForeignNonFiniteSample",
@@ -135,7 +135,7 @@ TEST_F(Refusals, RefusalsWithGoodResultsInBetweenPutNobodyAside) {
   for (int i = 0; i < 4; ++i) {
     const v1::Lease lease = synchronize(greeting('a')).leases(0);
     v1::SubmitResultRequest bad = delivery('a', lease);
-    bad.mutable_items(0)->set_sums_zstd("sums");
+    bad.mutable_items(0)->set_planes_zstd("sums");
     EXPECT_FALSE(coordinator().submit_result(bad));
     deliver(delivery('a', lease));
   }

@@ -1,4 +1,4 @@
-#include "server/coordinator/tile_planes.hpp"
+#include "proto/tile_planes.hpp"
 
 #include <emmintrin.h>
 #include <fmt/format.h>
@@ -12,7 +12,7 @@
 #include <memory>
 #include <new>
 
-namespace tessera::coordinator {
+namespace tessera::proto {
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "planes are made of bytes as they lie in memory");
@@ -64,7 +64,9 @@ void scatter(const std::vector<std::uint64_t>& sums, std::size_t begin, std::siz
       to[plane * total] = static_cast<char>(sums[i] >> (8 * plane) & 0xff);
 }
 
-void gather(const char* planes, std::size_t begin, std::size_t total, std::vector<std::uint64_t>& sums) {
+std::vector<std::uint64_t> gather(const char* planes, std::size_t begin, std::size_t total,
+                                  std::size_t count) {
+  std::vector<std::uint64_t> sums(count);
   const char* from = planes + begin;
   std::size_t i = 0;
   for (; i + kSumsPerBlock <= sums.size(); i += kSumsPerBlock, from += kSumsPerBlock) {
@@ -78,16 +80,18 @@ void gather(const char* planes, std::size_t begin, std::size_t total, std::vecto
   for (; i < sums.size(); ++i, ++from)
     for (std::size_t plane = 0; plane < kBytes; ++plane)
       sums[i] |= std::uint64_t{static_cast<unsigned char>(from[plane * total])} << (8 * plane);
+  return sums;
 }
 
 // Kept by each thread from one tile to the next, since to get that much memory anew takes as long as the
 // work.
 struct Workspace {
   std::unique_ptr<ZSTD_CCtx, decltype(&ZSTD_freeCCtx)> compressor{ZSTD_createCCtx(), &ZSTD_freeCCtx};
+  std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)> decompressor{ZSTD_createDCtx(), &ZSTD_freeDCtx};
   std::string planes, frame;
 
   Workspace() {
-    if (!compressor) throw std::bad_alloc();
+    if (!compressor || !decompressor) throw std::bad_alloc();
   }
 };
 
@@ -113,17 +117,18 @@ std::string encode_planes(const std::vector<std::uint64_t>& sums,
 }
 
 core::Result<TilePlanes> decode_planes(std::string_view frame, std::size_t count) {
-  std::string planes(2 * count * kBytes, '\0');
-  const std::size_t size = ZSTD_decompress(planes.data(), planes.size(), frame.data(), frame.size());
+  Workspace& work = workspace();
+  const std::size_t total = 2 * count;
+  work.planes.resize(total * kBytes);
+  const std::size_t size = ZSTD_decompressDCtx(work.decompressor.get(), work.planes.data(),
+                                               work.planes.size(), frame.data(), frame.size());
   if (ZSTD_getErrorCode(size) == ZSTD_error_memory_allocation) throw std::bad_alloc();
-  if (ZSTD_isError(size) != 0 || size != planes.size()) {
+  if (ZSTD_isError(size) != 0 || size != work.planes.size()) {
     return core::fail(core::ErrorCode::kDataLoss,
-                      fmt::format("its sums are no whole frame of {} bytes", planes.size()));
+                      fmt::format("its sums are no whole frame of {} bytes", work.planes.size()));
   }
-  TilePlanes result{std::vector<std::uint64_t>(count), std::vector<std::uint64_t>(count)};
-  gather(planes.data(), 0, 2 * count, result.sums);
-  gather(planes.data(), count, 2 * count, result.odd_sums);
-  return result;
+  return TilePlanes{gather(work.planes.data(), 0, total, count),
+                    gather(work.planes.data(), count, total, count)};
 }
 
-}  // namespace tessera::coordinator
+}  // namespace tessera::proto

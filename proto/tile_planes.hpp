@@ -1,6 +1,6 @@
-// A tile's sums as the store keeps them: the lowest bytes of all of them, then the second bytes, and so on,
-// as a zstd frame. The high bytes of neighbours are alike and the low ones are noise; kept apart, they are
-// compressed several times as fast, into fewer bytes, as when they alternate. Pure functions.
+// Sums of a tile as they travel and are stored: the lowest bytes of all of them, then the second bytes, and
+// so on, as a zstd frame. The high bytes of neighbours are alike and the low ones are noise; kept apart, they
+// are compressed several times as fast, into fewer bytes, as when they alternate. Pure functions.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 #include "core/base/error.hpp"
 
-namespace tessera::coordinator {
+namespace tessera::proto {
 
 struct TilePlanes {
   // Both of the same size.
@@ -21,4 +21,4 @@ std::string encode_planes(const std::vector<std::uint64_t>& sums, const std::vec
 // `count` is the size of each of the two. DATA_LOSS if the frame is damaged or of another size.
 core::Result<TilePlanes> decode_planes(std::string_view frame, std::size_t count);
 
-}  // namespace tessera::coordinator
+}  // namespace tessera::proto
