@@ -37,12 +37,14 @@ void DeliverLoop::run(const std::stop_token& stop) {
   const proto::RetryPolicy policy = unless_refused(proto::exponential_backoff(kDeliveryBackoff));
   while (const auto delivery = holdings_.next_delivery(stop)) {
     const v1::SubmitResultRequest request = encode(*delivery);
-    const core::Status done = proto::retry(policy, waiter_until(stop), [&] { return submit(request, stop); });
+    v1::SubmitResultResponse response;
+    const core::Status done =
+        proto::retry(policy, waiter_until(stop), [&] { return submit(request, stop, response); });
     if (!done && !is_refusal(done.error().code)) return;  // stopped
     if (!done)
       spdlog::error("job {}: the coordinator refused {} items: {}", delivery->job_id, delivery->tiles.size(),
                     done.error().message);
-    holdings_.delivered(*delivery);
+    holdings_.delivered(*delivery, response);
   }
 }
 
@@ -58,13 +60,14 @@ v1::SubmitResultRequest DeliverLoop::encode(const Delivery& delivery) const {
       std::chrono::duration_cast<std::chrono::nanoseconds>(delivery.render_time).count());
   request.set_lease_finished(delivery.lease_finished);
   request.set_cannot_build(delivery.cannot_build);
+  request.mutable_held_lease_ids()->Add(delivery.held_besides.begin(), delivery.held_besides.end());
   return request;
 }
 
-core::Status DeliverLoop::submit(const v1::SubmitResultRequest& request, const std::stop_token& stop) {
+core::Status DeliverLoop::submit(const v1::SubmitResultRequest& request, const std::stop_token& stop,
+                                 v1::SubmitResultResponse& response) {
   StoppableCall call(stop, kSubmitDeadline);
   call.context()->set_wait_for_ready(true);
-  v1::SubmitResultResponse response;
   const grpc::Status status = coordinator_.SubmitResult(call.context(), request, &response);
   if (status.ok() && response.dropped_items() > 0)
     spdlog::debug("job {}: {} of {} items were there already", request.job_id(), response.dropped_items(),

@@ -22,7 +22,8 @@ class DeliverLoop {
 
  private:
   v1::SubmitResultRequest encode(const Delivery& delivery) const;
-  core::Status submit(const v1::SubmitResultRequest& request, const std::stop_token& stop);
+  core::Status submit(const v1::SubmitResultRequest& request, const std::stop_token& stop,
+                      v1::SubmitResultResponse& response);
 
   const Identity identity_;
   v1::WorkerService::StubInterface& coordinator_;

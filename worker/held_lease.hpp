@@ -31,6 +31,8 @@ struct Delivery {
   bool lease_finished = false;
   // Why the lease is given back, if its scene cannot be built.
   std::string cannot_build;
+  // All other leases that are held; empty if none should be given for this one.
+  std::vector<std::uint64_t> held_besides;
 };
 
 class HeldLease {

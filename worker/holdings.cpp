@@ -60,6 +60,7 @@ std::vector<WorkItem> readable_items(const v1::Lease& lease, const v1::RenderSet
 void Holdings::report(v1::SynchronizeRequest& request) {
   std::lock_guard lock(mutex_);
   just_finished_.clear();
+  just_given_.clear();
   forget_idle_jobs();
   std::uint32_t given_up = 0;
   for (const HeldLease& lease : leases_) {
@@ -87,16 +88,13 @@ bool Holdings::apply(const v1::SynchronizeResponse& response) {
   std::lock_guard lock(mutex_);
   heard_within_ = std::max(heard_within_, heard_within(response));
   bool changed = false;
-  for (const v1::JobSpec& spec : response.jobs()) {
-    const auto [job, is_new] = jobs_.try_emplace(spec.job_id());
-    if (is_new) job->second.spec = spec;
-    changed |= is_new;
-  }
+  for (const v1::JobSpec& spec : response.jobs()) changed |= add_job(spec);
 
   std::map<std::uint64_t, const v1::Lease*> wanted;
   for (const v1::Lease& lease : response.leases()) wanted.emplace(lease.id(), &lease);
   for (HeldLease& lease : leases_) {
     const auto still = wanted.find(lease.id());
+    if (still == wanted.end() && just_given_.contains(lease.id())) continue;
     if (still == wanted.end()) {
       changed |= unwanted_.try_emplace(lease.id(), Clock::now()).second;
       lease.stop_rendering();
@@ -105,14 +103,19 @@ bool Holdings::apply(const v1::SynchronizeResponse& response) {
     }
   }
   leases_.remove_if([&](const HeldLease& lease) { return lease.empty() && unwanted_.erase(lease.id()) > 0; });
-  for (const v1::Lease& lease : response.leases())
-    if (!draining_ && find_lease(lease.id()) == nullptr) changed |= add_lease(lease);
+  for (const v1::Lease& lease : response.leases()) changed |= add_lease(lease);
   announce_change();
   return changed;
 }
 
+bool Holdings::add_job(const v1::JobSpec& spec) {
+  const auto [job, is_new] = jobs_.try_emplace(spec.job_id());
+  if (is_new) job->second.spec = spec;
+  return is_new;
+}
+
 bool Holdings::add_lease(const v1::Lease& lease) {
-  if (just_finished_.contains(lease.id())) return false;
+  if (draining_ || find_lease(lease.id()) != nullptr || just_finished_.contains(lease.id())) return false;
   const auto job = jobs_.find(lease.job_id());
   if (job == jobs_.end()) {
     spdlog::warn("lease {} is of job {}, which the coordinator did not describe", lease.id(), lease.job_id());
@@ -247,8 +250,14 @@ Holdings::Clock::time_point Holdings::next_give_back() const {
 
 Delivery Holdings::batch_of(HeldLease& lease) const {
   Delivery delivery = lease.take_batch();
-  if (is_unusable(lease.job_id()) && delivery.lease_finished)
+  if (!delivery.lease_finished) return delivery;
+  if (is_unusable(lease.job_id())) {
     delivery.cannot_build = jobs_.at(lease.job_id()).cannot_build;
+  } else if (!draining_) {
+    for (const HeldLease& other : leases_)
+      if (other.id() != lease.id() && !unwanted_.contains(other.id()))
+        delivery.held_besides.push_back(other.id());
+  }
   return delivery;
 }
 
@@ -276,7 +285,7 @@ void Holdings::await_change(std::unique_lock<std::mutex>& lock, const std::stop_
     changed_.wait_until(lock, stop, until, any_change);
 }
 
-void Holdings::delivered(const Delivery& delivery) {
+void Holdings::delivered(const Delivery& delivery, const v1::SubmitResultResponse& answer) {
   std::lock_guard lock(mutex_);
   HeldLease* lease = find_lease(delivery.lease_id);
   lease->delivered();
@@ -288,6 +297,9 @@ void Holdings::delivered(const Delivery& delivery) {
     if (job->second.stage == Stage::kUnusable) job->second.stage = Stage::kWanted;
     leases_.remove_if([&](const HeldLease& other) { return other.id() == delivery.lease_id; });
   }
+  for (const v1::JobSpec& spec : answer.jobs()) add_job(spec);
+  for (const v1::Lease& given : answer.new_leases())
+    if (add_lease(given)) just_given_.insert(given.id());
   announce_change();
 }
 

@@ -69,8 +69,8 @@ class Holdings {
 
   // Fills in what is held, wanted and known.
   void report(v1::SynchronizeRequest& request);
-  // Takes over what the coordinator says should be held. The answer must be to the last report. Returns
-  // whether it differed from what was held.
+  // Takes over what the coordinator says should be held. The answer must be to the last report; what came
+  // with the answers to deliveries since then stays. Returns whether it differed from what was held.
   bool apply(const v1::SynchronizeResponse& response);
 
   // ---- For the thread that fetches ----
@@ -99,8 +99,8 @@ class Holdings {
   // Blocks until there is something to send; nothing once there is nothing left after drain(), or after a
   // stop.
   std::optional<Delivery> next_delivery(const std::stop_token& stop);
-  // It has arrived, or was refused for good.
-  void delivered(const Delivery& delivery);
+  // It has arrived, and this was the answer; or it was refused for good.
+  void delivered(const Delivery& delivery, const v1::SubmitResultResponse& answer = {});
 
   // ---- For the thread that watches the one that renders ----
 
@@ -134,6 +134,7 @@ class Holdings {
 
   // All of these expect mutex_ to be held.
   HeldLease* find_lease(std::uint64_t id);
+  bool add_job(const v1::JobSpec& spec);
   bool add_lease(const v1::Lease& lease);
   bool is_unusable(const std::string& job_id) const;
   void make_unusable(const std::string& job_id);
@@ -159,8 +160,10 @@ class Holdings {
   // Guarded by mutex_; held, but only until what is rendered is delivered. Since when.
   std::map<std::uint64_t, Clock::time_point> unwanted_;
   std::set<std::uint64_t> just_finished_;  // guarded by mutex_; since the last report
-  std::optional<Piece> rendering_;         // guarded by mutex_; whose samples are being rendered
-  Clock::time_point rendering_since_{};    // guarded by mutex_
+  std::set<std::uint64_t>
+      just_given_;                  // guarded by mutex_; with answers to deliveries, since the last report
+  std::optional<Piece> rendering_;  // guarded by mutex_; whose samples are being rendered
+  Clock::time_point rendering_since_{};                    // guarded by mutex_
   std::optional<Clock::time_point> nothing_wanted_since_;  // guarded by mutex_
   bool has_rendered_ = false;                              // guarded by mutex_; any piece
   bool has_abandoned_ = false;                             // guarded by mutex_; the piece in hand

@@ -55,6 +55,7 @@ void SimulatedWorker::synchronize() {
   auto call = std::make_shared<SyncCall>();
   report(call->request);
   just_finished_.clear();
+  just_given_.clear();
   sync_call_ = call;
   stub_->async()->Synchronize(&call->context, &call->request, &call->response,
                               [self = shared_from_this(), call](const grpc::Status& status) {
@@ -104,7 +105,7 @@ void SimulatedWorker::synchronized(const SyncCall& call, const grpc::Status& sta
 // Whether there was something new.
 bool SimulatedWorker::apply(const SyncCall& call) {
   for (const v1::JobSpec& job : call.response.jobs()) known_jobs_.insert(job.job_id());
-  std::set<std::uint64_t> wanted;
+  std::set<std::uint64_t> wanted = just_given_;
   for (const v1::Lease& lease : call.response.leases()) wanted.insert(lease.id());
   for (Held& held : leases_)
     if (!wanted.contains(held.id)) held.todo.clear();
@@ -112,19 +113,24 @@ bool SimulatedWorker::apply(const SyncCall& call) {
     return !wanted.contains(held.id) && held.is_finished() && held.delivering.empty();
   });
   bool changed = false;
-  for (const v1::Lease& lease : call.response.leases()) {
-    if (find(lease.id()) != nullptr || just_finished_.contains(lease.id())) continue;
-    Held held{lease.id(), lease.job_id(), {}, {}, {}, {}, 0};
-    for (const v1::WorkItem& item : lease.items())
-      if (const auto read = proto::from_proto(item)) held.todo.push_back(*read);
-    leases_.push_back(std::move(held));
-    changed = true;
-  }
-  if (changed && waiting_since_) {
-    const double waited = seconds_since(*std::exchange(waiting_since_, std::nullopt));
-    world_.tally.note([&](Counts& counts) { counts.next_lease_seconds.push_back(waited); });
-  }
+  for (const v1::Lease& lease : call.response.leases()) changed |= add_lease(lease);
+  if (changed) note_next_lease();
   return changed;
+}
+
+bool SimulatedWorker::add_lease(const v1::Lease& lease) {
+  if (find(lease.id()) != nullptr || just_finished_.contains(lease.id())) return false;
+  Held held{lease.id(), lease.job_id(), {}, {}, {}, {}, 0};
+  for (const v1::WorkItem& item : lease.items())
+    if (const auto read = proto::from_proto(item)) held.todo.push_back(*read);
+  leases_.push_back(std::move(held));
+  return true;
+}
+
+void SimulatedWorker::note_next_lease() {
+  if (!waiting_since_) return;
+  const double waited = seconds_since(*std::exchange(waiting_since_, std::nullopt));
+  world_.tally.note([&](Counts& counts) { counts.next_lease_seconds.push_back(waited); });
 }
 
 SimulatedWorker::Held* SimulatedWorker::find(std::uint64_t lease_id) {
@@ -183,6 +189,9 @@ void SimulatedWorker::deliver_next() {
   request.set_job_id(next->job_id);
   request.set_lease_id(next->id);
   request.set_lease_finished(next->is_finished());
+  if (request.lease_finished())
+    for (const Held& other : leases_)
+      if (other.id != next->id) request.add_held_lease_ids(other.id);
   const double seconds = std::exchange(next->ready_seconds, 0);
   request.mutable_render_time()->set_seconds(static_cast<std::int64_t>(seconds));
   request.mutable_render_time()->set_nanos(
@@ -227,6 +236,11 @@ void SimulatedWorker::delivered(const std::shared_ptr<SubmitCall>& call, const g
     just_finished_.insert(id);
     std::erase_if(leases_, [&](const Held& held) { return held.id == id; });
   }
+  for (const v1::JobSpec& job : call->response.jobs()) known_jobs_.insert(job.job_id());
+  for (const v1::Lease& lease : call->response.new_leases())
+    if (add_lease(lease)) just_given_.insert(lease.id());
+  if (call->response.new_leases_size() > 0) note_next_lease();
+  render_next();
   deliver_next();
 }
 

@@ -1,7 +1,8 @@
 // A worker that speaks the real protocol on a connection of its own, and renders nothing: it lets the time
 // pass that rendering would have taken, and sends ready-made tiles. Keeps two leases, delivers each item as
-// soon as it is "rendered", one delivery at a time, and always has a Synchronize under way, as the real one
-// does (worker/). All calls are asynchronous; a thousand of them need a handful of threads. Thread-safe.
+// soon as it is "rendered", one delivery at a time, takes leases with the answer, and always has a
+// Synchronize under way, as the real one does (worker/). All calls are asynchronous; a thousand of them need
+// a handful of threads. Thread-safe.
 #pragma once
 
 #include <grpcpp/channel.h>
@@ -70,6 +71,8 @@ class SimulatedWorker : public std::enable_shared_from_this<SimulatedWorker> {
   void synchronize();
   void synchronized(const SyncCall& call, const grpc::Status& status);
   bool apply(const SyncCall& call);
+  bool add_lease(const v1::Lease& lease);
+  void note_next_lease();
   void report(v1::SynchronizeRequest& request) const;
   void render_next();
   void rendered(std::uint64_t lease_id);
@@ -90,7 +93,8 @@ class SimulatedWorker : public std::enable_shared_from_this<SimulatedWorker> {
   // Guarded by mutex_:
   std::deque<Held> leases_;
   std::set<std::string> known_jobs_;
-  std::set<std::uint64_t> just_finished_;  // since the last Synchronize was sent
+  // Since the last Synchronize was sent: delivered; or given with the answer to a delivery.
+  std::set<std::uint64_t> just_finished_, just_given_;
   bool rendering_ = false, delivering_ = false, stopped_ = false;
   std::uint64_t delivered_items_ = 0;
   std::optional<Clock::time_point> waiting_since_;  // for another lease

@@ -109,8 +109,9 @@ class Coordinator {
 
   // ---- For whoever runs it ----
   // Lets time pass: takes leases from silent workers, answers calls that have waited long enough. Due about
-  // every 100 ms. Whether somebody waits for a checkpoint: users are told of a job that is done, or has failed,
-  // after the next one. Ends the process if an invariant is broken, rather than let it spoil a picture.
+  // every 100 ms. Whether somebody waits for a checkpoint: users are told of a job that is done, or has
+  // failed, after the next one. Ends the process if an invariant is broken, rather than let it spoil a
+  // picture.
   bool tick();
   // Writes what has changed since the last one. After an error everything not written is tried again next
   // time.
@@ -183,6 +184,8 @@ class Coordinator {
   // Whether the scheduler has heard of the worker lately.
   bool is_known(const Turn& turn, const std::string& id) const;
   bool arithmetic_is_bound(const Turn& turn, const std::string& except_worker) const;
+  void tell_with_answer(const v1::SubmitResultRequest& request, scheduler::Reply reply,
+                        v1::SubmitResultResponse& response);
   struct Delivery;
   core::Result<v1::SubmitResultResponse> count_result(Turn& turn, const v1::SubmitResultRequest& request,
                                                       const Delivery& delivery);

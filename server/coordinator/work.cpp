@@ -60,6 +60,16 @@ scheduler::WorkerInfo info_of(const v1::SynchronizeRequest& request) {
   return {{request.worker_id()}, request.name(), request.version(), threads};
 }
 
+// Who names more than one can hold does not hold them all, which is known without the rest.
+std::vector<scheduler::LeaseId> held_besides(const v1::SubmitResultRequest& request) {
+  std::vector<scheduler::LeaseId> held;
+  for (const std::uint64_t id : request.held_lease_ids()) {
+    if (held.size() > scheduler::kMaxLeasesPerWorker) break;
+    held.push_back({id});
+  }
+  return held;
+}
+
 core::Result<std::vector<core::FilmTile>> decode_items(const v1::SubmitResultRequest& request) {
   if (request.items_size() > kMaxItemsPerResult) {
     return core::fail(ErrorCode::kInvalidArgument, fmt::format("items: at most {} in one message, got {}",
@@ -211,6 +221,19 @@ v1::SynchronizeResponse Coordinator::respond(const scheduler::Reply& reply,
   return response;
 }
 
+// Gives the worker what it should hold besides what it has named.
+void Coordinator::tell_with_answer(const v1::SubmitResultRequest& request, scheduler::Reply reply,
+                                   v1::SubmitResultResponse& response) {
+  const auto& named = request.held_lease_ids();
+  std::erase_if(reply.leases, [&](const scheduler::LeaseDescription& lease) {
+    return std::find(named.begin(), named.end(), lease.id.value) != named.end();
+  });
+  const auto call = parked_.find(request.worker_id());
+  auto news = respond(reply, call == parked_.end() ? std::set<std::string>() : call->second.known_jobs);
+  response.mutable_new_leases()->Swap(news.mutable_leases());
+  response.mutable_jobs()->Swap(news.mutable_jobs());
+}
+
 // What a result brought, read outside the gate.
 struct Coordinator::Delivery {
   std::vector<core::FilmTile> tiles;
@@ -256,7 +279,8 @@ core::Result<v1::SubmitResultResponse> Coordinator::count_result(Turn& turn,
                                 seconds(request.render_time()),
                                 request.lease_finished(),
                                 core::printable(beginning_of(request.cannot_build())),
-                                delivery.fingerprints};
+                                delivery.fingerprints,
+                                held_besides(request)};
   for (const core::FilmTile& tile : delivery.tiles)
     event.items.push_back({scheduler::tile_index(grid, tile.rect), tile.range});
   const scheduler::Actions actions = scheduler_.handle(event, turn.now());
@@ -282,6 +306,7 @@ core::Result<v1::SubmitResultResponse> Coordinator::count_result(Turn& turn,
     if (arithmetic_.empty()) arithmetic_ = record->arithmetic;
     ++record->revision;
   }
+  if (actions.reply) tell_with_answer(request, *actions.reply, response);
   apply(turn, actions);
   return response;
 }

@@ -83,6 +83,9 @@ struct SubmitResult {
   std::string cannot_build{};
   // Of each item.
   std::vector<Fingerprint> fingerprints{};
+  // All other leases that the worker holds and has heard of. If there are some, it takes new ones with the
+  // answer (Actions::reply).
+  std::vector<LeaseId> held{};
 };
 
 inline Fingerprint fingerprint_of(const SubmitResult& result, std::size_t item) {
@@ -183,9 +186,9 @@ struct Reply {
   // Everything it should hold, oldest first. Items are what is still missing of the lease: those that others
   // have delivered meanwhile are gone from it.
   std::vector<LeaseDescription> leases;
-  // Whether these are other leases than the worker reported in its last Synchronize, or have lost items to
-  // others since its last reply. If not, there is no hurry to answer: the call can wait until Actions::wake
-  // names the worker.
+  // Whether these are other leases than the worker has reported or was told of, or have lost items to others
+  // since its last reply. If not, there is no hurry to answer: the call can wait until Actions::wake names
+  // the worker.
   bool changed = false;
   // Unless the worker is heard of again within this time, its leases go to others.
   Duration heard_within{};
@@ -228,7 +231,8 @@ struct Actions {
   // Why the event was refused. A refused event has changed nothing; the time that has passed may have, and
   // the rest of the actions is to be done all the same.
   core::Status status;
-  // For Synchronize and TopUp.
+  // For Synchronize and TopUp. For a SubmitResult if it is to be told with its answer, while the worker's
+  // Synchronize waits on: `changed` if there are others than SubmitResult::held.
   std::optional<Reply> reply;
   // For SubmitResult: one for each item.
   std::vector<Verdict> verdicts;

@@ -195,12 +195,13 @@ void Scheduler::end_all_leases(Worker& worker) {
 
 void Scheduler::lose_lease(const Worker& worker, const HeldLease& held, Actions& actions) {
   Job& job = *find(held.job);
-  const bool acknowledged = job.find_lease(held.id)->state == LeaseState::kHeld;
+  const bool heard_of = worker.reported.contains(held.id);
   const Lease lease = end_lease(job, held.id, LeaseState::kExpired);
-  // What it never said it holds it may never have heard of. One that was told to stop had another reason to
-  // die. And if nobody looked when its time was up, it was the coordinator that slept.
+  // What it never said it holds it may never have heard of, unless it had just called when it was told. One
+  // that was told to stop had another reason to die. And if nobody looked when its time was up, it was the
+  // coordinator that slept.
   const bool draining = worker.state() == WorkerState::kDraining;
-  if (!acknowledged || draining || now_ > roster_.deadline(worker) + kPunctuality) return;
+  if (!heard_of || draining || now_ > roster_.deadline(worker) + kPunctuality) return;
   const std::optional<std::string> failure = job.blame(lease, {worker.info.id, worker.info.name});
   if (failure) fail(job, *failure, actions);
 }

@@ -72,7 +72,17 @@ Worker* Scheduler::on(const SubmitResult& event, Actions& actions) {
     if (!event.cannot_build.empty()) note_refusal(*job, event, actions);
   }
   if (job->settled() && job->state() == JobState::kRunning) become(*job, JobState::kDone, actions);
-  return nullptr;
+  Worker* const worker = roster_.find(event.worker);
+  return worker != nullptr && takes_with_answer(*worker, event) ? worker : nullptr;
+}
+
+// What has ended or shrunk of what it holds, its Synchronize is to tell it. So does that if it holds nothing
+// any more: what may kill its worker is leased to these alone, and then it is to be known that it was heard
+// of.
+bool Scheduler::takes_with_answer(const Worker& worker, const SubmitResult& event) const {
+  const bool has_all = !worker.shrunk && std::all_of(event.held.begin(), event.held.end(),
+                                                     [&](LeaseId id) { return worker.holds(id); });
+  return worker.waiting && !event.held.empty() && has_all && !worker.holds(event.lease) && worker.room() > 0;
 }
 
 void Scheduler::note_author(Job& job, const WorkItem& item, const Author& author,

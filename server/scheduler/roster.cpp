@@ -16,6 +16,10 @@ bool Worker::holds_any_of(const JobId& job) const {
   return std::any_of(leases.begin(), leases.end(), [&](const HeldLease& held) { return held.job == job; });
 }
 
+bool Worker::holds(LeaseId lease) const {
+  return std::any_of(leases.begin(), leases.end(), [&](const HeldLease& held) { return held.id == lease; });
+}
+
 bool Worker::has_stalled(const JobId& job) const {
   const auto effort = efforts.find(job);
   return effort != efforts.end() && effort->second.stalls > 0;

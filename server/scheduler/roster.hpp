@@ -61,9 +61,9 @@ struct Worker {
   int wanted_leases = 0;
   // Oldest first.
   std::vector<HeldLease> leases;
-  // What it said it holds in its last Synchronize, which jobs' files it is fetching, and what it renders,
-  // since when.
+  // What it said it holds in its last Synchronize, or was told of since with the answer to a result.
   std::set<LeaseId> reported;
+  // Which jobs' files it said that it is fetching, and what it renders, since when.
   std::set<JobId> fetching;
   std::optional<Rendering> rendering;
   Time rendering_since{};
@@ -92,6 +92,7 @@ struct Worker {
   // The earliest time there is if it has built every scene.
   Time last_refusal() const;
   bool holds_any_of(const JobId& job) const;
+  bool holds(LeaseId lease) const;
   // Its leases of the job have stalled, and nothing it delivered has counted since.
   bool has_stalled(const JobId& job) const;
   // It is given none of the job at this time, for that reason; or as long as it is fetching its files.

@@ -24,7 +24,9 @@ Actions Scheduler::handle(const Event& event, Time now) {
   }
   end_vain_waits(actions);
   wake_waiting(actions);
-  if (asking != nullptr) actions.reply = reply_to(*asking);
+  if (asking == nullptr) return actions;
+  const auto* const result = std::get_if<SubmitResult>(&event);
+  actions.reply = result != nullptr ? reply_with_answer(*asking, *result) : reply_to(*asking);
   return actions;
 }
 
@@ -79,8 +81,21 @@ Reply Scheduler::reply_to(Worker& worker) {
   reply.changed = ids != worker.reported || worker.shrunk;
   worker.shrunk = false;
   reply.heard_within = roster_.deadline(worker) - now_;
-  worker.waiting = !reply.changed;
-  if (worker.waiting && worker.room() > 0) hungry_.emplace(worker.arrival, worker.info.id);
+  if (!reply.changed) let_wait(worker);
+  return reply;
+}
+
+void Scheduler::let_wait(Worker& worker) {
+  worker.waiting = true;
+  if (worker.room() > 0) hungry_.emplace(worker.arrival, worker.info.id);
+}
+
+// Its Synchronize waits on, as if it had reported what it is told here.
+Reply Scheduler::reply_with_answer(Worker& worker, const SubmitResult& result) {
+  worker.reported = {result.held.begin(), result.held.end()};
+  Reply reply = reply_to(worker);
+  for (const LeaseDescription& lease : reply.leases) worker.reported.insert(lease.id);
+  let_wait(worker);
   return reply;
 }
 

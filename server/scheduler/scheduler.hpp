@@ -144,7 +144,7 @@ class Scheduler {
   // Jobs in the order of submission.
   using JobNumber = std::uint64_t;
 
-  // Each takes one event. Those of a worker that awaits a reply return it.
+  // Each takes one event. Those of a worker that awaits a reply, or would take one, return it.
   Worker* on(const Synchronize& event, Actions& actions);
   Worker* on(const TopUp& event, Actions& actions);
   Worker* on(const Dismiss& event, Actions& actions);
@@ -167,6 +167,9 @@ class Scheduler {
   // Who of those that wait is asked first whether it can be given something.
   static bool comes_before(const Worker* a, const Worker* b);
   Reply reply_to(Worker& worker);
+  Reply reply_with_answer(Worker& worker, const SubmitResult& result);
+  // The worker's Synchronize goes unanswered.
+  void let_wait(Worker& worker);
 
   // ---- Leases (leasing.cpp, stalls.cpp) ----
   void settle_reported(Worker& worker);
@@ -231,6 +234,8 @@ class Scheduler {
   core::Status validate_lease(const Job& job, const SubmitResult& event) const;
   // Whether the item may be of samples that an earlier run had extended the job by, and forgot in a crash.
   bool was_extended_before(const Job& job, LeaseId lease, const WorkItem& item) const;
+  // Whether its worker can be given more with the answer.
+  bool takes_with_answer(const Worker& worker, const SubmitResult& event) const;
   void measure(Job& job, const SubmitResult& event);
   void note_refusal(Job& job, const SubmitResult& event, Actions& actions);
   void note_author(Job& job, const WorkItem& item, const Author& author, const Fingerprint& fingerprint);

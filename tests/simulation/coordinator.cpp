@@ -145,9 +145,9 @@ void Coordinator::wake(const WorkerId& worker) {
   referee_.parked(worker, *actions.reply);
 }
 
-void Coordinator::submit_result(const SubmitResult& result, const std::function<void()>& answer) {
+void Coordinator::submit_result(const SubmitResult& result, const ResultAnswer& answer) {
   if (!up() || delayed([=, this] { submit_result(result, answer); })) return;
-  if (workers_aside_.contains(result.worker)) return answer();
+  if (workers_aside_.contains(result.worker)) return answer({});
   const bool lies = is_liar(result.worker);
   if (lies) handle(Tick{});
   const std::string before = lies ? fingerprint(*scheduler_, clock()) : "";
@@ -171,7 +171,8 @@ void Coordinator::submit_result(const SubmitResult& result, const std::function<
   referee_.settled(actions, *scheduler_, clock());
   // A row may well be stored before the samples of which it speaks.
   if (!actions.job_changes.empty() && world_.random.chance(0.2)) disk_.update(result.job, row_of(result.job));
-  answer();
+  if (actions.reply && parked_.contains(result.worker)) referee_.parked(result.worker, *actions.reply);
+  answer(actions.reply);
 }
 
 bool Coordinator::submit(const SubmitJob& event) {

@@ -36,7 +36,9 @@ class Coordinator {
 
   // ---- What arrives over the network; lost while it is down ----
   void synchronize(const scheduler::Synchronize& request, const Answer& answer);
-  void submit_result(const scheduler::SubmitResult& result, const std::function<void()>& answer);
+  // The answer may have the leases that the worker should hold.
+  using ResultAnswer = std::function<void(const std::optional<scheduler::Reply>&)>;
+  void submit_result(const scheduler::SubmitResult& result, const ResultAnswer& answer);
 
   // A user's command. Must be up. Returns whether it was taken and stored.
   bool command(const scheduler::Event& event);

@@ -63,7 +63,7 @@ void Liar::deliver(int jobs) {
     result.cannot_build = "it is not to my liking";
     refused_.insert(result.job);
   }
-  coordinator_.submit_result(result, [] {});
+  coordinator_.submit_result(result, [](const auto&) {});
 }
 
 void Liar::synchronize(int jobs, const std::string& victim) {

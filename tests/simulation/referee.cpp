@@ -109,7 +109,10 @@ void Referee::check_given_up(const JobId& job) const {
 
 void Referee::check_reply(const Event& event, const Reply& reply) {
   const auto* call = std::get_if<Synchronize>(&event);
-  const WorkerId& worker = call != nullptr ? call->worker.id : std::get<TopUp>(event).worker;
+  const auto* result = std::get_if<SubmitResult>(&event);
+  const WorkerId& worker = call != nullptr     ? call->worker.id
+                           : result != nullptr ? result->worker
+                                               : std::get<TopUp>(event).worker;
   const auto last = last_call_.find(worker);
   if (last == last_call_.end()) return world_.fail("a worker that was never heard of has a reply");
   if (reply.heard_within != options_.lease_duration - (clock_ - last_heard_[worker]))
@@ -119,6 +122,12 @@ void Referee::check_reply(const Event& event, const Reply& reply) {
   for (const LeaseDescription& held : last->second.held) {
     reported.insert(held.id);
     if (call != nullptr && held.id.value <= highest_given_) known_.insert({worker, held.id});
+  }
+  if (result != nullptr) {
+    reported = {result->held.begin(), result->held.end()};
+    const std::set<LeaseId> told = ids_of(reply.leases);
+    if (!std::includes(told.begin(), told.end(), reported.begin(), reported.end()))
+      world_.fail(fmt::format("worker {} is to wait, though it has lost leases", worker.value));
   }
   const std::uint64_t highest_before = highest_given_;
   bool has_new = false;
@@ -137,6 +146,8 @@ void Referee::check_reply(const Event& event, const Reply& reply) {
   check_progress(worker, reply);
   if (!reply.changed && ids_of(reply.leases) != reported)
     world_.fail(fmt::format("worker {} is to wait, though its leases have changed", worker.value));
+  // Its call waits on, as if it had said that it holds these.
+  if (result != nullptr) last->second.held = reply.leases;
 }
 
 // Nobody holds leases of a job for ever, and contributes nothing to it.

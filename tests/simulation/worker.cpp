@@ -42,7 +42,8 @@ WorkerMachine::WorkerMachine(World& world, Coordinator& coordinator, std::string
       name_(name.empty() ? host_ : std::move(name)),
       samples_per_second_(samples_per_second),
       wanted_leases_(world.random.integer(1, 3)),
-      items_per_delivery_(static_cast<std::size_t>(world.random.integer(1, 12))) {}
+      items_per_delivery_(static_cast<std::size_t>(world.random.integer(1, 12))),
+      takes_with_answers_(items_per_delivery_ % 4 != 0) {}
 
 void WorkerMachine::start() {
   start_again_ = running_ && (stop_pending_ || stopping_);
@@ -130,6 +131,7 @@ void WorkerMachine::synchronize() {
   }
   request.fetching = fetching();
   if (rendering_) request.rendering = {rendering_->lease, rendering_->job, rendering_->item};
+  just_given_.clear();
   const std::uint64_t call = ++call_;
   const auto answer = [=, this, process = process_](const Reply& reply) {
     send([=, this] {
@@ -145,18 +147,23 @@ void WorkerMachine::synchronize() {
 void WorkerMachine::take_reply(std::uint64_t call, const Reply& reply) {
   if (call != call_) return;
   const auto wanted = [&](const Held& held) {
-    return std::any_of(reply.leases.begin(), reply.leases.end(),
-                       [&](const auto& l) { return l.id == held.id; });
+    return just_given_.contains(held.id) || std::any_of(reply.leases.begin(), reply.leases.end(),
+                                                        [&](const auto& l) { return l.id == held.id; });
   };
   // What it has sent already it goes on sending; the rest of what is not wanted it forgets.
   std::erase_if(held_, [&](const Held& held) { return !wanted(held); });
+  take_new(reply);
+  if (!stopping_) synchronize();
+  render_next();
+}
+
+void WorkerMachine::take_new(const Reply& reply) {
   for (const LeaseDescription& lease : reply.leases) {
     if (find(lease.id) != nullptr) continue;
     held_.push_back({lease.id, lease.job, in_pieces(lease.items), {}, {}, 0, 0, false});
+    just_given_.insert(lease.id);
   }
   fetch_what_is_new();
-  if (!stopping_) synchronize();
-  render_next();
 }
 
 // Goes on when others have been given the leases that it is for.
@@ -246,13 +253,23 @@ void WorkerMachine::give_back(Held& held) {
 void WorkerMachine::deliver(Held& held, bool finished, const std::string& cannot_build) {
   const std::uint64_t delivery = ++deliveries_;
   if (splits_) held.rendered = joined(held.rendered);
-  outbox_[delivery] = {{id_},    held.job,     held.id,      held.rendered, held.render_seconds,
-                       finished, cannot_build, sums_of(held)};
+  outbox_[delivery] = {{id_},        held.job,      held.id, held.rendered, held.render_seconds, finished,
+                       cannot_build, sums_of(held), {}};
+  // As real workers, which deliver one after the other.
+  const bool takes = finished && takes_with_answers_ && cannot_build.empty() && outbox_.size() == 1;
+  if (takes && !stopping_) outbox_[delivery].held = held_besides(held);
   held.sent.insert(held.sent.end(), held.rendered.begin(), held.rendered.end());
   held.rendered.clear();
   held.render_seconds = 0;
   held.finished = finished;
   send_until_heard(delivery);
+}
+
+std::vector<LeaseId> WorkerMachine::held_besides(const Held& held) const {
+  std::vector<LeaseId> others;
+  for (const Held& other : held_)
+    if (other.id != held.id) others.push_back(other.id);
+  return others;
 }
 
 std::vector<Fingerprint> WorkerMachine::sums_of(const Held& held) {
@@ -282,16 +299,16 @@ std::deque<WorkItem> WorkerMachine::in_pieces(const std::vector<WorkItem>& items
 void WorkerMachine::send_until_heard(std::uint64_t delivery) {
   const auto result = outbox_.find(delivery);
   if (result == outbox_.end()) return;
-  const auto answer = [=, this, process = process_] {
+  const auto answer = [=, this, process = process_](const std::optional<Reply>& reply) {
     send([=, this] {
-      if (process == process_) later({}, [=, this] { heard(delivery); });
+      if (process == process_) later({}, [=, this] { heard(delivery, reply); });
     });
   };
   send([=, this, message = result->second] { coordinator_.submit_result(message, answer); });
   later(seconds(kResendSeconds), [=, this] { send_until_heard(delivery); });
 }
 
-void WorkerMachine::heard(std::uint64_t delivery) {
+void WorkerMachine::heard(std::uint64_t delivery, const std::optional<Reply>& reply) {
   const auto result = outbox_.find(delivery);
   if (result == outbox_.end()) return;
   if (Held* const held = find(result->second.lease)) {
@@ -302,6 +319,10 @@ void WorkerMachine::heard(std::uint64_t delivery) {
   const bool finished = result->second.lease_finished;
   outbox_.erase(result);
   if (stopping_) return exit_if_idle();
+  if (reply) {
+    take_new(*reply);
+    return render_next();
+  }
   if (finished) synchronize();
 }
 

@@ -90,7 +90,9 @@ class WorkerMachine {
   std::deque<scheduler::WorkItem> in_pieces(const std::vector<scheduler::WorkItem>& items);
   void deliver(Held& held, bool finished, const std::string& cannot_build = "");
   void send_until_heard(std::uint64_t delivery);
-  void heard(std::uint64_t delivery);
+  std::vector<scheduler::LeaseId> held_besides(const Held& held) const;
+  void heard(std::uint64_t delivery, const std::optional<scheduler::Reply>& reply);
+  void take_new(const scheduler::Reply& reply);
   void exit_if_idle();
   Held* find(scheduler::LeaseId id);
   struct Trap {
@@ -120,6 +122,7 @@ class WorkerMachine {
   // How it likes to work; different for each machine.
   const int wanted_leases_;
   const std::size_t items_per_delivery_;
+  const bool takes_with_answers_;
 
   std::vector<Trap> deadly_, endless_;
   Duration fetch_time_{};
@@ -147,6 +150,7 @@ class WorkerMachine {
   std::uint64_t call_ = 0;
   std::uint64_t deliveries_ = 0;
   std::vector<Held> held_;
+  std::set<scheduler::LeaseId> just_given_;  // with answers to deliveries, since the last call
   std::map<std::uint64_t, scheduler::SubmitResult> outbox_;
 };
 
