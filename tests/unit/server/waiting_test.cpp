@@ -1,6 +1,8 @@
 // Calls of Synchronize that wait.
 #include <gtest/gtest.h>
 
+#include <deque>
+
 #include "tests/unit/server/scripted_farm.hpp"
 
 namespace tessera::coordinator {
@@ -68,6 +70,81 @@ TEST_F(Waiting, DeliveringALeaseBringsTheNextOne) {
   ASSERT_TRUE(call.answered());
   ASSERT_EQ(call.answer()->leases_size(), 1);
   EXPECT_NE(call.answer()->leases(0).id(), response.leases(0).id());
+}
+
+class WaitingWithAnswers : public ScriptedFarm {
+ protected:
+  // Holds two leases of the job, and its call waits.
+  v1::SynchronizeRequest hold_two() {
+    v1::SynchronizeRequest request = greeting('a');
+    request.set_wanted_leases(2);
+    const v1::SynchronizeResponse response = synchronize(request);
+    EXPECT_EQ(response.leases_size(), 2);
+    *request.mutable_held() = response.leases();
+    request.add_known_job_ids(response.jobs(0).job_id());
+    return request;
+  }
+  static v1::SubmitResultRequest delivery_holding(const v1::Lease& lease, const v1::Lease& other) {
+    v1::SubmitResultRequest request = delivery('a', lease);
+    request.add_held_lease_ids(other.id());
+    return request;
+  }
+};
+
+TEST_F(WaitingWithAnswers, ALeaseComesWithTheAnswerToAResult) {
+  submit();
+  const v1::SynchronizeRequest request = hold_two();
+  const WaitingCall call(coordinator(), request);
+  const v1::SubmitResultResponse answer = deliver(delivery_holding(request.held(0), request.held(1)));
+  EXPECT_FALSE(call.answered());
+  EXPECT_EQ(answer.accepted_items(), static_cast<std::uint32_t>(request.held(0).items_size()));
+  ASSERT_EQ(answer.new_leases_size(), 1);
+  EXPECT_GT(answer.new_leases(0).id(), request.held(1).id());
+  EXPECT_GT(answer.new_leases(0).items_size(), 0);
+  EXPECT_EQ(answer.jobs_size(), 0) << "it knows the job";
+}
+
+TEST_F(WaitingWithAnswers, AJobThatTheWorkerDoesNotKnowComesWithItsLease) {
+  submit();
+  const v1::SynchronizeRequest request = hold_two();
+  const WaitingCall call(coordinator(), request);
+  v1::SubmitJobRequest urgent = submission();
+  urgent.set_request_id("urgent");
+  urgent.set_priority(1);
+  const std::string id = submit(urgent);
+  const v1::SubmitResultResponse answer = deliver(delivery_holding(request.held(0), request.held(1)));
+  ASSERT_EQ(answer.new_leases_size(), 1);
+  ASSERT_EQ(answer.jobs_size(), 1);
+  EXPECT_EQ(answer.jobs(0).job_id(), id);
+  EXPECT_EQ(answer.jobs(0).settings().width_px(), static_cast<std::uint32_t>(kWidthPx));
+}
+
+TEST_F(WaitingWithAnswers, TheWholePictureCanComeInThisWay) {
+  const std::string id = submit();
+  v1::SynchronizeRequest request = hold_two();
+  std::deque<v1::Lease> held(request.held().begin(), request.held().end());
+  while (held.size() > 1) {
+    const WaitingCall call(coordinator(), request);
+    const v1::SubmitResultResponse answer = deliver(delivery_holding(held[0], held[1]));
+    held.pop_front();
+    held.insert(held.end(), answer.new_leases().begin(), answer.new_leases().end());
+    *request.mutable_held() = {held.begin(), held.end()};
+  }
+  deliver(delivery('a', held[0]));
+  EXPECT_EQ(stored_job(id).state(), v1::JOB_STATE_DONE);
+  EXPECT_EQ(coordinator().picture(id)->image.pixels, ready_made_picture(kWidthPx, kHeightPx, kSpp).pixels);
+}
+
+// Whatever a message names, leases that are no worker's own bring none.
+TEST_F(WaitingWithAnswers, NamingLeasesThatItDoesNotHoldBringsNone) {
+  submit();
+  const v1::SynchronizeRequest request = hold_two();
+  const WaitingCall call(coordinator(), request);
+  v1::SubmitResultRequest result = delivery_holding(request.held(0), request.held(1));
+  for (std::uint64_t id = 1; id < 100'000; ++id) result.add_held_lease_ids(id);
+  EXPECT_EQ(deliver(result).new_leases_size(), 0);
+  ASSERT_TRUE(call.answered());
+  EXPECT_EQ(call.answer()->leases_size(), 2);
 }
 
 TEST_F(Waiting, CancellingAJobTellsWhoRendersIt) {

@@ -288,6 +288,66 @@ TEST(Holdings, KeepsALeaseItCannotRenderForAWhileAndTakesOtherWork) {
   EXPECT_EQ(holdings.next_delivery({})->lease_id, 1u);
 }
 
+v1::SubmitResultResponse answer_with(const v1::Lease& given, const std::string& new_job = "") {
+  v1::SubmitResultResponse response;
+  *response.add_new_leases() = given;
+  if (!new_job.empty()) *response.mutable_jobs() = answer({}, {new_job}).jobs();
+  return response;
+}
+
+TEST_F(HoldingsTest, AFinishedLeaseNamesTheOthers) {
+  holdings_.apply(answer({lease(1, "a", 0, 1), lease(2, "a", 2, 3), lease(3, "a", 3, 4)}, {"a"}));
+  make_ready("a");
+  render(take());
+  const auto delivery = holdings_.next_delivery({});
+  ASSERT_TRUE(delivery->lease_finished);
+  EXPECT_EQ(delivery->held_besides, (std::vector<std::uint64_t>{2, 3}));
+}
+
+TEST_F(HoldingsTest, WhoTakesNothingMoreNamesNone) {
+  holdings_.apply(answer({lease(1, "a", 0, 1), lease(2, "a", 1, 2)}, {"a"}));
+  make_ready("a");
+  render(take());
+  holdings_.drain();
+  const auto delivery = holdings_.next_delivery({});
+  EXPECT_TRUE(delivery->held_besides.empty());
+  holdings_.delivered(*delivery, answer_with(lease(3, "a", 2, 3)));
+  EXPECT_EQ(held(), std::vector<std::uint64_t>{2}) << "which goes back";
+}
+
+TEST_F(HoldingsTest, TakesALeaseThatComesWithAnAnswer) {
+  holdings_.apply(answer({lease(1, "a", 0, 1)}, {"a"}));
+  make_ready("a");
+  render(take());
+  holdings_.delivered(*holdings_.next_delivery({}), answer_with(lease(2, "b", 0, 1), "b"));
+  make_ready("b");
+  EXPECT_EQ(take().lease_id, 2u);
+  EXPECT_EQ(held(), std::vector<std::uint64_t>{2});
+}
+
+// The answer to a Synchronize can be older than that to a delivery which arrived before it.
+TEST_F(HoldingsTest, KeepsWhatCameWithAnAnswerUntilItHasReportedIt) {
+  holdings_.apply(answer({lease(1, "a", 0, 1), lease(2, "a", 1, 2)}, {"a"}));
+  make_ready("a");
+  render(take());
+  report();
+  holdings_.delivered(*holdings_.next_delivery({}), answer_with(lease(3, "a", 2, 3)));
+  holdings_.apply(answer({lease(2, "a", 1, 2)}));
+  EXPECT_EQ(held(), (std::vector<std::uint64_t>{2, 3}));
+  holdings_.apply(answer({lease(2, "a", 1, 2)}));
+  EXPECT_EQ(held(), std::vector<std::uint64_t>{2});
+}
+
+TEST_F(HoldingsTest, TakesNoLeaseTwiceThatBothAnswersBring) {
+  holdings_.apply(answer({lease(1, "a", 0, 1), lease(2, "a", 1, 2)}, {"a"}));
+  make_ready("a");
+  render(take());
+  const auto delivery = holdings_.next_delivery({});
+  holdings_.apply(answer({lease(2, "a", 1, 2), lease(3, "a", 2, 3)}));
+  holdings_.delivered(*delivery, answer_with(lease(3, "a", 2, 3)));
+  EXPECT_EQ(held(), (std::vector<std::uint64_t>{2, 3}));
+}
+
 TEST_F(HoldingsTest, ForgetsJobsItHasNotHeardOfForLong) {
   for (int i = 0; i < 40; ++i) {
     const std::string job = "job" + std::to_string(i);

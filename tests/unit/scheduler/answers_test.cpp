@@ -1,0 +1,154 @@
+// Leases that a worker is given with the answer to a result, while its Synchronize waits.
+#include "tests/unit/scheduler/farm.hpp"
+
+namespace tessera::scheduler {
+namespace {
+
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+std::vector<LeaseId> ids(const std::vector<LeaseDescription>& leases) {
+  std::vector<LeaseId> ids;
+  for (const LeaseDescription& lease : leases) ids.push_back(lease.id);
+  return ids;
+}
+
+class Answers : public FarmOfSmallLeases {
+ protected:
+  // The worker holds two leases, and its call waits.
+  std::vector<LeaseDescription> hold_two(const std::string& worker) {
+    std::vector<LeaseDescription> leases = sync(worker, {}, 2).leases;
+    EXPECT_EQ(leases.size(), 2u);
+    EXPECT_FALSE(sync(worker, leases, 2).changed);
+    return leases;
+  }
+  Actions deliver_holding(const std::string& worker, const LeaseDescription& lease, std::vector<LeaseId> held,
+                          bool finished = true) {
+    const std::vector<WorkItem> items = finished ? lease.items : std::vector<WorkItem>{};
+    return handle(
+        SubmitResult{{worker}, lease.job, lease.id, items, 0.25, finished, {}, {}, std::move(held)});
+  }
+  Reply top_up(const std::string& worker) { return *handle(TopUp{{worker}}).reply; }
+};
+
+TEST_F(Answers, BringTheNextLease) {
+  submit("job", tiles(100, 4));
+  const auto held = hold_two("w");
+  const Actions actions = deliver_holding("w", held[0], {held[1].id});
+  ASSERT_TRUE(actions.reply);
+  EXPECT_TRUE(actions.reply->changed);
+  EXPECT_THAT(actions.wake, IsEmpty()) << "its call waits on";
+  ASSERT_EQ(actions.reply->leases.size(), 2u);
+  EXPECT_EQ(actions.reply->leases[0], held[1]);
+  const LeaseDescription next = actions.reply->leases[1];
+  EXPECT_FALSE(top_up("w").changed);
+  EXPECT_FALSE(sync("w", {held[1], next}, 2).changed);
+}
+
+TEST_F(Answers, AreNoneForWhoNamesNoOtherLease) {
+  submit("job", tiles(100, 4));
+  const auto held = hold_two("w");
+  const Actions actions = deliver_holding("w", held[0], {});
+  EXPECT_FALSE(actions.reply);
+  EXPECT_THAT(actions.wake, ElementsAre(WorkerId{"w"}));
+  EXPECT_EQ(top_up("w").leases.size(), 2u);
+}
+
+TEST_F(Answers, AreNoneWhileNoCallWaits) {
+  submit("job", tiles(100, 4));
+  const auto held = sync("w", {}, 2).leases;  // it has not called again
+  EXPECT_FALSE(deliver_holding("w", held[0], {held[1].id}).reply);
+  EXPECT_EQ(sync("w", {held[1]}, 2).leases.size(), 2u);
+}
+
+TEST_F(Answers, AreNoneWhileTheLeaseGoesOn) {
+  submit("job", tiles(100, 4));
+  const auto held = hold_two("w");
+  const Actions actions = deliver_holding("w", held[0], {held[1].id}, false);
+  EXPECT_FALSE(actions.reply);
+  EXPECT_THAT(actions.wake, IsEmpty());
+}
+
+// Its call is to tell it that.
+TEST_F(Answers, AreNoneForWhoHasLostWhatItNames) {
+  submit("a", tiles(2, 1));
+  submit("b", tiles(100, 4));
+  const auto held = hold_two("w");
+  ASSERT_EQ(held[0].job, JobId{"a"});
+  ASSERT_EQ(held[1].job, JobId{"b"});
+  handle(CancelJob{{"b"}});
+  EXPECT_FALSE(deliver_holding("w", held[0], {held[1].id}).reply);
+  const Reply told = top_up("w");
+  ASSERT_EQ(told.leases.size(), 1u) << "the other tile of a";
+  EXPECT_EQ(told.leases[0].job, JobId{"a"});
+}
+
+TEST_F(Answers, LetTheCallWaitForWhatComesLater) {
+  submit("job", tiles(2, 1));
+  const auto held = hold_two("w");
+  const Actions actions = deliver_holding("w", held[0], {held[1].id});
+  ASSERT_TRUE(actions.reply);
+  EXPECT_FALSE(actions.reply->changed) << "there is nothing more to give";
+  EXPECT_THAT(handle(SubmitJob{{"next"}, tiles(2, 4), 0}).wake, ElementsAre(WorkerId{"w"}));
+  EXPECT_EQ(top_up("w").leases.size(), 2u);
+}
+
+TEST_F(Answers, LetTheCallTellThatALeaseWasTakenAway) {
+  submit("job", tiles(100, 4));
+  const auto held = hold_two("w");
+  deliver_holding("w", held[0], {held[1].id});
+  EXPECT_THAT(handle(CancelJob{{"job"}}).wake, ElementsAre(WorkerId{"w"}));
+  EXPECT_TRUE(top_up("w").changed);
+}
+
+TEST_F(Answers, ThatAreLostAreSaidAgain) {
+  submit("job", tiles(100, 4));
+  const auto held = hold_two("w");
+  const std::vector<LeaseDescription> told = deliver_holding("w", held[0], {held[1].id}).reply->leases;
+  // To the delivery that is made again: its samples are there.
+  const Actions again = deliver_holding("w", held[0], {held[1].id});
+  EXPECT_THAT(again.verdicts, ElementsAre(Verdict::kDropped));
+  EXPECT_EQ(ids(sync("w", {held[1]}, 2).leases), ids(told));
+}
+
+// As its last call does, a result says that it is alive: what it was told then it has heard of.
+TEST_F(Answers, MakeWhoFallsSilentASuspectOfWhatItWasTold) {
+  submit("job", tiles(100, 4));
+  const auto held = hold_two("w");
+  const LeaseDescription told = deliver_holding("w", held[0], {held[1].id}).reply->leases.at(1);
+  pass(seconds(10));
+  tick();
+  // Suspects are leased alone, one after the other.
+  std::vector<WorkItem> alone;
+  for (std::size_t i = 0; i < held[1].items.size() + told.items.size(); ++i) {
+    const Reply reply = sync("v", {}, 2);
+    ASSERT_EQ(reply.leases.size(), 1u);
+    alone.insert(alone.end(), reply.leases[0].items.begin(), reply.leases[0].items.end());
+    deliver("v", reply.leases[0]);
+  }
+  std::vector<WorkItem> suspects = held[1].items;
+  suspects.insert(suspects.end(), told.items.begin(), told.items.end());
+  EXPECT_EQ(alone, suspects);
+  EXPECT_EQ(sync("v", {}, 2).leases.size(), 2u);
+}
+
+TEST_F(Answers, GiveNothingThatMustBeLeasedAlone) {
+  submit("job", tiles(4, 1));
+  const LeaseDescription deadly = lease_to("dies");
+  sync("dies", {deadly});
+  const auto held = hold_two("w");
+  while (sync("x").leases.size() == 1 && job("job").active_workers < 3) {
+  }
+  pass(seconds(9));
+  sync("w", held, 2);
+  pass(seconds(1));
+  tick();
+  const Actions actions = deliver_holding("w", held[0], {held[1].id});
+  ASSERT_TRUE(actions.reply);
+  EXPECT_EQ(ids(actions.reply->leases), ids({held[1]})) << "only suspects are left";
+  EXPECT_THAT(deliver_holding("w", held[1], {}).wake, ElementsAre(WorkerId{"w"}));
+  EXPECT_EQ(top_up("w").leases.size(), 1u);
+}
+
+}  // namespace
+}  // namespace tessera::scheduler
