@@ -23,15 +23,22 @@ using core::fail;
 
 static_assert(std::endian::native == std::endian::little, "the wire order is copied as it lies in memory");
 
-// The checksum of all sums in a row. The state of XXH3 is large and wants to be aligned: it is kept.
+// Large, and wants to be aligned: each thread keeps one.
+struct HashState {
+  std::unique_ptr<XXH3_state_t, decltype(&XXH3_freeState)> state{XXH3_createState(), &XXH3_freeState};
+
+  HashState() {
+    if (!state) throw std::bad_alloc();
+  }
+};
+
+// The checksum of all sums in a row.
 std::uint64_t checksum(const std::vector<std::uint64_t>& sums, const std::vector<std::uint64_t>& odd_sums) {
-  thread_local const std::unique_ptr<XXH3_state_t, decltype(&XXH3_freeState)> state{XXH3_createState(),
-                                                                                    &XXH3_freeState};
-  if (!state) throw std::bad_alloc();
-  XXH3_64bits_reset(state.get());
+  thread_local const HashState kept;
+  XXH3_64bits_reset(kept.state.get());
   for (const auto* part : {&sums, &odd_sums})
-    XXH3_64bits_update(state.get(), part->data(), part->size() * sizeof(std::uint64_t));
-  return XXH3_64bits_digest(state.get());
+    XXH3_64bits_update(kept.state.get(), part->data(), part->size() * sizeof(std::uint64_t));
+  return XXH3_64bits_digest(kept.state.get());
 }
 
 // The sums one after the other, as earlier builds sent and stored them. `count` is the size of each half.

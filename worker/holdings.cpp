@@ -297,6 +297,7 @@ void Holdings::delivered(const Delivery& delivery, const v1::SubmitResultRespons
     if (job->second.stage == Stage::kUnusable) job->second.stage = Stage::kWanted;
     leases_.remove_if([&](const HeldLease& other) { return other.id() == delivery.lease_id; });
   }
+  // If one was taken away again by a Synchronize that was answered meanwhile, the next says so.
   for (const v1::JobSpec& spec : answer.jobs()) add_job(spec);
   for (const v1::Lease& given : answer.new_leases())
     if (add_lease(given)) just_given_.insert(given.id());

@@ -160,10 +160,10 @@ class Holdings {
   // Guarded by mutex_; held, but only until what is rendered is delivered. Since when.
   std::map<std::uint64_t, Clock::time_point> unwanted_;
   std::set<std::uint64_t> just_finished_;  // guarded by mutex_; since the last report
-  std::set<std::uint64_t>
-      just_given_;                  // guarded by mutex_; with answers to deliveries, since the last report
-  std::optional<Piece> rendering_;  // guarded by mutex_; whose samples are being rendered
-  Clock::time_point rendering_since_{};                    // guarded by mutex_
+  // Guarded by mutex_; with answers to deliveries, since the last report.
+  std::set<std::uint64_t> just_given_;
+  std::optional<Piece> rendering_;       // guarded by mutex_; whose samples are being rendered
+  Clock::time_point rendering_since_{};  // guarded by mutex_
   std::optional<Clock::time_point> nothing_wanted_since_;  // guarded by mutex_
   bool has_rendered_ = false;                              // guarded by mutex_; any piece
   bool has_abandoned_ = false;                             // guarded by mutex_; the piece in hand

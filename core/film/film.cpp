@@ -154,6 +154,7 @@ Image Film::standard_error() const {
 std::uint64_t Film::saturated_pixels() const {
   std::uint64_t count = 0;
   for (const Tile& tile : tiles_) {
+    if (tile.samples == 0) continue;
     const std::vector<std::uint64_t> sums = tile.sums.values();
     for (std::size_t i = 0; i < sums.size(); i += 3)
       count += std::max({sums[i], sums[i + 1], sums[i + 2]}) == kFilmSaturated ? 1 : 0;

@@ -184,7 +184,8 @@ class Coordinator {
   // Whether the scheduler has heard of the worker lately.
   bool is_known(const Turn& turn, const std::string& id) const;
   bool arithmetic_is_bound(const Turn& turn, const std::string& except_worker) const;
-  void tell_with_answer(const v1::SubmitResultRequest& request, scheduler::Reply reply,
+  // Gives the worker what it should hold besides what it has named.
+  void tell_with_answer(const scheduler::SubmitResult& event, scheduler::Reply reply,
                         v1::SubmitResultResponse& response);
   struct Delivery;
   core::Result<v1::SubmitResultResponse> count_result(Turn& turn, const v1::SubmitResultRequest& request,
@@ -196,7 +197,7 @@ class Coordinator {
   void note_refused_result(Turn& turn, const std::string& worker, const core::Error& error);
   scheduler::Actions top_up(Turn& turn, const std::string& worker, bool answer_unchanged);
   void release_parked(Turn& turn, const std::string& worker, const scheduler::Reply& reply);
-  v1::SynchronizeResponse respond(const scheduler::Reply& reply, std::set<std::string> known_jobs);
+  v1::SynchronizeResponse respond(const scheduler::Reply& reply, const std::set<std::string>& known_jobs);
 
   // ---- Checkpoints ----
   struct TileRef {

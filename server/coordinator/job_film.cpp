@@ -50,7 +50,7 @@ core::Result<core::FilmTile> decode_item_in_planes(const v1::RenderedItem& messa
 
 JobFilm::JobFilm(core::TileGrid grid) : film_(grid), counters_(static_cast<std::size_t>(grid.tile_count())) {}
 
-void JobFilm::add(int tile, const core::FilmTile& samples) {
+void JobFilm::add(int tile, const core::FilmTile& samples) noexcept {
   film_.add(samples);
   counters_[static_cast<std::size_t>(tile)].add(samples.counters);
   if (total_) total_->add(samples.counters);
@@ -101,6 +101,7 @@ core::Result<TileContent> decode_tile_row(const store::TileRow& row, const core:
     return core::fail(core::ErrorCode::kDataLoss,
                       fmt::format("the stored tile {} of job {} is damaged ({})", row.tile, row.job_id, how));
   };
+  if (row.done.empty()) return TileContent{};  // all of it was taken out again
   const bool in_planes = !row.content.empty() && row.content.front() == kPlanesMark;
   const std::string bytes = in_planes ? row.content.substr(1) : row.content;
   v1::RenderedItem message;

@@ -26,8 +26,9 @@ class JobFilm {
  public:
   explicit JobFilm(core::TileGrid grid);
 
-  // Adds samples of one tile. The caller sees to it that none is added twice.
-  void add(int tile, const core::FilmTile& samples);
+  // Adds samples of one tile. The caller sees to it that none is added twice. Ends the process if there is no
+  // memory for them: they count as done, and would be lost in silence.
+  void add(int tile, const core::FilmTile& samples) noexcept;
   // Takes all samples of a tile out again.
   void clear(int tile);
   // Puts back what the store had of a tile that is empty so far.

@@ -60,7 +60,7 @@ scheduler::WorkerInfo info_of(const v1::SynchronizeRequest& request) {
   return {{request.worker_id()}, request.name(), request.version(), threads};
 }
 
-// Who names more than one can hold does not hold them all, which is known without the rest.
+// Those beyond what anybody can hold are not looked at.
 std::vector<scheduler::LeaseId> held_besides(const v1::SubmitResultRequest& request) {
   std::vector<scheduler::LeaseId> held;
   for (const std::uint64_t id : request.held_lease_ids()) {
@@ -206,12 +206,13 @@ void Coordinator::release_parked(Turn& turn, const std::string& worker, const sc
 }
 
 v1::SynchronizeResponse Coordinator::respond(const scheduler::Reply& reply,
-                                             std::set<std::string> known_jobs) {
+                                             const std::set<std::string>& known_jobs) {
   v1::SynchronizeResponse response;
+  std::set<std::string> described;
   for (const scheduler::LeaseDescription& lease : reply.leases) {
     const v1::Job& spec = *jobs_.at(lease.job.value).spec;
     *response.add_leases() = to_wire(lease, grid_of(spec));
-    if (!known_jobs.insert(spec.id()).second) continue;
+    if (known_jobs.contains(spec.id()) || !described.insert(spec.id()).second) continue;
     v1::JobSpec* job = response.add_jobs();
     job->set_job_id(spec.id());
     *job->mutable_bundle() = spec.bundle();
@@ -221,15 +222,15 @@ v1::SynchronizeResponse Coordinator::respond(const scheduler::Reply& reply,
   return response;
 }
 
-// Gives the worker what it should hold besides what it has named.
-void Coordinator::tell_with_answer(const v1::SubmitResultRequest& request, scheduler::Reply reply,
+void Coordinator::tell_with_answer(const scheduler::SubmitResult& event, scheduler::Reply reply,
                                    v1::SubmitResultResponse& response) {
-  const auto& named = request.held_lease_ids();
   std::erase_if(reply.leases, [&](const scheduler::LeaseDescription& lease) {
-    return std::find(named.begin(), named.end(), lease.id.value) != named.end();
+    return std::find(event.held.begin(), event.held.end(), lease.id) != event.held.end();
   });
-  const auto call = parked_.find(request.worker_id());
-  auto news = respond(reply, call == parked_.end() ? std::set<std::string>() : call->second.known_jobs);
+  if (reply.leases.empty()) return;
+  static const std::set<std::string> kNone;
+  const auto call = parked_.find(event.worker.value);
+  auto news = respond(reply, call == parked_.end() ? kNone : call->second.known_jobs);
   response.mutable_new_leases()->Swap(news.mutable_leases());
   response.mutable_jobs()->Swap(news.mutable_jobs());
 }
@@ -306,7 +307,7 @@ core::Result<v1::SubmitResultResponse> Coordinator::count_result(Turn& turn,
     if (arithmetic_.empty()) arithmetic_ = record->arithmetic;
     ++record->revision;
   }
-  if (actions.reply) tell_with_answer(request, *actions.reply, response);
+  if (actions.reply) tell_with_answer(event, *actions.reply, response);
   apply(turn, actions);
   return response;
 }

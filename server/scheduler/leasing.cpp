@@ -197,9 +197,9 @@ void Scheduler::lose_lease(const Worker& worker, const HeldLease& held, Actions&
   Job& job = *find(held.job);
   const bool heard_of = worker.reported.contains(held.id);
   const Lease lease = end_lease(job, held.id, LeaseState::kExpired);
-  // What it never said it holds it may never have heard of, unless it had just called when it was told. One
-  // that was told to stop had another reason to die. And if nobody looked when its time was up, it was the
-  // coordinator that slept.
+  // What it never said it holds it may never have heard of. Of what it was told with the answer to a result
+  // it most likely has, having just called; and no job fails by one death alone. One that was told to stop
+  // had another reason to die. And if nobody looked when its time was up, it was the coordinator that slept.
   const bool draining = worker.state() == WorkerState::kDraining;
   if (!heard_of || draining || now_ > roster_.deadline(worker) + kPunctuality) return;
   const std::optional<std::string> failure = job.blame(lease, {worker.info.id, worker.info.name});

@@ -76,13 +76,28 @@ Worker* Scheduler::on(const SubmitResult& event, Actions& actions) {
   return worker != nullptr && takes_with_answer(*worker, event) ? worker : nullptr;
 }
 
-// What has ended or shrunk of what it holds, its Synchronize is to tell it. So does that if it holds nothing
-// any more: what may kill its worker is leased to these alone, and then it is to be known that it was heard
-// of.
+// Who holds nothing else is served by its Synchronize: what may kill a worker is leased to such workers
+// alone, and it is to be known whether they have heard of it. So are all if an idle worker waits for what has
+// become free.
 bool Scheduler::takes_with_answer(const Worker& worker, const SubmitResult& event) const {
-  const bool has_all = !worker.shrunk && std::all_of(event.held.begin(), event.held.end(),
-                                                     [&](LeaseId id) { return worker.holds(id); });
-  return worker.waiting && !event.held.empty() && has_all && !worker.holds(event.lease) && worker.room() > 0;
+  if (!worker.waiting || event.held.empty() || has_lost(worker, event)) return false;
+  const bool was_not_told = worker.leases.size() > event.held.size();
+  return (worker.room() > 0 || was_not_told) && !(work_appeared_ && any_idle());
+}
+
+bool Scheduler::has_lost(const Worker& worker, const SubmitResult& event) {
+  const auto is_held = [&](LeaseId id) { return worker.holds(id); };
+  const auto is_held_or_ended_by_this = [&](LeaseId id) { return id == event.lease || is_held(id); };
+  return worker.shrunk || is_held(event.lease) ||
+         !std::all_of(event.held.begin(), event.held.end(), is_held) ||
+         !std::all_of(worker.reported.begin(), worker.reported.end(), is_held_or_ended_by_this);
+}
+
+bool Scheduler::any_idle() const {
+  return std::any_of(hungry_.begin(), hungry_.end(), [this](const auto& entry) {
+    const Worker* const worker = roster_.find(entry.second);
+    return worker != nullptr && worker->waiting && worker->leases.empty();
+  });
 }
 
 void Scheduler::note_author(Job& job, const WorkItem& item, const Author& author,

@@ -17,15 +17,14 @@ Actions Scheduler::handle(const Event& event, Time now) {
   Actions actions;
   take_leases_of_silent_workers(actions);
 
-  Worker* const asking = std::visit([&](const auto& e) { return on(e, actions); }, event);
-  if (asking != nullptr) {
-    top_up(*asking);
-    asking->waiting = false;
-  }
+  Worker* asking = std::visit([&](const auto& e) { return on(e, actions); }, event);
+  if (asking != nullptr) top_up(*asking);
   end_vain_waits(actions);
+  const auto* const result = std::get_if<SubmitResult>(&event);
+  if (asking != nullptr && result != nullptr && has_lost(*asking, *result)) asking = nullptr;
+  if (asking != nullptr) asking->waiting = false;
   wake_waiting(actions);
   if (asking == nullptr) return actions;
-  const auto* const result = std::get_if<SubmitResult>(&event);
   actions.reply = result != nullptr ? reply_with_answer(*asking, *result) : reply_to(*asking);
   return actions;
 }

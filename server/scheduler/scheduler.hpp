@@ -234,8 +234,12 @@ class Scheduler {
   core::Status validate_lease(const Job& job, const SubmitResult& event) const;
   // Whether the item may be of samples that an earlier run had extended the job by, and forgot in a crash.
   bool was_extended_before(const Job& job, LeaseId lease, const WorkItem& item) const;
-  // Whether its worker can be given more with the answer.
+  // Whether its worker can be given leases with the answer.
   bool takes_with_answer(const Worker& worker, const SubmitResult& event) const;
+  // Whether it must be told of anything but new leases.
+  static bool has_lost(const Worker& worker, const SubmitResult& event);
+  // Whether a worker waits that has nothing to do.
+  bool any_idle() const;
   void measure(Job& job, const SubmitResult& event);
   void note_refusal(Job& job, const SubmitResult& event, Actions& actions);
   void note_author(Job& job, const WorkItem& item, const Author& author, const Fingerprint& fingerprint);

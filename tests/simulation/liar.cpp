@@ -63,6 +63,8 @@ void Liar::deliver(int jobs) {
     result.cannot_build = "it is not to my liking";
     refused_.insert(result.job);
   }
+  for (int i = result.items.size() % 3 == 1 ? random.integer(1, 5) : 0; i > 0; --i)
+    result.held.push_back(any_lease());
   coordinator_.submit_result(result, [](const auto&) {});
 }
 

@@ -132,6 +132,7 @@ void WorkerMachine::synchronize() {
   request.fetching = fetching();
   if (rendering_) request.rendering = {rendering_->lease, rendering_->job, rendering_->item};
   just_given_.clear();
+  just_finished_.clear();
   const std::uint64_t call = ++call_;
   const auto answer = [=, this, process = process_](const Reply& reply) {
     send([=, this] {
@@ -159,7 +160,7 @@ void WorkerMachine::take_reply(std::uint64_t call, const Reply& reply) {
 
 void WorkerMachine::take_new(const Reply& reply) {
   for (const LeaseDescription& lease : reply.leases) {
-    if (find(lease.id) != nullptr) continue;
+    if (find(lease.id) != nullptr || just_finished_.contains(lease.id)) continue;
     held_.push_back({lease.id, lease.job, in_pieces(lease.items), {}, {}, 0, 0, false});
     just_given_.insert(lease.id);
   }
@@ -317,13 +318,19 @@ void WorkerMachine::heard(std::uint64_t delivery, const std::optional<Reply>& re
       std::erase_if(held_, [&](const Held& h) { return h.id == result->second.lease; });
   }
   const bool finished = result->second.lease_finished;
+  const std::vector<LeaseId> named = result->second.held;
+  if (finished) just_finished_.insert(result->second.lease);
   outbox_.erase(result);
   if (stopping_) return exit_if_idle();
   if (reply) {
-    take_new(*reply);
+    Reply news = *reply;
+    std::erase_if(news.leases, [&](const LeaseDescription& lease) {
+      return std::find(named.begin(), named.end(), lease.id) != named.end();
+    });
+    take_new(news);
     return render_next();
   }
-  if (finished) synchronize();
+  if (finished && !takes_with_answers_) synchronize();
 }
 
 void WorkerMachine::stop() {

@@ -150,7 +150,8 @@ class WorkerMachine {
   std::uint64_t call_ = 0;
   std::uint64_t deliveries_ = 0;
   std::vector<Held> held_;
-  std::set<scheduler::LeaseId> just_given_;  // with answers to deliveries, since the last call
+  // Since the last call: with answers to deliveries; and of which all has arrived.
+  std::set<scheduler::LeaseId> just_given_, just_finished_;
   std::map<std::uint64_t, scheduler::SubmitResult> outbox_;
 };
 

@@ -101,14 +101,54 @@ TEST_F(Answers, LetTheCallTellThatALeaseWasTakenAway) {
   EXPECT_TRUE(top_up("w").changed);
 }
 
-TEST_F(Answers, ThatAreLostAreSaidAgain) {
+TEST_F(Answers, ThatAreLostAreSaidAgainToTheNextCall) {
   submit("job", tiles(100, 4));
   const auto held = hold_two("w");
-  const std::vector<LeaseDescription> told = deliver_holding("w", held[0], {held[1].id}).reply->leases;
-  // To the delivery that is made again: its samples are there.
+  const auto told = ids(deliver_holding("w", held[0], {held[1].id}).reply->leases);
+  const Reply reply = sync("w", {held[1]}, 2);
+  EXPECT_TRUE(reply.changed);
+  EXPECT_EQ(ids(reply.leases), told);
+}
+
+// It has no room for another, but has not heard of this one.
+TEST_F(Answers, ThatAreLostAreSaidAgainToTheDeliveryThatIsRepeated) {
+  submit("job", tiles(100, 4));
+  const auto held = hold_two("w");
+  const auto told = ids(deliver_holding("w", held[0], {held[1].id}).reply->leases);
   const Actions again = deliver_holding("w", held[0], {held[1].id});
-  EXPECT_THAT(again.verdicts, ElementsAre(Verdict::kDropped));
-  EXPECT_EQ(ids(sync("w", {held[1]}, 2).leases), ids(told));
+  ASSERT_TRUE(again.reply);
+  EXPECT_TRUE(again.reply->changed);
+  EXPECT_EQ(ids(again.reply->leases), told);
+}
+
+// An answer that was lost had told it of a lease that is gone: its message cannot name it.
+TEST_F(Answers, AreNoneForWhoHasLostWhatItWasTold) {
+  submit("a", tiles(100, 4));
+  submit("b", tiles(100, 4), 1);
+  handle(PauseJob{{"b"}});
+  const auto held = hold_two("w");
+  handle(ResumeJob{{"b"}});
+  const auto told = deliver_holding("w", held[0], {held[1].id}).reply->leases;
+  ASSERT_EQ(told.at(1).job, JobId{"b"});
+  handle(CancelJob{{"b"}});
+  const Actions again = deliver_holding("w", held[0], {held[1].id});
+  EXPECT_FALSE(again.reply);
+  EXPECT_TRUE(top_up("w").changed);
+}
+
+// Those with nothing to do come first.
+TEST_F(Answers, AreNoneWhileAnIdleWorkerWaitsForWhatBecomesFree) {
+  submit("large", tiles(100, 4));
+  submit("one", tiles(2, 1), 1, 1);  // a place for a single worker
+  const auto held = hold_two("w");
+  ASSERT_EQ(held[0].job, JobId{"one"});
+  ASSERT_EQ(held[1].job, JobId{"one"});
+  handle(PauseJob{{"large"}});
+  EXPECT_FALSE(sync("idle").changed);
+  // It gives one back, unrendered, and keeps the place with the other.
+  Actions actions = handle(SubmitResult{{"w"}, {"one"}, held[0].id, {}, 0, true, "", {}, {held[1].id}});
+  EXPECT_FALSE(actions.reply);
+  EXPECT_THAT(actions.wake, ElementsAre(WorkerId{"idle"}, WorkerId{"w"}));
 }
 
 // As its last call does, a result says that it is alive: what it was told then it has heard of.

@@ -61,6 +61,14 @@ TEST(TileRow, ReadsWhatEarlierReleasesWrote) {
   EXPECT_EQ(read->sums, tile.sums);
 }
 
+// Its samples were wrong, and none has come since.
+TEST(TileRow, CanBeOfNoSamplesAtAll) {
+  const auto read = decode_tile_row(encode_tile_row("job", 5, kRect, {}, {}), kRect);
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_EQ(read->sums, core::Film::TileSums{});
+  EXPECT_EQ(read->counters, core::RenderCounters{});
+}
+
 TEST(TileRow, RefusesWhatIsNotOfTheTile) {
   const store::TileRow row = encode_tile_row("job", 5, kRect, kDone, content());
   const auto code_of = [](const core::Result<TileContent>& read) {
