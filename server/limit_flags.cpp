@@ -48,7 +48,7 @@ void add_seconds(CLI::App& app, const char* flag, std::chrono::milliseconds& val
 void add_job_flags(CLI::App& app, Limits& limits) {
   const auto most_pixels = static_cast<std::uint64_t>(core::kMaxImagePixels);
   add<std::uint64_t>(app, "--max-picture-pixels", limits.picture_pixels, 1, most_pixels,
-                     "Pixels of a picture; a job takes 48 bytes of memory for each");
+                     "Pixels of a picture; a job takes up to 48 bytes of memory for each");
   add<std::uint32_t>(app, "--max-spp", limits.spp, 1, core::kMaxSpp, "Samples per pixel of a job");
   add<std::uint64_t>(app, "--max-open-jobs", limits.open_jobs, 1, kMany,
                      "Unfinished jobs of one submitter; without --tokens, of all together");

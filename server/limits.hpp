@@ -16,7 +16,7 @@ namespace tessera::server {
 inline constexpr std::uint64_t kMib = std::uint64_t{1} << 20;
 
 struct Limits {
-  // Of a job. Its film takes 48 bytes of memory for each pixel until it is finished.
+  // Of a job. Its film takes up to 48 bytes of memory for each pixel until it is finished.
   std::uint64_t picture_pixels = std::uint64_t{1} << 28;
   std::uint32_t spp = 1u << 20;
   // Jobs of one submitter that are checked, running or paused. Without tokens all are of one submitter.

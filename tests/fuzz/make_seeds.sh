@@ -168,6 +168,10 @@ delivery() {
 delivery 2 | seed result one
 { delivery 3 1099511627777 'lease_finished: true'; part result; delivery 3; } | seed result twice
 { delivery 2 7; part raw; delivery 2; part result; delivery 40; } | seed result refused
+{ part raw; message SubmitResultRequest <<<"worker_id: \"1\" job_id: \"a\" lease_id: 1099511627777
+  items { item { $(rect_of_tile 1) sample_begin: 2 sample_end: 3 } planes_zstd: \"x\" sums_xxh3: 1 } held_lease_ids: 1099511627778
+  held_lease_ids: 1099511627778 lease_finished: true"; } | seed result planes
+delivery 2 1099511627777 'lease_finished: true held_lease_ids: 1099511627778' | seed result holding
 delivery 2 1099511627777 'cannot_build: "the scene does not fit into memory" lease_finished: true version: "2"
   arithmetic_fingerprint: "other"' | seed result given_back
 message SubmitResultRequest <<<"worker_id: \"1\" job_id: \"a\" items { item { $(rect_of_tile 0) sample_begin: 0
