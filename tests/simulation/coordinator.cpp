@@ -169,6 +169,7 @@ void Coordinator::submit_result(const SubmitResult& result, const ResultAnswer& 
     disk_.accepted(result.job, result.items[i]);
   }
   referee_.settled(actions, *scheduler_, clock());
+  if (actions.reply) referee_.told_with_answer(result, *actions.reply);
   // A row may well be stored before the samples of which it speaks.
   if (!actions.job_changes.empty() && world_.random.chance(0.2)) disk_.update(result.job, row_of(result.job));
   if (actions.reply && parked_.contains(result.worker)) referee_.parked(result.worker, *actions.reply);

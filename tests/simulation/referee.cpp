@@ -81,7 +81,11 @@ void Referee::handled(const Event& event, const Actions& actions, Time clock) {
   for (const JobChange& change : actions.job_changes) check_arrow(change);
   for (const Unaudited& given_up : actions.unaudited) check_given_up(given_up.job);
   woken_.insert(actions.wake.begin(), actions.wake.end());
-  if (actions.reply) check_reply(event, *actions.reply);
+  if (actions.reply && result == nullptr) check_reply(event, *actions.reply);
+}
+
+void Referee::told_with_answer(const SubmitResult& event, const Reply& reply) {
+  check_reply(event, reply);
 }
 
 void Referee::check_arrow(const JobChange& change) {

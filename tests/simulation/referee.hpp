@@ -41,6 +41,9 @@ class Referee {
   void judged(const scheduler::SubmitResult& event, const scheduler::Actions& actions);
   // The films are what they should be.
   void settled(const scheduler::Actions& actions, const scheduler::Scheduler& scheduler, Time clock);
+  // The worker is told this with the answer to its result. After settled(): what the result has disproved may
+  // be leased again, and is out of the films by then.
+  void told_with_answer(const scheduler::SubmitResult& event, const scheduler::Reply& reply);
   // Nothing need have happened.
   void look_around(const scheduler::Scheduler& scheduler, Time clock);
 
