@@ -13,8 +13,8 @@ here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 root=$(cd "$here/../.." && pwd)
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
-# A mistake may keep the scheduler busy for ever.
-longest_seconds=600
+# A mistake may keep the scheduler busy for ever. The farms take a third of that, not optimised.
+longest_seconds=$((300 + farms / 5))
 
 ninja -C "$build" -t commands simulate_farms >"$work/commands"
 link=$(tail -n 1 "$work/commands")

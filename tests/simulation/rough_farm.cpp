@@ -14,6 +14,8 @@ namespace {
 constexpr double kUnrestSeconds = 40;
 // A straggler is a hundred times slower than the first machine.
 constexpr double kFirstSpeed = 60'000, kStragglerSpeed = 600;
+// Of a machine that comes and goes: never as long as one waits for an auditor, and longer together.
+constexpr double kShortestAbsence = 80, kLongestAbsence = 150, kLongestVisit = 6;
 
 }  // namespace
 
@@ -77,6 +79,7 @@ void RoughFarm::set_up_audits() {
     machines_[m]->lie(audited_.random.real(0.05, 1));
     coordinator_.expect_liar(host);
   }
+  if (audited_.random.chance(0.2)) absences_ = 3;
 }
 
 // From now on there are no faults. Whatever is down comes up, whatever is paused goes on, and jobs may have
@@ -92,6 +95,18 @@ void RoughFarm::calm_down() {
     if (job.max_workers > 0) coordinator_.command(UpdateJob{job.id, {}, 0});
   }
   for (const auto& machine : machines_) machine->start();
+  if (absences_ > 0) leave_for_a_while(*machines_[1], absences_);
+}
+
+// And then again, after a short visit.
+void RoughFarm::leave_for_a_while(WorkerMachine& machine, int times) {
+  machine.stop();
+  world_.after(seconds(audited_.random.real(kShortestAbsence, kLongestAbsence)), [this, &machine, times] {
+    machine.start();
+    if (times == 1) return;
+    world_.after(seconds(audited_.random.real(1, kLongestVisit)),
+                 [this, &machine, times] { leave_for_a_while(machine, times - 1); });
+  });
 }
 
 // The first machine alone, with time for every fault to pass, every lease to run out, and every deadly range
@@ -102,6 +117,7 @@ bool RoughFarm::is_late() const {
                  40'000 * static_cast<double>(endless_jobs_.size()) + 1.5 * pixel_samples_ / kFirstSpeed;
   // Everything is rendered twice, and what was spoilt once more; or nobody comes for it.
   if (audited_.any()) bound += 200 + 6 * pixel_samples_ / kFirstSpeed;
+  bound += absences_ * (kLongestAbsence + kLongestVisit);
   return elapsed() > bound;
 }
 

@@ -49,6 +49,7 @@ class RoughFarm {
   bool make_slow(WorkerMachine& machine);
   void set_up_audits();
   void calm_down();
+  void leave_for_a_while(WorkerMachine& machine, int times);
   bool is_late() const;
   void check_failures();
 
@@ -99,6 +100,8 @@ class RoughFarm {
   // How long what workers hold may lie there, of all that come to render nothing.
   double stuck_seconds_ = 0;
   bool stuck_for_good_ = false;
+  // How often one of the two that audit everything leaves the other alone.
+  int absences_ = 0;
   // As many names as that may fail a job.
   std::set<std::string> stuck_names_;
   // Jobs with samples that every machine dies of, or comes to no end with; whose scenes no machine can build;
