@@ -30,24 +30,30 @@ LightSampler::LightSampler(const std::vector<Light>& lights, Among among, int th
       distant_.push_back(
           {.light = i, .by_facing = std::get_if<Environment>(&lights[i])->sought_irradiance()});
   }
+  any_all_around_ = std::any_of(distant_.begin(), distant_.end(),
+                                [](const Distant& distant) { return !distant.by_facing.empty(); });
   tree_ = LightTree::build(std::move(placed), threads);
 }
 
-double LightSampler::irradiance(const Distant& distant, const LitPoint& point) {
-  if (!distant.by_facing.empty()) return distant.by_facing[facing_of(point.normal)];
-  if (point.normal == Vec3{}) return distant.irradiance;
-  return distant.irradiance * static_cast<double>(std::max(0.0f, dot(distant.wi, point.normal)));
+LightSampler::Outlook LightSampler::outlook(const LitPoint& point) const {
+  return {point, tree_.weigh_root(point), any_all_around_ ? facing_of(point.normal) : kAllSides};
 }
 
-LightSampler::Total LightSampler::total(const LightTree::Weights& root, const LitPoint& point) const {
+double LightSampler::irradiance(const Distant& distant, const Outlook& at) {
+  if (!distant.by_facing.empty()) return distant.by_facing[at.facing];
+  if (at.point.normal == Vec3{}) return distant.irradiance;
+  return distant.irradiance * static_cast<double>(std::max(0.0f, dot(distant.wi, at.point.normal)));
+}
+
+LightSampler::Total LightSampler::total(const Outlook& at) const {
   Total total;
   const auto add = [&](double irradiance) {
     total.irradiance += irradiance;
     total.alternatives += irradiance > 0 ? 1 : 0;
     return irradiance;
   };
-  total.tree = add(tree_.irradiance(root));
-  for (const Distant& distant : distant_) add(irradiance(distant, point));
+  total.tree = add(tree_.irradiance(at.root));
+  for (const Distant& distant : distant_) add(irradiance(distant, at));
   return total;
 }
 
@@ -56,20 +62,19 @@ double LightSampler::share(const Total& total, double irradiance) {
   return (1 - kEvenShare) * irradiance / total.irradiance + kEvenShare / total.alternatives;
 }
 
-LightSampler::Choice LightSampler::sample_by_place(const LightTree::Weights& root, const LitPoint& point,
-                                                   double u) const {
-  if (distant_.empty()) return tree_.sample(root, point, u);
-  const Total all = total(root, point);
+LightSampler::Choice LightSampler::sample_by_place(const Outlook& at, double u) const {
+  if (distant_.empty()) return tree_.sample(at.root, at.point, u);
+  const Total all = total(at);
   const double of_tree = share(all, all.tree);
   if (u < of_tree) {
-    Choice choice = tree_.sample(root, point, u / of_tree);
+    Choice choice = tree_.sample(at.root, at.point, u / of_tree);
     choice.pmf *= static_cast<float>(of_tree);
     return choice;
   }
   u -= of_tree;
   Choice choice{kNoLight, 0};  // the last that shines, should rounding leave u beyond it
   for (const Distant& distant : distant_) {
-    const double of_light = share(all, irradiance(distant, point));
+    const double of_light = share(all, irradiance(distant, at));
     if (of_light > 0) choice = {distant.light, static_cast<float>(of_light)};
     if (u < of_light) break;
     u -= of_light;
@@ -77,21 +82,21 @@ LightSampler::Choice LightSampler::sample_by_place(const LightTree::Weights& roo
   return choice;
 }
 
-std::optional<float> LightSampler::pmf_by_place(const LitPoint& point, std::uint32_t light) const {
+std::optional<float> LightSampler::pmf_by_place(const Outlook& at, std::uint32_t light) const {
   if (tree_.contains(light)) {
-    const float pmf = tree_.pmf(point, light);
+    const float pmf = tree_.pmf(at.root, at.point, light);
     if (distant_.empty()) return pmf;
-    const Total all = total(tree_.weigh_root(point), point);
+    const Total all = total(at);
     return pmf * static_cast<float>(share(all, all.tree));
   }
   const auto distant = std::find_if(distant_.begin(), distant_.end(),
                                     [light](const Distant& each) { return each.light == light; });
   if (distant == distant_.end()) return std::nullopt;
-  return static_cast<float>(share(total(tree_.weigh_root(point), point), irradiance(*distant, point)));
+  return static_cast<float>(share(total(at), irradiance(*distant, at)));
 }
 
 LightSampler::Choice LightSampler::sample(const LitPoint& point, double u) const {
-  return members_.size() == 1 ? Choice{members_[0], 1} : sample(tree_.weigh_root(point), point, u);
+  return members_.size() == 1 ? Choice{members_[0], 1} : sample_at(outlook(point), u);
 }
 
 std::array<LightSampler::Choice, kLaneCount> LightSampler::sample(const LitPoints& points,
@@ -102,23 +107,23 @@ std::array<LightSampler::Choice, kLaneCount> LightSampler::sample(const LitPoint
   if (members_.size() == 1) return choices;
   const Vec3Lanes position(points.position), normal(points.normal);
   const auto roots = tree_.weigh_root(points);
+  const WordLanes facing(any_all_around_ ? facing_of(points.normal) : U32x8(kAllSides));
   for (; asked != 0; asked &= asked - 1) {
     const auto lane = static_cast<std::size_t>(std::countr_zero(asked));
-    choices[lane] = sample(roots[lane], {position[lane], normal[lane]}, u[lane]);
+    choices[lane] = sample_at({{position[lane], normal[lane]}, roots[lane], facing[lane]}, u[lane]);
   }
   return choices;
 }
 
-LightSampler::Choice LightSampler::sample(const LightTree::Weights& root, const LitPoint& point,
-                                          double u) const {
+LightSampler::Choice LightSampler::sample_at(const Outlook& at, double u) const {
   const double uniform = kUniformShare / static_cast<double>(members_.size());
   Choice choice;
   if (u < kUniformShare) {
     const auto index = static_cast<std::size_t>(u / uniform);
     choice.light = members_[std::min(index, members_.size() - 1)];
-    choice.pmf = *pmf_by_place(point, choice.light);
+    choice.pmf = *pmf_by_place(at, choice.light);
   } else {
-    choice = sample_by_place(root, point, (u - kUniformShare) / (1 - kUniformShare));
+    choice = sample_by_place(at, (u - kUniformShare) / (1 - kUniformShare));
     if (choice.light == kNoLight) return choice;
   }
   choice.pmf = static_cast<float>((1 - kUniformShare) * static_cast<double>(choice.pmf) + uniform);
@@ -127,7 +132,7 @@ LightSampler::Choice LightSampler::sample(const LightTree::Weights& root, const 
 
 float LightSampler::pmf(const LitPoint& point, std::uint32_t light) const {
   if (members_.size() == 1) return members_[0] == light ? 1 : 0;
-  const auto by_place = pmf_by_place(point, light);
+  const auto by_place = pmf_by_place(outlook(point), light);
   if (!by_place) return 0;
   return static_cast<float>((1 - kUniformShare) * static_cast<double>(*by_place) +
                             kUniformShare / static_cast<double>(members_.size()));

@@ -50,24 +50,31 @@ class LightSampler {
     // facing_of().
     std::vector<double> by_facing{};
   };
+  // A point, and what is looked up for it before any light is chosen there.
+  struct Outlook {
+    LitPoint point;
+    LightTree::Weights root;
+    std::uint32_t facing;  // facing_of(), where any light comes from all around
+  };
   // How much light comes from the tree and from all at infinity, and from how many of these alternatives.
   struct Total {
     double tree = 0, irradiance = 0;
     int alternatives = 0;
   };
 
-  static double irradiance(const Distant& distant, const LitPoint& point);
-  // `root`: what the tree's root weighs at the point.
-  Total total(const LightTree::Weights& root, const LitPoint& point) const;
+  Outlook outlook(const LitPoint& point) const;
+  static double irradiance(const Distant& distant, const Outlook& at);
+  Total total(const Outlook& at) const;
   static double share(const Total& total, double irradiance);
-  Choice sample(const LightTree::Weights& root, const LitPoint& point, double u) const;
-  Choice sample_by_place(const LightTree::Weights& root, const LitPoint& point, double u) const;
+  Choice sample_at(const Outlook& at, double u) const;
+  Choice sample_by_place(const Outlook& at, double u) const;
   // Nothing of lights that are not among these.
-  std::optional<float> pmf_by_place(const LitPoint& point, std::uint32_t light) const;
+  std::optional<float> pmf_by_place(const Outlook& at, std::uint32_t light) const;
 
   std::vector<std::uint32_t> members_;
   LightTree tree_;
   std::vector<Distant> distant_;
+  bool any_all_around_ = false;
 };
 
 }  // namespace tessera::core

@@ -145,18 +145,17 @@ LightTree::Choice LightTree::sample(const Weights& root, const LitPoint& point, 
   }
 }
 
-float LightTree::pmf(const LitPoint& point, std::uint32_t light) const {
+float LightTree::pmf(const Weights& root, const LitPoint& point, std::uint32_t light) const {
   if (!contains(light)) return 0;
   if (leaf_alone(nodes_)) return 1;
   float pmf = 1;
-  for (std::uint32_t at = leaves_[light];;) {
-    const Node& node = nodes_[at / kWidth];
-    const Weights weights = weigh(node, point);
+  std::uint32_t at = leaves_[light];
+  for (; at >= kWidth; at = nodes_[at / kWidth].parent) {
+    const Weights weights = weigh(nodes_[at / kWidth], point);
     if (!(weights.sum() > 0)) return 0;
     pmf *= weights.share(at % kWidth);
-    if (at < kWidth) return pmf;
-    at = node.parent;
   }
+  return root.sum() > 0 ? pmf * root.share(at) : 0;
 }
 
 }  // namespace tessera::core

@@ -43,6 +43,8 @@ class LightTree {
   // u in [0, 1], of more bits than a float has.
   Choice sample(const Weights& root, const LitPoint& point, double u) const;
   Choice sample(const LitPoint& point, double u) const;
+  // With which sample() chooses the light.
+  float pmf(const Weights& root, const LitPoint& point, std::uint32_t light) const;
   float pmf(const LitPoint& point, std::uint32_t light) const;
   bool contains(std::uint32_t light) const { return light < leaves_.size() && leaves_[light] != kNoLeaf; }
 
@@ -100,6 +102,9 @@ inline double LightTree::irradiance(const LitPoint& point) const {
 }
 inline LightTree::Choice LightTree::sample(const LitPoint& point, double u) const {
   return sample(weigh_root(point), point, u);
+}
+inline float LightTree::pmf(const LitPoint& point, std::uint32_t light) const {
+  return pmf(weigh_root(point), point, light);
 }
 
 }  // namespace tessera::core
