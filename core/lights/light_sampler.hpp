@@ -50,11 +50,11 @@ class LightSampler {
     // facing_of().
     std::vector<double> by_facing{};
   };
-  // A point, and what is looked up for it before any light is chosen there.
+  // A point, and what is found out about it before any light is chosen there.
   struct Outlook {
     LitPoint point;
     LightTree::Weights root;
-    std::uint32_t facing;  // facing_of(), where any light comes from all around
+    std::uint32_t facing;  // facing_of() its normal; kAllSides, and not asked for, if no light is all around
   };
   // How much light comes from the tree and from all at infinity, and from how many of these alternatives.
   struct Total {

@@ -14,8 +14,12 @@ namespace {
 constexpr double kUnrestSeconds = 40;
 // A straggler is a hundred times slower than the first machine.
 constexpr double kFirstSpeed = 60'000, kStragglerSpeed = 600;
-// Of a machine that comes and goes: never as long as one waits for an auditor, and longer together.
-constexpr double kShortestAbsence = 80, kLongestAbsence = 150, kLongestVisit = 6;
+// Of a machine that comes and goes when there is calm: never away for as long as one waits for an auditor,
+// even if it had been down before, but longer in all.
+constexpr int kAbsences = 3;
+constexpr double kShortestAbsenceSeconds = 80, kLongestAbsenceSeconds = 150, kLongestVisitSeconds = 6;
+static_assert(kUnrestSeconds + kLongestAbsenceSeconds < kAuditPatienceSeconds);
+static_assert(kAbsences * kShortestAbsenceSeconds > kAuditPatienceSeconds);
 
 }  // namespace
 
@@ -79,11 +83,11 @@ void RoughFarm::set_up_audits() {
     machines_[m]->lie(audited_.random.real(0.05, 1));
     coordinator_.expect_liar(host);
   }
-  if (audited_.random.chance(0.2)) absences_ = 3;
+  if (audited_.random.chance(0.2)) absences_ = kAbsences;
 }
 
 // From now on there are no faults. Whatever is down comes up, whatever is paused goes on, and jobs may have
-// all workers: one with a limit might be left to the slowest.
+// all workers: one with a limit might be left to the slowest. In some farms a machine still comes and goes.
 void RoughFarm::calm_down() {
   calm_ = true;
   world_.note("calm");
@@ -101,12 +105,13 @@ void RoughFarm::calm_down() {
 // And then again, after a short visit.
 void RoughFarm::leave_for_a_while(WorkerMachine& machine, int times) {
   machine.stop();
-  world_.after(seconds(audited_.random.real(kShortestAbsence, kLongestAbsence)), [this, &machine, times] {
-    machine.start();
-    if (times == 1) return;
-    world_.after(seconds(audited_.random.real(1, kLongestVisit)),
-                 [this, &machine, times] { leave_for_a_while(machine, times - 1); });
-  });
+  world_.after(seconds(audited_.random.real(kShortestAbsenceSeconds, kLongestAbsenceSeconds)),
+               [this, &machine, times] {
+                 machine.start();
+                 if (times == 1) return;
+                 world_.after(seconds(audited_.random.real(1, kLongestVisitSeconds)),
+                              [this, &machine, times] { leave_for_a_while(machine, times - 1); });
+               });
 }
 
 // The first machine alone, with time for every fault to pass, every lease to run out, and every deadly range
@@ -116,8 +121,8 @@ bool RoughFarm::is_late() const {
                  800 * static_cast<double>(deadly_jobs_.size()) +
                  40'000 * static_cast<double>(endless_jobs_.size()) + 1.5 * pixel_samples_ / kFirstSpeed;
   // Everything is rendered twice, and what was spoilt once more; or nobody comes for it.
-  if (audited_.any()) bound += 200 + 6 * pixel_samples_ / kFirstSpeed;
-  bound += absences_ * (kLongestAbsence + kLongestVisit);
+  if (audited_.any()) bound += kAuditPatienceSeconds + 6 * pixel_samples_ / kFirstSpeed;
+  bound += absences_ * (kLongestAbsenceSeconds + kLongestVisitSeconds);
   return elapsed() > bound;
 }
 

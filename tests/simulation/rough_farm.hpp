@@ -17,13 +17,16 @@
 
 namespace tessera::simulation {
 
+// How long one waits for who could audit.
+inline constexpr double kAuditPatienceSeconds = 200;
+
 // Two farms of five have audits, which must not change what happens in the others: their chances are drawn
 // apart.
 struct AuditedFarm {
   explicit AuditedFarm(std::uint64_t seed) : random(seed ^ 0xa0d17) {
     if (!random.chance(0.4)) return;
     options.audit_share = random.chance(0.6) ? 1 : random.real(0.01, 1);
-    options.audit_patience = seconds(200);
+    options.audit_patience = seconds(kAuditPatienceSeconds);
   }
   bool any() const { return options.audit_share > 0; }
 
@@ -100,7 +103,7 @@ class RoughFarm {
   // How long what workers hold may lie there, of all that come to render nothing.
   double stuck_seconds_ = 0;
   bool stuck_for_good_ = false;
-  // How often one of the two that audit everything leaves the other alone.
+  // How often one of the two that are always honest leaves once there is calm.
   int absences_ = 0;
   // As many names as that may fail a job.
   std::set<std::string> stuck_names_;

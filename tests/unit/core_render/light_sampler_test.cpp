@@ -4,7 +4,10 @@
 
 #include <cmath>
 #include <memory>
+#include <utility>
+#include <vector>
 
+#include "core/lights/facing.hpp"
 #include "tests/support/chi_square.hpp"
 #include "tests/support/scattered_lights.hpp"
 
@@ -13,9 +16,18 @@ namespace {
 
 using Among = LightSampler::Among;
 
+// Its upper half shines far brighter than the lower one.
+Environment uneven_sky(float radiance) {
+  constexpr int kWidth = 16, kHeight = 8, kHalf = 3 * kWidth * kHeight / 2;
+  std::vector<float> texels(kHalf, 8.0f);
+  texels.resize(2 * kHalf, 0.1f);
+  return {Rgb::gray(radiance),
+          std::make_shared<TextureImage>(TextureImage{kWidth, kHeight, std::move(texels)}), 0};
+}
+
 std::vector<Light> with_sun_and_sky(std::vector<Light> lights) {
   lights.emplace_back(DirectionalLight(normalize({1, -2, 0.5f}), Rgb::gray(0.2f)));
-  lights.emplace_back(Environment(Rgb::gray(0.05f), nullptr, 0));
+  lights.emplace_back(uneven_sky(0.05f));
   return lights;
 }
 
@@ -109,6 +121,19 @@ TEST(LightSampler, WeighsLightsAtInfinityByWhatTheySendToTheSurface) {
   EXPECT_NEAR(sampler.pmf(turned_away, 0), 0.1 / 3, 1e-6);
   EXPECT_NEAR(sampler.pmf(turned_away, 1), 0.1 / 3, 1e-6);
   EXPECT_NEAR(sampler.pmf(turned_away, 2), 0.1 / 3 + 0.9, 1e-6);
+}
+
+TEST(LightSampler, WeighsAnUnevenSkyByWhichWayTheSurfaceFaces) {
+  const Environment sky = uneven_sky(1);
+  const DirectionalLight sun({0, -1, 0}, Rgb::gray(3));
+  const LightSampler sampler({sun, sky}, Among::kAll, 1);
+  const auto sought = [&](Vec3 normal) { return sky.sought_irradiance()[facing_of(normal)]; };
+  ASSERT_GT(sought({0, 1, 0}), 3 * sought({0, -1, 0}));
+  for (const Vec3 normal : {Vec3{0, 1, 0}, normalize({1, 1, 0}), normalize({-2, 1, 3}), Vec3{}}) {
+    const double of_sun = normal == Vec3{} ? 3 : 3 * static_cast<double>(normal.y);
+    const double part = sought(normal) / (sought(normal) + of_sun);
+    EXPECT_NEAR(sampler.pmf({{}, normal}, 1), 0.1 / 2 + 0.9 * (0.75 * part + 0.25 / 2), 1e-6);
+  }
 }
 
 TEST(LightSampler, WeighsEachColorAlike) {
