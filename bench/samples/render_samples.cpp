@@ -1,5 +1,6 @@
-// Renders SPP samples of each pixel of a small picture in one call of one thread: what instructions.sh
-// counts. `tessera render` cuts its work by the clock, and so never does quite the same twice.
+// Renders SPP samples of each pixel of a small picture in one call of one thread: what tests/counters counts, and
+// what is recorded for the compiler (record_profile.sh). `tessera render` cuts its work by the clock, and so never
+// does quite the same twice.
 #include <fmt/format.h>
 
 #include <charconv>
