@@ -4,6 +4,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/base/instruction_set.hpp"
+
 namespace tessera::client {
 
 namespace {
@@ -45,6 +47,7 @@ std::string to_json(const RenderStats& stats, std::uint64_t peak_memory_bytes) {
       {"heuristic", core::heuristic_name(stats.settings.heuristic)},
       {"seed", stats.settings.seed},
       {"threads", stats.threads},
+      {"instruction_set", core::instruction_set()},
       {"samples", counters.samples},
       {"closest_hit_rays", counters.closest_hit_rays},
       {"shadow_rays", counters.shadow_rays},

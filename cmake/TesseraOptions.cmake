@@ -1,12 +1,15 @@
 # Every target links tessera::options: warnings, sanitizers, and the flags behind "the same bytes on every machine".
 #
-# x86-64-v3 (AVX2) is the least a machine must have. Contraction of a*b+c into one rounding is off, so that a
-# compiler's taste for fused multiply-add cannot change a picture; nothing is compiled for the building machine alone.
+# x86-64-v3 (AVX2) is the least a machine must have; what TesseraVariants.cmake compiles a second time is for x86-64-v4
+# (AVX-512), of which twice the registers and masks help, and vectors of 512 bits do not. Contraction of a*b+c into one
+# rounding is off, so that a compiler's taste for fused multiply-add cannot change a picture; nothing is compiled for
+# the building machine alone.
 add_library(tessera_options INTERFACE)
 add_library(tessera::options ALIAS tessera_options)
 target_include_directories(tessera_options INTERFACE ${PROJECT_SOURCE_DIR})
 target_compile_options(tessera_options INTERFACE
-  -march=x86-64-v3 -ffp-contract=off -fno-math-errno
+  "$<IF:$<BOOL:$<TARGET_PROPERTY:TESSERA_AVX512>>,-march=x86-64-v4;-mprefer-vector-width=256,-march=x86-64-v3>"
+  -ffp-contract=off -fno-math-errno
   -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Wold-style-cast -Wunused -Woverloaded-virtual
   -Wnull-dereference -Wimplicit-fallthrough)
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
@@ -39,7 +42,4 @@ function(tessera_library name)
   add_library(tessera_${name} STATIC ${ARG_SOURCES})
   add_library(tessera::${name} ALIAS tessera_${name})
   target_link_libraries(tessera_${name} PUBLIC tessera::options ${ARG_LINKS} PRIVATE ${ARG_PRIVATE_LINKS})
-  if(TESSERA_PROFILED)
-    tessera_profile(tessera_${name})
-  endif()
 endfunction()

@@ -30,6 +30,7 @@ elseif(profile_mode STREQUAL "use")
             -DCMAKE_CXX_COMPILER=${CMAKE_CXX_COMPILER} -DCMAKE_BUILD_TYPE=${CMAKE_BUILD_TYPE}
             -DCMAKE_UNITY_BUILD=${CMAKE_UNITY_BUILD} -DCMAKE_UNITY_BUILD_BATCH_SIZE=${CMAKE_UNITY_BUILD_BATCH_SIZE}
             -DTESSERA_FARM=OFF -DTESSERA_TESTS=OFF -DTESSERA_PROFILE=record -DTESSERA_PROFILE_DIR=${TESSERA_PROFILE_DIR}
+    COMMAND ${CMAKE_COMMAND} -E rm -rf ${TESSERA_PROFILE_DIR}
     COMMAND ${CMAKE_COMMAND} --build ${recording} --target render_samples scene_files
     COMMAND ${CMAKE_COMMAND} -E rm -rf ${TESSERA_PROFILE_DIR}
     COMMAND ${record_profile} ${recording}/bin/render_samples
@@ -40,15 +41,19 @@ elseif(profile_mode STREQUAL "use")
   add_custom_target(tessera_recording DEPENDS ${recording}/recorded)
 endif()
 
-# Records a library's profile, or uses it. What no recorded render came to is optimised as without a profile.
-function(tessera_profile target)
+# Records a library's profile, or uses it, under a name. What no recorded render came to is optimised as without a profile.
+function(tessera_profile target name)
+  if(NOT profile_mode STREQUAL "off")
+    # The prefix of the profiles' names. Functions are found by it, too.
+    target_compile_options(${target} PRIVATE "SHELL:-dumpdir ${name}-" -fprofile-prefix-path=${PROJECT_BINARY_DIR})
+  endif()
   if(profile_mode STREQUAL "record")
     target_compile_options(${target} PRIVATE
-      -fprofile-generate=${TESSERA_PROFILE_DIR} -fprofile-prefix-path=${PROJECT_BINARY_DIR} -fprofile-update=single)
+      -fprofile-generate=${TESSERA_PROFILE_DIR} -fprofile-update=single)
   elseif(profile_mode STREQUAL "use")
     add_dependencies(${target} tessera_recording)
     target_compile_options(${target} PRIVATE
-      -fprofile-use=${TESSERA_PROFILE_DIR} -fprofile-prefix-path=${PROJECT_BINARY_DIR} -fprofile-partial-training
+      -fprofile-use=${TESSERA_PROFILE_DIR} -fprofile-correction -fprofile-partial-training
       -Wno-missing-profile -Wno-coverage-mismatch)
   endif()
 endfunction()

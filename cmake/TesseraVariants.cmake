@@ -1,0 +1,56 @@
+# core is compiled for every machine and, with TESSERA_AVX512, a second time for those with AVX-512. It then is a shared
+# library, lib/libtessera_core.so, the other is lib/glibc-hwcaps/x86-64-v4/libtessera_core.so, and the loader takes the
+# one that the processor is good for (ld.so(8)). Both compute the same, to the bit.
+option(TESSERA_AVX512 "Compile core a second time, for processors with AVX-512" OFF)
+if(TESSERA_AVX512)
+  set(CMAKE_BUILD_RPATH "$ORIGIN/../lib")  # bin/ and lib/ may be moved together
+endif()
+
+# tessera_core_library(NAME SOURCES ... LINKS ...): a tessera_library() of core, and with TESSERA_AVX512 another,
+# tessera_NAME_avx512, which links the others of its kind.
+function(tessera_core_library name)
+  tessera_library(${name} ${ARGN})
+  get_property(earlier GLOBAL PROPERTY TESSERA_CORE_LIBRARIES)
+  set_property(GLOBAL APPEND PROPERTY TESSERA_CORE_LIBRARIES ${name})
+  set(variants tessera_${name})
+  if(TESSERA_AVX512)
+    foreach(library IN LISTS earlier)
+      list(TRANSFORM ARGN REPLACE "^tessera::${library}$" "tessera::${library}_avx512")
+    endforeach()
+    tessera_library(${name}_avx512 ${ARGN})
+    set_target_properties(tessera_${name}_avx512 PROPERTIES TESSERA_AVX512 ON)
+    list(APPEND variants tessera_${name}_avx512)
+  endif()
+  foreach(variant IN LISTS variants)
+    set_target_properties(${variant} PROPERTIES POSITION_INDEPENDENT_CODE ON)
+    target_compile_options(${variant} PRIVATE -fno-semantic-interposition)
+    tessera_profile(${variant} ${name})
+  endforeach()
+endfunction()
+
+# tessera_core(LINKS ...): tessera::core, of all core libraries so far; what else these need is in LINKS.
+function(tessera_core)
+  cmake_parse_arguments(ARG "" "" "LINKS" ${ARGN})
+  get_property(libraries GLOBAL PROPERTY TESSERA_CORE_LIBRARIES)
+  if(NOT TESSERA_AVX512)
+    add_library(tessera_core INTERFACE)
+    list(TRANSFORM libraries PREPEND tessera::)
+    target_link_libraries(tessera_core INTERFACE ${libraries})
+  else()
+    foreach(variant IN ITEMS "" _avx512)
+      add_library(tessera_core${variant} SHARED $<TARGET_OBJECTS:tessera_cpu_check>)
+      foreach(library IN LISTS libraries)
+        target_sources(tessera_core${variant} PRIVATE $<TARGET_OBJECTS:tessera_${library}${variant}>)
+      endforeach()
+      target_link_libraries(tessera_core${variant} PUBLIC tessera::base PRIVATE ${ARG_LINKS})
+      # Each calls its own functions, whatever else is loaded.
+      target_link_options(tessera_core${variant} PRIVATE -Wl,-Bsymbolic -Wl,-z,defs)
+      set_target_properties(tessera_core${variant} PROPERTIES OUTPUT_NAME tessera_core
+        LIBRARY_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/lib)
+    endforeach()
+    set_target_properties(tessera_core_avx512 PROPERTIES
+      LIBRARY_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/lib/glibc-hwcaps/x86-64-v4)
+    add_dependencies(tessera_core tessera_core_avx512)
+  endif()
+  add_library(tessera::core ALIAS tessera_core)
+endfunction()

@@ -1,0 +1,13 @@
+#include "core/base/instruction_set.hpp"
+
+namespace tessera::core {
+
+std::string_view instruction_set() {
+#ifdef __AVX512F__
+  return "x86-64-v4";
+#else
+  return "x86-64-v3";
+#endif
+}
+
+}  // namespace tessera::core
