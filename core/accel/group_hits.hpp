@@ -60,9 +60,21 @@ class GroupHits {
     }
   }
 
-  // The rays of `set` against all of a packet's triangles, each ray by itself.
-  void test_each(const BvhPacket& packet, RaySet set) {
-    for_each_ray(set, [&](std::size_t i) { test_one(i, packet); });
+  // The rays of `set` against all triangles of packet `index`, each ray by itself. Without branches but for
+  // rays that may hit several: which may hit one cannot be guessed.
+  void test_each(std::uint32_t index, RaySet set) {
+    const BvhPacket& packet = scene_.packets[index];
+    for_each_ray(set, [&](std::size_t i) {
+      unsigned lanes = packet.triangle_lanes &
+                       TriangleHits::may_hit(sheared_.rays_like(i), t_high_[i], [&](int corner, int axis) {
+                         return Double4::load(packet.corners[corner][sheared_.axis(i, axis)]);
+                       });
+      const std::size_t before = queued_;
+      enqueue(i, index, std::countr_zero(lanes));
+      queued_ = before + (lanes != 0);
+      for (lanes &= lanes - 1; lanes != 0; lanes &= lanes - 1) enqueue(i, index, std::countr_zero(lanes));
+    });
+    settle();
   }
 
   // The rays of `set` against all triangles of packet `index`, eight rays at once. Only where
@@ -128,21 +140,6 @@ class GroupHits {
   bool has_candidate(std::size_t i) const { return candidate(i) != kNothing; }
   std::uint32_t candidate(std::size_t i) const { return std::bit_cast<std::uint32_t>(candidates_[i]); }
 
-  void test_one(std::size_t i, const BvhPacket& packet) {
-    const TriangleHits hits(sheared_.rays_like(i), [&](int corner, int axis) {
-      return Double4::load(packet.corners[corner][sheared_.axis(i, axis)]);
-    });
-    unsigned lanes = hits.lanes() & packet.triangle_lanes;
-    if (lanes == 0) return;
-    settle_candidate(i);
-    for (; lanes != 0; lanes &= lanes - 1) {
-      const int lane = std::countr_zero(lanes);
-      const float t = hits.t(lane);
-      if (t <= hits_[i].t) improve_hit(i, {t, packet.primitives[lane], hits.b1(lane), hits.b2(lane)});
-    }
-    update(i);
-  }
-
   void test_sphere(std::uint32_t primitive, std::size_t v, Mask8 asked) {
     using Wide = Vec3dOf<Double8>;
     const auto column = [v](const auto& values, int axis) {
@@ -203,6 +200,11 @@ class GroupHits {
       });
     }
     if (kQuery == Query::kClosest) group_.set_limits(v, Float8::load(t_high));
+  }
+
+  void enqueue(std::size_t i, std::uint32_t packet, int lane) {
+    queue_[queued_++] = {static_cast<std::uint32_t>(i),
+                         packet * BvhPacket::kWidth + static_cast<std::uint32_t>(lane)};
   }
 
   void enqueue_candidate(std::size_t i) {

@@ -140,7 +140,7 @@ class GroupTraversal {
     if (group_.can_filter() && cost_together <= std::popcount(set) * kRayVsPacket) {
       hits_.test_together(index, set);
     } else {
-      hits_.test_each(packet, set);
+      hits_.test_each(index, set);
     }
   }
 

@@ -18,7 +18,10 @@ class ShearedGroup {
   }
 
   // Which coordinate is a ray's x, y or z: 0, 1 or 2.
-  int axis(std::size_t ray, int xyz) const { return (z_axis(ray) + 1 + xyz) % 3; }
+  int axis(std::size_t ray, int xyz) const {
+    static constexpr std::int8_t kTurned[3][3] = {{1, 2, 0}, {2, 0, 1}, {0, 1, 2}};
+    return kTurned[z_axis(ray)][xyz];
+  }
 
   ShearedRay ray(std::size_t i) const {
     ShearedRay ray;

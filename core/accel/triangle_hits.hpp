@@ -30,11 +30,20 @@ class TriangleHits {
   TriangleHits(const ShearedRays& rays, const Corner& corner) {
     const ShearedCorners corners(rays, corner);
     const Edges e(corners);
-    const Double4 zero = Double4::broadcast(0);
-    const unsigned any_negative = less(min(min(e.e0, e.e1), e.e2), zero);
-    const unsigned any_positive = less(zero, max(max(e.e0, e.e1), e.e2));
-    lanes_ = 0xfu & ~(any_negative & any_positive);
+    lanes_ = e.of_one_sign();
     if (lanes_ != 0) find_distances(corners, e, rays.direction_z);
+  }
+
+  // Those that may hit at or before `limit`: all that do, and those that only their error bound, or rounding
+  // to float, keeps from it. No branches, and no division.
+  template <typename Corner>
+  static unsigned may_hit(const ShearedRays& rays, float limit, const Corner& corner) {
+    const ShearedCorners corners(rays, corner);
+    const Edges e(corners);
+    const Fraction t = distance(corners, e, rays.direction_z);
+    const Double4 zero = Double4::broadcast(0), beyond = Double4::broadcast(limit * (1 + 0x1p-20));
+    const unsigned behind = less(t.numerator, zero) ^ less(t.denominator, zero);
+    return e.of_one_sign() & ~behind & ~less(beyond * abs(t.denominator), abs(t.numerator));
   }
 
   // For pairs that are known to hit.
@@ -80,6 +89,15 @@ class TriangleHits {
           e1(difference_of_products(c.x[2], c.y[0], c.y[2], c.x[0])),
           e2(difference_of_products(c.x[0], c.y[1], c.y[0], c.x[1])) {}
 
+    Double4 sum() const { return e0 + e1 + e2; }
+    // The lanes where no two have different signs.
+    unsigned of_one_sign() const {
+      const Double4 zero = Double4::broadcast(0);
+      const unsigned any_negative = less(min(min(e0, e1), e2), zero);
+      const unsigned any_positive = less(zero, max(max(e0, e1), e2));
+      return 0xfu & ~(any_negative & any_positive);
+    }
+
     Double4 e0, e1, e2;
   };
 
@@ -101,19 +119,25 @@ class TriangleHits {
     if ((lanes_ & ~all_ahead) != 0) lanes_ &= all_ahead | less(t_error_bound(corners, e) / abs(scale), t);
   }
 
+  struct Fraction {
+    Double4 numerator, denominator;
+  };
+  static Fraction distance(const ShearedCorners& corners, const Edges& e, Double4 direction_z) {
+    const auto& z = corners.z;
+    return {e.e0 * z[0] + e.e1 * z[1] + e.e2 * z[2], e.sum() * direction_z};
+  }
+
   struct Distance {
     Double4 t, scale;
   };
   Distance compute(const ShearedCorners& corners, const Edges& e, Double4 direction_z) {
-    const auto& z = corners.z;
-    const Double4 det = e.e0 + e.e1 + e.e2;
-    const Double4 scale = det * direction_z;
-    const Double4 t = (e.e0 * z[0] + e.e1 * z[1] + e.e2 * z[2]) / scale;
+    const Fraction fraction = distance(corners, e, direction_z);
+    const Double4 t = fraction.numerator / fraction.denominator;
     t.store(t_);
     e.e1.store(e1_);
     e.e2.store(e2_);
-    det.store(det_);
-    return {t, scale};
+    e.sum().store(det_);
+    return {t, fraction.denominator};
   }
 
   static Double4 max_abs(Double4 a, Double4 b, Double4 c) { return max(max(abs(a), abs(b)), abs(c)); }
