@@ -69,6 +69,7 @@ class GroupHits {
                        TriangleHits::may_hit(sheared_.rays_like(i), t_high_[i], [&](int corner, int axis) {
                          return Double4::load(packet.corners[corner][sheared_.axis(i, axis)]);
                        });
+      // Written in any case; the queue's end moves on only if there is one.
       const std::size_t before = queued_;
       enqueue(i, index, std::countr_zero(lanes));
       queued_ = before + (lanes != 0);
