@@ -96,8 +96,7 @@ VisitCounts Bvh::count_visits(const Primitives& primitives, std::span<const Ray>
   if (arrays_.nodes.empty()) return counts;
   for (const Ray& ray : rays) {
     RayTraversal(primitives, arrays_.objects.data(), ray)
-        .run<Query::kClosest>(arrays_.nodes.data(), arrays_.packets.data(), {&kRoot, 1},
-                              CountedVisits(counts));
+        .run<Query::kClosest>(arrays_.nodes.data(), arrays_.packets.data(), CountedVisits(counts));
   }
   return counts;
 }

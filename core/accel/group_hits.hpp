@@ -12,6 +12,7 @@
 #include "core/accel/bvh.hpp"
 #include "core/accel/bvh_layout.hpp"
 #include "core/accel/ray_group.hpp"
+#include "core/accel/ray_traversal.hpp"
 #include "core/accel/sheared_group.hpp"
 #include "core/geometry/primitives.hpp"
 #include "core/geometry/rounding.hpp"
@@ -60,22 +61,26 @@ class GroupHits {
     }
   }
 
-  // The rays of `set` against all triangles of packet `index`, each ray by itself. Without branches but for
-  // rays that may hit several: which may hit one cannot be guessed.
+  // The rays of `set` against all triangles of packet `index`, each ray by itself.
   void test_each(std::uint32_t index, RaySet set) {
-    const BvhPacket& packet = scene_.packets[index];
-    for_each_ray(set, [&](std::size_t i) {
-      unsigned lanes = packet.triangle_lanes &
-                       TriangleHits::may_hit(sheared_.rays_like(i), t_high_[i], [&](int corner, int axis) {
-                         return Double4::load(packet.corners[corner][sheared_.axis(i, axis)]);
-                       });
-      // Written in any case; the queue's end moves on only if there is one.
-      const std::size_t before = queued_;
-      enqueue(i, index, std::countr_zero(lanes));
-      queued_ = before + (lanes != 0);
-      for (lanes &= lanes - 1; lanes != 0; lanes &= lanes - 1) enqueue(i, index, std::countr_zero(lanes));
-    });
+    for_each_ray(set, [&](std::size_t i) { test_later(i, index); });
     settle();
+  }
+
+  // Ray i against all triangles of packet `index`; known after the next settle() at the latest. Without
+  // branches but for rays that may hit several: which may hit one cannot be guessed.
+  void test_later(std::size_t i, std::uint32_t index) {
+    if (queued_ > kQueueSize - BvhPacket::kWidth - kSize) settle();  // which adds one for each ray at most
+    const BvhPacket& packet = scene_.packets[index];
+    unsigned lanes = packet.triangle_lanes &
+                     TriangleHits::may_hit(sheared_.rays_like(i), t_high_[i], [&](int corner, int axis) {
+                       return Double4::load(packet.corners[corner][sheared_.axis(i, axis)]);
+                     });
+    // Written in any case; the queue's end moves on only if there is one.
+    const std::size_t before = queued_;
+    enqueue(i, index, std::countr_zero(lanes));
+    queued_ = before + (lanes != 0);
+    for (lanes &= lanes - 1; lanes != 0; lanes &= lanes - 1) enqueue(i, index, std::countr_zero(lanes));
   }
 
   // The rays of `set` against all triangles of packet `index`, eight rays at once. Only where
@@ -86,18 +91,33 @@ class GroupHits {
     settle();
   }
 
+  // Computes what is queued. A ray whose candidate came after it was queued is queued again.
+  void settle() {
+    for (std::size_t begin = 0, count; begin < queued_; begin += count) {
+      count = std::min<std::size_t>(4, queued_ - begin);
+      std::array<Pair, 4> pairs;
+      std::array<std::size_t, 4> rays;
+      for (std::size_t k = 0; k < 4; ++k) {
+        pairs[k] = queue_[begin + std::min(k, count - 1)];
+        rays[k] = pairs[k].ray;
+      }
+      const TriangleHits hits(sheared_.rays(rays), Corners(*this, pairs));
+      if (hits.lanes() != 0) {
+        for_each_hit(hits, pairs, (RaySet{1} << count) - 1,
+                     [&](std::size_t i, const Hit& hit) { improve_hit(i, hit); });
+      }
+      for (std::size_t k = 0; k < count; ++k) {
+        update(rays[k]);
+        enqueue_candidate(rays[k]);
+      }
+    }
+    queued_ = 0;
+  }
+
   // Computes the candidates of the rays of `set`, four at once.
   void settle_candidates(RaySet set) {
     for_each_ray(set, [&](std::size_t i) { enqueue_candidate(i); });
     settle();
-  }
-
-  // Lets find(ray, the rays sheared, best hit so far) answer with the best hit of ray i.
-  template <typename Find>
-  void improve(std::size_t i, const Find& find) {
-    settle_candidate(i);
-    hits_[i] = find(columns_.ray(i), sheared_, hits_[i]);
-    update(i);
   }
 
   // The rays of `set` hit hit_of(i), unless they hit something better.
@@ -132,6 +152,8 @@ class GroupHits {
  private:
   static constexpr std::size_t kSize = Columns::kSize, kLanes = Columns::kLanes;
   static constexpr std::uint32_t kNothing = 0xffffffffu;
+  // Tested together, a packet adds two for each ray and triangle at most, and settling one for each ray.
+  static constexpr std::size_t kQueueSize = 3 * kSize * BvhPacket::kWidth;
 
   struct Pair {
     std::uint32_t ray;
@@ -219,29 +241,6 @@ class GroupHits {
     settle();
   }
 
-  // Computes what is queued. A ray whose candidate came after it was queued is queued again.
-  void settle() {
-    for (std::size_t begin = 0, count; begin < queued_; begin += count) {
-      count = std::min<std::size_t>(4, queued_ - begin);
-      std::array<Pair, 4> pairs;
-      std::array<std::size_t, 4> rays;
-      for (std::size_t k = 0; k < 4; ++k) {
-        pairs[k] = queue_[begin + std::min(k, count - 1)];
-        rays[k] = pairs[k].ray;
-      }
-      const TriangleHits hits(sheared_.rays(rays), Corners(*this, pairs));
-      if (hits.lanes() != 0) {
-        for_each_hit(hits, pairs, (RaySet{1} << count) - 1,
-                     [&](std::size_t i, const Hit& hit) { improve_hit(i, hit); });
-      }
-      for (std::size_t k = 0; k < count; ++k) {
-        update(rays[k]);
-        enqueue_candidate(rays[k]);
-      }
-    }
-    queued_ = 0;
-  }
-
   // The corners of four pairs' triangles, along the axes of their rays.
   class Corners {
    public:
@@ -303,7 +302,7 @@ class GroupHits {
   alignas(32) float t_high_[kSize];
   alignas(32) float candidates_[kSize];  // triangles, as the bits of floats; each nearer than hits_
   std::array<Hit, kSize> hits_;
-  std::array<Pair, 3 * kSize * BvhPacket::kWidth> queue_;  // a packet adds two for each ray and triangle
+  std::array<Pair, kQueueSize> queue_;
   std::size_t queued_ = 0;
 };
 

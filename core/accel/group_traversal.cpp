@@ -3,6 +3,7 @@
 #include <array>
 #include <bit>
 
+#include "core/accel/parted_rays.hpp"
 #include "core/accel/ray_traversal.hpp"
 #include "core/accel/rays_in_object.hpp"
 
@@ -11,8 +12,8 @@ namespace {
 
 // What tests cost, in cycles, as far as choosing between them goes.
 constexpr int kBoxVsVector = 9, kRayVsBoxes = 20, kTriangleVsVector = 24, kRayVsPacket = 28;
-// So many rays or fewer go alone.
-constexpr int kFewRays = 3;
+// So many rays or fewer part from the group.
+constexpr int kFewRays = 5;
 // What it takes to prepare a group in an object is not worth it for fewer.
 constexpr int kLeastInObject = 8;
 
@@ -44,49 +45,22 @@ class GroupStack {
   std::size_t size_ = 0;
 };
 
-// Nodes that rays are yet to visit, each ray by itself. There is room for few, so that those of all rays take
-// no more than eight kilobytes.
-class KeptNodes {
- public:
-  // False once ray i can keep no other: then it has to go. Sorted for kClosest, the nearest last.
-  template <Query kQuery>
-  bool add(std::size_t i, StackEntry entry) {
-    const RaySet ray = RaySet{1} << i;
-    if ((rays_ & ray) == 0) counts_[i] = 0;
-    rays_ |= ray;
-    std::size_t slot = counts_[i]++;
-    if (kQuery == Query::kClosest)
-      for (; slot > 0 && entries_[i][slot - 1] < entry; --slot) entries_[i][slot] = entries_[i][slot - 1];
-    entries_[i][slot] = entry;
-    return counts_[i] < kMaxBeginnings;
-  }
-
-  // Those that keep any.
-  RaySet rays() const { return rays_; }
-  // Those of ray i, which keeps none from then on; valid until it keeps another.
-  std::span<const StackEntry> take(std::size_t i) {
-    rays_ &= ~(RaySet{1} << i);
-    return std::span(entries_[i]).first(counts_[i]);
-  }
-
- private:
-  RaySet rays_ = 0;
-  std::array<std::uint8_t, kGroupSize> counts_;
-  std::array<std::array<StackEntry, kMaxBeginnings>, kGroupSize> entries_;
-};
-
 // Of Rays, or of ObjectRays in the space of an object, which shows no others. Keeps references.
 template <Query kQuery, typename AnyRay>
 class GroupTraversal {
  public:
   GroupTraversal(const GroupScene& scene, const RayColumns<AnyRay>& columns)
-      : scene_(scene), columns_(columns), group_(columns), hits_(scene, columns, group_) {}
+      : scene_(scene),
+        columns_(columns),
+        group_(columns),
+        hits_(scene, columns, group_),
+        parted_(group_, scene.nodes, scene.packets) {}
 
   std::span<const Hit> run() {
     stack_.push(0, {0, BvhChild::node(0), hits_.alive()});
     while (!stack_.empty()) {
       const GroupEntry entry = stack_.pop();
-      const RaySet set = group_.reaching(entry.rays & hits_.alive(), entry.t_near);
+      const RaySet set = group_.reaching(entry.rays & going(), entry.t_near);
       if (set == 0) continue;
       if (entry.child.is_packet()) {
         visit(entry.child.index(), set);
@@ -96,9 +70,7 @@ class GroupTraversal {
         enter(scene_.nodes[entry.child.index()], set);
       }
     }
-    const RaySet rest = kept_.rays() & hits_.alive();
-    hits_.settle_candidates(rest);
-    for_each_ray(rest, [&](std::size_t i) { go_alone(i); });
+    go_on_alone();
     return kQuery == Query::kClosest ? hits_.finish() : std::span<const Hit>();
   }
 
@@ -132,9 +104,7 @@ class GroupTraversal {
 
   void visit(std::uint32_t index, RaySet set) {
     const BvhPacket& packet = scene_.packets[index];
-    if constexpr (std::is_same_v<AnyRay, Ray>)
-      if (packet.instance_lanes != 0) enter_instances(packet, set);
-    if (packet.sphere_lanes != 0) hits_.test_spheres(packet, set);
+    visit_others(packet, set);
     if (packet.triangle_lanes == 0) return;
     const int cost_together = std::popcount(packet.triangle_lanes) * vectors_of(set) * kTriangleVsVector;
     if (group_.can_filter() && cost_together <= std::popcount(set) * kRayVsPacket) {
@@ -142,6 +112,13 @@ class GroupTraversal {
     } else {
       hits_.test_each(index, set);
     }
+  }
+
+  // All but triangles.
+  void visit_others(const BvhPacket& packet, RaySet set) {
+    if constexpr (std::is_same_v<AnyRay, Ray>)
+      if (packet.instance_lanes != 0) enter_instances(packet, set);
+    if (packet.sphere_lanes != 0) hits_.test_spheres(packet, set);
   }
 
   void enter_instances(const BvhPacket& packet, RaySet set) {
@@ -207,26 +184,46 @@ class GroupTraversal {
     return spread;
   }
 
-  // Ray i visits a node by itself, once the group is through or there is room for no other.
+  // Ray i visits a node by itself, once the group is through.
   void keep(std::size_t i, StackEntry entry) {
-    if (!kept_.add<kQuery>(i, entry)) go_alone(i);
+    if (!parted_.keep(i, entry)) begin_anew(i);
   }
 
-  void go_alone(std::size_t i) {
-    hits_.improve(i, [&](const AnyRay& ray, const ShearedGroup& sheared, const Hit& best) {
-      RayTraversal alone(
-          scene_.primitives, scene_.objects, ray, best, [&] { return group_.slab_ray(i); },
-          [&] { return sheared.ray(i); });
-      return alone.template run<kQuery>(scene_.nodes, scene_.packets, kept_.take(i));
-    });
+  // The rays that have parted from the group go on.
+  void go_on_alone() {
+    parted_.run([&](std::size_t i, std::uint32_t packet) { visit_alone(packet, i); },
+                [&] {
+                  hits_.settle();
+                  return going();
+                },
+                [&](std::size_t i) { begin_anew(i); });
   }
+
+  void visit_alone(std::uint32_t index, std::size_t i) {
+    const BvhPacket& packet = scene_.packets[index];
+    visit_others(packet, RaySet{1} << i);
+    if (packet.triangle_lanes != 0) hits_.test_later(i, index);
+  }
+
+  // Ray i goes through the whole tree by itself.
+  void begin_anew(std::size_t i) {
+    const AnyRay ray = columns_.ray(i);
+    const Hit found = RayTraversal(scene_.primitives, scene_.objects, ray)
+                          .template run<kQuery>(scene_.nodes, scene_.packets);
+    if (found.found()) hits_.improve_all(RaySet{1} << i, [&](std::size_t) { return found; });
+    through_ |= RaySet{1} << i;
+  }
+
+  // Those that have anything to visit yet.
+  RaySet going() const { return hits_.alive() & ~through_; }
 
   const GroupScene& scene_;
   const RayColumns<AnyRay>& columns_;
   RayGroup<AnyRay> group_;
   GroupHits<kQuery, AnyRay> hits_;
   GroupStack stack_;
-  KeptNodes kept_;
+  PartedRays<kQuery, AnyRay> parted_;
+  RaySet through_ = 0;  // rays that have been through the whole tree by themselves
 };
 
 RayColumns<Ray> columns_of(std::span<const Ray> rays, std::span<const std::uint32_t> order) {

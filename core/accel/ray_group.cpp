@@ -199,32 +199,15 @@ RaySet RayGroup<AnyRay>::rays_meeting_box(const BvhNode& node, int lane, RaySet 
   return meeting & set;
 }
 
-template <typename AnyRay>
-unsigned RayGroup<AnyRay>::boxes_met_by(std::size_t ray, const BvhNode& node) const {
-  unsigned met = 0;
-  for (int lane = 0; lane < BvhNode::kWidth; lane += 8) {
-    Float8 near(0), far(limit_[ray]);
-    for (int axis = 0; axis < 3; ++axis) {
-      const Float8 of_near(origin_[kNear][axis][ray]), of_far(origin_[kFar][axis][ray]);
-      near = max((Float8::load(node.bounds[near_side_[axis]] + lane) - of_near) * Float8(inverse_[axis][ray]),
-                 near);
-      far =
-          min((Float8::load(node.bounds[far_side_[axis]] + lane) - of_far) * Float8(far_inverse_[axis][ray]),
-              far);
-    }
-    met |= less_equal(near, far) << lane;
-  }
-  return met;
-}
-
 // A row of sixteen bits for each ray becomes a column of 64 for each box.
 template <typename AnyRay>
 unsigned RayGroup<AnyRay>::rays_meeting(const BvhNode& node, RaySet set,
                                         std::array<RaySet, BvhNode::kWidth>& meeting) const {
   alignas(32) std::uint8_t rows[2][kSize] = {};
   unsigned met_by_any = 0;
+  alignas(32) float t_near[BvhNode::kWidth];  // not needed
   for_each_ray(set, [&](std::size_t i) {
-    const unsigned met = boxes_met_by(i, node);
+    const unsigned met = boxes_met_by(i, node, t_near);
     rows[0][i] = static_cast<std::uint8_t>(met);
     rows[1][i] = static_cast<std::uint8_t>(met >> 8);
     met_by_any |= met;

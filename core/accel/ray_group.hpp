@@ -12,7 +12,6 @@
 #include "core/accel/box_test.hpp"
 #include "core/accel/bvh_layout.hpp"
 #include "core/accel/ray_columns.hpp"
-#include "core/accel/ray_traversal.hpp"
 #include "core/accel/triangle_filter.hpp"
 
 namespace tessera::core {
@@ -25,11 +24,24 @@ class RayGroup {
 
   explicit RayGroup(const Columns& rays);
 
-  // One of the rays, prepared to go on alone.
-  SlabRay<AnyRay> slab_ray(std::size_t i) const {
-    const auto at = [i](const auto& values) { return Vec3{values[0][i], values[1][i], values[2][i]}; };
-    return SlabRay<AnyRay>(at(origin_[kNear]), at(origin_[kFar]), at(inverse_), at(far_inverse_), near_side_,
-                           far_side_);
+  // Which of a node's boxes a ray meets, and where.
+  unsigned boxes_met_by(std::size_t ray, const BvhNode& node, float* t_near) const {
+    unsigned met = 0;
+    for (int lane = 0; lane < BvhNode::kWidth; lane += 8) {
+      Float8 near(0), far(limit_[ray]);
+      for (int axis = 0; axis < 3; ++axis) {
+        const Float8 of_near(origin_[kNear][axis][ray]), of_far(origin_[kFar][axis][ray]);
+        near =
+            max((Float8::load(node.bounds[near_side_[axis]] + lane) - of_near) * Float8(inverse_[axis][ray]),
+                near);
+        far = min(
+            (Float8::load(node.bounds[far_side_[axis]] + lane) - of_far) * Float8(far_inverse_[axis][ray]),
+            far);
+      }
+      near.store(t_near + lane);
+      met |= less_equal(near, far) << lane;
+    }
+    return met;
   }
 
   // Where a ray enters the box in a lane of a node that it meets.
@@ -43,6 +55,7 @@ class RayGroup {
   }
 
   // Boxes that begin beyond a ray's limit do not concern it.
+  float limit(std::size_t ray) const { return limit_[ray]; }
   void set_limit(std::size_t ray, float limit) { limit_[ray] = limit; }
   // The rays of a vector hit something at t, or anything may be hit before t.
   void set_limits(std::size_t vector, Float8 t) {
@@ -78,7 +91,6 @@ class RayGroup {
 
  private:
   RaySet rays_meeting_box(const BvhNode& node, int lane, RaySet set) const;
-  unsigned boxes_met_by(std::size_t ray, const BvhNode& node) const;
   using Lanes = typename Columns::Lanes;
   // Of origins, those that boxes' near and far sides are taken relative to. Rays' own are exact.
   static constexpr int kOrigins = std::is_same_v<AnyRay, Ray> ? 1 : 2, kNear = 0, kFar = kOrigins - 1;

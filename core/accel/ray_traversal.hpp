@@ -7,7 +7,6 @@
 #include <bit>
 #include <cmath>
 #include <limits>
-#include <span>
 #include <type_traits>
 
 #include "core/accel/binary_bvh.hpp"
@@ -24,17 +23,6 @@ enum class Query { kClosest, kAny };
 
 // A ray's directions prepared for box tests.
 struct SlabDirections {
-  SlabDirections() = default;
-  // From what has been computed: inverses of the direction, without and with slack.
-  SlabDirections(Vec3 inverse, Vec3 far, const int (&near_sides)[3], const int (&far_sides)[3]) {
-    for (int axis = 0; axis < 3; ++axis) {
-      near_inverse[axis] = Float8(inverse[axis]);
-      far_inverse[axis] = Float8(far[axis]);
-      near_side[axis] = near_sides[axis];
-      far_side[axis] = far_sides[axis];
-    }
-  }
-
   // Whether a box's upper side is the near one along the axis.
   bool prepare(int axis, float inverse) {
     const int near = std::signbit(inverse) ? BvhNode::kUpper : BvhNode::kLower;
@@ -62,12 +50,6 @@ struct SlabRay<Ray> : SlabDirections {
     }
   }
 
-  // The same of parts that have been computed; the two origins are one.
-  SlabRay(Vec3 o, Vec3, Vec3 inverse, Vec3 far, const int (&near_sides)[3], const int (&far_sides)[3])
-      : SlabDirections(inverse, far, near_sides, far_sides) {
-    for (int axis = 0; axis < 3; ++axis) origin[axis] = Float8(o[axis]);
-  }
-
   Float8 origin_for_near(int axis) const { return origin[axis]; }
   Float8 origin_for_far(int axis) const { return origin[axis]; }
 
@@ -83,16 +65,6 @@ struct SlabRay<ObjectRay> : SlabDirections {
       const float below = rounded_down(ray.origin[axis]), above = -rounded_down(-ray.origin[axis]);
       near_origin[axis] = Float8::broadcast(descends ? below : above);
       far_origin[axis] = Float8::broadcast(descends ? above : below);
-    }
-  }
-
-  // The same of parts that have been computed.
-  SlabRay(Vec3 of_near, Vec3 of_far, Vec3 inverse, Vec3 far, const int (&near_sides)[3],
-          const int (&far_sides)[3])
-      : SlabDirections(inverse, far, near_sides, far_sides) {
-    for (int axis = 0; axis < 3; ++axis) {
-      near_origin[axis] = Float8(of_near[axis]);
-      far_origin[axis] = Float8(of_far[axis]);
     }
   }
 
@@ -119,13 +91,8 @@ class StackEntry {
   std::uint64_t key_;  // not initialised, so that a stack of these costs nothing to make
 };
 
-// The whole tree.
-inline constexpr StackEntry kRoot(0, BvhChild::node(0));
-
 // Each level of the tree leaves all children but one behind.
 inline constexpr std::size_t kMaxStackSize = 1 + (BvhNode::kWidth - 1) * (kMaxBinaryDepth + 1);
-// How many nodes a ray may begin with.
-inline constexpr std::size_t kMaxBeginnings = 16;
 
 // What is yet to be visited, nearest on top where it is pushed so.
 class Stack {
@@ -161,7 +128,7 @@ class Stack {
   }
 
  private:
-  std::array<StackEntry, kMaxStackSize + kMaxBeginnings> entries_;
+  std::array<StackEntry, kMaxStackSize> entries_;
   std::size_t size_ = 0;
 };
 
@@ -193,27 +160,12 @@ class RayTraversal {
       : primitives_(primitives), objects_(objects), ray_(ray), slab_ray_(ray), sheared_ray_(ray) {
     update_limit();
   }
-  // For a ray of which more is known: `hit` is the best so far, slab_ray() and sheared_ray() answer with what
-  // has been prepared (functions, so that it is made in its place).
-  template <typename MakeSlabRay, typename MakeShearedRay>
-  RayTraversal(const Primitives& primitives, const Bvh::Arrays* objects, const AnyRay& ray, const Hit& hit,
-               const MakeSlabRay& slab_ray, const MakeShearedRay& sheared_ray)
-      : primitives_(primitives),
-        objects_(objects),
-        ray_(ray),
-        slab_ray_(slab_ray()),
-        sheared_ray_(sheared_ray()),
-        hit_(hit) {
-    update_limit();
-  }
 
-  // The best of the hit that is known and of what lies in or below `beginnings`, or, for kAny, any of these.
-  // They are at most kMaxBeginnings nodes, no packets; for kClosest sorted, the nearest last, and `visits` is
-  // told of each node and each packet that is visited.
+  // The best hit, or, for kAny, any. For kClosest `visits` is told of each node and each packet that is
+  // visited.
   template <Query kQuery, typename Visits = UncountedVisits>
-  Hit run(const BvhNode* nodes, const BvhPacket* packets,
-          std::span<const StackEntry> beginnings = {&kRoot, 1}, Visits visits = {}) {
-    for (const StackEntry& entry : beginnings) stack_.push(entry);
+  Hit run(const BvhNode* nodes, const BvhPacket* packets, Visits visits = {}) {
+    stack_.push({0, BvhChild::node(0)});
     if constexpr (kQuery == Query::kClosest) {
       find_closest(nodes, packets, visits);
     } else {

@@ -23,15 +23,6 @@ class ShearedGroup {
     return kTurned[z_axis(ray)][xyz];
   }
 
-  ShearedRay ray(std::size_t i) const {
-    ShearedRay ray;
-    ray.z_axis = z_axis(i);
-    ray.x_axis = axis(i, 0);
-    ray.y_axis = axis(i, 1);
-    ray.origin_x = origin_x_[i], ray.origin_y = origin_y_[i], ray.origin_z = origin_z_[i];
-    ray.shear_x = shear_x_[i], ray.shear_y = shear_y_[i], ray.direction_z = direction_z_[i];
-    return ray;
-  }
   // In a lane each.
   ShearedRays rays(const std::array<std::size_t, 4>& of) const {
     const auto at = [&](const double* a) { return Double4::of(a[of[0]], a[of[1]], a[of[2]], a[of[3]]); };

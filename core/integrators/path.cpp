@@ -48,16 +48,16 @@ MaskOf<T> survives_roulette(RgbOf<T>& throughput, T eta_scale, T promise, int de
 
 // Where there are fewer than eight, the other lanes repeat the first.
 struct PathTracer::Paths {
-  Paths(const PathQueue& queue, std::span<const Hit> all_hits, std::span<const bool> all_shine,
+  Paths(const PathQueue::Batch& batch, std::span<const Hit> all_hits, std::span<const bool> all_shine,
         std::span<const std::uint32_t> slots)
       : count(slots.size()), used((1u << slots.size()) - 1) {
     RgbLanes throughputs;
     FloatLanes eta_scales, promises;
     for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
       const std::uint32_t slot = slots[lane < slots.size() ? lane : 0];
-      heads[lane] = &queue.head(slot);
+      heads[lane] = &batch.heads[slot];
       hits[lane] = &all_hits[slot];
-      rays[lane] = &queue.rays()[slot];
+      rays[lane] = &batch.rays[slot];
       shining |= (lane < slots.size() && all_shine[slot] ? 1u : 0u) << lane;
       throughputs.set(lane, heads[lane]->throughput);
       eta_scales.set(lane, heads[lane]->eta_scale);
@@ -85,45 +85,62 @@ struct PathTracer::Paths {
   Float8 eta_scale, promise;
 };
 
-PathTracer::PathTracer(const Scene& scene, const RenderSettings& settings, const LightGuide* guide)
+PathTracer::PathTracer(const Scene& scene, const RenderSettings& settings, const LightGuide* guide,
+                       std::span<const Sampler> samplers, std::span<Rgb> radiance)
     : scene_(scene),
       settings_(settings),
       // By chance alone, `naive` finds every other light.
       light_sampler_(settings.integrator == Integrator::kNaive ? scene.delta_light_sampler()
                                                                : scene.light_sampler()),
       first_light_samples_(light_sampler_.size() > 1 ? kMostLightSamples : 1),
-      guide_(guide) {
+      guide_(guide),
+      samplers_(samplers),
+      radiance_(radiance),
+      goes_on_(samplers.size()) {
   for (const Material& material : scene.materials())
     material_kinds_.push_back({bin_of(material), !is_black(material.emission.value)});
+  waiting_.front().make_room(samplers.size());
 }
 
-void PathTracer::trace(std::span<const Ray> rays, std::span<const Sampler> samplers, std::span<Rgb> radiance,
-                       RenderCounters& counters) {
-  assert(rays.size() <= kBatchPaths && rays.size() == samplers.size() && rays.size() == radiance.size());
-  samplers_ = samplers;
-  radiance_ = radiance;
-  std::fill(radiance.begin(), radiance.end(), Rgb{});
-  paths_->clear();
-  for (std::uint32_t path = 0; path < rays.size(); ++path) paths_->push(rays[path], {.path = path});
-  for (int depth = 0; !paths_->empty(); ++depth) step(depth, counters);
-}
-
-// Takes every path from one vertex to the next.
-void PathTracer::step(int depth, RenderCounters& counters) {
-  const std::span<const Ray> rays = paths_->rays();
-  counters.closest_hit_rays += rays.size();
-  scene_.bvh().closest_hits(scene_.primitives(), rays, {hits_.data(), rays.size()});
+std::span<const std::uint32_t> PathTracer::step(RenderCounters& counters) {
+  const std::size_t depth = depth_of_most();
+  if (depth + 1 == waiting_.size()) waiting_.emplace_back();
+  PathQueue& paths = waiting_[depth];
+  next_paths_ = &waiting_[depth + 1];
+  batch_ = paths.last();
+  const std::size_t count = batch_.rays.size();
+  assert(count > 0);
+  next_paths_->make_room(count);
+  counters.closest_hit_rays += count;
+  scene_.bvh().closest_hits(scene_.primitives(), batch_.rays, {hits_.data(), count});
 
   sort_by_material();
-  next_paths_->clear();
   for (std::size_t bin = 0; bin < kBins; ++bin)
     for (std::size_t i = 0; i < bin_sizes_[bin]; i += kLaneCount) {
-      const Paths paths(*paths_, hits_, shines_,
+      const Paths eight(batch_, hits_, shines_,
                         {bins_[bin].data() + i, std::min(kLaneCount, bin_sizes_[bin] - i)});
-      shade(static_cast<Bin>(bin), paths, depth);
+      shade(static_cast<Bin>(bin), eight, static_cast<int>(depth));
     }
   add_unoccluded(counters);
-  std::swap(paths_, next_paths_);
+  collect_ended();
+  paths.drop_last(count);
+  return ended_;
+}
+
+// The deepest of those where most paths wait.
+std::size_t PathTracer::depth_of_most() const {
+  std::size_t most = 0;
+  for (std::size_t depth = 1; depth < waiting_.size(); ++depth)
+    if (waiting_[depth].size() >= waiting_[most].size()) most = depth;
+  return most;
+}
+
+void PathTracer::collect_ended() {
+  ended_.clear();
+  for (const PathHead& head : batch_.heads) {
+    if (goes_on_[head.path] == 0) ended_.push_back(head.path);
+    goes_on_[head.path] = 0;
+  }
 }
 
 PathTracer::Bin PathTracer::bin_of(const Material& material) {
@@ -140,9 +157,9 @@ void PathTracer::sort_by_material() {
   bin_sizes_ = {};
   const Primitives& primitives = scene_.primitives();
   const auto is_triangle = [&](const Hit& hit) { return hit.found() && primitives.is_plain_triangle(hit); };
-  for (const Hit& hit : std::span(hits_).first(paths_->size()))
+  for (const Hit& hit : std::span(hits_).first(batch_.rays.size()))
     if (is_triangle(hit)) primitives.prefetch_triangle(hit.primitive);
-  for (std::uint32_t slot = 0; slot < paths_->size(); ++slot) {
+  for (std::uint32_t slot = 0; slot < batch_.rays.size(); ++slot) {
     const Hit& hit = hits_[slot];
     const bool triangle = is_triangle(hit);
     if (triangle) primitives.prefetch_corners(hit.primitive);
@@ -292,6 +309,7 @@ void PathTracer::scatter(const Paths& paths, const Vertices& vertices, const Gui
   const Vec3Lanes position(vertices.position()), normal(vertices.lit_normal());
   for (unsigned lanes = (next.found & survives).bits() & paths.used; lanes != 0; lanes &= lanes - 1) {
     const auto lane = static_cast<std::size_t>(std::countr_zero(lanes));
+    goes_on_[paths.heads[lane]->path] = 1;
     next_paths_->push(rays[lane], {.path = paths.heads[lane]->path,
                                    .throughput = throughputs[lane],
                                    .eta_scale = eta_scales[lane],

@@ -1,11 +1,14 @@
-// Path tracing (Kajiya 1986), many paths at a time: one sample of the radiance that arrives along each of a
-// batch of camera rays. All paths of a batch take each step together (Laine, Karras and Aila 2013), so that
-// rays are traced, and surfaces shaded, in long runs of the same work. What a path finds does not depend on
-// those beside it.
+// Path tracing (Kajiya 1986), many paths at a time: samples of the radiance that arrives along camera rays.
+// Hundreds of paths take each step together (Laine, Karras and Aila 2013), so that rays are traced, and
+// surfaces shaded, in long runs of the same work. All of them are at the same vertex, counted from the
+// camera; those that come to one wait until there are enough. What a path finds does not depend on those
+// beside it.
 #pragma once
 
 #include <array>
+#include <cassert>
 #include <cstdint>
+#include <deque>
 #include <span>
 #include <vector>
 
@@ -21,13 +24,21 @@ namespace tessera::core {
 // Unbiased whatever the strategy, but for settings.max_depth. Large: not for the stack. Serves one thread.
 class PathTracer {
  public:
-  // `guide` may be null; `naive` has none.
-  PathTracer(const Scene& scene, const RenderSettings& settings, const LightGuide* guide);
+  // Path i has the random numbers of samplers[i], and what it finds is added to radiance[i]. `guide` may be
+  // null; `naive` has none. Keeps references.
+  PathTracer(const Scene& scene, const RenderSettings& settings, const LightGuide* guide,
+             std::span<const Sampler> samplers, std::span<Rgb> radiance);
 
-  // radiance[i] of rays[i], with the random numbers of samplers[i]. The spans are of the same size, at most
-  // kBatchPaths. Rays are counted in `counters`.
-  void trace(std::span<const Ray> rays, std::span<const Sampler> samplers, std::span<Rgb> radiance,
-             RenderCounters& counters);
+  // Path `path`, which is none of those that are under way, begins with a camera's ray.
+  void begin(const Ray& ray, std::uint32_t path) {
+    assert(path < samplers_.size());
+    radiance_[path] = {};
+    waiting_.front().push(ray, {.path = path});
+  }
+  // Takes kBatchPaths, or as many as there are, of the paths at that vertex where most of them wait one step
+  // further. Some must be under way. Answers with those that have ended; valid until the next step. Rays are
+  // counted in `counters`.
+  std::span<const std::uint32_t> step(RenderCounters& counters);
 
  private:
   // Light on its way to a vertex, if nothing is in between.
@@ -53,7 +64,8 @@ class PathTracer {
 
   struct Paths;  // up to eight of them
 
-  void step(int depth, RenderCounters& counters);
+  std::size_t depth_of_most() const;
+  void collect_ended();
   void sort_by_material();
   template <typename Vertices>
   void shade(const Paths& paths, const Vertices& vertices, int depth);
@@ -84,13 +96,18 @@ class PathTracer {
   const LightGuide* guide_;
   std::vector<MaterialKind> material_kinds_;
 
-  std::span<const Sampler> samplers_;  // of the batch's paths
-  std::span<Rgb> radiance_;
-  std::array<PathQueue, 2> queues_;
-  PathQueue *paths_ = &queues_[0], *next_paths_ = &queues_[1];
-  std::array<Hit, kBatchPaths> hits_;     // of the rays of paths_
+  const std::span<const Sampler> samplers_;
+  const std::span<Rgb> radiance_;
+  // By how many vertices their paths have; never empty, and as many as any path ever had.
+  std::deque<PathQueue> waiting_{1};
+  std::vector<std::uint8_t> goes_on_;  // by path: whether it does after this step
+  std::vector<std::uint32_t> ended_;
+  // Of a step:
+  PathQueue::Batch batch_;
+  PathQueue* next_paths_ = nullptr;
+  std::array<Hit, kBatchPaths> hits_;     // of the batch's rays
   std::array<bool, kBatchPaths> shines_;  // whether the material of what they hit does
-  // Slots of paths_, by what their rays hit.
+  // Slots of the batch, by what their rays hit.
   std::array<std::size_t, kBins> bin_sizes_{};
   std::array<std::array<std::uint32_t, kBatchPaths>, kBins> bins_;
   std::size_t connection_count_ = 0;

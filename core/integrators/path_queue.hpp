@@ -1,13 +1,14 @@
-// The paths of a batch that go on, each at its next ray: what has to be known of a path's past to follow it.
-// Structure of arrays, so that eight paths can be taken up at once. Lives as long as its thread renders.
+// Paths that wait for the same step: each at its next ray, with what has to be known of its past to follow
+// it.
 #pragma once
 
-#include <array>
+#include <algorithm>
 #include <cassert>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <span>
+#include <vector>
 
 #include "core/geometry/ray.hpp"
 #include "core/lights/light_tree.hpp"
@@ -15,8 +16,7 @@
 
 namespace tessera::core {
 
-// Paths that are traced together: enough for full vectors where few paths are left, few enough for the
-// caches.
+// Paths that take a step together: enough for full groups of rays, few enough for the caches.
 inline constexpr std::size_t kBatchPaths = 512;
 
 // Stands for the density of a direction that nothing but one way of sampling finds.
@@ -24,7 +24,7 @@ inline constexpr float kDeltaPdf = std::numeric_limits<float>::infinity();
 
 // What the past of a path adds up to, before its next ray.
 struct PathHead {
-  std::uint32_t path = 0;         // its number in the batch
+  std::uint32_t path = 0;         // its number, as PathTracer::begin was told
   Rgb throughput = Rgb::gray(1);  // the product of the BSDF weights: what radiance found is multiplied by
   float eta_scale = 1;            // undoes the compression of radiance by refraction in `throughput`
   float last_pdf = kDeltaPdf;     // of the ray's direction, per solid angle, shared out among the samples of
@@ -37,24 +37,38 @@ struct PathHead {
 
 class PathQueue {
  public:
-  std::size_t size() const { return size_; }
-  bool empty() const { return size_ == 0; }
-  void clear() { size_ = 0; }
+  // Valid until something is pushed or dropped.
+  struct Batch {
+    std::span<const Ray> rays;
+    std::span<const PathHead> heads;  // of the rays
+  };
 
+  std::size_t size() const { return size_; }
+
+  // For `count` more, before they are pushed.
+  void make_room(std::size_t count) {
+    if (size_ + count <= rays_.size()) return;
+    rays_.resize(size_ + count);
+    heads_.resize(rays_.size());
+  }
   void push(const Ray& ray, const PathHead& head) {
-    assert(size_ < kBatchPaths);
+    assert(size_ < rays_.size());
     rays_[size_] = ray;
     heads_[size_] = head;
     ++size_;
   }
 
-  std::span<const Ray> rays() const { return {rays_.data(), size_}; }
-  const PathHead& head(std::size_t slot) const { return heads_[slot]; }
+  // The last that came, kBatchPaths if there are as many.
+  Batch last() const {
+    const std::size_t count = std::min(size_, kBatchPaths);
+    return {std::span(rays_).subspan(size_ - count, count), std::span(heads_).subspan(size_ - count, count)};
+  }
+  void drop_last(std::size_t count) { size_ -= count; }
 
  private:
   std::size_t size_ = 0;
-  std::array<Ray, kBatchPaths> rays_;
-  std::array<PathHead, kBatchPaths> heads_;
+  std::vector<Ray> rays_;
+  std::vector<PathHead> heads_;
 };
 
 }  // namespace tessera::core

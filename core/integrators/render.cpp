@@ -62,73 +62,97 @@ void deposit(Rgb radiance, const Sampler& sampler, bool odd, PixelSums pixel, Re
   counters.saturated_samples += saturated ? 1 : 0;
 }
 
-// One thread's work: takes samples a batch at a time and adds them to the film, in any order.
+// One thread's work: takes samples, many at a time, and adds them to the film, in any order.
 class Renderer {
  public:
   Renderer(const Scene& scene, const RenderSettings& settings, const LightGuide* guide)
-      : scene_(scene), settings_(settings), path_tracer_(scene, settings, guide) {
-    samples_.reserve(kBatchPaths);
-    samplers_.reserve(kBatchPaths);
+      : scene_(scene),
+        settings_(settings),
+        samples_(kSamplesUnderWay),
+        samplers_(kSamplesUnderWay, Sampler(settings.seed, 0, 0, 0)),
+        radiance_(kSamplesUnderWay),
+        path_tracer_(scene, settings, guide, samplers_, radiance_) {
+    for (std::uint32_t i = 0; i < kSamplesUnderWay; ++i) free_.push_back(kSamplesUnderWay - 1 - i);
+    begun_.reserve(kBatchPaths);
   }
 
   // A sample's place is in the buffers of a film tile; it is deposited there by flush() at the latest.
-  void add(SampleId id, PixelSums pixel) {
-    samples_.push_back({id, pixel});
-    samplers_.emplace_back(settings_.seed, id.x, id.y, id.sample);
-    if (samples_.size() == kBatchPaths) flush();
+  // Answers with its number.
+  std::uint32_t add(SampleId id, PixelSums pixel) {
+    const std::uint32_t number = free_.back();
+    free_.pop_back();
+    samples_[number] = {id, pixel};
+    samplers_[number] = Sampler(settings_.seed, id.x, id.y, id.sample);
+    begun_.push_back(number);
+    if (begun_.size() == kBatchPaths) {
+      send_camera_rays();
+      while (free_.size() < kBatchPaths) deposit_some();
+    }
+    return number;
   }
 
   void flush() {
-    take_samples();
-    for (std::size_t i = 0; i < samples_.size(); ++i) deposit_or_report(i);
-    samples_.clear();
-    samplers_.clear();
+    send_camera_rays();
+    while (free_.size() < kSamplesUnderWay) deposit_some();
   }
 
   // Of one sample, while there are no others.
   Rgb radiance_of(SampleId id) {
-    samplers_.assign(1, Sampler(settings_.seed, id.x, id.y, id.sample));
-    samples_.assign(1, {id, {}});
-    take_samples();
-    return radiance_[0];
+    std::array<std::uint64_t, 3> sums{}, odd_sums{};
+    const std::uint32_t number = add(id, {sums.data(), odd_sums.data()});
+    flush();
+    return radiance_[number];
   }
 
   const RenderCounters& counters() const { return counters_; }
 
  private:
+  // So many that mostly kBatchPaths of them are at the same vertex, few enough for the caches.
+  static constexpr std::uint32_t kSamplesUnderWay = 2048;
+
   struct Sample {
     SampleId id;
     PixelSums pixel;
   };
 
-  void take_samples() {
-    const std::size_t count = samples_.size();
-    for (std::size_t i = 0; i < count; i += kLaneCount) find_camera_rays(i, std::min(kLaneCount, count - i));
-    const std::span<Rgb> radiance{radiance_.data(), count};
-    counters_.samples += count;
-    if (settings_.integrator != Integrator::kWhitted)
-      return path_tracer_.trace({camera_rays_.data(), count}, samplers_, radiance, counters_);
-    for (std::size_t i = 0; i < count; ++i)
-      radiance[i] = trace_whitted(scene_, settings_, samplers_[i], camera_rays_[i], counters_);
+  void send_camera_rays() {
+    for (std::size_t i = 0; i < begun_.size(); i += kLaneCount)
+      send_eight(std::span(begun_).subspan(i, std::min(kLaneCount, begun_.size() - i)));
+    counters_.samples += begun_.size();
+    begun_.clear();
   }
 
-  void find_camera_rays(std::size_t first, std::size_t count) {
+  void send_eight(std::span<const std::uint32_t> numbers) {
     std::array<const Sampler*, kLaneCount> samplers;
-    for (std::size_t i = 0; i < kLaneCount; ++i) samplers[i] = &samplers_[first + (i < count ? i : 0)];
+    for (std::size_t i = 0; i < kLaneCount; ++i)
+      samplers[i] = &samplers_[numbers[i < numbers.size() ? i : 0]];
     const auto pads = Sampler::pads(samplers, kCameraPad);
     const FloatLanes u_x(pads[0]), u_y(pads[1]), lens_u(pads[2]), lens_v(pads[3]);
-    for (std::size_t i = 0; i < count; ++i) {
-      const SampleId id = samples_[first + i].id;
+    for (std::size_t i = 0; i < numbers.size(); ++i) {
+      const SampleId id = samples_[numbers[i]].id;
       const Vec2 raster = sample_raster(settings_.filter, id.x, id.y, {u_x[i], u_y[i]});
-      camera_rays_[first + i] =
-          scene_.camera().ray(raster, settings_.width_px, settings_.height_px, {lens_u[i], lens_v[i]});
+      send(scene_.camera().ray(raster, settings_.width_px, settings_.height_px, {lens_u[i], lens_v[i]}),
+           numbers[i]);
     }
   }
 
-  void deposit_or_report(std::size_t i) {
-    const auto& [id, pixel] = samples_[i];
-    if (can_be_counted(radiance_[i]))
-      return deposit(radiance_[i], samplers_[i], id.sample % 2 == 1, pixel, counters_);
+  void send(const Ray& ray, std::uint32_t number) {
+    if (settings_.integrator != Integrator::kWhitted) return path_tracer_.begin(ray, number);
+    radiance_[number] = trace_whitted(scene_, settings_, samplers_[number], ray, counters_);
+    deposit_or_report(number);
+  }
+
+  // Those whose paths end in the next step.
+  void deposit_some() {
+    for (const std::uint32_t number : path_tracer_.step(counters_)) deposit_or_report(number);
+  }
+
+  void deposit_or_report(std::uint32_t number) {
+    free_.push_back(number);
+    const auto& [id, pixel] = samples_[number];
+    const Rgb radiance = radiance_[number];
+    if (can_be_counted(radiance))
+      return deposit(radiance, samplers_[number], id.sample % 2 == 1, pixel, counters_);
     RenderCounters lost;
     lost.non_finite_samples = 1;
     lost.first_non_finite = id;
@@ -137,12 +161,14 @@ class Renderer {
 
   const Scene& scene_;
   const RenderSettings settings_;
-  PathTracer path_tracer_;
   RenderCounters counters_;
-  std::vector<Sample> samples_;    // of the batch
-  std::vector<Sampler> samplers_;  // theirs
-  std::array<Ray, kBatchPaths> camera_rays_;
-  std::array<Rgb, kBatchPaths> radiance_;
+  // By the numbers of samples that are under way.
+  std::vector<Sample> samples_;
+  std::vector<Sampler> samplers_;
+  std::vector<Rgb> radiance_;
+  std::vector<std::uint32_t> free_;   // numbers
+  std::vector<std::uint32_t> begun_;  // samples whose camera rays are yet to be sent
+  PathTracer path_tracer_;
 };
 
 void render_block(PixelRect block, FilmTile& tile, Renderer& renderer) {

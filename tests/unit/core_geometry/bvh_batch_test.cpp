@@ -31,18 +31,35 @@ TEST_P(Batch, AnswersAsOneByOne) {
 
 INSTANTIATE_TEST_SUITE_P(Sizes, Batch, testing::Values(1, 33, 400, 1500));
 
+// As long as the box that they fill, so that their boxes overlap by far.
+test::Soup long_needles(test::Random& random) {
+  test::Mesh mesh;
+  for (int i = 0; i < 20000; ++i) {
+    const Vec3 middle = random.in_box(1), along = random.direction(), across = random.in_box(0.002f);
+    mesh.add({middle - along, middle + along, middle + along + across});
+  }
+  return {"needles", mesh.primitives(), 1};
+}
+
+Primitives instance_of(const Primitives& object) {
+  Primitives primitives;
+  primitives.add_object(object);
+  primitives.add_instance({Placement(Transform{}), 0});
+  return primitives;
+}
+
 // Rays that scatter so widely that each keeps more nodes for itself than there is room for.
 TEST(Batch, AnswersAsOneByOneAmongNeedles) {
   test::Random random(13);
-  test::Mesh mesh;
-  for (int i = 0; i < 20000; ++i) {
-    const Vec3 middle = random.in_box(1), along = random.direction() * 0.2f, across = random.in_box(0.002f);
-    mesh.add({middle - along, middle + along, middle + along + across});
+  const test::Soup needles = long_needles(random),
+                   shown = {"an instance of needles", instance_of(needles.primitives), 1};
+  for (const test::Soup* soup : {&needles, &shown}) {
+    SCOPED_TRACE(soup->name);
+    const Bvh bvh = Bvh::build(soup->primitives, 2);
+    for (const std::size_t count : {80u, 600u})
+      test::expect_same_answers(bvh, soup->primitives, test::random_rays(*soup, random, count));
+    test::expect_same_answers(bvh, soup->primitives, test::lamp_rays(*soup, random, 600, true));
   }
-  const test::Soup needles{"needles", mesh.primitives(), 1};
-  const Bvh bvh = Bvh::build(needles.primitives, 2);
-  test::expect_same_answers(bvh, needles.primitives, test::random_rays(needles, random, 600));
-  test::expect_same_answers(bvh, needles.primitives, test::lamp_rays(needles, random, 600, true));
 }
 
 TEST(Batch, SurvivesRaysThatAreNotRaysAmongOthers) {

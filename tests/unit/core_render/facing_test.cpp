@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "core/math/lane_array.hpp"
+#include "core/math/simd_double8.hpp"
 
 namespace tessera::core {
 namespace {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <numeric>
 #include <random>
 #include <vector>
 
@@ -25,25 +26,33 @@ class PathBatch : public testing::TestWithParam<Integrator> {
     settings_.integrator = GetParam();
     for (int y = 0; y < settings_.height_px; ++y)
       for (int x = 0; x < settings_.width_px; ++x)
-        for (std::uint32_t s = 0; s < 2; ++s)
+        for (std::uint32_t s = 0; s < 8; ++s)
           starts_.push_back({scene_.camera().ray({static_cast<float>(x), static_cast<float>(y)},
                                                  settings_.width_px, settings_.height_px, {0.3f, 0.6f}),
                              Sampler(settings_.seed, x, y, s)});
-    tracer_ = std::make_unique<PathTracer>(scene_, settings_, caustic_guide(scene_, settings_, 1));
   }
 
-  // The radiance of starts_[order[i]], traced `size` at a time.
+  // The radiance of starts_[order[i]], with up to `size` paths under way at once.
   std::vector<Rgb> trace(const std::vector<std::size_t>& order, std::size_t size) {
-    std::vector<Rgb> radiance(order.size());
-    for (std::size_t begin = 0; begin < order.size(); begin += size) {
-      const std::size_t count = std::min(size, order.size() - begin);
-      std::vector<Ray> rays;
-      std::vector<Sampler> samplers;
-      for (std::size_t i = begin; i < begin + count; ++i) {
-        rays.push_back(starts_[order[i]].ray);
-        samplers.push_back(starts_[order[i]].sampler);
+    std::vector<Rgb> found(size), radiance(order.size());
+    std::vector<Sampler> samplers(size, Sampler(0, 0, 0, 0));
+    const auto tracer =
+        std::make_unique<PathTracer>(scene_, settings_, caustic_guide(scene_, settings_, 1), samplers, found);
+    std::vector<std::size_t> serves(size);  // which of the order each path does
+    std::vector<std::uint32_t> free(size);
+    std::iota(free.begin(), free.end(), 0u);
+    for (std::size_t next = 0; next < order.size() || free.size() < size;) {
+      for (; next < order.size() && !free.empty(); ++next) {
+        const std::uint32_t path = free.back();
+        free.pop_back();
+        serves[path] = next;
+        samplers[path] = starts_[order[next]].sampler;
+        tracer->begin(starts_[order[next]].ray, path);
       }
-      tracer_->trace(rays, samplers, {radiance.data() + begin, count}, counters_);
+      for (const std::uint32_t path : tracer->step(counters_)) {
+        radiance[serves[path]] = found[path];
+        free.push_back(path);
+      }
     }
     return radiance;
   }
@@ -51,7 +60,6 @@ class PathBatch : public testing::TestWithParam<Integrator> {
   Scene scene_;
   RenderSettings settings_;
   std::vector<Start> starts_;
-  std::unique_ptr<PathTracer> tracer_;
   RenderCounters counters_;
 };
 
@@ -60,8 +68,10 @@ TEST_P(PathBatch, OfAnySizeInAnyOrderGivesWhatEachPathGivesAlone) {
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
   const std::vector<Rgb> alone = trace(order, 1);
   const RenderCounters counters = counters_;
+  ASSERT_GT(starts_.size(), 3 * kBatchPaths);  // at last some wait that are not of the next step
   std::mt19937 random(1);
-  for (const std::size_t size : {std::size_t{2}, std::size_t{7}, std::size_t{64}, kBatchPaths}) {
+  for (const std::size_t size :
+       {std::size_t{2}, std::size_t{7}, std::size_t{64}, kBatchPaths, 3 * kBatchPaths}) {
     counters_ = {};
     const std::vector<Rgb> together = trace(order, size);
     for (std::size_t i = 0; i < order.size(); ++i)
