@@ -69,11 +69,21 @@ struct LightTree::Children {
   Float8 cos_e, back, intensity;
 };
 
-// How much light each child may send to the point: of all places in its sphere and all normals in its cone,
-// those that suit best (Conty Estevez and Kulla 2018, section 3.2). From within the sphere, nothing is ruled
-// out.
+// Of a sphere of light whose middle is seen at an angle to an axis, about the mean of the cosines to it,
+// those below zero being zero: exact where all of the sphere is above the horizon, and zero only where none
+// of it is.
+Float8 mean_cosine(Float8 of_middle, Float8 sine_of_sphere) {
+  constexpr float kLeastSine = 1e-30f;
+  const Float8 above = max(of_middle + sine_of_sphere, 0.0f);
+  return select(of_middle >= sine_of_sphere, of_middle,
+                above * above / (4.0f * max(sine_of_sphere, kLeastSine)));
+}
+
+// About how much light each child sends to the point, taken as a sphere that is filled with lights, of whose
+// normals those in the cone suit best (after Conty Estevez and Kulla 2018, section 3.2, who take the places
+// that suit best, too). From within the sphere, nothing is ruled out.
 Float8 LightTree::Children::weights(const LitPoints& points) const {
-  constexpr float kLeastDistance2 = 1e-30f;
+  constexpr float kLeastDistance2 = 1e-30f, kLeastInside = 0.1f;
   const Vec3Of<Float8> to_center = center - points.position, normal = points.normal;
   const Float8 distance2 = max(dot(to_center, to_center), kLeastDistance2);
   const Float8 per_distance = 1.0f / sqrt(distance2);
@@ -83,17 +93,16 @@ Float8 LightTree::Children::weights(const LitPoints& points) const {
   const Angle sphere{sqrt(1.0f - sin2_of_sphere), sqrt(sin2_of_sphere)};
 
   const Float8 to_axis = -dot(to_center, axis) * per_distance;
-  const Angle from_axis = Angle::of_cosine(max(to_axis, to_axis * back));
-  const Float8 leaving = excess(excess(from_axis, cone), sphere).cosine;
-  const Float8 sent = select(leaving >= cos_e, leaving, 0.0f);
+  const Angle from_cone = excess(Angle::of_cosine(max(to_axis, to_axis * back)), cone);
+  const Mask8 sends = excess(from_cone, sphere).cosine >= cos_e;
+  const Float8 sent = select(sends, mean_cosine(from_cone.cosine, sphere.sine), 0.0f);
 
-  const Angle from_normal = Angle::of_cosine(dot(to_center, normal) * per_distance);
-  const Float8 arriving = max(excess(from_normal, sphere).cosine, 0.0f);
+  const Float8 arriving = mean_cosine(dot(to_center, normal) * per_distance, sphere.sine);
   const Mask8 has_no_normal = (normal.x == 0) & (normal.y == 0) & (normal.z == 0);
   const Float8 received = select(has_no_normal, 1.0f, arriving);
 
-  const Float8 facing = select(inside, 1.0f, sent * received);
-  return intensity / max(distance2, nearest2) * facing;
+  const Float8 seen = sent * received, facing = select(inside, max(seen, kLeastInside), seen);
+  return intensity / (distance2 + nearest2) * facing;
 }
 
 void LightTree::Weights::add_up() {
