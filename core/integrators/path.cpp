@@ -18,8 +18,8 @@ constexpr int kFirstRouletteDepth = 1;
 constexpr float kFirstSurvivalScale = 1.6f, kSurvivalScale = 1.2f;
 constexpr float kMaxSurvival = 0.95f;  // below 1, so that a path between perfect mirrors ends
 
-// Of densities that are all times the number of samples with them, or all divided by the same (Veach and
-// Guibas 1995). They may be so large that their squares are not finite, but their ratio's is.
+// Of two densities, with one sample of each (Veach and Guibas 1995). They may be so large that their squares
+// are not finite, but their ratio's is.
 template <typename T>
 T mis_weight(Heuristic heuristic, T pdf, T other_pdf) {
   if (heuristic == Heuristic::kBalance) return pdf / (pdf + other_pdf);
@@ -68,11 +68,10 @@ struct PathTracer::Paths {
     promise = promises.all();
   }
 
-  std::array<Float8, 4> pads(std::span<const Sampler> samplers, std::uint32_t pad,
-                             SamplePart part = {}) const {
+  std::array<Float8, 4> pads(std::span<const Sampler> samplers, std::uint32_t pad) const {
     std::array<const Sampler*, kLaneCount> of_lanes;
     for (std::size_t lane = 0; lane < kLaneCount; ++lane) of_lanes[lane] = &samplers[heads[lane]->path];
-    return Sampler::pads(of_lanes, pad, part);
+    return Sampler::pads(of_lanes, pad);
   }
 
   std::size_t count;
@@ -92,7 +91,6 @@ PathTracer::PathTracer(const Scene& scene, const RenderSettings& settings, const
       // By chance alone, `naive` finds every other light.
       light_sampler_(settings.integrator == Integrator::kNaive ? scene.delta_light_sampler()
                                                                : scene.light_sampler()),
-      first_light_samples_(light_sampler_.size() > 1 ? kMostLightSamples : 1),
       guide_(guide),
       samplers_(samplers),
       radiance_(radiance),
@@ -198,8 +196,7 @@ void PathTracer::shade(const Paths& paths, const Vertices& vertices, int depth) 
   if (settings_.max_depth > 0 && depth >= settings_.max_depth) return;
   const Guidance guidance = guidance_at(vertices);
   const unsigned lit = light_sampler_.empty() ? 0 : paths.used & ~vertices.is_delta().bits();
-  for (std::uint32_t i = 0; lit != 0 && i < light_samples(depth); ++i)
-    connect_to_lights(paths, vertices, guidance.share, lit, depth, {i, light_samples(depth)});
+  if (lit != 0) connect_to_lights(paths, vertices, guidance.share, lit, depth);
   scatter(paths, vertices, guidance, depth);
 }
 
@@ -245,8 +242,8 @@ float PathTracer::weight_of_found(std::uint32_t light, const PathHead& head, Pdf
 // Samples a light for each vertex, and what the vertex reflects of it towards the path's beginning.
 template <typename Vertices>
 void PathTracer::connect_to_lights(const Paths& paths, const Vertices& vertices, Float8 guide_share,
-                                   unsigned lit, int depth, SamplePart part) {
-  const auto u = paths.pads(samplers_, light_pad(depth), part);
+                                   unsigned lit, int depth) {
+  const auto u = paths.pads(samplers_, light_pad(depth));
   const FloatLanes coarse(u[2]), fine(u[3]);
   std::array<double, kLaneCount> u_light;
   for (std::size_t lane = 0; lane < kLaneCount; ++lane) u_light[lane] = two_digits(coarse[lane], fine[lane]);
@@ -262,16 +259,13 @@ void PathTracer::connect_to_lights(const Paths& paths, const Vertices& vertices,
   const LightSamples lights = sample_lights(chosen, scene_.textures(), lit_points, {u[0], u[1]});
   const BsdfValueOf<Float8> scattered = vertices.evaluate(lights.wi);
   const Mask8 found = lights.found & !is_black(scattered.value);
-  const float share =
-      1 / static_cast<float>(part.count);  // of all samples of lights, as in PathHead::last_pdf
   const Float8 light_pdf = pmf.all() * lights.pdf;
-  const Float8 weight = weight_of_sampled(light_pdf, lights.delta, scattered.pdf * (1 - guide_share) * share);
-  const RgbLanes gained(paths.throughput * (scattered.value * lights.radiance) *
-                        (weight * share / light_pdf));
+  const Float8 weight = weight_of_sampled(light_pdf, lights.delta, scattered.pdf * (1 - guide_share));
+  const RgbLanes gained(paths.throughput * (scattered.value * lights.radiance) * (weight / light_pdf));
   const RayLanes rays(vertices.rays_toward(lights));
   for (unsigned lanes = found.bits(); lanes != 0; lanes &= lanes - 1) {
     const auto lane = static_cast<std::size_t>(std::countr_zero(lanes));
-    assert(connection_count_ < kBatchConnections);
+    assert(connection_count_ < kBatchPaths);
     shadow_rays_[connection_count_] = rays[lane];
     connections_[connection_count_] = {paths.heads[lane]->path, gained[lane]};
     ++connection_count_;
@@ -304,8 +298,7 @@ void PathTracer::scatter(const Paths& paths, const Vertices& vertices, const Gui
   const RayLanes rays(vertices.ray_along(next.wi));
   const RgbLanes throughputs(throughput);
   const FloatLanes eta_scales(eta_scale), promises(promise), met_scales(next.met_scale);
-  const Float8 shared_pdf = next.bsdf_pdf * (1 / static_cast<float>(light_samples(depth)));
-  const FloatLanes pdf(select(next.delta, Float8(kDeltaPdf), shared_pdf));
+  const FloatLanes pdf(select(next.delta, Float8(kDeltaPdf), next.bsdf_pdf));
   const Vec3Lanes position(vertices.position()), normal(vertices.lit_normal());
   for (unsigned lanes = (next.found & survives).bits() & paths.used; lanes != 0; lanes &= lanes - 1) {
     const auto lane = static_cast<std::size_t>(std::countr_zero(lanes));

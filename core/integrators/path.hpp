@@ -57,11 +57,6 @@ class PathTracer {
     bool shines;
   };
 
-  // Most of what can be seen comes from a path's first vertex: there two lights are sampled, unless the scene
-  // has but one, and one at each of the vertices behind it, which are more and count less.
-  static constexpr std::uint32_t kMostLightSamples = 2;
-  std::uint32_t light_samples(int depth) const { return depth == 0 ? first_light_samples_ : 1; }
-
   struct Paths;  // up to eight of them
 
   std::size_t depth_of_most() const;
@@ -79,7 +74,7 @@ class PathTracer {
   Guidance guidance_at(const Vertices& vertices) const;
   template <typename Vertices>
   void connect_to_lights(const Paths& paths, const Vertices& vertices, Float8 guide_share, unsigned lit,
-                         int depth, SamplePart part);
+                         int depth);
   Float8 weight_of_sampled(Float8 light_pdf, Mask8 delta, Float8 bsdf_pdf) const;
   template <typename Vertices>
   void scatter(const Paths& paths, const Vertices& vertices, const Guidance& guidance, int depth);
@@ -92,7 +87,6 @@ class PathTracer {
   const Scene& scene_;
   const RenderSettings settings_;
   const LightSampler& light_sampler_;
-  const std::uint32_t first_light_samples_;
   const LightGuide* guide_;
   std::vector<MaterialKind> material_kinds_;
 
@@ -111,10 +105,9 @@ class PathTracer {
   std::array<std::size_t, kBins> bin_sizes_{};
   std::array<std::array<std::uint32_t, kBatchPaths>, kBins> bins_;
   std::size_t connection_count_ = 0;
-  static constexpr std::size_t kBatchConnections = kMostLightSamples * kBatchPaths;
-  std::array<Ray, kBatchConnections> shadow_rays_;
-  std::array<Connection, kBatchConnections> connections_;  // of shadow_rays_
-  std::array<std::uint8_t, kBatchConnections> occluded_;   // likewise
+  std::array<Ray, kBatchPaths> shadow_rays_;
+  std::array<Connection, kBatchPaths> connections_;  // of shadow_rays_
+  std::array<std::uint8_t, kBatchPaths> occluded_;   // likewise
 };
 
 }  // namespace tessera::core

@@ -27,9 +27,8 @@ struct PathHead {
   std::uint32_t path = 0;         // its number, as PathTracer::begin was told
   Rgb throughput = Rgb::gray(1);  // the product of the BSDF weights: what radiance found is multiplied by
   float eta_scale = 1;            // undoes the compression of radiance by refraction in `throughput`
-  float last_pdf = kDeltaPdf;     // of the ray's direction, per solid angle, shared out among the samples of
-                                  // lights beside it; kDeltaPdf also at the camera, whose ray finds lights
-                                  // that nothing else could
+  float last_pdf = kDeltaPdf;     // of the ray's direction, per solid angle; kDeltaPdf also at the camera,
+                                  // whose ray finds lights that nothing else could
   LitPoint last{};                // where the ray was scattered
   float met_scale = 1;            // of light that the ray itself meets, which is left to the BSDF's samples
   float promise = 1;              // how much more light than without a guide is expected, by the throughput

@@ -23,6 +23,16 @@ Angle excess(const Angle& a, const Angle& b) {
           select(none, 0.0f, a.sine * b.cosine - a.cosine * b.sine)};
 }
 
+// Of a sphere whose middle is seen at the cosine `of_middle`: about the mean of its places' cosines, those
+// below zero being zero. It is that of cosines which are spread evenly. A place at the edge that sends all
+// there is has more, but no more than makes noise: the square of its cosine, over this, is 4 at most.
+Float8 mean_cosine(Float8 of_middle, Float8 sine_of_sphere) {
+  constexpr float kLeastSine = 1e-30f;
+  const Float8 highest = max(of_middle + sine_of_sphere, 0.0f);
+  return select(of_middle >= sine_of_sphere, of_middle,
+                highest * highest / (4 * max(sine_of_sphere, kLeastSine)));
+}
+
 Float8 load(const std::array<float, LightTree::kWidth>& lanes) {
   return Float8::load(lanes.data());
 }
@@ -45,7 +55,7 @@ struct LightTree::Children {
       : center(load(node.center)),
         axis(load(node.axis)),
         radius2(load(node.radius2)),
-        nearest2(load(node.nearest2)),
+        disk2(load(node.disk2)),
         cone{load(node.cos_o), load(node.sin_o)},
         cos_e(load(node.cos_e)),
         back(load(node.back)),
@@ -55,7 +65,7 @@ struct LightTree::Children {
       : center{node.center[0][i], node.center[1][i], node.center[2][i]},
         axis{node.axis[0][i], node.axis[1][i], node.axis[2][i]},
         radius2(node.radius2[i]),
-        nearest2(node.nearest2[i]),
+        disk2(node.disk2[i]),
         cone{node.cos_o[i], node.sin_o[i]},
         cos_e(node.cos_e[i]),
         back(node.back[i]),
@@ -64,26 +74,18 @@ struct LightTree::Children {
   Float8 weights(const LitPoints& points) const;
 
   Vec3Of<Float8> center, axis;
-  Float8 radius2, nearest2;
+  Float8 radius2, disk2;
   Angle cone;
   Float8 cos_e, back, intensity;
 };
 
-// Of a sphere of light whose middle is seen at an angle to an axis, about the mean of the cosines to it,
-// those below zero being zero: exact where all of the sphere is above the horizon, and zero only where none
-// of it is.
-Float8 mean_cosine(Float8 of_middle, Float8 sine_of_sphere) {
-  constexpr float kLeastSine = 1e-30f;
-  const Float8 above = max(of_middle + sine_of_sphere, 0.0f);
-  return select(of_middle >= sine_of_sphere, of_middle,
-                above * above / (4.0f * max(sine_of_sphere, kLeastSine)));
-}
-
-// About how much light each child sends to the point, taken as a sphere that is filled with lights, of whose
-// normals those in the cone suit best (after Conty Estevez and Kulla 2018, section 3.2, who take the places
-// that suit best, too). From within the sphere, nothing is ruled out.
+// About how much light each child sends to the point: all places in its sphere send the same, and of the
+// normals in its cone that one is theirs which suits best (after Conty Estevez and Kulla 2018, section 3.2,
+// who take of the places the best as well). None only where none can send any.
 Float8 LightTree::Children::weights(const LitPoints& points) const {
-  constexpr float kLeastDistance2 = 1e-30f, kLeastInside = 0.1f;
+  constexpr float kLeastDistance2 = 1e-30f;
+  constexpr float kLeastInside = 0.1f;  // of the product of the cosines, for a point within the sphere
+  constexpr float kNearest2 = 0.1f;     // of radius2: to lights that are strewn around the point
   const Vec3Of<Float8> to_center = center - points.position, normal = points.normal;
   const Float8 distance2 = max(dot(to_center, to_center), kLeastDistance2);
   const Float8 per_distance = 1.0f / sqrt(distance2);
@@ -101,8 +103,10 @@ Float8 LightTree::Children::weights(const LitPoints& points) const {
   const Mask8 has_no_normal = (normal.x == 0) & (normal.y == 0) & (normal.z == 0);
   const Float8 received = select(has_no_normal, 1.0f, arriving);
 
-  const Float8 seen = sent * received, facing = select(inside, max(seen, kLeastInside), seen);
-  return intensity / (distance2 + nearest2) * facing;
+  const Float8 cosines = sent * received;
+  // A disk is seen from above its middle as if it were a point that is farther away by its radius.
+  return intensity / (max(distance2, kNearest2 * radius2) + disk2) *
+         select(inside, max(cosines, kLeastInside), cosines);
 }
 
 void LightTree::Weights::add_up() {

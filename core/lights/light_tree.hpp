@@ -61,7 +61,7 @@ class LightTree {
   // Its children by coordinate. A child is a node or a light.
   struct alignas(64) Node {
     Lanes center[3]{}, radius2{};  // of a sphere around the lights
-    Lanes nearest2{};              // what is added to the squared distance
+    Lanes disk2{};                 // the squared radius of a disk of the lights' area
     Lanes axis[3]{}, cos_o{}, sin_o{}, cos_e{};
     Lanes back{};       // what the cosine to the axis is multiplied by on the back: -1 or 1
     Lanes intensity{};  // as a share of power_; 0 where there is no child

@@ -38,12 +38,6 @@ double cost(const LightBounds& bounds) {
                             : 0;
 }
 
-// Squared: how near lights around the point are taken to be. Surfaces send no more than if they filled all of
-// the view, which is as much as a disk at this distance; of those that are strewn about, some are near.
-double nearest2(const LightBounds& bounds) {
-  return std::max(bounds.area() / std::numbers::pi, 0.1 * squared_diagonal(bounds.box()) / 4);
-}
-
 // Cuts the extent of the lights' middles along one axis into bins of equal length.
 class Binning {
  public:
@@ -225,7 +219,7 @@ class LightTreeBuilder {
       node.axis[axis][lane] = bounds.normals().axis[axis];
     }
     node.radius2[lane] = static_cast<float>(squared_diagonal(bounds.box()) / 4) * (1 + kPadding);
-    node.nearest2[lane] = static_cast<float>(nearest2(bounds));
+    node.disk2[lane] = static_cast<float>(bounds.area() / std::numbers::pi);
     const float cos_o = bounds.normals().is_all() ? -1 : std::max(0.0f, bounds.normals().cos_o - kPadding);
     node.cos_o[lane] = cos_o;
     node.sin_o[lane] = std::sqrt(1 - cos_o * cos_o);

@@ -25,13 +25,12 @@ std::array<float, 4> Sampler::pad(std::uint32_t pad) const {
   return {unit_float(bits[0]), unit_float(bits[1]), unit_float(bits[2]), unit_float(bits[3])};
 }
 
-std::array<Float8, 4> Sampler::pads(const std::array<const Sampler*, 8>& samplers, std::uint32_t pad,
-                                    SamplePart part) {
+std::array<Float8, 4> Sampler::pads(const std::array<const Sampler*, 8>& samplers, std::uint32_t pad) {
   std::array<std::uint64_t, 8> keys;
   std::array<std::uint32_t, 8> samples;
   for (std::size_t lane = 0; lane < 8; ++lane) {
     keys[lane] = samplers[lane]->pixel_key_;
-    samples[lane] = samplers[lane]->sample_ * part.count + part.index;
+    samples[lane] = samplers[lane]->sample_;
   }
   const auto bits = scrambled_point(hash(U64x8::of(keys), pad), U32x8::load(samples.data()));
   return {unit_float(bits[0]), unit_float(bits[1]), unit_float(bits[2]), unit_float(bits[3])};

@@ -14,12 +14,6 @@
 
 namespace tessera::core {
 
-// One of several times that a sample takes the same decision; together they have successive points of the
-// sequence, well spread if `count` is a power of two.
-struct SamplePart {
-  std::uint32_t index = 0, count = 1;
-};
-
 class Sampler {
  public:
   Sampler(std::uint64_t seed, int x, int y, std::uint32_t sample)
@@ -30,8 +24,7 @@ class Sampler {
   // The four numbers of pad `pad`, each in [0, 1).
   std::array<float, 4> pad(std::uint32_t pad) const;
   // Those of eight samplers, one in each lane.
-  static std::array<Float8, 4> pads(const std::array<const Sampler*, 8>& samplers, std::uint32_t pad,
-                                    SamplePart part = {});
+  static std::array<Float8, 4> pads(const std::array<const Sampler*, 8>& samplers, std::uint32_t pad);
 
   // Three numbers in [0, 1) for rounding a sample's channels to the film, independent of every pad.
   std::array<double, 3> film_dither() const;
