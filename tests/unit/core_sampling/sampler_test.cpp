@@ -118,22 +118,5 @@ TEST(Sampler, EightAtOnceAreWhatEachIsAlone) {
   }
 }
 
-TEST(Sampler, PartsOfASampleAreSuccessivePoints) {
-  const std::uint32_t pad = 2, count = 2;
-  for (std::uint32_t s = 0; s < 100; ++s) {
-    const Sampler whole(9, 3, 4, s);
-    for (std::uint32_t index = 0; index < count; ++index) {
-      const auto part = Sampler::pads({&whole, &whole, &whole, &whole, &whole, &whole, &whole, &whole}, pad,
-                                      {index, count});
-      const auto point = Sampler(9, 3, 4, s * count + index).pad(pad);
-      for (std::size_t d = 0; d < 4; ++d) {
-        alignas(32) float lanes[8];
-        part[d].store(lanes);
-        ASSERT_EQ(lanes[0], point[d]);
-      }
-    }
-  }
-}
-
 }  // namespace
 }  // namespace tessera::core
