@@ -1,8 +1,9 @@
 // What the rays of a group hit. A triangle that float arithmetic is sure about (triangle_filter.hpp) becomes
 // a ray's candidate, with bounds on its t; only where bounds overlap, and for the candidate that is left in
-// the end, is the hit computed in double, four at once.
+// the end, is the hit computed in double, four or eight at once.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstdint>
@@ -11,12 +12,12 @@
 
 #include "core/accel/bvh.hpp"
 #include "core/accel/bvh_layout.hpp"
+#include "core/accel/hit_columns.hpp"
 #include "core/accel/ray_group.hpp"
 #include "core/accel/ray_traversal.hpp"
 #include "core/accel/sheared_group.hpp"
 #include "core/geometry/primitives.hpp"
 #include "core/geometry/rounding.hpp"
-#include "core/math/lane_array.hpp"
 
 namespace tessera::core {
 
@@ -37,10 +38,10 @@ class GroupHits {
   GroupHits(const GroupScene& scene, const Columns& columns, RayGroup<AnyRay>& group)
       : scene_(scene), columns_(columns), group_(group), sheared_(columns), alive_(columns.all()) {
     for (std::size_t i = 0; i < kLanes * columns.vectors(); i += kLanes) {
-      const Float8 t_max = Float8::load(columns.t_max + i);
+      const FloatVector t_max = FloatVector::load(columns.t_max + i);
       t_max.store(t_low_ + i);
-      min(t_max, Float8(std::numeric_limits<float>::infinity())).store(t_high_ + i);
-      Float8(std::bit_cast<float>(kNothing)).store(candidates_ + i);
+      min(t_max, FloatVector(std::numeric_limits<float>::infinity())).store(t_high_ + i);
+      FloatVector(std::bit_cast<float>(kNothing)).store(candidates_ + i);
     }
   }
 
@@ -52,12 +53,12 @@ class GroupHits {
     return kQuery == Query::kAny ? columns_.t_max[i] : std::min(columns_.t_max[i], next_float_up(t_high_[i]));
   }
 
-  // The rays of `set` against a packet's spheres, eight rays at once.
+  // The rays of `set` against a packet's spheres, a vector of rays at once.
   void test_spheres(const BvhPacket& packet, RaySet set) {
     for (unsigned spheres = packet.sphere_lanes; spheres != 0; spheres &= spheres - 1) {
       const std::uint32_t primitive = packet.primitives[std::countr_zero(spheres)];
       for (std::size_t v = 0; v < columns_.vectors(); ++v)
-        if (lanes_of(set, v) != 0) test_sphere(primitive, v, Mask8::from_bits(lanes_of(set, v)));
+        if (lanes_of(set, v) != 0) test_sphere(primitive, v, MaskVector::from_bits(lanes_of(set, v)));
     }
   }
 
@@ -72,10 +73,11 @@ class GroupHits {
   void test_later(std::size_t i, std::uint32_t index) {
     if (queued_ > kQueueSize - BvhPacket::kWidth - kSize) settle();  // which adds one for each ray at most
     const BvhPacket& packet = scene_.packets[index];
-    unsigned lanes = packet.triangle_lanes &
-                     TriangleHits::may_hit(sheared_.rays_like(i), t_high_[i], [&](int corner, int axis) {
-                       return Double4::load(packet.corners[corner][sheared_.axis(i, axis)]);
-                     });
+    unsigned lanes =
+        packet.triangle_lanes &
+        TriangleHitsOf<Double4>::may_hit(sheared_.rays_like(i), t_high_[i], [&](int corner, int axis) {
+          return Double4::load(packet.corners[corner][sheared_.axis(i, axis)]);
+        });
     // Written in any case; the queue's end moves on only if there is one.
     const std::size_t before = queued_;
     enqueue(i, index, std::countr_zero(lanes));
@@ -83,25 +85,27 @@ class GroupHits {
     for (lanes &= lanes - 1; lanes != 0; lanes &= lanes - 1) enqueue(i, index, std::countr_zero(lanes));
   }
 
-  // The rays of `set` against all triangles of packet `index`, eight rays at once. Only where
+  // The rays of `set` against all triangles of packet `index`, a vector of rays at once. Only where
   // RayGroup::can_filter.
   void test_together(std::uint32_t index, RaySet set) {
     for (std::size_t v = 0; v < columns_.vectors(); ++v)
-      if (lanes_of(set, v) != 0) test_vector(index, v, Mask8::from_bits(lanes_of(set, v)));
+      if (lanes_of(set, v) != 0) test_vector(index, v, MaskVector::from_bits(lanes_of(set, v)));
     settle();
   }
 
   // Computes what is queued. A ray whose candidate came after it was queued is queued again.
   void settle() {
+    using D = Double4;  // there are few
     for (std::size_t begin = 0, count; begin < queued_; begin += count) {
-      count = std::min<std::size_t>(4, queued_ - begin);
-      std::array<Pair, 4> pairs;
-      std::array<std::size_t, 4> rays;
-      for (std::size_t k = 0; k < 4; ++k) {
+      count = std::min(D::kLanes, queued_ - begin);
+      Pairs<D> pairs;
+      std::array<std::size_t, D::kLanes> rays;
+      for (std::size_t k = 0; k < D::kLanes; ++k) {
         pairs[k] = queue_[begin + std::min(k, count - 1)];
         rays[k] = pairs[k].ray;
       }
-      const TriangleHits hits(sheared_.rays(rays), Corners(*this, pairs));
+      const TriangleHitsOf<D> hits(sheared_.rays<D>(rays),
+                                   sheared_.corners<D>(lanes_of_packets<D>(pairs), rays));
       if (hits.lanes() != 0) {
         for_each_hit(hits, pairs, (RaySet{1} << count) - 1,
                      [&](std::size_t i, const Hit& hit) { improve_hit(i, hit); });
@@ -133,20 +137,31 @@ class GroupHits {
   void occlude(RaySet set) { alive_ &= ~set; }
 
   // What the rays hit, after all has been tested.
-  std::span<const Hit> finish() {
-    for (std::size_t first = 0; first < columns_.count; first += 4) {
-      std::array<Pair, 4> pairs;
+  const HitColumns& finish() {
+    if (kQuery == Query::kAny) return hits_;  // there are no candidates
+    using D = DoubleRegister;
+    for (std::size_t first = 0; first < columns_.count; first += D::kLanes) {
+      Pairs<D> pairs;
       RaySet open = 0;
-      for (std::size_t k = 0; k < 4; ++k) {
+      for (std::size_t k = 0; k < D::kLanes; ++k) {
         open |= RaySet{has_candidate(first + k)} << k;
         pairs[k] = {static_cast<std::uint32_t>(first + k),
                     has_candidate(first + k) ? candidate(first + k) : 0};
       }
       if (open == 0) continue;
-      const TriangleHits hits(sheared_.rays(first), Corners(*this, pairs), TriangleHits::Certain());
-      for_each_hit(hits, pairs, open, [&](std::size_t i, const Hit& hit) { hits_[i] = hit; });
+      const TriangleHitsOf<D> hits(sheared_.rays<D>(first),
+                                   sheared_.corners<D>(lanes_of_packets<D>(pairs), first),
+                                   typename TriangleHitsOf<D>::Certain());
+      if (open == (RaySet{1} << D::kLanes) - 1) {
+        const HitColumns::Places kept = hits_.from(first);
+        hits.store(kept.t, kept.b1, kept.b2);
+        for (std::size_t k = 0; k < D::kLanes; ++k) kept.primitive[k] = primitive_of(pairs[k]);
+        std::fill_n(kept.instance, D::kLanes, kNoInstance);
+      } else {
+        for_each_hit(hits, pairs, open, [&](std::size_t i, const Hit& hit) { hits_.set(i, hit); });
+      }
     }
-    return std::span(hits_).first(columns_.count);
+    return hits_;
   }
 
  private:
@@ -159,12 +174,15 @@ class GroupHits {
     std::uint32_t ray;
     std::uint32_t triangle;  // its packet's index times BvhPacket::kWidth, and its lane
   };
+  // A lane of D each.
+  template <typename D>
+  using Pairs = std::array<Pair, D::kLanes>;
 
   bool has_candidate(std::size_t i) const { return candidate(i) != kNothing; }
   std::uint32_t candidate(std::size_t i) const { return std::bit_cast<std::uint32_t>(candidates_[i]); }
 
-  void test_sphere(std::uint32_t primitive, std::size_t v, Mask8 asked) {
-    using Wide = Vec3dOf<Double8>;
+  void test_sphere(std::uint32_t primitive, std::size_t v, MaskVector asked) {
+    using Wide = Vec3dOf<DoubleVector>;
     const auto column = [v](const auto& values, int axis) {
       return in_double(Columns::Lanes::load(values[axis] + kLanes * v));
     };
@@ -173,25 +191,27 @@ class GroupHits {
     };
     const Sphere& sphere = scene_.primitives.sphere(primitive);
     const Vec3 center = sphere.center;
-    const auto [found, exact_t] = intersect_sphere<Float8>(wide(columns_.origin), wide(columns_.direction),
-                                                           {{center.x, center.y, center.z}, sphere.radius});
-    const Float8 t = to_float(exact_t);
-    const Mask8 hit = asked & found & (t > 0);
+    const auto [found, exact_t] = intersect_sphere<FloatVector>(
+        wide(columns_.origin), wide(columns_.direction), {{center.x, center.y, center.z}, sphere.radius});
+    const FloatVector t = to_float(exact_t);
+    const MaskVector hit = asked & found & (t > 0);
     if (kQuery == Query::kAny) {
-      alive_ &= ~to_set((hit & (t < Float8::load(columns_.t_max + kLanes * v))).bits(), v);
+      alive_ &= ~to_set((hit & (t < FloatVector::load(columns_.t_max + kLanes * v))).bits(), v);
       return;
     }
-    const FloatLanes distances(t);
-    for_each_ray(to_set((hit & (t <= Float8::load(t_high_ + kLanes * v))).bits(), v), [&](std::size_t i) {
-      settle_candidate(i);
-      improve_hit(i, {distances[i % kLanes], primitive, 0, 0});
-      update(i);
-    });
+    alignas(kVectorAlignment) float distances[kLanes];
+    t.store(distances);
+    for_each_ray(to_set((hit & (t <= FloatVector::load(t_high_ + kLanes * v))).bits(), v),
+                 [&](std::size_t i) {
+                   settle_candidate(i);
+                   improve_hit(i, {distances[i % kLanes], primitive, 0, 0});
+                   update(i);
+                 });
   }
 
   // Without branches but for triangles that none of the rays hits and for what is not sure: how many of the
   // rays hit a triangle cannot be guessed.
-  void test_vector(std::uint32_t index, std::size_t v, Mask8 asked) {
+  void test_vector(std::uint32_t index, std::size_t v, MaskVector asked) {
     const BvhPacket& packet = scene_.packets[index];
     const FilterRays rays = group_.filter_rays(v);
     const int* axes = group_.filter_axes();
@@ -202,27 +222,28 @@ class GroupHits {
       const int lane = std::countr_zero(triangles);
       const std::uint32_t triangle = index * BvhPacket::kWidth + static_cast<std::uint32_t>(lane);
       const TriangleFilter filter(
-          rays, [&](int corner, int axis) { return Float8(packet.corners[corner][axes[axis]][lane]); });
-      const Mask8 may_hit = asked & !filter.surely_outside();
+          rays, [&](int corner, int axis) { return FloatVector(packet.corners[corner][axes[axis]][lane]); });
+      const MaskVector may_hit = asked & !filter.surely_outside();
       if (!any(may_hit)) continue;
-      const Mask8 inside = filter.surely_inside();
+      const MaskVector inside = filter.surely_inside();
       const auto [low, high] = filter.t(rays);
-      const Float8 best_low = Float8::load(t_low), best_high = Float8::load(t_high);
-      const Mask8 worse = inside & ((high < Float8(0)) | (best_high < low));
-      const Mask8 better = asked & inside & (Float8(0) < low) & (high < best_low);
+      const FloatVector best_low = FloatVector::load(t_low), best_high = FloatVector::load(t_high);
+      const MaskVector worse = inside & ((high < FloatVector(0)) | (best_high < low));
+      const MaskVector better = asked & inside & (FloatVector(0) < low) & (high < best_low);
       if (kQuery == Query::kAny) {
         alive_ &= ~to_set(better.bits(), v);
       } else {
         select(better, low, best_low).store(t_low);
         select(better, high, best_high).store(t_high);
-        select(better, Float8(std::bit_cast<float>(triangle)), Float8::load(candidates)).store(candidates);
+        select(better, FloatVector(std::bit_cast<float>(triangle)), FloatVector::load(candidates))
+            .store(candidates);
       }
       for_each_ray(to_set((may_hit & !worse & !better).bits(), v), [&](std::size_t i) {
         enqueue_candidate(i);
         queue_[queued_++] = {static_cast<std::uint32_t>(i), triangle};
       });
     }
-    if (kQuery == Query::kClosest) group_.set_limits(v, Float8::load(t_high));
+    if (kQuery == Query::kClosest) group_.set_limits(v, FloatVector::load(t_high));
   }
 
   void enqueue(std::size_t i, std::uint32_t packet, int lane) {
@@ -241,54 +262,46 @@ class GroupHits {
     settle();
   }
 
-  // The corners of four pairs' triangles, along the axes of their rays.
-  class Corners {
-   public:
-    Corners(const GroupHits& hits, const std::array<Pair, 4>& pairs) {
-      for (std::size_t k = 0; k < 4; ++k)
-        for (std::size_t axis = 0; axis < 3; ++axis)
-          coordinates_[k][axis] =
-              hits.packet_of(pairs[k]).corners[0][hits.sheared_.axis(pairs[k].ray, static_cast<int>(axis))] +
-              pairs[k].triangle % BvhPacket::kWidth;
-    }
-    Double4 operator()(int corner, int axis) const {
-      const auto at = [&](std::size_t k) {
-        return coordinates_[k][static_cast<std::size_t>(axis)][3 * BvhPacket::kWidth * corner];
-      };
-      return Double4::of(at(0), at(1), at(2), at(3));
-    }
-
-   private:
-    std::array<std::array<const float*, 3>, 4> coordinates_;  // of the first corner
-  };
-
   const BvhPacket& packet_of(const Pair& pair) const {
     return scene_.packets[pair.triangle / BvhPacket::kWidth];
   }
+  template <typename D>
+  typename ShearedGroup::Corners<D>::Lanes lanes_of_packets(const Pairs<D>& pairs) const {
+    typename ShearedGroup::Corners<D>::Lanes lanes;
+    for (std::size_t k = 0; k < D::kLanes; ++k)
+      lanes[k] = packet_of(pairs[k]).corners[0][0] + pairs[k].triangle % BvhPacket::kWidth;
+    return lanes;
+  }
+
+  std::uint32_t primitive_of(const Pair& pair) const {
+    return packet_of(pair).primitives[pair.triangle % BvhPacket::kWidth];
+  }
 
   // Lets improve(ray, hit) have the hits of those pairs that are in `open`.
-  template <typename Improve>
-  void for_each_hit(const TriangleHits& hits, const std::array<Pair, 4>& pairs, RaySet open,
+  template <typename D, typename Improve>
+  void for_each_hit(const TriangleHitsOf<D>& hits, const Pairs<D>& pairs, RaySet open,
                     const Improve& improve) const {
-    alignas(16) float t[4], b1[4], b2[4];
+    alignas(kVectorAlignment) float t[D::kLanes], b1[D::kLanes], b2[D::kLanes];
     hits.store(t, b1, b2);
     for_each_ray(open & hits.lanes(), [&](std::size_t k) {
-      const std::uint32_t primitive = packet_of(pairs[k]).primitives[pairs[k].triangle % BvhPacket::kWidth];
-      improve(pairs[k].ray, Hit{t[k], primitive, b1[k], b2[k]});
+      improve(pairs[k].ray, Hit{t[k], primitive_of(pairs[k]), b1[k], b2[k]});
     });
   }
 
-  void improve_hit(std::size_t i, const Hit& hit) { hits_[i].improve(columns_.ray(i), hit); }
+  void improve_hit(std::size_t i, const Hit& hit) {
+    Hit best = hits_[i];
+    if (best.improve(columns_.ray(i), hit)) hits_.set(i, best);
+  }
 
   // After hits_[i] may have changed.
   void update(std::size_t i) {
     if (kQuery == Query::kAny) {
-      if (hits_[i].found()) alive_ &= ~(RaySet{1} << i);
+      if (hits_.found(i)) alive_ &= ~(RaySet{1} << i);
       return;
     }
     // A t_max that is NaN stays so in t_low_, and nothing is sure of such a ray.
-    t_low_[i] = std::min(columns_.t_max[i], hits_[i].t);
-    t_high_[i] = std::min(hits_[i].t, columns_.t_max[i]);
+    t_low_[i] = std::min(columns_.t_max[i], hits_.t(i));
+    t_high_[i] = std::min(hits_.t(i), columns_.t_max[i]);
     group_.set_limit(i, box_limit(t_high_[i]));
   }
 
@@ -298,10 +311,11 @@ class GroupHits {
   ShearedGroup sheared_;
   RaySet alive_;
   // Bounds on t of the best hit that is known, candidate or not; t_max where there is none.
-  alignas(32) float t_low_[kSize];
-  alignas(32) float t_high_[kSize];
-  alignas(32) float candidates_[kSize];  // triangles, as the bits of floats; each nearer than hits_
-  std::array<Hit, kSize> hits_;
+  alignas(kVectorAlignment) float t_low_[kSize];
+  alignas(kVectorAlignment) float t_high_[kSize];
+  // Triangles, as the bits of floats; each nearer than what is in hits_.
+  alignas(kVectorAlignment) float candidates_[kSize];
+  HitColumns hits_;
   std::array<Pair, kQueueSize> queue_;
   std::size_t queued_ = 0;
 };

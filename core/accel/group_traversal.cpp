@@ -6,6 +6,7 @@
 #include "core/accel/parted_rays.hpp"
 #include "core/accel/ray_traversal.hpp"
 #include "core/accel/rays_in_object.hpp"
+#include "core/base/prefetch.hpp"
 
 namespace tessera::core {
 namespace {
@@ -56,7 +57,8 @@ class GroupTraversal {
         hits_(scene, columns, group_),
         parted_(group_, scene.nodes, scene.packets) {}
 
-  std::span<const Hit> run() {
+  // What the rays hit; for kAny it only matters whether, which missing() tells.
+  const HitColumns& run() {
     stack_.push(0, {0, BvhChild::node(0), hits_.alive()});
     while (!stack_.empty()) {
       const GroupEntry entry = stack_.pop();
@@ -71,7 +73,7 @@ class GroupTraversal {
       }
     }
     go_on_alone();
-    return kQuery == Query::kClosest ? hits_.finish() : std::span<const Hit>();
+    return hits_.finish();
   }
 
   // For kAny, after run: the rays that hit nothing.
@@ -79,7 +81,7 @@ class GroupTraversal {
 
  private:
   void enter(const BvhNode& node, RaySet set) {
-    alignas(32) float t_near[BvhNode::kWidth];
+    alignas(kVectorAlignment) float t_near[BvhNode::kWidth];
     unsigned met = group_.boxes_met(node, t_near);
     const int cost_by_box = std::popcount(met) * vectors_of(set) * kBoxVsVector;
     std::array<RaySet, BvhNode::kWidth> meeting;
@@ -97,8 +99,17 @@ class GroupTraversal {
           keep(i, {group_.entry_into(node, lane, i), child});
         });
       } else if (meeting[lane] != 0) {
+        prefetch_child(child);
         stack_.push(base, {t_near[lane], child, meeting[lane]});
       }
+    }
+  }
+
+  void prefetch_child(BvhChild child) const {
+    if (child.is_packet()) {
+      prefetch(scene_.packets[child.index()]);
+    } else {
+      prefetch(scene_.nodes[child.index()]);
     }
   }
 
@@ -153,10 +164,10 @@ class GroupTraversal {
     const RayColumns<ObjectRay> columns(
         count, [&](std::size_t k) { return rays.ray(ray_at[k], hits_.reach(ray_at[k])); });
     GroupTraversal<kQuery, ObjectRay> traversal(object, columns);
-    const std::span<const Hit> found = traversal.run();
+    const HitColumns& found = traversal.run();
     if (kQuery == Query::kAny) return hits_.occlude(spread(columns.all() & ~traversal.missing(), ray_at));
     RaySet hit = 0;
-    for (std::size_t k = 0; k < count; ++k) hit |= RaySet{found[k].found()} << ray_at[k];
+    for (std::size_t k = 0; k < count; ++k) hit |= RaySet{found.found(k)} << ray_at[k];
     improve_all(hit, number, [&](std::size_t i) { return found[place[i]]; });
   }
 
@@ -226,21 +237,20 @@ class GroupTraversal {
   RaySet through_ = 0;  // rays that have been through the whole tree by themselves
 };
 
-RayColumns<Ray> columns_of(std::span<const Ray> rays, std::span<const std::uint32_t> order) {
+RayColumns<Ray> columns_of(std::span<const Ray> rays, std::span<const std::uint16_t> order) {
   return {order.size(), [&](std::size_t i) -> const Ray& { return rays[order[i]]; }};
 }
 
 }  // namespace
 
-void trace_closest(const GroupScene& scene, std::span<const Ray> rays, std::span<const std::uint32_t> order,
+void trace_closest(const GroupScene& scene, std::span<const Ray> rays, std::span<const std::uint16_t> order,
                    std::span<Hit> hits) {
   const RayColumns<Ray> columns = columns_of(rays, order);
   GroupTraversal<Query::kClosest, Ray> traversal(scene, columns);
-  const std::span<const Hit> found = traversal.run();
-  for (std::size_t i = 0; i < order.size(); ++i) hits[order[i]] = found[i];
+  traversal.run().store(order, hits);
 }
 
-void trace_any(const GroupScene& scene, std::span<const Ray> rays, std::span<const std::uint32_t> order,
+void trace_any(const GroupScene& scene, std::span<const Ray> rays, std::span<const std::uint16_t> order,
                std::span<std::uint8_t> occluded) {
   const RayColumns<Ray> columns = columns_of(rays, order);
   GroupTraversal<Query::kAny, Ray> traversal(scene, columns);

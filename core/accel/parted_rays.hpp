@@ -12,6 +12,7 @@
 
 #include "core/accel/ray_group.hpp"
 #include "core/accel/ray_traversal.hpp"
+#include "core/base/prefetch.hpp"
 
 namespace tessera::core {
 
@@ -124,16 +125,10 @@ class PartedRays {
     reached_[reached_count_++] = {static_cast<std::uint32_t>(i), packet};
   }
 
-  template <typename T>
-  static void prefetch(const T& what) {
-    for (std::size_t line = 0; line < sizeof(T); line += 64)
-      __builtin_prefetch(reinterpret_cast<const char*>(&what) + line);
-  }
-
   // False if there is no room for the node's children.
   bool enter(const BvhNode& node, std::size_t i) {
     if (!stacks_.has_room(i)) return forget(i);
-    alignas(32) float t_near[BvhNode::kWidth];
+    alignas(kVectorAlignment) float t_near[BvhNode::kWidth];
     const unsigned met = group_.boxes_met_by(i, node, t_near);
     if (kQuery == Query::kAny) {
       enter_any(node, i, met);

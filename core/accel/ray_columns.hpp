@@ -1,32 +1,34 @@
-// Up to 64 rays by coordinate, so that eight are computed with at once. Where eight are not full, the last
-// ray is repeated.
+// Up to 64 rays by coordinate, so that a vector of them is computed with at once. Where a vector is not full,
+// the last ray is repeated.
 #pragma once
 
 #include <algorithm>
 #include <bit>
+#include <cstddef>
 #include <cstdint>
+#include <type_traits>
 
 #include "core/geometry/object_ray.hpp"
 #include "core/geometry/ray.hpp"
-#include "core/math/simd_double8.hpp"
+#include "core/math/simd_widest.hpp"
 
 namespace tessera::core {
 
 // A set of a group's rays: bit i for ray i.
 using RaySet = std::uint64_t;
 
-// A coordinate of a ray, and eight of them.
+// A coordinate of a ray, and a vector of them.
 template <typename AnyRay>
 struct RayNumbers;
 template <>
 struct RayNumbers<Ray> {
   using Real = float;
-  using Lanes = Float8;
+  using Lanes = FloatVector;
 };
 template <>
 struct RayNumbers<ObjectRay> {
   using Real = double;
-  using Lanes = Double8;
+  using Lanes = DoubleVector;
 };
 
 inline constexpr std::size_t kGroupSize = 64;
@@ -34,23 +36,20 @@ inline constexpr std::size_t kGroupSize = 64;
 // Of Rays, or of ObjectRays.
 template <typename AnyRay>
 struct RayColumns {
-  static constexpr std::size_t kSize = kGroupSize, kLanes = 8, kVectors = kSize / kLanes;
+  static constexpr std::size_t kSize = kGroupSize, kLanes = kVectorLanes, kVectors = kSize / kLanes;
   using Real = typename RayNumbers<AnyRay>::Real;
   using Lanes = typename RayNumbers<AnyRay>::Lanes;
 
-  // ray_at(i) becomes ray i. There is at least one.
+  // ray_at(i), of Rays a reference, becomes ray i. There is at least one.
   template <typename RayAt>
   RayColumns(std::size_t ray_count, const RayAt& ray_at) : count(ray_count) {
-    for (std::size_t i = 0; i < kLanes * vectors(); ++i) {
-      const AnyRay& ray = ray_at(std::min(i, count - 1));
-      origin[0][i] = ray.origin.x, origin[1][i] = ray.origin.y, origin[2][i] = ray.origin.z;
-      direction[0][i] = ray.direction.x, direction[1][i] = ray.direction.y, direction[2][i] = ray.direction.z;
-      t_max[i] = ray.t_max;
-    }
+    const std::size_t padded = (count + kMostVectorLanes - 1) / kMostVectorLanes * kMostVectorLanes;
+    for (std::size_t i = 0; i < padded; i += 8)
+      set_eight(i, [&](std::size_t k) -> decltype(auto) { return ray_at(std::min(i + k, count - 1)); });
   }
 
   RaySet all() const { return count == kSize ? ~RaySet{0} : (RaySet{1} << count) - 1; }
-  // Eights that there are rays in.
+  // Those that there are rays in.
   std::size_t vectors() const { return (count + kLanes - 1) / kLanes; }
   AnyRay ray(std::size_t i) const {
     return {{origin[0][i], origin[1][i], origin[2][i]},
@@ -59,21 +58,49 @@ struct RayColumns {
   }
 
   std::size_t count;
-  alignas(32) Real origin[3][kSize];
-  alignas(32) Real direction[3][kSize];
-  alignas(32) float t_max[kSize];
+  alignas(kVectorAlignment) Real origin[3][kSize];
+  alignas(kVectorAlignment) Real direction[3][kSize];
+  alignas(kVectorAlignment) float t_max[kSize];
+
+ private:
+  template <typename RayAt>
+  void set_eight(std::size_t first, const RayAt& ray_at) {
+    if constexpr (std::is_same_v<AnyRay, Ray>) {
+      static_assert(std::is_lvalue_reference_v<decltype(ray_at(0))>);
+      // Rows of four numbers that overlap in one.
+      static_assert(offsetof(Ray, direction) == 3 * sizeof(float) && sizeof(Ray) == 7 * sizeof(float));
+      const auto rows = [&](std::size_t offset) {
+        return transposed([&](std::size_t k) { return reinterpret_cast<const float*>(&ray_at(k)) + offset; });
+      };
+      const auto [x, y, z, unused] = rows(0);
+      const auto [dx, dy, dz, t] = rows(3);
+      x.store(origin[0] + first), y.store(origin[1] + first), z.store(origin[2] + first);
+      dx.store(direction[0] + first), dy.store(direction[1] + first), dz.store(direction[2] + first);
+      t.store(t_max + first);
+    } else {
+      for (std::size_t k = 0; k < 8; ++k) {
+        const AnyRay& ray = ray_at(k);
+        const std::size_t i = first + k;
+        origin[0][i] = ray.origin.x, origin[1][i] = ray.origin.y, origin[2][i] = ray.origin.z;
+        direction[0][i] = ray.direction.x, direction[1][i] = ray.direction.y,
+        direction[2][i] = ray.direction.z;
+        t_max[i] = ray.t_max;
+      }
+    }
+  }
 };
 
-// Those of a set that are in a vector of eight.
+// Those of a set that are in a vector.
 inline unsigned lanes_of(RaySet set, std::size_t vector) {
-  return static_cast<unsigned>(set >> (8 * vector)) & 0xffu;
+  constexpr unsigned kAll = (1u << kVectorLanes) - 1;
+  return static_cast<unsigned>(set >> (kVectorLanes * vector)) & kAll;
 }
 inline RaySet to_set(unsigned lanes, std::size_t vector) {
-  return RaySet{lanes} << (8 * vector);
+  return RaySet{lanes} << (kVectorLanes * vector);
 }
 inline int vectors_of(RaySet set) {
   int vectors = 0;
-  for (std::size_t v = 0; v < kGroupSize / 8; ++v) vectors += lanes_of(set, v) != 0;
+  for (std::size_t v = 0; v < kGroupSize / kVectorLanes; ++v) vectors += lanes_of(set, v) != 0;
   return vectors;
 }
 // Calls what(i) for each ray.
@@ -84,21 +111,21 @@ void for_each_ray(RaySet set, const What& what) {
 
 // The octant that a direction points into: bit i is the sign of coordinate i.
 inline unsigned octant(const Ray& ray) {
-  const auto sign = [](float x) { return std::bit_cast<std::uint32_t>(x) >> 31; };
-  return sign(ray.direction.x) | sign(ray.direction.y) << 1 | sign(ray.direction.z) << 2;
+  static_assert(offsetof(Ray, direction) + 4 * sizeof(float) == sizeof(Ray));  // t_max is the fourth
+  return signs_of_four(&ray.direction.x) & 7u;
 }
 
 // Lanes in the other precision, where that is not theirs already.
-inline Float8 in_float(Float8 a) {
+inline FloatVector in_float(FloatVector a) {
   return a;
 }
-inline Float8 in_float(Double8 a) {
+inline FloatVector in_float(DoubleVector a) {
   return to_float(a);
 }
-inline Double8 in_double(Float8 a) {
+inline DoubleVector in_double(FloatVector a) {
   return widened(a);
 }
-inline Double8 in_double(Double8 a) {
+inline DoubleVector in_double(DoubleVector a) {
   return a;
 }
 

@@ -13,26 +13,19 @@ namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-float least(Float8 a) {
-  alignas(32) float lanes[8];
-  a.store(lanes);
-  for (std::size_t half = 4; half > 0; half /= 2)
-    for (std::size_t i = 0; i < half; ++i) lanes[i] = std::min(lanes[i], lanes[i + half]);
-  return lanes[0];
-}
-float greatest(Float8 a) {
+float greatest(FloatVector a) {
   return -least(-a);
 }
 
 struct Bounds {
   float least, greatest;
 };
-// Of `count` values, a multiple of eight. A NaN stays outside the bounds: a ray that has one hits nothing.
+// Of `count` values, whole vectors. A NaN stays outside the bounds: a ray that has one hits nothing.
 Bounds bounds_of(const float* values, std::size_t count) {
-  Float8 low(kInfinity), high(-kInfinity);
-  for (std::size_t i = 0; i < count; i += 8) {
-    low = min(Float8::load(values + i), low);
-    high = max(Float8::load(values + i), high);
+  FloatVector low(kInfinity), high(-kInfinity);
+  for (std::size_t i = 0; i < count; i += kVectorLanes) {
+    low = min(FloatVector::load(values + i), low);
+    high = max(FloatVector::load(values + i), high);
   }
   return {least(low), greatest(high)};
 }
@@ -44,7 +37,7 @@ RayGroup<AnyRay>::RayGroup(const Columns& rays) : has_bounds_(true), count_(kLan
   for (int axis = 0; axis < 3; ++axis) set_axis(rays, axis, std::signbit(rays.direction[axis][0]));
   std::fill_n(limit_, kSize, 0.0f);
   for (std::size_t v = 0; v < rays.vectors(); ++v)
-    set_limits(v, min(Float8::load(rays.t_max + kLanes * v), Float8(kInfinity)));
+    set_limits(v, min(FloatVector::load(rays.t_max + kLanes * v), FloatVector(kInfinity)));
   prepare_filter(rays);
 }
 
@@ -54,20 +47,20 @@ void RayGroup<AnyRay>::set_axis(const Columns& rays, int axis, bool negative) {
   far_side_[axis] = 3 * (negative ? BvhNode::kLower : BvhNode::kUpper) + axis;
   for (std::size_t i = 0; i < count_; i += kLanes) {
     store_origins(Lanes::load(rays.origin[axis] + i), axis, i, negative);
-    const Float8 inverse = in_float(Lanes(1.0f) / Lanes::load(rays.direction[axis] + i));
+    const FloatVector inverse = in_float(Lanes(1.0f) / Lanes::load(rays.direction[axis] + i));
     inverse.store(inverse_[axis] + i);
-    (inverse * Float8(kBoxSlack)).store(far_inverse_[axis] + i);
+    (inverse * FloatVector(kBoxSlack)).store(far_inverse_[axis] + i);
   }
   set_bounds(axis, negative);
 }
 
 template <>
-void RayGroup<Ray>::store_origins(Float8 origin, int axis, std::size_t first, bool) {
+void RayGroup<Ray>::store_origins(FloatVector origin, int axis, std::size_t first, bool) {
   origin.store(origin_[kNear][axis] + first);
 }
 template <>
-void RayGroup<ObjectRay>::store_origins(Double8 origin, int axis, std::size_t first, bool negative) {
-  const Float8 below = rounded_down(origin), above = -rounded_down(-origin);
+void RayGroup<ObjectRay>::store_origins(DoubleVector origin, int axis, std::size_t first, bool negative) {
+  const FloatVector below = rounded_down(origin), above = -rounded_down(-origin);
   (negative ? below : above).store(origin_[kNear][axis] + first);
   (negative ? above : below).store(origin_[kFar][axis] + first);
 }
@@ -91,7 +84,7 @@ void RayGroup<AnyRay>::set_bounds(int axis, bool negative) {
 // z is the axis along which most of the rays are long.
 template <typename AnyRay>
 void RayGroup<AnyRay>::choose_filter_axes(const Columns& rays) {
-  Float8 sum[3] = {0.0f, 0.0f, 0.0f};
+  FloatVector sum[3] = {0.0f, 0.0f, 0.0f};
   for (int axis = 0; axis < 3; ++axis)
     for (std::size_t i = 0; i < count_; i += kLanes)
       sum[axis] = sum[axis] + fabs(in_float(Lanes::load(rays.direction[axis] + i)));
@@ -101,32 +94,33 @@ void RayGroup<AnyRay>::choose_filter_axes(const Columns& rays) {
 
 // Shears of either are wrong by two roundings at most: doubles are rounded once, in the end.
 template <>
-Float8 RayGroup<Ray>::filter_inverse(const Columns&, std::size_t first) const {
-  return Float8::load(inverse_[filter_axes_[2]] + first);
+FloatVector RayGroup<Ray>::filter_inverse(const Columns&, std::size_t first) const {
+  return FloatVector::load(inverse_[filter_axes_[2]] + first);
 }
 template <>
-Double8 RayGroup<ObjectRay>::filter_inverse(const Columns& rays, std::size_t first) const {
-  return Double8(1) / Double8::load(rays.direction[filter_axes_[2]] + first);
+DoubleVector RayGroup<ObjectRay>::filter_inverse(const Columns& rays, std::size_t first) const {
+  return DoubleVector(1) / DoubleVector::load(rays.direction[filter_axes_[2]] + first);
 }
 
 template <typename AnyRay>
 void RayGroup<AnyRay>::prepare_filter(const Columns& rays) {
   choose_filter_axes(rays);
   const auto [x, y, z] = filter_axes_;
-  Mask8 all_in_range(true);
-  Float8 origin_terms(0);
+  MaskVector all_in_range(true);
+  FloatVector origin_terms(0);
   for (std::size_t i = 0; i < count_; i += kLanes) {
     const Lanes exact_inverse = filter_inverse(rays, i);
-    const Float8 inverse = in_float(exact_inverse);
-    const Float8 shear_x = in_float(Lanes::load(rays.direction[x] + i) * exact_inverse);
-    const Float8 shear_y = in_float(Lanes::load(rays.direction[y] + i) * exact_inverse);
-    const Mask8 in_range = (fabs(inverse) > Float8(0x1p-100f)) & (fabs(inverse) < Float8(0x1p100f)) &
-                           (fabs(shear_x) <= Float8(2)) & (fabs(shear_y) <= Float8(2));
+    const FloatVector inverse = in_float(exact_inverse);
+    const FloatVector shear_x = in_float(Lanes::load(rays.direction[x] + i) * exact_inverse);
+    const FloatVector shear_y = in_float(Lanes::load(rays.direction[y] + i) * exact_inverse);
+    const MaskVector in_range = (fabs(inverse) > FloatVector(0x1p-100f)) &
+                                (fabs(inverse) < FloatVector(0x1p100f)) & (fabs(shear_x) <= FloatVector(2)) &
+                                (fabs(shear_y) <= FloatVector(2));
     shear_x.store(shear_[0] + i);
     shear_y.store(shear_[1] + i);
     all_in_range = all_in_range & in_range;
-    const auto magnitude = [&](int axis) { return fabs(Float8::load(origin_[kNear][axis] + i)); };
-    origin_terms = max(max(magnitude(x), magnitude(y)) + Float8(2) * magnitude(z), origin_terms);
+    const auto magnitude = [&](int axis) { return fabs(FloatVector::load(origin_[kNear][axis] + i)); };
+    origin_terms = max(max(magnitude(x), magnitude(y)) + FloatVector(2) * magnitude(z), origin_terms);
   }
   can_filter_ = all(all_in_range);
   if (kOrigins == 2) origin_terms_ = greatest(origin_terms);
@@ -136,7 +130,7 @@ template <typename AnyRay>
 RaySet RayGroup<AnyRay>::reaching(RaySet set, float t) const {
   RaySet reaching = 0;
   for (std::size_t v = 0; v < kVectors; ++v) {
-    reaching |= RaySet{(Float8::load(limit_ + kLanes * v) >= Float8(t)).bits()} << (kLanes * v);
+    reaching |= RaySet{(FloatVector::load(limit_ + kLanes * v) >= FloatVector(t)).bits()} << (kLanes * v);
   }
   return set & reaching;
 }
@@ -149,18 +143,19 @@ unsigned RayGroup<AnyRay>::boxes_met(const BvhNode& node, float* t_near) const {
   }
   // Rounding is monotonic: what the bounds give is never further than what any ray's own numbers give.
   unsigned met = 0;
-  for (int lane = 0; lane < BvhNode::kWidth; lane += 8) {
-    Float8 near(0), far(std::numeric_limits<float>::max());
+  for (std::size_t lane = 0; lane < BvhNode::kWidth; lane += kLanes) {
+    FloatVector near(0), far(std::numeric_limits<float>::max());
     for (int axis = 0; axis < 3; ++axis) {
-      const Float8 to_near =
-          Float8::load(node.bounds[near_side_[axis]] + lane) - Float8(origin_bounds_[axis][0]);
-      const Float8 to_far =
-          Float8::load(node.bounds[far_side_[axis]] + lane) - Float8(origin_bounds_[axis][1]);
-      near = max(min(to_near * Float8(inverse_bounds_[axis][0]), to_near * Float8(inverse_bounds_[axis][1])),
+      const FloatVector to_near =
+          FloatVector::load(node.bounds[near_side_[axis]] + lane) - FloatVector(origin_bounds_[axis][0]);
+      const FloatVector to_far =
+          FloatVector::load(node.bounds[far_side_[axis]] + lane) - FloatVector(origin_bounds_[axis][1]);
+      near = max(min(to_near * FloatVector(inverse_bounds_[axis][0]),
+                     to_near * FloatVector(inverse_bounds_[axis][1])),
                  near);
-      far = min(
-          max(to_far * Float8(far_inverse_bounds_[axis][0]), to_far * Float8(far_inverse_bounds_[axis][1])),
-          far);
+      far = min(max(to_far * FloatVector(far_inverse_bounds_[axis][0]),
+                    to_far * FloatVector(far_inverse_bounds_[axis][1])),
+                far);
     }
     near.store(t_near + lane);
     met |= less_equal(near, far) << lane;
@@ -180,19 +175,19 @@ void RayGroup<AnyRay>::rays_meeting(const BvhNode& node, unsigned met, RaySet se
 template <typename AnyRay>
 RaySet RayGroup<AnyRay>::rays_meeting_box(const BvhNode& node, int lane, RaySet set) const {
   RaySet meeting = 0;
-  Float8 planes_near[3], planes_far[3];
+  FloatVector planes_near[3], planes_far[3];
   for (int axis = 0; axis < 3; ++axis) {
-    planes_near[axis] = Float8(node.bounds[near_side_[axis]][lane]);
-    planes_far[axis] = Float8(node.bounds[far_side_[axis]][lane]);
+    planes_near[axis] = FloatVector(node.bounds[near_side_[axis]][lane]);
+    planes_far[axis] = FloatVector(node.bounds[far_side_[axis]][lane]);
   }
   for (std::size_t v = 0; v < kVectors; ++v) {
     if (lanes_of(set, v) == 0) continue;
-    Float8 near(0), far = Float8::load(limit_ + kLanes * v);
+    FloatVector near(0), far = FloatVector::load(limit_ + kLanes * v);
     for (int axis = 0; axis < 3; ++axis) {
-      const Float8 of_near = Float8::load(origin_[kNear][axis] + kLanes * v);
-      const Float8 of_far = Float8::load(origin_[kFar][axis] + kLanes * v);
-      near = max((planes_near[axis] - of_near) * Float8::load(inverse_[axis] + kLanes * v), near);
-      far = min((planes_far[axis] - of_far) * Float8::load(far_inverse_[axis] + kLanes * v), far);
+      const FloatVector of_near = FloatVector::load(origin_[kNear][axis] + kLanes * v);
+      const FloatVector of_far = FloatVector::load(origin_[kFar][axis] + kLanes * v);
+      near = max((planes_near[axis] - of_near) * FloatVector::load(inverse_[axis] + kLanes * v), near);
+      far = min((planes_far[axis] - of_far) * FloatVector::load(far_inverse_[axis] + kLanes * v), far);
     }
     meeting |= RaySet{less_equal(near, far)} << (kLanes * v);
   }
@@ -205,7 +200,7 @@ unsigned RayGroup<AnyRay>::rays_meeting(const BvhNode& node, RaySet set,
                                         std::array<RaySet, BvhNode::kWidth>& meeting) const {
   alignas(32) std::uint8_t rows[2][kSize] = {};
   unsigned met_by_any = 0;
-  alignas(32) float t_near[BvhNode::kWidth];  // not needed
+  alignas(kVectorAlignment) float t_near[BvhNode::kWidth];  // not needed
   for_each_ray(set, [&](std::size_t i) {
     const unsigned met = boxes_met_by(i, node, t_near);
     rows[0][i] = static_cast<std::uint8_t>(met);

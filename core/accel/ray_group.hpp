@@ -1,6 +1,6 @@
-// A group of rays that go into the same octant against boxes, eight rays or eight boxes at once, and all rays
-// together by bounds of their origins and directions. Of Rays, or of ObjectRays, whose origins, in double,
-// are rounded so that boxes begin too early and end too late.
+// A group of rays that go into the same octant against boxes, a vector of rays or of boxes at once, and all
+// rays together by bounds of their origins and directions. Of Rays, or of ObjectRays, whose origins, in
+// double, are rounded so that boxes begin too early and end too late.
 #pragma once
 
 #include <algorithm>
@@ -27,16 +27,16 @@ class RayGroup {
   // Which of a node's boxes a ray meets, and where.
   unsigned boxes_met_by(std::size_t ray, const BvhNode& node, float* t_near) const {
     unsigned met = 0;
-    for (int lane = 0; lane < BvhNode::kWidth; lane += 8) {
-      Float8 near(0), far(limit_[ray]);
+    for (std::size_t lane = 0; lane < BvhNode::kWidth; lane += kLanes) {
+      FloatVector near(0), far(limit_[ray]);
       for (int axis = 0; axis < 3; ++axis) {
-        const Float8 of_near(origin_[kNear][axis][ray]), of_far(origin_[kFar][axis][ray]);
-        near =
-            max((Float8::load(node.bounds[near_side_[axis]] + lane) - of_near) * Float8(inverse_[axis][ray]),
-                near);
-        far = min(
-            (Float8::load(node.bounds[far_side_[axis]] + lane) - of_far) * Float8(far_inverse_[axis][ray]),
-            far);
+        const FloatVector of_near(origin_[kNear][axis][ray]), of_far(origin_[kFar][axis][ray]);
+        near = max((FloatVector::load(node.bounds[near_side_[axis]] + lane) - of_near) *
+                       FloatVector(inverse_[axis][ray]),
+                   near);
+        far = min((FloatVector::load(node.bounds[far_side_[axis]] + lane) - of_far) *
+                      FloatVector(far_inverse_[axis][ray]),
+                  far);
       }
       near.store(t_near + lane);
       met |= less_equal(near, far) << lane;
@@ -58,8 +58,9 @@ class RayGroup {
   float limit(std::size_t ray) const { return limit_[ray]; }
   void set_limit(std::size_t ray, float limit) { limit_[ray] = limit; }
   // The rays of a vector hit something at t, or anything may be hit before t.
-  void set_limits(std::size_t vector, Float8 t) {
-    min(t * Float8(kBoxSlack), Float8(std::numeric_limits<float>::max())).store(limit_ + kLanes * vector);
+  void set_limits(std::size_t vector, FloatVector t) {
+    min(t * FloatVector(kBoxSlack), FloatVector(std::numeric_limits<float>::max()))
+        .store(limit_ + kLanes * vector);
   }
   // Those of `set` whose limit is not below t.
   RaySet reaching(RaySet set, float t) const;
@@ -76,14 +77,14 @@ class RayGroup {
 
   // The rays of one vector as the filter of triangles takes them, with axes x, y and z.
   FilterRays filter_rays(std::size_t vector) const {
-    const auto at = [&](const float* values) { return Float8::load(values + kLanes * vector); };
+    const auto at = [&](const float* values) { return FloatVector::load(values + kLanes * vector); };
     return {at(origin_[kNear][filter_axes_[0]]),
             at(origin_[kNear][filter_axes_[1]]),
             at(origin_[kNear][filter_axes_[2]]),
             at(shear_[0]),
             at(shear_[1]),
             at(inverse_[filter_axes_[2]]),
-            Float8(origin_terms_)};
+            FloatVector(origin_terms_)};
   }
   const int* filter_axes() const { return filter_axes_; }
   // Whether the filter can tell something about every ray.
@@ -111,12 +112,12 @@ class RayGroup {
   bool can_filter_;
   int filter_axes_[3];
   float origin_terms_ = 0;  // of FilterRays, the largest
-  std::size_t count_;       // of rays, up to a multiple of eight
-  alignas(32) float origin_[kOrigins][3][kSize];
-  alignas(32) float inverse_[3][kSize];
-  alignas(32) float far_inverse_[3][kSize];
-  alignas(32) float limit_[kSize];
-  alignas(32) float shear_[2][kSize];
+  std::size_t count_;       // of rays, in whole vectors
+  alignas(kVectorAlignment) float origin_[kOrigins][3][kSize];
+  alignas(kVectorAlignment) float inverse_[3][kSize];
+  alignas(kVectorAlignment) float far_inverse_[3][kSize];
+  alignas(kVectorAlignment) float limit_[kSize];
+  alignas(kVectorAlignment) float shear_[2][kSize];
 };
 
 }  // namespace tessera::core

@@ -132,9 +132,9 @@ class Stack {
   std::size_t size_ = 0;
 };
 
-inline TriangleHits hits_of_packet(const ShearedRay& ray, const BvhPacket& packet) {
+inline TriangleHitsOf<Double4> hits_of_packet(const ShearedRay& ray, const BvhPacket& packet) {
   const int axes[3] = {ray.x_axis, ray.y_axis, ray.z_axis};
-  return TriangleHits(ShearedRays(ray), [&](int corner, int axis) {
+  return TriangleHitsOf<Double4>(ShearedRaysOf<Double4>(ray), [&](int corner, int axis) {
     return Double4::load(packet.corners[corner][axes[axis]]);
   });
 }
@@ -251,7 +251,7 @@ class RayTraversal {
 
   template <Query kQuery>
   void visit(const BvhPacket& packet) {
-    const TriangleHits hits = hits_of_packet(sheared_ray_, packet);
+    const auto hits = hits_of_packet(sheared_ray_, packet);
     for (unsigned lanes = hits.lanes() & packet.triangle_lanes; lanes != 0; lanes &= lanes - 1) {
       const int lane = std::countr_zero(lanes);
       const float t = hits.t(lane);

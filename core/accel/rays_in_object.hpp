@@ -1,4 +1,4 @@
-// Rays of a group in the space of an object that an instance shows: eight at once, to the bit what
+// Rays of a group in the space of an object that an instance shows: a vector of them at once, to the bit what
 // Placement::to_object makes of each. Rays that point into one octant of the world may point into several
 // there.
 #pragma once
@@ -37,11 +37,12 @@ class RaysInObject {
   void move(const Placement& placement, const RayColumns<Ray>& rays, std::size_t v) {
     const std::size_t first = RayColumns<Ray>::kLanes * v;
     const auto wide = [first](const auto& values) {
-      return Vec3dOf<Double8>(Vec3Of<Float8>{Float8::load(values[0] + first), Float8::load(values[1] + first),
-                                             Float8::load(values[2] + first)});
+      return Vec3dOf<DoubleVector>(Vec3Of<FloatVector>{FloatVector::load(values[0] + first),
+                                                       FloatVector::load(values[1] + first),
+                                                       FloatVector::load(values[2] + first)});
     };
-    const Vec3dOf<Double8> origin = placement.object_point(wide(rays.origin));
-    const Vec3dOf<Double8> direction = placement.object_vector(wide(rays.direction));
+    const Vec3dOf<DoubleVector> origin = placement.object_point(wide(rays.origin));
+    const Vec3dOf<DoubleVector> direction = placement.object_vector(wide(rays.direction));
     for (int axis = 0; axis < 3; ++axis) {
       origin[axis].store(origin_[axis] + first);
       direction[axis].store(direction_[axis] + first);
@@ -50,8 +51,8 @@ class RaysInObject {
   }
 
   RaySet set_, negative_[3] = {};  // those whose direction is negative along each axis
-  alignas(32) double origin_[3][kGroupSize];
-  alignas(32) double direction_[3][kGroupSize];
+  alignas(kVectorAlignment) double origin_[3][kGroupSize];
+  alignas(kVectorAlignment) double direction_[3][kGroupSize];
 };
 
 }  // namespace tessera::core

@@ -4,9 +4,9 @@
 
 #include <array>
 
+#include "core/accel/bvh_layout.hpp"
 #include "core/accel/ray_columns.hpp"
 #include "core/accel/triangle_hits.hpp"
-#include "core/math/simd_double8.hpp"
 
 namespace tessera::core {
 
@@ -18,28 +18,74 @@ class ShearedGroup {
   }
 
   // Which coordinate is a ray's x, y or z: 0, 1 or 2.
-  int axis(std::size_t ray, int xyz) const {
-    static constexpr std::int8_t kTurned[3][3] = {{1, 2, 0}, {2, 0, 1}, {0, 1, 2}};
-    return kTurned[z_axis(ray)][xyz];
-  }
+  int axis(std::size_t ray, int xyz) const { return kTurned[z_axis(ray)][xyz]; }
 
-  // In a lane each.
-  ShearedRays rays(const std::array<std::size_t, 4>& of) const {
-    const auto at = [&](const double* a) { return Double4::of(a[of[0]], a[of[1]], a[of[2]], a[of[3]]); };
-    return with(at);
+  // Rays by number, in a lane each, D being Double4 or Double8; and as many of them from `first` on, which is
+  // a multiple of that.
+  template <typename D>
+  ShearedRaysOf<D> rays(const std::array<std::size_t, D::kLanes>& of) const {
+    return with<D>([&](const double* a) { return D::of([&](std::size_t k) { return a[of[k]]; }); });
   }
-  // Four from `first` on, which is a multiple of four.
-  ShearedRays rays(std::size_t first) const {
-    return with([first](const double* values) { return Double4::load(values + first); });
+  template <typename D>
+  ShearedRaysOf<D> rays(std::size_t first) const {
+    return with<D>([first](const double* values) { return D::load(values + first); });
   }
   // One in all lanes.
-  ShearedRays rays_like(std::size_t i) const {
-    return with([i](const double* values) { return Double4(values[i]); });
+  ShearedRaysOf<Double4> rays_like(std::size_t i) const {
+    return with<Double4>([i](const double* values) { return Double4(values[i]); });
+  }
+
+  // The corners of triangles, in a lane each, along the axes of rays. `lanes[k]` points to the first x of a
+  // lane of BvhPacket::corners.
+  template <typename D>
+  class Corners {
+   public:
+    using Lanes = std::array<const float*, D::kLanes>;
+
+    D operator()(int corner, int xyz) const {
+      return coordinates_[static_cast<std::size_t>(corner)][static_cast<std::size_t>(xyz)];
+    }
+
+   private:
+    friend ShearedGroup;
+    // Bit k of `z_is_y` and `z_is_z` says which axis is the z of ray k.
+    Corners(const Lanes& lanes, unsigned z_is_y, unsigned z_is_z) {
+      for (std::size_t corner = 0; corner < 3; ++corner) {
+        const auto world = [&](std::size_t axis) {
+          return D::of([&](std::size_t k) { return lanes[k][(3 * corner + axis) * BvhPacket::kWidth]; });
+        };
+        const std::array<D, 3> xyz = {world(0), world(1), world(2)};
+        const auto turned = [&](std::size_t axis) {
+          const auto of = [&](std::size_t z) { return xyz[static_cast<std::size_t>(kTurned[z][axis])]; };
+          return select(z_is_z, of(2), select(z_is_y, of(1), of(0)));
+        };
+        coordinates_[corner] = {turned(0), turned(1), turned(2)};
+      }
+    }
+
+    std::array<std::array<D, 3>, 3> coordinates_;
+  };
+  template <typename D>
+  Corners<D> corners(const typename Corners<D>::Lanes& lanes,
+                     const std::array<std::size_t, D::kLanes>& of) const {
+    unsigned z_is_y = 0, z_is_z = 0;
+    for (std::size_t k = 0; k < D::kLanes; ++k) {
+      z_is_y |= static_cast<unsigned>(z_is_y_ >> of[k] & 1) << k;
+      z_is_z |= static_cast<unsigned>(z_is_z_ >> of[k] & 1) << k;
+    }
+    return {lanes, z_is_y, z_is_z};
+  }
+  template <typename D>
+  Corners<D> corners(const typename Corners<D>::Lanes& lanes, std::size_t first) const {
+    return {lanes, static_cast<unsigned>(z_is_y_ >> first), static_cast<unsigned>(z_is_z_ >> first)};
   }
 
  private:
-  template <typename At>
-  ShearedRays with(const At& at) const {
+  // The coordinates that are x, y and z where z is the first, second or third.
+  static constexpr std::int8_t kTurned[3][3] = {{1, 2, 0}, {2, 0, 1}, {0, 1, 2}};
+
+  template <typename D, typename At>
+  ShearedRaysOf<D> with(const At& at) const {
     return {at(origin_x_), at(origin_y_), at(origin_z_), at(shear_x_), at(shear_y_), at(direction_z_)};
   }
 
@@ -47,7 +93,7 @@ class ShearedGroup {
     return static_cast<int>((z_is_z_ >> ray & 1) << 1 | (z_is_y_ >> ray & 1));
   }
 
-  // Eight at a time; the axes as longest_axis chooses them.
+  // A vector at a time; the axes as longest_axis chooses them.
   template <typename AnyRay>
   void prepare(const RayColumns<AnyRay>& rays, std::size_t v) {
     using Lanes = typename RayColumns<AnyRay>::Lanes;
@@ -55,8 +101,8 @@ class ShearedGroup {
     const auto column = [first](const auto& values, int axis) { return Lanes::load(values[axis] + first); };
     const Lanes x = fabs(column(rays.direction, 0)), y = fabs(column(rays.direction, 1)),
                 z = fabs(column(rays.direction, 2));
-    const Mask8 x_over_y = x > y, xy_over_z = select(x_over_y, x, y) > z;
-    const Mask8 is_x = xy_over_z & x_over_y;
+    const MaskVector x_over_y = x > y, xy_over_z = select(x_over_y, x, y) > z;
+    const MaskVector is_x = xy_over_z & x_over_y;
     z_is_y_ |= to_set((xy_over_z & !x_over_y).bits(), v);
     z_is_z_ |= to_set((!xy_over_z).bits(), v);
     // The axis that is `after` steps behind z in the circle x, y, z.
@@ -68,19 +114,19 @@ class ShearedGroup {
     turned(rays.origin, 0).store(origin_z_ + first);
     turned(rays.origin, 1).store(origin_x_ + first);
     turned(rays.origin, 2).store(origin_y_ + first);
-    const Double8 direction_z = turned(rays.direction, 0);
+    const DoubleVector direction_z = turned(rays.direction, 0);
     direction_z.store(direction_z_ + first);
     (turned(rays.direction, 1) / direction_z).store(shear_x_ + first);
     (turned(rays.direction, 2) / direction_z).store(shear_y_ + first);
   }
 
   RaySet z_is_y_ = 0, z_is_z_ = 0;
-  alignas(32) double origin_x_[kGroupSize];
-  alignas(32) double origin_y_[kGroupSize];
-  alignas(32) double origin_z_[kGroupSize];
-  alignas(32) double shear_x_[kGroupSize];
-  alignas(32) double shear_y_[kGroupSize];
-  alignas(32) double direction_z_[kGroupSize];
+  alignas(kVectorAlignment) double origin_x_[kGroupSize];
+  alignas(kVectorAlignment) double origin_y_[kGroupSize];
+  alignas(kVectorAlignment) double origin_z_[kGroupSize];
+  alignas(kVectorAlignment) double shear_x_[kGroupSize];
+  alignas(kVectorAlignment) double shear_y_[kGroupSize];
+  alignas(kVectorAlignment) double direction_z_[kGroupSize];
 };
 
 }  // namespace tessera::core

@@ -1,7 +1,7 @@
-// Eight pairs of a ray and a triangle at once, in float: which surely miss, which surely hit and about where,
-// and which are too close for float to tell. The watertight test in double (core/geometry/triangle.hpp)
-// decides those, and computes the hits that matter, so that this filter changes no hit. It follows the same
-// steps.
+// A vector of pairs of a ray and a triangle at once, in float: which surely miss, which surely hit and about
+// where, and which are too close for float to tell. The watertight test in double
+// (core/geometry/triangle.hpp) decides those, and computes the hits that matter, so that this filter changes
+// no hit. It follows the same steps.
 //
 // The error bounds: let u be the unit roundoff of float. Coordinates relative to the origin have relative
 // error u, shears (of magnitude 2 at most) 2u, so that a sheared coordinate is wrong by
@@ -14,17 +14,17 @@
 #pragma once
 
 #include "core/geometry/rounding.hpp"
-#include "core/math/simd.hpp"
+#include "core/math/simd_widest.hpp"
 
 namespace tessera::core {
 
 // Rays as the filter takes them, a lane each or one in all lanes; x, y and z are axes of which the
 // directions' z is at least half the longest. A ray whose shear is NaN is never told anything for sure.
 struct FilterRays {
-  Float8 origin_x, origin_y, origin_z;
-  Float8 shear_x, shear_y;  // the direction's x and y for each unit of z
-  Float8 inverse_z;         // of the direction
-  Float8 origin_terms;      // O, 0 where origins are exact
+  FloatVector origin_x, origin_y, origin_z;
+  FloatVector shear_x, shear_y;  // the direction's x and y for each unit of z
+  FloatVector inverse_z;         // of the direction
+  FloatVector origin_terms;      // O, 0 where origins are exact
 };
 
 class TriangleFilter {
@@ -41,33 +41,35 @@ class TriangleFilter {
       const int j = (i + 1) % 3, k = (i + 2) % 3;
       e_[i] = multiply_subtract(x_[j], y_[k], y_[j] * x_[k]);
     }
-    const Float8 extent = max(max_abs(x_), max_abs(y_));
+    const FloatVector extent = max(max_abs(x_), max_abs(y_));
     max_z_ = max_abs(z_);
-    const Float8 of_origin_and_z =
-        multiply_add(Float8(kErrorOfZ), max_z_, Float8(kErrorOfOrigin) * rays.origin_terms);
-    e_error_ = multiply_add(extent, multiply_add(Float8(kErrorOfExtent), extent, of_origin_and_z),
-                            Float8(0x1p-120f));
+    const FloatVector of_origin_and_z =
+        multiply_add(FloatVector(kErrorOfZ), max_z_, FloatVector(kErrorOfOrigin) * rays.origin_terms);
+    e_error_ = multiply_add(extent, multiply_add(FloatVector(kErrorOfExtent), extent, of_origin_and_z),
+                            FloatVector(0x1p-120f));
     least_ = min(min(e_[0], e_[1]), e_[2]);
     greatest_ = max(max(e_[0], e_[1]), e_[2]);
   }
 
   // Where edge functions are surely of both signs.
-  Mask8 surely_outside() const { return (least_ < -e_error_) & (e_error_ < greatest_); }
+  MaskVector surely_outside() const { return (least_ < -e_error_) & (e_error_ < greatest_); }
   // Where they are surely of the same sign.
-  Mask8 surely_inside() const { return (e_error_ < least_) | (greatest_ < -e_error_); }
+  MaskVector surely_inside() const { return (e_error_ < least_) | (greatest_ < -e_error_); }
 
   // Bounds on t, which mean something where the ray is surely inside.
   struct Interval {
-    Float8 low, high;
+    FloatVector low, high;
   };
   Interval t(const FilterRays& rays) const {
-    const Float8 inverse_det = Float8(1) / (e_[0] + e_[1] + e_[2]);
-    const Float8 z = e_[0] * inverse_det * z_[0] + e_[1] * inverse_det * z_[1] + e_[2] * inverse_det * z_[2];
-    const Float8 t = z * rays.inverse_z;
-    const Float8 relative_error = Float8(6.5f) * e_error_ * fabs(inverse_det) + Float8(gamma<float>(16));
-    const Float8 error_of_z =
-        multiply_add(max_z_ + Float8(0x1p-100f), relative_error, Float8(gamma<float>(2)) * rays.origin_terms);
-    const Float8 error = error_of_z * fabs(rays.inverse_z);
+    const FloatVector inverse_det = FloatVector(1) / (e_[0] + e_[1] + e_[2]);
+    const FloatVector z =
+        e_[0] * inverse_det * z_[0] + e_[1] * inverse_det * z_[1] + e_[2] * inverse_det * z_[2];
+    const FloatVector t = z * rays.inverse_z;
+    const FloatVector relative_error =
+        FloatVector(6.5f) * e_error_ * fabs(inverse_det) + FloatVector(gamma<float>(16));
+    const FloatVector error_of_z = multiply_add(max_z_ + FloatVector(0x1p-100f), relative_error,
+                                                FloatVector(gamma<float>(2)) * rays.origin_terms);
+    const FloatVector error = error_of_z * fabs(rays.inverse_z);
     return {t - error, t + error};
   }
 
@@ -75,11 +77,13 @@ class TriangleFilter {
   static constexpr float kErrorOfExtent = gamma<float>(12), kErrorOfZ = gamma<float>(33),
                          kErrorOfOrigin = gamma<float>(10);
 
-  static Float8 max_abs(const Float8 (&a)[3]) { return max(max(fabs(a[0]), fabs(a[1])), fabs(a[2])); }
+  static FloatVector max_abs(const FloatVector (&a)[3]) {
+    return max_magnitude(max_magnitude(a[0], a[1]), a[2]);
+  }
 
-  Float8 x_[3], y_[3], z_[3];  // the corners, sheared as ShearedRay::shear does
-  Float8 e_[3];                // the edge functions
-  Float8 e_error_, max_z_, least_, greatest_;
+  FloatVector x_[3], y_[3], z_[3];  // the corners, sheared as ShearedRay::shear does
+  FloatVector e_[3];                // the edge functions
+  FloatVector e_error_, max_z_, least_, greatest_;
 };
 
 }  // namespace tessera::core

@@ -20,7 +20,7 @@ class Placement {
   // By the inverse transpose, which keeps outside what is outside, mirrored or not. Not of unit length.
   Vec3d normal(Vec3d n) const { return n.x * inverse_x_ + n.y * inverse_y_ + n.z * inverse_z_; }
 
-  // From the world into the object. A ray, or its parts; of eight at once (D is Double8) to the bit the same.
+  // From the world into the object. A ray, or its parts; of many at once (D is Double8 or Double16) to the bit the same.
   ObjectRay to_object(const Ray& ray) const;
   template <typename D>
   Vec3dOf<D> object_point(Vec3dOf<D> p) const {

@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/base/prefetch.hpp"
 #include "core/geometry/aabb.hpp"
 #include "core/geometry/instance.hpp"
 #include "core/geometry/model_point.hpp"
@@ -72,15 +73,15 @@ class Primitives {
   std::uint32_t material(const Hit& hit) const;
   // Asks memory for what material() and prefetch_corners() will read of a triangle that is in no instance.
   void prefetch_triangle(std::uint32_t primitive) const {
-    __builtin_prefetch(&triangle_materials_[primitive]);
-    __builtin_prefetch(&triangles_[primitive]);
+    prefetch(triangle_materials_[primitive]);
+    prefetch(triangles_[primitive]);
   }
   // Asks for where what triangle_surfaces() will read begins.
   void prefetch_corners(std::uint32_t primitive) const {
     for (const std::uint32_t vertex : triangles_[primitive]) {
-      __builtin_prefetch(&positions_[vertex]);
-      if (!normals_.empty()) __builtin_prefetch(&normals_[vertex]);
-      if (!uvs_.empty()) __builtin_prefetch(&uvs_[vertex]);
+      prefetch(positions_[vertex]);
+      if (!normals_.empty()) prefetch(normals_[vertex]);
+      if (!uvs_.empty()) prefetch(uvs_[vertex]);
     }
   }
   TriangleCorners triangle_corners(std::uint32_t primitive) const {

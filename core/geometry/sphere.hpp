@@ -1,5 +1,5 @@
-// Rays against one sphere, in double from float data. For one ray or for eight at once, at a sphere each: T
-// is float or Float8 (core/math/simd_double8.hpp).
+// Rays against one sphere, in double from float data. For one ray or for many at once, at a sphere each: T is
+// float, Float8 (core/math/simd_double8.hpp) or Float16.
 #pragma once
 
 #include <cmath>

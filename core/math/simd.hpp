@@ -4,7 +4,10 @@
 
 #include <immintrin.h>
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
+#include <type_traits>
 
 #include "core/math/lanes.hpp"
 
@@ -25,6 +28,15 @@ struct Mask8 {
   }
 
   unsigned bits() const { return static_cast<unsigned>(_mm256_movemask_ps(v)); }
+
+#ifdef __AVX512F__
+  static Mask8 from_mask(__mmask8 lanes) {
+    return _mm256_castsi256_ps(_mm256_movm_epi32(lanes));
+  }
+  __mmask8 mask() const {
+    return _mm256_movepi32_mask(_mm256_castps_si256(v));
+  }
+#endif
 };
 
 inline Mask8 operator&(Mask8 a, Mask8 b) {
@@ -105,6 +117,10 @@ inline Float8 sqrt(Float8 a) {
 inline Float8 fabs(Float8 a) {
   return {_mm256_andnot_ps(_mm256_set1_ps(-0.0f), a.v)};
 }
+// The larger magnitude, where neither is NaN.
+inline Float8 max_magnitude(Float8 a, Float8 b) {
+  return max(fabs(a), fabs(b));
+}
 inline Float8 floor(Float8 a) {
   return {_mm256_floor_ps(a.v)};
 }
@@ -133,8 +149,48 @@ inline Float8 negative_multiply_add(Float8 a, Float8 b, Float8 c) {
 inline Float8 select(Mask8 mask, Float8 a, Float8 b) {
   return {_mm256_blendv_ps(b.v, a.v, mask.v)};
 }
+// Of all lanes; anything where one of them is NaN.
+inline float least(Float8 a) {
+  const __m128 of_four = _mm_min_ps(_mm256_castps256_ps128(a.v), _mm256_extractf128_ps(a.v, 1));
+  const __m128 of_two = _mm_min_ps(of_four, _mm_movehl_ps(of_four, of_four));
+  return _mm_cvtss_f32(_mm_min_ss(of_two, _mm_movehdup_ps(of_two)));
+}
 inline unsigned less_equal(Float8 a, Float8 b) {
   return (a <= b).bits();
+}
+
+// Bit i is the sign of from[i].
+inline unsigned signs_of_four(const float* from) {
+  return static_cast<unsigned>(_mm_movemask_ps(_mm_loadu_ps(from)));
+}
+
+// row_at(i)[d] becomes columns[d][i]: four columns of four, aligned to 16 bytes, and as many rows.
+template <typename RowAt>
+void store_transposed(const std::array<const float*, 4>& columns, const RowAt& row_at) {
+  __m128 a = _mm_load_ps(columns[0]), b = _mm_load_ps(columns[1]), c = _mm_load_ps(columns[2]),
+         d = _mm_load_ps(columns[3]);
+  _MM_TRANSPOSE4_PS(a, b, c, d);
+  _mm_storeu_ps(row_at(0), a), _mm_storeu_ps(row_at(1), b), _mm_storeu_ps(row_at(2), c),
+      _mm_storeu_ps(row_at(3), d);
+}
+
+// Lane i of answer d is row_at(i)[d]: eight rows of four. Always inlined, or else its answers go through
+// memory.
+template <typename RowAt>
+[[gnu::always_inline]] inline std::array<Float8, 4> transposed(const RowAt& row_at) {
+  const auto pair = [&row_at](std::size_t i) {  // rows i and i + 4
+    return _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_loadu_ps(row_at(i))), _mm_loadu_ps(row_at(i + 4)),
+                                1);
+  };
+  const __m256 a = pair(0), b = pair(1), c = pair(2), d = pair(3);
+  const __m256d ab_low = _mm256_castps_pd(_mm256_unpacklo_ps(a, b)),
+                ab_high = _mm256_castps_pd(_mm256_unpackhi_ps(a, b)),
+                cd_low = _mm256_castps_pd(_mm256_unpacklo_ps(c, d)),
+                cd_high = _mm256_castps_pd(_mm256_unpackhi_ps(c, d));
+  return {_mm256_castpd_ps(_mm256_unpacklo_pd(ab_low, cd_low)),
+          _mm256_castpd_ps(_mm256_unpackhi_pd(ab_low, cd_low)),
+          _mm256_castpd_ps(_mm256_unpacklo_pd(ab_high, cd_high)),
+          _mm256_castpd_ps(_mm256_unpackhi_pd(ab_high, cd_high))};
 }
 
 // Bit k of rows[i] becomes bit i of columns[k]; rows are 64, aligned to 32 bytes, and columns eight.
@@ -151,14 +207,20 @@ inline void transpose_bits(const std::uint8_t* rows, std::uint64_t* columns) {
 }
 
 struct Double4 {
+  static constexpr std::size_t kLanes = 4;
   __m256d v;
 
   Double4() = default;
   Double4(__m256d lanes) : v(lanes) {}
   Double4(double every) : v(_mm256_set1_pd(every)) {}
-  static Double4 broadcast(double x) { return {_mm256_set1_pd(x)}; }
-  static Double4 of(double a, double b, double c, double d) { return {_mm256_setr_pd(a, b, c, d)}; }
-  static Double4 of(float a, float b, float c, float d) { return {_mm256_cvtps_pd(_mm_setr_ps(a, b, c, d))}; }
+  // at(i), a float or a double, in lane i.
+  template <typename At>
+  static Double4 of(const At& at) {
+    if constexpr (std::is_same_v<decltype(at(0)), float>)
+      return {_mm256_cvtps_pd(_mm_setr_ps(at(0), at(1), at(2), at(3)))};
+    else
+      return {_mm256_setr_pd(at(0), at(1), at(2), at(3))};
+  }
   static Double4 load(const float* aligned) { return {_mm256_cvtps_pd(_mm_load_ps(aligned))}; }
   static Double4 load(const double* aligned) { return {_mm256_load_pd(aligned)}; }
   void store(double* aligned) const { _mm256_store_pd(aligned, v); }
@@ -188,18 +250,14 @@ inline Double4 operator+(Double4 a, Double4 b) {
 inline Double4 operator/(Double4 a, Double4 b) {
   return {_mm256_div_pd(a.v, b.v)};
 }
-inline Double4 abs(Double4 a) {
+inline Double4 fabs(Double4 a) {
   return {_mm256_andnot_pd(_mm256_set1_pd(-0.0), a.v)};
 }
 inline Double4 sqrt(Double4 a) {
   return {_mm256_sqrt_pd(a.v)};
 }
 inline Double4 copysign(Double4 magnitude, Double4 sign) {
-  return {_mm256_or_pd(abs(magnitude).v, _mm256_and_pd(_mm256_set1_pd(-0.0), sign.v))};
-}
-// To the nearest whole number, halves to the even one.
-inline Double4 nearbyint(Double4 a) {
-  return {_mm256_round_pd(a.v, _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC)};
+  return {_mm256_or_pd(fabs(magnitude).v, _mm256_and_pd(_mm256_set1_pd(-0.0), sign.v))};
 }
 // a * b - c and c - a * b, rounded once.
 inline Double4 multiply_subtract(Double4 a, Double4 b, Double4 c) {
@@ -207,6 +265,12 @@ inline Double4 multiply_subtract(Double4 a, Double4 b, Double4 c) {
 }
 inline Double4 negative_multiply_add(Double4 a, Double4 b, Double4 c) {
   return {_mm256_fnmadd_pd(a.v, b.v, c.v)};
+}
+// `a` in the lanes whose bits are set, else `b`.
+inline Double4 select(unsigned bits, Double4 a, Double4 b) {
+  const __m256i bit_of_lane = _mm256_setr_epi64x(1, 2, 4, 8);
+  const __m256i set = _mm256_and_si256(_mm256_set1_epi64x(bits), bit_of_lane);
+  return {_mm256_blendv_pd(b.v, a.v, _mm256_castsi256_pd(_mm256_cmpeq_epi64(set, bit_of_lane)))};
 }
 inline unsigned less(Double4 a, Double4 b) {
   return static_cast<unsigned>(_mm256_movemask_pd(_mm256_cmp_pd(a.v, b.v, _CMP_LT_OQ)));

@@ -85,16 +85,9 @@ inline U32x8 reverse_bits(U32x8 a) {
 
 // Lane i of answer d is rows[i][d].
 inline std::array<U32x8, 4> transpose(const std::array<std::array<std::uint32_t, 4>, 8>& rows) {
-  const auto pair = [&rows](std::size_t i) {  // rows i and i + 4
-    const auto* low = reinterpret_cast<const __m128i*>(rows[i].data());
-    const auto* high = reinterpret_cast<const __m128i*>(rows[i + 4].data());
-    return _mm256_inserti128_si256(_mm256_castsi128_si256(_mm_loadu_si128(low)), _mm_loadu_si128(high), 1);
-  };
-  const __m256i a = pair(0), b = pair(1), c = pair(2), d = pair(3);
-  const __m256i ab_low = _mm256_unpacklo_epi32(a, b), ab_high = _mm256_unpackhi_epi32(a, b);
-  const __m256i cd_low = _mm256_unpacklo_epi32(c, d), cd_high = _mm256_unpackhi_epi32(c, d);
-  return {_mm256_unpacklo_epi64(ab_low, cd_low), _mm256_unpackhi_epi64(ab_low, cd_low),
-          _mm256_unpacklo_epi64(ab_high, cd_high), _mm256_unpackhi_epi64(ab_high, cd_high)};
+  const auto [a, b, c, d] =
+      transposed([&rows](std::size_t i) { return reinterpret_cast<const float*>(rows[i].data()); });
+  return {as_bits(a), as_bits(b), as_bits(c), as_bits(d)};
 }
 
 struct U64x8 {

@@ -16,7 +16,8 @@ TEST_P(Batch, AnswersAsOneByOne) {
     const Bvh bvh = Bvh::build(soup.primitives, 2);
     test::Random random(11);
     // At last more than are sorted at a time.
-    for (const std::size_t count : {0u, 1u, 2u, 7u, 8u, 63u, 64u, 65u, 200u, 600u}) {
+    for (const std::size_t count :
+         {0u, 1u, 2u, 7u, 8u, 9u, 15u, 16u, 17u, 33u, 63u, 64u, 65u, 200u, 512u, 600u}) {
       for (const float pixel : {0.0f, 1e-4f, 0.01f, 0.3f}) {
         test::expect_same_answers(bvh, soup.primitives, test::camera_rays(soup, random, count, pixel));
       }
@@ -26,6 +27,28 @@ TEST_P(Batch, AnswersAsOneByOne) {
       test::expect_same_answers(bvh, soup.primitives, test::parallel_rays(random, count));
       if (HasFatalFailure()) return;
     }
+  }
+}
+
+// Neighbours that go the same way are traced as they come, all others of a run sorted.
+TEST_P(Batch, AnswersAsOneByOneWhereOnlySomeNeighboursGoTheSameWay) {
+  for (const test::Soup& soup : test::all_soups(GetParam())) {
+    SCOPED_TRACE(soup.name);
+    const Bvh bvh = Bvh::build(soup.primitives, 1);
+    test::Random random(14);
+    test::Rays rays;
+    const auto append = [&rays](const test::Rays& more) {
+      rays.insert(rays.end(), more.begin(), more.end());
+    };
+    for (int i = 0; i < 6; ++i) {
+      append(test::camera_rays(soup, random, 128, 1e-3f));
+      append(test::random_rays(soup, random, 64));
+      append(test::camera_rays(soup, random, 32, 1e-3f));
+      append(test::camera_rays(soup, random, 32, 1e-3f));
+    }
+    append(test::camera_rays(soup, random, 5, 1e-3f));
+    test::expect_same_answers(bvh, soup.primitives, rays);
+    if (HasFatalFailure()) return;
   }
 }
 

@@ -182,6 +182,30 @@ TEST(GroupsThroughInstances, TellSurfacesApartThatAreAHairFromEachOther) {
   }
 }
 
+// A ray that has met a shape of an instance and then something nearer that is in none: an instance's box
+// begins before the scene's triangle, its own triangle lies behind.
+TEST(GroupsThroughInstances, GiveUpAnInstanceForWhatIsNearer) {
+  const auto facing = [](float z) { return TriangleCorners{Vec3{-9, -9, z}, Vec3{9, -9, z}, Vec3{0, 9, z}}; };
+  test::Mesh own, of_object;
+  own.add(facing(1));
+  of_object.add(facing(2));
+  test::Soup soup{"nearer", own.primitives(), 4};
+  Primitives object = of_object.primitives();
+  object.add_sphere({5, 0, 0.5f}, 0.1f, 0);  // beside the rays
+  soup.primitives.add_object(object);
+  soup.primitives.add_instance({Placement(Transform{}), 0});
+  const Bvh bvh = Bvh::build(soup.primitives, 1);
+  test::Random random(26);
+  for (const std::size_t count : {13u, 60u, 64u}) {
+    test::Rays rays;
+    for (std::size_t i = 0; i < count; ++i)
+      rays.push_back({{0, 0, 0}, {random.uniform(0.01f, 0.5f), random.uniform(0.01f, 0.5f), 1}});
+    expect_what_brute_force_finds(bvh, soup.primitives, rays);
+    test::expect_same_answers(bvh, soup.primitives, rays);
+    EXPECT_FALSE(bvh.closest_hit(soup.primitives, rays[0]).in_instance());
+  }
+}
+
 // At edges and corners of a closed mesh, from inside, from one point and from many.
 TEST(GroupsThroughInstances, LeakNothingThroughAClosedMesh) {
   test::Random random(23);

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <type_traits>
+#include <vector>
 
 #include "core/accel/ray_group.hpp"
 #include "tests/unit/core_geometry/shapes.hpp"
@@ -40,18 +41,20 @@ struct Sure {
 template <typename AnyRay>
 void expect_sure_of_what_is(const TriangleCorners& corners, float height, float beside, test::Random& random,
                             Sure& sure) {
-  const RayColumns<AnyRay> rays(8,
-                                [&](std::size_t) { return ray_at<AnyRay>(corners, height, beside, random); });
+  std::vector<AnyRay> some;
+  for (int i = 0; i < static_cast<int>(kVectorLanes); ++i)
+    some.push_back(ray_at<AnyRay>(corners, height, beside, random));
+  const RayColumns<AnyRay> rays(some.size(), [&](std::size_t i) -> const AnyRay& { return some[i]; });
   const RayGroup<AnyRay> group(rays);
   ASSERT_TRUE(group.can_filter());
   const FilterRays lanes = group.filter_rays(0);
   const TriangleFilter filter(lanes, [&](int corner, int axis) {
-    return Float8(corners[static_cast<std::size_t>(corner)][group.filter_axes()[axis]]);
+    return FloatVector(corners[static_cast<std::size_t>(corner)][group.filter_axes()[axis]]);
   });
-  alignas(32) float low[8], high[8];
+  alignas(kVectorAlignment) float low[kVectorLanes], high[kVectorLanes];
   filter.t(lanes).low.store(low);
   filter.t(lanes).high.store(high);
-  for (std::size_t i = 0; i < 8; ++i) {
+  for (std::size_t i = 0; i < kVectorLanes; ++i) {
     const auto hit = intersect_triangle(ShearedRay(rays.ray(i)), corners);
     if ((filter.surely_outside().bits() >> i & 1) != 0) {
       ++sure.outside;

@@ -1,0 +1,6 @@
+#!/usr/bin/env bash
+# where_avx512_is.sh PROGRAM: runs it. Exit status 77 where the processor has no AVX-512.
+set -euo pipefail
+
+grep -qw avx512dq /proc/cpuinfo || { echo "where_avx512_is.sh: this processor has no AVX-512"; exit 77; }
+exec "$1"
