@@ -5,7 +5,6 @@
 #include <atomic>
 #include <vector>
 
-#include "core/accel/fork.hpp"
 #include "core/accel/partition.hpp"
 
 namespace tessera::core {
@@ -83,12 +82,14 @@ class Builder {
 #pragma omp parallel for num_threads(threads_) schedule(dynamic)
     for (std::size_t piece = 0; piece < pieces; ++piece) {
       const auto items = piece_of(items_.range(0, items_.size()), piece);
+      std::size_t count = 0;
       for (std::size_t i = 0; i < items.size(); ++i) {
         const auto primitive = static_cast<std::uint32_t>(piece * kPiece + i);
         const Aabb box = primitives.bounds(primitive);
-        if (!box.empty()) items[counts[piece]++] = BuildItem(box, primitive);
+        if (!box.empty()) items[count++] = BuildItem(box, primitive);
       }
-      bounds[piece] = bounds_of(items.first(counts[piece]));
+      counts[piece] = count;
+      bounds[piece] = bounds_of(items.first(count));
     }
     Range all{0, 0, {}, 0};
     for (std::size_t piece = 0; piece < pieces; ++piece) {
@@ -100,6 +101,7 @@ class Builder {
     return all;
   }
 
+  // Returns when the subtree is built, but for what it has left to tasks.
   void build_subtree(std::uint32_t index, const Range& range) {
     const Aabb box = range.bounds.boxes.box();
     if (is_leaf(range)) {
@@ -109,10 +111,14 @@ class Builder {
     }
     const std::uint32_t children = pairs_.take();
     tree_.nodes[index] = {box.lower, children, box.upper, 0};
-    const auto [left, right] = cut(range);
-    fork(
-        range.size() > kTaskSize, [&, &left = left] { build_subtree(children, left); },
-        [&, &right = right] { build_subtree(children + 1, right); });
+    const auto parts = cut(range);
+    if (range.size() > kTaskSize) {
+#pragma omp task default(none) firstprivate(children, parts)
+      build_subtree(children, parts.first);
+    } else {
+      build_subtree(children, parts.first);
+    }
+    build_subtree(children + 1, parts.second);
   }
 
   // To enter an instance costs more than to meet a box: each has one of its own.
@@ -136,8 +142,8 @@ class Builder {
     const Parts parts =
         in_parallel ? partition_in_parallel(items, binning, split) : partition(items, binning, split);
     const std::size_t middle = range.begin + parts.left_count;
-    return {{range.begin, middle, parts.left, range.depth + 1},
-            {middle, range.end, parts.right, range.depth + 1}};
+    return {{range.begin, middle, {split.left, parts.left_centroids}, range.depth + 1},
+            {middle, range.end, {split.right, parts.right_centroids}, range.depth + 1}};
   }
 
   std::pair<Range, Range> halves(const Range& range) {

@@ -8,30 +8,26 @@
 namespace tessera::core {
 namespace {
 
-// The half area of a box in units of a given length, in which it neither overflows nor vanishes.
-class RelativeArea {
- public:
-  // The longest side of `bounds` becomes a quarter.
-  explicit RelativeArea(const BuildBox& bounds) {
-    const Aabb box = bounds.box();
-    const double longest = std::max({box.extent(0), box.extent(1), box.extent(2)});
-    const double scale = std::min(0.25 / longest, double{std::numeric_limits<float>::max()});
-    scale_ = Float8::broadcast(static_cast<float>(scale));
-  }
+// Brings the longest side of `bounds` to a quarter, so that areas neither overflow nor vanish.
+float scale_of(const BuildBox& bounds) {
+  const Aabb box = bounds.box();
+  const double longest = std::max({box.extent(0), box.extent(1), box.extent(2)});
+  return static_cast<float>(std::min(0.25 / longest, double{std::numeric_limits<float>::max()}));
+}
 
-  float operator()(const BuildBox& box) const {
-    const Float8 scaled = box.v * scale_;
-    return sum_of_products_in_pairs(lower_half(scaled) + upper_half(scaled));
-  }
+// Of boxes scaled so: the half area of a[i] in lane i of the lower half, of b[i] in lane i of the upper one.
+Float8 half_areas(const std::array<BuildBox, 3>& a, const std::array<BuildBox, 3>& b, Float8 scale) {
+  const auto extents = [&](std::size_t i) {
+    return lower_halves(a[i].v, b[i].v) * scale + upper_halves(a[i].v, b[i].v) * scale;
+  };
+  const auto [x, y, z] = transposed_halves(extents(0), extents(1), extents(2));
+  return x * y + y * z + z * x;
+}
 
- private:
-  Float8 scale_;
-};
-
-// The chance that a ray meets a leaf times the packets that it would take. NaN if it is empty, which is
-// cheaper than nothing.
-float cost(float area, std::uint32_t count) {
-  return area * static_cast<float>((count + kMaxLeafSize - 1) / kMaxLeafSize);
+// How many packets so many primitives take.
+Float8 packets(U32x8 counts) {
+  static_assert(kMaxLeafSize == 4);
+  return to_float((counts + U32x8(kMaxLeafSize - 1)) >> 2);
 }
 
 float bins_per_length(double extent) {
@@ -44,55 +40,79 @@ float bins_per_length(double extent) {
 
 Binning::Binning(const BuildBox& centroids) {
   const Aabb box = centroids.box();
-  origin_ = Float4::of(box.lower.x, box.lower.y, box.lower.z, 0);
-  bins_per_length_ = Float4::of(bins_per_length(box.extent(0)), bins_per_length(box.extent(1)),
-                                bins_per_length(box.extent(2)), 0);
+  origin_ = in_both_halves(box.lower.x, box.lower.y, box.lower.z, 0);
+  bins_per_length_ = in_both_halves(bins_per_length(box.extent(0)), bins_per_length(box.extent(1)),
+                                    bins_per_length(box.extent(2)), 0);
 }
 
+// One from either half of them at a time: neighbours often fall into the same bin, where the second would
+// wait for the first.
 void Bins::add(const Binning& binning, std::span<const BuildItem> items) {
-  for (const BuildItem& item : items) {
-    const BuildBox box = item.box();
-    alignas(16) int bins[4];
-    binning.bins(box).store(bins);
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      const auto bin = static_cast<std::size_t>(bins[axis]);
-      boxes_[axis][bin].include(box);
-      ++counts_[axis][bin];
-    }
+  alignas(32) std::uint32_t bins[8];
+  const std::size_t half = items.size() / 2;
+  for (std::size_t i = 0; i < half; ++i) {
+    const BuildBox a = items[i].box(), b = items[half + i].box();
+    binning.bins(a, b).store(bins);
+    add(a, bins);
+    add(b, bins + 4);
+  }
+  if (items.size() % 2 != 0) {
+    const BuildBox last = items.back().box();
+    binning.bins(last, last).store(bins);
+    add(last, bins);
   }
 }
 
 void Bins::add(const Bins& other) {
-  for (std::size_t axis = 0; axis < 3; ++axis)
-    for (std::size_t bin = 0; bin < kBins; ++bin) {
-      boxes_[axis][bin].include(other.boxes_[axis][bin]);
-      counts_[axis][bin] += other.counts_[axis][bin];
+  for (std::size_t bin = 0; bin < kBins; ++bin)
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      rows_[bin].boxes[axis].include(other.rows_[bin].boxes[axis]);
+      rows_[bin].counts[axis] += other.rows_[bin].counts[axis];
     }
 }
 
+// The cost of a part is the chance that a ray meets it times the packets that it takes; NaN if it is empty,
+// which is cheaper than nothing.
 Split Bins::best_split(const BuildBox& bounds) const {
-  const RelativeArea area(bounds);
-  Split best;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const auto& boxes = boxes_[axis];
-    const auto& counts = counts_[axis];
-    std::array<float, kBins> right_cost{};
-    BuildBox right;
-    std::uint32_t right_count = 0;
-    for (std::size_t bin = kBins - 1; bin > 0; --bin) {
-      right.include(boxes[bin]);
-      right_count += counts[bin];
-      right_cost[bin] = cost(area(right), right_count);
+  // From both ends at once, an axis in each lane: in the lower half of costs[i] what lies before border i, in
+  // the upper one what lies behind border kBins - i.
+  std::array<Float8, kBins> costs;
+  std::array<BuildBox, 3> first, last;
+  U32x8 counts(0);
+  const Float8 scale(scale_of(bounds));
+  for (std::size_t i = 1; i < kBins; ++i) {
+    const Row &next_first = rows_[i - 1], &next_last = rows_[kBins - i];
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      first[axis].include(next_first.boxes[axis]);
+      last[axis].include(next_last.boxes[axis]);
     }
-    BuildBox left;
-    std::uint32_t left_count = 0;
-    for (std::size_t bin = 1; bin < kBins; ++bin) {
-      left.include(boxes[bin - 1]);
-      left_count += counts[bin - 1];
-      const float total = cost(area(left), left_count) + right_cost[bin];
-      if (total < best.cost) best = {total, static_cast<int>(axis), static_cast<int>(bin)};
-    }
+    counts = counts + load_halves(next_first.counts.data(), next_last.counts.data());
+    costs[i] = half_areas(first, last, scale) * packets(counts);
   }
+  // Of border i in the lower half, of border kBins - i in the upper one.
+  Float8 least(std::numeric_limits<float>::infinity());
+  U32x8 least_at(0);
+  for (std::size_t i = 1; i <= kBins / 2; ++i) {
+    const Float8 cost = costs[i] + with_halves_swapped(costs[kBins - i]);
+    least_at = select(cost < least, U32x8(static_cast<std::uint32_t>(i)), least_at);
+    least = min(cost, least);
+  }
+
+  alignas(32) float cost[8];
+  alignas(32) std::uint32_t at[8];
+  least.store(cost);
+  least_at.store(at);
+  Split best;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto border = static_cast<int>(at[axis]), border_from_end = kBins - static_cast<int>(at[axis + 4]);
+    if (cost[axis] < best.cost) best = {cost[axis], axis, border, {}, {}};
+    if (cost[axis + 4] < best.cost) best = {cost[axis + 4], axis, border_from_end, {}, {}};
+  }
+  if (best.axis < 0) return best;
+  const auto axis = static_cast<std::size_t>(best.axis);
+  const auto border = rows_.begin() + best.first_right_bin;
+  for (auto row = rows_.begin(); row != border; ++row) best.left.include(row->boxes[axis]);
+  for (auto row = border; row != rows_.end(); ++row) best.right.include(row->boxes[axis]);
   return best;
 }
 

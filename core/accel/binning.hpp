@@ -19,20 +19,21 @@ class Binning {
  public:
   explicit Binning(const BuildBox& centroids);
 
-  // In the first three lanes, from 0 to kBins - 1.
-  Int4 bins(BuildBox box) const {
-    const Float4 position = (box.half_centroid() - origin_) * bins_per_length_;
-    return clamp(Int4::truncated(position), Int4::broadcast(0), Int4::broadcast(kBins - 1));
+  // Of two items: in the first three lanes of the lower half for `a`, and of the upper one for `b`.
+  U32x8 bins(BuildBox a, BuildBox b) const {
+    const Float8 centroids = upper_halves(a.half_centroid().v, b.half_centroid().v);
+    return min(truncated((centroids - origin_) * bins_per_length_), U32x8(kBins - 1));
   }
 
  private:
-  Float4 origin_, bins_per_length_;
+  Float8 origin_, bins_per_length_;  // the same in both halves
 };
 
 struct Split {
   float cost = std::numeric_limits<float>::infinity();
   int axis = -1;  // none where all centroids are the same
   int first_right_bin = 0;
+  BuildBox left, right;  // of all that lies on either side
 };
 
 // What fell into each bin.
@@ -45,8 +46,22 @@ class Bins {
   Split best_split(const BuildBox& bounds) const;
 
  private:
-  std::array<std::array<BuildBox, kBins>, 3> boxes_;
-  std::array<std::array<std::uint32_t, kBins>, 3> counts_{};
+  // The bins that stand at the same place along each axis.
+  struct Row {
+    std::array<BuildBox, 3> boxes;
+    alignas(32) std::array<std::uint32_t, 4> counts{};
+  };
+
+  // `bins` are those of each axis.
+  void add(BuildBox box, const std::uint32_t* bins) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      Row& row = rows_[bins[axis]];
+      row.boxes[axis].include(box);
+      ++row.counts[axis];
+    }
+  }
+
+  std::array<Row, kBins> rows_;
 };
 
 }  // namespace tessera::core

@@ -7,21 +7,19 @@
 #include <limits>
 
 #include "core/geometry/aabb.hpp"
-#include "core/math/simd_float4.hpp"
+#include "core/math/simd_halves.hpp"
 
 namespace tessera::core {
 
-// The lanes: -x, -y, -z of the lower corner, anything, x, y, z of the upper one, anything.
+// The lanes: -x, -y, -z of the lower corner, nothing, x, y, z of the upper one, nothing.
 struct BuildBox {
   Float8 v = Float8::broadcast(-std::numeric_limits<float>::infinity());
 
   void include(BuildBox other) { v = max(v, other.v); }
-  Float4 negated_lower() const { return lower_half(v); }
-  Float4 upper() const { return upper_half(v); }
-  // In its first three lanes a quarter of the sum of both corners, which cannot overflow; 0 in its fourth.
-  Float4 half_centroid() const {
-    const Float8 quarter = without_lane_3(v) * Float8::broadcast(0.25f);
-    return upper_half(quarter) - lower_half(quarter);
+  // Half of the centre, as a box: a quarter of the sum of both corners, which cannot overflow.
+  BuildBox half_centroid() const {
+    const Float8 quarter = v * Float8::broadcast(0.25f);
+    return {quarter - with_halves_swapped(quarter)};
   }
   Aabb box() const {
     alignas(32) float lanes[8];
@@ -39,7 +37,8 @@ struct alignas(32) BuildItem {
               box.upper.x,  box.upper.y,  box.upper.z,  0} {}
 
   std::uint32_t primitive() const { return std::bit_cast<std::uint32_t>(lanes[3]); }
-  BuildBox box() const { return {Float8::load(lanes)}; }
+  // Without the id, which as a number would be too small to be reckoned with at full speed.
+  BuildBox box() const { return {without_lane_3(Float8::load(lanes))}; }
 };
 
 // The bounds of a range of items: of their boxes, and of their boxes' half centroids.
@@ -48,8 +47,7 @@ struct RangeBounds {
 
   void include(BuildBox box) {
     boxes.include(box);
-    const Float4 centroid = box.half_centroid();
-    centroids.include({join(Float4::broadcast(0) - centroid, centroid)});
+    centroids.include(box.half_centroid());
   }
   void include(const RangeBounds& other) {
     boxes.include(other.boxes);

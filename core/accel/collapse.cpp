@@ -2,7 +2,6 @@
 
 #include <limits>
 
-#include "core/accel/fork.hpp"
 #include "core/math/simd.hpp"
 
 namespace tessera::core {
@@ -30,9 +29,15 @@ Collapse::Costs Collapse::plan(std::uint32_t index, int depth) {
   const BinaryBvh::Node& node = tree_.nodes[index];
   if (node.is_leaf()) return Costs(kPacketCost * relative_area(node));
   Costs left, right;
-  fork(
-      depth < kTaskDepth, [&] { left = plan(node.left(), depth + 1); },
-      [&] { right = plan(node.right(), depth + 1); });
+  if (depth < kTaskDepth) {
+#pragma omp task default(none) shared(left, node) firstprivate(depth)
+    left = plan(node.left(), depth + 1);
+    right = plan(node.right(), depth + 1);
+#pragma omp taskwait
+  } else {
+    left = plan(node.left(), depth + 1);
+    right = plan(node.right(), depth + 1);
+  }
   return merge(node, left, right);
 }
 

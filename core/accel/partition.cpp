@@ -69,18 +69,20 @@ RangeBounds bounds_of(std::span<const BuildItem> items) {
 
 // Without a branch, which would be mispredicted for every other item.
 Parts partition(std::span<BuildItem> items, const Binning& binning, const Split& split) {
-  std::array<RangeBounds, 2> bounds;
-  std::size_t left_count = 0;
-  const Int4 border = Int4::broadcast(split.first_right_bin);
+  Parts parts;
+  const BuildBox none;
+  const U32x8 border(static_cast<std::uint32_t>(split.first_right_bin));
   for (BuildItem& item : items) {
     const BuildItem moved = item;
-    item = items[left_count];
-    items[left_count] = moved;
-    const unsigned is_left = less(binning.bins(moved.box()), border) >> split.axis & 1;
-    bounds[is_left].include(moved.box());
-    left_count += is_left;
+    item = items[parts.left_count];
+    items[parts.left_count] = moved;
+    const BuildBox box = moved.box(), centroid = box.half_centroid();
+    const Mask8 is_left = in_every_lane(binning.bins(box, box), split.axis) < border;
+    parts.left_centroids.include({select(is_left, centroid.v, none.v)});
+    parts.right_centroids.include({select(is_left, none.v, centroid.v)});
+    parts.left_count += is_left.bits() & 1;
   }
-  return {left_count, bounds[1], bounds[0]};
+  return parts;
 }
 
 Parts partition_in_parallel(std::span<BuildItem> items, const Binning& binning, const Split& split) {
@@ -92,8 +94,8 @@ Parts partition_in_parallel(std::span<BuildItem> items, const Binning& binning, 
   Parts all;
   for (const Parts& part : parts) {
     all.left_count += part.left_count;
-    all.left.include(part.left);
-    all.right.include(part.right);
+    all.left_centroids.include(part.left_centroids);
+    all.right_centroids.include(part.right_centroids);
   }
   // Each piece has its left items in front; where pieces lie on the other side, they are exchanged.
   Runs right_before_border, left_behind_border;

@@ -1,4 +1,5 @@
-// Parts a range of items by one border between bins, in place, and finds the bounds of both parts on the way.
+// Parts a range of items by one border between bins, in place, and finds the bounds of both parts' centroids
+// on the way.
 #pragma once
 
 #include <span>
@@ -9,7 +10,7 @@ namespace tessera::core {
 
 struct Parts {
   std::size_t left_count = 0;
-  RangeBounds left, right;
+  BuildBox left_centroids, right_centroids;  // of the halves of centroids
 };
 
 // Items before the split's border come to stand before the others. The order in which they stand depends on

@@ -1,0 +1,59 @@
+// Eight floats as two halves of four, for what is about points and boxes, three lanes of which are
+// coordinates.
+#pragma once
+
+#include <array>
+
+#include "core/math/simd_integer.hpp"
+
+namespace tessera::core {
+
+// The same four in both halves.
+inline Float8 in_both_halves(float x, float y, float z, float w) {
+  return _mm256_setr_ps(x, y, z, w, x, y, z, w);
+}
+// The lower halves of both, and the upper ones: that of `a` in the lower half.
+inline Float8 lower_halves(Float8 a, Float8 b) {
+  return _mm256_permute2f128_ps(a.v, b.v, 0x20);
+}
+inline Float8 upper_halves(Float8 a, Float8 b) {
+  return _mm256_permute2f128_ps(a.v, b.v, 0x31);
+}
+inline Float8 with_halves_swapped(Float8 a) {
+  return _mm256_permute2f128_ps(a.v, a.v, 1);
+}
+// 0 in lane 3, the others as they are.
+inline Float8 without_lane_3(Float8 a) {
+  return _mm256_blend_ps(a.v, _mm256_setzero_ps(), 1 << 3);
+}
+
+// Of each half: lane i of answer d is lane d of row i. There is no row 3: lane 3 has anything.
+inline std::array<Float8, 3> transposed_halves(Float8 row_0, Float8 row_1, Float8 row_2) {
+  const __m256 x_and_y = _mm256_unpacklo_ps(row_0.v, row_1.v), z = _mm256_unpackhi_ps(row_0.v, row_1.v);
+  return {_mm256_shuffle_ps(x_and_y, row_2.v, _MM_SHUFFLE(0, 0, 1, 0)),
+          _mm256_shuffle_ps(x_and_y, row_2.v, _MM_SHUFFLE(1, 1, 3, 2)),
+          _mm256_shuffle_ps(z, row_2.v, _MM_SHUFFLE(2, 2, 1, 0))};
+}
+
+// Four from either place, each aligned to 16 bytes.
+inline U32x8 load_halves(const std::uint32_t* lower, const std::uint32_t* upper) {
+  return _mm256_loadu2_m128i(reinterpret_cast<const __m128i*>(upper),
+                             reinterpret_cast<const __m128i*>(lower));
+}
+// Lane `lane` of `a` in every lane.
+inline U32x8 in_every_lane(U32x8 a, int lane) {
+  return _mm256_permutevar8x32_epi32(a.v, _mm256_set1_epi32(lane));
+}
+// The whole numbers below, of what is not negative and below 2^31; at least that of all others.
+inline U32x8 truncated(Float8 a) {
+  return _mm256_cvttps_epi32(a.v);
+}
+inline U32x8 min(U32x8 a, U32x8 b) {
+  return _mm256_min_epu32(a.v, b.v);
+}
+// Of numbers below 2^31.
+inline Mask8 operator<(U32x8 a, U32x8 b) {
+  return _mm256_castsi256_ps(_mm256_cmpgt_epi32(b.v, a.v));
+}
+
+}  // namespace tessera::core

@@ -1,0 +1,107 @@
+// Where ranges of items are cut: the cheapest border between bins, and both parts as they are told.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+#include <vector>
+
+#include "core/accel/binary_bvh.hpp"
+#include "core/accel/partition.hpp"
+
+namespace tessera::core {
+namespace {
+
+// Boxes within a cube whose side is twice `scale`.
+std::vector<BuildItem> random_items(std::size_t count, float scale, unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<float> unit(-1, 1);
+  const auto anywhere = [&] { return scale * unit(random); };
+  std::vector<BuildItem> items;
+  for (std::size_t i = 0; i < count; ++i) {
+    Aabb box;
+    for (int corner = 0; corner < 2; ++corner) box.include(Vec3{anywhere(), anywhere(), anywhere()});
+    items.emplace_back(box, static_cast<std::uint32_t>(i));
+  }
+  return items;
+}
+
+// By Binning's bins alone: the items before the border and those behind it.
+struct PlainParts {
+  std::size_t counts[2] = {0, 0};
+  Aabb boxes[2];
+  std::vector<std::uint32_t> left;  // ids, in order
+
+  PlainParts(const std::vector<BuildItem>& items, const Binning& binning, int axis, int first_right_bin) {
+    for (const BuildItem& item : items) {
+      alignas(32) std::uint32_t bins[8];
+      binning.bins(item.box(), item.box()).store(bins);
+      const bool is_right = bins[axis] >= static_cast<std::uint32_t>(first_right_bin);
+      ++counts[is_right];
+      boxes[is_right].include(item.box().box());
+      if (!is_right) left.push_back(item.primitive());
+    }
+    std::sort(left.begin(), left.end());
+  }
+
+  // The packets of both parts, times their areas in units in which they are of moderate size.
+  double cost(double unit) const {
+    double sum = 0;
+    for (int side = 0; side < 2; ++side) {
+      const double x = boxes[side].extent(0) / unit, y = boxes[side].extent(1) / unit,
+                   z = boxes[side].extent(2) / unit;
+      sum += (x * y + y * z + z * x) * static_cast<double>((counts[side] + kMaxLeafSize - 1) / kMaxLeafSize);
+    }
+    return sum;
+  }
+};
+
+class Binned : public testing::TestWithParam<float> {};
+
+TEST_P(Binned, ItemsAreCutWhereItIsCheapest) {
+  for (const std::size_t count : {2, 5, 8, 33, 1000}) {
+    for (unsigned seed = 0; seed < 10; ++seed) {
+      SCOPED_TRACE(testing::Message() << count << " items, seed " << seed);
+      std::vector<BuildItem> items = random_items(count, GetParam(), seed);
+      const RangeBounds bounds = bounds_of(items);
+      const Binning binning(bounds.centroids);
+      Bins bins;
+      bins.add(binning, items);
+      const Split split = bins.best_split(bounds.boxes);
+      ASSERT_GE(split.axis, 0);
+
+      double least = std::numeric_limits<double>::infinity();
+      for (int axis = 0; axis < 3; ++axis) {
+        for (int border = 1; border < kBins; ++border) {
+          const PlainParts parts(items, binning, axis, border);
+          if (parts.counts[0] > 0 && parts.counts[1] > 0) least = std::min(least, parts.cost(GetParam()));
+        }
+      }
+      const PlainParts expected(items, binning, split.axis, split.first_right_bin);
+      EXPECT_NEAR(expected.cost(GetParam()), least, 1e-5 * least);
+      EXPECT_EQ(split.left.box(), expected.boxes[0]);
+      EXPECT_EQ(split.right.box(), expected.boxes[1]);
+
+      const Parts parts = partition(items, binning, split);
+      std::vector<std::uint32_t> left;
+      for (std::size_t i = 0; i < parts.left_count; ++i) left.push_back(items[i].primitive());
+      std::sort(left.begin(), left.end());
+      EXPECT_EQ(left, expected.left);
+      const std::span<const BuildItem> all(items);
+      EXPECT_EQ(parts.left_centroids.box(), bounds_of(all.first(parts.left_count)).centroids.box());
+      EXPECT_EQ(parts.right_centroids.box(), bounds_of(all.subspan(parts.left_count)).centroids.box());
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(OfAllSizes, Binned, testing::Values(1e-30f, 1.0f, 3e38f));
+
+TEST(Binning, ItemsOfOneCentroidAreNotCut) {
+  const std::vector<BuildItem> items(9, BuildItem({{-1, 2, 3}, {4, 5, 6}}, 7));
+  const RangeBounds bounds = bounds_of(items);
+  Bins bins;
+  bins.add(Binning(bounds.centroids), items);
+  EXPECT_LT(bins.best_split(bounds.boxes).axis, 0);
+}
+
+}  // namespace
+}  // namespace tessera::core
