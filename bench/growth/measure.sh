@@ -48,10 +48,10 @@ row() { printf '%s\t%s\n' "$1" "$(cat)" | tee -a "$table" >&2; }
 triangles() {
   echo "== triangles" >&2
   "$bin/tessera_bench" --benchmark_filter='^growth_' --benchmark_format=json 2>/dev/null >"$work/triangles.json"
-  { echo "# triangles	ns for each primary ray	bounce	shadow ray"
+  { echo "# triangles	ns for each primary ray	bounce	shadow ray	one by one: primary	bounce	shadow ray"
     jq -r '.benchmarks | group_by(.triangles) | .[] |
-      [.[0].triangles, (["growth_primary", "growth_bounce", "growth_shadow"][] as $kind |
-        .[] | select(.name | startswith($kind)) | 1e9 / ."rays/s")] | @tsv' "$work/triangles.json"
+      [.[0].triangles, (("batched", "single") as $way | ("primary", "bounce", "shadow") as $kind |
+        .[] | select(.name | startswith("growth_\($kind)_\($way)")) | 1e9 / ."rays/s")] | @tsv' "$work/triangles.json"
   } | tee "$out/triangles.tsv" >&2
 }
 

@@ -15,9 +15,11 @@ set logscale x
 set format x "10^{%L}"
 
 set output file("triangles", ".svg")
-set xlabel "triangles"; set ylabel "ns for each ray, one by one"
+set xlabel "triangles"; set ylabel "ns for each ray"
 set yrange [0:*]
-plot file("triangles", ".tsv") using 1:2 title "primary", "" using 1:3 title "bounce", "" using 1:4 title "shadow"
+plot for [kind = 1:3] file("triangles", ".tsv") using 1:(column(kind + 1)) title word("primary bounce shadow", kind), \
+     for [kind = 1:3] "" using 1:(column(kind + 4)) linetype kind linewidth 1 dashtype 2 pointsize 0.25 \
+       title kind == 1 ? "one by one" : ""
 
 set output file("lights", ".svg")
 set xlabel "lights"; set ylabel "µs for each sample"

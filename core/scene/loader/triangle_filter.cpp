@@ -7,6 +7,7 @@
 #include <unordered_set>
 #include <vector>
 
+#include "core/base/prefetch.hpp"
 #include "core/scene/loader/vertex_normals.hpp"
 
 namespace tessera::core {
@@ -38,29 +39,42 @@ std::size_t hash(const Points& points) {
 
 // Which triangles may lie where another does: those that share a hash. Nearly all others are told apart from
 // all there are with two bits each, which take a fraction of the memory, and of its cache misses, that a hash
-// table of all would.
+// table of all would; and what will be missed is asked for some triangles ahead.
 class PossibleTwins {
  public:
-  explicit PossibleTwins(const MeshDescription& mesh)
-      : once_(slot_count(mesh)), again_(slot_count(mesh)), slots_(mesh.triangles.size()) {
-    for (std::size_t t = 0; t < slots_.size(); ++t) {
-      const std::size_t slot = hash(points_of(mesh, mesh.triangles[t])) & (once_.size() - 1);
-      slots_[t] = static_cast<std::uint32_t>(slot);
-      if (once_[slot]) again_[slot] = true;
-      once_[slot] = true;
+  explicit PossibleTwins(const MeshDescription& mesh) : slots_(mesh.triangles.size()) {
+    const std::size_t slot_count = std::min(std::bit_ceil(8 * slots_.size()), kMostSlots);
+    bits_.resize(std::max(slot_count / kSlotsOfWord, std::size_t{1}));
+    for (std::size_t t = 0; t < slots_.size() + kAhead; ++t) {
+      if (t < slots_.size()) {
+        slots_[t] = static_cast<std::uint32_t>(hash(points_of(mesh, mesh.triangles[t])) & (slot_count - 1));
+        prefetch(word_of(t));
+      }
+      if (t >= kAhead) count(t - kAhead);
     }
   }
 
-  bool has(std::size_t triangle) const { return again_[slots_[triangle]]; }
-
- private:
-  static std::size_t slot_count(const MeshDescription& mesh) {
-    constexpr std::size_t kMostSlots = std::size_t{1} << 32;
-    return std::min(std::bit_ceil(8 * mesh.triangles.size()), kMostSlots);
+  // Asked for all triangles, in their order.
+  bool has(std::size_t triangle) const {
+    if (triangle + kAhead < slots_.size()) prefetch(word_of(triangle + kAhead));
+    return (word_of(triangle) >> shift_of(triangle) & kAgain) != 0;
   }
 
-  std::vector<bool> once_, again_;    // of each hash
-  std::vector<std::uint32_t> slots_;  // of each triangle
+ private:
+  static constexpr std::size_t kMostSlots = std::size_t{1} << 32, kSlotsOfWord = 32, kAhead = 32;
+  static constexpr std::uint64_t kOnce = 1, kAgain = 2;
+
+  void count(std::size_t triangle) {
+    std::uint64_t& word = word_of(triangle);
+    const std::uint64_t was_there = word >> shift_of(triangle) & kOnce;
+    word |= (kOnce | was_there * kAgain) << shift_of(triangle);
+  }
+  std::uint64_t& word_of(std::size_t triangle) { return bits_[slots_[triangle] / kSlotsOfWord]; }
+  const std::uint64_t& word_of(std::size_t triangle) const { return bits_[slots_[triangle] / kSlotsOfWord]; }
+  unsigned shift_of(std::size_t triangle) const { return slots_[triangle] % kSlotsOfWord * 2; }
+
+  std::vector<std::uint32_t> slots_;  // of each triangle, by its hash
+  std::vector<std::uint64_t> bits_;   // two of each slot: kOnce, kAgain
 };
 
 // Triangles by where they lie.

@@ -233,12 +233,12 @@ TEST(GroupsThroughInstances, LeakNothingThroughAClosedMesh) {
 }
 
 TEST(GroupsThroughInstances, SurviveRaysThatAreNotRaysAmongOthers) {
-  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  constexpr float kUnbounded = std::numeric_limits<float>::infinity();
   const float nan = std::numeric_limits<float>::quiet_NaN();
   test::Random random(24);
   const test::Soup soup = shown({1, 0, 3}, random);
   const Bvh bvh = Bvh::build(soup.primitives, 1);
-  for (const float bad : {nan, kInfinity, -kInfinity, 0.0f, 3e38f})
+  for (const float bad : {nan, kUnbounded, -kUnbounded, 0.0f, 3e38f})
     ASSERT_NO_FATAL_FAILURE(test::expect_same_answers_beside(bad, bvh, soup, random));
 }
 
