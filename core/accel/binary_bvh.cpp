@@ -2,7 +2,9 @@
 
 #include <omp.h>
 
+#include <algorithm>
 #include <atomic>
+#include <utility>
 #include <vector>
 
 #include "core/accel/partition.hpp"
@@ -45,11 +47,19 @@ class NodePairs {
   std::atomic<std::uint32_t> next_{2};
 };
 
-// A range of items and what is known about it.
+// A range of items and what is known about it. Tasks carry it, for which its alignment must be no more than
+// usual.
 struct Range {
   std::size_t begin, end;
-  RangeBounds bounds;
+  Aabb box, half_centroids;
   int depth;
+
+  Range(std::size_t begin_item, std::size_t end_item, const RangeBounds& bounds, int at_depth)
+      : begin(begin_item),
+        end(end_item),
+        box(bounds.boxes.box()),
+        half_centroids(bounds.half_centroids.box()),
+        depth(at_depth) {}
 
   std::size_t size() const { return end - begin; }
 };
@@ -91,34 +101,35 @@ class Builder {
       counts[piece] = count;
       bounds[piece] = bounds_of(items.first(count));
     }
-    Range all{0, 0, {}, 0};
+    std::size_t count = 0;
+    RangeBounds all;
     for (std::size_t piece = 0; piece < pieces; ++piece) {
       const BuildItem* from = items_.data() + piece * kPiece;
-      if (all.end < piece * kPiece) std::copy(from, from + counts[piece], items_.data() + all.end);
-      all.end += counts[piece];
-      all.bounds.include(bounds[piece]);
+      if (count < piece * kPiece) std::copy(from, from + counts[piece], items_.data() + count);
+      count += counts[piece];
+      all.include(bounds[piece]);
     }
-    return all;
+    return {0, count, all, 0};
   }
 
   // Returns when the subtree is built, but for what it has left to tasks.
   void build_subtree(std::uint32_t index, const Range& range) {
-    const Aabb box = range.bounds.boxes.box();
     if (is_leaf(range)) {
-      tree_.nodes[index] = {box.lower, static_cast<std::uint32_t>(range.begin), box.upper,
+      tree_.nodes[index] = {range.box.lower, static_cast<std::uint32_t>(range.begin), range.box.upper,
                             static_cast<std::uint32_t>(range.size())};
       return;
     }
     const std::uint32_t children = pairs_.take();
-    tree_.nodes[index] = {box.lower, children, box.upper, 0};
+    tree_.nodes[index] = {range.box.lower, children, range.box.upper, 0};
     const auto parts = cut(range);
+    const Range &left = parts.first, &right = parts.second;
     if (range.size() > kTaskSize) {
-#pragma omp task default(none) firstprivate(children, parts)
-      build_subtree(children, parts.first);
+#pragma omp task default(none) firstprivate(children, left)
+      build_subtree(children, left);
     } else {
-      build_subtree(children, parts.first);
+      build_subtree(children, left);
     }
-    build_subtree(children + 1, parts.second);
+    build_subtree(children + 1, right);
   }
 
   // To enter an instance costs more than to meet a box: each has one of its own.
@@ -134,16 +145,16 @@ class Builder {
   std::pair<Range, Range> cut(const Range& range) {
     if (range.depth >= kMaxSahDepth) return halves(range);
     const auto items = items_.range(range.begin, range.end);
-    const Binning binning(range.bounds.centroids);
+    const Binning binning(range.half_centroids);
     const bool in_parallel = range.size() >= kParallelSize;
-    const Split split = (in_parallel ? bins_in_parallel(items, binning) : bins_of(items, binning))
-                            .best_split(range.bounds.boxes);
+    const Split split =
+        (in_parallel ? bins_in_parallel(items, binning) : bins_of(items, binning)).best_split(range.box);
     if (split.axis < 0) return halves(range);
     const Parts parts =
         in_parallel ? partition_in_parallel(items, binning, split) : partition(items, binning, split);
     const std::size_t middle = range.begin + parts.left_count;
-    return {{range.begin, middle, {split.left, parts.left_centroids}, range.depth + 1},
-            {middle, range.end, {split.right, parts.right_centroids}, range.depth + 1}};
+    return {{range.begin, middle, {split.left, parts.left_half_centroids}, range.depth + 1},
+            {middle, range.end, {split.right, parts.right_half_centroids}, range.depth + 1}};
   }
 
   std::pair<Range, Range> halves(const Range& range) {

@@ -1,7 +1,6 @@
 #include "core/accel/binning.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include "core/accel/binary_bvh.hpp"
 
@@ -9,9 +8,8 @@ namespace tessera::core {
 namespace {
 
 // Brings the longest side of `bounds` to a quarter, so that areas neither overflow nor vanish.
-float scale_of(const BuildBox& bounds) {
-  const Aabb box = bounds.box();
-  const double longest = std::max({box.extent(0), box.extent(1), box.extent(2)});
+float scale_of(const Aabb& bounds) {
+  const double longest = std::max({bounds.extent(0), bounds.extent(1), bounds.extent(2)});
   return static_cast<float>(std::min(0.25 / longest, double{std::numeric_limits<float>::max()}));
 }
 
@@ -38,8 +36,8 @@ float bins_per_length(double extent) {
 
 }  // namespace
 
-Binning::Binning(const BuildBox& centroids) {
-  const Aabb box = centroids.box();
+Binning::Binning(const Aabb& half_centroids) {
+  const Aabb& box = half_centroids;
   origin_ = in_both_halves(box.lower.x, box.lower.y, box.lower.z, 0);
   bins_per_length_ = in_both_halves(bins_per_length(box.extent(0)), bins_per_length(box.extent(1)),
                                     bins_per_length(box.extent(2)), 0);
@@ -72,8 +70,8 @@ void Bins::add(const Bins& other) {
 }
 
 // The cost of a part is the chance that a ray meets it times the packets that it takes; NaN if it is empty,
-// which is cheaper than nothing.
-Split Bins::best_split(const BuildBox& bounds) const {
+// so that no such border is taken.
+Split Bins::best_split(const Aabb& bounds) const {
   // From both ends at once, an axis in each lane: in the lower half of costs[i] what lies before border i, in
   // the upper one what lies behind border kBins - i.
   std::array<Float8, kBins> costs;

@@ -13,16 +13,15 @@ namespace tessera::core {
 
 inline constexpr int kBins = 16;
 
-// Which bin an item falls into: of as many of equal length as there are along each axis of the centroids'
-// bounds.
+// Which bin an item falls into, of those that part the bounds of all half centroids equally along each axis.
 class Binning {
  public:
-  explicit Binning(const BuildBox& centroids);
+  explicit Binning(const Aabb& half_centroids);
 
   // Of two items: in the first three lanes of the lower half for `a`, and of the upper one for `b`.
   U32x8 bins(BuildBox a, BuildBox b) const {
-    const Float8 centroids = upper_halves(a.half_centroid().v, b.half_centroid().v);
-    return min(truncated((centroids - origin_) * bins_per_length_), U32x8(kBins - 1));
+    const Float8 half_centroids = upper_halves(a.half_centroid().v, b.half_centroid().v);
+    return min(truncated((half_centroids - origin_) * bins_per_length_), U32x8(kBins - 1));
   }
 
  private:
@@ -43,7 +42,7 @@ class Bins {
   void add(const Bins& other);
 
   // The cheapest border between two bins; `bounds` is that of all items.
-  Split best_split(const BuildBox& bounds) const;
+  Split best_split(const Aabb& bounds) const;
 
  private:
   // The bins that stand at the same place along each axis.

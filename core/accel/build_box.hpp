@@ -11,12 +11,14 @@
 
 namespace tessera::core {
 
-// The lanes: -x, -y, -z of the lower corner, nothing, x, y, z of the upper one, nothing.
+// The lanes: -x, -y, -z of the lower corner, anything, x, y, z of the upper one, anything. Empty as
+// constructed.
 struct BuildBox {
   Float8 v = Float8::broadcast(-std::numeric_limits<float>::infinity());
 
   void include(BuildBox other) { v = max(v, other.v); }
-  // Half of the centre, as a box: a quarter of the sum of both corners, which cannot overflow.
+  // Half of the centre, as a box: a quarter of the sum of both corners, which cannot overflow. Not of an
+  // empty box.
   BuildBox half_centroid() const {
     const Float8 quarter = v * Float8::broadcast(0.25f);
     return {quarter - with_halves_swapped(quarter)};
@@ -37,21 +39,21 @@ struct alignas(32) BuildItem {
               box.upper.x,  box.upper.y,  box.upper.z,  0} {}
 
   std::uint32_t primitive() const { return std::bit_cast<std::uint32_t>(lanes[3]); }
-  // Without the id, which as a number would be too small to be reckoned with at full speed.
+  // Without the id, which is mostly a denormal number and would slow down all that is computed with the box.
   BuildBox box() const { return {without_lane_3(Float8::load(lanes))}; }
 };
 
 // The bounds of a range of items: of their boxes, and of their boxes' half centroids.
 struct RangeBounds {
-  BuildBox boxes, centroids;
+  BuildBox boxes, half_centroids;
 
   void include(BuildBox box) {
     boxes.include(box);
-    centroids.include(box.half_centroid());
+    half_centroids.include(box.half_centroid());
   }
   void include(const RangeBounds& other) {
     boxes.include(other.boxes);
-    centroids.include(other.centroids);
+    half_centroids.include(other.half_centroids);
   }
 };
 

@@ -77,9 +77,9 @@ Parts partition(std::span<BuildItem> items, const Binning& binning, const Split&
     item = items[parts.left_count];
     items[parts.left_count] = moved;
     const BuildBox box = moved.box(), centroid = box.half_centroid();
-    const Mask8 is_left = in_every_lane(binning.bins(box, box), split.axis) < border;
-    parts.left_centroids.include({select(is_left, centroid.v, none.v)});
-    parts.right_centroids.include({select(is_left, none.v, centroid.v)});
+    const Mask8 is_left = less_if_small(in_every_lane(binning.bins(box, box), split.axis), border);
+    parts.left_half_centroids.include({select(is_left, centroid.v, none.v)});
+    parts.right_half_centroids.include({select(is_left, none.v, centroid.v)});
     parts.left_count += is_left.bits() & 1;
   }
   return parts;
@@ -94,8 +94,8 @@ Parts partition_in_parallel(std::span<BuildItem> items, const Binning& binning, 
   Parts all;
   for (const Parts& part : parts) {
     all.left_count += part.left_count;
-    all.left_centroids.include(part.left_centroids);
-    all.right_centroids.include(part.right_centroids);
+    all.left_half_centroids.include(part.left_half_centroids);
+    all.right_half_centroids.include(part.right_half_centroids);
   }
   // Each piece has its left items in front; where pieces lie on the other side, they are exchanged.
   Runs right_before_border, left_behind_border;

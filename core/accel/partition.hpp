@@ -2,6 +2,7 @@
 // on the way.
 #pragma once
 
+#include <algorithm>
 #include <span>
 
 #include "core/accel/binning.hpp"
@@ -10,7 +11,7 @@ namespace tessera::core {
 
 struct Parts {
   std::size_t left_count = 0;
-  BuildBox left_centroids, right_centroids;  // of the halves of centroids
+  BuildBox left_half_centroids, right_half_centroids;
 };
 
 // Items before the split's border come to stand before the others. The order in which they stand depends on

@@ -35,25 +35,10 @@ inline std::array<Float8, 3> transposed_halves(Float8 row_0, Float8 row_1, Float
           _mm256_shuffle_ps(z, row_2.v, _MM_SHUFFLE(2, 2, 1, 0))};
 }
 
-// Four from either place, each aligned to 16 bytes.
+// Four from either place.
 inline U32x8 load_halves(const std::uint32_t* lower, const std::uint32_t* upper) {
   return _mm256_loadu2_m128i(reinterpret_cast<const __m128i*>(upper),
                              reinterpret_cast<const __m128i*>(lower));
-}
-// Lane `lane` of `a` in every lane.
-inline U32x8 in_every_lane(U32x8 a, int lane) {
-  return _mm256_permutevar8x32_epi32(a.v, _mm256_set1_epi32(lane));
-}
-// The whole numbers below, of what is not negative and below 2^31; at least that of all others.
-inline U32x8 truncated(Float8 a) {
-  return _mm256_cvttps_epi32(a.v);
-}
-inline U32x8 min(U32x8 a, U32x8 b) {
-  return _mm256_min_epu32(a.v, b.v);
-}
-// Of numbers below 2^31.
-inline Mask8 operator<(U32x8 a, U32x8 b) {
-  return _mm256_castsi256_ps(_mm256_cmpgt_epi32(b.v, a.v));
 }
 
 }  // namespace tessera::core

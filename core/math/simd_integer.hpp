@@ -71,6 +71,22 @@ inline Float8 to_float(U32x8 a) {
   return _mm256_cvtepi32_ps(a.v);
 }
 
+// Lane `lane` of `a` in every lane.
+inline U32x8 in_every_lane(U32x8 a, int lane) {
+  return _mm256_permutevar8x32_epi32(a.v, _mm256_set1_epi32(lane));
+}
+// Towards 0; 2^31 or more for NaN, for -1 and below, and for what does not fit.
+inline U32x8 truncated(Float8 a) {
+  return _mm256_cvttps_epi32(a.v);
+}
+inline U32x8 min(U32x8 a, U32x8 b) {
+  return _mm256_min_epu32(a.v, b.v);
+}
+// Of numbers below 2^31.
+inline Mask8 less_if_small(U32x8 a, U32x8 b) {
+  return _mm256_castsi256_ps(_mm256_cmpgt_epi32(b.v, a.v));
+}
+
 // The lowest bit first.
 inline U32x8 reverse_bits(U32x8 a) {
   const __m256i nibble = _mm256_set1_epi8(15);

@@ -54,7 +54,7 @@ class PossibleTwins {
     }
   }
 
-  // Asked for all triangles, in their order.
+  // Fastest if asked in ascending order.
   bool has(std::size_t triangle) const {
     if (triangle + kAhead < slots_.size()) prefetch(word_of(triangle + kAhead));
     return (word_of(triangle) >> shift_of(triangle) & kAgain) != 0;

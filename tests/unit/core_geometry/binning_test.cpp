@@ -2,7 +2,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <limits>
 #include <random>
+#include <span>
+#include <tuple>
 #include <vector>
 
 #include "core/accel/binary_bvh.hpp"
@@ -23,6 +26,14 @@ std::vector<BuildItem> random_items(std::size_t count, float scale, unsigned see
     items.emplace_back(box, static_cast<std::uint32_t>(i));
   }
   return items;
+}
+
+// Ids, in order.
+std::vector<std::uint32_t> ids_of(std::span<const BuildItem> items) {
+  std::vector<std::uint32_t> ids;
+  for (const BuildItem& item : items) ids.push_back(item.primitive());
+  std::sort(ids.begin(), ids.end());
+  return ids;
 }
 
 // By Binning's bins alone: the items before the border and those behind it.
@@ -63,10 +74,10 @@ TEST_P(Binned, ItemsAreCutWhereItIsCheapest) {
       SCOPED_TRACE(testing::Message() << count << " items, seed " << seed);
       std::vector<BuildItem> items = random_items(count, GetParam(), seed);
       const RangeBounds bounds = bounds_of(items);
-      const Binning binning(bounds.centroids);
+      const Binning binning(bounds.half_centroids.box());
       Bins bins;
       bins.add(binning, items);
-      const Split split = bins.best_split(bounds.boxes);
+      const Split split = bins.best_split(bounds.boxes.box());
       ASSERT_GE(split.axis, 0);
 
       double least = std::numeric_limits<double>::infinity();
@@ -82,25 +93,56 @@ TEST_P(Binned, ItemsAreCutWhereItIsCheapest) {
       EXPECT_EQ(split.right.box(), expected.boxes[1]);
 
       const Parts parts = partition(items, binning, split);
-      std::vector<std::uint32_t> left;
-      for (std::size_t i = 0; i < parts.left_count; ++i) left.push_back(items[i].primitive());
-      std::sort(left.begin(), left.end());
-      EXPECT_EQ(left, expected.left);
       const std::span<const BuildItem> all(items);
-      EXPECT_EQ(parts.left_centroids.box(), bounds_of(all.first(parts.left_count)).centroids.box());
-      EXPECT_EQ(parts.right_centroids.box(), bounds_of(all.subspan(parts.left_count)).centroids.box());
+      EXPECT_EQ(ids_of(all.first(parts.left_count)), expected.left);
+      EXPECT_EQ(parts.left_half_centroids.box(), bounds_of(all.first(parts.left_count)).half_centroids.box());
+      EXPECT_EQ(parts.right_half_centroids.box(),
+                bounds_of(all.subspan(parts.left_count)).half_centroids.box());
     }
   }
 }
 
 INSTANTIATE_TEST_SUITE_P(OfAllSizes, Binned, testing::Values(1e-30f, 1.0f, 3e38f));
 
+TEST(Partition, ByManyThreadsGivesTheSameParts) {
+  std::vector<BuildItem> items = random_items(3 * kParallelSize + 1, 1, 25);
+  const RangeBounds bounds = bounds_of(items);
+  const Binning binning(bounds.half_centroids.box());
+  Bins at_once, in_pieces;
+  at_once.add(binning, items);
+  for (std::size_t piece = 0; piece < piece_count(items.size()); ++piece) {
+    Bins bins;
+    bins.add(binning, piece_of(items, piece));
+    in_pieces.add(bins);
+  }
+  const Split split = at_once.best_split(bounds.boxes.box());
+  const Split same = in_pieces.best_split(bounds.boxes.box());
+  EXPECT_EQ(std::tie(split.cost, split.axis, split.first_right_bin),
+            std::tie(same.cost, same.axis, same.first_right_bin));
+  for (const int border : {1, 5, split.first_right_bin, kBins - 1}) {
+    Split at = split;
+    at.first_right_bin = border;
+    std::vector<BuildItem> by_one = items, by_many = items;
+    const Parts expected = partition(by_one, binning, at);
+    Parts parts;
+#pragma omp parallel num_threads(3)
+#pragma omp single
+    parts = partition_in_parallel(by_many, binning, at);
+    ASSERT_EQ(parts.left_count, expected.left_count);
+    EXPECT_EQ(parts.left_half_centroids.box(), expected.left_half_centroids.box());
+    EXPECT_EQ(parts.right_half_centroids.box(), expected.right_half_centroids.box());
+    const std::span<const BuildItem> one(by_one), many(by_many);
+    EXPECT_EQ(ids_of(many.first(parts.left_count)), ids_of(one.first(parts.left_count)));
+    EXPECT_EQ(ids_of(many.subspan(parts.left_count)), ids_of(one.subspan(parts.left_count)));
+  }
+}
+
 TEST(Binning, ItemsOfOneCentroidAreNotCut) {
   const std::vector<BuildItem> items(9, BuildItem({{-1, 2, 3}, {4, 5, 6}}, 7));
   const RangeBounds bounds = bounds_of(items);
   Bins bins;
-  bins.add(Binning(bounds.centroids), items);
-  EXPECT_LT(bins.best_split(bounds.boxes).axis, 0);
+  bins.add(Binning(bounds.half_centroids.box()), items);
+  EXPECT_LT(bins.best_split(bounds.boxes.box()).axis, 0);
 }
 
 }  // namespace
