@@ -92,7 +92,7 @@ class Builder {
 #pragma omp parallel for num_threads(threads_) schedule(dynamic)
     for (std::size_t piece = 0; piece < pieces; ++piece) {
       const auto items = piece_of(items_.range(0, items_.size()), piece);
-      std::size_t count = 0;
+      std::size_t count = 0;  // not in `counts` at once, which other threads write beside
       for (std::size_t i = 0; i < items.size(); ++i) {
         const auto primitive = static_cast<std::uint32_t>(piece * kPiece + i);
         const Aabb box = primitives.bounds(primitive);
