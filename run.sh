@@ -6,8 +6,9 @@ cd "$(dirname "${BASH_SOURCE[0]}")"
 
 size=600x400
 spp=64
-scene=scenes/still_life/scene.json
+scene=still_life
 bin=$PWD/build/release/bin
+source scripts/build.sh
 source scripts/processes.sh
 
 heading() { printf '\n== %s\n' "$*"; }
@@ -19,17 +20,12 @@ fail() {
 }
 
 heading "Packages"
-scripts/setup.sh
+scripts/setup.sh build
 echo "all there"
 
 heading "Build (some minutes the first time)"
-mkdir -p build out
-programs=(tessera tessera-coordinator tessera-worker tessera-validator scene_files)
-if ! { cmake --preset release -DCMAKE_UNITY_BUILD=ON && cmake --build --preset release --parallel "$(nproc)" --target "${programs[@]}"; } \
-  >build/release.log 2>&1; then
-  tail -n 60 build/release.log >&2
-  fail "the build failed; the whole log is in build/release.log"
-fi
+mkdir -p out
+build release "-DTESSERA_TESTS=OFF -DTESSERA_FARM_FLAGS=-O1" tessera tessera-coordinator tessera-worker tessera-validator tessera_scene_still_life
 echo "built in build/release"
 
 heading "A farm: one coordinator, two workers"
@@ -57,4 +53,5 @@ cat <<EOF_TEXT
 The picture:      $PWD/out/still_life.png
 To look at next:  build/release/bin/tessera render scenes/cornell/scene.json -o out/cornell.png
                   build/release/bin/tessera --help
+The other scenes: cmake --build build/release --target scene_files
 EOF_TEXT

@@ -73,7 +73,7 @@ picture() {
   local number=$1 name=$2 scene=$3 size=$4 spp=$5
   shift 5
   printf '[%2d/%d] %-24s %-8s %5s spp  ' "$number" ${#pictures[@]} "$name" "$size" "$spp"
-  "$bin/tessera" render "scenes/$scene" --size "$size" --spp "$spp" "$@" --quiet \
+  "$bin/tessera" render "build/release/share/tessera/scenes/$scene" --size "$size" --spp "$spp" "$@" --quiet \
     -o "$out/$name.png" -o "$out/$name.exr" --stats "$out/$name.json"
   jq -r '"\(.render_seconds * 10 | round / 10) s, \(.samples_per_second / 1e4 | round / 100) million samples/s"' \
     "$out/$name.json"

@@ -5,12 +5,12 @@ set -euo pipefail
 
 spp=${1:-4}
 root=$(dirname "${BASH_SOURCE[0]}")/..
-tessera=${TESSERA_BIN:-$root/build/release/bin}/tessera
+tessera=${TESSERA_BIN:-$root/build/profiled/bin}/tessera
 [ -x "$tessera" ] || { echo "closing_picture.sh: there is no $tessera; ./run.sh builds it" >&2; exit 1; }
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 
-"$tessera" render "$root/scenes/go/scene.json" --size 3328x2048 --spp "$spp" --threads 1 --quiet \
+"$tessera" render go --size 3328x2048 --spp "$spp" --threads 1 --quiet \
   -o "$folder/go.pfm" --stats "$folder/go.json"
 echo "| scene | µs of a core for each sample | core-hours for 8192 spp |"
 echo "|---|---|---|"

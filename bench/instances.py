@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Time and memory of a scene of many instances: writes one, renders it small, and prints both.
 
-    bench/instances.py build/release/bin/tessera [INSTANCES [FOLDER [RENDER OPTION ...]]]
+    bench/instances.py build/profiled/bin/tessera [INSTANCES [FOLDER [RENDER OPTION ...]]]
 
 Ten thousand instances if no number is given, of a bumpy body of 69,000 triangles. The files go to FOLDER, or to
 a temporary one.

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Load, build and memory of a scene of many triangles: writes one, renders it small, and prints a table.
 
-    bench/large_scene.py build/release/bin/tessera [TRIANGLES [FOLDER [RENDER OPTION ...]]]
+    bench/large_scene.py build/profiled/bin/tessera [TRIANGLES [FOLDER [RENDER OPTION ...]]]
 
 Ten million triangles if no number is given. The files go to FOLDER, where they are used again, or to a
 temporary one. The mesh is a bumpy sheet without normals and texture coordinates: those are computed and left

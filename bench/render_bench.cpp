@@ -10,7 +10,7 @@ namespace tessera::core {
 namespace {
 
 void render_scene(benchmark::State& state, const std::string& name, Integrator integrator) {
-  auto description = load_scene_file(std::string(TESSERA_SOURCE_DIR) + "/scenes/" + name + "/scene.json");
+  auto description = load_scene_file(std::string(TESSERA_SCENES_DIR "/") + name + "/scene.json");
   if (!description) return state.SkipWithError(description.error().message.c_str());
   const auto scene = Scene::build(*std::move(description), 1);
   if (!scene) return state.SkipWithError(scene.error().message.c_str());

@@ -32,9 +32,9 @@ while [ $# -gt 0 ]; do
   shift
 done
 
-bin=build/release/bin
+bin=build/profiled/bin
 for program in tessera tessera-coordinator tessera-worker; do
-  [ -x "$bin/$program" ] || { echo "threads_and_farm.sh: there is no $bin/$program; ./run.sh builds it" >&2; exit 1; }
+  [ -x "$bin/$program" ] || { echo "threads_and_farm.sh: there is no $bin/$program; cmake --preset profiled -DTESSERA_BENCH=ON && cmake --build --preset profiled builds it" >&2; exit 1; }
 done
 [ "$(nproc)" -ge 2 ] || { echo "threads_and_farm.sh: two threads need two cores; here is one" >&2; exit 1; }
 

@@ -10,6 +10,7 @@
 #ifdef TESSERA_FARM
 #include "client/farm/farm_commands.hpp"
 #endif
+#include "core/base/version.hpp"
 
 namespace tessera::client {
 namespace {
@@ -38,7 +39,7 @@ int with_results_written(int exit_code) {
 
 int run(int argc, char** argv) {
   CLI::App app{"Tessera renders pictures by path tracing, on one machine or on many.", "tessera"};
-  app.set_version_flag("--version", "tessera " TESSERA_VERSION);
+  app.set_version_flag("--version", "tessera " + std::string(core::version()));
   app.footer(kFooter);
   app.require_subcommand(1);
   int exit_code = kExitOk;

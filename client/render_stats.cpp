@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/instruction_set.hpp"
+#include "core/base/version.hpp"
 
 namespace tessera::client {
 
@@ -38,7 +39,7 @@ std::string to_json(const RenderStats& stats, std::uint64_t peak_memory_bytes) {
   const double speed =
       stats.render_seconds > 0 ? static_cast<double>(counters.samples) / stats.render_seconds : 0;
   const nlohmann::ordered_json json = {
-      {"version", TESSERA_VERSION},
+      {"version", core::version()},
       {"width", stats.settings.width_px},
       {"height", stats.settings.height_px},
       {"crop", crop_json(stats.settings)},

@@ -10,6 +10,7 @@
 #include <sstream>
 #include <system_error>
 
+#include "client/example_scenes.hpp"
 #include "core/image/encode.hpp"
 
 namespace tessera::client {
@@ -103,7 +104,10 @@ core::ToneCurve parse_tone_curve(const std::string& text) {
 }  // namespace
 
 void add_scene_argument(CLI::App& command, SceneFlags& flags) {
-  command.add_option("SCENE", flags.scene_path, "The scene file (JSON)")->required()->option_text(" ");
+  command.add_option("SCENE", flags.scene_path, "The scene file (JSON), or the name of an example scene, such as cornell")
+      ->required()
+      ->option_text(" ")
+      ->transform(find_scene);
 }
 
 void add_output_option(CLI::App& command, SceneFlags& flags) {

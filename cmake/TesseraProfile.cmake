@@ -34,7 +34,7 @@ elseif(profile_mode STREQUAL "use")
     COMMAND ${CMAKE_COMMAND} -E rm -rf ${TESSERA_PROFILE_DIR}
     COMMAND ${CMAKE_COMMAND} --build ${recording} --target render_samples scene_files
     COMMAND ${CMAKE_COMMAND} -E rm -rf ${TESSERA_PROFILE_DIR}
-    COMMAND ${record_profile} ${recording}/bin/render_samples
+    COMMAND ${record_profile} ${recording}/bin/render_samples ${recording}/share/tessera/scenes
     COMMAND ${CMAKE_COMMAND} -E touch ${recording}/recorded
     DEPENDS ${profiled_sources} ${record_profile} ${PROJECT_SOURCE_DIR}/bench/samples/render_samples.cpp
     COMMENT "Recording a profile of renders"

@@ -42,7 +42,7 @@ function(tessera_core)
       foreach(library IN LISTS libraries)
         target_sources(tessera_core${variant} PRIVATE $<TARGET_OBJECTS:tessera_${library}${variant}>)
       endforeach()
-      target_link_libraries(tessera_core${variant} PUBLIC tessera::base PRIVATE ${ARG_LINKS})
+      target_link_libraries(tessera_core${variant} PUBLIC $<BUILD_INTERFACE:tessera::base> PRIVATE ${ARG_LINKS})
       # Each calls its own functions, whatever else is loaded.
       target_link_options(tessera_core${variant} PRIVATE -Wl,-Bsymbolic -Wl,-z,defs)
       set_target_properties(tessera_core${variant} PROPERTIES OUTPUT_NAME tessera_core

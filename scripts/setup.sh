@@ -1,33 +1,79 @@
 #!/usr/bin/env bash
-# Installs every Debian 12 package that building and testing Tessera needs. Quick when all are there already.
+# setup.sh [build] [package] [test] [bench]: installs the Debian 12 packages that building and rendering, packaging, testing
+# or measuring Tessera need; all of them without arguments. Quick when they are there already.
 set -euo pipefail
 
-packages=(
-  # The compiler (with OpenMP and nm), the build system, and how it finds libraries.
-  g++ binutils cmake ninja-build pkg-config
+build=(
+  # The compiler (with OpenMP) and the build system, and how it finds libraries.
+  g++ cmake ninja-build pkg-config
   # Results and formatted messages; hashes of content and of film tiles.
-  libexpected-dev libfmt-dev libssl-dev libxxhash-dev
+  libexpected-dev
+  libfmt-dev
+  libssl-dev
+  libxxhash-dev
   # What goes in: scene files, meshes, textures, options.
-  nlohmann-json3-dev libtinyobjloader-dev libstb-dev libcli11-dev
-  # What comes out: OpenEXR pictures.
-  libopenexr-dev libimath-dev
+  nlohmann-json3-dev
+  libtinyobjloader-dev
+  libstb-dev
+  libcli11-dev
+  # What comes out: OpenEXR images.
+  libopenexr-dev
+  libimath-dev
   # The farm: RPC and its code generators, logs, durable state, compressed film tiles.
-  libabsl-dev libgrpc++-dev libprotobuf-dev protobuf-compiler protobuf-compiler-grpc
-  libspdlog-dev libsqlite3-dev libzstd-dev
+  libabsl-dev
+  libgrpc++-dev
+  libprotobuf-dev
+  protobuf-compiler
+  protobuf-compiler-grpc
+  libspdlog-dev
+  libsqlite3-dev
+  libzstd-dev
   # deploy/make_certificates.sh.
   openssl
-  # Tests of networks that break, in network namespaces.
+)
+package=(
+  # What a package's programs depend on.
+  dpkg-dev
+)
+test=(
+  libgtest-dev
+  libgmock-dev
+  # What the coordinator's binary contains; counts of instructions.
+  binutils
+  valgrind
+  # Networks that break, in network namespaces.
   iproute2
+  # Packages, installed in a root of their own.
+  debootstrap
   # tests/fuzz and the preset tsan: Clang with libFuzzer, the sanitizers and OpenMP.
-  clang-14 libclang-rt-14-dev libomp-14-dev
-  # Tests, counts of instructions, and benchmarks (Embree only to be measured beside).
-  libgtest-dev libgmock-dev libbenchmark-dev libembree-dev valgrind
-  # run_all.sh: reading statistics, and putting pictures on one sheet with their names.
-  jq graphicsmagick fonts-dejavu-core
+  clang-14
+  libclang-rt-14-dev
+  libomp-14-dev
+)
+bench=(
+  libbenchmark-dev
+  # Measured beside.
+  libembree-dev
+  # run_all.sh: reading statistics, and putting images on one sheet with their names.
+  jq
+  graphicsmagick
+  fonts-dejavu-core
 )
 
+wanted=()
+[ $# -gt 0 ] || set -- build package test bench
+for purpose in "$@"; do
+  case $purpose in
+    build) wanted+=("${build[@]}") ;;
+    package) wanted+=("${package[@]}") ;;
+    test) wanted+=("${test[@]}") ;;
+    bench) wanted+=("${bench[@]}") ;;
+    *) echo "setup.sh: unknown purpose '$purpose'; there are build, package, test and bench" >&2; exit 2 ;;
+  esac
+done
+
 missing=()
-for package in "${packages[@]}"; do
+for package in "${wanted[@]}"; do
   state=$(dpkg-query -W -f='${db:Status-Status}' "$package" 2>/dev/null || true)
   [ "$state" = installed ] || missing+=("$package")
 done

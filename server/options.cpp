@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdlib>
 
+#include "core/base/version.hpp"
 #include "proto/number_range.hpp"
 #include "server/limit_flags.hpp"
 
@@ -48,7 +49,7 @@ Options parse_options(int argc, char** argv) {
   CLI::App app(
       "The coordinator of a Tessera render farm: takes scenes, hands their tiles to workers, serves the "
       "pictures.");
-  app.set_version_flag("--version", "tessera-coordinator " TESSERA_VERSION);
+  app.set_version_flag("--version", "tessera-coordinator " + std::string(core::version()));
   app.add_option("--listen", options.listen,
                  "HOST:PORT to serve at; port 0 picks a free one. An address that other machines reach needs "
                  "TLS, or --insecure")

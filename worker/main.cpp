@@ -3,6 +3,7 @@
 
 #include <cstdlib>
 
+#include "core/base/version.hpp"
 #include "core/integrators/fingerprint.hpp"
 #include "proto/log.hpp"
 #include "proto/unreachable.hpp"
@@ -38,7 +39,7 @@ int run(const worker::Options& options, char** arguments) {
   const auto coordinator = v1::WorkerService::NewStub(*channel);
   worker::Identity identity{.worker_id = worker::random_worker_id(),
                             .name = options.name,
-                            .version = TESSERA_VERSION,
+                            .version = std::string(core::version()),
                             .arithmetic_fingerprint = core::arithmetic_fingerprint(),
                             .threads = options.threads};
   spdlog::info("worker {} ({}) with {} threads, for the coordinator at {}, cache {}", options.name,

@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <thread>
 
+#include "core/base/version.hpp"
 #include "proto/number_range.hpp"
 #include "proto/security_flags.hpp"
 #include "proto/text.hpp"
@@ -42,7 +43,7 @@ Options::Options()
 Options parse_options(int argc, char** argv) {
   Options options;
   CLI::App app("A worker of a Tessera render farm: fetches scenes, renders tiles, delivers them.");
-  app.set_version_flag("--version", "tessera-worker " TESSERA_VERSION);
+  app.set_version_flag("--version", "tessera-worker " + std::string(core::version()));
   app.add_option("--coordinator", options.coordinator, "Where the coordinator listens")
       ->envname(proto::kCoordinatorVariable)
       ->type_name("HOST:PORT")

@@ -13,7 +13,7 @@ for name in "$@"; do
   [[ " ${all[*]} " == *" $name "* ]] || { echo "measure.sh: there is no series '$name', but ${all[*]}" >&2; exit 2; }
 done
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
-bin=build/release/bin
+bin=build/profiled/bin
 for program in tessera tessera_bench tessera-coordinator tessera-worker; do
   [ -x "$bin/$program" ] || { echo "measure.sh: there is no $bin/$program; configure with -DTESSERA_BENCH=ON" >&2; exit 1; }
 done

@@ -19,7 +19,9 @@ from pictures import mean_picture, noise, read_pfm, region_ratios
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 ROOT = os.path.dirname(os.path.dirname(HERE))
-TESSERA = os.path.join(os.environ.get("TESSERA_BIN", os.path.join(ROOT, "build/release/bin")), "tessera")
+BIN = os.environ.get("TESSERA_BIN", os.path.join(ROOT, "build/profiled/bin"))
+TESSERA = os.path.join(BIN, "tessera")
+SCENES_FOLDER = os.path.join(os.path.dirname(BIN), "share/tessera/scenes")
 
 
 @dataclass(frozen=True)
@@ -31,12 +33,12 @@ class Scene:
 
 
 SCENES = [
-    Scene("cornell", "scenes/cornell/scene.json", 512, 512),
-    Scene("veach_mis", "scenes/veach_mis/scene.json", 768, 512),
-    Scene("go", "scenes/go/scene.json", 832, 512),
-    Scene("glass_and_water", "scenes/glass_and_water/fresnel.json", 640, 480),
-    Scene("field", "bench/peers/field/scene.json", 960, 540),
-    Scene("strands", "bench/peers/strands/scene.json", 480, 360),
+    Scene("cornell", "cornell/scene.json", 512, 512),
+    Scene("veach_mis", "veach_mis/scene.json", 768, 512),
+    Scene("go", "go/scene.json", 832, 512),
+    Scene("glass_and_water", "glass_and_water/fresnel.json", 640, 480),
+    Scene("field", "peers/field/scene.json", 960, 540),
+    Scene("strands", "peers/strands/scene.json", 480, 360),
 ]
 
 
@@ -65,14 +67,14 @@ def render_with_cycles(scene, size, spp, seed, picture, core):
     script = os.path.join(HERE, "cycles_render.py")
     output = run_pinned(
         ["blender", "--background", "--factory-startup", "--threads", "1", "--python-exit-code", "1", "--python", script,
-         "--", os.path.join(ROOT, scene.file), str(size[0]), str(size[1]), str(spp), str(seed), picture], core)
+         "--", os.path.join(SCENES_FOLDER, scene.file), str(size[0]), str(size[1]), str(spp), str(seed), picture], core)
     line = next(line for line in output.splitlines() if line.startswith("CYCLES "))
     return json.loads(line.removeprefix("CYCLES "))["core_seconds"]
 
 
 def render_with_tessera(scene, size, spp, seed, picture, core):
     stats = picture + ".json"
-    run_pinned([TESSERA, "render", os.path.join(ROOT, scene.file), "--size", f"{size[0]}x{size[1]}", "--spp", str(spp),
+    run_pinned([TESSERA, "render", os.path.join(SCENES_FOLDER, scene.file), "--size", f"{size[0]}x{size[1]}", "--spp", str(spp),
                 "--seed", str(seed), "--threads", "1", "--quiet", "-o", picture, "--stats", stats], core)
     with open(stats, encoding="utf-8") as file:
         return json.load(file)["render_core_seconds"]
@@ -171,9 +173,9 @@ def check_requirements(scenes):
     if not os.access(TESSERA, os.X_OK):
         raise Failed(f"there is no {TESSERA}; build it (./run.sh does), or say in which folder it is with TESSERA_BIN")
     for name, mesh in (("field", "blobs.obj"), ("strands", "strands.obj")):
-        path = os.path.join(HERE, name, "generated", mesh)
+        path = os.path.join(SCENES_FOLDER, "peers", name, "generated", mesh)
         if any(scene.name == name for scene in scenes) and not os.path.exists(path):
-            raise Failed(f"there is no {path}; 'cmake --build build/release --target tessera_peer_files' makes it")
+            raise Failed(f"there is no {path}; 'cmake --build build/profiled --target tessera_peer_files' makes it")
 
 
 def compare(options):

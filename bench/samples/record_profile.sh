@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
-# record_profile.sh RENDER_SAMPLES: renders small pictures of the scenes here with a build that records what it does
+# record_profile.sh RENDER_SAMPLES SCENES: renders the scenes below SCENES small with a build that records what it does
 # (cmake/TesseraProfile.cmake). The same every time, so that the same sources make the same program.
 set -euo pipefail
 
 render_samples=$1
-scenes=$(cd "$(dirname "${BASH_SOURCE[0]}")/../../scenes" && pwd)
+scenes=$2
 side=96
 spp=8
 

@@ -23,8 +23,8 @@ namespace tessera::go {
 namespace {
 
 constexpr const char* kDescription =
-    "Writes the meshes and textures of scenes/go for a game that an SGF file records, so that\n"
-    "  tessera render scenes/go/scene.json -o go.png\n"
+    "Writes the meshes and textures of the example scene go for a game that an SGF file records, so that\n"
+    "  tessera render go -o go.png\n"
     "shows its board, with the stones that each side captured in the other's lid.";
 
 constexpr const char* kFooter =
@@ -32,8 +32,8 @@ constexpr const char* kFooter =
 What an error says begins with the file and the line to mend.
 
 Examples:
-  tessera-generate-go --game my_game.sgf --output scenes/go/generated
-  tessera-generate-go --game my_game.sgf --moves 120 --output scenes/go/generated)";
+  tessera-generate-go --game my_game.sgf --output build/release/share/tessera/scenes/go/generated
+  tessera-generate-go --game my_game.sgf --moves 120 --output build/release/share/tessera/scenes/go/generated)";
 
 struct Options {
   std::string game, output;

@@ -1,19 +1,20 @@
 #!/usr/bin/env bash
-# Puts the Stanford bunny and Spot the cow beside this scene, from where they were first published, and models the
-# menagerie with them in place of our own animals. Needs curl, tar, unzip and sha256sum. To go back, delete bunny.obj,
-# spot.obj, spot_texture.png and generated/, and build again.
+# Fetches the Stanford bunny and Spot the cow from where they were first published, and models the menagerie of a build
+# folder with them in place of our own animals: scenes/menagerie/fetch.sh [BUILD]. Needs curl, tar, unzip and sha256sum. To
+# go back, delete BUILD/share/tessera/scenes/menagerie and build again.
 #
 # The bunny: Stanford 3D Scanning Repository, Turk and Levoy 1994. For research, with credit; not to be sold.
 # Spot: Keenan Crane. Public domain (CC0).
 set -euo pipefail
-cd "$(dirname "${BASH_SOURCE[0]}")"
+build=${1:-$(dirname "${BASH_SOURCE[0]}")/../../build/release}
 
 bunny_url=https://graphics.stanford.edu/pub/3Dscanrep/bunny.tar.gz
 spot_url=https://www.cs.cmu.edu/~kmcrane/Projects/ModelRepository/spot.zip
 bunny_archive_sha256=a5720bd96d158df403d153381b8411a727a1d73cff2f33dc9b212d6f75455b84
 spot_sha256=0738b5e8608fed74e5e8c7aa8dd0af97b4b74f9f6cbf7aac84cd7e40b2e44a75
 spot_texture_sha256=cddabbae52a666173e7953e238b88340d285044dc20b36f8ed3f1a41db534fa5
-generator=../../build/release/bin/tessera-generate-menagerie
+generator=$build/bin/tessera-generate-menagerie
+scene=$build/share/tessera/scenes/menagerie
 
 fail() {
   echo "fetch.sh: $*" >&2
@@ -35,6 +36,7 @@ ply_to_obj() {
        /^end_header/ { body = 1 }'
 }
 
+[ -x "$generator" ] || fail "there is no $generator; build it first (./run.sh does)"
 for tool in curl tar unzip sha256sum awk; do
   command -v "$tool" >/dev/null || fail "$tool is needed; on Debian: apt-get install curl tar unzip coreutils mawk"
 done
@@ -50,15 +52,10 @@ unzip -q -j "$work/spot.zip" '*/spot_triangulated.obj' '*/spot_texture.png' -d "
 verify "$work/spot_triangulated.obj" "$spot_sha256"
 verify "$work/spot_texture.png" "$spot_texture_sha256"
 
-mv "$work/bunny.obj" bunny.obj
-mv "$work/spot_triangulated.obj" spot.obj
-mv "$work/spot_texture.png" spot_texture.png
+mkdir -p "$scene/generated"
+mv "$work/bunny.obj" "$scene/bunny.obj"
+mv "$work/spot_triangulated.obj" "$scene/spot.obj"
+mv "$work/spot_texture.png" "$scene/spot_texture.png"
 
-if [ -x "$generator" ]; then
-  mkdir -p generated
-  "$generator" generated .
-  echo "The menagerie is now the bunny's and Spot's; render scenes/menagerie/scene.json."
-else
-  rm -rf generated
-  echo "The next build will take the bunny and Spot into the menagerie."
-fi
+"$generator" "$scene/generated" "$scene"
+echo "The menagerie of $build is now the bunny's and Spot's: tessera render menagerie"

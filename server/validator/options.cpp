@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdlib>
 
+#include "core/base/version.hpp"
 #include "server/validator/flags.hpp"
 
 namespace tessera::validator {
@@ -25,7 +26,7 @@ Options parse_options(int argc, char** argv) {
   CLI::App app(
       "Reads one serialised tessera.validator.Question on standard input, loads its scene and answers with a "
       "Verdict on standard output. The coordinator starts one for every scene that is submitted.");
-  app.set_version_flag("--version", "tessera-validator " TESSERA_VERSION);
+  app.set_version_flag("--version", "tessera-validator " + std::string(core::version()));
   app.add_option(kMemoryFlag, confinement.memory_mib, "Memory it may take (addresses)")
       ->type_name("N")
       ->capture_default_str();

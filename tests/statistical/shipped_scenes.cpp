@@ -10,7 +10,7 @@ namespace {
 
 std::map<std::string, std::string> paths_by_name() {
   std::map<std::string, std::string> paths;
-  for (const auto& folder : std::filesystem::directory_iterator(TESSERA_SOURCE_DIR "/scenes")) {
+  for (const auto& folder : std::filesystem::directory_iterator(TESSERA_SCENES_DIR)) {
     if (!folder.is_directory()) continue;
     for (const auto& file : std::filesystem::directory_iterator(folder.path())) {
       if (file.path().extension() != ".json") continue;

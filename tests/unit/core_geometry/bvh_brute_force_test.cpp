@@ -53,6 +53,28 @@ TEST_P(BruteForce, FindsTheSameHitsInEverySoup) {
 
 INSTANTIATE_TEST_SUITE_P(Sizes, BruteForce, testing::Values(1, 2, 5, 33, 400, 5000));
 
+void expect_same_hits_on(const test::Mesh& mesh) {
+  const Primitives primitives = mesh.primitives();
+  ASSERT_GT(primitives.count(), 50000u);
+  const Bvh bvh = Bvh::build(primitives, 2);
+  Aabb box;
+  for (const Vec3& p : mesh.positions) box.include(p);
+  const float size = length(box.upper - box.lower);
+  test::Random random(10);
+  for (int i = 0; i < 100; ++i) {
+    const Vec3 origin = 0.5f * (box.lower + box.upper) + size * random.direction();
+    expect_same_hits(bvh, primitives, {origin, test::point_of(primitives, random) - origin});
+    if (testing::Test::HasFatalFailure()) return;
+  }
+}
+
+TEST(BruteForce, FindsTheSameHitsOnABumpyBody) {
+  test::Mesh mesh = test::icosphere(6, {0, 0, 0}, 1);
+  for (Vec3& p : mesh.positions)
+    p = (1 + 0.2f * std::sin(9 * p.x) * std::sin(7 * p.y) * std::sin(8 * p.z)) * p;
+  expect_same_hits_on(mesh);
+}
+
 TEST(BruteForce, FindsTheSameHitsOnTheBunny) {
   std::ifstream file(TESSERA_SOURCE_DIR "/../shared/data/bunny.obj");
   if (!file) GTEST_SKIP() << "shared/data/bunny.obj is not here";
@@ -73,18 +95,7 @@ TEST(BruteForce, FindsTheSameHitsOnTheBunny) {
       }
     }
   }
-  const Primitives primitives = mesh.primitives();
-  ASSERT_GT(primitives.count(), 50000u);
-  const Bvh bvh = Bvh::build(primitives, 2);
-  Aabb box;
-  for (const Vec3& p : mesh.positions) box.include(p);
-  const float size = length(box.upper - box.lower);
-  test::Random random(10);
-  for (int i = 0; i < 100; ++i) {
-    const Vec3 origin = 0.5f * (box.lower + box.upper) + size * random.direction();
-    expect_same_hits(bvh, primitives, {origin, test::point_of(primitives, random) - origin});
-    if (HasFatalFailure()) return;
-  }
+  expect_same_hits_on(mesh);
 }
 
 TEST(Bvh, OfNothingIsMissed) {

@@ -22,7 +22,7 @@ using core::MeshDescription;
 using core::Vec2;
 using core::Vec3;
 
-const std::string kFolder = TESSERA_SOURCE_DIR "/scenes/go/";
+const std::string kFolder = TESSERA_SCENES_DIR "/go/";
 
 Position shipped_position() {
   const std::string path = kFolder + "lee_sedol_alphago_4.sgf";

@@ -14,7 +14,7 @@ namespace {
 
 using nlohmann::json;
 
-const std::string kScenes = TESSERA_SOURCE_DIR "/scenes/";
+const std::string kScenes = TESSERA_SCENES_DIR "/";
 
 class SceneFile : public testing::TestWithParam<const char*> {};
 
