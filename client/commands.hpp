@@ -8,5 +8,6 @@ namespace tessera::client {
 
 void add_render_command(CLI::App& app, int& exit_code);
 void add_compare_command(CLI::App& app, int& exit_code);
+void add_schema_command(CLI::App& app, int& exit_code);
 
 }  // namespace tessera::client

@@ -20,16 +20,15 @@ namespace {
 constexpr int kExitDifferent = 1;
 constexpr int kExitCannotCompare = 2;
 
-constexpr const char* kCompareFooter =
-    R"(Exit status: 0 if identical, 1 if different, 2 if they cannot be compared.
+const cli::HelpText kHelp{
+    .notes = R"(Images are compared in linear light. PNG files are decoded with the sRGB transfer function.
 
-Pictures are compared in linear light; PNG is decoded with the sRGB transfer
-function. B is the reference of the relative error: the mean over pixels and
-channels of (a-b)^2 / (b^2 + 0.01). PSNR takes 1 for the peak.
-
-Examples:
-  tessera compare a.exr b.exr
-  tessera compare a.exr b.exr --json --region 100,40,64x32)";
+The relative MSE is the mean of (a-b)^2 / (b^2 + 0.01) over pixels and channels, with B as the reference. PSNR
+takes 1 as the peak.)",
+    .exit_statuses = {{kExitOk, "identical"},
+                      {kExitDifferent, "different"},
+                      {kExitCannotCompare, "cannot be compared, or wrong command line"}},
+    .examples = {"tessera compare a.exr b.exr", "tessera compare a.exr b.exr --json --region 100,40,64x32"}};
 
 struct CompareOptions {
   std::string path_a, path_b;
@@ -98,28 +97,25 @@ int run_compare(const CompareOptions& options) {
   if (!b) return cannot_compare(b.error());
   const auto result = options.region ? core::compare(*a, *b, *options.region) : core::compare(*a, *b);
   if (!result) return cannot_compare(result.error());
-  fmt::print("{}", options.json ? to_json(*result, options.region) : describe(*result, options.region));
+  print_result(options.json ? to_json(*result, options.region) : describe(*result, options.region));
   return result->identical ? kExitOk : kExitDifferent;
 }
 
 }  // namespace
 
 void add_compare_command(CLI::App& app, int& exit_code) {
-  CLI::App* command =
-      app.add_subcommand("compare", "Say whether two pictures are identical, and how much they differ");
+  CLI::App* command = app.add_subcommand("compare", "Compare two images");
   const auto options = std::make_shared<CompareOptions>();
-  command->add_option("A", options->path_a, "A picture: .png, .exr, .hdr or .pfm")
-      ->required()
-      ->option_text(" ");
-  command->add_option("B", options->path_b, "The reference")->required()->option_text(" ");
+  command->add_option("A", options->path_a, "Image file: .png, .exr, .hdr or .pfm")->required();
+  command->add_option("B", options->path_b, "Reference image file")->required();
   command
       ->add_option_function<std::string>(
           "--region", [options](const std::string& text) { options->region = parse_region(text); },
-          "Only W x H pixels, with (X, Y) at their top left;\n"
-          "B may be a picture of nothing else (render --crop)")
+          "Compare only W x H pixels whose top left is (X, Y); B can be an image of just these "
+          "(render --crop)")
       ->type_name("X,Y,WxH");
-  command->add_flag("--json", options->json, "Print one JSON object instead of lines");
-  command->footer(kCompareFooter);
+  command->add_flag("--json", options->json, "Print one JSON object");
+  cli::set_help(*command, kHelp);
   command->callback([options, &exit_code] { exit_code = run_compare(*options); });
 }
 

@@ -9,8 +9,29 @@
 
 namespace tessera::client {
 
+namespace {
+
+// Not fmt::print, which throws where nothing can be written.
+void write(std::FILE* stream, std::string_view text) {
+  std::fwrite(text.data(), 1, text.size(), stream);
+  std::fflush(stream);
+}
+
+}  // namespace
+
+const std::vector<cli::HelpText::ExitStatus> kUsualExitStatuses{
+    {kExitOk, "done"}, {kExitFailed, "failed"}, {kExitUsage, "wrong command line"}};
+
+void print_result(std::string_view text) {
+  write(stdout, text);
+}
+
+bool results_are_lost() {
+  return std::ferror(stdout) != 0;
+}
+
 int print_error(std::string_view message) {
-  fmt::print(stderr, "tessera: error: {}\n", core::printable_lines(message));
+  write(stderr, fmt::format("tessera: error: {}\n", core::printable_lines(message)));
   return kExitFailed;
 }
 
@@ -19,7 +40,7 @@ int print_error(const core::Error& error) {
 }
 
 void print_warning(std::string_view message) {
-  fmt::print(stderr, "tessera: warning: {}\n", core::printable_lines(message));
+  write(stderr, fmt::format("tessera: warning: {}\n", core::printable_lines(message)));
 }
 
 void warn_about_darkness(std::string_view scene_path) {
@@ -27,7 +48,11 @@ void warn_about_darkness(std::string_view scene_path) {
 }
 
 void print_hint(std::string_view command) {
-  fmt::print(stderr, "Try: {}\n", core::printable(command));
+  write(stderr, fmt::format("Try: {}\n", core::printable(command)));
+}
+
+void print_note(std::string_view line) {
+  write(stderr, core::printable(line) + "\n");
 }
 
 double steady_seconds() {

@@ -29,6 +29,10 @@ void watch_for_interrupt() {
   watch(SIGTERM);
 }
 
+void interrupt() {
+  interrupt_seen = true;
+}
+
 bool interrupted() {
   return interrupt_seen;
 }

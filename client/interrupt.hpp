@@ -7,6 +7,9 @@ namespace tessera::client {
 // Signal handlers belong to the process: to be called once, by the command that runs.
 void watch_for_interrupt();
 
+// As if it had come.
+void interrupt();
+
 // Whether it has come. May be called from any thread.
 bool interrupted();
 

@@ -1,12 +1,13 @@
 // tessera: the command line. Hands over to the command that was called and reports its exit status.
 #include <CLI/CLI.hpp>
-#include <cstdio>
 #include <cstdlib>
 #include <exception>
+#include <new>
 #include <string>
 
 #include "client/commands.hpp"
 #include "client/console.hpp"
+#include "core/base/standard_streams.hpp"
 #ifdef TESSERA_FARM
 #include "client/farm/farm_commands.hpp"
 #endif
@@ -15,57 +16,50 @@
 namespace tessera::client {
 namespace {
 
-constexpr const char* kFooter = R"(Each command explains itself: tessera render --help
-Exit status: 0 done, 1 failed, 2 wrong command line, 130 interrupted.)";
+const cli::HelpText kHelp{.notes = "Run 'tessera COMMAND --help' for the options of a command.",
+                          .exit_statuses = {{kExitOk, "done"},
+                                            {kExitFailed, "failed"},
+                                            {kExitUsage, "wrong command line"},
+                                            {kExitInterrupted, "interrupted"}},
+                          .examples = {"tessera render scene.json -o image.png"}};
 
-// What CLI11 throws for --help and --version counts as success and prints itself, unless a word before it was
-// meant as a command.
-int end_parsing(const CLI::App& app, const CLI::ParseError& end, const std::string& first_word) {
-  const auto called = app.get_subcommands();
-  const std::string command = called.empty() ? "" : called.front()->get_name() + " ";
-  const bool misspelt = called.empty() && !first_word.empty();
-  if (end.get_exit_code() == 0 && !(misspelt && first_word.front() != '-')) return app.exit(end);
-  print_error(misspelt ? "there is no command '" + first_word + "'" : end.what());
-  print_hint("tessera " + command + "--help");
-  return kExitUsage;
-}
-
-// Also of a command whose results did not get to where they were sent.
-int with_results_written(int exit_code) {
-  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return exit_code;
-  print_error("stdout cannot be written, so results are missing: is the disk full that it goes to?");
-  return exit_code == kExitOk ? kExitFailed : exit_code;
+// Puts the commands that were added since the last call under a heading of their own.
+void group_commands(CLI::App& app, const std::string& heading) {
+  const std::string none = CLI::App().get_group();
+  for (CLI::App* command : app.get_subcommands([&](CLI::App* added) { return added->get_group() == none; }))
+    command->group(heading);
 }
 
 int run(int argc, char** argv) {
-  CLI::App app{"Tessera renders pictures by path tracing, on one machine or on many.", "tessera"};
-  app.set_version_flag("--version", "tessera " + std::string(core::version()));
-  app.footer(kFooter);
+  CLI::App app{"Render images by path tracing, on this machine or on a render farm", "tessera"};
+  cli::set_help(app, kHelp);
+  app.set_version_flag("--version", "tessera " + std::string(core::version()), "Print the version");
   app.require_subcommand(1);
   int exit_code = kExitOk;
   add_render_command(app, exit_code);
   add_compare_command(app, exit_code);
+  add_schema_command(app, exit_code);
+  group_commands(app, "Commands");
 #ifdef TESSERA_FARM
   add_farm_commands(app, exit_code);
+  group_commands(app, "Farm commands");
 #endif
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& end) {
-    return end_parsing(app, end, argc > 1 ? argv[1] : "");
-  }
-  return with_results_written(exit_code);
+  if (const auto ended = cli::parse(app, argc, argv, "tessera")) return *ended;
+  return cli::flush_stdout(exit_code, "tessera");
 }
 
 }  // namespace
 }  // namespace tessera::client
 
 int main(int argc, char** argv) {
+  tessera::core::prepare_standard_streams();
   // Errors are told once, in our words; GRPC_VERBOSITY=DEBUG brings gRPC's own back.
   setenv("GRPC_VERBOSITY", "NONE", 0);
   try {
     return tessera::client::run(argc, argv);
   } catch (const std::bad_alloc&) {
-    return tessera::client::print_error("not enough memory");
+    return tessera::client::print_error(
+        "not enough memory: choose a smaller --size, parts of the image with --crop, or fewer --threads");
   } catch (const std::exception& e) {
     return tessera::client::print_error(e.what());
   }

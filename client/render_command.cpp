@@ -14,6 +14,7 @@
 #include "client/picture_files.hpp"
 #include "client/render_options.hpp"
 #include "client/render_stats.hpp"
+#include "core/base/thread_check.hpp"
 #include "core/image/file_io.hpp"
 #include "core/integrators/render.hpp"
 #include "core/scene/loader/loader.hpp"
@@ -81,6 +82,8 @@ Result<LoadedScene> load(const RenderOptions& options) {
   Status fits = check_picture_size(options.scene.output_paths, *settings);
   if (!fits) return core::fail(fits.error());
   const double loaded = steady_seconds();
+  if (Status threads = core::check_threads(options.threads); !threads)
+    return core::fail(threads.error().within("--threads"));
   Result<core::Scene> scene = core::build_scene(std::move(*prepared), options.threads);
   if (!scene) return core::fail(scene.error().within(options.scene.scene_path));
   RenderStats stats;
@@ -146,13 +149,15 @@ Status write_results(const RenderOptions& options, const LoadedScene& loaded, co
 void print_summary(const RenderOptions& options, const RenderStats& stats) {
   const double speed = static_cast<double>(stats.counters.samples) / std::max(stats.render_seconds, 1e-9);
   const core::PixelRect window = stats.settings.window();
-  fmt::print(stderr, "wrote {} ({}x{} pixels, {} spp) in {:.2f} s, {} samples/s\n",
-             fmt::join(options.scene.output_paths, ", "), window.width(), window.height(), stats.settings.spp,
-             stats.render_seconds, format_count(speed));
+  print_note(fmt::format("wrote {} ({}x{} pixels, {} spp) in {:.2f} s, {} samples/s",
+                         fmt::join(options.scene.output_paths, ", "), window.width(), window.height(),
+                         stats.settings.spp, stats.render_seconds, format_count(speed)));
 }
 
 int render_picture(const RenderOptions& options, LoadedScene& loaded) {
   RenderStats& stats = loaded.stats;
+  if (Status threads = core::check_threads(options.threads); !threads)
+    return print_error(threads.error().within("--threads"));
   ProgressLine progress(options.quiet ? no_progress_output() : stderr_progress_output(), steady_seconds());
   watch_for_interrupt();
   const LocalRender rendered =
@@ -182,8 +187,8 @@ int print_sample(const core::Scene& scene, const core::RenderSettings& settings,
     return kExitUsage;
   }
   const core::Rgb radiance = core::render_sample(scene, settings, id);
-  fmt::print("pixel ({}, {}) sample {}: radiance {:.9g} {:.9g} {:.9g}\n", id.x, id.y, id.sample, radiance.r,
-             radiance.g, radiance.b);
+  print_result(fmt::format("pixel ({}, {}) sample {}: radiance {:.9g} {:.9g} {:.9g}\n", id.x, id.y, id.sample,
+                           radiance.r, radiance.g, radiance.b));
   return kExitOk;
 }
 
@@ -200,7 +205,7 @@ int run_render(const RenderOptions& options) {
 }  // namespace
 
 void add_render_command(CLI::App& app, int& exit_code) {
-  CLI::App* command = app.add_subcommand("render", "Render a scene here, in this process");
+  CLI::App* command = app.add_subcommand("render", "Render a scene on this machine");
   const auto options = std::make_shared<RenderOptions>();
   add_render_options(*command, *options);
   command->callback([options, &exit_code] {

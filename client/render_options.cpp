@@ -6,22 +6,24 @@
 #include <cstdint>
 #include <thread>
 
+#include "client/console.hpp"
 #include "proto/number_range.hpp"
 
 namespace tessera::client {
 namespace {
 
-constexpr const char* kRenderFooter =
-    R"(Values given here replace those of the scene file. The picture is the same, byte
-for byte, for any number of threads, and on a farm (tessera submit).
+const cli::HelpText kHelp{
+    .notes = R"(Options given here replace the values of the scene file.
 
-Exit status: 0 done, 1 failed, 2 wrong command line, 130 interrupted. Ctrl-C
-leaves no file.
-
-Examples:
-  tessera render scenes/cornell/scene.json -o cornell.png
-  tessera render scene.json -o out.exr -o out.png --spp 256 --size 1920x1080
-  tessera render scene.json -o quick.png --spp 4 --integrator nee --stats s.json)";
+The image is the same, byte for byte, with any number of threads and on a farm (tessera submit). Ctrl-C
+writes no file.)",
+    .exit_statuses = {{kExitOk, "done"},
+                      {kExitFailed, "failed"},
+                      {kExitUsage, "wrong command line"},
+                      {kExitInterrupted, "interrupted"}},
+    .examples = {"tessera render scene.json -o image.png",
+                 "tessera render scene.json -o out.exr -o out.png --spp 256 --size 1920x1080",
+                 "tessera render scene.json -o quick.png --spp 4 --stats stats.json"}};
 
 core::SampleId parse_sample(const std::string& text) {
   const std::size_t first = text.find(','), second = text.find(',', first + 1);
@@ -46,26 +48,25 @@ void add_local_options(CLI::App& command, RenderOptions& options) {
           [&options](const std::string& text) {
             options.threads = static_cast<int>(parse_whole_number("--threads", text, 1, kMaxThreads));
           },
-          "Threads to render with [as many as the machine has]")
+          "Number of threads [default: one per processor]")
       ->type_name("N");
-  command.add_option("--stats", options.stats_path, "Write counts, times and memory as JSON")
-      ->type_name("FILE.json");
+  command.add_option("--stats", options.stats_path, "Write counts, times and memory use to a JSON file")
+      ->type_name("FILE");
   command
-      .add_option(
-          "--scene-cache", options.scene_cache,
-          "Keep the scene there once it is read and built, and take it from there the next time [not]")
+      .add_option("--scene-cache", options.scene_cache,
+                  "Folder that keeps built scenes, so that they load faster the next time [default: none]")
       ->type_name("DIR");
   command
       .add_option("--scene-cache-gib", options.scene_cache_gib,
-                  "Size of that folder: beyond it, scenes that were not used for longest are removed")
+                  "Size limit of --scene-cache in GiB; scenes unused for longest are removed first")
       ->check(proto::number_between(0.0, 1e6))
       ->type_name("N")
       ->capture_default_str();
-  command.add_flag("-q,--quiet", options.quiet, "No progress; warnings and errors only");
+  command.add_flag("-q,--quiet", options.quiet, "Print warnings and errors only");
   command
       .add_option_function<std::string>(
           "--sample", [&options](const std::string& text) { options.sample = parse_sample(text); },
-          "Print the radiance of sample S of pixel (X, Y) and stop")
+          "Print the radiance of sample S of pixel (X, Y), and render nothing else")
       ->type_name("X,Y,S");
 }
 
@@ -78,7 +79,7 @@ void add_render_options(CLI::App& command, RenderOptions& options) {
   add_override_options(command, options.scene.overrides);
   add_display_options(command, options.scene.display);
   add_local_options(command, options);
-  command.footer(kRenderFooter);
+  cli::set_help(command, kHelp);
 }
 
 }  // namespace tessera::client

@@ -104,9 +104,8 @@ core::ToneCurve parse_tone_curve(const std::string& text) {
 }  // namespace
 
 void add_scene_argument(CLI::App& command, SceneFlags& flags) {
-  command.add_option("SCENE", flags.scene_path, "The scene file (JSON), or the name of an example scene, such as cornell")
+  command.add_option("SCENE", flags.scene_path, "Scene file (JSON), or the name of an example scene such as cornell")
       ->required()
-      ->option_text(" ")
       ->transform(find_scene);
 }
 
@@ -114,16 +113,14 @@ void add_output_option(CLI::App& command, SceneFlags& flags) {
   // One value for each -o: "-o a.png scene.json" must not take the scene for a second picture.
   command
       .add_option("-o,--output", flags.output_paths,
-                  "Where the picture goes; the ending picks the format:\n"
-                  ".png (8-bit sRGB), .exr, .hdr or .pfm (linear light).\n"
-                  "May be given several times")
+                  "Image file to write; its ending chooses the format: .png (8-bit sRGB), .exr, .hdr or .pfm "
+                  "(linear light). Can be given several times")
       ->allow_extra_args(false)
       ->check([](const std::string& path) {
         const auto format = core::image_format_from_path(path);
         return format ? std::string() : format.error().message;
       })
-      ->type_name("FILE")
-      ->option_text("FILE");
+      ->type_name("FILE");
 }
 
 void add_override_options(CLI::App& command, core::RenderOverrides& overrides) {
@@ -133,32 +130,30 @@ void add_override_options(CLI::App& command, core::RenderOverrides& overrides) {
           [&overrides](const std::string& text) {
             overrides.spp = static_cast<std::uint32_t>(parse_whole_number("--spp", text, 1, core::kMaxSpp));
           },
-          "Samples per pixel: four times as many halve the noise")
+          "Samples per pixel; four times as many halve the noise")
       ->type_name("N");
   command
       .add_option_function<std::string>(
           "--size", [&overrides](const std::string& text) { parse_size(text, overrides); },
-          "Width and height of the picture in pixels")
+          "Width and height of the image in pixels, such as 1920x1080")
       ->type_name("WxH");
   command
       .add_option_function<std::string>(
           "--crop", [&overrides](const std::string& text) { overrides.crop = parse_crop(text); },
-          "Render only these pixels of it: from (X0, Y0) at the\n"
-          "top left up to but without X1 and Y1")
+          "Render only the pixels from (X0, Y0) at the top left to (X1, Y1), which is excluded")
       ->type_name("X0,Y0,X1,Y1");
   command
       .add_option_function<std::string>(
           "--integrator",
           [&overrides](const std::string& text) { overrides.integrator = parse_integrator(text); },
-          "How light is found: naive (by chance), nee (by aiming\n"
-          "at lights), mis (both, weighed: the least noise) or\n"
-          "whitted (straight or by mirrors and glass alone)")
+          "Light transport algorithm: mis (multiple importance sampling, the least noise), nee (next-event "
+          "estimation), naive (unidirectional paths) or whitted (direct light, mirrors and glass only)")
       ->type_name("NAME");
   command
       .add_option_function<std::string>(
           "--heuristic",
           [&overrides](const std::string& text) { overrides.heuristic = parse_heuristic(text); },
-          "How mis weighs: balance or power")
+          "Heuristic of mis: balance or power")
       ->type_name("NAME");
   command
       .add_option_function<std::string>(
@@ -166,7 +161,7 @@ void add_override_options(CLI::App& command, core::RenderOverrides& overrides) {
           [&overrides](const std::string& text) {
             overrides.seed = parse_whole_number("--seed", text, 0, kMaxSeed);
           },
-          "Another seed gives other noise; the same, the same bytes")
+          "Random seed; the same seed gives the same bytes")
       ->type_name("N");
 }
 
@@ -175,14 +170,13 @@ void add_display_options(CLI::App& command, core::DisplayOverrides& overrides) {
       .add_option_function<std::string>(
           "--exposure",
           [&overrides](const std::string& text) { overrides.exposure_stops = parse_exposure(text); },
-          "How bright PNG files are, in stops: 1 doubles, -1 halves")
+          "Exposure of PNG files in stops; 1 doubles the brightness, -1 halves it")
       ->type_name("STOPS");
   command
       .add_option_function<std::string>(
           "--tone-curve",
           [&overrides](const std::string& text) { overrides.tone_curve = parse_tone_curve(text); },
-          "How PNG files show bright light: none (cut off), aces\n"
-          "(contrasty, like film) or agx (softer)")
+          "Tone curve of PNG files: none (clipped), aces (filmic, high contrast) or agx (softer)")
       ->type_name("NAME");
 }
 

@@ -21,6 +21,7 @@ if(TESSERA_FARM)
 endif()
 if(TESSERA_TESTS)
   find_package(GTest CONFIG REQUIRED)
+  find_path(VALIJSON_INCLUDE_DIR valijson/validator.hpp REQUIRED)  # header-only, without CMake package
 endif()
 if(TESSERA_BENCH)
   find_package(benchmark CONFIG REQUIRED)

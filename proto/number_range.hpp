@@ -9,7 +9,6 @@
 namespace tessera::proto {
 
 // For CLI::Option::check. Unlike CLI::Range, whose way to read numbers it shares, it refuses "nan", too.
-// `--help` shows the range.
 template <typename T>
 CLI::Validator number_between(T least, T most) {
   const auto problem = [least, most](const std::string& text) {
@@ -17,7 +16,7 @@ CLI::Validator number_between(T least, T most) {
     if (CLI::detail::lexical_cast(text, value) && value >= least && value <= most) return std::string();
     return fmt::format("must be a number from {} to {}; got '{}'", least, most, text);
   };
-  return CLI::Validator(problem, fmt::format("{} to {}", least, most));
+  return CLI::Validator(problem, "");
 }
 
 }  // namespace tessera::proto

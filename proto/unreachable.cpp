@@ -30,8 +30,8 @@ std::string closed_at_once(const std::string& address, const ClientSecurity& sec
   const char* wants = "it speaks TLS and wants --tls-ca";
   if (!security.ca.empty()) wants = "it wants --tls-certificate and --tls-key";
   if (!security.certificate.empty()) wants = "it does not trust the authority of this --tls-certificate";
-  return fmt::format("the coordinator at {} closed the connection: it has just been stopped, {}, or {}",
-                     address, kHasEnough, wants);
+  return fmt::format("the coordinator at {} closed the connection: it is starting or stopping, {}, or it {}",
+                     address, wants, kHasEnough);
 }
 
 std::string explain(const grpc::Status& status, const std::string& address, const ClientSecurity& security) {
@@ -58,6 +58,10 @@ std::string explain(const grpc::Status& status, const std::string& address, cons
 }
 
 }  // namespace
+
+bool may_be_starting(const grpc::Status& status) {
+  return is_no_connection(status) && (says(status, {"onnection refused"}) || is_closed_at_once(status));
+}
 
 bool is_no_connection(const grpc::Status& status) {
   return status.error_code() == grpc::StatusCode::UNAVAILABLE &&

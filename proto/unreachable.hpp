@@ -14,6 +14,10 @@ namespace tessera::proto {
 // Whether a call ended so because no connection could be made.
 bool is_no_connection(const grpc::Status& status);
 
+// Whether it ended so as with a coordinator that is starting or stopping: nobody listens, or the connection
+// is closed at once.
+bool may_be_starting(const grpc::Status& status);
+
 // Why not, as far as it shows, and what to mend: UNAVAILABLE. `address` and `security` are those that the
 // channel was opened with.
 core::Error explain_no_connection(const grpc::Status& status, const std::string& address,

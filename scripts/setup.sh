@@ -45,6 +45,8 @@ test=(
   iproute2
   # Packages, installed in a root of their own.
   debootstrap
+  # Tests of the scene file's JSON Schema.
+  libvalijson-dev
   # tests/fuzz and the preset tsan: Clang with libFuzzer, the sanitizers and OpenMP.
   clang-14
   libclang-rt-14-dev

@@ -48,51 +48,54 @@ void add_seconds(CLI::App& app, const char* flag, std::chrono::milliseconds& val
 void add_job_flags(CLI::App& app, Limits& limits) {
   const auto most_pixels = static_cast<std::uint64_t>(core::kMaxImagePixels);
   add<std::uint64_t>(app, "--max-picture-pixels", limits.picture_pixels, 1, most_pixels,
-                     "Pixels of a picture; a job takes up to 48 bytes of memory for each");
-  add<std::uint32_t>(app, "--max-spp", limits.spp, 1, core::kMaxSpp, "Samples per pixel of a job");
+                     "Most pixels of an image; a job takes up to 48 bytes of memory for each");
+  add<std::uint32_t>(app, "--max-spp", limits.spp, 1, core::kMaxSpp, "Most samples per pixel of a job");
   add<std::uint64_t>(app, "--max-open-jobs", limits.open_jobs, 1, kMany,
-                     "Unfinished jobs of one submitter; without --tokens, of all together");
+                     "Most unfinished jobs of one submitter; without --tokens, of all together");
 }
 
 void add_scene_flags(CLI::App& app, Limits& limits) {
-  add<std::uint64_t>(app, "--max-bundle-mib", limits.bundle_mib, 1, kMostMib, "A scene and all its files");
-  add<std::uint64_t>(app, "--max-blob-mib", limits.blob_mib, 1, kMostMib, "One file of a scene");
+  add<std::uint64_t>(app, "--max-bundle-mib", limits.bundle_mib, 1, kMostMib,
+                     "Most MiB of a scene with all its files");
+  add<std::uint64_t>(app, "--max-blob-mib", limits.blob_mib, 1, kMostMib, "Most MiB of one file of a scene");
   add<std::uint64_t>(app, "--max-store-mib", limits.store_mib, 1, kMostMib,
-                     "All files of scenes together, those on their way included");
-  add<std::uint64_t>(app, "--max-uploads", limits.uploads, 1, kMany, "Files that are uploaded at once");
+                     "Most MiB of the files of all scenes, uploads in progress included");
+  add<std::uint64_t>(app, "--max-uploads", limits.uploads, 1, kMany, "Most uploads at once");
   add<std::uint64_t>(app, validator::kTrianglesFlag, limits.triangles, 1, kMany,
-                     "Triangles of a scene's meshes");
+                     "Most triangles of a scene's meshes");
   add<std::uint64_t>(app, validator::kTexturePixelsFlag, limits.texture_pixels, 1, kMostTexturePixels,
-                     "Pixels of a texture");
+                     "Most pixels of a texture");
   add<std::uint64_t>(app, validator::kSceneTexturePixelsFlag, limits.scene_texture_pixels, 1,
-                     std::numeric_limits<std::uint32_t>::max() * kMib, "Pixels of all textures of a scene");
+                     std::numeric_limits<std::uint32_t>::max() * kMib,
+                     "Most pixels of all textures of a scene");
 }
 
 void add_validator_flags(CLI::App& app, Limits& limits) {
-  add(app, "--validations", limits.validations, 1, 256, "Scenes that are validated at once");
+  add(app, "--validations", limits.validations, 1, 256, "Most scenes that are validated at once");
   add<std::uint64_t>(app, "--max-waiting-scenes", limits.waiting_scenes, 1, kMany,
-                     "Scenes that wait to be validated");
+                     "Most scenes that wait to be validated");
   add<std::uint64_t>(app, validator::kMemoryFlag, limits.validator_mib, kLeastValidatorMib, kMostMib,
-                     "Memory for validating one scene");
-  add_seconds(app, validator::kSecondsFlag, limits.validation_time, "Time for validating one scene");
+                     "Most MiB of memory for validating one scene");
+  add_seconds(app, validator::kSecondsFlag, limits.validation_time, "Most seconds for validating one scene");
 }
 
 void add_call_flags(CLI::App& app, Limits& limits) {
   add<std::uint64_t>(app, "--max-connections", limits.connections, 1, kMany,
-                     "Connections of workers and users, all together; more are closed at once");
+                     "Most connections of all callers; further ones are closed at once");
   add<std::uint64_t>(app, "--max-machine-connections", limits.machine_connections, 1, kMany,
-                     "Connections of one machine (IPv4 address, or 64 bits of an IPv6 address)");
-  add<std::uint64_t>(app, "--max-fetches", limits.fetches, 1, kMany, "Files that workers fetch at once");
-  add<std::uint64_t>(app, "--max-watches", limits.watches, 1, kMany, "Jobs that are watched at once");
+                     "Most connections of one machine (an IPv4 address, or 64 bits of an IPv6 address)");
+  add<std::uint64_t>(app, "--max-fetches", limits.fetches, 1, kMany, "Most files that workers fetch at once");
+  add<std::uint64_t>(app, "--max-watches", limits.watches, 1, kMany, "Most jobs that are watched at once");
   add<std::uint64_t>(app, "--max-image-mib", limits.image_mib, 1, kMostMib,
-                     "Memory for pictures that are fetched at once; one is always made");
+                     "Most MiB of memory for images that are downloaded at once; one is always served");
   add_seconds(app, "--stall-seconds", limits.stall_time,
-              "Uploads, files and pictures that are fetched, and jobs that are watched, whose callers stand "
-              "still for so long are ended");
-  add(app, "--max-message-mib", limits.message_mib, kLeastMessageMib, kMostMessageMib, "One message");
+              "End an upload, download or watch whose caller takes nothing for so many seconds");
+  add(app, "--max-message-mib", limits.message_mib, kLeastMessageMib, kMostMessageMib,
+      "Most MiB of one message");
   add(app, "--max-calls-per-second", limits.calls_per_second, 1.0, 1e9,
-      "Calls of one submitter (without --tokens: of one machine), or of one worker; ten seconds' worth at "
-      "once");
+      "Most calls a second of one submitter (without --tokens: of one machine) or one worker; bursts can "
+      "have ten "
+      "seconds' worth");
 }
 
 }  // namespace

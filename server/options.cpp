@@ -3,6 +3,8 @@
 #include <CLI/CLI.hpp>
 #include <cstdlib>
 
+#include "core/cli/help.hpp"
+#include "core/cli/parse.hpp"
 #include "core/base/version.hpp"
 #include "proto/number_range.hpp"
 #include "server/limit_flags.hpp"
@@ -11,33 +13,43 @@ namespace tessera::server {
 
 namespace {
 
-constexpr int kExitUsage = 2;
+const cli::HelpText kHelp{
+    .notes =
+        R"(Log lines go to stderr. SIGINT and SIGTERM stop the coordinator; jobs go on when it starts again with the same
+--state.)",
+    .exit_statuses = {{cli::kExitOk, "stopped by a signal, or the check found nothing damaged"},
+                      {cli::kExitFailed, "failed"},
+                      {cli::kExitUsage, "wrong command line"}},
+    .examples = {"tessera-coordinator --state /var/lib/tessera",
+                 "tessera-coordinator --check /var/lib/tessera"}};
 
 void add_maintenance_flags(CLI::App& app, Options& options) {
   const auto add_folder = [&](const char* flag, std::filesystem::path& path, const char* what) {
     return app.add_option(flag, path, what)
-        ->check(CLI::ExistingDirectory)
+        ->check(cli::existing_folder())
         ->type_name("DIR")
-        ->group("Instead of running");
+        ->group("Maintenance, instead of running");
   };
-  CLI::Option* check = add_folder("--check", options.check,
-                                  "Tell what of a state folder is whole, and change nothing. Exit status 0 "
-                                  "only if all of it is");
-  add_folder("--salvage", options.salvage,
-             "Keep what is whole of a state folder whose database is damaged; the old database is set aside")
+  CLI::Option* check =
+      add_folder("--check", options.check, "Check a state folder for damage and change nothing");
+  add_folder(
+      "--salvage", options.salvage,
+      "Recover what is whole of a state folder whose database is damaged; the old database is kept beside it")
       ->excludes(check);
 }
 
 void add_security_flags(CLI::App& app, Options& options) {
   const auto add_file = [&](const char* flag, std::string& path, const char* what) {
-    app.add_option(flag, path, what)->check(CLI::ExistingFile)->type_name("FILE")->group("Security");
+    app.add_option(flag, path, what)->check(cli::existing_file())->type_name("FILE")->group("Security");
   };
-  add_file("--tls-certificate", options.security.certificate, "Speak TLS, with this certificate (PEM)");
-  add_file("--tls-key", options.security.key, "The certificate's private key (PEM)");
+  add_file("--tls-certificate", options.security.certificate, "Use TLS, with this certificate (PEM)");
+  add_file("--tls-key", options.security.key, "Private key of the certificate (PEM)");
   add_file("--tls-client-ca", options.security.client_ca,
-           "Ask callers for a certificate that this authority signed (PEM)");
+           "Require callers to show a certificate that this authority signed (PEM)");
   add_file("--tokens", options.tokens,
-           "Ask callers for a token: a line 'ROLE NAME TOKEN' for each, ROLE one of submit, work, admin");
+           "Require callers to show a token of this file; each line is ROLE NAME TOKEN, with the role "
+           "submit, work or "
+           "admin");
   app.add_flag("--insecure", options.security.insecure, "Serve other machines without TLS")
       ->group("Security");
 }
@@ -46,45 +58,41 @@ void add_security_flags(CLI::App& app, Options& options) {
 
 Options parse_options(int argc, char** argv) {
   Options options;
-  CLI::App app(
-      "The coordinator of a Tessera render farm: takes scenes, hands their tiles to workers, serves the "
-      "pictures.");
-  app.set_version_flag("--version", "tessera-coordinator " + std::string(core::version()));
-  app.add_option("--listen", options.listen,
-                 "HOST:PORT to serve at; port 0 picks a free one. An address that other machines reach needs "
-                 "TLS, or --insecure")
+  CLI::App app("Coordinate the workers and jobs of a Tessera farm", "tessera-coordinator");
+  cli::set_help(app, kHelp);
+  app.set_version_flag("--version", "tessera-coordinator " + std::string(core::version()), "Print the version");
+  app.add_option(
+         "--listen", options.listen,
+         "Address to listen on; port 0 picks a free port. An address that other machines can reach needs "
+         "TLS, or --insecure")
       ->type_name("HOST:PORT")
       ->capture_default_str();
-  app.add_option("--state", options.state, "Folder for what must survive a restart: jobs, films, scenes")
-      ->type_name("DIR")
-      ->capture_default_str();
+  app.add_option("--state", options.state,
+                 "Folder for jobs, scenes and images; survives restarts [default: "
+                 "~/.local/state/tessera/coordinator]")
+      ->type_name("DIR");
   app.add_option("--lease-seconds", options.lease_seconds,
-                 "A worker silent for so long loses its work to others")
+                 "Lease time: a worker that is silent for so many seconds loses its work to others")
       ->check(proto::number_between(1.0, 3600.0))
       ->type_name("N")
       ->capture_default_str();
   app.add_option("--keep-unused-hours", options.keep_unused_hours,
-                 "Files of scenes that no job names any more are removed after so many hours")
+                 "Remove files of scenes so many hours after the last job that uses them")
       ->check(proto::number_between(1.0, 1e6))
       ->type_name("N")
       ->capture_default_str();
-  app.add_option(
-         "--audit", options.audit,
-         "The share of ranges, 0 to 1, that a worker of another name renders again, to compare the bits")
+  app.add_option("--audit", options.audit,
+                 "Share of the work, from 0 to 1, that a second worker renders again to compare the bytes")
       ->check(proto::number_between(0.0, 1.0))
       ->type_name("P")
       ->capture_default_str();
-  app.add_option("--validator", options.validator, "The tessera-validator to start for submitted scenes")
-      ->type_name("FILE")
-      ->capture_default_str();
+  app.add_option("--validator", options.validator,
+                 "Program that validates submitted scenes [default: tessera-validator beside this program]")
+      ->type_name("FILE");
   add_maintenance_flags(app, options);
   add_security_flags(app, options);
   add_limit_flags(app, options.limits);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    std::exit(app.exit(error) == EXIT_SUCCESS ? EXIT_SUCCESS : kExitUsage);
-  }
+  if (const auto ended = cli::parse(app, argc, argv, "tessera-coordinator")) std::exit(*ended);
   return options;
 }
 

@@ -6,6 +6,7 @@
 #include "core/base/version.hpp"
 #include "core/integrators/fingerprint.hpp"
 #include "proto/log.hpp"
+#include "proto/secret_file.hpp"
 #include "proto/unreachable.hpp"
 #include "worker/options.hpp"
 #include "worker/signals.hpp"
@@ -31,6 +32,8 @@ int run(const worker::Options& options, char** arguments) {
     spdlog::error("{}: choose another folder with --cache", cache.error().message);
     return 1;
   }
+  for (const std::string& secret : {options.security.key, options.security.token})
+    if (const auto warning = proto::exposure_of(secret)) spdlog::warn("{}", *warning);
   const auto channel = proto::open_channel(options.coordinator, options.security);
   if (!channel) {
     spdlog::error("{}", channel.error().message);

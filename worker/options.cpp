@@ -9,6 +9,8 @@
 #include <cstdlib>
 #include <thread>
 
+#include "core/cli/help.hpp"
+#include "core/cli/parse.hpp"
 #include "core/base/version.hpp"
 #include "proto/number_range.hpp"
 #include "proto/security_flags.hpp"
@@ -18,7 +20,15 @@ namespace tessera::worker {
 namespace {
 
 constexpr unsigned kMostThreads = 1024;
-constexpr int kExitUsage = 2;
+
+const cli::HelpText kHelp{
+    .notes =
+        R"(Log lines go to stderr. SIGINT and SIGTERM end the worker after what it has rendered is delivered; a second
+signal ends it at once.)",
+    .exit_statuses = {{cli::kExitOk, "stopped by a signal"},
+                      {cli::kExitFailed, "failed, or refused by the coordinator"},
+                      {cli::kExitUsage, "wrong command line"}},
+    .examples = {"tessera-worker --coordinator farm.example.org:7420 --tls-ca ca.pem"}};
 
 std::string host_name() {
   std::array<char, 256> name{};
@@ -42,37 +52,34 @@ Options::Options()
 
 Options parse_options(int argc, char** argv) {
   Options options;
-  CLI::App app("A worker of a Tessera render farm: fetches scenes, renders tiles, delivers them.");
-  app.set_version_flag("--version", "tessera-worker " + std::string(core::version()));
-  app.add_option("--coordinator", options.coordinator, "Where the coordinator listens")
+  CLI::App app("Render scenes for a Tessera farm", "tessera-worker");
+  cli::set_help(app, kHelp);
+  app.set_version_flag("--version", "tessera-worker " + std::string(core::version()), "Print the version");
+  app.add_option("--coordinator", options.coordinator, "Address of the farm's coordinator")
       ->envname(proto::kCoordinatorVariable)
       ->type_name("HOST:PORT")
       ->capture_default_str();
-  app.add_option("--threads", options.threads, "Threads to render with")
+  app.add_option("--threads", options.threads, "Number of threads [default: one per processor]")
       ->check(proto::number_between(1u, kMostThreads))
-      ->type_name("N")
-      ->capture_default_str();
+      ->type_name("N");
   app.add_option("--cache", options.cache,
-                 "Folder for the files of scenes and for built scenes; workers may share it")
-      ->type_name("DIR")
-      ->capture_default_str();
+                 "Folder for the files of scenes and for built scenes; workers can share it [default: "
+                 "~/.cache/tessera]")
+      ->type_name("DIR");
   app.add_option("--cache-gib", options.cache_gib,
-                 "Size of the cache: beyond it, files that were not used for longest are removed")
+                 "Size limit of the cache in GiB; files unused for longest are removed first")
       ->check(proto::number_between(0.0, 1e6))
       ->type_name("N")
       ->capture_default_str();
-  app.add_option("--name", options.name, "What people call this worker")
-      ->type_name("NAME")
-      ->capture_default_str();
+  app.add_option("--name", options.name, "Name of this worker in lists and logs [default: the host name]")
+      ->type_name("NAME");
   proto::add_security_flags(app, options.security);
-  app.add_flag("--verbose", options.verbose, "Log more");
-  try {
-    app.parse(argc, argv);
+  app.add_flag("--verbose", options.verbose, "Log debug messages");
+  app.final_callback([&options] {
     if (const core::Status fit = proto::check_text("--name", options.name); !fit)
       throw CLI::ValidationError(fit.error().message);
-  } catch (const CLI::ParseError& error) {
-    std::exit(app.exit(error) == EXIT_SUCCESS ? EXIT_SUCCESS : kExitUsage);
-  }
+  });
+  if (const auto ended = cli::parse(app, argc, argv, "tessera-worker")) std::exit(*ended);
   return options;
 }
 

@@ -7,6 +7,7 @@
 #include <set>
 #include <utility>
 
+#include "core/base/printable.hpp"
 #include "core/scene/loader/asset_source.hpp"
 #include "core/scene/loader/loader.hpp"
 #include "core/scene/validation.hpp"
@@ -51,12 +52,12 @@ core::Status upload(Farm& farm, const proto::Digest& digest, const std::string& 
   return status.ok() ? core::Status{} : fail(farm.explain(status, context));
 }
 
-core::Status upload_asset(Farm& farm, const std::string& folder, const v1::Bundle::Asset& asset,
+core::Status upload_asset(Farm& farm, const LocalBundle& local, const v1::Bundle::Asset& asset,
                           bool& progress) {
   const auto digest = proto::from_proto(asset.digest());
   if (!digest) return fail(digest.error());
-  core::FolderAssets files(folder);
-  const auto bytes = files.read(asset.path());
+  core::FolderAssets files(local.folder);
+  const auto bytes = files.read(local.paths.at(asset.path()));
   if (!bytes) return fail(bytes.error());
   if (proto::digest_of(*bytes) != *digest)
     return fail(ErrorCode::kFailedPrecondition,
@@ -76,6 +77,14 @@ core::Result<std::set<std::string>> find_missing(Farm& farm, const v1::Bundle& b
   return missing;
 }
 
+core::Status two_files(const std::string& name) {
+  return fail(
+      ErrorCode::kInvalidArgument,
+      fmt::format("two files would be called '{}' on the farm, where bytes that are not UTF-8 are written "
+                  "as \\xNN: rename one of them",
+                  name));
+}
+
 }  // namespace
 
 core::Result<LocalBundle> bundle_scene(const std::string& scene_path,
@@ -87,11 +96,15 @@ core::Result<LocalBundle> bundle_scene(const std::string& scene_path,
 
   core::FolderAssets files(local.folder);
   std::map<std::string, proto::Digest> digests;
+  core::Status distinct;
   core::RecordingAssets recording(files, [&](const std::string& path, const std::string& bytes) {
-    digests[path] = proto::digest_of(bytes);
+    const std::string name = core::printable(path);
+    if (local.paths.emplace(name, path).first->second != path) distinct = two_files(name);
+    digests[name] = proto::digest_of(bytes);
   });
   const auto scene = core::load_scene(recording, scene_name, scene_path);
   if (!scene) return fail(scene.error());
+  if (!distinct) return fail(distinct.error().within(scene_path));
   for (const auto& [path, digest] : digests) {
     if (const core::Status fit = proto::check_text("the name of a file", path, proto::kMostPathBytes); !fit)
       return fail(fit.error().within(scene_path));
@@ -102,7 +115,7 @@ core::Result<LocalBundle> bundle_scene(const std::string& scene_path,
     return fail(valid.error().within(scene_path));
   local.settings = *settings;
   local.gives_light = core::gives_light(*scene);
-  local.bundle = to_bundle(scene_name, digests);
+  local.bundle = to_bundle(core::printable(scene_name), digests);
   return local;
 }
 
@@ -113,8 +126,7 @@ core::Status upload_missing(Farm& farm, const LocalBundle& local) {
     if (!missing) return fail(missing.error());
     for (const v1::Bundle::Asset& asset : local.bundle.assets()) {
       if (!missing->contains(asset.digest().sha256())) continue;
-      if (core::Status sent = upload_asset(farm, local.folder, asset, progress); !sent)
-        return fail(sent.error());
+      if (core::Status sent = upload_asset(farm, local, asset, progress); !sent) return fail(sent.error());
       missing->erase(asset.digest().sha256());
     }
     return true;

@@ -12,8 +12,9 @@ namespace tessera::client {
 
 struct LocalBundle {
   v1::Bundle bundle;
-  std::string folder;             // the scene file's; where the names in the bundle are files
-  core::RenderSettings settings;  // the scene's, with the overrides
+  std::string folder;                        // the scene file's
+  std::map<std::string, std::string> paths;  // the files in it, by their names in the bundle
+  core::RenderSettings settings;             // the scene's, with the overrides
   bool gives_light = true;
 };
 

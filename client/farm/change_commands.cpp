@@ -85,10 +85,11 @@ int run_change(const ChangeOptions& options, Change change) {
   const auto job = change(farm, found->id(), options);
   if (!job) return print_error(job.error());
   if (options.json)
-    fmt::print("{}", to_json_line(*job));
+    print_result(to_json_line(*job));
   else
-    fmt::print("job {} ({}) is {}, {} spp{}\n", short_id(job->id()), core::printable(job->name()),
-               state_name(job->state()), job->settings().spp(), service_text(*job, options.service));
+    print_result(fmt::format("job {} ({}) is {}, {} spp{}\n", short_id(job->id()),
+                             core::printable(job->name()), state_name(job->state()), job->settings().spp(),
+                             service_text(*job, options.service)));
   return kExitOk;
 }
 
@@ -102,24 +103,27 @@ int run_delete(const ChangeOptions& options) {
   request.set_job_id(found->id());
   const auto response = farm.call(&Farm::Stub::DeleteJob, request);
   if (!response) return print_error(response.error());
-  fmt::print("job {} ({}) is deleted\n", short_id(found->id()), core::printable(found->name()));
+  print_result(
+      fmt::format("job {} ({}) is deleted\n", short_id(found->id()), core::printable(found->name())));
   return kExitOk;
 }
 
 std::pair<CLI::App*, std::shared_ptr<ChangeOptions>> add(CLI::App& app, const std::string& name,
-                                                         const std::string& what) {
+                                                         const std::string& what, std::string example) {
   CLI::App* command = app.add_subcommand(name, what);
   const auto options = std::make_shared<ChangeOptions>();
-  command->add_option("job", options->job, "Its id, or the beginning of it")->required()->option_text("ID");
+  add_job_argument(*command, options->job);
   add_farm_options(*command, options->farm);
+  cli::set_help(*command, {.exit_statuses = kUsualExitStatuses, .examples = {std::move(example)}});
   return {command, options};
 }
 
 std::pair<CLI::App*, std::shared_ptr<ChangeOptions>> add_change(CLI::App& app, int& exit_code,
                                                                 const std::string& name,
-                                                                const std::string& what, Change change) {
-  const auto [command, options] = add(app, name, what);
-  command->add_flag("--json", options->json, "For programs: the job as one line of JSON");
+                                                                const std::string& what, std::string example,
+                                                                Change change) {
+  const auto [command, options] = add(app, name, what, std::move(example));
+  command->add_flag("--json", options->json, "Print the job as one line of JSON");
   command->callback([options = options, change, &exit_code] { exit_code = run_change(*options, change); });
   return {command, options};
 }
@@ -127,26 +131,28 @@ std::pair<CLI::App*, std::shared_ptr<ChangeOptions>> add_change(CLI::App& app, i
 }  // namespace
 
 void add_change_commands(CLI::App& app, int& exit_code) {
-  add_change(app, exit_code, "pause", "Hand out no more of a job's work until it is resumed", pause);
-  add_change(app, exit_code, "resume", "Go on with a paused job", resume);
-  add_change(app, exit_code, "cancel", "Stop a job for good; its picture so far can still be fetched",
-             cancel);
+  add_change(app, exit_code, "pause", "Stop rendering a job until it is resumed", "tessera pause 1f0c",
+             pause);
+  add_change(app, exit_code, "resume", "Continue a paused job", "tessera resume 1f0c", resume);
+  add_change(app, exit_code, "cancel", "End a job and keep its image so far", "tessera cancel 1f0c", cancel);
 
   const auto [extend_command, extend_options] =
-      add_change(app, exit_code, "extend", "Ask for more samples of a job, also of one that is done", extend);
+      add_change(app, exit_code, "extend", "Render more samples of a job, even if it is done",
+                 "tessera extend 1f0c --spp 4096", extend);
   extend_command
       ->add_option_function<std::string>(
           "--spp",
           [options = extend_options](const std::string& text) {
             options->spp = static_cast<std::uint32_t>(parse_whole_number("--spp", text, 1, core::kMaxSpp));
           },
-          "Samples per pixel in all")
+          "Samples per pixel in all, those already taken included")
       ->required()
-      ->option_text("N");
+      ->type_name("N");
 
   const auto [update_command, update_options] =
-      add_change(app, exit_code, "update", "Change how an unfinished job is served", update);
-  add_service_options(*update_command, "as it is", update_options->service);
+      add_change(app, exit_code, "update", "Change a job's priority or number of workers",
+                 "tessera update 1f0c --priority 5 --max-workers 8", update);
+  add_service_options(*update_command, "unchanged", update_options->service);
   update_command->callback([options = update_options, &exit_code] {
     if (!options->service.priority && !options->service.max_workers)
       throw CLI::RequiredError("--priority or --max-workers");
@@ -154,7 +160,7 @@ void add_change_commands(CLI::App& app, int& exit_code) {
   });
 
   const auto [delete_command, delete_options] =
-      add(app, "delete", "Forget a job and its picture, in any state");
+      add(app, "delete", "Delete a job and its image", "tessera delete 1f0c");
   delete_command->callback([options = delete_options, &exit_code] { exit_code = run_delete(*options); });
 }
 

@@ -7,16 +7,25 @@
 
 #include "client/console.hpp"
 #include "client/interrupt.hpp"
+#include "proto/secret_file.hpp"
 #include "proto/security_flags.hpp"
 #include "proto/status.hpp"
 #include "proto/unreachable.hpp"
 
 namespace tessera::client {
+namespace {
+
+// A coordinator listens a fraction of a second after it was started.
+constexpr std::chrono::milliseconds kLongestStartPause{500};
+
+}  // namespace
 
 void add_farm_options(CLI::App& command, FarmOptions& options) {
-  command.add_option("--coordinator", options.address, "Where the farm's coordinator listens")
+  command.add_option("--coordinator", options.address, "Address of the farm's coordinator")
       ->envname(proto::kCoordinatorVariable)
-      ->option_text(fmt::format("HOST:PORT [{}]", options.address));
+      ->type_name("HOST:PORT")
+      ->capture_default_str()
+      ->group("Farm");
   proto::add_security_flags(command, options.security);
 }
 
@@ -24,6 +33,8 @@ Farm::Farm(const FarmOptions& options, std::shared_ptr<grpc::Channel> channel)
     : options_(options), channel_(std::move(channel)), stub_(v1::RenderService::NewStub(channel_)) {}
 
 core::Result<std::unique_ptr<Farm>> Farm::open(const FarmOptions& options) {
+  for (const std::string& secret : {options.security.key, options.security.token})
+    if (const auto warning = proto::exposure_of(secret)) print_warning(*warning);
   auto channel = proto::open_channel(options.address, options.security);
   if (!channel) return core::fail(channel.error());
   return std::unique_ptr<Farm>(new Farm(options, *std::move(channel)));
@@ -32,16 +43,31 @@ core::Result<std::unique_ptr<Farm>> Farm::open(const FarmOptions& options) {
 bool Farm::wait_if_asked(const grpc::Status& status, const grpc::ClientContext& call, Patience& patience) {
   const auto asked = proto::asked_wait(status, call);
   if (!asked) return false;
-  const auto wait =
+  const auto pause =
       std::max<proto::Duration>(*asked, *proto::exponential_backoff()({.count = ++patience.waits}));
-  if (std::chrono::steady_clock::now() + wait > patience.until) return false;
-  tell_why_waiting(explain(status, call), patience.total);
-  return sleep_unless_interrupted(wait);
+  return wait(pause, explain(status, call), patience);
 }
 
-core::Error Farm::explain_end(const grpc::Status& status, const grpc::ClientContext& call) const {
+bool Farm::wait_for_connection(const grpc::Status& status, Patience& start) {
+  if (reached_ || !proto::may_be_starting(status)) return false;
+  const auto pause = *proto::exponential_backoff({.longest = kLongestStartPause})({.count = ++start.waits});
+  return wait(pause,
+              {core::ErrorCode::kUnavailable, "no connection to the coordinator at " + address() + " yet"},
+              start);
+}
+
+bool Farm::wait(std::chrono::steady_clock::duration time, const core::Error& why, const Patience& patience) {
+  if (std::chrono::steady_clock::now() + time > patience.until) return false;
+  tell_why_waiting(why, patience.total);
+  return sleep_unless_interrupted(time);
+}
+
+core::Error Farm::explain_end(const grpc::Status& status, const grpc::ClientContext& call,
+                              const Patience& start) const {
   core::Error error = explain(status, call);
   if (proto::asked_wait(status, call)) error.code = core::ErrorCode::kResourceExhausted;
+  if (start.waits > 1 && !reached_ && proto::may_be_starting(status) && !interrupted())
+    error.message += fmt::format("; this was tried for {} s", start.total.count());
   return error;
 }
 

@@ -27,6 +27,8 @@ struct FarmOptions {
   std::string address = proto::kDefaultCoordinator;  // HOST:PORT
   proto::ClientSecurity security;
   std::chrono::seconds patience{60};  // with a coordinator that restarts, or has too much to do
+  std::chrono::seconds start_patience{
+      5};  // with a coordinator that takes no connection, since it may be starting
 };
 
 // Adds --coordinator and what concerns certificates and tokens. `options` are filled in while the command
@@ -46,14 +48,14 @@ class Farm {
   std::chrono::seconds patience() const { return options_.patience; }
   Stub& stub() { return *stub_; }
 
-  // One call of a method, e.g. call(&Farm::Stub::GetJob, request). Blocks for up to `timeout`, and fails at
-  // once if nobody is there; where the coordinator asks to wait, says so and tries again, for up to `timeout`
-  // or its patience.
+  // One call of a method, e.g. call(&Farm::Stub::GetJob, request). Blocks for up to `timeout`. Says so and
+  // tries again where there is no connection at first, for up to the patience with a start, and where the
+  // coordinator asks to wait, for up to `timeout` or its patience.
   template <typename Request, typename Response>
   core::Result<Response> call(grpc::Status (Stub::*method)(grpc::ClientContext*, const Request&, Response*),
                               const Request& request,
                               std::chrono::seconds timeout = std::chrono::seconds(30)) {
-    Patience patience(std::max(timeout, options_.patience));
+    Patience patience(std::max(timeout, options_.patience)), start(options_.start_patience);
     while (true) {
       grpc::ClientContext context;
       context.set_deadline(std::chrono::system_clock::now() + timeout);
@@ -63,7 +65,8 @@ class Farm {
         reached_ = true;
         return response;
       }
-      if (!wait_if_asked(status, context, patience)) return core::fail(explain_end(status, context));
+      if (!wait_for_connection(status, start) && !wait_if_asked(status, context, patience))
+        return core::fail(explain_end(status, context, start));
     }
   }
 
@@ -87,8 +90,12 @@ class Farm {
   // Waits as long as a call that failed asks to, and longer each time. False, and nothing happens, if it does
   // not ask, or beyond all patience; also if interrupted.
   bool wait_if_asked(const grpc::Status& status, const grpc::ClientContext& call, Patience& patience);
+  // The same for a first call that was never sent, since nobody took its connection.
+  bool wait_for_connection(const grpc::Status& status, Patience& start);
+  bool wait(std::chrono::steady_clock::duration time, const core::Error& why, const Patience& patience);
   // Of a call that is not tried again: what it asked to wait for has been waited for.
-  core::Error explain_end(const grpc::Status& status, const grpc::ClientContext& call) const;
+  core::Error explain_end(const grpc::Status& status, const grpc::ClientContext& call,
+                          const Patience& start) const;
 
   Farm(const FarmOptions& options, std::shared_ptr<grpc::Channel> channel);
 

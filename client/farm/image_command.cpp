@@ -11,7 +11,6 @@
 #include "client/farm/single_commands.hpp"
 #include "client/picture_files.hpp"
 #include "client/scene_flags.hpp"
-#include "core/base/printable.hpp"
 
 namespace tessera::client {
 namespace {
@@ -33,21 +32,25 @@ int run_image(const ImageOptions& options) {
   if (!found) return print_error(found.error());
   const auto job = download_pictures(farm, found->id(), paths, options.scene.display);
   if (!job) return print_error(job.error());
-  fmt::print(stderr, "wrote {}: job {} ({}) is {}, {} of {} samples\n", fmt::join(paths, ", "),
-             short_id(job->id()), core::printable(job->name()), state_name(job->state()), job->samples_done(),
-             job->samples_total());
+  print_note(fmt::format("wrote {}: job {} ({}) is {}, {} of {} samples", fmt::join(paths, ", "),
+                         short_id(job->id()), job->name(), state_name(job->state()), job->samples_done(),
+                         job->samples_total()));
   return kExitOk;
 }
 
 }  // namespace
 
 void add_image_command(CLI::App& app, int& exit_code) {
-  CLI::App* command = app.add_subcommand("image", "Fetch a job's picture as it is now, finished or not");
+  CLI::App* command = app.add_subcommand("image", "Download a job's image, finished or not");
   const auto options = std::make_shared<ImageOptions>();
-  command->add_option("job", options->job, "Its id, or the beginning of it")->required()->option_text("ID");
+  add_job_argument(*command, options->job);
   add_output_option(*command, options->scene);
   add_display_options(*command, options->scene.display);
   add_farm_options(*command, options->farm);
+  cli::set_help(*command,
+                {.notes = "An unfinished image has the samples that have been taken so far.",
+                 .exit_statuses = kUsualExitStatuses,
+                 .examples = {"tessera image 1f0c -o draft.png", "tessera image 1f0c -o final.exr"}});
   command->callback([options, &exit_code] {
     if (options->scene.output_paths.empty()) throw CLI::RequiredError("-o FILE");
     exit_code = run_image(*options);

@@ -16,6 +16,10 @@ constexpr std::uint32_t kEnoughToTell = 2;
 
 }  // namespace
 
+void add_job_argument(CLI::App& command, std::string& id_or_prefix) {
+  command.add_option("JOB", id_or_prefix, "Id of the job, or its first digits")->required();
+}
+
 core::Result<v1::Job> find_job(Farm& farm, const std::string& id_or_prefix) {
   v1::ListJobsRequest request;
   request.set_id_prefix(id_or_prefix);

@@ -7,6 +7,9 @@
 
 namespace tessera::client {
 
+// Adds the argument JOB, which find_job() takes.
+void add_job_argument(CLI::App& command, std::string& id_or_prefix);
+
 // The job with this id, or the only one whose id begins so.
 core::Result<v1::Job> find_job(Farm& farm, const std::string& id_or_prefix);
 

@@ -5,6 +5,8 @@
 #include <google/protobuf/util/time_util.h>
 
 #include <algorithm>
+#include <memory>
+#include <vector>
 
 #include "client/farm/table.hpp"
 #include "core/base/printable.hpp"
@@ -18,11 +20,20 @@ using google::protobuf::Timestamp;
 using google::protobuf::util::TimeUtil;
 
 double seconds_of(const Timestamp& time) {
-  return static_cast<double>(TimeUtil::TimestampToMilliseconds(time)) / 1e3;
+  return static_cast<double>(time.seconds()) + 1e-9 * time.nanos();
 }
 
 std::string ago(const Timestamp& time, double now_seconds) {
   return format_duration(std::max(0.0, now_seconds - seconds_of(time))) + " ago";
+}
+
+// Whether it is a time or duration outside the range that its JSON form has (timestamp.proto,
+// duration.proto).
+bool is_inexpressible(const google::protobuf::Message& message) {
+  std::string json;
+  const std::string& type = message.GetTypeName();
+  const bool is_time = type == "google.protobuf.Timestamp" || type == "google.protobuf.Duration";
+  return is_time && !google::protobuf::util::MessageToJsonString(message, &json).ok();
 }
 
 std::string percent_done(const v1::Job& job) {
@@ -89,6 +100,24 @@ std::vector<std::string> remarks_on(const v1::ListWorkersResponse::Worker& worke
 std::string audits_of(const v1::ListWorkersResponse::Worker& worker) {
   if (worker.disproved_ranges() == 0) return std::to_string(worker.audited_ranges());
   return fmt::format("{} ({} wrong)", worker.audited_ranges(), worker.disproved_ranges());
+}
+
+// Leaves out times and durations that their JSON form has no text for, wherever they are in the message.
+void remove_inexpressible_times(google::protobuf::Message& message) {
+  const auto* reflection = message.GetReflection();
+  std::vector<const google::protobuf::FieldDescriptor*> fields;
+  reflection->ListFields(message, &fields);
+  for (const auto* field : fields) {
+    if (field->cpp_type() != google::protobuf::FieldDescriptor::CPPTYPE_MESSAGE || field->is_map()) continue;
+    if (field->is_repeated()) {
+      for (int i = 0; i < reflection->FieldSize(message, field); ++i)
+        remove_inexpressible_times(*reflection->MutableRepeatedMessage(&message, field, i));
+    } else if (is_inexpressible(reflection->GetMessage(message, field))) {
+      reflection->ClearField(&message, field);
+    } else {
+      remove_inexpressible_times(*reflection->MutableMessage(&message, field));
+    }
+  }
 }
 
 }  // namespace
@@ -215,8 +244,13 @@ std::string to_json_line(const google::protobuf::Message& message) {
   options.preserve_proto_field_names = true;
   options.always_print_primitive_fields = true;
   std::string json;
-  // Fails for Any fields of unknown type alone, and the contract has none.
-  (void)google::protobuf::util::MessageToJsonString(message, &json, options);
+  // Fails where a time is one that JSON's times cannot express: a coordinator's mistake.
+  if (google::protobuf::util::MessageToJsonString(message, &json, options).ok()) return json + "\n";
+  const std::unique_ptr<google::protobuf::Message> without(message.New());
+  without->CopyFrom(message);
+  remove_inexpressible_times(*without);
+  json.clear();
+  (void)google::protobuf::util::MessageToJsonString(*without, &json, options);
   return json + "\n";
 }
 

@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <chrono>
-#include <cstdio>
 #include <memory>
 #include <string>
 
@@ -30,7 +29,7 @@ int run_jobs(const ListOptions& options) {
   Farm& farm = **opened;
   const auto jobs = farm.call(&Farm::Stub::ListJobs, v1::ListJobsRequest());
   if (!jobs) return print_error(jobs.error());
-  fmt::print("{}", options.json ? to_json_line(*jobs) : jobs_table(*jobs, seconds_since_1970()));
+  print_result(options.json ? to_json_line(*jobs) : jobs_table(*jobs, seconds_since_1970()));
   return kExitOk;
 }
 
@@ -45,7 +44,7 @@ int run_job(const ListOptions& options) {
   const auto response = farm.call(&Farm::Stub::GetJob, request);
   if (!response) return print_error(response.error());
   const v1::Job& job = response->job();
-  fmt::print("{}", options.json ? to_json_line(job) : job_description(job));
+  print_result(options.json ? to_json_line(job) : job_description(job));
   return kExitOk;
 }
 
@@ -55,18 +54,20 @@ int run_workers(const ListOptions& options) {
   Farm& farm = **opened;
   const auto workers = farm.call(&Farm::Stub::ListWorkers, v1::ListWorkersRequest());
   if (!workers) return print_error(workers.error());
-  fmt::print("{}", options.json ? to_json_line(*workers) : workers_table(*workers, seconds_since_1970()));
+  print_result(options.json ? to_json_line(*workers) : workers_table(*workers, seconds_since_1970()));
   return kExitOk;
 }
 
 using Run = int (*)(const ListOptions&);
 
 std::pair<CLI::App*, std::shared_ptr<ListOptions>> add(CLI::App& app, int& exit_code, const std::string& name,
-                                                       const std::string& what, Run run) {
+                                                       const std::string& what, Run run,
+                                                       std::string example) {
   CLI::App* command = app.add_subcommand(name, what);
   const auto options = std::make_shared<ListOptions>();
   add_farm_options(*command, options->farm);
-  command->add_flag("--json", options->json, "For programs: one line of JSON");
+  command->add_flag("--json", options->json, "Print one line of JSON");
+  cli::set_help(*command, {.exit_statuses = kUsualExitStatuses, .examples = {std::move(example)}});
   command->callback([options, run, &exit_code] { exit_code = run(*options); });
   return {command, options};
 }
@@ -74,10 +75,10 @@ std::pair<CLI::App*, std::shared_ptr<ListOptions>> add(CLI::App& app, int& exit_
 }  // namespace
 
 void add_list_commands(CLI::App& app, int& exit_code) {
-  add(app, exit_code, "jobs", "List the farm's jobs, newest first", run_jobs);
-  const auto [job, options] = add(app, exit_code, "job", "Tell everything about one job", run_job);
-  job->add_option("job", options->job, "Its id, or the beginning of it")->required()->option_text("ID");
-  add(app, exit_code, "workers", "List the farm's workers", run_workers);
+  add(app, exit_code, "jobs", "List the jobs, newest first", run_jobs, "tessera jobs");
+  const auto [job, options] = add(app, exit_code, "job", "Show one job in full", run_job, "tessera job 1f0c");
+  add_job_argument(*job, options->job);
+  add(app, exit_code, "workers", "List the workers", run_workers, "tessera workers");
 }
 
 }  // namespace tessera::client

@@ -30,8 +30,8 @@ void add_service_options(CLI::App& command, const std::string& when_absent, Serv
   command
       .add_option_function<std::string>(
           "--priority", [&options](const std::string& text) { options.priority = parse_priority(text); },
-          "Jobs of higher priority are served first; equals share\n"
-          "the farm evenly [" +
+          "Jobs of higher priority are rendered first; jobs of equal priority share the farm evenly "
+          "[default: " +
               when_absent + "]")
       ->type_name("N");
   command
@@ -42,9 +42,7 @@ void add_service_options(CLI::App& command, const std::string& when_absent, Serv
             options.max_workers =
                 static_cast<std::uint32_t>(parse_whole_number("--max-workers", text, 0, kMost));
           },
-          "At most so many workers render it at once; 0 for as\n"
-          "many as there are [" +
-              when_absent + "]")
+          "Most workers that render the job at once; 0 for no limit [default: " + when_absent + "]")
       ->type_name("N");
 }
 

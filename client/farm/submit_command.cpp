@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cstdio>
 #include <memory>
 #include <string>
 #include <vector>
@@ -26,17 +25,18 @@
 namespace tessera::client {
 namespace {
 
-constexpr const char* kFooter =
-    R"(Prints the job's id. Values given here replace those of the scene file. The
-picture is the same, byte for byte, as that of tessera render, whatever machines
-render it.
+const cli::HelpText kHelp{
+    .notes = R"(Prints the job's id. Options given here replace the values of the scene file.
 
-Exit status: 0 done, 1 failed, 2 wrong command line, 130 interrupted. Ctrl-C
-while waiting leaves the job running and no file.
+The image is the same, byte for byte, as that of tessera render, whatever machines render it.
 
-Examples:
-  tessera submit scenes/cornell/scene.json
-  tessera submit scene.json --wait -o out.exr -o out.png --spp 1024)";
+Ctrl-C while waiting leaves the job running and writes no file.)",
+    .exit_statuses = {{kExitOk, "submitted; with --wait: done"},
+                      {kExitFailed, "failed"},
+                      {kExitUsage, "wrong command line"},
+                      {kExitInterrupted, "interrupted"}},
+    .examples = {"tessera submit scene.json",
+                 "tessera submit scene.json --wait -o out.exr -o out.png --spp 1024"}};
 
 // Validating a large scene on the coordinator takes as long as loading it here.
 constexpr std::chrono::minutes kSubmitTimeout{30};
@@ -91,9 +91,9 @@ int report_interrupt(const v1::Job& job) {
 
 void print_summary(const v1::Job& job, const std::vector<std::string>& paths) {
   const double seconds = std::max(seconds_taken(job), 1e-3);
-  fmt::print(stderr, "wrote {} ({} pixels, {} spp) in {:.2f} s, {} samples/s\n", fmt::join(paths, ", "),
-             size_text(job.settings()), job.settings().spp(), seconds,
-             format_count(static_cast<double>(job.samples_done()) / seconds));
+  print_note(fmt::format("wrote {} ({} pixels, {} spp) in {:.2f} s, {} samples/s", fmt::join(paths, ", "),
+                         size_text(job.settings()), job.settings().spp(), seconds,
+                         format_count(static_cast<double>(job.samples_done()) / seconds)));
 }
 
 int wait_and_fetch(Farm& farm, const SubmitOptions& options, const v1::Job& submitted) {
@@ -129,32 +129,34 @@ int run_submit(const SubmitOptions& options) {
   if (!fits) return print_error(fits.error());
   if (!local->gives_light) warn_about_darkness(options.scene.scene_path);
 
-  const auto opened = Farm::open(options.farm);
+  FarmOptions farm_options = options.farm;
+  // Who waits for the image also waits for a coordinator that restarts.
+  if (options.wait) farm_options.start_patience = farm_options.patience;
+  const auto opened = Farm::open(farm_options);
   if (!opened) return print_error(opened.error());
   Farm& farm = **opened;
   const auto job = submit(farm, options, *local);
   if (!job) return print_error(job.error());
-  fmt::print("{}", options.json ? to_json_line(*job) : core::printable(job->id()) + "\n");
-  std::fflush(stdout);
+  print_result(options.json ? to_json_line(*job) : core::printable(job->id()) + "\n");
   return options.wait ? wait_and_fetch(farm, options, *job) : kExitOk;
 }
 
 }  // namespace
 
 void add_submit_command(CLI::App& app, int& exit_code) {
-  CLI::App* command = app.add_subcommand("submit", "Render a scene on a farm");
+  CLI::App* command = app.add_subcommand("submit", "Submit a scene to a farm");
   const auto options = std::make_shared<SubmitOptions>();
   add_scene_argument(*command, options->scene);
-  command->add_flag("--wait", options->wait, "Wait until it is done, and then write the pictures");
+  command->add_flag("--wait", options->wait, "Wait until the job is done, then write the images");
   add_output_option(*command, options->scene);
   add_override_options(*command, options->scene.overrides);
   add_display_options(*command, options->scene.display);
-  command->add_option("--name", options->name, "What people call the job [the scene file's name]")
-      ->option_text("NAME");
+  command->add_option("--name", options->name, "Name of the job [default: the scene file's name]")
+      ->type_name("NAME");
   add_service_options(*command, "0", options->service);
-  command->add_flag("--json", options->json, "For programs: the job as one line of JSON instead of its id");
+  command->add_flag("--json", options->json, "Print the job as one line of JSON instead of its id");
   add_farm_options(*command, options->farm);
-  command->footer(kFooter);
+  cli::set_help(*command, kHelp);
   command->callback([options, &exit_code] {
     if (!options->scene.output_paths.empty() && !options->wait)
       throw CLI::RequiredError("-o writes the finished picture, so --wait");

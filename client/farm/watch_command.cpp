@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include <cstdio>
 #include <memory>
 #include <string>
 
@@ -11,7 +10,6 @@
 #include "client/farm/single_commands.hpp"
 #include "client/farm/watching.hpp"
 #include "client/interrupt.hpp"
-#include "core/base/printable.hpp"
 
 namespace tessera::client {
 namespace {
@@ -26,8 +24,8 @@ core::Result<v1::Job> watch_for_programs(Farm& farm, const std::string& id) {
   return watch_job(
       farm, id,
       [](const v1::Job& job) {
-        fmt::print("{}", to_json_line(job));
-        std::fflush(stdout);
+        print_result(to_json_line(job));
+        if (results_are_lost()) interrupt();
       },
       [](const std::string&) {});
 }
@@ -41,21 +39,28 @@ int run_watch(const WatchOptions& options) {
   watch_for_interrupt();
   const auto job =
       options.json ? watch_for_programs(farm, found->id()) : watch_with_progress(farm, found->id());
+  if (!job && results_are_lost()) return kExitOk;  // main() reports it
   if (!job) return interrupted() ? kExitInterrupted : print_error(job.error());
   if (!options.json)
-    fmt::print(stderr, "job {} ({}) is {}\n", short_id(job->id()), core::printable(job->name()),
-               state_name(job->state()));
+    print_note(fmt::format("job {} ({}) is {}", short_id(job->id()), job->name(), state_name(job->state())));
   return report_end(*job);
 }
 
 }  // namespace
 
 void add_watch_command(CLI::App& app, int& exit_code) {
-  CLI::App* command = app.add_subcommand("watch", "Follow a job until it is over; Ctrl-C leaves it running");
+  CLI::App* command = app.add_subcommand("watch", "Follow a job until it ends");
   const auto options = std::make_shared<WatchOptions>();
-  command->add_option("job", options->job, "Its id, or the beginning of it")->required()->option_text("ID");
-  command->add_flag("--json", options->json, "For programs: the job as a line of JSON at every change");
+  add_job_argument(*command, options->job);
+  command->add_flag("--json", options->json, "Print the job as one line of JSON at every change");
   add_farm_options(*command, options->farm);
+  cli::set_help(*command,
+                {.notes = "Ctrl-C stops watching. The job goes on.",
+                 .exit_statuses = {{kExitOk, "the job is done"},
+                                   {kExitFailed, "the job failed or was cancelled, or the farm is lost"},
+                                   {kExitUsage, "wrong command line"},
+                                   {kExitInterrupted, "interrupted"}},
+                 .examples = {"tessera watch 1f0c"}});
   command->callback([options, &exit_code] { exit_code = run_watch(*options); });
 }
 

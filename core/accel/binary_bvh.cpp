@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/accel/partition.hpp"
+#include "core/base/parallel_errors.hpp"
 
 namespace tessera::core {
 namespace {
@@ -74,7 +75,8 @@ class Builder {
     tree_.nodes = HugePageArray<BinaryBvh::Node>(NodePairs::capacity(items_.size(), threads));
 #pragma omp parallel num_threads(threads_)
 #pragma omp single
-    build_subtree(0, all);
+    errors_.run([&] { build_subtree(0, all); });
+    errors_.rethrow();
     tree_.nodes.truncate(pairs_.used());
     collect_order();
   }
@@ -125,7 +127,7 @@ class Builder {
     const Range &left = parts.first, &right = parts.second;
     if (range.size() > kTaskSize) {
 #pragma omp task default(none) firstprivate(children, left)
-      build_subtree(children, left);
+      errors_.run([&] { build_subtree(children, left); });
     } else {
       build_subtree(children, left);
     }
@@ -188,6 +190,7 @@ class Builder {
   NodePairs pairs_;
   HugePageArray<BuildItem> items_;
   BinaryBvh tree_;
+  ParallelErrors errors_;  // of tasks
 };
 
 }  // namespace

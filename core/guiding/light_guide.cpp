@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "core/base/parallel_errors.hpp"
 #include "core/math/simd_double8.hpp"
 
 namespace tessera::core {
@@ -103,8 +104,11 @@ class LightGuide::Builder {
     }
     join(std::move(roots), splits);
     const auto count = static_cast<std::int64_t>(evidence_.size());
+    ParallelErrors errors;
 #pragma omp parallel for num_threads(threads) schedule(dynamic, 16)
-    for (std::int64_t c = 0; c < count; ++c) choose_share(static_cast<std::size_t>(c), other_light);
+    for (std::int64_t c = 0; c < count; ++c)
+      errors.run([&] { choose_share(static_cast<std::size_t>(c), other_light); });
+    errors.rethrow();
     return std::move(guide_);
   }
 

@@ -133,6 +133,8 @@ Result<std::string> encode_exr(const Image& image) {
       file.writePixels(image.height);
     }  // completes the table of offsets
     return stream.take();
+  } catch (const std::bad_alloc&) {
+    return fail(ErrorCode::kResourceExhausted, "not enough memory to encode OpenEXR");
   } catch (const std::exception& e) {
     return fail(ErrorCode::kInternal, fmt::format("cannot encode OpenEXR: {}", e.what()));
   }

@@ -23,7 +23,13 @@ class FileDescriptor {
   FileDescriptor(FileDescriptor&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
   FileDescriptor(const FileDescriptor&) = delete;
   FileDescriptor& operator=(const FileDescriptor&) = delete;
-  FileDescriptor& operator=(FileDescriptor&&) = delete;
+  FileDescriptor& operator=(FileDescriptor&& other) noexcept {
+    if (this != &other) {
+      close();
+      fd_ = std::exchange(other.fd_, -1);
+    }
+    return *this;
+  }
   ~FileDescriptor() { close(); }
 
   bool valid() const { return fd_ >= 0; }
@@ -99,38 +105,66 @@ Status write_in_place(const std::string& target, std::string_view bytes, const s
   return {};
 }
 
-// Fills and flushes the file at `temporary`, which is new. 0, or errno.
-int write_durably(FileDescriptor file, std::string_view bytes) {
+// Fills and flushes a new file. 0, or errno.
+int write_durably(const FileDescriptor& file, std::string_view bytes) {
   if (const int error = write_all(file.get(), bytes)) return error;
-  if (::fsync(file.get()) != 0) return errno;
-  return file.close() ? 0 : errno;
+  return ::fsync(file.get()) == 0 ? 0 : errno;
 }
 
-struct NewFile {
-  std::string path;
-  FileDescriptor descriptor;
-};
-
-// A new file beside `target`; its descriptor is not valid, and errno says why, if there can be none.
-NewFile create_beside(const std::string& target) {
-  constexpr int kAttempts = 100;  // others may be writing the same target, or have died of it
+// Calls `create` with names of files beside `target` until one is new. The name; empty, and errno says why, if
+// there can be none. Others may be writing the same target, or have died of it.
+template <typename Create>
+std::string new_name_beside(const std::string& target, const Create& create) {
+  constexpr int kAttempts = 100;
   const std::string name = std::filesystem::path(target).filename();
   for (int attempt = 0;; ++attempt) {
     std::string path =
         fmt::format("{}/.{}.{}-{}.tmp", folder_of(target), name.substr(0, 200), ::getpid(), attempt);
-    // O_EXCL: never through a link that somebody left there, and never two writers in one file.
-    const int fd = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-    if (fd >= 0 || errno != EEXIST || attempt == kAttempts) return {std::move(path), FileDescriptor(fd)};
+    if (create(path)) return path;
+    if (errno != EEXIST || attempt == kAttempts) return "";
   }
 }
 
+// A file without a name in the folder of `target`: nothing is left of it if the process is killed. Not valid
+// where the system has none.
+FileDescriptor create_unnamed(const std::string& target) {
+  if (::access("/proc/self/fd", X_OK) != 0) return FileDescriptor(-1);  // a name could not be given later
+  return FileDescriptor(::open(folder_of(target).c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, 0666));
+}
+
+// Gives the file a name beside `target`; empty, and errno says why, if that fails.
+std::string name_beside(const FileDescriptor& file, const std::string& target) {
+  const std::string unnamed = fmt::format("/proc/self/fd/{}", file.get());
+  return new_name_beside(target, [&](const std::string& path) {
+    return ::linkat(AT_FDCWD, unnamed.c_str(), AT_FDCWD, path.c_str(), AT_SYMLINK_FOLLOW) == 0;
+  });
+}
+
+// Writes a new file beside `target` and stores its name in `temporary`, if it has got one. 0, or errno.
+int write_beside(const std::string& target, std::string_view bytes, std::string& temporary) {
+  FileDescriptor file = create_unnamed(target);
+  if (file.valid()) {
+    if (const int error = write_durably(file, bytes)) return error;
+    temporary = name_beside(file, target);
+    if (temporary.empty()) return errno;
+    return file.close() ? 0 : errno;
+  }
+  temporary = new_name_beside(target, [&](const std::string& path) {
+    // O_EXCL: never through a link that somebody left there, and never two writers in one file.
+    file = FileDescriptor(::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
+    return file.valid();
+  });
+  if (temporary.empty()) return errno;
+  if (const int error = write_durably(file, bytes)) return error;
+  return file.close() ? 0 : errno;
+}
+
 Status replace_file(const std::string& target, std::string_view bytes, const std::string& path) {
-  NewFile temporary = create_beside(target);
-  if (!temporary.descriptor.valid()) return cannot_write(errno, path);
-  int error = write_durably(std::move(temporary.descriptor), bytes);
-  if (error == 0 && ::rename(temporary.path.c_str(), target.c_str()) != 0) error = errno;
+  std::string temporary;
+  int error = write_beside(target, bytes, temporary);
+  if (error == 0 && ::rename(temporary.c_str(), target.c_str()) != 0) error = errno;
   if (error != 0) {
-    ::unlink(temporary.path.c_str());
+    if (!temporary.empty()) ::unlink(temporary.c_str());
     return cannot_write(error, path);
   }
   // The rename itself is made durable; where folders cannot be flushed, the file is still whole.

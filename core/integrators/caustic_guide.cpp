@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 
+#include "core/base/parallel_errors.hpp"
 #include "core/integrators/caustic_casters.hpp"
 #include "core/integrators/direct_light.hpp"
 #include "core/integrators/vertex.hpp"
@@ -139,9 +140,14 @@ std::vector<Photon> trace_caustic_photons(const Scene& scene, int threads) {
   if (casters.empty() || scene.light_sampler().empty()) return {};
   const PhotonTracer tracer(scene, casters);
   std::vector<std::vector<Photon>> parts(kPaths / kPathsAtOnce);
+  ParallelErrors errors;
 #pragma omp parallel for num_threads(threads) schedule(dynamic)
-  for (std::uint32_t part = 0; part < kPaths / kPathsAtOnce; ++part)
-    for (std::uint32_t i = 0; i < kPathsAtOnce; ++i) tracer.trace(part * kPathsAtOnce + i, parts[part]);
+  for (std::uint32_t part = 0; part < kPaths / kPathsAtOnce; ++part) {
+    errors.run([&] {
+      for (std::uint32_t i = 0; i < kPathsAtOnce; ++i) tracer.trace(part * kPathsAtOnce + i, parts[part]);
+    });
+  }
+  errors.rethrow();
   std::vector<Photon> photons;
   for (const auto& part : parts)
     std::copy_if(part.begin(), part.end(), std::back_inserter(photons), [](const Photon& photon) {

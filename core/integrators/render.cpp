@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "core/base/parallel_errors.hpp"
 #include "core/integrators/caustic_guide.hpp"
 #include "core/integrators/path.hpp"
 #include "core/integrators/whitted.hpp"
@@ -193,14 +194,20 @@ FilmTile render(const Scene& scene, const RenderSettings& settings, PixelRect re
   const int team = std::clamp(threads, 1, blocks.tile_count());
   std::vector<RenderCounters> counters(static_cast<std::size_t>(team));
   const LightGuide* guide = caustic_guide(scene, settings, threads);
+  ParallelErrors errors;
 #pragma omp parallel num_threads(team)
   {
-    const auto renderer = std::make_unique<Renderer>(scene, settings, guide);
+    std::unique_ptr<Renderer> renderer;
+    errors.run([&] { renderer = std::make_unique<Renderer>(scene, settings, guide); });
 #pragma omp for schedule(dynamic) nowait
-    for (int b = 0; b < blocks.tile_count(); ++b) render_block(blocks.rect(b), tile, *renderer);
-    renderer->flush();
-    counters[static_cast<std::size_t>(omp_get_thread_num())] = renderer->counters();
+    for (int b = 0; b < blocks.tile_count(); ++b)
+      errors.run([&] { render_block(blocks.rect(b), tile, *renderer); });
+    errors.run([&] {
+      renderer->flush();
+      counters[static_cast<std::size_t>(omp_get_thread_num())] = renderer->counters();
+    });
   }
+  errors.rethrow();
   for (const RenderCounters& of_thread : counters) tile.counters.add(of_thread);
   return tile;
 }

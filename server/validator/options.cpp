@@ -3,6 +3,8 @@
 #include <CLI/CLI.hpp>
 #include <cstdlib>
 
+#include "core/cli/help.hpp"
+#include "core/cli/parse.hpp"
 #include "core/base/version.hpp"
 #include "server/validator/flags.hpp"
 
@@ -10,7 +12,14 @@ namespace tessera::validator {
 
 namespace {
 
-constexpr int kExitUsage = 2;
+const cli::HelpText kHelp{
+    .notes =
+        R"(Reads a serialised request on stdin and answers on stdout. The coordinator starts one process for every submitted
+scene. The process gives up all rights that it does not need,
+loads the scene and ends.)",
+    .exit_statuses = {{cli::kExitOk, "answered, whether the scene is valid or not"},
+                      {cli::kExitFailed, "failed"},
+                      {cli::kExitUsage, "wrong command line"}}};
 
 // Options of the scene have the coordinator's names.
 void add_limit(CLI::App& app, const char* flag, core::SceneLimit& limit, const char* what) {
@@ -23,26 +32,24 @@ void add_limit(CLI::App& app, const char* flag, core::SceneLimit& limit, const c
 Options parse_options(int argc, char** argv) {
   Options options;
   Confinement& confinement = options.confinement;
-  CLI::App app(
-      "Reads one serialised tessera.validator.Question on standard input, loads its scene and answers with a "
-      "Verdict on standard output. The coordinator starts one for every scene that is submitted.");
-  app.set_version_flag("--version", "tessera-validator " + std::string(core::version()));
-  app.add_option(kMemoryFlag, confinement.memory_mib, "Memory it may take (addresses)")
+  CLI::App app("Validate a scene for tessera-coordinator", "tessera-validator");
+  cli::set_help(app, kHelp);
+  app.set_version_flag("--version", "tessera-validator " + std::string(core::version()), "Print the version");
+  app.add_option(kMemoryFlag, confinement.memory_mib, "Most MiB of address space")
       ->type_name("N")
       ->capture_default_str();
-  app.add_option(kSecondsFlag, confinement.cpu_seconds, "Processor time it may take")
+  app.add_option(kSecondsFlag, confinement.cpu_seconds, "Most seconds of processor time")
       ->type_name("N")
       ->capture_default_str();
-  app.add_option(kParentFlag, confinement.parent, "Ends with this process")->type_name("PID");
-  add_limit(app, kTrianglesFlag, options.scene.triangles, "Triangles of a scene's meshes");
-  add_limit(app, kTexturePixelsFlag, options.scene.texture_pixels, "Pixels of a texture");
+  app.add_option(kParentFlag, confinement.parent, "Process id of the coordinator; the validator ends with it")
+      ->type_name("PID");
+  add_limit(app, kTrianglesFlag, options.scene.triangles,
+            "Most triangles of a scene's meshes [default: no limit]");
+  add_limit(app, kTexturePixelsFlag, options.scene.texture_pixels,
+            "Most pixels of a texture [default: no limit]");
   add_limit(app, kSceneTexturePixelsFlag, options.scene.scene_texture_pixels,
-            "Pixels of all textures of a scene");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    std::exit(app.exit(error) == EXIT_SUCCESS ? EXIT_SUCCESS : kExitUsage);
-  }
+            "Most pixels of all textures of a scene [default: no limit]");
+  if (const auto ended = cli::parse(app, argc, argv, "tessera-validator")) std::exit(*ended);
   return options;
 }
 

@@ -36,11 +36,13 @@ include='^[[:space:]]*#[[:space:]]*include[[:space:]]*[<"]'
 # The arrows: client, worker -> proto -> core; server -> proto, and of core only what never traces a ray.
 forbid "core includes nothing of the farm." \
   "${include}(proto|server|worker|client|tessera/v1|grpc|google/protobuf|sqlite3|zstd)" "${sources[@]}" core
+forbid "core/cli includes of core only base." \
+  "${include}(core|proto|server|worker|client|tessera/v1|grpc)/" --but '[<"]core/(base|cli)/' "${sources[@]}" core/cli
 forbid "proto includes neither server nor worker nor client." "${include}(server|worker|client)/" "${sources[@]}" proto
 forbid "A worker includes neither server nor client." "${include}(server|client)/" "${sources[@]}" worker
 forbid "A client includes neither server nor worker." "${include}(server|worker)/" "${sources[@]}" client
-forbid "The server includes of core only base, math, film, image and scene/settings.hpp; the validator may load scenes." \
-  "${include}core/" --but '^server/validator/|[<"]core/(base|math|film|image)/|[<"]core/scene/settings\.hpp' \
+forbid "The server includes of core only base, cli, math, film, image and scene/settings.hpp; the validator may load scenes." \
+  "${include}core/" --but '^server/validator/|[<"]core/(base|cli|math|film|image)/|[<"]core/scene/settings\.hpp' \
   "${sources[@]}" server
 forbid "The scheduler includes neither RPC nor SQLite, nor any other folder of the server." \
   "${include}(grpc|google/protobuf|tessera/v1|proto/|sqlite3|server/(coordinator|store|rpc|http|validator|main))" \

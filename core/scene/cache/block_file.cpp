@@ -165,7 +165,7 @@ Result<BlockFileReader> BlockFileReader::open(const std::string& path, const Che
   };
   BlockFileReader reader;
   reader.threads_ = threads;
-  reader.file_ = OpenFile(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  reader.file_ = OpenFile(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));  // never waits for a FIFO
   if (!reader.file_.valid() && errno == ENOENT) return fail(ErrorCode::kNotFound, path + " does not exist");
   if (!reader.file_.valid()) return refuse(fmt::format("cannot be opened: {}", std::strerror(errno)));
   struct stat status {};

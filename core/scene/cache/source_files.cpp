@@ -11,6 +11,8 @@
 #include <iterator>
 #include <span>
 
+#include "core/base/parallel_errors.hpp"
+
 namespace tessera::core::stored {
 namespace {
 
@@ -21,13 +23,17 @@ template <typename Piece>
 std::optional<Checksum> checksum_of_pieces(std::size_t bytes, int threads, const Piece& piece) {
   std::vector<Checksum> checksums((bytes + kPieceBytes - 1) / kPieceBytes);
   std::atomic<bool> good{true};
+  ParallelErrors errors;
 #pragma omp parallel for num_threads(threads) schedule(dynamic)
   for (std::size_t i = 0; i < checksums.size(); ++i) {
-    const std::size_t begin = i * kPieceBytes;
-    const std::optional<Checksum> one = piece(begin, std::min(kPieceBytes, bytes - begin));
-    if (one) checksums[i] = *one;
-    if (!one) good = false;
+    errors.run([&] {
+      const std::size_t begin = i * kPieceBytes;
+      const std::optional<Checksum> one = piece(begin, std::min(kPieceBytes, bytes - begin));
+      if (one) checksums[i] = *one;
+      if (!one) good = false;
+    });
   }
+  errors.rethrow();
   if (!good) return std::nullopt;
   return checksum_of(std::as_bytes(std::span(checksums)));
 }

@@ -9,6 +9,7 @@
 #include <new>
 #include <system_error>
 
+#include "core/base/printable.hpp"
 #include "core/scene/loader/wording.hpp"
 
 namespace tessera::core {
@@ -71,7 +72,7 @@ Result<std::string> FolderAssets::read(const std::string& path) {
 }
 
 Result<std::string> BundleAssets::read(const std::string& path) {
-  const auto blob = blob_paths_.find(path);
+  const auto blob = blob_paths_.find(printable(path));
   if (blob == blob_paths_.end())
     return fail(ErrorCode::kNotFound, in_quotes(path) + " is not in the scene's bundle");
   return read_guarded(blob->second, in_quotes(path));

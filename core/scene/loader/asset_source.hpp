@@ -29,7 +29,8 @@ class FolderAssets : public AssetSource {
   std::string folder_;
 };
 
-// The files of a bundle: a name is looked up in `blob_paths`, and only those files are opened.
+// The files of a bundle: a name is looked up in `blob_paths`, and only those files are opened. Bundles travel
+// as UTF-8, so that a name's bytes that cannot be shown stand there as \xNN (core/base/printable.hpp).
 class BundleAssets : public AssetSource {
  public:
   explicit BundleAssets(std::map<std::string, std::string> blob_paths) : blob_paths_(std::move(blob_paths)) {}

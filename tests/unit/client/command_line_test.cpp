@@ -291,12 +291,5 @@ TEST_F(CommandLine, AWindowOutsideThePictureIsRefused) {
   EXPECT_THAT(names(), UnorderedElementsAre("scene.json"));
 }
 
-TEST_F(CommandLine, ResultsThatCannotBeWrittenAreAFailure) {
-  ASSERT_EQ(render({"-o", path("a.pfm"), "-q"}).exit_status, 0);
-  const ProcessResult result = run_tessera({"compare", path("a.pfm"), path("a.pfm")}, "/dev/full");
-  EXPECT_EQ(result.exit_status, 1);
-  EXPECT_THAT(result.err, HasSubstr("tessera: error: stdout cannot be written"));
-}
-
 }  // namespace
 }  // namespace tessera::client

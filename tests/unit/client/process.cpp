@@ -1,6 +1,5 @@
 #include "tests/unit/client/process.hpp"
 
-#include <fcntl.h>
 #include <pty.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -39,12 +38,18 @@ std::string contents(std::FILE* file) {
 
 }  // namespace
 
-ProcessResult run_tessera(const std::vector<std::string>& arguments, const char* stdout_device) {
+ProcessResult run_tessera(const std::vector<std::string>& arguments) {
+  return run_tessera_after([] {}, arguments);
+}
+
+ProcessResult run_tessera_after(const std::function<void()>& prepare,
+                                const std::vector<std::string>& arguments) {
   std::FILE *out = std::tmpfile(), *err = std::tmpfile();
   const pid_t child = ::fork();
   if (child == 0) {
-    ::dup2(stdout_device == nullptr ? ::fileno(out) : ::open(stdout_device, O_WRONLY), STDOUT_FILENO);
+    ::dup2(::fileno(out), STDOUT_FILENO);
     ::dup2(::fileno(err), STDERR_FILENO);
+    prepare();
     become_tessera(arguments);
   }
   const int status = exit_status_of(child);

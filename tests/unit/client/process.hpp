@@ -1,6 +1,7 @@
 // Runs the built `tessera`, for what can only be seen from outside: exit statuses, streams and signals.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -11,8 +12,12 @@ struct ProcessResult {
   std::string out, err;
 };
 
-// Runs to the end with stdout and stderr in files, or with stdout to this device.
-ProcessResult run_tessera(const std::vector<std::string>& arguments, const char* stdout_device = nullptr);
+// Runs to the end with stdout and stderr in files.
+ProcessResult run_tessera(const std::vector<std::string>& arguments);
+
+// The same after `prepare` has changed the process that becomes tessera: its streams, its limits.
+ProcessResult run_tessera_after(const std::function<void()>& prepare,
+                                const std::vector<std::string>& arguments);
 
 // Runs with stderr on a terminal of its own; sends `signal` when `text` has appeared there.
 ProcessResult run_on_terminal_and_signal(const std::vector<std::string>& arguments, const std::string& text,

@@ -2,11 +2,16 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <map>
 
+#include "core/scene/loader/asset_source.hpp"
 #include "core/scene/loader/loader.hpp"
 #include "proto/blob.hpp"
+#include "proto/text.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace tessera::client {
 namespace {
@@ -41,6 +46,53 @@ TEST(Bundle, RefusesInTheWordsOfALocalRender) {
   ASSERT_FALSE(local.has_value());
   ASSERT_FALSE(here.has_value());
   EXPECT_EQ(local.error().message, here.error().message);
+}
+
+constexpr const char* kLatin1Texture = "caf\xe9.png";
+
+// A scene whose mesh has a texture with a name in Latin-1. `more` are its further keys.
+void write_latin1_scene(const std::filesystem::path& folder, const std::string& scene,
+                        const std::string& more) {
+  const auto write = [&](const std::string& name, const std::string& text) {
+    std::ofstream(folder / name, std::ios::binary) << text;
+  };
+  write("a.obj", "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl m\nf 1/1 2/1 3/1\n");
+  write("a.mtl", std::string("newmtl m\nmap_Kd ") + kLatin1Texture + "\n");
+  write(kLatin1Texture, read_file(TESSERA_SOURCE_DIR "/tests/unit/client_farm/pixel.png"));
+  write(scene,
+        R"({"camera": {"position": [0, 0, 5], "look_at": [0, 0, 0]}, "environment": {"radiance": 1}, )" +
+            more + R"("shapes": [{"type": "mesh", "file": "a.obj"}]})");
+}
+
+// What a bundle calls a file travels as UTF-8, and whoever has the bundle finds the file by its own name.
+TEST(Bundle, CarriesNamesThatAreNotUtf8) {
+  const TemporaryFolder folder;
+  const std::string scene = folder.path() / "sc\xe8ne.json";
+  write_latin1_scene(folder.path(), "sc\xe8ne.json", "");
+  ASSERT_TRUE(core::load_scene_file(scene)) << "it renders here";
+
+  const auto local = bundle_scene(scene, {});
+  ASSERT_TRUE(local) << local.error().message;
+  EXPECT_EQ(local->bundle.scene_path(), "sc\\xe8ne.json");
+  std::map<std::string, std::string> blobs;
+  for (const v1::Bundle::Asset& asset : local->bundle.assets()) {
+    EXPECT_TRUE(proto::check_text("path", asset.path())) << asset.path();
+    blobs[asset.path()] = folder.path() / local->paths.at(asset.path());
+  }
+  EXPECT_TRUE(blobs.contains("caf\\xe9.png"));
+  core::BundleAssets assets(blobs);
+  const auto there = core::load_scene(assets, local->bundle.scene_path(), local->bundle.scene_path());
+  EXPECT_TRUE(there) << there.error().message;
+}
+
+TEST(Bundle, RefusesTwoFilesOfOneName) {
+  const TemporaryFolder folder;
+  write_latin1_scene(folder.path(), "scene.json", R"("textures": {"t": {"file": "caf\\xe9.png"}}, )");
+  std::filesystem::copy(folder.path() / kLatin1Texture, folder.path() / "caf\\xe9.png");
+  ASSERT_TRUE(core::load_scene_file(folder.path() / "scene.json"));
+  const auto local = bundle_scene(folder.path() / "scene.json", {});
+  ASSERT_FALSE(local);
+  EXPECT_NE(local.error().message.find("rename one of them"), std::string::npos) << local.error().message;
 }
 
 TEST(Bundle, ChecksOverrides) {

@@ -326,15 +326,63 @@ TEST_F(FarmCalls, ToACoordinatorThatTurnsThemAwaySayWhy) {
   }
 }
 
-TEST_F(FarmCalls, ToACoordinatorThatNeverAnsweredFailAtOnce) {
+// The first call, before anybody has answered: it waits for a start, says so once, and says so in the end.
+TEST_F(FarmCalls, ToACoordinatorThatNeverAnsweredWaitForItsStart) {
   server_->Shutdown(std::chrono::system_clock::now());
+  open_farm({.address = address_, .security = {}, .start_patience = std::chrono::seconds(1)});
   const auto local = bundle_scene(TESSERA_SOURCE_DIR "/scenes/cornell/scene.json", {});
   ASSERT_TRUE(local);
   testing::internal::CaptureStderr();
   const core::Status uploaded = upload_missing(*farm_, *local);
-  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+  const std::string told = testing::internal::GetCapturedStderr();
+  EXPECT_EQ(told, "tessera: warning: no connection to the coordinator at " + address_ +
+                      " yet; trying again for up to 1 s\n");
   ASSERT_FALSE(uploaded);
   EXPECT_THAT(uploaded.error().message, HasSubstr("no coordinator answers at " + address_));
+  EXPECT_THAT(uploaded.error().message, testing::EndsWith("; this was tried for 1 s"));
+}
+
+TEST_F(FarmCalls, ReachACoordinatorThatStartsMeanwhile) {
+  server_->Shutdown(std::chrono::system_clock::now());
+  open_farm({.address = address_, .security = {}, .start_patience = std::chrono::seconds(60)});
+  std::thread starter([this] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    grpc::ServerBuilder builder;
+    builder.AddListeningPort(address_, grpc::InsecureServerCredentials());
+    builder.RegisterService(&service_);
+    server_ = builder.BuildAndStart();
+  });
+  const auto answer = list();
+  starter.join();
+  EXPECT_TRUE(answer) << answer.error().message;
+  EXPECT_THAT(told_, HasSubstr("; trying again for up to 60 s\n"));
+}
+
+// A wrong name is not one of a coordinator that is starting.
+TEST_F(FarmCalls, ToAMachineThatNobodyKnowsFailAtOnce) {
+  open_farm({.address = "nowhere.invalid:7420",
+             .security = {.insecure = true},
+             .start_patience = std::chrono::seconds(60)});
+  const auto answer = list();
+  ASSERT_FALSE(answer);
+  EXPECT_THAT(answer.error().message, HasSubstr("no machine is known by the name"));
+  EXPECT_EQ(told_, "");
+}
+
+TEST_F(FarmCalls, WarnOfSecretsThatEverybodyCanRead) {
+  const std::string token = testing::TempDir() + "/exposed.token";
+  std::ofstream(token) << "secret\n";
+  const auto told_of = [&](std::filesystem::perms rights) {
+    std::filesystem::permissions(token, rights);
+    testing::internal::CaptureStderr();
+    EXPECT_TRUE(Farm::open({.address = address_, .security = {.token = token}}));
+    return testing::internal::GetCapturedStderr();
+  };
+  EXPECT_EQ(told_of(std::filesystem::perms(0640)), "");
+  EXPECT_EQ(told_of(std::filesystem::perms(0644)),
+            "tessera: warning: every user of this machine can read the secret in '" + token +
+                "': chmod 600 '" + token + "'\n");
+  EXPECT_THAT(told_of(std::filesystem::perms(0666)), HasSubstr("can change the secret"));
 }
 
 }  // namespace

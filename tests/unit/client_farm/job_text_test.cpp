@@ -3,6 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdint>
+#include <limits>
+#include <nlohmann/json.hpp>
+
 namespace tessera::client {
 namespace {
 
@@ -131,6 +135,18 @@ TEST(JobText, JsonIsOneLineWithTheContractsNames) {
   EXPECT_THAT(json, HasSubstr("\"state\":\"JOB_STATE_RUNNING\""));
   EXPECT_THAT(json, HasSubstr("\"priority\":0"));
   EXPECT_EQ(json.find('\n'), json.size() - 1);
+}
+
+// Of a coordinator that says so. The rest is told all the same.
+TEST(JobText, JsonLeavesOutTimesThatJsonCannotExpress) {
+  v1::ListJobsResponse jobs;
+  *jobs.add_jobs() = some_job();
+  *jobs.add_jobs() = some_job();
+  jobs.mutable_jobs(0)->mutable_created_at()->set_seconds(std::numeric_limits<std::int64_t>::max());
+  const auto lines = nlohmann::json::parse(to_json_line(jobs));
+  EXPECT_FALSE(lines["jobs"][0].contains("created_at") && !lines["jobs"][0]["created_at"].is_null());
+  EXPECT_EQ(lines["jobs"][0]["id"], some_job().id());
+  EXPECT_TRUE(lines["jobs"][1].contains("created_at"));
 }
 
 }  // namespace

@@ -1,9 +1,11 @@
 #include "core/image/file_io.hpp"
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <csignal>
@@ -114,6 +116,30 @@ TEST_F(FileIo, AFailureHalfwayLeavesTheOldFileAndNothingElse) {
   }
   ASSERT_FALSE(status);
   EXPECT_THAT(status.error().message, AllOf(HasSubstr(path("x")), HasSubstr("File too large")));
+  EXPECT_EQ(read_file(path("x")), "old");
+  EXPECT_THAT(names(), testing::ElementsAre("x"));
+}
+
+// Whether files of the test's folder can be written before they have a name.
+bool has_unnamed_files(const std::string& folder) {
+  const int file = ::open(folder.c_str(), O_TMPFILE | O_WRONLY, 0600);
+  return file >= 0 && ::close(file) == 0;
+}
+
+TEST_F(FileIo, AProcessThatIsKilledWhileItWritesLeavesNothing) {
+  if (!has_unnamed_files(folder_)) GTEST_SKIP() << "this file system has no O_TMPFILE";
+  ASSERT_TRUE(write_file_atomically(path("x"), "old"));
+  const pid_t child = ::fork();
+  if (child == 0) {
+    const rlimit limit{1000, 1000};
+    ::setrlimit(RLIMIT_FSIZE, &limit);
+    std::signal(SIGXFSZ, SIG_DFL);  // ends the process in the middle of the write
+    static_cast<void>(write_file_atomically(path("x"), std::string(100000, 'n')));
+    ::_exit(0);
+  }
+  int status = 0;
+  ASSERT_EQ(::waitpid(child, &status, 0), child);
+  EXPECT_TRUE(WIFSIGNALED(status) && WTERMSIG(status) == SIGXFSZ);
   EXPECT_EQ(read_file(path("x")), "old");
   EXPECT_THAT(names(), testing::ElementsAre("x"));
 }

@@ -41,10 +41,15 @@ TEST(Schema, HasTheKeysThatTheLoaderKnows) {
   }
 }
 
+// Whether a node says what values have, and does not only look at their type to tell them apart.
+bool describes_an_object(const json& node) {
+  if (!node.is_object() || !node.contains("properties") || !node["properties"].is_object()) return false;
+  return node["properties"].size() > 1 || !node["properties"].contains("type");
+}
+
 // Every object with properties of its own is one that the loader knows.
 void collect_objects(const json& node, const std::string& pointer, std::set<std::string>& found) {
-  if (node.is_object() && node.contains("properties") && node["properties"].is_object())
-    found.insert(pointer);
+  if (describes_an_object(node)) found.insert(pointer);
   if (node.is_structured())
     for (const auto& [key, value] : node.items()) collect_objects(value, pointer + "/" + key, found);
 }
@@ -84,6 +89,26 @@ TEST(Schema, HasTheWordsThatTheLoaderKnows) {
   expect_types(scene_keys::kLightTypes);
 }
 
+// A key 'type' of one of `words` leads to the definition of that name.
+void expect_choice(const std::string& pointer, std::span<const std::string_view> words) {
+  const json node = at(pointer);
+  const json& types = node.at("properties").at("type").at("enum");
+  EXPECT_EQ(types.get<std::vector<std::string>>(), std::vector<std::string>(words.begin(), words.end()));
+  ASSERT_EQ(node.at("allOf").size(), words.size()) << pointer;
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    const json& branch = node["allOf"][i];
+    EXPECT_EQ(branch.at("if").at("required"), json::array({"type"}));
+    EXPECT_EQ(branch["if"].at("properties").at("type").at("const"), words[i]);
+    EXPECT_EQ(branch.at("then").at("$ref"), "#/$defs/" + std::string(words[i]));
+  }
+}
+
+TEST(Schema, TellsObjectsApartByTheirType) {
+  expect_choice("/$defs/material", scene_keys::kMaterialTypes);
+  expect_choice("/$defs/shape", scene_keys::kShapeTypes);
+  expect_choice("/$defs/light", scene_keys::kLightTypes);
+}
+
 TEST(Schema, HasTheLimitsAndDefaultsOfTheSettings) {
   const json render = at("/properties/render/properties");
   const RenderSettings defaults;
@@ -105,7 +130,7 @@ TEST(Schema, HasTheLimitsAndDefaultsOfTheSettings) {
   EXPECT_EQ(output["exposure"]["maximum"], kMaxExposureStops);
   EXPECT_EQ(output["exposure"]["default"], DisplaySettings{}.exposure_stops);
   EXPECT_EQ(output["tone_curve"]["default"], tone_curve_name(DisplaySettings{}.tone_curve));
-  const json blades = at("/properties/camera/properties/aperture_blades")["oneOf"][1];
+  const json blades = at("/properties/camera/properties/aperture_blades")["then"];
   EXPECT_EQ(blades["minimum"], kMinApertureBlades);
   EXPECT_EQ(blades["maximum"], kMaxApertureBlades);
   EXPECT_EQ(render["heuristic"]["default"], heuristic_name(defaults.heuristic));
@@ -124,9 +149,9 @@ TEST(Schema, LimitsScalesAsTheNumbersThatTheyStandFor) {
   for (const std::string name : {"ior", "exponent"}) {
     const std::string material = name == "ior" ? "glass" : "phong";
     EXPECT_EQ(limit("/$defs/textured_" + name + "/properties/scale"),
-              limit("/$defs/" + material + "/properties/" + name + "/oneOf/0"));
+              limit("/$defs/" + material + "/properties/" + name + "/else"));
   }
-  EXPECT_EQ(limit("/$defs/textured_roughness/properties/scale"), limit("/$defs/roughness/oneOf/0"));
+  EXPECT_EQ(limit("/$defs/textured_roughness/properties/scale"), limit("/$defs/roughness/else"));
 }
 
 // The loader's words stand in the order of the enum they stand for.

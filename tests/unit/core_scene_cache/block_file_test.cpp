@@ -2,6 +2,8 @@
 #include "core/scene/cache/block_file.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cstring>
@@ -52,6 +54,14 @@ TEST_F(BlockFile, GivesBackWhatWasWritten) {
   const Bytes index = numbered_bytes(100, 5);
   write(blocks, index);
   EXPECT_TRUE(holds(blocks, index, 3));
+}
+
+// Opening one waits for a writer, for ever.
+TEST_F(BlockFile, IsRefusedWhereAFifoIsInItsPlace) {
+  ASSERT_EQ(::mkfifo(path().c_str(), 0600), 0);
+  ::alarm(20);
+  EXPECT_FALSE(BlockFileReader::open(path(), kVersion, 1));
+  ::alarm(0);
 }
 
 TEST_F(BlockFile, IsRefusedWithAnyByteChangedOrMissing) {
