@@ -43,6 +43,10 @@ void print_warning(std::string_view message) {
   write(stderr, fmt::format("tessera: warning: {}\n", core::printable_lines(message)));
 }
 
+void print_warnings(const std::vector<std::string>& messages) {
+  for (const std::string& message : messages) print_warning(message);
+}
+
 void warn_about_darkness(std::string_view scene_path) {
   print_warning(fmt::format("'{}' has no light: the picture will be black", scene_path));
 }

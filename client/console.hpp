@@ -3,6 +3,7 @@
 // reports lost results at the end.
 #pragma once
 
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -32,6 +33,9 @@ int print_error(const core::Error& error);
 
 // "tessera: warning: MESSAGE"
 void print_warning(std::string_view message);
+
+// Each of them, as what is told about a scene's files.
+void print_warnings(const std::vector<std::string>& messages);
 
 // That the scene at `path` gives no light and its image will be black.
 void warn_about_darkness(std::string_view scene_path);

@@ -74,6 +74,7 @@ Result<LoadedScene> load(const RenderOptions& options) {
   Result<core::PreparedScene> prepared = prepare(*store, options);
   if (!prepared) return core::fail(prepared.error());
   const core::SceneDescription& description = prepared->description;
+  print_warnings(description.warnings);
   const auto settings = core::resolve_settings(description.settings, options.scene.overrides);
   if (!settings) return core::fail(settings.error().within(options.scene.scene_path));
   const auto display = core::resolve_display(description.display, options.scene.display);

@@ -49,9 +49,9 @@ core::Status run(const server::Options& options, const sigset_t& stop_signals) {
       .path = options.validator, .limits = options.limits, .stop = stopping.get_token()};
   const auto check = [&](const v1::Bundle& bundle,
                          const v1::RenderOverrides& overrides) -> core::Result<coordinator::CheckedScene> {
-    const auto approval = validator::validate_scene(validator, blobs, bundle, overrides);
+    auto approval = validator::validate_scene(validator, blobs, bundle, overrides);
     if (!approval) return core::fail(approval.error());
-    return coordinator::CheckedScene{approval->settings, approval->display};
+    return coordinator::CheckedScene{approval->settings, approval->display, std::move(approval->warnings)};
   };
   coordinator::Options settings;
   settings.limits = options.limits;

@@ -115,6 +115,7 @@ core::Result<LocalBundle> bundle_scene(const std::string& scene_path,
     return fail(valid.error().within(scene_path));
   local.settings = *settings;
   local.gives_light = core::gives_light(*scene);
+  local.warnings = scene->warnings;
   local.bundle = to_bundle(core::printable(scene_name), digests);
   return local;
 }

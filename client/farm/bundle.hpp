@@ -4,6 +4,7 @@
 
 #include <map>
 #include <string>
+#include <vector>
 
 #include "client/farm/farm.hpp"
 #include "core/scene/settings.hpp"
@@ -16,6 +17,7 @@ struct LocalBundle {
   std::map<std::string, std::string> paths;  // the files in it, by their names in the bundle
   core::RenderSettings settings;             // the scene's, with the overrides
   bool gives_light = true;
+  std::vector<std::string> warnings;  // about the scene's files
 };
 
 core::Result<LocalBundle> bundle_scene(const std::string& scene_path, const core::RenderOverrides& overrides);

@@ -77,6 +77,10 @@ core::Result<v1::Job> submit(Farm& farm, const SubmitOptions& options, const Loc
     response = submit();
   }
   if (!response) return core::fail(response.error());
+  // Most have been told before anything was sent.
+  for (const std::string& warning : response->warnings())
+    if (std::find(local.warnings.begin(), local.warnings.end(), warning) == local.warnings.end())
+      print_warning(warning);
   return response->job();
 }
 
@@ -127,6 +131,7 @@ int run_submit(const SubmitOptions& options) {
   if (!local) return print_error(local.error());
   core::Status fits = check_picture_size(paths, local->settings);
   if (!fits) return print_error(fits.error());
+  print_warnings(local->warnings);
   if (!local->gives_light) warn_about_darkness(options.scene.scene_path);
 
   FarmOptions farm_options = options.farm;

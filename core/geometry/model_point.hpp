@@ -93,9 +93,8 @@ SurfacePointOf<T> in_world(const Place& place, const ModelPointOf<T>& model) {
   const MaskOf<T> interpolated = has_direction(model.shading_normal);
   if (any(interpolated)) {
     const Vec3Of<T> smooth = unit_or_zero(place.normal(model.shading_normal));
-    point.shading_normal = select(interpolated, smooth, point.shading_normal);
-    point.geometric_normal =
-        select(interpolated, face_toward(point.geometric_normal, smooth), point.geometric_normal);
+    point.shading_normal =
+        select(interpolated, face_toward(smooth, point.geometric_normal), point.shading_normal);
   }
   point.uv = model.uv;
   return point;

@@ -11,9 +11,8 @@ template <typename T>
 struct SurfacePointOf {
   Vec3Of<T> position;
   Vec3Of<T> position_error;    // absolute bounds on the rounding error of each coordinate of `position`
-  Vec3Of<T> geometric_normal;  // unit, outward: of counter-clockwise triangles, and away from sphere centres;
-                               // turned to the side of the interpolated normal where the mesh has normals
-  Vec3Of<T> shading_normal;    // unit, interpolated; in the hemisphere of geometric_normal
+  Vec3Of<T> geometric_normal;  // unit, outward: of counter-clockwise triangles, and away from sphere centres
+  Vec3Of<T> shading_normal;    // unit, interpolated, and turned to the side of geometric_normal
   Vec2Of<T> uv;
 };
 using SurfacePoint = SurfacePointOf<float>;

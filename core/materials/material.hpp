@@ -86,6 +86,12 @@ struct NormalMap {
   float strength = 1;  // x and y are multiplied by it
 };
 
+// Tilts shading normals as if the surface had the heights that a texture's red channel gives (Blinn 1978).
+struct BumpMap {
+  int texture = -1;  // index among the scene's textures, -1 for none
+  float height = 1;  // of a texel of 1, in world units; below 0, bright texels are lower than dark ones
+};
+
 struct Material {
   std::string name;
   MaterialModel model;
@@ -93,7 +99,16 @@ struct Material {
   bool two_sided_emission = true;  // else only on the side the geometric normal points to
   Sampling sampling = Sampling::kBsdf;
   NormalMap normal_map{};
+  BumpMap bump{};  // on top of the normal map
+  // The probability that light meets the surface; else it passes straight through as if there were none. In
+  // [0, 1]; textures are held to it where they are looked up. Emission is multiplied by it.
+  ScalarParameter opacity = 1;
 };
+
+// Whether nothing passes through the surface but by its model.
+inline bool is_opaque(const Material& material) {
+  return material.opacity.texture < 0 && material.opacity.value >= 1;
+}
 
 // Calls visit(key, parameter) with each ColorParameter and ScalarParameter of `model`, which go by these keys
 // in scene files.

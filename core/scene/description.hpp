@@ -25,6 +25,10 @@ struct MeshDescription {
   std::vector<Vec2> uvs;      // one per position; or empty
   std::vector<std::array<std::uint32_t, 3>> triangles;  // counter-clockwise seen from outside
   std::vector<std::uint32_t> triangle_materials;        // one per triangle, or a single one for all
+  // Linear colours from 0 to 1, one per position; or empty. They are interpolated over triangles and multiply
+  // the base colour of the material: Lambert's albedo, Mirror's reflectance, the diffuse part of Phong and
+  // CookTorrance, and f0 of a CookTorrance without diffuse part. Glass and conductors ignore them.
+  std::vector<Rgb> colors{};
 };
 
 struct SphereDescription {
@@ -94,6 +98,7 @@ struct SceneDescription {
   std::vector<std::string> shape_names;  // one per shape, for error messages: "shapes[2] (bunny.obj)"
   std::vector<LightDescription> lights;  // besides emissive shapes
   std::optional<EnvironmentDescription> environment;
+  std::vector<std::string> warnings;  // what other programs' files lack, and what is used instead
 };
 
 }  // namespace tessera::core

@@ -27,6 +27,10 @@ bool shines(Rgb c) {
   return is_finite(c) && c.r >= 0 && c.g >= 0 && c.b >= 0;
 }
 
+bool is_share(Rgb c) {
+  return shines(c) && max_component(c) <= 1;
+}
+
 // Of what its texture makes of it as well.
 bool shines(const ColorParameter& color, const std::vector<Texture>& textures) {
   if (!shines(color.value)) return false;
@@ -81,6 +85,11 @@ Status check_material(const Material& material, const std::vector<Texture>& text
   if (!mistaken.empty()) return wrong(fmt::format("{} is out of range, or its texture", mistaken));
   if (material.normal_map.texture >= texture_count || !std::isfinite(material.normal_map.strength))
     return wrong("the normal map's texture or its strength is out of range");
+  if (material.bump.texture >= texture_count || !std::isfinite(material.bump.height))
+    return wrong("the bump map's texture or its height is out of range");
+  const ScalarParameter& opacity = material.opacity;
+  if (opacity.texture >= texture_count || !(opacity.value >= 0 && opacity.value <= 1))
+    return wrong("opacity must be between 0 and 1, or its texture is out of range");
   if (material.sampling == Sampling::kHalfVector && !std::holds_alternative<CookTorrance>(material.model))
     return wrong("only cook_torrance can be sampled by half-vectors");
   if (!shines(material.emission.value)) return wrong("emission must be finite and not negative");
@@ -156,6 +165,11 @@ Status check_mesh(const MeshDescription& mesh, std::size_t material_count) {
     return invalid(fmt::format("{} normals for {} vertices", mesh.normals.size(), vertices));
   if (!mesh.uvs.empty() && mesh.uvs.size() != vertices)
     return invalid(fmt::format("{} texture coordinates for {} vertices", mesh.uvs.size(), vertices));
+  if (!mesh.colors.empty() && mesh.colors.size() != vertices)
+    return invalid(fmt::format("{} colours for {} vertices", mesh.colors.size(), vertices));
+  for (std::size_t i = 0; i < mesh.colors.size(); ++i)
+    if (!is_share(mesh.colors[i]))
+      return invalid(fmt::format("vertex {}: colours must be numbers between 0 and 1", i + 1));
   for (std::size_t i = 0; i < triangles; ++i)
     for (const std::uint32_t v : mesh.triangles[i])
       if (v >= vertices) return invalid(fmt::format("triangle {}: there is no vertex {}", i + 1, v + 1));

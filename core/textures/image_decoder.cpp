@@ -7,6 +7,8 @@
 #include <limits>
 #include <memory>
 #include <new>
+#include <type_traits>
+#include <utility>
 
 #include "core/image/hdr_check.hpp"
 #include "core/image/srgb.hpp"
@@ -74,13 +76,13 @@ Result<TextureSize> checked_size(std::string_view bytes, Encoded encoded) {
   return size;
 }
 
-// `load` is one of stb's stbi_load*_from_memory.
+// `load` is one of stb's stbi_load*_from_memory; it makes 3 values of each pixel, or 4 with alpha.
 template <typename T>
 Result<StbTexels<T>> load_texels(Encoded encoded, TextureSize size,
-                                 T* (*load)(const stbi_uc*, int, int*, int*, int*, int)) {
+                                 T* (*load)(const stbi_uc*, int, int*, int*, int*, int), int values = 3) {
   int width = 0, height = 0, channels = 0;
   const StbMemory memory(size.width, size.height, static_cast<std::size_t>(encoded.size));
-  StbTexels<T> texels(load(encoded.data, encoded.size, &width, &height, &channels, 3));
+  StbTexels<T> texels(load(encoded.data, encoded.size, &width, &height, &channels, values));
   if (memory.was_exceeded()) return broken_picture("its data unpack to more than its pixels");
   if (memory.ran_out()) throw std::bad_alloc();
   if (!texels) return broken_picture(stb_reason());
@@ -96,6 +98,39 @@ std::vector<float> linear_values(const stbi_us* codes, std::size_t count, ColorS
                                             : static_cast<float>(code) / 65535.0f;
   });
   return values;
+}
+
+// Alpha of `texels`, which have it as the last of 4 values, in all channels.
+template <typename T, typename Value>
+TextureImage alpha_image(const T* texels, TextureSize size, const Value& value) {
+  constexpr T kOpaque = std::numeric_limits<T>::max();
+  std::vector<decltype(value(kOpaque))> alphas;
+  bool opaque = true;
+  for (std::uint64_t i = 0; i < size.pixels() && opaque; ++i) opaque = texels[4 * i + 3] == kOpaque;
+  if (opaque) size = {1, 1};
+  alphas.reserve(3 * size.pixels());
+  for (std::uint64_t i = 0; i < size.pixels(); ++i)
+    alphas.insert(alphas.end(), 3, value(opaque ? kOpaque : texels[4 * i + 3]));
+  if constexpr (std::is_same_v<T, stbi_uc>)
+    return TextureImage(size.width, size.height, alphas, ColorSpace::kLinear);
+  else
+    return TextureImage(size.width, size.height, std::move(alphas));
+}
+
+// JPEG and HDR files have no alpha.
+Result<TextureImage> decode_alpha(std::string_view bytes, Encoded encoded) {
+  const auto size = checked_size(bytes, encoded);
+  if (!size) return fail(size.error());
+  if (!bytes.starts_with(kPngStart)) return TextureImage(1, 1, std::vector<std::uint8_t>(3, 255));
+  if (stbi_is_16_bit_from_memory(encoded.data, encoded.size)) {
+    const auto texels = load_texels<stbi_us>(encoded, *size, stbi_load_16_from_memory, 4);
+    if (!texels) return fail(texels.error());
+    return alpha_image(texels->get(), *size,
+                       [](stbi_us code) { return static_cast<float>(code) / 65535.0f; });
+  }
+  const auto texels = load_texels<stbi_uc>(encoded, *size, stbi_load_from_memory, 4);
+  if (!texels) return fail(texels.error());
+  return alpha_image(texels->get(), *size, [](stbi_uc code) { return code; });
 }
 
 Result<TextureImage> decode(std::string_view bytes, Encoded encoded, ColorSpace color_space) {
@@ -126,11 +161,13 @@ Result<TextureSize> texture_size(std::string_view bytes) {
   return size_of(*encoded);
 }
 
-Result<TextureImage> decode_texture_image(std::string_view bytes, ColorSpace color_space) {
+Result<TextureImage> decode_texture_image(std::string_view bytes, ColorSpace color_space,
+                                          TextureChannel channel) {
   const auto encoded = encoded_picture(bytes);
   if (!encoded) return fail(encoded.error());
   try {
-    return decode(bytes, *encoded, color_space);
+    return channel == TextureChannel::kAlpha ? decode_alpha(bytes, *encoded)
+                                             : decode(bytes, *encoded, color_space);
   } catch (const std::bad_alloc&) {
     return fail(ErrorCode::kResourceExhausted, "does not fit into memory");
   }

@@ -20,6 +20,8 @@ namespace tessera::core {
 
 enum class ColorSpace { kSrgb, kLinear };
 enum class Wrap { kRepeat, kClamp };
+// What of a file's pixels becomes the image: red, green and blue, or alpha in all three.
+enum class TextureChannel { kColor, kAlpha };
 
 // A decoded picture, stored for being looked up. What files hold in bytes is kept in four bytes for each
 // texel, also the shared exponents of HDR files, and 4 x 4 texels share a cache line: four neighbours mostly

@@ -49,6 +49,7 @@ struct Options {
 struct CheckedScene {
   v1::RenderSettings settings;  // overrides applied
   v1::DisplaySettings display;
+  std::vector<std::string> warnings{};
 };
 
 // Loads and validates a scene whose blobs are all here. May block.
@@ -75,9 +76,11 @@ class Coordinator {
   ~Coordinator();
 
   // ---- For users ----
+  using Texts = google::protobuf::RepeatedPtrField<std::string>;
   // Blocks while the scene is validated and the job is stored. `submitter`: who calls, where callers have
-  // names.
-  core::Result<v1::Job> submit_job(const v1::SubmitJobRequest& request, const std::string& submitter = {});
+  // names. `warnings` gets those about the scene's files.
+  core::Result<v1::Job> submit_job(const v1::SubmitJobRequest& request, const std::string& submitter = {},
+                                   Texts* warnings = nullptr);
   core::Result<v1::Job> job(const std::string& id);
   core::Result<v1::Job> job_without_bundle(const std::string& id);
   // Those that are asked for, newest first, without their bundles.

@@ -71,7 +71,7 @@ core::Status Coordinator::check_bundle(const v1::Bundle& bundle) {
 }
 
 core::Result<v1::Job> Coordinator::submit_job(const v1::SubmitJobRequest& request,
-                                              const std::string& submitter) {
+                                              const std::string& submitter, Texts* warnings) {
   if (auto known = answer_to_known(request.request_id(), submitter)) return *known;
   if (auto fit = proto::check_text("name", request.name()); !fit) return core::fail(fit.error());
   if (auto fit = proto::check_text("request_id", request.request_id()); !fit) return core::fail(fit.error());
@@ -83,6 +83,7 @@ core::Result<v1::Job> Coordinator::submit_job(const v1::SubmitJobRequest& reques
   if (auto checked = check_bundle(request.bundle()); !checked) return core::fail(checked.error());
   const auto scene = check_scene_(request.bundle(), request.overrides());
   if (!scene) return core::fail(scene.error());
+  if (warnings != nullptr) warnings->Add(scene->warnings.begin(), scene->warnings.end());
   const v1::RenderSettings& settings = scene->settings;
   if (const auto possible = proto::from_proto(settings); !possible) return core::fail(possible.error());
   const auto display = proto::resolve_display(scene->display, request.display());

@@ -88,7 +88,8 @@ grpc::ServerUnaryReactor* RenderService::SubmitJob(grpc::CallbackServerContext* 
   if (!claimed) return refuse(context, try_later(*context, claimed.error(), kTryAgainAfter));
   const auto claim = std::make_shared<coordinator::BlobClaims::Use>(*std::move(claimed));
   const auto work = [=, this] {
-    core::Status submitted = put_job(coordinator_.submit_job(*request, caller.name), response);
+    core::Status submitted =
+        put_job(coordinator_.submit_job(*request, caller.name, response->mutable_warnings()), response);
     if (submitted) claim->settle();
     return submitted;
   };

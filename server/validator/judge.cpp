@@ -48,6 +48,7 @@ core::Result<Verdict::Approval> load(const Question& question, const Options& op
   Verdict::Approval approval;
   *approval.mutable_settings() = proto::to_proto(*settings);
   *approval.mutable_display() = proto::to_proto(scene->display);
+  for (const std::string& warning : scene->warnings) approval.add_warnings(warning);
   return approval;
 }
 

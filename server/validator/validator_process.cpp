@@ -8,6 +8,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstring>
@@ -20,6 +21,7 @@ extern "C" {  // the header of glibc 2.36 forgets it
 #include <sys/pidfd.h>
 }
 
+#include "core/base/printable.hpp"
 #include "proto/blob.hpp"
 #include "server/store/file.hpp"
 #include "server/validator/flags.hpp"
@@ -169,14 +171,20 @@ core::Error takes_too_long(const server::Limits& limits) {
                   processor_time(limits).count(), kSecondsFlag)};
 }
 
+Approval bounded(const Verdict::Approval& said) {
+  Approval approval{said.settings(), said.display(), {}};
+  for (int i = 0; i < std::min(said.warnings_size(), kMaxWarnings); ++i)
+    approval.warnings.push_back(core::printable(said.warnings(i).substr(0, kMaxWarningBytes)));
+  return approval;
+}
+
 core::Result<Approval> read_verdict(const Fd& out, int status, const server::Limits& limits) {
   if (WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU) return core::fail(takes_too_long(limits));
   const auto content = read_all(out);
   if (!content) return core::fail(content.error());
   Verdict verdict;
   const bool answered = WIFEXITED(status) && WEXITSTATUS(status) == 0 && verdict.ParseFromString(*content);
-  if (answered && verdict.has_approval())
-    return Approval{verdict.approval().settings(), verdict.approval().display()};
+  if (answered && verdict.has_approval()) return bounded(verdict.approval());
   if (answered && verdict.has_refusal()) {
     return core::fail(static_cast<ErrorCode>(verdict.refusal().code()), verdict.refusal().message());
   }

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <stop_token>
 #include <string>
+#include <vector>
 
 #include "core/base/error.hpp"
 #include "server/limits.hpp"
@@ -22,10 +23,14 @@ struct ProcessOptions {
   std::stop_token stop{};
 };
 
+inline constexpr int kMaxWarnings = 101;
+inline constexpr std::size_t kMaxWarningBytes = 1000;
+
 // What is said of a scene that can be rendered.
 struct Approval {
-  v1::RenderSettings settings;  // overrides applied
-  v1::DisplaySettings display;  // the scene file's
+  v1::RenderSettings settings;        // overrides applied
+  v1::DisplaySettings display;        // the scene file's
+  std::vector<std::string> warnings;  // kMaxWarnings at most, cut to kMaxWarningBytes
 };
 
 // The executable next to this process's own.

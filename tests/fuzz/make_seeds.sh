@@ -72,6 +72,9 @@ for i in obj mtl; do seed $i all <"$work/x.$i"; done
 printf '# Exported\r\nv 1 2 3 1 0.5 0.5 0.5\rv 4 5 6\rv 7 8 10\rvp 0.1\rl 1 2\rp 1\rfo 1// 2// 3//\r' | seed obj old
 printf '\xef\xbb\xbfv -1 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\ns off\nf 1 2 3 4\nf 4 3 2 1\nf 1 1 2\nf 1 2 3\n' | seed obj odd_faces
 printf 'v 0 0 0\nv 3 0 0\nv 3 3 0\nv 1.5 1 0\nv 0 3 0\nf 1 2 3 4 5\nvn 0 0 0\nvn 1e38 1e38 1e38\nf 1//1 2//2 3//1\n' | seed obj concave
+printf 'v 0 0 0 1 0 0\nv 1 0 0 nan 0 0\nv 0 1 0 1 255 0 0\nv nan 0 0\nvn nan 0 0\nvt -inf\nf 1/0/1 2/1/9 3// 0/1\nf 1/1/0 2// 3/9\nf 1 2\ns -1\nusemtl\nmtllib\ncstype b\ncall x\nodd\nf 1 2 4\n\x1a\0\0' | seed obj odd_lines
+printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl \303\244\nf 1 2 3\n' | iconv -f UTF-8 -t UTF-16 | seed obj utf16
+printf 'newmtl gold\nNs 0\nKa 1 1 1\nKd 0.9 0.6 0.2\nKs 0.5 0.5 0.5\nKe 0 0 0\nNi 1.45\nd 0.5\nillum 3\nPr 0.6\nPm 1\nPs 0.1\nPc 0\nPcr 0.03\naniso 0\nmap_Bump -bm 0.5 n.png\nmap_d a.png\nmap_Ke -uvset 1 e.png\nmap_Pr r.png\nNEWMTL b\nillum 4\nNi 1\nTf 2 1 1\nkd 1.1 -1 0.5 7\nmap_Kd -clamp t.png\nmap_Ks .\nNs\nNi -1\n' | seed mtl programs
 printf 'newmtl a b # c\nTr 0.5\nPr 0.3\nPm 1\nnorm -bm 2 n.png\nmap_Ks s.png\nKd spectral x.rfl 1\nKa xyz 1 1 1\n' | seed mtl other
 scene() { { cat; part x.obj; cat "$work/x.obj"; part x.mtl; cat "$work/x.mtl"; part x.png; cat "$work/x.png"; part x.hdr
   cat "$work/x.hdr"; } | seed scene "$1"; }

@@ -14,6 +14,7 @@ void expect_sound(const core::MeshDescription& mesh, std::size_t material_count)
   const std::size_t vertices = mesh.positions.size();
   expect(mesh.normals.empty() || mesh.normals.size() == vertices, "a normal for each vertex, or none");
   expect(mesh.uvs.empty() || mesh.uvs.size() == vertices, "texture coordinates for each vertex, or none");
+  expect(mesh.colors.empty() || mesh.colors.size() == vertices, "a colour for each vertex, or none");
   for (const auto& triangle : mesh.triangles)
     for (const std::uint32_t vertex : triangle) expect(vertex < vertices, "corners are vertices");
   for (const std::uint32_t material : mesh.triangle_materials)
@@ -23,8 +24,7 @@ void expect_sound(const core::MeshDescription& mesh, std::size_t material_count)
 void read_and_build(std::string_view input) {
   const auto file = core::read_obj(input, "x.obj");
   if (!expect_answer(file)) return;
-  const bool has_materials = file->runs.front().material != core::kNoMaterialName;
-  std::vector<std::uint32_t> materials(has_materials ? file->material_names.size() : 1);
+  std::vector<std::uint32_t> materials(file->runs.size());
   for (std::uint32_t i = 0; i < materials.size(); ++i) materials[i] = i;
   for (const auto mode : {core::NormalsMode::kFile, core::NormalsMode::kSmooth, core::NormalsMode::kFlat}) {
     const auto mesh = core::build_mesh(*file, mode, {}, materials);

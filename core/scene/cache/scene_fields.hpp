@@ -76,13 +76,17 @@ auto fields(Is<NormalMap> auto& value) {
   auto& [texture, strength] = value;
   return std::tie(texture, strength);
 }
+auto fields(Is<BumpMap> auto& value) {
+  auto& [texture, height] = value;
+  return std::tie(texture, height);
+}
 auto fields(Is<Material> auto& value) {
-  auto& [name, model, emission, two_sided_emission, sampling, normal_map] = value;
-  return std::tie(name, model, emission, two_sided_emission, sampling, normal_map);
+  auto& [name, model, emission, two_sided_emission, sampling, normal_map, bump, opacity] = value;
+  return std::tie(name, model, emission, two_sided_emission, sampling, normal_map, bump, opacity);
 }
 auto fields(Is<MeshDescription> auto& value) {
-  auto& [positions, normals, uvs, triangles, triangle_materials] = value;
-  return std::tie(positions, normals, uvs, triangles, triangle_materials);
+  auto& [positions, normals, uvs, triangles, triangle_materials, colors] = value;
+  return std::tie(positions, normals, uvs, triangles, triangle_materials, colors);
 }
 auto fields(Is<SphereDescription> auto& value) {
   auto& [center, radius, material] = value;
@@ -121,9 +125,10 @@ auto fields(Is<EnvironmentDescription> auto& value) {
   return std::tie(radiance, rotation);
 }
 auto fields(Is<SceneDescription> auto& value) {
-  auto& [settings, camera, display, textures, materials, objects, shapes, names, lights, environment] = value;
-  return std::tie(settings, camera, display, textures, materials, objects, shapes, names, lights,
-                  environment);
+  auto& [settings, camera, display, textures, materials, objects, shapes, names, lights, environment,
+         warnings] = value;
+  return std::tie(settings, camera, display, textures, materials, objects, shapes, names, lights, environment,
+                  warnings);
 }
 auto fields(Is<Bvh::Arrays> auto& value) {
   auto& [nodes, packets, objects] = value;

@@ -201,6 +201,7 @@ Result<PreparedScene> SceneStore::prepare_file(const std::string& scene_path, in
     warn_("files of the scene have changed while they were read: it is not kept");
     return prepared;
   }
+  if (recorded.has_searched()) return prepared;
   prepared.writer = begin(key_of(recorded.files()), prepared.description, threads);
   if (prepared.writer) keep_list(list_key, recorded, threads);
   return prepared;

@@ -67,7 +67,8 @@ class SceneStore {
   Result<PreparedScene> prepare(std::string_view key, int threads,
                                 const std::function<Result<SceneDescription>()>& load) const;
 
-  // As load_scene_file(), from the store where none of the files that it read has changed since.
+  // As load_scene_file(), from the store where none of the files that it read has changed since. A
+  // scene that names files which are not there by these names is not kept.
   Result<PreparedScene> prepare_file(const std::string& scene_path, int threads) const;
 
   // Whether a file in the folder belongs to a store. Such files can be removed at any time: whoever reads one

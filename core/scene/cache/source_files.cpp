@@ -68,6 +68,17 @@ SourceFiles as_they_are(SourceFiles files, const std::string& folder, int thread
   return files;
 }
 
+bool RecordedAssets::exists(const std::string& path) {
+  const bool is_there = inner_.exists(path);
+  if (!is_there) files_.emplace(path, SourceFile{path, false, {}});
+  return is_there;
+}
+
+std::vector<std::string> RecordedAssets::find_in_any_case(const std::string& path) {
+  has_searched_ = true;
+  return inner_.find_in_any_case(path);
+}
+
 Result<std::string> RecordedAssets::read(const std::string& path) {
   auto bytes = inner_.read(path);
   const SourceFile read{path, bytes.has_value(), bytes ? checksum_of_contents(*bytes, threads_) : Checksum{}};

@@ -33,8 +33,13 @@ class RecordedAssets : public AssetSource {
  public:
   RecordedAssets(AssetSource& inner, int threads) : inner_(inner), threads_(threads) {}
 
+  bool exists(const std::string& path) override;
+  std::vector<std::string> find_in_any_case(const std::string& path) override;
   Result<std::string> read(const std::string& path) override;
   SourceFiles files() const;
+  // Whether a file was searched for in any case of its letters. Then what a scene becomes depends on all
+  // files in a folder, and not on those that were read alone.
+  bool has_searched() const { return has_searched_; }
   // Whether no file was another at a second look: of such files nobody can tell what became part of the
   // scene.
   bool consistent() const { return consistent_; }
@@ -44,6 +49,7 @@ class RecordedAssets : public AssetSource {
   int threads_;
   std::map<std::string, SourceFile> files_;
   bool consistent_ = true;
+  bool has_searched_ = false;
 };
 
 // Two for the same files only if their contents are the same.

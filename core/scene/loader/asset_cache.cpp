@@ -2,13 +2,46 @@
 
 #include <fmt/format.h>
 
-#include <new>
+#include <algorithm>
+#include <string_view>
 
 #include "core/image/hdr_check.hpp"
 #include "core/scene/loader/text_lines.hpp"
 #include "core/scene/loader/wording.hpp"
 
 namespace tessera::core {
+namespace {
+
+// Where a file may be that others call `written`, the likeliest first.
+std::vector<std::string> possible_paths(const std::string& written, const std::vector<std::string>& files) {
+  std::vector<std::string> names{written};
+  const auto add = [](std::vector<std::string>& list, std::string one) {
+    if (!one.empty() && std::find(list.begin(), list.end(), one) == list.end())
+      list.push_back(std::move(one));
+  };
+  add(names, std::string(name_without_comment(written)));
+  add(names, written.substr(0, written.find(" -")));  // options behind the name
+  std::vector<std::string> paths;
+  for (const std::string& name : names)
+    for (const std::string& file : files) add(paths, path_beside(file, name));
+  for (std::string name : names) {
+    std::replace(name.begin(), name.end(), '\\', '/');
+    for (const std::string& file : files) add(paths, path_beside(file, name));
+    for (const std::string& file : files) add(paths, path_beside(file, name.substr(name.rfind('/') + 1)));
+  }
+  return paths;
+}
+
+// Without decoding it. Formats that are not known here may have one.
+bool may_have_alpha(std::string_view bytes) {
+  if (bytes.starts_with("\xff\xd8") || is_hdr_picture(bytes)) return false;
+  constexpr std::size_t kColorTypeAt = 25;
+  if (!bytes.starts_with("\x89PNG") || bytes.size() <= kColorTypeAt) return true;
+  const char color_type = bytes[kColorTypeAt];
+  return color_type == 4 || color_type == 6 || bytes.substr(0, bytes.find("IDAT")).find("tRNS") != bytes.npos;
+}
+
+}  // namespace
 
 std::string path_beside(const std::string& file, const std::string& name) {
   const std::size_t slash = file.rfind('/');
@@ -16,22 +49,26 @@ std::string path_beside(const std::string& file, const std::string& name) {
 }
 
 Result<std::shared_ptr<const TextureImage>> AssetCache::image(const std::string& path,
-                                                              std::optional<ColorSpace> color_space) {
-  const ColorSpace space = color_space.value_or(ColorSpace::kSrgb);
-  const auto known = images_.find({path, space});
+                                                              std::optional<ColorSpace> color_space,
+                                                              TextureChannel channel) {
+  const bool is_alpha = channel == TextureChannel::kAlpha;
+  const ColorSpace space = is_alpha ? ColorSpace::kLinear : color_space.value_or(ColorSpace::kSrgb);
+  const ImageKey key(path, space, channel);
+  const auto known = images_.find(key);
   if (known != images_.end()) return known->second;
   const auto bytes = assets_.read(path);
   if (!bytes) return fail(bytes.error());
   if (color_space == ColorSpace::kSrgb && is_hdr_picture(*bytes))
     return fail(ErrorCode::kInvalidArgument,
                 in_quotes(path) + " is an HDR picture, which is linear; leave 'color_space' out");
+  if (is_alpha && !may_have_alpha(*bytes)) return opaque_;
   if (const auto size = texture_size(*bytes))
     if (auto counted = count_pixels(path, *size); !counted) return fail(counted.error());
-  auto decoded = decode_texture_image(*bytes, space);
+  auto decoded = decode_texture_image(*bytes, space, channel);
   if (!decoded)
     return fail(decoded.error().code, fmt::format("{} {}", in_quotes(path), decoded.error().message));
   auto shared = std::make_shared<const TextureImage>(std::move(*decoded));
-  images_.emplace(std::pair(path, space), shared);
+  images_.emplace(key, shared);
   return shared;
 }
 
@@ -64,29 +101,22 @@ Result<std::shared_ptr<const ObjFile>> AssetCache::obj(const std::string& path) 
   return shared;
 }
 
-Result<std::vector<AssetCache::Library>> AssetCache::libraries(const std::string& obj_path,
-                                                               const std::string& line) {
-  auto whole = library(path_beside(obj_path, line));
-  if (whole) return std::vector{std::move(*whole)};
-  const bool several = line.find_first_of(" \t") != std::string::npos;
-  if (whole.error().code != ErrorCode::kNotFound || !several) return fail(whole.error());
-  std::vector<Library> all;
-  std::string_view rest = name_without_comment(line);
-  if (rest.size() < line.size()) return libraries(obj_path, std::string(rest));
-  for (auto word = take_word(rest); !word.empty(); word = take_word(rest)) {
-    auto one = library(path_beside(obj_path, std::string(word)));
-    if (!one) return fail(one.error());
-    all.push_back(std::move(*one));
-  }
-  return all;
-}
-
-Result<AssetCache::Library> AssetCache::library(const std::string& path) {
+Result<std::shared_ptr<const MtlFile>> AssetCache::mtl(const std::string& path) {
+  const auto known = mtls_.find(path);
+  if (known != mtls_.end()) return known->second;
   const auto bytes = assets_.read(path);
   if (!bytes) return fail(bytes.error());
-  auto materials = read_mtl(*bytes, path);
-  if (!materials) return fail(materials.error());
-  return Library{path, std::move(*materials)};
+  return mtls_.emplace(path, std::make_shared<const MtlFile>(read_mtl(*bytes))).first->second;
+}
+
+std::optional<std::string> AssetCache::find(const std::string& written,
+                                            const std::vector<std::string>& files) {
+  const std::vector<std::string> paths = possible_paths(written, files);
+  for (const std::string& path : paths)
+    if (assets_.exists(path)) return path;
+  for (const std::string& path : paths)
+    if (auto found = assets_.find_in_any_case(path); found.size() == 1) return std::move(found.front());
+  return std::nullopt;
 }
 
 }  // namespace tessera::core

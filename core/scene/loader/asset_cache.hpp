@@ -5,7 +5,7 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <utility>
+#include <tuple>
 #include <vector>
 
 #include "core/base/error.hpp"
@@ -26,27 +26,32 @@ class AssetCache {
   // Both must stay until this is destroyed.
   AssetCache(AssetSource& assets, const SceneLimits& limits) : assets_(assets), limits_(limits) {}
 
-  // Without a colour space, PNG and JPEG are sRGB and HDR is linear.
+  // Without a colour space, PNG and JPEG are sRGB and HDR is linear. Alpha is an image of its own, so that
+  // it takes memory only where it is asked for, and is linear; a file without alpha has 1.
   Result<std::shared_ptr<const TextureImage>> image(const std::string& path,
-                                                    std::optional<ColorSpace> color_space);
+                                                    std::optional<ColorSpace> color_space,
+                                                    TextureChannel channel = TextureChannel::kColor);
   Result<std::shared_ptr<const ObjFile>> obj(const std::string& path);
-  // The materials of an OBJ file's "mtllib" line. The line is one name with spaces in it, or several names.
-  struct Library {
-    std::string path;
-    std::vector<MtlMaterial> materials;
-  };
-  Result<std::vector<Library>> libraries(const std::string& obj_path, const std::string& line);
+  Result<std::shared_ptr<const MtlFile>> mtl(const std::string& path);
+
+  // The name by which read() finds a file that another program's file calls `written`: the name as it is
+  // written, with '/' for '\', or its last part, beside one of `files`; with another case of letters if
+  // nothing has the case that is written, and one file alone fits. nullopt if there is none.
+  std::optional<std::string> find(const std::string& written, const std::vector<std::string>& files);
 
  private:
-  Result<Library> library(const std::string& path);
   // Adds them to those of the scene, if the limits allow it.
   Status count_pixels(const std::string& path, TextureSize size);
 
   AssetSource& assets_;
   const SceneLimits& limits_;
   std::uint64_t texture_pixels_ = 0;  // of images_
-  std::map<std::pair<std::string, ColorSpace>, std::shared_ptr<const TextureImage>> images_;
+  const std::shared_ptr<const TextureImage> opaque_ = std::make_shared<const TextureImage>(
+      1, 1, std::vector<std::uint8_t>{255, 255, 255}, ColorSpace::kLinear);
+  using ImageKey = std::tuple<std::string, ColorSpace, TextureChannel>;
+  std::map<ImageKey, std::shared_ptr<const TextureImage>> images_;
   std::map<std::string, std::shared_ptr<const ObjFile>> objs_;
+  std::map<std::string, std::shared_ptr<const MtlFile>> mtls_;
 };
 
 }  // namespace tessera::core

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
@@ -17,10 +18,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// `shown` is what messages call the file.
 // Larger files are not meshes or pictures but mistakes, and reading one would exhaust the machine first.
 constexpr std::uintmax_t kMaxAssetBytes = std::uintmax_t{8} << 30;
 
+// `shown` is what messages call the file.
 Result<std::string> read_regular_file(const fs::path& path, const std::string& shown) {
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
@@ -58,12 +59,75 @@ Result<std::string> read_guarded(const fs::path& path, const std::string& shown)
   }
 }
 
+// A name with a NUL in it would be cut short by the system.
+bool is_name(const std::string& path) {
+  return !path.empty() && path.find('\0') == std::string::npos;
+}
+
+constexpr std::size_t kMaxFits = 2;  // of find_in_any_case()
+
+bool is_file(const fs::path& path) {
+  std::error_code error;
+  return fs::is_regular_file(path, error);
+}
+
+std::string lower_case(std::string text) {
+  for (char& c : text)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return text;
+}
+
+// Without doubled slashes, so that equal paths are equal strings.
+std::string without_doubled_slashes(const fs::path& path) {
+  fs::path parts;
+  for (const fs::path& part : path) parts /= part;
+  return parts.string();
+}
+
+// The paths of `folder`'s entries that are `name` in any case.
+void find_entries(const fs::path& root, const fs::path& folder, const std::string& name,
+                  std::vector<fs::path>& found) {
+  std::error_code error;
+  const std::string wanted = lower_case(name);
+  for (fs::directory_iterator entry(root / folder, error), end; !error && entry != end;
+       entry.increment(error))
+    if (lower_case(entry->path().filename().string()) == wanted)
+      found.push_back(folder / entry->path().filename());
+}
+
 }  // namespace
+
+bool FolderAssets::exists(const std::string& path) {
+  return is_name(path) && is_file(fs::path(folder_.empty() ? "." : folder_) / path);
+}
+
+std::vector<std::string> FolderAssets::find_in_any_case(const std::string& path) {
+  constexpr std::size_t kMaxFolders = 64;
+  const fs::path root = folder_.empty() ? "." : folder_;
+  if (!is_name(path)) return {};
+  std::vector<fs::path> paths{""};
+  for (const fs::path& part : fs::path(path)) {
+    std::vector<fs::path> next;
+    for (const fs::path& folder : paths) {
+      if (part.is_absolute() || part == "." || part == "..")
+        next.push_back(folder / part);
+      else
+        find_entries(root, folder, part.string(), next);
+    }
+    paths = std::move(next);
+    if (paths.size() > kMaxFolders) return {};
+  }
+  std::vector<std::string> files;
+  for (const fs::path& found : paths)
+    if (is_file(root / found)) files.push_back(found.string());
+  std::sort(files.begin(), files.end());
+  files.resize(std::min(files.size(), kMaxFits));
+  return files;
+}
 
 Result<std::string> FolderAssets::read(const std::string& path) {
   const std::string folder = folder_.empty() ? "." : folder_;
-  // A name with a NUL in it would be cut short by the system.
-  if (path.empty() || path.find('\0') != std::string::npos)
+  if (!is_name(path))
     return fail(ErrorCode::kInvalidArgument, in_quotes(path) + " is not the name of a file");
   const std::string shown = folder == "."
                                 ? in_quotes(path)
@@ -71,11 +135,37 @@ Result<std::string> FolderAssets::read(const std::string& path) {
   return read_guarded(fs::path(folder) / path, shown);
 }
 
+bool BundleAssets::exists(const std::string& path) {
+  return blob_paths_.contains(path);
+}
+
+std::vector<std::string> BundleAssets::find_in_any_case(const std::string& path) {
+  if (in_lower_case_.empty())
+    for (const auto& [name, blob] : blob_paths_)
+      if (without_doubled_slashes(name) == name) in_lower_case_[lower_case(name)].push_back(name);
+  const auto found = in_lower_case_.find(lower_case(without_doubled_slashes(path)));
+  if (found == in_lower_case_.end()) return {};
+  std::vector<std::string> files = found->second;
+  files.resize(std::min(files.size(), kMaxFits));
+  return files;
+}
+
 Result<std::string> BundleAssets::read(const std::string& path) {
   const auto blob = blob_paths_.find(printable(path));
   if (blob == blob_paths_.end())
     return fail(ErrorCode::kNotFound, in_quotes(path) + " is not in the scene's bundle");
   return read_guarded(blob->second, in_quotes(path));
+}
+
+bool RecordingAssets::exists(const std::string& path) {
+  return inner_.exists(path);
+}
+
+std::vector<std::string> RecordingAssets::find_in_any_case(const std::string& path) {
+  auto files = inner_.find_in_any_case(path);
+  if (files.size() > 1)
+    for (const std::string& file : files) static_cast<void>(read(file));
+  return files;
 }
 
 Result<std::string> RecordingAssets::read(const std::string& path) {

@@ -6,6 +6,7 @@
 #include <functional>
 #include <map>
 #include <string>
+#include <vector>
 
 #include "core/base/error.hpp"
 
@@ -14,6 +15,13 @@ namespace tessera::core {
 class AssetSource {
  public:
   virtual ~AssetSource() = default;
+  // Whether there is a file that read() knows by exactly this path.
+  virtual bool exists(const std::string& path) { return read(path).has_value(); }
+  // The paths of files that differ from `path` at most in the case of ASCII letters. At most two, which tell
+  // that there are several. A source that cannot search knows only `path` itself.
+  virtual std::vector<std::string> find_in_any_case(const std::string& path) {
+    return exists(path) ? std::vector{path} : std::vector<std::string>();
+  }
   // The bytes of the file that the scene calls `path` (as written there, relative to the scene file).
   // The error names the path and says why it cannot be read.
   virtual Result<std::string> read(const std::string& path) = 0;
@@ -23,6 +31,8 @@ class AssetSource {
 class FolderAssets : public AssetSource {
  public:
   explicit FolderAssets(std::string folder) : folder_(std::move(folder)) {}
+  bool exists(const std::string& path) override;
+  std::vector<std::string> find_in_any_case(const std::string& path) override;
   Result<std::string> read(const std::string& path) override;
 
  private:
@@ -34,17 +44,24 @@ class FolderAssets : public AssetSource {
 class BundleAssets : public AssetSource {
  public:
   explicit BundleAssets(std::map<std::string, std::string> blob_paths) : blob_paths_(std::move(blob_paths)) {}
+  bool exists(const std::string& path) override;
+  std::vector<std::string> find_in_any_case(const std::string& path) override;
   Result<std::string> read(const std::string& path) override;
 
  private:
   std::map<std::string, std::string> blob_paths_;
+  std::map<std::string, std::vector<std::string>> in_lower_case_;  // filled by the first search
 };
 
-// Passes reads on and reports every file that was read, so that loading a scene tells what its bundle needs.
+// Passes everything on and reports each file that was read, so that loading a scene tells what its bundle
+// needs. Where several files differ in the case of letters alone, all are read: a search in the bundle must
+// end as it did here.
 class RecordingAssets : public AssetSource {
  public:
   using Observer = std::function<void(const std::string& path, const std::string& bytes)>;
   RecordingAssets(AssetSource& inner, Observer on_read) : inner_(inner), on_read_(std::move(on_read)) {}
+  bool exists(const std::string& path) override;
+  std::vector<std::string> find_in_any_case(const std::string& path) override;
   Result<std::string> read(const std::string& path) override;
 
  private:

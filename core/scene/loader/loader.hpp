@@ -2,6 +2,8 @@
 //
 // Every mistake is an error that says file, line, field, what is wrong and what would be right, e.g.
 // "scene.json:14: materials.stone.albedo: must be between 0 and 1, got 3". Keys nobody reads are mistakes.
+// The files of other programs (OBJ, MTL and the images that MTL files name) are read generously: what they
+// lack or say oddly is replaced, and told in the description's warnings.
 #pragma once
 
 #include <string>

@@ -128,8 +128,8 @@ ShadedCorners settle_normals(const ObjFile& file, NormalsMode mode) {
 
 class MeshBuilder {
  public:
-  MeshBuilder(const ObjFile& file, const Transform& transform)
-      : file_(file), transform_(transform), vertices_(file.text.positions.size()) {}
+  MeshBuilder(const ObjFile& file, const Transform& transform, VertexColors colors)
+      : file_(file), transform_(transform), colors_(colors), vertices_(file.text.positions.size()) {}
 
   Result<MeshDescription> build(ShadedCorners shaded, const std::vector<std::uint32_t>& materials);
 
@@ -140,6 +140,7 @@ class MeshBuilder {
 
   const ObjFile& file_;
   Transform transform_;
+  VertexColors colors_;
   CornerIndex vertices_;
   MeshDescription mesh_;
 };
@@ -188,7 +189,7 @@ void MeshBuilder::fill_materials(const std::vector<std::uint32_t>& materials) {
   for (std::size_t r = 0; r < file_.runs.size(); ++r) {
     const std::size_t end =
         r + 1 < file_.runs.size() ? file_.runs[r + 1].first_triangle : file_.triangle_count();
-    mesh_.triangle_materials.resize(end, materials[file_.runs[r].material]);
+    mesh_.triangle_materials.resize(end, materials[r]);
   }
 }
 
@@ -200,11 +201,15 @@ void MeshBuilder::fill_vertices(const std::vector<Vec3>& computed_normals) {
     return i < text.normals.size() ? text.normals[i] : computed_normals[i - text.normals.size()];
   };
   const bool has_uvs = !file_.corners.uvs.empty(), has_normals = corners.front().normal >= 0;
+  const bool has_colors = colors_ == VertexColors::kUse && !text.colors.empty();
   mesh_.positions.reserve(corners.size());
   if (has_uvs) mesh_.uvs.reserve(corners.size());
   if (has_normals) mesh_.normals.reserve(corners.size());
+  if (has_colors) mesh_.colors.reserve(corners.size());
   for (const Corner& corner : corners) {
-    mesh_.positions.push_back(transform_.point(text.positions[static_cast<std::size_t>(corner.position)]));
+    const auto position = static_cast<std::size_t>(corner.position);
+    mesh_.positions.push_back(transform_.point(text.positions[position]));
+    if (has_colors) mesh_.colors.push_back(text.colors[position]);
     if (has_normals) mesh_.normals.push_back(transformed_normal(transform_, normal(corner.normal)));
     if (has_uvs) mesh_.uvs.push_back(corner.uv < 0 ? Vec2{} : text.uvs[static_cast<std::size_t>(corner.uv)]);
   }
@@ -213,8 +218,8 @@ void MeshBuilder::fill_vertices(const std::vector<Vec3>& computed_normals) {
 }  // namespace
 
 Result<MeshDescription> build_mesh(const ObjFile& file, NormalsMode normals, const Transform& transform,
-                                   const std::vector<std::uint32_t>& materials) {
-  return MeshBuilder(file, transform).build(settle_normals(file, normals), materials);
+                                   const std::vector<std::uint32_t>& materials, VertexColors colors) {
+  return MeshBuilder(file, transform, colors).build(settle_normals(file, normals), materials);
 }
 
 }  // namespace tessera::core

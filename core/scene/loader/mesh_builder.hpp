@@ -10,10 +10,13 @@
 
 namespace tessera::core {
 
+enum class VertexColors { kUse, kIgnore };
+
 // Triangles that cannot be seen are left out (triangle_filter.hpp). `materials` holds the scene's material of
-// each of the file's material names, or a single one for all triangles. Errors complete a sentence that
+// each of the file's runs, or a single one for all triangles. Errors complete a sentence that
 // begins with the file's name.
 Result<MeshDescription> build_mesh(const ObjFile& file, NormalsMode normals, const Transform& transform,
-                                   const std::vector<std::uint32_t>& materials);
+                                   const std::vector<std::uint32_t>& materials,
+                                   VertexColors colors = VertexColors::kUse);
 
 }  // namespace tessera::core

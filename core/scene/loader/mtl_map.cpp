@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 
 #include "core/scene/loader/text_lines.hpp"
 #include "core/scene/loader/wording.hpp"
@@ -12,75 +11,122 @@
 namespace tessera::core {
 namespace {
 
-// The options of map statements and what follows them: from `least` to `most` numbers, or else one word.
+// The options of map statements and what follows them: up to `max_numbers` numbers, or else one word.
 struct Option {
   std::string_view name;
-  int least, most;
+  int max_numbers;
 };
 constexpr int kWord = 0;
-constexpr std::array kOptions{Option{"-s", 1, 3},          Option{"-o", 1, 3},
-                              Option{"-t", 1, 3},          Option{"-mm", 2, 2},
-                              Option{"-bm", 1, 1},         Option{"-boost", 1, 1},
-                              Option{"-texres", 1, 3},     Option{"-clamp", 0, kWord},
-                              Option{"-blendu", 0, kWord}, Option{"-blendv", 0, kWord},
-                              Option{"-cc", 0, kWord},     Option{"-imfchan", 0, kWord},
-                              Option{"-type", 0, kWord},   Option{"-colorspace", 0, kWord}};
+constexpr std::array kOptions{Option{"-s", 3},          Option{"-o", 3},
+                              Option{"-t", 3},          Option{"-mm", 2},
+                              Option{"-bm", 1},         Option{"-boost", 1},
+                              Option{"-texres", 3},     Option{"-clamp", kWord},
+                              Option{"-blendu", kWord}, Option{"-blendv", kWord},
+                              Option{"-cc", kWord},     Option{"-imfchan", kWord},
+                              Option{"-type", kWord},   Option{"-colorspace", kWord}};
 
-// Takes as many numbers off the front of `line` as are there, up to `most`. A name that begins with a digit
-// ("2.png") is no number, and the last word is the name whatever it looks like.
-int take_numbers(std::string_view& line, std::array<float, 3>& numbers, int most) {
+class MapReader {
+ public:
+  MapReader(std::string_view keyword, std::string_view line, int line_number, FileWarnings& warnings)
+      : keyword_(keyword), line_(trimmed(line)), warnings_(warnings) {
+    map_.line = line_number;
+  }
+
+  std::optional<MtlMap> read();
+
+ private:
+  void take_option();
+  int take_numbers(std::array<float, 3>& numbers, int max_count);
+  void set_numbers(std::string_view option, const std::array<float, 3>& numbers, int count);
+  void take_clamp();
+
+  template <typename Text>
+  void warn(std::string_view kind, const Text& text) {
+    warnings_.add(kind, map_.line, text);
+  }
+
+  std::string_view keyword_, line_;
+  FileWarnings& warnings_;
+  MtlMap map_;
+};
+
+// The last word is the name, whatever it looks like.
+bool is_last_word(std::string_view line) {
+  take_word(line);
+  return line.empty();
+}
+
+std::optional<MtlMap> MapReader::read() {
+  while (line_.starts_with('-') && !is_last_word(line_)) take_option();
+  map_.file = without_quotes(line_);
+  const bool is_option = std::any_of(kOptions.begin(), kOptions.end(),
+                                     [&](const Option& option) { return option.name == map_.file; });
+  if (!name_without_comment(map_.file).empty() && !is_option) return map_;
+  warn("map without a name",
+       [&] { return fmt::format("'{}' names no image; the line is ignored", keyword_); });
+  return std::nullopt;
+}
+
+void MapReader::take_option() {
+  const std::string_view name = take_word(line_);
+  const auto* option =
+      std::find_if(kOptions.begin(), kOptions.end(), [&](const Option& o) { return o.name == name; });
+  std::array<float, 3> numbers{};
+  if (option == kOptions.end()) {
+    take_numbers(numbers, 3);
+    warn(fmt::format("option {}", name), [&] {
+      return fmt::format("{} is not an option of '{}'; it is ignored", in_quotes(name), keyword_);
+    });
+  } else if (option->name == "-clamp") {
+    take_clamp();
+  } else if (option->max_numbers == kWord) {
+    if (!is_last_word(line_)) take_word(line_);
+  } else {
+    set_numbers(name, numbers, take_numbers(numbers, option->max_numbers));
+  }
+}
+
+// Takes numbers off the front of the line, as many as there are.
+int MapReader::take_numbers(std::array<float, 3>& numbers, int max_count) {
   int count = 0;
-  while (count < most) {
-    std::string_view rest = line;
+  while (count < max_count && !is_last_word(line_)) {
+    std::string_view rest = line_;
     const auto number = parse_float(take_word(rest));
-    if (!number || rest.empty()) break;
+    if (!number) break;
     numbers[static_cast<std::size_t>(count++)] = *number;
-    line = rest;
+    line_ = rest;
   }
   return count;
 }
 
-Status take_option(const Option& option, std::string_view& line, MtlMap& map) {
-  if (option.most == kWord) {
-    const std::string_view word = take_word(line);
-    if (option.name != "-clamp") return {};
-    map.clamp = word == "on";
-    if (word == "on" || word == "off") return {};
-    return mistake(fmt::format("'-clamp' must be followed by on or off, got {}", in_quotes(word)));
-  }
-  const bool scales = option.name == "-s";
-  std::array<float, 3> numbers = scales ? std::array{1.0f, 1.0f, 1.0f} : std::array<float, 3>{};
-  if (take_numbers(line, numbers, option.most) < option.least)
-    return mistake(fmt::format("'{}' must be followed by {} and the name of a picture, got {}", option.name,
-                               option.least == 1 ? "a number" : "2 numbers", in_quotes(line)));
-  if (scales) map.scale = {numbers[0], numbers[1]};
-  if (option.name == "-o") map.offset = {numbers[0], numbers[1]};
-  return {};
+void MapReader::set_numbers(std::string_view option, const std::array<float, 3>& numbers, int count) {
+  if (count == 0)
+    return warn(fmt::format("option {}", option), [&] {
+      return fmt::format("'{}' must be followed by a number and the name of an image; it is ignored", option);
+    });
+  if (option == "-s") map_.scale = {numbers[0], count > 1 ? numbers[1] : 1};
+  if (option == "-o") map_.offset = {numbers[0], numbers[1]};
+  if (option == "-bm") map_.bump_multiplier = numbers[0];
 }
 
-std::string_view without_quotes(std::string_view name) {
-  if (name.size() > 2 && name.front() == '"' && name.back() == '"') return name.substr(1, name.size() - 2);
-  return name;
+void MapReader::take_clamp() {
+  std::string_view rest = line_;
+  const std::string_view word = take_word(rest);
+  if (word == "on" || word == "off") {
+    map_.clamp = word == "on";
+    line_ = rest;
+  } else {
+    warn("-clamp", [&] {
+      return fmt::format("'-clamp' must be followed by on or off, got {}; it is ignored", in_quotes(word));
+    });
+  }
 }
 
 }  // namespace
 
-Result<MtlMap> read_mtl_map(std::string_view keyword, std::string_view line) {
-  MtlMap map;
-  line = trimmed(line);
-  while (line.starts_with('-')) {
-    const std::string_view name = take_word(line);
-    const auto* option =
-        std::find_if(kOptions.begin(), kOptions.end(), [&](const Option& o) { return o.name == name; });
-    if (option == kOptions.end())
-      return mistake(fmt::format("{} is not an option of '{}'", in_quotes(name), keyword));
-    if (auto ok = take_option(*option, line, map); !ok) return fail(ok.error());
-  }
-  map.file = without_quotes(line);
-  if (name_without_comment(map.file).empty())
-    return mistake(fmt::format("'{}' needs the name of a picture", keyword));
-  std::replace(map.file.begin(), map.file.end(), '\\', '/');
-  return map;
+std::optional<MtlMap> read_mtl_map(std::string_view keyword, std::string_view line, int line_number,
+                                   FileWarnings& warnings) {
+  return MapReader(keyword, line, line_number, warnings).read();
 }
 
 }  // namespace tessera::core

@@ -1,25 +1,29 @@
-// A map statement of an MTL file: options, then the name of a picture, which may have spaces in it.
+// A map statement of an MTL file: options, then the name of an image, which may have spaces in it.
 // Stateless; thread-safe.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 
-#include "core/base/error.hpp"
 #include "core/math/vec3.hpp"
+#include "core/scene/loader/file_warnings.hpp"
 
 namespace tessera::core {
 
 struct MtlMap {
-  std::string file;  // with '\' turned into '/'
+  std::string file;  // as written
   bool clamp = false;
   Vec2 scale{1, 1}, offset{0, 0};
+  float bump_multiplier = 1;  // -bm
+  int line = 0;
 
   bool operator==(const MtlMap&) const = default;
 };
 
-// What follows the keyword. Checks all options of the format; those but -s, -o and -clamp have no effect
-// here. Errors complete a sentence that begins with the statement's place.
-Result<MtlMap> read_mtl_map(std::string_view keyword, std::string_view line);
+// What follows the keyword; nullopt where no image is named. Only -s, -o, -clamp and -bm have an effect.
+// Options that are not understood are ignored and told.
+std::optional<MtlMap> read_mtl_map(std::string_view keyword, std::string_view line, int line_number,
+                                   FileWarnings& warnings);
 
 }  // namespace tessera::core

@@ -1,28 +1,38 @@
-// The materials of an MTL file, as this renderer understands them (docs/scene-format.md has the table).
-// Stateless; thread-safe.
+// The materials of an MTL file as it writes them; mtl_material.hpp turns them into ours. Stateless;
+// thread-safe.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "core/base/error.hpp"
-#include "core/materials/material.hpp"
+#include "core/math/rgb.hpp"
+#include "core/scene/loader/file_warnings.hpp"
+#include "core/scene/loader/mtl_map.hpp"
 
 namespace tessera::core {
 
+// The statements under one "newmtl" that count here. Numbers are within their ranges.
 struct MtlMaterial {
-  Material material;
-  // map_Kd, with slashes as written but for '\', which becomes '/'; empty for none. Relative to the MTL file.
-  // It multiplies Lambert's albedo or Phong's diffuse part.
-  std::string albedo_file;
-  int albedo_line = 0;
-  Wrap wrap = Wrap::kRepeat;
-  Vec2 scale{1, 1}, offset{0, 0};
+  using Map = std::optional<MtlMap>;
+
+  std::string name;
+  std::optional<Rgb> ambient, diffuse, specular, transmission, emission;  // Ka, Kd, Ks, Tf, Ke
+  std::optional<float> dissolve, transparency;                            // d, Tr
+  std::optional<float> ior, exponent, illum;                              // Ni, Ns, illum
+  std::optional<float> roughness, metallic;                               // Pr, Pm
+  Map diffuse_map, specular_map, emission_map;                            // map_Kd, map_Ks, map_Ke
+  Map dissolve_map, exponent_map, roughness_map, metallic_map;            // map_d, map_Ns, map_Pr, map_Pm
+  Map normal_map, bump_map;                                               // norm, bump
 };
 
-// Passes over statements that have no meaning here. Errors are "NAME:LINE: what"; `name` is what they call
-// the file.
-Result<std::vector<MtlMaterial>> read_mtl(std::string_view bytes, const std::string& name);
+struct MtlFile {
+  std::vector<MtlMaterial> materials;
+  FileWarnings warnings;
+};
+
+// A line or a value that is not understood costs that line or value and is told.
+MtlFile read_mtl(std::string_view bytes);
 
 }  // namespace tessera::core

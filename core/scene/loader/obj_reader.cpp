@@ -12,6 +12,7 @@
 #include <new>
 #include <streambuf>
 
+#include "core/scene/loader/obj_corner.hpp"
 #include "core/scene/loader/polygon.hpp"
 #include "core/scene/loader/text_lines.hpp"
 #include "core/scene/loader/wording.hpp"
@@ -24,36 +25,9 @@ struct FaceCorner {
   std::int32_t position = -1, uv = -1, normal = -1;
 };
 
-// Takes a number other than 0 off the front of `rest`. More digits than these refer to nothing, and would
-// not fit an int.
-bool take_index(std::string_view& rest) {
-  constexpr std::size_t kMostDigits = 9;
-  if (rest.starts_with('-')) rest.remove_prefix(1);
-  const std::size_t digits = std::min(rest.find_first_not_of("0123456789"), rest.size());
-  const bool zero = rest.find_first_not_of('0') >= digits;
-  rest.remove_prefix(digits);
-  return !zero && digits <= kMostDigits;
-}
-
-bool take_slash(std::string_view& rest) {
-  if (!rest.starts_with('/')) return false;
-  rest.remove_prefix(1);
-  return true;
-}
-
-// v, v/vt, v//vn or v/vt/vn.
-bool is_corner(std::string_view word) {
-  if (!take_index(word)) return false;
-  if (take_slash(word)) {
-    if (!word.starts_with('/') && !take_index(word)) return false;
-    if (take_slash(word) && !take_index(word)) return false;
-  }
-  return word.empty();
-}
-
-// The second pass: faces, with the material and the smoothing group they are under. Statements are read here
-// and faces handed on to tinyobjloader as text, each one checked, on one line and without comments; what it
-// makes of a face comes back before it asks for the next.
+// The second pass: faces, with the material and the smoothing group that are in force. Statements are read
+// here. Faces are passed on to tinyobjloader as text, each one checked, on one line and without comments;
+// what it makes of a face comes back before it asks for the next. A face that cannot be used is left out.
 class FaceReader : private std::streambuf {
  public:
   FaceReader(std::string_view bytes, const std::string& name, ObjText text, const SceneLimit& limit);
@@ -77,21 +51,25 @@ class FaceReader : private std::streambuf {
   }
 
   int_type underflow() override;
-  Status statement(std::string_view line);
-  Status hand_on(std::string_view line);
+  void statement(std::string_view line);
+  void pass_on(std::string_view line);
   Status face(const tinyobj::index_t* corners, int count);
-  Status corner(const tinyobj::index_t& written, int number);
-  Status use_material(std::string_view line);
-  Status smooth(std::string_view line);
+  bool add_corner(const tinyobj::index_t& written);
+  std::int32_t optional_index(int index, const Counts& counts);
+  void use_material(std::string_view line);
+  void smooth(std::string_view line);
   Status count_triangles(std::size_t more) const;
-  tl::unexpected<Error> bad_corner(std::string_view word) const;
-  tl::unexpected<Error> missing(int index, const Counts& counts, int corner) const;
-  std::string_view text_of_corner(int number) const;
+  Status check_enough_is_left() const;
+  std::string missing(int index, const Counts& counts) const;
   void add(const std::array<std::uint32_t, 3>& triangle);
 
-  tl::unexpected<Error> mistake(std::string_view what) const {
-    return fail(ErrorCode::kInvalidArgument, fmt::format("{}:{}: {}", name_, lines_.number(), what));
+  template <typename Text>
+  void warn(std::string_view kind, const Text& text) {
+    file_.text.warnings.add(kind, lines_.number(), text);
   }
+  // `why()` says what is wrong with the current face.
+  template <typename Why>
+  void leave_out(std::string_view kind, const Why& why);
 
   StatementLines lines_;
   const std::string& name_;
@@ -101,7 +79,9 @@ class FaceReader : private std::streambuf {
   ObjFile::Run run_;
   bool run_is_new_ = true;
   std::map<std::string, std::uint32_t, std::less<>> material_indices_;
-  Status status_;  // of the first statement that is wrong
+  Status status_;               // an error where there is more than the limits allow
+  std::size_t left_out_ = 0;    // faces
+  std::string first_left_out_;  // where and why
   // Of one face; kept for their memory.
   std::string face_text_;
   std::vector<FaceCorner> face_;
@@ -130,47 +110,57 @@ Result<ObjFile> FaceReader::read() {
   tinyobj::LoadObjWithCallback(stream, callbacks, this);
   if (stream.bad()) throw std::bad_alloc();  // streams keep exceptions to themselves
   if (!status_) return fail(status_.error());
+  if (auto enough = check_enough_is_left(); !enough) return fail(enough.error());
   return std::move(file_);
 }
 
 // The text up to the end of the next face.
 FaceReader::int_type FaceReader::underflow() {
   face_text_.clear();
-  while (status_ && face_text_.empty() && lines_.next()) status_ = statement(lines_.line());
+  while (status_ && face_text_.empty() && lines_.next()) statement(lines_.line());
   if (!status_ || face_text_.empty()) return traits_type::eof();
   setg(face_text_.data(), face_text_.data(), face_text_.data() + face_text_.size());
   return traits_type::to_int_type(face_text_.front());
 }
 
-Status FaceReader::statement(std::string_view line) {
+void FaceReader::statement(std::string_view line) {
   const std::string_view keyword = take_word(line);
-  if (is_face(keyword)) return hand_on(line);
+  if (is_face(keyword)) return pass_on(line);
   if (keyword == "v") ++positions_.seen;
   if (keyword == "vt") ++uvs_.seen;
   if (keyword == "vn") ++normals_.seen;
   if (keyword == "usemtl") return use_material(line);
   if (keyword == "s") return smooth(line);
-  return {};
 }
 
-Status FaceReader::hand_on(std::string_view line) {
+template <typename Why>
+void FaceReader::leave_out(std::string_view kind, const Why& why) {
+  if (left_out_++ == 0) first_left_out_ = fmt::format("line {}: {}", lines_.number(), why());
+  warn(kind, [&] { return why() + "; the face is left out"; });
+}
+
+void FaceReader::pass_on(std::string_view line) {
   line = without_comment(line);
   face_text_ = "f";
   int corners = 0;
   for (auto word = take_word(line); !word.empty(); word = take_word(line), ++corners) {
-    if (!is_corner(word)) return bad_corner(word);
     face_text_ += ' ';
-    face_text_ += word;
+    if (append_corner(word, face_text_)) continue;
+    face_text_.clear();
+    return leave_out("corner", [&] {
+      return fmt::format("a face's corner must be like 7, 7/2, 7//3 or 7/2/3, got {}", in_quotes(word));
+    });
   }
   face_text_ += '\n';
-  if (corners < 3) return mistake(fmt::format("a face must have at least 3 corners, got {}", corners));
-  return {};
+  if (corners >= 3) return;
+  face_text_.clear();
+  leave_out("corners", [&] { return fmt::format("a face must have at least 3 corners, got {}", corners); });
 }
 
 Status FaceReader::face(const tinyobj::index_t* corners, int count) {
   face_.clear();
   for (int i = 0; i < count; ++i)
-    if (auto ok = corner(corners[i], i); !ok) return ok;
+    if (!add_corner(corners[i])) return {};
   if (auto ok = count_triangles(face_.size() - 2); !ok) return ok;
   if (face_.size() == 3) {
     add({0, 1, 2});
@@ -180,49 +170,69 @@ Status FaceReader::face(const tinyobj::index_t* corners, int count) {
   triangles_.clear();
   for (const FaceCorner& c : face_)
     outline_.push_back(file_.text.positions[static_cast<std::size_t>(c.position)]);
-  if (!triangulate(outline_, triangles_))
-    return mistake(fmt::format("a face that is not convex may have {} corners at most", kMaxConcaveCorners));
-  for (const auto& triangle : triangles_) add(triangle);
+  if (triangulate(outline_, triangles_)) {
+    for (const auto& triangle : triangles_) add(triangle);
+  } else {
+    leave_out("concave", [] {
+      return fmt::format("a face that is not convex may have {} corners at most", kMaxConcaveCorners);
+    });
+  }
   return {};
 }
 
 Status FaceReader::count_triangles(std::size_t more) const {
   const std::size_t count = file_.triangle_count() + more;
+  const auto place = [&] { return fmt::format("{}:{}", name_, lines_.number()); };
   if (count > limit_.most)
     return fail(ErrorCode::kResourceExhausted,
-                fmt::format("{}:{}: the file has more than the {} triangles that a scene may have here ({})",
-                            name_, lines_.number(), limit_.most, limit_.option));
+                fmt::format("{}: the file has more than the {} triangles that a scene may have here ({})",
+                            place(), limit_.most, limit_.option));
   if (count <= kMaxObjTriangles) return {};
-  return mistake(fmt::format("the file has more than {} triangles; cut it into several", kMaxObjTriangles));
+  return mistake(fmt::format("{}: the file has more than {} triangles; split it into several", place(),
+                             kMaxObjTriangles));
 }
 
-Status FaceReader::corner(const tinyobj::index_t& written, int number) {
-  const int v = written.vertex_index, vt = written.texcoord_index, vn = written.normal_index;
-  if (!exists(v, positions_)) return missing(v, positions_, number);
-  if (!exists(vt, uvs_)) return missing(vt, uvs_, number);
-  if (!exists(vn, normals_)) return missing(vn, normals_, number);
-  face_.push_back({resolve(v, positions_), resolve(vt, uvs_), resolve(vn, normals_)});
-  return {};
+// False if the face is left out.
+bool FaceReader::add_corner(const tinyobj::index_t& written) {
+  const int v = written.vertex_index;
+  if (!exists(v, positions_)) {
+    leave_out("missing v", [&] { return missing(v, positions_); });
+    return false;
+  }
+  const std::int32_t position = resolve(v, positions_);
+  if (!is_finite(file_.text.positions[static_cast<std::size_t>(position)])) {
+    leave_out("broken v", [&] {
+      return fmt::format("a face refers to 'v' number {}, which is not 3 finite numbers", position + 1);
+    });
+    return false;
+  }
+  face_.push_back({position, optional_index(written.texcoord_index, uvs_),
+                   optional_index(written.normal_index, normals_)});
+  return true;
 }
 
-tl::unexpected<Error> FaceReader::missing(int index, const Counts& counts, int corner) const {
-  if (index < 0) return bad_corner(text_of_corner(corner));
-  return mistake(fmt::format("a face refers to '{}' number {}, but the file has only {}; is it complete?",
-                             counts.statement, index, counts.total));
+// -1 for a texture coordinate or a normal that does not exist.
+std::int32_t FaceReader::optional_index(int index, const Counts& counts) {
+  if (exists(index, counts)) return resolve(index, counts);
+  warn(counts.statement, [&] { return missing(index, counts) + "; the corner has none"; });
+  return -1;
 }
 
-std::string_view FaceReader::text_of_corner(int number) const {
-  std::string_view rest = std::string_view(face_text_).substr(0, face_text_.size() - 1);
-  take_word(rest);
-  for (int i = 0; i < number; ++i) take_word(rest);
-  return take_word(rest);
+std::string FaceReader::missing(int index, const Counts& counts) const {
+  if (index < 0)
+    return fmt::format("a face refers to '{}' number {}, but only {} come before it", counts.statement, index,
+                       counts.seen);
+  return fmt::format("a face refers to '{}' number {}, but the file has only {}", counts.statement, index,
+                     counts.total);
 }
 
-tl::unexpected<Error> FaceReader::bad_corner(std::string_view word) const {
-  return mistake(
-      fmt::format("a face's corner must be like 7, 7/2, 7//3 or 7/2/3 with numbers that exist, got {} "
-                  "after {} v, {} vt and {} vn",
-                  in_quotes(word), positions_.seen, uvs_.seen, normals_.seen));
+// A file of which hardly a face can be used is not shown as a few triangles.
+Status FaceReader::check_enough_is_left() const {
+  constexpr std::size_t kMinShare = 10;  // one face in so many
+  const std::size_t all = file_.text.face_count;
+  if (file_.triangle_count() > 0 && (all - left_out_) * kMinShare >= all) return {};
+  return mistake(fmt::format("{}: {} of {} faces cannot be used; is the file complete? The first: {}", name_,
+                             left_out_, all, first_left_out_));
 }
 
 void FaceReader::add(const std::array<std::uint32_t, 3>& triangle) {
@@ -248,35 +258,41 @@ void FaceReader::add(const std::array<std::uint32_t, 3>& triangle) {
   }
 }
 
-Status FaceReader::use_material(std::string_view line) {
-  const std::string_view material = trimmed(line);
-  if (name_without_comment(material).empty()) return mistake("'usemtl' needs a name");
-  auto known = material_indices_.find(material);
-  if (known == material_indices_.end()) {
-    const auto index = static_cast<std::uint32_t>(file_.material_names.size());
-    known = material_indices_.emplace(material, index).first;
-    file_.material_names.emplace_back(material);
-    file_.material_lines.push_back(lines_.number());
+void FaceReader::use_material(std::string_view line) {
+  const std::string_view name = trimmed(line);
+  std::uint32_t material = kNoMaterialName;
+  if (name_without_comment(name).empty()) {
+    warn("usemtl", [] { return "'usemtl' names no material"; });
+  } else {
+    const auto next = static_cast<std::uint32_t>(file_.material_names.size());
+    const auto known = material_indices_.find(name);
+    material = known == material_indices_.end() ? next : known->second;
+    if (material == next) {
+      material_indices_.emplace(name, next);
+      file_.material_names.emplace_back(name);
+      file_.material_lines.push_back(lines_.number());
+    }
   }
-  run_is_new_ = run_is_new_ || run_.material != known->second;
-  run_.material = known->second;
-  return {};
+  run_is_new_ = run_is_new_ || run_.material != material;
+  run_.material = material;
 }
 
 // Some programs write more than the group's number; they mean the first.
-Status FaceReader::smooth(std::string_view line) {
+void FaceReader::smooth(std::string_view line) {
   line = without_comment(line);
   const std::string_view word = take_word(line);
   std::uint32_t group = word == "on" ? 1 : 0;
   if (word != "on" && word != "off" && word != "null") {
     const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), group);
     if (error != std::errc() || end != word.data() + word.size())
-      return mistake(
-          fmt::format("'s' must be the number of a smoothing group or 'off', got {}", in_quotes(word)));
+      return warn("s", [&] {
+        return fmt::format(
+            "'s' must be the number of a smoothing group or 'off', got {}; the line is ignored",
+            in_quotes(word));
+      });
   }
   run_is_new_ = run_is_new_ || run_.smoothing_group != group;
   run_.smoothing_group = group;
-  return {};
 }
 
 }  // namespace
@@ -288,7 +304,8 @@ const ObjFile::Run& ObjFile::run_of(std::size_t triangle) const {
 }
 
 Result<ObjFile> read_obj(std::string_view bytes, const std::string& name, const SceneLimit& triangles) {
-  bytes = without_byte_order_mark(bytes);
+  std::string converted;
+  bytes = as_utf8(bytes, converted);
   auto text = scan_obj(bytes, name);
   if (!text) return fail(text.error());
   if (text->face_count > triangles.most)

@@ -41,8 +41,9 @@ struct ObjFile {
   const Run& run_of(std::size_t triangle) const;
 };
 
-// Errors are "NAME:LINE: what"; `name` is what they call the file. RESOURCE_EXHAUSTED as soon as there are
-// too many triangles.
+// What cannot be used costs that line or that face and is told in the text's warnings. Errors are "NAME:
+// what", where `name` is what messages call the file: INVALID_ARGUMENT where hardly a face is left,
+// RESOURCE_EXHAUSTED as soon as there are too many triangles.
 Result<ObjFile> read_obj(std::string_view bytes, const std::string& name, const SceneLimit& triangles = {});
 
 }  // namespace tessera::core

@@ -4,20 +4,32 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <limits>
 
+#include "core/image/srgb.hpp"
 #include "core/scene/loader/text_lines.hpp"
 #include "core/scene/loader/wording.hpp"
 
 namespace tessera::core {
 namespace {
 
-// Legal, and of no use here; but "usemtl" and "s", which the second pass reads.
+// Legal, and without effect here; but "usemtl" and "s", which the second pass reads.
 constexpr std::array<std::string_view, 18> kIgnored{
     "usemtl", "s",        "g",        "o",  "l",          "p",         "vp", "vw",     "bevel",
     "lod",    "c_interp", "d_interp", "mg", "shadow_obj", "trace_obj", "mb", "usemap", "maplib"};
 constexpr std::array<std::string_view, 20> kFreeForm{
     "cstype", "curv", "curv2", "surf", "bmat", "deg", "step", "parm", "trim", "hole",
     "scrv",   "sp",   "con",   "end",  "bsp",  "bzp", "cdc",  "cdp",  "res",  "ctech"};
+
+constexpr std::string_view kFreeFormAdvice =
+    "free-form curves and surfaces are not supported; export the mesh as polygons";
+
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+constexpr Rgb kNoColor = Rgb::gray(-1);
+
+// Whether a colour in the file counts from 0 to 255. Rounding may leave a colour from 0 to 1 a little above.
+constexpr float kLargestUnitColor = 1.01f;
 
 class ObjScanner {
  public:
@@ -26,90 +38,156 @@ class ObjScanner {
   Result<ObjText> scan();
 
  private:
-  Status statement(std::string_view line);
-  Status vertex(std::string_view line);
-  Status normal(std::string_view line);
-  Status texture_vertex(std::string_view line);
-  Status library(std::string_view line);
-  Status unknown(std::string_view keyword) const;
+  void statement(std::string_view line);
+  void vertex(std::string_view line);
+  void color(std::string_view line, const Numbers& numbers, std::span<const float> values);
+  void normal(std::string_view line);
+  void texture_vertex(std::string_view line);
+  void library(std::string_view line);
+  void unknown(std::string_view keyword);
   void count_face();
+  void settle_colors();
+  Error no_faces() const;
 
-  tl::unexpected<Error> mistake(std::string_view what) const {
-    return fail(ErrorCode::kInvalidArgument, fmt::format("{}:{}: {}", name_, lines_.number(), what));
+  template <typename Text>
+  void warn(std::string_view kind, const Text& text) {
+    obj_.warnings.add(kind, lines_.number(), text);
   }
 
   StatementLines lines_;
   const std::string& name_;
   ObjText obj_;
+  bool has_free_form_ = false;
+  std::string first_unknown_;  // the first statement that is not one of OBJ files
 };
 
 Result<ObjText> ObjScanner::scan() {
-  while (lines_.next())
-    if (auto ok = statement(lines_.line()); !ok) return fail(ok.error());
-  if (obj_.face_count == 0) return mistake("the file has no faces (no 'f' statement); is it complete?");
+  while (lines_.next()) statement(lines_.line());
+  if (obj_.face_count == 0) return fail(no_faces());
+  settle_colors();
   return std::move(obj_);
 }
 
-Status ObjScanner::statement(std::string_view line) {
+Error ObjScanner::no_faces() const {
+  std::string why = "the file has no faces (no 'f' statement); is it complete?";
+  if (!first_unknown_.empty())
+    why = fmt::format(
+        "the file has no faces (no 'f' statement), and {} is not a statement of OBJ files; is "
+        "it one?",
+        in_quotes(first_unknown_));
+  if (has_free_form_) why = fmt::format("the file has no faces (no 'f' statement): {}", kFreeFormAdvice);
+  return {ErrorCode::kInvalidArgument, fmt::format("{}: {}", name_, why)};
+}
+
+void ObjScanner::statement(std::string_view line) {
   const std::string_view keyword = take_word(line);
-  if (keyword.empty() || keyword.front() == '#') return {};
+  if (keyword.empty() || keyword.front() == '#') return;
   if (keyword == "v") return vertex(line);
-  if (is_face(keyword)) {
-    count_face();
-    return {};
-  }
+  if (is_face(keyword)) return count_face();
   if (keyword == "vt") return texture_vertex(line);
   if (keyword == "vn") return normal(line);
   if (keyword == "mtllib") return library(line);
-  if (std::find(kIgnored.begin(), kIgnored.end(), keyword) != kIgnored.end()) return {};
-  return unknown(keyword);
+  if (std::find(kIgnored.begin(), kIgnored.end(), keyword) == kIgnored.end()) unknown(keyword);
 }
 
-Status ObjScanner::vertex(std::string_view line) {
-  std::array<float, 3> p{};
-  // A weight, a colour or both may follow.
-  if (read_numbers(line, p, 7) < 3)
-    return mistake(fmt::format("a vertex must be 3 finite numbers, got {}", in_quotes(line)));
-  obj_.positions.push_back({p[0], p[1], p[2]});
-  return {};
+// A weight, a colour or both may follow the position.
+void ObjScanner::vertex(std::string_view line) {
+  std::array<float, 7> values{};
+  const Numbers numbers = read_numbers(line, values);
+  if (numbers.count < 3) {
+    warn("vertex", [&] {
+      return fmt::format("a vertex must be 3 finite numbers, got {}; faces that use it are left out",
+                         in_quotes(line));
+    });
+    obj_.positions.push_back({kNan, kNan, kNan});
+  } else {
+    obj_.positions.push_back({values[0], values[1], values[2]});
+  }
+  color(line, numbers, values);
 }
 
-Status ObjScanner::normal(std::string_view line) {
+void ObjScanner::color(std::string_view line, const Numbers& numbers, std::span<const float> values) {
+  Rgb color = kNoColor;
+  const bool has_color = numbers.words == 6 || numbers.words == 7;
+  const auto first = static_cast<std::size_t>(numbers.words - 3);
+  if (has_color && numbers.all_are_numbers) {
+    color = {values[first], values[first + 1], values[first + 2]};
+  } else if (has_color || numbers.words > 7) {
+    warn("colour", [&] {
+      return fmt::format(
+          "what follows the position of a vertex must be 3 finite numbers, got {}; the vertex "
+          "has no colour",
+          in_quotes(line));
+    });
+  }
+  if (obj_.colors.empty() && color == kNoColor) return;
+  obj_.colors.resize(obj_.positions.size() - 1, kNoColor);
+  obj_.colors.push_back(color);
+}
+
+void ObjScanner::normal(std::string_view line) {
   std::array<float, 3> n{};
-  if (read_numbers(line, n, 3) != 3)
-    return mistake(fmt::format("a normal must be 3 finite numbers, got {}", in_quotes(line)));
+  const Numbers numbers = read_numbers(line, n);
+  if (numbers.count < 3) {
+    n = {};
+    warn("normal", [&] {
+      return fmt::format("a normal must be 3 finite numbers, got {}; it counts as none", in_quotes(line));
+    });
+  }
   obj_.normals.push_back({n[0], n[1], n[2]});
-  return {};
 }
 
-Status ObjScanner::texture_vertex(std::string_view line) {
+void ObjScanner::texture_vertex(std::string_view line) {
   std::array<float, 2> uv{};
-  if (read_numbers(line, uv, 3) < 1)
-    return mistake(
-        fmt::format("a texture coordinate must be 1 to 3 finite numbers, got {}", in_quotes(line)));
+  const Numbers numbers = read_numbers(line, uv);
+  if (numbers.count < std::clamp(numbers.words, 1, 2)) {
+    uv = {};
+    warn("texture coordinate", [&] {
+      return fmt::format("a texture coordinate must be 1 to 3 finite numbers, got {}; it counts as 0 0",
+                         in_quotes(line));
+    });
+  }
   obj_.uvs.push_back({uv[0], uv[1]});
-  return {};
 }
 
-Status ObjScanner::library(std::string_view line) {
+void ObjScanner::library(std::string_view line) {
   const std::string_view argument = trimmed(line);
-  if (name_without_comment(argument).empty()) return mistake("'mtllib' needs a name");
-  auto& library = obj_.libraries.emplace_back(ObjText::Library{std::string(argument), lines_.number()});
-  std::replace(library.name.begin(), library.name.end(), '\\', '/');
-  return {};
+  if (name_without_comment(argument).empty()) return warn("mtllib", [] { return "'mtllib' names no file"; });
+  obj_.libraries.push_back({std::string(argument), lines_.number()});
 }
 
-Status ObjScanner::unknown(std::string_view keyword) const {
-  if (std::find(kFreeForm.begin(), kFreeForm.end(), keyword) != kFreeForm.end())
-    return mistake("free-form curves and surfaces are not supported; export the mesh as polygons");
+void ObjScanner::unknown(std::string_view keyword) {
+  if (std::find(kFreeForm.begin(), kFreeForm.end(), keyword) != kFreeForm.end()) {
+    has_free_form_ = true;
+    return warn("free form", [] { return kFreeFormAdvice; });
+  }
   if (keyword == "call")
-    return mistake("'call' reads another file, which is not supported; put its statements here");
-  if (keyword == "csh") return mistake("'csh' runs a command, which a scene must not; take the line out");
-  return mistake(fmt::format("{} is not a statement of OBJ files", in_quotes(keyword)));
+    return warn("call", [] { return "'call' reads another file, which is not supported; it is ignored"; });
+  if (keyword == "csh")
+    return warn("csh", [] { return "'csh' runs a command, which a scene must not; it is ignored"; });
+  if (first_unknown_.empty()) first_unknown_ = keyword;
+  warn(fmt::format("statement {}", keyword), [&] {
+    return fmt::format("{} is not a statement of OBJ files; the line is ignored", in_quotes(keyword));
+  });
 }
 
 void ObjScanner::count_face() {
   if (obj_.face_count++ == 0) obj_.first_face_line = lines_.number();
+}
+
+// Colours are stored as displays show them (sRGB), from 0 to 1 or from 0 to 255.
+void ObjScanner::settle_colors() {
+  float largest = 0;
+  for (const Rgb color : obj_.colors) largest = std::max(largest, max_component(color));
+  const double scale = largest > kLargestUnitColor ? 1.0 / 255 : 1.0;
+  const auto linear = [&](float encoded) {
+    return srgb_decode(std::clamp(static_cast<double>(encoded) * scale, 0.0, 1.0));
+  };
+  for (Rgb& color : obj_.colors)
+    color = color == kNoColor ? Rgb::gray(1) : Rgb{linear(color.r), linear(color.g), linear(color.b)};
+  const bool all_white =
+      std::all_of(obj_.colors.begin(), obj_.colors.end(), [](Rgb color) { return color == Rgb::gray(1); });
+  if (all_white) obj_.colors.clear();
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// The first of two passes over an OBJ file: reads its vertices and checks every statement but faces, which
+// The first of two passes over an OBJ file: reads its vertices and looks at every statement but faces, which
 // may refer to vertices that come later. Stateless; thread-safe.
 #pragma once
 
@@ -7,28 +7,33 @@
 #include <vector>
 
 #include "core/base/error.hpp"
+#include "core/math/rgb.hpp"
 #include "core/math/vec3.hpp"
+#include "core/scene/loader/file_warnings.hpp"
 
 namespace tessera::core {
 
 struct ObjText {
   struct Library {
-    std::string name;  // the rest of a "mtllib" line, with '\' turned into '/'
+    std::string name;  // the rest of a "mtllib" line
     int line = 0;
   };
 
-  std::vector<Vec3> positions, normals;  // as many as "v" and "vn" lines; finite
-  std::vector<Vec2> uvs;                 // "vt"
+  std::vector<Vec3> positions;  // as many as "v" lines; not finite where the line has no 3 finite numbers
+  std::vector<Vec3> normals;    // "vn"; finite, and 0 for one that is none
+  std::vector<Vec2> uvs;        // "vt"; finite
+  std::vector<Rgb> colors;      // linear, one per position; empty where no vertex has one
   std::vector<Library> libraries;
   int first_face_line = 0;
   std::size_t face_count = 0;  // at least 1
+  FileWarnings warnings;
 };
 
 // Whether a statement is a face: "f", or "fo" of old files.
 bool is_face(std::string_view keyword);
 
-// Passes over statements that are of no use here (groups, lines, points). Errors are "NAME:LINE: what";
-// `name` is what they call the file.
+// A line that is not understood costs that line and is told. Fails only if there are no faces: "NAME: what",
+// where `name` is what messages call the file.
 Result<ObjText> scan_obj(std::string_view text, const std::string& name);
 
 }  // namespace tessera::core

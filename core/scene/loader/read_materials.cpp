@@ -12,6 +12,7 @@
 namespace tessera::core {
 namespace {
 
+using scene_keys::kChannels;
 using scene_keys::kColorSpaces;
 using scene_keys::kEmissionSides;
 using scene_keys::kMaterialTypes;
@@ -34,6 +35,7 @@ constexpr ScalarRules kIor{
 constexpr ScalarRules kRoughness{bounds::kUnit, scene_keys::kTexturedRoughness};
 constexpr ScalarRules kExponent{{[](double v) { return v >= 0 && v <= 1e5; }, "between 0 and 100000"},
                                 scene_keys::kTexturedExponent};
+constexpr ScalarRules kOpacity{bounds::kUnit, scene_keys::kTexturedOpacity};
 constexpr Bounds kStrength{[](double v) { return v >= 0 && v <= 100; }, "between 0 and 100"};
 
 constexpr std::string_view kTextureObject = "a texture as {\"texture\": \"NAME\"}";
@@ -87,6 +89,18 @@ NormalMap read_normal_map(const Field& field, const std::vector<TextureEntry>& t
   map.texture = read_or(object, "texture", map.texture, read_texture_name, textures);
   map.strength = read_or(object, "strength", map.strength, read_float, kStrength);
   return map;
+}
+
+BumpMap read_bump(const Field& field, const std::vector<TextureEntry>& textures) {
+  BumpMap bump;
+  if (is_text(field)) {
+    field.must_be(kTextureObject);
+    return bump;
+  }
+  const ObjectReader object(field, scene_keys::kBump);
+  bump.texture = read_or(object, "texture", bump.texture, read_texture_name, textures);
+  bump.height = read_or(object, "height", bump.height, read_float, bounds::kCoordinate);
+  return bump;
 }
 
 // The members of one material that hold its parameters.
@@ -194,6 +208,9 @@ Material read_material(const Field& field, const std::string& name,
         static_cast<Sampling>(read_choice(*sampling, microfacets ? Words(kMicrofacetSamplings) : kSamplings));
   if (const auto map = find_member_field(field, "normal_map"))
     material.normal_map = read_normal_map(*map, textures);
+  if (const auto bump = find_member_field(field, "bump")) material.bump = read_bump(*bump, textures);
+  if (const auto opacity = find_member_field(field, "opacity"))
+    material.opacity = read_scalar(*opacity, kOpacity, textures);
   return material;
 }
 
@@ -212,6 +229,8 @@ TextureUses uses_of(const SceneFile& scene) {
     visit_parameters(entry.material.model, std::ref(uses));
     uses("emission", entry.material.emission);
     uses.numbers.insert(entry.material.normal_map.texture);
+    uses.numbers.insert(entry.material.bump.texture);
+    uses("opacity", entry.material.opacity);
   }
   return uses;
 }
@@ -242,6 +261,9 @@ std::vector<TextureEntry> read_textures(const Field& field) {
     }
     if (const auto space = object.find("color_space"))
       texture.color_space = static_cast<ColorSpace>(read_choice(*space, Words(kColorSpaces)));
+    texture.channel = read_or(object, "channel", texture.channel, read_choice, Words(kChannels));
+    if (const auto space = object.find("color_space"); space && texture.channel == TextureChannel::kAlpha)
+      space->mistake("alpha has no colour space; leave this out");
     texture.wrap = read_or(object, "wrap", texture.wrap, read_choice, Words(kWraps));
     texture.scale = read_or(object, "scale", texture.scale, read_vec2, bounds::kAny);
     texture.offset = read_or(object, "offset", texture.offset, read_vec2, bounds::kAny);

@@ -117,6 +117,8 @@ MeshEntry read_mesh(const Field& field, const std::vector<MaterialEntry>& materi
   }
   mesh.normals = read_or(object, "normals", mesh.normals, read_choice, Words(kNormals));
   mesh.material = common.material;
+  if (const auto material = object.find("default_material"))
+    mesh.default_material = read_material_name(*material, materials);
   mesh.transform = common.transform;
   return mesh;
 }
@@ -199,7 +201,7 @@ ShapeDescription read_instance(const Field& field, const std::vector<MaterialEnt
   if (!Placement::can_place(instance.to_world)) {
     field.mistake("the transform flattens the object, or scales or moves it too far to be computed");
   } else if (has_emissive_sphere(objects[instance.object], instance.material, materials) &&
-      !(round_scale(instance.to_world, kRoundToRounding) > 0)) {
+             !(round_scale(instance.to_world, kRoundToRounding) > 0)) {
     field.mistake(
         "a sphere of the object emits light and must stay round: the transform must scale by the same factor "
         "in all directions");

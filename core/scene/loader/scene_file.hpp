@@ -20,6 +20,7 @@ struct TextureEntry {
   std::string name, file;
   Place file_place;
   std::optional<ColorSpace> color_space;  // nullopt: what the file's format suggests
+  TextureChannel channel = TextureChannel::kColor;
   Wrap wrap = Wrap::kRepeat;
   Vec2 scale{1, 1}, offset{0, 0};
 };
@@ -41,7 +42,8 @@ struct MeshEntry {
   std::string file;
   Place file_place;
   NormalsMode normals = NormalsMode::kFile;
-  std::optional<std::uint32_t> material;  // nullopt: those of the OBJ file's own library
+  std::optional<std::uint32_t> material;          // of all triangles; nullopt: those of the OBJ file
+  std::optional<std::uint32_t> default_material;  // of triangles for which the OBJ file gives none
   Transform transform;
 };
 

@@ -37,19 +37,22 @@ inline constexpr std::array kCameraKeys{
     KeyRule{"vertical_fov_degrees"}, KeyRule{"aperture_radius"},          KeyRule{"focus_distance"},
     KeyRule{"aperture_blades"},      KeyRule{"aperture_rotation_degrees"}};
 inline constexpr std::array kOutputKeys{KeyRule{"exposure"}, KeyRule{"tone_curve"}};
-inline constexpr std::array kTextureKeys{KeyRule{"file", kRequired}, KeyRule{"color_space"}, KeyRule{"wrap"},
-                                         KeyRule{"scale"}, KeyRule{"offset"}};
+inline constexpr std::array kTextureKeys{KeyRule{"file", kRequired}, KeyRule{"color_space"},
+                                         KeyRule{"channel"},         KeyRule{"wrap"},
+                                         KeyRule{"scale"},           KeyRule{"offset"}};
 inline constexpr std::array kTexturedColorKeys{KeyRule{"texture", kRequired}, KeyRule{"tint"}};
 inline constexpr std::array kTexturedScalarKeys{KeyRule{"texture", kRequired}, KeyRule{"scale"}};
 inline constexpr std::array kNormalMapKeys{KeyRule{"texture", kRequired}, KeyRule{"strength"}};
+inline constexpr std::array kBumpKeys{KeyRule{"texture", kRequired}, KeyRule{"height"}};
 
 // A material's own keys among those of all types.
 template <std::size_t count>
-constexpr std::array<KeyRule, count + 5> material_keys(const std::array<KeyRule, count>& own) {
-  std::array<KeyRule, count + 5> all{KeyRule{"type", kRequired}};
+constexpr std::array<KeyRule, count + 7> material_keys(const std::array<KeyRule, count>& own) {
+  std::array<KeyRule, count + 7> all{KeyRule{"type", kRequired}};
   std::size_t next = 1;
   for (const KeyRule& rule : own) all[next++] = rule;
-  for (const auto name : {"emission", "emission_sides", "sampling", "normal_map"}) all[next++] = {name};
+  for (const auto name : {"emission", "emission_sides", "sampling", "normal_map", "bump", "opacity"})
+    all[next++] = {name};
   return all;
 }
 
@@ -64,7 +67,8 @@ inline constexpr auto kCookTorranceKeys =
     material_keys(std::array{KeyRule{"diffuse"}, KeyRule{"specular"}, KeyRule{"f0"}, KeyRule{"conductor"},
                              KeyRule{"roughness"}, KeyRule{"masking"}});
 inline constexpr std::array kMeshKeys{KeyRule{"type", kRequired}, KeyRule{"file", kRequired},
-                                      KeyRule{"material"}, KeyRule{"normals"}, KeyRule{"transform"}};
+                                      KeyRule{"material"},        KeyRule{"default_material"},
+                                      KeyRule{"normals"},         KeyRule{"transform"}};
 inline constexpr std::array kSphereKeys{KeyRule{"type", kRequired}, KeyRule{"center"},
                                         KeyRule{"radius", kRequired}, KeyRule{"material", kRequired},
                                         KeyRule{"transform"}};
@@ -99,6 +103,9 @@ inline constexpr ObjectRules kTexturedRoughness{"textured number", "/$defs/textu
 inline constexpr ObjectRules kTexturedExponent{"textured number", "/$defs/textured_exponent",
                                                kTexturedScalarKeys};
 inline constexpr ObjectRules kNormalMap{"normal map", "/$defs/normal_map", kNormalMapKeys};
+inline constexpr ObjectRules kBump{"bump map", "/$defs/bump", kBumpKeys};
+inline constexpr ObjectRules kTexturedOpacity{"textured number", "/$defs/textured_opacity",
+                                              kTexturedScalarKeys};
 inline constexpr ObjectRules kLambert{"lambert material", "/$defs/lambert", kLambertKeys};
 inline constexpr ObjectRules kMirror{"mirror material", "/$defs/mirror", kMirrorKeys};
 inline constexpr ObjectRules kGlass{"glass material", "/$defs/glass", kGlassKeys};
@@ -131,6 +138,8 @@ inline constexpr std::array kAllObjects{kScene,
                                         kTexturedRoughness,
                                         kTexturedExponent,
                                         kNormalMap,
+                                        kBump,
+                                        kTexturedOpacity,
                                         kLambert,
                                         kMirror,
                                         kGlass,
@@ -160,6 +169,7 @@ inline constexpr std::array<std::string_view, 3> kLightTypes{"point", "spot", "d
 inline constexpr std::array<std::string_view, 3> kNormals{"file", "smooth", "flat"};
 inline constexpr std::array<std::string_view, 2> kColorSpaces{"srgb", "linear"};
 inline constexpr std::array<std::string_view, 2> kWraps{"repeat", "clamp"};
+inline constexpr std::array<std::string_view, 2> kChannels{"color", "alpha"};
 inline constexpr std::array<std::string_view, 2> kEmissionSides{"both", "front"};
 inline constexpr std::array<std::string_view, 3> kDielectricFresnels{"exact", "schlick", "none"};
 inline constexpr std::array<std::string_view, 2> kPhongLobes{"n+1", "n+2"};

@@ -3,13 +3,15 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <system_error>
 
 namespace tessera::core {
 namespace {
 
+// Ctrl-Z and NUL bytes fill the ends of files that some programs write.
 constexpr bool is_blank(char c) {
-  return c == ' ' || c == '\t';
+  return c == ' ' || c == '\t' || c == '\v' || c == '\f' || c == '\0' || c == '\x1a';
 }
 
 bool goes_on(std::string_view line) {
@@ -26,6 +28,45 @@ std::size_t line_length(std::string_view text) {
     if (end != std::string_view::npos) return begin + end;
   }
   return text.size();
+}
+
+void append_utf8(std::string& text, std::uint32_t code) {
+  const auto continuation = [](std::uint32_t bits) { return static_cast<char>(0x80 | (bits & 0x3f)); };
+  if (code < 0x80) {
+    text += static_cast<char>(code);
+  } else if (code < 0x800) {
+    text += {static_cast<char>(0xc0 | code >> 6), continuation(code)};
+  } else if (code < 0x10000) {
+    text += {static_cast<char>(0xe0 | code >> 12), continuation(code >> 6), continuation(code)};
+  } else {
+    text += {static_cast<char>(0xf0 | code >> 18), continuation(code >> 12), continuation(code >> 6),
+             continuation(code)};
+  }
+}
+
+// RFC 2781, section 2.2. Surrogates without a partner become the replacement character.
+std::string from_utf16(std::string_view bytes, bool big_endian) {
+  constexpr std::uint32_t kReplacement = 0xfffd;
+  const auto unit = [&](std::size_t i) {
+    const auto first = static_cast<std::uint8_t>(bytes[2 * i]);
+    const auto second = static_cast<std::uint8_t>(bytes[2 * i + 1]);
+    return std::uint32_t{big_endian ? first : second} << 8 | (big_endian ? second : first);
+  };
+  const std::size_t units = bytes.size() / 2;
+  std::string text;
+  text.reserve(units);
+  for (std::size_t i = 0; i < units; ++i) {
+    const std::uint32_t first = unit(i);
+    const std::uint32_t second = i + 1 < units ? unit(i + 1) : 0;
+    const bool is_surrogate = first >> 11 == 0x1b;
+    if (first >> 10 == 0x36 && second >> 10 == 0x37) {
+      append_utf8(text, 0x10000 + ((first & 0x3ff) << 10 | (second & 0x3ff)));
+      ++i;
+    } else {
+      append_utf8(text, is_surrogate ? kReplacement : first);
+    }
+  }
+  return text;
 }
 
 }  // namespace
@@ -69,9 +110,12 @@ std::string_view take_word(std::string_view& line) {
   return word;
 }
 
-std::string_view without_byte_order_mark(std::string_view text) {
-  if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
-  return text;
+std::string_view as_utf8(std::string_view text, std::string& converted) {
+  if (text.starts_with("\xef\xbb\xbf")) return text.substr(3);
+  const bool little_endian = text.starts_with("\xff\xfe"), big_endian = text.starts_with("\xfe\xff");
+  if (!little_endian && !big_endian) return text;
+  converted = from_utf16(text.substr(2), big_endian);
+  return converted;
 }
 
 std::string_view trimmed(std::string_view line) {
@@ -88,6 +132,11 @@ std::string_view name_without_comment(std::string_view line) {
   for (std::size_t at = line.find('#'); at != std::string_view::npos; at = line.find('#', at + 1))
     if (at == 0 || is_blank(line[at - 1])) return trimmed(line.substr(0, at));
   return trimmed(line);
+}
+
+std::string_view without_quotes(std::string_view name) {
+  if (name.size() > 2 && name.front() == '"' && name.back() == '"') return name.substr(1, name.size() - 2);
+  return name;
 }
 
 std::optional<float> parse_float(std::string_view word) {
@@ -112,15 +161,17 @@ std::optional<int> parse_int(std::string_view word) {
   return value;
 }
 
-std::optional<int> read_numbers(std::string_view line, std::span<float> into, int most) {
+Numbers read_numbers(std::string_view line, std::span<float> into) {
   line = without_comment(line);
-  int count = 0;
-  for (auto word = take_word(line); !word.empty(); word = take_word(line), ++count) {
+  Numbers numbers;
+  for (auto word = take_word(line); !word.empty(); word = take_word(line)) {
     const auto number = parse_float(word);
-    if (!number || count == most) return std::nullopt;
-    if (static_cast<std::size_t>(count) < into.size()) into[static_cast<std::size_t>(count)] = *number;
+    numbers.all_are_numbers = numbers.all_are_numbers && number;
+    const auto i = static_cast<std::size_t>(numbers.words++);
+    if (number && i < into.size()) into[i] = *number;
+    if (numbers.all_are_numbers) ++numbers.count;
   }
-  return count;
+  return numbers;
 }
 
 }  // namespace tessera::core

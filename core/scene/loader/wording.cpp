@@ -8,6 +8,7 @@ namespace tessera::core {
 namespace {
 
 constexpr std::size_t kMaxShownLength = 80;
+constexpr std::size_t kShownBeginning = 24;  // of longer names; the rest is their end
 constexpr std::size_t kMaxListed = 12;
 
 // Beyond this many changes two names are not alike.
@@ -58,9 +59,11 @@ std::string suggestion(std::string_view name, const std::vector<std::string_view
 
 std::string in_quotes(std::string_view name) {
   if (name.size() <= kMaxShownLength) return "'" + printable(name) + "'";
-  std::size_t end = kMaxShownLength;
-  while (end > 0 && is_continuation(name[end])) --end;  // whole characters only
-  return "'" + printable(name.substr(0, end)) + "...'";
+  // Whole characters only.
+  std::size_t end = kShownBeginning, begin = name.size() - (kMaxShownLength - kShownBeginning);
+  while (end > 0 && is_continuation(name[end])) --end;
+  while (begin < name.size() && is_continuation(name[begin])) ++begin;
+  return "'" + printable(name.substr(0, end)) + "..." + printable(name.substr(begin)) + "'";
 }
 
 tl::unexpected<Error> mistake(std::string message) {

@@ -19,7 +19,8 @@ std::size_t edit_distance(std::string_view a, std::string_view b);
 // nothing.
 std::string suggestion(std::string_view name, const std::vector<std::string_view>& known);
 
-// A name out of a file as messages show it: printable, in single quotes, cut to a readable length.
+// A name out of a file as messages show it: printable and in single quotes. Long names are shortened in the
+// middle, because a path ends with what tells it apart.
 std::string in_quotes(std::string_view name);
 
 // What a file says that it must not: INVALID_ARGUMENT.

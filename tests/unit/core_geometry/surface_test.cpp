@@ -86,10 +86,10 @@ TEST(Surface, InterpolatesNormalsOfAnyLengthAndUvs) {
   EXPECT_EQ(point.uv, (Vec2{0.25f, 0.5f}));
 }
 
-TEST(Surface, TurnsToTheSideOfTheInterpolatedNormal) {
+TEST(Surface, TurnsInterpolatedNormalsToTheSideOfTheWinding) {
   const SurfacePoint point = center_of({{0, 0, -1}, {0, 0, -1}, {1, 0, -1}}, {});
-  EXPECT_EQ(point.geometric_normal, (Vec3{0, 0, -1}));
-  EXPECT_LT(point.shading_normal.z, 0);
+  EXPECT_EQ(point.geometric_normal, (Vec3{0, 0, 1}));
+  EXPECT_NEAR(length(point.shading_normal - normalize(Vec3{-0.5f, 0, 1})), 0, 1e-6f);
 }
 
 TEST(Surface, FallsBackToTheGeometricNormalWhereNormalsCancelOrAreNone) {

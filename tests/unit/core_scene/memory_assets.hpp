@@ -15,6 +15,7 @@ class MemoryAssets : public AssetSource {
   using Files = std::map<std::string, std::string>;
   explicit MemoryAssets(Files files) : files_(std::move(files)) {}
 
+  bool exists(const std::string& path) override { return files_.contains(path); }
   Result<std::string> read(const std::string& path) override;
 
   // How often each file was read.

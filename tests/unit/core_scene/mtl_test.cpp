@@ -1,105 +1,123 @@
+// What MTL files say, and what becomes of it.
+#include "core/scene/loader/mtl_reader.hpp"
+
 #include <gtest/gtest.h>
 
 #include "core/scene/loader/mtl_map.hpp"
-#include "core/scene/loader/mtl_reader.hpp"
 
 namespace tessera::core {
 namespace {
 
+using Strings = std::vector<std::string>;
+
 MtlMaterial one(const std::string& statements) {
-  const auto materials = read_mtl("newmtl m\n" + statements, "x.mtl");
-  EXPECT_TRUE(materials.has_value()) << materials.error().message;
-  EXPECT_EQ(materials->size(), 1u);
-  return materials && !materials->empty() ? materials->front() : MtlMaterial{};
+  const MtlFile file = read_mtl("newmtl m\n" + statements);
+  EXPECT_EQ(file.materials.size(), 1u);
+  return file.materials.empty() ? MtlMaterial{} : file.materials.front();
 }
 
-template <typename Model>
-Model model(const std::string& statements) {
-  const auto material = one(statements).material;
-  const auto* found = std::get_if<Model>(&material.model);
-  EXPECT_NE(found, nullptr) << statements;
-  return found == nullptr ? Model{} : *found;
+Strings warnings_of(const std::string& text) {
+  return read_mtl(text).warnings.messages("x.mtl");
 }
 
-TEST(Mtl, MapsMattMaterials) {
+TEST(MtlReader, ReadsWhatItKnows) {
   const MtlMaterial m =
-      one("Ns 250\nKa 1 1 1\nKd 0.8 0.4 0.2\nKs 0.5 0.5 0.5\nKe 0 0 0\nNi 1.45\nd 1.0\nillum 1\n");
-  EXPECT_EQ(m.material.name, "m");
-  EXPECT_EQ(std::get<Lambert>(m.material.model).albedo.value, (Rgb{0.8f, 0.4f, 0.2f}));
-  EXPECT_TRUE(is_black(m.material.emission.value));
-  EXPECT_EQ(m.albedo_file, "");
+      one("Ns 250\nKa 1 0.5 1\nKd 0.8 0.4 0.2\nKs 0.5 0.5 2\nKe 17 0 0\nNi 1.45\nd 1.0\nillum 2\nTf 0.5\nPr "
+          "0.25\n"
+          "Pm 1\nTr 0.5\n");
+  EXPECT_EQ(m.name, "m");
+  EXPECT_EQ(m.exponent, 250);
+  EXPECT_EQ(m.ambient, (Rgb{1, 0.5f, 1}));
+  EXPECT_EQ(m.diffuse, (Rgb{0.8f, 0.4f, 0.2f}));
+  EXPECT_EQ(m.specular, (Rgb{0.5f, 0.5f, 2}));
+  EXPECT_EQ(m.emission, (Rgb{17, 0, 0}));
+  EXPECT_EQ(m.transmission, Rgb::gray(0.5f));
+  EXPECT_EQ(m.ior, 1.45f);
+  EXPECT_EQ(m.dissolve, 1);
+  EXPECT_EQ(m.transparency, 0.5f);
+  EXPECT_EQ(m.illum, 2);
+  EXPECT_EQ(m.roughness, 0.25f);
+  EXPECT_EQ(m.metallic, 1);
+  EXPECT_FALSE(one("").diffuse);
 }
 
-TEST(Mtl, MapsEmission) {
-  EXPECT_EQ(one("Ke 17 12 4\n").material.emission.value, (Rgb{17, 12, 4}));
-}
-
-TEST(Mtl, MapsMirrors) {
-  for (const auto illum : {"3", "5", "8"})
-    EXPECT_EQ(model<Mirror>("Ks 0.9 0.8 2\nillum " + std::string(illum)).reflectance.value,
-              (Rgb{0.9f, 0.8f, 1}));
-  model<Lambert>("Kd 1 1 1\nKs 0 0 0\nillum 3\n");  // nothing to mirror with
-}
-
-TEST(Mtl, MapsHighlights) {
-  const Phong phong = model<Phong>("Ns 250\nKd 0.5 0.25 0\nKs 0.25 0.25 0.5\nillum 2\n");
-  EXPECT_EQ(phong.diffuse.value, (Rgb{0.5f, 0.25f, 0}));
-  EXPECT_EQ(phong.specular.value, (Rgb{0.25f, 0.25f, 0.5f}));
-  EXPECT_EQ(phong.exponent.value, 250);
-  EXPECT_EQ(model<Phong>("Ns 1e9\nKs 1 1 1\nillum 2\n").exponent.value, 1e5f);
-  // Without a highlight, without a sharpness, and where the file asks for none.
-  model<Lambert>("Ns 250\nKd 1 0 0\nKs 0 0 0\nillum 2\n");
-  model<Lambert>("Ns -1.960784\nKd 1 0 0\nKs 1 1 1\nillum 2\n");
-  model<Lambert>("Kd 1 0 0\nKs 1 1 1\nillum 2\n");
-  model<Lambert>("Ns 250\nKd 1 0 0\nKs 1 1 1\nillum 1\n");
-}
-
-TEST(Mtl, DimsHighlightsThatReflectMoreThanTheSurfaceGets) {
-  const Phong phong = model<Phong>("Ns 10\nKd 0.75 0.5 0\nKs 0.5 0.5 1\nillum 2\n");
-  EXPECT_EQ(phong.diffuse.value, (Rgb{0.75f, 0.5f, 0}));
-  EXPECT_EQ(phong.specular.value, (Rgb{0.25f, 0.25f, 0.5f}));
-  EXPECT_EQ(model<Phong>("Ns 10\nKd 0 0 0\nKs 9 9 9\nillum 2\n").specular.value, Rgb::gray(1));
-  const Phong textured = model<Phong>("Ns 10\nKs 0.5 0.5 0.5\nmap_Kd a.png\nillum 2\n");
-  EXPECT_EQ(textured.diffuse.value, Rgb::gray(1));
-  EXPECT_EQ(textured.specular.value, Rgb::gray(0.5f));
-}
-
-TEST(Mtl, MapsGlass) {
-  for (const auto illum : {"4", "6", "7", "9"}) {
-    const Glass glass = model<Glass>("Ni 1.33\nTf 0.9 1 0.9\nillum " + std::string(illum));
-    EXPECT_EQ(glass.ior.value, 1.33f);
-    EXPECT_EQ(glass.transmittance.value, (Rgb{0.9f, 1, 0.9f}));
-    EXPECT_EQ(glass.reflectance.value, Rgb::gray(1));
+TEST(MtlReader, KnowsTheMapsByAllTheirNames) {
+  EXPECT_EQ(one("map_Kd a.png").diffuse_map->file, "a.png");
+  EXPECT_EQ(one("map_Ks a.png").specular_map->file, "a.png");
+  EXPECT_EQ(one("map_Ke a.png").emission_map->file, "a.png");
+  EXPECT_EQ(one("map_d a.png").dissolve_map->file, "a.png");
+  EXPECT_EQ(one("map_Ns a.png").exponent_map->file, "a.png");
+  EXPECT_EQ(one("map_Pr a.png").roughness_map->file, "a.png");
+  EXPECT_EQ(one("map_Pm a.png").metallic_map->file, "a.png");
+  EXPECT_EQ(one("norm a.png").normal_map->file, "a.png");
+  for (const std::string name : {"bump", "map_bump", "map_Bump", "bm"}) {
+    const MtlMaterial m = one(name + " -bm 0.25 a.png");
+    ASSERT_TRUE(m.bump_map.has_value()) << name;
+    EXPECT_EQ(m.bump_map->file, "a.png") << name;
+    EXPECT_EQ(m.bump_map->bump_multiplier, 0.25f) << name;
   }
-  EXPECT_EQ(model<Glass>("illum 7\n").ior.value, 1.5f);
-  EXPECT_EQ(model<Glass>("d 0.1\nNi 2\n").ior.value, 2);
-  EXPECT_EQ(model<Glass>("Tr 0.9\nNi 2\n").ior.value, 2);
-  model<Lambert>("d 0.1\n");  // without an index of refraction it is a cut-out, not glass
+  EXPECT_EQ(one("\nmap_Kd a.png").diffuse_map->line, 3);
 }
 
-TEST(Mtl, MapsTextures) {
-  const MtlMaterial m =
-      one("Kd 0.5 0.5 0.5\nmap_Kd -clamp on -s 2 3 1 -o 0.25 0.5 0 my textures\\wood 1.png \n");
-  EXPECT_EQ(m.albedo_file, "my textures/wood 1.png");
-  EXPECT_EQ(m.wrap, Wrap::kClamp);
-  EXPECT_EQ(m.scale, (Vec2{2, 3}));
-  EXPECT_EQ(m.offset, (Vec2{0.25f, 0.5f}));
-  EXPECT_EQ(std::get<Lambert>(m.material.model).albedo.value, Rgb::gray(0.5f));
-  EXPECT_EQ(model<Lambert>("Kd 0 0 0\nmap_Kd a.png").albedo.value, Rgb::gray(1));
+TEST(MtlReader, ReadsColorsOfOneNumberAndComments) {
+  EXPECT_EQ(one("Kd 0.5 # gray\n").diffuse, Rgb::gray(0.5f));
+  EXPECT_EQ(one("Kd 1 0.5 0#c\n# Kd 2\n").diffuse, (Rgb{1, 0.5f, 0}));
+  EXPECT_EQ(one("d -halo 0.5\n").dissolve, 0.5f);
 }
 
-TEST(Mtl, ReadsColorsOfOneNumberAndComments) {
-  EXPECT_EQ(model<Lambert>("Kd 0.5 # gray\n").albedo.value, Rgb::gray(0.5f));
-  EXPECT_EQ(model<Lambert>("Kd 1 0.5 0#c\n# Kd 2\n").albedo.value, (Rgb{1, 0.5f, 0}));
+TEST(MtlReader, ReadsSeveralMaterialsAndAnyLineEnds) {
+  const auto materials =
+      read_mtl("\xef\xbb\xbf# c\r\nnewmtl  first one \r\nKd 1 0 0\r\n\r\nnewmtl two\r\n\tKd 0 1 0").materials;
+  ASSERT_EQ(materials.size(), 2u);
+  EXPECT_EQ(materials[0].name, "first one");
+  EXPECT_EQ(materials[1].name, "two");
+  EXPECT_EQ(materials[1].diffuse, (Rgb{0, 1, 0}));
+  EXPECT_TRUE(read_mtl("").materials.empty());
 }
 
-TEST(Mtl, BelievesDRatherThanTr) {
-  model<Lambert>("d 1\nTr 1\nNi 1.5\n");
-  model<Lambert>("Tr 1\nd 1\nNi 1.5\n");
-  model<Glass>("d -halo 0.5\nNi 1.5\n");
+TEST(MtlReader, ReadsUtf16) {
+  std::string wide = "\xff\xfe";
+  for (const char c : std::string("newmtl a\nKd 1 0 0\n")) wide += {c, '\0'};
+  const auto materials = read_mtl(wide).materials;
+  ASSERT_EQ(materials.size(), 1u);
+  EXPECT_EQ(materials[0].diffuse, (Rgb{1, 0, 0}));
 }
 
-TEST(Mtl, ReadsTheOptionsOfMaps) {
+TEST(MtlReader, ClampsOrIgnoresValuesOutOfRange) {
+  EXPECT_EQ(one("Kd 1.000001 0.8 -1").diffuse, (Rgb{1, 0.8f, 0}));
+  EXPECT_EQ(one("Kd 1 0.8 0.8 1").diffuse, (Rgb{1, 0.8f, 0.8f}));
+  EXPECT_EQ(one("Kd spectral a.rfl 1").diffuse, Rgb::gray(0.5f));
+  EXPECT_EQ(one("Tf 2 1 1").transmission, Rgb::gray(1));
+  EXPECT_EQ(one("d 1.0001").dissolve, 1);
+  EXPECT_EQ(one("Tr -0.0001").transparency, 0);
+  EXPECT_FALSE(one("Ni -1").ior);
+  EXPECT_FALSE(one("illum 11").illum);
+  EXPECT_FALSE(one("Ns").exponent);
+  EXPECT_FALSE(one("Ke nan 1 1").emission);
+}
+
+TEST(MtlReader, TellsWhatItDoesNotTakeAsWritten) {
+  const std::pair<std::string, std::string> cases[] = {
+      {"newmtl \n", "1: 'newmtl' gives no name; the material is ignored"},
+      {"newmtl a\nKd 1 0\n", "2: 'Kd' must be 3 numbers between 0 and 1, got '1 0'; the default is used"},
+      {"newmtl a\nKd 1 1 1.5\n", "2: 'Kd' must be 3 numbers between 0 and 1, got '1 1 1.5'; it is clamped"},
+      {"newmtl a\nd 2\n", "2: 'd' must be a number between 0 and 1, got '2'; 1 is used"},
+      {"newmtl a\nNi -1\n", "2: 'Ni' must be a number between 0 and 10, got '-1'; the default is used"},
+      {"newmtl a\nillum\n", "2: 'illum' must be a number between 0 and 10, got ''; the default is used"},
+      {"Kd 1 1 1\n", "1: 'Kd' belongs to no material, because no 'newmtl' comes before it; it is ignored"},
+      {"newmtl a\nmap_Kd \n", "2: 'map_Kd' names no image; the line is ignored"},
+      {"newmtl a\nmap_Kd # none\n", "2: 'map_Kd' names no image; the line is ignored"},
+      {"newmtl a\nbump -bm\n", "2: 'bump' names no image; the line is ignored"},
+      {"newmtl a\nrefl a.hdr\nrefl b.hdr\n", "2: 'refl' is not used (2 times)"},
+      {"newmtl a\nPc 0.5\n", "2: 'Pc' is not used"},
+      {"newmtl a\n\xff\n", "2: '\\xff' is not used"},
+  };
+  for (const auto& [text, message] : cases) EXPECT_EQ(warnings_of(text), Strings{"x.mtl:" + message}) << text;
+  EXPECT_TRUE(
+      warnings_of("newmtl a\nKa 1 1 1\nmap_Ka a.png\nPc 0\nPcr 0.03\nPs 0.0 0.0 0.0\naniso 0\n").empty());
+}
+
+TEST(MtlReader, ReadsTheOptionsOfMaps) {
   const std::pair<std::string, MtlMap> cases[] = {
       {"a.png", {.file = "a.png"}},
       {"a b  c.png\t", {.file = "a b  c.png"}},
@@ -112,68 +130,33 @@ TEST(Mtl, ReadsTheOptionsOfMaps) {
       {"-clamp on -s 2 2 2 a.png", {.file = "a.png", .clamp = true, .scale = {2, 2}}},
       {"-clamp off a.png", {.file = "a.png"}},
       {"-blendu on -blendv off -cc on -imfchan r -type sphere -colorspace sRGB a.png", {.file = "a.png"}},
-      {"-bm 1 -boost 2 -mm 0 1 -texres 512 -t 1 1 1 C:\\maps\\a b.png", {.file = "C:/maps/a b.png"}},
+      {"-bm 1 -boost 2 -mm 0 1 -texres 512 -t 1 1 1 C:\\maps\\a b.png", {.file = "C:\\maps\\a b.png"}},
+      {"-bm -0.5 a.png", {.file = "a.png", .bump_multiplier = -0.5f}},
       {"\"a b.png\"", {.file = "a b.png"}},
       {"a-s.png -s", {.file = "a-s.png -s"}},
+      {"-a.png", {.file = "-a.png"}},
   };
+  FileWarnings warnings;
   for (const auto& [line, expected] : cases) {
-    const auto map = read_mtl_map("map_Kd", line);
-    ASSERT_TRUE(map.has_value()) << line << ": " << map.error().message;
+    const auto map = read_mtl_map("map_Kd", line, 0, warnings);
+    ASSERT_TRUE(map.has_value()) << line;
     EXPECT_EQ(*map, expected) << line << ": " << map->file;
   }
+  EXPECT_TRUE(warnings.empty());
 }
 
-TEST(Mtl, PassesOverWhatItDoesNotKnow) {
-  const MtlMaterial m =
-      one("Ka spectral x.rfl\nmap_Ks -foo x.png\nPr 0.5\nsharpness\nrefl -type sphere x.hdr\n\xff\xfe\nKd 1 "
-          "0 0\n");
-  EXPECT_EQ(std::get<Lambert>(m.material.model).albedo.value, (Rgb{1, 0, 0}));
-}
-
-TEST(Mtl, ReadsSeveralMaterialsAndAnyLineEnds) {
-  const auto materials =
-      read_mtl("\xef\xbb\xbf# c\r\nnewmtl  first one \r\nKd 1 0 0\r\n\r\nnewmtl two\r\n\tKd 0 1 0", "x.mtl");
-  ASSERT_TRUE(materials.has_value());
-  ASSERT_EQ(materials->size(), 2u);
-  EXPECT_EQ((*materials)[0].material.name, "first one");
-  EXPECT_EQ((*materials)[1].material.name, "two");
-  EXPECT_EQ(std::get<Lambert>((*materials)[1].material.model).albedo.value, (Rgb{0, 1, 0}));
-  EXPECT_TRUE(read_mtl("", "x.mtl")->empty());
-}
-
-TEST(Mtl, ReportsMistakesWithTheirLine) {
+TEST(MtlReader, PassesOverOptionsOfMapsThatItDoesNotUnderstand) {
   const std::pair<std::string, std::string> cases[] = {
-      {"newmtl \n", "1: 'newmtl' needs a name"},
-      {"newmtl a\nKd 1 0\n", "2: 'Kd' must be 3 numbers between 0 and 1, got '1 0'"},
-      {"newmtl a\nKd red\n", "2: 'Kd' must be 3 numbers between 0 and 1, got 'red'"},
-      {"newmtl a\nKd 1 1 1.5\n", "2: 'Kd' must be 3 numbers between 0 and 1, got '1 1 1.5'"},
-      {"newmtl a\nKd 1 1 1 1\n", "2: 'Kd' must be 3 numbers between 0 and 1, got '1 1 1 1'"},
-      {"newmtl a\nKd spectral a.rfl\n", "2: 'Kd' must be 3 numbers between 0 and 1, got 'spectral a.rfl'"},
-      {"newmtl a\n\nKe 1 -1 1\n", "3: 'Ke' must be 3 numbers between 0 and 1e+30, got '1 -1 1'"},
-      {"newmtl a\nKe nan 1 1\n", "2: 'Ke' must be 3 numbers between 0 and 1e+30, got 'nan 1 1'"},
-      {"newmtl a\nNi 20\n", "2: 'Ni' must be a number between 0 and 10, got '20'"},
-      {"newmtl a\nillum\n", "2: 'illum' must be a number between 0 and 10, got ''"},
-      {"newmtl # a\n", "1: 'newmtl' needs a name"},
-      {"# a\nKd 1 1 1\n", "2: 'Kd' belongs to no material; a 'newmtl' must come before it"},
-      {"map_Kd a.png\n", "1: 'map_Kd' belongs to no material; a 'newmtl' must come before it"},
-      {"newmtl a\nKd\n", "2: 'Kd' must be 3 numbers between 0 and 1, got ''"},
-      {"newmtl a\nd halo 1\n", "2: 'd' must be a number between 0 and 1, got 'halo 1'"},
-      {"newmtl a\nNi 1.5 1.5\n", "2: 'Ni' must be a number between 0 and 10, got '1.5 1.5'"},
-      {"newmtl a\nmap_Kd\n", "2: 'map_Kd' needs the name of a picture"},
-      {"newmtl a\nmap_Kd -clamp on\n", "2: 'map_Kd' needs the name of a picture"},
-      {"newmtl a\nmap_Kd # a.png\n", "2: 'map_Kd' needs the name of a picture"},
-      {"newmtl a\nmap_Kd -s a.png\n",
-       "2: '-s' must be followed by a number and the name of a picture, got 'a.png'"},
-      {"newmtl a\nmap_Kd -mm 1 a.png\n",
-       "2: '-mm' must be followed by 2 numbers and the name of a picture, got 'a.png'"},
-      {"newmtl a\nmap_Kd -bm\n", "2: '-bm' must be followed by a number and the name of a picture, got ''"},
-      {"newmtl a\nmap_Kd -clamp a.png\n", "2: '-clamp' must be followed by on or off, got 'a.png'"},
-      {"newmtl a\nmap_Kd -scale 2 a.png\n", "2: '-scale' is not an option of 'map_Kd'"},
-      {"newmtl a\nd 2\n", "2: 'd' must be a number between 0 and 1, got '2'"},
+      {"-uvset 1 a.png", "'-uvset' is not an option of 'map_Kd'; it is ignored"},
+      {"-clamp a.png", "'-clamp' must be followed by on or off, got 'a.png'; it is ignored"},
+      {"-s a.png", "'-s' must be followed by a number and the name of an image; it is ignored"},
   };
-  for (const auto& [text, message] : cases) {
-    const auto materials = read_mtl(text, "x.mtl");
-    EXPECT_EQ(materials ? "no error" : materials.error().message, "x.mtl:" + message) << text;
+  for (const auto& [line, message] : cases) {
+    FileWarnings warnings;
+    const auto map = read_mtl_map("map_Kd", line, 7, warnings);
+    ASSERT_TRUE(map.has_value()) << line;
+    EXPECT_EQ(map->file, "a.png");
+    EXPECT_EQ(warnings.messages("x.mtl"), Strings{"x.mtl:7: " + message});
   }
 }
 

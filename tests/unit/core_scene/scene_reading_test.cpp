@@ -183,6 +183,28 @@ TEST(SceneReading, TakesGlossyMaterials) {
   EXPECT_EQ(scene.materials[3].normal_map.texture, -1);
 }
 
+TEST(SceneReading, TakesOpacityAndBumps) {
+  const SceneDescription scene = load(scene_with(
+      "\"textures\": {\"t0\": {\"file\": \"gray.png\"}, "
+      "\"t1\": {\"file\": \"gray.png\", \"channel\": \"alpha\"}}",
+      "\"a\": {\"type\": \"lambert\", \"opacity\": 0.25, \"bump\": {\"texture\": \"t0\", \"height\": -2}},"
+      "\"b\": {\"type\": \"glass\", \"opacity\": {\"texture\": \"t1\", \"scale\": 0.5}},"
+      "\"c\": {\"type\": \"mirror\"}",
+      ""));
+  EXPECT_EQ(scene.materials[0].opacity.value, 0.25f);
+  EXPECT_EQ(scene.materials[0].opacity.texture, -1);
+  EXPECT_EQ(scene.materials[0].bump.texture, 0);
+  EXPECT_EQ(scene.materials[0].bump.height, -2);
+  EXPECT_EQ(scene.materials[1].opacity.value, 0.5f);
+  EXPECT_EQ(scene.materials[1].opacity.texture, 1);
+  EXPECT_TRUE(is_opaque(scene.materials[2]));
+  EXPECT_EQ(scene.materials[2].bump.texture, -1);
+  // Heights are numbers, and gray.png has no alpha.
+  EXPECT_EQ(scene.textures[0].image->color_space(), ColorSpace::kLinear);
+  EXPECT_EQ(scene.textures[1].image->width(), 1);
+  EXPECT_EQ(scene.textures[1].image->texel(0, 0), Rgb::gray(1));
+}
+
 // "t0" is a colour and "t1" numbers; "t2" is both, "t3" neither, and "t4" says itself what it is.
 TEST(SceneReading, TakesTexturesUsedForNumbersAloneAsLinear) {
   const SceneDescription scene =

@@ -73,7 +73,7 @@ TEST(SceneMistakes, InMaterials) {
            "materials.m.emission_sides: unknown value 'back'; known are 'both', 'front'"},
           {"\"m\": {\"type\": \"lambert\", \"ior\": 1.5}",
            "materials.m: unknown key 'ior'; known are 'type', 'albedo', 'emission', 'emission_sides', "
-           "'sampling', 'normal_map'"},
+           "'sampling', 'normal_map', 'bump', 'opacity'"},
           {"\"m\": {\"type\": \"mirror\", \"reflectance\": 1.1}",
            "materials.m.reflectance: must be between 0 and 1, got 1.1"},
           {"\"m\": {\"type\": \"glass\", \"ior\": 0.67}",
@@ -132,6 +132,14 @@ TEST(SceneMistakes, InGlossyMaterials) {
            "materials.m.normal_map.texture: there is no texture 'dents'"},
           {"\"m\": {\"type\": \"lambert\", \"normal_map\": {\"strength\": 1}}",
            "materials.m.normal_map: a normal map needs the key 'texture'"},
+          {"\"m\": {\"type\": \"lambert\", \"bump\": 1}",
+           "materials.m.bump: must be an object in braces, got 1"},
+          {"\"m\": {\"type\": \"glass\", \"bump\": {\"height\": 1}}",
+           "materials.m.bump: a bump map needs the key 'texture'"},
+          {"\"m\": {\"type\": \"mirror\", \"opacity\": 1.5}",
+           "materials.m.opacity: must be between 0 and 1, got 1.5"},
+          {"\"m\": {\"type\": \"lambert\", \"opacity\": {\"texture\": \"leaf\"}}",
+           "materials.m.opacity.texture: there is no texture 'leaf'"},
       },
       with_materials, 3);
 }
@@ -195,11 +203,10 @@ TEST(SceneMistakes, InShapes) {
           {"{\"type\": \"mesh\", \"material\": \"light\"}", "shapes[0]: a mesh needs the key 'file'"},
           {"{\"type\": \"mesh\", \"file\": \"none.obj\"}", "shapes[0].file: 'none.obj' does not exist"},
           {"{\"type\": \"mesh\", \"file\": \"gray.png\", \"material\": \"light\"}",
-           "shapes[0].file: gray.png:1: '\\x89PNG' is not a statement of OBJ files"},
-          {"{\"type\": \"mesh\", \"file\": \"triangle.obj\"}",
-           "shapes[0].file: triangle.obj:7: a face has no material (no 'usemtl' comes before it); give the "
-           "shape a "
-           "\"material\" in the scene file"},
+           "shapes[0].file: gray.png: the file has no faces (no 'f' statement), and '\\x89PNG' is not a "
+           "statement of OBJ files; is it one?"},
+          {mesh + "\"default_material\": \"dark\"}",
+           "shapes[0].default_material: there is no material 'dark'; known is 'light'"},
           {mesh + "\"transform\": [{\"translate\": [3e38, 0, 0]}, {\"scale\": 10}]}",
            "shapes[0].transform: the steps together scale or move too far to be computed"},
           {quad + "\"edge_u\": [1, 0, 0], \"edge_v\": [2, 0, 0]}",

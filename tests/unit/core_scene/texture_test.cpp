@@ -3,9 +3,11 @@
 #include <gtest/gtest.h>
 #include <stb_image_write.h>
 
+#include <array>
 #include <cmath>
 #include <limits>
 #include <random>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -169,6 +171,37 @@ TEST(DecodeTexture, ReadsJpeg) {
   EXPECT_NEAR(image->texel(4, 8).r * 255, 200, 4);
   EXPECT_NEAR(image->texel(28, 8).r * 255, 40, 4);
   EXPECT_NEAR(image->texel(28, 8).b * 255, 60, 4);
+}
+
+// Two pixels with these alphas.
+std::string png_with_alpha(std::uint8_t left, std::uint8_t right) {
+  const std::array<std::uint8_t, 8> texels{255, 0, 0, left, 0, 255, 0, right};
+  std::string bytes;
+  const auto append = [](void* to, void* data, int size) {
+    static_cast<std::string*>(to)->append(static_cast<const char*>(data), static_cast<std::size_t>(size));
+  };
+  stbi_write_png_to_func(append, &bytes, 2, 1, 4, texels.data(), 8);
+  return bytes;
+}
+
+TEST(DecodeTexture, ReadsAlphaAsLinearNumbers) {
+  const std::string file = png_with_alpha(51, 255);
+  const auto alpha = decode_texture_image(file, ColorSpace::kSrgb, TextureChannel::kAlpha);
+  ASSERT_TRUE(alpha.has_value()) << alpha.error().message;
+  ASSERT_EQ(alpha->width(), 2);
+  EXPECT_EQ(alpha->texel(0, 0), Rgb::gray(0.2f));
+  EXPECT_EQ(alpha->texel(1, 0), Rgb::gray(1));
+  const auto color = decode_texture_image(file, ColorSpace::kSrgb);
+  EXPECT_EQ(color->texel(0, 0), (Rgb{1, 0, 0})) << "alpha does not change colours";
+}
+
+TEST(DecodeTexture, KeepsNoAlphaThatIsOneEverywhere) {
+  for (const std::string& file : {png_with_alpha(255, 255), png(Image(3, 2)), hdr(Image(3, 2)), jpeg()}) {
+    const auto alpha = decode_texture_image(file, ColorSpace::kLinear, TextureChannel::kAlpha);
+    ASSERT_TRUE(alpha.has_value()) << alpha.error().message;
+    EXPECT_EQ(alpha->width() * alpha->height(), 1);
+    EXPECT_EQ(alpha->texel(0, 0), Rgb::gray(1));
+  }
 }
 
 std::string decoding_error(const std::string& bytes) {

@@ -61,10 +61,13 @@ TEST(Printable, IsToldOfEveryText) {
 
 TEST(InQuotes, CutsLongNamesBetweenCharacters) {
   EXPECT_EQ(in_quotes("stone"), "'stone'");
-  EXPECT_EQ(in_quotes(std::string(81, 'x')), "'" + std::string(80, 'x') + "...'");
-  std::string name(79, 'x');
-  for (int i = 0; i < 9; ++i) name += "ä";
-  EXPECT_EQ(in_quotes(name), "'" + std::string(79, 'x') + "...'");
+  EXPECT_EQ(in_quotes(std::string(80, 'x')), "'" + std::string(80, 'x') + "'");
+  EXPECT_EQ(in_quotes("D:/Artists/Anna Bell/Desktop/Work/Assets/Castle Pack/Export "
+                      "Files/final/textures/stone.png"),
+            "'D:/Artists/Anna Bell/Des...Assets/Castle Pack/Export Files/final/textures/stone.png'");
+  const std::string middle(60, 'x');
+  EXPECT_EQ(in_quotes(std::string(23, 'a') + "ä" + middle + "ä" + std::string(55, 'b')),
+            "'" + std::string(23, 'a') + "..." + std::string(55, 'b') + "'");
   EXPECT_EQ(in_quotes(std::string(100, '\x80')), "'...'");
 }
 

@@ -1,0 +1,304 @@
+#include "core/scene/loader/obj_materials.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <variant>
+
+#include "core/scene/loader/text_lines.hpp"
+#include "core/scene/loader/wording.hpp"
+
+namespace tessera::core {
+namespace {
+
+// Of a bump map that goes from black to white, relative to the length of one repeat of its texture.
+constexpr float kBumpHeight = 0.02f;
+
+std::size_t end_of_run(const ObjFile& obj, std::size_t run) {
+  return run + 1 < obj.runs.size() ? obj.runs[run + 1].first_triangle : obj.triangle_count();
+}
+
+// Normals point away from the surface: their images are mostly (0.5, 0.5, 1), and heights are grey.
+bool is_normal_map(const TextureImage& image) {
+  const Rgb mean = image.mean();
+  constexpr float kTolerance = 0.15f;
+  return std::fabs(mean.r - 0.5f) < kTolerance && std::fabs(mean.g - 0.5f) < kTolerance && mean.b > 0.75f;
+}
+
+bool is_one(const TextureImage& image) {
+  return image.width() == 1 && image.height() == 1 && image.largest().r >= 1;
+}
+
+// The length in the scene over which the texture coordinates of the material's triangles grow by 1, on
+// average; 0 where there are none.
+double texture_length(const MeshDescription& mesh, std::uint32_t material, Vec2 texture_scale) {
+  double area = 0, uv_area = 0;
+  const bool one_material = mesh.triangle_materials.size() == 1;
+  for (std::size_t t = 0; t < mesh.triangles.size() && !mesh.uvs.empty(); ++t) {
+    if (mesh.triangle_materials[one_material ? 0 : t] != material) continue;
+    const auto [a, b, c] = mesh.triangles[t];
+    const Vec3 p = mesh.positions[a];
+    const Vec2 uv = mesh.uvs[a], u = mesh.uvs[b], v = mesh.uvs[c];
+    area += double{length(cross(mesh.positions[b] - p, mesh.positions[c] - p))};
+    uv_area += std::fabs(double{u.x - uv.x} * double{v.y - uv.y} - double{u.y - uv.y} * double{v.x - uv.x});
+  }
+  uv_area *= std::fabs(double{texture_scale.x} * double{texture_scale.y});
+  const double length = std::sqrt(area / uv_area);
+  return std::isfinite(length) ? length : 0;
+}
+
+}  // namespace
+
+Result<std::vector<std::uint32_t>> ObjMaterials::of_runs(const std::string& path, const ObjFile& obj,
+                                                         std::optional<std::uint32_t> gaps) {
+  obj_ = path;
+  tells_ = told_.insert(path).second;
+  const Names names = names_in(load_libraries(obj));
+  std::vector<std::uint32_t> materials;
+  for (std::size_t run = 0; run < obj.runs.size(); ++run) {
+    const std::uint32_t index = obj.runs[run].material;
+    auto found = names.end();
+    if (index != kNoMaterialName) found = names.find(obj.material_names[index]);
+    if (index != kNoMaterialName && found == names.end())
+      found = names.find(name_without_comment(obj.material_names[index]));
+    if (found == names.end()) {
+      tell_gap(obj, run, names, gaps.has_value());
+      materials.push_back(gaps ? *gaps : default_material(!obj.text.colors.empty()));
+      continue;
+    }
+    const auto material = add_material(found->second);
+    if (!material) return fail(material.error());
+    materials.push_back(*material);
+  }
+  return materials;
+}
+
+// Of equal names the first counts. A name that may end with a comment stands for itself first, and without
+// the comment where nothing else has that name.
+ObjMaterials::Names ObjMaterials::names_in(const Libraries& libraries) {
+  Names names, without_comments;
+  for (const auto& [path, file] : libraries)
+    for (const MtlMaterial& material : file->materials) {
+      names.emplace(material.name, Found{path, &material});
+      without_comments.emplace(name_without_comment(material.name), Found{path, &material});
+    }
+  names.merge(without_comments);
+  return names;
+}
+
+// A line is one name with blanks in it, or several names.
+ObjMaterials::Libraries ObjMaterials::load_libraries(const ObjFile& obj) {
+  Libraries libraries;
+  for (const auto& [name, line] : obj.text.libraries) {
+    if (add_library(name, line, libraries)) continue;
+    std::vector<std::string> words;
+    std::string_view rest = name_without_comment(name);
+    for (auto word = take_word(rest); !word.empty(); word = take_word(rest)) words.emplace_back(word);
+    for (const std::string& word : words)
+      if (words.size() == 1 || !add_library(word, line, libraries))
+        warn(obj_, "missing library", line, [&] {
+          return fmt::format(
+              "{} does not exist, and neither does a file of this name beside the OBJ file; its "
+              "materials are missing",
+              in_quotes(word));
+        });
+  }
+  return libraries;
+}
+
+bool ObjMaterials::add_library(const std::string& name, int line, Libraries& libraries) {
+  const std::string written(without_quotes(name));
+  const auto path = cache_.find(written, {obj_});
+  if (!path) return false;
+  const auto file = cache_.mtl(*path);
+  if (!file) {
+    warn(obj_, "unreadable library", line,
+         [&] { return file.error().message + "; its materials are missing"; });
+    return true;
+  }
+  tell_other_name(obj_, line, written, path_beside(obj_, written), *path);
+  if (!warnings_.knows(*path)) warnings_.of(*path) = (*file)->warnings;
+  libraries.emplace_back(*path, *file);
+  return true;
+}
+
+void ObjMaterials::tell_other_name(const std::string& file, int line, const std::string& written,
+                                   const std::string& expected, const std::string& found) {
+  if (found == expected || path_beside(file, std::string(name_without_comment(written))) == found) return;
+  warn(file, "other name", line,
+       [&] { return fmt::format("{} does not exist; {} is used", in_quotes(written), in_quotes(found)); });
+}
+
+void ObjMaterials::tell_gap(const ObjFile& obj, std::size_t run, const Names& names, bool is_filled) {
+  const std::uint32_t index = obj.runs[run].material;
+  const std::string_view filler =
+      is_filled ? "'default_material' is used" : "the default material, a mid-grey lambert, is used";
+  const std::size_t triangles = end_of_run(obj, run) - obj.runs[run].first_triangle;
+  if (index == kNoMaterialName) {
+    const auto text = [&] { return fmt::format("no 'usemtl' gives this face a material; {}", filler); };
+    if (!is_filled)
+      warn(obj_, "no material", run == 0 ? obj.text.first_face_line : 0, text, triangles, "triangles");
+    return;
+  }
+  const auto text = [&] {
+    std::vector<std::string_view> known;
+    for (const auto& [name, found] : names) known.push_back(name);
+    const std::string& name = obj.material_names[index];
+    return fmt::format("there is no material {}{}{}; {}", in_quotes(name),
+                       names.empty() ? "" : " in the 'mtllib' files", suggestion(name, known), filler);
+  };
+  warn(obj_, "unknown material", obj.material_lines[index], text, triangles, "triangles");
+}
+
+std::uint32_t ObjMaterials::default_material(bool is_colored) {
+  const Rgb albedo = is_colored ? Rgb::gray(1) : kDefaultDiffuse;
+  const auto [known, is_new] =
+      defaults_.emplace(is_colored, static_cast<std::uint32_t>(scene_.materials.size()));
+  if (is_new) scene_.materials.push_back({"default material", Lambert{{albedo, -1}}});
+  return known->second;
+}
+
+Result<std::uint32_t> ObjMaterials::add_material(const Found& found) {
+  const auto& [library, material] = found;
+  const auto known = known_.find({library, material->name});
+  if (known != known_.end()) return known->second;
+  library_ = library;
+  const auto textures = add_textures(*material);
+  if (!textures) return fail(textures.error());
+  const auto index = static_cast<std::uint32_t>(scene_.materials.size());
+  Material added = make_material(*material, *textures);
+  added.name = library + ": " + added.name;
+  const Rgb filter = material->transmission.value_or(Rgb{});
+  const bool is_filtering = !is_black(filter) && filter != Rgb::gray(1);
+  if (is_filtering && is_opaque(added) && !std::holds_alternative<Glass>(added.model))
+    warn(library, "Tf", 0, [] { return "'Tf' is used for glass only"; });
+  if (added.bump.texture >= 0) unsettled_bumps_.push_back(index);
+  scene_.materials.push_back(std::move(added));
+  known_.emplace(std::pair(library, material->name), index);
+  return index;
+}
+
+// Null where the image cannot be used, which is told. Fails only beyond a limit.
+Result<ObjMaterials::Image> ObjMaterials::load(const MtlMaterial::Map& map,
+                                               std::optional<ColorSpace> color_space,
+                                               TextureChannel channel) {
+  if (!map) return nullptr;
+  const auto path = cache_.find(map->file, {library_, obj_});
+  if (!path) {
+    warn(library_, "missing image", map->line, [&] {
+      return fmt::format(
+          "{} does not exist, and neither does a file of this name beside the MTL file; the map "
+          "is ignored",
+          in_quotes(map->file));
+    });
+    return nullptr;
+  }
+  auto image = cache_.image(*path, color_space, channel);
+  if (!image && image.error().code == ErrorCode::kResourceExhausted)
+    return fail(image.error().within(fmt::format("{}:{}", library_, map->line)));
+  if (!image) {
+    warn(library_, "unreadable image", map->line,
+         [&] { return image.error().message + "; the map is ignored"; });
+    return nullptr;
+  }
+  tell_other_name(library_, map->line, map->file, path_beside(library_, map->file), *path);
+  return *image;
+}
+
+// Of what reflects no more light than it gets.
+Result<ObjMaterials::Image> ObjMaterials::load_share(const MtlMaterial::Map& map,
+                                                     std::optional<ColorSpace> color_space) {
+  auto image = load(map, color_space);
+  if (!image || !*image || max_component((*image)->largest()) <= 1) return image;
+  warn(library_, "bright image", map->line, [&] {
+    return fmt::format(
+        "{} has values above 1, and nothing reflects more light than it gets; the map is ignored",
+        in_quotes(map->file));
+  });
+  return nullptr;
+}
+
+int ObjMaterials::add_texture(const Image& image, const MtlMaterial::Map& map) {
+  if (!image) return -1;
+  scene_.textures.push_back({image, map->clamp ? Wrap::kClamp : Wrap::kRepeat, map->scale, map->offset});
+  return static_cast<int>(scene_.textures.size()) - 1;
+}
+
+Result<MtlTextures> ObjMaterials::add_textures(const MtlMaterial& material) {
+  MtlTextures textures;
+  // What an image stands for decides how it is read.
+  struct Use {
+    const MtlMaterial::Map& map;
+    int& texture;
+    std::optional<ColorSpace> color_space;
+    bool is_share;
+  };
+  constexpr auto kLinear = ColorSpace::kLinear;
+  // Blender writes its roughness as map_Ns.
+  const auto& roughness = material.roughness_map ? material.roughness_map : material.exponent_map;
+  for (const Use& use : {Use{material.diffuse_map, textures.diffuse, std::nullopt, true},
+                         Use{material.specular_map, textures.specular, kLinear, true},
+                         Use{material.emission_map, textures.emission, std::nullopt, false},
+                         Use{roughness, textures.roughness, kLinear, false},
+                         Use{material.normal_map, textures.normal, kLinear, false}}) {
+    const auto image = use.is_share ? load_share(use.map, use.color_space) : load(use.map, use.color_space);
+    if (!image) return fail(image.error());
+    use.texture = add_texture(*image, use.map);
+  }
+  for (const auto add : {&ObjMaterials::add_metallic, &ObjMaterials::add_opacity, &ObjMaterials::add_bump})
+    if (auto added = (this->*add)(material, textures); !added) return fail(added.error());
+  return textures;
+}
+
+// No material of ours takes it from a texture.
+Status ObjMaterials::add_metallic(const MtlMaterial& material, MtlTextures& textures) {
+  const auto image = load(material.metallic_map, ColorSpace::kLinear);
+  if (!image) return fail(image.error());
+  if (!*image) return {};
+  textures.metallic = std::clamp((*image)->mean().r, 0.0f, 1.0f);
+  warn(library_, "metallic map", material.metallic_map->line,
+       [] { return "the mean of 'map_Pm' is used everywhere"; });
+  return {};
+}
+
+// The alpha of map_d, if it has any, else its red channel; without map_d, the alpha of map_Kd.
+Status ObjMaterials::add_opacity(const MtlMaterial& material, MtlTextures& textures) {
+  const bool has_own_map = material.dissolve_map.has_value();
+  const auto& map = has_own_map ? material.dissolve_map : material.diffuse_map;
+  if (!has_own_map && textures.diffuse < 0) return {};
+  auto image = load(map, std::nullopt, TextureChannel::kAlpha);
+  if (!image) return fail(image.error());
+  if (*image && is_one(**image)) {
+    if (!has_own_map) return {};
+    image = load(map, ColorSpace::kLinear);
+    if (!image) return fail(image.error());
+  }
+  textures.opacity = add_texture(*image, map);
+  return {};
+}
+
+// Programs write both normal maps and heights as "bump".
+Status ObjMaterials::add_bump(const MtlMaterial& material, MtlTextures& textures) {
+  const auto image = load(material.bump_map, ColorSpace::kLinear);
+  if (!image) return fail(image.error());
+  if (!*image) return {};
+  if (!is_normal_map(**image)) {
+    textures.bump = add_texture(*image, material.bump_map);
+  } else if (textures.normal < 0) {
+    textures.normal = add_texture(*image, material.bump_map);
+  }
+  return {};
+}
+
+void ObjMaterials::settle_bump_heights(const MeshDescription& mesh) {
+  for (const std::uint32_t index : unsettled_bumps_) {
+    BumpMap& bump = scene_.materials[index].bump;
+    const Vec2 scale = scene_.textures[static_cast<std::size_t>(bump.texture)].scale;
+    bump.height *= kBumpHeight * static_cast<float>(texture_length(mesh, index, scale));
+    if (!std::isfinite(bump.height)) bump.height = 0;
+  }
+  unsettled_bumps_.clear();
+}
+
+}  // namespace tessera::core

@@ -1,0 +1,86 @@
+// Finds the materials of meshes in the MTL files that their OBJ files name, adds those that are used to the
+// scene with their textures, and tells what is missing. Not thread-safe.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/base/error.hpp"
+#include "core/scene/description.hpp"
+#include "core/scene/loader/asset_cache.hpp"
+#include "core/scene/loader/file_warnings.hpp"
+#include "core/scene/loader/mtl_material.hpp"
+
+namespace tessera::core {
+
+class ObjMaterials {
+ public:
+  // All must stay until this is destroyed.
+  ObjMaterials(AssetCache& cache, SceneDescription& scene, SceneWarnings& warnings)
+      : cache_(cache), scene_(scene), warnings_(warnings) {}
+
+  // The scene's materials for the runs of the file's triangles, one each. `gaps` is that of triangles whose
+  // material is not known; without it a default material is. Fails only where the scene has more than the
+  // limits allow.
+  Result<std::vector<std::uint32_t>> of_runs(const std::string& path, const ObjFile& obj,
+                                             std::optional<std::uint32_t> gaps);
+
+  // Gives a height to the bump maps of materials that `mesh` is the first to use: MTL files have no unit for
+  // it.
+  void settle_bump_heights(const MeshDescription& mesh);
+
+ private:
+  // By path, in the order of the "mtllib" lines.
+  using Libraries = std::vector<std::pair<std::string, std::shared_ptr<const MtlFile>>>;
+  struct Found {
+    std::string library;
+    const MtlMaterial* material;
+  };
+  using Names = std::map<std::string, Found, std::less<>>;
+  using Image = std::shared_ptr<const TextureImage>;
+
+  static Names names_in(const Libraries& libraries);
+  Libraries load_libraries(const ObjFile& obj);
+  // Whether there is such a file.
+  bool add_library(const std::string& name, int line, Libraries& libraries);
+  void tell_other_name(const std::string& file, int line, const std::string& written,
+                       const std::string& expected, const std::string& found);
+  void tell_gap(const ObjFile& obj, std::size_t run, const Names& names, bool is_filled);
+  std::uint32_t default_material(bool is_colored);
+  Result<std::uint32_t> add_material(const Found& found);
+  // The image of a map, or null where there is none that can be used.
+  Result<Image> load(const MtlMaterial::Map& map, std::optional<ColorSpace> color_space = std::nullopt,
+                     TextureChannel channel = TextureChannel::kColor);
+  Result<Image> load_share(const MtlMaterial::Map& map, std::optional<ColorSpace> color_space = std::nullopt);
+  int add_texture(const Image& image, const MtlMaterial::Map& map);
+  Result<MtlTextures> add_textures(const MtlMaterial& material);
+  Status add_metallic(const MtlMaterial& material, MtlTextures& textures);
+  Status add_opacity(const MtlMaterial& material, MtlTextures& textures);
+  Status add_bump(const MtlMaterial& material, MtlTextures& textures);
+
+  // Once for each OBJ file, however many shapes show it.
+  template <typename Text>
+  void warn(const std::string& file, std::string_view kind, int line, const Text& text,
+            std::uint64_t count = 1, std::string_view unit = "times") {
+    if (tells_) warnings_.of(file).add(kind, line, text, count, unit);
+  }
+
+  AssetCache& cache_;
+  SceneDescription& scene_;
+  SceneWarnings& warnings_;
+  std::string obj_, library_;  // the files whose materials are being added
+  bool tells_ = true;
+  std::set<std::string> told_;                                          // OBJ files
+  std::map<std::pair<std::string, std::string>, std::uint32_t> known_;  // by library and name
+  std::map<bool, std::uint32_t> defaults_;      // for meshes without and with colours of their own
+  std::vector<std::uint32_t> unsettled_bumps_;  // materials
+};
+
+}  // namespace tessera::core
