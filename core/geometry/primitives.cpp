@@ -7,6 +7,7 @@
 
 #include "core/geometry/model_point.hpp"
 #include "core/geometry/rounding.hpp"
+#include "core/math/elementary.hpp"
 #include "core/math/lane_array.hpp"
 #include "core/math/row_lookup.hpp"
 
@@ -52,7 +53,8 @@ void Primitives::reserve(std::size_t vertices, std::size_t triangles) {
 
 void Primitives::add_mesh(std::vector<Vec3> positions, const std::vector<Vec3>& normals,
                           const std::vector<Vec2>& uvs, std::vector<Triangle> triangles,
-                          const std::vector<std::uint32_t>& triangle_materials) {
+                          const std::vector<std::uint32_t>& triangle_materials,
+                          const std::vector<Rgb>& colors) {
   const std::size_t first = positions_.size();
   append(positions_, std::move(positions));
   if (!normals.empty() || !normals_.empty()) {
@@ -65,6 +67,12 @@ void Primitives::add_mesh(std::vector<Vec3> positions, const std::vector<Vec3>& 
     uvs_.resize(first);
     uvs_.insert(uvs_.end(), uvs.begin(), uvs.end());
     uvs_.resize(positions_.size());
+  }
+  if (!colors.empty() || !colors_.empty()) {
+    colors_.resize(first, Rgb::gray(1));
+    colors_.insert(colors_.end(), colors.begin(), colors.end());
+    colors_.resize(positions_.size(), Rgb::gray(1));
+    has_vertex_colors_ = true;
   }
   const std::size_t first_triangle = triangles_.size(), count = triangles.size();
   append(triangles_, std::move(triangles));
@@ -86,6 +94,7 @@ void Primitives::add_sphere(Vec3 center, float radius, std::uint32_t material) {
 
 std::uint32_t Primitives::add_object(Primitives object) {
   outlines_.push_back(object.outline());
+  has_vertex_colors_ |= object.has_vertex_colors_;
   objects_.push_back(std::move(object));
   return static_cast<std::uint32_t>(objects_.size()) - 1;
 }
@@ -244,8 +253,8 @@ SurfacePointOf<Float8> Primitives::sphere_surfaces(const std::array<const Ray*, 
 Tangents Primitives::tangents(const Hit& hit, const SurfacePoint& point) const {
   if (hit.in_instance()) return instance_tangents(hit, point);
   if (is_sphere(hit.primitive)) return sphere_tangents(point.geometric_normal);
-  const auto [along_u, along_v] = triangle_tangents(triangles_[hit.primitive]);
-  return {unit_or_zero(along_u), unit_or_zero(along_v)};
+  const ModelTangents of_triangle = triangle_tangents(triangles_[hit.primitive]);
+  return {unit_or_zero(of_triangle.along_u), unit_or_zero(of_triangle.along_v)};
 }
 
 Tangents Primitives::instance_tangents(const Hit& hit, const SurfacePoint& point) const {
@@ -276,7 +285,43 @@ Primitives::ModelTangents Primitives::triangle_tangents(const Triangle& t) const
   constexpr double kCollinear = 1e-9;
   if (!(std::fabs(det) > kCollinear * (std::fabs(du1 * dv2) + std::fabs(du2 * dv1)))) return {};
   const double sign = det < 0 ? -1 : 1;
-  return {sign * (dv2 * e1 - dv1 * e2), sign * (du1 * e2 - du2 * e1)};
+  return {sign * (dv2 * e1 - dv1 * e2), sign * (du1 * e2 - du2 * e1), sign * det};
+}
+
+UvDerivatives Primitives::uv_derivatives(const Hit& hit, const SurfacePoint& point) const {
+  const auto derivatives = [](const ModelTangents& tangents, const auto& to_world) -> UvDerivatives {
+    if (!(tangents.scale > 0)) return {};
+    const double factor = 1 / tangents.scale;
+    return {to_world(factor * tangents.along_u).rounded(), to_world(factor * tangents.along_v).rounded()};
+  };
+  if (!hit.in_instance())
+    return derivatives(model_tangents(hit.primitive, point.geometric_normal), [](Vec3d v) { return v; });
+  const Placement& place = instances_[hit.instance].placement;
+  const Vec3 normal = unit_or_zero(place.object_normal(Vec3d(point.geometric_normal)));
+  return derivatives(object_of(instances_[hit.instance]).model_tangents(hit.primitive, normal),
+                     [&](Vec3d v) { return place.vector(v); });
+}
+
+Primitives::ModelTangents Primitives::model_tangents(std::uint32_t primitive, Vec3 normal) const {
+  if (!is_sphere(primitive)) return triangle_tangents(triangles_[primitive]);
+  const auto [east, north] = sphere_tangents(normal);
+  const double half_turn = static_cast<double>(kPi) * static_cast<double>(sphere(primitive).radius);
+  const double equatorial = length(Vec3d(normal.x, 0, normal.z));
+  return {2 * half_turn * equatorial * Vec3d(east), half_turn * Vec3d(north), 1};
+}
+
+Rgb Primitives::color_at(const Hit& hit) const {
+  const Primitives& owner = hit.in_instance() ? object_of(instances_[hit.instance]) : *this;
+  if (owner.colors_.empty() || owner.is_sphere(hit.primitive)) return Rgb::gray(1);
+  const auto& [v0, v1, v2] = owner.triangles_[hit.primitive];
+  const float b0 = std::max(0.0f, 1 - hit.b1 - hit.b2);
+  return owner.colors_[v0] * b0 + owner.colors_[v1] * hit.b1 + owner.colors_[v2] * hit.b2;
+}
+
+RgbOf<Float8> Primitives::triangle_colors(const std::array<const Hit*, 8>& hits) const {
+  RgbLanes colors;
+  for (std::size_t lane = 0; lane < kLaneCount; ++lane) colors.set(lane, color_at(*hits[lane]));
+  return colors.all();
 }
 
 }  // namespace tessera::core

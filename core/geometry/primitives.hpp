@@ -18,6 +18,7 @@
 #include "core/geometry/sphere.hpp"
 #include "core/geometry/surface.hpp"
 #include "core/geometry/triangle.hpp"
+#include "core/math/rgb.hpp"
 #include "core/math/simd_double8.hpp"
 #include "core/math/vec3.hpp"
 
@@ -38,7 +39,8 @@ class Primitives {
   // or as many as positions; indices count from the mesh's own first vertex). All triangles come before all
   // spheres. The first mesh's arrays are taken over as they are, where they are given away.
   void add_mesh(std::vector<Vec3> positions, const std::vector<Vec3>& normals, const std::vector<Vec2>& uvs,
-                std::vector<Triangle> triangles, const std::vector<std::uint32_t>& triangle_materials);
+                std::vector<Triangle> triangles, const std::vector<std::uint32_t>& triangle_materials,
+                const std::vector<Rgb>& colors = {});
   void add_sphere(Vec3 center, float radius, std::uint32_t material);
 
   // Objects have no instances of their own. The number that instances refer to them by.
@@ -116,12 +118,21 @@ class Primitives {
                                          const std::array<const Hit*, 8>& hits) const;
   // Where surface() made `point` of the same hit.
   Tangents tangents(const Hit& hit, const SurfacePoint& point) const;
+  UvDerivatives uv_derivatives(const Hit& hit, const SurfacePoint& point) const;
+
+  // Whether a mesh has vertex colours, be it an object's.
+  bool has_vertex_colors() const { return has_vertex_colors_; }
+  // The vertex colours interpolated at a hit; white where there are none.
+  Rgb vertex_color(const Hit& hit) const { return has_vertex_colors_ ? color_at(hit) : Rgb::gray(1); }
+  // Of eight hits of triangles that are in no instance.
+  RgbOf<Float8> triangle_colors(const std::array<const Hit*, 8>& hits) const;
 
  private:
   using ModelPoint = ModelPointOf<float>;
-  // dp/du and dp/dv, of any length.
+  // dp/du and dp/dv times `scale`, which is above 0 where there are any.
   struct ModelTangents {
     Vec3d along_u, along_v;
+    double scale = 0;
   };
   // The boxes of parts of an object, so that its instances can be bounded more closely than by turning one.
   using Outline = std::vector<Aabb>;
@@ -135,11 +146,16 @@ class Primitives {
   SurfacePoint instance_surface(const Ray& ray, const Hit& hit) const;
   ModelTangents triangle_tangents(const Triangle& triangle) const;
   Tangents instance_tangents(const Hit& hit, const SurfacePoint& point) const;
+  // Those of a sphere by its outward normal.
+  ModelTangents model_tangents(std::uint32_t primitive, Vec3 normal) const;
+  Rgb color_at(const Hit& hit) const;
   Outline outline() const;
 
   std::vector<Vec3> positions_;
   std::vector<Vec3> normals_;  // of unit length; zero where there is none; empty where no mesh has any
   std::vector<Vec2> uvs_;      // empty where no mesh has any
+  std::vector<Rgb> colors_;    // likewise
+  bool has_vertex_colors_ = false;
   std::vector<Triangle> triangles_;
   std::vector<std::uint32_t> triangle_materials_;
   std::vector<Sphere> spheres_;

@@ -24,6 +24,11 @@ struct Tangents {
   Vec3 along_u, along_v;
 };
 
+// How the position on the surface changes with each texture coordinate; both zero where there are none.
+struct UvDerivatives {
+  Vec3 dp_du, dp_dv;
+};
+
 // Moves a ray's origin off its surface, to the side `direction` leaves from, far enough that rounding cannot
 // put it on the wrong side and no farther (Pharr et al. 2023, section 6.8.6).
 template <typename T>

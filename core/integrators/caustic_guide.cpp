@@ -7,6 +7,7 @@
 #include "core/base/parallel_errors.hpp"
 #include "core/integrators/caustic_casters.hpp"
 #include "core/integrators/direct_light.hpp"
+#include "core/integrators/opacity.hpp"
 #include "core/integrators/vertex.hpp"
 #include "core/sampling/sampler.hpp"
 #include "core/sampling/warp.hpp"
@@ -28,6 +29,11 @@ constexpr std::uint32_t kPlacePad = 1;  // choice of the caster, coarse and fine
 constexpr std::uint32_t bounce_pad(int bounce) {
   return 2 + static_cast<std::uint32_t>(bounce);
 }  // BSDF u, v, lobe; roulette
+
+// For the decisions which surfaces a ray meets: of the first ray 0, then 1 and so on.
+constexpr std::uint64_t ray_name(int ray) {
+  return static_cast<std::uint64_t>(ray);
+}
 
 // A light and what comes from it, if nothing is in between; `pdf` includes the choice.
 std::optional<LightSample> sample_any_light(const Scene& scene, const LitPoint& point,
@@ -51,10 +57,10 @@ class PhotonTracer {
     const Sampler sampler(kSeed, 0, kPhotonRow, index);
     const auto first = begin(sampler);
     if (!first) return;
-    auto [ray, hit, flux, radiance] = *first;
+    auto [origin, ray, hit, flux, radiance] = *first;
     for (int bounce = 0; bounce < kMostBounces && hit.found() && luminance(flux) > 0; ++bounce) {
       const PathVertex vertex(scene_, ray, hit);
-      const float distance = length(vertex.position() - ray.origin);
+      const float distance = length(vertex.position() - origin);
       if (!casters_.contain(hit) && !vertex.is_delta() && distance > 0)
         photons.push_back({vertex.position(), vertex.side_normal(), vertex.wo(), distance, luminance(flux),
                            luminance(radiance)});
@@ -66,15 +72,19 @@ class PhotonTracer {
       if (u[3] >= survival) return;
       flux *= weight / survival;
       radiance = casters_.contain(hit) ? radiance * weight : Rgb{};
-      ray = vertex.ray_along(next->wi);
-      hit = scene_.bvh().closest_hit(scene_.primitives(), ray);
+      const Ray scattered = vertex.ray_along(next->wi);
+      const Met met = meet_by_chance(scene_, scattered, sampler, ray_name(bounce + 1));
+      origin = scattered.origin;
+      ray = met.ray;
+      hit = met.hit;
     }
   }
 
  private:
   struct First {
-    Ray ray;  // from the light
-    Hit hit;  // of the caster
+    Vec3 origin;  // on the light
+    Ray ray;      // from there, or from the last surface that was passed
+    Hit hit;      // of the caster
     Rgb flux;
     Rgb radiance;  // Photon::radiance, so far
   };
@@ -89,8 +99,8 @@ class PhotonTracer {
     if (!light || light->delta) return std::nullopt;
     const Vec3 origin = light->point ? offset_origin(*light->point, position - light->point->position)
                                      : position + light->wi * beyond_scene_;
-    const Ray ray{origin, normalize(position - origin)};
-    const Hit hit = scene_.bvh().closest_hit(scene_.primitives(), ray);
+    const auto [ray, hit, traced] =
+        meet_by_chance(scene_, {origin, normalize(position - origin)}, sampler, ray_name(0));
     if (hit.in_instance() || hit.primitive != primitive) return std::nullopt;
     // The ray may have met the near side of a sphere whose far side was chosen.
     const SurfacePoint surface = scene_.primitives().surface(ray, hit);
@@ -98,7 +108,7 @@ class PhotonTracer {
       return std::nullopt;
     const float cosine = std::fabs(dot(surface.geometric_normal, ray.direction));
     const auto area = static_cast<float>(casters_.area() / kPaths);
-    return First{ray, hit, light->radiance * (cosine * area / light->pdf), light->radiance};
+    return First{origin, ray, hit, light->radiance * (cosine * area / light->pdf), light->radiance};
   }
 
   const Scene& scene_;
@@ -117,9 +127,9 @@ float probe_other_light(const Scene& scene, const Photon& place, std::uint32_t n
   Rgb throughput = Rgb::gray(kPi), found;
   RenderCounters uncounted;
   for (int depth = 1; depth <= kProbeDepth; ++depth) {
-    const Hit hit = scene.bvh().closest_hit(scene.primitives(), ray);
+    const auto [from, hit, traced] = meet_by_chance(scene, ray, sampler, ray_name(depth));
     if (!hit.found()) break;
-    const PathVertex vertex(scene, ray, hit);
+    const PathVertex vertex(scene, from, hit);
     if (!vertex.is_delta())
       if (const auto light = sample_any_light(scene, vertex.lit_point(), sampler.pad(light_pad(depth))))
         found += throughput * reflected_light(scene, vertex, *light, uncounted) / light->pdf;

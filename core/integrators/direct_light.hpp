@@ -2,6 +2,7 @@
 #pragma once
 
 #include "core/film/film.hpp"
+#include "core/integrators/opacity.hpp"
 #include "core/integrators/vertex.hpp"
 #include "core/lights/light_sample.hpp"
 
@@ -14,14 +15,13 @@ inline double two_digits(float coarse, float fine) {
 }
 
 // What leaves the vertex towards where its ray came from, of the radiance that the light sends: BSDF * cosine
-// * radiance, not yet divided by the density. Black where something is in between.
+// * radiance, not yet divided by the density. Only the share of it that passes what is in between.
 inline Rgb reflected_light(const Scene& scene, const PathVertex& vertex, const LightSample& light,
                            RenderCounters& counters) {
   const Rgb scattered = vertex.evaluate(light.wi).value;
   if (is_black(scattered)) return {};
-  ++counters.shadow_rays;
-  return scene.bvh().any_hit(scene.primitives(), vertex.ray_toward(light)) ? Rgb{}
-                                                                           : scattered * light.radiance;
+  const float share = transmittance(scene, vertex.ray_toward(light), counters.shadow_rays);
+  return share > 0 ? scattered * light.radiance * share : Rgb{};
 }
 
 }  // namespace tessera::core

@@ -117,9 +117,17 @@ Vec3Of<Float8> outward_normals(const Scene& scene, const Materials& materials, c
                      along_u.all(), along_v.all());
 }
 
+Mask8 f0_is_base_color(const Materials& glossy) {
+  unsigned lanes = 0;
+  for (std::size_t lane = 0; lane < kLaneCount; ++lane)
+    lanes |= (f0_is_base_color(*std::get_if<CookTorrance>(&glossy[lane]->model)) ? 1u : 0u) << lane;
+  return Mask8::from_bits(lanes);
+}
+
 // The models of eight materials that are glossy, with their textures looked up.
-CookTorranceBsdfOf<Float8> glossy_bsdfs(const Materials& materials, const std::vector<Texture>& textures,
+CookTorranceBsdfOf<Float8> glossy_bsdfs(const Scene& scene, const Materials& materials, const Hits& hits,
                                         Vec2Of<Float8> uv) {
+  const std::vector<Texture>& textures = scene.textures();
   std::array<const ColorParameter*, kLaneCount> diffuse, specular, f0;
   std::array<const ScalarParameter*, kLaneCount> roughness;
   RgbLanes eta{}, k{};
@@ -135,12 +143,18 @@ CookTorranceBsdfOf<Float8> glossy_bsdfs(const Materials& materials, const std::v
     const ComplexIndex index = complex_index(*model.conductor);
     eta.set(lane, index.eta), k.set(lane, index.k);
   }
-  const RgbOf<Float8> kd = evaluate(diffuse, textures, uv), ks = evaluate(specular, textures, uv);
+  RgbOf<Float8> kd = evaluate(diffuse, textures, uv), r0 = evaluate(f0, textures, uv);
+  if (scene.primitives().has_vertex_colors()) {
+    const RgbOf<Float8> tint = scene.primitives().triangle_colors(hits);
+    kd = kd * tint;
+    r0 = select(f0_is_base_color(materials), r0 * tint, r0);
+  }
+  const RgbOf<Float8> ks = evaluate(specular, textures, uv);
   const RgbOf<Float8> scale = keep_to_one(kd, ks);
   return {kd * scale,
           ks * scale,
           Mask8::from_bits(metal),
-          evaluate(f0, textures, uv),
+          r0,
           eta.all(),
           k.all(),
           rough_ggx(evaluate(roughness, textures, uv)),
@@ -199,7 +213,7 @@ BsdfSamples MixedBsdfs::sample(Vec3Of<Float8> wo_local, Vec2Of<Float8> u, Float8
 
 bool is_diffuse(const Material& material) {
   return std::holds_alternative<Lambert>(material.model) && material.normal_map.texture < 0 &&
-         material.sampling != Sampling::kUniform;
+         material.bump.texture < 0 && material.sampling != Sampling::kUniform;
 }
 
 DiffuseVertices diffuse_vertices(const Scene& scene, const Rays& rays, const Hits& hits) {
@@ -209,12 +223,14 @@ DiffuseVertices diffuse_vertices(const Scene& scene, const Rays& rays, const Hit
   std::array<const ColorParameter*, kLaneCount> albedos;
   for (std::size_t lane = 0; lane < kLaneCount; ++lane)
     albedos[lane] = &std::get_if<Lambert>(&scene.material_of(*hits[lane]).model)->albedo;
-  const RgbOf<Float8> albedo = evaluate(albedos, scene.textures(), surface.uv);
+  RgbOf<Float8> albedo = evaluate(albedos, scene.textures(), surface.uv);
+  if (scene.primitives().has_vertex_colors()) albedo = albedo * scene.primitives().triangle_colors(hits);
   return {surface, wo, side.normal, side.shading_normal(surface.shading_normal, wo), {{albedo}}};
 }
 
 bool is_glossy(const Material& material) {
-  return std::holds_alternative<CookTorrance>(material.model) && material.sampling != Sampling::kUniform;
+  return std::holds_alternative<CookTorrance>(material.model) && material.bump.texture < 0 &&
+         material.sampling != Sampling::kUniform;
 }
 
 GlossyVertices glossy_vertices(const Scene& scene, const Rays& rays, const Hits& hits) {
@@ -229,7 +245,7 @@ GlossyVertices glossy_vertices(const Scene& scene, const Rays& rays, const Hits&
           wo,
           side.normal,
           bend_for_reflection(seen, side.normal, wo),
-          {glossy_bsdfs(materials, scene.textures(), surface.uv)}};
+          {glossy_bsdfs(scene, materials, hits, surface.uv)}};
 }
 
 MixedVertices mixed_vertices(const Scene& scene, const Rays& rays, const Hits& hits, std::size_t count) {
@@ -242,11 +258,12 @@ MixedVertices mixed_vertices(const Scene& scene, const Rays& rays, const Hits& h
   unsigned diffuse = 0;
   for (std::size_t lane = 0; lane < count; ++lane) {
     const Material& material = scene.material_of(*hits[lane]);
-    if (material.normal_map.texture >= 0)
+    if (material.normal_map.texture >= 0 || material.bump.texture >= 0)
       outward.set(lane, outward_normal(scene, material, *hits[lane], SurfaceLanes(surface)[lane]));
     if (std::holds_alternative<Lambert>(material.model)) diffuse |= 1u << lane;
     bsdfs.set(lane,
-              Bsdf(material, scene.textures(), {u[lane], v[lane]}, (side.outside.bits() >> lane & 1) != 0));
+              Bsdf(material, scene.textures(), {u[lane], v[lane]}, (side.outside.bits() >> lane & 1) != 0,
+                   scene.primitives().vertex_color(*hits[lane])));
   }
   const Vec3Of<Float8> seen = side.shading_normal(outward.all(), wo);
   const Vec3Of<Float8> bent =

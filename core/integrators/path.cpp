@@ -8,6 +8,7 @@
 
 #include "core/geometry/ray_lanes.hpp"
 #include "core/integrators/direct_light.hpp"
+#include "core/integrators/opacity.hpp"
 #include "core/math/lane_array.hpp"
 
 namespace tessera::core {
@@ -111,6 +112,7 @@ std::span<const std::uint32_t> PathTracer::step(RenderCounters& counters) {
   next_paths_->make_room(count);
   counters.closest_hit_rays += count;
   scene_.bvh().closest_hits(scene_.primitives(), batch_.rays, {hits_.data(), count});
+  if (!scene_.is_opaque()) pass_through_surfaces(depth, counters);
 
   sort_by_material();
   for (std::size_t bin = 0; bin < kBins; ++bin)
@@ -123,6 +125,14 @@ std::span<const std::uint32_t> PathTracer::step(RenderCounters& counters) {
   collect_ended();
   paths.drop_last(count);
   return ended_;
+}
+
+// What rays pass by chance costs no depth, and leaves their paths' heads as they are.
+void PathTracer::pass_through_surfaces(std::size_t depth, RenderCounters& counters) {
+  const std::span<Hit> hits(hits_.data(), batch_.rays.size());
+  counters.closest_hit_rays += pass_by_chance(
+      scene_, batch_.rays, hits, depth,
+      [&](std::uint32_t slot) -> const Sampler& { return samplers_[batch_.heads[slot].path]; });
 }
 
 // The deepest of those where most paths wait.
@@ -363,6 +373,24 @@ void PathTracer::add_unoccluded(RenderCounters& counters) {
   scene_.bvh().any_hits(scene_.primitives(), {shadow_rays_.data(), count}, {occluded_.data(), count});
   for (std::size_t i = 0; i < count; ++i)
     if (occluded_[i] == 0) radiance_[connections_[i].path] += connections_[i].radiance;
+  if (!scene_.is_opaque()) add_transmitted(count, counters);
+}
+
+// Of the occluded connections, what surfaces between their ends let through.
+void PathTracer::add_transmitted(std::size_t count, RenderCounters& counters) {
+  std::vector<Ray> rays;
+  std::vector<std::size_t> of_rays;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (occluded_[i] == 0) continue;
+    rays.push_back(shadow_rays_[i]);
+    of_rays.push_back(i);
+  }
+  std::vector<float> shares(rays.size());
+  counters.shadow_rays += find_transmittances(scene_, rays, shares);
+  for (std::size_t k = 0; k < rays.size(); ++k) {
+    const auto& [path, radiance] = connections_[of_rays[k]];
+    if (shares[k] > 0) radiance_[path] += radiance * shares[k];
+  }
 }
 
 }  // namespace tessera::core

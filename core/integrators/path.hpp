@@ -60,6 +60,7 @@ class PathTracer {
   struct Paths;  // up to eight of them
 
   std::size_t depth_of_most() const;
+  void pass_through_surfaces(std::size_t depth, RenderCounters& counters);
   void collect_ended();
   void sort_by_material();
   template <typename Vertices>
@@ -83,6 +84,7 @@ class PathTracer {
   Directions choose_directions(const Vertices& vertices, const Guidance& guidance, Vec2Of<Float8> u,
                                Float8 u_lobe) const;
   void add_unoccluded(RenderCounters& counters);
+  void add_transmitted(std::size_t count, RenderCounters& counters);
 
   const Scene& scene_;
   const RenderSettings settings_;

@@ -38,7 +38,7 @@ class PathQueue {
  public:
   // Valid until something is pushed or dropped.
   struct Batch {
-    std::span<const Ray> rays;
+    std::span<Ray> rays;
     std::span<const PathHead> heads;  // of the rays
   };
 
@@ -58,9 +58,10 @@ class PathQueue {
   }
 
   // The last that came, kBatchPaths if there are as many.
-  Batch last() const {
+  Batch last() {
     const std::size_t count = std::min(size_, kBatchPaths);
-    return {std::span(rays_).subspan(size_ - count, count), std::span(heads_).subspan(size_ - count, count)};
+    return {std::span(rays_).subspan(size_ - count, count),
+            std::span<const PathHead>(heads_).subspan(size_ - count, count)};
   }
   void drop_last(std::size_t count) { size_ -= count; }
 

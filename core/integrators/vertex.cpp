@@ -1,17 +1,24 @@
 #include "core/integrators/vertex.hpp"
 
 #include "core/integrators/shading_normal.hpp"
+#include "core/materials/bump_map.hpp"
 #include "core/materials/normal_map.hpp"
 
 namespace tessera::core {
 
 Vec3 outward_normal(const Scene& scene, const Material& material, const Hit& hit,
                     const SurfacePoint& surface) {
-  if (material.normal_map.texture < 0) return surface.shading_normal;
-  const Texture& map = scene.textures()[static_cast<std::size_t>(material.normal_map.texture)];
-  const auto [along_u, along_v] = scene.primitives().tangents(hit, surface);
-  return bend_by_map(map.evaluate(surface.uv), material.normal_map.strength, surface.shading_normal,
-                     along_picture(along_u, map.scale.x), along_picture(along_v, map.scale.y));
+  Vec3 normal = surface.shading_normal;
+  if (material.normal_map.texture >= 0) {
+    const Texture& map = scene.textures()[static_cast<std::size_t>(material.normal_map.texture)];
+    const auto [along_u, along_v] = scene.primitives().tangents(hit, surface);
+    normal = bend_by_map(map.evaluate(surface.uv), material.normal_map.strength, normal,
+                         along_picture(along_u, map.scale.x), along_picture(along_v, map.scale.y));
+  }
+  if (material.bump.texture < 0) return normal;
+  const Texture& heights = scene.textures()[static_cast<std::size_t>(material.bump.texture)];
+  const auto [dp_du, dp_dv] = scene.primitives().uv_derivatives(hit, surface);
+  return tilt_by_heights(height_slope(heights, material.bump.height, surface.uv), normal, dp_du, dp_dv);
 }
 
 namespace {
@@ -34,9 +41,10 @@ PathVertex::PathVertex(const Scene& scene, const Material& material, const Hit& 
 
 PathVertex::PathVertex(const Scene& scene, const Material& material, const Hit& hit,
                        const SurfacePoint& surface, Vec3 wo, const ViewedSide<float>& side)
-    : VertexOf(surface, wo, side.normal,
-               shading_normal(side, outward_normal(scene, material, hit, surface), material.model, wo),
-               Bsdf(material, scene.textures(), surface.uv, side.outside)) {}
+    : VertexOf(
+          surface, wo, side.normal,
+          shading_normal(side, outward_normal(scene, material, hit, surface), material.model, wo),
+          Bsdf(material, scene.textures(), surface.uv, side.outside, scene.primitives().vertex_color(hit))) {}
 
 std::optional<PathVertex::Scattered> PathVertex::sample(Vec2 u, float u_lobe) const {
   const auto local = bsdf_.sample(wo_local_, u, u_lobe);

@@ -119,7 +119,7 @@ class PathVertex : public VertexOf<float, Bsdf> {
   Scattered delta_to_world(const BsdfSample& local) const;
 };
 
-// The outward normal that the surface is shaded with, interpolated and bent by the material's map.
+// The outward normal that the surface is shaded with, interpolated and bent by the material's maps.
 Vec3 outward_normal(const Scene& scene, const Material& material, const Hit& hit,
                     const SurfacePoint& surface);
 

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/integrators/direct_light.hpp"
+#include "core/integrators/opacity.hpp"
 #include "core/integrators/vertex.hpp"
 
 namespace tessera::core {
@@ -40,11 +41,12 @@ class TreeTracer {
   // the light, so that calls are nested a dozen deep at most before too little is left; where textures
   // reflect more than they receive, as deep as the tree.
   void follow(Branch branch) {
-    while (rays_++ < kMostWhittedRays) {
-      ++counters_.closest_hit_rays;
-      const Hit hit = scene_.bvh().closest_hit(scene_.primitives(), branch.ray);
+    while (rays_ < kMostWhittedRays) {
+      const auto [ray, hit, traced] = meet_by_chance(scene_, branch.ray, sampler_, branch.node);
+      counters_.closest_hit_rays += traced;
+      rays_ += static_cast<int>(traced);
       if (!hit.found()) return add_environment(branch);
-      const PathVertex vertex(scene_, branch.ray, hit);
+      const PathVertex vertex(scene_, ray, hit);
       add_emission(branch, vertex, scene_.light_of(hit));
       if (!vertex.is_delta()) return add_direct_light(branch, vertex);
       if (branch.depth >= max_depth_) return;

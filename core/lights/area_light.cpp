@@ -10,6 +10,7 @@
 #include "core/math/frame.hpp"
 #include "core/math/lane_array.hpp"
 #include "core/sampling/warp.hpp"
+#include "core/textures/opacity.hpp"
 
 namespace tessera::core {
 namespace {
@@ -118,11 +119,12 @@ struct FoundOnSphere {
   T pdf;
 };
 
-// From outside, uniform in the cone; elsewhere, uniform over the area.
+// From outside, uniform in the cone; elsewhere, and where the far side is seen, uniform over the area.
 template <typename T>
-FoundOnSphere<T> find_on_sphere(const SphereOf<T>& sphere, T deviation, T area, Vec3Of<T> p_lit,
-                                Vec2Of<T> u) {
-  const ConeOf<T> cone(sphere, p_lit);
+FoundOnSphere<T> find_on_sphere(const SphereOf<T>& sphere, T deviation, T area, Vec3Of<T> p_lit, Vec2Of<T> u,
+                                bool far_side_seen = false) {
+  ConeOf<T> cone(sphere, p_lit);
+  if (far_side_seen) cone.exists = false;
   Vec3Of<T> outward = cone.sample(p_lit - sphere.center, u);
   T pdf = cone.pdf();
   if (!all(cone.exists)) outward = select(cone.exists, outward, sample_sphere(u));
@@ -142,21 +144,34 @@ AreaLight::AreaLight(LightShape shape, Vec3 front, const SurfaceEmission& emissi
     : shape_(shape),
       front_(front),
       area_(std::visit([](const auto& s) { return area_of(s); }, shape)),
-      emission_(emission) {}
+      radiance_(emission.radiance),
+      mean_radiance_(emission.mean_radiance),
+      opacity_(emission.opacity),
+      two_sided_(emission.two_sided),
+      is_opaque_(emission.is_opaque()),
+      batch_(batch_of(shape, emission)) {}
+
+AreaLight::Batch AreaLight::batch_of(const LightShape& shape, const SurfaceEmission& emission) {
+  if (!emission.is_opaque()) return Batch::kNone;
+  if (std::holds_alternative<QuadLight>(shape)) return Batch::kQuads;
+  const bool even = std::holds_alternative<SphereLight>(shape) && emission.radiance.texture < 0;
+  return even ? Batch::kEvenSpheres : Batch::kNone;
+}
 
 Rgb AreaLight::emitted(const std::vector<Texture>& textures, const SurfacePoint& point, Vec3 wo) const {
-  if (!emission_.two_sided) {
+  if (!two_sided_) {
     const auto* sphere = std::get_if<SphereLight>(&shape_);
     const Vec3 outward = sphere ? point.position - sphere->center : front_;
     if (!(dot(outward, wo) > 0)) return {};
   }
-  return emission_.radiance.evaluate(textures, point.uv);
+  return radiance_.evaluate(textures, point.uv);
 }
 
 std::optional<LightSample> AreaLight::sample(const std::vector<Texture>& textures, Vec3 p_lit, Vec2 u) const {
   const Found found = std::visit([&](const auto& shape) { return find(shape, p_lit, u); }, shape_);
   if (!(found.pdf > 0) || !std::isfinite(found.pdf)) return std::nullopt;
-  const Rgb radiance = emitted(textures, found.point, -found.wi);
+  const Rgb radiance =
+      emitted(textures, found.point, -found.wi) * opacity_at(opacity_, textures, found.point.uv);
   if (is_black(radiance)) return std::nullopt;
   return LightSample{found.wi, radiance, found.pdf, false, found.point};
 }
@@ -196,8 +211,8 @@ LightSamples AreaLight::sample_quads(const std::array<const AreaLight*, 8>& quad
     edge_v.set(lane, quad.edge_v);
     front.set(lane, light.front_);
     area.set(lane, light.area_);
-    radiance[lane] = &light.emission_.radiance;
-    two_sided |= (light.emission_.two_sided ? 1u : 0u) << lane;
+    radiance[lane] = &light.radiance_;
+    two_sided |= (light.two_sided_ ? 1u : 0u) << lane;
   }
   LightSamples samples;
   samples.point = point_of_quad<Float8>({corner.all(), edge_u.all(), edge_v.all()}, front.all(), u);
@@ -212,9 +227,9 @@ LightSamples AreaLight::sample_quads(const std::array<const AreaLight*, 8>& quad
 
 AreaLight::Found AreaLight::find(const SphereLight& sphere, Vec3 p_lit, Vec2 u) const {
   auto [point, pdf] =
-      find_on_sphere<float>({sphere.center, sphere.radius}, sphere.deviation, area_, p_lit, u);
+      find_on_sphere<float>({sphere.center, sphere.radius}, sphere.deviation, area_, p_lit, u, !is_opaque_);
   const Vec3 outward = point.geometric_normal;
-  if (emission_.radiance.texture >= 0)
+  if (radiance_.texture >= 0 || opacity_.texture >= 0)
     point.uv =
         sphere_uv({dot(outward, sphere.x_axis), dot(outward, sphere.y_axis), dot(outward, sphere.z_axis)});
   return {point, normalize(point.position - p_lit), pdf};
@@ -233,8 +248,8 @@ LightSamples AreaLight::sample_even_spheres(const std::array<const AreaLight*, 8
     radius.set(lane, sphere.radius);
     deviation.set(lane, sphere.deviation);
     area.set(lane, light.area_);
-    radiance.set(lane, light.emission_.radiance.value);
-    two_sided |= (light.emission_.two_sided ? 1u : 0u) << lane;
+    radiance.set(lane, light.radiance_.value);
+    two_sided |= (light.two_sided_ ? 1u : 0u) << lane;
   }
   LightSamples samples;
   const SphereOf<Float8> balls{center.all(), radius.all()};
@@ -254,13 +269,14 @@ float AreaLight::pdf(Vec3 p_lit, Vec3 p_light) const {
   const auto* sphere = std::get_if<SphereLight>(&shape_);
   if (!sphere) return per_solid_angle(area_, p_lit, p_light, front_);
   const ConeOf<float> cone({sphere->center, sphere->radius}, p_lit);
-  if (cone.exists) return cone.pdf();
+  if (cone.exists && is_opaque_) return cone.pdf();
   return per_solid_angle(area_, p_lit, p_light, normalize(p_light - sphere->center));
 }
 
 double AreaLight::power() const {
-  const int sides = emission_.two_sided && !std::holds_alternative<SphereLight>(shape_) ? 2 : 1;
-  return emission_.mean_radiance * static_cast<double>(area_) * static_cast<double>(kPi) * sides;
+  const bool inside_unseen = std::holds_alternative<SphereLight>(shape_) && is_opaque_;
+  const int sides = two_sided_ && !inside_unseen ? 2 : 1;
+  return mean_radiance_ * static_cast<double>(area_) * static_cast<double>(kPi) * sides;
 }
 
 // A sphere is seen as a disk, which is a quarter of its area.
@@ -269,7 +285,7 @@ LightBounds AreaLight::bounds() const {
   const double seen_area = static_cast<double>(area_) / (sphere ? 4 : 1);
   return LightBounds({std::visit([](const auto& s) { return box_of(s); }, shape_), seen_area},
                      sphere ? NormalCone::all() : NormalCone::only(front_), Falloff::cosine(),
-                     emission_.mean_radiance * seen_area, emission_.two_sided && !sphere);
+                     mean_radiance_ * seen_area, two_sided_ && !sphere);
 }
 
 }  // namespace tessera::core

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <optional>
 #include <variant>
 #include <vector>
@@ -33,9 +34,12 @@ struct SphereLight {
 using LightShape = std::variant<TriangleLight, QuadLight, SphereLight>;
 
 struct SurfaceEmission {
-  ColorParameter radiance;  // uniform over directions
-  double mean_radiance;     // of the radiance over the surface
-  bool two_sided = true;    // else only from the front
+  ColorParameter radiance;      // uniform over directions
+  double mean_radiance;         // over the surface, of the radiance times the opacity
+  bool two_sided = true;        // else only from the front
+  ScalarParameter opacity = 1;  // of the surface: the share of the radiance that leaves it
+
+  bool is_opaque() const { return opacity.texture < 0 && opacity.value >= 1; }
 };
 
 class AreaLight {
@@ -43,21 +47,21 @@ class AreaLight {
   // `front` is the outward normal of a triangle or quad, as SurfacePoint has it; unused by spheres.
   AreaLight(LightShape shape, Vec3 front, const SurfaceEmission& emission);
 
-  // Emitted radiance at a point of the light (its position and uv count), towards `wo`.
+  // Radiance emitted at a point of the light (its position and uv count) towards `wo`, where the surface is
+  // met. sample() multiplies it by the probability of that, the opacity.
   Rgb emitted(const std::vector<Texture>& textures, const SurfacePoint& point, Vec3 wo) const;
 
   std::optional<LightSample> sample(const std::vector<Texture>& textures, Vec3 p_lit, Vec2 u) const;
 
-  bool is_quad() const { return std::holds_alternative<QuadLight>(shape_); }
-  // Eight quads, each lane as sample() does.
+  // A quad that is opaque.
+  bool is_quad() const { return batch_ == Batch::kQuads; }
+  // Eight of these, each lane as sample() does.
   static LightSamples sample_quads(const std::array<const AreaLight*, 8>& quads,
                                    const std::vector<Texture>& textures, Vec3Of<Float8> p_lit,
                                    Vec2Of<Float8> u);
 
-  // A sphere that shines alike all over.
-  bool is_even_sphere() const {
-    return std::holds_alternative<SphereLight>(shape_) && emission_.radiance.texture < 0;
-  }
+  // A sphere that shines alike all over and is opaque.
+  bool is_even_sphere() const { return batch_ == Batch::kEvenSpheres; }
   static LightSamples sample_even_spheres(const std::array<const AreaLight*, 8>& spheres,
                                           Vec3Of<Float8> p_lit, Vec2Of<Float8> u);
 
@@ -69,6 +73,10 @@ class AreaLight {
   LightBounds bounds() const;
 
  private:
+  // Which lights it is sampled together with.
+  enum class Batch : std::uint8_t { kNone, kQuads, kEvenSpheres };
+  static Batch batch_of(const LightShape& shape, const SurfaceEmission& emission);
+
   // A point of the light with the density of its direction.
   struct Found {
     SurfacePoint point;
@@ -83,7 +91,12 @@ class AreaLight {
   LightShape shape_;
   Vec3 front_;
   float area_;
-  SurfaceEmission emission_;
+  // Its emission, and what follows from it.
+  ColorParameter radiance_;
+  double mean_radiance_;
+  ScalarParameter opacity_;
+  bool two_sided_, is_opaque_;
+  Batch batch_;
 };
 
 }  // namespace tessera::core

@@ -16,12 +16,12 @@ constexpr float kMinBending = 1e-3f;
 }  // namespace
 
 Bsdf::AtPoint Bsdf::look_up(const Material& material, const std::vector<Texture>& textures, Vec2 uv,
-                            bool outside) {
+                            bool outside, Rgb tint) {
   const auto at = [&](const auto& parameter) { return parameter.evaluate(textures, uv); };
   return std::visit(
       Overloaded{
-          [&](const Lambert& m) -> AtPoint { return LambertBsdf{at(m.albedo)}; },
-          [&](const Mirror& m) -> AtPoint { return MirrorBsdf{at(m.reflectance)}; },
+          [&](const Lambert& m) -> AtPoint { return LambertBsdf{at(m.albedo) * tint}; },
+          [&](const Mirror& m) -> AtPoint { return MirrorBsdf{at(m.reflectance) * tint}; },
           [&](const Glass& m) -> AtPoint {
             const float ior = std::clamp(at(m.ior), 1.0f, kMaxIor), eta = outside ? ior : 1 / ior;
             const float alpha = squared_roughness(at(m.roughness));
@@ -30,31 +30,32 @@ Bsdf::AtPoint Bsdf::look_up(const Material& material, const std::vector<Texture>
             return RoughDielectricBsdf{Ggx(alpha), eta, m.fresnel, at(m.reflectance), at(m.transmittance)};
           },
           [&](const Phong& m) -> AtPoint {
-            const Rgb diffuse = at(m.diffuse), specular = at(m.specular);
+            const Rgb diffuse = at(m.diffuse) * tint, specular = at(m.specular);
             const Rgb scale = keep_to_one(diffuse, specular);
             return PhongBsdf{diffuse * scale, specular * scale,
                              std::clamp(at(m.exponent), 0.0f, kMaxExponent), m.lobe};
           },
           [&](const CookTorrance& m) -> AtPoint {
-            const Rgb diffuse = at(m.diffuse), specular = at(m.specular);
+            const Rgb diffuse = at(m.diffuse) * tint, specular = at(m.specular);
             const Rgb scale = keep_to_one(diffuse, specular);
             const ComplexIndex index = m.conductor ? complex_index(*m.conductor) : ComplexIndex{};
-            return CookTorranceBsdf{.diffuse = diffuse * scale,
-                                    .specular = specular * scale,
-                                    .is_metal = m.conductor.has_value(),
-                                    .f0 = m.conductor ? Rgb{} : at(m.f0),
-                                    .eta = index.eta,
-                                    .k = index.k,
-                                    .ggx = rough_ggx(at(m.roughness)),
-                                    .schlick_masking = m.masking == Masking::kSchlick,
-                                    .sample_half_vector = material.sampling == Sampling::kHalfVector};
+            return CookTorranceBsdf{
+                .diffuse = diffuse * scale,
+                .specular = specular * scale,
+                .is_metal = m.conductor.has_value(),
+                .f0 = m.conductor ? Rgb{} : at(m.f0) * (f0_is_base_color(m) ? tint : Rgb::gray(1)),
+                .eta = index.eta,
+                .k = index.k,
+                .ggx = rough_ggx(at(m.roughness)),
+                .schlick_masking = m.masking == Masking::kSchlick,
+                .sample_half_vector = material.sampling == Sampling::kHalfVector};
           },
       },
       material.model);
 }
 
-Bsdf::Bsdf(const Material& material, const std::vector<Texture>& textures, Vec2 uv, bool outside)
-    : at_point_(look_up(material, textures, uv, outside)),
+Bsdf::Bsdf(const Material& material, const std::vector<Texture>& textures, Vec2 uv, bool outside, Rgb tint)
+    : at_point_(look_up(material, textures, uv, outside, tint)),
       uniform_(material.sampling == Sampling::kUniform && !is_delta()) {}
 
 bool Bsdf::is_delta() const {

@@ -23,8 +23,10 @@ namespace tessera::core {
 
 class Bsdf {
  public:
-  // `outside`: wo is on the side that the outward geometric normal points to.
-  Bsdf(const Material& material, const std::vector<Texture>& textures, Vec2 uv, bool outside);
+  // `outside`: wo is on the side that the outward geometric normal points to. `tint` multiplies the base
+  // colour (MeshDescription::colors).
+  Bsdf(const Material& material, const std::vector<Texture>& textures, Vec2 uv, bool outside,
+       Rgb tint = Rgb::gray(1));
 
   // Scatters into single directions only: evaluate and pdf are zero. Otherwise into none.
   bool is_delta() const;
@@ -45,7 +47,7 @@ class Bsdf {
                                CookTorranceBsdf>;
 
   static AtPoint look_up(const Material& material, const std::vector<Texture>& textures, Vec2 uv,
-                         bool outside);
+                         bool outside, Rgb tint);
   std::optional<BsdfSample> sample_uniformly(Vec3 wo_local, Vec2 u) const;
   float uniform_pdf(Vec3 wo_local, Vec3 wi_local) const;
 

@@ -110,6 +110,11 @@ inline bool is_opaque(const Material& material) {
   return material.opacity.texture < 0 && material.opacity.value >= 1;
 }
 
+// Whether f0 is what the surface is coloured by, as that of a metal.
+inline bool f0_is_base_color(const CookTorrance& model) {
+  return model.diffuse.texture < 0 && is_black(model.diffuse.value);
+}
+
 // Calls visit(key, parameter) with each ColorParameter and ScalarParameter of `model`, which go by these keys
 // in scene files.
 template <typename Visit>

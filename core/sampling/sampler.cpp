@@ -36,6 +36,10 @@ std::array<Float8, 4> Sampler::pads(const std::array<const Sampler*, 8>& sampler
   return {unit_float(bits[0]), unit_float(bits[1]), unit_float(bits[2]), unit_float(bits[3])};
 }
 
+float Sampler::opacity_number(std::uint64_t ray, std::uint32_t crossing) const {
+  return pad(opacity_pad(ray, crossing))[crossing % kCrossingsPerPad];
+}
+
 std::array<double, 3> Sampler::film_dither() const {
   const std::uint64_t key = hash(~pixel_key_, sample_);
   const auto part = [key](int shift) { return static_cast<double>((key >> shift) & 0x1fffff) * 0x1p-21; };

@@ -26,6 +26,10 @@ class Sampler {
   // Those of eight samplers, one in each lane.
   static std::array<Float8, 4> pads(const std::array<const Sampler*, 8>& samplers, std::uint32_t pad);
 
+  // A number in [0, 1) that decides whether a ray meets a surface or passes through: the surface that it hits
+  // after having passed `crossing` others. `ray` tells it from the other rays of the sample.
+  float opacity_number(std::uint64_t ray, std::uint32_t crossing) const;
+
   // Three numbers in [0, 1) for rounding a sample's channels to the film, independent of every pad.
   std::array<double, 3> film_dither() const;
 
@@ -54,5 +58,12 @@ inline constexpr std::uint64_t tree_child(std::uint64_t node, std::uint32_t bran
 inline constexpr std::uint32_t tree_light_pad(std::uint64_t node, std::uint32_t light) {
   return static_cast<std::uint32_t>(hash(~node, light));
 }  // light u, v; choice, coarse and fine
+
+// Four crossings of a ray share a pad, whose name is a hash, too.
+inline constexpr std::uint32_t kCrossingsPerPad = 4;
+inline constexpr std::uint32_t opacity_pad(std::uint64_t ray, std::uint32_t crossing) {
+  constexpr std::uint64_t kOpacityKey = 0x6f70616369747900u;
+  return static_cast<std::uint32_t>(hash(hash(kOpacityKey, ray), crossing / kCrossingsPerPad));
+}
 
 }  // namespace tessera::core

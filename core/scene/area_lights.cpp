@@ -8,11 +8,21 @@
 namespace tessera::core {
 namespace {
 
+double mean_opacity(const Material& material, const std::vector<Texture>& textures) {
+  const ScalarParameter& opacity = material.opacity;
+  if (opacity.texture < 0) return static_cast<double>(opacity.value);
+  const Texture& texture = textures[static_cast<std::size_t>(opacity.texture)];
+  return std::clamp(static_cast<double>(opacity.value * texture.image->mean().r), 0.0, 1.0);
+}
+
+// Of what leaves the surface: the opacity counts.
 double mean_radiance(const Material& material, const std::vector<Texture>& textures) {
   const ColorParameter& emission = material.emission;
-  if (emission.texture < 0 || is_black(emission.value)) return static_cast<double>(mean(emission.value));
+  if (is_black(emission.value)) return 0;
+  const double opacity = mean_opacity(material, textures);
+  if (emission.texture < 0) return static_cast<double>(mean(emission.value)) * opacity;
   const Texture& texture = textures[static_cast<std::size_t>(emission.texture)];
-  return static_cast<double>(mean(emission.value * texture.image->mean()));
+  return static_cast<double>(mean(emission.value * texture.image->mean())) * opacity;
 }
 
 LightShape shape_of(const Primitives& primitives, std::uint32_t p) {
@@ -141,8 +151,9 @@ std::uint32_t AreaLightFinder::add_light(const LightShape& shape, const Primitiv
     front = primitives.surface(Ray{}, hit).geometric_normal;
   }
   const Material& material = materials_[material_id];
-  const AreaLight light(shape, front,
-                        {material.emission, mean_radiances_[material_id], material.two_sided_emission});
+  const AreaLight light(
+      shape, front,
+      {material.emission, mean_radiances_[material_id], material.two_sided_emission, material.opacity});
   if (!(light.power() > 0 && std::isfinite(light.power()))) return kNoLight;
   lights_.push_back(light);
   return static_cast<std::uint32_t>(lights_.size()) - 1;

@@ -28,7 +28,7 @@ void reserve(const std::vector<ShapeDescription>& shapes, Primitives& primitives
 // Takes the mesh's memory over or gives it back, before the next is added.
 void add_mesh(MeshDescription mesh, Primitives& primitives) {
   primitives.add_mesh(std::move(mesh.positions), mesh.normals, mesh.uvs, std::move(mesh.triangles),
-                      mesh.triangle_materials);
+                      mesh.triangle_materials, mesh.colors);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include "core/scene/area_lights.hpp"
 #include "core/scene/model.hpp"
 #include "core/scene/validation.hpp"
+#include "core/textures/opacity.hpp"
 
 namespace tessera::core {
 namespace {
@@ -31,7 +32,24 @@ Environment make_environment(const EnvironmentDescription& d, const std::vector<
           d.rotation_degrees};
 }
 
+// An opacity texture of a single texel, as alpha is that is 1 everywhere, is a number.
+ScalarParameter without_constant_texture(const ScalarParameter& opacity,
+                                         const std::vector<Texture>& textures) {
+  if (opacity.texture < 0) return opacity;
+  const TextureImage& image = *textures[static_cast<std::size_t>(opacity.texture)].image;
+  return image.width() == 1 && image.height() == 1 ? opacity_at(opacity, textures, {}) : opacity;
+}
+
 }  // namespace
+
+void Scene::add_materials(SceneDescription& description) {
+  textures_ = std::move(description.textures);
+  materials_ = std::move(description.materials);
+  for (Material& material : materials_) {
+    material.opacity = without_constant_texture(material.opacity, textures_);
+    is_opaque_ &= core::is_opaque(material);
+  }
+}
 
 void Scene::add_shapes(SceneDescription& description) {
   Model model = make_model(description.shapes);
@@ -74,9 +92,7 @@ Result<Scene> Scene::build(SceneDescription description, int threads, std::optio
   Scene scene;
   scene.settings_ = description.settings;
   scene.camera_ = Camera(description.camera);
-  scene.textures_ = std::move(description.textures);
-  scene.materials_ = std::move(description.materials);
-
+  scene.add_materials(description);
   scene.add_shapes(description);
   scene.add_lights(description, threads);
   scene.bvh_ = bvh ? std::move(*bvh) : Bvh::build(scene.primitives_, threads);

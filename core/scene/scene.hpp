@@ -37,6 +37,8 @@ class Scene {
   // Chooses only among the lights that no ray can meet.
   const LightSampler& delta_light_sampler() const { return delta_light_sampler_; }
 
+  // Whether no material lets rays pass by its opacity.
+  bool is_opaque() const { return is_opaque_; }
   const Material& material_of(const Hit& hit) const { return materials_[primitives_.material(hit)]; }
   // The light that what was hit belongs to, an AreaLight, or kNoLight.
   std::uint32_t light_of(const Hit& hit) const { return light_map_.light_of(hit); }
@@ -49,6 +51,7 @@ class Scene {
   const Lazy<LightGuide>& light_guide() const { return light_guide_; }
 
  private:
+  void add_materials(SceneDescription& description);
   void add_shapes(SceneDescription& description);
   void add_lights(const SceneDescription& description, int threads);
 
@@ -58,6 +61,7 @@ class Scene {
   Bvh bvh_;
   std::vector<Texture> textures_;
   std::vector<Material> materials_;
+  bool is_opaque_ = true;
   std::vector<Light> lights_;
   LightMap light_map_;
   std::uint32_t environment_light_ = kNoLight;

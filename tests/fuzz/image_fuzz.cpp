@@ -1,4 +1,4 @@
-// A picture: as a texture in both colour spaces, and as `tessera compare` reads it.
+// An image: as a texture in both colour spaces and by its alpha, and as `tessera compare` reads it.
 #include "core/image/decode.hpp"
 #include "core/textures/image_decoder.hpp"
 #include "tests/fuzz/expect.hpp"
@@ -7,8 +7,9 @@
 namespace tessera::fuzz {
 namespace {
 
-void decode_as_texture(std::string_view bytes, core::ColorSpace color_space) {
-  const auto image = core::decode_texture_image(bytes, color_space);
+void decode_as_texture(std::string_view bytes, core::ColorSpace color_space,
+                       core::TextureChannel channel = core::TextureChannel::kColor) {
+  const auto image = core::decode_texture_image(bytes, color_space, channel);
   if (!expect_answer(image)) return;
   expect(image->width() > 0 && image->height() > 0, "a picture has pixels");
   for (const core::Vec2 uv : {core::Vec2{0, 0}, core::Vec2{0.5f, 1}, core::Vec2{-7.3f, 1e30f}})
@@ -33,6 +34,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::string_view bytes = fuzz::as_text(data, size);
   fuzz::decode_as_texture(bytes, core::ColorSpace::kSrgb);
   fuzz::decode_as_texture(bytes, core::ColorSpace::kLinear);
+  fuzz::decode_as_texture(bytes, core::ColorSpace::kLinear, core::TextureChannel::kAlpha);
   fuzz::decode_as_picture(bytes);
   return 0;
 }

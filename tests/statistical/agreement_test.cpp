@@ -31,6 +31,26 @@ TEST(Strategies, AgreeInARoomOfGlossyMaterials) {
   expect_strategies_agree(room);
 }
 
+// Translucent walls, mirrors and glass; lamps that let light pass, of each shape, one through a mask; and
+// light from outside.
+TEST(Strategies, AgreeInATranslucentRoom) {
+  SceneDescription room = test::room();
+  const TextureImage mask{2, 2, std::vector<float>{0, 0, 0, 1, 1, 1, 0.5f, 0.5f, 0.5f, 1, 1, 1}};
+  room.textures = {{.image = std::make_shared<TextureImage>(mask), .scale = {3, 3}}};
+  for (Material& material : room.materials) material.opacity = 0.7f;
+  room.materials[0].opacity = {0.9f, 0};
+  room.materials[2].opacity = {1, 0};
+  room.shapes.push_back(
+      MeshDescription{.positions = {{-0.8f, 0.2f, 0.7f}, {-0.2f, 0.2f, 0.8f}, {-0.5f, 0.9f, 0.6f}},
+                      .normals = {},
+                      .uvs = {{0, 0}, {1, 0}, {0, 1}},
+                      .triangles = {{0, 1, 2}},
+                      .triangle_materials = {3}});
+  room.environment = {{{0.4f, 0.5f, 0.8f}}};
+  room.lights = {PointLightDescription{{0, 1.5f, 2}, {2, 2, 1}}};
+  expect_strategies_agree(room);
+}
+
 // A sky whose power dwarfs the lamp's by ten orders of magnitude hides neither.
 TEST(Strategies, AgreeUnderASky) {
   test::SceneMaker maker({.position = {0, 2, 6}, .look_at = {0, 0.5f, 0}});

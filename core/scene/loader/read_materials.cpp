@@ -79,28 +79,28 @@ ScalarParameter read_scalar(const Field& field, const ScalarRules& rules,
   return scalar;
 }
 
-NormalMap read_normal_map(const Field& field, const std::vector<TextureEntry>& textures) {
-  NormalMap map;
+// A map of normals or heights, and the number that it is multiplied by.
+struct MapRules {
+  const ObjectRules& keys;
+  std::string_view factor;
+  Bounds limits;
+};
+
+constexpr MapRules kNormalMapRules{scene_keys::kNormalMap, "strength", kStrength};
+constexpr MapRules kBumpRules{scene_keys::kBump, "height", bounds::kCoordinate};
+
+template <typename Map>
+Map read_map(const Field& field, const MapRules& rules, float Map::*factor,
+             const std::vector<TextureEntry>& textures) {
+  Map map;
   if (is_text(field)) {
     field.must_be(kTextureObject);
     return map;
   }
-  const ObjectReader object(field, scene_keys::kNormalMap);
+  const ObjectReader object(field, rules.keys);
   map.texture = read_or(object, "texture", map.texture, read_texture_name, textures);
-  map.strength = read_or(object, "strength", map.strength, read_float, kStrength);
+  map.*factor = read_or(object, rules.factor, map.*factor, read_float, rules.limits);
   return map;
-}
-
-BumpMap read_bump(const Field& field, const std::vector<TextureEntry>& textures) {
-  BumpMap bump;
-  if (is_text(field)) {
-    field.must_be(kTextureObject);
-    return bump;
-  }
-  const ObjectReader object(field, scene_keys::kBump);
-  bump.texture = read_or(object, "texture", bump.texture, read_texture_name, textures);
-  bump.height = read_or(object, "height", bump.height, read_float, bounds::kCoordinate);
-  return bump;
 }
 
 // The members of one material that hold its parameters.
@@ -207,8 +207,9 @@ Material read_material(const Field& field, const std::string& name,
     material.sampling =
         static_cast<Sampling>(read_choice(*sampling, microfacets ? Words(kMicrofacetSamplings) : kSamplings));
   if (const auto map = find_member_field(field, "normal_map"))
-    material.normal_map = read_normal_map(*map, textures);
-  if (const auto bump = find_member_field(field, "bump")) material.bump = read_bump(*bump, textures);
+    material.normal_map = read_map(*map, kNormalMapRules, &NormalMap::strength, textures);
+  if (const auto bump = find_member_field(field, "bump"))
+    material.bump = read_map(*bump, kBumpRules, &BumpMap::height, textures);
   if (const auto opacity = find_member_field(field, "opacity"))
     material.opacity = read_scalar(*opacity, kOpacity, textures);
   return material;

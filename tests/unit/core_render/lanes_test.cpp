@@ -26,9 +26,19 @@ void expect_equal(const Ray& a, const Ray& b) {
   ASSERT_EQ(a.t_max, b.t_max);
 }
 
+MeshDescription as_mesh(const QuadDescription& quad) {
+  const Vec3 c = quad.corner, u = quad.edge_u, v = quad.edge_v;
+  return {.positions = {c, c + u, c + u + v, c + v},
+          .normals = {},
+          .uvs = {{0, 0}, {1, 0}, {1, 1}, {0, 1}},
+          .triangles = {{0, 1, 2}, {0, 2, 3}},
+          .triangle_materials = {quad.material}};
+}
+
 class EightLanes : public testing::Test {
  protected:
-  EightLanes() : scene_(Scene::build(fingerprint_scene(), 1).value()) {}
+  explicit EightLanes(const SceneDescription& scene = fingerprint_scene())
+      : scene_(Scene::build(scene, 1).value()) {}
 
   float random() { return std::uniform_real_distribution<float>(0, 1)(generator_); }
   Vec3 random_point() { return {3 * random() - 1.5f, 3 * random(), 4 * random() - 2}; }
@@ -143,29 +153,37 @@ class EightLanes : public testing::Test {
     }
   }
 
+  void compare_diffuse() { compare_triangles(is_diffuse, diffuse_vertices); }
+  void compare_glossy() { compare_triangles(is_glossy, glossy_vertices); }
+  template <typename VerticesOf>
+  void compare_triangles(bool (*only_at)(const Material&), VerticesOf vertices_of) {
+    for (int i = 0; i < 1000 && !HasFatalFailure(); ++i) {
+      const Sights sights = look(only_at);
+      compare(sights, vertices_of(scene_, sights.ray_pointers(), sights.hit_pointers()));
+    }
+    EXPECT_GT(samples_found_, 6000);
+    EXPECT_GT(lights_found_, 4000);
+  }
+  void compare_all() {
+    for (int i = 0; i < 2000 && !HasFatalFailure(); ++i) {
+      const Sights sights = look(nullptr);
+      compare(sights, mixed_vertices(scene_, sights.ray_pointers(), sights.hit_pointers(), kLaneCount));
+    }
+    EXPECT_GT(samples_found_, 12000);
+    EXPECT_GT(lights_found_, 8000);
+  }
+
   Scene scene_;
   std::mt19937 generator_{1};
   int samples_found_ = 0, lights_found_ = 0;
 };
 
 TEST_F(EightLanes, OfDiffuseTriangles) {
-  for (int i = 0; i < 1000; ++i) {
-    const Sights sights = look(is_diffuse);
-    compare(sights, diffuse_vertices(scene_, sights.ray_pointers(), sights.hit_pointers()));
-    if (HasFatalFailure()) return;
-  }
-  EXPECT_GT(samples_found_, 6000);
-  EXPECT_GT(lights_found_, 4000);
+  compare_diffuse();
 }
 
 TEST_F(EightLanes, OfGlossyTriangles) {
-  for (int i = 0; i < 1000; ++i) {
-    const Sights sights = look(is_glossy);
-    compare(sights, glossy_vertices(scene_, sights.ray_pointers(), sights.hit_pointers()));
-    if (HasFatalFailure()) return;
-  }
-  EXPECT_GT(samples_found_, 6000);
-  EXPECT_GT(lights_found_, 4000);
+  compare_glossy();
 }
 
 // A picture of each format that pictures are kept in.
@@ -239,13 +257,43 @@ TEST_F(EightLanes, OfSurroundings) {
 }
 
 TEST_F(EightLanes, OfAllMaterialsAndShapes) {
-  for (int i = 0; i < 2000; ++i) {
-    const Sights sights = look(nullptr);
-    compare(sights, mixed_vertices(scene_, sights.ray_pointers(), sights.hit_pointers(), kLaneCount));
-    if (HasFatalFailure()) return;
+  compare_all();
+}
+
+// The same scene whose triangles have vertex colours, with bump maps and lamps that let light pass.
+SceneDescription with_vertex_colors_and_opacity() {
+  SceneDescription scene = fingerprint_scene();
+  for (ShapeDescription& shape : scene.shapes)
+    if (const auto* quad = std::get_if<QuadDescription>(&shape)) shape = as_mesh(*quad);
+  for (auto* shapes : {&scene.shapes, &scene.objects[0].shapes})
+    for (ShapeDescription& shape : *shapes)
+      if (auto* mesh = std::get_if<MeshDescription>(&shape))
+        for (std::size_t i = 0; i < mesh->positions.size(); ++i)
+          mesh->colors.push_back({1, 0.25f * static_cast<float>(i % 5), 0.5f});
+  for (Material& material : scene.materials) {
+    if (material.name == "varnish" || material.name == "tiles") material.bump = {0, 0.1f};
+    if (material.name == "lamp") material.opacity = 0.5f;
+    if (material.name == "screen") material.opacity = {0.5f, 2};
+    if (material.name == "lacquer") std::get<CookTorrance>(material.model).diffuse = {Rgb{}};
   }
-  EXPECT_GT(samples_found_, 12000);
-  EXPECT_GT(lights_found_, 8000);
+  return scene;
+}
+
+class EightColoredLanes : public EightLanes {
+ protected:
+  EightColoredLanes() : EightLanes(with_vertex_colors_and_opacity()) {}
+};
+
+TEST_F(EightColoredLanes, OfDiffuseTriangles) {
+  compare_diffuse();
+}
+
+TEST_F(EightColoredLanes, OfGlossyTriangles) {
+  compare_glossy();
+}
+
+TEST_F(EightColoredLanes, OfAllMaterialsAndShapes) {
+  compare_all();
 }
 
 }  // namespace

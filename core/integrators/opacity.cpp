@@ -1,0 +1,61 @@
+#include "core/integrators/opacity.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/textures/opacity.hpp"
+
+namespace tessera::core {
+namespace {
+
+// The rest of a shadow ray behind a surface; nothing where that is at its end.
+std::optional<Ray> rest_of(const Ray& whole, const SurfacePoint& surface) {
+  const Vec3 origin = offset_origin(surface, whole.direction);
+  if (!std::isfinite(whole.t_max)) return Ray{origin, whole.direction, whole.t_max};
+  const Vec3 rest = whole.origin + whole.direction * whole.t_max - origin;
+  if (!(dot(rest, whole.direction) > 0)) return std::nullopt;
+  return Ray{origin, rest, 1};
+}
+
+}  // namespace
+
+Crossing crossing_at(const Scene& scene, const Ray& ray, const Hit& hit, std::uint32_t crossing) {
+  const Material& material = scene.material_of(hit);
+  if (is_opaque(material) || crossing >= kMaxCrossings) return {{}, 1};
+  const SurfacePoint surface = scene.primitives().surface(ray, hit);
+  return {surface, opacity_at(material.opacity, scene.textures(), surface.uv)};
+}
+
+Met meet_by_chance(const Scene& scene, const Ray& ray, const Sampler& sampler, std::uint64_t name) {
+  Met met{ray, scene.bvh().closest_hit(scene.primitives(), ray)};
+  if (scene.is_opaque() || !met.hit.found()) return met;
+  met.traced += pass_by_chance(scene, {&met.ray, 1}, {&met.hit, 1}, name,
+                               [&](std::uint32_t) -> const Sampler& { return sampler; });
+  return met;
+}
+
+std::uint64_t find_transmittances(const Scene& scene, std::span<const Ray> rays, std::span<float> shares) {
+  std::vector<Ray> segments(rays.begin(), rays.end());
+  std::vector<Hit> hits(rays.size());
+  scene.bvh().closest_hits(scene.primitives(), rays, hits);
+  std::fill(shares.begin(), shares.end(), 1.0f);
+  const auto pass = [&](std::uint32_t i, const Ray& segment, const Hit& hit,
+                        std::uint32_t crossing) -> std::optional<Ray> {
+    const auto [surface, opacity] = crossing_at(scene, segment, hit, crossing);
+    shares[i] *= 1 - opacity;
+    if (!(shares[i] > 0)) return std::nullopt;
+    return rest_of(rays[i], surface);
+  };
+  return rays.size() + trace_through(scene, segments, hits, pass);
+}
+
+float transmittance(const Scene& scene, const Ray& ray, std::uint64_t& traced) {
+  ++traced;
+  if (!scene.bvh().any_hit(scene.primitives(), ray)) return 1;
+  if (scene.is_opaque()) return 0;
+  float share = 0;
+  traced += find_transmittances(scene, {&ray, 1}, {&share, 1});
+  return share;
+}
+
+}  // namespace tessera::core

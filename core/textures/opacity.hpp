@@ -1,0 +1,18 @@
+// The opacity of a surface at a point: the probability that light meets it.
+#pragma once
+
+#include <vector>
+
+#include "core/textures/texture.hpp"
+
+namespace tessera::core {
+
+// In [0, 1]. What rounding leaves between texels of 1 is 1.
+inline float opacity_at(const ScalarParameter& opacity, const std::vector<Texture>& textures, Vec2 uv) {
+  constexpr float kAlmostOne = 1 - 0x1p-20f;
+  const float value = opacity.evaluate(textures, uv);
+  if (value >= kAlmostOne) return 1;
+  return value > 0 ? value : 0;
+}
+
+}  // namespace tessera::core
