@@ -32,6 +32,8 @@ void log_to_stderr(const std::string& program) {
   formatter->add_flag<PrintableMessage>('*').set_pattern("[%Y-%m-%d %H:%M:%S.%e] [%n] [%^%l%$] %*");
   const auto logger = spdlog::stderr_color_mt(program);
   logger->set_formatter(std::move(formatter));
+  // What cannot be written is lost; spdlog would complain of it on the same stream.
+  logger->set_error_handler([](const std::string&) {});
   spdlog::set_default_logger(logger);
 }
 

@@ -29,9 +29,11 @@ struct Limits {
   std::uint64_t store_mib = 256 * 1024;
   std::uint64_t uploads = 64;
 
-  // Of a scene, found when it is validated: the triangles of its meshes, and the pixels of one picture and of
-  // all pictures that its textures are read from.
+  // Of a scene, found when it is validated: the triangles of its meshes, its lights (emissive triangles,
+  // quads and spheres, those of every instance included), and the pixels of one picture and of all pictures
+  // that its textures are read from.
   std::uint64_t triangles = 100'000'000;
+  std::uint64_t lights = 10'000'000;
   std::uint64_t texture_pixels = std::uint64_t{1} << 28;
   std::uint64_t scene_texture_pixels = std::uint64_t{1} << 30;
 

@@ -8,6 +8,7 @@
 #include <stop_token>
 
 #include "core/base/printable.hpp"
+#include "core/base/standard_streams.hpp"
 #include "proto/log.hpp"
 #include "proto/open_files.hpp"
 #include "server/maintenance.hpp"
@@ -60,6 +61,7 @@ core::Status run(const server::Options& options, const sigset_t& stop_signals) {
   settings.keep_unused_blobs = std::chrono::duration_cast<std::chrono::seconds>(
       std::chrono::duration<double, std::ratio<3600>>(options.keep_unused_hours));
   settings.audit_share = options.audit;
+  settings.fingerprint = options.fingerprint;
   const auto coordinator = coordinator::Coordinator::open(settings, std::move(*state), check);
   if (!coordinator) return core::fail(coordinator.error());
   rpc::ServerOptions serving{
@@ -84,6 +86,7 @@ core::Status run(const server::Options& options, const sigset_t& stop_signals) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  core::prepare_standard_streams();
   // Errors are told once, in our words; GRPC_VERBOSITY=DEBUG brings gRPC's own back.
   setenv("GRPC_VERBOSITY", "NONE", 0);
   proto::log_to_stderr("tessera-coordinator");

@@ -22,6 +22,14 @@ const cli::HelpText kHelp{
                       {cli::kExitUsage, "wrong command line"}},
     .examples = {"tessera-coordinator --state /var/lib/tessera",
                  "tessera-coordinator --check /var/lib/tessera"}};
+constexpr int kExitUsage = 2;
+constexpr std::size_t kFingerprintDigits = 16;
+
+// What is wrong with it; empty if nothing is.
+std::string is_fingerprint(const std::string& text) {
+  const bool digits = text.find_first_not_of("0123456789abcdef") == std::string::npos;
+  return digits && text.size() == kFingerprintDigits ? "" : "must be 16 lower-case hexadecimal digits";
+}
 
 void add_maintenance_flags(CLI::App& app, Options& options) {
   const auto add_folder = [&](const char* flag, std::filesystem::path& path, const char* what) {
@@ -89,6 +97,16 @@ Options parse_options(int argc, char** argv) {
   app.add_option("--validator", options.validator,
                  "Program that validates submitted scenes [default: tessera-validator beside this program]")
       ->type_name("FILE");
+  app.add_option(
+         "--accept-fingerprint", options.fingerprint,
+         "Let workers join that render these bits, as their log and refusal name them; by default those of "
+         "this coordinator's release")
+      ->check(CLI::Validator(is_fingerprint, "HEX"))
+      ->type_name("HEX")
+      ->capture_default_str();
+  app.add_option("--validator", options.validator, "The tessera-validator to start for submitted scenes")
+      ->type_name("FILE")
+      ->capture_default_str();
   add_maintenance_flags(app, options);
   add_security_flags(app, options);
   add_limit_flags(app, options.limits);

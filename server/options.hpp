@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <string>
 
+#include "core/base/determinism_fingerprint.hpp"
 #include "proto/channel.hpp"
 #include "server/limits.hpp"
 #include "server/store/state_directory.hpp"
@@ -24,6 +25,8 @@ struct Options {
   // The share of ranges that another worker renders again, to find out who computes other bits. 1: everything
   // is rendered twice.
   double audit = 0;
+  // The determinism fingerprint of the workers that may join.
+  std::string fingerprint{core::kDeterminismFingerprint};
   proto::ServerSecurity security;
   // File with the tokens of those who may call; see rpc::Access. Empty: everybody may do everything.
   std::string tokens;

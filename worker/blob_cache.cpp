@@ -23,8 +23,9 @@ using core::fail;
 
 // Of a SHA-256.
 constexpr std::size_t kHexDigits = 64;
-// For one blob, however large: a stalled transfer is noticed by the channel's keepalive long before.
-constexpr auto kFetchDeadline = std::chrono::hours(1);
+// For the next piece of a blob, of up to a mebibyte: lines of a few kilobytes a second get through, in
+// whatever time. A peer that has vanished is noticed by the channel's keepalive long before.
+constexpr auto kMaxSilence = std::chrono::minutes(5);
 
 core::Error cannot_write(const std::string& path) {
   return {ErrorCode::kInternal, fmt::format("cannot write {}: {}", path, std::strerror(errno))};
@@ -50,6 +51,8 @@ bool holds(const std::string& path, const proto::Digest& digest) {
 
 core::Result<BlobCache> BlobCache::open(const std::string& folder, std::uint64_t max_bytes) {
   if (core::Status usable = core::make_folder(folder); !usable) return fail(usable.error());
+  // Whoever may write there could change a scene between its check and its use.
+  if (core::Status own = core::check_is_own(folder); !own) return fail(own.error());
   core::remove_abandoned(folder, is_blob_name);
   return BlobCache(folder, max_bytes);
 }
@@ -93,14 +96,18 @@ core::Status BlobCache::download(const proto::Digest& digest, const std::string&
     return {};
   });
 
-  StoppableCall call(stop, kFetchDeadline);
+  StoppableCall call(stop);
+  StallGuard guard(*call.context(), kMaxSilence);
   call.context()->set_wait_for_ready(true);
   v1::FetchBlobRequest request;
   *request.mutable_digest() = proto::to_proto(digest);
   const auto stream = coordinator.FetchBlob(call.context(), request);
   v1::FetchBlobResponse response;
   core::Status taken;
-  while (taken && stream->Read(&response)) taken = receiver.accept(response.chunk());
+  while (taken && stream->Read(&response)) {
+    guard.progressed();
+    taken = receiver.accept(response.chunk());
+  }
   if (!taken) call.context()->TryCancel();
   const grpc::Status finished = stream->Finish();
   if (!taken) return taken;

@@ -17,9 +17,10 @@ inline constexpr std::uint64_t kDefaultCacheBytes = std::uint64_t{16} << 30;
 
 class BlobCache {
  public:
-  // Creates the folder where it is missing. Errors name the folder and say why it cannot be used.
-  // After each transfer the files that were not used for longest, blobs and kept scenes, are removed until no
-  // more than `max_bytes` are left, as core::remove_least_used() does.
+  // Creates the folder where it is missing. Errors name the folder and say why it cannot be used: also if
+  // others may write to it, or it is another user's. After each transfer the files that were not used for
+  // longest, blobs and kept scenes, are removed until no more than `max_bytes` are left, as
+  // core::remove_least_used() does.
   static core::Result<BlobCache> open(const std::string& folder,
                                       std::uint64_t max_bytes = kDefaultCacheBytes);
 

@@ -15,7 +15,9 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr proto::Duration kSubmitDeadline = 30s;
+// For a message of no size, and for each kilobyte of it: lines of a few kilobytes a second get through. A
+// peer that has vanished is noticed by the channel's keepalive long before.
+constexpr proto::Duration kSubmitDeadline = 30s, kSubmitDeadlinePerKilobyte = 250ms;
 constexpr proto::BackoffOptions kDeliveryBackoff{.first = 100ms, .longest = 2s};
 
 // Sending it again cannot help. After any other error the result may still be wanted.
@@ -55,6 +57,7 @@ v1::SubmitResultRequest DeliverLoop::encode(const Delivery& delivery) const {
   request.set_arithmetic_fingerprint(identity_.arithmetic_fingerprint);
   request.set_job_id(delivery.job_id);
   request.set_lease_id(delivery.lease_id);
+  request.set_lease_token(delivery.lease_token);
   for (const core::FilmTile& tile : delivery.tiles) *request.add_items() = proto::encode_tile(tile);
   *request.mutable_render_time() = google::protobuf::util::TimeUtil::NanosecondsToDuration(
       std::chrono::duration_cast<std::chrono::nanoseconds>(delivery.render_time).count());
@@ -66,7 +69,8 @@ v1::SubmitResultRequest DeliverLoop::encode(const Delivery& delivery) const {
 
 core::Status DeliverLoop::submit(const v1::SubmitResultRequest& request, const std::stop_token& stop,
                                  v1::SubmitResultResponse& response) {
-  StoppableCall call(stop, kSubmitDeadline);
+  const std::size_t kilobytes = request.ByteSizeLong() / 1000;
+  StoppableCall call(stop, kSubmitDeadline + kilobytes * kSubmitDeadlinePerKilobyte);
   call.context()->set_wait_for_ready(true);
   const grpc::Status status = coordinator_.SubmitResult(call.context(), request, &response);
   if (status.ok() && response.dropped_items() > 0)

@@ -22,7 +22,10 @@ class FetchLoop {
 
  private:
   core::Result<std::shared_ptr<const Job>> fetch(const v1::JobSpec& spec, const std::stop_token& stop);
-  core::Result<std::string> fetch_blob(const v1::Digest& digest, const std::stop_token& stop);
+  // The same, where memory running out is an error.
+  core::Result<std::shared_ptr<const Job>> fetch_or_run_out(const v1::JobSpec& spec,
+                                                            const std::stop_token& stop);
+  core::Result<std::string> fetch_blob(const proto::Digest& digest, const std::stop_token& stop);
 
   const BlobCache& cache_;
   v1::WorkerService::StubInterface& coordinator_;

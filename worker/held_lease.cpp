@@ -9,8 +9,8 @@ namespace {
 
 // An unfinished item is sent in parts that took about this long to render.
 constexpr Duration kLongestGrowing = std::chrono::seconds(2);
-// Sums of one message before compression.
-constexpr std::size_t kMaxBatchBytes = std::size_t{8} << 20;
+// Sums of one message before compression. Small enough that a slow line is through with it soon.
+constexpr std::size_t kMaxBatchBytes = std::size_t{2} << 20;
 
 std::size_t sums_bytes(const core::FilmTile& tile) {
   return (tile.sums.size() + tile.odd_sums.size()) * sizeof(std::uint64_t);
@@ -125,6 +125,7 @@ Delivery HeldLease::take_batch() {
   Delivery delivery;
   delivery.lease_id = id_;
   delivery.job_id = job_id_;
+  delivery.lease_token = token_;
   delivering_.emplace();
   std::size_t bytes = 0;
   while (!ready_.empty() && (bytes == 0 || bytes + sums_bytes(ready_.front()) <= kMaxBatchBytes)) {

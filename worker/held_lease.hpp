@@ -26,6 +26,7 @@ using proto::WorkItem;
 struct Delivery {
   std::uint64_t lease_id = 0;
   std::string job_id;
+  std::string lease_token;
   std::vector<core::FilmTile> tiles;
   Duration render_time{};
   bool lease_finished = false;
@@ -37,11 +38,13 @@ struct Delivery {
 
 class HeldLease {
  public:
-  HeldLease(std::uint64_t id, std::string job_id, std::vector<WorkItem> items)
-      : id_(id), job_id_(std::move(job_id)), todo_(items.begin(), items.end()) {}
+  HeldLease(std::uint64_t id, std::string job_id, std::vector<WorkItem> items, std::string token = {})
+      : id_(id), job_id_(std::move(job_id)), token_(std::move(token)), todo_(items.begin(), items.end()) {}
 
   std::uint64_t id() const { return id_; }
   const std::string& job_id() const { return job_id_; }
+  // v1.Lease.token.
+  const std::string& token() const { return token_; }
 
   // Everything held of it, in a canonical form: ranges of one rectangle that touch are one item.
   std::vector<WorkItem> items() const;
@@ -76,6 +79,7 @@ class HeldLease {
 
   std::uint64_t id_;
   std::string job_id_;
+  std::string token_;
   std::deque<WorkItem> todo_;
   bool stopped_ = false;
   std::optional<WorkItem> rendering_;

@@ -4,6 +4,9 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <ranges>
+
+#include "core/base/printable.hpp"
 
 namespace tessera::worker {
 namespace {
@@ -12,11 +15,17 @@ namespace {
 constexpr std::size_t kIdleJobsKept = 16;
 // Of any coordinator.
 constexpr std::chrono::seconds kLongestLeaseTime{3600};
+// What is held and looked at, whatever a coordinator says: several times what any gives.
+constexpr int kMaxLeases = 64;
+constexpr int kMaxItems = 1024;
+// How long a trouble is told of after its last time; a job that is given again has it again.
+constexpr std::chrono::minutes kTroubleShown{10};
 
 v1::Lease to_proto(const HeldLease& lease) {
   v1::Lease message;
   message.set_id(lease.id());
   message.set_job_id(lease.job_id());
+  message.set_token(lease.token());
   for (const WorkItem& item : lease.items()) *message.add_items() = proto::to_proto(item);
   return message;
 }
@@ -37,10 +46,17 @@ Duration heard_within(const v1::SynchronizeResponse& response) {
       std::max<std::int64_t>(TimeUtil::DurationToMilliseconds(response.heard_within()), 0));
 }
 
+// As many as are looked at.
+auto first_leases(const google::protobuf::RepeatedPtrField<v1::Lease>& leases) {
+  return leases | std::views::take(kMaxLeases);
+}
+
 // The items that can be; others are left out and so stay with the coordinator.
 std::vector<WorkItem> readable_items(const v1::Lease& lease, const v1::RenderSettings& settings) {
   std::vector<WorkItem> items;
-  for (const v1::WorkItem& message : lease.items()) {
+  int left_out = std::max(lease.items_size() - kMaxItems, 0);
+  for (int i = 0; i < std::min(lease.items_size(), kMaxItems); ++i) {
+    const v1::WorkItem& message = lease.items(i);
     const auto item = proto::from_proto(message);
     // Of no more than a tile, which is what a result can hold.
     const bool inside = item && message.rect().x1() <= settings.width_px() &&
@@ -49,9 +65,13 @@ std::vector<WorkItem> readable_items(const v1::Lease& lease, const v1::RenderSet
     if (inside)
       items.push_back(*item);
     else
-      spdlog::warn("lease {} asks for pixels or samples that job {} does not have, or for more than a tile",
-                   lease.id(), lease.job_id());
+      ++left_out;
   }
+  if (left_out > 0)
+    spdlog::warn(
+        "{} items of lease {} are left out: job {} does not have their pixels or samples, or they are more "
+        "than a tile, or there are more than {}",
+        left_out, lease.id(), lease.job_id(), kMaxItems);
   return items;
 }
 
@@ -73,6 +93,7 @@ void Holdings::report(v1::SynchronizeRequest& request) {
   request.set_wanted_leases(draining_ ? 0 : options_.wanted_leases + given_up);
   request.set_draining(draining_);
   report_activity(request);
+  report_troubles(request);
 }
 
 // What is fetched goes on being fetched when others have been given its leases.
@@ -84,14 +105,24 @@ void Holdings::report_activity(v1::SynchronizeRequest& request) const {
   if (rendering_) *request.mutable_rendering() = to_proto(*rendering_);
 }
 
+void Holdings::report_troubles(v1::SynchronizeRequest& request) const {
+  for (const auto& [id, entry] : jobs_) {
+    if (entry.trouble.empty() || Clock::now() - entry.trouble_at > kTroubleShown) continue;
+    v1::Trouble& trouble = *request.add_troubles();
+    trouble.set_job_id(id);
+    trouble.set_text(core::printable(entry.trouble));
+  }
+}
+
 bool Holdings::apply(const v1::SynchronizeResponse& response) {
   std::lock_guard lock(mutex_);
   heard_within_ = std::max(heard_within_, heard_within(response));
   bool changed = false;
   for (const v1::JobSpec& spec : response.jobs()) changed |= add_job(spec);
 
+  const auto leases = first_leases(response.leases());
   std::map<std::uint64_t, const v1::Lease*> wanted;
-  for (const v1::Lease& lease : response.leases()) wanted.emplace(lease.id(), &lease);
+  for (const v1::Lease& lease : leases) wanted.emplace(lease.id(), &lease);
   for (HeldLease& lease : leases_) {
     const auto still = wanted.find(lease.id());
     if (still == wanted.end() && just_given_.contains(lease.id())) continue;
@@ -103,12 +134,14 @@ bool Holdings::apply(const v1::SynchronizeResponse& response) {
     }
   }
   leases_.remove_if([&](const HeldLease& lease) { return lease.empty() && unwanted_.erase(lease.id()) > 0; });
-  for (const v1::Lease& lease : response.leases()) changed |= add_lease(lease);
+  for (const v1::Lease& lease : leases) changed |= add_lease(lease);
   announce_change();
   return changed;
 }
 
 bool Holdings::add_job(const v1::JobSpec& spec) {
+  if (jobs_.size() >= static_cast<std::size_t>(kMaxLeases) + kIdleJobsKept && !jobs_.contains(spec.job_id()))
+    return false;
   const auto [job, is_new] = jobs_.try_emplace(spec.job_id());
   if (is_new) job->second.spec = spec;
   return is_new;
@@ -116,12 +149,14 @@ bool Holdings::add_job(const v1::JobSpec& spec) {
 
 bool Holdings::add_lease(const v1::Lease& lease) {
   if (draining_ || find_lease(lease.id()) != nullptr || just_finished_.contains(lease.id())) return false;
+  if (leases_.size() >= static_cast<std::size_t>(kMaxLeases)) return false;
   const auto job = jobs_.find(lease.job_id());
   if (job == jobs_.end()) {
     spdlog::warn("lease {} is of job {}, which the coordinator did not describe", lease.id(), lease.job_id());
     return false;
   }
-  leases_.emplace_back(lease.id(), lease.job_id(), readable_items(lease, job->second.spec.settings()));
+  leases_.emplace_back(lease.id(), lease.job_id(), readable_items(lease, job->second.spec.settings()),
+                       lease.token());
   return true;
 }
 
@@ -161,12 +196,12 @@ void Holdings::fetched(std::shared_ptr<const Job> job) {
   announce_change();
 }
 
-void Holdings::cannot_fetch(const std::string& job_id) {
+void Holdings::cannot_fetch(const std::string& job_id, const std::string& why) {
   std::lock_guard lock(mutex_);
-  make_unusable(job_id);
+  make_unusable(job_id, why);
 }
 
-void Holdings::make_unusable(const std::string& job_id) {
+void Holdings::make_unusable(const std::string& job_id, const std::string& trouble) {
   const auto found = jobs_.find(job_id);
   if (found == jobs_.end()) return;
   JobEntry& entry = found->second;
@@ -176,6 +211,8 @@ void Holdings::make_unusable(const std::string& job_id) {
   entry.stage = Stage::kUnusable;
   entry.job.reset();
   entry.cannot_build.clear();
+  entry.trouble = trouble;
+  entry.trouble_at = Clock::now();
   entry.give_back_at = Clock::now() + std::min(delay, options_.longest_delay);
   announce_change();
 }
@@ -215,14 +252,19 @@ void Holdings::rendered(const Piece& piece, core::FilmTile tile, Duration render
   if (has_abandoned_) return;
   find_lease(piece.lease_id)->rendered(std::move(tile), render_time);
   const auto job = jobs_.find(piece.job->id);
-  if (job != jobs_.end()) job->second.failures = 0;
+  if (job != jobs_.end()) {
+    job->second.failures = 0;
+    job->second.trouble.clear();
+  }
   announce_change();
 }
 
 void Holdings::cannot_render(const Piece& piece, const std::string& why) {
   std::lock_guard lock(mutex_);
+  rendering_.reset();
+  if (has_abandoned_) return;
   find_lease(piece.lease_id)->not_rendered();
-  make_unusable(piece.job->id);
+  make_unusable(piece.job->id, why);
   const auto job = jobs_.find(piece.job->id);
   if (job != jobs_.end()) job->second.cannot_build = why;
 }
@@ -299,7 +341,7 @@ void Holdings::delivered(const Delivery& delivery, const v1::SubmitResultRespons
   }
   // If one was taken away again by a Synchronize that was answered meanwhile, the next says so.
   for (const v1::JobSpec& spec : answer.jobs()) add_job(spec);
-  for (const v1::Lease& given : answer.new_leases())
+  for (const v1::Lease& given : first_leases(answer.new_leases()))
     if (add_lease(given)) just_given_.insert(given.id());
   announce_change();
 }

@@ -78,7 +78,8 @@ class Holdings {
   // Blocks until a job's files are wanted; nothing after a stop.
   std::optional<v1::JobSpec> next_to_fetch(const std::stop_token& stop);
   void fetched(std::shared_ptr<const Job> job);
-  void cannot_fetch(const std::string& job_id);
+  // Reported as a trouble until it is fetched.
+  void cannot_fetch(const std::string& job_id, const std::string& why);
 
   // ---- For the thread that renders ----
 
@@ -91,7 +92,8 @@ class Holdings {
   // Its scene is ready, and its samples come next; need not be called.
   void begins(const Piece& piece);
   void rendered(const Piece& piece, core::FilmTile tile, Duration render_time);
-  // The scene cannot be built, for this reason; empty if its files must be fetched again first.
+  // The scene cannot be built or rendered, for this reason, which is reported as a trouble until a piece of
+  // the job is rendered; empty if its files must be fetched again first.
   void cannot_render(const Piece& piece, const std::string& why);
 
   // ---- For the thread that delivers ----
@@ -130,6 +132,8 @@ class Holdings {
     int failures = 0;
     std::string cannot_build;          // why, while UNUSABLE for this reason
     Clock::time_point give_back_at{};  // while UNUSABLE
+    std::string trouble;               // what kept it from being rendered last; empty once that is over
+    Clock::time_point trouble_at{};
   };
 
   // All of these expect mutex_ to be held.
@@ -137,9 +141,10 @@ class Holdings {
   bool add_job(const v1::JobSpec& spec);
   bool add_lease(const v1::Lease& lease);
   bool is_unusable(const std::string& job_id) const;
-  void make_unusable(const std::string& job_id);
+  void make_unusable(const std::string& job_id, const std::string& trouble);
   bool holds_any_of(const std::string& job_id) const;
   void report_activity(v1::SynchronizeRequest& request) const;
+  void report_troubles(v1::SynchronizeRequest& request) const;
   void forget_idle_jobs();
   HeldLease* next_renderable();
   HeldLease* next_sendable(Clock::time_point now);

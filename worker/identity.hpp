@@ -12,6 +12,7 @@ struct Identity {
   std::string version{};
   std::string arithmetic_fingerprint{};
   std::uint32_t threads = 1;
+  std::string worker_key{};  // worker_id is its hash (proto/worker_key.hpp); never logged
 };
 
 }  // namespace tessera::worker

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "core/scene/settings.hpp"
+#include "proto/blob.hpp"
 #include "tessera/v1/types.pb.h"
 
 namespace tessera::worker {
@@ -17,6 +18,8 @@ struct SceneFiles {
   std::string scene_path;
   // Where the cache keeps the file that the bundle calls by this name.
   std::map<std::string, std::string> blob_paths;
+  // What is in it.
+  std::map<std::string, proto::Digest> digests{};
 };
 
 struct Job {

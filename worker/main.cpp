@@ -4,10 +4,13 @@
 #include <cstdlib>
 
 #include "core/base/version.hpp"
+#include "core/base/standard_streams.hpp"
 #include "core/integrators/fingerprint.hpp"
 #include "proto/log.hpp"
 #include "proto/secret_file.hpp"
 #include "proto/unreachable.hpp"
+#include "proto/worker_key.hpp"
+#include "worker/machine_key.hpp"
 #include "worker/options.hpp"
 #include "worker/signals.hpp"
 #include "worker/start_anew.hpp"
@@ -27,6 +30,10 @@ worker::SyncLoop::Explain explaining(const worker::Options& options) {
 
 int run(const worker::Options& options, char** arguments) {
   worker::StopSignals signals;
+  if (options.cache.empty()) {
+    spdlog::error("this user has no home folder to keep the cache in: choose a folder with --cache");
+    return 1;
+  }
   const auto cache = worker::BlobCache::open(options.cache, options.cache_bytes());
   if (!cache) {
     spdlog::error("{}: choose another folder with --cache", cache.error().message);
@@ -39,12 +46,17 @@ int run(const worker::Options& options, char** arguments) {
     spdlog::error("{}", channel.error().message);
     return 1;
   }
+  const auto machine_key = worker::machine_key(cache->folder());
+  if (!machine_key)
+    spdlog::warn("{}: this worker has a new identity each time it starts", machine_key.error().message);
+  const std::string key = worker::new_worker_key(machine_key.value_or(""));
   const auto coordinator = v1::WorkerService::NewStub(*channel);
-  worker::Identity identity{.worker_id = worker::random_worker_id(),
+  worker::Identity identity{.worker_id = proto::worker_id_of(key),
                             .name = options.name,
                             .version = std::string(core::version()),
                             .arithmetic_fingerprint = core::arithmetic_fingerprint(),
-                            .threads = options.threads};
+                            .threads = options.threads,
+                            .worker_key = key};
   spdlog::info("worker {} ({}) with {} threads, for the coordinator at {}, cache {}", options.name,
                identity.worker_id, options.threads, options.coordinator, options.cache);
   worker::Worker::Options how = worker::that_starts_anew(arguments, signals);
@@ -61,6 +73,7 @@ int run(const worker::Options& options, char** arguments) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  core::prepare_standard_streams();
   // Errors are told once, in our words; GRPC_VERBOSITY=DEBUG brings gRPC's own back.
   setenv("GRPC_VERBOSITY", "NONE", 0);
   worker::keep_program_name();

@@ -1,12 +1,14 @@
 #include "worker/options.hpp"
 
-#include <fmt/format.h>
+#include <pwd.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
 #include <cstdlib>
+#include <filesystem>
+#include <system_error>
 #include <thread>
 
 #include "core/cli/help.hpp"
@@ -35,14 +37,23 @@ std::string host_name() {
   return gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "worker";
 }
 
-// Where the XDG base directory specification puts it; for users without a home, a folder of their own in
-// /tmp.
+// The home folder of this process's user; services of the system often run without HOME. Empty if there is
+// none.
+std::string home_folder() {
+  if (const char* home = std::getenv("HOME"); home != nullptr && *home == '/') return home;
+  const passwd* const user = getpwuid(geteuid());
+  std::error_code unknown;
+  const bool exists = user != nullptr && std::filesystem::is_directory(user->pw_dir, unknown);
+  return exists ? user->pw_dir : "";
+}
+
+// Where the XDG base directory specification puts it. Never in a folder such as /tmp, where others could make
+// it first. Empty for users without a home.
 std::string default_cache() {
   if (const char* cache = std::getenv("XDG_CACHE_HOME"); cache != nullptr && *cache == '/')
     return std::string(cache) + "/tessera";
-  if (const char* home = std::getenv("HOME"); home != nullptr && *home == '/')
-    return std::string(home) + "/.cache/tessera";
-  return fmt::format("/tmp/tessera-{}", getuid());
+  const std::string home = home_folder();
+  return home.empty() ? "" : home + "/.cache/tessera";
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
+#include <new>
 #include <system_error>
 #include <utility>
 
@@ -13,6 +14,8 @@ namespace {
 
 // The one being rendered, the next one, and one that comes back.
 constexpr std::size_t kScenesKept = 3;
+
+constexpr const char* kNoMemory = "not enough memory to build and render the scene";
 
 bool files_are_here(const SceneFiles& files) {
   return std::all_of(files.blob_paths.begin(), files.blob_paths.end(), [](const auto& blob) {
@@ -34,14 +37,35 @@ void RenderLoop::run(const std::stop_token& stop) {
   while (const auto piece = holdings_.take(stop, size_piece)) render(*piece);
 }
 
+// Scenes of other jobs that are kept may be what takes the memory: it is tried once more without them.
 void RenderLoop::render(const Piece& piece) {
-  const auto scene = scenes_.get(piece.job->files);
-  if (!scene) {
-    spdlog::error("job {}: {}", piece.job->id, scene.error().message);
-    // Files that were removed from the cache meanwhile say nothing of the scene: they are fetched again.
-    holdings_.cannot_render(piece, files_are_here(piece.job->files) ? scene.error().message : "");
-    return;
+  for (const bool first : {true, false}) {
+    try {
+      return try_to_render(piece);
+    } catch (const std::bad_alloc&) {
+      const bool others = scenes_.has_others(piece.job->files);
+      scenes_.clear();
+      if (first && others) continue;
+      decline(piece, kNoMemory);
+      return;
+    }
   }
+}
+
+void RenderLoop::decline(const Piece& piece, const std::string& why) {
+  spdlog::error("job {}: {}", piece.job->id, why);
+  holdings_.cannot_render(piece, why);
+}
+
+void RenderLoop::try_to_render(const Piece& piece) {
+  const auto scene = scenes_.get(piece.job->files);
+  if (!scene && scene.error().code == core::ErrorCode::kResourceExhausted) throw std::bad_alloc();
+  if (!scene && !files_are_here(piece.job->files)) {
+    // Files that were removed from the cache meanwhile say nothing of the scene: they are fetched again.
+    spdlog::error("job {}: {}", piece.job->id, scene.error().message);
+    return holdings_.cannot_render(piece, "");
+  }
+  if (!scene) return decline(piece, scene.error().message);
   holdings_.begins(piece);
   const auto start = std::chrono::steady_clock::now();
   core::FilmTile tile = render_(**scene, piece.job->settings, piece.item.rect, piece.item.range, threads_);

@@ -32,6 +32,9 @@ class RenderLoop {
 
  private:
   void render(const Piece& piece);
+  // Throws std::bad_alloc.
+  void try_to_render(const Piece& piece);
+  void decline(const Piece& piece, const std::string& why);
 
   const int threads_;
   const Render render_;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdio>
 #include <utility>
 
 #include "core/scene/cache/cache_folder.hpp"
@@ -16,8 +17,20 @@ namespace {
 // A fraction of the time for which the blob cache keeps what was used.
 constexpr auto kMarkPeriod = std::chrono::minutes(10);
 
+// What was read is what was asked for, whatever has happened to the file since it was fetched. A file with
+// other bytes is removed, so that it is fetched again.
+core::Status check_blob(const SceneFiles& files, const std::string& name, const std::string& bytes) {
+  const auto digest = files.digests.find(name);
+  if (digest == files.digests.end() || proto::digest_of(bytes) == digest->second) return {};
+  const std::string& path = files.blob_paths.at(name);
+  std::remove(path.c_str());
+  return core::fail(core::ErrorCode::kDataLoss, path + " has changed since it was fetched");
+}
+
 core::Result<core::SceneDescription> load_scene(const SceneFiles& files) {
-  core::BundleAssets assets(files.blob_paths);
+  core::BundleAssets assets(files.blob_paths, [&files](const std::string& name, const std::string& bytes) {
+    return check_blob(files, name, bytes);
+  });
   return core::load_scene(assets, files.scene_path, files.scene_path);
 }
 
@@ -42,6 +55,11 @@ core::Result<std::shared_ptr<const core::Scene>> SceneCache::get(const SceneFile
                scene->primitives().count(), took.count());
   recent_.push_front({files.key, scene, Clock::now()});
   return scene;
+}
+
+bool SceneCache::has_others(const SceneFiles& files) const {
+  return std::any_of(recent_.begin(), recent_.end(),
+                     [&](const Entry& entry) { return entry.key != files.key; });
 }
 
 core::Result<core::Scene> SceneCache::build(const SceneFiles& files) const {

@@ -24,6 +24,10 @@ class SceneCache {
   // Loads and builds the scene if it is not here, and counts its files as used. Errors are those of
   // load_scene and Scene::build.
   core::Result<std::shared_ptr<const core::Scene>> get(const SceneFiles& files);
+  // Whether other scenes are kept in memory.
+  bool has_others(const SceneFiles& files) const;
+  // Forgets them all.
+  void clear() { recent_.clear(); }
 
  private:
   using Clock = std::chrono::steady_clock;

@@ -24,10 +24,16 @@ constexpr proto::Duration kShortestExchange = 50ms;
 
 constexpr proto::BackoffOptions kBackoff{.first = 100ms, .longest = 2s};
 
+// The coordinator answers, and gives this worker nothing: its build, machine or name.
+bool is_refusal(core::ErrorCode code) {
+  return code == core::ErrorCode::kFailedPrecondition || code == core::ErrorCode::kInvalidArgument;
+}
+
 }  // namespace
 
 core::Status SyncLoop::run(const std::stop_token& stop) {
   const proto::RetryPolicy backoff = proto::exponential_backoff(kBackoff);
+  const proto::RetryPolicy refusal_backoff = proto::exponential_backoff(refusal_backoff_);
   proto::Duration deadline = kFirstDeadline;
   int failures = 0;
   while (!stop.stop_requested()) {
@@ -46,17 +52,17 @@ core::Status SyncLoop::run(const std::stop_token& stop) {
       if (is_final(response.error().code)) return core::fail(response.error());
       if (response.error().code == core::ErrorCode::kDeadlineExceeded) continue;  // a long wait, not a loss
       note_failure(response.error());
-      wait_for(stop, backoff({.count = ++failures}).value());
+      const proto::RetryPolicy& policy = is_refusal(response.error().code) ? refusal_backoff : backoff;
+      wait_for(stop, policy({.count = ++failures}).value());
     }
   }
   return {};
 }
 
-// Whether asking again would not help. Who was let in once keeps what it has rendered, and waits until
-// whoever changed the tokens lets it in again.
+// Whether asking again would not help: its credentials never were good. A worker that was admitted once keeps
+// what it has rendered, and waits until whoever changed the tokens admits it again.
 bool SyncLoop::is_final(core::ErrorCode code) const {
-  return code == core::ErrorCode::kFailedPrecondition || code == core::ErrorCode::kInvalidArgument ||
-         (code == core::ErrorCode::kPermissionDenied && !connected_);
+  return code == core::ErrorCode::kPermissionDenied && !connected_;
 }
 
 core::Result<v1::SynchronizeResponse> SyncLoop::synchronize(const std::stop_token& stop,
@@ -67,6 +73,7 @@ core::Result<v1::SynchronizeResponse> SyncLoop::synchronize(const std::stop_toke
   request.set_version(identity_.version);
   request.set_arithmetic_fingerprint(identity_.arithmetic_fingerprint);
   request.set_threads(identity_.threads);
+  request.set_worker_key(identity_.worker_key);
   holdings_.report(request);
 
   StoppableCall call(stop, deadline);
@@ -78,14 +85,17 @@ core::Result<v1::SynchronizeResponse> SyncLoop::synchronize(const std::stop_toke
 
 void SyncLoop::note_success() {
   if (!connected_ || !told_reasons_.empty())
-    spdlog::info(connected_ ? "the coordinator is back" : "registered with the coordinator");
+    spdlog::info(connected_ ? "the coordinator takes this worker's calls again"
+                            : "registered with the coordinator");
   connected_ = true;
   told_reasons_.clear();
 }
 
 void SyncLoop::note_failure(const core::Error& error) {
   if (!told_reasons_.insert(error.message).second) return;
-  if (error.code == core::ErrorCode::kPermissionDenied) {
+  if (is_refusal(error.code)) {
+    spdlog::error("refused by the coordinator ({}); trying again from time to time", error.message);
+  } else if (error.code == core::ErrorCode::kPermissionDenied) {
     spdlog::warn("not let in any more ({}); trying again until that has changed", error.message);
   } else {
     spdlog::warn("cannot reach the coordinator ({}); trying again until it answers", error.message);

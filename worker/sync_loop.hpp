@@ -22,16 +22,23 @@ class SyncLoop {
   // The error of a call that failed.
   using Explain = std::function<core::Error(const grpc::Status&)>;
 
+  // After a refusal, which lasts until somebody changes something.
+  static constexpr proto::BackoffOptions kRefusalBackoff{.first = std::chrono::seconds(2),
+                                                         .longest = std::chrono::seconds(60)};
+
   SyncLoop(
       Identity identity, v1::WorkerService::StubInterface& coordinator, Holdings& holdings,
-      Explain explain = [](const grpc::Status& status) { return proto::error_from_grpc(status); })
+      Explain explain = [](const grpc::Status& status) { return proto::error_from_grpc(status); },
+      proto::BackoffOptions refusal_backoff = kRefusalBackoff)
       : identity_(std::move(identity)),
         explain_(std::move(explain)),
+        refusal_backoff_(refusal_backoff),
         coordinator_(coordinator),
         holdings_(holdings) {}
 
-  // Returns after a stop, or with FAILED_PRECONDITION if the coordinator refuses this worker. Whatever else
-  // goes wrong is tried again, forever.
+  // Returns after a stop, or with PERMISSION_DENIED if the coordinator does not accept this worker's
+  // credentials the first time. Whatever else goes wrong is tried again, forever; where the coordinator
+  // refuses this worker for what it is, with pauses of up to a minute.
   core::Status run(const std::stop_token& stop);
 
   // Tells the coordinator that this worker leaves. Blocks a few seconds at most; nobody depends on its
@@ -46,6 +53,7 @@ class SyncLoop {
 
   const Identity identity_;
   const Explain explain_;
+  const proto::BackoffOptions refusal_backoff_;
   v1::WorkerService::StubInterface& coordinator_;
   Holdings& holdings_;
   bool connected_ = false;

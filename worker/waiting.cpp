@@ -19,6 +19,17 @@ proto::Waiter waiter_until(const std::stop_token& stop) {
   return waiter;
 }
 
+StallGuard::StallGuard(grpc::ClientContext& context, proto::Duration max_silence)
+    : last_(std::chrono::steady_clock::now().time_since_epoch()),
+      watch_([this, &context, max_silence](const std::stop_token& done) {
+        const auto silence = [this] {
+          return std::chrono::steady_clock::now().time_since_epoch() - last_.load();
+        };
+        while (silence() < max_silence)
+          if (!wait_for(done, max_silence - silence())) return;
+        context.TryCancel();
+      }) {}
+
 StoppableCall::StoppableCall(const std::stop_token& stop, proto::Duration deadline)
     : on_stop_(stop, Cancel{&context_}) {
   context_.set_deadline(std::chrono::system_clock::now() +

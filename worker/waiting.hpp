@@ -3,8 +3,10 @@
 
 #include <grpcpp/client_context.h>
 
+#include <atomic>
 #include <chrono>
 #include <stop_token>
+#include <thread>
 
 #include "proto/retry.hpp"
 
@@ -20,6 +22,8 @@ proto::Waiter waiter_until(const std::stop_token& stop);
 class StoppableCall {
  public:
   StoppableCall(const std::stop_token& stop, proto::Duration deadline);
+  // Without a deadline: for streams with a StallGuard.
+  explicit StoppableCall(const std::stop_token& stop) : on_stop_(stop, Cancel{&context_}) {}
   grpc::ClientContext* context() { return &context_; }
 
  private:
@@ -29,6 +33,19 @@ class StoppableCall {
   };
   grpc::ClientContext context_;
   std::stop_callback<Cancel> on_stop_;
+};
+
+// Cancels a stream on which nothing has come for too long, however long it takes in all.
+class StallGuard {
+ public:
+  // The context must outlive the guard.
+  StallGuard(grpc::ClientContext& context, proto::Duration max_silence);
+  // Something has come.
+  void progressed() { last_ = std::chrono::steady_clock::now().time_since_epoch(); }
+
+ private:
+  std::atomic<std::chrono::steady_clock::duration> last_;
+  std::jthread watch_;
 };
 
 }  // namespace tessera::worker

@@ -93,8 +93,4 @@ core::Status Worker::run(const std::stop_token& stop) {
   return accepted;
 }
 
-std::string random_worker_id() {
-  return fmt::format("{:016x}{:016x}", proto::random_seed(), proto::random_seed());
-}
-
 }  // namespace tessera::worker

@@ -38,7 +38,8 @@ class Worker {
          Options options);
 
   // Works until a stop is requested, then finishes the piece in hand (unless that is taken for endless),
-  // delivers what is rendered, takes leave and returns. Error: the coordinator refused this worker.
+  // delivers what is rendered, takes leave and returns. Error: the coordinator never accepted its
+  // credentials.
   core::Status run(const std::stop_token& stop);
 
  private:
@@ -47,8 +48,5 @@ class Worker {
   v1::WorkerService::StubInterface& coordinator_;
   const Options options_;
 };
-
-// A new worker id.
-std::string random_worker_id();
 
 }  // namespace tessera::worker

@@ -3,7 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <string>
 #include <utility>
+
+#include "core/base/determinism_fingerprint.hpp"
+#include "proto/worker_key.hpp"
 
 namespace tessera::bench {
 namespace {
@@ -12,7 +16,12 @@ constexpr std::uint32_t kWantedLeases = 2;
 // Before a failed call is tried again, or a Synchronize that was answered without news is repeated.
 constexpr double kRetrySeconds = 0.1, kShortestExchangeSeconds = 0.05;
 constexpr std::size_t kMostItemsPerDelivery = 42;  // 8 MiB of sums
-constexpr const char* kArithmetic = "5ca1ab1e";
+const std::string kArithmetic(core::kDeterminismFingerprint);
+
+// Of as many bytes as there are in a worker's.
+std::string key_of(int number) {
+  return fmt::format("{:048}", number);
+}
 
 double seconds_since(Timeline::Clock::time_point start) {
   return Timeline::Seconds(Timeline::Clock::now() - start).count();
@@ -21,7 +30,8 @@ double seconds_since(Timeline::Clock::time_point start) {
 }  // namespace
 
 SimulatedWorker::SimulatedWorker(int number, Speed speed, std::shared_ptr<grpc::Channel> channel, World world)
-    : id_(fmt::format("{:032x}", number + 1)),
+    : key_(key_of(number)),
+      id_(proto::worker_id_of(key_)),
       name_(fmt::format("simulated-{}", number)),
       speed_(speed),
       world_(world),
@@ -66,6 +76,7 @@ void SimulatedWorker::synchronize() {
 
 void SimulatedWorker::report(v1::SynchronizeRequest& request) const {
   request.set_worker_id(id_);
+  request.set_worker_key(key_);
   request.set_name(name_);
   request.set_version("simulated");
   request.set_arithmetic_fingerprint(kArithmetic);
@@ -76,6 +87,7 @@ void SimulatedWorker::report(v1::SynchronizeRequest& request) const {
     v1::Lease& lease = *request.add_held();
     lease.set_id(held.id);
     lease.set_job_id(held.job_id);
+    lease.set_token(held.token);
     const auto add = [&](const proto::WorkItem& item) { *lease.add_items() = proto::to_proto(item); };
     std::for_each(held.delivering.begin(), held.delivering.end(), add);
     std::for_each(held.ready.begin(), held.ready.end(), add);
@@ -120,7 +132,7 @@ bool SimulatedWorker::apply(const SyncCall& call) {
 
 bool SimulatedWorker::add_lease(const v1::Lease& lease) {
   if (find(lease.id()) != nullptr || just_finished_.contains(lease.id())) return false;
-  Held held{lease.id(), lease.job_id(), {}, {}, {}, {}, 0};
+  Held held{lease.id(), lease.job_id(), lease.token(), {}, {}, {}, {}, 0};
   for (const v1::WorkItem& item : lease.items())
     if (const auto read = proto::from_proto(item)) held.todo.push_back(*read);
   leases_.push_back(std::move(held));
@@ -188,6 +200,7 @@ void SimulatedWorker::deliver_next() {
   request.set_arithmetic_fingerprint(kArithmetic);
   request.set_job_id(next->job_id);
   request.set_lease_id(next->id);
+  request.set_lease_token(next->token);
   request.set_lease_finished(next->is_finished());
   if (request.lease_finished())
     for (const Held& other : leases_)

@@ -50,6 +50,7 @@ class SimulatedWorker : public std::enable_shared_from_this<SimulatedWorker> {
   struct Held {
     std::uint64_t id = 0;
     std::string job_id;
+    std::string token;
     std::deque<proto::WorkItem> todo;
     std::optional<proto::WorkItem> rendering;
     std::vector<proto::WorkItem> ready, delivering;
@@ -84,6 +85,7 @@ class SimulatedWorker : public std::enable_shared_from_this<SimulatedWorker> {
   template <typename Action>
   void later(double seconds, Action action);
 
+  const std::string key_;
   const std::string id_, name_;
   const Speed speed_;
   const World world_;

@@ -93,6 +93,7 @@ std::vector<std::string> remarks_on(const v1::ListWorkersResponse::Worker& worke
         bar.fetching() ? "until it has fetched its scene"
                        : fmt::format("for {}, or until it delivers some of it", format_duration(seconds))));
   }
+  for (const std::string& trouble : worker.troubles()) remarks.push_back("says: " + trouble);
   return remarks;
 }
 
@@ -230,6 +231,7 @@ std::string job_description(const v1::Job& job) {
   if (job.settings().integrator() == v1::INTEGRATOR_MIS)
     rows.push_back({"heuristic", heuristic_text(job.settings().heuristic())});
   if (!job.failure().empty()) rows.push_back({"failure", job.failure()});
+  for (const std::string& trouble : job.troubles()) rows.push_back({"trouble", trouble});
   if (job.state() == v1::JOB_STATE_RUNNING) rows.push_back({"speed", speed(job.samples_per_second())});
   if (job.has_finished_at()) rows.push_back({"finished", TimeUtil::ToString(job.finished_at())});
   if (job.counters().non_finite_samples() > 0)

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <optional>
+#include <set>
 #include <string>
 #include <thread>
 #include <utility>
@@ -14,6 +15,7 @@
 #include "client/farm/job_text.hpp"
 #include "client/interrupt.hpp"
 #include "client/progress.hpp"
+#include "core/base/printable.hpp"
 #include "proto/status.hpp"
 #include "proto/unreachable.hpp"
 
@@ -22,6 +24,8 @@ namespace {
 
 // So soon is a coordinator found that has come back.
 constexpr std::chrono::seconds kLongestPause{2};
+// Of workers that one wait tells of, each once.
+constexpr std::size_t kMaxTroubles = 100;
 
 tl::unexpected<core::Error> interruption() {
   return core::fail(core::ErrorCode::kCancelled, "interrupted");
@@ -84,12 +88,19 @@ core::Result<v1::Job> watch_job(Farm& farm, const std::string& job_id,
 
 core::Result<v1::Job> watch_with_progress(Farm& farm, const std::string& job_id) {
   ProgressLine progress(stderr_progress_output(), steady_seconds());
+  const auto notify = [&](const std::string& notice) {
+    progress.erase();
+    print_warning(notice);
+  };
+  std::set<std::string> told;
   auto job = watch_job(
-      farm, job_id, [&](const v1::Job& update) { progress.update(progress_of(update), steady_seconds()); },
-      [&](const std::string& notice) {
-        progress.erase();
-        print_warning(notice);
-      });
+      farm, job_id,
+      [&](const v1::Job& update) {
+        for (const std::string& trouble : update.troubles())
+          if (told.size() < kMaxTroubles && told.insert(trouble).second) notify(core::printable(trouble));
+        progress.update(progress_of(update), steady_seconds());
+      },
+      notify);
   progress.erase();
   return job;
 }

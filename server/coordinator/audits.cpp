@@ -30,7 +30,7 @@ void Coordinator::follow_audits(const scheduler::Actions& actions) {
   }
   for (const scheduler::Disproof& disproof : actions.disproved) {
     const scheduler::Author& author = disproof.author;
-    if (!conduct_.put_aside(author.worker.value, author.name, disproof.because)) continue;
+    if (!conduct_.put_aside(author.worker.value, author.machine, disproof.because)) continue;
     spdlog::error("worker {} ({}) is put aside: {}. What it rendered besides is verified by others",
                   called(author), author.worker.value, disproof.because);
   }

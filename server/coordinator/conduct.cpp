@@ -4,27 +4,28 @@
 
 namespace tessera::coordinator {
 
-bool Conduct::refused(const std::string& worker, const std::string& name) {
+bool Conduct::refused(const std::string& worker, const std::string& machine) {
   Entry& entry = entries_[worker];
   ++entry.refused;
   if (++entry.in_a_row < kRefusalsUntilAside) return false;
-  return put_aside(worker, name, fmt::format("{} of its results in a row were refused", kRefusalsUntilAside));
+  return put_aside(worker, machine,
+                   fmt::format("{} of its results in a row were refused", kRefusalsUntilAside));
 }
 
-bool Conduct::put_aside(const std::string& worker, const std::string& name, const std::string& because) {
+bool Conduct::put_aside(const std::string& worker, const std::string& machine, const std::string& because) {
   Entry& entry = entries_[worker];
   if (entry.aside) return false;
   entry.aside = true;
   entry.because = because;
-  if (!name.empty()) names_aside_.emplace(name, because);
+  if (!machine.empty()) machines_aside_.emplace(machine, because);
   return true;
 }
 
-std::string Conduct::because(const std::string& worker, const std::string& name) const {
+std::string Conduct::because(const std::string& worker, const std::string& machine) const {
   const auto entry = entries_.find(worker);
   if (entry != entries_.end() && entry->second.aside) return entry->second.because;
-  const auto named = names_aside_.find(name);
-  return named == names_aside_.end() ? "" : named->second;
+  const auto first = machines_aside_.find(machine);
+  return first == machines_aside_.end() ? "" : first->second;
 }
 
 void Conduct::forget_others(const std::set<std::string>& present) {

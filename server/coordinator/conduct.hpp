@@ -1,7 +1,7 @@
 // Which workers' results were refused, and how often: those of a broken machine, a wrong build or a liar.
 // After too many in a row, or when others have disproved it, a worker is put aside, and every later worker of
-// its name with it, unless it has none, until the coordinator is started anew. Not thread-safe; the
-// coordinator's gate guards it.
+// its machine (scheduler::WorkerInfo::machine) with it, where that is known, until the coordinator is started
+// anew. Names do not count: anybody can take one. Not thread-safe; the coordinator's gate guards it.
 #pragma once
 
 #include <cstdint>
@@ -16,9 +16,9 @@ class Conduct {
   static constexpr int kRefusalsUntilAside = 3;
 
   // A result of this worker was refused. Whether that was once too often.
-  bool refused(const std::string& worker, const std::string& name);
+  bool refused(const std::string& worker, const std::string& machine);
   // The same for any other reason, a part of a sentence. Whether it was not aside already.
-  bool put_aside(const std::string& worker, const std::string& name, const std::string& because);
+  bool put_aside(const std::string& worker, const std::string& machine, const std::string& because);
   // A result of it was in order.
   void in_order(const std::string& worker);
   // All workers but these are forgotten; who was put aside stays so.
@@ -26,9 +26,9 @@ class Conduct {
 
   std::uint64_t refusals(const std::string& worker) const;
   bool is_aside(const std::string& worker) const;
-  bool is_name_aside(const std::string& name) const { return names_aside_.contains(name); }
-  // Why this worker, or the first of this name, is aside: part of a sentence. Empty if neither is.
-  std::string because(const std::string& worker, const std::string& name) const;
+  bool is_machine_aside(const std::string& machine) const { return machines_aside_.contains(machine); }
+  // Why this worker, or the first of this machine, is aside: part of a sentence. Empty if neither is.
+  std::string because(const std::string& worker, const std::string& machine) const;
 
  private:
   struct Entry {
@@ -37,8 +37,8 @@ class Conduct {
     bool aside = false;
     std::string because;
   };
-  std::map<std::string, Entry> entries_;            // by worker
-  std::map<std::string, std::string> names_aside_;  // and why
+  std::map<std::string, Entry> entries_;               // by worker
+  std::map<std::string, std::string> machines_aside_;  // and why
 };
 
 }  // namespace tessera::coordinator

@@ -16,13 +16,15 @@ namespace {
 
 constexpr auto kCheckPeriod = std::chrono::seconds(1);
 
-scheduler::Options scheduler_options(const Options& options, std::uint32_t epoch) {
+scheduler::Options scheduler_options(const Options& options, std::uint32_t epoch, const LeaseSigner& signer) {
   scheduler::Options result;
   result.epoch = epoch;
   result.lease_duration = options.lease_duration;
   result.forget_after = 10 * options.lease_duration;
   result.audit_share = options.audit_share;
   result.audit_secret = random_number();
+  result.sign = [signer](scheduler::LeaseId lease, const scheduler::WorkerId& holder,
+                         const scheduler::JobId& job) { return signer.sign(lease, holder, job); };
   return result;
 }
 
@@ -40,7 +42,8 @@ Coordinator::Coordinator(Options options, store::StateDirectory state, SceneChec
       state_(std::move(state)),
       files_(state_.blobs, {options_.limits, options_.keep_unused_blobs, options_.now}),
       fingerprinter_(state_.jobs.secret()),
-      scheduler_(scheduler_options(options_, state_.jobs.epoch())) {}
+      signer_(state_.jobs.secret()),
+      scheduler_(scheduler_options(options_, state_.jobs.epoch(), signer_)) {}
 
 Coordinator::~Coordinator() {
   close();
@@ -65,14 +68,23 @@ core::Result<v1::Job> Coordinator::job(const std::string& id) {
   const Turn turn(*this);
   const JobRecord* record = find(id);
   if (record == nullptr) return core::fail(core::ErrorCode::kNotFound, fmt::format("there is no job {}", id));
-  return describe_now(turn, *record);
+  v1::Job job = describe_now(turn, *record);
+  add_troubles(job);
+  return job;
 }
 
 core::Result<v1::Job> Coordinator::job_without_bundle(const std::string& id) {
   const Turn turn(*this);
   const JobRecord* record = find(id);
   if (record == nullptr) return core::fail(core::ErrorCode::kNotFound, fmt::format("there is no job {}", id));
-  return summarise(*record, *scheduler_.job({id}, turn.now()));
+  v1::Job job = summarise(*record, *scheduler_.job({id}, turn.now()));
+  add_troubles(job);
+  return job;
+}
+
+void Coordinator::add_troubles(v1::Job& job) const {
+  if (job.state() != v1::JOB_STATE_RUNNING) return;
+  for (std::string& trouble : troubles_.of_job(job.id())) job.add_troubles(std::move(trouble));
 }
 
 std::vector<v1::Job> Coordinator::jobs(const v1::ListJobsRequest& request) {
@@ -92,9 +104,11 @@ std::vector<v1::ListWorkersResponse::Worker> Coordinator::workers() {
   for (const scheduler::WorkerView& worker : scheduler_.workers(turn.now())) {
     result.push_back(to_wire(worker, wall_ms(worker.last_seen, turn.now())));
     result.back().set_refused_results(conduct_.refusals(worker.info.id.value));
+    for (std::string& trouble : troubles_.of_worker(worker.info.id.value))
+      result.back().add_troubles(std::move(trouble));
     if (!conduct_.is_aside(worker.info.id.value)) continue;
     result.back().set_put_aside(true);
-    result.back().set_put_aside_because(conduct_.because(worker.info.id.value, worker.info.name));
+    result.back().set_put_aside_because(conduct_.because(worker.info.id.value, worker.info.machine));
   }
   return result;
 }
@@ -106,6 +120,8 @@ bool Coordinator::tick() {
   if (turn.now() < next_check_) return checkpoint_is_awaited_;
   next_check_ = turn.now() + kCheckPeriod;
   note_workers(turn);
+  rejected_log_.flush(turn.now());
+  troubles_log_.flush(turn.now());
   note_lack_of_auditors(turn);
   if (const auto broken = scheduler_.check_invariants(scheduler::CheckDepth::kCounters)) {
     spdlog::critical("a defect, please report it with this line: {}", *broken);
@@ -132,6 +148,7 @@ void Coordinator::note_workers(const Turn& turn) {
     if (!worker.silent) present.emplace(worker.info.id.value, worker.info.name);
   }
   conduct_.forget_others(known);
+  troubles_.forget_others(known);
   for (const auto& [id, name] : present) {
     if (present_.count(id) == 0) spdlog::info("worker {} ({}) has come", name, id);
   }

@@ -17,12 +17,16 @@
 #include <string>
 #include <vector>
 
+#include "core/base/determinism_fingerprint.hpp"
 #include "core/base/error.hpp"
 #include "core/image/image.hpp"
 #include "server/coordinator/conduct.hpp"
 #include "server/coordinator/fingerprinter.hpp"
 #include "server/coordinator/job_record.hpp"
+#include "server/coordinator/lease_signer.hpp"
+#include "server/coordinator/rate_limited_log.hpp"
 #include "server/coordinator/scene_files.hpp"
+#include "server/coordinator/troubles.hpp"
 #include "server/limits.hpp"
 #include "server/scheduler/scheduler.hpp"
 #include "server/store/state_directory.hpp"
@@ -41,6 +45,9 @@ struct Options {
   std::chrono::seconds keep_unused_blobs = std::chrono::hours(24);
   // The share of ranges that another worker renders again, to compare the bits: 0 to 1.
   double audit_share = 0;
+  // The determinism fingerprint of the workers that may join: that of the coordinator's own release, unless
+  // an operator names another.
+  std::string fingerprint{core::kDeterminismFingerprint};
   // The clock. Tests bring their own.
   std::function<scheduler::Time()> now = std::chrono::steady_clock::now;
 };
@@ -186,17 +193,21 @@ class Coordinator {
   core::Status admit(const Turn& turn, const v1::SynchronizeRequest& request);
   // Whether the scheduler has heard of the worker lately.
   bool is_known(const Turn& turn, const std::string& id) const;
-  bool arithmetic_is_bound(const Turn& turn, const std::string& except_worker) const;
+  void note_troubles(const Turn& turn, const v1::SynchronizeRequest& request);
+  void add_troubles(v1::Job& job) const;
+  // Whether workers of this farm can render more of it.
+  core::Status may_continue(const JobRecord& record) const;
   // Gives the worker what it should hold besides what it has named.
   void tell_with_answer(const scheduler::SubmitResult& event, scheduler::Reply reply,
                         v1::SubmitResultResponse& response);
   struct Delivery;
+  core::Status check_token(const v1::SubmitResultRequest& request);
   core::Result<v1::SubmitResultResponse> count_result(Turn& turn, const v1::SubmitResultRequest& request,
                                                       const Delivery& delivery);
   void empty_tiles(const scheduler::Actions& actions);
   void follow_audits(const scheduler::Actions& actions);
   void note_lack_of_auditors(const Turn& turn);
-  core::Status may_count(const JobRecord& record, const v1::SubmitResultRequest& request) const;
+  core::Status may_count(const Turn& turn, const JobRecord& record, const v1::SubmitResultRequest& request);
   void note_refused_result(Turn& turn, const std::string& worker, const core::Error& error);
   scheduler::Actions top_up(Turn& turn, const std::string& worker, bool answer_unchanged);
   void release_parked(Turn& turn, const std::string& worker, const scheduler::Reply& reply);
@@ -228,6 +239,7 @@ class Coordinator {
   store::StateDirectory state_;
   SceneFiles files_;
   const Fingerprinter fingerprinter_;
+  const LeaseSigner signer_;
   std::mutex submit_mutex_;      // one job is added at a time
   std::mutex checkpoint_mutex_;  // one checkpoint is written at a time
 
@@ -239,8 +251,9 @@ class Coordinator {
   std::map<std::string, std::uint64_t> places_;  // taken by each submitter for jobs that are being checked
   std::map<std::string, ParkedCall> parked_;     // by worker
   Conduct conduct_;
+  Troubles troubles_;
+  RateLimitedLog rejected_log_, troubles_log_;
   std::set<std::string> to_reopen_;             // jobs
-  std::string arithmetic_;                      // fingerprint of this farm; empty while any will do
   std::map<std::string, std::string> present_;  // names of the workers that are heard of, by id; for the log
   scheduler::Time next_check_{};
   bool checkpoint_is_awaited_ = false;

@@ -52,12 +52,18 @@ core::Status Coordinator::may_extend(const Turn& turn, const JobRecord& record, 
   const scheduler::JobView view = *scheduler_.job({record.spec->id()}, turn.now());
   if (view.state == scheduler::JobState::kDone && spp > view.shape.spp)
     if (const auto may = may_open_job(turn, record.spec->submitter()); !may) return may;
-  if (record.arithmetic.empty() || arithmetic_.empty() || record.arithmetic == arithmetic_) return {};
+  return may_continue(record);
+}
+
+core::Status Coordinator::may_continue(const JobRecord& record) const {
+  if (record.arithmetic.empty() || record.arithmetic == options_.fingerprint) return {};
   return core::fail(
       ErrorCode::kFailedPrecondition,
-      fmt::format("job {} was rendered by workers of another build (fingerprint {}; this farm's is {}), "
-                  "and its picture cannot be continued with these: submit the scene again",
-                  record.spec->id(), record.arithmetic, arithmetic_));
+      fmt::format("job {} was rendered by workers of another build (fingerprint {}; this farm's is {}), and "
+                  "its picture "
+                  "cannot be continued with these: submit the scene again, or start the coordinator with "
+                  "--accept-fingerprint {} and workers of that build",
+                  record.spec->id(), record.arithmetic, options_.fingerprint, record.arithmetic));
 }
 
 core::Result<v1::Job> Coordinator::extend_job(const std::string& id, std::uint32_t spp) {
@@ -72,7 +78,6 @@ core::Result<v1::Job> Coordinator::extend_job(const std::string& id, std::uint32
       if (needs_film(turn, *record) && !extension->film) continue;                 // stored meanwhile
       if (auto may = may_extend(turn, *record, spp); !may) return core::fail(may.error());
       if (!record->film) record->film = std::move(extension->film);
-      if (arithmetic_.empty()) arithmetic_ = record->arithmetic;
       changed = change(turn, id, scheduler::ExtendJob{{id}, spp});
     }
     return store_change(std::move(*changed));
@@ -101,6 +106,7 @@ core::Status Coordinator::reopen_job(const std::string& id) {
     JobRecord* record = find(id);
     if (record == nullptr || record->revision != preparation->revision) continue;  // changed meanwhile
     if (needs_film(turn, *record) && !preparation->film) continue;                 // stored meanwhile
+    if (auto may = may_continue(*record); !may) return may;
     if (!record->film) record->film = std::move(preparation->film);
     const scheduler::Actions actions = scheduler_.handle(scheduler::ReopenJob{{id}}, turn.now());
     apply(turn, actions);

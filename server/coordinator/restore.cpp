@@ -102,6 +102,8 @@ core::Status Coordinator::restore_job(const store::JobRow& row) {
     unfinished = *lacks;
   }
   if (unfinished) {
+    // Its workers cannot join this farm. The row stays as it is, for a coordinator that accepts them.
+    if (auto may = may_continue(*record); !may) return restore_damaged_job(row, may.error());
     // Of a farm that allowed larger pictures, or of damage: its film would not fit into memory.
     if (auto fits = check_picture_size(record->spec->settings(), options_.limits); !fits)
       return restore_damaged_job(row, fits.error().within("taking up job " + row.id));
@@ -111,7 +113,6 @@ core::Status Coordinator::restore_job(const store::JobRow& row) {
     record->film = std::move(loaded->film);
     *done = std::move(loaded->done);
     authored = std::move(loaded->authored);
-    if (arithmetic_.empty()) arithmetic_ = record->arithmetic;
   }
   // What stands in rows that were not checked cannot raise a job's samples.
   const scheduler::JobShape shape = shape_of(*record->spec, unfinished ? spp_of(row, *done) : row.spp);

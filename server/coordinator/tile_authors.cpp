@@ -17,6 +17,7 @@ std::string encode_authors(const Authored& authored) {
       TileAuthors::Author& author = *message.add_authors();
       author.set_name(each.author.name);
       author.set_worker_id(each.author.worker.value);
+      author.set_machine(each.author.machine);
     }
     TileAuthors::Range& range = *message.add_ranges();
     range.set_sample_begin(each.item.samples.begin);
@@ -41,7 +42,7 @@ Authored decode_authors(int tile, const std::string& bytes) {
     if (!possible) continue;
     const TileAuthors::Author& author = message.authors(static_cast<int>(range.author()));
     authored.items.push_back({{tile, {range.sample_begin(), range.sample_end()}},
-                              {author.name(), {author.worker_id()}},
+                              {author.name(), {author.worker_id()}, author.machine()},
                               {range.low(), range.high(), range.largest()},
                               static_cast<scheduler::Due>(range.due())});
   }

@@ -49,6 +49,7 @@ v1::Lease to_wire(const scheduler::LeaseDescription& lease, const core::TileGrid
   v1::Lease message;
   message.set_id(lease.id.value);
   message.set_job_id(lease.job.value);
+  message.set_token(lease.token);
   for (const scheduler::WorkItem& item : lease.items) {
     *message.add_items() = proto::to_proto(proto::WorkItem{grid.rect(item.tile), item.samples});
   }
@@ -56,7 +57,7 @@ v1::Lease to_wire(const scheduler::LeaseDescription& lease, const core::TileGrid
 }
 
 scheduler::LeaseDescription from_wire(const v1::Lease& message, const core::TileGrid& grid) {
-  scheduler::LeaseDescription lease{{message.id()}, {message.job_id()}, {}};
+  scheduler::LeaseDescription lease{{message.id()}, {message.job_id()}, {}, message.token()};
   for (const v1::WorkItem& each : message.items()) {
     const auto item = proto::from_proto(each);
     if (item) lease.items.push_back({scheduler::tile_index(grid, item->rect), item->range});

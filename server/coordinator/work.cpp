@@ -8,6 +8,7 @@
 #include "core/base/printable.hpp"
 #include "proto/text.hpp"
 #include "proto/tile_codec.hpp"
+#include "proto/worker_key.hpp"
 #include "server/coordinator/plausible.hpp"
 #include "server/coordinator/turn.hpp"
 #include "server/coordinator/wire.hpp"
@@ -25,14 +26,7 @@ constexpr int kCallsPerLease = 3;
 constexpr int kMaxItemsPerResult = 256;
 
 // Of what a worker says in its own words.
-constexpr std::size_t kMostReasonBytes = 1000;
-
-// The beginning of a text, with no character cut in two: the rest could not be sent any more.
-std::string beginning_of(const std::string& text) {
-  std::size_t end = std::min(text.size(), kMostReasonBytes);
-  while (end < text.size() && end > 0 && (static_cast<unsigned char>(text[end]) & 0xc0) == 0x80) --end;
-  return text.substr(0, end);
-}
+constexpr std::size_t kMaxReasonBytes = 500;
 
 bool is_id(const std::string& text) {
   return text.size() == 32 && text.find_first_not_of("0123456789abcdef") == std::string::npos;
@@ -57,7 +51,11 @@ core::Status check_texts(const v1::SubmitResultRequest& request) {
 
 scheduler::WorkerInfo info_of(const v1::SynchronizeRequest& request) {
   const int threads = static_cast<int>(std::clamp<std::uint32_t>(request.threads(), 1, 4096));
-  return {{request.worker_id()}, request.name(), request.version(), threads};
+  return {{request.worker_id()},
+          request.name(),
+          request.version(),
+          threads,
+          proto::machine_of(request.worker_key())};
 }
 
 // Those beyond what anybody can hold are not looked at.
@@ -95,6 +93,7 @@ void Coordinator::synchronize(const v1::SynchronizeRequest& request, Synchronize
   if (admitted) admitted = admit(turn, request);
   if (!admitted) return refuse(turn, caller, admitted.error());
 
+  note_troubles(turn, request);
   scheduler::Synchronize event{info_of(request),
                                {},
                                static_cast<int>(std::min<std::uint32_t>(request.wanted_leases(), 1024)),
@@ -135,31 +134,29 @@ void Coordinator::refuse(Turn& turn, SynchronizeCaller& caller, const core::Erro
 }
 
 core::Status Coordinator::admit(const Turn& turn, const v1::SynchronizeRequest& request) {
-  // Whoever works already under the name of one that is put aside answers for itself.
-  const bool newly_named = conduct_.is_name_aside(request.name()) && !is_known(turn, request.worker_id());
-  if (conduct_.is_aside(request.worker_id()) || newly_named) {
+  // Whoever works already on the machine of one that is put aside answers for itself.
+  const std::string machine = proto::machine_of(request.worker_key());
+  const bool newcomer = conduct_.is_machine_aside(machine) && !is_known(turn, request.worker_id());
+  if (conduct_.is_aside(request.worker_id()) || newcomer) {
     return core::fail(
         ErrorCode::kFailedPrecondition,
-        fmt::format("worker {} is put aside: {} (the coordinator's log says more). Check the machine and "
-                    "its memory; then start the worker under another name (--name), or start the "
-                    "coordinator anew",
-                    request.name(), conduct_.because(request.worker_id(), request.name())));
+        fmt::format("worker {} is put aside: {} (the coordinator's log says more). Check the machine and its "
+                    "memory; then remove worker.key from its cache folder and start the worker again, or "
+                    "restart the coordinator",
+                    request.name(), conduct_.because(request.worker_id(), machine)));
   }
-  const std::string& offered = request.arithmetic_fingerprint();
-  if (offered == arithmetic_) return {};
-  if (!arithmetic_.empty() && arithmetic_is_bound(turn, request.worker_id())) {
-    spdlog::warn("refused worker {} ({}): its fingerprint is {}, this farm's {}", request.name(),
-                 request.worker_id(), offered, arithmetic_);
-    return core::fail(
-        ErrorCode::kFailedPrecondition,
-        fmt::format(
-            "worker {} (release {}) computes other bits than this farm: its fingerprint is {}, the farm's is "
-            "{}. Install the farm's release on it; or, to change the farm's, finish or cancel its jobs and "
-            "stop all other workers first",
-            request.name(), request.version(), offered, arithmetic_));
-  }
-  arithmetic_ = offered;
-  return {};
+  if (request.arithmetic_fingerprint() == options_.fingerprint) return {};
+  core::Error error{
+      ErrorCode::kFailedPrecondition,
+      fmt::format(
+          "worker {} (release {}) computes other bits than this farm: its fingerprint is {}, the farm's is "
+          "{}. Install the coordinator's release on it; or, for a farm of that release's workers, start the "
+          "coordinator with --accept-fingerprint {}",
+          core::printable(request.name()), core::printable(request.version()),
+          core::printable(request.arithmetic_fingerprint()), options_.fingerprint,
+          core::printable(request.arithmetic_fingerprint()))};
+  rejected_log_.warn("refused: " + error.message, turn.now());
+  return core::fail(std::move(error));
 }
 
 bool Coordinator::is_known(const Turn& turn, const std::string& id) const {
@@ -168,16 +165,8 @@ bool Coordinator::is_known(const Turn& turn, const std::string& id) const {
                      [&](const scheduler::WorkerView& worker) { return worker.info.id.value == id; });
 }
 
-bool Coordinator::arithmetic_is_bound(const Turn& turn, const std::string& except_worker) const {
-  const auto workers = scheduler_.workers(turn.now());
-  const bool used = std::any_of(workers.begin(), workers.end(), [&](const scheduler::WorkerView& worker) {
-    const bool gone = worker.silent || (worker.draining && worker.held_leases == 0);
-    return !gone && worker.info.id.value != except_worker;
-  });
-  return used || std::any_of(jobs_.begin(), jobs_.end(), [&](const auto& job) {
-           return job.second.arithmetic == arithmetic_ &&
-                  !is_finished(scheduler_.job({job.first}, turn.now())->state);
-         });
+void Coordinator::note_troubles(const Turn& turn, const v1::SynchronizeRequest& request) {
+  for (std::string& sentence : troubles_.note(request)) troubles_log_.warn(std::move(sentence), turn.now());
 }
 
 scheduler::Actions Coordinator::top_up(Turn& turn, const std::string& worker, bool answer_unchanged) {
@@ -241,8 +230,29 @@ struct Coordinator::Delivery {
   std::vector<scheduler::Fingerprint> fingerprints;
 };
 
+// Whoever cannot prove that the lease was given to the worker that it names may be anybody: that says nothing
+// of the worker.
+core::Status Coordinator::check_token(const v1::SubmitResultRequest& request) {
+  const scheduler::LeaseToken token =
+      signer_.sign({request.lease_id()}, {request.worker_id()}, {request.job_id()});
+  if (request.lease_token() == token) return {};
+  Turn turn(*this);
+  rejected_log_.warn(
+      fmt::format("rejected a result of job {:.32}: its token does not prove that lease {} was given to "
+                  "worker {:.32}, which it names",
+                  core::printable(request.job_id()), request.lease_id(),
+                  core::printable(request.worker_id())),
+      turn.now());
+  return core::fail(
+      ErrorCode::kInvalidArgument,
+      fmt::format("lease_token: does not prove that lease {} of this job was given to this worker by "
+                  "this farm. Send the token that came with the lease",
+                  request.lease_id()));
+}
+
 core::Result<v1::SubmitResultResponse> Coordinator::submit_result(const v1::SubmitResultRequest& request) {
   if (auto fit = check_texts(request); !fit) return core::fail(fit.error());
+  if (auto own = check_token(request); !own) return core::fail(own.error());
   auto tiles = decode_items(request);
   Delivery delivery;
   if (tiles) delivery.tiles = std::move(*tiles);
@@ -271,7 +281,7 @@ core::Result<v1::SubmitResultResponse> Coordinator::count_result(Turn& turn,
     response.set_dropped_items(static_cast<std::uint32_t>(delivery.tiles.size()));
     return response;
   }
-  if (auto may = may_count(*record, request); !may) return core::fail(may.error());
+  if (auto may = may_count(turn, *record, request); !may) return core::fail(may.error());
   const core::TileGrid grid = grid_of(*record->spec);
   scheduler::SubmitResult event{{request.worker_id()},
                                 {request.job_id()},
@@ -279,9 +289,10 @@ core::Result<v1::SubmitResultResponse> Coordinator::count_result(Turn& turn,
                                 {},
                                 seconds(request.render_time()),
                                 request.lease_finished(),
-                                core::printable(beginning_of(request.cannot_build())),
+                                excerpt(request.cannot_build(), kMaxReasonBytes),
                                 delivery.fingerprints,
-                                held_besides(request)};
+                                held_besides(request),
+                                request.lease_token()};
   for (const core::FilmTile& tile : delivery.tiles)
     event.items.push_back({scheduler::tile_index(grid, tile.rect), tile.range});
   const scheduler::Actions actions = scheduler_.handle(event, turn.now());
@@ -302,9 +313,7 @@ core::Result<v1::SubmitResultResponse> Coordinator::count_result(Turn& turn,
     }
   }
   if (response.accepted_items() > 0 && record->arithmetic.empty()) {
-    const std::string& offered = request.arithmetic_fingerprint();
-    record->arithmetic = offered.empty() ? arithmetic_ : offered;
-    if (arithmetic_.empty()) arithmetic_ = record->arithmetic;
+    record->arithmetic = options_.fingerprint;
     ++record->revision;
   }
   if (actions.reply) tell_with_answer(event, *actions.reply, response);
@@ -312,12 +321,16 @@ core::Result<v1::SubmitResultResponse> Coordinator::count_result(Turn& turn,
   return response;
 }
 
-core::Status Coordinator::may_count(const JobRecord& record, const v1::SubmitResultRequest& request) const {
-  const std::string& offered = request.arithmetic_fingerprint();
-  const std::string& expected = record.arithmetic.empty() ? arithmetic_ : record.arithmetic;
-  if (offered.empty() || expected.empty() || offered == expected) return {};
-  spdlog::warn("refused a result of worker {} for job {}: its fingerprint is {}, the job's {}",
-               request.worker_id(), record.spec->id(), offered, expected);
+core::Status Coordinator::may_count(const Turn& turn, const JobRecord& record,
+                                    const v1::SubmitResultRequest& request) {
+  const std::string& expected = record.arithmetic.empty() ? options_.fingerprint : record.arithmetic;
+  const std::string& offered =
+      request.arithmetic_fingerprint().empty() ? options_.fingerprint : request.arithmetic_fingerprint();
+  if (offered == expected) return {};
+  rejected_log_.warn(
+      fmt::format("rejected a result of worker {:.32} for job {}: its fingerprint is {}, the job's {}",
+                  request.worker_id(), record.spec->id(), offered, expected),
+      turn.now());
   return core::fail(
       ErrorCode::kFailedPrecondition,
       fmt::format("these samples are of another arithmetic (release {}, fingerprint {}) than job {} "
@@ -331,14 +344,19 @@ void Coordinator::note_refused_result(Turn& turn, const std::string& worker, con
     return each.info.id.value == worker;
   });
   if (known == workers.end()) {
-    spdlog::warn("refused a result of a worker that nobody knows ({:.32}): {}", worker, error.message);
+    rejected_log_.warn(
+        fmt::format("rejected a result of worker {:.32}, which was not heard of since the coordinator "
+                    "was started: {}",
+                    worker, error.message),
+        turn.now());
     return;
   }
-  const std::string& name = known->info.name;
-  spdlog::warn("refused a result of worker {} ({}): {}", name, worker, error.message);
-  if (!conduct_.refused(worker, name)) return;
+  const auto& [id, name, version, threads, machine] = known->info;
+  rejected_log_.warn(fmt::format("rejected a result of worker {} ({}): {}", name, worker, error.message),
+                     turn.now());
+  if (!conduct_.refused(worker, machine)) return;
   spdlog::error("worker {} ({}) is put aside: {}. What it rendered before is verified by others", name,
-                worker, conduct_.because(worker, name));
+                worker, conduct_.because(worker, machine));
   apply(turn, scheduler_.handle(scheduler::Dismiss{{worker}, true}, turn.now()));
 }
 

@@ -1,9 +1,13 @@
 #include "server/rpc/worker_service.hpp"
 
+#include <fmt/format.h>
+
 #include <chrono>
 #include <string>
 #include <utility>
 
+#include "proto/status.hpp"
+#include "proto/worker_key.hpp"
 #include "server/rpc/blob_streams.hpp"
 #include "server/rpc/call_gate.hpp"
 #include "server/rpc/connection_slots.hpp"
@@ -17,6 +21,20 @@ namespace {
 // What a result of one tile has at most, about; it is decompressed in less than a millisecond.
 constexpr std::size_t kShortResultBytes = 256 << 10;
 
+// Nobody calls in the name of a worker whose key it does not know.
+core::Status check_worker_key(const v1::SynchronizeRequest& request) {
+  if (request.worker_key().size() == proto::kWorkerKeyBytes &&
+      request.worker_id() == proto::worker_id_of(request.worker_key()))
+    return {};
+  return core::fail(
+      core::ErrorCode::kFailedPrecondition,
+      fmt::format("worker_key: {}",
+                  request.worker_key().empty()
+                      ? "is missing, as in workers of earlier releases: install the coordinator's "
+                        "release on this machine"
+                      : "is not that of worker_id"));
+}
+
 }  // namespace
 
 grpc::ServerUnaryReactor* WorkerService::Synchronize(grpc::CallbackServerContext* context,
@@ -25,6 +43,8 @@ grpc::ServerUnaryReactor* WorkerService::Synchronize(grpc::CallbackServerContext
   Caller caller;
   if (const auto admitted = gate_.admit(*context, Role::kWork, caller); !admitted.ok())
     return refuse(context, admitted);
+  if (const auto proved = check_worker_key(*request); !proved)
+    return refuse(context, proto::to_grpc(proved.error()));
   return new SynchronizeCall(*context, coordinator_, pool_, request, response);
 }
 

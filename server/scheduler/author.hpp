@@ -12,11 +12,12 @@
 
 namespace tessera::scheduler {
 
-// A process that rendered, and the name it goes by: its machine's, unless told otherwise. No name: nobody
-// knows.
+// A process that rendered, the name it goes by, and WorkerInfo::machine. A name is chosen by whoever starts
+// the worker, and proves nothing. Empty: unknown.
 struct Author {
   std::string name;
   WorkerId worker;
+  std::string machine{};
   auto operator<=>(const Author&) const = default;
 };
 
@@ -51,20 +52,20 @@ class Authors {
     authors_[number] = author;
   }
 
-  // Whoever goes by its name as well.
+  // Every other worker of its machine as well; not those of its name, which anybody can take.
   void distrust(const Author& author) {
     distrusted_workers_.insert(author.worker);
-    if (!author.name.empty()) distrusted_names_.insert(author.name);
+    if (!author.machine.empty()) distrusted_machines_.insert(author.machine);
   }
   bool is_distrusted(const Author& author) const {
-    return distrusted_workers_.contains(author.worker) || distrusted_names_.contains(author.name);
+    return distrusted_workers_.contains(author.worker) || distrusted_machines_.contains(author.machine);
   }
 
  private:
   std::map<Author, AuthorNumber> numbers_;
   std::vector<Author> authors_;
   std::set<WorkerId> distrusted_workers_;
-  std::set<std::string> distrusted_names_;
+  std::set<std::string> distrusted_machines_;
 };
 
 }  // namespace tessera::scheduler

@@ -25,6 +25,9 @@ struct WorkerInfo {
   std::string name;
   std::string version;
   int threads = 1;
+  // Which machine it runs on, as it has proved; the same for every worker of that machine, and for no other.
+  // Empty: unknown.
+  std::string machine{};
 };
 
 // What a worker says that it renders at this moment.
@@ -61,14 +64,14 @@ struct TopUp {
 // The worker is to have no more work: what it holds goes to others. NOT_FOUND: it has been forgotten.
 struct Dismiss {
   WorkerId worker;
-  // It is not to be trusted either: what was counted of it, or of any other of its name, is to be verified,
-  // unless it was.
+  // It is not to be trusted either: what was counted of it, or of any other of its machine, is to be
+  // verified, unless it was.
   bool doubt = false;
 };
 
 // Rendered samples have arrived, however late. Answered by Actions::verdicts. INVALID_ARGUMENT: an item is no
-// tile of the job or leaves samples [0, spp), or the lease was never given, or to another worker that still
-// has it; nothing was counted. Samples beyond spp of a lease of an earlier run are dropped: that run may have
+// tile of the job or leaves samples [0, spp), or the lease was never given to this worker; nothing was
+// counted. Samples beyond spp of a lease of an earlier run are dropped: that run may have
 // extended the job, and crashed before this was stored.
 struct SubmitResult {
   WorkerId worker;
@@ -86,6 +89,8 @@ struct SubmitResult {
   // All other leases that the worker holds and has heard of. If there are some, it takes new ones with the
   // answer (Actions::reply).
   std::vector<LeaseId> held{};
+  // LeaseDescription::token of the lease.
+  LeaseToken token{};
 };
 
 inline Fingerprint fingerprint_of(const SubmitResult& result, std::size_t item) {

@@ -334,8 +334,9 @@ std::optional<std::string> Job::cannot_build(const Refuser& refuser, const std::
   if (refusals_ < kRefusalsUntilFailure) return std::nullopt;
   if (refusers_.size() < kRefusersUntilFailure && !nobody_else) return std::nullopt;
   return fmt::format(
-      "{} times in a row a worker could not build the scene, the last of them {}: {}. Mend that, or give the "
-      "workers the release and the memory that the scene needs; then submit it again",
+      "{} times in a row a worker could not build the scene, the last of them {}, which says: \"{}\". Mend "
+      "that, or "
+      "give the workers the release and the memory that the scene needs; then submit it again",
       refusals_, refuser.name, why);
 }
 

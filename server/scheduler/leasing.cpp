@@ -67,6 +67,7 @@ void Scheduler::adopt(Worker& worker, const LeaseDescription& reported) {
   const bool never_given = reported.id == LeaseId{} || reported.id > last_lease_id_;
   if (never_given || live_leases_.contains(reported.id)) return;
   if (static_cast<int>(worker.leases.size()) >= kMaxLeasesPerWorker) return;
+  if (reported.token != options_.sign(reported.id, worker.info.id, reported.job)) return;
   std::vector<WorkItem> items = job->free_parts(reported.items);
   if (items.empty()) return;
   Lease lease{reported.id, worker.info.id, std::move(items)};

@@ -137,11 +137,13 @@ void Scheduler::note_refusal(Job& job, const SubmitResult& event, Actions& actio
 
 core::Status Scheduler::validate_lease(const Job& job, const SubmitResult& event) const {
   const bool never_given = event.lease == LeaseId{} || event.lease > last_lease_id_;
+  const bool proved = event.token == options_.sign(event.lease, event.worker, event.job);
   const Lease* const lease = job.find_lease(event.lease);
-  if (!never_given && (lease == nullptr || lease->holder == event.worker)) return {};
-  return core::fail(core::ErrorCode::kInvalidArgument,
-                    fmt::format("lease {} was {}: deliver items for the lease they were rendered for",
-                                event.lease.value, never_given ? "never given" : "given to another worker"));
+  if (!never_given && proved && (lease == nullptr || lease->holder == event.worker)) return {};
+  return core::fail(
+      core::ErrorCode::kInvalidArgument,
+      fmt::format("lease {} was {}: deliver items for the lease they were rendered for, with its token",
+                  event.lease.value, never_given ? "never given" : "not given to this worker"));
 }
 
 bool Scheduler::was_extended_before(const Job& job, LeaseId lease, const WorkItem& item) const {

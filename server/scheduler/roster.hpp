@@ -86,7 +86,7 @@ struct Worker {
   // Ranges of it that others rendered again, and those of them that were wrong.
   std::uint64_t audited_ranges = 0, disproved_ranges = 0;
 
-  Author author() const { return {info.name, info.id}; }
+  Author author() const { return {info.name, info.id, info.machine}; }
   WorkerState state() const { return state_; }
   bool takes_leases() const { return state_ == WorkerState::kPresent; }
   // The earliest time there is if it has built every scene.

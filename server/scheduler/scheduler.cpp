@@ -74,7 +74,8 @@ Reply Scheduler::reply_to(Worker& worker) {
   Reply reply;
   std::set<LeaseId> ids;
   for (const HeldLease& held : worker.leases) {
-    reply.leases.push_back({held.id, held.job, find(held.job)->find_lease(held.id)->items});
+    reply.leases.push_back({held.id, held.job, find(held.job)->find_lease(held.id)->items,
+                            options_.sign(held.id, worker.info.id, held.job)});
     ids.insert(held.id);
   }
   reply.changed = ids != worker.reported || worker.shrunk;

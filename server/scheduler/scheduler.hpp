@@ -56,6 +56,9 @@ struct Options {
   // A job that lacks nothing but audits by lot, for which no worker of another name is there, is done after
   // so long.
   Duration audit_patience = std::chrono::seconds(60);
+  // Signs leases. Results and reported leases count only with the token that this makes; by default all
+  // tokens are empty.
+  SignLease sign = [](LeaseId, const WorkerId&, const JobId&) { return LeaseToken{}; };
 };
 
 // A job as its users see it. Samples are pixel samples.

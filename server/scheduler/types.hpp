@@ -4,6 +4,7 @@
 #include <chrono>
 #include <compare>
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -63,11 +64,20 @@ inline int tile_index(const core::TileGrid& grid, const core::PixelRect& rect) {
   return grid.rect(tile) == rect ? tile : kNoTile;
 }
 
+// Proves that this farm has given a lease to a worker: whoever does not know the farm's secret cannot make
+// one.
+using LeaseToken = std::string;
+
+// Makes the token of a lease. A pure function of its arguments and the farm's secret, the same in every run
+// of the coordinator.
+using SignLease = std::function<LeaseToken(LeaseId lease, const WorkerId& holder, const JobId& job)>;
+
 // Work that one worker has been asked to do, as both sides of the wire know it.
 struct LeaseDescription {
   LeaseId id;
   JobId job;
   std::vector<WorkItem> items;
+  LeaseToken token{};
   bool operator==(const LeaseDescription&) const = default;
 };
 

@@ -5,6 +5,7 @@
 namespace tessera::validator {
 
 inline constexpr const char* kTrianglesFlag = "--max-triangles";
+inline constexpr const char* kLightsFlag = "--max-lights";
 inline constexpr const char* kTexturePixelsFlag = "--max-texture-pixels";
 inline constexpr const char* kSceneTexturePixelsFlag = "--max-scene-texture-pixels";
 inline constexpr const char* kMemoryFlag = "--validator-mib";

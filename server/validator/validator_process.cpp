@@ -70,6 +70,8 @@ std::vector<std::string> command_line(const ProcessOptions& options) {
   return {options.path,
           kTrianglesFlag,
           std::to_string(limits.triangles),
+          kLightsFlag,
+          std::to_string(limits.lights),
           kTexturePixelsFlag,
           std::to_string(limits.texture_pixels),
           kSceneTexturePixelsFlag,

@@ -96,6 +96,9 @@ core::Result<coordinator::CheckedScene> accept(const v1::Bundle&, const v1::Rend
   return checked;
 }
 
+// Of the workers of these farms, as inputs have it.
+constexpr const char* kFingerprint = "f00d";
+
 }  // namespace
 
 std::string id_of(const std::string& text) {
@@ -126,12 +129,25 @@ void Farm::reopen() {
   coordinator_.reset();
   auto state = store::StateDirectory::open(scratch_folder() / "state");
   if (!expect_answer(state)) return;
+  signer_.emplace(state->jobs.secret());
   coordinator::Options options;
+  options.fingerprint = kFingerprint;
   options.limits.picture_pixels = kMaxPixels;
   options.audit_share = 1;  // of all ranges, so that chance chooses none
   options.now = [this] { return now_; };
   auto opened = coordinator::Coordinator::open(options, std::move(*state), check_scene_);
   if (expect_answer(opened)) coordinator_ = std::move(*opened);
+}
+
+void Farm::sign(v1::SubmitResultRequest& request) const {
+  if (!request.lease_token().empty()) return;
+  request.set_lease_token(signer_->sign({request.lease_id()}, {request.worker_id()}, {request.job_id()}));
+}
+
+void Farm::sign(v1::SynchronizeRequest& request) const {
+  for (v1::Lease& lease : *request.mutable_held())
+    if (lease.token().empty())
+      lease.set_token(signer_->sign({lease.id()}, {request.worker_id()}, {lease.job_id()}));
 }
 
 void Farm::wait(std::chrono::milliseconds time) {
@@ -150,7 +166,7 @@ void Farm::greet(char worker) {
   request.set_worker_id(std::string(32, worker));
   request.set_name(std::string("host-") + worker);
   request.set_version("1");
-  request.set_arithmetic_fingerprint("f00d");
+  request.set_arithmetic_fingerprint(kFingerprint);
   request.set_threads(1);
   request.set_wanted_leases(1);
   synchronize(request);

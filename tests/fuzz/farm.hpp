@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "core/film/film.hpp"
@@ -33,6 +34,9 @@ class Farm {
 
   // Ends the coordinator and opens the folder again.
   void reopen();
+  // Adds the tokens that a worker would have, where there are none: inputs cannot guess them.
+  void sign(v1::SubmitResultRequest& request) const;
+  void sign(v1::SynchronizeRequest& request) const;
   // Lets time pass, and the coordinator do what is due.
   void wait(std::chrono::milliseconds time);
   // Answers that come later are looked at as well.
@@ -43,6 +47,7 @@ class Farm {
  private:
   coordinator::SceneCheck check_scene_;
   scheduler::Time now_{std::chrono::hours(1)};
+  std::optional<coordinator::LeaseSigner> signer_;
   std::unique_ptr<coordinator::Coordinator> coordinator_;
 };
 

@@ -56,9 +56,11 @@ void do_part(Farm& farm, const Part& part) {
   v1::ExtendJobRequest extension;
   if (part.name == "sync" && synchronize.ParseFromString(bytes)) {
     spell_out(synchronize);
+    farm.sign(synchronize);
     farm.synchronize(synchronize);
   } else if (part.name == "result" && result.ParseFromString(bytes)) {
     spell_out(result);
+    farm.sign(result);
     expect_sendable(coordinator.submit_result(result));
   } else if (part.name == "submit" && submission.ParseFromString(bytes)) {
     expect_sendable(coordinator.submit_job(submission, "somebody"));

@@ -40,6 +40,7 @@ void deliver(Farm& farm, const Part& part) {
   if (part.name != "raw") {
     for (v1::RenderedItem& item : *request.mutable_items()) put_in_order(item);
   }
+  farm.sign(request);
   const auto counted = farm.coordinator().submit_result(request);
   expect_sendable(counted);
   if (!counted) return;

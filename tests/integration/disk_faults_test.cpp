@@ -310,6 +310,35 @@ TEST_F(OwnDiskTest, AFullDiskIsToldRendersOnAndIsWrittenToWhenThereIsSpace) {
   EXPECT_TRUE(image(id, ".exr") == render_here(options, ".exr"));
 }
 
+// As soon as the worker has failed once, whoever waits reads why.
+TEST_F(DiskFaultsTest, AWorkerWhoseDiskIsFullIsToldOfToWhoeverWaits) {
+  const std::filesystem::path cache = folder_ / "cache-full";
+  std::filesystem::create_directory(cache);
+  if (mount("tessera-test", cache.c_str(), "tmpfs", 0, "size=64k,mode=0700") != 0)
+    GTEST_SKIP() << "a file system for this test cannot be mounted (that needs root): " << std::strerror(errno);
+  std::string mesh = "v -1 0 -1\nv 1 0 -1\nv 0 1 -1\nf 1 2 3\n";
+  mesh += "#" + std::string(400'000, '.') + "\n";
+  write_file(folder_ / "mesh.obj", mesh);
+  write_file(folder_ / "scene.json", R"({"camera": {"position": [0, 0, 4], "look_at": [0, 0, 0]},
+    "materials": {"lamp": {"type": "lambert", "emission": 1}},
+    "shapes": [{"type": "mesh", "file": "mesh.obj", "material": "lamp"}]})");
+  start_coordinator();
+  start_worker("full", 1);
+  Process waits = start_tessera({"submit", folder_ / "scene.json", "--wait", "-o", folder_ / "x.png"});
+  const auto says = [](const std::string& text) { return text.find("No space left on device") != std::string::npos; };
+  EXPECT_TRUE(poll_until(60s, [&] { return says(tessera({"workers"}).out); })) << tessera({"workers"}).out;
+  EXPECT_THAT(tessera({"workers"}).out, HasSubstr(") says: cannot fetch mesh.obj"));
+  ASSERT_EQ(jobs().size(), 1u);
+  const std::string id = jobs()[0].id();
+  EXPECT_THAT(tessera({"job", id}).out, HasSubstr("worker full says: cannot fetch mesh.obj"));
+  EXPECT_TRUE(poll_until(20s, [&] { return says(waits.err()); })) << waits.err();
+  EXPECT_TRUE(poll_until(20s, [&] { return says(coordinator().err()); }));
+  start_worker("other", 1);
+  EXPECT_TRUE(wait_for_state(id, v1::JOB_STATE_DONE));
+  EXPECT_EQ(waits.wait(30s), 0);
+  umount2(cache.c_str(), MNT_DETACH);
+}
+
 TEST_F(OwnDiskTest, AReadOnlyStateFolderIsNamedAndCanBeChecked) {
   start_coordinator();
   const std::string id = submit(kSmall);

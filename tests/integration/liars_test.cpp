@@ -10,6 +10,7 @@
 #include "proto/channel.hpp"
 #include "proto/convert.hpp"
 #include "proto/tile_codec.hpp"
+#include "proto/worker_key.hpp"
 #include "tessera/v1/worker_service.grpc.pb.h"
 #include "tests/integration/farm_processes.hpp"
 
@@ -21,8 +22,9 @@ using ::testing::HasSubstr;
 
 class Liar {
  public:
-  explicit Liar(const std::string& address)
-      : scene_(*core::Scene::build(*core::load_scene_file(kCornell), 1)),
+  explicit Liar(const std::string& address, std::string name = "liar")
+      : name_(std::move(name)),
+        scene_(*core::Scene::build(*core::load_scene_file(kCornell), 1)),
         coordinator_(v1::WorkerService::NewStub(*proto::open_channel(address))) {}
 
   // Takes a lease and delivers all of it, with a bit flipped in each range. Whether there was one.
@@ -31,8 +33,10 @@ class Liar {
     if (!synchronize(given).ok() || given.leases().empty()) return false;
     for (const v1::JobSpec& job : given.jobs()) settings_ = *proto::from_proto(job.settings());
     v1::SubmitResultRequest result = message();
-    result.set_job_id(given.leases(0).job_id());
-    result.set_lease_id(given.leases(0).id());
+    lease_ = given.leases(0);
+    result.set_job_id(lease_.job_id());
+    result.set_lease_id(lease_.id());
+    result.set_lease_token(lease_.token());
     result.set_lease_finished(true);
     result.mutable_render_time()->set_nanos(100'000'000);
     for (const v1::WorkItem& item : given.leases(0).items()) *result.add_items() = render_wrongly(item);
@@ -42,23 +46,58 @@ class Liar {
   // Delivers what is no result at all.
   grpc::Status send_garbage() {
     v1::SubmitResultRequest garbage = message();
+    garbage.set_job_id(lease_.job_id());
+    garbage.set_lease_id(lease_.id());
+    garbage.set_lease_token(lease_.token());
     garbage.add_items()->set_planes_zstd("sums");
     return submit(garbage);
   }
 
-  grpc::Status synchronize(v1::SynchronizeResponse& response) {
+  // A sample of the first tile in somebody's name, with sums of nobody's.
+  grpc::Status forge(const std::string& worker_id, const std::string& job_id, std::uint64_t lease) {
+    v1::SubmitResultRequest result = message();
+    result.set_worker_id(worker_id);
+    result.set_job_id(job_id);
+    result.set_lease_id(lease);
+    core::FilmTile tile({0, 0, 64, 64}, {0, 1});
+    tile.sums.assign(tile.sums.size(), 1u << 20);
+    tile.counters.samples = 64 * 64;
+    *result.add_items() = proto::encode_tile(tile);
+    return submit(result);
+  }
+  grpc::Status synchronize_as(const std::string& worker_id) {
+    v1::SynchronizeRequest request = greeting();
+    request.set_worker_id(worker_id);
+    v1::SynchronizeResponse response;
+    return synchronize(request, response);
+  }
+  // Whether it was given a lease, which it holds from now on.
+  bool take(const v1::SynchronizeResponse& given) {
+    if (given.leases().empty()) return false;
+    lease_ = given.leases(0);
+    return true;
+  }
+
+  grpc::Status synchronize(v1::SynchronizeResponse& response) { return synchronize(greeting(), response); }
+
+ private:
+  v1::SynchronizeRequest greeting() const {
     v1::SynchronizeRequest request;
     request.set_worker_id(id_);
-    request.set_name("liar");
+    request.set_worker_key(key_);
+    request.set_name(name_);
     request.set_arithmetic_fingerprint(core::arithmetic_fingerprint());
     request.set_threads(1);
     request.set_wanted_leases(1);
+    return request;
+  }
+
+  grpc::Status synchronize(const v1::SynchronizeRequest& request, v1::SynchronizeResponse& response) {
     grpc::ClientContext context;
     context.set_deadline(std::chrono::system_clock::now() + 30s);
     return coordinator_->Synchronize(&context, request, &response);
   }
 
- private:
   v1::SubmitResultRequest message() const {
     v1::SubmitResultRequest request;
     request.set_worker_id(id_);
@@ -84,7 +123,10 @@ class Liar {
     return proto::encode_tile(tile);
   }
 
-  const std::string id_ = "11111111111111111111111111111111";
+  const std::string name_;
+  const std::string key_ = std::string(proto::kWorkerKeyBytes, '1');
+  const std::string id_ = proto::worker_id_of(key_);
+  v1::Lease lease_;  // the last
   core::Scene scene_;
   core::RenderSettings settings_;
   std::unique_ptr<v1::WorkerService::StubInterface> coordinator_;
@@ -157,6 +199,48 @@ TEST_F(LiarsTest, WhatWasRenderedByAWorkerThatIsPutAsideIsRenderedAgain) {
   };
   ASSERT_TRUE(poll_until(60s, is_mended));
   expect_local_bytes(id);
+}
+
+// What anybody can do who reaches the port, at another worker's cost.
+TEST_F(LiarsTest, WhoForgesIdsLeasesAndNamesHarmsNobody) {
+  coordinator_options_ = {"--audit", "0.02"};
+  start_coordinator(kLeaseSeconds);
+  Process& one = start_worker("one", 1);
+  start_worker("two", 1);
+  ASSERT_TRUE(wait_for_workers(2));
+  const std::string id = submit({"--size", "192x128", "--spp", "64"});
+  ASSERT_TRUE(wait_for_samples(id, 1));
+
+  // Results under the ids of others and of nobody.
+  const auto known = workers();
+  std::vector<std::string> ids{std::string(32, '7')};
+  for (const auto& worker : known) ids.push_back(worker.id());
+  Liar liar_worker(address(), "one");  // under an honest worker's name
+  for (const std::string& worker_id : ids) {
+    for (std::uint64_t lease = 0; lease < 4; ++lease) {
+      const grpc::Status status = liar_worker.forge(worker_id, id, (std::uint64_t{1} << 40) + lease);
+      EXPECT_EQ(status.error_code(), grpc::StatusCode::INVALID_ARGUMENT) << status.error_message();
+    }
+  }
+  // It cannot call under their ids either, and what it does under its own is held against it alone.
+  for (const auto& worker : known)
+    EXPECT_EQ(liar_worker.synchronize_as(worker.id()).error_code(), grpc::StatusCode::FAILED_PRECONDITION);
+  v1::SynchronizeResponse given;
+  EXPECT_TRUE(liar_worker.synchronize(given).ok());
+  if (liar_worker.take(given)) {
+    for (int i = 0; i < 3; ++i) EXPECT_FALSE(liar_worker.send_garbage().ok());
+    EXPECT_EQ(liar_worker.synchronize(given).error_code(), grpc::StatusCode::FAILED_PRECONDITION);
+  }
+  ASSERT_TRUE(wait_for_state(id, v1::JOB_STATE_DONE));
+  EXPECT_TRUE(image(id, ".exr") == render_here({"--size", "192x128", "--spp", "64"}, ".exr"));
+  for (const auto& worker : workers()) {
+    const bool honest = std::any_of(known.begin(), known.end(), [&](const auto& k) { return k.id() == worker.id(); });
+    if (!honest) continue;
+    EXPECT_FALSE(worker.put_aside()) << worker.name();
+    EXPECT_EQ(worker.refused_results(), 0u) << worker.name();
+  }
+  EXPECT_EQ(one.wait(0s), std::nullopt);
+  EXPECT_THAT(coordinator().err(), HasSubstr("rejected a result of job"));
 }
 
 }  // namespace

@@ -42,6 +42,13 @@ Files with(const std::string& name, const std::string& bytes) {
   return files;
 }
 
+// Its wall shines.
+std::string lit_scene() {
+  std::string scene = kScene;
+  const std::string albedo = R"("albedo": {"texture": "paint"})";
+  return scene.replace(scene.find(albedo), albedo.size(), albedo + R"(, "emission": 1)");
+}
+
 class LimitsTest : public FarmTest {
  protected:
   void start(const std::vector<std::string>& options) {
@@ -106,6 +113,7 @@ TEST_F(LimitsTest, EachIsAnOptionThatItsRefusalNames) {
       {"--max-spp", "1", small_scene(), "2 samples per pixel"},
       {"--max-blob-mib", "2", with("mesh.obj", large), "3145728 bytes"},
       {"--max-triangles", "1", small_scene(), "mesh.obj:6: the file has more than the 1 triangles"},
+      {"--max-lights", "1", with("scene.json", lit_scene()), "the scene has 2 lights"},
       {"--max-texture-pixels", "63", small_scene(), "8 x 8 = 64 pixels"},
       {"--max-texture-pixels", "1000", with("paint.png", png_header(30000, 30000)), "= 900000000 pixels"},
       {"--max-scene-texture-pixels", "63", small_scene(), "64 pixels"},

@@ -159,4 +159,8 @@ void Network::lose(double share) {
   switch_->lose(share);
 }
 
+void Network::limit_rate(double bytes_per_second) {
+  switch_->limit_rate(bytes_per_second);
+}
+
 }  // namespace tessera::test

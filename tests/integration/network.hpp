@@ -43,6 +43,8 @@ class Network {
   // For all frames from now on, in each direction.
   void hold_up(std::chrono::milliseconds delay);
   void lose(double share);
+  // Of one line that all frames take.
+  void limit_rate(double bytes_per_second);
 
  private:
   class Switch;

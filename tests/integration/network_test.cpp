@@ -138,6 +138,25 @@ TEST_F(NetworkTest, AWatcherOfAnIdleJobNoticesThatTheCoordinatorVanished) {
   EXPECT_EQ(watch.wait(kReconnects), 0) << watch.err();
 }
 
+// A file of a minute and results of 64 tiles, on a line of 48 KB/s.
+TEST_F(NetworkTest, ASlowLineCostsTimeAndNothingElse) {
+  std::string mesh = "v -1 0 -1\nv 1 0 -1\nv 0 1 -1\nf 1 2 3\n";
+  while (mesh.size() < 2'500'000) mesh += "# " + std::to_string(std::hash<std::size_t>{}(mesh.size())) + "\n";
+  write_file(folder_ / "mesh.obj", mesh);
+  write_file(folder_ / "scene.json", R"({"camera": {"position": [0, 0, 4], "look_at": [0, 0, 0]},
+    "materials": {"lamp": {"type": "lambert", "emission": 1, "albedo": 0.5}},
+    "shapes": [{"type": "mesh", "file": "mesh.obj", "material": "lamp"},
+               {"type": "sphere", "center": [0, -2, 0], "radius": 2, "material": "lamp"}]})");
+  start_coordinator(10);
+  const Outcome submitted = tessera({"submit", folder_ / "scene.json", "--size", "512x512", "--spp", "1"});
+  ASSERT_EQ(submitted.exit_code, 0) << submitted.err;
+  const std::string id = jobs().at(0).id();
+  network().limit_rate(48'000);
+  start_worker("first", 1);
+  EXPECT_TRUE(wait_for_state(id, v1::JOB_STATE_DONE, 280s));
+  EXPECT_EQ(job(id).counters().samples(), 512u * 512u);
+}
+
 TEST_F(NetworkTest, TwoHundredMillisecondsOfDelayChangeNoBit) {
   network().hold_up(200ms);
   expect_same_bytes_from_a_farm();

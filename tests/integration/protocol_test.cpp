@@ -39,7 +39,8 @@ TEST_F(FarmTest, AWorkerOfAnotherArithmeticIsRefused) {
   grpc::ClientContext context;
   context.set_deadline(std::chrono::system_clock::now() + 20s);
   v1::SynchronizeRequest request;
-  request.set_worker_id("0123456789abcdef0123456789abcdef");
+  request.set_worker_key(std::string(proto::kWorkerKeyBytes, 'k'));
+  request.set_worker_id(proto::worker_id_of(request.worker_key()));
   request.set_name("stranger");
   request.set_arithmetic_fingerprint("0000000000000000");
   request.set_threads(1);

@@ -5,16 +5,19 @@
 
 #include <chrono>
 
+#include "core/base/determinism_fingerprint.hpp"
 #include "proto/blob.hpp"
 #include "proto/channel.hpp"
+#include "proto/worker_key.hpp"
 
 namespace tessera::test {
 
 RawWorker::RawWorker(const std::string& address, const std::string& name)
     : coordinator_(v1::WorkerService::NewStub(*proto::open_channel(address))) {
-  request_.set_worker_id(proto::digest_of(name).hex().substr(0, 32));
+  request_.set_worker_key(proto::digest_of(name).hex().substr(0, proto::kWorkerKeyBytes));
+  request_.set_worker_id(proto::worker_id_of(request_.worker_key()));
   request_.set_name(name);
-  request_.set_arithmetic_fingerprint(kFingerprint);
+  request_.set_arithmetic_fingerprint(std::string(core::kDeterminismFingerprint));
   request_.set_threads(1);
   request_.set_wanted_leases(1);
 }

@@ -10,9 +10,6 @@ namespace tessera::test {
 
 class RawWorker {
  public:
-  // Of no build that there is.
-  static constexpr const char* kFingerprint = "0000000000000000";
-
   RawWorker(const std::string& address, const std::string& name);
 
   // What it says it is doing from now on: the job whose files it is fetching, or none.

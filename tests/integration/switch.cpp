@@ -19,6 +19,8 @@ namespace {
 constexpr int kLongestPollMs = 20;
 constexpr std::size_t kMostFrameBytes = 1 << 16;
 constexpr int kBufferBytes = 8 << 20;
+// What waits for a slow line, as in a router.
+constexpr std::chrono::seconds kMaxQueue{1};
 
 int open_port(const std::string& interface) {
   const int port = socket(AF_PACKET, SOCK_RAW | SOCK_NONBLOCK | SOCK_CLOEXEC, htons(ETH_P_ALL));
@@ -70,6 +72,17 @@ void Network::Switch::run() {
   }
 }
 
+// All frames share one line, as those of a site do.
+std::optional<Network::Switch::Clock::time_point> Network::Switch::passes_at(std::size_t bytes) {
+  const auto now = Clock::now();
+  const auto delay = std::chrono::milliseconds(delay_ms_);
+  if (!(bytes_per_second_ > 0)) return now + delay;
+  if (line_is_free_ > now + kMaxQueue) return std::nullopt;
+  const std::chrono::duration<double> takes(static_cast<double>(bytes) / bytes_per_second_);
+  line_is_free_ = std::max(line_is_free_, now) + std::chrono::duration_cast<Clock::duration>(takes);
+  return line_is_free_ + delay;
+}
+
 void Network::Switch::take_frames(const std::vector<int>& ports) {
   std::string buffer(kMostFrameBytes, '\0');
   for (const int port : ports) {
@@ -77,8 +90,9 @@ void Network::Switch::take_frames(const std::vector<int>& ports) {
       const ssize_t size = recv(port, buffer.data(), buffer.size(), 0);
       if (size <= 0) break;  // nothing more, or the cable is pulled
       if (std::uniform_real_distribution<double>()(random_) < lost_share_) continue;
-      const auto due = Clock::now() + std::chrono::milliseconds(delay_ms_);
-      held_up_.push_back({due, port, buffer.substr(0, static_cast<std::size_t>(size))});
+      const auto due = passes_at(static_cast<std::size_t>(size));
+      if (!due) continue;
+      held_up_.push_back({*due, port, buffer.substr(0, static_cast<std::size_t>(size))});
     }
   }
 }

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <deque>
 #include <mutex>
+#include <optional>
 #include <random>
 #include <string>
 #include <thread>
@@ -23,6 +24,7 @@ class Network::Switch {
   void add_port(const std::string& interface);
   void hold_up(std::chrono::milliseconds delay) { delay_ms_ = delay.count(); }
   void lose(double share) { lost_share_ = share; }
+  void limit_rate(double bytes_per_second) { bytes_per_second_ = bytes_per_second; }
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -33,16 +35,20 @@ class Network::Switch {
   };
 
   void run();
+  // When a frame that comes now has passed. Nothing if it is dropped, since too much waits.
+  std::optional<Clock::time_point> passes_at(std::size_t bytes);
   void take_frames(const std::vector<int>& ports);
   void pass_on(const std::vector<int>& ports);
 
   std::atomic<std::int64_t> delay_ms_ = 0;
   std::atomic<double> lost_share_ = 0;
+  std::atomic<double> bytes_per_second_ = 0;  // 0: as many as there are
   std::atomic<bool> stopping_ = false;
   std::mutex mutex_;
   std::vector<int> ports_;  // sockets; guarded by mutex_
   // Of the thread:
   std::deque<Frame> held_up_;
+  Clock::time_point line_is_free_{};
   std::mt19937 random_{1};
   std::thread thread_;
 };

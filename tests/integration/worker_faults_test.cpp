@@ -1,6 +1,9 @@
 // What a worker that dies, freezes or leaves costs: its lease, and not more.
+#include <arpa/inet.h>
 #include <gmock/gmock.h>
 #include <signal.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <set>
@@ -135,18 +138,81 @@ TEST_F(WorkerFaultsTest, AWorkerThatIsToldToStopHandsBackAllItHasRendered) {
   EXPECT_TRUE(image(id, ".exr") == render_here(options_, ".exr"));
 }
 
-// The farm's arithmetic is that of whoever came first; here that is another build's.
-TEST_F(WorkerFaultsTest, AWorkerOfAnotherBuildIsToldBothFingerprintsAndEnds) {
-  start_coordinator(60);
-  submit(options_);
-  RawWorker other_build(address(), "other build");
-  ASSERT_TRUE(poll_until(20s, [&] { return !other_build.synchronize().leases().empty(); }));
+// Somebody may mend the farm while it waits.
+TEST_F(WorkerFaultsTest, AWorkerOfAnotherBuildIsToldBothFingerprintsAndWaitsForACoordinatorThatAcceptsIt) {
+  coordinator_options_ = {"--accept-fingerprint", "0000000000000000"};
+  start_coordinator(2);
+  const std::string id = submit({"--size", "64x64", "--spp", "1"});
   Process& worker = start_worker("this build", 1);
-  EXPECT_EQ(worker.wait(20s), 1);
-  EXPECT_THAT(worker.err(), HasSubstr("computes other bits than this farm"));
-  EXPECT_THAT(worker.err(), HasSubstr(RawWorker::kFingerprint));
-  EXPECT_THAT(worker.err(), HasSubstr("Install the farm's release"));
+  ASSERT_TRUE(poll_until(
+      20s, [&] { return worker.err().find("computes other bits than this farm") != std::string::npos; }));
+  EXPECT_THAT(worker.err(), HasSubstr("0000000000000000"));
+  EXPECT_THAT(worker.err(), HasSubstr("Install the coordinator's release on it"));
+  EXPECT_THAT(worker.err(), HasSubstr("trying again from time to time"));
+  EXPECT_EQ(worker.wait(2s), std::nullopt);
+  stop_coordinator();
+  coordinator_options_ = {};
+  restart_coordinator();
+  EXPECT_TRUE(wait_for_state(id, v1::JOB_STATE_DONE));
+  worker.signal(SIGTERM);
+  EXPECT_EQ(worker.wait(20s), 0);
 }
+
+// A port of this machine that was free a moment ago: who cannot say where it listens must be told.
+int free_port() {
+  const int probe = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  socklen_t size = sizeof(address);
+  auto* const generic = reinterpret_cast<sockaddr*>(&address);
+  EXPECT_EQ(bind(probe, generic, size), 0);
+  EXPECT_EQ(getsockname(probe, generic, &size), 0);
+  close(probe);
+  return ntohs(address.sin_port);
+}
+
+struct Streams {
+  const char* name;
+  const char* redirection;  // for bash, before the program takes its place
+};
+
+class StandardStreams : public WorkerFaultsTest, public testing::WithParamInterface<Streams> {
+ protected:
+  Process start(const std::string& command) {
+    ProcessOptions options{.arguments = {"/bin/bash", "-c", GetParam().redirection + ("exec " + command)}};
+    options.out = options.err = "/dev/null";
+    return Process(options);
+  }
+};
+
+// What cannot be said is lost, and nothing else.
+TEST_P(StandardStreams, ThatTakeNothingEndNoProgram) {
+  const std::string listen = "127.0.0.1:" + std::to_string(free_port()), picture = folder_ / "a.png";
+  Process coordinator = start(TESSERA_COORDINATOR_PROGRAM " --listen " + listen + " --state " + state_.string());
+  Process worker = start(TESSERA_WORKER " --verbose --threads 1 --coordinator " + listen + " --cache " +
+                         (folder_ / "cache").string());
+  const auto submit = [&] {
+    ProcessOptions options{.arguments = {TESSERA_CLIENT, "submit", kCornell, "--size", "64x64", "--spp", "1", "--wait",
+                                         "-o", picture, "--coordinator", listen}};
+    options.out = folder_ / "client.out";
+    options.err = folder_ / "client.err";
+    return Process(options).wait(60s) == 0;
+  };
+  EXPECT_TRUE(poll_until(60s, submit)) << read_file(folder_ / "client.err");
+  EXPECT_TRUE(std::filesystem::exists(picture));
+  EXPECT_EQ(read_file(state_ / "lock"), "") << "a file has taken the place of a stream";
+  for (Process* const process : {&worker, &coordinator}) {
+    process->signal(SIGTERM);
+    EXPECT_EQ(process->wait(30s), 0);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(WorkerFaultsTest, StandardStreams,
+                         testing::Values(Streams{"Closed", "exec <&- >&- 2>&-; "},
+                                         Streams{"Full", "exec > /dev/full 2>&1; "},
+                                         Streams{"PipesWhoseReaderHasGone", "exec > >(exec true) 2>&1; sleep 0.5; "}),
+                         [](const auto& streams) { return streams.param.name; });
 
 }  // namespace
 }  // namespace tessera::test

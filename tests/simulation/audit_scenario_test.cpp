@@ -114,7 +114,7 @@ TEST_P(PutAside, WhatItRenderedIsVerified) {
   run_until(GetParam());
   EXPECT_EQ(state(), GetParam() > 100 ? JobState::kDone : JobState::kRunning);
   EXPECT_TRUE(coordinator_.spoilt("job"));
-  coordinator_.put_aside({"liar machine", {liar.worker_id()}});
+  coordinator_.put_aside({"liar machine", {liar.worker_id()}, "liar machine"});
   EXPECT_LT(run_until_done(), 1000);
   EXPECT_EQ(state(), JobState::kDone);
   EXPECT_FALSE(coordinator_.spoilt("job"));

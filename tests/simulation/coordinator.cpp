@@ -25,8 +25,24 @@ bool is_liar(const WorkerId& worker) {
   return worker.value.starts_with(kLiar);
 }
 
+namespace {
+
+// Whoever does not know this number cannot make one; liars do not.
+LeaseToken sign(LeaseId lease, const WorkerId& holder, const JobId& job) {
+  constexpr std::uint64_t kSecret = 0x5eC4e7;
+  return std::to_string(
+      std::hash<std::string>{}(fmt::format("{} {} {} {}", kSecret, lease.value, holder.value, job.value)));
+}
+
+Options with_signatures(Options options) {
+  options.sign = sign;
+  return options;
+}
+
+}  // namespace
+
 Coordinator::Coordinator(World& world, const Options& options)
-    : world_(world), disk_(world), options_(options), referee_(world, films_, options_) {}
+    : world_(world), disk_(world), options_(with_signatures(options)), referee_(world, films_, options_) {}
 
 void Coordinator::start() {
   if (up()) return;
@@ -70,7 +86,7 @@ void Coordinator::crash() {
   parked_.clear();
   films_.clear();
   workers_aside_.clear();
-  names_aside_.clear();
+  machines_aside_.clear();
   to_reopen_.clear();
   next_tick_.reset();
   stalled_until_ = {};
@@ -101,9 +117,6 @@ void Coordinator::synchronize(const Synchronize& request, const Answer& answer) 
   if (!up() || delayed([=, this] { synchronize(request, answer); })) return;
   if (is_refused(request.worker)) return;
   const WorkerId id = request.worker.id;
-  if (request.worker.name == kLiar) {
-    for (const LeaseDescription& held : request.held) claimed_.insert(held.id);
-  }
   parked_.erase(id);  // answered at once, which its worker does not wait for any more
   referee_.answered(id);
   const Actions actions = handle(request);
@@ -148,18 +161,20 @@ void Coordinator::wake(const WorkerId& worker) {
 void Coordinator::submit_result(const SubmitResult& result, const ResultAnswer& answer) {
   if (!up() || delayed([=, this] { submit_result(result, answer); })) return;
   if (workers_aside_.contains(result.worker)) return answer({});
-  const bool lies = is_liar(result.worker);
+  const bool forged = result.token != options_.sign(result.lease, result.worker, result.job);
+  const bool lies = is_liar(result.worker) || forged;
   if (lies) handle(Tick{});
   const std::string before = lies ? fingerprint(*scheduler_, clock()) : "";
   const Actions actions = handle(result);
-  if (!actions.status && !lies && !claimed_.contains(result.lease))
+  if (!actions.status && !lies)
     world_.fail("an honest result was refused: " + actions.status.error().message);
   if (!actions.status && lies && fingerprint(*scheduler_, clock()) != before)
     world_.fail("a refused result has changed something");
   if (actions.status && actions.verdicts.size() != result.items.size()) {
     return world_.fail("not every item has a verdict");
   }
-  if (!actions.status) note_refusal(result.worker);
+  if (actions.status && forged && counts(actions)) world_.fail("a forged result has counted");
+  if (!actions.status && !forged) note_refusal(result.worker);
   referee_.judged(result, actions);
   empty_tiles(actions);
   for (std::size_t i = 0; i < actions.verdicts.size(); ++i) {
@@ -174,6 +189,11 @@ void Coordinator::submit_result(const SubmitResult& result, const ResultAnswer& 
   if (!actions.job_changes.empty() && world_.random.chance(0.2)) disk_.update(result.job, row_of(result.job));
   if (actions.reply && parked_.contains(result.worker)) referee_.parked(result.worker, *actions.reply);
   answer(actions.reply);
+}
+
+bool Coordinator::counts(const Actions& actions) {
+  return std::any_of(actions.verdicts.begin(), actions.verdicts.end(),
+                     [](Verdict verdict) { return verdict != Verdict::kDropped; });
 }
 
 bool Coordinator::submit(const SubmitJob& event) {
@@ -228,9 +248,25 @@ void Coordinator::dismiss_any() {
   handle(Dismiss{known[chosen].info.id});
 }
 
+// A lease belongs to whom it was given, in every run of the coordinator.
+void Coordinator::check_holders(const Event& event, const Actions& actions) {
+  if (!actions.reply) return;
+  WorkerId worker;
+  if (const auto* call = std::get_if<Synchronize>(&event)) worker = call->worker.id;
+  if (const auto* call = std::get_if<TopUp>(&event)) worker = call->worker;
+  if (const auto* call = std::get_if<SubmitResult>(&event)) worker = call->worker;
+  for (const LeaseDescription& lease : actions.reply->leases) {
+    const auto [holder, is_new] = holders_.try_emplace(lease.id, worker);
+    if (holder->second != worker)
+      world_.fail(fmt::format("lease {} of worker {} is given to worker {}", lease.id.value, holder->second.value,
+                              worker.value));
+  }
+}
+
 Actions Coordinator::handle(const Event& event) {
   const std::vector<JobView> before = jobs();
   const Actions actions = scheduler_->handle(event, clock());
+  check_holders(event, actions);
   referee_.counted(before, jobs());
   if (const auto wrong = scheduler_->check_invariants(CheckDepth::kEverySample)) world_.fail(*wrong);
   referee_.handled(event, actions, clock());

@@ -44,7 +44,7 @@ class Coordinator {
   bool command(const scheduler::Event& event);
   // As after too many refused results.
   void put_aside(const scheduler::Author& author);
-  bool is_aside(const std::string& name) const { return names_aside_.contains(name); }
+  bool is_aside(const std::string& machine) const { return machines_aside_.contains(machine); }
   // Whether there are wrong bits in the job's film.
   bool spoilt(const std::string& job) const { return films_.at({job}).spoilt_tile().has_value(); }
   // Takes away all that a worker holds that was heard of lately; which one, chance says.
@@ -88,6 +88,8 @@ class Coordinator {
   bool is_expected_liar(const scheduler::WorkerId& worker) const;
   void note_refusal(const scheduler::WorkerId& worker);
   void check_bits();
+  static bool counts(const scheduler::Actions& actions);
+  void check_holders(const scheduler::Event& event, const scheduler::Actions& actions);
   void park(const scheduler::WorkerId& worker, const scheduler::Reply& reply, const Answer& answer);
   void wake(const scheduler::WorkerId& worker);
   void answer_parked(const scheduler::WorkerId& worker, std::uint64_t call);
@@ -114,12 +116,12 @@ class Coordinator {
   std::optional<Time> next_tick_;
   std::uint64_t calls_ = 0;
   std::uint64_t revisions_ = 0;
-  // What a liar said it holds: a result that its true holder sends once more may then be refused.
-  std::set<scheduler::LeaseId> claimed_;
   std::map<scheduler::WorkerId, Parked> parked_;
+  // To whom each lease was given first; survives restarts.
+  std::map<scheduler::LeaseId, scheduler::WorkerId> holders_;
   std::set<std::string> liars_;
   std::set<scheduler::WorkerId> workers_aside_;
-  std::set<std::string> names_aside_;
+  std::set<std::string> machines_aside_;
   int refused_ = 0;
   std::set<scheduler::JobId> to_reopen_;
   std::set<scheduler::JobId> unaudited_;  // of some ranges, since the clock had jumped; survives restarts

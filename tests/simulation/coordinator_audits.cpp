@@ -28,7 +28,7 @@ void Coordinator::follow_audits(const Actions& actions) {
       world_.fail(
           fmt::format("{} is honest, but was put aside: {}", called(disproof.author), disproof.because));
     workers_aside_.insert(disproof.author.worker);
-    if (!disproof.author.name.empty()) names_aside_.insert(disproof.author.name);
+    if (!disproof.author.machine.empty()) machines_aside_.insert(disproof.author.machine);
   }
   for (const std::string& contradiction : actions.contradictions) world_.note(contradiction);
   for (const Unaudited& job : actions.unaudited) {
@@ -61,19 +61,19 @@ bool Coordinator::is_refused(const WorkerInfo& worker) const {
   if (workers_aside_.contains(worker.id)) return true;
   const auto known = workers();
   const auto is_it = [&](const WorkerView& each) { return each.info.id == worker.id; };
-  return names_aside_.contains(worker.name) && std::none_of(known.begin(), known.end(), is_it);
+  return machines_aside_.contains(worker.machine) && std::none_of(known.begin(), known.end(), is_it);
 }
 
 // In farms with audits, as in the real ones.
 void Coordinator::note_refusal(const WorkerId& worker) {
   if (options_.audit_share == 0 || !is_liar(worker) || ++refused_ % kRefusalsUntilAside != 0) return;
-  put_aside({kLiar, worker});
+  put_aside({kLiar, worker, kLiar});
 }
 
 void Coordinator::put_aside(const Author& author) {
   world_.note(fmt::format("{} is put aside", called(author)));
   workers_aside_.insert(author.worker);
-  names_aside_.insert(author.name);
+  machines_aside_.insert(author.machine);
   referee_.expect_audits();
   handle(Dismiss{author.worker, true});
 }

@@ -7,7 +7,32 @@ namespace tessera::simulation {
 using namespace scheduler;
 
 void Liar::speak(int jobs, const std::string& victim) {
+  if (world_.random.chance(0.2)) return forge(jobs, victim);
   world_.random.chance(0.5) ? deliver(jobs) : synchronize(jobs, victim);
+}
+
+void Liar::take(const Reply& reply) {
+  for (const LeaseDescription& lease : reply.leases) given_.push_back(lease);
+}
+
+LeaseDescription Liar::any_own_lease(int jobs) {
+  if (given_.empty() || world_.random.chance(0.3)) return {any_lease(), any_job(jobs), any_items()};
+  LeaseDescription lease =
+      given_[static_cast<std::size_t>(world_.random.integer(0, static_cast<int>(given_.size()) - 1))];
+  if (world_.random.chance(0.7)) lease.items = any_items();
+  return lease;
+}
+
+// A plausible result, with bits of nobody's, under another's id or one that nobody has; for a lease of its
+// own, with that lease's token, or for one that it guesses.
+void Liar::forge(int jobs, const std::string& victim) {
+  Random& random = world_.random;
+  LeaseDescription lease = any_own_lease(jobs);
+  if (random.chance(0.3)) lease.id = any_lease();
+  const WorkerId id{random.chance(0.7) ? victim : "9999.nobody"};
+  SubmitResult result{{id}, lease.job, lease.id, {{random.integer(0, 3), {0, 1}}}, 0.1, random.chance(0.5)};
+  if (random.chance(0.7)) result.token = lease.token;
+  coordinator_.submit_result(result, [](const auto&) {});
 }
 
 JobId Liar::any_job(int jobs) {
@@ -57,8 +82,9 @@ double Liar::any_seconds() {
 void Liar::deliver(int jobs) {
   Random& random = world_.random;
   has_delivered_ = true;
-  SubmitResult result{{kLiar},       any_job(jobs),      any_lease(), any_items(),
-                      any_seconds(), random.chance(0.5), ""};
+  const LeaseDescription lease = any_own_lease(jobs);
+  SubmitResult result{{kLiar}, lease.job, lease.id, lease.items, any_seconds(), random.chance(0.5), ""};
+  result.token = lease.token;
   if (random.chance(0.1)) {
     result.cannot_build = "it is not to my liking";
     refused_.insert(result.job);
@@ -71,7 +97,10 @@ void Liar::deliver(int jobs) {
 void Liar::synchronize(int jobs, const std::string& victim) {
   Random& random = world_.random;
   const WorkerId id{random.chance(0.2) ? victim : kLiar};
-  Synchronize call{{id, kLiar, "", random.integer(1, 4096)}, {}, random.integer(-1, 9), random.chance(0.2)};
+  // Any name is free to take; the machine is proved, and so its own.
+  const std::string name = random.chance(0.3) ? victim.substr(victim.find('.') + 1) : kLiar;
+  Synchronize call{
+      {id, name, "", random.integer(1, 4096), kLiar}, {}, random.integer(-1, 9), random.chance(0.2)};
   for (int i = random.chance(0.1) ? 100 : random.integer(0, 4); i > 0; --i) {
     call.held.push_back({any_lease(), any_job(jobs), any_items()});
     if (random.chance(0.3)) call.held.push_back(call.held.back());
@@ -83,7 +112,10 @@ void Liar::synchronize(int jobs, const std::string& victim) {
   for (const LeaseDescription& lease : call.held) {
     if (call.wanted_leases % 3 == 0) call.fetching.insert(lease.job);
   }
-  coordinator_.synchronize(call, [](const Reply&) {});
+  if (id.value == kLiar && random.chance(0.3)) call.held = given_;
+  coordinator_.synchronize(call, [this, id](const Reply& reply) {
+    if (id.value == kLiar) take(reply);
+  });
 }
 
 }  // namespace tessera::simulation

@@ -1,5 +1,6 @@
 // Says to a coordinator what no honest worker says: of leases, items, times and numbers that are none, of
-// other workers' leases, in other workers' names. Well-formed results among it count like any other.
+// other workers' leases, under other workers' ids and names. Only what it says of leases that it was given
+// itself can count, like any other result.
 #pragma once
 
 #include <set>
@@ -26,6 +27,10 @@ class Liar {
  private:
   scheduler::JobId any_job(int jobs);
   scheduler::LeaseId any_lease();
+  // Of one that it was given, if there was any; else made up.
+  scheduler::LeaseDescription any_own_lease(int jobs);
+  void take(const scheduler::Reply& reply);
+  void forge(int jobs, const std::string& victim);
   scheduler::WorkItem any_item();
   std::vector<scheduler::WorkItem> any_items();
   double any_seconds();
@@ -36,6 +41,7 @@ class Liar {
   Coordinator& coordinator_;
   bool has_delivered_ = false;
   std::set<scheduler::JobId> refused_;
+  std::vector<scheduler::LeaseDescription> given_;
 };
 
 }  // namespace tessera::simulation

@@ -121,10 +121,10 @@ void WorkerMachine::later(Duration delay, std::function<void()> what) {
 }
 
 void WorkerMachine::synchronize() {
-  Synchronize request{{{id_}, name_, "0.1.0", 1}, {}, wanted_leases_, stopping_};
+  Synchronize request{{{id_}, name_, "0.1.0", 1, host_}, {}, wanted_leases_, stopping_};
   for (const Held& held : held_) {
     if (stopping_) break;
-    LeaseDescription lease{held.id, held.job, held.sent};
+    LeaseDescription lease{held.id, held.job, held.sent, held.token};
     lease.items.insert(lease.items.end(), held.rendered.begin(), held.rendered.end());
     lease.items.insert(lease.items.end(), held.to_render.begin(), held.to_render.end());
     if (!lease.items.empty()) request.held.push_back(std::move(lease));
@@ -161,7 +161,7 @@ void WorkerMachine::take_reply(std::uint64_t call, const Reply& reply) {
 void WorkerMachine::take_new(const Reply& reply) {
   for (const LeaseDescription& lease : reply.leases) {
     if (find(lease.id) != nullptr || just_finished_.contains(lease.id)) continue;
-    held_.push_back({lease.id, lease.job, in_pieces(lease.items), {}, {}, 0, 0, false});
+    held_.push_back({lease.id, lease.job, in_pieces(lease.items), {}, {}, 0, 0, false, lease.token});
     just_given_.insert(lease.id);
   }
   fetch_what_is_new();
@@ -205,7 +205,8 @@ void WorkerMachine::render_next() {
                 world_.random.real(0.8, 1.3),
                 coordinator_.tile_pixels(next->job, item.tile) * item.samples.count(),
                 0,
-                any_holds(endless_, next->job, item)};
+                any_holds(endless_, next->job, item),
+                next->token};
   if (rendering_->endless) {
     has_been_at_no_end_ = true;
     return world_.note(fmt::format("{}.{} comes to no end", host_, process_));
@@ -240,7 +241,7 @@ void WorkerMachine::rendered() {
     }
   } else if (world_.random.chance(0.5)) {
     // No longer wanted, but may still be missing.
-    Held late{done.lease, done.job, {}, {done.item}, {}, done.spent_seconds, 0, false};
+    Held late{done.lease, done.job, {}, {done.item}, {}, done.spent_seconds, 0, false, done.token};
     deliver(late, false);
   }
   render_next();
@@ -255,7 +256,7 @@ void WorkerMachine::deliver(Held& held, bool finished, const std::string& cannot
   const std::uint64_t delivery = ++deliveries_;
   if (splits_) held.rendered = joined(held.rendered);
   outbox_[delivery] = {{id_},        held.job,      held.id, held.rendered, held.render_seconds, finished,
-                       cannot_build, sums_of(held), {}};
+                       cannot_build, sums_of(held), {},      held.token};
   // As real workers, which deliver one after the other.
   const bool takes = finished && takes_with_answers_ && cannot_build.empty() && outbox_.size() == 1;
   if (takes && !stopping_) outbox_[delivery].held = held_besides(held);

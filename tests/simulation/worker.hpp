@@ -72,6 +72,7 @@ class WorkerMachine {
     double render_seconds = 0;                  // since the last delivery
     double lease_seconds = 0;                   // in all
     bool finished = false;
+    scheduler::LeaseToken token{};
   };
 
   // Calls `what` in this process only, and not while it hangs.
@@ -112,6 +113,7 @@ class WorkerMachine {
     double samples_left = 0;
     double spent_seconds = 0;
     bool endless = false;
+    scheduler::LeaseToken token{};
   };
 
   World& world_;

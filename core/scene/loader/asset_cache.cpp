@@ -74,7 +74,8 @@ Result<std::shared_ptr<const TextureImage>> AssetCache::image(const std::string&
 
 // Before anything is decompressed. What decoding makes has the same size.
 Status AssetCache::count_pixels(const std::string& path, TextureSize size) {
-  const auto& [triangles, of_one, of_all] = limits_;
+  const SceneLimit& of_one = limits_.texture_pixels;
+  const SceneLimit& of_all = limits_.scene_texture_pixels;
   if (size.pixels() > of_one.most)
     return fail(
         ErrorCode::kResourceExhausted,

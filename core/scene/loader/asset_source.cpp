@@ -154,7 +154,10 @@ Result<std::string> BundleAssets::read(const std::string& path) {
   const auto blob = blob_paths_.find(printable(path));
   if (blob == blob_paths_.end())
     return fail(ErrorCode::kNotFound, in_quotes(path) + " is not in the scene's bundle");
-  return read_guarded(blob->second, in_quotes(path));
+  auto bytes = read_guarded(blob->second, in_quotes(path));
+  if (bytes && check_)
+    if (const Status right = check_(path, *bytes); !right) return fail(right.error());
+  return bytes;
 }
 
 bool RecordingAssets::exists(const std::string& path) {

@@ -43,7 +43,11 @@ class FolderAssets : public AssetSource {
 // as UTF-8, so that a name's bytes that cannot be shown stand there as \xNN (core/base/printable.hpp).
 class BundleAssets : public AssetSource {
  public:
-  explicit BundleAssets(std::map<std::string, std::string> blob_paths) : blob_paths_(std::move(blob_paths)) {}
+  // Whether the bytes that were read are those of the file that the bundle means.
+  using Check = std::function<Status(const std::string& path, const std::string& bytes)>;
+
+  explicit BundleAssets(std::map<std::string, std::string> blob_paths, Check check = nullptr)
+      : blob_paths_(std::move(blob_paths)), check_(std::move(check)) {}
   bool exists(const std::string& path) override;
   std::vector<std::string> find_in_any_case(const std::string& path) override;
   Result<std::string> read(const std::string& path) override;
@@ -51,6 +55,7 @@ class BundleAssets : public AssetSource {
  private:
   std::map<std::string, std::string> blob_paths_;
   std::map<std::string, std::vector<std::string>> in_lower_case_;  // filled by the first search
+  Check check_;
 };
 
 // Passes everything on and reports each file that was read, so that loading a scene tells what its bundle

@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <limits>
 #include <map>
 #include <new>
 
+#include "core/scene/light_count.hpp"
 #include "core/scene/loader/asset_cache.hpp"
 #include "core/scene/loader/file_warnings.hpp"
 #include "core/scene/loader/mesh_builder.hpp"
@@ -128,6 +130,21 @@ Status SceneAssembler::count_triangles(const std::string& path, std::size_t tria
                           in_quotes(path), triangles_, most, option));
 }
 
+// Before any of them is made. Their numbers have 32 bits, and one value stands for none.
+Status check_lights(const SceneDescription& scene, const SceneLimit& limit) {
+  constexpr std::uint64_t kMaxLights = std::numeric_limits<std::uint32_t>::max() - 1;
+  const std::uint64_t lights = count_area_lights(scene) + scene.lights.size();
+  const std::uint64_t most = std::min(limit.most, kMaxLights);
+  if (lights <= most) return {};
+  return fail(
+      ErrorCode::kResourceExhausted,
+      fmt::format(
+          "the scene has {} lights (emissive triangles, quads and spheres, again for every instance), "
+          "more than the {} that it may have here{}: give large or repeated meshes a material "
+          "without emission",
+          lights, most, limit.option.empty() ? "" : fmt::format(" ({})", limit.option)));
+}
+
 Result<SceneDescription> load(AssetSource& assets, const std::string& scene_path,
                               const std::string& display_path, const SceneLimits& limits) {
   const auto text = assets.read(scene_path);
@@ -137,6 +154,8 @@ Result<SceneDescription> load(AssetSource& assets, const std::string& scene_path
   if (!mistakes.empty()) return fail(mistakes.error());
   SceneDescription scene = SceneAssembler(assets, mistakes, limits).assemble(std::move(file));
   if (!mistakes.empty()) return fail(mistakes.error());
+  if (const Status fit = check_lights(scene, limits.lights); !fit)
+    return fail(fit.error().within(display_path));
   return scene;
 }
 

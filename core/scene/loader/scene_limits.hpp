@@ -21,6 +21,8 @@ struct SceneLimits {
   // Of one picture, and of all that textures are read from. A picture that is read in two colour spaces
   // counts twice.
   SceneLimit texture_pixels, scene_texture_pixels;
+  // Emissive triangles, quads and spheres, with those of every instance.
+  SceneLimit lights;
 };
 
 }  // namespace tessera::core

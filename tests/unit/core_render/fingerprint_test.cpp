@@ -2,13 +2,16 @@
 
 #include <gtest/gtest.h>
 
+#include "core/base/determinism_fingerprint.hpp"
+
 namespace tessera::core {
 namespace {
 
 // Every build of this revision, whatever its compiler, optimisation, sanitizers or processor, computes these
-// bits. A change that alters pictures alters the number: replace it knowingly, and say so in the change log.
+// bits, and coordinators accept no others. A change that alters images alters the number: replace it
+// knowingly, and say so in the change log.
 TEST(Fingerprint, IsThatOfThisRevision) {
-  EXPECT_EQ(arithmetic_fingerprint(), "8095c9e016c18576");
+  EXPECT_EQ(arithmetic_fingerprint(), kDeterminismFingerprint);
 }
 
 }  // namespace

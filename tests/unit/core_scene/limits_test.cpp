@@ -43,6 +43,7 @@ class SceneLimitsTest : public testing::Test {
  protected:
   SceneLimitsTest() {
     limits_.triangles.option = "--triangles";
+    limits_.lights.option = "--lights";
     limits_.texture_pixels.option = "--pixels";
     limits_.scene_texture_pixels.option = "--all-pixels";
   }
@@ -99,6 +100,36 @@ TEST_F(SceneLimitsTest, AFileCountsAsOftenAsItsTrianglesAreStored) {
   limits_.triangles.most = 5;
   EXPECT_THAT(load_shapes(mesh("two.obj") + "," + mesh("two.obj") + "," + mesh("two.obj")),
               HasSubstr("with 'two.obj' the scene has 6 triangles, more than the 5"));
+}
+
+std::string emissive_object(const std::string& shapes) {
+  return fmt::format("\"objects\": {{\"lamp\": {{\"shapes\": [{}]}}}}", shapes);
+}
+
+TEST_F(SceneLimitsTest, LightsOfEveryInstance) {
+  const std::string instance = R"({"type": "instance", "object": "lamp"})";
+  const std::string scene = test::scene_with(emissive_object(mesh("two.obj")), "",
+                                             instance + "," + instance + "," + mesh("two.obj"));
+  limits_.lights.most = 7;
+  EXPECT_EQ(message_of(load(scene)), "");
+  limits_.lights.most = 6;
+  EXPECT_THAT(message_of(load(scene)),
+              HasSubstr("scene.json: the scene has 7 lights (emissive triangles, quads and "
+                        "spheres, again for every instance), more than the 6 that it may "
+                        "have here (--lights)"));
+}
+
+// A material of the instance's own makes all of its object emit, or none of it.
+TEST_F(SceneLimitsTest, LightsByTheMaterialOfAnInstance) {
+  const std::string lit = R"({"type": "instance", "object": "lamp", "material": "light"})";
+  const std::string dark = R"({"type": "instance", "object": "lamp", "material": "dark"})";
+  const std::string material = R"("dark": {"type": "lambert", "albedo": [0.5, 0.5, 0.5]})";
+  limits_.lights.most = 1;
+  EXPECT_EQ(message_of(load(test::scene_with(emissive_object(mesh("two.obj")), material, dark + "," + dark))),
+            "");
+  EXPECT_THAT(
+      message_of(load(test::scene_with(emissive_object(mesh("two.obj")), material, lit + "," + dark))),
+      HasSubstr("has 3 lights"));
 }
 
 TEST_F(SceneLimitsTest, PixelsOfOnePictureWhateverItsFormat) {

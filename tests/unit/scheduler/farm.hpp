@@ -67,7 +67,8 @@ class Farm : public testing::Test {
   // sample.
   Reply sync(const std::string& worker, std::vector<LeaseDescription> held = {}, int wanted = 1,
              bool draining = false) {
-    return *handle(Synchronize{{{worker}, worker, "0.1.0", 1}, std::move(held), wanted, draining}).reply;
+    return *handle(Synchronize{{{worker}, worker, "0.1.0", 1, worker}, std::move(held), wanted, draining})
+                .reply;
   }
   // The only lease that the worker gets.
   LeaseDescription lease_to(const std::string& worker) {

@@ -9,6 +9,58 @@ namespace {
 using testing::ElementsAre;
 using enum Verdict;
 
+// Signs as a coordinator does, but so that it can be read.
+class SignedLeases : public Farm {
+ protected:
+  SignedLeases() : Farm(signing()) {}
+
+  Actions deliver_with(const std::string& worker, const LeaseDescription& lease, const LeaseToken& token) {
+    SubmitResult result{{worker}, lease.job, lease.id, lease.items, 0.25, true};
+    result.token = token;
+    return handle(result);
+  }
+
+ private:
+  static Options signing() {
+    Options options;
+    options.sign = [](LeaseId lease, const WorkerId& holder, const JobId& job) {
+      return std::to_string(lease.value) + " " + holder.value + " " + job.value;
+    };
+    return options;
+  }
+};
+
+TEST_F(SignedLeases, CountForTheirHolderAlone) {
+  submit("job", tiles(2, 4));
+  const LeaseDescription lease = lease_to("w");
+  const LeaseDescription other = lease_to("other");
+  for (const std::string worker : {"w", "stranger", "other"}) {
+    for (const LeaseToken& token : {LeaseToken(), other.token}) {
+      EXPECT_EQ(deliver_with(worker, lease, token).status.error().code, core::ErrorCode::kInvalidArgument);
+    }
+  }
+  EXPECT_FALSE(deliver_with("stranger", lease, lease.token).status);
+  EXPECT_EQ(job("job").samples_done, 0u);
+  EXPECT_THAT(deliver_with("w", lease, lease.token).verdicts, testing::Each(kAccepted));
+}
+
+TEST_F(SignedLeases, CountAfterARestart) {
+  submit("job", tiles(2, 4));
+  const LeaseDescription lease = lease_to("w");
+  restart();
+  EXPECT_THAT(deliver_with("w", lease, lease.token).verdicts, testing::Each(kAccepted));
+}
+
+TEST_F(SignedLeases, AreTakenOverFromTheirHolderAlone) {
+  submit("job", tiles(2, 4));
+  const LeaseDescription lease = lease_to("w");
+  restart();
+  const Reply claimed = sync("liar", {lease}, 0);
+  EXPECT_THAT(claimed.leases, testing::IsEmpty());
+  const Reply taken_over = sync("w", {lease}, 0);
+  EXPECT_THAT(taken_over.leases, ElementsAre(lease));
+}
+
 using Results = FarmOfSmallLeases;
 using ResultsOfParts = Farm;
 

@@ -31,7 +31,7 @@ TEST_F(Rulings, DisproveALiarBySentence) {
   ASSERT_EQ(by_c.items[0], by_b.items[0]);
   const Actions decided = deliver_sums("c", by_c, {by_c.items[0]}, honest, false);
   ASSERT_EQ(decided.disproved.size(), 1u);
-  EXPECT_EQ(decided.disproved[0].author, (Author{"liar", {"liar"}}));
+  EXPECT_EQ(decided.disproved[0].author, (Author{"liar", {"liar"}, "liar"}));
   EXPECT_EQ(decided.disproved[0].because,
             "it rendered other bits of samples [0, 1) of tile 0 (pixels [0, 64) x [0, 64)) of job job than b "
             "and c");
@@ -85,8 +85,8 @@ TEST_F(WithoutAudits, WhatAWorkerThatIsPutAsideHasRenderedIsVerified) {
   const Actions actions = handle(Dismiss{{"liar"}, true});
   EXPECT_EQ(actions.reviewed_tiles.size(), lies.items.size());
   EXPECT_EQ(job("job").samples_to_verify, lies.items.size() * kTilePixels);
-  // What it delivers under its name still counts, but not without being verified.
-  const Reply late = *handle(Synchronize{{{"late"}, "liar", "0.1.0", 1}, {}, 1}).reply;
+  // What another worker of its machine delivers still counts, but not without being verified.
+  const Reply late = *handle(Synchronize{{{"late"}, "another name", "0.1.0", 1, "liar"}, {}, 1}).reply;
   const LeaseDescription more_lies = late.leases.at(0);
   deliver_sums("late", more_lies, wrong);
   EXPECT_EQ(job("job").samples_to_verify, (lies.items.size() + more_lies.items.size()) * kTilePixels);
@@ -112,6 +112,18 @@ TEST_F(WithoutAudits, ADoneJobRunsAgainWhenItsWorkersAreDoubted) {
   EXPECT_EQ(state("job"), kRunning);
   render_together({{"a", honest}, {"b", honest}});
   EXPECT_EQ(state("job"), kDone);
+}
+
+// Anybody can take a name.
+TEST_F(WithoutAudits, DoubtsAboutAWorkerAreNotHeldAgainstOthersOfItsName) {
+  submit("job", tiles(2, 4));
+  const LeaseDescription by_honest = lease_to("honest");
+  deliver_sums("honest", by_honest, honest);
+  handle(Synchronize{{{"liar"}, "honest", "0.1.0", 1, "liar"}, {}, 1});
+  handle(Dismiss{{"liar"}, true});
+  EXPECT_EQ(job("job").samples_to_verify, 0u);
+  render("honest");
+  EXPECT_EQ(job("job").samples_to_verify, 0u);
 }
 
 TEST_F(WithoutAudits, ADoneJobOfTrustedWorkersStaysDone) {

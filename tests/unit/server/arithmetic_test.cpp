@@ -34,29 +34,43 @@ TEST_F(ArithmeticOf, AWorkerThatComputesOtherBitsIsRefusedByBothFingerprints) {
   EXPECT_THAT(call.answer().error().message, HasSubstr("its fingerprint is beef, the farm's is f00d"));
 }
 
-TEST_F(ArithmeticOf, AnotherArithmeticMayTakeOverWhenNothingOfTheOldOneIsLeft) {
-  const std::string done = submit();
-  work('a');
-  now_ += std::chrono::seconds(11);  // the old worker is gone
-  coordinator().tick();
-  v1::SynchronizeRequest successor = greeting('b');
-  successor.set_arithmetic_fingerprint("beef");
+// Whoever comes first decides nothing.
+TEST_F(ArithmeticOf, AFarmIsThatOfItsCoordinatorWhoeverComesFirst) {
   submit();
-  EXPECT_EQ(synchronize(successor).leases_size(), 1);
-  // But what the old one began cannot be continued.
-  EXPECT_EQ(coordinator().extend_job(done, kSpp + 1).error().code, ErrorCode::kFailedPrecondition);
-}
-
-TEST_F(ArithmeticOf, AnUnfinishedJobKeepsItsArithmeticAcrossARestart) {
-  submit();
-  work('a', 1);
-  ASSERT_TRUE(coordinator().checkpoint());
-  open();
   v1::SynchronizeRequest stranger = greeting('b');
   stranger.set_arithmetic_fingerprint("beef");
   const WaitingCall call(coordinator(), stranger);
   ASSERT_TRUE(call.answered());
   EXPECT_EQ(call.answer().error().code, ErrorCode::kFailedPrecondition);
+  EXPECT_THAT(call.answer().error().message, HasSubstr("--accept-fingerprint beef"));
+  EXPECT_EQ(synchronize(greeting('a')).leases_size(), 1);
+}
+
+TEST_F(ArithmeticOf, ADoneJobOfAnotherArithmeticCannotBeContinued) {
+  const std::string done = submit();
+  work('a');
+  ASSERT_TRUE(coordinator().checkpoint());
+  fingerprint_ = "beef";
+  open();
+  EXPECT_EQ(job(done).state(), v1::JOB_STATE_DONE);
+  EXPECT_EQ(coordinator().extend_job(done, kSpp + 1).error().code, ErrorCode::kFailedPrecondition);
+}
+
+// Its samples are kept for a coordinator that accepts workers that can go on with it.
+TEST_F(ArithmeticOf, AnUnfinishedJobOfAnotherArithmeticWaitsForItsFarm) {
+  const std::string id = submit();
+  work('a', 1);
+  const std::uint64_t done = job(id).samples_done();
+  ASSERT_TRUE(coordinator().checkpoint());
+  fingerprint_ = "beef";
+  open();
+  EXPECT_EQ(job(id).state(), v1::JOB_STATE_FAILED);
+  EXPECT_THAT(job(id).failure(), HasSubstr("--accept-fingerprint f00d"));
+  ASSERT_TRUE(coordinator().checkpoint());
+  fingerprint_ = kFingerprint;
+  open();
+  EXPECT_EQ(job(id).state(), v1::JOB_STATE_RUNNING);
+  EXPECT_EQ(job(id).samples_done(), done);
 }
 
 }  // namespace

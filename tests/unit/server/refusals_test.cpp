@@ -69,53 +69,75 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST_F(Refusals, AWorkerWhoseResultsAreRefusedAgainAndAgainIsPutAside) {
   const std::string id = submit();
-  const v1::Lease lease = synchronize(greeting('a')).leases(0);
+  const auto greeting_from = [](char worker, char machine) {
+    v1::SynchronizeRequest request = greeting(worker);
+    request.set_worker_key(std::string(32, machine) + std::string(16, worker));
+    return request;
+  };
+  const v1::Lease lease = synchronize(greeting_from('a', 'm')).leases(0);
   v1::SubmitResultRequest lie = delivery('a', lease);
   lie.mutable_items(0)->set_sums_xxh3(lie.items(0).sums_xxh3() ^ 1);
   for (int i = 1; i <= 2; ++i) {
     EXPECT_EQ(coordinator().submit_result(lie).error().code, ErrorCode::kInvalidArgument);
     EXPECT_EQ(coordinator().workers()[0].refused_results(), static_cast<std::uint64_t>(i));
   }
-  v1::SubmitResultRequest invented = delivery('a', lease);
-  invented.set_lease_id(lease.id() + 1);
-  EXPECT_EQ(coordinator().submit_result(invented).error().code, ErrorCode::kInvalidArgument);
+  EXPECT_EQ(coordinator().submit_result(lie).error().code, ErrorCode::kInvalidArgument);
   EXPECT_TRUE(coordinator().workers()[0].put_aside());
   EXPECT_EQ(coordinator().workers()[0].held_leases(), 0u);
 
   EXPECT_EQ(coordinator().submit_result(delivery('a', lease)).error().code, ErrorCode::kFailedPrecondition);
+  // A new worker of its machine is refused, whatever its name; one of its name is not.
   for (const char worker : {'a', 'b'}) {
-    v1::SynchronizeRequest request = greeting(worker);
-    request.set_name("host-a");
-    const WaitingCall call(coordinator(), request);
+    const WaitingCall call(coordinator(), greeting_from(worker, 'm'));
     ASSERT_TRUE(call.answered());
-    EXPECT_THAT(call.answer().error().message, HasSubstr("worker host-a is put aside"));
+    EXPECT_THAT(call.answer().error().message,
+                HasSubstr(std::string("worker host-") + worker + " is put aside"));
   }
+  v1::SynchronizeRequest namesake = greeting_from('d', 'n');
+  namesake.set_name("host-a");
+  EXPECT_EQ(synchronize(namesake).leases_size(), 1);
   work('c');
   EXPECT_EQ(coordinator().picture(id)->image.pixels, ready_made_picture(kWidthPx, kHeightPx, kSpp).pixels);
 }
 
-TEST_F(Refusals, WhoWorksUnderTheNameOfOneThatIsPutAsideGoesOn) {
-  submit();
-  for (const std::string name : {"farm", ""}) {
-    const auto named = [&](char worker) {
-      v1::SynchronizeRequest request = greeting(worker);
-      request.set_name(name);
-      return request;
-    };
-    const char bad = name.empty() ? 'b' : 'a', later = name.empty() ? 'e' : 'd';
-    const v1::Lease lease = synchronize(named(bad)).leases(0);
-    v1::SynchronizeRequest other = named('c');
-    *other.add_held() = synchronize(other).leases(0);
-    v1::SubmitResultRequest lie = delivery(bad, lease);
-    lie.mutable_items(0)->set_sums_xxh3(lie.items(0).sums_xxh3() ^ 1);
-    for (int i = 0; i < Conduct::kRefusalsUntilAside; ++i) EXPECT_FALSE(coordinator().submit_result(lie));
-    const WaitingCall refused(coordinator(), named(bad));
-    EXPECT_TRUE(refused.answered() && !refused.answer());
-    const WaitingCall goes_on(coordinator(), other);
-    EXPECT_TRUE(!goes_on.answered() || goes_on.answer());
-    const WaitingCall newcomer(coordinator(), named(later));
-    EXPECT_EQ(newcomer.answered() && !newcomer.answer(), !name.empty());
+// What anybody can send is not held against whom it names.
+TEST_F(Refusals, ResultsWithoutTheTokenOfTheirLeaseHarmNobody) {
+  const std::string id = submit();
+  const v1::Lease lease = synchronize(greeting('a')).leases(0);
+  const v1::Lease other = synchronize(greeting('b')).leases(0);
+  const v1::SubmitResultRequest honest = delivery('a', lease);
+  std::vector<v1::SubmitResultRequest> forgeries(5, honest);
+  forgeries[0].clear_lease_token();
+  forgeries[1].set_lease_token(other.token());
+  forgeries[2].set_lease_id(other.id());
+  forgeries[3].set_worker_id(std::string(32, 'f'));  // never registered
+  forgeries[4].set_lease_id(0);
+  for (v1::SubmitResultRequest& forgery : forgeries) {
+    for (int i = 0; i < Conduct::kRefusalsUntilAside; ++i) {
+      const auto rejected = coordinator().submit_result(forgery);
+      ASSERT_FALSE(rejected);
+      EXPECT_EQ(rejected.error().code, ErrorCode::kInvalidArgument);
+      EXPECT_THAT(rejected.error().message, HasSubstr("lease_token"));
+      forgery.mutable_items(0)->set_planes_zstd("sums");
+    }
   }
+  EXPECT_EQ(job(id).samples_done(), 0u);
+  for (const auto& worker : coordinator().workers()) {
+    EXPECT_FALSE(worker.put_aside());
+    EXPECT_EQ(worker.refused_results(), 0u);
+  }
+  EXPECT_GT(deliver(honest).accepted_items(), 0u);
+}
+
+TEST_F(Refusals, ResultsOfWorkersFromBeforeARestartCount) {
+  const std::string id = submit();
+  const v1::Lease lease = synchronize(greeting('a')).leases(0);
+  ASSERT_TRUE(coordinator().checkpoint());
+  open();
+  v1::SubmitResultRequest forged = delivery('a', lease);
+  forged.set_worker_id(std::string(32, 'b'));
+  EXPECT_FALSE(coordinator().submit_result(forged));
+  EXPECT_GT(deliver(delivery('a', lease)).accepted_items(), 0u);
 }
 
 TEST(ConductTest, ForgetsWhoIsGoneUnlessItWasPutAside) {
@@ -127,7 +149,7 @@ TEST(ConductTest, ForgetsWhoIsGoneUnlessItWasPutAside) {
   EXPECT_EQ(conduct.refusals("gone"), 0u);
   EXPECT_EQ(conduct.refusals("here"), 1u);
   EXPECT_TRUE(conduct.is_aside("liar"));
-  EXPECT_FALSE(conduct.is_name_aside(""));
+  EXPECT_FALSE(conduct.is_machine_aside(""));
 }
 
 TEST_F(Refusals, RefusalsWithGoodResultsInBetweenPutNobodyAside) {

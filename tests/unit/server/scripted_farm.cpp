@@ -78,7 +78,7 @@ v1::SynchronizeRequest greeting(char worker) {
   request.set_worker_id(std::string(32, worker));
   request.set_name(std::string("host-") + worker);
   request.set_version("0.1.0");
-  request.set_arithmetic_fingerprint("f00d");
+  request.set_arithmetic_fingerprint(kFingerprint);
   request.set_threads(1);
   request.set_wanted_leases(1);
   return request;
@@ -89,6 +89,7 @@ v1::SubmitResultRequest delivery(char worker, const v1::Lease& lease) {
   request.set_worker_id(std::string(32, worker));
   request.set_job_id(lease.job_id());
   request.set_lease_id(lease.id());
+  request.set_lease_token(lease.token());
   for (const v1::WorkItem& item : lease.items()) *request.add_items() = ready_made_item(item);
   request.mutable_render_time()->set_seconds(1);
   request.set_lease_finished(true);
@@ -109,6 +110,7 @@ void ScriptedFarm::open(const std::filesystem::path& folder) {
   options.now = [this] { return now_; };
   options.limits = limits_;
   options.audit_share = audit_share_;
+  options.fingerprint = fingerprint_;
   auto opened = Coordinator::open(options, std::move(*state), check_scene_);
   ASSERT_TRUE(opened) << opened.error().message;
   coordinator_ = std::move(*opened);

@@ -28,6 +28,9 @@ inline constexpr int kWidthPx = 150, kHeightPx = 100;
 inline constexpr std::uint32_t kSpp = 6;
 inline constexpr std::uint64_t kSamples = std::uint64_t{kWidthPx} * kHeightPx * kSpp;
 
+// Of the workers of these farms.
+inline const std::string kFingerprint = "f00d";
+
 inline const std::string kSceneBytes = "{}";
 v1::SubmitJobRequest submission();
 v1::SynchronizeRequest greeting(char worker);
@@ -57,7 +60,8 @@ class ScriptedFarm : public testing::Test {
   scheduler::Time now_{std::chrono::hours(1)};
   SceneCheck check_scene_ = accept_scene;
   server::Limits limits_;
-  double audit_share_ = 0;  // of the next coordinator
+  double audit_share_ = 0;                  // of the next coordinator
+  std::string fingerprint_ = kFingerprint;  // of the next coordinator
   std::unique_ptr<Coordinator> coordinator_;
 };
 

@@ -150,13 +150,15 @@ TEST_F(Validator, IsToldItsLimits) {
   add_file("scene.json", "{}");
   replace_validator("echo \"$@\" > " + (folder_.path() / "told").string());
   options_.limits = {.triangles = 1,
+                     .lights = 7,
                      .texture_pixels = 2,
                      .scene_texture_pixels = 3,
                      .validator_mib = 444,
                      .validation_time = std::chrono::seconds(5)};
   refusal();
   EXPECT_THAT(read_file(folder_.path() / "told"),
-              testing::StartsWith("--max-triangles 1 --max-texture-pixels 2 --max-scene-texture-pixels 3 "
+              testing::StartsWith("--max-triangles 1 --max-lights 7 --max-texture-pixels 2 "
+                                  "--max-scene-texture-pixels 3 "
                                   "--validator-mib 444 --validator-seconds 5 --parent " +
                                   std::to_string(getpid())));
 }

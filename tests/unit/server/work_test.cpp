@@ -108,9 +108,32 @@ TEST_F(Work, AJobWhoseSceneNobodyCanBuildFails) {
   }
   EXPECT_EQ(stored_job(id).state(), v1::JOB_STATE_FAILED);
   EXPECT_THAT(job(id).failure(),
-              HasSubstr("3 times in a row a worker could not build the scene, the last of them host-c: "
-                        "scene.json:3: shapes: unknown shape 'torus'"));
+              HasSubstr("3 times in a row a worker could not build the scene, the last of them host-c, which "
+                        "says: \"scene.json:3: shapes: unknown shape 'torus'\""));
   EXPECT_EQ(job(other).state(), v1::JOB_STATE_PAUSED);
+}
+
+TEST_F(Work, WhatKeepsAWorkerFromWorkIsToldToWhoeverWaits) {
+  const std::string id = submit(), other = submit();
+  v1::SynchronizeRequest request = greeting('a');
+  v1::Trouble& trouble = *request.add_troubles();
+  trouble.set_job_id(id);
+  trouble.set_text("cannot fetch \x1b[31mmesh.obj: No space left on device" + std::string(2000, '!'));
+  for (int i = 0; i < 10; ++i) *request.add_troubles() = trouble;
+  synchronize(request);
+  ASSERT_EQ(coordinator().workers()[0].troubles_size(), Troubles::kMaxOfWorker);
+  const std::string& told = coordinator().workers()[0].troubles(0);
+  EXPECT_THAT(told, testing::StartsWith("cannot fetch \\x1b[31mmesh.obj: No space left on device!!!"));
+  EXPECT_LT(told.size(), Troubles::kMaxTextBytes + 20);
+  ASSERT_GT(job(id).troubles_size(), 0);
+  EXPECT_EQ(job(id).troubles(0), "worker host-a says: " + told);
+  EXPECT_EQ(job(other).troubles_size(), 0);
+
+  request.mutable_troubles(0)->clear_job_id();
+  synchronize(request);
+  EXPECT_EQ(job(other).troubles_size(), 1);
+  synchronize(greeting('a'));
+  EXPECT_EQ(job(id).troubles_size(), 0);
 }
 
 TEST_F(Work, ASceneThatOneWorkerAloneCannotBuildFailsNoJob) {

@@ -7,6 +7,8 @@
 #include <fstream>
 
 #include "fake_coordinator.hpp"
+#include "proto/worker_key.hpp"
+#include "worker/machine_key.hpp"
 
 namespace tessera::worker {
 namespace {
@@ -85,6 +87,39 @@ TEST_F(BlobCacheTest, FilesOfOthersStay) {
   for (const std::string& name : names) EXPECT_TRUE(fs::exists(folder_ / "cache" / name)) << name;
   EXPECT_FALSE(fs::exists(folder_ / "cache" / unused));
   EXPECT_FALSE(fs::exists(folder_ / "cache" / abandoned));
+}
+
+TEST_F(BlobCacheTest, AFolderThatOthersMayWriteToIsRefused) {
+  const fs::path folder = folder_ / "cache";
+  fs::create_directory(folder);
+  for (const fs::perms others : {fs::perms::group_write, fs::perms::others_write}) {
+    fs::permissions(folder, fs::perms::owner_all | others);
+    const auto refused = BlobCache::open(folder);
+    ASSERT_FALSE(refused.has_value());
+    EXPECT_THAT(refused.error().message, ::testing::HasSubstr("others may write to it"));
+  }
+  fs::permissions(folder, fs::perms::owner_all);
+  EXPECT_TRUE(BlobCache::open(folder).has_value());
+  if (geteuid() != 0) GTEST_SKIP() << "only root can make a folder somebody else's";
+  ASSERT_EQ(chown(folder.c_str(), 65534, 65534), 0);
+  EXPECT_THAT(BlobCache::open(folder).error().message, ::testing::HasSubstr("belongs to another user"));
+}
+
+TEST_F(BlobCacheTest, WorkersOfAMachineKnowItsKeyAndHaveKeysOfTheirOwn) {
+  const auto cache = BlobCache::open(folder_ / "cache");
+  const auto first = machine_key(cache->folder()), again = machine_key(cache->folder());
+  ASSERT_TRUE(first.has_value()) << first.error().message;
+  EXPECT_EQ(*first, *again);
+  const std::string one = new_worker_key(*first), other = new_worker_key(*first);
+  EXPECT_EQ(one.size(), proto::kWorkerKeyBytes);
+  EXPECT_NE(proto::worker_id_of(one), proto::worker_id_of(other));
+  EXPECT_EQ(proto::machine_of(one), proto::machine_of(other));
+  EXPECT_NE(proto::machine_of(one), proto::machine_of(new_worker_key(std::string(32, 'x'))));
+  EXPECT_EQ(proto::machine_of("short"), "");
+  const fs::path file = folder_ / "cache" / "worker.key";
+  EXPECT_EQ(fs::status(file).permissions(), fs::perms::owner_read | fs::perms::owner_write);
+  std::ofstream(file, std::ios::trunc) << "short";
+  EXPECT_THAT(machine_key(cache->folder()).error().message, ::testing::HasSubstr("remove it"));
 }
 
 TEST_F(BlobCacheTest, AnEmptyBlobIsABlob) {

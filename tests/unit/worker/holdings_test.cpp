@@ -245,17 +245,46 @@ TEST_F(HoldingsTest, LeasesThatCannotBeRenderedAreGivenBackAndTheJobTriedAgain) 
 TEST_F(HoldingsTest, FilesThatCannotBeFetchedGiveTheLeaseBack) {
   holdings_.apply(answer({lease(1, "a", 0, 8)}, {"a"}));
   holdings_.next_to_fetch({});
-  holdings_.cannot_fetch("a");
+  holdings_.cannot_fetch("a", "cannot fetch m.obj: No space left on device");
   const auto delivery = holdings_.next_delivery({});
   EXPECT_TRUE(delivery->lease_finished);
   EXPECT_EQ(delivery->cannot_build, "") << "the scene may be fine";
+}
+
+TEST_F(HoldingsTest, WhatKeepsAJobFromBeingRenderedIsReportedUntilItIsRendered) {
+  const auto troubles = [this] {
+    v1::SynchronizeRequest request;
+    holdings_.report(request);
+    return request.troubles_size() == 0 ? ""
+                                        : request.troubles(0).job_id() + ": " + request.troubles(0).text();
+  };
+  holdings_.apply(answer({lease(1, "a", 0, 8)}, {"a"}));
+  EXPECT_EQ(troubles(), "");
+  holdings_.next_to_fetch({});
+  holdings_.cannot_fetch("a", "cannot fetch m.obj: No space left on device");
+  EXPECT_EQ(troubles(), "a: cannot fetch m.obj: No space left on device");
+  holdings_.delivered(*holdings_.next_delivery({}));
+  EXPECT_EQ(troubles(), "a: cannot fetch m.obj: No space left on device");
+  holdings_.apply(answer({lease(2, "a", 0, 8)}));
+  make_ready("a");
+  const Piece piece = take();
+  holdings_.rendered(piece, core::FilmTile(piece.item.rect, piece.item.range), 1ms);
+  EXPECT_EQ(troubles(), "");
+}
+
+// A hostile coordinator cannot make a worker hold, or look at, more than any needs.
+TEST_F(HoldingsTest, NoMoreLeasesAreHeldThanAnyCoordinatorGives) {
+  std::vector<v1::Lease> many;
+  for (int i = 1; i <= 10'000; ++i) many.push_back(lease(static_cast<std::uint64_t>(i), "a", 0, 1));
+  holdings_.apply(answer(many, {"a"}));
+  EXPECT_EQ(held().size(), 64u);
 }
 
 // Nothing was rendered of it, and its end is on its way.
 TEST_F(HoldingsTest, ALeaseThatIsTakenAwayWhileItIsGivenBackStaysUntilThatHasArrived) {
   holdings_.apply(answer({lease(1, "a", 0, 8)}, {"a"}));
   holdings_.next_to_fetch({});
-  holdings_.cannot_fetch("a");
+  holdings_.cannot_fetch("a", "cannot fetch m.obj: No space left on device");
   const auto delivery = holdings_.next_delivery({});
   holdings_.apply(answer({}));
   holdings_.delivered(*delivery);
@@ -269,7 +298,7 @@ TEST(Holdings, KeepsALeaseItCannotRenderForAWhileAndTakesOtherWork) {
   Holdings holdings({.first_delay = 1h, .longest_delay = 1h});
   holdings.apply(answer({lease(1, "a", 0, 8)}, {"a"}));
   holdings.next_to_fetch({});
-  holdings.cannot_fetch("a");
+  holdings.cannot_fetch("a", "cannot fetch m.obj: No space left on device");
   v1::SynchronizeRequest request;
   holdings.report(request);
   EXPECT_EQ(request.held_size(), 1);

@@ -79,13 +79,25 @@ TEST_F(LoopsTest, SynchronizingSurvivesARestart) {
   EXPECT_EQ(coordinator_.wait_for_syncs(4)[3].held_size(), 1);
 }
 
-TEST_F(LoopsTest, ARefusedWorkerGivesUp) {
+TEST_F(LoopsTest, ARefusedWorkerTriesAgain) {
+  const auto refuse = [](const auto&, auto&) {
+    return grpc::Status(grpc::StatusCode::FAILED_PRECONDITION, "other bits");
+  };
+  coordinator_.answer_with({refuse, refuse, give_lease});
+  const SyncLoop::Explain explain = [](const grpc::Status& status) { return proto::error_from_grpc(status); };
+  SyncLoop sync(kIdentity, coordinator_.stub(), holdings_, explain, {.first = 1ms, .longest = 2ms});
+  std::jthread thread([&](const std::stop_token& stop) { EXPECT_TRUE(sync.run(stop).has_value()); });
+  EXPECT_EQ(coordinator_.wait_for_syncs(4)[3].held_size(), 1);
+}
+
+// Bad credentials do not become good by themselves.
+TEST_F(LoopsTest, AWorkerWithoutCredentialsGivesUp) {
   coordinator_.answer_with(
-      {[](const auto&, auto&) { return grpc::Status(grpc::StatusCode::FAILED_PRECONDITION, "other bits"); }});
+      {[](const auto&, auto&) { return grpc::Status(grpc::StatusCode::PERMISSION_DENIED, "no role"); }});
   SyncLoop sync(kIdentity, coordinator_.stub(), holdings_);
   const core::Status done = sync.run({});
   ASSERT_FALSE(done.has_value());
-  EXPECT_EQ(done.error().message, "other bits");
+  EXPECT_EQ(done.error().message, "no role");
 }
 
 TEST_F(LoopsTest, GoodbyeSaysThatNothingIsHeld) {
@@ -165,6 +177,65 @@ TEST_F(SceneFilesTest, AreFetchedAgainWhenTheCacheHasLostThem) {
 TEST_F(SceneFilesTest, ThatAreHereAndMakeNoSceneAreToBlame) {
   std::ofstream(folder_ + "/scene") << "no scene";
   EXPECT_NE(refusal({{"scene.json", folder_ + "/scene"}}), "");
+}
+
+TEST_F(LoopsTest, AJobThatTakesTooMuchMemoryIsDeclinedAndTheWorkerGoesOn) {
+  Holdings holdings({.first_delay = 0s, .longest_delay = 0s});
+  v1::SynchronizeResponse response;
+  give_lease({}, response);
+  holdings.apply(response);
+  holdings.next_to_fetch({});
+  const std::string scene = TESSERA_SOURCE_DIR "/scenes/cornell/scene.json";
+  const auto job = std::make_shared<Job>(Job{"job", {}, {"key", "scene.json", {{"scene.json", scene}}}});
+  holdings.fetched(job);
+  int renders = 0;
+  RenderLoop render(1, holdings, {},
+                    [&](const auto&, const auto&, auto rect, auto range, int) -> core::FilmTile {
+                      if (++renders == 1) throw std::bad_alloc();
+                      return core::FilmTile(rect, range);
+                    });
+  std::jthread thread([&](const std::stop_token& stop) { render.run(stop); });
+  const auto declined = holdings.next_delivery({});
+  EXPECT_TRUE(declined->lease_finished);
+  EXPECT_TRUE(declined->tiles.empty());
+  EXPECT_EQ(declined->cannot_build, "not enough memory to build and render the scene");
+  v1::SynchronizeRequest report;
+  holdings.report(report);
+  EXPECT_FALSE(report.has_rendering());
+  ASSERT_EQ(report.troubles_size(), 1);
+  holdings.delivered(*declined);
+
+  response.mutable_leases(0)->set_id(2);
+  holdings.apply(response);
+  holdings.next_to_fetch({});
+  holdings.fetched(job);
+  EXPECT_EQ(holdings.next_delivery({})->tiles.size(), 1u);
+}
+
+TEST_F(LoopsTest, AFileWithManyNamesIsFetchedOnce) {
+  Holdings holdings;
+  const std::string bytes = "v 0 0 0";
+  const auto digest = proto::to_proto(proto::digest_of(bytes));
+  coordinator_.keep_blob(digest.sha256(), bytes);
+  v1::SynchronizeResponse response;
+  give_lease({}, response);
+  for (int i = 0; i < 1000; ++i) {
+    v1::Bundle::Asset& asset = *response.mutable_jobs(0)->mutable_bundle()->add_assets();
+    asset.set_path(std::to_string(i));
+    *asset.mutable_digest() = digest;
+  }
+  holdings.apply(response);
+  std::string folder = "/tmp/tessera-fetch-XXXXXX";
+  const auto cache = BlobCache::open(mkdtemp(folder.data()));
+  {
+    FetchLoop fetch(*cache, coordinator_.stub(), holdings);
+    std::jthread thread([&](const std::stop_token& stop) { fetch.run(stop); });
+    const auto piece = holdings.take({}, [](const std::string&) { return 1u; });
+    EXPECT_EQ(piece->job->files.blob_paths.size(), 1000u);
+    EXPECT_EQ(coordinator_.fetches(), 1u);
+    // It is read once: nobody asks for the file again.
+    std::filesystem::remove_all(folder);
+  }
 }
 
 TEST_F(LoopsTest, AJobWhoseFilesAreGoneIsGivenBack) {

@@ -1,0 +1,12 @@
+// The determinism fingerprint of this release: what core::arithmetic_fingerprint() (core/integrators)
+// renders. A coordinator, which cannot render, accepts workers with this fingerprint. It changes with every
+// change of the rendered bytes; fingerprint_test.cpp compares it and prints the new value.
+#pragma once
+
+#include <string_view>
+
+namespace tessera::core {
+
+inline constexpr std::string_view kDeterminismFingerprint = "8095c9e016c18576";
+
+}  // namespace tessera::core

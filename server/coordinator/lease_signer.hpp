@@ -1,0 +1,27 @@
+// Makes the tokens by which workers prove that a lease was given to them (scheduler::SignLease): HMAC-SHA256
+// of lease, worker and job, under the farm's secret. The state folder keeps the secret, so that a token is
+// good across restarts of the coordinator. Thread-safe.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "server/scheduler/types.hpp"
+
+namespace tessera::coordinator {
+
+class LeaseSigner {
+ public:
+  using Secret = std::array<std::uint64_t, 2>;
+
+  explicit LeaseSigner(const Secret& secret) : secret_(secret) {}
+
+  // 16 bytes.
+  scheduler::LeaseToken sign(scheduler::LeaseId lease, const scheduler::WorkerId& holder,
+                             const scheduler::JobId& job) const;
+
+ private:
+  const Secret secret_;
+};
+
+}  // namespace tessera::coordinator
