@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Builds Tessera, renders every scene that comes with it, measures what docs/report.md reports, and puts all
+# Builds Tessera, renders every scene that comes with it, measures what docs/notebook/report.md reports, and puts all
 # pictures on one sheet. Needs Debian 12.
 set -euo pipefail
 started_in=$PWD
@@ -12,7 +12,7 @@ Usage: ./run_all.sh [--quick] [--out DIR]
 Renders every scene of scenes/, with one line for each picture, into out/report (or DIR):
   NAME.png, NAME.exr     the pictures
   NAME.json              their statistics: times, rays, memory
-  measurements.md        the errors and times that docs/report.md reports
+  measurements.md        the errors and times that docs/notebook/report.md reports
   contact_sheet.png      all pictures on one sheet
 
   --quick     smaller pictures with fewer samples: under five minutes on two cores; without it, many times that

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # measure_figures.sh DIR: from the pictures that run_all.sh rendered into DIR, the errors and times that
-# docs/report.md reports, as Markdown. Errors are in linear light, against the reference of the same scene.
+# docs/notebook/report.md reports, as Markdown. Errors are in linear light, against the reference of the same scene.
 set -euo pipefail
 
 [ $# -eq 1 ] || { echo "Usage: measure_figures.sh DIR" >&2; exit 2; }

@@ -22,7 +22,6 @@ const cli::HelpText kHelp{
                       {cli::kExitUsage, "wrong command line"}},
     .examples = {"tessera-coordinator --state /var/lib/tessera",
                  "tessera-coordinator --check /var/lib/tessera"}};
-constexpr int kExitUsage = 2;
 constexpr std::size_t kFingerprintDigits = 16;
 
 // What is wrong with it; empty if nothing is.
@@ -97,16 +96,10 @@ Options parse_options(int argc, char** argv) {
   app.add_option("--validator", options.validator,
                  "Program that validates submitted scenes [default: tessera-validator beside this program]")
       ->type_name("FILE");
-  app.add_option(
-         "--accept-fingerprint", options.fingerprint,
-         "Let workers join that render these bits, as their log and refusal name them; by default those of "
-         "this coordinator's release")
+  app.add_option("--accept-fingerprint", options.fingerprint,
+                 "Accept workers with this determinism fingerprint [default: that of this release]")
       ->check(CLI::Validator(is_fingerprint, "HEX"))
-      ->type_name("HEX")
-      ->capture_default_str();
-  app.add_option("--validator", options.validator, "The tessera-validator to start for submitted scenes")
-      ->type_name("FILE")
-      ->capture_default_str();
+      ->type_name("HEX");
   add_maintenance_flags(app, options);
   add_security_flags(app, options);
   add_limit_flags(app, options.limits);

@@ -74,8 +74,8 @@ Options parse_options(int argc, char** argv) {
       ->check(proto::number_between(1u, kMostThreads))
       ->type_name("N");
   app.add_option("--cache", options.cache,
-                 "Folder for the files of scenes and for built scenes; workers can share it [default: "
-                 "~/.cache/tessera]")
+                 "Folder for the files of scenes and for built scenes, writable by this user alone; workers can share it "
+                 "[default: ~/.cache/tessera]")
       ->type_name("DIR");
   app.add_option("--cache-gib", options.cache_gib,
                  "Size limit of the cache in GiB; files unused for longest are removed first")

@@ -45,6 +45,8 @@ Options parse_options(int argc, char** argv) {
       ->type_name("PID");
   add_limit(app, kTrianglesFlag, options.scene.triangles,
             "Most triangles of a scene's meshes [default: no limit]");
+  add_limit(app, kLightsFlag, options.scene.lights,
+            "Most lights of a scene, emissive triangles of every instance included [default: no limit]");
   add_limit(app, kTexturePixelsFlag, options.scene.texture_pixels,
             "Most pixels of a texture [default: no limit]");
   add_limit(app, kSceneTexturePixelsFlag, options.scene.scene_texture_pixels,
