@@ -99,9 +99,11 @@ Result<LoadedScene> load(const RenderOptions& options) {
 std::string replay_command(const std::string& scene_path, const core::RenderSettings& settings,
                            core::SampleId id) {
   return fmt::format(
-      "tessera render '{}' --size {}x{} --integrator {} --heuristic {} --seed {} --sample {},{},{}",
+      "tessera render '{}' --size {}x{} --integrator {} --heuristic {} --clamp-indirect {} --seed {} "
+      "--sample {},{},{}",
       scene_path, settings.width_px, settings.height_px, core::integrator_name(settings.integrator),
-      core::heuristic_name(settings.heuristic), settings.seed, id.x, id.y, id.sample);
+      core::heuristic_name(settings.heuristic), settings.clamp_indirect, settings.seed, id.x, id.y,
+      id.sample);
 }
 
 void warn_about_samples(const std::string& scene_path, const RenderStats& stats) {

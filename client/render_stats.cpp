@@ -46,6 +46,7 @@ std::string to_json(const RenderStats& stats, std::uint64_t peak_memory_bytes) {
       {"spp", stats.settings.spp},
       {"integrator", core::integrator_name(stats.settings.integrator)},
       {"heuristic", core::heuristic_name(stats.settings.heuristic)},
+      {"clamp_indirect", stats.settings.clamp_indirect},
       {"seed", stats.settings.seed},
       {"threads", stats.threads},
       {"instruction_set", core::instruction_set()},

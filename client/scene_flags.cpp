@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -76,6 +77,17 @@ core::Heuristic parse_heuristic(const std::string& text) {
     throw CLI::ValidationError("--heuristic", fmt::format("must be balance or power; got '{}'", text));
   }
   return *heuristic;
+}
+
+float parse_clamp(const std::string& text) {
+  const char* end = text.data() + text.size();
+  float limit = 0;
+  const auto [stopped, error] = std::from_chars(text.data(), end, limit);
+  if (error != std::errc() || stopped != end || !(limit >= 0 && std::isfinite(limit))) {
+    throw CLI::ValidationError("--clamp-indirect",
+                               fmt::format("must be a positive number, or 0 for no limit; got '{}'", text));
+  }
+  return limit;
 }
 
 // A sign may stand before it: +1 is a stop brighter.
@@ -155,6 +167,14 @@ void add_override_options(CLI::App& command, core::RenderOverrides& overrides) {
           [&overrides](const std::string& text) { overrides.heuristic = parse_heuristic(text); },
           "Heuristic of mis: balance or power")
       ->type_name("NAME");
+  command
+      .add_option_function<std::string>(
+          "--clamp-indirect",
+          [&overrides](const std::string& text) { overrides.clamp_indirect = parse_clamp(text); },
+          "Limit what light that was scattered more than once adds\n"
+          "to a sample: less noise in fewer samples, but darker.\n"
+          "0 sets no limit")
+      ->type_name("RADIANCE");
   command
       .add_option_function<std::string>(
           "--seed",

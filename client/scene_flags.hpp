@@ -22,7 +22,7 @@ struct SceneFlags {
 void add_scene_argument(CLI::App& command, SceneFlags& flags);
 void add_output_option(CLI::App& command, SceneFlags& flags);
 
-// Adds --spp, --size, --crop, --integrator, --heuristic and --seed. A bad value ends parsing with a sentence
+// Adds --spp, --size, --crop, --integrator, --heuristic, --clamp-indirect and --seed. A bad value ends parsing with a sentence
 // that names the flag.
 void add_override_options(CLI::App& command, core::RenderOverrides& overrides);
 

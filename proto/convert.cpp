@@ -133,6 +133,7 @@ v1::RenderSettings to_proto(const core::RenderSettings& settings) {
   message.set_max_depth(static_cast<std::uint32_t>(settings.max_depth));
   message.set_filter(to_proto(settings.filter.kind));
   message.set_filter_radius_px(settings.filter.radius_px);
+  message.set_clamp_indirect(settings.clamp_indirect);
   if (settings.crop) *message.mutable_crop() = to_proto(*settings.crop);
   return message;
 }
@@ -151,7 +152,8 @@ core::Result<core::RenderSettings> from_proto(const v1::RenderSettings& message)
                                 .spp = message.spp(),
                                 .seed = message.seed(),
                                 .integrator = *integrator,
-                                .max_depth = *max_depth};
+                                .max_depth = *max_depth,
+                                .clamp_indirect = message.clamp_indirect()};
   if (message.heuristic() != v1::HEURISTIC_UNSPECIFIED) {
     const core::Result<core::Heuristic> heuristic = from_proto(message.heuristic());
     if (!heuristic) return fail(heuristic.error());
@@ -186,6 +188,7 @@ v1::RenderOverrides to_proto(const core::RenderOverrides& overrides) {
   if (overrides.seed) message.set_seed(*overrides.seed);
   if (overrides.integrator) message.set_integrator(to_proto(*overrides.integrator));
   if (overrides.heuristic) message.set_heuristic(to_proto(*overrides.heuristic));
+  if (overrides.clamp_indirect) message.set_clamp_indirect(*overrides.clamp_indirect);
   if (overrides.crop) *message.mutable_crop() = to_proto(*overrides.crop);
   return message;
 }
@@ -214,6 +217,7 @@ core::Result<core::RenderOverrides> from_proto(const v1::RenderOverrides& messag
     if (!heuristic) return fail(heuristic.error());
     overrides.heuristic = *heuristic;
   }
+  if (message.has_clamp_indirect()) overrides.clamp_indirect = message.clamp_indirect();
   if (message.has_crop()) {
     const core::Result<core::PixelRect> crop = crop_of(message.crop());
     if (!crop) return fail(crop.error());

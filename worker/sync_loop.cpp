@@ -25,7 +25,7 @@ constexpr proto::Duration kShortestExchange = 50ms;
 constexpr proto::BackoffOptions kBackoff{.first = 100ms, .longest = 2s};
 
 // The coordinator answers, and gives this worker nothing: its build, machine or name.
-bool is_refusal(core::ErrorCode code) {
+bool refuses_this_worker(core::ErrorCode code) {
   return code == core::ErrorCode::kFailedPrecondition || code == core::ErrorCode::kInvalidArgument;
 }
 
@@ -52,7 +52,8 @@ core::Status SyncLoop::run(const std::stop_token& stop) {
       if (is_final(response.error().code)) return core::fail(response.error());
       if (response.error().code == core::ErrorCode::kDeadlineExceeded) continue;  // a long wait, not a loss
       note_failure(response.error());
-      const proto::RetryPolicy& policy = is_refusal(response.error().code) ? refusal_backoff : backoff;
+      const proto::RetryPolicy& policy =
+          refuses_this_worker(response.error().code) ? refusal_backoff : backoff;
       wait_for(stop, policy({.count = ++failures}).value());
     }
   }
@@ -93,7 +94,7 @@ void SyncLoop::note_success() {
 
 void SyncLoop::note_failure(const core::Error& error) {
   if (!told_reasons_.insert(error.message).second) return;
-  if (is_refusal(error.code)) {
+  if (refuses_this_worker(error.code)) {
     spdlog::error("refused by the coordinator ({}); trying again from time to time", error.message);
   } else if (error.code == core::ErrorCode::kPermissionDenied) {
     spdlog::warn("not let in any more ({}); trying again until that has changed", error.message);

@@ -230,6 +230,8 @@ std::string job_description(const v1::Job& job) {
   if (!job.submitter().empty()) rows.push_back({"submitter", job.submitter()});
   if (job.settings().integrator() == v1::INTEGRATOR_MIS)
     rows.push_back({"heuristic", heuristic_text(job.settings().heuristic())});
+  if (job.settings().clamp_indirect() > 0)
+    rows.push_back({"clamp_indirect", fmt::format("{}", job.settings().clamp_indirect())});
   if (!job.failure().empty()) rows.push_back({"failure", job.failure()});
   for (const std::string& trouble : job.troubles()) rows.push_back({"trouble", trouble});
   if (job.state() == v1::JOB_STATE_RUNNING) rows.push_back({"speed", speed(job.samples_per_second())});

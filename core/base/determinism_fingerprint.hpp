@@ -7,6 +7,6 @@
 
 namespace tessera::core {
 
-inline constexpr std::string_view kDeterminismFingerprint = "8095c9e016c18576";
+inline constexpr std::string_view kDeterminismFingerprint = "2b8765100554d202";
 
 }  // namespace tessera::core

@@ -170,13 +170,21 @@ void MixedBsdfs::set(std::size_t lane, const Bsdf& bsdf) {
   transmits_ |= (bsdf.transmits() ? 1u : 0u) << lane;
 }
 
-BsdfValueOf<Float8> MixedBsdfs::evaluate(Vec3Of<Float8> wo_local, Vec3Of<Float8> wi_local) const {
+void MixedBsdfs::scale_diffuse(Float8 factor) {
+  const FloatLanes factors(factor);
+  for (std::size_t lane = 0; lane < kLaneCount; ++lane)
+    if (bsdfs_[lane]) bsdfs_[lane]->scale_diffuse(factors[lane]);
+}
+
+BsdfValueOf<Float8> MixedBsdfs::evaluate(Vec3Of<Float8> wo_local, Vec3Of<Float8> wi_local,
+                                         Float8 diffuse_cos) const {
   const Vec3Lanes wo(wo_local), wi(wi_local);
+  const FloatLanes diffuse_coses(diffuse_cos);
   RgbLanes value{};
   FloatLanes pdf{};
   for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
     if (!bsdfs_[lane] || wi[lane] == Vec3{}) continue;
-    const BsdfValue one = bsdfs_[lane]->evaluate(wo[lane], wi[lane]);
+    const BsdfValue one = bsdfs_[lane]->evaluate(wo[lane], wi[lane], diffuse_coses[lane]);
     value.set(lane, one.value);
     pdf.set(lane, one.pdf);
   }

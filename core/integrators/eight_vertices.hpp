@@ -45,8 +45,9 @@ class MixedBsdfs {
 
   Mask8 is_delta() const { return Mask8::from_bits(delta_); }
   Mask8 transmits() const { return Mask8::from_bits(transmits_); }
+  void scale_diffuse(Float8 factor);
   // Nothing where wi is zero, which is no direction.
-  BsdfValueOf<Float8> evaluate(Vec3Of<Float8> wo_local, Vec3Of<Float8> wi_local) const;
+  BsdfValueOf<Float8> evaluate(Vec3Of<Float8> wo_local, Vec3Of<Float8> wi_local, Float8 diffuse_cos) const;
   BsdfSamples sample(Vec3Of<Float8> wo_local, Vec2Of<Float8> u, Float8 u_lobe) const;
 
  private:
@@ -84,13 +85,21 @@ class EightVertices : public VertexOf<Float8, Bsdfs> {
   };
   Scattered sample(Vec2Of<Float8> u, Float8 u_lobe) const {
     const BsdfSamples local = this->bsdf_.sample(this->wo_local_, u, u_lobe);
-    const Vec3Of<Float8> wi = normalize(this->frame_.to_world(local.wi_local));
-    const Float8 factor = this->side_factor(wi, local.wi_local);
-    Scattered next{local.found & (factor > 0), local.delta, wi, local.weight * factor, local.pdf, local.eta};
+    const auto folded = this->fold(local.wi_local);
+    const auto& [value, pdf] = folded.scattered;
+    const Vec3Of<Float8> wi = normalize(this->frame_.to_world(folded.wi_local));
+    const Mask8 lost = folded.reweighed & !(pdf > 0);
+    Scattered next{local.found & !lost,
+                   local.delta,
+                   wi,
+                   select(folded.reweighed, value / pdf, local.weight),
+                   select(folded.reweighed, pdf, local.pdf),
+                   local.eta};
     if (!any(local.delta)) return next;
     const Vec3Of<Float8> side = select(local.transmitted, -this->side_normal_, this->side_normal_);
+    const Vec3Of<Float8> delta_wi = normalize(this->frame_.to_world(local.wi_local));
     next.found = next.found | (local.found & local.delta);
-    next.wi = select(local.delta, bend_above(wi, side), wi);
+    next.wi = select(local.delta, bend_above(delta_wi, side), wi);
     next.weight = select(local.delta, local.weight, next.weight);
     return next;
   }

@@ -29,7 +29,7 @@ Crossing crossing_at(const Scene& scene, const Ray& ray, const Hit& hit, std::ui
 Met meet_by_chance(const Scene& scene, const Ray& ray, const Sampler& sampler, std::uint64_t name) {
   Met met{ray, scene.bvh().closest_hit(scene.primitives(), ray)};
   if (scene.is_opaque() || !met.hit.found()) return met;
-  met.traced += pass_by_chance(scene, {&met.ray, 1}, {&met.hit, 1}, name,
+  met.traced += pass_by_chance(scene, {&met.ray, 1}, {&met.hit, 1}, [&](std::uint32_t) { return name; },
                                [&](std::uint32_t) -> const Sampler& { return sampler; });
   return met;
 }

@@ -56,16 +56,16 @@ struct Crossing {
 };
 Crossing crossing_at(const Scene& scene, const Ray& ray, const Hit& hit, std::uint32_t crossing);
 
-// Lets rays[i] pass by chance through what it hits; `name` tells it from the other rays of its sample.
-// sampler_of(i) is the sampler of its sample. Answers with the number of rays traced.
-template <typename SamplerOf>
-std::uint64_t pass_by_chance(const Scene& scene, std::span<Ray> rays, std::span<Hit> hits, std::uint64_t name,
+// Lets rays[i] pass by chance through what it hits. sampler_of(i) is the sampler of its sample, and name_of(i) tells
+// it from the other rays of that sample. Returns the number of rays traced.
+template <typename NameOf, typename SamplerOf>
+std::uint64_t pass_by_chance(const Scene& scene, std::span<Ray> rays, std::span<Hit> hits, const NameOf& name_of,
                              const SamplerOf& sampler_of) {
   const auto pass = [&](std::uint32_t i, const Ray& ray, const Hit& hit,
                         std::uint32_t crossing) -> std::optional<Ray> {
     const auto [surface, opacity] = crossing_at(scene, ray, hit, crossing);
     if (opacity >= 1) return std::nullopt;
-    if (opacity > 0 && sampler_of(i).opacity_number(name, crossing) < opacity) return std::nullopt;
+    if (opacity > 0 && sampler_of(i).opacity_number(name_of(i), crossing) < opacity) return std::nullopt;
     return Ray{offset_origin(surface, ray.direction), ray.direction, ray.t_max};
   };
   return trace_through(scene, rays, hits, pass);

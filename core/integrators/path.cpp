@@ -17,7 +17,6 @@ namespace {
 // Where a path first may end, and what the chance to go on is scaled by there, and further on.
 constexpr int kFirstRouletteDepth = 1;
 constexpr float kFirstSurvivalScale = 1.6f, kSurvivalScale = 1.2f;
-constexpr float kMaxSurvival = 0.95f;  // below 1, so that a path between perfect mirrors ends
 
 // Of two densities, with one sample of each (Veach and Guibas 1995). They may be so large that their squares
 // are not finite, but their ratio's is.
@@ -32,7 +31,8 @@ T mis_weight(Heuristic heuristic, T pdf, T other_pdf) {
 // which the way out of the glass undoes, and without what the guide's densities divided it by: there is more
 // light where they are higher (Vorba and Křivánek 2016). By its square root, and more: a dim path that goes
 // on costs time, one that is cut off makes the others bright, and so the best is in between. The first
-// roulette is the mildest, since all light that comes by more than two bounces has to pass it.
+// roulette is the mildest, since all light that comes by more than two bounces has to pass it. Survival has
+// no bound below 1: a path that loses less than that at each vertex would become brighter without end.
 template <typename T>
 MaskOf<T> survives_roulette(RgbOf<T>& throughput, T eta_scale, T promise, int depth, T u) {
   const T contribution = max_component(throughput) * eta_scale * promise;
@@ -40,9 +40,15 @@ MaskOf<T> survives_roulette(RgbOf<T>& throughput, T eta_scale, T promise, int de
   if (depth < kFirstRouletteDepth) return goes_on;
   using std::sqrt;
   const float scale = depth == kFirstRouletteDepth ? kFirstSurvivalScale : kSurvivalScale;
-  const T survival = smaller(T(kMaxSurvival), scale * sqrt(contribution));
+  const T survival = smaller(T(1.0f), scale * sqrt(contribution));
   throughput *= 1 / survival;
   return goes_on & (u < survival);
+}
+
+// Scaled to have no channel above `limit`.
+Rgb clamped(Rgb radiance, float limit) {
+  const float most = max_component(radiance);
+  return most > limit ? radiance * (limit / most) : radiance;
 }
 
 }  // namespace
@@ -51,7 +57,7 @@ MaskOf<T> survives_roulette(RgbOf<T>& throughput, T eta_scale, T promise, int de
 struct PathTracer::Paths {
   Paths(const PathQueue::Batch& batch, std::span<const Hit> all_hits, std::span<const bool> all_shine,
         std::span<const std::uint32_t> slots)
-      : count(slots.size()), used((1u << slots.size()) - 1) {
+      : count(slots.size()), used((1u << slots.size()) - 1), continuing(used) {
     RgbLanes throughputs;
     FloatLanes eta_scales, promises;
     for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
@@ -69,14 +75,21 @@ struct PathTracer::Paths {
     promise = promises.all();
   }
 
-  std::array<Float8, 4> pads(std::span<const Sampler> samplers, std::uint32_t pad) const {
+  // Ends those that have as many vertices as they may.
+  void limit(std::span<const std::uint16_t> depths, int max_depth) {
+    for (std::size_t lane = 0; lane < count; ++lane)
+      if (depths[heads[lane]->path] >= max_depth) continuing &= ~(1u << lane);
+  }
+
+  std::array<const Sampler*, kLaneCount> of(std::span<const Sampler> samplers) const {
     std::array<const Sampler*, kLaneCount> of_lanes;
     for (std::size_t lane = 0; lane < kLaneCount; ++lane) of_lanes[lane] = &samplers[heads[lane]->path];
-    return Sampler::pads(of_lanes, pad);
+    return of_lanes;
   }
 
   std::size_t count;
   unsigned used;         // bit i for lane i
+  unsigned continuing;   // likewise: may have further vertices
   unsigned shining = 0;  // likewise: what was hit might shine
   std::array<const PathHead*, kLaneCount> heads;
   std::array<const Ray*, kLaneCount> rays;
@@ -95,6 +108,9 @@ PathTracer::PathTracer(const Scene& scene, const RenderSettings& settings, const
       guide_(guide),
       samplers_(samplers),
       radiance_(radiance),
+      depths_(samplers.size()),
+      clamps_(settings.clamp_indirect > 0),
+      indirect_(clamps_ ? samplers.size() : 0),
       goes_on_(samplers.size()) {
   for (const Material& material : scene.materials())
     material_kinds_.push_back({bin_of(material), !is_black(material.emission.value)});
@@ -102,53 +118,71 @@ PathTracer::PathTracer(const Scene& scene, const RenderSettings& settings, const
 }
 
 std::span<const std::uint32_t> PathTracer::step(RenderCounters& counters) {
-  const std::size_t depth = depth_of_most();
-  if (depth + 1 == waiting_.size()) waiting_.emplace_back();
-  PathQueue& paths = waiting_[depth];
-  next_paths_ = &waiting_[depth + 1];
+  const std::size_t list = longest_list(), next = list_after(list);
+  if (next == waiting_.size()) waiting_.emplace_back();
+  PathQueue& paths = waiting_[list];
+  next_paths_ = &waiting_[next];
   batch_ = paths.last();
   const std::size_t count = batch_.rays.size();
   assert(count > 0);
   next_paths_->make_room(count);
   counters.closest_hit_rays += count;
   scene_.bvh().closest_hits(scene_.primitives(), batch_.rays, {hits_.data(), count});
-  if (!scene_.is_opaque()) pass_through_surfaces(depth, counters);
 
+  const int depth = static_cast<int>(std::min(list, kListsByDepth));
+  if (!scene_.is_opaque()) pass_through_surfaces(counters);
+  const int max_depth = settings_.max_depth > 0 ? settings_.max_depth : kMaxPathDepth;
   sort_by_material();
   for (std::size_t bin = 0; bin < kBins; ++bin)
     for (std::size_t i = 0; i < bin_sizes_[bin]; i += kLaneCount) {
-      const Paths eight(batch_, hits_, shines_,
-                        {bins_[bin].data() + i, std::min(kLaneCount, bin_sizes_[bin] - i)});
-      shade(static_cast<Bin>(bin), eight, static_cast<int>(depth));
+      Paths eight(batch_, hits_, shines_, {bins_[bin].data() + i, std::min(kLaneCount, bin_sizes_[bin] - i)});
+      eight.limit(depths_, max_depth);
+      shade(static_cast<Bin>(bin), eight, depth);
     }
-  add_unoccluded(counters);
+  add_unoccluded(counters, depth);
   collect_ended();
   paths.drop_last(count);
   return ended_;
 }
 
 // What rays pass by chance costs no depth, and leaves their paths' heads as they are.
-void PathTracer::pass_through_surfaces(std::size_t depth, RenderCounters& counters) {
+void PathTracer::pass_through_surfaces(RenderCounters& counters) {
   const std::span<Hit> hits(hits_.data(), batch_.rays.size());
   counters.closest_hit_rays += pass_by_chance(
-      scene_, batch_.rays, hits, depth,
+      scene_, batch_.rays, hits, [&](std::uint32_t slot) { return std::uint64_t{depths_[batch_.heads[slot].path]}; },
       [&](std::uint32_t slot) -> const Sampler& { return samplers_[batch_.heads[slot].path]; });
 }
 
-// The deepest of those where most paths wait.
-std::size_t PathTracer::depth_of_most() const {
-  std::size_t most = 0;
-  for (std::size_t depth = 1; depth < waiting_.size(); ++depth)
-    if (waiting_[depth].size() >= waiting_[most].size()) most = depth;
-  return most;
+std::size_t PathTracer::list_after(std::size_t list) {
+  return list == kListsByDepth + 1 ? kListsByDepth : list + 1;
+}
+
+// The last of those where most paths wait.
+std::size_t PathTracer::longest_list() const {
+  std::size_t longest = 0;
+  for (std::size_t list = 1; list < waiting_.size(); ++list)
+    if (waiting_[list].size() >= waiting_[longest].size()) longest = list;
+  return longest;
 }
 
 void PathTracer::collect_ended() {
   ended_.clear();
   for (const PathHead& head : batch_.heads) {
-    if (goes_on_[head.path] == 0) ended_.push_back(head.path);
+    if (goes_on_[head.path] == 0) {
+      ended_.push_back(head.path);
+      if (clamps_) radiance_[head.path] += clamped(indirect_[head.path], settings_.clamp_indirect);
+    }
     goes_on_[head.path] = 0;
   }
+}
+
+// The numbers for a decision at these paths' vertices; `pad_at` says which pad they are in, by depth.
+template <typename PadAt>
+std::array<Float8, 4> PathTracer::numbers(const Paths& paths, int depth, PadAt pad_at) const {
+  if (depth < static_cast<int>(kListsByDepth)) return Sampler::pads(paths.of(samplers_), pad_at(depth));
+  std::array<std::uint32_t, kLaneCount> pads;
+  for (std::size_t lane = 0; lane < kLaneCount; ++lane) pads[lane] = pad_at(depths_[paths.heads[lane]->path]);
+  return Sampler::pads(paths.of(samplers_), pads);
 }
 
 PathTracer::Bin PathTracer::bin_of(const Material& material) {
@@ -188,7 +222,7 @@ void PathTracer::shade(Bin bin, const Paths& paths, int depth) {
     case kMirrorsAndGlass:
       return shade(paths, mixed_vertices(scene_, paths.rays, paths.hits, paths.count), depth);
     case kLeft:
-      return add_environment(paths);
+      return add_environment(paths, depth);
   }
 }
 
@@ -201,17 +235,17 @@ void PathTracer::shade(const Paths& paths, const Vertices& vertices, int depth) 
     SurfacePoint point;
     point.position = Vec3Lanes(vertices.position())[lane];
     point.uv = {FloatLanes(vertices.surface().uv.x)[lane], FloatLanes(vertices.surface().uv.y)[lane]};
-    add_emission(*paths.heads[lane], point, Vec3Lanes(vertices.wo())[lane], light);
+    add_emission(*paths.heads[lane], point, Vec3Lanes(vertices.wo())[lane], light, depth);
   }
-  if (settings_.max_depth > 0 && depth >= settings_.max_depth) return;
+  if (paths.continuing == 0) return;
   const Guidance guidance = guidance_at(vertices);
-  const unsigned lit = light_sampler_.empty() ? 0 : paths.used & ~vertices.is_delta().bits();
+  const unsigned lit = light_sampler_.empty() ? 0 : paths.continuing & ~vertices.is_delta().bits();
   if (lit != 0) connect_to_lights(paths, vertices, guidance.share, lit, depth);
   scatter(paths, vertices, guidance, depth);
 }
 
 // What rays see that meet nothing.
-void PathTracer::add_environment(const Paths& paths) {
+void PathTracer::add_environment(const Paths& paths, int depth) {
   const std::uint32_t light = scene_.environment_light();
   if (light == kNoLight) return;
   Vec3Lanes directions, normals;
@@ -225,18 +259,18 @@ void PathTracer::add_environment(const Paths& paths) {
   for (std::size_t lane = 0; lane < paths.count; ++lane) {
     const PathHead& head = *paths.heads[lane];
     const float weight = weight_of_found(light, head, [&] { return pdf[lane]; });
-    if (weight > 0) radiance_[head.path] += head.throughput * radiance[lane] * weight;
+    if (weight > 0) sum_of(head.path, depth) += head.throughput * radiance[lane] * weight;
   }
 }
 
 // Emission met by the ray itself.
-void PathTracer::add_emission(const PathHead& head, const SurfacePoint& surface, Vec3 wo,
-                              std::uint32_t light) {
+void PathTracer::add_emission(const PathHead& head, const SurfacePoint& surface, Vec3 wo, std::uint32_t light,
+                              int depth) {
   const AreaLight& area = scene_.area_light(light);
   const float weight =
       weight_of_found(light, head, [&] { return area.pdf(head.last.position, surface.position); });
   if (weight > 0)
-    radiance_[head.path] += head.throughput * area.emitted(scene_.textures(), surface, wo) * weight;
+    sum_of(head.path, depth) += head.throughput * area.emitted(scene_.textures(), surface, wo) * weight;
 }
 
 // Of light that a BSDF sample found. Where the vertex before could also have sampled it, `nee` leaves it to
@@ -253,7 +287,7 @@ float PathTracer::weight_of_found(std::uint32_t light, const PathHead& head, Pdf
 template <typename Vertices>
 void PathTracer::connect_to_lights(const Paths& paths, const Vertices& vertices, Float8 guide_share,
                                    unsigned lit, int depth) {
-  const auto u = paths.pads(samplers_, light_pad(depth));
+  const auto u = numbers(paths, depth, light_pad);
   const FloatLanes coarse(u[2]), fine(u[3]);
   std::array<double, kLaneCount> u_light;
   for (std::size_t lane = 0; lane < kLaneCount; ++lane) u_light[lane] = two_digits(coarse[lane], fine[lane]);
@@ -300,7 +334,7 @@ struct PathTracer::Directions {
 // Sends the paths on that do not end.
 template <typename Vertices>
 void PathTracer::scatter(const Paths& paths, const Vertices& vertices, const Guidance& guidance, int depth) {
-  const auto u = paths.pads(samplers_, scatter_pad(depth));
+  const auto u = numbers(paths, depth, scatter_pad);
   const Directions next = choose_directions(vertices, guidance, {u[0], u[1]}, u[2]);
   RgbOf<Float8> throughput = paths.throughput * next.weight;
   const Float8 eta_scale = paths.eta_scale * (next.eta * next.eta), promise = paths.promise * next.promise;
@@ -310,9 +344,10 @@ void PathTracer::scatter(const Paths& paths, const Vertices& vertices, const Gui
   const FloatLanes eta_scales(eta_scale), promises(promise), met_scales(next.met_scale);
   const FloatLanes pdf(select(next.delta, Float8(kDeltaPdf), next.bsdf_pdf));
   const Vec3Lanes position(vertices.position()), normal(vertices.lit_normal());
-  for (unsigned lanes = (next.found & survives).bits() & paths.used; lanes != 0; lanes &= lanes - 1) {
+  for (unsigned lanes = (next.found & survives).bits() & paths.continuing; lanes != 0; lanes &= lanes - 1) {
     const auto lane = static_cast<std::size_t>(std::countr_zero(lanes));
     goes_on_[paths.heads[lane]->path] = 1;
+    ++depths_[paths.heads[lane]->path];
     next_paths_->push(rays[lane], {.path = paths.heads[lane]->path,
                                    .throughput = throughputs[lane],
                                    .eta_scale = eta_scales[lane],
@@ -367,17 +402,17 @@ PathTracer::Directions PathTracer::choose_directions(const Vertices& vertices, c
   return next;
 }
 
-void PathTracer::add_unoccluded(RenderCounters& counters) {
+void PathTracer::add_unoccluded(RenderCounters& counters, int depth) {
   const std::size_t count = std::exchange(connection_count_, 0);
   counters.shadow_rays += count;
   scene_.bvh().any_hits(scene_.primitives(), {shadow_rays_.data(), count}, {occluded_.data(), count});
   for (std::size_t i = 0; i < count; ++i)
-    if (occluded_[i] == 0) radiance_[connections_[i].path] += connections_[i].radiance;
-  if (!scene_.is_opaque()) add_transmitted(count, counters);
+    if (occluded_[i] == 0) sum_of(connections_[i].path, depth + 1) += connections_[i].radiance;
+  if (!scene_.is_opaque()) add_transmitted(count, counters, depth);
 }
 
 // Of the occluded connections, what surfaces between their ends let through.
-void PathTracer::add_transmitted(std::size_t count, RenderCounters& counters) {
+void PathTracer::add_transmitted(std::size_t count, RenderCounters& counters, int depth) {
   std::vector<Ray> rays;
   std::vector<std::size_t> of_rays;
   for (std::size_t i = 0; i < count; ++i) {
@@ -389,7 +424,7 @@ void PathTracer::add_transmitted(std::size_t count, RenderCounters& counters) {
   counters.shadow_rays += find_transmittances(scene_, rays, shares);
   for (std::size_t k = 0; k < rays.size(); ++k) {
     const auto& [path, radiance] = connections_[of_rays[k]];
-    if (shares[k] > 0) radiance_[path] += radiance * shares[k];
+    if (shares[k] > 0) sum_of(path, depth + 1) += radiance * shares[k];
   }
 }
 

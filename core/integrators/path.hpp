@@ -1,8 +1,8 @@
 // Path tracing (Kajiya 1986), many paths at a time: samples of the radiance that arrives along camera rays.
 // Hundreds of paths take each step together (Laine, Karras and Aila 2013), so that rays are traced, and
 // surfaces shaded, in long runs of the same work. All of them are at the same vertex, counted from the
-// camera; those that come to one wait until there are enough. What a path finds does not depend on those
-// beside it.
+// camera, or all are far from it; those that come to one wait until there are enough. What a path finds does
+// not depend on those beside it.
 #pragma once
 
 #include <array>
@@ -21,7 +21,11 @@
 
 namespace tessera::core {
 
-// Unbiased whatever the strategy, but for settings.max_depth. Large: not for the stack. Serves one thread.
+// A path ends at this vertex at the latest, as between perfect mirrors, where Russian roulette ends none.
+inline constexpr int kMaxPathDepth = 4096;
+
+// Unbiased whatever the strategy, but for settings.max_depth, settings.clamp_indirect and kMaxPathDepth.
+// Large: not for the stack. Serves one thread.
 class PathTracer {
  public:
   // Path i has the random numbers of samplers[i], and what it finds is added to radiance[i]. `guide` may be
@@ -33,6 +37,8 @@ class PathTracer {
   void begin(const Ray& ray, std::uint32_t path) {
     assert(path < samplers_.size());
     radiance_[path] = {};
+    depths_[path] = 0;
+    if (clamps_) indirect_[path] = {};
     waiting_.front().push(ray, {.path = path});
   }
   // Takes kBatchPaths, or as many as there are, of the paths at that vertex where most of them wait one step
@@ -59,15 +65,20 @@ class PathTracer {
 
   struct Paths;  // up to eight of them
 
-  std::size_t depth_of_most() const;
-  void pass_through_surfaces(std::size_t depth, RenderCounters& counters);
+  void pass_through_surfaces(RenderCounters& counters);
+  static constexpr std::size_t kListsByDepth = 64;  // even
+  static std::size_t list_after(std::size_t list);
+  std::size_t longest_list() const;
   void collect_ended();
   void sort_by_material();
   template <typename Vertices>
   void shade(const Paths& paths, const Vertices& vertices, int depth);
   void shade(Bin bin, const Paths& paths, int depth);
-  void add_environment(const Paths& paths);
-  void add_emission(const PathHead& head, const SurfacePoint& surface, Vec3 wo, std::uint32_t light);
+  template <typename PadAt>
+  std::array<Float8, 4> numbers(const Paths& paths, int depth, PadAt pad_at) const;
+  void add_environment(const Paths& paths, int depth);
+  void add_emission(const PathHead& head, const SurfacePoint& surface, Vec3 wo, std::uint32_t light,
+                    int depth);
   template <typename Pdf>
   float weight_of_found(std::uint32_t light, const PathHead& head, Pdf pdf) const;
   using Guidance = LightGuide::GuidanceOf<Float8>;
@@ -83,8 +94,12 @@ class PathTracer {
   template <typename Vertices>
   Directions choose_directions(const Vertices& vertices, const Guidance& guidance, Vec2Of<Float8> u,
                                Float8 u_lobe) const;
-  void add_unoccluded(RenderCounters& counters);
-  void add_transmitted(std::size_t count, RenderCounters& counters);
+  void add_unoccluded(RenderCounters& counters, int depth);
+  void add_transmitted(std::size_t count, RenderCounters& counters, int depth);
+  // What light adds to that was scattered so often on its way.
+  Rgb& sum_of(std::uint32_t path, int scatterings) {
+    return clamps_ && scatterings > 1 ? indirect_[path] : radiance_[path];
+  }
 
   const Scene& scene_;
   const RenderSettings settings_;
@@ -94,8 +109,12 @@ class PathTracer {
 
   const std::span<const Sampler> samplers_;
   const std::span<Rgb> radiance_;
-  // By how many vertices their paths have; never empty, and as many as any path ever had.
+  // Waiting paths by how many vertices they have; never empty. Two more lists hold those that have
+  // kListsByDepth or more, an even number and an odd one.
   std::deque<PathQueue> waiting_{1};
+  std::vector<std::uint16_t> depths_;  // by path: how many vertices it has
+  const bool clamps_;                  // settings_.clamp_indirect
+  std::vector<Rgb> indirect_;          // by path, if it clamps: light that was scattered more than once
   std::vector<std::uint8_t> goes_on_;  // by path: whether it does after this step
   std::vector<std::uint32_t> ended_;
   // Of a step:

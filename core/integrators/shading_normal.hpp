@@ -1,6 +1,6 @@
-// What keeps surfaces shaded with other normals than their own (interpolated, or bent by a map) from going
-// black or letting light through. docs/materials.md says why. All vectors are of unit length; `side` is the
-// surface's true normal on the side of the viewer, who looks along -wo.
+// Corrections for surfaces whose shading normal (interpolated, or bent by a map) is not the geometric one.
+// They keep energy, let no light through and leave no facet black. docs/materials.md says why. All vectors
+// are of unit length. `side` is the geometric normal on the side of the viewer, who looks along -wo.
 #pragma once
 
 #include "core/math/vec3.hpp"
@@ -9,7 +9,7 @@ namespace tessera::core {
 
 inline constexpr float kMinShadingCos = 1e-4f;
 
-// `w`, bent towards `normal` just far enough that their cosine is not below min_cos.
+// Bends `w` towards `normal` just far enough that their cosine is not below min_cos.
 template <typename T>
 Vec3Of<T> lifted(Vec3Of<T> w, Vec3Of<T> normal, T min_cos) {
   const T cos_w = dot(w, normal);
@@ -17,13 +17,14 @@ Vec3Of<T> lifted(Vec3Of<T> w, Vec3Of<T> normal, T min_cos) {
   return all(high) ? w : select(high, w, normalize(w + normal * (min_cos - cos_w)));
 }
 
-// `normal`, bent just far enough that wo is above it.
+// Bends `normal` just far enough that wo is above its plane.
 template <typename T = float>
 Vec3Of<T> bend_toward_viewer(Vec3Of<T> normal, Vec3Of<T> wo) {
   return lifted(normal, wo, T(kMinShadingCos));
 }
 
-// Bent just far enough that the mirror direction of wo is above the true surface (Keller et al. 2017).
+// Bends `normal` just far enough that the mirror direction of wo is above the geometric surface (Keller et
+// al. 2017).
 template <typename T = float>
 Vec3Of<T> bend_for_reflection(Vec3Of<T> normal, Vec3Of<T> side, Vec3Of<T> wo) {
   const Vec3Of<T> mirrored = normal * (2 * dot(wo, normal)) - wo;
@@ -33,20 +34,32 @@ Vec3Of<T> bend_for_reflection(Vec3Of<T> normal, Vec3Of<T> side, Vec3Of<T> wo) {
   return all(high) ? normal : select(high, normal, normalize(wo + lifted(mirrored, side, min_cos)));
 }
 
-// A direction that should be on the true surface's side `side`, bent to graze it if it is not.
+// Bends `wi` to graze the geometric surface if it is not on its side `side`.
 template <typename T = float>
 Vec3Of<T> bend_above(Vec3Of<T> wi, Vec3Of<T> side) {
   return lifted(wi, side, T(kMinShadingCos));
 }
 
-// What reflected light is multiplied by, from 0 where wi sinks below the true surface to 1 where its
-// elevation is that above the shading normal's plane (Chiang, Li and Burley 2019).
+// The directions below are local: +z is the shading normal, `side` the geometric normal there.
+
+// `w`, whose cosine with `side` is cos_side, mirrored by the plane of the geometric surface.
 template <typename T = float>
-T smooth_terminator(Vec3Of<T> normal, Vec3Of<T> side, Vec3Of<T> wi) {
-  const T true_cos = dot(wi, side), shading_cos = dot(wi, normal) * dot(normal, side);
-  const T g = true_cos / shading_cos;
-  const T above = select(true_cos >= shading_cos, T(1.0f), g * (1 + g * (1 - g)));
-  return select((true_cos <= 0) | (shading_cos <= 0), T(0.0f), above);
+Vec3Of<T> mirrored(Vec3Of<T> w, Vec3Of<T> side, T cos_side) {
+  return w - side * (2 * cos_side);
+}
+
+// The cosine that diffuse reflection receives light with. The surface is taken for one wall of a symmetric
+// V-shaped groove, whose other wall shadows it where light grazes (Torrance and Sparrow 1967; Blinn 1977). Its
+// integral over the directions above both planes is pi * side.z, which diffuse_scale() makes up for.
+template <typename T = float>
+T groove_cos(T cos_shading, T cos_side, Vec3Of<T> side) {
+  return smaller(cos_shading, 2 * side.z * cos_side);
+}
+
+// The area of the groove's wall for each unit of area of the surface.
+template <typename T = float>
+T diffuse_scale(Vec3Of<T> side) {
+  return 1 / side.z;
 }
 
 }  // namespace tessera::core

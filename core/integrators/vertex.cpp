@@ -24,7 +24,7 @@ Vec3 outward_normal(const Scene& scene, const Material& material, const Hit& hit
 namespace {
 
 // The normal that the side of the viewer is shaded with.
-Vec3 shading_normal(const ViewedSide<float>& side, Vec3 outward, const MaterialModel& model, Vec3 wo) {
+Vec3 viewed_normal(const ViewedSide<float>& side, Vec3 outward, const MaterialModel& model, Vec3 wo) {
   const Vec3 seen = side.shading_normal(outward, wo);
   return std::holds_alternative<Lambert>(model) ? seen : bend_for_reflection(seen, side.normal, wo);
 }
@@ -43,17 +43,19 @@ PathVertex::PathVertex(const Scene& scene, const Material& material, const Hit& 
                        const SurfacePoint& surface, Vec3 wo, const ViewedSide<float>& side)
     : VertexOf(
           surface, wo, side.normal,
-          shading_normal(side, outward_normal(scene, material, hit, surface), material.model, wo),
+          viewed_normal(side, outward_normal(scene, material, hit, surface), material.model, wo),
           Bsdf(material, scene.textures(), surface.uv, side.outside, scene.primitives().vertex_color(hit))) {}
 
 std::optional<PathVertex::Scattered> PathVertex::sample(Vec2 u, float u_lobe) const {
   const auto local = bsdf_.sample(wo_local_, u, u_lobe);
   if (!local) return std::nullopt;
   if (local->delta) return delta_to_world(*local);
-  const Vec3 wi = normalize(frame_.to_world(local->wi_local));
-  const float factor = side_factor(wi, local->wi_local);
-  if (!(factor > 0)) return std::nullopt;
-  return Scattered{wi, local->weight * factor, local->pdf, false, local->eta};
+  const FoldedSample folded = fold(local->wi_local);
+  const Vec3 wi = normalize(frame_.to_world(folded.wi_local));
+  if (!folded.reweighed) return Scattered{wi, local->weight, local->pdf, false, local->eta};
+  const auto& [value, pdf] = folded.scattered;
+  if (!(pdf > 0)) return std::nullopt;
+  return Scattered{wi, value / pdf, pdf, false, local->eta};
 }
 
 PathVertex::Scattered PathVertex::delta_to_world(const BsdfSample& local) const {

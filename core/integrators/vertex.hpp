@@ -41,12 +41,16 @@ class VertexOf {
         side_normal_(side_normal),
         frame_(FrameOf<T>::around(shading_normal)),
         wo_local_(frame_.to_local(wo)),
-        bsdf_(bsdf) {}
+        side_local_(frame_.to_local(side_normal)),
+        bsdf_(bsdf) {
+    bsdf_.scale_diffuse(diffuse_scale(side_local_));
+  }
 
   Vec3Of<T> position() const { return surface_.position; }
   const SurfacePointOf<T>& surface() const { return surface_; }
-  // The true one, on the side of wo.
+  // The geometric and the shading normal, on the side of wo.
   Vec3Of<T> side_normal() const { return side_normal_; }
+  Vec3Of<T> shading_normal() const { return frame_.normal; }
   // Unit, towards where the ray came from.
   Vec3Of<T> wo() const { return wo_; }
 
@@ -54,9 +58,7 @@ class VertexOf {
   // the density per solid angle with which sample() chooses `wi`.
   BsdfValueOf<T> evaluate(Vec3Of<T> wi) const {
     const Vec3Of<T> wi_local = frame_.to_local(wi);
-    const BsdfValueOf<T> scattered = bsdf_.evaluate(wo_local_, wi_local);
-    const T factor = side_factor(wi, wi_local);
-    return {select(factor > 0, scattered.value * factor, RgbOf<T>{}), scattered.pdf};
+    return evaluate_folded(wi_local, dot(wi_local, side_local_));
   }
 
   RayOf<T> ray_along(Vec3Of<T> wi) const { return {offset_origin(surface_, wi), wi}; }
@@ -68,12 +70,33 @@ class VertexOf {
   }
 
  protected:
-  // What the BSDF is multiplied by where the shading normal is not the true one: where the two disagree on
-  // the side of wi, neither reflection nor transmission leads there.
-  T side_factor(Vec3Of<T> wi, Vec3Of<T> wi_local) const {
-    const T reflected = smooth_terminator(frame_.normal, side_normal_, wi);
-    const T transmitted = select(dot(wi, side_normal_) < 0, T(1.0f), T(0.0f));
-    return select(wi_local.z > 0, reflected, transmitted);
+  // The BSDF of the shading normal, folded at the geometric surface: what it scatters to the wrong side of
+  // the surface is mirrored to the right one, so that no energy is lost. cos_side: of wi_local and
+  // side_local_.
+  BsdfValueOf<T> evaluate_folded(Vec3Of<T> wi_local, T cos_side) const {
+    const T diffuse_cos = groove_cos(wi_local.z, cos_side, side_local_);
+    BsdfValueOf<T> all = only(wi_local.z * cos_side > 0, bsdf_.evaluate(wo_local_, wi_local, diffuse_cos));
+    const Vec3Of<T> image = mirrored(wi_local, side_local_, cos_side);
+    const MaskOf<T> folds = image.z * cos_side > 0;
+    if (!any(folds)) return all;
+    const BsdfValueOf<T> folded = only(folds, bsdf_.evaluate(wo_local_, image, T(0.0f)));
+    return {all.value + folded.value, all.pdf + folded.pdf};
+  }
+
+  // A direction sampled from the BSDF, folded likewise.
+  struct FoldedSample {
+    Vec3Of<T> wi_local;
+    MaskOf<T> reweighed;       // where `scattered` replaces the BSDF's own value and density
+    BsdfValueOf<T> scattered;  // meaningless elsewhere
+  };
+  FoldedSample fold(Vec3Of<T> sampled) const {
+    const T cos_sampled = dot(sampled, side_local_);
+    const Vec3Of<T> image = mirrored(sampled, side_local_, cos_sampled);
+    const MaskOf<T> strays = sampled.z * cos_sampled <= 0;
+    const MaskOf<T> reweighed = strays | (image.z * cos_sampled > 0);
+    if (!any(reweighed)) return {sampled, reweighed, {}};
+    const Vec3Of<T> wi_local = select(strays, image, sampled);
+    return {wi_local, reweighed, evaluate_folded(wi_local, select(strays, -cos_sampled, cos_sampled))};
   }
 
   SurfacePointOf<T> surface_;
@@ -81,7 +104,13 @@ class VertexOf {
   Vec3Of<T> side_normal_;  // geometric, on the side of wo
   FrameOf<T> frame_;       // around the shading normal, on the side of wo
   Vec3Of<T> wo_local_;
+  Vec3Of<T> side_local_;  // side_normal_ in the frame
   BsdfType bsdf_;
+
+ private:
+  static BsdfValueOf<T> only(MaskOf<T> mask, const BsdfValueOf<T>& value) {
+    return {select(mask, value.value, RgbOf<T>{}), select(mask, value.pdf, T(0.0f))};
+  }
 };
 
 // Of any material.

@@ -66,9 +66,13 @@ bool Bsdf::transmits() const {
   return std::holds_alternative<RoughDielectricBsdf>(at_point_);
 }
 
-BsdfValue Bsdf::evaluate(Vec3 wo_local, Vec3 wi_local) const {
+void Bsdf::scale_diffuse(float factor) {
+  std::visit([&](auto& bsdf) { bsdf.scale_diffuse(factor); }, at_point_);
+}
+
+BsdfValue Bsdf::evaluate(Vec3 wo_local, Vec3 wi_local, float diffuse_cos) const {
   BsdfValue value =
-      std::visit([&](const auto& bsdf) { return bsdf.evaluate(wo_local, wi_local); }, at_point_);
+      std::visit([&](const auto& bsdf) { return bsdf.evaluate(wo_local, wi_local, diffuse_cos); }, at_point_);
   if (uniform_) value.pdf = uniform_pdf(wo_local, wi_local);
   return value;
 }

@@ -33,9 +33,13 @@ class Bsdf {
   // Scatters to the other side too.
   bool transmits() const;
 
+  // Multiplies diffuse reflection: by more than 1 where a shading normal leans (VertexOf).
+  void scale_diffuse(float factor);
+
   // bsdf * |cos(wi)|, and the density with which sample() chooses wi: its integral is the probability that
-  // sample() answers at all.
-  BsdfValue evaluate(Vec3 wo_local, Vec3 wi_local) const;
+  // sample() answers at all. The diffuse part has diffuse_cos instead of the cosine.
+  BsdfValue evaluate(Vec3 wo_local, Vec3 wi_local, float diffuse_cos) const;
+  BsdfValue evaluate(Vec3 wo_local, Vec3 wi_local) const { return evaluate(wo_local, wi_local, wi_local.z); }
   // Nothing where no light is scattered. u_lobe chooses among lobes.
   std::optional<BsdfSample> sample(Vec3 wo_local, Vec2 u, float u_lobe) const;
   // Every direction that a delta BSDF scatters to, each with its share of the light in the weight: what is

@@ -6,13 +6,13 @@
 namespace tessera::core {
 
 ComplexIndex complex_index(Conductor conductor) {
-  static constexpr std::array<ComplexIndex, 4> kMeasured{{
-      {{0.30f, 1.02f, 1.25f}, {3.205f, 2.577f, 2.483f}},
-      {{0.21f, 0.43f, 1.31f}, {3.272f, 2.455f, 1.849f}},
-      {{0.06f, 0.06f, 0.05f}, {4.152f, 3.586f, 2.869f}},
-      {{1.3660f, 1.0728f, 0.7278f}, {7.4052f, 6.7839f, 5.7781f}},
+  static constexpr std::array<ComplexIndex, 4> kFitted{{
+      {{0.22f, 1.04f, 1.29f}, {3.375f, 2.620f, 2.358f}},
+      {{0.09f, 0.50f, 1.47f}, {13.372f, 2.261f, 1.776f}},
+      {{0.055f, 0.055f, 0.045f}, {4.420f, 3.549f, 2.651f}},
+      {{1.490f, 0.985f, 0.605f}, {7.625f, 6.548f, 5.346f}},
   }};
-  return kMeasured[static_cast<std::size_t>(conductor)];
+  return kFitted[static_cast<std::size_t>(conductor)];
 }
 
 }  // namespace tessera::core

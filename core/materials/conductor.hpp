@@ -1,4 +1,4 @@
-// Metals by name, with their measured complex indices of refraction.
+// Metals by name, with complex indices of refraction that give them their measured colours.
 #pragma once
 
 #include "core/math/rgb.hpp"
@@ -11,9 +11,10 @@ struct ComplexIndex {
   Rgb eta, k;
 };
 
-// At the measured wavelengths nearest to the dominant ones of Rec. 709's primaries: 611, 549 and 464 nm.
-// Copper, gold and silver: Johnson and Christy 1972, table I, at 2.01, 2.26 and 2.63 eV (617, 549, 471 nm).
-// Aluminium: Rakić 1995, table 1, at 2.0, 2.2 and 2.6 eV (620, 564, 477 nm).
+// One index for each channel of linear Rec. 709, fitted to what the measured indices reflect of illuminant
+// D65, integrated over the spectrum: to the reflectance at normal incidence, and as well as possible to that
+// at other angles (within 0.004). Copper, gold and silver: Johnson and Christy 1972, table I. Aluminium:
+// Rakić 1995, table 1. Gold reflects 1.04 of white's red; here it is 0.998.
 ComplexIndex complex_index(Conductor conductor);
 
 }  // namespace tessera::core

@@ -15,8 +15,10 @@ template <typename T>
 struct CookTorranceBsdfOf {
   static constexpr bool kIsDelta = false;
 
-  BsdfValueOf<T> evaluate(Vec3Of<T> wo_local, Vec3Of<T> wi_local) const {
-    return evaluate(wo_local, wi_local, specular_probability(wo_local.z));
+  void scale_diffuse(T factor) { diffuse *= factor; }
+
+  BsdfValueOf<T> evaluate(Vec3Of<T> wo_local, Vec3Of<T> wi_local, T diffuse_cos) const {
+    return evaluate(wo_local, wi_local, diffuse_cos, specular_probability(wo_local.z));
   }
 
   struct Found {
@@ -32,7 +34,7 @@ struct CookTorranceBsdfOf {
     return weighed_sample(found.wi_local, found.value);
   }
 
-  RgbOf<T> diffuse, specular;  // diffuse + specular <= 1
+  RgbOf<T> diffuse, specular;  // diffuse + specular <= 1, but for scale_diffuse
   MaskOf<T> is_metal;
   RgbOf<T> f0;      // unless it is a metal
   RgbOf<T> eta, k;  // of a metal
@@ -66,19 +68,19 @@ struct CookTorranceBsdfOf {
     return any(sample_half_vector) ? select(sample_half_vector, ggx.sample_projected(u), visible) : visible;
   }
 
-  BsdfValueOf<T> evaluate(Vec3Of<T> wo, Vec3Of<T> wi, T p) const;
+  BsdfValueOf<T> evaluate(Vec3Of<T> wo, Vec3Of<T> wi, T diffuse_cos, T p) const;
 };
 using CookTorranceBsdf = CookTorranceBsdfOf<float>;
 
 // `p` is the specular probability.
 template <typename T>
-BsdfValueOf<T> CookTorranceBsdfOf<T>::evaluate(Vec3Of<T> wo, Vec3Of<T> wi, T p) const {
+BsdfValueOf<T> CookTorranceBsdfOf<T>::evaluate(Vec3Of<T> wo, Vec3Of<T> wi, T diffuse_cos, T p) const {
   const MaskOf<T> dark = (wo.z <= 0) | (wi.z <= 0);
   const Vec3Of<T> h = normalize(wo + wi);
   const T cos_oh = dot(wo, h);
   const T facets = ggx.density(h) * masking_over_4_cos(wo.z, wi.z);
   const T pdf_h = select(sample_half_vector, ggx.pdf_projected(h), ggx.pdf_visible(wo, h));
-  const RgbOf<T> value = (diffuse / kPi + specular * reflectance(cos_oh) * facets) * wi.z;
+  const RgbOf<T> value = diffuse * (diffuse_cos / kPi) + specular * reflectance(cos_oh) * (facets * wi.z);
   const T pdf = p * pdf_h / (4 * cos_oh) + (1 - p) * pdf_cosine_hemisphere(wi.z);
   return {select(dark, RgbOf<T>{}, value), select(dark, T(0.0f), pdf)};
 }
@@ -95,7 +97,7 @@ typename CookTorranceBsdfOf<T>::Found CookTorranceBsdfOf<T>::find(Vec3Of<T> wo, 
     found = found & (diffuse_lobe | (dot(wo, h) > 0));
     wi = select(specular_lobe, normalize(reflect(wo, h)), wi);
   }
-  const BsdfValueOf<T> value = evaluate(wo, wi, p);
+  const BsdfValueOf<T> value = evaluate(wo, wi, wi.z, p);
   found = found & (value.pdf > 0);
   return {found, wi, value};
 }

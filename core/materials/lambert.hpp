@@ -13,9 +13,11 @@ template <typename T>
 struct LambertBsdfOf {
   static constexpr bool kIsDelta = false;
 
-  BsdfValueOf<T> evaluate(Vec3Of<T> wo_local, Vec3Of<T> wi_local) const {
+  void scale_diffuse(T factor) { albedo *= factor; }
+
+  BsdfValueOf<T> evaluate(Vec3Of<T> wo_local, Vec3Of<T> wi_local, T diffuse_cos) const {
     const MaskOf<T> dark = (wo_local.z <= 0) | (wi_local.z <= 0);
-    return {select(dark, RgbOf<T>{}, albedo * (wi_local.z / kPi)),
+    return {select(dark, RgbOf<T>{}, albedo * (diffuse_cos / kPi)),
             select(dark, T(0.0f), pdf_cosine_hemisphere(wi_local.z))};
   }
 

@@ -10,7 +10,8 @@ namespace tessera::core {
 struct MirrorBsdf {
   static constexpr bool kIsDelta = true;
 
-  BsdfValue evaluate(Vec3, Vec3) const { return {}; }
+  void scale_diffuse(float) {}
+  BsdfValue evaluate(Vec3, Vec3, float) const { return {}; }
 
   std::optional<BsdfSample> sample(Vec3 wo_local, Vec2, float) const {
     return delta_sample({-wo_local.x, -wo_local.y, wo_local.z}, reflectance);

@@ -39,12 +39,12 @@ float PhongBsdf::sampled_exponent() const {
   return lobe == PhongLobe::kNPlus1 ? exponent : exponent + 1;
 }
 
-BsdfValue PhongBsdf::evaluate(Vec3 wo, Vec3 wi) const {
+BsdfValue PhongBsdf::evaluate(Vec3 wo, Vec3 wi, float diffuse_cos) const {
   if (wo.z <= 0 || wi.z <= 0) return {};
   const float to_n = power_cosine(mirrored(wo), wi, exponent);
   const float sampled = lobe == PhongLobe::kNPlus1 ? to_n : to_n * dot(mirrored(wo), wi);
   const float p = highlight_probability();
-  return {(diffuse / kPi + specular * ((exponent + 2) / (2 * kPi) * to_n)) * wi.z,
+  return {diffuse * (diffuse_cos / kPi) + specular * ((exponent + 2) / (2 * kPi) * to_n * wi.z),
           p * (sampled_exponent() + 1) / (2 * kPi) * sampled + (1 - p) * pdf_cosine_hemisphere(wi.z)};
 }
 
@@ -53,7 +53,7 @@ std::optional<BsdfSample> PhongBsdf::sample(Vec3 wo, Vec2 u, float u_lobe) const
   const bool highlight = u_lobe < highlight_probability();
   const Vec3 wi = highlight ? Frame::around(mirrored(wo)).to_world(sample_power_cosine(sampled_exponent(), u))
                             : sample_cosine_hemisphere(u);
-  const BsdfValue value = evaluate(wo, wi);
+  const BsdfValue value = evaluate(wo, wi, wi.z);
   if (!(value.pdf > 0)) return std::nullopt;
   return weighed_sample(wi, value);
 }

@@ -11,10 +11,11 @@ namespace tessera::core {
 struct PhongBsdf {
   static constexpr bool kIsDelta = false;
 
-  BsdfValue evaluate(Vec3 wo_local, Vec3 wi_local) const;
+  void scale_diffuse(float factor) { diffuse *= factor; }
+  BsdfValue evaluate(Vec3 wo_local, Vec3 wi_local, float diffuse_cos) const;
   std::optional<BsdfSample> sample(Vec3 wo_local, Vec2 u, float u_lobe) const;
 
-  Rgb diffuse, specular;  // diffuse + specular <= 1
+  Rgb diffuse, specular;  // diffuse + specular <= 1, but for scale_diffuse
   float exponent;
   PhongLobe lobe;
 

@@ -32,7 +32,7 @@ BsdfValue RoughDielectricBsdf::evaluate_transmission(Vec3 wo, Vec3 wi) const {
   return {transmittance * (passed * facets / (eta * eta)), passed * ggx.pdf_visible(wo, h) * ratio};
 }
 
-BsdfValue RoughDielectricBsdf::evaluate(Vec3 wo, Vec3 wi) const {
+BsdfValue RoughDielectricBsdf::evaluate(Vec3 wo, Vec3 wi, float) const {
   if (wo.z <= 0 || wi.z == 0) return {};
   return wi.z > 0 ? evaluate_reflection(wo, wi) : evaluate_transmission(wo, wi);
 }

@@ -12,7 +12,8 @@ namespace tessera::core {
 struct RoughDielectricBsdf {
   static constexpr bool kIsDelta = false;
 
-  BsdfValue evaluate(Vec3 wo_local, Vec3 wi_local) const;
+  void scale_diffuse(float) {}
+  BsdfValue evaluate(Vec3 wo_local, Vec3 wi_local, float diffuse_cos) const;
   std::optional<BsdfSample> sample(Vec3 wo_local, Vec2 u, float u_lobe) const;
 
   Ggx ggx;

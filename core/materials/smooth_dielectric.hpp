@@ -12,7 +12,8 @@ namespace tessera::core {
 struct SmoothDielectricBsdf {
   static constexpr bool kIsDelta = true;
 
-  BsdfValue evaluate(Vec3, Vec3) const { return {}; }
+  void scale_diffuse(float) {}
+  BsdfValue evaluate(Vec3, Vec3, float) const { return {}; }
   std::optional<BsdfSample> sample(Vec3 wo_local, Vec2 u, float u_lobe) const;
   // Both directions, each with its share of the light in the weight; nothing for one that does not exist.
   std::array<std::optional<BsdfSample>, 2> branches(Vec3 wo_local) const;

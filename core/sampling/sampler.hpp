@@ -25,6 +25,9 @@ class Sampler {
   std::array<float, 4> pad(std::uint32_t pad) const;
   // Those of eight samplers, one in each lane.
   static std::array<Float8, 4> pads(const std::array<const Sampler*, 8>& samplers, std::uint32_t pad);
+  // Likewise, each of a pad of its own.
+  static std::array<Float8, 4> pads(const std::array<const Sampler*, 8>& samplers,
+                                    const std::array<std::uint32_t, 8>& pads);
 
   // A number in [0, 1) that decides whether a ray meets a surface or passes through: the surface that it hits
   // after having passed `crossing` others. `ray` tells it from the other rays of the sample.

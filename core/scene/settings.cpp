@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <array>
+#include <cmath>
 #include <utility>
 
 namespace tessera::core {
@@ -99,6 +100,10 @@ Status check_settings(const RenderSettings& settings) {
   if (settings.max_depth < 0)
     return fail(ErrorCode::kInvalidArgument,
                 fmt::format("max_depth: must be 0 (no limit) or more, got {}", settings.max_depth));
+  if (!(settings.clamp_indirect >= 0 && std::isfinite(settings.clamp_indirect)))
+    return fail(ErrorCode::kInvalidArgument,
+                fmt::format("clamp_indirect: must be 0 (no limit) or a positive number, got {}",
+                            settings.clamp_indirect));
   const float radius = settings.filter.radius_px;
   if (!(radius > 0 && radius <= kMaxFilterRadiusPx))
     return fail(ErrorCode::kInvalidArgument,
@@ -127,6 +132,7 @@ Result<RenderSettings> resolve_settings(RenderSettings from_scene, const RenderO
   settings.seed = overrides.seed.value_or(settings.seed);
   settings.integrator = overrides.integrator.value_or(settings.integrator);
   settings.heuristic = overrides.heuristic.value_or(settings.heuristic);
+  settings.clamp_indirect = overrides.clamp_indirect.value_or(settings.clamp_indirect);
   if (overrides.crop) settings.crop = overrides.crop;
   if (auto ok = check_settings(settings); !ok) return fail(ok.error());
   return settings;

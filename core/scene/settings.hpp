@@ -57,8 +57,7 @@ inline constexpr int kMaxImageSidePx = 65536;
 inline constexpr std::int64_t kMaxImagePixels = std::int64_t{1} << 30;
 inline constexpr std::uint32_t kMaxSpp = 1u << 24;
 inline constexpr int kWhittedDepth = 8;
-// That a scene may ask for. Russian roulette lets one path of 10^23 get so far.
-inline constexpr int kMaxDepth = 1024;
+inline constexpr int kMaxDepth = 1024;  // that a scene may ask for
 
 struct RenderSettings {
   int width_px = 512;
@@ -67,8 +66,12 @@ struct RenderSettings {
   std::uint64_t seed = 0;
   Integrator integrator = Integrator::kMis;
   Heuristic heuristic = Heuristic::kBalance;  // of kMis
-  // Longest path in segments after the camera's. 0: no limit but Russian roulette; kWhittedDepth of kWhitted.
+  // Longest path in segments after the camera's. 0: kMaxPathDepth, where Russian roulette lets it get so far;
+  // kWhittedDepth of kWhitted.
   int max_depth = 0;
+  // The most that light which was scattered more than once adds to a channel of a sample; the other channels
+  // keep their proportions. Biased: the image gets darker. 0: no limit. kWhitted has no such light.
+  float clamp_indirect = 0;
   PixelFilter filter = {};
   // Which pixels of the picture are rendered, and written: what they show is as in the whole picture. Absent:
   // all of them.
@@ -85,6 +88,7 @@ struct RenderOverrides {
   std::optional<std::uint64_t> seed;
   std::optional<Integrator> integrator;
   std::optional<Heuristic> heuristic;
+  std::optional<float> clamp_indirect;
   std::optional<PixelRect> crop;
 };
 

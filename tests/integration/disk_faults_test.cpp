@@ -315,7 +315,8 @@ TEST_F(DiskFaultsTest, AWorkerWhoseDiskIsFullIsToldOfToWhoeverWaits) {
   const std::filesystem::path cache = folder_ / "cache-full";
   std::filesystem::create_directory(cache);
   if (mount("tessera-test", cache.c_str(), "tmpfs", 0, "size=64k,mode=0700") != 0)
-    GTEST_SKIP() << "a file system for this test cannot be mounted (that needs root): " << std::strerror(errno);
+    GTEST_SKIP() << "a file system for this test cannot be mounted (that needs root): "
+                 << std::strerror(errno);
   std::string mesh = "v -1 0 -1\nv 1 0 -1\nv 0 1 -1\nf 1 2 3\n";
   mesh += "#" + std::string(400'000, '.') + "\n";
   write_file(folder_ / "mesh.obj", mesh);
@@ -325,7 +326,9 @@ TEST_F(DiskFaultsTest, AWorkerWhoseDiskIsFullIsToldOfToWhoeverWaits) {
   start_coordinator();
   start_worker("full", 1);
   Process waits = start_tessera({"submit", folder_ / "scene.json", "--wait", "-o", folder_ / "x.png"});
-  const auto says = [](const std::string& text) { return text.find("No space left on device") != std::string::npos; };
+  const auto says = [](const std::string& text) {
+    return text.find("No space left on device") != std::string::npos;
+  };
   EXPECT_TRUE(poll_until(60s, [&] { return says(tessera({"workers"}).out); })) << tessera({"workers"}).out;
   EXPECT_THAT(tessera({"workers"}).out, HasSubstr(") says: cannot fetch mesh.obj"));
   ASSERT_EQ(jobs().size(), 1u);

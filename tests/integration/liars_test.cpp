@@ -234,7 +234,8 @@ TEST_F(LiarsTest, WhoForgesIdsLeasesAndNamesHarmsNobody) {
   ASSERT_TRUE(wait_for_state(id, v1::JOB_STATE_DONE));
   EXPECT_TRUE(image(id, ".exr") == render_here({"--size", "192x128", "--spp", "64"}, ".exr"));
   for (const auto& worker : workers()) {
-    const bool honest = std::any_of(known.begin(), known.end(), [&](const auto& k) { return k.id() == worker.id(); });
+    const bool honest =
+        std::any_of(known.begin(), known.end(), [&](const auto& k) { return k.id() == worker.id(); });
     if (!honest) continue;
     EXPECT_FALSE(worker.put_aside()) << worker.name();
     EXPECT_EQ(worker.refused_results(), 0u) << worker.name();

@@ -4,6 +4,7 @@
 #include <grpcpp/client_context.h>
 
 #include "proto/channel.hpp"
+#include "proto/worker_key.hpp"
 #include "tessera/v1/worker_service.grpc.pb.h"
 #include "tests/integration/farm_processes.hpp"
 #include "tests/integration/raw_call.hpp"

@@ -189,12 +189,13 @@ class StandardStreams : public WorkerFaultsTest, public testing::WithParamInterf
 // What cannot be said is lost, and nothing else.
 TEST_P(StandardStreams, ThatTakeNothingEndNoProgram) {
   const std::string listen = "127.0.0.1:" + std::to_string(free_port()), picture = folder_ / "a.png";
-  Process coordinator = start(TESSERA_COORDINATOR_PROGRAM " --listen " + listen + " --state " + state_.string());
+  Process coordinator =
+      start(TESSERA_COORDINATOR_PROGRAM " --listen " + listen + " --state " + state_.string());
   Process worker = start(TESSERA_WORKER " --verbose --threads 1 --coordinator " + listen + " --cache " +
                          (folder_ / "cache").string());
   const auto submit = [&] {
-    ProcessOptions options{.arguments = {TESSERA_CLIENT, "submit", kCornell, "--size", "64x64", "--spp", "1", "--wait",
-                                         "-o", picture, "--coordinator", listen}};
+    ProcessOptions options{.arguments = {TESSERA_CLIENT, "submit", kCornell, "--size", "64x64", "--spp", "1",
+                                         "--wait", "-o", picture, "--coordinator", listen}};
     options.out = folder_ / "client.out";
     options.err = folder_ / "client.err";
     return Process(options).wait(60s) == 0;
@@ -208,11 +209,11 @@ TEST_P(StandardStreams, ThatTakeNothingEndNoProgram) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(WorkerFaultsTest, StandardStreams,
-                         testing::Values(Streams{"Closed", "exec <&- >&- 2>&-; "},
-                                         Streams{"Full", "exec > /dev/full 2>&1; "},
-                                         Streams{"PipesWhoseReaderHasGone", "exec > >(exec true) 2>&1; sleep 0.5; "}),
-                         [](const auto& streams) { return streams.param.name; });
+INSTANTIATE_TEST_SUITE_P(
+    WorkerFaultsTest, StandardStreams,
+    testing::Values(Streams{"Closed", "exec <&- >&- 2>&-; "}, Streams{"Full", "exec > /dev/full 2>&1; "},
+                    Streams{"PipesWhoseReaderHasGone", "exec > >(exec true) 2>&1; sleep 0.5; "}),
+    [](const auto& streams) { return streams.param.name; });
 
 }  // namespace
 }  // namespace tessera::test

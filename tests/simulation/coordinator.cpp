@@ -258,8 +258,8 @@ void Coordinator::check_holders(const Event& event, const Actions& actions) {
   for (const LeaseDescription& lease : actions.reply->leases) {
     const auto [holder, is_new] = holders_.try_emplace(lease.id, worker);
     if (holder->second != worker)
-      world_.fail(fmt::format("lease {} of worker {} is given to worker {}", lease.id.value, holder->second.value,
-                              worker.value));
+      world_.fail(fmt::format("lease {} of worker {} is given to worker {}", lease.id.value,
+                              holder->second.value, worker.value));
   }
 }
 

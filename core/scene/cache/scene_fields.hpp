@@ -25,8 +25,10 @@ auto fields(Is<PixelRect> auto& value) {
   return std::tie(x0, y0, x1, y1);
 }
 auto fields(Is<RenderSettings> auto& value) {
-  auto& [width_px, height_px, spp, seed, integrator, heuristic, max_depth, filter, crop] = value;
-  return std::tie(width_px, height_px, spp, seed, integrator, heuristic, max_depth, filter, crop);
+  auto& [width_px, height_px, spp, seed, integrator, heuristic, max_depth, clamp_indirect, filter, crop] =
+      value;
+  return std::tie(width_px, height_px, spp, seed, integrator, heuristic, max_depth, clamp_indirect, filter,
+                  crop);
 }
 auto fields(Is<CameraDescription> auto& value) {
   auto& [position, look_at, up, fov, radius, focus, blades, rotation] = value;

@@ -126,6 +126,8 @@ bool ObjMaterials::add_library(const std::string& name, int line, Libraries& lib
 void ObjMaterials::tell_other_name(const std::string& file, int line, const std::string& written,
                                    const std::string& expected, const std::string& found) {
   if (found == expected || path_beside(file, std::string(name_without_comment(written))) == found) return;
+  // An image is loaded twice for colour and alpha.
+  if (!told_names_.emplace(file, line).second) return;
   warn(file, "other name", line,
        [&] { return fmt::format("{} does not exist; {} is used", in_quotes(written), in_quotes(found)); });
 }

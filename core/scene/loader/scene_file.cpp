@@ -97,6 +97,8 @@ RenderSettings read_render(const Field& field) {
   settings.seed =
       read_or(object, "seed", settings.seed, read_whole_number, std::uint64_t{0}, ~std::uint64_t{0});
   settings.max_depth = read_or(object, "max_depth", settings.max_depth, read_max_depth);
+  settings.clamp_indirect =
+      read_or(object, "clamp_indirect", settings.clamp_indirect, read_float, bounds::kNotNegative);
   settings.integrator = read_or(object, "integrator", settings.integrator, read_choice,
                                 std::span<const std::string_view>(scene_keys::kIntegrators));
   settings.filter = read_filter(object);

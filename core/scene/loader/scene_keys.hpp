@@ -28,10 +28,10 @@ inline constexpr std::array kSceneKeys{
     KeyRule{"$schema"},  KeyRule{"render"},     KeyRule{"camera", kRequired}, KeyRule{"output"},
     KeyRule{"textures"}, KeyRule{"materials"},  KeyRule{"objects"},           KeyRule{"shapes", kRequired},
     KeyRule{"lights"},   KeyRule{"environment"}};
-inline constexpr std::array kRenderKeys{KeyRule{"width"},     KeyRule{"height"},     KeyRule{"spp"},
-                                        KeyRule{"seed"},      KeyRule{"integrator"}, KeyRule{"heuristic"},
-                                        KeyRule{"max_depth"}, KeyRule{"filter"},     KeyRule{"filter_radius"},
-                                        KeyRule{"crop"}};
+inline constexpr std::array kRenderKeys{
+    KeyRule{"width"},         KeyRule{"height"},    KeyRule{"spp"},           KeyRule{"seed"},
+    KeyRule{"integrator"},    KeyRule{"heuristic"}, KeyRule{"max_depth"},     KeyRule{"filter"},
+    KeyRule{"filter_radius"}, KeyRule{"crop"},      KeyRule{"clamp_indirect"}};
 inline constexpr std::array kCameraKeys{
     KeyRule{"position", kRequired},  KeyRule{"look_at", kRequired},       KeyRule{"up"},
     KeyRule{"vertical_fov_degrees"}, KeyRule{"aperture_radius"},          KeyRule{"focus_distance"},

@@ -28,6 +28,7 @@ TEST(RenderStats, JsonHasEveryField) {
       {"spp", 4},
       {"integrator", "nee"},
       {"heuristic", "balance"},
+      {"clamp_indirect", 0.0},
       {"seed", 18446744073709551615u},
       {"threads", 8},
       {"samples", 1'228'800},

@@ -87,27 +87,31 @@ TEST_F(Scarcity, OfMemoryIsAFailureThatSaysSo) {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
   GTEST_SKIP() << "the sanitizers take terabytes of addresses";
 #endif
+  struct Render {
+    const char *size, *threads;
+    rlim_t first_mib, last_mib, step_mib;
+  };
   int refused = 0;
-  for (const char* size : {"40x30", "2000x2000"}) {
-    for (const char* threads : {"1", "2", "8"}) {
-      for (rlim_t mib = 32; mib <= 512; mib += 16) {
-        const auto limit = [mib] {
-          const rlimit addresses{mib << 20, mib << 20};
-          ::setrlimit(RLIMIT_AS, &addresses);
-        };
-        if (run_tessera_after(limit, {"--version"}).exit_status != 0) continue;  // not even loaded
-        const auto result = run_tessera_after(limit, {"render", scene(), "-o", image(), "-q", "--spp", "1",
-                                                      "--size", size, "--threads", threads});
-        SCOPED_TRACE(testing::Message() << size << ", " << threads << " threads, " << mib << " MiB");
-        if (result.exit_status == 0) break;  // more is enough, too
-        EXPECT_EQ(result.exit_status, 1);
-        EXPECT_THAT(result.err, HasSubstr("tessera: error: "));
-        EXPECT_THAT(result.err, HasSubstr("not enough memory"));
-        ++refused;
-      }
+  for (const auto& [size, threads, first_mib, last_mib, step_mib] :
+       {Render{"40x30", "2", 32, 64, 4}, Render{"40x30", "8", 32, 128, 16},
+        Render{"2000x2000", "2", 64, 448, 32}}) {
+    for (rlim_t mib = first_mib; mib <= last_mib; mib += step_mib) {
+      const auto limit = [mib = mib] {
+        const rlimit addresses{mib << 20, mib << 20};
+        ::setrlimit(RLIMIT_AS, &addresses);
+      };
+      if (run_tessera_after(limit, {"--version"}).exit_status != 0) continue;  // not even loaded
+      const auto result = run_tessera_after(limit, {"render", scene(), "-o", image(), "-q", "--spp", "1",
+                                                    "--size", size, "--threads", threads});
+      SCOPED_TRACE(testing::Message() << size << ", " << threads << " threads, " << mib << " MiB");
+      if (result.exit_status == 0) break;  // more is enough, too
+      EXPECT_EQ(result.exit_status, 1);
+      EXPECT_THAT(result.err, testing::StartsWith("tessera: error: "));
+      EXPECT_THAT(result.err, HasSubstr("not enough memory"));
+      ++refused;
     }
   }
-  EXPECT_GT(refused, 10);
+  EXPECT_GE(refused, 5);
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include "client/scene_flags.hpp"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -40,14 +41,18 @@ TEST(SceneFlags, NothingGivenOverridesNothing) {
   EXPECT_THAT(flags.output_paths, ElementsAre());
   EXPECT_FALSE(flags.overrides.spp || flags.overrides.seed || flags.overrides.width_px ||
                flags.overrides.height_px || flags.overrides.integrator || flags.overrides.heuristic ||
-               flags.overrides.crop);
+               flags.overrides.clamp_indirect || flags.overrides.crop);
   EXPECT_FALSE(flags.display.exposure_stops || flags.display.tone_curve);
 }
 
 TEST(SceneFlags, EverythingGiven) {
-  const SceneFlags flags = parse({"--spp", "16", "--size", "640x480", "--integrator", "nee", "--heuristic",
-                                  "power", "--seed", "18446744073709551615", "scene.json", "-o", "a.png",
-                                  "-o", "b.exr", "--exposure", "-1.5", "--tone-curve", "aces"});
+  const SceneFlags flags =
+      parse({"--spp",      "16",          "--size",       "640x480", "--integrator",
+             "nee",        "--heuristic", "power",        "--seed",  "18446744073709551615",
+             "scene.json", "-o",          "a.png",        "-o",      "b.exr",
+             "--exposure", "-1.5",        "--tone-curve", "aces",    "--clamp-indirect",
+             "2.5"});
+  EXPECT_EQ(flags.overrides.clamp_indirect, 2.5f);
   EXPECT_EQ(flags.overrides.spp, 16u);
   EXPECT_EQ(flags.overrides.width_px, 640);
   EXPECT_EQ(flags.overrides.height_px, 480);
@@ -95,6 +100,12 @@ TEST(SceneFlags, BadIntegratorsNameTheChoices) {
   EXPECT_EQ(mistake({"--integrator", "bdpt"}),
             "--integrator: must be naive, nee, mis or whitted; got 'bdpt'");
   EXPECT_EQ(mistake({"--heuristic", "maximum"}), "--heuristic: must be balance or power; got 'maximum'");
+}
+
+TEST(SceneFlags, BadClampsSayWhatIsRight) {
+  for (const char* text : {"-1", "nan", "inf", "1e99", "ten", "5x", ""})
+    EXPECT_EQ(mistake({std::string("--clamp-indirect=") + text}),
+              fmt::format("--clamp-indirect: must be a positive number, or 0 for no limit; got '{}'", text));
 }
 
 TEST(SceneFlags, BadEndingsNameTheChoices) {

@@ -22,7 +22,8 @@ struct Start {
 
 class PathBatch : public testing::TestWithParam<Integrator> {
  protected:
-  PathBatch() : scene_(Scene::build(fingerprint_scene(), 1).value()), settings_(scene_.settings()) {
+  explicit PathBatch(const SceneDescription& description = fingerprint_scene())
+      : scene_(Scene::build(description, 1).value()), settings_(scene_.settings()) {
     settings_.integrator = GetParam();
     for (int y = 0; y < settings_.height_px; ++y)
       for (int x = 0; x < settings_.width_px; ++x)
@@ -81,6 +82,59 @@ TEST_P(PathBatch, OfAnySizeInAnyOrderGivesWhatEachPathGivesAlone) {
   }
 }
 
+// A white ball around a mirror, seen from between them.
+SceneDescription white_ball() {
+  SceneDescription scene = fingerprint_scene();
+  scene.materials = {{.name = "wall", .model = Lambert{{Rgb::gray(0.995f)}}, .emission = {0.1f, 0.1f, 0.1f}},
+                     {.name = "mirror", .model = Mirror{}}};
+  scene.textures = {};
+  scene.objects = {};
+  scene.shapes = {SphereDescription{{0, 1, 0}, 9, 0}, SphereDescription{{0, 1, 0}, 1, 1}};
+  scene.lights = {};
+  scene.environment = {};
+  return scene;
+}
+
+// A closed mirror, which Russian roulette ends no path in.
+SceneDescription mirror_ball() {
+  SceneDescription scene = white_ball();
+  scene.materials[0] = {.name = "wall", .model = Mirror{}};
+  return scene;
+}
+
+class LongPaths : public PathBatch {
+ protected:
+  LongPaths() : PathBatch(white_ball()) {}
+};
+
+// Beyond some depth, paths of any number of vertices are traced together.
+TEST_P(LongPaths, GiveWhatEachGivesAlone) {
+  std::vector<std::size_t> order(starts_.size() / 16);
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  const std::vector<Rgb> alone = trace(order, 1);
+  ASSERT_GT(counters_.closest_hit_rays, 100 * order.size()) << "paths are too short to tell";
+  for (const std::size_t size : {std::size_t{50}, kBatchPaths}) {
+    const std::vector<Rgb> together = trace(order, size);
+    for (std::size_t i = 0; i < order.size(); ++i)
+      ASSERT_EQ(together[i], alone[order[i]]) << size << ' ' << i;
+  }
+}
+
+TEST_P(LongPaths, EndAtMaxDepthWhereverItIs) {
+  std::vector<std::size_t> order(64);
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  scene_ = Scene::build(mirror_ball(), 1).value();
+  for (const int max_depth : {1, 63, 64, 65, 66, 1000, 0}) {
+    settings_.max_depth = max_depth;
+    counters_ = {};
+    trace(order, order.size());
+    const int vertices = 1 + (max_depth > 0 ? max_depth : kMaxPathDepth);
+    EXPECT_EQ(counters_.closest_hit_rays, order.size() * static_cast<std::size_t>(vertices));
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Strategies, LongPaths,
+                         testing::Values(Integrator::kNaive, Integrator::kNee, Integrator::kMis));
 INSTANTIATE_TEST_SUITE_P(Strategies, PathBatch,
                          testing::Values(Integrator::kNaive, Integrator::kNee, Integrator::kMis));
 

@@ -109,5 +109,27 @@ TEST(RenderNonFinite, IsCountedAndNamedAndBlack) {
       is_finite(render_sample(scene, {.width_px = 16, .height_px = 16}, *tile.counters.first_non_finite)));
 }
 
+// Each sample's direct light is kept, and its indirect light limited.
+TEST(ClampIndirect, LimitsIndirectLightOfEachSample) {
+  const Scene scene = Scene::build(test::room(), 1).value();
+  constexpr float kLimit = 0.3f;
+  int limited = 0;
+  for (int x = 0; x < 400; ++x) {
+    const SampleId id{x % 48, x / 48 * 3, 5};
+    const auto radiance = [&](int max_depth, float clamp) {
+      RenderSettings settings = scene.settings();
+      settings.max_depth = max_depth;
+      settings.clamp_indirect = clamp;
+      return render_sample(scene, settings, id);
+    };
+    const Rgb all = radiance(0, 0), direct = radiance(1, 0), clamped = radiance(0, kLimit);
+    const float most = max_component(all - direct), scale = most > kLimit ? kLimit / most : 1;
+    limited += most > kLimit ? 1 : 0;
+    for (int c = 0; c < 3; ++c)
+      ASSERT_NEAR(clamped[c], direct[c] + (all[c] - direct[c]) * scale, 1e-4f * (1 + all[c]));
+  }
+  EXPECT_GT(limited, 20);
+}
+
 }  // namespace
 }  // namespace tessera::core

@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "core/integrators/vertex.hpp"
 #include "core/sampling/sampler.hpp"
@@ -19,24 +21,59 @@ Vec3 in_plane(float degrees) {
   return {std::sin(angle), 0, std::cos(angle)};
 }
 
-TEST(SmoothTerminator, IsOneWithoutInterpolation) {
-  for (const float degrees : {0.0f, 45.0f, 80.0f, 89.9f})
-    EXPECT_EQ(smooth_terminator(kSide, kSide, in_plane(degrees)), 1);
+// Directions, evenly distributed over the sphere.
+std::vector<Vec3> all_around() {
+  constexpr int kRings = 200, kSectors = 400;
+  std::vector<Vec3> directions;
+  for (int ring = 0; ring < kRings; ++ring)
+    for (int sector = 0; sector < kSectors; ++sector) {
+      const float z = 2 * (static_cast<float>(ring) + 0.5f) / kRings - 1;
+      const float phi = 2 * kPi * (static_cast<float>(sector) + 0.5f) / kSectors, r = std::sqrt(1 - z * z);
+      directions.push_back({r * std::cos(phi), r * std::sin(phi), z});
+    }
+  return directions;
 }
 
-TEST(SmoothTerminator, FallsSmoothlyToZeroAtTheTrueHorizon) {
-  const Vec3 leaning = in_plane(20);
-  EXPECT_EQ(smooth_terminator(leaning, kSide, in_plane(-30)), 1);
-  EXPECT_EQ(smooth_terminator(leaning, kSide, in_plane(90.1f)), 0);
-  float last = 1;
-  for (float degrees = 0; degrees < 91; degrees += 0.25f) {
-    const float factor = smooth_terminator(leaning, kSide, in_plane(degrees));
-    EXPECT_LE(factor, last + 1e-6f);
-    EXPECT_LT(last - factor, 0.03f) << degrees;
-    last = factor;
+// The integral over the sphere of what `f` answers for each of them.
+template <typename F>
+double integral(const std::vector<Vec3>& directions, F f) {
+  double sum = 0;
+  for (const Vec3 w : directions) sum += static_cast<double>(f(w));
+  return sum * 4 * static_cast<double>(kPi) / static_cast<double>(directions.size());
+}
+
+TEST(GrooveCos, IsTheCosineWithoutInterpolation) {
+  for (const float degrees : {0.0f, 45.0f, 80.0f, 89.9f}) {
+    const float cosine = in_plane(degrees).z;
+    EXPECT_EQ(groove_cos(cosine, cosine, kSide), cosine);
   }
-  // Chiang, Li and Burley 2019, worked out by hand: g = cos 60 / (cos 40 cos 20) = 0.6946.
-  EXPECT_NEAR(smooth_terminator(leaning, kSide, in_plane(60)), 0.8420f, 1e-3f);
+}
+
+TEST(GrooveCos, FallsToZeroAtBothHorizonsWithoutAStep) {
+  const Vec3 side = in_plane(20);  // the geometric normal leans to the right of the shading normal
+  float last = 0;
+  for (float degrees = -90; degrees <= 90; degrees += 0.25f) {
+    const Vec3 w = in_plane(degrees);
+    const float now = std::max(0.0f, groove_cos(w.z, dot(w, side), side));
+    EXPECT_LT(std::fabs(now - last), 0.01f) << degrees;
+    EXPECT_LE(now, w.z + 1e-6f);
+    last = now;
+  }
+  EXPECT_NEAR(last, 0, 1e-6f);
+}
+
+TEST(GrooveCos, IsMadeUpForByTheScale) {
+  const std::vector<Vec3> directions = all_around();
+  for (const float lean : {0.0f, 5.0f, 20.0f, 45.0f, 70.0f, 85.0f}) {
+    const Vec3 side = in_plane(lean);
+    const auto received = [&](Vec3 w) {
+      const float cos_side = dot(w, side);
+      return w.z > 0 && cos_side > 0 ? groove_cos(w.z, cos_side, side) : 0.0f;
+    };
+    EXPECT_NEAR(integral(directions, received) * static_cast<double>(diffuse_scale(side)),
+                static_cast<double>(kPi), 0.01)
+        << lean;
+  }
 }
 
 TEST(BendForReflection, KeepsTheMirrorDirectionAbove) {
@@ -85,10 +122,31 @@ TEST_P(LeaningNormals, KeepSamplesValuesAndDensitiesInStep) {
     const auto [value, pdf] = vertex.evaluate(sample->wi);
     ASSERT_NEAR(sample->pdf / pdf, 1, 0.01);
     ASSERT_NEAR(sample->weight.g * sample->pdf, value.g, 0.01f * value.g + 1e-5f);
-    // Reflected light stays on the viewer's side of the true surface, and transmitted light leaves it.
+    // Reflected light stays on the viewer's side of the geometric surface, and transmitted light leaves it.
     ASSERT_EQ(sample->eta != 1, (sample->wi.z > 0) != (vertex.wo().z > 0));
   }
-  EXPECT_GT(lit, 0.7 * all) << "too many samples end below the surface";
+  EXPECT_GT(lit, 0.9 * all) << "too many samples end below the surface";
+}
+
+// Of the light that the BSDF of the shading normal scatters, none is lost at the geometric surface.
+TEST_P(LeaningNormals, KeepTheEnergy) {
+  const std::vector<Vec3> directions = all_around();
+  const Scene scene = leaning_triangle(GetParam());
+  const Bsdf flat(scene.materials()[0], scene.textures(), {}, true);
+  for (const Vec3 from : {Vec3{0, 0, 1}, {0.8f, 0, 0.6f}, {-0.8f, 0, 0.6f}, {0, 0.95f, 0.3f}}) {
+    const Ray ray{Vec3{-0.5f, -0.6f, 0} + from, -from};
+    const PathVertex vertex(scene, ray, scene.bvh().closest_hit(scene.primitives(), ray));
+    const Vec3 normal = vertex.shading_normal();
+    const float cos_o = dot(normal, vertex.wo());
+    ASSERT_LT(dot(normal, vertex.side_normal()), 0.995f) << "the normal does not lean";
+    const Vec3 wo_local{std::sqrt(1 - cos_o * cos_o), 0, cos_o};
+    const auto folded = [&](Vec3 w) { return vertex.evaluate(w).value.g; };
+    const auto unfolded = [&](Vec3 w) { return flat.evaluate(wo_local, w).value.g; };
+    const double expected = integral(directions, unfolded);
+    EXPECT_NEAR(integral(directions, folded), expected, 0.004 * expected + 0.001);
+    EXPECT_NEAR(integral(directions, [&](Vec3 w) { return vertex.evaluate(w).pdf; }),
+                integral(directions, [&](Vec3 w) { return flat.evaluate(wo_local, w).pdf; }), 0.01);
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Models, LeaningNormals,

@@ -291,10 +291,11 @@ TEST(Obj, ReadsUtf16) {
 }
 
 TEST(Obj, ReadsVertexColors) {
-  const ObjFile file = read_text("v 0 0 0 1 0 0\nv 1 0 0\nv 0 1 0 1 0 0.5 2\nv 1 1 0 1\nf 1 2 3\nf 1 2 4\n");
+  const ObjFile file = read_text("v 0 0 0 1 0 0\nv 1 0 0\nv 0 1 0 1 0 1 1\nv 1 1 0 1\nf 1 2 3\nf 1 2 4\n");
   ASSERT_EQ(file.text.colors.size(), 4u);
   EXPECT_EQ(file.text.colors[0], (Rgb{1, 0, 0}));
   EXPECT_EQ(file.text.colors[1], Rgb::gray(1));
+  EXPECT_EQ(file.text.colors[2], (Rgb{0, 1, 1})) << "behind a weight";
   EXPECT_EQ(file.text.colors[3], Rgb::gray(1));
 }
 

@@ -50,7 +50,7 @@ TEST(SceneReading, TakesEverySetting) {
       "// A comment\n{\"$schema\": \"../scene.schema.json\", /* another */\n"
       "\"render\": {\"width\": 640, \"height\": 480, \"spp\": 16777216, \"seed\": 18446744073709551615,"
       "\"integrator\": \"nee\", \"heuristic\": \"power\", \"max_depth\": 7, \"filter\": \"gaussian\","
-      "\"filter_radius\": 2.25, \"crop\": [0, 8, 640, 479]},"
+      "\"filter_radius\": 2.25, \"crop\": [0, 8, 640, 479], \"clamp_indirect\": 12.5},"
       "\"camera\": {\"position\": [1, 2, 3], \"look_at\": [4.5, 5, -6e1], \"up\": [0, 0, 1],"
       "\"vertical_fov_degrees\": 33.5, \"aperture_radius\": 0.25, \"focus_distance\": 9,"
       "\"aperture_blades\": 7, \"aperture_rotation_degrees\": -12.5},"
@@ -65,6 +65,7 @@ TEST(SceneReading, TakesEverySetting) {
                                             .integrator = Integrator::kNee,
                                             .heuristic = Heuristic::kPower,
                                             .max_depth = 7,
+                                            .clamp_indirect = 12.5f,
                                             .filter = {FilterKind::kGaussian, 2.25f},
                                             .crop = PixelRect{0, 8, 640, 479}}));
   EXPECT_EQ(scene.camera.look_at, (Vec3{4.5f, 5, -60}));
@@ -328,13 +329,13 @@ TEST(SceneReading, TakesMaterialsFromMtlFiles) {
   const std::string shape = "{\"type\": \"mesh\", \"file\": \"models/a.obj\"}";
   const SceneDescription scene = load(scene_with("", "", shape + "," + shape), files);
   ASSERT_EQ(scene.materials.size(), 3u);  // not twice for two shapes
-  EXPECT_EQ(scene.materials[1].name, "models/a.mtl: wood");
-  EXPECT_EQ(std::get<Lambert>(scene.materials[1].model).albedo.texture, 0);
-  EXPECT_EQ(scene.materials[2].emission.value, Rgb::gray(5));
+  EXPECT_EQ(scene.materials[1].name, "models/a.mtl: red");
+  EXPECT_EQ(scene.materials[1].emission.value, Rgb::gray(5));
+  EXPECT_EQ(std::get<Lambert>(scene.materials[2].model).albedo.texture, 0);
   ASSERT_EQ(scene.textures.size(), 1u);
   for (const int i : {0, 1})
     EXPECT_EQ(std::get<MeshDescription>(scene.shapes[static_cast<std::size_t>(i)]).triangle_materials,
-              (std::vector<std::uint32_t>{2, 1, 2}));
+              (std::vector<std::uint32_t>{1, 2, 1}));
 }
 
 TEST(SceneReading, PrefersTheMaterialOfTheShapeAndThenNeedsNoMtlFile) {
@@ -367,9 +368,9 @@ TEST(SceneReading, PutsMapsOnTheMattPartOfMaterialsWithHighlights) {
            {{"a.obj", "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl m\nf 1 2 3\n"},
             {"a.mtl", "newmtl m\nillum 2\nNs 50\nKs 0.25\nmap_Kd gray.png\n"}});
   const auto& mesh = std::get<MeshDescription>(scene.shapes[0]);
-  const auto& phong = std::get<Phong>(scene.materials[mesh.triangle_materials[0]].model);
-  EXPECT_EQ(phong.diffuse.texture, 0);
-  EXPECT_EQ(phong.specular.texture, -1);
+  const auto& model = std::get<CookTorrance>(scene.materials[mesh.triangle_materials[0]].model);
+  EXPECT_EQ(model.diffuse.texture, 0);
+  EXPECT_EQ(model.f0.texture, -1);
 }
 
 TEST(SceneReading, FindsMapsWhoseNamesHaveSpacesAndMarks) {

@@ -121,6 +121,7 @@ TEST(Schema, HasTheLimitsAndDefaultsOfTheSettings) {
   EXPECT_EQ(render["spp"]["default"], defaults.spp);
   EXPECT_EQ(render["seed"]["default"], defaults.seed);
   EXPECT_EQ(render["max_depth"]["default"], defaults.max_depth);
+  EXPECT_EQ(render["clamp_indirect"]["default"], defaults.clamp_indirect);
   EXPECT_EQ(render["integrator"]["default"], integrator_name(defaults.integrator));
   EXPECT_EQ(render["filter"]["default"], filter_name(defaults.filter.kind));
   EXPECT_EQ(render["filter_radius"]["maximum"], kMaxFilterRadiusPx);

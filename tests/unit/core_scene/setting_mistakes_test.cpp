@@ -39,6 +39,7 @@ TEST(SceneMistakes, InRender) {
            "render.max_depth: must be a whole number between 1 and 1024, or 0 for 8 with whitted and no "
            "limit "
            "otherwise, got 1025"},
+          {"\"clamp_indirect\": -0.5", "render.clamp_indirect: must be 0 or greater, got -0.5"},
           {"\"integrator\": \"miss\"", "render.integrator: unknown value 'miss'; did you mean 'mis'?"},
           {"\"integrator\": \"bdpt\"",
            "render.integrator: unknown value 'bdpt'; known are 'naive', 'nee', 'mis', 'whitted'"},

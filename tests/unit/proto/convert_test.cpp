@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 
 namespace tessera::proto {
 namespace {
@@ -18,6 +19,7 @@ TEST(Convert, SettingsComeBackAsTheyWere) {
                                       .integrator = core::Integrator::kNee,
                                       .heuristic = core::Heuristic::kPower,
                                       .max_depth = 5,
+                                      .clamp_indirect = 2.5f,
                                       .filter = {core::FilterKind::kTent, 1.75f},
                                       .crop = core::PixelRect{600, 0, 640, 480}};
   EXPECT_EQ(from_proto(to_proto(settings)).value(), settings);
@@ -63,6 +65,8 @@ TEST(Convert, SettingsOutOfLimitsNameTheField) {
   EXPECT_THAT(error_with([](auto& m) { m.set_height_px(0xffffffff); }), HasSubstr("height"));
   EXPECT_THAT(error_with([](auto& m) { m.set_spp(0); }), HasSubstr("spp"));
   EXPECT_THAT(error_with([](auto& m) { m.set_max_depth(0xffffffff); }), HasSubstr("max_depth"));
+  for (const float limit : {-1.0f, std::numeric_limits<float>::infinity(), std::nanf("")})
+    EXPECT_THAT(error_with([&](auto& m) { m.set_clamp_indirect(limit); }), HasSubstr("clamp_indirect"));
   EXPECT_THAT(error_with([](auto& m) { m.clear_integrator(); }), HasSubstr("integrator"));
   EXPECT_THAT(error_with([](auto& m) { m.set_integrator(static_cast<v1::Integrator>(99)); }),
               HasSubstr("99"));
@@ -78,19 +82,21 @@ TEST(Convert, SettingsOutOfLimitsNameTheField) {
 TEST(Convert, AbsentOverridesStayAbsent) {
   const core::RenderOverrides none = from_proto(to_proto(core::RenderOverrides{})).value();
   EXPECT_FALSE(none.width_px || none.height_px || none.spp || none.seed || none.integrator ||
-               none.heuristic || none.crop);
+               none.heuristic || none.clamp_indirect || none.crop);
   const core::RenderOverrides all{.width_px = 1,
                                   .height_px = 0,
                                   .spp = 3,
                                   .seed = 0,
                                   .integrator = core::Integrator::kNaive,
                                   .heuristic = core::Heuristic::kPower,
+                                  .clamp_indirect = 0,
                                   .crop = core::PixelRect{0, 1, 2, 3}};
   const core::RenderOverrides back = from_proto(to_proto(all)).value();
   EXPECT_EQ(back.width_px, 1);
   EXPECT_EQ(back.height_px, 0);
   EXPECT_EQ(back.spp, 3u);
   EXPECT_EQ(back.seed, 0u);
+  EXPECT_EQ(back.clamp_indirect, 0);
   EXPECT_EQ(back.crop, all.crop);
   EXPECT_EQ(back.integrator, core::Integrator::kNaive);
   EXPECT_EQ(back.heuristic, core::Heuristic::kPower);

@@ -169,7 +169,7 @@ TEST_F(Results, ForLeasesTheWorkerNeverHadAreRefused) {
     EXPECT_THAT(actions.status.error().message, testing::HasSubstr("was never given"));
   }
   EXPECT_THAT(deliver("liar", lease).status.error().message,
-              testing::HasSubstr("was given to another worker"));
+              testing::HasSubstr("was not given to this worker"));
   EXPECT_EQ(job("job").samples_done, 0u);
   EXPECT_TRUE(deliver("holder", lease).status);
 }

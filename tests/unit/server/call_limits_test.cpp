@@ -40,7 +40,7 @@ TEST_F(CallLimits, OfCallsSayWhenToTryAgain) {
     EXPECT_EQ(proto::error_from_grpc(status, context).code, core::ErrorCode::kUnavailable);
     grpc::ClientContext working;
     v1::SynchronizeResponse response;
-    v1::SynchronizeRequest request = greeting('a');
+    v1::SynchronizeRequest request = greeting_with_key('a');
     request.set_wanted_leases(0);
     request.set_draining(true);
     EXPECT_TRUE(workers_->Synchronize(&working, request, &response).ok()) << "workers count by themselves";

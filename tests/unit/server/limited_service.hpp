@@ -22,7 +22,7 @@
 
 namespace tessera::rpc {
 
-using coordinator::greeting;
+using coordinator::greeting_with_key;
 using coordinator::submission;
 
 // Holds up those who come until it is opened.
@@ -75,6 +75,7 @@ class LimitedService : public testing::Test {
     coordinator::Options options;
     options.limits = limits;
     options.now = [this] { return std::chrono::steady_clock::now() + passed_.load(); };
+    options.fingerprint = coordinator::kFingerprint;
     coordinator_ = std::move(*coordinator::Coordinator::open(options, std::move(*state), check_scene_));
     server_ = std::move(
         *Server::start(*coordinator_, {.address = "127.0.0.1:0", .access = access_, .limits = limits}));

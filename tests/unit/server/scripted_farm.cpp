@@ -3,6 +3,7 @@
 #include "proto/blob.hpp"
 #include "proto/convert.hpp"
 #include "proto/tile_codec.hpp"
+#include "proto/worker_key.hpp"
 
 namespace tessera::coordinator {
 namespace {
@@ -93,6 +94,19 @@ v1::SubmitResultRequest delivery(char worker, const v1::Lease& lease) {
   for (const v1::WorkItem& item : lease.items()) *request.add_items() = ready_made_item(item);
   request.mutable_render_time()->set_seconds(1);
   request.set_lease_finished(true);
+  return request;
+}
+
+v1::SynchronizeRequest greeting_with_key(char worker) {
+  v1::SynchronizeRequest request = greeting(worker);
+  request.set_worker_key(std::string(proto::kWorkerKeyBytes, worker));
+  request.set_worker_id(proto::worker_id_of(request.worker_key()));
+  return request;
+}
+
+v1::SubmitResultRequest delivery_with_key(char worker, const v1::Lease& lease) {
+  v1::SubmitResultRequest request = delivery(worker, lease);
+  request.set_worker_id(proto::worker_id_of(std::string(proto::kWorkerKeyBytes, worker)));
   return request;
 }
 

@@ -36,6 +36,10 @@ v1::SubmitJobRequest submission();
 v1::SynchronizeRequest greeting(char worker);
 v1::SubmitResultRequest delivery(char worker, const v1::Lease& lease);
 
+// As they must be over the network: with the worker's key, and the id that follows from it.
+v1::SynchronizeRequest greeting_with_key(char worker);
+v1::SubmitResultRequest delivery_with_key(char worker, const v1::Lease& lease);
+
 class ScriptedFarm : public testing::Test {
  protected:
   ScriptedFarm();

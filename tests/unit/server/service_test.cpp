@@ -16,8 +16,8 @@
 namespace tessera::rpc {
 namespace {
 
-using coordinator::delivery;
-using coordinator::greeting;
+using coordinator::delivery_with_key;
+using coordinator::greeting_with_key;
 using coordinator::submission;
 using testing::HasSubstr;
 
@@ -25,8 +25,10 @@ class Service : public testing::Test {
  protected:
   Service() {
     auto state = store::StateDirectory::open(folder_.path());
+    coordinator::Options options;
+    options.fingerprint = coordinator::kFingerprint;
     coordinator_ =
-        std::move(*coordinator::Coordinator::open({}, std::move(*state), coordinator::accept_scene));
+        std::move(*coordinator::Coordinator::open(options, std::move(*state), coordinator::accept_scene));
     server_ = std::move(*Server::start(*coordinator_, {.address = "127.0.0.1:0"}));
     const auto channel = *proto::open_channel(server_->address());
     users_ = v1::RenderService::NewStub(channel);
@@ -76,11 +78,12 @@ class Service : public testing::Test {
     while (job(id).samples_done() < coordinator::kSamples) {
       grpc::ClientContext context;
       v1::SynchronizeResponse response;
-      ASSERT_TRUE(workers_->Synchronize(&context, greeting('a'), &response).ok());
+      ASSERT_TRUE(workers_->Synchronize(&context, greeting_with_key('a'), &response).ok());
       for (const v1::Lease& lease : response.leases()) {
         grpc::ClientContext delivering;
         v1::SubmitResultResponse counted;
-        const grpc::Status status = workers_->SubmitResult(&delivering, delivery('a', lease), &counted);
+        const grpc::Status status =
+            workers_->SubmitResult(&delivering, delivery_with_key('a', lease), &counted);
         ASSERT_TRUE(status.ok()) << status.error_message();
       }
     }
@@ -276,7 +279,7 @@ TEST_F(Service, AWatcherThatLeavesIsForgotten) {
 TEST_F(Service, AWaitingWorkerIsWokenByASubmission) {
   std::promise<v1::SynchronizeResponse> answered;
   grpc::ClientContext context;
-  const v1::SynchronizeRequest request = greeting('a');
+  const v1::SynchronizeRequest request = greeting_with_key('a');
   v1::SynchronizeResponse response;
   workers_->async()->Synchronize(&context, &request, &response, [&](const grpc::Status& status) {
     EXPECT_TRUE(status.ok()) << status.error_message();
@@ -291,7 +294,7 @@ TEST_F(Service, StoppingEndsWaitingCallsAndStoresEverything) {
   work_until_done(id);
   std::promise<grpc::Status> answered;
   grpc::ClientContext context;
-  const v1::SynchronizeRequest request = greeting('b');
+  const v1::SynchronizeRequest request = greeting_with_key('b');
   v1::SynchronizeResponse response;
   workers_->async()->Synchronize(&context, &request, &response,
                                  [&](const grpc::Status& status) { answered.set_value(status); });

@@ -1,0 +1,127 @@
+// The named metals reflect what their measured indices say, integrated over the spectrum. This is also how
+// the values in core/materials/conductor.cpp were found.
+#include "core/materials/conductor.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <span>
+
+#include "core/materials/fresnel.hpp"
+
+namespace tessera::core {
+namespace {
+
+// The colour matching functions of the CIE 1931 observer (ISO/CIE 11664-1) and the power of illuminant D65
+// (ISO/CIE 11664-2), from 380 to 700 nm in steps of 10 nm.
+struct Observed {
+  double x, y, z, power;
+};
+constexpr int kFirstNm = 380, kStepNm = 10;
+constexpr Observed kSpectrum[] = {
+    {0.001368, 3.9e-05, 0.00645, 49.9755}, {0.004243, 0.00012, 0.02005, 54.6482},
+    {0.01431, 0.000396, 0.06785, 82.7549}, {0.04351, 0.00121, 0.2074, 91.486},
+    {0.13438, 0.004, 0.6456, 93.4318},     {0.2839, 0.0116, 1.3856, 86.6823},
+    {0.34828, 0.023, 1.74706, 104.865},    {0.3362, 0.038, 1.77211, 117.008},
+    {0.2908, 0.06, 1.6692, 117.812},       {0.19536, 0.09098, 1.28764, 114.861},
+    {0.09564, 0.13902, 0.81295, 115.923},  {0.03201, 0.20802, 0.46518, 108.811},
+    {0.0049, 0.323, 0.272, 109.354},       {0.0093, 0.503, 0.1582, 107.802},
+    {0.06327, 0.71, 0.07825, 104.79},      {0.1655, 0.862, 0.04216, 107.689},
+    {0.2904, 0.954, 0.0203, 104.405},      {0.43345, 0.99495, 0.00875, 104.046},
+    {0.5945, 0.995, 0.0039, 100},          {0.7621, 0.952, 0.0021, 96.3342},
+    {0.9163, 0.87, 0.00165, 95.788},       {1.0263, 0.757, 0.0011, 88.6856},
+    {1.0622, 0.631, 0.0008, 90.0062},      {1.0026, 0.503, 0.00034, 89.5991},
+    {0.85445, 0.381, 0.00019, 87.6987},    {0.6424, 0.265, 5e-05, 83.2886},
+    {0.4479, 0.175, 2e-05, 83.6992},       {0.2835, 0.107, 0, 80.0268},
+    {0.1649, 0.061, 0, 80.2146},           {0.0874, 0.032, 0, 82.2778},
+    {0.04677, 0.017, 0, 78.2842},          {0.0227, 0.00821, 0, 69.7213},
+    {0.011359, 0.004102, 0, 71.6091}};
+
+struct Measured {
+  double nm, eta, k;
+};
+// Johnson and Christy 1972, table I.
+constexpr Measured kCopper[] = {{381.5, 1.33, 2.045}, {397.4, 1.32, 2.116}, {413.3, 1.28, 2.207},
+                                {430.5, 1.25, 2.305}, {450.9, 1.24, 2.397}, {471.4, 1.25, 2.483},
+                                {495.9, 1.22, 2.564}, {520.9, 1.18, 2.608}, {548.6, 1.02, 2.577},
+                                {582.1, 0.7, 2.704},  {616.8, 0.3, 3.205},  {659.5, 0.22, 3.747},
+                                {704.5, 0.21, 4.205}, {756, 0.24, 4.665}};
+constexpr Measured kGold[] = {{381.5, 1.46, 1.933}, {397.4, 1.47, 1.952}, {413.3, 1.46, 1.958},
+                              {430.5, 1.45, 1.948}, {450.9, 1.38, 1.914}, {471.4, 1.31, 1.849},
+                              {495.9, 1.04, 1.833}, {520.9, 0.62, 2.081}, {548.6, 0.43, 2.455},
+                              {582.1, 0.29, 2.863}, {616.8, 0.21, 3.272}, {659.5, 0.14, 3.697},
+                              {704.5, 0.13, 4.103}, {756, 0.14, 4.542}};
+constexpr Measured kSilver[] = {{381.5, 0.05, 1.864}, {397.4, 0.05, 2.07},  {413.3, 0.05, 2.275},
+                                {430.5, 0.04, 2.462}, {450.9, 0.04, 2.657}, {471.4, 0.05, 2.869},
+                                {495.9, 0.05, 3.093}, {520.9, 0.05, 3.324}, {548.6, 0.06, 3.586},
+                                {582.1, 0.05, 3.858}, {616.8, 0.06, 4.152}, {659.5, 0.05, 4.483},
+                                {704.5, 0.04, 4.838}, {756, 0.03, 5.242}};
+// Rakić 1995, table 1.
+constexpr Measured kAluminium[] = {
+    {364.66, 0.39877, 4.3957}, {413.28, 0.52135, 5.0008}, {442.8, 0.6079, 5.3676}, {476.87, 0.7278, 5.7781},
+    {516.6, 0.8734, 6.2418},   {563.57, 1.0728, 6.7839},  {619.93, 1.366, 7.4052}, {652.25, 1.5724, 7.7354},
+    {688.81, 1.8301, 8.0601},  {729.32, 2.1606, 8.3565},  {774.91, 2.6154, 8.4914}};
+
+Measured interpolated(std::span<const Measured> table, double nm) {
+  const auto next =
+      std::find_if(table.begin() + 1, table.end() - 1, [nm](const Measured& m) { return m.nm > nm; });
+  const Measured &a = *(next - 1), &b = *next;
+  const double t = (nm - a.nm) / (b.nm - a.nm);
+  return {nm, a.eta + t * (b.eta - a.eta), a.k + t * (b.k - a.k)};
+}
+
+// Linear Rec. 709 with D65 as white, from XYZ (IEC 61966-2-1).
+std::array<double, 3> rec709(std::array<double, 3> xyz) {
+  const auto [x, y, z] = xyz;
+  return {3.2404542 * x - 1.5371385 * y - 0.4985314 * z, -0.969266 * x + 1.8760108 * y + 0.041556 * z,
+          0.0556434 * x - 0.2040259 * y + 1.0572252 * z};
+}
+
+// The colour of white light that the metal reflects.
+std::array<double, 3> integrated(std::span<const Measured> table, double cos_i) {
+  std::array<double, 3> reflected{}, all{};
+  double nm = kFirstNm;
+  for (const Observed& observed : kSpectrum) {
+    const Measured index = interpolated(table, nm);
+    const auto share = static_cast<double>(conductor_reflectance(
+        static_cast<float>(cos_i), static_cast<float>(index.eta), static_cast<float>(index.k)));
+    const std::array<double, 3> power{observed.x * observed.power, observed.y * observed.power,
+                                      observed.z * observed.power};
+    for (std::size_t i = 0; i < 3; ++i) reflected[i] += share * power[i], all[i] += power[i];
+    nm += kStepNm;
+  }
+  const std::array<double, 3> colour = rec709(reflected), white = rec709(all);
+  return {colour[0] / white[0], colour[1] / white[1], colour[2] / white[2]};
+}
+
+struct Metal {
+  const char* name;
+  Conductor conductor;
+  std::span<const Measured> table;
+};
+
+class Conductors : public testing::TestWithParam<Metal> {};
+
+TEST_P(Conductors, ReflectWhatTheSpectrumAddsUpTo) {
+  const auto [name, conductor, table] = GetParam();
+  const ComplexIndex index = complex_index(conductor);
+  for (const double cos_i : {1.0, 0.8, 0.6, 0.4, 0.2, 0.1}) {
+    const Rgb reflected = fresnel_conductor(static_cast<float>(cos_i), index.eta, index.k);
+    const std::array<double, 3> expected = integrated(table, cos_i);
+    // Gold is more saturated than Rec. 709 can show; a surface does not reflect more than it receives.
+    for (int c = 0; c < 3; ++c)
+      EXPECT_NEAR(static_cast<double>(reflected[c]), std::min(expected[static_cast<std::size_t>(c)], 1.0),
+                  0.005)
+          << name << ", channel " << c << ", cosine " << cos_i;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Metals, Conductors,
+                         testing::Values(Metal{"copper", Conductor::kCopper, kCopper},
+                                         Metal{"gold", Conductor::kGold, kGold},
+                                         Metal{"silver", Conductor::kSilver, kSilver},
+                                         Metal{"aluminium", Conductor::kAluminium, kAluminium}));
+
+}  // namespace
+}  // namespace tessera::core
