@@ -16,9 +16,13 @@ build=(
   libtinyobjloader-dev
   libstb-dev
   libcli11-dev
-  # What comes out: OpenEXR images.
+  # Image files, read and written.
   libopenexr-dev
   libimath-dev
+  libjpeg62-turbo-dev
+  libspng-dev
+  libtiff-dev
+  libwebp-dev
   # The farm: RPC and its code generators, logs, durable state, compressed film tiles.
   libabsl-dev
   libgrpc++-dev

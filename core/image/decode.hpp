@@ -1,5 +1,5 @@
-// Files into linear pictures, for comparing them. Made for files of unknown origin: a broken or hostile one
-// is an error, never a crash. Thread-safe.
+// Reads image files as linear images, for comparing them. A broken or hostile file is an error, never a
+// crash. Thread-safe.
 #pragma once
 
 #include <string>
@@ -10,11 +10,11 @@
 
 namespace tessera::core {
 
-// PNG (8 or 16 bits, taken for sRGB), Radiance HDR, PFM (colour or gray, either byte order; the size of its
-// scale is ignored) or OpenEXR (see exr.hpp), told apart by how the bytes begin. Alpha is ignored.
+// Any format of codecs.hpp. Codes of 8 and 16 bits are taken for sRGB, floats for linear. Alpha is ignored.
+// Errors complete a sentence that begins with the file's name.
 Result<Image> decode_image(std::string_view bytes);
 
-// The same from a file on this machine. Errors name the file.
+// The same from a file on this machine. Errors begin with the file's name.
 Result<Image> read_image(const std::string& path);
 
 }  // namespace tessera::core

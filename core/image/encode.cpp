@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/image/exr.hpp"
+#include "core/image/hdr_encoder.hpp"
 #include "core/image/limits.hpp"
 #include "core/image/srgb.hpp"
 
@@ -31,12 +32,6 @@ std::string encode_png(const Image& image, const DisplaySettings& display) {
   }
   std::string bytes;
   stbi_write_png_to_func(append_bytes, &bytes, image.width, image.height, 3, codes.data(), image.width * 3);
-  return bytes;
-}
-
-std::string encode_hdr(const Image& image) {
-  std::string bytes;
-  stbi_write_hdr_to_func(append_bytes, &bytes, image.width, image.height, 3, &image.pixels.front().r);
   return bytes;
 }
 

@@ -7,16 +7,20 @@
 #include <ImfIO.h>
 #include <ImfInputFile.h>
 #include <ImfOutputFile.h>
+#include <ImfRgbaFile.h>
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <cstring>
+#include <new>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 
+#include "core/image/codec.hpp"
 #include "core/image/exr_header.hpp"
-#include "core/image/limits.hpp"
 
 namespace tessera::core {
 namespace {
@@ -80,37 +84,109 @@ Imf::Slice channel_slice(const Image& image, std::size_t channel, const Imath::B
                           sizeof(Rgb) * static_cast<std::size_t>(image.width));
 }
 
-Result<Image> image_for_window(const Imath::Box2i& window, std::size_t file_bytes) {
-  const std::int64_t width = std::int64_t{window.max.x} - window.min.x + 1;
-  const std::int64_t height = std::int64_t{window.max.y} - window.min.y + 1;
-  if (!is_plausible_size(width, height, file_bytes)) {
-    return fail(
-        ErrorCode::kInvalidArgument,
-        fmt::format("its size of {}x{} pixels is not plausible for a file of its length", width, height));
+// The names of the red, green and blue channels and of alpha; gray has one name three times.
+struct ChannelNames {
+  std::array<std::string, 3> colors;
+  std::string alpha;
+};
+
+// The channels of the image itself, or of the first layer that has colours ("view.combined.R").
+std::optional<ChannelNames> color_channels(const Imf::ChannelList& channels) {
+  const auto has = [&](const std::string& name) { return channels.findChannel(name) != nullptr; };
+  const auto of_layer = [&](const std::string& layer) -> std::optional<ChannelNames> {
+    if (!has(layer + "R") || !has(layer + "G") || !has(layer + "B")) return std::nullopt;
+    return ChannelNames{{layer + "R", layer + "G", layer + "B"}, layer + "A"};
+  };
+  if (auto names = of_layer("")) return names;
+  if (has("Y")) return ChannelNames{{"Y", "Y", "Y"}, "A"};
+  for (auto channel = channels.begin(); channel != channels.end(); ++channel) {
+    const std::string name = channel.name();
+    if (!name.ends_with(".R")) continue;
+    if (auto names = of_layer(name.substr(0, name.size() - 1))) return names;
   }
-  return Image(static_cast<int>(width), static_cast<int>(height));
+  return std::nullopt;
 }
 
-Result<Image> read_pixels(Imf::InputFile& file, std::size_t file_bytes) {
+bool has_chroma(const Imf::ChannelList& channels) {
+  return channels.findChannel("RY") != nullptr || channels.findChannel("BY") != nullptr;
+}
+
+Result<DecodedImage> read_channels(Imf::InputFile& file, ImageSize size, const ChannelNames& names,
+                                   bool keep_alpha) {
+  const bool has_alpha = keep_alpha && file.header().channels().findChannel(names.alpha) != nullptr;
+  const std::size_t channels = has_alpha ? 4 : 3;
+  DecodedImage::Floats values(size.pixels() * channels);
   const Imath::Box2i window = file.header().dataWindow();
-  const Imf::ChannelList& channels = file.header().channels();
-  const bool colour = channels.findChannel("R") && channels.findChannel("G") && channels.findChannel("B");
-  const bool gray = channels.findChannel("Y") && !channels.findChannel("RY") && !channels.findChannel("BY");
-  if (!colour && !gray) {
-    return fail(ErrorCode::kInvalidArgument, "it has neither the channels R, G and B nor Y alone");
-  }
-  Result<Image> image = image_for_window(window, file_bytes);
-  if (!image) return image;
   Imf::FrameBuffer frame;
-  for (std::size_t i = 0; i < (colour ? 3 : 1); ++i) {
-    frame.insert(colour ? std::string(1, "RGB"[i]) : "Y", channel_slice(*image, i, window));
-  }
+  const auto insert = [&](const std::string& name, std::size_t channel) {
+    frame.insert(name, Imf::Slice::Make(Imf::FLOAT, values.data() + channel, window, channels * sizeof(float),
+                                        channels * sizeof(float) * static_cast<std::size_t>(size.width)));
+  };
+  const bool is_gray = names.colors[0] == names.colors[1];
+  for (std::size_t i = 0; i < (is_gray ? 1 : 3); ++i) insert(names.colors[i], i);
+  if (has_alpha) insert(names.alpha, 3);
   file.setFrameBuffer(frame);
   file.readPixels(window.min.y, window.max.y);
-  if (!colour) {
-    for (Rgb& pixel : image->pixels) pixel = Rgb::gray(pixel.r);
+  for (std::size_t i = 0; is_gray && i < values.size(); i += channels)
+    values[i + 1] = values[i + 2] = values[i];
+  return DecodedImage{.size = size, .channels = channels, .values = std::move(values), .warnings = {}};
+}
+
+// Luminance and subsampled chroma, which OpenEXR converts as half floats.
+Result<DecodedImage> read_luminance_chroma(StringReader& stream, ImageSize size) {
+  Imf::RgbaInputFile file(stream, 0);
+  const Imath::Box2i window = file.dataWindow();
+  std::vector<Imf::Rgba> pixels(size.pixels());
+  const auto width = static_cast<std::ptrdiff_t>(size.width);
+  file.setFrameBuffer(pixels.data() - window.min.x - window.min.y * width, 1,
+                      static_cast<std::size_t>(width));
+  file.readPixels(window.min.y, window.max.y);
+  DecodedImage::Floats values;
+  values.reserve(3 * size.pixels());
+  for (const Imf::Rgba& pixel : pixels) values.insert(values.end(), {pixel.r, pixel.g, pixel.b});
+  return DecodedImage{.size = size, .channels = 3, .values = std::move(values), .warnings = {}};
+}
+
+Result<DecodedImage> read_pixels(StringReader& stream, ImageSize size, bool keep_alpha) {
+  {
+    Imf::InputFile file(stream, 0);  // 0: no threads but this one
+    const Imf::ChannelList& channels = file.header().channels();
+    const auto names = color_channels(channels);
+    if (!names)
+      return unsupported_image("an OpenEXR image without colours", "it needs the channels R, G and B, or Y");
+    if (names->colors[0] != "Y" || !has_chroma(channels))
+      return read_channels(file, size, *names, keep_alpha);
   }
-  return image;
+  stream.seekg(0);
+  return read_luminance_chroma(stream, size);
+}
+
+// OpenEXR quotes what it read, whatever it was.
+tl::unexpected<Error> broken_exr(const std::string& why) {
+  return broken_image("OpenEXR", printable_reason(why));
+}
+
+bool matches(std::string_view bytes) {
+  return bytes.starts_with("\x76\x2f\x31\x01");
+}
+
+Result<ImageSize> read_size(std::string_view bytes) {
+  const auto header = checked_exr_header(bytes);
+  if (!header) return broken_exr(header.error().message);
+  return header->size;
+}
+
+Result<DecodedImage> decode(std::string_view bytes, ImageSize size, const DecodeOptions& options) {
+  const auto header = checked_exr_header(bytes);
+  if (!header) return broken_exr(header.error().message);
+  try {
+    StringReader stream(header->bytes, bytes);
+    return read_pixels(stream, size, options.keep_alpha);
+  } catch (const std::bad_alloc&) {
+    throw;
+  } catch (const std::exception& e) {
+    return broken_exr(e.what());
+  }
 }
 
 }  // namespace
@@ -140,22 +216,6 @@ Result<std::string> encode_exr(const Image& image) {
   }
 }
 
-Result<Image> decode_exr(std::string_view bytes) {
-  // OpenEXR quotes what it read, whatever it was.
-  const auto unreadable = [](std::string why) {
-    std::ranges::replace_if(
-        why, [](char c) { return c < ' ' || c > '~'; }, '?');
-    return fail(ErrorCode::kInvalidArgument, fmt::format("not a readable OpenEXR picture: {}", why));
-  };
-  const Result<std::string> header = checked_exr_header(bytes);
-  if (!header) return unreadable(header.error().message);
-  try {
-    StringReader stream(*header, bytes);
-    Imf::InputFile file(stream, 0);
-    return read_pixels(file, bytes.size());
-  } catch (const std::exception& e) {
-    return unreadable(e.what());
-  }
-}
+const Codec kExrCodec{"OpenEXR", true, matches, read_size, decode};
 
 }  // namespace tessera::core

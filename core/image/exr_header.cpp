@@ -6,6 +6,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 
 #include "core/image/limits.hpp"
 
@@ -91,11 +92,12 @@ bool is_plausible_block(const Claims& claims, std::size_t file_bytes) {
 
 }  // namespace
 
-Result<std::string> checked_exr_header(std::string_view bytes) {
+Result<ExrHeader> checked_exr_header(std::string_view bytes) {
   const auto refuse = [](std::string what) { return fail(ErrorCode::kInvalidArgument, std::move(what)); };
   const auto too_early = [&] { return refuse("the file ends too early"); };
   if (bytes.size() < kMagicAndVersion) return too_early();
-  if ((number_at(bytes, 4) & kDeepOrOfSeveralParts) != 0) return refuse("it is deep, or of several parts");
+  if ((number_at(bytes, 4) & kDeepOrOfSeveralParts) != 0)
+    return refuse("it is deep, or of several parts; save it as one flat part");
   std::string header(bytes.substr(0, kMagicAndVersion));
   Claims claims;
   for (;;) {
@@ -121,9 +123,8 @@ Result<std::string> checked_exr_header(std::string_view bytes) {
   }
   if (!is_plausible_size(claims.width, claims.height, bytes.size()) ||
       !is_plausible_block(claims, bytes.size()))
-    return refuse(fmt::format("its size of {}x{} pixels is not plausible for a file of its length",
-                              claims.width, claims.height));
-  return header;
+    return refuse(implausible_size(claims.width, claims.height));
+  return ExrHeader{std::move(header), {static_cast<int>(claims.width), static_cast<int>(claims.height)}};
 }
 
 }  // namespace tessera::core

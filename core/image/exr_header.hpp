@@ -6,13 +6,19 @@
 #include <string_view>
 
 #include "core/base/error.hpp"
+#include "core/image/codec.hpp"
 
 namespace tessera::core {
 
-// The header's bytes, from the file's first one on, as OpenEXR may read them in place of the file's own: what
-// is of no use here is made opaque, so that nothing of it is taken at its word. Errors: an attribute reaches
-// beyond the file or is not of its type, the picture or its tiles are larger than the file can hold, or it is
-// of several parts or deep.
-Result<std::string> checked_exr_header(std::string_view bytes);
+struct ExrHeader {
+  // The header from the file's first byte on, as OpenEXR may read it in place of the file's own. Attributes
+  // that are of no use here are made opaque, so that OpenEXR does not interpret them.
+  std::string bytes;
+  ImageSize size;  // of the data window
+};
+
+// Errors: an attribute reaches beyond the file or is not of its type, the image or its tiles are larger than
+// the file can hold, or it is of several parts or deep.
+Result<ExrHeader> checked_exr_header(std::string_view bytes);
 
 }  // namespace tessera::core

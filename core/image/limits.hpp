@@ -9,8 +9,8 @@ namespace tessera::core {
 inline constexpr int kMaxPictureSidePx = 65536;
 inline constexpr std::int64_t kMaxPicturePixels = std::int64_t{1} << 30;
 
-// stb counts bytes in 31 bits: of compressed PNG, which may be 9/8 of its 3 bytes for each pixel, and of
-// HDR's 12 bytes for each pixel in memory.
+// stb counts the bytes of compressed PNG in 31 bits, which may be 9/8 of its 3 bytes for each pixel. Many readers of
+// HDR count the 12 bytes for each pixel in memory likewise.
 inline constexpr std::int64_t kMaxPngPixels = std::int64_t{1} << 29;
 inline constexpr std::int64_t kMaxHdrPixels = (std::int64_t{1} << 31) / 12;
 

@@ -1,5 +1,4 @@
-// stb_image and stb_image_write, compiled once for everyone: PNG, JPEG and HDR from and to memory. (Without
-// stdio stb_image_write leaves its HDR writer out, even the one into memory.)
+// stb_image reads BMP from memory and stb_image_write writes PNG into memory; both are compiled here once.
 #include <stdlib.h>
 
 #include <limits>
@@ -34,8 +33,7 @@ void* take_more(void* memory, std::size_t size) {
   return may_take(size) ? note(realloc(memory, size)) : nullptr;
 }
 
-// The largest is the unpacked data of a PNG: 8 bytes a pixel and one a row, for which stb may take twice as
-// much; or the file's compressed data, put together likewise. JPEGs are padded to 32 pixels each way.
+// The largest is an image of four bytes for each pixel.
 std::size_t largest_piece(std::int64_t width, std::int64_t height, std::size_t file_bytes) {
   constexpr std::int64_t kBytesPerPixel = 20, kPadding = 32;
   constexpr std::size_t kTables = std::size_t{1} << 16;
@@ -61,9 +59,7 @@ bool StbMemory::ran_out() const {
 }  // namespace tessera::core
 
 #define STB_IMAGE_IMPLEMENTATION
-#define STBI_ONLY_PNG
-#define STBI_ONLY_JPEG
-#define STBI_ONLY_HDR
+#define STBI_ONLY_BMP
 #define STBI_NO_STDIO
 #define STBI_MAX_DIMENSIONS 65536
 // Broken files make stb_image read tables that it never filled, and fail its assertions: they shall give the
@@ -74,6 +70,5 @@ bool StbMemory::ran_out() const {
 #define STBI_ASSERT(condition) ((void)0)
 #include <stb_image.h>
 
-// Without standard I/O, which we do not use, it would leave out the writer of HDR.
 #define STB_IMAGE_WRITE_IMPLEMENTATION
 #include <stb_image_write.h>

@@ -1,5 +1,4 @@
-// Keeps stb_image from taking much more memory than a picture's pixels need: a PNG of one pixel may hold
-// gigabytes of compressed zeros, all of which stb unpacks before it looks at them.
+// Keeps stb_image from taking much more memory than an image's pixels need.
 #pragma once
 
 #include <cstddef>

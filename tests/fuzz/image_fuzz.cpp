@@ -1,4 +1,7 @@
-// An image: as a texture in both colour spaces and by its alpha, and as `tessera compare` reads it.
+// An image file: as a texture in both colour spaces, its alpha, and as `tessera compare` reads it.
+#include <string>
+#include <vector>
+
 #include "core/image/decode.hpp"
 #include "core/textures/image_decoder.hpp"
 #include "tests/fuzz/expect.hpp"
@@ -9,7 +12,9 @@ namespace {
 
 void decode_as_texture(std::string_view bytes, core::ColorSpace color_space,
                        core::TextureChannel channel = core::TextureChannel::kColor) {
-  const auto image = core::decode_texture_image(bytes, color_space, channel);
+  std::vector<std::string> warnings;
+  const auto image = core::decode_texture_image(bytes, color_space, channel, &warnings);
+  for (const std::string& warning : warnings) expect_message(warning);
   if (!expect_answer(image)) return;
   expect(image->width() > 0 && image->height() > 0, "a picture has pixels");
   for (const core::Vec2 uv : {core::Vec2{0, 0}, core::Vec2{0.5f, 1}, core::Vec2{-7.3f, 1e30f}})

@@ -125,6 +125,15 @@ seed image jpg_progressive <"$work/progressive.jpg"
 sed 's/"width": 4/"width": 16/' "$work/box.json" >"$work/wide.json"
 "$tessera" render "$work/wide.json" -o "$work/wide.hdr" >/dev/null 2>&1 && seed image hdr_packed <"$work/wide.hdr"
 { printf 'Pf\n2 2\n1.0\n'; printf '0123456789abcdef'; } | seed image pfm_gray
+for ending in tga bmp tif webp; do
+  gm convert "$work/x.png" "$work/x.$ending" && seed image "$ending" <"$work/x.$ending"
+done
+printf '\0\0\12\0\0\0\0\0\0\0\0\0\4\0\2\0\40\10\202abcd\0efgh\203ijkl' | seed image tga_packed
+gm convert "$work/deep.png" -compress LZW "$work/deep.tif" && seed image tif16_lzw <"$work/deep.tif"
+gm convert "$work/x.png" -colorspace CMYK "$work/cmyk.jpg" && seed image jpg_cmyk <"$work/cmyk.jpg"
+gm convert "$work/x.png" -colorspace CMYK "$work/cmyk.tif" && seed image tif_cmyk <"$work/cmyk.tif"
+printf '#?RGBE\r\nEXPOSURE=2\r\n\r\n+X 2 -Y 3\r\nabc\200\1\1\1\2def\201\1\1\1\2' | seed image hdr_old_runs
+printf '#?RADIANCE\nFORMAT=32-bit_rle_xyze\n\n-Y 1 +X 2\nabc\200def\201' | seed image hdr_xyz
 
 # ---- Games ----
 cat <<'EOF' | seed sgf game

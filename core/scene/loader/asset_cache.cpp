@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <string_view>
 
-#include "core/image/hdr_check.hpp"
+#include "core/image/codecs.hpp"
 #include "core/scene/loader/text_lines.hpp"
 #include "core/scene/loader/wording.hpp"
 
@@ -34,7 +34,7 @@ std::vector<std::string> possible_paths(const std::string& written, const std::v
 
 // Without decoding it. Formats that are not known here may have one.
 bool may_have_alpha(std::string_view bytes) {
-  if (bytes.starts_with("\xff\xd8") || is_hdr_picture(bytes)) return false;
+  if (bytes.starts_with("\xff\xd8") || is_linear_format(bytes)) return false;
   constexpr std::size_t kColorTypeAt = 25;
   if (!bytes.starts_with("\x89PNG") || bytes.size() <= kColorTypeAt) return true;
   const char color_type = bytes[kColorTypeAt];
@@ -58,9 +58,10 @@ Result<std::shared_ptr<const TextureImage>> AssetCache::image(const std::string&
   if (known != images_.end()) return known->second;
   const auto bytes = assets_.read(path);
   if (!bytes) return fail(bytes.error());
-  if (color_space == ColorSpace::kSrgb && is_hdr_picture(*bytes))
-    return fail(ErrorCode::kInvalidArgument,
-                in_quotes(path) + " is an HDR picture, which is linear; leave 'color_space' out");
+  if (color_space == ColorSpace::kSrgb && is_linear_format(*bytes))
+    return fail(
+        ErrorCode::kInvalidArgument,
+        in_quotes(path) + " has linear values, as all HDR, EXR and PFM images; leave 'color_space' out");
   if (is_alpha && !may_have_alpha(*bytes)) return opaque_;
   if (const auto size = texture_size(*bytes))
     if (auto counted = count_pixels(path, *size); !counted) return fail(counted.error());

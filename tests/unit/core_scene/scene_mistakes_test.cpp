@@ -105,8 +105,8 @@ TEST(SceneMistakes, OfTexturesThatReflectMoreThanTheyGet) {
       mistakes_in(
           scene_with("\"textures\": {\"sky\": {\"file\": \"sky.hdr\", \"color_space\": \"srgb\"}}", "", ""),
           files),
-      "scene.json:2: textures.sky.file: 'sky.hdr' is an HDR picture, which is linear; leave 'color_space' "
-      "out");
+      "scene.json:2: textures.sky.file: 'sky.hdr' has linear values, as all HDR, EXR and PFM images; leave "
+      "'color_space' out");
 }
 
 }  // namespace

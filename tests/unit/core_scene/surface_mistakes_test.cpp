@@ -25,7 +25,8 @@ TEST(SceneMistakes, InTextures) {
            "textures.wood.file: must be a text in double quotes, got the text ''"},
           {"\"wood\": {\"file\": \"none.png\"}", "textures.wood.file: 'none.png' does not exist"},
           {"\"wood\": {\"file\": \"triangle.obj\"}",
-           "textures.wood.file: 'triangle.obj' is not a PNG, JPEG or HDR picture"},
+           "textures.wood.file: 'triangle.obj' is not an image of a known format (PNG, JPEG, HDR, EXR, PFM, "
+           "TIFF, WebP, BMP or TGA)"},
           {"\"wood\": {\"file\": \"gray.png\", \"color_space\": \"sRGB\"}",
            "textures.wood.color_space: unknown value 'sRGB'; known are 'srgb', 'linear'"},
           {"\"wood\": {\"file\": \"gray.png\", \"wrap\": \"clmap\"}",

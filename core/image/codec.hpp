@@ -1,0 +1,103 @@
+// What every image decoder of this folder takes and returns. Everyone else calls decode_pixels()
+// (codecs.hpp).
+#pragma once
+
+#include <fmt/format.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "core/base/error.hpp"
+
+namespace tessera::core {
+
+struct ImageSize {
+  int width = 0, height = 0;
+
+  std::uint64_t pixels() const {
+    return static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height);
+  }
+};
+
+// The pixels of a file with the precision that the file has.
+struct DecodedImage {
+  using Bytes = std::vector<std::uint8_t>;   // codes in [0, 255]
+  using Words = std::vector<std::uint16_t>;  // codes in [0, 65535]
+  using Floats = std::vector<float>;         // linear values; they may be negative, infinite or NaN
+
+  ImageSize size;
+  std::size_t channels = 3;                   // R, G, B; with 4, A follows and is not premultiplied
+  std::variant<Bytes, Words, Floats> values;  // channels for each pixel, row-major from the top left
+  std::vector<std::string> warnings;          // what was odd in the file and how it was read
+
+  bool is_linear() const { return std::holds_alternative<Floats>(values); }
+};
+
+struct DecodeOptions {
+  std::int64_t max_pixels = 0;
+  // Whether the result has 4 channels where the file has alpha. If not, it always has 3.
+  bool keep_alpha = false;
+};
+
+// A file format. Errors of its functions complete a sentence that begins with the file's name. Functions may
+// throw std::bad_alloc, and nothing else.
+struct Codec {
+  std::string_view name;                    // as in "is a broken PNG image"
+  bool is_linear;                           // whether every file of the format has linear values
+  bool (*matches)(std::string_view bytes);  // by how the file begins
+  Result<ImageSize> (*read_size)(std::string_view bytes);
+  // `size` is that of read_size(); it is within the limits of DecodeOptions.
+  Result<DecodedImage> (*decode)(std::string_view bytes, ImageSize size, const DecodeOptions& options);
+};
+
+extern const Codec kPngCodec, kJpegCodec, kHdrCodec, kExrCodec, kPfmCodec, kTiffCodec, kWebpCodec, kBmpCodec,
+    kTgaCodec;
+
+inline constexpr std::string_view kEndsTooEarly = "the file ends too early";
+
+inline tl::unexpected<Error> broken_image(std::string_view format, std::string_view why) {
+  return fail(ErrorCode::kInvalidArgument, fmt::format("is a broken {} image ({})", format, why));
+}
+
+inline tl::unexpected<Error> unsupported_image(std::string_view what, std::string_view remedy) {
+  return fail(ErrorCode::kInvalidArgument, fmt::format("is {}, which is not supported; {}", what, remedy));
+}
+
+// Why a file is not decoded whose size is_plausible_size() (limits.hpp) refuses.
+inline std::string implausible_size(std::int64_t width, std::int64_t height) {
+  return fmt::format("its size of {}x{} pixels is not plausible for a file of its length", width, height);
+}
+
+// Integers of a file, which has them at `at`.
+inline unsigned byte_at(std::string_view bytes, std::size_t at) {
+  return static_cast<unsigned char>(bytes[at]);
+}
+inline unsigned little_endian_16(std::string_view bytes, std::size_t at) {
+  return byte_at(bytes, at) | byte_at(bytes, at + 1) << 8;
+}
+inline std::uint32_t little_endian_32(std::string_view bytes, std::size_t at) {
+  return little_endian_16(bytes, at) | std::uint32_t{little_endian_16(bytes, at + 2)} << 16;
+}
+
+// A library quotes names from a file with whatever bytes they have.
+inline std::string printable_reason(std::string reason) {
+  for (char& c : reason)
+    if (c < ' ' || c > '~') c = '?';
+  return reason;
+}
+
+// Takes the fourth of four values of each pixel away, in place.
+template <typename T>
+void drop_alpha(std::vector<T>& values) {
+  const std::size_t pixels = values.size() / 4;
+  for (std::size_t i = 0; i < pixels; ++i)
+    for (std::size_t c = 0; c < 3; ++c) values[3 * i + c] = values[4 * i + c];
+  values.resize(3 * pixels);
+}
+
+}  // namespace tessera::core
