@@ -33,6 +33,11 @@ quiet() {
 
 inside() { chroot "$root" env PATH=/usr/sbin:/usr/bin:/sbin:/bin DEBIAN_FRONTEND=noninteractive LC_ALL=C.UTF-8 HOME=/root "$@"; }
 
+# traces: the files in the root that are Tessera's by their names, but for those of apt and what rendering has written.
+traces() {
+  inside find / -xdev \( -path /proc -o -path /root -o -path '/var/*' \) -prune -o -type f -path '*tessera*' -print
+}
+
 [ "$(id -u)" -eq 0 ] || skip "only root can make a root of its own"
 for program in debootstrap dpkg-shlibdeps; do command -v $program >/dev/null || skip "there is no $program"; done
 # shellcheck disable=SC2016  # apt's own words
@@ -47,7 +52,7 @@ debootstrap --variant=minbase --include=ca-certificates bookworm "$root" "$mirro
   { tail -n 5 "$work/log"; skip "debootstrap from $mirror has failed"; }
 apt-config dump | grep -E '^Acquire::https?::Proxy' >"$root/etc/apt/apt.conf.d/proxy" || true
 mount -t proc proc "$root/proc" && mounted=yes || skip "/proc cannot be mounted"
-inside find / -xdev -path /proc -prune -o -path '/var/*' -prune -o -type f -path '*tessera*' -print >"$work/before"
+traces >"$work/before"
 
 mkdir "$root/packages"
 cp "$work"/packages/*.deb "$root/packages"
@@ -72,7 +77,7 @@ cmp "$root/root/alone.pfm" "$root/root/farm.pfm" || fail "the farm renders other
 
 quiet "removing" inside apt-get purge -y tessera tessera-coordinator tessera-worker libtessera libtessera-dev
 rm -r "$root/packages"
-inside find / -xdev -path /proc -prune -o -path '/var/*' -prune -o -type f -path '*tessera*' -print >"$work/after"
+traces >"$work/after"
 cmp "$work/before" "$work/after" || fail "removing leaves $(head -n 5 "$work/after")"
 
 # The libraries that apt installed for the packages are still there.

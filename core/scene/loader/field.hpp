@@ -23,6 +23,8 @@ struct Bounds {
 };
 
 namespace bounds {
+// Farther, the sine of the angle would lose its accuracy.
+inline constexpr Bounds kDegrees{[](double v) { return v >= -3600 && v <= 3600; }, "between -3600 and 3600"};
 inline constexpr Bounds kAny{[](double) { return true; }, "a number"};
 inline constexpr Bounds kCoordinate{[](double v) { return -1e15 <= v && v <= 1e15; },
                                     "a number between -1e15 and 1e15"};

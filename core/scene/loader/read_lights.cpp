@@ -11,8 +11,6 @@ namespace {
 using scene_keys::kLightTypes;
 
 constexpr Bounds kConeAngle{[](double v) { return v > 0 && v <= 180; }, "greater than 0 and at most 180"};
-// Farther, the sine of the angle would lose its accuracy.
-constexpr Bounds kDegrees{[](double v) { return v >= -3600 && v <= 3600; }, "between -3600 and 3600"};
 
 bool has_direction(Vec3 v) {
   return length_squared(v) > 0 && std::isfinite(length_squared(v));
@@ -87,7 +85,7 @@ EnvironmentDescription read_environment(const Field& field, const std::vector<Te
   EnvironmentDescription environment;
   environment.radiance.value = read_or(object, "radiance", environment.radiance.value, read_surroundings);
   environment.rotation_degrees =
-      read_or(object, "rotation_degrees", environment.rotation_degrees, read_float, kDegrees);
+      read_or(object, "rotation_degrees", environment.rotation_degrees, read_float, bounds::kDegrees);
   if (const auto name = object.find("texture")) {
     const int index = read_texture_name(*name, textures);
     environment.radiance.texture = index;

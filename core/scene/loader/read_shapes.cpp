@@ -17,8 +17,6 @@ using scene_keys::kShapeTypes;
 
 using Words = std::span<const std::string_view>;
 
-// Farther, the sine of the angle would lose its accuracy.
-constexpr Bounds kDegrees{[](double v) { return v >= -3600 && v <= 3600; }, "between -3600 and 3600"};
 
 Vec3 read_scale(const Field& field) {
   if (field.value().get_if<JsonValue::Array>()) return read_vec3(field, bounds::kNotZero);
@@ -30,7 +28,7 @@ Transform read_rotation(const Field& field) {
   const std::size_t mistakes_before = field.mistakes().count();
   const ObjectReader object(field, scene_keys::kRotation);
   const Vec3 axis = read_or(object, "axis", Vec3{0, 1, 0}, read_vec3, bounds::kAny);
-  const float degrees = read_or(object, "degrees", 0.0f, read_float, kDegrees);
+  const float degrees = read_or(object, "degrees", 0.0f, read_float, bounds::kDegrees);
   if (field.mistakes().count() > mistakes_before) return {};
   if (length(axis) > 0 && std::isfinite(length(axis))) return rotation(axis, degrees);
   field.mistake("'axis' must have a length that is greater than 0 and can be computed");
