@@ -99,10 +99,10 @@ Estimate estimate(const Scene& scene, const std::vector<PathVertex>& vertices, c
     for (std::uint32_t s = 0; s < kSamples; ++s) {
       // Without stratification, so that the samples' own spread tells the error of one.
       const auto u = Sampler(9, static_cast<int>(v), static_cast<int>(s), 0).pad(0);
-      const auto choice = choose(vertex.lit_point(), two_digits(u[2], u[3]));
+      const auto choice = choose(vertex.light_context(), combine_uniforms(u[2], u[3]));
       if (choice.light == kNoLight) continue;
       const auto light =
-          sample_light(scene.lights()[choice.light], scene.textures(), vertex.lit_point(), {u[0], u[1]});
+          sample_light(scene.lights()[choice.light], scene.textures(), vertex.light_context(), {u[0], u[1]});
       if (!light) continue;
       const Rgb scattered = vertex.evaluate(light->wi).value;
       if (is_black(scattered) || scene.bvh().any_hit(scene.primitives(), vertex.ray_toward(*light))) continue;
@@ -130,7 +130,7 @@ double seconds_per_choice(const std::vector<PathVertex>& vertices, const Choose&
   for (const PathVertex& vertex : vertices)
     for (int s = 0; s < kSamples; ++s) {
       const auto u = numbers(s, 0);
-      benchmark::DoNotOptimize(choose(vertex.lit_point(), two_digits(u[0], u[1])));
+      benchmark::DoNotOptimize(choose(vertex.light_context(), combine_uniforms(u[0], u[1])));
     }
   return (cpu_seconds() - start) / static_cast<double>(vertices.size() * kSamples);
 }
@@ -158,8 +158,10 @@ void measure(int lamps, int facets_per_lamp) {
   for (const Light& light : scene.lights()) powers.push_back(power(light, 1));
   const DiscreteDistribution by_power(powers);
   const auto vertices = visible_vertices(scene);
-  const auto tree_choice = [&](const LitPoint& point, double u) { return sampler.sample(point, u); };
-  const auto power_choice = [&](const LitPoint&, double u) {
+  const auto tree_choice = [&](const LightSampleContext& point, double u) {
+    return sampler.sample(point, u);
+  };
+  const auto power_choice = [&](const LightSampleContext&, double u) {
     const auto light = static_cast<std::uint32_t>(by_power.sample(u));
     return LightSampler::Choice{light, by_power.pmf(light)};
   };

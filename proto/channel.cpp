@@ -12,7 +12,7 @@ namespace {
 constexpr int kKeepaliveTimeMs = 10'000;
 constexpr int kKeepaliveTimeoutMs = 5'000;
 // Well below the clients' period: clocks differ.
-constexpr int kLeastPingIntervalMs = 5'000;
+constexpr int kMinPingIntervalMs = 5'000;
 // As many as it takes. By default gRPC stops after two in which nothing else was sent, and who only listens,
 // as when watching a job, would wait for ever for a peer that vanished.
 constexpr int kPingsWithoutData = 0;
@@ -93,7 +93,7 @@ void apply_server_options(grpc::ServerBuilder& builder, const Patience& patience
   // Also who has no call: a machine that vanished would keep its connection for ever.
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_PERMIT_WITHOUT_CALLS, 1);
   builder.AddChannelArgument(GRPC_ARG_HTTP2_MAX_PINGS_WITHOUT_DATA, kPingsWithoutData);
-  builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS, kLeastPingIntervalMs);
+  builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS, kMinPingIntervalMs);
   builder.AddChannelArgument(GRPC_ARG_HTTP2_BDP_PROBE, 0);
   builder.AddChannelArgument(GRPC_ARG_HTTP2_STREAM_LOOKAHEAD_BYTES, kLookaheadBytes);
 }

@@ -9,12 +9,11 @@
 
 namespace tessera::proto {
 
-inline constexpr std::size_t kMostNameBytes = 200;
-inline constexpr std::size_t kMostPathBytes = 4096;
+inline constexpr std::size_t kMaxNameBytes = 200;
+inline constexpr std::size_t kMaxPathBytes = 4096;
 
 // Whether it is short enough, and holds nothing but what can be shown in a line (core/base/printable.hpp).
 // `what` says in the error what it is the name of.
-core::Status check_text(std::string_view what, std::string_view text,
-                        std::size_t most_bytes = kMostNameBytes);
+core::Status check_text(std::string_view what, std::string_view text, std::size_t most_bytes = kMaxNameBytes);
 
 }  // namespace tessera::proto

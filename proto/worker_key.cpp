@@ -13,7 +13,7 @@ std::string worker_id_of(const std::string& worker_key) {
   return digest_of(worker_key).hex().substr(0, kIdDigits);
 }
 
-std::string machine_of(const std::string& worker_key) {
+std::string client_key(const std::string& worker_key) {
   if (worker_key.size() != kWorkerKeyBytes) return "";
   return digest_of(worker_key.substr(0, kMachineKeyBytes)).hex().substr(0, kIdDigits);
 }

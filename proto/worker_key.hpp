@@ -16,6 +16,6 @@ std::string worker_id_of(const std::string& worker_key);
 
 // 32 lower-case hexadecimal digits that tell its machine from others, and nothing of the machine's key. Empty
 // for what is no worker's key.
-std::string machine_of(const std::string& worker_key);
+std::string client_key(const std::string& worker_key);
 
 }  // namespace tessera::proto

@@ -14,13 +14,13 @@ namespace tessera::server {
 namespace {
 
 constexpr std::uint64_t kMany = 1'000'000'000;
-constexpr std::uint64_t kMostMib = std::uint64_t{1} << 30;  // a pebibyte
+constexpr std::uint64_t kMaxMib = std::uint64_t{1} << 30;  // a pebibyte
 // Less than a validator maps before it reads anything, and results of workers do not fit into less.
-constexpr std::uint64_t kLeastValidatorMib = 128;
-constexpr int kLeastMessageMib = 16, kMostMessageMib = 1024;
+constexpr std::uint64_t kMinValidatorMib = 128;
+constexpr int kMinMessageMib = 16, kMaxMessageMib = 1024;
 // What a texture can have in any case.
-constexpr std::uint64_t kMostTexturePixels = std::uint64_t{1} << 28;
-constexpr double kMostSeconds = 86400;
+constexpr std::uint64_t kMaxTexturePixels = std::uint64_t{1} << 28;
+constexpr double kMaxSeconds = 86400;
 
 template <typename T>
 void add(CLI::App& app, const char* flag, T& value, T least, T most, const char* what) {
@@ -39,7 +39,7 @@ void add_seconds(CLI::App& app, const char* flag, std::chrono::milliseconds& val
            value = std::chrono::duration_cast<std::chrono::milliseconds>(Seconds(seconds));
          },
          what)
-      ->check(proto::number_between(1.0, kMostSeconds))
+      ->check(proto::number_between(1.0, kMaxSeconds))
       ->type_name("N")
       ->default_str(std::to_string(std::chrono::duration_cast<std::chrono::seconds>(value).count()))
       ->group("Limits");
@@ -55,17 +55,18 @@ void add_job_flags(CLI::App& app, Limits& limits) {
 }
 
 void add_scene_flags(CLI::App& app, Limits& limits) {
-  add<std::uint64_t>(app, "--max-bundle-mib", limits.bundle_mib, 1, kMostMib,
+  add<std::uint64_t>(app, "--max-bundle-mib", limits.bundle_mib, 1, kMaxMib,
                      "Most MiB of a scene with all its files");
-  add<std::uint64_t>(app, "--max-blob-mib", limits.blob_mib, 1, kMostMib, "Most MiB of one file of a scene");
-  add<std::uint64_t>(app, "--max-store-mib", limits.store_mib, 1, kMostMib,
+  add<std::uint64_t>(app, "--max-blob-mib", limits.blob_mib, 1, kMaxMib, "Most MiB of one file of a scene");
+  add<std::uint64_t>(app, "--max-store-mib", limits.store_mib, 1, kMaxMib,
                      "Most MiB of the files of all scenes, uploads in progress included");
   add<std::uint64_t>(app, "--max-uploads", limits.uploads, 1, kMany, "Most uploads at once");
   add<std::uint64_t>(app, validator::kTrianglesFlag, limits.triangles, 1, kMany,
                      "Most triangles of a scene's meshes");
-  add<std::uint64_t>(app, validator::kLightsFlag, limits.lights, 1, kMany,
-                     "Most lights of a scene: emissive triangles, quads and spheres, again for every instance");
-  add<std::uint64_t>(app, validator::kTexturePixelsFlag, limits.texture_pixels, 1, kMostTexturePixels,
+  add<std::uint64_t>(
+      app, validator::kLightsFlag, limits.lights, 1, kMany,
+      "Most lights of a scene: emissive triangles, quads and spheres, again for every instance");
+  add<std::uint64_t>(app, validator::kTexturePixelsFlag, limits.texture_pixels, 1, kMaxTexturePixels,
                      "Most pixels of a texture");
   add<std::uint64_t>(app, validator::kSceneTexturePixelsFlag, limits.scene_texture_pixels, 1,
                      std::numeric_limits<std::uint32_t>::max() * kMib,
@@ -76,7 +77,7 @@ void add_validator_flags(CLI::App& app, Limits& limits) {
   add(app, "--validations", limits.validations, 1, 256, "Most scenes that are validated at once");
   add<std::uint64_t>(app, "--max-waiting-scenes", limits.waiting_scenes, 1, kMany,
                      "Most scenes that wait to be validated");
-  add<std::uint64_t>(app, validator::kMemoryFlag, limits.validator_mib, kLeastValidatorMib, kMostMib,
+  add<std::uint64_t>(app, validator::kMemoryFlag, limits.validator_mib, kMinValidatorMib, kMaxMib,
                      "Most MiB of memory for validating one scene");
   add_seconds(app, validator::kSecondsFlag, limits.validation_time, "Most seconds for validating one scene");
 }
@@ -88,11 +89,11 @@ void add_call_flags(CLI::App& app, Limits& limits) {
                      "Most connections of one machine (an IPv4 address, or 64 bits of an IPv6 address)");
   add<std::uint64_t>(app, "--max-fetches", limits.fetches, 1, kMany, "Most files that workers fetch at once");
   add<std::uint64_t>(app, "--max-watches", limits.watches, 1, kMany, "Most jobs that are watched at once");
-  add<std::uint64_t>(app, "--max-image-mib", limits.image_mib, 1, kMostMib,
+  add<std::uint64_t>(app, "--max-image-mib", limits.image_mib, 1, kMaxMib,
                      "Most MiB of memory for images that are downloaded at once; one is always served");
   add_seconds(app, "--stall-seconds", limits.stall_time,
               "End an upload, download or watch whose caller takes nothing for so many seconds");
-  add(app, "--max-message-mib", limits.message_mib, kLeastMessageMib, kMostMessageMib,
+  add(app, "--max-message-mib", limits.message_mib, kMinMessageMib, kMaxMessageMib,
       "Most MiB of one message");
   add(app, "--max-calls-per-second", limits.calls_per_second, 1.0, 1e9,
       "Most calls a second of one submitter (without --tokens: of one machine) or one worker; bursts can "

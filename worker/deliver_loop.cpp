@@ -37,7 +37,7 @@ proto::RetryPolicy unless_refused(proto::RetryPolicy inner) {
 
 void DeliverLoop::run(const std::stop_token& stop) {
   const proto::RetryPolicy policy = unless_refused(proto::exponential_backoff(kDeliveryBackoff));
-  while (const auto delivery = holdings_.next_delivery(stop)) {
+  while (const auto delivery = lease_tracker_.next_delivery(stop)) {
     const v1::SubmitResultRequest request = encode(*delivery);
     v1::SubmitResultResponse response;
     const core::Status done =
@@ -46,7 +46,7 @@ void DeliverLoop::run(const std::stop_token& stop) {
     if (!done)
       spdlog::error("job {}: the coordinator refused {} items: {}", delivery->job_id, delivery->tiles.size(),
                     done.error().message);
-    holdings_.delivered(*delivery, response);
+    lease_tracker_.delivered(*delivery, response);
   }
 }
 
@@ -54,7 +54,7 @@ v1::SubmitResultRequest DeliverLoop::encode(const Delivery& delivery) const {
   v1::SubmitResultRequest request;
   request.set_worker_id(identity_.worker_id);
   request.set_version(identity_.version);
-  request.set_arithmetic_fingerprint(identity_.arithmetic_fingerprint);
+  request.set_determinism_fingerprint(identity_.determinism_fingerprint);
   request.set_job_id(delivery.job_id);
   request.set_lease_id(delivery.lease_id);
   request.set_lease_token(delivery.lease_token);
@@ -62,7 +62,7 @@ v1::SubmitResultRequest DeliverLoop::encode(const Delivery& delivery) const {
   *request.mutable_render_time() = google::protobuf::util::TimeUtil::NanosecondsToDuration(
       std::chrono::duration_cast<std::chrono::nanoseconds>(delivery.render_time).count());
   request.set_lease_finished(delivery.lease_finished);
-  request.set_cannot_build(delivery.cannot_build);
+  request.set_decline_reason(delivery.decline_reason);
   request.mutable_held_lease_ids()->Add(delivery.held_besides.begin(), delivery.held_besides.end());
   return request;
 }

@@ -7,17 +7,17 @@
 
 #include "core/base/error.hpp"
 #include "tessera/v1/worker_service.grpc.pb.h"
-#include "worker/holdings.hpp"
 #include "worker/identity.hpp"
+#include "worker/lease_tracker.hpp"
 
 namespace tessera::worker {
 
 class DeliverLoop {
  public:
-  DeliverLoop(Identity identity, v1::WorkerService::StubInterface& coordinator, Holdings& holdings)
-      : identity_(std::move(identity)), coordinator_(coordinator), holdings_(holdings) {}
+  DeliverLoop(Identity identity, v1::WorkerService::StubInterface& coordinator, LeaseTracker& lease_tracker)
+      : identity_(std::move(identity)), coordinator_(coordinator), lease_tracker_(lease_tracker) {}
 
-  // Returns when all is delivered after Holdings::drain(), or after a stop, which gives up what is left.
+  // Returns when all is delivered after LeaseTracker::drain(), or after a stop, which gives up what is left.
   void run(const std::stop_token& stop);
 
  private:
@@ -27,7 +27,7 @@ class DeliverLoop {
 
   const Identity identity_;
   v1::WorkerService::StubInterface& coordinator_;
-  Holdings& holdings_;
+  LeaseTracker& lease_tracker_;
 };
 
 }  // namespace tessera::worker

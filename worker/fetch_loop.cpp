@@ -12,13 +12,13 @@
 namespace tessera::worker {
 
 void FetchLoop::run(const std::stop_token& stop) {
-  while (const auto spec = holdings_.next_to_fetch(stop)) {
+  while (const auto spec = lease_tracker_.next_to_fetch(stop)) {
     auto job = fetch_or_run_out(*spec, stop);
     if (job) {
-      holdings_.fetched(std::move(*job));
+      lease_tracker_.fetched(std::move(*job));
     } else if (!stop.stop_requested()) {
       spdlog::error("job {}: {}", spec->job_id(), job.error().message);
-      holdings_.cannot_fetch(spec->job_id(), "cannot fetch " + job.error().message);
+      lease_tracker_.cannot_fetch(spec->job_id(), "cannot fetch " + job.error().message);
     }
   }
 }

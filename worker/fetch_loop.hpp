@@ -7,14 +7,15 @@
 #include "core/base/error.hpp"
 #include "tessera/v1/worker_service.grpc.pb.h"
 #include "worker/blob_cache.hpp"
-#include "worker/holdings.hpp"
+#include "worker/lease_tracker.hpp"
 
 namespace tessera::worker {
 
 class FetchLoop {
  public:
-  FetchLoop(const BlobCache& cache, v1::WorkerService::StubInterface& coordinator, Holdings& holdings)
-      : cache_(cache), coordinator_(coordinator), holdings_(holdings) {}
+  FetchLoop(const BlobCache& cache, v1::WorkerService::StubInterface& coordinator,
+            LeaseTracker& lease_tracker)
+      : cache_(cache), coordinator_(coordinator), lease_tracker_(lease_tracker) {}
 
   // Returns after a stop. What may pass by itself is tried again; a job whose files cannot be had is logged,
   // and its leases are given back.
@@ -29,7 +30,7 @@ class FetchLoop {
 
   const BlobCache& cache_;
   v1::WorkerService::StubInterface& coordinator_;
-  Holdings& holdings_;
+  LeaseTracker& lease_tracker_;
 };
 
 }  // namespace tessera::worker

@@ -1,5 +1,5 @@
 // One lease on its way through a worker: what is still to be rendered of it, what is being rendered, what
-// waits to be delivered. Plain state with the rules that need no other lease; not thread-safe (Holdings
+// waits to be delivered. Plain state with the rules that need no other lease; not thread-safe (LeaseTracker
 // guards it).
 //
 //   todo ──take──▶ rendering ──rendered──▶ growing ──flush──▶ ready ──take_batch──▶ delivering ──delivered──▶
@@ -31,7 +31,7 @@ struct Delivery {
   Duration render_time{};
   bool lease_finished = false;
   // Why the lease is given back, if its scene cannot be built.
-  std::string cannot_build;
+  std::string decline_reason;
   // All other leases that are held; empty if none should be given for this one.
   std::vector<std::uint64_t> held_besides;
 };

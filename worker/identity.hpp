@@ -10,7 +10,7 @@ struct Identity {
   std::string worker_id{};  // 32 hexadecimal digits, random
   std::string name{};
   std::string version{};
-  std::string arithmetic_fingerprint{};
+  std::string determinism_fingerprint{};
   std::uint32_t threads = 1;
   std::string worker_key{};  // worker_id is its hash (proto/worker_key.hpp); never logged
 };

@@ -3,8 +3,8 @@
 
 #include <cstdlib>
 
-#include "core/base/version.hpp"
 #include "core/base/standard_streams.hpp"
+#include "core/base/version.hpp"
 #include "core/integrators/fingerprint.hpp"
 #include "proto/log.hpp"
 #include "proto/secret_file.hpp"
@@ -12,8 +12,8 @@
 #include "proto/worker_key.hpp"
 #include "worker/machine_key.hpp"
 #include "worker/options.hpp"
+#include "worker/self_restart.hpp"
 #include "worker/signals.hpp"
-#include "worker/start_anew.hpp"
 #include "worker/worker.hpp"
 
 namespace {
@@ -54,12 +54,12 @@ int run(const worker::Options& options, char** arguments) {
   worker::Identity identity{.worker_id = proto::worker_id_of(key),
                             .name = options.name,
                             .version = std::string(core::version()),
-                            .arithmetic_fingerprint = core::arithmetic_fingerprint(),
+                            .determinism_fingerprint = core::determinism_fingerprint(),
                             .threads = options.threads,
                             .worker_key = key};
   spdlog::info("worker {} ({}) with {} threads, for the coordinator at {}, cache {}", options.name,
                identity.worker_id, options.threads, options.coordinator, options.cache);
-  worker::Worker::Options how = worker::that_starts_anew(arguments, signals);
+  worker::Worker::Options how = worker::with_self_restart(arguments, signals);
   how.explain = explaining(options);
   worker::Worker worker(std::move(identity), *cache, *coordinator, std::move(how));
   const core::Status done = worker.run(signals.token());

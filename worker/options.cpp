@@ -11,9 +11,9 @@
 #include <system_error>
 #include <thread>
 
+#include "core/base/version.hpp"
 #include "core/cli/help.hpp"
 #include "core/cli/parse.hpp"
-#include "core/base/version.hpp"
 #include "proto/number_range.hpp"
 #include "proto/security_flags.hpp"
 #include "proto/text.hpp"
@@ -21,7 +21,7 @@
 namespace tessera::worker {
 namespace {
 
-constexpr unsigned kMostThreads = 1024;
+constexpr unsigned kMaxThreads = 1024;
 
 const cli::HelpText kHelp{
     .notes =
@@ -71,10 +71,11 @@ Options parse_options(int argc, char** argv) {
       ->type_name("HOST:PORT")
       ->capture_default_str();
   app.add_option("--threads", options.threads, "Number of threads [default: one per processor]")
-      ->check(proto::number_between(1u, kMostThreads))
+      ->check(proto::number_between(1u, kMaxThreads))
       ->type_name("N");
   app.add_option("--cache", options.cache,
-                 "Folder for the files of scenes and for built scenes, writable by this user alone; workers can share it "
+                 "Folder for the files of scenes and for built scenes, writable by this user alone; workers "
+                 "can share it "
                  "[default: ~/.cache/tessera]")
       ->type_name("DIR");
   app.add_option("--cache-gib", options.cache_gib,

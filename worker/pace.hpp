@@ -22,14 +22,14 @@ class Pace {
   void measured(const std::string& job_id, std::uint64_t samples, std::chrono::duration<double> took) {
     const double fitting = static_cast<double>(samples) * kPieceSeconds / std::max(took.count(), 1e-6);
     // Growth is limited, since a tile of sky says little about the next.
-    const double most = static_cast<double>(kMostGrowth * std::max(samples, kFirstSamples));
+    const double most = static_cast<double>(kMaxGrowth * std::max(samples, kFirstSamples));
     job_id_ = job_id;
     target_ = static_cast<std::uint64_t>(std::min(fitting, most));
   }
 
  private:
   static constexpr std::uint64_t kFirstSamples = core::kTilePx * core::kTilePx;
-  static constexpr std::uint64_t kMostGrowth = 4;
+  static constexpr std::uint64_t kMaxGrowth = 4;
   static constexpr double kPieceSeconds = 0.25;
 
   std::string job_id_;

@@ -26,15 +26,16 @@ bool files_are_here(const SceneFiles& files) {
 
 }  // namespace
 
-RenderLoop::RenderLoop(int threads, Holdings& holdings, std::optional<core::SceneStore> store, Render render)
+RenderLoop::RenderLoop(int threads, LeaseTracker& lease_tracker, std::optional<core::SceneStore> store,
+                       Render render)
     : threads_(threads),
       render_(std::move(render)),
-      holdings_(holdings),
+      lease_tracker_(lease_tracker),
       scenes_(kScenesKept, threads, std::move(store)) {}
 
 void RenderLoop::run(const std::stop_token& stop) {
   const auto size_piece = [this](const std::string& job_id) { return pace_.target_samples(job_id); };
-  while (const auto piece = holdings_.take(stop, size_piece)) render(*piece);
+  while (const auto piece = lease_tracker_.take(stop, size_piece)) render(*piece);
 }
 
 // Scenes of other jobs that are kept may be what takes the memory: it is tried once more without them.
@@ -54,7 +55,7 @@ void RenderLoop::render(const Piece& piece) {
 
 void RenderLoop::decline(const Piece& piece, const std::string& why) {
   spdlog::error("job {}: {}", piece.job->id, why);
-  holdings_.cannot_render(piece, why);
+  lease_tracker_.cannot_render(piece, why);
 }
 
 void RenderLoop::try_to_render(const Piece& piece) {
@@ -63,17 +64,17 @@ void RenderLoop::try_to_render(const Piece& piece) {
   if (!scene && !files_are_here(piece.job->files)) {
     // Files that were removed from the cache meanwhile say nothing of the scene: they are fetched again.
     spdlog::error("job {}: {}", piece.job->id, scene.error().message);
-    return holdings_.cannot_render(piece, "");
+    return lease_tracker_.cannot_render(piece, "");
   }
   if (!scene) return decline(piece, scene.error().message);
-  holdings_.begins(piece);
+  lease_tracker_.begins(piece);
   const auto start = std::chrono::steady_clock::now();
   core::FilmTile tile = render_(**scene, piece.job->settings, piece.item.rect, piece.item.range, threads_);
   const auto took = std::chrono::steady_clock::now() - start;
   const std::uint64_t samples = piece.item.rect.pixel_count() * piece.item.range.count();
   samples_ += samples;
   pace_.measured(piece.job->id, samples, took);
-  holdings_.rendered(piece, std::move(tile), took);
+  lease_tracker_.rendered(piece, std::move(tile), took);
 }
 
 }  // namespace tessera::worker

@@ -9,7 +9,7 @@
 #include <stop_token>
 
 #include "core/integrators/render.hpp"
-#include "worker/holdings.hpp"
+#include "worker/lease_tracker.hpp"
 #include "worker/pace.hpp"
 #include "worker/scene_cache.hpp"
 
@@ -21,7 +21,7 @@ class RenderLoop {
   using Render = std::function<core::FilmTile(const core::Scene&, const core::RenderSettings&,
                                               core::PixelRect, core::SampleRange, int threads)>;
 
-  RenderLoop(int threads, Holdings& holdings, std::optional<core::SceneStore> store = {},
+  RenderLoop(int threads, LeaseTracker& lease_tracker, std::optional<core::SceneStore> store = {},
              Render render = core::render);
 
   // Returns after a stop, at the end of the piece in hand. A job whose scene cannot be built is logged, and
@@ -38,7 +38,7 @@ class RenderLoop {
 
   const int threads_;
   const Render render_;
-  Holdings& holdings_;
+  LeaseTracker& lease_tracker_;
   SceneCache scenes_;
   Pace pace_;
   std::atomic<std::uint64_t> samples_ = 0;

@@ -43,9 +43,9 @@ core::Status SyncLoop::run(const std::stop_token& stop) {
     if (response) {
       failures = 0;
       note_success();
-      deadline = std::chrono::milliseconds(TimeUtil::DurationToMilliseconds(response->heard_within())) +
+      deadline = std::chrono::milliseconds(TimeUtil::DurationToMilliseconds(response->heartbeat_timeout())) +
                  kDeadlineSlack;
-      const bool changed = holdings_.apply(*response);
+      const bool changed = lease_tracker_.apply(*response);
       if (!changed && std::chrono::steady_clock::now() - start < kShortestExchange)
         wait_for(stop, kShortestExchange);
     } else {
@@ -72,10 +72,10 @@ core::Result<v1::SynchronizeResponse> SyncLoop::synchronize(const std::stop_toke
   request.set_worker_id(identity_.worker_id);
   request.set_name(identity_.name);
   request.set_version(identity_.version);
-  request.set_arithmetic_fingerprint(identity_.arithmetic_fingerprint);
+  request.set_determinism_fingerprint(identity_.determinism_fingerprint);
   request.set_threads(identity_.threads);
   request.set_worker_key(identity_.worker_key);
-  holdings_.report(request);
+  lease_tracker_.report(request);
 
   StoppableCall call(stop, deadline);
   v1::SynchronizeResponse response;
@@ -103,7 +103,7 @@ void SyncLoop::note_failure(const core::Error& error) {
   }
 }
 
-void SyncLoop::say_goodbye() {
+void SyncLoop::deregister() {
   const auto response = synchronize(std::stop_token(), kGoodbyeDeadline);
   if (!response && response.error().code != core::ErrorCode::kDeadlineExceeded)
     spdlog::warn("could not tell the coordinator that this worker leaves: {}", response.error().message);

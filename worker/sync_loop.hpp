@@ -12,8 +12,8 @@
 #include "proto/retry.hpp"
 #include "proto/status.hpp"
 #include "tessera/v1/worker_service.grpc.pb.h"
-#include "worker/holdings.hpp"
 #include "worker/identity.hpp"
+#include "worker/lease_tracker.hpp"
 
 namespace tessera::worker {
 
@@ -27,14 +27,14 @@ class SyncLoop {
                                                          .longest = std::chrono::seconds(60)};
 
   SyncLoop(
-      Identity identity, v1::WorkerService::StubInterface& coordinator, Holdings& holdings,
+      Identity identity, v1::WorkerService::StubInterface& coordinator, LeaseTracker& lease_tracker,
       Explain explain = [](const grpc::Status& status) { return proto::error_from_grpc(status); },
       proto::BackoffOptions refusal_backoff = kRefusalBackoff)
       : identity_(std::move(identity)),
         explain_(std::move(explain)),
         refusal_backoff_(refusal_backoff),
         coordinator_(coordinator),
-        holdings_(holdings) {}
+        lease_tracker_(lease_tracker) {}
 
   // Returns after a stop, or with PERMISSION_DENIED if the coordinator does not accept this worker's
   // credentials the first time. Whatever else goes wrong is tried again, forever; where the coordinator
@@ -43,7 +43,7 @@ class SyncLoop {
 
   // Tells the coordinator that this worker leaves. Blocks a few seconds at most; nobody depends on its
   // success.
-  void say_goodbye();
+  void deregister();
 
  private:
   core::Result<v1::SynchronizeResponse> synchronize(const std::stop_token& stop, proto::Duration deadline);
@@ -55,7 +55,7 @@ class SyncLoop {
   const Explain explain_;
   const proto::BackoffOptions refusal_backoff_;
   v1::WorkerService::StubInterface& coordinator_;
-  Holdings& holdings_;
+  LeaseTracker& lease_tracker_;
   bool connected_ = false;
   std::set<std::string> told_reasons_;  // why it is not answered; empty while it is
 };

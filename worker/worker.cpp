@@ -9,7 +9,7 @@
 #include "core/scene/cache/scene_store.hpp"
 #include "worker/deliver_loop.hpp"
 #include "worker/fetch_loop.hpp"
-#include "worker/holdings.hpp"
+#include "worker/lease_tracker.hpp"
 #include "worker/waiting.hpp"
 
 namespace tessera::worker {
@@ -49,15 +49,16 @@ Worker::Worker(Identity identity, const BlobCache& cache, v1::WorkerService::Stu
       options_(std::move(options)) {}
 
 core::Status Worker::run(const std::stop_token& stop) {
-  Holdings holdings;
-  SyncLoop sync(identity_, coordinator_, holdings, options_.explain);
-  FetchLoop fetch(cache_, coordinator_, holdings);
-  RenderLoop render(static_cast<int>(identity_.threads), holdings, open_scene_store(cache_), options_.render);
-  DeliverLoop deliver(identity_, coordinator_, holdings);
+  LeaseTracker lease_tracker;
+  SyncLoop sync(identity_, coordinator_, lease_tracker, options_.explain);
+  FetchLoop fetch(cache_, coordinator_, lease_tracker);
+  RenderLoop render(static_cast<int>(identity_.threads), lease_tracker, open_scene_store(cache_),
+                    options_.render);
+  DeliverLoop deliver(identity_, coordinator_, lease_tracker);
 
   std::stop_source working;  // ends with a stop, or when the coordinator refuses this worker
   const std::stop_callback end_work(stop, [&] { working.request_stop(); });
-  const std::stop_callback want_nothing(working.get_token(), [&] { holdings.want_nothing(); });
+  const std::stop_callback drop_all_wanted(working.get_token(), [&] { lease_tracker.drop_all_wanted(); });
 
   core::Status accepted;
   std::thread sync_thread([&] {
@@ -78,17 +79,17 @@ core::Status Worker::run(const std::stop_token& stop) {
     rendering.request_stop();
   });
 
-  const auto endless = holdings.abandon_endless(rendering.get_token(), options_.overtime);
+  const auto endless = lease_tracker.abandon_endless(rendering.get_token(), options_.hang_timeout);
   if (endless) spdlog::warn("{}", describe(*endless));
   working.request_stop();
-  holdings.drain();
+  lease_tracker.drain();
   sync_thread.join();
   fetch_thread.join();
   if (!accepted || wait_for(all_delivered.get_token(), options_.drain_deadline)) delivering.request_stop();
   deliver_thread.join();
-  if (accepted) sync.say_goodbye();
+  if (accepted) sync.deregister();
   spdlog::info("has rendered {} samples", render.samples());
-  if (endless) options_.start_anew(*endless, accepted);
+  if (endless) options_.self_restart(*endless, accepted);
   render_thread.join();
   return accepted;
 }

@@ -9,7 +9,7 @@
 #include "proto/retry.hpp"
 #include "tessera/v1/worker_service.grpc.pb.h"
 #include "worker/blob_cache.hpp"
-#include "worker/overtime.hpp"
+#include "worker/hang_watchdog.hpp"
 #include "worker/render_loop.hpp"
 #include "worker/sync_loop.hpp"
 
@@ -24,11 +24,13 @@ class Worker {
     SyncLoop::Explain explain = [](const grpc::Status& status) { return proto::error_from_grpc(status); };
     RenderLoop::Render render = core::render;
     // How long a piece is rendered for nobody before it is taken for endless.
-    Holdings::Overtime overtime = [](const UnwantedPiece& piece) { return longest_overtime(piece, 0); };
+    LeaseTracker::HangTimeout hang_timeout = [](const UnwantedPiece& piece) {
+      return compute_hang_timeout(piece, 0);
+    };
     // Replaces this process, since nothing ends the threads that are at such a piece. Called when everything
     // else is delivered. Should it return, the piece is waited for.
-    std::function<void(const UnwantedPiece&, const core::Status&)> start_anew = [](const UnwantedPiece&,
-                                                                                   const core::Status&) {};
+    std::function<void(const UnwantedPiece&, const core::Status&)> self_restart = [](const UnwantedPiece&,
+                                                                                     const core::Status&) {};
   };
 
   // All three must outlive the worker.

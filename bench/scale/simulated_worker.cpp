@@ -15,7 +15,7 @@ namespace {
 constexpr std::uint32_t kWantedLeases = 2;
 // Before a failed call is tried again, or a Synchronize that was answered without news is repeated.
 constexpr double kRetrySeconds = 0.1, kShortestExchangeSeconds = 0.05;
-constexpr std::size_t kMostItemsPerDelivery = 42;  // 8 MiB of sums
+constexpr std::size_t kMaxItemsPerDelivery = 42;  // 8 MiB of sums
 const std::string kArithmetic(core::kDeterminismFingerprint);
 
 // Of as many bytes as there are in a worker's.
@@ -79,11 +79,11 @@ void SimulatedWorker::report(v1::SynchronizeRequest& request) const {
   request.set_worker_key(key_);
   request.set_name(name_);
   request.set_version("simulated");
-  request.set_arithmetic_fingerprint(kArithmetic);
+  request.set_determinism_fingerprint(kArithmetic);
   request.set_threads(1);
   request.set_wanted_leases(kWantedLeases);
   for (const std::string& job : known_jobs_) request.add_known_job_ids(job);
-  for (const Held& held : leases_) {
+  for (const HeldLease& held : leases_) {
     v1::Lease& lease = *request.add_held();
     lease.set_id(held.id);
     lease.set_job_id(held.job_id);
@@ -119,9 +119,9 @@ bool SimulatedWorker::apply(const SyncCall& call) {
   for (const v1::JobSpec& job : call.response.jobs()) known_jobs_.insert(job.job_id());
   std::set<std::uint64_t> wanted = just_given_;
   for (const v1::Lease& lease : call.response.leases()) wanted.insert(lease.id());
-  for (Held& held : leases_)
+  for (HeldLease& held : leases_)
     if (!wanted.contains(held.id)) held.todo.clear();
-  std::erase_if(leases_, [&](const Held& held) {
+  std::erase_if(leases_, [&](const HeldLease& held) {
     return !wanted.contains(held.id) && held.is_finished() && held.delivering.empty();
   });
   bool changed = false;
@@ -132,7 +132,7 @@ bool SimulatedWorker::apply(const SyncCall& call) {
 
 bool SimulatedWorker::add_lease(const v1::Lease& lease) {
   if (find(lease.id()) != nullptr || just_finished_.contains(lease.id())) return false;
-  Held held{lease.id(), lease.job_id(), lease.token(), {}, {}, {}, {}, 0};
+  HeldLease held{lease.id(), lease.job_id(), lease.token(), {}, {}, {}, {}, 0};
   for (const v1::WorkItem& item : lease.items())
     if (const auto read = proto::from_proto(item)) held.todo.push_back(*read);
   leases_.push_back(std::move(held));
@@ -145,9 +145,9 @@ void SimulatedWorker::note_next_lease() {
   world_.tally.note([&](Counts& counts) { counts.next_lease_seconds.push_back(waited); });
 }
 
-SimulatedWorker::Held* SimulatedWorker::find(std::uint64_t lease_id) {
+SimulatedWorker::HeldLease* SimulatedWorker::find(std::uint64_t lease_id) {
   const auto held =
-      std::find_if(leases_.begin(), leases_.end(), [&](const Held& h) { return h.id == lease_id; });
+      std::find_if(leases_.begin(), leases_.end(), [&](const HeldLease& h) { return h.id == lease_id; });
   return held == leases_.end() ? nullptr : &*held;
 }
 
@@ -156,7 +156,7 @@ SimulatedWorker::Held* SimulatedWorker::find(std::uint64_t lease_id) {
 void SimulatedWorker::render_next() {
   if (rendering_) return;
   const auto next =
-      std::find_if(leases_.begin(), leases_.end(), [](const Held& held) { return !held.todo.empty(); });
+      std::find_if(leases_.begin(), leases_.end(), [](const HeldLease& held) { return !held.todo.empty(); });
   if (next == leases_.end()) return;
   next->rendering = next->todo.front();
   next->todo.pop_front();
@@ -168,7 +168,7 @@ void SimulatedWorker::render_next() {
 }
 
 void SimulatedWorker::rendered(std::uint64_t lease_id) {
-  Held& held = *find(lease_id);
+  HeldLease& held = *find(lease_id);
   const proto::WorkItem item = *std::exchange(held.rendering, std::nullopt);
   const double samples = static_cast<double>(item.rect.pixel_count()) * item.range.count();
   const double seconds = samples / speed_.samples_per_second;
@@ -185,11 +185,11 @@ void SimulatedWorker::rendered(std::uint64_t lease_id) {
 void SimulatedWorker::deliver_next() {
   if (delivering_) return;
   const auto next =
-      std::find_if(leases_.begin(), leases_.end(), [](const Held& held) { return !held.ready.empty(); });
+      std::find_if(leases_.begin(), leases_.end(), [](const HeldLease& held) { return !held.ready.empty(); });
   if (next == leases_.end()) return;
   auto call = std::make_shared<SubmitCall>();
   v1::SubmitResultRequest& request = call->request;
-  const std::size_t count = std::min(next->ready.size(), kMostItemsPerDelivery);
+  const std::size_t count = std::min(next->ready.size(), kMaxItemsPerDelivery);
   const auto end = next->ready.begin() + static_cast<std::ptrdiff_t>(count);
   next->delivering.assign(next->ready.begin(), end);
   next->ready.erase(next->ready.begin(), end);
@@ -197,13 +197,13 @@ void SimulatedWorker::deliver_next() {
     *request.add_items() = world_.tiles.rendered(item, ++delivered_items_);
   request.set_worker_id(id_);
   request.set_version("simulated");
-  request.set_arithmetic_fingerprint(kArithmetic);
+  request.set_determinism_fingerprint(kArithmetic);
   request.set_job_id(next->job_id);
   request.set_lease_id(next->id);
   request.set_lease_token(next->token);
   request.set_lease_finished(next->is_finished());
   if (request.lease_finished())
-    for (const Held& other : leases_)
+    for (const HeldLease& other : leases_)
       if (other.id != next->id) request.add_held_lease_ids(other.id);
   const double seconds = std::exchange(next->ready_seconds, 0);
   request.mutable_render_time()->set_seconds(static_cast<std::int64_t>(seconds));
@@ -247,7 +247,7 @@ void SimulatedWorker::delivered(const std::shared_ptr<SubmitCall>& call, const g
   find(id)->delivering.clear();
   if (call->request.lease_finished()) {
     just_finished_.insert(id);
-    std::erase_if(leases_, [&](const Held& held) { return held.id == id; });
+    std::erase_if(leases_, [&](const HeldLease& held) { return held.id == id; });
   }
   for (const v1::JobSpec& job : call->response.jobs()) known_jobs_.insert(job.job_id());
   for (const v1::Lease& lease : call->response.new_leases())

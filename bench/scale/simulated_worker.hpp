@@ -47,7 +47,7 @@ class SimulatedWorker : public std::enable_shared_from_this<SimulatedWorker> {
 
  private:
   using Clock = Timeline::Clock;
-  struct Held {
+  struct HeldLease {
     std::uint64_t id = 0;
     std::string job_id;
     std::string token;
@@ -80,7 +80,7 @@ class SimulatedWorker : public std::enable_shared_from_this<SimulatedWorker> {
   void deliver_next();
   void submit(std::shared_ptr<SubmitCall> call);
   void delivered(const std::shared_ptr<SubmitCall>& call, const grpc::Status& status);
-  Held* find(std::uint64_t lease_id);
+  HeldLease* find(std::uint64_t lease_id);
   // Does it with mutex_ held, unless the worker has stopped.
   template <typename Action>
   void later(double seconds, Action action);
@@ -93,7 +93,7 @@ class SimulatedWorker : public std::enable_shared_from_this<SimulatedWorker> {
 
   std::mutex mutex_;
   // Guarded by mutex_:
-  std::deque<Held> leases_;
+  std::deque<HeldLease> leases_;
   std::set<std::string> known_jobs_;
   // Since the last Synchronize was sent: delivered; or given with the answer to a delivery.
   std::set<std::uint64_t> just_finished_, just_given_;

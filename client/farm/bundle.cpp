@@ -106,7 +106,7 @@ core::Result<LocalBundle> bundle_scene(const std::string& scene_path,
   if (!scene) return fail(scene.error());
   if (!distinct) return fail(distinct.error().within(scene_path));
   for (const auto& [path, digest] : digests) {
-    if (const core::Status fit = proto::check_text("the name of a file", path, proto::kMostPathBytes); !fit)
+    if (const core::Status fit = proto::check_text("the name of a file", path, proto::kMaxPathBytes); !fit)
       return fail(fit.error().within(scene_path));
   }
   const auto settings = core::resolve_settings(scene->settings, overrides);

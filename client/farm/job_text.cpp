@@ -70,23 +70,23 @@ std::string crop_text(const v1::RenderSettings& settings) {
 }
 
 std::string state_of(const v1::ListWorkersResponse::Worker& worker) {
-  if (worker.put_aside()) return "put aside";
+  if (worker.quarantined()) return "put aside";
   if (worker.silent()) return "silent";
   if (worker.draining()) return "leaving";
   if (worker.stuck()) return "stuck";
-  if (worker.bars().empty()) return "working";
-  const bool only_fetches =
-      std::all_of(worker.bars().begin(), worker.bars().end(), [](const auto& bar) { return bar.fetching(); });
+  if (worker.cooldowns().empty()) return "working";
+  const bool only_fetches = std::all_of(worker.cooldowns().begin(), worker.cooldowns().end(),
+                                        [](const auto& bar) { return bar.fetching(); });
   return only_fetches ? "fetching" : "barred";
 }
 
 // Why it is given nothing, or nothing of some jobs.
 std::vector<std::string> remarks_on(const v1::ListWorkersResponse::Worker& worker) {
   std::vector<std::string> remarks;
-  if (!worker.put_aside_because().empty()) remarks.push_back("is put aside: " + worker.put_aside_because());
+  if (!worker.quarantine_reason().empty()) remarks.push_back("is put aside: " + worker.quarantine_reason());
   if (worker.stuck())
     remarks.push_back("still renders what went to others, and is given nothing until it is through with it");
-  for (const auto& bar : worker.bars()) {
+  for (const auto& bar : worker.cooldowns()) {
     const double seconds = static_cast<double>(TimeUtil::DurationToMilliseconds(bar.remaining())) / 1e3;
     remarks.push_back(fmt::format(
         "is given nothing of job {} {}", short_id(bar.job_id()),

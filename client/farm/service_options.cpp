@@ -38,9 +38,9 @@ void add_service_options(CLI::App& command, const std::string& when_absent, Serv
       .add_option_function<std::string>(
           "--max-workers",
           [&options](const std::string& text) {
-            constexpr auto kMost = std::numeric_limits<std::uint32_t>::max();
+            constexpr auto kMax = std::numeric_limits<std::uint32_t>::max();
             options.max_workers =
-                static_cast<std::uint32_t>(parse_whole_number("--max-workers", text, 0, kMost));
+                static_cast<std::uint32_t>(parse_whole_number("--max-workers", text, 0, kMax));
           },
           "Most workers that render the job at once; 0 for no limit [default: " + when_absent + "]")
       ->type_name("N");

@@ -3,7 +3,7 @@
 #include <array>
 #include <bit>
 
-#include "core/accel/parted_rays.hpp"
+#include "core/accel/diverged_rays.hpp"
 #include "core/accel/ray_traversal.hpp"
 #include "core/accel/rays_in_object.hpp"
 #include "core/base/prefetch.hpp"
@@ -16,7 +16,7 @@ constexpr int kBoxVsVector = 9, kRayVsBoxes = 20, kTriangleVsVector = 24, kRayVs
 // So many rays or fewer part from the group.
 constexpr int kFewRays = 5;
 // What it takes to prepare a group in an object is not worth it for fewer.
-constexpr int kLeastInObject = 8;
+constexpr int kMinInObject = 8;
 
 // A child yet to be visited, and the rays that meet its box.
 struct GroupEntry {
@@ -55,7 +55,7 @@ class GroupTraversal {
         columns_(columns),
         group_(columns),
         hits_(scene, columns, group_),
-        parted_(group_, scene.nodes, scene.packets) {}
+        diverged_(group_, scene.nodes, scene.packets) {}
 
   // What the rays hit; for kAny it only matters whether, which missing() tells.
   const HitColumns& run() {
@@ -146,7 +146,7 @@ class GroupTraversal {
                             tree.packets.data()};
     const RaysInObject rays(instance.placement, columns_, set);
     rays.for_each_octant([&](RaySet octant) {
-      if (std::popcount(octant) >= kLeastInObject) {
+      if (std::popcount(octant) >= kMinInObject) {
         trace_together(object, number, rays, octant);
       } else {
         for_each_ray(octant, [&](std::size_t i) { trace_alone(object, number, rays, i); });
@@ -197,17 +197,17 @@ class GroupTraversal {
 
   // Ray i visits a node by itself, once the group is through.
   void keep(std::size_t i, StackEntry entry) {
-    if (!parted_.keep(i, entry)) begin_anew(i);
+    if (!diverged_.keep(i, entry)) restart(i);
   }
 
   // The rays that have parted from the group go on.
   void go_on_alone() {
-    parted_.run([&](std::size_t i, std::uint32_t packet) { visit_alone(packet, i); },
-                [&] {
-                  hits_.settle();
-                  return going();
-                },
-                [&](std::size_t i) { begin_anew(i); });
+    diverged_.run([&](std::size_t i, std::uint32_t packet) { visit_alone(packet, i); },
+                  [&] {
+                    hits_.settle();
+                    return going();
+                  },
+                  [&](std::size_t i) { restart(i); });
   }
 
   void visit_alone(std::uint32_t index, std::size_t i) {
@@ -217,7 +217,7 @@ class GroupTraversal {
   }
 
   // Ray i goes through the whole tree by itself.
-  void begin_anew(std::size_t i) {
+  void restart(std::size_t i) {
     const AnyRay ray = columns_.ray(i);
     const Hit found = RayTraversal(scene_.primitives, scene_.objects, ray)
                           .template run<kQuery>(scene_.nodes, scene_.packets);
@@ -233,7 +233,7 @@ class GroupTraversal {
   RayGroup<AnyRay> group_;
   GroupHits<kQuery, AnyRay> hits_;
   GroupStack stack_;
-  PartedRays<kQuery, AnyRay> parted_;
+  DivergedRays<kQuery, AnyRay> diverged_;
   RaySet through_ = 0;  // rays that have been through the whole tree by themselves
 };
 

@@ -1,7 +1,7 @@
 // A group of rays' common way through the tree. A node's boxes are tested against bounds of the whole group,
 // then those that may be met against the rays that came here: a vector of rays against one box, or one ray
 // against sixteen boxes, whichever is less work. Where few rays go on together, they part: each keeps the
-// node, and they take turns once the group is through (parted_rays.hpp).
+// node, and they take turns once the group is through (diverged_rays.hpp).
 //
 // Where rays come to an instance together, they become groups again in the space of its object.
 //

@@ -18,7 +18,7 @@ namespace tessera::core {
 // Rays are sorted by octant within runs of this many at most.
 inline constexpr std::size_t kRun = 512;
 // What it takes to prepare a group is not worth it for fewer.
-inline constexpr std::size_t kLeastGroup = 8;
+inline constexpr std::size_t kMinGroup = 8;
 
 // Some of the rays of a run, those of the same octant together and otherwise as they come.
 class OctantOrder {
@@ -70,7 +70,7 @@ void for_each_group(std::span<const Ray> run, const Together& together, const Al
     const std::size_t count = std::min(kGroupSize, run.size() - begin);
     prefetch_group(run.subspan(begin + count));
     const auto group = std::span(kAsTheyCome).subspan(begin, count);
-    if (count >= kLeastGroup && of_one_octant(run.subspan(begin, count))) {
+    if (count >= kMinGroup && of_one_octant(run.subspan(begin, count))) {
       together(group);
     } else {
       std::copy(group.begin(), group.end(), mixed.begin() + mixed_count);
@@ -83,7 +83,7 @@ void for_each_group(std::span<const Ray> run, const Together& together, const Al
     for (auto left = order.rays(octant); !left.empty();) {
       const auto group = left.first(std::min(kGroupSize, left.size()));
       left = left.subspan(group.size());
-      if (group.size() >= kLeastGroup) {
+      if (group.size() >= kMinGroup) {
         together(group);
       } else {
         for (const std::uint16_t i : group) alone(i);

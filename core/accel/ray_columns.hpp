@@ -43,9 +43,9 @@ struct RayColumns {
   // ray_at(i), of Rays a reference, becomes ray i. There is at least one.
   template <typename RayAt>
   RayColumns(std::size_t ray_count, const RayAt& ray_at) : count(ray_count) {
-    const std::size_t padded = (count + kMostVectorLanes - 1) / kMostVectorLanes * kMostVectorLanes;
+    const std::size_t padded = (count + kMaxVectorLanes - 1) / kMaxVectorLanes * kMaxVectorLanes;
     for (std::size_t i = 0; i < padded; i += 8)
-      set_eight(i, [&](std::size_t k) -> decltype(auto) { return ray_at(std::min(i + k, count - 1)); });
+      set_vector(i, [&](std::size_t k) -> decltype(auto) { return ray_at(std::min(i + k, count - 1)); });
   }
 
   RaySet all() const { return count == kSize ? ~RaySet{0} : (RaySet{1} << count) - 1; }
@@ -64,7 +64,7 @@ struct RayColumns {
 
  private:
   template <typename RayAt>
-  void set_eight(std::size_t first, const RayAt& ray_at) {
+  void set_vector(std::size_t first, const RayAt& ray_at) {
     if constexpr (std::is_same_v<AnyRay, Ray>) {
       static_assert(std::is_lvalue_reference_v<decltype(ray_at(0))>);
       // Rows of four numbers that overlap in one.

@@ -195,7 +195,7 @@ class RayTraversal {
     for (BvhChild next; stack_.pop(limit_, next);) {
       const BvhNode& node = nodes[next.index()];
       alignas(32) float t_near[BvhNode::kWidth];
-      const unsigned met = meet_boxes(node, t_near), packet_lanes = node.packet_lanes();
+      const unsigned met = intersect_boxes_scalar(node, t_near), packet_lanes = node.packet_lanes();
       stack_.push_unsorted(node, met & ~packet_lanes);
       for (unsigned lanes = met & packet_lanes; lanes != 0; lanes &= lanes - 1) {
         visit<Query::kAny>(packets[node.children[static_cast<std::size_t>(std::countr_zero(lanes))].index()]);
@@ -208,7 +208,7 @@ class RayTraversal {
   // the stack. False if there is nothing.
   bool enter(const BvhNode& node, BvhChild& next) {
     alignas(32) float t_near[BvhNode::kWidth];
-    const unsigned mask = meet_boxes(node, t_near);
+    const unsigned mask = intersect_boxes_scalar(node, t_near);
     if (mask == 0) return stack_.pop(limit_, next);
 
     const auto first = static_cast<std::size_t>(std::countr_zero(mask));
@@ -227,15 +227,15 @@ class RayTraversal {
   }
 
   // Which boxes the ray meets before the limit, and where.
-  unsigned meet_boxes(const BvhNode& node, float* t_near) const {
+  unsigned intersect_boxes_scalar(const BvhNode& node, float* t_near) const {
     unsigned met = 0;
     for (int lane = 0; lane < BvhNode::kWidth; lane += 8)
-      met |= meet_eight_boxes(node, lane, t_near + lane) << lane;
+      met |= intersect_boxes(node, lane, t_near + lane) << lane;
     return met;
   }
 
   // From `lane` on.
-  unsigned meet_eight_boxes(const BvhNode& node, int lane, float* t_near) const {
+  unsigned intersect_boxes(const BvhNode& node, int lane, float* t_near) const {
     // 0 * infinity is NaN, where the ray lies in the plane of a box's side: max and min then keep their
     // second argument, and that side does not count.
     Float8 near = Float8::broadcast(0), far = Float8::broadcast(limit_);

@@ -12,13 +12,13 @@
 namespace tessera::cli {
 namespace {
 
-constexpr std::size_t kDefaultColumns = 80, kFewestColumns = 60, kMostColumns = 120;
+constexpr std::size_t kDefaultColumns = 80, kFewestColumns = 60, kMaxColumns = 120;
 constexpr std::size_t kIndent = 2, kDescriptionColumn = 28;
 
 std::size_t columns_of_stdout() {
   winsize size{};
   if (::ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) != 0 || size.ws_col == 0) return kDefaultColumns;
-  return std::clamp<std::size_t>(size.ws_col, kFewestColumns, kMostColumns);
+  return std::clamp<std::size_t>(size.ws_col, kFewestColumns, kMaxColumns);
 }
 
 // Breaks a paragraph into lines of at most `columns`. Every line but the first begins with `indent` spaces;

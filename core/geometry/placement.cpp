@@ -39,9 +39,9 @@ bool Placement::can_place(const Transform& t) {
   if (!is_finite(t.x_axis) || !is_finite(t.y_axis) || !is_finite(t.z_axis) || !is_finite(t.origin))
     return false;
   const Vec3d x(t.x_axis), y(t.y_axis), z(t.z_axis);
-  constexpr double kLeastAngle = 1e-9;  // between an axis and the plane of the others, or nearly so
+  constexpr double kMinAngle = 1e-9;  // between an axis and the plane of the others, or nearly so
   const double determinant = dot(x, cross(y, z));
-  if (!(std::fabs(determinant) > kLeastAngle * length(x) * length(y) * length(z))) return false;
+  if (!(std::fabs(determinant) > kMinAngle * length(x) * length(y) * length(z))) return false;
   const Placement placed(t);
   return std::max({largest(x), largest(y), largest(z)}) <= kMaxScale &&
          std::max({largest(placed.inverse_x_), largest(placed.inverse_y_), largest(placed.inverse_z_)}) <=
@@ -76,7 +76,7 @@ Vec3d Placement::error_terms(Vec3d terms) const {
       {dot(abs(inverse_x_), in_world), dot(abs(inverse_y_), in_world), dot(abs(inverse_z_), in_world)});
 }
 
-float round_scale(const Transform& t, float tolerance) {
+float uniform_scale(const Transform& t, float tolerance) {
   const Vec3 s = t.scales();
   const float length_tolerance = tolerance * s.x, angle_tolerance = length_tolerance * s.x;
   const bool is_round = std::fabs(s.y - s.x) <= length_tolerance &&

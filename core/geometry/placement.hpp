@@ -20,7 +20,8 @@ class Placement {
   // By the inverse transpose, which keeps outside what is outside, mirrored or not. Not of unit length.
   Vec3d normal(Vec3d n) const { return n.x * inverse_x_ + n.y * inverse_y_ + n.z * inverse_z_; }
 
-  // From the world into the object. A ray, or its parts; of many at once (D is Double8 or Double16) to the bit the same.
+  // From the world into the object. A ray, or its parts; of many at once (D is Double8 or Double16) to the
+  // bit the same.
   ObjectRay to_object(const Ray& ray) const;
   template <typename D>
   Vec3dOf<D> object_point(Vec3dOf<D> p) const {
@@ -47,7 +48,7 @@ class Placement {
 };
 
 // By how much the map scales lengths if it keeps spheres round to within `tolerance`; 0 if it does not.
-float round_scale(const Transform& transform, float tolerance);
+float uniform_scale(const Transform& transform, float tolerance);
 
 // Two axes that are not quite as long, or not quite at right angles, are so by rounding alone.
 inline constexpr float kRoundToRounding = 1e-5f;

@@ -5,7 +5,7 @@
 #include <limits>
 #include <utility>
 
-#include "core/geometry/model_point.hpp"
+#include "core/geometry/object_point.hpp"
 #include "core/geometry/rounding.hpp"
 #include "core/math/elementary.hpp"
 #include "core/math/lane_array.hpp"
@@ -186,7 +186,8 @@ bool Primitives::intersect_instance(std::uint32_t number, const Ray& ray, Hit& h
 
 SurfacePoint Primitives::surface(const Ray& ray, const Hit& hit) const {
   if (hit.in_instance()) return instance_surface(ray, hit);
-  return in_world(InPlace(), is_sphere(hit.primitive) ? sphere_point(ray, hit) : triangle_point(hit));
+  return in_world(IdentityTransform(),
+                  is_sphere(hit.primitive) ? sphere_point(ray, hit) : triangle_point(hit));
 }
 
 SurfacePoint Primitives::instance_surface(const Ray& ray, const Hit& hit) const {
@@ -197,7 +198,7 @@ SurfacePoint Primitives::instance_surface(const Ray& ray, const Hit& hit) const 
                                        : object.triangle_point(hit));
 }
 
-Primitives::ModelPoint Primitives::triangle_point(const Hit& hit) const {
+Primitives::ObjectPoint Primitives::triangle_point(const Hit& hit) const {
   const auto& [v0, v1, v2] = triangles_[hit.primitive];
   TriangleAtHit<float> at_hit{.corners = {positions_[v0], positions_[v1], positions_[v2]},
                               .normals = {},
@@ -226,11 +227,11 @@ SurfacePointOf<Float8> Primitives::triangle_surfaces(const std::array<const Hit*
     if (!normals_.empty()) at_hit.normals[corner] = look_up_vectors(normals_, vertices[corner]);
     if (!uvs_.empty()) at_hit.uvs[corner] = look_up_vectors(uvs_, vertices[corner]);
   }
-  return in_world(InPlace(), point_of_triangle(at_hit));
+  return in_world(IdentityTransform(), point_of_triangle(at_hit));
 }
 
 template <typename AnyRay>
-Primitives::ModelPoint Primitives::sphere_point(const AnyRay& ray, const Hit& hit) const {
+Primitives::ObjectPoint Primitives::sphere_point(const AnyRay& ray, const Hit& hit) const {
   return point_of_sphere(sphere(hit.primitive), Vec3d(ray.origin), Vec3d(ray.direction), hit.t);
 }
 
@@ -247,7 +248,8 @@ SurfacePointOf<Float8> Primitives::sphere_surfaces(const std::array<const Ray*, 
   }
   using Wide = Vec3dOf<Double8>;
   const SphereOf<Float8> spheres{center.all(), radius.all()};
-  return in_world(InPlace(), point_of_sphere(spheres, Wide(origin.all()), Wide(direction.all()), t.all()));
+  return in_world(IdentityTransform(),
+                  point_of_sphere(spheres, Wide(origin.all()), Wide(direction.all()), t.all()));
 }
 
 Tangents Primitives::tangents(const Hit& hit, const SurfacePoint& point) const {

@@ -12,7 +12,7 @@
 #include "core/base/prefetch.hpp"
 #include "core/geometry/aabb.hpp"
 #include "core/geometry/instance.hpp"
-#include "core/geometry/model_point.hpp"
+#include "core/geometry/object_point.hpp"
 #include "core/geometry/object_ray.hpp"
 #include "core/geometry/ray.hpp"
 #include "core/geometry/sphere.hpp"
@@ -128,7 +128,7 @@ class Primitives {
   RgbOf<Float8> triangle_colors(const std::array<const Hit*, 8>& hits) const;
 
  private:
-  using ModelPoint = ModelPointOf<float>;
+  using ObjectPoint = ObjectPointOf<float>;
   // dp/du and dp/dv times `scale`, which is above 0 where there are any.
   struct ModelTangents {
     Vec3d along_u, along_v;
@@ -140,9 +140,9 @@ class Primitives {
   template <typename AnyRay>
   bool intersect_shape(std::uint32_t primitive, const AnyRay& ray, Hit& hit) const;
   bool intersect_instance(std::uint32_t number, const Ray& ray, Hit& hit) const;
-  ModelPoint triangle_point(const Hit& hit) const;
+  ObjectPoint triangle_point(const Hit& hit) const;
   template <typename AnyRay>
-  ModelPoint sphere_point(const AnyRay& ray, const Hit& hit) const;
+  ObjectPoint sphere_point(const AnyRay& ray, const Hit& hit) const;
   SurfacePoint instance_surface(const Ray& ray, const Hit& hit) const;
   ModelTangents triangle_tangents(const Triangle& triangle) const;
   Tangents instance_tangents(const Hit& hit, const SurfacePoint& point) const;

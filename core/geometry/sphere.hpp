@@ -6,7 +6,7 @@
 #include <limits>
 #include <optional>
 
-#include "core/geometry/model_point.hpp"
+#include "core/geometry/object_point.hpp"
 #include "core/geometry/object_ray.hpp"
 #include "core/geometry/ray.hpp"
 #include "core/geometry/rounding.hpp"
@@ -94,8 +94,8 @@ Tangents sphere_tangents(Vec3 normal);
 
 // Where a ray met the sphere, by what intersect_sphere() made of it, rounded.
 template <typename T>
-ModelPointOf<T> point_of_sphere(const SphereOf<T>& sphere, const Vec3dOf<WideOf<T>>& origin,
-                                const Vec3dOf<WideOf<T>>& direction, T rounded_t) {
+ObjectPointOf<T> point_of_sphere(const SphereOf<T>& sphere, const Vec3dOf<WideOf<T>>& origin,
+                                 const Vec3dOf<WideOf<T>>& direction, T rounded_t) {
   using D = WideOf<T>;
   using Wide = Vec3dOf<D>;
   const Wide center(sphere.center);
@@ -106,7 +106,7 @@ ModelPointOf<T> point_of_sphere(const SphereOf<T>& sphere, const Vec3dOf<WideOf<
   const Wide normal = (1.0 / length(from_center)) * from_center;
   const Wide arm = widened(sphere.radius) * normal;
 
-  ModelPointOf<T> point;
+  ObjectPointOf<T> point;
   point.position = center + arm;
   point.terms = abs(center) + abs(arm);
   point.geometric_normal = from_center;

@@ -12,16 +12,16 @@ namespace tessera::core {
 namespace {
 
 // Squares of fewer examples are not divided, nor those of this side, some two degrees.
-constexpr std::size_t kLeastToDivide = 4;
+constexpr std::size_t kMinToDivide = 4;
 constexpr int kFinestSquares = 128;  // along a side
-constexpr float kLeastSide = 1.0f / kFinestSquares;
+constexpr float kMinSide = 1.0f / kFinestSquares;
 // How many examples there are taken to have been beforehand, spread evenly over the sphere, so that no
 // direction is without any density that merely has had no example yet.
 constexpr float kPriorExamples = 1;
 
 // The curve's end, and the chance of all leaves together: the most that sixteen bits hold.
 constexpr std::uint32_t kCurve = kFinestSquares * kFinestSquares, kCertain = 32767;
-constexpr std::size_t kBlockLeaves = 15, kMostLeaves = 16 * kBlockLeaves;
+constexpr std::size_t kBlockLeaves = 15, kMaxLeaves = 16 * kBlockLeaves;
 
 constexpr float kBelowOne = 1 - 0x1p-24f;
 
@@ -84,7 +84,7 @@ class DirectionTrees::Divider {
     for (std::uint32_t q = 0; q < 4; ++q) {
       const Vec2 corner = square.corner + Vec2{static_cast<float>(q & 1), static_cast<float>(q / 2)} * side;
       const Square quarter{corner, side, square.place + q * area};
-      if (quarters[q].size() >= least_to_divide_ && side > kLeastSide)
+      if (quarters[q].size() >= least_to_divide_ && side > kMinSide)
         divide(quarters[q], quarter);
       else
         leaves_.push_back({quarter.place, root_mean_square(quarters[q], quarter)});
@@ -125,10 +125,10 @@ DirectionTrees::Added DirectionTrees::add(std::span<const DirectedLight> lights)
   }
   const float prior_power = kPriorExamples * power / static_cast<float>(lights.size());
   // Where there are too many leaves for a tree, larger ones will do.
-  for (std::size_t least = kLeastToDivide;; least *= 2) {
+  for (std::size_t least = kMinToDivide;; least *= 2) {
     Divider divider(prior_power, least);
     divider.divide(examples, {{0, 0}, 1, 0});
-    if (divider.leaves().size() > kMostLeaves) continue;
+    if (divider.leaves().size() > kMaxLeaves) continue;
     float total = 0;
     for (const Leaf& leaf : divider.leaves()) total += leaf.value;
     return {store(divider.leaves(), total), total};
@@ -198,7 +198,7 @@ DirectionTrees::DirectionOf<T> DirectionTrees::sample_or(WordOf<T> root, MaskOf<
     // What is left of the number is even again.
     const Vec2Of<T> within{smaller((u_chance - to_float(before)) / chance, T(kBelowOne)), u.y};
     const Vec2Of<T> corner{to_float(gather_bits(place)), to_float(gather_bits(place >> 1))};
-    const Vec2Of<T> point = (corner + within * sqrt(area)) * T(kLeastSide);
+    const Vec2Of<T> point = (corner + within * sqrt(area)) * T(kMinSide);
     direction = select(sampled, from_octahedral_square(point), other);
   }
   constexpr float kEven = static_cast<float>(kCurve) / kCertain;

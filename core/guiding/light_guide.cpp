@@ -13,8 +13,8 @@ namespace tessera::core {
 namespace {
 
 // Cells of more photons are divided; fewer tell too little.
-constexpr std::size_t kMostCellPhotons = 256, kLeastCellPhotons = 8;
-constexpr float kLeastShare = 0.05f, kMostShare = 0.7f;
+constexpr std::size_t kMaxCellPhotons = 256, kMinCellPhotons = 8;
+constexpr float kMinShare = 0.05f, kMaxShare = 0.7f;
 // How often other light is estimated for a cell.
 constexpr std::size_t kProbes = 16;
 // How much of a caustic's light comes from directions that the guide cannot tell from those around them;
@@ -130,7 +130,7 @@ class LightGuide::Builder {
   // Answers how many splits there are one below the other.
   int divide(std::uint32_t split, std::span<Photon> photons) {
     const Aabb box = bounds_of(photons);
-    if (photons.size() <= kMostCellPhotons) {
+    if (photons.size() <= kMaxCellPhotons) {
       splits_[split] = {0, kLeaf, add_cell(photons, box)};
       return 0;
     }
@@ -184,7 +184,7 @@ class LightGuide::Builder {
   }
 
   std::uint32_t add_cell(std::span<const Photon> photons, const Aabb& box) {
-    if (photons.size() < kLeastCellPhotons || !(area_of(box) > 0)) return 0;
+    if (photons.size() < kMinCellPhotons || !(area_of(box) > 0)) return 0;
     float flux = 0, flux_over_distance = 0;
     for (const Photon& photon : photons) {
       flux += photon.flux;
@@ -217,7 +217,7 @@ class LightGuide::Builder {
       squares += value * value;
     }
     const float g = guided, r = std::sqrt(squares / static_cast<float>(kProbes));
-    guide_.cells_[cell + 1].share = std::clamp(g / (g + r), kLeastShare, kMostShare);
+    guide_.cells_[cell + 1].share = std::clamp(g / (g + r), kMinShare, kMaxShare);
   }
 
   LightGuide guide_;

@@ -28,7 +28,7 @@ namespace {
 constexpr const char* kStreamName = "picture";
 
 // Of a file whose pixels cannot be compressed: where the row is, and what is said of its block.
-constexpr std::size_t kMostHeaderBytes = 1024, kMostBytesBesideARow = 16;
+constexpr std::size_t kMaxHeaderBytes = 1024, kMaxBytesBesideARow = 16;
 
 class StringWriter : public Imf::OStream {
  public:
@@ -201,8 +201,8 @@ Result<std::string> encode_exr(const Image& image) {
       header.channels().insert(name, Imf::Channel(Imf::FLOAT));
       frame.insert(name, channel_slice(image, i, header.dataWindow()));
     }
-    StringWriter stream(kMostHeaderBytes + image.pixels.size() * sizeof(Rgb) +
-                        static_cast<std::size_t>(image.height) * kMostBytesBesideARow);
+    StringWriter stream(kMaxHeaderBytes + image.pixels.size() * sizeof(Rgb) +
+                        static_cast<std::size_t>(image.height) * kMaxBytesBesideARow);
     {
       Imf::OutputFile file(stream, header, 0);
       file.setFrameBuffer(frame);

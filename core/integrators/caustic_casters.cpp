@@ -11,16 +11,16 @@ namespace {
 
 // What is rougher spreads light so widely, and what is less black beside its highlights scatters so much of
 // it, that other samples find it well enough.
-constexpr float kMostRoughness = 0.05f, kMostDiffuse = 0.1f;
+constexpr float kMaxRoughness = 0.05f, kMaxDiffuse = 0.1f;
 
 bool is_smooth(const ScalarParameter& roughness) {
-  return roughness.texture < 0 && roughness.value <= kMostRoughness;
+  return roughness.texture < 0 && roughness.value <= kMaxRoughness;
 }
 
 bool casts_caustics(const MaterialModel& model) {
   if (const auto* glass = std::get_if<Glass>(&model)) return is_smooth(glass->roughness);
   if (const auto* metal = std::get_if<CookTorrance>(&model))
-    return is_smooth(metal->roughness) && max_component(metal->diffuse.value) < kMostDiffuse;
+    return is_smooth(metal->roughness) && max_component(metal->diffuse.value) < kMaxDiffuse;
   return std::holds_alternative<Mirror>(model);
 }
 

@@ -17,7 +17,7 @@ namespace {
 
 // Paths of photons; each leaves some photons or none.
 constexpr std::uint32_t kPaths = 1u << 17, kPathsAtOnce = 1u << 10;
-constexpr int kMostBounces = 12;
+constexpr int kMaxBounces = 12;
 // Segments of the paths that estimate other light: more bring little.
 constexpr int kProbeDepth = 4;
 
@@ -36,9 +36,9 @@ constexpr std::uint64_t ray_name(int ray) {
 }
 
 // A light and what comes from it, if nothing is in between; `pdf` includes the choice.
-std::optional<LightSample> sample_any_light(const Scene& scene, const LitPoint& point,
+std::optional<LightSample> sample_any_light(const Scene& scene, const LightSampleContext& point,
                                             const std::array<float, 4>& u) {
-  const auto choice = scene.light_sampler().sample(point, two_digits(u[2], u[3]));
+  const auto choice = scene.light_sampler().sample(point, combine_uniforms(u[2], u[3]));
   if (choice.light == kNoLight) return std::nullopt;
   auto light = sample_light(scene.lights()[choice.light], scene.textures(), point, {u[0], u[1]});
   if (light) light->pdf *= choice.pmf;
@@ -58,7 +58,7 @@ class PhotonTracer {
     const auto first = begin(sampler);
     if (!first) return;
     auto [origin, ray, hit, flux, radiance] = *first;
-    for (int bounce = 0; bounce < kMostBounces && hit.found() && luminance(flux) > 0; ++bounce) {
+    for (int bounce = 0; bounce < kMaxBounces && hit.found() && luminance(flux) > 0; ++bounce) {
       const PathVertex vertex(scene_, ray, hit);
       const float distance = length(vertex.position() - origin);
       if (!casters_.contain(hit) && !vertex.is_delta() && distance > 0)
@@ -93,7 +93,7 @@ class PhotonTracer {
   // in a large scene are of use, whatever the light.
   std::optional<First> begin(const Sampler& sampler) const {
     const auto u = sampler.pad(kPlacePad);
-    const auto [primitive, position] = casters_.sample(two_digits(u[0], u[1]), {u[2], u[3]});
+    const auto [primitive, position] = casters_.sample(combine_uniforms(u[0], u[1]), {u[2], u[3]});
     const auto light = sample_any_light(scene_, {position, {}}, sampler.pad(kLightPad));
     // Light from single directions is found behind mirrors and smooth glass by no path at all.
     if (!light || light->delta) return std::nullopt;
@@ -131,7 +131,7 @@ float probe_other_light(const Scene& scene, const Photon& place, std::uint32_t n
     if (!hit.found()) break;
     const PathVertex vertex(scene, from, hit);
     if (!vertex.is_delta())
-      if (const auto light = sample_any_light(scene, vertex.lit_point(), sampler.pad(light_pad(depth))))
+      if (const auto light = sample_any_light(scene, vertex.light_context(), sampler.pad(light_pad(depth))))
         found += throughput * reflected_light(scene, vertex, *light, uncounted) / light->pdf;
     const auto v = sampler.pad(scatter_pad(depth));
     const auto next = vertex.sample({v[0], v[1]}, v[2]);

@@ -10,7 +10,7 @@ namespace tessera::core {
 
 // One number in [0, 1) of 48 bits from two of 24, so that lights of little power among great ones can be
 // chosen.
-inline double two_digits(float coarse, float fine) {
+inline double combine_uniforms(float coarse, float fine) {
   return static_cast<double>(coarse) + static_cast<double>(fine) * 0x1p-24;
 }
 

@@ -122,7 +122,7 @@ SceneDescription fingerprint_scene() {
   return scene;
 }
 
-std::string arithmetic_fingerprint() {
+std::string determinism_fingerprint() {
   const auto scene = Scene::build(fingerprint_scene(), 1);
   assert(scene.has_value());
   std::vector<std::uint64_t> sums;

@@ -12,6 +12,6 @@ SceneDescription fingerprint_scene();
 
 // 16 hexadecimal digits: a hash of the exact film of the scene above. Machines whose fingerprints are
 // equal render the same bytes, as far as that scene can tell. Takes some milliseconds.
-std::string arithmetic_fingerprint();
+std::string determinism_fingerprint();
 
 }  // namespace tessera::core

@@ -34,15 +34,15 @@ T mis_weight(Heuristic heuristic, T pdf, T other_pdf) {
 // roulette is the mildest, since all light that comes by more than two bounces has to pass it. Survival has
 // no bound below 1: a path that loses less than that at each vertex would become brighter without end.
 template <typename T>
-MaskOf<T> survives_roulette(RgbOf<T>& throughput, T eta_scale, T promise, int depth, T u) {
-  const T contribution = max_component(throughput) * eta_scale * promise;
-  const MaskOf<T> goes_on = contribution > 0;
-  if (depth < kFirstRouletteDepth) return goes_on;
+MaskOf<T> survives_roulette(RgbOf<T>& throughput, T eta_scale, T guiding_pdf_ratio, int depth, T u) {
+  const T contribution = max_component(throughput) * eta_scale * guiding_pdf_ratio;
+  const MaskOf<T> survives = contribution > 0;
+  if (depth < kFirstRouletteDepth) return survives;
   using std::sqrt;
   const float scale = depth == kFirstRouletteDepth ? kFirstSurvivalScale : kSurvivalScale;
   const T survival = smaller(T(1.0f), scale * sqrt(contribution));
   throughput *= 1 / survival;
-  return goes_on & (u < survival);
+  return survives & (u < survival);
 }
 
 // Scaled to have no channel above `limit`.
@@ -55,24 +55,24 @@ Rgb clamped(Rgb radiance, float limit) {
 
 // Where there are fewer than eight, the other lanes repeat the first.
 struct PathTracer::Paths {
-  Paths(const PathQueue::Batch& batch, std::span<const Hit> all_hits, std::span<const bool> all_shine,
+  Paths(const PathQueue::Batch& batch, std::span<const Hit> all_hits, std::span<const bool> all_emissive,
         std::span<const std::uint32_t> slots)
       : count(slots.size()), used((1u << slots.size()) - 1), continuing(used) {
     RgbLanes throughputs;
-    FloatLanes eta_scales, promises;
+    FloatLanes eta_scales, guiding_pdf_ratios;
     for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
       const std::uint32_t slot = slots[lane < slots.size() ? lane : 0];
       heads[lane] = &batch.heads[slot];
       hits[lane] = &all_hits[slot];
       rays[lane] = &batch.rays[slot];
-      shining |= (lane < slots.size() && all_shine[slot] ? 1u : 0u) << lane;
+      emissive_lanes |= (lane < slots.size() && all_emissive[slot] ? 1u : 0u) << lane;
       throughputs.set(lane, heads[lane]->throughput);
       eta_scales.set(lane, heads[lane]->eta_scale);
-      promises.set(lane, heads[lane]->promise);
+      guiding_pdf_ratios.set(lane, heads[lane]->guiding_pdf_ratio);
     }
     throughput = throughputs.all();
     eta_scale = eta_scales.all();
-    promise = promises.all();
+    guiding_pdf_ratio = guiding_pdf_ratios.all();
   }
 
   // Ends those that have as many vertices as they may.
@@ -88,14 +88,14 @@ struct PathTracer::Paths {
   }
 
   std::size_t count;
-  unsigned used;         // bit i for lane i
-  unsigned continuing;   // likewise: may have further vertices
-  unsigned shining = 0;  // likewise: what was hit might shine
+  unsigned used;                // bit i for lane i
+  unsigned continuing;          // likewise: may have further vertices
+  unsigned emissive_lanes = 0;  // likewise: what was hit might shine
   std::array<const PathHead*, kLaneCount> heads;
   std::array<const Ray*, kLaneCount> rays;
   std::array<const Hit*, kLaneCount> hits;
   RgbOf<Float8> throughput;
-  Float8 eta_scale, promise;
+  Float8 eta_scale, guiding_pdf_ratio;
 };
 
 PathTracer::PathTracer(const Scene& scene, const RenderSettings& settings, const LightGuide* guide,
@@ -111,7 +111,7 @@ PathTracer::PathTracer(const Scene& scene, const RenderSettings& settings, const
       depths_(samplers.size()),
       clamps_(settings.clamp_indirect > 0),
       indirect_(clamps_ ? samplers.size() : 0),
-      goes_on_(samplers.size()) {
+      survives_(samplers.size()) {
   for (const Material& material : scene.materials())
     material_kinds_.push_back({bin_of(material), !is_black(material.emission.value)});
   waiting_.front().make_room(samplers.size());
@@ -135,7 +135,8 @@ std::span<const std::uint32_t> PathTracer::step(RenderCounters& counters) {
   sort_by_material();
   for (std::size_t bin = 0; bin < kBins; ++bin)
     for (std::size_t i = 0; i < bin_sizes_[bin]; i += kLaneCount) {
-      Paths eight(batch_, hits_, shines_, {bins_[bin].data() + i, std::min(kLaneCount, bin_sizes_[bin] - i)});
+      Paths eight(batch_, hits_, emissive_,
+                  {bins_[bin].data() + i, std::min(kLaneCount, bin_sizes_[bin] - i)});
       eight.limit(depths_, max_depth);
       shade(static_cast<Bin>(bin), eight, depth);
     }
@@ -149,7 +150,8 @@ std::span<const std::uint32_t> PathTracer::step(RenderCounters& counters) {
 void PathTracer::pass_through_surfaces(RenderCounters& counters) {
   const std::span<Hit> hits(hits_.data(), batch_.rays.size());
   counters.closest_hit_rays += pass_by_chance(
-      scene_, batch_.rays, hits, [&](std::uint32_t slot) { return std::uint64_t{depths_[batch_.heads[slot].path]}; },
+      scene_, batch_.rays, hits,
+      [&](std::uint32_t slot) { return std::uint64_t{depths_[batch_.heads[slot].path]}; },
       [&](std::uint32_t slot) -> const Sampler& { return samplers_[batch_.heads[slot].path]; });
 }
 
@@ -168,11 +170,11 @@ std::size_t PathTracer::longest_list() const {
 void PathTracer::collect_ended() {
   ended_.clear();
   for (const PathHead& head : batch_.heads) {
-    if (goes_on_[head.path] == 0) {
+    if (survives_[head.path] == 0) {
       ended_.push_back(head.path);
       if (clamps_) radiance_[head.path] += clamped(indirect_[head.path], settings_.clamp_indirect);
     }
-    goes_on_[head.path] = 0;
+    survives_[head.path] = 0;
   }
 }
 
@@ -205,8 +207,9 @@ void PathTracer::sort_by_material() {
     const Hit& hit = hits_[slot];
     const bool triangle = is_triangle(hit);
     if (triangle) primitives.prefetch_corners(hit.primitive);
-    auto [bin, shines] = hit.found() ? material_kinds_[primitives.material(hit)] : MaterialKind{kLeft, false};
-    shines_[slot] = shines;
+    auto [bin, emissive] =
+        hit.found() ? material_kinds_[primitives.material(hit)] : MaterialKind{kEscaped, false};
+    emissive_[slot] = emissive;
     if ((bin == kDiffuse || bin == kGlossy) && !triangle) bin = kRough;
     bins_[bin][bin_sizes_[bin]++] = slot;
   }
@@ -221,14 +224,14 @@ void PathTracer::shade(Bin bin, const Paths& paths, int depth) {
     case kRough:
     case kMirrorsAndGlass:
       return shade(paths, mixed_vertices(scene_, paths.rays, paths.hits, paths.count), depth);
-    case kLeft:
+    case kEscaped:
       return add_environment(paths, depth);
   }
 }
 
 template <typename Vertices>
 void PathTracer::shade(const Paths& paths, const Vertices& vertices, int depth) {
-  for (unsigned lanes = paths.shining; lanes != 0; lanes &= lanes - 1) {
+  for (unsigned lanes = paths.emissive_lanes; lanes != 0; lanes &= lanes - 1) {
     const auto lane = static_cast<std::size_t>(std::countr_zero(lanes));
     const std::uint32_t light = scene_.light_of(*paths.hits[lane]);
     if (light == kNoLight) continue;
@@ -258,7 +261,7 @@ void PathTracer::add_environment(const Paths& paths, int depth) {
   const FloatLanes pdf(seen.pdf);
   for (std::size_t lane = 0; lane < paths.count; ++lane) {
     const PathHead& head = *paths.heads[lane];
-    const float weight = weight_of_found(light, head, [&] { return pdf[lane]; });
+    const float weight = emitter_hit_weight(light, head, [&] { return pdf[lane]; });
     if (weight > 0) sum_of(head.path, depth) += head.throughput * radiance[lane] * weight;
   }
 }
@@ -268,7 +271,7 @@ void PathTracer::add_emission(const PathHead& head, const SurfacePoint& surface,
                               int depth) {
   const AreaLight& area = scene_.area_light(light);
   const float weight =
-      weight_of_found(light, head, [&] { return area.pdf(head.last.position, surface.position); });
+      emitter_hit_weight(light, head, [&] { return area.pdf(head.last.position, surface.position); });
   if (weight > 0)
     sum_of(head.path, depth) += head.throughput * area.emitted(scene_.textures(), surface, wo) * weight;
 }
@@ -276,10 +279,10 @@ void PathTracer::add_emission(const PathHead& head, const SurfacePoint& surface,
 // Of light that a BSDF sample found. Where the vertex before could also have sampled it, `nee` leaves it to
 // that and `mis` weighs it. `pdf`: of sampling the direction, once the light is chosen.
 template <typename Pdf>
-float PathTracer::weight_of_found(std::uint32_t light, const PathHead& head, Pdf pdf) const {
+float PathTracer::emitter_hit_weight(std::uint32_t light, const PathHead& head, Pdf pdf) const {
   if (head.last_pdf == kDeltaPdf || settings_.integrator == Integrator::kNaive) return 1;
-  if (settings_.integrator == Integrator::kNee || head.met_scale == 0) return 0;
-  return head.met_scale *
+  if (settings_.integrator == Integrator::kNee || head.emitter_mis_scale == 0) return 0;
+  return head.emitter_mis_scale *
          mis_weight(settings_.heuristic, head.last_pdf, scene_.light_sampler().pmf(head.last, light) * pdf());
 }
 
@@ -290,9 +293,10 @@ void PathTracer::connect_to_lights(const Paths& paths, const Vertices& vertices,
   const auto u = numbers(paths, depth, light_pad);
   const FloatLanes coarse(u[2]), fine(u[3]);
   std::array<double, kLaneCount> u_light;
-  for (std::size_t lane = 0; lane < kLaneCount; ++lane) u_light[lane] = two_digits(coarse[lane], fine[lane]);
-  const LitPoints lit_points{vertices.position(), vertices.lit_normal()};
-  const auto choices = light_sampler_.sample(lit_points, u_light, lit);
+  for (std::size_t lane = 0; lane < kLaneCount; ++lane)
+    u_light[lane] = combine_uniforms(coarse[lane], fine[lane]);
+  const LightSampleContexts light_contexts{vertices.position(), vertices.light_normal()};
+  const auto choices = light_sampler_.sample(light_contexts, u_light, lit);
   std::array<const Light*, kLaneCount> chosen{};
   FloatLanes pmf;
   for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
@@ -300,11 +304,11 @@ void PathTracer::connect_to_lights(const Paths& paths, const Vertices& vertices,
     if ((lit >> lane & 1) != 0 && light != kNoLight) chosen[lane] = &scene_.lights()[light];
     pmf.set(lane, chance);
   }
-  const LightSamples lights = sample_lights(chosen, scene_.textures(), lit_points, {u[0], u[1]});
+  const LightSamples lights = sample_lights(chosen, scene_.textures(), light_contexts, {u[0], u[1]});
   const BsdfValueOf<Float8> scattered = vertices.evaluate(lights.wi);
   const Mask8 found = lights.found & !is_black(scattered.value);
   const Float8 light_pdf = pmf.all() * lights.pdf;
-  const Float8 weight = weight_of_sampled(light_pdf, lights.delta, scattered.pdf * (1 - guide_share));
+  const Float8 weight = light_sample_weight(light_pdf, lights.delta, scattered.pdf * (1 - guide_share));
   const RgbLanes gained(paths.throughput * (scattered.value * lights.radiance) * (weight / light_pdf));
   const RayLanes rays(vertices.rays_toward(lights));
   for (unsigned lanes = found.bits(); lanes != 0; lanes &= lanes - 1) {
@@ -317,7 +321,7 @@ void PathTracer::connect_to_lights(const Paths& paths, const Vertices& vertices,
 }
 
 // Of light that a light's sample found, against what the BSDF's might have. Nothing else finds delta lights.
-Float8 PathTracer::weight_of_sampled(Float8 light_pdf, Mask8 delta, Float8 bsdf_pdf) const {
+Float8 PathTracer::light_sample_weight(Float8 light_pdf, Mask8 delta, Float8 bsdf_pdf) const {
   if (settings_.integrator != Integrator::kMis) return 1.0f;
   return select(delta, Float8(1.0f), mis_weight(settings_.heuristic, light_pdf, bsdf_pdf));
 }
@@ -328,7 +332,8 @@ struct PathTracer::Directions {
   RgbOf<Float8> weight;  // BSDF * cosine / pdf of the choice
   Float8 bsdf_pdf;       // the BSDF's share of that pdf
   Float8 eta;
-  Float8 met_scale, promise;  // PathHead::met_scale, and what PathHead::promise is to be multiplied by
+  Float8 emitter_mis_scale,
+      guiding_pdf_ratio;  // PathHead::emitter_mis_scale, and what PathHead::promise is to be multiplied by
 };
 
 // Sends the paths on that do not end.
@@ -337,24 +342,26 @@ void PathTracer::scatter(const Paths& paths, const Vertices& vertices, const Gui
   const auto u = numbers(paths, depth, scatter_pad);
   const Directions next = choose_directions(vertices, guidance, {u[0], u[1]}, u[2]);
   RgbOf<Float8> throughput = paths.throughput * next.weight;
-  const Float8 eta_scale = paths.eta_scale * (next.eta * next.eta), promise = paths.promise * next.promise;
-  const Mask8 survives = survives_roulette(throughput, eta_scale, promise, depth, u[3]);
+  const Float8 eta_scale = paths.eta_scale * (next.eta * next.eta),
+               guiding_pdf_ratio = paths.guiding_pdf_ratio * next.guiding_pdf_ratio;
+  const Mask8 survives = survives_roulette(throughput, eta_scale, guiding_pdf_ratio, depth, u[3]);
   const RayLanes rays(vertices.ray_along(next.wi));
   const RgbLanes throughputs(throughput);
-  const FloatLanes eta_scales(eta_scale), promises(promise), met_scales(next.met_scale);
+  const FloatLanes eta_scales(eta_scale), guiding_pdf_ratios(guiding_pdf_ratio),
+      emitter_mis_scales(next.emitter_mis_scale);
   const FloatLanes pdf(select(next.delta, Float8(kDeltaPdf), next.bsdf_pdf));
-  const Vec3Lanes position(vertices.position()), normal(vertices.lit_normal());
+  const Vec3Lanes position(vertices.position()), normal(vertices.light_normal());
   for (unsigned lanes = (next.found & survives).bits() & paths.continuing; lanes != 0; lanes &= lanes - 1) {
     const auto lane = static_cast<std::size_t>(std::countr_zero(lanes));
-    goes_on_[paths.heads[lane]->path] = 1;
+    survives_[paths.heads[lane]->path] = 1;
     ++depths_[paths.heads[lane]->path];
     next_paths_->push(rays[lane], {.path = paths.heads[lane]->path,
                                    .throughput = throughputs[lane],
                                    .eta_scale = eta_scales[lane],
                                    .last_pdf = pdf[lane],
                                    .last = {position[lane], normal[lane]},
-                                   .met_scale = met_scales[lane],
-                                   .promise = promises[lane]});
+                                   .emitter_mis_scale = emitter_mis_scales[lane],
+                                   .guiding_pdf_ratio = guiding_pdf_ratios[lane]});
   }
 }
 
@@ -397,8 +404,8 @@ PathTracer::Directions PathTracer::choose_directions(const Vertices& vertices, c
   const Float8 density = share * guide_pdf + by_bsdf;
   next.weight = select(mixed, value * (1 / density), weight);
   next.bsdf_pdf = select(mixed, by_bsdf, pdf);
-  next.met_scale = select(mixed, select(guided, Float8(0.0f), density / by_bsdf), Float8(1.0f));
-  next.promise = select(mixed, density / bsdf_pdf, Float8(1.0f));
+  next.emitter_mis_scale = select(mixed, select(guided, Float8(0.0f), density / by_bsdf), Float8(1.0f));
+  next.guiding_pdf_ratio = select(mixed, density / bsdf_pdf, Float8(1.0f));
   return next;
 }
 

@@ -14,8 +14,8 @@
 
 #include "core/film/film.hpp"
 #include "core/guiding/light_guide.hpp"
-#include "core/integrators/eight_vertices.hpp"
 #include "core/integrators/path_queue.hpp"
+#include "core/integrators/vertex_batch.hpp"
 #include "core/sampling/sampler.hpp"
 #include "core/scene/scene.hpp"
 
@@ -55,12 +55,12 @@ class PathTracer {
 
   // Vertices that are shaded together, and paths that have left the scene. Mirrors and glass stay apart since
   // few of them are lit by lights' samples.
-  enum Bin { kDiffuse, kGlossy, kRough, kMirrorsAndGlass, kLeft };
+  enum Bin { kDiffuse, kGlossy, kRough, kMirrorsAndGlass, kEscaped };
   static constexpr std::size_t kBins = 5;
   static Bin bin_of(const Material& material);
   struct MaterialKind {
     Bin bin;
-    bool shines;
+    bool emissive;
   };
 
   struct Paths;  // up to eight of them
@@ -80,14 +80,14 @@ class PathTracer {
   void add_emission(const PathHead& head, const SurfacePoint& surface, Vec3 wo, std::uint32_t light,
                     int depth);
   template <typename Pdf>
-  float weight_of_found(std::uint32_t light, const PathHead& head, Pdf pdf) const;
+  float emitter_hit_weight(std::uint32_t light, const PathHead& head, Pdf pdf) const;
   using Guidance = LightGuide::GuidanceOf<Float8>;
   template <typename Vertices>
   Guidance guidance_at(const Vertices& vertices) const;
   template <typename Vertices>
   void connect_to_lights(const Paths& paths, const Vertices& vertices, Float8 guide_share, unsigned lit,
                          int depth);
-  Float8 weight_of_sampled(Float8 light_pdf, Mask8 delta, Float8 bsdf_pdf) const;
+  Float8 light_sample_weight(Float8 light_pdf, Mask8 delta, Float8 bsdf_pdf) const;
   template <typename Vertices>
   void scatter(const Paths& paths, const Vertices& vertices, const Guidance& guidance, int depth);
   struct Directions;  // in which paths go on
@@ -112,16 +112,16 @@ class PathTracer {
   // Waiting paths by how many vertices they have; never empty. Two more lists hold those that have
   // kListsByDepth or more, an even number and an odd one.
   std::deque<PathQueue> waiting_{1};
-  std::vector<std::uint16_t> depths_;  // by path: how many vertices it has
-  const bool clamps_;                  // settings_.clamp_indirect
-  std::vector<Rgb> indirect_;          // by path, if it clamps: light that was scattered more than once
-  std::vector<std::uint8_t> goes_on_;  // by path: whether it does after this step
+  std::vector<std::uint16_t> depths_;   // by path: how many vertices it has
+  const bool clamps_;                   // settings_.clamp_indirect
+  std::vector<Rgb> indirect_;           // by path, if it clamps: light that was scattered more than once
+  std::vector<std::uint8_t> survives_;  // by path: whether it does after this step
   std::vector<std::uint32_t> ended_;
   // Of a step:
   PathQueue::Batch batch_;
   PathQueue* next_paths_ = nullptr;
-  std::array<Hit, kBatchPaths> hits_;     // of the batch's rays
-  std::array<bool, kBatchPaths> shines_;  // whether the material of what they hit does
+  std::array<Hit, kBatchPaths> hits_;       // of the batch's rays
+  std::array<bool, kBatchPaths> emissive_;  // whether the material of what they hit does
   // Slots of the batch, by what their rays hit.
   std::array<std::size_t, kBins> bin_sizes_{};
   std::array<std::array<std::uint32_t, kBatchPaths>, kBins> bins_;

@@ -29,9 +29,9 @@ struct PathHead {
   float eta_scale = 1;            // undoes the compression of radiance by refraction in `throughput`
   float last_pdf = kDeltaPdf;     // of the ray's direction, per solid angle; kDeltaPdf also at the camera,
                                   // whose ray finds lights that nothing else could
-  LitPoint last{};                // where the ray was scattered
-  float met_scale = 1;            // of light that the ray itself meets, which is left to the BSDF's samples
-  float promise = 1;              // how much more light than without a guide is expected, by the throughput
+  LightSampleContext last{};      // where the ray was scattered
+  float emitter_mis_scale = 1;    // of light that the ray itself meets, which is left to the BSDF's samples
+  float guiding_pdf_ratio = 1;    // how much more light than without a guide is expected, by the throughput
 };
 
 class PathQueue {

@@ -11,7 +11,7 @@ inline constexpr float kMinShadingCos = 1e-4f;
 
 // Bends `w` towards `normal` just far enough that their cosine is not below min_cos.
 template <typename T>
-Vec3Of<T> lifted(Vec3Of<T> w, Vec3Of<T> normal, T min_cos) {
+Vec3Of<T> clamped_to_hemisphere(Vec3Of<T> w, Vec3Of<T> normal, T min_cos) {
   const T cos_w = dot(w, normal);
   const MaskOf<T> high = cos_w >= min_cos;
   return all(high) ? w : select(high, w, normalize(w + normal * (min_cos - cos_w)));
@@ -19,25 +19,26 @@ Vec3Of<T> lifted(Vec3Of<T> w, Vec3Of<T> normal, T min_cos) {
 
 // Bends `normal` just far enough that wo is above its plane.
 template <typename T = float>
-Vec3Of<T> bend_toward_viewer(Vec3Of<T> normal, Vec3Of<T> wo) {
-  return lifted(normal, wo, T(kMinShadingCos));
+Vec3Of<T> clamp_toward_viewer(Vec3Of<T> normal, Vec3Of<T> wo) {
+  return clamped_to_hemisphere(normal, wo, T(kMinShadingCos));
 }
 
 // Bends `normal` just far enough that the mirror direction of wo is above the geometric surface (Keller et
 // al. 2017).
 template <typename T = float>
-Vec3Of<T> bend_for_reflection(Vec3Of<T> normal, Vec3Of<T> side, Vec3Of<T> wo) {
+Vec3Of<T> ensure_valid_reflection(Vec3Of<T> normal, Vec3Of<T> side, Vec3Of<T> wo) {
   const Vec3Of<T> mirrored = normal * (2 * dot(wo, normal)) - wo;
   // A viewer who grazes the surface sees what grazes it.
   const T min_cos = smaller(T(0.01f), 0.9f * dot(wo, side));
   const MaskOf<T> high = dot(mirrored, side) >= min_cos;
-  return all(high) ? normal : select(high, normal, normalize(wo + lifted(mirrored, side, min_cos)));
+  return all(high) ? normal
+                   : select(high, normal, normalize(wo + clamped_to_hemisphere(mirrored, side, min_cos)));
 }
 
 // Bends `wi` to graze the geometric surface if it is not on its side `side`.
 template <typename T = float>
-Vec3Of<T> bend_above(Vec3Of<T> wi, Vec3Of<T> side) {
-  return lifted(wi, side, T(kMinShadingCos));
+Vec3Of<T> clamp_above_surface(Vec3Of<T> wi, Vec3Of<T> side) {
+  return clamped_to_hemisphere(wi, side, T(kMinShadingCos));
 }
 
 // The directions below are local: +z is the shading normal, `side` the geometric normal there.
@@ -49,8 +50,8 @@ Vec3Of<T> mirrored(Vec3Of<T> w, Vec3Of<T> side, T cos_side) {
 }
 
 // The cosine that diffuse reflection receives light with. The surface is taken for one wall of a symmetric
-// V-shaped groove, whose other wall shadows it where light grazes (Torrance and Sparrow 1967; Blinn 1977). Its
-// integral over the directions above both planes is pi * side.z, which diffuse_scale() makes up for.
+// V-shaped groove, whose other wall shadows it where light grazes (Torrance and Sparrow 1967; Blinn 1977).
+// Its integral over the directions above both planes is pi * side.z, which diffuse_scale() makes up for.
 template <typename T = float>
 T groove_cos(T cos_shading, T cos_side, Vec3Of<T> side) {
   return smaller(cos_shading, 2 * side.z * cos_side);

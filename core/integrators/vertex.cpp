@@ -12,8 +12,8 @@ Vec3 outward_normal(const Scene& scene, const Material& material, const Hit& hit
   if (material.normal_map.texture >= 0) {
     const Texture& map = scene.textures()[static_cast<std::size_t>(material.normal_map.texture)];
     const auto [along_u, along_v] = scene.primitives().tangents(hit, surface);
-    normal = bend_by_map(map.evaluate(surface.uv), material.normal_map.strength, normal,
-                         along_picture(along_u, map.scale.x), along_picture(along_v, map.scale.y));
+    normal = perturb_by_normal_map(map.evaluate(surface.uv), material.normal_map.strength, normal,
+                                   along_picture(along_u, map.scale.x), along_picture(along_v, map.scale.y));
   }
   if (material.bump.texture < 0) return normal;
   const Texture& heights = scene.textures()[static_cast<std::size_t>(material.bump.texture)];
@@ -26,7 +26,7 @@ namespace {
 // The normal that the side of the viewer is shaded with.
 Vec3 viewed_normal(const ViewedSide<float>& side, Vec3 outward, const MaterialModel& model, Vec3 wo) {
   const Vec3 seen = side.shading_normal(outward, wo);
-  return std::holds_alternative<Lambert>(model) ? seen : bend_for_reflection(seen, side.normal, wo);
+  return std::holds_alternative<Lambert>(model) ? seen : ensure_valid_reflection(seen, side.normal, wo);
 }
 
 }  // namespace
@@ -60,8 +60,8 @@ std::optional<PathVertex::Scattered> PathVertex::sample(Vec2 u, float u_lobe) co
 
 PathVertex::Scattered PathVertex::delta_to_world(const BsdfSample& local) const {
   const Vec3 wi = normalize(frame_.to_world(local.wi_local));
-  return {bend_above(wi, local.transmitted ? -side_normal_ : side_normal_), local.weight, local.pdf, true,
-          local.eta};
+  return {clamp_above_surface(wi, local.transmitted ? -side_normal_ : side_normal_), local.weight, local.pdf,
+          true, local.eta};
 }
 
 std::array<std::optional<PathVertex::Scattered>, 2> PathVertex::delta_branches() const {

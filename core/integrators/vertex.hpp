@@ -23,7 +23,7 @@ struct ViewedSide {
 
   // `outward`, the normal that the surface is shaded with, on this side and fit to be shaded with.
   Vec3Of<T> shading_normal(Vec3Of<T> outward, Vec3Of<T> wo) const {
-    return bend_toward_viewer(bend_above(select(outside, outward, -outward), normal), wo);
+    return clamp_toward_viewer(clamp_above_surface(select(outside, outward, -outward), normal), wo);
   }
 
   MaskOf<T> outside;
@@ -120,7 +120,9 @@ class PathVertex : public VertexOf<float, Bsdf> {
 
   bool is_delta() const { return bsdf_.is_delta(); }
   // For the choice of lights.
-  LitPoint lit_point() const { return {position(), bsdf_.transmits() ? Vec3{} : frame_.normal}; }
+  LightSampleContext light_context() const {
+    return {position(), bsdf_.transmits() ? Vec3{} : frame_.normal};
+  }
 
   struct Scattered {
     Vec3 wi;

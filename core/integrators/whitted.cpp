@@ -41,7 +41,7 @@ class TreeTracer {
   // the light, so that calls are nested a dozen deep at most before too little is left; where textures
   // reflect more than they receive, as deep as the tree.
   void follow(Branch branch) {
-    while (rays_ < kMostWhittedRays) {
+    while (rays_ < kMaxWhittedRays) {
       const auto [ray, hit, traced] = meet_by_chance(scene_, branch.ray, sampler_, branch.node);
       counters_.closest_hit_rays += traced;
       rays_ += static_cast<int>(traced);
@@ -52,8 +52,8 @@ class TreeTracer {
       if (branch.depth >= max_depth_) return;
       auto [greater, lesser] = fork(branch, vertex);
       if (lesser.share() > greater.share()) std::swap(greater, lesser);
-      if (lesser.share() >= kLeastWhittedShare) follow(lesser);
-      if (!(greater.share() >= kLeastWhittedShare)) return;
+      if (lesser.share() >= kMinWhittedShare) follow(lesser);
+      if (!(greater.share() >= kMinWhittedShare)) return;
       branch = greater;
     }
   }
@@ -88,26 +88,27 @@ class TreeTracer {
 
   void add_direct_light(const Branch& branch, const PathVertex& vertex) {
     const auto count = static_cast<std::uint32_t>(scene_.lights().size());
-    if (count <= kMostWhittedLights) {
+    if (count <= kMaxWhittedLights) {
       for (std::uint32_t i = 0; i < count; ++i) {
         const auto u = sampler_.pad(tree_light_pad(branch.node, i));
         add_light(branch, vertex, {i, 1}, {u[0], u[1]});
       }
       return;
     }
-    for (std::uint32_t i = 0; i < kMostWhittedLights; ++i) {
+    for (std::uint32_t i = 0; i < kMaxWhittedLights; ++i) {
       const auto u = sampler_.pad(tree_light_pad(branch.node, i));
-      const double stratum = (i + two_digits(u[2], u[3])) / kMostWhittedLights;
-      LightSampler::Choice choice = scene_.light_sampler().sample(vertex.lit_point(), stratum);
+      const double stratum = (i + combine_uniforms(u[2], u[3])) / kMaxWhittedLights;
+      LightSampler::Choice choice = scene_.light_sampler().sample(vertex.light_context(), stratum);
       if (choice.light == kNoLight) continue;
-      choice.pmf *= kMostWhittedLights;
+      choice.pmf *= kMaxWhittedLights;
       add_light(branch, vertex, choice, {u[0], u[1]});
     }
   }
 
   // `choice.pmf`: how many samples the light gets in expectation.
   void add_light(const Branch& branch, const PathVertex& vertex, LightSampler::Choice choice, Vec2 u) {
-    const auto light = sample_light(scene_.lights()[choice.light], scene_.textures(), vertex.lit_point(), u);
+    const auto light =
+        sample_light(scene_.lights()[choice.light], scene_.textures(), vertex.light_context(), u);
     if (!light) return;
     const Rgb reflected = reflected_light(scene_, vertex, *light, counters_);
     radiance_ += branch.weight * reflected / (light->pdf * choice.pmf);

@@ -11,12 +11,12 @@
 namespace tessera::core {
 
 // Each light is sampled once; where there are more than this, as many of them by the light sampler.
-inline constexpr std::uint32_t kMostWhittedLights = 16;
+inline constexpr std::uint32_t kMaxWhittedLights = 16;
 // Branches of the tree of rays are not followed that would carry less than this of what they see (Hall and
 // Greenberg 1983).
-inline constexpr float kLeastWhittedShare = 1.0f / 4096;
+inline constexpr float kMinWhittedShare = 1.0f / 4096;
 // Nor are more rays than these, beside those towards lights: more than a tree of 15 forks in a row can have.
-inline constexpr int kMostWhittedRays = 1 << 16;
+inline constexpr int kMaxWhittedRays = 1 << 16;
 
 // Rays are counted in `counters`.
 Rgb trace_whitted(const Scene& scene, const RenderSettings& settings, const Sampler& sampler, const Ray& ray,

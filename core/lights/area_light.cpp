@@ -168,7 +168,7 @@ Rgb AreaLight::emitted(const std::vector<Texture>& textures, const SurfacePoint&
 }
 
 std::optional<LightSample> AreaLight::sample(const std::vector<Texture>& textures, Vec3 p_lit, Vec2 u) const {
-  const Found found = std::visit([&](const auto& shape) { return find(shape, p_lit, u); }, shape_);
+  const Sample found = std::visit([&](const auto& shape) { return find(shape, p_lit, u); }, shape_);
   if (!(found.pdf > 0) || !std::isfinite(found.pdf)) return std::nullopt;
   const Rgb radiance =
       emitted(textures, found.point, -found.wi) * opacity_at(opacity_, textures, found.point.uv);
@@ -177,12 +177,12 @@ std::optional<LightSample> AreaLight::sample(const std::vector<Texture>& texture
 }
 
 // A point that was found uniformly over the area. The density is not a number where it is the lit point.
-AreaLight::Found AreaLight::flat(const SurfacePoint& point, Vec3 p_lit) const {
+AreaLight::Sample AreaLight::flat(const SurfacePoint& point, Vec3 p_lit) const {
   return {point, normalize(point.position - p_lit),
           per_solid_angle(area_, p_lit, point.position, point.geometric_normal)};
 }
 
-AreaLight::Found AreaLight::find(const TriangleLight& t, Vec3 p_lit, Vec2 u) const {
+AreaLight::Sample AreaLight::find(const TriangleLight& t, Vec3 p_lit, Vec2 u) const {
   const Vec2 b = sample_triangle(u);
   const float b0 = 1 - b.x - b.y;
   const Vec3 position = t.p0 * b0 + t.p1 * b.x + t.p2 * b.y;
@@ -192,7 +192,7 @@ AreaLight::Found AreaLight::find(const TriangleLight& t, Vec3 p_lit, Vec2 u) con
   return flat(point, p_lit);
 }
 
-AreaLight::Found AreaLight::find(const QuadLight& q, Vec3 p_lit, Vec2 u) const {
+AreaLight::Sample AreaLight::find(const QuadLight& q, Vec3 p_lit, Vec2 u) const {
   return flat(point_of_quad(q, front_, u), p_lit);
 }
 
@@ -225,7 +225,7 @@ LightSamples AreaLight::sample_quads(const std::array<const AreaLight*, 8>& quad
   return samples;
 }
 
-AreaLight::Found AreaLight::find(const SphereLight& sphere, Vec3 p_lit, Vec2 u) const {
+AreaLight::Sample AreaLight::find(const SphereLight& sphere, Vec3 p_lit, Vec2 u) const {
   auto [point, pdf] =
       find_on_sphere<float>({sphere.center, sphere.radius}, sphere.deviation, area_, p_lit, u, !is_opaque_);
   const Vec3 outward = point.geometric_normal;
@@ -235,8 +235,8 @@ AreaLight::Found AreaLight::find(const SphereLight& sphere, Vec3 p_lit, Vec2 u) 
   return {point, normalize(point.position - p_lit), pdf};
 }
 
-LightSamples AreaLight::sample_even_spheres(const std::array<const AreaLight*, 8>& spheres,
-                                            Vec3Of<Float8> p_lit, Vec2Of<Float8> u) {
+LightSamples AreaLight::sample_uniform_spheres(const std::array<const AreaLight*, 8>& spheres,
+                                               Vec3Of<Float8> p_lit, Vec2Of<Float8> u) {
   Vec3Lanes center;
   FloatLanes radius, deviation, area;
   RgbLanes radiance;

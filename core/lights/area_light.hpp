@@ -61,9 +61,9 @@ class AreaLight {
                                    Vec2Of<Float8> u);
 
   // A sphere that shines alike all over and is opaque.
-  bool is_even_sphere() const { return batch_ == Batch::kEvenSpheres; }
-  static LightSamples sample_even_spheres(const std::array<const AreaLight*, 8>& spheres,
-                                          Vec3Of<Float8> p_lit, Vec2Of<Float8> u);
+  bool is_uniform_sphere() const { return batch_ == Batch::kEvenSpheres; }
+  static LightSamples sample_uniform_spheres(const std::array<const AreaLight*, 8>& spheres,
+                                             Vec3Of<Float8> p_lit, Vec2Of<Float8> u);
 
   // The density with which sample() finds p_light, a point of the light, from p_lit.
   float pdf(Vec3 p_lit, Vec3 p_light) const;
@@ -78,15 +78,15 @@ class AreaLight {
   static Batch batch_of(const LightShape& shape, const SurfaceEmission& emission);
 
   // A point of the light with the density of its direction.
-  struct Found {
+  struct Sample {
     SurfacePoint point;
     Vec3 wi;
     float pdf;
   };
-  Found flat(const SurfacePoint& point, Vec3 p_lit) const;
-  Found find(const TriangleLight& triangle, Vec3 p_lit, Vec2 u) const;
-  Found find(const QuadLight& quad, Vec3 p_lit, Vec2 u) const;
-  Found find(const SphereLight& sphere, Vec3 p_lit, Vec2 u) const;
+  Sample flat(const SurfacePoint& point, Vec3 p_lit) const;
+  Sample find(const TriangleLight& triangle, Vec3 p_lit, Vec2 u) const;
+  Sample find(const QuadLight& quad, Vec3 p_lit, Vec2 u) const;
+  Sample find(const SphereLight& sphere, Vec3 p_lit, Vec2 u) const;
 
   LightShape shape_;
   Vec3 front_;

@@ -5,7 +5,7 @@
 #include <numbers>
 #include <utility>
 
-#include "core/lights/facing.hpp"
+#include "core/lights/normal_bins.hpp"
 #include "core/math/lane_array.hpp"
 
 namespace tessera::core {
@@ -72,7 +72,7 @@ Rgb Environment::radiance(Vec3 direction) const {
 }
 
 float Environment::pdf(Vec3 normal, Vec3 direction) const {
-  return distribution_->pdf(facing_of(normal), map_.uv_of(direction));
+  return distribution_->pdf(normal_bin(normal), map_.uv_of(direction));
 }
 
 RgbOf<Float8> Environment::radiance_at(Vec2Of<Float8> uv) const {
@@ -83,11 +83,11 @@ RgbOf<Float8> Environment::radiance_at(Vec2Of<Float8> uv) const {
 
 Environment::Seen Environment::see(Vec3Of<Float8> normals, Vec3Of<Float8> directions) const {
   const Vec2Of<Float8> uv = map_.uv_of(directions);
-  return {image_ ? radiance_at(uv) : in_all_lanes(radiance_), distribution_->pdf(facing_of(normals), uv)};
+  return {image_ ? radiance_at(uv) : in_all_lanes(radiance_), distribution_->pdf(normal_bin(normals), uv)};
 }
 
 std::optional<LightSample> Environment::sample(Vec3 normal, Vec2 u) const {
-  const auto [along_row, depth, side, pdf] = distribution_->sample(facing_of(normal), u);
+  const auto [along_row, depth, side, pdf] = distribution_->sample(normal_bin(normal), u);
   const Vec3 wi = map_.direction(along_row, depth, side);
   const Rgb arriving = radiance(wi);
   if (is_black(arriving)) return std::nullopt;
@@ -95,7 +95,7 @@ std::optional<LightSample> Environment::sample(Vec3 normal, Vec2 u) const {
 }
 
 LightSamples Environment::sample(Vec3Of<Float8> normals, Vec2Of<Float8> u) const {
-  const auto [along_row, depth, side, pdf] = distribution_->sample(facing_of(normals), u);
+  const auto [along_row, depth, side, pdf] = distribution_->sample(normal_bin(normals), u);
   LightSamples samples;
   samples.wi = map_.direction(along_row, depth, side);
   samples.radiance = image_ ? radiance_at(map_.uv_of(samples.wi)) : in_all_lanes(radiance_);

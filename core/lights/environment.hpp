@@ -22,9 +22,9 @@ class Environment {
   // From a direction, of any length but 0. Bilinear between the picture's texels.
   Rgb radiance(Vec3 direction) const;
 
-  // A direction to a surface with this normal, or to one that is lit from all sides (LitPoint::normal), in
-  // proportion to the mean of the channels and the cosine (EnvironmentDistribution). Wherever radiance() is
-  // not black there is a density.
+  // A direction to a surface with this normal, or to one that is lit from all sides
+  // (LightSampleContext::normal), in proportion to the mean of the channels and the cosine
+  // (EnvironmentDistribution). Wherever radiance() is not black there is a density.
   std::optional<LightSample> sample(Vec3 normal, Vec2 u) const;
   float pdf(Vec3 normal, Vec3 direction) const;
 
@@ -40,8 +40,9 @@ class Environment {
   // Watts, the mean of the channels, that fall on a disk of the scene's radius, from all sides.
   double power(double scene_radius) const;
 
-  // EnvironmentDistribution::sought_irradiance: of the mean of the channels, by facing_of() of the surface.
-  const std::vector<double>& sought_irradiance() const { return distribution_->sought_irradiance(); }
+  // EnvironmentDistribution::importance_by_normal: of the mean of the channels, by normal_bin() of the
+  // surface.
+  const std::vector<double>& importance_by_normal() const { return distribution_->importance_by_normal(); }
 
  private:
   RgbOf<Float8> radiance_at(Vec2Of<Float8> uv) const;  // of the picture

@@ -15,7 +15,7 @@ namespace {
 
 // How near the poles the density of interpolated texels still grows, as the sine of the angle: it would be
 // infinite at the poles.
-constexpr float kLeastSine = 1e-6f;
+constexpr float kMinSine = 1e-6f;
 
 // The numbers with more bits below their 24, made of all that these have: a rare cell leaves too few of the
 // 24 to find its texels by.
@@ -146,7 +146,7 @@ float EnvironmentDistribution::texels_per_solid_angle(float row) const {
   const auto width = static_cast<float>(width_), height = static_cast<float>(height_);
   const float inside = larger(0.0f, smaller(row, height));
   const float sine = sin(kPi * std::min(inside, height - inside) / height);
-  return width * height / (2 * kPi * kPi * std::max(sine, kLeastSine));
+  return width * height / (2 * kPi * kPi * std::max(sine, kMinSine));
 }
 
 EnvironmentDistribution::PlaceOf<float> EnvironmentDistribution::sample(std::uint32_t facing, Vec2 u) const {

@@ -35,7 +35,7 @@ class EnvironmentDistribution {
     T along_row, depth, side;
     T pdf;  // per solid angle
   };
-  // By facing_of() of the surface; u in [0, 1). Nine times in ten in proportion to the radiance, else to
+  // By normal_bin() of the surface; u in [0, 1). Nine times in ten in proportion to the radiance, else to
   // anything that shines alike, and both times the cosine; but one time in twenty without it. So wherever
   // there is light there is a density.
   PlaceOf<float> sample(std::uint32_t facing, Vec2 u) const;
@@ -50,7 +50,7 @@ class EnvironmentDistribution {
   // kFacings numbers: the irradiance that lights are sampled for, shadows apart: what is uneven, and a
   // quarter of the rest, which rays that are scattered find as well. For all sides at once: of a surface that
   // half of the surroundings shine on, were they alike all over.
-  const std::vector<double>& sought_irradiance() const { return sought_; }
+  const std::vector<double>& importance_by_normal() const { return sought_; }
 
  private:
   friend class EnvironmentDistributionBuilder;

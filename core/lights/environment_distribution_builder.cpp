@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "core/lights/environment_distribution.hpp"
-#include "core/lights/facing.hpp"
+#include "core/lights/normal_bins.hpp"
 #include "core/math/elementary.hpp"
 #include "core/sampling/shares.hpp"
 
@@ -23,7 +23,7 @@ constexpr double kUniformDirections = 0.1;
 constexpr double kAnyCosine = 0.05;
 // A cell is uneven if the density of a texel in it is above this times the mean. Less than that is little
 // beside the noise of shadows.
-constexpr double kMostUneven = 1.5;
+constexpr double kMaxUneven = 1.5;
 // What light of even cells counts for when a light is chosen. Scattered rays find it well, and lamps and suns
 // seldom, which need samples of lights the more.
 constexpr double kFoundAnyway = 0.25;
@@ -181,13 +181,13 @@ class EnvironmentDistributionBuilder {
       const double here = density(radiance);
       solid_angle += angle;
       light_[index] += radiance * angle;
-      chance_[index] += here * angle;
+      probability_[index] += here * angle;
       if (here > highest) highest = here, brightest = {column, row, column + 1, row + 1};
     });
     made_.cells_.push_back({.patch = patch(within)});
     EnvironmentDistribution::Cell& cell = made_.cells_.back();
     for (std::size_t i = 0; i < kPlaces; ++i) directions_[index][i] = direction(cell.patch, place(i));
-    if (highest * solid_angle <= kMostUneven * chance_[index]) return;
+    if (highest * solid_angle <= kMaxUneven * probability_[index]) return;
     brightest_[index] = direction(patch(brightest), {0.5f, 0.5f});
     cell.uneven = static_cast<std::int32_t>(made_.texels_.size());
     made_.texels_.push_back({within.first_column, within.first_row, texels(within)});
@@ -203,13 +203,13 @@ class EnvironmentDistributionBuilder {
     };
     const auto [left, right] = span(column, within.first_column, within.end_column);
     const auto [top, bottom] = span(row, within.first_row, within.end_row);
-    constexpr double kMost = std::numeric_limits<float>::max();  // interpolated, it might round to infinity
+    constexpr double kMax = std::numeric_limits<float>::max();  // interpolated, it might round to infinity
     double most = 0;
     for (float along = left; along <= right; along += 0.5f)
       for (float down = top; down <= bottom; down += 0.5f)
         most = std::max(
             most, radiance_at_({along / static_cast<float>(width_), 1 - down / static_cast<float>(height_)}));
-    return std::min(most, kMost);
+    return std::min(most, kMax);
   }
 
   // Texels that are not black all over have some weight, so that there is a density wherever there is light.
@@ -226,7 +226,7 @@ class EnvironmentDistributionBuilder {
   OfCells cosines_of(std::uint32_t facing) const {
     OfCells cosines{};
     for (std::size_t n = 0; n < kPlaces; ++n) {
-      const Vec3 normal = normal_facing(facing, place(n));
+      const Vec3 normal = bin_normal(facing, place(n));
       const auto cosine = [normal](Vec3 direction) { return std::max(0.0f, dot(normal, direction)); };
       for (std::size_t cell = 0; cell < kCells; ++cell) {
         float mean = 0;
@@ -241,12 +241,12 @@ class EnvironmentDistributionBuilder {
 
   // In proportion to the light times the cosine.
   void add_choice(const OfCells& cosines) {
-    const double reflected = std::inner_product(cosines.begin(), cosines.end(), chance_.begin(), 0.0);
+    const double reflected = std::inner_product(cosines.begin(), cosines.end(), probability_.begin(), 0.0);
     OfCells weights;
     double sought = 0;
     for (std::size_t cell = 0; cell < kCells; ++cell) {
       const double share = reflected > 0 ? cosines[cell] / reflected : 1;
-      weights[cell] = chance_[cell] * ((1 - kAnyCosine) * share + kAnyCosine);
+      weights[cell] = probability_[cell] * ((1 - kAnyCosine) * share + kAnyCosine);
       const bool even = made_.cells_[cell].uneven == EnvironmentDistribution::kEven;
       const double cosine = (1 - kAnyCosine) * cosines[cell] + kAnyCosine * kMeanCosine;
       sought += (even ? kFoundAnyway : 1) * cosine * light_[cell];
@@ -269,7 +269,7 @@ class EnvironmentDistributionBuilder {
   const EquirectangularMap& map_;
   std::vector<double> solid_angles_;  // of a texel of each row
   double density_per_radiance_ = 0, least_density_ = 0;
-  OfCells light_{}, chance_{};  // over the cell's solid angle: radiance, density
+  OfCells light_{}, probability_{};  // over the cell's solid angle: radiance, density
   std::array<std::array<Vec3, kPlaces>, kCells> directions_{};
   std::array<Vec3, kCells> brightest_{};
   EnvironmentDistribution made_;

@@ -86,7 +86,7 @@ class AreaLights {
 }  // namespace
 
 std::optional<LightSample> sample_light(const Light& light, const std::vector<Texture>& textures,
-                                        const LitPoint& lit, Vec2 u) {
+                                        const LightSampleContext& lit, Vec2 u) {
   return std::visit(Overloaded{
                         [&](const AreaLight& area) { return area.sample(textures, lit.position, u); },
                         [&](const PointLight& point) { return point.sample(lit.position); },
@@ -98,7 +98,7 @@ std::optional<LightSample> sample_light(const Light& light, const std::vector<Te
 }
 
 LightSamples sample_lights(const std::array<const Light*, 8>& lights, const std::vector<Texture>& textures,
-                           const LitPoints& lit, Vec2Of<Float8> u) {
+                           const LightSampleContexts& lit, Vec2Of<Float8> u) {
   AreaLights quads, spheres;
   const Environment* environment = nullptr;  // of which a scene has one
   unsigned environment_lanes = 0, other_lanes = 0;
@@ -108,7 +108,7 @@ LightSamples sample_lights(const std::array<const Light*, 8>& lights, const std:
     const auto* around = std::get_if<Environment>(lights[lane]);
     if (area && area->is_quad()) {
       quads.set(lane, area);
-    } else if (area && area->is_even_sphere()) {
+    } else if (area && area->is_uniform_sphere()) {
       spheres.set(lane, area);
     } else if (around) {
       environment = around;
@@ -121,7 +121,8 @@ LightSamples sample_lights(const std::array<const Light*, 8>& lights, const std:
   if (!quads.empty())
     take_lanes(samples, AreaLight::sample_quads(quads.filled(), textures, lit.position, u), quads.lanes());
   if (!spheres.empty())
-    take_lanes(samples, AreaLight::sample_even_spheres(spheres.filled(), lit.position, u), spheres.lanes());
+    take_lanes(samples, AreaLight::sample_uniform_spheres(spheres.filled(), lit.position, u),
+               spheres.lanes());
   if (environment)
     take_lanes(samples, environment->sample(lit.normal, u), Mask8::from_bits(environment_lanes));
   if (other_lanes == 0) return samples;

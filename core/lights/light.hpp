@@ -15,7 +15,7 @@
 #include "core/lights/delta_lights.hpp"
 #include "core/lights/environment.hpp"
 #include "core/lights/light_bounds.hpp"
-#include "core/lights/lit_point.hpp"
+#include "core/lights/light_sample_context.hpp"
 
 namespace tessera::core {
 
@@ -25,11 +25,11 @@ static_assert(sizeof(Light) <= 128, "there may be a hundred thousand of them");
 // A direction from the point to the light. Nothing where the light cannot be sampled from there, or sends
 // nothing along the direction found.
 std::optional<LightSample> sample_light(const Light& light, const std::vector<Texture>& textures,
-                                        const LitPoint& lit, Vec2 u);
+                                        const LightSampleContext& lit, Vec2 u);
 
 // Eight lights, each lane as sample_light() does. Null for none. No two of them are different surroundings.
 LightSamples sample_lights(const std::array<const Light*, 8>& lights, const std::vector<Texture>& textures,
-                           const LitPoints& lit, Vec2Of<Float8> u);
+                           const LightSampleContexts& lit, Vec2Of<Float8> u);
 
 // Whether only sampling finds the light: it has no extent that a ray could meet.
 bool is_delta(const Light& light);

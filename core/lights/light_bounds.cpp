@@ -31,8 +31,8 @@ NormalCone unite(const NormalCone& a, const NormalCone& b) {
   const Vec3 edge_a = a.axis * a.cos_o - perpendicular(a.axis, b.axis) * a.sin_o;
   const Vec3 edge_b = b.axis * b.cos_o - perpendicular(b.axis, a.axis) * b.sin_o;
   const Vec3 sum = edge_a + edge_b;
-  constexpr float kLeast = 1e-3f;  // of nearly a hemisphere, where rounding would tell the axis
-  if (!(dot(sum, a.axis + b.axis) > kLeast)) return NormalCone::all();
+  constexpr float kMin = 1e-3f;  // of nearly a hemisphere, where rounding would tell the axis
+  if (!(dot(sum, a.axis + b.axis) > kMin)) return NormalCone::all();
   const Vec3 axis = normalize(sum);
   const float cos_o = std::fmin(dot(axis, edge_a), dot(axis, edge_b));
   return cos_o > 0 ? NormalCone::around(axis, 1 - cos_o) : NormalCone::all();

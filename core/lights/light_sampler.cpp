@@ -4,7 +4,7 @@
 #include <bit>
 #include <utility>
 
-#include "core/lights/facing.hpp"
+#include "core/lights/normal_bins.hpp"
 
 namespace tessera::core {
 namespace {
@@ -28,24 +28,24 @@ LightSampler::LightSampler(const std::vector<Light>& lights, Among among, int th
       distant_.push_back({.light = i, .wi = directional->wi(), .irradiance = directional->irradiance()});
     else
       distant_.push_back(
-          {.light = i, .by_facing = std::get_if<Environment>(&lights[i])->sought_irradiance()});
+          {.light = i, .by_facing = std::get_if<Environment>(&lights[i])->importance_by_normal()});
   }
   any_all_around_ = std::any_of(distant_.begin(), distant_.end(),
                                 [](const Distant& distant) { return !distant.by_facing.empty(); });
   tree_ = LightTree::build(std::move(placed), threads);
 }
 
-LightSampler::Outlook LightSampler::outlook(const LitPoint& point) const {
-  return {point, tree_.weigh_root(point), any_all_around_ ? facing_of(point.normal) : kAllSides};
+LightSampler::ShadingPointCache LightSampler::shading_point_cache(const LightSampleContext& point) const {
+  return {point, tree_.weigh_root(point), any_all_around_ ? normal_bin(point.normal) : kAllSides};
 }
 
-double LightSampler::irradiance(const Distant& distant, const Outlook& at) {
+double LightSampler::irradiance(const Distant& distant, const ShadingPointCache& at) {
   if (!distant.by_facing.empty()) return distant.by_facing[at.facing];
   if (at.point.normal == Vec3{}) return distant.irradiance;
   return distant.irradiance * static_cast<double>(std::max(0.0f, dot(distant.wi, at.point.normal)));
 }
 
-LightSampler::Total LightSampler::total(const Outlook& at) const {
+LightSampler::Total LightSampler::total(const ShadingPointCache& at) const {
   Total total;
   const auto add = [&](double irradiance) {
     total.irradiance += irradiance;
@@ -62,7 +62,7 @@ double LightSampler::share(const Total& total, double irradiance) {
   return (1 - kEvenShare) * irradiance / total.irradiance + kEvenShare / total.alternatives;
 }
 
-LightSampler::Choice LightSampler::sample_by_place(const Outlook& at, double u) const {
+LightSampler::Choice LightSampler::sample_by_place(const ShadingPointCache& at, double u) const {
   if (distant_.empty()) return tree_.sample(at.root, at.point, u);
   const Total all = total(at);
   const double of_tree = share(all, all.tree);
@@ -82,7 +82,7 @@ LightSampler::Choice LightSampler::sample_by_place(const Outlook& at, double u) 
   return choice;
 }
 
-std::optional<float> LightSampler::pmf_by_place(const Outlook& at, std::uint32_t light) const {
+std::optional<float> LightSampler::pmf_by_place(const ShadingPointCache& at, std::uint32_t light) const {
   if (tree_.contains(light)) {
     const float pmf = tree_.pmf(at.root, at.point, light);
     if (distant_.empty()) return pmf;
@@ -95,11 +95,11 @@ std::optional<float> LightSampler::pmf_by_place(const Outlook& at, std::uint32_t
   return static_cast<float>(share(total(at), irradiance(*distant, at)));
 }
 
-LightSampler::Choice LightSampler::sample(const LitPoint& point, double u) const {
-  return members_.size() == 1 ? Choice{members_[0], 1} : sample_at(outlook(point), u);
+LightSampler::Choice LightSampler::sample(const LightSampleContext& point, double u) const {
+  return members_.size() == 1 ? Choice{members_[0], 1} : sample_at(shading_point_cache(point), u);
 }
 
-std::array<LightSampler::Choice, kLaneCount> LightSampler::sample(const LitPoints& points,
+std::array<LightSampler::Choice, kLaneCount> LightSampler::sample(const LightSampleContexts& points,
                                                                   const std::array<double, kLaneCount>& u,
                                                                   unsigned asked) const {
   std::array<Choice, kLaneCount> choices;
@@ -107,7 +107,7 @@ std::array<LightSampler::Choice, kLaneCount> LightSampler::sample(const LitPoint
   if (members_.size() == 1) return choices;
   const Vec3Lanes position(points.position), normal(points.normal);
   const auto roots = tree_.weigh_root(points);
-  const WordLanes facing(any_all_around_ ? facing_of(points.normal) : U32x8(kAllSides));
+  const WordLanes facing(any_all_around_ ? normal_bin(points.normal) : U32x8(kAllSides));
   for (; asked != 0; asked &= asked - 1) {
     const auto lane = static_cast<std::size_t>(std::countr_zero(asked));
     choices[lane] = sample_at({{position[lane], normal[lane]}, roots[lane], facing[lane]}, u[lane]);
@@ -115,7 +115,7 @@ std::array<LightSampler::Choice, kLaneCount> LightSampler::sample(const LitPoint
   return choices;
 }
 
-LightSampler::Choice LightSampler::sample_at(const Outlook& at, double u) const {
+LightSampler::Choice LightSampler::sample_at(const ShadingPointCache& at, double u) const {
   const double uniform = kUniformShare / static_cast<double>(members_.size());
   Choice choice;
   if (u < kUniformShare) {
@@ -130,9 +130,9 @@ LightSampler::Choice LightSampler::sample_at(const Outlook& at, double u) const 
   return choice;
 }
 
-float LightSampler::pmf(const LitPoint& point, std::uint32_t light) const {
+float LightSampler::pmf(const LightSampleContext& point, std::uint32_t light) const {
   if (members_.size() == 1) return members_[0] == light ? 1 : 0;
-  const auto by_place = pmf_by_place(outlook(point), light);
+  const auto by_place = pmf_by_place(shading_point_cache(point), light);
   if (!by_place) return 0;
   return static_cast<float>((1 - kUniformShare) * static_cast<double>(*by_place) +
                             kUniformShare / static_cast<double>(members_.size()));

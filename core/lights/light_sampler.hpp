@@ -33,12 +33,12 @@ class LightSampler {
   std::size_t size() const { return members_.size(); }
   // u in [0, 1), of more bits than a float has. May choose none (kNoLight) where there are lights that do not
   // shine on the point.
-  Choice sample(const LitPoint& point, double u) const;
+  Choice sample(const LightSampleContext& point, double u) const;
   // For eight points, each lane as the above; nothing in lanes whose bit in `asked` is not set.
-  std::array<Choice, kLaneCount> sample(const LitPoints& points, const std::array<double, kLaneCount>& u,
-                                        unsigned asked) const;
+  std::array<Choice, kLaneCount> sample(const LightSampleContexts& points,
+                                        const std::array<double, kLaneCount>& u, unsigned asked) const;
   // With which sample() chooses the light; 0 of one that it never does.
-  float pmf(const LitPoint& point, std::uint32_t light) const;
+  float pmf(const LightSampleContext& point, std::uint32_t light) const;
 
  private:
   // A light at infinity.
@@ -46,15 +46,15 @@ class LightSampler {
     std::uint32_t light;
     Vec3 wi{};              // unit
     double irradiance = 0;  // of a surface that faces it, the mean of the channels
-    // Instead of these, for light from all around: EnvironmentDistribution::sought_irradiance, by
-    // facing_of().
+    // Instead of these, for light from all around: EnvironmentDistribution::importance_by_normal, by
+    // normal_bin().
     std::vector<double> by_facing{};
   };
   // A point, and what is found out about it before any light is chosen there.
-  struct Outlook {
-    LitPoint point;
+  struct ShadingPointCache {
+    LightSampleContext point;
     LightTree::Weights root;
-    std::uint32_t facing;  // facing_of() its normal; kAllSides, and not asked for, if no light is all around
+    std::uint32_t facing;  // normal_bin() its normal; kAllSides, and not asked for, if no light is all around
   };
   // How much light comes from the tree and from all at infinity, and from how many of these alternatives.
   struct Total {
@@ -62,14 +62,14 @@ class LightSampler {
     int alternatives = 0;
   };
 
-  Outlook outlook(const LitPoint& point) const;
-  static double irradiance(const Distant& distant, const Outlook& at);
-  Total total(const Outlook& at) const;
+  ShadingPointCache shading_point_cache(const LightSampleContext& point) const;
+  static double irradiance(const Distant& distant, const ShadingPointCache& at);
+  Total total(const ShadingPointCache& at) const;
   static double share(const Total& total, double irradiance);
-  Choice sample_at(const Outlook& at, double u) const;
-  Choice sample_by_place(const Outlook& at, double u) const;
+  Choice sample_at(const ShadingPointCache& at, double u) const;
+  Choice sample_by_place(const ShadingPointCache& at, double u) const;
   // Nothing of lights that are not among these.
-  std::optional<float> pmf_by_place(const Outlook& at, std::uint32_t light) const;
+  std::optional<float> pmf_by_place(const ShadingPointCache& at, std::uint32_t light) const;
 
   std::vector<std::uint32_t> members_;
   LightTree tree_;

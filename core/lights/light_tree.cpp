@@ -27,10 +27,10 @@ Angle excess(const Angle& a, const Angle& b) {
 // below zero being zero. It is that of cosines which are spread evenly. A place at the edge that sends all
 // there is has more, but no more than makes noise: the square of its cosine, over this, is 4 at most.
 Float8 mean_cosine(Float8 of_middle, Float8 sine_of_sphere) {
-  constexpr float kLeastSine = 1e-30f;
+  constexpr float kMinSine = 1e-30f;
   const Float8 highest = max(of_middle + sine_of_sphere, 0.0f);
   return select(of_middle >= sine_of_sphere, of_middle,
-                highest * highest / (4 * max(sine_of_sphere, kLeastSine)));
+                highest * highest / (4 * max(sine_of_sphere, kMinSine)));
 }
 
 Float8 load(const std::array<float, LightTree::kWidth>& lanes) {
@@ -42,7 +42,7 @@ Vec3Of<Float8> load(const std::array<float, LightTree::kWidth> (&lanes)[3]) {
 }
 
 // Whether the tree is of a single light, which needs no weighing: lanes without a child hold 0.
-bool leaf_alone(const auto& nodes) {
+bool single_leaf(const auto& nodes) {
   return nodes.size() == 1 && nodes[0].children[1] == 0;
 }
 
@@ -71,7 +71,7 @@ struct LightTree::Children {
         back(node.back[i]),
         intensity(node.intensity[i]) {}
 
-  Float8 weights(const LitPoints& points) const;
+  Float8 weights(const LightSampleContexts& points) const;
 
   Vec3Of<Float8> center, axis;
   Float8 radius2, disk2;
@@ -82,12 +82,12 @@ struct LightTree::Children {
 // About how much light each child sends to the point: all places in its sphere send the same, and of the
 // normals in its cone that one is theirs which suits best (after Conty Estevez and Kulla 2018, section 3.2,
 // who take of the places the best as well). None only where none can send any.
-Float8 LightTree::Children::weights(const LitPoints& points) const {
-  constexpr float kLeastDistance2 = 1e-30f;
-  constexpr float kLeastInside = 0.1f;  // of the product of the cosines, for a point within the sphere
-  constexpr float kNearest2 = 0.1f;     // of radius2: to lights that are strewn around the point
+Float8 LightTree::Children::weights(const LightSampleContexts& points) const {
+  constexpr float kMinDistance2 = 1e-30f;
+  constexpr float kMinInside = 0.1f;  // of the product of the cosines, for a point within the sphere
+  constexpr float kNearest2 = 0.1f;   // of radius2: to lights that are strewn around the point
   const Vec3Of<Float8> to_center = center - points.position, normal = points.normal;
-  const Float8 distance2 = max(dot(to_center, to_center), kLeastDistance2);
+  const Float8 distance2 = max(dot(to_center, to_center), kMinDistance2);
   const Float8 per_distance = 1.0f / sqrt(distance2);
   const Mask8 inside = radius2 >= distance2;
 
@@ -106,7 +106,7 @@ Float8 LightTree::Children::weights(const LitPoints& points) const {
   const Float8 cosines = sent * received;
   // A disk is seen from above its middle as if it were a point that is farther away by its radius.
   return intensity / (max(distance2, kNearest2 * radius2) + disk2) *
-         select(inside, max(cosines, kLeastInside), cosines);
+         select(inside, max(cosines, kMinInside), cosines);
 }
 
 void LightTree::Weights::add_up() {
@@ -114,7 +114,7 @@ void LightTree::Weights::add_up() {
   for (std::size_t lane = 0; lane < kWidth; ++lane) sums[lane] = sum += static_cast<double>(lanes[lane]);
 }
 
-LightTree::Weights LightTree::weigh(const Node& node, const LitPoint& point) {
+LightTree::Weights LightTree::weigh(const Node& node, const LightSampleContext& point) {
   const auto [p, n] = point;
   Weights weights;
   Children(node).weights({{p.x, p.y, p.z}, {n.x, n.y, n.z}}).store(weights.lanes.data());
@@ -122,12 +122,13 @@ LightTree::Weights LightTree::weigh(const Node& node, const LitPoint& point) {
   return weights;
 }
 
-LightTree::Weights LightTree::weigh_root(const LitPoint& point) const {
+LightTree::Weights LightTree::weigh_root(const LightSampleContext& point) const {
   return empty() ? Weights{} : weigh(nodes_[0], point);
 }
 
 // A child at a time, since few trees have eight at their root.
-std::array<LightTree::Weights, LightTree::kWidth> LightTree::weigh_root(const LitPoints& points) const {
+std::array<LightTree::Weights, LightTree::kWidth> LightTree::weigh_root(
+    const LightSampleContexts& points) const {
   std::array<Weights, kWidth> weights{};
   if (empty()) return weights;
   for (std::size_t child = 0; child < kWidth && nodes_[0].children[child] != 0; ++child) {
@@ -139,8 +140,8 @@ std::array<LightTree::Weights, LightTree::kWidth> LightTree::weigh_root(const Li
   return weights;
 }
 
-LightTree::Choice LightTree::sample(const Weights& root, const LitPoint& point, double u) const {
-  if (leaf_alone(nodes_)) return {static_cast<std::uint32_t>(~nodes_[0].children[0]), 1};
+LightTree::Choice LightTree::sample(const Weights& root, const LightSampleContext& point, double u) const {
+  if (single_leaf(nodes_)) return {static_cast<std::uint32_t>(~nodes_[0].children[0]), 1};
   float pmf = 1;
   Weights weights = root;
   for (std::size_t at = 0;;) {
@@ -158,9 +159,9 @@ LightTree::Choice LightTree::sample(const Weights& root, const LitPoint& point, 
   }
 }
 
-float LightTree::pmf(const Weights& root, const LitPoint& point, std::uint32_t light) const {
+float LightTree::pmf(const Weights& root, const LightSampleContext& point, std::uint32_t light) const {
   if (!contains(light)) return 0;
-  if (leaf_alone(nodes_)) return 1;
+  if (single_leaf(nodes_)) return 1;
   float pmf = 1;
   std::uint32_t at = leaves_[light];
   for (; at >= kWidth; at = nodes_[at / kWidth].parent) {

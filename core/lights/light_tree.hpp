@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/lights/light_bounds.hpp"
-#include "core/lights/lit_point.hpp"
+#include "core/lights/light_sample_context.hpp"
 #include "core/math/simd.hpp"
 #include "core/math/vec3.hpp"
 
@@ -37,21 +37,21 @@ class LightTree {
   };
   class Weights;
   // Of the root's children, as the following take it.
-  Weights weigh_root(const LitPoint& point) const;
+  Weights weigh_root(const LightSampleContext& point) const;
   // Of eight points.
-  std::array<Weights, kWidth> weigh_root(const LitPoints& points) const;
+  std::array<Weights, kWidth> weigh_root(const LightSampleContexts& points) const;
   // u in [0, 1], of more bits than a float has.
-  Choice sample(const Weights& root, const LitPoint& point, double u) const;
-  Choice sample(const LitPoint& point, double u) const;
+  Choice sample(const Weights& root, const LightSampleContext& point, double u) const;
+  Choice sample(const LightSampleContext& point, double u) const;
   // With which sample() chooses the light.
-  float pmf(const Weights& root, const LitPoint& point, std::uint32_t light) const;
-  float pmf(const LitPoint& point, std::uint32_t light) const;
+  float pmf(const Weights& root, const LightSampleContext& point, std::uint32_t light) const;
+  float pmf(const LightSampleContext& point, std::uint32_t light) const;
   bool contains(std::uint32_t light) const { return light < leaves_.size() && leaves_[light] != kNoLeaf; }
 
   // About how much light arrives, shadows apart: irradiance, the mean of the channels. Zero only where
   // rounding might decide whether any does.
   double irradiance(const Weights& root) const;
-  double irradiance(const LitPoint& point) const;
+  double irradiance(const LightSampleContext& point) const;
 
  private:
   friend class LightTreeBuilder;
@@ -72,7 +72,7 @@ class LightTree {
   static constexpr std::uint32_t kNoLeaf = 0xffffffffu;
 
   struct Children;
-  static Weights weigh(const Node& node, const LitPoint& point);
+  static Weights weigh(const Node& node, const LightSampleContext& point);
 
   std::vector<Node> nodes_;            // the root first
   std::vector<std::uint32_t> leaves_;  // of each light, its lane
@@ -97,13 +97,13 @@ class LightTree::Weights {
 inline double LightTree::irradiance(const Weights& root) const {
   return root.sum() * power_;
 }
-inline double LightTree::irradiance(const LitPoint& point) const {
+inline double LightTree::irradiance(const LightSampleContext& point) const {
   return irradiance(weigh_root(point));
 }
-inline LightTree::Choice LightTree::sample(const LitPoint& point, double u) const {
+inline LightTree::Choice LightTree::sample(const LightSampleContext& point, double u) const {
   return sample(weigh_root(point), point, u);
 }
-inline float LightTree::pmf(const LitPoint& point, std::uint32_t light) const {
+inline float LightTree::pmf(const LightSampleContext& point, std::uint32_t light) const {
   return pmf(weigh_root(point), point, light);
 }
 

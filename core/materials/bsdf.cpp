@@ -31,13 +31,13 @@ Bsdf::AtPoint Bsdf::look_up(const Material& material, const std::vector<Texture>
           },
           [&](const Phong& m) -> AtPoint {
             const Rgb diffuse = at(m.diffuse) * tint, specular = at(m.specular);
-            const Rgb scale = keep_to_one(diffuse, specular);
+            const Rgb scale = normalize_energy(diffuse, specular);
             return PhongBsdf{diffuse * scale, specular * scale,
                              std::clamp(at(m.exponent), 0.0f, kMaxExponent), m.lobe};
           },
           [&](const CookTorrance& m) -> AtPoint {
             const Rgb diffuse = at(m.diffuse) * tint, specular = at(m.specular);
-            const Rgb scale = keep_to_one(diffuse, specular);
+            const Rgb scale = normalize_energy(diffuse, specular);
             const ComplexIndex index = m.conductor ? complex_index(*m.conductor) : ComplexIndex{};
             return CookTorranceBsdf{
                 .diffuse = diffuse * scale,

@@ -21,15 +21,15 @@ struct CookTorranceBsdfOf {
     return evaluate(wo_local, wi_local, diffuse_cos, specular_probability(wo_local.z));
   }
 
-  struct Found {
+  struct Sample {
     MaskOf<T> any;  // where there is one at all
     Vec3Of<T> wi_local;
     BsdfValueOf<T> value;
   };
-  Found find(Vec3Of<T> wo_local, Vec2Of<T> u, T u_lobe) const;
+  Sample find(Vec3Of<T> wo_local, Vec2Of<T> u, T u_lobe) const;
 
   std::optional<BsdfSample> sample(Vec3 wo_local, Vec2 u, float u_lobe) const {
-    const Found found = find(wo_local, u, u_lobe);
+    const Sample found = find(wo_local, u, u_lobe);
     if (!found.any) return std::nullopt;
     return weighed_sample(found.wi_local, found.value);
   }
@@ -54,8 +54,8 @@ struct CookTorranceBsdfOf {
     return select(is_black(diffuse), T(1.0f), shine / (shine + max_component(diffuse)));
   }
 
-  T masking_over_4_cos(T cos_o, T cos_i) const {
-    const T smith = ggx.visible_from_both_over_4_cos(cos_o, cos_i);
+  T visibility_term(T cos_o, T cos_i) const {
+    const T smith = ggx.smith_visibility(cos_o, cos_i);
     if (!any(schlick_masking)) return smith;
     const T k_half = ggx.alpha() / 2;
     const T schlick = 1 / (4 * (cos_o * (1 - k_half) + k_half) * (cos_i * (1 - k_half) + k_half));
@@ -78,7 +78,7 @@ BsdfValueOf<T> CookTorranceBsdfOf<T>::evaluate(Vec3Of<T> wo, Vec3Of<T> wi, T dif
   const MaskOf<T> dark = (wo.z <= 0) | (wi.z <= 0);
   const Vec3Of<T> h = normalize(wo + wi);
   const T cos_oh = dot(wo, h);
-  const T facets = ggx.density(h) * masking_over_4_cos(wo.z, wi.z);
+  const T facets = ggx.density(h) * visibility_term(wo.z, wi.z);
   const T pdf_h = select(sample_half_vector, ggx.pdf_projected(h), ggx.pdf_visible(wo, h));
   const RgbOf<T> value = diffuse * (diffuse_cos / kPi) + specular * reflectance(cos_oh) * (facets * wi.z);
   const T pdf = p * pdf_h / (4 * cos_oh) + (1 - p) * pdf_cosine_hemisphere(wi.z);
@@ -86,7 +86,8 @@ BsdfValueOf<T> CookTorranceBsdfOf<T>::evaluate(Vec3Of<T> wo, Vec3Of<T> wi, T dif
 }
 
 template <typename T>
-typename CookTorranceBsdfOf<T>::Found CookTorranceBsdfOf<T>::find(Vec3Of<T> wo, Vec2Of<T> u, T u_lobe) const {
+typename CookTorranceBsdfOf<T>::Sample CookTorranceBsdfOf<T>::find(Vec3Of<T> wo, Vec2Of<T> u,
+                                                                   T u_lobe) const {
   const T p = specular_probability(wo.z);
   const MaskOf<T> specular_lobe = u_lobe < p;
   MaskOf<T> found = wo.z > 0;

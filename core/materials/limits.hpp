@@ -21,7 +21,7 @@ GgxOf<T> rough_ggx(T roughness) {
 
 // What both parts of a surface are multiplied by.
 template <typename T>
-RgbOf<T> keep_to_one(RgbOf<T> diffuse, RgbOf<T> specular) {
+RgbOf<T> normalize_energy(RgbOf<T> diffuse, RgbOf<T> specular) {
   const RgbOf<T> sum = diffuse + specular;
   return {1 / larger(T(1.0f), sum.r), 1 / larger(T(1.0f), sum.g), 1 / larger(T(1.0f), sum.b)};
 }

@@ -34,9 +34,7 @@ class GgxOf {
   T visible(T cos_w) const { return 2 * cos_w / (cos_w + slant(cos_w)); }
 
   // The share seen from both directions, correlated by height, over 4 cos_o cos_i (Heitz 2014, eq. 99).
-  T visible_from_both_over_4_cos(T cos_o, T cos_i) const {
-    return 0.5f / (cos_i * slant(cos_o) + cos_o * slant(cos_i));
-  }
+  T smith_visibility(T cos_o, T cos_i) const { return 0.5f / (cos_i * slant(cos_o) + cos_o * slant(cos_i)); }
 
   // Of the microfacets seen from `wo` (Heitz 2018). wo.z > 0; the density is per solid angle of h.
   Vec3Of<T> sample_visible(Vec3Of<T> wo, Vec2Of<T> u) const;

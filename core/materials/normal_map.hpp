@@ -18,7 +18,8 @@ inline Vec3 along_picture(Vec3 along, float scale) {
 // convention of OpenGL), of the picture; blue is along the normal. Where the directions along the picture are
 // zero or parallel to the normal, it stays as it is. All are of unit length.
 template <typename T>
-Vec3Of<T> bend_by_map(RgbOf<T> texel, T strength, Vec3Of<T> normal, Vec3Of<T> along_u, Vec3Of<T> along_v) {
+Vec3Of<T> perturb_by_normal_map(RgbOf<T> texel, T strength, Vec3Of<T> normal, Vec3Of<T> along_u,
+                                Vec3Of<T> along_v) {
   // Gram and Schmidt; the frame is left-handed where the texture coordinates are mirrored.
   const Vec3Of<T> flat_u = along_u - normal * dot(normal, along_u);
   constexpr float kParallel = 1e-4f;
@@ -26,8 +27,8 @@ Vec3Of<T> bend_by_map(RgbOf<T> texel, T strength, Vec3Of<T> normal, Vec3Of<T> al
   const Vec3Of<T> tangent = normalize(flat_u);
   const Vec3Of<T> bitangent = face_toward(cross(normal, tangent), along_v);
   const T x = strength * (2 * texel.r - 1), y = strength * (2 * texel.g - 1);
-  constexpr float kLeastHeight = 0.05f;
-  const T z = larger(2 * texel.b - 1, T(kLeastHeight));
+  constexpr float kMinHeight = 0.05f;
+  const T z = larger(2 * texel.b - 1, T(kMinHeight));
   return select(has_frame, normalize(tangent * x + bitangent * y + normal * z), normal);
 }
 

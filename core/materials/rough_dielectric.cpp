@@ -15,7 +15,7 @@ BsdfValue RoughDielectricBsdf::evaluate_reflection(Vec3 wo, Vec3 wi) const {
   const Vec3 h = normalize(wo + wi);
   const float cos_oh = dot(wo, h);
   const float reflected = dielectric_reflectance(fresnel, cos_oh, eta);
-  const float facets = ggx.density(h) * ggx.visible_from_both_over_4_cos(wo.z, wi.z) * wi.z;
+  const float facets = ggx.density(h) * ggx.smith_visibility(wo.z, wi.z) * wi.z;
   return {reflectance * (reflected * facets), reflected * ggx.pdf_visible(wo, h) / (4 * cos_oh)};
 }
 
@@ -27,8 +27,7 @@ BsdfValue RoughDielectricBsdf::evaluate_transmission(Vec3 wo, Vec3 wi) const {
   if (cos_oh <= 0 || cos_ih >= 0) return {};
   const float passed = 1 - dielectric_reflectance(fresnel, cos_oh, eta);
   const float ratio = solid_angle_ratio(cos_oh, cos_ih);
-  const float facets =
-      4 * ggx.density(h) * ggx.visible_from_both_over_4_cos(wo.z, -wi.z) * cos_oh * -wi.z * ratio;
+  const float facets = 4 * ggx.density(h) * ggx.smith_visibility(wo.z, -wi.z) * cos_oh * -wi.z * ratio;
   return {transmittance * (passed * facets / (eta * eta)), passed * ggx.pdf_visible(wo, h) * ratio};
 }
 
@@ -48,7 +47,7 @@ std::optional<BsdfSample> RoughDielectricBsdf::sample(Vec3 wo, Vec2 u, float u_l
   const auto wi = reflects ? reflect(wo, h) : refract(wo, h, eta);
   if (!wi || (reflects ? wi->z <= 0 : wi->z >= 0)) return std::nullopt;
   const float cos_i = std::fabs(wi->z);
-  const float unmasked = 4 * cos_i * wo.z * ggx.visible_from_both_over_4_cos(wo.z, cos_i) / ggx.visible(wo.z);
+  const float unmasked = 4 * cos_i * wo.z * ggx.smith_visibility(wo.z, cos_i) / ggx.visible(wo.z);
   BsdfSample sample;
   sample.wi_local = *wi;
   sample.transmitted = !reflects;

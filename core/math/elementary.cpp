@@ -69,8 +69,8 @@ double exp(double x) {
 
 double log(double x) {
   constexpr double kLn2 = 0.69314718055994530942, kSqrtHalf = 0.70710678118654752440;
-  constexpr double kLeastNormal = std::numeric_limits<double>::min();
-  const bool subnormal = x < kLeastNormal;
+  constexpr double kMinNormal = std::numeric_limits<double>::min();
+  const bool subnormal = x < kMinNormal;
   const auto bits = std::bit_cast<std::uint64_t>(subnormal ? x * 0x1p54 : x);
   const std::uint64_t above_sqrt_half = bits - std::bit_cast<std::uint64_t>(kSqrtHalf);
   // The mantissa is in [sqrt(1/2), sqrt(2)).

@@ -52,9 +52,9 @@ SinCosOf<T> sin_cos_turns(T turns) {
 template <typename T>
 T atan2(T y, T x) {
   using std::fabs, std::copysign;
-  constexpr float kLeast = std::numeric_limits<float>::denorm_min();
+  constexpr float kMin = std::numeric_limits<float>::denorm_min();
   const T ax = fabs(x), ay = fabs(y);
-  const T ratio = smaller(ax, ay) / larger(larger(ax, ay), T(kLeast));
+  const T ratio = smaller(ax, ay) / larger(larger(ax, ay), T(kMin));
   const T s = ratio * ratio;
   const T octant =
       ratio * polynomial(s, std::array{1.0f, -0.333330929f, 0.199930549f, -0.142071337f, 0.106546797f,

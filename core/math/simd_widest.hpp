@@ -21,6 +21,6 @@ using MaskVector = MaskOf<FloatVector>;
 using DoubleVector = WideOf<FloatVector>;  // of as many lanes
 inline constexpr std::size_t kVectorLanes = kLanes<FloatVector>;
 // Of arrays that are read in vectors, whoever is compiled for which.
-inline constexpr std::size_t kMostVectorLanes = 16, kVectorAlignment = 64;
+inline constexpr std::size_t kMaxVectorLanes = 16, kVectorAlignment = 64;
 
 }  // namespace tessera::core

@@ -10,8 +10,8 @@ namespace {
 // of the outermost cells are folded back at the edge, which makes their sum even there.
 // At a tent's foot, where u is 0, there might be no density.
 float under_tent(int cell, float u, int cells) {
-  constexpr float kLeast = 0x1p-25f;
-  const float from_middle = u < 0.5f ? std::sqrt(2 * std::max(u, kLeast)) - 1 : 1 - std::sqrt(2 * (1 - u));
+  constexpr float kMin = 0x1p-25f;
+  const float from_middle = u < 0.5f ? std::sqrt(2 * std::max(u, kMin)) - 1 : 1 - std::sqrt(2 * (1 - u));
   const float place = static_cast<float>(cell) + 0.5f + from_middle;
   const auto end = static_cast<float>(cells);
   return place < 0 ? -place : place > end ? 2 * end - place : place;

@@ -231,7 +231,7 @@ Status check_instance(const InstanceDescription& instance, const SceneDescriptio
   if (!fits(box.lower) || !fits(box.upper))
     return invalid(fmt::format("the object reaches farther than {:g} there", kMaxCoordinate));
   if (has_emissive_sphere(object, instance, scene.materials) &&
-      !(round_scale(instance.to_world, kRoundToRounding) > 0))
+      !(uniform_scale(instance.to_world, kRoundToRounding) > 0))
     return invalid(
         "a sphere that emits must stay round: the transform must scale by the same factor in all directions");
   return {};

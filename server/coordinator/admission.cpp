@@ -6,8 +6,8 @@
 #include <limits>
 
 #include "proto/convert.hpp"
-#include "server/coordinator/place.hpp"
-#include "server/coordinator/turn.hpp"
+#include "server/coordinator/quota_reservation.hpp"
+#include "server/coordinator/state_lock.hpp"
 
 namespace tessera::coordinator {
 
@@ -84,25 +84,25 @@ core::Status check_spp(std::uint32_t spp, const server::Limits& limits) {
                                        std::to_string(limits.spp), "--max-spp"));
 }
 
-Coordinator::Place::~Place() {
+Coordinator::QuotaReservation::~QuotaReservation() {
   if (coordinator_ == nullptr) return;
-  const Turn turn(*coordinator_);
+  const StateLock lock(*coordinator_);
   const auto place = coordinator_->places_.find(submitter_);
   if (--place->second == 0) coordinator_->places_.erase(place);
 }
 
-core::Result<Coordinator::Place> Coordinator::take_place(const std::string& submitter) {
-  const Turn turn(*this);
-  if (auto may = may_open_job(turn, submitter); !may) return core::fail(may.error());
-  return Place(*this, submitter);
+core::Result<Coordinator::QuotaReservation> Coordinator::reserve_quota(const std::string& submitter) {
+  const StateLock lock(*this);
+  if (auto may = may_open_job(lock, submitter); !may) return core::fail(may.error());
+  return QuotaReservation(*this, submitter);
 }
 
-core::Status Coordinator::may_open_job(const Turn& turn, const std::string& submitter) const {
+core::Status Coordinator::may_open_job(const StateLock& lock, const std::string& submitter) const {
   const auto places = places_.find(submitter);
   std::uint64_t open = places == places_.end() ? 0 : places->second;
   for (const auto& [id, record] : jobs_) {
     if (record.finished_ms || record.spec->submitter() != submitter) continue;
-    const auto view = scheduler_.job({id}, turn.now());
+    const auto view = scheduler_.job({id}, lock.now());
     if (view && !is_finished(view->state)) ++open;
   }
   if (open < options_.limits.open_jobs) return {};

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
-#include "server/coordinator/turn.hpp"
+#include "server/coordinator/state_lock.hpp"
 
 namespace tessera::coordinator {
 
@@ -29,10 +29,10 @@ void Coordinator::follow_audits(const scheduler::Actions& actions) {
     if (record != nullptr && record->film) record->film->mark_changed(reviewed.tile);
   }
   for (const scheduler::Disproof& disproof : actions.disproved) {
-    const scheduler::Author& author = disproof.author;
-    if (!conduct_.put_aside(author.worker.value, author.machine, disproof.because)) continue;
+    const scheduler::Producer& producer = disproof.producer;
+    if (!quarantine_.quarantined(producer.worker.value, producer.machine, disproof.because)) continue;
     spdlog::error("worker {} ({}) is put aside: {}. What it rendered besides is verified by others",
-                  called(author), author.worker.value, disproof.because);
+                  called(producer), producer.worker.value, disproof.because);
   }
   for (const std::string& contradiction : actions.contradictions) spdlog::warn("{}", contradiction);
   for (const scheduler::JobId& job : actions.reopen) to_reopen_.insert(job.value);
@@ -44,9 +44,9 @@ void Coordinator::follow_audits(const scheduler::Actions& actions) {
 }
 
 // Says once of each job that nobody who is here can verify the rest of it.
-void Coordinator::note_lack_of_auditors(const Turn& turn) {
+void Coordinator::note_lack_of_auditors(const StateLock& lock) {
   for (auto& [id, record] : jobs_) {
-    const scheduler::JobView view = *scheduler_.job({id}, turn.now());
+    const scheduler::JobView view = *scheduler_.job({id}, lock.now());
     const bool waits = view.state == scheduler::JobState::kRunning &&
                        view.samples_done == view.samples_total && view.active_workers == 0;
     record.checks_without_auditor = waits ? record.checks_without_auditor + 1 : 0;

@@ -88,7 +88,7 @@ std::optional<BlobClaims::Claims::iterator> BlobClaims::find_or_add(const std::s
       if (claim->caller == caller && claim->files == files) return claim;
     }
   }
-  auto place = places_.take(caller, std::max<std::uint64_t>(files.size(), kLeastFiles));
+  auto place = places_.take(caller, std::max<std::uint64_t>(files.size(), kMinFiles));
   if (!place) return std::nullopt;
   const auto claim =
       quiet_.insert(quiet_.end(), Claim{caller, std::move(files), *std::move(place), 0, now_()});

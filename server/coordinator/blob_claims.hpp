@@ -26,8 +26,8 @@ class BlobClaims {
  public:
   using Time = std::chrono::steady_clock::time_point;
   static constexpr std::chrono::minutes kClaimTime{15};
-  // Files in all claims together. One of few files counts as if it had kLeastFiles.
-  static constexpr std::uint64_t kMostFiles = 1'000'000, kLeastFiles = 16;
+  // Files in all claims together. One of few files counts as if it had kMinFiles.
+  static constexpr std::uint64_t kMaxFiles = 1'000'000, kMinFiles = 16;
 
   explicit BlobClaims(std::function<Time()> now) : now_(std::move(now)) {}
   BlobClaims(const BlobClaims&) = delete;
@@ -72,7 +72,7 @@ class BlobClaims {
   void drop_lapsed();
 
   const std::function<Time()> now_;
-  FairShare places_{kMostFiles};
+  FairShare places_{kMaxFiles};
   std::mutex mutex_;
   std::map<proto::Digest, Need> needs_;  // guarded by mutex_; none that is empty
   Claims in_use_, quiet_;                // guarded by mutex_; quiet_ in the order in which they lapse

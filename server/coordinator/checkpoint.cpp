@@ -9,8 +9,8 @@
 #include <optional>
 #include <utility>
 
+#include "server/coordinator/state_lock.hpp"
 #include "server/coordinator/stored_tile.hpp"
-#include "server/coordinator/turn.hpp"
 
 namespace tessera::coordinator {
 
@@ -20,7 +20,7 @@ core::Status Coordinator::checkpoint() {
   const core::Status written = write(rows);
   if (written) note_stored(rows);
   // Also if nothing can be written, on a full disk: whoever waits for a picture can have it from memory.
-  tell_ends(rows);
+  publish_completions(rows);
   return written;
 }
 
@@ -37,18 +37,18 @@ core::Status Coordinator::write(const std::vector<store::JobRow>& rows) {
 }
 
 std::vector<store::JobRow> Coordinator::changed_rows() {
-  const Turn turn(*this);
+  const StateLock lock(*this);
   checkpoint_is_awaited_ = false;
   std::vector<store::JobRow> rows;
   for (const auto& [id, record] : jobs_) {
     if (record.revision == record.stored_revision) continue;
-    rows.push_back(to_row(record, *scheduler_.job({id}, turn.now())));
+    rows.push_back(to_row(record, *scheduler_.job({id}, lock.now())));
   }
   return rows;
 }
 
 std::vector<Coordinator::TileRef> Coordinator::changed_tiles() {
-  const Turn turn(*this);
+  const StateLock lock(*this);
   std::vector<TileRef> tiles;
   for (const auto& [id, record] : jobs_) {
     if (!record.film) continue;
@@ -59,13 +59,13 @@ std::vector<Coordinator::TileRef> Coordinator::changed_tiles() {
 
 core::Status Coordinator::write_tiles(std::span<const TileRef> tiles) {
   const auto take_copy = [this](const TileRef& ref) -> std::optional<TileCopy> {
-    const Turn turn(*this);
+    const StateLock lock(*this);
     const JobRecord* record = find(ref.job_id);
     if (record == nullptr || !record->film) return std::nullopt;  // deleted meanwhile
     record->film->mark_clean(ref.tile);
     TileCopy copy{ref, grid_of(*record->spec).rect(ref.tile),
                   scheduler_.done({ref.job_id}, ref.tile).ranges(), record->film->copy(ref.tile)};
-    copy.content.authored = {fingerprinter_.check(), scheduler_.authored({ref.job_id}, ref.tile)};
+    copy.content.provenance = {fingerprinter_.check(), scheduler_.provenance({ref.job_id}, ref.tile)};
     return copy;
   };
   std::vector<store::TileRow> rows;
@@ -76,7 +76,7 @@ core::Status Coordinator::write_tiles(std::span<const TileRef> tiles) {
   }
   auto written = state_.jobs.write_tiles(rows);
   if (written) return written;
-  const Turn turn(*this);
+  const StateLock lock(*this);
   for (const TileRef& ref : tiles) {
     const JobRecord* record = find(ref.job_id);
     if (record != nullptr && record->film) record->film->mark_changed(ref.tile);
@@ -85,25 +85,26 @@ core::Status Coordinator::write_tiles(std::span<const TileRef> tiles) {
 }
 
 void Coordinator::note_stored(const std::vector<store::JobRow>& rows) {
-  const Turn turn(*this);
+  const StateLock lock(*this);
   for (const store::JobRow& row : rows) {
     if (JobRecord* record = find(row.id)) record->stored_revision = row.revision;
   }
   for (auto& [id, record] : jobs_) {
     const bool stored =
         record.film && record.film->changed().empty() && record.revision == record.stored_revision;
-    if (!stored || !is_finished(scheduler_.job({id}, turn.now())->state)) continue;
+    if (!stored || !is_finished(scheduler_.job({id}, lock.now())->state)) continue;
     record.stored_counters = record.film->counters();
     record.film.reset();
   }
 }
 
-void Coordinator::tell_ends(const std::vector<store::JobRow>& rows) {
-  const Turn turn(*this);
+void Coordinator::publish_completions(const std::vector<store::JobRow>& rows) {
+  const StateLock lock(*this);
   for (const store::JobRow& row : rows) {
     JobRecord* record = find(row.id);
-    if (record != nullptr && record->untold_end && *record->untold_end <= row.revision)
-      record->untold_end.reset();
+    if (record != nullptr && record->unpublished_completion &&
+        *record->unpublished_completion <= row.revision)
+      record->unpublished_completion.reset();
   }
 }
 

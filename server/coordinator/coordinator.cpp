@@ -7,7 +7,7 @@
 #include <limits>
 #include <utility>
 
-#include "server/coordinator/turn.hpp"
+#include "server/coordinator/state_lock.hpp"
 #include "server/coordinator/wire.hpp"
 
 namespace tessera::coordinator {
@@ -65,19 +65,19 @@ core::Result<std::unique_ptr<Coordinator>> Coordinator::open(Options options, st
 }
 
 core::Result<v1::Job> Coordinator::job(const std::string& id) {
-  const Turn turn(*this);
+  const StateLock lock(*this);
   const JobRecord* record = find(id);
   if (record == nullptr) return core::fail(core::ErrorCode::kNotFound, fmt::format("there is no job {}", id));
-  v1::Job job = describe_now(turn, *record);
+  v1::Job job = describe_now(lock, *record);
   add_troubles(job);
   return job;
 }
 
 core::Result<v1::Job> Coordinator::job_without_bundle(const std::string& id) {
-  const Turn turn(*this);
+  const StateLock lock(*this);
   const JobRecord* record = find(id);
   if (record == nullptr) return core::fail(core::ErrorCode::kNotFound, fmt::format("there is no job {}", id));
-  v1::Job job = summarise(*record, *scheduler_.job({id}, turn.now()));
+  v1::Job job = summarise(*record, *scheduler_.job({id}, lock.now()));
   add_troubles(job);
   return job;
 }
@@ -90,39 +90,39 @@ void Coordinator::add_troubles(v1::Job& job) const {
 std::vector<v1::Job> Coordinator::jobs(const v1::ListJobsRequest& request) {
   const std::size_t most =
       request.max_jobs() == 0 ? std::numeric_limits<std::size_t>::max() : request.max_jobs();
-  const Turn turn(*this);
+  const StateLock lock(*this);
   std::vector<v1::Job> result;
-  for (const scheduler::JobView& view : scheduler_.jobs(turn.now(), request.id_prefix(), most)) {
+  for (const scheduler::JobView& view : scheduler_.jobs(lock.now(), request.id_prefix(), most)) {
     result.push_back(summarise(jobs_.at(view.id.value), view));
   }
   return {result.rbegin(), result.rend()};
 }
 
 std::vector<v1::ListWorkersResponse::Worker> Coordinator::workers() {
-  const Turn turn(*this);
+  const StateLock lock(*this);
   std::vector<v1::ListWorkersResponse::Worker> result;
-  for (const scheduler::WorkerView& worker : scheduler_.workers(turn.now())) {
-    result.push_back(to_wire(worker, wall_ms(worker.last_seen, turn.now())));
-    result.back().set_refused_results(conduct_.refusals(worker.info.id.value));
+  for (const scheduler::WorkerView& worker : scheduler_.workers(lock.now())) {
+    result.push_back(to_wire(worker, wall_ms(worker.last_seen, lock.now())));
+    result.back().set_rejected_results(quarantine_.refusals(worker.info.id.value));
     for (std::string& trouble : troubles_.of_worker(worker.info.id.value))
       result.back().add_troubles(std::move(trouble));
-    if (!conduct_.is_aside(worker.info.id.value)) continue;
-    result.back().set_put_aside(true);
-    result.back().set_put_aside_because(conduct_.because(worker.info.id.value, worker.info.machine));
+    if (!quarantine_.is_quarantined(worker.info.id.value)) continue;
+    result.back().set_quarantined(true);
+    result.back().set_quarantine_reason(quarantine_.because(worker.info.id.value, worker.info.machine));
   }
   return result;
 }
 
 bool Coordinator::tick() {
-  Turn turn(*this);
-  apply(turn, scheduler_.handle(scheduler::Tick{}, turn.now()));
-  answer_due_calls(turn);
-  if (turn.now() < next_check_) return checkpoint_is_awaited_;
-  next_check_ = turn.now() + kCheckPeriod;
-  note_workers(turn);
-  rejected_log_.flush(turn.now());
-  troubles_log_.flush(turn.now());
-  note_lack_of_auditors(turn);
+  StateLock lock(*this);
+  apply(lock, scheduler_.handle(scheduler::Tick{}, lock.now()));
+  answer_due_calls(lock);
+  if (lock.now() < next_check_) return checkpoint_is_awaited_;
+  next_check_ = lock.now() + kCheckPeriod;
+  note_workers(lock);
+  rejected_log_.flush(lock.now());
+  troubles_log_.flush(lock.now());
+  note_lack_of_auditors(lock);
   if (const auto broken = scheduler_.check_invariants(scheduler::CheckDepth::kCounters)) {
     spdlog::critical("a defect, please report it with this line: {}", *broken);
     std::abort();
@@ -130,24 +130,24 @@ bool Coordinator::tick() {
   return checkpoint_is_awaited_;
 }
 
-void Coordinator::answer_due_calls(Turn& turn) {
+void Coordinator::answer_due_calls(StateLock& lock) {
   // Nothing is leased to callers that have gone in any case: this only forgets them.
-  const bool look_for_gone = turn.now() >= next_check_;
+  const bool look_for_gone = lock.now() >= next_check_;
   std::vector<std::string> due;
   for (const auto& [worker, call] : parked_) {
-    if (call.deadline <= turn.now() || (look_for_gone && call.caller.is_gone())) due.push_back(worker);
+    if (call.deadline <= lock.now() || (look_for_gone && call.caller.is_gone())) due.push_back(worker);
   }
-  for (const std::string& worker : due) apply(turn, top_up(turn, worker, true));
+  for (const std::string& worker : due) apply(lock, top_up(lock, worker, true));
 }
 
-void Coordinator::note_workers(const Turn& turn) {
+void Coordinator::note_workers(const StateLock& lock) {
   std::map<std::string, std::string> present;
   std::set<std::string> known;
-  for (const scheduler::WorkerView& worker : scheduler_.workers(turn.now())) {
+  for (const scheduler::WorkerView& worker : scheduler_.workers(lock.now())) {
     known.insert(worker.info.id.value);
     if (!worker.silent) present.emplace(worker.info.id.value, worker.info.name);
   }
-  conduct_.forget_others(known);
+  quarantine_.forget_others(known);
   troubles_.forget_others(known);
   for (const auto& [id, name] : present) {
     if (present_.count(id) == 0) spdlog::info("worker {} ({}) has come", name, id);
@@ -160,10 +160,10 @@ void Coordinator::note_workers(const Turn& turn) {
 
 void Coordinator::close() {
   stopping_.request_stop();
-  Turn turn(*this);
+  StateLock lock(*this);
   closed_ = true;
   for (auto& [worker, call] : parked_) {
-    refuse(turn, call.caller, {core::ErrorCode::kUnavailable, "the coordinator is stopping: try again"});
+    refuse(lock, call.caller, {core::ErrorCode::kUnavailable, "the coordinator is stopping: try again"});
   }
   parked_.clear();
 }
@@ -173,11 +173,11 @@ JobRecord* Coordinator::find(const std::string& id) {
   return found == jobs_.end() ? nullptr : &found->second;
 }
 
-v1::Job Coordinator::describe_now(const Turn& turn, const JobRecord& record) const {
-  return describe(record, *scheduler_.job({record.spec->id()}, turn.now()));
+v1::Job Coordinator::describe_now(const StateLock& lock, const JobRecord& record) const {
+  return describe(record, *scheduler_.job({record.spec->id()}, lock.now()));
 }
 
-void Coordinator::apply(Turn& turn, const scheduler::Actions& actions) {
+void Coordinator::apply(StateLock& lock, const scheduler::Actions& actions) {
   std::vector<scheduler::Actions> todo{actions};
   std::set<std::string> asked;  // each worker once: what one is given, the next cannot have
   while (!todo.empty()) {
@@ -187,7 +187,7 @@ void Coordinator::apply(Turn& turn, const scheduler::Actions& actions) {
     for (const scheduler::JobChange& change : next.job_changes) note_change(change);
     for (const std::string& stalled : next.stalled) spdlog::warn("{}", stalled);
     for (const scheduler::WorkerId& worker : next.wake) {
-      if (asked.insert(worker.value).second) todo.push_back(top_up(turn, worker.value, false));
+      if (asked.insert(worker.value).second) todo.push_back(top_up(lock, worker.value, false));
     }
   }
 }
@@ -197,9 +197,9 @@ void Coordinator::note_change(const scheduler::JobChange& change) {
   if (record == nullptr) return;
   ++record->revision;
   record->finished_ms.reset();
-  record->untold_end.reset();
+  record->unpublished_completion.reset();
   if (change.to == scheduler::JobState::kDone || change.to == scheduler::JobState::kFailed) {
-    record->untold_end = record->revision;
+    record->unpublished_completion = record->revision;
     checkpoint_is_awaited_ = true;
   }
   if (is_finished(change.to)) {

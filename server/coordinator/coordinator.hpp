@@ -20,10 +20,10 @@
 #include "core/base/determinism_fingerprint.hpp"
 #include "core/base/error.hpp"
 #include "core/image/image.hpp"
-#include "server/coordinator/conduct.hpp"
 #include "server/coordinator/fingerprinter.hpp"
 #include "server/coordinator/job_record.hpp"
 #include "server/coordinator/lease_signer.hpp"
+#include "server/coordinator/quarantine.hpp"
 #include "server/coordinator/rate_limited_log.hpp"
 #include "server/coordinator/scene_files.hpp"
 #include "server/coordinator/troubles.hpp"
@@ -133,7 +133,7 @@ class Coordinator {
   void close();
 
  private:
-  class Turn;
+  class StateLock;
   struct ParkedCall {
     SynchronizeCaller caller;
     std::set<std::string> known_jobs;
@@ -148,17 +148,17 @@ class Coordinator {
   core::Status add_restored(const scheduler::RestoreJob& event, JobRecord record);
   core::Result<bool> lacks_samples(const store::JobRow& row, const core::TileGrid& grid,
                                    std::map<int, std::vector<core::SampleRange>>& done);
-  bool can_be_verified(Authored& authored) const;
+  bool can_be_verified(Produced& provenance) const;
   core::Result<LoadedFilm> load_film(const v1::Job& spec);
   // Empty where the store has nothing of the tile.
   core::Result<TileContent> load_tile(const v1::Job& spec, const core::TileGrid& grid, int tile);
   core::Result<Picture> take_picture(const std::string& id);
   core::Result<core::Image> develop_row(const v1::Job& spec, const core::TileGrid& grid, int row);
 
-  class Place;
+  class QuotaReservation;
   // Among the submitter's open jobs, for one that is about to be checked. RESOURCE_EXHAUSTED if there is
   // none.
-  core::Result<Place> take_place(const std::string& submitter);
+  core::Result<QuotaReservation> reserve_quota(const std::string& submitter);
   core::Status check_bundle(const v1::Bundle& bundle);
   // What to answer a submission with whose request_id is known already. ALREADY_EXISTS: it is another
   // submitter's.
@@ -175,25 +175,25 @@ class Coordinator {
   struct Extension;
   core::Result<Extension> prepare_extension(const std::string& id);
   core::Status reopen_job(const std::string& id);
-  void fail_job(Turn& turn, const std::string& id, const std::string& failure);
+  void fail_job(StateLock& lock, const std::string& id, const std::string& failure);
 
   // ---- Within a turn ----
   JobRecord* find(const std::string& id);
-  core::Result<ChangedJob> change(Turn& turn, const std::string& id, const scheduler::Event& event);
+  core::Result<ChangedJob> change(StateLock& lock, const std::string& id, const scheduler::Event& event);
   // Whether its film must be read back before it can take results again.
-  bool needs_film(const Turn& turn, const JobRecord& record) const;
-  core::Status may_extend(const Turn& turn, const JobRecord& record, std::uint32_t spp) const;
-  core::Status may_open_job(const Turn& turn, const std::string& submitter) const;
-  v1::Job describe_now(const Turn& turn, const JobRecord& record) const;
-  void apply(Turn& turn, const scheduler::Actions& actions);
+  bool needs_film(const StateLock& lock, const JobRecord& record) const;
+  core::Status may_extend(const StateLock& lock, const JobRecord& record, std::uint32_t spp) const;
+  core::Status may_open_job(const StateLock& lock, const std::string& submitter) const;
+  v1::Job describe_now(const StateLock& lock, const JobRecord& record) const;
+  void apply(StateLock& lock, const scheduler::Actions& actions);
   void note_change(const scheduler::JobChange& change);
-  void note_workers(const Turn& turn);
-  void answer_due_calls(Turn& turn);
-  static void refuse(Turn& turn, SynchronizeCaller& caller, const core::Error& error);
-  core::Status admit(const Turn& turn, const v1::SynchronizeRequest& request);
+  void note_workers(const StateLock& lock);
+  void answer_due_calls(StateLock& lock);
+  static void refuse(StateLock& lock, SynchronizeCaller& caller, const core::Error& error);
+  core::Status admit(const StateLock& lock, const v1::SynchronizeRequest& request);
   // Whether the scheduler has heard of the worker lately.
-  bool is_known(const Turn& turn, const std::string& id) const;
-  void note_troubles(const Turn& turn, const v1::SynchronizeRequest& request);
+  bool is_known(const StateLock& lock, const std::string& id) const;
+  void note_troubles(const StateLock& lock, const v1::SynchronizeRequest& request);
   void add_troubles(v1::Job& job) const;
   // Whether workers of this farm can render more of it.
   core::Status may_continue(const JobRecord& record) const;
@@ -202,15 +202,16 @@ class Coordinator {
                         v1::SubmitResultResponse& response);
   struct Delivery;
   core::Status check_token(const v1::SubmitResultRequest& request);
-  core::Result<v1::SubmitResultResponse> count_result(Turn& turn, const v1::SubmitResultRequest& request,
+  core::Result<v1::SubmitResultResponse> count_result(StateLock& lock, const v1::SubmitResultRequest& request,
                                                       const Delivery& delivery);
   void empty_tiles(const scheduler::Actions& actions);
   void follow_audits(const scheduler::Actions& actions);
-  void note_lack_of_auditors(const Turn& turn);
-  core::Status may_count(const Turn& turn, const JobRecord& record, const v1::SubmitResultRequest& request);
-  void note_refused_result(Turn& turn, const std::string& worker, const core::Error& error);
-  scheduler::Actions top_up(Turn& turn, const std::string& worker, bool answer_unchanged);
-  void release_parked(Turn& turn, const std::string& worker, const scheduler::Reply& reply);
+  void note_lack_of_auditors(const StateLock& lock);
+  core::Status may_count(const StateLock& lock, const JobRecord& record,
+                         const v1::SubmitResultRequest& request);
+  void note_rejected_result(StateLock& lock, const std::string& worker, const core::Error& error);
+  scheduler::Actions top_up(StateLock& lock, const std::string& worker, bool answer_unchanged);
+  void release_parked(StateLock& lock, const std::string& worker, const scheduler::Reply& reply);
   v1::SynchronizeResponse respond(const scheduler::Reply& reply, const std::set<std::string>& known_jobs);
 
   // ---- Checkpoints ----
@@ -229,7 +230,7 @@ class Coordinator {
   core::Status write_tiles(std::span<const TileRef> tiles);
   core::Status write(const std::vector<store::JobRow>& rows);
   void note_stored(const std::vector<store::JobRow>& rows);
-  void tell_ends(const std::vector<store::JobRow>& rows);
+  void publish_completions(const std::vector<store::JobRow>& rows);
 
   const Options options_;
   const SceneCheck check_scene_;
@@ -243,14 +244,14 @@ class Coordinator {
   std::mutex submit_mutex_;      // one job is added at a time
   std::mutex checkpoint_mutex_;  // one checkpoint is written at a time
 
-  std::mutex gate_;
-  // Guarded by gate_:
+  std::mutex state_mutex_;
+  // Guarded by state_mutex_:
   scheduler::Scheduler scheduler_;
   std::map<std::string, JobRecord> jobs_;
   std::map<std::string, std::string> job_of_request_;
   std::map<std::string, std::uint64_t> places_;  // taken by each submitter for jobs that are being checked
   std::map<std::string, ParkedCall> parked_;     // by worker
-  Conduct conduct_;
+  Quarantine quarantine_;
   Troubles troubles_;
   RateLimitedLog rejected_log_, troubles_log_;
   std::set<std::string> to_reopen_;             // jobs

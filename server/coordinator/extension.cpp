@@ -8,7 +8,7 @@
 #include "proto/convert.hpp"
 #include "server/coordinator/admission.hpp"
 #include "server/coordinator/loaded_film.hpp"
-#include "server/coordinator/turn.hpp"
+#include "server/coordinator/state_lock.hpp"
 
 namespace tessera::coordinator {
 
@@ -24,11 +24,11 @@ core::Result<Coordinator::Extension> Coordinator::prepare_extension(const std::s
   Extension extension;
   std::shared_ptr<const v1::Job> spec;
   {
-    const Turn turn(*this);
+    const StateLock lock(*this);
     const JobRecord* record = find(id);
     if (record == nullptr) return core::fail(ErrorCode::kNotFound, fmt::format("there is no job {}", id));
     extension.revision = record->revision;
-    if (!needs_film(turn, *record)) return extension;
+    if (!needs_film(lock, *record)) return extension;
     spec = record->spec;
   }
   auto loaded = load_film(*spec);
@@ -40,18 +40,19 @@ core::Result<Coordinator::Extension> Coordinator::prepare_extension(const std::s
   return extension;
 }
 
-bool Coordinator::needs_film(const Turn& turn, const JobRecord& record) const {
-  return !record.film && scheduler::takes_results(scheduler_.job({record.spec->id()}, turn.now())->state);
+bool Coordinator::needs_film(const StateLock& lock, const JobRecord& record) const {
+  return !record.film && scheduler::takes_results(scheduler_.job({record.spec->id()}, lock.now())->state);
 }
 
-core::Status Coordinator::may_extend(const Turn& turn, const JobRecord& record, std::uint32_t spp) const {
+core::Status Coordinator::may_extend(const StateLock& lock, const JobRecord& record,
+                                     std::uint32_t spp) const {
   v1::RenderSettings settings = record.spec->settings();
   settings.set_spp(spp);
   if (const auto possible = proto::from_proto(settings); !possible) return core::fail(possible.error());
   if (const auto fits = check_spp(spp, options_.limits); !fits) return fits;
-  const scheduler::JobView view = *scheduler_.job({record.spec->id()}, turn.now());
+  const scheduler::JobView view = *scheduler_.job({record.spec->id()}, lock.now());
   if (view.state == scheduler::JobState::kDone && spp > view.shape.spp)
-    if (const auto may = may_open_job(turn, record.spec->submitter()); !may) return may;
+    if (const auto may = may_open_job(lock, record.spec->submitter()); !may) return may;
   return may_continue(record);
 }
 
@@ -72,13 +73,13 @@ core::Result<v1::Job> Coordinator::extend_job(const std::string& id, std::uint32
     if (!extension) return core::fail(extension.error());
     std::optional<core::Result<ChangedJob>> changed;
     {
-      Turn turn(*this);
+      StateLock lock(*this);
       JobRecord* record = find(id);
       if (record == nullptr || record->revision != extension->revision) continue;  // changed meanwhile
-      if (needs_film(turn, *record) && !extension->film) continue;                 // stored meanwhile
-      if (auto may = may_extend(turn, *record, spp); !may) return core::fail(may.error());
+      if (needs_film(lock, *record) && !extension->film) continue;                 // stored meanwhile
+      if (auto may = may_extend(lock, *record, spp); !may) return core::fail(may.error());
       if (!record->film) record->film = std::move(extension->film);
-      changed = change(turn, id, scheduler::ExtendJob{{id}, spp});
+      changed = change(lock, id, scheduler::ExtendJob{{id}, spp});
     }
     return store_change(std::move(*changed));
   }
@@ -87,7 +88,7 @@ core::Result<v1::Job> Coordinator::extend_job(const std::string& id, std::uint32
 void Coordinator::reopen_jobs() {
   std::set<std::string> ids;
   {
-    const Turn turn(*this);
+    const StateLock lock(*this);
     ids.swap(to_reopen_);
   }
   for (const std::string& id : ids) {
@@ -102,14 +103,14 @@ core::Status Coordinator::reopen_job(const std::string& id) {
   while (true) {
     auto preparation = prepare_extension(id);
     if (!preparation) return core::fail(preparation.error());
-    Turn turn(*this);
+    StateLock lock(*this);
     JobRecord* record = find(id);
     if (record == nullptr || record->revision != preparation->revision) continue;  // changed meanwhile
-    if (needs_film(turn, *record) && !preparation->film) continue;                 // stored meanwhile
+    if (needs_film(lock, *record) && !preparation->film) continue;                 // stored meanwhile
     if (auto may = may_continue(*record); !may) return may;
     if (!record->film) record->film = std::move(preparation->film);
-    const scheduler::Actions actions = scheduler_.handle(scheduler::ReopenJob{{id}}, turn.now());
-    apply(turn, actions);
+    const scheduler::Actions actions = scheduler_.handle(scheduler::ReopenJob{{id}}, lock.now());
+    apply(lock, actions);
     return actions.status;
   }
 }

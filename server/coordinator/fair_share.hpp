@@ -13,7 +13,7 @@
 namespace tessera::coordinator {
 
 // What a caller who has a name is known by, also after a restart. Who has none is known by their machine.
-inline std::string named_caller(const std::string& name) {
+inline std::string caller_key(const std::string& name) {
   return "user " + name;
 }
 

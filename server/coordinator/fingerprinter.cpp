@@ -12,7 +12,7 @@ namespace {
 
 __extension__ using Wide = unsigned __int128;
 
-constexpr std::size_t kMostSums = std::size_t{core::kTilePx} * core::kTilePx * 3;
+constexpr std::size_t kMaxSums = std::size_t{core::kTilePx} * core::kTilePx * 3;
 
 using Digest = std::array<unsigned char, SHA256_DIGEST_LENGTH>;
 
@@ -33,7 +33,7 @@ Digest digest_of(const Fingerprinter::Secret& secret, std::size_t number) {
 
 }  // namespace
 
-Fingerprinter::Fingerprinter(const Secret& secret) : coefficients_(2 * kMostSums) {
+Fingerprinter::Fingerprinter(const Secret& secret) : coefficients_(2 * kMaxSums) {
   static_assert(SHA256_DIGEST_LENGTH == 2 * sizeof(Coefficient));
   for (std::size_t i = 0; i < coefficients_.size(); i += 2) {
     const Digest digest = digest_of(secret, i);
@@ -43,7 +43,7 @@ Fingerprinter::Fingerprinter(const Secret& secret) : coefficients_(2 * kMostSums
 }
 
 scheduler::Fingerprint Fingerprinter::of(const core::FilmTile& tile) const {
-  assert(tile.sums.size() <= kMostSums);
+  assert(tile.sums.size() <= kMaxSums);
   Wide total = 0;
   std::uint64_t largest = 0;
   const auto take = [&](const std::vector<std::uint64_t>& sums, const Coefficient* coefficients) {
@@ -53,7 +53,7 @@ scheduler::Fingerprint Fingerprinter::of(const core::FilmTile& tile) const {
     }
   };
   take(tile.sums, coefficients_.data());
-  take(tile.odd_sums, coefficients_.data() + kMostSums);
+  take(tile.odd_sums, coefficients_.data() + kMaxSums);
   const bool cut_off = largest == core::kFilmSaturated;
   return {static_cast<std::uint64_t>(total), static_cast<std::uint64_t>(total >> 64),
           cut_off ? std::numeric_limits<float>::infinity() : static_cast<float>(largest)};

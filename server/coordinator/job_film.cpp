@@ -92,7 +92,7 @@ store::TileRow encode_tile_row(const std::string& job_id, int tile, const core::
   *message.mutable_counters() = proto::to_proto(content.counters);
   std::string bytes(1, kPlanesMark);
   message.AppendToString(&bytes);
-  bytes += encode_authors(content.authored);
+  bytes += encode_provenance(content.provenance);
   return {job_id, tile, std::move(done), std::move(bytes)};
 }
 
@@ -112,7 +112,7 @@ core::Result<TileContent> decode_tile_row(const store::TileRow& row, const core:
   if (item->rect != rect || item->range.count() != count.all) return damaged("of another rectangle or range");
   return TileContent{{std::move(item->sums), std::move(item->odd_sums), count.all, count.odd},
                      item->counters,
-                     decode_authors(row.tile, bytes)};
+                     decode_provenance(row.tile, bytes)};
 }
 
 }  // namespace tessera::coordinator

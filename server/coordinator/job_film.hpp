@@ -9,7 +9,7 @@
 
 #include "core/base/error.hpp"
 #include "core/film/film.hpp"
-#include "server/coordinator/tile_authors.hpp"
+#include "server/coordinator/tile_provenance.hpp"
 #include "server/store/job_store.hpp"
 
 namespace tessera::coordinator {
@@ -19,7 +19,7 @@ struct TileContent {
   core::Film::TileSums sums;
   core::RenderCounters counters;
   // Who rendered it, in the store alone: while a job runs, the scheduler knows.
-  Authored authored{};
+  Produced provenance{};
 };
 
 class JobFilm {

@@ -51,8 +51,8 @@ v1::Job summarise(const JobRecord& record, const scheduler::JobView& view) {
   if (record.spec->has_display()) *job.mutable_display() = record.spec->display();
   job.set_submitter(record.spec->submitter());
   *job.mutable_created_at() = record.spec->created_at();
-  job.set_state(record.untold_end ? v1::JOB_STATE_RUNNING : to_wire(view.state));
-  if (!record.untold_end) job.set_failure(view.failure);
+  job.set_state(record.unpublished_completion ? v1::JOB_STATE_RUNNING : to_wire(view.state));
+  if (!record.unpublished_completion) job.set_failure(view.failure);
   job.set_priority(view.priority);
   job.set_max_workers(view.max_workers);
   job.set_samples_total(view.samples_total);
@@ -61,7 +61,7 @@ v1::Job summarise(const JobRecord& record, const scheduler::JobView& view) {
   job.set_samples_per_second(view.samples_per_second);
   job.set_active_workers(static_cast<std::uint32_t>(view.active_workers));
   *job.mutable_counters() = proto::to_proto(record.counters());
-  if (record.finished_ms && !record.untold_end)
+  if (record.finished_ms && !record.unpublished_completion)
     *job.mutable_finished_at() = timestamp_from_ms(*record.finished_ms);
   return job;
 }

@@ -27,7 +27,7 @@ struct JobRecord {
   std::optional<std::int64_t> finished_ms;
   // The revision in which it came to its end by itself, until a checkpoint has tried to store that: before, a
   // crash would make it run again, so nobody is told.
-  std::optional<std::uint64_t> untold_end;
+  std::optional<std::uint64_t> unpublished_completion;
   // Fingerprint of the workers that rendered it; empty before the first samples.
   std::string arithmetic;
   // While it takes results. Null once it is finished and stored: the store has it then.

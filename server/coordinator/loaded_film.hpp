@@ -14,7 +14,7 @@ struct Coordinator::LoadedFilm {
   std::unique_ptr<JobFilm> film;
   // The samples in it, by tile.
   std::map<int, std::vector<core::SampleRange>> done;
-  std::vector<scheduler::AuthoredItem> authored;
+  std::vector<scheduler::ProducedItem> provenance;
   // A sentence for each stored tile that could not be used, and is empty here.
   std::vector<std::string> damage;
 };

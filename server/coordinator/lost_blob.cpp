@@ -3,7 +3,7 @@
 #include <spdlog/spdlog.h>
 
 #include "proto/blob.hpp"
-#include "server/coordinator/turn.hpp"
+#include "server/coordinator/state_lock.hpp"
 
 namespace tessera::coordinator {
 
@@ -34,9 +34,9 @@ void Coordinator::blob_is_lost(const proto::Digest& digest, const core::Error& n
   if (intact || !is_lost(intact.error())) return;
   const core::Error& error = intact.error();
   std::map<std::string, std::string> failures;
-  Turn turn(*this);
+  StateLock lock(*this);
   for (const auto& [id, record] : jobs_) {
-    if (is_finished(scheduler_.job({id}, turn.now())->state)) continue;
+    if (is_finished(scheduler_.job({id}, lock.now())->state)) continue;
     if (const v1::Bundle::Asset* asset = find_asset(record.spec->bundle(), digest)) {
       failures[id] = fmt::format(
           "{}: the coordinator has lost this file ({}): submit the scene again, and look into the "
@@ -48,11 +48,11 @@ void Coordinator::blob_is_lost(const proto::Digest& digest, const core::Error& n
     spdlog::error("{}", error.message);
     state_.blobs.discard(digest);
   }
-  for (const auto& [id, failure] : failures) fail_job(turn, id, failure);
+  for (const auto& [id, failure] : failures) fail_job(lock, id, failure);
 }
 
-void Coordinator::fail_job(Turn& turn, const std::string& id, const std::string& failure) {
-  apply(turn, scheduler_.handle(scheduler::FailJob{{id}, failure}, turn.now()));
+void Coordinator::fail_job(StateLock& lock, const std::string& id, const std::string& failure) {
+  apply(lock, scheduler_.handle(scheduler::FailJob{{id}, failure}, lock.now()));
 }
 
 }  // namespace tessera::coordinator

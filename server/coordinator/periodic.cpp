@@ -29,7 +29,7 @@ Periodic::~Periodic() {
   thread_.join();
 }
 
-void Periodic::hurry() {
+void Periodic::trigger() {
   {
     const std::lock_guard lock(mutex_);
     hurried_ = true;

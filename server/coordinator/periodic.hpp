@@ -16,7 +16,7 @@ class Periodic {
   // Waits for a call that is under way.
   ~Periodic();
   // The next call need not wait for longer than a quarter of the period.
-  void hurry();
+  void trigger();
   Periodic(const Periodic&) = delete;
   Periodic& operator=(const Periodic&) = delete;
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "server/coordinator/turn.hpp"
+#include "server/coordinator/state_lock.hpp"
 
 namespace tessera::coordinator {
 
@@ -53,7 +53,7 @@ core::Result<core::Image> Coordinator::develop_row(const v1::Job& spec, const co
   const core::PixelRect first_rect = grid.rect(first);
   core::Film strip(core::TileGrid({window.x0, first_rect.y0, window.x1, first_rect.y1}, grid.tile_px()));
   {
-    const Turn turn(*this);
+    const StateLock lock(*this);
     const JobRecord* record = find(spec.id());
     if (record == nullptr) {
       return core::fail(core::ErrorCode::kNotFound, fmt::format("job {} was deleted meanwhile", spec.id()));

@@ -8,8 +8,8 @@
 #include "core/base/printable.hpp"
 #include "server/coordinator/admission.hpp"
 #include "server/coordinator/loaded_film.hpp"
+#include "server/coordinator/state_lock.hpp"
 #include "server/coordinator/stored_tile.hpp"
-#include "server/coordinator/turn.hpp"
 #include "server/coordinator/wire.hpp"
 
 namespace tessera::coordinator {
@@ -78,12 +78,12 @@ core::Status Coordinator::restore_damaged_job(const store::JobRow& row, const co
 core::Status Coordinator::add_restored(const scheduler::RestoreJob& event, JobRecord record) {
   record.files = files_.hold(record.spec->bundle());
   files_.charge_to(record.spec->submitter(), record.spec->bundle());
-  Turn turn(*this);
-  const scheduler::Actions actions = scheduler_.handle(event, turn.now());
+  StateLock lock(*this);
+  const scheduler::Actions actions = scheduler_.handle(event, lock.now());
   if (!actions.status) return core::fail(actions.status.error());
   if (!record.request_id.empty()) job_of_request_[record.request_id] = event.id.value;
   jobs_.emplace(event.id.value, std::move(record));
-  apply(turn, actions);
+  apply(lock, actions);
   return {};
 }
 
@@ -94,7 +94,7 @@ core::Status Coordinator::restore_job(const store::JobRow& row) {
   auto done = state_.jobs.tiles_done(row.id);
   if (!done) return core::fail(done.error());
 
-  std::vector<scheduler::AuthoredItem> authored;
+  std::vector<scheduler::ProducedItem> provenance;
   bool unfinished = !is_finished(state);
   if (state == scheduler::JobState::kDone) {
     auto lacks = lacks_samples(row, grid_of(*record->spec), *done);
@@ -112,14 +112,15 @@ core::Status Coordinator::restore_job(const store::JobRow& row) {
     for (const std::string& damage : loaded->damage) spdlog::error("{}: it is rendered again", damage);
     record->film = std::move(loaded->film);
     *done = std::move(loaded->done);
-    authored = std::move(loaded->authored);
+    provenance = std::move(loaded->provenance);
   }
   // What stands in rows that were not checked cannot raise a job's samples.
   const scheduler::JobShape shape = shape_of(*record->spec, unfinished ? spp_of(row, *done) : row.spp);
 
-  const scheduler::RestoreJob event{
-      {row.id},           shape, row.priority, state, row.failure, done_sets(shape, *done), row.max_workers,
-      std::move(authored)};
+  const scheduler::RestoreJob event{{row.id},        shape,
+                                    row.priority,    state,
+                                    row.failure,     done_sets(shape, *done),
+                                    row.max_workers, std::move(provenance)};
   const core::Status taken_up = add_restored(event, std::move(*record));
   return taken_up ? taken_up : restore_damaged_job(row, taken_up.error().within("taking up job " + row.id));
 }
@@ -146,11 +147,11 @@ core::Result<bool> Coordinator::lacks_samples(const store::JobRow& row, const co
 
 // Makes do with fingerprints that cannot be compared any more, since the secret was lost, where nobody needs
 // them. Whether that is so.
-bool Coordinator::can_be_verified(Authored& authored) const {
-  if (authored.fingerprinter == fingerprinter_.check()) return true;
-  const bool due = std::any_of(authored.items.begin(), authored.items.end(),
+bool Coordinator::can_be_verified(Produced& provenance) const {
+  if (provenance.fingerprinter == fingerprinter_.check()) return true;
+  const bool due = std::any_of(provenance.items.begin(), provenance.items.end(),
                                [](const auto& each) { return each.due != scheduler::Due::kNo; });
-  authored.items.clear();
+  provenance.items.clear();
   return !due;
 }
 
@@ -163,14 +164,14 @@ core::Result<Coordinator::LoadedFilm> Coordinator::load_film(const v1::Job& spec
     if (tile < 0 || tile >= grid.tile_count()) continue;
     auto content = load_tile(spec, grid, tile);
     if (content) {  // and so the ranges are those that were written
-      if (!can_be_verified(content->authored)) {
+      if (!can_be_verified(content->provenance)) {
         loaded.damage.push_back(fmt::format(
             "tile {} of job {} was to be verified, and its fingerprints are of another state folder", tile,
             spec.id()));
         continue;
       }
-      auto& items = content->authored.items;
-      loaded.authored.insert(loaded.authored.end(), items.begin(), items.end());
+      auto& items = content->provenance.items;
+      loaded.provenance.insert(loaded.provenance.end(), items.begin(), items.end());
       loaded.film->restore(tile, std::move(*content));
       loaded.done[tile] = ranges;
     } else if (content.error().code == core::ErrorCode::kDataLoss) {

@@ -63,8 +63,8 @@ core::Result<store::BlobWriter> SceneFiles::write_making_room(const std::string&
   }
   std::uint64_t kept_bytes = room_.held();
   for (const Unneeded& each : removable) kept_bytes -= std::min(kept_bytes, each.file.size_bytes);
-  const bool in_vain = !check_store_size(kept_bytes, file.size_bytes, options_.limits);
-  for (const Unneeded& each : in_vain ? std::vector<Unneeded>() : removable) {
+  const bool without_progress = !check_store_size(kept_bytes, file.size_bytes, options_.limits);
+  for (const Unneeded& each : without_progress ? std::vector<Unneeded>() : removable) {
     if (!remove(each.file)) continue;
     if (store::Charge charge = take_room(caller, file.size_bytes))
       return blobs_.write(file, std::move(charge));
@@ -73,7 +73,7 @@ core::Result<store::BlobWriter> SceneFiles::write_making_room(const std::string&
 }
 
 void SceneFiles::charge_to(const std::string& submitter, const v1::Bundle& bundle) {
-  const std::string caller = submitter.empty() ? kNobody : named_caller(submitter);
+  const std::string caller = submitter.empty() ? kNobody : caller_key(submitter);
   for (const proto::Digest& file : files_of(bundle))
     blobs_.charge(file, to_charge(room_.note(caller, file.size_bytes)));
 }
@@ -122,7 +122,7 @@ core::Error SceneFiles::too_many_claims(const std::string& caller) const {
       fmt::format("{} files from here wait for the submission of their scenes already, and this farm takes "
                   "at most {} from all callers, some of which it keeps for others: submit the scenes, or "
                   "wait: {} minutes after the last call for a scene its files count no more",
-                  claims_.claimed_by(caller), BlobClaims::kMostFiles, BlobClaims::kClaimTime.count())};
+                  claims_.claimed_by(caller), BlobClaims::kMaxFiles, BlobClaims::kClaimTime.count())};
 }
 
 }  // namespace tessera::coordinator

@@ -96,7 +96,7 @@ JobFindings check_job(store::JobStore& jobs, const store::JobRow& row, const Blo
 
 void check_jobs(const std::filesystem::path& database, const BlobStates& blobs, std::set<std::string>& named,
                 StateFindings& findings) {
-  auto jobs = store::JobStore::open_untouched(database);
+  auto jobs = store::JobStore::open_read_only(database);
   if (!jobs) return findings.damage.push_back(jobs.error().message);
   const auto damage = jobs->structural_damage();
   if (!damage) findings.damage.push_back(damage.error().message);

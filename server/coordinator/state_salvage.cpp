@@ -80,7 +80,7 @@ core::Result<Salvage> copy_whole_jobs(const fs::path& database, store::JobStore&
   }
   const std::uint32_t epoch = from.epoch() > 0 ? from.epoch() : epoch_beyond_all();
   if (auto later = to.continue_from(epoch); !later) return core::fail(later.error());
-  if (auto whole = to.empty_log(); !whole) return core::fail(whole.error());
+  if (auto whole = to.truncate_wal(); !whole) return core::fail(whole.error());
   return salvage;
 }
 
@@ -104,7 +104,7 @@ core::Status expect_no_log(const fs::path& copy) {
 
 // A copy of an earlier salvage that was cut short goes only when the database is open.
 core::Result<Salvage> make_copy(const fs::path& database, const fs::path& copy) {
-  auto from = store::JobStore::open_untouched(database);
+  auto from = store::JobStore::open_read_only(database);
   if (!from) return core::fail(beyond_reading(database, from.error()));
   remove_database(copy);
   core::Result<Salvage> salvage;

@@ -10,8 +10,8 @@
 #include "proto/convert_display.hpp"
 #include "proto/text.hpp"
 #include "server/coordinator/admission.hpp"
-#include "server/coordinator/place.hpp"
-#include "server/coordinator/turn.hpp"
+#include "server/coordinator/quota_reservation.hpp"
+#include "server/coordinator/state_lock.hpp"
 #include "server/coordinator/wire.hpp"
 
 namespace tessera::coordinator {
@@ -40,7 +40,7 @@ core::Status Coordinator::check_bundle(const v1::Bundle& bundle) {
   std::string missing;
   int missing_count = 0;
   for (const v1::Bundle::Asset& asset : bundle.assets()) {
-    if (auto fit = proto::check_text("bundle: path", asset.path(), proto::kMostPathBytes); !fit) return fit;
+    if (auto fit = proto::check_text("bundle: path", asset.path(), proto::kMaxPathBytes); !fit) return fit;
     const auto digest = proto::from_proto(asset.digest());
     if (!digest) return core::fail(digest.error().within("bundle: " + asset.path()));
     if (!paths.insert(asset.path()).second) {
@@ -77,7 +77,7 @@ core::Result<v1::Job> Coordinator::submit_job(const v1::SubmitJobRequest& reques
   if (auto fit = proto::check_text("request_id", request.request_id()); !fit) return core::fail(fit.error());
   if (auto fits = check_bundle_size(request.bundle(), options_.limits); !fits)
     return core::fail(fits.error());
-  const auto place = take_place(submitter);
+  const auto place = reserve_quota(submitter);
   if (!place) return core::fail(place.error());
   auto files = files_.hold(request.bundle());
   if (auto checked = check_bundle(request.bundle()); !checked) return core::fail(checked.error());
@@ -108,10 +108,10 @@ core::Result<v1::Job> Coordinator::submit_job(const v1::SubmitJobRequest& reques
 
 std::optional<core::Result<v1::Job>> Coordinator::answer_to_known(const std::string& request_id,
                                                                   const std::string& submitter) {
-  const Turn turn(*this);
+  const StateLock lock(*this);
   const auto known = job_of_request_.find(request_id);
   if (request_id.empty() || known == job_of_request_.end()) return std::nullopt;
-  v1::Job job = describe_now(turn, jobs_.at(known->second));
+  v1::Job job = describe_now(lock, jobs_.at(known->second));
   if (job.submitter() == submitter) return job;
   return core::fail(ErrorCode::kAlreadyExists,
                     "another submitter has used this request_id: take a random one for each submission");
@@ -140,25 +140,25 @@ core::Result<v1::Job> Coordinator::add_job(v1::Job spec, const std::string& requ
     return core::fail(stored.error());
   record.stored_revision = record.revision;
 
-  Turn turn(*this);
-  const scheduler::Actions actions = scheduler_.handle(event, turn.now());
+  StateLock lock(*this);
+  const scheduler::Actions actions = scheduler_.handle(event, lock.now());
   if (!actions.status) return core::fail(actions.status.error());
   if (!request_id.empty()) job_of_request_[request_id] = event.id.value;
   const JobRecord& added = jobs_.emplace(event.id.value, std::move(record)).first->second;
   spdlog::info("job {} ({}) submitted: {}x{} pixels, {} samples per pixel", event.id.value,
                added.spec->name(), event.shape.window.width(), event.shape.window.height(), event.shape.spp);
-  apply(turn, actions);
-  return describe_now(turn, added);
+  apply(lock, actions);
+  return describe_now(lock, added);
 }
 
-core::Result<Coordinator::ChangedJob> Coordinator::change(Turn& turn, const std::string& id,
+core::Result<Coordinator::ChangedJob> Coordinator::change(StateLock& lock, const std::string& id,
                                                           const scheduler::Event& event) {
-  const scheduler::Actions actions = scheduler_.handle(event, turn.now());
-  apply(turn, actions);
+  const scheduler::Actions actions = scheduler_.handle(event, lock.now());
+  apply(lock, actions);
   if (!actions.status) return core::fail(actions.status.error());
   JobRecord& record = *find(id);
   ++record.revision;
-  return ChangedJob{describe_now(turn, record), to_row(record, *scheduler_.job({id}, turn.now()))};
+  return ChangedJob{describe_now(lock, record), to_row(record, *scheduler_.job({id}, lock.now()))};
 }
 
 core::Result<v1::Job> Coordinator::store_change(core::Result<ChangedJob> changed) {
@@ -171,8 +171,8 @@ core::Result<v1::Job> Coordinator::store_change(core::Result<ChangedJob> changed
 
 core::Result<v1::Job> Coordinator::change_job(const std::string& id, const scheduler::Event& event) {
   const auto changed = [&] {
-    Turn turn(*this);
-    return change(turn, id, event);
+    StateLock lock(*this);
+    return change(lock, id, event);
   };
   return store_change(changed());
 }
@@ -205,9 +205,9 @@ core::Status Coordinator::delete_job(const std::string& id) {
   if (const auto known = job(id); !known) return core::fail(known.error());
   if (const core::Status deleted = state_.jobs.delete_job(id); !deleted) return deleted;
   std::map<std::string, JobRecord>::node_type deleted_one;  // let go of after the turn
-  Turn turn(*this);
-  const scheduler::Actions actions = scheduler_.handle(scheduler::DeleteJob{{id}}, turn.now());
-  apply(turn, actions);
+  StateLock lock(*this);
+  const scheduler::Actions actions = scheduler_.handle(scheduler::DeleteJob{{id}}, lock.now());
+  apply(lock, actions);
   if (!actions.status) return actions.status;
   job_of_request_.erase(jobs_.at(id).request_id);
   deleted_one = jobs_.extract(id);

@@ -87,8 +87,8 @@ v1::ListWorkersResponse::Worker to_wire(const scheduler::WorkerView& worker, std
   message.set_audited_ranges(worker.audited_ranges);
   message.set_disproved_ranges(worker.disproved_ranges);
   message.set_stuck(worker.stuck);
-  for (const scheduler::BarView& bar : worker.bars) {
-    auto& each = *message.add_bars();
+  for (const scheduler::CooldownView& bar : worker.cooldowns) {
+    auto& each = *message.add_cooldowns();
     each.set_job_id(bar.job.value);
     *each.mutable_remaining() = to_wire(bar.remaining);
     each.set_fetching(bar.fetching);

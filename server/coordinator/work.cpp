@@ -10,7 +10,7 @@
 #include "proto/tile_codec.hpp"
 #include "proto/worker_key.hpp"
 #include "server/coordinator/plausible.hpp"
-#include "server/coordinator/turn.hpp"
+#include "server/coordinator/state_lock.hpp"
 #include "server/coordinator/wire.hpp"
 
 namespace tessera::coordinator {
@@ -36,17 +36,17 @@ core::Status check_request(const v1::SynchronizeRequest& request) {
   if (!is_id(request.worker_id())) {
     return core::fail(ErrorCode::kInvalidArgument, "worker_id: must be 32 lower-case hexadecimal digits");
   }
-  if (request.arithmetic_fingerprint().empty()) {
-    return core::fail(ErrorCode::kInvalidArgument, "arithmetic_fingerprint: must not be empty");
+  if (request.determinism_fingerprint().empty()) {
+    return core::fail(ErrorCode::kInvalidArgument, "determinism_fingerprint: must not be empty");
   }
   if (auto fit = proto::check_text("name", request.name()); !fit) return fit;
   if (auto fit = proto::check_text("version", request.version()); !fit) return fit;
-  return proto::check_text("arithmetic_fingerprint", request.arithmetic_fingerprint());
+  return proto::check_text("determinism_fingerprint", request.determinism_fingerprint());
 }
 
 core::Status check_texts(const v1::SubmitResultRequest& request) {
   if (auto fit = proto::check_text("version", request.version()); !fit) return fit;
-  return proto::check_text("arithmetic_fingerprint", request.arithmetic_fingerprint());
+  return proto::check_text("determinism_fingerprint", request.determinism_fingerprint());
 }
 
 scheduler::WorkerInfo info_of(const v1::SynchronizeRequest& request) {
@@ -55,7 +55,7 @@ scheduler::WorkerInfo info_of(const v1::SynchronizeRequest& request) {
           request.name(),
           request.version(),
           threads,
-          proto::machine_of(request.worker_key())};
+          proto::client_key(request.worker_key())};
 }
 
 // Those beyond what anybody can hold are not looked at.
@@ -86,14 +86,14 @@ core::Result<std::vector<core::FilmTile>> decode_items(const v1::SubmitResultReq
 }  // namespace
 
 void Coordinator::synchronize(const v1::SynchronizeRequest& request, SynchronizeCaller caller) {
-  Turn turn(*this);
+  StateLock lock(*this);
   core::Status admitted = check_request(request);
   if (admitted && closed_)
     admitted = core::fail(ErrorCode::kUnavailable, "the coordinator is stopping: try again");
-  if (admitted) admitted = admit(turn, request);
-  if (!admitted) return refuse(turn, caller, admitted.error());
+  if (admitted) admitted = admit(lock, request);
+  if (!admitted) return refuse(lock, caller, admitted.error());
 
-  note_troubles(turn, request);
+  note_troubles(lock, request);
   scheduler::Synchronize event{info_of(request),
                                {},
                                static_cast<int>(std::min<std::uint32_t>(request.wanted_leases(), 1024)),
@@ -110,42 +110,42 @@ void Coordinator::synchronize(const v1::SynchronizeRequest& request, Synchronize
     if (const JobRecord* record = find(lease.job_id()))
       event.held.push_back(from_wire(lease, grid_of(*record->spec)));
   }
-  const scheduler::Actions actions = scheduler_.handle(event, turn.now());
+  const scheduler::Actions actions = scheduler_.handle(event, lock.now());
   if (!actions.status) {
-    apply(turn, actions);
-    return refuse(turn, caller, actions.status.error());
+    apply(lock, actions);
+    return refuse(lock, caller, actions.status.error());
   }
   const scheduler::Reply& reply = *actions.reply;
   ParkedCall call{std::move(caller),
                   {request.known_job_ids().begin(), request.known_job_ids().end()},
-                  turn.now() + reply.heard_within / kCallsPerLease};
+                  lock.now() + reply.heartbeat_timeout / kCallsPerLease};
   const bool lacks_spec = std::any_of(reply.leases.begin(), reply.leases.end(), [&](const auto& lease) {
     return call.known_jobs.count(lease.job.value) == 0;
   });
   const bool nothing_left = request.draining() && reply.leases.empty();
-  release_parked(turn, request.worker_id(), reply);  // an earlier call of this worker
+  release_parked(lock, request.worker_id(), reply);  // an earlier call of this worker
   parked_.emplace(request.worker_id(), std::move(call));
-  if (reply.changed || lacks_spec || nothing_left) release_parked(turn, request.worker_id(), reply);
-  apply(turn, actions);
+  if (reply.changed || lacks_spec || nothing_left) release_parked(lock, request.worker_id(), reply);
+  apply(lock, actions);
 }
 
-void Coordinator::refuse(Turn& turn, SynchronizeCaller& caller, const core::Error& error) {
-  turn.later([answer = std::move(caller.answer), error] { answer(core::fail(error)); });
+void Coordinator::refuse(StateLock& lock, SynchronizeCaller& caller, const core::Error& error) {
+  lock.later([answer = std::move(caller.answer), error] { answer(core::fail(error)); });
 }
 
-core::Status Coordinator::admit(const Turn& turn, const v1::SynchronizeRequest& request) {
+core::Status Coordinator::admit(const StateLock& lock, const v1::SynchronizeRequest& request) {
   // Whoever works already on the machine of one that is put aside answers for itself.
-  const std::string machine = proto::machine_of(request.worker_key());
-  const bool newcomer = conduct_.is_machine_aside(machine) && !is_known(turn, request.worker_id());
-  if (conduct_.is_aside(request.worker_id()) || newcomer) {
+  const std::string machine = proto::client_key(request.worker_key());
+  const bool newcomer = quarantine_.is_machine_aside(machine) && !is_known(lock, request.worker_id());
+  if (quarantine_.is_quarantined(request.worker_id()) || newcomer) {
     return core::fail(
         ErrorCode::kFailedPrecondition,
         fmt::format("worker {} is put aside: {} (the coordinator's log says more). Check the machine and its "
                     "memory; then remove worker.key from its cache folder and start the worker again, or "
                     "restart the coordinator",
-                    request.name(), conduct_.because(request.worker_id(), machine)));
+                    request.name(), quarantine_.because(request.worker_id(), machine)));
   }
-  if (request.arithmetic_fingerprint() == options_.fingerprint) return {};
+  if (request.determinism_fingerprint() == options_.fingerprint) return {};
   core::Error error{
       ErrorCode::kFailedPrecondition,
       fmt::format(
@@ -153,44 +153,44 @@ core::Status Coordinator::admit(const Turn& turn, const v1::SynchronizeRequest& 
           "{}. Install the coordinator's release on it; or, for a farm of that release's workers, start the "
           "coordinator with --accept-fingerprint {}",
           core::printable(request.name()), core::printable(request.version()),
-          core::printable(request.arithmetic_fingerprint()), options_.fingerprint,
-          core::printable(request.arithmetic_fingerprint()))};
-  rejected_log_.warn("refused: " + error.message, turn.now());
+          core::printable(request.determinism_fingerprint()), options_.fingerprint,
+          core::printable(request.determinism_fingerprint()))};
+  rejected_log_.warn("refused: " + error.message, lock.now());
   return core::fail(std::move(error));
 }
 
-bool Coordinator::is_known(const Turn& turn, const std::string& id) const {
-  const auto workers = scheduler_.workers(turn.now());
+bool Coordinator::is_known(const StateLock& lock, const std::string& id) const {
+  const auto workers = scheduler_.workers(lock.now());
   return std::any_of(workers.begin(), workers.end(),
                      [&](const scheduler::WorkerView& worker) { return worker.info.id.value == id; });
 }
 
-void Coordinator::note_troubles(const Turn& turn, const v1::SynchronizeRequest& request) {
-  for (std::string& sentence : troubles_.note(request)) troubles_log_.warn(std::move(sentence), turn.now());
+void Coordinator::note_troubles(const StateLock& lock, const v1::SynchronizeRequest& request) {
+  for (std::string& sentence : troubles_.note(request)) troubles_log_.warn(std::move(sentence), lock.now());
 }
 
-scheduler::Actions Coordinator::top_up(Turn& turn, const std::string& worker, bool answer_unchanged) {
+scheduler::Actions Coordinator::top_up(StateLock& lock, const std::string& worker, bool answer_unchanged) {
   const auto call = parked_.find(worker);
   if (call == parked_.end()) return {};
   if (call->second.caller.is_gone()) {
-    refuse(turn, call->second.caller, {ErrorCode::kCancelled, "the caller has gone"});
+    refuse(lock, call->second.caller, {ErrorCode::kCancelled, "the caller has gone"});
     parked_.erase(call);
     return {};
   }
-  scheduler::Actions actions = scheduler_.handle(scheduler::TopUp{{worker}}, turn.now());
+  scheduler::Actions actions = scheduler_.handle(scheduler::TopUp{{worker}}, lock.now());
   if (!actions.status) {
-    refuse(turn, call->second.caller, actions.status.error());
+    refuse(lock, call->second.caller, actions.status.error());
     parked_.erase(call);
   } else if (actions.reply->changed || answer_unchanged) {
-    release_parked(turn, worker, *actions.reply);
+    release_parked(lock, worker, *actions.reply);
   }
   return actions;
 }
 
-void Coordinator::release_parked(Turn& turn, const std::string& worker, const scheduler::Reply& reply) {
+void Coordinator::release_parked(StateLock& lock, const std::string& worker, const scheduler::Reply& reply) {
   auto call = parked_.extract(worker);
   if (call.empty()) return;
-  turn.later([answer = std::move(call.mapped().caller.answer),
+  lock.later([answer = std::move(call.mapped().caller.answer),
               response = respond(reply, call.mapped().known_jobs)] { answer(response); });
 }
 
@@ -207,7 +207,7 @@ v1::SynchronizeResponse Coordinator::respond(const scheduler::Reply& reply,
     *job->mutable_bundle() = spec.bundle();
     *job->mutable_settings() = spec.settings();
   }
-  *response.mutable_heard_within() = to_wire(reply.heard_within);
+  *response.mutable_heartbeat_timeout() = to_wire(reply.heartbeat_timeout);
   return response;
 }
 
@@ -236,13 +236,13 @@ core::Status Coordinator::check_token(const v1::SubmitResultRequest& request) {
   const scheduler::LeaseToken token =
       signer_.sign({request.lease_id()}, {request.worker_id()}, {request.job_id()});
   if (request.lease_token() == token) return {};
-  Turn turn(*this);
+  StateLock lock(*this);
   rejected_log_.warn(
       fmt::format("rejected a result of job {:.32}: its token does not prove that lease {} was given to "
                   "worker {:.32}, which it names",
                   core::printable(request.job_id()), request.lease_id(),
                   core::printable(request.worker_id())),
-      turn.now());
+      lock.now());
   return core::fail(
       ErrorCode::kInvalidArgument,
       fmt::format("lease_token: does not prove that lease {} of this job was given to this worker by "
@@ -257,22 +257,23 @@ core::Result<v1::SubmitResultResponse> Coordinator::submit_result(const v1::Subm
   Delivery delivery;
   if (tiles) delivery.tiles = std::move(*tiles);
   for (const core::FilmTile& tile : delivery.tiles) delivery.fingerprints.push_back(fingerprinter_.of(tile));
-  Turn turn(*this);
-  if (conduct_.is_aside(request.worker_id())) {
-    return core::fail(ErrorCode::kFailedPrecondition,
-                      fmt::format("this worker is put aside: {}", conduct_.because(request.worker_id(), "")));
+  StateLock lock(*this);
+  if (quarantine_.is_quarantined(request.worker_id())) {
+    return core::fail(
+        ErrorCode::kFailedPrecondition,
+        fmt::format("this worker is put aside: {}", quarantine_.because(request.worker_id(), "")));
   }
-  auto counted = tiles ? count_result(turn, request, delivery)
+  auto counted = tiles ? count_result(lock, request, delivery)
                        : core::Result<v1::SubmitResultResponse>(core::fail(tiles.error()));
   if (!counted && counted.error().code == ErrorCode::kInvalidArgument) {
-    note_refused_result(turn, request.worker_id(), counted.error());
+    note_rejected_result(lock, request.worker_id(), counted.error());
   } else if (counted && request.items_size() > 0) {
-    conduct_.in_order(request.worker_id());
+    quarantine_.in_order(request.worker_id());
   }
   return counted;
 }
 
-core::Result<v1::SubmitResultResponse> Coordinator::count_result(Turn& turn,
+core::Result<v1::SubmitResultResponse> Coordinator::count_result(StateLock& lock,
                                                                  const v1::SubmitResultRequest& request,
                                                                  const Delivery& delivery) {
   v1::SubmitResultResponse response;
@@ -281,7 +282,7 @@ core::Result<v1::SubmitResultResponse> Coordinator::count_result(Turn& turn,
     response.set_dropped_items(static_cast<std::uint32_t>(delivery.tiles.size()));
     return response;
   }
-  if (auto may = may_count(turn, *record, request); !may) return core::fail(may.error());
+  if (auto may = may_count(lock, *record, request); !may) return core::fail(may.error());
   const core::TileGrid grid = grid_of(*record->spec);
   scheduler::SubmitResult event{{request.worker_id()},
                                 {request.job_id()},
@@ -289,15 +290,15 @@ core::Result<v1::SubmitResultResponse> Coordinator::count_result(Turn& turn,
                                 {},
                                 seconds(request.render_time()),
                                 request.lease_finished(),
-                                excerpt(request.cannot_build(), kMaxReasonBytes),
+                                excerpt(request.decline_reason(), kMaxReasonBytes),
                                 delivery.fingerprints,
                                 held_besides(request),
                                 request.lease_token()};
   for (const core::FilmTile& tile : delivery.tiles)
     event.items.push_back({scheduler::tile_index(grid, tile.rect), tile.range});
-  const scheduler::Actions actions = scheduler_.handle(event, turn.now());
+  const scheduler::Actions actions = scheduler_.handle(event, lock.now());
   if (!actions.status) {
-    apply(turn, actions);
+    apply(lock, actions);
     return core::fail(actions.status.error());
   }
 
@@ -317,20 +318,20 @@ core::Result<v1::SubmitResultResponse> Coordinator::count_result(Turn& turn,
     ++record->revision;
   }
   if (actions.reply) tell_with_answer(event, *actions.reply, response);
-  apply(turn, actions);
+  apply(lock, actions);
   return response;
 }
 
-core::Status Coordinator::may_count(const Turn& turn, const JobRecord& record,
+core::Status Coordinator::may_count(const StateLock& lock, const JobRecord& record,
                                     const v1::SubmitResultRequest& request) {
   const std::string& expected = record.arithmetic.empty() ? options_.fingerprint : record.arithmetic;
   const std::string& offered =
-      request.arithmetic_fingerprint().empty() ? options_.fingerprint : request.arithmetic_fingerprint();
+      request.determinism_fingerprint().empty() ? options_.fingerprint : request.determinism_fingerprint();
   if (offered == expected) return {};
   rejected_log_.warn(
       fmt::format("rejected a result of worker {:.32} for job {}: its fingerprint is {}, the job's {}",
                   request.worker_id(), record.spec->id(), offered, expected),
-      turn.now());
+      lock.now());
   return core::fail(
       ErrorCode::kFailedPrecondition,
       fmt::format("these samples are of another arithmetic (release {}, fingerprint {}) than job {} "
@@ -338,8 +339,8 @@ core::Status Coordinator::may_count(const Turn& turn, const JobRecord& record,
                   request.version(), offered, record.spec->id(), expected));
 }
 
-void Coordinator::note_refused_result(Turn& turn, const std::string& worker, const core::Error& error) {
-  const auto workers = scheduler_.workers(turn.now());
+void Coordinator::note_rejected_result(StateLock& lock, const std::string& worker, const core::Error& error) {
+  const auto workers = scheduler_.workers(lock.now());
   const auto known = std::find_if(workers.begin(), workers.end(), [&](const scheduler::WorkerView& each) {
     return each.info.id.value == worker;
   });
@@ -348,16 +349,16 @@ void Coordinator::note_refused_result(Turn& turn, const std::string& worker, con
         fmt::format("rejected a result of worker {:.32}, which was not heard of since the coordinator "
                     "was started: {}",
                     worker, error.message),
-        turn.now());
+        lock.now());
     return;
   }
   const auto& [id, name, version, threads, machine] = known->info;
   rejected_log_.warn(fmt::format("rejected a result of worker {} ({}): {}", name, worker, error.message),
-                     turn.now());
-  if (!conduct_.refused(worker, machine)) return;
+                     lock.now());
+  if (!quarantine_.refused(worker, machine)) return;
   spdlog::error("worker {} ({}) is put aside: {}. What it rendered before is verified by others", name,
-                worker, conduct_.because(worker, machine));
-  apply(turn, scheduler_.handle(scheduler::Dismiss{{worker}, true}, turn.now()));
+                worker, quarantine_.because(worker, machine));
+  apply(lock, scheduler_.handle(scheduler::Dismiss{{worker}, true}, lock.now()));
 }
 
 }  // namespace tessera::coordinator

@@ -20,7 +20,7 @@ enum class Role {
 struct Caller {
   std::string name;  // empty where the farm knows no tokens
   Role role = Role::kAdmin;
-  std::string key;  // tells callers apart, also where they have no names (CallGate)
+  std::string key;  // tells callers apart, also where they have no names (AuthInterceptor)
 };
 
 class Access {

@@ -7,7 +7,7 @@
 
 #include "proto/blob.hpp"
 #include "server/coordinator/admission.hpp"
-#include "server/rpc/call_gate.hpp"
+#include "server/rpc/auth_interceptor.hpp"
 #include "server/rpc/reactors.hpp"
 
 namespace tessera::rpc {

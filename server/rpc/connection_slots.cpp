@@ -25,7 +25,7 @@ ino_t number_of_socket(int descriptor) {
 
 }  // namespace
 
-std::string machine_of(const sockaddr_storage& peer) {
+std::string client_key(const sockaddr_storage& peer) {
   char text[INET6_ADDRSTRLEN] = "";
   if (peer.ss_family == AF_INET) {
     inet_ntop(AF_INET, &reinterpret_cast<const sockaddr_in&>(peer).sin_addr, text, sizeof text);
@@ -37,19 +37,19 @@ std::string machine_of(const sockaddr_storage& peer) {
   return std::string(text) + "/64";
 }
 
-std::string machine_of(const std::string& peer) {
+std::string client_key(const std::string& peer) {
   static const std::regex kIpv6(R"(ipv6:(?:\[|%5B)([0-9a-f:.]+)(?:\]|%5D):\d+)", std::regex::icase);
   std::smatch parts;
   sockaddr_storage address{};
   auto& ipv6 = reinterpret_cast<sockaddr_in6&>(address);
   ipv6.sin6_family = AF_INET6;
   if (std::regex_match(peer, parts, kIpv6) && inet_pton(AF_INET6, parts.str(1).c_str(), &ipv6.sin6_addr) == 1)
-    return machine_of(address);
+    return client_key(address);
   return peer.substr(0, peer.find_last_of(':'));
 }
 
 ConnectionSlots::Room ConnectionSlots::room_for(const std::string& machine) {
-  if (counted_room_for(machine) != Room::kYes) look();
+  if (counted_room_for(machine) != Room::kYes) check();
   return counted_room_for(machine);
 }
 
@@ -66,7 +66,7 @@ ConnectionSlots::Room ConnectionSlots::counted_room_for(const std::string& machi
   return has_many ? Room::kNoneForMachine : Room::kYes;
 }
 
-void ConnectionSlots::look() {
+void ConnectionSlots::check() {
   const auto begin = Clock::now();
   if (begin < next_look_) return;
   for (auto slot = slots_.begin(); slot != slots_.end();) {

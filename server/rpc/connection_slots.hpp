@@ -13,10 +13,10 @@
 namespace tessera::rpc {
 
 // "10.0.0.5", or the 64 bits of an IPv6 address that its network gives: their owner has all that follow.
-std::string machine_of(const sockaddr_storage& peer);
+std::string client_key(const sockaddr_storage& peer);
 // The same of a peer as gRPC names it: "ipv4:10.0.0.5:4242", "ipv6:[2001:db8::5]:4242" or with %5B and %5D
 // for the brackets. What is neither, without what follows the last colon.
-std::string machine_of(const std::string& peer);
+std::string client_key(const std::string& peer);
 
 class ConnectionSlots {
  public:
@@ -43,7 +43,7 @@ class ConnectionSlots {
   using Slots = std::map<int, Slot>;  // by descriptor
 
   Room counted_room_for(const std::string& machine) const;
-  void look();
+  void check();
   Slots::iterator forget(Slots::iterator slot);
 
   const std::size_t most_, most_of_machine_;

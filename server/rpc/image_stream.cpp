@@ -11,7 +11,7 @@
 #include "proto/blob.hpp"
 #include "proto/convert.hpp"
 #include "proto/convert_display.hpp"
-#include "server/rpc/call_gate.hpp"
+#include "server/rpc/auth_interceptor.hpp"
 #include "server/rpc/reactors.hpp"
 
 namespace tessera::rpc {

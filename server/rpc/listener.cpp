@@ -29,13 +29,13 @@ bool is_exhaustion(int error) {
 
 }  // namespace
 
-void Listener::RareNews::add(std::string sentence) {
+void Listener::RateLimitedLog::add(std::string sentence) {
   sentence_ = std::move(sentence);
   ++times_;
   tell();
 }
 
-void Listener::RareNews::tell() {
+void Listener::RateLimitedLog::tell() {
   const auto now = std::chrono::steady_clock::now();
   if (times_ == 0 || now < next_) return;
   spdlog::warn("{}{}", sentence_, times_ == 1 ? "" : fmt::format(" ({} times)", times_));
@@ -43,7 +43,7 @@ void Listener::RareNews::tell() {
   next_ = now + kNewsPeriod;
 }
 
-int Listener::RareNews::wait_ms() const {
+int Listener::RateLimitedLog::wait_ms() const {
   if (times_ == 0) return -1;
   const auto wait = next_ - std::chrono::steady_clock::now();
   return std::max(0, static_cast<int>(std::chrono::ceil<std::chrono::milliseconds>(wait).count()));
@@ -103,7 +103,7 @@ void Listener::accept_from(const Fd& socket, const Take& take) {
                           std::strerror(errno)));
     return std::this_thread::sleep_for(kPause);
   }
-  const std::string machine = machine_of(peer);
+  const std::string machine = client_key(peer);
   if (!has_room(machine)) return;
   slots_.take(connection.get(), machine);
   take(connection.release());

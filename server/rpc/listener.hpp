@@ -35,7 +35,7 @@ class Listener {
 
  private:
   // News that may come a thousand times a second.
-  class RareNews {
+  class RateLimitedLog {
    public:
     void add(std::string sentence);
     // Logs the last sentence and how many there were, if it is time.
@@ -60,7 +60,7 @@ class Listener {
   // Of the thread alone, while there is one.
   std::vector<store::Fd> sockets_;
   ConnectionSlots slots_;
-  RareNews news_;
+  RateLimitedLog news_;
   std::thread thread_;
 };
 

@@ -29,7 +29,7 @@ template <typename Pool, typename Work, typename WhenFull>
 grpc::ServerUnaryReactor* RenderService::serve(grpc::CallbackServerContext* context, Pool& pool, Work work,
                                                WhenFull when_full) {
   Caller caller;
-  if (const auto admitted = gate_.admit(*context, Role::kSubmit, caller); !admitted.ok())
+  if (const auto admitted = auth_.admit(*context, Role::kSubmit, caller); !admitted.ok())
     return refuse(context, admitted);
   return run_unary(
       context, pool, caller.key, [caller, work = std::move(work)] { return work(caller); },
@@ -63,7 +63,7 @@ core::Status RenderService::may_change(const Caller& caller, const std::string& 
 grpc::ServerReadReactor<v1::UploadBlobRequest>* RenderService::UploadBlob(
     grpc::CallbackServerContext* context, v1::UploadBlobResponse* response) {
   Caller caller;
-  if (const auto admitted = gate_.admit(*context, Role::kSubmit, caller); !admitted.ok())
+  if (const auto admitted = auth_.admit(*context, Role::kSubmit, caller); !admitted.ok())
     return new RefusedStream<grpc::ServerReadReactor<v1::UploadBlobRequest>>(admitted);
   auto place = streams_.uploads.take(caller.key);
   if (!place) {
@@ -81,7 +81,7 @@ grpc::ServerUnaryReactor* RenderService::SubmitJob(grpc::CallbackServerContext* 
                                                    const v1::SubmitJobRequest* request,
                                                    v1::SubmitJobResponse* response) {
   Caller caller;
-  if (const auto admitted = gate_.admit(*context, Role::kSubmit, caller); !admitted.ok())
+  if (const auto admitted = auth_.admit(*context, Role::kSubmit, caller); !admitted.ok())
     return refuse(context, admitted);
   // From now on, however long it waits for its turn.
   auto claimed = coordinator_.files().claim(caller.key, coordinator::files_of(request->bundle()));
@@ -121,7 +121,7 @@ grpc::ServerUnaryReactor* RenderService::ListJobs(grpc::CallbackServerContext* c
 grpc::ServerWriteReactor<v1::WatchJobResponse>* RenderService::WatchJob(grpc::CallbackServerContext* context,
                                                                         const v1::WatchJobRequest* request) {
   Caller caller;
-  if (const auto admitted = gate_.admit(*context, Role::kSubmit, caller); !admitted.ok())
+  if (const auto admitted = auth_.admit(*context, Role::kSubmit, caller); !admitted.ok())
     return new RefusedStream<grpc::ServerWriteReactor<v1::WatchJobResponse>>(admitted);
   auto place = streams_.watches.take(caller.key);
   if (!place) {
@@ -137,7 +137,7 @@ grpc::ServerWriteReactor<v1::WatchJobResponse>* RenderService::WatchJob(grpc::Ca
 grpc::ServerWriteReactor<v1::GetImageResponse>* RenderService::GetImage(grpc::CallbackServerContext* context,
                                                                         const v1::GetImageRequest* request) {
   Caller caller;
-  if (const auto admitted = gate_.admit(*context, Role::kSubmit, caller); !admitted.ok())
+  if (const auto admitted = auth_.admit(*context, Role::kSubmit, caller); !admitted.ok())
     return new RefusedStream<grpc::ServerWriteReactor<v1::GetImageResponse>>(admitted);
   return new ImageStream(*context, coordinator_, pools_, streams_, {*request, caller.key});
 }

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "server/coordinator/coordinator.hpp"
-#include "server/rpc/call_gate.hpp"
+#include "server/rpc/auth_interceptor.hpp"
 #include "server/rpc/pools.hpp"
 #include "server/rpc/reactors.hpp"
 #include "server/rpc/stream_limits.hpp"
@@ -14,9 +14,9 @@ namespace tessera::rpc {
 
 class RenderService final : public v1::RenderService::CallbackService {
  public:
-  RenderService(coordinator::Coordinator& coordinator, CallGate& gate, Pools pools, WatchHub& watches,
+  RenderService(coordinator::Coordinator& coordinator, AuthInterceptor& gate, Pools pools, WatchHub& watches,
                 StreamLimits& streams)
-      : coordinator_(coordinator), gate_(gate), pools_(pools), watches_(watches), streams_(streams) {}
+      : coordinator_(coordinator), auth_(gate), pools_(pools), watches_(watches), streams_(streams) {}
 
   grpc::ServerUnaryReactor* FindMissingBlobs(grpc::CallbackServerContext* context,
                                              const v1::FindMissingBlobsRequest* request,
@@ -72,7 +72,7 @@ class RenderService final : public v1::RenderService::CallbackService {
   core::Status may_change(const Caller& caller, const std::string& job_id);
 
   coordinator::Coordinator& coordinator_;
-  CallGate& gate_;
+  AuthInterceptor& auth_;
   const Pools pools_;
   WatchHub& watches_;
   StreamLimits& streams_;

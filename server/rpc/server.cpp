@@ -12,7 +12,7 @@
 #include <utility>
 
 #include "server/coordinator/periodic.hpp"
-#include "server/rpc/call_gate.hpp"
+#include "server/rpc/auth_interceptor.hpp"
 #include "server/rpc/listener.hpp"
 #include "server/rpc/render_service.hpp"
 #include "server/rpc/worker_service.hpp"
@@ -105,7 +105,7 @@ struct Server::Parts {
         checkpointer(kCheckpointPeriod, [this] { checkpoint_log.write(coordinator); }),
         ticker(kTickPeriod,
                [this] {
-                 if (coordinator.tick()) checkpointer.hurry();
+                 if (coordinator.tick()) checkpointer.trigger();
                }),
         reopener(kReopenPeriod, [this] { coordinator.reopen_jobs(); }),
         collector(kCollectPeriod, [this] { coordinator.files().collect(); }) {}
@@ -116,7 +116,7 @@ struct Server::Parts {
 
   Coordinator& coordinator;
   const server::Limits limits;
-  CallGate gate;
+  AuthInterceptor gate;
   StreamLimits streams;
   coordinator::ThreadPool quick;
   coordinator::FairPool slow, validating, clearing;

@@ -11,9 +11,9 @@ constexpr std::chrono::milliseconds kLongestPeriod{1000};
 }  // namespace
 
 StallWatch::StallWatch(std::chrono::milliseconds patience)
-    : patience_(patience), looker_(std::min(kLongestPeriod, patience / 4), [this] { look(); }) {}
+    : patience_(patience), checker_(std::min(kLongestPeriod, patience / 4), [this] { check(); }) {}
 
-void StallWatch::look() {
+void StallWatch::check() {
   const auto since = WatchedStream::Clock::now() - patience_;
   streams_.for_each([since](WatchedStream& stream) { stream.end_if_waiting_since(since); });
 }

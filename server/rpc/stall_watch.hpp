@@ -30,11 +30,11 @@ class StallWatch {
   std::chrono::milliseconds patience() const { return patience_; }
 
  private:
-  void look();
+  void check();
 
   const std::chrono::milliseconds patience_;
   ObserverList<WatchedStream> streams_;
-  coordinator::Periodic looker_;
+  coordinator::Periodic checker_;
 };
 
 }  // namespace tessera::rpc

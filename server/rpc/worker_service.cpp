@@ -8,8 +8,8 @@
 
 #include "proto/status.hpp"
 #include "proto/worker_key.hpp"
+#include "server/rpc/auth_interceptor.hpp"
 #include "server/rpc/blob_streams.hpp"
-#include "server/rpc/call_gate.hpp"
 #include "server/rpc/connection_slots.hpp"
 #include "server/rpc/reactors.hpp"
 #include "server/rpc/synchronize_call.hpp"
@@ -41,7 +41,7 @@ grpc::ServerUnaryReactor* WorkerService::Synchronize(grpc::CallbackServerContext
                                                      const v1::SynchronizeRequest* request,
                                                      v1::SynchronizeResponse* response) {
   Caller caller;
-  if (const auto admitted = gate_.admit(*context, Role::kWork, caller); !admitted.ok())
+  if (const auto admitted = auth_.admit(*context, Role::kWork, caller); !admitted.ok())
     return refuse(context, admitted);
   if (const auto proved = check_worker_key(*request); !proved)
     return refuse(context, proto::to_grpc(proved.error()));
@@ -52,7 +52,7 @@ grpc::ServerUnaryReactor* WorkerService::SubmitResult(grpc::CallbackServerContex
                                                       const v1::SubmitResultRequest* request,
                                                       v1::SubmitResultResponse* response) {
   Caller caller;
-  if (const auto admitted = gate_.admit(*context, Role::kWork, caller); !admitted.ok())
+  if (const auto admitted = auth_.admit(*context, Role::kWork, caller); !admitted.ok())
     return refuse(context, admitted);
   const auto count = [=, this]() -> core::Status {
     auto counted = coordinator_.submit_result(*request);
@@ -67,10 +67,10 @@ grpc::ServerUnaryReactor* WorkerService::SubmitResult(grpc::CallbackServerContex
 grpc::ServerWriteReactor<v1::FetchBlobResponse>* WorkerService::FetchBlob(
     grpc::CallbackServerContext* context, const v1::FetchBlobRequest* request) {
   Caller caller;
-  if (const auto admitted = gate_.admit(*context, Role::kWork, caller); !admitted.ok())
+  if (const auto admitted = auth_.admit(*context, Role::kWork, caller); !admitted.ok())
     return new RefusedStream<grpc::ServerWriteReactor<v1::FetchBlobResponse>>(admitted);
   // Workers of one machine count together: each could have many connections.
-  const std::string machine = machine_of(context->peer());
+  const std::string machine = client_key(context->peer());
   auto place = streams_.fetches.take(machine);
   if (!place) {
     return new RefusedStream<grpc::ServerWriteReactor<v1::FetchBlobResponse>>(

@@ -4,7 +4,7 @@
 
 #include "server/coordinator/coordinator.hpp"
 #include "server/coordinator/thread_pool.hpp"
-#include "server/rpc/call_gate.hpp"
+#include "server/rpc/auth_interceptor.hpp"
 #include "server/rpc/stream_limits.hpp"
 #include "tessera/v1/worker_service.grpc.pb.h"
 
@@ -12,9 +12,9 @@ namespace tessera::rpc {
 
 class WorkerService final : public v1::WorkerService::CallbackService {
  public:
-  WorkerService(coordinator::Coordinator& coordinator, CallGate& gate, coordinator::ThreadPool& pool,
+  WorkerService(coordinator::Coordinator& coordinator, AuthInterceptor& gate, coordinator::ThreadPool& pool,
                 StreamLimits& streams)
-      : coordinator_(coordinator), gate_(gate), pool_(pool), streams_(streams) {}
+      : coordinator_(coordinator), auth_(gate), pool_(pool), streams_(streams) {}
 
   grpc::ServerUnaryReactor* Synchronize(grpc::CallbackServerContext* context,
                                         const v1::SynchronizeRequest* request,
@@ -27,7 +27,7 @@ class WorkerService final : public v1::WorkerService::CallbackService {
 
  private:
   coordinator::Coordinator& coordinator_;
-  CallGate& gate_;
+  AuthInterceptor& auth_;
   coordinator::ThreadPool& pool_;
   StreamLimits& streams_;
 };

@@ -21,19 +21,19 @@ bool overlaps(const WorkItem& a, const WorkItem& b) {
 
 }  // namespace
 
-Author Scheduler::author_of(const WorkerId& worker) const {
-  const Worker* const known = roster_.find(worker);
-  return known != nullptr ? known->author() : Author{{}, worker};
+Producer Scheduler::producer_of(const WorkerId& worker) const {
+  const Worker* const known = registry_.find(worker);
+  return known != nullptr ? known->producer() : Producer{{}, worker};
 }
 
 bool Scheduler::can_audit(const Job& job, const Worker& worker) const {
-  if (job.to_verify() == 0 || authors_.is_distrusted(worker.author())) return false;
-  return job.audits().offer(worker.author(), authors_, [](const WorkItem&) { return false; });
+  if (job.to_verify() == 0 || producers_.is_distrusted(worker.producer())) return false;
+  return job.audits().offer(worker.producer(), producers_, [](const WorkItem&) { return false; });
 }
 
 Portion Scheduler::audit_copy(const Job& job, const Worker& worker) const {
-  if (job.auditing() == 0 || authors_.is_distrusted(worker.author())) return {};
-  return job.next_audit_copy(worker.author(), authors_);
+  if (job.auditing() == 0 || producers_.is_distrusted(worker.producer())) return {};
+  return job.next_audit_copy(worker.producer(), producers_);
 }
 
 std::optional<Ruling> Scheduler::take_audit(Job& job, const SubmitResult& event, std::size_t i) {
@@ -56,7 +56,7 @@ std::optional<Ruling> Scheduler::take_audit(Job& job, const SubmitResult& event,
 
 void Scheduler::tell_of_less(const std::vector<WorkerId>& workers) {
   for (const WorkerId& id : workers) {
-    roster_.find(id)->shrunk = true;
+    registry_.find(id)->shrunk = true;
     lost_leases_.insert(id);
   }
 }
@@ -65,25 +65,27 @@ void Scheduler::follow(Job& job, const Ruling& ruling, Actions& actions) {
   using enum Ruling::Outcome;
   actions.reviewed_tiles.push_back({job.id(), ruling.item.tile});
   if (ruling.outcome == kContradicted) {
-    actions.contradictions.push_back(fmt::format(
-        "{} and {} have rendered other bits of {}: a worker of a third name is to decide",
-        called(authors_.at(ruling.author)), called(authors_.at(ruling.auditor)), describe(job, ruling.item)));
+    actions.contradictions.push_back(
+        fmt::format("{} and {} have rendered other bits of {}: a worker of a third name is to decide",
+                    called(producers_.at(ruling.producer)), called(producers_.at(ruling.auditor)),
+                    describe(job, ruling.item)));
     work_appeared_ = true;
     return;
   }
-  if (Worker* const worker = roster_.find(authors_.at(ruling.author).worker)) ++worker->audited_ranges;
+  if (Worker* const worker = registry_.find(producers_.at(ruling.producer).worker)) ++worker->audited_ranges;
   if (ruling.outcome == kRefuted) drop_tile(job, ruling.item.tile, actions);
-  for (const AuthorNumber author : ruling.wrong) disprove(job, ruling, author, actions);
+  for (const ProducerNumber producer : ruling.wrong) disprove(job, ruling, producer, actions);
 }
 
-void Scheduler::disprove(const Job& job, const Ruling& ruling, AuthorNumber number, Actions& actions) {
-  const Author author = authors_.at(number);
-  if (Worker* const worker = roster_.find(author.worker)) ++worker->disproved_ranges;
+void Scheduler::disprove(const Job& job, const Ruling& ruling, ProducerNumber number, Actions& actions) {
+  const Producer producer = producers_.at(number);
+  if (Worker* const worker = registry_.find(producer.worker)) ++worker->disproved_ranges;
   std::vector<std::string> others;
-  for (const AuthorNumber right : ruling.right) others.push_back(called(authors_.at(right)));
-  actions.disproved.push_back({author, fmt::format("it rendered other bits of {} than {}",
-                                                   describe(job, ruling.item), fmt::join(others, " and "))});
-  distrust(author, actions);
+  for (const ProducerNumber right : ruling.right) others.push_back(called(producers_.at(right)));
+  actions.disproved.push_back(
+      {producer, fmt::format("it rendered other bits of {} than {}", describe(job, ruling.item),
+                             fmt::join(others, " and "))});
+  distrust(producer, actions);
 }
 
 // A film cannot be rid of some samples alone: what is added up stays so.
@@ -99,55 +101,55 @@ void Scheduler::drop_tile(Job& job, int tile, Actions& actions) {
   work_appeared_ = true;
 }
 
-void Scheduler::distrust(const Author& author, Actions& actions) {
-  authors_.distrust(author);
-  if (Worker* const worker = roster_.find(author.worker)) end_all_leases(*worker);
+void Scheduler::distrust(const Producer& producer, Actions& actions) {
+  producers_.distrust(producer);
+  if (Worker* const worker = registry_.find(producer.worker)) end_all_leases(*worker);
   for (auto& [number, job] : jobs_) {
     if (job.state() == JobState::kDone) {
-      if (job.audits().has_doubtful(authors_)) actions.reopen.push_back(job.id());
+      if (job.audits().has_doubtful(producers_)) actions.reopen.push_back(job.id());
       continue;
     }
-    for (const int tile : job.doubt(authors_)) {
+    for (const int tile : job.doubt(producers_)) {
       actions.reviewed_tiles.push_back({job.id(), tile});
       work_appeared_ = true;
     }
   }
 }
 
-void Scheduler::restore_authors(Job& job, const std::vector<AuthoredItem>& authored) {
+void Scheduler::restore_producers(Job& job, const std::vector<ProducedItem>& provenance) {
   std::map<int, IntervalSet> known;
-  for (const AuthoredItem& each : authored) {
+  for (const ProducedItem& each : provenance) {
     const WorkItem& item = each.item;
     if (!job.has(item) || !job.done(item.tile).contains(item.samples)) continue;
     if (known[item.tile].intersects(item.samples)) continue;
     known[item.tile].add(item.samples);
-    job.note_author(item, authors_.number(each.author), each.fingerprint, each.due);
+    job.note_producer(item, producers_.number(each.producer), each.fingerprint, each.due);
   }
 }
 
 // Whether the job lacks nothing but audits that were chosen by lot, and nobody who is here can do them. Who
 // could not build the scene is given it again and again, as is who has stalled; neither is waited for.
-bool Scheduler::waits_in_vain(const Job& job) const {
+bool Scheduler::cannot_progress(const Job& job) const {
   if (!job.complete() || job.settled() || job.audits().any_doubted()) return false;
   const auto is_no_help = [&](const Worker& worker) {
     return worker.refused.contains(job.id()) || worker.has_stalled(job.id()) || worker.stuck;
   };
   const auto& leases = job.audit_leases().all();
   const bool somebody_is_at_it = std::any_of(leases.begin(), leases.end(), [&](const auto& entry) {
-    return !is_no_help(*roster_.find(entry.second.holder));
+    return !is_no_help(*registry_.find(entry.second.holder));
   });
   return !somebody_is_at_it &&
-         std::none_of(roster_.all().begin(), roster_.all().end(), [&](const auto& entry) {
+         std::none_of(registry_.all().begin(), registry_.all().end(), [&](const auto& entry) {
            const Worker& worker = entry.second;
            return worker.takes_leases() && !is_no_help(worker) && can_audit(job, worker);
          });
 }
 
-void Scheduler::end_vain_waits(Actions& actions) {
+void Scheduler::end_hopeless_waits(Actions& actions) {
   std::vector<Job*> over;
   for (const JobNumber number : running_) {
     Job& job = jobs_.at(number);
-    if (!waits_in_vain(job)) {
+    if (!cannot_progress(job)) {
       job.unaudited_since.reset();
       continue;
     }
@@ -160,10 +162,10 @@ void Scheduler::end_vain_waits(Actions& actions) {
   }
 }
 
-std::vector<AuthoredItem> Scheduler::authored(const JobId& id, int tile) const {
-  std::vector<AuthoredItem> items;
+std::vector<ProducedItem> Scheduler::provenance(const JobId& id, int tile) const {
+  std::vector<ProducedItem> items;
   for (const LedgerEntry& entry : find(id)->audits().ledger().of_tile(tile)) {
-    items.push_back({{tile, entry.samples}, authors_.at(entry.author), entry.fingerprint(), entry.due()});
+    items.push_back({{tile, entry.samples}, producers_.at(entry.producer), entry.fingerprint(), entry.due()});
   }
   return items;
 }

@@ -15,28 +15,28 @@ const LedgerEntry& Audits::entry_at(const Key& key) const {
   return ledger_.at(key.tile, key.begin);
 }
 
-void Audits::add(const WorkItem& item, AuthorNumber author, const Fingerprint& fingerprint, Due due) {
-  ledger_.add(item, author, fingerprint, due);
+void Audits::add(const WorkItem& item, ProducerNumber producer, const Fingerprint& fingerprint, Due due) {
+  ledger_.add(item, producer, fingerprint, due);
   if (due == Due::kNo) return;
   if (due == Due::kDoubted) ++doubted_;
-  waiting_[author].insert(key_of(item));
+  waiting_[producer].insert(key_of(item));
 }
 
 void Audits::make_due(const WorkItem& item, Due due) {
   const LedgerEntry& entry = ledger_.at(item.tile, item.samples.begin);
   const Due before = entry.due();
-  if (before == Due::kNo) waiting_[entry.author].insert(key_of(item));
+  if (before == Due::kNo) waiting_[entry.producer].insert(key_of(item));
   if (before != Due::kDoubted && due == Due::kDoubted) ++doubted_;
   ledger_.set_due(item.tile, item.samples.begin, due);
 }
 
-std::vector<int> Audits::doubt(const Authors& authors) {
+std::vector<int> Audits::doubt(const Producers& producers) {
   std::vector<int> tiles;
   for (int tile = 0; tile < ledger_.tile_count(); ++tile) {
     bool any = false;
     for (std::size_t i = 0; i < ledger_.of_tile(tile).size(); ++i) {
       const LedgerEntry& entry = ledger_.of_tile(tile)[i];
-      if (entry.due() == Due::kDoubted || !authors.is_distrusted(authors.at(entry.author))) continue;
+      if (entry.due() == Due::kDoubted || !producers.is_distrusted(producers.at(entry.producer))) continue;
       make_due({tile, entry.samples}, Due::kDoubted);
       any = true;
     }
@@ -45,10 +45,10 @@ std::vector<int> Audits::doubt(const Authors& authors) {
   return tiles;
 }
 
-bool Audits::has_doubtful(const Authors& authors) const {
+bool Audits::has_doubtful(const Producers& producers) const {
   for (int tile = 0; tile < ledger_.tile_count(); ++tile) {
     for (const LedgerEntry& entry : ledger_.of_tile(tile)) {
-      if (entry.due() != Due::kDoubted && authors.is_distrusted(authors.at(entry.author))) return true;
+      if (entry.due() != Due::kDoubted && producers.is_distrusted(producers.at(entry.producer))) return true;
     }
   }
   return false;
@@ -86,7 +86,7 @@ void Audits::clear() {
 
 // That it is due, who is at it and what they said; its entry stays.
 void Audits::forget(const Key& key) {
-  const auto waiting = waiting_.find(entry_at(key).author);
+  const auto waiting = waiting_.find(entry_at(key).producer);
   if (waiting != waiting_.end()) {
     waiting->second.erase(key);
     if (waiting->second.empty()) waiting_.erase(waiting);
@@ -96,24 +96,24 @@ void Audits::forget(const Key& key) {
   claims_.erase(key);
 }
 
-bool Audits::may_audit(const Author& worker, const Key& key, const Authors& authors) const {
-  if (are_one(worker, authors.at(entry_at(key).author))) return false;
+bool Audits::may_audit(const Producer& worker, const Key& key, const Producers& producers) const {
+  if (are_one(worker, producers.at(entry_at(key).producer))) return false;
   const auto claims = claims_.find(key);
   return claims == claims_.end() ||
          std::none_of(claims->second.begin(), claims->second.end(),
-                      [&](const Claim& claim) { return are_one(worker, authors.at(claim.author)); });
+                      [&](const Claim& claim) { return are_one(worker, producers.at(claim.producer)); });
 }
 
-bool Audits::offer(const Author& worker, const Authors& authors,
+bool Audits::offer(const Producer& worker, const Producers& producers,
                    const std::function<bool(const WorkItem&)>& take) const {
   bool any = false;
   for (const Key& key : contradicted_waiting_) {
-    if (!may_audit(worker, key, authors)) continue;
+    if (!may_audit(worker, key, producers)) continue;
     any = true;
     if (!take(item_at(key))) return true;
   }
-  for (const auto& [author, keys] : waiting_) {
-    if (are_one(worker, authors.at(author))) continue;
+  for (const auto& [producer, keys] : waiting_) {
+    if (are_one(worker, producers.at(producer))) continue;
     any = true;
     for (const Key& key : keys) {
       if (!take(item_at(key))) return true;
@@ -122,22 +122,22 @@ bool Audits::offer(const Author& worker, const Authors& authors,
   return any;
 }
 
-std::optional<WorkItem> Audits::copy_for(const Author& worker, const Authors& authors,
+std::optional<WorkItem> Audits::copy_for(const Producer& worker, const Producers& producers,
                                          const std::function<bool(LeaseId)>& may_share) const {
   for (const auto& [key, attempts] : at_work_) {
-    if (attempts.size() > 1 || are_one(worker, authors.at(attempts.front().auditor))) continue;
-    if (may_audit(worker, key, authors) && may_share(attempts.front().lease)) return item_at(key);
+    if (attempts.size() > 1 || are_one(worker, producers.at(attempts.front().auditor))) continue;
+    if (may_audit(worker, key, producers) && may_share(attempts.front().lease)) return item_at(key);
   }
   return std::nullopt;
 }
 
-void Audits::begin(const WorkItem& item, LeaseId lease, AuthorNumber auditor) {
+void Audits::begin(const WorkItem& item, LeaseId lease, ProducerNumber auditor) {
   const Key key = key_of(item);
   std::vector<Attempt>& attempts = at_work_[key];
   attempts.push_back({lease, auditor, {}, {}});
   if (attempts.size() > 1) return;
   contradicted_waiting_.erase(key);
-  const auto waiting = waiting_.find(entry_at(key).author);
+  const auto waiting = waiting_.find(entry_at(key).producer);
   if (waiting == waiting_.end()) return;
   waiting->second.erase(key);
   if (waiting->second.empty()) waiting_.erase(waiting);
@@ -147,7 +147,7 @@ void Audits::free_up(const Key& key) {
   if (claims_.contains(key)) {
     contradicted_waiting_.insert(key);
   } else {
-    waiting_[entry_at(key).author].insert(key);
+    waiting_[entry_at(key).producer].insert(key);
   }
 }
 
@@ -185,13 +185,13 @@ std::optional<Ruling> Audits::deliver(LeaseId lease, const WorkItem& piece, cons
 Ruling Audits::rule(const Key& key, const Claim& claim) {
   const WorkItem item = item_at(key);
   const LedgerEntry entry = entry_at(key);
-  Ruling ruling{item, Ruling::Outcome::kContradicted, entry.author, claim.author, {}, {}};
-  std::vector<Claim> earlier{{entry.author, entry.fingerprint()}};
+  Ruling ruling{item, Ruling::Outcome::kContradicted, entry.producer, claim.producer, {}, {}};
+  std::vector<Claim> earlier{{entry.producer, entry.fingerprint()}};
   if (const auto claims = claims_.find(key); claims != claims_.end())
     earlier.insert(earlier.end(), claims->second.begin(), claims->second.end());
   for (const Claim& each : earlier) {
     const bool agrees = same_sums(each.fingerprint, claim.fingerprint);
-    (agrees ? ruling.right : ruling.wrong).push_back(each.author);
+    (agrees ? ruling.right : ruling.wrong).push_back(each.producer);
   }
   if (ruling.right.empty()) {
     ruling.wrong.clear();
@@ -200,7 +200,7 @@ Ruling Audits::rule(const Key& key, const Claim& claim) {
     free_up(key);
     return ruling;
   }
-  ruling.right.push_back(claim.author);
+  ruling.right.push_back(claim.producer);
   const bool film_is_right = same_sums(entry.fingerprint(), claim.fingerprint);
   ruling.outcome = film_is_right ? Ruling::Outcome::kConfirmed : Ruling::Outcome::kRefuted;
   if (!film_is_right) return ruling;  // the tile is dropped, and everything of it with it
@@ -212,7 +212,7 @@ Ruling Audits::rule(const Key& key, const Claim& claim) {
 
 std::optional<std::string> Audits::check() const {
   std::size_t due = 0, doubted = 0, found = contradicted_waiting_.size() + at_work_.size();
-  for (const auto& [author, keys] : waiting_) found += keys.size();
+  for (const auto& [producer, keys] : waiting_) found += keys.size();
   for (int tile = 0; tile < ledger_.tile_count(); ++tile) {
     for (const LedgerEntry& entry : ledger_.of_tile(tile)) {
       due += entry.due() != Due::kNo ? 1 : 0;

@@ -21,9 +21,9 @@
 #include <string>
 #include <vector>
 
-#include "server/scheduler/author.hpp"
 #include "server/scheduler/interval_set.hpp"
 #include "server/scheduler/ledger.hpp"
+#include "server/scheduler/producer.hpp"
 #include "server/scheduler/types.hpp"
 
 namespace tessera::scheduler {
@@ -33,9 +33,9 @@ struct Ruling {
   WorkItem item;
   enum class Outcome { kConfirmed, kContradicted, kRefuted } outcome = Outcome::kConfirmed;
   // Whose bits are in the film, and who rendered them again this time.
-  AuthorNumber author = 0, auditor = 0;
+  ProducerNumber producer = 0, auditor = 0;
   // Of all who rendered it: those that two names agree on, and the others. Empty while nobody agrees.
-  std::vector<AuthorNumber> right, wrong;
+  std::vector<ProducerNumber> right, wrong;
 };
 
 class Audits {
@@ -43,11 +43,11 @@ class Audits {
   explicit Audits(const core::TileGrid& grid) : ledger_(grid) {}
 
   // ---- What was rendered ----
-  void add(const WorkItem& item, AuthorNumber author, const Fingerprint& fingerprint, Due due);
+  void add(const WorkItem& item, ProducerNumber producer, const Fingerprint& fingerprint, Due due);
   // Everything by authors that are distrusted is due. The tiles where there was such.
-  std::vector<int> doubt(const Authors& authors);
+  std::vector<int> doubt(const Producers& producers);
   // Whether there is something by distrusted authors that is not due.
-  bool has_doubtful(const Authors& authors) const;
+  bool has_doubtful(const Producers& producers) const;
   // What was chosen by lot is no longer due. How many ranges that were.
   std::size_t waive();
   // Forgets a tile, or everything.
@@ -62,12 +62,12 @@ class Audits {
 
   // ---- Who renders it again ----
   // Offers this worker what is due and nobody is at, until it is refused. Whether there was any.
-  bool offer(const Author& worker, const Authors& authors,
+  bool offer(const Producer& worker, const Producers& producers,
              const std::function<bool(const WorkItem&)>& take) const;
   // Something that one of another name is at, under a lease that may be shared.
-  std::optional<WorkItem> copy_for(const Author& worker, const Authors& authors,
+  std::optional<WorkItem> copy_for(const Producer& worker, const Producers& producers,
                                    const std::function<bool(LeaseId)>& may_share) const;
-  void begin(const WorkItem& item, LeaseId lease, AuthorNumber auditor);
+  void begin(const WorkItem& item, LeaseId lease, ProducerNumber auditor);
   // The lease has ended without these samples: the range that they are of is due as before.
   void abandon(LeaseId lease, const WorkItem& piece);
 
@@ -88,12 +88,12 @@ class Audits {
   };
   struct Attempt {
     LeaseId lease;
-    AuthorNumber auditor = 0;
+    ProducerNumber auditor = 0;
     IntervalSet rendered;
     Fingerprint sum;
   };
   struct Claim {
-    AuthorNumber author = 0;
+    ProducerNumber producer = 0;
     Fingerprint fingerprint;
   };
 
@@ -102,7 +102,7 @@ class Audits {
   std::map<Key, std::vector<Attempt>>::iterator at_work_on(const WorkItem& piece);
   WorkItem item_at(const Key& key) const;
   const LedgerEntry& entry_at(const Key& key) const;
-  bool may_audit(const Author& worker, const Key& key, const Authors& authors) const;
+  bool may_audit(const Producer& worker, const Key& key, const Producers& producers) const;
   void make_due(const WorkItem& item, Due due);
   void free_up(const Key& key);
   void forget(const Key& key);
@@ -110,7 +110,7 @@ class Audits {
 
   Ledger ledger_;
   // Due, and nobody is at it: by its author where only that one has rendered it, else among the contradicted.
-  std::map<AuthorNumber, std::set<Key>> waiting_;
+  std::map<ProducerNumber, std::set<Key>> waiting_;
   std::set<Key> contradicted_waiting_;
   std::map<Key, std::vector<Attempt>> at_work_;
   // What auditors have rendered that was neither confirmed nor refuted.

@@ -9,11 +9,11 @@
 #include <vector>
 
 #include "core/base/error.hpp"
-#include "server/scheduler/author.hpp"
 #include "server/scheduler/fingerprint.hpp"
 #include "server/scheduler/interval_set.hpp"
 #include "server/scheduler/job_state.hpp"
 #include "server/scheduler/ledger.hpp"
+#include "server/scheduler/producer.hpp"
 #include "server/scheduler/types.hpp"
 
 namespace tessera::scheduler {
@@ -83,7 +83,7 @@ struct SubmitResult {
   // No more will come for this lease: what is missing of it is free again at once.
   bool lease_finished = false;
   // Why the holder of the lease gives it back: it cannot build the scene. Empty for any other reason.
-  std::string cannot_build{};
+  std::string decline_reason{};
   // Of each item.
   std::vector<Fingerprint> fingerprints{};
   // All other leases that the worker holds and has heard of. If there are some, it takes new ones with the
@@ -112,12 +112,12 @@ struct SubmitJob {
 };
 
 // Who rendered samples that are in the film, where nobody else has confirmed them.
-struct AuthoredItem {
+struct ProducedItem {
   WorkItem item;
-  Author author;
+  Producer producer;
   Fingerprint fingerprint;
   Due due = Due::kNo;
-  bool operator==(const AuthoredItem&) const = default;
+  bool operator==(const ProducedItem&) const = default;
 };
 
 // A job as it was stored before the coordinator stopped. Jobs share the farm in the order in which they were
@@ -134,7 +134,7 @@ struct RestoreJob {
   std::vector<IntervalSet> done;
   std::uint32_t max_workers = 0;
   // Items that are not among the samples done, or overlap, are overlooked.
-  std::vector<AuthoredItem> authored{};
+  std::vector<ProducedItem> provenance{};
 };
 
 // What workers that were put aside have rendered of the job is to be verified: if it is done, it runs again.
@@ -196,7 +196,7 @@ struct Reply {
   // the worker.
   bool changed = false;
   // Unless the worker is heard of again within this time, its leases go to others.
-  Duration heard_within{};
+  Duration heartbeat_timeout{};
 };
 
 enum class Verdict {
@@ -215,7 +215,7 @@ struct JobChange {
 
 // A worker has rendered other bits than two others.
 struct Disproof {
-  Author author;
+  Producer producer;
   // What it was, for people.
   std::string because;
 };

@@ -44,11 +44,11 @@ std::uint64_t total_samples(const JobShape& shape) {
 
 }  // namespace
 
-Job::Job(JobId id, JobShape shape, Service service, JobState state, std::vector<IntervalSet> done)
+Job::Job(JobId id, JobShape shape, SchedulingPolicy policy, JobState state, std::vector<IntervalSet> done)
     : id_(std::move(id)),
       shape_(shape),
       grid_(shape.grid()),
-      service_(service),
+      policy_(policy),
       state_(state),
       done_(std::move(done)),
       work_(grid_.tile_count(), shape.spp),
@@ -61,17 +61,17 @@ Job::Job(JobId id, JobShape shape, Service service, JobState state, std::vector<
 }
 
 void Job::become(JobState to) {
-  if (!may_become(state_, to)) no_such_arrow("job", job_state_name(state_), job_state_name(to));
+  if (!may_become(state_, to)) invalid_transition("job", job_state_name(state_), job_state_name(to));
   state_ = to;
 }
 
-void Job::serve(const Service& service) {
-  service_ = service;
+void Job::set_policy(const SchedulingPolicy& policy) {
+  policy_ = policy;
   tolerated_workers_ = workers_beyond_limit();
 }
 
 bool Job::may_be_leased_to(const WorkerId& worker) const {
-  const std::size_t most = service_.max_workers;
+  const std::size_t most = policy_.max_workers;
   return most == 0 || holder_count() - (is_holder(worker) ? 1 : 0) < most;
 }
 
@@ -84,7 +84,7 @@ std::size_t Job::holder_count() const {
 }
 
 std::size_t Job::workers_beyond_limit() const {
-  const std::size_t most = service_.max_workers;
+  const std::size_t most = policy_.max_workers;
   if (most == 0) return 0;
   const std::size_t holders = holder_count();
   return holders <= most ? 0 : holders - most;
@@ -123,7 +123,7 @@ Portion Job::next_free(std::uint64_t samples, bool holds_nothing) const {
   while (!portion.alone && samples > 0 && portion.items.size() < kMaxItemsPerLease) {
     const std::optional<WorkItem> piece = walk.next(wanted);
     if (!piece) break;
-    const Suspects::Part part = suspects_.first_part(*piece);
+    const PoisonTracker::Part part = poison_.first_part(*piece);
     portion.alone = !part.losses.empty();
     if (portion.alone && !(holds_nothing && portion.items.empty())) return {std::move(portion.items), false};
     const bool single = part.losses.size() >= kLossesUntilSingleSamples;
@@ -167,7 +167,7 @@ std::vector<WorkItem> Job::held_once(const Lease& lease) const {
 void Job::append_copies(const std::vector<WorkItem>& pieces, std::uint64_t& budget, Portion& portion) const {
   for (const WorkItem& piece : pieces) {
     if (portion.alone || budget == 0 || portion.items.size() == kMaxItemsPerLease) return;
-    const Suspects::Part part = suspects_.first_part(piece);
+    const PoisonTracker::Part part = poison_.first_part(piece);
     const bool suspect = !part.losses.empty();
     if (suspect && !portion.items.empty()) continue;
     const std::uint32_t count = std::min(samples_for(piece.tile, budget), part.samples.count());
@@ -256,7 +256,7 @@ bool Job::accept(const WorkItem& item, std::vector<Lease>& ended) {
   leased_count_ -= was_leased.count() * grid_.rect(item.tile).pixel_count();
   done_count_ += pixel_samples(item);
   done.add(item.samples);
-  suspects_.clear(item);
+  poison_.clear(item);
   stuck_before_any_.clear();
   refusals_ = 0;
   refusers_.clear();
@@ -269,13 +269,13 @@ bool Job::accept(const WorkItem& item, std::vector<Lease>& ended) {
   return true;
 }
 
-std::optional<std::string> Job::blame(const Lease& lease, const Loss& loss) {
-  for (const WorkItem& item : lease.items) suspects_.blame(item, loss, lease.alone);
+std::optional<std::string> Job::strike(const Lease& lease, const Loss& loss) {
+  for (const WorkItem& item : lease.items) poison_.strike(item, loss, lease.alone);
   // Of several items it cannot be told which it was.
   return lease.alone ? verdict_on(lease.items.front()) : std::nullopt;
 }
 
-std::optional<std::string> Job::blame(const std::vector<WorkItem>& items, const Loss& loss) {
+std::optional<std::string> Job::strike(const std::vector<WorkItem>& items, const Loss& loss) {
   std::vector<WorkItem> missing;
   for (const WorkItem& item : items) {
     IntervalSet samples{item.samples};
@@ -284,7 +284,7 @@ std::optional<std::string> Job::blame(const std::vector<WorkItem>& items, const 
     for (const core::SampleRange& range : samples.ranges()) missing.push_back({item.tile, range});
   }
   if (missing.empty()) return std::nullopt;
-  for (const WorkItem& item : missing) suspects_.blame(item, loss, true);
+  for (const WorkItem& item : missing) poison_.strike(item, loss, true);
   const auto is_of_name = [&](const Loss& other) { return other.name == loss.name; };
   if (std::none_of(stuck_before_any_.begin(), stuck_before_any_.end(), is_of_name))
     stuck_before_any_.push_back(loss);
@@ -295,14 +295,14 @@ std::optional<std::string> Job::blame(const std::vector<WorkItem>& items, const 
 }
 
 std::optional<std::string> Job::verdict_on(const WorkItem& item) const {
-  Suspects::Part part;
+  PoisonTracker::Part part;
   for (WorkItem rest = item; !rest.samples.empty(); rest.samples.begin = part.samples.end) {
-    part = suspects_.first_part(rest);
+    part = poison_.first_part(rest);
     if (part.losses.size() < kLossesUntilFailure) continue;
     // What another worker still holds may yet be rendered.
     if (leases_.leased(item.tile).intersects(part.samples)) continue;
     if (audit_leases_.leased(item.tile).intersects(part.samples)) continue;
-    return sentence_on({item.tile, suspects_.to_be_told(rest)}, grid_.rect(item.tile), part.losses);
+    return sentence_on({item.tile, poison_.to_be_told(rest)}, grid_.rect(item.tile), part.losses);
   }
   return std::nullopt;
 }
@@ -315,14 +315,14 @@ std::optional<std::string> Job::nobody_gets_on() const {
       stuck_before_any_.size(), names_of(stuck_before_any_), kWhatToDoAboutStuck);
 }
 
-void Job::absolve(const WorkerId& worker, LossKind kind) {
-  suspects_.absolve(worker, kind);
+void Job::withdraw_strikes(const WorkerId& worker, LossKind kind) {
+  poison_.withdraw_strikes(worker, kind);
   if (kind == LossKind::kStuck)
     std::erase_if(stuck_before_any_, [&](const Loss& loss) { return loss.worker == worker; });
 }
 
-std::optional<std::string> Job::cannot_build(const Refuser& refuser, const std::string& why,
-                                             const std::set<std::string>& present) {
+std::optional<std::string> Job::decline_reason(const Refuser& refuser, const std::string& why,
+                                               const std::set<std::string>& present) {
   ++refusals_;
   refusers_.insert(refuser.name);
   refusing_workers_.insert(refuser.worker);

@@ -15,9 +15,9 @@
 #include "server/scheduler/interval_set.hpp"
 #include "server/scheduler/job_state.hpp"
 #include "server/scheduler/lease_table.hpp"
+#include "server/scheduler/poison_tracker.hpp"
 #include "server/scheduler/policy.hpp"
 #include "server/scheduler/rate_meter.hpp"
-#include "server/scheduler/suspects.hpp"
 #include "server/scheduler/types.hpp"
 #include "server/scheduler/work_list.hpp"
 
@@ -39,7 +39,7 @@ struct Refuser {
 };
 
 // How a job is served.
-struct Service {
+struct SchedulingPolicy {
   int priority = 0;
   // Most workers that hold leases of it at once; 0 for as many as there are.
   std::uint32_t max_workers = 0;
@@ -48,13 +48,13 @@ struct Service {
 class Job {
  public:
   // As it is submitted, or was stored. `done`: for each tile, the samples that are done; empty: none.
-  Job(JobId id, JobShape shape, Service service, JobState state, std::vector<IntervalSet> done);
+  Job(JobId id, JobShape shape, SchedulingPolicy policy, JobState state, std::vector<IntervalSet> done);
 
   const JobId& id() const { return id_; }
   const JobShape& shape() const { return shape_; }
-  const Service& service() const { return service_; }
+  const SchedulingPolicy& policy() const { return policy_; }
   // Takes no lease away.
-  void serve(const Service& service);
+  void set_policy(const SchedulingPolicy& policy);
   JobState state() const { return state_; }
   // The one way in which its state changes. The arrow must be drawn (job_state.hpp).
   void become(JobState to);
@@ -103,9 +103,9 @@ class Job {
   // It was empty: not looked for again until one of the leases changes.
   void note_no_copies() { copyable_.clear(); }
   // What is due for an audit by this worker; as a copy, of what one other is at.
-  Portion next_audits(std::uint64_t samples, bool holds_nothing, const Author& worker,
-                      const Authors& authors) const;
-  Portion next_audit_copy(const Author& worker, const Authors& authors) const;
+  Portion next_audits(std::uint64_t samples, bool holds_nothing, const Producer& worker,
+                      const Producers& producers) const;
+  Portion next_audit_copy(const Producer& worker, const Producers& producers) const;
   // What is free of these items. Overlooks what is no part of the job.
   std::vector<WorkItem> free_parts(const std::vector<WorkItem>& items) const;
 
@@ -126,8 +126,8 @@ class Job {
   // do are ended and appended to `ended`.
   bool accept(const WorkItem& item, std::vector<Lease>& ended);
   // Who rendered an item that was just accepted, and its sums.
-  void note_author(const WorkItem& item, AuthorNumber author, const Fingerprint& fingerprint, Due due) {
-    audits_.add(item, author, fingerprint, due);
+  void note_producer(const WorkItem& item, ProducerNumber producer, const Fingerprint& fingerprint, Due due) {
+    audits_.add(item, producer, fingerprint, due);
   }
 
   // ---- Audits ----
@@ -140,9 +140,9 @@ class Job {
                               std::vector<Lease>& ended);
   // All samples of the tile are missing again.
   void drop_tile(int tile, std::vector<Lease>& ended);
-  std::vector<int> doubt(const Authors& authors) { return audits_.doubt(authors); }
+  std::vector<int> doubt(const Producers& producers) { return audits_.doubt(producers); }
   std::size_t waive_audits() { return audits_.waive(); }
-  void forget_authors() { audits_.clear(); }
+  void forget_producers() { audits_.clear(); }
   // Since when it has been waiting for nothing but audits for which there is nobody.
   std::optional<Time> unaudited_since;
 
@@ -150,19 +150,19 @@ class Job {
 
   // The holder of an ended lease has died. The sentence to fail the job with, if this is enough and nobody
   // else holds the samples.
-  std::optional<std::string> blame(const Lease& lease, const Loss& loss);
+  std::optional<std::string> strike(const Lease& lease, const Loss& loss);
   // The same of a worker that is stuck in these samples, as far as they are missing.
-  std::optional<std::string> blame(const std::vector<WorkItem>& items, const Loss& loss);
+  std::optional<std::string> strike(const std::vector<WorkItem>& items, const Loss& loss);
   // The sentence to fail the job with, if nothing of it was ever counted, nobody holds any of it, and workers
   // of three names were stuck in whatever they had of it.
   std::optional<std::string> nobody_gets_on() const;
   // A worker cannot build the scene. The sentence to fail the job with, if that was said three times in a
   // row, and by workers of three names, or by all names that are `present` and every worker that holds a
   // lease.
-  std::optional<std::string> cannot_build(const Refuser& refuser, const std::string& why,
-                                          const std::set<std::string>& present);
+  std::optional<std::string> decline_reason(const Refuser& refuser, const std::string& why,
+                                            const std::set<std::string>& present);
   // A worker that was taken for dead lives, or for stuck goes on to something else.
-  void absolve(const WorkerId& worker, LossKind kind);
+  void withdraw_strikes(const WorkerId& worker, LossKind kind);
 
   void extend(std::uint32_t spp);
 
@@ -201,7 +201,7 @@ class Job {
   JobId id_;
   JobShape shape_;
   core::TileGrid grid_;
-  Service service_;
+  SchedulingPolicy policy_;
   // Workers beyond the limit that held leases when it was lowered, and still do.
   std::size_t tolerated_workers_ = 0;
   JobState state_;
@@ -210,7 +210,7 @@ class Job {
   WorkList work_;
   LeaseTable leases_, audit_leases_;
   Audits audits_;
-  Suspects suspects_;
+  PoisonTracker poison_;
   // Workers that were stuck in any samples, of different names; forgotten with the first accepted sample.
   std::vector<Loss> stuck_before_any_;
   // In a row, and who said so; forgotten with every accepted sample.

@@ -23,15 +23,15 @@ bool lies_in(const WorkItem& part, const WorkItem& whole) {
 }  // namespace
 
 bool Job::is_suspect(const WorkItem& item) const {
-  const Suspects::Part part = suspects_.first_part(item);
+  const PoisonTracker::Part part = poison_.first_part(item);
   return !part.losses.empty() || part.samples != item.samples;
 }
 
-Portion Job::next_audits(std::uint64_t samples, bool holds_nothing, const Author& worker,
-                         const Authors& authors) const {
+Portion Job::next_audits(std::uint64_t samples, bool holds_nothing, const Producer& worker,
+                         const Producers& producers) const {
   Portion portion;
   portion.audit = true;
-  audits_.offer(worker, authors, [&](const WorkItem& item) {
+  audits_.offer(worker, producers, [&](const WorkItem& item) {
     if (samples == 0 || portion.items.size() == kMaxItemsPerLease) return false;
     if (touches_any(portion.items, item)) return true;
     const bool alone = is_suspect(item);
@@ -44,10 +44,10 @@ Portion Job::next_audits(std::uint64_t samples, bool holds_nothing, const Author
   return portion;
 }
 
-Portion Job::next_audit_copy(const Author& worker, const Authors& authors) const {
+Portion Job::next_audit_copy(const Producer& worker, const Producers& producers) const {
   // What must be alone is not given to two, as in held_once().
   const auto may_share = [this](LeaseId lease) { return !audit_leases_.find(lease)->alone; };
-  const std::optional<WorkItem> item = audits_.copy_for(worker, authors, may_share);
+  const std::optional<WorkItem> item = audits_.copy_for(worker, producers, may_share);
   if (!item) return {};
   return {{*item}, is_suspect(*item), true};
 }
@@ -78,7 +78,7 @@ bool Job::is_audit(LeaseId lease, const WorkItem& item) const {
 
 std::optional<Ruling> Job::audit(LeaseId lease, const WorkItem& item, const Fingerprint& fingerprint,
                                  std::vector<Lease>& ended) {
-  suspects_.clear(item);
+  poison_.clear(item);
   auditing_count_ -= pixel_samples(item);
   if (auto emptied = audit_leases_.trim(lease, item)) ended.push_back(std::move(*emptied));
   std::optional<Ruling> ruling = audits_.deliver(lease, item, fingerprint);

@@ -14,7 +14,7 @@ std::optional<std::string> Job::check(bool every_sample) const {
   }
   if (workers_beyond_limit() > tolerated_workers_) {
     return fmt::format("{} workers hold leases, but no more than {} may", holder_count(),
-                       service_.max_workers);
+                       policy_.max_workers);
   }
   if (state_ == JobState::kDone && !complete())
     return fmt::format("done, but lacks {} samples", total_ - done_count_);

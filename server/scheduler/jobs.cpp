@@ -47,7 +47,7 @@ Worker* Scheduler::on(const RestoreJob& event, Actions& actions) {
 
   Job& job = add(event.id, event.shape, {event.priority, event.max_workers}, event.state, event.done);
   job.failure = event.failure;
-  restore_authors(job, event.authored);
+  restore_producers(job, event.provenance);
   if (event.state == JobState::kRunning && job.settled()) become(job, JobState::kDone, actions);
   if (event.state == JobState::kDone && !job.settled()) become(job, JobState::kRunning, actions);
   return nullptr;
@@ -56,7 +56,7 @@ Worker* Scheduler::on(const RestoreJob& event, Actions& actions) {
 Worker* Scheduler::on(const ReopenJob& event, Actions& actions) {
   Job* const job = find_or_refuse(event.id, actions);
   if (job == nullptr) return nullptr;
-  for (const int tile : job->doubt(authors_)) actions.reviewed_tiles.push_back({event.id, tile});
+  for (const int tile : job->doubt(producers_)) actions.reviewed_tiles.push_back({event.id, tile});
   work_appeared_ = true;
   if (job->state() == JobState::kDone && !job->settled()) become(*job, JobState::kRunning, actions);
   return nullptr;
@@ -139,8 +139,8 @@ Worker* Scheduler::on(const UpdateJob& event, Actions& actions) {
                                event.id.value, job_state_name(job->state())));
     return nullptr;
   }
-  job->serve({event.priority.value_or(job->service().priority),
-              event.max_workers.value_or(job->service().max_workers)});
+  job->set_policy({event.priority.value_or(job->policy().priority),
+                   event.max_workers.value_or(job->policy().max_workers)});
   work_appeared_ = true;
   return nullptr;
 }
@@ -163,13 +163,13 @@ Job* Scheduler::find_or_refuse(const JobId& id, Actions& actions) {
   return job;
 }
 
-Job& Scheduler::add(const JobId& id, const JobShape& shape, const Service& service, JobState state,
+Job& Scheduler::add(const JobId& id, const JobShape& shape, const SchedulingPolicy& policy, JobState state,
                     std::vector<IntervalSet> done) {
   const JobNumber number = ++last_job_number_;
   job_numbers_.emplace(id, number);
   if (state == JobState::kRunning) running_.insert(number);
   work_appeared_ = true;
-  return jobs_.try_emplace(number, id, shape, service, state, std::move(done)).first->second;
+  return jobs_.try_emplace(number, id, shape, policy, state, std::move(done)).first->second;
 }
 
 void Scheduler::become(Job& job, JobState to, Actions& actions) {
@@ -194,7 +194,7 @@ void Scheduler::become(Job& job, JobState to, Actions& actions) {
   job.unaudited_since.reset();
   if (to == JobState::kPaused) return;
   end_all_leases(job);
-  if (!takes_results(to)) job.forget_authors();
+  if (!takes_results(to)) job.forget_producers();
   forget_worker_notes(job.id());
 }
 
@@ -204,7 +204,7 @@ void Scheduler::fail(Job& job, const std::string& failure, Actions& actions) {
 }
 
 void Scheduler::forget_worker_notes(const JobId& job) {
-  for (auto& [id, worker] : roster_.all()) {
+  for (auto& [id, worker] : registry_.all()) {
     worker.speed.erase(job);
     worker.refused.erase(job);
     worker.efforts.erase(job);

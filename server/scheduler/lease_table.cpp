@@ -42,7 +42,7 @@ void LeaseTable::insert(Lease lease) {
 
 void LeaseTable::become(Lease& lease, LeaseState to) {
   if (!may_become(lease.state, to))
-    no_such_arrow("lease", lease_state_name(lease.state), lease_state_name(to));
+    invalid_transition("lease", lease_state_name(lease.state), lease_state_name(to));
   lease.state = to;
 }
 

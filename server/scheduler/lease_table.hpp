@@ -7,9 +7,9 @@
 #include <unordered_map>
 #include <vector>
 
-#include "server/scheduler/author.hpp"
 #include "server/scheduler/interval_set.hpp"
 #include "server/scheduler/lease_state.hpp"
+#include "server/scheduler/producer.hpp"
 #include "server/scheduler/types.hpp"
 
 namespace tessera::scheduler {
@@ -19,10 +19,10 @@ struct Lease {
   WorkerId holder;
   // Not done yet, in the order in which they are to be rendered; disjoint.
   std::vector<WorkItem> items;
-  // Its holder is to hold nothing else (suspects.hpp).
+  // Its holder is to hold nothing else (poison_tracker.hpp).
   bool alone = false;
   // Its samples are done, and rendered again by this author (audits.hpp).
-  std::optional<AuthorNumber> auditor{};
+  std::optional<ProducerNumber> auditor{};
   // Changed by the table alone.
   LeaseState state = LeaseState::kGranted;
 };

@@ -13,9 +13,9 @@ constexpr Duration kPunctuality = std::chrono::seconds(1);
 }  // namespace
 
 Worker* Scheduler::on(const Synchronize& event, Actions& actions) {
-  absolve_if_silent(event.worker.id);
-  Worker& worker = roster_.hear(event, now_);
-  authors_.introduce(worker.author());
+  withdraw_strikes_if_lost(event.worker.id);
+  Worker& worker = registry_.heartbeat(event, now_);
+  producers_.introduce(worker.producer());
   settle_reported(worker);
   look_after_stuck(worker, actions);
   end_stalled_leases(worker, actions);
@@ -24,7 +24,7 @@ Worker* Scheduler::on(const Synchronize& event, Actions& actions) {
 }
 
 Worker* Scheduler::on(const TopUp& event, Actions& actions) {
-  Worker* const worker = roster_.find(event.worker);
+  Worker* const worker = registry_.find(event.worker);
   if (worker == nullptr || worker->state() == WorkerState::kSilent) {
     actions.status = core::fail(core::ErrorCode::kNotFound,
                                 "worker " + event.worker.value + " has not been heard of for too long");
@@ -34,13 +34,13 @@ Worker* Scheduler::on(const TopUp& event, Actions& actions) {
 }
 
 Worker* Scheduler::on(const Dismiss& event, Actions& actions) {
-  Worker* const worker = roster_.find(event.worker);
+  Worker* const worker = registry_.find(event.worker);
   if (worker == nullptr) {
     actions.status = core::fail(core::ErrorCode::kNotFound, "there is no worker " + event.worker.value);
     return nullptr;
   }
   end_all_leases(*worker);
-  if (event.doubt) distrust(worker->author(), actions);
+  if (event.doubt) distrust(worker->producer(), actions);
   return nullptr;
 }
 
@@ -86,8 +86,8 @@ void Scheduler::top_up(Worker& worker) {
 }
 
 int Scheduler::sharers(const Job& job) const {
-  const int active = roster_.active_count();
-  const std::uint32_t most = job.service().max_workers;
+  const int active = registry_.active_count();
+  const std::uint32_t most = job.policy().max_workers;
   return most == 0 || most > static_cast<std::uint32_t>(active) ? active : static_cast<int>(most);
 }
 
@@ -106,7 +106,7 @@ bool Scheduler::grant_free(Worker& worker, bool also_refused) {
       next_lease_samples(options_.sizing, worker.snapshot(job.id()), available, sharers(job));
   Portion portion;
   if (can_audit(job, worker))
-    portion = job.next_audits(samples, worker.leases.empty(), worker.author(), authors_);
+    portion = job.next_audits(samples, worker.leases.empty(), worker.producer(), producers_);
   if (portion.items.empty()) portion = job.next_free(samples, worker.leases.empty());
   // What must be leased alone waits for the first worker that has nothing left to do.
   if (portion.items.empty()) return false;
@@ -146,7 +146,7 @@ void Scheduler::grant(Worker& worker, Job& job, Portion portion) {
   job.last_served = ++servings_;
   charge(job, portion);
   Lease lease{last_lease_id_, worker.info.id, std::move(portion.items), portion.alone};
-  if (portion.audit) lease.auditor = authors_.number(worker.author());
+  if (portion.audit) lease.auditor = producers_.number(worker.producer());
   enter_lease(worker, job, std::move(lease));
 }
 
@@ -161,7 +161,7 @@ void Scheduler::charge(Job& job, const Portion& portion) {
 void Scheduler::enter_lease(Worker& worker, Job& job, Lease lease) {
   Effort& effort = worker.efforts[job.id()];
   const bool goes_on = effort.gave_back && now_ - *effort.gave_back < options_.lease_duration;
-  if (!goes_on && !worker.holds_any_of(job.id())) effort.in_vain_since = now_;
+  if (!goes_on && !worker.holds_any_of(job.id())) effort.no_progress_since = now_;
   live_leases_.insert(lease.id);
   worker.leases.push_back({lease.id, job.id(), lease.alone});
   job.lease(std::move(lease));
@@ -171,7 +171,7 @@ std::vector<JobSnapshot> Scheduler::snapshots(const std::vector<Job*>& jobs) con
   std::vector<JobSnapshot> snapshots;
   for (const Job* job : jobs) {
     snapshots.push_back(
-        {job->service().priority, std::max(virtual_time_, job->virtual_finish), job->last_served});
+        {job->policy().priority, std::max(virtual_time_, job->virtual_finish), job->last_served});
   }
   return snapshots;
 }
@@ -202,26 +202,26 @@ void Scheduler::lose_lease(const Worker& worker, const HeldLease& held, Actions&
   // it most likely has, having just called; and no job fails by one death alone. One that was told to stop
   // had another reason to die. And if nobody looked when its time was up, it was the coordinator that slept.
   const bool draining = worker.state() == WorkerState::kDraining;
-  if (!heard_of || draining || now_ > roster_.deadline(worker) + kPunctuality) return;
-  const std::optional<std::string> failure = job.blame(lease, {worker.info.id, worker.info.name});
+  if (!heard_of || draining || now_ > registry_.deadline(worker) + kPunctuality) return;
+  const std::optional<std::string> failure = job.strike(lease, {worker.info.id, worker.info.name});
   if (failure) fail(job, *failure, actions);
 }
 
-void Scheduler::absolve_if_silent(const WorkerId& worker) {
-  const Worker* const known = roster_.find(worker);
+void Scheduler::withdraw_strikes_if_lost(const WorkerId& worker) {
+  const Worker* const known = registry_.find(worker);
   if (known != nullptr && known->state() != WorkerState::kSilent) return;
-  for (auto& [number, job] : jobs_) job.absolve(worker, LossKind::kDied);
+  for (auto& [number, job] : jobs_) job.withdraw_strikes(worker, LossKind::kDied);
 }
 
 void Scheduler::forget_lease(const Job& job, const Lease& lease) {
-  Worker* const holder = roster_.find(lease.holder);
+  Worker* const holder = registry_.find(lease.holder);
   Effort& effort = holder->efforts[job.id()];
   effort.gave_back.reset();
   // What others have done of it, or it could not hold, was not in vain.
   if (lease.state == LeaseState::kReturned) {
     effort.gave_back = now_;
   } else {
-    effort.in_vain_since = now_;
+    effort.no_progress_since = now_;
   }
   std::erase_if(holder->leases, [&](const HeldLease& held) { return held.id == lease.id; });
   live_leases_.erase(lease.id);
@@ -232,7 +232,7 @@ void Scheduler::forget_emptied(const Job& job, const std::vector<Lease>& leases)
   for (const Lease& lease : leases) {
     forget_lease(job, lease);
     // Another worker may have its place.
-    if (job.service().max_workers > 0 && !job.is_holder(lease.holder)) work_appeared_ = true;
+    if (job.policy().max_workers > 0 && !job.is_holder(lease.holder)) work_appeared_ = true;
   }
 }
 

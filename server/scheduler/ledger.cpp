@@ -26,12 +26,12 @@ std::uint64_t Ledger::pixel_samples(int tile, const LedgerEntry& entry) const {
   return grid_.rect(tile).pixel_count() * entry.samples.count();
 }
 
-void Ledger::add(const WorkItem& item, AuthorNumber author, const Fingerprint& fingerprint, Due due) {
-  if (entries_ >= kMostEntries && due == Due::kNo) return;
+void Ledger::add(const WorkItem& item, ProducerNumber producer, const Fingerprint& fingerprint, Due due) {
+  if (entries_ >= kMaxEntries && due == Due::kNo) return;
   std::vector<LedgerEntry>& entries = tiles_[static_cast<std::size_t>(item.tile)];
   const std::size_t at = position(entries, item.samples.begin);
   LedgerEntry entry{item.samples, fingerprint.low, fingerprint.high, fingerprint.largest};
-  entry.author = author & 0x3fffffffU;
+  entry.producer = producer & 0x3fffffffU;
   entry.due_bits = static_cast<unsigned>(due) & 3U;
   if (entries.size() == entries.capacity()) entries.reserve(entries.size() + kGrowth);
   entries.insert(entries.begin() + static_cast<std::ptrdiff_t>(at), entry);
@@ -46,7 +46,7 @@ void Ledger::merge_with_next(int tile, std::size_t left) {
   if (left + 1 >= entries.size()) return;
   LedgerEntry& a = entries[left];
   const LedgerEntry& b = entries[left + 1];
-  const bool alike = a.author == b.author && a.due() == Due::kNo && b.due() == Due::kNo;
+  const bool alike = a.producer == b.producer && a.due() == Due::kNo && b.due() == Due::kNo;
   if (!alike || a.samples.end != b.samples.begin || b.samples.end - a.samples.begin > kLongestMerged) return;
   Fingerprint sum = a.fingerprint();
   sum.add(b.fingerprint());

@@ -2,15 +2,15 @@
 // them. Knows nothing of leases or time. Not thread-safe.
 //
 // Made for pictures of 16K x 16K pixels: neighbouring ranges of one author become one entry, and beyond
-// kMostEntries nothing is noted but what is due.
+// kMaxEntries nothing is noted but what is due.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <vector>
 
-#include "server/scheduler/author.hpp"
 #include "server/scheduler/fingerprint.hpp"
+#include "server/scheduler/producer.hpp"
 #include "server/scheduler/types.hpp"
 
 namespace tessera::scheduler {
@@ -26,7 +26,7 @@ struct LedgerEntry {
   core::SampleRange samples;
   std::uint64_t low = 0, high = 0;
   float largest = 0;
-  AuthorNumber author : 30 = 0;
+  ProducerNumber producer : 30 = 0;
   unsigned due_bits : 2 = 0;
 
   Fingerprint fingerprint() const { return {low, high, largest}; }
@@ -36,13 +36,13 @@ static_assert(sizeof(LedgerEntry) == 32);
 
 class Ledger {
  public:
-  static constexpr std::size_t kMostEntries = std::size_t{5} << 18;  // 40 MiB
+  static constexpr std::size_t kMaxEntries = std::size_t{5} << 18;  // 40 MiB
 
   explicit Ledger(const core::TileGrid& grid)
       : grid_(grid), tiles_(static_cast<std::size_t>(grid.tile_count())) {}
 
   // The item must overlap no entry.
-  void add(const WorkItem& item, AuthorNumber author, const Fingerprint& fingerprint, Due due);
+  void add(const WorkItem& item, ProducerNumber producer, const Fingerprint& fingerprint, Due due);
   // The entry that begins at this sample, which must be there.
   const LedgerEntry& at(int tile, std::uint32_t begin) const;
   void set_due(int tile, std::uint32_t begin, Due due);

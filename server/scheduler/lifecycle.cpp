@@ -7,7 +7,7 @@
 
 namespace tessera::scheduler {
 
-void no_such_arrow(std::string_view what, std::string_view from, std::string_view to) {
+void invalid_transition(std::string_view what, std::string_view from, std::string_view to) {
   fmt::print(stderr, "a defect, please report it with this line: a {} went from {} to {}\n", what, from, to);
   std::abort();
 }

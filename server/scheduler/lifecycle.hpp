@@ -8,6 +8,6 @@
 namespace tessera::scheduler {
 
 // Says which arrow it was, for whoever reports the defect. `what`: "job", "worker" or "lease".
-[[noreturn]] void no_such_arrow(std::string_view what, std::string_view from, std::string_view to);
+[[noreturn]] void invalid_transition(std::string_view what, std::string_view from, std::string_view to);
 
 }  // namespace tessera::scheduler

@@ -30,21 +30,19 @@ double cost_of(const SizingOptions& options, const Estimate& cost) {
 }
 
 void learn_cost(Estimate& cost, Estimate& pace, int threads, double seconds_per_sample) {
-  constexpr double kLeastCost = 1e-9, kMostCost = 100, kLeastPace = 1e-6, kMostPace = 1e9;
-  constexpr double kMostChange = 10;
+  constexpr double kMinCost = 1e-9, kMaxCost = 100, kMinPace = 1e-6, kMaxPace = 1e9;
+  constexpr double kMaxChange = 10;
   // The fewer results an estimate is made of, the more of the difference is its own error.
   const auto weight = [](const Estimate& estimate) {
-    constexpr double kLeast = 0.1;
-    return std::max(kLeast, 1 / (1 + static_cast<double>(estimate.results)));
+    constexpr double kMin = 0.1;
+    return std::max(kMin, 1 / (1 + static_cast<double>(estimate.results)));
   };
   if (pace.results == 0)
-    pace.value =
-        std::clamp(cost.results > 0 ? cost.value / seconds_per_sample : threads, kLeastPace, kMostPace);
-  if (cost.results == 0) cost.value = std::clamp(pace.value * seconds_per_sample, kLeastCost, kMostCost);
-  const double longer =
-      std::clamp(pace.value * seconds_per_sample / cost.value, 1 / kMostChange, kMostChange);
-  cost.value = std::clamp(cost.value * std::pow(longer, weight(cost)), kLeastCost, kMostCost);
-  pace.value = std::clamp(pace.value / std::pow(longer, weight(pace)), kLeastPace, kMostPace);
+    pace.value = std::clamp(cost.results > 0 ? cost.value / seconds_per_sample : threads, kMinPace, kMaxPace);
+  if (cost.results == 0) cost.value = std::clamp(pace.value * seconds_per_sample, kMinCost, kMaxCost);
+  const double longer = std::clamp(pace.value * seconds_per_sample / cost.value, 1 / kMaxChange, kMaxChange);
+  cost.value = std::clamp(cost.value * std::pow(longer, weight(cost)), kMinCost, kMaxCost);
+  pace.value = std::clamp(pace.value / std::pow(longer, weight(pace)), kMinPace, kMaxPace);
   ++cost.results, ++pace.results;
 }
 
@@ -64,23 +62,23 @@ bool chosen_for_audit(double share, std::uint64_t secret, const JobId& job, cons
 }
 
 Duration longest_patience(Duration lease_duration) {
-  constexpr int kMost = 360;
-  return kMost * lease_duration;
+  constexpr int kMax = 360;
+  return kMax * lease_duration;
 }
 
 Duration patience(Duration lease_duration, double expected_seconds) {
-  constexpr int kLeast = 10;
+  constexpr int kMin = 10;
   constexpr double kTimesExpected = 10;
   const double most = std::chrono::duration<double>(longest_patience(lease_duration)).count();
   // Written so that what is not a number is the most.
   const double seconds = kTimesExpected * expected_seconds < most ? kTimesExpected * expected_seconds : most;
-  return std::max<Duration>(kLeast * lease_duration,
+  return std::max<Duration>(kMin * lease_duration,
                             std::chrono::duration_cast<Duration>(std::chrono::duration<double>(seconds)));
 }
 
-Duration bar_after(Duration in_vain, int times_before) {
-  constexpr int kMostDoublings = 10;
-  return in_vain * (1 << std::min(times_before, kMostDoublings));
+Duration cooldown_after(Duration without_progress, int times_before) {
+  constexpr int kMaxDoublings = 10;
+  return without_progress * (1 << std::min(times_before, kMaxDoublings));
 }
 
 std::size_t choose_job(std::span<const JobSnapshot> jobs) {

@@ -60,7 +60,7 @@ Duration longest_patience(Duration lease_duration);
 
 // How long a worker that was at a job for so long, in vain, is given no more of it: as long, and twice as
 // long each further time in a row.
-Duration bar_after(Duration in_vain, int times_before);
+Duration cooldown_after(Duration without_progress, int times_before);
 
 struct JobSnapshot {
   int priority = 0;

@@ -30,9 +30,9 @@ Worker* Scheduler::on(const SubmitResult& event, Actions& actions) {
   actions.status = validate(*job, event);
   if (!actions.status) return nullptr;
 
-  absolve_if_silent(event.worker);
+  withdraw_strikes_if_lost(event.worker);
   measure(*job, event);
-  const Author author = author_of(event.worker);
+  const Producer producer = producer_of(event.worker);
   std::vector<Lease> ended;
   std::vector<Ruling> rulings;
   std::uint64_t accepted_samples = 0, audited_samples = 0;
@@ -50,29 +50,29 @@ Worker* Scheduler::on(const SubmitResult& event, Actions& actions) {
     actions.verdicts.push_back(accepted ? Verdict::kAccepted : Verdict::kDropped);
     if (!accepted) continue;
     accepted_samples += job->pixel_samples(item);
-    note_author(*job, item, author, fingerprint_of(event, i));
+    note_producer(*job, item, producer, fingerprint_of(event, i));
   }
   forget_emptied(*job, ended);
   for (const Ruling& ruling : rulings) follow(*job, ruling, actions);
   drop_what_was_dropped(event, actions);
 
   job->rate.add(static_cast<double>(accepted_samples), now_);
-  if (Worker* const worker = roster_.find(event.worker)) {
+  if (Worker* const worker = registry_.find(event.worker)) {
     worker->samples_accepted += accepted_samples;
     worker->rate.add(static_cast<double>(accepted_samples), now_);
     if (accepted_samples + audited_samples > 0) {
       work_appeared_ |= worker->has_stalled(job->id());  // for this one
-      roster_.has_delivered(worker->info.name);
-      worker->efforts[job->id()] = {.in_vain_since = now_};
+      registry_.has_delivered(worker->info.name);
+      worker->efforts[job->id()] = {.no_progress_since = now_};
     }
   }
   const Lease* const lease = job->find_lease(event.lease);
   if (lease != nullptr && lease->holder == event.worker) {
     if (event.lease_finished) end_lease(*job, event.lease, LeaseState::kReturned);
-    if (!event.cannot_build.empty()) note_refusal(*job, event, actions);
+    if (!event.decline_reason.empty()) note_refusal(*job, event, actions);
   }
   if (job->settled() && job->state() == JobState::kRunning) become(*job, JobState::kDone, actions);
-  Worker* const worker = roster_.find(event.worker);
+  Worker* const worker = registry_.find(event.worker);
   return worker != nullptr && takes_with_answer(*worker, event) ? worker : nullptr;
 }
 
@@ -94,18 +94,18 @@ bool Scheduler::has_lost(const Worker& worker, const SubmitResult& event) {
 }
 
 bool Scheduler::any_idle() const {
-  return std::any_of(hungry_.begin(), hungry_.end(), [this](const auto& entry) {
-    const Worker* const worker = roster_.find(entry.second);
+  return std::any_of(idle_waiters_.begin(), idle_waiters_.end(), [this](const auto& entry) {
+    const Worker* const worker = registry_.find(entry.second);
     return worker != nullptr && worker->waiting && worker->leases.empty();
   });
 }
 
-void Scheduler::note_author(Job& job, const WorkItem& item, const Author& author,
-                            const Fingerprint& fingerprint) {
+void Scheduler::note_producer(Job& job, const WorkItem& item, const Producer& producer,
+                              const Fingerprint& fingerprint) {
   Due due = Due::kNo;
   if (chosen_for_audit(options_.audit_share, options_.audit_secret, job.id(), item)) due = Due::kChosen;
-  if (authors_.is_distrusted(author)) due = Due::kDoubted;
-  job.note_author(item, authors_.number(author), fingerprint, due);
+  if (producers_.is_distrusted(producer)) due = Due::kDoubted;
+  job.note_producer(item, producers_.number(producer), fingerprint, due);
   if (due != Due::kNo) work_appeared_ = true;
 }
 
@@ -125,13 +125,13 @@ void Scheduler::spare_others(const Job& job, const WorkItem& item, const WorkerI
 void Scheduler::note_refusal(Job& job, const SubmitResult& event, Actions& actions) {
   std::set<std::string> present;
   // Who is at it for ever will never say.
-  for (const auto& [id, worker] : roster_.all()) {
+  for (const auto& [id, worker] : registry_.all()) {
     const bool never_says = worker.stuck || worker.has_stalled(job.id());
     if (worker.takes_leases() && !never_says) present.insert(worker.info.name);
   }
-  Worker& worker = *roster_.find(event.worker);
+  Worker& worker = *registry_.find(event.worker);
   worker.refused[job.id()] = now_;
-  const auto failure = job.cannot_build({event.worker, worker.info.name}, event.cannot_build, present);
+  const auto failure = job.decline_reason({event.worker, worker.info.name}, event.decline_reason, present);
   if (failure) fail(job, *failure, actions);
 }
 
@@ -168,7 +168,7 @@ core::Status Scheduler::validate(const Job& job, const SubmitResult& event) cons
 
 // Learns how fast the worker is and what the job costs, also from results that are dropped.
 void Scheduler::measure(Job& job, const SubmitResult& event) {
-  Worker* const worker = roster_.find(event.worker);
+  Worker* const worker = registry_.find(event.worker);
   if (worker == nullptr) return;
   worker->last_seen = now_;
   std::uint64_t samples = 0;

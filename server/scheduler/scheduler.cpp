@@ -8,7 +8,7 @@ namespace tessera::scheduler {
 Scheduler::Scheduler(const Options& options)
     : options_(options),
       last_lease_id_{static_cast<std::uint64_t>(options.epoch) << kLeaseCounterBits},
-      roster_(options.lease_duration, options.forget_after) {}
+      registry_(options.lease_duration, options.forget_after) {}
 
 Actions Scheduler::handle(const Event& event, Time now) {
   now_ = std::max(now_, now);
@@ -19,7 +19,7 @@ Actions Scheduler::handle(const Event& event, Time now) {
 
   Worker* asking = std::visit([&](const auto& e) { return on(e, actions); }, event);
   if (asking != nullptr) top_up(*asking);
-  end_vain_waits(actions);
+  end_hopeless_waits(actions);
   const auto* const result = std::get_if<SubmitResult>(&event);
   if (asking != nullptr && result != nullptr && has_lost(*asking, *result)) asking = nullptr;
   if (asking != nullptr) asking->waiting = false;
@@ -30,10 +30,10 @@ Actions Scheduler::handle(const Event& event, Time now) {
 }
 
 void Scheduler::take_leases_of_silent_workers(Actions& actions) {
-  while (Worker* const worker = roster_.next_overdue(now_)) {
-    hungry_.erase(worker->arrival);
+  while (Worker* const worker = registry_.next_overdue(now_)) {
+    idle_waiters_.erase(worker->sequence);
     while (!worker->leases.empty()) lose_lease(*worker, HeldLease(worker->leases.front()), actions);
-    roster_.fall_silent(*worker);
+    registry_.mark_lost(*worker);
   }
 }
 
@@ -43,7 +43,7 @@ void Scheduler::take_leases_of_silent_workers(Actions& actions) {
 // that are started again come last.
 bool Scheduler::comes_before(const Worker* a, const Worker* b) {
   const auto rank = [](const Worker& worker) {
-    return std::tuple(!worker.leases.empty(), worker.last_refusal(), worker.arrival);
+    return std::tuple(!worker.leases.empty(), worker.last_refusal(), worker.sequence);
   };
   return rank(*a) < rank(*b);
 }
@@ -54,13 +54,13 @@ Worker* Scheduler::on(const Tick&, Actions&) {
 
 void Scheduler::wake_waiting(Actions& actions) {
   std::map<std::uint64_t, WorkerId> asked;
-  if (work_appeared_) asked.swap(hungry_);
+  if (work_appeared_) asked.swap(idle_waiters_);
   for (const WorkerId& id : lost_leases_) {
-    if (const Worker* const worker = roster_.find(id)) asked.emplace(worker->arrival, id);
+    if (const Worker* const worker = registry_.find(id)) asked.emplace(worker->sequence, id);
   }
   std::vector<Worker*> workers;
-  for (const auto& [arrival, id] : asked) {
-    Worker* const worker = roster_.find(id);
+  for (const auto& [sequence, id] : asked) {
+    Worker* const worker = registry_.find(id);
     if (worker != nullptr && worker->waiting) workers.push_back(worker);
   }
   std::sort(workers.begin(), workers.end(), comes_before);
@@ -80,14 +80,14 @@ Reply Scheduler::reply_to(Worker& worker) {
   }
   reply.changed = ids != worker.reported || worker.shrunk;
   worker.shrunk = false;
-  reply.heard_within = roster_.deadline(worker) - now_;
+  reply.heartbeat_timeout = registry_.deadline(worker) - now_;
   if (!reply.changed) let_wait(worker);
   return reply;
 }
 
 void Scheduler::let_wait(Worker& worker) {
   worker.waiting = true;
-  if (worker.room() > 0) hungry_.emplace(worker.arrival, worker.info.id);
+  if (worker.room() > 0) idle_waiters_.emplace(worker.sequence, worker.info.id);
 }
 
 // Its Synchronize waits on, as if it had reported what it is told here.
@@ -100,7 +100,7 @@ Reply Scheduler::reply_with_answer(Worker& worker, const SubmitResult& result) {
 }
 
 std::optional<Time> Scheduler::next_deadline() const {
-  std::optional<Time> next = roster_.next_alarm();
+  std::optional<Time> next = registry_.next_alarm();
   for (const JobNumber number : running_) {
     const std::optional<Time> since = jobs_.at(number).unaudited_since;
     if (since) next = std::min(next.value_or(Time::max()), *since + options_.audit_patience);

@@ -36,8 +36,8 @@
 #include "server/scheduler/events.hpp"
 #include "server/scheduler/job.hpp"
 #include "server/scheduler/policy.hpp"
-#include "server/scheduler/roster.hpp"
 #include "server/scheduler/types.hpp"
+#include "server/scheduler/worker_registry.hpp"
 
 namespace tessera::scheduler {
 
@@ -81,7 +81,7 @@ struct JobView {
 };
 
 // A job of which a worker is given nothing for a while, since its leases of it have stalled.
-struct BarView {
+struct CooldownView {
   JobId job;
   Duration remaining{};
   // For as long as it says that it is fetching the job's files.
@@ -104,7 +104,7 @@ struct WorkerView {
   std::uint64_t audited_ranges = 0, disproved_ranges = 0;
   // It is given nothing, since it says that it is still rendering what went to others.
   bool stuck = false;
-  std::vector<BarView> bars{};
+  std::vector<CooldownView> cooldowns{};
 };
 
 enum class CheckDepth {
@@ -138,7 +138,7 @@ class Scheduler {
   const IntervalSet& done(const JobId& id, int tile) const;
 
   // Who rendered the samples of one tile, as far as nobody has confirmed them; for checkpoints, with done().
-  std::vector<AuthoredItem> authored(const JobId& id, int tile) const;
+  std::vector<ProducedItem> provenance(const JobId& id, int tile) const;
 
   // What is wrong, as a sentence; absent if nothing is. Anything else is a defect of the scheduler.
   std::optional<std::string> check_invariants(CheckDepth depth) const;
@@ -180,12 +180,12 @@ class Scheduler {
   void end_stalled_leases(Worker& worker, Actions& actions);
   std::set<JobId> stalled_jobs(const Worker& worker) const;
   void stall(Worker& worker, const JobId& job, Actions& actions);
-  Duration bar(Worker& worker, const JobId& job, Duration in_vain);
+  Duration bar(Worker& worker, const JobId& job, Duration without_progress);
   // What it is stuck in, if it has leases of these jobs in vain for that reason.
   std::optional<Stuck> what_keeps(const Worker& worker, const std::set<JobId>& stalled) const;
   // A worker that was stuck has called: it is not any more, or for so long that its samples are to blame.
   void look_after_stuck(Worker& worker, Actions& actions);
-  void blame_what_keeps(Worker& worker, Actions& actions);
+  void strike_stuck_ranges(Worker& worker, Actions& actions);
   void give_up_if_nobody_gets_on(Job& job, Actions& actions);
   // How long all that it holds should take it.
   double expected_seconds(const Worker& worker) const;
@@ -210,7 +210,7 @@ class Scheduler {
   // Ends a lease whose holder is taken for dead, and what that makes of the job.
   void lose_lease(const Worker& worker, const HeldLease& held, Actions& actions);
   // The worker gives a sign of life. One that was taken for dead was not.
-  void absolve_if_silent(const WorkerId& worker);
+  void withdraw_strikes_if_lost(const WorkerId& worker);
   // Strikes an ended lease from its holder's entry.
   void forget_lease(const Job& job, const Lease& lease);
   // The same with leases of which all is delivered.
@@ -221,7 +221,7 @@ class Scheduler {
   const Job* find(const JobId& id) const;
   Job* find_or_refuse(const JobId& id, Actions& actions);
   core::Status may_add(const JobId& id, const JobShape& shape) const;
-  Job& add(const JobId& id, const JobShape& shape, const Service& service, JobState state,
+  Job& add(const JobId& id, const JobShape& shape, const SchedulingPolicy& policy, JobState state,
            std::vector<IntervalSet> done);
   // The one way in which a job's state changes, with everything that follows from it. Refuses what is not
   // legal.
@@ -245,7 +245,8 @@ class Scheduler {
   bool any_idle() const;
   void measure(Job& job, const SubmitResult& event);
   void note_refusal(Job& job, const SubmitResult& event, Actions& actions);
-  void note_author(Job& job, const WorkItem& item, const Author& author, const Fingerprint& fingerprint);
+  void note_producer(Job& job, const WorkItem& item, const Producer& producer,
+                     const Fingerprint& fingerprint);
   // Sees to it that whoever else holds samples of an item hears at once that they are done.
   void spare_others(const Job& job, const WorkItem& item, const WorkerId& deliverer);
 
@@ -255,15 +256,15 @@ class Scheduler {
   Portion audit_copy(const Job& job, const Worker& worker) const;
   std::optional<Ruling> take_audit(Job& job, const SubmitResult& event, std::size_t i);
   void follow(Job& job, const Ruling& ruling, Actions& actions);
-  void disprove(const Job& job, const Ruling& ruling, AuthorNumber author, Actions& actions);
+  void disprove(const Job& job, const Ruling& ruling, ProducerNumber producer, Actions& actions);
   void drop_tile(Job& job, int tile, Actions& actions);
-  void distrust(const Author& author, Actions& actions);
+  void distrust(const Producer& producer, Actions& actions);
   // They have less to do.
   void tell_of_less(const std::vector<WorkerId>& workers);
-  void restore_authors(Job& job, const std::vector<AuthoredItem>& authored);
-  void end_vain_waits(Actions& actions);
-  bool waits_in_vain(const Job& job) const;
-  Author author_of(const WorkerId& worker) const;
+  void restore_producers(Job& job, const std::vector<ProducedItem>& provenance);
+  void end_hopeless_waits(Actions& actions);
+  bool cannot_progress(const Job& job) const;
+  Producer producer_of(const WorkerId& worker) const;
 
   std::optional<std::string> check_workers() const;
   std::optional<std::string> check_idle(CheckDepth depth) const;
@@ -281,11 +282,11 @@ class Scheduler {
   std::map<JobId, JobNumber> job_numbers_;
   JobNumber last_job_number_ = 0;
   std::set<JobNumber> running_;
-  Roster roster_;
-  Authors authors_;
+  WorkerRegistry registry_;
+  Producers producers_;
   // Every worker that waits and could be given more, by arrival; may also have others. So that an event does
   // not cost more the more workers there are.
-  std::map<std::uint64_t, WorkerId> hungry_;
+  std::map<std::uint64_t, WorkerId> idle_waiters_;
 
   // Of the event at hand: whether there may be something to lease that was not there before, and whose leases
   // have ended or shrunk.

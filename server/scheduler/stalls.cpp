@@ -42,7 +42,7 @@ void Scheduler::end_stalled_leases(Worker& worker, Actions& actions) {
     // Whatever else it holds would wait for nothing.
     for (const HeldLease& held : std::vector<HeldLease>(worker.leases))
       end_lease(*find(held.job), held.id, LeaseState::kStalled);
-    blame_what_keeps(worker, actions);
+    strike_stuck_ranges(worker, actions);
   }
   for (const JobId& job : stalled) give_up_if_nobody_gets_on(*find(job), actions);
 }
@@ -55,9 +55,9 @@ void Scheduler::give_up_if_nobody_gets_on(Job& job, Actions& actions) {
 std::set<JobId> Scheduler::stalled_jobs(const Worker& worker) const {
   std::set<JobId> stalled;
   for (const HeldLease& held : worker.leases) {
-    const Duration in_vain = now_ - worker.efforts.at(held.job).in_vain_since;
-    const bool too_long = in_vain >= patience(options_.lease_duration, 0) &&
-                          in_vain >= patience(options_.lease_duration, expected_seconds(worker));
+    const Duration without_progress = now_ - worker.efforts.at(held.job).no_progress_since;
+    const bool too_long = without_progress >= patience(options_.lease_duration, 0) &&
+                          without_progress >= patience(options_.lease_duration, expected_seconds(worker));
     if (too_long) stalled.insert(held.job);
   }
   return stalled;
@@ -81,34 +81,34 @@ std::optional<Stuck> Scheduler::what_keeps(const Worker& worker, const std::set<
     if (held.id != stuck.rendering.lease) continue;
     // It is well, and at something else.
     if (!stalled.contains(held.job)) return std::nullopt;
-    stuck.since = std::max(stuck.since, worker.efforts.at(held.job).in_vain_since);
+    stuck.since = std::max(stuck.since, worker.efforts.at(held.job).no_progress_since);
     if (held.job == stuck.rendering.job)
       stuck.items = parts_in(stuck.rendering.item, find(held.job)->find_lease(held.id)->items);
   }
   // Nobody can tell one that is broken, or very slow, from one that is kept; but who has delivered is
   // neither, and what is honest takes no hour.
   stuck.counts_after =
-      roster_.has_shown(worker.info.name)
+      registry_.has_shown(worker.info.name)
           ? patience(options_.lease_duration, expected_seconds(worker))
           : std::max(patience(options_.lease_duration, 0),
-                     longest_patience(options_.lease_duration) - roster_.was_kept(worker.info.name));
+                     longest_patience(options_.lease_duration) - registry_.was_kept(worker.info.name));
   return stuck;
 }
 
 void Scheduler::stall(Worker& worker, const JobId& id, Actions& actions) {
   Job& job = *find(id);
-  const Duration in_vain = now_ - worker.efforts.at(id).in_vain_since;
+  const Duration without_progress = now_ - worker.efforts.at(id).no_progress_since;
   std::string items;
   for (const HeldLease& held : std::vector<HeldLease>(worker.leases)) {
     if (held.job != id) continue;
     const WorkItem first = end_lease(job, held.id, LeaseState::kStalled).items.front();
     if (items.empty()) items = describe(first);
   }
-  const Duration barred = bar(worker, id, in_vain);
+  const Duration in_cooldown = bar(worker, id, without_progress);
   const std::string until =
       worker.stuck ? "nothing until it says that it is through with that"
-      : barred > Duration{0}
-          ? fmt::format("no more of this job for {} s, or until it delivers", whole_seconds(barred))
+      : in_cooldown > Duration{0}
+          ? fmt::format("no more of this job for {} s, or until it delivers", whole_seconds(in_cooldown))
           : "no more of this job until it has the files of its scene";
   const bool is_kept = worker.stuck && worker.stuck->rendering.job == id && !worker.stuck->items.empty();
   const std::string at = is_kept ? "and says that it renders " + describe(worker.stuck->items.front())
@@ -116,26 +116,26 @@ void Scheduler::stall(Worker& worker, const JobId& id, Actions& actions) {
   actions.stalled.push_back(fmt::format(
       "worker {} ({}) is heard of, but has delivered nothing of job {} for {} s, {}: others have that now, "
       "and it is given {}",
-      worker.info.name, worker.info.id.value, id.value, whole_seconds(in_vain), at, until));
+      worker.info.name, worker.info.id.value, id.value, whole_seconds(without_progress), at, until));
 }
 
 // One that is fetching a large scene is well; but it may say so for ever. Where nothing of a worker was ever
 // counted, nobody knows whether it is slow.
-Duration Scheduler::bar(Worker& worker, const JobId& job, Duration in_vain) {
+Duration Scheduler::bar(Worker& worker, const JobId& job, Duration without_progress) {
   Effort& effort = worker.efforts.at(job);
   ++effort.stalls;
-  if (worker.fetching.contains(job) && !effort.excused) {
-    effort.excused = true;
+  if (worker.fetching.contains(job) && !effort.exempt) {
+    effort.exempt = true;
     return {};
   }
-  const Duration length = bar_after(in_vain, worker.samples_accepted > 0 ? effort.faults : 0);
+  const Duration length = cooldown_after(without_progress, worker.samples_accepted > 0 ? effort.faults : 0);
   ++effort.faults;
-  effort.barred_until = now_ + length;
+  effort.cooldown_until = now_ + length;
   return length;
 }
 
 bool Scheduler::may_take(const Worker& worker, const Job& job) const {
-  return job.may_be_leased_to(worker.info.id) && !worker.is_barred(job.id(), now_) &&
+  return job.may_be_leased_to(worker.info.id) && !worker.in_cooldown(job.id(), now_) &&
          !worker.awaits_files(job.id());
 }
 
@@ -146,20 +146,20 @@ void Scheduler::look_after_stuck(Worker& worker, Actions& actions) {
   const bool goes_on = worker.rendering == before;
   // Of a job that is gone nobody knows the tiles.
   const bool may_go_on = job == nullptr && worker.rendering && worker.rendering->lease == before.lease;
-  if (goes_on || may_go_on) return blame_what_keeps(worker, actions);
+  if (goes_on || may_go_on) return strike_stuck_ranges(worker, actions);
   // It was slow.
-  if (job != nullptr) job->absolve(worker.info.id, LossKind::kStuck);
+  if (job != nullptr) job->withdraw_strikes(worker.info.id, LossKind::kStuck);
   worker.stuck.reset();
 }
 
-void Scheduler::blame_what_keeps(Worker& worker, Actions& actions) {
+void Scheduler::strike_stuck_ranges(Worker& worker, Actions& actions) {
   Stuck& stuck = *worker.stuck;
-  if (stuck.blamed || now_ - stuck.since < stuck.counts_after) return;
-  stuck.blamed = true;
-  roster_.has_to_show_again(worker.info.name);
+  if (stuck.struck || now_ - stuck.since < stuck.counts_after) return;
+  stuck.struck = true;
+  registry_.has_to_show_again(worker.info.name);
   Job* const job = find(stuck.rendering.job);
   if (job == nullptr || !may_become(job->state(), JobState::kFailed)) return;
-  const auto failure = job->blame(stuck.items, {worker.info.id, worker.info.name, LossKind::kStuck});
+  const auto failure = job->strike(stuck.items, {worker.info.id, worker.info.name, LossKind::kStuck});
   if (failure) return fail(*job, *failure, actions);
   give_up_if_nobody_gets_on(*job, actions);
 }

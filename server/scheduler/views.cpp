@@ -11,25 +11,25 @@ namespace {
 JobView view_of(const Job& job, Time now) {
   return {.id = job.id(),
           .shape = job.shape(),
-          .priority = job.service().priority,
+          .priority = job.policy().priority,
           .state = job.state(),
           .failure = job.failure,
           .samples_done = job.done(),
           .samples_total = job.total(),
           .samples_per_second = job.rate.per_second(now),
           .active_workers = static_cast<int>(job.holder_count()),
-          .max_workers = job.service().max_workers,
+          .max_workers = job.policy().max_workers,
           .samples_to_verify = job.to_verify()};
 }
 
-std::vector<BarView> bars_of(const Worker& worker, Time now) {
-  std::vector<BarView> bars;
+std::vector<CooldownView> cooldowns_of(const Worker& worker, Time now) {
+  std::vector<CooldownView> cooldowns;
   for (const auto& [job, effort] : worker.efforts) {
     const bool fetching = worker.awaits_files(job);
-    if (!worker.is_barred(job, now) && !fetching) continue;
-    bars.push_back({job, std::max(effort.barred_until - now, Duration::zero()), fetching});
+    if (!worker.in_cooldown(job, now) && !fetching) continue;
+    cooldowns.push_back({job, std::max(effort.cooldown_until - now, Duration::zero()), fetching});
   }
-  return bars;
+  return cooldowns;
 }
 
 WorkerView view_of(const Worker& worker, Time now) {
@@ -43,7 +43,7 @@ WorkerView view_of(const Worker& worker, Time now) {
           .audited_ranges = worker.audited_ranges,
           .disproved_ranges = worker.disproved_ranges,
           .stuck = worker.stuck.has_value(),
-          .bars = bars_of(worker, now)};
+          .cooldowns = cooldowns_of(worker, now)};
 }
 
 }  // namespace
@@ -73,7 +73,7 @@ std::vector<JobView> Scheduler::jobs(Time now, std::string_view id_prefix, std::
 
 std::vector<WorkerView> Scheduler::workers(Time now) const {
   std::vector<WorkerView> views;
-  for (const auto& [id, worker] : roster_.all()) views.push_back(view_of(worker, now));
+  for (const auto& [id, worker] : registry_.all()) views.push_back(view_of(worker, now));
   return views;
 }
 
@@ -96,7 +96,7 @@ std::optional<std::string> Scheduler::check_invariants(CheckDepth depth) const {
 
 // Nobody who would work waits while there is something to do.
 std::optional<std::string> Scheduler::check_idle(CheckDepth depth) const {
-  for (const auto& [id, worker] : roster_.all()) {
+  for (const auto& [id, worker] : registry_.all()) {
     if (!worker.waiting || worker.room() <= 0 || !worker.leases.empty()) continue;
     for (const JobNumber number : running_) {
       const Job& job = jobs_.at(number);
@@ -121,13 +121,13 @@ std::optional<std::string> Scheduler::check_workers() const {
   std::size_t held_by_workers = 0, held_of_jobs = 0;
   int active = 0;
   for (const auto& [number, job] : jobs_) held_of_jobs += job.lease_count();
-  for (const auto& [id, worker] : roster_.all()) {
+  for (const auto& [id, worker] : registry_.all()) {
     active += worker.takes_leases();
     held_by_workers += worker.leases.size();
     const bool silent = worker.state() == WorkerState::kSilent;
     if ((silent || worker.stuck) && !worker.leases.empty())
       return fmt::format("worker {} is {}, but holds leases", id.value, silent ? "silent" : "stuck");
-    if (!silent && roster_.deadline(worker) <= now_) return fmt::format("worker {} is overdue", id.value);
+    if (!silent && registry_.deadline(worker) <= now_) return fmt::format("worker {} is overdue", id.value);
     if (worker.leases.size() > static_cast<std::size_t>(kMaxLeasesPerWorker)) {
       return fmt::format("worker {} holds {} leases", id.value, worker.leases.size());
     }
@@ -143,7 +143,7 @@ std::optional<std::string> Scheduler::check_workers() const {
       }
       if (lease->state == LeaseState::kHeld && !worker.reported.contains(held.id))
         return fmt::format("worker {} does not report lease {}, which is held", id.value, held.id.value);
-      if (worker.is_barred(held.job, now_))
+      if (worker.in_cooldown(held.job, now_))
         return fmt::format("worker {} holds lease {} of a job it is given none of", id.value, held.id.value);
     }
   }
@@ -151,8 +151,8 @@ std::optional<std::string> Scheduler::check_workers() const {
     return fmt::format("jobs have {} leases, workers {}, and {} are live", held_of_jobs, held_by_workers,
                        live_leases_.size());
   }
-  if (active != roster_.active_count()) {
-    return fmt::format("{} workers take leases, counted {}", active, roster_.active_count());
+  if (active != registry_.active_count()) {
+    return fmt::format("{} workers take leases, counted {}", active, registry_.active_count());
   }
   return std::nullopt;
 }

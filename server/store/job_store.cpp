@@ -51,9 +51,9 @@ core::Status JobStore::continue_from(std::uint32_t epoch) {
       fmt::format("UPDATE meta SET value = {} WHERE name = 'epoch' AND value < {}", epoch, epoch));
 }
 
-core::Status JobStore::empty_log() {
+core::Status JobStore::truncate_wal() {
   const std::lock_guard lock(impl_->mutex);
-  return impl_->database.empty_log();
+  return impl_->database.truncate_wal();
 }
 
 core::Result<std::vector<std::string>> JobStore::structural_damage() {
@@ -79,7 +79,7 @@ core::Status JobStore::insert_job(const JobRow& job) {
   insert.bind_blob(11, job.counters).bind_text(12, job.arithmetic).bind(13, job.max_workers);
   insert.bind(14, as_signed(row_checksum(job)));
   auto inserted = insert.run();
-  if (inserted) impl_->database.fold_log();
+  if (inserted) impl_->database.checkpoint_wal();
   return inserted;
 }
 

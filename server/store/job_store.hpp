@@ -66,7 +66,7 @@ class JobStore {
   static core::Result<JobStore> open(const std::filesystem::path& file, bool may_be_new = true);
   // For looking at it while nobody else has it open: writes nothing, and opens a damaged one as far as that
   // can be read, and one of an earlier release as it is. Everything that changes something fails.
-  static core::Result<JobStore> open_untouched(const std::filesystem::path& file);
+  static core::Result<JobStore> open_read_only(const std::filesystem::path& file);
   JobStore(JobStore&&) noexcept;
   JobStore& operator=(JobStore&&) noexcept;
   ~JobStore();
@@ -79,7 +79,7 @@ class JobStore {
   core::Status continue_from(std::uint32_t epoch);
   // Writes everything into the file itself, which then stands without its log. UNAVAILABLE if another program
   // is in the way.
-  core::Status empty_log();
+  core::Status truncate_wal();
   // What is wrong with the file apart from its rows: a sentence for each; empty if it is whole.
   core::Result<std::vector<std::string>> structural_damage();
 

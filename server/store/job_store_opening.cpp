@@ -144,14 +144,14 @@ core::Result<JobStore> JobStore::open(const std::filesystem::path& file, bool ma
   if (auto set = database->execute(kPageSize); !set) return core::fail(set.error());
   if (auto usable = expect_usable(*database, file, may_be_new); !usable) return core::fail(usable.error());
   if (auto whole = expect_whole(*database, file); !whole) return core::fail(whole.error());
-  database->fold_log_on_close();
+  database->checkpoint_wal_on_close();
   if (auto set = database->execute(kPragmas); !set) return core::fail(set.error());
   if (auto current = bring_up_to_date(*database); !current) return core::fail(current.error());
   if (auto counted = database->execute("UPDATE meta SET value = value + 1 WHERE name = 'epoch'"); !counted) {
     return core::fail(counted.error());
   }
   if (auto made = database->execute(kMakeSecret); !made) return core::fail(made.error());
-  database->fold_log();
+  database->checkpoint_wal();
   auto impl = std::make_unique<Impl>(std::move(*database), file);
   impl->torn_end = *std::move(torn_end);
   const auto epoch = read_epoch(impl->database, file);
@@ -165,9 +165,9 @@ core::Result<JobStore> JobStore::open(const std::filesystem::path& file, bool ma
   return JobStore(std::move(impl));
 }
 
-core::Result<JobStore> JobStore::open_untouched(const std::filesystem::path& file) {
+core::Result<JobStore> JobStore::open_read_only(const std::filesystem::path& file) {
   if (is_missing_or_empty(file)) return core::fail(lost(file));
-  auto database = Database::open_untouched(file);
+  auto database = Database::open_read_only(file);
   if (!database) return core::fail(database.error());
   const auto version = expect_readable(*database, file);
   if (!version) return core::fail(version.error());

@@ -16,7 +16,7 @@ constexpr const char* kIndexScans[] = {
     "SELECT rowid FROM jobs INDEXED BY sqlite_autoindex_jobs_1 ORDER BY id",
     "SELECT rowid FROM jobs INDEXED BY sqlite_autoindex_jobs_1 ORDER BY id DESC"};
 // Rows are numbered from 1. Up to here, those that no scan has come to are tried, too.
-constexpr std::int64_t kMostTried = 1'000'000;
+constexpr std::int64_t kMaxTried = 1'000'000;
 
 struct RowidScan {
   std::set<std::int64_t> rowids;
@@ -64,7 +64,7 @@ core::Result<ReadableJobs> JobStore::readable_jobs() {
   };
   for (const std::int64_t rowid : scan.rowids) jobs.unreadable += read(rowid) ? 0 : 1;
   if (!scan.complete && !scan.rowids.empty()) {
-    for (std::int64_t rowid = 1; rowid <= std::min(*scan.rowids.rbegin(), kMostTried); ++rowid)
+    for (std::int64_t rowid = 1; rowid <= std::min(*scan.rowids.rbegin(), kMaxTried); ++rowid)
       if (!scan.rowids.contains(rowid)) read(rowid);
   }
   if (complete) return by_age(std::move(jobs));

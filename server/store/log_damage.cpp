@@ -19,7 +19,7 @@ constexpr std::size_t kHeaderBytes = 32, kFrameHeaderBytes = 24;
 // Of the header and of a frame's, what the sums stand behind.
 constexpr std::size_t kSummedOfHeader = 24, kSummedOfFrame = 8, kSumsOfFrame = 16;
 constexpr std::uint32_t kMagic = 0x377f0682;  // its last bit: sums are over big-endian words
-constexpr std::uint32_t kLeastPage = 512, kMostPage = 65536;
+constexpr std::uint32_t kMinPage = 512, kMaxPage = 65536;
 
 std::uint32_t big_endian(std::string_view bytes, std::size_t at) {
   std::uint32_t value = 0;
@@ -66,7 +66,7 @@ Header read_header(std::string_view bytes) {
   header.salts = bytes.substr(16, 8);
   header.sums.add(bytes.substr(0, kSummedOfHeader), header.words_are_big_endian);
   header.whole = (magic & ~1u) == kMagic && header.sums == stored_sums(bytes, kSummedOfHeader) &&
-                 header.page_bytes >= kLeastPage && header.page_bytes <= kMostPage;
+                 header.page_bytes >= kMinPage && header.page_bytes <= kMaxPage;
   return header;
 }
 

@@ -132,7 +132,7 @@ core::Result<Database> Database::open(const std::filesystem::path& file) {
   return database;
 }
 
-core::Result<Database> Database::open_untouched(const std::filesystem::path& file) {
+core::Result<Database> Database::open_read_only(const std::filesystem::path& file) {
   std::error_code missing;
   const bool has_log = std::filesystem::file_size(log_of(file), missing) > 0 && !missing;
   // Without a log the file is all there is. With one, a connection of its own keeps the log's index in memory
@@ -150,11 +150,11 @@ core::Result<Database> Database::open_untouched(const std::filesystem::path& fil
   return database;
 }
 
-void Database::fold_log() {
+void Database::checkpoint_wal() {
   [[maybe_unused]] const auto later = execute("PRAGMA wal_checkpoint");  // else SQLite does it when it is due
 }
 
-core::Status Database::empty_log() {
+core::Status Database::truncate_wal() {
   const auto busy = read_number("PRAGMA wal_checkpoint(TRUNCATE)");
   if (!busy) return core::fail(busy.error());
   if (*busy == 0) return {};
@@ -162,7 +162,7 @@ core::Status Database::empty_log() {
                     fmt::format("{}: is held by another program: end it", file_.string()));
 }
 
-void Database::fold_log_on_close() {
+void Database::checkpoint_wal_on_close() {
   sqlite3_db_config(database_.get(), SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 0, nullptr);
 }
 

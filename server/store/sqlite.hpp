@@ -53,12 +53,12 @@ class Statement {
 
 class Database {
  public:
-  // Creates the file if it is missing. Closing it leaves file and log as they are, unless fold_log_on_close()
-  // was called.
+  // Creates the file if it is missing. Closing it leaves file and log as they are, unless
+  // checkpoint_wal_on_close() was called.
   static core::Result<Database> open(const std::filesystem::path& file);
   // Sees what open() would see, a crash's leftovers included, and writes nothing at all, not even beside the
   // file. Only while nobody else has it open.
-  static core::Result<Database> open_untouched(const std::filesystem::path& file);
+  static core::Result<Database> open_read_only(const std::filesystem::path& file);
 
   core::Result<Statement> prepare(std::string_view sql);
   // One or several statements without rows.
@@ -67,11 +67,11 @@ class Database {
   core::Result<std::int64_t> read_number(std::string_view sql);
   // Writes the log's content into the file itself, as far as nobody is in the way: what is in the log alone
   // goes with the log.
-  void fold_log();
+  void checkpoint_wal();
   // The same, to the last byte, and empties the log. UNAVAILABLE if somebody is in the way.
-  core::Status empty_log();
+  core::Status truncate_wal();
   // For a file that is known to be whole: one that is damaged would be damaged further.
-  void fold_log_on_close();
+  void checkpoint_wal_on_close();
   // What SQLite finds wrong with the file's structure: a sentence for each, the first few; empty if it is
   // whole. Reads all of it, about a gigabyte in a second. What stands in the rows is not looked at.
   core::Result<std::vector<std::string>> structural_damage();

@@ -15,7 +15,7 @@ namespace tessera::validator {
 
 namespace {
 
-constexpr std::uint64_t kVerdictBytes = 1 << 20;
+constexpr std::uint64_t kResponseBytes = 1 << 20;
 // Standard input, output and error, and one file of the scene at a time.
 constexpr std::uint64_t kMaxFiles = 16;
 
@@ -30,7 +30,7 @@ core::Status limit_resources(const Confinement& confinement) {
   // With the second more it is ended by SIGXCPU, which says why.
   core::Status set = set_limit(RLIMIT_CPU, "RLIMIT_CPU", confinement.cpu_seconds, 1);
   if (set) set = set_limit(RLIMIT_CORE, "RLIMIT_CORE", 0);
-  if (set) set = set_limit(RLIMIT_FSIZE, "RLIMIT_FSIZE", kVerdictBytes);
+  if (set) set = set_limit(RLIMIT_FSIZE, "RLIMIT_FSIZE", kResponseBytes);
   if (set) set = set_limit(RLIMIT_NOFILE, "RLIMIT_NOFILE", kMaxFiles);
   if (!set || kIsSanitized) return set;
   set = set_limit(RLIMIT_AS, "RLIMIT_AS", confinement.memory_mib << 20);

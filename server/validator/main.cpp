@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "server/validator/judge.hpp"
 #include "server/validator/options.hpp"
+#include "server/validator/validate.hpp"
 #include "server/validator/visible_files.hpp"
 
 namespace {
@@ -18,9 +18,9 @@ int fail(const std::string& why) {
   return EXIT_FAILURE;
 }
 
-std::vector<std::string> paths_of(const Question& question) {
+std::vector<std::string> paths_of(const ValidateRequest& request) {
   std::vector<std::string> paths;
-  for (const auto& [name, path] : question.files()) paths.push_back(path);
+  for (const auto& [name, path] : request.files()) paths.push_back(path);
   return paths;
 }
 
@@ -36,10 +36,10 @@ extern "C" int __lsan_is_turned_off() {
 int main(int argc, char** argv) {
   const Options options = parse_options(argc, argv);
   if (const auto confined = confine(options.confinement); !confined) return fail(confined.error().message);
-  Question question;
-  if (!question.ParseFromIstream(&std::cin))
-    return fail("reads one serialised tessera.validator.Question; the coordinator starts it");
-  if (const auto seen = see_only(paths_of(question)); !seen) return fail(seen.error().message);
-  const Verdict verdict = judge(question, options);
-  return verdict.SerializeToOstream(&std::cout) && std::cout.flush() ? EXIT_SUCCESS : EXIT_FAILURE;
+  ValidateRequest request;
+  if (!request.ParseFromIstream(&std::cin))
+    return fail("reads one serialised tessera.validator.ValidateRequest; the coordinator starts it");
+  if (const auto seen = see_only(paths_of(request)); !seen) return fail(seen.error().message);
+  const ValidateResponse response = validate(request, options);
+  return response.SerializeToOstream(&std::cout) && std::cout.flush() ? EXIT_SUCCESS : EXIT_FAILURE;
 }

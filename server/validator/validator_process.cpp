@@ -25,7 +25,7 @@ extern "C" {  // the header of glibc 2.36 forgets it
 #include "proto/blob.hpp"
 #include "server/store/file.hpp"
 #include "server/validator/flags.hpp"
-#include "server/validator/verdict.pb.h"
+#include "server/validator/validate.pb.h"
 
 namespace tessera::validator {
 
@@ -38,17 +38,17 @@ core::Error system_error(std::string_view doing) {
   return {ErrorCode::kInternal, fmt::format("{}: {}", doing, std::strerror(errno))};
 }
 
-Question make_question(const store::BlobStore& blobs, const v1::Bundle& bundle,
-                       const v1::RenderOverrides& overrides) {
-  Question question;
-  *question.mutable_bundle() = bundle;
-  *question.mutable_overrides() = overrides;
+ValidateRequest make_request(const store::BlobStore& blobs, const v1::Bundle& bundle,
+                             const v1::RenderOverrides& overrides) {
+  ValidateRequest request;
+  *request.mutable_bundle() = bundle;
+  *request.mutable_overrides() = overrides;
   for (const v1::Bundle::Asset& asset : bundle.assets()) {
     const auto digest = proto::from_proto(asset.digest());
     if (digest)
-      (*question.mutable_files())[asset.path()] = std::filesystem::absolute(blobs.path(*digest)).string();
+      (*request.mutable_files())[asset.path()] = std::filesystem::absolute(blobs.path(*digest)).string();
   }
-  return question;
+  return request;
 }
 
 // The process's standard input and output are files in memory: neither side ever waits for the other.
@@ -173,7 +173,7 @@ core::Error takes_too_long(const server::Limits& limits) {
                   processor_time(limits).count(), kSecondsFlag)};
 }
 
-Approval bounded(const Verdict::Approval& said) {
+Approval bounded(const ValidateResponse::Approval& said) {
   Approval approval{said.settings(), said.display(), {}};
   for (int i = 0; i < std::min(said.warnings_size(), kMaxWarnings); ++i)
     approval.warnings.push_back(core::printable(said.warnings(i).substr(0, kMaxWarningBytes)));
@@ -184,11 +184,11 @@ core::Result<Approval> read_verdict(const Fd& out, int status, const server::Lim
   if (WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU) return core::fail(takes_too_long(limits));
   const auto content = read_all(out);
   if (!content) return core::fail(content.error());
-  Verdict verdict;
-  const bool answered = WIFEXITED(status) && WEXITSTATUS(status) == 0 && verdict.ParseFromString(*content);
-  if (answered && verdict.has_approval()) return bounded(verdict.approval());
-  if (answered && verdict.has_refusal()) {
-    return core::fail(static_cast<ErrorCode>(verdict.refusal().code()), verdict.refusal().message());
+  ValidateResponse response;
+  const bool answered = WIFEXITED(status) && WEXITSTATUS(status) == 0 && response.ParseFromString(*content);
+  if (answered && response.has_approval()) return bounded(response.approval());
+  if (answered && response.has_refusal()) {
+    return core::fail(static_cast<ErrorCode>(response.refusal().code()), response.refusal().message());
   }
   return core::fail(
       ErrorCode::kInvalidArgument,
@@ -220,7 +220,7 @@ core::Status check_validator(const std::string& path) {
 core::Result<Approval> validate_scene(const ProcessOptions& options, const store::BlobStore& blobs,
                                       const v1::Bundle& bundle, const v1::RenderOverrides& overrides) {
   if (options.stop.stop_requested()) return core::fail(stopping());
-  const auto in = memory_file("question", make_question(blobs, bundle, overrides).SerializeAsString());
+  const auto in = memory_file("request", make_request(blobs, bundle, overrides).SerializeAsString());
   if (!in) return core::fail(in.error());
   const auto out = memory_file("verdict", "");
   if (!out) return core::fail(out.error());

@@ -1,4 +1,4 @@
-// The files that a validator may open: those of its question, and no others of the machine's.
+// The files that a validator may open: those of its request, and no others of the machine's.
 #pragma once
 
 #include <string>

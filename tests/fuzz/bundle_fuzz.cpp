@@ -1,6 +1,6 @@
 // A submission: the message, the blobs that it names, and what the validator makes of them, in this process.
 // The first part is a SubmitJobRequest; the others are blobs, whose digests assets get that say none.
-#include "server/validator/judge.hpp"
+#include "server/validator/validate.hpp"
 #include "tests/fuzz/farm.hpp"
 #include "tests/fuzz/parts.hpp"
 
@@ -10,18 +10,18 @@ namespace {
 // As validator_process.cpp asks tessera-validator, but for the process.
 core::Result<coordinator::CheckedScene> ask(const store::BlobStore& blobs, const v1::Bundle& bundle,
                                             const v1::RenderOverrides& overrides) {
-  validator::Question question;
-  *question.mutable_bundle() = bundle;
-  *question.mutable_overrides() = overrides;
+  validator::ValidateRequest request;
+  *request.mutable_bundle() = bundle;
+  *request.mutable_overrides() = overrides;
   for (const v1::Bundle::Asset& asset : bundle.assets()) {
     const auto digest = proto::from_proto(asset.digest());
-    if (digest) (*question.mutable_files())[asset.path()] = blobs.path(*digest).string();
+    if (digest) (*request.mutable_files())[asset.path()] = blobs.path(*digest).string();
   }
-  const validator::Verdict verdict = validator::judge(question, {});
-  expect_sendable(verdict);
-  if (verdict.has_approval())
-    return coordinator::CheckedScene{verdict.approval().settings(), verdict.approval().display()};
-  return core::fail(static_cast<core::ErrorCode>(verdict.refusal().code()), verdict.refusal().message());
+  const validator::ValidateResponse response = validator::validate(request, {});
+  expect_sendable(response);
+  if (response.has_approval())
+    return coordinator::CheckedScene{response.approval().settings(), response.approval().display()};
+  return core::fail(static_cast<core::ErrorCode>(response.refusal().code()), response.refusal().message());
 }
 
 void store(const store::BlobStore& blobs, std::string_view bytes) {

@@ -166,7 +166,7 @@ void Farm::greet(char worker) {
   request.set_worker_id(std::string(32, worker));
   request.set_name(std::string("host-") + worker);
   request.set_version("1");
-  request.set_arithmetic_fingerprint(kFingerprint);
+  request.set_determinism_fingerprint(kFingerprint);
   request.set_threads(1);
   request.set_wanted_leases(1);
   synchronize(request);

@@ -169,7 +169,7 @@ printf '' | seed cache nothing
 # ---- The farm ----
 rect_of_tile() { echo "rect { x0: $((64 * $1)) y0: 0 x1: $((64 * $1 + 64)) y1: 4 }"; }
 greeting() {
-  message SynchronizeRequest <<<"worker_id: \"$1\" name: \"host-$1\" version: \"1\" arithmetic_fingerprint: \"f00d\"
+  message SynchronizeRequest <<<"worker_id: \"$1\" name: \"host-$1\" version: \"1\" determinism_fingerprint: \"f00d\"
     threads: 4 wanted_leases: ${2:-2} known_job_ids: \"a\" ${3:-}"
 }
 delivery() {
@@ -184,8 +184,8 @@ delivery 2 | seed result one
   items { item { $(rect_of_tile 1) sample_begin: 2 sample_end: 3 } planes_zstd: \"x\" sums_xxh3: 1 } held_lease_ids: 1099511627778
   held_lease_ids: 1099511627778 lease_finished: true"; } | seed result planes
 delivery 2 1099511627777 'lease_finished: true held_lease_ids: 1099511627778' | seed result holding
-delivery 2 1099511627777 'cannot_build: "the scene does not fit into memory" lease_finished: true version: "2"
-  arithmetic_fingerprint: "other"' | seed result given_back
+delivery 2 1099511627777 'decline_reason: "the scene does not fit into memory" lease_finished: true version: "2"
+  determinism_fingerprint: "other"' | seed result given_back
 message SubmitResultRequest <<<"worker_id: \"1\" job_id: \"a\" items { item { $(rect_of_tile 0) sample_begin: 0
   sample_end: 6 } counters { samples: 1536 non_finite_samples: 1 first_non_finite { x: 3 y: 4 sample: 5 } } }" |
   seed result counters

@@ -28,7 +28,9 @@ class DiskFaultsTest : public FarmTest {
   std::filesystem::path database() const { return state_ / "tessera.db"; }
   std::filesystem::path log() const { return state_ / "tessera.db-wal"; }
 
-  Outcome start_in_vain() { return run_coordinator({"--listen", "127.0.0.1:0", "--state", state_}); }
+  Outcome start_expecting_failure() {
+    return run_coordinator({"--listen", "127.0.0.1:0", "--state", state_});
+  }
   Outcome check() { return run_coordinator({"--check", state_}); }
 
   // Everything in the state folder, by path.
@@ -114,13 +116,13 @@ TEST_F(DiskFaultsTest, CheckingASoundStateChangesNothingAndSaysSo) {
 
 TEST_F(DiskFaultsTest, ASecondCoordinatorAndALaterReleaseAreRefused) {
   start_coordinator();
-  const Outcome second = start_in_vain();
+  const Outcome second = start_expecting_failure();
   EXPECT_EQ(second.exit_code, 1);
   EXPECT_THAT(second.err,
               AllOf(HasSubstr("another coordinator runs on " + state_.string()), HasSubstr("--state")));
   stop_coordinator();
   flip(database(), 60, 4);  // the file's user_version
-  const Outcome later = start_in_vain();
+  const Outcome later = start_expecting_failure();
   EXPECT_EQ(later.exit_code, 1);
   EXPECT_THAT(later.err, AllOf(HasSubstr(database()), HasSubstr("release")));
 }
@@ -133,14 +135,14 @@ TEST_F(DiskFaultsTest, ADatabaseThatIsGoneEmptyOrGarbageIsToldAndNeverReplaced) 
        {std::string(), garbage, whole.substr(0, whole.size() / 2), whole.substr(0, 100)}) {
     SCOPED_TRACE(content.size());
     write_file(database(), content);
-    const Outcome refused = start_in_vain();
+    const Outcome refused = start_expecting_failure();
     EXPECT_EQ(refused.exit_code, 1);
     EXPECT_THAT(refused.err, AllOf(HasSubstr(database()), HasSubstr("put back a copy")));
     EXPECT_EQ(check().exit_code, 1);
     EXPECT_TRUE(read_file(database()) == content);
   }
   std::filesystem::remove(database());
-  EXPECT_THAT(start_in_vain().err, HasSubstr("is missing or empty"));
+  EXPECT_THAT(start_expecting_failure().err, HasSubstr("is missing or empty"));
   std::filesystem::remove(log());
   write_file(database(), whole);
   EXPECT_EQ(check().exit_code, 0);
@@ -190,7 +192,7 @@ TEST_F(DiskFaultsTest, ADamagedLogIsNoEndOfTheLog) {
   kill_coordinator();
   flip(log(), 32 + 24 + 100);  // in the first page of it: all that was written later would be forgotten
   const auto before = everything();
-  const Outcome refused = start_in_vain();
+  const Outcome refused = start_expecting_failure();
   EXPECT_EQ(refused.exit_code, 1);
   EXPECT_THAT(refused.err, AllOf(HasSubstr(log().string() + " is damaged"), HasSubstr("--salvage")));
   EXPECT_EQ(check().exit_code, 1);
@@ -347,7 +349,7 @@ TEST_F(OwnDiskTest, AReadOnlyStateFolderIsNamedAndCanBeChecked) {
   const std::string id = submit(kSmall);
   kill_coordinator();
   remount(MS_RDONLY, "");
-  const Outcome refused = start_in_vain();
+  const Outcome refused = start_expecting_failure();
   EXPECT_EQ(refused.exit_code, 1);
   EXPECT_THAT(refused.err,
               AllOf(HasSubstr(state_.string()), HasSubstr("read-only file system"), HasSubstr("--state")));

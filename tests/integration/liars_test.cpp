@@ -86,7 +86,7 @@ class Liar {
     request.set_worker_id(id_);
     request.set_worker_key(key_);
     request.set_name(name_);
-    request.set_arithmetic_fingerprint(core::arithmetic_fingerprint());
+    request.set_determinism_fingerprint(core::determinism_fingerprint());
     request.set_threads(1);
     request.set_wanted_leases(1);
     return request;
@@ -101,7 +101,7 @@ class Liar {
   v1::SubmitResultRequest message() const {
     v1::SubmitResultRequest request;
     request.set_worker_id(id_);
-    request.set_arithmetic_fingerprint(core::arithmetic_fingerprint());
+    request.set_determinism_fingerprint(core::determinism_fingerprint());
     return request;
   }
 
@@ -164,9 +164,9 @@ TEST_F(LiarsTest, AnAuditedFarmFindsOutWhoLiesAndRendersTheLocalPicture) {
   ASSERT_TRUE(wait_for_state(id, v1::JOB_STATE_DONE));
   expect_local_bytes(id);
 
-  EXPECT_TRUE(liar().put_aside());
+  EXPECT_TRUE(liar().quarantined());
   EXPECT_GT(liar().disproved_ranges(), 0u);
-  EXPECT_THAT(liar().put_aside_because(), HasSubstr("it rendered other bits of samples"));
+  EXPECT_THAT(liar().quarantine_reason(), HasSubstr("it rendered other bits of samples"));
   EXPECT_THAT(tessera({"workers"}).out, HasSubstr("is put aside: it rendered other bits of samples"));
   v1::SynchronizeResponse none;
   const grpc::Status refused = liar_worker.synchronize(none);
@@ -174,7 +174,7 @@ TEST_F(LiarsTest, AnAuditedFarmFindsOutWhoLiesAndRendersTheLocalPicture) {
   EXPECT_THAT(refused.error_message(), HasSubstr("worker liar is put aside: it rendered other bits"));
   for (const auto& worker : workers()) {
     if (worker.name() == "liar") continue;
-    EXPECT_FALSE(worker.put_aside()) << worker.name();
+    EXPECT_FALSE(worker.quarantined()) << worker.name();
     EXPECT_EQ(worker.disproved_ranges(), 0u) << worker.name();
   }
 }
@@ -237,8 +237,8 @@ TEST_F(LiarsTest, WhoForgesIdsLeasesAndNamesHarmsNobody) {
     const bool honest =
         std::any_of(known.begin(), known.end(), [&](const auto& k) { return k.id() == worker.id(); });
     if (!honest) continue;
-    EXPECT_FALSE(worker.put_aside()) << worker.name();
-    EXPECT_EQ(worker.refused_results(), 0u) << worker.name();
+    EXPECT_FALSE(worker.quarantined()) << worker.name();
+    EXPECT_EQ(worker.rejected_results(), 0u) << worker.name();
   }
   EXPECT_EQ(one.wait(0s), std::nullopt);
   EXPECT_THAT(coordinator().err(), HasSubstr("rejected a result of job"));

@@ -43,7 +43,7 @@ TEST_F(FarmTest, AWorkerOfAnotherArithmeticIsRefused) {
   request.set_worker_key(std::string(proto::kWorkerKeyBytes, 'k'));
   request.set_worker_id(proto::worker_id_of(request.worker_key()));
   request.set_name("stranger");
-  request.set_arithmetic_fingerprint("0000000000000000");
+  request.set_determinism_fingerprint("0000000000000000");
   request.set_threads(1);
   request.set_wanted_leases(1);
   v1::SynchronizeResponse response;

@@ -17,7 +17,7 @@ RawWorker::RawWorker(const std::string& address, const std::string& name)
   request_.set_worker_key(proto::digest_of(name).hex().substr(0, proto::kWorkerKeyBytes));
   request_.set_worker_id(proto::worker_id_of(request_.worker_key()));
   request_.set_name(name);
-  request_.set_arithmetic_fingerprint(std::string(core::kDeterminismFingerprint));
+  request_.set_determinism_fingerprint(std::string(core::kDeterminismFingerprint));
   request_.set_threads(1);
   request_.set_wanted_leases(1);
 }

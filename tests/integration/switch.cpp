@@ -17,7 +17,7 @@ namespace tessera::test {
 namespace {
 
 constexpr int kLongestPollMs = 20;
-constexpr std::size_t kMostFrameBytes = 1 << 16;
+constexpr std::size_t kMaxFrameBytes = 1 << 16;
 constexpr int kBufferBytes = 8 << 20;
 // What waits for a slow line, as in a router.
 constexpr std::chrono::seconds kMaxQueue{1};
@@ -84,7 +84,7 @@ std::optional<Network::Switch::Clock::time_point> Network::Switch::passes_at(std
 }
 
 void Network::Switch::take_frames(const std::vector<int>& ports) {
-  std::string buffer(kMostFrameBytes, '\0');
+  std::string buffer(kMaxFrameBytes, '\0');
   for (const int port : ports) {
     while (true) {
       const ssize_t size = recv(port, buffer.data(), buffer.size(), 0);

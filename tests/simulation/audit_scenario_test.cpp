@@ -71,7 +71,7 @@ TEST_F(AuditScenario, ALiarAmongThreeIsFoundOutAndItsTilesAreRenderedAgain) {
   EXPECT_EQ(state(), JobState::kDone);
   coordinator_.check_films();
   EXPECT_FALSE(world_.failure()) << *world_.failure();
-  EXPECT_TRUE(coordinator_.is_aside("liar machine"));
+  EXPECT_TRUE(coordinator_.is_quarantined("liar machine"));
 }
 
 // Nobody can tell which of two is wrong; when a third comes, it decides.
@@ -114,7 +114,7 @@ TEST_P(PutAside, WhatItRenderedIsVerified) {
   run_until(GetParam());
   EXPECT_EQ(state(), GetParam() > 100 ? JobState::kDone : JobState::kRunning);
   EXPECT_TRUE(coordinator_.spoilt("job"));
-  coordinator_.put_aside({"liar machine", {liar.worker_id()}, "liar machine"});
+  coordinator_.quarantined({"liar machine", {liar.worker_id()}, "liar machine"});
   EXPECT_LT(run_until_done(), 1000);
   EXPECT_EQ(state(), JobState::kDone);
   EXPECT_FALSE(coordinator_.spoilt("job"));

@@ -20,9 +20,9 @@ constexpr JobShape kShape{320, 256, 3000};
 constexpr double kSeconds = 240;
 // Jobs of equal priority get at least this part of an equal share. What machines hold at the end is not
 // counted yet: up to three leases each, all of which may be of one job.
-constexpr double kLeastShare = 0.85;
+constexpr double kMinShare = 0.85;
 // Of what the machines could render at most, this much is rendered.
-constexpr double kLeastUse = 0.8;
+constexpr double kMinUse = 0.8;
 // The policy aims at two seconds; renders take up to 1.3 times as long as the machine's speed says, and it is
 // measured where they may have taken 0.8 times as long. The first one, of a machine that nobody knows yet, is
 // of so many samples. One sample of one tile may go beyond either.
@@ -77,7 +77,7 @@ void CalmFarm::check_shares() {
   }
   for (const JobView& job : jobs) {
     const double share = static_cast<double>(job.samples_done) / (all / sharers);
-    if (job.priority == highest && share < kLeastShare)
+    if (job.priority == highest && share < kMinShare)
       world_.fail(fmt::format("job {} has {:.2f} of an equal share", job.id.value, share));
   }
 }
@@ -87,7 +87,7 @@ void CalmFarm::check_use() {
   for (const JobView& job : coordinator_.jobs()) done += static_cast<double>(job.samples_done);
   for (const auto& machine : machines_) possible += machine->samples_per_second() * kSeconds;
   world_.note(fmt::format("{:.2f} of what is possible is done", done / possible));
-  if (done < kLeastUse * possible)
+  if (done < kMinUse * possible)
     world_.fail(fmt::format("only {:.2f} of what is possible is done", done / possible));
 }
 

@@ -31,10 +31,10 @@ void Coordinator::checkpoint(std::uint64_t run) {
     checkpoint.rows.emplace_back(job.id, row_of(job.id));
     const ModelFilm& film = films_.at(job.id);
     for (int tile = 0; tile < film.tile_count(); ++tile) {
-      const auto authored = job.authored.find(tile);
+      const auto provenance = job.provenance.find(tile);
       const bool same_authors =
-          (authored == job.authored.end() ? std::vector<AuthoredItem>{} : authored->second) ==
-          scheduler_->authored(job.id, tile);
+          (provenance == job.provenance.end() ? std::vector<ProducedItem>{} : provenance->second) ==
+          scheduler_->provenance(job.id, tile);
       if (!job.film.same_tile(tile, film) || !same_authors) checkpoint.tiles.emplace_back(job.id, tile);
     }
   }
@@ -65,7 +65,7 @@ bool Coordinator::write_tiles(Checkpoint& checkpoint) {
     const auto film = films_.find(id);
     if (film == films_.end()) continue;  // deleted meanwhile
     compare(id, tile);
-    if (!disk_.write_tile(id, tile, film->second, scheduler_->authored(id, tile))) return false;
+    if (!disk_.write_tile(id, tile, film->second, scheduler_->provenance(id, tile))) return false;
   }
   return true;
 }

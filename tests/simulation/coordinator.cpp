@@ -69,8 +69,8 @@ void Coordinator::restore(const Disk::StoredJob& job) {
   films_[job.id].extend(shape.spp);
   RestoreJob event{job.id,          shape, job.row.priority,    job.row.state,
                    job.row.failure, {},    job.row.max_workers, {}};
-  for (const auto& [tile, authored] : job.authored)
-    event.authored.insert(event.authored.end(), authored.begin(), authored.end());
+  for (const auto& [tile, provenance] : job.provenance)
+    event.provenance.insert(event.provenance.end(), provenance.begin(), provenance.end());
   for (int tile = 0; tile < job.film.tile_count(); ++tile) event.done.push_back(job.film.done(tile));
   referee_.entered(job.id, job.row.state);
   const Actions actions = handle(event);

@@ -43,8 +43,8 @@ class Coordinator {
   // A user's command. Must be up. Returns whether it was taken and stored.
   bool command(const scheduler::Event& event);
   // As after too many refused results.
-  void put_aside(const scheduler::Author& author);
-  bool is_aside(const std::string& machine) const { return machines_aside_.contains(machine); }
+  void quarantined(const scheduler::Producer& producer);
+  bool is_quarantined(const std::string& machine) const { return machines_aside_.contains(machine); }
   // Whether there are wrong bits in the job's film.
   bool spoilt(const std::string& job) const { return films_.at({job}).spoilt_tile().has_value(); }
   // Takes away all that a worker holds that was heard of lately; which one, chance says.

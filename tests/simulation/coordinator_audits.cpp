@@ -9,7 +9,7 @@ using namespace scheduler;
 
 namespace {
 
-constexpr int kRefusalsUntilAside = 3;
+constexpr int kRejectionsUntilQuarantine = 3;
 
 }  // namespace
 
@@ -23,12 +23,12 @@ void Coordinator::empty_tiles(const Actions& actions) {
 
 void Coordinator::follow_audits(const Actions& actions) {
   for (const Disproof& disproof : actions.disproved) {
-    world_.note(fmt::format("{} is put aside: {}", called(disproof.author), disproof.because));
-    if (!is_expected_liar(disproof.author.worker))
+    world_.note(fmt::format("{} is put aside: {}", called(disproof.producer), disproof.because));
+    if (!is_expected_liar(disproof.producer.worker))
       world_.fail(
-          fmt::format("{} is honest, but was put aside: {}", called(disproof.author), disproof.because));
-    workers_aside_.insert(disproof.author.worker);
-    if (!disproof.author.machine.empty()) machines_aside_.insert(disproof.author.machine);
+          fmt::format("{} is honest, but was put aside: {}", called(disproof.producer), disproof.because));
+    workers_aside_.insert(disproof.producer.worker);
+    if (!disproof.producer.machine.empty()) machines_aside_.insert(disproof.producer.machine);
   }
   for (const std::string& contradiction : actions.contradictions) world_.note(contradiction);
   for (const Unaudited& job : actions.unaudited) {
@@ -66,16 +66,16 @@ bool Coordinator::is_refused(const WorkerInfo& worker) const {
 
 // In farms with audits, as in the real ones.
 void Coordinator::note_refusal(const WorkerId& worker) {
-  if (options_.audit_share == 0 || !is_liar(worker) || ++refused_ % kRefusalsUntilAside != 0) return;
-  put_aside({kLiar, worker, kLiar});
+  if (options_.audit_share == 0 || !is_liar(worker) || ++refused_ % kRejectionsUntilQuarantine != 0) return;
+  quarantined({kLiar, worker, kLiar});
 }
 
-void Coordinator::put_aside(const Author& author) {
-  world_.note(fmt::format("{} is put aside", called(author)));
-  workers_aside_.insert(author.worker);
-  machines_aside_.insert(author.machine);
+void Coordinator::quarantined(const Producer& producer) {
+  world_.note(fmt::format("{} is put aside", called(producer)));
+  workers_aside_.insert(producer.worker);
+  machines_aside_.insert(producer.machine);
   referee_.expect_audits();
-  handle(Dismiss{author.worker, true});
+  handle(Dismiss{producer.worker, true});
 }
 
 // Where everything is audited, and honest workers of two names and more are there, no lie gets through;

@@ -34,12 +34,12 @@ bool Disk::update(const JobId& id, const JobRow& row) {
 }
 
 bool Disk::write_tile(const JobId& id, int tile, const ModelFilm& content,
-                      const std::vector<AuthoredItem>& authored) {
+                      const std::vector<ProducedItem>& provenance) {
   if (!written()) return false;
   StoredJob* const job = find(id);
   if (job == nullptr) return true;
   job->film.copy_tile(tile, content);
-  job->authored[tile] = authored;
+  job->provenance[tile] = provenance;
   return true;
 }
 

@@ -34,7 +34,7 @@ class Disk {
     JobRow row;
     ModelFilm film;
     // By tile.
-    std::map<int, std::vector<scheduler::AuthoredItem>> authored;
+    std::map<int, std::vector<scheduler::ProducedItem>> provenance;
   };
 
   explicit Disk(World& world) : world_(world) {}
@@ -48,7 +48,7 @@ class Disk {
   // An older copy changes nothing.
   bool update(const scheduler::JobId& id, const JobRow& row);
   bool write_tile(const scheduler::JobId& id, int tile, const ModelFilm& content,
-                  const std::vector<scheduler::AuthoredItem>& authored);
+                  const std::vector<scheduler::ProducedItem>& provenance);
   bool remove(const scheduler::JobId& id);
 
   // In the order of submission.

@@ -20,7 +20,7 @@ constexpr double kShownSeconds = 5;
 // Three machines in a row for a hundred seconds each, and what is rendered before.
 constexpr double kLongestSeconds = 600;
 // Three count, and near a job's end an idle one may have a copy of what the third holds.
-constexpr int kMostKept = 4;
+constexpr int kMaxKept = 4;
 
 class KeptFarm {
  public:
@@ -71,7 +71,7 @@ bool KeptFarm::is_over() const {
 void KeptFarm::check() {
   const auto kept =
       std::ranges::count_if(machines_, [](const auto& machine) { return machine->has_been_at_no_end(); });
-  if (kept > kMostKept) world_.fail(fmt::format("{} machines were kept by what never ends", kept));
+  if (kept > kMaxKept) world_.fail(fmt::format("{} machines were kept by what never ends", kept));
   const std::string endless =
       fmt::format("samples [{}, {}) of tile {}", endless_.samples.begin, endless_.samples.end, endless_.tile);
   for (const JobView& job : coordinator_.jobs()) {

@@ -49,15 +49,15 @@ LeaseId Liar::any_lease() {
 
 WorkItem Liar::any_item() {
   Random& random = world_.random;
-  constexpr int kMost = std::numeric_limits<int>::max();
-  constexpr std::uint32_t kMostSamples = std::numeric_limits<std::uint32_t>::max();
+  constexpr int kMax = std::numeric_limits<int>::max();
+  constexpr std::uint32_t kMaxSamples = std::numeric_limits<std::uint32_t>::max();
   switch (random.integer(0, 19)) {
     case 0:
-      return {random.chance(0.5) ? kMost : -kMost - 1, {0, 1}};
+      return {random.chance(0.5) ? kMax : -kMax - 1, {0, 1}};
     case 1:
-      return {0, {0, kMostSamples}};
+      return {0, {0, kMaxSamples}};
     case 2:
-      return {random.integer(0, 8), {kMostSamples - 1, kMostSamples}};
+      return {random.integer(0, 8), {kMaxSamples - 1, kMaxSamples}};
     default:
       const auto begin = static_cast<std::uint32_t>(random.integer(0, 20));
       return {random.integer(-1, 8), {begin, static_cast<std::uint32_t>(random.integer(0, 25))}};
@@ -86,7 +86,7 @@ void Liar::deliver(int jobs) {
   SubmitResult result{{kLiar}, lease.job, lease.id, lease.items, any_seconds(), random.chance(0.5), ""};
   result.token = lease.token;
   if (random.chance(0.1)) {
-    result.cannot_build = "it is not to my liking";
+    result.decline_reason = "it is not to my liking";
     refused_.insert(result.job);
   }
   for (int i = result.items.size() % 3 == 1 ? random.integer(1, 5) : 0; i > 0; --i)

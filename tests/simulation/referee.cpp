@@ -45,7 +45,7 @@ void Referee::restarted(std::uint32_t epoch) {
   last_heard_.clear();
   waiting_.clear();
   woken_.clear();
-  held_in_vain_.clear();
+  held_without_progress_.clear();
   slowest_seconds_.clear();
   began_.reset();
   last_helped_.clear();
@@ -68,7 +68,7 @@ void Referee::handled(const Event& event, const Actions& actions, Time clock) {
   clock_ = std::max(clock_, clock);
   if (!began_) began_ = clock_;
   const auto begins_anew = [this](const WorkerId& worker) {
-    std::erase_if(held_in_vain_, [&](const auto& held) { return held.first.first == worker; });
+    std::erase_if(held_without_progress_, [&](const auto& held) { return held.first.first == worker; });
   };
   if (const auto* dismissed = std::get_if<Dismiss>(&event)) begins_anew(dismissed->worker);
   if (const auto* call = std::get_if<Synchronize>(&event)) {
@@ -77,7 +77,7 @@ void Referee::handled(const Event& event, const Actions& actions, Time clock) {
     last_heard_[call->worker.id] = clock_;
   }
   const auto* result = std::get_if<SubmitResult>(&event);
-  if (result != nullptr && !result->cannot_build.empty()) tried_.insert({result->worker, result->job});
+  if (result != nullptr && !result->decline_reason.empty()) tried_.insert({result->worker, result->job});
   for (const JobChange& change : actions.job_changes) check_arrow(change);
   for (const Unaudited& given_up : actions.unaudited) check_given_up(given_up.job);
   woken_.insert(actions.wake.begin(), actions.wake.end());
@@ -119,7 +119,7 @@ void Referee::check_reply(const Event& event, const Reply& reply) {
                                                : std::get<TopUp>(event).worker;
   const auto last = last_call_.find(worker);
   if (last == last_call_.end()) return world_.fail("a worker that was never heard of has a reply");
-  if (reply.heard_within != options_.lease_duration - (clock_ - last_heard_[worker]))
+  if (reply.heartbeat_timeout != options_.lease_duration - (clock_ - last_heard_[worker]))
     world_.fail(fmt::format("worker {} is told a wrong time", worker.value));
 
   std::set<LeaseId> reported;
@@ -159,13 +159,13 @@ void Referee::check_progress(const WorkerId& worker, const Reply& reply) {
   std::map<JobId, std::vector<WorkItem>> items;
   for (const LeaseDescription& lease : reply.leases)
     items[lease.job].insert(items[lease.job].end(), lease.items.begin(), lease.items.end());
-  std::erase_if(held_in_vain_, [&](const auto& held) {
+  std::erase_if(held_without_progress_, [&](const auto& held) {
     return held.first.first == worker && !items.contains(held.first.second);
   });
   for (auto& [job, held] : items) {
-    const auto known = held_in_vain_.try_emplace({worker, job}, Held{clock_, {}}).first;
+    const auto known = held_without_progress_.try_emplace({worker, job}, Held{clock_, {}}).first;
     known->second.items = std::move(held);
-    if (clock_ - known->second.since > longest_in_vain(worker, reply))
+    if (clock_ - known->second.since > longest_without_progress(worker, reply))
       world_.fail(fmt::format("worker {} holds leases of job {} and has delivered nothing of it for {:.0f} s",
                               worker.value, job.value,
                               std::chrono::duration<double>(clock_ - known->second.since).count()));
@@ -174,7 +174,7 @@ void Referee::check_progress(const WorkerId& worker, const Reply& reply) {
 
 // Ten lease durations, and what passes until it calls again; ten times as long as it has shown that it may
 // take.
-Duration Referee::longest_in_vain(const WorkerId& worker, const Reply& reply) const {
+Duration Referee::longest_without_progress(const WorkerId& worker, const Reply& reply) const {
   const auto slowest = slowest_seconds_.find(worker);
   double samples = 0;
   for (const LeaseDescription& lease : reply.leases) {
@@ -191,14 +191,14 @@ void Referee::note_progress(const SubmitResult& event, const Actions& actions) {
     samples += films_.at(event.job).pixel_samples(event.items[i]);
     if (actions.verdicts[i] == Verdict::kDropped) continue;
     last_helped_[event.job] = clock_;
-    for (auto& [who, held] : held_in_vain_) {
+    for (auto& [who, held] : held_without_progress_) {
       if (who.second != event.job) continue;
       const bool has_it = std::any_of(held.items.begin(), held.items.end(),
                                       [&](const WorkItem& item) { return overlap(item, event.items[i]); });
       if (has_it || who.first == event.worker) held.since = clock_;
     }
   }
-  if (!actions.dropped_tiles.empty()) held_in_vain_.clear();
+  if (!actions.dropped_tiles.empty()) held_without_progress_.clear();
   if (samples == 0 || !(event.render_seconds > 0) || event.render_seconds > 1e6) return;
   double& slowest = slowest_seconds_[event.worker];
   slowest = std::max(slowest, event.render_seconds / samples);

@@ -59,7 +59,7 @@ class Referee {
   void check_progress(const scheduler::WorkerId& worker, const scheduler::Reply& reply);
   void check_given_up(const scheduler::JobId& job) const;
   void note_progress(const scheduler::SubmitResult& event, const scheduler::Actions& actions);
-  Duration longest_in_vain(const scheduler::WorkerId& worker, const scheduler::Reply& reply) const;
+  Duration longest_without_progress(const scheduler::WorkerId& worker, const scheduler::Reply& reply) const;
   void note_delivered(const scheduler::WorkerId& worker, const scheduler::JobId& job,
                       const scheduler::WorkItem& item);
   std::uint64_t samples_in_film(const scheduler::JobView& job) const;
@@ -89,7 +89,7 @@ class Referee {
     Time since;
     std::vector<scheduler::WorkItem> items;
   };
-  std::map<std::pair<scheduler::WorkerId, scheduler::JobId>, Held> held_in_vain_;
+  std::map<std::pair<scheduler::WorkerId, scheduler::JobId>, Held> held_without_progress_;
   // The most time for a sample of a pixel that the worker has said it took.
   std::map<scheduler::WorkerId, double> slowest_seconds_;
   // The highest lease given, in all runs.

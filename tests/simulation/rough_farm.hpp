@@ -60,7 +60,7 @@ class RoughFarm {
   void submit();
   void make_deadly(const scheduler::JobId& id, const scheduler::JobShape& shape);
   void make_endless(const scheduler::JobId& id, const scheduler::JobShape& shape);
-  void start_anew_who_is_at_no_end();
+  void restart_hung_workers();
   void make_unbuildable(const scheduler::JobId& id);
 
   // ---- What goes wrong ----

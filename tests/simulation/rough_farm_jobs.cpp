@@ -53,19 +53,19 @@ void RoughFarm::make_endless(const JobId& id, const JobShape& shape) {
   world_.note(fmt::format("job {} never ends from sample {} of tile {} on", id.value, first, tile));
   for (const auto& machine : machines_)
     machine->never_ends(id, {tile, {first, std::min(first + count, shape.spp)}});
-  if (endless_jobs_.empty()) start_anew_who_is_at_no_end();
+  if (endless_jobs_.empty()) restart_hung_workers();
   endless_jobs_.insert(id);
 }
 
 // Somebody looks at the machines from time to time; most often soon, else after more than an hour.
-void RoughFarm::start_anew_who_is_at_no_end() {
+void RoughFarm::restart_hung_workers() {
   world_.after(seconds(slow_.chance(0.7) ? slow_.real(150, 400) : 4200), [this] {
     for (const auto& machine : machines_) {
       if (!machine->is_at_no_end()) continue;
       machine->crash();
       machine->start();
     }
-    start_anew_who_is_at_no_end();
+    restart_hung_workers();
   });
 }
 
@@ -73,7 +73,7 @@ void RoughFarm::make_unbuildable(const JobId& id) {
   const bool by_all = world_.random.chance(0.5);
   world_.note(fmt::format("job {} cannot be built by {}", id.value, by_all ? "anyone" : "the last machine"));
   for (const auto& machine : machines_) {
-    if (by_all || machine == machines_.back()) machine->cannot_build(id);
+    if (by_all || machine == machines_.back()) machine->decline_reason(id);
   }
   (by_all || machines_.size() == 1 ? unbuildable_jobs_ : doubtful_jobs_).insert(id);
 }

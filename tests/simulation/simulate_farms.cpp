@@ -16,7 +16,7 @@ namespace {
 using tessera::simulation::FarmReport;
 using tessera::simulation::simulate_farm;
 
-constexpr int kMostFailures = 5;
+constexpr int kMaxFailures = 5;
 
 std::optional<std::uint64_t> number(std::string_view text) {
   std::uint64_t value = 0;
@@ -35,7 +35,7 @@ int simulate(std::uint64_t first, std::uint64_t farms, const char* program) {
   double virtual_seconds = 0;
   std::uint64_t events = 0;
   int failures = 0;
-  for (std::uint64_t seed = first; seed < first + farms && failures < kMostFailures; ++seed) {
+  for (std::uint64_t seed = first; seed < first + farms && failures < kMaxFailures; ++seed) {
     const FarmReport report = simulate_farm(seed, false);
     virtual_seconds += report.virtual_seconds;
     events += report.events;

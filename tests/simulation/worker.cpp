@@ -252,13 +252,13 @@ void WorkerMachine::give_back(Held& held) {
   deliver(held, true, "material 'stone': there is no such file");
 }
 
-void WorkerMachine::deliver(Held& held, bool finished, const std::string& cannot_build) {
+void WorkerMachine::deliver(Held& held, bool finished, const std::string& decline_reason) {
   const std::uint64_t delivery = ++deliveries_;
   if (splits_) held.rendered = joined(held.rendered);
-  outbox_[delivery] = {{id_},        held.job,      held.id, held.rendered, held.render_seconds, finished,
-                       cannot_build, sums_of(held), {},      held.token};
+  outbox_[delivery] = {{id_},          held.job,      held.id, held.rendered, held.render_seconds, finished,
+                       decline_reason, sums_of(held), {},      held.token};
   // As real workers, which deliver one after the other.
-  const bool takes = finished && takes_with_answers_ && cannot_build.empty() && outbox_.size() == 1;
+  const bool takes = finished && takes_with_answers_ && decline_reason.empty() && outbox_.size() == 1;
   if (takes && !stopping_) outbox_[delivery].held = held_besides(held);
   held.sent.insert(held.sent.end(), held.rendered.begin(), held.rendered.end());
   held.rendered.clear();

@@ -47,7 +47,7 @@ class WorkerMachine {
   // renders nothing.
   void feign_fetching() { feigns_ = true; }
   // From now on its workers cannot build this job's scene, and give its leases back.
-  void cannot_build(const scheduler::JobId& job) { unbuildable_.insert(job); }
+  void decline_reason(const scheduler::JobId& job) { unbuildable_.insert(job); }
   // From now on that share of what it delivers has flipped bits.
   void lie(double share) { lies_ = share; }
   // From now on it delivers many ranges in two parts.
@@ -89,7 +89,7 @@ class WorkerMachine {
   void give_back(Held& held);
   std::vector<scheduler::Fingerprint> sums_of(const Held& held);
   std::deque<scheduler::WorkItem> in_pieces(const std::vector<scheduler::WorkItem>& items);
-  void deliver(Held& held, bool finished, const std::string& cannot_build = "");
+  void deliver(Held& held, bool finished, const std::string& decline_reason = "");
   void send_until_heard(std::uint64_t delivery);
   std::vector<scheduler::LeaseId> held_besides(const Held& held) const;
   void heard(std::uint64_t delivery, const std::optional<scheduler::Reply>& reply);

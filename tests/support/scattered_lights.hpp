@@ -66,7 +66,7 @@ inline std::vector<core::LightTree::Item> tree_items(const std::vector<core::Lig
 }
 
 // Every other one is lit on one side.
-inline core::LitPoint lit_point(int index) {
+inline core::LightSampleContext light_context(int index) {
   return {point_in_cube(index, 10), index % 2 == 0 ? direction(index, 11) : core::Vec3{}};
 }
 

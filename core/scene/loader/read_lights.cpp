@@ -50,7 +50,7 @@ DirectionalLightDescription read_directional(const Field& field) {
 }
 
 // Unlike an emission, it has its texture beside it.
-Rgb read_surroundings(const Field& field) {
+Rgb read_environment_radiance(const Field& field) {
   if (field.value().get_if<JsonValue::Number>() || field.value().get_if<JsonValue::Array>())
     return read_color(field, bounds::kNotNegative);
   field.mistake(
@@ -83,7 +83,8 @@ std::vector<LightDescription> read_lights(const Field& field) {
 EnvironmentDescription read_environment(const Field& field, const std::vector<TextureEntry>& textures) {
   const ObjectReader object(field, scene_keys::kEnvironment);
   EnvironmentDescription environment;
-  environment.radiance.value = read_or(object, "radiance", environment.radiance.value, read_surroundings);
+  environment.radiance.value =
+      read_or(object, "radiance", environment.radiance.value, read_environment_radiance);
   environment.rotation_degrees =
       read_or(object, "rotation_degrees", environment.rotation_degrees, read_float, bounds::kDegrees);
   if (const auto name = object.find("texture")) {

@@ -17,7 +17,6 @@ using scene_keys::kShapeTypes;
 
 using Words = std::span<const std::string_view>;
 
-
 Vec3 read_scale(const Field& field) {
   if (field.value().get_if<JsonValue::Array>()) return read_vec3(field, bounds::kNotZero);
   const float factor = read_float(field, bounds::kNotZero);
@@ -128,7 +127,7 @@ ShapeDescription read_sphere(const Field& field, const std::vector<MaterialEntry
   const Vec3 center = read_or(object, "center", Vec3{0, 0, 0}, read_vec3, bounds::kCoordinate);
   const float radius = read_or(object, "radius", 1.0f, read_float, bounds::kPositive);
   if (field.mistakes().count() > mistakes_before) return SphereDescription{};
-  if (!(round_scale(common.transform, 1e-4f) > 0))
+  if (!(uniform_scale(common.transform, 1e-4f) > 0))
     field.mistake("a sphere must stay round: its transform must scale by the same factor in all directions");
   const SphereDescription sphere{common.transform.point(center), radius * common.transform.scales().x,
                                  common.material.value_or(0)};
@@ -199,7 +198,7 @@ ShapeDescription read_instance(const Field& field, const std::vector<MaterialEnt
   if (!Placement::can_place(instance.to_world)) {
     field.mistake("the transform flattens the object, or scales or moves it too far to be computed");
   } else if (has_emissive_sphere(objects[instance.object], instance.material, materials) &&
-             !(round_scale(instance.to_world, kRoundToRounding) > 0)) {
+             !(uniform_scale(instance.to_world, kRoundToRounding) > 0)) {
     field.mistake(
         "a sphere of the object emits light and must stay round: the transform must scale by the same factor "
         "in all directions");

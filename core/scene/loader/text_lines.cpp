@@ -14,7 +14,7 @@ constexpr bool is_blank(char c) {
   return c == ' ' || c == '\t' || c == '\v' || c == '\f' || c == '\0' || c == '\x1a';
 }
 
-bool goes_on(std::string_view line) {
+bool survives(std::string_view line) {
   return line.ends_with('\\') && line.find('#') == std::string_view::npos;
 }
 
@@ -83,13 +83,13 @@ bool StatementLines::next() {
   if (rest_.empty()) return false;
   line_ = take_line(rest_);
   number_ = ++lines_taken_;
-  if (goes_on(line_) && !rest_.empty()) join();
+  if (survives(line_) && !rest_.empty()) join();
   return true;
 }
 
 void StatementLines::join() {
   joined_.clear();
-  while (goes_on(line_) && !rest_.empty()) {
+  while (survives(line_) && !rest_.empty()) {
     joined_ += line_.substr(0, line_.size() - 1);
     joined_ += ' ';
     line_ = take_line(rest_);

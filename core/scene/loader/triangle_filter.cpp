@@ -43,7 +43,7 @@ std::size_t hash(const Points& points) {
 class PossibleTwins {
  public:
   explicit PossibleTwins(const MeshDescription& mesh) : slots_(mesh.triangles.size()) {
-    const std::size_t slot_count = std::min(std::bit_ceil(8 * slots_.size()), kMostSlots);
+    const std::size_t slot_count = std::min(std::bit_ceil(8 * slots_.size()), kMaxSlots);
     bits_.resize(std::max(slot_count / kSlotsOfWord, std::size_t{1}));
     for (std::size_t t = 0; t < slots_.size() + kAhead; ++t) {
       if (t < slots_.size()) {
@@ -61,7 +61,7 @@ class PossibleTwins {
   }
 
  private:
-  static constexpr std::size_t kMostSlots = std::size_t{1} << 32, kSlotsOfWord = 32, kAhead = 32;
+  static constexpr std::size_t kMaxSlots = std::size_t{1} << 32, kSlotsOfWord = 32, kAhead = 32;
   static constexpr std::uint64_t kOnce = 1, kAgain = 2;
 
   void count(std::size_t triangle) {

@@ -81,12 +81,12 @@ TEST(JobText, SaysHowWorkersAreDoing) {
   EXPECT_THAT(workers_table(workers, 0), HasSubstr("leaving"));
   worker.set_silent(true);
   EXPECT_THAT(workers_table(workers, 0), HasSubstr("silent"));
-  worker.set_put_aside(true);
+  worker.set_quarantined(true);
   EXPECT_THAT(workers_table(workers, 0), HasSubstr("put aside"));
   worker.set_name("machine");
   worker.set_audited_ranges(9);
   worker.set_disproved_ranges(2);
-  worker.set_put_aside_because("it rendered other bits");
+  worker.set_quarantine_reason("it rendered other bits");
   EXPECT_THAT(workers_table(workers, 0), HasSubstr("9 (2 wrong)"));
   EXPECT_THAT(workers_table(workers, 0), HasSubstr("\nmachine () is put aside: it rendered other bits\n"));
 }
@@ -96,7 +96,7 @@ TEST(JobText, SaysWhoIsGivenNothingAndForHowLong) {
   v1::ListWorkersResponse::Worker& worker = *workers.add_workers();
   worker.set_name("machine");
   worker.set_id("1234567890abcdef");
-  auto& bar = *worker.add_bars();
+  auto& bar = *worker.add_cooldowns();
   bar.set_job_id("fedcba0987654321");
   bar.mutable_remaining()->set_seconds(95);
   EXPECT_THAT(workers_table(workers, 0), HasSubstr("barred"));

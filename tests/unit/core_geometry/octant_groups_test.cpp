@@ -29,7 +29,7 @@ void expect_each_once(const std::vector<Ray>& run) {
   std::vector<int> met(run.size(), 0);
   for (const std::size_t i : groups.alone) ++met[i];
   for (const auto& group : groups.together) {
-    EXPECT_GE(group.size(), kLeastGroup);
+    EXPECT_GE(group.size(), kMinGroup);
     EXPECT_LE(group.size(), kGroupSize);
     for (const std::size_t i : group) {
       ++met[i];

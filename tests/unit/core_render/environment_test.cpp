@@ -13,7 +13,7 @@
 #include <tuple>
 #include <vector>
 
-#include "core/lights/facing.hpp"
+#include "core/lights/normal_bins.hpp"
 #include "core/sampling/sampler.hpp"
 #include "core/sampling/warp.hpp"
 #include "tests/support/chi_square.hpp"
@@ -310,7 +310,7 @@ TEST(EnvironmentSampling, FindsASunJustOverTheHorizon) {
           cosine * static_cast<double>(environment.radiance(sun).g / environment.pdf(normal, sun));
       const double all = environment.power(1) / std::numbers::pi;
       EXPECT_LT(counts, (aside == 0 ? 1 : 4) * std::max(2.5 * cosine, 0.75) * all) << i;
-      EXPECT_GT(environment.sought_irradiance()[facing_of(normal)], 0) << i;
+      EXPECT_GT(environment.importance_by_normal()[normal_bin(normal)], 0) << i;
     }
   }
 }
@@ -341,7 +341,7 @@ TEST(EnvironmentSampling, BlackSurroundingsHaveNoPower) {
 // too.
 TEST(EnvironmentSampling, SeeksTheSunMoreThanTheSky) {
   const auto sought = [](const Picture& sky, Vec3 normal) {
-    return Environment(Rgb::gray(1), sky, 0).sought_irradiance()[facing_of(normal)];
+    return Environment(Rgb::gray(1), sky, 0).importance_by_normal()[normal_bin(normal)];
   };
   const auto even = picture(64, 32, [](int, int) { return 1.0f; });
   const auto sun = picture(64, 32, [](int x, int y) { return x == 20 && y == 9 ? 1e5f : 0.0f; });

@@ -11,7 +11,7 @@ namespace {
 // bits, and coordinators accept no others. A change that alters images alters the number: replace it
 // knowingly, and say so in the change log.
 TEST(Fingerprint, IsThatOfThisRevision) {
-  EXPECT_EQ(arithmetic_fingerprint(), kDeterminismFingerprint);
+  EXPECT_EQ(determinism_fingerprint(), kDeterminismFingerprint);
 }
 
 }  // namespace

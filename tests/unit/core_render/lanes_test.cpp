@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "core/geometry/ray_lanes.hpp"
-#include "core/integrators/eight_vertices.hpp"
 #include "core/integrators/fingerprint.hpp"
+#include "core/integrators/vertex_batch.hpp"
 #include "core/sampling/warp.hpp"
 
 namespace tessera::core {
@@ -44,7 +44,7 @@ class EightLanes : public testing::Test {
   Vec3 random_point() { return {3 * random() - 1.5f, 3 * random(), 4 * random() - 2}; }
 
   // Rays and what they hit.
-  struct Sights {
+  struct Observations {
     std::array<Ray, kLaneCount> rays;
     std::array<Hit, kLaneCount> hits;
 
@@ -60,26 +60,26 @@ class EightLanes : public testing::Test {
     }
   };
   // At triangles alone whose material is `only_at`, if that is given.
-  Sights look(bool (*only_at)(const Material&)) {
-    Sights sights;
+  Observations look(bool (*only_at)(const Material&)) {
+    Observations observations;
     for (std::size_t lane = 0; lane < kLaneCount;) {
       const Ray ray{random_point(), random_point()};
       const Hit hit = scene_.bvh().closest_hit(scene_.primitives(), ray);
       if (!hit.found()) continue;
       if (only_at && (!scene_.primitives().is_plain_triangle(hit) || !only_at(scene_.material_of(hit))))
         continue;
-      sights.rays[lane] = ray;
-      sights.hits[lane++] = hit;
+      observations.rays[lane] = ray;
+      observations.hits[lane++] = hit;
     }
-    return sights;
+    return observations;
   }
 
   // Compares vertices with those that each ray makes alone, and counts how often what is found.
   template <typename Vertices>
-  void compare(const Sights& sights, const Vertices& together) {
+  void compare(const Observations& observations, const Vertices& together) {
     std::vector<PathVertex> alone;
     for (std::size_t lane = 0; lane < kLaneCount; ++lane)
-      alone.emplace_back(scene_, sights.rays[lane], sights.hits[lane]);
+      alone.emplace_back(scene_, observations.rays[lane], observations.hits[lane]);
     compare_surfaces(alone, together);
     compare_samples(alone, together);
     compare_lights(alone, together);
@@ -97,7 +97,7 @@ class EightLanes : public testing::Test {
       ASSERT_EQ(FloatLanes(surface.uv.x)[lane], point.uv.x);
       ASSERT_EQ(FloatLanes(surface.uv.y)[lane], point.uv.y);
       ASSERT_EQ(Vec3Lanes(together.wo())[lane], alone[lane].wo());
-      ASSERT_EQ(Vec3Lanes(together.lit_normal())[lane], alone[lane].lit_point().normal);
+      ASSERT_EQ(Vec3Lanes(together.light_normal())[lane], alone[lane].light_context().normal);
       ASSERT_EQ(has(together.is_delta(), lane), alone[lane].is_delta());
     }
   }
@@ -136,11 +136,11 @@ class EightLanes : public testing::Test {
       u_x.set(lane, random()), u_y.set(lane, random());
     }
     const LightSamples samples = sample_lights(
-        lights, scene_.textures(), {together.position(), together.lit_normal()}, {u_x.all(), u_y.all()});
+        lights, scene_.textures(), {together.position(), together.light_normal()}, {u_x.all(), u_y.all()});
     const RayLanes rays(together.rays_toward(samples));
     for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
       const auto sample = lights[lane] ? sample_light(*lights[lane], scene_.textures(),
-                                                      alone[lane].lit_point(), {u_x[lane], u_y[lane]})
+                                                      alone[lane].light_context(), {u_x[lane], u_y[lane]})
                                        : std::nullopt;
       ASSERT_EQ(has(samples.found, lane), sample.has_value());
       if (!sample) continue;
@@ -158,16 +158,17 @@ class EightLanes : public testing::Test {
   template <typename VerticesOf>
   void compare_triangles(bool (*only_at)(const Material&), VerticesOf vertices_of) {
     for (int i = 0; i < 1000 && !HasFatalFailure(); ++i) {
-      const Sights sights = look(only_at);
-      compare(sights, vertices_of(scene_, sights.ray_pointers(), sights.hit_pointers()));
+      const Observations observations = look(only_at);
+      compare(observations, vertices_of(scene_, observations.ray_pointers(), observations.hit_pointers()));
     }
     EXPECT_GT(samples_found_, 6000);
     EXPECT_GT(lights_found_, 4000);
   }
   void compare_all() {
     for (int i = 0; i < 2000 && !HasFatalFailure(); ++i) {
-      const Sights sights = look(nullptr);
-      compare(sights, mixed_vertices(scene_, sights.ray_pointers(), sights.hit_pointers(), kLaneCount));
+      const Observations observations = look(nullptr);
+      compare(observations,
+              mixed_vertices(scene_, observations.ray_pointers(), observations.hit_pointers(), kLaneCount));
     }
     EXPECT_GT(samples_found_, 12000);
     EXPECT_GT(lights_found_, 8000);

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/lights/facing.hpp"
+#include "core/lights/normal_bins.hpp"
 #include "tests/support/chi_square.hpp"
 #include "tests/support/scattered_lights.hpp"
 
@@ -40,7 +40,7 @@ TEST_P(Frequencies, AreThePmf) {
   if (GetParam()) lights = with_sun_and_sky(std::move(lights));
   const LightSampler sampler(lights, Among::kAll, 1);
   for (int p = 0; p < 12; ++p) {
-    const LitPoint point = test::lit_point(p);
+    const LightSampleContext point = test::light_context(p);
     std::vector<double> expected(lights.size() + 1), observed(lights.size() + 1);
     double sum = 0;
     for (std::uint32_t i = 0; i < lights.size(); ++i) {
@@ -77,7 +77,7 @@ TEST_P(Frequencies, OfEightPointsAreThoseOfEach) {
       std::array<double, kLaneCount> u;
       for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
         const int n = 8 * i + static_cast<int>(lane);
-        const LitPoint point = test::lit_point(n);
+        const LightSampleContext point = test::light_context(n);
         position.set(lane, point.position);
         normal.set(lane, n % 5 == 0 ? Vec3{} : point.normal);
         u[lane] = static_cast<double>(test::numbers(n, 42)[0]);
@@ -111,13 +111,13 @@ TEST(LightSampler, WeighsLightsAtInfinityByWhatTheySendToTheSurface) {
                               Environment(Rgb::gray(4 / kPi), nullptr, 0)},
                              Among::kAll, 1);
   const auto expected = [](double part) { return 0.1 / 3 + 0.9 * (0.75 * part + 0.25 / 3); };
-  const LitPoint below{{0, 0, 0}, {0, 1, 0}};
+  const LightSampleContext below{{0, 0, 0}, {0, 1, 0}};
   EXPECT_NEAR(sampler.pmf(below, 0), expected(1.0 / 8), 3e-3);
   EXPECT_NEAR(sampler.pmf(below, 1), expected(6.0 / 8), 3e-3);
   EXPECT_NEAR(sampler.pmf(below, 2), expected(1.0 / 8), 3e-3);
   for (std::uint32_t light = 0; light < 3; ++light)
     EXPECT_NEAR(sampler.pmf({{0, 0, 0}, {}}, light), expected(light == 1 ? 6.0 / 8 : 1.0 / 8), 1e-4);
-  const LitPoint turned_away{{0, 0, 0}, {0, -1, 0}};
+  const LightSampleContext turned_away{{0, 0, 0}, {0, -1, 0}};
   EXPECT_NEAR(sampler.pmf(turned_away, 0), 0.1 / 3, 1e-6);
   EXPECT_NEAR(sampler.pmf(turned_away, 1), 0.1 / 3, 1e-6);
   EXPECT_NEAR(sampler.pmf(turned_away, 2), 0.1 / 3 + 0.9, 1e-6);
@@ -127,7 +127,7 @@ TEST(LightSampler, WeighsAnUnevenSkyByWhichWayTheSurfaceFaces) {
   const Environment sky = uneven_sky(1);
   const DirectionalLight sun({0, -1, 0}, Rgb::gray(3));
   const LightSampler sampler({sun, sky}, Among::kAll, 1);
-  const auto sought = [&](Vec3 normal) { return sky.sought_irradiance()[facing_of(normal)]; };
+  const auto sought = [&](Vec3 normal) { return sky.importance_by_normal()[normal_bin(normal)]; };
   ASSERT_GT(sought({0, 1, 0}), 3 * sought({0, -1, 0}));
   for (const Vec3 normal : {Vec3{0, 1, 0}, normalize({1, 1, 0}), normalize({-2, 1, 3}), Vec3{}}) {
     const double of_sun = normal == Vec3{} ? 3 : 3 * static_cast<double>(normal.y);
@@ -146,11 +146,11 @@ TEST(LightSampler, ChoosesAmongLightsThatNoRayMeets) {
   const auto lights = with_sun_and_sky(test::scattered_lights(50));
   const LightSampler sampler(lights, Among::kDelta, 1);
   for (int i = 0; i < 1000; ++i) {
-    const auto choice = sampler.sample(test::lit_point(i), static_cast<double>(test::numbers(i, 41)[0]));
+    const auto choice = sampler.sample(test::light_context(i), static_cast<double>(test::numbers(i, 41)[0]));
     EXPECT_TRUE(choice.light == kNoLight || is_delta(lights[choice.light]));
   }
   for (std::uint32_t i = 0; i < lights.size(); ++i)
-    EXPECT_EQ(sampler.pmf(test::lit_point(1), i) > 0, is_delta(lights[i])) << i;
+    EXPECT_EQ(sampler.pmf(test::light_context(1), i) > 0, is_delta(lights[i])) << i;
 }
 
 TEST(LightSampler, AlwaysChoosesTheOnlyLight) {

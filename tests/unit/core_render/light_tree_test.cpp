@@ -11,7 +11,7 @@ namespace tessera::core {
 namespace {
 
 // Whether anything at all arrives at the point, by more than rounding.
-bool shines_on(const Light& light, const LitPoint& point, int index) {
+bool shines_on(const Light& light, const LightSampleContext& point, int index) {
   const auto u = test::numbers(index, 30);
   const auto sample = sample_light(light, {}, point, {u[0], u[1]});
   constexpr float kClearly = 1e-4f;
@@ -27,7 +27,7 @@ TEST(LightTree, FindsEveryLightThatShinesOnThePoint) {
   const LightTree tree = LightTree::build(test::tree_items(lights), 1);
   int shining = 0;
   for (int i = 0; i < 100; ++i) {
-    const LitPoint point = test::lit_point(i);
+    const LightSampleContext point = test::light_context(i);
     EXPECT_GT(tree.irradiance(point), 0);
     for (std::uint32_t light = 0; light < lights.size(); ++light) {
       if (!shines_on(lights[light], point, i)) continue;
@@ -40,7 +40,7 @@ TEST(LightTree, FindsEveryLightThatShinesOnThePoint) {
 
 // Of one light alone, the tree's estimate is close to what arrives.
 TEST(LightTree, KnowsWhatALampSends) {
-  const auto irradiance = [](const LightBounds& bounds, const LitPoint& point) {
+  const auto irradiance = [](const LightBounds& bounds, const LightSampleContext& point) {
     return LightTree::build({{bounds, 0}}, 1).irradiance(point);
   };
   const LightBounds point = PointLight({0, 3, 0}, Rgb::gray(18)).bounds();
@@ -71,7 +71,7 @@ TEST(LightTree, IsTheSameForAnyNumberOfThreads) {
   const LightTree one = LightTree::build(test::tree_items(lights), 1),
                   many = LightTree::build(test::tree_items(lights), 4);
   for (int i = 0; i < 2000; ++i) {
-    const LitPoint point = test::lit_point(i);
+    const LightSampleContext point = test::light_context(i);
     const double u = static_cast<double>(test::numbers(i, 31)[0]);
     const LightTree::Choice a = one.sample(point, u), b = many.sample(point, u);
     EXPECT_EQ(a.light, b.light);
@@ -89,7 +89,7 @@ TEST(LightTree, ReachesEachOfManyAlike) {
     items.push_back({PointLight(place, Rgb::gray(1)).bounds(), static_cast<std::uint32_t>(i)});
   }
   const LightTree tree = LightTree::build(std::move(items), 2);
-  const LitPoint far_away{{1e5f, 2e5f, 3e5f}, {}};
+  const LightSampleContext far_away{{1e5f, 2e5f, 3e5f}, {}};
   std::vector<int> chosen(kLights);
   for (int i = 0; i < kLights * kPerLight; ++i)
     ++chosen[tree.sample(far_away, (i + 0.5) / (kLights * kPerLight)).light];
@@ -110,8 +110,9 @@ TEST(LightTree, IsBuiltOverLightsAnywhere) {
                          .bounds(),
                      i});
   const LightTree tree = LightTree::build(std::move(items), 1);
-  for (const LitPoint& point :
-       {LitPoint{{1, 1, 1}, {}}, LitPoint{{0, 0, 0}, {0, 1, 0}}, LitPoint{{1e15f, 1e15f, 1e15f}, {}}}) {
+  for (const LightSampleContext& point :
+       {LightSampleContext{{1, 1, 1}, {}}, LightSampleContext{{0, 0, 0}, {0, 1, 0}},
+        LightSampleContext{{1e15f, 1e15f, 1e15f}, {}}}) {
     double sum = 0;
     for (std::uint32_t i = 0; i < 100; ++i) {
       ASSERT_TRUE(std::isfinite(tree.pmf(point, i)));

@@ -87,7 +87,7 @@ TEST(Scene, PutsLightsInOrderAndKnowsWhichNoRayMeets) {
   EXPECT_TRUE(std::holds_alternative<PointLight>(scene.lights()[2]));
   EXPECT_TRUE(std::holds_alternative<DirectionalLight>(scene.lights()[3]));
   EXPECT_EQ(scene.environment_light(), 4u);
-  const LitPoint point{{0, 0.5f, 0}, {}};
+  const LightSampleContext point{{0, 0.5f, 0}, {}};
   for (const std::uint32_t light : {0u, 1u, 4u}) EXPECT_EQ(scene.delta_light_sampler().pmf(point, light), 0);
   EXPECT_NEAR(scene.delta_light_sampler().pmf(point, 2) + scene.delta_light_sampler().pmf(point, 3), 1, 1e-6);
 }
@@ -102,7 +102,7 @@ TEST(Scene, WeighsTexturedLampsByTheirMean) {
   for (const auto material : {screen, lamp})
     maker.add(QuadDescription{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, material});
   const Scene scene = maker.build();
-  const LitPoint point{{0.3f, 0.4f, 1}, {}};
+  const LightSampleContext point{{0.3f, 0.4f, 1}, {}};
   EXPECT_NEAR(scene.light_sampler().pmf(point, 0), scene.light_sampler().pmf(point, 1), 1e-6);
 }
 

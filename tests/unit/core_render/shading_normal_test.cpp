@@ -79,14 +79,14 @@ TEST(GrooveCos, IsMadeUpForByTheScale) {
 TEST(BendForReflection, KeepsTheMirrorDirectionAbove) {
   for (float lean = -80; lean <= 80; lean += 7)
     for (float view = -89; view <= 89; view += 3) {
-      const Vec3 wo = in_plane(view), seen = bend_toward_viewer(in_plane(lean), wo);
-      const Vec3 n = bend_for_reflection(seen, kSide, wo);
+      const Vec3 wo = in_plane(view), seen = clamp_toward_viewer(in_plane(lean), wo);
+      const Vec3 n = ensure_valid_reflection(seen, kSide, wo);
       ASSERT_NEAR(length(n), 1, 1e-4);
       EXPECT_GT(dot(n, wo), 0);
       EXPECT_GT(dot(n * (2 * dot(n, wo)) - wo, kSide), -1e-4f) << lean << ' ' << view;
     }
   const Vec3 slight = in_plane(5);
-  EXPECT_EQ(bend_for_reflection(slight, kSide, in_plane(30)), slight);
+  EXPECT_EQ(ensure_valid_reflection(slight, kSide, in_plane(30)), slight);
 }
 
 // A triangle with normals that lean far, seen from all around.

@@ -69,7 +69,7 @@ TEST(Whitted, SamplesSomeOfManyLights) {
   const Scene scene = maker.build();
   EXPECT_NEAR(whitted(scene, 0, 2000), 0.6 / std::numbers::pi * irradiance, 2e-3 * irradiance);
   const RenderSettings settings{.width_px = 4, .height_px = 4, .integrator = Integrator::kWhitted};
-  EXPECT_EQ(render(scene, settings, {0, 0, 4, 4}, {0, 1}, 1).counters.shadow_rays, 16 * kMostWhittedLights);
+  EXPECT_EQ(render(scene, settings, {0, 0, 4, 4}, {0, 1}, 1).counters.shadow_rays, 16 * kMaxWhittedLights);
 }
 
 TEST(Whitted, LeavesOutLightThatIsScatteredTwice) {
@@ -117,7 +117,7 @@ TEST(Whitted, EndsATreeThatGrowsWithoutEnd) {
   const RenderSettings settings{
       .width_px = 1, .height_px = 1, .integrator = Integrator::kWhitted, .max_depth = kMaxDepth};
   EXPECT_EQ(render(maker.build(), settings, {0, 0, 1, 1}, {0, 1}, 1).counters.closest_hit_rays,
-            static_cast<std::uint64_t>(kMostWhittedRays));
+            static_cast<std::uint64_t>(kMaxWhittedRays));
 }
 
 // Through a slab of glass: T^2 + T^2 R^2 + ..., each term two surfaces deeper than the last.

@@ -19,7 +19,7 @@ using testing::HasSubstr;
 TEST(CheckText, TakesNamesOfAnyLanguage) {
   EXPECT_TRUE(check_text("name", ""));
   EXPECT_TRUE(check_text("name", "Käse-rechner 7 (€)"));
-  EXPECT_TRUE(check_text("name", std::string(kMostNameBytes, 'x')));
+  EXPECT_TRUE(check_text("name", std::string(kMaxNameBytes, 'x')));
 }
 
 TEST(CheckText, SaysWhatIsWrong) {

@@ -158,7 +158,7 @@ TEST_F(Answers, MakeWhoFallsSilentASuspectOfWhatItWasTold) {
   const LeaseDescription told = deliver_holding("w", held[0], {held[1].id}).reply->leases.at(1);
   pass(seconds(10));
   tick();
-  // Suspects are leased alone, one after the other.
+  // PoisonTracker are leased alone, one after the other.
   std::vector<WorkItem> alone;
   for (std::size_t i = 0; i < held[1].items.size() + told.items.size(); ++i) {
     const Reply reply = sync("v", {}, 2);
@@ -166,9 +166,9 @@ TEST_F(Answers, MakeWhoFallsSilentASuspectOfWhatItWasTold) {
     alone.insert(alone.end(), reply.leases[0].items.begin(), reply.leases[0].items.end());
     deliver("v", reply.leases[0]);
   }
-  std::vector<WorkItem> suspects = held[1].items;
-  suspects.insert(suspects.end(), told.items.begin(), told.items.end());
-  EXPECT_EQ(alone, suspects);
+  std::vector<WorkItem> poison = held[1].items;
+  poison.insert(poison.end(), told.items.begin(), told.items.end());
+  EXPECT_EQ(alone, poison);
   EXPECT_EQ(sync("v", {}, 2).leases.size(), 2u);
 }
 

@@ -111,8 +111,8 @@ class Farm : public testing::Test {
           {view.id, view.shape, view.priority, view.state, view.failure, {}, view.max_workers, {}});
       for (int tile = 0; tile < view.shape.grid().tile_count(); ++tile) {
         stored.back().done.push_back(scheduler_->done(view.id, tile));
-        for (const AuthoredItem& item : scheduler_->authored(view.id, tile))
-          stored.back().authored.push_back(item);
+        for (const ProducedItem& item : scheduler_->provenance(view.id, tile))
+          stored.back().provenance.push_back(item);
       }
     }
     ++options_.epoch;

@@ -15,7 +15,7 @@ TEST_F(Leases, AWorkerIsGivenTheFirstSamplesOfTheFirstTiles) {
   EXPECT_EQ(reply.leases[0].items,
             (std::vector<WorkItem>{{0, {0, 1}}, {1, {0, 1}}, {2, {0, 1}}, {3, {0, 1}}}));
   EXPECT_TRUE(reply.changed);
-  EXPECT_EQ(reply.heard_within, seconds(10));
+  EXPECT_EQ(reply.heartbeat_timeout, seconds(10));
 }
 
 TEST_F(Leases, TwoWorkersAreGivenDifferentWork) {

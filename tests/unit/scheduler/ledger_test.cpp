@@ -56,9 +56,9 @@ TEST(LedgerTest, IsBoundedButForWhatIsDue) {
     return entries;
   };
   for (std::uint32_t s = 0; s < 25; ++s) add(s, Due::kNo);
-  EXPECT_EQ(count(), Ledger::kMostEntries);
+  EXPECT_EQ(count(), Ledger::kMaxEntries);
   ledger.add({0, {63, 64}}, 1, sums(1), Due::kDoubted);
-  EXPECT_EQ(count(), Ledger::kMostEntries + 1);
+  EXPECT_EQ(count(), Ledger::kMaxEntries + 1);
 }
 
 }  // namespace

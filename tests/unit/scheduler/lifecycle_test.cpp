@@ -15,10 +15,11 @@ namespace tessera::scheduler {
 namespace {
 
 template <typename State>
-void expect_arrows(const std::vector<State>& states, const std::set<std::pair<State, State>>& arrows) {
+void expect_transitions(const std::vector<State>& states,
+                        const std::set<std::pair<State, State>>& transitions) {
   for (const State from : states) {
     for (const State to : states) {
-      EXPECT_EQ(may_become(from, to), arrows.contains({from, to}))
+      EXPECT_EQ(may_become(from, to), transitions.contains({from, to}))
           << static_cast<int>(from) << " to " << static_cast<int>(to);
     }
   }
@@ -26,36 +27,37 @@ void expect_arrows(const std::vector<State>& states, const std::set<std::pair<St
 
 TEST(Lifecycle, OfAJob) {
   using enum JobState;
-  expect_arrows<JobState>({kRunning, kPaused, kDone, kCancelled, kFailed}, {{kRunning, kPaused},
-                                                                            {kPaused, kRunning},
-                                                                            {kRunning, kDone},
-                                                                            {kDone, kRunning},
-                                                                            {kRunning, kCancelled},
-                                                                            {kPaused, kCancelled},
-                                                                            {kRunning, kFailed},
-                                                                            {kPaused, kFailed}});
+  expect_transitions<JobState>({kRunning, kPaused, kDone, kCancelled, kFailed}, {{kRunning, kPaused},
+                                                                                 {kPaused, kRunning},
+                                                                                 {kRunning, kDone},
+                                                                                 {kDone, kRunning},
+                                                                                 {kRunning, kCancelled},
+                                                                                 {kPaused, kCancelled},
+                                                                                 {kRunning, kFailed},
+                                                                                 {kPaused, kFailed}});
 }
 
 TEST(Lifecycle, OfAWorker) {
   using enum WorkerState;
-  expect_arrows<WorkerState>({kPresent, kDraining, kSilent, kForgotten}, {{kPresent, kDraining},
-                                                                          {kPresent, kSilent},
-                                                                          {kDraining, kPresent},
-                                                                          {kDraining, kSilent},
-                                                                          {kSilent, kPresent},
-                                                                          {kSilent, kDraining},
-                                                                          {kSilent, kForgotten}});
+  expect_transitions<WorkerState>({kPresent, kDraining, kSilent, kForgotten}, {{kPresent, kDraining},
+                                                                               {kPresent, kSilent},
+                                                                               {kDraining, kPresent},
+                                                                               {kDraining, kSilent},
+                                                                               {kSilent, kPresent},
+                                                                               {kSilent, kDraining},
+                                                                               {kSilent, kForgotten}});
 }
 
 TEST(Lifecycle, OfALease) {
   using enum LeaseState;
-  std::set<std::pair<LeaseState, LeaseState>> arrows{{kGranted, kHeld}};
+  std::set<std::pair<LeaseState, LeaseState>> transitions{{kGranted, kHeld}};
   for (const LeaseState end : {kDone, kReturned, kExpired, kStalled, kRevoked}) {
-    arrows.insert({kGranted, end});
-    arrows.insert({kHeld, end});
+    transitions.insert({kGranted, end});
+    transitions.insert({kHeld, end});
     EXPECT_FALSE(is_live(end));
   }
-  expect_arrows<LeaseState>({kGranted, kHeld, kDone, kReturned, kExpired, kStalled, kRevoked}, arrows);
+  expect_transitions<LeaseState>({kGranted, kHeld, kDone, kReturned, kExpired, kStalled, kRevoked},
+                                 transitions);
 }
 
 TEST(LifecycleDeathTest, AnArrowThatIsNotDrawnEndsTheProcess) {

@@ -84,9 +84,9 @@ TEST(Patience, IsTenTimesTheLeaseDurationOrWhatIsHeldShouldTakeAndAnHourAtMost) 
 
 TEST(BarAfter, DoublesWithEachTimeInARowButNotForEver) {
   using std::chrono::seconds;
-  EXPECT_EQ(bar_after(seconds(100), 0), seconds(100));
-  EXPECT_EQ(bar_after(seconds(100), 3), seconds(800));
-  EXPECT_EQ(bar_after(seconds(100), 1'000'000), seconds(102'400));
+  EXPECT_EQ(cooldown_after(seconds(100), 0), seconds(100));
+  EXPECT_EQ(cooldown_after(seconds(100), 3), seconds(800));
+  EXPECT_EQ(cooldown_after(seconds(100), 1'000'000), seconds(102'400));
 }
 
 TEST(ChooseJob, TakesTheHighestPriorityFirst) {

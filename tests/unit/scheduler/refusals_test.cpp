@@ -10,7 +10,7 @@ class Refusals : public Farm {
  protected:
   void refuse(const std::string& worker, const LeaseDescription& lease) {
     SubmitResult given_back{{worker}, lease.job, lease.id, {}, 0, true};
-    given_back.cannot_build = "out of memory";
+    given_back.decline_reason = "out of memory";
     EXPECT_TRUE(handle(given_back).status);
   }
 };

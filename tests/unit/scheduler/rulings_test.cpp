@@ -31,7 +31,7 @@ TEST_F(Rulings, DisproveALiarBySentence) {
   ASSERT_EQ(by_c.items[0], by_b.items[0]);
   const Actions decided = deliver_sums("c", by_c, {by_c.items[0]}, honest, false);
   ASSERT_EQ(decided.disproved.size(), 1u);
-  EXPECT_EQ(decided.disproved[0].author, (Author{"liar", {"liar"}, "liar"}));
+  EXPECT_EQ(decided.disproved[0].producer, (Producer{"liar", {"liar"}, "liar"}));
   EXPECT_EQ(decided.disproved[0].because,
             "it rendered other bits of samples [0, 1) of tile 0 (pixels [0, 64) x [0, 64)) of job job than b "
             "and c");
@@ -52,7 +52,7 @@ TEST_F(Rulings, DisproveWhoContradictsTheTruth) {
   const LeaseDescription third = lease_to("c");
   const Actions decided = deliver_sums("c", third, {lie.items[0]}, honest, false);
   ASSERT_EQ(decided.disproved.size(), 1u);
-  EXPECT_EQ(decided.disproved[0].author.name, "liar");
+  EXPECT_EQ(decided.disproved[0].producer.name, "liar");
   EXPECT_THAT(decided.dropped_tiles, IsEmpty());
   EXPECT_EQ(worker("liar").held_leases, 0);
 }
@@ -100,8 +100,8 @@ TEST_F(WithoutAudits, ADoneJobRunsAgainWhenItsWorkersAreDoubted) {
   deliver_sums("liar", lease_to("liar"), wrong);
   render("liar", wrong);
   ASSERT_EQ(state("job"), kDone);
-  const Actions put_aside = handle(Dismiss{{"liar"}, true});
-  EXPECT_THAT(put_aside.reopen, ElementsAre(JobId{"job"}));
+  const Actions quarantined = handle(Dismiss{{"liar"}, true});
+  EXPECT_THAT(quarantined.reopen, ElementsAre(JobId{"job"}));
   const Actions reopened = handle(ReopenJob{{"job"}});
   EXPECT_THAT(reopened.job_changes, ElementsAre(JobChange{{"job"}, kDone, kRunning}));
   EXPECT_EQ(reopened.reviewed_tiles.size(), 2u);

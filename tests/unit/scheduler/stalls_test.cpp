@@ -81,8 +81,8 @@ TEST_F(Stalls, WhoNeverHadAnythingCountedIsBarredForNoLongerEachTime) {
   for (int i = 0; i < 3; ++i) {
     std::vector<LeaseDescription> held{lease_to("new")};
     keep_reporting("new", held, seconds(100));
-    ASSERT_THAT(view("new").bars, testing::SizeIs(1));
-    EXPECT_EQ(view("new").bars[0].remaining, seconds(100));
+    ASSERT_THAT(view("new").cooldowns, testing::SizeIs(1));
+    EXPECT_EQ(view("new").cooldowns[0].remaining, seconds(100));
     keep_reporting("new", held, seconds(95));
     EXPECT_THAT(held, IsEmpty());
     pass(seconds(5));
@@ -100,11 +100,11 @@ TEST_F(Stalls, WhoFetchesTheSceneForLongLosesItsLeaseAndIsNotBarred) {
   EXPECT_EQ(lease_to("near").items, lease.items) << "others need not wait";
   keep_reporting("far", held, seconds(500));
   EXPECT_THAT(held, IsEmpty()) << "it can render nothing yet";
-  EXPECT_TRUE(view("far").bars.at(0).fetching);
+  EXPECT_TRUE(view("far").cooldowns.at(0).fetching);
   fetching_ = {};
   keep_reporting("far", held, seconds(5));
   EXPECT_EQ(held.size(), 1u);
-  EXPECT_THAT(view("far").bars, IsEmpty());
+  EXPECT_THAT(view("far").cooldowns, IsEmpty());
 }
 
 TEST_F(Stalls, WhoSaysAgainAndAgainThatItFetchesIsBarred) {
@@ -116,7 +116,7 @@ TEST_F(Stalls, WhoSaysAgainAndAgainThatItFetchesIsBarred) {
     EXPECT_THAT(held, IsEmpty());
   }
   EXPECT_THAT(sync("liar").leases, IsEmpty());
-  EXPECT_EQ(view("liar").bars.at(0).remaining, seconds(100));
+  EXPECT_EQ(view("liar").cooldowns.at(0).remaining, seconds(100));
 }
 
 TEST_F(Stalls, FetchingOneSceneExcusesNobodyFromAnotherJob) {

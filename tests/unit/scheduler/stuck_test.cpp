@@ -114,7 +114,7 @@ TEST_F(StuckWorkers, AStuckWorkerDoesNotKeepAJobThatNobodyCanBuildAlive) {
   const auto refuse = [&] {
     const Reply reply = sync("other");
     SubmitResult given_back{{"other"}, {"job"}, reply.leases.at(0).id, {}, 0, true};
-    given_back.cannot_build = "out of memory";
+    given_back.decline_reason = "out of memory";
     handle(given_back);
   };
   for (int i = 0; i < 3; ++i) refuse();

@@ -81,7 +81,7 @@ TEST_F(Waiting, IsNoSignOfLife) {
   deliver("w", first);
   const Reply reply = top_up("w");
   ASSERT_EQ(reply.leases.size(), 1u);
-  EXPECT_EQ(reply.heard_within, seconds(3));
+  EXPECT_EQ(reply.heartbeat_timeout, seconds(3));
   pass(seconds(3));
   tick();
   EXPECT_EQ(job("job").active_workers, 0);

@@ -15,10 +15,10 @@ class ArithmeticOf : public ScriptedFarm {};
 TEST_F(ArithmeticOf, SamplesOfAnotherArithmeticAreRefused) {
   const std::string id = submit();
   v1::SubmitResultRequest request = delivery('a', synchronize(greeting('a')).leases(0));
-  request.set_arithmetic_fingerprint("beef");
+  request.set_determinism_fingerprint("beef");
   EXPECT_EQ(coordinator().submit_result(request).error().code, ErrorCode::kFailedPrecondition);
   EXPECT_EQ(job(id).samples_done(), 0u);
-  request.set_arithmetic_fingerprint("f00d");
+  request.set_determinism_fingerprint("f00d");
   EXPECT_GT(deliver(request).accepted_items(), 0u);
 }
 
@@ -26,7 +26,7 @@ TEST_F(ArithmeticOf, AWorkerThatComputesOtherBitsIsRefusedByBothFingerprints) {
   submit();
   synchronize(greeting('a'));
   v1::SynchronizeRequest stranger = greeting('b');
-  stranger.set_arithmetic_fingerprint("beef");
+  stranger.set_determinism_fingerprint("beef");
   const WaitingCall call(coordinator(), stranger);
   ASSERT_TRUE(call.answered());
   ASSERT_FALSE(call.answer());
@@ -38,7 +38,7 @@ TEST_F(ArithmeticOf, AWorkerThatComputesOtherBitsIsRefusedByBothFingerprints) {
 TEST_F(ArithmeticOf, AFarmIsThatOfItsCoordinatorWhoeverComesFirst) {
   submit();
   v1::SynchronizeRequest stranger = greeting('b');
-  stranger.set_arithmetic_fingerprint("beef");
+  stranger.set_determinism_fingerprint("beef");
   const WaitingCall call(coordinator(), stranger);
   ASSERT_TRUE(call.answered());
   EXPECT_EQ(call.answer().error().code, ErrorCode::kFailedPrecondition);

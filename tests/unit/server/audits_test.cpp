@@ -10,7 +10,7 @@
 #include "proto/tile_codec.hpp"
 #include "server/coordinator/fingerprinter.hpp"
 #include "server/coordinator/plausible.hpp"
-#include "server/coordinator/tile_authors.hpp"
+#include "server/coordinator/tile_provenance.hpp"
 #include "tests/unit/server/scripted_farm.hpp"
 
 namespace tessera::coordinator {
@@ -82,10 +82,10 @@ TEST_F(Audits, PutALiarAsideAndRenderItsTileAgain) {
   render_together("bc", id);
   expect_local_picture(id);
   const auto liar = worker('a');
-  EXPECT_TRUE(liar.put_aside());
+  EXPECT_TRUE(liar.quarantined());
   EXPECT_EQ(liar.disproved_ranges(), 1u);
-  EXPECT_THAT(liar.put_aside_because(), HasSubstr("it rendered other bits of samples [0, 1) of tile 0"));
-  EXPECT_THAT(liar.put_aside_because(), HasSubstr("than host-b and host-c"));
+  EXPECT_THAT(liar.quarantine_reason(), HasSubstr("it rendered other bits of samples [0, 1) of tile 0"));
+  EXPECT_THAT(liar.quarantine_reason(), HasSubstr("than host-b and host-c"));
   const WaitingCall call(coordinator(), greeting('a'));
   ASSERT_TRUE(call.answered());
   EXPECT_EQ(call.answer().error().code, ErrorCode::kFailedPrecondition);
@@ -111,7 +111,7 @@ TEST_F(Audits, GoOnAfterARestart) {
   EXPECT_GT(job(id).samples_to_verify(), 0u);
   render_together("bc", id);
   expect_local_picture(id);
-  EXPECT_EQ(coordinator().workers()[0].put_aside(), false);
+  EXPECT_EQ(coordinator().workers()[0].quarantined(), false);
 }
 
 TEST_F(Audits, AreNotRepeatedForWhatWasConfirmed) {
@@ -133,12 +133,13 @@ class WithoutAudits : public Audits {
     open();
   }
   // Three results are refused.
-  void put_aside(char worker) {
+  void quarantined(char worker) {
     v1::SubmitResultRequest lie = last_results_.at(worker);
     *lie.add_items() = {};
-    for (int i = 0; i < Conduct::kRefusalsUntilAside; ++i) EXPECT_FALSE(coordinator().submit_result(lie));
-    EXPECT_TRUE(this->worker(worker).put_aside());
-    EXPECT_EQ(this->worker(worker).put_aside_because(), "3 of its results in a row were refused");
+    for (int i = 0; i < Quarantine::kRejectionsUntilQuarantine; ++i)
+      EXPECT_FALSE(coordinator().submit_result(lie));
+    EXPECT_TRUE(this->worker(worker).quarantined());
+    EXPECT_EQ(this->worker(worker).quarantine_reason(), "3 of its results in a row were refused");
   }
 };
 
@@ -146,7 +147,7 @@ TEST_F(WithoutAudits, WhatAWorkerRenderedBeforeItWasPutAsideIsVerified) {
   const std::string id = submit();
   ASSERT_TRUE(render('a', true));
   EXPECT_EQ(job(id).samples_to_verify(), 0u);
-  put_aside('a');
+  quarantined('a');
   EXPECT_GT(job(id).samples_to_verify(), 0u);
   render_together("bc", id);
   expect_local_picture(id);
@@ -163,7 +164,7 @@ TEST_F(WithoutAudits, ADoneJobRunsAgainWhetherItsFilmIsStoredOrNot) {
     if (stored) {
       ASSERT_TRUE(coordinator().checkpoint());
     }
-    put_aside(liar);
+    quarantined(liar);
     coordinator().reopen_jobs();
     EXPECT_EQ(job(id).state(), v1::JOB_STATE_RUNNING);
     EXPECT_FALSE(job(id).has_finished_at());
@@ -178,7 +179,7 @@ TEST_F(WithoutAudits, WhatIsToBeVerifiedIsKnownAfterARestart) {
   const std::string id = submit();
   ASSERT_TRUE(render('a', true));
   ASSERT_TRUE(coordinator().checkpoint());
-  put_aside('a');
+  quarantined('a');
   ASSERT_TRUE(coordinator().checkpoint());
   open();
   EXPECT_GT(job(id).samples_to_verify(), 0u);
@@ -190,7 +191,7 @@ TEST_F(WithoutAudits, WhatIsToBeVerifiedIsKnownAfterARestart) {
 TEST_F(WithoutAudits, WhatWasToBeVerifiedIsRenderedAgainWhereTheSecretIsLost) {
   const std::string id = submit();
   ASSERT_TRUE(render('a', true));
-  put_aside('a');
+  quarantined('a');
   ASSERT_TRUE(coordinator().checkpoint());
   coordinator_.reset();
   sqlite3* database = nullptr;
@@ -244,26 +245,26 @@ TEST(FingerprinterTest, MarksSumsThatWereCutOff) {
   EXPECT_EQ(Fingerprinter({1, 2}).of(tile).largest, std::numeric_limits<float>::infinity());
 }
 
-TEST(TileAuthorsTest, StandBehindTheTileInItsBytes) {
-  const Authored authored{17,
-                          {{{3, {0, 4}}, {"a", {"id a"}, "machine"}, {1, 2, 3}, scheduler::Due::kNo},
-                           {{3, {4, 5}}, {"b", {"id b"}}, {~0ull, 5, 6}, scheduler::Due::kDoubted},
-                           {{3, {8, 9}}, {"a", {"id a"}}, {7, 8, 9}, scheduler::Due::kChosen}}};
+TEST(TileProvenanceTest, StandBehindTheTileInItsBytes) {
+  const Produced provenance{17,
+                            {{{3, {0, 4}}, {"a", {"id a"}, "machine"}, {1, 2, 3}, scheduler::Due::kNo},
+                             {{3, {4, 5}}, {"b", {"id b"}}, {~0ull, 5, 6}, scheduler::Due::kDoubted},
+                             {{3, {8, 9}}, {"a", {"id a"}}, {7, 8, 9}, scheduler::Due::kChosen}}};
   const std::string tile = proto::encode_tile(some_tile({0, 4})).SerializeAsString();
-  const std::string bytes = tile + encode_authors(authored);
-  const auto read = decode_authors(3, bytes);
+  const std::string bytes = tile + encode_provenance(provenance);
+  const auto read = decode_provenance(3, bytes);
   EXPECT_EQ(read.fingerprinter, 17u);
-  ASSERT_EQ(read.items.size(), authored.items.size());
+  ASSERT_EQ(read.items.size(), provenance.items.size());
   for (std::size_t i = 0; i < read.items.size(); ++i) {
-    EXPECT_EQ(read.items[i].item, authored.items[i].item);
-    EXPECT_EQ(read.items[i].author, authored.items[i].author);
-    EXPECT_EQ(read.items[i].fingerprint, authored.items[i].fingerprint);
-    EXPECT_EQ(read.items[i].due, authored.items[i].due);
+    EXPECT_EQ(read.items[i].item, provenance.items[i].item);
+    EXPECT_EQ(read.items[i].producer, provenance.items[i].producer);
+    EXPECT_EQ(read.items[i].fingerprint, provenance.items[i].fingerprint);
+    EXPECT_EQ(read.items[i].due, provenance.items[i].due);
   }
   v1::RenderedItem item;
   ASSERT_TRUE(item.ParseFromString(bytes));
   EXPECT_EQ(proto::decode_tile(item)->sums, some_tile({0, 4}).sums);
-  EXPECT_TRUE(decode_authors(3, tile).items.empty());
+  EXPECT_TRUE(decode_provenance(3, tile).items.empty());
 }
 
 struct Impossible {

@@ -100,11 +100,11 @@ TEST_F(BlobClaimsTest, ButNotWhileTheSameIsSubmittedOnceMore) {
 
 TEST_F(BlobClaimsTest, TheSameFilesAskedForAgainCountOnce) {
   for (int i = 0; i < 100; ++i) EXPECT_TRUE(claims_.claim("ada", {a_, b_}));
-  EXPECT_EQ(claims_.claimed_by("ada"), BlobClaims::kLeastFiles);
+  EXPECT_EQ(claims_.claimed_by("ada"), BlobClaims::kMinFiles);
 }
 
 TEST_F(BlobClaimsTest, NobodyClaimsAllThatCanBe) {
-  std::vector<proto::Digest> files(BlobClaims::kMostFiles / 4 + 1);
+  std::vector<proto::Digest> files(BlobClaims::kMaxFiles / 4 + 1);
   const auto claim = [&](const std::string& caller, std::uint8_t kind) {
     for (std::size_t i = 0; i < files.size(); ++i) {
       for (int byte = 0; byte < 3; ++byte)

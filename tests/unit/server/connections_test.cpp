@@ -146,13 +146,13 @@ TEST(ConnectionSlots, OfOneMachineLeaveRoomForOthers) {
 }
 
 TEST(ConnectionSlots, AMachineIsAnAddressOrItsNetwork) {
-  EXPECT_EQ(machine_of(address_of(AF_INET, "10.0.0.5")), "10.0.0.5");
-  EXPECT_EQ(machine_of(address_of(AF_INET6, "2001:db8:1:2:3:4:5:6")), "2001:db8:1:2::/64");
-  EXPECT_EQ(machine_of(address_of(AF_INET6, "2001:db8:1:2::9")), "2001:db8:1:2::/64");
-  EXPECT_EQ(machine_of("ipv4:10.0.0.5:4242"), "ipv4:10.0.0.5");
-  EXPECT_EQ(machine_of("ipv6:[2001:db8:1:2::9]:4242"), "2001:db8:1:2::/64");
-  EXPECT_EQ(machine_of("ipv6:%5B2001:db8:1:2:3:4:5:6%5D:17"), "2001:db8:1:2::/64");
-  EXPECT_EQ(machine_of("ipv6:%5Bfe80::1%25eth0%5D:17"), "ipv6:%5Bfe80::1%25eth0%5D");
+  EXPECT_EQ(client_key(address_of(AF_INET, "10.0.0.5")), "10.0.0.5");
+  EXPECT_EQ(client_key(address_of(AF_INET6, "2001:db8:1:2:3:4:5:6")), "2001:db8:1:2::/64");
+  EXPECT_EQ(client_key(address_of(AF_INET6, "2001:db8:1:2::9")), "2001:db8:1:2::/64");
+  EXPECT_EQ(client_key("ipv4:10.0.0.5:4242"), "ipv4:10.0.0.5");
+  EXPECT_EQ(client_key("ipv6:[2001:db8:1:2::9]:4242"), "2001:db8:1:2::/64");
+  EXPECT_EQ(client_key("ipv6:%5B2001:db8:1:2:3:4:5:6%5D:17"), "2001:db8:1:2::/64");
+  EXPECT_EQ(client_key("ipv6:%5Bfe80::1%25eth0%5D:17"), "ipv6:%5Bfe80::1%25eth0%5D");
 }
 
 TEST(ListeningSockets, HaveOnePortAtAllAddresses) {

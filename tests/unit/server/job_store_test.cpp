@@ -208,7 +208,7 @@ TEST_F(JobStoreTest, AFileOfTheFirstReleaseCanBeLookedAt) {
   store_.reset();
   meddle("ALTER TABLE jobs DROP COLUMN row_xxh3; PRAGMA user_version = 1");
   const std::string before = read_file(file_);
-  auto looked_at = JobStore::open_untouched(file_);
+  auto looked_at = JobStore::open_read_only(file_);
   ASSERT_TRUE(looked_at) << looked_at.error().message;
   EXPECT_THAT(looked_at->readable_jobs()->rows, ElementsAre(row));
   EXPECT_EQ((*looked_at->tile("a", 0))->content, "kept");
@@ -231,7 +231,7 @@ TEST_F(JobStoreTest, AJobThatCannotBeReadHidesNoOther) {
   for (std::size_t page = 0; page < bytes.size(); page += 16384)
     if (bytes.compare(page + 4, 64, std::string(64, 'b')) == 0) bytes[page] = '\x7f';
   write_file(file_, bytes);
-  auto damaged = JobStore::open_untouched(file_);
+  auto damaged = JobStore::open_read_only(file_);
   ASSERT_TRUE(damaged);
   EXPECT_FALSE(damaged->jobs());
   const auto readable = damaged->readable_jobs();
@@ -244,7 +244,7 @@ TEST_F(JobStoreTest, ACountOfStartsThatIsLostCanBeLookedPast) {
   store_.reset();
   meddle("DELETE FROM meta");
   EXPECT_EQ(JobStore::open(file_).error().code, ErrorCode::kDataLoss);
-  auto looked_at = JobStore::open_untouched(file_);
+  auto looked_at = JobStore::open_read_only(file_);
   ASSERT_TRUE(looked_at) << looked_at.error().message;
   EXPECT_EQ(looked_at->epoch(), 0u);
 }
@@ -255,9 +255,9 @@ TEST_F(JobStoreTest, ALogIsEmptiedWholeOrNotAtAll) {
   ASSERT_EQ(sqlite3_open(file_.c_str(), &reader), SQLITE_OK);
   ASSERT_EQ(sqlite3_exec(reader, "BEGIN; SELECT * FROM jobs", nullptr, nullptr, nullptr), SQLITE_OK);
   ASSERT_TRUE(store().write_tiles({tile_row("a", 0, "new")}));
-  EXPECT_FALSE(store().empty_log()) << "a reader is in the way";
+  EXPECT_FALSE(store().truncate_wal()) << "a reader is in the way";
   sqlite3_close(reader);
-  EXPECT_TRUE(store().empty_log());
+  EXPECT_TRUE(store().truncate_wal());
   EXPECT_EQ(std::filesystem::file_size(file_.string() + "-wal"), 0u);
 }
 
@@ -274,7 +274,7 @@ TEST_F(JobStoreTest, ALogWithoutItsDatabaseIsLeftAlone) {
     ASSERT_FALSE(before.empty());
     for (const bool may_be_new : {false, true})
       EXPECT_EQ(JobStore::open(database, may_be_new).error().code, ErrorCode::kDataLoss);
-    EXPECT_EQ(JobStore::open_untouched(database).error().code, ErrorCode::kDataLoss);
+    EXPECT_EQ(JobStore::open_read_only(database).error().code, ErrorCode::kDataLoss);
     EXPECT_EQ(std::filesystem::exists(database), is_there);
     EXPECT_TRUE(read_file(log) == before);
   }
@@ -284,7 +284,7 @@ TEST_F(JobStoreTest, ALogWithoutItsDatabaseIsLeftAlone) {
 TEST_F(JobStoreTest, ADamagedFileThatIsRefusedIsLeftAsItWasWithItsLog) {
   ASSERT_TRUE(store().insert_job(job_row("a")));
   ASSERT_TRUE(store().write_tiles({tile_row("a", 0, std::string(200'000, 'x'))}));
-  ASSERT_TRUE(store().empty_log());
+  ASSERT_TRUE(store().truncate_wal());
   ASSERT_TRUE(store().write_tiles({tile_row("a", 1, "of the log alone")}));
   const TemporaryFolder crashed;
   const auto database = crashed.path() / "tessera.db", log = crashed.path() / "tessera.db-wal";

@@ -79,10 +79,10 @@ TEST_F(Refusals, AWorkerWhoseResultsAreRefusedAgainAndAgainIsPutAside) {
   lie.mutable_items(0)->set_sums_xxh3(lie.items(0).sums_xxh3() ^ 1);
   for (int i = 1; i <= 2; ++i) {
     EXPECT_EQ(coordinator().submit_result(lie).error().code, ErrorCode::kInvalidArgument);
-    EXPECT_EQ(coordinator().workers()[0].refused_results(), static_cast<std::uint64_t>(i));
+    EXPECT_EQ(coordinator().workers()[0].rejected_results(), static_cast<std::uint64_t>(i));
   }
   EXPECT_EQ(coordinator().submit_result(lie).error().code, ErrorCode::kInvalidArgument);
-  EXPECT_TRUE(coordinator().workers()[0].put_aside());
+  EXPECT_TRUE(coordinator().workers()[0].quarantined());
   EXPECT_EQ(coordinator().workers()[0].held_leases(), 0u);
 
   EXPECT_EQ(coordinator().submit_result(delivery('a', lease)).error().code, ErrorCode::kFailedPrecondition);
@@ -113,7 +113,7 @@ TEST_F(Refusals, ResultsWithoutTheTokenOfTheirLeaseHarmNobody) {
   forgeries[3].set_worker_id(std::string(32, 'f'));  // never registered
   forgeries[4].set_lease_id(0);
   for (v1::SubmitResultRequest& forgery : forgeries) {
-    for (int i = 0; i < Conduct::kRefusalsUntilAside; ++i) {
+    for (int i = 0; i < Quarantine::kRejectionsUntilQuarantine; ++i) {
       const auto rejected = coordinator().submit_result(forgery);
       ASSERT_FALSE(rejected);
       EXPECT_EQ(rejected.error().code, ErrorCode::kInvalidArgument);
@@ -123,8 +123,8 @@ TEST_F(Refusals, ResultsWithoutTheTokenOfTheirLeaseHarmNobody) {
   }
   EXPECT_EQ(job(id).samples_done(), 0u);
   for (const auto& worker : coordinator().workers()) {
-    EXPECT_FALSE(worker.put_aside());
-    EXPECT_EQ(worker.refused_results(), 0u);
+    EXPECT_FALSE(worker.quarantined());
+    EXPECT_EQ(worker.rejected_results(), 0u);
   }
   EXPECT_GT(deliver(honest).accepted_items(), 0u);
 }
@@ -140,16 +140,16 @@ TEST_F(Refusals, ResultsOfWorkersFromBeforeARestartCount) {
   EXPECT_GT(deliver(delivery('a', lease)).accepted_items(), 0u);
 }
 
-TEST(ConductTest, ForgetsWhoIsGoneUnlessItWasPutAside) {
-  Conduct conduct;
-  for (int i = 0; i < Conduct::kRefusalsUntilAside; ++i) conduct.refused("liar", "");
-  conduct.refused("gone", "");
-  conduct.refused("here", "");
-  conduct.forget_others({"here"});
-  EXPECT_EQ(conduct.refusals("gone"), 0u);
-  EXPECT_EQ(conduct.refusals("here"), 1u);
-  EXPECT_TRUE(conduct.is_aside("liar"));
-  EXPECT_FALSE(conduct.is_machine_aside(""));
+TEST(QuarantineTest, ForgetsWhoIsGoneUnlessItWasPutAside) {
+  Quarantine quarantine;
+  for (int i = 0; i < Quarantine::kRejectionsUntilQuarantine; ++i) quarantine.refused("liar", "");
+  quarantine.refused("gone", "");
+  quarantine.refused("here", "");
+  quarantine.forget_others({"here"});
+  EXPECT_EQ(quarantine.refusals("gone"), 0u);
+  EXPECT_EQ(quarantine.refusals("here"), 1u);
+  EXPECT_TRUE(quarantine.is_quarantined("liar"));
+  EXPECT_FALSE(quarantine.is_machine_aside(""));
 }
 
 TEST_F(Refusals, RefusalsWithGoodResultsInBetweenPutNobodyAside) {
@@ -161,8 +161,8 @@ TEST_F(Refusals, RefusalsWithGoodResultsInBetweenPutNobodyAside) {
     EXPECT_FALSE(coordinator().submit_result(bad));
     deliver(delivery('a', lease));
   }
-  EXPECT_FALSE(coordinator().workers()[0].put_aside());
-  EXPECT_EQ(coordinator().workers()[0].refused_results(), 4u);
+  EXPECT_FALSE(coordinator().workers()[0].quarantined());
+  EXPECT_EQ(coordinator().workers()[0].rejected_results(), 4u);
 }
 
 TEST_F(Refusals, AResultOfTooManyItemsIsRefusedUnread) {

@@ -157,8 +157,8 @@ TEST_F(SceneFilesTest, WhatAJobNamesIsItsSubmittersOrNobodys) {
   EXPECT_EQ(files_->used_bytes(), 4 * kMib);
   EXPECT_TRUE(upload("10.0.0.1", 'e'));
   files_->charge_to("ada", bundle("abcd"));
-  EXPECT_FALSE(upload(named_caller("ada"), 'f'));
-  EXPECT_TRUE(upload(named_caller("ben"), 'f'));
+  EXPECT_FALSE(upload(caller_key("ada"), 'f'));
+  EXPECT_TRUE(upload(caller_key("ben"), 'f'));
 }
 
 TEST_F(SceneFilesTest, AfterARestartWhatWasUploadedJustBeforeStaysAWhile) {

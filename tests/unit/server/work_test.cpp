@@ -61,7 +61,7 @@ TEST_F(Work, LeasesComeWithWhatTheWorkerMustKnowOfTheJob) {
   EXPECT_EQ(first.jobs(0).job_id(), id);
   EXPECT_EQ(first.jobs(0).settings().spp(), kSpp);
   EXPECT_EQ(first.jobs(0).bundle().scene_path(), "folder/scene.json");
-  EXPECT_EQ(first.heard_within().seconds(), 10);
+  EXPECT_EQ(first.heartbeat_timeout().seconds(), 10);
 
   v1::SynchronizeRequest knowing = greeting('b');
   knowing.add_known_job_ids(id);
@@ -103,7 +103,7 @@ TEST_F(Work, AJobWhoseSceneNobodyCanBuildFails) {
     EXPECT_EQ(job(id).state(), v1::JOB_STATE_RUNNING);
     v1::SubmitResultRequest given_back = delivery(worker, synchronize(greeting(worker)).leases(0));
     given_back.clear_items();
-    given_back.set_cannot_build("scene.json:3: shapes: unknown shape 'torus'");
+    given_back.set_decline_reason("scene.json:3: shapes: unknown shape 'torus'");
     deliver(given_back);
   }
   EXPECT_EQ(stored_job(id).state(), v1::JOB_STATE_FAILED);
@@ -142,7 +142,7 @@ TEST_F(Work, ASceneThatOneWorkerAloneCannotBuildFailsNoJob) {
   const auto refuse = [&](char worker) {
     v1::SubmitResultRequest given_back = delivery(worker, synchronize(greeting(worker)).leases(0));
     given_back.clear_items();
-    given_back.set_cannot_build("out of memory");
+    given_back.set_decline_reason("out of memory");
     deliver(given_back);
   };
   for (int i = 0; i < 5; ++i) refuse('a');
@@ -157,7 +157,7 @@ TEST_F(Work, ASceneThatTheOnlyWorkerCannotBuildFailsTheJob) {
     EXPECT_EQ(job(id).state(), v1::JOB_STATE_RUNNING);
     v1::SubmitResultRequest given_back = delivery('a', synchronize(greeting('a')).leases(0));
     given_back.clear_items();
-    given_back.set_cannot_build("out of memory");
+    given_back.set_decline_reason("out of memory");
     deliver(given_back);
   }
   EXPECT_EQ(stored_job(id).state(), v1::JOB_STATE_FAILED);
@@ -171,7 +171,7 @@ TEST_F(Work, ALongReasonOfAWorkerIsCutBetweenCharacters) {
     given_back.clear_items();
     std::string reason = "x";
     for (int k = 0; k < 600; ++k) reason += "\u00e9";
-    given_back.set_cannot_build(reason);
+    given_back.set_decline_reason(reason);
     deliver(given_back);
   }
   v1::Job read_again;
@@ -184,7 +184,7 @@ TEST_F(Work, AReasonOfAWorkerIsMadePrintable) {
   for (int i = 0; i < 3; ++i) {
     v1::SubmitResultRequest given_back = delivery('a', synchronize(greeting('a')).leases(0));
     given_back.clear_items();
-    given_back.set_cannot_build("a\x1b[2Jb\nc");
+    given_back.set_decline_reason("a\x1b[2Jb\nc");
     deliver(given_back);
   }
   EXPECT_THAT(stored_job(id).failure(), HasSubstr("a\\x1b[2Jb\\x0ac"));
@@ -207,8 +207,8 @@ TEST_F(Work, NamesThatCannotBeShownAreRefused) {
   request.set_version("1\n2");
   EXPECT_THAT(refusal(request).message, HasSubstr("version: must be UTF-8"));
   request = greeting('a');
-  request.set_arithmetic_fingerprint("f\r");
-  EXPECT_THAT(refusal(request).message, HasSubstr("arithmetic_fingerprint: must be UTF-8"));
+  request.set_determinism_fingerprint("f\r");
+  EXPECT_THAT(refusal(request).message, HasSubstr("determinism_fingerprint: must be UTF-8"));
   EXPECT_TRUE(coordinator().workers().empty());
 
   submit();

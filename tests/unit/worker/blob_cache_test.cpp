@@ -113,9 +113,9 @@ TEST_F(BlobCacheTest, WorkersOfAMachineKnowItsKeyAndHaveKeysOfTheirOwn) {
   const std::string one = new_worker_key(*first), other = new_worker_key(*first);
   EXPECT_EQ(one.size(), proto::kWorkerKeyBytes);
   EXPECT_NE(proto::worker_id_of(one), proto::worker_id_of(other));
-  EXPECT_EQ(proto::machine_of(one), proto::machine_of(other));
-  EXPECT_NE(proto::machine_of(one), proto::machine_of(new_worker_key(std::string(32, 'x'))));
-  EXPECT_EQ(proto::machine_of("short"), "");
+  EXPECT_EQ(proto::client_key(one), proto::client_key(other));
+  EXPECT_NE(proto::client_key(one), proto::client_key(new_worker_key(std::string(32, 'x'))));
+  EXPECT_EQ(proto::client_key("short"), "");
   const fs::path file = folder_ / "cache" / "worker.key";
   EXPECT_EQ(fs::status(file).permissions(), fs::perms::owner_read | fs::perms::owner_write);
   std::ofstream(file, std::ios::trunc) << "short";

@@ -8,8 +8,8 @@
 #include "fake_coordinator.hpp"
 #include "proto/blob.hpp"
 #include "tests/support/temporary_folder.hpp"
-#include "worker/overtime.hpp"
-#include "worker/start_anew.hpp"
+#include "worker/hang_watchdog.hpp"
+#include "worker/self_restart.hpp"
 #include "worker/worker.hpp"
 
 namespace tessera::worker {
@@ -23,51 +23,51 @@ constexpr const char* kLamp =
         "materials": {"lamp": {"type": "lambert", "albedo": 0.5, "emission": [1, 1, 1]}},
         "shapes": [{"type": "sphere", "center": [0, 0, 0], "radius": 1, "material": "lamp"}]})";
 
-UnwantedPiece unwanted(Duration heard_within, Duration wanted_for, bool first) {
-  return {.piece = {}, .wanted_for = wanted_for, .heard_within = heard_within, .first = first};
+UnwantedPiece unwanted(Duration heartbeat_timeout, Duration wanted_for, bool first) {
+  return {.piece = {}, .wanted_for = wanted_for, .heartbeat_timeout = heartbeat_timeout, .first = first};
 }
 
-TEST(Overtime, GivesTheCoordinatorTimeToCountTheWorker) {
-  EXPECT_EQ(longest_overtime(unwanted(10s, 100s, false), 0), 200s);
-  EXPECT_EQ(longest_overtime(unwanted(10s, 2s, false), 0), 200s);
+TEST(HangTimeout, GivesTheCoordinatorTimeToCountTheWorker) {
+  EXPECT_EQ(compute_hang_timeout(unwanted(10s, 100s, false), 0), 200s);
+  EXPECT_EQ(compute_hang_timeout(unwanted(10s, 2s, false), 0), 200s);
 }
 
-TEST(Overtime, IsLongerWhereTheCoordinatorWasPatient) {
-  EXPECT_EQ(longest_overtime(unwanted(10s, 1000s, false), 0), 2000s);
+TEST(HangTimeout, IsLongerWhereTheCoordinatorWasPatient) {
+  EXPECT_EQ(compute_hang_timeout(unwanted(10s, 1000s, false), 0), 2000s);
 }
 
-TEST(Overtime, IsAnHourAtMostAndHalfAMinuteAtLeast) {
-  EXPECT_EQ(longest_overtime(unwanted(10s, 3600s, false), 0), 3600s);
-  EXPECT_EQ(longest_overtime(unwanted(0s, 0s, false), 0), 30s);
-  EXPECT_EQ(longest_overtime(unwanted(0s, 3600s, false), 0), 30s);
+TEST(HangTimeout, IsAnHourAtMostAndHalfAMinuteAtLeast) {
+  EXPECT_EQ(compute_hang_timeout(unwanted(10s, 3600s, false), 0), 3600s);
+  EXPECT_EQ(compute_hang_timeout(unwanted(0s, 0s, false), 0), 30s);
+  EXPECT_EQ(compute_hang_timeout(unwanted(0s, 3600s, false), 0), 30s);
 }
 
-TEST(Overtime, IsDoubledForEachStartThatRenderedNothing) {
-  EXPECT_EQ(longest_overtime(unwanted(10s, 100s, true), 0), 200s);
-  EXPECT_EQ(longest_overtime(unwanted(10s, 100s, true), 1), 400s);
-  EXPECT_EQ(longest_overtime(unwanted(10s, 100s, true), 3), 1600s);
-  EXPECT_EQ(longest_overtime(unwanted(10s, 100s, true), 100), 3600s);
-  EXPECT_EQ(longest_overtime(unwanted(10s, 100s, false), 3), 200s) << "this one has rendered something";
+TEST(HangTimeout, IsDoubledForEachStartThatRenderedNothing) {
+  EXPECT_EQ(compute_hang_timeout(unwanted(10s, 100s, true), 0), 200s);
+  EXPECT_EQ(compute_hang_timeout(unwanted(10s, 100s, true), 1), 400s);
+  EXPECT_EQ(compute_hang_timeout(unwanted(10s, 100s, true), 3), 1600s);
+  EXPECT_EQ(compute_hang_timeout(unwanted(10s, 100s, true), 100), 3600s);
+  EXPECT_EQ(compute_hang_timeout(unwanted(10s, 100s, false), 3), 200s) << "this one has rendered something";
 }
 
-TEST(Overtime, IsNoLongerForAWorkerThatIsToStop) {
+TEST(HangTimeout, IsNoLongerForAWorkerThatIsToStop) {
   UnwantedPiece piece = unwanted(10s, 1000s, true);
   piece.stopping = true;
-  EXPECT_EQ(longest_overtime(piece, 3), 200s);
+  EXPECT_EQ(compute_hang_timeout(piece, 3), 200s);
 }
 
-TEST(Overtime, IsToldFromStartToStart) {
+TEST(HangTimeout, IsToldFromStartToStart) {
   sigset_t signals_before;
   pthread_sigmask(SIG_SETMASK, nullptr, &signals_before);
-  const auto overtime_after = [](const char* barren_starts) {
-    setenv("TESSERA_WORKER_BARREN_STARTS", barren_starts, 1);
+  const auto hang_timeout_after = [](const char* failed_restarts) {
+    setenv("TESSERA_WORKER_BARREN_STARTS", failed_restarts, 1);
     StopSignals signals;
-    return that_starts_anew(nullptr, signals).overtime(unwanted(10s, 100s, true));
+    return with_self_restart(nullptr, signals).hang_timeout(unwanted(10s, 100s, true));
   };
-  EXPECT_EQ(overtime_after("0"), 200s);
-  EXPECT_EQ(overtime_after("2"), 800s);
-  EXPECT_EQ(overtime_after("-1"), 200s);
-  EXPECT_EQ(overtime_after("none"), 200s);
+  EXPECT_EQ(hang_timeout_after("0"), 200s);
+  EXPECT_EQ(hang_timeout_after("2"), 800s);
+  EXPECT_EQ(hang_timeout_after("-1"), 200s);
+  EXPECT_EQ(hang_timeout_after("none"), 200s);
   unsetenv("TESSERA_WORKER_BARREN_STARTS");
   pthread_sigmask(SIG_SETMASK, &signals_before, nullptr);
 }
@@ -82,38 +82,38 @@ v1::SynchronizeResponse lease_of_four_samples(const v1::Bundle& bundle) {
   spec.set_job_id("job");
   *spec.mutable_bundle() = bundle;
   *spec.mutable_settings() = proto::to_proto(core::RenderSettings{});
-  response.mutable_heard_within()->set_seconds(10);
+  response.mutable_heartbeat_timeout()->set_seconds(10);
   return response;
 }
 
 class EndlessPieceTest : public ::testing::Test {
  protected:
   EndlessPieceTest() {
-    holdings_.apply(lease_of_four_samples({}));
-    holdings_.next_to_fetch({});
-    holdings_.fetched(std::make_shared<Job>(Job{"job", {}, {}}));
+    lease_tracker_.apply(lease_of_four_samples({}));
+    lease_tracker_.next_to_fetch({});
+    lease_tracker_.fetched(std::make_shared<Job>(Job{"job", {}, {}}));
   }
   Piece begin_next() {
-    const Piece piece = holdings_.take({}, [](const std::string&) { return 4096u; }).value();
-    holdings_.begins(piece);
+    const Piece piece = lease_tracker_.take({}, [](const std::string&) { return 4096u; }).value();
+    lease_tracker_.begins(piece);
     return piece;
   }
   void render(const Piece& piece) {
-    holdings_.rendered(piece, core::FilmTile(piece.item.rect, piece.item.range), 1ms);
+    lease_tracker_.rendered(piece, core::FilmTile(piece.item.rect, piece.item.range), 1ms);
   }
-  void take_lease_away() { holdings_.apply({}); }
+  void take_lease_away() { lease_tracker_.apply({}); }
   std::future<std::optional<UnwantedPiece>> watch() {
     return std::async(std::launch::async, [this] {
-      return holdings_.abandon_endless(stop_.get_token(), [](const UnwantedPiece&) { return 0s; });
+      return lease_tracker_.abandon_endless(stop_.get_token(), [](const UnwantedPiece&) { return 0s; });
     });
   }
   v1::SynchronizeRequest report() {
     v1::SynchronizeRequest request;
-    holdings_.report(request);
+    lease_tracker_.report(request);
     return request;
   }
 
-  Holdings holdings_;
+  LeaseTracker lease_tracker_;
   std::stop_source stop_;
 };
 
@@ -125,7 +125,7 @@ TEST_F(EndlessPieceTest, IsOneThatNobodyWantsAnyMore) {
   const auto found = endless.get();
   ASSERT_TRUE(found.has_value());
   EXPECT_EQ(found->piece.item, second.item);
-  EXPECT_EQ(found->heard_within, 10s);
+  EXPECT_EQ(found->heartbeat_timeout, 10s);
   EXPECT_FALSE(found->first);
 }
 
@@ -139,14 +139,14 @@ TEST_F(EndlessPieceTest, IsNotSoughtAfterAStop) {
 TEST_F(EndlessPieceTest, IsOneThatAWorkerIsAtThatIsToEnd) {
   auto endless = watch();
   begin_next();
-  holdings_.want_nothing();
+  lease_tracker_.drop_all_wanted();
   EXPECT_TRUE(endless.get().has_value());
 }
 
 TEST_F(EndlessPieceTest, IsGivenTimeFromWhenItsSceneIsReadyAndItsLeaseIsGone) {
-  const Piece piece = holdings_.take({}, [](const std::string&) { return 4096u; }).value();
+  const Piece piece = lease_tracker_.take({}, [](const std::string&) { return 4096u; }).value();
   take_lease_away();
-  holdings_.begins(piece);
+  lease_tracker_.begins(piece);
   const auto found = watch().get();
   EXPECT_EQ(found->wanted_for, 0s);
   EXPECT_TRUE(found->first);
@@ -160,12 +160,12 @@ TEST_F(EndlessPieceTest, IsStillReportedAndWhatWasBeforeItDelivered) {
   EXPECT_EQ(report().rendering().lease_id(), 7u);
   EXPECT_TRUE(report().draining());
 
-  const auto delivery = holdings_.next_delivery({});
+  const auto delivery = lease_tracker_.next_delivery({});
   ASSERT_EQ(delivery->tiles.size(), 1u);
   EXPECT_EQ(delivery->tiles[0].range, (core::SampleRange{0, 1}));
   EXPECT_TRUE(delivery->lease_finished);
-  holdings_.delivered(*delivery);
-  EXPECT_FALSE(holdings_.next_delivery({}).has_value());
+  lease_tracker_.delivered(*delivery);
+  EXPECT_FALSE(lease_tracker_.next_delivery({}).has_value());
   EXPECT_EQ(report().rendering().lease_id(), 7u);
 
   render(piece);
@@ -219,8 +219,8 @@ TEST(EndlessWorker, DeliversSaysWhatItIsAtAndStartsAnew) {
   Worker worker({.worker_id = "id", .threads = 1}, *cache, coordinator.stub(),
                 {.render = [&](const auto&, const auto&, auto rect, auto range,
                                int) { return renderer.render(rect, range); },
-                 .overtime = [](const UnwantedPiece&) { return 0s; },
-                 .start_anew =
+                 .hang_timeout = [](const UnwantedPiece&) { return 0s; },
+                 .self_restart =
                      [&](const UnwantedPiece& piece, const core::Status&) {
                        said = coordinator.wait_for_syncs(3);
                        delivered = coordinator.wait_for_results(1);

@@ -9,7 +9,7 @@
 #include "proto/tile_codec.hpp"
 #include "worker/deliver_loop.hpp"
 #include "worker/fetch_loop.hpp"
-#include "worker/holdings.hpp"
+#include "worker/lease_tracker.hpp"
 #include "worker/render_loop.hpp"
 #include "worker/sync_loop.hpp"
 
@@ -29,7 +29,7 @@ grpc::Status give_lease(const v1::SynchronizeRequest&, v1::SynchronizeResponse& 
   v1::JobSpec& spec = *response.add_jobs();
   spec.set_job_id("job");
   *spec.mutable_settings() = proto::to_proto(core::RenderSettings{});
-  response.mutable_heard_within()->set_seconds(10);
+  response.mutable_heartbeat_timeout()->set_seconds(10);
   return grpc::Status::OK;
 }
 
@@ -43,29 +43,29 @@ class LoopsTest : public ::testing::Test {
   void hold_rendered(std::uint32_t count) {
     v1::SynchronizeResponse response;
     give_lease({}, response);
-    holdings_.apply(response);
-    holdings_.next_to_fetch({});
-    holdings_.fetched(std::make_shared<Job>(Job{"job", {}, {}}));
-    const auto piece = holdings_.take({}, [&](const std::string&) { return count * 4096u; });
+    lease_tracker_.apply(response);
+    lease_tracker_.next_to_fetch({});
+    lease_tracker_.fetched(std::make_shared<Job>(Job{"job", {}, {}}));
+    const auto piece = lease_tracker_.take({}, [&](const std::string&) { return count * 4096u; });
     core::FilmTile tile(piece->item.rect, piece->item.range);
     tile.counters.samples = 4096 * count;
     tile.sums[5] = 77;
-    holdings_.rendered(*piece, std::move(tile), 1500ms);
+    lease_tracker_.rendered(*piece, std::move(tile), 1500ms);
   }
 
   FakeCoordinator coordinator_;
-  Holdings holdings_;
+  LeaseTracker lease_tracker_;
 };
 
 TEST_F(LoopsTest, SynchronizingTellsWhatTheWorkerIsAndHolds) {
   coordinator_.answer_with({give_lease});
-  SyncLoop sync(kIdentity, coordinator_.stub(), holdings_);
+  SyncLoop sync(kIdentity, coordinator_.stub(), lease_tracker_);
   std::jthread thread([&](const std::stop_token& stop) { EXPECT_TRUE(sync.run(stop).has_value()); });
   const auto calls = coordinator_.wait_for_syncs(2);
   EXPECT_EQ(calls[0].worker_id(), "id");
   EXPECT_EQ(calls[0].name(), "name");
   EXPECT_EQ(calls[0].version(), "0.1.0");
-  EXPECT_EQ(calls[0].arithmetic_fingerprint(), "fingerprint");
+  EXPECT_EQ(calls[0].determinism_fingerprint(), "fingerprint");
   EXPECT_EQ(calls[0].threads(), 3u);
   EXPECT_EQ(calls[0].held_size(), 0);
   EXPECT_EQ(calls[1].held_size(), 1);
@@ -74,7 +74,7 @@ TEST_F(LoopsTest, SynchronizingTellsWhatTheWorkerIsAndHolds) {
 
 TEST_F(LoopsTest, SynchronizingSurvivesARestart) {
   coordinator_.answer_with({give_lease, unavailable, unavailable});
-  SyncLoop sync(kIdentity, coordinator_.stub(), holdings_);
+  SyncLoop sync(kIdentity, coordinator_.stub(), lease_tracker_);
   std::jthread thread([&](const std::stop_token& stop) { EXPECT_TRUE(sync.run(stop).has_value()); });
   EXPECT_EQ(coordinator_.wait_for_syncs(4)[3].held_size(), 1);
 }
@@ -85,7 +85,7 @@ TEST_F(LoopsTest, ARefusedWorkerTriesAgain) {
   };
   coordinator_.answer_with({refuse, refuse, give_lease});
   const SyncLoop::Explain explain = [](const grpc::Status& status) { return proto::error_from_grpc(status); };
-  SyncLoop sync(kIdentity, coordinator_.stub(), holdings_, explain, {.first = 1ms, .longest = 2ms});
+  SyncLoop sync(kIdentity, coordinator_.stub(), lease_tracker_, explain, {.first = 1ms, .longest = 2ms});
   std::jthread thread([&](const std::stop_token& stop) { EXPECT_TRUE(sync.run(stop).has_value()); });
   EXPECT_EQ(coordinator_.wait_for_syncs(4)[3].held_size(), 1);
 }
@@ -94,7 +94,7 @@ TEST_F(LoopsTest, ARefusedWorkerTriesAgain) {
 TEST_F(LoopsTest, AWorkerWithoutCredentialsGivesUp) {
   coordinator_.answer_with(
       {[](const auto&, auto&) { return grpc::Status(grpc::StatusCode::PERMISSION_DENIED, "no role"); }});
-  SyncLoop sync(kIdentity, coordinator_.stub(), holdings_);
+  SyncLoop sync(kIdentity, coordinator_.stub(), lease_tracker_);
   const core::Status done = sync.run({});
   ASSERT_FALSE(done.has_value());
   EXPECT_EQ(done.error().message, "no role");
@@ -102,8 +102,8 @@ TEST_F(LoopsTest, AWorkerWithoutCredentialsGivesUp) {
 
 TEST_F(LoopsTest, GoodbyeSaysThatNothingIsHeld) {
   coordinator_.answer_with({[](const auto&, auto&) { return grpc::Status::OK; }});
-  holdings_.drain();
-  SyncLoop(kIdentity, coordinator_.stub(), holdings_).say_goodbye();
+  lease_tracker_.drain();
+  SyncLoop(kIdentity, coordinator_.stub(), lease_tracker_).deregister();
   const auto calls = coordinator_.wait_for_syncs(1);
   EXPECT_TRUE(calls[0].draining());
   EXPECT_EQ(calls[0].held_size(), 0);
@@ -111,8 +111,8 @@ TEST_F(LoopsTest, GoodbyeSaysThatNothingIsHeld) {
 
 TEST_F(LoopsTest, DeliveryDescribesItself) {
   hold_rendered(4);
-  holdings_.drain();
-  DeliverLoop({.worker_id = "id"}, coordinator_.stub(), holdings_).run({});
+  lease_tracker_.drain();
+  DeliverLoop({.worker_id = "id"}, coordinator_.stub(), lease_tracker_).run({});
   const auto results = coordinator_.wait_for_results(1);
   ASSERT_EQ(results.size(), 1u);
   EXPECT_EQ(results[0].worker_id(), "id");
@@ -131,8 +131,8 @@ TEST_F(LoopsTest, DeliveryDescribesItself) {
 TEST_F(LoopsTest, DeliveryIsRepeatedUntilItArrives) {
   coordinator_.refuse_results_with({{grpc::StatusCode::UNAVAILABLE, ""}, {grpc::StatusCode::INTERNAL, ""}});
   hold_rendered(2);
-  holdings_.drain();
-  DeliverLoop({.worker_id = "id"}, coordinator_.stub(), holdings_).run({});
+  lease_tracker_.drain();
+  DeliverLoop({.worker_id = "id"}, coordinator_.stub(), lease_tracker_).run({});
   const auto results = coordinator_.wait_for_results(3);
   ASSERT_EQ(results.size(), 3u);
   EXPECT_EQ(results[2].SerializeAsString(), results[0].SerializeAsString());
@@ -142,8 +142,8 @@ TEST_F(LoopsTest, DeliveryIsRepeatedUntilItArrives) {
 TEST_F(LoopsTest, ARefusedDeliveryIsNotRepeated) {
   coordinator_.refuse_results_with({{grpc::StatusCode::INVALID_ARGUMENT, "does not fit"}});
   hold_rendered(4);
-  holdings_.drain();
-  DeliverLoop({.worker_id = "id"}, coordinator_.stub(), holdings_).run({});
+  lease_tracker_.drain();
+  DeliverLoop({.worker_id = "id"}, coordinator_.stub(), lease_tracker_).run({});
   EXPECT_EQ(coordinator_.wait_for_results(1).size(), 1u);
 }
 
@@ -154,17 +154,17 @@ class SceneFilesTest : public ::testing::Test {
 
   // Why the worker gives the only lease of a job with these files back.
   std::string refusal(const std::map<std::string, std::string>& blob_paths) {
-    Holdings holdings({.first_delay = 0s, .longest_delay = 0s});
+    LeaseTracker lease_tracker({.first_delay = 0s, .longest_delay = 0s});
     v1::SynchronizeResponse response;
     give_lease({}, response);
-    holdings.apply(response);
-    holdings.next_to_fetch({});
-    holdings.fetched(std::make_shared<Job>(Job{"job", {}, {"key", "scene.json", blob_paths}}));
-    RenderLoop render(1, holdings);
+    lease_tracker.apply(response);
+    lease_tracker.next_to_fetch({});
+    lease_tracker.fetched(std::make_shared<Job>(Job{"job", {}, {"key", "scene.json", blob_paths}}));
+    RenderLoop render(1, lease_tracker);
     std::jthread thread([&](const std::stop_token& stop) { render.run(stop); });
-    const auto delivery = holdings.next_delivery({});
+    const auto delivery = lease_tracker.next_delivery({});
     EXPECT_TRUE(delivery->lease_finished);
-    return delivery->cannot_build;
+    return delivery->decline_reason;
   }
 
   std::string folder_ = "/tmp/tessera-files-XXXXXX";
@@ -180,40 +180,40 @@ TEST_F(SceneFilesTest, ThatAreHereAndMakeNoSceneAreToBlame) {
 }
 
 TEST_F(LoopsTest, AJobThatTakesTooMuchMemoryIsDeclinedAndTheWorkerGoesOn) {
-  Holdings holdings({.first_delay = 0s, .longest_delay = 0s});
+  LeaseTracker lease_tracker({.first_delay = 0s, .longest_delay = 0s});
   v1::SynchronizeResponse response;
   give_lease({}, response);
-  holdings.apply(response);
-  holdings.next_to_fetch({});
+  lease_tracker.apply(response);
+  lease_tracker.next_to_fetch({});
   const std::string scene = TESSERA_SOURCE_DIR "/scenes/cornell/scene.json";
   const auto job = std::make_shared<Job>(Job{"job", {}, {"key", "scene.json", {{"scene.json", scene}}}});
-  holdings.fetched(job);
+  lease_tracker.fetched(job);
   int renders = 0;
-  RenderLoop render(1, holdings, {},
+  RenderLoop render(1, lease_tracker, {},
                     [&](const auto&, const auto&, auto rect, auto range, int) -> core::FilmTile {
                       if (++renders == 1) throw std::bad_alloc();
                       return core::FilmTile(rect, range);
                     });
   std::jthread thread([&](const std::stop_token& stop) { render.run(stop); });
-  const auto declined = holdings.next_delivery({});
+  const auto declined = lease_tracker.next_delivery({});
   EXPECT_TRUE(declined->lease_finished);
   EXPECT_TRUE(declined->tiles.empty());
-  EXPECT_EQ(declined->cannot_build, "not enough memory to build and render the scene");
+  EXPECT_EQ(declined->decline_reason, "not enough memory to build and render the scene");
   v1::SynchronizeRequest report;
-  holdings.report(report);
+  lease_tracker.report(report);
   EXPECT_FALSE(report.has_rendering());
   ASSERT_EQ(report.troubles_size(), 1);
-  holdings.delivered(*declined);
+  lease_tracker.delivered(*declined);
 
   response.mutable_leases(0)->set_id(2);
-  holdings.apply(response);
-  holdings.next_to_fetch({});
-  holdings.fetched(job);
-  EXPECT_EQ(holdings.next_delivery({})->tiles.size(), 1u);
+  lease_tracker.apply(response);
+  lease_tracker.next_to_fetch({});
+  lease_tracker.fetched(job);
+  EXPECT_EQ(lease_tracker.next_delivery({})->tiles.size(), 1u);
 }
 
 TEST_F(LoopsTest, AFileWithManyNamesIsFetchedOnce) {
-  Holdings holdings;
+  LeaseTracker lease_tracker;
   const std::string bytes = "v 0 0 0";
   const auto digest = proto::to_proto(proto::digest_of(bytes));
   coordinator_.keep_blob(digest.sha256(), bytes);
@@ -224,13 +224,13 @@ TEST_F(LoopsTest, AFileWithManyNamesIsFetchedOnce) {
     asset.set_path(std::to_string(i));
     *asset.mutable_digest() = digest;
   }
-  holdings.apply(response);
+  lease_tracker.apply(response);
   std::string folder = "/tmp/tessera-fetch-XXXXXX";
   const auto cache = BlobCache::open(mkdtemp(folder.data()));
   {
-    FetchLoop fetch(*cache, coordinator_.stub(), holdings);
+    FetchLoop fetch(*cache, coordinator_.stub(), lease_tracker);
     std::jthread thread([&](const std::stop_token& stop) { fetch.run(stop); });
-    const auto piece = holdings.take({}, [](const std::string&) { return 1u; });
+    const auto piece = lease_tracker.take({}, [](const std::string&) { return 1u; });
     EXPECT_EQ(piece->job->files.blob_paths.size(), 1000u);
     EXPECT_EQ(coordinator_.fetches(), 1u);
     // It is read once: nobody asks for the file again.
@@ -239,19 +239,19 @@ TEST_F(LoopsTest, AFileWithManyNamesIsFetchedOnce) {
 }
 
 TEST_F(LoopsTest, AJobWhoseFilesAreGoneIsGivenBack) {
-  Holdings holdings({.first_delay = 0s, .longest_delay = 0s});
+  LeaseTracker lease_tracker({.first_delay = 0s, .longest_delay = 0s});
   v1::SynchronizeResponse response;
   give_lease({}, response);
   v1::Bundle::Asset& asset = *response.mutable_jobs(0)->mutable_bundle()->add_assets();
   asset.set_path("scene.json");
   *asset.mutable_digest() = proto::to_proto(proto::digest_of("gone"));
-  holdings.apply(response);
+  lease_tracker.apply(response);
 
   std::string folder = "/tmp/tessera-fetch-XXXXXX";
   const auto cache = BlobCache::open(mkdtemp(folder.data()));
-  FetchLoop fetch(*cache, coordinator_.stub(), holdings);
+  FetchLoop fetch(*cache, coordinator_.stub(), lease_tracker);
   std::jthread thread([&](const std::stop_token& stop) { fetch.run(stop); });
-  const auto delivery = holdings.next_delivery({});
+  const auto delivery = lease_tracker.next_delivery({});
   EXPECT_TRUE(delivery->lease_finished);
   EXPECT_TRUE(delivery->tiles.empty());
   rmdir(folder.c_str());

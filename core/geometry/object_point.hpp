@@ -1,0 +1,103 @@
+// The surface at a hit in double, where it was modelled, and as it is put into the world. For one hit or for
+// eight at once: T is float or Float8.
+#pragma once
+
+#include <array>
+#include <cmath>
+
+#include "core/geometry/rounding.hpp"
+#include "core/geometry/surface.hpp"
+#include "core/geometry/vec3d.hpp"
+
+namespace tessera::core {
+
+template <typename T>
+struct ObjectPointOf {
+  using Wide = Vec3dOf<WideOf<T>>;
+
+  Wide position, terms;  // the magnitudes of what the position is the sum of
+  Wide geometric_normal;
+  Wide shading_normal;  // 0 where it is the geometric one
+  Vec2Of<T> uv;
+};
+
+// A triangle and where it was hit, by the barycentric coordinates of its second and third corner.
+template <typename T>
+struct TriangleAtHit {
+  std::array<Vec3Of<T>, 3> corners, normals;
+  std::array<Vec2Of<T>, 3> uvs;
+  T b1, b2;
+};
+
+template <typename T>
+ObjectPointOf<T> point_of_triangle(const TriangleAtHit<T>& triangle) {
+  using D = WideOf<T>;
+  using Wide = Vec3dOf<D>;
+  // The weights of the corners. b1 and b2, rounded one by one, may add up to a little more than 1.
+  D b1 = widened(triangle.b1), b2 = widened(triangle.b2), b0 = larger(D(0.0), 1.0 - b1 - b2);
+  const D sum = b0 + b1 + b2;
+  b0 = b0 / sum, b1 = b1 / sum, b2 = b2 / sum;
+  const auto& [c0, c1, c2] = triangle.corners;
+  const auto& [n0, n1, n2] = triangle.normals;
+  const auto& [uv0, uv1, uv2] = triangle.uvs;
+  const Wide p0 = b0 * Wide(c0), p1 = b1 * Wide(c1), p2 = b2 * Wide(c2);
+
+  ObjectPointOf<T> point;
+  point.position = p0 + p1 + p2;
+  point.terms = abs(p0) + abs(p1) + abs(p2);
+  point.geometric_normal = cross(Wide(c1) - Wide(c0), Wide(c2) - Wide(c0));
+  const Wide normal = b0 * Wide(n0) + b1 * Wide(n1) + b2 * Wide(n2);
+  point.shading_normal = select(length(normal) > 1e-6, normal, Wide{});
+  point.uv = uv0 * to_float(b0) + uv1 * to_float(b1) + uv2 * to_float(b2);
+  return point;
+}
+
+template <typename D>
+auto unit_or_zero(Vec3dOf<D> v) {
+  const auto unit = (D(1.0) / length(v) * v).rounded();
+  return select(has_direction(v), unit, decltype(unit){});
+}
+
+// Of a coordinate that is a float rounded from a sum of terms computed in double, whose magnitudes sum to
+// `terms`.
+template <typename T, typename D>
+Vec3Of<T> rounding_error(Vec3Of<T> position, Vec3dOf<D> terms) {
+  const Vec3Of<T> from_rounding = abs(position) * T(gamma<float>(2));
+  return from_rounding + (D(gamma<double>(16)) * terms).rounded();
+}
+
+// Where a model is drawn as it is.
+struct IdentityTransform {
+  template <typename D>
+  static Vec3dOf<D> point(Vec3dOf<D> p) {
+    return p;
+  }
+  template <typename D>
+  static Vec3dOf<D> normal(Vec3dOf<D> n) {
+    return n;
+  }
+  template <typename D>
+  static Vec3dOf<D> error_terms(Vec3dOf<D> terms) {
+    return terms;
+  }
+};
+
+// The point of a model as `place` (IdentityTransform or a Placement) puts it into the world.
+template <typename Place, typename T>
+SurfacePointOf<T> in_world(const Place& place, const ObjectPointOf<T>& model) {
+  SurfacePointOf<T> point;
+  point.position = place.point(model.position).rounded();
+  point.position_error = rounding_error(point.position, place.error_terms(model.terms));
+  point.geometric_normal = unit_or_zero(place.normal(model.geometric_normal));
+  point.shading_normal = point.geometric_normal;
+  const MaskOf<T> interpolated = has_direction(model.shading_normal);
+  if (any(interpolated)) {
+    const Vec3Of<T> smooth = unit_or_zero(place.normal(model.shading_normal));
+    point.shading_normal =
+        select(interpolated, face_toward(smooth, point.geometric_normal), point.shading_normal);
+  }
+  point.uv = model.uv;
+  return point;
+}
+
+}  // namespace tessera::core

@@ -1,0 +1,19 @@
+// Where light is sought.
+#pragma once
+
+#include "core/math/simd.hpp"
+#include "core/math/vec3.hpp"
+
+namespace tessera::core {
+
+struct LightSampleContext {
+  Vec3 position{};
+  Vec3 normal{};  // unit, of the side that is lit; zero where light counts from all sides
+};
+
+// Eight of them.
+struct LightSampleContexts {
+  Vec3Of<Float8> position, normal;
+};
+
+}  // namespace tessera::core

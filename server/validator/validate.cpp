@@ -1,0 +1,80 @@
+#include "server/validator/validate.hpp"
+
+#include <fmt/format.h>
+
+#include <exception>
+#include <new>
+#include <string>
+#include <utility>
+
+#include "core/scene/loader/loader.hpp"
+#include "core/scene/validation.hpp"
+#include "proto/convert.hpp"
+#include "proto/convert_display.hpp"
+#include "server/validator/flags.hpp"
+
+namespace tessera::validator {
+
+using core::ErrorCode;
+
+namespace {
+
+// To whoever submits a scene, an asset that is missing from its bundle is a mistake of the scene like any
+// other.
+core::Error as_mistake(core::Error error) {
+  if (error.code == ErrorCode::kNotFound) error.code = ErrorCode::kInvalidArgument;
+  return error;
+}
+
+// What is exhausted without a limit of the scene's having been met is memory.
+core::Error explain_memory(core::Error error, const Options& options) {
+  const bool names_limit = error.message.find("--max-") != std::string::npos;
+  if (error.code != ErrorCode::kResourceExhausted || names_limit) return error;
+  error.message += fmt::format("; this farm loads scenes within {} MiB (tessera-coordinator {})",
+                               options.confinement.memory_mib, kMemoryFlag);
+  return error;
+}
+
+core::Result<ValidateResponse::Approval> load(const ValidateRequest& request, const Options& options) {
+  core::BundleAssets assets({request.files().begin(), request.files().end()});
+  const std::string& path = request.bundle().scene_path();
+  const auto scene = core::load_scene(assets, path, path, options.scene);
+  if (!scene) return core::fail(as_mistake(scene.error()));
+  const auto overrides = proto::from_proto(request.overrides());
+  if (!overrides) return core::fail(overrides.error());
+  const auto settings = core::resolve_settings(scene->settings, *overrides);
+  if (!settings) return core::fail(settings.error());
+  if (auto valid = core::validate_scene(*scene); !valid) return core::fail(valid.error().within(path));
+  ValidateResponse::Approval approval;
+  *approval.mutable_settings() = proto::to_proto(*settings);
+  *approval.mutable_display() = proto::to_proto(scene->display);
+  for (const std::string& warning : scene->warnings) approval.add_warnings(warning);
+  return approval;
+}
+
+core::Result<ValidateResponse::Approval> load_safely(const ValidateRequest& request, const Options& options) {
+  try {
+    return load(request, options);
+  } catch (const std::bad_alloc&) {
+    return core::fail(ErrorCode::kResourceExhausted, "the scene does not fit into memory");
+  } catch (const std::exception& error) {
+    return core::fail(ErrorCode::kInternal, error.what());
+  }
+}
+
+}  // namespace
+
+ValidateResponse validate(const ValidateRequest& request, const Options& options) {
+  ValidateResponse response;
+  auto approval = load_safely(request, options);
+  if (approval) {
+    *response.mutable_approval() = std::move(*approval);
+  } else {
+    core::Error error = explain_memory(approval.error(), options);
+    response.mutable_refusal()->set_code(static_cast<int>(error.code));
+    response.mutable_refusal()->set_message(std::move(error.message));
+  }
+  return response;
+}
+
+}  // namespace tessera::validator

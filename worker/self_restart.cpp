@@ -1,0 +1,73 @@
+#include "worker/self_restart.hpp"
+
+#include <omp.h>
+#include <sched.h>
+#include <spdlog/spdlog.h>
+#include <sys/prctl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <string>
+#include <vector>
+
+#include "worker/hang_watchdog.hpp"
+
+namespace tessera::worker {
+namespace {
+
+// How many starts in a row rendered nothing and were replaced by the next, this one being that.
+constexpr const char* kBarrenStarts = "TESSERA_WORKER_BARREN_STARTS";
+constexpr int kMaxBarrenStarts = 100;
+
+// With OMP_PROC_BIND every thread keeps to some processors, and the new program would have no others.
+void spread_over_all_places() {
+  cpu_set_t all;
+  CPU_ZERO(&all);
+  for (int place = 0; place < omp_get_num_places(); ++place) {
+    std::vector<int> processors(static_cast<std::size_t>(omp_get_place_num_procs(place)));
+    omp_get_place_proc_ids(place, processors.data());
+    for (const int processor : processors) CPU_SET(static_cast<std::size_t>(processor), &all);
+  }
+  if (CPU_COUNT(&all) > 0) sched_setaffinity(0, sizeof all, &all);
+}
+
+int failed_restarts() {
+  const char* const text = std::getenv(kBarrenStarts);
+  return text == nullptr ? 0 : std::clamp(std::atoi(text), 0, kMaxBarrenStarts);
+}
+
+[[noreturn]] void self_restart(char** arguments, int failed_restarts) {
+  setenv(kBarrenStarts, std::to_string(failed_restarts).c_str(), 1);
+  spread_over_all_places();
+  spdlog::info("starting anew, as threads that render for ever can be ended in no other way");
+  execv("/proc/self/exe", arguments);
+  spdlog::critical("cannot start anew: {}", std::strerror(errno));
+  _exit(EXIT_FAILURE);
+}
+
+}  // namespace
+
+Worker::Options with_self_restart(char** arguments, StopSignals& signals) {
+  const int barren = failed_restarts();
+  return {
+      .hang_timeout = [barren](const UnwantedPiece& piece) { return compute_hang_timeout(piece, barren); },
+      .self_restart =
+          [=, &signals](const UnwantedPiece& piece, const core::Status& accepted) {
+            if (!accepted) {
+              spdlog::error("refused by the coordinator: {}", accepted.error().message);
+              _exit(EXIT_FAILURE);
+            }
+            signals.leave_pending();
+            if (signals.token().stop_requested()) _exit(EXIT_SUCCESS);
+            self_restart(arguments, piece.first ? barren + 1 : 0);
+          }};
+}
+
+void keep_program_name() {
+  prctl(PR_SET_NAME, program_invocation_short_name);
+}
+
+}  // namespace tessera::worker
