@@ -31,11 +31,11 @@ quiet() {
   "${@:2}" >"$work/log" 2>&1 || { tail -n 60 "$work/log" >&2; fail "$1 failed"; }
 }
 
-inside() { chroot "$root" env PATH=/usr/sbin:/usr/bin:/sbin:/bin DEBIAN_FRONTEND=noninteractive LC_ALL=C.UTF-8 HOME=/root "$@"; }
+inside() { chroot "$root" env PATH=/usr/sbin:/usr/bin:/sbin:/bin DEBIAN_FRONTEND=noninteractive LC_ALL=C.UTF-8 HOME=/srv "$@"; }
 
 # traces: the files in the root that are Tessera's by their names, but for those of apt and what rendering has written.
 traces() {
-  inside find / -xdev \( -path /proc -o -path /root -o -path '/var/*' \) -prune -o -type f -path '*tessera*' -print
+  inside find / -xdev \( -path /proc -o -path /srv -o -path '/var/*' \) -prune -o -type f -path '*tessera*' -print
 }
 
 [ "$(id -u)" -eq 0 ] || skip "only root can make a root of its own"
@@ -63,17 +63,17 @@ for program in tessera tessera-coordinator tessera-worker; do
   inside "$program" --version >"$work/version" || fail "$program --version failed"
   grep -q "^$program [0-9]" "$work/version" || fail "$program --version says: $(cat "$work/version")"
 done
-quiet "rendering" inside tessera render cornell --size 48x32 --spp 4 --quiet -o /root/alone.pfm
+quiet "rendering" inside tessera render cornell --size 48x32 --spp 4 --quiet -o /srv/alone.pfm
 quiet "rendering on a farm" inside bash -c '
   set -euo pipefail
-  cd /root
-  tessera-coordinator --listen 127.0.0.1:0 --state /root/state >coordinator.log 2>&1 &
+  cd /srv
+  tessera-coordinator --listen 127.0.0.1:0 --state /srv/state >coordinator.log 2>&1 &
   for ((i = 0; i < 600; ++i)); do grep -q "listening on" coordinator.log && break; sleep 0.1; done
   address=$(sed -n "s/.*listening on //p" coordinator.log)
-  tessera-worker --coordinator "$address" --threads 1 --cache /root/cache >worker.log 2>&1 &
+  tessera-worker --coordinator "$address" --threads 1 --cache /srv/cache >worker.log 2>&1 &
   trap "kill \$(jobs -p); wait; cat coordinator.log worker.log" EXIT
   tessera submit cornell --coordinator "$address" --size 48x32 --spp 4 --wait -o farm.pfm'
-cmp "$root/root/alone.pfm" "$root/root/farm.pfm" || fail "the farm renders other bytes"
+cmp "$root/srv/alone.pfm" "$root/srv/farm.pfm" || fail "the farm renders other bytes"
 
 quiet "removing" inside apt-get purge -y tessera tessera-coordinator tessera-worker libtessera libtessera-dev
 rm -r "$root/packages"
@@ -83,5 +83,5 @@ cmp "$work/before" "$work/after" || fail "removing leaves $(head -n 5 "$work/aft
 # The libraries that apt installed for the packages are still there.
 mkdir "$root/tree"
 tar -xzf "$work"/packages/*.tar.gz -C "$root/tree" --strip-components=1
-quiet "the tarball's program" inside /tree/bin/tessera render cornell --size 48x32 --spp 4 --quiet -o /root/tree.pfm
-cmp "$root/root/alone.pfm" "$root/root/tree.pfm" || fail "the tarball's program renders other bytes"
+quiet "the tarball's program" inside /tree/bin/tessera render cornell --size 48x32 --spp 4 --quiet -o /srv/tree.pfm
+cmp "$root/srv/alone.pfm" "$root/srv/tree.pfm" || fail "the tarball's program renders other bytes"
