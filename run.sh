@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # Builds Tessera, renders a still life on a farm of one coordinator and two workers, renders it again in one
 # process, and shows that both files are the same bytes. Needs Debian 12; ends a minute or two after the build.
 set -euo pipefail

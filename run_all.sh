@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # Builds Tessera, renders every scene that comes with it, measures what docs/notebook/report.md reports, and puts all
 # pictures on one sheet. Needs Debian 12.
 set -euo pipefail

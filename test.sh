@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # Builds Tessera and runs every test, in two passes:
 #   1. the unit, property and simulation tests with assertions, little optimised, under the address and
 #      undefined-behaviour sanitizers, and the corpora of the fuzzers with mutants (tests/fuzz/README.md);

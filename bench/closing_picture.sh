@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # closing_picture.sh [SPP]: what one sample of scenes/go at 3328x2048 costs on one core, measured over the whole picture
 # at SPP samples per pixel (4), and what 8192 would cost, as a row of Markdown.
 set -euo pipefail

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "bench/grid_obj.hpp"
 
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // An OBJ file for measuring: a bumpy square sheet of triangles, written as exporters do, with six decimals.
 #pragma once
 

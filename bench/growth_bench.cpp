@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The time for each ray against the number of triangles, one thread, in batches and one by one: what
 // bench/growth/measure.sh plots.
 #include <benchmark/benchmark.h>

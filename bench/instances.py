@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Time and memory of a scene of many instances: writes one, renders it small, and prints both.
 
     bench/instances.py build/profiled/bin/tessera [INSTANCES [FOLDER [RENDER OPTION ...]]]

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What instances cost: rays per second in a scene of two levels over those in the same scene flat. 25 copies
 // of a bumpy body of 69,000 triangles, turned and of different sizes, on a plane.
 #include <fmt/format.h>

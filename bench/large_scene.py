@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Load, build and memory of a scene of many triangles: writes one, renders it small, and prints a table.
 
     bench/large_scene.py build/profiled/bin/tessera [TRIANGLES [FOLDER [RENDER OPTION ...]]]

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What choosing among many lights costs, and what it is worth: a hall full of small lamps, lit directly, with
 // each lamp chosen by the scene's light sampler and by power alone. Prints a table.
 //

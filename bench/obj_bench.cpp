@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Bytes per second of OBJ text: ours, which checks every statement, rounds every number correctly and has
 // faces parsed by tinyobjloader, beside tinyobjloader alone; and what follows reading.
 #include <benchmark/benchmark.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // How much memory a large OBJ file takes while it is loaded: tessera_obj_memory [TRIANGLES], 10,000,000 if
 // none are given. Linux only: the peaks are those that the kernel has seen of this process.
 #include <fmt/format.h>

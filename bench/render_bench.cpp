@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Samples per second of whole renders, one thread, for every shipped scene and strategy.
 #include <benchmark/benchmark.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Triangle soups that a scene might be made of, and the rays that a path tracer would send into them: what
 // the benchmarks of the acceleration structure trace.
 #pragma once

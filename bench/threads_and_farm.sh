@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # What more threads and a farm are worth, as a Markdown table: one thread beside two, and one process of two threads
 # beside a farm of two workers of one thread each on loopback, with the coordinator's share of the CPU time.
 # Needs the release build, and two cores with nothing else to do.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Rays per second through the acceleration structure alone, one thread: a tessellated, bumpy sphere on a
 // plane, seen by primary rays, by cosine-distributed bounces from their hits, and by shadow rays to a lamp;
 // and building it.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The commands that need no farm. Each adds itself to the command line; when it is the one that was called,
 // it runs and stores the process's exit status.
 #pragma once

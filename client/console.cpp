@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "client/console.hpp"
 
 #include <fmt/format.h>

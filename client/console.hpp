@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What a command prints. Results go to stdout, everything else goes to stderr, made printable
 // (core/base/printable.hpp). Text that cannot be written is lost and ends nothing; cli::flush_stdout()
 // reports lost results at the end.

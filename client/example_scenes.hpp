@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The example scenes that come with the program: beside it in share/tessera/scenes, in a build folder as installed.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Ctrl-C and SIGTERM: the first asks for an orderly end, the second kills the process as if nobody listened.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Renders a picture in this process, or the window of it that the settings ask for, call by call, with
 // progress and a way out.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // tessera: the command line. Hands over to the command that was called and reports its exit status.
 #include <CLI/CLI.hpp>
 #include <cstdlib>

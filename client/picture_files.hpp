@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The picture files a command is asked to write (-o): checked before the work, written after it.
 #pragma once
 

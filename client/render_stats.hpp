@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What `render --stats` writes. docs/command-line.md lists the fields; benchmarks rest on their names.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The flags that say what to render and how, the same for `render` here and `submit` to a farm.
 #pragma once
 

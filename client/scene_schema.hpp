@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The JSON Schema of scene files, as in scenes/scene.schema.json.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Cuts a local render into calls of render(): every sample of every pixel once, each call as much work as
 // asked for. The picture is the same however it is cut; this is about staying responsive. Not thread-safe.
 #pragma once

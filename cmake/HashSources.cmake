@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # cmake -DFOLDER=... -DSOURCES="a;b;..." -DHEADER=... -P HashSources.cmake: writes a header that has the SHA-256 of
 # these sources as a string.
 set(hashes "")

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # `cmake --install`, and packages by CPack: a relocatable tarball (TGZ) and Debian packages (DEB), one for each component:
 #
 #   tessera              the command line, the example scenes, the documentation

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # Every target links tessera::options: warnings, sanitizers, and the flags behind "the same bytes on every machine".
 #
 # x86-64-v3 (AVX2) is the least a machine must have. What TesseraVariants.cmake compiles a second time is for x86-64-v4

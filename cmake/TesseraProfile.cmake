@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # Optimising core by a profile of what it does in renders, with GCC: which branches are taken, what is called often, and
 # what hardly ever. What is computed stays the same, to the bit.
 #

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # core is compiled for every machine and, with TESSERA_AVX512, a second time for those with AVX-512. It then is a shared
 # library, lib/libtessera_core.so, the other is lib/glibc-hwcaps/x86-64-v4/libtessera_core.so, and the loader takes the
 # one that the processor is good for (ld.so(8)). Both compute the same, to the bit.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # cmake -DVERSION=... -DFOLDER=... -DOUTPUT=... -P WriteVersion.cmake: writes the source that core/base/version.hpp
 # declares, if it has changed. Adds what `git describe` says of a checkout that is not the tag of the version itself.
 find_program(GIT git)

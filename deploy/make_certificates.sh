@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # Makes what a farm needs for TLS in both directions and for tokens: an authority, certificates signed by it, tokens.
 set -euo pipefail
 

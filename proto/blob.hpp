@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Content-addressed blobs: their digests, and how they are cut into the chunks of a stream and put together
 // again. No files and no calls. Not thread-safe, but different objects may be used at once.
 #pragma once

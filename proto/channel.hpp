@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // How processes of a farm reach each other: addresses, keepalive and limits. Thread-safe.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Between the messages of the contract and core's types. What comes from outside is checked: every from_proto
 // answers INVALID_ARGUMENT with the field's name where a value cannot be.
 #pragma once

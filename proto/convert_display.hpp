@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Between the messages that say how PNG files show a picture and core's types.
 #pragma once
 

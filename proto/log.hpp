@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The log of a program that runs for long: lines on stderr. What others chose (names, reasons) is in many of
 // them, so each is made printable here, whoever writes it.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "proto/open_files.hpp"
 
 #include <sys/resource.h>

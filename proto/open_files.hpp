@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // How many files a process may open. Every connection takes one. Stateless.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Certificates and keys in PEM files, read and checked before anybody relies on them, so that a mistake is
 // told with the file's name and not as a failed handshake. Stateless.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // When to try again, as policies that compose: within(minutes, transient_only(exponential_backoff())).
 // Time and waiting are arguments, so that tests need neither. A policy keeps no state between uses, except
 // that exponential_backoff draws its jitter from a generator: give each thread its own.

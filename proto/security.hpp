@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // How processes of a farm know one another: TLS with certificates from PEM files, and bearer tokens. On the
 // loopback neither is needed; between machines, going without TLS must be asked for.
 #pragma once

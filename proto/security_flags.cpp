@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "proto/security_flags.hpp"
 
 #include "core/cli/help.hpp"

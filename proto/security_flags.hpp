@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The options by which every program that calls a coordinator is told of certificates and tokens.
 #pragma once
 

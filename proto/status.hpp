@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The one place where core's errors become gRPC status codes, and back.
 #pragma once
 

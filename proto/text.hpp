@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Texts that others are shown: names of workers, jobs and files. Who chooses one is told at once what is
 // wrong with it; a farm takes no other. Stateless; thread-safe.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A film tile as it travels: its sums in planes with their XXH3-64, as worker_service.proto says. Pure
 // functions.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Sums of a tile as they travel and are stored: the lowest bytes of all of them, then the second bytes, and
 // so on, as a zstd frame. The high bytes of neighbours are alike and the low ones are noise; kept apart, they
 // are compressed several times as fast, into fewer bytes, as when they alternate. Pure functions.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What to tell whoever reaches no coordinator: gRPC tells a handshake that failed, or a name that nobody has,
 // from a peer that is not there in its text alone. Stateless.
 #pragma once

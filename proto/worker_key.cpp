@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "proto/worker_key.hpp"
 
 #include "proto/blob.hpp"

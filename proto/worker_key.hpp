@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // How workers prove who they are without anything set up beforehand: ids are hashes of random bytes that the
 // worker alone knows and shows with its calls. Pure functions.
 #pragma once

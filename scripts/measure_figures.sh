@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # measure_figures.sh DIR: from the pictures that run_all.sh rendered into DIR, the errors and times that
 # docs/notebook/report.md reports, as Markdown. Errors are in linear light, against the reference of the same scene.
 set -euo pipefail

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # shellcheck shell=bash
 # Sourced by scripts that start processes in the background: starts them, waits for what they say, and ends them, the
 # last one first, when the script ends. Their output is in $work/NAME.log; $work is a temporary folder that goes with them.

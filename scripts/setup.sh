@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # setup.sh [build] [package] [test] [bench]: installs the Debian 12 packages that building and rendering, packaging, testing
 # or measuring Tessera need; all of them without arguments. Quick when they are there already.
 set -euo pipefail

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # write_command_line_docs.sh BIN: puts the --help of the programs in the folder BIN into docs/command-line.md, below
 # the lines that ask for it: <!-- tessera render --help -->
 set -euo pipefail

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What a farm takes from those who call it, so that none of them can use it up. Each is an option of
 // tessera-coordinator (limit_flags.cpp), and the sentence of every refusal names it. Plain data.
 #pragma once

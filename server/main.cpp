@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // tessera-coordinator: see options.hpp.
 #include <absl/synchronization/mutex.h>
 #include <signal.h>

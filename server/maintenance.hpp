@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What tessera-coordinator does to a state folder instead of running on it. Blocks until it is done.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What tessera-coordinator can be told, in one place: flags, --help and defaults come from here.
 #pragma once
 

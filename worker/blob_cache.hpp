@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Blobs of scenes on this machine's disk, each under its SHA-256. Workers may share a folder. A file is
 // visible under its name only when it is complete, and its bytes are checked again each time it is asked for,
 // so that what a crash or a failing disk has left cannot reach a picture. Thread-safe.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "worker/deliver_loop.hpp"
 
 #include <google/protobuf/util/time_util.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Brings what is rendered to the coordinator, and keeps it until it has arrived or was refused. One thread
 // runs it.
 #pragma once

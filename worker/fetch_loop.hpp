@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Brings the files of leased jobs into the cache, ahead of their rendering. One thread runs it.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // How long samples that nobody wants any more may go on before they are taken for endless. Pure.
 #pragma once
 

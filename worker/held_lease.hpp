@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // One lease on its way through a worker: what is still to be rendered of it, what is being rendered, what
 // waits to be delivered. Plain state with the rules that need no other lease; not thread-safe (LeaseTracker
 // guards it).

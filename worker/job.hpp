@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A job as this worker knows it, once its scene's files lie in the cache. Immutable.
 #pragma once
 

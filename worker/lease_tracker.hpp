@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Everything this worker holds: leases on their way from the coordinator to delivery, and the jobs they
 // belong to. The one place where the worker's threads meet. Thread-safe; functions that block say so.
 //

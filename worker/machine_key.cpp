@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "worker/machine_key.hpp"
 
 #include <fcntl.h>

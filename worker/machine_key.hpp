@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The random bytes by which a coordinator knows this machine's workers again (proto/worker_key.hpp).
 #pragma once
 

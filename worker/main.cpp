@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // tessera-worker: renders for a farm. Parse, build, wire, run.
 #include <spdlog/spdlog.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // How much to render in one go, so that a worker reacts to what it is told within about a quarter of a
 // second, whatever the scene costs. Not thread-safe.
 #pragma once

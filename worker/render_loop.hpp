@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Renders what is held, piece by piece. The only thread that computes: everything parallel happens inside of
 // it.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "worker/scene_cache.hpp"
 
 #include <spdlog/spdlog.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The scenes rendered last, built and ready. For the render thread alone: building uses its threads.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A new start of this program in the same process: the way out for a worker with threads that nothing ends.
 #pragma once
 

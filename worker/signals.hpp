@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // SIGINT and SIGTERM as a stop token: the first asks for an orderly end, the second ends the process at once.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "worker/sync_loop.hpp"
 
 #include <google/protobuf/util/time_util.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The conversation with the coordinator: says what is held, takes over what should be, for as long as the
 // worker runs. Level-triggered: a lost answer or a restarted coordinator needs no special care. One thread
 // runs it.

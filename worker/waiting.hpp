@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Waits and calls that end early when a stop is requested. Thread-safe.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A worker: the threads that synchronise, fetch, render and deliver, and how they end; or do not.
 #pragma once
 

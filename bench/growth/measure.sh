@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # How cost grows with triangles, pixels, samples, lights, depth, threads and workers: measures all of that or the
 # SERIES named, writes a table for each into DIR, and plots all that are there. Needs the release build with
 # -DTESSERA_BENCH=ON, jq and gnuplot-nox, and a machine with nothing else to do.

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Renders six scenes with Cycles and with Tessera, in turns on one core, and prints a table of both as Markdown.
 
 Needs Blender (Debian's 3.4.1: apt install blender) and a release build with -DTESSERA_BENCH=ON whose targets tessera,

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Renders a Tessera scene file with Cycles and prints how long the samples took, as one line of JSON.
 
 blender --background --factory-startup --threads 1 --python-exit-code 1 --python cycles_render.py --

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Makes a Tessera scene file's scene in Blender, for Cycles: the same meshes, materials, lamps, sky and camera.
 
 Runs inside Blender (3.4). Coordinates stay as they are, y up. What has no counterpart here is refused with a

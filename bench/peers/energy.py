@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Measures how much light surfaces keep that are shaded with other normals than their own, and prints a table.
 
     bench/peers/energy.py [--bunny FILE.obj] [--cycles] [--spp N] [--keep FOLDER]

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Writes a soup of triangles as an OBJ file: tessera-generate-soup NAME FILE
 // The same bytes on every machine and at every run.
 #include <span>

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The noise of pictures that differ in their seed alone, and how well two renderers agree. Plain Python; PFM files."""
 
 import array

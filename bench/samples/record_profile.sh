@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # record_profile.sh RENDER_SAMPLES SCENES: renders the scenes below SCENES small with a build that records what it does
 # (cmake/TesseraProfile.cmake). The same every time, so that the same sources make the same program.
 set -euo pipefail

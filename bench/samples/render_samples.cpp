@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Renders SPP samples of each pixel of a small picture in one call of one thread: what tests/counters counts, and
 // what is recorded for the compiler (record_profile.sh). `tessera render` cuts its work by the clock, and so never
 // does quite the same twice.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // One farm of simulated workers around a real coordinator: started, loaded with jobs, measured for a while,
 // ended.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // How a coordinator bears many workers, large pictures and many jobs: real processes and connections, workers
 // that render nothing (simulated_worker.hpp), and a Markdown table of what the coordinator took.
 // docs/scaling.md tells what the columns mean and what was measured.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A real tessera-coordinator in a process of its own, and what it takes of the machine. Not thread-safe.
 #pragma once
 

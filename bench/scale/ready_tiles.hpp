@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Rendered items that nobody rendered: whole tiles whose sums are noise like that of a path tracer,
 // compressed beforehand, so that a worker that sends them costs next to nothing. Thread-safe.
 #pragma once

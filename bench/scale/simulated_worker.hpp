@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A worker that speaks the real protocol on a connection of its own, and renders nothing: it lets the time
 // pass that rendering would have taken, and sends ready-made tiles. Keeps two leases, delivers each item as
 // soon as it is "rendered", one delivery at a time, takes leases with the answer, and always has a

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What the simulated workers of one farm have seen, while it was counted. Thread-safe.
 #pragma once
 

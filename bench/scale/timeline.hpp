@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Does things later: one thread for the clocks of a thousand simulated workers. Thread-safe.
 #pragma once
 

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Tells which of other people's OBJ files and images Tessera renders.
 
 Renders every OBJ file and every image below the given folders, small and by itself: an OBJ file as a mesh in

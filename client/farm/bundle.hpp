@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A scene on this machine as a bundle: loaded and checked here first, so that a mistake is told before
 // anything is sent, in the words in which `tessera render` tells it.
 #pragma once

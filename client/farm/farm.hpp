@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The farm a command speaks to: where it is, and calls whose errors are sentences. Thread-safe.
 #pragma once
 

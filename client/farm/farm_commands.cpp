@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "client/farm/farm_commands.hpp"
 
 #include "client/farm/single_commands.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Waiting that ends at Ctrl-C: a signal alone ends neither a sleep nor a call. For after
 // watch_for_interrupt().
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Jobs by what a user typed. Stateless.
 #pragma once
 

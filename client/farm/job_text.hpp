@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Jobs and workers as people and as programs read them. Stateless; times are seconds since 1970.
 #pragma once
 

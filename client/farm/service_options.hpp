@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The options that say how a farm serves a job, the same for `submit` and `update`.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What farm_commands.cpp puts together, one function for each file.
 #pragma once
 

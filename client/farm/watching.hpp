@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Following a job until it is over. Blocks; Ctrl-C ends it.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The binary tree from which a Bvh is made: top-down, by the surface area heuristic over binned centroids
 // (Wald 2007), by all threads from the first cut on. Its shape does not depend on the number of threads, and
 // its depth is bounded.

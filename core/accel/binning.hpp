@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Where to cut a set of boxes in two by the surface area heuristic: their centroids are sorted into bins
 // along each axis, and the borders between bins are compared (Wald 2007).
 #pragma once

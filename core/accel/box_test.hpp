@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What every test of rays against boxes agrees on. Distances to slabs are computed with four roundings (Ize
 // 2013), and the distance of a hit, otherwise exact to nearly double precision, is rounded once: with a
 // factor on the far side no box is missed that holds a hit.

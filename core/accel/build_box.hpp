@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Boxes as the builder of the tree handles them: eight floats, of which the lower corner is negated, so that
 // boxes are united by one maximum.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The acceleration structure: finds what a ray hits first, and whether it hits anything.
 // Callers see only this interface; any structure behind it returns the same hits (ties are settled as Hit
 // says), so that replacing it cannot change a picture. Each object that instances show has a structure of its

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Bvh::build: a binary tree is built, its nodes are merged sixteen at a time, and leaves become packets.
 #include <algorithm>
 #include <utility>

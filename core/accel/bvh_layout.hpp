@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What a Bvh is made of in memory: nodes of sixteen boxes, and packets of four primitives, each ready to be
 // tested by one run of SIMD instructions.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Bvh's queries.
 #include "core/accel/bvh.hpp"
 #include "core/accel/group_traversal.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Which nodes of a binary tree become the nodes of a wide one: those that make the expected cost of a ray,
 // by the surface area heuristic, the least of all ways to merge them (Ylitie, Karras and Laine 2017,
 // section 3.1).

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Rays that have parted from their group, each with nodes of its own to visit. They take turns: what a ray
 // needs next is asked for, and comes while the others have their turns; packets are tested for many rays in a
 // row. So no ray waits for memory, nor for the end of its own arithmetic.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What the rays of a group hit. A triangle that float arithmetic is sure about (triangle_filter.hpp) becomes
 // a ray's candidate, with bounds on its t; only where bounds overlap, and for the candidate that is left in
 // the end, is the hit computed in double, four or eight at once.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A group of rays' common way through the tree. A node's boxes are tested against bounds of the whole group,
 // then those that may be met against the rays that came here: a vector of rays against one box, or one ray
 // against sixteen boxes, whichever is less work. Where few rays go on together, they part: each keeps the

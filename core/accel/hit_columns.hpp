@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The hits of a group's rays by number, so that all of them are set, and many of them kept, at once.
 #pragma once
 

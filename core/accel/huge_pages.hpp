@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Large arrays that are read all over: on huge pages where the system has them, so that most reads find their
 // address translated. Their memory is not written before the elements are, so that what is never used takes
 // none and what is used can be written by many threads.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Rays that are asked for together, parted into groups of those that go into one octant
 // (group_traversal.hpp).
 #pragma once

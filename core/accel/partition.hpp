@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Parts a range of items by one border between bins, in place, and finds the bounds of both parts' centroids
 // on the way.
 #pragma once

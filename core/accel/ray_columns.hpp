@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Up to 64 rays by coordinate, so that a vector of them is computed with at once. Where a vector is not full,
 // the last ray is repeated.
 #pragma once

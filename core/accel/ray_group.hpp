@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A group of rays that go into the same octant against boxes, a vector of rays or of boxes at once, and all
 // rays together by bounds of their origins and directions. Of Rays, or of ObjectRays, whose origins, in
 // double, are rounded so that boxes begin too early and end too late.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // One ray's way through the tree. For the closest hit nodes are visited nearest first, from a stack, and
 // culled where they cannot hold a better hit; for any hit in any order.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Rays of a group in the space of an object that an instance shows: a vector of them at once, to the bit what
 // Placement::to_object makes of each. Rays that point into one octant of the world may point into several
 // there.

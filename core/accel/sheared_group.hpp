@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The rays of a group prepared for triangle tests in double: ShearedRay of core/geometry/triangle.hpp by
 // coordinate, to the bit the same numbers.
 #pragma once

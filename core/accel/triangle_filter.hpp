@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A vector of pairs of a ray and a triangle at once, in float: which surely miss, which surely hit and about
 // where, and which are too close for float to tell. The watertight test in double
 // (core/geometry/triangle.hpp) decides those, and computes the hits that matter, so that this filter changes

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Four or eight pairs of a ray and a triangle at once, D being Double4 or Double8: intersect_triangle of
 // core/geometry/triangle.hpp, lane by lane the same operations, and so to the bit the same hits.
 #pragma once

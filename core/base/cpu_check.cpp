@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // An executable that links tessera::cpu_check ends with a sentence where the processor lacks what the rest of
 // it is compiled for, instead of dying of an illegal instruction. This file alone is compiled for any x86-64,
 // and runs before other static initialisers; it therefore uses nothing from the C++ library, whose templates

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // How fallible functions answer: a value, or an Error with a code and a sentence that says what to mend.
 // Whoever passes an Error up adds context in front: "scene.json:12: textures.wood.file: not a picture".
 // Errors are for what can happen in the field; what cannot happen is an assertion.

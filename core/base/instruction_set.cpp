@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/base/instruction_set.hpp"
 
 namespace tessera::core {

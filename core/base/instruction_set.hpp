@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Which of its variants core is, for those who ask why one machine is faster than another.
 #pragma once
 

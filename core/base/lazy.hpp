@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A value that is made when it is first asked for, once, by whichever thread asks first; the others wait.
 #pragma once
 

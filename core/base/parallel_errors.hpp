@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Carries an exception out of an OpenMP region. An exception that leaves a region ends the process; run()
 // keeps the first one, and rethrow() throws it after the region. Thread-safe.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Asking memory for what will be read soon.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Text from elsewhere made fit to be shown: names, reasons and file names may hold bytes that would steer the
 // terminal of whoever reads them, or forge a line of a log. Stateless; thread-safe.
 #pragma once

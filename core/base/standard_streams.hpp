@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // stdin, stdout and stderr as every program of Tessera wants them: a stream that is closed, full or a pipe
 // without a reader makes writes fail, and never ends the process.
 #pragma once

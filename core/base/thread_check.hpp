@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Whether this process can have so many threads. OpenMP's own runtime ends the process where it cannot start
 // one.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The version that every program prints: that of the release, and of a build from a checkout what `git describe` says of it.
 #pragma once
 

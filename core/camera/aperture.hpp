@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The opening of a thin lens: a disk, or a regular polygon like that of a camera's blades. Immutable.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A thin-lens camera; a pinhole where the aperture is closed.
 #pragma once
 

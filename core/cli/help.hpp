@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // How --help looks, the same for every program and command: a summary, usage, commands, arguments and options
 // in two columns, environment variables, and the sections of HelpText.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Parses a command line and says what is wrong with it, in the same words for every program.
 #pragma once
 

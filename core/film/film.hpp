@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The film: exact sums of samples, and the picture they develop into.
 //
 // A FilmTile is what one call of render() returns and what travels between machines; a Film is the

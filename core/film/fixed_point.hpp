@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Radiance as an unsigned 64-bit fixed-point number, so that sums of samples are exact: integer addition of
 // non-negative numbers is associative and commutative even when it saturates, and the picture cannot depend
 // on how its samples were cut up, ordered or retried.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Which part of a render: a rectangle of pixels and a range of sample numbers, both half-open.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/film/sum_buffer.hpp"
 
 #include <cassert>

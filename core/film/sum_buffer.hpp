@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Fixed-point sums as the film keeps them: exact whatever their size, in no more memory than it takes. Not
 // thread-safe.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // One of many places where an object is shown. Objects are stored once, however many instances they have.
 #pragma once
 

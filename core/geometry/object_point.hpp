@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The surface at a hit in double, where it was modelled, and as it is put into the world. For one hit or for
 // eight at once: T is float or Float8.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A ray in the space of an object that instances show. It is in double: what takes a ray there rounds so
 // little that an object is hit where its surface is, and again where a ray left it, wherever it is placed.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Where an instance puts its object: an affine map and its inverse, in double. Immutable.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // All shapes of a scene as flat arrays, and the objects that instances show, which are such arrays again.
 // Triangles are numbered first, then spheres, then instances. Hits carry the numbers of triangles and
 // spheres; where those are in an object, its own numbers, and beside them the instance's place among the

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Eight rays, to be taken one by one.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Bounds on rounding errors, and the floats next to a float.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Rays against one sphere, in double from float data. For one ray or for many at once, at a sphere each: T is
 // float, Float8 (core/math/simd_double8.hpp) or Float16.
 #pragma once

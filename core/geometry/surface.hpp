@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The point of a surface that a ray has hit, and rays that leave from it.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Rays against one triangle: the watertight test of Woop, Benthin and Wald 2013. The ray is sheared onto the
 // z axis, and the signs of three edge functions say whether the origin of the xy plane lies in the triangle.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Three doubles, for the few lines of geometry whose intermediate results floats cannot hold. Data stay
 // floats. Vec3dOf<Double8> is eight of them (core/math/simd_double8.hpp), Vec3dOf<Double16> sixteen.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Distributions of directions learnt from the light that comes from them: quadtrees over the unfolded sphere,
 // finer where there are more examples (after Müller, Gross and Novák 2017). Many trees share one array.
 // Immutable once built.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Where light comes from at the places of a scene, learnt from photons, for choosing the directions in which
 // paths go on (Jensen 1995; Vorba et al. 2014). What it says is a guess: it may make a picture less noisy,
 // never wrong. Immutable once built, shared by all threads.

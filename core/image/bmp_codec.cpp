@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // BMP by stb_image, without run lengths.
 #include <stb_image.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What every image decoder of this folder takes and returns. Everyone else calls decode_pixels()
 // (codecs.hpp).
 #pragma once

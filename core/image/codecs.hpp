@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Reads image files of all formats that Tessera knows. The format is told by the file's content, not by its
 // name. A broken or hostile file is an error, never a crash. The same bytes give the same pixels on every
 // machine with the same libraries. Stateless; thread-safe.

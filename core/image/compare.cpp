@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/image/compare.hpp"
 
 #include <fmt/format.h>

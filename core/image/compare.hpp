@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // How much two pictures differ, in linear light. Stateless; thread-safe.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Reads image files as linear images, for comparing them. A broken or hostile file is an error, never a
 // crash. Thread-safe.
 #pragma once

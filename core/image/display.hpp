@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // From linear light to what an 8-bit picture shows: exposure, and a curve that brings bright light into the
 // range of a screen. Of PNG files alone; linear files keep the light as it is. Stateless; thread-safe, and
 // the same bits on every machine.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Pictures into files: PNG for screens, and three formats that keep linear light.
 // The bytes are a function of the picture alone: no dates, no names, the same from any machine. Thread-safe.
 #pragma once

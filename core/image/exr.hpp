@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // OpenEXR files into memory. Used by encode_image; everyone else calls that. exr.cpp has the decoder, too.
 #pragma once
 

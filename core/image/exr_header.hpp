@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The header of an OpenEXR file, looked at before OpenEXR takes memory for what it claims. Stateless;
 // thread-safe.
 #pragma once

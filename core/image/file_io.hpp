@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Whole files in, whole files out: a file written here is complete or does not exist.
 // Stateless; thread-safe for different paths. Errors name the file and say why.
 #pragma once

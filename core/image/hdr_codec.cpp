@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Radiance HDR files after Ward, "Real Pixels", Graphics Gems II (1991), and Radiance's manual of file
 // formats: pixels of three mantissas and an exponent, flat or with run lengths of either kind, in eight
 // orientations.

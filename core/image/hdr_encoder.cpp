@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/image/hdr_encoder.hpp"
 
 #include <fmt/format.h>

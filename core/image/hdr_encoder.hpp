@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Radiance HDR files from linear values; everyone else calls encode_image (encode.hpp).
 #pragma once
 

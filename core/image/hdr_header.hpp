@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The header of Radiance HDR files (Ward, "Real Pixels", Graphics Gems II, 1991). Stateless; thread-safe.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A picture in memory: linear RGB floats, row-major from the top left, no padding.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // JPEG by libjpeg-turbo: baseline, extended and progressive, Huffman or arithmetic codes, 8 bits.
 //
 // The same bytes give the same pixels on every machine: JDCT_ISLOW is exact integer arithmetic, and fancy

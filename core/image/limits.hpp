@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // How large a picture the formats' readers and writers take.
 #pragma once
 

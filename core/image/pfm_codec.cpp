@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Portable float maps after Debevec: rows run from the bottom up, and a negative scale says little-endian.
 #include <algorithm>
 #include <bit>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // PNG by libspng. Checksums are not checked: a file whose pixels can be read is read.
 #include <spng.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The sRGB transfer function (IEC 61966-2-1:1999), between linear values and what PNG and JPEG files store.
 // Not a bare power of 2.2, and the same bytes on every machine. Stateless; thread-safe.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // stb_image reads BMP from memory and stb_image_write writes PNG into memory; both are compiled here once.
 #include <stdlib.h>
 

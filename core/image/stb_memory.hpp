@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Keeps stb_image from taking much more memory than an image's pixels need.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Truevision TGA: all kinds of pixels, run lengths and orientations of the specification 2.0 (1991).
 #include <array>
 #include <cstring>

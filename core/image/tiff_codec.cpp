@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // TIFF by libtiff: the first image of a file. Gray and RGB of 8 or 16 bits and of floats keep their
 // precision; palettes, bilevel, YCbCr, CMYK and the like become 8 bits.
 #include <tiffio.h>

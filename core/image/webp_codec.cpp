@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // WebP by libwebp. Its files are at most 16,383 pixels wide and high.
 #include <webp/decode.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The surfaces of a scene that reflect or refract light so concentrated that it makes caustics: mirrors,
 // glass and polished metal. Immutable, shared by all threads.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Learns where caustics come from, and what they light: light that passes mirrors, glass or polished metal on
 // its way from a light to a surface, which next-event estimation cannot find.
 #pragma once

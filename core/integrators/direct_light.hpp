@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What integrators share: light that reaches a vertex of a path straight from a light.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Tells builds apart whose arithmetic differs.
 #pragma once
 

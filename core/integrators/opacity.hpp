@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Rays and surfaces whose opacity is below 1. A ray that scatters light meets each of them with the
 // probability of its opacity, and passes straight through it otherwise; a shadow ray loses the share of the
 // opacity. Both are right for each other: the expectation of the one is the other. Stateless; thread-safe.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Path tracing (Kajiya 1986), many paths at a time: samples of the radiance that arrives along camera rays.
 // Hundreds of paths take each step together (Laine, Karras and Aila 2013), so that rays are traced, and
 // surfaces shaded, in long runs of the same work. All of them are at the same vertex, counted from the

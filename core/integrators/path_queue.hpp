@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Paths that wait for the same step: each at its next ray, with what has to be known of its past to follow
 // it.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/integrators/render.hpp"
 
 #include <omp.h>

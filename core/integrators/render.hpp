@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The one entry point that the command line, the worker and the benchmarks call.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Corrections for surfaces whose shading normal (interpolated, or bent by a map) is not the geometric one.
 // They keep energy, let no light through and leave no facet black. docs/materials.md says why. All vectors
 // are of unit length. `side` is the geometric normal on the side of the viewer, who looks along -wo.

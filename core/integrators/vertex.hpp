@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A vertex of a path: the surface that a ray met and how it scatters, in world space. Lives on the stack of
 // the thread that traces the path.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Eight vertices of paths at once. Each lane is to the bit what PathVertex is of the same ray and hit.
 #pragma once
 

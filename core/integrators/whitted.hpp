@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Ray tracing after Whitted 1980: one sample of the radiance that arrives along a camera ray, of the light
 // that comes straight from lights to the first surface that is neither a mirror nor smooth glass, and to what
 // those show. Light that is scattered more than once elsewhere is left out, so pictures are darker than path

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Emissive shapes as sources that can be sampled: a triangle of a mesh, a quad, or a sphere. Immutable.
 // Densities are per solid angle at the point that is lit.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Lights without extent: from any point they are seen in one direction or not at all, and no ray meets them.
 #pragma once
 

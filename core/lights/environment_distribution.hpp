@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Which way to look for light that comes from all around: in proportion to the radiance times the cosine that
 // it arrives under, which depends on the way that the lit surface faces. Immutable.
 //

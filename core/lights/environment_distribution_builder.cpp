@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // How an EnvironmentDistribution is made.
 #include <algorithm>
 #include <array>

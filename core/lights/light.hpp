@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The lights of a scene, of every kind: what shines, as sources that can be sampled. Immutable, shared by all
 // threads. Densities are per solid angle at the point that is lit.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What is known of a set of lights as one: where they are, which way they shine and how strongly. From it
 // follows how much light the set may send to a point (Conty Estevez and Kulla 2018, section 3).
 #pragma once

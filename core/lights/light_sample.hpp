@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What sampling a light answers, the same for lights of every kind.
 #pragma once
 

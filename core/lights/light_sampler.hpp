@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Which light to sample, by where the lit point is: nine times in ten in proportion to the light that each
 // may send there, shadows apart, of even surroundings a quarter of it,
 // as it suits multiple importance sampling; else any of them alike. So a faint

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A tree over the lights that have a place, to choose one in proportion to the light that it may send to a
 // point (Conty Estevez and Kulla 2018), with nodes of eight. The cost grows with the logarithm of the number
 // of lights. Immutable, shared by all threads.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // LightTree::build: a binary tree is built by the surface area orientation heuristic, then nodes are merged
 // until they have eight children.
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Which way a lit surface faces, roughly, as an index into tables: one of the squares that the unfolded
 // sphere is cut into, or all sides at once.
 #pragma once

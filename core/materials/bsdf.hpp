@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // How a surface scatters light at one point: a material's model with its textures looked up. Lives on the
 // stack.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What every BSDF answers: its value and density for a pair of directions, and sampled directions.
 #pragma once
 

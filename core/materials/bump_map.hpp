@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Normals tilted by a texture of heights.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Metals by name, with complex indices of refraction that give them their measured colours.
 #pragma once
 

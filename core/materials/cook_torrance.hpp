@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Reflection by GGX microfacets over a diffuse part (Cook and Torrance 1982; Walter et al. 2007).
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Reflection and refraction at smooth boundaries. Cosines are of the angle between the normal and the
 // incident direction, in [0, 1].
 #pragma once

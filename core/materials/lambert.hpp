@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Ideal diffuse reflection (Lambert 1760), sampled in proportion to the cosine.
 #pragma once
 

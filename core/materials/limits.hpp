@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What looked-up parameters are held to, so that surfaces do not reflect more than they receive. T is float
 // or Float8.
 #pragma once

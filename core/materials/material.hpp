@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What surfaces are made of. A Material is a model with its parameters, possibly textured, and emission;
 // bsdf.hpp evaluates and samples it at a point. docs/materials.md has the formulae.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The GGX distribution of microfacet normals (Walter et al. 2007; Trowbridge and Reitz 1975) with Smith's
 // masking, shared by the models that are made of microfacets. Directions are local, of unit length, +z being
 // the surface's normal; `h` is a microfacet's normal with h.z >= 0.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Normals bent by a tangent-space normal map. At one point or, with Float8 for T, at eight.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Modified Phong: a diffuse part and a highlight around the mirror direction (Lafortune and Willems 1994).
 #pragma once
 

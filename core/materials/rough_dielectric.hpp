@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A boundary between dielectrics made of GGX microfacets, each a smooth boundary (Walter et al. 2007).
 #pragma once
 

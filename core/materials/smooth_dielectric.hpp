@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A smooth boundary between dielectrics: one reflected and one refracted direction.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The elementary functions, computed from IEEE additions, multiplications, divisions and square roots alone:
 // the same bits on every machine, which the C library's do not promise. Nothing that a picture depends on
 // may call std::sin and its like.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Eight lanes as an array, to fill or read one by one.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What formulae need that are written once for one number and for many at a time (core/math/simd.hpp): types
 // that belong together, and choices without a branch. T is float, Float8 or Float16.
 #pragma once

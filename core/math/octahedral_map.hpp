@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The unit sphere unfolded to the unit square by way of an octahedron (Meyer et al. 2010), which takes no
 // trigonometry. Neighbours stay neighbours but at the square's rim.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Polynomials as chains of few dependent steps (Estrin 1960): pairs of terms are joined first, then pairs of
 // pairs, so that a processor works on all of them at once. The order of operations, and so the result's bits,
 // is the same everywhere.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Linear radiometric colour with the primaries of Rec. 709: radiance, reflectance or throughput.
 // RgbOf<Float8> is eight of them (core/math/simd.hpp).
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Looking things up in tables where what belongs together lies together: whole rows are read, for one lane
 // after another, which takes a fraction of what gathering number by number does.
 #pragma once

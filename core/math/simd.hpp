@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Eight floats, and four or eight doubles, at once on AVX2. Each lane is rounded as the scalar operation is,
 // so that the same formula gives the same bits in either form. Comparisons are false for NaN, but for !=.
 #pragma once

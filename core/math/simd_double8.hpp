@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Eight doubles: the lanes of a Float8 where floats do not suffice. In one register with AVX-512, or in two.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Sixteen floats, and what belongs to them, at once on AVX-512. Each lane is rounded as the scalar operation
 // is. Comparisons are false for NaN, but for !=. Only what is compiled for such processors may include this.
 #pragma once

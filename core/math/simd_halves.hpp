@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Eight floats as two halves of four, for what is about points and boxes, three lanes of which are
 // coordinates.
 #pragma once

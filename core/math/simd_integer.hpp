@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Eight unsigned integers at once, of 32 and of 64 bits, with the arithmetic of the scalar types.
 #pragma once
 

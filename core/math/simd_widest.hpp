@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // As many floats at once as the widest registers hold that a file is compiled for: sixteen with AVX-512, or
 // eight. For code that reads the same with any number of lanes, and whose result does not depend on it.
 #pragma once

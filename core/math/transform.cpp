@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/math/transform.hpp"
 
 #include "core/math/elementary.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // An affine map of space.
 #pragma once
 

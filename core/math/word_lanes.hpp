@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Whole numbers beside the lanes of T, for formulae that look things up in tables: WordOf<float> is one
 // number of 32 bits, WordOf<Float8> are eight.
 #pragma once

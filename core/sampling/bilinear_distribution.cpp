@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/sampling/bilinear_distribution.hpp"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A distribution over a grid whose density is interpolated linearly between the middles of its cells, as
 // pictures are, and is even from the outermost middles to the edges.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A discrete distribution, sampled by inverting its cumulative sums: neighbouring numbers choose neighbouring
 // entries, so that stratified numbers stay stratified.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Warps of a number in [0, 1) to a place along one axis of a pixel filter. All are increasing, so that
 // stratified numbers stay stratified, and symmetric around 0. Stateless; thread-safe.
 #pragma once

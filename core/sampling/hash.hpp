@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Integer hashing: how counters become random bits.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/sampling/sampler.hpp"
 
 #include "core/sampling/sobol.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The random numbers of one sample of one pixel: a pure function of (seed, pixel, sample number, dimension).
 // There is no state and no stream, so that any sample can be taken anywhere, in any order.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Weights as shares of a whole that is counted in units.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The first four dimensions of Sobol's sequence (Sobol' 1967), with the direction numbers of Joe and Kuo
 // 2008, and Owen scrambling by hashing (Laine and Karras 2011, improved by Vegdahl 2021).
 #pragma once

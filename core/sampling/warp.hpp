@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Warps of the unit square, each beside its density. `u` has coordinates in [0, 1).
 #pragma once
 

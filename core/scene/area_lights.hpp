@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Finds the lights among a scene's primitives, those in instances too: each emissive triangle, quad and
 // sphere is one, in each instance anew.
 #pragma once

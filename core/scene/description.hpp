@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A scene as its file tells it, after assets are read and transforms applied: plain data in world space,
 // not yet validated as a whole. Scene::build turns it into what is rendered.
 #pragma once

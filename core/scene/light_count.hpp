@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // How many area lights a scene has when it is built: one for each emissive triangle, quad and sphere, again
 // for every instance of an object.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Shapes turned into primitives: those of a scene, or those of an object that instances show.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A scene ready to be rendered: immutable, flat arrays, shared by all threads. Building it validates
 // everything, so that rendering cannot fail.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What a render is asked for: everything besides the scene that a sample may depend on.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The checks that a scene must pass to be built, without building it.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Turns the bytes of an image file, of any format of core/image/codecs.hpp, into a TextureImage. Stateless;
 // thread-safe.
 #pragma once

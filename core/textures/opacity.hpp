@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The opacity of a surface at a point: the probability that light meets it.
 #pragma once
 

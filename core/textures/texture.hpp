@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Images looked up by surface coordinates. Immutable once built, shared by all threads.
 //
 // u runs to the right and v upwards, as in OBJ files: (0, 0) is the lower left corner of the picture.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Floors and skies that several scenes share. Stateless; the same bytes on every machine.
 #pragma once
 

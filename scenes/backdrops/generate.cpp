@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Paints a floor or a sky into a file: tessera-generate-backdrop NAME FILE
 // The ending of FILE, .png or .hdr, says how. The same bytes on every machine and at every run.
 #include <span>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A go board and its rules: stones are placed, groups without liberties are taken off and counted. Ko is not
 // judged: a record says what was played.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The board, the bowls with their lids, and the table that all stands on.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // tessera-generate-go: writes the meshes and textures of the go scene for one position of one game. The files
 // are the same bytes on every machine and at every run.
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A part of the go scene: its mesh and its textures. Lengths are in centimetres, y is up, the top of the
 // board is y = 0 and its middle the origin.
 #pragma once

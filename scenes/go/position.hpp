@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A game at one of its moves.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Everything in the picture for one position of a game, as files' names and what makes their models.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Stones of slate and shell: their shape, where they come to lie on the board, and how they heap up in bowls
 // and lids. Lengths are in centimetres, y is up.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Wood as a solid: what is cut from it shows its grain on every side. Positions are in centimetres.
 #pragma once
 

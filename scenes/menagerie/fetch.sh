@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # Fetches the Stanford bunny and Spot the cow from where they were first published, and models the menagerie of a build
 # folder with them in place of our own animals: scenes/menagerie/fetch.sh [BUILD]. Needs curl, tar, unzip and sha256sum. To
 # go back, delete BUILD/share/tessera/scenes/menagerie and build again.

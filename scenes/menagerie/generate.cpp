@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Writes the meshes and textures of the menagerie into a folder:
 // tessera-generate-menagerie FOLDER [ORIGINALS]
 // The files are the same bytes on every machine and at every run. What fetch.sh has put into the folder

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Grass and daisies around the animals.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "scenes/menagerie/originals.hpp"
 
 #include "core/image/file_io.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Meshes that others made, brought to the size and the pose of ours.
 #pragma once
 

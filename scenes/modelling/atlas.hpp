@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Texture coordinates for meshes that have no natural ones, and textures painted on them by place. Stateless;
 // thread-safe; the same bytes on every machine.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Drapes a rectangular cloth over things, by position-based dynamics (Müller et al. 2007). Deterministic: no
 // threads, no random state.
 #pragma once

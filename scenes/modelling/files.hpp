@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What was modelled, as files: meshes as OBJ text, textures from functions of their coordinates.
 // Stateless; thread-safe.
 #pragma once

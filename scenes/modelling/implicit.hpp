@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Shapes as fields: functions of position that are negative inside, positive outside, and change about as
 // fast as the distance does. They blend where they meet, as clay does; marching_cubes.hpp makes meshes of
 // them. Stateless; thread-safe.

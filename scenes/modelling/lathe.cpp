@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "scenes/modelling/lathe.hpp"
 
 #include "core/math/elementary.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Turned things: vases, bowls, bottles, glasses, and whatever else is round about the y axis.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The surface of a field as triangles, by marching cubes (Lorensen and Cline 1987). Thread-safe, and the same
 // bytes on every machine.
 #pragma once

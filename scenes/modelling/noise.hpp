@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Random-looking functions of position, the same on every machine.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What painters of textures share. Stateless; thread-safe.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The command line that the generators without options share: `NAME ARGUMENT...`, where `NAME --help`
 // explains itself and other words that begin with '-' are not taken for files.
 #pragma once

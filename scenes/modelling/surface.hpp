@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Builds triangle meshes from parametric surfaces. Thread-safe. Nothing here calls the C library's elementary
 // functions, so a mesh is the same bytes on every machine.
 #pragma once

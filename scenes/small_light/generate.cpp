@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Makes the planets and their chart into a folder: tessera-generate-small-light FOLDER
 // The files are the same bytes on every machine and at every run.
 #include <span>

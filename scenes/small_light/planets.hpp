@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Marbles painted like planets, a ring for one of them, and the chart on which they stand. Stateless; the
 // same bytes on every machine.
 #pragma once

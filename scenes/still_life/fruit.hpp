@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Fruit: turned shapes that are then made uneven, with painted skins.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Writes the meshes and textures of the still life into a folder: tessera-generate-still-life FOLDER
 // The files are the same bytes on every machine and at every run.
 #include <functional>

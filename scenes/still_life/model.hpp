@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // An object of the still life: its mesh and its texture. Lengths are in centimetres, y is up, and objects
 // stand on y = 0 at the origin.
 #pragma once

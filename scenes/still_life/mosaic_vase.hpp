@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A vase covered with a mosaic: small stones set in mortar by hand, some of them gold.
 #pragma once
 

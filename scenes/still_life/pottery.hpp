@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Vessels turned on a wheel, and a blown glass.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The table, the cloth on it, and the wall behind.
 #pragma once
 

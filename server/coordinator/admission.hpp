@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Whether a farm takes what it is asked for: the limits of jobs, bundles and the store. Stateless;
 // thread-safe. Errors are RESOURCE_EXHAUSTED and name the option that raises the limit.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What follows from audits: workers that are put aside, tiles that are rendered again, done jobs that run
 // once more.
 #include <fmt/format.h>

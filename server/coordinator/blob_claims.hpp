@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Which files of scenes somebody needs, and which must therefore stay.
 //
 // A hold lasts as long as it exists: jobs and scenes that are being validated have one. A claim is that of a

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Writing to the store what has changed.
 //
 // Job rows are copied first and written last: a row that says DONE is only in the store when all of the job's

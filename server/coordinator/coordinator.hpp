@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The coordinator: the scheduler, the films and the store, behind one gate.
 //
 // Every method takes its turn at one lock, in which it advances the scheduler by one event and does what

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Done jobs that run again: for more samples, or since some of theirs are doubted. Their films are only on
 // disk, and are read back outside the gate.
 #include <fmt/format.h>

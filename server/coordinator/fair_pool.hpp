@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A few threads for work that takes long, such as validating scenes: callers take turns, so that nobody waits
 // for all that another has asked for, and none can fill the queue (fair_share.hpp). Thread-safe.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What callers share and wait for, such as memory for pictures: each may have as much as FairShare says, and
 // is given it in the order in which they came. Who has nothing and comes next is not overtaken, so that a
 // large amount comes together however many small ones are wanted after it; who has something already waits

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What callers share, such as places in a queue: each may have as much of it as is left for the others (the
 // dynamic threshold of Choudhury and Hahne 1998). One caller alone comes to half of all, so that the next
 // finds as much; where several want more than there is, they come to equal shares as they give back and take

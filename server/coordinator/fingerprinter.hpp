@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Makes the fingerprints by which results are compared (scheduler/fingerprint.hpp). Thread-safe.
 //
 // Multilinear hashing (Carter and Wegman 1979): each sum is multiplied by a coefficient of its own, and the

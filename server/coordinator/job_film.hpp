@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The film of one job while it is rendered: sums and counters tile by tile, and which tiles the store lacks.
 // Not thread-safe; the coordinator's gate guards it.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // One job: what the scheduler does not know of it. Plain data; the coordinator's gate guards it.
 #pragma once
 

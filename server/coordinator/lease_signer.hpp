@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Makes the tokens by which workers prove that a lease was given to them (scheduler::SignLease): HMAC-SHA256
 // of lease, worker and job, under the farm's secret. The state folder keeps the secret, so that a token is
 // good across restarts of the coordinator. Thread-safe.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A job's film as the store had it.
 #pragma once
 

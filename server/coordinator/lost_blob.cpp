@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What follows from a blob that the store cannot give back.
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Calls a function again and again from a thread of its own.
 #pragma once
 

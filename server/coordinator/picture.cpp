@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The picture of a job, finished or not.
 #include <fmt/format.h>
 #include <google/protobuf/util/time_util.h>

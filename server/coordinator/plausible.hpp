@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What no render can have come to, whatever the scene: found without rendering. Pure functions.
 #pragma once
 

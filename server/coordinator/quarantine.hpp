@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Which workers' results were refused, and how often: those of a broken machine, a wrong build or a liar.
 // After too many in a row, or when others have disproved it, a worker is put aside, and every later worker of
 // its machine (scheduler::WorkerInfo::machine) with it, where that is known, until the coordinator is started

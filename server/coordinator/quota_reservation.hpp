@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A place among the open jobs of one submitter, held while a job is being checked and does not exist yet: who
 // submits many scenes at once gets no more jobs than who submits them one after the other.
 #pragma once

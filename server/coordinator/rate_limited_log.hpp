@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Warnings that callers can cause a thousand times a second: one line in ten seconds, with the number of
 // those that were left out. Not thread-safe.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Taking up the jobs of an earlier run.
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>

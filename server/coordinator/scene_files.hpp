@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The files of scenes: who needs them, whose room they take, and which of them go where there is none left.
 //
 // A file takes room from the moment that its upload begins, of the share of who uploads it (fair_share.hpp),

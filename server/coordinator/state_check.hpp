@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What of a coordinator's state folder is whole, and the making of a new database from that. Both for a
 // folder on which no coordinator runs.
 #pragma once

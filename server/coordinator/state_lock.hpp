@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // One turn at the coordinator's gate: the lock, the time, and answers that go out when the lock is released.
 #pragma once
 

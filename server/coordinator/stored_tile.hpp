@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A tile as it lies in the store, with everything that can be wrong with it looked at.
 #pragma once
 

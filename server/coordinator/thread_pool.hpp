@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A few threads for work that must not be done in gRPC's callbacks: decompressing, hashing, encoding, disks.
 // Thread-safe.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Who rendered a stored tile, as bytes and back.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What workers say keeps them from work, for people who wait. Their own words: bounded, printable, and shown
 // with the name of the worker that says so. Not thread-safe; the coordinator's gate guards it.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What users ask of the coordinator's jobs.
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "server/coordinator/wire.hpp"
 
 #include <google/protobuf/util/time_util.h>

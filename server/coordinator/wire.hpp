@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Between the scheduler's types and the messages of the contract. Pure functions.
 #pragma once
 

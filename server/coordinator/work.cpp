@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What workers ask and deliver.
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>

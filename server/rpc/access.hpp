@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Who may call what: the bearer tokens of a farm and their roles. Immutable; thread-safe.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What every call passes first: whether its caller may make it at all, and whether they have not made too
 // many. Thread-safe.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Blobs on their way in and out, 1 MiB at a time.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // How often each caller may call: a bucket of tokens for everyone, which fills with so many a second and
 // holds those of kBurstSeconds. Thread-safe.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // How many connections there are, all together and of each machine. Whoever was given their descriptors
 // closes them without a word: they are looked at, but only where there seem to be too many. For one thread at
 // a time.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // One picture on its way to a client.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Accepts connections up to a limit and hands them on. gRPC (1.51) by itself takes any number of them, and
 // stops listening for good once the process has no file descriptor left.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The sockets that a coordinator listens at. Thread-safe: nothing here is shared.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Those who are to be called again and again: one after the other, and under no lock, so that what one of
 // them waits for keeps up nobody who comes or goes. Thread-safe.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The threads that calls are answered by, and what each kind is for. Thread-safe.
 #pragma once
 

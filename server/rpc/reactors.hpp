@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // How handlers leave gRPC's threads: every call's work is posted to a pool of ours, and the call finished
 // from there. gRPC has few threads for callbacks, at least two; one that blocks stops the others. What is
 // short is done on one of them at a time, since waking another thread costs a good part of such work.

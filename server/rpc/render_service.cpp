@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "server/rpc/render_service.hpp"
 
 #include <fmt/format.h>

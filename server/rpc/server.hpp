@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A coordinator that runs: its threads, its port, its services, and their end in the right order.
 #pragma once
 

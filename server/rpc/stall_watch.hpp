@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Ends streams whose callers neither send nor take anything for long: they hold places, memory and
 // half-written files that others wait for. Thread-safe.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What streams share: places for uploads, downloads and watchers, memory for pictures, and patience with
 // callers that stand still. Thread-safe.
 #pragma once

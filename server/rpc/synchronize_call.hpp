@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // One call of Synchronize, for as long as it waits.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "server/rpc/watch_hub.hpp"
 
 namespace tessera::rpc {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Sees to it that everyone who watches a job hears of its changes. Thread-safe.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The workers' service: each method asks who calls, hands its request to the coordinator and its answer to
 // gRPC, and does nothing else. Thread-safe.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Audits: who may render what again, what follows from it, and whom that disproves.
 #include <fmt/format.h>
 

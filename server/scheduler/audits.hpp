@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The audits of one job: what of its ledger is due, who renders it again, and what comes of it. Knows nothing
 // of leases beyond their ids, or of time. Not thread-safe.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What happens to a farm (Event), and what is to be done about it (Actions): the whole interface between the
 // scheduler and the outside. Plain values.
 #pragma once

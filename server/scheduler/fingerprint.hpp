@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What the scheduler keeps of a result's sums, to compare them with those of another worker. Plain values.
 //
 // The number is linear in the sums, so that the fingerprints of parts of a range add up to that of the whole,

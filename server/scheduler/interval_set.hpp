@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A set of sample numbers, kept as sorted, disjoint, non-adjacent half-open ranges. Made for sets of few
 // ranges: every operation is linear in their number.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // One job's samples: which are done, which are leased to whom, which are free; and how it is doing. Knows
 // nothing of other jobs, of workers beyond their ids, or of time running out. Not thread-safe.
 //

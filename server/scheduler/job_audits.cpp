@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Rendering done samples of a job again.
 #include <algorithm>
 #include <utility>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What must be true of a job at any moment.
 #include <fmt/format.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The life of jobs, as their users direct it.
 #include <fmt/format.h>
 

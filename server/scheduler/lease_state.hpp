@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A lease's life.
 //
 //   given, in a reply that                 taken over from a worker that reports it

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The leases of one job: who has been asked to render what. Keeps only what is still missing of each lease,
 // and answers for each tile which of its samples are leased. Not thread-safe.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Who holds what: renewing, taking over, granting and ending leases.
 #include <algorithm>
 #include <utility>

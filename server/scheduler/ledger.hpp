@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Who has rendered which samples of one job, with their fingerprints, as far as nobody else has confirmed
 // them. Knows nothing of leases or time. Not thread-safe.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "server/scheduler/lifecycle.hpp"
 
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What the lifecycles of jobs, workers and leases have in common: each is an enum with its arrows drawn above
 // it, and one function that takes an arrow. One that is not drawn is a defect, and ends the process, in every
 // build.

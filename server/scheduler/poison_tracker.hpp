@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Samples of one job that workers were lost with, and which workers: what may be killing them, or never comes
 // to an end. Knows nothing of leases or time. Not thread-safe.
 //

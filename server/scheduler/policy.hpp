@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The scheduler's judgement: how much work to hand out, and of which job. Pure functions of small snapshots.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Who has rendered something, so that it can be said long after; and who of them is trusted. Not thread-safe.
 #pragma once
 

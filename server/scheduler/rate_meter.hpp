@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // How many a second, lately: an average in which what is long ago counts for less and less.
 #pragma once
 

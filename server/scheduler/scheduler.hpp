@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The farm's scheduler: which worker renders which samples of which job.
 //
 // A deterministic state machine. handle() takes what happened and when, and answers what is to be done;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Workers that are heard of and deliver nothing: no lease is held for ever, and no samples keep one worker
 // after the other.
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What the scheduler speaks of: ids, times, pieces of work. Plain values, no behaviour.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What the scheduler shows, and what must be true of it.
 #include <fmt/format.h>
 

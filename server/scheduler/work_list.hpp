@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The samples of a job that might be leased, in the order in which they should be: passes of 1, 1, 2, 4, 8 …
 // samples over all tiles, so that the picture is even at any moment. Holds candidates: who asks says of each
 // piece what is really wanted of it, so that what was done or leased in another way need not be taken out.

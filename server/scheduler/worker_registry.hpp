@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The workers that were heard of lately, and when each is due to lose its leases or to be forgotten. Not
 // thread-safe.
 #pragma once

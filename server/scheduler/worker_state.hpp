@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A worker's life, as far as it is heard of.
 //
 //                    Synchronize, draining

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Files known by their content, under FOLDER/ab/cdef... (the SHA-256 in hexadecimal).
 //
 // A blob becomes visible only when it is whole, checked against its digest and safe on disk. What an

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The few file-system calls that a store rests on, with errors that name the file and say what to do.
 // Thread-safe: nothing here is shared.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What the coordinator remembers across a crash: jobs, and the film tiles they have so far, in one SQLite
 // file.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What the parts of the job store share: its database, the statements, and how a row of a job is read. For
 // them alone.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // How a job store is opened, and what is refused.
 #include <fmt/format.h>
 

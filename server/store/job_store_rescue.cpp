@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Reading the jobs of a damaged file, row by row.
 #include <algorithm>
 #include <set>

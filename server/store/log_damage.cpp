@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The layout is that of SQLite Consortium 2022, section 4.
 #include "server/store/log_damage.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What SQLite does not tell of its write-ahead log: it takes the first frame that does not check for the end
 // of the log, and so forgets without a word what a damaged disk has cut off. Reads the file alone.
 #pragma once

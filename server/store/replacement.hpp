@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A database in the place of another, which is kept under a name of its own. Whatever happens on the way, the
 // old one is there with its log, under one name or the other.
 // For whoever holds the state's lock, while nobody has either database open.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "server/store/row_codec.hpp"
 
 #include <fmt/format.h>

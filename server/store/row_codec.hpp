@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // How jobs and tiles become rows of the database: lists of ranges as bytes, and checksums. Stateless.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The tables of the state file, as the steps by which they came to be. Whoever changes a table adds a step: a
 // file of an earlier release is brought up to date by those that it lacks, when it is opened.
 // For one thread at a time.

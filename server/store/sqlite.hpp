@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The little of SQLite that the job store uses, as values that close themselves and answers that name the
 // file. Not thread-safe: a Database and its Statements belong to one thread at a time.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The folder in which a coordinator keeps what must survive it:
 //
 //   lock          held while a coordinator runs on it

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // How a process that reads hostile files gives away what it does not need, so that whoever takes it over has
 // little of it: memory and time are bounded, it cannot write, start anything, reach the network, gain rights
 // or be traced, and it ends with its parent.

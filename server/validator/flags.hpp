@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The options by which the coordinator tells tessera-validator its limits. Those that an operator raises on
 // the coordinator have the same names there.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // tessera-validator: see options.hpp. The coordinator starts one for every submitted scene, so that a hostile
 // file can take down no more than this process.
 #include <cstdlib>

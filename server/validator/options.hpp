@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What tessera-validator can be told, in one place. Only the coordinator tells it; validator_process.cpp.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What a process that only reads files and computes has no need to ask the kernel for.
 #pragma once
 

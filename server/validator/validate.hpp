@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Loads a bundle's scene and says whether it can be rendered, in the words in which a local render would
 // refuse it.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Asks tessera-validator about a scene: starts it, waits for it, and turns whatever becomes of it into an
 // answer. Thread-safe.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The files that a validator may open: those of its request, and no others of the machine's.
 #pragma once
 

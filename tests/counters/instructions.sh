@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # instructions.sh RENDER_SAMPLES: how many machine instructions a sample of a path takes, by callgrind, against what they
 # were when rendering was last tuned (expected.tsv: scene, instructions of a sample). What is read and built before is not
 # in it: it is the difference of two renders. Fails beyond a margin of 3 %, for compilers other than the one that was

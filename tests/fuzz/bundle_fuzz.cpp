@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A submission: the message, the blobs that it names, and what the validator makes of them, in this process.
 // The first part is a SubmitJobRequest; the others are blobs, whose digests assets get that say none.
 #include "server/validator/validate.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A file of the cache of built scenes: one that a scene was kept in, changed by the input's parts. "patch"
 // puts bytes at the place that its first four bytes say, "cut" leaves as many bytes as it has itself. What is
 // no longer what was written is not read. A part named "index" takes the place of all values in the file,

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What every reader of outside bytes promises besides not to crash.
 #pragma once
 

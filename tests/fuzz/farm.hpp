@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A coordinator to be fed: on a clock of its own, with jobs that are begun, in a folder in memory. Each Farm
 // begins alike, so that what an input does depends on that input alone.
 #pragma once

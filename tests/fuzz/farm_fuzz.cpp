@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What workers and users say to a coordinator, in any order: each part of the input is one message or event,
 // named by its part (parts.hpp). After every one the coordinator's invariants hold, and every answer can be
 // sent.

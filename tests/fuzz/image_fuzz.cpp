@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // An image file: as a texture in both colour spaces, its alpha, and as `tessera compare` reads it.
 #include <string>
 #include <vector>

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # Writes the seeds that the corpora began with, as files named seed_*: small valid inputs of each kind, and some that
 # are nearly so. All of them are made here. Run it when a format has changed; minimise.sh then adds what fuzzing finds.
 # Usage: tests/fuzz/make_seeds.sh [FOLDER]     (by default tests/fuzz/corpus)

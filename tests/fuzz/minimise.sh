@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # Adds to the corpora what fuzzing has found, as few inputs of at most 2 kB as reach the same branches. How often each is
 # taken does not count: that would be thousands.
 # Usage: tests/fuzz/minimise.sh [TARGET ...]     (by default all of them)

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A material library: whatever it says becomes a material that can be rendered.
 #include "core/scene/loader/mtl_material.hpp"
 #include "core/scene/loader/mtl_reader.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // An OBJ file, and the mesh that is made of it in each way of computing normals.
 #include <algorithm>
 

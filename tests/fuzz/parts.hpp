@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // How one input of a fuzzer holds several things: parts that begin with a line "==== NAME", after a first one
 // without a name. A separator, and not lengths, so that what is inserted or removed in one part leaves the
 // others whole, and so that seeds can be read and written by hand.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A certificate and its key: the input's two parts.
 #include "proto/pem.hpp"
 #include "tests/fuzz/expect.hpp"

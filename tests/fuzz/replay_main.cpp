@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What stands in for libFuzzer where the compiler has none: gives a fuzzer's function the files named on the
 // command line, and those in the folders named there; with --mutants N also N mutants of each, which are the
 // same at every run. The last line printed names the input that crashed.

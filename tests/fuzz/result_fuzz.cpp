@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What a worker delivers, on its way into a film. Parts named "raw" are messages as they are; in others, what
 // stands as the compressed sums is taken for the sums themselves, which get a frame and a checksum that are
 // in order.

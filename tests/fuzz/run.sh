@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # Fuzzes for long: builds the preset fuzz and runs each target on its corpus and what earlier runs have found.
 # Usage: tests/fuzz/run.sh [SECONDS [TARGET ...]]     (by default 60 s for each of all targets)
 #

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A scene file and the files it names, through everything a worker does with them, up to a few samples.
 // The input's first part is the scene file; the others are files by name (parts.hpp).
 #include <map>

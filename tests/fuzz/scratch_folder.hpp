@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Where fuzzers put what must be a file: in memory, where the machine has such.
 #pragma once
 

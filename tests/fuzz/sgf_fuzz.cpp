@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The record of a game of go, and the game replayed.
 #include "scenes/go/position.hpp"
 #include "scenes/go/sgf.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A state folder that something has happened to, looked at, taken up by a coordinator, and salvaged where
 // none takes it. The input's parts change it one after another: bytes of the database file ("patch", "cut")
 // or of its log

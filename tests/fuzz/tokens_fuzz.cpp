@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The coordinator's file of tokens and roles; the same bytes as a caller's token file and as an address.
 #include "proto/security.hpp"
 #include "server/rpc/access.hpp"

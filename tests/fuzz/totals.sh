@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # Executions, seconds of processor time, coverage and crashes of each target, from the logs of run.sh.
 # Usage: tests/fuzz/totals.sh [FOLDER ...]     (by default build/fuzz/logs; figures of several folders add up)
 set -euo pipefail

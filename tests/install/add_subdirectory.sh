@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # add_subdirectory.sh SOURCE CMAKE COMPILER: configures a project that adds SOURCE by add_subdirectory(), and looks at how
 # its own file would be compiled and where its program would go.
 set -euo pipefail

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # installed_tree.sh BUILD SOURCE CMAKE COMPILER: installs BUILD, moves the tree to another folder, looks for traces of the
 # machine in it, and has the program, a project that finds the package, and the compiler by pkg-config render the same.
 set -euo pipefail

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # packages.sh BUILD CPACK: makes the Debian packages and the tarball, installs the packages in a root that has nothing but
 # Debian, renders there, in one process and on a farm, removes them, and looks for what is left. The tarball's program then
 # renders the same in the root without the packages.

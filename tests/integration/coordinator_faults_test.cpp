@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What a coordinator that dies or stops costs: seconds of work, and never a picture. Workers and waiting
 // clients come back by themselves.
 #include <gmock/gmock.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Disks that are full, read-only or damaged: a sentence that names the file and says what to do, and whatever
 // is whole goes on.
 #include <gmock/gmock.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What samples that never come to an end cost: their job, and each worker that they keep for a minute.
 #include <gmock/gmock.h>
 #include <signal.h>

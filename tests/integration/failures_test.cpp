@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What goes wrong on a farm costs time and never a wrong picture.
 #include <gmock/gmock.h>
 #include <signal.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A farm of real processes: a coordinator on a free port, workers, and the command line. Not thread-safe.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // --help and --version of every program and command, as a newcomer reads them.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The same bytes from one process and from farms of one, two and three workers with different numbers of
 // threads.
 #include <fstream>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Ctrl-C leaves no file, whoever renders.
 #include <gmock/gmock.h>
 #include <signal.h>

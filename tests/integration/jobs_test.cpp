@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What users do with jobs, through the command line.
 #include <gmock/gmock.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A worker that renders as it should, flips a bit, and delivers that with a valid checksum.
 #include <gmock/gmock.h>
 #include <grpcpp/client_context.h>

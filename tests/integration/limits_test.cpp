@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Limits and hostile scenes on real processes: each is refused with a sentence, and the coordinator goes on.
 #include <gmock/gmock.h>
 #include <grpcpp/client_context.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Hosts of one network, each in a network namespace of its own, joined by a switch that this process plays:
 // every frame between them passes through it, and can be held up, lost, or stopped by a pulled cable. TCP
 // sees what it would see on a bad line. Everything is gone when this process ends. Needs Linux's network

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A farm over a network that breaks: coordinator, workers and clients each in a network namespace of its own.
 #include <gmock/gmock.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Child processes and folders of a test. Whatever a test starts has ended, and whatever it wrote is gone,
 // when the test is over. Not thread-safe.
 #pragma once

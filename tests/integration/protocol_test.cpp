@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What any program may rely on when it speaks to a coordinator: health, reflection, and a farm of one
 // arithmetic.
 #include <gmock/gmock.h>

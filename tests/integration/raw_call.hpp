@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Calls of services whose messages are not at hand, as bytes. Blocks.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What a worker says, from a test: takes leases, says that it holds them, and renders nothing.
 #pragma once
 

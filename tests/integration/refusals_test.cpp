@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What cannot be rendered is refused in the same words here, by the command line of a farm, and by its
 // coordinator.
 #include <gmock/gmock.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Certificates and tokens between real processes: who is let in, and what those who are not are told.
 #include <gmock/gmock.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A switch of network frames between interfaces of this namespace, run by a thread of its own. Thread-safe.
 #pragma once
 

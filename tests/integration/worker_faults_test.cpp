@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What a worker that dies, freezes or leaves costs: its lease, and not more.
 #include <arpa/inet.h>
 #include <gmock/gmock.h>

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # check_coordinator.sh BINARY: the coordinator never traces a ray, so the renderer must not be linked into it.
 # Exit status 0 if it is not, 1 with the names found if it is, 2 if BINARY's symbols cannot be read.
 set -euo pipefail

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # check_licenses.sh ROOT [--fix]: names every source file below ROOT that does not say its licence at its head, in the first
 # line or in the second where the first starts an interpreter. With --fix writes the line into them.
 # Exit status 0 if all say it, 1 if some do not.

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # check_sources.sh ROOT: reads the sources below ROOT and names every line that breaks a rule of the house.
 # Exit status 0 if there is none, 1 if there are some, 2 if ROOT is not Tessera's.
 set -euo pipefail

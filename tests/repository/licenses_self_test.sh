@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # licenses_self_test.sh CHECK_LICENSES: plants files without the licence in a tree of its own and expects the check to name
 # them, to write the line where it belongs, and to find nothing to write afterwards.
 set -euo pipefail

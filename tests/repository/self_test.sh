@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # self_test.sh CHECK_SOURCES: plants one violation of each rule in a small tree of its own and expects
 # check_sources.sh to find it, and to find none in the tree without it.
 set -euo pipefail

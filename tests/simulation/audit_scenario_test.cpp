@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Farms with a worker that delivers flipped bits under a valid checksum.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

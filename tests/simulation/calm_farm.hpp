@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A farm in which nothing goes wrong, and which therefore must be fair and busy.
 #pragma once
 

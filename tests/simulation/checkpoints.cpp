@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // How the model's coordinator writes what has changed: job rows are copied first and written last, tiles in
 // between, each by itself, in batches; a crash or a refusal may come between any two.
 #include <algorithm>

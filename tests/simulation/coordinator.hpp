@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A coordinator around the real scheduler: parks calls, counts results into model films, checkpoints, crashes
 // and starts again. After every event the scheduler's own invariants are checked, and a referee's.
 #pragma once

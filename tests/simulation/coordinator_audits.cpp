@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What the model's coordinator does about workers that lie.
 #include <algorithm>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What survives a crash of the model's coordinator: rows of jobs, and tiles of films, each by itself. Can
 // refuse to write for a while. Keeps the promise about accepted work in mind.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A whole farm for a while: machines, users, faults; then calm, in which everything must come to its end.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A farm in which one sample of one job never comes to an end, and nothing else goes wrong: that job fails
 // for it, and the other is done.
 #pragma once

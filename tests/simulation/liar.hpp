@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Says to a coordinator what no honest worker says: of leases, items, times and numbers that are none, of
 // other workers' leases, under other workers' ids and names. Only what it says of leases that it was given
 // itself can count, like any other result.

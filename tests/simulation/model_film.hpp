@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A film that only counts: for each tile and sample, whether it was added, and whether its bits were wrong.
 // Knows nothing of the scheduler's sets.
 #pragma once

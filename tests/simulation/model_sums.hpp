@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What sums a simulated render comes to: of each sample a number that anything honest finds. Pure functions.
 #pragma once
 

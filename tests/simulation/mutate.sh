@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # mutate.sh BUILD [FARMS [NAME ...]]: makes the mistakes of mutations/list.txt one by one, or those that are named, in
 # a copy of the source, builds simulate_farms with it, and simulates FARMS (2000) farms, which must go wrong. BUILD
 # is a build directory of Ninja in which simulate_farms is built; nothing in it is changed.

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # nightly.sh FARMS [FIRST_SEED] [PROGRAM]: simulates FARMS farms on all cores, of seeds from FIRST_SEED (1) on.
 # PROGRAM is simulate_farms, by default of the release build. Prints what went wrong, with the command that replays
 # it. Exit status: 0 if nothing went wrong.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The job of the scenarios, and how long it may take.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Watches one scheduler from outside: what it says and does is compared with what was said and done before,
 // by rules written here a second time. Knows nothing of the scheduler's insides. Complains to the world.
 #pragma once

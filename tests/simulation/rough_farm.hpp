@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A farm of which chance does what it likes, until there is calm and every job must come to its end. What
 // happens follows from the seed.
 #pragma once

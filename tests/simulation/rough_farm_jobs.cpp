@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Jobs of a rough farm, and what is wrong with some of them.
 #include <algorithm>
 

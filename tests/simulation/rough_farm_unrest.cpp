@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What goes wrong in a rough farm, and what its users do.
 #include "tests/simulation/rough_farm.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Farms in which one thing happens, and what it may cost.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

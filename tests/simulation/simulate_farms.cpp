@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Simulates farms, each from a seed, and says which of them went wrong.
 //   simulate_farms FARMS [FIRST_SEED]   so many farms, of seeds from 1 or FIRST_SEED on
 //   simulate_farms --seed SEED          one farm, with a transcript

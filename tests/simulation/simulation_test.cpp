@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What makes a simulated farm worth anything: it follows from its seed, and from nothing else.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // One machine that runs workers: renders what it is leased in virtual time, delivers until it is heard, and
 // can crash, hang, or stop as it should.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What a simulated farm lives in: virtual time, chance, a network, and a place to complain. All of it follows
 // from one seed.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Whether the strategies of path tracing, which differ in noise alone, agree on a scene's expectation, and
 // whether two ways to describe a scene do.
 #pragma once

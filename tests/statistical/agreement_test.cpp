@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The strategies of path tracing differ in noise alone: region by region, they agree in expectation.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Golden pictures: small references of every shipped scene, each with the variance of a render, so that a
 // change of what a scene looks like is told apart from a change of its noise.
 //

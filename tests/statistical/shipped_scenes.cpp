@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "tests/statistical/shipped_scenes.hpp"
 
 #include <filesystem>

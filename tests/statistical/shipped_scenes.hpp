@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The scene files that come with Tessera, for the tests that render all of them.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Every scene that comes with Tessera looks the same, but for noise, whichever way its light is found.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Pearson's test of samples against what a density says to expect.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Pictures that promise or hold more than is good for whoever decodes them.
 #pragma once
 

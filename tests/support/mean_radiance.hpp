@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The mean of a render with its error, for comparison with what is known in closed form.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Vectors that are to be the same up to rounding.
 #pragma once
 

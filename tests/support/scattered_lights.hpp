@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Lights of every kind that has a place, strewn over a cube.
 #pragma once
 

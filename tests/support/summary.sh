@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # summary.sh LOG: reads CTest's LastTest.log, which has what every process printed, and says how many tests GoogleTest ran
 # in them and which were skipped, with the reason of each.
 set -euo pipefail

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Small scenes that several tests render, built without files.
 #pragma once
 

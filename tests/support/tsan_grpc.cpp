@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // For the preset tsan: shows ThreadSanitizer how gRPC, which Debian does not build with it, hands work from
 // thread to thread. So what callbacks and other threads share is checked, and no report need be suppressed.
 // Preloaded.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Sixteen lanes compute what each would alone. Compiled for AVX-512.
 #include "core/math/simd_float16.hpp"
 

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # same_bytes.sh TESSERA SCENES: renders scenes below SCENES small, once as the loader finds core and once with AVX-512
 # hidden from it, and compares the files. Exit status 77 where the processor has no AVX-512.
 set -euo pipefail

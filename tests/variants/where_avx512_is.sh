@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # where_avx512_is.sh PROGRAM: runs it. Exit status 77 where the processor has no AVX-512.
 set -euo pipefail
 

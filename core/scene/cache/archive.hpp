@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Writes and reads values of any type that scene_fields.hpp knows: small ones to a list of bytes, the
 // contents of large arrays to blocks of a file, in the order in which they come.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A file of large blocks of bytes and one index of them, every byte under a checksum (XXH3, 128 bits),
 // written and read by several threads. It appears under its name only when all of it is written. Of another
 // version, of a machine with another order of bytes, damaged or cut short, it is not read but

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Files in a folder of a cache that processes share: which of them are kept, and for how long. Thread-safe;
 // other processes may add and remove files at any time.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The fields of everything that a scene's description and its tree consist of, for storing them: for each
 // type all of its members, as references. A type that grows a member does not compile here until the member
 // is added.

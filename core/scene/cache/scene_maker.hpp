@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Who makes scenes of files: what another release, or another state of the sources, has made of the same
 // files is not taken for what this one would make.
 #pragma once

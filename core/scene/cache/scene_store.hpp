@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Scenes on this machine's disk as they are once their files are read and their tree is built, so that the
 // next start takes as long as reading them. A scene is kept under a key made of the contents of all that it
 // was made of and of who made it. What cannot be read, or is not exactly what was written, is made anew.

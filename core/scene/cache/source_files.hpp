@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The files that a scene was read from, with checksums of their contents: what tells whether reading them
 // again would give the same scene.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Reads a scene's assets through an AssetSource, each picture and each OBJ file once. Not thread-safe.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Where a scene's files come from: a folder for a scene on this machine, content-addressed blobs for one that
 // came over the network. The loader opens nothing but through this, so that a path in a scene from elsewhere
 // is a name in its bundle and never a path on this machine.

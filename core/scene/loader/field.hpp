@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Reads typed values out of a located JSON tree. Every reader adds what is wrong to the Mistakes and answers
 // a harmless value then, so that the reading goes on and finds the other mistakes as well. Not thread-safe.
 #pragma once

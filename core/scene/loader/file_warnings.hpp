@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What one file of another program lacks or says oddly, and what is used instead. Each kind is told once,
 // with the line of the first and how many there are. Not thread-safe.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // JSON as a tree that remembers the line of every value, so that messages can point at it. Comments (// and
 // /* */) are allowed; repeated keys are not. Parsing is nlohmann's; this adds the places.
 #pragma once

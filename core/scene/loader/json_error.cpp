@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/scene/loader/json_error.hpp"
 
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Says in plain words what is wrong with a text that is not JSON, from what nlohmann says about it.
 // Stateless; thread-safe.
 #pragma once

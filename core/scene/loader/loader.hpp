@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Reads a scene file (JSON with comments; scenes/scene.schema.json describes it) and the assets it names.
 //
 // Every mistake is an error that says file, line, field, what is wrong and what would be right, e.g.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Turns an OBJ file's triangles into a mesh in world space: corners unified into vertices, normals computed
 // where they are asked for, transform applied. Stateless; thread-safe.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Collects what is wrong with a scene file, so that one reading tells every mistake and not only the first.
 // Not thread-safe.
 #pragma once

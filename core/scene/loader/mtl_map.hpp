@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A map statement of an MTL file: options, then the name of an image, which may have spaces in it.
 // Stateless; thread-safe.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Turns the materials of MTL files into those that are rendered, as the programs that write them show them.
 // docs/scene-format.md has the table. Stateless; thread-safe.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The materials of an MTL file as it writes them; mtl_material.hpp turns them into ours. Stateless;
 // thread-safe.
 #pragma once

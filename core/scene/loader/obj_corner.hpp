@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The corners of faces as OBJ files write them. Stateless; thread-safe.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Finds the materials of meshes in the MTL files that their OBJ files name, adds those that are used to the
 // scene with their textures, and tells what is missing. Not thread-safe.
 #pragma once

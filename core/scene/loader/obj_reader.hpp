@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // An OBJ file's faces as triangles, as the file has them: in its own space, corners not yet unified into
 // vertices. Made for files of ten million faces: 12 bytes for each triangle, and as many again where faces
 // have texture coordinates and where they have normals. Stateless; thread-safe.

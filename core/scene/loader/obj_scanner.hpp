@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The first of two passes over an OBJ file: reads its vertices and looks at every statement but faces, which
 // may refer to vertices that come later. Stateless; thread-safe.
 #pragma once

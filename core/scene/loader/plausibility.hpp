@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What can be told wrong about a scene only when its assets are there. Stateless; thread-safe.
 #pragma once
 

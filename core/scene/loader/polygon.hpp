@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Cuts polygons into triangles. Stateless; thread-safe.
 #pragma once
 

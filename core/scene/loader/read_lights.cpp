@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Lights without extent and the environment of a scene file.
 #include <fmt/format.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Textures and materials of a scene file.
 #include <fmt/format.h>
 

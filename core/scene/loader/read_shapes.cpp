@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Shapes of a scene file and their transforms.
 #include <fmt/format.h>
 

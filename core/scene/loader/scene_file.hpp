@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A scene file as it is written, checked by itself: names resolved, transforms of spheres and quads applied,
 // but no asset read yet. The parts are functions of their own; parse_scene_file puts them together.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The keys that each object of a scene file may have: what the loader accepts, what it suggests for misspelt
 // keys, and what a test compares with scenes/scene.schema.json.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // How much a scene of unknown origin may hold. On one's own machine a scene may hold what the formats allow:
 // that is the default. Plain data.
 #pragma once

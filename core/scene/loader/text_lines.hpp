@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Lines and words of OBJ and MTL files: a line ends with \n, \r\n or \r, words are separated by
 // blanks, a comment goes from '#' to the line's end. Thread-safe.
 #pragma once

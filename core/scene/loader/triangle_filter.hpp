@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Leaves out of a mesh what no ray can tell from its absence. Stateless; thread-safe.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Normals for meshes that have none, from the faces around each vertex. Stateless; thread-safe.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Words for messages: what a misspelt name was meant to be, and names out of files made fit to be shown.
 // Stateless; thread-safe.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // consumer SCENE IMAGE: renders a scene small with libtessera, by its installed header alone.
 #include <cstdio>
 #include <exception>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Runs the built `tessera`, for what can only be seen from outside: exit statuses, streams and signals.
 #pragma once
 

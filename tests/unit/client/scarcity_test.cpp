@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What `tessera` does where there is no room for its messages, its results or its memory.
 #include <fcntl.h>
 #include <gmock/gmock.h>

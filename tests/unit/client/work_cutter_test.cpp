@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "client/work_cutter.hpp"
 
 #include <gtest/gtest.h>

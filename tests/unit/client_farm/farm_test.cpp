@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // How commands speak to a coordinator that refuses them: when they wait, and when they do not.
 #include "client/farm/farm.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // How commands find the job that they are told of, at coordinators of this release and of earlier ones.
 #include "client/farm/job_lookup.hpp"
 

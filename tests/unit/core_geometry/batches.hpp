@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Rays that are asked for together, of the kinds that a renderer has, and what they are to find.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Where ranges of items are cut: the cheapest border between bins, and both parts as they are told.
 #include <gtest/gtest.h>
 

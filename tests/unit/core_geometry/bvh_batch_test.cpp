@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Rays asked for together get, bit for bit, the answers that they get one by one, whatever their company.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A Bvh returns, bit for bit, what asking every primitive returns.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The tree itself: the same for any number of threads, complete, and of bounded depth whatever it is made of.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Groups of rays that go on through instances: to the bit what every ray finds alone, and what asking every
 // primitive of every instance finds, wherever and however an object is shown and wherever it was modelled.
 #include <gtest/gtest.h>

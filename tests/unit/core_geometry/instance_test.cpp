@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Objects shown by instances: where rays meet them, what surface they find there, and that the rays which
 // leave it neither meet it again nor slip through.
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Every ray of a run is in one group, or alone, and those of a group go into one octant.
 #include "core/accel/octant_groups.hpp"
 

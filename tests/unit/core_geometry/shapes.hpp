@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What the tests of geometry shoot rays at: random numbers that are the same everywhere, meshes and soups.
 #pragma once
 

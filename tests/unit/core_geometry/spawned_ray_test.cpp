@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Rays that leave a surface: on a closed convex shape, those that go outwards meet nothing, and those that go
 // inwards meet the other side, at every scale and place.
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Primitives::surface: where a hit is, how well that is known, and which way the surface faces there.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What the filter of triangles is sure of is so, of rays whose origins are floats and of those that are not.
 #include "core/accel/triangle_filter.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // How much of the tree rays visit: numbers that do not depend on the machine, against what they were when the
 // builder was last tuned. Whoever makes them smaller stores the new ones here.
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // No ray passes between the triangles of a closed mesh, even if it is aimed exactly at an edge or a corner.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Photons for tests of guides.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The formats that other programs write: pixels, precision, alpha, and what is refused.
 #include "core/image/codecs.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Written HDR files: the rounding, and that another reader understands them.
 #include "core/image/hdr_encoder.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "tests/unit/core_image/image_files.hpp"
 
 #include <cstdio>  // jpeglib.h needs it

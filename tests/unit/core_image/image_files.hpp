@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Image files as other programs write them, for the tests of decoders.
 #pragma once
 

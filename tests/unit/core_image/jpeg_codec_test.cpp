@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // JPEG files of other programs, whole, odd and hostile.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Every model that scatters into more than single directions, in every way of sampling it, for the tests that
 // all of them must pass.
 #pragma once

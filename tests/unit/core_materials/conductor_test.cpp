@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The named metals reflect what their measured indices say, integrated over the spectrum. This is also how
 // the values in core/materials/conductor.cpp were found.
 #include "core/materials/conductor.hpp"

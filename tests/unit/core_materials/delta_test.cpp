@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Models that scatter into single directions.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What a white furnace says: no surface gives back more than it gets, and surfaces of microfacets lose no
 // more than what bounces between facets, which a single reflection leaves out.
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Fresnel's equations, their approximation, and the metals.
 #include "core/materials/fresnel.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Samplers against their densities.
 #include <gtest/gtest.h>
 #include <numbers>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Faces that lie on each other: the one that comes first in the scene is seen, whatever the acceleration
 // structure meets first.
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What pixel filters and the lens make of pictures that are known in closed form.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What each kind of light does to a diffuse surface, against closed forms: every strategy finds it.
 #include <gtest/gtest.h>
 #include <numbers>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Scenes of two levels: the lights in instances, what Scene::build refuses, and the bytes of their pictures.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

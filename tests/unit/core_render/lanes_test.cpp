@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Eight at once are to the bit what each is alone.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Which way normal maps bend normals, on surfaces whose texture coordinates are known.
 #include <gtest/gtest.h>
 

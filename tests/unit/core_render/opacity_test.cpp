@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Surfaces that let light pass: what rays and shadow rays see of them, in closed form, and that a sample
 // stays a pure function.
 #include "core/integrators/opacity.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Paths that are traced together do not know of each other.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The keystone: a sample is a pure function, and the film is an exact sum.
 #include "core/integrators/render.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Surfaces shaded with other normals than their own neither go black nor let light through.
 #include "core/integrators/shading_normal.hpp"
 

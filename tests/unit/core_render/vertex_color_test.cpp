@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Vertex colours multiply what surfaces reflect.
 #include <gtest/gtest.h>
 

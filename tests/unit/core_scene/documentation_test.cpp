@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What docs/scene-format.md shows must be true.
 #include <gtest/gtest.h>
 

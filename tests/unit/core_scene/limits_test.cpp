@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Scenes of unknown origin: how much they may hold, and that a picture is refused before it is unpacked.
 #include <fmt/format.h>
 #include <gmock/gmock.h>

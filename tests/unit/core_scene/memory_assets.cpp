@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "tests/unit/core_scene/memory_assets.hpp"
 
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Materials of MTL files become what the programs that write them show.
 #include "core/scene/loader/mtl_material.hpp"
 

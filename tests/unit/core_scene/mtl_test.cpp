@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What MTL files say, and what becomes of it.
 #include "core/scene/loader/mtl_reader.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Damaged files must be refused or read, and nothing else: no crash, no exception, no endless loop. (The
 // sanitizer build gives this its teeth.)
 #include <gtest/gtest.h>

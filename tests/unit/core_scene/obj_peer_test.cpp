@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What tinyobjloader understands, we understand alike: files of triangles with every kind of corner, written
 // in every way that both take.
 #include <gtest/gtest.h>

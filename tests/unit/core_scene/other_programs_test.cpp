@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Meshes of other programs whose materials and images are missing, elsewhere or odd: what can be rendered is,
 // and what is replaced is told.
 #include <gtest/gtest.h>

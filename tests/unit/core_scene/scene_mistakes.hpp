@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // For tests of what is said about mistakes in scene files: scenes with one place to make them, and lists of
 // mistakes with the sentences.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What good scene files turn into.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // An editor that knows the JSON Schema names the wrong key, and no other.
 #include <gtest/gtest.h>
 

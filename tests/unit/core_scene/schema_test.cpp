@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The published JSON Schema and the loader must not drift apart.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Inputs that people met in the wild, where they are at hand: each is rendered.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Every kind of mistake in textures, materials and shapes, and exactly what is said about it.
 #include <gtest/gtest.h>
 

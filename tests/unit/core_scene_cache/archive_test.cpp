@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Sizes in a file are not believed before there is that much to read.
 #include "core/scene/cache/archive.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What was written comes back, and nothing else is ever taken for it.
 #include "core/scene/cache/block_file.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A scene that was kept is the scene that was built, whatever has happened to the file.
 #include "core/scene/cache/scene_store.hpp"
 

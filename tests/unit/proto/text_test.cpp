@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Texts from elsewhere: refused where they are chosen, escaped where they are shown.
 #include "proto/text.hpp"
 

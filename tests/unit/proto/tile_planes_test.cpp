@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Sums in planes.
 #include "proto/tile_planes.hpp"
 

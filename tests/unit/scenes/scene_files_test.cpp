@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The scenes of the figures load, and those that are compared with each other differ in what is compared
 // alone.
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Leases that a worker is given with the answer to a result, while its Synchronize waits.
 #include "tests/unit/scheduler/farm.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A farm in which what was rendered is rendered again, by workers who are honest or lie.
 #pragma once
 

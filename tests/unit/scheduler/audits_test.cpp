@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Who renders what again, and for how long that is waited for.
 #include "tests/unit/scheduler/audited_farm.hpp"
 

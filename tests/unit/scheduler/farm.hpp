@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A farm on a fake clock, for transcripts: short words for events, and the invariants checked after each of
 // them.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The life of jobs, and how they share the farm.
 #include <map>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Who is given what, for how long, and what becomes of it.
 #include "tests/unit/scheduler/farm.hpp"
 

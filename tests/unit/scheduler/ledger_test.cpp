@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Who rendered what, which of it is verified, and when two sums are the same.
 #include "tests/unit/scheduler/farm.hpp"
 

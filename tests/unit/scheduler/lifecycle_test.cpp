@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The arrows of docs/protocol.md, and no others.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // How many workers may render a job at once.
 #include <map>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Samples that may be killing workers: which are suspected, how they are leased, and when a job is given up.
 #include "tests/unit/scheduler/farm.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Jobs whose scenes workers cannot build, and what workers say that cannot be.
 #include "tests/unit/scheduler/farm.hpp"
 

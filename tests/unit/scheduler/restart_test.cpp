@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The coordinator stops and starts again with what it had stored.
 #include "tests/unit/scheduler/farm.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What counts, what is dropped, what is refused.
 #include <limits>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What follows from an audit, and from doubts about a worker.
 #include "tests/unit/scheduler/audited_farm.hpp"
 

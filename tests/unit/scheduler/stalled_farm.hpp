@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A farm in which workers call, and deliver nothing.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Workers that are heard of, hold leases, and deliver nothing: no lease is held for ever.
 #include "tests/unit/scheduler/stalled_farm.hpp"
 

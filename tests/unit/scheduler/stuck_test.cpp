@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Workers that say that they are at the same samples for ever: they are given nothing, and the samples fail
 // their job.
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Calls that wait until there is something to say.
 #include "tests/unit/scheduler/farm.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Workers and results of different arithmetic.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What the coordinator does about results with wrong bits and right checksums.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Limits of messages and of calls.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

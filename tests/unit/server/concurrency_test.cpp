@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Everything at once, for races: workers, users, checkpoints and time, each on a thread of its own.
 #include <gtest/gtest.h>
 

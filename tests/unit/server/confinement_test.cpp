@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What a validator can no longer do, tried in processes of the tests' own; and that it ends with its parent.
 #include <fcntl.h>
 #include <gmock/gmock.h>

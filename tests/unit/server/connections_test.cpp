@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // How many connections a coordinator takes, where it listens, and whom it waits for, on real sockets.
 #include <arpa/inet.h>
 #include <fcntl.h>

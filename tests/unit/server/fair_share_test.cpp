@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What callers share, and the threads that they take turns at.
 #include "server/coordinator/fair_share.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Limits of files that workers fetch.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A coordinator with limits, over real gRPC on a free port, and callers who come up against them.
 #pragma once
 

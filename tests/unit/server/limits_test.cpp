@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What a coordinator takes of jobs and bundles, and in which words it refuses more.
 #include <gmock/gmock.h>
 

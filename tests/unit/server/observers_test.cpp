@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // That whoever is being asked, or told, keeps up nobody else.
 #include <atomic>
 #include <chrono>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Limits of pictures that are fetched: their memory, and how long callers may stand still.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Results that are refused, and whom that puts aside.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What a coordinator knows after a stop, and after a crash.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

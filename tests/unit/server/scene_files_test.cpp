@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Whose files stay, and whose room is whose, when the store of scenes' files is full.
 #include "server/coordinator/scene_files.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Limits of scenes that are validated, and who does not wait for them.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A coordinator on a fake clock without threads or sockets, and a worker that answers with ready-made tiles.
 #pragma once
 

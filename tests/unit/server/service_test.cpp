@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The service in process, over real gRPC on a free port.
 #include <gmock/gmock.h>
 #include <grpcpp/grpcpp.h>

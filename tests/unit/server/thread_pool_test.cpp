@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Where tasks run.
 #include "server/coordinator/thread_pool.hpp"
 

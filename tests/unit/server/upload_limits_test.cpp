@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Limits of uploads and of the store: whose room is whose, and what makes room.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

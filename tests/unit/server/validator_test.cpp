@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The validator as a process: what it says of scenes, and what is said of it when it fails.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Calls of Synchronize that wait.
 #include <gtest/gtest.h>
 

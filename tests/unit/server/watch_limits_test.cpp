@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Limits of jobs that are watched.
 #include <gtest/gtest.h>
 

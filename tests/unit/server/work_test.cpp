@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What workers ask and deliver.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "worker/blob_cache.hpp"
 
 #include <gmock/gmock.h>

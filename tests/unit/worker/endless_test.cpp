@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A piece of samples that never comes to an end: when a worker takes it for that, and what it does then.
 #include <gtest/gtest.h>
 #include <signal.h>

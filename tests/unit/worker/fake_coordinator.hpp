@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A coordinator that says what it is told to and remembers what it hears, reached in process. Thread-safe.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The threads of a worker, one by one, against a coordinator that answers as told.
 #include <gtest/gtest.h>
 
