@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Building the acceleration structure beside Embree, in turns on the same triangles: time, the memory that
+// Building the acceleration structure beside Embree, interleaved on the same triangles: time, the memory that
 // stays and the memory that building takes at its peak. Of two builds in a row the second counts, so that
 // each finds the memory that it has given back itself: a virtual machine may have lost all other to its host.
 // Medians of the rounds; on a busy machine the CPU time is what can be compared. Linux only: peaks are those

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Rays per second through our acceleration structure and through Embree's, on one thread and the same rays,
-// in turns, so that whatever else the machine does falls on both: medians of CPU time over the rounds.
+// interleaved, so that whatever else the machine does falls on both: medians of CPU time over the rounds.
 //
 //   embree_bench [rounds [rays per side of the picture [first letters of a set's name]]]
 #include <embree3/rtcore.h>

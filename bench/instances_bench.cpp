@@ -112,7 +112,7 @@ struct Measured {
   double mega_rays_per_second;
 };
 
-// Both levels in turns, the median of each.
+// Both levels interleaved, the median of each.
 std::array<Measured, 2> measure(const std::array<const Level*, 2>& levels, const std::vector<Ray>& rays,
                                 Query query) {
   std::array<std::vector<double>, 2> seconds;

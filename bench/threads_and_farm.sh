@@ -11,7 +11,7 @@ usage() {
 Usage: bench/threads_and_farm.sh [--seconds N] [--rounds N] [SCENE]
 
   --seconds N   about how long each render of two threads takes [60]
-  --rounds N    how often each is measured, in turns; the table has medians [3]
+  --rounds N    how often each is measured, interleaved; the table has medians [3]
   SCENE         scene file to render [scenes/cornell/scene.json]
 EOF_USAGE
 }

@@ -15,7 +15,7 @@ namespace tessera::proto {
 
 using Duration = std::chrono::steady_clock::duration;
 
-// The attempts of one call so far, all in vain.
+// The attempts of one call so far, all without progress.
 struct Attempts {
   core::ErrorCode last_code = core::ErrorCode::kUnavailable;
   int count = 1;

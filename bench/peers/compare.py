@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Renders six scenes with Cycles and with Tessera, in turns on one core, and prints a table of both as Markdown.
+"""Renders six scenes with Cycles and with Tessera, interleaved on one core, and prints a table of both as Markdown.
 
 Needs Blender (Debian's 3.4.1: apt install blender) and a release build with -DTESSERA_BENCH=ON whose targets tessera,
 scene_files and tessera_peer_files are built. docs/performance.md says what is compared, and how.
@@ -85,7 +85,7 @@ RENDERERS = {"Cycles": render_with_cycles, "Tessera": render_with_tessera}
 
 
 def measure(scene, size, options, folder):
-    """Each renderer's runs of the scene, in turns."""
+    """Each renderer's runs of the scene, interleaved."""
     results = {name: Measured() for name in RENDERERS}
     for seed in range(1, options.runs + 1):
         for name, render in RENDERERS.items():

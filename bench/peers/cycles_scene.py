@@ -284,7 +284,7 @@ class SceneBuilder:
 
     def environment(self):
         d = self.description.get("environment")
-        world = bpy.data.worlds.new("surroundings")
+        world = bpy.data.worlds.new("environment")
         bpy.context.scene.world = world
         world.use_nodes = True
         background = world.node_tree.nodes["Background"]

@@ -71,20 +71,20 @@ std::string crop_text(const v1::RenderSettings& settings) {
 }
 
 std::string state_of(const v1::ListWorkersResponse::Worker& worker) {
-  if (worker.quarantined()) return "put aside";
+  if (worker.quarantined()) return "quarantined";
   if (worker.silent()) return "silent";
   if (worker.draining()) return "leaving";
   if (worker.stuck()) return "stuck";
   if (worker.cooldowns().empty()) return "working";
   const bool only_fetches = std::all_of(worker.cooldowns().begin(), worker.cooldowns().end(),
                                         [](const auto& bar) { return bar.fetching(); });
-  return only_fetches ? "fetching" : "barred";
+  return only_fetches ? "fetching" : "in cooldown";
 }
 
 // Why it is given nothing, or nothing of some jobs.
 std::vector<std::string> remarks_on(const v1::ListWorkersResponse::Worker& worker) {
   std::vector<std::string> remarks;
-  if (!worker.quarantine_reason().empty()) remarks.push_back("is put aside: " + worker.quarantine_reason());
+  if (!worker.quarantine_reason().empty()) remarks.push_back("is quarantined: " + worker.quarantine_reason());
   if (worker.stuck())
     remarks.push_back("still renders what went to others, and is given nothing until it is through with it");
   for (const auto& bar : worker.cooldowns()) {

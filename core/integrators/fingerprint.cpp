@@ -14,7 +14,7 @@
 namespace tessera::core {
 namespace {
 
-// A picture of surroundings as linear floats, with clouds and a sun, black below.
+// An environment map as linear floats, with clouds and a sun, black below.
 Texture sky() {
   constexpr int kWidth = 96, kHeight = 48;
   std::vector<float> texels;

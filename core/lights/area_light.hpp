@@ -61,7 +61,7 @@ class AreaLight {
                                    const std::vector<Texture>& textures, Vec3Of<Float8> p_lit,
                                    Vec2Of<Float8> u);
 
-  // A sphere that shines alike all over and is opaque.
+  // A sphere that emits uniformly and is opaque.
   bool is_uniform_sphere() const { return batch_ == Batch::kEvenSpheres; }
   static LightSamples sample_uniform_spheres(const std::array<const AreaLight*, 8>& spheres,
                                              Vec3Of<Float8> p_lit, Vec2Of<Float8> u);

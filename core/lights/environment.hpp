@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Light from infinitely far away in all directions: one radiance, or an equirectangular picture of the
-// surroundings. Immutable, shared by all threads.
+// environment. Immutable, shared by all threads.
 #pragma once
 
 #include <memory>

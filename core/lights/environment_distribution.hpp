@@ -25,7 +25,7 @@ class EnvironmentDistribution {
  public:
   // The mean of the channels at (u, v) of the picture; finite and not negative.
   using RadianceAt = std::function<double(Vec2 uv)>;
-  // `means`: of that over each texel, row by row from the upper edge. Of surroundings that are black there is
+  // `means`: of that over each texel, row by row from the upper edge. Of an environment that is black there is
   // nothing but radiance_over_sphere().
   static EnvironmentDistribution build(int width, int height, const std::vector<double>& means,
                                        const RadianceAt& radiance_at, const EquirectangularMap& map);
@@ -50,7 +50,7 @@ class EnvironmentDistribution {
   double radiance_over_sphere() const { return radiance_over_sphere_; }
   // kFacings numbers: the irradiance that lights are sampled for, shadows apart: what is uneven, and a
   // quarter of the rest, which rays that are scattered find as well. For all sides at once: of a surface that
-  // half of the surroundings shine on, were they alike all over.
+  // half of a uniform environment sends.
   const std::vector<double>& importance_by_normal() const { return sought_; }
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Directions as places of an equirectangular picture of the surroundings, as it is seen from inside: the
+// Directions as places of an equirectangular picture of the environment, as it is seen from inside: the
 // middle looks along -z, right of it is +x, the upper edge is +y. Longitude and latitude are linear in u
 // and v.
 #pragma once

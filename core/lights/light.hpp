@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The lights of a scene, of every kind: what shines, as sources that can be sampled. Immutable, shared by all
+// The lights of a scene, of every kind: what emits, as sources that can be sampled. Immutable, shared by all
 // threads. Densities are per solid angle at the point that is lit.
 //
 // How to add a kind: a type with sample(), power() and bounds() in a file of its own, an alternative of
@@ -28,7 +28,7 @@ static_assert(sizeof(Light) <= 128, "there may be a hundred thousand of them");
 std::optional<LightSample> sample_light(const Light& light, const std::vector<Texture>& textures,
                                         const LightSampleContext& lit, Vec2 u);
 
-// Eight lights, each lane as sample_light() does. Null for none. No two of them are different surroundings.
+// Eight lights, each lane as sample_light() does. Null for none. No two of them are different environments.
 LightSamples sample_lights(const std::array<const Light*, 8>& lights, const std::vector<Texture>& textures,
                            const LightSampleContexts& lit, Vec2Of<Float8> u);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Which light to sample, by where the lit point is: nine times in ten in proportion to the light that each
-// may send there, shadows apart, of even surroundings a quarter of it,
+// may send there, shadows apart, of a uniform environment a quarter of it,
 // as it suits multiple importance sampling; else any of them alike. So a faint
 // light is still found beside one that is brighter by any factor.
 //
@@ -47,7 +47,7 @@ class LightSampler {
     std::uint32_t light;
     Vec3 wi{};              // unit
     double irradiance = 0;  // of a surface that faces it, the mean of the channels
-    // Instead of these, for light from all around: EnvironmentDistribution::importance_by_normal, by
+    // Instead of these, for environment light: EnvironmentDistribution::importance_by_normal, by
     // normal_bin().
     std::vector<double> by_facing{};
   };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What follows from audits: workers that are put aside, tiles that are rendered again, done jobs that run
+// What follows from audits: workers that are quarantined, tiles that are rendered again, done jobs that run
 // once more.
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
@@ -32,7 +32,7 @@ void Coordinator::follow_audits(const scheduler::Actions& actions) {
   for (const scheduler::Disproof& disproof : actions.disproved) {
     const scheduler::Producer& producer = disproof.producer;
     if (!quarantine_.quarantined(producer.worker.value, producer.machine, disproof.because)) continue;
-    spdlog::error("worker {} ({}) is put aside: {}. What it rendered besides is verified by others",
+    spdlog::error("worker {} ({}) is quarantined: {}. What it rendered besides is verified by others",
                   called(producer), producer.worker.value, disproof.because);
   }
   for (const std::string& contradiction : actions.contradictions) spdlog::warn("{}", contradiction);

@@ -154,7 +154,7 @@ void Coordinator::note_workers(const StateLock& lock) {
     if (present_.count(id) == 0) spdlog::info("worker {} ({}) has come", name, id);
   }
   for (const auto& [id, name] : present_) {
-    if (present.count(id) == 0) spdlog::warn("worker {} ({}) has fallen silent", name, id);
+    if (present.count(id) == 0) spdlog::warn("worker {} ({}) is lost", name, id);
   }
   present_ = std::move(present);
 }

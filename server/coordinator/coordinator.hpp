@@ -127,7 +127,7 @@ class Coordinator {
   // Writes what has changed since the last one. After an error everything not written is tried again next
   // time.
   core::Status checkpoint();
-  // Lets done jobs run again of which workers that were put aside have rendered something that nobody has
+  // Lets done jobs run again of which workers that were quarantined have rendered something that nobody has
   // verified. Due now and then; blocks while films are read back.
   void reopen_jobs();
   // Answers all waiting calls, and every later one, with UNAVAILABLE.

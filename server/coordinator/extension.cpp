@@ -95,7 +95,7 @@ void Coordinator::reopen_jobs() {
   for (const std::string& id : ids) {
     const core::Status reopened = reopen_job(id);
     if (reopened || reopened.error().code == core::ErrorCode::kNotFound) continue;
-    spdlog::error("job {} was rendered in part by a worker that is put aside, and cannot be verified: {}", id,
+    spdlog::error("job {} was rendered in part by a worker that is quarantined, and cannot be verified: {}", id,
                   reopened.error().message);
   }
 }

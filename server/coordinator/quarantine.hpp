@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Which workers' results were refused, and how often: those of a broken machine, a wrong build or a liar.
-// After too many in a row, or when others have disproved it, a worker is put aside, and every later worker of
+// After too many in a row, or when others have disproved it, a worker is quarantined, and every later worker of
 // its machine (scheduler::WorkerInfo::machine) with it, where that is known, until the coordinator is started
 // anew. Names do not count: anybody can take one. Not thread-safe; the coordinator's gate guards it.
 #pragma once
@@ -22,7 +22,7 @@ class Quarantine {
   bool quarantined(const std::string& worker, const std::string& machine, const std::string& because);
   // A result of it was in order.
   void in_order(const std::string& worker);
-  // All workers but these are forgotten; who was put aside stays so.
+  // All workers but these are forgotten; who was quarantined stays so.
   void forget_others(const std::set<std::string>& present);
 
   std::uint64_t refusals(const std::string& worker) const;

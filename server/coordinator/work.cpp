@@ -135,13 +135,13 @@ void Coordinator::refuse(StateLock& lock, SynchronizeCaller& caller, const core:
 }
 
 core::Status Coordinator::admit(const StateLock& lock, const v1::SynchronizeRequest& request) {
-  // Whoever works already on the machine of one that is put aside answers for itself.
+  // Whoever works already on the machine of one that is quarantined answers for itself.
   const std::string machine = proto::client_key(request.worker_key());
   const bool newcomer = quarantine_.is_machine_aside(machine) && !is_known(lock, request.worker_id());
   if (quarantine_.is_quarantined(request.worker_id()) || newcomer) {
     return core::fail(
         ErrorCode::kFailedPrecondition,
-        fmt::format("worker {} is put aside: {} (the coordinator's log says more). Check the machine and its "
+        fmt::format("worker {} is quarantined: {} (the coordinator's log says more). Check the machine and its "
                     "memory; then remove worker.key from its cache folder and start the worker again, or "
                     "restart the coordinator",
                     request.name(), quarantine_.because(request.worker_id(), machine)));
@@ -262,7 +262,7 @@ core::Result<v1::SubmitResultResponse> Coordinator::submit_result(const v1::Subm
   if (quarantine_.is_quarantined(request.worker_id())) {
     return core::fail(
         ErrorCode::kFailedPrecondition,
-        fmt::format("this worker is put aside: {}", quarantine_.because(request.worker_id(), "")));
+        fmt::format("this worker is quarantined: {}", quarantine_.because(request.worker_id(), "")));
   }
   auto counted = tiles ? count_result(lock, request, delivery)
                        : core::Result<v1::SubmitResultResponse>(core::fail(tiles.error()));
@@ -357,7 +357,7 @@ void Coordinator::note_rejected_result(StateLock& lock, const std::string& worke
   rejected_log_.warn(fmt::format("rejected a result of worker {} ({}): {}", name, worker, error.message),
                      lock.now());
   if (!quarantine_.refused(worker, machine)) return;
-  spdlog::error("worker {} ({}) is put aside: {}. What it rendered before is verified by others", name,
+  spdlog::error("worker {} ({}) is quarantined: {}. What it rendered before is verified by others", name,
                 worker, quarantine_.because(worker, machine));
   apply(lock, scheduler_.handle(scheduler::Dismiss{{worker}, true}, lock.now()));
 }

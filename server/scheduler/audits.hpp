@@ -8,7 +8,7 @@
 //           │  given up (abandon)      │             ├───────────────▶ contradicted: due again, for a third
 //           name ├──────────────────────────┘             │ others, as those of an earlier audit │
 //           └───────────────▶ refuted: its whole tile is rendered again
-//   by lot, or its author is put aside
+//   by lot, or its author is quarantined
 //
 // Who renders a range again is of another name than everybody who has rendered it before; at most two at a
 // time. Bits that two names agree on are right, and who rendered others was wrong.

@@ -138,7 +138,7 @@ struct RestoreJob {
   std::vector<ProducedItem> provenance{};
 };
 
-// What workers that were put aside have rendered of the job is to be verified: if it is done, it runs again.
+// What workers that were quarantined have rendered of the job is to be verified: if it is done, it runs again.
 // See Actions::reopen. No change if there is nothing to verify.
 struct ReopenJob {
   JobId id;
@@ -245,13 +245,13 @@ struct Actions {
   // Every change of state, in order; also those that follow from something else (RUNNING to DONE with a
   // result, RUNNING to FAILED with the third machine whose worker died of one range or was stuck in it).
   std::vector<JobChange> job_changes;
-  // These workers are to be put aside. Their leases are gone already.
+  // These workers are to be quarantined. Their leases are gone already.
   std::vector<Disproof> disproved;
   // Everything in these tiles is missing again: empty them before the accepted items are added.
   std::vector<TileOfJob> dropped_tiles;
   // Scheduler::authored() has changed for these tiles, apart from those of accepted items.
   std::vector<TileOfJob> reviewed_tiles;
-  // Done jobs with samples of workers that were put aside: hand in ReopenJob as soon as their films are at
+  // Done jobs with samples of workers that were quarantined: hand in ReopenJob as soon as their films are at
   // hand again.
   std::vector<JobId> reopen;
   // Two workers have rendered other bits of this, and a third must decide; for the log.

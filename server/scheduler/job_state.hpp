@@ -10,7 +10,7 @@
 //             ▼ │ extend; doubt
 //            DONE
 //
-// Doubt: a worker that rendered some of it was put aside, and others are to verify that (audits.hpp).
+// Doubt: a worker that rendered some of it was quarantined, and others are to verify that (audits.hpp).
 // CANCELLED and FAILED are final. A job in any state can be deleted. PAUSED has no arrow to DONE: a paused
 // job whose last samples come in stays paused, and is done as soon as it is resumed.
 #pragma once

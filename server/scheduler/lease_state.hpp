@@ -11,7 +11,7 @@
 //      DONE       RETURNED     EXPIRED      STALLED      REVOKED
 //
 // DONE: nothing of it is left to do, whoever did it. RETURNED: its holder has finished with it, or reports it
-// no more. EXPIRED: its holder has fallen silent. STALLED: its holder is heard of, and has delivered nothing
+// no more. EXPIRED: its holder is lost. STALLED: its holder is heard of, and has delivered nothing
 // of the job for too long. REVOKED: its job has ended, or its holder was dismissed. All five are final. What
 // is missing of a lease that has ended is free again, and what comes of it all the same counts as long as it
 // is missing.

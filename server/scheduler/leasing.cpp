@@ -60,7 +60,7 @@ void Scheduler::settle_reported(Worker& worker) {
 }
 
 // Takes over a lease that this scheduler does not know: given by an earlier run of it, or to a worker that
-// fell silent and has come back before its work went to others.
+// was lost and has come back before its work went to others.
 void Scheduler::adopt(Worker& worker, const LeaseDescription& reported) {
   Job* const job = find(reported.job);
   if (job == nullptr || !(job->state() == JobState::kRunning || job->state() == JobState::kPaused)) return;
@@ -218,7 +218,7 @@ void Scheduler::forget_lease(const Job& job, const Lease& lease) {
   Worker* const holder = registry_.find(lease.holder);
   Effort& effort = holder->efforts[job.id()];
   effort.gave_back.reset();
-  // What others have done of it, or it could not hold, was not in vain.
+  // What others have done of it, or it could not hold, was progress.
   if (lease.state == LeaseState::kReturned) {
     effort.gave_back = now_;
   } else {

@@ -20,7 +20,7 @@ namespace tessera::scheduler {
 enum class Due : std::uint8_t {
   kNo,
   kChosen,   // by lot
-  kDoubted,  // its author was put aside, or two workers have rendered other bits
+  kDoubted,  // its author was quarantined, or two workers have rendered other bits
 };
 
 struct LedgerEntry {

@@ -59,7 +59,7 @@ Duration patience(Duration lease_duration, double expected_seconds);
 // The most that patience() is.
 Duration longest_patience(Duration lease_duration);
 
-// How long a worker that was at a job for so long, in vain, is given no more of it: as long, and twice as
+// How long a worker that was at a job for so long, without progress, is given no more of it: as long, and twice as
 // long each further time in a row.
 Duration cooldown_after(Duration without_progress, int times_before);
 

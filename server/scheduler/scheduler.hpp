@@ -117,7 +117,7 @@ class Scheduler {
  public:
   explicit Scheduler(const Options& options);
 
-  // Lets time advance to `now`, which takes leases from workers that have fallen silent, then takes the
+  // Lets time advance to `now`, which takes leases from workers that are lost, then takes the
   // event. A time before that of an earlier call is taken for that one.
   Actions handle(const Event& event, Time now);
 
@@ -182,7 +182,7 @@ class Scheduler {
   std::set<JobId> stalled_jobs(const Worker& worker) const;
   void stall(Worker& worker, const JobId& job, Actions& actions);
   Duration bar(Worker& worker, const JobId& job, Duration without_progress);
-  // What it is stuck in, if it has leases of these jobs in vain for that reason.
+  // What it is stuck in, if it has leases of these jobs without progress for that reason.
   std::optional<Stuck> what_keeps(const Worker& worker, const std::set<JobId>& stalled) const;
   // A worker that was stuck has called: it is not any more, or for so long that its samples are to blame.
   void look_after_stuck(Worker& worker, Actions& actions);

@@ -130,7 +130,7 @@ class WorkerRegistry {
 
   std::optional<Time> next_alarm() const;
   // Forgets who has been silent for long enough. Returns a worker whose deadline is not after `now`, if there
-  // is one; the caller ends its leases, lets it fall silent, and calls again until nobody is returned.
+  // is one; the caller ends its leases, marks it lost, and calls again until nobody is returned.
   Worker* next_overdue(Time now);
   void mark_lost(Worker& worker);
 

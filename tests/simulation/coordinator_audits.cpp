@@ -24,10 +24,10 @@ void Coordinator::empty_tiles(const Actions& actions) {
 
 void Coordinator::follow_audits(const Actions& actions) {
   for (const Disproof& disproof : actions.disproved) {
-    world_.note(fmt::format("{} is put aside: {}", called(disproof.producer), disproof.because));
+    world_.note(fmt::format("{} is quarantined: {}", called(disproof.producer), disproof.because));
     if (!is_expected_liar(disproof.producer.worker))
       world_.fail(
-          fmt::format("{} is honest, but was put aside: {}", called(disproof.producer), disproof.because));
+          fmt::format("{} is honest, but was quarantined: {}", called(disproof.producer), disproof.because));
     workers_aside_.insert(disproof.producer.worker);
     if (!disproof.producer.machine.empty()) machines_aside_.insert(disproof.producer.machine);
   }
@@ -72,7 +72,7 @@ void Coordinator::note_refusal(const WorkerId& worker) {
 }
 
 void Coordinator::quarantined(const Producer& producer) {
-  world_.note(fmt::format("{} is put aside", called(producer)));
+  world_.note(fmt::format("{} is quarantined", called(producer)));
   workers_aside_.insert(producer.worker);
   machines_aside_.insert(producer.machine);
   referee_.expect_audits();

@@ -24,7 +24,7 @@ void RoughFarm::submit() {
   world_.note(
       fmt::format("job {}: {}x{}, {} spp", id.value, shape.window.width(), shape.window.height(), shape.spp));
   pixel_samples_ += shape.grid().tile_count() * 4096.0 * shape.spp;
-  // Where there are audits, machines that are put aside, or cannot build a scene, are none to count on.
+  // Where there are audits, machines that are quarantined, or cannot build a scene, are none to count on.
   const bool enough_can_die = names_.size() >= kLossesUntilFailure && !stuck_for_good_;
   if (enough_can_die && random.chance(0.05) && !audited_.any()) {
     make_deadly(id, shape);

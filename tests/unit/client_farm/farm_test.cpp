@@ -256,7 +256,7 @@ TEST_F(FarmCalls, OfLongerTasksAreTriedAgain) {
   EXPECT_EQ(service_.calls, 3);
 }
 
-// Wherever it is lost: the command says that it waits, and in the end that it did so in vain.
+// Wherever it is lost: the command says that it waits, and in the end that it did so without progress.
 TEST_F(FarmCalls, ToACoordinatorThatIsLostAreTriedAgainForAWhile) {
   open_farm({.address = address_, .security = {}, .patience = std::chrono::seconds(1)});
   const auto local = bundle_scene(TESSERA_SOURCE_DIR "/scenes/cornell/scene.json", {});

@@ -83,13 +83,13 @@ TEST(JobText, SaysHowWorkersAreDoing) {
   worker.set_silent(true);
   EXPECT_THAT(workers_table(workers, 0), HasSubstr("silent"));
   worker.set_quarantined(true);
-  EXPECT_THAT(workers_table(workers, 0), HasSubstr("put aside"));
+  EXPECT_THAT(workers_table(workers, 0), HasSubstr("quarantined"));
   worker.set_name("machine");
   worker.set_audited_ranges(9);
   worker.set_disproved_ranges(2);
   worker.set_quarantine_reason("it rendered other bits");
   EXPECT_THAT(workers_table(workers, 0), HasSubstr("9 (2 wrong)"));
-  EXPECT_THAT(workers_table(workers, 0), HasSubstr("\nmachine () is put aside: it rendered other bits\n"));
+  EXPECT_THAT(workers_table(workers, 0), HasSubstr("\nmachine () is quarantined: it rendered other bits\n"));
 }
 
 TEST(JobText, SaysWhoIsGivenNothingAndForHowLong) {
@@ -100,7 +100,7 @@ TEST(JobText, SaysWhoIsGivenNothingAndForHowLong) {
   auto& bar = *worker.add_cooldowns();
   bar.set_job_id("fedcba0987654321");
   bar.mutable_remaining()->set_seconds(95);
-  EXPECT_THAT(workers_table(workers, 0), HasSubstr("barred"));
+  EXPECT_THAT(workers_table(workers, 0), HasSubstr("in cooldown"));
   EXPECT_THAT(workers_table(workers, 0),
               HasSubstr("\nmachine (1234567890ab) is given nothing of job fedcba098765 for 1:35, or until it "
                         "delivers some of it\n"));

@@ -113,7 +113,7 @@ Texture rough_map(float slope) {
   return {.image = std::make_shared<TextureImage>(TextureImage{kSide, kSide, std::move(texels)})};
 }
 
-// What of white surroundings a surface reflects.
+// What of a white environment a surface reflects.
 double reflected(const MaterialModel& model, float slope, Vec3 from, const test::Strategy& strategy) {
   test::SceneMaker maker({.position = from * 6, .look_at = {0, 0, 0}, .vertical_fov_degrees = 5});
   const auto material = maker.material(model);

@@ -245,7 +245,7 @@ TEST(DeltaLights, AddUp) {
                                 DirectionalLightDescription{{3, -4, 0}, Rgb::gray(2)}};
   maker.description().environment = {{Rgb::gray(0.5f)}};
   maker.add(SphereDescription{{0, 3, 0}, 0.3f, maker.material(test::lambert(0), Rgb::gray(20))});
-  // The lamp hides as much of the surroundings as it fills.
+  // The lamp hides as much of the environment as it fills.
   const double lamp = std::numbers::pi * 0.01;
   expect_radiance(maker.build(), reflected(1 + 1 + 0.8 * 2 + 20 * lamp + 0.5 * (std::numbers::pi - lamp)),
                   3000);
@@ -306,7 +306,7 @@ TEST(EnvironmentPicture, LightsAsItsIntegralSays) {
   }
 }
 
-// An upright wall sees one side of the surroundings, and so the rotation.
+// An upright wall sees one side of the environment, and so the rotation.
 TEST(EnvironmentPicture, TurnsCounterClockwiseSeenFromAbove) {
   TextureImage image{4, 1,
                      std::vector<float>{1, 0, 0, 8, 0, 0, 1, 0, 0, 1, 0, 0}};  // bright between -x and -z

@@ -106,7 +106,7 @@ TEST(LightSampler, FindsAFaintLightBesideOneBrighterByAnyFactor) {
   for (std::uint32_t light = 0; light < 3; ++light) EXPECT_GE(sunlit.pmf({}, light), 0.1f) << light;
 }
 
-// By irradiance, of even surroundings by a quarter of it, three times in four but for those alike.
+// By irradiance, of even environment by a quarter of it, three times in four but for those alike.
 TEST(LightSampler, WeighsLightsAtInfinityByWhatTheySendToTheSurface) {
   const LightSampler sampler({PointLight({0, 2, 0}, Rgb::gray(4)), DirectionalLight({0, -1, 0}, Rgb::gray(6)),
                               Environment(Rgb::gray(4 / kPi), nullptr, 0)},

@@ -194,7 +194,7 @@ TEST(SceneMistakes, InTheEnvironment) {
            "environment: unknown key 'rotation'; known are 'radiance', 'texture', 'rotation_degrees'"},
           {"\"texture\": \"sun\"", "environment.texture: there is no texture 'sun'; known is 'sky'"},
           {"\"texture\": \"sky\"",
-           "environment.texture: the surroundings are one whole picture: leave out the texture's 'scale', "
+           "environment.texture: the environment is one whole picture: leave out the texture's 'scale', "
            "'offset' and 'wrap'; 'rotation_degrees' turns it"},
       },
       with_environment, 2);

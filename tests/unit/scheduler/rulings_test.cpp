@@ -107,7 +107,7 @@ TEST_F(WithoutAudits, ADoneJobRunsAgainWhenItsWorkersAreDoubted) {
   EXPECT_THAT(reopened.job_changes, ElementsAre(JobChange{{"job"}, kDone, kRunning}));
   EXPECT_EQ(reopened.reviewed_tiles.size(), 2u);
   EXPECT_EQ(job("job").samples_to_verify, job("job").samples_total);
-  // Nobody waits for this in vain: it goes on whenever somebody comes.
+  // Nobody waits for this without progress: it goes on whenever somebody comes.
   pass(seconds(1000));
   tick();
   EXPECT_EQ(state("job"), kRunning);

@@ -90,7 +90,7 @@ TEST_F(Audits, PutALiarAsideAndRenderItsTileAgain) {
   const WaitingCall call(coordinator(), greeting('a'));
   ASSERT_TRUE(call.answered());
   EXPECT_EQ(call.answer().error().code, ErrorCode::kFailedPrecondition);
-  EXPECT_THAT(call.answer().error().message, HasSubstr("worker host-a is put aside: it rendered other bits"));
+  EXPECT_THAT(call.answer().error().message, HasSubstr("worker host-a is quarantined: it rendered other bits"));
 }
 
 // A worker that could tell would be honest then.

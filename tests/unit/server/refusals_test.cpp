@@ -92,7 +92,7 @@ TEST_F(Refusals, AWorkerWhoseResultsAreRefusedAgainAndAgainIsPutAside) {
     const WaitingCall call(coordinator(), greeting_from(worker, 'm'));
     ASSERT_TRUE(call.answered());
     EXPECT_THAT(call.answer().error().message,
-                HasSubstr(std::string("worker host-") + worker + " is put aside"));
+                HasSubstr(std::string("worker host-") + worker + " is quarantined"));
   }
   v1::SynchronizeRequest namesake = greeting_from('d', 'n');
   namesake.set_name("host-a");
