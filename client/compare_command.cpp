@@ -21,7 +21,7 @@ namespace {
 constexpr int kExitDifferent = 1;
 constexpr int kExitCannotCompare = 2;
 
-const cli::HelpText kHelp{
+const cli::HelpText kCompareHelp{
     .notes = R"(Images are compared in linear light. PNG files are decoded with the sRGB transfer function.
 
 The relative MSE is the mean of (a-b)^2 / (b^2 + 0.01) over pixels and channels, with B as the reference. PSNR
@@ -116,7 +116,7 @@ void add_compare_command(CLI::App& app, int& exit_code) {
           "(render --crop)")
       ->type_name("X,Y,WxH");
   command->add_flag("--json", options->json, "Print one JSON object");
-  cli::set_help(*command, kHelp);
+  cli::set_help(*command, kCompareHelp);
   command->callback([options, &exit_code] { exit_code = run_compare(*options); });
 }
 

@@ -13,7 +13,7 @@
 namespace tessera::client {
 namespace {
 
-const cli::HelpText kHelp{
+const cli::HelpText kRenderHelp{
     .notes = R"(Options given here replace the values of the scene file.
 
 The image is the same, byte for byte, with any number of threads and on a farm (tessera submit). Ctrl-C
@@ -80,7 +80,7 @@ void add_render_options(CLI::App& command, RenderOptions& options) {
   add_override_options(command, options.scene.overrides);
   add_display_options(command, options.scene.display);
   add_local_options(command, options);
-  cli::set_help(command, kHelp);
+  cli::set_help(command, kRenderHelp);
 }
 
 }  // namespace tessera::client

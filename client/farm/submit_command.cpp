@@ -26,7 +26,7 @@
 namespace tessera::client {
 namespace {
 
-const cli::HelpText kHelp{
+const cli::HelpText kSubmitHelp{
     .notes = R"(Prints the job's id. Options given here replace the values of the scene file.
 
 The image is the same, byte for byte, as that of tessera render, whatever machines render it.
@@ -162,7 +162,7 @@ void add_submit_command(CLI::App& app, int& exit_code) {
   add_service_options(*command, "0", options->service);
   command->add_flag("--json", options->json, "Print the job as one line of JSON instead of its id");
   add_farm_options(*command, options->farm);
-  cli::set_help(*command, kHelp);
+  cli::set_help(*command, kSubmitHelp);
   command->callback([options, &exit_code] {
     if (!options->scene.output_paths.empty() && !options->wait)
       throw CLI::RequiredError("-o writes the finished picture, so --wait");

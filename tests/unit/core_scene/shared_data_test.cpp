@@ -11,12 +11,12 @@
 namespace tessera::core {
 namespace {
 
-constexpr const char* kFolder = TESSERA_SOURCE_DIR "/../shared/data/";
+constexpr const char* kSharedFolder = TESSERA_SOURCE_DIR "/../shared/data/";
 
 // Reads scenes from memory and everything else from the folder.
 class SceneOverFolder : public AssetSource {
  public:
-  explicit SceneOverFolder(std::string scene) : scene_(std::move(scene)), folder_(kFolder) {}
+  explicit SceneOverFolder(std::string scene) : scene_(std::move(scene)), folder_(kSharedFolder) {}
   Result<std::string> read(const std::string& path) override {
     if (path == "scene.json") return scene_;
     return folder_.read(path);
@@ -30,7 +30,7 @@ class SceneOverFolder : public AssetSource {
 class SharedData : public testing::TestWithParam<std::pair<std::string, std::size_t>> {
  protected:
   void SetUp() override {
-    if (!std::filesystem::exists(kFolder)) GTEST_SKIP() << kFolder << " is not there";
+    if (!std::filesystem::exists(kSharedFolder)) GTEST_SKIP() << kSharedFolder << " is not there";
   }
 };
 
@@ -66,7 +66,7 @@ TEST_F(SharedData, SpotWearsItsTexture) {
 }
 
 TEST_F(SharedData, ACutBunnyIsRefused) {
-  const auto bytes = FolderAssets(kFolder).read("bunny.obj");
+  const auto bytes = FolderAssets(kSharedFolder).read("bunny.obj");
   ASSERT_TRUE(bytes.has_value());
   EXPECT_EQ(read_obj(bytes->substr(0, 500'000), "bunny.obj").error().message.substr(0, 10), "bunny.obj:");
   const std::size_t first_face = bytes->find("\nf ") + 1;
