@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
+#include <numbers>
 
 #include "tests/unit/core_geometry/shapes.hpp"
 
@@ -90,7 +92,7 @@ TEST(Surface, InterpolatesNormalsOfAnyLengthAndUvs) {
 TEST(Surface, TurnsInterpolatedNormalsToTheSideOfTheWinding) {
   const SurfacePoint point = center_of({{0, 0, -1}, {0, 0, -1}, {1, 0, -1}}, {});
   EXPECT_EQ(point.geometric_normal, (Vec3{0, 0, 1}));
-  EXPECT_NEAR(length(point.shading_normal - normalize(Vec3{-0.5f, 0, 1})), 0, 1e-6f);
+  EXPECT_NEAR(length(point.shading_normal - normalize(Vec3{-1, 0, 1 + std::numbers::sqrt2_v<float>})), 0, 1e-6f);
 }
 
 TEST(Surface, FallsBackToTheGeometricNormalWhereNormalsCancelOrAreNone) {

@@ -23,6 +23,7 @@
 
 namespace tessera::rpc {
 
+using coordinator::greeting;
 using coordinator::greeting_with_key;
 using coordinator::submission;
 
