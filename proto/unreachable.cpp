@@ -23,10 +23,6 @@ bool says(const grpc::Status& status, std::initializer_list<std::string_view> an
 constexpr const char* kHasEnough =
     "has as many as it takes (tessera-coordinator --max-connections, --max-machine-connections)";
 
-bool is_closed_at_once(const grpc::Status& status) {
-  return says(status, {"ocket closed", "reset by peer"});
-}
-
 std::string closed_at_once(const std::string& address, const ClientSecurity& security) {
   const char* wants = "it speaks TLS and wants --tls-ca";
   if (!security.ca.empty()) wants = "it wants --tls-certificate and --tls-key";
@@ -59,6 +55,10 @@ std::string explain(const grpc::Status& status, const std::string& address, cons
 }
 
 }  // namespace
+
+bool is_closed_at_once(const grpc::Status& status) {
+  return says(status, {"ocket closed", "reset by peer"});
+}
 
 bool may_be_starting(const grpc::Status& status) {
   return is_no_connection(status) && (says(status, {"onnection refused"}) || is_closed_at_once(status));

@@ -15,6 +15,9 @@ namespace tessera::proto {
 // Whether a call ended so because no connection could be made.
 bool is_no_connection(const grpc::Status& status);
 
+// Whether the other side closed the connection before it took a call.
+bool is_closed_at_once(const grpc::Status& status);
+
 // Whether it ended so as with a coordinator that is starting or stopping: nobody listens, or the connection
 // is closed at once.
 bool may_be_starting(const grpc::Status& status);

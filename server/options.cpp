@@ -99,7 +99,7 @@ Options parse_options(int argc, char** argv) {
       ->type_name("FILE");
   app.add_option("--accept-fingerprint", options.fingerprint,
                  "Accept workers with this determinism fingerprint [default: that of this release]")
-      ->check(CLI::Validator(is_fingerprint, "HEX"))
+      ->check(CLI::Validator(is_fingerprint, ""))
       ->type_name("HEX");
   add_maintenance_flags(app, options);
   add_security_flags(app, options);

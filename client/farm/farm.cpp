@@ -51,6 +51,7 @@ bool Farm::wait_if_asked(const grpc::Status& status, const grpc::ClientContext& 
 
 bool Farm::wait_for_connection(const grpc::Status& status, Patience& start) {
   if (reached_ || !proto::may_be_starting(status)) return false;
+  if (proto::is_closed_at_once(status)) start.closed = status;
   const auto pause = *proto::exponential_backoff({.longest = kLongestStartPause})({.count = ++start.waits});
   return wait(pause,
               {core::ErrorCode::kUnavailable, "no connection to the coordinator at " + address() + " yet"},
@@ -65,7 +66,8 @@ bool Farm::wait(std::chrono::steady_clock::duration time, const core::Error& why
 
 core::Error Farm::explain_end(const grpc::Status& status, const grpc::ClientContext& call,
                               const Patience& start) const {
-  core::Error error = explain(status, call);
+  const bool was_closed = !reached_ && start.closed && proto::is_no_connection(status);
+  core::Error error = explain(was_closed ? *start.closed : status, call);
   if (proto::asked_wait(status, call)) error.code = core::ErrorCode::kResourceExhausted;
   if (start.waits > 1 && !reached_ && proto::may_be_starting(status) && !interrupted())
     error.message += fmt::format("; this was tried for {} s", start.total.count());

@@ -12,6 +12,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <set>
 #include <string>
 
@@ -87,6 +88,8 @@ class Farm {
     std::chrono::seconds total;
     std::chrono::steady_clock::time_point until;
     int waits = 0;
+    // Of a connection that was closed at once: what later attempts say may be less.
+    std::optional<grpc::Status> closed{};
   };
   // Waits as long as a call that failed asks to, and longer each time. False, and nothing happens, if it does
   // not ask, or beyond all patience; also if interrupted.

@@ -79,7 +79,7 @@ TEST_F(HelpTest, IsCompleteAndFitsATerminal) {
     EXPECT_EQ(help.find('\n'), help.find("\n\nUsage: ")) << "the summary is one line";
     expect_descriptions(help);
     for (const char* word :
-         {"TEXT", "UINT", "INT ", "INT:", "FLOAT", "BOOLEAN", "ENUM", "REQUIRED", "OPTIONS:", "Positionals",
+         {"TEXT", "UINT", " INT ", "INT:", "FLOAT", "BOOLEAN", "ENUM", "REQUIRED", "OPTIONS:", "Positionals",
           "Subcommands", "SUBCOMMAND", "(Env:", "Excludes", "Needs"})
       EXPECT_THAT(help, Not(HasSubstr(word)));
   }
