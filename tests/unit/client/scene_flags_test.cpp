@@ -104,7 +104,7 @@ TEST(SceneFlags, BadIntegratorsNameTheChoices) {
 }
 
 TEST(SceneFlags, BadClampsSayWhatIsRight) {
-  for (const char* text : {"-1", "nan", "inf", "1e99", "ten", "5x", ""})
+  for (const char* text : {"-1", "nan", "inf", "1e99", "ten", "5x"})
     EXPECT_EQ(mistake({std::string("--clamp-indirect=") + text}),
               fmt::format("--clamp-indirect: must be a positive number, or 0 for no limit; got '{}'", text));
 }

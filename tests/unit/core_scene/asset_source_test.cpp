@@ -79,7 +79,7 @@ TEST_F(Folder, SaysThatAFileMayNotBeRead) {
   fs::permissions(folder_ / "secret", fs::perms::none);
   fs::permissions(folder_, fs::perms::others_exec, fs::perm_options::add);
   const Unprivileged unprivileged;
-  EXPECT_EQ(error_of("secret"), "'secret'" + in_folder() + " cannot be opened: Permission denied");
+  EXPECT_EQ(error_of("secret"), "'secret'" + in_folder() + " cannot be read: Permission denied");
 }
 
 TEST_F(Folder, HoldsAScene) {

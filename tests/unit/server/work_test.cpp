@@ -76,7 +76,7 @@ TEST_F(Work, AResultThatComesTwiceIsDroppedTheSecondTime) {
   EXPECT_EQ(first.accepted_items(), static_cast<std::uint32_t>(lease.items_size()));
   EXPECT_EQ(first.dropped_items(), 0u);
   const v1::Counters counted = job(id).counters();
-  const auto second = deliver(delivery('b', lease));
+  const auto second = deliver(delivery('a', lease));
   EXPECT_EQ(second.accepted_items(), 0u);
   EXPECT_EQ(second.dropped_items(), static_cast<std::uint32_t>(lease.items_size()));
   EXPECT_EQ(job(id).counters().samples(), counted.samples());
@@ -123,7 +123,7 @@ TEST_F(Work, WhatKeepsAWorkerFromWorkIsToldToWhoeverWaits) {
   for (int i = 0; i < 10; ++i) *request.add_troubles() = trouble;
   synchronize(request);
   ASSERT_EQ(coordinator().workers()[0].troubles_size(), Troubles::kMaxOfWorker);
-  const std::string& told = coordinator().workers()[0].troubles(0);
+  const std::string told = coordinator().workers()[0].troubles(0);
   EXPECT_THAT(told, testing::StartsWith("cannot fetch \\x1b[31mmesh.obj: No space left on device!!!"));
   EXPECT_LT(told.size(), Troubles::kMaxTextBytes + 20);
   ASSERT_GT(job(id).troubles_size(), 0);

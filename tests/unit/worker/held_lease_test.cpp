@@ -156,13 +156,13 @@ TEST(HeldLease, AMessageStaysSmall) {
   int messages = 0;
   for (bool finished = false; !finished; ++messages) {
     const Delivery delivery = lease.take_batch();
-    EXPECT_LE(delivery.tiles.size() * 64 * 64 * 48, std::size_t{8} << 20);
+    EXPECT_LE(delivery.tiles.size() * 64 * 64 * 48, std::size_t{2} << 20);
     tiles += delivery.tiles.size();
     finished = delivery.lease_finished;
     lease.delivered();
   }
   EXPECT_EQ(tiles, 100u);
-  EXPECT_EQ(messages, 3);
+  EXPECT_EQ(messages, 10);
 }
 
 }  // namespace

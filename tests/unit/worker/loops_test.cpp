@@ -186,8 +186,10 @@ TEST_F(LoopsTest, AJobThatTakesTooMuchMemoryIsDeclinedAndTheWorkerGoesOn) {
   give_lease({}, response);
   lease_tracker.apply(response);
   lease_tracker.next_to_fetch({});
-  const std::string scene = TESSERA_SOURCE_DIR "/scenes/cornell/scene.json";
-  const auto job = std::make_shared<Job>(Job{"job", {}, {"key", "scene.json", {{"scene.json", scene}}}});
+  std::map<std::string, std::string> files;
+  for (const char* name : {"scene.json", "box.obj", "box.mtl"})
+    files[name] = std::string(TESSERA_SOURCE_DIR "/scenes/cornell/") + name;
+  const auto job = std::make_shared<Job>(Job{"job", {}, {"key", "scene.json", files}});
   lease_tracker.fetched(job);
   int renders = 0;
   RenderLoop render(1, lease_tracker, {},
