@@ -2,6 +2,7 @@
 
 #include <arpa/inet.h>
 #include <fmt/format.h>
+#include <sys/stat.h>
 
 #include <algorithm>
 #include <cctype>
@@ -50,6 +51,18 @@ core::Status allow_plain(const std::string& address, bool insecure, const char* 
       fmt::format("{} is not of this machine alone, and there is no TLS: {}, or --insecure on a "
                   "network where you trust everybody",
                   address, how));
+}
+
+// Without client certificates, for an address that other machines are at.
+core::Status allow_unauthenticated(const std::string& address, const ServerSecurity& security) {
+  if (!security.client_ca.empty() || is_loopback(address) || security.allow_unauthenticated) return {};
+  return core::fail(
+      ErrorCode::kInvalidArgument,
+      fmt::format("{} is not of this machine alone, and callers need no certificate: give --tls-client-ca "
+                  "(deploy/make_certificates.sh makes a certificate for each machine and person); or "
+                  "--allow-unauthenticated-connections, and then whoever reaches the port can stop the "
+                  "coordinator by using up its memory, whatever --tokens says",
+                  address));
 }
 
 }  // namespace
@@ -108,6 +121,8 @@ core::Result<std::shared_ptr<grpc::ServerCredentials>> server_credentials(const 
       return core::fail(plain.error());
     return grpc::InsecureServerCredentials();
   }
+  if (const auto allowed = allow_unauthenticated(address, security); !allowed)
+    return core::fail(allowed.error());
   auto mine = read_certificate_and_key(security.certificate, security.key);
   if (!mine) return core::fail(mine.error());
   grpc::SslServerCredentialsOptions options(security.client_ca.empty()
@@ -120,6 +135,18 @@ core::Result<std::shared_ptr<grpc::ServerCredentials>> server_credentials(const 
     options.pem_root_certs = *std::move(ca);
   }
   return grpc::SslServerCredentials(options);
+}
+
+std::vector<std::string> exposed_secrets(const std::vector<std::string>& paths) {
+  std::vector<std::string> sentences;
+  for (const std::string& path : paths) {
+    struct ::stat status {};
+    if (path.empty() || ::stat(path.c_str(), &status) != 0 || (status.st_mode & (S_IRWXG | S_IRWXO)) == 0)
+      continue;
+    sentences.push_back(fmt::format(
+        "{} is a secret, and others than its owner may read or change it: chmod 600 {}", path, path));
+  }
+  return sentences;
 }
 
 core::Result<std::string> read_token(const std::string& path) {

@@ -8,6 +8,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "core/base/error.hpp"
 
@@ -26,6 +27,9 @@ struct ServerSecurity {
   std::string certificate, key;  // without them there is no TLS; both or neither
   std::string client_ca;  // who signed the certificates that callers must show; without it none is asked for
   bool insecure = false;  // be reachable from other machines without TLS
+  // Be reachable from other machines by callers that show no certificate. They can use up the memory of the
+  // HTTP/2 library, which reads what they send before any token is looked at.
+  bool allow_unauthenticated = false;
 };
 
 // Whether HOST:PORT is reachable from this machine alone: "localhost" and loopback addresses, not names.
@@ -39,6 +43,10 @@ core::Result<std::shared_ptr<grpc::ServerCredentials>> server_credentials(const 
 
 // Whether a token may consist of this: letters, digits and -._~+/= (RFC 6750, b64token).
 bool is_token(std::string_view text);
+
+// A sentence for each of these secrets, files of keys and tokens, that others than its owner can read or
+// write. Empty paths and missing files are skipped.
+std::vector<std::string> exposed_secrets(const std::vector<std::string>& paths);
 
 // The token in the file; empty without a path.
 core::Result<std::string> read_token(const std::string& path);

@@ -17,6 +17,7 @@ constexpr std::uint64_t kMany = 1'000'000'000;
 constexpr std::uint64_t kMostMib = std::uint64_t{1} << 30;  // a pebibyte
 // Less than a validator maps before it reads anything, and results of workers do not fit into less.
 constexpr std::uint64_t kLeastValidatorMib = 128;
+constexpr std::uint64_t kLeastReceiveMib = 64;
 constexpr int kLeastMessageMib = 16, kMostMessageMib = 1024;
 // What a texture can have in any case.
 constexpr std::uint64_t kMostTexturePixels = std::uint64_t{1} << 28;
@@ -56,6 +57,7 @@ void add_job_flags(CLI::App& app, Limits& limits) {
 
 void add_scene_flags(CLI::App& app, Limits& limits) {
   add<std::uint64_t>(app, "--max-bundle-mib", limits.bundle_mib, 1, kMostMib, "A scene and all its files");
+  add<std::uint64_t>(app, "--max-bundle-files", limits.bundle_files, 1, kMany, "Most files of a scene");
   add<std::uint64_t>(app, "--max-blob-mib", limits.blob_mib, 1, kMostMib, "One file of a scene");
   add<std::uint64_t>(app, "--max-store-mib", limits.store_mib, 1, kMostMib,
                      "All files of scenes together, those on their way included");
@@ -89,6 +91,11 @@ void add_call_flags(CLI::App& app, Limits& limits) {
   add_seconds(app, "--stall-seconds", limits.stall_time,
               "Uploads, files and pictures that are fetched, and jobs that are watched, whose callers stand "
               "still for so long are ended");
+  add<std::uint64_t>(app, "--max-calls", limits.calls, 16, kMany, "Most calls under way at once");
+  add<std::uint64_t>(app, "--max-receive-mib", limits.receive_mib, kLeastReceiveMib, kMostMib,
+                     "Most MiB of memory for connections, calls and messages while they are received");
+  add<std::uint64_t>(app, "--max-answer-mib", limits.answer_mib, 1, kMostMib,
+                     "Most MiB of answers that callers have not read yet");
   add(app, "--max-message-mib", limits.message_mib, kLeastMessageMib, kMostMessageMib, "One message");
   add(app, "--max-calls-per-second", limits.calls_per_second, 1.0, 1e9,
       "Calls of one submitter (without --tokens: of one machine), or of one worker; ten seconds' worth at "

@@ -37,6 +37,10 @@ void add_security_flags(CLI::App& app, Options& options) {
            "Ask callers for a certificate that this authority signed (PEM)");
   add_file("--tokens", options.tokens,
            "Ask callers for a token: a line 'ROLE NAME TOKEN' for each, ROLE one of submit, work, admin");
+  app.add_flag("--allow-unauthenticated-connections", options.security.allow_unauthenticated,
+               "Serve other machines that show no certificate. Anybody who reaches the port can then use up "
+               "the coordinator's memory and stop it; --tokens does not prevent that")
+      ->group("Security");
   app.add_flag("--insecure", options.security.insecure, "Serve other machines without TLS")
       ->group("Security");
 }
@@ -51,7 +55,7 @@ Options parse_options(int argc, char** argv) {
   app.set_version_flag("--version", "tessera-coordinator " TESSERA_VERSION);
   app.add_option("--listen", options.listen,
                  "HOST:PORT to serve at; port 0 picks a free one. An address that other machines reach needs "
-                 "TLS, or --insecure")
+                 "TLS with client certificates; see --tls-client-ca")
       ->type_name("HOST:PORT")
       ->capture_default_str();
   app.add_option("--state", options.state, "Folder for what must survive a restart: jobs, films, scenes")

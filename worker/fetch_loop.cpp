@@ -2,6 +2,8 @@
 
 #include <spdlog/spdlog.h>
 
+#include <map>
+#include <string>
 #include <utility>
 
 #include "proto/convert.hpp"
@@ -26,10 +28,15 @@ core::Result<std::shared_ptr<const Job>> FetchLoop::fetch(const v1::JobSpec& spe
   const auto settings = proto::from_proto(spec.settings());
   if (!settings) return core::fail(settings.error());
   Job job{spec.job_id(), *settings, {bundle_key(spec.bundle()), spec.bundle().scene_path(), {}}};
+  std::map<std::string, std::string> fetched;  // paths of files, by digest: many names may have one blob
   for (const v1::Bundle::Asset& asset : spec.bundle().assets()) {
-    auto path = fetch_blob(asset.digest(), stop);
-    if (!path) return core::fail(path.error().within(asset.path()));
-    job.files.blob_paths.emplace(asset.path(), std::move(*path));
+    std::string& here = fetched[asset.digest().SerializeAsString()];
+    if (here.empty()) {
+      auto path = fetch_blob(asset.digest(), stop);
+      if (!path) return core::fail(path.error().within(asset.path()));
+      here = std::move(*path);
+    }
+    job.files.blob_paths.emplace(asset.path(), here);
   }
   return std::make_shared<const Job>(std::move(job));
 }

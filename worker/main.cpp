@@ -35,6 +35,8 @@ int run(const worker::Options& options, char** arguments) {
     spdlog::error("{}", channel.error().message);
     return 1;
   }
+  for (const std::string& sentence : proto::exposed_secrets({options.security.key, options.security.token}))
+    spdlog::warn("{}", sentence);
   const auto coordinator = v1::WorkerService::NewStub(*channel);
   worker::Identity identity{.worker_id = worker::random_worker_id(),
                             .name = options.name,

@@ -1,12 +1,8 @@
 #include "server/rpc/worker_service.hpp"
 
-#include <chrono>
-#include <string>
 #include <utility>
 
 #include "server/rpc/blob_streams.hpp"
-#include "server/rpc/call_gate.hpp"
-#include "server/rpc/connection_slots.hpp"
 #include "server/rpc/reactors.hpp"
 #include "server/rpc/synchronize_call.hpp"
 
@@ -19,47 +15,28 @@ constexpr std::size_t kShortResultBytes = 256 << 10;
 
 }  // namespace
 
-grpc::ServerUnaryReactor* WorkerService::Synchronize(grpc::CallbackServerContext* context,
-                                                     const v1::SynchronizeRequest* request,
-                                                     v1::SynchronizeResponse* response) {
-  Caller caller;
-  if (const auto admitted = gate_.admit(*context, Role::kWork, caller); !admitted.ok())
-    return refuse(context, admitted);
-  return new SynchronizeCall(*context, coordinator_, pool_, request, response);
+WorkerService::WorkerService(coordinator::Coordinator& coordinator, CallGate& gate,
+                             coordinator::ThreadPool& pool, StreamLimits& streams)
+    : GuardedService("tessera.v1.WorkerService", gate, streams), coordinator_(coordinator), pool_(pool) {
+  add_unary("SubmitResult", &WorkerService::submit_result);
+  add_call("Synchronize", [this, &streams](grpc::CallbackServerContext& context, Admission admission) {
+    return new SynchronizeCall(context, coordinator_, pool_, streams, std::move(admission));
+  });
+  add_call("FetchBlob", [this, &streams](grpc::CallbackServerContext& context, Admission admission) {
+    return new FetchStream(context, coordinator_, pool_, streams, std::move(admission));
+  });
 }
 
-grpc::ServerUnaryReactor* WorkerService::SubmitResult(grpc::CallbackServerContext* context,
-                                                      const v1::SubmitResultRequest* request,
-                                                      v1::SubmitResultResponse* response) {
-  Caller caller;
-  if (const auto admitted = gate_.admit(*context, Role::kWork, caller); !admitted.ok())
-    return refuse(context, admitted);
-  const auto count = [=, this]() -> core::Status {
-    auto counted = coordinator_.submit_result(*request);
+void WorkerService::submit_result(UnaryCall<v1::SubmitResultRequest, v1::SubmitResultResponse>& call) {
+  const auto count = [this, &call]() -> core::Status {
+    auto counted = coordinator_.submit_result(call.request());
     if (!counted) return core::fail(counted.error());
-    *response = *counted;
+    call.response() = *counted;
     return {};
   };
-  const bool is_short = request->items_size() <= 1 && request->ByteSizeLong() <= kShortResultBytes;
-  return is_short ? run_short_unary(context, pool_, count) : run_unary(context, pool_, caller.key, count);
-}
-
-grpc::ServerWriteReactor<v1::FetchBlobResponse>* WorkerService::FetchBlob(
-    grpc::CallbackServerContext* context, const v1::FetchBlobRequest* request) {
-  Caller caller;
-  if (const auto admitted = gate_.admit(*context, Role::kWork, caller); !admitted.ok())
-    return new RefusedStream<grpc::ServerWriteReactor<v1::FetchBlobResponse>>(admitted);
-  // Workers of one machine count together: each could have many connections.
-  const std::string machine = machine_of(context->peer());
-  auto place = streams_.fetches.take(machine);
-  if (!place) {
-    return new RefusedStream<grpc::ServerWriteReactor<v1::FetchBlobResponse>>(
-        try_later(*context,
-                  server::over_share(streams_.fetches.held_by(machine), "files", "are being fetched",
-                                     streams_.limits.fetches, "--max-fetches"),
-                  kTryAgainAfter));
-  }
-  return new FetchStream(*context, coordinator_, pool_, streams_, {request->digest(), *std::move(place)});
+  const bool is_short =
+      call.request().items_size() <= 1 && call.request().ByteSizeLong() <= kShortResultBytes;
+  is_short ? run_short_unary(call, pool_, count) : run_unary(call, pool_, count);
 }
 
 }  // namespace tessera::rpc

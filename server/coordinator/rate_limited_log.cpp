@@ -1,0 +1,30 @@
+#include "server/coordinator/rate_limited_log.hpp"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <chrono>
+#include <utility>
+
+namespace tessera::coordinator {
+
+namespace {
+
+constexpr auto kPeriod = std::chrono::seconds(10);
+
+}  // namespace
+
+void RateLimitedLog::warn(std::string sentence, scheduler::Time now) {
+  sentence_ = std::move(sentence);
+  ++times_;
+  flush(now);
+}
+
+void RateLimitedLog::flush(scheduler::Time now) {
+  if (times_ == 0 || now < next_) return;
+  spdlog::warn("{}{}", sentence_, times_ == 1 ? "" : fmt::format(" ({} such since the last line)", times_));
+  times_ = 0;
+  next_ = now + kPeriod;
+}
+
+}  // namespace tessera::coordinator
