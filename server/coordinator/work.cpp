@@ -33,6 +33,13 @@ bool is_id(const std::string& text) {
   return text.size() == 32 && text.find_first_not_of("0123456789abcdef") == std::string::npos;
 }
 
+// Before anything counts: what counts as done must be in the film.
+void reserve_film(JobRecord& record, const scheduler::SubmitResult& event,
+                  const std::vector<core::FilmTile>& tiles) {
+  for (std::size_t i = 0; record.film && i < tiles.size(); ++i)
+    if (event.items[i].tile != scheduler::kNoTile) record.film->reserve(tiles[i]);
+}
+
 core::Status check_request(const v1::SynchronizeRequest& request) {
   if (!is_id(request.worker_id())) {
     return core::fail(ErrorCode::kInvalidArgument, "worker_id: must be 32 lower-case hexadecimal digits");
@@ -57,6 +64,31 @@ scheduler::WorkerInfo info_of(const v1::SynchronizeRequest& request) {
           request.version(),
           threads,
           proto::client_key(request.worker_key())};
+}
+
+// Of what a worker says it holds, no more is looked at under the gate than any can hold: leases that have
+// ended, and as many new ones.
+constexpr int kMaxHeldLeases = 2 * scheduler::kMaxLeasesPerWorker;
+constexpr int kMaxHeldItems = kMaxHeldLeases * static_cast<int>(scheduler::kMaxItemsPerLease);
+constexpr std::size_t kMaxKnownJobs = 256, kMaxFetchingJobs = 64;
+
+// Those that are within the bounds, in the order in which they were named.
+std::vector<const v1::Lease*> held_leases(const v1::SynchronizeRequest& request) {
+  std::vector<const v1::Lease*> held;
+  int items = 0;
+  for (const v1::Lease& lease : request.held()) {
+    items += lease.items_size();
+    if (held.size() == kMaxHeldLeases || items > kMaxHeldItems) break;
+    held.push_back(&lease);
+  }
+  return held;
+}
+
+std::set<std::string> first_ids(const google::protobuf::RepeatedPtrField<std::string>& ids,
+                                std::size_t most) {
+  const auto end =
+      ids.begin() + static_cast<std::ptrdiff_t>(std::min(most, static_cast<std::size_t>(ids.size())));
+  return {ids.begin(), end};
 }
 
 // Those beyond what anybody can hold are not looked at.
@@ -87,8 +119,11 @@ core::Result<std::vector<core::FilmTile>> decode_items(const v1::SubmitResultReq
 }  // namespace
 
 void Coordinator::synchronize(const v1::SynchronizeRequest& request, SynchronizeCaller caller) {
-  StateLock lock(*this);
   core::Status admitted = check_request(request);
+  const std::vector<const v1::Lease*> held = held_leases(request);
+  const std::set<std::string> fetching = first_ids(request.fetching_job_ids(), kMaxFetchingJobs);
+  std::set<std::string> known_jobs = first_ids(request.known_job_ids(), kMaxKnownJobs);
+  StateLock lock(*this);
   if (admitted && closed_)
     admitted = core::fail(ErrorCode::kUnavailable, "the coordinator is stopping: try again");
   if (admitted) admitted = admit(lock, request);
@@ -104,12 +139,12 @@ void Coordinator::synchronize(const v1::SynchronizeRequest& request, Synchronize
     if (const JobRecord* record = find(request.rendering().job_id()))
       event.rendering = from_wire(request.rendering(), grid_of(*record->spec));
   }
-  for (const std::string& job : request.fetching_job_ids()) {
+  for (const std::string& job : fetching) {
     if (find(job) != nullptr) event.fetching.insert({job});
   }
-  for (const v1::Lease& lease : request.held()) {
-    if (const JobRecord* record = find(lease.job_id()))
-      event.held.push_back(from_wire(lease, grid_of(*record->spec)));
+  for (const v1::Lease* lease : held) {
+    if (const JobRecord* record = find(lease->job_id()))
+      event.held.push_back(from_wire(*lease, grid_of(*record->spec)));
   }
   const scheduler::Actions actions = scheduler_.handle(event, lock.now());
   if (!actions.status) {
@@ -117,8 +152,7 @@ void Coordinator::synchronize(const v1::SynchronizeRequest& request, Synchronize
     return refuse(lock, caller, actions.status.error());
   }
   const scheduler::Reply& reply = *actions.reply;
-  ParkedCall call{std::move(caller),
-                  {request.known_job_ids().begin(), request.known_job_ids().end()},
+  ParkedCall call{std::move(caller), std::move(known_jobs),
                   lock.now() + reply.heartbeat_timeout / kCallsPerLease};
   const bool lacks_spec = std::any_of(reply.leases.begin(), reply.leases.end(), [&](const auto& lease) {
     return call.known_jobs.count(lease.job.value) == 0;
@@ -297,6 +331,7 @@ core::Result<v1::SubmitResultResponse> Coordinator::count_result(StateLock& lock
                                 request.lease_token()};
   for (const core::FilmTile& tile : delivery.tiles)
     event.items.push_back({scheduler::tile_index(grid, tile.rect), tile.range});
+  reserve_film(*record, event, delivery.tiles);
   const scheduler::Actions actions = scheduler_.handle(event, lock.now());
   if (!actions.status) {
     apply(lock, actions);

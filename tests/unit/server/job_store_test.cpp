@@ -116,7 +116,28 @@ TEST_F(JobStoreTest, ADeletedJobTakesItsTilesAlongAndGetsNoMore) {
   ASSERT_TRUE(store().delete_job("a"));
   ASSERT_TRUE(store().write_tiles({tile_row("a", 1, "late")}));
   EXPECT_THAT(*store().jobs(), IsEmpty());
+  ASSERT_TRUE(store().remove_deleted_tiles());
   EXPECT_THAT(*store().tiles_done("a"), IsEmpty());
+}
+
+// All tiles of a large job take seconds, for which everybody else would wait.
+TEST_F(JobStoreTest, TilesOfADeletedJobGoAFewAtATimeAlsoAfterARestart) {
+  ASSERT_TRUE(store().insert_job(job_row("a")) && store().insert_job(job_row("b")));
+  std::vector<TileRow> tiles;
+  for (int i = 0; i < 1000; ++i) tiles.push_back(tile_row("a", i, "x"));
+  tiles.push_back(tile_row("b", 0, "kept"));
+  ASSERT_TRUE(store().write_tiles(tiles));
+  ASSERT_TRUE(store().delete_job("a"));
+  EXPECT_EQ(store().tiles_done("a")->size(), 1000u);
+  ASSERT_TRUE(store().remove_deleted_tiles());
+  const std::size_t left = store().tiles_done("a")->size();
+  EXPECT_GT(left, 500u);
+  EXPECT_LT(left, 1000u);
+  reopen();
+  EXPECT_EQ(store().tiles_done("a")->size(), left);
+  for (int i = 0; i < 10; ++i) ASSERT_TRUE(store().remove_deleted_tiles());
+  EXPECT_THAT(*store().tiles_done("a"), IsEmpty());
+  EXPECT_EQ(store().tiles_done("b")->size(), 1u);
 }
 
 TEST_F(JobStoreTest, ATileThatCannotBeWrittenTakesTheWholeCheckpointBack) {

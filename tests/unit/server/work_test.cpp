@@ -69,6 +69,41 @@ TEST_F(Work, LeasesComeWithWhatTheWorkerMustKnowOfTheJob) {
   EXPECT_EQ(synchronize(knowing).jobs_size(), 0);
 }
 
+// Each item that is looked at holds up everybody.
+TEST_F(Work, OnlyAsMuchIsLookedAtAsAWorkerCanHold) {
+  submit();
+  const v1::Lease lease = synchronize(greeting('a')).leases(0);
+  const auto kept_behind = [&](int leases, int items) {
+    v1::SynchronizeRequest request = greeting('a');
+    for (int i = 0; i < leases; ++i) {
+      v1::Lease& other = *request.add_held();
+      other.set_id(1'000'000 + static_cast<std::uint64_t>(i));
+      other.set_job_id(lease.job_id());
+      for (int j = 0; j < items; ++j) *other.add_items() = lease.items(0);
+    }
+    *request.add_held() = lease;
+    const v1::SynchronizeResponse answer = synchronize(request);
+    return answer.leases_size() > 0 && answer.leases(0).id() == lease.id();
+  };
+  EXPECT_TRUE(kept_behind(7, 1));
+  EXPECT_FALSE(kept_behind(1, 1000)) << "items";
+}
+
+TEST_F(Work, NoMoreLeasesAreLookedAtThanAWorkerCanHold) {
+  submit();
+  v1::SynchronizeRequest request = greeting('a');
+  const v1::Lease lease = synchronize(request).leases(0);
+  for (std::uint64_t i = 0; i < 8; ++i) {
+    v1::Lease& other = *request.add_held();
+    other.set_id(1'000'000 + i);
+    other.set_job_id(lease.job_id());
+  }
+  *request.add_held() = lease;
+  const v1::SynchronizeResponse answer = synchronize(request);
+  ASSERT_EQ(answer.leases_size(), 1);
+  EXPECT_NE(answer.leases(0).id(), lease.id());
+}
+
 TEST_F(Work, AResultThatComesTwiceIsDroppedTheSecondTime) {
   const std::string id = submit();
   const v1::Lease lease = synchronize(greeting('a')).leases(0);
