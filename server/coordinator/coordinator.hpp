@@ -74,6 +74,8 @@ struct SynchronizeCaller {
   std::function<void(core::Result<v1::SynchronizeResponse>)> answer;
   // Whether nobody listens any more; asked until then, on any thread. Nothing is leased to it then.
   std::function<bool()> is_gone = [] { return false; };
+  // See scheduler::WorkerInfo.
+  std::string principal{};
 };
 
 class Coordinator {

@@ -57,13 +57,14 @@ core::Status check_texts(const v1::SubmitResultRequest& request) {
   return proto::check_text("determinism_fingerprint", request.determinism_fingerprint());
 }
 
-scheduler::WorkerInfo info_of(const v1::SynchronizeRequest& request) {
+scheduler::WorkerInfo info_of(const v1::SynchronizeRequest& request, const std::string& principal) {
   const int threads = static_cast<int>(std::clamp<std::uint32_t>(request.threads(), 1, 4096));
   return {{request.worker_id()},
           request.name(),
           request.version(),
           threads,
-          proto::client_key(request.worker_key())};
+          proto::client_key(request.worker_key()),
+          principal};
 }
 
 // Of what a worker says it holds, no more is looked at under the gate than any can hold: leases that have
@@ -130,7 +131,7 @@ void Coordinator::synchronize(const v1::SynchronizeRequest& request, Synchronize
   if (!admitted) return refuse(lock, caller, admitted.error());
 
   note_troubles(lock, request);
-  scheduler::Synchronize event{info_of(request),
+  scheduler::Synchronize event{info_of(request, caller.principal),
                                {},
                                static_cast<int>(std::min<std::uint32_t>(request.wanted_leases(), 1024)),
                                request.draining()};
@@ -175,10 +176,11 @@ core::Status Coordinator::admit(const StateLock& lock, const v1::SynchronizeRequ
   if (quarantine_.is_quarantined(request.worker_id()) || newcomer) {
     return core::fail(
         ErrorCode::kFailedPrecondition,
-        fmt::format("worker {} is quarantined: {} (the coordinator's log says more). Check the machine and its "
-                    "memory; then remove worker.key from its cache folder and start the worker again, or "
-                    "restart the coordinator",
-                    request.name(), quarantine_.because(request.worker_id(), machine)));
+        fmt::format(
+            "worker {} is quarantined: {} (the coordinator's log says more). Check the machine and its "
+            "memory; then remove worker.key from its cache folder and start the worker again, or "
+            "restart the coordinator",
+            request.name(), quarantine_.because(request.worker_id(), machine)));
   }
   if (request.determinism_fingerprint() == options_.fingerprint) return {};
   core::Error error{
@@ -388,7 +390,8 @@ void Coordinator::note_rejected_result(StateLock& lock, const std::string& worke
         lock.now());
     return;
   }
-  const auto& [id, name, version, threads, machine] = known->info;
+  const std::string& name = known->info.name;
+  const std::string& machine = known->info.machine;
   rejected_log_.warn(fmt::format("rejected a result of worker {} ({}): {}", name, worker, error.message),
                      lock.now());
   if (!quarantine_.refused(worker, machine)) return;

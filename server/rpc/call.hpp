@@ -50,7 +50,7 @@ class RequestCall : public Reactor, protected WatchedStream {
   // Once it is constructed. Reads the message; then begin() is called, on a thread of gRPC.
   void start();
 
-  grpc::CallbackServerContext& context() { return context_; }
+  grpc::CallbackServerContext& context() const { return context_; }
   const Caller& caller() const { return admission_.caller; }
 
   // Sends the one message of the answer, if it fits among the answers that were not taken yet, and ends the

@@ -8,6 +8,7 @@
 
 #include "proto/status.hpp"
 #include "proto/worker_key.hpp"
+#include "server/rpc/connection_slots.hpp"
 #include "server/rpc/reactors.hpp"
 
 namespace tessera::rpc {
@@ -44,12 +45,16 @@ void SynchronizeCall::synchronize() {
     if (!answered->test_and_set()) give(std::move(result));
   };
   const core::Status done = guarded([&]() -> core::Status {
-    coordinator_.synchronize(*request, {.answer = give_once, .is_gone = [this, answered] {
-                                          return answered->test() || context().IsCancelled();
-                                        }});
+    const auto is_gone = [this, answered] { return answered->test() || context().IsCancelled(); };
+    coordinator_.synchronize(*request, {.answer = give_once, .is_gone = is_gone, .principal = principal()});
     return {};
   });
   if (!done) give_once(core::fail(done.error()));
+}
+
+// Many machines may share a token, and many callers an address.
+std::string SynchronizeCall::principal() const {
+  return caller().name + " at " + client_key(context().peer());
 }
 
 void SynchronizeCall::give(core::Result<v1::SynchronizeResponse> result) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <string>
 
 #include "server/coordinator/coordinator.hpp"
 #include "server/coordinator/thread_pool.hpp"
@@ -22,6 +23,7 @@ class SynchronizeCall final : public RequestCall {
   google::protobuf::Message& message() override { return *request_; }
   void begin() override;
   void synchronize();
+  std::string principal() const;
   void give(core::Result<v1::SynchronizeResponse> result);
 
   coordinator::Coordinator& coordinator_;

@@ -234,7 +234,7 @@ TEST_F(HostileCallsTest, SecretsAndStateAreForTheOwnerAlone) {
   write_file(folder_ / "tokens", "admin root root-0123456789abcdef\n");
   std::filesystem::permissions(folder_ / "tokens", static_cast<std::filesystem::perms>(0644));
   start_with_tokens();
-  EXPECT_THAT(coordinator().err(), HasSubstr("tokens is a secret, and others than its owner may read"));
+  EXPECT_THAT(coordinator().err(), HasSubstr("every user of this machine can read the secret in"));
   for (const char* const file : {"tessera.db", "tessera.db-wal"}) {
     struct ::stat status {};
     ASSERT_EQ(::stat((state_ / file).c_str(), &status), 0) << file;
