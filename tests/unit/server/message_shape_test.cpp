@@ -107,7 +107,8 @@ TEST(Methods, AreThoseOfTheContract) {
 
 // A limit on a field that was renamed would be none.
 TEST(Methods, LimitFieldsThatThereAre) {
-  for (const auto& [path, method] : Methods{server::Limits()}.all())
+  const Methods methods{server::Limits()};
+  for (const auto& [path, method] : methods.all())
     for (const FieldLimit& limit : method.shape.fields) {
       const auto* const field =
           google::protobuf::DescriptorPool::generated_pool()->FindFieldByName(std::string(limit.field));
