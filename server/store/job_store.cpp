@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <filesystem>
+#include <system_error>
 #include <utility>
 
 #include "server/store/job_store_impl.hpp"
@@ -133,6 +135,16 @@ core::Result<std::vector<JobRow>> JobStore::jobs() {
   const auto read = for_each_row(list, [&] { rows.push_back(read_job(list)); });
   if (!read) return core::fail(read.error());
   return rows;
+}
+
+core::Status JobStore::expect_file() const {
+  std::error_code error;
+  if (std::filesystem::exists(impl_->file, error) || error) return {};
+  return core::fail(ErrorCode::kDataLoss,
+                    fmt::format("{} was removed while the coordinator runs, and nothing is stored any more: "
+                                "download the images that are finished, then stop the coordinator and put "
+                                "back a copy of the state folder",
+                                impl_->file.string()));
 }
 
 core::Status JobStore::write_tiles(const std::vector<TileRow>& tiles) {

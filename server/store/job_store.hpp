@@ -76,6 +76,8 @@ class JobStore {
   std::uint32_t epoch() const;
   // What was missing of its log's end when it was opened, and so does not count (log_damage.hpp).
   const std::optional<std::string>& torn_end() const;
+  // DATA_LOSS if the file was removed since it was opened: what is written now is lost when it is closed.
+  core::Status expect_file() const;
   // Makes later epochs greater than this one.
   core::Status continue_from(std::uint32_t epoch);
   // Writes everything into the file itself, which then stands without its log. UNAVAILABLE if another program

@@ -195,8 +195,9 @@ TEST_F(HostileCallsTest, WhatCannotBeReadIsToldInWords) {
 TEST_F(HostileCallsTest, GuessedTokensAreLoggedRarelyAndAnsweredSlowly) {
   start_with_tokens();
   write_file(folder_ / "guess", "0123456789abcdef0123456789abcdef\n");
-  const auto guesser =
-      v1::RenderService::NewStub(*proto::open_channel(address(), {.token = folder_ / "guess"}));
+  proto::ClientSecurity guess;
+  guess.token = folder_ / "guess";
+  const auto guesser = v1::RenderService::NewStub(*proto::open_channel(address(), guess));
   const auto begin = std::chrono::steady_clock::now();
   for (int i = 0; i < 40; ++i) {
     grpc::ClientContext context;

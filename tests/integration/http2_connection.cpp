@@ -107,7 +107,8 @@ void Http2Connection::take_frames() {
     if (received_.size() - at < kFrameHeaderBytes + length) break;
     const auto type = static_cast<std::uint8_t>(received_[at + 3]);
     const auto flags = static_cast<std::uint8_t>(received_[at + 4]);
-    if (type == kResetStream || (type == kHeaders && (flags & kEndStream) != 0)) ++ended_streams_;
+    if (type == kResetStream || (type == kHeaders && (flags & kEndStream) != 0))
+      ended_streams_.insert(number(received_, at + 5, 4));
     if (type == kSettings && (flags & kAck) == 0)
       take_settings(received_.substr(at + kFrameHeaderBytes, length));
     at += kFrameHeaderBytes + length;

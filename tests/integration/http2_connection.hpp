@@ -3,7 +3,9 @@
 // Not thread-safe.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <set>
 #include <string>
 
 namespace tessera::test {
@@ -22,8 +24,8 @@ class Http2Connection {
   // Takes what has come, so that the peer can go on writing. Blocks for at most so long.
   void drain(int milliseconds);
 
-  // Of what was drained: ends of streams, by RST_STREAM or by HEADERS that end them.
-  std::uint64_t ended_streams() const { return ended_streams_; }
+  // How many streams have ended in what was drained, by RST_STREAM or by HEADERS that end them, or by both.
+  std::size_t ended_streams() const { return ended_streams_.size(); }
   // The peer's SETTINGS_MAX_CONCURRENT_STREAMS; 0 while none was drained.
   std::uint32_t max_concurrent_streams() const { return max_concurrent_streams_; }
 
@@ -35,7 +37,7 @@ class Http2Connection {
   const int socket_;
   std::string received_;
   std::uint32_t next_stream_ = 1;
-  std::uint64_t ended_streams_ = 0;
+  std::set<std::uint32_t> ended_streams_;
   std::uint32_t max_concurrent_streams_ = 0;
 };
 

@@ -56,6 +56,21 @@ TEST_F(JobStoreTest, CountsItsStarts) {
   EXPECT_EQ(store().epoch(), 2u);
 }
 
+TEST_F(JobStoreTest, AFileThatIsRemovedIsMissed) {
+  EXPECT_TRUE(store().expect_file());
+  std::filesystem::remove(file_);
+  EXPECT_EQ(store().expect_file().error().code, ErrorCode::kDataLoss);
+}
+
+TEST_F(JobStoreTest, APathThatIsTooLongIsToldAsSuch) {
+  std::filesystem::path folder = folder_.path();
+  for (int i = 0; i < 6; ++i) folder /= std::string(100, 'x');
+  std::filesystem::create_directories(folder);
+  const auto refused = JobStore::open(folder / "tessera.db");
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().message, HasSubstr("shorter path"));
+}
+
 TEST_F(JobStoreTest, RestoresJobsInTheOrderOfTheirAge) {
   JobRow first = job_row("b"), second = job_row("a");
   first.request_id = "request";
