@@ -33,7 +33,7 @@ bool is_id(const std::string& text) {
   return text.size() == 32 && text.find_first_not_of("0123456789abcdef") == std::string::npos;
 }
 
-// Before anything counts: what counts as done must be in the film.
+// Allocates what film->add() needs before the scheduler counts samples as done.
 void reserve_film(JobRecord& record, const scheduler::SubmitResult& event,
                   const std::vector<core::FilmTile>& tiles) {
   for (std::size_t i = 0; record.film && i < tiles.size(); ++i)
@@ -67,13 +67,13 @@ scheduler::WorkerInfo info_of(const v1::SynchronizeRequest& request, const std::
           principal};
 }
 
-// Of what a worker says it holds, no more is looked at under the gate than any can hold: leases that have
-// ended, and as many new ones.
+// Bounds on what is examined under the lock of a worker's request. A worker can hold kMaxLeasesPerWorker
+// leases and still report as many that have ended.
 constexpr int kMaxHeldLeases = 2 * scheduler::kMaxLeasesPerWorker;
 constexpr int kMaxHeldItems = kMaxHeldLeases * static_cast<int>(scheduler::kMaxItemsPerLease);
 constexpr std::size_t kMaxKnownJobs = 256, kMaxFetchingJobs = 64;
 
-// Those that are within the bounds, in the order in which they were named.
+// The leases within these bounds, in the order of the request.
 std::vector<const v1::Lease*> held_leases(const v1::SynchronizeRequest& request) {
   std::vector<const v1::Lease*> held;
   int items = 0;

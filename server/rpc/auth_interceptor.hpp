@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What every call passes before its message is read: whether its caller may make it at all, whether too many
-// are under way, and whether the caller has made too many. Thread-safe.
+// Admits calls before their message is read: checks the caller's role, the number of calls in progress, and
+// how often the caller calls. Thread-safe.
 #pragma once
 
 #include <grpcpp/server_context.h>
@@ -44,13 +44,13 @@ class AuthInterceptor {
 
   const Methods& methods() const { return methods_; }
 
-  // Who calls, with their key and a place, if they may; else `rejection` says why not. Besides the codes of
-  // Access::admit(), RESOURCE_EXHAUSTED with try_later() for those who call too often, or have too many calls
-  // under way. Users are told apart by the names of their tokens, or else by their machines; workers by their
-  // connections. Machines share the places.
+  // The caller, with its key and its share of the calls in progress; or nothing, and `rejection` says why.
+  // Besides the codes of Access::admit(), RESOURCE_EXHAUSTED with try_later() for a caller that calls too
+  // often or has too many calls in progress. Keys tell users apart by the names of their tokens, or without
+  // tokens by their machines, and workers by their connections. Machines share the calls in progress.
   std::optional<Admission> admit(grpc::CallbackServerContext& context, const Method& method,
                                  Rejection& rejection);
-  // Logs what is still to be told of rejected callers. To be called regularly.
+  // See Rejections::flush(). To be called regularly.
   void flush_log() { rejections_.flush(); }
 
  private:

@@ -18,10 +18,10 @@ namespace {
 
 using core::ErrorCode;
 
-// How long the answer to a caller who was rejected again and again is held back, about.
+// About how long the answer to a caller that was rejected again and again is delayed.
 constexpr std::chrono::seconds kHoldBack{1};
 
-// Of the slowest line that a message or an answer comes through.
+// The slowest line that a message or an answer gets through.
 constexpr std::size_t kSlowestBytesPerSecond = 16 << 10;
 
 std::chrono::seconds time_on_slow_line(std::size_t bytes) {
@@ -86,7 +86,7 @@ bool RequestCall::enter(Stage stage, std::size_t bytes) {
   return true;
 }
 
-// gRPC keeps the call until this returns, however it ends.
+// gRPC does not delete the call before this returns.
 void RequestCall::OnReadDone(bool ok) {
   if (!enter(Stage::kParsing, 0)) return;
   core::Status done = guarded([&] { return take_message(ok); });

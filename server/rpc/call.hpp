@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Calls as gRPC hands them over: raw bytes, nothing of which is read before the caller is admitted, or parsed
-// before its size and structure are checked.
+// Calls with messages of raw bytes. A message is read only after its caller is admitted, and parsed only
+// after its size and structure are checked.
 #pragma once
 
 #include <google/protobuf/message.h>
@@ -19,10 +19,11 @@
 
 namespace tessera::rpc {
 
-// To gRPC every method has a stream of bytes either way; to the wire a unary one is the same.
+// gRPC sees a bidirectional stream of bytes for every method. On the wire a unary call looks the same.
 using Reactor = grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>;
 
-// Parses a message of the caller, if it is within the limits of its method.
+// Parses a message of the caller. RESOURCE_EXHAUSTED or INVALID_ARGUMENT if it exceeds the limits of its
+// method.
 core::Status parse_message(const Method& method, grpc::ByteBuffer& bytes, google::protobuf::Message& message);
 core::Result<grpc::ByteBuffer> serialise(const google::protobuf::Message& message);
 
@@ -43,18 +44,18 @@ class RejectedCall final : public Reactor, private WatchedStream {
   std::once_flag finished_;
 };
 
-// A call with one message of the caller, which is read first. The caller must send it, and take an unary
-// answer, within StreamLimits::stalls and the time that a slow line takes for it. Owned by gRPC until OnDone.
+// A call that begins with one message of the caller. The caller must send it, and read a unary answer, within
+// the stall time (StreamLimits::stalls) plus the time that a slow line needs for it. Owned by gRPC until
+// OnDone.
 class RequestCall : public Reactor, protected WatchedStream {
  public:
-  // Once it is constructed. Reads the message; then begin() is called, on a thread of gRPC.
+  // To be called after construction. Reads the message, then calls begin() on a thread of gRPC.
   void start();
 
   grpc::CallbackServerContext& context() const { return context_; }
   const Caller& caller() const { return admission_.caller; }
 
-  // Sends the one message of the answer, if it fits among the answers that were not taken yet, and ends the
-  // call.
+  // Sends the answer and ends the call. RESOURCE_EXHAUSTED if too many bytes of answers are unread.
   void answer(const google::protobuf::Message& response);
 
  protected:
@@ -65,9 +66,9 @@ class RequestCall : public Reactor, protected WatchedStream {
   virtual void begin() = 0;
   // As WatchedStream::end_if_waiting_since(), for what the derived class waits for.
   virtual void end_own_wait_since(Clock::time_point) {}
-  // The caller has gone since begin() was called, which may still be under way.
+  // The call was cancelled after begin() was called, which may still be running.
   virtual void on_cancel() {}
-  // To be called last by those who override it: deletes the call.
+  // Deletes the call: an override calls it last.
   void OnDone() override;
 
   StreamLimits& streams() { return streams_; }
@@ -78,10 +79,10 @@ class RequestCall : public Reactor, protected WatchedStream {
   void OnReadDone(bool ok) final;
   void OnCancel() final;
   void end_if_waiting_since(Clock::time_point time) final;
-  // False if the call was ended meanwhile.
+  // False if the call has ended.
   bool enter(Stage stage, std::size_t bytes);
   core::Status take_message(bool ok);
-  // From then on the derived class ends the call.
+  // After it succeeds, the derived class ends the call.
   core::Status hand_over();
 
   grpc::CallbackServerContext& context_;
@@ -93,14 +94,14 @@ class RequestCall : public Reactor, protected WatchedStream {
   std::mutex mutex_;
   Stage stage_ = Stage::kNew;     // guarded by mutex_
   bool cancelled_ = false;        // guarded by mutex_
-  Clock::time_point patient_to_;  // guarded by mutex_; while it reads or answers, but for the stall time
+  Clock::time_point patient_to_;  // guarded by mutex_; when the stall time begins, while it reads or answers
 };
 
 // A call with one message either way.
 template <typename Request, typename Response>
 class UnaryCall final : public RequestCall {
  public:
-  // Must see to it that finish() is called once.
+  // Must call finish() exactly once, now or later.
   using Handler = std::function<void(UnaryCall&)>;
 
   UnaryCall(grpc::CallbackServerContext& context, StreamLimits& streams, Admission admission, Handler handler)
@@ -109,7 +110,7 @@ class UnaryCall final : public RequestCall {
   Request& request() { return request_; }
   Response& response() { return response_; }
 
-  // On any thread. Afterwards the call may be gone at any moment.
+  // On any thread. The call may be deleted at any moment after it.
   void finish(const grpc::Status& status) { status.ok() ? answer(response_) : Finish(status); }
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A service of which every method passes the gate before its message is read. Thread-safe once it is served.
+// A service whose methods authenticate the caller before they read a message. Thread-safe once it is served.
 #pragma once
 
 #include <grpcpp/impl/service_type.h>
@@ -21,10 +21,10 @@ class GuardedService : public grpc::Service {
  protected:
   using Make = std::function<Reactor*(grpc::CallbackServerContext&, Admission)>;
 
-  // Serves the method by what `make` makes of each call that is admitted.
+  // Serves the method with the reactor that `make` returns for each admitted call.
   void add(const std::string& method, Make make);
 
-  // By a member function that finishes the call, at once or later.
+  // With a member function that finishes the call, now or later.
   template <typename Derived, typename Request, typename Response>
   void add_unary(const std::string& method, void (Derived::*handle)(UnaryCall<Request, Response>&)) {
     auto* const self = static_cast<Derived*>(this);
@@ -35,7 +35,7 @@ class GuardedService : public grpc::Service {
     });
   }
 
-  // By a class that is derived from RequestCall.
+  // With a class that is derived from RequestCall.
   template <typename MakeCall>
   void add_call(const std::string& method, MakeCall make) {
     add(method, [make](grpc::CallbackServerContext& context, Admission admission) -> Reactor* {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bounds on a serialised message before it is parsed: parsed, two bytes of it can take a hundred. Pure
-// functions.
+// Bounds on an encoded message, checked before it is parsed: two bytes of it can take a hundred when parsed.
+// Pure functions.
 #pragma once
 
 #include <google/protobuf/descriptor.h>
@@ -23,14 +23,14 @@ struct FieldLimit {
 };
 
 struct ShapeLimits {
-  // Of the whole message: fields, elements of packed fields included.
+  // Fields of the whole message, elements of packed fields included.
   std::uint64_t max_fields;
   std::vector<FieldLimit> fields{};
 };
 
-// Walks over the encoded message `type` and takes no memory for what it holds. INVALID_ARGUMENT for what is
-// no such message, nests too deeply or has too many fields; RESOURCE_EXHAUSTED where an option limits the
-// field.
+// Walks over the encoded message of type `type` without allocating memory for its contents. INVALID_ARGUMENT
+// if it is malformed, nests too deeply or has too many fields; RESOURCE_EXHAUSTED if an option limits the
+// field that has too many elements.
 core::Status check_shape(grpc::ByteBuffer& message, const google::protobuf::Descriptor& type,
                          const ShapeLimits& limits);
 

@@ -13,11 +13,11 @@ namespace tessera::rpc {
 
 namespace {
 
-// An id, a few numbers and words.
+// For messages of an id and a few numbers and texts.
 constexpr std::size_t kSmallBytes = 4 << 10;
 const ShapeLimits kSmall{64};
 
-// Honest workers hold four leases of some thirty items. More may be reported while some of them have ended.
+// A worker holds four leases of some thirty items, and reports more while some of them have ended.
 constexpr std::size_t kSynchronizeBytes = 256 << 10;
 const ShapeLimits kSynchronize{1 << 14,
                                {{"tessera.v1.SynchronizeRequest.held", 16},
@@ -28,10 +28,10 @@ const ShapeLimits kSubmitResult{
     1 << 16,
     {{"tessera.v1.SubmitResultRequest.items", 1024}, {"tessera.v1.SubmitResultRequest.held_lease_ids", 64}}};
 
-// A file of a bundle has five fields: itself, its path, its digest and the two fields of that.
+// A file of a bundle has five fields: itself, its path, its digest, and the two fields of the digest.
 constexpr std::uint64_t kFieldsPerFile = 8, kFieldsBesidesFiles = 256;
 
-// A piece of a blob and its digest. Somewhat larger pieces are refused by who takes them, with a better
+// A chunk of a blob and its digest. UploadStream refuses chunks that are somewhat too large, with a better
 // sentence.
 constexpr std::size_t kUploadBytes = 2 * proto::kMaxChunkBytes;
 

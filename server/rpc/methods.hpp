@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every method that callers can reach, with who may call it and how large its messages may be: what is
-// checked before a message is parsed. Immutable; thread-safe.
+// The table of methods: the role that each requires, and the limits of its messages, which are checked before
+// a message is parsed. Immutable; thread-safe.
 #pragma once
 
 #include <cstddef>
@@ -24,7 +24,7 @@ class Methods {
  public:
   explicit Methods(const server::Limits& limits);
 
-  // Ends the process if there is no such method: whoever serves one has forgotten to add it to the table.
+  // Aborts if the table lacks the method: a service that adds one must add its row.
   const Method& at(const std::string& path) const;
   const std::map<std::string, Method>& all() const { return methods_; }
 

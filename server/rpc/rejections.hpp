@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Callers that are not admitted: the log names them, at most once in ten seconds, and those who come again
-// and again wait for their answers, so that tokens cannot be guessed in a hurry. Thread-safe.
+// Callers that are not admitted. The log names one at most once in ten seconds. Answers to a machine that is
+// rejected often are delayed, so that tokens cannot be guessed fast. Thread-safe.
 #pragma once
 
 #include <grpcpp/support/status.h>
@@ -17,13 +17,13 @@ class Rejections {
  public:
   Rejections() : rate_(kPromptAnswersPerSecond) {}
 
-  // Whether this machine has been rejected so often that the answer must be held back.
+  // Whether this machine has been rejected so often that the answer must be delayed.
   bool note(const std::string& machine, const std::string& method, const grpc::Status& why);
-  // Logs what is still to be told. To be called regularly.
+  // Logs the last rejection that was left out, if it is time. To be called regularly.
   void flush();
 
  private:
-  // Of each machine; ten seconds' worth at once.
+  // For each machine; bursts can have ten seconds' worth.
   static constexpr double kPromptAnswersPerSecond = 2;
 
   CallRate rate_;

@@ -58,7 +58,7 @@ ConnectionSlots connection_slots(const server::Limits& limits) {
   return {most, limits.machine_connections};
 }
 
-// Linked, reflection serves everybody, and parses whatever is sent to it.
+// The linked reflection service answers everybody and parses any message, unless its plugin is removed.
 class WithoutReflection final : public grpc::ServerBuilderOption {
  public:
   void UpdateArguments(grpc::ChannelArguments*) override {}
@@ -191,7 +191,7 @@ core::Result<std::unique_ptr<Server>> Server::start(Coordinator& coordinator, Se
   const std::string& address = options.address;
   const auto credentials = proto::server_credentials(address, options.security);
   if (!credentials) return core::fail(credentials.error());
-  // Only for those who have shown who they are, or need not.
+  // Reflection parses messages before callers are authenticated.
   const bool with_reflection = options.access.is_open() || !options.security.client_ca.empty();
   auto listening = listen_on(address, options.patience.answer);
   if (!listening) return core::fail(listening.error());

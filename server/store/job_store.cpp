@@ -17,7 +17,7 @@ using core::ErrorCode;
 
 namespace {
 
-// Between batches, others have their turn.
+// The lock is free between batches.
 constexpr int kBatchesAtOnce = 8;
 constexpr std::int64_t kTilesPerBatch = 32;
 

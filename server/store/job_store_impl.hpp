@@ -23,7 +23,7 @@ struct JobStore::Impl {
   // Of a file of this version of the schema.
   core::Status prepare_reading(int version);
   core::Status prepare_writing();
-  // Whose tiles a crash has left.
+  // Finds jobs that were deleted, but not all of their tiles before a crash or stop.
   core::Status find_deleted_jobs();
 
   Database database;
