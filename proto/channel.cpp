@@ -2,6 +2,7 @@
 #include "proto/channel.hpp"
 
 #include <grpcpp/create_channel.h>
+#include <grpcpp/resource_quota.h>
 #include <grpcpp/support/client_interceptor.h>
 
 #include <utility>
@@ -68,6 +69,14 @@ grpc::ChannelArguments channel_arguments() {
   return arguments;
 }
 
+// Calls that announce a compression end with UNIMPLEMENTED before their message is read. Without the filter
+// that decompresses, nothing else is unpacked either.
+void refuse_compression(grpc::ServerBuilder& builder) {
+  builder.AddChannelArgument(GRPC_COMPRESSION_CHANNEL_ENABLED_ALGORITHMS_BITSET, 1 << GRPC_COMPRESS_NONE);
+  builder.AddChannelArgument(GRPC_ARG_ENABLE_PER_MESSAGE_COMPRESSION, 0);
+  builder.AddChannelArgument(GRPC_ARG_ENABLE_PER_MESSAGE_DECOMPRESSION, 0);
+}
+
 }  // namespace
 
 core::Result<std::shared_ptr<grpc::Channel>> open_channel(const std::string& address,
@@ -82,9 +91,13 @@ core::Result<std::shared_ptr<grpc::Channel>> open_channel(const std::string& add
                                                            std::move(interceptors));
 }
 
-void apply_server_options(grpc::ServerBuilder& builder, const Patience& patience) {
-  builder.SetMaxReceiveMessageSize(kMaxMessageBytes);
+void apply_server_options(grpc::ServerBuilder& builder, const Patience& patience,
+                          const ReceiveLimits& limits) {
+  builder.SetMaxReceiveMessageSize(limits.message_bytes);
   builder.SetMaxSendMessageSize(kMaxMessageBytes);
+  builder.SetResourceQuota(grpc::ResourceQuota("coordinator").Resize(limits.quota_bytes));
+  builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS, kMaxConcurrentStreams);
+  refuse_compression(builder);
   const auto add_time = [&](const char* argument, std::chrono::milliseconds time) {
     builder.AddChannelArgument(argument, static_cast<int>(time.count()));
   };

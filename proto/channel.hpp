@@ -6,6 +6,7 @@
 #include <grpcpp/server_builder.h>
 
 #include <chrono>
+#include <cstddef>
 #include <memory>
 #include <string>
 
@@ -38,7 +39,20 @@ struct Patience {
   std::chrono::milliseconds answer = std::chrono::seconds(5);
 };
 
-// The same limits on the listening side, and leave for the clients' keepalive.
-void apply_server_options(grpc::ServerBuilder& builder, const Patience& patience = {});
+// Calls that one connection may have under way. Clients queue further ones.
+inline constexpr int kMaxConcurrentStreams = 100;
+
+// How much a coordinator receives.
+struct ReceiveLimits {
+  int message_bytes = kMaxMessageBytes;
+  // Memory of all connections, calls and messages while they are received. gRPC cancels calls, and closes
+  // connections, where more would be needed.
+  std::size_t quota_bytes = std::size_t{1} << 30;
+};
+
+// The listening side: the clients' keepalive is permitted, and what may come is limited. Compressed messages
+// are refused: one of a megabyte could hold a gigabyte.
+void apply_server_options(grpc::ServerBuilder& builder, const Patience& patience = {},
+                          const ReceiveLimits& limits = {});
 
 }  // namespace tessera::proto

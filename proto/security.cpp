@@ -53,6 +53,18 @@ core::Status allow_plain(const std::string& address, bool insecure, const char* 
                   address, how));
 }
 
+// Without client certificates, for an address that other machines are at.
+core::Status allow_unauthenticated(const std::string& address, const ServerSecurity& security) {
+  if (!security.client_ca.empty() || is_loopback(address) || security.allow_unauthenticated) return {};
+  return core::fail(
+      ErrorCode::kInvalidArgument,
+      fmt::format("{} is not of this machine alone, and callers need no certificate: give --tls-client-ca "
+                  "(deploy/make_certificates.sh makes a certificate for each machine and person); or "
+                  "--allow-unauthenticated-connections, and then whoever reaches the port can stop the "
+                  "coordinator by using up its memory, whatever --tokens says",
+                  address));
+}
+
 }  // namespace
 
 bool is_loopback(const std::string& address) {
@@ -109,6 +121,8 @@ core::Result<std::shared_ptr<grpc::ServerCredentials>> server_credentials(const 
       return core::fail(plain.error());
     return grpc::InsecureServerCredentials();
   }
+  if (const auto allowed = allow_unauthenticated(address, security); !allowed)
+    return core::fail(allowed.error());
   auto mine = read_certificate_and_key(security.certificate, security.key);
   if (!mine) return core::fail(mine.error());
   grpc::SslServerCredentialsOptions options(security.client_ca.empty()

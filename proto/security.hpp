@@ -27,6 +27,9 @@ struct ServerSecurity {
   std::string certificate, key;  // without them there is no TLS; both or neither
   std::string client_ca;  // who signed the certificates that callers must show; without it none is asked for
   bool insecure = false;  // be reachable from other machines without TLS
+  // Be reachable from other machines by callers that show no certificate. They can use up the memory of the
+  // HTTP/2 library, which reads what they send before any token is looked at.
+  bool allow_unauthenticated = false;
 };
 
 // Whether HOST:PORT is reachable from this machine alone: "localhost" and loopback addresses, not names.

@@ -18,6 +18,7 @@ constexpr std::uint64_t kMany = 1'000'000'000;
 constexpr std::uint64_t kMaxMib = std::uint64_t{1} << 30;  // a pebibyte
 // Less than a validator maps before it reads anything, and results of workers do not fit into less.
 constexpr std::uint64_t kMinValidatorMib = 128;
+constexpr std::uint64_t kMinReceiveMib = 64, kMinCalls = 16;
 constexpr int kMinMessageMib = 16, kMaxMessageMib = 1024;
 // What a texture can have in any case.
 constexpr std::uint64_t kMaxTexturePixels = std::uint64_t{1} << 28;
@@ -58,6 +59,7 @@ void add_job_flags(CLI::App& app, Limits& limits) {
 void add_scene_flags(CLI::App& app, Limits& limits) {
   add<std::uint64_t>(app, "--max-bundle-mib", limits.bundle_mib, 1, kMaxMib,
                      "Most MiB of a scene with all its files");
+  add<std::uint64_t>(app, "--max-bundle-files", limits.bundle_files, 1, kMany, "Most files of a scene");
   add<std::uint64_t>(app, "--max-blob-mib", limits.blob_mib, 1, kMaxMib, "Most MiB of one file of a scene");
   add<std::uint64_t>(app, "--max-store-mib", limits.store_mib, 1, kMaxMib,
                      "Most MiB of the files of all scenes, uploads in progress included");
@@ -94,6 +96,12 @@ void add_call_flags(CLI::App& app, Limits& limits) {
                      "Most MiB of memory for images that are downloaded at once; one is always served");
   add_seconds(app, "--stall-seconds", limits.stall_time,
               "End an upload, download or watch whose caller takes nothing for so many seconds");
+  add<std::uint64_t>(app, "--max-calls", limits.calls, kMinCalls, kMany,
+                     "Most calls in progress of all callers, waiting workers included");
+  add<std::uint64_t>(app, "--max-receive-mib", limits.receive_mib, kMinReceiveMib, kMaxMib,
+                     "Most MiB of memory for connections, calls and messages while they are received");
+  add<std::uint64_t>(app, "--max-answer-mib", limits.answer_mib, 1, kMaxMib,
+                     "Most MiB of responses that callers have not read yet");
   add(app, "--max-message-mib", limits.message_mib, kMinMessageMib, kMaxMessageMib,
       "Most MiB of one message");
   add(app, "--max-calls-per-second", limits.calls_per_second, 1.0, 1e9,

@@ -23,7 +23,8 @@ struct Limits {
   // Jobs of one submitter that are checked, running or paused. Without tokens all are of one submitter.
   std::uint64_t open_jobs = 1000;
 
-  // Of a bundle: all its files together, and each.
+  // Of a bundle: how many files, all of them together, and each.
+  std::uint64_t bundle_files = 10'000;
   std::uint64_t bundle_mib = 16 * 1024;
   std::uint64_t blob_mib = 4 * 1024;
   // Of all files of scenes that are here or on their way, and how many may be on their way at once.
@@ -58,8 +59,13 @@ struct Limits {
   // Streams whose callers stand still for so long are ended, and pictures wait for memory no longer.
   std::chrono::milliseconds stall_time = std::chrono::minutes(1);
 
-  // Of calls: one message, and how often a caller may call. Who has been quiet may call as often at once as
-  // in kBurstSeconds.
+  // Of calls: how many may be under way, the memory of all while they are received, and that of answers whose
+  // callers have not taken them yet.
+  std::uint64_t calls = 32'768;
+  std::uint64_t receive_mib = 1024;
+  std::uint64_t answer_mib = 256;
+  // One message, and how often a caller may call. Who has been quiet may call as often at once as in
+  // kBurstSeconds.
   int message_mib = 64;
   double calls_per_second = 1000;
 

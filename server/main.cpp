@@ -1,17 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
 // tessera-coordinator: see options.hpp.
 #include <absl/synchronization/mutex.h>
+#include <fmt/format.h>
 #include <signal.h>
 #include <spdlog/spdlog.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
 
 #include <cstdlib>
+#include <exception>
 #include <iostream>
+#include <new>
 #include <stop_token>
 
 #include "core/base/printable.hpp"
 #include "core/base/standard_streams.hpp"
 #include "proto/log.hpp"
 #include "proto/open_files.hpp"
+#include "proto/secret_file.hpp"
 #include "server/maintenance.hpp"
 #include "server/options.hpp"
 #include "server/rpc/server.hpp"
@@ -19,6 +25,8 @@
 namespace {
 
 using namespace tessera;
+
+constexpr rlim_t kMinAddressBytes = rlim_t{1} << 30;
 
 // Blocks the signals that end the process, in this thread and those it will start; sigwait() takes them.
 sigset_t block_stop_signals() {
@@ -38,9 +46,28 @@ void warn_of_open_doors(const server::Options& options) {
   if (options.tokens.empty() && options.security.client_ca.empty())
     spdlog::warn("neither --tokens nor --tls-client-ca: whoever reaches {} may submit and render",
                  options.listen);
+  if (tls && options.security.client_ca.empty())
+    spdlog::warn("no --tls-client-ca: whoever reaches {} can use up the memory of this process and stop it",
+                 options.listen);
+}
+
+void warn_of_exposed_secrets(const server::Options& options) {
+  for (const std::string& secret : {options.security.key, options.tokens})
+    if (const auto warning = proto::exposure_of(secret)) spdlog::warn("{}", *warning);
+}
+
+// Threads and gRPC end the process without a word where they cannot have what they need.
+core::Status check_address_space() {
+  rlimit limit{};
+  if (getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur >= kMinAddressBytes) return {};
+  return core::fail(core::ErrorCode::kResourceExhausted,
+                    fmt::format("this process may use {} MiB of addresses, and a coordinator needs {}: raise "
+                                "the limit (ulimit -v, LimitAS= of systemd)",
+                                limit.rlim_cur >> 20, kMinAddressBytes >> 20));
 }
 
 core::Status run(const server::Options& options, const sigset_t& stop_signals) {
+  if (const auto enough = check_address_space(); !enough) return enough;
   if (const auto found = validator::check_validator(options.validator); !found)
     return core::fail(found.error());
   auto state = store::StateDirectory::open(options.state);
@@ -76,12 +103,24 @@ core::Status run(const server::Options& options, const sigset_t& stop_signals) {
   if (!server) return core::fail(server.error());
 
   warn_of_open_doors(options);
+  warn_of_exposed_secrets(options);
   std::cout << "tessera-coordinator: listening on " << (*server)->address() << std::endl;
   int signal = 0;
   sigwait(&stop_signals, &signal);
   spdlog::info("stopping on signal {}", signal);
   stopping.request_stop();  // nobody waits for a scene that is being validated
   return (*server)->stop();
+}
+
+core::Status run_guarded(const server::Options& options, const sigset_t& stop_signals) {
+  try {
+    return run(options, stop_signals);
+  } catch (const std::bad_alloc&) {
+    return core::fail(core::ErrorCode::kResourceExhausted,
+                      "there is not enough memory to start (ulimit -v, LimitAS= or MemoryMax= of systemd)");
+  } catch (const std::exception& error) {
+    return core::fail(core::ErrorCode::kInternal, fmt::format("cannot start: {}", error.what()));
+  }
 }
 
 }  // namespace
@@ -98,7 +137,8 @@ int main(int argc, char** argv) {
   absl::SetMutexDeadlockDetectionMode(absl::OnDeadlockCycle::kIgnore);
   proto::raise_file_limit();
   const sigset_t stop_signals = block_stop_signals();
-  const auto ended = run(options, stop_signals);
+  ::umask(S_IRWXG | S_IRWXO);  // what others submit is for nobody else on this machine
+  const auto ended = run_guarded(options, stop_signals);
   if (ended) return EXIT_SUCCESS;
   std::cerr << "tessera-coordinator: " << core::printable_lines(ended.error().message) << '\n';
   return EXIT_FAILURE;

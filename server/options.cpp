@@ -4,9 +4,9 @@
 #include <CLI/CLI.hpp>
 #include <cstdlib>
 
+#include "core/base/version.hpp"
 #include "core/cli/help.hpp"
 #include "core/cli/parse.hpp"
-#include "core/base/version.hpp"
 #include "proto/number_range.hpp"
 #include "server/limit_flags.hpp"
 
@@ -58,6 +58,11 @@ void add_security_flags(CLI::App& app, Options& options) {
            "Require callers to show a token of this file; each line is ROLE NAME TOKEN, with the role "
            "submit, work or "
            "admin");
+  app.add_flag(
+         "--allow-unauthenticated-connections", options.security.allow_unauthenticated,
+         "Let other machines connect without a client certificate; anyone who reaches the port can then "
+         "exhaust the coordinator's memory and stop it, even with --tokens")
+      ->group("Security");
   app.add_flag("--insecure", options.security.insecure, "Serve other machines without TLS")
       ->group("Security");
 }
@@ -68,11 +73,11 @@ Options parse_options(int argc, char** argv) {
   Options options;
   CLI::App app("Coordinate the workers and jobs of a Tessera farm", "tessera-coordinator");
   cli::set_help(app, kHelp);
-  app.set_version_flag("--version", "tessera-coordinator " + std::string(core::version()), "Print the version");
-  app.add_option(
-         "--listen", options.listen,
-         "Address to listen on; port 0 picks a free port. An address that other machines can reach needs "
-         "TLS, or --insecure")
+  app.set_version_flag("--version", "tessera-coordinator " + std::string(core::version()),
+                       "Print the version");
+  app.add_option("--listen", options.listen,
+                 "Address to listen on; port 0 picks a free port. An address that other machines can reach "
+                 "needs TLS with --tls-client-ca, unless another option allows less")
       ->type_name("HOST:PORT")
       ->capture_default_str();
   app.add_option("--state", options.state,

@@ -4,11 +4,14 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <chrono>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <span>
+#include <system_error>
 
 #include "core/scene/cache/block_file.hpp"
 #include "core/scene/cache/cache_folder.hpp"
@@ -38,9 +41,11 @@ bool is_blob_name(const std::string& name) {
 }
 
 bool holds(const std::string& path, const proto::Digest& digest) {
+  std::error_code error;
+  if (std::filesystem::file_size(path, error) != digest.size_bytes || error) return false;
   std::ifstream file(path, std::ios::binary);
   proto::Hasher hasher;
-  std::string buffer(proto::kMaxChunkBytes, '\0');
+  std::string buffer(std::clamp<std::uint64_t>(digest.size_bytes, 1, proto::kMaxChunkBytes), '\0');
   while (file && hasher.size_bytes() <= digest.size_bytes) {
     file.read(buffer.data(), static_cast<std::streamsize>(buffer.size()));
     hasher.update({buffer.data(), static_cast<std::size_t>(file.gcount())});

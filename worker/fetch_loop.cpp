@@ -5,6 +5,7 @@
 
 #include <map>
 #include <new>
+#include <string>
 #include <utility>
 
 #include "proto/convert.hpp"

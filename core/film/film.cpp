@@ -19,16 +19,32 @@ void add_row(std::uint64_t* to, const std::uint64_t* from, std::size_t count) {
   for (std::size_t i = 0; i < count; ++i) to[i] = add_saturating(to[i], from[i]);
 }
 
-// Adds the part of `rect` that lies in `cell`, a grid tile's rectangle, to that grid tile's buffer.
-void add_overlap(SumBuffer& to, PixelRect cell, std::span<const std::uint64_t> from, PixelRect rect) {
-  if (rect == cell) return to.add(0, from);
+// Hands the part of `rect` that lies in `cell`, a grid tile's rectangle, to `take`, a function of that grid
+// tile's buffer.
+using TakeTerms = void (SumBuffer::*)(std::size_t, std::span<const std::uint64_t>);
+void for_overlap(SumBuffer& to, TakeTerms take, PixelRect cell, std::span<const std::uint64_t> from,
+                 PixelRect rect) {
+  if (rect == cell) return (to.*take)(0, from);
   const auto cell_row = static_cast<std::size_t>(cell.width()) * 3;
   const auto rect_row = static_cast<std::size_t>(rect.width()) * 3;
   for (int y = cell.y0; y < cell.y1; ++y) {
     const auto to_offset = static_cast<std::size_t>(y - cell.y0) * cell_row;
     const auto from_offset =
         static_cast<std::size_t>(y - rect.y0) * rect_row + static_cast<std::size_t>(cell.x0 - rect.x0) * 3;
-    to.add(to_offset, from.subspan(from_offset, cell_row));
+    (to.*take)(to_offset, from.subspan(from_offset, cell_row));
+  }
+}
+
+// Calls `visit` with the number and the rectangle of each grid tile that `rect` is a union of.
+template <typename Visit>
+void for_each_cell(const TileGrid& grid, const PixelRect& rect, Visit visit) {
+  assert(grid.window().contains(rect));
+  for (int y = rect.y0; y < rect.y1; y += grid.tile_px()) {
+    for (int x = rect.x0; x < rect.x1; x += grid.tile_px()) {
+      const int index = grid.tile_at(x, y);
+      assert(rect.contains(grid.rect(index)));
+      visit(static_cast<std::size_t>(index), grid.rect(index));
+    }
   }
 }
 
@@ -105,21 +121,21 @@ Film::Film(TileGrid grid) : grid_(grid), tiles_(static_cast<std::size_t>(grid.ti
   }
 }
 
+void Film::reserve(const FilmTile& tile) {
+  for_each_cell(grid_, tile.rect, [&](std::size_t index, const PixelRect& cell) {
+    for_overlap(tiles_[index].sums, &SumBuffer::reserve, cell, tile.sums, tile.rect);
+    for_overlap(tiles_[index].odd_sums, &SumBuffer::reserve, cell, tile.odd_sums, tile.rect);
+  });
+}
+
 void Film::add(const FilmTile& tile) {
-  const int tile_px = grid_.tile_px();
-  assert(grid_.window().contains(tile.rect));
-  for (int y = tile.rect.y0; y < tile.rect.y1; y += tile_px) {
-    for (int x = tile.rect.x0; x < tile.rect.x1; x += tile_px) {
-      const int index = grid_.tile_at(x, y);
-      const PixelRect cell = grid_.rect(index);
-      assert(tile.rect.contains(cell));
-      Tile& to = tiles_[static_cast<std::size_t>(index)];
-      add_overlap(to.sums, cell, tile.sums, tile.rect);
-      add_overlap(to.odd_sums, cell, tile.odd_sums, tile.rect);
-      to.samples += tile.range.count();
-      to.odd_samples += tile.range.odd_count();
-    }
-  }
+  for_each_cell(grid_, tile.rect, [&](std::size_t index, const PixelRect& cell) {
+    Tile& to = tiles_[index];
+    for_overlap(to.sums, &SumBuffer::add, cell, tile.sums, tile.rect);
+    for_overlap(to.odd_sums, &SumBuffer::add, cell, tile.odd_sums, tile.rect);
+    to.samples += tile.range.count();
+    to.odd_samples += tile.range.odd_count();
+  });
 }
 
 Film::TileSums Film::tile(int index) const {

@@ -60,6 +60,8 @@ class Film {
 
   const TileGrid& grid() const { return grid_; }
 
+  // Takes the memory that add() of the same tile would take: add() then cannot fail.
+  void reserve(const FilmTile& tile);
   // Adds every sample of `tile`, whose rectangle must be a union of grid tiles. The caller sees to it that no
   // sample is added twice. Counters are not kept here.
   void add(const FilmTile& tile);

@@ -9,22 +9,24 @@
 
 namespace tessera::core {
 
-void SumBuffer::add(std::size_t begin, std::span<const std::uint64_t> terms) {
+void SumBuffer::reserve(std::size_t begin, std::span<const std::uint64_t> terms) {
   assert(begin + terms.size() <= size_);
-  if (wide_.empty()) {
-    auto bits = std::accumulate(terms.begin(), terms.end(), std::uint64_t{0}, std::bit_or<>());
-    if (bits == 0) return;
-    narrow_.resize(size_);
-    for (std::size_t i = 0; i < terms.size(); ++i) bits |= narrow_[begin + i] + terms[i];
-    if (bits >> 32 == 0) {
-      for (std::size_t i = 0; i < terms.size(); ++i)
-        narrow_[begin + i] += static_cast<std::uint32_t>(terms[i]);
-      return;
-    }
-    widen();
+  if (!wide_.empty()) return;
+  auto bits = std::accumulate(terms.begin(), terms.end(), std::uint64_t{0}, std::bit_or<>());
+  if (bits == 0) return;
+  narrow_.resize(size_);
+  for (std::size_t i = 0; i < terms.size(); ++i) bits |= narrow_[begin + i] + terms[i];
+  if (bits >> 32 != 0) widen();
+}
+
+void SumBuffer::add(std::size_t begin, std::span<const std::uint64_t> terms) {
+  reserve(begin, terms);
+  if (!narrow_.empty()) {
+    for (std::size_t i = 0; i < terms.size(); ++i) narrow_[begin + i] += static_cast<std::uint32_t>(terms[i]);
+  } else if (!wide_.empty()) {
+    for (std::size_t i = 0; i < terms.size(); ++i)
+      wide_[begin + i] = add_saturating(wide_[begin + i], terms[i]);
   }
-  for (std::size_t i = 0; i < terms.size(); ++i)
-    wide_[begin + i] = add_saturating(wide_[begin + i], terms[i]);
 }
 
 void SumBuffer::widen() {

@@ -18,6 +18,8 @@ class SumBuffer {
   explicit SumBuffer(std::size_t size) : size_(size) {}
 
   std::size_t size() const { return size_; }
+  // Takes the memory that add() of the same would take: add() then cannot fail.
+  void reserve(std::size_t begin, std::span<const std::uint64_t> terms);
   // Adds to the sums from `begin` on, saturating.
   void add(std::size_t begin, std::span<const std::uint64_t> terms);
   std::vector<std::uint64_t> values() const;

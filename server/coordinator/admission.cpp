@@ -5,6 +5,9 @@
 
 #include <algorithm>
 #include <limits>
+#include <set>
+#include <string>
+#include <utility>
 
 #include "proto/convert.hpp"
 #include "server/coordinator/quota_reservation.hpp"
@@ -37,12 +40,16 @@ core::Status check_blob_size(std::uint64_t size_bytes, const server::Limits& lim
 }
 
 core::Status check_bundle_size(const v1::Bundle& bundle, const server::Limits& limits) {
+  if (static_cast<std::uint64_t>(bundle.assets_size()) > limits.bundle_files)
+    return core::fail(server::over_limit(fmt::format("the bundle has {} files", bundle.assets_size()),
+                                         std::to_string(limits.bundle_files), "--max-bundle-files"));
   std::uint64_t total = 0;
+  std::set<std::pair<std::string, std::uint64_t>> counted;
   for (const v1::Bundle::Asset& asset : bundle.assets()) {
     const std::uint64_t size = asset.digest().size_bytes();
     if (auto fits = check_blob_size(size, limits); !fits)
       return core::fail(fits.error().within("bundle: " + asset.path()));
-    total = add_capped(total, size);
+    if (counted.emplace(asset.digest().sha256(), size).second) total = add_capped(total, size);
   }
   if (total <= limits.bundle_bytes()) return {};
   return core::fail(

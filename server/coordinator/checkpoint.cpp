@@ -26,6 +26,7 @@ core::Status Coordinator::checkpoint() {
 }
 
 core::Status Coordinator::write(const std::vector<store::JobRow>& rows) {
+  if (auto there = state_.jobs.expect_file(); !there) return there;
   const std::vector<TileRef> tiles = changed_tiles();
   for (std::size_t begin = 0; begin < tiles.size(); begin += kTilesPerBatch) {
     const std::size_t count = std::min(kTilesPerBatch, tiles.size() - begin);

@@ -74,6 +74,8 @@ struct SynchronizeCaller {
   std::function<void(core::Result<v1::SynchronizeResponse>)> answer;
   // Whether nobody listens any more; asked until then, on any thread. Nothing is leased to it then.
   std::function<bool()> is_gone = [] { return false; };
+  // See scheduler::WorkerInfo.
+  std::string principal{};
 };
 
 class Coordinator {
@@ -99,9 +101,10 @@ class Coordinator {
   core::Result<v1::Job> resume_job(const std::string& id);
   core::Result<v1::Job> extend_job(const std::string& id, std::uint32_t spp);
   core::Result<v1::Job> update_job(const v1::UpdateJobRequest& request);
+  // Returns when the job is forgotten; remove_deleted_tiles() removes its film from the store.
   core::Status delete_job(const std::string& id);
-  // Each tile as it is when its row is copied, of a job that is done all as they were when it was; holds the
-  // gate for one row of tiles at a time.
+  // Each tile as it is when it is copied, of a job that is done all as they were when it was. Holds the gate
+  // for a few tiles at a time.
   core::Result<Picture> picture(const std::string& id);
   std::vector<v1::ListWorkersResponse::Worker> workers();
 
@@ -130,6 +133,9 @@ class Coordinator {
   // Lets done jobs run again of which workers that were quarantined have rendered something that nobody has
   // verified. Due now and then; blocks while films are read back.
   void reopen_jobs();
+  // Removes some of the stored tiles of deleted jobs. Due ten times a second: a few at a time hold up
+  // checkpoints for some milliseconds.
+  core::Status remove_deleted_tiles() { return state_.jobs.remove_deleted_tiles(); }
   // Answers all waiting calls, and every later one, with UNAVAILABLE.
   void close();
 
@@ -155,6 +161,9 @@ class Coordinator {
   core::Result<TileContent> load_tile(const v1::Job& spec, const core::TileGrid& grid, int tile);
   core::Result<Picture> take_picture(const std::string& id);
   core::Result<core::Image> develop_row(const v1::Job& spec, const core::TileGrid& grid, int row);
+  // The tiles from `begin` to `end`, of the film in one turn at the gate, or else of the store.
+  core::Result<std::vector<core::Film::TileSums>> copy_tiles(const v1::Job& spec, const core::TileGrid& grid,
+                                                             int begin, int end);
 
   class QuotaReservation;
   // Among the submitter's open jobs, for one that is about to be checked. RESOURCE_EXHAUSTED if there is

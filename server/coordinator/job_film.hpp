@@ -27,8 +27,10 @@ class JobFilm {
  public:
   explicit JobFilm(core::TileGrid grid);
 
-  // Adds samples of one tile. The caller sees to it that none is added twice. Ends the process if there is no
-  // memory for them: they count as done, and would be lost in silence.
+  // Takes the memory for samples of one tile. std::bad_alloc if there is none.
+  void reserve(const core::FilmTile& samples) { film_.reserve(samples); }
+  // Adds samples of one tile, for which memory was reserved before they counted as done. The caller sees to
+  // it that none is added twice.
   void add(int tile, const core::FilmTile& samples) noexcept;
   // Takes all samples of a tile out again.
   void clear(int tile);

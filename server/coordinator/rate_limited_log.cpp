@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <chrono>
 #include <utility>
 
@@ -26,6 +27,11 @@ void RateLimitedLog::flush(scheduler::Time now) {
   spdlog::warn("{}{}", sentence_, times_ == 1 ? "" : fmt::format(" ({} such since the last line)", times_));
   times_ = 0;
   next_ = now + kPeriod;
+}
+
+std::optional<scheduler::Duration> RateLimitedLog::due_in(scheduler::Time now) const {
+  if (times_ == 0) return std::nullopt;
+  return std::max<scheduler::Duration>(scheduler::Duration::zero(), next_ - now);
 }
 
 }  // namespace tessera::coordinator

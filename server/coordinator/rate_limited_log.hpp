@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 
 #include "server/scheduler/types.hpp"
@@ -15,6 +16,8 @@ class RateLimitedLog {
   void warn(std::string sentence, scheduler::Time now);
   // Logs the last sentence that was left out, if it is time. To be called regularly.
   void flush(scheduler::Time now);
+  // How long until flush() has something to log; nothing if no sentence was left out.
+  std::optional<scheduler::Duration> due_in(scheduler::Time now) const;
 
  private:
   std::string sentence_;

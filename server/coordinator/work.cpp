@@ -33,6 +33,13 @@ bool is_id(const std::string& text) {
   return text.size() == 32 && text.find_first_not_of("0123456789abcdef") == std::string::npos;
 }
 
+// Allocates what film->add() needs before the scheduler counts samples as done.
+void reserve_film(JobRecord& record, const scheduler::SubmitResult& event,
+                  const std::vector<core::FilmTile>& tiles) {
+  for (std::size_t i = 0; record.film && i < tiles.size(); ++i)
+    if (event.items[i].tile != scheduler::kNoTile) record.film->reserve(tiles[i]);
+}
+
 core::Status check_request(const v1::SynchronizeRequest& request) {
   if (!is_id(request.worker_id())) {
     return core::fail(ErrorCode::kInvalidArgument, "worker_id: must be 32 lower-case hexadecimal digits");
@@ -50,13 +57,39 @@ core::Status check_texts(const v1::SubmitResultRequest& request) {
   return proto::check_text("determinism_fingerprint", request.determinism_fingerprint());
 }
 
-scheduler::WorkerInfo info_of(const v1::SynchronizeRequest& request) {
+scheduler::WorkerInfo info_of(const v1::SynchronizeRequest& request, const std::string& principal) {
   const int threads = static_cast<int>(std::clamp<std::uint32_t>(request.threads(), 1, 4096));
   return {{request.worker_id()},
           request.name(),
           request.version(),
           threads,
-          proto::client_key(request.worker_key())};
+          proto::client_key(request.worker_key()),
+          principal};
+}
+
+// Bounds on what is examined under the lock of a worker's request. A worker can hold kMaxLeasesPerWorker
+// leases and still report as many that have ended.
+constexpr int kMaxHeldLeases = 2 * scheduler::kMaxLeasesPerWorker;
+constexpr int kMaxHeldItems = kMaxHeldLeases * static_cast<int>(scheduler::kMaxItemsPerLease);
+constexpr std::size_t kMaxKnownJobs = 256, kMaxFetchingJobs = 64;
+
+// The leases within these bounds, in the order of the request.
+std::vector<const v1::Lease*> held_leases(const v1::SynchronizeRequest& request) {
+  std::vector<const v1::Lease*> held;
+  int items = 0;
+  for (const v1::Lease& lease : request.held()) {
+    items += lease.items_size();
+    if (held.size() == kMaxHeldLeases || items > kMaxHeldItems) break;
+    held.push_back(&lease);
+  }
+  return held;
+}
+
+std::set<std::string> first_ids(const google::protobuf::RepeatedPtrField<std::string>& ids,
+                                std::size_t most) {
+  const auto end =
+      ids.begin() + static_cast<std::ptrdiff_t>(std::min(most, static_cast<std::size_t>(ids.size())));
+  return {ids.begin(), end};
 }
 
 // Those beyond what anybody can hold are not looked at.
@@ -87,15 +120,18 @@ core::Result<std::vector<core::FilmTile>> decode_items(const v1::SubmitResultReq
 }  // namespace
 
 void Coordinator::synchronize(const v1::SynchronizeRequest& request, SynchronizeCaller caller) {
-  StateLock lock(*this);
   core::Status admitted = check_request(request);
+  const std::vector<const v1::Lease*> held = held_leases(request);
+  const std::set<std::string> fetching = first_ids(request.fetching_job_ids(), kMaxFetchingJobs);
+  std::set<std::string> known_jobs = first_ids(request.known_job_ids(), kMaxKnownJobs);
+  StateLock lock(*this);
   if (admitted && closed_)
     admitted = core::fail(ErrorCode::kUnavailable, "the coordinator is stopping: try again");
   if (admitted) admitted = admit(lock, request);
   if (!admitted) return refuse(lock, caller, admitted.error());
 
   note_troubles(lock, request);
-  scheduler::Synchronize event{info_of(request),
+  scheduler::Synchronize event{info_of(request, caller.principal),
                                {},
                                static_cast<int>(std::min<std::uint32_t>(request.wanted_leases(), 1024)),
                                request.draining()};
@@ -104,12 +140,12 @@ void Coordinator::synchronize(const v1::SynchronizeRequest& request, Synchronize
     if (const JobRecord* record = find(request.rendering().job_id()))
       event.rendering = from_wire(request.rendering(), grid_of(*record->spec));
   }
-  for (const std::string& job : request.fetching_job_ids()) {
+  for (const std::string& job : fetching) {
     if (find(job) != nullptr) event.fetching.insert({job});
   }
-  for (const v1::Lease& lease : request.held()) {
-    if (const JobRecord* record = find(lease.job_id()))
-      event.held.push_back(from_wire(lease, grid_of(*record->spec)));
+  for (const v1::Lease* lease : held) {
+    if (const JobRecord* record = find(lease->job_id()))
+      event.held.push_back(from_wire(*lease, grid_of(*record->spec)));
   }
   const scheduler::Actions actions = scheduler_.handle(event, lock.now());
   if (!actions.status) {
@@ -117,8 +153,7 @@ void Coordinator::synchronize(const v1::SynchronizeRequest& request, Synchronize
     return refuse(lock, caller, actions.status.error());
   }
   const scheduler::Reply& reply = *actions.reply;
-  ParkedCall call{std::move(caller),
-                  {request.known_job_ids().begin(), request.known_job_ids().end()},
+  ParkedCall call{std::move(caller), std::move(known_jobs),
                   lock.now() + reply.heartbeat_timeout / kCallsPerLease};
   const bool lacks_spec = std::any_of(reply.leases.begin(), reply.leases.end(), [&](const auto& lease) {
     return call.known_jobs.count(lease.job.value) == 0;
@@ -141,10 +176,11 @@ core::Status Coordinator::admit(const StateLock& lock, const v1::SynchronizeRequ
   if (quarantine_.is_quarantined(request.worker_id()) || newcomer) {
     return core::fail(
         ErrorCode::kFailedPrecondition,
-        fmt::format("worker {} is quarantined: {} (the coordinator's log says more). Check the machine and its "
-                    "memory; then remove worker.key from its cache folder and start the worker again, or "
-                    "restart the coordinator",
-                    request.name(), quarantine_.because(request.worker_id(), machine)));
+        fmt::format(
+            "worker {} is quarantined: {} (the coordinator's log says more). Check the machine and its "
+            "memory; then remove worker.key from its cache folder and start the worker again, or "
+            "restart the coordinator",
+            request.name(), quarantine_.because(request.worker_id(), machine)));
   }
   if (request.determinism_fingerprint() == options_.fingerprint) return {};
   core::Error error{
@@ -297,6 +333,7 @@ core::Result<v1::SubmitResultResponse> Coordinator::count_result(StateLock& lock
                                 request.lease_token()};
   for (const core::FilmTile& tile : delivery.tiles)
     event.items.push_back({scheduler::tile_index(grid, tile.rect), tile.range});
+  reserve_film(*record, event, delivery.tiles);
   const scheduler::Actions actions = scheduler_.handle(event, lock.now());
   if (!actions.status) {
     apply(lock, actions);
@@ -353,7 +390,8 @@ void Coordinator::note_rejected_result(StateLock& lock, const std::string& worke
         lock.now());
     return;
   }
-  const auto& [id, name, version, threads, machine] = known->info;
+  const std::string& name = known->info.name;
+  const std::string& machine = known->info.machine;
   rejected_log_.warn(fmt::format("rejected a result of worker {} ({}): {}", name, worker, error.message),
                      lock.now());
   if (!quarantine_.refused(worker, machine)) return;

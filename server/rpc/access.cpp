@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <sstream>
 #include <string>
 #include <utility>
@@ -37,13 +38,19 @@ std::string digest_of_token(std::string_view token) {
   return proto::digest_of(std::string(token)).hex();
 }
 
-// The token of a call's metadata; empty if there is none.
+// The token of a call's metadata; empty if there is none. The scheme's name may be in any case (RFC
+// 7235, 2.1).
 std::string_view shown_token(const grpc::CallbackServerContext& context) {
   const auto found = context.client_metadata().find(proto::kTokenKey);
   if (found == context.client_metadata().end()) return {};
   const std::string_view value(found->second.data(), found->second.size());
   const std::string_view prefix = proto::kTokenPrefix;
-  return value.substr(0, prefix.size()) == prefix ? value.substr(prefix.size()) : std::string_view();
+  const bool is_bearer = std::equal(
+      prefix.begin(), prefix.end(), value.begin(), value.begin() + std::min(prefix.size(), value.size()),
+      [](char a, char b) {
+        return std::tolower(static_cast<unsigned char>(a)) == std::tolower(static_cast<unsigned char>(b));
+      });
+  return is_bearer ? value.substr(prefix.size()) : std::string_view();
 }
 
 }  // namespace

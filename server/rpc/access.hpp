@@ -34,6 +34,9 @@ class Access {
   // line.
   static core::Result<Access> read(const std::string& path);
 
+  // Whether no token is asked for.
+  bool is_open() const { return open_; }
+
   // Who calls, if the caller's token has this role or is an administrator's. UNAUTHENTICATED without a known
   // token, PERMISSION_DENIED without the role; the sentence is in the status.
   grpc::Status admit(const grpc::CallbackServerContext& context, Role role, Caller& caller) const;

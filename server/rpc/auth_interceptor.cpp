@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include "proto/status.hpp"
-#include "server/coordinator/fair_share.hpp"
 #include "server/rpc/connection_slots.hpp"
 
 namespace tessera::rpc {
@@ -18,16 +17,34 @@ std::string key_of(const grpc::CallbackServerContext& context, Role role, const 
 
 }  // namespace
 
-grpc::Status AuthInterceptor::admit(grpc::CallbackServerContext& context, Role role, Caller& caller) {
-  if (const grpc::Status admitted = access_.admit(context, role, caller); !admitted.ok()) return admitted;
-  caller.key = key_of(context, role, caller);
+std::optional<Admission> AuthInterceptor::admit(grpc::CallbackServerContext& context, const Method& method,
+                                                Rejection& rejection) {
+  const std::string machine = client_key(context.peer());
+  Caller caller;
+  rejection.status = access_.admit(context, method.role, caller);
+  auto place = calls_.take(machine);
+  if (!rejection.status.ok()) {
+    if (rejections_.note(machine, method.path, rejection.status) && place)
+      rejection.held_back.emplace(*std::move(place));
+    return std::nullopt;
+  }
+  if (!place) {
+    rejection.status = try_later(
+        context,
+        server::over_share(calls_.held_by(machine), "calls", "are under way", limits_.calls, "--max-calls"),
+        kTryAgainAfter);
+    return std::nullopt;
+  }
+  caller.key = key_of(context, method.role, caller);
   const auto wait = rate_.take(caller.key);
-  if (!wait) return grpc::Status::OK;
-  return try_later(context,
-                   server::over_limit("there are too many calls from here",
-                                      fmt::format("{} a second from each caller", rate_.calls_per_second()),
-                                      "--max-calls-per-second"),
-                   *wait);
+  if (!wait) return Admission{method, std::move(caller), *std::move(place)};
+  rejection.status =
+      try_later(context,
+                server::over_limit("there are too many calls from here",
+                                   fmt::format("{} a second from each caller", rate_.calls_per_second()),
+                                   "--max-calls-per-second"),
+                *wait);
+  return std::nullopt;
 }
 
 grpc::Status try_later(grpc::CallbackServerContext& context, const core::Error& error,

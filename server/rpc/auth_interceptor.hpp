@@ -1,32 +1,65 @@
 // SPDX-License-Identifier: Apache-2.0
-// What every call passes first: whether its caller may make it at all, and whether they have not made too
-// many. Thread-safe.
+// Admits calls before their message is read: checks the caller's role, the number of calls in progress, and
+// how often the caller calls. Thread-safe.
 #pragma once
 
 #include <grpcpp/server_context.h>
 
 #include <chrono>
+#include <optional>
 #include <string>
+#include <utility>
 
+#include "server/coordinator/fair_share.hpp"
 #include "server/limits.hpp"
 #include "server/rpc/access.hpp"
 #include "server/rpc/call_rate.hpp"
+#include "server/rpc/methods.hpp"
+#include "server/rpc/rejections.hpp"
 
 namespace tessera::rpc {
+
+// A call that may be made.
+struct Admission {
+  const Method& method;
+  Caller caller;
+  coordinator::FairShare::Held place;  // among the calls under way
+};
+
+// A call that may not.
+struct Rejection {
+  grpc::Status status;
+  // Present where the answer must be held back: its place among the calls under way.
+  std::optional<coordinator::FairShare::Held> held_back{};
+};
 
 class AuthInterceptor {
  public:
   AuthInterceptor(Access access, const server::Limits& limits)
-      : access_(std::move(access)), rate_(limits.calls_per_second) {}
+      : limits_(limits),
+        methods_(limits),
+        access_(std::move(access)),
+        calls_(limits.calls),
+        rate_(limits.calls_per_second) {}
 
-  // Who calls, with their key, if they may. Besides the codes of Access::admit(), RESOURCE_EXHAUSTED with
-  // try_later() for those who call too often. Users are told apart by the names of their tokens, or else by
-  // their machines; workers by their connections.
-  grpc::Status admit(grpc::CallbackServerContext& context, Role role, Caller& caller);
+  const Methods& methods() const { return methods_; }
+
+  // The caller, with its key and its share of the calls in progress; or nothing, and `rejection` says why.
+  // Besides the codes of Access::admit(), RESOURCE_EXHAUSTED with try_later() for a caller that calls too
+  // often or has too many calls in progress. Keys tell users apart by the names of their tokens, or without
+  // tokens by their machines, and workers by their connections. Machines share the calls in progress.
+  std::optional<Admission> admit(grpc::CallbackServerContext& context, const Method& method,
+                                 Rejection& rejection);
+  // See Rejections::flush(). To be called regularly.
+  void flush_log() { rejections_.flush(); }
 
  private:
+  const server::Limits limits_;
+  const Methods methods_;
   const Access access_;
+  coordinator::FairShare calls_;
   CallRate rate_;
+  Rejections rejections_;
 };
 
 // RESOURCE_EXHAUSTED for a reason that passes by itself: says when to try again, in gRPC's own way

@@ -8,7 +8,7 @@
 
 #include "proto/blob.hpp"
 #include "server/coordinator/admission.hpp"
-#include "server/rpc/auth_interceptor.hpp"
+#include "server/rpc/connection_slots.hpp"
 #include "server/rpc/reactors.hpp"
 
 namespace tessera::rpc {
@@ -16,16 +16,29 @@ namespace tessera::rpc {
 using core::ErrorCode;
 
 UploadStream::UploadStream(grpc::CallbackServerContext& context, coordinator::Coordinator& coordinator,
-                           const Pools& pools, StreamLimits& streams, UploadCall call)
-    : context_(context), coordinator_(coordinator), pools_(pools), streams_(streams), call_(std::move(call)) {
+                           const Pools& pools, StreamLimits& streams, Admission admission)
+    : context_(context),
+      coordinator_(coordinator),
+      pools_(pools),
+      streams_(streams),
+      admission_(std::move(admission)),
+      place_(streams.uploads.take(caller())) {
   streams_.stalls.add(*this);
-  read_next();
+  if (place_) {
+    read_next();
+    return;
+  }
+  ended_ = true;
+  Finish(try_later(context_,
+                   server::over_share(streams_.uploads.held_by(caller()), "uploads", "are under way",
+                                      streams_.limits.uploads, "--max-uploads"),
+                   kTryAgainAfter));
 }
 
 void UploadStream::read_next() {
   const std::lock_guard lock(mutex_);
   waiting_since_ = Clock::now();
-  StartRead(&request_);
+  StartRead(&bytes_);
 }
 
 void UploadStream::OnReadDone(bool ok) {
@@ -34,14 +47,7 @@ void UploadStream::OnReadDone(bool ok) {
     waiting_since_.reset();
     if (ended_) return;
   }
-  const bool posted = pools_.quick.post([this, ok] {
-    if (!ok) {
-      const core::Status done = commit();
-      use_.reset();  // its claims count from here, not from when gRPC lets go of this
-      return Finish(proto::to_grpc(done));
-    }
-    take_chunk();
-  });
+  const bool posted = pools_.quick.post(guarded_step(*this, [this, ok] { ok ? take_chunk() : commit(); }));
   if (!posted) Finish(busy());
 }
 
@@ -61,6 +67,8 @@ void UploadStream::OnDone() {
 }
 
 void UploadStream::take_chunk() {
+  if (auto parsed = parse_message(admission_.method, bytes_, request_); !parsed)
+    return Finish(proto::to_grpc(parsed));
   if (auto fine = check_chunk(); !fine) return Finish(proto::to_grpc(fine));
   if (writer_) return append();
   begin();
@@ -85,26 +93,27 @@ void UploadStream::begin() {
   if (!digest) return Finish(proto::to_grpc(digest.error()));
   if (auto fits = coordinator::check_blob_size(digest->size_bytes, streams_.limits); !fits)
     return Finish(proto::to_grpc(fits));
-  auto use = coordinator_.files().use(call_.caller, *digest);
+  auto use = coordinator_.files().use(caller(), *digest);
   if (!use) return Finish(try_later(context_, use.error(), kTryAgainAfter));
   use_.emplace(*std::move(use));
-  *call_.response->mutable_digest() = request_.chunk().digest();
+  *response_.mutable_digest() = request_.chunk().digest();
   take_room(*digest);
 }
 
 void UploadStream::take_room(const proto::Digest& digest) {
-  auto writer = coordinator_.files().write(call_.caller, digest);
+  auto writer = coordinator_.files().write(caller(), digest);
   if (writer) {
     writer_.emplace(*std::move(writer));
     return append();
   }
   if (writer.error().code != ErrorCode::kResourceExhausted) return Finish(proto::to_grpc(writer.error()));
-  if (!pools_.clearing.post(call_.caller, [this, digest] { make_room(digest); })) Finish(busy());
+  if (!pools_.clearing.post(caller(), guarded_step(*this, [this, digest] { make_room(digest); })))
+    Finish(busy());
 }
 
 void UploadStream::make_room(const proto::Digest& digest) {
   if (pools_.clearing.is_closed()) return Finish(stopping());
-  auto writer = coordinator_.files().write_making_room(call_.caller, digest);
+  auto writer = coordinator_.files().write_making_room(caller(), digest);
   if (!writer) return Finish(proto::to_grpc(writer.error()));
   writer_.emplace(*std::move(writer));
   append();
@@ -116,25 +125,39 @@ void UploadStream::append() {
   read_next();
 }
 
-core::Status UploadStream::commit() {
-  if (!writer_) return core::fail(ErrorCode::kInvalidArgument, "the stream ended before the first chunk");
-  return writer_->commit();
+void UploadStream::commit() {
+  core::Status done =
+      writer_ ? writer_->commit()
+              : core::fail(ErrorCode::kInvalidArgument, "the stream ended before the first chunk");
+  use_.reset();  // its claims count from here, not from when gRPC lets go of this
+  if (!done) return Finish(proto::to_grpc(done));
+  auto bytes = serialise(response_);
+  if (!bytes) return Finish(proto::to_grpc(core::Status(core::fail(bytes.error()))));
+  bytes_ = *std::move(bytes);
+  StartWriteAndFinish(&bytes_, grpc::WriteOptions(), grpc::Status::OK);
 }
 
-FetchStream::FetchStream(grpc::CallbackServerContext& context, coordinator::Coordinator& coordinator,
-                         coordinator::ThreadPool& pool, StreamLimits& streams, FetchCall call)
-    : context_(context), coordinator_(coordinator), pool_(pool), streams_(streams), call_(std::move(call)) {
-  *response_.mutable_chunk()->mutable_digest() = call_.digest;
-  streams_.stalls.add(*this);
-  const bool posted = pool_.post([this] {
+void FetchStream::begin() {
+  // Workers of one machine count together: each could have many connections.
+  const std::string machine = client_key(context().peer());
+  auto place = streams().fetches.take(machine);
+  if (!place)
+    return Finish(
+        try_later(context(),
+                  server::over_share(streams().fetches.held_by(machine), "files", "are being fetched",
+                                     streams().limits.fetches, "--max-fetches"),
+                  kTryAgainAfter));
+  place_.emplace(*std::move(place));
+  *response_.mutable_chunk()->mutable_digest() = request_.digest();
+  const bool posted = pool_.post(guarded_step(*this, [this] {
     if (auto opened = open(); !opened) return fail(opened.error());
     write_next();
-  });
+  }));
   if (!posted) Finish(busy());
 }
 
 core::Status FetchStream::open() {
-  const auto digest = proto::from_proto(call_.digest);
+  const auto digest = proto::from_proto(request_.digest());
   if (!digest) return core::fail(digest.error());
   auto reader = coordinator_.blobs().read(*digest);
   if (!reader) return core::fail(reader.error());
@@ -151,7 +174,7 @@ void FetchStream::OnWriteDone(bool ok) {
   if (!ok) return Finish(grpc::Status::CANCELLED);
   if (left_bytes_ == 0) return Finish(grpc::Status::OK);
   response_.mutable_chunk()->clear_digest();
-  if (!pool_.post([this] { write_next(); })) Finish(busy());
+  if (!pool_.post(guarded_step(*this, [this] { write_next(); }))) Finish(busy());
 }
 
 void FetchStream::write_next() {
@@ -159,26 +182,24 @@ void FetchStream::write_next() {
   if (!bytes) return fail(bytes.error());
   left_bytes_ -= bytes->size();
   response_.mutable_chunk()->set_data(std::move(*bytes));
+  auto message = serialise(response_);
+  if (!message) return Finish(proto::to_grpc(core::Status(core::fail(message.error()))));
+  bytes_ = *std::move(message);
   {
     const std::lock_guard lock(mutex_);
     waiting_since_ = Clock::now();
   }
-  StartWrite(&response_);
+  StartWrite(&bytes_);
 }
 
 // A write is under way, which nothing but this ends.
-void FetchStream::end_if_waiting_since(Clock::time_point time) {
+void FetchStream::end_own_wait_since(Clock::time_point time) {
   const std::lock_guard lock(mutex_);
-  if (waiting_since_ && *waiting_since_ <= time) context_.TryCancel();
-}
-
-void FetchStream::OnDone() {
-  streams_.stalls.remove(*this);
-  delete this;
+  if (waiting_since_ && *waiting_since_ <= time) context().TryCancel();
 }
 
 void FetchStream::fail(const core::Error& error) {
-  if (const auto digest = proto::from_proto(call_.digest)) coordinator_.blob_is_lost(*digest, error);
+  if (const auto digest = proto::from_proto(request_.digest())) coordinator_.blob_is_lost(*digest, error);
   Finish(proto::to_grpc(core::Status(core::fail(error))));
 }
 

@@ -2,16 +2,13 @@
 // Blobs on their way in and out, 1 MiB at a time.
 #pragma once
 
-#include <grpcpp/server_context.h>
-#include <grpcpp/support/server_callback.h>
-
 #include <mutex>
 #include <optional>
 #include <string>
 
 #include "server/coordinator/coordinator.hpp"
+#include "server/rpc/call.hpp"
 #include "server/rpc/pools.hpp"
-#include "server/rpc/stream_limits.hpp"
 #include "server/store/blob_store.hpp"
 #include "tessera/v1/render_service.pb.h"
 #include "tessera/v1/worker_service.pb.h"
@@ -21,17 +18,11 @@ namespace tessera::rpc {
 // Both are owned by gRPC until OnDone. There is never more than one operation under way, so that their
 // members need no lock, but for those that say when and whether a call is ended for standing still.
 
-struct UploadCall {
-  std::string caller;                  // its key
-  coordinator::FairShare::Held place;  // one of streams.uploads
-  v1::UploadBlobResponse* response;
-};
-
 // One blob from a client into the store.
-class UploadStream final : public grpc::ServerReadReactor<v1::UploadBlobRequest>, private WatchedStream {
+class UploadStream final : public Reactor, private WatchedStream {
  public:
   UploadStream(grpc::CallbackServerContext& context, coordinator::Coordinator& coordinator,
-               const Pools& pools, StreamLimits& streams, UploadCall call);
+               const Pools& pools, StreamLimits& streams, Admission admission);
 
  private:
   void OnReadDone(bool ok) override;
@@ -46,14 +37,19 @@ class UploadStream final : public grpc::ServerReadReactor<v1::UploadBlobRequest>
   void take_room(const proto::Digest& digest);
   void make_room(const proto::Digest& digest);
   void append();
-  core::Status commit();
+  // Ends the call with what became of the blob.
+  void commit();
+  const std::string& caller() const { return admission_.caller.key; }
 
   grpc::CallbackServerContext& context_;
   coordinator::Coordinator& coordinator_;
   const Pools pools_;
   StreamLimits& streams_;
-  const UploadCall call_;
+  const Admission admission_;
+  const std::optional<coordinator::FairShare::Held> place_;  // one of streams.uploads
+  grpc::ByteBuffer bytes_;
   v1::UploadBlobRequest request_;
+  v1::UploadBlobResponse response_;
   // From the first chunk on:
   std::optional<coordinator::BlobClaims::Use> use_;
   std::optional<store::BlobWriter> writer_;
@@ -63,33 +59,30 @@ class UploadStream final : public grpc::ServerReadReactor<v1::UploadBlobRequest>
   bool ended_ = false;                              // guarded by mutex_; for standing still
 };
 
-struct FetchCall {
-  v1::Digest digest;
-  coordinator::FairShare::Held place;  // one of streams.fetches
-};
-
 // One blob from the store to a worker.
-class FetchStream final : public grpc::ServerWriteReactor<v1::FetchBlobResponse>, private WatchedStream {
+class FetchStream final : public RequestCall {
  public:
   FetchStream(grpc::CallbackServerContext& context, coordinator::Coordinator& coordinator,
-              coordinator::ThreadPool& pool, StreamLimits& streams, FetchCall call);
+              coordinator::ThreadPool& pool, StreamLimits& streams, Admission admission)
+      : RequestCall(context, streams, std::move(admission)), coordinator_(coordinator), pool_(pool) {}
 
  private:
+  google::protobuf::Message& message() override { return request_; }
+  void begin() override;
   void OnWriteDone(bool ok) override;
-  void OnDone() override;
-  void end_if_waiting_since(Clock::time_point time) override;
+  void end_own_wait_since(Clock::time_point time) override;
 
   core::Status open();
   void write_next();
   // Ends the call, and tells the coordinator what its store has lost.
   void fail(const core::Error& error);
 
-  grpc::CallbackServerContext& context_;
   coordinator::Coordinator& coordinator_;
   coordinator::ThreadPool& pool_;
-  StreamLimits& streams_;
-  const FetchCall call_;
+  v1::FetchBlobRequest request_;
+  std::optional<coordinator::FairShare::Held> place_;  // one of streams.fetches
   v1::FetchBlobResponse response_;
+  grpc::ByteBuffer bytes_;
   std::optional<store::BlobReader> reader_;
   std::uint64_t left_bytes_ = 0;
 

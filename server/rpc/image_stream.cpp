@@ -12,7 +12,6 @@
 #include "proto/blob.hpp"
 #include "proto/convert.hpp"
 #include "proto/convert_display.hpp"
-#include "server/rpc/auth_interceptor.hpp"
 #include "server/rpc/reactors.hpp"
 
 namespace tessera::rpc {
@@ -39,47 +38,45 @@ std::optional<core::ImageFormat> format_of(v1::ImageFormat format) {
 
 }  // namespace
 
-ImageStream::ImageStream(grpc::CallbackServerContext& context, coordinator::Coordinator& coordinator,
-                         const Pools& pools, StreamLimits& streams, ImageCall call)
-    : context_(context), coordinator_(coordinator), pools_(pools), streams_(streams), call_(std::move(call)) {
-  streams_.stalls.add(*this);
-  if (!pools_.quick.post([this] { wait_for_memory(); })) Finish(busy());
+void ImageStream::begin() {
+  if (!pools_.quick.post(guarded_step(*this, [this] { wait_for_memory(); }))) Finish(busy());
 }
 
 // Once it waits it may be over at any moment, but not before OnDone has had the lock.
 void ImageStream::wait_for_memory() {
-  const auto job = coordinator_.job_without_bundle(call_.request.job_id());
+  const auto job = coordinator_.job_without_bundle(request_.job_id());
   if (!job) return Finish(proto::to_grpc(job.error()));
   need_mib_ = 1 + kBytesPerPixel * proto::window_of(job->settings()).pixel_count() / server::kMib;
   const std::lock_guard lock(mutex_);
   if (cancelled_) return Finish(grpc::Status::CANCELLED);
   queued_since_ = Clock::now();
   const auto granted = [this](coordinator::FairShare::Held memory) { make_picture(std::move(memory)); };
-  if (!streams_.image_mib.wait(this, call_.caller, need_mib_, granted)) Finish(no_memory());
+  if (!streams().image_mib.wait(this, caller().key, need_mib_, granted)) Finish(no_memory());
 }
 
 // Not under the lock, or under that of wait_for_memory().
 void ImageStream::make_picture(coordinator::FairShare::Held memory) {
   memory_.emplace(std::move(memory));
-  const bool posted = pools_.slow.post(call_.caller, [this] {
-    if (pools_.slow.is_closed()) return Finish(stopping());
-    if (auto taken = guarded([&] { return take_picture(); }); !taken) return Finish(proto::to_grpc(taken));
-    write_next();
-  });
+  const bool posted = pools_.slow.post(caller().key, guarded_step(*this, [this] {
+                                         if (pools_.slow.is_closed()) return Finish(stopping());
+                                         if (auto taken = take_picture(); !taken)
+                                           return Finish(proto::to_grpc(taken));
+                                         write_next();
+                                       }));
   if (!posted) Finish(busy());
 }
 
 grpc::Status ImageStream::no_memory() {
   core::Error error = server::over_limit(
       fmt::format("this picture takes {} MiB of memory, and others that are being fetched {} MiB", need_mib_,
-                  streams_.image_mib.held()),
-      fmt::format("{} MiB", streams_.limits.image_mib), "--max-image-mib");
+                  streams().image_mib.held()),
+      fmt::format("{} MiB", streams().limits.image_mib), "--max-image-mib");
   error.message += ", some of which it keeps for other callers";
-  return try_later(context_, error, kTryAgainAfter);
+  return try_later(context(), error, kTryAgainAfter);
 }
 
 core::Status ImageStream::take_picture() {
-  const v1::GetImageRequest& request = call_.request;
+  const v1::GetImageRequest& request = request_;
   const auto format = format_of(request.format());
   if (!format) {
     return core::fail(
@@ -112,33 +109,35 @@ void ImageStream::OnWriteDone(bool ok) {
 void ImageStream::write_next() {
   response_.set_data(file_.substr(sent_bytes_, proto::kChunkBytes));
   sent_bytes_ += response_.data().size();
+  auto message = serialise(response_);
+  if (!message) return Finish(proto::to_grpc(core::Status(core::fail(message.error()))));
+  bytes_ = *std::move(message);
   {
     const std::lock_guard lock(mutex_);
     waiting_since_ = Clock::now();
   }
-  StartWrite(&response_);
+  StartWrite(&bytes_);
 }
 
 // Memory comes together while others take their pictures, and no longer than they may stand still. A write
 // that is under way nothing but this ends.
-void ImageStream::end_if_waiting_since(Clock::time_point time) {
+void ImageStream::end_own_wait_since(Clock::time_point time) {
   const std::lock_guard lock(mutex_);
-  if (waiting_since_ && *waiting_since_ <= time) return context_.TryCancel();
-  if (queued_since_ && *queued_since_ <= time && streams_.image_mib.leave(this)) Finish(no_memory());
+  if (waiting_since_ && *waiting_since_ <= time) return context().TryCancel();
+  if (queued_since_ && *queued_since_ <= time && streams().image_mib.leave(this)) Finish(no_memory());
 }
 
-void ImageStream::OnCancel() {
+void ImageStream::on_cancel() {
   {
     const std::lock_guard lock(mutex_);
     cancelled_ = true;
   }
-  if (streams_.image_mib.leave(this)) Finish(grpc::Status::CANCELLED);
+  if (streams().image_mib.leave(this)) Finish(grpc::Status::CANCELLED);
 }
 
 void ImageStream::OnDone() {
-  streams_.stalls.remove(*this);
   { const std::lock_guard whoever_ended_it_is_done(mutex_); }
-  delete this;
+  RequestCall::OnDone();
 }
 
 }  // namespace tessera::rpc

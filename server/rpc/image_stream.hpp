@@ -2,24 +2,16 @@
 // One picture on its way to a client.
 #pragma once
 
-#include <grpcpp/server_context.h>
-#include <grpcpp/support/server_callback.h>
-
 #include <cstdint>
 #include <mutex>
 #include <optional>
 #include <string>
 
 #include "server/coordinator/coordinator.hpp"
+#include "server/rpc/call.hpp"
 #include "server/rpc/pools.hpp"
-#include "server/rpc/stream_limits.hpp"
 
 namespace tessera::rpc {
-
-struct ImageCall {
-  v1::GetImageRequest request;
-  std::string caller;  // its key
-};
 
 // Owned by gRPC until OnDone. There is never more than one operation under way, so that its members need no
 // lock, but for those that say what it waits for.
@@ -28,17 +20,20 @@ struct ImageCall {
 //                        │ gives up, is cancelled      │ is not taken
 //                        ▼                             ▼
 //                      ended                         ended
-class ImageStream final : public grpc::ServerWriteReactor<v1::GetImageResponse>, private WatchedStream {
+class ImageStream final : public RequestCall {
  public:
   // Waits for the memory that making the picture takes, and is given back when all of it is sent.
   ImageStream(grpc::CallbackServerContext& context, coordinator::Coordinator& coordinator, const Pools& pools,
-              StreamLimits& streams, ImageCall call);
+              StreamLimits& streams, Admission admission)
+      : RequestCall(context, streams, std::move(admission)), coordinator_(coordinator), pools_(pools) {}
 
  private:
+  google::protobuf::Message& message() override { return request_; }
+  void begin() override;
   void OnWriteDone(bool ok) override;
-  void OnCancel() override;
+  void on_cancel() override;
   void OnDone() override;
-  void end_if_waiting_since(Clock::time_point time) override;
+  void end_own_wait_since(Clock::time_point time) override;
 
   void wait_for_memory();
   void make_picture(coordinator::FairShare::Held memory);
@@ -47,16 +42,15 @@ class ImageStream final : public grpc::ServerWriteReactor<v1::GetImageResponse>,
   // RESOURCE_EXHAUSTED, with the time after which to try again.
   grpc::Status no_memory();
 
-  grpc::CallbackServerContext& context_;
   coordinator::Coordinator& coordinator_;
   const Pools pools_;
-  StreamLimits& streams_;
-  const ImageCall call_;
+  v1::GetImageRequest request_;
   std::uint64_t need_mib_ = 0;
   std::optional<coordinator::FairShare::Held> memory_;
   std::string file_;
   std::size_t sent_bytes_ = 0;
   v1::GetImageResponse response_;
+  grpc::ByteBuffer bytes_;
 
   std::mutex mutex_;
   bool cancelled_ = false;                          // guarded by mutex_; before it waited for memory

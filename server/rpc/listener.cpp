@@ -7,8 +7,8 @@
 #include <sys/eventfd.h>
 #include <sys/socket.h>
 
-#include <algorithm>
 #include <cerrno>
+#include <chrono>
 #include <cstring>
 #include <utility>
 
@@ -16,10 +16,10 @@ namespace tessera::rpc {
 
 using core::ErrorCode;
 using store::Fd;
+using Clock = std::chrono::steady_clock;
 
 namespace {
 
-constexpr std::chrono::seconds kNewsPeriod{10};
 // Where descriptors or the kernel's memory are used up: how long until others may have given some back.
 constexpr std::chrono::milliseconds kPause{20};
 
@@ -29,26 +29,6 @@ bool is_exhaustion(int error) {
 }
 
 }  // namespace
-
-void Listener::RateLimitedLog::add(std::string sentence) {
-  sentence_ = std::move(sentence);
-  ++times_;
-  tell();
-}
-
-void Listener::RateLimitedLog::tell() {
-  const auto now = std::chrono::steady_clock::now();
-  if (times_ == 0 || now < next_) return;
-  spdlog::warn("{}{}", sentence_, times_ == 1 ? "" : fmt::format(" ({} times)", times_));
-  times_ = 0;
-  next_ = now + kNewsPeriod;
-}
-
-int Listener::RateLimitedLog::wait_ms() const {
-  if (times_ == 0) return -1;
-  const auto wait = next_ - std::chrono::steady_clock::now();
-  return std::max(0, static_cast<int>(std::chrono::ceil<std::chrono::milliseconds>(wait).count()));
-}
 
 Listener::Listener(ListeningSockets listening, ConnectionSlots slots, Fd stopped)
     : port_(listening.port),
@@ -83,14 +63,23 @@ void Listener::run(const Take& take) {
   std::vector<pollfd> waiting{{stopped_.get(), POLLIN, 0}};
   for (const Fd& socket : sockets_) waiting.push_back({socket.get(), POLLIN, 0});
   while (true) {
-    const int ready = poll(waiting.data(), waiting.size(), news_.wait_ms());
-    news_.tell();
+    const int ready = poll(waiting.data(), waiting.size(), wait_ms());
+    log_.flush(Clock::now());
     if (ready < 0) std::this_thread::sleep_for(kPause);  // no memory, or a signal
     if (ready <= 0) continue;
     if (waiting.front().revents != 0) return;
     for (std::size_t i = 0; i < sockets_.size(); ++i)
       if (waiting[i + 1].revents != 0) accept_from(sockets_[i], take);
   }
+}
+
+int Listener::wait_ms() const {
+  const auto wait = log_.due_in(Clock::now());
+  return wait ? static_cast<int>(std::chrono::ceil<std::chrono::milliseconds>(*wait).count()) : -1;
+}
+
+void Listener::warn(std::string sentence) {
+  log_.warn(std::move(sentence), Clock::now());
 }
 
 void Listener::accept_from(const Fd& socket, const Take& take) {
@@ -100,8 +89,8 @@ void Listener::accept_from(const Fd& socket, const Take& take) {
       ::accept4(socket.get(), reinterpret_cast<sockaddr*>(&peer), &length, SOCK_NONBLOCK | SOCK_CLOEXEC));
   if (!connection) {
     if (!is_exhaustion(errno)) return;  // it is gone already
-    news_.add(fmt::format("cannot take a connection: {}; it waits (ulimit -n, LimitNOFILE= of systemd)",
-                          std::strerror(errno)));
+    warn(fmt::format("cannot take a connection: {}; it waits (ulimit -n, LimitNOFILE= of systemd)",
+                     std::strerror(errno)));
     return std::this_thread::sleep_for(kPause);
   }
   const std::string machine = client_key(peer);
@@ -113,12 +102,12 @@ void Listener::accept_from(const Fd& socket, const Take& take) {
 bool Listener::has_room(const std::string& machine) {
   const ConnectionSlots::Room room = slots_.room_for(machine);
   if (room == ConnectionSlots::Room::kNone)
-    news_.add(
+    warn(
         fmt::format("closed a connection of {}: there are {}, and this farm takes no more "
                     "(--max-connections)",
                     machine, slots_.most()));
   if (room == ConnectionSlots::Room::kNoneForMachine)
-    news_.add(
+    warn(
         fmt::format("closed a connection of {}: it has {}, and this farm takes no more of one machine "
                     "(--max-machine-connections)",
                     machine, slots_.most_of_machine()));

@@ -3,7 +3,6 @@
 // stops listening for good once the process has no file descriptor left.
 #pragma once
 
-#include <chrono>
 #include <functional>
 #include <memory>
 #include <string>
@@ -11,6 +10,7 @@
 #include <vector>
 
 #include "core/base/error.hpp"
+#include "server/coordinator/rate_limited_log.hpp"
 #include "server/rpc/connection_slots.hpp"
 #include "server/rpc/listening_sockets.hpp"
 
@@ -35,33 +35,21 @@ class Listener {
   void stop();
 
  private:
-  // News that may come a thousand times a second.
-  class RateLimitedLog {
-   public:
-    void add(std::string sentence);
-    // Logs the last sentence and how many there were, if it is time.
-    void tell();
-    // Until there is something to tell, for poll(); negative for ever.
-    int wait_ms() const;
-
-   private:
-    std::string sentence_;
-    std::size_t times_ = 0;
-    std::chrono::steady_clock::time_point next_{};
-  };
-
   Listener(ListeningSockets listening, ConnectionSlots slots, store::Fd stopped);
 
   void run(const Take& take);
+  // For poll(): negative for ever.
+  int wait_ms() const;
   void accept_from(const store::Fd& socket, const Take& take);
   bool has_room(const std::string& machine);
+  void warn(std::string sentence);
 
   const int port_;
   const store::Fd stopped_;  // readable once it is to stop
   // Of the thread alone, while there is one.
   std::vector<store::Fd> sockets_;
   ConnectionSlots slots_;
-  RateLimitedLog news_;
+  coordinator::RateLimitedLog log_;
   std::thread thread_;
 };
 

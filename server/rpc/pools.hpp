@@ -8,8 +8,10 @@
 namespace tessera::rpc {
 
 struct Pools {
-  // For what takes milliseconds.
+  // For what takes milliseconds: calls of workers, above all heartbeats, and steps of streams.
   coordinator::ThreadPool& quick;
+  // For calls of users that take milliseconds. A disk that is busy with them holds up no heartbeat.
+  coordinator::FairPool& users;
   // For what takes seconds: encoding pictures, reading films back.
   coordinator::FairPool& slow;
   // For validating scenes, which can take minutes: no picture is to wait for that.

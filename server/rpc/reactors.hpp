@@ -4,8 +4,7 @@
 // short is done on one of them at a time, since waking another thread costs a good part of such work.
 #pragma once
 
-#include <grpcpp/server_context.h>
-#include <grpcpp/support/server_callback.h>
+#include <grpcpp/support/status.h>
 
 #include <exception>
 #include <functional>
@@ -50,47 +49,36 @@ inline bool post(coordinator::FairPool& pool, const std::string& caller, std::fu
 }
 
 // Finishes a unary call with the status of `work()`.
-template <typename Pool, typename Work>
-std::function<void()> finishing(grpc::ServerUnaryReactor* reactor, const Pool& pool, Work work) {
-  return [reactor, &pool, work = std::move(work)] {
-    reactor->Finish(pool.is_closed() ? stopping() : proto::to_grpc(guarded(work)));
+template <typename Call, typename Pool, typename Work>
+std::function<void()> finishing(Call& call, const Pool& pool, Work work) {
+  return [&call, &pool, work = std::move(work)] {
+    call.finish(pool.is_closed() ? stopping() : proto::to_grpc(guarded(work)));
   };
 }
 
-// Answers a unary call of `caller` with the status of `work()`, run on `pool`, or with when_full() if too
-// much waits for that. What `work` refers to must live until then; request and response of a call do.
-template <typename Pool, typename Work, typename WhenFull = grpc::Status (*)()>
-grpc::ServerUnaryReactor* run_unary(grpc::CallbackServerContext* context, Pool& pool,
-                                    const std::string& caller, Work work, WhenFull when_full = busy) {
-  grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
-  if (!post(pool, caller, finishing(reactor, pool, std::move(work)))) reactor->Finish(when_full());
-  return reactor;
+// Answers a unary call with the status of `work()`, run on `pool`, or with when_full() if too much waits for
+// that. What `work` refers to must live until then; the call does.
+template <typename Call, typename Pool, typename Work, typename WhenFull = grpc::Status (*)()>
+void run_unary(Call& call, Pool& pool, Work work, WhenFull when_full = busy) {
+  if (!post(pool, call.caller().key, finishing(call, pool, std::move(work)))) call.finish(when_full());
 }
 
 // The same for work that is short, which may be done on the calling thread (run_or_post).
-template <typename Work>
-grpc::ServerUnaryReactor* run_short_unary(grpc::CallbackServerContext* context, coordinator::ThreadPool& pool,
-                                          Work work) {
-  grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
-  if (!pool.run_or_post(finishing(reactor, pool, std::move(work)))) reactor->Finish(busy());
-  return reactor;
+template <typename Call, typename Work>
+void run_short_unary(Call& call, coordinator::ThreadPool& pool, Work work) {
+  if (!pool.run_or_post(finishing(call, pool, std::move(work)))) call.finish(busy());
 }
 
-// Answers a unary call without looking at it.
-inline grpc::ServerUnaryReactor* refuse(grpc::CallbackServerContext* context, const grpc::Status& status) {
-  grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
-  reactor->Finish(status);
-  return reactor;
+// A step of a stream for a pool: if it throws, the stream ends with what guarded() makes of that.
+template <typename Stream, typename Step>
+std::function<void()> guarded_step(Stream& stream, Step step) {
+  return [&stream, step = std::move(step)] {
+    const core::Status done = guarded([&]() -> core::Status {
+      step();
+      return {};
+    });
+    if (!done) stream.Finish(proto::to_grpc(done));
+  };
 }
-
-// The same for a stream, e.g. RefusedStream<grpc::ServerWriteReactor<Response>>. Owned by gRPC until OnDone.
-template <typename Reactor>
-class RefusedStream final : public Reactor {
- public:
-  explicit RefusedStream(const grpc::Status& status) { this->Finish(status); }
-
- private:
-  void OnDone() override { delete this; }
-};
 
 }  // namespace tessera::rpc

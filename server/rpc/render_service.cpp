@@ -10,6 +10,7 @@
 
 #include "server/rpc/blob_streams.hpp"
 #include "server/rpc/image_stream.hpp"
+#include "server/rpc/reactors.hpp"
 #include "server/rpc/watch_call.hpp"
 
 namespace tessera::rpc {
@@ -18,35 +19,47 @@ namespace {
 
 // Puts a job into a response that has one.
 template <typename Response>
-core::Status put_job(core::Result<v1::Job> job, Response* response) {
+core::Status put_job(core::Result<v1::Job> job, Response& response) {
   if (!job) return core::fail(job.error());
-  *response->mutable_job() = std::move(*job);
+  *response.mutable_job() = std::move(*job);
   return {};
 }
 
 }  // namespace
 
-template <typename Pool, typename Work, typename WhenFull>
-grpc::ServerUnaryReactor* RenderService::serve(grpc::CallbackServerContext* context, Pool& pool, Work work,
-                                               WhenFull when_full) {
-  Caller caller;
-  if (const auto admitted = auth_.admit(*context, Role::kSubmit, caller); !admitted.ok())
-    return refuse(context, admitted);
-  return run_unary(
-      context, pool, caller.key, [caller, work = std::move(work)] { return work(caller); },
-      [&] { return when_full(caller); });
+RenderService::RenderService(coordinator::Coordinator& coordinator, AuthInterceptor& gate, Pools pools,
+                             WatchHub& watches, StreamLimits& streams)
+    : GuardedService("tessera.v1.RenderService", gate, streams),
+      coordinator_(coordinator),
+      pools_(pools),
+      watches_(watches),
+      streams_(streams) {
+  add_unary("FindMissingBlobs", &RenderService::find_missing_blobs);
+  add_unary("SubmitJob", &RenderService::submit_job);
+  add_unary("GetJob", &RenderService::get_job);
+  add_unary("ListJobs", &RenderService::list_jobs);
+  add_unary("CancelJob", &RenderService::cancel_job);
+  add_unary("PauseJob", &RenderService::pause_job);
+  add_unary("ResumeJob", &RenderService::resume_job);
+  add_unary("ExtendJob", &RenderService::extend_job);
+  add_unary("UpdateJob", &RenderService::update_job);
+  add_unary("DeleteJob", &RenderService::delete_job);
+  add_unary("ListWorkers", &RenderService::list_workers);
+  add("UploadBlob", [this](grpc::CallbackServerContext& context, Admission admission) -> Reactor* {
+    return new UploadStream(context, coordinator_, pools_, streams_, std::move(admission));
+  });
+  add_call("WatchJob", [this](grpc::CallbackServerContext& context, Admission admission) {
+    return new WatchCall(context, watches_, streams_, std::move(admission));
+  });
+  add_call("GetImage", [this](grpc::CallbackServerContext& context, Admission admission) {
+    return new ImageStream(context, coordinator_, pools_, streams_, std::move(admission));
+  });
 }
 
-template <typename Pool, typename Work>
-grpc::ServerUnaryReactor* RenderService::serve(grpc::CallbackServerContext* context, Pool& pool, Work work) {
-  return serve(context, pool, std::move(work), [](const Caller&) { return busy(); });
-}
-
-template <typename Pool, typename Work>
-grpc::ServerUnaryReactor* RenderService::serve_change(grpc::CallbackServerContext* context, Pool& pool,
-                                                      const std::string& job_id, Work work) {
-  return serve(context, pool, [this, &job_id, work = std::move(work)](const Caller& caller) {
-    const core::Status allowed = may_change(caller, job_id);
+template <typename AnyCall, typename Pool, typename Work>
+void RenderService::run_change(AnyCall& call, Pool& pool, Work work) {
+  run_unary(call, pool, [this, &call, work = std::move(work)] {
+    const core::Status allowed = may_change(call.caller(), call.request().job_id());
     return allowed ? work() : allowed;
   });
 }
@@ -61,147 +74,85 @@ core::Status RenderService::may_change(const Caller& caller, const std::string& 
                                 job_id, job->submitter()));
 }
 
-grpc::ServerReadReactor<v1::UploadBlobRequest>* RenderService::UploadBlob(
-    grpc::CallbackServerContext* context, v1::UploadBlobResponse* response) {
-  Caller caller;
-  if (const auto admitted = auth_.admit(*context, Role::kSubmit, caller); !admitted.ok())
-    return new RefusedStream<grpc::ServerReadReactor<v1::UploadBlobRequest>>(admitted);
-  auto place = streams_.uploads.take(caller.key);
-  if (!place) {
-    return new RefusedStream<grpc::ServerReadReactor<v1::UploadBlobRequest>>(
-        try_later(*context,
-                  server::over_share(streams_.uploads.held_by(caller.key), "uploads", "are under way",
-                                     streams_.limits.uploads, "--max-uploads"),
-                  kTryAgainAfter));
-  }
-  return new UploadStream(*context, coordinator_, pools_, streams_,
-                          {caller.key, *std::move(place), response});
-}
-
-grpc::ServerUnaryReactor* RenderService::SubmitJob(grpc::CallbackServerContext* context,
-                                                   const v1::SubmitJobRequest* request,
-                                                   v1::SubmitJobResponse* response) {
-  Caller caller;
-  if (const auto admitted = auth_.admit(*context, Role::kSubmit, caller); !admitted.ok())
-    return refuse(context, admitted);
+void RenderService::submit_job(Call<v1::SubmitJobRequest, v1::SubmitJobResponse>& call) {
   // From now on, however long it waits for its turn.
-  auto claimed = coordinator_.files().claim(caller.key, coordinator::files_of(request->bundle()));
-  if (!claimed) return refuse(context, try_later(*context, claimed.error(), kTryAgainAfter));
+  const std::string& key = call.caller().key;
+  auto claimed = coordinator_.files().claim(key, coordinator::files_of(call.request().bundle()));
+  if (!claimed) return call.finish(try_later(call.context(), claimed.error(), kTryAgainAfter));
   const auto claim = std::make_shared<coordinator::BlobClaims::Use>(*std::move(claimed));
-  const auto work = [=, this] {
-    core::Status submitted =
-        put_job(coordinator_.submit_job(*request, caller.name, response->mutable_warnings()), response);
+  const auto work = [this, &call, claim] {
+    core::Status submitted = put_job(
+        coordinator_.submit_job(call.request(), call.caller().name, call.response().mutable_warnings()),
+        call.response());
     if (submitted) claim->settle();
     return submitted;
   };
-  return run_unary(context, pools_.validating, caller.key, work, [&] {
-    return try_later(
-        *context,
-        server::over_share(pools_.validating.waiting_of(caller.key), "scenes", "wait to be validated",
-                           streams_.limits.waiting_scenes, "--max-waiting-scenes"),
-        kTryAgainAfter);
+  run_unary(call, pools_.validating, work, [&] {
+    return try_later(call.context(),
+                     server::over_share(pools_.validating.waiting_of(key), "scenes", "wait to be validated",
+                                        streams_.limits.waiting_scenes, "--max-waiting-scenes"),
+                     kTryAgainAfter);
   });
 }
 
-grpc::ServerUnaryReactor* RenderService::GetJob(grpc::CallbackServerContext* context,
-                                                const v1::GetJobRequest* request,
-                                                v1::GetJobResponse* response) {
-  return serve(context, pools_.quick,
-               [=, this](const Caller&) { return put_job(coordinator_.job(request->job_id()), response); });
+void RenderService::get_job(Call<v1::GetJobRequest, v1::GetJobResponse>& call) {
+  run_unary(call, pools_.users,
+            [this, &call] { return put_job(coordinator_.job(call.request().job_id()), call.response()); });
 }
 
-grpc::ServerUnaryReactor* RenderService::ListJobs(grpc::CallbackServerContext* context,
-                                                  const v1::ListJobsRequest* request,
-                                                  v1::ListJobsResponse* response) {
-  return serve(context, pools_.quick, [=, this](const Caller&) {
-    for (v1::Job& job : coordinator_.jobs(*request)) *response->add_jobs() = std::move(job);
+void RenderService::list_jobs(Call<v1::ListJobsRequest, v1::ListJobsResponse>& call) {
+  run_unary(call, pools_.users, [this, &call] {
+    for (v1::Job& job : coordinator_.jobs(call.request())) *call.response().add_jobs() = std::move(job);
     return core::Status();
   });
 }
 
-grpc::ServerWriteReactor<v1::WatchJobResponse>* RenderService::WatchJob(grpc::CallbackServerContext* context,
-                                                                        const v1::WatchJobRequest* request) {
-  Caller caller;
-  if (const auto admitted = auth_.admit(*context, Role::kSubmit, caller); !admitted.ok())
-    return new RefusedStream<grpc::ServerWriteReactor<v1::WatchJobResponse>>(admitted);
-  auto place = streams_.watches.take(caller.key);
-  if (!place) {
-    return new RefusedStream<grpc::ServerWriteReactor<v1::WatchJobResponse>>(
-        try_later(*context,
-                  server::over_share(streams_.watches.held_by(caller.key), "jobs", "are being watched",
-                                     streams_.limits.watches, "--max-watches"),
-                  kTryAgainAfter));
-  }
-  return new WatchCall(*context, watches_, streams_.stalls, {request->job_id(), *std::move(place)});
-}
-
-grpc::ServerWriteReactor<v1::GetImageResponse>* RenderService::GetImage(grpc::CallbackServerContext* context,
-                                                                        const v1::GetImageRequest* request) {
-  Caller caller;
-  if (const auto admitted = auth_.admit(*context, Role::kSubmit, caller); !admitted.ok())
-    return new RefusedStream<grpc::ServerWriteReactor<v1::GetImageResponse>>(admitted);
-  return new ImageStream(*context, coordinator_, pools_, streams_, {*request, caller.key});
-}
-
-grpc::ServerUnaryReactor* RenderService::CancelJob(grpc::CallbackServerContext* context,
-                                                   const v1::CancelJobRequest* request,
-                                                   v1::CancelJobResponse* response) {
-  return serve_change(context, pools_.quick, request->job_id(),
-                      [=, this] { return put_job(coordinator_.cancel_job(request->job_id()), response); });
-}
-
-grpc::ServerUnaryReactor* RenderService::PauseJob(grpc::CallbackServerContext* context,
-                                                  const v1::PauseJobRequest* request,
-                                                  v1::PauseJobResponse* response) {
-  return serve_change(context, pools_.quick, request->job_id(),
-                      [=, this] { return put_job(coordinator_.pause_job(request->job_id()), response); });
-}
-
-grpc::ServerUnaryReactor* RenderService::ResumeJob(grpc::CallbackServerContext* context,
-                                                   const v1::ResumeJobRequest* request,
-                                                   v1::ResumeJobResponse* response) {
-  return serve_change(context, pools_.quick, request->job_id(),
-                      [=, this] { return put_job(coordinator_.resume_job(request->job_id()), response); });
-}
-
-grpc::ServerUnaryReactor* RenderService::ExtendJob(grpc::CallbackServerContext* context,
-                                                   const v1::ExtendJobRequest* request,
-                                                   v1::ExtendJobResponse* response) {
-  return serve_change(context, pools_.slow, request->job_id(), [=, this] {
-    return put_job(coordinator_.extend_job(request->job_id(), request->spp()), response);
+void RenderService::cancel_job(Call<v1::CancelJobRequest, v1::CancelJobResponse>& call) {
+  run_change(call, pools_.users, [this, &call] {
+    return put_job(coordinator_.cancel_job(call.request().job_id()), call.response());
   });
 }
 
-grpc::ServerUnaryReactor* RenderService::UpdateJob(grpc::CallbackServerContext* context,
-                                                   const v1::UpdateJobRequest* request,
-                                                   v1::UpdateJobResponse* response) {
-  return serve_change(context, pools_.quick, request->job_id(),
-                      [=, this] { return put_job(coordinator_.update_job(*request), response); });
+void RenderService::pause_job(Call<v1::PauseJobRequest, v1::PauseJobResponse>& call) {
+  run_change(call, pools_.users, [this, &call] {
+    return put_job(coordinator_.pause_job(call.request().job_id()), call.response());
+  });
 }
 
-grpc::ServerUnaryReactor* RenderService::DeleteJob(grpc::CallbackServerContext* context,
-                                                   const v1::DeleteJobRequest* request,
-                                                   v1::DeleteJobResponse*) {
-  return serve_change(context, pools_.quick, request->job_id(),
-                      [=, this] { return coordinator_.delete_job(request->job_id()); });
+void RenderService::resume_job(Call<v1::ResumeJobRequest, v1::ResumeJobResponse>& call) {
+  run_change(call, pools_.users, [this, &call] {
+    return put_job(coordinator_.resume_job(call.request().job_id()), call.response());
+  });
 }
 
-grpc::ServerUnaryReactor* RenderService::ListWorkers(grpc::CallbackServerContext* context,
-                                                     const v1::ListWorkersRequest*,
-                                                     v1::ListWorkersResponse* response) {
-  return serve(context, pools_.quick, [=, this](const Caller&) {
-    for (auto& worker : coordinator_.workers()) *response->add_workers() = std::move(worker);
+void RenderService::extend_job(Call<v1::ExtendJobRequest, v1::ExtendJobResponse>& call) {
+  run_change(call, pools_.slow, [this, &call] {
+    return put_job(coordinator_.extend_job(call.request().job_id(), call.request().spp()), call.response());
+  });
+}
+
+void RenderService::update_job(Call<v1::UpdateJobRequest, v1::UpdateJobResponse>& call) {
+  run_change(call, pools_.users,
+             [this, &call] { return put_job(coordinator_.update_job(call.request()), call.response()); });
+}
+
+void RenderService::delete_job(Call<v1::DeleteJobRequest, v1::DeleteJobResponse>& call) {
+  run_change(call, pools_.users, [this, &call] { return coordinator_.delete_job(call.request().job_id()); });
+}
+
+void RenderService::list_workers(Call<v1::ListWorkersRequest, v1::ListWorkersResponse>& call) {
+  run_unary(call, pools_.users, [this, &call] {
+    for (auto& worker : coordinator_.workers()) *call.response().add_workers() = std::move(worker);
     return core::Status();
   });
 }
 
-grpc::ServerUnaryReactor* RenderService::FindMissingBlobs(grpc::CallbackServerContext* context,
-                                                          const v1::FindMissingBlobsRequest* request,
-                                                          v1::FindMissingBlobsResponse* response) {
-  return serve(context, pools_.quick, [=, this](const Caller& caller) {
-    core::Status found = find_missing(caller.key, *request, *response);
+void RenderService::find_missing_blobs(
+    Call<v1::FindMissingBlobsRequest, v1::FindMissingBlobsResponse>& call) {
+  run_unary(call, pools_.users, [this, &call] {
+    core::Status found = find_missing(call.caller().key, call.request(), call.response());
     if (!found && found.error().code == core::ErrorCode::kResourceExhausted)
-      static_cast<void>(try_later(*context, found.error(), kTryAgainAfter));
+      static_cast<void>(try_later(call.context(), found.error(), kTryAgainAfter));
     return found;
   });
 }

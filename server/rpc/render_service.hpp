@@ -1,79 +1,48 @@
 // SPDX-License-Identifier: Apache-2.0
-// The users' service: each method asks who calls, hands its request to the coordinator and its answer to
-// gRPC, and does nothing else. Thread-safe.
+// The users' service: each method hands its request to the coordinator and its answer to gRPC, and does
+// nothing else. Thread-safe.
 #pragma once
 
+#include <string>
+
 #include "server/coordinator/coordinator.hpp"
-#include "server/rpc/auth_interceptor.hpp"
+#include "server/rpc/guarded_service.hpp"
 #include "server/rpc/pools.hpp"
-#include "server/rpc/reactors.hpp"
 #include "server/rpc/stream_limits.hpp"
 #include "server/rpc/watch_hub.hpp"
-#include "tessera/v1/render_service.grpc.pb.h"
+#include "tessera/v1/render_service.pb.h"
 
 namespace tessera::rpc {
 
-class RenderService final : public v1::RenderService::CallbackService {
+class RenderService final : public GuardedService {
  public:
   RenderService(coordinator::Coordinator& coordinator, AuthInterceptor& gate, Pools pools, WatchHub& watches,
-                StreamLimits& streams)
-      : coordinator_(coordinator), auth_(gate), pools_(pools), watches_(watches), streams_(streams) {}
-
-  grpc::ServerUnaryReactor* FindMissingBlobs(grpc::CallbackServerContext* context,
-                                             const v1::FindMissingBlobsRequest* request,
-                                             v1::FindMissingBlobsResponse* response) override;
-  grpc::ServerReadReactor<v1::UploadBlobRequest>* UploadBlob(grpc::CallbackServerContext* context,
-                                                             v1::UploadBlobResponse* response) override;
-  grpc::ServerUnaryReactor* SubmitJob(grpc::CallbackServerContext* context,
-                                      const v1::SubmitJobRequest* request,
-                                      v1::SubmitJobResponse* response) override;
-  grpc::ServerUnaryReactor* GetJob(grpc::CallbackServerContext* context, const v1::GetJobRequest* request,
-                                   v1::GetJobResponse* response) override;
-  grpc::ServerUnaryReactor* ListJobs(grpc::CallbackServerContext* context, const v1::ListJobsRequest* request,
-                                     v1::ListJobsResponse* response) override;
-  grpc::ServerWriteReactor<v1::WatchJobResponse>* WatchJob(grpc::CallbackServerContext* context,
-                                                           const v1::WatchJobRequest* request) override;
-  grpc::ServerWriteReactor<v1::GetImageResponse>* GetImage(grpc::CallbackServerContext* context,
-                                                           const v1::GetImageRequest* request) override;
-  grpc::ServerUnaryReactor* CancelJob(grpc::CallbackServerContext* context,
-                                      const v1::CancelJobRequest* request,
-                                      v1::CancelJobResponse* response) override;
-  grpc::ServerUnaryReactor* PauseJob(grpc::CallbackServerContext* context, const v1::PauseJobRequest* request,
-                                     v1::PauseJobResponse* response) override;
-  grpc::ServerUnaryReactor* ResumeJob(grpc::CallbackServerContext* context,
-                                      const v1::ResumeJobRequest* request,
-                                      v1::ResumeJobResponse* response) override;
-  grpc::ServerUnaryReactor* ExtendJob(grpc::CallbackServerContext* context,
-                                      const v1::ExtendJobRequest* request,
-                                      v1::ExtendJobResponse* response) override;
-  grpc::ServerUnaryReactor* UpdateJob(grpc::CallbackServerContext* context,
-                                      const v1::UpdateJobRequest* request,
-                                      v1::UpdateJobResponse* response) override;
-  grpc::ServerUnaryReactor* DeleteJob(grpc::CallbackServerContext* context,
-                                      const v1::DeleteJobRequest* request,
-                                      v1::DeleteJobResponse* response) override;
-  grpc::ServerUnaryReactor* ListWorkers(grpc::CallbackServerContext* context,
-                                        const v1::ListWorkersRequest* request,
-                                        v1::ListWorkersResponse* response) override;
+                StreamLimits& streams);
 
  private:
-  // Answers with the status of work(caller), run on `pool`; or that of when_full(caller), where too much
-  // waits for that already.
-  template <typename Pool, typename Work, typename WhenFull>
-  grpc::ServerUnaryReactor* serve(grpc::CallbackServerContext* context, Pool& pool, Work work,
-                                  WhenFull when_full);
-  template <typename Pool, typename Work>
-  grpc::ServerUnaryReactor* serve(grpc::CallbackServerContext* context, Pool& pool, Work work);
-  // The same with the status of work(), for callers who may change the job.
-  template <typename Pool, typename Work>
-  grpc::ServerUnaryReactor* serve_change(grpc::CallbackServerContext* context, Pool& pool,
-                                         const std::string& job_id, Work work);
+  template <typename Request, typename Response>
+  using Call = UnaryCall<Request, Response>;
+
+  void find_missing_blobs(Call<v1::FindMissingBlobsRequest, v1::FindMissingBlobsResponse>& call);
+  void submit_job(Call<v1::SubmitJobRequest, v1::SubmitJobResponse>& call);
+  void get_job(Call<v1::GetJobRequest, v1::GetJobResponse>& call);
+  void list_jobs(Call<v1::ListJobsRequest, v1::ListJobsResponse>& call);
+  void cancel_job(Call<v1::CancelJobRequest, v1::CancelJobResponse>& call);
+  void pause_job(Call<v1::PauseJobRequest, v1::PauseJobResponse>& call);
+  void resume_job(Call<v1::ResumeJobRequest, v1::ResumeJobResponse>& call);
+  void extend_job(Call<v1::ExtendJobRequest, v1::ExtendJobResponse>& call);
+  void update_job(Call<v1::UpdateJobRequest, v1::UpdateJobResponse>& call);
+  void delete_job(Call<v1::DeleteJobRequest, v1::DeleteJobResponse>& call);
+  void list_workers(Call<v1::ListWorkersRequest, v1::ListWorkersResponse>& call);
+
+  // Answers with the status of work(), run on `pool`, for callers who may change the job.
+  template <typename AnyCall, typename Pool, typename Work>
+  void run_change(AnyCall& call, Pool& pool, Work work);
   core::Status find_missing(const std::string& caller, const v1::FindMissingBlobsRequest& request,
                             v1::FindMissingBlobsResponse& response);
   core::Status may_change(const Caller& caller, const std::string& job_id);
 
   coordinator::Coordinator& coordinator_;
-  AuthInterceptor& auth_;
   const Pools pools_;
   WatchHub& watches_;
   StreamLimits& streams_;

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <grpcpp/ext/proto_server_reflection_plugin.h>
 #include <grpcpp/health_check_service_interface.h>
+#include <grpcpp/impl/server_builder_option.h>
 #include <grpcpp/server_builder.h>
 #include <spdlog/spdlog.h>
 #include <sys/resource.h>
@@ -30,6 +31,7 @@ constexpr auto kTickPeriod = std::chrono::milliseconds(100);
 constexpr auto kCheckpointPeriod = std::chrono::milliseconds(1000);
 constexpr auto kReopenPeriod = std::chrono::milliseconds(500);
 constexpr auto kLongestCheckpoint = std::chrono::milliseconds(500);
+constexpr auto kRemovePeriod = std::chrono::milliseconds(100);
 constexpr auto kCollectPeriod = std::chrono::minutes(10);
 constexpr auto kLeaveForCalls = std::chrono::seconds(2);
 
@@ -55,6 +57,16 @@ ConnectionSlots connection_slots(const server::Limits& limits) {
   }
   return {most, limits.machine_connections};
 }
+
+// The linked reflection service answers everybody and parses any message, unless its plugin is removed.
+class WithoutReflection final : public grpc::ServerBuilderOption {
+ public:
+  void UpdateArguments(grpc::ChannelArguments*) override {}
+  void UpdatePlugins(std::vector<std::unique_ptr<grpc::ServerBuilderPlugin>>* plugins) override {
+    const std::string name = grpc::reflection::ProtoServerReflectionPlugin().name();
+    std::erase_if(*plugins, [&](const auto& plugin) { return plugin->name() == name; });
+  }
+};
 
 // Logs what became of checkpoints, each piece of news once. For one thread at a time.
 class CheckpointLog {
@@ -97,47 +109,61 @@ struct Server::Parts {
         gate(std::move(access), limits),
         streams(limits),
         quick(quick_threads(), kMaxWaitingQuick),
+        users(quick_threads(), kMaxWaitingQuick),
         slow(kSlowThreads, kMaxWaitingSlow),
         validating(limits.validations, limits.waiting_scenes),
         clearing(kClearingThreads, limits.uploads),
         watches(c),
-        render_service(c, gate, {quick, slow, validating, clearing}, watches, streams),
+        render_service(c, gate, {quick, users, slow, validating, clearing}, watches, streams),
         worker_service(c, gate, quick, streams),
         checkpointer(kCheckpointPeriod, [this] { checkpoint_log.write(coordinator); }),
         ticker(kTickPeriod,
                [this] {
+                 gate.flush_log();
                  if (coordinator.tick()) checkpointer.trigger();
                }),
         reopener(kReopenPeriod, [this] { coordinator.reopen_jobs(); }),
+        remover(kRemovePeriod, [this] { remove_deleted_tiles(); }),
         collector(kCollectPeriod, [this] { coordinator.files().collect(); }) {}
 
+  void remove_deleted_tiles();
   // Once there is a listener.
   core::Status serve(const std::shared_ptr<grpc::ServerCredentials>& credentials,
-                     const proto::Patience& patience);
+                     const proto::Patience& patience, bool with_reflection);
 
   Coordinator& coordinator;
   const server::Limits limits;
   AuthInterceptor gate;
   StreamLimits streams;
   coordinator::ThreadPool quick;
-  coordinator::FairPool slow, validating, clearing;
+  coordinator::FairPool users, slow, validating, clearing;
   WatchHub watches;
   RenderService render_service;
   WorkerService worker_service;
   CheckpointLog checkpoint_log;
-  coordinator::Periodic checkpointer, ticker, reopener, collector;
+  std::string last_failure_to_remove;  // for the remover alone
+  coordinator::Periodic checkpointer, ticker, reopener, remover, collector;
   std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor> acceptor;
   std::unique_ptr<grpc::Server> grpc;
   std::unique_ptr<Listener> listener;  // hands on to the acceptor
 };
 
+void Server::Parts::remove_deleted_tiles() {
+  const core::Status removed = coordinator.remove_deleted_tiles();
+  const std::string failure = removed ? "" : removed.error().message;
+  if (!failure.empty() && failure != last_failure_to_remove)
+    spdlog::warn("cannot remove the films of deleted jobs yet, and will try again: {}", failure);
+  last_failure_to_remove = failure;
+}
+
 core::Status Server::Parts::serve(const std::shared_ptr<grpc::ServerCredentials>& credentials,
-                                  const proto::Patience& patience) {
+                                  const proto::Patience& patience, bool with_reflection) {
   grpc::EnableDefaultHealthCheckService(true);
-  grpc::reflection::InitProtoReflectionServerBuilderPlugin();
   grpc::ServerBuilder builder;
-  proto::apply_server_options(builder, patience);
-  builder.SetMaxReceiveMessageSize(static_cast<int>(limits.message_mib * server::kMib));
+  if (!with_reflection) builder.SetOption(std::make_unique<WithoutReflection>());
+  proto::apply_server_options(builder, patience,
+                              {.message_bytes = static_cast<int>(limits.message_mib * server::kMib),
+                               .quota_bytes = limits.receive_mib * server::kMib});
   builder.RegisterService(&render_service);
   builder.RegisterService(&worker_service);
   acceptor = builder.experimental().AddExternalConnectionAcceptor(
@@ -165,13 +191,15 @@ core::Result<std::unique_ptr<Server>> Server::start(Coordinator& coordinator, Se
   const std::string& address = options.address;
   const auto credentials = proto::server_credentials(address, options.security);
   if (!credentials) return core::fail(credentials.error());
+  // Reflection parses messages before callers are authenticated.
+  const bool with_reflection = options.access.is_open() || !options.security.client_ca.empty();
   auto listening = listen_on(address, options.patience.answer);
   if (!listening) return core::fail(listening.error());
   auto listener = Listener::make(std::move(*listening), connection_slots(options.limits));
   if (!listener) return core::fail(listener.error());
   auto parts = std::make_unique<Parts>(coordinator, std::move(options.access), options.limits);
   parts->listener = std::move(*listener);
-  if (const auto served = parts->serve(*credentials, options.patience); !served)
+  if (const auto served = parts->serve(*credentials, options.patience, with_reflection); !served)
     return core::fail(served.error());
   const std::string host = address.substr(0, address.rfind(':'));
   const int port = parts->listener->port();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What streams share: places for uploads, downloads and watchers, memory for pictures, and patience with
-// callers that stand still. Thread-safe.
+// What calls share: places for uploads, downloads and watchers, memory for images and for answers, and
+// patience with callers that stand still. Thread-safe.
 #pragma once
 
 #include "server/coordinator/fair_queue.hpp"
@@ -19,11 +19,13 @@ struct StreamLimits {
         uploads(l.uploads),
         fetches(l.fetches),
         watches(l.watches),
+        answers(l.answer_mib * server::kMib),
         image_mib(l.image_mib, kMaxWaitingImages),
         stalls(l.stall_time) {}
 
   const server::Limits& limits;
   coordinator::FairShare uploads, fetches, watches;
+  coordinator::FairShare answers;  // bytes of unary answers that were not taken yet
   coordinator::FairQueue image_mib;
   StallWatch stalls;
 };

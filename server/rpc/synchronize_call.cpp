@@ -1,30 +1,64 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/rpc/synchronize_call.hpp"
 
+#include <fmt/format.h>
+
+#include <atomic>
 #include <utility>
 
 #include "proto/status.hpp"
+#include "proto/worker_key.hpp"
+#include "server/rpc/connection_slots.hpp"
 #include "server/rpc/reactors.hpp"
 
 namespace tessera::rpc {
 
-SynchronizeCall::SynchronizeCall(grpc::CallbackServerContext& context, coordinator::Coordinator& coordinator,
-                                 coordinator::ThreadPool& pool, const v1::SynchronizeRequest* request,
-                                 v1::SynchronizeResponse* response)
-    : response_(response) {
-  const bool posted = pool.run_or_post([this, &context, &coordinator, request] {
-    coordinator::SynchronizeCaller caller;
-    caller.answer = [this](core::Result<v1::SynchronizeResponse> result) { answer(std::move(result)); };
-    caller.is_gone = [&context] { return context.IsCancelled(); };
-    coordinator.synchronize(*request, std::move(caller));
-  });
-  if (!posted) Finish(busy());
+namespace {
+
+// Only a worker that knows the key of an id may call with that id.
+core::Status check_worker_key(const v1::SynchronizeRequest& request) {
+  if (request.worker_key().size() == proto::kWorkerKeyBytes &&
+      request.worker_id() == proto::worker_id_of(request.worker_key()))
+    return {};
+  return core::fail(
+      core::ErrorCode::kFailedPrecondition,
+      fmt::format("worker_key: {}",
+                  request.worker_key().empty()
+                      ? "is missing, as in workers of earlier releases: install the coordinator's "
+                        "release on this machine"
+                      : "is not that of worker_id"));
 }
 
-void SynchronizeCall::answer(core::Result<v1::SynchronizeResponse> result) {
-  if (!result) return Finish(proto::to_grpc(result.error()));
-  *response_ = std::move(*result);
-  Finish(grpc::Status::OK);
+}  // namespace
+
+void SynchronizeCall::begin() {
+  if (const auto proved = check_worker_key(*request_); !proved) return Finish(proto::to_grpc(proved));
+  if (!pool_.run_or_post([this] { synchronize(); })) Finish(busy());
+}
+
+// The answer may come, and delete this, before the coordinator returns. If the coordinator throws, an answer
+// may still come: only the first one counts.
+void SynchronizeCall::synchronize() {
+  const std::unique_ptr<const v1::SynchronizeRequest> request = std::move(request_);
+  const auto answered = std::make_shared<std::atomic_flag>();
+  const auto give_once = [this, answered](core::Result<v1::SynchronizeResponse> result) {
+    if (!answered->test_and_set()) give(std::move(result));
+  };
+  const core::Status done = guarded([&]() -> core::Status {
+    const auto is_gone = [this, answered] { return answered->test() || context().IsCancelled(); };
+    coordinator_.synchronize(*request, {.answer = give_once, .is_gone = is_gone, .principal = principal()});
+    return {};
+  });
+  if (!done) give_once(core::fail(done.error()));
+}
+
+// Neither is enough: machines may share a token, and callers an address.
+std::string SynchronizeCall::principal() const {
+  return caller().name + " at " + client_key(context().peer());
+}
+
+void SynchronizeCall::give(core::Result<v1::SynchronizeResponse> result) {
+  result ? answer(*result) : Finish(proto::to_grpc(result.error()));
 }
 
 }  // namespace tessera::rpc

@@ -2,25 +2,33 @@
 // One call of Synchronize, for as long as it waits.
 #pragma once
 
-#include <grpcpp/support/server_callback.h>
+#include <memory>
+#include <string>
 
 #include "server/coordinator/coordinator.hpp"
 #include "server/coordinator/thread_pool.hpp"
+#include "server/rpc/call.hpp"
+#include "tessera/v1/worker_service.pb.h"
 
 namespace tessera::rpc {
 
-// Owned by gRPC until OnDone, which comes after the one Finish; the coordinator answers exactly once.
-class SynchronizeCall final : public grpc::ServerUnaryReactor {
+// The coordinator answers exactly once; gRPC deletes the call after that.
+class SynchronizeCall final : public RequestCall {
  public:
   SynchronizeCall(grpc::CallbackServerContext& context, coordinator::Coordinator& coordinator,
-                  coordinator::ThreadPool& pool, const v1::SynchronizeRequest* request,
-                  v1::SynchronizeResponse* response);
+                  coordinator::ThreadPool& pool, StreamLimits& streams, Admission admission)
+      : RequestCall(context, streams, std::move(admission)), coordinator_(coordinator), pool_(pool) {}
 
  private:
-  void answer(core::Result<v1::SynchronizeResponse> result);
-  void OnDone() override { delete this; }
+  google::protobuf::Message& message() override { return *request_; }
+  void begin() override;
+  void synchronize();
+  std::string principal() const;
+  void give(core::Result<v1::SynchronizeResponse> result);
 
-  v1::SynchronizeResponse* const response_;
+  coordinator::Coordinator& coordinator_;
+  coordinator::ThreadPool& pool_;
+  std::unique_ptr<v1::SynchronizeRequest> request_ = std::make_unique<v1::SynchronizeRequest>();
 };
 
 }  // namespace tessera::rpc

@@ -18,10 +18,16 @@ bool is_final(v1::JobState state) {
 
 }  // namespace
 
-WatchCall::WatchCall(grpc::CallbackServerContext& context, WatchHub& hub, StallWatch& stalls,
-                     WatchRequest request)
-    : context_(context), hub_(hub), stalls_(stalls), request_(std::move(request)) {
-  stalls_.add(*this);
+void WatchCall::begin() {
+  auto place = streams().watches.take(caller().key);
+  if (!place) {
+    const std::lock_guard lock(mutex_);
+    return end(try_later(context(),
+                         server::over_share(streams().watches.held_by(caller().key), "jobs",
+                                            "are being watched", streams().limits.watches, "--max-watches"),
+                         kTryAgainAfter));
+  }
+  place_.emplace(*std::move(place));
   hub_.add(*this);
 }
 
@@ -41,7 +47,13 @@ void WatchCall::write(const v1::Job& job) {
   last_sent_at_ = Clock::now();
   writing_ = true;
   *response_.mutable_job() = job;
-  StartWrite(&response_);
+  auto bytes = serialise(response_);
+  if (!bytes) {
+    writing_ = false;
+    return end(proto::to_grpc(core::Status(core::fail(bytes.error()))));
+  }
+  bytes_ = *std::move(bytes);
+  StartWrite(&bytes_);
 }
 
 void WatchCall::end(grpc::Status status) {
@@ -52,9 +64,9 @@ void WatchCall::end(grpc::Status status) {
 }
 
 // A write is under way, which nothing but this ends.
-void WatchCall::end_if_waiting_since(Clock::time_point time) {
+void WatchCall::end_own_wait_since(Clock::time_point time) {
   const std::lock_guard lock(mutex_);
-  if (writing_ && last_sent_at_ <= time) context_.TryCancel();
+  if (writing_ && last_sent_at_ <= time) context().TryCancel();
 }
 
 void WatchCall::OnWriteDone(bool ok) {
@@ -64,16 +76,15 @@ void WatchCall::OnWriteDone(bool ok) {
   if (ending_) end(*ending_);
 }
 
-void WatchCall::OnCancel() {
+void WatchCall::on_cancel() {
   const std::lock_guard lock(mutex_);
   end(grpc::Status::CANCELLED);
 }
 
 void WatchCall::OnDone() {
   hub_.remove(*this);
-  stalls_.remove(*this);
   { const std::lock_guard whoever_ended_it_is_done(mutex_); }
-  delete this;
+  RequestCall::OnDone();
 }
 
 }  // namespace tessera::rpc

@@ -29,6 +29,9 @@ struct WorkerInfo {
   // Which machine it runs on, as it has proved; the same for every worker of that machine, and for no other.
   // Empty: unknown.
   std::string machine{};
+  // Who answers for it, as the coordinator knows the caller; a caller can make up ids, names and machines,
+  // but not this. Empty: unknown.
+  std::string principal{};
 };
 
 // What a worker says that it renders at this moment.
@@ -138,8 +141,8 @@ struct RestoreJob {
   std::vector<ProducedItem> provenance{};
 };
 
-// What workers that were quarantined have rendered of the job is to be verified: if it is done, it runs again.
-// See Actions::reopen. No change if there is nothing to verify.
+// What workers that were quarantined have rendered of the job is to be verified: if it is done, it runs
+// again. See Actions::reopen. No change if there is nothing to verify.
 struct ReopenJob {
   JobId id;
 };

@@ -13,6 +13,7 @@ namespace {
 
 constexpr int kRefusalsUntilFailure = 3;
 constexpr std::size_t kRefusersUntilFailure = 3;
+constexpr std::size_t kPrincipalsUntilFailure = 3;
 
 constexpr const char* kWhatToDoAboutStuck =
     "Render the pixels here to see what keeps them (tessera render SCENE --crop), lower what the scene asks "
@@ -37,6 +38,18 @@ std::string sentence_on(const WorkItem& item, const core::PixelRect& rect, const
       any_stuck ? kWhatToDoAboutStuck
                 : "Look into their logs, and whether they have the memory that the scene needs; then submit "
                   "it again");
+}
+
+bool are_enough(const Principals& said, const FindPrincipals& find_present) {
+  Principals present = find_present();
+  present.insert(said.begin(), said.end());
+  return said.size() >= std::min(kPrincipalsUntilFailure, present.size());
+}
+
+Principals principals_of(const std::vector<Loss>& losses) {
+  Principals principals;
+  for (const Loss& loss : losses) principals.insert(loss.principal);
+  return principals;
 }
 
 std::uint64_t total_samples(const JobShape& shape) {
@@ -261,6 +274,7 @@ bool Job::accept(const WorkItem& item, std::vector<Lease>& ended) {
   stuck_before_any_.clear();
   refusals_ = 0;
   refusers_.clear();
+  refusing_principals_.clear();
   refusing_workers_.clear();
   for (Lease& lease : leases_.trim(item)) {
     copyable_.erase(lease.id);
@@ -270,13 +284,14 @@ bool Job::accept(const WorkItem& item, std::vector<Lease>& ended) {
   return true;
 }
 
-std::optional<std::string> Job::strike(const Lease& lease, const Loss& loss) {
+std::optional<std::string> Job::strike(const Lease& lease, const Loss& loss, const FindPrincipals& present) {
   for (const WorkItem& item : lease.items) poison_.strike(item, loss, lease.alone);
   // Of several items it cannot be told which it was.
-  return lease.alone ? verdict_on(lease.items.front()) : std::nullopt;
+  return lease.alone ? verdict_on(lease.items.front(), present) : std::nullopt;
 }
 
-std::optional<std::string> Job::strike(const std::vector<WorkItem>& items, const Loss& loss) {
+std::optional<std::string> Job::strike(const std::vector<WorkItem>& items, const Loss& loss,
+                                       const FindPrincipals& present) {
   std::vector<WorkItem> missing;
   for (const WorkItem& item : items) {
     IntervalSet samples{item.samples};
@@ -286,16 +301,18 @@ std::optional<std::string> Job::strike(const std::vector<WorkItem>& items, const
   }
   if (missing.empty()) return std::nullopt;
   for (const WorkItem& item : missing) poison_.strike(item, loss, true);
-  const auto is_of_name = [&](const Loss& other) { return other.name == loss.name; };
+  const auto is_of_name = [&](const Loss& other) {
+    return other.name == loss.name && other.principal == loss.principal;
+  };
   if (std::none_of(stuck_before_any_.begin(), stuck_before_any_.end(), is_of_name))
     stuck_before_any_.push_back(loss);
   for (const WorkItem& item : missing) {
-    if (auto verdict = verdict_on(item)) return verdict;
+    if (auto verdict = verdict_on(item, present)) return verdict;
   }
   return std::nullopt;
 }
 
-std::optional<std::string> Job::verdict_on(const WorkItem& item) const {
+std::optional<std::string> Job::verdict_on(const WorkItem& item, const FindPrincipals& present) const {
   PoisonTracker::Part part;
   for (WorkItem rest = item; !rest.samples.empty(); rest.samples.begin = part.samples.end) {
     part = poison_.first_part(rest);
@@ -303,14 +320,16 @@ std::optional<std::string> Job::verdict_on(const WorkItem& item) const {
     // What another worker still holds may yet be rendered.
     if (leases_.leased(item.tile).intersects(part.samples)) continue;
     if (audit_leases_.leased(item.tile).intersects(part.samples)) continue;
+    if (!are_enough(principals_of(part.losses), present)) continue;
     return sentence_on({item.tile, poison_.to_be_told(rest)}, grid_.rect(item.tile), part.losses);
   }
   return std::nullopt;
 }
 
-std::optional<std::string> Job::nobody_gets_on() const {
+std::optional<std::string> Job::nobody_gets_on(const FindPrincipals& present) const {
   if (done_count_ > 0 || lease_count() > 0 || stuck_before_any_.size() < kLossesUntilFailure)
     return std::nullopt;
+  if (!are_enough(principals_of(stuck_before_any_), present)) return std::nullopt;
   return fmt::format(
       "{} workers came to no end with whatever they had of it, and nobody has rendered a sample: {}. {}",
       stuck_before_any_.size(), names_of(stuck_before_any_), kWhatToDoAboutStuck);
@@ -323,9 +342,11 @@ void Job::withdraw_strikes(const WorkerId& worker, LossKind kind) {
 }
 
 std::optional<std::string> Job::decline_reason(const Refuser& refuser, const std::string& why,
-                                               const std::set<std::string>& present) {
+                                               const std::set<std::string>& present,
+                                               const FindPrincipals& principals) {
   ++refusals_;
   refusers_.insert(refuser.name);
+  refusing_principals_.insert(refuser.principal);
   refusing_workers_.insert(refuser.worker);
   const auto has_refused = [&](const auto& entry) { return refusing_workers_.contains(entry.second.holder); };
   const bool nobody_else =
@@ -334,6 +355,7 @@ std::optional<std::string> Job::decline_reason(const Refuser& refuser, const std
       std::all_of(audit_leases_.all().begin(), audit_leases_.all().end(), has_refused);
   if (refusals_ < kRefusalsUntilFailure) return std::nullopt;
   if (refusers_.size() < kRefusersUntilFailure && !nobody_else) return std::nullopt;
+  if (!are_enough(refusing_principals_, principals)) return std::nullopt;
   return fmt::format(
       "{} times in a row a worker could not build the scene, the last of them {}, which says: \"{}\". Mend "
       "that, or "

@@ -7,6 +7,7 @@
 // audit.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <set>
 #include <string>
@@ -37,7 +38,13 @@ struct Portion {
 struct Refuser {
   WorkerId worker;
   std::string name;
+  std::string principal{};
 };
+
+// WorkerInfo::principal of the workers that can render. Losses and refusals fail a job only by the word of
+// three principals, or of all if there are fewer: one caller can make up any number of workers.
+using Principals = std::set<std::string>;
+using FindPrincipals = std::function<Principals()>;
 
 // How a job is served.
 struct SchedulingPolicy {
@@ -151,17 +158,19 @@ class Job {
 
   // The holder of an ended lease has died. The sentence to fail the job with, if this is enough and nobody
   // else holds the samples.
-  std::optional<std::string> strike(const Lease& lease, const Loss& loss);
+  std::optional<std::string> strike(const Lease& lease, const Loss& loss, const FindPrincipals& present);
   // The same of a worker that is stuck in these samples, as far as they are missing.
-  std::optional<std::string> strike(const std::vector<WorkItem>& items, const Loss& loss);
+  std::optional<std::string> strike(const std::vector<WorkItem>& items, const Loss& loss,
+                                    const FindPrincipals& present);
   // The sentence to fail the job with, if nothing of it was ever counted, nobody holds any of it, and workers
   // of three names were stuck in whatever they had of it.
-  std::optional<std::string> nobody_gets_on() const;
+  std::optional<std::string> nobody_gets_on(const FindPrincipals& present) const;
   // A worker cannot build the scene. The sentence to fail the job with, if that was said three times in a
   // row, and by workers of three names, or by all names that are `present` and every worker that holds a
   // lease.
   std::optional<std::string> decline_reason(const Refuser& refuser, const std::string& why,
-                                            const std::set<std::string>& present);
+                                            const std::set<std::string>& present,
+                                            const FindPrincipals& principals);
   // A worker that was taken for dead lives, or for stuck goes on to something else.
   void withdraw_strikes(const WorkerId& worker, LossKind kind);
 
@@ -191,7 +200,7 @@ class Job {
   void lease_audit(Lease lease);
   Lease end_audit(LeaseId id, LeaseState to);
   void trim_audits(const WorkItem& item, std::vector<Lease>& ended);
-  std::optional<std::string> verdict_on(const WorkItem& item) const;
+  std::optional<std::string> verdict_on(const WorkItem& item, const FindPrincipals& present) const;
   std::optional<std::string> check_tile(int tile) const;
   std::optional<std::string> check_counts() const;
   std::size_t workers_beyond_limit() const;
@@ -217,6 +226,7 @@ class Job {
   // In a row, and who said so; forgotten with every accepted sample.
   int refusals_ = 0;
   std::set<std::string> refusers_;
+  Principals refusing_principals_;
   std::set<WorkerId> refusing_workers_;
   // Every lease with samples that nobody else holds; may also have others.
   std::set<LeaseId> copyable_;

@@ -204,7 +204,7 @@ void Scheduler::lose_lease(const Worker& worker, const HeldLease& held, Actions&
   // had another reason to die. And if nobody looked when its time was up, it was the coordinator that slept.
   const bool draining = worker.state() == WorkerState::kDraining;
   if (!heard_of || draining || now_ > registry_.deadline(worker) + kPunctuality) return;
-  const std::optional<std::string> failure = job.strike(lease, {worker.info.id, worker.info.name});
+  const auto failure = job.strike(lease, worker.loss(LossKind::kDied), find_principals(job));
   if (failure) fail(job, *failure, actions);
 }
 

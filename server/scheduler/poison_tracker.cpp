@@ -27,8 +27,13 @@ bool lies_in(const Part& part, core::SampleRange samples) {
   return part.samples.begin >= samples.begin && part.samples.end <= samples.end;
 }
 
-bool names(const std::vector<Loss>& losses, const std::string& machine) {
-  return std::any_of(losses.begin(), losses.end(), [&](const Loss& loss) { return loss.name == machine; });
+bool same_machine(const Loss& a, const Loss& b) {
+  return a.name == b.name && a.principal == b.principal;
+}
+
+bool names(const std::vector<Loss>& losses, const Loss& loss) {
+  return std::any_of(losses.begin(), losses.end(),
+                     [&](const Loss& each) { return same_machine(each, loss); });
 }
 
 }  // namespace
@@ -43,8 +48,8 @@ void PoisonTracker::strike(const WorkItem& item, const Loss& loss, bool alone) {
     if (!lies_in(part, item.samples)) continue;
     unsuspected.remove(part.samples);
     const bool counts = alone || loss.kind == LossKind::kStuck;
-    if (counts && !names(part.losses, loss.name)) part.losses.push_back(loss);
-    for (Loss& each : part.losses) each.direct |= counts && each.name == loss.name;
+    if (counts && !names(part.losses, loss)) part.losses.push_back(loss);
+    for (Loss& each : part.losses) each.direct |= counts && same_machine(each, loss);
   }
   for (const core::SampleRange& range : unsuspected.ranges()) parts.push_back({range, {loss}});
   std::sort(parts.begin(), parts.end(),
@@ -64,7 +69,7 @@ void PoisonTracker::spread(std::vector<Part>& parts, const WorkItem& item, const
     const bool shared = std::any_of(part.losses.begin(), part.losses.end(), [&](const Loss& each) {
       return each.kind == LossKind::kStuck && earlier.contains(each.worker);
     });
-    if (shared && !names(part.losses, loss.name)) part.losses.push_back(indirect);
+    if (shared && !names(part.losses, loss)) part.losses.push_back(indirect);
   }
 }
 

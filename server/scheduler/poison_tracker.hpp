@@ -34,13 +34,15 @@ struct Loss {
   LossKind kind = LossKind::kDied;
   // With the samples that have it, not with others of the same range.
   bool direct = true;
+  // WorkerInfo::principal.
+  std::string principal{};
 };
 
 class PoisonTracker {
  public:
-  // The worker was lost while it held these samples. Each name counts once, however often its
-  // workers are: something may be killing them there. One that died and did not hold them alone counts only
-  // if it was the first: deaths are to be one after the other, not one partition of the network.
+  // The worker was lost while it held these samples. Each name of each principal counts once, however often
+  // its workers are lost: something may be killing them there. One that died and did not hold them alone
+  // counts only if it was the first: deaths are to be one after the other, not one partition of the network.
   // Who is stuck counts for all samples that an earlier one was stuck in, of which these are a part.
   void strike(const WorkItem& item, const Loss& loss, bool alone);
   // They have been rendered.

@@ -123,16 +123,32 @@ void Scheduler::spare_others(const Job& job, const WorkItem& item, const WorkerI
   }
 }
 
+namespace {
+
+// A worker that renders the same samples for ever never says that it cannot.
+bool can_say(const Worker& worker, const Job& job) {
+  return worker.takes_leases() && !worker.stuck && !worker.has_stalled(job.id());
+}
+
+}  // namespace
+
+FindPrincipals Scheduler::find_principals(const Job& job) const {
+  return [this, &job] {
+    Principals principals;
+    for (const auto& [id, worker] : registry_.all())
+      if (can_say(worker, job)) principals.insert(worker.info.principal);
+    return principals;
+  };
+}
+
 void Scheduler::note_refusal(Job& job, const SubmitResult& event, Actions& actions) {
   std::set<std::string> present;
-  // Who is at it for ever will never say.
-  for (const auto& [id, worker] : registry_.all()) {
-    const bool never_says = worker.stuck || worker.has_stalled(job.id());
-    if (worker.takes_leases() && !never_says) present.insert(worker.info.name);
-  }
+  for (const auto& [id, worker] : registry_.all())
+    if (can_say(worker, job)) present.insert(worker.info.name);
   Worker& worker = *registry_.find(event.worker);
   worker.refused[job.id()] = now_;
-  const auto failure = job.decline_reason({event.worker, worker.info.name}, event.decline_reason, present);
+  const auto failure = job.decline_reason({event.worker, worker.info.name, worker.info.principal},
+                                          event.decline_reason, present, find_principals(job));
   if (failure) fail(job, *failure, actions);
 }
 

@@ -246,6 +246,8 @@ class Scheduler {
   bool any_idle() const;
   void measure(Job& job, const SubmitResult& event);
   void note_refusal(Job& job, const SubmitResult& event, Actions& actions);
+  // Of the workers that could render the job, and say so if they cannot.
+  FindPrincipals find_principals(const Job& job) const;
   void note_producer(Job& job, const WorkItem& item, const Producer& producer,
                      const Fingerprint& fingerprint);
   // Sees to it that whoever else holds samples of an item hears at once that they are done.

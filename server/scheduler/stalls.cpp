@@ -50,7 +50,7 @@ void Scheduler::end_stalled_leases(Worker& worker, Actions& actions) {
 
 void Scheduler::give_up_if_nobody_gets_on(Job& job, Actions& actions) {
   if (!may_become(job.state(), JobState::kFailed)) return;
-  if (const auto failure = job.nobody_gets_on()) fail(job, *failure, actions);
+  if (const auto failure = job.nobody_gets_on(find_principals(job))) fail(job, *failure, actions);
 }
 
 std::set<JobId> Scheduler::stalled_jobs(const Worker& worker) const {
@@ -160,7 +160,7 @@ void Scheduler::strike_stuck_ranges(Worker& worker, Actions& actions) {
   registry_.has_to_show_again(worker.info.name);
   Job* const job = find(stuck.rendering.job);
   if (job == nullptr || !may_become(job->state(), JobState::kFailed)) return;
-  const auto failure = job->strike(stuck.items, {worker.info.id, worker.info.name, LossKind::kStuck});
+  const auto failure = job->strike(stuck.items, worker.loss(LossKind::kStuck), find_principals(*job));
   if (failure) return fail(*job, *failure, actions);
   give_up_if_nobody_gets_on(*job, actions);
 }

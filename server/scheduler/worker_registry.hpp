@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "server/scheduler/events.hpp"
+#include "server/scheduler/poison_tracker.hpp"
 #include "server/scheduler/policy.hpp"
 #include "server/scheduler/producer.hpp"
 #include "server/scheduler/rate_meter.hpp"
@@ -88,6 +89,9 @@ struct Worker {
   std::uint64_t audited_ranges = 0, disproved_ranges = 0;
 
   Producer producer() const { return {info.name, info.id, info.machine}; }
+  Loss loss(LossKind kind) const {
+    return {.worker = info.id, .name = info.name, .kind = kind, .principal = info.principal};
+  }
   WorkerState state() const { return state_; }
   bool takes_leases() const { return state_ == WorkerState::kPresent; }
   // The earliest time there is if it has built every scene.

@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <filesystem>
+#include <system_error>
 #include <utility>
 
 #include "server/store/job_store_impl.hpp"
@@ -12,6 +14,14 @@
 namespace tessera::store {
 
 using core::ErrorCode;
+
+namespace {
+
+// The lock is free between batches.
+constexpr int kBatchesAtOnce = 8;
+constexpr std::int64_t kTilesPerBatch = 32;
+
+}  // namespace
 
 JobRow read_job(const Statement& row) {
   JobRow job;
@@ -97,7 +107,25 @@ core::Status JobStore::update_job(const JobRow& job) {
 
 core::Status JobStore::delete_job(const std::string& id) {
   const std::lock_guard lock(impl_->mutex);
-  return impl_->delete_job.bind_text(1, id).run();
+  const core::Status deleted = impl_->delete_job.bind_text(1, id).run();
+  if (deleted) impl_->deleted_jobs.push_back(id);
+  return deleted;
+}
+
+core::Status JobStore::remove_deleted_tiles() {
+  for (int batch = 0; batch < kBatchesAtOnce; ++batch) {
+    const std::lock_guard lock(impl_->mutex);
+    if (impl_->deleted_jobs.empty()) return {};
+    const std::string& job = impl_->deleted_jobs.back();
+    if (auto deleted = impl_->delete_tiles.bind_text(1, job).bind(2, kTilesPerBatch).run(); !deleted)
+      return deleted;
+    const auto has_more = impl_->has_tiles.bind_text(1, job).step();
+    impl_->has_tiles.reset();
+    if (!has_more) return core::fail(has_more.error());
+    if (!*has_more) impl_->deleted_jobs.pop_back();
+    impl_->database.checkpoint_wal();
+  }
+  return {};
 }
 
 core::Result<std::vector<JobRow>> JobStore::jobs() {
@@ -107,6 +135,16 @@ core::Result<std::vector<JobRow>> JobStore::jobs() {
   const auto read = for_each_row(list, [&] { rows.push_back(read_job(list)); });
   if (!read) return core::fail(read.error());
   return rows;
+}
+
+core::Status JobStore::expect_file() const {
+  std::error_code error;
+  if (std::filesystem::exists(impl_->file, error) || error) return {};
+  return core::fail(ErrorCode::kDataLoss,
+                    fmt::format("{} was removed while the coordinator runs, and nothing is stored any more: "
+                                "download the images that are finished, then stop the coordinator and put "
+                                "back a copy of the state folder",
+                                impl_->file.string()));
 }
 
 core::Status JobStore::write_tiles(const std::vector<TileRow>& tiles) {

@@ -76,6 +76,8 @@ class JobStore {
   std::uint32_t epoch() const;
   // What was missing of its log's end when it was opened, and so does not count (log_damage.hpp).
   const std::optional<std::string>& torn_end() const;
+  // DATA_LOSS if the file was removed since it was opened: what is written now is lost when it is closed.
+  core::Status expect_file() const;
   // Makes later epochs greater than this one.
   core::Status continue_from(std::uint32_t epoch);
   // Writes everything into the file itself, which then stands without its log. UNAVAILABLE if another program
@@ -90,8 +92,11 @@ class JobStore {
   core::Status insert_job(const JobRow& job);
   // Writes what may change, unless the store has a later revision or no such job any more.
   core::Status update_job(const JobRow& job);
-  // Forgets the job and its tiles. Nothing happens if there is no such job.
+  // Forgets the job. Nothing happens if there is no such job. remove_deleted_tiles() removes its tiles, also
+  // after a restart; no other job may have its id.
   core::Status delete_job(const std::string& id);
+  // Removes some tiles of deleted jobs, a few in each transaction: all of a large job take seconds.
+  core::Status remove_deleted_tiles();
   // By age, oldest first.
   core::Result<std::vector<JobRow>> jobs();
   // The same of a damaged file, row by row. Fails only where not a single one can be read.

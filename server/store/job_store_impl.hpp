@@ -23,15 +23,19 @@ struct JobStore::Impl {
   // Of a file of this version of the schema.
   core::Status prepare_reading(int version);
   core::Status prepare_writing();
+  // Finds jobs that were deleted, but not all of their tiles before a crash or stop.
+  core::Status find_deleted_jobs();
 
   Database database;
   Statement list_jobs, read_job, tiles_done, read_tile;
-  Statement insert_job, update_job, delete_job, write_tile;  // none if it is only looked at
+  // None of these if it is only looked at:
+  Statement insert_job, update_job, delete_job, write_tile, has_tiles, delete_tiles;
   const std::filesystem::path file;
   std::uint32_t epoch = 0;
   std::array<std::uint64_t, 2> secret{};
   std::optional<std::string> torn_end;
-  std::mutex mutex;  // guards the database and the statements
+  std::vector<std::string> deleted_jobs;  // that may have tiles
+  std::mutex mutex;                       // guards the database, the statements and deleted_jobs
 
  private:
   using Wanted = std::pair<Statement*, std::string>;

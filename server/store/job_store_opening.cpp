@@ -21,7 +21,7 @@ constexpr auto kPageSize = "PRAGMA page_size = 16384";  // of new files
 constexpr auto kPragmas = R"(
   PRAGMA journal_mode = WAL;
   PRAGMA synchronous = FULL;
-  PRAGMA foreign_keys = ON;
+  PRAGMA foreign_keys = OFF;  -- deleting a job leaves its tiles, which are removed a few at a time
   PRAGMA temp_store = MEMORY;  -- else what a statement would need to undo is written to a file, as much again
 )";
 
@@ -48,6 +48,14 @@ constexpr auto kWriteTile =
     " ON CONFLICT (job_id, tile) DO UPDATE"
     " SET done = excluded.done, content = excluded.content, row_xxh3 = excluded.row_xxh3";
 constexpr auto kDeleteJob = "DELETE FROM jobs WHERE id = ?1";
+constexpr auto kDeletedJobs =
+    "SELECT DISTINCT job_id FROM tiles WHERE NOT EXISTS (SELECT 1 FROM jobs WHERE id = job_id)";
+// Of a job that is gone.
+constexpr auto kHasTiles =
+    "SELECT 1 FROM tiles WHERE job_id = ?1 AND NOT EXISTS (SELECT 1 FROM jobs WHERE id = ?1) LIMIT 1";
+constexpr auto kDeleteTiles =
+    "DELETE FROM tiles WHERE rowid IN (SELECT rowid FROM tiles WHERE job_id = ?1"
+    " AND NOT EXISTS (SELECT 1 FROM jobs WHERE id = ?1) LIMIT ?2)";
 constexpr auto kTilesDone = "SELECT tile, done FROM tiles WHERE job_id = ?1 ORDER BY tile";
 constexpr auto kReadTile = "SELECT done, content, row_xxh3 FROM tiles WHERE job_id = ?1 AND tile = ?2";
 
@@ -133,7 +141,15 @@ core::Status JobStore::Impl::prepare_writing() {
   return prepare({{&insert_job, kInsertJob},
                   {&update_job, kUpdateJob},
                   {&delete_job, kDeleteJob},
+                  {&has_tiles, kHasTiles},
+                  {&delete_tiles, kDeleteTiles},
                   {&write_tile, kWriteTile}});
+}
+
+core::Status JobStore::Impl::find_deleted_jobs() {
+  auto list = database.prepare(kDeletedJobs);
+  if (!list) return core::fail(list.error());
+  return for_each_row(*list, [&] { deleted_jobs.emplace_back(list->bytes(0)); });
 }
 
 core::Result<JobStore> JobStore::open(const std::filesystem::path& file, bool may_be_new) {
@@ -163,6 +179,7 @@ core::Result<JobStore> JobStore::open(const std::filesystem::path& file, bool ma
   impl->secret = *secret;
   if (auto prepared = impl->prepare_reading(schema_version()); !prepared) return core::fail(prepared.error());
   if (auto prepared = impl->prepare_writing(); !prepared) return core::fail(prepared.error());
+  if (auto found = impl->find_deleted_jobs(); !found) return core::fail(found.error());
   return JobStore(std::move(impl));
 }
 

@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <cstddef>
+#include <filesystem>
 #include <system_error>
 #include <utility>
 
@@ -13,6 +15,9 @@ namespace tessera::store {
 using core::ErrorCode;
 
 namespace {
+
+// SQLite's own limit is 512, for the names of its log and journal too.
+constexpr std::size_t kMaxPathBytes = 500;
 
 core::Error sqlite_error(sqlite3* database, const std::filesystem::path& file) {
   const int code = sqlite3_errcode(database) & 0xff;
@@ -27,6 +32,11 @@ core::Error sqlite_error(sqlite3* database, const std::filesystem::path& file) {
       return error(ErrorCode::kPermissionDenied,
                    "cannot be written: let this user write to the file and its folder");
     case SQLITE_CANTOPEN:
+      if (std::filesystem::absolute(file).native().size() > kMaxPathBytes)
+        return error(ErrorCode::kInvalidArgument,
+                     fmt::format("the path has more than {} bytes, which SQLite cannot open: choose a folder "
+                                 "with a shorter path with --state",
+                                 kMaxPathBytes));
       return error(ErrorCode::kPermissionDenied,
                    "cannot be opened: let this user read and write the file and its folder");
     case SQLITE_CORRUPT:

@@ -7,6 +7,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 
@@ -20,9 +21,12 @@ constexpr std::uint64_t kResponseBytes = 1 << 20;
 // Standard input, output and error, and one file of the scene at a time.
 constexpr std::uint64_t kMaxFiles = 16;
 
+// Or less, where the process may not have so much in any case.
 core::Status set_limit(__rlimit_resource resource, const char* name, std::uint64_t value,
                        std::uint64_t leeway = 0) {
-  const rlimit limit{value, value + leeway};
+  rlimit limit{value, value + leeway};
+  if (rlimit inherited{}; getrlimit(resource, &inherited) == 0)
+    limit = {std::min(limit.rlim_cur, inherited.rlim_max), std::min(limit.rlim_max, inherited.rlim_max)};
   if (setrlimit(resource, &limit) == 0) return {};
   return core::fail(system_error(name));
 }

@@ -119,6 +119,7 @@ TEST_F(LimitsTest, EachIsAnOptionThatItsRefusalNames) {
       {"--max-texture-pixels", "1000", with("paint.png", png_header(30000, 30000)), "= 900000000 pixels"},
       {"--max-scene-texture-pixels", "63", small_scene(), "64 pixels"},
       {"--max-store-mib", "1", with("mesh.obj", large), "3145728 more would be too many"},
+      {"--max-bundle-files", "2", small_scene(), "assets: there are more than 2"},
       {"--max-bundle-mib", "2", with("mesh.obj", large), "the 3 files of the bundle have"},
   };
   for (const Excess& excess : excesses) {

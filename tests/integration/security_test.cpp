@@ -130,6 +130,49 @@ TEST_F(SecurityTest, TokensAllowWhatTheirRoleDoes) {
   EXPECT_EQ(tessera({"delete", id}).exit_code, 0);
 }
 
+TEST_F(SecurityTest, TokensAloneBeyondThisMachineMustBeAskedFor) {
+  listen_ = "0.0.0.0:0";
+  speak_tls();
+  ask_for_tokens();
+  coordinator_options_.push_back("--allow-unauthenticated-connections");
+  security_ = {certificate("ca.pem"), "", "", certificate("submit.token"), false};
+  start_coordinator();
+  EXPECT_THAT(coordinator().err(), HasSubstr("whoever reaches 0.0.0.0:0 can use up the memory"));
+}
+
+TEST_F(SecurityTest, EachMachineAndPersonHasACertificateAndATokenOfTheirOwn) {
+  const auto run = [&](const std::vector<std::string>& arguments) {
+    ProcessOptions options;
+    options.arguments = {TESSERA_SOURCE_DIR "/deploy/make_certificates.sh"};
+    options.arguments.insert(options.arguments.end(), arguments.begin(), arguments.end());
+    options.out = folder_ / "made.out";
+    options.err = folder_ / "made.err";
+    Process made(options);
+    return made.wait(std::chrono::seconds(30));
+  };
+  const std::string farm = folder_ / "farm";
+  EXPECT_EQ(run({farm, "localhost", "127.0.0.1", "--worker", "node1", "--user", "ada"}), 0);
+  EXPECT_EQ(run({"--add", farm, "--user", "ben"}), 0);
+  EXPECT_EQ(run({"--add", farm, "--user", "ben"}), 1);
+  EXPECT_EQ(run({"--add", farm, "--user", "no name"}), 2);
+  EXPECT_EQ(run({folder_ / "other", "--user", "ada"}), 2);
+  coordinator_options_ = {
+      "--tls-certificate", farm + "/coordinator.pem", "--tls-key", farm + "/coordinator.key",
+      "--tls-client-ca",   farm + "/ca.pem",          "--tokens",  farm + "/tokens"};
+  const auto be_named = [&](const std::string& name) {
+    const std::string stem = farm + "/" + name;
+    security_ = {farm + "/ca.pem", stem + ".pem", stem + ".key", stem + ".token", false};
+  };
+  be_named("ben");
+  start_coordinator();
+  const std::string id = submit({"--size", "64x64", "--spp", "1"});
+  EXPECT_EQ(job(id).submitter(), "ben");
+  be_named("node1");
+  start_worker("node1", 1);
+  be_named("ada");
+  EXPECT_EQ(tessera({"watch", id}).exit_code, 0);
+}
+
 TEST_F(SecurityTest, AWorkerWhoseTokenIsForgottenWaitsUntilItIsKnownAgain) {
   std::filesystem::copy_file(certificate("tokens"), folder_ / "tokens");
   coordinator_options_ = {"--tokens", folder_ / "tokens"};
@@ -188,6 +231,10 @@ TEST_F(SecurityTest, ACoordinatorThatCannotBeSafeDoesNotStart) {
     return coordinator.err();
   };
   EXPECT_THAT(complaint({"--listen", "0.0.0.0:0"}, 1), AllOf(HasSubstr("0.0.0.0"), HasSubstr("--insecure")));
+  EXPECT_THAT(complaint({"--listen", "0.0.0.0:0", "--tls-certificate", certificate("coordinator.pem"),
+                         "--tls-key", certificate("coordinator.key"), "--tokens", certificate("tokens")},
+                        1),
+              AllOf(HasSubstr("--tls-client-ca"), HasSubstr("--allow-unauthenticated-connections")));
   const std::pair<std::string, std::string> mistakes[] = {
       {"submit alice", "three words"},
       {"boss alice 0123456789abcdef", "a role"},

@@ -125,6 +125,32 @@ TEST_F(Deaths, OfOneMachineCountOnce) {
   EXPECT_EQ(state("job"), JobState::kFailed);
 }
 
+// Anybody can make up names.
+TEST_F(Deaths, OfOneCallersWorkersFailNoJobThatOthersRender) {
+  submit("job", tiles(100, 16));
+  const auto sync_as = [&](const std::string& name, const std::string& principal,
+                           std::vector<LeaseDescription> held, int wanted) {
+    WorkerInfo info{{name}, name, "0.1.0", 1, "", principal};
+    return handle(Synchronize{info, std::move(held), wanted}).reply->leases;
+  };
+  const auto die_as = [&](const std::string& name, const std::string& principal) {
+    sync_as(name, principal, sync_as(name, principal, {}, 1), 1);
+    for (int i = 0; i < 2; ++i) {
+      pass(seconds(5));
+      sync_as("honest", "b", {}, 0);
+    }
+    tick();
+  };
+  sync_as("honest", "b", {}, 0);
+  for (int i = 0; i < 18; ++i) die_as("made up " + std::to_string(i), "a");
+  EXPECT_EQ(state("job"), JobState::kRunning);
+  pass(seconds(10));
+  sync_as("honest", "b", sync_as("honest", "b", {}, 1), 1);
+  pass(seconds(10));
+  tick();
+  EXPECT_EQ(state("job"), JobState::kFailed) << "all who are there have died of it";
+}
+
 TEST_F(Deaths, OfWorkersThatDeliverAfterAllWereNone) {
   submit("job", tiles(100, 16));
   const LeaseDescription late = die("a");
@@ -142,13 +168,15 @@ TEST_F(Deaths, OfWorkersThatMayNotHaveHeardOfTheirLeaseCountForNothing) {
   EXPECT_EQ(lease_to("b").items.size(), 4u);
 }
 
+const FindPrincipals kNobody = [] { return Principals{}; };
+
 TEST(JobTest, DoesNotFailWhileAnotherWorkerHoldsTheSamples) {
   Job job({"job"}, tiles(4, 1), {}, JobState::kRunning, {});
   const std::vector<WorkItem> items = job.next_free(1, true).items;
   job.lease({{1}, {"slow"}, items, false});
   const auto strike = [&](std::uint64_t id, const std::string& worker) {
     job.lease({{id}, {worker}, items, true});
-    return job.strike(job.end_lease({id}, LeaseState::kExpired), {{worker}, worker});
+    return job.strike(job.end_lease({id}, LeaseState::kExpired), {{worker}, worker}, kNobody);
   };
   EXPECT_FALSE(strike(2, "a"));
   EXPECT_FALSE(strike(3, "b"));
@@ -162,7 +190,7 @@ TEST(JobTest, CountsWhoIsStuckAgainstWhatIsMissing) {
   std::vector<Lease> ended;
   ASSERT_TRUE(job.accept({0, {0, 2}}, ended));
   const auto strike = [&](const std::string& worker, const std::vector<WorkItem>& items) {
-    return job.strike(items, {{worker}, worker, LossKind::kStuck});
+    return job.strike(items, {{worker}, worker, LossKind::kStuck}, kNobody);
   };
   for (const char* worker : {"a", "b", "c"}) EXPECT_FALSE(strike(worker, {{0, {0, 2}}})) << "it ends";
   EXPECT_FALSE(strike("a", {{0, {1, 4}}}));
@@ -175,9 +203,9 @@ TEST(JobTest, FailsForAnyPartOfWhatAWorkerIsStuckIn) {
   std::uint64_t id = 0;
   for (const char* worker : {"a", "b"}) {
     job.lease({{++id}, {worker}, {{0, {6, 7}}}, true});
-    EXPECT_FALSE(job.strike(job.end_lease({id}, LeaseState::kExpired), {{worker}, worker}));
+    EXPECT_FALSE(job.strike(job.end_lease({id}, LeaseState::kExpired), {{worker}, worker}, kNobody));
   }
-  const auto failure = job.strike({{0, {4, 8}}}, {{"c"}, "c", LossKind::kStuck});
+  const auto failure = job.strike({{0, {4, 8}}}, {{"c"}, "c", LossKind::kStuck}, kNobody);
   EXPECT_THAT(failure.value_or(""), HasSubstr("samples [6, 7) of tile 0"));
 }
 

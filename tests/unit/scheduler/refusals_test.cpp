@@ -38,6 +38,22 @@ TEST_F(Refusals, AWorkerThatHoldsALeaseMayBeAbleToWhateverOthersOfItsNameSay) {
   EXPECT_EQ(state("job"), kRunning);
 }
 
+TEST_F(Refusals, OfOneCallersWorkersFailNoJobThatOthersMayBuild) {
+  submit("job", tiles(100, 8));
+  const auto lease_as = [&](const std::string& id, const std::string& name, const std::string& principal) {
+    const WorkerInfo info{{id}, name, "0.1.0", 1, "", principal};
+    return handle(Synchronize{info, {}, 1}).reply->leases.at(0);
+  };
+  const LeaseDescription of_honest = lease_as("honest", "honest", "b");
+  for (int i = 0; i < 6; ++i) {
+    const std::string made_up = std::to_string(i);
+    refuse(made_up, lease_as(made_up, i == 0 ? "honest" : made_up, "a"));
+  }
+  EXPECT_EQ(state("job"), kRunning);
+  refuse("honest", of_honest);
+  EXPECT_EQ(state("job"), kFailed);
+}
+
 TEST_F(Refusals, WhatAWorkerCannotBuildComesAfterWhatItCan) {
   submit("bad", tiles(100, 8), 1);
   submit("good", tiles(2, 1));

@@ -137,6 +137,20 @@ TEST_F(Confined, HasSoMuchMemory) {
   EXPECT_EQ(allocates(4096), 1 << 8);
 }
 
+// Under `ulimit -v` of a coordinator, which an ordinary user cannot raise again.
+TEST_F(Confined, HasNoMoreThanItsParentMayHave) {
+  EXPECT_EQ(status_of([] {
+              const rlim_t bytes = (taken_mib() + 768) << 20;
+              const rlimit most{bytes, bytes};
+              if (setrlimit(RLIMIT_AS, &most) != 0) return 2;
+              if (geteuid() == 0 && setuid(65534) != 0) return 3;
+              if (!confine({.memory_mib = std::uint64_t{1} << 20})) return 4;
+              rlimit left{};
+              return getrlimit(RLIMIT_AS, &left) == 0 && left.rlim_cur == bytes ? 0 : 5;
+            }),
+            0);
+}
+
 TEST_F(Confined, HasSoMuchTime) {
   const int status = status_of([] {
     if (!confine({.cpu_seconds = 1})) return 2;

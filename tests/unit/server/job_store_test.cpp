@@ -56,6 +56,21 @@ TEST_F(JobStoreTest, CountsItsStarts) {
   EXPECT_EQ(store().epoch(), 2u);
 }
 
+TEST_F(JobStoreTest, AFileThatIsRemovedIsMissed) {
+  EXPECT_TRUE(store().expect_file());
+  std::filesystem::remove(file_);
+  EXPECT_EQ(store().expect_file().error().code, ErrorCode::kDataLoss);
+}
+
+TEST_F(JobStoreTest, APathThatIsTooLongIsToldAsSuch) {
+  std::filesystem::path folder = folder_.path();
+  for (int i = 0; i < 6; ++i) folder /= std::string(100, 'x');
+  std::filesystem::create_directories(folder);
+  const auto refused = JobStore::open(folder / "tessera.db");
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().message, HasSubstr("shorter path"));
+}
+
 TEST_F(JobStoreTest, RestoresJobsInTheOrderOfTheirAge) {
   JobRow first = job_row("b"), second = job_row("a");
   first.request_id = "request";
@@ -116,7 +131,28 @@ TEST_F(JobStoreTest, ADeletedJobTakesItsTilesAlongAndGetsNoMore) {
   ASSERT_TRUE(store().delete_job("a"));
   ASSERT_TRUE(store().write_tiles({tile_row("a", 1, "late")}));
   EXPECT_THAT(*store().jobs(), IsEmpty());
+  ASSERT_TRUE(store().remove_deleted_tiles());
   EXPECT_THAT(*store().tiles_done("a"), IsEmpty());
+}
+
+// All tiles of a large job take seconds, for which everybody else would wait.
+TEST_F(JobStoreTest, TilesOfADeletedJobGoAFewAtATimeAlsoAfterARestart) {
+  ASSERT_TRUE(store().insert_job(job_row("a")) && store().insert_job(job_row("b")));
+  std::vector<TileRow> tiles;
+  for (int i = 0; i < 1000; ++i) tiles.push_back(tile_row("a", i, "x"));
+  tiles.push_back(tile_row("b", 0, "kept"));
+  ASSERT_TRUE(store().write_tiles(tiles));
+  ASSERT_TRUE(store().delete_job("a"));
+  EXPECT_EQ(store().tiles_done("a")->size(), 1000u);
+  ASSERT_TRUE(store().remove_deleted_tiles());
+  const std::size_t left = store().tiles_done("a")->size();
+  EXPECT_GT(left, 500u);
+  EXPECT_LT(left, 1000u);
+  reopen();
+  EXPECT_EQ(store().tiles_done("a")->size(), left);
+  for (int i = 0; i < 10; ++i) ASSERT_TRUE(store().remove_deleted_tiles());
+  EXPECT_THAT(*store().tiles_done("a"), IsEmpty());
+  EXPECT_EQ(store().tiles_done("b")->size(), 1u);
 }
 
 TEST_F(JobStoreTest, ATileThatCannotBeWrittenTakesTheWholeCheckpointBack) {

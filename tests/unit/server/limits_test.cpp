@@ -67,9 +67,27 @@ TEST_F(Limits, OfBundlesByWhatTheySay) {
   asset.mutable_digest()->set_size_bytes(3 << 20);
   *request.mutable_bundle()->add_assets() = asset;
   request.mutable_bundle()->mutable_assets(2)->set_path("the same once more.obj");
+  EXPECT_EQ(refusal(request).code, core::ErrorCode::kFailedPrecondition)
+      << "a file that has two names counts once";
+  *request.mutable_bundle()->mutable_assets(2)->mutable_digest() =
+      proto::to_proto(proto::digest_of("another"));
+  request.mutable_bundle()->mutable_assets(2)->mutable_digest()->set_size_bytes(3 << 20);
   expect_limit(refusal(request),
                "the 3 files of the bundle have 6291458 bytes, and this farm takes at most 4 MiB "
                "(tessera-coordinator --max-bundle-mib)");
+}
+
+TEST_F(Limits, OfTheFilesOfABundle) {
+  limit({.bundle_files = 2});
+  v1::SubmitJobRequest request = submission();
+  for (const char* const name : {"a", "b"}) {
+    v1::Bundle::Asset& asset = *request.mutable_bundle()->add_assets();
+    asset = request.bundle().assets(0);
+    asset.set_path(name);
+  }
+  expect_limit(
+      refusal(request),
+      "the bundle has 3 files, and this farm takes at most 2 (tessera-coordinator --max-bundle-files)");
 }
 
 TEST_F(Limits, SizesThatOverflowTheirSumAreTooLarge) {

@@ -49,6 +49,16 @@ class Restart : public ScriptedFarm {
   int crashes_ = 0;
 };
 
+TEST_F(Restart, AStateThatIsRemovedMeanwhileIsMissedByTheNextCheckpoint) {
+  ASSERT_TRUE(coordinator().checkpoint());
+  std::filesystem::rename(folder_.path() / "state", folder_.path() / "away");
+  const auto missed = coordinator().checkpoint();
+  ASSERT_FALSE(missed);
+  EXPECT_THAT(missed.error().message, HasSubstr("was removed while the coordinator runs"));
+  std::filesystem::rename(folder_.path() / "away", folder_.path() / "state");
+  EXPECT_TRUE(coordinator().checkpoint());
+}
+
 TEST_F(Restart, CarriesOnFromTheCheckpointToTheSamePicture) {
   const std::string id = submit();
   work('a', 3);

@@ -28,6 +28,19 @@ class Work : public ScriptedFarm {
     }
     return false;
   }
+  // Whether worker a keeps a lease that it names behind others, of which the coordinator knows nothing.
+  bool keeps_behind(const v1::Lease& lease, int others, int items) {
+    v1::SynchronizeRequest request = greeting('a');
+    for (int i = 0; i < others; ++i) {
+      v1::Lease& other = *request.add_held();
+      other.set_id(1'000'000 + static_cast<std::uint64_t>(i));
+      other.set_job_id(lease.job_id());
+      for (int j = 0; j < items; ++j) *other.add_items() = lease.items(0);
+    }
+    *request.add_held() = lease;
+    const v1::SynchronizeResponse answer = synchronize(request);
+    return answer.leases_size() > 0 && answer.leases(0).id() == lease.id();
+  }
   // What a worker says that holds a lease, and renders this item of it.
   v1::SynchronizeRequest rendering(char worker, const v1::Lease& lease, int item) {
     v1::SynchronizeRequest request = greeting(worker);
@@ -67,6 +80,21 @@ TEST_F(Work, LeasesComeWithWhatTheWorkerMustKnowOfTheJob) {
   v1::SynchronizeRequest knowing = greeting('b');
   knowing.add_known_job_ids(id);
   EXPECT_EQ(synchronize(knowing).jobs_size(), 0);
+}
+
+// Each item that is looked at holds up everybody.
+TEST_F(Work, OnlyAsManyLeasesAreLookedAtAsAWorkerCanHold) {
+  submit();
+  const v1::Lease lease = synchronize(greeting('a')).leases(0);
+  EXPECT_TRUE(keeps_behind(lease, 7, 1));
+  EXPECT_FALSE(keeps_behind(lease, 8, 1));
+}
+
+TEST_F(Work, OnlyAsManyItemsAreLookedAtAsAWorkerCanHold) {
+  submit();
+  const v1::Lease lease = synchronize(greeting('a')).leases(0);
+  EXPECT_TRUE(keeps_behind(lease, 1, 100));
+  EXPECT_FALSE(keeps_behind(lease, 1, 1000));
 }
 
 TEST_F(Work, AResultThatComesTwiceIsDroppedTheSecondTime) {
