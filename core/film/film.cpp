@@ -19,7 +19,7 @@ void add_row(std::uint64_t* to, const std::uint64_t* from, std::size_t count) {
   for (std::size_t i = 0; i < count; ++i) to[i] = add_saturating(to[i], from[i]);
 }
 
-// Adds the part of `rect` that lies in `cell`, a grid tile's rectangle, to that grid tile's buffer.
+// Adds the part of `rect` that lies in `cell`, a grid tile's rectangle, to that tile's buffer.
 void add_overlap(SumBuffer& to, PixelRect cell, std::span<const std::uint64_t> from, PixelRect rect) {
   if (rect == cell) return to.add(0, from);
   const auto cell_row = static_cast<std::size_t>(cell.width()) * 3;
@@ -36,7 +36,8 @@ double mean(std::uint64_t sum, std::uint32_t samples) {
   return samples == 0 ? 0 : static_cast<double>(sum) * kFilmUnit / samples;
 }
 
-// Half the distance of the means of the even- and the odd-numbered samples estimates the error of their mean.
+// Half the difference between the means of the even- and the odd-numbered samples; it estimates the error
+// of their overall mean.
 double half_difference(std::uint64_t sum, std::uint64_t odd_sum, std::uint32_t samples,
                        std::uint32_t odd_samples) {
   if (odd_samples == 0 || odd_samples == samples || sum == kFilmSaturated) return 0;
@@ -51,7 +52,7 @@ Image map_channels(const Film& film,
   for (int t = 0; t < grid.tile_count(); ++t) {
     const PixelRect rect = grid.rect(t);
     const Film::TileSums tile = film.tile(t);
-    if (tile.sums.empty()) continue;  // as black as the image is already
+    if (tile.sums.empty()) continue;  // the image is black already
     std::size_t i = 0;
     const auto channel = [&] {
       const double v = value(tile.sums[i], tile.odd_sums[i], tile.samples, tile.odd_samples);

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// The film: exact sums of samples, and the picture they develop into.
+// The film: exact sums of samples, and the images that they develop into.
 //
-// A FilmTile is what one call of render() returns and what travels between machines; a Film is the
-// accumulation of them over a picture, or a window of one. Neither is thread-safe; different tiles of one
-// Film may not be added concurrently.
+// A FilmTile is the result of one call of render() and the unit of transfer between machines. A Film
+// accumulates tiles over an image or a window of one. Neither is thread-safe; even different tiles of one
+// Film must not be added concurrently.
 #pragma once
 
 #include <cstdint>
@@ -23,34 +23,34 @@ struct SampleId {
   bool operator==(const SampleId&) const = default;
 };
 
-// What happened while samples were taken. Counters add up like the film does.
+// Counters of events during sampling. They are additive like the film.
 struct RenderCounters {
   std::uint64_t samples = 0;
   std::uint64_t closest_hit_rays = 0;
   std::uint64_t shadow_rays = 0;
   std::uint64_t non_finite_samples = 0;  // counted as black
-  std::uint64_t saturated_samples = 0;   // a channel did not fit the fixed-point range
+  std::uint64_t saturated_samples = 0;   // a channel exceeded the fixed-point range
   std::optional<SampleId> first_non_finite;
 
-  // The earliest non-finite sample (by row, column, sample) is kept, so that the sum does not depend on
-  // order.
+  // Keeps the earliest non-finite sample (by row, column, sample), so that the result does not depend on
+  // the order of additions.
   void add(const RenderCounters& other);
   bool operator==(const RenderCounters&) const = default;
 };
 
-// Samples `range` of the pixels of `rect`, summed.
-// Both buffers hold rect.height() * rect.width() * 3 fixed-point sums (fixed_point.hpp), row-major, RGB.
+// The sums of samples `range` of the pixels of `rect`. Both buffers hold rect.height() * rect.width() * 3
+// fixed-point sums (fixed_point.hpp), row-major, RGB.
 struct FilmTile {
   PixelRect rect;
   SampleRange range;
   std::vector<std::uint64_t> sums;      // of all samples
-  std::vector<std::uint64_t> odd_sums;  // of those with an odd number
+  std::vector<std::uint64_t> odd_sums;  // of the odd-numbered samples
   RenderCounters counters;
 
   FilmTile() = default;
   FilmTile(PixelRect rect, SampleRange range);
 
-  // Appends a tile of the same rectangle whose range begins where this one's ends.
+  // Appends a tile with the same rectangle whose range begins where this one ends.
   void append(const FilmTile& next);
 };
 
@@ -60,32 +60,32 @@ class Film {
 
   const TileGrid& grid() const { return grid_; }
 
-  // Adds every sample of `tile`, whose rectangle must be a union of grid tiles. The caller sees to it that no
+  // Adds every sample of `tile`, whose rectangle must be a union of grid tiles. The caller ensures that no
   // sample is added twice. Counters are not kept here.
   void add(const FilmTile& tile);
 
-  // One grid tile's sums in the layout of FilmTile, and how many samples of each pixel they hold; empty where
-  // there are none. For checkpoints: the samples need not be a range from 0.
+  // One grid tile's sums in the layout of FilmTile, and the number of samples per pixel; empty if there are
+  // none. For checkpoints: the samples need not form a range from 0.
   struct TileSums {
     std::vector<std::uint64_t> sums, odd_sums;
     std::uint32_t samples = 0, odd_samples = 0;
     bool operator==(const TileSums&) const = default;
   };
   TileSums tile(int index) const;
-  // Replaces one grid tile's content. The sizes must be those of the tile, or 0 if there are no samples.
+  // Replaces one grid tile's content. The sizes must match the tile, or be 0 if there are no samples.
   void restore(int index, const TileSums& sums);
-  // What the tile's sums take: nothing before there are samples, and no more than 48 bytes for each pixel.
+  // The memory of the tile's sums: 0 before there are samples, and at most 48 bytes per pixel.
   std::size_t memory_bytes(int index) const;
 
-  // The pictures are of the grid's window, and of its size.
-  // Linear radiance: each pixel the mean of the samples it has so far; black where it has none.
+  // Images have the size of the grid's window. Linear radiance: the mean of each pixel's samples so far;
+  // black for pixels without samples.
   Image develop() const;
 
   // Estimated standard error of each pixel's mean, per channel, from the difference of the even- and the
-  // odd-numbered samples; 0 where either half is empty.
+  // odd-numbered samples; 0 if either half is empty.
   Image standard_error() const;
 
-  // Pixels of which a channel's sum has reached the end of its range: they come out too dark.
+  // The number of pixels with a saturated channel sum, which are too dark.
   std::uint64_t saturated_pixels() const;
 
   bool operator==(const Film& other) const = default;
