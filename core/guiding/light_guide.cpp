@@ -45,7 +45,7 @@ int longest_axis(const Aabb& box) {
   return x >= y && x >= z ? 0 : y >= z ? 1 : 2;
 }
 
-// The box's largest side, about the area of a nearly flat surface inside.
+// The product of the box's two largest extents: about the area of a nearly flat surface inside.
 float area_of(const Aabb& box) {
   std::array<double, 3> extents{box.extent(0), box.extent(1), box.extent(2)};
   std::sort(extents.begin(), extents.end());

@@ -28,7 +28,7 @@ double relative_square(double difference, double reference) {
   return std::isnan(ratio) ? kInfinity : ratio;
 }
 
-// Adds the three channels of one pixel to the sums, which become means later.
+// Adds the three channels of one pixel to the sums, which are divided into means later.
 void add_pixel(Comparison& sums, Rgb a, Rgb b, int x, int y) {
   for (int channel = 0; channel < 3; ++channel) {
     sums.reference_mean_square += static_cast<double>(b[channel]) * static_cast<double>(b[channel]);

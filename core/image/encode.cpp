@@ -36,7 +36,7 @@ std::string encode_png(const Image& image, const DisplaySettings& display) {
   return bytes;
 }
 
-// Rows run from the bottom up; a negative scale says that the numbers are little-endian (Debevec's PFM).
+// Rows run from the bottom up; a negative scale marks little-endian numbers (Debevec's PFM).
 std::string encode_pfm(const Image& image) {
   static_assert(std::endian::native == std::endian::little);
   std::string bytes = fmt::format("PF\n{} {}\n-1.0\n", image.width, image.height);
@@ -117,7 +117,7 @@ Result<std::string> encode_image(const Image& image, ImageFormat format, const D
     return fail(status.error());
   try {
     Result<std::string> bytes = encode_checked(image, format, display);
-    if (bytes && bytes->empty()) throw std::bad_alloc();  // how stb reports it
+    if (bytes && bytes->empty()) throw std::bad_alloc();  // stb reports a lack of memory so
     return bytes;
   } catch (const std::bad_alloc&) {
     return fail(
