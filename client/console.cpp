@@ -12,7 +12,7 @@ namespace tessera::client {
 
 namespace {
 
-// Not fmt::print, which throws where nothing can be written.
+// Unlike fmt::print, does not throw if writing fails.
 void write(std::FILE* stream, std::string_view text) {
   std::fwrite(text.data(), 1, text.size(), stream);
   std::fflush(stream);
