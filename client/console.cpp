@@ -49,7 +49,7 @@ void print_warnings(const std::vector<std::string>& messages) {
 }
 
 void warn_about_darkness(std::string_view scene_path) {
-  print_warning(fmt::format("'{}' has no light: the picture will be black", scene_path));
+  print_warning(fmt::format("'{}' has no light: the image will be black", scene_path));
 }
 
 void print_hint(std::string_view command) {

@@ -47,7 +47,7 @@ Status check_memory(const core::RenderSettings& settings) {
   if (needed <= present) return {};
   return core::fail(
       core::ErrorCode::kResourceExhausted,
-      fmt::format("a picture of {}x{} pixels needs {:.0f} GiB of memory, and this machine has {:.0f}: "
+      fmt::format("an image of {}x{} pixels needs {:.0f} GiB of memory, and this machine has {:.0f}: "
                   "choose a smaller --size, or parts of it with --crop",
                   window.width(), window.height(), needed / (1 << 30), present / (1 << 30)));
 }
@@ -139,7 +139,7 @@ void warn_about_blackness(const core::Image& image) {
   if (std::all_of(image.pixels.begin(), image.pixels.end(),
                   [](core::Rgb color) { return core::is_black(color); })) {
     print_warning(
-        "the picture is black: no light reaches the camera; is it inside something, or does it look away?");
+        "the image is black: no light reaches the camera; is it inside something, or does it look away?");
   }
 }
 
@@ -168,7 +168,7 @@ int render_picture(const RenderOptions& options, LoadedScene& loaded) {
       render_locally(loaded.scene, stats.settings, options.threads, progress, interrupted);
   progress.erase();
   if (!rendered.complete || interrupted()) {
-    print_error("interrupted; no picture was written");
+    print_error("interrupted; no image was written");
     return kExitInterrupted;
   }
   stats.counters = rendered.counters;
@@ -186,7 +186,7 @@ int render_picture(const RenderOptions& options, LoadedScene& loaded) {
 
 int print_sample(const core::Scene& scene, const core::RenderSettings& settings, core::SampleId id) {
   if (id.x >= settings.width_px || id.y >= settings.height_px) {
-    print_error(fmt::format("--sample: pixel ({}, {}) is outside the picture of {}x{} pixels", id.x, id.y,
+    print_error(fmt::format("--sample: pixel ({}, {}) is outside the image of {}x{} pixels", id.x, id.y,
                             settings.width_px, settings.height_px));
     return kExitUsage;
   }

@@ -88,7 +88,7 @@ core::Result<v1::Job> submit(Farm& farm, const SubmitOptions& options, const Loc
 int report_interrupt(const v1::Job& job) {
   const std::string id = short_id(job.id());
   print_error(
-      fmt::format("interrupted; no picture was written, and the job goes on: tessera watch {} follows it, "
+      fmt::format("interrupted; no image was written, and the job goes on: tessera watch {} follows it, "
                   "tessera cancel {} stops it",
                   id, id));
   return kExitInterrupted;
@@ -165,7 +165,7 @@ void add_submit_command(CLI::App& app, int& exit_code) {
   cli::set_help(*command, kSubmitHelp);
   command->callback([options, &exit_code] {
     if (!options->scene.output_paths.empty() && !options->wait)
-      throw CLI::RequiredError("-o writes the finished picture, so --wait");
+      throw CLI::RequiredError("-o writes the finished image, so --wait");
     exit_code = run_submit(*options);
   });
 }

@@ -49,16 +49,15 @@ Status check_region(const Image& image, ImageRegion region) {
   const bool within = region.width > 0 && region.height > 0 && region.x >= 0 && region.y >= 0 &&
                       region.width <= image.width - region.x && region.height <= image.height - region.y;
   if (within) return {};
-  return fail(
-      ErrorCode::kInvalidArgument,
-      fmt::format("the region of {}x{} pixels from ({}, {}) does not lie within the pictures of {}x{}",
-                  region.width, region.height, region.x, region.y, image.width, image.height));
+  return fail(ErrorCode::kInvalidArgument,
+              fmt::format("the region of {}x{} pixels from ({}, {}) does not lie within the images of {}x{}",
+                          region.width, region.height, region.x, region.y, image.width, image.height));
 }
 
 Status check_sizes(const Image& a, const Image& b) {
   if (a.width == b.width && a.height == b.height) return {};
   return fail(ErrorCode::kInvalidArgument,
-              fmt::format("the pictures have different sizes: {}x{} and {}x{} pixels", a.width, a.height,
+              fmt::format("the images have different sizes: {}x{} and {}x{} pixels", a.width, a.height,
                           b.width, b.height));
 }
 

@@ -26,7 +26,7 @@
 namespace tessera::core {
 namespace {
 
-constexpr const char* kStreamName = "picture";
+constexpr const char* kStreamName = "image";
 
 // For an incompressible file: bounds on the header and on the overhead of each row (its offset and its
 // block header).

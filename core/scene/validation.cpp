@@ -151,7 +151,7 @@ Status check_lights(const SceneDescription& scene) {
   if (scene.environment->radiance.texture >= static_cast<int>(scene.textures.size()))
     return invalid("environment: there is no such texture");
   if (!is_valid_radiance(scene.environment->radiance, scene.textures))
-    return invalid("environment: radiance times its picture is too bright to be computed; lower it");
+    return invalid("environment: radiance times its image is too bright to be computed; lower it");
   if (!std::isfinite(scene.environment->rotation_degrees))
     return invalid("environment: rotation_degrees must be a number");
   return {};

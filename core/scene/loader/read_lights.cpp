@@ -95,7 +95,7 @@ EnvironmentDescription read_environment(const Field& field, const std::vector<Te
     const TextureEntry& texture = textures[static_cast<std::size_t>(index)];
     if (texture.scale != Vec2{1, 1} || texture.offset != Vec2{0, 0} || texture.wrap != Wrap::kRepeat)
       name->mistake(
-          "the environment is one whole picture: leave out the texture's 'scale', 'offset' and 'wrap'; "
+          "the environment is one whole image: leave out the texture's 'scale', 'offset' and 'wrap'; "
           "'rotation_degrees' turns it");
   }
   return environment;

@@ -106,8 +106,8 @@ RenderSettings read_render(const Field& field) {
   settings.heuristic = read_or(object, "heuristic", settings.heuristic, read_choice,
                                std::span<const std::string_view>(scene_keys::kHeuristics));
   if (std::int64_t{settings.width_px} * settings.height_px > kMaxImagePixels)
-    field.mistake(fmt::format("{} x {} pixels are more than the {} that a picture may have",
-                              settings.width_px, settings.height_px, kMaxImagePixels));
+    field.mistake(fmt::format("{} x {} pixels are more than the {} that an image may have", settings.width_px,
+                              settings.height_px, kMaxImagePixels));
   if (const auto crop = object.find("crop")) {
     settings.crop = read_crop(*crop);
     check_crop_fits(*crop, settings, mistakes_before);
