@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Building the acceleration structure beside Embree, interleaved on the same triangles: time, the memory that
-// stays and the memory that building takes at its peak. Of two builds in a row the second counts, so that
-// each finds the memory that it has given back itself: a virtual machine may have lost all other to its host.
-// Medians of the rounds; on a busy machine the CPU time is what can be compared. Linux only: peaks are those
-// that the kernel has seen of this process.
+// Compares building the acceleration structure with Embree, interleaved on the same triangles: time,
+// retained memory and peak memory. Of two consecutive builds the second is measured, so that each reuses
+// memory that it has freed itself: a virtual machine may have returned other memory to its host. Prints
+// medians of the rounds; on a busy machine compare CPU times. Linux only: peaks are the kernel's for this
+// process.
 //
 //   embree_build_bench [rounds [threads, 0 for 1 and 2 [first letters of a set's name]]]
 #include <embree3/rtcore.h>
@@ -29,7 +29,7 @@ namespace {
 
 struct Measured {
   double wall_seconds, cpu_seconds;
-  double kept_bytes, peak_bytes;  // above what was there before
+  double kept_bytes, peak_bytes;  // relative to the memory used before
 };
 
 double cpu_seconds() {
@@ -46,11 +46,11 @@ double memory_bytes(const std::string& key) {
   return 0;
 }
 
-// `build` returns the bytes of what it has made.
+// `build` returns the size of its result in bytes.
 Measured measure(const std::function<double()>& build) {
   malloc_trim(0);
   const double before = memory_bytes("VmRSS");
-  std::ofstream("/proc/self/clear_refs") << 5;  // the peak begins anew
+  std::ofstream("/proc/self/clear_refs") << 5;  // resets the peak
   const auto wall = std::chrono::steady_clock::now();
   const double cpu = cpu_seconds();
   Measured result{};
@@ -71,7 +71,7 @@ Measured build_ours(const Soup& soup, int threads) {
   return result;
 }
 
-// What Embree says that it has allocated.
+// The memory that Embree reports as allocated.
 std::atomic<long long> embree_bytes{0};
 
 bool count_embree_bytes(void*, ssize_t bytes, bool) {
@@ -79,7 +79,7 @@ bool count_embree_bytes(void*, ssize_t bytes, bool) {
   return true;
 }
 
-// The vertices and indices are in Embree's memory before and not counted.
+// The vertices and indices are in Embree's memory beforehand and not counted.
 Measured build_embree(const Soup& soup, int threads, RTCBuildQuality quality) {
   const RTCDevice device = rtcNewDevice(("threads=" + std::to_string(threads)).c_str());
   rtcSetDeviceMemoryMonitorFunction(device, count_embree_bytes, nullptr);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rays per second through our acceleration structure and through Embree's, on one thread and the same rays,
-// interleaved, so that whatever else the machine does falls on both: medians of CPU time over the rounds.
+// Compares rays per second of the acceleration structure and of Embree, on one thread and the same rays,
+// interleaved, so that disturbances affect both. Prints medians of CPU time over the rounds.
 //
 //   embree_bench [rounds [rays per side of the picture [first letters of a set's name]]]
 #include <embree3/rtcore.h>
@@ -66,7 +66,7 @@ RTCIntersectContext context_for(RTCIntersectContextFlags flags) {
   return context;
 }
 
-// Each query answers with how many rays hit, for a check that all trace the same thing.
+// Each query returns its number of hits, to check that all trace the same geometry.
 
 std::size_t ours_closest(const Primitives& primitives, const Bvh& bvh, const std::vector<Ray>& rays) {
   std::size_t hits = 0;
@@ -80,7 +80,7 @@ std::size_t ours_any(const Primitives& primitives, const Bvh& bvh, const std::ve
   return hits;
 }
 
-// As a renderer asks that has this many paths in flight.
+// The batch size of a renderer with this many active paths.
 constexpr std::size_t kBatch = 1024;
 
 std::size_t ours_closest_batched(const Primitives& primitives, const Bvh& bvh, const std::vector<Ray>& rays) {
@@ -131,7 +131,7 @@ std::size_t embree_any(RTCScene scene, const std::vector<Ray>& rays) {
 
 constexpr std::size_t kPacket = 16;
 
-// Sixteen rays from `first` on, as far as there are so many; the others have a negative length.
+// Up to sixteen rays from `first` on; unused lanes have a negative length.
 RTCRay16 embree_packet(const std::vector<Ray>& rays, std::size_t first) {
   RTCRay16 packet = {};
   for (std::size_t i = 0; i < kPacket; ++i) {
@@ -204,7 +204,7 @@ struct Contender {
   }
 };
 
-// Ratios of our rates to Embree's, over all sets.
+// The ratios of our rates to Embree's, over all sets.
 struct Ratios {
   std::vector<double> single_to_single, batch_to_single, batch_to_best;
 };

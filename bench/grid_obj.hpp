@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// An OBJ file for measuring: a bumpy square sheet of triangles, written as exporters do, with six decimals.
+// Generates an OBJ file for benchmarks: a bumpy square sheet of triangles, with six decimals as exporters
+// write.
 #pragma once
 
 #include <string>

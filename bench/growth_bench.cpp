@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The time for each ray against the number of triangles, one thread, in batches and one by one: what
-// bench/growth/measure.sh plots.
+// Time per ray as a function of the number of triangles, single-threaded, in batches and one by one;
+// bench/growth/measure.sh plots it.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
@@ -25,7 +25,7 @@ struct Fixture {
   RaySets rays;
 };
 
-// Kept until another is asked for, since each benchmark is called several times.
+// Cached until another scene is requested, because each benchmark is called several times.
 const Fixture& fixture(int rows) {
   static std::unique_ptr<const Fixture> last;
   static int rows_of_last = 0;
@@ -37,7 +37,7 @@ const Fixture& fixture(int rows) {
   return *last;
 }
 
-// As a renderer asks that has this many paths in flight.
+// The batch size of a renderer with this many active paths.
 constexpr std::size_t kBatch = 1024;
 
 template <typename Answer, typename Query>

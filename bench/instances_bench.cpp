@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What instances cost: rays per second in a scene of two levels over those in the same scene flat. 25 copies
-// of a bumpy body of 69,000 triangles, turned and of different sizes, on a plane.
+// The cost of instances: the ratio of rays per second in a two-level scene to those in the same scene
+// flattened. 25 copies of a bumpy body of 69,000 triangles, rotated and scaled, on a plane.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -68,7 +68,7 @@ struct Level {
   Bvh bvh;
 };
 
-// As a renderer asks that has this many paths in flight.
+// The batch size of a renderer with this many active paths.
 constexpr std::size_t kBatch = 512;
 
 std::size_t closest_one_by_one(const Level& level, const std::vector<Ray>& rays) {
@@ -112,7 +112,7 @@ struct Measured {
   double mega_rays_per_second;
 };
 
-// Both levels interleaved, the median of each.
+// Measures both variants interleaved; returns the median of each.
 std::array<Measured, 2> measure(const std::array<const Level*, 2>& levels, const std::vector<Ray>& rays,
                                 Query query) {
   std::array<std::vector<double>, 2> seconds;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// How many rays leak out of a closed mesh: each is aimed from inside at the middle of an edge or at a corner,
-// and none may pass between the triangles. Prints the count; fails unless it is 0.
+// Counts rays that leak out of a closed mesh: each is aimed from inside at the middle of an edge or at a
+// corner, and none may pass between the triangles. Prints the count; fails unless it is 0.
 //
 //   tessera_leak_count [rays]
 #include <cstdint>

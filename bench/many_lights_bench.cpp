@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// What choosing among many lights costs, and what it is worth: a hall full of small lamps, lit directly, with
-// each lamp chosen by the scene's light sampler and by power alone. Prints a table.
+// Measures the cost and benefit of light sampling: a hall full of small lamps, lit directly, where lamps
+// are chosen by the scene's light sampler or by power alone. Prints a table.
 //
-// Run build/<preset>/bin/many_lights_bench [MOST], of one thread; MOST lights at most (100,000).
+// Run build/<preset>/bin/many_lights_bench [MAX]; single-threaded, with at most MAX lights (100,000).
 #include <benchmark/benchmark.h>
 #include <fmt/core.h>
 
@@ -85,12 +85,13 @@ SceneDescription hall(int lamps, int facets_per_lamp) {
 }
 
 struct Estimate {
-  double seconds = 0, relative_mse = 0;  // of one sample at each point, the mean over all
+  double seconds = 0, relative_mse = 0;  // of one sample at each point, averaged over all points
 
   double cost() const { return seconds * relative_mse; }
 };
 
-// Direct light at what the camera sees, by choose(point, u): kSamples samples at each point.
+// Direct light at the visible points, with lights chosen by choose(point, u): kSamples samples at each
+// point.
 template <typename Choose>
 Estimate estimate(const Scene& scene, const std::vector<PathVertex>& vertices, const Choose& choose) {
   std::vector<double> sums(vertices.size()), squares(vertices.size());
@@ -98,7 +99,7 @@ Estimate estimate(const Scene& scene, const std::vector<PathVertex>& vertices, c
   for (std::size_t v = 0; v < vertices.size(); ++v) {
     const PathVertex& vertex = vertices[v];
     for (std::uint32_t s = 0; s < kSamples; ++s) {
-      // Without stratification, so that the samples' own spread tells the error of one.
+      // Not stratified, so that the variance of the samples estimates the error of one.
       const auto u = Sampler(9, static_cast<int>(v), static_cast<int>(s), 0).pad(0);
       const auto choice = choose(vertex.light_context(), combine_uniforms(u[2], u[3]));
       if (choice.light == kNoLight) continue;
@@ -124,7 +125,7 @@ Estimate estimate(const Scene& scene, const std::vector<PathVertex>& vertices, c
   return result;
 }
 
-// Of a choice alone.
+// Measures the choice alone.
 template <typename Choose>
 double seconds_per_choice(const std::vector<PathVertex>& vertices, const Choose& choose) {
   const double start = cpu_seconds();

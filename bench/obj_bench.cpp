@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bytes per second of OBJ text: ours, which checks every statement, rounds every number correctly and has
-// faces parsed by tinyobjloader, beside tinyobjloader alone; and what follows reading.
+// Bytes per second of OBJ text for the loader, which validates every statement, rounds every number
+// correctly and has faces parsed by tinyobjloader, compared with tinyobjloader alone; and the steps after
+// reading.
 #include <benchmark/benchmark.h>
 #include <tiny_obj_loader.h>
 

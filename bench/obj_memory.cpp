@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// How much memory a large OBJ file takes while it is loaded: tessera_obj_memory [TRIANGLES], 10,000,000 if
-// none are given. Linux only: the peaks are those that the kernel has seen of this process.
+// Measures the memory of loading a large OBJ file: tessera_obj_memory [TRIANGLES], 10,000,000 by default.
+// Linux only: peaks are the kernel's for this process.
 #include <fmt/format.h>
 #include <malloc.h>
 
@@ -28,7 +28,7 @@ double memory(const std::string& key) {
 template <typename Step>
 auto measured(const char* name, double base, double triangles, Step step) {
   malloc_trim(0);
-  std::ofstream("/proc/self/clear_refs") << 5;  // the peak begins anew
+  std::ofstream("/proc/self/clear_refs") << 5;  // resets the peak
   auto result = step();
   fmt::print("  {:<22} peak {:6.0f} MB, {:4.0f} bytes a triangle\n", name, (memory("VmHWM") - base) / 1e6,
              (memory("VmHWM") - base) / triangles);

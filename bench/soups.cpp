@@ -12,7 +12,7 @@
 namespace tessera::core {
 namespace {
 
-// Appends a sphere cut along `rows` parallels and twice as many meridians; `place` turns a unit vector into a
+// Appends a sphere divided by `rows` parallels and twice as many meridians; `place` maps a unit vector to a
 // corner.
 template <typename Place>
 void add_globe(Soup& soup, int rows, Place place) {
@@ -44,7 +44,7 @@ void add_ground(Soup& soup, float half_width) {
   add_quad(soup, {-w, 0, -w}, {-w, 0, w}, {w, 0, w}, {w, 0, -w});
 }
 
-// The board: a box on the ground whose top is at `height`.
+// A board: a box on the ground whose top is at `height`.
 void add_board(Soup& soup, float half_width, float height) {
   const float w = half_width, h = height;
   add_quad(soup, {-w, h, -w}, {-w, h, w}, {w, h, w}, {w, h, -w});
@@ -62,7 +62,7 @@ void add_blob(Soup& soup, int rows, Vec3 center, float size, float turn) {
   });
 }
 
-// A ribbon that grows out of a ball of radius 1 and bends at random and downwards, but not below y = 0.
+// A ribbon that starts on a ball of radius 1 and bends randomly and downwards, but not below y = 0.
 void add_strand(Soup& soup, int number, Vec3 center) {
   constexpr int kSegments = 10;
   constexpr float kStep = 0.12f, kHalfWidth = 0.003f, kCurl = 0.22f, kWeight = 0.12f;

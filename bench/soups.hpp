@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Triangle soups that a scene might be made of, and the rays that a path tracer would send into them: what
-// the benchmarks of the acceleration structure trace.
+// Triangle soups of typical scenes, and the rays of a path tracer in them, for the benchmarks of the
+// acceleration structure.
 #pragma once
 
 #include <array>
@@ -24,21 +24,21 @@ struct Soup {
 // A bumpy sphere of about 4 * rows^2 triangles on a plane of two.
 Soup blob_on_plane(int rows);
 
-// side * side such blobs, turned and of different sizes, and nothing else.
+// side * side such blobs, rotated and of different sizes, without a plane.
 Soup blobs(int side, int rows);
 
-// They on a plane.
+// The same on a plane.
 Soup blob_field(int side, int rows);
 
 // 182 stones on a board of 19 lines, seen from a player's chair: 133,000 triangles, most of them tiny and
 // some as large as the scene.
 Soup go_board();
 
-// 15,000 strands of hair, as if on a ball that floats above the ground: 300,000 long and thin triangles, at
-// all angles, whose boxes overlap by far.
+// 15,000 strands of hair on a ball above the ground: 300,000 long and thin triangles at all angles, whose
+// boxes overlap strongly.
 Soup strands();
 
-// They above a plane.
+// The same above a plane.
 Soup strands_on_plane();
 
 struct RaySets {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rays per second through the acceleration structure alone, one thread: a tessellated, bumpy sphere on a
-// plane, seen by primary rays, by cosine-distributed bounces from their hits, and by shadow rays to a lamp;
-// and building it.
+// Rays per second through the acceleration structure, single-threaded: a tessellated, bumpy sphere on a
+// plane, with primary rays, cosine-distributed bounces from their hits, and shadow rays to a lamp; and the
+// time to build it.
 #include <benchmark/benchmark.h>
 
 #include <vector>
@@ -44,7 +44,7 @@ void any_shadow(benchmark::State& state) {
   const Fixture f(static_cast<int>(state.range(0)));
   trace(state, f.rays.shadow, [&](const Ray& ray) { return f.bvh.any_hit(f.primitives, ray); });
 }
-// The nearest hit by asking every primitive, for what the structure is worth.
+// The nearest hit by testing every primitive, as a baseline.
 void closest_primary_without_bvh(benchmark::State& state) {
   Fixture f(static_cast<int>(state.range(0)));
   std::vector<Ray> some;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The commands that need no farm. Each adds itself to the command line; when it is the one that was called,
-// it runs and stores the process's exit status.
+// The commands that do not use a farm. Each adds itself to the command line; if it is called, it runs and
+// stores the exit status of the process.
 #pragma once
 
 #include <CLI/CLI.hpp>

@@ -33,7 +33,7 @@ takes 1 as the peak.)",
 
 struct CompareOptions {
   std::string path_a, path_b;
-  std::optional<core::ImageRegion> region;  // the whole pictures if there is none
+  std::optional<core::ImageRegion> region;  // the whole images if absent
   bool json = false;
 };
 
@@ -67,7 +67,7 @@ std::string describe(const core::Comparison& c, const std::optional<core::ImageR
   return text + fmt::format("PSNR                {:.2f} dB\n", c.psnr_db);
 }
 
-// Infinite values become null: JSON has no word for them.
+// Infinite values become null, because JSON cannot represent them.
 std::string to_json(const core::Comparison& c, const std::optional<core::ImageRegion>& region) {
   nlohmann::ordered_json json = {
       {"identical", c.identical},

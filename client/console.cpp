@@ -12,7 +12,7 @@ namespace tessera::client {
 
 namespace {
 
-// Not fmt::print, which throws where nothing can be written.
+// Unlike fmt::print, does not throw if writing fails.
 void write(std::FILE* stream, std::string_view text) {
   std::fwrite(text.data(), 1, text.size(), stream);
   std::fflush(stream);
@@ -49,7 +49,7 @@ void print_warnings(const std::vector<std::string>& messages) {
 }
 
 void warn_about_darkness(std::string_view scene_path) {
-  print_warning(fmt::format("'{}' has no light: the picture will be black", scene_path));
+  print_warning(fmt::format("'{}' has no light: the image will be black", scene_path));
 }
 
 void print_hint(std::string_view command) {

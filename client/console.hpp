@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a command prints. Results go to stdout, everything else goes to stderr, made printable
-// (core/base/printable.hpp). Text that cannot be written is lost and ends nothing; cli::flush_stdout()
-// reports lost results at the end.
+// Output of commands. Results go to stdout, everything else to stderr, with unprintable characters escaped
+// (core/base/printable.hpp). Write errors do not end a command; cli::flush_stdout() reports lost results at
+// the end.
 #pragma once
 
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "core/base/error.hpp"
 #include "core/cli/help.hpp"
 #include "core/cli/parse.hpp"
-#include "core/base/error.hpp"
 
 namespace tessera::client {
 
@@ -19,35 +19,35 @@ using cli::kExitOk;
 using cli::kExitUsage;
 inline constexpr int kExitInterrupted = 130;
 
-// The section "Exit status" of commands whose statuses mean nothing special.
+// The section "Exit status" of commands without special statuses.
 extern const std::vector<cli::HelpText::ExitStatus> kUsualExitStatuses;
 
-// Writes `text` to stdout as it is, and flushes.
+// Writes `text` to stdout unchanged, and flushes.
 void print_result(std::string_view text);
 
-// Whether something that print_result() was given could not be written.
+// Whether any output of print_result() could not be written.
 bool results_are_lost();
 
-// "tessera: error: MESSAGE". Returns kExitFailed, so that a command can end with it.
+// Prints "tessera: error: MESSAGE". Returns kExitFailed, so that a command can return it.
 int print_error(std::string_view message);
 int print_error(const core::Error& error);
 
-// "tessera: warning: MESSAGE"
+// Prints "tessera: warning: MESSAGE".
 void print_warning(std::string_view message);
 
-// Each of them, as what is told about a scene's files.
+// Prints each message as a warning.
 void print_warnings(const std::vector<std::string>& messages);
 
-// That the scene at `path` gives no light and its image will be black.
+// Warns that the scene at `path` has no light and its image will be black.
 void warn_about_darkness(std::string_view scene_path);
 
-// "Try: COMMAND"
+// Prints "Try: COMMAND".
 void print_hint(std::string_view command);
 
 // A line on stderr that is neither an error nor a warning.
 void print_note(std::string_view line);
 
-// Seconds on a clock that never runs backwards; its zero means nothing.
+// Seconds on a monotonic clock with an arbitrary origin.
 double steady_seconds();
 
 }  // namespace tessera::client

@@ -37,9 +37,9 @@ Status check_paths(const RenderOptions& options) {
   return options.stats_path.empty() ? Status{} : core::check_can_write(options.stats_path);
 }
 
-// A picture that does not fit into memory is refused now instead of being killed later.
+// An image that does not fit into memory is rejected now instead of being killed later.
 Status check_memory(const core::RenderSettings& settings) {
-  constexpr double kBytesPerPixel = 2 * 3 * 8 + 3 * 4;  // the film's two sums and the developed picture
+  constexpr double kBytesPerPixel = 2 * 3 * 8 + 3 * 4;  // the film's two sums and the developed image
   const core::PixelRect window = settings.window();
   const double needed = kBytesPerPixel * static_cast<double>(window.pixel_count());
   const double present =
@@ -47,7 +47,7 @@ Status check_memory(const core::RenderSettings& settings) {
   if (needed <= present) return {};
   return core::fail(
       core::ErrorCode::kResourceExhausted,
-      fmt::format("a picture of {}x{} pixels needs {:.0f} GiB of memory, and this machine has {:.0f}: "
+      fmt::format("an image of {}x{} pixels needs {:.0f} GiB of memory, and this machine has {:.0f}: "
                   "choose a smaller --size, or parts of it with --crop",
                   window.width(), window.height(), needed / (1 << 30), present / (1 << 30)));
 }
@@ -96,7 +96,7 @@ Result<LoadedScene> load(const RenderOptions& options) {
   return LoadedScene{std::move(*scene), *display, stats};
 }
 
-// The command that replays a sample of this render.
+// The command that reproduces a sample of this render.
 std::string replay_command(const std::string& scene_path, const core::RenderSettings& settings,
                            core::SampleId id) {
   return fmt::format(
@@ -139,7 +139,7 @@ void warn_about_blackness(const core::Image& image) {
   if (std::all_of(image.pixels.begin(), image.pixels.end(),
                   [](core::Rgb color) { return core::is_black(color); })) {
     print_warning(
-        "the picture is black: no light reaches the camera; is it inside something, or does it look away?");
+        "the image is black: no light reaches the camera; is it inside something, or does it look away?");
   }
 }
 
@@ -168,7 +168,7 @@ int render_picture(const RenderOptions& options, LoadedScene& loaded) {
       render_locally(loaded.scene, stats.settings, options.threads, progress, interrupted);
   progress.erase();
   if (!rendered.complete || interrupted()) {
-    print_error("interrupted; no picture was written");
+    print_error("interrupted; no image was written");
     return kExitInterrupted;
   }
   stats.counters = rendered.counters;
@@ -177,7 +177,7 @@ int render_picture(const RenderOptions& options, LoadedScene& loaded) {
   warn_about_samples(options.scene.scene_path, stats);
   warn_about_saturation(options.scene.scene_path, rendered.film);
   const core::Image image = rendered.film.develop();
-  // Without lights the picture was known to be black, and said to be.
+  // For a scene without lights, a warning has been printed before.
   if (!loaded.scene.lights().empty()) warn_about_blackness(image);
   if (Status status = write_results(options, loaded, image); !status) return print_error(status.error());
   if (!options.quiet) print_summary(options, stats);
@@ -186,7 +186,7 @@ int render_picture(const RenderOptions& options, LoadedScene& loaded) {
 
 int print_sample(const core::Scene& scene, const core::RenderSettings& settings, core::SampleId id) {
   if (id.x >= settings.width_px || id.y >= settings.height_px) {
-    print_error(fmt::format("--sample: pixel ({}, {}) is outside the picture of {}x{} pixels", id.x, id.y,
+    print_error(fmt::format("--sample: pixel ({}, {}) is outside the image of {}x{} pixels", id.x, id.y,
                             settings.width_px, settings.height_px));
     return kExitUsage;
   }

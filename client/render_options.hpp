@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What `tessera render` was asked for.
+// The options of `tessera render`.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -19,7 +19,7 @@ struct RenderOptions {
   std::string scene_cache;  // a folder; empty: none
   double scene_cache_gib = core::kDefaultSceneCacheGib;
   std::optional<core::SampleId> sample;  // replay this one instead of rendering
-  bool quiet = false;                    // no progress and no closing line; warnings remain
+  bool quiet = false;                    // no progress and no summary; warnings remain
 };
 
 // Adds the options of `render` and its help. Values are stored in `options` while the command line is parsed;

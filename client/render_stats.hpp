@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What `render --stats` writes. docs/command-line.md lists the fields; benchmarks rest on their names.
+// The output of `render --stats`. docs/command-line.md lists the fields; benchmarks depend on their names.
 #pragma once
 
 #include <cstdint>

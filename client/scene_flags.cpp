@@ -45,7 +45,7 @@ void parse_size(const std::string& text, core::RenderOverrides& overrides) {
   overrides.height_px = static_cast<int>(height);
 }
 
-// "X0,Y0,X1,Y1". That it lies in the picture can only be checked when its size is known.
+// "X0,Y0,X1,Y1". Whether it lies within the image is checked when the size is known.
 core::PixelRect parse_crop(const std::string& text) {
   constexpr auto kMaxSide = static_cast<std::uint64_t>(core::kMaxImageSidePx);
   std::vector<std::uint64_t> sides;
@@ -91,7 +91,7 @@ float parse_clamp(const std::string& text) {
   return limit;
 }
 
-// A sign may stand before it: +1 is a stop brighter.
+// A sign is allowed: +1 is a stop brighter.
 float parse_exposure(const std::string& text) {
   const char* begin = text.data() + (text.starts_with('+') ? 1 : 0);
   const char* end = text.data() + text.size();
@@ -117,13 +117,15 @@ core::ToneCurve parse_tone_curve(const std::string& text) {
 }  // namespace
 
 void add_scene_argument(CLI::App& command, SceneFlags& flags) {
-  command.add_option("SCENE", flags.scene_path, "Scene file (JSON), or the name of an example scene such as cornell")
+  command
+      .add_option("SCENE", flags.scene_path,
+                  "Scene file (JSON), or the name of an example scene such as cornell")
       ->required()
       ->transform(find_scene);
 }
 
 void add_output_option(CLI::App& command, SceneFlags& flags) {
-  // One value for each -o: "-o a.png scene.json" must not take the scene for a second picture.
+  // One value for each -o: "-o a.png scene.json" must not take the scene for a second image.
   command
       .add_option("-o,--output", flags.output_paths,
                   "Image file to write; its ending chooses the format: .png (8-bit sRGB), .exr, .hdr or .pfm "

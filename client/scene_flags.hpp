@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The flags that say what to render and how, the same for `render` here and `submit` to a farm.
+// The flags that select the scene and its settings, shared by `render` and `submit`.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -14,7 +14,7 @@ namespace tessera::client {
 struct SceneFlags {
   std::string scene_path;
   std::vector<std::string> output_paths;  // in the order given
-  core::RenderOverrides overrides;        // over what the scene file says
+  core::RenderOverrides overrides;        // override the scene file's settings
   core::DisplayOverrides display;         // the same for PNG files
 };
 
@@ -23,14 +23,14 @@ struct SceneFlags {
 void add_scene_argument(CLI::App& command, SceneFlags& flags);
 void add_output_option(CLI::App& command, SceneFlags& flags);
 
-// Adds --spp, --size, --crop, --integrator, --heuristic, --clamp-indirect and --seed. A bad value ends parsing with a sentence
-// that names the flag.
+// Adds --spp, --size, --crop, --integrator, --heuristic, --clamp-indirect and --seed. A bad value ends
+// parsing with a sentence that names the flag.
 void add_override_options(CLI::App& command, core::RenderOverrides& overrides);
 
 // Adds --exposure and --tone-curve in the same way.
 void add_display_options(CLI::App& command, core::DisplayOverrides& overrides);
 
-// A whole number from `least` to `most`, or an exception of CLI11 with the flag's name in its sentence.
+// An integer from `least` to `most`; otherwise throws an exception of CLI11 that names the flag.
 std::uint64_t parse_whole_number(const std::string& flag, const std::string& text, std::uint64_t least,
                                  std::uint64_t most);
 

@@ -7,7 +7,7 @@
 #   libtessera           the shared library behind them
 #   libtessera-dev       its header, the CMake package and the pkg-config file
 #
-# Programs find libraries and scenes by paths relative to themselves, so that the tree can be moved.
+# Programs find libraries and scenes by relative paths, so the installed tree is relocatable.
 include(CMakePackageConfigHelpers)
 
 set(private_libdir ${CMAKE_INSTALL_LIBDIR}/tessera)  # libtessera_core: for these programs alone
@@ -16,7 +16,7 @@ install(TARGETS tessera_api EXPORT tessera_targets
   LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT libtessera NAMELINK_COMPONENT libtessera-dev)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/core/api/include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT libtessera-dev)
 if(TESSERA_AVX512)
-  # Exported as well: libtessera needs it, and the linker of a consumer follows.
+  # Exported too: libtessera needs it, and a consumer's linker follows the dependency.
   install(TARGETS tessera_core EXPORT tessera_targets LIBRARY DESTINATION ${private_libdir} COMPONENT libtessera)
   install(TARGETS tessera_core_avx512 LIBRARY DESTINATION ${private_libdir}/glibc-hwcaps/x86-64-v4 COMPONENT libtessera)
 endif()

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 # Every target links tessera::options: warnings, sanitizers, and the flags behind "the same bytes on every machine".
 #
-# x86-64-v3 (AVX2) is the least a machine must have. What TesseraVariants.cmake compiles a second time is for x86-64-v4
-# (AVX-512): twice the registers and masks help, and so do vectors of 512 bits where core asks for them, but not where
-# the compiler would. Contraction of a*b+c into one rounding is off, so that a compiler's taste for fused multiply-add
-# cannot change a picture; nothing is compiled for the building machine alone.
+# x86-64-v3 (AVX2) is the minimum. Targets of TesseraVariants.cmake are also compiled for x86-64-v4
+# (AVX-512), which has twice the registers, and masks; the compiler's own use of 512-bit vectors does not
+# help, only core's explicit use. Contraction of a*b+c into one rounding is off, so that rendered images do
+# not depend on the compiler. Nothing is compiled for the build machine alone.
 add_library(tessera_options INTERFACE)
 add_library(tessera::options ALIAS tessera_options)
 target_include_directories(tessera_options INTERFACE ${PROJECT_SOURCE_DIR})
@@ -36,8 +36,8 @@ if(TESSERA_FUZZ)
   target_compile_options(tessera_options INTERFACE -fsanitize=fuzzer-no-link)
 endif()
 
-# Compiling takes most of the time of a test run, and what is compiled once to run for seconds gains little from being
-# optimised well: these come after the build type's own options.
+# Compilation dominates the time of a test run, and test code gains little from optimisation. These options
+# come after the build type's own.
 set(TESSERA_TEST_FLAGS "-O1" CACHE STRING "Compiler options of the tests")
 set(TESSERA_FARM_FLAGS "" CACHE STRING "Compiler options of the farm and its tests: all but core and the scheduler, core's tests and simulated farms")
 

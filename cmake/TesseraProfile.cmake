@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-# Optimising core by a profile of what it does in renders, with GCC: which branches are taken, what is called often, and
-# what hardly ever. What is computed stays the same, to the bit.
+# Profile-guided optimisation of core with GCC. Results stay bit-identical.
 #
 #   off      nothing of the kind
 #   record   core counts what it does, and writes it to TESSERA_PROFILE_DIR
@@ -43,7 +42,8 @@ elseif(profile_mode STREQUAL "use")
   add_custom_target(tessera_recording DEPENDS ${recording}/recorded)
 endif()
 
-# Records a library's profile, or uses it, under a name. What no recorded render came to is optimised as without a profile.
+# Records a library's profile, or uses it, under a name. Code that no recorded render executes is optimised
+# as without a profile.
 function(tessera_profile target name)
   if(NOT profile_mode STREQUAL "off")
     # The prefix of the profiles' names. Functions are found by it, too.

@@ -44,7 +44,7 @@ function(tessera_core)
         target_sources(tessera_core${variant} PRIVATE $<TARGET_OBJECTS:tessera_${library}${variant}>)
       endforeach()
       target_link_libraries(tessera_core${variant} PUBLIC $<BUILD_INTERFACE:tessera::base> PRIVATE ${ARG_LINKS})
-      # Each calls its own functions, whatever else is loaded.
+      # Each library binds to its own functions, whatever else is loaded.
       target_link_options(tessera_core${variant} PRIVATE -Wl,-Bsymbolic -Wl,-z,defs)
       set_target_properties(tessera_core${variant} PROPERTIES OUTPUT_NAME tessera_core
         LIBRARY_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/lib)

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Renders SPP samples of each pixel of a small picture in one call of one thread: what tests/counters counts, and
-// what is recorded for the compiler (record_profile.sh). `tessera render` cuts its work by the clock, and so never
-// does quite the same twice.
+// Renders SPP samples of each pixel of a small image in one call on one thread, for tests/counters and for
+// recording compiler profiles (record_profile.sh). `tessera render` divides its work by the clock, so its
+// work varies between runs.
 #include <fmt/format.h>
 
 #include <charconv>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// One farm of simulated workers around a real coordinator: started, loaded with jobs, measured for a while,
-// ended.
+// One farm of simulated workers around a real coordinator: starts it, submits jobs, measures for a while,
+// and stops it.
 #pragma once
 
 #include <filesystem>
@@ -19,11 +19,11 @@ struct Load {
   int workers = 1;
   Speed speed;
   int jobs = 1;
-  // Of each job's picture, in pixels; multiples of 64.
+  // The image size of each job in pixels; multiples of 64.
   int width_px = 64, height_px = 64;
   std::uint32_t spp = 1 << 16;
   double warm_up_seconds = 10, measured_seconds = 20;
-  // Measures until all jobs are done instead, at most this long.
+  // Measures until all jobs are done, for at most this long.
   bool until_done = false;
   std::optional<int> coordinator_core;
 };
@@ -37,7 +37,7 @@ struct Figures {
   bool all_done = false;
 };
 
-// Errors: what cannot be started, or what the coordinator refuses.
+// Errors: a process cannot be started, or the coordinator rejects a call.
 core::Result<Figures> measure(const Load& load, const std::filesystem::path& coordinator_program);
 
 }  // namespace tessera::bench

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A real tessera-coordinator in a process of its own, and what it takes of the machine. Not thread-safe.
+// A real tessera-coordinator process, and its resource use. Not thread-safe.
 #pragma once
 
 #include <sys/types.h>
@@ -14,27 +14,27 @@
 
 namespace tessera::bench {
 
-// Since the process was started, except where it is said otherwise.
+// Since the process was started, unless stated otherwise.
 struct Usage {
   double cpu_seconds = 0;            // in user mode and in the kernel, of all threads
   std::uint64_t resident_bytes = 0;  // now
   std::uint64_t most_resident_bytes = 0;
-  std::uint64_t written_bytes = 0;  // handed to the file system
+  std::uint64_t written_bytes = 0;  // passed to the file system
 };
 
 class MeasuredCoordinator {
  public:
   struct Options {
     std::filesystem::path program;
-    // Where it keeps its state and its log; must exist.
+    // The folder of its state and log; must exist.
     std::filesystem::path folder;
-    // The only core it may run on; any if absent.
+    // Pins the process to this core, if present.
     std::optional<int> core;
   };
 
-  // Returns when it listens. Errors end with what it said.
+  // Returns when the coordinator listens. Errors end with its output.
   static core::Result<MeasuredCoordinator> start(const Options& options);
-  // Stops it and waits for its end.
+  // Stops the process and waits until it has exited.
   ~MeasuredCoordinator();
   MeasuredCoordinator(MeasuredCoordinator&& other) noexcept;
   MeasuredCoordinator& operator=(MeasuredCoordinator&&) = delete;

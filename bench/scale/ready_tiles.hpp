@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rendered items that nobody rendered: whole tiles whose sums are noise like that of a path tracer,
-// compressed beforehand, so that a worker that sends them costs next to nothing. Thread-safe.
+// Precomputed results for simulated workers: whole tiles whose sums are noise like that of a path tracer,
+// already compressed, so that sending them costs little. Thread-safe.
 #pragma once
 
 #include <array>
@@ -17,12 +17,12 @@ class ReadyTiles {
  public:
   ReadyTiles();
 
-  // A valid result for the item, which must be a whole tile of 64 x 64 pixels. `variant`: any number; equal
-  // ones give equal sums.
+  // A valid result for the item, which must be a whole tile of 64 x 64 pixels. `variant` is any number;
+  // equal ones give equal sums.
   v1::RenderedItem rendered(const proto::WorkItem& item, std::uint64_t variant) const;
 
  private:
-  // The sums of a tile, as they travel.
+  // The sums of a tile in the format of the protocol.
   struct Frame {
     std::string planes_zstd;
     std::uint64_t sums_xxh3 = 0;

@@ -14,12 +14,12 @@ namespace tessera::bench {
 namespace {
 
 constexpr std::uint32_t kWantedLeases = 2;
-// Before a failed call is tried again, or a Synchronize that was answered without news is repeated.
+// The delays before a failed call is retried, and before a Synchronize without news is repeated.
 constexpr double kRetrySeconds = 0.1, kShortestExchangeSeconds = 0.05;
 constexpr std::size_t kMaxItemsPerDelivery = 42;  // 8 MiB of sums
 const std::string kArithmetic(core::kDeterminismFingerprint);
 
-// Of as many bytes as there are in a worker's.
+// As long as a real worker's key.
 std::string key_of(int number) {
   return fmt::format("{:048}", number);
 }
@@ -115,7 +115,7 @@ void SimulatedWorker::synchronized(const SyncCall& call, const grpc::Status& sta
   later(rest, [](SimulatedWorker& worker) { worker.synchronize(); });
 }
 
-// Whether there was something new.
+// Returns whether there was something new.
 bool SimulatedWorker::apply(const SyncCall& call) {
   for (const v1::JobSpec& job : call.response.jobs()) known_jobs_.insert(job.job_id());
   std::set<std::uint64_t> wanted = just_given_;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// A worker that speaks the real protocol on a connection of its own, and renders nothing: it lets the time
-// pass that rendering would have taken, and sends ready-made tiles. Keeps two leases, delivers each item as
-// soon as it is "rendered", one delivery at a time, takes leases with the answer, and always has a
-// Synchronize under way, as the real one does (worker/). All calls are asynchronous; a thousand of them need
-// a handful of threads. Thread-safe.
+// A worker that uses the real protocol on its own connection and renders nothing: it waits for the time
+// that rendering would take, and sends precomputed tiles. Like the real worker (worker/), it keeps two
+// leases, delivers each item as soon as it is "rendered", one delivery at a time, takes leases from
+// responses, and always has a Synchronize pending. All calls are asynchronous; a thousand workers need a
+// handful of threads. Thread-safe.
 #pragma once
 
 #include <grpcpp/channel.h>
@@ -24,16 +24,16 @@
 
 namespace tessera::bench {
 
-// How it renders.
+// The simulated rendering speed.
 struct Speed {
   double samples_per_second = 1;
-  // Whether the time passes. Otherwise results are there at once, and only say that they took so long.
+  // Whether rendering takes real time. Otherwise results are ready at once and only claim that time.
   bool takes_time = true;
 };
 
 class SimulatedWorker : public std::enable_shared_from_this<SimulatedWorker> {
  public:
-  // What many workers share; must outlive them.
+  // Data shared by many workers; must outlive them.
   struct World {
     const ReadyTiles& tiles;
     Timeline& timeline;
@@ -43,7 +43,7 @@ class SimulatedWorker : public std::enable_shared_from_this<SimulatedWorker> {
   SimulatedWorker(int number, Speed speed, std::shared_ptr<grpc::Channel> channel, World world);
 
   void start();
-  // Ends its calls and begins no others. Its last call has ended when nobody else holds it any more.
+  // Cancels its calls and starts no others. Its last call has ended when no other reference to it exists.
   void stop();
 
  private:
@@ -69,7 +69,7 @@ class SimulatedWorker : public std::enable_shared_from_this<SimulatedWorker> {
   using SyncCall = Call<v1::SynchronizeRequest, v1::SynchronizeResponse>;
   using SubmitCall = Call<v1::SubmitResultRequest, v1::SubmitResultResponse>;
 
-  // All of these with mutex_ held.
+  // The following require mutex_ to be held.
   void synchronize();
   void synchronized(const SyncCall& call, const grpc::Status& status);
   bool apply(const SyncCall& call);
@@ -82,7 +82,7 @@ class SimulatedWorker : public std::enable_shared_from_this<SimulatedWorker> {
   void submit(std::shared_ptr<SubmitCall> call);
   void delivered(const std::shared_ptr<SubmitCall>& call, const grpc::Status& status);
   HeldLease* find(std::uint64_t lease_id);
-  // Does it with mutex_ held, unless the worker has stopped.
+  // Runs the action with mutex_ held, unless the worker has stopped.
   template <typename Action>
   void later(double seconds, Action action);
 
@@ -96,7 +96,7 @@ class SimulatedWorker : public std::enable_shared_from_this<SimulatedWorker> {
   // Guarded by mutex_:
   std::deque<HeldLease> leases_;
   std::set<std::string> known_jobs_;
-  // Since the last Synchronize was sent: delivered; or given with the answer to a delivery.
+  // Since the last Synchronize was sent: delivered leases, and leases received in responses to deliveries.
   std::set<std::uint64_t> just_finished_, just_given_;
   bool rendering_ = false, delivering_ = false, stopped_ = false;
   std::uint64_t delivered_items_ = 0;

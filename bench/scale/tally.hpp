@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the simulated workers of one farm have seen, while it was counted. Thread-safe.
+// Counters of the simulated workers of one farm. Thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +19,7 @@ struct Counts {
   std::uint64_t received_bytes = 0;  // the answers
   std::uint64_t failed_calls = 0;
   double rendering_seconds = 0;  // of all workers together
-  // From sending a result to hearing that it was counted.
+  // From sending a result to the response that counts it.
   std::vector<double> submit_seconds;
   // From sending a lease's last result to getting another lease.
   std::vector<double> next_lease_seconds;
@@ -51,7 +51,7 @@ class Tally {
   Counts counts_;
 };
 
-// The value below which this share of them lies; 0 if there are none.
+// The quantile of the values; 0 if there are none.
 double quantile(std::vector<double> values, double share);
 
 }  // namespace tessera::bench

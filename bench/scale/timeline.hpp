@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Does things later: one thread for the clocks of a thousand simulated workers. Thread-safe.
+// Runs actions later: one timer thread for a thousand simulated workers. Thread-safe.
 #pragma once
 
 #include <chrono>
@@ -18,12 +18,12 @@ class Timeline {
   using Seconds = std::chrono::duration<double>;
 
   Timeline();
-  // What is not due yet is never done.
+  // Pending actions are dropped.
   ~Timeline();
   Timeline(const Timeline&) = delete;
   Timeline& operator=(const Timeline&) = delete;
 
-  // What is due at one moment is done in the order of its entry. Must not block.
+  // Actions due at the same time run in order of insertion. They must not block.
   void after(Seconds delay, std::function<void()> action);
 
  private:

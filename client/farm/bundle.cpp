@@ -33,7 +33,7 @@ v1::Bundle to_bundle(const std::string& scene_name, const std::map<std::string, 
   return bundle;
 }
 
-// More than what is sent before the coordinator has looked at any of it (proto/channel.cpp).
+// More than a client sends before the coordinator checks the data (proto/channel.cpp).
 constexpr std::uint64_t kSurelyTakenBytes = std::uint64_t{2} << 20;
 
 core::Status upload(Farm& farm, const proto::Digest& digest, const std::string& bytes, bool& progress) {
@@ -67,7 +67,8 @@ core::Status upload_asset(Farm& farm, const LocalBundle& local, const v1::Bundle
   return done ? core::Status{} : fail(done.error().within(fmt::format("uploading '{}'", asset.path())));
 }
 
-// By their SHA-256. The coordinator keeps what it has of these files from now on.
+// Returns the SHA-256 of missing files. From now on the coordinator keeps the files of the bundle that it
+// has.
 core::Result<std::set<std::string>> find_missing(Farm& farm, const v1::Bundle& bundle) {
   v1::FindMissingBlobsRequest request;
   for (const v1::Bundle::Asset& asset : bundle.assets()) *request.add_digests() = asset.digest();
@@ -123,7 +124,7 @@ core::Result<LocalBundle> bundle_scene(const std::string& scene_path,
 
 core::Status upload_missing(Farm& farm, const LocalBundle& local) {
   const auto done = patiently<bool>(farm, [&](bool& progress) -> core::Result<bool> {
-    // Each time: a coordinator that was started anew keeps nothing for who does not ask again.
+    // Asks at each attempt, because a restarted coordinator keeps files only for clients that ask again.
     auto missing = find_missing(farm, local.bundle);
     if (!missing) return fail(missing.error());
     for (const v1::Bundle::Asset& asset : local.bundle.assets()) {

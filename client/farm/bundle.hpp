@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A scene on this machine as a bundle: loaded and checked here first, so that a mistake is told before
-// anything is sent, in the words in which `tessera render` tells it.
+// A local scene as a bundle. It is loaded and validated locally first, so that mistakes are reported before
+// anything is sent, with the messages of `tessera render`.
 #pragma once
 
 #include <map>
@@ -14,8 +14,8 @@ namespace tessera::client {
 
 struct LocalBundle {
   v1::Bundle bundle;
-  std::string folder;                        // the scene file's
-  std::map<std::string, std::string> paths;  // the files in it, by their names in the bundle
+  std::string folder;                        // the folder of the scene file
+  std::map<std::string, std::string> paths;  // local paths by name in the bundle
   core::RenderSettings settings;             // the scene's, with the overrides
   bool gives_light = true;
   std::vector<std::string> warnings;  // about the scene's files
@@ -23,7 +23,8 @@ struct LocalBundle {
 
 core::Result<LocalBundle> bundle_scene(const std::string& scene_path, const core::RenderOverrides& overrides);
 
-// Sends what the coordinator lacks. Blocks. An error too if a file has changed since it was bundled.
+// Sends the files that the coordinator lacks. Blocks. Fails also if a file has changed since it was
+// bundled.
 core::Status upload_missing(Farm& farm, const LocalBundle& bundle);
 
 }  // namespace tessera::client

@@ -27,7 +27,7 @@ struct ChangeOptions {
 
 using Change = core::Result<v1::Job> (*)(Farm& farm, const std::string& id, const ChangeOptions& options);
 
-// The job after a call that asks for nothing but its id.
+// The job returned by a call whose only parameter is its id.
 template <typename Request, typename Response>
 core::Result<v1::Job> change(Farm& farm,
                              grpc::Status (Farm::Stub::*method)(grpc::ClientContext*, const Request&,
@@ -68,7 +68,7 @@ core::Result<v1::Job> update(Farm& farm, const std::string& id, const ChangeOpti
   return response->job();
 }
 
-// What a change of how it is served has made of it, where there was one.
+// Describes a change of the service options, if there was one.
 std::string service_text(const v1::Job& job, const ServiceOptions& changed) {
   if (!changed.priority && !changed.max_workers) return "";
   const std::string limit = job.max_workers() == 0   ? "any number of workers"

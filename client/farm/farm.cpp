@@ -16,7 +16,7 @@
 namespace tessera::client {
 namespace {
 
-// A coordinator listens a fraction of a second after it was started.
+// A coordinator accepts connections a fraction of a second after it was started.
 constexpr std::chrono::milliseconds kLongestStartPause{500};
 
 }  // namespace

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The farm a command speaks to: where it is, and calls whose errors are sentences. Thread-safe.
+// The client's connection to a farm: options, and calls whose errors are user-readable messages.
+// Thread-safe.
 #pragma once
 
 #include <fmt/format.h>
@@ -28,12 +29,12 @@ namespace tessera::client {
 struct FarmOptions {
   std::string address = proto::kDefaultCoordinator;  // HOST:PORT
   proto::ClientSecurity security;
-  std::chrono::seconds patience{60};  // with a coordinator that restarts, or has too much to do
+  std::chrono::seconds patience{60};  // how long to retry while a coordinator restarts or is overloaded
   std::chrono::seconds start_patience{
-      5};  // with a coordinator that takes no connection, since it may be starting
+      5};  // how long to retry without a connection, since the coordinator may be starting
 };
 
-// Adds --coordinator and what concerns certificates and tokens. `options` are filled in while the command
+// Adds --coordinator and the options for certificates and tokens. `options` are filled in while the command
 // line is parsed, and must live until then.
 void add_farm_options(CLI::App& command, FarmOptions& options);
 
@@ -41,18 +42,18 @@ class Farm {
  public:
   using Stub = v1::RenderService::StubInterface;
 
-  // Errors are about certificates and tokens; nothing is connected yet.
+  // Errors concern certificates and tokens; no connection is made yet.
   static core::Result<std::unique_ptr<Farm>> open(const FarmOptions& options);
 
   const std::string& address() const { return options_.address; }
-  // Whether the coordinator has ever granted a call().
+  // Whether any call() has succeeded.
   bool reached() const { return reached_; }
   std::chrono::seconds patience() const { return options_.patience; }
   Stub& stub() { return *stub_; }
 
-  // One call of a method, e.g. call(&Farm::Stub::GetJob, request). Blocks for up to `timeout`. Says so and
-  // tries again where there is no connection at first, for up to the patience with a start, and where the
-  // coordinator asks to wait, for up to `timeout` or its patience.
+  // Calls a method, e.g. call(&Farm::Stub::GetJob, request). Blocks for up to `timeout`. Retries with a
+  // message on stderr: without a connection for up to the start patience, and if the coordinator asks to
+  // wait, for up to `timeout` or the patience.
   template <typename Request, typename Response>
   core::Result<Response> call(grpc::Status (Stub::*method)(grpc::ClientContext*, const Request&, Response*),
                               const Request& request,
@@ -72,32 +73,32 @@ class Farm {
     }
   }
 
-  // What to tell the user of a call that failed. Where nobody has ever answered, that is how to start a
+  // The error message of a failed call. If no call has ever succeeded, it explains how to start a
   // coordinator.
   core::Error explain(const grpc::Status& status, const grpc::ClientContext& call) const;
 
-  // Says on stderr why a command waits and tries again, and for how long at most: each reason once, whatever
-  // numbers are in it.
+  // Prints on stderr why a command retries, and for how long at most. Each reason is printed once, ignoring
+  // numbers in it.
   void tell_why_waiting(const core::Error& error, std::chrono::seconds most);
 
  private:
-  // How long a call that the coordinator asks to wait may be tried again.
+  // The retry state of a call that the coordinator asks to wait.
   struct Patience {
     explicit Patience(std::chrono::seconds most)
         : total(most), until(std::chrono::steady_clock::now() + most) {}
     std::chrono::seconds total;
     std::chrono::steady_clock::time_point until;
     int waits = 0;
-    // Of a connection that was closed at once: what later attempts say may be less.
+    // The status of a connection that was closed at once: later attempts may say less.
     std::optional<grpc::Status> closed{};
   };
-  // Waits as long as a call that failed asks to, and longer each time. False, and nothing happens, if it does
-  // not ask, or beyond all patience; also if interrupted.
+  // Waits as long as a failed call asks, with backoff. Returns false at once if the call does not ask to
+  // wait or the patience is exceeded, and if interrupted.
   bool wait_if_asked(const grpc::Status& status, const grpc::ClientContext& call, Patience& patience);
-  // The same for a first call that was never sent, since nobody took its connection.
+  // The same for a first call that was never sent for lack of a connection.
   bool wait_for_connection(const grpc::Status& status, Patience& start);
   bool wait(std::chrono::steady_clock::duration time, const core::Error& why, const Patience& patience);
-  // Of a call that is not tried again: what it asked to wait for has been waited for.
+  // The error of a call that is not retried any more, after the requested wait.
   core::Error explain_end(const grpc::Status& status, const grpc::ClientContext& call,
                           const Patience& start) const;
 
@@ -108,12 +109,12 @@ class Farm {
   std::unique_ptr<Stub> stub_;
   std::atomic<bool> reached_{false};
   std::mutex mutex_;
-  std::set<std::string> told_reasons_;  // guarded by mutex_; without their numbers
+  std::set<std::string> told_reasons_;  // guarded by mutex_; numbers removed
 };
 
-// `attempt` again and again while the coordinator restarts or asks to wait, until the farm's patience has
-// passed since the last one of which something got through: those set their argument. For steps of a longer
-// task. Where nobody has ever answered, the first failure is the answer.
+// Repeats `attempt`, a step of a longer task, while the coordinator restarts or asks to wait, until the
+// farm's patience has passed since the last attempt with progress. Attempts report progress by setting
+// their argument. If no call has ever succeeded, the first failure is returned.
 template <typename T>
 core::Result<T> patiently(Farm& farm, const std::function<core::Result<T>(bool& progress)>& attempt) {
   core::Result<T> result;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The commands that speak to a farm: submit, jobs, job, watch, image, cancel, pause, resume, extend, delete,
-// workers. When one of them is the one that was called, it runs and stores the process's exit status.
+// The commands that use a farm: submit, jobs, job, watch, image, cancel, pause, resume, extend, delete,
+// workers. The one that is called runs and stores the exit status of the process.
 #pragma once
 
 #include <CLI/CLI.hpp>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Waiting that ends at Ctrl-C: a signal alone ends neither a sleep nor a call. For after
+// Waiting that Ctrl-C interrupts: a signal by itself ends neither a sleep nor a call. Requires
 // watch_for_interrupt().
 #pragma once
 
@@ -11,10 +11,10 @@
 
 namespace tessera::client {
 
-// Waits a while, or until interrupted(). Returns whether all the time has passed.
+// Waits for `duration`, or until interrupted(). Returns whether the whole time has passed.
 bool sleep_unless_interrupted(proto::Duration duration);
 
-// Cancels a call when interrupted(), for as long as the answer lives. `context` must outlive it.
+// Cancels a call when interrupted(), as long as the returned thread lives. `context` must outlive it.
 [[nodiscard]] std::jthread cancel_at_interrupt(grpc::ClientContext& context);
 
 }  // namespace tessera::client

@@ -12,7 +12,7 @@ namespace tessera::client {
 
 namespace {
 
-// Jobs that must match to know that one alone does not.
+// The number of matches that shows that a prefix is ambiguous.
 constexpr std::uint32_t kEnoughToTell = 2;
 
 }  // namespace
@@ -27,7 +27,7 @@ core::Result<v1::Job> find_job(Farm& farm, const std::string& id_or_prefix) {
   request.set_max_jobs(kEnoughToTell);
   const auto list = farm.call(&Farm::Stub::ListJobs, request);
   if (!list) return core::fail(list.error());
-  std::vector<v1::Job> matches;  // of an earlier release's coordinator, which answers with every job
+  std::vector<v1::Job> matches;  // coordinators of earlier releases return all jobs
   for (const v1::Job& job : list->jobs()) {
     if (job.id() == id_or_prefix) return job;
     if (!id_or_prefix.empty() && job.id().starts_with(id_or_prefix)) matches.push_back(job);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Jobs by what a user typed. Stateless.
+// Finds jobs by what a user typed. Stateless.
 #pragma once
 
 #include <string>
@@ -8,10 +8,10 @@
 
 namespace tessera::client {
 
-// Adds the argument JOB, which find_job() takes.
+// Adds the argument JOB for find_job().
 void add_job_argument(CLI::App& command, std::string& id_or_prefix);
 
-// The job with this id, or the only one whose id begins so.
+// The job with this id, or the only one whose id starts with it.
 core::Result<v1::Job> find_job(Farm& farm, const std::string& id_or_prefix);
 
 }  // namespace tessera::client

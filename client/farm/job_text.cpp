@@ -28,8 +28,7 @@ std::string ago(const Timestamp& time, double now_seconds) {
   return format_duration(std::max(0.0, now_seconds - seconds_of(time))) + " ago";
 }
 
-// Whether it is a time or duration outside the range that its JSON form has (timestamp.proto,
-// duration.proto).
+// Whether it is a time or duration outside the range of its JSON form (timestamp.proto, duration.proto).
 bool is_inexpressible(const google::protobuf::Message& message) {
   std::string json;
   const std::string& type = message.GetTypeName();
@@ -39,7 +38,7 @@ bool is_inexpressible(const google::protobuf::Message& message) {
 
 std::string percent_done(const v1::Job& job) {
   if (job.samples_total() == 0) return "";
-  // 100% is for what is complete, so the rest is rounded down.
+  // 100% is reserved for complete jobs, so other percentages are rounded down.
   const double fraction = static_cast<double>(job.samples_done()) / static_cast<double>(job.samples_total());
   return fmt::format("{}%", static_cast<int>(100 * fraction));
 }
@@ -58,7 +57,7 @@ std::string heuristic_text(v1::Heuristic heuristic) {
   return std::string(core::heuristic_name(known.value_or(core::RenderSettings{}.heuristic)));
 }
 
-// "2", or "2/3" where there may be no more than three.
+// "2", or "2/3" if at most three workers are allowed.
 std::string workers_text(const v1::Job& job) {
   const std::string now = std::to_string(job.active_workers());
   return job.max_workers() == 0 ? now : fmt::format("{}/{}", now, job.max_workers());
@@ -81,7 +80,7 @@ std::string state_of(const v1::ListWorkersResponse::Worker& worker) {
   return only_fetches ? "fetching" : "in cooldown";
 }
 
-// Why it is given nothing, or nothing of some jobs.
+// Why a worker receives no work, or no work of some jobs.
 std::vector<std::string> remarks_on(const v1::ListWorkersResponse::Worker& worker) {
   std::vector<std::string> remarks;
   if (!worker.quarantine_reason().empty()) remarks.push_back("is quarantined: " + worker.quarantine_reason());
@@ -98,13 +97,13 @@ std::vector<std::string> remarks_on(const v1::ListWorkersResponse::Worker& worke
   return remarks;
 }
 
-// How many of its ranges were rendered again, and how many of them were wrong.
+// The numbers of a worker's audited and wrong ranges.
 std::string audits_of(const v1::ListWorkersResponse::Worker& worker) {
   if (worker.disproved_ranges() == 0) return std::to_string(worker.audited_ranges());
   return fmt::format("{} ({} wrong)", worker.audited_ranges(), worker.disproved_ranges());
 }
 
-// Leaves out times and durations that their JSON form has no text for, wherever they are in the message.
+// Removes times and durations without a JSON form anywhere in the message.
 void remove_inexpressible_times(google::protobuf::Message& message) {
   const auto* reflection = message.GetReflection();
   std::vector<const google::protobuf::FieldDescriptor*> fields;
@@ -249,7 +248,7 @@ std::string to_json_line(const google::protobuf::Message& message) {
   options.preserve_proto_field_names = true;
   options.always_print_primitive_fields = true;
   std::string json;
-  // Fails where a time is one that JSON's times cannot express: a coordinator's mistake.
+  // Fails if a time has no JSON form, which is a fault of the coordinator.
   if (google::protobuf::util::MessageToJsonString(message, &json, options).ok()) return json + "\n";
   const std::unique_ptr<google::protobuf::Message> without(message.New());
   without->CopyFrom(message);

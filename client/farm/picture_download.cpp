@@ -53,7 +53,7 @@ core::Result<DownloadedPicture> download(Farm& farm, const v1::GetImageRequest& 
   if (!status.ok()) return fail(farm.explain(status, context));
   if (picture.bytes.empty() || picture.bytes.size() != size_bytes)
     return fail(core::ErrorCode::kUnavailable,
-                fmt::format("the picture broke off after {} of {} bytes", picture.bytes.size(), size_bytes));
+                fmt::format("the image broke off after {} of {} bytes", picture.bytes.size(), size_bytes));
   return picture;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The options that say how a farm serves a job, the same for `submit` and `update`.
+// The options that control how a farm serves a job, shared by `submit` and `update`.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -11,12 +11,12 @@ namespace tessera::client {
 
 struct ServiceOptions {
   std::optional<std::int32_t> priority;
-  std::optional<std::uint32_t> max_workers;  // 0 for as many as there are
+  std::optional<std::uint32_t> max_workers;  // 0 means no limit
 };
 
-// Adds --priority and --max-workers. `when_absent` tells in the help what holds where they are not given.
+// Adds --priority and --max-workers. `when_absent` describes in the help the default if they are not given.
 // Values are stored in `options` while the command line is parsed; `options` must live until then. A bad
-// value ends parsing with a sentence that names the flag.
+// value ends parsing with a message that names the flag.
 void add_service_options(CLI::App& command, const std::string& when_absent, ServiceOptions& options);
 
 }  // namespace tessera::client

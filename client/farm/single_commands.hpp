@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What farm_commands.cpp puts together, one function for each file.
+// The functions that farm_commands.cpp combines, one for each source file.
 #pragma once
 
 #include <CLI/CLI.hpp>

@@ -39,7 +39,7 @@ Ctrl-C while waiting leaves the job running and writes no file.)",
     .examples = {"tessera submit scene.json",
                  "tessera submit scene.json --wait -o out.exr -o out.png --spp 1024"}};
 
-// Validating a large scene on the coordinator takes as long as loading it here.
+// Validating a large scene on the coordinator takes as long as loading it locally.
 constexpr std::chrono::minutes kSubmitTimeout{30};
 
 struct SubmitOptions {
@@ -51,7 +51,7 @@ struct SubmitOptions {
   bool json = false;
 };
 
-// The same submission keeps its request id, so that repeating it after a lost answer makes one job, not two.
+// A submission keeps its request id, so that repeating it after a lost response does not create two jobs.
 v1::SubmitJobRequest make_request(const SubmitOptions& options, const LocalBundle& local) {
   v1::SubmitJobRequest request;
   request.set_request_id(fmt::format("{:016x}{:016x}", proto::random_seed(), proto::random_seed()));
@@ -72,13 +72,13 @@ core::Result<v1::Job> submit(Farm& farm, const SubmitOptions& options, const Loc
         farm, [&](bool&) { return farm.call(&Farm::Stub::SubmitJob, request, kSubmitTimeout); });
   };
   auto response = submit();
-  // A file that the coordinator thought it had turned out to be damaged there, or has just been cleared away.
+  // The coordinator found a file damaged, or has just removed it.
   if (!response && response.error().code == core::ErrorCode::kFailedPrecondition) {
     if (core::Status uploaded = upload_missing(farm, local); !uploaded) return core::fail(uploaded.error());
     response = submit();
   }
   if (!response) return core::fail(response.error());
-  // Most have been told before anything was sent.
+  // Most warnings were printed before anything was sent.
   for (const std::string& warning : response->warnings())
     if (std::find(local.warnings.begin(), local.warnings.end(), warning) == local.warnings.end())
       print_warning(warning);
@@ -88,7 +88,7 @@ core::Result<v1::Job> submit(Farm& farm, const SubmitOptions& options, const Loc
 int report_interrupt(const v1::Job& job) {
   const std::string id = short_id(job.id());
   print_error(
-      fmt::format("interrupted; no picture was written, and the job goes on: tessera watch {} follows it, "
+      fmt::format("interrupted; no image was written, and the job goes on: tessera watch {} follows it, "
                   "tessera cancel {} stops it",
                   id, id));
   return kExitInterrupted;
@@ -136,7 +136,7 @@ int run_submit(const SubmitOptions& options) {
   if (!local->gives_light) warn_about_darkness(options.scene.scene_path);
 
   FarmOptions farm_options = options.farm;
-  // Who waits for the image also waits for a coordinator that restarts.
+  // A client that waits for the image also waits for a coordinator that restarts.
   if (options.wait) farm_options.start_patience = farm_options.patience;
   const auto opened = Farm::open(farm_options);
   if (!opened) return print_error(opened.error());
@@ -165,7 +165,7 @@ void add_submit_command(CLI::App& app, int& exit_code) {
   cli::set_help(*command, kSubmitHelp);
   command->callback([options, &exit_code] {
     if (!options->scene.output_paths.empty() && !options->wait)
-      throw CLI::RequiredError("-o writes the finished picture, so --wait");
+      throw CLI::RequiredError("-o writes the finished image, so --wait");
     exit_code = run_submit(*options);
   });
 }

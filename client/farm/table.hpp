@@ -15,8 +15,7 @@ struct Column {
 };
 
 // One line for the titles and one for each row, which must have as many cells as there are columns. Widths
-// count code points of UTF-8; cells are made printable (core/base/printable.hpp), since names come from
-// anyone.
+// count UTF-8 code points; cells are escaped (core/base/printable.hpp), because names are untrusted.
 std::string format_table(const std::vector<Column>& columns,
                          const std::vector<std::vector<std::string>>& rows);
 

@@ -14,15 +14,15 @@
 namespace tessera::core {
 namespace {
 
-constexpr std::size_t kTaskSize = 2048;  // ranges shorter than this are not worth a task
+constexpr std::size_t kTaskSize = 2048;  // shorter ranges are not worth a task
 
-// Gives out nodes in pairs. Each thread takes them from a block of its own.
+// Allocates nodes in pairs. Each thread takes pairs from its own block.
 class NodePairs {
  public:
-  // The first pair is for the root.
+  // The first pair is reserved for the root.
   explicit NodePairs(int threads) : blocks_(static_cast<std::size_t>(threads)) {}
 
-  // Enough for a tree of so many primitives.
+  // An upper bound on the nodes of a tree over `primitives` primitives.
   static std::size_t capacity(std::size_t primitives, int threads) {
     return 2 * primitives + kBlock * (static_cast<std::size_t>(threads) + 1);
   }
@@ -49,8 +49,7 @@ class NodePairs {
   std::atomic<std::uint32_t> next_{2};
 };
 
-// A range of items and what is known about it. Tasks carry it, for which its alignment must be no more than
-// usual.
+// A range of items with its bounds. OpenMP tasks copy it, so its alignment must not exceed the default.
 struct Range {
   std::size_t begin, end;
   Aabb box, half_centroids;
@@ -87,7 +86,7 @@ class Builder {
   }
 
  private:
-  // Fills items_, piece by piece, and closes the gaps that what cannot be hit has left.
+  // Fills items_ in parallel pieces and closes the gaps left by primitives that cannot be hit.
   Range make_items(const Primitives& primitives) {
     const std::size_t pieces = piece_count(items_.size());
     std::vector<std::size_t> counts(pieces);
@@ -95,7 +94,7 @@ class Builder {
 #pragma omp parallel for num_threads(threads_) schedule(dynamic)
     for (std::size_t piece = 0; piece < pieces; ++piece) {
       const auto items = piece_of(items_.range(0, items_.size()), piece);
-      std::size_t count = 0;  // not in `counts` at once, which other threads write beside
+      std::size_t count = 0;  // a local counter: entries of `counts` share cache lines with other threads'
       for (std::size_t i = 0; i < items.size(); ++i) {
         const auto primitive = static_cast<std::uint32_t>(piece * kPiece + i);
         const Aabb box = primitives.bounds(primitive);
@@ -115,7 +114,7 @@ class Builder {
     return {0, count, all, 0};
   }
 
-  // Returns when the subtree is built, but for what it has left to tasks.
+  // Builds the subtree. Parts of it may still be pending as tasks when this returns.
   void build_subtree(std::uint32_t index, const Range& range) {
     if (is_leaf(range)) {
       tree_.nodes[index] = {range.box.lower, static_cast<std::uint32_t>(range.begin), range.box.upper,
@@ -135,7 +134,7 @@ class Builder {
     build_subtree(children + 1, right);
   }
 
-  // To enter an instance costs more than to meet a box: each has one of its own.
+  // Entering an instance costs more than a box test, so each instance gets its own leaf.
   bool is_leaf(const Range& range) const {
     if (range.size() > kMaxLeafSize) return false;
     if (range.size() == 1 || primitives_.instance_count() == 0) return true;
@@ -144,7 +143,7 @@ class Builder {
     return true;
   }
 
-  // Reorders the range; neither part is empty.
+  // Partitions the range in place; neither part is empty.
   std::pair<Range, Range> cut(const Range& range) {
     if (range.depth >= kMaxSahDepth) return halves(range);
     const auto items = items_.range(range.begin, range.end);
@@ -191,7 +190,7 @@ class Builder {
   NodePairs pairs_;
   HugePageArray<BuildItem> items_;
   BinaryBvh tree_;
-  ParallelErrors errors_;  // of tasks
+  ParallelErrors errors_;  // thrown in tasks
 };
 
 }  // namespace

@@ -8,13 +8,14 @@
 namespace tessera::core {
 namespace {
 
-// Brings the longest side of `bounds` to a quarter, so that areas neither overflow nor vanish.
+// A factor that scales the longest side of `bounds` to a quarter, so that areas neither overflow nor
+// vanish.
 float scale_of(const Aabb& bounds) {
   const double longest = std::max({bounds.extent(0), bounds.extent(1), bounds.extent(2)});
   return static_cast<float>(std::min(0.25 / longest, double{std::numeric_limits<float>::max()}));
 }
 
-// Of boxes scaled so: the half area of a[i] in lane i of the lower half, of b[i] in lane i of the upper one.
+// Half areas of the scaled boxes: of a[i] in lane i of the lower half, of b[i] in lane i of the upper half.
 Float8 half_areas(const std::array<BuildBox, 3>& a, const std::array<BuildBox, 3>& b, Float8 scale) {
   const auto extents = [&](std::size_t i) {
     return lower_halves(a[i].v, b[i].v) * scale + upper_halves(a[i].v, b[i].v) * scale;
@@ -23,7 +24,7 @@ Float8 half_areas(const std::array<BuildBox, 3>& a, const std::array<BuildBox, 3
   return x * y + y * z + z * x;
 }
 
-// How many packets so many primitives take.
+// The number of packets that these many primitives take.
 Float8 packets(U32x8 counts) {
   static_assert(kMaxLeafSize == 4);
   return to_float((counts + U32x8(kMaxLeafSize - 1)) >> 2);
@@ -44,8 +45,8 @@ Binning::Binning(const Aabb& half_centroids) {
                                     bins_per_length(box.extent(2)), 0);
 }
 
-// One from either half of them at a time: neighbours often fall into the same bin, where the second would
-// wait for the first.
+// Adds items alternately from the two halves of the range. Neighbouring items often fall into the same bin,
+// where the second addition would wait for the first.
 void Bins::add(const Binning& binning, std::span<const BuildItem> items) {
   alignas(32) std::uint32_t bins[8];
   const std::size_t half = items.size() / 2;
@@ -70,11 +71,11 @@ void Bins::add(const Bins& other) {
     }
 }
 
-// The cost of a part is the chance that a ray meets it times the packets that it takes; NaN if it is empty,
-// so that no such border is taken.
+// The cost of a part is the probability that a ray meets it times its number of packets. It is NaN for an
+// empty part, so that such a split is never chosen.
 Split Bins::best_split(const Aabb& bounds) const {
-  // From both ends at once, an axis in each lane: in the lower half of costs[i] what lies before border i, in
-  // the upper one what lies behind border kBins - i.
+  // Sweeps from both ends at once, with one axis in each lane. The lower half of costs[i] holds the cost of
+  // the part before border i, the upper half that of the part behind border kBins - i.
   std::array<Float8, kBins> costs;
   std::array<BuildBox, 3> first, last;
   U32x8 counts(0);
@@ -88,7 +89,7 @@ Split Bins::best_split(const Aabb& bounds) const {
     counts = counts + load_halves(next_first.counts.data(), next_last.counts.data());
     costs[i] = half_areas(first, last, scale) * packets(counts);
   }
-  // Of border i in the lower half, of border kBins - i in the upper one.
+  // The lower half belongs to border i, the upper half to border kBins - i.
   Float8 least(std::numeric_limits<float>::infinity());
   U32x8 least_at(0);
   for (std::size_t i = 1; i <= kBins / 2; ++i) {

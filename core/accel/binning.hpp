@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where to cut a set of boxes in two by the surface area heuristic: their centroids are sorted into bins
-// along each axis, and the borders between bins are compared (Wald 2007).
+// Chooses a split of a set of boxes by the surface area heuristic: centroids are sorted into bins along
+// each axis, and the borders between bins are compared (Wald 2007).
 #pragma once
 
 #include <array>
@@ -14,45 +14,46 @@ namespace tessera::core {
 
 inline constexpr int kBins = 16;
 
-// Which bin an item falls into, of those that part the bounds of all half centroids equally along each axis.
+// Maps items to bins. The bins divide the bounds of all half centroids evenly along each axis.
 class Binning {
  public:
   explicit Binning(const Aabb& half_centroids);
 
-  // Of two items: in the first three lanes of the lower half for `a`, and of the upper one for `b`.
+  // The bins of two items: of `a` in the first three lanes of the lower half, of `b` in those of the upper
+  // half.
   U32x8 bins(BuildBox a, BuildBox b) const {
     const Float8 half_centroids = upper_halves(a.half_centroid().v, b.half_centroid().v);
     return min(truncated((half_centroids - origin_) * bins_per_length_), U32x8(kBins - 1));
   }
 
  private:
-  Float8 origin_, bins_per_length_;  // the same in both halves
+  Float8 origin_, bins_per_length_;  // equal in both halves
 };
 
 struct Split {
   float cost = std::numeric_limits<float>::infinity();
-  int axis = -1;  // none where all centroids are the same
+  int axis = -1;  // -1 if all centroids are the same
   int first_right_bin = 0;
-  BuildBox left, right;  // of all that lies on either side
+  BuildBox left, right;  // bounds of the items on either side
 };
 
-// What fell into each bin.
+// The bounds and number of items in each bin.
 class Bins {
  public:
   void add(const Binning& binning, std::span<const BuildItem> items);
   void add(const Bins& other);
 
-  // The cheapest border between two bins; `bounds` is that of all items.
+  // The cheapest border between two bins; `bounds` encloses all items.
   Split best_split(const Aabb& bounds) const;
 
  private:
-  // The bins that stand at the same place along each axis.
+  // The bins with the same index along each axis.
   struct Row {
     std::array<BuildBox, 3> boxes;
     alignas(32) std::array<std::uint32_t, 4> counts{};
   };
 
-  // `bins` are those of each axis.
+  // `bins` holds the item's bin along each axis.
   void add(BuildBox box, const std::uint32_t* bins) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
       Row& row = rows_[bins[axis]];

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Boxes as the builder of the tree handles them: eight floats, of which the lower corner is negated, so that
-// boxes are united by one maximum.
+// Boxes as the tree builder handles them: eight floats with the lower corner negated, so that one maximum
+// unites two boxes.
 #pragma once
 
 #include <bit>
@@ -12,14 +12,14 @@
 
 namespace tessera::core {
 
-// The lanes: -x, -y, -z of the lower corner, anything, x, y, z of the upper one, anything. Empty as
-// constructed.
+// The lanes are -x, -y, -z of the lower corner, an unused lane, x, y, z of the upper corner, an unused
+// lane. A default-constructed box is empty.
 struct BuildBox {
   Float8 v = Float8::broadcast(-std::numeric_limits<float>::infinity());
 
   void include(BuildBox other) { v = max(v, other.v); }
-  // Half of the centre, as a box: a quarter of the sum of both corners, which cannot overflow. Not of an
-  // empty box.
+  // Half of the centre, as a box: a quarter of the sum of both corners, which cannot overflow. The box must
+  // not be empty.
   BuildBox half_centroid() const {
     const Float8 quarter = v * Float8::broadcast(0.25f);
     return {quarter - with_halves_swapped(quarter)};
@@ -40,11 +40,11 @@ struct alignas(32) BuildItem {
               box.upper.x,  box.upper.y,  box.upper.z,  0} {}
 
   std::uint32_t primitive() const { return std::bit_cast<std::uint32_t>(lanes[3]); }
-  // Without the id, which is mostly a denormal number and would slow down all that is computed with the box.
+  // The box without the id. Read as a float the id is usually denormal, which slows down arithmetic.
   BuildBox box() const { return {without_lane_3(Float8::load(lanes))}; }
 };
 
-// The bounds of a range of items: of their boxes, and of their boxes' half centroids.
+// The bounds of a range of items: of their boxes, and of their half centroids.
 struct RangeBounds {
   BuildBox boxes, half_centroids;
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The acceleration structure: finds what a ray hits first, and whether it hits anything.
-// Callers see only this interface; any structure behind it returns the same hits (ties are settled as Hit
-// says), so that replacing it cannot change a picture. Each object that instances show has a structure of its
-// own, into which a ray goes on from their leaves. Immutable once built; thread-safe.
+// The acceleration structure: finds the closest hit of a ray, or whether a ray hits anything. Callers see
+// only this interface. Every implementation returns the same hits (Hit defines how ties are resolved), so
+// replacing it cannot change an image. Each instanced object has its own tree, which rays enter from leaves
+// of the scene's tree. Immutable once built; thread-safe.
 #pragma once
 
 #include <cstddef>
@@ -18,52 +18,52 @@
 
 namespace tessera::core {
 
-// What it takes to trace rays, whatever the machine.
+// The work of tracing rays, independent of the machine.
 struct VisitCounts {
   std::uint64_t nodes = 0, packets = 0;
 };
 
 class Bvh {
  public:
-  // All that it consists of, for those who keep trees and make them again.
+  // All data of a tree, for callers that store trees and restore them.
   struct Arrays {
     HugePageArray<BvhNode> nodes;  // the root first
     HugePageArray<BvhPacket> packets;
-    std::vector<Arrays> objects;  // of the trees of objects
+    std::vector<Arrays> objects;  // the trees of instanced objects
 
     bool operator==(const Arrays&) const = default;
   };
 
-  Bvh() = default;  // of nothing: every ray misses
-  // `arrays` are those of a tree that was built of the same primitives.
+  Bvh() = default;  // an empty tree: every ray misses
+  // `arrays` must come from a tree built over the same primitives.
   explicit Bvh(Arrays arrays) : arrays_(std::move(arrays)) {}
   const Arrays& arrays() const { return arrays_; }
 
-  // Keeps a reference to nothing: `primitives` is passed again to the queries. The result does not depend on
-  // `threads`, of which there is at least one. What cannot be hit (triangles without area, anything not
-  // finite) is left out.
+  // Keeps no references: `primitives` is passed again to the queries. The result does not depend on
+  // `threads`, which must be at least one. Primitives that cannot be hit (triangles without area,
+  // non-finite coordinates) are left out.
   static Bvh build(const Primitives& primitives, int threads);
 
-  // The nearest hit with 0 < t < ray.t_max; not found() where there is none.
+  // The nearest hit with 0 < t < ray.t_max; Hit::found() is false if there is none.
   Hit closest_hit(const Primitives& primitives, const Ray& ray) const;
 
   // Whether anything is hit with 0 < t < ray.t_max.
   bool any_hit(const Primitives& primitives, const Ray& ray) const;
 
-  // Many rays at once, in any order and of any kind: answer i is that of rays[i], to the bit what the query
-  // of one ray gives. The spans are of the same size. Rays that go nearly the same way should be neighbours.
+  // Traces many rays in any order and of any kind. hits[i] is bit-identical to closest_hit(primitives,
+  // rays[i]). The spans have the same size. Coherent rays should be neighbours.
   void closest_hits(const Primitives& primitives, std::span<const Ray> rays, std::span<Hit> hits) const;
-  // occluded[i] becomes 1 where rays[i] hits anything, 0 elsewhere.
+  // occluded[i] becomes 1 if rays[i] hits anything, else 0.
   void any_hits(const Primitives& primitives, std::span<const Ray> rays,
                 std::span<std::uint8_t> occluded) const;
 
-  // The trees of objects included.
+  // Includes the trees of objects.
   std::size_t memory_bytes() const;
 
-  // What closest_hit visits for all these rays together, for tests and for choosing between trees.
+  // The visits of closest_hit for all these rays together, for tests and for comparing trees.
   VisitCounts count_visits(const Primitives& primitives, std::span<const Ray> rays) const;
 
-  // Whether the trees are the same, node for node.
+  // Whether the trees are equal, node for node.
   bool operator==(const Bvh&) const = default;
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bvh::build: a binary tree is built, its nodes are merged sixteen at a time, and leaves become packets.
+// Bvh::build: builds a binary tree, collapses it into sixteen-wide nodes, and turns leaves into packets.
 #include <algorithm>
 #include <utility>
 #include <vector>
@@ -11,14 +11,13 @@
 namespace tessera::core {
 namespace {
 
-// How many nodes and packets a part of the wide tree has.
+// The numbers of nodes and packets of a part of the wide tree.
 struct Extent {
   std::uint32_t nodes = 0, packets = 0;
 };
 
-// Makes wide nodes of binary ones. The upper part of the tree is laid out first, breadth first; then each
-// subtree below it depth first, all of them by as many threads as there are: where each begins is known once
-// all have been counted.
+// Converts binary nodes to wide nodes. The top of the tree is laid out first, breadth first. The subtrees
+// below it follow, each depth first and in parallel; counting all subtrees first gives each its offset.
 class WideBuilder {
  public:
   WideBuilder(const Primitives& primitives, const BinaryBvh& tree, int threads)
@@ -36,13 +35,13 @@ class WideBuilder {
  private:
   static constexpr std::size_t kSubtrees = 1024;
 
-  // A binary node that becomes a wide one, and where what it is made into begins.
+  // A binary node that becomes a wide node, and the offsets of its subtree.
   struct Root {
     std::uint32_t node;
     Extent begin;
   };
 
-  // Opens nodes until there are enough to share out.
+  // Opens nodes until there are enough subtrees for all threads.
   void lay_out_top() {
     std::vector<std::uint32_t> level{0};
     while (!level.empty() && level.size() < kSubtrees) {
@@ -86,7 +85,8 @@ class WideBuilder {
   }
 
   void fill() {
-    // Nodes of the top follow each other as they were opened: level by level, and then the subtrees.
+    // Nodes of the top are stored in the order in which they were opened, level by level; the subtrees
+    // follow.
     std::size_t opened = 1;
     for (std::uint32_t i = 0; i < top_.size(); ++i) {
       Extent at = top_[i].begin;
@@ -103,15 +103,15 @@ class WideBuilder {
     }
   }
 
-  // Writes the wide node that stands for binary node `root`, and all below, from `at` on, and moves that to
-  // their end. The depth of the recursion is that of the binary tree at most.
+  // Writes the wide node for binary node `root` and its subtree, starting at `at`, and advances `at` past
+  // them. The recursion is at most as deep as the binary tree.
   std::uint32_t fill_subtree(std::uint32_t root, Extent& at) {
     const std::uint32_t index = at.nodes++;
     fill_node(root, index, at, [&](std::uint32_t child) { return fill_subtree(child, at); });
     return index;
   }
 
-  // `index_of` tells where the wide node lies that an inner child becomes.
+  // `index_of` returns the index of the wide node that an inner child becomes.
   template <typename IndexOf>
   void fill_node(std::uint32_t root, std::uint32_t index, Extent& at, const IndexOf& index_of) {
     BvhNode wide;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a Bvh is made of in memory: nodes of sixteen boxes, and packets of four primitives, each ready to be
-// tested by one run of SIMD instructions.
+// The memory layout of a Bvh: nodes of sixteen boxes and packets of four primitives, laid out for SIMD
+// tests.
 #pragma once
 
 #include <array>
@@ -10,14 +10,14 @@
 
 namespace tessera::core {
 
-// A node or a packet, by its index in the Bvh's arrays.
+// A reference to a node or a packet, by its index in the Bvh's arrays.
 class BvhChild {
  public:
   BvhChild() = default;
   static constexpr BvhChild node(std::uint32_t index) { return BvhChild(index); }
   static constexpr BvhChild packet(std::uint32_t index) { return BvhChild(index | kPacketBit); }
 
-  // Bit i for child i of the eight from there on.
+  // Bit i is set if child i of these eight is a packet.
   static unsigned packets_among(const BvhChild* eight) {
     static_assert(sizeof(BvhChild) == sizeof(bits_) && kPacketBit == 1u << 31);
     return highest_bits(U32x8::load(&eight->bits_));
@@ -30,10 +30,10 @@ class BvhChild {
  private:
   static constexpr std::uint32_t kPacketBit = 0x80000000u;
   constexpr explicit BvhChild(std::uint32_t bits) : bits_(bits) {}
-  std::uint32_t bits_;  // not initialised, so that a stack of these costs nothing to make
+  std::uint32_t bits_;  // uninitialised, so that creating a stack of these costs nothing
 };
 
-// An unused lane has an empty box, which no ray enters, and leads to packet 0, which is harmless if one did.
+// An unused lane has an empty box, which no ray enters, and refers to packet 0, which is safe to test.
 struct alignas(64) BvhNode {
   static constexpr int kWidth = 16;
   enum Side { kLower, kUpper };
@@ -42,7 +42,7 @@ struct alignas(64) BvhNode {
   std::array<BvhChild, kWidth> children;
 
   BvhNode();
-  // Bit i for lane i: those whose children are packets, or that are not used.
+  // Bit i is set if the child in lane i is a packet or unused.
   unsigned packet_lanes() const;
   bool operator==(const BvhNode&) const = default;
 };
@@ -51,7 +51,8 @@ inline unsigned BvhNode::packet_lanes() const {
   return BvhChild::packets_among(children.data()) | BvhChild::packets_among(children.data() + 8) << 8;
 }
 
-// The primitives of a leaf: a lane each, triangles with a copy of their corners. Unused lanes are in no mask.
+// The primitives of a leaf, one in each lane; triangles include a copy of their corners. Unused lanes are
+// in no mask.
 struct alignas(64) BvhPacket {
   static constexpr int kWidth = 4;
 
@@ -60,7 +61,7 @@ struct alignas(64) BvhPacket {
   std::uint32_t triangle_lanes = 0;  // bit i for lane i
   std::uint32_t sphere_lanes = 0;
   std::uint32_t instance_lanes = 0;
-  std::uint32_t unused[5] = {};  // up to the next cache line, so that equal packets are equal bytes
+  std::uint32_t unused[5] = {};  // pads to the cache line, so that equal packets have equal bytes
 
   bool operator==(const BvhPacket&) const = default;
 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bvh's queries.
+// The queries of Bvh.
 #include "core/accel/bvh.hpp"
 #include "core/accel/group_traversal.hpp"
 #include "core/accel/octant_groups.hpp"

@@ -8,9 +8,9 @@
 namespace tessera::core {
 namespace {
 
-// What it costs to test a node's sixteen boxes, and to test a packet.
+// The relative costs of testing a node's sixteen boxes and of testing a packet.
 constexpr float kNodeCost = 1.5f, kPacketCost = 1;
-constexpr int kTaskDepth = 10;  // below, subtrees are not worth a task
+constexpr int kTaskDepth = 10;  // deeper subtrees are not worth a task
 
 }  // namespace
 
@@ -42,9 +42,10 @@ Collapse::Costs Collapse::plan(std::uint32_t index, int depth) {
   return merge(node, left, right);
 }
 
-// Of i + 1 trees below the left child and j + 1 below the right, i + j + 2 trees are made: all j at once.
+// Combines the costs of i + 1 trees below the left child and j + 1 below the right one into those of i + j
+// + 2 trees, for all j at once.
 Collapse::Costs Collapse::merge(const BinaryBvh::Node& node, const Costs& left, const Costs& right) {
-  // As many places before it as the costs of the right child are moved on.
+  // Padding before the costs of the right child, so that they can be loaded at an offset.
   float shifted[2 * kWidth];
   for (std::size_t i = 0; i < kWidth; i += 8) {
     Float8::broadcast(std::numeric_limits<float>::infinity()).store_unaligned(shifted + i);
@@ -63,7 +64,7 @@ Collapse::Costs Collapse::merge(const BinaryBvh::Node& node, const Costs& left, 
     best.store(costs.of_trees + half);
     choice.store(left_trees + half);
   }
-  // A single tree is a wide node, whose children are the cheapest forest of sixteen.
+  // A single tree is a wide node whose children are the cheapest forest of up to sixteen trees.
   const float whole = kNodeCost * relative_area(node) + costs.of_trees[kWidth - 1];
   Plan& plan = plan_of(node);
   for (std::size_t i = 0; i < kWidth; ++i) {

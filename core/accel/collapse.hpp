@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which nodes of a binary tree become the nodes of a wide one: those that make the expected cost of a ray,
-// by the surface area heuristic, the least of all ways to merge them (Ylitie, Karras and Laine 2017,
-// section 3.1).
+// Decides which binary nodes become nodes of the wide tree, by minimising the expected cost of a ray under
+// the surface area heuristic over all ways to merge them (Ylitie, Karras and Laine 2017, section 3.1).
 #pragma once
 
 #include <algorithm>
@@ -14,7 +13,7 @@
 
 namespace tessera::core {
 
-// Up to sixteen binary nodes.
+// A set of up to sixteen binary nodes.
 class Forest {
  public:
   void add(std::uint32_t node) { roots_[size_++] = node; }
@@ -29,24 +28,24 @@ class Forest {
 
 class Collapse {
  public:
-  // Keeps a reference to `tree`, which has nodes.
+  // Keeps a reference to `tree`, which must have nodes.
   Collapse(const BinaryBvh& tree, int threads);
 
-  // Up to sixteen descendants of `root` that together hold all of it; itself where it is a leaf.
+  // Up to sixteen descendants of `root` that together cover its subtree; `root` itself if it is a leaf.
   Forest children(std::uint32_t root) const;
 
  private:
   static constexpr std::size_t kWidth = BvhNode::kWidth;
 
-  // What a binary node costs as a forest of at most i + 1 wide nodes and leaves, for each i.
+  // The cost of a binary node's subtree as a forest of at most i + 1 wide nodes and leaves, for each i.
   struct Costs {
     alignas(32) float of_trees[kWidth];
 
     Costs() = default;
     explicit Costs(float of_any) { std::fill_n(of_trees, kWidth, of_any); }
   };
-  // For each such forest, how many of its trees stand below the left child, all others below the right; 0
-  // where the node is kept whole.
+  // For each such forest, the number of its trees below the left child; the rest are below the right one. 0
+  // if the node is kept whole.
   using Plan = std::array<std::uint8_t, kWidth>;
 
   Costs plan(std::uint32_t index, int depth);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rays that have parted from their group, each with nodes of its own to visit. They take turns: what a ray
-// needs next is asked for, and comes while the others have their turns; packets are tested for many rays in a
-// row. So no ray waits for memory, nor for the end of its own arithmetic.
+// Traversal of rays that have diverged from their group. The rays are interleaved: the node or packet that
+// a ray needs next is prefetched while other rays advance, and packets are tested for many rays in a row.
+// This hides the latency of memory and of dependent arithmetic.
 #pragma once
 
 #include <algorithm>
@@ -17,24 +17,24 @@
 
 namespace tessera::core {
 
-// What each ray is yet to visit, nearest on top where it is pushed so. There is room for few, since there are
-// many rays.
+// A traversal stack for each ray; the nearest entry is on top if entries are pushed sorted. The capacity is
+// small, because there are many rays.
 class RayStacks {
  public:
-  // For the children of one more node.
+  // Whether the children of one more node fit.
   bool has_room(std::size_t i) const { return sizes_[i] <= kCapacity - BvhNode::kWidth; }
   std::size_t size(std::size_t i) const { return sizes_[i]; }
   void clear(std::size_t i) { sizes_[i] = 0; }
 
   void push(std::size_t i, StackEntry entry) { entries_[i][sizes_[i]++] = entry; }
-  // Among those from `base` on, the nearest last.
+  // Inserts among the entries from `base` on, keeping the nearest last.
   void push_sorted(std::size_t i, std::size_t base, StackEntry entry) {
     std::size_t slot = sizes_[i]++;
     for (; slot > base && entries_[i][slot - 1] < entry; --slot) entries_[i][slot] = entries_[i][slot - 1];
     entries_[i][slot] = entry;
   }
 
-  // Takes the next entry that begins before `limit`; false if there is none.
+  // Pops the next entry that begins before `limit`; returns false if there is none.
   bool pop(std::size_t i, float limit, BvhChild& child) {
     for (std::size_t size = sizes_[i]; size > 0;) {
       const StackEntry top = entries_[i][--size];
@@ -54,7 +54,7 @@ class RayStacks {
   std::array<std::array<StackEntry, kCapacity>, kGroupSize> entries_;
 };
 
-// Of Rays, or of ObjectRays.
+// AnyRay is Ray or ObjectRay.
 template <Query kQuery, typename AnyRay>
 class DivergedRays {
  public:
@@ -62,8 +62,8 @@ class DivergedRays {
   DivergedRays(const RayGroup<AnyRay>& group, const BvhNode* nodes, const BvhPacket* packets)
       : group_(group), nodes_(nodes), packets_(packets) {}
 
-  // Ray i is to visit a node (no packet). False if there is no room for it: then the ray forgets all that it
-  // was to visit.
+  // Schedules a node (not a packet) for ray i. If there is no room, returns false and clears the ray's
+  // stack.
   bool keep(std::size_t i, StackEntry entry) {
     if (!stacks_.has_room(i)) return forget(i);
     diverged_ |= RaySet{1} << i;
@@ -75,9 +75,9 @@ class DivergedRays {
     return true;
   }
 
-  // Lets rays visit what they have kept. Calls test(i, packet) for each packet that ray i comes to, and after
-  // some of these settle(), which answers with the rays that are to go on and has told the group how far they
-  // reach; restart(i) where there is no room for what ray i is to visit.
+  // Traverses all kept entries. Calls test(i, packet) for each packet that ray i reaches. After some of
+  // these it calls settle(), which updates the group's ray limits and returns the rays that remain active.
+  // Calls restart(i) if the stack of ray i overflows.
   template <typename Test, typename Settle, typename BeginAnew>
   void run(const Test& test, const Settle& settle, const BeginAnew& restart) {
     for_each_ray(settle() & diverged_, [&](std::size_t i) { go_on(i); });
@@ -91,7 +91,7 @@ class DivergedRays {
       const RaySet alive = settle();
       at_node_ &= alive;
       if (kQuery == Query::kAny) continue;
-      // Each comes to one packet at most, which takes a place that has been read.
+      // Each ray reaches at most one packet, which overwrites an entry that has already been read.
       for (std::size_t k = 0; k < count; ++k) go_on(reached_[k].ray);
     }
   }
@@ -107,13 +107,13 @@ class DivergedRays {
     return false;
   }
 
-  // Takes what is next from the ray's stack.
+  // Pops the next entry from the ray's stack.
   void go_on(std::size_t i) {
     BvhChild next;
     if (stacks_.pop(i, group_.limit(i), next)) schedule_node(i, next);
   }
 
-  // Asks for what the ray is to visit in its next turn.
+  // Prefetches what the ray visits next.
   void schedule_node(std::size_t i, BvhChild next) {
     if (next.is_packet()) return enqueue_leaf(i, next.index());
     prefetch(nodes_[next.index()]);
@@ -126,7 +126,7 @@ class DivergedRays {
     reached_[reached_count_++] = {static_cast<std::uint32_t>(i), packet};
   }
 
-  // False if there is no room for the node's children.
+  // Returns false if there is no room for the node's children.
   bool enter(const BvhNode& node, std::size_t i) {
     if (!stacks_.has_room(i)) return forget(i);
     alignas(kVectorAlignment) float t_near[BvhNode::kWidth];
@@ -139,7 +139,7 @@ class DivergedRays {
     return true;
   }
 
-  // As RayTraversal::find_any: a ray goes on before the packets that it has come to are tested.
+  // As in RayTraversal::find_any, the ray advances before the packets that it has reached are tested.
   void enter_any(const BvhNode& node, std::size_t i, unsigned met) {
     const unsigned packet_lanes = node.packet_lanes();
     for (unsigned lanes = met & packet_lanes; lanes != 0; lanes &= lanes - 1)
@@ -149,7 +149,7 @@ class DivergedRays {
     go_on(i);
   }
 
-  // The nearest child is next; one or two children are common.
+  // The nearest child is next. One or two children are common.
   void enter_closest(const BvhNode& node, std::size_t i, unsigned met, const float* t_near) {
     if (met == 0) return go_on(i);
     const auto first = static_cast<std::size_t>(std::countr_zero(met));
@@ -169,19 +169,20 @@ class DivergedRays {
     go_on(i);
   }
 
-  // So many that their tests do not wait for each other. A shadow ray may be spared nodes if it hits
-  // something.
+  // Enough packets that their tests do not wait for each other. Shadow rays test at once, because a hit
+  // saves the remaining nodes.
   static constexpr std::size_t kManyPackets = kQuery == Query::kAny ? 1 : 16;
 
   const RayGroup<AnyRay>& group_;
   const BvhNode* const nodes_;
   const BvhPacket* const packets_;
-  RaySet diverged_ = 0;  // rays that have kept something
-  RaySet at_node_ = 0;   // rays that visit node next_[i] in their next turn
+  RaySet diverged_ = 0;  // rays that have kept entries
+  RaySet at_node_ = 0;   // rays that visit node next_[i] in the next round
   RayStacks stacks_;
   std::array<std::uint32_t, kGroupSize> next_;
   std::size_t reached_count_ = 0;
-  // Room for a packet of each ray, and for kAny for a node's, since all are tested before the next nodes.
+  // Room for one packet of each ray; for kAny, for all packets of one node of each ray, since these are
+  // tested before the next nodes.
   std::array<Reached, (kQuery == Query::kAny ? BvhNode::kWidth : 1) * kGroupSize> reached_;
 };
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the rays of a group hit. A triangle that float arithmetic is sure about (triangle_filter.hpp) becomes
-// a ray's candidate, with bounds on its t; only where bounds overlap, and for the candidate that is left in
-// the end, is the hit computed in double, four or eight at once.
+// The hits of a group's rays. A triangle that the float filter accepts (triangle_filter.hpp) becomes a
+// ray's candidate, with bounds on its t. The exact hit is computed in double, four or eight at once, only
+// where bounds overlap and for the last remaining candidate.
 #pragma once
 
 #include <algorithm>
@@ -22,10 +22,10 @@
 
 namespace tessera::core {
 
-// What a group is traced against: a scene or an object.
+// The geometry that a group is traced against: a scene or an object.
 struct GroupScene {
   const Primitives& primitives;
-  const Bvh::Arrays* objects;  // of a scene: the trees of those that instances show
+  const Bvh::Arrays* objects;  // for a scene: the trees of its instanced objects
   const BvhNode* nodes;
   const BvhPacket* packets;
 };
@@ -35,7 +35,7 @@ class GroupHits {
  public:
   using Columns = RayColumns<AnyRay>;
 
-  // Keeps references, and tells `group` how far its rays reach.
+  // Keeps references, and sets the ray limits of `group`.
   GroupHits(const GroupScene& scene, const Columns& columns, RayGroup<AnyRay>& group)
       : scene_(scene), columns_(columns), group_(group), sheared_(columns), alive_(columns.all()) {
     for (std::size_t i = 0; i < kLanes * columns.vectors(); i += kLanes) {
@@ -46,15 +46,15 @@ class GroupHits {
     }
   }
 
-  // Those whose answer is still open: for kAny, those that are not known to hit anything.
+  // The rays that are still open; for kAny, those not known to hit anything.
   RaySet alive() const { return alive_; }
-  // Ray i hits nothing at this t or beyond that would improve on what it hits.
+  // An upper bound on useful distances: hits of ray i at or beyond it do not improve its result.
   float reach(std::size_t i) const {
-    // What is as near may come first.
+    // An equally near hit may still win the tie.
     return kQuery == Query::kAny ? columns_.t_max[i] : std::min(columns_.t_max[i], next_float_up(t_high_[i]));
   }
 
-  // The rays of `set` against a packet's spheres, a vector of rays at once.
+  // Tests the rays of `set` against a packet's spheres, one vector of rays at a time.
   void test_spheres(const BvhPacket& packet, RaySet set) {
     for (unsigned spheres = packet.sphere_lanes; spheres != 0; spheres &= spheres - 1) {
       const std::uint32_t primitive = packet.primitives[std::countr_zero(spheres)];
@@ -63,30 +63,30 @@ class GroupHits {
     }
   }
 
-  // The rays of `set` against all triangles of packet `index`, each ray by itself.
+  // Tests the rays of `set` against all triangles of packet `index`, ray by ray.
   void test_each(std::uint32_t index, RaySet set) {
     for_each_ray(set, [&](std::size_t i) { test_later(i, index); });
     settle();
   }
 
-  // Ray i against all triangles of packet `index`; known after the next settle() at the latest. Without
-  // branches but for rays that may hit several: which may hit one cannot be guessed.
+  // Tests ray i against all triangles of packet `index`; the result is known after the next settle() at the
+  // latest. Branches only where a ray may hit several triangles: whether it hits one is unpredictable.
   void test_later(std::size_t i, std::uint32_t index) {
-    if (queued_ > kQueueSize - BvhPacket::kWidth - kSize) settle();  // which adds one for each ray at most
+    if (queued_ > kQueueSize - BvhPacket::kWidth - kSize) settle();  // a test adds at most kSize
     const BvhPacket& packet = scene_.packets[index];
     unsigned lanes =
         packet.triangle_lanes &
         TriangleHitsOf<Double4>::may_hit(sheared_.rays_like(i), t_high_[i], [&](int corner, int axis) {
           return Double4::load(packet.corners[corner][sheared_.axis(i, axis)]);
         });
-    // Written in any case; the queue's end moves on only if there is one.
+    // Writes unconditionally; the end of the queue advances only if there is an entry.
     const std::size_t before = queued_;
     enqueue(i, index, std::countr_zero(lanes));
     queued_ = before + (lanes != 0);
     for (lanes &= lanes - 1; lanes != 0; lanes &= lanes - 1) enqueue(i, index, std::countr_zero(lanes));
   }
 
-  // The rays of `set` against all triangles of packet `index`, a vector of rays at once. Only where
+  // Tests the rays of `set` against all triangles of packet `index`, one vector of rays at a time. Requires
   // RayGroup::can_filter.
   void test_together(std::uint32_t index, RaySet set) {
     for (std::size_t v = 0; v < columns_.vectors(); ++v)
@@ -94,9 +94,9 @@ class GroupHits {
     settle();
   }
 
-  // Computes what is queued. A ray whose candidate came after it was queued is queued again.
+  // Computes the queued hits. A ray whose candidate arrived after it was queued is queued again.
   void settle() {
-    using D = Double4;  // there are few
+    using D = Double4;  // few entries are expected
     for (std::size_t begin = 0, count; begin < queued_; begin += count) {
       count = std::min(D::kLanes, queued_ - begin);
       Pairs<D> pairs;
@@ -134,12 +134,12 @@ class GroupHits {
       update(i);
     });
   }
-  // For kAny: the rays of `set` hit something.
+  // For kAny: marks the rays of `set` as occluded.
   void occlude(RaySet set) { alive_ &= ~set; }
 
-  // What the rays hit, after all has been tested.
+  // The final hits, once everything has been tested.
   const HitColumns& finish() {
-    if (kQuery == Query::kAny) return hits_;  // there are no candidates
+    if (kQuery == Query::kAny) return hits_;  // kAny keeps no candidates
     using D = DoubleRegister;
     for (std::size_t first = 0; first < columns_.count; first += D::kLanes) {
       Pairs<D> pairs;
@@ -168,14 +168,14 @@ class GroupHits {
  private:
   static constexpr std::size_t kSize = Columns::kSize, kLanes = Columns::kLanes;
   static constexpr std::uint32_t kNothing = 0xffffffffu;
-  // Tested together, a packet adds two for each ray and triangle at most, and settling one for each ray.
+  // A packet test adds at most two entries for each ray and triangle, and settling one for each ray.
   static constexpr std::size_t kQueueSize = 3 * kSize * BvhPacket::kWidth;
 
   struct Pair {
     std::uint32_t ray;
-    std::uint32_t triangle;  // its packet's index times BvhPacket::kWidth, and its lane
+    std::uint32_t triangle;  // packet index * BvhPacket::kWidth + lane
   };
-  // A lane of D each.
+  // One pair in each lane of D.
   template <typename D>
   using Pairs = std::array<Pair, D::kLanes>;
 
@@ -210,8 +210,8 @@ class GroupHits {
                  });
   }
 
-  // Without branches but for triangles that none of the rays hits and for what is not sure: how many of the
-  // rays hit a triangle cannot be guessed.
+  // Branches only for triangles that no ray hits and for uncertain results: how many rays hit a triangle is
+  // unpredictable.
   void test_vector(std::uint32_t index, std::size_t v, MaskVector asked) {
     const BvhPacket& packet = scene_.packets[index];
     const FilterRays rays = group_.filter_rays(v);
@@ -278,7 +278,7 @@ class GroupHits {
     return packet_of(pair).primitives[pair.triangle % BvhPacket::kWidth];
   }
 
-  // Lets improve(ray, hit) have the hits of those pairs that are in `open`.
+  // Calls improve(ray, hit) with the hits of the pairs in `open`.
   template <typename D, typename Improve>
   void for_each_hit(const TriangleHitsOf<D>& hits, const Pairs<D>& pairs, RaySet open,
                     const Improve& improve) const {
@@ -294,13 +294,13 @@ class GroupHits {
     if (best.improve(columns_.ray(i), hit)) hits_.set(i, best);
   }
 
-  // After hits_[i] may have changed.
+  // Updates the bounds of ray i after hits_[i] may have changed.
   void update(std::size_t i) {
     if (kQuery == Query::kAny) {
       if (hits_.found(i)) alive_ &= ~(RaySet{1} << i);
       return;
     }
-    // A t_max that is NaN stays so in t_low_, and nothing is sure of such a ray.
+    // A NaN t_max stays NaN in t_low_, so nothing is certain for such a ray.
     t_low_[i] = std::min(columns_.t_max[i], hits_.t(i));
     t_high_[i] = std::min(hits_.t(i), columns_.t_max[i]);
     group_.set_limit(i, box_limit(t_high_[i]));
@@ -311,10 +311,10 @@ class GroupHits {
   RayGroup<AnyRay>& group_;
   ShearedGroup sheared_;
   RaySet alive_;
-  // Bounds on t of the best hit that is known, candidate or not; t_max where there is none.
+  // Bounds on t of the best known hit, candidate or not; t_max if there is none.
   alignas(kVectorAlignment) float t_low_[kSize];
   alignas(kVectorAlignment) float t_high_[kSize];
-  // Triangles, as the bits of floats; each nearer than what is in hits_.
+  // Triangle ids, stored as the bits of floats; each candidate is nearer than hits_.
   alignas(kVectorAlignment) float candidates_[kSize];
   HitColumns hits_;
   std::array<Pair, kQueueSize> queue_;

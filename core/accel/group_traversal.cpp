@@ -12,28 +12,27 @@
 namespace tessera::core {
 namespace {
 
-// What tests cost, in cycles, as far as choosing between them goes.
+// Approximate costs of tests in cycles, for choosing between them.
 constexpr int kBoxVsVector = 9, kRayVsBoxes = 20, kTriangleVsVector = 24, kRayVsPacket = 28;
-// So many rays or fewer part from the group.
+// Groups of at most this many rays diverge.
 constexpr int kFewRays = 5;
-// What it takes to prepare a group in an object is not worth it for fewer.
+// Smaller groups are not worth the setup cost in an object.
 constexpr int kMinInObject = 8;
 
-// A child yet to be visited, and the rays that meet its box.
+// A child to be visited, and the rays that meet its box.
 struct GroupEntry {
-  float t_near;  // no ray of the group enters before
+  float t_near;  // a lower bound over the rays of the group
   BvhChild child;
   RaySet rays;
 };
 
-// What is yet to be visited, nearest on top.
+// The entries to be visited, the nearest on top.
 class GroupStack {
  public:
   bool empty() const { return size_ == 0; }
   const GroupEntry& pop() { return entries_[--size_]; }
 
-  // Entries that are pushed one after the other with the same `base`, the size before the first of them, end
-  // up sorted.
+  // Entries pushed consecutively with the same `base`, the size before the first of them, end up sorted.
   std::size_t size() const { return size_; }
   void push(std::size_t base, const GroupEntry& entry) {
     std::size_t slot = size_++;
@@ -47,7 +46,7 @@ class GroupStack {
   std::size_t size_ = 0;
 };
 
-// Of Rays, or of ObjectRays in the space of an object, which shows no others. Keeps references.
+// AnyRay is Ray, or ObjectRay in the space of an object, which contains no instances. Keeps references.
 template <Query kQuery, typename AnyRay>
 class GroupTraversal {
  public:
@@ -58,7 +57,7 @@ class GroupTraversal {
         hits_(scene, columns, group_),
         diverged_(group_, scene.nodes, scene.packets) {}
 
-  // What the rays hit; for kAny it only matters whether, which missing() tells.
+  // The hits of the rays. For kAny only missing() is meaningful.
   const HitColumns& run() {
     stack_.push(0, {0, BvhChild::node(0), hits_.alive()});
     while (!stack_.empty()) {
@@ -126,7 +125,7 @@ class GroupTraversal {
     }
   }
 
-  // All but triangles.
+  // Tests primitives other than triangles.
   void visit_others(const BvhPacket& packet, RaySet set) {
     if constexpr (std::is_same_v<AnyRay, Ray>)
       if (packet.instance_lanes != 0) enter_instances(packet, set);
@@ -156,7 +155,8 @@ class GroupTraversal {
   }
 
   void trace_together(const GroupScene& object, std::uint32_t number, const RaysInObject& rays, RaySet set) {
-    std::array<std::uint8_t, kGroupSize> place, ray_at;  // of a ray of this group among the set, and back
+    std::array<std::uint8_t, kGroupSize> place,
+        ray_at;  // maps rays of this group to positions in the set, and back
     std::size_t count = 0;
     for_each_ray(set, [&](std::size_t i) {
       place[i] = static_cast<std::uint8_t>(count);
@@ -179,7 +179,7 @@ class GroupTraversal {
     if (found.found()) improve_all(RaySet{1} << i, number, [&](std::size_t) { return found; });
   }
 
-  // By hits in an instance.
+  // Improves results by hits in an instance.
   template <typename HitOf>
   void improve_all(RaySet set, std::uint32_t instance, const HitOf& hit_of) {
     hits_.improve_all(set, [&](std::size_t i) {
@@ -196,12 +196,12 @@ class GroupTraversal {
     return spread;
   }
 
-  // Ray i visits a node by itself, once the group is through.
+  // Ray i visits a node individually, after the group has finished.
   void keep(std::size_t i, StackEntry entry) {
     if (!diverged_.keep(i, entry)) restart(i);
   }
 
-  // The rays that have parted from the group go on.
+  // Traverses the rays that have diverged from the group.
   void go_on_alone() {
     diverged_.run([&](std::size_t i, std::uint32_t packet) { visit_alone(packet, i); },
                   [&] {
@@ -217,7 +217,7 @@ class GroupTraversal {
     if (packet.triangle_lanes != 0) hits_.test_later(i, index);
   }
 
-  // Ray i goes through the whole tree by itself.
+  // Ray i traverses the whole tree individually.
   void restart(std::size_t i) {
     const AnyRay ray = columns_.ray(i);
     const Hit found = RayTraversal(scene_.primitives, scene_.objects, ray)
@@ -226,7 +226,7 @@ class GroupTraversal {
     through_ |= RaySet{1} << i;
   }
 
-  // Those that have anything to visit yet.
+  // The rays that still have entries to visit.
   RaySet going() const { return hits_.alive() & ~through_; }
 
   const GroupScene& scene_;
@@ -235,7 +235,7 @@ class GroupTraversal {
   GroupHits<kQuery, AnyRay> hits_;
   GroupStack stack_;
   DivergedRays<kQuery, AnyRay> diverged_;
-  RaySet through_ = 0;  // rays that have been through the whole tree by themselves
+  RaySet through_ = 0;  // rays that have traversed the whole tree individually
 };
 
 RayColumns<Ray> columns_of(std::span<const Ray> rays, std::span<const std::uint16_t> order) {

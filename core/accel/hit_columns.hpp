@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The hits of a group's rays by number, so that all of them are set, and many of them kept, at once.
+// The hits of a group's rays as a structure of arrays, so that many are set or stored at once.
 #pragma once
 
 #include <algorithm>
@@ -14,7 +14,7 @@ namespace tessera::core {
 
 class HitColumns {
  public:
-  // Nothing is hit.
+  // Initially nothing is hit.
   HitColumns() {
     const Hit nothing;
     std::fill_n(t_, kGroupSize, nothing.t);
@@ -32,7 +32,7 @@ class HitColumns {
     instance_[i] = hit.instance;
   }
 
-  // hits[order[i]] becomes that of ray i.
+  // Stores the hit of ray i in hits[order[i]].
   void store(std::span<const std::uint16_t> order, std::span<Hit> hits) const {
     static_assert(offsetof(Hit, primitive) == sizeof(float) && offsetof(Hit, b1) == 2 * sizeof(float) &&
                   offsetof(Hit, b2) == 3 * sizeof(float) && offsetof(Hit, instance) == 4 * sizeof(float));
@@ -45,7 +45,7 @@ class HitColumns {
     for (; i < order.size(); ++i) hits[order[i]] = (*this)[i];
   }
 
-  // Where those of rays from `first` on are kept.
+  // The storage of the hits of rays from `first` on.
   struct Places {
     float *t, *b1, *b2;
     std::uint32_t *primitive, *instance;

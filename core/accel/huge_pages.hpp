@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Large arrays that are read all over: on huge pages where the system has them, so that most reads find their
-// address translated. Their memory is not written before the elements are, so that what is never used takes
-// none and what is used can be written by many threads.
+// Large arrays with random access, on huge pages where the system has them, which saves TLB misses. Memory
+// is not touched before elements are written: unused elements take none, and many threads can write the
+// rest.
 #pragma once
 
 #include <sys/mman.h>
@@ -22,9 +22,9 @@ class HugePageArray {
 
  public:
   HugePageArray() = default;
-  // The elements have no value until they are assigned to.
+  // The elements are uninitialised.
   explicit HugePageArray(std::size_t size) : memory_(allocate(size)), size_(size) {}
-  // What was moved from is empty.
+  // A moved-from array is empty.
   HugePageArray(HugePageArray&& other) noexcept
       : memory_(std::move(other.memory_)), size_(std::exchange(other.size_, 0)) {}
   HugePageArray& operator=(HugePageArray&& other) noexcept {
@@ -43,7 +43,7 @@ class HugePageArray {
   const T* end() const { return data() + size_; }
   std::span<T> range(std::size_t first, std::size_t last) { return {data() + first, last - first}; }
 
-  // Drops the elements from `size` on; their memory stays.
+  // Drops the elements from `size` on and keeps the memory.
   void truncate(std::size_t size) { size_ = std::min(size, size_); }
 
   bool operator==(const HugePageArray& other) const {

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rays that are asked for together, parted into groups of those that go into one octant
-// (group_traversal.hpp).
+// Sorts the rays of a batch query into groups that point into one octant (group_traversal.hpp).
 #pragma once
 
 #include <algorithm>
@@ -16,12 +15,12 @@
 
 namespace tessera::core {
 
-// Rays are sorted by octant within runs of this many at most.
+// Rays are sorted by octant within runs of at most this many.
 inline constexpr std::size_t kRun = 512;
-// What it takes to prepare a group is not worth it for fewer.
+// Smaller groups are not worth the setup cost.
 inline constexpr std::size_t kMinGroup = 8;
 
-// Some of the rays of a run, those of the same octant together and otherwise as they come.
+// The order of a run's rays: sorted by octant, otherwise stable.
 class OctantOrder {
  public:
   OctantOrder(std::span<const Ray> run, std::span<const std::uint16_t> among) {
@@ -49,7 +48,7 @@ inline constexpr std::array<std::uint16_t, kRun> kAsTheyCome = [] {
   return order;
 }();
 
-// The first of those that come next.
+// Prefetches the first of the following rays.
 inline void prefetch_group(std::span<const Ray> rays) {
   prefetch_bytes(std::as_bytes(rays.first(std::min(kGroupSize, rays.size()))));
 }
@@ -59,9 +58,9 @@ inline bool of_one_octant(std::span<const Ray> rays) {
   return std::all_of(rays.begin(), rays.end(), [first](const Ray& ray) { return octant(ray) == first; });
 }
 
-// Calls together(order) for groups of rays of a run that have their octant in common, run[order[0]] and so
-// on: as they come where neighbours have, which then need not be read twice, or else sorted; and alone(i) for
-// each of those that are too few.
+// Calls together(order) for groups of rays that share an octant: run[order[0]] and so on. Neighbours that
+// already share an octant are taken in order, which saves reading them twice; others are sorted. Calls
+// alone(i) for each ray of a group that is too small.
 template <typename Together, typename Alone>
 void for_each_group(std::span<const Ray> run, const Together& together, const Alone& alone) {
   assert(run.size() <= kRun);
@@ -93,7 +92,7 @@ void for_each_group(std::span<const Ray> run, const Together& together, const Al
   }
 }
 
-// Calls what(rays, answers) for run after run of rays with their answers.
+// Calls what(rays, answers) for each run of rays with their answers.
 template <typename Answer, typename What>
 void for_each_run(std::span<const Ray> rays, std::span<Answer> answers, const What& what) {
   for (std::size_t begin = 0; begin < rays.size(); begin += kRun) {

@@ -8,7 +8,7 @@
 namespace tessera::core {
 namespace {
 
-// Items that stand on the wrong side, as runs.
+// Items on the wrong side of the border, as runs.
 using Runs = std::vector<std::span<BuildItem>>;
 
 std::size_t total(const Runs& runs) {
@@ -17,7 +17,7 @@ std::size_t total(const Runs& runs) {
   return size;
 }
 
-// Walks over the items of some runs one by one.
+// Iterates over the items of several runs.
 class RunCursor {
  public:
   RunCursor(const Runs& runs, std::size_t skip) : run_(runs.begin()) {
@@ -68,7 +68,7 @@ RangeBounds bounds_of(std::span<const BuildItem> items) {
   return bounds;
 }
 
-// Without a branch, which would be mispredicted for every other item.
+// Branch-free, because a branch would be mispredicted for every other item.
 Parts partition(std::span<BuildItem> items, const Binning& binning, const Split& split) {
   Parts parts;
   const BuildBox none;
@@ -98,7 +98,7 @@ Parts partition_in_parallel(std::span<BuildItem> items, const Binning& binning, 
     all.left_half_centroids.include(part.left_half_centroids);
     all.right_half_centroids.include(part.right_half_centroids);
   }
-  // Each piece has its left items in front; where pieces lie on the other side, they are exchanged.
+  // Each piece has its left items first. Items on the wrong side of the global border are exchanged.
   Runs right_before_border, left_behind_border;
   for (std::size_t i = 0; i < pieces; ++i) {
     const auto piece = piece_of(items, i);

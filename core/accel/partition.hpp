@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Parts a range of items by one border between bins, in place, and finds the bounds of both parts' centroids
-// on the way.
+// Partitions a range of items in place at a border between bins, and computes the bounds of both parts'
+// centroids.
 #pragma once
 
 #include <algorithm>
@@ -15,18 +15,18 @@ struct Parts {
   BuildBox left_half_centroids, right_half_centroids;
 };
 
-// Items before the split's border come to stand before the others. The order in which they stand depends on
-// nothing but the order before.
+// Moves the items before the split's border to the front. The resulting order depends only on the input
+// order.
 Parts partition(std::span<BuildItem> items, const Binning& binning, const Split& split);
 
-// As above, with the help of the other threads of the parallel region within which it is called. The order
-// may be another, but does not depend on the number of threads either.
+// As above, using the other threads of the enclosing parallel region. The order may differ from that of
+// partition(), but does not depend on the number of threads either.
 Parts partition_in_parallel(std::span<BuildItem> items, const Binning& binning, const Split& split);
 
-// The items' bounds.
+// The bounds of the items.
 RangeBounds bounds_of(std::span<const BuildItem> items);
 
-// Ranges of at least this size are worth many threads; they are worked on in pieces of this size.
+// Ranges of at least this size are processed in parallel, in pieces of this size.
 inline constexpr std::size_t kParallelSize = 1u << 16;
 inline constexpr std::size_t kPiece = 1u << 14;
 inline std::size_t piece_count(std::size_t size) {

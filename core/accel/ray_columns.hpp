@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Up to 64 rays by coordinate, so that a vector of them is computed with at once. Where a vector is not full,
-// the last ray is repeated.
+// Up to 64 rays as a structure of arrays, so that a vector of them is processed at once. The last ray fills
+// up an incomplete vector.
 #pragma once
 
 #include <algorithm>
@@ -18,7 +18,7 @@ namespace tessera::core {
 // A set of a group's rays: bit i for ray i.
 using RaySet = std::uint64_t;
 
-// A coordinate of a ray, and a vector of them.
+// The scalar type of a ray's coordinates, and the vector type.
 template <typename AnyRay>
 struct RayNumbers;
 template <>
@@ -34,14 +34,14 @@ struct RayNumbers<ObjectRay> {
 
 inline constexpr std::size_t kGroupSize = 64;
 
-// Of Rays, or of ObjectRays.
+// AnyRay is Ray or ObjectRay.
 template <typename AnyRay>
 struct RayColumns {
   static constexpr std::size_t kSize = kGroupSize, kLanes = kVectorLanes, kVectors = kSize / kLanes;
   using Real = typename RayNumbers<AnyRay>::Real;
   using Lanes = typename RayNumbers<AnyRay>::Lanes;
 
-  // ray_at(i), of Rays a reference, becomes ray i. There is at least one.
+  // ray_at(i) returns ray i (for Ray, a reference). There is at least one ray.
   template <typename RayAt>
   RayColumns(std::size_t ray_count, const RayAt& ray_at) : count(ray_count) {
     const std::size_t padded = (count + kMaxVectorLanes - 1) / kMaxVectorLanes * kMaxVectorLanes;
@@ -50,7 +50,7 @@ struct RayColumns {
   }
 
   RaySet all() const { return count == kSize ? ~RaySet{0} : (RaySet{1} << count) - 1; }
-  // Those that there are rays in.
+  // The number of vectors that contain rays.
   std::size_t vectors() const { return (count + kLanes - 1) / kLanes; }
   AnyRay ray(std::size_t i) const {
     return {{origin[0][i], origin[1][i], origin[2][i]},
@@ -68,7 +68,7 @@ struct RayColumns {
   void set_vector(std::size_t first, const RayAt& ray_at) {
     if constexpr (std::is_same_v<AnyRay, Ray>) {
       static_assert(std::is_lvalue_reference_v<decltype(ray_at(0))>);
-      // Rows of four numbers that overlap in one.
+      // Loads overlapping rows of four numbers.
       static_assert(offsetof(Ray, direction) == 3 * sizeof(float) && sizeof(Ray) == 7 * sizeof(float));
       const auto rows = [&](std::size_t offset) {
         return transposed([&](std::size_t k) { return reinterpret_cast<const float*>(&ray_at(k)) + offset; });
@@ -91,7 +91,7 @@ struct RayColumns {
   }
 };
 
-// Those of a set that are in a vector.
+// The lanes of `vector` that are in `set`.
 inline unsigned lanes_of(RaySet set, std::size_t vector) {
   constexpr unsigned kAll = (1u << kVectorLanes) - 1;
   return static_cast<unsigned>(set >> (kVectorLanes * vector)) & kAll;
@@ -116,7 +116,7 @@ inline unsigned octant(const Ray& ray) {
   return signs_of_four(&ray.direction.x) & 7u;
 }
 
-// Lanes in the other precision, where that is not theirs already.
+// Converts lanes to the other precision if necessary.
 inline FloatVector in_float(FloatVector a) {
   return a;
 }

@@ -21,7 +21,7 @@ float greatest(FloatVector a) {
 struct Bounds {
   float least, greatest;
 };
-// Of `count` values, whole vectors. A NaN stays outside the bounds: a ray that has one hits nothing.
+// Bounds of `count` values, whole vectors. NaN values are ignored: rays that have one hit nothing.
 Bounds bounds_of(const float* values, std::size_t count) {
   FloatVector low(kInfinity), high(-kInfinity);
   for (std::size_t i = 0; i < count; i += kVectorLanes) {
@@ -82,7 +82,7 @@ void RayGroup<AnyRay>::set_bounds(int axis, bool negative) {
   }
 }
 
-// z is the axis along which most of the rays are long.
+// z is the axis along which most directions are longest.
 template <typename AnyRay>
 void RayGroup<AnyRay>::choose_filter_axes(const Columns& rays) {
   FloatVector sum[3] = {0.0f, 0.0f, 0.0f};
@@ -93,7 +93,7 @@ void RayGroup<AnyRay>::choose_filter_axes(const Columns& rays) {
   filter_axes_[0] = (z + 1) % 3, filter_axes_[1] = (z + 2) % 3, filter_axes_[2] = z;
 }
 
-// Shears of either are wrong by two roundings at most: doubles are rounded once, in the end.
+// Shears are wrong by at most two roundings for both ray types: doubles are rounded once at the end.
 template <>
 FloatVector RayGroup<Ray>::filter_inverse(const Columns&, std::size_t first) const {
   return FloatVector::load(inverse_[filter_axes_[2]] + first);
@@ -142,7 +142,7 @@ unsigned RayGroup<AnyRay>::boxes_met(const BvhNode& node, float* t_near) const {
     std::fill_n(t_near, BvhNode::kWidth, 0.0f);
     return 0xffffu;
   }
-  // Rounding is monotonic: what the bounds give is never further than what any ray's own numbers give.
+  // Rounding is monotonic, so the bounds never give a farther distance than any single ray.
   unsigned met = 0;
   for (std::size_t lane = 0; lane < BvhNode::kWidth; lane += kLanes) {
     FloatVector near(0), far(std::numeric_limits<float>::max());
@@ -195,13 +195,13 @@ RaySet RayGroup<AnyRay>::rays_meeting_box(const BvhNode& node, int lane, RaySet 
   return meeting & set;
 }
 
-// A row of sixteen bits for each ray becomes a column of 64 for each box.
+// Transposes rows of sixteen bits for each ray into columns of 64 bits for each box.
 template <typename AnyRay>
 unsigned RayGroup<AnyRay>::rays_meeting(const BvhNode& node, RaySet set,
                                         std::array<RaySet, BvhNode::kWidth>& meeting) const {
   alignas(32) std::uint8_t rows[2][kSize] = {};
   unsigned met_by_any = 0;
-  alignas(kVectorAlignment) float t_near[BvhNode::kWidth];  // not needed
+  alignas(kVectorAlignment) float t_near[BvhNode::kWidth];  // unused
   for_each_ray(set, [&](std::size_t i) {
     const unsigned met = boxes_met_by(i, node, t_near);
     rows[0][i] = static_cast<std::uint8_t>(met);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// A group of rays that go into the same octant against boxes, a vector of rays or of boxes at once, and all
-// rays together by bounds of their origins and directions. Of Rays, or of ObjectRays, whose origins, in
-// double, are rounded so that boxes begin too early and end too late.
+// Tests a group of rays that point into one octant against boxes: a vector of rays or of boxes at once, or
+// all rays together by bounds of their origins and directions. AnyRay is Ray or ObjectRay; the latter has
+// double origins, which are rounded so that boxes begin earlier and end later.
 #pragma once
 
 #include <algorithm>
@@ -25,7 +25,7 @@ class RayGroup {
 
   explicit RayGroup(const Columns& rays);
 
-  // Which of a node's boxes a ray meets, and where.
+  // The mask of a node's boxes that a ray meets, and their entry distances.
   unsigned boxes_met_by(std::size_t ray, const BvhNode& node, float* t_near) const {
     unsigned met = 0;
     for (std::size_t lane = 0; lane < BvhNode::kWidth; lane += kLanes) {
@@ -45,7 +45,7 @@ class RayGroup {
     return met;
   }
 
-  // Where a ray enters the box in a lane of a node that it meets.
+  // The distance at which a ray enters the box in a lane that it meets.
   float entry_into(const BvhNode& node, std::size_t lane, std::size_t ray) const {
     float near = 0;
     for (int axis = 0; axis < 3; ++axis) {
@@ -55,28 +55,28 @@ class RayGroup {
     return near;
   }
 
-  // Boxes that begin beyond a ray's limit do not concern it.
+  // Boxes that begin beyond a ray's limit are skipped.
   float limit(std::size_t ray) const { return limit_[ray]; }
   void set_limit(std::size_t ray, float limit) { limit_[ray] = limit; }
-  // The rays of a vector hit something at t, or anything may be hit before t.
+  // The rays of a vector have hit something at t, or may hit anything before t.
   void set_limits(std::size_t vector, FloatVector t) {
     min(t * FloatVector(kBoxSlack), FloatVector(std::numeric_limits<float>::max()))
         .store(limit_ + kLanes * vector);
   }
-  // Those of `set` whose limit is not below t.
+  // The rays of `set` whose limit is at least t.
   RaySet reaching(RaySet set, float t) const;
 
-  // Which of a node's boxes some ray of the group may meet: all that any ray meets, and perhaps others.
-  // Writes a lower bound of the distances to each box.
+  // A conservative mask of the node's boxes that any ray of the group meets. Writes a lower bound of the
+  // distance to each box.
   unsigned boxes_met(const BvhNode& node, float* t_near) const;
-  // meeting[lane] becomes the rays of `set` that meet the box in that lane of a node. Box by box, for the
-  // lanes of `met`:
+  // meeting[lane] becomes the rays of `set` that meet the box in that lane, tested box by box for the lanes
+  // of `met`.
   void rays_meeting(const BvhNode& node, unsigned met, RaySet set,
                     std::array<RaySet, BvhNode::kWidth>& meeting) const;
-  // Ray by ray, for all lanes; answers with those where there are any.
+  // The same, tested ray by ray for all lanes; returns the lanes that any ray meets.
   unsigned rays_meeting(const BvhNode& node, RaySet set, std::array<RaySet, BvhNode::kWidth>& meeting) const;
 
-  // The rays of one vector as the filter of triangles takes them, with axes x, y and z.
+  // The rays of one vector in the form that the triangle filter takes, with axes x, y and z.
   FilterRays filter_rays(std::size_t vector) const {
     const auto at = [&](const float* values) { return FloatVector::load(values + kLanes * vector); };
     return {at(origin_[kNear][filter_axes_[0]]),
@@ -88,16 +88,18 @@ class RayGroup {
             FloatVector(origin_terms_)};
   }
   const int* filter_axes() const { return filter_axes_; }
-  // Whether the filter can tell something about every ray.
+  // Whether the filter can decide anything for every ray.
   bool can_filter() const { return can_filter_; }
 
  private:
   RaySet rays_meeting_box(const BvhNode& node, int lane, RaySet set) const;
   using Lanes = typename Columns::Lanes;
-  // Of origins, those that boxes' near and far sides are taken relative to. Rays' own are exact.
+  // Two versions of each origin, relative to which near and far sides of boxes are taken. A Ray's origin is
+  // exact, so one suffices.
   static constexpr int kOrigins = std::is_same_v<AnyRay, Ray> ? 1 : 2, kNear = 0, kFar = kOrigins - 1;
 
-  // Sets and bounds origins and inverses of one axis; `negative` says where the rays go.
+  // Sets and bounds the origins and inverse directions of one axis; `negative` is the sign of the
+  // directions.
   void set_axis(const Columns& rays, int axis, bool negative);
   void set_bounds(int axis, bool negative);
   void store_origins(Lanes origin, int axis, std::size_t first, bool negative);
@@ -105,15 +107,15 @@ class RayGroup {
   void choose_filter_axes(const Columns& rays);
   Lanes filter_inverse(const Columns& rays, std::size_t first) const;
 
-  int near_side_[3], far_side_[3];  // of BvhNode::bounds
-  // Bounds over all rays, those of origins ordered as a ray meets them: boxes' near sides are taken relative
-  // to the first, far sides to the second.
+  int near_side_[3], far_side_[3];  // rows of BvhNode::bounds
+  // Bounds over all rays. Those of origins are ordered along the rays: near sides of boxes are taken
+  // relative to the first, far sides relative to the second.
   float origin_bounds_[3][2], inverse_bounds_[3][2], far_inverse_bounds_[3][2];
   bool has_bounds_;
   bool can_filter_;
   int filter_axes_[3];
-  float origin_terms_ = 0;  // of FilterRays, the largest
-  std::size_t count_;       // of rays, in whole vectors
+  float origin_terms_ = 0;  // the largest FilterRays::origin_terms
+  std::size_t count_;       // rounded up to whole vectors
   alignas(kVectorAlignment) float origin_[kOrigins][3][kSize];
   alignas(kVectorAlignment) float inverse_[3][kSize];
   alignas(kVectorAlignment) float far_inverse_[3][kSize];

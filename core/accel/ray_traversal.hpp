@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// One ray's way through the tree. For the closest hit nodes are visited nearest first, from a stack, and
-// culled where they cannot hold a better hit; for any hit in any order.
+// Traversal of a single ray. For the closest hit, nodes are visited nearest first, from a stack, and culled
+// if they cannot hold a better hit; for any hit, in any order.
 #pragma once
 
 #include <algorithm>
@@ -22,9 +22,9 @@ namespace tessera::core {
 
 enum class Query { kClosest, kAny };
 
-// A ray's directions prepared for box tests.
+// A ray's direction prepared for box tests.
 struct SlabDirections {
-  // Whether a box's upper side is the near one along the axis.
+  // Returns whether a box's upper side is the near one along the axis.
   bool prepare(int axis, float inverse) {
     const int near = std::signbit(inverse) ? BvhNode::kUpper : BvhNode::kLower;
     near_inverse[axis] = Float8::broadcast(inverse);
@@ -35,7 +35,7 @@ struct SlabDirections {
   }
 
   Float8 near_inverse[3], far_inverse[3];
-  std::int64_t near_side[3], far_side[3];  // of BvhNode::bounds
+  std::int64_t near_side[3], far_side[3];  // rows of BvhNode::bounds
 };
 
 // A ray prepared for box tests.
@@ -57,7 +57,7 @@ struct SlabRay<Ray> : SlabDirections {
   Float8 origin[3];
 };
 
-// The origin, which is in double, is rounded so that boxes begin too early and end too late.
+// The origin, which is in double, is rounded so that boxes begin earlier and end later.
 template <>
 struct SlabRay<ObjectRay> : SlabDirections {
   explicit SlabRay(const ObjectRay& ray) {
@@ -75,8 +75,8 @@ struct SlabRay<ObjectRay> : SlabDirections {
   Float8 near_origin[3], far_origin[3];
 };
 
-// A child yet to be visited and where the ray enters its box. Packed into one integer that compares as the
-// distance does, which is not negative.
+// A child to be visited and the distance at which the ray enters its box, packed into one integer that
+// compares like the non-negative distance.
 class StackEntry {
  public:
   StackEntry() = default;
@@ -89,16 +89,16 @@ class StackEntry {
   bool operator<(const StackEntry& other) const { return key_ < other.key_; }
 
  private:
-  std::uint64_t key_;  // not initialised, so that a stack of these costs nothing to make
+  std::uint64_t key_;  // uninitialised, so that creating a stack of these costs nothing
 };
 
-// Each level of the tree leaves all children but one behind.
+// Each level of the tree leaves at most kWidth - 1 children on the stack.
 inline constexpr std::size_t kMaxStackSize = 1 + (BvhNode::kWidth - 1) * (kMaxBinaryDepth + 1);
 
-// What is yet to be visited, nearest on top where it is pushed so.
+// The entries to be visited; the nearest is on top if entries are pushed sorted.
 class Stack {
  public:
-  // Takes the next entry that begins before `limit`; false if there is none.
+  // Pops the next entry that begins before `limit`; returns false if there is none.
   bool pop(float limit, BvhChild& child) {
     while (size_ > 0) {
       const StackEntry top = entries_[--size_];
@@ -110,7 +110,7 @@ class Stack {
 
   void push(StackEntry entry) { entries_[size_++] = entry; }
 
-  // Pushes the lanes of `node` that are in `mask`, as if all were equally near.
+  // Pushes the lanes of `node` that are in `mask` with equal distances.
   void push_unsorted(const BvhNode& node, unsigned mask) {
     for (; mask != 0; mask &= mask - 1)
       push({0, node.children[static_cast<std::size_t>(std::countr_zero(mask))]});
@@ -140,29 +140,29 @@ inline TriangleHitsOf<Double4> hits_of_packet(const ShearedRay& ray, const BvhPa
   });
 }
 
-// Costs nothing.
+// A visitor that counts nothing.
 struct UncountedVisits {
   void node() const {}
   void packet() const {}
 };
 
-// Improves `hit` by what the ray meets in an instance, told by its number among all instances. For kAny it
-// only matters whether anything is found. `objects` are the trees of the objects of `scene`.
+// Improves `hit` by the hits in an instance, given by its index among all instances. For kAny only whether
+// anything is found matters. `objects` are the trees of the objects of `scene`.
 template <Query kQuery>
 void enter_instance(const Primitives& scene, const Bvh::Arrays* objects, std::uint32_t number, const Ray& ray,
                     Hit& hit);
 
-// Of a Ray, or of an ObjectRay in the space of an object, which shows no others.
+// AnyRay is Ray, or ObjectRay in the space of an object, which contains no instances.
 template <typename AnyRay>
 class RayTraversal {
  public:
-  // `objects` are the trees of those that instances show.
+  // `objects` are the trees of instanced objects.
   RayTraversal(const Primitives& primitives, const Bvh::Arrays* objects, const AnyRay& ray)
       : primitives_(primitives), objects_(objects), ray_(ray), slab_ray_(ray), sheared_ray_(ray) {
     update_limit();
   }
 
-  // The best hit, or, for kAny, any. For kClosest `visits` is told of each node and each packet that is
+  // The best hit, or any hit for kAny. For kClosest, `visits` is called for each node and each packet
   // visited.
   template <Query kQuery, typename Visits = UncountedVisits>
   Hit run(const BvhNode* nodes, const BvhPacket* packets, Visits visits = {}) {
@@ -190,8 +190,8 @@ class RayTraversal {
     }
   }
 
-  // A ray that hits nothing has to visit everything that it meets, in whatever order: nothing is sorted, and
-  // packets are tested where they are met, so that they and the next node do not wait for each other.
+  // A ray without a hit must visit everything that it meets, so entries are not sorted. Packets are tested
+  // where they are met, which overlaps their latency with that of the next node.
   void find_any(const BvhNode* nodes, const BvhPacket* packets) {
     for (BvhChild next; stack_.pop(limit_, next);) {
       const BvhNode& node = nodes[next.index()];
@@ -205,8 +205,8 @@ class RayTraversal {
     }
   }
 
-  // Leaves in `next` what is to be visited next: the nearest child that the ray meets, or else something from
-  // the stack. False if there is nothing.
+  // Stores the next child to visit in `next`: the nearest child that the ray meets, or else an entry from
+  // the stack. Returns false if there is none.
   bool enter(const BvhNode& node, BvhChild& next) {
     alignas(32) float t_near[BvhNode::kWidth];
     const unsigned mask = intersect_boxes_scalar(node, t_near);
@@ -227,7 +227,7 @@ class RayTraversal {
     return true;
   }
 
-  // Which boxes the ray meets before the limit, and where.
+  // The mask of boxes that the ray meets before the limit, and their distances.
   unsigned intersect_boxes_scalar(const BvhNode& node, float* t_near) const {
     unsigned met = 0;
     for (int lane = 0; lane < BvhNode::kWidth; lane += 8)
@@ -235,10 +235,10 @@ class RayTraversal {
     return met;
   }
 
-  // From `lane` on.
+  // Tests the boxes from `lane` on.
   unsigned intersect_boxes(const BvhNode& node, int lane, float* t_near) const {
-    // 0 * infinity is NaN, where the ray lies in the plane of a box's side: max and min then keep their
-    // second argument, and that side does not count.
+    // 0 * infinity is NaN if the ray lies in the plane of a box's side. max and min then return their
+    // second argument, which ignores that side.
     Float8 near = Float8::broadcast(0), far = Float8::broadcast(limit_);
     for (int axis = 0; axis < 3; ++axis) {
       const Float8 near_plane = Float8::load(node.bounds[slab_ray_.near_side[axis]] + lane);
@@ -296,7 +296,7 @@ void enter_instance(const Primitives& scene, const Bvh::Arrays* objects, std::ui
   const Instance& instance = scene.instance(number);
   const Bvh::Arrays& tree = objects[instance.object];
   ObjectRay object_ray = instance.placement.to_object(ray);
-  object_ray.t_max = std::min(ray.t_max, next_float_up(hit.t));  // what is as near may come first
+  object_ray.t_max = std::min(ray.t_max, next_float_up(hit.t));  // an equally near hit may still win the tie
   Hit found = RayTraversal(scene.object_of(instance), nullptr, object_ray)
                   .template run<kQuery>(tree.nodes.data(), tree.packets.data());
   if (!found.found()) return;

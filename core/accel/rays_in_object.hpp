@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rays of a group in the space of an object that an instance shows: a vector of them at once, to the bit what
-// Placement::to_object makes of each. Rays that point into one octant of the world may point into several
-// there.
+// The rays of a group in the object space of an instance, transformed a vector at a time; bit-identical to
+// Placement::to_object. Rays of one octant in the world may point into several octants there.
 #pragma once
 
 #include "core/accel/ray_columns.hpp"
@@ -16,14 +15,14 @@ class RaysInObject {
       if (lanes_of(set, v) != 0) move(placement, rays, v);
   }
 
-  // One of the set; t_max is the caller's to say.
+  // Returns a ray of the set with the given t_max.
   ObjectRay ray(std::size_t i, float t_max) const {
     return {{origin_[0][i], origin_[1][i], origin_[2][i]},
             {direction_[0][i], direction_[1][i], direction_[2][i]},
             t_max};
   }
 
-  // Calls what(rays) for those of each octant, where there are any.
+  // Calls what(rays) for the rays of each octant, if there are any.
   template <typename What>
   void for_each_octant(const What& what) const {
     for (unsigned octant = 0; octant < 8; ++octant) {
@@ -51,7 +50,7 @@ class RaysInObject {
     }
   }
 
-  RaySet set_, negative_[3] = {};  // those whose direction is negative along each axis
+  RaySet set_, negative_[3] = {};  // rays whose direction is negative along each axis
   alignas(kVectorAlignment) double origin_[3][kGroupSize];
   alignas(kVectorAlignment) double direction_[3][kGroupSize];
 };

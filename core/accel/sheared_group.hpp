@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The rays of a group prepared for triangle tests in double: ShearedRay of core/geometry/triangle.hpp by
-// coordinate, to the bit the same numbers.
+// The rays of a group prepared for triangle tests in double: a structure of arrays of ShearedRay
+// (core/geometry/triangle.hpp), bit-identical to it.
 #pragma once
 
 #include <array>
@@ -18,11 +18,11 @@ class ShearedGroup {
     for (std::size_t v = 0; v < rays.vectors(); ++v) prepare(rays, v);
   }
 
-  // Which coordinate is a ray's x, y or z: 0, 1 or 2.
+  // The coordinate that is a ray's x, y or z: 0, 1 or 2.
   int axis(std::size_t ray, int xyz) const { return kTurned[z_axis(ray)][xyz]; }
 
-  // Rays by number, in a lane each, D being Double4 or Double8; and as many of them from `first` on, which is
-  // a multiple of that.
+  // Gathers rays by index, one in each lane of D (Double4 or Double8); or loads consecutive rays from
+  // `first` on, a multiple of the lanes of D.
   template <typename D>
   ShearedRaysOf<D> rays(const std::array<std::size_t, D::kLanes>& of) const {
     return with<D>([&](const double* a) { return D::of([&](std::size_t k) { return a[of[k]]; }); });
@@ -31,13 +31,13 @@ class ShearedGroup {
   ShearedRaysOf<D> rays(std::size_t first) const {
     return with<D>([first](const double* values) { return D::load(values + first); });
   }
-  // One in all lanes.
+  // Ray i in all lanes.
   ShearedRaysOf<Double4> rays_like(std::size_t i) const {
     return with<Double4>([i](const double* values) { return Double4(values[i]); });
   }
 
-  // The corners of triangles, in a lane each, along the axes of rays. `lanes[k]` points to the first x of a
-  // lane of BvhPacket::corners.
+  // The corners of triangles, one in each lane, along the axes of rays. `lanes[k]` points to the first x of
+  // a lane of BvhPacket::corners.
   template <typename D>
   class Corners {
    public:
@@ -49,7 +49,7 @@ class ShearedGroup {
 
    private:
     friend ShearedGroup;
-    // Bit k of `z_is_y` and `z_is_z` says which axis is the z of ray k.
+    // Bit k of `z_is_y` and `z_is_z` is set if that axis is the z of ray k.
     Corners(const Lanes& lanes, unsigned z_is_y, unsigned z_is_z) {
       for (std::size_t corner = 0; corner < 3; ++corner) {
         const auto world = [&](std::size_t axis) {
@@ -82,7 +82,7 @@ class ShearedGroup {
   }
 
  private:
-  // The coordinates that are x, y and z where z is the first, second or third.
+  // The coordinates that are x, y and z if z is the first, second or third coordinate.
   static constexpr std::int8_t kTurned[3][3] = {{1, 2, 0}, {2, 0, 1}, {0, 1, 2}};
 
   template <typename D, typename At>
@@ -94,7 +94,7 @@ class ShearedGroup {
     return static_cast<int>((z_is_z_ >> ray & 1) << 1 | (z_is_y_ >> ray & 1));
   }
 
-  // A vector at a time; the axes as longest_axis chooses them.
+  // Processes a vector at a time, with the axes that longest_axis chooses.
   template <typename AnyRay>
   void prepare(const RayColumns<AnyRay>& rays, std::size_t v) {
     using Lanes = typename RayColumns<AnyRay>::Lanes;
@@ -106,7 +106,7 @@ class ShearedGroup {
     const MaskVector is_x = xy_over_z & x_over_y;
     z_is_y_ |= to_set((xy_over_z & !x_over_y).bits(), v);
     z_is_z_ |= to_set((!xy_over_z).bits(), v);
-    // The axis that is `after` steps behind z in the circle x, y, z.
+    // The axis `after` steps behind z in the cycle x, y, z.
     const auto turned = [&](const auto& values, int after) {
       return in_double(
           select(is_x, column(values, after),

@@ -1,17 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// A vector of pairs of a ray and a triangle at once, in float: which surely miss, which surely hit and about
-// where, and which are too close for float to tell. The watertight test in double
-// (core/geometry/triangle.hpp) decides those, and computes the hits that matter, so that this filter changes
-// no hit. It follows the same steps.
+// A conservative ray-triangle test in float for a vector of pairs: which surely miss, which surely hit with
+// bounds on t, and which are undecided. The watertight test in double (core/geometry/triangle.hpp) decides
+// the latter and computes the hits that matter, so this filter changes no hit. It follows the same steps.
 //
-// The error bounds: let u be the unit roundoff of float. Coordinates relative to the origin have relative
-// error u, shears (of magnitude 2 at most) 2u, so that a sheared coordinate is wrong by
-// u (|X| + 3 |S Z| + |x|) <= u (2L + 8Z), where L is the largest sheared |x| or |y| of the triangle and Z the
-// largest |z|. An origin (X, Y, Z) that is no float is wrong itself, by up to 2u of each coordinate, which
-// adds 2u O, with O = max(|X|, |Y|) + 2 |Z|. An edge function is then wrong by E = 4 L u (2L + 8Z + 2 O) +
-// 3 u L^2 = u L (11 L + 32 Z + 8 O), to first order. Where all three have one sign, weights of the corners
-// are wrong by 3 E / det each way, and t by Z (6 E / det + 11 u) + u O. Each bound is taken a little larger,
-// and a tiny number is added for what underflows.
+// Error bounds: let u be the unit roundoff of float. Coordinates relative to the origin have relative error
+// u, and shears (of magnitude 2 at most) 2u. The error of a sheared coordinate is thus at most u (|X| + 3
+// |S Z| + |x|) <= u (2L + 8Z), where L is the largest sheared |x| or |y| of the triangle and Z the largest
+// |z|. An origin (X, Y, Z) rounded from double has an error of up to 2u of each coordinate, which adds 2u
+// O, with O = max(|X|, |Y|) + 2 |Z|. The error of an edge function is then at most E = 4 L u (2L + 8Z + 2
+// O) + 3 u L^2 = u L (11 L + 32 Z + 8 O), to first order. If all three have one sign, barycentric
+// coordinates have errors of at most 3 E / det, and t of Z (6 E / det + 11 u) + u O. Each bound is rounded
+// up a little, and a tiny number is added for underflow.
 #pragma once
 
 #include "core/geometry/rounding.hpp"
@@ -19,18 +18,18 @@
 
 namespace tessera::core {
 
-// Rays as the filter takes them, a lane each or one in all lanes; x, y and z are axes of which the
-// directions' z is at least half the longest. A ray whose shear is NaN is never told anything for sure.
+// Rays in the form that the filter takes, one in each lane or one in all lanes. The z component of a
+// direction is at least half its largest component. A ray whose shear is NaN is never decided.
 struct FilterRays {
   FloatVector origin_x, origin_y, origin_z;
-  FloatVector shear_x, shear_y;  // the direction's x and y for each unit of z
-  FloatVector inverse_z;         // of the direction
-  FloatVector origin_terms;      // O, 0 where origins are exact
+  FloatVector shear_x, shear_y;  // the direction's x and y per unit of z
+  FloatVector inverse_z;         // 1 / direction z
+  FloatVector origin_terms;      // O; 0 if origins are exact
 };
 
 class TriangleFilter {
  public:
-  // corner(i, axis) answers with the coordinate of the i-th corners along x, y or z: 0, 1 or 2.
+  // corner(i, axis) returns the coordinate of the i-th corners along x, y or z (0, 1 or 2).
   template <typename Corner>
   TriangleFilter(const FilterRays& rays, const Corner& corner) {
     for (int i = 0; i < 3; ++i) {
@@ -52,12 +51,12 @@ class TriangleFilter {
     greatest_ = max(max(e_[0], e_[1]), e_[2]);
   }
 
-  // Where edge functions are surely of both signs.
+  // Lanes whose edge functions surely differ in sign.
   MaskVector surely_outside() const { return (least_ < -e_error_) & (e_error_ < greatest_); }
-  // Where they are surely of the same sign.
+  // Lanes whose edge functions surely have the same sign.
   MaskVector surely_inside() const { return (e_error_ < least_) | (greatest_ < -e_error_); }
 
-  // Bounds on t, which mean something where the ray is surely inside.
+  // Bounds on t, meaningful only where the ray is surely inside.
   struct Interval {
     FloatVector low, high;
   };
@@ -82,7 +81,7 @@ class TriangleFilter {
     return max_magnitude(max_magnitude(a[0], a[1]), a[2]);
   }
 
-  FloatVector x_[3], y_[3], z_[3];  // the corners, sheared as ShearedRay::shear does
+  FloatVector x_[3], y_[3], z_[3];  // the corners, sheared as by ShearedRay::shear
   FloatVector e_[3];                // the edge functions
   FloatVector e_error_, max_z_, least_, greatest_;
 };

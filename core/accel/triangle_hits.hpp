@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Four or eight pairs of a ray and a triangle at once, D being Double4 or Double8: intersect_triangle of
-// core/geometry/triangle.hpp, lane by lane the same operations, and so to the bit the same hits.
+// Four or eight ray-triangle pairs at once (D is Double4 or Double8). Each lane performs the operations of
+// intersect_triangle (core/geometry/triangle.hpp), so the hits are bit-identical.
 #pragma once
 
 #include "core/geometry/rounding.hpp"
@@ -9,7 +9,7 @@
 
 namespace tessera::core {
 
-// One ray in all lanes, or a ray each.
+// One ray in all lanes, or one ray in each.
 template <typename D>
 struct ShearedRaysOf {
   explicit ShearedRaysOf(const ShearedRay& ray)
@@ -30,7 +30,7 @@ class TriangleHitsOf {
  public:
   using ShearedRays = ShearedRaysOf<D>;
 
-  // corner(i, axis) answers with the coordinate of the i-th corners along the ray's x, y or z: 0, 1 or 2.
+  // corner(i, axis) returns the coordinate of the i-th corners along the ray's x, y or z (0, 1 or 2).
   template <typename Corner>
   TriangleHitsOf(const ShearedRays& rays, const Corner& corner) {
     const ShearedCorners corners(rays, corner);
@@ -39,8 +39,8 @@ class TriangleHitsOf {
     if (lanes_ != 0) find_distances(corners, e, rays.direction_z);
   }
 
-  // Those that may hit at or before `limit`: all that do, and those that only their error bound, or rounding
-  // to float, keeps from it. No branches, and no division.
+  // The pairs that may hit at or before `limit`: all hits, and those that only their error bound, or
+  // rounding to float, excludes. Has no branches and no division.
   template <typename Corner>
   static unsigned may_hit(const ShearedRays& rays, float limit, const Corner& corner) {
     const ShearedCorners corners(rays, corner);
@@ -51,7 +51,7 @@ class TriangleHitsOf {
     return e.of_one_sign() & ~behind & ~less(beyond * fabs(t.denominator), fabs(t.numerator));
   }
 
-  // For pairs that are known to hit.
+  // Tag for pairs that are known to hit.
   struct Certain {};
   template <typename Corner>
   TriangleHitsOf(const ShearedRays& rays, const Corner& corner, Certain) : lanes_(kAll) {
@@ -59,12 +59,12 @@ class TriangleHitsOf {
     compute(corners, Edges(corners), rays.direction_z);
   }
 
-  // Those that hit.
+  // The lanes that hit.
   unsigned lanes() const { return lanes_; }
   float t(int lane) const { return static_cast<float>(t_[lane]); }
   float b1(int lane) const { return static_cast<float>(e1_[lane] / det_[lane]); }
   float b2(int lane) const { return static_cast<float>(e2_[lane] / det_[lane]); }
-  // Of all lanes, where any of them hits; aligned to the size of what is stored.
+  // Stores all lanes, provided that any of them hits; the arrays are aligned to the size of D.
   void store(float* t, float* b1, float* b2) const {
     const D det = D::load(det_);
     D::load(t_).store(t);
@@ -76,7 +76,7 @@ class TriangleHitsOf {
   static constexpr std::size_t kLanes = D::kLanes;
   static constexpr unsigned kAll = (1u << kLanes) - 1;
 
-  // The corners as ShearedRay::shear moves them.
+  // The corners after ShearedRay::shear.
   struct ShearedCorners {
     template <typename Corner>
     ShearedCorners(const ShearedRays& rays, const Corner& corner) {
@@ -90,7 +90,7 @@ class TriangleHitsOf {
     D x[3], y[3], z[3];  // of each corner
   };
 
-  // The edge functions: the areas that the ray's foot spans with each side.
+  // The edge functions: twice the signed areas that the ray's foot point spans with each side.
   struct Edges {
     explicit Edges(const ShearedCorners& c)
         : e0(difference_of_products(c.x[1], c.y[2], c.y[1], c.x[2])),
@@ -98,7 +98,7 @@ class TriangleHitsOf {
           e2(difference_of_products(c.x[0], c.y[1], c.y[0], c.x[1])) {}
 
     D sum() const { return e0 + e1 + e2; }
-    // The lanes where no two have different signs.
+    // The lanes in which no two edge functions have opposite signs.
     unsigned of_one_sign() const {
       const D zero = D(0);
       const unsigned any_negative = less(min(min(e0, e1), e2), zero);
@@ -115,13 +115,13 @@ class TriangleHitsOf {
     return multiply_subtract(a, b, cd) + error_of_cd;
   }
 
-  // Leaves only the lanes whose t is provably positive.
+  // Keeps only the lanes whose t is provably positive.
   void find_distances(const ShearedCorners& corners, const Edges& e, D direction_z) {
     const auto& z = corners.z;
     const D zero = D(0);
     const auto [t, scale] = compute(corners, e, direction_z);
-    lanes_ &= less(zero, t);  // not where det is 0
-    // A corner is ahead where z has the sign of direction_z, so that their product is positive.
+    lanes_ &= less(zero, t);  // rejects det = 0
+    // A corner is ahead if z has the sign of direction_z, so that their product is positive.
     const unsigned all_ahead =
         less(zero, min(min(z[0] * direction_z, z[1] * direction_z), z[2] * direction_z));
     if ((lanes_ & ~all_ahead) != 0) lanes_ &= all_ahead | less(t_error_bound(corners, e) / fabs(scale), t);
@@ -150,7 +150,7 @@ class TriangleHitsOf {
 
   static D max_abs(D a, D b, D c) { return max(max(fabs(a), fabs(b)), fabs(c)); }
 
-  // As the function of this name in core/geometry/triangle.cpp.
+  // Equals the function of this name in core/geometry/triangle.cpp.
   static D t_error_bound(const ShearedCorners& c, const Edges& e) {
     const D max_x = max_abs(c.x[0], c.x[1], c.x[2]), max_y = max_abs(c.y[0], c.y[1], c.y[2]);
     const D max_z = max_abs(c.z[0], c.z[1], c.z[2]), max_e = max_abs(e.e0, e.e1, e.e2);

@@ -18,7 +18,7 @@
 namespace tessera {
 namespace {
 
-// Pieces of the render between two calls of RenderOptions::progress: samples of all pixels, doubling up to this many.
+// Number of samples per pixel between two calls of RenderOptions::progress; doubles up to this limit.
 constexpr std::uint32_t kMaxSppPerPiece = 16;
 
 template <typename T>
@@ -42,7 +42,9 @@ auto with_errors(const Function& function) {
 
 }  // namespace
 
-std::string version() { return std::string(core::version()); }
+std::string version() {
+  return std::string(core::version());
+}
 
 struct Scene::Impl {
   core::Scene scene;
@@ -76,7 +78,8 @@ Image Scene::render(const RenderOptions& options) const {
     const auto pixel_samples = static_cast<double>(grid.window().pixel_count()) * settings.spp;
     double done = 0;
     std::uint32_t spp = 1;
-    for (std::uint32_t begin = 0; begin < settings.spp; begin += spp, spp = std::min(2 * spp, kMaxSppPerPiece)) {
+    for (std::uint32_t begin = 0; begin < settings.spp;
+         begin += spp, spp = std::min(2 * spp, kMaxSppPerPiece)) {
       const core::SampleRange range{begin, std::min(begin + spp, settings.spp)};
       for (int tile = 0; tile < grid.tile_count(); ++tile) {
         film.add(core::render(impl_->scene, settings, grid.rect(tile), range, threads));
@@ -91,7 +94,8 @@ Image Scene::render(const RenderOptions& options) const {
     const core::Image developed = film.develop();
     Image image{developed.width, developed.height, {}};
     image.rgb.reserve(developed.pixels.size() * 3);
-    for (const core::Rgb& pixel : developed.pixels) image.rgb.insert(image.rgb.end(), {pixel.r, pixel.g, pixel.b});
+    for (const core::Rgb& pixel : developed.pixels)
+      image.rgb.insert(image.rgb.end(), {pixel.r, pixel.g, pixel.b});
     return image;
   });
 }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// An executable that links tessera::cpu_check ends with a sentence where the processor lacks what the rest of
-// it is compiled for, instead of dying of an illegal instruction. This file alone is compiled for any x86-64,
-// and runs before other static initialisers; it therefore uses nothing from the C++ library, whose templates
-// it would share with code that is not.
+// An executable that links tessera::cpu_check exits with a message if the processor lacks the instructions
+// that the rest is compiled for, instead of dying of SIGILL. This file is compiled for any x86-64 and runs
+// before other static initialisers. It uses nothing from the C++ library, because template instantiations
+// could be merged with ones compiled for newer processors.
 #include <unistd.h>
 
 namespace {

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The determinism fingerprint of this release: what core::determinism_fingerprint() (core/integrators)
-// renders. A coordinator, which cannot render, accepts workers with this fingerprint. It changes with every
-// change of the rendered bytes; fingerprint_test.cpp compares it and prints the new value.
+// The determinism fingerprint of this release: the result of core::determinism_fingerprint()
+// (core/integrators). A coordinator, which cannot render, accepts only workers with this fingerprint. It
+// changes with every change of the rendered bytes; fingerprint_test.cpp compares it and prints the new
+// value.
 #pragma once
 
 #include <string_view>

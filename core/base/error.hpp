@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// How fallible functions answer: a value, or an Error with a code and a sentence that says what to mend.
-// Whoever passes an Error up adds context in front: "scene.json:12: textures.wood.file: not a picture".
-// Errors are for what can happen in the field; what cannot happen is an assertion.
+// The result of a fallible function: a value, or an Error with a code and a message that says how to fix
+// the problem. Callers that pass an Error on prepend context: "scene.json:12: textures.wood.file: not an
+// image". Errors are for conditions that occur in use; violated invariants are assertions.
 #pragma once
 
 #include <string>
@@ -11,7 +11,7 @@
 
 namespace tessera::core {
 
-// The names and meanings of gRPC's status codes, so that the translation to and from RPC is one to one.
+// The names and meanings of gRPC's status codes, so that errors map one to one to RPC statuses.
 enum class ErrorCode {
   kCancelled,
   kInvalidArgument,
@@ -30,7 +30,7 @@ struct Error {
   ErrorCode code = ErrorCode::kInternal;
   std::string message;
 
-  // The same error with `context` and ": " in front of its message.
+  // The same error with `context` and ": " prepended to its message.
   Error within(std::string_view context) const { return Error{code, std::string(context) + ": " + message}; }
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A value that is made when it is first asked for, once, by whichever thread asks first; the others wait.
+// A value that the first thread to request it computes once; other threads wait.
 #pragma once
 
 #include <memory>
@@ -10,7 +10,7 @@ namespace tessera::core {
 template <typename T>
 class Lazy {
  public:
-  // `make` answers a T. Of a value that was made before, it is not called.
+  // `make` returns a T. It is not called if the value exists already.
   template <typename Make>
   const T& get(const Make& make) const {
     std::call_once(state_->once, [&] { state_->value = make(); });

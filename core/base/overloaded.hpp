@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One callable from several lambdas, for std::visit.
+// Combines several lambdas into one callable, for std::visit.
 #pragma once
 
 namespace tessera::core {
@@ -8,7 +8,7 @@ template <typename... Cases>
 struct Overloaded : Cases... {
   using Cases::operator()...;
 };
-// Clang before 17 does not deduce the arguments of aggregates by itself.
+// Clang before 17 does not deduce the arguments of aggregates.
 template <typename... Cases>
 Overloaded(Cases...) -> Overloaded<Cases...>;
 

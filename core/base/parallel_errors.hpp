@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Carries an exception out of an OpenMP region. An exception that leaves a region ends the process; run()
-// keeps the first one, and rethrow() throws it after the region. Thread-safe.
+// Carries an exception out of an OpenMP region, which an exception must not leave. run() keeps the first
+// exception, and rethrow() throws it after the region. Thread-safe.
 #pragma once
 
 #include <atomic>
@@ -26,7 +26,7 @@ class ParallelErrors {
 
   bool failed() const { return failed_.load(std::memory_order_relaxed); }
 
-  // Throws what run() has kept, if anything. To be called after the region.
+  // Throws the exception that run() has kept, if any. Call it after the region.
   void rethrow() const {
     if (first_) std::rethrow_exception(first_);
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Asking memory for what will be read soon.
+// Prefetching of memory that will be read soon.
 #pragma once
 
 #include <cstddef>
@@ -7,13 +7,13 @@
 
 namespace tessera::core {
 
-// All lines of the cache that these bytes are in.
+// Prefetches all cache lines that contain these bytes.
 inline void prefetch_bytes(std::span<const std::byte> bytes) {
   constexpr std::size_t kCacheLine = 64;
   for (std::size_t line = 0; line < bytes.size(); line += kCacheLine) __builtin_prefetch(&bytes[line]);
   if (!bytes.empty()) __builtin_prefetch(&bytes.back());
-  // Nothing. But GCC 12 takes a function that does no more than to prefetch for one that does nothing at all,
-  // and drops calls of it.
+  // Keeps the function from being empty for the optimiser: GCC 12 treats a function that only prefetches as
+  // one without effects, and drops calls to it.
   asm volatile("");
 }
 

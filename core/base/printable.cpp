@@ -9,7 +9,7 @@
 namespace tessera::core {
 namespace {
 
-// How many bytes the UTF-8 character at the front takes (RFC 3629, section 4); 0 where there is none.
+// The number of bytes of the UTF-8 character at the front (RFC 3629, section 4); 0 if there is none.
 std::size_t utf8_length(std::string_view text) {
   const auto byte = [&](std::size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0u; };
   const unsigned first = byte(0), second = byte(1);
@@ -31,15 +31,15 @@ char32_t code_of(std::string_view character) {
   return code;
 }
 
-// Terminals take U+0080 to U+009F for commands too; the marks of direction (Unicode Standard Annex 9) show a
-// text in another order than its own.
+// Whether the character controls the display. Terminals interpret U+0080 to U+009F as commands too;
+// bidirectional controls (Unicode Standard Annex 9) reorder the text.
 bool steers(char32_t code) {
   const auto between = [code](char32_t first, char32_t last) { return first <= code && code <= last; };
   return code < 0x20 || between(0x7f, 0x9f) || code == 0x61c || between(0x200e, 0x200f) ||
          between(0x2028, 0x202e) || between(0x2066, 0x2069);
 }
 
-// 0 where what is at the front cannot be shown.
+// The number of bytes of the printable character at the front; 0 if it is not printable.
 std::size_t shown_length(std::string_view text) {
   const std::size_t length = utf8_length(text);
   return length == 0 || steers(code_of(text.substr(0, length))) ? 0 : length;

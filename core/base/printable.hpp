@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Text from elsewhere made fit to be shown: names, reasons and file names may hold bytes that would steer the
-// terminal of whoever reads them, or forge a line of a log. Stateless; thread-safe.
+// Escapes untrusted text for display. Names, reasons and file names may contain bytes that control the
+// terminal or forge a log line. Stateless; thread-safe.
 #pragma once
 
 #include <string>
@@ -8,12 +8,12 @@
 
 namespace tessera::core {
 
-// Control characters (line breaks among them), those that turn the direction of writing, and bytes that are
-// not UTF-8 as \xNN, so that it can be printed in one line, and sent.
+// Escapes control characters (including line breaks), bidirectional controls, and bytes that are not UTF-8
+// as \xNN, so that the text fits on one line and is valid UTF-8.
 std::string printable(std::string_view text);
-// The same with line breaks kept: for sentences of several lines.
+// As printable(), but keeps line breaks, for messages of several lines.
 std::string printable_lines(std::string_view text);
-// Whether printable() would leave it as it is.
+// Whether printable() would return it unchanged.
 bool is_printable(std::string_view text);
 
 }  // namespace tessera::core

@@ -12,7 +12,7 @@ namespace {
 
 void open_if_closed(int descriptor, int mode) {
   if (::fcntl(descriptor, F_GETFD) != -1) return;
-  // The lowest free descriptor: this one, since those below are open.
+  // This is the lowest free descriptor, because all lower ones are open.
   const int opened = ::open("/dev/null", mode);
   if (opened >= 0 && opened != descriptor) ::close(opened);
 }

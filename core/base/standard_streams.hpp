@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// stdin, stdout and stderr as every program of Tessera wants them: a stream that is closed, full or a pipe
+// Sets up stdin, stdout and stderr for every program of Tessera: a stream that is closed, full or a pipe
 // without a reader makes writes fail, and never ends the process.
 #pragma once
 
 namespace tessera::core {
 
-// To be called first in main(), before files are opened and threads started. Ignores SIGPIPE. Opens /dev/null
-// for each of the descriptors 0 to 2 that is closed, so that no file takes its place: stderr then swallows
-// what is written, and writes to stdout fail as they would have.
+// Call this first in main(), before files are opened and threads started. It ignores SIGPIPE and opens
+// /dev/null for each closed descriptor from 0 to 2, so that no file takes its number. Output to a closed
+// stderr is discarded; writes to a closed stdout fail.
 void prepare_standard_streams();
 
 // Whether `descriptor` is a pipe or socket whose other end is closed.

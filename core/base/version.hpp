@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The version that every program prints: that of the release, and of a build from a checkout what `git describe` says of it.
+// The version that every program prints: the release, or for a build from a checkout the output of `git
+// describe`.
 #pragma once
 
 #include <string_view>

@@ -17,9 +17,8 @@ Aperture::Aperture(float radius, int blades, float rotation_degrees) : radius_(r
   }
 }
 
-// The rings and angles of the concentric map, with the circles replaced by polygons: the triangle between the
-// centre and an edge holds every distance from the centre with a density proportional to it, and every place
-// along the edge with the same one.
+// The concentric map with its circles replaced by polygons. In the triangle between the centre and an edge,
+// the density is proportional to the distance from the centre and uniform along the edge.
 Vec2 Aperture::sample(Vec2 u) const {
   if (corners_.empty()) return sample_disk(u) * radius_;
   const std::size_t edges = corners_.size() - 1;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A thin-lens camera; a pinhole where the aperture is closed.
+// A thin-lens camera; a pinhole if the aperture radius is 0.
 #pragma once
 
 #include "core/camera/aperture.hpp"
@@ -14,8 +14,8 @@ class Camera {
   Camera() = default;
   explicit Camera(const CameraDescription& description);
 
-  // The ray through `raster` (pixels from the top left of the picture, y downwards) and the point of the lens
-  // that `u_lens` in [0, 1)^2 chooses. Its direction is of unit length.
+  // The ray through `raster` (pixels from the top left of the image, y downwards) and the lens point
+  // selected by `u_lens` in [0, 1)^2. The direction has unit length.
   Ray ray(Vec2 raster, int width_px, int height_px, Vec2 u_lens) const;
 
  private:

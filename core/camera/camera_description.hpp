@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a camera is told, as scene files say it.
+// The camera's parameters as scene files give them.
 #pragma once
 
 #include "core/math/vec3.hpp"
@@ -14,10 +14,10 @@ struct CameraDescription {
   Vec3 look_at{0, 0, -1};
   Vec3 up{0, 1, 0};
   float vertical_fov_degrees = 40;  // full angle
-  float aperture_radius = 0;        // of the opening, or of the circle around it
-  float focus_distance = 0;         // along the viewing axis; 0 for the distance of look_at
-  // The opening is round where there are no blades, else a regular polygon of so many corners. The first
-  // corner points up, turned counter-clockwise in the picture.
+  float aperture_radius = 0;        // of the disk, or of the polygon's circumscribed circle
+  float focus_distance = 0;         // along the viewing axis; 0: the distance of look_at
+  // The number of corners of the aperture; 0 is a disk. The first corner points up, rotated
+  // counter-clockwise in the image.
   int aperture_blades = 0;
   float aperture_rotation_degrees = 0;
 };

@@ -22,8 +22,8 @@ std::size_t columns_of_stdout() {
   return std::clamp<std::size_t>(size.ws_col, kFewestColumns, kMaxColumns);
 }
 
-// Breaks a paragraph into lines of at most `columns`. Every line but the first begins with `indent` spaces;
-// the first begins at column `at`.
+// Wraps a paragraph at `columns`. The first line begins at column `at`; the others are indented by `indent`
+// spaces.
 std::string wrap(std::string_view paragraph, std::size_t columns, std::size_t indent, std::size_t at) {
   std::string text;
   std::istringstream words{std::string(paragraph)};
@@ -49,7 +49,7 @@ std::string two_columns(const std::string& left, const std::string& right, std::
   return text + wrap(right, columns, kDescriptionColumn, kDescriptionColumn) + '\n';
 }
 
-// Paragraphs are wrapped; lines that begin with a space stay as they are.
+// Wraps paragraphs; lines that begin with a space stay as they are.
 std::string wrap_all(const std::string& text, std::size_t columns) {
   std::string wrapped, paragraph;
   const auto end_paragraph = [&] {
@@ -94,7 +94,7 @@ class Formatter : public CLI::Formatter {
 
   static bool is_argument(const CLI::Option* option) { return option->get_positional(); }
 
-  // "FILE": what stands for the value.
+  // The placeholder of the value: "FILE".
   static std::string value_name(const CLI::Option* option) {
     if (!option->get_option_text().empty()) return option->get_option_text();
     return option->get_items_expected_max() == 0 ? "" : option->get_type_name();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// How --help looks, the same for every program and command: a summary, usage, commands, arguments and options
-// in two columns, environment variables, and the sections of HelpText.
+// The layout of --help, the same for every program and command: a summary, usage, commands, arguments and
+// options in two columns, environment variables, and the sections of HelpText.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -9,7 +9,7 @@
 
 namespace tessera::cli {
 
-// What a help says besides the options. Empty sections are left out. Text is wrapped, but for lines that
+// The help text besides the options. Empty sections are left out. Text is wrapped, except for lines that
 // begin with a space.
 struct HelpText {
   std::string notes;
@@ -21,10 +21,11 @@ struct HelpText {
   std::vector<std::string> examples;  // command lines
 };
 
-// Gives `app` this look and this text. Commands that are added to it later have the same look.
+// Applies this layout and text to `app`. Commands added later inherit the layout.
 void set_help(CLI::App& app, const HelpText& text);
 
-// The paths that CLI::ExistingFile and CLI::ExistingDirectory take, without their words in --help.
+// Accepts the same paths as CLI::ExistingFile and CLI::ExistingDirectory together, but adds no text to
+// --help.
 CLI::Validator existing_file();
 CLI::Validator existing_folder();
 

@@ -12,7 +12,7 @@
 namespace tessera::cli {
 namespace {
 
-// What cannot be written is lost: nobody is left to tell.
+// Write errors are ignored: there is no other stream to report them on.
 void write(std::FILE* stream, std::string_view text) {
   std::fwrite(text.data(), 1, text.size(), stream);
   std::fflush(stream);
@@ -30,8 +30,8 @@ int refuse(const CLI::App& app, const std::string& program, const std::string& w
   return kExitUsage;
 }
 
-// What is wrong where a program has commands and none was called; empty where nothing is. CLI11 takes --help
-// after a word that is no command for a call for help.
+// The error message if a program requires a command and none was called; otherwise empty. CLI11 takes
+// --help after an unknown word for a request for help.
 std::string no_command(const CLI::App& app, bool asks_for_help, int argc, char** argv) {
   if (app.get_subcommands({}).empty() || !app.get_subcommands().empty()) return "";
   const std::string first = argc > 1 ? argv[1] : "";
@@ -50,7 +50,7 @@ std::optional<int> parse(CLI::App& app, int argc, char** argv, const std::string
     const std::string what = no_command(app, end.get_exit_code() == 0, argc, argv);
     if (!what.empty()) return refuse(app, program, what);
     if (end.get_exit_code() != 0) return refuse(app, program, end.what());
-    // Help and version say what they print in different ways.
+    // CLI11 provides help and version texts in different ways.
     const bool version = dynamic_cast<const CLI::CallForVersion*>(&end) != nullptr;
     write(stdout, version ? std::string(end.what()) + "\n" : app.help());
     return flush_stdout(kExitOk, program);

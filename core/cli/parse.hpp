@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Parses a command line and says what is wrong with it, in the same words for every program.
+// Parses a command line and reports its errors, with the same messages in every program.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -12,12 +12,13 @@ inline constexpr int kExitOk = 0;
 inline constexpr int kExitFailed = 1;
 inline constexpr int kExitUsage = 2;
 
-// The exit status to end with at once: 0 after --help and --version, which go to stdout, 2 after a message on
-// stderr. Nothing where the program is to run. `program` begins the message.
+// Returns the exit status if the program should exit now: 0 after --help and --version, which go to stdout,
+// 2 after an error message on stderr. Returns nothing if the program should run. `program` prefixes the
+// message.
 std::optional<int> parse(CLI::App& app, int argc, char** argv, const std::string& program);
 
-// `exit_code`, unless the results did not get to where stdout goes: then 1, after a message. That nobody
-// reads a pipe any more is no failure.
+// Flushes stdout and returns `exit_code`, or 1 after a message if the output could not be written. A pipe
+// whose reader has gone is not an error.
 int flush_stdout(int exit_code, const std::string& program);
 
 }  // namespace tessera::cli

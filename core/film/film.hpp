@@ -62,7 +62,7 @@ class Film {
 
   // Takes the memory that add() of the same tile would take: add() then cannot fail.
   void reserve(const FilmTile& tile);
-  // Adds every sample of `tile`, whose rectangle must be a union of grid tiles. The caller sees to it that no
+  // Adds every sample of `tile`, whose rectangle must be a union of grid tiles. The caller ensures that no
   // sample is added twice. Counters are not kept here.
   void add(const FilmTile& tile);
 

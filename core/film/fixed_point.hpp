@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Radiance as an unsigned 64-bit fixed-point number, so that sums of samples are exact: integer addition of
-// non-negative numbers is associative and commutative even when it saturates, and the picture cannot depend
-// on how its samples were cut up, ordered or retried.
+// Radiance as an unsigned 64-bit fixed-point number, which makes sums of samples exact. Integer addition of
+// non-negative numbers is associative and commutative even when it saturates, so the image does not depend
+// on how samples were partitioned, ordered or retried.
 #pragma once
 
 #include <cstdint>
@@ -9,14 +9,14 @@
 
 namespace tessera::core {
 
-// 2^-26 (1.5e-8) is the unit; a million samples of a pixel may average 262,144 before its sum saturates.
+// The unit is 2^-26 (1.5e-8); a million samples of a pixel may average 262,144 before the sum saturates.
 inline constexpr int kFilmFractionBits = 26;
 inline constexpr double kFilmUnit = 1.0 / (std::uint64_t{1} << kFilmFractionBits);
 inline constexpr std::uint64_t kFilmSaturated = std::numeric_limits<std::uint64_t>::max();
 
-// Rounds up or down at random, with `dither` in [0, 1) as the random number: the expectation is exact, so
-// that light fainter than the unit is not lost. `radiance` must be finite and not negative; what does not
-// fit in 64 bits becomes kFilmSaturated.
+// Stochastic rounding with `dither` in [0, 1) as the random number. The expectation is exact, so light
+// below the unit is not lost. `radiance` must be finite and non-negative; values that do not fit in 64 bits
+// become kFilmSaturated.
 inline std::uint64_t to_fixed_point(double radiance, double dither) {
   const double scaled = radiance / kFilmUnit;
   if (scaled >= 18446744073709549568.0) return kFilmSaturated;  // the largest double below 2^64

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which part of a render: a rectangle of pixels and a range of sample numbers, both half-open.
+// Parts of a render: a rectangle of pixels and a range of sample numbers, both half-open.
 #pragma once
 
 #include <algorithm>
@@ -8,7 +8,7 @@
 
 namespace tessera::core {
 
-// Pixels [x0, x1) x [y0, y1); (0, 0) is the top left corner of the picture.
+// Pixels [x0, x1) x [y0, y1); (0, 0) is the top left corner of the image.
 struct PixelRect {
   int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
 
@@ -29,20 +29,20 @@ struct SampleRange {
   std::uint32_t begin = 0, end = 0;
 
   std::uint32_t count() const { return end - begin; }
-  // How many of them have an odd number.
+  // The number of odd sample numbers in the range.
   std::uint32_t odd_count() const { return end / 2 - begin / 2; }
   bool empty() const { return end <= begin; }
   bool operator==(const SampleRange&) const = default;
 };
 
-// The cutting of a window of a picture into square tiles, numbered row by row from its top left. Tiles at its
-// right and lower edges are cut short by it. Places are those of the whole picture, of which the window may
-// be all.
+// Divides a window of an image into square tiles, numbered row by row from the window's top left. Tiles at
+// its right and lower edges are clipped. Coordinates are those of the whole image, which the window may
+// cover entirely.
 class TileGrid {
  public:
   // `window` must not be empty.
   constexpr TileGrid(PixelRect window, int tile_px) : window_(window), tile_px_(tile_px) {}
-  // Of a whole picture.
+  // A grid over the whole image.
   constexpr TileGrid(int width, int height, int tile_px) : TileGrid({0, 0, width, height}, tile_px) {}
 
   const PixelRect& window() const { return window_; }
@@ -57,7 +57,7 @@ class TileGrid {
     const int x = window_.x0 + tile % columns() * tile_px_, y = window_.y0 + tile / columns() * tile_px_;
     return {x, y, std::min(x + tile_px_, window_.x1), std::min(y + tile_px_, window_.y1)};
   }
-  // The tile with this pixel, which must lie in the window.
+  // The tile that contains this pixel, which must lie in the window.
   int tile_at(int x, int y) const {
     return (y - window_.y0) / tile_px_ * columns() + (x - window_.x0) / tile_px_;
   }

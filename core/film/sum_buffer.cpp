@@ -31,7 +31,7 @@ void SumBuffer::add(std::size_t begin, std::span<const std::uint64_t> terms) {
 
 void SumBuffer::widen() {
   wide_.assign(narrow_.begin(), narrow_.end());
-  narrow_ = std::vector<std::uint32_t>();  // gives its memory back, as {} would not
+  narrow_ = std::vector<std::uint32_t>();  // frees the memory, unlike {}
 }
 
 std::vector<std::uint64_t> SumBuffer::values() const {

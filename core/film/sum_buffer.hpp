@@ -20,7 +20,7 @@ class SumBuffer {
   std::size_t size() const { return size_; }
   // Takes the memory that add() of the same would take: add() then cannot fail.
   void reserve(std::size_t begin, std::span<const std::uint64_t> terms);
-  // Adds to the sums from `begin` on, saturating.
+  // Adds to the sums from `begin` on, with saturation.
   void add(std::size_t begin, std::span<const std::uint64_t> terms);
   std::vector<std::uint64_t> values() const;
   std::size_t memory_bytes() const;

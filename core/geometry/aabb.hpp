@@ -8,7 +8,7 @@
 
 namespace tessera::core {
 
-// The points with lower <= p <= upper in every coordinate; none as constructed.
+// The points with lower <= p <= upper in every coordinate; empty when default-constructed.
 struct Aabb {
   Vec3 lower{kInfinity, kInfinity, kInfinity};
   Vec3 upper{-kInfinity, -kInfinity, -kInfinity};
@@ -23,7 +23,7 @@ struct Aabb {
   }
   bool empty() const { return !(lower.x <= upper.x && lower.y <= upper.y && lower.z <= upper.z); }
 
-  // Half of the surface area, 0 if empty. In double, which no coordinate allowed in a scene can overflow.
+  // Half of the surface area, 0 if empty; in double, so that no coordinate allowed in a scene overflows it.
   double half_area() const {
     if (empty()) return 0;
     const double dx = extent(0), dy = extent(1), dz = extent(2);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One of many places where an object is shown. Objects are stored once, however many instances they have.
+// An instance of an object. Objects are stored once, however many instances they have.
 #pragma once
 
 #include <cstdint>
@@ -8,13 +8,13 @@
 
 namespace tessera::core {
 
-// Stands for the object's own materials.
+// The instance uses the object's own materials.
 inline constexpr std::uint32_t kOwnMaterials = 0xffffffffu;
 
 struct Instance {
   Placement placement;
-  std::uint32_t object;                    // its number in Primitives
-  std::uint32_t material = kOwnMaterials;  // of all of it
+  std::uint32_t object;                    // index of the object in Primitives
+  std::uint32_t material = kOwnMaterials;  // replaces all of the object's materials
 };
 
 }  // namespace tessera::core

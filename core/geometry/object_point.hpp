@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The surface at a hit in double, where it was modelled, and as it is put into the world. For one hit or for
-// eight at once: T is float or Float8.
+// The surface at a hit in double, in object space and transformed to world space. T is float (one hit) or
+// Float8 (eight hits).
 #pragma once
 
 #include <array>
@@ -16,13 +16,13 @@ template <typename T>
 struct ObjectPointOf {
   using Wide = Vec3dOf<WideOf<T>>;
 
-  Wide position, terms;  // the magnitudes of what the position is the sum of
+  Wide position, terms;  // `terms`: magnitudes of the summands of the position
   Wide geometric_normal;
-  Wide shading_normal;  // 0 where it is the geometric one
+  Wide shading_normal;  // 0 if it equals the geometric one
   Vec2Of<T> uv;
 };
 
-// A triangle and where it was hit, by the barycentric coordinates of its second and third corner.
+// A triangle and the barycentric coordinates (of its second and third corner) of a hit.
 template <typename T>
 struct TriangleAtHit {
   std::array<Vec3Of<T>, 3> corners, normals;
@@ -34,7 +34,7 @@ template <typename T>
 ObjectPointOf<T> point_of_triangle(const TriangleAtHit<T>& triangle) {
   using D = WideOf<T>;
   using Wide = Vec3dOf<D>;
-  // The weights of the corners. b1 and b2, rounded one by one, may add up to a little more than 1.
+  // The weights of the corners. b1 and b2 are rounded separately, so their sum may slightly exceed 1.
   D b1 = widened(triangle.b1), b2 = widened(triangle.b2), b0 = larger(D(0.0), 1.0 - b1 - b2);
   const D sum = b0 + b1 + b2;
   b0 = b0 / sum, b1 = b1 / sum, b2 = b2 / sum;
@@ -59,15 +59,15 @@ auto unit_or_zero(Vec3dOf<D> v) {
   return select(has_direction(v), unit, decltype(unit){});
 }
 
-// Of a coordinate that is a float rounded from a sum of terms computed in double, whose magnitudes sum to
-// `terms`.
+// The error bound of a coordinate that was rounded to float from a sum computed in double, whose summands'
+// magnitudes sum to `terms`.
 template <typename T, typename D>
 Vec3Of<T> rounding_error(Vec3Of<T> position, Vec3dOf<D> terms) {
   const Vec3Of<T> from_rounding = abs(position) * T(gamma<float>(2));
   return from_rounding + (D(gamma<double>(16)) * terms).rounded();
 }
 
-// Where a model is drawn as it is.
+// The placement of geometry that is not instanced.
 struct IdentityTransform {
   template <typename D>
   static Vec3dOf<D> point(Vec3dOf<D> p) {
@@ -83,7 +83,7 @@ struct IdentityTransform {
   }
 };
 
-// The point of a model as `place` (IdentityTransform or a Placement) puts it into the world.
+// Transforms an object-space point by `place` (IdentityTransform or a Placement).
 template <typename Place, typename T>
 SurfacePointOf<T> in_world(const Place& place, const ObjectPointOf<T>& model) {
   SurfacePointOf<T> point;

@@ -16,7 +16,7 @@ double largest(Vec3d v) {
   return std::max({std::fabs(v.x), std::fabs(v.y), std::fabs(v.z)});
 }
 
-// Outwards by the error of what has been computed, and to a float.
+// Rounds outwards by the given error, to float.
 float below(double value, double error) {
   return next_float_down(static_cast<float>(value - error));
 }
@@ -26,7 +26,7 @@ float above(double value, double error) {
 
 }  // namespace
 
-// The axes are floats, so that the products in their cross products are exact: those have full accuracy.
+// The axes are floats, so the products in their cross products are exact and those have full accuracy.
 Placement::Placement(const Transform& to_world)
     : x_axis_(to_world.x_axis), y_axis_(to_world.y_axis), z_axis_(to_world.z_axis), origin_(to_world.origin) {
   const Vec3d yz = cross(y_axis_, z_axis_), zx = cross(z_axis_, x_axis_), xy = cross(x_axis_, y_axis_);
@@ -40,7 +40,7 @@ bool Placement::can_place(const Transform& t) {
   if (!is_finite(t.x_axis) || !is_finite(t.y_axis) || !is_finite(t.z_axis) || !is_finite(t.origin))
     return false;
   const Vec3d x(t.x_axis), y(t.y_axis), z(t.z_axis);
-  constexpr double kMinAngle = 1e-9;  // between an axis and the plane of the others, or nearly so
+  constexpr double kMinAngle = 1e-9;  // lower bound on the angle between an axis and the plane of the others
   const double determinant = dot(x, cross(y, z));
   if (!(std::fabs(determinant) > kMinAngle * length(x) * length(y) * length(z))) return false;
   const Placement placed(t);
@@ -65,9 +65,10 @@ Aabb Placement::bounds(const Aabb& box) const {
            above(center.z + reach.z, error.z)}};
 }
 
-// With A the map's matrix and B the inverse as computed: a point x of the object becomes A x + o, and a ray
-// that leaves there begins at B (A x + o - o) in the object. Each of these steps errs by a few roundings of
-// |A| |x| + |o| in the world, and so does B's difference from the inverse, but for the factor |A| |B|.
+// Let A be the map's matrix and B its computed inverse. A point x of the object becomes A x + o, and a ray
+// that leaves it starts at B (A x + o - o) in the object. Each of these steps has an error of a few
+// roundings of |A| |x| + |o| in the world, and so has B's difference from the inverse, except for a factor
+// |A| |B|.
 Vec3d Placement::error_terms(Vec3d terms) const {
   const auto magnitude = [this](Vec3d v) {
     return v.x * abs(x_axis_) + v.y * abs(y_axis_) + v.z * abs(z_axis_);

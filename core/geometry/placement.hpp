@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where an instance puts its object: an affine map and its inverse, in double. Immutable.
+// The placement of an instance: an affine map and its inverse, in double. Immutable.
 #pragma once
 
 #include "core/geometry/aabb.hpp"
@@ -11,18 +11,19 @@ namespace tessera::core {
 
 class Placement {
  public:
-  // The map must not flatten space, and no length may grow or shrink more than 1e15-fold: can_place().
+  // The map must be invertible and scale no length by more than 1e15 either way: see can_place().
   explicit Placement(const Transform& to_world);
   static bool can_place(const Transform& to_world);
 
-  // From the object into the world.
+  // Object space to world space.
   Vec3d point(Vec3d p) const { return vector(p) + origin_; }
   Vec3d vector(Vec3d v) const { return v.x * x_axis_ + v.y * y_axis_ + v.z * z_axis_; }
-  // By the inverse transpose, which keeps outside what is outside, mirrored or not. Not of unit length.
+  // Transforms by the inverse transpose, which keeps normals outward, also under reflections. The result
+  // does not have unit length.
   Vec3d normal(Vec3d n) const { return n.x * inverse_x_ + n.y * inverse_y_ + n.z * inverse_z_; }
 
-  // From the world into the object. A ray, or its parts; of many at once (D is Double8 or Double16) to the
-  // bit the same.
+  // World space to object space, for a ray or its parts. Vector versions (D is Double8 or Double16) are
+  // bit-identical.
   ObjectRay to_object(const Ray& ray) const;
   template <typename D>
   Vec3dOf<D> object_point(Vec3dOf<D> p) const {
@@ -35,23 +36,23 @@ class Placement {
   }
   Vec3d object_normal(Vec3d n) const { return {dot(x_axis_, n), dot(y_axis_, n), dot(z_axis_, n)}; }
 
-  // Contains what the map makes of the points in `box`, and where rays find them.
+  // Bounds of the transformed points of `box`, including the error of intersection.
   Aabb bounds(const Aabb& box) const;
 
-  // For a point that was computed in the object as a sum of terms with the magnitudes `terms`: what the
-  // rounding error of the same point in the world is in proportion to. It counts that a ray which leaves the
-  // point is rounded on its way back into the object.
+  // The terms to which the world-space rounding error of a point is proportional, given the object-space
+  // `terms`, the magnitudes of its summands. They account for the rounding of rays that leave the point and
+  // are transformed back into object space.
   Vec3d error_terms(Vec3d terms) const;
 
  private:
-  Vec3d x_axis_, y_axis_, z_axis_, origin_;  // the map's columns
-  Vec3d inverse_x_, inverse_y_, inverse_z_;  // the rows of the inverse of the first three
+  Vec3d x_axis_, y_axis_, z_axis_, origin_;  // the columns of the map
+  Vec3d inverse_x_, inverse_y_, inverse_z_;  // the rows of the inverse of its linear part
 };
 
-// By how much the map scales lengths if it keeps spheres round to within `tolerance`; 0 if it does not.
+// The factor by which the map scales lengths if it is a similarity to within `tolerance`; else 0.
 float uniform_scale(const Transform& transform, float tolerance);
 
-// Two axes that are not quite as long, or not quite at right angles, are so by rounding alone.
+// The tolerance for differences of length and angle between axes that rounding alone explains.
 inline constexpr float kRoundToRounding = 1e-5f;
 
 }  // namespace tessera::core

@@ -107,7 +107,7 @@ void Primitives::add_instance(const Instance& instance) {
   instance_bounds_.push_back(box);
 }
 
-// What lies in the same cell of a grid over the object makes a part.
+// The parts are the cells of a grid over the object.
 Primitives::Outline Primitives::outline() const {
   constexpr int kCells = 4;
   Aabb whole;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// All shapes of a scene as flat arrays, and the objects that instances show, which are such arrays again.
-// Triangles are numbered first, then spheres, then instances. Hits carry the numbers of triangles and
-// spheres; where those are in an object, its own numbers, and beside them the instance's place among the
-// instances. Immutable while rendering.
+// All shapes of a scene as flat arrays, and the instanced objects, which are such arrays themselves. Ids
+// number triangles first, then spheres, then instances. Hits carry the ids of triangles and spheres; inside
+// an instance, the ids are the object's own, and the hit also carries the instance's index. Immutable while
+// rendering.
 #pragma once
 
 #include <array>
@@ -25,8 +25,8 @@
 
 namespace tessera::core {
 
-// The largest magnitude of a coordinate, and of a sphere's radius, that Scene::build admits: areas and
-// squared distances, which are floats, stay finite. Intersection itself is safe with any finite float.
+// The largest magnitude of a coordinate or radius that Scene::build accepts, so that areas and squared
+// distances stay finite in float. Intersection itself is safe for any finite float.
 inline constexpr float kMaxCoordinate = 1e15f;
 
 class Primitives {
@@ -34,36 +34,36 @@ class Primitives {
   using Triangle = std::array<std::uint32_t, 3>;  // indices into the vertex arrays
   using Sphere = core::Sphere;
 
-  // Makes room for so much more, so that adding it takes no memory but its own.
+  // Reserves room for this many more elements.
   void reserve(std::size_t vertices, std::size_t triangles);
   // Appends a mesh's vertices and triangles (same conventions as MeshDescription: normals and uvs are empty
-  // or as many as positions; indices count from the mesh's own first vertex). All triangles come before all
-  // spheres. The first mesh's arrays are taken over as they are, where they are given away.
+  // or as many as positions; indices count from the mesh's own first vertex). All triangles must be added
+  // before all spheres. The arrays of the first mesh are moved if they are passed as rvalues.
   void add_mesh(std::vector<Vec3> positions, const std::vector<Vec3>& normals, const std::vector<Vec2>& uvs,
                 std::vector<Triangle> triangles, const std::vector<std::uint32_t>& triangle_materials,
                 const std::vector<Rgb>& colors = {});
   void add_sphere(Vec3 center, float radius, std::uint32_t material);
 
-  // Objects have no instances of their own. The number that instances refer to them by.
+  // Adds an object, which must not contain instances, and returns the index that instances refer to.
   std::uint32_t add_object(Primitives object);
-  // After everything else.
+  // Instances must be added last.
   void add_instance(const Instance& instance);
 
   std::uint32_t triangle_count() const { return static_cast<std::uint32_t>(triangles_.size()); }
   std::uint32_t sphere_count() const { return static_cast<std::uint32_t>(spheres_.size()); }
   std::uint32_t instance_count() const { return static_cast<std::uint32_t>(instances_.size()); }
   std::uint32_t count() const { return triangle_count() + sphere_count() + instance_count(); }
-  // Not of instances.
+  // Not for instances.
   bool is_sphere(std::uint32_t primitive) const { return primitive >= triangle_count(); }
-  // Of a triangle that is in no instance.
+  // Whether the hit is a triangle outside all instances.
   bool is_plain_triangle(const Hit& hit) const { return !hit.in_instance() && !is_sphere(hit.primitive); }
-  // Of a sphere that is in no instance.
+  // Whether the hit is a sphere outside all instances.
   bool is_plain_sphere(const Hit& hit) const { return !hit.in_instance() && is_sphere(hit.primitive); }
   bool is_instance(std::uint32_t primitive) const { return primitive >= triangle_count() + sphere_count(); }
 
   const std::vector<Primitives>& objects() const { return objects_; }
   const Instance& instance(std::uint32_t number) const { return instances_[number]; }
-  // The number among the instances of a primitive that is one.
+  // The index of an instance from its primitive id.
   std::uint32_t instance_number(std::uint32_t primitive) const {
     return primitive - triangle_count() - sphere_count();
   }
@@ -74,12 +74,12 @@ class Primitives {
                                 : triangle_materials_[primitive];
   }
   std::uint32_t material(const Hit& hit) const;
-  // Asks memory for what material() and prefetch_corners() will read of a triangle that is in no instance.
+  // Prefetches what material() and prefetch_corners() read for a triangle outside all instances.
   void prefetch_triangle(std::uint32_t primitive) const {
     prefetch(triangle_materials_[primitive]);
     prefetch(triangles_[primitive]);
   }
-  // Asks for where what triangle_surfaces() will read begins.
+  // Prefetches the first data that triangle_surfaces() reads.
   void prefetch_corners(std::uint32_t primitive) const {
     for (const std::uint32_t vertex : triangles_[primitive]) {
       prefetch(positions_[vertex]);
@@ -98,44 +98,44 @@ class Primitives {
   }
   const Sphere& sphere(std::uint32_t primitive) const { return spheres_[primitive - triangle_count()]; }
 
-  // The radius of a sphere around every point that a ray can hit; 0 where there is none.
+  // The radius of a sphere that encloses every point that a ray can hit; 0 if there is none.
   double bounding_radius() const;
 
-  // Contains every point that a ray can hit; empty where none can be, as with triangles without area.
+  // Bounds of every point that a ray can hit; empty if there is none, as for triangles without area.
   Aabb bounds(std::uint32_t primitive) const;
 
-  // Makes `hit` this primitive's intersection if it is nearer (or as near, with a lower id) and t <
-  // ray.t_max. Returns whether it did.
+  // Replaces `hit` by this primitive's intersection if that is nearer (or equally near with a lower id) and
+  // t < ray.t_max. Returns whether it did.
   bool intersect(std::uint32_t primitive, const Ray& ray, Hit& hit) const;
   bool intersect(std::uint32_t primitive, const ObjectRay& ray, Hit& hit) const;
 
-  // The surface where `ray` met it; `hit` is what intersect() made of this ray. Meshes without uvs have uv
-  // (0, 0).
+  // The surface where `ray` met it; `hit` is the result of intersect() for this ray. Meshes without uvs
+  // have uv (0, 0).
   SurfacePoint surface(const Ray& ray, const Hit& hit) const;
-  // Of eight hits of triangles that are in no instance, one in each lane.
+  // The same for eight hits of triangles outside all instances, one in each lane.
   SurfacePointOf<Float8> triangle_surfaces(const std::array<const Hit*, 8>& hits) const;
-  // Of eight hits of spheres that are in no instance.
+  // The same for eight hits of spheres outside all instances.
   SurfacePointOf<Float8> sphere_surfaces(const std::array<const Ray*, 8>& rays,
                                          const std::array<const Hit*, 8>& hits) const;
-  // Where surface() made `point` of the same hit.
+  // The tangents at `point`, the result of surface() for the same hit.
   Tangents tangents(const Hit& hit, const SurfacePoint& point) const;
   UvDerivatives uv_derivatives(const Hit& hit, const SurfacePoint& point) const;
 
-  // Whether a mesh has vertex colours, be it an object's.
+  // Whether any mesh has vertex colours, including objects' meshes.
   bool has_vertex_colors() const { return has_vertex_colors_; }
-  // The vertex colours interpolated at a hit; white where there are none.
+  // The vertex colour interpolated at a hit; white if the mesh has none.
   Rgb vertex_color(const Hit& hit) const { return has_vertex_colors_ ? color_at(hit) : Rgb::gray(1); }
-  // Of eight hits of triangles that are in no instance.
+  // The same for eight hits of triangles outside all instances.
   RgbOf<Float8> triangle_colors(const std::array<const Hit*, 8>& hits) const;
 
  private:
   using ObjectPoint = ObjectPointOf<float>;
-  // dp/du and dp/dv times `scale`, which is above 0 where there are any.
+  // dp/du and dp/dv times `scale`, which is positive if they exist and otherwise 0.
   struct ModelTangents {
     Vec3d along_u, along_v;
     double scale = 0;
   };
-  // The boxes of parts of an object, so that its instances can be bounded more closely than by turning one.
+  // Boxes of an object's parts, which bound its instances more tightly than its transformed bounding box.
   using Outline = std::vector<Aabb>;
 
   template <typename AnyRay>
@@ -147,15 +147,15 @@ class Primitives {
   SurfacePoint instance_surface(const Ray& ray, const Hit& hit) const;
   ModelTangents triangle_tangents(const Triangle& triangle) const;
   Tangents instance_tangents(const Hit& hit, const SurfacePoint& point) const;
-  // Those of a sphere by its outward normal.
+  // The tangents of a sphere at its outward normal.
   ModelTangents model_tangents(std::uint32_t primitive, Vec3 normal) const;
   Rgb color_at(const Hit& hit) const;
   Outline outline() const;
 
   std::vector<Vec3> positions_;
-  std::vector<Vec3> normals_;  // of unit length; zero where there is none; empty where no mesh has any
-  std::vector<Vec2> uvs_;      // empty where no mesh has any
-  std::vector<Rgb> colors_;    // likewise
+  std::vector<Vec3> normals_;  // unit length; zero if missing; empty if no mesh has any
+  std::vector<Vec2> uvs_;      // empty if no mesh has any
+  std::vector<Rgb> colors_;    // empty if no mesh has any
   bool has_vertex_colors_ = false;
   std::vector<Triangle> triangles_;
   std::vector<std::uint32_t> triangle_materials_;

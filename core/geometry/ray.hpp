@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rays and what they hit.
+// Rays and hits.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace tessera::core {
 
-// The points origin + t * direction with 0 < t < t_max. The direction need not be of unit length.
+// The points origin + t * direction with 0 < t < t_max. The direction need not have unit length.
 template <typename T>
 struct RayOf {
   Vec3Of<T> origin, direction;
@@ -20,19 +20,19 @@ using Ray = RayOf<float>;
 inline constexpr std::uint32_t kNoPrimitive = 0xffffffffu;
 inline constexpr std::uint32_t kNoInstance = 0xffffffffu;
 
-// The nearest intersection. Where two are equally near, that of what is in no instance, then of the lower
-// instance, then of the lower primitive id.
+// The nearest intersection. Ties are resolved in favour of hits outside instances, then of the lower
+// instance index, then of the lower primitive id.
 struct Hit {
   float t = std::numeric_limits<float>::infinity();
-  std::uint32_t primitive = kNoPrimitive;  // in an instance: among its object's
+  std::uint32_t primitive = kNoPrimitive;  // within an instance: an id of its object
   float b1 = 0, b2 = 0;  // barycentric coordinates of a triangle's second and third corner; unused by spheres
   std::uint32_t instance = kNoInstance;
 
   bool found() const { return primitive != kNoPrimitive; }
   bool in_instance() const { return instance != kNoInstance; }
 
-  // Becomes `other` if that lies on the ray and is nearer, or as near with a lower id. Returns whether it
-  // did.
+  // Becomes `other` if that lies on the ray and is nearer, or equally near with a lower rank. Returns
+  // whether it did.
   template <typename AnyRay>
   bool improve(const AnyRay& ray, const Hit& other) {
     if (!(other.t > 0 && other.t < ray.t_max)) return false;
@@ -42,7 +42,7 @@ struct Hit {
   }
 
  private:
-  // 0, as no instance plus 1 is, comes first.
+  // Hits outside instances rank first, because kNoInstance + 1 is 0.
   std::uint64_t rank() const {
     return std::uint64_t{static_cast<std::uint32_t>(instance + 1)} << 32 | primitive;
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Eight rays, to be taken one by one.
+// Eight rays as a structure of arrays, with access to single rays.
 #pragma once
 
 #include "core/geometry/ray.hpp"

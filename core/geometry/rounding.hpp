@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bounds on rounding errors, and the floats next to a float.
+// Bounds on rounding errors, and neighbouring floats.
 #pragma once
 
 #include <limits>
@@ -16,7 +16,7 @@ constexpr T gamma(int n) {
   return static_cast<T>(n) * unit_roundoff / (1 - static_cast<T>(n) * unit_roundoff);
 }
 
-// The least float above x; x itself if it is infinity or NaN.
+// The smallest float above x; x itself if it is infinity or NaN.
 template <typename T>
 T next_float_up(T x) {
   const auto bits = as_bits(x);
@@ -31,7 +31,7 @@ T next_float_down(T x) {
   return -next_float_up(-x);
 }
 
-// The float next to x in the direction of `offset`; x itself where that is 0.
+// The float next to x in the direction of `offset`; x itself if `offset` is 0.
 template <typename T>
 T rounded_away(T x, T offset) {
   const MaskOf<T> down = offset < 0;
@@ -39,7 +39,7 @@ T rounded_away(T x, T offset) {
   return select((offset > 0) | down, select(down, -stepped, stepped), x);
 }
 
-// The greatest float that is not above x, which is in double precision.
+// The greatest float that is not above x, a double.
 template <typename D>
 auto rounded_down(D x) {
   const auto nearest = to_float(x);

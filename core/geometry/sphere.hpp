@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rays against one sphere, in double from float data. For one ray or for many at once, at a sphere each: T is
-// float, Float8 (core/math/simd_double8.hpp) or Float16.
+// Ray-sphere intersection, in double from float data. T is float for one pair, or Float8
+// (core/math/simd_double8.hpp) or Float16 for many.
 #pragma once
 
 #include <cmath>
@@ -24,7 +24,7 @@ struct SphereOf {
 };
 using Sphere = SphereOf<float>;
 
-// Whether it has a surface; spheres that have none are never hit.
+// Whether the sphere has a surface; spheres without one are never hit.
 template <typename T>
 MaskOf<T> can_be_hit(const SphereOf<T>& sphere) {
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
@@ -39,12 +39,12 @@ struct SphereHitOf {
   WideOf<T> t;
 };
 
-// The least provably positive t of the line's two intersections. An origin that cannot be told from a point
-// of the sphere counts as on it: from there only the far side can be hit.
+// The smallest provably positive t of the line's two intersections. An origin that is indistinguishable
+// from a point of the sphere counts as on it: from there only the far side can be hit.
 //
-// Haines, Guenther and Akenine-Moeller 2019: the discriminant from the centre's distance to the line, which
-// does not cancel for small and distant spheres, and roots without cancellation (Press et al. 2007,
-// eq. 5.6.4).
+// Haines, Guenther and Akenine-Moeller 2019: the discriminant is computed from the centre's distance to the
+// line, without cancellation for small and distant spheres. The roots avoid cancellation too (Press et al.
+// 2007, eq. 5.6.4).
 template <typename T>
 SphereHitOf<T> intersect_sphere(const Vec3dOf<WideOf<T>>& origin, const Vec3dOf<WideOf<T>>& d,
                                 const SphereOf<T>& sphere) {
@@ -63,7 +63,7 @@ SphereHitOf<T> intersect_sphere(const Vec3dOf<WideOf<T>>& origin, const Vec3dOf<
   const MaskOf<T> outside = c > c_error, inside = c<-c_error, ahead = b> 0.0;
   found = found & (ahead | inside);
   const MaskOf<T> on_it = found & !(outside | inside);
-  if (any(on_it))  // where it may leave or be tangent
+  if (any(on_it))  // the ray may leave or be tangent
     found = found & ((b > D(gamma<double>(8)) * sqrt(ff * a)) | !on_it);
   const MaskOf<T> nearer = outside | (inside & !ahead);
   return {found, select(nearer, c, q) / select(nearer, q, a)};
@@ -90,17 +90,18 @@ Vec2Of<T> sphere_uv(Vec3Of<T> normal) {
   const T v = 0.5f + kInvPi * atan2(normal.y, equatorial);
   return {select(u < 1, u, T(0.0f)), smaller(larger(v, T(0.0f)), T(1.0f))};
 }
-// Eastwards and northwards; none at the poles.
+
+// Unit vectors east and north; zero at the poles.
 Tangents sphere_tangents(Vec3 normal);
 
-// Where a ray met the sphere, by what intersect_sphere() made of it, rounded.
+// The surface where a ray met the sphere; the float t is intersect_sphere()'s result, rounded.
 template <typename T>
 ObjectPointOf<T> point_of_sphere(const SphereOf<T>& sphere, const Vec3dOf<WideOf<T>>& origin,
                                  const Vec3dOf<WideOf<T>>& direction, T rounded_t) {
   using D = WideOf<T>;
   using Wide = Vec3dOf<D>;
   const Wide center(sphere.center);
-  // Rounded to a float, t is coarser than a sphere that is far away.
+  // A float t may be coarser than a distant sphere, so the exact t is computed again.
   const auto [found, exact_t] = intersect_sphere(origin, direction, sphere);
   const D t = select(found, exact_t, widened(rounded_t));
   const Wide from_center = origin + t * direction - center;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The point of a surface that a ray has hit, and rays that leave from it.
+// The surface point that a ray has hit, and spawning rays from it.
 #pragma once
 
 #include "core/geometry/rounding.hpp"
@@ -13,29 +13,28 @@ struct SurfacePointOf {
   Vec3Of<T> position;
   Vec3Of<T> position_error;    // absolute bounds on the rounding error of each coordinate of `position`
   Vec3Of<T> geometric_normal;  // unit, outward: of counter-clockwise triangles, and away from sphere centres
-  Vec3Of<T> shading_normal;    // unit, interpolated, and turned to the side of geometric_normal
+  Vec3Of<T> shading_normal;    // unit, interpolated, in the hemisphere of geometric_normal
   Vec2Of<T> uv;
 };
 using SurfacePoint = SurfacePointOf<float>;
 
-// The directions on the surface in which the position moves as one texture coordinate grows and the other
-// stays: dp/du and dp/dv without their lengths. Both zero where there are none, as without texture
+// Unit tangents: the directions of dp/du and dp/dv. Both are zero if undefined, as without texture
 // coordinates.
 struct Tangents {
   Vec3 along_u, along_v;
 };
 
-// How the position on the surface changes with each texture coordinate; both zero where there are none.
+// dp/du and dp/dv; both zero if undefined.
 struct UvDerivatives {
   Vec3 dp_du, dp_dv;
 };
 
-// Moves a ray's origin off its surface, to the side `direction` leaves from, far enough that rounding cannot
-// put it on the wrong side and no farther (Pharr et al. 2023, section 6.8.6).
+// Moves a ray's origin off its surface to the side of `direction`, just far enough that rounding cannot put
+// it on the wrong side (Pharr et al. 2023, section 6.8.6).
 template <typename T>
 Vec3Of<T> offset_origin(const SurfacePointOf<T>& surface, Vec3Of<T> direction) {
   const Vec3Of<T> normal = face_toward(surface.geometric_normal, direction);
-  // The extent along the normal of the box that the true point lies in.
+  // The extent along the normal of the error box that contains the exact point.
   const Vec3Of<T> offset = normal * dot(abs(normal), surface.position_error);
   const Vec3Of<T> moved = surface.position + offset;
   return {rounded_away(moved.x, offset.x), rounded_away(moved.y, offset.y), rounded_away(moved.z, offset.z)};

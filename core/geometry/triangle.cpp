@@ -13,15 +13,15 @@ double max_abs(double a, double b, double c) {
   return std::max({std::fabs(a), std::fabs(b), std::fabs(c)});
 }
 
-// a * b - c * d to within two units in the last place (Kahan; Jeannerod, Louvet and Muller 2013), so that its
-// sign is right, and 0 is 0. The fused operation is asked for, not left to the compiler.
+// a * b - c * d to within two units in the last place (Kahan; Jeannerod, Louvet and Muller 2013), so its
+// sign is right and 0 is exact. Calls the fused operation explicitly rather than leave it to the compiler.
 double difference_of_products(double a, double b, double c, double d) {
   const double cd = c * d;
   const double error_of_cd = std::fma(-c, d, cd);
   return std::fma(a, b, -cd) + error_of_cd;
 }
 
-// By how much the computed t times |det * direction_z| may be wrong (Pharr et al. 2023, section 6.8.7, with
+// A bound on the error of the computed t times |det * direction_z| (Pharr et al. 2023, section 6.8.7, with
 // the unit roundoff of double). a, b, c are the sheared corners, e the edge functions.
 double t_error_bound(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& e) {
   const double max_x = max_abs(a.x, b.x, c.x), max_y = max_abs(a.y, b.y, c.y), max_z = max_abs(a.z, b.z, c.z);
@@ -46,8 +46,8 @@ std::optional<TriangleHit> intersect_triangle(const ShearedRay& ray, const Trian
   const double scale = det * ray.direction_z;
   const double scaled_t = e.x * a.z + e.y * b.z + e.z * c.z;
   const double t = scaled_t / scale;
-  // Where all corners are ahead, so is every point between them. The comparison of t also rejects NaN, to
-  // which only rays and corners that are not finite lead.
+  // If all corners are ahead, so is every point between them. The comparison of t also rejects NaN, which
+  // only non-finite rays and corners produce.
   const bool all_ahead = ray.direction_z > 0 ? std::min({a.z, b.z, c.z}) > 0 : std::max({a.z, b.z, c.z}) < 0;
   const double t_error = all_ahead ? 0 : t_error_bound(a, b, c, e) / std::fabs(scale);
   if (!(t > t_error)) return std::nullopt;

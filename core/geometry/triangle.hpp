@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rays against one triangle: the watertight test of Woop, Benthin and Wald 2013. The ray is sheared onto the
-// z axis, and the signs of three edge functions say whether the origin of the xy plane lies in the triangle.
+// Ray-triangle intersection: the watertight test of Woop, Benthin and Wald 2013. The ray is sheared onto
+// the z axis, and the signs of three edge functions say whether the origin of the xy plane lies in the
+// triangle.
 //
-// It is computed in double from float data. An edge function is then never on the wrong side of 0, and
-// exactly 0 (which counts as inside) where it cannot tell; neighbours evaluate a shared edge to opposite
-// values. So no ray passes between them. Nothing overflows, whatever the floats.
+// It is computed in double from float data. An edge function then never has the wrong sign, and is exactly
+// 0 (which counts as inside) if undecided; neighbours evaluate a shared edge to opposite values. So no ray
+// passes between neighbours. Nothing overflows for any finite floats.
 #pragma once
 
 #include <array>
@@ -16,7 +17,7 @@
 
 namespace tessera::core {
 
-// Without a branch, since the axes of scattered rays cannot be guessed.
+// Branch-free, because the axes of incoherent rays are unpredictable.
 template <typename Vector>
 int longest_axis(const Vector& v) {
   const Vector a = abs(v);
@@ -44,7 +45,7 @@ struct ShearedRay {
 
   int x_axis, y_axis, z_axis;
   double origin_x, origin_y, origin_z;
-  double shear_x, shear_y;  // the direction's x and y for each unit of z
+  double shear_x, shear_y;  // the direction's x and y per unit of z
   double direction_z;
 
   // A point relative to the origin, with the direction sheared onto the z axis.
@@ -62,15 +63,15 @@ struct TriangleHit {
   float t, b1, b2;  // as in Hit; 0 <= b1, b2 <= 1
 };
 
-// The hit of the whole line in front of the origin, from either side. None where t cannot be proved to be
-// positive, so that a ray does not meet the surface it starts on.
+// The hit of the line in front of the origin, from either side. None if t is not provably positive, so that
+// a ray does not hit the surface it starts on.
 std::optional<TriangleHit> intersect_triangle(const ShearedRay& ray, const TriangleCorners& corners);
 
-// Twice the area as length, on the side from which the corners are counter-clockwise. Exact enough for
-// needles and for any scale.
+// A normal whose length is twice the area, on the side from which the corners are counter-clockwise.
+// Accurate for needle-shaped triangles and at any scale.
 Vec3d area_normal(const TriangleCorners& corners);
 
-// Whether the triangle has an area; those that have none are never hit.
+// Whether the triangle has an area; triangles without one are never hit.
 inline bool can_be_hit(const TriangleCorners& corners) {
   return has_direction(area_normal(corners));
 }

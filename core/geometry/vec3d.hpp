@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Three doubles, for the few lines of geometry whose intermediate results floats cannot hold. Data stay
-// floats. Vec3dOf<Double8> is eight of them (core/math/simd_double8.hpp), Vec3dOf<Double16> sixteen.
+// Three doubles, for intermediate results that floats cannot hold. Data stay floats. Vec3dOf<Double8> holds
+// eight of them (core/math/simd_double8.hpp), Vec3dOf<Double16> sixteen.
 #pragma once
 
 #include <cmath>
@@ -52,7 +52,7 @@ Vec3dOf<D> select(Mask mask, Vec3dOf<D> a, Vec3dOf<D> b) {
   return {select(mask, a.x, b.x), select(mask, a.y, b.y), select(mask, a.z, b.z)};
 }
 
-// Not zero, and everywhere finite: fit to be normalised.
+// Non-zero and finite, so it can be normalised.
 template <typename D = double>
 auto has_direction(Vec3dOf<D> a) {
   const D squared = dot(a, a);

@@ -12,21 +12,21 @@
 namespace tessera::core {
 namespace {
 
-// Squares of fewer examples are not divided, nor those of this side, some two degrees.
+// Squares with fewer examples are not divided.
 constexpr std::size_t kMinToDivide = 4;
-constexpr int kFinestSquares = 128;  // along a side
+constexpr int kFinestSquares = 128;  // along a side; about two degrees each
 constexpr float kMinSide = 1.0f / kFinestSquares;
-// How many examples there are taken to have been beforehand, spread evenly over the sphere, so that no
-// direction is without any density that merely has had no example yet.
+// A prior of this many examples, spread uniformly over the sphere, gives every direction some density even
+// without an example.
 constexpr float kPriorExamples = 1;
 
-// The curve's end, and the chance of all leaves together: the most that sixteen bits hold.
+// The length of the curve, and the total probability of all leaves: the maximum that sixteen bits hold.
 constexpr std::uint32_t kCurve = kFinestSquares * kFinestSquares, kCertain = 32767;
 constexpr std::size_t kBlockLeaves = 15, kMaxLeaves = 16 * kBlockLeaves;
 
 constexpr float kBelowOne = 1 - 0x1p-24f;
 
-// Numbers of seven bits, each bit moved to twice its place, and back.
+// Spreads the bits of seven-bit numbers to every second place, and back.
 template <typename Word>
 Word spread_bits(Word x) {
   x = (x | x << 4) & 0x070f;
@@ -41,7 +41,7 @@ Word gather_bits(Word x) {
   return (x | x >> 4) & 0x007f;
 }
 
-// Where on the curve the finest square is that has the direction in it.
+// The index along the curve of the finest square that contains the direction.
 template <typename T>
 WordOf<T> place_of(Vec3Of<T> direction) {
   const Vec2Of<T> point = to_octahedral_square(direction);
@@ -53,7 +53,7 @@ WordOf<T> place_of(Vec3Of<T> direction) {
 
 }  // namespace
 
-// Finds the leaves.
+// Computes the leaves.
 class DirectionTrees::Divider {
  public:
   struct Example {
@@ -69,9 +69,9 @@ class DirectionTrees::Divider {
   Divider(float prior_power, std::size_t least_to_divide)
       : prior_power_(prior_power), least_to_divide_(least_to_divide) {}
 
-  // Of the density that is best where a sample's value varies: in proportion to its root mean square (Rath et
-  // al. 2020). Over a square, that of light from everywhere in it is its power; of light from a part of it
-  // alone it is the larger, the smaller the part.
+  // The importance of a square where sample values vary: proportional to the root mean square (Rath et al.
+  // 2020). For light from all of a square this is its power; for light from only a part of it, it grows as
+  // the part shrinks.
   void divide(std::span<const Example> examples, const Square& square) {
     std::array<std::vector<Example>, 4> quarters;
     for (const auto& [point, power, concentration] : examples) {
@@ -125,7 +125,7 @@ DirectionTrees::Added DirectionTrees::add(std::span<const DirectedLight> lights)
     power += light.power;
   }
   const float prior_power = kPriorExamples * power / static_cast<float>(lights.size());
-  // Where there are too many leaves for a tree, larger ones will do.
+  // Doubles the minimum number of examples while there are too many leaves for a tree.
   for (std::size_t least = kMinToDivide;; least *= 2) {
     Divider divider(prior_power, least);
     divider.divide(examples, {{0, 0}, 1, 0});
@@ -136,7 +136,7 @@ DirectionTrees::Added DirectionTrees::add(std::span<const DirectedLight> lights)
   }
 }
 
-// Chances are rounded, but never to nothing.
+// Probabilities are rounded, but never to 0.
 DirectionTrees::Root DirectionTrees::store(std::span<const Leaf> leaves, float total) {
   SixteenShorts ends_by_place, ends_by_chance;
   ends_by_place.fill(kCurve);
@@ -196,7 +196,7 @@ DirectionTrees::DirectionOf<T> DirectionTrees::sample_or(WordOf<T> root, MaskOf<
   const T area = to_float((leaf.place >> 16) - place), chance = to_float((leaf.chance >> 16) - before);
   Vec3Of<T> direction = other;
   if (any(sampled)) {
-    // What is left of the number is even again.
+    // The remainder of the random number is uniform again.
     const Vec2Of<T> within{smaller((u_chance - to_float(before)) / chance, T(kBelowOne)), u.y};
     const Vec2Of<T> corner{to_float(gather_bits(place)), to_float(gather_bits(place >> 1))};
     const Vec2Of<T> point = (corner + within * sqrt(area)) * T(kMinSide);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Distributions of directions learnt from the light that comes from them: quadtrees over the unfolded sphere,
-// finer where there are more examples (after Müller, Gross and Novák 2017). Many trees share one array.
-// Immutable once built.
+// Directional distributions learnt from incident light: quadtrees over the unfolded sphere, finer where
+// there are more examples (after Müller, Gross and Novák 2017). Many trees share one array. Immutable once
+// built.
 #pragma once
 
 #include <array>
@@ -14,12 +14,12 @@
 
 namespace tessera::core {
 
-// An example of light.
+// An example of incident light.
 struct DirectedLight {
   Vec3 direction;  // unit
-  float power;     // above 0
-  // Where the light comes from few of the directions around: its power times the value of a sample that meets
-  // it. 0 where it comes from all of them.
+  float power;     // positive
+  // If the light comes from few of the surrounding directions: its power times the value of a sample that
+  // meets it. 0 if it comes from all of them.
   float concentration;
 };
 
@@ -31,9 +31,9 @@ class DirectionTrees {
 
   struct Added {
     Root root;
-    float root_mean_square;  // to expect of one sample's value, in units of power
+    float root_mean_square;  // expected root mean square of a sample's value, in units of power
   };
-  // The result depends on the order of `lights`, of which there is at least one, in its last bits.
+  // The last bits of the result depend on the order of `lights`, which must not be empty.
   Added add(std::span<const DirectedLight> lights);
 
   template <typename T>
@@ -41,26 +41,27 @@ class DirectionTrees {
     Vec3Of<T> direction;  // unit
     T pdf;                // per solid angle
   };
-  // Where `sampled`, a direction for u in [0, 1) x [0, 1); elsewhere `other`. T is float or Float8. Root 0 is
-  // that of no tree and has an even density over the unfolded sphere.
+  // Samples a direction with u in [0, 1) x [0, 1) in lanes where `sampled`, and otherwise takes `other`. T
+  // is float or Float8. Root 0 is the empty tree, which is uniform over the unfolded sphere.
   template <typename T>
   DirectionOf<T> sample_or(WordOf<T> root, MaskOf<T> sampled, Vec2Of<T> u, Vec3Of<T> other) const;
 
  private:
-  // Only a tree's leaves are kept, in their order along the Z-order curve (Morton 1966), fifteen to a block:
-  // where on the curve each begins, and the chance of all before it. So the leaf at a place is found as the
-  // leaf of a random number is, by counting. A tree's first block has the first leaf of each that follows.
-  // Rows are filled up with what the last leaf ends at, and blocks with the next one's first leaf.
+  // Only leaves are stored, in order along the Z-order curve (Morton 1966), fifteen to a block: where each
+  // begins along the curve, and the cumulative probability before it. Both a location and a random number
+  // thus select a leaf by counting smaller entries. A tree's first block holds the first leaf of each
+  // following block. Rows are padded with the end of the last leaf, and blocks with the first leaf of the
+  // next.
   struct alignas(64) Block {
-    std::array<SixteenShorts, 2> begins;  // by place, by chance
+    std::array<SixteenShorts, 2> begins;  // by location, by probability
   };
   struct Leaf {
     std::uint32_t place;
-    float value;  // its chance, times the same factor for all
+    float value;  // its probability, times a factor common to all
   };
   Root store(std::span<const Leaf> leaves, float total);
 
-  // Of a leaf, or of eight: where it begins, in the lower half of the word, and where it ends.
+  // For one leaf or eight: the begin in the lower half of the word, the end in the upper half.
   template <typename Word>
   struct Extent {
     Word place, chance;

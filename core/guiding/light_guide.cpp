@@ -13,18 +13,18 @@
 namespace tessera::core {
 namespace {
 
-// Cells of more photons are divided; fewer tell too little.
+// Cells with more photons are divided; cells with fewer are not reliable.
 constexpr std::size_t kMaxCellPhotons = 256, kMinCellPhotons = 8;
 constexpr float kMinShare = 0.05f, kMaxShare = 0.7f;
-// How often other light is estimated for a cell.
+// The number of estimates of other light for a cell.
 constexpr std::size_t kProbes = 16;
-// How much of a caustic's light comes from directions that the guide cannot tell from those around them;
-// where it can, the power alone says what to expect.
+// The fraction of a caustic's light that comes from directions that the guide cannot distinguish from their
+// neighbours. Elsewhere the power alone predicts sample values.
 constexpr float kConcentration = 0.3f;
-// Of a sample, in units of the cell's irradiance; so that sums stay finite.
+// Clamps a sample's value, in units of the cell's irradiance, so that sums stay finite.
 constexpr float kLargestValue = 1e12f;
 
-// 0 to 5: the axis along which `normal` is longest, and whether it points backwards.
+// 0 to 5: the axis along which `normal` is longest, and its sign.
 template <typename T>
 WordOf<T> facing(Vec3Of<T> normal) {
   using Word = WordOf<T>;
@@ -45,21 +45,21 @@ int longest_axis(const Aabb& box) {
   return x >= y && x >= z ? 0 : y >= z ? 1 : 2;
 }
 
-// Of the box's largest side: what the surface in it has, if that is about flat.
+// The product of the box's two largest extents: about the area of a nearly flat surface inside.
 float area_of(const Aabb& box) {
   std::array<double, 3> extents{box.extent(0), box.extent(1), box.extent(2)};
   std::sort(extents.begin(), extents.end());
   return static_cast<float>(extents[1] * extents[2]);
 }
 
-// A little larger, for what lies just beside the photons.
+// Slightly enlarged, to include positions just beside the photons.
 Aabb widened(const Aabb& box) {
   const float margin = static_cast<float>(box.extent(longest_axis(box))) * 0.1f;
   const Vec3 all{margin, margin, margin};
   return {box.lower - all, box.upper + all};
 }
 
-// How far the sphere is from a place inside.
+// The distance to the sphere from a point inside.
 template <typename T>
 T distance_to_sphere(Vec3Of<T> in_sphere, T radius, Vec3Of<T> wi) {
   using std::sqrt;
@@ -67,17 +67,17 @@ T distance_to_sphere(Vec3Of<T> in_sphere, T radius, Vec3Of<T> wi) {
   return sqrt(along * along - length_squared(in_sphere) + radius * radius) - along;
 }
 
-// The direction in which the sphere's point lies from the centre.
+// The direction from the centre to the sphere's point.
 template <typename T>
 Vec3Of<T> from_center(Vec3Of<T> in_sphere, T radius, Vec3Of<T> wi) {
   return (in_sphere + wi * distance_to_sphere(in_sphere, radius, wi)) * (1 / radius);
 }
 
-constexpr int kNodeSplits = 3;  // one after another
+constexpr int kNodeSplits = 3;  // levels of splits in a node
 constexpr std::uint32_t kAxesBits = 14;
 
-// Which of a node's children a place is in, by a bit for each of the splits that it is not below: the first
-// split, two for its sides, four for theirs.
+// Maps split results to a node's child. There is one bit for each of a node's splits, set if the position
+// is not below it: one for the first split, two for the second level, four for the third.
 constexpr auto kChildByBits = [] {
   std::array<std::uint8_t, 128> child{};
   for (unsigned bits = 0; bits < 128; ++bits) {
@@ -90,7 +90,7 @@ constexpr auto kChildByBits = [] {
 
 }  // namespace
 
-// Divides the photons into cells, then finds what each cell should be used for.
+// Divides the photons into cells, then computes for each cell how it should be used.
 class LightGuide::Builder {
  public:
   LightGuide build(std::span<const Photon> photons, const OtherLight& other_light, int threads) {
@@ -114,21 +114,21 @@ class LightGuide::Builder {
   }
 
  private:
-  // What space is divided by, before nodes are made of it.
+  // A split of space, before splits are packed into nodes.
   struct Split {
     float place;
     std::uint32_t axis;   // or kLeaf
-    std::uint32_t child;  // the lower one, beside the other; of a leaf its cell
+    std::uint32_t child;  // the lower child, followed by the other; for a leaf, its cell
   };
   static constexpr std::uint32_t kLeaf = 3;
 
-  // What is only known while the guide is built.
+  // Statistics needed only during the build.
   struct Evidence {
-    float guided;  // root mean square of the irradiance by one sample of the guide's
+    float guided;  // root mean square of the irradiance estimated by one guided sample
     std::array<Photon, kProbes> places;
   };
 
-  // Answers how many splits there are one below the other.
+  // Returns the depth of the splits.
   int divide(std::uint32_t split, std::span<Photon> photons) {
     const Aabb box = bounds_of(photons);
     if (photons.size() <= kMaxCellPhotons) {
@@ -136,7 +136,7 @@ class LightGuide::Builder {
       return 0;
     }
     const int axis = longest_axis(box);
-    // The order among equals is kept, so that it is the same everywhere.
+    // A stable sort makes the order of equal keys the same everywhere.
     std::stable_sort(photons.begin(), photons.end(), [axis](const Photon& a, const Photon& b) {
       return a.position[axis] < b.position[axis];
     });
@@ -148,7 +148,7 @@ class LightGuide::Builder {
     return 1 + std::max(below, divide(child + 1, photons.subspan(half)));
   }
 
-  // Makes nodes of the splits, level by level, so that all leaves come to lie equally deep.
+  // Packs the splits into nodes, level by level, so that all leaves have equal depth.
   void join(std::vector<std::uint32_t> row, int splits) {
     for (; splits > 0; ++guide_.levels_) {
       const int joined = (splits - 1) % kNodeSplits + 1;
@@ -169,8 +169,8 @@ class LightGuide::Builder {
     for (const std::uint32_t leaf : row) guide_.cell_of_leaf_.push_back(splits_[leaf].child);
   }
 
-  // Fills the node's part from `slot` on, of the binary heap that its splits make up, but for `empty` splits
-  // at its top, with what is from `split` on. A place that is not divided lies below a split at infinity.
+  // Fills the subtree of the node's heap of splits at `slot` with the splits from `split` on, below `empty`
+  // padding splits. A padding split lies at infinity, so that everything is below it.
   void fill(Node& node, std::uint32_t slot, std::uint32_t split, int empty, std::uint32_t* below) const {
     if (slot > node.splits.size()) {
       below[slot - node.splits.size() - 1] = split;
@@ -208,8 +208,8 @@ class LightGuide::Builder {
     return static_cast<std::uint32_t>(guide_.cells_.size() - 1);
   }
 
-  // A sample is either of the guide's light, whose root mean square is g, or of the other, with r: its
-  // mean square is g^2 / share + r^2 / (1 - share), which is least at g / (g + r).
+  // A sample takes either the guided light, with root mean square g, or the other light, with r. Its mean
+  // square is g^2 / share + r^2 / (1 - share), which is minimal at share = g / (g + r).
   void choose_share(std::size_t cell, const OtherLight& other_light) {
     const auto& [guided, places] = evidence_[cell];
     float squares = 0;
@@ -222,8 +222,8 @@ class LightGuide::Builder {
   }
 
   LightGuide guide_;
-  std::vector<Split> splits_{{0, kLeaf, 0}};  // the first stands for none
-  std::vector<Evidence> evidence_;            // of each cell but the first
+  std::vector<Split> splits_{{0, kLeaf, 0}};  // entry 0 is unused
+  std::vector<Evidence> evidence_;            // of each cell from index 1
 };
 
 LightGuide LightGuide::build(std::span<const Photon> photons, const OtherLight& other_light, int threads) {
@@ -235,7 +235,7 @@ std::uint32_t LightGuide::cell_at(std::uint32_t facing, Vec3 position) const {
   std::uint32_t at = facing;
   for (int level = 0; level < levels_; ++level) {
     const Node& node = nodes_[at];
-    const Float8 splits = as_float(U32x8::load(node.splits.data()));  // and a number that is none
+    const Float8 splits = as_float(U32x8::load(node.splits.data()));  // the eighth lane is not a split
     const Mask8 above = coordinates.along(unpack_pairs_of_bits(node.axes_and_children)) >= splits;
     at = (node.axes_and_children >> kAxesBits) + kChildByBits[above.bits() & 0x7f];
   }
@@ -266,8 +266,8 @@ LightGuide::GuidanceOf<T> LightGuide::at(Vec3Of<T> position, Vec3Of<T> side_norm
           as_bits(directions)};
 }
 
-// A patch of the sphere is seen from the place at a distance and foreshortened by slope / radius, from the
-// centre at the distance of the radius.
+// A patch of the sphere is seen from the position at a certain distance and foreshortened by slope /
+// radius; from the centre, at the distance of the radius.
 template <typename T>
 DirectionTrees::DirectionOf<T> LightGuide::sample_or(const GuidanceOf<T>& from, MaskOf<T> sampled,
                                                      Vec2Of<T> u, Vec3Of<T> other) const {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// BMP by stb_image, without run lengths.
+// BMP by stb_image, uncompressed only.
 #include <stb_image.h>
 
 #include <algorithm>
@@ -18,7 +18,7 @@ struct StbFree {
   void operator()(void* values) const { stbi_image_free(values); }
 };
 
-// The file's header of 14 bytes, and the beginning of the image's.
+// Sizes of the file header (14 bytes) and of the start of the image header.
 constexpr std::size_t kPixelOffset = 10, kHeaderSize = 14, kHeaderBytes = 34;
 constexpr std::uint32_t kOs2HeaderSize = 12;
 
@@ -39,7 +39,7 @@ Result<ImageSize> read_size(std::string_view bytes) {
   return ImageSize{width, std::abs(height)};
 }
 
-// 0: none. 3 and 6: none, with masks for the channels.
+// 0 is uncompressed; 3 and 6 are uncompressed with channel masks.
 Status check_compression(std::string_view bytes) {
   if (little_endian_32(bytes, kHeaderSize) == kOs2HeaderSize) return {};
   const std::uint32_t compression = little_endian_32(bytes, 30);
@@ -52,7 +52,7 @@ bool has_all_rows(std::string_view bytes, ImageSize size) {
   const std::uint64_t bits = little_endian_16(bytes, is_os2 ? 24 : 28);
   const std::uint64_t row_bytes = (static_cast<std::uint64_t>(size.width) * bits + 31) / 32 * 4;
   const std::uint64_t offset = little_endian_32(bytes, kPixelOffset);
-  // The padding behind the last row may be missing.
+  // The padding after the last row may be missing.
   return bytes.size() + 3 >= offset + row_bytes * static_cast<std::uint64_t>(size.height);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What every image decoder of this folder takes and returns. Everyone else calls decode_pixels()
+// The interface that every image decoder of this folder implements. Other code calls decode_pixels()
 // (codecs.hpp).
 #pragma once
 
@@ -25,7 +25,7 @@ struct ImageSize {
   }
 };
 
-// The pixels of a file with the precision that the file has.
+// The pixels of a file in the file's precision.
 struct DecodedImage {
   using Bytes = std::vector<std::uint8_t>;   // codes in [0, 255]
   using Words = std::vector<std::uint16_t>;  // codes in [0, 65535]
@@ -33,24 +33,24 @@ struct DecodedImage {
 
   ImageSize size;
   std::size_t channels = 3;                   // R, G, B; with 4, A follows and is not premultiplied
-  std::variant<Bytes, Words, Floats> values;  // channels for each pixel, row-major from the top left
-  std::vector<std::string> warnings;          // what was odd in the file and how it was read
+  std::variant<Bytes, Words, Floats> values;  // `channels` per pixel, row-major from the top left
+  std::vector<std::string> warnings;          // oddities of the file, and how they were read
 
   bool is_linear() const { return std::holds_alternative<Floats>(values); }
 };
 
 struct DecodeOptions {
   std::int64_t max_pixels = 0;
-  // Whether the result has 4 channels where the file has alpha. If not, it always has 3.
+  // Whether the result has 4 channels if the file has alpha. If not, it always has 3.
   bool keep_alpha = false;
 };
 
-// A file format. Errors of its functions complete a sentence that begins with the file's name. Functions may
-// throw std::bad_alloc, and nothing else.
+// A file format. Error messages of its functions complete a sentence that begins with the file's name.
+// Functions may throw std::bad_alloc, and nothing else.
 struct Codec {
   std::string_view name;                    // as in "is a broken PNG image"
   bool is_linear;                           // whether every file of the format has linear values
-  bool (*matches)(std::string_view bytes);  // by how the file begins
+  bool (*matches)(std::string_view bytes);  // recognises the format by the first bytes
   Result<ImageSize> (*read_size)(std::string_view bytes);
   // `size` is that of read_size(); it is within the limits of DecodeOptions.
   Result<DecodedImage> (*decode)(std::string_view bytes, ImageSize size, const DecodeOptions& options);
@@ -69,12 +69,12 @@ inline tl::unexpected<Error> unsupported_image(std::string_view what, std::strin
   return fail(ErrorCode::kInvalidArgument, fmt::format("is {}, which is not supported; {}", what, remedy));
 }
 
-// Why a file is not decoded whose size is_plausible_size() (limits.hpp) refuses.
+// The error message for a file whose size is_plausible_size() (limits.hpp) rejects.
 inline std::string implausible_size(std::int64_t width, std::int64_t height) {
   return fmt::format("its size of {}x{} pixels is not plausible for a file of its length", width, height);
 }
 
-// Integers of a file, which has them at `at`.
+// Readers of integers at byte offset `at` of a file.
 inline unsigned byte_at(std::string_view bytes, std::size_t at) {
   return static_cast<unsigned char>(bytes[at]);
 }
@@ -85,14 +85,14 @@ inline std::uint32_t little_endian_32(std::string_view bytes, std::size_t at) {
   return little_endian_16(bytes, at) | std::uint32_t{little_endian_16(bytes, at + 2)} << 16;
 }
 
-// A library quotes names from a file with whatever bytes they have.
+// Libraries quote names from a file with arbitrary bytes; escapes these.
 inline std::string printable_reason(std::string reason) {
   for (char& c : reason)
     if (c < ' ' || c > '~') c = '?';
   return reason;
 }
 
-// Takes the fourth of four values of each pixel away, in place.
+// Removes the fourth of four values of each pixel, in place.
 template <typename T>
 void drop_alpha(std::vector<T>& values) {
   const std::size_t pixels = values.size() / 4;

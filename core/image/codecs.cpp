@@ -24,7 +24,7 @@ struct Signature {
   std::string_view bytes, format;
 };
 
-// Formats that are known by name only.
+// Formats that are recognised but not supported.
 constexpr std::array<Signature, 15> kUnsupported{{{0, "GIF8"sv, "a GIF image"},
                                                   {0, "DDS "sv, "a DDS image"},
                                                   {0, "8BPS"sv, "a Photoshop image"},

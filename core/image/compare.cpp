@@ -28,7 +28,7 @@ double relative_square(double difference, double reference) {
   return std::isnan(ratio) ? kInfinity : ratio;
 }
 
-// Adds the three channels of one pixel to the sums, which become means later.
+// Adds the three channels of one pixel to the sums, which are divided into means later.
 void add_pixel(Comparison& sums, Rgb a, Rgb b, int x, int y) {
   for (int channel = 0; channel < 3; ++channel) {
     sums.reference_mean_square += static_cast<double>(b[channel]) * static_cast<double>(b[channel]);
@@ -49,16 +49,15 @@ Status check_region(const Image& image, ImageRegion region) {
   const bool within = region.width > 0 && region.height > 0 && region.x >= 0 && region.y >= 0 &&
                       region.width <= image.width - region.x && region.height <= image.height - region.y;
   if (within) return {};
-  return fail(
-      ErrorCode::kInvalidArgument,
-      fmt::format("the region of {}x{} pixels from ({}, {}) does not lie within the pictures of {}x{}",
-                  region.width, region.height, region.x, region.y, image.width, image.height));
+  return fail(ErrorCode::kInvalidArgument,
+              fmt::format("the region of {}x{} pixels from ({}, {}) does not lie within the images of {}x{}",
+                          region.width, region.height, region.x, region.y, image.width, image.height));
 }
 
 Status check_sizes(const Image& a, const Image& b) {
   if (a.width == b.width && a.height == b.height) return {};
   return fail(ErrorCode::kInvalidArgument,
-              fmt::format("the pictures have different sizes: {}x{} and {}x{} pixels", a.width, a.height,
+              fmt::format("the images have different sizes: {}x{} and {}x{} pixels", a.width, a.height,
                           b.width, b.height));
 }
 

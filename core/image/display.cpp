@@ -28,8 +28,8 @@ float power_of_two(float stops) {
   return static_cast<float>(std::ldexp(rest, static_cast<int>(whole)));
 }
 
-// A matrix whose rows add up to 1, told by what it has beside the diagonal: red takes `rg` of green and `rb`
-// of blue. Applied as differences of channels, so that gray comes out with the same bits.
+// A matrix with rows that sum to 1, given by its off-diagonal elements: `rg` is the weight of green in red,
+// `rb` of blue in red. It is applied to channel differences, so gray keeps its exact bits.
 struct WhitePreservingMatrix {
   float rg, rb, gr, gb, br, bg;
 
@@ -39,7 +39,7 @@ struct WhitePreservingMatrix {
   }
 };
 
-// Neither negative, infinite nor no number. A curve's white is far below the limit.
+// Replaces NaN and clamps to [0, limit]. The white point of the curves is far below the limit.
 float curve_input(float v) {
   return v > 0 ? std::min(v, 1e6f) : 0;
 }
@@ -49,8 +49,8 @@ Rgb each_channel(Rgb c, Function function) {
   return {function(c.r), function(c.g), function(c.b)};
 }
 
-// Hill 2015: to the Academy's rendering space, a rational fit of the reference rendering and the output
-// transform together, and back.
+// Hill 2015: transforms to the ACES rendering space, applies a rational fit of the reference rendering and
+// output transforms, and transforms back.
 Rgb aces(Rgb light) {
   constexpr WhitePreservingMatrix kIn{0.35458f, 0.04823f, 0.07600f, 0.01566f, 0.02840f, 0.13383f};
   constexpr WhitePreservingMatrix kOut{-0.53108f, -0.07367f, -0.10208f, -0.00605f, -0.00327f, -0.07276f};
@@ -64,9 +64,8 @@ float agx_contrast(float x) {
   return (((((15.5f * x - 40.14f) * x + 31.96f) * x - 6.868f) * x + 0.4298f) * x + 0.1191f) * x - 0.00232f;
 }
 
-// Wrensch 2023, after Sobotka: colours are drawn towards gray, each channel's logarithm between two exposures
-// goes through the contrast curve, and the colours are drawn back. The curve's values are for a screen whose
-// light is their power of 2.2.
+// Wrensch 2023, after Sobotka: desaturates colours, maps each channel's logarithm between two exposures
+// through the contrast curve, and restores saturation. The curve's output is encoded with a gamma of 2.2.
 Rgb agx(Rgb light) {
   constexpr double kDarkestStops = -12.47393, kBrightestStops = 4.026069;
   constexpr WhitePreservingMatrix kIn{0.0784336f, 0.0792237f, 0.0423282f, 0.0791661f, 0.0423757f, 0.0784336f};

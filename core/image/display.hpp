@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// From linear light to what an 8-bit picture shows: exposure, and a curve that brings bright light into the
-// range of a screen. Of PNG files alone; linear files keep the light as it is. Stateless; thread-safe, and
-// the same bits on every machine.
+// Converts linear light for 8-bit images: exposure, and a tone curve that compresses bright light into the
+// range of a screen. It applies to PNG files only; linear files keep the light unchanged. Stateless;
+// thread-safe, and bit-identical on every machine.
 #pragma once
 
 #include <optional>
@@ -12,9 +12,9 @@
 
 namespace tessera::core {
 
-// How light becomes the light of a screen, whose white is 1.
+// The tone mapping operators. The white of the output is 1.
 enum class ToneCurve {
-  kNone,  // as it is; what is brighter than white is cut off
+  kNone,  // unchanged; values above white are clipped
   kAces,  // the look of the Academy's reference rendering for a Rec. 709 screen (fit by Hill 2015)
   kAgx,   // Sobotka's AgX, whose bright colours go to white gently (fit by Wrensch 2023)
 };
@@ -31,13 +31,13 @@ struct DisplaySettings {
   bool operator==(const DisplaySettings&) const = default;
 };
 
-// Replacements for what the scene file says.
+// Command-line replacements for the scene file's settings.
 struct DisplayOverrides {
   std::optional<float> exposure_stops;
   std::optional<ToneCurve> tone_curve;
 };
 
-// Whether the exposure lies within kMaxExposureStops either way. The error names the field.
+// Checks that the exposure is within kMaxExposureStops either way. The error names the field.
 Status check_display(const DisplaySettings& settings);
 
 // Applies the overrides and checks the result.
@@ -47,8 +47,8 @@ class DisplayTransform {
  public:
   explicit DisplayTransform(const DisplaySettings& settings);
 
-  // The screen's light, still linear. Gray stays gray, black stays black, and brighter gray never becomes
-  // darker. With a curve each channel lies in [0, 1]; without one, exposure is all that happens.
+  // The display-referred light, still linear. Gray stays gray, black stays black, and the mapping of gray
+  // is monotonic. With a curve each channel lies in [0, 1]; without one, only exposure is applied.
   Rgb operator()(Rgb light) const;
 
  private:

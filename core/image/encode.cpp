@@ -17,7 +17,7 @@
 namespace tessera::core {
 namespace {
 
-static_assert(sizeof(Rgb) == 3 * sizeof(float), "pictures are handed out as arrays of floats");
+static_assert(sizeof(Rgb) == 3 * sizeof(float), "images are passed on as arrays of floats");
 
 void append_bytes(void* sink, void* data, int size) {
   static_cast<std::string*>(sink)->append(static_cast<const char*>(data), static_cast<std::size_t>(size));
@@ -36,7 +36,7 @@ std::string encode_png(const Image& image, const DisplaySettings& display) {
   return bytes;
 }
 
-// Rows run from the bottom up; a negative scale says that the numbers are little-endian (Debevec's PFM).
+// Rows run from the bottom up; a negative scale marks little-endian numbers (Debevec's PFM).
 std::string encode_pfm(const Image& image) {
   static_assert(std::endian::native == std::endian::little);
   std::string bytes = fmt::format("PF\n{} {}\n-1.0\n", image.width, image.height);
@@ -59,7 +59,7 @@ Result<std::string> encode_checked(const Image& image, ImageFormat format, const
     case ImageFormat::kPfm:
       return encode_pfm(image);
   }
-  return fail(ErrorCode::kInternal, "no such picture format");
+  return fail(ErrorCode::kInternal, "no such image format");
 }
 
 }  // namespace
@@ -91,13 +91,12 @@ Result<ImageFormat> image_format_from_path(std::string_view path) {
   }
   return fail(
       ErrorCode::kInvalidArgument,
-      fmt::format("'{}': the ending of a picture's name says its format: .png, .exr, .hdr or .pfm", path));
+      fmt::format("'{}': the extension of an image file selects its format: .png, .exr, .hdr or .pfm", path));
 }
 
 Status check_encodable(ImageFormat format, int width, int height) {
   if (width < 1 || height < 1) {
-    return fail(ErrorCode::kInvalidArgument,
-                fmt::format("a picture of {}x{} pixels is empty", width, height));
+    return fail(ErrorCode::kInvalidArgument, fmt::format("an image of {}x{} pixels is empty", width, height));
   }
   const std::int64_t limit = format == ImageFormat::kPng   ? kMaxPngPixels
                              : format == ImageFormat::kHdr ? kMaxHdrPixels
@@ -105,7 +104,7 @@ Status check_encodable(ImageFormat format, int width, int height) {
   if (static_cast<std::int64_t>(width) * height > limit) {
     return fail(
         ErrorCode::kInvalidArgument,
-        fmt::format("a picture of {}x{} pixels is too large for .{} files, which hold at most {} million "
+        fmt::format("an image of {}x{} pixels is too large for .{} files, which hold at most {} million "
                     "pixels: use .exr",
                     width, height, image_format_name(format), limit / 1'000'000));
   }
@@ -117,12 +116,12 @@ Result<std::string> encode_image(const Image& image, ImageFormat format, const D
     return fail(status.error());
   try {
     Result<std::string> bytes = encode_checked(image, format, display);
-    if (bytes && bytes->empty()) throw std::bad_alloc();  // how stb reports it
+    if (bytes && bytes->empty()) throw std::bad_alloc();  // stb reports a lack of memory so
     return bytes;
   } catch (const std::bad_alloc&) {
     return fail(
         ErrorCode::kResourceExhausted,
-        fmt::format("not enough memory to write a picture of {}x{} pixels", image.width, image.height));
+        fmt::format("not enough memory to write an image of {}x{} pixels", image.width, image.height));
   }
 }
 

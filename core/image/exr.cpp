@@ -26,14 +26,15 @@
 namespace tessera::core {
 namespace {
 
-constexpr const char* kStreamName = "picture";
+constexpr const char* kStreamName = "image";
 
-// Of a file whose pixels cannot be compressed: where the row is, and what is said of its block.
+// For an incompressible file: bounds on the header and on the overhead of each row (its offset and its
+// block header).
 constexpr std::size_t kMaxHeaderBytes = 1024, kMaxBytesBesideARow = 16;
 
 class StringWriter : public Imf::OStream {
  public:
-  // Does not grow, and so takes no more memory, up to a file of this size.
+  // Reserves memory, so that files up to this size cause no reallocation.
   explicit StringWriter(std::size_t expected_bytes) : OStream(kStreamName) { bytes_.reserve(expected_bytes); }
 
   void write(const char* data, int size) override {
@@ -54,7 +55,7 @@ class StringWriter : public Imf::OStream {
 
 class StringReader : public Imf::IStream {
  public:
-  // Reads `header` in place of as many of the file's first bytes.
+  // Reads `header` in place of the file's first bytes.
   StringReader(std::string_view header, std::string_view bytes)
       : IStream(kStreamName), header_(header), bytes_(bytes) {}
 
@@ -78,20 +79,20 @@ class StringReader : public Imf::IStream {
   std::size_t position_ = 0;
 };
 
-// Where OpenEXR finds channel `offset` of the pixel at the window's corner, and its neighbours.
+// The slice through which OpenEXR addresses channel `offset` of all pixels.
 Imf::Slice channel_slice(const Image& image, std::size_t channel, const Imath::Box2i& window) {
   const char* base = reinterpret_cast<const char*>(image.pixels.data()) + channel * sizeof(float);
   return Imf::Slice::Make(Imf::FLOAT, base, window, sizeof(Rgb),
                           sizeof(Rgb) * static_cast<std::size_t>(image.width));
 }
 
-// The names of the red, green and blue channels and of alpha; gray has one name three times.
+// The names of the red, green, blue and alpha channels; for gray all three colours have the same name.
 struct ChannelNames {
   std::array<std::string, 3> colors;
   std::string alpha;
 };
 
-// The channels of the image itself, or of the first layer that has colours ("view.combined.R").
+// The channels of the image itself, or of the first layer with colour channels ("view.combined.R").
 std::optional<ChannelNames> color_channels(const Imf::ChannelList& channels) {
   const auto has = [&](const std::string& name) { return channels.findChannel(name) != nullptr; };
   const auto of_layer = [&](const std::string& layer) -> std::optional<ChannelNames> {
@@ -150,7 +151,7 @@ Result<DecodedImage> read_luminance_chroma(StringReader& stream, ImageSize size)
 
 Result<DecodedImage> read_pixels(StringReader& stream, ImageSize size, bool keep_alpha) {
   {
-    Imf::InputFile file(stream, 0);  // 0: no threads but this one
+    Imf::InputFile file(stream, 0);  // 0: single-threaded
     const Imf::ChannelList& channels = file.header().channels();
     const auto names = color_channels(channels);
     if (!names)
@@ -162,7 +163,7 @@ Result<DecodedImage> read_pixels(StringReader& stream, ImageSize size, bool keep
   return read_luminance_chroma(stream, size);
 }
 
-// OpenEXR quotes what it read, whatever it was.
+// OpenEXR quotes file contents verbatim, so they are escaped.
 tl::unexpected<Error> broken_exr(const std::string& why) {
   return broken_image("OpenEXR", printable_reason(why));
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// OpenEXR files into memory. Used by encode_image; everyone else calls that. exr.cpp has the decoder, too.
+// Encodes OpenEXR files. Used by encode_image; other code calls that. The decoder is in exr.cpp, too.
 #pragma once
 
 #include <string>

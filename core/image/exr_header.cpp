@@ -19,10 +19,10 @@ constexpr std::uint32_t kDeepOrOfSeveralParts = 0x1800;
 
 struct Attribute {
   std::string_view name, type;
-  std::size_t bytes;  // 0: a list of channels, of any length
+  std::size_t bytes;  // 0: a channel list of any length
 };
 
-// What reading a picture takes; all other attributes are passed over.
+// The attributes needed to read an image; all others are skipped.
 constexpr std::array<Attribute, 9> kNeeded{{{"channels", "chlist", 0},
                                             {"compression", "compression", 1},
                                             {"dataWindow", "box2i", 16},
@@ -32,7 +32,7 @@ constexpr std::array<Attribute, 9> kNeeded{{{"channels", "chlist", 0},
                                             {"pixelAspectRatio", "float", 4},
                                             {"screenWindowCenter", "v2f", 8},
                                             {"screenWindowWidth", "float", 4}}};
-constexpr std::size_t kChannelBytes = 16;  // behind its name
+constexpr std::size_t kChannelBytes = 16;  // after its name
 
 std::uint32_t number_at(std::string_view bytes, std::size_t at) {
   std::uint32_t value = 0;
@@ -41,7 +41,7 @@ std::uint32_t number_at(std::string_view bytes, std::size_t at) {
   return value;
 }
 
-// Whether names and what stands behind each fill the value, and an empty name ends it.
+// Whether the channel list is well-formed: entries fill the value, and an empty name terminates it.
 bool is_channel_list(std::string_view value) {
   for (;;) {
     const std::size_t name_end = value.find('\0');
@@ -51,19 +51,20 @@ bool is_channel_list(std::string_view value) {
   }
 }
 
-// OpenEXR reads each type by rules of its own and goes on where these have led it, not behind the value.
+// OpenEXR parses some types by their own length rules and continues where these end, not at the end of the
+// value.
 bool is_as_needed(const Attribute& needed, std::string_view type, std::string_view value) {
   if (type != needed.type) return false;
   return needed.bytes == 0 ? is_channel_list(value) : value.size() == needed.bytes;
 }
 
-// What attributes say of the size of things.
+// Sizes claimed by attributes.
 struct Claims {
   std::int64_t width = 0, height = 0, tile_width = 0, tile_height = 0;
   std::int64_t channels = 0;
 };
 
-// Of an attribute that is as needed.
+// The attribute must be well-formed (is_as_needed).
 void note_claim(std::string_view name, std::string_view value, Claims& claims) {
   const auto number = [&](std::size_t i) {
     return std::int64_t{static_cast<std::int32_t>(number_at(value, 4 * i))};
@@ -75,13 +76,13 @@ void note_claim(std::string_view name, std::string_view value, Claims& claims) {
     claims.tile_width = number_at(value, 0);
     claims.tile_height = number_at(value, 4);
   } else if (name == "channels") {
-    // Each has a name of a letter at least and its end. Several lists add up.
+    // Each channel has a name of at least one letter and its terminator. Several lists add up.
     claims.channels += static_cast<std::int64_t>(value.size() / (2 + kChannelBytes) + 1);
   }
 }
 
-// OpenEXR unpacks up to 256 lines at once, or a tile. A file that is worth its claims has a byte for a
-// thousand.
+// OpenEXR decompresses up to 256 lines, or a tile, at once. A genuine file has at least one byte for a
+// thousand claimed.
 bool is_plausible_block(const Claims& claims, std::size_t file_bytes) {
   constexpr std::int64_t kLines = 256, kAlwaysAllowed = std::int64_t{1} << 28, kMaxBytesOfOne = 1032;
   const std::int64_t most = kAlwaysAllowed + kMaxBytesOfOne * static_cast<std::int64_t>(file_bytes);

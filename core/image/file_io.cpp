@@ -16,7 +16,7 @@
 namespace tessera::core {
 namespace {
 
-constexpr std::size_t kMaxFileBytes = std::size_t{1} << 34;  // the largest picture takes 12 GiB
+constexpr std::size_t kMaxFileBytes = std::size_t{1} << 34;  // the largest image takes 12 GiB
 
 class FileDescriptor {
  public:
@@ -74,14 +74,14 @@ std::string folder_of(const std::string& path) {
   return folder.empty() ? "." : folder;
 }
 
-// The file that a chain of links ends at, or the path itself.
+// Resolves symbolic links; returns the path itself if it is not a link.
 std::string follow_links(const std::string& path) {
   std::error_code ignored;
   const std::filesystem::path target = std::filesystem::canonical(path, ignored);
   return target.empty() ? path : target.string();
 }
 
-// Sets errno where not.
+// Sets errno if access is denied.
 bool allowed(const std::string& path, int rights) {
   return ::faccessat(AT_FDCWD, path.c_str(), rights, AT_EACCESS) == 0;
 }
@@ -98,7 +98,7 @@ int write_all(int fd, std::string_view bytes) {
   return 0;
 }
 
-// Errors call the file `path`, which may be a link to `target`.
+// Error messages name `path`, which may be a link to `target`.
 Status write_in_place(const std::string& target, std::string_view bytes, const std::string& path) {
   const FileDescriptor file(::open(target.c_str(), O_WRONLY | O_CLOEXEC));
   if (!file.valid()) return cannot_write(errno, path);
@@ -106,14 +106,15 @@ Status write_in_place(const std::string& target, std::string_view bytes, const s
   return {};
 }
 
-// Fills and flushes a new file. 0, or errno.
+// Writes and flushes a new file. Returns 0 or errno.
 int write_durably(const FileDescriptor& file, std::string_view bytes) {
   if (const int error = write_all(file.get(), bytes)) return error;
   return ::fsync(file.get()) == 0 ? 0 : errno;
 }
 
-// Calls `create` with names of files beside `target` until one is new. The name; empty, and errno says why, if
-// there can be none. Others may be writing the same target, or have died of it.
+// Calls `create` with names beside `target` until one is unused, and returns that name. Returns an empty
+// string and sets errno if none can be created. Other processes may be writing the same target, or have
+// left files behind.
 template <typename Create>
 std::string new_name_beside(const std::string& target, const Create& create) {
   constexpr int kAttempts = 100;
@@ -126,14 +127,14 @@ std::string new_name_beside(const std::string& target, const Create& create) {
   }
 }
 
-// A file without a name in the folder of `target`: nothing is left of it if the process is killed. Not valid
-// where the system has none.
+// An unnamed file in the folder of `target`, which disappears if the process is killed. Invalid if the
+// system does not support it.
 FileDescriptor create_unnamed(const std::string& target) {
-  if (::access("/proc/self/fd", X_OK) != 0) return FileDescriptor(-1);  // a name could not be given later
+  if (::access("/proc/self/fd", X_OK) != 0) return FileDescriptor(-1);  // it could not be given a name later
   return FileDescriptor(::open(folder_of(target).c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, 0666));
 }
 
-// Gives the file a name beside `target`; empty, and errno says why, if that fails.
+// Links the file to a name beside `target`. Returns an empty string and sets errno on failure.
 std::string name_beside(const FileDescriptor& file, const std::string& target) {
   const std::string unnamed = fmt::format("/proc/self/fd/{}", file.get());
   return new_name_beside(target, [&](const std::string& path) {
@@ -141,7 +142,7 @@ std::string name_beside(const FileDescriptor& file, const std::string& target) {
   });
 }
 
-// Writes a new file beside `target` and stores its name in `temporary`, if it has got one. 0, or errno.
+// Writes a new file beside `target` and stores its name in `temporary`, if it has one. Returns 0 or errno.
 int write_beside(const std::string& target, std::string_view bytes, std::string& temporary) {
   FileDescriptor file = create_unnamed(target);
   if (file.valid()) {
@@ -151,7 +152,7 @@ int write_beside(const std::string& target, std::string_view bytes, std::string&
     return file.close() ? 0 : errno;
   }
   temporary = new_name_beside(target, [&](const std::string& path) {
-    // O_EXCL: never through a link that somebody left there, and never two writers in one file.
+    // O_EXCL never follows an existing link and never shares a file between two writers.
     file = FileDescriptor(::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
     return file.valid();
   });
@@ -168,7 +169,7 @@ Status replace_file(const std::string& target, std::string_view bytes, const std
     if (!temporary.empty()) ::unlink(temporary.c_str());
     return cannot_write(error, path);
   }
-  // The rename itself is made durable; where folders cannot be flushed, the file is still whole.
+  // Makes the rename durable. On systems that cannot flush folders the file is still complete.
   const FileDescriptor folder(::open(folder_of(target).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   if (folder.valid()) ::fsync(folder.get());
   return {};

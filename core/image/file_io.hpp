@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whole files in, whole files out: a file written here is complete or does not exist.
-// Stateless; thread-safe for different paths. Errors name the file and say why.
+// Reads and writes whole files: a file written here is complete or does not exist. Stateless; thread-safe
+// for different paths. Error messages name the file and the reason.
 #pragma once
 
 #include <string>
@@ -10,15 +10,15 @@
 
 namespace tessera::core {
 
-// At most 16 GiB.
+// Reads at most 16 GiB.
 Result<std::string> read_file(const std::string& path);
 
-// Writes beside the target, flushes to disk and renames, so that `path` holds either what it held before or
-// all of `bytes`; after an error nothing is left behind. Links are followed. What is not a regular file (a
-// pipe, /dev/stdout) is written to directly.
+// Writes a temporary file beside the target, flushes it to disk and renames it. `path` holds either its
+// previous content or all of `bytes`; an error leaves nothing behind. Links are followed. A target that is
+// not a regular file (a pipe, /dev/stdout) is written directly.
 Status write_file_atomically(const std::string& path, std::string_view bytes);
 
-// Whether a file could be written at `path` now, without touching it: for asking before long work.
+// Checks whether a file could be written at `path`, without touching it. Call it before long work.
 Status check_can_write(const std::string& path);
 
 }  // namespace tessera::core

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Radiance HDR files after Ward, "Real Pixels", Graphics Gems II (1991), and Radiance's manual of file
-// formats: pixels of three mantissas and an exponent, flat or with run lengths of either kind, in eight
-// orientations.
+// Decodes Radiance HDR files after Ward, "Real Pixels", Graphics Gems II (1991), and Radiance's manual of
+// file formats: RGBE pixels, flat or with either kind of run-length encoding, in eight orientations.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -16,14 +15,14 @@ namespace {
 
 using Rgbe = std::array<std::uint8_t, 4>;
 
-// A line is a row of the file, or a column. Rows outside these lengths are never packed by channel.
+// A line is a row of the file, or a column. Lines outside these lengths are never packed by channel.
 constexpr int kMinPackedPixels = 8, kMaxPackedPixels = 32767;
 
 class LineReader {
  public:
   LineReader(std::string_view data, int pixels) : data_(data), line_(static_cast<std::size_t>(pixels)) {}
 
-  // Nothing if all is well.
+  // Returns an empty string on success, else the error.
   std::string_view read() { return begins_packed() ? read_packed() : read_flat(); }
   const std::vector<Rgbe>& line() const { return line_; }
 
@@ -34,7 +33,7 @@ class LineReader {
            byte_at(data_, 0) == 2 && byte_at(data_, 1) == 2 && byte_at(data_, 2) < 128;
   }
 
-  // Two bytes, the length, and the run lengths of each channel.
+  // Two marker bytes, the length, and the run lengths of each channel.
   std::string_view read_packed() {
     if (byte_at(data_, 2) * 256 + byte_at(data_, 3) != line_.size()) return "a row has another length";
     data_.remove_prefix(4);
@@ -58,8 +57,8 @@ class LineReader {
     return {};
   }
 
-  // Pixels one after the other. Three mantissas of 1 repeat the pixel before; directly one after the other,
-  // they give a number's bytes from the lowest on.
+  // A flat sequence of pixels. Mantissas (1, 1, 1) repeat the previous pixel; consecutive repeats give the
+  // bytes of a count, lowest first.
   std::string_view read_flat() {
     unsigned shift = 0;
     for (std::size_t x = 0; x < line_.size();) {
@@ -85,7 +84,7 @@ class LineReader {
   Rgbe previous_{};
 };
 
-// A pixel's values before the exposure is taken away.
+// The values of a pixel before division by the exposure.
 std::array<float, 3> values_of(const Rgbe& pixel) {
   constexpr int kBias = 128 + 8;
   if (pixel[3] == 0) return {};
@@ -94,7 +93,7 @@ std::array<float, 3> values_of(const Rgbe& pixel) {
           static_cast<float>(pixel[2]) * unit};
 }
 
-// To linear sRGB (IEC 61966-2-1:1999, with the white of D65).
+// Converts XYZ to linear sRGB (IEC 61966-2-1:1999, D65 white).
 std::array<float, 3> srgb_of_xyz(const std::array<float, 3>& xyz) {
   constexpr std::array<std::array<double, 3>, 3> kMatrix{{{3.2406255, -1.5372080, -0.4986286},
                                                           {-0.9689307, 1.8757561, 0.0415175},

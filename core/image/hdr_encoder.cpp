@@ -20,19 +20,19 @@ float storable(float value) {
   return value > 0 ? std::min(value, largest) : 0;
 }
 
-// The mantissa of `value` where the largest has `exponent`, rounded to the nearest.
+// The mantissa of `value` for the shared `exponent`, rounded to nearest.
 int mantissa(float value, int exponent) {
   return static_cast<int>(std::floor(std::ldexp(static_cast<double>(value), 8 - exponent) + 0.5));
 }
 
-// How many bytes from `begin` on are the same, up to 127.
+// The number of equal bytes from `begin` on, at most 127.
 std::size_t run_length(const std::vector<std::uint8_t>& bytes, std::size_t begin) {
   std::size_t end = begin + 1;
   while (end < bytes.size() && end - begin < 127 && bytes[end] == bytes[begin]) ++end;
   return end - begin;
 }
 
-// Runs of 3 and more are worth their two bytes; what lies between is stored as it is.
+// Runs of at least 3 are encoded in two bytes; everything else is stored literally.
 void append_packed(const std::vector<std::uint8_t>& bytes, std::string& file) {
   constexpr std::size_t kMinRun = 3, kMaxLiterals = 128;
   for (std::size_t i = 0; i < bytes.size();) {
@@ -71,7 +71,7 @@ Rgbe encode_rgbe(Rgb color) {
   const float largest = max_component(stored);
   int exponent = 0;
   std::frexp(largest, &exponent);
-  if (mantissa(largest, exponent) == 256) ++exponent;  // rounding has reached the next power of two
+  if (mantissa(largest, exponent) == 256) ++exponent;  // rounded up to the next power of two
   if (largest == 0 || exponent <= -kBias) return {};
   const auto code = [&](float value) { return static_cast<std::uint8_t>(mantissa(value, exponent)); };
   return {code(stored.r), code(stored.g), code(stored.b), static_cast<std::uint8_t>(exponent + kBias)};

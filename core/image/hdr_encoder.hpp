@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Radiance HDR files from linear values; everyone else calls encode_image (encode.hpp).
+// Encodes Radiance HDR files from linear values; other code calls encode_image (encode.hpp).
 #pragma once
 
 #include <array>
@@ -10,9 +10,9 @@
 
 namespace tessera::core {
 
-// Red, green and blue mantissas and their common exponent (Ward 1991). Every mantissa is rounded to the
-// nearest, so that the mean of many pixels is right; readers take a mantissa for its value, without adding a
-// half. What is negative or not a number becomes 0; what is too large becomes the largest value.
+// Red, green and blue mantissas and their shared exponent (Ward 1991). Mantissas are rounded to nearest, so
+// the mean of many pixels is unbiased; readers do not add one half. Negative values and NaN become 0;
+// values out of range become the largest value.
 std::array<std::uint8_t, 4> encode_rgbe(Rgb color);
 
 // Rows from the top down, each packed by channel where the format allows that.

@@ -24,7 +24,7 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(begin, text.find_last_not_of(kSpace) - begin + 1);
 }
 
-// Nothing at the end of the header's text.
+// Returns nothing at the end of the header's text.
 std::optional<std::string_view> take_line(std::string_view& text) {
   const std::size_t end = text.find('\n');
   if (end == std::string_view::npos) return std::nullopt;
@@ -68,7 +68,7 @@ bool parse_size(std::string_view line, HdrHeader& header) {
   return true;
 }
 
-// Other variables tell nothing about the pixels.
+// Variables that do not affect the pixels are ignored.
 Status note_variable(std::string_view line, HdrHeader& header) {
   const std::size_t equals = line.find('=');
   if (equals == std::string_view::npos || line.starts_with('#')) return {};

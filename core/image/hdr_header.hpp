@@ -11,8 +11,8 @@ namespace tessera::core {
 
 struct HdrHeader {
   int width = 0, height = 0;
-  // The file has rows of pixels, or columns if `is_by_columns`; from_bottom and from_right tell where they
-  // begin.
+  // Lines of the file are rows of pixels, or columns if `is_by_columns`; from_bottom and from_right give
+  // their start.
   bool is_by_columns = false, from_bottom = false, from_right = false;
   bool is_xyz = false;
   double exposure = 1;  // the product of all EXPOSURE lines; values are divided by it
@@ -20,7 +20,7 @@ struct HdrHeader {
   std::size_t pixel_offset = 0;
 };
 
-// Lines may end with LF or CR LF. Errors say what is wrong, as in "it has no line that tells its size".
+// Lines may end with LF or CR LF. Errors complete a sentence, as in "it has no line that tells its size".
 Result<HdrHeader> parse_hdr_header(std::string_view bytes);
 
 }  // namespace tessera::core

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A picture in memory: linear RGB floats, row-major from the top left, no padding.
+// An image in memory: linear RGB floats, row-major from the top left, no padding.
 #pragma once
 
 #include <cstddef>
@@ -28,7 +28,7 @@ struct Image {
   }
 };
 
-// The pixels [x, x + width) x [y, y + height) of a picture.
+// The pixels [x, x + width) x [y, y + height) of an image.
 struct ImageRegion {
   int x = 0, y = 0, width = 0, height = 0;
 };

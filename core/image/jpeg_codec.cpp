@@ -2,8 +2,8 @@
 // JPEG by libjpeg-turbo: baseline, extended and progressive, Huffman or arithmetic codes, 8 bits.
 //
 // The same bytes give the same pixels on every machine: JDCT_ISLOW is exact integer arithmetic, and fancy
-// upsampling and colour conversion are integer too, so that libjpeg-turbo's SIMD code computes what its C
-// code does. JDCT_FLOAT and JDCT_IFAST do not promise that. jpeg_codec_test compares the two.
+// upsampling and colour conversion are integer too, so libjpeg-turbo's SIMD code equals its C code.
+// JDCT_FLOAT and JDCT_IFAST give no such guarantee. jpeg_codec_test compares both.
 #include <csetjmp>
 #include <cstdio>  // jpeglib.h needs it
 
@@ -22,19 +22,19 @@
 namespace tessera::core {
 namespace {
 
-// A progressive file may refine the same coefficients without end, a few bytes at a time. Real ones have
-// about ten scans. Of large images a scan takes long, so that pixels times scans are limited, too.
+// A progressive file may refine the same coefficients indefinitely, a few bytes at a time; typical files
+// have about ten scans. Pixels times scans are limited too, because a scan of a large image takes long.
 constexpr int kMaxScans = 500;
 constexpr std::int64_t kMaxPixelScans = std::int64_t{1} << 34;
 
-// Whether the file has as many bytes as its pixels need: a block of 64 takes a bit at least (ITU-T T.81,
-// annex F). Chroma may be stored once for 16 pixels, but then luma is not.
+// Whether the file is long enough for its pixels: a block of 64 takes at least one bit (ITU-T T.81, annex
+// F). Chroma may be subsampled by 16, but luma is not then.
 bool is_long_enough(ImageSize size, std::size_t file_bytes) {
   return size.pixels() <= std::uint64_t{8} * 64 * file_bytes;
 }
 
-// libjpeg reports errors by a callback that must not return. Errors leave through longjmp, over C frames
-// only.
+// libjpeg reports errors through a callback that must not return. The callback exits by longjmp, across C
+// frames only.
 class JpegDecoder {
  public:
   explicit JpegDecoder(std::string_view bytes) {
@@ -62,11 +62,11 @@ class JpegDecoder {
   }
   int precision() const { return info_.data_precision; }
   bool is_cmyk() const { return info_.num_components == 4; }
-  // Adobe's programs store 255 minus the ink.
+  // Adobe's programs store inverted ink values (255 - ink).
   bool is_inverted() const { return info_.saw_Adobe_marker; }
   std::size_t channels() const { return is_cmyk() ? 4 : 3; }
 
-  // Into `values` of channels() for each pixel.
+  // Decodes into `values`, channels() per pixel.
   bool decode(std::uint8_t* values) {
     info_.out_color_space = is_cmyk() ? JCS_CMYK : JCS_RGB;
     info_.dct_method = JDCT_ISLOW;
@@ -84,14 +84,14 @@ class JpegDecoder {
     });
   }
 
-  // Whether data is missing, not only the marker of the end.
+  // Whether image data is missing, not just the end marker.
   bool ends_too_early() const {
     if (!reached_end_) return false;
     return lacks_data_ || lacks_scans();
   }
   long warning_count() const { return errors_.num_warnings; }
 
-  // After a function has returned false.
+  // The error message after a function has returned false.
   std::string reason() {
     if (too_many_scans_) return "it has too many scans";
     std::array<char, JMSG_LENGTH_MAX> text{};
@@ -106,7 +106,7 @@ class JpegDecoder {
   j_common_ptr common() { return reinterpret_cast<j_common_ptr>(&info_); }
   static JpegDecoder& self(j_common_ptr info) { return *static_cast<JpegDecoder*>(info->client_data); }
 
-  // A longjmp must not pass objects with destructors: `step` has none.
+  // A longjmp must not skip destructors, so `step` must have no such objects.
   template <typename Step>
   bool run(Step step) {
     static_assert(std::is_trivially_destructible_v<Step>);
@@ -116,7 +116,7 @@ class JpegDecoder {
   }
 
   void note_message(int level) {
-    if (level >= 0) return;  // not a warning
+    if (level >= 0) return;  // a trace message, not a warning
     if (errors_.num_warnings++ == 0) errors_.format_message(common(), first_warning_.data());
     if (errors_.msg_code == JWRN_JPEG_EOF) reached_end_ = true;
     if (errors_.msg_code == JWRN_HIT_MARKER) lacks_data_ = true;
@@ -129,13 +129,13 @@ class JpegDecoder {
     std::longjmp(jump_, 1);
   }
 
-  // Two bytes for each coefficient, of blocks that are padded to 32 pixels each way, and tables.
+  // Two bytes for each coefficient, in blocks padded to 32 pixels each way, and tables.
   long max_memory() const {
     constexpr std::int64_t kBytesPerPixel = 16, kPadding = 32, kTables = std::int64_t{1} << 24;
     return kBytesPerPixel * (size().width + kPadding) * (size().height + kPadding) + kTables;
   }
 
-  // Of a file without an end: whether a component has no scan, or a progressive one is not complete.
+  // For a file without an end marker: whether a component has no scan, or a progressive one is incomplete.
   bool lacks_scans() const {
     for (int i = 0; i < info_.num_components; ++i) {
       if (info_.comp_info[i].quant_table == nullptr) return true;
@@ -176,7 +176,8 @@ Result<ImageSize> read_size(std::string_view bytes) {
   return decoder.size();
 }
 
-// Without a colour profile, as most programs show it: light is what neither ink nor black absorbs.
+// Converts without a colour profile, as most programs do: the result is the light absorbed by neither ink
+// nor black.
 void cmyk_to_rgb(DecodedImage::Bytes& values, bool inverted) {
   const std::size_t pixels = values.size() / 4;
   const auto light = [inverted](unsigned code) { return inverted ? code : 255 - code; };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How large a picture the formats' readers and writers take.
+// Limits on the image sizes that readers and writers accept.
 #pragma once
 
 #include <cstddef>
@@ -10,13 +10,13 @@ namespace tessera::core {
 inline constexpr int kMaxPictureSidePx = 65536;
 inline constexpr std::int64_t kMaxPicturePixels = std::int64_t{1} << 30;
 
-// stb counts the bytes of compressed PNG in 31 bits, which may be 9/8 of its 3 bytes for each pixel. Many
-// readers of HDR count the 12 bytes for each pixel in memory likewise.
+// stb counts the bytes of compressed PNG in 31 bits, up to 9/8 of 3 bytes per pixel. Many HDR readers count
+// the 12 bytes per pixel in memory in the same way.
 inline constexpr std::int64_t kMaxPngPixels = std::int64_t{1} << 29;
 inline constexpr std::int64_t kMaxHdrPixels = (std::int64_t{1} << 31) / 12;
 
-// Whether a file of `file_bytes` may claim to hold a picture of this size. Even a black one needs a byte for
-// some hundred pixels; a short file that claims many more is made to exhaust memory.
+// Whether a file of `file_bytes` can plausibly hold an image of this size. Even a black image needs a byte
+// for some hundred pixels; a short file that claims many more is meant to exhaust memory.
 inline bool is_plausible_size(std::int64_t width, std::int64_t height, std::size_t file_bytes) {
   if (width < 1 || height < 1 || width > kMaxPictureSidePx || height > kMaxPictureSidePx) return false;
   constexpr std::int64_t kAlwaysAllowed = 1 << 22, kMaxPixelsPerByte = 1024;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Portable float maps after Debevec: rows run from the bottom up, and a negative scale says little-endian.
+// Portable float maps after Debevec: rows run from the bottom up, and a negative scale means little-endian.
 #include <algorithm>
 #include <bit>
 #include <charconv>
@@ -15,14 +15,14 @@ struct PfmHeader {
   ImageSize size;
   std::size_t channels = 3;
   bool little_endian = true;
-  std::string_view pixels;  // all bytes behind the header
+  std::string_view pixels;  // all bytes after the header
 };
 
 bool is_space(char c) {
   return c == ' ' || c == '\t' || c == '\r' || c == '\n';
 }
 
-// Takes the next word and the one white space behind it; empty where there is none. CR LF counts as one.
+// Takes the next word and one white space after it; empty if there is none. CR LF counts as one.
 std::string_view take_word(std::string_view& text) {
   const auto begin = static_cast<std::size_t>(std::ranges::find_if_not(text, is_space) - text.begin());
   const std::size_t end = text.find_first_of(" \t\r\n", begin);

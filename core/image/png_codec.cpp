@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// PNG by libspng. Checksums are not checked: a file whose pixels can be read is read.
+// PNG by libspng. Checksums are not verified: a file with readable pixels is accepted.
 #include <spng.h>
 
 #include <array>
@@ -19,7 +19,7 @@ struct SpngFree {
 };
 using SpngContext = std::unique_ptr<spng_ctx, SpngFree>;
 
-// A chunk other than pixels may unpack to this much more than the file has.
+// The maximum decompressed size of a non-pixel chunk beyond the file size.
 constexpr std::size_t kChunkBytes = std::size_t{1} << 24;
 
 SpngContext open_png(std::string_view bytes) {
@@ -47,7 +47,7 @@ Result<ImageSize> read_size(std::string_view bytes) {
   return ImageSize{static_cast<int>(header.width), static_cast<int>(header.height)};
 }
 
-// Whether the file has as many bytes as its pixels need: a byte of deflated data stands for at most 1032 (RFC
+// Whether the file is long enough for its pixels: a byte of deflated data encodes at most 1032 bytes (RFC
 // 1951: 258 bytes in two bits).
 bool is_long_enough(const spng_ihdr& header, std::size_t file_bytes) {
   constexpr std::uint64_t kMaxBytesOfOne = 1032;

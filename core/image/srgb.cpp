@@ -15,7 +15,8 @@ double to_linear(double encoded) {
   return encoded <= 0.04045 ? encoded / 12.92 : core::pow((encoded + 0.055) / 1.055, 2.4);
 }
 
-// Element k is the least float that rounds to code k + 1 or above: encoding is counting them.
+// Element k is the smallest float that rounds to code k + 1 or above; encoding counts the elements not
+// above a value.
 std::array<float, 255> make_thresholds() {
   std::array<float, 255> thresholds{};
   for (int k = 0; k < 255; ++k) {

@@ -10,7 +10,7 @@ namespace tessera::core {
 namespace {
 
 struct StbUse {
-  std::size_t largest = std::numeric_limits<std::size_t>::max();  // of the pieces that may be taken
+  std::size_t largest = std::numeric_limits<std::size_t>::max();  // limit on a single allocation
   bool exceeded = false, ran_out = false;
 };
 thread_local StbUse use;
@@ -34,7 +34,7 @@ void* take_more(void* memory, std::size_t size) {
   return may_take(size) ? note(realloc(memory, size)) : nullptr;
 }
 
-// The largest is an image of four bytes for each pixel.
+// The largest allocation is an image of four bytes per pixel.
 std::size_t largest_piece(std::int64_t width, std::int64_t height, std::size_t file_bytes) {
   constexpr std::int64_t kBytesPerPixel = 20, kPadding = 32;
   constexpr std::size_t kTables = std::size_t{1} << 16;
@@ -63,8 +63,8 @@ bool StbMemory::ran_out() const {
 #define STBI_ONLY_BMP
 #define STBI_NO_STDIO
 #define STBI_MAX_DIMENSIONS 65536
-// Broken files make stb_image read tables that it never filled, and fail its assertions: they shall give the
-// same pixels everywhere, and never end the program.
+// Broken files make stb_image read uninitialised tables and fail assertions. Zeroed memory gives the same
+// pixels everywhere, and failed assertions must not end the program.
 #define STBI_MALLOC(size) tessera::core::take(size)
 #define STBI_REALLOC(memory, size) tessera::core::take_more(memory, size)
 #define STBI_FREE(memory) free(memory)

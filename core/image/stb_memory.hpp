@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Keeps stb_image from taking much more memory than an image's pixels need.
+// Limits the memory that stb_image allocates to about an image's pixels.
 #pragma once
 
 #include <cstddef>
@@ -7,8 +7,8 @@
 
 namespace tessera::core {
 
-// While it lives, stb_image takes no piece of memory in this thread that decoding a picture of this size,
-// from a file of this length, does not need. One at a time in a thread.
+// During its lifetime, stb_image's allocations in this thread are limited to the largest that an image of
+// this size, from a file of this length, needs. At most one per thread.
 class StbMemory {
  public:
   StbMemory(std::int64_t width, std::int64_t height, std::size_t file_bytes);
@@ -16,9 +16,9 @@ class StbMemory {
   StbMemory(const StbMemory&) = delete;
   StbMemory& operator=(const StbMemory&) = delete;
 
-  // Whether stb asked for more than that.
+  // Whether stb exceeded the limit.
   bool was_exceeded() const;
-  // Whether the machine had no more.
+  // Whether the system ran out of memory.
   bool ran_out() const;
 };
 

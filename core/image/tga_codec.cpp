@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Truevision TGA: all kinds of pixels, run lengths and orientations of the specification 2.0 (1991).
+// Truevision TGA: all pixel types, run-length encoding and orientations of the specification 2.0 (1991).
 #include <array>
 #include <cstring>
 #include <optional>
@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t kHeaderBytes = 18;
 enum Kind : unsigned { kPalette = 1, kColor = 2, kGray = 3 };
-constexpr unsigned kRunLengths = 8;  // added to the kind
+constexpr unsigned kRunLengths = 8;  // flag in the image type
 using Rgba = std::array<std::uint8_t, 4>;
 
 struct TgaHeader {
@@ -68,7 +68,7 @@ Result<ImageSize> read_size(std::string_view bytes) {
   return parse_header(bytes)->size;
 }
 
-// Pixels are stored as blue, green, red and alpha, in 5 bits each for 15 and 16 bits.
+// Pixels are stored as blue, green, red and alpha; 15 and 16 bits have 5 bits per colour.
 Rgba color_of(std::string_view bytes, std::size_t at, unsigned bits, unsigned alpha_bits) {
   const auto code = [](unsigned value) { return static_cast<std::uint8_t>(value); };
   if (bits >= 24)
@@ -88,7 +88,7 @@ Rgba palette_color(std::string_view bytes, const TgaHeader& header, std::size_t 
   return color_of(bytes, at, header.palette_bits, header.alpha_bits);
 }
 
-// Of the pixel whose bytes begin at `at`.
+// The colour of the pixel at offset `at`.
 Rgba pixel_color(std::string_view bytes, const TgaHeader& header, std::size_t at) {
   if (header.kind == kColor) return color_of(bytes, at, header.pixel_bits, header.alpha_bits);
   const bool wide = header.pixel_bits == 16;
@@ -98,7 +98,7 @@ Rgba pixel_color(std::string_view bytes, const TgaHeader& header, std::size_t at
   return {gray, gray, gray, static_cast<std::uint8_t>(wide ? byte_at(bytes, at + 1) : 255)};
 }
 
-// Pixels in the order of the file; false where it ends too early.
+// Reads pixels in file order; returns false if the file ends early.
 class PixelReader {
  public:
   PixelReader(std::string_view bytes, const TgaHeader& header)
@@ -127,12 +127,12 @@ class PixelReader {
   std::string_view bytes_;
   const TgaHeader& header_;
   std::size_t at_;
-  unsigned left_ = 0;  // pixels of the packet
+  unsigned left_ = 0;  // remaining pixels of the packet
   bool repeats_ = false, is_first_ = false;
   Rgba color_{};
 };
 
-// Many programs leave alpha 0 everywhere in files that are meant to be opaque.
+// Many programs write alpha 0 everywhere in files that are meant to be opaque.
 bool is_transparent_everywhere(const DecodedImage::Bytes& rgba) {
   for (std::size_t i = 3; i < rgba.size(); i += 4)
     if (rgba[i] != 0) return false;

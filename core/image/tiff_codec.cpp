@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// TIFF by libtiff: the first image of a file. Gray and RGB of 8 or 16 bits and of floats keep their
-// precision; palettes, bilevel, YCbCr, CMYK and the like become 8 bits.
+// TIFF by libtiff: the first image of a file. Gray and RGB of 8 or 16 bits or floats keep their precision;
+// palettes, bilevel, YCbCr, CMYK and others are converted to 8 bits.
 #include <tiffio.h>
 
 #include <algorithm>
@@ -17,14 +17,14 @@
 namespace tessera::core {
 namespace {
 
-// Fewer decoders of others are reached by bytes from outside.
+// Only these compressions are allowed, so that untrusted bytes reach fewer decoders.
 constexpr std::array<std::uint16_t, 9> kCompressions{
     COMPRESSION_NONE,     COMPRESSION_LZW,       COMPRESSION_ADOBE_DEFLATE,
     COMPRESSION_DEFLATE,  COMPRESSION_PACKBITS,  COMPRESSION_JPEG,
     COMPRESSION_CCITTRLE, COMPRESSION_CCITTFAX3, COMPRESSION_CCITTFAX4};
 constexpr unsigned kMaxSamples = 64;
 
-// A file in memory for libtiff, and what libtiff says about it.
+// An in-memory file for libtiff, and libtiff's messages about it.
 class TiffFile {
  public:
   explicit TiffFile(std::string_view bytes) : bytes_(bytes) {
@@ -35,7 +35,7 @@ class TiffFile {
     TIFFOpenOptionsSetErrorHandlerExtR(options.get(), note_error, this);
     TIFFOpenOptionsSetWarningHandlerExtR(
         options.get(), [](TIFF*, void*, const char*, const char*, va_list) { return 1; }, nullptr);
-    // "m": without memory maps.
+    // "m" disables memory mapping.
     tiff_ = TIFFClientOpenExt("image", "rm", this, read, write, seek, close, size, nullptr, nullptr,
                               options.get());
   }
@@ -50,7 +50,7 @@ class TiffFile {
     const std::string reason = printable_reason(error_.data());
     return broken_image("TIFF", reason.empty() ? "libtiff cannot read it" : reason);
   }
-  // Of a tag with a default.
+  // The value of a tag, or its default.
   unsigned number(std::uint32_t tag) const {
     std::uint16_t value = 0;
     TIFFGetFieldDefaulted(tiff_, tag, &value);
@@ -80,7 +80,7 @@ class TiffFile {
   }
   static int close(thandle_t) { return 0; }
   static toff_t size(thandle_t handle) { return self(handle).bytes_.size(); }
-  // Keeps the first message: later ones follow from it.
+  // Keeps the first message: later ones are consequences.
   static int note_error(TIFF*, void* file, const char*, const char* format, va_list arguments) {
     auto& text = static_cast<TiffFile*>(file)->error_;
     if (text[0] == '\0') std::vsnprintf(text.data(), text.size(), format, arguments);
@@ -116,7 +116,7 @@ Layout layout_of(const TiffFile& file, ImageSize size) {
           .has_alpha = extra_count > 0 && extras[0] != EXTRASAMPLE_UNSPECIFIED};
 }
 
-// Whether the samples can be taken as they are.
+// Whether the samples can be used without conversion.
 bool is_direct(const Layout& layout) {
   const bool is_number =
       layout.sample_format == SAMPLEFORMAT_UINT || layout.sample_format == SAMPLEFORMAT_VOID;
@@ -239,7 +239,7 @@ class DirectReader {
   std::vector<std::uint8_t> buffer_;
 };
 
-// By libtiff's own conversion, which multiplies colours by alpha.
+// Uses libtiff's own conversion, which premultiplies colours by alpha.
 Result<DecodedImage> decode_converted(TiffFile& file, ImageSize size, const DecodeOptions& options) {
   std::array<char, 1024> reason{};
   if (TIFFRGBAImageOK(file.tiff(), reason.data()) == 0)

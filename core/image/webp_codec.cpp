@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// WebP by libwebp. Its files are at most 16,383 pixels wide and high.
+// WebP by libwebp. Images are at most 16,383 pixels wide and high.
 #include <webp/decode.h>
 
 #include <new>

@@ -10,8 +10,8 @@
 namespace tessera::core {
 namespace {
 
-// What is rougher spreads light so widely, and what is less black beside its highlights scatters so much of
-// it, that other samples find it well enough.
+// Rougher surfaces spread light so widely, and surfaces with a stronger diffuse part scatter so much light,
+// that other sampling techniques suffice.
 constexpr float kMaxRoughness = 0.05f, kMaxDiffuse = 0.1f;
 
 bool is_smooth(const ScalarParameter& roughness) {

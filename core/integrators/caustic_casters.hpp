@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The surfaces of a scene that reflect or refract light so concentrated that it makes caustics: mirrors,
-// glass and polished metal. Immutable, shared by all threads.
+// The surfaces of a scene that focus light into caustics: mirrors, glass and polished metal. Immutable,
+// shared by all threads.
 #pragma once
 
 #include <cstdint>
@@ -15,12 +15,12 @@ class CausticCasters {
  public:
   explicit CausticCasters(const Scene& scene);
 
-  // Whether sample() has nothing to choose from.
+  // Whether sample() has no primitives to sample from.
   bool empty() const { return primitives_.empty(); }
   double area() const { return area_; }
   bool contain(const Hit& hit) const { return casts_[scene_.primitives().material(hit)]; }
 
-  // A point on one of them that is in no instance, uniformly over their area. There are some.
+  // A point on a caster outside all instances, uniform over their area. Requires !empty().
   struct Place {
     std::uint32_t primitive;
     Vec3 position;
@@ -29,9 +29,9 @@ class CausticCasters {
 
  private:
   const Scene& scene_;
-  std::vector<bool> casts_;  // each material
+  std::vector<bool> casts_;  // for each material
   std::vector<std::uint32_t> primitives_;
-  DiscreteDistribution by_area_;  // of primitives_
+  DiscreteDistribution by_area_;  // of primitives_, in proportion to area
   double area_ = 0;
 };
 

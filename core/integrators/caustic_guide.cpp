@@ -16,13 +16,13 @@
 namespace tessera::core {
 namespace {
 
-// Paths of photons; each leaves some photons or none.
+// The number of photon paths; each deposits any number of photons.
 constexpr std::uint32_t kPaths = 1u << 17, kPathsAtOnce = 1u << 10;
 constexpr int kMaxBounces = 12;
-// Segments of the paths that estimate other light: more bring little.
+// The number of segments of the paths that estimate other light: more add little accuracy.
 constexpr int kProbeDepth = 4;
 
-// Numbers of photons' paths and of probes are taken from two places of the sampler, which has no others.
+// The random numbers of photon paths and probes come from two sampler positions that nothing else uses.
 constexpr std::uint64_t kSeed = 0;
 constexpr int kPhotonRow = 0, kProbeRow = 1;
 constexpr std::uint32_t kLightPad = 0;  // light u, v; choice, coarse and fine
@@ -31,12 +31,12 @@ constexpr std::uint32_t bounce_pad(int bounce) {
   return 2 + static_cast<std::uint32_t>(bounce);
 }  // BSDF u, v, lobe; roulette
 
-// For the decisions which surfaces a ray meets: of the first ray 0, then 1 and so on.
+// Names the opacity decisions of a ray: 0 for the first ray, then 1 and so on.
 constexpr std::uint64_t ray_name(int ray) {
   return static_cast<std::uint64_t>(ray);
 }
 
-// A light and what comes from it, if nothing is in between; `pdf` includes the choice.
+// Samples one light; visibility is not tested. `pdf` includes the choice of the light.
 std::optional<LightSample> sample_any_light(const Scene& scene, const LightSampleContext& point,
                                             const std::array<float, 4>& u) {
   const auto choice = scene.light_sampler().sample(point, combine_uniforms(u[2], u[3]));
@@ -53,7 +53,7 @@ class PhotonTracer {
         casters_(casters),
         beyond_scene_(static_cast<float>(3 * scene.primitives().bounding_radius())) {}
 
-  // Appends the photons that path `index` leaves behind.
+  // Appends the photons that path `index` deposits.
   void trace(std::uint32_t index, std::vector<Photon>& photons) const {
     const Sampler sampler(kSeed, 0, kPhotonRow, index);
     const auto first = begin(sampler);
@@ -84,26 +84,26 @@ class PhotonTracer {
  private:
   struct First {
     Vec3 origin;  // on the light
-    Ray ray;      // from there, or from the last surface that was passed
-    Hit hit;      // of the caster
+    Ray ray;      // from the origin, or from the last surface passed through
+    Hit hit;      // on the caster
     Rgb flux;
-    Rgb radiance;  // Photon::radiance, so far
+    Rgb radiance;  // Photon::radiance so far
   };
 
-  // Begins at the caster, with a light chosen as next-event estimation does: so all photons of a small lens
-  // in a large scene are of use, whatever the light.
+  // Starts at the caster and samples a light as next-event estimation does, so that all photons reach even
+  // a small lens in a large scene.
   std::optional<First> begin(const Sampler& sampler) const {
     const auto u = sampler.pad(kPlacePad);
     const auto [primitive, position] = casters_.sample(combine_uniforms(u[0], u[1]), {u[2], u[3]});
     const auto light = sample_any_light(scene_, {position, {}}, sampler.pad(kLightPad));
-    // Light from single directions is found behind mirrors and smooth glass by no path at all.
+    // Light from delta directions behind mirrors and smooth glass is not found by any path.
     if (!light || light->delta) return std::nullopt;
     const Vec3 origin = light->point ? offset_origin(*light->point, position - light->point->position)
                                      : position + light->wi * beyond_scene_;
     const auto [ray, hit, traced] =
         meet_by_chance(scene_, {origin, normalize(position - origin)}, sampler, ray_name(0));
     if (hit.in_instance() || hit.primitive != primitive) return std::nullopt;
-    // The ray may have met the near side of a sphere whose far side was chosen.
+    // The ray may have hit the near side of a sphere whose far side was sampled.
     const SurfacePoint surface = scene_.primitives().surface(ray, hit);
     if (length_squared(surface.position - position) > 1e-4f * length_squared(position - origin))
       return std::nullopt;
@@ -117,8 +117,8 @@ class PhotonTracer {
   float beyond_scene_;
 };
 
-// The irradiance, by one direction's worth, of light that was scattered before, but not by mirrors and glass
-// alone: found by next-event estimation from the second vertex on.
+// A single-sample estimate of irradiance from indirect light, except paths of only specular scattering;
+// found by next-event estimation from the second vertex on.
 float probe_other_light(const Scene& scene, const Photon& place, std::uint32_t n) {
   const Sampler sampler(kSeed, 0, kProbeRow, n);
   const auto u = sampler.pad(scatter_pad(0));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Learns where caustics come from, and what they light: light that passes mirrors, glass or polished metal on
-// its way from a light to a surface, which next-event estimation cannot find.
+// Learns where caustics come from and which surfaces they illuminate: light that passes mirrors, glass or
+// polished metal between a light and a surface, which next-event estimation cannot sample.
 #pragma once
 
 #include <vector>
@@ -10,12 +10,12 @@
 
 namespace tessera::core {
 
-// What the settings' integrator can use of it; nothing where there are no caustics. Made at the first call
-// for a scene, by up to `threads` threads, whose number makes no difference; it takes some tenths of a
-// second. Lives as long as the scene.
+// The guide for the settings' integrator; null if the integrator uses none or the scene has no caustics.
+// The first call for a scene builds it with up to `threads` threads, which takes some tenths of a second;
+// the result does not depend on `threads`. It lives as long as the scene.
 const LightGuide* caustic_guide(const Scene& scene, const RenderSettings& settings, int threads);
 
-// The photons that the guide is made of.
+// Traces the photons from which the guide is built.
 std::vector<Photon> trace_caustic_photons(const Scene& scene, int threads);
 
 }  // namespace tessera::core

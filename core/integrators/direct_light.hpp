@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What integrators share: light that reaches a vertex of a path straight from a light.
+// Direct light at a path vertex, shared by the integrators.
 #pragma once
 
 #include "core/film/film.hpp"
@@ -9,14 +9,13 @@
 
 namespace tessera::core {
 
-// One number in [0, 1) of 48 bits from two of 24, so that lights of little power among great ones can be
-// chosen.
+// A number in [0, 1) with 48 bits from two of 24, so that weak lights among strong ones can be sampled.
 inline double combine_uniforms(float coarse, float fine) {
   return static_cast<double>(coarse) + static_cast<double>(fine) * 0x1p-24;
 }
 
-// What leaves the vertex towards where its ray came from, of the radiance that the light sends: BSDF * cosine
-// * radiance, not yet divided by the density. Only the share of it that passes what is in between.
+// The light reflected along wo from the light's radiance: BSDF * cosine * radiance, not yet divided by the
+// density, and without visibility.
 inline Rgb reflected_light(const Scene& scene, const PathVertex& vertex, const LightSample& light,
                            RenderCounters& counters) {
   const Rgb scattered = vertex.evaluate(light.wi).value;

@@ -14,7 +14,7 @@
 namespace tessera::core {
 namespace {
 
-// An environment map as linear floats, with clouds and a sun, black below.
+// An environment map in linear floats with clouds and a sun, black below the horizon.
 Texture sky() {
   constexpr int kWidth = 96, kHeight = 48;
   std::vector<float> texels;
@@ -29,14 +29,14 @@ Texture sky() {
   return {.image = std::make_shared<TextureImage>(TextureImage{kWidth, kHeight, std::move(texels)})};
 }
 
-// A 2 x 2 picture as sRGB bytes.
+// A 2 x 2 image in sRGB bytes.
 Texture checks() {
   const TextureImage image{2, 2,
                            std::vector<std::uint8_t>{200, 30, 90, 20, 160, 70, 80, 80, 250, 240, 220, 10}};
   return {.image = std::make_shared<TextureImage>(image), .scale = {3, 2}};
 }
 
-// A tent with leaning normals, and a small lamp beside it.
+// A tent with tilted normals, and a small lamp beside it.
 MeshDescription tent() {
   return {.positions = {{-1.5f, 0, -0.9f},
                         {-0.9f, 0.8f, -1.2f},
@@ -50,7 +50,7 @@ MeshDescription tent() {
           .triangle_materials = {4, 1}};
 }
 
-// Normals that lean all ways, as linear bytes.
+// A normal map with varied normals, in linear bytes.
 Texture dents() {
   const TextureImage image{2, 2,
                            std::vector<std::uint8_t>{128, 128, 255, 200, 100, 230, 90, 170, 240, 60, 60, 200},
@@ -60,9 +60,9 @@ Texture dents() {
 
 }  // namespace
 
-// A box open to the front with lights of every kind, one of them textured, spheres of every material, a
-// dented floor, walls of microfacets, a textured mesh with interpolated normals, and instances of the like,
-// seen through a lens of five blades and a Gaussian filter.
+// A box, open to the front, with lights of every type (one of them textured), spheres of every material, a
+// normal-mapped floor, microfacet walls, a textured mesh with interpolated normals, and instances, seen
+// through a five-bladed aperture and a Gaussian filter.
 SceneDescription fingerprint_scene() {
   SceneDescription scene;
   scene.settings = {

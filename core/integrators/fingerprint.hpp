@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tells builds apart whose arithmetic differs.
+// Distinguishes builds that are not bit-compatible.
 #pragma once
 
 #include <string>
@@ -8,11 +8,11 @@
 
 namespace tessera::core {
 
-// A scene that has something of everything, but for the reading of files.
+// A scene that exercises every feature except the reading of files.
 SceneDescription fingerprint_scene();
 
-// 16 hexadecimal digits: a hash of the exact film of the scene above. Machines whose fingerprints are
-// equal render the same bytes, as far as that scene can tell. Takes some milliseconds.
+// 16 hexadecimal digits: a hash of the exact film of the scene above. Machines with equal fingerprints
+// render the same bytes, as far as that scene can tell. Takes some milliseconds.
 std::string determinism_fingerprint();
 
 }  // namespace tessera::core

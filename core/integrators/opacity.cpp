@@ -9,7 +9,7 @@
 namespace tessera::core {
 namespace {
 
-// The rest of a shadow ray behind a surface; nothing where that is at its end.
+// The rest of a shadow ray behind a surface; nothing if the surface is at its end.
 std::optional<Ray> rest_of(const Ray& whole, const SurfacePoint& surface) {
   const Vec3 origin = offset_origin(surface, whole.direction);
   if (!std::isfinite(whole.t_max)) return Ray{origin, whole.direction, whole.t_max};
@@ -30,8 +30,9 @@ Crossing crossing_at(const Scene& scene, const Ray& ray, const Hit& hit, std::ui
 Met meet_by_chance(const Scene& scene, const Ray& ray, const Sampler& sampler, std::uint64_t name) {
   Met met{ray, scene.bvh().closest_hit(scene.primitives(), ray)};
   if (scene.is_opaque() || !met.hit.found()) return met;
-  met.traced += pass_by_chance(scene, {&met.ray, 1}, {&met.hit, 1}, [&](std::uint32_t) { return name; },
-                               [&](std::uint32_t) -> const Sampler& { return sampler; });
+  met.traced += pass_by_chance(
+      scene, {&met.ray, 1}, {&met.hit, 1}, [&](std::uint32_t) { return name; },
+      [&](std::uint32_t) -> const Sampler& { return sampler; });
   return met;
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rays and surfaces whose opacity is below 1. A ray that scatters light meets each of them with the
-// probability of its opacity, and passes straight through it otherwise; a shadow ray loses the share of the
-// opacity. Both are right for each other: the expectation of the one is the other. Stateless; thread-safe.
+// Rays and surfaces with opacity below 1. A scattering ray hits such a surface with the probability of its
+// opacity, and otherwise passes straight through; a shadow ray is attenuated by the opacity. The
+// expectation of the former equals the latter. Stateless; thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -15,15 +15,16 @@
 
 namespace tessera::core {
 
-// So many surfaces are crossed by a ray at most. The next one is as good as opaque, so that every ray ends.
+// The maximum number of surfaces that a ray crosses. The next one is treated as opaque, so that every ray
+// ends.
 inline constexpr std::uint32_t kMaxCrossings = 1u << 14;
 
-// Where hits[i], which rays[i] found, is passed by pass(i, rays[i], hits[i], crossing), which answers with
-// the ray behind it, traces on until none is. Both become those of the last segment. `crossing` counts the
-// surfaces that a ray has passed. Answers with the number of rays traced.
+// Calls pass(i, rays[i], hits[i], crossing) for each hit. If it returns a ray that continues behind the
+// surface, traces that ray, and repeats until none continues. rays[i] and hits[i] become those of the last
+// segment. `crossing` counts the surfaces passed so far. Returns the number of rays traced.
 template <typename Pass>
 std::uint64_t trace_through(const Scene& scene, std::span<Ray> rays, std::span<Hit> hits, const Pass& pass) {
-  std::vector<std::uint32_t> active;  // those that have passed all they hit
+  std::vector<std::uint32_t> active;  // rays that have passed all their hits
   std::vector<Ray> active_rays;
   std::vector<Hit> next_hits;
   const auto advance = [&](std::uint32_t i, std::uint32_t crossing) {
@@ -50,18 +51,18 @@ std::uint64_t trace_through(const Scene& scene, std::span<Ray> rays, std::span<H
   return traced;
 }
 
-// A ray that continues behind the surface that it hit, and which share of it does.
+// A ray that continues behind the surface it hit, and the opacity that attenuates it.
 struct Crossing {
   SurfacePoint surface;
   float opacity;  // of the surface there; 1 where it stops every ray
 };
 Crossing crossing_at(const Scene& scene, const Ray& ray, const Hit& hit, std::uint32_t crossing);
 
-// Lets rays[i] pass by chance through what it hits. sampler_of(i) is the sampler of its sample, and name_of(i) tells
-// it from the other rays of that sample. Returns the number of rays traced.
+// Stochastically passes rays[i] through the surfaces they hit. sampler_of(i) is the sampler of the ray's
+// sample, and name_of(i) distinguishes the rays of that sample. Returns the number of rays traced.
 template <typename NameOf, typename SamplerOf>
-std::uint64_t pass_by_chance(const Scene& scene, std::span<Ray> rays, std::span<Hit> hits, const NameOf& name_of,
-                             const SamplerOf& sampler_of) {
+std::uint64_t pass_by_chance(const Scene& scene, std::span<Ray> rays, std::span<Hit> hits,
+                             const NameOf& name_of, const SamplerOf& sampler_of) {
   const auto pass = [&](std::uint32_t i, const Ray& ray, const Hit& hit,
                         std::uint32_t crossing) -> std::optional<Ray> {
     const auto [surface, opacity] = crossing_at(scene, ray, hit, crossing);
@@ -72,19 +73,18 @@ std::uint64_t pass_by_chance(const Scene& scene, std::span<Ray> rays, std::span<
   return trace_through(scene, rays, hits, pass);
 }
 
-// A ray and what it has met.
+// A ray and its hit.
 struct Met {
-  Ray ray;  // from behind the last surface that it has passed
+  Ray ray;  // starts behind the last surface passed
   Hit hit;
-  std::uint64_t traced = 1;  // how many rays that took
+  std::uint64_t traced = 1;  // the number of rays traced
 };
-// What one ray meets, by chance as pass_by_chance has it.
+// Traces one ray stochastically, as pass_by_chance does.
 Met meet_by_chance(const Scene& scene, const Ray& ray, const Sampler& sampler, std::uint64_t name);
 
-// The share of the light along rays[i], each a shadow ray, that arrives, as shares[i]. Answers with the
-// number of rays traced.
+// Stores the transmittance along each shadow ray rays[i] in shares[i]. Returns the number of rays traced.
 std::uint64_t find_transmittances(const Scene& scene, std::span<const Ray> rays, std::span<float> shares);
-// Of one ray. The number of rays traced is added to `traced`.
+// The transmittance of one ray. Adds the number of rays traced to `traced`.
 float transmittance(const Scene& scene, const Ray& ray, std::uint64_t& traced);
 
 }  // namespace tessera::core

@@ -15,12 +15,12 @@
 namespace tessera::core {
 namespace {
 
-// Where a path first may end, and what the chance to go on is scaled by there, and further on.
+// The first vertex with Russian roulette, and the scales of the survival probability there and further on.
 constexpr int kFirstRouletteDepth = 1;
 constexpr float kFirstSurvivalScale = 1.6f, kSurvivalScale = 1.2f;
 
-// Of two densities, with one sample of each (Veach and Guibas 1995). They may be so large that their squares
-// are not finite, but their ratio's is.
+// The power heuristic for two densities with one sample of each (Veach and Guibas 1995). Squares of the
+// densities may overflow, but not their ratio.
 template <typename T>
 T mis_weight(Heuristic heuristic, T pdf, T other_pdf) {
   if (heuristic == Heuristic::kBalance) return pdf / (pdf + other_pdf);
@@ -28,12 +28,12 @@ T mis_weight(Heuristic heuristic, T pdf, T other_pdf) {
   return 1 / (1 + ratio * ratio);
 }
 
-// Russian roulette (Arvo and Kirk 1990), by the throughput without the compression of radiance by refraction,
-// which the way out of the glass undoes, and without what the guide's densities divided it by: there is more
-// light where they are higher (Vorba and Křivánek 2016). By its square root, and more: a dim path that goes
-// on costs time, one that is cut off makes the others bright, and so the best is in between. The first
-// roulette is the mildest, since all light that comes by more than two bounces has to pass it. Survival has
-// no bound below 1: a path that loses less than that at each vertex would become brighter without end.
+// Russian roulette (Arvo and Kirk 1990). The throughput is corrected for the compression of radiance by
+// refraction, which leaving the glass undoes, and for the guiding densities, because guided directions
+// carry more light (Vorba and Křivánek 2016). The survival probability is proportional to its square root:
+// continuing dim paths costs time, terminating them adds variance. The first roulette is the mildest, since
+// all light from more than two bounces passes it. Survival has no bound below 1: otherwise a path that
+// loses less than that at each vertex would gain weight indefinitely.
 template <typename T>
 MaskOf<T> survives_roulette(RgbOf<T>& throughput, T eta_scale, T guiding_pdf_ratio, int depth, T u) {
   const T contribution = max_component(throughput) * eta_scale * guiding_pdf_ratio;
@@ -46,7 +46,7 @@ MaskOf<T> survives_roulette(RgbOf<T>& throughput, T eta_scale, T guiding_pdf_rat
   return survives & (u < survival);
 }
 
-// Scaled to have no channel above `limit`.
+// Scales the radiance so that no channel exceeds `limit`.
 Rgb clamped(Rgb radiance, float limit) {
   const float most = max_component(radiance);
   return most > limit ? radiance * (limit / most) : radiance;
@@ -54,7 +54,7 @@ Rgb clamped(Rgb radiance, float limit) {
 
 }  // namespace
 
-// Where there are fewer than eight, the other lanes repeat the first.
+// With fewer than eight paths, the other lanes repeat the first.
 struct PathTracer::Paths {
   Paths(const PathQueue::Batch& batch, std::span<const Hit> all_hits, std::span<const bool> all_emissive,
         std::span<const std::uint32_t> slots)
@@ -76,7 +76,7 @@ struct PathTracer::Paths {
     guiding_pdf_ratio = guiding_pdf_ratios.all();
   }
 
-  // Ends those that have as many vertices as they may.
+  // Ends the paths that have reached the maximum depth.
   void limit(std::span<const std::uint16_t> depths, int max_depth) {
     for (std::size_t lane = 0; lane < count; ++lane)
       if (depths[heads[lane]->path] >= max_depth) continuing &= ~(1u << lane);
@@ -90,8 +90,8 @@ struct PathTracer::Paths {
 
   std::size_t count;
   unsigned used;                // bit i for lane i
-  unsigned continuing;          // likewise: may have further vertices
-  unsigned emissive_lanes = 0;  // likewise: what was hit might shine
+  unsigned continuing;          // bit i for lane i: may have further vertices
+  unsigned emissive_lanes = 0;  // bit i for lane i: the hit may be emissive
   std::array<const PathHead*, kLaneCount> heads;
   std::array<const Ray*, kLaneCount> rays;
   std::array<const Hit*, kLaneCount> hits;
@@ -103,7 +103,7 @@ PathTracer::PathTracer(const Scene& scene, const RenderSettings& settings, const
                        std::span<const Sampler> samplers, std::span<Rgb> radiance)
     : scene_(scene),
       settings_(settings),
-      // By chance alone, `naive` finds every other light.
+      // `naive` finds all other lights by BSDF sampling only.
       light_sampler_(settings.integrator == Integrator::kNaive ? scene.delta_light_sampler()
                                                                : scene.light_sampler()),
       guide_(guide),
@@ -147,7 +147,7 @@ std::span<const std::uint32_t> PathTracer::step(RenderCounters& counters) {
   return ended_;
 }
 
-// What rays pass by chance costs no depth, and leaves their paths' heads as they are.
+// Passing through a surface stochastically adds no depth and leaves the path heads unchanged.
 void PathTracer::pass_through_surfaces(RenderCounters& counters) {
   const std::span<Hit> hits(hits_.data(), batch_.rays.size());
   counters.closest_hit_rays += pass_by_chance(
@@ -160,7 +160,7 @@ std::size_t PathTracer::list_after(std::size_t list) {
   return list == kListsByDepth + 1 ? kListsByDepth : list + 1;
 }
 
-// The last of those where most paths wait.
+// The last of the lists with the most waiting paths.
 std::size_t PathTracer::longest_list() const {
   std::size_t longest = 0;
   for (std::size_t list = 1; list < waiting_.size(); ++list)
@@ -179,7 +179,7 @@ void PathTracer::collect_ended() {
   }
 }
 
-// The numbers for a decision at these paths' vertices; `pad_at` says which pad they are in, by depth.
+// The random numbers for a decision at these paths' vertices; `pad_at` returns their pad, by depth.
 template <typename PadAt>
 std::array<Float8, 4> PathTracer::numbers(const Paths& paths, int depth, PadAt pad_at) const {
   if (depth < static_cast<int>(kListsByDepth)) return Sampler::pads(paths.of(samplers_), pad_at(depth));
@@ -196,7 +196,7 @@ PathTracer::Bin PathTracer::bin_of(const Material& material) {
   return smooth ? kMirrorsAndGlass : kRough;
 }
 
-// What the triangles' vertices will be made of is asked for here, for all of them, since all of it may be far
+// Prefetches the data of all triangle vertices here, because it may be spread over memory.
 // away.
 void PathTracer::sort_by_material() {
   bin_sizes_ = {};
@@ -248,7 +248,7 @@ void PathTracer::shade(const Paths& paths, const Vertices& vertices, int depth) 
   scatter(paths, vertices, guidance, depth);
 }
 
-// What rays see that meet nothing.
+// Adds the environment's radiance to escaped rays.
 void PathTracer::add_environment(const Paths& paths, int depth) {
   const std::uint32_t light = scene_.environment_light();
   if (light == kNoLight) return;
@@ -267,7 +267,7 @@ void PathTracer::add_environment(const Paths& paths, int depth) {
   }
 }
 
-// Emission met by the ray itself.
+// Adds emission hit by the ray itself.
 void PathTracer::add_emission(const PathHead& head, const SurfacePoint& surface, Vec3 wo, std::uint32_t light,
                               int depth) {
   const AreaLight& area = scene_.area_light(light);
@@ -277,8 +277,8 @@ void PathTracer::add_emission(const PathHead& head, const SurfacePoint& surface,
     sum_of(head.path, depth) += head.throughput * area.emitted(scene_.textures(), surface, wo) * weight;
 }
 
-// Of light that a BSDF sample found. Where the vertex before could also have sampled it, `nee` leaves it to
-// that and `mis` weighs it. `pdf`: of sampling the direction, once the light is chosen.
+// The weight of light that a BSDF sample found. If the previous vertex could also have sampled it, `nee`
+// leaves it to light sampling and `mis` weighs it. `pdf` is the density of the direction, given the light.
 template <typename Pdf>
 float PathTracer::emitter_hit_weight(std::uint32_t light, const PathHead& head, Pdf pdf) const {
   if (head.last_pdf == kDeltaPdf || settings_.integrator == Integrator::kNaive) return 1;
@@ -287,7 +287,7 @@ float PathTracer::emitter_hit_weight(std::uint32_t light, const PathHead& head, 
          mis_weight(settings_.heuristic, head.last_pdf, scene_.light_sampler().pmf(head.last, light) * pdf());
 }
 
-// Samples a light for each vertex, and what the vertex reflects of it towards the path's beginning.
+// Samples a light for each vertex, and evaluates what the vertex reflects of it along the path.
 template <typename Vertices>
 void PathTracer::connect_to_lights(const Paths& paths, const Vertices& vertices, Float8 guide_share,
                                    unsigned lit, int depth) {
@@ -321,7 +321,8 @@ void PathTracer::connect_to_lights(const Paths& paths, const Vertices& vertices,
   }
 }
 
-// Of light that a light's sample found, against what the BSDF's might have. Nothing else finds delta lights.
+// The weight of light that a light sample found, against the BSDF's density. Only light samples find delta
+// lights.
 Float8 PathTracer::light_sample_weight(Float8 light_pdf, Mask8 delta, Float8 bsdf_pdf) const {
   if (settings_.integrator != Integrator::kMis) return 1.0f;
   return select(delta, Float8(1.0f), mis_weight(settings_.heuristic, light_pdf, bsdf_pdf));
@@ -330,14 +331,14 @@ Float8 PathTracer::light_sample_weight(Float8 light_pdf, Mask8 delta, Float8 bsd
 struct PathTracer::Directions {
   Mask8 found, delta;
   Vec3Of<Float8> wi;
-  RgbOf<Float8> weight;  // BSDF * cosine / pdf of the choice
+  RgbOf<Float8> weight;  // BSDF * cosine / pdf of the mixture
   Float8 bsdf_pdf;       // the BSDF's share of that pdf
   Float8 eta;
   Float8 emitter_mis_scale,
-      guiding_pdf_ratio;  // PathHead::emitter_mis_scale, and what PathHead::promise is to be multiplied by
+      guiding_pdf_ratio;  // PathHead::emitter_mis_scale, and the factor for PathHead::guiding_pdf_ratio
 };
 
-// Sends the paths on that do not end.
+// Continues the paths that survive.
 template <typename Vertices>
 void PathTracer::scatter(const Paths& paths, const Vertices& vertices, const Guidance& guidance, int depth) {
   const auto u = numbers(paths, depth, scatter_pad);
@@ -374,9 +375,9 @@ PathTracer::Guidance PathTracer::guidance_at(const Vertices& vertices) const {
   return guidance;
 }
 
-// By the guide or by the BSDF: one sample of a mixture (Veach and Guibas 1995, section 3.3). The guide knows
-// nothing of light that comes straight from its source. So whatever the next ray itself meets is left to the
-// BSDF's samples and the lights', which then need not ask for the guide's densities.
+// Samples the guide or the BSDF: one sample of a mixture (Veach and Guibas 1995, section 3.3). The guide
+// does not represent direct light. Emission that the next ray hits is therefore left to BSDF and light
+// samples, which then need no guiding densities.
 template <typename Vertices>
 PathTracer::Directions PathTracer::choose_directions(const Vertices& vertices, const Guidance& guidance,
                                                      Vec2Of<Float8> u, Float8 u_lobe) const {
@@ -419,7 +420,7 @@ void PathTracer::add_unoccluded(RenderCounters& counters, int depth) {
   if (!scene_.is_opaque()) add_transmitted(count, counters, depth);
 }
 
-// Of the occluded connections, what surfaces between their ends let through.
+// Adds the light of occluded connections that partly transparent surfaces let through.
 void PathTracer::add_transmitted(std::size_t count, RenderCounters& counters, int depth) {
   std::vector<Ray> rays;
   std::vector<std::size_t> of_rays;

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Path tracing (Kajiya 1986), many paths at a time: samples of the radiance that arrives along camera rays.
-// Hundreds of paths take each step together (Laine, Karras and Aila 2013), so that rays are traced, and
-// surfaces shaded, in long runs of the same work. All of them are at the same vertex, counted from the
-// camera, or all are far from it; those that come to one wait until there are enough. What a path finds does
-// not depend on those beside it.
+// Hundreds of paths advance together (Laine, Karras and Aila 2013), so that rays are traced and surfaces
+// shaded in large coherent batches. All paths of a batch are at the same depth, or all are deep; paths that
+// reach a depth wait until there are enough. A path's result does not depend on the other paths.
 #pragma once
 
 #include <array>
@@ -22,19 +21,19 @@
 
 namespace tessera::core {
 
-// A path ends at this vertex at the latest, as between perfect mirrors, where Russian roulette ends none.
+// The maximum depth of a path, needed between perfect mirrors, where Russian roulette ends no path.
 inline constexpr int kMaxPathDepth = 4096;
 
-// Unbiased whatever the strategy, but for settings.max_depth, settings.clamp_indirect and kMaxPathDepth.
-// Large: not for the stack. Serves one thread.
+// Unbiased with every strategy, except for settings.max_depth, settings.clamp_indirect and kMaxPathDepth.
+// Too large for the stack. For use by one thread.
 class PathTracer {
  public:
-  // Path i has the random numbers of samplers[i], and what it finds is added to radiance[i]. `guide` may be
-  // null; `naive` has none. Keeps references.
+  // Path i uses the random numbers of samplers[i], and its result is added to radiance[i]. `guide` may be
+  // null; `naive` uses none. Keeps references.
   PathTracer(const Scene& scene, const RenderSettings& settings, const LightGuide* guide,
              std::span<const Sampler> samplers, std::span<Rgb> radiance);
 
-  // Path `path`, which is none of those that are under way, begins with a camera's ray.
+  // Starts path `path`, which must not be active, with a camera ray.
   void begin(const Ray& ray, std::uint32_t path) {
     assert(path < samplers_.size());
     radiance_[path] = {};
@@ -42,20 +41,19 @@ class PathTracer {
     if (clamps_) indirect_[path] = {};
     waiting_.front().push(ray, {.path = path});
   }
-  // Takes kBatchPaths, or as many as there are, of the paths at that vertex where most of them wait one step
-  // further. Some must be under way. Answers with those that have ended; valid until the next step. Rays are
-  // counted in `counters`.
+  // Advances up to kBatchPaths paths by one step, at the depth where most paths wait. Some path must be
+  // active. Returns the paths that have ended, valid until the next step. Rays are counted in `counters`.
   std::span<const std::uint32_t> step(RenderCounters& counters);
 
  private:
-  // Light on its way to a vertex, if nothing is in between.
+  // Unoccluded light for a vertex, to be added if the shadow ray hits nothing.
   struct Connection {
     std::uint32_t path;
-    Rgb radiance;  // what the path gains
+    Rgb radiance;  // to be added to the path
   };
 
-  // Vertices that are shaded together, and paths that have left the scene. Mirrors and glass stay apart since
-  // few of them are lit by lights' samples.
+  // Vertices that are shaded together, and escaped rays. Mirrors and glass are separate because light
+  // sampling rarely applies to them.
   enum Bin { kDiffuse, kGlossy, kRough, kMirrorsAndGlass, kEscaped };
   static constexpr std::size_t kBins = 5;
   static Bin bin_of(const Material& material);
@@ -64,7 +62,7 @@ class PathTracer {
     bool emissive;
   };
 
-  struct Paths;  // up to eight of them
+  struct Paths;  // up to eight paths
 
   void pass_through_surfaces(RenderCounters& counters);
   static constexpr std::size_t kListsByDepth = 64;  // even
@@ -91,13 +89,13 @@ class PathTracer {
   Float8 light_sample_weight(Float8 light_pdf, Mask8 delta, Float8 bsdf_pdf) const;
   template <typename Vertices>
   void scatter(const Paths& paths, const Vertices& vertices, const Guidance& guidance, int depth);
-  struct Directions;  // in which paths go on
+  struct Directions;  // continuation directions of paths
   template <typename Vertices>
   Directions choose_directions(const Vertices& vertices, const Guidance& guidance, Vec2Of<Float8> u,
                                Float8 u_lobe) const;
   void add_unoccluded(RenderCounters& counters, int depth);
   void add_transmitted(std::size_t count, RenderCounters& counters, int depth);
-  // What light adds to that was scattered so often on its way.
+  // The sum that light scattered this many times is added to.
   Rgb& sum_of(std::uint32_t path, int scatterings) {
     return clamps_ && scatterings > 1 ? indirect_[path] : radiance_[path];
   }
@@ -110,26 +108,26 @@ class PathTracer {
 
   const std::span<const Sampler> samplers_;
   const std::span<Rgb> radiance_;
-  // Waiting paths by how many vertices they have; never empty. Two more lists hold those that have
-  // kListsByDepth or more, an even number and an odd one.
+  // Waiting paths by depth; never empty. Two more lists, for even and odd depths, hold paths with a depth
+  // of at least kListsByDepth.
   std::deque<PathQueue> waiting_{1};
-  std::vector<std::uint16_t> depths_;   // by path: how many vertices it has
+  std::vector<std::uint16_t> depths_;   // depth of each path
   const bool clamps_;                   // settings_.clamp_indirect
-  std::vector<Rgb> indirect_;           // by path, if it clamps: light that was scattered more than once
-  std::vector<std::uint8_t> survives_;  // by path: whether it does after this step
+  std::vector<Rgb> indirect_;           // by path, if it clamps: indirect light
+  std::vector<std::uint8_t> survives_;  // by path: whether it survives this step
   std::vector<std::uint32_t> ended_;
-  // Of a step:
+  // State of a step:
   PathQueue::Batch batch_;
   PathQueue* next_paths_ = nullptr;
   std::array<Hit, kBatchPaths> hits_;       // of the batch's rays
-  std::array<bool, kBatchPaths> emissive_;  // whether the material of what they hit does
-  // Slots of the batch, by what their rays hit.
+  std::array<bool, kBatchPaths> emissive_;  // whether the hit material is emissive
+  // Slots of the batch, sorted by bin.
   std::array<std::size_t, kBins> bin_sizes_{};
   std::array<std::array<std::uint32_t, kBatchPaths>, kBins> bins_;
   std::size_t connection_count_ = 0;
   std::array<Ray, kBatchPaths> shadow_rays_;
   std::array<Connection, kBatchPaths> connections_;  // of shadow_rays_
-  std::array<std::uint8_t, kBatchPaths> occluded_;   // likewise
+  std::array<std::uint8_t, kBatchPaths> occluded_;   // of shadow_rays_
 };
 
 }  // namespace tessera::core

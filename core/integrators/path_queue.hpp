@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Paths that wait for the same step: each at its next ray, with what has to be known of its past to follow
+// Queues of paths that wait for the same step: each with its next ray and the path state needed to continue
 // it.
 #pragma once
 
@@ -17,27 +17,27 @@
 
 namespace tessera::core {
 
-// Paths that take a step together: enough for full groups of rays, few enough for the caches.
+// The number of paths that advance together: enough for full ray groups, few enough for the caches.
 inline constexpr std::size_t kBatchPaths = 512;
 
-// Stands for the density of a direction that nothing but one way of sampling finds.
+// The density of a direction that only one technique can sample.
 inline constexpr float kDeltaPdf = std::numeric_limits<float>::infinity();
 
-// What the past of a path adds up to, before its next ray.
+// The state of a path before its next ray.
 struct PathHead {
-  std::uint32_t path = 0;         // its number, as PathTracer::begin was told
-  Rgb throughput = Rgb::gray(1);  // the product of the BSDF weights: what radiance found is multiplied by
+  std::uint32_t path = 0;         // the index passed to PathTracer::begin
+  Rgb throughput = Rgb::gray(1);  // product of the BSDF weights, which multiplies radiance found
   float eta_scale = 1;            // undoes the compression of radiance by refraction in `throughput`
   float last_pdf = kDeltaPdf;     // of the ray's direction, per solid angle; kDeltaPdf also at the camera,
-                                  // whose ray finds lights that nothing else could
+                                  // whose rays find lights that no other technique could
   LightSampleContext last{};      // where the ray was scattered
-  float emitter_mis_scale = 1;    // of light that the ray itself meets, which is left to the BSDF's samples
-  float guiding_pdf_ratio = 1;    // how much more light than without a guide is expected, by the throughput
+  float emitter_mis_scale = 1;    // scales emission that the ray hits; 0 for guided rays
+  float guiding_pdf_ratio = 1;    // product of mixture density / BSDF density, for roulette
 };
 
 class PathQueue {
  public:
-  // Valid until something is pushed or dropped.
+  // Valid until paths are pushed or dropped.
   struct Batch {
     std::span<Ray> rays;
     std::span<const PathHead> heads;  // of the rays
@@ -45,7 +45,7 @@ class PathQueue {
 
   std::size_t size() const { return size_; }
 
-  // For `count` more, before they are pushed.
+  // Makes room for `count` more paths; call it before pushing.
   void make_room(std::size_t count) {
     if (size_ + count <= rays_.size()) return;
     rays_.resize(size_ + count);
@@ -58,7 +58,7 @@ class PathQueue {
     ++size_;
   }
 
-  // The last that came, kBatchPaths if there are as many.
+  // The most recent paths, at most kBatchPaths.
   Batch last() {
     const std::size_t count = std::min(size_, kBatchPaths);
     return {std::span(rays_).subspan(size_ - count, count),

@@ -19,8 +19,8 @@
 namespace tessera::core {
 namespace {
 
-// Threads take blocks of this size in turn: small enough to share the work, large enough to stay in the
-// caches.
+// Threads take blocks of this size in turn: small enough for load balancing, large enough for cache
+// locality.
 constexpr int kBlockPx = 8;
 
 float sample_filter(PixelFilter filter, float u) {
@@ -35,7 +35,8 @@ float sample_filter(PixelFilter filter, float u) {
   return 0;
 }
 
-// Places are distributed as the filter is shaped: every sample counts alike, and the film stays a plain sum.
+// Samples positions in proportion to the filter, so that every sample has equal weight and the film is a
+// plain sum.
 Vec2 sample_raster(PixelFilter filter, int x, int y, Vec2 u) {
   return {static_cast<float>(x) + 0.5f + sample_filter(filter, u.x),
           static_cast<float>(y) + 0.5f + sample_filter(filter, u.y)};
@@ -45,7 +46,7 @@ bool can_be_counted(Rgb radiance) {
   return is_finite(radiance) && radiance.r >= 0 && radiance.g >= 0 && radiance.b >= 0;
 }
 
-// One pixel's place in the buffers of a film tile.
+// The location of a pixel in the buffers of a film tile.
 struct PixelSums {
   std::uint64_t* sums;
   std::uint64_t* odd_sums;
@@ -64,7 +65,7 @@ void deposit(Rgb radiance, const Sampler& sampler, bool odd, PixelSums pixel, Re
   counters.saturated_samples += saturated ? 1 : 0;
 }
 
-// One thread's work: takes samples, many at a time, and adds them to the film, in any order.
+// The work of one thread: takes batches of samples and adds them to the film, in any order.
 class Renderer {
  public:
   Renderer(const Scene& scene, const RenderSettings& settings, const LightGuide* guide)
@@ -78,8 +79,8 @@ class Renderer {
     begun_.reserve(kBatchPaths);
   }
 
-  // A sample's place is in the buffers of a film tile; it is deposited there by flush() at the latest.
-  // Answers with its number.
+  // Starts a sample and returns its slot. `pixel` is where the sample is deposited, by flush() at the
+  // latest.
   std::uint32_t add(SampleId id, PixelSums pixel) {
     const std::uint32_t number = free_.back();
     free_.pop_back();
@@ -98,7 +99,7 @@ class Renderer {
     while (free_.size() < kSamplesUnderWay) deposit_some();
   }
 
-  // Of one sample, while there are no others.
+  // The radiance of a single sample; requires that no others are active.
   Rgb radiance_of(SampleId id) {
     std::array<std::uint64_t, 3> sums{}, odd_sums{};
     const std::uint32_t number = add(id, {sums.data(), odd_sums.data()});
@@ -109,7 +110,7 @@ class Renderer {
   const RenderCounters& counters() const { return counters_; }
 
  private:
-  // So many that mostly kBatchPaths of them are at the same vertex, few enough for the caches.
+  // Enough samples that mostly kBatchPaths of them are at the same depth, few enough for the caches.
   static constexpr std::uint32_t kSamplesUnderWay = 2048;
 
   struct Sample {
@@ -144,7 +145,7 @@ class Renderer {
     deposit_or_report(number);
   }
 
-  // Those whose paths end in the next step.
+  // Deposits samples whose paths end in the next step.
   void deposit_some() {
     for (const std::uint32_t number : path_tracer_.step(counters_)) deposit_or_report(number);
   }
@@ -164,12 +165,12 @@ class Renderer {
   const Scene& scene_;
   const RenderSettings settings_;
   RenderCounters counters_;
-  // By the numbers of samples that are under way.
+  // Active samples by slot.
   std::vector<Sample> samples_;
   std::vector<Sampler> samplers_;
   std::vector<Rgb> radiance_;
-  std::vector<std::uint32_t> free_;   // numbers
-  std::vector<std::uint32_t> begun_;  // samples whose camera rays are yet to be sent
+  std::vector<std::uint32_t> free_;   // unused slots
+  std::vector<std::uint32_t> begun_;  // samples whose camera rays are yet to be generated
   PathTracer path_tracer_;
 };
 

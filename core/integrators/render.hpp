@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The one entry point that the command line, the worker and the benchmarks call.
+// The entry point of rendering for the command line, the worker and the benchmarks.
 #pragma once
 
 #include "core/film/film.hpp"
@@ -8,13 +8,15 @@
 
 namespace tessera::core {
 
-// Renders samples `range` of the pixels of `rect` with `threads` OpenMP threads. Sample s of pixel (x, y) is
-// a pure function of the scene, the settings (but not their spp), and (x, y, s): the film is the same bit for
-// bit however a picture is cut into calls, and for any number of threads. `rect` lies within the picture.
+// Renders samples `range` of the pixels of `rect` with `threads` OpenMP threads. Sample s of pixel (x, y)
+// is a pure function of the scene, the settings (except their spp), and (x, y, s): the film is
+// bit-identical however an image is divided into calls, and for any number of threads. `rect` must lie
+// within the image.
 FilmTile render(const Scene& scene, const RenderSettings& settings, PixelRect rect, SampleRange range,
                 int threads);
 
-// One sample by itself: its radiance before it reaches the film, for replaying what counters report.
+// Renders one sample and returns its radiance before it reaches the film, to reproduce samples that
+// counters report.
 Rgb render_sample(const Scene& scene, const RenderSettings& settings, SampleId id);
 
 }  // namespace tessera::core

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Corrections for surfaces whose shading normal (interpolated, or bent by a map) is not the geometric one.
-// They keep energy, let no light through and leave no facet black. docs/materials.md says why. All vectors
-// are of unit length. `side` is the geometric normal on the side of the viewer, who looks along -wo.
+// Corrections for surfaces whose shading normal (interpolated or from a map) differs from the geometric
+// one. They conserve energy, prevent light leaks and leave no facet black; see docs/materials.md. All
+// vectors have unit length. `side` is the geometric normal on the side of the viewer, who looks along -wo.
 #pragma once
 
 #include "core/math/vec3.hpp"
@@ -10,7 +10,7 @@ namespace tessera::core {
 
 inline constexpr float kMinShadingCos = 1e-4f;
 
-// Bends `w` towards `normal` just far enough that their cosine is not below min_cos.
+// Tilts `w` towards `normal` just far enough that their cosine is at least min_cos.
 template <typename T>
 Vec3Of<T> clamped_to_hemisphere(Vec3Of<T> w, Vec3Of<T> normal, T min_cos) {
   const T cos_w = dot(w, normal);
@@ -18,47 +18,48 @@ Vec3Of<T> clamped_to_hemisphere(Vec3Of<T> w, Vec3Of<T> normal, T min_cos) {
   return all(high) ? w : select(high, w, normalize(w + normal * (min_cos - cos_w)));
 }
 
-// Bends `normal` just far enough that wo is above its plane.
+// Tilts `normal` just far enough that wo is above its plane.
 template <typename T = float>
 Vec3Of<T> clamp_toward_viewer(Vec3Of<T> normal, Vec3Of<T> wo) {
   return clamped_to_hemisphere(normal, wo, T(kMinShadingCos));
 }
 
-// Bends `normal` just far enough that the mirror direction of wo is above the geometric surface (Keller et
+// Tilts `normal` just far enough that the mirror direction of wo is above the geometric surface (Keller et
 // al. 2017).
 template <typename T = float>
 Vec3Of<T> ensure_valid_reflection(Vec3Of<T> normal, Vec3Of<T> side, Vec3Of<T> wo) {
   const Vec3Of<T> mirrored = normal * (2 * dot(wo, normal)) - wo;
-  // A viewer who grazes the surface sees what grazes it.
+  // At grazing incidence the mirror direction may graze too.
   const T min_cos = smaller(T(0.01f), 0.9f * dot(wo, side));
   const MaskOf<T> high = dot(mirrored, side) >= min_cos;
   return all(high) ? normal
                    : select(high, normal, normalize(wo + clamped_to_hemisphere(mirrored, side, min_cos)));
 }
 
-// Bends `wi` to graze the geometric surface if it is not on its side `side`.
+// Clamps `wi` to graze the geometric surface if it is not on the side of `side`.
 template <typename T = float>
 Vec3Of<T> clamp_above_surface(Vec3Of<T> wi, Vec3Of<T> side) {
   return clamped_to_hemisphere(wi, side, T(kMinShadingCos));
 }
 
-// The directions below are local: +z is the shading normal, `side` the geometric normal there.
+// The directions below are local: +z is the shading normal, `side` the geometric normal in that frame.
 
-// `w`, whose cosine with `side` is cos_side, mirrored by the plane of the geometric surface.
+// Reflects `w`, whose cosine with `side` is cos_side, at the plane of the geometric surface.
 template <typename T = float>
 Vec3Of<T> mirrored(Vec3Of<T> w, Vec3Of<T> side, T cos_side) {
   return w - side * (2 * cos_side);
 }
 
-// The cosine that diffuse reflection receives light with. The surface is taken for one wall of a symmetric
-// V-shaped groove, whose other wall shadows it where light grazes (Torrance and Sparrow 1967; Blinn 1977).
-// Its integral over the directions above both planes is pi * side.z, which diffuse_scale() makes up for.
+// The cosine with which diffuse reflection receives light. The surface is modelled as one wall of a
+// symmetric V-groove, whose other wall shadows it at grazing angles (Torrance and Sparrow 1967; Blinn
+// 1977). Its integral over the directions above both planes is pi * side.z, which diffuse_scale()
+// compensates.
 template <typename T = float>
 T groove_cos(T cos_shading, T cos_side, Vec3Of<T> side) {
   return smaller(cos_shading, 2 * side.z * cos_side);
 }
 
-// The area of the groove's wall for each unit of area of the surface.
+// The area of the groove's wall per unit of surface area.
 template <typename T = float>
 T diffuse_scale(Vec3Of<T> side) {
   return 1 / side.z;

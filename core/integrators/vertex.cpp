@@ -24,7 +24,7 @@ Vec3 outward_normal(const Scene& scene, const Material& material, const Hit& hit
 
 namespace {
 
-// The normal that the side of the viewer is shaded with.
+// The shading normal on the viewer's side.
 Vec3 viewed_normal(const ViewedSide<float>& side, Vec3 outward, const MaterialModel& model, Vec3 wo) {
   const Vec3 seen = side.shading_normal(outward, wo);
   return std::holds_alternative<Lambert>(model) ? seen : ensure_valid_reflection(seen, side.normal, wo);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A vertex of a path: the surface that a ray met and how it scatters, in world space. Lives on the stack of
-// the thread that traces the path.
+// A path vertex: the surface that a ray hit and its scattering, in world space. Lives on the stack of the
+// thread that traces the path.
 #pragma once
 
 #include <array>
@@ -15,14 +15,14 @@
 
 namespace tessera::core {
 
-// The side of a surface that its viewer sees, who looks along -wo.
+// The side of a surface that faces the viewer, who looks along -wo.
 template <typename T>
 struct ViewedSide {
   ViewedSide(const SurfacePointOf<T>& surface, Vec3Of<T> wo)
       : outside(dot(surface.geometric_normal, wo) >= 0),
         normal(select(outside, surface.geometric_normal, -surface.geometric_normal)) {}
 
-  // `outward`, the normal that the surface is shaded with, on this side and fit to be shaded with.
+  // `outward`, the outward shading normal, flipped to this side and clamped to a valid shading normal.
   Vec3Of<T> shading_normal(Vec3Of<T> outward, Vec3Of<T> wo) const {
     return clamp_toward_viewer(clamp_above_surface(select(outside, outward, -outward), normal), wo);
   }
@@ -31,7 +31,7 @@ struct ViewedSide {
   Vec3Of<T> normal;  // geometric
 };
 
-// What vertices of every material have in common. T is float or Float8.
+// The part of a vertex common to all materials. T is float or Float8.
 template <typename T, typename BsdfType>
 class VertexOf {
  public:
@@ -52,18 +52,18 @@ class VertexOf {
   // The geometric and the shading normal, on the side of wo.
   Vec3Of<T> side_normal() const { return side_normal_; }
   Vec3Of<T> shading_normal() const { return frame_.normal; }
-  // Unit, towards where the ray came from.
+  // Unit, towards the origin of the ray.
   Vec3Of<T> wo() const { return wo_; }
 
-  // BSDF times cosine for light from `wi`, a unit direction away from the surface, on either side of it; and
-  // the density per solid angle with which sample() chooses `wi`.
+  // BSDF times cosine for light from `wi`, a unit direction away from the surface on either side; and the
+  // density per solid angle with which sample() generates `wi`.
   BsdfValueOf<T> evaluate(Vec3Of<T> wi) const {
     const Vec3Of<T> wi_local = frame_.to_local(wi);
     return evaluate_folded(wi_local, dot(wi_local, side_local_));
   }
 
   RayOf<T> ray_along(Vec3Of<T> wi) const { return {offset_origin(surface_, wi), wi}; }
-  // The open segment between this point and another surface's, for shadow rays.
+  // The open segment between this point and a point of another surface, for shadow rays.
   RayOf<T> ray_to(const SurfacePointOf<T>& other) const {
     const Vec3Of<T> origin = offset_origin(surface_, other.position - surface_.position);
     const Vec3Of<T> target = offset_origin(other, surface_.position - other.position);
@@ -71,9 +71,9 @@ class VertexOf {
   }
 
  protected:
-  // The BSDF of the shading normal, folded at the geometric surface: what it scatters to the wrong side of
-  // the surface is mirrored to the right one, so that no energy is lost. cos_side: of wi_local and
-  // side_local_.
+  // The BSDF of the shading normal, folded at the geometric surface: directions scattered to the wrong side
+  // of the surface are reflected to the right one, which conserves energy. cos_side is the cosine of
+  // wi_local and side_local_.
   BsdfValueOf<T> evaluate_folded(Vec3Of<T> wi_local, T cos_side) const {
     const T diffuse_cos = groove_cos(wi_local.z, cos_side, side_local_);
     BsdfValueOf<T> all = only(wi_local.z * cos_side > 0, bsdf_.evaluate(wo_local_, wi_local, diffuse_cos));
@@ -84,11 +84,11 @@ class VertexOf {
     return {all.value + folded.value, all.pdf + folded.pdf};
   }
 
-  // A direction sampled from the BSDF, folded likewise.
+  // A direction sampled from the folded BSDF.
   struct FoldedSample {
     Vec3Of<T> wi_local;
-    MaskOf<T> reweighed;       // where `scattered` replaces the BSDF's own value and density
-    BsdfValueOf<T> scattered;  // meaningless elsewhere
+    MaskOf<T> reweighed;       // lanes where `scattered` replaces the BSDF's value and density
+    BsdfValueOf<T> scattered;  // unspecified in other lanes
   };
   FoldedSample fold(Vec3Of<T> sampled) const {
     const T cos_sampled = dot(sampled, side_local_);
@@ -114,13 +114,13 @@ class VertexOf {
   }
 };
 
-// Of any material.
+// A vertex of any material.
 class PathVertex : public VertexOf<float, Bsdf> {
  public:
   PathVertex(const Scene& scene, const Ray& ray, const Hit& hit);
 
   bool is_delta() const { return bsdf_.is_delta(); }
-  // For the choice of lights.
+  // The reference point for light sampling.
   LightSampleContext light_context() const {
     return {position(), bsdf_.transmits() ? Vec3{} : frame_.normal};
   }
@@ -130,16 +130,15 @@ class PathVertex : public VertexOf<float, Bsdf> {
     Rgb weight;  // BSDF * cosine / pdf
     float pdf;
     bool delta;
-    float eta;  // 1, or the relative index of refraction of the boundary that was crossed
+    float eta;  // 1, or the relative index of refraction of the crossed boundary
   };
-  // Nothing where the path ends.
+  // Returns nothing if the path ends.
   std::optional<Scattered> sample(Vec2 u, float u_lobe) const;
 
-  // Every direction that a delta BSDF scatters to, each with its share of the light in the weight: what is
-  // reflected, and what is refracted.
+  // All directions of a delta BSDF (reflection and refraction), each weighted by its fraction of the light.
   std::array<std::optional<Scattered>, 2> delta_branches() const;
 
-  // What is in between where it hits anything.
+  // A shadow ray towards the light sample.
   Ray ray_toward(const LightSample& light) const;
 
  private:
@@ -151,7 +150,7 @@ class PathVertex : public VertexOf<float, Bsdf> {
   Scattered delta_to_world(const BsdfSample& local) const;
 };
 
-// The outward normal that the surface is shaded with, interpolated and bent by the material's maps.
+// The outward shading normal: interpolated, then perturbed by the material's maps.
 Vec3 outward_normal(const Scene& scene, const Material& material, const Hit& hit,
                     const SurfacePoint& surface);
 

@@ -20,7 +20,7 @@ Vec3Of<Float8> toward_origins(const Rays& rays) {
   return normalize(-directions.all());
 }
 
-// Surface points that are found one by one.
+// Surface points that are computed one by one.
 class SurfaceLanes {
  public:
   explicit SurfaceLanes(const SurfacePointOf<Float8>& all)
@@ -67,7 +67,7 @@ SurfacePointOf<Float8> select(Mask8 mask, const SurfacePointOf<Float8>& a, const
           {select(mask, a.uv.x, b.uv.x), select(mask, a.uv.y, b.uv.y)}};
 }
 
-// The lanes of a set, and in those that are not in it another one that is.
+// Fills the lanes outside a set with one of the set's lanes.
 template <typename Pointers>
 Pointers filled(Pointers all, unsigned set) {
   const auto some = static_cast<std::size_t>(std::countr_zero(set));
@@ -96,12 +96,12 @@ SurfacePointOf<Float8> surfaces(const Primitives& primitives, const Rays& rays, 
 
 using Materials = std::array<const Material*, kLaneCount>;
 
-// outward_normal() of eight triangles.
+// outward_normal() for eight triangles.
 Vec3Of<Float8> outward_normals(const Scene& scene, const Materials& materials, const Hits& hits,
                                const SurfacePointOf<Float8>& surface) {
   std::array<const Texture*, kLaneCount> maps{};
   FloatLanes strength{};
-  Vec3Lanes along_u{}, along_v{};  // zero where there is no map: then normals stay as they are
+  Vec3Lanes along_u{}, along_v{};  // zero without a map: normals then stay unchanged
   const Texture* some_map = nullptr;
   for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
     const NormalMap& map = materials[lane]->normal_map;
@@ -125,7 +125,7 @@ Mask8 f0_is_base_color(const Materials& glossy) {
   return Mask8::from_bits(lanes);
 }
 
-// The models of eight materials that are glossy, with their textures looked up.
+// The BSDFs of eight glossy materials, with their textures evaluated.
 CookTorranceBsdfOf<Float8> glossy_bsdfs(const Scene& scene, const Materials& materials, const Hits& hits,
                                         Vec2Of<Float8> uv) {
   const std::vector<Texture>& textures = scene.textures();

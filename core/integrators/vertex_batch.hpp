@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Eight vertices of paths at once. Each lane is to the bit what PathVertex is of the same ray and hit.
+// Eight path vertices at once. Each lane is bit-identical to PathVertex for the same ray and hit.
 #pragma once
 
 #include <array>
@@ -11,7 +11,7 @@
 
 namespace tessera::core {
 
-// What eight BSDFs answer when they are sampled.
+// The samples of eight BSDFs.
 struct BsdfSamples {
   Mask8 found, delta, transmitted;
   Vec3Of<Float8> wi_local;
@@ -29,7 +29,7 @@ struct DiffuseBsdfs : LambertBsdfOf<Float8> {
   }
 };
 
-// Microfacets over a diffuse part in all lanes.
+// Microfacet reflection over a diffuse base in all lanes.
 struct GlossyBsdfs : CookTorranceBsdfOf<Float8> {
   Mask8 is_delta() const { return false; }
   Mask8 transmits() const { return false; }
@@ -39,7 +39,7 @@ struct GlossyBsdfs : CookTorranceBsdfOf<Float8> {
   }
 };
 
-// Any model in each lane, evaluated one by one. Lanes that are not set scatter nothing.
+// Any BSDF in each lane, evaluated one by one. Unset lanes scatter nothing.
 class MixedBsdfs {
  public:
   void set(std::size_t lane, const Bsdf& bsdf);
@@ -47,7 +47,7 @@ class MixedBsdfs {
   Mask8 is_delta() const { return Mask8::from_bits(delta_); }
   Mask8 transmits() const { return Mask8::from_bits(transmits_); }
   void scale_diffuse(Float8 factor);
-  // Nothing where wi is zero, which is no direction.
+  // Zero if wi is zero, which is not a direction.
   BsdfValueOf<Float8> evaluate(Vec3Of<Float8> wo_local, Vec3Of<Float8> wi_local, Float8 diffuse_cos) const;
   BsdfSamples sample(Vec3Of<Float8> wo_local, Vec2Of<Float8> u, Float8 u_lobe) const;
 
@@ -62,12 +62,12 @@ class VertexBatch : public VertexOf<Float8, Bsdfs> {
   using VertexOf<Float8, Bsdfs>::VertexOf;
 
   Mask8 is_delta() const { return this->bsdf_.is_delta(); }
-  // LightSampleContext::normal of each.
+  // LightSampleContext::normal of each lane.
   Vec3Of<Float8> light_normal() const {
     return select(this->bsdf_.transmits(), Vec3Of<Float8>{}, this->frame_.normal);
   }
 
-  // What is in between where they hit anything.
+  // Shadow rays towards the light samples.
   RayOf<Float8> rays_toward(const LightSamples& lights) const {
     const RayOf<Float8> near = this->ray_to(lights.point);
     if (!any(lights.distant)) return near;
@@ -77,7 +77,7 @@ class VertexBatch : public VertexOf<Float8, Bsdfs> {
             select(lights.distant, far.t_max, near.t_max)};
   }
 
-  // As PathVertex::Scattered; a path ends where nothing was found.
+  // As PathVertex::Scattered; a path ends if nothing was sampled.
   struct Scattered {
     Mask8 found, delta;
     Vec3Of<Float8> wi;
@@ -106,19 +106,19 @@ class VertexBatch : public VertexOf<Float8, Bsdfs> {
   }
 };
 
-// Of triangles whose material is_diffuse.
+// Triangles whose material is_diffuse.
 using DiffuseVertices = VertexBatch<DiffuseBsdfs>;
 bool is_diffuse(const Material& material);
 DiffuseVertices diffuse_vertices(const Scene& scene, const std::array<const Ray*, kLaneCount>& rays,
                                  const std::array<const Hit*, kLaneCount>& hits);
 
-// Of triangles whose material is_glossy.
+// Triangles whose material is_glossy.
 using GlossyVertices = VertexBatch<GlossyBsdfs>;
 bool is_glossy(const Material& material);
 GlossyVertices glossy_vertices(const Scene& scene, const std::array<const Ray*, kLaneCount>& rays,
                                const std::array<const Hit*, kLaneCount>& hits);
 
-// Of anything. Only the first `count` lanes scatter.
+// Any surfaces. Only the first `count` lanes scatter.
 using MixedVertices = VertexBatch<MixedBsdfs>;
 MixedVertices mixed_vertices(const Scene& scene, const std::array<const Ray*, kLaneCount>& rays,
                              const std::array<const Hit*, kLaneCount>& hits, std::size_t count);

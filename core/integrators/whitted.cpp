@@ -12,12 +12,12 @@
 namespace tessera::core {
 namespace {
 
-// A ray of the tree and what is known of its place there.
+// A ray of the tree and its state.
 struct Branch {
   Ray ray;
   std::uint64_t node = kTreeRoot;
   int depth = 0;
-  Rgb weight = Rgb::gray(1);  // what the radiance along the ray is multiplied by
+  Rgb weight = Rgb::gray(1);  // multiplies the radiance along the ray
   float eta_scale = 1;        // undoes the compression of radiance by refraction in `weight`
 
   float share() const { return max_component(weight) * eta_scale; }
@@ -38,9 +38,9 @@ class TreeTracer {
   }
 
  private:
-  // Follows the greater branch of each fork itself and the lesser one by a call. That one has at most half of
-  // the light, so that calls are nested a dozen deep at most before too little is left; where textures
-  // reflect more than they receive, as deep as the tree.
+  // Follows the stronger branch of each fork iteratively and the weaker one recursively. The weaker one has
+  // at most half of the light, so the recursion is about a dozen deep before the weight is negligible; if
+  // textures reflect more than they receive, it can be as deep as the tree.
   void follow(Branch branch) {
     while (rays_ < kMaxWhittedRays) {
       const auto [ray, hit, traced] = meet_by_chance(scene_, branch.ray, sampler_, branch.node);
@@ -59,7 +59,7 @@ class TreeTracer {
     }
   }
 
-  // What is reflected and what is refracted, with weight 0 where there is none.
+  // The reflected and the refracted branch; a missing one has weight 0.
   static std::array<Branch, 2> fork(const Branch& branch, const PathVertex& vertex) {
     std::array<Branch, 2> children;
     const auto directions = vertex.delta_branches();
@@ -106,7 +106,7 @@ class TreeTracer {
     }
   }
 
-  // `choice.pmf`: how many samples the light gets in expectation.
+  // `choice.pmf` is the expected number of samples of the light.
   void add_light(const Branch& branch, const PathVertex& vertex, LightSampler::Choice choice, Vec2 u) {
     const auto light =
         sample_light(scene_.lights()[choice.light], scene_.textures(), vertex.light_context(), u);

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Ray tracing after Whitted 1980: one sample of the radiance that arrives along a camera ray, of the light
-// that comes straight from lights to the first surface that is neither a mirror nor smooth glass, and to what
-// those show. Light that is scattered more than once elsewhere is left out, so pictures are darker than path
-// tracing's.
+// Ray tracing after Whitted 1980: one sample of the radiance that arrives along a camera ray. It includes
+// direct light at the first surface that is neither a mirror nor smooth glass, and at the surfaces seen
+// through those. Other indirect light is left out, so images are darker than path traced ones.
 #pragma once
 
 #include "core/film/film.hpp"
@@ -11,15 +10,14 @@
 
 namespace tessera::core {
 
-// Each light is sampled once; where there are more than this, as many of them by the light sampler.
+// Each light is sampled once; if there are more than this, the light sampler selects this many.
 inline constexpr std::uint32_t kMaxWhittedLights = 16;
-// Branches of the tree of rays are not followed that would carry less than this of what they see (Hall and
-// Greenberg 1983).
+// Branches with a weight below this are not followed (Hall and Greenberg 1983).
 inline constexpr float kMinWhittedShare = 1.0f / 4096;
-// Nor are more rays than these, beside those towards lights: more than a tree of 15 forks in a row can have.
+// The maximum number of rays, apart from shadow rays: more than a tree of 15 consecutive forks can have.
 inline constexpr int kMaxWhittedRays = 1 << 16;
 
-// Rays are counted in `counters`.
+// Counts rays in `counters`.
 Rgb trace_whitted(const Scene& scene, const RenderSettings& settings, const Sampler& sampler, const Ray& ray,
                   RenderCounters& counters);
 

@@ -16,7 +16,7 @@
 namespace tessera::core {
 namespace {
 
-// n roundings in a row change a value by at most this factor less one (Higham 2002, section 3.1).
+// n consecutive roundings change a value by at most this factor minus one (Higham 2002, section 3.1).
 constexpr float rounding_bound(int n) {
   constexpr float kHalfUlp = std::numeric_limits<float>::epsilon() / 2;
   return static_cast<float>(n) * kHalfUlp / (1 - static_cast<float>(n) * kHalfUlp);
@@ -68,7 +68,7 @@ SurfacePointOf<T> point_of_quad(const QuadLightOf<T>& q, Vec3Of<T> normal, Vec2O
   return point;
 }
 
-// Area density to solid angle density.
+// Converts an area density to a solid angle density.
 template <typename T>
 T per_solid_angle(T area, Vec3Of<T> p_lit, Vec3Of<T> p_light, Vec3Of<T> normal) {
   using std::fabs, std::sqrt;
@@ -78,9 +78,9 @@ T per_solid_angle(T area, Vec3Of<T> p_lit, Vec3Of<T> p_light, Vec3Of<T> normal) 
   return select(cos_light > 0, distance2 / (cos_light * area), T(0.0f));
 }
 
-// From outside, the cone of directions that a sphere fills, by its sine squared and one minus its cosine.
-// There is none from inside, where it fills all of them, and for points that rounding may have put on either
-// side of the sphere itself.
+// The cone of directions that a sphere subtends from an outside point, by its squared sine and one minus
+// its cosine. There is none from inside, nor from points that rounding may have put on either side of the
+// sphere.
 template <typename T>
 struct ConeOf {
   ConeOf(const SphereOf<T>& sphere, Vec3Of<T> p_lit) {
@@ -89,13 +89,13 @@ struct ConeOf {
     const T distance2 = length_squared(p_lit - sphere.center), radius2 = sphere.radius * sphere.radius;
     exists = distance2 > kClearlyOutside * radius2;
     sin2_max = radius2 / distance2;
-    // sin^2 / (1 + cos), which does not cancel for small cones.
+    // sin^2 / (1 + cos) avoids cancellation for small cones.
     one_minus_cos_max = sin2_max / (1 + sqrt(larger(T(0.0f), 1 - sin2_max)));
   }
 
   T pdf() const { return 1 / (2 * kPi * one_minus_cos_max); }
-  // The normal of the sphere where a direction meets it that is uniform in the cone (Pharr et al. 2023,
-  // section 6.2.4). `axis`: from the sphere's centre to the lit point.
+  // The sphere's normal where a direction that is uniform in the cone meets it (Pharr et al. 2023, section
+  // 6.2.4). `axis` points from the sphere's centre to the reference point.
   Vec3Of<T> sample(Vec3Of<T> axis, Vec2Of<T> u) const {
     using std::sqrt;
     const T one_minus_cos = u.x * one_minus_cos_max;
@@ -120,7 +120,7 @@ struct FoundOnSphere {
   T pdf;
 };
 
-// From outside, uniform in the cone; elsewhere, and where the far side is seen, uniform over the area.
+// Uniform in the cone from outside; uniform over the area otherwise, and if the far side is visible.
 template <typename T>
 FoundOnSphere<T> find_on_sphere(const SphereOf<T>& sphere, T deviation, T area, Vec3Of<T> p_lit, Vec2Of<T> u,
                                 bool far_side_seen = false) {
@@ -177,7 +177,7 @@ std::optional<LightSample> AreaLight::sample(const std::vector<Texture>& texture
   return LightSample{found.wi, radiance, found.pdf, false, found.point};
 }
 
-// A point that was found uniformly over the area. The density is not a number where it is the lit point.
+// A point sampled uniformly over the area. The density is NaN if it is the reference point itself.
 AreaLight::Sample AreaLight::flat(const SurfacePoint& point, Vec3 p_lit) const {
   return {point, normalize(point.position - p_lit),
           per_solid_angle(area_, p_lit, point.position, point.geometric_normal)};
@@ -280,7 +280,7 @@ double AreaLight::power() const {
   return mean_radiance_ * static_cast<double>(area_) * static_cast<double>(kPi) * sides;
 }
 
-// A sphere is seen as a disk, which is a quarter of its area.
+// A sphere is seen as a disk, a quarter of its area.
 LightBounds AreaLight::bounds() const {
   const bool sphere = std::holds_alternative<SphereLight>(shape_);
   const double seen_area = static_cast<double>(area_) / (sphere ? 4 : 1);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Emissive shapes as sources that can be sampled: a triangle of a mesh, a quad, or a sphere. Immutable.
-// Densities are per solid angle at the point that is lit.
+// Emissive shapes as light sources: a triangle of a mesh, a quad, or a sphere. Immutable. Densities are per
+// solid angle at the reference point.
 #pragma once
 
 #include <array>
@@ -28,57 +28,57 @@ using QuadLight = QuadLightOf<float>;
 struct SphereLight {
   Vec3 center;
   float radius;
-  float deviation = 0;  // its surface may lie so far from the true one
-  // Its own axes in the world, which its texture coordinates go by; all of unit length.
+  float deviation = 0;  // bound on its surface's distance from the exact one
+  // The sphere's own axes in the world, which define its texture coordinates; unit length.
   Vec3 x_axis{1, 0, 0}, y_axis{0, 1, 0}, z_axis{0, 0, 1};
 };
 using LightShape = std::variant<TriangleLight, QuadLight, SphereLight>;
 
 struct SurfaceEmission {
   ColorParameter radiance;      // uniform over directions
-  double mean_radiance;         // over the surface, of the radiance times the opacity
-  bool two_sided = true;        // else only from the front
-  ScalarParameter opacity = 1;  // of the surface: the share of the radiance that leaves it
+  double mean_radiance;         // over the surface: radiance times opacity
+  bool two_sided = true;        // else only the front emits
+  ScalarParameter opacity = 1;  // the fraction of the radiance that is emitted
 
   bool is_opaque() const { return opacity.texture < 0 && opacity.value >= 1; }
 };
 
 class AreaLight {
  public:
-  // `front` is the outward normal of a triangle or quad, as SurfacePoint has it; unused by spheres.
+  // `front` is the outward normal of a triangle or quad, as in SurfacePoint; unused by spheres.
   AreaLight(LightShape shape, Vec3 front, const SurfaceEmission& emission);
 
-  // Radiance emitted at a point of the light (its position and uv count) towards `wo`, where the surface is
-  // met. sample() multiplies it by the probability of that, the opacity.
+  // Radiance emitted at a point of the light (its position and uv matter) towards `wo`, given that a ray
+  // hits the surface. sample() multiplies it by the probability of that, the opacity.
   Rgb emitted(const std::vector<Texture>& textures, const SurfacePoint& point, Vec3 wo) const;
 
   std::optional<LightSample> sample(const std::vector<Texture>& textures, Vec3 p_lit, Vec2 u) const;
 
-  // A quad that is opaque.
+  // An opaque quad.
   bool is_quad() const { return batch_ == Batch::kQuads; }
-  // Eight of these, each lane as sample() does.
+  // Samples eight such lights; each lane equals sample().
   static LightSamples sample_quads(const std::array<const AreaLight*, 8>& quads,
                                    const std::vector<Texture>& textures, Vec3Of<Float8> p_lit,
                                    Vec2Of<Float8> u);
 
-  // A sphere that emits uniformly and is opaque.
+  // An opaque sphere of uniform radiance.
   bool is_uniform_sphere() const { return batch_ == Batch::kEvenSpheres; }
   static LightSamples sample_uniform_spheres(const std::array<const AreaLight*, 8>& spheres,
                                              Vec3Of<Float8> p_lit, Vec2Of<Float8> u);
 
-  // The density with which sample() finds p_light, a point of the light, from p_lit.
+  // The density with which sample() generates the light's point p_light from p_lit.
   float pdf(Vec3 p_lit, Vec3 p_light) const;
 
-  // Watts, the mean of the channels, over all sides that emit.
+  // Emitted power in watts, averaged over the channels, of all emitting sides.
   double power() const;
   LightBounds bounds() const;
 
  private:
-  // Which lights it is sampled together with.
+  // The lights that it is sampled together with.
   enum class Batch : std::uint8_t { kNone, kQuads, kEvenSpheres };
   static Batch batch_of(const LightShape& shape, const SurfaceEmission& emission);
 
-  // A point of the light with the density of its direction.
+  // A point of the light and the density of its direction.
   struct Sample {
     SurfacePoint point;
     Vec3 wi;
@@ -92,7 +92,7 @@ class AreaLight {
   LightShape shape_;
   Vec3 front_;
   float area_;
-  // Its emission, and what follows from it.
+  // Emission, and quantities derived from it.
   ColorParameter radiance_;
   double mean_radiance_;
   ScalarParameter opacity_;

@@ -10,7 +10,7 @@
 namespace tessera::core {
 namespace {
 
-// From a position that is known exactly.
+// A sample of a light at an exactly known position.
 std::optional<LightSample> sample_position(Vec3 position, Rgb intensity, Vec3 p_lit) {
   const Vec3 d = position - p_lit;
   const float distance2 = length_squared(d);
@@ -21,7 +21,7 @@ std::optional<LightSample> sample_position(Vec3 position, Rgb intensity, Vec3 p_
   return sample;
 }
 
-// 1 - cos, which does not cancel for small angles.
+// 1 - cos without cancellation for small angles.
 float one_minus_cos(float angle) {
   const float half_sine = sin(angle / 2);
   return 2 * half_sine * half_sine;
@@ -62,15 +62,15 @@ std::optional<LightSample> SpotLight::sample(Vec3 p_lit) const {
   return sample_position(position_, intensity_ * falloff(length_squared(normalize(d) - axis_) / 2), p_lit);
 }
 
-// The cubic's mean over the falloff is one half.
+// The mean of the cubic over the falloff region is one half.
 double SpotLight::power() const {
   const double mean_edge = (static_cast<double>(inner_edge_) + static_cast<double>(outer_edge_)) / 2;
   return 2 * std::numbers::pi * static_cast<double>(mean(intensity_)) * mean_edge;
 }
 
-// Taken to shine alike up to its edge.
+// Treated as uniform up to its edge.
 LightBounds SpotLight::bounds() const {
-  constexpr float kNarrowest = 1e-5f;  // of what cosines can tell
+  constexpr float kNarrowest = 1e-5f;  // resolution of float cosines
   return LightBounds({{position_, position_}},
                      NormalCone::around(axis_, std::clamp(outer_edge_, kNarrowest, 1.0f)), Falloff::none(),
                      static_cast<double>(mean(intensity_)), false);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lights without extent: from any point they are seen in one direction or not at all, and no ray meets them.
+// Lights without extent: each is visible in at most one direction from any point, and rays cannot hit it.
 #pragma once
 
 #include <optional>
@@ -9,7 +9,7 @@
 
 namespace tessera::core {
 
-// Shines alike in all directions.
+// Emits uniformly in all directions.
 class PointLight {
  public:
   // `intensity` in watts per steradian.
@@ -24,13 +24,13 @@ class PointLight {
   Rgb intensity_;
 };
 
-// Shines into a cone: at full intensity near its axis, then falling off smoothly to nothing at its edge.
+// Emits into a cone: at full intensity near its axis, with a smooth falloff to zero at its edge.
 class SpotLight {
  public:
   struct Cone {
     Vec3 axis;            // unit
-    float angle_degrees;  // from edge to edge, above 0 to 180
-    float softness;       // the share of the angle, from the edge inwards, over which light falls off; 0 to 1
+    float angle_degrees;  // full angle, in (0, 180]
+    float softness;       // the fraction of the angle, from the edge inwards, with falloff; in [0, 1]
   };
   SpotLight(Vec3 position, Rgb intensity, const Cone& cone);
 
@@ -38,28 +38,28 @@ class SpotLight {
   double power() const;
   LightBounds bounds() const;
 
-  // The share of the full intensity at an angle from the axis; `off_axis` is 1 - its cosine.
+  // The fraction of the full intensity at an angle from the axis; `off_axis` is 1 - its cosine.
   float falloff(float off_axis) const;
 
  private:
   Vec3 position_;
   Rgb intensity_;
   Vec3 axis_;
-  float inner_edge_, outer_edge_;  // 1 - cos of the angles where light begins to fall off and where it ends
+  float inner_edge_, outer_edge_;  // 1 - cos of the angles where falloff begins and ends
 };
 
-// Comes from infinitely far away, alike everywhere.
+// A light at infinity with parallel rays.
 class DirectionalLight {
  public:
-  // `direction`, unit, is the way that light travels; `irradiance` that of a surface which faces it.
+  // `direction`, unit, is the direction of travel; `irradiance` is that of a surface perpendicular to it.
   DirectionalLight(Vec3 direction, Rgb irradiance) : wi_(-direction), irradiance_(irradiance) {}
 
   std::optional<LightSample> sample() const;
   double power(double scene_radius) const;
 
-  // Unit, against the way that light travels.
+  // Unit, opposite to the direction of travel.
   Vec3 wi() const { return wi_; }
-  // Of a surface that faces the light, the mean of the channels.
+  // Of a surface that faces the light, averaged over the channels.
   double irradiance() const { return static_cast<double>(mean(irradiance_)); }
 
  private:

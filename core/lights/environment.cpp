@@ -12,18 +12,18 @@
 namespace tessera::core {
 namespace {
 
-// In double, which has something left of the smallest float.
+// In double, which does not underflow.
 double mean_of(Rgb c) {
   return (static_cast<double>(c.r) + static_cast<double>(c.g) + static_cast<double>(c.b)) / 3;
 }
 
-// The mean over a texel of what is interpolated linearly between it and its two neighbours.
+// The mean over a texel of the linear interpolation between it and its two neighbours.
 double mean_over_texel(double before, double here, double after) {
   return (before + 6 * here + after) / 8;
 }
 
-// The channels' mean of `image` times `factor` in the mean over each texel, as bilinear interpolation has it:
-// 0 only where all of the texel is black. Row-major.
+// For each texel, the mean over it of `image` times `factor`, bilinearly interpolated and averaged over the
+// channels. It is 0 only if the whole texel is black. Row-major.
 std::vector<double> texel_means(const TextureImage& image, Rgb factor) {
   const auto width = static_cast<std::size_t>(image.width()),
              height = static_cast<std::size_t>(image.height());

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Light from infinitely far away in all directions: one radiance, or an equirectangular picture of the
-// environment. Immutable, shared by all threads.
+// The environment light: infinitely distant light from all directions, either constant or given by an
+// equirectangular image. Immutable, shared by all threads.
 #pragma once
 
 #include <memory>
@@ -16,37 +16,38 @@ namespace tessera::core {
 
 class Environment {
  public:
-  // `image` may be null: then `radiance` comes from everywhere; else it multiplies the picture, which is
-  // turned as EquirectangularMap says.
+  // If `image` is null, the environment has constant `radiance`; else `radiance` multiplies the image,
+  // which is rotated as described in EquirectangularMap.
   Environment(Rgb radiance, std::shared_ptr<const TextureImage> image, float rotation_degrees);
 
-  // From a direction, of any length but 0. Bilinear between the picture's texels.
+  // Radiance from a direction of any non-zero length. Texels are interpolated bilinearly.
   Rgb radiance(Vec3 direction) const;
 
-  // A direction to a surface with this normal, or to one that is lit from all sides
-  // (LightSampleContext::normal), in proportion to the mean of the channels and the cosine
-  // (EnvironmentDistribution). Wherever radiance() is not black there is a density.
+  // Samples a direction in proportion to the mean of the channels times the cosine to `normal`, or without
+  // a cosine for the zero normal (LightSampleContext::normal); see EnvironmentDistribution. The density is
+  // positive wherever radiance() is not black.
   std::optional<LightSample> sample(Vec3 normal, Vec2 u) const;
   float pdf(Vec3 normal, Vec3 direction) const;
 
-  // radiance() and pdf() of eight directions.
+  // radiance() and pdf() for eight directions.
   struct Seen {
     RgbOf<Float8> radiance;
     Float8 pdf;
   };
   Seen see(Vec3Of<Float8> normals, Vec3Of<Float8> directions) const;
-  // sample() of eight, without points. Where nothing is found, wi is not zero.
+  // sample() in eight lanes, without points. In lanes without a sample, wi is not zero.
   LightSamples sample(Vec3Of<Float8> normals, Vec2Of<Float8> u) const;
 
-  // Watts, the mean of the channels, that fall on a disk of the scene's radius, from all sides.
+  // The power that reaches a disk of the scene's radius from all directions, in watts, averaged over the
+  // channels.
   double power(double scene_radius) const;
 
-  // EnvironmentDistribution::importance_by_normal: of the mean of the channels, by normal_bin() of the
-  // surface.
+  // EnvironmentDistribution::importance_by_normal for the mean of the channels, by the surface's
+  // normal_bin().
   const std::vector<double>& importance_by_normal() const { return distribution_->importance_by_normal(); }
 
  private:
-  RgbOf<Float8> radiance_at(Vec2Of<Float8> uv) const;  // of the picture
+  RgbOf<Float8> radiance_at(Vec2Of<Float8> uv) const;  // of the image
 
   Rgb radiance_;
   std::shared_ptr<const TextureImage> image_;

@@ -14,12 +14,12 @@
 namespace tessera::core {
 namespace {
 
-// How near the poles the density of interpolated texels still grows, as the sine of the angle: it would be
-// infinite at the poles.
+// Clamps the sine of the angle to the pole, because the density of interpolated texels is infinite at the
+// poles.
 constexpr float kMinSine = 1e-6f;
 
-// The numbers with more bits below their 24, made of all that these have: a rare cell leaves too few of the
-// 24 to find its texels by.
+// Extends the 24 bits of each number with bits derived from all of them: after the choice of a rare cell,
+// too few of the 24 remain to choose its texels.
 Vec2Of<double> with_more_bits(Vec2 u) {
   const std::uint64_t more = hash(std::uint64_t{as_bits(u.x)}, as_bits(u.y));
   const auto refined = [](float number, std::uint64_t bits) {
@@ -29,12 +29,12 @@ Vec2Of<double> with_more_bits(Vec2 u) {
   return {refined(u.x, more >> 32), refined(u.y, more & 0xffffffff)};
 }
 
-// The texel that a place lies in, counted from the first. Written so that NaN, too, ends in the picture.
+// The index of the texel that contains a position. NaN also maps into the image.
 std::uint32_t texel_at(float place, int texels) {
   return to_word(larger(0.0f, smaller(place, static_cast<float>(texels - 1))));
 }
 
-// Which of the shares a number falls on, below the end of the last.
+// The index of the interval that contains a number below the total.
 template <std::size_t kCount>
 std::size_t share_at(const std::array<std::int16_t, kCount>& begins, std::uint32_t number) {
   assert(number < static_cast<std::uint32_t>(begins.back()));
@@ -46,7 +46,7 @@ std::size_t share_at(const std::array<std::int16_t, kCount>& begins, std::uint32
 
 }  // namespace
 
-// The shares of a cell, and where it lies; or several.
+// The intervals of one or several cells, and their locations.
 template <typename T>
 struct EnvironmentDistribution::SharesOf {
   T band_begin, band_size, sector_begin, sector_size;
@@ -56,8 +56,8 @@ struct EnvironmentDistribution::SharesOf {
     constexpr float kUnit = 1 / (float{kWhole} * float{kWhole});
     return band_size * sector_size * kUnit;
   }
-  // Where numbers fall in the shares, in [0, 1). The whole is a power of two, so nothing is rounded across
-  // the shares' ends.
+  // The relative position of numbers in their intervals, in [0, 1). The total is a power of two, so no
+  // rounding crosses an interval's end.
   template <typename U>
   Vec2Of<U> within(Vec2Of<U> u) const {
     return {(u.x * U(float{kWhole}) - U(sector_begin)) / U(sector_size),
@@ -67,7 +67,7 @@ struct EnvironmentDistribution::SharesOf {
 
 struct EnvironmentDistribution::Chosen {
   SharesOf<float> shares;
-  std::int32_t uneven;  // as Cell has it
+  std::int32_t uneven;  // as in Cell
 };
 
 class EnvironmentDistribution::ChosenLanes {
@@ -121,7 +121,7 @@ EnvironmentDistribution::Chosen EnvironmentDistribution::chosen(std::uint32_t fa
           cell.uneven};
 }
 
-// The numbers are of the whole.
+// The numbers are fractions of the total.
 EnvironmentDistribution::Chosen EnvironmentDistribution::choose(std::uint32_t facing, std::uint32_t x,
                                                                 std::uint32_t y) const {
   const Choice& choice = choices_[facing];
@@ -142,7 +142,7 @@ EnvironmentDistribution::PlaceOf<float> EnvironmentDistribution::sample_texels(c
           chosen.shares.chance() * density * texels_per_solid_angle(row)};
 }
 
-// At that many rows below the upper pole.
+// `row` is counted from the upper pole.
 float EnvironmentDistribution::texels_per_solid_angle(float row) const {
   const auto width = static_cast<float>(width_), height = static_cast<float>(height_);
   const float inside = larger(0.0f, smaller(row, height));
@@ -179,7 +179,7 @@ EnvironmentDistribution::PlaceOf<Float8> EnvironmentDistribution::sample(U32x8 f
   return places.all();
 }
 
-// A place of the picture, in texels from its upper left corner.
+// `place` is an image position in texels, from the upper left corner.
 float EnvironmentDistribution::pdf_at(std::uint32_t facing, Vec2 place) const {
   const auto [shares, uneven] =
       chosen(facing, band_of_row_[texel_at(place.y, height_)], sector_of_column_[texel_at(place.x, width_)]);

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which way to look for light that comes from all around: in proportion to the radiance times the cosine that
-// it arrives under, which depends on the way that the lit surface faces. Immutable.
+// Importance sampling of environment light, in proportion to radiance times cosine, which depends on the
+// surface normal. Immutable.
 //
-// The sphere of directions is cut into cells along the rows and columns of an equirectangular picture. For
-// each way to face there is a table of what each cell sends, and all tables together fit into a near cache.
-// Within a cell directions are even, and the picture's texels need not be looked at; but for cells that are
-// uneven, such as the sun's, which have a distribution of their own, interpolated between texels as light is
-// within the cell.
+// The sphere of directions is divided into cells along the rows and columns of an equirectangular image.
+// Each normal bin has a table of cell probabilities, and all tables together fit into a near cache. Within
+// a cell the density is uniform and the image's texels are not read. Cells with high contrast, such as the
+// sun's, have their own distribution, interpolated between texels as the radiance is.
 #pragma once
 
 #include <array>
@@ -23,34 +22,34 @@ namespace tessera::core {
 
 class EnvironmentDistribution {
  public:
-  // The mean of the channels at (u, v) of the picture; finite and not negative.
+  // The mean of the channels at (u, v) of the image; finite and non-negative.
   using RadianceAt = std::function<double(Vec2 uv)>;
-  // `means`: of that over each texel, row by row from the upper edge. Of an environment that is black there is
-  // nothing but radiance_over_sphere().
+  // `means` holds the mean over each texel, row by row from the upper edge. For a black environment only
+  // radiance_over_sphere() may be called.
   static EnvironmentDistribution build(int width, int height, const std::vector<double>& means,
                                        const RadianceAt& radiance_at, const EquirectangularMap& map);
 
-  // A direction, by its place in the picture (EquirectangularMap::direction).
+  // A direction, as an image position (EquirectangularMap::direction).
   template <typename T>
   struct PlaceOf {
     T along_row, depth, side;
     T pdf;  // per solid angle
   };
-  // By normal_bin() of the surface; u in [0, 1). Nine times in ten in proportion to the radiance, else to
-  // anything that shines alike, and both times the cosine; but one time in twenty without it. So wherever
-  // there is light there is a density.
+  // `facing` is the surface's normal_bin(); u is in [0, 1). Nine tenths of the samples are in proportion to
+  // radiance, the others uniform over the sphere, both times the cosine; one sample in twenty ignores the
+  // cosine. The density is therefore positive wherever there is light.
   PlaceOf<float> sample(std::uint32_t facing, Vec2 u) const;
   PlaceOf<Float8> sample(U32x8 facings, Vec2Of<Float8> u) const;
 
-  // Of the direction that falls on (u, v) of the picture.
+  // The density of the direction at (u, v) of the image.
   float pdf(std::uint32_t facing, Vec2 uv) const;
   Float8 pdf(U32x8 facings, Vec2Of<Float8> uv) const;
 
-  // All radiance, integrated over solid angle.
+  // Radiance integrated over the sphere.
   double radiance_over_sphere() const { return radiance_over_sphere_; }
-  // kFacings numbers: the irradiance that lights are sampled for, shadows apart: what is uneven, and a
-  // quarter of the rest, which rays that are scattered find as well. For all sides at once: of a surface that
-  // half of a uniform environment sends.
+  // For each of kFacings bins, the unoccluded irradiance that counts when choosing a light: all of the
+  // high-contrast cells, and a quarter of the rest, which BSDF samples find too. For the bin of all sides,
+  // it is that of a surface that receives half of a uniform environment.
   const std::vector<double>& importance_by_normal() const { return sought_; }
 
  private:
@@ -59,20 +58,20 @@ class EnvironmentDistribution {
   static constexpr int kBands = 16, kSectors = 32;
   static constexpr std::size_t kCells = std::size_t{kBands} * kSectors;
 
-  // Of a whole: where each share begins, and where the last one ends.
+  // The intervals of a discrete distribution: where each begins, and where the last one ends.
   template <std::size_t kCount>
   using Shares = std::array<std::int16_t, kCount + 1>;
   struct Choice {
     Shares<kBands> bands;
-    std::array<Shares<kSectors>, kBands> sectors;  // of each band
+    std::array<Shares<kSectors>, kBands> sectors;  // for each band
   };
   static constexpr std::int16_t kWhole = 1 << 14;
 
-  // What lies between two rows and two columns, as in PlaceOf; or several of these.
+  // The patch between two rows and two columns, as in PlaceOf; or several.
   template <typename T>
   struct PatchOf {
     T along_row, row_size, depth, depth_size, side;
-    T per_solid_angle;  // one over that of the patch
+    T per_solid_angle;  // 1 / solid angle of the patch
 
     PlaceOf<T> at(Vec2Of<T> within, T chance) const {
       return {along_row + row_size * within.x, depth + depth_size * within.y, side, chance * per_solid_angle};
@@ -81,7 +80,7 @@ class EnvironmentDistribution {
   static constexpr std::int32_t kEven = -1;
   struct Cell {
     PatchOf<float> patch;
-    std::int32_t uneven = kEven;  // else the number of its Texels
+    std::int32_t uneven = kEven;  // kEven, or the index of its Texels
   };
   struct Texels {
     int first_column, first_row;
@@ -100,7 +99,7 @@ class EnvironmentDistribution {
   float texels_per_solid_angle(float row) const;
   float pdf_at(std::uint32_t facing, Vec2 place) const;
 
-  // Of the grid: the picture's columns and rows, or parts of them where they are fewer than sectors or bands.
+  // The grid's size: the image's columns and rows, subdivided if there are fewer than sectors or bands.
   int width_ = 0, height_ = 0;
   std::vector<std::uint8_t> sector_of_column_, band_of_row_;
   std::vector<Cell> cells_;  // by band and sector

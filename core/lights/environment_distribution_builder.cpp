@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How an EnvironmentDistribution is made.
+// Builds an EnvironmentDistribution.
 #include <algorithm>
 #include <array>
 #include <cassert>
@@ -18,19 +18,20 @@
 namespace tessera::core {
 namespace {
 
-// Of the samples, over all that shines alike: a faint sky is found beside a sun brighter by any factor.
+// Fraction of the samples that are uniform, so that a faint sky is sampled beside an arbitrarily bright
+// sun.
 constexpr double kUniformDirections = 0.1;
-// Of the samples, without regard to cosines: surfaces of one facing differ a little in what they see.
+// Fraction of the samples that ignore the cosine, because normals within a bin differ.
 constexpr double kAnyCosine = 0.05;
-// A cell is uneven if the density of a texel in it is above this times the mean. Less than that is little
-// beside the noise of shadows.
+// A cell has high contrast if the density of a texel exceeds this multiple of the mean. Smaller variation
+// is negligible beside the noise of shadows.
 constexpr double kMaxUneven = 1.5;
-// What light of even cells counts for when a light is chosen. Scattered rays find it well, and lamps and suns
-// seldom, which need samples of lights the more.
+// The weight of uniform cells when a light is chosen. BSDF samples find their light well, and seldom find
+// lamps and suns, which thus need more light samples.
 constexpr double kFoundAnyway = 0.25;
 
-// Places along the sides of a cell, and of a facing's square, and what they count for: the trapezoidal rule.
-// With the corners, no cell that a facing sees any of counts for nothing.
+// Sample positions along the sides of a cell and of a normal bin, and their weights (trapezoidal rule).
+// Including the corners ensures that every partly visible cell has a positive weight.
 constexpr std::array<float, 3> kAlong{0, 0.5f, 1}, kAlongWeights{0.25f, 0.5f, 0.25f};
 constexpr std::size_t kPlaces = kAlong.size() * kAlong.size();
 constexpr Vec2 place(std::size_t i) {
@@ -40,20 +41,20 @@ constexpr float place_weight(std::size_t i) {
   return kAlongWeights[i % kAlong.size()] * kAlongWeights[i / kAlong.size()];
 }
 
-// Into how many parts each of `count` is to be cut to be at least `least` together.
+// The number of parts into which each of `count` is divided to give at least `least` in total.
 int parts(int count, int least) {
   return (least + count - 1) / count;
 }
 
-// How far below the upper pole a row begins, on the unit sphere. By the sine of half the angle, which does
-// not cancel near the pole.
+// The distance of a row's start below the upper pole, on the unit sphere; computed from the sine of half
+// the angle, which avoids cancellation near the pole.
 double depth_of_row(int row, int rows) {
   const double half_sine =
       static_cast<double>(sin(kPi / 2 * static_cast<float>(row) / static_cast<float>(rows)));
   return 2 * half_sine * half_sine;
 }
 
-// What lies between two rows, seen from the nearer pole.
+// The range between two rows, measured from the nearer pole.
 struct Heights {
   Heights(int first, int end, int rows)
       : upper(first + end <= rows),
@@ -75,8 +76,8 @@ std::array<std::int16_t, kCount + 1> shares_of(const double* weights, std::int16
 
 class EnvironmentDistributionBuilder {
  public:
-  // The grid is the picture's texels or parts of them: at least one row for each band, and one column for
-  // each sector.
+  // The grid consists of texels of the image or parts of them: at least one row for each band, and one
+  // column for each sector.
   EnvironmentDistributionBuilder(int width, int height, const std::vector<double>& means,
                                  const EnvironmentDistribution::RadianceAt& radiance_at,
                                  const EquirectangularMap& map)
@@ -107,7 +108,7 @@ class EnvironmentDistributionBuilder {
  private:
   static constexpr int kBands = EnvironmentDistribution::kBands, kSectors = EnvironmentDistribution::kSectors;
   static constexpr std::size_t kCells = EnvironmentDistribution::kCells;
-  static constexpr double kMeanCosine = 0.25;  // over the sphere, and none behind the surface
+  static constexpr double kMeanCosine = 0.25;  // over the sphere; zero behind the surface
   using OfCells = std::array<double, kCells>;  // by band and sector
   using Patch = EnvironmentDistribution::PatchOf<float>;
 
@@ -136,7 +137,7 @@ class EnvironmentDistributionBuilder {
     return map_.direction(p.along_row + p.row_size * place.x, p.depth + p.depth_size * place.y, p.side);
   }
 
-  // Calls function(mean radiance, solid angle, column, row) for each texel of the grid between these.
+  // Calls function(mean radiance, solid angle, column, row) for each texel of the grid in these bounds.
   template <typename Function>
   void for_each(const Bounds& b, Function function) const {
     for (int row = b.first_row; row < b.end_row; ++row) {
@@ -170,7 +171,7 @@ class EnvironmentDistributionBuilder {
     least_density_ = kUniformDirections / lit;
   }
 
-  // Per solid angle, without regard to cosines.
+  // Per solid angle, without the cosine.
   double lit_density(double radiance) const { return radiance * density_per_radiance_ + least_density_; }
   double density(double radiance) const { return radiance > 0 ? lit_density(radiance) : 0; }
 
@@ -194,9 +195,9 @@ class EnvironmentDistributionBuilder {
     made_.texels_.push_back({within.first_column, within.first_row, texels(within)});
   }
 
-  // What the picture is interpolated between in and around a texel: the radiance in its middle. For those at
-  // the cell's edge, the most between there and the edge: light of a sun beyond it comes over the edge, and
-  // the density does not.
+  // The radiance values at the corners between which the image is interpolated in and around a texel. At
+  // the cell's edge it is the maximum from there to the edge, since light of a sun beyond the edge leaks in
+  // by interpolation and the density does not.
   double radiance_around(const Bounds& within, int column, int row) const {
     const auto span = [](int texel, int first, int end) {
       return std::pair{static_cast<float>(texel) + (texel == first ? 0.0f : 0.5f),
@@ -204,7 +205,8 @@ class EnvironmentDistributionBuilder {
     };
     const auto [left, right] = span(column, within.first_column, within.end_column);
     const auto [top, bottom] = span(row, within.first_row, within.end_row);
-    constexpr double kMax = std::numeric_limits<float>::max();  // interpolated, it might round to infinity
+    constexpr double kMax =
+        std::numeric_limits<float>::max();  // larger values might be interpolated to infinity
     double most = 0;
     for (float along = left; along <= right; along += 0.5f)
       for (float down = top; down <= bottom; down += 0.5f)
@@ -213,7 +215,8 @@ class EnvironmentDistributionBuilder {
     return std::min(most, kMax);
   }
 
-  // Texels that are not black all over have some weight, so that there is a density wherever there is light.
+  // Texels that are not entirely black get positive weight, so that the density is positive wherever there
+  // is light.
   BilinearDistribution texels(const Bounds& within) const {
     std::vector<double> weights;
     for_each(within, [&](double mean, double angle, int column, int row) {
@@ -222,8 +225,8 @@ class EnvironmentDistributionBuilder {
     return {within.end_column - within.first_column, within.end_row - within.first_row, weights};
   }
 
-  // Of surfaces that face this way, in the mean over these and over each cell, of an uneven one half of it
-  // where it is brightest.
+  // Cosines for a normal bin, averaged over its normals and over each cell; for a high-contrast cell, half
+  // of the weight is at its brightest position.
   OfCells cosines_of(std::uint32_t facing) const {
     OfCells cosines{};
     for (std::size_t n = 0; n < kPlaces; ++n) {
@@ -240,7 +243,7 @@ class EnvironmentDistributionBuilder {
     return cosines;
   }
 
-  // In proportion to the light times the cosine.
+  // Adds a table in proportion to radiance times cosine.
   void add_choice(const OfCells& cosines) {
     const double reflected = std::inner_product(cosines.begin(), cosines.end(), probability_.begin(), 0.0);
     OfCells weights;
@@ -268,9 +271,9 @@ class EnvironmentDistributionBuilder {
   const std::vector<double>& means_;
   const EnvironmentDistribution::RadianceAt& radiance_at_;
   const EquirectangularMap& map_;
-  std::vector<double> solid_angles_;  // of a texel of each row
+  std::vector<double> solid_angles_;  // of a texel in each row
   double density_per_radiance_ = 0, least_density_ = 0;
-  OfCells light_{}, probability_{};  // over the cell's solid angle: radiance, density
+  OfCells light_{}, probability_{};  // integrals over the cell's solid angle: radiance, density
   std::array<std::array<Vec3, kPlaces>, kCells> directions_{};
   std::array<Vec3, kCells> brightest_{};
   EnvironmentDistribution made_;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Directions as places of an equirectangular picture of the environment, as it is seen from inside: the
-// middle looks along -z, right of it is +x, the upper edge is +y. Longitude and latitude are linear in u
-// and v.
+// Maps directions to positions of an equirectangular environment image, seen from inside: the middle looks
+// along -z, +x is to the right, and the upper edge is +y. Longitude and latitude are linear in u and v.
 #pragma once
 
 #include <cmath>
@@ -13,10 +12,10 @@ namespace tessera::core {
 
 class EquirectangularMap {
  public:
-  // The picture is turned about +y, counter-clockwise seen from above.
+  // Rotates the image about +y, counter-clockwise seen from above.
   explicit EquirectangularMap(float rotation_degrees) : turned_(fraction(rotation_degrees / 360)) {}
 
-  // Of a direction of any length but 0.
+  // The image position of a direction of any non-zero length.
   template <typename T>
   Vec2Of<T> uv_of(Vec3Of<T> d) const {
     using std::sqrt;
@@ -25,8 +24,8 @@ class EquirectangularMap {
     return {fraction(0.5f + (longitude * (kInvPi / 2) + turned_)), 0.5f + latitude * kInvPi};
   }
 
-  // The unit direction at u = `along_row` whose height is `depth` below the upper pole (`side` 1) or above
-  // the lower one (-1), on the unit sphere. Equal heights have equal areas there (Archimedes).
+  // The unit direction at u = `along_row` and a distance of `depth` below the upper pole (`side` 1) or
+  // above the lower one (-1), on the unit sphere. Equal heights have equal areas there (Archimedes).
   template <typename T>
   Vec3Of<T> direction(T along_row, T depth, T side) const {
     using std::sqrt;

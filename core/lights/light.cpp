@@ -10,7 +10,7 @@
 namespace tessera::core {
 namespace {
 
-// Light samples that are found one by one.
+// Light samples that are computed one by one.
 class SampleLanes {
  public:
   void set(std::size_t lane, const LightSample& sample) {
@@ -29,7 +29,7 @@ class SampleLanes {
     geometric_normal_.set(lane, sample.point->geometric_normal);
   }
 
-  // The lanes that have been set become theirs.
+  // Overwrites the lanes that have been set.
   void merge_into(LightSamples& all) const {
     const Mask8 mine = Mask8::from_bits(found_);
     all.found = all.found | mine;
@@ -50,7 +50,7 @@ class SampleLanes {
   FloatLanes pdf_{};
 };
 
-// Those of `lanes` that are found become samples of `all`.
+// Copies the found samples of `lanes` to `all`.
 void take_lanes(LightSamples& all, const LightSamples& others, Mask8 lanes) {
   const Mask8 mine = lanes & others.found;
   all.found = all.found | mine;
@@ -63,7 +63,7 @@ void take_lanes(LightSamples& all, const LightSamples& others, Mask8 lanes) {
   all.point.geometric_normal = select(mine, others.point.geometric_normal, all.point.geometric_normal);
 }
 
-// Lights that are sampled together, each in its lane.
+// Lights that are sampled together, one in each lane.
 class AreaLights {
  public:
   void set(std::size_t lane, const AreaLight* light) {
@@ -72,7 +72,7 @@ class AreaLights {
   }
   bool empty() const { return lanes_ == 0; }
   Mask8 lanes() const { return Mask8::from_bits(lanes_); }
-  // One in every lane.
+  // Fills unset lanes with a light of the set.
   const std::array<const AreaLight*, kLaneCount>& filled() {
     std::replace(lights_.begin(), lights_.end(), static_cast<const AreaLight*>(nullptr), some_);
     return lights_;
@@ -101,7 +101,7 @@ std::optional<LightSample> sample_light(const Light& light, const std::vector<Te
 LightSamples sample_lights(const std::array<const Light*, 8>& lights, const std::vector<Texture>& textures,
                            const LightSampleContexts& lit, Vec2Of<Float8> u) {
   AreaLights quads, spheres;
-  const Environment* environment = nullptr;  // of which a scene has one
+  const Environment* environment = nullptr;  // a scene has at most one
   unsigned environment_lanes = 0, other_lanes = 0;
   for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
     if (!lights[lane]) continue;

@@ -8,31 +8,32 @@
 namespace tessera::core {
 namespace {
 
-// The unit vector at a right angle to `axis` on the side of `toward`; zero where they are parallel.
+// The unit vector perpendicular to `axis` on the side of `toward`; zero if they are parallel.
 Vec3 perpendicular(Vec3 axis, Vec3 toward) {
   const Vec3 across = toward - axis * dot(axis, toward);
-  const Vec3 exact = across - axis * dot(axis, across);  // what rounding has left of the axis
+  const Vec3 exact =
+      across - axis * dot(axis, across);  // removes the remainder along the axis that rounding leaves
   const float length2 = length_squared(exact);
   return length2 > 1e-13f ? exact / std::sqrt(length2) : Vec3{};
 }
 
-// Whether `outer`, the wider cone, holds `inner`: whether the angle between their axes is at most the
-// difference of theirs.
+// Whether `outer`, the wider cone, contains `inner`: the angle between the axes is at most the difference
+// of the cones' angles.
 bool contains(const NormalCone& outer, const NormalCone& inner, float cos_between) {
   return cos_between >= outer.cos_o * inner.cos_o + outer.sin_o * inner.sin_o;
 }
 
-// The narrowest cone around both, or all directions where that exceeds a hemisphere.
+// The narrowest cone that contains both, or all directions if it exceeds a hemisphere.
 NormalCone unite(const NormalCone& a, const NormalCone& b) {
   if (a.is_all() || b.is_all()) return NormalCone::all();
   const float cos_between = dot(a.axis, b.axis);
   const auto& [wider, narrower] = a.cos_o <= b.cos_o ? std::tie(a, b) : std::tie(b, a);
   if (contains(wider, narrower, cos_between)) return wider;
-  // The edges that lie farthest apart, in the plane of both axes. Their bisector is the axis sought.
+  // The outermost edges in the plane of both axes. Their bisector is the new axis.
   const Vec3 edge_a = a.axis * a.cos_o - perpendicular(a.axis, b.axis) * a.sin_o;
   const Vec3 edge_b = b.axis * b.cos_o - perpendicular(b.axis, a.axis) * b.sin_o;
   const Vec3 sum = edge_a + edge_b;
-  constexpr float kMin = 1e-3f;  // of nearly a hemisphere, where rounding would tell the axis
+  constexpr float kMin = 1e-3f;  // near a hemisphere, rounding would determine the axis
   if (!(dot(sum, a.axis + b.axis) > kMin)) return NormalCone::all();
   const Vec3 axis = normalize(sum);
   const float cos_o = std::fmin(dot(axis, edge_a), dot(axis, edge_b));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is known of a set of lights as one: where they are, which way they shine and how strongly. From it
-// follows how much light the set may send to a point (Conty Estevez and Kulla 2018, section 3).
+// Spatial, directional and power bounds of a set of lights, from which the contribution of the set to a
+// point is estimated (Conty Estevez and Kulla 2018, section 3).
 #pragma once
 
 #include "core/geometry/aabb.hpp"
@@ -8,44 +8,45 @@
 
 namespace tessera::core {
 
-// Directions within an angle theta_o of an axis: those that lights of a set face. Up to a hemisphere, or all.
+// Directions within an angle theta_o of an axis, which bound the normals of the lights. At most a
+// hemisphere, or all directions.
 struct NormalCone {
   Vec3 axis{0, 0, 1};  // unit
   float cos_o = 1, sin_o = 0;
 
   static NormalCone only(Vec3 direction) { return {direction}; }
   static NormalCone all() { return {{0, 0, 1}, -1, 0}; }
-  // By 1 - cos(theta_o), at most 1.
+  // From 1 - cos(theta_o), which is at most 1.
   static NormalCone around(Vec3 axis, float one_minus_cos);
 
   bool is_all() const { return cos_o < 0; }
 };
 
-// How light falls off with the angle t from the nearest direction of the cone: as cos(t) up to theta_e.
+// The emission at an angle t from the nearest direction of the cone: cos(t) up to theta_e.
 struct Falloff {
   float cos_e;
   float spread;  // theta_e + sin(theta_e) cos(theta_e)
 
-  static Falloff cosine() { return {0, 1.57079632679489661923f}; }  // up to a right angle, as surfaces do
+  static Falloff cosine() { return {0, 1.57079632679489661923f}; }  // up to a right angle, as for surfaces
   static Falloff none() { return {1, 0}; }                          // nothing beyond the cone
 };
 
-// Where lights are.
+// Spatial bounds of lights.
 struct Extent {
   Aabb box;
-  double area = 0;  // as it is seen from where it is seen the largest, the sum over the set
+  double area = 0;  // sum over the set of each light's largest projected area
 };
 
 class LightBounds {
  public:
-  // Of no light.
+  // Bounds of no lights.
   LightBounds() = default;
-  // `intensity`: watts per steradian in the directions of `normals`, the mean of the channels. Two-sided
-  // lights shine backwards as they do forwards.
+  // `intensity` is in watts per steradian in the directions of `normals`, averaged over the channels.
+  // Two-sided lights emit equally on both sides.
   LightBounds(const Extent& extent, const NormalCone& normals, Falloff falloff, double intensity,
               bool two_sided);
 
-  // Grows to bound the other's lights too.
+  // Extends the bounds by the other's lights.
   void include(const LightBounds& other);
 
   const Aabb& box() const { return extent_.box; }
@@ -55,11 +56,11 @@ class LightBounds {
   bool two_sided() const { return two_sided_; }
   // Watts.
   double power() const { return power_; }
-  // Power over the solid angle that it is sent into, in the mean over the set: watts per steradian in the
+  // Mean over the set of the power per solid angle that it is emitted into: watts per steradian in the
   // directions of normals().
   double intensity() const;
-  // The integral of the falloff over directions, of one side: from pi for a flat light to 4 pi
-  // (Conty Estevez and Kulla 2018, section 4.4).
+  // The integral of the falloff over directions, for one side: from pi for a flat light to 4 pi (Conty
+  // Estevez and Kulla 2018, section 4.4).
   double orientation_measure() const;
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What sampling a light answers, the same for lights of every kind.
+// The result of sampling a light, common to all types.
 #pragma once
 
 #include <optional>
@@ -11,20 +11,20 @@
 
 namespace tessera::core {
 
-// Light that arrives at the lit point from `wi`, if nothing is in between. Its share of the reflected light
-// is bsdf * cos * radiance / pdf, whatever the kind.
+// Light that arrives at the reference point from `wi`, visibility not included. Its contribution is bsdf *
+// cos * radiance / pdf for every type of light.
 struct LightSample {
-  Vec3 wi;             // unit, from the lit point towards the light
-  Rgb radiance;        // of a delta light the irradiance of a surface that faces it
-  float pdf = 0;       // per solid angle; of a delta light 1, since the deltas of radiance and density cancel
-  bool delta = false;  // comes from one direction only: no ray that is scattered finds it
-  std::optional<SurfacePoint> point;  // where the light begins, without its shading normal; none at infinity
+  Vec3 wi;             // unit, from the reference point towards the light
+  Rgb radiance;        // for a delta light, the irradiance of a surface that faces it
+  float pdf = 0;       // per solid angle; 1 for a delta light: the deltas of radiance and density cancel
+  bool delta = false;  // a delta direction, which no scattered ray finds
+  std::optional<SurfacePoint> point;  // the point on the light, without shading normal; none at infinity
 };
 
-// Eight of them, for eight lit points.
+// Eight samples, for eight reference points.
 struct LightSamples {
-  Mask8 found = false;  // where there is one at all
-  Vec3Of<Float8> wi;    // zero elsewhere
+  Mask8 found = false;  // lanes with a sample
+  Vec3Of<Float8> wi;    // zero in other lanes
   RgbOf<Float8> radiance;
   Float8 pdf{};
   Mask8 delta = false;

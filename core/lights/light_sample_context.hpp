@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where light is sought.
+// The reference point for light sampling.
 #pragma once
 
 #include "core/math/simd.hpp"
@@ -9,10 +9,10 @@ namespace tessera::core {
 
 struct LightSampleContext {
   Vec3 position{};
-  Vec3 normal{};  // unit, of the side that is lit; zero where light counts from all sides
+  Vec3 normal{};  // unit, of the side that is lit; zero if light counts from all sides
 };
 
-// Eight of them.
+// Eight contexts.
 struct LightSampleContexts {
   Vec3Of<Float8> position, normal;
 };

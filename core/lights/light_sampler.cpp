@@ -10,10 +10,10 @@
 namespace tessera::core {
 namespace {
 
-// Of the choices, over all lights alike.
+// Fraction of the choices that are uniform over all lights.
 constexpr double kUniformShare = 0.1;
-// Of the others, over the tree and the lights at infinity alike: what is known of the tree as a whole may be
-// far from what its lights send to a point among them.
+// Fraction of the other choices that are uniform over the tree and the lights at infinity, because the
+// bounds of the whole tree may be inaccurate for a point among its lights.
 constexpr double kEvenShare = 0.25;
 
 }  // namespace
@@ -73,7 +73,7 @@ LightSampler::Choice LightSampler::sample_by_place(const ShadingPointCache& at, 
     return choice;
   }
   u -= of_tree;
-  Choice choice{kNoLight, 0};  // the last that shines, should rounding leave u beyond it
+  Choice choice{kNoLight, 0};  // the last candidate with power, in case rounding leaves u beyond it
   for (const Distant& distant : distant_) {
     const double of_light = share(all, irradiance(distant, at));
     if (of_light > 0) choice = {distant.light, static_cast<float>(of_light)};

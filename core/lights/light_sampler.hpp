@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which light to sample, by where the lit point is: nine times in ten in proportion to the light that each
-// may send there, shadows apart, of a uniform environment a quarter of it,
-// as it suits multiple importance sampling; else any of them alike. So a faint
-// light is still found beside one that is brighter by any factor.
+// Chooses which light to sample, depending on the reference point. Nine tenths of the choices are in
+// proportion to each light's estimated unoccluded contribution, with a quarter for a uniform environment as
+// suits multiple importance sampling. The others are uniform, so that faint lights are sampled beside
+// arbitrarily bright ones.
 //
-// Lights with a place are chosen by a tree. Those at infinity, which are few, stand beside it one by one.
+// Local lights are chosen by a light tree. Lights at infinity, which are few, are weighed one by one beside
+// it.
 #pragma once
 
 #include <array>
@@ -21,24 +22,24 @@ namespace tessera::core {
 class LightSampler {
  public:
   using Choice = LightTree::Choice;
-  // Which of the lights can be chosen.
+  // The set of candidate lights.
   enum class Among { kAll, kDelta };
 
   LightSampler() = default;
-  // Each light has power. The result does not depend on `threads`.
+  // Each light must have positive power. The result does not depend on `threads`.
   LightSampler(const std::vector<Light>& lights, Among among, int threads);
 
-  // Whether there is no light that could be chosen.
+  // Whether there are no candidate lights.
   bool empty() const { return members_.empty(); }
-  // How many lights can be chosen.
+  // The number of candidate lights.
   std::size_t size() const { return members_.size(); }
-  // u in [0, 1), of more bits than a float has. May choose none (kNoLight) where there are lights that do not
-  // shine on the point.
+  // u is in [0, 1), with more bits than a float has. May return kNoLight if some lights do not reach the
+  // point.
   Choice sample(const LightSampleContext& point, double u) const;
-  // For eight points, each lane as the above; nothing in lanes whose bit in `asked` is not set.
+  // Samples for eight points; each lane equals the above. Lanes whose bit in `asked` is not set stay empty.
   std::array<Choice, kLaneCount> sample(const LightSampleContexts& points,
                                         const std::array<double, kLaneCount>& u, unsigned asked) const;
-  // With which sample() chooses the light; 0 of one that it never does.
+  // The probability with which sample() chooses the light; 0 if it never does.
   float pmf(const LightSampleContext& point, std::uint32_t light) const;
 
  private:
@@ -46,18 +47,19 @@ class LightSampler {
   struct Distant {
     std::uint32_t light;
     Vec3 wi{};              // unit
-    double irradiance = 0;  // of a surface that faces it, the mean of the channels
-    // Instead of these, for environment light: EnvironmentDistribution::importance_by_normal, by
+    double irradiance = 0;  // of a surface that faces it, averaged over the channels
+    // Replaces the members above for environment light: EnvironmentDistribution::importance_by_normal, by
     // normal_bin().
     std::vector<double> by_facing{};
   };
-  // A point, and what is found out about it before any light is chosen there.
+  // Values at a point that do not depend on the light, cached before a light is chosen there.
   struct ShadingPointCache {
     LightSampleContext point;
     LightTree::Weights root;
-    std::uint32_t facing;  // normal_bin() its normal; kAllSides, and not asked for, if no light is all around
+    std::uint32_t facing;  // normal_bin() of its normal; kAllSides if there is no environment light
   };
-  // How much light comes from the tree and from all at infinity, and from how many of these alternatives.
+  // The total contributions of the tree and of the lights at infinity, and the number of non-zero
+  // alternatives.
   struct Total {
     double tree = 0, irradiance = 0;
     int alternatives = 0;
@@ -69,7 +71,7 @@ class LightSampler {
   static double share(const Total& total, double irradiance);
   Choice sample_at(const ShadingPointCache& at, double u) const;
   Choice sample_by_place(const ShadingPointCache& at, double u) const;
-  // Nothing of lights that are not among these.
+  // Nothing for lights outside the candidates.
   std::optional<float> pmf_by_place(const ShadingPointCache& at, std::uint32_t light) const;
 
   std::vector<std::uint32_t> members_;

@@ -17,16 +17,16 @@ struct Angle {
   static Angle of_cosine(Float8 cosine) { return {cosine, sqrt(max(0.0f, 1.0f - cosine * cosine))}; }
 };
 
-// The difference of two angles, or 0 where the second is larger.
+// The difference of two angles, or 0 if the second is larger.
 Angle excess(const Angle& a, const Angle& b) {
   const Mask8 none = a.cosine >= b.cosine;
   return {select(none, 1.0f, a.cosine * b.cosine + a.sine * b.sine),
           select(none, 0.0f, a.sine * b.cosine - a.cosine * b.sine)};
 }
 
-// Of a sphere whose middle is seen at the cosine `of_middle`: about the mean of its places' cosines, those
-// below zero being zero. It is that of cosines which are spread evenly. A place at the edge that sends all
-// there is has more, but no more than makes noise: the square of its cosine, over this, is 4 at most.
+// The approximate mean cosine over a sphere whose centre is seen at the cosine `of_middle`, with negative
+// cosines clamped to 0. It assumes uniformly distributed cosines. A point at the edge that emits all of the
+// light contributes more, but its squared cosine is at most 4 times this, which bounds the noise.
 Float8 mean_cosine(Float8 of_middle, Float8 sine_of_sphere) {
   constexpr float kMinSine = 1e-30f;
   const Float8 highest = max(of_middle + sine_of_sphere, 0.0f);
@@ -42,16 +42,16 @@ Vec3Of<Float8> load(const std::array<float, LightTree::kWidth> (&lanes)[3]) {
   return {load(lanes[0]), load(lanes[1]), load(lanes[2])};
 }
 
-// Whether the tree is of a single light, which needs no weighing: lanes without a child hold 0.
+// Whether the tree has a single light, which needs no weights: lanes without a child hold 0.
 bool single_leaf(const auto& nodes) {
   return nodes.size() == 1 && nodes[0].children[1] == 0;
 }
 
 }  // namespace
 
-// A child of a node in each lane, or the same one in all.
+// One child of a node in each lane, or the same child in all lanes.
 struct LightTree::Children {
-  // All of them.
+  // All children.
   explicit Children(const Node& node)
       : center(load(node.center)),
         axis(load(node.axis)),
@@ -61,7 +61,7 @@ struct LightTree::Children {
         cos_e(load(node.cos_e)),
         back(load(node.back)),
         intensity(load(node.intensity)) {}
-  // The one in lane i.
+  // The child in lane i.
   Children(const Node& node, std::size_t i)
       : center{node.center[0][i], node.center[1][i], node.center[2][i]},
         axis{node.axis[0][i], node.axis[1][i], node.axis[2][i]},
@@ -80,13 +80,13 @@ struct LightTree::Children {
   Float8 cos_e, back, intensity;
 };
 
-// About how much light each child sends to the point: all places in its sphere send the same, and of the
-// normals in its cone that one is theirs which suits best (after Conty Estevez and Kulla 2018, section 3.2,
-// who take of the places the best as well). None only where none can send any.
+// The approximate contribution of each child to the point: emission is uniform over its sphere, and the
+// best normal of its cone is taken (after Conty Estevez and Kulla 2018, section 3.2, who take the best
+// position as well). Zero only if no light can contribute.
 Float8 LightTree::Children::weights(const LightSampleContexts& points) const {
   constexpr float kMinDistance2 = 1e-30f;
-  constexpr float kMinInside = 0.1f;  // of the product of the cosines, for a point within the sphere
-  constexpr float kNearest2 = 0.1f;   // of radius2: to lights that are strewn around the point
+  constexpr float kMinInside = 0.1f;  // lower bound on the product of cosines inside the sphere
+  constexpr float kNearest2 = 0.1f;   // of radius2: minimum distance for points among the lights
   const Vec3Of<Float8> to_center = center - points.position, normal = points.normal;
   const Float8 distance2 = max(dot(to_center, to_center), kMinDistance2);
   const Float8 per_distance = 1.0f / sqrt(distance2);
@@ -105,7 +105,7 @@ Float8 LightTree::Children::weights(const LightSampleContexts& points) const {
   const Float8 received = select(has_no_normal, 1.0f, arriving);
 
   const Float8 cosines = sent * received;
-  // A disk is seen from above its middle as if it were a point that is farther away by its radius.
+  // A disk seen from above its centre is equivalent to a point at a distance increased by its radius.
   return intensity / (max(distance2, kNearest2 * radius2) + disk2) *
          select(inside, max(cosines, kMinInside), cosines);
 }
@@ -127,7 +127,7 @@ LightTree::Weights LightTree::weigh_root(const LightSampleContext& point) const 
   return empty() ? Weights{} : weigh(nodes_[0], point);
 }
 
-// A child at a time, since few trees have eight at their root.
+// Processes one child at a time, since few trees have eight children at their root.
 std::array<LightTree::Weights, LightTree::kWidth> LightTree::weigh_root(
     const LightSampleContexts& points) const {
   std::array<Weights, kWidth> weights{};
@@ -148,7 +148,7 @@ LightTree::Choice LightTree::sample(const Weights& root, const LightSampleContex
   for (std::size_t at = 0;;) {
     if (!(weights.sum() > 0)) return {kNoLight, 0};
     const double sought = std::min(u, kBelowOne) * weights.sum();
-    std::size_t lane = 0;  // the first whose sum exceeds what is sought: never one of weight 0
+    std::size_t lane = 0;  // the first whose sum exceeds the target, so its weight is never 0
     for (const double sum : weights.sums) lane += sum <= sought ? 1 : 0;
     const double before = lane > 0 ? weights.sums[lane - 1] : 0;
     u = (sought - before) / (weights.sums[lane] - before);

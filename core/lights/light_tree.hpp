@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// A tree over the lights that have a place, to choose one in proportion to the light that it may send to a
-// point (Conty Estevez and Kulla 2018), with nodes of eight. The cost grows with the logarithm of the number
-// of lights. Immutable, shared by all threads.
+// A tree over the local lights that chooses one in proportion to its estimated contribution to a point
+// (Conty Estevez and Kulla 2018), with eight children per node. The cost is logarithmic in the number of
+// lights. Immutable, shared by all threads.
 #pragma once
 
 #include <array>
@@ -33,24 +33,24 @@ class LightTree {
   bool empty() const { return nodes_.empty(); }
 
   struct Choice {
-    std::uint32_t light;  // kNoLight: of those that might have been chosen, none shines here
+    std::uint32_t light;  // kNoLight: no candidate light reaches the point
     float pmf;
   };
   class Weights;
-  // Of the root's children, as the following take it.
+  // The weights of the root's children, as input of the functions below.
   Weights weigh_root(const LightSampleContext& point) const;
-  // Of eight points.
+  // The same for eight points.
   std::array<Weights, kWidth> weigh_root(const LightSampleContexts& points) const;
-  // u in [0, 1], of more bits than a float has.
+  // u is in [0, 1], with more bits than a float has.
   Choice sample(const Weights& root, const LightSampleContext& point, double u) const;
   Choice sample(const LightSampleContext& point, double u) const;
-  // With which sample() chooses the light.
+  // The probability with which sample() chooses the light.
   float pmf(const Weights& root, const LightSampleContext& point, std::uint32_t light) const;
   float pmf(const LightSampleContext& point, std::uint32_t light) const;
   bool contains(std::uint32_t light) const { return light < leaves_.size() && leaves_[light] != kNoLeaf; }
 
-  // About how much light arrives, shadows apart: irradiance, the mean of the channels. Zero only where
-  // rounding might decide whether any does.
+  // The approximate unoccluded irradiance, averaged over the channels. Zero only if no light arrives, up to
+  // rounding.
   double irradiance(const Weights& root) const;
   double irradiance(const LightSampleContext& point) const;
 
@@ -59,28 +59,28 @@ class LightTree {
 
   using Lanes = std::array<float, kWidth>;
 
-  // Its children by coordinate. A child is a node or a light.
+  // The children of a node as a structure of arrays. A child is a node or a light.
   struct alignas(64) Node {
-    Lanes center[3]{}, radius2{};  // of a sphere around the lights
-    Lanes disk2{};                 // the squared radius of a disk of the lights' area
+    Lanes center[3]{}, radius2{};  // bounding sphere of the lights
+    Lanes disk2{};                 // squared radius of a disk with the lights' area
     Lanes axis[3]{}, cos_o{}, sin_o{}, cos_e{};
-    Lanes back{};       // what the cosine to the axis is multiplied by on the back: -1 or 1
-    Lanes intensity{};  // as a share of power_; 0 where there is no child
-    std::array<std::int32_t, kWidth> children{};  // a node's index, or ~ a light's
-    std::uint32_t parent = 0;                     // the lane that the node is in, of its parent
+    Lanes back{};                                 // factor of the cosine to the axis on the back: -1 or 1
+    Lanes intensity{};                            // as a fraction of power_; 0 without a child
+    std::array<std::int32_t, kWidth> children{};  // a node's index, or ~ of a light's index
+    std::uint32_t parent = 0;                     // kWidth * parent + lane of this node
   };
-  // A lane of a node: kWidth * node + lane.
+  // A lane of a node, as kWidth * node + lane.
   static constexpr std::uint32_t kNoLeaf = 0xffffffffu;
 
   struct Children;
   static Weights weigh(const Node& node, const LightSampleContext& point);
 
   std::vector<Node> nodes_;            // the root first
-  std::vector<std::uint32_t> leaves_;  // of each light, its lane
+  std::vector<std::uint32_t> leaves_;  // the lane of each light
   double power_ = 0;                   // of all lights
 };
 
-// How much light a node's children may send to a point, and their sums up to and with each.
+// The estimated contributions of a node's children to a point, and their prefix sums.
 class LightTree::Weights {
  public:
   double sum() const { return sums.back(); }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// LightTree::build: a binary tree is built by the surface area orientation heuristic, then nodes are merged
-// until they have eight children.
+// LightTree::build: builds a binary tree by the surface area orientation heuristic, then merges nodes until
+// they have eight children.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -15,13 +15,13 @@ namespace tessera::core {
 namespace {
 
 constexpr std::size_t kBins = 12;
-constexpr int kMaxHeuristicDepth = 64;   // below, sets are halved
-constexpr std::size_t kTaskSize = 4096;  // ranges shorter than this are not worth a task
+constexpr int kMaxHeuristicDepth = 64;   // sets deeper in the tree are halved
+constexpr std::size_t kTaskSize = 4096;  // shorter ranges are not worth a task
 
 using Item = LightTree::Item;
 
-// Squared, so that it is an area: of the sphere around the box but for a factor. Not 0 where lights stand in
-// a row, as the area of their box would be.
+// A squared length, in proportion to the area of the bounding sphere. Unlike the area of the box, it is not
+// 0 for lights in a row.
 double squared_diagonal(const Aabb& box) {
   double sum = 0;
   for (int axis = 0; axis < 3; ++axis) sum += box.extent(axis) * box.extent(axis);
@@ -32,14 +32,13 @@ float middle(const Aabb& box, int axis) {
   return 0.5f * box.lower[axis] + 0.5f * box.upper[axis];
 }
 
-// How badly a set does as one: by power, extent in space and extent in direction (Conty Estevez and Kulla
-// 2018, eq. 1).
+// The cost of a set: by power, spatial extent and directional extent (Conty Estevez and Kulla 2018, eq. 1).
 double cost(const LightBounds& bounds) {
   return bounds.power() > 0 ? bounds.power() * bounds.orientation_measure() * squared_diagonal(bounds.box())
                             : 0;
 }
 
-// Cuts the extent of the lights' middles along one axis into bins of equal length.
+// Divides the extent of the lights' centres along one axis into bins of equal length.
 class Binning {
  public:
   Binning(const Aabb& middles, int axis)
@@ -85,7 +84,7 @@ Split best_split_along(std::span<const Item> items, const Aabb& middles, int axi
   return best;
 }
 
-// Cuts across a short axis make slices; they cost more by how much shorter it is than the longest.
+// Splits along a short axis make slices; their cost is scaled by the ratio of the longest axis to it.
 Split best_split(std::span<const Item> items, const Aabb& middles) {
   const double longest = std::max({middles.extent(0), middles.extent(1), middles.extent(2)});
   Split best;
@@ -98,7 +97,7 @@ Split best_split(std::span<const Item> items, const Aabb& middles) {
   return best;
 }
 
-// Of the binary tree. A leaf is one light.
+// A node of the binary tree. A leaf is one light.
 struct BinaryNode {
   LightBounds bounds;
   std::uint32_t light = kNoLight;
@@ -117,8 +116,8 @@ class BinaryBuilder {
   }
 
  private:
-  // A subtree of n lights has 2n - 1 nodes, numbered from `node`: where a node goes depends on nothing that
-  // other tasks do.
+  // A subtree of n lights has 2n - 1 nodes, numbered from `node`, so node positions do not depend on other
+  // tasks.
   void build_subtree(std::size_t node, std::size_t begin, std::size_t end, int depth) {
     if (end - begin == 1) {
       nodes_[node] = {items_[begin].bounds, items_[begin].light};
@@ -146,7 +145,7 @@ class BinaryBuilder {
       middles.include(Vec3{middle(box, 0), middle(box, 1), middle(box, 2)});
     }
     const Split split = best_split(items, middles);
-    if (split.axis < 0) return half;  // all are in one place
+    if (split.axis < 0) return half;  // all are at the same position
     const Binning binning(middles, split.axis);
     const auto right = std::partition(items.begin(), items.end(), [&](const Item& item) {
       return binning.bin(item) < split.first_right_bin;
@@ -161,7 +160,7 @@ class BinaryBuilder {
 
 }  // namespace
 
-// Merges the nodes of a binary tree.
+// Collapses a binary tree.
 class LightTreeBuilder {
  public:
   LightTreeBuilder(const std::vector<BinaryNode>& binary, std::uint32_t most_lights) : binary_(binary) {
@@ -173,8 +172,8 @@ class LightTreeBuilder {
   LightTree take() { return std::move(tree_); }
 
  private:
-  // Appends the node that stands for binary node `root`, and all below. The depth of the recursion is that of
-  // the binary tree at most.
+  // Appends the node for binary node `root` and its subtree. The recursion is at most as deep as the binary
+  // tree.
   std::uint32_t add_node(std::uint32_t root, std::uint32_t parent) {
     const auto index = static_cast<std::uint32_t>(tree_.nodes_.size());
     tree_.nodes_.emplace_back().parent = parent;
@@ -194,8 +193,8 @@ class LightTreeBuilder {
     return index;
   }
 
-  // Eight nodes below `root`, or fewer, that hold all its lights: time after time, the one that does worst as
-  // one is replaced by its two. In the order of the binary tree, so that neighbours stay neighbours.
+  // Up to eight nodes below `root` that contain all its lights. Repeatedly replaces the node of highest
+  // cost by its two children. The order of the binary tree is kept, so that neighbours stay neighbours.
   std::vector<std::uint32_t> children(std::uint32_t root) const {
     std::vector<std::uint32_t> chosen{root};
     while (chosen.size() < LightTree::kWidth) {
@@ -212,7 +211,7 @@ class LightTreeBuilder {
     return chosen;
   }
 
-  // Sphere and cone are a little too wide, by more than all roundings together.
+  // The sphere and cone are enlarged by more than the sum of all roundings.
   void set_lane(LightTree::Node& node, std::size_t lane, const LightBounds& bounds) const {
     constexpr float kPadding = 1e-5f;
     for (int axis = 0; axis < 3; ++axis) {

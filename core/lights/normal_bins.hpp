@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which way a lit surface faces, roughly, as an index into tables: one of the squares that the unfolded
-// sphere is cut into, or all sides at once.
+// Quantises a surface normal into an index for tables: one of the squares of an octahedral map, or all
+// sides at once.
 #pragma once
 
 #include "core/math/octahedral_map.hpp"
@@ -12,7 +12,7 @@ inline constexpr int kFacingsAcross = 12;
 inline constexpr std::uint32_t kAllSides = kFacingsAcross * kFacingsAcross;
 inline constexpr std::uint32_t kFacings = kAllSides + 1;
 
-// Of a unit normal, or of zero: LightSampleContext::normal.
+// The bin of a unit normal, or of zero: LightSampleContext::normal.
 template <typename T = float>
 WordOf<T> normal_bin(Vec3Of<T> normal) {
   constexpr auto kAcross = static_cast<float>(kFacingsAcross);
@@ -23,7 +23,7 @@ WordOf<T> normal_bin(Vec3Of<T> normal) {
                 number(square.y) * WordOf<T>(std::uint32_t{kFacingsAcross}) + number(square.x));
 }
 
-// A normal of that facing, but for all sides: where (x, y), in [0, 1] x [0, 1], falls on its square.
+// A normal of a bin other than all sides, at (x, y) in [0, 1] x [0, 1] of its square.
 inline Vec3 bin_normal(std::uint32_t facing, Vec2 place) {
   const Vec2 corner{static_cast<float>(facing % kFacingsAcross), static_cast<float>(facing / kFacingsAcross)};
   return from_octahedral_square<float>((corner + place) * (1.0f / kFacingsAcross));

@@ -11,7 +11,7 @@
 namespace tessera::core {
 namespace {
 
-// Below, a microfacet surface bends light too little for floats to find the microfacet from the directions.
+// With weaker refraction, floats cannot recover the half vector from the directions.
 constexpr float kMinBending = 1e-3f;
 
 }  // namespace

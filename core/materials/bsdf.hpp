@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// How a surface scatters light at one point: a material's model with its textures looked up. Lives on the
-// stack.
+// The BSDF at a surface point: a material's model with its textures evaluated. Lives on the stack.
 //
-// Directions are unit vectors pointing away from the surface, in a local frame whose +z is the shading normal
-// on the side of wo. Densities are per solid angle.
+// Directions are unit vectors pointing away from the surface, in a local frame whose +z is the shading
+// normal on the side of wo. Densities are per solid angle.
 #pragma once
 
 #include <array>
@@ -29,22 +28,21 @@ class Bsdf {
   Bsdf(const Material& material, const std::vector<Texture>& textures, Vec2 uv, bool outside,
        Rgb tint = Rgb::gray(1));
 
-  // Scatters into single directions only: evaluate and pdf are zero. Otherwise into none.
+  // Whether it has only delta lobes, for which evaluate() returns zero. Other BSDFs have none.
   bool is_delta() const;
-  // Scatters to the other side too.
+  // Whether it also scatters to the other side.
   bool transmits() const;
 
-  // Multiplies diffuse reflection: by more than 1 where a shading normal leans (VertexOf).
+  // Multiplies diffuse reflection, by more than 1 if the shading normal is tilted (VertexOf).
   void scale_diffuse(float factor);
 
-  // bsdf * |cos(wi)|, and the density with which sample() chooses wi: its integral is the probability that
-  // sample() answers at all. The diffuse part has diffuse_cos instead of the cosine.
+  // bsdf * |cos(wi)|, and the density with which sample() generates wi. It integrates to the probability
+  // that sample() returns a sample. The diffuse part uses diffuse_cos instead of the cosine.
   BsdfValue evaluate(Vec3 wo_local, Vec3 wi_local, float diffuse_cos) const;
   BsdfValue evaluate(Vec3 wo_local, Vec3 wi_local) const { return evaluate(wo_local, wi_local, wi_local.z); }
-  // Nothing where no light is scattered. u_lobe chooses among lobes.
+  // Returns nothing if no light is scattered. u_lobe chooses among lobes.
   std::optional<BsdfSample> sample(Vec3 wo_local, Vec2 u, float u_lobe) const;
-  // Every direction that a delta BSDF scatters to, each with its share of the light in the weight: what is
-  // reflected, and what is refracted.
+  // All directions of a delta BSDF (reflection and refraction), each weighted by its fraction of the light.
   std::array<std::optional<BsdfSample>, 2> delta_branches(Vec3 wo_local) const;
 
  private:

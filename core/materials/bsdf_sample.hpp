@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What every BSDF answers: its value and density for a pair of directions, and sampled directions.
+// The results of BSDFs: value and density for a pair of directions, and sampled directions.
 #pragma once
 
 #include "core/math/rgb.hpp"
@@ -10,17 +10,17 @@ namespace tessera::core {
 template <typename T>
 struct BsdfValueOf {
   RgbOf<T> value;  // bsdf * |cos(wi)|
-  T pdf{};         // with which sampling chooses wi, per solid angle
+  T pdf{};         // of sampling wi, per solid angle
 };
 using BsdfValue = BsdfValueOf<float>;
 
 struct BsdfSample {
   Vec3 wi_local;
   Rgb weight;     // bsdf * |cos(wi)| / pdf
-  float pdf = 0;  // meaningless where `delta`
+  float pdf = 0;  // unspecified if `delta`
   bool delta = false;
   bool transmitted = false;
-  float eta = 1;  // transmitted: index of refraction on the far side over that on the near side
+  float eta = 1;  // for transmission: index of refraction on the far side over the near side
 };
 
 inline BsdfSample delta_sample(Vec3 wi_local, Rgb weight) {
@@ -31,7 +31,7 @@ inline BsdfSample delta_sample(Vec3 wi_local, Rgb weight) {
   return sample;
 }
 
-// A sample whose weight follows from its value; the value's pdf is above 0.
+// Computes a sample's weight from its value, whose pdf must be positive.
 inline BsdfSample weighed_sample(Vec3 wi_local, const BsdfValue& value) {
   BsdfSample sample;
   sample.wi_local = wi_local;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Normals tilted by a texture of heights.
+// Bump mapping: normals tilted by a height texture.
 #pragma once
 
 #include <cmath>
@@ -10,7 +10,8 @@
 
 namespace tessera::core {
 
-// The change of the height per texture coordinate of the surface, by central differences over one texel.
+// The derivative of the height by the surface's texture coordinates, from central differences over one
+// texel.
 struct HeightSlope {
   float along_u = 0, along_v = 0;
 };
@@ -25,8 +26,8 @@ inline HeightSlope height_slope(const Texture& texture, float height, Vec2 uv) {
           slope(texture.image->height(), texture.scale.y, {0, 1})};
 }
 
-// `normal`, of unit length, as it is on a surface that is raised along it by a height with this slope (Blinn
-// 1978). dp_du and dp_dv are those of the flat surface. It stays where they have no area.
+// The unit `normal` of the surface displaced along it by a height with this slope (Blinn 1978). dp_du and
+// dp_dv are those of the flat surface. The normal is unchanged if they span no area.
 inline Vec3 tilt_by_heights(HeightSlope slope, Vec3 normal, Vec3 dp_du, Vec3 dp_dv) {
   const float area = dot(normal, cross(dp_du, dp_dv));
   const Vec3 gradient =

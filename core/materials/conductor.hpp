@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Metals by name, with complex indices of refraction that give them their measured colours.
+// Metals by name, with complex indices of refraction fitted to their measured colours.
 #pragma once
 
 #include "core/math/rgb.hpp"
@@ -12,10 +12,10 @@ struct ComplexIndex {
   Rgb eta, k;
 };
 
-// One index for each channel of linear Rec. 709, fitted to what the measured indices reflect of illuminant
-// D65, integrated over the spectrum: to the reflectance at normal incidence, and as well as possible to that
-// at other angles (within 0.004). Copper, gold and silver: Johnson and Christy 1972, table I. Aluminium:
-// Rakić 1995, table 1. Gold reflects 1.04 of white's red; here it is 0.998.
+// One index for each channel of linear Rec. 709, fitted to the measured reflectance under illuminant D65,
+// integrated over the spectrum: exact at normal incidence, and within 0.004 at other angles. Copper, gold
+// and silver: Johnson and Christy 1972, table I. Aluminium: Rakić 1995, table 1. Gold reflects 1.04 of
+// white's red; here it is 0.998.
 ComplexIndex complex_index(Conductor conductor);
 
 }  // namespace tessera::core

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reflection by GGX microfacets over a diffuse part (Cook and Torrance 1982; Walter et al. 2007).
+// GGX microfacet reflection over a diffuse base (Cook and Torrance 1982; Walter et al. 2007).
 #pragma once
 
 #include <optional>
@@ -11,7 +11,7 @@
 
 namespace tessera::core {
 
-// At one point or, with Float8 for T, at eight.
+// T is float for one point, or Float8 for eight.
 template <typename T>
 struct CookTorranceBsdfOf {
   static constexpr bool kIsDelta = false;
@@ -23,7 +23,7 @@ struct CookTorranceBsdfOf {
   }
 
   struct Sample {
-    MaskOf<T> any;  // where there is one at all
+    MaskOf<T> any;  // lanes with a sample
     Vec3Of<T> wi_local;
     BsdfValueOf<T> value;
   };
@@ -35,13 +35,13 @@ struct CookTorranceBsdfOf {
     return weighed_sample(found.wi_local, found.value);
   }
 
-  RgbOf<T> diffuse, specular;  // diffuse + specular <= 1, but for scale_diffuse
+  RgbOf<T> diffuse, specular;  // diffuse + specular <= 1, except after scale_diffuse
   MaskOf<T> is_metal;
-  RgbOf<T> f0;      // unless it is a metal
-  RgbOf<T> eta, k;  // of a metal
+  RgbOf<T> f0;      // for dielectrics
+  RgbOf<T> eta, k;  // for metals
   GgxOf<T> ggx;
   MaskOf<T> schlick_masking;     // Masking::kSchlick
-  MaskOf<T> sample_half_vector;  // else visible normals
+  MaskOf<T> sample_half_vector;  // else the distribution of visible normals
 
  private:
   RgbOf<T> reflectance(T cos_oh) const {
@@ -49,7 +49,7 @@ struct CookTorranceBsdfOf {
     return any(is_metal) ? select(is_metal, fresnel_conductor(cos_oh, eta, k), dielectric) : dielectric;
   }
 
-  // The share that microfacets have in the light reflected to wo, if all of them lay flat.
+  // The microfacets' share of the light reflected to wo, computed for flat microfacets.
   T specular_probability(T cos_o) const {
     const T shine = max_component(specular * reflectance(cos_o));
     return select(is_black(diffuse), T(1.0f), shine / (shine + max_component(diffuse)));
@@ -73,7 +73,7 @@ struct CookTorranceBsdfOf {
 };
 using CookTorranceBsdf = CookTorranceBsdfOf<float>;
 
-// `p` is the specular probability.
+// `p` is the probability of the specular lobe.
 template <typename T>
 BsdfValueOf<T> CookTorranceBsdfOf<T>::evaluate(Vec3Of<T> wo, Vec3Of<T> wi, T diffuse_cos, T p) const {
   const MaskOf<T> dark = (wo.z <= 0) | (wi.z <= 0);

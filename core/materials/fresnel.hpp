@@ -12,18 +12,18 @@
 
 namespace tessera::core {
 
-// Which share of the light a dielectric boundary reflects. Light that cannot pass it is always reflected.
+// The model of a dielectric boundary's reflectance. Total internal reflection applies to all models.
 enum class DielectricFresnel {
   kExact,    // Fresnel's equations
   kSchlick,  // their approximation by Schlick 1994
-  kNone,     // none of it
+  kNone,     // no reflection
 };
 
 // Unpolarised reflectance of a dielectric boundary (Born and Wolf 1999, section 1.5.2). eta is the index on
-// the far side over that on the near side. 1 for total reflection.
+// the far side over the near side. 1 for total internal reflection.
 float fresnel_dielectric(float cos_i, float eta);
 
-// Schlick 1994. The angle is that in the thinner medium, so that total reflection is met.
+// Schlick 1994, using the angle in the thinner medium, which handles total internal reflection.
 float fresnel_dielectric_schlick(float cos_i, float eta);
 
 float dielectric_reflectance(DielectricFresnel fresnel, float cos_i, float eta);
@@ -40,8 +40,8 @@ RgbOf<T> fresnel_schlick(std::type_identity_t<T> cos_i, RgbOf<T> f0) {
   return f0 + (RgbOf<T>::gray(1) - f0) * fifth_power(1 - smaller(cos_i, T(1.0f)));
 }
 
-// |r|^2 of both polarisations from eta^2 - k^2 - sin^2 and 2 eta k, the parts of the squared normal component
-// of the wave vector in the metal.
+// |r|^2 of both polarisations from eta^2 - k^2 - sin^2 and 2 eta k, the real and imaginary parts of the
+// squared normal component of the wave vector in the metal.
 template <typename T>
 T conductor_reflectance(T cos_i, T eta, T k) {
   using std::sqrt;
@@ -63,13 +63,13 @@ RgbOf<T> fresnel_conductor(std::type_identity_t<T> cos_i, RgbOf<T> eta, RgbOf<T>
           conductor_reflectance(cos_i, eta.b, k.b)};
 }
 
-// `w` and the result point away from the surface; `normal` is of unit length.
+// `w` and the result point away from the surface; `normal` has unit length.
 template <typename T = float>
 Vec3Of<T> reflect(Vec3Of<T> w, Vec3Of<T> normal) {
   return normal * (2 * dot(w, normal)) - w;
 }
 
-// Snell's law. `normal` is on the side of `w`; eta as above. Nothing for total reflection.
+// Snell's law. `normal` is on the side of `w`; eta as above. Returns nothing for total internal reflection.
 std::optional<Vec3> refract(Vec3 w, Vec3 normal, float eta);
 
 }  // namespace tessera::core

@@ -9,7 +9,7 @@
 
 namespace tessera::core {
 
-// At one point or, with Float8 for T, at eight.
+// T is float for one point, or Float8 for eight.
 template <typename T>
 struct LambertBsdfOf {
   static constexpr bool kIsDelta = false;

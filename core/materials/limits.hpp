@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What looked-up parameters are held to, so that surfaces do not reflect more than they receive. T is float
-// or Float8.
+// Clamps for texture-evaluated parameters, so that surfaces conserve energy. T is float or Float8.
 #pragma once
 
 #include "core/materials/microfacet.hpp"
@@ -14,13 +13,13 @@ T squared_roughness(T roughness) {
   return r * r;
 }
 
-// Of microfacets that are never taken for a smooth surface.
+// The alpha of a surface that is always treated as rough.
 template <typename T>
 GgxOf<T> rough_ggx(T roughness) {
   return GgxOf<T>(larger(squared_roughness(roughness), T(kMinAlpha)));
 }
 
-// What both parts of a surface are multiplied by.
+// The scale of the diffuse and the specular part.
 template <typename T>
 RgbOf<T> normalize_energy(RgbOf<T> diffuse, RgbOf<T> specular) {
   const RgbOf<T> sum = diffuse + specular;

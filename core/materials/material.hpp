@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// What surfaces are made of. A Material is a model with its parameters, possibly textured, and emission;
-// bsdf.hpp evaluates and samples it at a point. docs/materials.md has the formulae.
+// Materials. A Material is a model with its parameters, possibly textured, and emission; bsdf.hpp evaluates
+// and samples it at a point. docs/materials.md gives the formulae.
 //
-// How to add a model: a struct here with its parameters, its case in visit_parameters and in bsdf.cpp, its
-// BSDF in a file of its own, its entry in the scene loader, in scenes/scene.schema.json and in the documents,
-// and its rows in the tests of all BSDFs.
+// To add a model: add a struct with its parameters here, its case in visit_parameters and in bsdf.cpp, its
+// BSDF in its own file, its entry in the scene loader, in scenes/scene.schema.json and in the
+// documentation, and its rows in the tests of all BSDFs.
 #pragma once
 
 #include <optional>
@@ -18,7 +18,7 @@
 
 namespace tessera::core {
 
-// The largest that parameters may be; textures are held to them where they are looked up.
+// Upper limits of parameters; texture values are clamped to them.
 inline constexpr float kMaxIor = 10, kMaxExponent = 1e5f;
 
 // Ideal diffuse reflection on both sides (Lambert 1760).
@@ -31,21 +31,21 @@ struct Mirror {
   ColorParameter reflectance{Rgb::gray(1)};
 };
 
-// Dielectric boundary, smooth or made of GGX microfacets (Walter et al. 2007). The inside is the side the
+// Dielectric boundary, smooth or with GGX microfacets (Walter et al. 2007). The inside is the side that the
 // geometric normal points away from; outside is air.
 struct Glass {
   ScalarParameter ior = 1.5f;  // of the inside, relative to the outside
   ColorParameter reflectance{Rgb::gray(1)};
   ColorParameter transmittance{Rgb::gray(1)};
   DielectricFresnel fresnel = DielectricFresnel::kExact;
-  ScalarParameter roughness = 0;  // alpha is its square; smooth where that is below kMinAlpha
+  ScalarParameter roughness = 0;  // alpha is its square; smooth if that is below kMinAlpha
 };
 
-// Which density of the angle alpha to the mirror direction Phong's highlight is sampled with: proportional
-// to cos^n or to cos^(n + 1) alpha.
+// The sampling density of Phong's highlight, by the angle alpha to the mirror direction: proportional to
+// cos^n or to cos^(n + 1) alpha.
 enum class PhongLobe { kNPlus1, kNPlus2 };
 
-// Modified Phong (Lafortune and Willems 1994), on both sides. Where diffuse + specular exceed 1, both are
+// Modified Phong (Lafortune and Willems 1994), on both sides. If diffuse + specular exceed 1, both are
 // scaled down to that.
 struct Phong {
   ColorParameter diffuse{Rgb::gray(0.5f)};
@@ -55,16 +55,16 @@ struct Phong {
 };
 
 enum class Masking {
-  kSmith,    // correlated by height (Heitz 2014)
-  kSchlick,  // Schlick's approximation for each direction (Schlick 1994), k = alpha / 2
+  kSmith,    // height-correlated (Heitz 2014)
+  kSchlick,  // separable, by Schlick's approximation (Schlick 1994), k = alpha / 2
 };
 
-// Microfacet reflection by GGX (Cook and Torrance 1982; Walter et al. 2007) over a diffuse part, on both
-// sides. Where diffuse + specular exceed 1, both are scaled down to that.
+// GGX microfacet reflection (Cook and Torrance 1982; Walter et al. 2007) over a diffuse base, on both
+// sides. If diffuse + specular exceed 1, both are scaled down to that.
 struct CookTorrance {
   ColorParameter diffuse{Rgb::gray(0)};
   ColorParameter specular{Rgb::gray(1)};
-  ColorParameter f0{Rgb::gray(0.04f)};   // reflectance at normal incidence, by Schlick at others; or:
+  ColorParameter f0{Rgb::gray(0.04f)};   // reflectance at normal incidence, with Schlick's approximation; or:
   std::optional<Conductor> conductor{};  // exact reflectance of a metal
   ScalarParameter roughness = 0.3f;      // alpha is its square, at least kMinAlpha
   Masking masking = Masking::kSmith;
@@ -72,25 +72,26 @@ struct CookTorrance {
 
 using MaterialModel = std::variant<Lambert, Mirror, Glass, Phong, CookTorrance>;
 
-// How directions are chosen.
+// The sampling strategy for directions.
 enum class Sampling {
-  kBsdf,        // as nearly in proportion to the scattered light as the model can
-  kUniform,     // uniformly over the hemisphere, or the sphere where light passes; ideal mirrors and smooth
-                // glass keep their single directions
+  kBsdf,        // approximately in proportion to the scattered light
+  kUniform,     // uniformly over the hemisphere, or the sphere for transmission; delta lobes
+                // of ideal mirrors and smooth glass are unchanged
   kHalfVector,  // CookTorrance: the half-vector in proportion to the microfacets' projected area
 };
 
-// Bends shading normals: a texture's red, green and blue are x, y and z from -1 to 1 in the frame of u, v and
-// the normal.
+// Perturbs shading normals: a texture's red, green and blue are x, y and z from -1 to 1 in the frame of u,
+// v and the normal.
 struct NormalMap {
   int texture = -1;    // index among the scene's textures, -1 for none
-  float strength = 1;  // x and y are multiplied by it
+  float strength = 1;  // multiplies x and y
 };
 
-// Tilts shading normals as if the surface had the heights that a texture's red channel gives (Blinn 1978).
+// Tilts shading normals as if the surface were displaced by the heights in a texture's red channel (Blinn
+// 1978).
 struct BumpMap {
   int texture = -1;  // index among the scene's textures, -1 for none
-  float height = 1;  // of a texel of 1, in world units; below 0, bright texels are lower than dark ones
+  float height = 1;  // of a texel of 1, in world units; if negative, bright texels are lower
 };
 
 struct Material {
@@ -100,24 +101,24 @@ struct Material {
   bool two_sided_emission = true;  // else only on the side the geometric normal points to
   Sampling sampling = Sampling::kBsdf;
   NormalMap normal_map{};
-  BumpMap bump{};  // on top of the normal map
-  // The probability that light meets the surface; else it passes straight through as if there were none. In
-  // [0, 1]; textures are held to it where they are looked up. Emission is multiplied by it.
+  BumpMap bump{};  // applied after the normal map
+  // The probability that light hits the surface; else it passes straight through. In [0, 1]; texture values
+  // are clamped. It multiplies emission.
   ScalarParameter opacity = 1;
 };
 
-// Whether nothing passes through the surface but by its model.
+// Whether light passes through the surface only by its model's transmission.
 inline bool is_opaque(const Material& material) {
   return material.opacity.texture < 0 && material.opacity.value >= 1;
 }
 
-// Whether f0 is what the surface is coloured by, as that of a metal.
+// Whether f0 is the base colour, as for a metal.
 inline bool f0_is_base_color(const CookTorrance& model) {
   return model.diffuse.texture < 0 && is_black(model.diffuse.value);
 }
 
-// Calls visit(key, parameter) with each ColorParameter and ScalarParameter of `model`, which go by these keys
-// in scene files.
+// Calls visit(key, parameter) for each ColorParameter and ScalarParameter of `model`, with its key in scene
+// files.
 template <typename Visit>
 void visit_parameters(const Lambert& model, const Visit& visit) {
   visit("albedo", model.albedo);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The GGX distribution of microfacet normals (Walter et al. 2007; Trowbridge and Reitz 1975) with Smith's
-// masking, shared by the models that are made of microfacets. Directions are local, of unit length, +z being
-// the surface's normal; `h` is a microfacet's normal with h.z >= 0.
+// The GGX distribution of microfacet normals (Walter et al. 2007; Trowbridge and Reitz 1975) with Smith
+// masking, shared by the microfacet models. Directions are local unit vectors with +z the surface normal;
+// `h` is a microfacet's normal with h.z >= 0.
 #pragma once
 
 #include <cmath>
@@ -12,43 +12,46 @@
 
 namespace tessera::core {
 
-// Rougher than this are all microfacets; smoother, floats cannot tell them from a smooth surface.
+// The minimum alpha of microfacet surfaces; smoother ones are numerically indistinguishable from a smooth
+// surface.
 inline constexpr float kMinAlpha = 1e-3f;
 
-// At one point or, with Float8 for T, at eight.
+// T is float for one point, or Float8 for eight.
 template <typename T>
 class GgxOf {
  public:
-  // alpha in [kMinAlpha, 1]: half of the microfacets, by their projected area, are steeper than that.
+  // alpha is in [kMinAlpha, 1]. Half of the microfacets, by projected area, have a slope above alpha.
   explicit GgxOf(T alpha) : alpha_(alpha), alpha2_(alpha * alpha) {}
 
   T alpha() const { return alpha_; }
 
-  // D: area of microfacets of normal h for each unit of surface and solid angle (Walter et al. 2007, eq. 33).
+  // D: microfacet area with normal h per unit of surface and solid angle (Walter et al. 2007, eq. 33).
   T density(Vec3Of<T> h) const {
-    // cos^4 (1 + tan^2 / alpha^2)^2, which does not cancel where alpha is small.
+    // cos^4 (1 + tan^2 / alpha^2)^2, without cancellation for small alpha.
     const T stretched = (h.x * h.x + h.y * h.y) / alpha2_ + h.z * h.z;
     return 1 / (kPi * alpha2_ * stretched * stretched);
   }
 
-  // The share of microfacets facing `w` that is not masked (Walter et al. 2007, eq. 34). cos_w > 0.
+  // G1: the unmasked fraction of the microfacets that face `w` (Walter et al. 2007, eq. 34). Requires cos_w
+  // > 0.
   T visible(T cos_w) const { return 2 * cos_w / (cos_w + slant(cos_w)); }
 
-  // The share seen from both directions, correlated by height, over 4 cos_o cos_i (Heitz 2014, eq. 99).
+  // Height-correlated Smith G2 over 4 cos_o cos_i (Heitz 2014, eq. 99).
   T smith_visibility(T cos_o, T cos_i) const { return 0.5f / (cos_i * slant(cos_o) + cos_o * slant(cos_i)); }
 
-  // Of the microfacets seen from `wo` (Heitz 2018). wo.z > 0; the density is per solid angle of h.
+  // Samples the normals visible from `wo` (Heitz 2018). Requires wo.z > 0; the density is per solid angle
+  // of h.
   Vec3Of<T> sample_visible(Vec3Of<T> wo, Vec2Of<T> u) const;
   T pdf_visible(Vec3Of<T> wo, Vec3Of<T> h) const {
     return 2 * larger(T(0.0f), dot(wo, h)) * density(h) / (wo.z + slant(wo.z));
   }
 
-  // Of all microfacets, by their projected area (Walter et al. 2007, eq. 35 and 36).
+  // Samples all normals in proportion to their projected area (Walter et al. 2007, eq. 35 and 36).
   Vec3Of<T> sample_projected(Vec2Of<T> u) const;
   T pdf_projected(Vec3Of<T> h) const { return density(h) * h.z; }
 
  private:
-  // cos * sqrt(1 + alpha^2 tan^2), which is cos (1 + 2 lambda) in Smith's lambda.
+  // cos * sqrt(1 + alpha^2 tan^2), which is cos (1 + 2 lambda) with Smith's lambda.
   T slant(T cos_w) const {
     using std::sqrt;
     return sqrt(alpha2_ + (1 - alpha2_) * cos_w * cos_w);
@@ -66,7 +69,8 @@ Vec3Of<T> GgxOf<T>::sample_visible(Vec3Of<T> wo, Vec2Of<T> u) const {
   const Vec3Of<T> t1 =
       select(across2 > 0, Vec3Of<T>{-stretched.y, stretched.x, 0} / sqrt(across2), Vec3Of<T>{1, 0, 0});
   const Vec3Of<T> t2 = cross(stretched, t1);
-  // The hemisphere's projection onto the plane across `stretched`: a half disk and a half ellipse.
+  // The hemisphere's projection onto the plane perpendicular to `stretched`: a half disk and a half
+  // ellipse.
   const Vec2Of<T> p = sample_disk(u);
   const T share = 0.5f * (1 + stretched.z);
   const T p2 = (1 - share) * sqrt(larger(T(0.0f), 1 - p.x * p.x)) + share * p.y;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Normals bent by a tangent-space normal map. At one point or, with Float8 for T, at eight.
+// Tangent-space normal mapping. T is float for one point, or Float8 for eight.
 #pragma once
 
 #include "core/materials/material.hpp"
@@ -9,19 +9,19 @@
 
 namespace tessera::core {
 
-// A surface's direction of growing u or v as its picture has it, whose own scale may mirror it: then it grows
-// the other way.
+// The surface's direction of growing u or v of the image. If the texture's scale is negative, the image is
+// mirrored and the direction is reversed.
 inline Vec3 along_picture(Vec3 along, float scale) {
   return scale < 0 ? -along : along;
 }
 
-// `normal` bent as the map's texel says. Red leans it towards growing u, green towards growing v (the
-// convention of OpenGL), of the picture; blue is along the normal. Where the directions along the picture are
-// zero or parallel to the normal, it stays as it is. All are of unit length.
+// `normal` perturbed by the map's texel. Red tilts it towards growing u, green towards growing v of the
+// image (the OpenGL convention); blue is along the normal. It is unchanged if the directions along the
+// image are zero or parallel to it. All vectors have unit length.
 template <typename T>
 Vec3Of<T> perturb_by_normal_map(RgbOf<T> texel, T strength, Vec3Of<T> normal, Vec3Of<T> along_u,
                                 Vec3Of<T> along_v) {
-  // Gram and Schmidt; the frame is left-handed where the texture coordinates are mirrored.
+  // Gram-Schmidt; the frame is left-handed if the texture coordinates are mirrored.
   const Vec3Of<T> flat_u = along_u - normal * dot(normal, along_u);
   constexpr float kParallel = 1e-4f;
   const MaskOf<T> has_frame = length(flat_u) > kParallel;

@@ -14,8 +14,8 @@ Vec3 mirrored(Vec3 wo) {
   return {-wo.x, -wo.y, wo.z};
 }
 
-// Around +z, density (n + 1) / (2 pi) cos^n per solid angle. In double precision, as is the cosine below:
-// high powers live where it is nearly 1.
+// Samples around +z with density (n + 1) / (2 pi) cos^n per solid angle. This and the cosine below are in
+// double precision, because high powers matter only near a cosine of 1.
 Vec3 sample_power_cosine(float n, Vec2 u) {
   const double cos_a = pow(1 - static_cast<double>(u.x), 1 / (static_cast<double>(n) + 1));
   const auto sin_a = static_cast<float>(std::sqrt((1 - cos_a) * (1 + cos_a)));
@@ -23,7 +23,7 @@ Vec3 sample_power_cosine(float n, Vec2 u) {
   return {sin_a * c, sin_a * s, static_cast<float>(cos_a)};
 }
 
-// cos^n of the angle between unit vectors, by the chord; 0 beyond a right angle.
+// cos^n of the angle between unit vectors, computed from the chord; 0 beyond a right angle.
 float power_cosine(Vec3 a, Vec3 b, float n) {
   const double cos_a = 1 - static_cast<double>(length_squared(a - b)) / 2;
   return cos_a > 0 ? static_cast<float>(pow(cos_a, static_cast<double>(n))) : 0;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Modified Phong: a diffuse part and a highlight around the mirror direction (Lafortune and Willems 1994).
+// Modified Phong: a diffuse part and a specular lobe around the mirror direction (Lafortune and Willems
+// 1994).
 #pragma once
 
 #include <optional>
@@ -16,7 +17,7 @@ struct PhongBsdf {
   BsdfValue evaluate(Vec3 wo_local, Vec3 wi_local, float diffuse_cos) const;
   std::optional<BsdfSample> sample(Vec3 wo_local, Vec2 u, float u_lobe) const;
 
-  Rgb diffuse, specular;  // diffuse + specular <= 1, but for scale_diffuse
+  Rgb diffuse, specular;  // diffuse + specular <= 1, except after scale_diffuse
   float exponent;
   PhongLobe lobe;
 

@@ -5,7 +5,8 @@
 
 namespace tessera::core {
 
-// Of microfacet normals for each unit of refracted directions (Walter et al. 2007, eq. 17).
+// The solid angle of microfacet normals per solid angle of refracted directions (Walter et al. 2007, eq.
+// 17).
 float RoughDielectricBsdf::solid_angle_ratio(float cos_oh, float cos_ih) const {
   const float sum = cos_oh + eta * cos_ih;
   return eta * eta * std::fabs(cos_ih) / (sum * sum);
@@ -20,7 +21,8 @@ BsdfValue RoughDielectricBsdf::evaluate_reflection(Vec3 wo, Vec3 wi) const {
   return {reflectance * (reflected * facets), reflected * ggx.pdf_visible(wo, h) / (4 * cos_oh)};
 }
 
-// Walter et al. 2007, eq. 21. Its eta^2 cancels against radiance's compression (Veach 1997, section 5.2).
+// Walter et al. 2007, eq. 21. Its eta^2 cancels against the compression of radiance (Veach 1997, section
+// 5.2).
 BsdfValue RoughDielectricBsdf::evaluate_transmission(Vec3 wo, Vec3 wi) const {
   const Vec3 across = wo + wi * eta;
   const Vec3 h = normalize(across.z > 0 ? across : -across);
@@ -37,7 +39,7 @@ BsdfValue RoughDielectricBsdf::evaluate(Vec3 wo, Vec3 wi, float) const {
   return wi.z > 0 ? evaluate_reflection(wo, wi) : evaluate_transmission(wo, wi);
 }
 
-// All but the share of the light that is not masked cancels out of the weight (Heitz 2018).
+// Everything but the masking term cancels out of the weight (Heitz 2018).
 std::optional<BsdfSample> RoughDielectricBsdf::sample(Vec3 wo, Vec2 u, float u_lobe) const {
   if (wo.z <= 0) return std::nullopt;
   const Vec3 h = ggx.sample_visible(wo, u);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A boundary between dielectrics made of GGX microfacets, each a smooth boundary (Walter et al. 2007).
+// A dielectric boundary of GGX microfacets, each a smooth boundary (Walter et al. 2007).
 #pragma once
 
 #include <optional>
@@ -18,7 +18,7 @@ struct RoughDielectricBsdf {
   std::optional<BsdfSample> sample(Vec3 wo_local, Vec2 u, float u_lobe) const;
 
   Ggx ggx;
-  float eta;  // of the far side over the near side; not 1, which bends nothing
+  float eta;  // of the far side over the near side; must not be 1
   DielectricFresnel fresnel;
   Rgb reflectance, transmittance;
 

@@ -9,8 +9,8 @@ constexpr Vec3 kNormal{0, 0, 1};
 
 }  // namespace
 
-// Radiance grows by eta^2 where it enters the denser side (Veach 1997, section 5.2); seen from the camera's
-// side the path is walked backwards, hence the division.
+// Radiance increases by eta^2 on entering the denser side (Veach 1997, section 5.2). Paths from the camera
+// run against the light, hence the division.
 std::optional<BsdfSample> SmoothDielectricBsdf::refracted(Vec3 wo_local) const {
   const auto wi_local = refract(wo_local, kNormal, eta);
   if (!wi_local) return std::nullopt;
@@ -20,7 +20,7 @@ std::optional<BsdfSample> SmoothDielectricBsdf::refracted(Vec3 wo_local) const {
   return sample;
 }
 
-// One of the two directions is chosen with the probability of its share of the light, which cancels out of
+// Chooses one of the two directions with the probability of its fraction of the light, which cancels out of
 // the weight.
 std::optional<BsdfSample> SmoothDielectricBsdf::sample(Vec3 wo_local, Vec2, float u_lobe) const {
   if (u_lobe < dielectric_reflectance(fresnel, wo_local.z, eta))

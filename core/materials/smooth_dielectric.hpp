@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A smooth boundary between dielectrics: one reflected and one refracted direction.
+// A smooth dielectric boundary: one reflected and one refracted direction.
 #pragma once
 
 #include <array>
@@ -16,7 +16,8 @@ struct SmoothDielectricBsdf {
   void scale_diffuse(float) {}
   BsdfValue evaluate(Vec3, Vec3, float) const { return {}; }
   std::optional<BsdfSample> sample(Vec3 wo_local, Vec2 u, float u_lobe) const;
-  // Both directions, each with its share of the light in the weight; nothing for one that does not exist.
+  // Both directions, each weighted by its fraction of the light; nothing for a direction that does not
+  // exist.
   std::array<std::optional<BsdfSample>, 2> branches(Vec3 wo_local) const;
 
   float eta;  // of the far side over the near side

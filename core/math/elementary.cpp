@@ -10,8 +10,8 @@
 namespace tessera::core {
 namespace {
 
-// x minus the nearest multiple of pi/2, in [-pi/4, pi/4], and that multiple's number modulo 4. The constant
-// is split so that its first part times any multiple met here is exact (Cody and Waite 1980).
+// x minus the nearest multiple of pi/2, in [-pi/4, pi/4], and the multiple's index modulo 4. The constant
+// is split so that its first part times any multiple used here is exact (Cody and Waite 1980).
 struct ReducedAngle {
   double r;
   int quadrant;
@@ -61,7 +61,7 @@ double exp(double x) {
   constexpr double kLn2High = 6.93147180369123816490e-01, kLn2Low = 1.90821492927058770002e-10;
   const double k = std::nearbyint(x * 1.44269504088896340736);
   const double r = (x - k * kLn2High) - k * kLn2Low;
-  // On |r| <= ln(2) / 2 it misses by 3e-16 at most (Remez 1934).
+  // The error on |r| <= ln(2) / 2 is at most 3e-16 (Remez 1934).
   constexpr std::array kBeyondLinear{0.5000000000000016,     0.16666666666610455,    0.04166666666648109,
                                      0.008333333371365952,   0.001388888895756761,   0.00019841184573301873,
                                      2.4801478261937464e-05, 2.7635264240555523e-06, 2.763556219125641e-07};
@@ -78,7 +78,7 @@ double log(double x) {
   const int exponent = static_cast<int>(static_cast<std::int64_t>(above_sqrt_half) >> 52);
   const auto mantissa = std::bit_cast<double>(bits - (static_cast<std::uint64_t>(exponent) << 52));
   const double s = (mantissa - 1) / (mantissa + 1), s2 = s * s;
-  // log(m) = 2 artanh(s); what follows 2 s is s^3 times this, which misses by 4e-11 at most (Remez 1934).
+  // log(m) = 2 artanh(s) = 2 s + s^3 p(s^2), with an error of p of at most 4e-11 (Remez 1934).
   constexpr std::array kBeyondLinear{0.6666666666658758, 0.40000000052132884, 0.2857141714890788,
                                      0.22223370503096,   0.18123676476624645, 0.16819453485623553};
   return (exponent - (subnormal ? 54 : 0)) * kLn2 + (2 * s + s * s2 * polynomial(s2, kBeyondLinear));

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// The elementary functions, computed from IEEE additions, multiplications, divisions and square roots alone:
-// the same bits on every machine, which the C library's do not promise. Nothing that a picture depends on
-// may call std::sin and its like.
+// Elementary functions computed from IEEE additions, multiplications, divisions and square roots only. They
+// return the same bits on every machine, which the C library's do not guarantee. Code that affects rendered
+// images must not call std::sin and similar functions.
 //
-// Those in single precision are what each sample of a picture needs. They have no branches.
+// The single-precision functions are used for every sample and are branch-free.
 #pragma once
 
 #include <array>
@@ -25,8 +25,8 @@ struct SinCosOf {
 };
 using SinCos = SinCosOf<float>;
 
-// Of a quarter turn times r in [-1/2, 1/2]. Error below 1.5e-7 absolute. Polynomials that miss by 5e-9 at
-// most (Remez 1934).
+// Sine and cosine of r quarter turns, r in [-1/2, 1/2]. Absolute error below 1.5e-7, from polynomials with
+// errors of at most 5e-9 (Remez 1934).
 template <typename T>
 SinCosOf<T> sin_cos_near_zero(T r) {
   const T s = r * r;
@@ -34,7 +34,7 @@ SinCosOf<T> sin_cos_near_zero(T r) {
           1 + s * polynomial(s, std::array{-1.23370051f, 0.253669262f, -0.0208603083f, 0.000904060551f})};
 }
 
-// Of an angle in turns, |turns| <= 1e6. Error below 1.5e-7 absolute.
+// Sine and cosine of an angle in turns, |turns| <= 1e6. Absolute error below 1.5e-7.
 template <typename T>
 SinCosOf<T> sin_cos_turns(T turns) {
   using std::nearbyint;
@@ -48,8 +48,8 @@ SinCosOf<T> sin_cos_turns(T turns) {
           negate(select(odd, near.sin, near.cos), quadrant + Word(1))};
 }
 
-// In [-pi, pi], with the sign of y; atan2(0, 0) is 0. Error below 5e-7 absolute, from a polynomial that
-// misses by 2e-8 at most (Remez 1934).
+// In [-pi, pi], with the sign of y; atan2(0, 0) is 0. Absolute error below 5e-7, from a polynomial with an
+// error of at most 2e-8 (Remez 1934).
 template <typename T>
 T atan2(T y, T x) {
   using std::fabs, std::copysign;
@@ -64,11 +64,11 @@ T atan2(T y, T x) {
   return copysign(select(x < 0, kPi - quadrant, quadrant), y);
 }
 
-// Sine and cosine of an angle in radians, |x| <= 1e4. Error below 1e-7 absolute.
+// Sine of an angle in radians, |x| <= 1e4, and likewise cosine. Absolute error below 1e-7.
 float sin(float x);
 float cos(float x);
 
-// In double precision, relative error below 1e-13 (log: absolute, for results near 0).
+// Double precision, relative error below 1e-13 (log: absolute, for results near 0).
 double exp(double x);                      // 0 below -708, infinity above 709
 double log(double x);                      // x > 0
 double pow(double base, double exponent);  // base >= 0; pow(0, positive) is 0, pow(x, 0) is 1

@@ -13,7 +13,7 @@ template <typename T>
 struct FrameOf {
   Vec3Of<T> tangent, bitangent, normal;
 
-  // `n` must be of unit length (Duff et al. 2017).
+  // `n` must have unit length (Duff et al. 2017).
   static FrameOf around(Vec3Of<T> n) {
     using std::copysign;
     const T sign = copysign(T(1.0f), n.z);

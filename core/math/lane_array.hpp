@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Eight lanes as an array, to fill or read one by one.
+// Eight lanes as an array, to set or read individually.
 #pragma once
 
 #include <array>

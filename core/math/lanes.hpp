@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What formulae need that are written once for one number and for many at a time (core/math/simd.hpp): types
-// that belong together, and choices without a branch. T is float, Float8 or Float16.
+// Types and functions for formulae that are written once for scalars and vectors (core/math/simd.hpp):
+// associated types and branch-free selection. T is float, Float8 or Float16.
 #pragma once
 
 #include <bit>
@@ -8,8 +8,8 @@
 
 namespace tessera::core {
 
-// MaskOf<T> is what comparisons of T answer, WideOf<T> the same lanes in double precision. kLanes<T> is how
-// many there are.
+// MaskOf<T> is the result of comparing T, WideOf<T> the same lanes in double precision. kLanes<T> is the
+// number of lanes.
 template <typename T>
 struct Lanes;
 template <>
@@ -34,7 +34,7 @@ constexpr bool all(bool mask) {
 constexpr std::uint32_t select(bool mask, std::uint32_t a, std::uint32_t b) {
   return mask ? a : b;
 }
-// Without a branch, for conditions that come out either way.
+// Branch-free, for unpredictable conditions.
 constexpr float select(bool mask, float a, float b) {
   const std::uint32_t all = mask ? ~std::uint32_t{0} : 0;
   const auto of_a = std::bit_cast<std::uint32_t>(a), of_b = std::bit_cast<std::uint32_t>(b);
@@ -44,7 +44,7 @@ constexpr double select(bool mask, double a, double b) {
   return mask ? a : b;
 }
 
-// The larger one, the first where they are equal or either is NaN, as std::max; and the smaller one.
+// The larger one, or the first if they are equal or either is NaN, as std::max; likewise the smaller one.
 template <typename T>
 T larger(T a, T b) {
   return select(a < b, b, a);
@@ -60,7 +60,7 @@ constexpr std::uint32_t as_bits(float x) {
 constexpr float as_float(std::uint32_t bits) {
   return std::bit_cast<float>(bits);
 }
-// Of numbers below 2^31.
+// Requires x < 2^31.
 constexpr float to_float(std::uint32_t x) {
   return static_cast<float>(static_cast<std::int32_t>(x));
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The unit sphere unfolded to the unit square by way of an octahedron (Meyer et al. 2010), which takes no
-// trigonometry. Neighbours stay neighbours but at the square's rim.
+// The octahedral map of the unit sphere to the unit square (Meyer et al. 2010), without trigonometry. It is
+// continuous except at the square's boundary.
 #pragma once
 
 #include <cmath>
@@ -9,9 +9,9 @@
 
 namespace tessera::core {
 
-// What a density on the square is to be divided by for the density per solid angle at `direction`, which is
-// of unit length. A face of the octahedron at distance r from the centre is seen foreshortened by 1 / r and
-// smaller by 1 / r^2, and 1 / r is the sum of the direction's coordinates without their signs.
+// The Jacobian: divide a density on the square by it for the density per solid angle at the unit vector
+// `direction`. A face of the octahedron at distance r from the centre is foreshortened by 1 / r and reduced
+// by 1 / r^2, and 1 / r is the sum of the absolute coordinates.
 template <typename T = float>
 T octahedral_area(Vec3Of<T> direction) {
   const Vec3Of<T> a = abs(direction);
@@ -19,7 +19,7 @@ T octahedral_area(Vec3Of<T> direction) {
   return 4 * sum * sum * sum;
 }
 
-// In [0, 1] x [0, 1].
+// Results are in [0, 1] x [0, 1].
 template <typename T = float>
 Vec2Of<T> to_octahedral_square(Vec3Of<T> direction) {
   using std::copysign;

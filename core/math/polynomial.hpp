@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Polynomials as chains of few dependent steps (Estrin 1960): pairs of terms are joined first, then pairs of
-// pairs, so that a processor works on all of them at once. The order of operations, and so the result's bits,
-// is the same everywhere.
+// Evaluates polynomials with few dependent steps (Estrin 1960): terms are combined in pairs, then pairs of
+// pairs, for instruction-level parallelism. The order of operations, and so every bit of the result, is the
+// same everywhere.
 #pragma once
 
 #include <array>
@@ -9,7 +9,7 @@
 
 namespace tessera::core {
 
-// coefficients[0] + coefficients[1] x + coefficients[2] x^2 + ... Real may be several numbers at once.
+// coefficients[0] + coefficients[1] x + coefficients[2] x^2 + ... Real may be a vector type.
 template <typename Real, typename Coefficient, std::size_t kCount>
 constexpr Real polynomial(Real x, const std::array<Coefficient, kCount>& coefficients) {
   if constexpr (kCount == 1) {

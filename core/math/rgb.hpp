@@ -47,7 +47,7 @@ RgbOf<T> select(MaskOf<T> mask, RgbOf<T> a, RgbOf<T> b) {
   return {select(mask, a.r, b.r), select(mask, a.g, b.g), select(mask, a.b, b.b)};
 }
 
-// What lights are weighed by when one is chosen: a blue lamp's noise is as large as a green one's.
+// The weight by which lights are chosen: noise from a blue lamp is as large as from a green one.
 inline float mean(Rgb c) {
   constexpr float kThird = 1.0f / 3;
   return c.r * kThird + c.g * kThird + c.b * kThird;

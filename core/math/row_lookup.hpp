@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Looking things up in tables where what belongs together lies together: whole rows are read, for one lane
-// after another, which takes a fraction of what gathering number by number does.
+// Table lookups for vectors that load whole rows, one lane at a time, which is much faster than gathering
+// single numbers.
 #pragma once
 
 #include <array>
@@ -12,7 +12,7 @@
 
 namespace tessera::core {
 
-// Two, three or four numbers, and zeros; nothing behind them is read.
+// Loads two, three or four numbers, padded with zeros; reads nothing beyond them.
 template <std::size_t kCount>
 __m128 load_row(const float* from) {
   static_assert(kCount >= 2 && kCount <= 4);
@@ -21,7 +21,7 @@ __m128 load_row(const float* from) {
   return _mm_castsi128_ps(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(from)));
 }
 
-// table[index], table[index + 1] and so on, of each lane.
+// table[index], table[index + 1] and so on, for each lane.
 template <std::size_t kCount>
 std::array<float, kCount> look_up_row(const float* table, std::uint32_t index) {
   std::array<float, kCount> row;
@@ -31,7 +31,7 @@ std::array<float, kCount> look_up_row(const float* table, std::uint32_t index) {
 template <std::size_t kCount>
 std::array<Float8, kCount> look_up_row(const float* table, U32x8 index) {
   const WordLanes of_lane(index);
-  const auto pair = [&](std::size_t lane) {  // the rows of this lane and of the fourth after it
+  const auto pair = [&](std::size_t lane) {  // the rows of lanes `lane` and `lane` + 4
     return _mm256_set_m128(load_row<kCount>(table + of_lane[lane + 4]),
                            load_row<kCount>(table + of_lane[lane]));
   };
@@ -56,27 +56,27 @@ std::array<U32x8, kCount> look_up_row(const std::uint32_t* table, U32x8 index) {
 // Sixteen numbers in a register.
 using SixteenShorts = std::array<std::int16_t, 16>;
 
-// How many of sixteen numbers that do not descend are at most `key`.
+// The number of entries, of sixteen in ascending order, that are at most `key`.
 inline std::uint32_t count_up_to(std::int16_t key, const std::int16_t* numbers) {
   const __m256i all = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(numbers));
   const __m256i above = _mm256_cmpgt_epi16(all, _mm256_set1_epi16(key));
-  // Two bits for each.
+  // The mask has two bits for each entry.
   return static_cast<std::uint32_t>(std::countr_zero(static_cast<unsigned>(_mm256_movemask_epi8(above)))) / 2;
 }
 inline std::uint32_t count_up_to(std::int16_t key, const SixteenShorts& numbers) {
   return count_up_to(key, numbers.data());
 }
 
-// Of numbers of two bits, the first in the lowest: the one at the lane's place, in its lowest bits.
+// Unpacks two-bit numbers, the first in the lowest bits: lane i gets number i in its lowest bits.
 inline U32x8 unpack_pairs_of_bits(std::uint32_t packed) {
   return _mm256_srlv_epi32(U32x8(packed).v, _mm256_setr_epi32(0, 2, 4, 6, 8, 10, 12, 14));
 }
 
-// A point, to be asked for one of its coordinates in each lane.
+// A point from which each lane reads one coordinate.
 class CoordinateLanes {
  public:
   explicit CoordinateLanes(Vec3 p) : twice_(_mm256_setr_ps(p.x, p.y, p.z, 0, p.x, p.y, p.z, 0)) {}
-  // The axis is what the two lowest bits say.
+  // The two lowest bits of each lane select the axis.
   Float8 along(U32x8 axis) const { return _mm256_permutevar_ps(twice_.v, axis.v); }
 
  private:

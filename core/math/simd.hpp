@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Eight floats, and four or eight doubles, at once on AVX2. Each lane is rounded as the scalar operation is,
-// so that the same formula gives the same bits in either form. Comparisons are false for NaN, but for !=.
+// Eight floats, and four or eight doubles, on AVX2. Each lane is rounded like the scalar operation, so both
+// forms of a formula give the same bits. Comparisons with NaN are false, except for !=.
 #pragma once
 
 #include <immintrin.h>
@@ -14,7 +14,7 @@
 
 namespace tessera::core {
 
-// Yes or no for each of eight lanes.
+// A boolean in each of eight lanes.
 struct Mask8 {
   __m256 v;
 
@@ -105,7 +105,7 @@ inline Mask8 operator==(Float8 a, Float8 b) {
 inline Mask8 operator!=(Float8 a, Float8 b) {
   return _mm256_cmp_ps(a.v, b.v, _CMP_NEQ_UQ);
 }
-// Where `a` is NaN, `b`.
+// `b` if `a` is NaN.
 inline Float8 max(Float8 a, Float8 b) {
   return {_mm256_max_ps(a.v, b.v)};
 }
@@ -118,18 +118,18 @@ inline Float8 sqrt(Float8 a) {
 inline Float8 fabs(Float8 a) {
   return {_mm256_andnot_ps(_mm256_set1_ps(-0.0f), a.v)};
 }
-// The larger magnitude, where neither is NaN.
+// The larger magnitude; neither may be NaN.
 inline Float8 max_magnitude(Float8 a, Float8 b) {
   return max(fabs(a), fabs(b));
 }
 inline Float8 floor(Float8 a) {
   return {_mm256_floor_ps(a.v)};
 }
-// To the nearest whole number, halves to the even one.
+// Rounds to the nearest integer, ties to even.
 inline Float8 nearbyint(Float8 a) {
   return {_mm256_round_ps(a.v, _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC)};
 }
-// Of each lane, whether its sign bit is set.
+// Whether the sign bit of each lane is set.
 inline Mask8 signbit(Float8 a) {
   return _mm256_castsi256_ps(_mm256_srai_epi32(_mm256_castps_si256(a.v), 31));
 }
@@ -146,11 +146,11 @@ inline Float8 multiply_subtract(Float8 a, Float8 b, Float8 c) {
 inline Float8 negative_multiply_add(Float8 a, Float8 b, Float8 c) {
   return {_mm256_fnmadd_ps(a.v, b.v, c.v)};
 }
-// `a` where the mask says yes, else `b`.
+// `a` where the mask is set, else `b`.
 inline Float8 select(Mask8 mask, Float8 a, Float8 b) {
   return {_mm256_blendv_ps(b.v, a.v, mask.v)};
 }
-// Of all lanes; anything where one of them is NaN.
+// The minimum of all lanes; unspecified if any is NaN.
 inline float least(Float8 a) {
   const __m128 of_four = _mm_min_ps(_mm256_castps256_ps128(a.v), _mm256_extractf128_ps(a.v, 1));
   const __m128 of_two = _mm_min_ps(of_four, _mm_movehl_ps(of_four, of_four));
@@ -165,7 +165,8 @@ inline unsigned signs_of_four(const float* from) {
   return static_cast<unsigned>(_mm_movemask_ps(_mm_loadu_ps(from)));
 }
 
-// row_at(i)[d] becomes columns[d][i]: four columns of four, aligned to 16 bytes, and as many rows.
+// Transposes: row_at(i)[d] becomes columns[d][i], for four columns and rows; columns are aligned to 16
+// bytes.
 template <typename RowAt>
 void store_transposed(const std::array<const float*, 4>& columns, const RowAt& row_at) {
   __m128 a = _mm_load_ps(columns[0]), b = _mm_load_ps(columns[1]), c = _mm_load_ps(columns[2]),
@@ -175,8 +176,8 @@ void store_transposed(const std::array<const float*, 4>& columns, const RowAt& r
       _mm_storeu_ps(row_at(3), d);
 }
 
-// Lane i of answer d is row_at(i)[d]: eight rows of four. Always inlined, or else its answers go through
-// memory.
+// Transposes eight rows of four: lane i of result d is row_at(i)[d]. Always inlined, because the results
+// would otherwise pass through memory.
 template <typename RowAt>
 [[gnu::always_inline]] inline std::array<Float8, 4> transposed(const RowAt& row_at) {
   const auto pair = [&row_at](std::size_t i) {  // rows i and i + 4
@@ -194,7 +195,8 @@ template <typename RowAt>
           _mm256_castpd_ps(_mm256_unpackhi_pd(ab_high, cd_high))};
 }
 
-// Bit k of rows[i] becomes bit i of columns[k]; rows are 64, aligned to 32 bytes, and columns eight.
+// Transposes bits: bit k of rows[i] becomes bit i of columns[k]. There are 64 rows, aligned to 32 bytes,
+// and eight columns.
 inline void transpose_bits(const std::uint8_t* rows, std::uint64_t* columns) {
   __m256i first = _mm256_load_si256(reinterpret_cast<const __m256i*>(rows));
   __m256i second = _mm256_load_si256(reinterpret_cast<const __m256i*>(rows + 32));
@@ -238,7 +240,7 @@ inline Double4 operator-(Double4 a) {
 inline Double4 operator*(Double4 a, Double4 b) {
   return {_mm256_mul_pd(a.v, b.v)};
 }
-// Where `a` is NaN, `b`.
+// `b` if `a` is NaN.
 inline Double4 max(Double4 a, Double4 b) {
   return {_mm256_max_pd(a.v, b.v)};
 }

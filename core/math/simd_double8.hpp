@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Eight doubles: the lanes of a Float8 where floats do not suffice. In one register with AVX-512, or in two.
+// Eight doubles: the double-precision counterpart of Float8. One register with AVX-512, else two.
 #pragma once
 
 #include "core/math/simd.hpp"

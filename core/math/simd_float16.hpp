@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sixteen floats, and what belongs to them, at once on AVX-512. Each lane is rounded as the scalar operation
-// is. Comparisons are false for NaN, but for !=. Only what is compiled for such processors may include this.
+// Sixteen floats and their associated types, on AVX-512. Each lane is rounded like the scalar operation.
+// Comparisons with NaN are false, except for !=. Include this only in code that is compiled for such
+// processors.
 #pragma once
 
 #include <immintrin.h>
@@ -11,7 +12,7 @@
 
 namespace tessera::core {
 
-// Yes or no for each of sixteen lanes.
+// A boolean in each of sixteen lanes.
 struct Mask16 {
   __mmask16 v;
 
@@ -81,7 +82,7 @@ inline Mask16 operator>=(Float16 a, Float16 b) {
 inline Mask16 operator==(Float16 a, Float16 b) {
   return _mm512_cmp_ps_mask(a.v, b.v, _CMP_EQ_OQ);
 }
-// Where `a` is NaN, `b`.
+// `b` if `a` is NaN.
 inline Float16 max(Float16 a, Float16 b) {
   return {_mm512_max_ps(a.v, b.v)};
 }
@@ -91,12 +92,12 @@ inline Float16 min(Float16 a, Float16 b) {
 inline Float16 fabs(Float16 a) {
   return {_mm512_abs_ps(a.v)};
 }
-// The larger magnitude, where neither is NaN.
+// The larger magnitude; neither may be NaN.
 inline Float16 max_magnitude(Float16 a, Float16 b) {
   constexpr int kGreaterMagnitude = 0b11, kSignClear = 0b10 << 2;
   return {_mm512_range_ps(a.v, b.v, kGreaterMagnitude | kSignClear)};
 }
-// Of each lane, whether its sign bit is set.
+// Whether the sign bit of each lane is set.
 inline Mask16 signbit(Float16 a) {
   return _mm512_movepi32_mask(_mm512_castps_si512(a.v));
 }
@@ -110,11 +111,11 @@ inline Float16 multiply_subtract(Float16 a, Float16 b, Float16 c) {
 inline Float16 negative_multiply_add(Float16 a, Float16 b, Float16 c) {
   return {_mm512_fnmadd_ps(a.v, b.v, c.v)};
 }
-// `a` where the mask says yes, else `b`.
+// `a` where the mask is set, else `b`.
 inline Float16 select(Mask16 mask, Float16 a, Float16 b) {
   return {_mm512_mask_blend_ps(mask.v, b.v, a.v)};
 }
-// Of all lanes; anything where one of them is NaN.
+// The minimum of all lanes; unspecified if any is NaN.
 inline float least(Float16 a) {
   return least(min(Float8(_mm512_castps512_ps256(a.v)), Float8(_mm512_extractf32x8_ps(a.v, 1))));
 }
@@ -146,7 +147,7 @@ inline Float16 as_float(U32x16 a) {
   return _mm512_castsi512_ps(a.v);
 }
 
-// The lanes of a Float16 where floats do not suffice.
+// The double-precision counterpart of Float16.
 using Double16 = Twice<Double8>;
 
 template <>

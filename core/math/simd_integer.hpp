@@ -56,7 +56,7 @@ inline U32x8 select(Mask8 mask, U32x8 a, U32x8 b) {
   return _mm256_blendv_epi8(b.v, a.v, _mm256_castps_si256(mask.v));
 }
 
-// Bit i is the highest of lane i.
+// Bit i is the highest bit of lane i.
 inline unsigned highest_bits(U32x8 a) {
   return static_cast<unsigned>(_mm256_movemask_ps(_mm256_castsi256_ps(a.v)));
 }
@@ -67,28 +67,29 @@ inline U32x8 as_bits(Float8 a) {
 inline Float8 as_float(U32x8 a) {
   return _mm256_castsi256_ps(a.v);
 }
-// Of numbers below 2^31.
+// Requires numbers below 2^31.
 inline Float8 to_float(U32x8 a) {
   return _mm256_cvtepi32_ps(a.v);
 }
 
-// Lane `lane` of `a` in every lane.
+// Broadcasts lane `lane` of `a`.
 inline U32x8 in_every_lane(U32x8 a, int lane) {
   return _mm256_permutevar8x32_epi32(a.v, _mm256_set1_epi32(lane));
 }
-// Towards 0; 2^31 or more for NaN, for -1 and below, and for what does not fit.
+// Rounds towards 0. The result is at least 2^31 for NaN, for values of at most -1, and for values that do
+// not fit.
 inline U32x8 truncated(Float8 a) {
   return _mm256_cvttps_epi32(a.v);
 }
 inline U32x8 min(U32x8 a, U32x8 b) {
   return _mm256_min_epu32(a.v, b.v);
 }
-// Of numbers below 2^31.
+// Requires numbers below 2^31.
 inline Mask8 less_if_small(U32x8 a, U32x8 b) {
   return _mm256_castsi256_ps(_mm256_cmpgt_epi32(b.v, a.v));
 }
 
-// The lowest bit first.
+// Reverses the order of the bits of each lane.
 inline U32x8 reverse_bits(U32x8 a) {
   const __m256i nibble = _mm256_set1_epi8(15);
   const __m256i reversed =
@@ -100,7 +101,7 @@ inline U32x8 reverse_bits(U32x8 a) {
   return _mm256_shuffle_epi8(_mm256_or_si256(_mm256_slli_epi32(low, 4), high), bytes_reversed);
 }
 
-// Lane i of answer d is rows[i][d].
+// Transposes: lane i of result d is rows[i][d].
 inline std::array<U32x8, 4> transpose(const std::array<std::array<std::uint32_t, 4>, 8>& rows) {
   const auto [a, b, c, d] =
       transposed([&rows](std::size_t i) { return reinterpret_cast<const float*>(rows[i].data()); });
@@ -141,7 +142,7 @@ inline U64x8 operator^(U64x8 a, U64x8 b) {
 inline U64x8 operator>>(U64x8 a, int count) {
   return {_mm256_srli_epi64(a.even, count), _mm256_srli_epi64(a.odd, count)};
 }
-// Modulo 2^64, from products of 32 by 32 bits.
+// The product modulo 2^64, from 32-bit products.
 inline __m256i multiply(__m256i a, __m256i b) {
   const __m256i a_high = _mm256_srli_epi64(a, 32), b_high = _mm256_srli_epi64(b, 32);
   const __m256i crossed = _mm256_add_epi64(_mm256_mul_epu32(a_high, b), _mm256_mul_epu32(a, b_high));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// As many floats at once as the widest registers hold that a file is compiled for: sixteen with AVX-512, or
-// eight. For code that reads the same with any number of lanes, and whose result does not depend on it.
+// The widest float vector of the processor that a file is compiled for: sixteen lanes with AVX-512, else
+// eight. For code that works with any number of lanes and whose result does not depend on it.
 #pragma once
 
 #include "core/math/simd_double8.hpp"
@@ -19,9 +19,9 @@ using FloatVector = Float8;
 using DoubleRegister = Double4;
 #endif
 using MaskVector = MaskOf<FloatVector>;
-using DoubleVector = WideOf<FloatVector>;  // of as many lanes
+using DoubleVector = WideOf<FloatVector>;  // with the same number of lanes
 inline constexpr std::size_t kVectorLanes = kLanes<FloatVector>;
-// Of arrays that are read in vectors, whoever is compiled for which.
+// Padding and alignment of arrays that are read in vectors, independent of the target processor.
 inline constexpr std::size_t kMaxVectorLanes = 16, kVectorAlignment = 64;
 
 }  // namespace tessera::core

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// An affine map of space.
+// Affine maps.
 #pragma once
 
 #include "core/math/vec3.hpp"
@@ -12,16 +12,16 @@ struct Transform {
 
   Vec3 point(Vec3 p) const { return direction(p) + origin; }
   Vec3 direction(Vec3 d) const { return x_axis * d.x + y_axis * d.y + z_axis * d.z; }
-  // By the cofactor matrix (the inverse transpose times the determinant): not of unit length, but never a
-  // division by 0, and on the outward side for mirrored maps only if the caller flips it.
+  // Transforms by the cofactor matrix (the inverse transpose times the determinant). The result does not
+  // have unit length, but is defined for singular maps. For reflections the caller must flip it.
   Vec3 normal(Vec3 n) const;
-  // Below 0 where the map mirrors; 0 where it flattens.
+  // Negative if the map reflects; 0 if it is singular.
   float determinant() const { return dot(x_axis, cross(y_axis, z_axis)); }
-  // By how much lengths grow along x, y and z.
+  // The factors by which lengths along x, y and z grow.
   Vec3 scales() const { return {length(x_axis), length(y_axis), length(z_axis)}; }
 };
 
-// First `inner`, then `outer`.
+// Applies `inner`, then `outer`.
 Transform compose(const Transform& outer, const Transform& inner);
 
 Transform translation(Vec3 offset);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whole numbers beside the lanes of T, for formulae that look things up in tables: WordOf<float> is one
-// number of 32 bits, WordOf<Float8> are eight.
+// Unsigned integers in the lanes of T, for table lookups: WordOf<float> is one 32-bit number,
+// WordOf<Float8> eight.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@ namespace tessera::core {
 template <typename T>
 using WordOf = std::conditional_t<std::is_same_v<T, float>, std::uint32_t, U32x8>;
 
-// Of whole numbers from -2^31 to below 2^31, the negative ones modulo 2^32.
+// x is an integer from -2^31 to below 2^31; negative ones wrap modulo 2^32.
 inline std::uint32_t to_word(float x) {
   return static_cast<std::uint32_t>(static_cast<std::int32_t>(x));
 }

@@ -7,9 +7,9 @@
 namespace tessera::core {
 namespace {
 
-// Linear interpolation is a sum of tents, one above each middle, that end at the neighbouring middles. Those
-// of the outermost cells are folded back at the edge, which makes their sum even there.
-// At a tent's foot, where u is 0, there might be no density.
+// Linear interpolation is a sum of tent functions, one at each cell centre, which end at the neighbouring
+// centres. Those of the outermost cells are reflected at the edge, which makes their sum constant there. At
+// the foot of a tent, for u = 0, the density might be 0.
 float under_tent(int cell, float u, int cells) {
   constexpr float kMin = 0x1p-25f;
   const float from_middle = u < 0.5f ? std::sqrt(2 * std::max(u, kMin)) - 1 : 1 - std::sqrt(2 * (1 - u));
@@ -18,8 +18,8 @@ float under_tent(int cell, float u, int cells) {
   return place < 0 ? -place : place > end ? 2 * end - place : place;
 }
 
-// The two cells whose tents are above a place, and how high the second one's is. Written so that NaN, too,
-// has such cells.
+// The two cells whose tents cover a position, and the value of the second one's tent. NaN also maps to
+// valid cells.
 struct Tents {
   Tents(float place, int cells) {
     const float from_first = larger(0.0f, smaller(place - 0.5f, static_cast<float>(cells - 1)));

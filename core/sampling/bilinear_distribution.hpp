@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A distribution over a grid whose density is interpolated linearly between the middles of its cells, as
-// pictures are, and is even from the outermost middles to the edges.
+// A distribution over a grid whose density is interpolated bilinearly between cell centres, as images are,
+// and is constant from the outermost centres to the edges.
 #pragma once
 
 #include <vector>
@@ -12,17 +12,17 @@ namespace tessera::core {
 
 class BilinearDistribution {
  public:
-  // Weights of the cells' middles, row by row; not negative, and not all 0.
+  // Weights of the cell centres, row by row; non-negative, and not all 0.
   BilinearDistribution(int width, int height, const std::vector<double>& weights);
 
-  // Places are in cells from the first one's corner; densities are per area of a cell.
+  // Positions are in cells from the first one's corner; densities are per cell area.
   struct Sample {
     Vec2 place;
-    float density;  // more than 0
+    float density;  // positive
   };
-  // u in [0, 1). Takes more bits than a float has: else rare cells are lost.
+  // u is in [0, 1), with more bits than a float has: otherwise rare cells are never sampled.
   Sample sample(Vec2Of<double> u) const;
-  float density(Vec2 place) const;  // beyond the grid, that of the nearest place of it
+  float density(Vec2 place) const;  // outside the grid, that of the nearest position
 
  private:
   int width_, height_;

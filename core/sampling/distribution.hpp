@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A discrete distribution, sampled by inverting its cumulative sums: neighbouring numbers choose neighbouring
-// entries, so that stratified numbers stay stratified.
+// Discrete distributions sampled by inversion of the cumulative sums: neighbouring numbers select
+// neighbouring entries, which preserves stratification.
 #pragma once
 
 #include <cstddef>
@@ -14,34 +14,35 @@ namespace tessera::core {
 class DiscreteDistribution {
  public:
   DiscreteDistribution() = default;
-  // Weights are not negative; their sum is positive, or there are none.
+  // Weights are non-negative; their sum is positive unless there are none.
   explicit DiscreteDistribution(const std::vector<double>& weights);
 
   bool empty() const { return pmf_.empty(); }
   float pmf(std::size_t index) const { return pmf_[index]; }
 
-  // The entry that u in [0, 1) falls on. Never one of weight 0. Entries rarer than the resolution of u are
-  // lost, so it takes more bits than a float has.
+  // The entry selected by u in [0, 1), never one of weight 0. Entries rarer than the resolution of u are
+  // never sampled, so u has more bits than a float.
   std::size_t sample(double u) const;
 
  private:
   std::vector<float> pmf_;
-  std::vector<double> cdf_;  // cdf_[i] is the probability of the entries up to and with i
+  std::vector<double> cdf_;  // cdf_[i] is the probability of entries 0 to i
 };
 
-// Cells side by side that share a whole of 2^31 units, found by what falls on them (Chen and Asau 1974): a
-// guide says near which cell to begin. Shares are rounded to units, but none to nothing, and densities are of
-// the rounded ones.
+// Rows of cells that divide a total of 2^31 units, sampled by a guide table (Chen and Asau 1974), which
+// gives a cell near the result. Probabilities are rounded to units, but never to 0, and densities are those
+// of the rounded probabilities.
 class GuidedCells {
  public:
-  // Weights row by row; not negative. None can be found in a row where all are 0.
+  // Weights row by row; non-negative. A row of zeros cannot be sampled.
   GuidedCells(std::size_t width, const std::vector<double>& weights);
 
   struct Place {
     std::size_t cell;
     float within;  // in [0, 1)
   };
-  // u in [0, 1). Never a cell of weight 0. Takes more bits than a float has: else rare cells are lost.
+  // u is in [0, 1), with more bits than a float has: otherwise rare cells are never sampled. Never returns
+  // a cell of weight 0.
   Place find(std::size_t row, double u) const;
   double pmf(std::size_t row, std::size_t cell) const;
 
@@ -52,22 +53,23 @@ class GuidedCells {
   void guide(std::size_t row);
 
   std::size_t width_ = 0, guides_ = 0;  // of each row
-  std::vector<std::uint32_t> begin_;    // of each cell, and where the last one ends
-  std::vector<std::uint32_t> guide_;    // the cell where each of `guides_` equal parts of the whole begins
+  std::vector<std::uint32_t> begin_;    // of each cell, followed by the end of the last one
+  std::vector<std::uint32_t> guide_;    // the cell that contains the start of each of `guides_` equal parts
 };
 
-// A distribution over the cells of a grid, and evenly within each of them: first a row is chosen, then a cell
-// of that row.
+// A piecewise-constant distribution over a grid: samples a row, then a cell of that row, then a position in
+// the cell.
 class GridDistribution {
  public:
-  // Weights row by row; not negative. None can be sampled where all are 0.
+  // Weights row by row; non-negative. If all are 0, nothing can be sampled.
   GridDistribution(int width, int height, const std::vector<double>& weights);
 
   struct Choice {
     int x, y;
-    Vec2 within;  // where in the cell, in [0, 1)
+    Vec2 within;  // position in the cell, in [0, 1)
   };
-  // u in [0, 1). Never a cell of weight 0. Takes more bits than a float has, as GuidedCells::find.
+  // u is in [0, 1), with more bits than a float has, as in GuidedCells::find. Never returns a cell of
+  // weight 0.
   Choice sample(Vec2Of<double> u) const;
   double pmf(int x, int y) const {
     const auto row = static_cast<std::size_t>(y);
@@ -75,7 +77,7 @@ class GridDistribution {
   }
 
  private:
-  GuidedCells rows_;  // of one row, which has the grid's rows for cells
+  GuidedCells rows_;  // a single row whose cells are the grid's rows
   GuidedCells cells_;
 };
 

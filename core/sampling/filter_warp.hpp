@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Warps of a number in [0, 1) to a place along one axis of a pixel filter. All are increasing, so that
-// stratified numbers stay stratified, and symmetric around 0. Stateless; thread-safe.
+// Warps of a number in [0, 1) to a position along one axis of a pixel filter. All are increasing, which
+// preserves stratification, and symmetric around 0. Stateless; thread-safe.
 #pragma once
 
 namespace tessera::core {
@@ -11,8 +11,8 @@ float sample_box(float u, float radius);
 // Density (1 - |x| / radius) / radius.
 float sample_tent(float u, float radius);
 
-// The normal distribution with a standard deviation of a third of `radius`, cut off at `radius`. Its
-// cumulative distribution is inverted to within 1e-6 of the radius.
+// The normal distribution with standard deviation radius / 3, truncated at `radius`. Its cumulative
+// distribution is inverted to within 1e-6 of the radius.
 float sample_truncated_normal(float u, float radius);
 
 }  // namespace tessera::core

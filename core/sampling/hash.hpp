@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Integer hashing: how counters become random bits.
+// Integer hashing: converts counters to random bits.
 #pragma once
 
 #include <cstdint>
@@ -8,7 +8,7 @@
 
 namespace tessera::core {
 
-// A bijection of 64-bit numbers, one or several at a time, whose output bits each depend on all input bits
+// A bijection of 64-bit numbers (scalar or vector) in which every output bit depends on all input bits
 // (Steele, Lea and Flood 2014, the finalizer of SplitMix64, variant 13 of Stafford 2011).
 template <typename U = std::uint64_t>
 constexpr U mix_bits(U v) {
@@ -22,7 +22,7 @@ constexpr U hash(U a, std::uint64_t b) {
   return mix_bits<U>(a + U(mix_bits(b + 0x9e3779b97f4a7c15u)));
 }
 
-// In [0, 1), with 24 bits: the largest is 1 - 2^-24.
+// A number in [0, 1) with 24 bits: the largest is 1 - 2^-24.
 template <typename U>
 constexpr auto unit_float(U bits) {
   return to_float(bits >> 8) * 0x1p-24f;

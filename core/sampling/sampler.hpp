@@ -24,14 +24,14 @@ class Sampler {
 
   // The four numbers of pad `pad`, each in [0, 1).
   std::array<float, 4> pad(std::uint32_t pad) const;
-  // Those of eight samplers, one in each lane.
+  // pad() of eight samplers, one in each lane.
   static std::array<Float8, 4> pads(const std::array<const Sampler*, 8>& samplers, std::uint32_t pad);
-  // Likewise, each of a pad of its own.
+  // As above, with a separate pad for each lane.
   static std::array<Float8, 4> pads(const std::array<const Sampler*, 8>& samplers,
                                     const std::array<std::uint32_t, 8>& pads);
 
-  // A number in [0, 1) that decides whether a ray meets a surface or passes through: the surface that it hits
-  // after having passed `crossing` others. `ray` tells it from the other rays of the sample.
+  // A number in [0, 1) that decides whether a ray hits a surface or passes through it, after `crossing`
+  // earlier surfaces. `ray` distinguishes the rays of a sample.
   float opacity_number(std::uint64_t ray, std::uint32_t crossing) const;
 
   // Three numbers in [0, 1) for rounding a sample's channels to the film, independent of every pad.
@@ -42,7 +42,7 @@ class Sampler {
   std::uint32_t sample_;
 };
 
-// Which pad serves which decision. The layout is part of what defines a picture's bytes.
+// Assigns pads to decisions. The layout affects the rendered bytes.
 inline constexpr std::uint32_t kCameraPad = 0;  // pixel x, y; lens u, v
 // At path vertex `depth` (the first surface the camera sees is 0):
 inline constexpr std::uint32_t scatter_pad(int depth) {
@@ -52,9 +52,9 @@ inline constexpr std::uint32_t light_pad(int depth) {
   return 2 + 2 * static_cast<std::uint32_t>(depth);
 }  // light u, v; choice, coarse and fine
 
-// Whitted's method has a tree of rays. Its nodes have names: the camera's ray is the root, and the rays that
-// are reflected (0) and refracted (1) where a ray ends are its children. At each node there is a pad for each
-// light that is sampled. Names and pads are hashes, so that trees may have any depth.
+// Whitted ray tracing has a tree of rays with a name for each node: the camera ray is the root, and the
+// reflected (0) and refracted (1) rays at a ray's end are its children. Each node has a pad for each
+// sampled light. Names and pads are hashes, so trees may have any depth.
 inline constexpr std::uint64_t kTreeRoot = 0;
 inline constexpr std::uint64_t tree_child(std::uint64_t node, std::uint32_t branch) {
   return hash(node, branch);

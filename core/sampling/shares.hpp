@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Weights as shares of a whole that is counted in units.
+// Quantises weights to shares of a total number of units.
 #pragma once
 
 #include <algorithm>
@@ -10,9 +10,9 @@
 
 namespace tessera::core {
 
-// Where the share of each weight begins, and where the last one ends: begins has one more than weights.
-// Everything of some weight gets one unit, and its share of the others. Weights are not negative; no more of
-// them have some than there are units. Of nothing but zeros all begin at 0.
+// The start of each weight's share, followed by the end of the last one: one entry more than weights. Every
+// non-zero weight gets one unit, and its proportion of the remaining units. Weights are non-negative, and
+// at most `whole` of them are non-zero. If all are zero, every start is 0.
 template <typename Unit>
 void cumulate_shares(std::span<const double> weights, Unit whole, std::span<Unit> begins) {
   assert(begins.size() == weights.size() + 1);

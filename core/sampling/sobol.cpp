@@ -49,7 +49,8 @@ constexpr Point add_modulo_two(Point a, const Point& b) {
   return a;
 }
 
-// The contribution of each value of each byte of the index: four look-ups replace 32 conditional additions.
+// The contribution of each value of each byte of the index: four table lookups replace 32 conditional
+// additions.
 using ByteTable = std::array<std::array<Point, 256>, 4>;
 constexpr ByteTable kByteTable = [] {
   ByteTable table{};
@@ -63,7 +64,7 @@ constexpr ByteTable kByteTable = [] {
   return table;
 }();
 
-// Inline, or eight points would go through memory, half by half.
+// Inlined, because eight points would otherwise pass through memory.
 [[gnu::always_inline]] inline Point point_of(std::uint32_t index) {
   const Point low = add_modulo_two(kByteTable[0][index & 255], kByteTable[1][(index >> 8) & 255]);
   const Point high = add_modulo_two(kByteTable[2][(index >> 16) & 255], kByteTable[3][index >> 24]);

@@ -12,8 +12,8 @@ namespace tessera::core {
 
 inline constexpr int kSobolDimensions = 4;
 
-// Point `index` of the sequence with the bits of each coordinate reversed (lowest bit first), which is what
-// owen_scramble_reversed takes. Points 0 to 2^k - 1 stratify every elementary interval they can.
+// Point `index` of the sequence with the bits of each coordinate reversed (lowest bit first), as
+// owen_scramble_reversed takes them. Points 0 to 2^k - 1 are stratified in all elementary intervals.
 std::array<std::uint32_t, kSobolDimensions> sobol_reversed(std::uint32_t index);
 std::array<U32x8, kSobolDimensions> sobol_reversed(U32x8 index);
 
@@ -25,8 +25,8 @@ constexpr std::uint32_t reverse_bits(std::uint32_t v) {
   return (v >> 16) | (v << 16);
 }
 
-// Nested uniform scrambling of a coordinate with reversed bits: each bit is flipped depending on `seed` and
-// on the bits of higher value alone. The result's bits are reversed still.
+// Nested uniform scrambling of a coordinate with reversed bits: whether a bit is flipped depends only on
+// `seed` and the more significant bits. The result's bits are also reversed.
 template <typename U>
 constexpr U owen_scramble_reversed(U v, U seed) {
   v = v ^ (v * 0x3d20adeau);

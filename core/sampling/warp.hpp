@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Warps of the unit square, each beside its density. `u` has coordinates in [0, 1).
+// Warps of the unit square, each with its density. `u` has coordinates in [0, 1).
 #pragma once
 
 #include <algorithm>
@@ -10,7 +10,7 @@
 
 namespace tessera::core {
 
-// Uniform on the unit disk; keeps neighbours together (Shirley and Chiu 1997).
+// Uniform on the unit disk; continuous (Shirley and Chiu 1997).
 template <typename T = float>
 Vec2Of<T> sample_disk(Vec2Of<T> u) {
   using std::fabs;
@@ -35,7 +35,7 @@ inline PolarPoint sample_disk_polar(Vec2 u) {
   return {beside ? std::fabs(a) : std::fabs(b), (eighths < 0 ? eighths + 8 : eighths) / 8};
 }
 
-// On the hemisphere around +z, density cos(theta) / pi per solid angle (Malley's method). z is above 0.
+// On the hemisphere around +z, density cos(theta) / pi per solid angle (Malley's method). z is positive.
 template <typename T = float>
 Vec3Of<T> sample_cosine_hemisphere(Vec2Of<T> u) {
   using std::sqrt;
@@ -56,7 +56,7 @@ Vec3Of<T> sample_sphere(Vec2Of<T> u) {
   return {r * c, r * s, z};
 }
 
-// Uniform on the hemisphere around +z, density 1 / (2 pi) per solid angle. z is above 0.
+// Uniform on the hemisphere around +z, density 1 / (2 pi) per solid angle. z is positive.
 inline Vec3 sample_hemisphere(Vec2 u) {
   const float z = 1 - u.x, r = std::sqrt(std::max(0.0f, 1 - z * z));
   const auto [s, c] = sin_cos_turns(u.y);

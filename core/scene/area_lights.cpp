@@ -16,7 +16,7 @@ double mean_opacity(const Material& material, const std::vector<Texture>& textur
   return std::clamp(static_cast<double>(opacity.value * texture.image->mean().r), 0.0, 1.0);
 }
 
-// Of what leaves the surface: the opacity counts.
+// The mean radiance that leaves the surface, including opacity.
 double mean_radiance(const Material& material, const std::vector<Texture>& textures) {
   const ColorParameter& emission = material.emission;
   if (is_black(emission.value)) return 0;
@@ -33,13 +33,12 @@ LightShape shape_of(const Primitives& primitives, std::uint32_t p) {
   return TriangleLight{p0, p1, p2, uv0, uv1, uv2};
 }
 
-// Calls add(shape, first primitive) for all triangles, quads and spheres of which shines(primitive), and
-// notes its answer, a light's number, for each primitive that the shape consists of, up to the last that has
-// one.
-template <typename Shines, typename Add>
+// Calls add(shape, first primitive) for all triangles, quads and spheres for which emissive(primitive), and
+// records the returned light index for each primitive of the shape, up to the last emissive one.
+template <typename Emissive, typename Add>
 std::vector<std::uint32_t> for_each_light_shape(const Primitives& primitives,
-                                                const std::vector<Model::Quad>& quads, const Shines& shines,
-                                                const Add& add) {
+                                                const std::vector<Model::Quad>& quads,
+                                                const Emissive& emissive, const Add& add) {
   const std::uint32_t count = primitives.triangle_count() + primitives.sphere_count();
   std::vector<std::uint32_t> lights;
   auto quad = quads.begin();
@@ -47,7 +46,7 @@ std::vector<std::uint32_t> for_each_light_shape(const Primitives& primitives,
     const bool is_quad = quad != quads.end() && quad->first == p;
     size = is_quad ? 2 : 1;
     const std::uint32_t light =
-        shines(p) ? add(is_quad ? LightShape(quad->shape) : shape_of(primitives, p), p) : kNoLight;
+        emissive(p) ? add(is_quad ? LightShape(quad->shape) : shape_of(primitives, p), p) : kNoLight;
     if (is_quad) ++quad;
     if (light == kNoLight) continue;
     lights.resize(p, kNoLight);
@@ -56,7 +55,7 @@ std::vector<std::uint32_t> for_each_light_shape(const Primitives& primitives,
   return lights;
 }
 
-// A light of an object as an instance places it.
+// Transforms a light of an object by an instance's placement.
 LightShape placed(const LightShape& shape, const Placement& placement) {
   const auto point = [&](Vec3 p) { return placement.point(Vec3d(p)).rounded(); };
   const auto vector = [&](Vec3 v) { return placement.vector(Vec3d(v)).rounded(); };
@@ -99,9 +98,9 @@ void AreaLightFinder::find_in_instances(const Primitives& primitives, const std:
   const std::uint32_t count = primitives.instance_count();
   for (std::uint32_t i = 0; i < count; ++i) {
     const Instance& instance = primitives.instance(i);
-    const bool shines = instance.material == kOwnMaterials ? object_emits[instance.object]
-                                                           : mean_radiances_[instance.material] > 0;
-    if (!shines) continue;
+    const bool emissive = instance.material == kOwnMaterials ? object_emits[instance.object]
+                                                             : mean_radiances_[instance.material] > 0;
+    if (!emissive) continue;
     map_.instances_.resize(count);
     map_.instances_[i].first_light = static_cast<std::uint32_t>(lights_.size());
     map_.instances_[i].table =
@@ -131,7 +130,7 @@ LightMap::Table AreaLightFinder::find_in_instance(const Primitives& scene, std::
       });
 }
 
-// Where rounding leaves some instance's light without power, its table is its own.
+// If rounding leaves a light of some instance without power, the instance gets its own table.
 std::uint32_t AreaLightFinder::share_table(const Instance& instance, LightMap::Table table) {
   const auto known = tables_.find({instance.object, instance.material});
   if (known != tables_.end() && map_.tables_[known->second] == table) return known->second;
@@ -141,7 +140,7 @@ std::uint32_t AreaLightFinder::share_table(const Instance& instance, LightMap::T
   return number;
 }
 
-// kNoLight where it has no power. `middle` tells the primitive.
+// Returns kNoLight if the light has no power. `middle` identifies the primitive.
 std::uint32_t AreaLightFinder::add_light(const LightShape& shape, const Primitives& primitives,
                                          const Hit& middle) {
   const std::uint32_t material_id = primitives.material(middle);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Finds the lights among a scene's primitives, those in instances too: each emissive triangle, quad and
-// sphere is one, in each instance anew.
+// Finds the area lights among a scene's primitives, including those in instances: each emissive triangle,
+// quad and sphere is a light, once per instance.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +16,7 @@
 
 namespace tessera::core {
 
-// The light that a hit is on. Instances whose primitives are lights in the same order share a table.
+// Maps hits to lights. Instances with the same sequence of lights share a table.
 class LightMap {
  public:
   std::uint32_t light_of(const Hit& hit) const {
@@ -26,8 +26,8 @@ class LightMap {
  private:
   friend class AreaLightFinder;
 
-  // For each primitive, up to the last that has a light: its light's number, counted from the instance's
-  // first; or kNoLight.
+  // For each primitive, up to the last emissive one: its light's index relative to the instance's first
+  // light, or kNoLight.
   using Table = std::vector<std::uint32_t>;
   struct InstanceLights {
     std::uint32_t table = kNoTable;
@@ -48,7 +48,7 @@ class LightMap {
   }
 
   Table own_;
-  std::vector<InstanceLights> instances_;  // empty if none has lights
+  std::vector<InstanceLights> instances_;  // empty if no instance is emissive
   std::vector<Table> tables_;
 };
 
@@ -56,8 +56,8 @@ class AreaLightFinder {
  public:
   AreaLightFinder(const std::vector<Material>& materials, const std::vector<Texture>& textures);
 
-  // Those of the scene's own primitives, then those of its instances. Lights without power are left out.
-  // `objects` are the models of its objects, whose primitives have gone over to `scene`.
+  // Finds the lights of the scene's own primitives, then those of its instances. Lights without power are
+  // left out. `objects` are the models of its objects, whose primitives have been moved to `scene`.
   void find(const Model& scene, const std::vector<Model>& objects);
 
   std::vector<Light> take_lights() { return std::move(lights_); }
@@ -71,7 +71,7 @@ class AreaLightFinder {
   std::uint32_t add_light(const LightShape& shape, const Primitives& primitives, const Hit& middle);
 
   const std::vector<Material>& materials_;
-  std::vector<double> mean_radiances_;  // of each material's emission
+  std::vector<double> mean_radiances_;  // of the emission of each material
   std::vector<Light> lights_;
   LightMap map_;
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> tables_;  // by object and material

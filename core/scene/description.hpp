@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A scene as its file tells it, after assets are read and transforms applied: plain data in world space,
-// not yet validated as a whole. Scene::build turns it into what is rendered.
+// A scene as its file describes it, after assets are read and transforms applied: plain data in world
+// space, not yet validated as a whole. Scene::build converts it for rendering.
 #pragma once
 
 #include <array>
@@ -25,10 +25,10 @@ struct MeshDescription {
   std::vector<Vec3> normals;  // one per position, need not be unit length; or empty: flat shading
   std::vector<Vec2> uvs;      // one per position; or empty
   std::vector<std::array<std::uint32_t, 3>> triangles;  // counter-clockwise seen from outside
-  std::vector<std::uint32_t> triangle_materials;        // one per triangle, or a single one for all
-  // Linear colours from 0 to 1, one per position; or empty. They are interpolated over triangles and multiply
-  // the base colour of the material: Lambert's albedo, Mirror's reflectance, the diffuse part of Phong and
-  // CookTorrance, and f0 of a CookTorrance without diffuse part. Glass and conductors ignore them.
+  std::vector<std::uint32_t> triangle_materials;        // one per triangle, or one for all
+  // Linear colours from 0 to 1, one per position; or empty. They are interpolated over triangles and
+  // multiply the material's base colour: Lambert's albedo, Mirror's reflectance, the diffuse part of Phong
+  // and CookTorrance, and f0 of a CookTorrance without diffuse part. Glass and conductors ignore them.
   std::vector<Rgb> colors{};
 };
 
@@ -45,17 +45,17 @@ struct QuadDescription {
   std::uint32_t material = 0;
 };
 
-// An object shown once more: all of its shapes, as `to_world` places them.
+// An instance of an object: all of its shapes, placed by `to_world`.
 struct InstanceDescription {
   std::uint32_t object = 0;
   Transform to_world;
-  std::optional<std::uint32_t> material;  // of all of it; nullopt: those of its shapes
+  std::optional<std::uint32_t> material;  // replaces the materials of all its shapes
 };
 
 using ShapeDescription =
     std::variant<MeshDescription, SphereDescription, QuadDescription, InstanceDescription>;
 
-// Shapes that are seen only where instances show them, stored once however many of those there are.
+// Shapes that are rendered only through instances, stored once.
 struct ObjectDescription {
   std::string name;
   std::vector<ShapeDescription> shapes;  // no instances
@@ -69,29 +69,29 @@ struct PointLightDescription {
 
 struct SpotLightDescription {
   Vec3 position, look_at;
-  Rgb intensity;             // watts per steradian, in the middle of the cone
-  float angle_degrees = 45;  // of the whole cone
-  float softness = 0.2f;     // the share of the cone, from its edge inwards, over which light falls off
+  Rgb intensity;             // watts per steradian, on the axis
+  float angle_degrees = 45;  // full angle of the cone
+  float softness = 0.2f;     // fraction of the cone, from its edge inwards, with falloff
 };
 
 struct DirectionalLightDescription {
-  Vec3 direction;  // the way light travels; need not be of unit length
+  Vec3 direction;  // the direction of travel; need not have unit length
   Rgb irradiance;  // of a surface that faces the light
 };
 
 using LightDescription =
     std::variant<PointLightDescription, SpotLightDescription, DirectionalLightDescription>;
 
-// What rays that meet nothing see.
+// The radiance of rays that escape the scene.
 struct EnvironmentDescription {
-  ColorParameter radiance;  // a texture is equirectangular; of it, only the picture counts
+  ColorParameter radiance;  // a texture is equirectangular; only its image is used
   float rotation_degrees = 0;
 };
 
 struct SceneDescription {
   RenderSettings settings;
   CameraDescription camera;
-  DisplaySettings display;  // of PNG files; linear ones are left alone
+  DisplaySettings display;  // of PNG files only
   std::vector<Texture> textures;
   std::vector<Material> materials;
   std::vector<ObjectDescription> objects;
@@ -99,7 +99,7 @@ struct SceneDescription {
   std::vector<std::string> shape_names;  // one per shape, for error messages: "shapes[2] (bunny.obj)"
   std::vector<LightDescription> lights;  // besides emissive shapes
   std::optional<EnvironmentDescription> environment;
-  std::vector<std::string> warnings;  // what other programs' files lack, and what is used instead
+  std::vector<std::string> warnings;  // defects of other programs' files, and the substitutions made
 };
 
 }  // namespace tessera::core

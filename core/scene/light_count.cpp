@@ -7,7 +7,7 @@
 namespace tessera::core {
 namespace {
 
-// Of an object: what all of it has, and how much of that emits by its own materials.
+// The numbers of an object's primitives: all, and those emissive by the object's own materials.
 struct ObjectCount {
   std::uint64_t shapes = 0, emissive = 0;
 };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// How many area lights a scene has when it is built: one for each emissive triangle, quad and sphere, again
-// for every instance of an object.
+// Counts the area lights that a scene will have: one for each emissive triangle, quad and sphere, once per
+// instance.
 #pragma once
 
 #include <cstdint>
@@ -9,9 +9,9 @@
 
 namespace tessera::core {
 
-// No fewer than Scene::build makes: shapes whose texture leaves them black count too. Takes time linear in
-// the scene as it is stored, whatever the number of instances. The scene must be one that load_scene()
-// assembles: materials and objects that it names exist.
+// An upper bound on what Scene::build creates: shapes with black emission textures count too. Takes time
+// linear in the stored scene, whatever the number of instances. The scene must be a result of load_scene(),
+// in which all materials and objects exist.
 std::uint64_t count_area_lights(const SceneDescription& scene);
 
 }  // namespace tessera::core

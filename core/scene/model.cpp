@@ -14,7 +14,7 @@ void add_quad(const QuadDescription& quad, Model& model) {
                             {{0, 1, 2}, {0, 2, 3}}, {quad.material});
 }
 
-// Many meshes are copied into arrays that are large enough; a single one is not copied.
+// Reserves memory for several meshes, which are copied; a single one is moved.
 void reserve(const std::vector<ShapeDescription>& shapes, Primitives& primitives) {
   std::size_t meshes = 0, vertices = 0, triangles = 0;
   for (const ShapeDescription& shape : shapes)
@@ -26,7 +26,7 @@ void reserve(const std::vector<ShapeDescription>& shapes, Primitives& primitives
   if (meshes > 1) primitives.reserve(vertices, triangles);
 }
 
-// Takes the mesh's memory over or gives it back, before the next is added.
+// Moves the mesh's memory or frees it before the next is added.
 void add_mesh(MeshDescription mesh, Primitives& primitives) {
   primitives.add_mesh(std::move(mesh.positions), mesh.normals, mesh.uvs, std::move(mesh.triangles),
                       mesh.triangle_materials, mesh.colors);

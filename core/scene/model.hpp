@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shapes turned into primitives: those of a scene, or those of an object that instances show.
+// Converts shapes to primitives: those of a scene, or of an instanced object.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@
 namespace tessera::core {
 
 struct Model {
-  // The two triangles that a quad has become. As a light they are one.
+  // The two triangles of a quad. They form a single light.
   struct Quad {
     std::uint32_t first;
     QuadLight shape;
@@ -22,7 +22,7 @@ struct Model {
   std::vector<Quad> quads;  // in the order of their triangles
 };
 
-// But for instances. Empties the meshes.
+// Converts all shapes except instances. Empties the meshes.
 Model make_model(std::vector<ShapeDescription>& shapes);
 
 }  // namespace tessera::core

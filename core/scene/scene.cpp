@@ -33,7 +33,7 @@ Environment make_environment(const EnvironmentDescription& d, const std::vector<
           d.rotation_degrees};
 }
 
-// An opacity texture of a single texel, as alpha is that is 1 everywhere, is a number.
+// Replaces an opacity texture of a single texel (alpha that is 1 everywhere) by a number.
 ScalarParameter without_constant_texture(const ScalarParameter& opacity,
                                          const std::vector<Texture>& textures) {
   if (opacity.texture < 0) return opacity;
@@ -70,7 +70,7 @@ void Scene::add_shapes(SceneDescription& description) {
   primitives_ = std::move(model.primitives);
 }
 
-// Lights without power are left out: they shine on nothing, and chance could not find them.
+// Leaves out lights without power, which contribute nothing and could not be sampled.
 void Scene::add_lights(const SceneDescription& description, int threads) {
   const double bounds = primitives_.bounding_radius(), radius = bounds > 0 ? bounds : 1;
   const auto has_power = [radius](const Light& light) { return power(light, radius) > 0; };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A scene ready to be rendered: immutable, flat arrays, shared by all threads. Building it validates
-// everything, so that rendering cannot fail.
+// A scene ready to render: immutable, flat arrays, shared by all threads. Building it validates everything,
+// so rendering cannot fail.
 #pragma once
 
 #include <cstdint>
@@ -22,8 +22,8 @@ namespace tessera::core {
 
 class Scene {
  public:
-  // Errors name the shape or material at fault. `threads` may be used for building; the result does not
-  // depend on it, nor on whether `bvh` is given: the tree that was built before of the same description.
+  // Errors name the invalid shape or material. The result does not depend on `threads`, nor on `bvh`, which
+  // may be a tree built earlier from the same description.
   static Result<Scene> build(SceneDescription description, int threads, std::optional<Bvh> bvh = {});
 
   const RenderSettings& settings() const { return settings_; }
@@ -32,23 +32,23 @@ class Scene {
   const Bvh& bvh() const { return bvh_; }
   const std::vector<Texture>& textures() const { return textures_; }
   const std::vector<Material>& materials() const { return materials_; }
-  // Those that have power: emissive shapes, then lights without extent, then the environment.
+  // All lights with power: area lights, then delta lights, then the environment.
   const std::vector<Light>& lights() const { return lights_; }
   const LightSampler& light_sampler() const { return light_sampler_; }
-  // Chooses only among the lights that no ray can meet.
+  // Samples only delta lights.
   const LightSampler& delta_light_sampler() const { return delta_light_sampler_; }
 
-  // Whether no material lets rays pass by its opacity.
+  // Whether no material has opacity below 1.
   bool is_opaque() const { return is_opaque_; }
   const Material& material_of(const Hit& hit) const { return materials_[primitives_.material(hit)]; }
-  // The light that what was hit belongs to, an AreaLight, or kNoLight.
+  // The index of the AreaLight at the hit, or kNoLight.
   std::uint32_t light_of(const Hit& hit) const { return light_map_.light_of(hit); }
   const AreaLight& area_light(std::uint32_t light) const { return *std::get_if<AreaLight>(&lights_[light]); }
-  // The light that rays see which meet nothing, an Environment, or kNoLight.
+  // The index of the Environment that escaped rays see, or kNoLight.
   std::uint32_t environment_light() const { return environment_light_; }
   const Environment& environment() const { return *std::get_if<Environment>(&lights_[environment_light_]); }
 
-  // What integrators learn of the light before they first use it (caustic_guide.hpp).
+  // The guide that integrators build on first use (caustic_guide.hpp).
   const Lazy<LightGuide>& light_guide() const { return light_guide_; }
 
  private:

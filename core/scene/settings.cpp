@@ -121,7 +121,7 @@ Status check_crop(const PixelRect& crop, int width_px, int height_px) {
   if (!crop.empty() && PixelRect{0, 0, width_px, height_px}.contains(crop)) return {};
   return fail(ErrorCode::kInvalidArgument,
               fmt::format("must be x0, y0, x1, y1 with x0 < x1 and y0 < y1, within the {} x {} pixels of the "
-                          "picture, got {}, {}, {}, {}",
+                          "image, got {}, {}, {}, {}",
                           width_px, height_px, crop.x0, crop.y0, crop.x1, crop.y1));
 }
 

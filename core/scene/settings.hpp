@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a render is asked for: everything besides the scene that a sample may depend on.
+// Render settings: everything besides the scene that a sample depends on.
 #pragma once
 
 #include <cstdint>
@@ -11,16 +11,16 @@
 
 namespace tessera::core {
 
-// How light is found: by path tracing in three strategies, which have the same expectation, or by ray tracing
-// after Whitted. Lights without extent are sampled by all of them: nothing else finds those.
+// The integrators: path tracing with three strategies of equal expectation, or Whitted ray tracing. All of
+// them sample delta lights, which nothing else finds.
 enum class Integrator {
-  kNaive,    // only by BSDF samples that happen to meet a light
-  kNee,      // next-event estimation: only by sampling lights, but for emission behind mirrors and glass
-  kMis,      // both, weighed by a heuristic
-  kWhitted,  // only light that comes straight, or by way of mirrors and smooth glass (Whitted 1980)
+  kNaive,    // BSDF sampling only
+  kNee,      // next-event estimation: light sampling only, except for emission behind mirrors and glass
+  kMis,      // both, combined by multiple importance sampling
+  kWhitted,  // direct light only, also through mirrors and smooth glass (Whitted 1980)
 };
 
-// How multiple importance sampling weighs its strategies (Veach and Guibas 1995).
+// The weighting heuristic of multiple importance sampling (Veach and Guibas 1995).
 enum class Heuristic {
   kBalance,
   kPower,  // with the exponent 2
@@ -31,12 +31,11 @@ std::optional<Integrator> integrator_from_name(std::string_view name);
 std::string_view heuristic_name(Heuristic heuristic);
 std::optional<Heuristic> heuristic_from_name(std::string_view name);
 
-// How light that falls around a pixel's centre counts for the pixel. Each is separable, and zero beyond its
-// radius along either axis.
+// The pixel reconstruction filter. Each type is separable, and zero beyond its radius along either axis.
 enum class FilterKind {
-  kBox,       // all of it alike
-  kTent,      // falling off in straight lines
-  kGaussian,  // falling off like a normal distribution, cut off at three standard deviations
+  kBox,       // constant
+  kTent,      // linear falloff
+  kGaussian,  // a normal distribution, truncated at three standard deviations
 };
 
 std::string_view filter_name(FilterKind kind);
@@ -51,14 +50,14 @@ struct PixelFilter {
   bool operator==(const PixelFilter&) const = default;
 };
 
-// The filter with the radius that suits it.
+// The filter with its default radius.
 PixelFilter default_filter(FilterKind kind);
 
 inline constexpr int kMaxImageSidePx = 65536;
 inline constexpr std::int64_t kMaxImagePixels = std::int64_t{1} << 30;
 inline constexpr std::uint32_t kMaxSpp = 1u << 24;
 inline constexpr int kWhittedDepth = 8;
-inline constexpr int kMaxDepth = 1024;  // that a scene may ask for
+inline constexpr int kMaxDepth = 1024;  // largest accepted max_depth
 
 struct RenderSettings {
   int width_px = 512;
@@ -67,22 +66,22 @@ struct RenderSettings {
   std::uint64_t seed = 0;
   Integrator integrator = Integrator::kMis;
   Heuristic heuristic = Heuristic::kBalance;  // of kMis
-  // Longest path in segments after the camera's. 0: kMaxPathDepth, where Russian roulette lets it get so far;
-  // kWhittedDepth of kWhitted.
+  // Maximum path length in segments after the camera's. 0 means kMaxPathDepth (paths usually end earlier by
+  // Russian roulette), or kWhittedDepth for kWhitted.
   int max_depth = 0;
-  // The most that light which was scattered more than once adds to a channel of a sample; the other channels
-  // keep their proportions. Biased: the image gets darker. 0: no limit. kWhitted has no such light.
+  // Upper bound on the indirect light in each channel of a sample; the ratios of channels are kept. Biased:
+  // it darkens the image. 0 means no limit. It does not apply to kWhitted.
   float clamp_indirect = 0;
   PixelFilter filter = {};
-  // Which pixels of the picture are rendered, and written: what they show is as in the whole picture. Absent:
-  // all of them.
+  // The pixels of the image that are rendered and written; they are the same as in the full image. If
+  // absent, all are rendered.
   std::optional<PixelRect> crop = {};
 
   PixelRect window() const { return crop.value_or(PixelRect{0, 0, width_px, height_px}); }
   bool operator==(const RenderSettings&) const = default;
 };
 
-// Replacements for what the scene file says, from a command line or a submitted job.
+// Replacements for the scene file's settings, from a command line or a submitted job.
 struct RenderOverrides {
   std::optional<int> width_px, height_px;
   std::optional<std::uint32_t> spp;
@@ -96,7 +95,7 @@ struct RenderOverrides {
 // Checks the limits above. Errors name the field: "width: must be between 1 and 65536 pixels, got 0".
 Status check_settings(const RenderSettings& settings);
 
-// The part of it about `crop`, for a picture of this size. The error does not name the field.
+// Checks `crop` for an image of this size. The error does not name the field.
 Status check_crop(const PixelRect& crop, int width_px, int height_px);
 
 // Applies the overrides and checks the result.

@@ -24,19 +24,19 @@ bool fits(Vec3 p) {
   return in_range(p.x) && in_range(p.y) && in_range(p.z);
 }
 
-bool shines(Rgb c) {
+bool is_valid_radiance(Rgb c) {
   return is_finite(c) && c.r >= 0 && c.g >= 0 && c.b >= 0;
 }
 
 bool is_share(Rgb c) {
-  return shines(c) && max_component(c) <= 1;
+  return is_valid_radiance(c) && max_component(c) <= 1;
 }
 
-// Of what its texture makes of it as well.
-bool shines(const ColorParameter& color, const std::vector<Texture>& textures) {
-  if (!shines(color.value)) return false;
+// Also checks the product with the texture's largest value.
+bool is_valid_radiance(const ColorParameter& color, const std::vector<Texture>& textures) {
+  if (!is_valid_radiance(color.value)) return false;
   return color.texture < 0 ||
-         shines(color.value * textures[static_cast<std::size_t>(color.texture)].image->largest());
+         is_valid_radiance(color.value * textures[static_cast<std::size_t>(color.texture)].image->largest());
 }
 
 Status check_camera(const CameraDescription& camera) {
@@ -66,7 +66,7 @@ Status check_camera(const CameraDescription& camera) {
 }
 
 bool is_in_range(std::string_view, const ColorParameter& color) {
-  return shines(color.value);
+  return is_valid_radiance(color.value);
 }
 
 bool is_in_range(std::string_view key, const ScalarParameter& scalar) {
@@ -93,9 +93,9 @@ Status check_material(const Material& material, const std::vector<Texture>& text
     return wrong("opacity must be between 0 and 1, or its texture is out of range");
   if (material.sampling == Sampling::kHalfVector && !std::holds_alternative<CookTorrance>(material.model))
     return wrong("only cook_torrance can be sampled by half-vectors");
-  if (!shines(material.emission.value)) return wrong("emission must be finite and not negative");
+  if (!is_valid_radiance(material.emission.value)) return wrong("emission must be finite and not negative");
   if (material.emission.texture >= texture_count) return wrong("emission: there is no such texture");
-  if (!shines(material.emission, textures))
+  if (!is_valid_radiance(material.emission, textures))
     return wrong("emission times its texture is too bright to be computed; lower it");
   return {};
 }
@@ -106,7 +106,7 @@ Status check_materials(const SceneDescription& scene) {
   return {};
 }
 
-// The way from `from` to `to` has a direction that can be computed.
+// Whether the direction from `from` to `to` can be computed.
 bool has_way(Vec3 from, Vec3 to) {
   const float distance2 = length_squared(to - from);
   return distance2 > 0 && std::isfinite(distance2);
@@ -117,13 +117,13 @@ Status check_light(const LightDescription& light) {
       Overloaded{
           [](const PointLightDescription& d) -> Status {
             if (!fits(d.position)) return invalid("position must be finite numbers");
-            if (!shines(d.intensity)) return invalid("intensity must be finite and not negative");
+            if (!is_valid_radiance(d.intensity)) return invalid("intensity must be finite and not negative");
             return {};
           },
           [](const SpotLightDescription& d) -> Status {
             if (!fits(d.position) || !fits(d.look_at) || !has_way(d.position, d.look_at))
               return invalid("position and look_at must be two points");
-            if (!shines(d.intensity)) return invalid("intensity must be finite and not negative");
+            if (!is_valid_radiance(d.intensity)) return invalid("intensity must be finite and not negative");
             if (!(d.angle_degrees > 0 && d.angle_degrees <= 180))
               return invalid(
                   fmt::format("angle_degrees: must be above 0 and at most 180, got {}", d.angle_degrees));
@@ -133,7 +133,8 @@ Status check_light(const LightDescription& light) {
           },
           [](const DirectionalLightDescription& d) -> Status {
             if (!has_way({}, d.direction)) return invalid("direction must have a length");
-            if (!shines(d.irradiance)) return invalid("irradiance must be finite and not negative");
+            if (!is_valid_radiance(d.irradiance))
+              return invalid("irradiance must be finite and not negative");
             return {};
           },
       },
@@ -145,12 +146,12 @@ Status check_lights(const SceneDescription& scene) {
     if (auto ok = check_light(scene.lights[i]); !ok)
       return fail(ok.error().within(fmt::format("lights[{}]", i)));
   if (!scene.environment) return {};
-  if (!shines(scene.environment->radiance.value))
+  if (!is_valid_radiance(scene.environment->radiance.value))
     return invalid("environment: radiance must be finite and not negative");
   if (scene.environment->radiance.texture >= static_cast<int>(scene.textures.size()))
     return invalid("environment: there is no such texture");
-  if (!shines(scene.environment->radiance, scene.textures))
-    return invalid("environment: radiance times its picture is too bright to be computed; lower it");
+  if (!is_valid_radiance(scene.environment->radiance, scene.textures))
+    return invalid("environment: radiance times its image is too bright to be computed; lower it");
   if (!std::isfinite(scene.environment->rotation_degrees))
     return invalid("environment: rotation_degrees must be a number");
   return {};
@@ -196,7 +197,7 @@ Aabb bounds_of(const ShapeDescription& shape) {
   return box;
 }
 
-// What matters of an object to its instances.
+// The properties of an object that its instances depend on.
 struct ObjectFacts {
   Aabb bounds;
   std::vector<std::uint32_t> sphere_materials;
@@ -238,7 +239,7 @@ Status check_instance(const InstanceDescription& instance, const SceneDescriptio
   return {};
 }
 
-// Of the scene, or of an object: `objects` is empty then, since objects show none.
+// For a scene or an object; `objects` is empty for the latter, which cannot contain instances.
 Status check_shape(const ShapeDescription& shape, const SceneDescription& scene,
                    const std::vector<ObjectFacts>& objects) {
   const std::size_t material_count = scene.materials.size();
@@ -295,22 +296,23 @@ Status check_all_shapes(const SceneDescription& scene) {
 }
 
 bool emits(const ShapeDescription& shape, const SceneDescription& scene) {
-  const auto shines = [&](std::uint32_t material) {
+  const auto emissive = [&](std::uint32_t material) {
     return !is_black(scene.materials[material].emission.value);
   };
-  return std::visit(
-      Overloaded{[&](const MeshDescription& mesh) {
-                   return std::any_of(mesh.triangle_materials.begin(), mesh.triangle_materials.end(), shines);
-                 },
-                 [&](const SphereDescription& sphere) { return shines(sphere.material); },
-                 [&](const QuadDescription& quad) { return shines(quad.material); },
-                 [&](const InstanceDescription& instance) {
-                   if (instance.material) return shines(*instance.material);
-                   const auto& shapes = scene.objects[instance.object].shapes;
-                   return std::any_of(shapes.begin(), shapes.end(),
-                                      [&](const ShapeDescription& part) { return emits(part, scene); });
-                 }},
-      shape);
+  return std::visit(Overloaded{[&](const MeshDescription& mesh) {
+                                 return std::any_of(mesh.triangle_materials.begin(),
+                                                    mesh.triangle_materials.end(), emissive);
+                               },
+                               [&](const SphereDescription& sphere) { return emissive(sphere.material); },
+                               [&](const QuadDescription& quad) { return emissive(quad.material); },
+                               [&](const InstanceDescription& instance) {
+                                 if (instance.material) return emissive(*instance.material);
+                                 const auto& shapes = scene.objects[instance.object].shapes;
+                                 return std::any_of(
+                                     shapes.begin(), shapes.end(),
+                                     [&](const ShapeDescription& part) { return emits(part, scene); });
+                               }},
+                    shape);
 }
 
 Rgb color_of(const LightDescription& light) {
@@ -324,7 +326,7 @@ Rgb color_of(const LightDescription& light) {
 
 Status validate_scene(const SceneDescription& scene) {
   if (auto ok = check_settings(scene.settings); !ok) return fail(ok.error().within("render"));
-  // Jobs that were stored by earlier releases may have more.
+  // Jobs stored by earlier releases may exceed the limit.
   if (scene.settings.max_depth > kMaxDepth)
     return invalid(fmt::format("render: max_depth: must be between 0 and {}, got {}", kMaxDepth,
                                scene.settings.max_depth));

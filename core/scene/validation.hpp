@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The checks that a scene must pass to be built, without building it.
+// Validates a scene without building it.
 #pragma once
 
 #include "core/base/error.hpp"
@@ -7,12 +7,12 @@
 
 namespace tessera::core {
 
-// Whether Scene::build will accept `scene`. Errors (INVALID_ARGUMENT) name the shape, material or field at
-// fault.
+// Checks that Scene::build will accept `scene`. Errors (INVALID_ARGUMENT) name the invalid shape, material
+// or field.
 Status validate_scene(const SceneDescription& scene);
 
-// Whether a valid scene has a light, an environment or a shape that emits. Else its picture is black, which
-// is seldom meant.
+// Whether a valid scene has a light, an environment or an emissive shape. Otherwise its image is black,
+// which is seldom intended.
 bool gives_light(const SceneDescription& scene);
 
 }  // namespace tessera::core

@@ -18,13 +18,13 @@ namespace {
 
 constexpr float kLargestHalf = 65504;
 
-// What a texture can have in place of `value`.
+// The valid texture value that replaces `value`.
 float usable(float value) {
-  if (!(value > 0)) return 0;  // NaN, too
+  if (!(value > 0)) return 0;  // includes NaN
   return std::isfinite(value) ? value : kLargestHalf;
 }
 
-// How many values were replaced.
+// Returns the number of replaced values.
 std::size_t make_usable(std::vector<float>& values) {
   std::size_t replaced = 0;
   for (float& value : values) {
@@ -63,7 +63,7 @@ T opaque_value() {
     return std::numeric_limits<T>::max();
 }
 
-// Puts each pixel's last of four values into the first three, and drops the last.
+// Copies each pixel's alpha to its first three values, and drops the fourth.
 template <typename T>
 void keep_alpha_only(std::vector<T>& rgba) {
   const std::size_t pixels = rgba.size() / 4;
@@ -74,7 +74,7 @@ void keep_alpha_only(std::vector<T>& rgba) {
   rgba.resize(3 * pixels);
 }
 
-// Of a file with 4 channels.
+// Extracts the channel of a file with 4 channels.
 template <typename T>
 TextureImage alpha_image(ImageSize size, std::vector<T>& rgba) {
   keep_alpha_only(rgba);

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Turns the bytes of an image file, of any format of core/image/codecs.hpp, into a TextureImage. Stateless;
-// thread-safe.
+// Decodes an image file of any format of core/image/codecs.hpp into a TextureImage. Stateless; thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -16,17 +15,16 @@ namespace tessera::core {
 
 inline constexpr std::int64_t kMaxTexturePixels = std::int64_t{1} << 28;
 
-// What the header of such a file says, without decoding anything.
+// The size from the header of an image file, without decoding.
 using TextureSize = ImageSize;
 Result<TextureSize> texture_size(std::string_view bytes);
 
-// 8-bit files stay bytes in `color_space`; 16-bit files become linear floats; values of float files and of
-// HDR files are linear whatever `color_space` says. Gray becomes RGB. NaN and negative values become 0,
-// infinite ones the largest half float. The image has the size of its header. Alpha is linear whatever
-// `color_space` says; where it is 1 everywhere, or the file has none, the image is a single texel of 1.
-// Errors of both functions complete a sentence that begins with the file's name: "is a GIF image, which is
-// not supported; save it as PNG". `warnings`, if any, gets sentences of the same kind for what was odd in the
-// file and could be read.
+// 8-bit files stay bytes in `color_space`; 16-bit files become linear floats; float and HDR files are
+// always linear. Gray becomes RGB. NaN and negative values become 0, infinite ones the largest half float.
+// The image has the size in its header. Alpha is always linear; if it is 1 everywhere, or the file has
+// none, the image is a single texel of 1. Errors of both functions complete a sentence that begins with the
+// file's name: "is a GIF image, which is not supported; save it as PNG". `warnings`, if not null, gets
+// similar sentences for oddities that were tolerated.
 Result<TextureImage> decode_texture_image(std::string_view bytes, ColorSpace color_space,
                                           TextureChannel channel = TextureChannel::kColor,
                                           std::vector<std::string>* warnings = nullptr);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The opacity of a surface at a point: the probability that light meets it.
+// The opacity of a surface at a point: the probability that light hits it.
 #pragma once
 
 #include <vector>
@@ -8,7 +8,7 @@
 
 namespace tessera::core {
 
-// In [0, 1]. What rounding leaves between texels of 1 is 1.
+// In [0, 1]. Values that rounding leaves just below 1 between texels of 1 become 1.
 inline float opacity_at(const ScalarParameter& opacity, const std::vector<Texture>& textures, Vec2 uv) {
   constexpr float kAlmostOne = 1 - 0x1p-20f;
   const float value = opacity.evaluate(textures, uv);

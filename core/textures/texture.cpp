@@ -13,9 +13,8 @@
 namespace tessera::core {
 namespace {
 
-// What the bytes of texels stand for: a table for each format that has bytes, one after the other, so that
-// texels of several formats can be decoded at once. Copies of srgb_decode's values need no call: look-ups are
-// in the innermost loop.
+// The values of texel bytes: consecutive tables for each byte format, so that texels of several formats are
+// decoded at once. The tables duplicate srgb_decode's values to avoid calls in the innermost loop.
 constexpr std::uint32_t kOfSrgb = 0, kOfLinear = 256, kOfMantissas = 512;
 const std::array<float, 768> kByteValues = [] {
   std::array<float, 768> values{};
@@ -28,8 +27,8 @@ const std::array<float, 768> kByteValues = [] {
   return values;
 }();
 
-// What the mantissas of an HDR file's texel count, by its exponent byte (Ward 1991); and last, what the
-// values of texels without exponents do.
+// The scales of the mantissas of an HDR texel by its exponent byte (Ward 1991); the last entry is for
+// texels without exponents.
 constexpr int kExponentBias = 128 + 8;
 constexpr std::uint32_t kOfExponents = 0, kOne = 256;
 const std::array<float, 257> kUnits = [] {
@@ -44,7 +43,7 @@ std::uint32_t pack(std::uint32_t r, std::uint32_t g, std::uint32_t b, std::uint3
   return r | g << 8 | b << 16 | rest << 24;
 }
 
-// Mantissas and exponent as an HDR file has them; nothing if they do not give exactly these values.
+// The RGBE encoding of the colour; nothing if it does not represent these values exactly.
 std::optional<std::uint32_t> shared_exponent(Rgb color) {
   const float greatest = max_component(color);
   if (greatest == 0 && color == Rgb{}) return 0;
@@ -62,7 +61,7 @@ std::optional<std::uint32_t> shared_exponent(Rgb color) {
   return pack(r, g, b, static_cast<std::uint32_t>(code));
 }
 
-// Where a coordinate falls between two rows or columns of texels.
+// The position of a coordinate between two rows or columns of texels.
 template <typename T>
 struct Footprint {
   WordOf<T> first, second;
@@ -75,12 +74,12 @@ T wrap_index(T i, T size, MaskOf<T> repeat) {
   return select(i < 0.0f, below, select(i >= size, above, i));
 }
 
-// `coordinate` counts pictures, from 0 at the first texel's outer edge.
+// `coordinate` is in units of the image, from 0 at the first texel's outer edge.
 template <typename T>
 Footprint<T> footprint(T coordinate, T size, MaskOf<T> repeat) {
   using std::floor;
   const T within = select(repeat, coordinate - floor(coordinate), coordinate);
-  // Written so that NaN, too, ends in the picture.
+  // NaN also maps into the image.
   const T clamped = select(within > 0.0f, select(within < 1.0f, within, T(1.0f)), T(0.0f));
   const T position = clamped * size - 0.5f;
   const T first = floor(position);
@@ -93,14 +92,14 @@ RgbOf<T> mix(RgbOf<T> a, RgbOf<T> b, T weight) {
   return a * (1 - weight) + b * weight;
 }
 
-// Of a texel's bytes.
+// Decodes a texel's bytes.
 template <typename T>
 RgbOf<T> decode(WordOf<T> texel, WordOf<T> values, WordOf<T> unit) {
   const auto value = [&](int shift) { return look_up(kByteValues.data(), values + (texel >> shift & 255u)); };
   return RgbOf<T>{value(0), value(8), value(16)} * look_up(kUnits.data(), unit + (texel >> 24));
 }
 
-// The place of a texel in tiles that lie in rows of `tiles_along`.
+// The index of a texel in tiles stored in rows of `tiles_along`.
 template <typename Word>
 Word place_in_tiles(Word x, Word y, Word tiles_along) {
   return ((y >> 2) * tiles_along + (x >> 2)) * 16u + ((y & 3u) * 4u + (x & 3u));
@@ -132,7 +131,7 @@ TextureImage::TextureImage(int width, int height, std::vector<float> linear)
   texels_.floats = {};
 }
 
-// Empty if that does not keep every value.
+// Empty if the encoding would not be exact.
 std::vector<TextureImage::Tile> TextureImage::with_shared_exponents() const {
   auto tiles = empty_tiles();
   const auto columns = static_cast<std::uint32_t>(width()), rows = static_cast<std::uint32_t>(height());
@@ -175,7 +174,7 @@ Rgb TextureImage::bilinear(Vec2 uv, Wrap wrap_u, Wrap wrap_v) const {
   return mix(upper, lower, row.weight);
 }
 
-// Eight pictures that are kept in bytes; one black texel in the place of any that is not.
+// Eight images stored as bytes; images stored as floats are replaced by a black texel.
 class TextureImage::Eight {
  public:
   explicit Eight(const std::array<const TextureImage*, kLaneCount>& images) {
@@ -193,7 +192,7 @@ class TextureImage::Eight {
     }
   }
 
-  // All texels are asked for before the first is needed, so that their cache misses are waited for together.
+  // Prefetches all texels first, so that their cache misses overlap.
   RgbOf<Float8> bilinear(Vec2Of<Float8> uv, Mask8 repeat_u, Mask8 repeat_v) const {
     const auto column = footprint(uv.x, widths_.all(), repeat_u);
     const auto row = footprint(1 - uv.y, heights_.all(), repeat_v);
@@ -278,7 +277,7 @@ RgbOf<Float8> Texture::evaluate(const std::array<const Texture*, kLaneCount>& te
 
 namespace {
 
-// The textures of eight parameters, where any has one. Where a lane has none, another's.
+// The textures of eight parameters, if any has one. Lanes without a texture get another lane's.
 template <typename Parameter>
 struct TexturesOf {
   TexturesOf(const std::array<const Parameter*, kLaneCount>& parameters, const std::vector<Texture>& all) {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Images looked up by surface coordinates. Immutable once built, shared by all threads.
+// Image textures, looked up by surface coordinates. Immutable once built, shared by all threads.
 //
-// u runs to the right and v upwards, as in OBJ files: (0, 0) is the lower left corner of the picture.
-// Texel centres lie at ((i + 0.5) / width, (j + 0.5) / height).
+// u runs to the right and v upwards, as in OBJ files: (0, 0) is the lower left corner of the image. Texel
+// centres lie at ((i + 0.5) / width, (j + 0.5) / height).
 #pragma once
 
 #include <array>
@@ -21,12 +21,11 @@ namespace tessera::core {
 
 enum class ColorSpace { kSrgb, kLinear };
 enum class Wrap { kRepeat, kClamp };
-// What of a file's pixels becomes the image: red, green and blue, or alpha in all three.
+// The channels of a file that become the image: red, green and blue, or alpha in all three.
 enum class TextureChannel { kColor, kAlpha };
 
-// A decoded picture, stored for being looked up. What files hold in bytes is kept in four bytes for each
-// texel, also the shared exponents of HDR files, and 4 x 4 texels share a cache line: four neighbours mostly
-// lie in one or two.
+// A decoded image, stored for fast lookup. 8-bit files and the shared exponents of HDR files take four
+// bytes per texel. 4 x 4 texels share a cache line, so four neighbours are mostly in one or two.
 class TextureImage {
  public:
   enum class Format { kSrgbBytes, kLinearBytes, kSharedExponent, kFloats };
@@ -36,21 +35,21 @@ class TextureImage {
   struct Texels {
     int width = 0, height = 0;
     Format format = Format::kFloats;
-    std::vector<Tile> tiles;    // row by row; none of kFloats
-    std::vector<float> floats;  // of kFloats: width * height * 3 values, row-major from the top left
+    std::vector<Tile> tiles;    // row by row; empty for kFloats
+    std::vector<float> floats;  // for kFloats: width * height * 3 values, row-major from the top left
   };
 
   // From width * height * 3 values, row-major from the top left: bytes as stored in PNG and JPEG files, or
-  // linear floats. Every value is kept exactly.
+  // linear floats. All values are kept exactly.
   TextureImage(int width, int height, const std::vector<std::uint8_t>& bytes,
                ColorSpace color_space = ColorSpace::kSrgb);
   TextureImage(int width, int height, std::vector<float> linear);
-  // Those of another image.
+  // Takes over the texels of another image.
   explicit TextureImage(Texels texels) : texels_(std::move(texels)) {}
 
   int width() const { return texels_.width; }
   int height() const { return texels_.height; }
-  // Of its bytes; what is not kept in bytes is linear.
+  // The colour space of the bytes; images stored otherwise are linear.
   ColorSpace color_space() const {
     return texels_.format == Format::kSrgbBytes ? ColorSpace::kSrgb : ColorSpace::kLinear;
   }
@@ -58,23 +57,23 @@ class TextureImage {
 
   Rgb texel(int x, int y) const;                          // linear; 0 <= x < width, 0 <= y < height
   Rgb bilinear(Vec2 uv, Wrap wrap_u, Wrap wrap_v) const;  // linear, between the nearest four texels
-  // Of eight pictures, each lane as bilinear() does.
+  // Looks up eight images; each lane equals bilinear().
   static RgbOf<Float8> bilinear(const std::array<const TextureImage*, kLaneCount>& images, Vec2Of<Float8> uv,
                                 Mask8 repeat_u, Mask8 repeat_v);
   Rgb mean() const;     // of all texels, linear
-  Rgb largest() const;  // of each channel, linear
+  Rgb largest() const;  // for each channel, linear
 
  private:
   class Eight;
 
   Rgb fetch(std::uint32_t x, std::uint32_t y) const;
-  // Which entries of the tables decode the bytes of a texel.
+  // The table entries that decode the bytes of a texel.
   struct Decoding {
     std::uint32_t values, unit;
   };
   Decoding decoding() const;
 
-  // The number of a texel, counting those of one tile after those of another.
+  // The index of a texel in tile order.
   std::uint32_t place_of(std::uint32_t x, std::uint32_t y) const;
   static std::uint32_t tiles_along(int texels) { return (static_cast<std::uint32_t>(texels) + 3) / 4; }
   std::vector<Tile> empty_tiles() const {
@@ -86,13 +85,13 @@ class TextureImage {
 };
 
 struct Texture {
-  std::shared_ptr<const TextureImage> image;  // never null; one image may serve many textures
+  std::shared_ptr<const TextureImage> image;  // never null; several textures may share an image
   Wrap wrap = Wrap::kRepeat;
   Vec2 scale{1, 1};  // uv are multiplied by it, then `offset` is added
   Vec2 offset{0, 0};
 
   Rgb evaluate(Vec2 uv) const;  // bilinear, linear colour
-  // Eight of them, each lane as evaluate() does.
+  // Evaluates eight textures; each lane equals evaluate().
   static RgbOf<Float8> evaluate(const std::array<const Texture*, kLaneCount>& textures, Vec2Of<Float8> uv);
 };
 
@@ -118,7 +117,7 @@ struct ScalarParameter {
   }
 };
 
-// Eight parameters, each lane as its evaluate() does.
+// Evaluates eight parameters; each lane equals evaluate().
 RgbOf<Float8> evaluate(const std::array<const ColorParameter*, kLaneCount>& parameters,
                        const std::vector<Texture>& textures, Vec2Of<Float8> uv);
 Float8 evaluate(const std::array<const ScalarParameter*, kLaneCount>& parameters,

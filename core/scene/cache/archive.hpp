@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes and reads values of any type that scene_fields.hpp knows: small ones to a list of bytes, the
-// contents of large arrays to blocks of a file, in the order in which they come.
+// Serialises values of all types in scene_fields.hpp: small ones to a byte string, the contents of large
+// arrays to blocks of a file, in order.
 #pragma once
 
 #include <algorithm>
@@ -17,10 +17,10 @@
 
 namespace tessera::core::stored {
 
-// Arrays of at least so many bytes become blocks.
+// Arrays of at least this size become blocks.
 inline constexpr std::size_t kBlockBytes = 4096;
 
-// To a BlockFileWriter, or whatever else takes blocks.
+// `Blocks` is BlockFileWriter or any other sink of blocks.
 template <typename Blocks>
 class Writer {
  public:
@@ -55,7 +55,7 @@ class Writer {
     (*this)(static_cast<std::uint32_t>(value.index()));
     std::visit(*this, value);
   }
-  // An image that many textures share is written once.
+  // An image that several textures share is written once.
   void operator()(const std::shared_ptr<const TextureImage>& image) {
     const auto [known, is_new] = images_.emplace(image.get(), static_cast<std::uint32_t>(images_.size()));
     (*this)(known->second);
@@ -88,7 +88,7 @@ class Writer {
   std::map<const TextureImage*, std::uint32_t> images_;
 };
 
-// How many bytes a Writer would write.
+// The number of bytes that a Writer would write.
 template <typename T>
 std::uint64_t stored_bytes(const T& value) {
   struct Counter {
@@ -101,12 +101,12 @@ std::uint64_t stored_bytes(const T& value) {
   return blocks.bytes + writer.bytes().size();
 }
 
-// Reads what a Writer has written. After a failure, values are worthless.
+// Reads what a Writer has written. After a failure, values are unspecified.
 class Reader {
  public:
   explicit Reader(BlockFileReader& file) : file_(file), rest_(file.index()) {}
 
-  // Whether all that was asked for was there, and nothing else.
+  // Whether all reads succeeded and no data is left.
   bool complete() const { return good_ && rest_.empty(); }
 
   template <typename T>
@@ -186,7 +186,7 @@ class Reader {
       if (bytes.size() < kBlockBytes) return take(bytes);
       good_ = file_.read_block(bytes);
     } else {
-      good_ = good_ && size <= rest_.size();  // no element takes less than a byte
+      good_ = good_ && size <= rest_.size();  // every element takes at least one byte
       if (!good_) return;
       resize(size);
       for (auto& element : elements) (*this)(element);

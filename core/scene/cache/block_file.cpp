@@ -29,7 +29,7 @@ struct Header {
   std::uint64_t order_of_bytes = kOrderOfBytes;
   Checksum version;
   std::uint64_t blocks_end = 0, piece_count = 0, file_size = 0;
-  Checksum index;      // of what follows the blocks: the pieces' checksums and the index
+  Checksum index;      // of the data after the blocks: the pieces' checksums and the index
   Checksum preceding;  // of the header up to here
 };
 static_assert(sizeof(Header) == 88 && std::has_unique_object_representations_v<Header>);
@@ -52,7 +52,7 @@ Error cannot_write(const std::string& path, int error) {
   return {ErrorCode::kUnavailable, fmt::format("cannot write {}: {}", path, std::strerror(error))};
 }
 
-// Whether its parts lie within it, one after another.
+// Whether its sections lie within the file, one after another.
 bool is_sound(const Header& header) {
   return header.blocks_end >= sizeof(Header) && header.blocks_end <= header.file_size &&
          header.piece_count <= (header.file_size - header.blocks_end) / sizeof(Checksum);
@@ -156,7 +156,7 @@ Status BlockFileWriter::write_all(std::span<const std::byte> index) {
 
 Status BlockFileWriter::finish(std::span<const std::byte> index) {
   if (Status written = write_all(index); !written) return written;
-  const OpenFile complete = std::move(file_);  // no longer to be removed
+  const OpenFile complete = std::move(file_);  // its destructor only closes the file
   return {};
 }
 
@@ -166,7 +166,8 @@ Result<BlockFileReader> BlockFileReader::open(const std::string& path, const Che
   };
   BlockFileReader reader;
   reader.threads_ = threads;
-  reader.file_ = OpenFile(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));  // never waits for a FIFO
+  reader.file_ =
+      OpenFile(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));  // O_NONBLOCK never waits for a FIFO
   if (!reader.file_.valid() && errno == ENOENT) return fail(ErrorCode::kNotFound, path + " does not exist");
   if (!reader.file_.valid()) return refuse(fmt::format("cannot be opened: {}", std::strerror(errno)));
   struct stat status {};

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// A file of large blocks of bytes and one index of them, every byte under a checksum (XXH3, 128 bits),
-// written and read by several threads. It appears under its name only when all of it is written. Of another
-// version, of a machine with another order of bytes, damaged or cut short, it is not read but
-// refused.
+// A file of large blocks of bytes and one index, protected by checksums (XXH3, 128 bits), written and read
+// by several threads. It appears under its name only when it is complete. Files of another version, of a
+// machine with another byte order, and damaged or truncated files are rejected.
 //
-// In the file: a header of fixed size, the blocks one after another, the index. Blocks are checked in pieces,
-// whose checksums the index begins with; the header has the index's.
+// Layout: a header of fixed size, the blocks one after another, the index. Blocks are verified in pieces,
+// whose checksums are at the start of the index; the header has the checksum of the index.
 #pragma once
 
 #include <cstddef>
@@ -28,7 +27,7 @@ Checksum checksum_of(std::span<const std::byte> bytes);
 // 32 hexadecimal digits.
 std::string to_hex(const Checksum& checksum);
 
-// An open file, closed at the end of its life.
+// An open file, closed by the destructor.
 class OpenFile {
  public:
   explicit OpenFile(int descriptor = -1) : descriptor_(descriptor) {}
@@ -43,15 +42,15 @@ class OpenFile {
   int descriptor_;
 };
 
-// All of the bytes from `offset` on; false where there are not so many or they cannot be read.
+// Reads all bytes of `into` from `offset` on; returns false if there are fewer or the read fails.
 bool read_at(int file, std::span<std::byte> into, std::uint64_t offset);
-// False with errno set where not all could be written.
+// Returns false with errno set unless all bytes are written.
 bool write_at(int file, std::span<const std::byte> bytes, std::uint64_t offset);
 
 class BlockFileWriter {
  public:
-  // Writes to a file beside `path`, which finish() gives that name; without it, nothing is left behind.
-  // Errors name the file and say why, and those of later calls are told by finish().
+  // Writes to a file beside `path`, which finish() renames to `path`; without finish(), nothing is left
+  // behind. Errors name the file and the reason; finish() also reports errors of earlier calls.
   static Result<BlockFileWriter> create(const std::string& path, const Checksum& version, int threads);
   BlockFileWriter(BlockFileWriter&&) noexcept = default;
   ~BlockFileWriter();
@@ -75,15 +74,15 @@ class BlockFileWriter {
 
 class BlockFileReader {
  public:
-  // Errors say what is wrong with the file: kNotFound where there is none, else kDataLoss.
+  // Errors describe the defect of the file: kNotFound if it is missing, else kDataLoss.
   static Result<BlockFileReader> open(const std::string& path, const Checksum& version, int threads);
 
   std::span<const std::byte> index() const { return index_; }
 
-  // Of the blocks that were not read yet.
+  // The number of bytes of blocks not yet read.
   std::uint64_t bytes_left() const { return blocks_end_ - next_; }
 
-  // The next block, which has this size. False if it is not what was written.
+  // Reads the next block, which has this size. Returns false if it differs from what was written.
   bool read_block(std::span<std::byte> into);
 
  private:

@@ -26,7 +26,7 @@ constexpr std::string_view kPartialSuffix = ".partial";
 constexpr auto kAbandonedAfter = std::chrono::hours(24);
 constexpr auto kInUse = std::chrono::hours(1);
 
-// The files in the folder, as far as it can be read: others may remove some at the same time.
+// The readable files in the folder; other processes may remove some at the same time.
 std::vector<fs::directory_entry> entries_of(const std::string& folder) {
   std::vector<fs::directory_entry> entries;
   std::error_code error;
@@ -35,7 +35,7 @@ std::vector<fs::directory_entry> entries_of(const std::string& folder) {
   return entries;
 }
 
-// Whether partial_path_of() gives this name for a file of ours.
+// Whether partial_path_of() may have made this name for a file of the cache.
 bool is_partial_of(const std::string& name, const IsName& is_ours) {
   if (!name.ends_with(kPartialSuffix)) return false;
   const std::string rest = name.substr(0, name.size() - kPartialSuffix.size());
@@ -77,8 +77,7 @@ Status check_is_own(const std::string& folder) {
 
 std::string partial_path_of(const std::string& path) {
   std::array<std::uint64_t, 2> random{};
-  if (::getentropy(random.data(), sizeof random) != 0)
-    std::abort();  // documented to fail for bad arguments alone
+  if (::getentropy(random.data(), sizeof random) != 0) std::abort();  // fails only for invalid arguments
   return fmt::format("{}.{:016x}{:016x}{}", path, random[0], random[1], kPartialSuffix);
 }
 
@@ -112,7 +111,7 @@ void remove_least_used(const std::string& folder, std::uint64_t max_bytes, const
   for (const File& file : files) {
     if (total <= max_bytes) return;
     if (file.used > before && !can_go_at_once(file.path.filename())) continue;
-    std::error_code ignored;  // then it stays, or is gone already
+    std::error_code ignored;  // it may be gone already
     fs::remove(file.path, ignored);
     total -= file.bytes;
   }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Files in a folder of a cache that processes share: which of them are kept, and for how long. Thread-safe;
-// other processes may add and remove files at any time.
+// Manages a cache folder that processes share: which files are kept, and for how long. Thread-safe; other
+// processes may add and remove files at any time.
 #pragma once
 
 #include <cstdint>
@@ -14,29 +14,27 @@ namespace tessera::core {
 
 using IsName = std::function<bool(const std::string& name)>;
 
-// Creates the folder where it is missing, for this user alone to write to. Errors name it and say why it
-// cannot be used.
+// Creates the folder if it is missing, writable by this user only. Errors name it and the reason.
 Status make_folder(const std::string& path);
 
-// Refuses a folder that belongs to another user, or that others may write to: what lies there could be
-// theirs.
+// Rejects a folder that belongs to another user or that others may write to, because its contents cannot be
+// trusted.
 Status check_is_own(const std::string& folder);
 
-// Where to write what shall be at `path` once it is complete: no other writer, on whatever machine, has the
+// A unique path to write to before the file is renamed to `path`: no other writer on any machine has the
 // same.
 std::string partial_path_of(const std::string& path);
 
-// Counts a file of the cache as used now, so that it is not removed for a while.
+// Marks a cache file as used now, which protects it from removal for a while.
 void mark_as_used(const std::string& path);
 
-// Removes the files that were not used for longest until those that are left have no more than `max_bytes`.
-// What was used within the last hour stays, as somebody may be about to open it, unless its name is one of
-// those that `can_go_at_once`; so does what is being written, which counts nonetheless, and what has a name
-// that `is_ours` does not know: the folder may be somebody's.
+// Removes the least recently used files until the rest take at most `max_bytes`. Files used within the last
+// hour stay, because they may be about to be opened, unless `can_go_at_once` accepts their names. Partial
+// files stay but count. Files whose names `is_ours` rejects stay: they may belong to the user.
 void remove_least_used(const std::string& folder, std::uint64_t max_bytes, const IsName& is_ours,
                        const IsName& can_go_at_once);
 
-// Removes what writers that died have left: partial files of ours that nobody has written to for a day.
+// Removes partial files of the cache that have not been written to for a day, left by writers that died.
 void remove_abandoned(const std::string& folder, const IsName& is_ours);
 
 }  // namespace tessera::core

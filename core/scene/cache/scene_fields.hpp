@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The fields of everything that a scene's description and its tree consist of, for storing them: for each
-// type all of its members, as references. A type that grows a member does not compile here until the member
-// is added.
+// The fields of all types of a scene description and its tree, for serialisation: all members of each type,
+// as references. A type with an additional member does not compile until the member is added here.
 #pragma once
 
 #include <concepts>
@@ -138,7 +137,7 @@ auto fields(Is<Bvh::Arrays> auto& value) {
   return std::tie(nodes, packets, objects);
 }
 
-// What is stored as it lies in memory, alone and in arrays: numbers, and structures of numbers of one kind.
+// Types that are stored as in memory, alone and in arrays: numbers, and structures of numbers of one type.
 template <typename T>
 concept Plain = std::is_arithmetic_v<T> || std::is_enum_v<T> || Is<T, Vec2> || Is<T, Vec3> || Is<T, Rgb> ||
     Is<T, std::array<std::uint32_t, 3>> || Is<T, TextureImage::Tile> || Is<T, BvhNode> || Is<T, BvhPacket>;

@@ -39,12 +39,12 @@ std::string hex_of(std::string_view text) {
   return to_hex(checksum_of(std::as_bytes(std::span(text))));
 }
 
-// Of files by this build.
+// The file version of this build.
 Checksum file_version() {
   return checksum_of(std::as_bytes(std::span(stored::scene_maker())));
 }
 
-// What the file of the store that has this key holds; kDataLoss where it does not.
+// Reads the value stored under this key; kDataLoss if the file does not contain it.
 template <typename Value>
 Result<Value> read_value(const std::string& path, std::string_view key, int threads) try {
   auto file = BlockFileReader::open(path, file_version(), threads);
@@ -177,8 +177,8 @@ void SceneStore::keep_list(const std::string& key, const stored::RecordedAssets&
   if (Status written = list->finish(writer.bytes()); !written) warn_unless_missing(written.error());
 }
 
-// Which files a scene is made of is known when it has been read. They are listed under the scene file's own
-// contents, for the next time.
+// The files of a scene are known only after it has been read. Their list is stored under the checksum of
+// the scene file, for the next start.
 Result<PreparedScene> SceneStore::prepare_file(const std::string& scene_path, int threads) const {
   const fs::path path(scene_path);
   const std::string folder = path.parent_path(), name = path.filename();

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Scenes on this machine's disk as they are once their files are read and their tree is built, so that the
-// next start takes as long as reading them. A scene is kept under a key made of the contents of all that it
-// was made of and of who made it. What cannot be read, or is not exactly what was written, is made anew.
-// Processes may share a folder, but only those of one user: what is found there is believed. Thread-safe.
+// An on-disk cache of prepared scenes (files read, tree built), so that the next start only reads the
+// result. The key of a scene depends on the contents of all its inputs and on the build. Entries that are
+// unreadable or damaged are rebuilt. Processes of one user may share a folder; its contents are trusted.
+// Thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -27,7 +27,7 @@ inline constexpr double kDefaultSceneCacheGib = 16;
 
 class SceneStore;
 
-// Writes a scene in two steps: what it is made of, which building consumes, then the tree.
+// Writes a scene in two steps: the inputs, which building consumes, then the tree.
 class SceneWriter {
  public:
   SceneWriter(const SceneStore& store, BlockFileWriter file, const std::string& key,
@@ -36,7 +36,7 @@ class SceneWriter {
   SceneWriter& operator=(SceneWriter&&) noexcept;
   ~SceneWriter();
 
-  // Only after this can the scene be found.
+  // The scene can be found only after this call.
   void finish(const Bvh& bvh);
 
  private:
@@ -44,36 +44,36 @@ class SceneWriter {
   std::unique_ptr<State> state_;
 };
 
-// What is to be built: with a tree if it was kept, else with a writer where it is to be kept.
+// The input of build_scene: with a tree if it was cached, else with a writer if it should be cached.
 struct PreparedScene {
   SceneDescription description;
   std::optional<Bvh> bvh = {};
   std::optional<SceneWriter> writer = {};
 };
 
-// Scene::build, and keeps the result if it is new.
+// Calls Scene::build, and stores a new result.
 Result<Scene> build_scene(PreparedScene prepared, int threads);
 
 class SceneStore {
  public:
   using Warn = std::function<void(const std::string& message)>;
 
-  // Creates the folder where it is missing, and refuses one that others can write to. After each scene the
-  // least used of the files that `is_counted` knows are removed, as remove_least_used() does, and a scene
-  // that takes more than `max_bytes` is not kept; `warn` is told what went wrong without doing harm.
+  // Creates the folder if it is missing, and rejects one that others can write to. After each scene the
+  // least recently used files for which `is_counted` returns true are removed by remove_least_used(). A
+  // scene larger than `max_bytes` is not stored. `warn` receives non-fatal errors.
   static Result<SceneStore> open(const std::string& folder, std::uint64_t max_bytes, Warn warn,
                                  IsName is_counted = is_file_name);
 
-  // The scene whose files have this key, or what `load` makes of them.
+  // The scene with this key, or the result of `load`.
   Result<PreparedScene> prepare(std::string_view key, int threads,
                                 const std::function<Result<SceneDescription>()>& load) const;
 
-  // As load_scene_file(), from the store where none of the files that it read has changed since. A
-  // scene that names files which are not there by these names is not kept.
+  // As load_scene_file(), but from the store if none of the files has changed. A scene that refers to
+  // missing files is not stored.
   Result<PreparedScene> prepare_file(const std::string& scene_path, int threads) const;
 
-  // Whether a file in the folder belongs to a store. Such files can be removed at any time: whoever reads one
-  // has it open.
+  // Whether a file in the folder belongs to a store. Such files can be removed at any time, because readers
+  // keep them open.
   static bool is_file_name(const std::string& name);
 
  private:

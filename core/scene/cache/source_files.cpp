@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::size_t kPieceBytes = 4u << 20;
 
-// The checksum of the pieces' checksums. `piece` makes that of the bytes from an offset on, or fails.
+// The checksum of the pieces' checksums. `piece` computes that of the bytes from an offset on, or fails.
 template <typename Piece>
 std::optional<Checksum> checksum_of_pieces(std::size_t bytes, int threads, const Piece& piece) {
   std::vector<Checksum> checksums((bytes + kPieceBytes - 1) / kPieceBytes);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The files that a scene was read from, with checksums of their contents: what tells whether reading them
+// The files that a scene was read from, with checksums of their contents, to detect whether reading them
 // again would give the same scene.
 #pragma once
 
@@ -15,21 +15,21 @@
 namespace tessera::core::stored {
 
 struct SourceFile {
-  std::string path;       // as the scene calls it
-  bool is_there = false;  // a file that could not be read also has its say in what a scene becomes
+  std::string path;       // as named by the scene
+  bool is_there = false;  // missing files also affect what a scene becomes
   Checksum checksum;
   bool operator==(const SourceFile&) const = default;
 };
 using SourceFiles = std::vector<SourceFile>;
 
-// Of the file's contents, however many threads compute it; nullopt if it is not a file that can be read.
+// The checksum of the file's contents, independent of `threads`; nullopt if the file is not readable.
 std::optional<Checksum> checksum_of_file(const std::string& path, int threads);
 Checksum checksum_of_contents(std::string_view bytes, int threads);
 
-// The same files as they are now, in a folder.
+// The current state of the same files in a folder.
 SourceFiles as_they_are(SourceFiles files, const std::string& folder, int threads);
 
-// Passes reads on and takes down what was read.
+// Forwards reads and records them.
 class RecordedAssets : public AssetSource {
  public:
   RecordedAssets(AssetSource& inner, int threads) : inner_(inner), threads_(threads) {}
@@ -38,10 +38,10 @@ class RecordedAssets : public AssetSource {
   std::vector<std::string> find_in_any_case(const std::string& path) override;
   Result<std::string> read(const std::string& path) override;
   SourceFiles files() const;
-  // Whether a file was searched for in any case of its letters. Then what a scene becomes depends on all
-  // files in a folder, and not on those that were read alone.
+  // Whether a case-insensitive search took place. The scene then depends on the names of all files in a
+  // folder, not just on the files that were read.
   bool has_searched() const { return has_searched_; }
-  // Whether no file was another at a second look: of such files nobody can tell what became part of the
+  // Whether no file changed between two reads. Otherwise it is unknown which version became part of the
   // scene.
   bool consistent() const { return consistent_; }
 
@@ -53,7 +53,7 @@ class RecordedAssets : public AssetSource {
   bool has_searched_ = false;
 };
 
-// Two for the same files only if their contents are the same.
+// Equal keys imply equal file contents.
 std::string key_of(const SourceFiles& files);
 
 }  // namespace tessera::core::stored

@@ -13,7 +13,7 @@
 namespace tessera::core {
 namespace {
 
-// Where a file may be that others call `written`, the likeliest first.
+// Candidate paths for a file that another program's file names as `written`, the most likely first.
 std::vector<std::string> possible_paths(const std::string& written, const std::vector<std::string>& files) {
   std::vector<std::string> names{written};
   const auto add = [](std::vector<std::string>& list, std::string one) {
@@ -21,7 +21,7 @@ std::vector<std::string> possible_paths(const std::string& written, const std::v
       list.push_back(std::move(one));
   };
   add(names, std::string(name_without_comment(written)));
-  add(names, written.substr(0, written.find(" -")));  // options behind the name
+  add(names, written.substr(0, written.find(" -")));  // options after the name
   std::vector<std::string> paths;
   for (const std::string& name : names)
     for (const std::string& file : files) add(paths, path_beside(file, name));
@@ -33,7 +33,7 @@ std::vector<std::string> possible_paths(const std::string& written, const std::v
   return paths;
 }
 
-// Without decoding it. Formats that are not known here may have one.
+// Checks without decoding. Unknown formats may have alpha.
 bool may_have_alpha(std::string_view bytes) {
   if (bytes.starts_with("\xff\xd8") || is_linear_format(bytes)) return false;
   constexpr std::size_t kColorTypeAt = 25;
@@ -74,7 +74,7 @@ Result<std::shared_ptr<const TextureImage>> AssetCache::image(const std::string&
   return shared;
 }
 
-// Before anything is decompressed. What decoding makes has the same size.
+// Called before decompression. The decoded image has the same size.
 Status AssetCache::count_pixels(const std::string& path, TextureSize size) {
   const SceneLimit& of_one = limits_.texture_pixels;
   const SceneLimit& of_all = limits_.scene_texture_pixels;

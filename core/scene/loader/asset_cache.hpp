@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads a scene's assets through an AssetSource, each picture and each OBJ file once. Not thread-safe.
+// Reads a scene's assets through an AssetSource, each image and each OBJ file once. Not thread-safe.
 #pragma once
 
 #include <map>
@@ -19,29 +19,29 @@
 
 namespace tessera::core {
 
-// The path of a file that another one names, as in "models/house.obj" naming "house.mtl".
+// The path of a file named by another file: "house.mtl" in "models/house.obj" is "models/house.mtl".
 std::string path_beside(const std::string& file, const std::string& name);
 
 class AssetCache {
  public:
-  // Both must stay until this is destroyed.
+  // Both arguments must outlive this object.
   AssetCache(AssetSource& assets, const SceneLimits& limits) : assets_(assets), limits_(limits) {}
 
-  // Without a colour space, PNG and JPEG are sRGB and HDR is linear. Alpha is an image of its own, so that
-  // it takes memory only where it is asked for, and is linear; a file without alpha has 1.
+  // Without a colour space, PNG and JPEG are sRGB and HDR is linear. Alpha is a separate image, so that it
+  // takes memory only if requested; it is linear, and 1 if the file has none.
   Result<std::shared_ptr<const TextureImage>> image(const std::string& path,
                                                     std::optional<ColorSpace> color_space,
                                                     TextureChannel channel = TextureChannel::kColor);
   Result<std::shared_ptr<const ObjFile>> obj(const std::string& path);
   Result<std::shared_ptr<const MtlFile>> mtl(const std::string& path);
 
-  // The name by which read() finds a file that another program's file calls `written`: the name as it is
-  // written, with '/' for '\', or its last part, beside one of `files`; with another case of letters if
-  // nothing has the case that is written, and one file alone fits. nullopt if there is none.
+  // The path under which read() finds a file that another program's file calls `written`. Tries the name as
+  // written, with '/' for '\', then its last component, beside each of `files`; then ignoring case if
+  // exactly one file matches. nullopt if there is none.
   std::optional<std::string> find(const std::string& written, const std::vector<std::string>& files);
 
  private:
-  // Adds them to those of the scene, if the limits allow it.
+  // Adds the pixels to the scene's total, if the limits allow it.
   Status count_pixels(const std::string& path, TextureSize size);
 
   AssetSource& assets_;

@@ -19,10 +19,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Larger files are not meshes or pictures but mistakes, and reading one would exhaust the machine first.
+// Larger files are not meshes or images but mistakes, and reading one could exhaust memory.
 constexpr std::uintmax_t kMaxAssetBytes = std::uintmax_t{8} << 30;
 
-// `shown` is what messages call the file.
+// `shown` is the file's name in messages.
 Result<std::string> read_regular_file(const fs::path& path, const std::string& shown) {
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
@@ -60,7 +60,7 @@ Result<std::string> read_guarded(const fs::path& path, const std::string& shown)
   }
 }
 
-// A name with a NUL in it would be cut short by the system.
+// A name must not contain NUL, where the system would truncate it.
 bool is_name(const std::string& path) {
   return !path.empty() && path.find('\0') == std::string::npos;
 }
@@ -78,14 +78,14 @@ std::string lower_case(std::string text) {
   return text;
 }
 
-// Without doubled slashes, so that equal paths are equal strings.
+// Removes doubled slashes, so that equal paths are equal strings.
 std::string without_doubled_slashes(const fs::path& path) {
   fs::path parts;
   for (const fs::path& part : path) parts /= part;
   return parts.string();
 }
 
-// The paths of `folder`'s entries that are `name` in any case.
+// The paths of `folder`'s entries that match `name` ignoring case.
 void find_entries(const fs::path& root, const fs::path& folder, const std::string& name,
                   std::vector<fs::path>& found) {
   std::error_code error;

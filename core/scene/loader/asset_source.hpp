@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where a scene's files come from: a folder for a scene on this machine, content-addressed blobs for one that
-// came over the network. The loader opens nothing but through this, so that a path in a scene from elsewhere
-// is a name in its bundle and never a path on this machine.
+// The source of a scene's files: a folder for a local scene, content-addressed blobs for one received over
+// the network. The loader opens files only through this interface, so that a path in a remote scene is a
+// name in its bundle and never a path on this machine.
 #pragma once
 
 #include <functional>
@@ -16,19 +16,19 @@ namespace tessera::core {
 class AssetSource {
  public:
   virtual ~AssetSource() = default;
-  // Whether there is a file that read() knows by exactly this path.
+  // Whether read() has a file with exactly this path.
   virtual bool exists(const std::string& path) { return read(path).has_value(); }
-  // The paths of files that differ from `path` at most in the case of ASCII letters. At most two, which tell
-  // that there are several. A source that cannot search knows only `path` itself.
+  // The paths of files that equal `path` ignoring ASCII case. At most two are returned, enough to detect
+  // ambiguity. A source that cannot search returns only `path` itself.
   virtual std::vector<std::string> find_in_any_case(const std::string& path) {
     return exists(path) ? std::vector{path} : std::vector<std::string>();
   }
-  // The bytes of the file that the scene calls `path` (as written there, relative to the scene file).
-  // The error names the path and says why it cannot be read.
+  // The bytes of the file that the scene calls `path` (relative to the scene file). The error names the
+  // path and the reason.
   virtual Result<std::string> read(const std::string& path) = 0;
 };
 
-// Files below or beside a folder on this machine.
+// Local files in or relative to a folder.
 class FolderAssets : public AssetSource {
  public:
   explicit FolderAssets(std::string folder) : folder_(std::move(folder)) {}
@@ -40,11 +40,11 @@ class FolderAssets : public AssetSource {
   std::string folder_;
 };
 
-// The files of a bundle: a name is looked up in `blob_paths`, and only those files are opened. Bundles travel
-// as UTF-8, so that a name's bytes that cannot be shown stand there as \xNN (core/base/printable.hpp).
+// The files of a bundle: names are looked up in `blob_paths`, and only those files are opened. Bundles are
+// transmitted as UTF-8, so unprintable bytes of names are escaped as \xNN (core/base/printable.hpp).
 class BundleAssets : public AssetSource {
  public:
-  // Whether the bytes that were read are those of the file that the bundle means.
+  // Verifies that the bytes read are those of the bundle's file.
   using Check = std::function<Status(const std::string& path, const std::string& bytes)>;
 
   explicit BundleAssets(std::map<std::string, std::string> blob_paths, Check check = nullptr)
@@ -59,9 +59,8 @@ class BundleAssets : public AssetSource {
   Check check_;
 };
 
-// Passes everything on and reports each file that was read, so that loading a scene tells what its bundle
-// needs. Where several files differ in the case of letters alone, all are read: a search in the bundle must
-// end as it did here.
+// Forwards reads and reports each file, so that loading a scene determines the files of its bundle. If
+// several files differ only in case, all are read, so that a search in the bundle has the same result.
 class RecordingAssets : public AssetSource {
  public:
   using Observer = std::function<void(const std::string& path, const std::string& bytes)>;

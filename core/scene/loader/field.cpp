@@ -44,7 +44,7 @@ Field Field::element(std::size_t index) const {
 }
 
 Field Field::member(const JsonValue::Member& member) const {
-  // Names may be anything; in_quotes() makes them fit for messages.
+  // Keys may contain any bytes; in_quotes() escapes them for messages.
   const std::string shown = in_quotes(member.key);
   const std::string name = shown == "'" + member.key + "'" ? member.key : shown;
   return {member.value, path_.empty() ? name : path_ + "." + name, *mistakes_};

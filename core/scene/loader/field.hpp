@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads typed values out of a located JSON tree. Every reader adds what is wrong to the Mistakes and answers
-// a harmless value then, so that the reading goes on and finds the other mistakes as well. Not thread-safe.
+// Reads typed values from a located JSON tree. Every reader reports errors to Mistakes and then returns a
+// valid placeholder, so that reading continues and finds further mistakes. Not thread-safe.
 #pragma once
 
 #include <optional>
@@ -17,14 +17,14 @@
 
 namespace tessera::core {
 
-// Which numbers a field takes. What does not fit a float is refused whatever the bounds.
+// The numbers that a field accepts. Numbers that do not fit a float are always rejected.
 struct Bounds {
   bool (*hold)(double);
   std::string_view phrase;  // "must be ..."
 };
 
 namespace bounds {
-// Farther, the sine of the angle would lose its accuracy.
+// Larger angles would lose the accuracy of sine.
 inline constexpr Bounds kDegrees{[](double v) { return v >= -3600 && v <= 3600; }, "between -3600 and 3600"};
 inline constexpr Bounds kAny{[](double) { return true; }, "a number"};
 inline constexpr Bounds kCoordinate{[](double v) { return -1e15 <= v && v <= 1e15; },
@@ -35,7 +35,7 @@ inline constexpr Bounds kUnit{[](double v) { return v >= 0 && v <= 1; }, "betwee
 inline constexpr Bounds kNotZero{[](double v) { return v != 0; }, "other than 0"};
 }  // namespace bounds
 
-// A value with its place in the file. Refers to the tree and the Mistakes, which must outlive it.
+// A value with its location in the file. Refers to the tree and the Mistakes, which must outlive it.
 class Field {
  public:
   Field(const JsonValue& value, std::string path, Mistakes& mistakes)
@@ -50,7 +50,7 @@ class Field {
   // "must be EXPECTED, got 3".
   void must_be(std::string_view expected) const;
 
-  // The element or member that `value` is.
+  // The field for an element or member `value`.
   Field element(std::size_t index) const;
   Field member(const JsonValue::Member& member) const;
 
@@ -60,7 +60,7 @@ class Field {
   Mistakes* mistakes_;
 };
 
-// An object with known keys. Unknown and missing keys are mistakes, told when it is constructed.
+// An object with known keys. The constructor reports unknown and missing keys.
 class ObjectReader {
  public:
   ObjectReader(const Field& field, const ObjectRules& rules);
@@ -71,7 +71,7 @@ class ObjectReader {
   Field field_;
 };
 
-// "a number without quotes, between 0 and 1": what to say of a text in a number's place.
+// "a number without quotes, between 0 and 1": the message for a string in place of a number.
 std::string unquoted_number(const Bounds& bounds);
 float read_float(const Field& field, const Bounds& bounds);
 std::uint64_t read_whole_number(const Field& field, std::uint64_t min, std::uint64_t max);
@@ -85,15 +85,15 @@ Rgb read_color(const Field& field, const Bounds& bounds);
 
 // The member of an object, or nullopt.
 std::optional<Field> find_member_field(const Field& field, std::string_view key);
-// Which of `types` the object's "type" says; nullopt after a mistake. `kind` as in "a shape needs the key
-// 'type'".
+// The index in `types` of the object's "type"; nullopt after a mistake. `kind` is as in "a shape needs the
+// key 'type'".
 std::optional<std::size_t> read_type(const Field& field, std::span<const std::string_view> types,
                                      std::string_view kind);
 
-// The members of an object whose keys are names that the file's author chose; empty names are mistakes.
+// The members of an object whose keys are user-defined names; empty names are mistakes.
 std::vector<std::pair<std::string, Field>> read_named(const Field& field);
 
-// The value of `key` as `read` (one of the above, with the arguments that follow) sees it, or `otherwise`.
+// The value of `key`, read by `read` (one of the above) with the remaining arguments, or `otherwise`.
 template <typename T, typename Read, typename... Args>
 T read_or(const ObjectReader& object, std::string_view key, T otherwise, Read read, const Args&... args) {
   const auto field = object.find(key);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What one file of another program lacks or says oddly, and what is used instead. Each kind is told once,
-// with the line of the first and how many there are. Not thread-safe.
+// Warnings about one file of another program and the substitutions made. Each kind is reported once, with
+// the line of its first occurrence and a count. Not thread-safe.
 #pragma once
 
 #include <cstddef>
@@ -14,8 +14,9 @@ namespace tessera::core {
 
 class FileWarnings {
  public:
-  // Warnings of equal `kind` are counted together. `text()` makes the sentence of the first: what is wrong,
-  // and what is done instead. `line` is 0 where no line is to blame. `unit` is the plural of what is counted.
+  // Warnings of equal `kind` are counted together. `text()` returns the message for the first: what is
+  // wrong, and what is done instead. `line` is 0 if no line applies. `unit` is the plural of what is
+  // counted.
   template <typename Text>
   void add(std::string_view kind, int line, const Text& text, std::uint64_t count = 1,
            std::string_view unit = "times") {
@@ -29,7 +30,7 @@ class FileWarnings {
   }
 
   bool empty() const { return entries_.empty(); }
-  // "FILE:LINE: WHAT (3 times)" for each kind, in the order of their first lines.
+  // "FILE:LINE: WHAT (3 times)" for each kind, ordered by first line.
   std::vector<std::string> messages(std::string_view file) const;
 
  private:
@@ -49,14 +50,14 @@ class FileWarnings {
   std::uint64_t untold_ = 0;
 };
 
-// Those of all files of a scene, in the order in which the files were read.
+// The warnings of all files of a scene, in the order in which the files were read.
 class SceneWarnings {
  public:
   bool knows(std::string_view file) const;
   // Valid until the next call.
   FileWarnings& of(std::string_view file);
 
-  // The longest lists are cut short.
+  // Long lists are truncated.
   std::vector<std::string> messages() const;
 
  private:

@@ -17,7 +17,7 @@ namespace {
 
 using nlohmann::json;
 
-// Lets nlohmann read the text and tells how far it has come.
+// An iterator that records how far nlohmann has read.
 class TrackingIterator {
  public:
   using iterator_category = std::input_iterator_tag;
@@ -60,7 +60,7 @@ class TreeBuilder {
 
   bool null() { return add(JsonValue::Null{}); }
   bool boolean(bool value) { return add(value); }
-  bool number_integer(json::number_integer_t value) {  // only what begins with a minus
+  bool number_integer(json::number_integer_t value) {  // only negative numbers
     return add(JsonValue::Number{static_cast<double>(value), value == 0 ? std::optional(0u) : std::nullopt});
   }
   bool number_unsigned(json::number_unsigned_t value) {
@@ -89,16 +89,16 @@ class TreeBuilder {
 
   std::string_view text_;
   const char* reached_;
-  const char* counted_;  // up to where line_ is counted
+  const char* counted_;  // line_ is counted up to here
   int line_ = 1;
   std::string file_;
   Mistakes& mistakes_;
   JsonValue root_;
-  std::vector<JsonValue*> open_;  // from the root to the innermost; their parents do not grow meanwhile
+  std::vector<JsonValue*> open_;  // from the root to the innermost; their parents do not reallocate meanwhile
   Error error_;
 };
 
-// The line of the last character read that is not blank: of numbers, nlohmann reads one character more.
+// The line of the last non-blank character read: after a number, nlohmann has read one character too many.
 int TreeBuilder::current_line() {
   const char* last = reached_;
   while (last > counted_ && is_blank(last[-1])) --last;
@@ -176,7 +176,7 @@ std::string JsonValue::describe() const {
 }
 
 Result<JsonValue> parse_json(std::string_view text, const std::string& file, Mistakes& mistakes) {
-  // To nlohmann it is the end of the text.
+  // nlohmann treats NUL as the end of the text.
   if (const std::size_t nul = text.find('\0'); nul != std::string_view::npos)
     return fail(explain_nul(text, file, nul));
   TreeBuilder builder(text, file, mistakes);

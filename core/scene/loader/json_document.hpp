@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// JSON as a tree that remembers the line of every value, so that messages can point at it. Comments (// and
-// /* */) are allowed; repeated keys are not. Parsing is nlohmann's; this adds the places.
+// JSON as a tree that records the line of every value, for messages. Comments (// and /* */) are allowed;
+// repeated keys are not. nlohmann parses; this adds locations.
 #pragma once
 
 #include <cstdint>
@@ -21,7 +21,7 @@ inline constexpr int kMaxJsonDepth = 32;
 struct JsonValue {
   struct Number {
     double value = 0;
-    std::optional<std::uint64_t> whole;  // exactly, where it is a whole number from 0 to 2^64 - 1
+    std::optional<std::uint64_t> whole;  // the exact value of an integer from 0 to 2^64 - 1
   };
   struct Null {};
   using Array = std::vector<JsonValue>;
@@ -29,14 +29,14 @@ struct JsonValue {
   using Object = std::vector<Member>;  // in the order of the file
 
   std::variant<Null, bool, Number, std::string, Array, Object> content;
-  int line = 0;  // where the value begins, from 1
+  int line = 0;  // of the value's start, from 1
 
   template <typename T>
   const T* get_if() const {
     return std::get_if<T>(&content);
   }
 
-  // How messages name it: 3, "red", a list of 2, an object, true, null.
+  // The value's description in messages: 3, "red", a list of 2, an object, true, null.
   std::string describe() const;
 };
 
@@ -46,8 +46,8 @@ struct JsonValue::Member {
   JsonValue value;
 };
 
-// Errors say line, column and what is due there: "FILE:3:7: not valid JSON: found '}' where a value is due".
-// Repeated keys are added to `mistakes`.
+// Errors give line, column and what is expected there: "FILE:3:7: not valid JSON: found '}' where a value
+// is due". Repeated keys are added to `mistakes`.
 Result<JsonValue> parse_json(std::string_view text, const std::string& file, Mistakes& mistakes);
 
 }  // namespace tessera::core

@@ -20,7 +20,7 @@ bool contains(std::string_view text, std::string_view part) {
   return text.find(part) != std::string_view::npos;
 }
 
-// What the parser stumbled over, as a part of `text`.
+// The token at which the parser failed, as a part of `text`.
 std::string_view faulty_token(std::string_view text, const JsonParserError& error) {
   const auto& [end, last_token, message] = error;
   if (contains(message, "unexpected string literal") || contains(message, "unexpected number literal") ||
@@ -44,7 +44,7 @@ std::string_view phrase_for(std::string_view message, std::span<const Phrase> ph
   return otherwise;
 }
 
-// What follows `before`; nothing where that is missing.
+// The text after `before`; empty if that is missing.
 std::string_view behind(std::string_view message, std::string_view before) {
   const std::size_t begin = message.find(before);
   return begin == std::string_view::npos ? std::string_view{} : message.substr(begin + before.size());
@@ -77,7 +77,7 @@ std::string explain(std::string_view message, std::string_view token) {
   const std::string_view expectation = behind(message, " - unexpected ");
   const std::string_view unexpected = expectation.substr(0, expectation.find(';'));
   if (!unexpected.empty()) return explain_unexpected(message, unexpected);
-  const std::string_view reason = behind(message, " - ");  // of the lexer
+  const std::string_view reason = behind(message, " - ");  // the lexer's message
   if (reason == "invalid literal")
     return fmt::format("{} is not JSON; texts and keys need double quotes", in_quotes(token));
   if (contains(reason, "missing closing quote") || contains(reason, "U+000A"))
@@ -92,7 +92,7 @@ Error not_json(std::string_view text, const std::string& file, std::size_t posit
   return {ErrorCode::kInvalidArgument, fmt::format("{}:{}:{}: not valid JSON: {}", file, line, column, what)};
 }
 
-// Without what the lexer has read last, which may say anything.
+// Removes the lexer's last token, which may contain anything.
 JsonParserError without_quotation(JsonParserError error) {
   error.message = error.message.substr(0, error.message.find("; last read: "));
   return error;

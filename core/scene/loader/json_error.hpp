@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Says in plain words what is wrong with a text that is not JSON, from what nlohmann says about it.
-// Stateless; thread-safe.
+// Explains in plain words why a text is not JSON, based on nlohmann's error. Stateless; thread-safe.
 #pragma once
 
 #include <string>
@@ -10,11 +9,10 @@
 
 namespace tessera::core {
 
-// What nlohmann's SAX interface tells of an error.
+// An error of nlohmann's SAX interface.
 struct JsonParserError {
-  std::size_t position;  // how many characters were read, the end of the text counting as one or more
-  std::string_view
-      last_token;  // right for texts and numbers only; else earlier characters stand in front of it
+  std::size_t position;         // how many characters were read, the end of the text counting as one or more
+  std::string_view last_token;  // reliable for strings and numbers only; else preceded by earlier characters
   std::string_view
       message;  // "[json.exception.parse_error.101] parse error at line 1, column 7: syntax error ..."
 };
@@ -22,7 +20,7 @@ struct JsonParserError {
 // "FILE:3:7: not valid JSON: found '}' where a value is due".
 Error explain_json_error(std::string_view text, const std::string& file, const JsonParserError& error);
 
-// That `text` has a NUL character at `position`.
+// Reports a NUL character at `position`.
 Error explain_nul(std::string_view text, const std::string& file, std::size_t position);
 
 }  // namespace tessera::core

@@ -22,8 +22,7 @@
 namespace tessera::core {
 namespace {
 
-// Adds assets to what the scene file says. What is wrong is added to the Mistakes at the place that names the
-// asset.
+// Adds assets to the scene description. Errors are added to the Mistakes at the field that names the asset.
 class SceneAssembler {
  public:
   SceneAssembler(AssetSource& assets, Mistakes& mistakes, const SceneLimits& limits)
@@ -35,12 +34,12 @@ class SceneAssembler {
 
  private:
   void add_texture(const TextureEntry& entry);
-  // To the scene or to an object of it. `name` is what messages call the shape.
+  // Adds a shape to the scene or to an object. `name` is the shape's name in messages.
   template <typename Owner>
   void add_shape(ShapeEntry entry, std::string name, Owner& owner);
   void add_object(ObjectEntry entry);
   Result<MeshDescription> load_mesh(const MeshEntry& entry);
-  // Adds a file's triangles to those of the scene, if the limits allow it.
+  // Adds a file's triangles to the scene's total, if the limits allow it.
   Status count_triangles(const std::string& path, std::size_t triangles);
 
   AssetCache cache_;
@@ -131,7 +130,7 @@ Status SceneAssembler::count_triangles(const std::string& path, std::size_t tria
                           in_quotes(path), triangles_, most, option));
 }
 
-// Before any of them is made. Their numbers have 32 bits, and one value stands for none.
+// Checked before lights are created. Light indices have 32 bits, and one value is reserved.
 Status check_lights(const SceneDescription& scene, const SceneLimit& limit) {
   constexpr std::uint64_t kMaxLights = std::numeric_limits<std::uint32_t>::max() - 1;
   const std::uint64_t lights = count_area_lights(scene) + scene.lights.size();

@@ -2,9 +2,9 @@
 // Reads a scene file (JSON with comments; scenes/scene.schema.json describes it) and the assets it names.
 //
 // Every mistake is an error that says file, line, field, what is wrong and what would be right, e.g.
-// "scene.json:14: materials.stone.albedo: must be between 0 and 1, got 3". Keys nobody reads are mistakes.
-// The files of other programs (OBJ, MTL and the images that MTL files name) are read generously: what they
-// lack or say oddly is replaced, and told in the description's warnings.
+// "scene.json:14: materials.stone.albedo: must be between 0 and 1, got 3". Unknown keys are mistakes. Files
+// of other programs (OBJ, MTL and the images that MTL files name) are read leniently: missing or odd
+// content is substituted and reported in the description's warnings.
 #pragma once
 
 #include <string>
@@ -16,13 +16,13 @@
 
 namespace tessera::core {
 
-// `scene_path` is the scene's own name in `assets`; other paths are relative to it and resolved by `assets`.
-// `display_path` is what error messages call the scene file. RESOURCE_EXHAUSTED for a scene beyond the
-// limits, or one that does not fit into memory.
+// `scene_path` is the scene's name in `assets`; other paths are relative to it and resolved by `assets`.
+// `display_path` is the scene file's name in messages. Returns RESOURCE_EXHAUSTED for a scene that exceeds
+// the limits or the memory.
 Result<SceneDescription> load_scene(AssetSource& assets, const std::string& scene_path,
                                     const std::string& display_path, const SceneLimits& limits = {});
 
-// The scene file at `path` on this machine and the files beside it.
+// Loads a local scene file and the files beside it.
 Result<SceneDescription> load_scene_file(const std::string& path);
 
 }  // namespace tessera::core

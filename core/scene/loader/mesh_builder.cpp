@@ -13,15 +13,15 @@
 namespace tessera::core {
 namespace {
 
-// What tells one vertex from another: indices into positions, uvs and normals; -1 for none.
+// The identity of a vertex: indices into positions, uvs and normals; -1 for none.
 struct Corner {
   std::int32_t position = -1, uv = -1, normal = -1;
   bool operator==(const Corner&) const = default;
 };
 
-// Gives each distinct corner a number, in the order of their first appearance. Corners at one position are
-// chained, so that a mesh whose triangles lie together in the file finds them together in memory; where very
-// many meet, a hash table takes those that come late.
+// Numbers distinct corners in order of first appearance. Corners at one position are chained, which keeps
+// memory access local for meshes whose adjacent triangles are close in the file. If many corners share a
+// position, a hash table takes the later ones.
 class CornerIndex {
  public:
   explicit CornerIndex(std::size_t positions) : first_(positions, kNone) {
@@ -41,7 +41,7 @@ class CornerIndex {
 
   const std::vector<Corner>& corners() const { return corners_; }
 
-  // Gives back the memory that only numbering needs; nothing can be numbered any more.
+  // Frees the memory needed for numbering; no corner can be numbered afterwards.
   void forget_chains() {
     first_ = next_ = std::vector<std::uint32_t>();
     crowd_.clear();
@@ -74,24 +74,24 @@ class CornerIndex {
     return static_cast<std::uint32_t>(corners_.size() - 1);
   }
 
-  std::vector<std::uint32_t> first_;  // of each position's chain
-  std::vector<std::uint32_t> next_;   // of each number
+  std::vector<std::uint32_t> first_;  // start of each position's chain
+  std::vector<std::uint32_t> next_;   // next in the chain, for each number
   std::vector<Corner> corners_;
   std::unordered_map<Corner, std::uint32_t, Hash> crowd_;
 };
 
-// Outward stays outward, for mirrored maps as well.
+// Normals stay outward, also under reflections.
 Vec3 transformed_normal(const Transform& transform, Vec3 file_normal) {
   const Vec3 normal = unit({file_normal.x, file_normal.y, file_normal.z});
   const Vec3 n = transform.determinant() < 0 ? -transform.normal(normal) : transform.normal(normal);
   return unit({n.x, n.y, n.z});
 }
 
-// The normals of the corners settled: those of the file, or those computed, or none.
+// The resolved normals of corners: from the file, computed, or none.
 struct ShadedCorners {
   std::span<const std::int32_t> normal_of;  // for each corner; empty for flat shading
-  std::vector<std::int32_t> own_normal_of;  // what normal_of shows, unless that is the file's
-  std::vector<Vec3> computed;               // numbered after the file's normals
+  std::vector<std::int32_t> own_normal_of;  // storage of normal_of, unless it refers to the file's
+  std::vector<Vec3> computed;               // indexed after the file's normals
 };
 
 bool has_file_normal(const ObjFile& file, std::size_t corner) {
@@ -146,8 +146,8 @@ class MeshBuilder {
   MeshDescription mesh_;
 };
 
-// What is no longer needed goes at once (assigning {} would keep its memory): a large mesh's lists are what
-// fills the memory.
+// Frees data as soon as it is no longer needed (assigning {} would keep the memory), because a large mesh's
+// lists dominate memory use.
 Result<MeshDescription> MeshBuilder::build(ShadedCorners shaded,
                                            const std::vector<std::uint32_t>& materials) {
   number_vertices(shaded.normal_of);

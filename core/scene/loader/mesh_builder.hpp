@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Turns an OBJ file's triangles into a mesh in world space: corners unified into vertices, normals computed
-// where they are asked for, transform applied. Stateless; thread-safe.
+// Converts an OBJ file's triangles to a world-space mesh: merges corners into vertices, computes normals if
+// requested, and applies the transform. Stateless; thread-safe.
 #pragma once
 
 #include "core/base/error.hpp"
@@ -13,9 +13,9 @@ namespace tessera::core {
 
 enum class VertexColors { kUse, kIgnore };
 
-// Triangles that cannot be seen are left out (triangle_filter.hpp). `materials` holds the scene's material of
-// each of the file's runs, or a single one for all triangles. Errors complete a sentence that
-// begins with the file's name.
+// Invisible triangles are left out (triangle_filter.hpp). `materials` holds the scene's material for each
+// of the file's runs, or a single one for all triangles. Error messages complete a sentence that begins
+// with the file's name.
 Result<MeshDescription> build_mesh(const ObjFile& file, NormalsMode normals, const Transform& transform,
                                    const std::vector<std::uint32_t>& materials,
                                    VertexColors colors = VertexColors::kUse);

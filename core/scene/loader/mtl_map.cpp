@@ -12,7 +12,7 @@
 namespace tessera::core {
 namespace {
 
-// The options of map statements and what follows them: up to `max_numbers` numbers, or else one word.
+// An option of map statements with its arguments: up to `max_numbers` numbers, or else one word.
 struct Option {
   std::string_view name;
   int max_numbers;
@@ -51,7 +51,7 @@ class MapReader {
   MtlMap map_;
 };
 
-// The last word is the name, whatever it looks like.
+// The last word is always the name.
 bool is_last_word(std::string_view line) {
   take_word(line);
   return line.empty();
@@ -87,7 +87,7 @@ void MapReader::take_option() {
   }
 }
 
-// Takes numbers off the front of the line, as many as there are.
+// Takes leading numbers off the line, up to `max_count`.
 int MapReader::take_numbers(std::array<float, 3>& numbers, int max_count) {
   int count = 0;
   while (count < max_count && !is_last_word(line_)) {

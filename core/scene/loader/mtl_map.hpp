@@ -22,8 +22,8 @@ struct MtlMap {
   bool operator==(const MtlMap&) const = default;
 };
 
-// What follows the keyword; nullopt where no image is named. Only -s, -o, -clamp and -bm have an effect.
-// Options that are not understood are ignored and told.
+// Parses the text after the keyword; nullopt if no image is named. Only -s, -o, -clamp and -bm have an
+// effect. Unknown options are ignored with a warning.
 std::optional<MtlMap> read_mtl_map(std::string_view keyword, std::string_view line, int line_number,
                                    FileWarnings& warnings);
 

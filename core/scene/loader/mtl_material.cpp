@@ -9,13 +9,13 @@
 namespace tessera::core {
 namespace {
 
-// Blender writes the specular level of its Principled BSDF as Ks, the reflectance at normal incidence being
-// 0.08 times that, and the roughness r as Ns = 1000 (1 - r)^2.
+// Blender writes the specular level of its Principled BSDF as Ks, where the reflectance at normal incidence
+// is 0.08 times that, and the roughness r as Ns = 1000 (1 - r)^2.
 constexpr float kReflectanceOfSpecular = 0.08f, kMaxBlenderExponent = 1000;
 constexpr float kDefaultSpecular = 0.5f, kDefaultRoughness = 0.5f;
-// From here on a reflection is a mirror's.
+// Exponents from here on are perfect mirrors.
 constexpr float kMirrorExponent = 999;
-// However bright the diffuse part is, highlights keep this share.
+// The minimum share of highlights, however bright the diffuse part.
 constexpr float kMinHighlight = 0.05f;
 
 bool is_grey(Rgb c) {
@@ -30,7 +30,7 @@ Rgb mix(Rgb a, Rgb b, float share_of_b) {
   return a * (1 - share_of_b) + b * share_of_b;
 }
 
-// One material and its textures, looked at while it is converted.
+// Converts one material, given its textures.
 class Converter {
  public:
   Converter(const MtlMaterial& material, const MtlTextures& textures) : m_(material), textures_(textures) {}
@@ -44,7 +44,7 @@ class Converter {
   bool is_physically_based() const {
     return m_.roughness || m_.metallic || m_.roughness_map || m_.metallic_map;
   }
-  // By d, or else by Tr.
+  // The opacity, from d or else from Tr.
   float share_that_is_met() const { return m_.dissolve.value_or(1 - m_.transparency.value_or(0)); }
   bool is_glass() const;
   float metallic() const;
@@ -62,8 +62,8 @@ class Converter {
   const MtlTextures& textures_;
 };
 
-// Maya writes illum 4 for everything, with Ni 1. A leaf that is cut out of a textured card is no glass, and
-// what Blender writes with d below 1 beside illum 9 is seen through without being bent.
+// Maya writes illum 4 for every material, with Ni 1. A cut-out textured card is not glass, and Blender's
+// materials with illum 9 and d below 1 transmit without refraction.
 bool Converter::is_glass() const {
   if (m_.dissolve_map) return false;
   if (has_illum({4})) return m_.ior.value_or(1) > 1 && !m_.diffuse_map;
@@ -71,7 +71,7 @@ bool Converter::is_glass() const {
   return has_illum({6, 7});
 }
 
-// Blender writes it as Ka beside illum 3.
+// Blender writes metallic as Ka with illum 3.
 float Converter::metallic() const {
   if (textures_.metallic) return *textures_.metallic;
   if (is_physically_based()) return m_.metallic.value_or(0);
@@ -86,7 +86,7 @@ ScalarParameter Converter::roughness() const {
   return 1 - std::sqrt(std::clamp(*m_.exponent, 0.0f, kMaxBlenderExponent) / kMaxBlenderExponent);
 }
 
-// Programs write a black Kd beside a texture and mean the texture.
+// A black Kd with a texture means the texture, as several programs write it.
 ColorParameter Converter::diffuse() const {
   const bool says_nothing = !m_.specular && !m_.emission && !m_.transmission && !m_.emission_map;
   const Rgb color = m_.diffuse.value_or(says_nothing ? kDefaultDiffuse : Rgb{});
@@ -100,8 +100,8 @@ Rgb Converter::specular() const {
   return textures_.specular >= 0 && is_black(color) ? Rgb::gray(1) : color;
 }
 
-// Where d and Tr contradict each other, d counts. A d of 0 beside a map means the map. Maya writes 1 minus
-// the transparency as Tf.
+// d overrides a contradictory Tr. A d of 0 with a map means the map. Maya writes Tf as 1 minus the
+// transparency.
 ScalarParameter Converter::opacity() const {
   float value = share_that_is_met();
   const bool is_maya = has_illum({4}) && !m_.dissolve && !m_.transparency;
@@ -125,7 +125,8 @@ Glass Converter::glass() const {
   return glass;
 }
 
-// Below `metallic` of 1 a textured base colour tints all of the reflection, which has one texture only.
+// If `metallic` is below 1, a textured base colour tints all reflection, because only one texture is
+// available.
 MaterialModel Converter::microfacets(const ColorParameter& base, float metallic) const {
   CookTorrance model;
   if (metallic < 1) model.diffuse = {base.value * (1 - metallic), base.texture};
@@ -136,8 +137,8 @@ MaterialModel Converter::microfacets(const ColorParameter& base, float metallic)
   return model;
 }
 
-// "Reflection on", without Pm and Pr: a mirror if it is sharp, tinted by the brighter of Ks and Kd, else a
-// metal of the colour Kd. Files of ray tracers write a sharp one without Ns.
+// "Reflection on" without Pm and Pr: a mirror if it is sharp, tinted by the brighter of Ks and Kd, else a
+// metal of colour Kd. Ray tracers write sharp reflections without Ns.
 MaterialModel Converter::reflector() const {
   const ColorParameter base = diffuse(), sharp{specular(), -1};
   const bool is_sharp = m_.exponent.value_or(kMirrorExponent) >= kMirrorExponent;
@@ -156,7 +157,7 @@ MaterialModel Converter::model() const {
   const bool is_matt = !has_highlight || !is_shiny || !(m_.exponent.value_or(0) > 0);
   if (is_matt && textures_.roughness < 0) return Lambert{diffuse()};
   const ColorParameter base = diffuse();
-  // Without a diffuse part it is a metal, whose colour is Ks.
+  // Without a diffuse part it is a metal of colour Ks.
   if (is_black(base.value)) return microfacets({specular(), textures_.specular}, 1);
   return microfacets(base, 0);
 }

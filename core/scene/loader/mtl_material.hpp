@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Turns the materials of MTL files into those that are rendered, as the programs that write them show them.
+// Converts MTL materials to the renderer's, matching the look in the programs that write them.
 // docs/scene-format.md has the table. Stateless; thread-safe.
 #pragma once
 
@@ -8,16 +8,16 @@
 
 namespace tessera::core {
 
-// The diffuse colour of a material that gives none: a mid grey.
+// The default diffuse colour: mid grey.
 inline constexpr Rgb kDefaultDiffuse = Rgb::gray(0.5f);
 
-// Which of the scene's textures a material's maps have become; -1 for those that it lacks.
+// The scene textures of a material's maps; -1 for missing ones.
 struct MtlTextures {
   int diffuse = -1, specular = -1, emission = -1, opacity = -1, roughness = -1, normal = -1, bump = -1;
   std::optional<float> metallic;  // the mean of its map
 };
 
-// The height of a bump map is its multiplier, which has no unit.
+// The height of a bump map is its multiplier, which has no unit yet.
 Material make_material(const MtlMaterial& material, const MtlTextures& textures);
 
 }  // namespace tessera::core

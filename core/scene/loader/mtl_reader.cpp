@@ -14,7 +14,7 @@
 namespace tessera::core {
 namespace {
 
-constexpr float kLargest = 1e30f;  // of what may be greater than 1
+constexpr float kLargest = 1e30f;  // for values without an upper limit of 1
 
 struct ColorRule {
   std::string_view keyword;
@@ -26,7 +26,7 @@ constexpr std::array kColors{
     ColorRule{"Ks", kLargest, &MtlMaterial::specular}, ColorRule{"Tf", 1, &MtlMaterial::transmission},
     ColorRule{"Kt", 1, &MtlMaterial::transmission},    ColorRule{"Ke", kLargest, &MtlMaterial::emission}};
 
-// Numbers out of range are clamped, or are as if they were not there.
+// The treatment of numbers out of range: clamped, or ignored.
 enum class OutOfRange { kClamp, kIgnore };
 struct NumberRule {
   std::string_view keyword;
@@ -34,7 +34,7 @@ struct NumberRule {
   std::optional<float> MtlMaterial::*number;
   OutOfRange out_of_range = OutOfRange::kClamp;
 };
-// Some programs write a negative Ns for a surface without highlights.
+// Some programs write a negative Ns for surfaces without highlights.
 constexpr std::array kNumbers{NumberRule{"d", 0, 1, &MtlMaterial::dissolve},
                               NumberRule{"Tr", 0, 1, &MtlMaterial::transparency},
                               NumberRule{"Ni", 0, 10, &MtlMaterial::ior, OutOfRange::kIgnore},
@@ -56,9 +56,10 @@ constexpr std::array kMaps{
     MapRule{"map_bump", &MtlMaterial::bump_map},        MapRule{"bm", &MtlMaterial::bump_map},
     MapRule{"map_opacity", &MtlMaterial::dissolve_map}, MapRule{"map_emissive", &MtlMaterial::emission_map}};
 
-// Ambient light and what belongs to it do not exist here. The others only shape what is told already.
+// These statements are ignored silently: ambient light is not supported, and the others only modify
+// features that are reported elsewhere.
 constexpr std::array<std::string_view, 4> kSilent{"map_Ka", "sharpness", "Pcr", "anisor"};
-// Without effect where they are 0.
+// Ignored silently if 0.
 constexpr std::array<std::string_view, 3> kUnlessZero{"Pc", "Ps", "aniso"};
 
 char lower_case(char c) {
@@ -140,7 +141,7 @@ void MtlReader::new_material(std::string_view line) {
   material().name = name;
 }
 
-// A single number is that of all three.
+// A single number applies to all three channels.
 void MtlReader::color(const ColorRule& rule, std::string_view line) {
   std::array<float, 3> c{};
   const Numbers numbers = read_numbers(line, c);

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The materials of an MTL file as it writes them; mtl_material.hpp turns them into ours. Stateless;
-// thread-safe.
+// Parses an MTL file; mtl_material.hpp converts its materials to the renderer's. Stateless; thread-safe.
 #pragma once
 
 #include <optional>
@@ -14,7 +13,7 @@
 
 namespace tessera::core {
 
-// The statements under one "newmtl" that count here. Numbers are within their ranges.
+// The supported statements of one "newmtl". Numbers are within their ranges.
 struct MtlMaterial {
   using Map = std::optional<MtlMap>;
 
@@ -33,7 +32,7 @@ struct MtlFile {
   FileWarnings warnings;
 };
 
-// A line or a value that is not understood costs that line or value and is told.
+// Lines and values that cannot be parsed are skipped with a warning.
 MtlFile read_mtl(std::string_view bytes);
 
 }  // namespace tessera::core

@@ -11,7 +11,7 @@ bool is_zero(std::string_view index) {
   return index.find_first_not_of("-0") == std::string_view::npos;
 }
 
-// More digits than these refer to nothing, and would not fit an int.
+// Indices with more digits are out of range and would overflow int.
 bool is_index(std::string_view index) {
   constexpr std::size_t kMaxDigits = 9;
   if (index.starts_with('-')) index.remove_prefix(1);

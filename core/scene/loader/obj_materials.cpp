@@ -13,14 +13,14 @@
 namespace tessera::core {
 namespace {
 
-// Of a bump map that goes from black to white, relative to the length of one repeat of its texture.
+// The height of a full-range bump map, relative to the length of one repeat of its texture.
 constexpr float kBumpHeight = 0.02f;
 
 std::size_t end_of_run(const ObjFile& obj, std::size_t run) {
   return run + 1 < obj.runs.size() ? obj.runs[run + 1].first_triangle : obj.triangle_count();
 }
 
-// Normals point away from the surface: their images are mostly (0.5, 0.5, 1), and heights are grey.
+// Distinguishes normal maps, whose pixels are mostly near (0.5, 0.5, 1), from height maps, which are grey.
 bool is_normal_map(const TextureImage& image) {
   const Rgb mean = image.mean();
   constexpr float kTolerance = 0.15f;
@@ -31,8 +31,8 @@ bool is_one(const TextureImage& image) {
   return image.width() == 1 && image.height() == 1 && image.largest().r >= 1;
 }
 
-// The length in the scene over which the texture coordinates of the material's triangles grow by 1, on
-// average; 0 where there are none.
+// The mean world-space length over which the texture coordinates of the material's triangles grow by 1; 0
+// if there are none.
 double texture_length(const MeshDescription& mesh, std::uint32_t material, Vec2 texture_scale) {
   double area = 0, uv_area = 0;
   const bool one_material = mesh.triangle_materials.size() == 1;
@@ -75,8 +75,8 @@ Result<std::vector<std::uint32_t>> ObjMaterials::of_runs(const std::string& path
   return materials;
 }
 
-// Of equal names the first counts. A name that may end with a comment stands for itself first, and without
-// the comment where nothing else has that name.
+// Among equal names the first wins. A name that may end with a comment is first used as written, then
+// without the comment if no other material has that name.
 ObjMaterials::Names ObjMaterials::names_in(const Libraries& libraries) {
   Names names, without_comments;
   for (const auto& [path, file] : libraries)
@@ -127,7 +127,7 @@ bool ObjMaterials::add_library(const std::string& name, int line, Libraries& lib
 void ObjMaterials::tell_other_name(const std::string& file, int line, const std::string& written,
                                    const std::string& expected, const std::string& found) {
   if (found == expected || path_beside(file, std::string(name_without_comment(written))) == found) return;
-  // An image is loaded twice for colour and alpha.
+  // An image is loaded twice, for colour and for alpha, but reported once.
   if (!told_names_.emplace(file, line).second) return;
   warn(file, "other name", line,
        [&] { return fmt::format("{} does not exist; {} is used", in_quotes(written), in_quotes(found)); });
@@ -182,7 +182,7 @@ Result<std::uint32_t> ObjMaterials::add_material(const Found& found) {
   return index;
 }
 
-// Null where the image cannot be used, which is told. Fails only beyond a limit.
+// Returns null with a warning if the image cannot be used. Fails only if a limit is exceeded.
 Result<ObjMaterials::Image> ObjMaterials::load(const MtlMaterial::Map& map,
                                                std::optional<ColorSpace> color_space,
                                                TextureChannel channel) {
@@ -209,7 +209,7 @@ Result<ObjMaterials::Image> ObjMaterials::load(const MtlMaterial::Map& map,
   return *image;
 }
 
-// Of what reflects no more light than it gets.
+// Loads the image of a reflectance, which must not exceed 1.
 Result<ObjMaterials::Image> ObjMaterials::load_share(const MtlMaterial::Map& map,
                                                      std::optional<ColorSpace> color_space) {
   auto image = load(map, color_space);
@@ -230,7 +230,7 @@ int ObjMaterials::add_texture(const Image& image, const MtlMaterial::Map& map) {
 
 Result<MtlTextures> ObjMaterials::add_textures(const MtlMaterial& material) {
   MtlTextures textures;
-  // What an image stands for decides how it is read.
+  // The meaning of an image determines its colour space.
   struct Use {
     const MtlMaterial::Map& map;
     int& texture;
@@ -254,7 +254,7 @@ Result<MtlTextures> ObjMaterials::add_textures(const MtlMaterial& material) {
   return textures;
 }
 
-// No material of ours takes it from a texture.
+// The renderer's materials have no metallic texture.
 Status ObjMaterials::add_metallic(const MtlMaterial& material, MtlTextures& textures) {
   const auto image = load(material.metallic_map, ColorSpace::kLinear);
   if (!image) return fail(image.error());
@@ -281,7 +281,7 @@ Status ObjMaterials::add_opacity(const MtlMaterial& material, MtlTextures& textu
   return {};
 }
 
-// Programs write both normal maps and heights as "bump".
+// Programs write both normal maps and height maps as "bump".
 Status ObjMaterials::add_bump(const MtlMaterial& material, MtlTextures& textures) {
   const auto image = load(material.bump_map, ColorSpace::kLinear);
   if (!image) return fail(image.error());

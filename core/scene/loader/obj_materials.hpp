@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Finds the materials of meshes in the MTL files that their OBJ files name, adds those that are used to the
-// scene with their textures, and tells what is missing. Not thread-safe.
+// Finds the materials of meshes in the MTL files that their OBJ files name, adds the used ones to the scene
+// with their textures, and reports missing ones. Not thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -23,17 +23,17 @@ namespace tessera::core {
 
 class ObjMaterials {
  public:
-  // All must stay until this is destroyed.
+  // All arguments must outlive this object.
   ObjMaterials(AssetCache& cache, SceneDescription& scene, SceneWarnings& warnings)
       : cache_(cache), scene_(scene), warnings_(warnings) {}
 
-  // The scene's materials for the runs of the file's triangles, one each. `gaps` is that of triangles whose
-  // material is not known; without it a default material is. Fails only where the scene has more than the
-  // limits allow.
+  // The scene's material for each run of the file's triangles. `gaps` is the material of triangles whose
+  // own is unknown; if it is not set, a default material is used. Fails only if the scene exceeds the
+  // limits.
   Result<std::vector<std::uint32_t>> of_runs(const std::string& path, const ObjFile& obj,
                                              std::optional<std::uint32_t> gaps);
 
-  // Gives a height to the bump maps of materials that `mesh` is the first to use: MTL files have no unit for
+  // Sets the height of bump maps of materials that `mesh` uses first, because MTL files define no unit for
   // it.
   void settle_bump_heights(const MeshDescription& mesh);
 
@@ -49,14 +49,14 @@ class ObjMaterials {
 
   static Names names_in(const Libraries& libraries);
   Libraries load_libraries(const ObjFile& obj);
-  // Whether there is such a file.
+  // Returns whether the file exists.
   bool add_library(const std::string& name, int line, Libraries& libraries);
   void tell_other_name(const std::string& file, int line, const std::string& written,
                        const std::string& expected, const std::string& found);
   void tell_gap(const ObjFile& obj, std::size_t run, const Names& names, bool is_filled);
   std::uint32_t default_material(bool is_colored);
   Result<std::uint32_t> add_material(const Found& found);
-  // The image of a map, or null where there is none that can be used.
+  // The image of a map, or null if it has none that can be used.
   Result<Image> load(const MtlMaterial::Map& map, std::optional<ColorSpace> color_space = std::nullopt,
                      TextureChannel channel = TextureChannel::kColor);
   Result<Image> load_share(const MtlMaterial::Map& map, std::optional<ColorSpace> color_space = std::nullopt);
@@ -66,7 +66,7 @@ class ObjMaterials {
   Status add_opacity(const MtlMaterial& material, MtlTextures& textures);
   Status add_bump(const MtlMaterial& material, MtlTextures& textures);
 
-  // Once for each OBJ file, however many shapes show it.
+  // Warns once for each OBJ file, however many shapes use it.
   template <typename Text>
   void warn(const std::string& file, std::string_view kind, int line, const Text& text,
             std::uint64_t count = 1, std::string_view unit = "times") {
@@ -81,7 +81,7 @@ class ObjMaterials {
   std::set<std::string> told_;                                          // OBJ files
   std::set<std::pair<std::string, int>> told_names_;                    // files and lines
   std::map<std::pair<std::string, std::string>, std::uint32_t> known_;  // by library and name
-  std::map<bool, std::uint32_t> defaults_;      // for meshes without and with colours of their own
+  std::map<bool, std::uint32_t> defaults_;      // for meshes without and with vertex colours
   std::vector<std::uint32_t> unsettled_bumps_;  // materials
 };
 

@@ -21,14 +21,14 @@
 namespace tessera::core {
 namespace {
 
-// From 0; -1 for none.
+// Indices from 0; -1 for none.
 struct FaceCorner {
   std::int32_t position = -1, uv = -1, normal = -1;
 };
 
-// The second pass: faces, with the material and the smoothing group that are in force. Statements are read
-// here. Faces are passed on to tinyobjloader as text, each one checked, on one line and without comments;
-// what it makes of a face comes back before it asks for the next. A face that cannot be used is left out.
+// The second pass: reads faces, with the current material and smoothing group. This class parses
+// statements, and passes each valid face to tinyobjloader as text, on one line and without comments. The
+// result of a face returns before the next is requested. Unusable faces are left out.
 class FaceReader : private std::streambuf {
  public:
   FaceReader(std::string_view bytes, const std::string& name, ObjText text, const SceneLimit& limit);
@@ -36,14 +36,14 @@ class FaceReader : private std::streambuf {
   Result<ObjFile> read();
 
  private:
-  // One kind of vertex data: how many there are before the current line, and in the whole file.
+  // For one kind of vertex data: the number before the current line, and in the whole file.
   struct Counts {
     std::string_view statement;
     std::int64_t total;
     std::int32_t seen = 0;
   };
 
-  // `index` as written: from 1 for the first, or from -1 for the last so far; 0 for none.
+  // `index` as written: from 1 for the first, or from -1 for the latest; 0 for none.
   static bool exists(int index, const Counts& counts) {
     return index < 0 ? index >= -counts.seen : index <= counts.total;
   }
@@ -68,7 +68,7 @@ class FaceReader : private std::streambuf {
   void warn(std::string_view kind, const Text& text) {
     file_.text.warnings.add(kind, lines_.number(), text);
   }
-  // `why()` says what is wrong with the current face.
+  // `why()` describes what is wrong with the current face.
   template <typename Why>
   void leave_out(std::string_view kind, const Why& why);
 
@@ -80,10 +80,10 @@ class FaceReader : private std::streambuf {
   ObjFile::Run run_;
   bool run_is_new_ = true;
   std::map<std::string, std::uint32_t, std::less<>> material_indices_;
-  Status status_;               // an error where there is more than the limits allow
+  Status status_;               // set if a limit is exceeded
   std::size_t left_out_ = 0;    // faces
-  std::string first_left_out_;  // where and why
-  // Of one face; kept for their memory.
+  std::string first_left_out_;  // location and reason
+  // Buffers for one face; kept to reuse their memory.
   std::string face_text_;
   std::vector<FaceCorner> face_;
   std::vector<Vec3> outline_;
@@ -109,13 +109,13 @@ Result<ObjFile> FaceReader::read() {
   };
   std::istream stream(this);
   tinyobj::LoadObjWithCallback(stream, callbacks, this);
-  if (stream.bad()) throw std::bad_alloc();  // streams keep exceptions to themselves
+  if (stream.bad()) throw std::bad_alloc();  // streams swallow exceptions
   if (!status_) return fail(status_.error());
   if (auto enough = check_enough_is_left(); !enough) return fail(enough.error());
   return std::move(file_);
 }
 
-// The text up to the end of the next face.
+// Supplies the text up to the end of the next face.
 FaceReader::int_type FaceReader::underflow() {
   face_text_.clear();
   while (status_ && face_text_.empty() && lines_.next()) statement(lines_.line());
@@ -193,7 +193,7 @@ Status FaceReader::count_triangles(std::size_t more) const {
                              kMaxObjTriangles));
 }
 
-// False if the face is left out.
+// Returns false if the face is left out.
 bool FaceReader::add_corner(const tinyobj::index_t& written) {
   const int v = written.vertex_index;
   if (!exists(v, positions_)) {
@@ -212,7 +212,7 @@ bool FaceReader::add_corner(const tinyobj::index_t& written) {
   return true;
 }
 
-// -1 for a texture coordinate or a normal that does not exist.
+// Returns -1 for a texture coordinate or a normal that does not exist.
 std::int32_t FaceReader::optional_index(int index, const Counts& counts) {
   if (exists(index, counts)) return resolve(index, counts);
   warn(counts.statement, [&] { return missing(index, counts) + "; the corner has none"; });
@@ -227,9 +227,9 @@ std::string FaceReader::missing(int index, const Counts& counts) const {
                      counts.total);
 }
 
-// A file of which hardly a face can be used is not shown as a few triangles.
+// Rejects a file with too few usable faces, instead of showing a few triangles.
 Status FaceReader::check_enough_is_left() const {
-  constexpr std::size_t kMinShare = 10;  // one face in so many
+  constexpr std::size_t kMinShare = 10;  // at least one face in this many must be usable
   const std::size_t all = file_.text.face_count;
   if (file_.triangle_count() > 0 && (all - left_out_) * kMinShare >= all) return {};
   return mistake(fmt::format("{}: {} of {} faces cannot be used; is the file complete? The first: {}", name_,
@@ -243,7 +243,7 @@ void FaceReader::add(const std::array<std::uint32_t, 3>& triangle) {
     file_.runs.push_back(run_);
     run_is_new_ = false;
   }
-  // A list is begun by the first face that needs it.
+  // A list is created by the first face that needs it.
   const auto append = [&](std::vector<std::int32_t>& list, std::int32_t index) {
     if (list.empty() && index < 0) return;
     if (list.empty()) {
@@ -278,7 +278,7 @@ void FaceReader::use_material(std::string_view line) {
   run_.material = material;
 }
 
-// Some programs write more than the group's number; they mean the first.
+// Some programs write more than the group's number; the first number counts.
 void FaceReader::smooth(std::string_view line) {
   line = without_comment(line);
   const std::string_view word = take_word(line);

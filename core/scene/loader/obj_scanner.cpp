@@ -15,7 +15,7 @@
 namespace tessera::core {
 namespace {
 
-// Legal, and without effect here; but "usemtl" and "s", which the second pass reads.
+// Valid statements without effect, and "usemtl" and "s", which the second pass reads.
 constexpr std::array<std::string_view, 18> kIgnored{
     "usemtl", "s",        "g",        "o",  "l",          "p",         "vp", "vw",     "bevel",
     "lod",    "c_interp", "d_interp", "mg", "shadow_obj", "trace_obj", "mb", "usemap", "maplib"};
@@ -29,7 +29,8 @@ constexpr std::string_view kFreeFormAdvice =
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr Rgb kNoColor = Rgb::gray(-1);
 
-// Whether a colour in the file counts from 0 to 255. Rounding may leave a colour from 0 to 1 a little above.
+// Larger values mean that the file's colours range from 0 to 255. Rounding may leave a colour from 0 to 1
+// slightly above 1.
 constexpr float kLargestUnitColor = 1.01f;
 
 class ObjScanner {
@@ -59,7 +60,7 @@ class ObjScanner {
   const std::string& name_;
   ObjText obj_;
   bool has_free_form_ = false;
-  std::string first_unknown_;  // the first statement that is not one of OBJ files
+  std::string first_unknown_;  // the first unknown statement
 };
 
 Result<ObjText> ObjScanner::scan() {
@@ -176,7 +177,7 @@ void ObjScanner::count_face() {
   if (obj_.face_count++ == 0) obj_.first_face_line = lines_.number();
 }
 
-// Colours are stored as displays show them (sRGB), from 0 to 1 or from 0 to 255.
+// Colours are sRGB-encoded, from 0 to 1 or from 0 to 255.
 void ObjScanner::settle_colors() {
   float largest = 0;
   for (const Rgb color : obj_.colors) largest = std::max(largest, max_component(color));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The first of two passes over an OBJ file: reads its vertices and looks at every statement but faces, which
-// may refer to vertices that come later. Stateless; thread-safe.
+// The first of two passes over an OBJ file: reads its vertices and checks every statement except faces,
+// which may refer to later vertices. Stateless; thread-safe.
 #pragma once
 
 #include <string>
@@ -23,18 +23,18 @@ struct ObjText {
   std::vector<Vec3> positions;  // as many as "v" lines; not finite where the line has no 3 finite numbers
   std::vector<Vec3> normals;    // "vn"; finite, and 0 for one that is none
   std::vector<Vec2> uvs;        // "vt"; finite
-  std::vector<Rgb> colors;      // linear, one per position; empty where no vertex has one
+  std::vector<Rgb> colors;      // linear, one per position; empty if no vertex has one
   std::vector<Library> libraries;
   int first_face_line = 0;
   std::size_t face_count = 0;  // at least 1
   FileWarnings warnings;
 };
 
-// Whether a statement is a face: "f", or "fo" of old files.
+// Whether a statement is a face: "f", or "fo" in old files.
 bool is_face(std::string_view keyword);
 
-// A line that is not understood costs that line and is told. Fails only if there are no faces: "NAME: what",
-// where `name` is what messages call the file.
+// Lines that cannot be parsed are skipped with a warning. Fails only if there are no faces: "NAME: what",
+// where `name` is the file's name in messages.
 Result<ObjText> scan_obj(std::string_view text, const std::string& name);
 
 }  // namespace tessera::core

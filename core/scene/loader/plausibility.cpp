@@ -13,7 +13,7 @@
 namespace tessera::core {
 namespace {
 
-// The parameters that are shares of light.
+// The parameters that are reflectances or transmittances.
 std::vector<ColorParameter> shares_of(const MaterialModel& model) {
   std::vector<ColorParameter> shares;
   visit_parameters(model, Overloaded{[&](auto, const ColorParameter& share) { shares.push_back(share); },

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What can be told wrong about a scene only when its assets are there. Stateless; thread-safe.
+// Checks of a scene that need its assets. Stateless; thread-safe.
 #pragma once
 
 #include "core/scene/description.hpp"
@@ -8,8 +8,8 @@
 
 namespace tessera::core {
 
-// Nothing reflects more light than it gets, as HDR textures might say. `material_places` are those of the
-// first materials; the others come from the shapes' own libraries.
+// Checks that no reflectance exceeds 1, which HDR textures could violate. `material_places` are the
+// locations of the first materials; the others come from OBJ files' libraries.
 void check_plausibility(const SceneDescription& scene, const std::vector<Place>& material_places,
                         const Place& shapes_place, Mistakes& mistakes);
 

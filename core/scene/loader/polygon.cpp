@@ -12,14 +12,14 @@ struct Point {
   double x, y;
 };
 
-// Twice the signed area of a triangle; above 0 if counter-clockwise.
+// Twice the signed area of a triangle; positive if counter-clockwise.
 double twice_area(Point a, Point b, Point c) {
   return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
 }
 
-// Seen along the coordinate axis that is most nearly the normal (by Newell's sum), from the side where the
-// polygon is counter-clockwise. Relative to the first corner, so that small polygons far from the origin keep
-// their shape.
+// Projects along the dominant axis of the normal (Newell's sum), seen from the side where the polygon is
+// counter-clockwise. Coordinates are relative to the first corner, so that small polygons far from the
+// origin keep their shape.
 std::vector<Point> project(std::span<const Vec3> corners) {
   const Vec3 o = corners[0];
   const auto relative = [&](std::size_t i) {
@@ -45,7 +45,7 @@ std::vector<Point> project(std::span<const Vec3> corners) {
   return points;
 }
 
-// The corners that are left, and whether the polygon turns the wrong way there.
+// The remaining corners, and whether each is reflex.
 struct Outline {
   std::vector<Point> points;
   std::vector<std::uint32_t> left;
@@ -68,7 +68,7 @@ bool same(Point a, Point b) {
   return a.x == b.x && a.y == b.y;
 }
 
-// Whether the triangle at corner `i` can be cut off: it turns the right way and no reflex corner lies in it.
+// Whether the triangle at corner `i` is an ear: it is convex and contains no reflex corner.
 bool is_ear(const Outline& outline, std::size_t i) {
   const Point a = outline.at(outline.before(i)), b = outline.at(i), c = outline.at(i + 1);
   if (!(twice_area(a, b, c) > 0)) return false;
@@ -80,7 +80,7 @@ bool is_ear(const Outline& outline, std::size_t i) {
   return true;
 }
 
-// The next ear from `start` on. A simple polygon has one; nullopt where it crosses itself or is flat.
+// The next ear from `start` on. A simple polygon has one; nullopt if it is self-intersecting or degenerate.
 std::optional<std::size_t> find_ear(const Outline& outline, std::size_t start) {
   for (std::size_t k = 0; k < outline.left.size(); ++k)
     if (const std::size_t i = (start + k) % outline.left.size(); is_ear(outline, i)) return i;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Cuts polygons into triangles. Stateless; thread-safe.
+// Triangulates polygons. Stateless; thread-safe.
 #pragma once
 
 #include <array>
@@ -11,13 +11,13 @@
 
 namespace tessera::core {
 
-// Polygons that are not convex may have as many corners; cutting them takes time that grows with the square.
+// Limit on the corners of non-convex polygons, whose triangulation takes quadratic time.
 inline constexpr std::size_t kMaxConcaveCorners = 4096;
 
-// Appends corners.size() - 2 triangles, of indices into `corners`, with the polygon's winding. Convex ones
-// become a fan around the first corner, the others are cut ear by ear (Meisters 1975), in the plane that fits
-// them best. What is not flat or crosses itself is cut somehow. False, and nothing appended, beyond
-// kMaxConcaveCorners.
+// Appends corners.size() - 2 triangles, as indices into `corners`, with the polygon's winding. Convex
+// polygons become a fan around the first corner; others are triangulated by ear clipping (Meisters 1975),
+// projected along the dominant axis of their normal. Non-planar and self-intersecting polygons get some
+// triangulation. Returns false and appends nothing beyond kMaxConcaveCorners.
 bool triangulate(std::span<const Vec3> corners, std::vector<std::array<std::uint32_t, 3>>& triangles);
 
 }  // namespace tessera::core

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lights without extent and the environment of a scene file.
+// Reads delta lights and the environment of a scene file.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -50,7 +50,7 @@ DirectionalLightDescription read_directional(const Field& field) {
   return light;
 }
 
-// Unlike an emission, it has its texture beside it.
+// Unlike an emission, it has its texture in a separate key.
 Rgb read_environment_radiance(const Field& field) {
   if (field.value().get_if<JsonValue::Number>() || field.value().get_if<JsonValue::Array>())
     return read_color(field, bounds::kNotNegative);
@@ -95,7 +95,7 @@ EnvironmentDescription read_environment(const Field& field, const std::vector<Te
     const TextureEntry& texture = textures[static_cast<std::size_t>(index)];
     if (texture.scale != Vec2{1, 1} || texture.offset != Vec2{0, 0} || texture.wrap != Wrap::kRepeat)
       name->mistake(
-          "the environment is one whole picture: leave out the texture's 'scale', 'offset' and 'wrap'; "
+          "the environment is one whole image: leave out the texture's 'scale', 'offset' and 'wrap'; "
           "'rotation_degrees' turns it");
   }
   return environment;

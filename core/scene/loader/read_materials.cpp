@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Textures and materials of a scene file.
+// Reads textures and materials of a scene file.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -23,7 +23,7 @@ using scene_keys::kWraps;
 
 using Words = std::span<const std::string_view>;
 
-// Which numbers a parameter takes, and the object that stands for them where a texture does.
+// The numbers that a parameter accepts, and the object that replaces a number to give a texture.
 struct ScalarRules {
   Bounds limits;
   const ObjectRules& textured;
@@ -60,12 +60,12 @@ ColorParameter read_color_parameter(const Field& field, const std::vector<Textur
   return color;
 }
 
-// How much a surface reflects or lets through.
+// Reads a reflectance or transmittance.
 ColorParameter read_share(const Field& field, const std::vector<TextureEntry>& textures) {
   return read_color_parameter(field, textures, bounds::kUnit, scene_keys::kTexturedColor);
 }
 
-// A number, or {"texture": NAME, "scale": ...}, whose red channel counts.
+// A number, or {"texture": NAME, "scale": ...}, which uses the red channel.
 ScalarParameter read_scalar(const Field& field, const ScalarRules& rules,
                             const std::vector<TextureEntry>& textures) {
   if (is_text(field)) {
@@ -80,7 +80,7 @@ ScalarParameter read_scalar(const Field& field, const ScalarRules& rules,
   return scalar;
 }
 
-// A map of normals or heights, and the number that it is multiplied by.
+// A normal or bump map, and its factor.
 struct MapRules {
   const ObjectRules& keys;
   std::string_view factor;
@@ -104,7 +104,7 @@ Map read_map(const Field& field, const MapRules& rules, float Map::*factor,
   return map;
 }
 
-// The members of one material that hold its parameters.
+// Reads the parameters of one material.
 class ParameterReader {
  public:
   ParameterReader(const Field& field, const ObjectRules& rules, const std::vector<TextureEntry>& textures)
@@ -123,7 +123,7 @@ class ParameterReader {
   }
   std::optional<Field> find(std::string_view key) const { return object_.find(key); }
 
-  // A surface that reflects more than it receives. Textures are seen to where they are looked up.
+  // Rejects surfaces that reflect more than they receive. Textures are clamped when they are evaluated.
   void check_sum(const ColorParameter& diffuse, const ColorParameter& specular) const {
     if (diffuse.texture >= 0 || specular.texture >= 0) return;
     const float sum = max_component(diffuse.value + specular.value);
@@ -135,7 +135,7 @@ class ParameterReader {
   }
 
  private:
-  // 'specular', and what it is when the file does not say.
+  // The key, with its default if the file does not set it: 'specular'.
   std::string name_with_default(std::string_view key, const ColorParameter& value) const {
     return find(key) ? in_quotes(key) : fmt::format("{} ({} unless given)", in_quotes(key), value.value.r);
   }
@@ -180,7 +180,7 @@ CookTorrance read_cook_torrance(const ParameterReader& read) {
   return model;
 }
 
-// `type` counts as in kMaterialTypes.
+// `type` is an index into kMaterialTypes.
 MaterialModel read_model(const Field& field, std::size_t type, const std::vector<TextureEntry>& textures) {
   static constexpr std::array kRules{scene_keys::kLambert, scene_keys::kMirror, scene_keys::kGlass,
                                      scene_keys::kPhong, scene_keys::kCookTorrance};
@@ -197,7 +197,7 @@ Material read_material(const Field& field, const std::string& name,
   const auto type = read_type(field, kMaterialTypes, "material");
   if (!type) return {name, Lambert{}};
   Material material{name, read_model(field, *type, textures)};
-  // The model's reader has told unknown keys already.
+  // The model's reader has reported unknown keys already.
   if (const auto emission = find_member_field(field, "emission"))
     material.emission =
         read_color_parameter(*emission, textures, bounds::kNotNegative, scene_keys::kTexturedEmission);
@@ -216,7 +216,7 @@ Material read_material(const Field& field, const std::string& name,
   return material;
 }
 
-// Which textures are read as colours, and which as numbers.
+// The textures that are used as colours, and those used as numbers.
 struct TextureUses {
   std::set<int> colors, numbers;
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shapes of a scene file and their transforms.
+// Reads shapes of a scene file and their transforms.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -35,7 +35,7 @@ Transform read_rotation(const Field& field) {
   return {};
 }
 
-// Three rows of four numbers: p -> the first three times p, plus the fourth.
+// Three rows of four numbers: p is multiplied by the first three columns, and the fourth is added.
 Transform read_matrix(const Field& field) {
   const auto* rows = field.value().get_if<JsonValue::Array>();
   const auto is_row = [](const JsonValue& row) {
@@ -91,7 +91,7 @@ std::optional<std::uint32_t> read_material_name(const Field& field,
   return std::nullopt;
 }
 
-// What all shapes share.
+// The keys common to all shapes.
 struct Common {
   std::optional<std::uint32_t> material;
   Transform transform;
@@ -137,7 +137,7 @@ ShapeDescription read_sphere(const Field& field, const std::vector<MaterialEntry
   return sphere;
 }
 
-// A mirrored quad turns into triangles, so that its uv and its outside stay where they are.
+// Converts a mirrored quad to triangles, which keeps its uv and its outward side.
 MeshDescription mirrored_quad(const QuadDescription& q) {
   MeshDescription mesh;
   mesh.positions = {q.corner, q.corner + q.edge_u, q.corner + q.edge_u + q.edge_v, q.corner + q.edge_v};

@@ -34,7 +34,7 @@ void check_viewing_direction(const CameraDescription& camera, const Field& field
   }
 }
 
-// 0, or as many as a polygon has at least.
+// 0, or the number of a polygon's corners.
 int read_blades(const Field& field) {
   const auto* number = field.value().get_if<JsonValue::Number>();
   const auto blades = number == nullptr ? std::nullopt : number->whole;
@@ -45,7 +45,7 @@ int read_blades(const Field& field) {
   return 0;
 }
 
-// 0 for none.
+// 0 means no limit.
 int read_max_depth(const Field& field) {
   const auto* number = field.value().get_if<JsonValue::Number>();
   const auto depth = number == nullptr ? std::nullopt : number->whole;
@@ -77,7 +77,7 @@ PixelRect read_crop(const Field& field) {
   return {numbers[0], numbers[1], numbers[2], numbers[3]};
 }
 
-// Says nothing where the size or the window could not be read.
+// Reports nothing if the size or the window could not be read.
 void check_crop_fits(const Field& field, const RenderSettings& settings, std::size_t mistakes_before) {
   if (field.mistakes().count() != mistakes_before) return;
   const Status fits = check_crop(*settings.crop, settings.width_px, settings.height_px);
@@ -106,8 +106,8 @@ RenderSettings read_render(const Field& field) {
   settings.heuristic = read_or(object, "heuristic", settings.heuristic, read_choice,
                                std::span<const std::string_view>(scene_keys::kHeuristics));
   if (std::int64_t{settings.width_px} * settings.height_px > kMaxImagePixels)
-    field.mistake(fmt::format("{} x {} pixels are more than the {} that a picture may have",
-                              settings.width_px, settings.height_px, kMaxImagePixels));
+    field.mistake(fmt::format("{} x {} pixels are more than the {} that an image may have", settings.width_px,
+                              settings.height_px, kMaxImagePixels));
   if (const auto crop = object.find("crop")) {
     settings.crop = read_crop(*crop);
     check_crop_fits(*crop, settings, mistakes_before);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A scene file as it is written, checked by itself: names resolved, transforms of spheres and quads applied,
-// but no asset read yet. The parts are functions of their own; parse_scene_file puts them together.
+// A scene file as written, checked by itself: names are resolved and transforms of spheres and quads
+// applied, but no asset is read. parse_scene_file combines the functions for its parts.
 #pragma once
 
 #include <cstdint>
@@ -20,7 +20,7 @@ namespace tessera::core {
 struct TextureEntry {
   std::string name, file;
   Place file_place;
-  std::optional<ColorSpace> color_space;  // nullopt: what the file's format suggests
+  std::optional<ColorSpace> color_space;  // nullopt: determined by the file's format
   TextureChannel channel = TextureChannel::kColor;
   Wrap wrap = Wrap::kRepeat;
   Vec2 scale{1, 1}, offset{0, 0};
@@ -31,11 +31,11 @@ struct MaterialEntry {
   Place place;
 };
 
-// Which normals a mesh is shaded with.
+// The shading normals of a mesh.
 enum class NormalsMode {
-  kFile,    // the file's; where it has none, means of the faces around each vertex that meet without a sharp
+  kFile,    // the file's, or else means of the faces around each vertex that meet without a
             // edge
-  kSmooth,  // means of all faces around each vertex, whatever the file has
+  kSmooth,  // means of all faces around each vertex, ignoring the file's
   kFlat,    // none
 };
 
@@ -44,7 +44,7 @@ struct MeshEntry {
   Place file_place;
   NormalsMode normals = NormalsMode::kFile;
   std::optional<std::uint32_t> material;          // of all triangles; nullopt: those of the OBJ file
-  std::optional<std::uint32_t> default_material;  // of triangles for which the OBJ file gives none
+  std::optional<std::uint32_t> default_material;  // of triangles without a material in the OBJ file
   Transform transform;
 };
 
@@ -53,7 +53,7 @@ struct ShapeEntry {
   Place place;
 };
 
-// What instances show.
+// An object for instances.
 struct ObjectEntry {
   std::string name;
   std::vector<ShapeEntry> shapes;  // no instances
@@ -72,22 +72,21 @@ struct SceneFile {
   std::optional<EnvironmentDescription> environment;
 };
 
-// What is wrong is added to `mistakes`, which names the file; the scene is whole only if there is none.
+// Errors are added to `mistakes`, which names the file; the result is complete only if there are none.
 SceneFile parse_scene_file(std::string_view text, const std::string& display_path, Mistakes& mistakes);
 
 RenderSettings read_render(const Field& field);
 CameraDescription read_camera(const Field& field);
 DisplaySettings read_output(const Field& field);
 std::vector<TextureEntry> read_textures(const Field& field);
-// The index among `textures`; -1 after a mistake.
+// The index in `textures`; -1 after a mistake.
 int read_texture_name(const Field& field, const std::vector<TextureEntry>& textures);
 std::vector<MaterialEntry> read_materials(const Field& field, const std::vector<TextureEntry>& textures);
-// Textures that say nothing of their colour space and are used for numbers alone (normal maps, roughness) are
-// linear.
+// Textures without a colour space that are used only for numbers (normal maps, roughness) become linear.
 void settle_color_spaces(SceneFile& scene);
-// Without instances in them.
+// Objects must not contain instances.
 std::vector<ObjectEntry> read_objects(const Field& field, const std::vector<MaterialEntry>& materials);
-// Where `objects` is null, instances are a mistake.
+// If `objects` is null, instances are a mistake.
 std::vector<ShapeEntry> read_shapes(const Field& field, const std::vector<MaterialEntry>& materials,
                                     const std::vector<ObjectEntry>* objects);
 std::vector<LightDescription> read_lights(const Field& field);

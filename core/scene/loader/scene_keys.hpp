@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The keys that each object of a scene file may have: what the loader accepts, what it suggests for misspelt
-// keys, and what a test compares with scenes/scene.schema.json.
+// The keys of each object of a scene file: the loader accepts them and suggests them for misspelt keys, and
+// a test compares them with scenes/scene.schema.json.
 #pragma once
 
 #include <array>
@@ -14,10 +14,10 @@ struct KeyRule {
   bool required = false;
 };
 
-// The keys of one kind of object.
+// The keys of one type of object.
 struct ObjectRules {
   std::string_view kind;            // as in "a sphere needs the key 'radius'"
-  std::string_view schema_pointer;  // where the schema describes it
+  std::string_view schema_pointer;  // the location of its description in the schema
   std::span<const KeyRule> keys;
 };
 
@@ -46,7 +46,7 @@ inline constexpr std::array kTexturedScalarKeys{KeyRule{"texture", kRequired}, K
 inline constexpr std::array kNormalMapKeys{KeyRule{"texture", kRequired}, KeyRule{"strength"}};
 inline constexpr std::array kBumpKeys{KeyRule{"texture", kRequired}, KeyRule{"height"}};
 
-// A material's own keys among those of all types.
+// A material's own keys, without those common to all types.
 template <std::size_t count>
 constexpr std::array<KeyRule, count + 7> material_keys(const std::array<KeyRule, count>& own) {
   std::array<KeyRule, count + 7> all{KeyRule{"type", kRequired}};
@@ -158,7 +158,7 @@ inline constexpr std::array kAllObjects{kScene,
                                         kDirectionalLight,
                                         kEnvironment};
 
-// The words that stand for a choice, in the order of what they stand for in the code.
+// The words of an enumeration, in the order of its values.
 inline constexpr std::array<std::string_view, 4> kIntegrators{"naive", "nee", "mis", "whitted"};
 inline constexpr std::array<std::string_view, 2> kHeuristics{"balance", "power"};
 inline constexpr std::array<std::string_view, 3> kFilters{"box", "tent", "gaussian"};
@@ -178,7 +178,7 @@ inline constexpr std::array<std::string_view, 4> kConductors{"copper", "gold", "
 inline constexpr std::array<std::string_view, 2> kMaskings{"smith", "schlick"};
 inline constexpr std::array<std::string_view, 3> kMicrofacetSamplings{"bsdf", "uniform", "half_vector"};
 inline constexpr std::span<const std::string_view> kSamplings =
-    std::span(kMicrofacetSamplings).first(2);  // of the other materials
+    std::span(kMicrofacetSamplings).first(2);  // for the other materials
 
 }  // namespace scene_keys
 }  // namespace tessera::core

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// How much a scene of unknown origin may hold. On one's own machine a scene may hold what the formats allow:
-// that is the default. Plain data.
+// Limits on the size of a scene from an untrusted source. The default is no limit beyond the formats', for
+// local scenes. Plain data.
 #pragma once
 
 #include <cstdint>
@@ -11,18 +11,18 @@ namespace tessera::core {
 
 struct SceneLimit {
   std::uint64_t most = std::numeric_limits<std::uint64_t>::max();
-  // What raises it, for the sentence of a refusal.
+  // The option that raises the limit, for error messages.
   std::string option;
 };
 
 struct SceneLimits {
-  // Of all meshes, objects' included, as often as they are stored: a file that two shapes read counts twice,
-  // an object with ten instances once.
+  // Triangles of all meshes, including objects', as stored: a file used by two shapes counts twice, an
+  // object with ten instances once.
   SceneLimit triangles;
-  // Of one picture, and of all that textures are read from. A picture that is read in two colour spaces
-  // counts twice.
+  // Pixels of one image, and of all texture images. An image that is read in two colour spaces counts
+  // twice.
   SceneLimit texture_pixels, scene_texture_pixels;
-  // Emissive triangles, quads and spheres, with those of every instance.
+  // Emissive triangles, quads and spheres, including those of every instance.
   SceneLimit lights;
 };
 

@@ -10,7 +10,7 @@
 namespace tessera::core {
 namespace {
 
-// Ctrl-Z and NUL bytes fill the ends of files that some programs write.
+// Some programs pad files with Ctrl-Z and NUL bytes.
 constexpr bool is_blank(char c) {
   return c == ' ' || c == '\t' || c == '\v' || c == '\f' || c == '\0' || c == '\x1a';
 }
@@ -19,7 +19,8 @@ bool survives(std::string_view line) {
   return line.ends_with('\\') && line.find('#') == std::string_view::npos;
 }
 
-// In pieces, so that a file whose lines all end with '\r' is not searched to its end for a '\n' at each line.
+// Searches in pieces, so that a file whose lines all end with '\r' is not searched to its end for a '\n' at
+// each line.
 std::size_t line_length(std::string_view text) {
   constexpr std::size_t kPiece = 4096;
   for (std::size_t begin = 0; begin < text.size(); begin += kPiece) {
@@ -45,7 +46,7 @@ void append_utf8(std::string& text, std::uint32_t code) {
   }
 }
 
-// RFC 2781, section 2.2. Surrogates without a partner become the replacement character.
+// RFC 2781, section 2.2. Unpaired surrogates become the replacement character.
 std::string from_utf16(std::string_view bytes, bool big_endian) {
   constexpr std::uint32_t kReplacement = 0xfffd;
   const auto unit = [&](std::size_t i) {
@@ -145,7 +146,7 @@ std::optional<float> parse_float(std::string_view word) {
   float value = 0;
   auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
   if (error == std::errc::result_out_of_range) {
-    // Too large, or so small that it is 0.
+    // The number overflows, or underflows to 0.
     double wide = 0;
     error = std::from_chars(word.data(), word.data() + word.size(), wide).ec;
     if (std::fabs(wide) > 1) return std::nullopt;

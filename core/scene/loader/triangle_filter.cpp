@@ -20,7 +20,7 @@ bool is_before(Vec3 a, Vec3 b) {
   return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
 }
 
-// The triangle's corners in their order, but from the same one on wherever the triangle begins.
+// The triangle's corners in their cyclic order, rotated to a canonical first corner.
 Points points_of(const MeshDescription& mesh, const std::array<std::uint32_t, 3>& triangle) {
   Points points{mesh.positions[triangle[0]], mesh.positions[triangle[1]], mesh.positions[triangle[2]]};
   std::rotate(points.begin(), std::min_element(points.begin(), points.end(), is_before), points.end());
@@ -38,9 +38,9 @@ std::size_t hash(const Points& points) {
   return h;
 }
 
-// Which triangles may lie where another does: those that share a hash. Nearly all others are told apart from
-// all there are with two bits each, which take a fraction of the memory, and of its cache misses, that a hash
-// table of all would; and what will be missed is asked for some triangles ahead.
+// Finds triangles that may coincide with others: those that share a hash. A filter with two bits per slot
+// rejects nearly all others, with a fraction of the memory and cache misses of a hash table; lookups are
+// prefetched some triangles ahead.
 class PossibleTwins {
  public:
   explicit PossibleTwins(const MeshDescription& mesh) : slots_(mesh.triangles.size()) {
@@ -55,7 +55,7 @@ class PossibleTwins {
     }
   }
 
-  // Fastest if asked in ascending order.
+  // Fastest in ascending order.
   bool has(std::size_t triangle) const {
     if (triangle + kAhead < slots_.size()) prefetch(word_of(triangle + kAhead));
     return (word_of(triangle) >> shift_of(triangle) & kAgain) != 0;
@@ -74,14 +74,14 @@ class PossibleTwins {
   const std::uint64_t& word_of(std::size_t triangle) const { return bits_[slots_[triangle] / kSlotsOfWord]; }
   unsigned shift_of(std::size_t triangle) const { return slots_[triangle] % kSlotsOfWord * 2; }
 
-  std::vector<std::uint32_t> slots_;  // of each triangle, by its hash
-  std::vector<std::uint64_t> bits_;   // two of each slot: kOnce, kAgain
+  std::vector<std::uint32_t> slots_;  // of each triangle, from its hash
+  std::vector<std::uint64_t> bits_;   // two for each slot: kOnce, kAgain
 };
 
-// Triangles by where they lie.
+// A set of triangles, compared by position.
 class KeptTriangles {
  public:
-  // False if an equal one is there.
+  // Returns false if an equal one exists.
   bool add(const MeshDescription& mesh, const std::array<std::uint32_t, 3>& triangle) {
     return points_.insert(points_of(mesh, triangle)).second;
   }

@@ -18,7 +18,7 @@ AreaNormal operator+(const AreaNormal& a, const AreaNormal& b) {
   return {a.x + b.x, a.y + b.y, a.z + b.z};
 }
 
-// The corners at each position, by position: those of `p` are corners[begin[p]] to corners[begin[p + 1]].
+// The corners grouped by position: those of `p` are corners[begin[p]] to corners[begin[p + 1]].
 struct CornersByPosition {
   std::vector<std::uint32_t> begin, corners;
 
@@ -31,7 +31,7 @@ CornersByPosition sort_by_position(const ObjFile& file) {
   const auto& positions = file.corners.positions;
   CornersByPosition sorted;
   auto& begin = sorted.begin;
-  // Counted one place further on, so that filling moves each entry to where it belongs.
+  // Counts are shifted by one entry, so that filling the list moves each entry to its final value.
   begin.assign(file.text.positions.size() + 2, 0);
   for (const std::int32_t p : positions) ++begin[static_cast<std::size_t>(p) + 2];
   for (std::size_t p = 2; p < begin.size(); ++p) begin[p] += begin[p - 1];
@@ -41,7 +41,7 @@ CornersByPosition sort_by_position(const ObjFile& file) {
   return sorted;
 }
 
-// A corner at the position that is looked at, and its triangle.
+// A corner at the current position, and its triangle.
 struct Around {
   std::optional<std::uint32_t> group;
   std::uint32_t corner;
@@ -64,7 +64,7 @@ class NormalComputer {
 
   const ObjFile& file_;
   Smoothing smoothing_;
-  std::vector<Around> around_;  // of one position; kept for its memory
+  std::vector<Around> around_;  // of one position; kept to reuse its memory
   ComputedNormals result_;
 };
 
@@ -119,13 +119,13 @@ void NormalComputer::settle_group(std::span<Around> group) const {
         if (dot(b.unit_normal, a.unit_normal) >= kCreaseCosine) sum = sum + b.area_normal;
     }
     a.result = flat ? a.unit_normal : unit(sum);
-    // Around a sheet with two sides everything cancels out.
+    // Around a two-sided sheet, all normals cancel.
     if (a.result == Vec3{}) a.result = a.unit_normal;
     if (a.result == Vec3{}) a.result = {0, 0, 1};
   }
 }
 
-// Gives equal normals at one position one number, so that smooth surfaces share their vertices.
+// Gives equal normals at one position the same index, so that smooth surfaces share vertices.
 void NormalComputer::number() {
   const auto key = [](const Around& a) { return std::tie(a.result.x, a.result.y, a.result.z, a.corner); };
   std::sort(around_.begin(), around_.end(),

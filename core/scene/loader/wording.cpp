@@ -9,10 +9,10 @@ namespace tessera::core {
 namespace {
 
 constexpr std::size_t kMaxShownLength = 80;
-constexpr std::size_t kShownBeginning = 24;  // of longer names; the rest is their end
+constexpr std::size_t kShownBeginning = 24;  // characters kept at the start of shortened names
 constexpr std::size_t kMaxListed = 12;
 
-// Beyond this many changes two names are not alike.
+// Names that differ by more edits are not similar.
 std::size_t likeness_limit(std::string_view name) {
   return std::max<std::size_t>(1, name.size() / 3);
 }
@@ -60,7 +60,7 @@ std::string suggestion(std::string_view name, const std::vector<std::string_view
 
 std::string in_quotes(std::string_view name) {
   if (name.size() <= kMaxShownLength) return "'" + printable(name) + "'";
-  // Whole characters only.
+  // Cuts only between characters.
   std::size_t end = kShownBeginning, begin = name.size() - (kMaxShownLength - kShownBeginning);
   while (end > 0 && is_continuation(name[end])) --end;
   while (begin < name.size() && is_continuation(name[begin])) ++begin;

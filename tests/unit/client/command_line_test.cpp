@@ -111,14 +111,14 @@ TEST_F(CommandLine, ASceneWhoseLightIsTooSmallToCountIsWarnedAbout) {
   const ProcessResult result = render({"-o", path("a.pfm"), "-q"});
   EXPECT_EQ(result.exit_status, 0) << result.err;
   EXPECT_THAT(result.err, AllOf(StartsWith("tessera: warning: "), HasSubstr("has no light")));
-  EXPECT_THAT(result.err, Not(HasSubstr("the picture is black")));
+  EXPECT_THAT(result.err, Not(HasSubstr("the image is black")));
 }
 
 TEST_F(CommandLine, ABlackPictureIsWarnedAbout) {
   write("scene.json", scene_text("1", "[0, 0, 9]"));
   const ProcessResult result = render({"-o", path("a.pfm"), "-q"});
   EXPECT_EQ(result.exit_status, 0) << result.err;
-  EXPECT_THAT(result.err, AllOf(StartsWith("tessera: warning: "), HasSubstr("the picture is black")));
+  EXPECT_THAT(result.err, AllOf(StartsWith("tessera: warning: "), HasSubstr("the image is black")));
 }
 
 TEST_F(CommandLine, MistakesInTheCommandLineExitWith2) {
@@ -194,7 +194,7 @@ TEST_F(CommandLine, CompareTellsByItsExitStatus) {
   EXPECT_THAT(different.out, AllOf(StartsWith("different\n"), HasSubstr(" at pixel (")));
   const ProcessResult sizes = run_tessera({"compare", path("a.exr"), path("small.exr")});
   EXPECT_EQ(sizes.exit_status, 2);
-  EXPECT_EQ(sizes.err, "tessera: error: the pictures have different sizes: 40x30 and 4x4 pixels\n");
+  EXPECT_EQ(sizes.err, "tessera: error: the images have different sizes: 40x30 and 4x4 pixels\n");
   EXPECT_EQ(run_tessera({"compare", path("a.exr"), path("missing.exr")}).exit_status, 2);
   EXPECT_EQ(run_tessera({"compare", path("a.exr"), path("scene.json")}).exit_status, 2);
 }
@@ -288,7 +288,7 @@ TEST_F(CommandLine, AWindowOutsideThePictureIsRefused) {
   EXPECT_EQ(result.exit_status, 1);
   EXPECT_THAT(result.err,
               HasSubstr("scene.json: crop: must be x0, y0, x1, y1 with x0 < x1 and y0 < y1, within "
-                        "the 40 x 30 pixels of the picture, got 0, 0, 41, 30"));
+                        "the 40 x 30 pixels of the image, got 0, 0, 41, 30"));
   EXPECT_THAT(names(), UnorderedElementsAre("scene.json"));
 }
 

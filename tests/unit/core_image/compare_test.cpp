@@ -93,7 +93,7 @@ TEST(Compare, AnInfiniteReferenceDiffersInfinitely) {
 TEST(Compare, DifferentSizesAreAnErrorThatNamesThem) {
   const Result<Comparison> result = compare(Image(4, 3), Image(3, 4));
   ASSERT_FALSE(result);
-  EXPECT_EQ(result.error().message, "the pictures have different sizes: 4x3 and 3x4 pixels");
+  EXPECT_EQ(result.error().message, "the images have different sizes: 4x3 and 3x4 pixels");
 }
 
 TEST(Compare, OfARegionCountsItsPixelsAlone) {
@@ -142,7 +142,7 @@ TEST(Compare, RegionsLieWithinThePictures) {
     EXPECT_FALSE(compare(image, image, region).has_value()) << region.x << " " << region.y;
   }
   EXPECT_EQ(compare(image, image, {4, 3, 2, 1}).error().message,
-            "the region of 2x1 pixels from (4, 3) does not lie within the pictures of 5x4");
+            "the region of 2x1 pixels from (4, 3) does not lie within the images of 5x4");
 }
 
 }  // namespace

@@ -127,7 +127,7 @@ TEST(Scene, RefusesLightTooBrightToBeComputed) {
   description.textures = {{.image = std::make_shared<TextureImage>(image)}};
   description.environment = {{Rgb::gray(1e20f), 0}};
   EXPECT_THAT(error_of(description),
-              testing::HasSubstr("environment: radiance times its picture is too bright"));
+              testing::HasSubstr("environment: radiance times its image is too bright"));
   description.environment.reset();
   description.materials[0].emission = {Rgb::gray(1e20f), 0};
   EXPECT_THAT(error_of(description), testing::HasSubstr("emission times its texture is too bright"));
@@ -202,7 +202,7 @@ TEST(RenderSettings, TakeAnyWindowWithinThePicture) {
     ASSERT_FALSE(settings);
     EXPECT_EQ(settings.error().code, ErrorCode::kInvalidArgument);
     EXPECT_TRUE(settings.error().message.starts_with(
-        "crop: must be x0, y0, x1, y1 with x0 < x1 and y0 < y1, within the 640 x 480 pixels of the picture, "
+        "crop: must be x0, y0, x1, y1 with x0 < x1 and y0 < y1, within the 640 x 480 pixels of the image, "
         "got "))
         << settings.error().message;
   }

@@ -27,7 +27,7 @@ TEST(SceneMistakes, InRender) {
           {"\"height\": -4294967295",
            "render.height: must be a whole number between 1 and 65536, got -4294967295"},
           {"\"width\": 65536, \"height\": 65536",
-           "render: 65536 x 65536 pixels are more than the 1073741824 that a picture may have"},
+           "render: 65536 x 65536 pixels are more than the 1073741824 that an image may have"},
           {"\"seed\": -1", "render.seed: must be a whole number between 0 and 18446744073709551615, got -1"},
           {"\"seed\": 18446744073709551616",
            "render.seed: must be a whole number between 0 and 18446744073709551615, got "
@@ -62,10 +62,10 @@ TEST(SceneMistakes, InRender) {
           {"\"crop\": [-1, 0, 5, 5]", "render.crop[0]: must be a whole number between 0 and 65536, got -1"},
           {"\"crop\": [5, 0, 5, 5]",
            "render.crop: must be x0, y0, x1, y1 with x0 < x1 and y0 < y1, within the 512 x 512 pixels of the "
-           "picture, got 5, 0, 5, 5"},
+           "image, got 5, 0, 5, 5"},
           {"\"width\": 60, \"crop\": [0, 0, 61, 5]",
            "render.crop: must be x0, y0, x1, y1 with x0 < x1 and y0 < y1, within the 60 x 512 pixels of the "
-           "picture, got 0, 0, 61, 5"},
+           "image, got 0, 0, 61, 5"},
           {"\"width\": 0, \"crop\": [0, 0, 5, 5]",
            "render.width: must be a whole number between 1 and 65536, got 0"},
       },
@@ -194,7 +194,7 @@ TEST(SceneMistakes, InTheEnvironment) {
            "environment: unknown key 'rotation'; known are 'radiance', 'texture', 'rotation_degrees'"},
           {"\"texture\": \"sun\"", "environment.texture: there is no texture 'sun'; known is 'sky'"},
           {"\"texture\": \"sky\"",
-           "environment.texture: the environment is one whole picture: leave out the texture's 'scale', "
+           "environment.texture: the environment is one whole image: leave out the texture's 'scale', "
            "'offset' and 'wrap'; 'rotation_degrees' turns it"},
       },
       with_environment, 2);
