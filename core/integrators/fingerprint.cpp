@@ -6,10 +6,13 @@
 
 #include <cassert>
 #include <memory>
+#include <string_view>
 #include <utility>
 #include <vector>
 
+#include "core/integrators/fingerprint_jpeg.hpp"
 #include "core/integrators/render.hpp"
+#include "core/textures/image_decoder.hpp"
 
 namespace tessera::core {
 namespace {
@@ -29,11 +32,19 @@ Texture sky() {
   return {.image = std::make_shared<TextureImage>(TextureImage{kWidth, kHeight, std::move(texels)})};
 }
 
-// A 2 x 2 picture as sRGB bytes.
+// A 2 x 2 image as sRGB bytes.
 Texture checks() {
   const TextureImage image{2, 2,
                            std::vector<std::uint8_t>{200, 30, 90, 20, 160, 70, 80, 80, 250, 240, 220, 10}};
   return {.image = std::make_shared<TextureImage>(image), .scale = {3, 2}};
+}
+
+// Decoded from JPEG.
+Texture photograph() {
+  const std::string_view bytes(reinterpret_cast<const char*>(kFingerprintJpeg), sizeof kFingerprintJpeg);
+  auto image = decode_texture_image(bytes, ColorSpace::kSrgb);
+  assert(image.has_value());
+  return {.image = std::make_shared<TextureImage>(std::move(*image)), .scale = {2, 1}};
 }
 
 // A tent with leaning normals, and a small lamp beside it.
@@ -61,8 +72,8 @@ Texture dents() {
 }  // namespace
 
 // A box open to the front with lights of every kind, one of them textured, spheres of every material, a
-// dented floor, walls of microfacets, a textured mesh with interpolated normals, and instances of the like,
-// seen through a lens of five blades and a Gaussian filter.
+// normal-mapped floor, walls of microfacets, a bump-mapped quad that is partly transparent, a textured mesh
+// with interpolated normals, and instances, seen through a lens of five blades and a Gaussian filter.
 SceneDescription fingerprint_scene() {
   SceneDescription scene;
   scene.settings = {
@@ -92,8 +103,12 @@ SceneDescription fingerprint_scene() {
                       .normal_map = {2, 1}},
                      {.name = "copper",
                       .model = CookTorrance{.conductor = Conductor::kCopper},
-                      .sampling = Sampling::kHalfVector}};
-  scene.textures = {checks(), sky(), dents()};
+                      .sampling = Sampling::kHalfVector},
+                     {.name = "leaf",
+                      .model = Lambert{{Rgb::gray(0.9f), 3}},
+                      .bump = {.texture = 3, .height = 0.05f},
+                      .opacity = {0.8f, 0}}};
+  scene.textures = {checks(), sky(), dents(), photograph()};
   scene.shapes = {tent(),
                   QuadDescription{{-2, 0, 2}, {4, 0, 0}, {0, 0, -4}, 7},
                   QuadDescription{{-2, 0, -2}, {4, 0, 0}, {0, 3, 0}, 0},
@@ -107,7 +122,8 @@ SceneDescription fingerprint_scene() {
                   SphereDescription{{-1.4f, 1.9f, -0.5f}, 0.3f, 5},
                   SphereDescription{{-1.5f, 1.2f, -1}, 0.5f, 6},
                   SphereDescription{{0, 1.8f, -1.2f}, 0.4f, 8},
-                  SphereDescription{{0.1f, 0.3f, 0.9f}, 0.3f, 9}};
+                  SphereDescription{{0.1f, 0.3f, 0.9f}, 0.3f, 9},
+                  QuadDescription{{0.6f, 0.1f, 1.2f}, {0.8f, 0.1f, -0.3f}, {0, 0.9f, 0.1f}, 12}};
   scene.objects = {{"kite",
                     {tent(), SphereDescription{{-0.9f, 0.4f, -0.8f}, 0.2f, 8},
                      QuadDescription{{-1, -0.3f, -1}, {0.5f, 0, 0}, {0, 0.3f, 0}, 5}},

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tells builds apart whose arithmetic differs.
+// Tells builds apart that are not bit-compatible.
 #pragma once
 
 #include <string>
@@ -8,7 +8,7 @@
 
 namespace tessera::core {
 
-// A scene that has something of everything, but for the reading of files.
+// A scene with every kind of light, material and shape, and a texture decoded from JPEG.
 SceneDescription fingerprint_scene();
 
 // 16 hexadecimal digits: a hash of the exact film of the scene above. Machines whose fingerprints are
