@@ -6,10 +6,13 @@
 
 #include <cassert>
 #include <memory>
+#include <string_view>
 #include <utility>
 #include <vector>
 
+#include "core/integrators/fingerprint_jpeg.hpp"
 #include "core/integrators/render.hpp"
+#include "core/textures/image_decoder.hpp"
 
 namespace tessera::core {
 namespace {
@@ -34,6 +37,14 @@ Texture checks() {
   const TextureImage image{2, 2,
                            std::vector<std::uint8_t>{200, 30, 90, 20, 160, 70, 80, 80, 250, 240, 220, 10}};
   return {.image = std::make_shared<TextureImage>(image), .scale = {3, 2}};
+}
+
+// Decoded from JPEG.
+Texture photograph() {
+  const std::string_view bytes(reinterpret_cast<const char*>(kFingerprintJpeg), sizeof kFingerprintJpeg);
+  auto image = decode_texture_image(bytes, ColorSpace::kSrgb);
+  assert(image.has_value());
+  return {.image = std::make_shared<TextureImage>(std::move(*image)), .scale = {2, 1}};
 }
 
 // A tent with tilted normals, and a small lamp beside it.
@@ -61,8 +72,8 @@ Texture dents() {
 }  // namespace
 
 // A box, open to the front, with lights of every type (one of them textured), spheres of every material, a
-// normal-mapped floor, microfacet walls, a textured mesh with interpolated normals, and instances, seen
-// through a five-bladed aperture and a Gaussian filter.
+// normal-mapped floor, microfacet walls, a bump-mapped quad that is partly transparent, a textured mesh with
+// interpolated normals, and instances, seen through a five-bladed aperture and a Gaussian filter.
 SceneDescription fingerprint_scene() {
   SceneDescription scene;
   scene.settings = {
@@ -92,8 +103,12 @@ SceneDescription fingerprint_scene() {
                       .normal_map = {2, 1}},
                      {.name = "copper",
                       .model = CookTorrance{.conductor = Conductor::kCopper},
-                      .sampling = Sampling::kHalfVector}};
-  scene.textures = {checks(), sky(), dents()};
+                      .sampling = Sampling::kHalfVector},
+                     {.name = "leaf",
+                      .model = Lambert{{Rgb::gray(0.9f), 3}},
+                      .bump = {.texture = 3, .height = 0.05f},
+                      .opacity = {0.8f, 0}}};
+  scene.textures = {checks(), sky(), dents(), photograph()};
   scene.shapes = {tent(),
                   QuadDescription{{-2, 0, 2}, {4, 0, 0}, {0, 0, -4}, 7},
                   QuadDescription{{-2, 0, -2}, {4, 0, 0}, {0, 3, 0}, 0},
@@ -107,7 +122,8 @@ SceneDescription fingerprint_scene() {
                   SphereDescription{{-1.4f, 1.9f, -0.5f}, 0.3f, 5},
                   SphereDescription{{-1.5f, 1.2f, -1}, 0.5f, 6},
                   SphereDescription{{0, 1.8f, -1.2f}, 0.4f, 8},
-                  SphereDescription{{0.1f, 0.3f, 0.9f}, 0.3f, 9}};
+                  SphereDescription{{0.1f, 0.3f, 0.9f}, 0.3f, 9},
+                  QuadDescription{{0.6f, 0.1f, 1.2f}, {0.8f, 0.1f, -0.3f}, {0, 0.9f, 0.1f}, 12}};
   scene.objects = {{"kite",
                     {tent(), SphereDescription{{-0.9f, 0.4f, -0.8f}, 0.2f, 8},
                      QuadDescription{{-1, -0.3f, -1}, {0.5f, 0, 0}, {0, 0.3f, 0}, 5}},

@@ -8,7 +8,7 @@
 
 namespace tessera::core {
 
-// A scene that exercises every feature except the reading of files.
+// A scene with every kind of light, material and shape, and a texture decoded from JPEG.
 SceneDescription fingerprint_scene();
 
 // 16 hexadecimal digits: a hash of the exact film of the scene above. Machines with equal fingerprints

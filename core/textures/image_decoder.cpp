@@ -94,8 +94,8 @@ Result<TextureImage> decode(std::string_view bytes, ColorSpace color_space, Text
   if (auto* floats = std::get_if<DecodedImage::Floats>(&decoded->values))
     if (const std::size_t replaced = make_usable(*floats); replaced > 0)
       decoded->warnings.push_back(fmt::format(
-          "has {} values that are negative, infinite or not numbers; they were replaced by 0 or {}", replaced,
-          kLargestHalf));
+          "has values that are negative, infinite or not numbers ({} of them); 0 or {} is used instead",
+          replaced, kLargestHalf));
   if (warnings != nullptr) *warnings = std::move(decoded->warnings);
   return std::visit(
       [&](auto& values) {

@@ -10,16 +10,28 @@ fix=${2:-}
 cd "$root"
 identifier='SPDX-License-Identifier: Apache-2.0'
 
-# The source files: by their names, and by the first line where a name has no ending.
+# The source files, each ended by a 0 byte: by their names, and by the first line where a name has no ending.
 sources() {
-  find . \( -path ./build -o -path './build-*' -o -path ./out -o -path ./.git -o -path ./tests/fuzz/corpus -o -name __pycache__ \) -prune \
-    -o -type f \( -name '*.?pp' -o -name '*.proto' -o -name '*.cmake' -o -name '*.cmake.in' -o -name CMakeLists.txt -o -name '*.sh' -o -name '*.py' \
-    -o ! -name '*.*' -exec sh -c 'head -c 2 "$1" | grep -q "^#!"' sh {} \; \) -print | LC_ALL=C sort
+  local -a outside=(-path ./build -o -path './build-*' -o -path ./out -o -path ./.git -o -path ./tests/fuzz/corpus
+    -o -name __pycache__)
+  find . \( "${outside[@]}" \) -prune -o -type f \( -name '*.?pp' -o -name '*.proto' -o -name '*.cmake' \
+    -o -name '*.cmake.in' -o -name CMakeLists.txt -o -name '*.sh' -o -name '*.py' \) -print0
+  find . \( "${outside[@]}" \) -prune -o -type f ! -name '*.*' -size +0 -print0 |
+    xargs -0 -r awk '{ if (/^#!/) print FILENAME; nextfile }' | tr '\n' '\0'
+}
+
+# Of the files that are read, those without the identifier in their first two lines.
+without_identifier() {
+  # shellcheck disable=SC2016  # awk's fields
+  xargs -0 -r awk -v identifier="$identifier" '
+    FNR == 1 { if (file != "") print file; file = FILENAME }
+    index($0, identifier) { file = ""; nextfile }
+    FNR == 2 { nextfile }
+    END { if (file != "") print file }' | LC_ALL=C sort
 }
 
 missing=0
 while IFS= read -r file; do
-  ! head -n 2 "$file" | grep -qF "$identifier" || continue
   if [ "$fix" = --fix ]; then
     case $file in *.?pp | *.proto) mark=// ;; *) mark='#' ;; esac
     line=1
@@ -33,6 +45,6 @@ while IFS= read -r file; do
     echo "$file does not say its licence"
     missing=1
   fi
-done < <(sources)
+done < <(sources | without_identifier)
 [ $missing = 0 ] || echo "tests/repository/check_licenses.sh . --fix writes '$identifier' into them"
 exit $missing

@@ -66,9 +66,8 @@ Result<std::shared_ptr<const TextureImage>> AssetCache::image(const std::string&
   if (is_alpha && !may_have_alpha(*bytes)) return opaque_;
   if (const auto size = texture_size(*bytes))
     if (auto counted = count_pixels(path, *size); !counted) return fail(counted.error());
-  auto decoded = decode_texture_image(*bytes, space, channel);
-  if (!decoded)
-    return fail(decoded.error().code, fmt::format("{} {}", in_quotes(path), decoded.error().message));
+  auto decoded = decode(path, *bytes, space, channel);
+  if (!decoded) return fail(decoded.error());
   auto shared = std::make_shared<const TextureImage>(std::move(*decoded));
   images_.emplace(key, shared);
   return shared;
@@ -90,6 +89,18 @@ Status AssetCache::count_pixels(const std::string& path, TextureSize size) {
                             in_quotes(path), texture_pixels_ + size.pixels(), of_all.most, of_all.option));
   texture_pixels_ += size.pixels();
   return {};
+}
+
+// A file that is decoded more than once, as for its alpha, warns the first time.
+Result<TextureImage> AssetCache::decode(const std::string& path, std::string_view bytes,
+                                        ColorSpace color_space, TextureChannel channel) {
+  std::vector<std::string> oddities;
+  auto decoded = decode_texture_image(bytes, color_space, channel, &oddities);
+  if (!decoded)
+    return fail(decoded.error().code, fmt::format("{} {}", in_quotes(path), decoded.error().message));
+  if (!oddities.empty() && !warnings_.knows(path))
+    for (const std::string& oddity : oddities) warnings_.of(path).add(oddity, 0, [&] { return oddity; });
+  return decoded;
 }
 
 Result<std::shared_ptr<const ObjFile>> AssetCache::obj(const std::string& path) {

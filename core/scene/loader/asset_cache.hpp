@@ -1,16 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads a scene's assets through an AssetSource, each image and each OBJ file once. Not thread-safe.
+// Reads a scene's assets through an AssetSource, each image and each OBJ file once, and collects the warnings
+// of image decoders. Not thread-safe.
 #pragma once
 
 #include <map>
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <tuple>
 #include <vector>
 
 #include "core/base/error.hpp"
 #include "core/scene/loader/asset_source.hpp"
+#include "core/scene/loader/file_warnings.hpp"
 #include "core/scene/loader/mtl_reader.hpp"
 #include "core/scene/loader/obj_reader.hpp"
 #include "core/scene/loader/scene_limits.hpp"
@@ -24,8 +27,9 @@ std::string path_beside(const std::string& file, const std::string& name);
 
 class AssetCache {
  public:
-  // Both arguments must outlive this object.
-  AssetCache(AssetSource& assets, const SceneLimits& limits) : assets_(assets), limits_(limits) {}
+  // The arguments must outlive this object.
+  AssetCache(AssetSource& assets, const SceneLimits& limits, SceneWarnings& warnings)
+      : assets_(assets), limits_(limits), warnings_(warnings) {}
 
   // Without a colour space, PNG and JPEG are sRGB and HDR is linear. Alpha is a separate image, so that it
   // takes memory only if requested; it is linear, and 1 if the file has none.
@@ -43,9 +47,12 @@ class AssetCache {
  private:
   // Adds the pixels to the scene's total, if the limits allow it.
   Status count_pixels(const std::string& path, TextureSize size);
+  Result<TextureImage> decode(const std::string& path, std::string_view bytes, ColorSpace color_space,
+                              TextureChannel channel);
 
   AssetSource& assets_;
   const SceneLimits& limits_;
+  SceneWarnings& warnings_;
   std::uint64_t texture_pixels_ = 0;  // of images_
   const std::shared_ptr<const TextureImage> opaque_ = std::make_shared<const TextureImage>(
       1, 1, std::vector<std::uint8_t>{255, 255, 255}, ColorSpace::kLinear);

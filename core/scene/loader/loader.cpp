@@ -26,7 +26,7 @@ namespace {
 class SceneAssembler {
  public:
   SceneAssembler(AssetSource& assets, Mistakes& mistakes, const SceneLimits& limits)
-      : cache_(assets, limits), mistakes_(mistakes), limits_(limits) {}
+      : cache_(assets, limits, warnings_), mistakes_(mistakes), limits_(limits) {}
   SceneAssembler(const SceneAssembler&) = delete;
   SceneAssembler& operator=(const SceneAssembler&) = delete;
 
@@ -42,12 +42,12 @@ class SceneAssembler {
   // Adds a file's triangles to the scene's total, if the limits allow it.
   Status count_triangles(const std::string& path, std::size_t triangles);
 
+  SceneWarnings warnings_;
   AssetCache cache_;
   Mistakes& mistakes_;
   const SceneLimits& limits_;
   std::uint64_t triangles_ = 0;
   SceneDescription scene_;
-  SceneWarnings warnings_;
   ObjMaterials obj_materials_{cache_, scene_, warnings_};
 };
 

@@ -95,7 +95,7 @@ TEST_F(Scarcity, OfMemoryIsAFailureThatSaysSo) {
   int refused = 0;
   for (const auto& [size, threads, first_mib, last_mib, step_mib] :
        {Render{"40x30", "2", 32, 64, 4}, Render{"40x30", "8", 32, 128, 16},
-        Render{"2000x2000", "2", 64, 448, 32}}) {
+        Render{"1000x1000", "2", 64, 256, 32}}) {
     for (rlim_t mib = first_mib; mib <= last_mib; mib += step_mib) {
       const auto limit = [mib = mib] {
         const rlimit addresses{mib << 20, mib << 20};

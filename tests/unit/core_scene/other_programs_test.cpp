@@ -154,6 +154,19 @@ TEST(OtherPrograms, HeightsBecomeBumpMapsAndNormalsNormalMaps) {
   EXPECT_LT(material_of(normal, 0).bump.texture, 0);
 }
 
+TEST(OtherPrograms, OdditiesOfImagesAreToldOnce) {
+  std::string pfm = "PF\n1 1\n-1\n";
+  for (const float value : {-1.0f, 0.5f, 2.0f})
+    pfm.append(reinterpret_cast<const char*>(&value), sizeof value);
+  const SceneDescription scene = loaded(
+      {{"m/a.obj", "mtllib a.mtl\n" + kVertices + "usemtl a\nf 1/1 2/2 3/3\nusemtl b\nf 2/2 4/1 3/3\n"},
+       {"m/a.mtl", "newmtl a\nKd 1 1 1\nmap_Kd a.pfm\nnewmtl b\nmap_Kd a.pfm\nmap_d a.pfm\n"},
+       {"m/a.pfm", pfm}});
+  EXPECT_EQ(scene.warnings,
+            Strings{"m/a.pfm: has values that are negative, infinite or not numbers (1 of them); "
+                    "0 or 65504 is used instead"});
+}
+
 class OtherProgramsInFolder : public testing::Test {
  protected:
   void SetUp() override {

@@ -238,9 +238,8 @@ TEST(DecodeTexture, ReplacesWhatNoLightHas) {
                                           ColorSpace::kLinear, TextureChannel::kColor, &warnings);
   ASSERT_TRUE(image.has_value()) << image.error().message;
   EXPECT_EQ(image->texel(0, 0), (Rgb{0, 65504, 0}));
-  EXPECT_EQ(warnings,
-            std::vector<std::string>{"has 3 values that are negative, infinite or not numbers; they were "
-                                     "replaced by 0 or 65504"});
+  EXPECT_EQ(warnings, std::vector<std::string>{"has values that are negative, infinite or not numbers (3 of "
+                                               "them); 0 or 65504 is used instead"});
   EXPECT_EQ(decode_texture_image(pfm(0.25f, 7, 0), ColorSpace::kSrgb)->texel(0, 0), (Rgb{0.25f, 7, 0}));
 }
 
