@@ -24,7 +24,8 @@ std::vector<std::string> words_of(const std::string& text) {
 RenderCommand parse(const std::string& line) {
   std::vector<std::string> words = words_of(line);
   if (words.size() < 5 || words[0] != "tessera" || words[1] != "render" || words[words.size() - 2] != "-o")
-    throw std::runtime_error("docs/images/commands.txt: not 'tessera render SCENE [OPTION VALUE]... -o NAME': " + line);
+    throw std::runtime_error(
+        "docs/images/commands.txt: not 'tessera render SCENE [OPTION VALUE]... -o NAME': " + line);
   return {line, words[2], {words.begin() + 3, words.end() - 2}, words.back()};
 }
 
@@ -36,7 +37,8 @@ std::string tutorial_scene() {
 }
 
 // Its own options but for those that `changes` has, then these.
-std::vector<std::string> changed_options(const RenderCommand& command, const std::vector<std::string>& changes) {
+std::vector<std::string> changed_options(const RenderCommand& command,
+                                         const std::vector<std::string>& changes) {
   std::vector<std::string> options;
   for (std::size_t i = 0; i + 1 < command.options.size(); i += 2)
     if (std::find(changes.begin(), changes.end(), command.options[i]) == changes.end())

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The commands that render the images of the documentation (docs/images/commands.txt), for the tests that compare the
-// images with what the commands render.
+// The commands that render the images of the documentation (docs/images/commands.txt), for the tests that
+// compare the images with what the commands render.
 #pragma once
 
 #include <ostream>
@@ -23,7 +23,8 @@ inline void PrintTo(const RenderCommand& command, std::ostream* out) {
   *out << command.text;
 }
 
-// All of docs/images/commands.txt. Throws std::runtime_error for a line that is not `tessera render SCENE ... -o NAME`.
+// All of docs/images/commands.txt. Throws std::runtime_error for a line that is not `tessera render SCENE ...
+// -o NAME`.
 std::vector<RenderCommand> documented_commands();
 
 // The value of an option such as "--spp"; empty if the command does not have it.
