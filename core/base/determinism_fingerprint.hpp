@@ -9,6 +9,6 @@
 
 namespace tessera::core {
 
-inline constexpr std::string_view kDeterminismFingerprint = "2b8765100554d202";
+inline constexpr std::string_view kDeterminismFingerprint = "b41864b8d2d54d7f";
 
 }  // namespace tessera::core
