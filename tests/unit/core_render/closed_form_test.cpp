@@ -28,7 +28,8 @@ TEST_P(Furnace, HasTheRadianceOfTheGeometricSeries) {
       {.position = {0.2f, 0.1f, 0.3f}, .look_at = {1, 0.4f, 0}, .vertical_fov_degrees = 90});
   maker.add(SphereDescription{{0, 0, 0}, 1, maker.material(test::lambert(albedo), Rgb::gray(0.5f))});
   const Scene scene = maker.build();
-  expect_radiance(scene, 0.5 / (1 - static_cast<double>(albedo)), 500);
+  const std::uint32_t spp = albedo > 0.9f ? 200 : 500;  // paths have some 1 / (1 - albedo) vertices
+  expect_radiance(scene, 0.5 / (1 - static_cast<double>(albedo)), spp);
 }
 
 INSTANTIATE_TEST_SUITE_P(ClosedForm, Furnace, testing::Values(0.0f, 0.3f, 0.5f, 0.8f, 0.95f, 0.99f));
