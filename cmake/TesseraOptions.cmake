@@ -20,6 +20,12 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   # both variants share is still checked in the other.
   target_compile_options(tessera_options INTERFACE
     $<$<BOOL:$<TARGET_PROPERTY:TESSERA_AVX512>>:-Wno-uninitialized$<SEMICOLON>-Wno-maybe-uninitialized>)
+  # The attributes of __m128i, which are no part of the type, where it is a template argument.
+  target_compile_options(tessera_options INTERFACE $<$<COMPILE_LANGUAGE:CXX>:-Wno-ignored-attributes>)
+  if(CMAKE_UNITY_BUILD)
+    # GCC takes the sources that are compiled as one for headers.
+    target_compile_options(tessera_options INTERFACE $<$<COMPILE_LANGUAGE:CXX>:-Wno-subobject-linkage>)
+  endif()
 elseif(CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
   # Clang 14 takes parameters of friends for shadows of members, and wants braces that aggregates do not need.
   target_compile_options(tessera_options INTERFACE -Wno-shadow -Wno-missing-braces)

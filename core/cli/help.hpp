@@ -12,13 +12,13 @@ namespace tessera::cli {
 // The help text besides the options. Empty sections are left out. Text is wrapped, except for lines that
 // begin with a space.
 struct HelpText {
-  std::string notes;
+  std::string notes{};
   struct ExitStatus {
     int status;
     std::string meaning;
   };
-  std::vector<ExitStatus> exit_statuses;
-  std::vector<std::string> examples;  // command lines
+  std::vector<ExitStatus> exit_statuses{};
+  std::vector<std::string> examples{};  // command lines
 };
 
 // Applies this layout and text to `app`. Commands added later inherit the layout.

@@ -28,10 +28,10 @@ Angle excess(const Angle& a, const Angle& b) {
 // cosines clamped to 0. It assumes uniformly distributed cosines. A point at the edge that emits all of the
 // light contributes more, but its squared cosine is at most 4 times this, which bounds the noise.
 Float8 mean_cosine(Float8 of_middle, Float8 sine_of_sphere) {
-  constexpr float kMinSine = 1e-30f;
+  constexpr float kMinSphereSine = 1e-30f;
   const Float8 highest = max(of_middle + sine_of_sphere, 0.0f);
   return select(of_middle >= sine_of_sphere, of_middle,
-                highest * highest / (4 * max(sine_of_sphere, kMinSine)));
+                highest * highest / (4 * max(sine_of_sphere, kMinSphereSine)));
 }
 
 Float8 load(const std::array<float, LightTree::kWidth>& lanes) {

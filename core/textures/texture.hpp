@@ -35,8 +35,8 @@ class TextureImage {
   struct Texels {
     int width = 0, height = 0;
     Format format = Format::kFloats;
-    std::vector<Tile> tiles;    // row by row; empty for kFloats
-    std::vector<float> floats;  // for kFloats: width * height * 3 values, row-major from the top left
+    std::vector<Tile> tiles{};    // row by row; empty for kFloats
+    std::vector<float> floats{};  // for kFloats: width * height * 3 values, row-major from the top left
   };
 
   // From width * height * 3 values, row-major from the top left: bytes as stored in PNG and JPEG files, or
