@@ -5,6 +5,7 @@
 #include <signal.h>
 
 #include <iostream>
+#include <stdexcept>
 
 #include "proto/channel.hpp"
 
@@ -76,7 +77,7 @@ void FarmTest::restart_coordinator() {
   coordinator_ = std::make_unique<Process>(with_files("coordinator", std::move(arguments)));
   const bool listens =
       poll_until(kStartTimeout, [this] { return !listening_address(coordinator_->out()).empty(); });
-  ASSERT_TRUE(listens) << "the coordinator did not start";
+  if (!listens) throw std::runtime_error("the coordinator did not start");
   address_ = listening_address(coordinator_->out());
   if (!api_) api_ = v1::RenderService::NewStub(*proto::open_channel(address_, security_));
 }

@@ -27,6 +27,7 @@ class FarmTest : public ::testing::Test {
   // Prints what every process said if the test failed.
   ~FarmTest() override;
 
+  // Throws std::runtime_error if it does not start.
   void start_coordinator(double lease_seconds = 2);
   // As a crash would: without any warning.
   void kill_coordinator();
