@@ -58,7 +58,7 @@ class UploadStream final : public Reactor, private WatchedStream {
 
   std::mutex mutex_;
   std::optional<Clock::time_point> waiting_since_;  // guarded by mutex_; set while a read is in progress
-  bool ended_ = false;  // guarded by mutex_; whether it was ended for lack of progress
+  bool ended_ = false;                              // guarded by mutex_; for lack of progress
 };
 
 // Sends one blob from the store to a worker.

@@ -37,7 +37,7 @@ class CallRate {
   const std::function<Clock::time_point()> now_;
   std::mutex mutex_;
   std::map<std::string, Bucket> buckets_;  // guarded by mutex_
-  std::size_t forget_at_;  // guarded by mutex_; the number of buckets at which full ones are removed
+  std::size_t forget_at_;                  // guarded by mutex_; full buckets are removed at this number
 };
 
 }  // namespace tessera::rpc

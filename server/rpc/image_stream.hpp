@@ -53,8 +53,8 @@ class ImageStream final : public RequestCall {
   grpc::ByteBuffer bytes_;
 
   std::mutex mutex_;
-  bool cancelled_ = false;                         // guarded by mutex_; cancelled before it waited for memory
-  std::optional<Clock::time_point> queued_since_;  // guarded by mutex_; kept after the wait
+  bool cancelled_ = false;                          // guarded by mutex_; before the wait for memory
+  std::optional<Clock::time_point> queued_since_;   // guarded by mutex_; kept after the wait
   std::optional<Clock::time_point> waiting_since_;  // guarded by mutex_; set while a write is in progress
 };
 
