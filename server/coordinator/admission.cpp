@@ -21,7 +21,7 @@ constexpr const char* kWhatMakesRoom =
     ": delete jobs that nobody needs any more (tessera delete); files that were uploaded and not submitted "
     "make room after a quarter of an hour";
 
-// Sizes in a message may be anything.
+// The sizes come from a message and may have any value.
 std::uint64_t add_capped(std::uint64_t a, std::uint64_t b) {
   return b > std::numeric_limits<std::uint64_t>::max() - a ? std::numeric_limits<std::uint64_t>::max()
                                                            : a + b;

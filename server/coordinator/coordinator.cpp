@@ -29,7 +29,7 @@ scheduler::Options scheduler_options(const Options& options, std::uint32_t epoch
   return result;
 }
 
-// The milliseconds since 1970-01-01 UTC of a moment on the scheduler's clock.
+// Converts a time of the scheduler's clock to milliseconds since 1970-01-01 UTC.
 std::int64_t wall_ms(scheduler::Time time, scheduler::Time now) {
   const auto since_1970 = std::chrono::system_clock::now().time_since_epoch() - (now - time);
   return std::chrono::duration_cast<std::chrono::milliseconds>(since_1970).count();
@@ -132,7 +132,7 @@ bool Coordinator::tick() {
 }
 
 void Coordinator::answer_due_calls(StateLock& lock) {
-  // Nothing is leased to callers that have gone in any case: this only forgets them.
+  // Callers that have gone are given nothing in any case; this only removes them.
   const bool look_for_gone = lock.now() >= next_check_;
   std::vector<std::string> due;
   for (const auto& [worker, call] : parked_) {
@@ -180,7 +180,7 @@ v1::Job Coordinator::describe_now(const StateLock& lock, const JobRecord& record
 
 void Coordinator::apply(StateLock& lock, const scheduler::Actions& actions) {
   std::vector<scheduler::Actions> todo{actions};
-  std::set<std::string> asked;  // each worker once: what one is given, the next cannot have
+  std::set<std::string> asked;  // each worker once: leases for one worker are not free for the next
   while (!todo.empty()) {
     const scheduler::Actions next = std::move(todo.back());
     todo.pop_back();

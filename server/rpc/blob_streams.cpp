@@ -87,7 +87,7 @@ core::Status UploadStream::check_chunk() const {
   return {};
 }
 
-// By the size that it is said to have: a stream that brings more is ended by the writer.
+// Checks the declared size: the writer ends a stream that sends more.
 void UploadStream::begin() {
   const auto digest = proto::from_proto(request_.chunk().digest());
   if (!digest) return Finish(proto::to_grpc(digest.error()));
@@ -129,7 +129,7 @@ void UploadStream::commit() {
   core::Status done =
       writer_ ? writer_->commit()
               : core::fail(ErrorCode::kInvalidArgument, "the stream ended before the first chunk");
-  use_.reset();  // its claims count from here, not from when gRPC lets go of this
+  use_.reset();  // its claims end here, not when gRPC deletes this object
   if (!done) return Finish(proto::to_grpc(done));
   auto bytes = serialise(response_);
   if (!bytes) return Finish(proto::to_grpc(core::Status(core::fail(bytes.error()))));
@@ -138,7 +138,7 @@ void UploadStream::commit() {
 }
 
 void FetchStream::begin() {
-  // Workers of one machine count together: each could have many connections.
+  // The share is by machine, since each worker could open many connections.
   const std::string machine = client_key(context().peer());
   auto place = streams().fetches.take(machine);
   if (!place)
@@ -192,7 +192,7 @@ void FetchStream::write_next() {
   StartWrite(&bytes_);
 }
 
-// A write is under way, which nothing but this ends.
+// A write is in progress; only ending the call cancels it.
 void FetchStream::end_own_wait_since(Clock::time_point time) {
   const std::lock_guard lock(mutex_);
   if (waiting_since_ && *waiting_since_ <= time) context().TryCancel();
