@@ -12,14 +12,14 @@ namespace {
 using core::ErrorCode;
 using core::fail;
 
-// Values no limit allows stay recognisably too large instead of turning negative.
+// A value above all limits must not become negative, so that the limit's error reports it.
 core::Result<int> to_int(std::uint32_t value, const char* field) {
   if (value > static_cast<std::uint32_t>(std::numeric_limits<int>::max()))
     return fail(ErrorCode::kInvalidArgument, fmt::format("{}: far too large: {}", field, value));
   return static_cast<int>(value);
 }
 
-// What is wrong with a window besides is said by core::check_crop, where the picture's size is known.
+// core::check_crop makes all other checks, since it knows the image's size.
 core::Result<core::PixelRect> crop_of(const v1::PixelRect& message) {
   core::PixelRect crop;
   for (const auto& [to, value] : {std::pair{&crop.x0, message.x0()},

@@ -15,17 +15,16 @@ namespace {
 using namespace std::chrono_literals;
 using google::protobuf::util::TimeUtil;
 
-// A coordinator may hold a call for as long as it wants to hear from its workers; beyond this it is taken for
-// lost.
+// A coordinator may hold a call for up to its heartbeat timeout; after the slack it is presumed lost.
 constexpr proto::Duration kFirstDeadline = 60s;
 constexpr proto::Duration kDeadlineSlack = 10s;
 constexpr proto::Duration kGoodbyeDeadline = 2s;
-// An answer that changes nothing should have been a wait. The worker waits in the coordinator's stead.
+// An answer without a change should have waited. The worker waits instead of the coordinator.
 constexpr proto::Duration kShortestExchange = 50ms;
 
 constexpr proto::BackoffOptions kBackoff{.first = 100ms, .longest = 2s};
 
-// The coordinator answers, and gives this worker nothing: its build, machine or name.
+// Whether the coordinator rejects this worker: its build, machine or name.
 bool refuses_this_worker(core::ErrorCode code) {
   return code == core::ErrorCode::kFailedPrecondition || code == core::ErrorCode::kInvalidArgument;
 }
@@ -51,7 +50,7 @@ core::Status SyncLoop::run(const std::stop_token& stop) {
         wait_for(stop, kShortestExchange);
     } else {
       if (is_final(response.error().code)) return core::fail(response.error());
-      if (response.error().code == core::ErrorCode::kDeadlineExceeded) continue;  // a long wait, not a loss
+      if (response.error().code == core::ErrorCode::kDeadlineExceeded) continue;  // a long wait
       note_failure(response.error());
       const proto::RetryPolicy& policy =
           refuses_this_worker(response.error().code) ? refusal_backoff : backoff;
@@ -61,8 +60,8 @@ core::Status SyncLoop::run(const std::stop_token& stop) {
   return {};
 }
 
-// Whether asking again would not help: its credentials never were good. A worker that was admitted once keeps
-// what it has rendered, and waits until whoever changed the tokens admits it again.
+// Whether a retry is useless, since the credentials were never accepted. A worker that was admitted once
+// keeps its results, and waits until the tokens are corrected.
 bool SyncLoop::is_final(core::ErrorCode code) const {
   return code == core::ErrorCode::kPermissionDenied && !connected_;
 }

@@ -16,7 +16,7 @@
 namespace tessera::worker {
 namespace {
 
-// In the blobs' folder, and counted with them.
+// Uses the folder of the blobs, and counts toward the same limit.
 std::optional<core::SceneStore> open_scene_store(const BlobCache& cache) {
   auto store = core::SceneStore::open(
       cache.folder(), cache.max_bytes(), [](const std::string& message) { spdlog::warn("{}", message); },
@@ -57,7 +57,7 @@ core::Status Worker::run(const std::stop_token& stop) {
                     options_.render);
   DeliverLoop deliver(identity_, coordinator_, lease_tracker);
 
-  std::stop_source working;  // ends with a stop, or when the coordinator refuses this worker
+  std::stop_source working;  // requested by a stop, or when the coordinator rejects this worker
   const std::stop_callback end_work(stop, [&] { working.request_stop(); });
   const std::stop_callback drop_all_wanted(working.get_token(), [&] { lease_tracker.drop_all_wanted(); });
 

@@ -47,8 +47,7 @@ core::Status end_with(pid_t parent) {
   if (parent == 0) return {};
   if (prctl(PR_SET_PDEATHSIG, SIGKILL) != 0) return core::fail(system_error("PR_SET_PDEATHSIG"));
   if (getppid() == parent) return {};
-  return core::fail(core::ErrorCode::kUnavailable,
-                    "the coordinator has ended");  // it ended before this request
+  return core::fail(core::ErrorCode::kUnavailable, "the coordinator has ended");
 }
 
 }  // namespace
