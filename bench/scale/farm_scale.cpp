@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// How a coordinator bears many workers, large pictures and many jobs: real processes and connections, workers
-// that render nothing (simulated_worker.hpp), and a Markdown table of what the coordinator took.
-// docs/scaling.md tells what the columns mean and what was measured.
+// Measures a coordinator with many workers, large images and many jobs. Processes and connections are real,
+// but workers render nothing (simulated_worker.hpp). Prints a Markdown table of the resources that the
+// coordinator used. docs/scaling.md explains the columns and has results.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -31,8 +31,8 @@ struct Options {
   int workers = 0;
 };
 
-// Leases of two seconds that are one sample of one tile each, in a picture so large that no tile comes twice
-// within the first passes: what costs the coordinator most for each second that a worker works.
+// Leases of two seconds with one sample of one tile each, in an image so large that no tile recurs within the
+// first passes. This load costs the coordinator most for each second of a worker's time.
 Load two_second_leases(int workers, double seconds) {
   return {.name = fmt::format("{} workers", workers),
           .workers = workers,
@@ -161,7 +161,7 @@ bool is_wanted(const Options& options, const Load& load) {
 
 int main(int argc, char** argv) {
   const Options options = parse_options(argc, argv);
-  proto::raise_file_limit();  // a connection for each worker needs a file for each
+  proto::raise_file_limit();  // each worker's connection needs a file descriptor
   bool whole = true;
   if (!options.list) print_head();
   for (const Load& load : options.quick ? quick_loads() : loads(options)) {

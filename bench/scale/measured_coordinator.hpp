@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A real tessera-coordinator in a process of its own, and what it takes of the machine. Not thread-safe.
+// Runs a real tessera-coordinator in its own process, and measures its resources. Not thread-safe.
 #pragma once
 
 #include <sys/types.h>
@@ -14,25 +14,25 @@
 
 namespace tessera::bench {
 
-// Since the process was started, except where it is said otherwise.
+// Since the start of the process, unless a field says otherwise.
 struct Usage {
-  double cpu_seconds = 0;            // in user mode and in the kernel, of all threads
-  std::uint64_t resident_bytes = 0;  // now
+  double cpu_seconds = 0;            // user and system time of all threads
+  std::uint64_t resident_bytes = 0;  // at this moment
   std::uint64_t most_resident_bytes = 0;
-  std::uint64_t written_bytes = 0;  // handed to the file system
+  std::uint64_t written_bytes = 0;  // passed to the file system
 };
 
 class MeasuredCoordinator {
  public:
   struct Options {
     std::filesystem::path program;
-    // Where it keeps its state and its log; must exist.
+    // The folder for its state and its log; must exist.
     std::filesystem::path folder;
-    // The only core it may run on; any if absent.
+    // The only core on which it may run; any if absent.
     std::optional<int> core;
   };
 
-  // Returns when it listens. Errors end with what it said.
+  // Returns when it listens. Errors end with its output.
   static core::Result<MeasuredCoordinator> start(const Options& options);
   // Stops it and waits for its end.
   ~MeasuredCoordinator();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Does things later: one thread for the clocks of a thousand simulated workers. Thread-safe.
+// Runs delayed actions: one thread for the timers of a thousand simulated workers. Thread-safe.
 #pragma once
 
 #include <chrono>
@@ -18,12 +18,12 @@ class Timeline {
   using Seconds = std::chrono::duration<double>;
 
   Timeline();
-  // What is not due yet is never done.
+  // Actions that are not due yet are dropped.
   ~Timeline();
   Timeline(const Timeline&) = delete;
   Timeline& operator=(const Timeline&) = delete;
 
-  // What is due at one moment is done in the order of its entry. Must not block.
+  // Actions that are due at the same time run in the order of registration. They must not block.
   void after(Seconds delay, std::function<void()> action);
 
  private:

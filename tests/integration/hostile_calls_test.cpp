@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What callers without credentials, and callers that mean harm, send to a coordinator: it neither ends nor
-// swells, and serves others meanwhile.
+// Hostile calls, also without credentials, neither end a coordinator nor exhaust its memory, and it serves
+// others meanwhile.
 #include <gmock/gmock.h>
 #include <grpcpp/client_context.h>
 #include <sys/stat.h>
@@ -25,7 +25,7 @@ using ::testing::HasSubstr;
 
 constexpr const char* kGetJob = "/tessera.v1.RenderService/GetJob";
 
-// What a message of two bytes a piece parses into: empty messages in field 1.
+// A message that parses into one object for every two bytes: empty messages in field 1.
 std::string empty_messages(std::size_t bytes) {
   std::string message;
   while (message.size() < bytes) message += std::string("\x0a\0", 2);
@@ -37,7 +37,7 @@ class HostileCallsTest : public FarmTest {
   void start(const std::vector<std::string>& options = {}) {
     coordinator_options_ = options;
     start_coordinator();
-    EXPECT_TRUE(jobs().empty());  // the first call takes memory of its own
+    EXPECT_TRUE(jobs().empty());  // the first call allocates memory of its own
   }
   void start_with_tokens(std::vector<std::string> options = {}) {
     write_file(folder_ / "tokens", "admin root root-0123456789abcdef\n");
@@ -46,14 +46,14 @@ class HostileCallsTest : public FarmTest {
     options.insert(options.end(), {"--tokens", folder_ / "tokens"});
     start(options);
   }
-  // The coordinator's greatest resident memory so far.
+  // The coordinator's peak resident memory.
   std::uint64_t peak_mib() {
     std::ifstream status("/proc/" + std::to_string(coordinator().pid()) + "/status");
     for (std::string line; std::getline(status, line);)
       if (line.starts_with("VmHWM:")) return std::stoull(line.substr(6)) / 1024;
     return 0;
   }
-  // A job whose description has about a megabyte: one file under many names.
+  // A job whose description has about a megabyte: one file with many names.
   std::string submit_with_many_names() {
     const std::string scene = R"({
       "camera": {"position": [0, 0, 4], "look_at": [0, 0, 0]},
@@ -135,7 +135,7 @@ TEST_F(HostileCallsTest, MessagesThatSwellAreRefusedBeforeTheyAreParsed) {
   std::string bundle;
   while (bundle.size() < 16 << 20) bundle += std::string("\x12\0", 2);
   const std::uint32_t size = static_cast<std::uint32_t>(bundle.size());
-  std::string submission = "\x1a";  // field 3, of so many bytes
+  std::string submission = "\x1a";  // field 3, with this length
   for (std::uint32_t left = size; left > 0; left >>= 7)
     submission.push_back(static_cast<char>((left & 127) | (left > 127 ? 128 : 0)));
   submission += bundle;
@@ -224,7 +224,7 @@ TEST_F(HostileCallsTest, SchemesOfTokensAreInAnyCase) {
   EXPECT_TRUE(stub->ListJobs(&context, {}, &response).ok());
 }
 
-// Parsed before anybody is asked for a token, reflection would let strangers in by a side door.
+// Reflection would be parsed before a token is checked.
 TEST_F(HostileCallsTest, ReflectionIsForFarmsWithoutTokens) {
   start_with_tokens();
   EXPECT_FALSE(

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What users do with jobs, through the command line.
+// The users' commands for jobs.
 #include <gmock/gmock.h>
 
 #include "tests/integration/farm_processes.hpp"
@@ -11,7 +11,7 @@ using ::testing::HasSubstr;
 
 class JobsTest : public FarmTest {
  protected:
-  // Far more than this test waits for.
+  // Has far more samples than this test waits for.
   std::string submit_long_job() { return submit({"--size", "256x256", "--spp", "100000", "--name", "long"}); }
 };
 
@@ -61,7 +61,7 @@ TEST_F(JobsTest, ACancelledJobKeepsItsPictureUntilItIsDeleted) {
   EXPECT_EQ(gone.exit_code, 1);
   EXPECT_THAT(gone.err, HasSubstr("no job '" + id + "'"));
 
-  // The worker is free for others at once.
+  // The worker can render other jobs at once.
   const std::string next = submit({"--size", "64x64", "--spp", "1"});
   EXPECT_EQ(tessera({"watch", next}).exit_code, 0);
 }
@@ -128,7 +128,7 @@ TEST_F(JobsTest, AnUpdateChangesHowManyWorkersRenderAJobAndWhoComesFirst) {
   EXPECT_THAT(raised.out, HasSubstr("priority 3, at most 2 workers"));
   EXPECT_TRUE(comes_to(limited, 2));
   EXPECT_THAT(tessera({"jobs"}).out, HasSubstr("2/2"));
-  // Of lower priority than the other now, which may have everybody.
+  // Its priority is below that of the other job, which may have all workers.
   ASSERT_EQ(tessera({"update", limited, "--priority", "-1"}).exit_code, 0);
   EXPECT_TRUE(comes_to(limited, 0));
   EXPECT_TRUE(comes_to(other, 3));

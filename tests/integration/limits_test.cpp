@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Limits and hostile scenes on real processes: each is refused with a sentence, and the coordinator goes on.
+// Limits and hostile scenes with real processes: each is rejected with a message, and the coordinator keeps
+// running.
 #include <gmock/gmock.h>
 #include <grpcpp/client_context.h>
 #include <signal.h>
@@ -43,7 +44,7 @@ Files with(const std::string& name, const std::string& bytes) {
   return files;
 }
 
-// Its wall shines.
+// Its wall is a light.
 std::string lit_scene() {
   std::string scene = kScene;
   const std::string albedo = R"("albedo": {"texture": "paint"})";
@@ -69,7 +70,7 @@ class LimitsTest : public FarmTest {
     stream->WritesDone();
     return stream->Finish();
   }
-  // Past the command line, which would refuse much of this by itself.
+  // Bypasses the command line, which would reject much of this itself.
   grpc::Status submit_files(const Files& files) {
     v1::SubmitJobRequest request;
     request.mutable_bundle()->set_scene_path("scene.json");
@@ -88,7 +89,7 @@ class LimitsTest : public FarmTest {
     EXPECT_TRUE(status.ok()) << status.error_message();
   }
 
-  // In the validator's place: ends or spins over scenes that say so, and asks the real one of others.
+  // A stand-in for the validator: crashes or loops for scenes that say so, and passes others to the real one.
   std::string moody_validator() {
     const std::filesystem::path path = folder_ / "moody";
     write_file(path, "#!/bin/sh\nquestion=$(mktemp " + (folder_ / "question-XXXXXX").string() +

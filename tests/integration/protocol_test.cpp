@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What any program may rely on when it speaks to a coordinator: health, reflection, and a farm of one
-// arithmetic.
+// Guarantees to any client of a coordinator: health, reflection, and one determinism fingerprint in a farm.
 #include <gmock/gmock.h>
 #include <grpcpp/client_context.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What cannot be rendered is refused in the same words here, by the command line of a farm, and by its
+// Invalid scenes are rejected with the same message by a local render, by the command line, and by the
 // coordinator.
 #include <gmock/gmock.h>
 #include <grpcpp/client_context.h>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Certificates and tokens between real processes: who is let in, and what those who are not are told.
+// Certificates and tokens between real processes: which callers are admitted, and what rejected ones are
+// told.
 #include <gmock/gmock.h>
 
 #include "tests/integration/farm_processes.hpp"
@@ -83,9 +84,9 @@ TEST_F(SecurityTest, WhoCannotShowThemselvesIsToldWhatIsMissing) {
   EXPECT_THAT(refusal({"jobs"}), HasSubstr("does not trust the authority of this --tls-certificate"));
 }
 
-// A worker tries again for ever: its log says what is the matter, and again where that changes.
+// A worker retries for ever: its log gives the reason, and the new one when it changes.
 TEST_F(SecurityTest, WhoCannotConnectIsToldWhatToMend) {
-  listen_ = "127.0.0.2:0";  // for which the certificate is not
+  listen_ = "127.0.0.2:0";  // not in the certificate
   speak_tls();
   start_coordinator();
   const auto says = [&](Process& worker, const char* words) {
