@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Texts from elsewhere: refused where they are chosen, escaped where they are shown.
+// Texts of others: checked where they are chosen, and escaped where they are shown.
 #include "proto/text.hpp"
 
 #include <gmock/gmock.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a coordinator takes of jobs and bundles, and in which words it refuses more.
+// Limits on jobs and bundles, and the messages of their rejections.
 #include <gmock/gmock.h>
 
 #include "proto/blob.hpp"

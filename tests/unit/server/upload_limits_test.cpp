@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Limits of uploads and of the store: whose room is whose, and what makes room.
+// Limits of uploads and of the store: quotas of callers, and which files make room.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -34,7 +34,7 @@ TEST_F(UploadLimits, AStreamThatBringsMoreThanItSaidEndsThere) {
   EXPECT_EQ(more.error_code(), grpc::StatusCode::INVALID_ARGUMENT);
   EXPECT_THAT(more.error_message(), HasSubstr("more bytes than the 1048576 its digest says"));
   EXPECT_EQ(upload(chunk.size(), "less").error_code(), grpc::StatusCode::DATA_LOSS);
-  server_.reset();  // a stream may end a little later than its caller hears of it
+  server_.reset();  // a stream may end slightly after its caller sees the end
   EXPECT_EQ(files_in("incoming"), 0u);
 }
 
