@@ -242,7 +242,7 @@ core::Result<core::PixelRect> from_proto(const v1::PixelRect& rect) {
   if (!valid)
     return fail(
         ErrorCode::kInvalidArgument,
-        fmt::format("rect: must hold pixels of a picture of at most {} px a side, got [{}, {}) x [{}, {})",
+        fmt::format("rect: must hold pixels of an image of at most {} px a side, got [{}, {}) x [{}, {})",
                     core::kMaxImageSidePx, rect.x0(), rect.x1(), rect.y0(), rect.y1()));
   return core::PixelRect{static_cast<int>(rect.x0()), static_cast<int>(rect.y0()),
                          static_cast<int>(rect.x1()), static_cast<int>(rect.y1())};

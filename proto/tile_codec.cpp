@@ -50,7 +50,7 @@ core::Result<TilePlanes> decode_in_a_row(const std::string& frame, std::size_t c
   const std::size_t written = ZSTD_decompress(sums.data(), raw_bytes, frame.data(), frame.size());
   if (ZSTD_getErrorCode(written) == ZSTD_error_memory_allocation) throw std::bad_alloc();
   if (ZSTD_isError(written) != 0 || written != raw_bytes)
-    return fail(ErrorCode::kDataLoss, fmt::format("its sums are no whole frame of {} bytes", raw_bytes));
+    return fail(ErrorCode::kDataLoss, fmt::format("its sums are no complete frame of {} bytes", raw_bytes));
   const auto middle = sums.begin() + static_cast<std::ptrdiff_t>(count);
   std::vector<std::uint64_t> odd_sums(middle, sums.end());
   sums.resize(count);

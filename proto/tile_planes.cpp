@@ -125,7 +125,7 @@ core::Result<TilePlanes> decode_planes(std::string_view frame, std::size_t count
   if (ZSTD_getErrorCode(size) == ZSTD_error_memory_allocation) throw std::bad_alloc();
   if (ZSTD_isError(size) != 0 || size != work.planes.size()) {
     return core::fail(core::ErrorCode::kDataLoss,
-                      fmt::format("its sums are no whole frame of {} bytes", work.planes.size()));
+                      fmt::format("its sums are no complete frame of {} bytes", work.planes.size()));
   }
   return TilePlanes{gather(work.planes.data(), 0, total, count),
                     gather(work.planes.data(), count, total, count)};

@@ -42,7 +42,8 @@ void warn_of_open_doors(const server::Options& options) {
   const bool tls = !options.security.certificate.empty();
   if (proto::is_loopback(options.listen)) return;
   if (!tls)
-    spdlog::warn("there is no TLS: whoever is between reads and changes what {} is told", options.listen);
+    spdlog::warn("there is no TLS: others on the network can read and change the traffic of {}",
+                 options.listen);
   if (options.tokens.empty() && options.security.client_ca.empty())
     spdlog::warn("neither --tokens nor --tls-client-ca: whoever reaches {} may submit and render",
                  options.listen);

@@ -43,9 +43,9 @@ int failed_restarts() {
 [[noreturn]] void self_restart(char** arguments, int failed_restarts) {
   setenv(kBarrenStarts, std::to_string(failed_restarts).c_str(), 1);
   spread_over_all_places();
-  spdlog::info("starting anew, as threads that render for ever can be ended in no other way");
+  spdlog::info("restarting, since threads that render for ever cannot be ended in another way");
   execv("/proc/self/exe", arguments);
-  spdlog::critical("cannot start anew: {}", std::strerror(errno));
+  spdlog::critical("cannot restart: {}", std::strerror(errno));
   _exit(EXIT_FAILURE);
 }
 

@@ -86,7 +86,7 @@ core::Result<v1::SynchronizeResponse> SyncLoop::synchronize(const std::stop_toke
 
 void SyncLoop::note_success() {
   if (!connected_ || !told_reasons_.empty())
-    spdlog::info(connected_ ? "the coordinator takes this worker's calls again"
+    spdlog::info(connected_ ? "the coordinator accepts this worker's calls again"
                             : "registered with the coordinator");
   connected_ = true;
   told_reasons_.clear();
@@ -97,7 +97,7 @@ void SyncLoop::note_failure(const core::Error& error) {
   if (refuses_this_worker(error.code)) {
     spdlog::error("refused by the coordinator ({}); trying again from time to time", error.message);
   } else if (error.code == core::ErrorCode::kPermissionDenied) {
-    spdlog::warn("not let in any more ({}); trying again until that has changed", error.message);
+    spdlog::warn("no longer admitted ({}); trying again until that changes", error.message);
   } else {
     spdlog::warn("cannot reach the coordinator ({}); trying again until it answers", error.message);
   }
@@ -106,7 +106,7 @@ void SyncLoop::note_failure(const core::Error& error) {
 void SyncLoop::deregister() {
   const auto response = synchronize(std::stop_token(), kGoodbyeDeadline);
   if (!response && response.error().code != core::ErrorCode::kDeadlineExceeded)
-    spdlog::warn("could not tell the coordinator that this worker leaves: {}", response.error().message);
+    spdlog::warn("could not deregister from the coordinator: {}", response.error().message);
 }
 
 }  // namespace tessera::worker

@@ -31,7 +31,7 @@ void Coordinator::follow_audits(const scheduler::Actions& actions) {
   for (const scheduler::Disproof& disproof : actions.disproved) {
     const scheduler::Producer& producer = disproof.producer;
     if (!quarantine_.quarantined(producer.worker.value, producer.machine, disproof.because)) continue;
-    spdlog::error("worker {} ({}) is quarantined: {}. What it rendered besides is verified by others",
+    spdlog::error("worker {} ({}) is quarantined: {}. Its other results are verified by others",
                   called(producer), producer.worker.value, disproof.because);
   }
   for (const std::string& contradiction : actions.contradictions) spdlog::warn("{}", contradiction);

@@ -55,13 +55,13 @@ core::Result<std::unique_ptr<Coordinator>> Coordinator::open(Options options, st
   std::unique_ptr<Coordinator> coordinator(
       new Coordinator(std::move(options), std::move(state), std::move(check_scene)));
   if (const auto& torn_end = coordinator->state_.jobs.torn_end())
-    spdlog::warn("{}: going on from what was written before", *torn_end);
+    spdlog::warn("{}: continuing with what was written before", *torn_end);
   const auto rows = coordinator->state_.jobs.jobs();
   if (!rows) return core::fail(rows.error());
   for (const store::JobRow& row : *rows) {
     if (auto restored = coordinator->restore_job(row); !restored) return core::fail(restored.error());
   }
-  if (!rows->empty()) spdlog::info("took up {} jobs from the state directory", rows->size());
+  if (!rows->empty()) spdlog::info("recovered {} jobs from the state directory", rows->size());
   return coordinator;
 }
 
@@ -151,7 +151,7 @@ void Coordinator::note_workers(const StateLock& lock) {
   quarantine_.forget_others(known);
   troubles_.forget_others(known);
   for (const auto& [id, name] : present) {
-    if (present_.count(id) == 0) spdlog::info("worker {} ({}) has come", name, id);
+    if (present_.count(id) == 0) spdlog::info("worker {} ({}) registered", name, id);
   }
   for (const auto& [id, name] : present_) {
     if (present.count(id) == 0) spdlog::warn("worker {} ({}) is lost", name, id);

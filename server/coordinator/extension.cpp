@@ -61,11 +61,11 @@ core::Status Coordinator::may_continue(const JobRecord& record) const {
   if (record.arithmetic.empty() || record.arithmetic == options_.fingerprint) return {};
   return core::fail(
       ErrorCode::kFailedPrecondition,
-      fmt::format("job {} was rendered by workers of another build (fingerprint {}; this farm's is {}), and "
-                  "its picture "
-                  "cannot be continued with these: submit the scene again, or start the coordinator with "
-                  "--accept-fingerprint {} and workers of that build",
-                  record.spec->id(), record.arithmetic, options_.fingerprint, record.arithmetic));
+      fmt::format(
+          "job {} was rendered by workers of another build (fingerprint {}; this farm's is {}), and "
+          "its image cannot be continued by these: submit the scene again, or start the coordinator with "
+          "--accept-fingerprint {} and workers of that build",
+          record.spec->id(), record.arithmetic, options_.fingerprint, record.arithmetic));
 }
 
 core::Result<v1::Job> Coordinator::extend_job(const std::string& id, std::uint32_t spp) {

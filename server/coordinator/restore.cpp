@@ -49,7 +49,7 @@ std::vector<scheduler::IntervalSet> done_sets(const scheduler::JobShape& shape, 
 // row stays unchanged. A job whose id is no UTF-8 cannot be shown or deleted, so it is skipped.
 core::Status Coordinator::restore_damaged_job(const store::JobRow& row, const core::Error& error) {
   if (!is_text(row.id)) {
-    spdlog::error("a stored job is damaged to its name, {}, and is left out: --salvage keeps the others",
+    spdlog::error("a stored job with a damaged id, {}, is skipped: --salvage keeps the others",
                   core::printable(row.id));
     return {};
   }
@@ -107,7 +107,7 @@ core::Status Coordinator::restore_job(const store::JobRow& row) {
     if (auto may = may_continue(*record); !may) return restore_damaged_job(row, may.error());
     // The limits may have been higher, or the row is damaged: the film would not fit into memory.
     if (auto fits = check_picture_size(record->spec->settings(), options_.limits); !fits)
-      return restore_damaged_job(row, fits.error().within("taking up job " + row.id));
+      return restore_damaged_job(row, fits.error().within("recovering job " + row.id));
     auto loaded = load_film(*record->spec);
     if (!loaded) return core::fail(loaded.error());
     for (const std::string& damage : loaded->damage) spdlog::error("{}: it is rendered again", damage);
@@ -123,7 +123,7 @@ core::Status Coordinator::restore_job(const store::JobRow& row) {
                                     row.failure,     done_sets(shape, *done),
                                     row.max_workers, std::move(provenance)};
   const core::Status taken_up = add_restored(event, std::move(*record));
-  return taken_up ? taken_up : restore_damaged_job(row, taken_up.error().within("taking up job " + row.id));
+  return taken_up ? taken_up : restore_damaged_job(row, taken_up.error().within("recovering job " + row.id));
 }
 
 // Whether a job that is stored as done lacks samples in intact tiles: the coordinator crashed after the job

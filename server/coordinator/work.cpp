@@ -384,7 +384,7 @@ void Coordinator::note_rejected_result(StateLock& lock, const std::string& worke
   });
   if (known == workers.end()) {
     rejected_log_.warn(
-        fmt::format("rejected a result of worker {:.32}, which was not heard of since the coordinator "
+        fmt::format("rejected a result of worker {:.32}, which has not registered since the coordinator "
                     "was started: {}",
                     worker, error.message),
         lock.now());

@@ -55,10 +55,11 @@ void UploadStream::end_if_waiting_since(Clock::time_point time) {
   const std::lock_guard lock(mutex_);
   if (ended_ || !waiting_since_ || *waiting_since_ > time) return;
   ended_ = true;
-  Finish({grpc::StatusCode::UNAVAILABLE,
-          fmt::format(
-              "nothing has come of this upload for {} s (tessera-coordinator --stall-seconds): send it again",
-              std::chrono::duration<double>(streams_.stalls.patience()).count())});
+  Finish(
+      {grpc::StatusCode::UNAVAILABLE,
+       fmt::format(
+           "no data of this upload has arrived for {} s (tessera-coordinator --stall-seconds): send it again",
+           std::chrono::duration<double>(streams_.stalls.patience()).count())});
 }
 
 void UploadStream::OnDone() {

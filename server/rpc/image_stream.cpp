@@ -68,7 +68,7 @@ void ImageStream::make_picture(coordinator::FairShare::Held memory) {
 
 grpc::Status ImageStream::no_memory() {
   core::Error error = server::over_limit(
-      fmt::format("this picture takes {} MiB of memory, and others that are being fetched {} MiB", need_mib_,
+      fmt::format("this image takes {} MiB of memory, and others that are being fetched {} MiB", need_mib_,
                   streams().image_mib.held()),
       fmt::format("{} MiB", streams().limits.image_mib), "--max-image-mib");
   error.message += ", some of which it keeps for other callers";

@@ -30,8 +30,8 @@ std::string sentence_on(const WorkItem& item, const core::PixelRect& rect, const
   const bool any_died = std::any_of(losses.begin(), losses.end(), is(LossKind::kDied));
   const bool any_stuck = std::any_of(losses.begin(), losses.end(), is(LossKind::kStuck));
   const char* const what = !any_stuck  ? "died one after the other while they rendered"
-                           : !any_died ? "came to no end one after the other with"
-                                       : "died or came to no end one after the other while they rendered";
+                           : !any_died ? "hung one after the other in"
+                                       : "died or hung one after the other while they rendered";
   return fmt::format(
       "{} workers {} samples [{}, {}) of tile {} (pixels [{}, {}) x [{}, {})): {}. {}", losses.size(), what,
       item.samples.begin, item.samples.end, item.tile, rect.x0, rect.x1, rect.y0, rect.y1, names_of(losses),
@@ -329,7 +329,7 @@ std::optional<std::string> Job::nobody_gets_on(const FindPrincipals& present) co
     return std::nullopt;
   if (!are_enough(principals_of(stuck_before_any_), present)) return std::nullopt;
   return fmt::format(
-      "{} workers came to no end with whatever they had of it, and nobody has rendered a sample: {}. {}",
+      "{} workers hung in all samples of it that they held, and none has been rendered: {}. {}",
       stuck_before_any_.size(), names_of(stuck_before_any_), kWhatToDoAboutStuck);
 }
 

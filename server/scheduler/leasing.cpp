@@ -28,7 +28,7 @@ Worker* Scheduler::on(const TopUp& event, Actions& actions) {
   Worker* const worker = registry_.find(event.worker);
   if (worker == nullptr || worker->state() == WorkerState::kSilent) {
     actions.status = core::fail(core::ErrorCode::kNotFound,
-                                "worker " + event.worker.value + " has not been heard of for too long");
+                                "worker " + event.worker.value + " has been silent for too long");
     return nullptr;
   }
   return worker;

@@ -115,8 +115,8 @@ void Scheduler::stall(Worker& worker, const JobId& id, Actions& actions) {
   const std::string at = is_kept ? "and says that it renders " + describe(worker.stuck->items.front())
                                  : fmt::format("where {} came first", items);
   actions.stalled.push_back(fmt::format(
-      "worker {} ({}) is heard of, but has delivered nothing of job {} for {} s, {}: others have that now, "
-      "and it is given {}",
+      "worker {} ({}) sends heartbeats, but has delivered nothing of job {} for {} s, {}: its leases go to "
+      "others, and it is given {}",
       worker.info.name, worker.info.id.value, id.value, whole_seconds(without_progress), at, until));
 }
 

@@ -230,7 +230,7 @@ TEST_F(DiskFaultsTest, ALogWhoseEndIsCutOffCostsItsLastTransactionAndNoJob) {
     const std::string not_all = "tessera.db-wal is not all there, as a crash may leave it: ";
     EXPECT_EQ(checked.out.find(not_all) != std::string::npos, torn) << checked.out;
     restart_coordinator();
-    EXPECT_EQ(coordinator().err().find(not_all + "going on from") != std::string::npos, torn);
+    EXPECT_EQ(coordinator().err().find(not_all + "continuing with") != std::string::npos, torn);
     const std::uint64_t samples = job(id).samples_done();
     EXPECT_THAT(checked.out, HasSubstr(std::to_string(samples) + " of "));
     EXPECT_EQ(job(id).state(), v1::JOB_STATE_RUNNING);

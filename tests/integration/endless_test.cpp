@@ -85,7 +85,7 @@ class EndlessTest : public FarmTest {
   }
   static bool has_started_anew(const Process& worker) {
     const std::string log = worker.err();
-    const std::size_t at = log.find("starting anew");
+    const std::size_t at = log.find("restarting, since");
     return at != std::string::npos && log.find("registered with the coordinator", at) != std::string::npos;
   }
 
@@ -107,7 +107,7 @@ TEST_F(EndlessTest, EachWorkerThatItKeepsComesBackAndTheJobFails) {
     ASSERT_TRUE(poll_until(90s, [&, w = worker] { return has_started_anew(*w); })) << name;
     EXPECT_THAT(worker->err(), HasSubstr("job " + endless +
                                          ": samples [0, 1) of the tile with the pixels "
-                                         "[0, 64) x [0, 64) came to no end"));
+                                         "[0, 64) x [0, 64) did not finish"));
     EXPECT_EQ(command_name(*worker), "tessera-worker\n");
     EXPECT_THAT(read_file("/proc/" + std::to_string(worker->pid()) + "/environ"),
                 HasSubstr("TESSERA_WORKER_BARREN_STARTS=0"));
@@ -137,8 +137,8 @@ TEST_F(EndlessTest, AWorkerThatIsToldToStopEndsAllTheSame) {
       poll_until(30s, [&] { return worker.err().find("made scene endless.json") != std::string::npos; }));
   worker.signal(SIGTERM);
   EXPECT_EQ(worker.wait(60s), 0);
-  EXPECT_THAT(worker.err(), HasSubstr("came to no end"));
-  EXPECT_THAT(worker.err(), Not(HasSubstr("starting anew")));
+  EXPECT_THAT(worker.err(), HasSubstr("did not finish"));
+  EXPECT_THAT(worker.err(), Not(HasSubstr("restarting, since")));
 }
 
 }  // namespace

@@ -147,7 +147,7 @@ TEST_F(LimitsTest, OfStreamsAreOptionsToo) {
     return !std::filesystem::is_empty(folder_ / "state" / "blobs" / "incoming");
   }));
   EXPECT_THAT(still->Finish().error_message(),
-              HasSubstr("nothing has come of this upload for 5 s (tessera-coordinator --stall-seconds)"));
+              HasSubstr("no data of this upload has arrived for 5 s (tessera-coordinator --stall-seconds)"));
   EXPECT_TRUE(poll_until(std::chrono::seconds(20), [this] { return upload("small").ok(); }));
   const std::string id = submit({"--spp", "1"});
   EXPECT_EQ(tessera({"image", id, "-o", folder_ / "a.png", "-o", folder_ / "b.png"}).exit_code, 0);

@@ -126,8 +126,8 @@ class Coordinator {
   std::set<std::string> machines_aside_;
   int refused_ = 0;
   std::set<scheduler::JobId> to_reopen_;
-  std::set<scheduler::JobId>
-      unaudited_;  // some ranges were not audited because the clock had jumped; survives restarts
+  // Jobs of which ranges were not audited because the clock had jumped; survives restarts.
+  std::set<scheduler::JobId> unaudited_;
   std::map<scheduler::JobId, scheduler::JobShape> shapes_;
   Films films_;
   Referee referee_;

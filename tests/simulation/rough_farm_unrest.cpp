@@ -141,7 +141,7 @@ void RoughFarm::user() {
 void RoughFarm::odd_command(const JobId& id) {
   Random& random = world_.random;
   const JobShape empty{random.integer(-1, 0), 10, 1};
-  if (coordinator_.command(SubmitJob{{"empty"}, empty, 0})) world_.fail("a picture of nothing was taken");
+  if (coordinator_.command(SubmitJob{{"empty"}, empty, 0})) world_.fail("an empty image was accepted");
   for (const JobView& job : coordinator_.jobs()) {
     if (coordinator_.command(SubmitJob{job.id, job.shape, 0})) world_.fail("a job was taken twice");
   }

@@ -141,7 +141,7 @@ TEST_F(FarmScenario, ARangeThatNeverEndsEndsItsJobAndNoOther) {
   const auto jobs = coordinator_.jobs();
   EXPECT_EQ(jobs[0].state, JobState::kFailed);
   EXPECT_THAT(jobs[0].failure,
-              testing::HasSubstr(" workers came to no end one after the other with "
+              testing::HasSubstr(" workers hung one after the other in "
                                  "samples [9, 10) of tile 5 (pixels [64, 128) x [64, 128))"));
   EXPECT_EQ(jobs[1].state, JobState::kDone);
 }
@@ -157,8 +157,8 @@ TEST_F(FarmScenario, AJobOfWhichNothingEverEndsFailsToo) {
   run_until(elapsed() + 150);
   EXPECT_EQ(coordinator_.jobs()[1].state, JobState::kFailed);
   EXPECT_THAT(coordinator_.jobs()[1].failure,
-              testing::HasSubstr("workers came to no end with whatever they had of it, and nobody has "
-                                 "rendered a sample: m"));
+              testing::HasSubstr("workers hung in all samples of it that they held, and none has been "
+                                 "rendered: m"));
 }
 
 // A machine that hangs in everything has never delivered, and fails no job.

@@ -106,7 +106,7 @@ TEST(TileCodec, ReadsWhatEarlierBuildsSent) {
   EXPECT_EQ(back->sums, tile.sums);
   EXPECT_EQ(back->odd_sums, tile.odd_sums);
   message.set_sums_zstd(zstd_frame(in_a_row(tile).substr(8)));
-  expect_refused(message, "sums_zstd: its sums are no whole frame of 113664 bytes");
+  expect_refused(message, "sums_zstd: its sums are no complete frame of 113664 bytes");
 }
 
 TEST(TileCodec, RefusesEveryTruncation) {
@@ -152,7 +152,7 @@ TEST(TileCodec, RefusesAFrameOfAnotherTilesSize) {
   v1::RenderedItem message = some_message();
   for (const std::size_t size : {64 * 37 * 48 - 8, 64 * 37 * 48 + 8}) {
     message.set_planes_zstd(zstd_frame(std::string(size, '\0')));
-    expect_refused(message, "planes_zstd: its sums are no whole frame of 113664 bytes");
+    expect_refused(message, "planes_zstd: its sums are no complete frame of 113664 bytes");
   }
 }
 

@@ -152,7 +152,7 @@ TEST_F(Answers, AreNoneWhileAnIdleWorkerWaitsForWhatBecomesFree) {
   EXPECT_THAT(actions.wake, ElementsAre(WorkerId{"idle"}, WorkerId{"w"}));
 }
 
-// A result acknowledges what the worker was told before, as a Synchronize does.
+// A lease that a worker was told with the answer to a result counts as received.
 TEST_F(Answers, MakeWhoFallsSilentASuspectOfWhatItWasTold) {
   submit("job", tiles(100, 4));
   const auto held = hold_two("w");

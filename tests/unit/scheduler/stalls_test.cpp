@@ -21,7 +21,7 @@ TEST_F(Stalls, ALeaseOfWhichNothingComesEndsAfterTenLeaseDurations) {
   const Actions last = keep_reporting("stuck", held, seconds(5));
   EXPECT_THAT(held, IsEmpty());
   EXPECT_THAT(last.stalled,
-              ElementsAre(HasSubstr("worker stuck (stuck) is heard of, but has delivered nothing of "
+              ElementsAre(HasSubstr("worker stuck (stuck) sends heartbeats, but has delivered nothing of "
                                     "job job for 100 s, where samples [0, 1) of tile 0 came first")));
   EXPECT_THAT(last.wake, ElementsAre(WorkerId{"other"}));
   EXPECT_EQ(handle(TopUp{{"other"}}).reply->leases.at(0).items, lease.items);

@@ -50,7 +50,7 @@ TEST_F(StuckWorkers, ASampleThatThreeWorkersComeToNoEndWithFailsItsJob) {
   EXPECT_EQ(state("job"), JobState::kFailed);
   EXPECT_THAT(last_.job_changes, ElementsAre(JobChange{{"job"}, JobState::kRunning, JobState::kFailed}));
   EXPECT_THAT(job("job").failure,
-              HasSubstr(fmt::format("3 workers came to no end one after the other with samples [{}, {}) of "
+              HasSubstr(fmt::format("3 workers hung one after the other in samples [{}, {}) of "
                                     "tile {} (pixels [",
                                     c.samples.begin, c.samples.end, c.tile)));
   EXPECT_THAT(job("job").failure, HasSubstr("a (a), b (b), c (c)"));

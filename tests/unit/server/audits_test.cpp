@@ -141,7 +141,7 @@ class WithoutAudits : public Audits {
     for (int i = 0; i < Quarantine::kRejectionsUntilQuarantine; ++i)
       EXPECT_FALSE(coordinator().submit_result(lie));
     EXPECT_TRUE(this->worker(worker).quarantined());
-    EXPECT_EQ(this->worker(worker).quarantine_reason(), "3 of its results in a row were refused");
+    EXPECT_EQ(this->worker(worker).quarantine_reason(), "3 of its results in a row were rejected");
   }
 };
 

@@ -35,7 +35,7 @@ TEST_F(Limits, OfPictures) {
   submit();
   limit({.picture_pixels = kWidthPx * kHeightPx - 1});
   expect_limit(refusal(submission()),
-               "the picture has 150 x 100 = 15000 pixels, and this farm takes at most 14999 "
+               "the image has 150 x 100 = 15000 pixels, and this farm takes at most 14999 "
                "(tessera-coordinator --max-picture-pixels)");
 }
 

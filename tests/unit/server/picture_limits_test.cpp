@@ -39,7 +39,7 @@ TEST_F(PictureLimits, NobodyWaitsForMemoryLongerThanCallersMayStandStill) {
   EXPECT_EQ(status.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
   EXPECT_EQ(
       status.error_message(),
-      "this picture takes 54 MiB of memory, and others that are being fetched 54 MiB, and this farm takes at "
+      "this image takes 54 MiB of memory, and others that are being fetched 54 MiB, and this farm takes at "
       "most 1 MiB (tessera-coordinator --max-image-mib), some of which it keeps for other callers");
   EXPECT_EQ(proto::error_from_grpc(status, refused->context).code, core::ErrorCode::kUnavailable);
 }

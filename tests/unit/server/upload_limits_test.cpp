@@ -100,8 +100,9 @@ TEST_F(UploadLimits, AnUploadThatStandsStillIsEnded) {
   const auto under_way = begin_upload(half);
   const grpc::Status ended = under_way->stream->Finish();
   EXPECT_EQ(ended.error_code(), grpc::StatusCode::UNAVAILABLE);
-  EXPECT_EQ(ended.error_message(),
-            "nothing has come of this upload for 3 s (tessera-coordinator --stall-seconds): send it again");
+  EXPECT_EQ(
+      ended.error_message(),
+      "no data of this upload has arrived for 3 s (tessera-coordinator --stall-seconds): send it again");
   expect_upload_in_the_end(whole);
   EXPECT_EQ(files_in("incoming"), 0u);
   EXPECT_EQ(coordinator_->files().used_bytes(), whole.size());
