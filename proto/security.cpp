@@ -60,7 +60,7 @@ core::Status allow_unauthenticated(const std::string& address, const ServerSecur
       ErrorCode::kInvalidArgument,
       fmt::format("{} is not of this machine alone, and callers need no certificate: give --tls-client-ca "
                   "(deploy/make_certificates.sh makes a certificate for each machine and person); or "
-                  "--allow-unauthenticated-connections, and then whoever reaches the port can stop the "
+                  "--allow-unauthenticated-connections, and then anybody who reaches the port can stop the "
                   "coordinator by using up its memory, whatever --tokens says",
                   address));
 }

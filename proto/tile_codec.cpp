@@ -42,7 +42,7 @@ std::uint64_t checksum(const std::vector<std::uint64_t>& sums, const std::vector
   return XXH3_64bits_digest(kept.state.get());
 }
 
-// Decodes the interleaved format of earlier builds, with whole sums one after the other. `count` is the size
+// Decodes the format of earlier builds, with whole sums one after the other. `count` is the size
 // of each half.
 core::Result<TilePlanes> decode_in_a_row(const std::string& frame, std::size_t count) {
   std::vector<std::uint64_t> sums(2 * count);

@@ -45,11 +45,12 @@ void warn_of_open_doors(const server::Options& options) {
     spdlog::warn("there is no TLS: others on the network can read and change the traffic of {}",
                  options.listen);
   if (options.tokens.empty() && options.security.client_ca.empty())
-    spdlog::warn("neither --tokens nor --tls-client-ca: whoever reaches {} may submit and render",
+    spdlog::warn("neither --tokens nor --tls-client-ca: anybody who reaches {} may submit and render",
                  options.listen);
   if (tls && options.security.client_ca.empty())
-    spdlog::warn("no --tls-client-ca: whoever reaches {} can use up the memory of this process and stop it",
-                 options.listen);
+    spdlog::warn(
+        "no --tls-client-ca: anybody who reaches {} can use up the memory of this process and stop it",
+        options.listen);
 }
 
 void warn_of_exposed_secrets(const server::Options& options) {

@@ -40,7 +40,7 @@ const char* advice_for_tile(int state) {
 }
 
 void check_assets(const v1::Bundle& bundle, const BlobStates& blobs, bool unfinished, JobFindings& findings) {
-  const char* const advice = unfinished ? "submit the scene again: its files are sent anew"
+  const char* const advice = unfinished ? "submit the scene again: its files are sent again"
                                         : "the image is not affected, but cannot be extended";
   for (const v1::Bundle::Asset& asset : bundle.assets()) {
     const auto digest = proto::from_proto(asset.digest());

@@ -30,7 +30,7 @@ UploadStream::UploadStream(grpc::CallbackServerContext& context, coordinator::Co
   }
   ended_ = true;
   Finish(try_later(context_,
-                   server::over_share(streams_.uploads.held_by(caller()), "uploads", "are under way",
+                   server::over_share(streams_.uploads.held_by(caller()), "uploads", "are in progress",
                                       streams_.limits.uploads, "--max-uploads"),
                    kTryAgainAfter));
 }

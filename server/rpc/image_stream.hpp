@@ -13,13 +13,13 @@
 
 namespace tessera::rpc {
 
-// Owned by gRPC until OnDone. There is never more than one operation under way, so that its members need no
-// lock, but for those that say what it waits for.
+// Owned by gRPC until OnDone. At most one operation is in progress, so its members need no lock, except for
+// those that record what it waits for.
 //
-//   constructed ──► waits for memory ──► is made ──► is sent
-//                        │ gives up, is cancelled      │ is not taken
-//                        ▼                             ▼
-//                      ended                         ended
+//   constructed ──► waiting for memory ──► encoding ──► sending
+//                        │ timeout, cancelled              │ not read
+//                        ▼                                 ▼
+//                      ended                             ended
 class ImageStream final : public RequestCall {
  public:
   // Waits for the memory that encoding the image takes. It is given back when the image is sent.

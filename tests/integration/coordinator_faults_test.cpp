@@ -47,7 +47,7 @@ class CoordinatorFaultsTest : public FarmTest {
 };
 
 // Kills it during a write, just after one, and at random moments.
-TEST_F(CoordinatorFaultsTest, KilledAgainAndAgainItLosesNoBit) {
+TEST_F(CoordinatorFaultsTest, RepeatedKillsLoseNoBit) {
   // Twice the samples of the other tests, for many crashes.
   const std::vector<std::string> options{"--size", "320x256", "--spp", std::to_string(2 * kSpp)};
   start_farm();
@@ -82,7 +82,7 @@ TEST_F(CoordinatorFaultsTest, KilledAgainAndAgainItLosesNoBit) {
 }
 
 // A job that is reported as done has its image, even if the coordinator dies at that moment.
-TEST_F(CoordinatorFaultsTest, WhatIsToldToBeDoneIsDoneAfterACrash) {
+TEST_F(CoordinatorFaultsTest, AJobReportedAsDoneIsDoneAfterACrash) {
   start_farm();
   const std::vector<std::string> options{"--size", "320x256", "--spp", "2"};
   for (int crash = 0; crash < 4; ++crash) {
@@ -127,7 +127,7 @@ TEST_F(CoordinatorFaultsTest, ACrashCostsWhatWasAcceptedInTheLastTwoSeconds) {
   }
 }
 
-TEST_F(CoordinatorFaultsTest, ToldToStopItWritesEverythingAndEndsWell) {
+TEST_F(CoordinatorFaultsTest, AStopWritesEverythingAndSucceeds) {
   start_farm();
   const std::string id = submit(options_);
   ASSERT_TRUE(wait_for_samples(id, kSamples / 20));

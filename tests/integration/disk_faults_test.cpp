@@ -87,7 +87,7 @@ class DiskFaultsTest : public FarmTest {
   }
 };
 
-TEST_F(DiskFaultsTest, CheckingASoundStateChangesNothingAndSaysSo) {
+TEST_F(DiskFaultsTest, CheckingAnIntactStateChangesNothing) {
   const std::vector<std::string> ids = make_state();
   const auto before = everything();
   const Outcome stopped = check();
@@ -127,7 +127,7 @@ TEST_F(DiskFaultsTest, ASecondCoordinatorAndALaterReleaseAreRefused) {
   EXPECT_THAT(later.err, AllOf(HasSubstr(database()), HasSubstr("release")));
 }
 
-TEST_F(DiskFaultsTest, ADatabaseThatIsGoneEmptyOrGarbageIsToldAndNeverReplaced) {
+TEST_F(DiskFaultsTest, AMissingEmptyOrInvalidDatabaseIsReportedAndNeverReplaced) {
   make_state();
   const std::string whole = read_file(database());
   const std::string garbage(whole.size(), 'g');
@@ -183,7 +183,7 @@ TEST_F(DiskFaultsTest, SalvageKeepsEveryJobAndRendersDamagedTilesAgain) {
   }
 }
 
-TEST_F(DiskFaultsTest, ADamagedLogIsNoEndOfTheLog) {
+TEST_F(DiskFaultsTest, ADamagedLogIsReported) {
   start_coordinator();
   start_worker("worker", 1);
   const std::string id = submit({"--size", "128x128", "--spp", "100000"});
@@ -204,7 +204,7 @@ TEST_F(DiskFaultsTest, ADamagedLogIsNoEndOfTheLog) {
 }
 
 // As after a crash of the machine. Also in a folder of another name to which the state was copied.
-TEST_F(DiskFaultsTest, ALogWhoseEndIsCutOffCostsItsLastTransactionAndNoJob) {
+TEST_F(DiskFaultsTest, ATruncatedLogLosesOnlyItsLastTransaction) {
   const std::vector<std::string> options{"--size", "128x128", "--spp", "4000"};
   start_coordinator();
   Process& worker = start_worker("worker", 1);
@@ -285,7 +285,7 @@ class OwnDiskTest : public DiskFaultsTest {
   bool mounted_ = false;
 };
 
-TEST_F(OwnDiskTest, AFullDiskIsToldRendersOnAndIsWrittenToWhenThereIsSpace) {
+TEST_F(OwnDiskTest, AFullDiskIsReportedAndCheckpointsResumeWithSpace) {
   const std::vector<std::string> options{"--size", "256x192", "--spp", "8"};
   start_coordinator();
   const std::string id = submit(options);
@@ -313,7 +313,7 @@ TEST_F(OwnDiskTest, AFullDiskIsToldRendersOnAndIsWrittenToWhenThereIsSpace) {
 }
 
 // Waiting clients see the reason as soon as the worker has failed once.
-TEST_F(DiskFaultsTest, AWorkerWhoseDiskIsFullIsToldOfToWhoeverWaits) {
+TEST_F(DiskFaultsTest, AFullDiskOfAWorkerIsReportedToWaitingClients) {
   const std::filesystem::path cache = folder_ / "cache-full";
   std::filesystem::create_directory(cache);
   if (mount("tessera-test", cache.c_str(), "tmpfs", 0, "size=64k,mode=0700") != 0)

@@ -92,7 +92,7 @@ class EndlessTest : public FarmTest {
   std::map<std::string, Process*> farm_;
 };
 
-TEST_F(EndlessTest, EachWorkerThatItKeepsComesBackAndTheJobFails) {
+TEST_F(EndlessTest, HungWorkersRestartAndTheJobFails) {
   // Threads are bound to one processor each, and each start prints the processors.
   setenv("OMP_PROC_BIND", "true", 1);
   setenv("OMP_DISPLAY_ENV", "true", 1);
@@ -129,7 +129,7 @@ TEST_F(EndlessTest, EachWorkerThatItKeepsComesBackAndTheJobFails) {
   }
 }
 
-TEST_F(EndlessTest, AWorkerThatIsToldToStopEndsAllTheSame) {
+TEST_F(EndlessTest, AHungWorkerStopsOnRequest) {
   start_coordinator(1);
   Process& worker = start_worker("told", 1);
   submit_endless();

@@ -158,7 +158,7 @@ TEST_F(FailuresTest, AFrozenWorkersLateResultsDoNoHarm) {
   expect_local_bytes(id);
 }
 
-TEST_F(FailuresTest, AKilledCoordinatorGoesOnWhereItWas) {
+TEST_F(FailuresTest, AKilledCoordinatorContinuesItsJobs) {
   start_coordinator();
   start_worker("one", 1);
   start_worker("two", 1);

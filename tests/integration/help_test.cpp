@@ -86,7 +86,7 @@ TEST_F(HelpTest, IsCompleteAndFitsATerminal) {
 }
 
 // The page is written by scripts/write_command_line_docs.sh.
-TEST_F(HelpTest, IsWhatTheReferencePageShows) {
+TEST_F(HelpTest, MatchesTheReferencePage) {
   const std::string page = read_file(TESSERA_SOURCE_DIR "/docs/command-line.md");
   for (std::vector<std::string> command : all_commands(said({TESSERA_CLIENT, "--help"}))) {
     std::string shown = command.front().substr(command.front().rfind('/') + 1);
@@ -109,7 +109,7 @@ TEST_F(HelpTest, NamesEnvironmentVariablesAndDefaults) {
   }
 }
 
-TEST_F(HelpTest, MistakesAreToldAlikeByEveryProgram) {
+TEST_F(HelpTest, AllProgramsReportUsageErrorsAlike) {
   for (const auto& program : kPrograms) {
     Process process(
         {.arguments = {program.front(), "--no-such-option"}, .out = folder_ / "out", .err = folder_ / "err"});

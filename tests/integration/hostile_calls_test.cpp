@@ -90,7 +90,7 @@ class HostileCallsTest : public FarmTest {
   }
 };
 
-TEST_F(HostileCallsTest, StreamsThatBringNoMessageAreFewAndEnd) {
+TEST_F(HostileCallsTest, StreamsWithoutAMessageAreLimitedAndEnded) {
   start({"--stall-seconds", "1"});
   const std::uint64_t before = peak_mib();
   Http2Connection connection(address(), 1 << 20);
@@ -108,7 +108,7 @@ TEST_F(HostileCallsTest, StreamsThatBringNoMessageAreFewAndEnd) {
   })) << modest.ended_streams();
 }
 
-TEST_F(HostileCallsTest, StrangersAreRefusedBeforeTheirMessageIsRead) {
+TEST_F(HostileCallsTest, UnauthenticatedCallsAreRejectedBeforeTheirMessageIsRead) {
   start_with_tokens();
   const std::uint64_t before = peak_mib();
   Http2Connection connection(address(), 1 << 20);
@@ -126,7 +126,7 @@ TEST_F(HostileCallsTest, StrangersAreRefusedBeforeTheirMessageIsRead) {
   expect_well(before, 64);
 }
 
-TEST_F(HostileCallsTest, MessagesThatSwellAreRefusedBeforeTheyAreParsed) {
+TEST_F(HostileCallsTest, MessagesThatExpandAreRejectedBeforeTheyAreParsed) {
   start();
   const std::uint64_t before = peak_mib();
   const std::string digests = empty_messages(16 << 20);
@@ -171,7 +171,7 @@ TEST_F(HostileCallsTest, CompressedMessagesAreRefused) {
   expect_well(before, 32);
 }
 
-TEST_F(HostileCallsTest, AnswersThatNobodyTakesAreBounded) {
+TEST_F(HostileCallsTest, UnreadAnswersAreBounded) {
   start({"--max-answer-mib", "8", "--max-calls-per-second", "100000"});
   const std::string message = "\x0a " + submit_with_many_names();  // GetJobRequest{job_id}
   const std::uint64_t before = peak_mib();
@@ -184,7 +184,7 @@ TEST_F(HostileCallsTest, AnswersThatNobodyTakesAreBounded) {
   expect_well(before, 100);
 }
 
-TEST_F(HostileCallsTest, WhatCannotBeReadIsToldInWords) {
+TEST_F(HostileCallsTest, UnreadableMessagesAreExplained) {
   start();
   const auto not_utf8 = raw_call(address(), kGetJob, "\x0a\x01\xff");
   ASSERT_FALSE(not_utf8);
@@ -215,7 +215,7 @@ TEST_F(HostileCallsTest, GuessedTokensAreLoggedRarelyAndAnsweredSlowly) {
   EXPECT_TRUE(jobs().empty()) << "who has a token is served at once";
 }
 
-TEST_F(HostileCallsTest, SchemesOfTokensAreInAnyCase) {
+TEST_F(HostileCallsTest, TokenSchemesAreCaseInsensitive) {
   start_with_tokens();
   const auto stub = v1::RenderService::NewStub(*proto::open_channel(address()));
   grpc::ClientContext context;
@@ -243,7 +243,7 @@ TEST_F(HostileCallsTest, SecretsAndStateAreForTheOwnerAlone) {
   }
 }
 
-TEST_F(HostileCallsTest, TooFewAddressesAreToldAtTheStart) {
+TEST_F(HostileCallsTest, ATooSmallAddressSpaceIsReportedAtTheStart) {
   for (const char* const kib : {"900000", "400000", "150000"}) {
     ProcessOptions options;
     options.arguments = {"/bin/sh", "-c",

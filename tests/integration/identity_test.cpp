@@ -65,7 +65,7 @@ std::vector<std::string> joined(std::vector<std::string> front, const std::vecto
 
 // Settings of lens, filter and output in the scene file, and overrides on the command line: at submission,
 // when the image is fetched, or in a local render.
-TEST_F(FarmTest, LensFilterExposureAndToneCurveComeOutTheSame) {
+TEST_F(FarmTest, LensFilterExposureAndToneCurveGiveTheSameBytes) {
   start_coordinator();
   start_worker("one", 2);
   const std::string scene = folder_ / "bokeh.json", here = folder_ / "here.png", farm = folder_ / "farm.png";
@@ -151,7 +151,7 @@ TEST_F(FarmTest, EveryLightAndIntegratorRendersTheSameBytes) {
 }
 
 // A crop window has the bytes of a local render of it, also after a pause.
-TEST_F(FarmTest, AWindowOfAPictureRendersTheBytesOfALocalRender) {
+TEST_F(FarmTest, ACropWindowRendersTheBytesOfALocalRender) {
   start_coordinator();
   start_worker("one", 1);
   start_worker("two", 2);

@@ -15,7 +15,7 @@ class JobsTest : public FarmTest {
   std::string submit_long_job() { return submit({"--size", "256x256", "--spp", "100000", "--name", "long"}); }
 };
 
-TEST_F(JobsTest, PausedJobsWaitAndResumedOnesEndInTheSamePicture) {
+TEST_F(JobsTest, PausedJobsWaitAndResumedOnesGiveTheSameImage) {
   start_coordinator();
   start_worker("worker", 2);
   const std::vector<std::string> options{"--size", "192x128", "--spp", "48"};
@@ -30,7 +30,7 @@ TEST_F(JobsTest, PausedJobsWaitAndResumedOnesEndInTheSamePicture) {
   EXPECT_TRUE(image(id, ".exr") == render_here(options, ".exr"));
 }
 
-TEST_F(JobsTest, AnExtendedJobBecomesThePictureOfMoreSamples) {
+TEST_F(JobsTest, AnExtendedJobGivesTheImageOfMoreSamples) {
   start_coordinator();
   start_worker("worker", 2);
   const std::string id = submit({"--size", "130x100", "--spp", "5"});
@@ -45,7 +45,7 @@ TEST_F(JobsTest, AnExtendedJobBecomesThePictureOfMoreSamples) {
   EXPECT_THAT(fewer.err, HasSubstr("3"));
 }
 
-TEST_F(JobsTest, ACancelledJobKeepsItsPictureUntilItIsDeleted) {
+TEST_F(JobsTest, ACancelledJobKeepsItsImageUntilItIsDeleted) {
   start_coordinator();
   start_worker("worker", 1);
   const std::string id = submit_long_job();
@@ -66,7 +66,7 @@ TEST_F(JobsTest, ACancelledJobKeepsItsPictureUntilItIsDeleted) {
   EXPECT_EQ(tessera({"watch", next}).exit_code, 0);
 }
 
-TEST_F(JobsTest, AnUnfinishedPictureCanBeFetched) {
+TEST_F(JobsTest, AnUnfinishedImageCanBeFetched) {
   start_coordinator();
   start_worker("worker", 1);
   const std::string id = submit_long_job();

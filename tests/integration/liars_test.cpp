@@ -152,7 +152,7 @@ class LiarsTest : public FarmTest {
   }
 };
 
-TEST_F(LiarsTest, AnAuditedFarmFindsOutWhoLiesAndRendersTheLocalPicture) {
+TEST_F(LiarsTest, AuditsDetectLiarsAndTheImageIsThatOfALocalRender) {
   coordinator_options_ = {"--audit", "1"};
   start_coordinator(kLeaseSeconds);
   const std::string id = submit(options_);
@@ -182,7 +182,7 @@ TEST_F(LiarsTest, AnAuditedFarmFindsOutWhoLiesAndRendersTheLocalPicture) {
 }
 
 // Without audits, its wrong samples are in a done image until it is detected.
-TEST_F(LiarsTest, WhatWasRenderedByAWorkerThatIsPutAsideIsRenderedAgain) {
+TEST_F(LiarsTest, SamplesOfAQuarantinedWorkerAreRenderedAgain) {
   start_coordinator(kLeaseSeconds);
   const std::string id = submit(options_);
   Liar liar_worker(address());
@@ -204,7 +204,7 @@ TEST_F(LiarsTest, WhatWasRenderedByAWorkerThatIsPutAsideIsRenderedAgain) {
 }
 
 // Any caller that reaches the port could try this against another worker.
-TEST_F(LiarsTest, WhoForgesIdsLeasesAndNamesHarmsNobody) {
+TEST_F(LiarsTest, ForgedIdsLeasesAndNamesHarmNobody) {
   coordinator_options_ = {"--audit", "0.02"};
   start_coordinator(kLeaseSeconds);
   Process& one = start_worker("one", 1);

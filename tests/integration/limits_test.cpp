@@ -108,7 +108,7 @@ struct Excess {
   std::string found;
 };
 
-TEST_F(LimitsTest, EachIsAnOptionThatItsRefusalNames) {
+TEST_F(LimitsTest, EachRejectionNamesItsOption) {
   const std::string large(3 << 20, '\n');
   const Excess excesses[] = {
       {"--max-picture-pixels", "255", small_scene(), "16 x 16 = 256 pixels"},
@@ -153,7 +153,7 @@ TEST_F(LimitsTest, OfStreamsAreOptionsToo) {
   EXPECT_EQ(tessera({"image", id, "-o", folder_ / "a.png", "-o", folder_ / "b.png"}).exit_code, 0);
 }
 
-TEST_F(LimitsTest, OfOpenJobsAreToldByTheCommandLine) {
+TEST_F(LimitsTest, OfOpenJobsAreReportedByTheCommandLine) {
   start({"--max-open-jobs", "1"});
   const std::string id = submit({"--spp", "1"});
   const Outcome second = tessera({"submit", kCornell});
@@ -165,7 +165,7 @@ TEST_F(LimitsTest, OfOpenJobsAreToldByTheCommandLine) {
   submit({"--spp", "1"});
 }
 
-TEST_F(LimitsTest, OfConnectionsAreToldAndWaitedOut) {
+TEST_F(LimitsTest, OfConnectionsAreReportedAndRetried) {
   start({"--max-connections", "2"});
   const std::vector<std::string> options{"--size", "64x64", "--spp", "64"};
   const std::string id = submit(options);

@@ -108,7 +108,7 @@ TEST_F(NetworkTest, ACutOfThirtySecondsCostsTimeAndNothingElse) {
   EXPECT_EQ(job(id).samples_done(), kSamples);
 }
 
-TEST_F(NetworkTest, AWorkerThatIsCutOffHoldsNobodyUp) {
+TEST_F(NetworkTest, ADisconnectedWorkerDelaysNobody) {
   start_farm(2);
   const std::string id = submit(options_);
   ASSERT_TRUE(wait_for_samples(id, kSamples / 20));

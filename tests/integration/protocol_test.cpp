@@ -31,7 +31,7 @@ TEST_F(FarmTest, ReflectionListsTheServices) {
   EXPECT_THAT(*services, HasSubstr("tessera.v1.WorkerService"));
 }
 
-TEST_F(FarmTest, AWorkerOfAnotherArithmeticIsRefused) {
+TEST_F(FarmTest, AWorkerWithAnotherFingerprintIsRejected) {
   start_coordinator();
   start_worker("worker", 1);
   ASSERT_TRUE(wait_for_workers(1));

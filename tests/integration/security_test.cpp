@@ -45,7 +45,7 @@ class SecurityTest : public FarmTest {
   }
 };
 
-TEST_F(SecurityTest, AFarmWithEverythingRendersTheSameBytes) {
+TEST_F(SecurityTest, AFarmWithTlsAndTokensRendersTheSameBytes) {
   speak_tls();
   ask_for_certificates();
   ask_for_tokens();
@@ -63,7 +63,7 @@ TEST_F(SecurityTest, AFarmWithEverythingRendersTheSameBytes) {
   EXPECT_THAT(tessera({"job", id}).out, HasSubstr("submit"));
 }
 
-TEST_F(SecurityTest, WhoCannotShowThemselvesIsToldWhatIsMissing) {
+TEST_F(SecurityTest, MissingCredentialsAreNamed) {
   speak_tls();
   ask_for_certificates();
   security_ = {certificate("ca.pem"), certificate("client.pem"), certificate("client.key"), "", false};
@@ -85,7 +85,7 @@ TEST_F(SecurityTest, WhoCannotShowThemselvesIsToldWhatIsMissing) {
 }
 
 // A worker retries for ever: its log gives the reason, and the new one when it changes.
-TEST_F(SecurityTest, WhoCannotConnectIsToldWhatToMend) {
+TEST_F(SecurityTest, FailedConnectionsAreExplained) {
   listen_ = "127.0.0.2:0";  // not in the certificate
   speak_tls();
   start_coordinator();
@@ -106,7 +106,7 @@ TEST_F(SecurityTest, WhoCannotConnectIsToldWhatToMend) {
   EXPECT_TRUE(says(misled, "no coordinator answers at "));
 }
 
-TEST_F(SecurityTest, TokensAllowWhatTheirRoleDoes) {
+TEST_F(SecurityTest, RolesDetermineTheAllowedCalls) {
   ask_for_tokens();
   start_coordinator();
   EXPECT_THAT(refusal({"jobs"}), HasSubstr("--token-file"));
@@ -131,14 +131,14 @@ TEST_F(SecurityTest, TokensAllowWhatTheirRoleDoes) {
   EXPECT_EQ(tessera({"delete", id}).exit_code, 0);
 }
 
-TEST_F(SecurityTest, TokensAloneBeyondThisMachineMustBeAskedFor) {
+TEST_F(SecurityTest, TokensAloneNeedAnOptionBeyondThisMachine) {
   listen_ = "0.0.0.0:0";
   speak_tls();
   ask_for_tokens();
   coordinator_options_.push_back("--allow-unauthenticated-connections");
   security_ = {certificate("ca.pem"), "", "", certificate("submit.token"), false};
   start_coordinator();
-  EXPECT_THAT(coordinator().err(), HasSubstr("whoever reaches 0.0.0.0:0 can use up the memory"));
+  EXPECT_THAT(coordinator().err(), HasSubstr("anybody who reaches 0.0.0.0:0 can use up the memory"));
 }
 
 TEST_F(SecurityTest, EachMachineAndPersonHasACertificateAndATokenOfTheirOwn) {
@@ -220,7 +220,7 @@ TEST_F(SecurityTest, OnlySubmittersAndAdministratorsChangeAJob) {
   EXPECT_EQ(tessera({"delete", id}).exit_code, 0);
 }
 
-TEST_F(SecurityTest, ACoordinatorThatCannotBeSafeDoesNotStart) {
+TEST_F(SecurityTest, AnUnsafeCoordinatorDoesNotStart) {
   const auto complaint = [&](const std::vector<std::string>& options, ExitCode exit_code) {
     ProcessOptions process;
     process.arguments = {TESSERA_COORDINATOR_PROGRAM, "--state", folder_ / "state"};

@@ -47,7 +47,7 @@ class WorkerFaultsTest : public FarmTest {
 };
 
 // The surviving workers render what the killed ones have not delivered, and nothing else.
-TEST_F(WorkerFaultsTest, WhateverIsKilledOnlyItsLeasesAreRenderedAgain) {
+TEST_F(WorkerFaultsTest, OnlyLeasesOfKilledWorkersAreRenderedAgain) {
   start_coordinator(1);
   const std::string id = submit(options_);
   for (int kills = 0; kills < 6; ++kills) {
@@ -89,7 +89,7 @@ TEST_F(WorkerFaultsTest, NoJobWaitsLongerThanTheLeaseAndASecond) {
   EXPECT_FALSE(waits.synchronize().leases().empty());
 }
 
-TEST_F(WorkerFaultsTest, WhoFetchesForTenLeaseTimesMakesRoomAndIsServedWhenItHasTheScene) {
+TEST_F(WorkerFaultsTest, ASlowFetchLosesItsLeasesAndGetsOthersWithTheScene) {
   start_coordinator(1);
   const std::string id = submit({"--size", "64x64", "--spp", "1"});
   RawWorker far(address(), "far");
@@ -124,7 +124,7 @@ TEST_F(WorkerFaultsTest, AFrozenWorkersLateResultCountsIfItIsMissing) {
   EXPECT_TRUE(image(id, ".exr") == render_here(options_, ".exr"));
 }
 
-TEST_F(WorkerFaultsTest, AWorkerThatIsToldToStopHandsBackAllItHasRendered) {
+TEST_F(WorkerFaultsTest, AStoppedWorkerDeliversAllItHasRendered) {
   start_coordinator(3600);
   Process& leaving = start_worker("leaves", 1);
   const std::string id = submit(options_);
@@ -140,7 +140,7 @@ TEST_F(WorkerFaultsTest, AWorkerThatIsToldToStopHandsBackAllItHasRendered) {
 }
 
 // The operator may correct the farm while it waits.
-TEST_F(WorkerFaultsTest, AWorkerOfAnotherBuildIsToldBothFingerprintsAndWaitsForACoordinatorThatAcceptsIt) {
+TEST_F(WorkerFaultsTest, AWorkerOfAnotherBuildNamesBothFingerprintsAndWaits) {
   coordinator_options_ = {"--accept-fingerprint", "0000000000000000"};
   start_coordinator(2);
   const std::string id = submit({"--size", "64x64", "--spp", "1"});
@@ -188,7 +188,7 @@ class StandardStreams : public WorkerFaultsTest, public testing::WithParamInterf
 };
 
 // Output is lost, but nothing else fails.
-TEST_P(StandardStreams, ThatTakeNothingEndNoProgram) {
+TEST_P(StandardStreams, ThatCannotBeWrittenEndNoProgram) {
   const std::string listen = "127.0.0.1:" + std::to_string(free_port()), picture = folder_ / "a.png";
   Process coordinator =
       start(TESSERA_COORDINATOR_PROGRAM " --listen " + listen + " --state " + state_.string());

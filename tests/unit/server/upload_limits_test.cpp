@@ -47,7 +47,7 @@ TEST_F(UploadLimits, OfUploadsAtOnce) {
   const grpc::Status refused = users_->UploadBlob(&context, &response)->Finish();
   EXPECT_EQ(refused.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
   EXPECT_EQ(refused.error_message(),
-            "1 uploads from here are under way already, and this farm takes at most 2 from all callers "
+            "1 uploads from here are in progress already, and this farm takes at most 2 from all callers "
             "(tessera-coordinator --max-uploads), some of which it keeps for others");
   EXPECT_EQ(proto::error_from_grpc(refused, context).code, core::ErrorCode::kUnavailable)
       << "it passes by itself";
