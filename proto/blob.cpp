@@ -43,7 +43,7 @@ core::Result<Digest> from_proto(const v1::Digest& message) {
 
 struct Hasher::Context {
   Context() : evp(EVP_MD_CTX_new()) {
-    // Both fail for want of memory alone.
+    // Both fail only for lack of memory.
     if (evp == nullptr || EVP_DigestInit_ex(evp, EVP_sha256(), nullptr) != 1) throw std::bad_alloc();
   }
   ~Context() { EVP_MD_CTX_free(evp); }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Content-addressed blobs: their digests, and how they are cut into the chunks of a stream and put together
+// Content-addressed blobs: their digests, and how they are divided into the chunks of a stream and joined
 // again. No files and no calls. Not thread-safe, but different objects may be used at once.
 #pragma once
 
@@ -17,10 +17,11 @@
 namespace tessera::proto {
 
 inline constexpr std::size_t kMaxChunkBytes = std::size_t{1} << 20;
-// As many are sent at a time: so few that a slow line brings some often, and does not seem to stand still.
+// The size of the chunks that are sent: so small that a slow line delivers one often, and does not appear
+// stalled.
 inline constexpr std::size_t kChunkBytes = std::size_t{1} << 16;
 
-// What a blob is known by.
+// The identity of a blob.
 struct Digest {
   std::array<std::uint8_t, 32> sha256{};
   std::uint64_t size_bytes = 0;
@@ -35,7 +36,7 @@ v1::Digest to_proto(const Digest& digest);
 // INVALID_ARGUMENT unless sha256 is 32 bytes.
 core::Result<Digest> from_proto(const v1::Digest& digest);
 
-// Digests bytes that come piece by piece.
+// Computes the digest of bytes that arrive in pieces.
 class Hasher {
  public:
   Hasher();
@@ -45,7 +46,7 @@ class Hasher {
 
   void update(std::string_view bytes);
   std::uint64_t size_bytes() const { return size_bytes_; }
-  // Of all bytes so far. Call it once, at the end.
+  // The digest of all bytes so far. Call it once, at the end.
   Digest finish();
 
  private:
@@ -54,28 +55,29 @@ class Hasher {
   std::uint64_t size_bytes_ = 0;
 };
 
-// Calls `send` with each chunk of a blob, the first of which carries the digest; an empty blob has one chunk.
-// Stops and answers false as soon as `send` does.
+// Calls `send` with each chunk of a blob. The first chunk carries the digest; an empty blob has one chunk.
+// Stops and returns false as soon as `send` does.
 bool for_each_chunk(const Digest& digest, std::string_view bytes,
                     const std::function<bool(const v1::BlobChunk&)>& send);
 
-// Checks the chunks of one blob as they arrive, so that a receiver never keeps more bytes than were promised.
+// Checks the chunks of one blob as they arrive, so that a receiver never keeps more bytes than were
+// announced.
 class BlobReceiver {
  public:
-  // Takes the bytes of a checked chunk, e.g. to a file; its errors are passed on.
+  // Receives the bytes of a checked chunk, e.g. to write them to a file; its errors are passed on.
   using Sink = std::function<core::Status(std::string_view bytes)>;
 
-  // Expects whatever blob the first chunk names.
+  // Accepts the blob that the first chunk names.
   explicit BlobReceiver(Sink sink) : sink_(std::move(sink)) {}
-  // Expects this blob: another one's digest is an error.
+  // Accepts only this blob: the digest of another one is an error.
   BlobReceiver(const Digest& expected, Sink sink)
       : sink_(std::move(sink)), expected_(expected), named_(true) {}
 
-  // INVALID_ARGUMENT: no digest at first or another one later, a chunk above kMaxChunkBytes, more bytes than
-  // promised.
+  // INVALID_ARGUMENT: the digest is missing or changes, a chunk exceeds kMaxChunkBytes, or there are more
+  // bytes than announced.
   core::Status accept(const v1::BlobChunk& chunk);
-  // Call it once, after the last chunk. INVALID_ARGUMENT: nothing came. DATA_LOSS: the bytes do not match the
-  // digest.
+  // Call it once, after the last chunk. INVALID_ARGUMENT: there was no chunk. DATA_LOSS: the bytes do not
+  // match the digest.
   core::Result<Digest> finish();
 
   // Valid after the first accepted chunk.

@@ -13,19 +13,19 @@ namespace {
 
 constexpr int kKeepaliveTimeMs = 10'000;
 constexpr int kKeepaliveTimeoutMs = 5'000;
-// Well below the clients' period: clocks differ.
+// Well below the clients' period, since clocks differ.
 constexpr int kMinPingIntervalMs = 5'000;
-// As many as it takes. By default gRPC stops after two in which nothing else was sent, and who only listens,
-// as when watching a job, would wait for ever for a peer that vanished.
+// No limit. By default gRPC stops after two pings without other data, and a client that only listens, as when
+// it watches a job, would wait for ever for a peer that vanished.
 constexpr int kPingsWithoutData = 0;
 
-// What may be sent before the receiver has looked at it. Results and chunks of blobs come at once in it. Told
-// beforehand, no pings go to and fro with each message to find out how much that should be.
+// The flow-control window: bytes that may be sent before the receiver has read them. Results and chunks of
+// blobs fit into it. With a fixed window, gRPC need not send pings with each message to estimate it.
 constexpr int kLookaheadBytes = 1 << 20;
 
 namespace interception = grpc::experimental;
 
-// Adds the token to a call's metadata. gRPC's own credentials for calls would do it over TLS alone.
+// Adds the token to a call's metadata. gRPC's own call credentials require TLS.
 class ShowToken final : public interception::Interceptor {
  public:
   explicit ShowToken(std::string value) : value_(std::move(value)) {}
@@ -64,13 +64,13 @@ grpc::ChannelArguments channel_arguments() {
   arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, 1'000);
   arguments.SetInt(GRPC_ARG_HTTP2_BDP_PROBE, 0);
   arguments.SetInt(GRPC_ARG_HTTP2_STREAM_LOOKAHEAD_BYTES, kLookaheadBytes);
-  // Farms are private networks: their addresses are reached directly, whatever proxy the environment names.
+  // Farms are private networks: addresses are used directly, whatever proxy the environment names.
   arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);
   return arguments;
 }
 
-// Calls that announce a compression end with UNIMPLEMENTED before their message is read. Without the filter
-// that decompresses, nothing else is unpacked either.
+// Calls that announce a compression end with UNIMPLEMENTED before their message is read. Without the
+// decompression filter, no other message is decompressed either.
 void refuse_compression(grpc::ServerBuilder& builder) {
   builder.AddChannelArgument(GRPC_COMPRESSION_CHANNEL_ENABLED_ALGORITHMS_BITSET, 1 << GRPC_COMPRESS_NONE);
   builder.AddChannelArgument(GRPC_ARG_ENABLE_PER_MESSAGE_COMPRESSION, 0);
@@ -104,7 +104,7 @@ void apply_server_options(grpc::ServerBuilder& builder, const Patience& patience
   add_time(GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS, patience.handshake);
   add_time(GRPC_ARG_KEEPALIVE_TIME_MS, patience.ping_period);
   add_time(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, patience.answer);
-  // Also who has no call: a machine that vanished would keep its connection for ever.
+  // Also for clients without a call: a machine that vanished would keep its connection for ever.
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_PERMIT_WITHOUT_CALLS, 1);
   builder.AddChannelArgument(GRPC_ARG_HTTP2_MAX_PINGS_WITHOUT_DATA, kPingsWithoutData);
   builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS, kMinPingIntervalMs);

@@ -12,14 +12,14 @@ namespace {
 using core::ErrorCode;
 using core::fail;
 
-// Values no limit allows stay recognisably too large instead of turning negative.
+// A value above all limits must not become negative, so that the limit's error reports it.
 core::Result<int> to_int(std::uint32_t value, const char* field) {
   if (value > static_cast<std::uint32_t>(std::numeric_limits<int>::max()))
     return fail(ErrorCode::kInvalidArgument, fmt::format("{}: far too large: {}", field, value));
   return static_cast<int>(value);
 }
 
-// What is wrong with a window besides is said by core::check_crop, where the picture's size is known.
+// core::check_crop makes all other checks, since it knows the image's size.
 core::Result<core::PixelRect> crop_of(const v1::PixelRect& message) {
   core::PixelRect crop;
   for (const auto& [to, value] : {std::pair{&crop.x0, message.x0()},
@@ -242,7 +242,7 @@ core::Result<core::PixelRect> from_proto(const v1::PixelRect& rect) {
   if (!valid)
     return fail(
         ErrorCode::kInvalidArgument,
-        fmt::format("rect: must hold pixels of a picture of at most {} px a side, got [{}, {}) x [{}, {})",
+        fmt::format("rect: must hold pixels of an image of at most {} px a side, got [{}, {}) x [{}, {})",
                     core::kMaxImageSidePx, rect.x0(), rect.x1(), rect.y0(), rect.y1()));
   return core::PixelRect{static_cast<int>(rect.x0()), static_cast<int>(rect.y0()),
                          static_cast<int>(rect.x1()), static_cast<int>(rect.y1())};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Between the messages of the contract and core's types. What comes from outside is checked: every from_proto
-// answers INVALID_ARGUMENT with the field's name where a value cannot be.
+// Conversions between the messages of the protocol and core's types. Untrusted values are checked: every
+// from_proto returns INVALID_ARGUMENT with the field's name for an invalid value.
 #pragma once
 
 #include "core/base/error.hpp"
@@ -12,40 +12,40 @@
 namespace tessera::proto {
 
 v1::Integrator to_proto(core::Integrator integrator);
-// Not for UNSPECIFIED: that is an error here.
+// UNSPECIFIED is an error.
 core::Result<core::Integrator> from_proto(v1::Integrator integrator);
 
 v1::Heuristic to_proto(core::Heuristic heuristic);
-// UNSPECIFIED is an error here, too.
+// UNSPECIFIED is an error.
 core::Result<core::Heuristic> from_proto(v1::Heuristic heuristic);
 
 v1::PixelFilter to_proto(core::FilterKind kind);
-// Not for UNSPECIFIED: that is an error here.
+// UNSPECIFIED is an error.
 core::Result<core::FilterKind> from_proto(v1::PixelFilter filter);
 
 v1::RenderSettings to_proto(const core::RenderSettings& settings);
-// Within the limits of core/scene/settings.hpp.
+// Checks the limits of core/scene/settings.hpp.
 core::Result<core::RenderSettings> from_proto(const v1::RenderSettings& settings);
-// What they ask to render: the crop window, or the whole picture. For settings that were checked.
+// The pixels to render: the crop window, or the whole image. For settings that were checked.
 core::PixelRect window_of(const v1::RenderSettings& settings);
 
 v1::RenderOverrides to_proto(const core::RenderOverrides& overrides);
-// Only representable, not within limits: core::resolve_settings checks those, in the same words as for a
-// local render.
+// Checks only that the values are representable. core::resolve_settings checks the limits, with the same
+// messages as for a local render.
 core::Result<core::RenderOverrides> from_proto(const v1::RenderOverrides& overrides);
 
 v1::PixelRect to_proto(const core::PixelRect& rect);
-// Not empty, and within the largest picture there can be.
+// Checks that the rectangle is not empty and lies within the largest possible image.
 core::Result<core::PixelRect> from_proto(const v1::PixelRect& rect);
 
-// Samples `range` of the pixels of `rect`.
+// Samples `range` of every pixel of `rect`.
 struct WorkItem {
   core::PixelRect rect;
   core::SampleRange range;
   bool operator==(const WorkItem&) const = default;
 };
 v1::WorkItem to_proto(const WorkItem& item);
-// Neither rectangle nor range empty.
+// Checks that neither rectangle nor range is empty.
 core::Result<WorkItem> from_proto(const v1::WorkItem& item);
 
 v1::Counters to_proto(const core::RenderCounters& counters);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Between the messages that say how PNG files show a picture and core's types.
+// Conversions between the messages that say how PNG files show an image and core's types.
 #pragma once
 
 #include "core/base/error.hpp"
@@ -9,18 +9,18 @@
 namespace tessera::proto {
 
 v1::ToneCurve to_proto(core::ToneCurve curve);
-// Not for UNSPECIFIED: that is an error here. INVALID_ARGUMENT.
+// INVALID_ARGUMENT for UNSPECIFIED.
 core::Result<core::ToneCurve> from_proto(v1::ToneCurve curve);
 
 v1::DisplaySettings to_proto(const core::DisplaySettings& settings);
-// Within the limits of core/image/display.hpp, else INVALID_ARGUMENT. An empty message shows light as it is.
+// INVALID_ARGUMENT outside the limits of core/image/display.hpp. An empty message gives the defaults.
 core::Result<core::DisplaySettings> from_proto(const v1::DisplaySettings& message);
 
 v1::DisplayOverrides to_proto(const core::DisplayOverrides& overrides);
-// Only representable, not within limits: core::resolve_display checks those.
+// Checks only that the values are representable. core::resolve_display checks the limits.
 core::Result<core::DisplayOverrides> from_proto(const v1::DisplayOverrides& message);
 
-// What the messages come to together, checked.
+// Applies the overrides to the settings, and checks the result.
 core::Result<core::DisplaySettings> resolve_display(const v1::DisplaySettings& settings,
                                                     const v1::DisplayOverrides& overrides);
 

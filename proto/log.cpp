@@ -14,7 +14,7 @@
 namespace tessera::proto {
 namespace {
 
-// In place of %v.
+// Replaces %v.
 class PrintableMessage final : public spdlog::custom_flag_formatter {
  public:
   void format(const spdlog::details::log_msg& message, const std::tm&, spdlog::memory_buf_t& line) override {
@@ -33,7 +33,7 @@ void log_to_stderr(const std::string& program) {
   formatter->add_flag<PrintableMessage>('*').set_pattern("[%Y-%m-%d %H:%M:%S.%e] [%n] [%^%l%$] %*");
   const auto logger = spdlog::stderr_color_mt(program);
   logger->set_formatter(std::move(formatter));
-  // What cannot be written is lost; spdlog would complain of it on the same stream.
+  // Write errors are ignored, since spdlog would report them on the same stream.
   logger->set_error_handler([](const std::string&) {});
   spdlog::set_default_logger(logger);
 }

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// The log of a program that runs for long: lines on stderr. What others chose (names, reasons) is in many of
-// them, so each is made printable here, whoever writes it.
+// The log of a long-running program: lines on stderr. Many contain texts of others (names, reasons), so every
+// line is made printable here.
 #pragma once
 
 #include <string>
 
 namespace tessera::proto {
 
-// From now on spdlog writes to stderr, as `program`. For the beginning of main().
+// From now on spdlog writes to stderr, as `program`. Call it at the beginning of main().
 void log_to_stderr(const std::string& program);
 
 }  // namespace tessera::proto

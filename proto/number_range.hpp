@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Numbers of the command line that must lie between two others.
+// Numbers of the command line with a minimum and a maximum.
 #pragma once
 
 #include <fmt/format.h>
@@ -9,7 +9,7 @@
 
 namespace tessera::proto {
 
-// For CLI::Option::check. Unlike CLI::Range, whose way to read numbers it shares, it refuses "nan", too.
+// For CLI::Option::check. It reads numbers as CLI::Range does, but also refuses "nan".
 template <typename T>
 CLI::Validator number_between(T least, T most) {
   const auto problem = [least, most](const std::string& text) {

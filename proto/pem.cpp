@@ -27,7 +27,7 @@ using Bio = std::unique_ptr<BIO, Free<BIO_free>>;
 using Certificate = std::unique_ptr<X509, Free<X509_free>>;
 using Key = std::unique_ptr<EVP_PKEY, Free<EVP_PKEY_free>>;
 
-// Keys with a passphrase are refused: nobody is there to type it.
+// Keys with a passphrase are refused: there is nobody to type it.
 int no_passphrase(char*, int, int, void*) {
   return 0;
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Certificates and keys in PEM files, read and checked before anybody relies on them, so that a mistake is
-// told with the file's name and not as a failed handshake. Stateless.
+// Reads and checks PEM files with certificates and keys at the start, so that an error names the file and
+// does not appear later as a failed handshake. Stateless.
 #pragma once
 
 #include <string>
@@ -9,7 +9,8 @@
 
 namespace tessera::proto {
 
-// The file's bytes, which hold at least one certificate, the first of them valid today. Errors name the file.
+// The file's bytes. They must have at least one certificate, the first of which must be valid today. Errors
+// name the file.
 core::Result<std::string> read_certificates(const std::string& path);
 
 struct CertificateAndKey {

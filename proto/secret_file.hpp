@@ -7,8 +7,8 @@
 
 namespace tessera::proto {
 
-// What to warn of where every user of this machine can read or write the file, and how to mend it. Nothing
-// for an empty path, and for files that cannot be looked at: whoever reads them says why.
+// A warning if other users of this machine can read or write the file, with what to do about it. Empty for an
+// empty path, and for files that cannot be examined: the reader reports these.
 std::optional<std::string> exposure_of(const std::string& path);
 
 }  // namespace tessera::proto

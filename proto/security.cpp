@@ -17,7 +17,7 @@ namespace {
 
 using core::ErrorCode;
 
-// Of gRPC's ways to say where somebody is these are for sockets of this machine, which have no port.
+// Address schemes of gRPC for sockets of this machine, which have no port.
 bool is_local_socket(const std::string& address) {
   return address.starts_with("unix:") || address.starts_with("unix-abstract:");
 }
@@ -43,7 +43,7 @@ core::Status both_or_neither(const std::string& certificate, const std::string& 
                     "--tls-certificate and --tls-key belong together: give both or neither");
 }
 
-// Without TLS, for an address that other machines are at.
+// Checks an address that other machines can reach for use without TLS.
 core::Status allow_plain(const std::string& address, bool insecure, const char* how) {
   if (is_loopback(address) || insecure) return {};
   return core::fail(
@@ -53,14 +53,14 @@ core::Status allow_plain(const std::string& address, bool insecure, const char* 
                   address, how));
 }
 
-// Without client certificates, for an address that other machines are at.
+// Checks an address that other machines can reach for use without client certificates.
 core::Status allow_unauthenticated(const std::string& address, const ServerSecurity& security) {
   if (!security.client_ca.empty() || is_loopback(address) || security.allow_unauthenticated) return {};
   return core::fail(
       ErrorCode::kInvalidArgument,
       fmt::format("{} is not of this machine alone, and callers need no certificate: give --tls-client-ca "
                   "(deploy/make_certificates.sh makes a certificate for each machine and person); or "
-                  "--allow-unauthenticated-connections, and then whoever reaches the port can stop the "
+                  "--allow-unauthenticated-connections, and then anybody who reaches the port can stop the "
                   "coordinator by using up its memory, whatever --tokens says",
                   address));
 }

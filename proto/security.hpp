@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// How processes of a farm know one another: TLS with certificates from PEM files, and bearer tokens. On the
-// loopback neither is needed; between machines, going without TLS must be asked for.
+// Authentication in a farm: TLS with certificates from PEM files, and bearer tokens. The loopback needs
+// neither; between machines, an option must permit plain connections.
 #pragma once
 
 #include <grpcpp/security/credentials.h>
@@ -14,40 +14,40 @@
 
 namespace tessera::proto {
 
-// Of a worker or a client. Files are PEM; empty paths are for what is not used.
+// The credentials of a worker or a client. Files are PEM; an empty path means that the file is not used.
 struct ClientSecurity {
-  std::string ca;                // who signed the coordinator's certificate; without it there is no TLS
-  std::string certificate, key;  // to show a coordinator that asks for one; both or neither
-  std::string token;             // file whose first line is shown to the coordinator with every call
-  bool insecure = false;         // speak to other machines without TLS
+  std::string ca;                // the CA of the coordinator's certificate; without it there is no TLS
+  std::string certificate, key;  // for a coordinator that requests a certificate; both or neither
+  std::string token;             // file whose first line is sent with every call
+  bool insecure = false;         // permits connections to other machines without TLS
 };
 
-// Of a coordinator.
+// The credentials of a coordinator.
 struct ServerSecurity {
-  std::string certificate, key;  // without them there is no TLS; both or neither
-  std::string client_ca;  // who signed the certificates that callers must show; without it none is asked for
-  bool insecure = false;  // be reachable from other machines without TLS
-  // Be reachable from other machines by callers that show no certificate. They can use up the memory of the
-  // HTTP/2 library, which reads what they send before any token is looked at.
+  std::string certificate, key;  // without these there is no TLS; both or neither
+  std::string client_ca;         // the CA of callers' certificates; if empty, none are requested
+  bool insecure = false;         // permits connections from other machines without TLS
+  // Permits callers from other machines without certificates. They can exhaust the memory of the HTTP/2
+  // library, which reads their data before any token is checked.
   bool allow_unauthenticated = false;
 };
 
-// Whether HOST:PORT is reachable from this machine alone: "localhost" and loopback addresses, not names.
+// Whether HOST:PORT is reachable only from this machine: "localhost" and loopback addresses, not other names.
 bool is_loopback(const std::string& address);
 
-// Errors name the option or the file to mend.
+// Errors name the option or the file to correct.
 core::Result<std::shared_ptr<grpc::ChannelCredentials>> channel_credentials(const std::string& address,
                                                                             const ClientSecurity& security);
 core::Result<std::shared_ptr<grpc::ServerCredentials>> server_credentials(const std::string& address,
                                                                           const ServerSecurity& security);
 
-// Whether a token may consist of this: letters, digits and -._~+/= (RFC 6750, b64token).
+// Whether the text has only the characters of a token: letters, digits and -._~+/= (RFC 6750, b64token).
 bool is_token(std::string_view text);
 
-// The token in the file; empty without a path.
+// The token in the file; empty if the path is empty.
 core::Result<std::string> read_token(const std::string& path);
 
-// Under this key a call's metadata says "Bearer TOKEN" (RFC 6750).
+// The metadata of a call has "Bearer TOKEN" under this key (RFC 6750).
 inline constexpr const char* kTokenKey = "authorization";
 inline constexpr const char* kTokenPrefix = "Bearer ";
 

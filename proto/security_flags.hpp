@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The options by which every program that calls a coordinator is told of certificates and tokens.
+// The command-line options for certificates and tokens, shared by all programs that call a coordinator.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -8,8 +8,8 @@
 
 namespace tessera::proto {
 
-// Adds --tls-ca, --tls-certificate, --tls-key, --token-file and --insecure. `security` is filled in while the
-// command line is parsed, and must live until then.
+// Adds --tls-ca, --tls-certificate, --tls-key, --token-file and --insecure. `security` must live until the
+// command line is parsed, which fills it in.
 void add_security_flags(CLI::App& command, ClientSecurity& security);
 
 }  // namespace tessera::proto

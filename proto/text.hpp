@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Texts that others are shown: names of workers, jobs and files. Who chooses one is told at once what is
-// wrong with it; a farm takes no other. Stateless; thread-safe.
+// Checks of texts that are shown to others: names of workers, jobs and files. Programs check them early, with
+// a clear error; a farm refuses invalid ones. Stateless; thread-safe.
 #pragma once
 
 #include <cstddef>
@@ -13,8 +13,8 @@ namespace tessera::proto {
 inline constexpr std::size_t kMaxNameBytes = 200;
 inline constexpr std::size_t kMaxPathBytes = 4096;
 
-// Whether it is short enough, and holds nothing but what can be shown in a line (core/base/printable.hpp).
-// `what` says in the error what it is the name of.
+// INVALID_ARGUMENT if the text is too long or has characters that cannot be shown in a line
+// (core/base/printable.hpp). `what` says in the error what the text names.
 core::Status check_text(std::string_view what, std::string_view text, std::size_t most_bytes = kMaxNameBytes);
 
 }  // namespace tessera::proto

@@ -24,7 +24,7 @@ using core::fail;
 
 static_assert(std::endian::native == std::endian::little, "the wire order is copied as it lies in memory");
 
-// Large, and wants to be aligned: each thread keeps one.
+// The state is large and must be aligned, so each thread keeps one.
 struct HashState {
   std::unique_ptr<XXH3_state_t, decltype(&XXH3_freeState)> state{XXH3_createState(), &XXH3_freeState};
 
@@ -33,7 +33,7 @@ struct HashState {
   }
 };
 
-// The checksum of all sums in a row.
+// The checksum of all sums in order.
 std::uint64_t checksum(const std::vector<std::uint64_t>& sums, const std::vector<std::uint64_t>& odd_sums) {
   thread_local const HashState kept;
   XXH3_64bits_reset(kept.state.get());
@@ -42,14 +42,15 @@ std::uint64_t checksum(const std::vector<std::uint64_t>& sums, const std::vector
   return XXH3_64bits_digest(kept.state.get());
 }
 
-// The sums one after the other, as earlier builds sent and stored them. `count` is the size of each half.
+// Decodes the format of earlier builds, with whole sums one after the other. `count` is the size
+// of each half.
 core::Result<TilePlanes> decode_in_a_row(const std::string& frame, std::size_t count) {
   std::vector<std::uint64_t> sums(2 * count);
   const std::size_t raw_bytes = sums.size() * sizeof(std::uint64_t);
   const std::size_t written = ZSTD_decompress(sums.data(), raw_bytes, frame.data(), frame.size());
   if (ZSTD_getErrorCode(written) == ZSTD_error_memory_allocation) throw std::bad_alloc();
   if (ZSTD_isError(written) != 0 || written != raw_bytes)
-    return fail(ErrorCode::kDataLoss, fmt::format("its sums are no whole frame of {} bytes", raw_bytes));
+    return fail(ErrorCode::kDataLoss, fmt::format("its sums are no complete frame of {} bytes", raw_bytes));
   const auto middle = sums.begin() + static_cast<std::ptrdiff_t>(count);
   std::vector<std::uint64_t> odd_sums(middle, sums.end());
   sums.resize(count);

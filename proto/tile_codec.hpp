@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A film tile as it travels: its sums in planes with their XXH3-64, as worker_service.proto says. Pure
-// functions.
+// Encodes and decodes film tiles for the network: sums in planes with their XXH3-64, as worker_service.proto
+// specifies. Pure functions.
 #pragma once
 
 #include "core/base/error.hpp"
@@ -9,12 +9,12 @@
 
 namespace tessera::proto {
 
-// `tile` lies in one grid tile.
+// `tile` must lie in one tile of the grid.
 v1::RenderedItem encode_tile(const core::FilmTile& tile);
 
-// Never allocates more than one grid tile's sums, whatever is claimed. INVALID_ARGUMENT: rectangle or range
-// cannot be, the frame is damaged or of another size, the checksum is wrong, the counters do not belong to
-// these samples.
+// Never allocates more than the sums of one grid tile, whatever the message claims. INVALID_ARGUMENT: the
+// rectangle or range is invalid, the frame is damaged or has another size, the checksum is wrong, or the
+// counters do not belong to these samples.
 core::Result<core::FilmTile> decode_tile(const v1::RenderedItem& item);
 
 }  // namespace tessera::proto

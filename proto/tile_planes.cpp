@@ -18,17 +18,17 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "planes are made of bytes as they lie in memory");
 
-// Of the fast ones. Planes are noise or nearly constant: searching harder finds nothing.
+// A fast level. The planes are noise or nearly constant, so higher levels do not compress them better.
 constexpr int kZstdLevel = -5;
 constexpr std::size_t kBytes = sizeof(std::uint64_t);
 
-// Sixteen sums, two to each register; or sixteen bytes of each plane, a plane to each register.
+// Sixteen sums, two in each register; or sixteen bytes of each plane, one plane in each register.
 constexpr std::size_t kSumsPerBlock = 16;
 using Block = std::array<__m128i, kBytes>;
 
-// Interleaves the bytes of each register whose number has `bit` clear with those of the one that has it set.
-// Of the number of a byte's register and the number of its place, this moves the highest bit of the place
-// into `bit`, and what was there to the lower end of the place.
+// Interleaves the bytes of each register whose number has `bit` clear with those of the register that has it
+// set. In terms of the register's number and the byte's position, this moves the highest bit of the position
+// into `bit`, and the old `bit` to the lowest bit of the position.
 template <std::size_t bit>
 void interleave(Block& block) {
   for (std::size_t i = 0; i < block.size(); ++i) {
@@ -44,7 +44,7 @@ void load(Block& block, const void* from, std::size_t stride) {
     block[i] = _mm_loadu_si128(reinterpret_cast<const __m128i*>(static_cast<const char*>(from) + i * stride));
 }
 
-// Puts sums into their places in the planes, of `total` bytes each, from `begin` on.
+// Writes sums to the planes, of `total` bytes each, from position `begin` on.
 void scatter(const std::vector<std::uint64_t>& sums, std::size_t begin, std::size_t total, char* planes) {
   char* to = planes + begin;
   std::size_t i = 0;
@@ -84,8 +84,7 @@ std::vector<std::uint64_t> gather(const char* planes, std::size_t begin, std::si
   return sums;
 }
 
-// Kept by each thread from one tile to the next, since to get that much memory anew takes as long as the
-// work.
+// Kept by each thread between tiles, since allocating so much memory takes as long as the work.
 struct Workspace {
   std::unique_ptr<ZSTD_CCtx, decltype(&ZSTD_freeCCtx)> compressor{ZSTD_createCCtx(), &ZSTD_freeCCtx};
   std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)> decompressor{ZSTD_createDCtx(), &ZSTD_freeDCtx};
@@ -113,7 +112,7 @@ std::string encode_planes(const std::vector<std::uint64_t>& sums,
   work.frame.resize(ZSTD_compressBound(work.planes.size()));
   const std::size_t size = ZSTD_compressCCtx(work.compressor.get(), work.frame.data(), work.frame.size(),
                                              work.planes.data(), work.planes.size(), kZstdLevel);
-  if (ZSTD_isError(size) != 0) throw std::bad_alloc();  // the only way to fail where the frame has room
+  if (ZSTD_isError(size) != 0) throw std::bad_alloc();  // no other failure is possible if the frame has room
   return work.frame.substr(0, size);
 }
 
@@ -126,7 +125,7 @@ core::Result<TilePlanes> decode_planes(std::string_view frame, std::size_t count
   if (ZSTD_getErrorCode(size) == ZSTD_error_memory_allocation) throw std::bad_alloc();
   if (ZSTD_isError(size) != 0 || size != work.planes.size()) {
     return core::fail(core::ErrorCode::kDataLoss,
-                      fmt::format("its sums are no whole frame of {} bytes", work.planes.size()));
+                      fmt::format("its sums are no complete frame of {} bytes", work.planes.size()));
   }
   return TilePlanes{gather(work.planes.data(), 0, total, count),
                     gather(work.planes.data(), count, total, count)};

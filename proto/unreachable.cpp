@@ -19,7 +19,7 @@ bool says(const grpc::Status& status, std::initializer_list<std::string_view> an
                      [&](std::string_view words) { return text.find(words) != std::string::npos; });
 }
 
-// Where the limits on connections are reached, they are closed without a word.
+// At its connection limits, a coordinator closes new connections without a message.
 constexpr const char* kHasEnough =
     "has as many as it takes (tessera-coordinator --max-connections, --max-machine-connections)";
 
@@ -80,7 +80,7 @@ std::string lost_coordinator(const std::string& address) {
 
 core::Error explain_loss(const grpc::Status& status, const std::string& address) {
   std::string message = lost_coordinator(address);
-  // Else it was a connection that had been made before.
+  // Otherwise an existing connection was closed.
   if (is_no_connection(status) && is_closed_at_once(status))
     message += fmt::format(": it closed a new connection, since it is stopping or {}", kHasEnough);
   return {core::ErrorCode::kUnavailable, std::move(message)};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What to tell whoever reaches no coordinator: gRPC tells a handshake that failed, or a name that nobody has,
-// from a peer that is not there in its text alone. Stateless.
+// Explains why no coordinator can be reached. gRPC distinguishes a failed handshake, an unknown host name and
+// a refused connection only in its message text. Stateless.
 #pragma once
 
 #include <grpcpp/support/status.h>
@@ -12,23 +12,23 @@
 
 namespace tessera::proto {
 
-// Whether a call ended so because no connection could be made.
+// Whether a call failed because no connection could be made.
 bool is_no_connection(const grpc::Status& status);
 
-// Whether the other side closed the connection before it took a call.
+// Whether the peer closed the connection before it accepted a call.
 bool is_closed_at_once(const grpc::Status& status);
 
-// Whether it ended so as with a coordinator that is starting or stopping: nobody listens, or the connection
-// is closed at once.
+// Whether the failure is typical of a coordinator that is starting or stopping: the connection is refused, or
+// closed at once.
 bool may_be_starting(const grpc::Status& status);
 
-// Why not, as far as it shows, and what to mend: UNAVAILABLE. `address` and `security` are those that the
-// channel was opened with.
+// The reason, as far as it is known, and what to do: UNAVAILABLE. `address` and `security` are those of the
+// channel.
 core::Error explain_no_connection(const grpc::Status& status, const std::string& address,
                                   const ClientSecurity& security);
 
-// The same of a coordinator that has answered before: what begins with lost_coordinator() and says why, where
-// that shows.
+// The same for a coordinator that has answered before: lost_coordinator(), followed by the reason if it is
+// known.
 core::Error explain_loss(const grpc::Status& status, const std::string& address);
 std::string lost_coordinator(const std::string& address);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// How workers prove who they are without anything set up beforehand: ids are hashes of random bytes that the
-// worker alone knows and shows with its calls. Pure functions.
+// Proof of a worker's identity without any setup: its id is a hash of random bytes that only the worker knows
+// and sends with its calls. Pure functions.
 #pragma once
 
 #include <cstddef>
@@ -8,15 +8,15 @@
 
 namespace tessera::proto {
 
-// A worker's key: that of its machine, then bytes of the process.
+// A worker's key consists of that of its machine and that of the process.
 inline constexpr std::size_t kMachineKeyBytes = 32;
 inline constexpr std::size_t kWorkerKeyBytes = kMachineKeyBytes + 16;
 
-// 32 lower-case hexadecimal digits: the id of the worker whose key this is.
+// The id of the worker with this key: 32 lower-case hexadecimal digits.
 std::string worker_id_of(const std::string& worker_key);
 
-// 32 lower-case hexadecimal digits that tell its machine from others, and nothing of the machine's key. Empty
-// for what is no worker's key.
+// Identifies the machine without revealing its key: 32 lower-case hexadecimal digits. Empty if it is no
+// worker's key.
 std::string client_key(const std::string& worker_key);
 
 }  // namespace tessera::proto

@@ -16,11 +16,11 @@ namespace {
 
 constexpr std::uint64_t kMany = 1'000'000'000;
 constexpr std::uint64_t kMaxMib = std::uint64_t{1} << 30;  // a pebibyte
-// Less than a validator maps before it reads anything, and results of workers do not fit into less.
+// A validator maps more than this before it reads anything, and results of workers need more.
 constexpr std::uint64_t kMinValidatorMib = 128;
 constexpr std::uint64_t kMinReceiveMib = 64, kMinCalls = 16;
 constexpr int kMinMessageMib = 16, kMaxMessageMib = 1024;
-// What a texture can have in any case.
+// The limit on one texture image that always applies.
 constexpr std::uint64_t kMaxTexturePixels = std::uint64_t{1} << 28;
 constexpr double kMaxSeconds = 86400;
 

@@ -8,7 +8,7 @@
 
 namespace tessera::server {
 
-// The group "Limits". `limits` are filled in while the command line is parsed, and must live until then.
+// Adds the option group "Limits". `limits` must live until the command line is parsed, which fills it in.
 void add_limit_flags(CLI::App& app, Limits& limits);
 
 }  // namespace tessera::server

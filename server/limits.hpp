@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a farm takes from those who call it, so that none of them can use it up. Each is an option of
-// tessera-coordinator (limit_flags.cpp), and the sentence of every refusal names it. Plain data.
+// The limits of a coordinator, so that no caller can exhaust it. Each is an option of tessera-coordinator
+// (limit_flags.cpp), which the message of every rejection names. Plain data.
 #pragma once
 
 #include <fmt/format.h>
@@ -17,55 +17,56 @@ namespace tessera::server {
 inline constexpr std::uint64_t kMib = std::uint64_t{1} << 20;
 
 struct Limits {
-  // Of a job. Its film takes up to 48 bytes of memory for each pixel until it is finished.
+  // Of a job: pixels of its window, and samples per pixel. Its film takes up to 48 bytes of memory per pixel
+  // until it is finished.
   std::uint64_t picture_pixels = std::uint64_t{1} << 28;
   std::uint32_t spp = 1u << 20;
-  // Jobs of one submitter that are checked, running or paused. Without tokens all are of one submitter.
+  // Jobs of one submitter that are checked, running or paused. Without tokens, all jobs have the same
+  // submitter.
   std::uint64_t open_jobs = 1000;
 
-  // Of a bundle: how many files, all of them together, and each.
+  // Of a bundle: the number of files, their total size, and the size of each.
   std::uint64_t bundle_files = 10'000;
   std::uint64_t bundle_mib = 16 * 1024;
   std::uint64_t blob_mib = 4 * 1024;
-  // Of all files of scenes that are here or on their way, and how many may be on their way at once.
+  // The size of all scene files in the store or being uploaded, and the number of uploads at once.
   std::uint64_t store_mib = 256 * 1024;
   std::uint64_t uploads = 64;
 
-  // Of a scene, found when it is validated: the triangles of its meshes, its lights (emissive triangles,
-  // quads and spheres, those of every instance included), and the pixels of one picture and of all pictures
-  // that its textures are read from.
+  // Of a scene, checked during validation: the triangles of its meshes, its lights (emissive triangles, quads
+  // and spheres, instances included), and the pixels of one texture image and of all of them.
   std::uint64_t triangles = 100'000'000;
   std::uint64_t lights = 10'000'000;
   std::uint64_t texture_pixels = std::uint64_t{1} << 28;
   std::uint64_t scene_texture_pixels = std::uint64_t{1} << 30;
 
-  // Of validating: how many scenes at once, how many may wait for that, and what each may take.
+  // Of validation: scenes at once, scenes that wait, and the memory and time of each.
   int validations = 2;
   std::uint64_t waiting_scenes = 64;
   std::uint64_t validator_mib = 16 * 1024;
   std::chrono::milliseconds validation_time = std::chrono::minutes(5);
 
-  // Of connections: all together, and of one machine.
+  // Connections in total, and of one machine.
   std::uint64_t connections = 10'000;
   std::uint64_t machine_connections = 5'000;
 
-  // Files that workers fetch at once.
+  // Downloads by workers at once.
   std::uint64_t fetches = 2048;
-  // Jobs that are watched at once; a job that several watch counts for each.
+  // WatchJob calls at once.
   std::uint64_t watches = 4096;
-  // Of pictures that are fetched: the memory of all together, while they are made and sent. One is always
-  // made.
+  // The memory of all images while they are encoded and sent. One image is always allowed.
   std::uint64_t image_mib = 8 * 1024;
-  // Streams whose callers stand still for so long are ended, and pictures wait for memory no longer.
+  // Streams whose callers make no progress for so long are ended. It also bounds how long images wait for
+  // memory.
   std::chrono::milliseconds stall_time = std::chrono::minutes(1);
 
-  // Of calls: how many may be under way, the memory of all while they are received, and that of answers whose
-  // callers have not taken them yet.
+  // Of calls: how many may be in progress, the memory of requests while they are received, and the memory of
+  // answers that callers have not read yet.
   std::uint64_t calls = 32'768;
   std::uint64_t receive_mib = 1024;
   std::uint64_t answer_mib = 256;
-  // One message, and how often a caller may call. Who has been quiet may call as often at once as in
-  // kBurstSeconds.
+  // The size of one message, and the calls per second of one caller. A caller that was idle may make the
+  // calls of kBurstSeconds at once.
   int message_mib = 64;
   double calls_per_second = 1000;
 
@@ -82,7 +83,7 @@ inline core::Error over_limit(std::string_view found, std::string_view most, std
           fmt::format("{}, and this farm takes at most {} (tessera-coordinator {})", found, most, option)};
 }
 
-// The same for places that callers share (FairShare), of which the caller has `own`: "too many SCENES WAIT,
+// The same for a quota that callers share (FairShare), of which the caller has `own`: "too many SCENES WAIT,
 // ...", or "OWN SCENES from here WAIT already, ...".
 inline core::Error over_share(std::uint64_t own, std::string_view things, std::string_view what_they_do,
                               std::uint64_t most, std::string_view option) {

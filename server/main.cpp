@@ -28,7 +28,7 @@ using namespace tessera;
 
 constexpr rlim_t kMinAddressBytes = rlim_t{1} << 30;
 
-// Blocks the signals that end the process, in this thread and those it will start; sigwait() takes them.
+// Blocks the termination signals in this thread and those it starts; sigwait() receives them.
 sigset_t block_stop_signals() {
   sigset_t signals;
   sigemptyset(&signals);
@@ -42,13 +42,15 @@ void warn_of_open_doors(const server::Options& options) {
   const bool tls = !options.security.certificate.empty();
   if (proto::is_loopback(options.listen)) return;
   if (!tls)
-    spdlog::warn("there is no TLS: whoever is between reads and changes what {} is told", options.listen);
+    spdlog::warn("there is no TLS: others on the network can read and change the traffic of {}",
+                 options.listen);
   if (options.tokens.empty() && options.security.client_ca.empty())
-    spdlog::warn("neither --tokens nor --tls-client-ca: whoever reaches {} may submit and render",
+    spdlog::warn("neither --tokens nor --tls-client-ca: anybody who reaches {} may submit and render",
                  options.listen);
   if (tls && options.security.client_ca.empty())
-    spdlog::warn("no --tls-client-ca: whoever reaches {} can use up the memory of this process and stop it",
-                 options.listen);
+    spdlog::warn(
+        "no --tls-client-ca: anybody who reaches {} can use up the memory of this process and stop it",
+        options.listen);
 }
 
 void warn_of_exposed_secrets(const server::Options& options) {
@@ -56,7 +58,7 @@ void warn_of_exposed_secrets(const server::Options& options) {
     if (const auto warning = proto::exposure_of(secret)) spdlog::warn("{}", *warning);
 }
 
-// Threads and gRPC end the process without a word where they cannot have what they need.
+// Threads and gRPC end the process without a message if they cannot allocate what they need.
 core::Status check_address_space() {
   rlimit limit{};
   if (getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur >= kMinAddressBytes) return {};
@@ -108,7 +110,7 @@ core::Status run(const server::Options& options, const sigset_t& stop_signals) {
   int signal = 0;
   sigwait(&stop_signals, &signal);
   spdlog::info("stopping on signal {}", signal);
-  stopping.request_stop();  // nobody waits for a scene that is being validated
+  stopping.request_stop();  // do not wait for scenes that are being validated
   return (*server)->stop();
 }
 
@@ -127,17 +129,17 @@ core::Status run_guarded(const server::Options& options, const sigset_t& stop_si
 
 int main(int argc, char** argv) {
   core::prepare_standard_streams();
-  // Errors are told once, in our words; GRPC_VERBOSITY=DEBUG brings gRPC's own back.
+  // Errors are reported once, by our own messages; GRPC_VERBOSITY=DEBUG turns gRPC's log on.
   setenv("GRPC_VERBOSITY", "NONE", 0);
   proto::log_to_stderr("tessera-coordinator");
   const server::Options options = server::parse_options(argc, argv);
   if (!options.check.empty()) return server::check(options.check);
   if (!options.salvage.empty()) return server::salvage(options.salvage);
-  // Debian's Abseil looks for deadlocks each time that gRPC takes a lock.
+  // Debian's Abseil searches for deadlocks each time that gRPC takes a lock.
   absl::SetMutexDeadlockDetectionMode(absl::OnDeadlockCycle::kIgnore);
   proto::raise_file_limit();
   const sigset_t stop_signals = block_stop_signals();
-  ::umask(S_IRWXG | S_IRWXO);  // what others submit is for nobody else on this machine
+  ::umask(S_IRWXG | S_IRWXO);  // other users of this machine must not read submitted scenes
   const auto ended = run_guarded(options, stop_signals);
   if (ended) return EXIT_SUCCESS;
   std::cerr << "tessera-coordinator: " << core::printable_lines(ended.error().message) << '\n';

@@ -33,7 +33,7 @@ int salvage(const std::filesystem::path& state) {
   fmt::print("kept {} jobs with {} tiles; lost {} jobs, and {} tiles that are rendered again\n", done->jobs,
              done->tiles, done->lost_jobs, done->lost_tiles);
   if (done->tiles_lost_for_good > 0)
-    fmt::print("lost for good: {} tiles of cancelled and failed jobs, whose pictures are black there\n",
+    fmt::print("lost for good: {} tiles of cancelled and failed jobs, whose images are black there\n",
                done->tiles_lost_for_good);
   fmt::print("the damaged database is now {}\n", done->set_aside.string());
   return EXIT_SUCCESS;

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// What tessera-coordinator does to a state folder instead of running on it. Blocks until it is done.
+// The maintenance commands of tessera-coordinator on a state directory. They block until they are done.
 #pragma once
 
 #include <filesystem>
 
 namespace tessera::server {
 
-// Prints what of the folder is whole. The exit status: 0 if everything is, 1 if not, or if that cannot be
-// told.
+// Prints which parts of the directory are intact. Returns the exit status: 0 if all are, 1 if not or if that
+// cannot be checked.
 int check(const std::filesystem::path& state);
 
-// Keeps what is whole in a new database and prints what that is. The exit status: 0 if that was done.
+// Writes everything intact to a new database and prints what it kept. Returns the exit status: 0 on success.
 int salvage(const std::filesystem::path& state);
 
 }  // namespace tessera::server

@@ -25,7 +25,7 @@ const cli::HelpText kHelp{
                  "tessera-coordinator --check /var/lib/tessera"}};
 constexpr std::size_t kFingerprintDigits = 16;
 
-// What is wrong with it; empty if nothing is.
+// The error message; empty if the text is a fingerprint.
 std::string is_fingerprint(const std::string& text) {
   const bool digits = text.find_first_not_of("0123456789abcdef") == std::string::npos;
   return digits && text.size() == kFingerprintDigits ? "" : "must be 16 lower-case hexadecimal digits";

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What tessera-coordinator can be told, in one place: flags, --help and defaults come from here.
+// The options of tessera-coordinator: flags, --help and defaults come from this file.
 #pragma once
 
 #include <filesystem>
@@ -14,32 +14,31 @@
 namespace tessera::server {
 
 struct Options {
-  // HOST:PORT to serve at. Port 0 picks a free one.
+  // HOST:PORT to listen at. Port 0 picks a free one.
   std::string listen = proto::kDefaultCoordinator;
-  // Folder for what must survive: jobs, films, scenes.
+  // The state directory, which keeps jobs, films and scenes.
   std::filesystem::path state = store::default_state_directory();
-  // A worker silent for so long loses its work to others. Shorter: less delay when one dies; less patience
-  // with the network.
+  // The heartbeat timeout: a worker that is silent for longer loses its leases. A shorter one means less
+  // delay when a worker dies, and less tolerance of a slow network.
   double lease_seconds = 10;
-  // Scenes' files that no job names are removed after so many hours.
+  // Scene files that no job names are removed after so many hours.
   double keep_unused_hours = 24;
-  // The share of ranges that another worker renders again, to find out who computes other bits. 1: everything
-  // is rendered twice.
+  // The share of ranges that a second worker renders again, to find workers whose bits differ. 1 renders
+  // everything twice.
   double audit = 0;
-  // The determinism fingerprint of the workers that may join.
+  // The determinism fingerprint that workers need to join.
   std::string fingerprint{core::kDeterminismFingerprint};
   proto::ServerSecurity security;
-  // File with the tokens of those who may call; see rpc::Access. Empty: everybody may do everything.
+  // The file with the callers' tokens; see rpc::Access. Empty: everybody may call everything.
   std::string tokens;
-  // Instead of running: a state folder to look at, or to mend.
+  // A state directory to check or to salvage, instead of running.
   std::filesystem::path check, salvage;
   // The tessera-validator to start for submitted scenes.
   std::string validator = validator::default_validator_path();
   Limits limits;
 };
 
-// Reads the command line. On --help, --version and mistakes it prints what there is to say and ends the
-// process.
+// Parses the command line. On --help, --version and errors it prints the text and ends the process.
 Options parse_options(int argc, char** argv);
 
 }  // namespace tessera::server

@@ -25,17 +25,17 @@ namespace {
 using core::ErrorCode;
 using core::fail;
 
-// Of a SHA-256.
+// The length of a SHA-256.
 constexpr std::size_t kHexDigits = 64;
-// For the next piece of a blob, of up to a mebibyte: lines of a few kilobytes a second get through, in
-// whatever time. A peer that has vanished is noticed by the channel's keepalive long before.
+// The timeout for one chunk of a blob, of up to a mebibyte, so that lines of a few kilobytes a second
+// suffice. The channel's keepalive detects a peer that vanished long before.
 constexpr auto kMaxSilence = std::chrono::minutes(5);
 
 core::Error cannot_write(const std::string& path) {
   return {ErrorCode::kInternal, fmt::format("cannot write {}: {}", path, std::strerror(errno))};
 }
 
-// The names that path_of() gives.
+// Whether path_of() gives such names.
 bool is_blob_name(const std::string& name) {
   return name.size() == kHexDigits && name.find_first_not_of("0123456789abcdef") == std::string::npos;
 }
@@ -57,7 +57,7 @@ bool holds(const std::string& path, const proto::Digest& digest) {
 
 core::Result<BlobCache> BlobCache::open(const std::string& folder, std::uint64_t max_bytes) {
   if (core::Status usable = core::make_folder(folder); !usable) return fail(usable.error());
-  // Whoever may write there could change a scene between its check and its use.
+  // Another user who may write to the folder could change a scene between its check and its use.
   if (core::Status own = core::check_is_own(folder); !own) return fail(own.error());
   core::remove_abandoned(folder, is_blob_name);
   return BlobCache(folder, max_bytes);

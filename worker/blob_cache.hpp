@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Blobs of scenes on this machine's disk, each under its SHA-256. Workers may share a folder. A file is
-// visible under its name only when it is complete, and its bytes are checked again each time it is asked for,
-// so that what a crash or a failing disk has left cannot reach a picture. Thread-safe.
+// A disk cache of scene files by SHA-256. Workers may share a folder. A file gets its name only when it is
+// complete, and its bytes are checked each time it is requested, so that damage by a crash or a failing disk
+// cannot reach an image. Thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -18,21 +18,20 @@ inline constexpr std::uint64_t kDefaultCacheBytes = std::uint64_t{16} << 30;
 
 class BlobCache {
  public:
-  // Creates the folder where it is missing. Errors name the folder and say why it cannot be used: also if
-  // others may write to it, or it is another user's. After each transfer the files that were not used for
-  // longest, blobs and kept scenes, are removed until no more than `max_bytes` are left, as
-  // core::remove_least_used() does.
+  // Creates the folder if it is missing. Errors name the folder and the reason: also if others may write to
+  // it, or if it is another user's. After each transfer the least recently used files, blobs and stored
+  // scenes, are removed until at most `max_bytes` are left (core::remove_least_used()).
   static core::Result<BlobCache> open(const std::string& folder,
                                       std::uint64_t max_bytes = kDefaultCacheBytes);
 
   const std::string& folder() const { return folder_; }
   std::uint64_t max_bytes() const { return max_bytes_; }
-  // Whether a file in the folder is a blob or belongs to the store of scenes beside them.
+  // Whether a file in the folder is a blob or a stored scene.
   static bool is_file_name(const std::string& name);
 
-  // The path of the blob's file, fetched from the coordinator if it is not here yet. Blocks, but for no
-  // longer than it takes to notice a stop. Errors are those of FetchBlob, CANCELLED after a stop, INTERNAL if
-  // the file cannot be written.
+  // The path of the blob's file, which is fetched from the coordinator if it is missing. Blocks; returns soon
+  // after a stop. Errors are those of FetchBlob, CANCELLED after a stop, INTERNAL if the file cannot be
+  // written.
   core::Result<std::string> get(const proto::Digest& digest, v1::WorkerService::StubInterface& coordinator,
                                 const std::stop_token& stop) const;
 

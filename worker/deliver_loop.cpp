@@ -16,12 +16,13 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// For a message of no size, and for each kilobyte of it: lines of a few kilobytes a second get through. A
-// peer that has vanished is noticed by the channel's keepalive long before.
+// The timeout of a message: a constant, and a part for each kilobyte, so that lines of a few kilobytes a
+// second suffice. The channel's keepalive detects a peer that vanished long before.
 constexpr proto::Duration kSubmitDeadline = 30s, kSubmitDeadlinePerKilobyte = 250ms;
 constexpr proto::BackoffOptions kDeliveryBackoff{.first = 100ms, .longest = 2s};
 
-// Sending it again cannot help. After any other error the result may still be wanted.
+// Whether the result was rejected, so that a retry cannot succeed. After any other error the result may still
+// be needed.
 bool is_refusal(core::ErrorCode code) {
   return code == core::ErrorCode::kInvalidArgument || code == core::ErrorCode::kNotFound ||
          code == core::ErrorCode::kFailedPrecondition;
@@ -43,7 +44,7 @@ void DeliverLoop::run(const std::stop_token& stop) {
     v1::SubmitResultResponse response;
     const core::Status done =
         proto::retry(policy, waiter_until(stop), [&] { return submit(request, stop, response); });
-    if (!done && !is_refusal(done.error().code)) return;  // stopped
+    if (!done && !is_refusal(done.error().code)) return;  // a stop was requested
     if (!done)
       spdlog::error("job {}: the coordinator refused {} items: {}", delivery->job_id, delivery->tiles.size(),
                     done.error().message);

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Brings what is rendered to the coordinator, and keeps it until it has arrived or was refused. One thread
-// runs it.
+// Delivers results to the coordinator, and keeps each until it was accepted or rejected. Runs on one thread.
 #pragma once
 
 #include <stop_token>
@@ -18,7 +17,7 @@ class DeliverLoop {
   DeliverLoop(Identity identity, v1::WorkerService::StubInterface& coordinator, LeaseTracker& lease_tracker)
       : identity_(std::move(identity)), coordinator_(coordinator), lease_tracker_(lease_tracker) {}
 
-  // Returns when all is delivered after LeaseTracker::drain(), or after a stop, which gives up what is left.
+  // Returns when everything is delivered after LeaseTracker::drain(), or after a stop, which drops the rest.
   void run(const std::stop_token& stop);
 
  private:

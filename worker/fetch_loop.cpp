@@ -39,7 +39,7 @@ core::Result<std::shared_ptr<const Job>> FetchLoop::fetch(const v1::JobSpec& spe
   const auto settings = proto::from_proto(spec.settings());
   if (!settings) return core::fail(settings.error());
   Job job{spec.job_id(), *settings, {bundle_key(spec.bundle()), spec.bundle().scene_path(), {}}};
-  // A file may have many names; it is fetched, and checked, once.
+  // A file may have several names; it is fetched and checked once.
   std::map<std::string, std::string> fetched;
   for (const v1::Bundle::Asset& asset : spec.bundle().assets()) {
     const auto digest = proto::from_proto(asset.digest());

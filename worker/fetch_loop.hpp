@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Brings the files of leased jobs into the cache, ahead of their rendering. One thread runs it.
+// Fetches the files of leased jobs into the cache before they are rendered. Runs on one thread.
 #pragma once
 
 #include <memory>
@@ -18,13 +18,13 @@ class FetchLoop {
             LeaseTracker& lease_tracker)
       : cache_(cache), coordinator_(coordinator), lease_tracker_(lease_tracker) {}
 
-  // Returns after a stop. What may pass by itself is tried again; a job whose files cannot be had is logged,
-  // and its leases are given back.
+  // Returns after a stop. Temporary errors are retried. A job whose files cannot be fetched is logged, and
+  // its leases are given back.
   void run(const std::stop_token& stop);
 
  private:
   core::Result<std::shared_ptr<const Job>> fetch(const v1::JobSpec& spec, const std::stop_token& stop);
-  // The same, where memory running out is an error.
+  // The same, with lack of memory as an error.
   core::Result<std::shared_ptr<const Job>> fetch_or_run_out(const v1::JobSpec& spec,
                                                             const std::stop_token& stop);
   core::Result<std::string> fetch_blob(const proto::Digest& digest, const std::stop_token& stop);

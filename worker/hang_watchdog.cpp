@@ -9,7 +9,7 @@ namespace {
 constexpr Duration kMin = std::chrono::seconds(30);
 constexpr int kLeaseTimes = 20;
 constexpr int kTimesWanted = 2;
-// After which the coordinator takes nothing for honest.
+// The maximum of the coordinator's patience, in lease times.
 constexpr int kMaxLeaseTimes = 360;
 
 }  // namespace

@@ -1,18 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// How long samples that nobody wants any more may go on before they are taken for endless. Pure.
+// How long a worker renders samples that nobody wants any more before it assumes that they never end. Pure.
 #pragma once
 
 #include "worker/lease_tracker.hpp"
 
 namespace tessera::worker {
 
-// Twenty times the coordinator's lease time, and twice as long as they had been rendered before; 30 s at
-// least, 360 times the lease time at most. By then the coordinator has counted this worker, if its name has
-// delivered before, or those that were given the samples next have failed, too: a worker that is only slow
-// loses nothing. A worker that is to stop waits for twenty lease times, or 30 s. Otherwise twice as long for
-// each of the `failed_restarts` of this program in a row that rendered no piece at all, as long as this one
-// has not either: whoever is slow gets through in the end, and whoever is broken troubles the farm less and
-// less.
+// Twenty times the coordinator's lease time, or twice the time before the samples became unwanted if that is
+// longer; at least 30 s and at most 360 lease times. By then the coordinator has counted a loss against the
+// samples if a worker of this name has delivered before, or else the next workers have failed, too: a worker
+// that is only slow loses nothing. A stopping worker waits for twenty lease times, or 30 s. Until this
+// process has rendered a piece, the time doubles with each of the `failed_restarts` in a row that rendered
+// none: slow workers finish in the end, and broken ones disturb the farm less and less.
 Duration compute_hang_timeout(const UnwantedPiece& piece, int failed_restarts);
 
 }  // namespace tessera::worker

@@ -10,7 +10,7 @@ namespace {
 
 // An unfinished item is sent in parts that took about this long to render.
 constexpr Duration kLongestGrowing = std::chrono::seconds(2);
-// Sums of one message before compression. Small enough that a slow line is through with it soon.
+// The sums in one message before compression. It is small enough for a slow line.
 constexpr std::size_t kMaxBatchBytes = std::size_t{2} << 20;
 
 std::size_t sums_bytes(const core::FilmTile& tile) {
@@ -21,7 +21,7 @@ core::SampleRange intersection(core::SampleRange a, core::SampleRange b) {
   return {std::max(a.begin, b.begin), std::min(a.end, b.end)};
 }
 
-// Ranges of one rectangle that touch become one; the order is that of first appearance.
+// Merges adjacent ranges of one rectangle, in the order of first appearance.
 std::vector<WorkItem> joined(std::vector<WorkItem> items) {
   std::vector<WorkItem> result;
   for (const WorkItem& item : items) {
@@ -121,7 +121,7 @@ bool HeldLease::has_delivery() const {
 
 Delivery HeldLease::take_batch() {
   assert(has_delivery());
-  // What was growing stays so only while more is to come.
+  // No further samples follow, so an unfinished item is sent as well.
   if (!has_todo() && !rendering_) flush();
   Delivery delivery;
   delivery.lease_id = id_;

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// One lease on its way through a worker: what is still to be rendered of it, what is being rendered, what
-// waits to be delivered. Plain state with the rules that need no other lease; not thread-safe (LeaseTracker
-// guards it).
+// The progress of one lease in a worker: the samples to render, the piece in progress, and the results to
+// deliver. Plain state with the rules that need no other lease. Not thread-safe; guarded by LeaseTracker.
 //
-//   todo ──take──▶ rendering ──rendered──▶ growing ──flush──▶ ready ──take_batch──▶ delivering ──delivered──▶
-//   gone
+//   todo ──take──▶ rendering ──rendered──▶ growing ──flush──▶ ready ──take_batch──▶ delivering
+//                                                                                       │ delivered
+//                                                                                       ▼
+//                                                                                    removed
 #pragma once
 
 #include <chrono>
@@ -23,7 +24,7 @@ namespace tessera::worker {
 using proto::Duration;
 using proto::WorkItem;
 
-// What is sent in one message.
+// The content of one message.
 struct Delivery {
   std::uint64_t lease_id = 0;
   std::string job_id;
@@ -33,7 +34,7 @@ struct Delivery {
   bool lease_finished = false;
   // Why the lease is given back, if its scene cannot be built.
   std::string decline_reason;
-  // All other leases that are held; empty if none should be given for this one.
+  // All other leases that are held; empty if the coordinator should give none with the answer.
   std::vector<std::uint64_t> held_besides;
 };
 
@@ -47,32 +48,33 @@ class HeldLease {
   // v1.Lease.token.
   const std::string& token() const { return token_; }
 
-  // Everything held of it, in a canonical form: ranges of one rectangle that touch are one item.
+  // All items that are held, in a canonical form: adjacent ranges of one rectangle are one item.
   std::vector<WorkItem> items() const;
 
-  // Forgets what is to be rendered and is not among `wanted`. Returns whether that changed anything.
+  // Drops samples that are still to be rendered and not in `wanted`. Returns whether there were any.
   bool keep_only(const std::vector<WorkItem>& wanted);
-  // Nothing more will be rendered of it, but for a piece that is on its way.
+  // Drops everything that is still to be rendered, except for a piece in progress.
   void stop_rendering();
 
   bool has_todo() const { return !todo_.empty(); }
-  // The next piece to be rendered: about `target_samples` pixel samples of one item, at least one sample of
-  // each pixel. Only if has_todo() and nothing of it is being rendered.
+  // The next piece to render: about `target_samples` pixel samples of one item, at least one sample of each
+  // pixel. Requires has_todo(), and that no piece is in progress.
   WorkItem take(std::uint64_t target_samples);
-  // The piece that take() gave. Pieces of one item are put together until it is complete or took long enough.
+  // Takes the result of the piece of take(). Pieces of one item are merged until the item is complete or took
+  // long enough.
   void rendered(core::FilmTile tile, Duration render_time);
-  // The piece that take() gave could not be rendered and is to be done again.
+  // The piece of take() could not be rendered, and is to be rendered again.
   void not_rendered();
-  // The piece that take() gave never will be rendered: nothing more is, and what was before it can be sent.
+  // The piece of take() will never be rendered, nor anything else of the lease. Earlier pieces can be sent.
   void abandon();
 
   // Whether something can be sent: rendered tiles, or that the lease is finished.
   bool has_delivery() const;
   Delivery take_batch();
-  // What take_batch() gave last has arrived, or was refused for good.
+  // The last delivery of take_batch() was accepted or rejected.
   void delivered();
 
-  // Nothing of it is left to be rendered, and nothing rendered waits.
+  // Whether nothing is left to render or to send.
   bool empty() const;
 
  private:
@@ -88,7 +90,7 @@ class HeldLease {
   Duration growing_time_{};
   std::deque<core::FilmTile> ready_;
   Duration ready_time_{};
-  std::optional<std::vector<WorkItem>> delivering_;  // also of a lease that is given back without any
+  std::optional<std::vector<WorkItem>> delivering_;  // also set for a lease that is given back without items
 };
 
 }  // namespace tessera::worker

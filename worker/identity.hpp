@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a worker says of itself.
+// The identity of a worker.
 #pragma once
 
 #include <cstdint>

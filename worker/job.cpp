@@ -9,7 +9,7 @@ namespace tessera::worker {
 
 std::string bundle_key(const v1::Bundle& bundle) {
   proto::Hasher hasher;
-  // Lengths go first, so that no two bundles give the same bytes.
+  // Each text follows its length, so that no two bundles give the same bytes.
   const auto add = [&hasher](const std::string& text) {
     hasher.update(fmt::format("{}:", text.size()));
     hasher.update(text);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A job as this worker knows it, once its scene's files lie in the cache. Immutable.
+// A job whose scene files are in the cache. Immutable.
 #pragma once
 
 #include <map>
@@ -11,21 +11,21 @@
 
 namespace tessera::worker {
 
-// A bundle on this machine.
+// The files of a bundle on this machine.
 struct SceneFiles {
-  // Equal for equal bundles, whatever job they came with.
+  // Equal for equal bundles, whatever their job.
   std::string key;
   // The scene file's name in the bundle.
   std::string scene_path;
-  // Where the cache keeps the file that the bundle calls by this name.
+  // The path of each file in the cache by its name in the bundle.
   std::map<std::string, std::string> blob_paths;
-  // What is in it.
+  // The digests by the same names.
   std::map<std::string, proto::Digest> digests{};
 };
 
 struct Job {
   std::string id;
-  // What the picture depends on; leases say which samples to take.
+  // The settings that determine the image; leases name the samples to render.
   core::RenderSettings settings;
   SceneFiles files;
 };

@@ -12,14 +12,15 @@
 namespace tessera::worker {
 namespace {
 
-// Jobs beyond those of held leases that stay known, so that a farm that alternates need not repeat itself.
+// Jobs without leases that are remembered, so that a farm that alternates between jobs need not send them
+// again.
 constexpr std::size_t kIdleJobsKept = 16;
-// Of any coordinator.
+// An upper bound on any coordinator's lease time.
 constexpr std::chrono::seconds kLongestLeaseTime{3600};
-// What is held and looked at, whatever a coordinator says: several times what any gives.
+// Bounds on what an answer may contain: several times what any coordinator gives.
 constexpr int kMaxLeases = 64;
 constexpr int kMaxItems = 1024;
-// How long a trouble is told of after its last time; a job that is given again has it again.
+// How long a trouble is reported after it last occurred; it recurs if the job is leased again.
 constexpr std::chrono::minutes kTroubleShown{10};
 
 v1::Lease to_proto(const HeldLease& lease) {
@@ -47,19 +48,19 @@ Duration heartbeat_timeout(const v1::SynchronizeResponse& response) {
       std::max<std::int64_t>(TimeUtil::DurationToMilliseconds(response.heartbeat_timeout()), 0));
 }
 
-// As many as are looked at.
+// At most kMaxLeases leases; the rest is ignored.
 auto first_leases(const google::protobuf::RepeatedPtrField<v1::Lease>& leases) {
   return leases | std::views::take(kMaxLeases);
 }
 
-// The items that can be; others are left out and so stay with the coordinator.
+// The valid items. The coordinator keeps the others.
 std::vector<WorkItem> readable_items(const v1::Lease& lease, const v1::RenderSettings& settings) {
   std::vector<WorkItem> items;
   int left_out = std::max(lease.items_size() - kMaxItems, 0);
   for (int i = 0; i < std::min(lease.items_size(), kMaxItems); ++i) {
     const v1::WorkItem& message = lease.items(i);
     const auto item = proto::from_proto(message);
-    // Of no more than a tile, which is what a result can hold.
+    // At most one tile, since a result cannot hold more.
     const bool inside = item && message.rect().x1() <= settings.width_px() &&
                         message.rect().y1() <= settings.height_px() && item->rect.width() <= core::kTilePx &&
                         item->rect.height() <= core::kTilePx;
@@ -90,14 +91,14 @@ void LeaseTracker::report(v1::SynchronizeRequest& request) {
     if (is_unusable(lease.job_id())) ++given_up;
   }
   for (const auto& [id, entry] : jobs_) request.add_known_job_ids(id);
-  // Leases that only wait to be given back do not keep this worker from other work.
+  // Leases that only wait to be given back do not count, so that the worker gets other work.
   request.set_wanted_leases(draining_ ? 0 : options_.wanted_leases + given_up);
   request.set_draining(draining_);
   report_activity(request);
   report_troubles(request);
 }
 
-// What is fetched goes on being fetched when others have been given its leases.
+// A fetch continues when the leases of the job have gone to others.
 void LeaseTracker::report_activity(v1::SynchronizeRequest& request) const {
   for (const auto& [id, entry] : jobs_) {
     const bool comes_next = entry.stage == Stage::kWanted && holds_any_of(id);
@@ -335,12 +336,12 @@ void LeaseTracker::delivered(const Delivery& delivery, const v1::SubmitResultRes
   if (delivery.lease_finished) {
     just_finished_.insert(lease->id());
     unwanted_.erase(lease->id());
-    // Once its lease is given back, a job that could not be used gets another chance.
+    // An unusable job can be tried again after its lease is given back.
     const auto job = jobs_.find(lease->job_id());
     if (job->second.stage == Stage::kUnusable) job->second.stage = Stage::kWanted;
     leases_.remove_if([&](const HeldLease& other) { return other.id() == delivery.lease_id; });
   }
-  // If one was taken away again by a Synchronize that was answered meanwhile, the next says so.
+  // If a Synchronize that was answered meanwhile took one of these leases away, the next one reports so.
   for (const v1::JobSpec& spec : answer.jobs()) add_job(spec);
   for (const v1::Lease& given : first_leases(answer.new_leases()))
     if (add_lease(given)) just_given_.insert(given.id());

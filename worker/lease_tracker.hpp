@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// Everything this worker holds: leases on their way from the coordinator to delivery, and the jobs they
-// belong to. The one place where the worker's threads meet. Thread-safe; functions that block say so.
+// The worker's leases, from the coordinator to delivery, and their jobs. The worker's threads share only this
+// object. Thread-safe; functions that block say so.
 //
-// What a job needs before its leases are rendered:
+// The stages of a job before its leases are rendered:
 //
 //   WANTED ──files fetched──▶ READY ──scene cannot be built──▶ UNUSABLE
 //      │  ◀───────────────── lease given back ─────────────────── ▲
 //      └──────────────────── files cannot be fetched ─────────────┘
 //
-// Leases of an unusable job are given back, but only after a delay that grows with every failure: the
-// coordinator may well lease the job here again.
+// Leases of an unusable job are given back after a delay that grows with every failure, since the coordinator
+// may lease the job to this worker again.
 #pragma once
 
 #include <condition_variable>
@@ -31,32 +31,32 @@
 
 namespace tessera::worker {
 
-// Something to render.
+// Samples to render.
 struct Piece {
   std::uint64_t lease_id = 0;
   std::shared_ptr<const Job> job;
   WorkItem item;
 };
 
-// One that is being rendered for nobody: its lease was taken away, its job has ended, or the worker is to
-// stop.
+// A piece that is rendered although nobody wants it any more: its lease was taken away, its job has ended, or
+// the worker is stopping.
 struct UnwantedPiece {
   Piece piece;
-  // How long it had been rendered when that was heard, and since when it goes on all the same.
+  // How long it had been rendered when it became unwanted, and when that was.
   Duration wanted_for{};
   std::chrono::steady_clock::time_point unwanted_since{};
-  // The longest time within which the coordinator asked to be heard from: its lease time.
+  // The coordinator's lease time: the longest heartbeat timeout of its answers.
   Duration heartbeat_timeout{};
-  // This worker has rendered no other.
+  // This worker has not finished any piece yet.
   bool first = false;
-  // It is to stop.
+  // The worker is stopping.
   bool stopping = false;
 };
 
 class LeaseTracker {
  public:
   struct Options {
-    // Rendered from the first while the next ones' scenes are fetched.
+    // More than one, so that the first is rendered while the scenes of the others are fetched.
     std::uint32_t wanted_leases = 2;
     // How long a lease of an unusable job is kept before it is given back: after the first failure, and at
     // most.
@@ -68,58 +68,56 @@ class LeaseTracker {
 
   // ---- For the thread that synchronises ----
 
-  // Fills in what is held, wanted and known.
+  // Fills in the leases that are held, their wanted number, and the known jobs.
   void report(v1::SynchronizeRequest& request);
-  // Takes over what the coordinator says should be held. The answer must be to the last report; what came
-  // with the answers to deliveries since then stays. Returns whether it differed from what was held.
+  // Applies the leases that the coordinator wants the worker to hold. The answer must be to the last report;
+  // leases that came with answers to deliveries since then stay. Returns whether anything changed.
   bool apply(const v1::SynchronizeResponse& response);
 
   // ---- For the thread that fetches ----
 
-  // Blocks until a job's files are wanted; nothing after a stop.
+  // Blocks until the files of a job are wanted. Empty after a stop.
   std::optional<v1::JobSpec> next_to_fetch(const std::stop_token& stop);
   void fetched(std::shared_ptr<const Job> job);
-  // Reported as a trouble until it is fetched.
+  // Reported as a trouble until the files are fetched.
   void cannot_fetch(const std::string& job_id, const std::string& why);
 
   // ---- For the thread that renders ----
 
-  // Pixel samples that a piece of this job should have.
+  // The number of pixel samples in a piece of this job.
   using SizePiece = std::function<std::uint64_t(const std::string& job_id)>;
 
-  // Blocks until there is something to render; nothing after a stop. Each piece is followed by one of the two
-  // below.
+  // Blocks until there is a piece to render. Empty after a stop. After each piece, call rendered() or
+  // cannot_render().
   std::optional<Piece> take(const std::stop_token& stop, const SizePiece& size_piece);
-  // Its scene is ready, and its samples come next; need not be called.
+  // The scene is ready, and rendering of the samples begins; the call is optional.
   void begins(const Piece& piece);
   void rendered(const Piece& piece, core::FilmTile tile, Duration render_time);
-  // The scene cannot be built or rendered, for this reason, which is reported as a trouble until a piece of
-  // the job is rendered; empty if its files must be fetched again first.
+  // The scene cannot be built or rendered. The reason is reported as a trouble until a piece of the job is
+  // rendered. An empty reason: its files must be fetched again first.
   void cannot_render(const Piece& piece, const std::string& why);
 
   // ---- For the thread that delivers ----
 
-  // Blocks until there is something to send; nothing once there is nothing left after drain(), or after a
-  // stop.
+  // Blocks until there is something to send. Empty when nothing is left after drain(), or after a stop.
   std::optional<Delivery> next_delivery(const std::stop_token& stop);
-  // It has arrived, and this was the answer; or it was refused for good.
+  // The delivery was accepted, with this answer, or rejected.
   void delivered(const Delivery& delivery, const v1::SubmitResultResponse& answer = {});
 
-  // ---- For the thread that watches the one that renders ----
+  // ---- For the watchdog thread ----
 
-  // How long an unwanted piece may go on.
+  // How long an unwanted piece may continue.
   using HangTimeout = std::function<Duration(const UnwantedPiece&)>;
 
-  // Blocks until a piece has gone on for longer, takes it for endless, and does as drain() does without
-  // waiting for it. It is still reported as being rendered, and dropped if it is rendered after all. Nothing
-  // after a stop.
+  // Blocks until an unwanted piece has exceeded its time. Then behaves as drain(), without waiting for the
+  // piece: it is still reported as being rendered, and dropped if it ends after all. Empty after a stop.
   std::optional<UnwantedPiece> abandon_endless(const std::stop_token& stop, const HangTimeout& hang_timeout);
 
-  // ---- For whoever stops the worker ----
+  // ---- For the owner ----
 
-  // The piece in hand is unwanted from now on, whatever its lease.
+  // Makes the current piece unwanted, whatever its lease.
   void drop_all_wanted();
-  // From now on nothing new is rendered or taken; what is rendered is still to be delivered.
+  // From now on nothing new is rendered or accepted; results are still delivered.
   void drain();
 
  private:
@@ -129,15 +127,15 @@ class LeaseTracker {
   struct JobEntry {
     v1::JobSpec spec;
     Stage stage = Stage::kWanted;
-    std::shared_ptr<const Job> job;  // once READY
+    std::shared_ptr<const Job> job;  // set in READY
     int failures = 0;
-    std::string decline_reason;        // why, while UNUSABLE for this reason
-    Clock::time_point give_back_at{};  // while UNUSABLE
-    std::string trouble;               // what kept it from being rendered last; empty once that is over
+    std::string decline_reason;        // the reason in UNUSABLE
+    Clock::time_point give_back_at{};  // set in UNUSABLE
+    std::string trouble;               // the last reason why it was not rendered; empty once it is
     Clock::time_point trouble_at{};
   };
 
-  // All of these expect mutex_ to be held.
+  // The caller of these functions holds mutex_.
   HeldLease* find_lease(std::uint64_t id);
   bool add_job(const v1::JobSpec& spec);
   bool add_lease(const v1::Lease& lease);
@@ -161,19 +159,19 @@ class LeaseTracker {
 
   mutable std::mutex mutex_;
   std::condition_variable_any changed_;
-  std::uint64_t version_ = 0;    // guarded by mutex_; of everything below
-  std::list<HeldLease> leases_;  // guarded by mutex_; in the order they are to be rendered
-  // Guarded by mutex_; held, but only until what is rendered is delivered. Since when.
+  std::uint64_t version_ = 0;    // guarded by mutex_; changes with every member below
+  std::list<HeldLease> leases_;  // guarded by mutex_; in the order of rendering
+  // Guarded by mutex_; since when leases are held only until their results are delivered.
   std::map<std::uint64_t, Clock::time_point> unwanted_;
   std::set<std::uint64_t> just_finished_;  // guarded by mutex_; since the last report
-  // Guarded by mutex_; with answers to deliveries, since the last report.
+  // Guarded by mutex_; from answers to deliveries since the last report.
   std::set<std::uint64_t> just_given_;
-  std::optional<Piece> rendering_;       // guarded by mutex_; whose samples are being rendered
-  Clock::time_point rendering_since_{};  // guarded by mutex_
+  std::optional<Piece> rendering_;                         // guarded by mutex_; the piece in progress
+  Clock::time_point rendering_since_{};                    // guarded by mutex_
   std::optional<Clock::time_point> nothing_wanted_since_;  // guarded by mutex_
-  bool has_rendered_ = false;                              // guarded by mutex_; any piece
-  bool has_abandoned_ = false;                             // guarded by mutex_; the piece in hand
-  Duration heartbeat_timeout_{};                           // guarded by mutex_; the longest of all answers
+  bool has_rendered_ = false;                              // guarded by mutex_; has finished any piece
+  bool has_abandoned_ = false;                             // guarded by mutex_; gave up the piece in progress
+  Duration heartbeat_timeout_{};                           // guarded by mutex_; the maximum of all answers
   std::map<std::string, JobEntry> jobs_;                   // guarded by mutex_
   bool draining_ = false;                                  // guarded by mutex_
 };

@@ -21,7 +21,7 @@ namespace {
 std::string random_bytes(std::size_t count) {
   std::string bytes(count, '\0');
   if (::getentropy(bytes.data(), bytes.size()) != 0)
-    std::abort();  // documented to fail for bad arguments alone
+    std::abort();  // documented to fail only for invalid arguments
   return bytes;
 }
 
@@ -57,7 +57,7 @@ core::Result<std::string> machine_key(const std::string& folder) {
     if (!file.valid() || !core::write_at(file.get(), std::as_bytes(std::span(key)), 0))
       made = core::fail(failed("write", path));
   }
-  // Fails if another worker was first: then its key is this machine's.
+  // EEXIST: another worker was first, and its key is this machine's.
   if (made && ::link(partial.c_str(), path.c_str()) != 0 && errno != EEXIST)
     made = core::fail(failed("make", path));
   std::remove(partial.c_str());

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The random bytes by which a coordinator knows this machine's workers again (proto/worker_key.hpp).
+// The random key by which a coordinator recognises this machine's workers (proto/worker_key.hpp).
 #pragma once
 
 #include <string>
@@ -8,11 +8,11 @@
 
 namespace tessera::worker {
 
-// Those in the file worker.key of this folder, which is made where it is missing, for this user alone to
-// read. Workers that start at the same time get the same. Errors name the file.
+// Reads the file worker.key in this folder. If it is missing, creates it, readable by this user only. Workers
+// that start at the same time get the same key. Errors name the file.
 core::Result<std::string> machine_key(const std::string& folder);
 
-// A key for one process of that machine.
+// A new key for one process of that machine.
 std::string new_worker_key(const std::string& machine_key);
 
 }  // namespace tessera::worker

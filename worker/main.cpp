@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// tessera-worker: renders for a farm. Parse, build, wire, run.
+// tessera-worker: renders for a farm.
 #include <spdlog/spdlog.h>
 
 #include <cstdlib>
@@ -75,7 +75,7 @@ int run(const worker::Options& options, char** arguments) {
 
 int main(int argc, char** argv) {
   core::prepare_standard_streams();
-  // Errors are told once, in our words; GRPC_VERBOSITY=DEBUG brings gRPC's own back.
+  // Errors are reported once, by our own messages; GRPC_VERBOSITY=DEBUG turns gRPC's log on.
   setenv("GRPC_VERBOSITY", "NONE", 0);
   worker::keep_program_name();
   const worker::Options options = worker::parse_options(argc, argv);

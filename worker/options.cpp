@@ -38,8 +38,7 @@ std::string host_name() {
   return gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "worker";
 }
 
-// The home folder of this process's user; services of the system often run without HOME. Empty if there is
-// none.
+// The home folder of this process's user. System services often run without HOME. Empty if there is none.
 std::string home_folder() {
   if (const char* home = std::getenv("HOME"); home != nullptr && *home == '/') return home;
   const passwd* const user = getpwuid(geteuid());
@@ -48,8 +47,8 @@ std::string home_folder() {
   return exists ? user->pw_dir : "";
 }
 
-// Where the XDG base directory specification puts it. Never in a folder such as /tmp, where others could make
-// it first. Empty for users without a home.
+// The folder of the XDG base directory specification. It is never in a folder such as /tmp, where other users
+// could create it first. Empty for users without a home.
 std::string default_cache() {
   if (const char* cache = std::getenv("XDG_CACHE_HOME"); cache != nullptr && *cache == '/')
     return std::string(cache) + "/tessera";

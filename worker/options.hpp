@@ -10,10 +10,10 @@ namespace tessera::worker {
 
 struct Options {
   std::string coordinator = proto::kDefaultCoordinator;  // HOST:PORT
-  unsigned threads;                                      // to render with; all of this machine's by default
-  std::string cache;                                     // folder for scenes' files; may be shared by workers
-  double cache_gib = 16;  // scenes' files beyond this are removed, oldest first
-  std::string name;       // for people; the host's by default
+  unsigned threads;                                      // to render with; default: all of this machine
+  std::string cache;                                     // folder for scene files; may be shared by workers
+  double cache_gib = 16;                                 // above this, scene files are removed, oldest first
+  std::string name;                                      // for people; default: the host's
   proto::ClientSecurity security;
   bool verbose = false;
 
@@ -21,8 +21,7 @@ struct Options {
   std::uint64_t cache_bytes() const { return static_cast<std::uint64_t>(cache_gib * (1 << 30)); }
 };
 
-// Reads the command line. On --help, --version and mistakes it prints what there is to say and ends the
-// process.
+// Parses the command line. On --help, --version and errors it prints the text and ends the process.
 Options parse_options(int argc, char** argv);
 
 }  // namespace tessera::worker

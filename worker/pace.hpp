@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// How much to render in one go, so that a worker reacts to what it is told within about a quarter of a
-// second, whatever the scene costs. Not thread-safe.
+// Chooses the size of pieces, so that a worker reacts to answers within about a quarter of a second, whatever
+// the scene costs. Not thread-safe.
 #pragma once
 
 #include <algorithm>
@@ -14,15 +14,15 @@ namespace tessera::worker {
 
 class Pace {
  public:
-  // Pixel samples for the next piece of this job: a single sample of a tile while its speed is unknown.
+  // Pixel samples for the next piece of this job: one sample per pixel of a tile while the speed is unknown.
   std::uint64_t target_samples(const std::string& job_id) const {
     return job_id == job_id_ ? target_ : kFirstSamples;
   }
 
-  // That many of them took so long.
+  // Records the time that rendering so many samples took.
   void measured(const std::string& job_id, std::uint64_t samples, std::chrono::duration<double> took) {
     const double fitting = static_cast<double>(samples) * kPieceSeconds / std::max(took.count(), 1e-6);
-    // Growth is limited, since a tile of sky says little about the next.
+    // Growth is limited, since a tile of sky says little about the next one.
     const double most = static_cast<double>(kMaxGrowth * std::max(samples, kFirstSamples));
     job_id_ = job_id;
     target_ = static_cast<std::uint64_t>(std::min(fitting, most));

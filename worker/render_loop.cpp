@@ -13,7 +13,7 @@
 namespace tessera::worker {
 namespace {
 
-// The one being rendered, the next one, and one that comes back.
+// The current scene, the next one, and one that returns.
 constexpr std::size_t kScenesKept = 3;
 
 constexpr const char* kNoMemory = "not enough memory to build and render the scene";
@@ -39,7 +39,7 @@ void RenderLoop::run(const std::stop_token& stop) {
   while (const auto piece = lease_tracker_.take(stop, size_piece)) render(*piece);
 }
 
-// Scenes of other jobs that are kept may be what takes the memory: it is tried once more without them.
+// Cached scenes of other jobs may take the memory: a second attempt runs without them.
 void RenderLoop::render(const Piece& piece) {
   for (const bool first : {true, false}) {
     try {
@@ -63,7 +63,7 @@ void RenderLoop::try_to_render(const Piece& piece) {
   const auto scene = scenes_.get(piece.job->files);
   if (!scene && scene.error().code == core::ErrorCode::kResourceExhausted) throw std::bad_alloc();
   if (!scene && !files_are_here(piece.job->files)) {
-    // Files that were removed from the cache meanwhile say nothing of the scene: they are fetched again.
+    // Files that were removed from the cache are no fault of the scene: they are fetched again.
     spdlog::error("job {}: {}", piece.job->id, scene.error().message);
     return lease_tracker_.cannot_render(piece, "");
   }

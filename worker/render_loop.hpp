@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Renders what is held, piece by piece. The only thread that computes: everything parallel happens inside of
-// it.
+// Renders the held leases piece by piece. It is the only thread that computes; rendering itself is parallel.
 #pragma once
 
 #include <atomic>
@@ -18,17 +17,17 @@ namespace tessera::worker {
 
 class RenderLoop {
  public:
-  // As core::render.
+  // The signature of core::render.
   using Render = std::function<core::FilmTile(const core::Scene&, const core::RenderSettings&,
                                               core::PixelRect, core::SampleRange, int threads)>;
 
   RenderLoop(int threads, LeaseTracker& lease_tracker, std::optional<core::SceneStore> store = {},
              Render render = core::render);
 
-  // Returns after a stop, at the end of the piece in hand. A job whose scene cannot be built is logged, and
+  // Returns after a stop, at the end of the current piece. A job whose scene cannot be built is logged, and
   // its leases are given back.
   void run(const std::stop_token& stop);
-  // Pixel samples rendered so far, wanted by others or not. From any thread.
+  // The pixel samples rendered so far, including unwanted ones. Thread-safe.
   std::uint64_t samples() const { return samples_; }
 
  private:

@@ -15,10 +15,10 @@
 namespace tessera::worker {
 namespace {
 
-// A fraction of the time for which the blob cache keeps what was used.
+// Well below the time for which the blob cache keeps unused files.
 constexpr auto kMarkPeriod = std::chrono::minutes(10);
 
-// What was read is what was asked for, whatever has happened to the file since it was fetched. A file with
+// Checks that the bytes match the digest, since the file may have changed after it was fetched. A file with
 // other bytes is removed, so that it is fetched again.
 core::Status check_blob(const SceneFiles& files, const std::string& name, const std::string& bytes) {
   const auto digest = files.digests.find(name);
@@ -45,7 +45,7 @@ core::Result<std::shared_ptr<const core::Scene>> SceneCache::get(const SceneFile
     mark_files(*known, files);
     return known->scene;
   }
-  // The oldest goes first, so that no more scenes than these are ever in memory.
+  // The oldest is removed first, so that memory never holds more than `capacity_` scenes.
   while (recent_.size() >= capacity_) recent_.pop_back();
   const auto start = Clock::now();
   auto built = build(files);
@@ -74,8 +74,8 @@ core::Result<core::Scene> SceneCache::build(const SceneFiles& files) const {
   return core::Scene::build(std::move(*description), threads_);
 }
 
-// A scene in memory needs no files, but a worker that is started anew, or has had too many other scenes,
-// does.
+// A scene in memory does not need its files, but the worker does after a restart, or when the scene was
+// evicted.
 void SceneCache::mark_files(Entry& entry, const SceneFiles& files) {
   if (Clock::now() - entry.files_marked < kMarkPeriod) return;
   entry.files_marked = Clock::now();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The scenes rendered last, built and ready. For the render thread alone: building uses its threads.
+// A cache of the scenes rendered last. For the render thread only: building uses its threads.
 #pragma once
 
 #include <chrono>
@@ -18,16 +18,16 @@ namespace tessera::worker {
 
 class SceneCache {
  public:
-  // Scenes that are not here are taken from the store and kept there, where there is one.
+  // Scenes that are not in memory are read from the store, and written to it, if there is one.
   SceneCache(std::size_t capacity, int threads, std::optional<core::SceneStore> store)
       : capacity_(capacity), threads_(threads), store_(std::move(store)) {}
 
-  // Loads and builds the scene if it is not here, and counts its files as used. Errors are those of
+  // Loads and builds the scene if it is not in memory, and marks its files as used. Errors are those of
   // load_scene and Scene::build.
   core::Result<std::shared_ptr<const core::Scene>> get(const SceneFiles& files);
-  // Whether other scenes are kept in memory.
+  // Whether scenes of other bundles are in memory.
   bool has_others(const SceneFiles& files) const;
-  // Forgets them all.
+  // Removes all scenes from memory.
   void clear() { recent_.clear(); }
 
  private:
@@ -44,7 +44,7 @@ class SceneCache {
   std::size_t capacity_;
   int threads_;
   std::optional<core::SceneStore> store_;
-  std::list<Entry> recent_;  // latest first
+  std::list<Entry> recent_;  // most recent first
 };
 
 }  // namespace tessera::worker

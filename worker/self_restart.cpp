@@ -19,11 +19,11 @@
 namespace tessera::worker {
 namespace {
 
-// How many starts in a row rendered nothing and were replaced by the next, this one being that.
+// The number of starts in a row, up to this one, whose predecessor rendered nothing and restarted itself.
 constexpr const char* kBarrenStarts = "TESSERA_WORKER_BARREN_STARTS";
 constexpr int kMaxBarrenStarts = 100;
 
-// With OMP_PROC_BIND every thread keeps to some processors, and the new program would have no others.
+// With OMP_PROC_BIND every thread is bound to some processors, and the new program would inherit them.
 void spread_over_all_places() {
   cpu_set_t all;
   CPU_ZERO(&all);
@@ -43,9 +43,9 @@ int failed_restarts() {
 [[noreturn]] void self_restart(char** arguments, int failed_restarts) {
   setenv(kBarrenStarts, std::to_string(failed_restarts).c_str(), 1);
   spread_over_all_places();
-  spdlog::info("starting anew, as threads that render for ever can be ended in no other way");
+  spdlog::info("restarting, since threads that render for ever cannot be ended in another way");
   execv("/proc/self/exe", arguments);
-  spdlog::critical("cannot start anew: {}", std::strerror(errno));
+  spdlog::critical("cannot restart: {}", std::strerror(errno));
   _exit(EXIT_FAILURE);
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A new start of this program in the same process: the way out for a worker with threads that nothing ends.
+// Replaces the worker's program by a new start in the same process: the only way to end threads that never
+// return.
 #pragma once
 
 #include "worker/signals.hpp"
@@ -7,14 +8,14 @@
 
 namespace tessera::worker {
 
-// Of a worker that has this process replaced when a piece of it never ends: by the same program, with the
-// arguments that main() was given and the same environment, folder, standard streams and process id. Ends it
-// instead after a signal to stop, and with status 1 if the coordinator or the system refuses. Waits longer
-// with each start in a row that rendered nothing, which it leaves to the next in an environment variable. The
-// signals must outlive the worker.
+// Options of a worker that restarts itself when a piece never ends. The new program is the same one with the
+// arguments of main(), and keeps environment, folder, standard streams and process id. After a stop signal
+// the process ends instead, and it ends with status 1 if the coordinator or the system refuses. The wait
+// before a restart grows with each start in a row that rendered nothing, whose number an environment variable
+// passes on. The signals must outlive the worker.
 Worker::Options with_self_restart(char** arguments, StopSignals& signals);
 
-// To be called in main(), since a program that was started anew would be listed as "exe" otherwise.
+// Call it in main(): otherwise a restarted program would be listed as "exe".
 void keep_program_name();
 
 }  // namespace tessera::worker

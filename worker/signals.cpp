@@ -19,7 +19,7 @@ sigset_t stop_signals() {
   return set;
 }
 
-// The next signal, or nothing positive when it is time to look whether anybody still waits for it.
+// The next signal; not positive if none came within the polling interval.
 int next_signal(const sigset_t& set) {
   constexpr timespec kLookAround{0, 100'000'000};
   return sigtimedwait(&set, nullptr, &kLookAround);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// SIGINT and SIGTERM as a stop token: the first asks for an orderly end, the second ends the process at once.
+// Turns SIGINT and SIGTERM into a stop token: the first requests an orderly stop, the second ends the process
+// at once.
 #pragma once
 
 #include <stop_token>
@@ -7,8 +8,8 @@
 
 namespace tessera::worker {
 
-// Signals belong to the process: to be made once, in main, before any other thread is started (threads
-// inherit which signals they leave to this one).
+// Signals belong to the process: create it once, in main, before any other thread starts (threads inherit the
+// signal mask).
 class StopSignals {
  public:
   StopSignals();
@@ -16,7 +17,7 @@ class StopSignals {
   StopSignals& operator=(const StopSignals&) = delete;
 
   std::stop_token token() const { return stop_.get_token(); }
-  // Signals from now on are left to the program that this process is about to become.
+  // Leaves further signals pending for the program that replaces this one.
   void leave_pending() { thread_ = {}; }
 
  private:

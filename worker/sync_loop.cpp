@@ -15,17 +15,16 @@ namespace {
 using namespace std::chrono_literals;
 using google::protobuf::util::TimeUtil;
 
-// A coordinator may hold a call for as long as it wants to hear from its workers; beyond this it is taken for
-// lost.
+// A coordinator may hold a call for up to its heartbeat timeout; after the slack it is presumed lost.
 constexpr proto::Duration kFirstDeadline = 60s;
 constexpr proto::Duration kDeadlineSlack = 10s;
 constexpr proto::Duration kGoodbyeDeadline = 2s;
-// An answer that changes nothing should have been a wait. The worker waits in the coordinator's stead.
+// An answer without a change should have waited. The worker waits instead of the coordinator.
 constexpr proto::Duration kShortestExchange = 50ms;
 
 constexpr proto::BackoffOptions kBackoff{.first = 100ms, .longest = 2s};
 
-// The coordinator answers, and gives this worker nothing: its build, machine or name.
+// Whether the coordinator rejects this worker: its build, machine or name.
 bool refuses_this_worker(core::ErrorCode code) {
   return code == core::ErrorCode::kFailedPrecondition || code == core::ErrorCode::kInvalidArgument;
 }
@@ -51,7 +50,7 @@ core::Status SyncLoop::run(const std::stop_token& stop) {
         wait_for(stop, kShortestExchange);
     } else {
       if (is_final(response.error().code)) return core::fail(response.error());
-      if (response.error().code == core::ErrorCode::kDeadlineExceeded) continue;  // a long wait, not a loss
+      if (response.error().code == core::ErrorCode::kDeadlineExceeded) continue;  // a long wait
       note_failure(response.error());
       const proto::RetryPolicy& policy =
           refuses_this_worker(response.error().code) ? refusal_backoff : backoff;
@@ -61,8 +60,8 @@ core::Status SyncLoop::run(const std::stop_token& stop) {
   return {};
 }
 
-// Whether asking again would not help: its credentials never were good. A worker that was admitted once keeps
-// what it has rendered, and waits until whoever changed the tokens admits it again.
+// Whether a retry is useless, since the credentials were never accepted. A worker that was admitted once
+// keeps its results, and waits until the tokens are corrected.
 bool SyncLoop::is_final(core::ErrorCode code) const {
   return code == core::ErrorCode::kPermissionDenied && !connected_;
 }
@@ -87,7 +86,7 @@ core::Result<v1::SynchronizeResponse> SyncLoop::synchronize(const std::stop_toke
 
 void SyncLoop::note_success() {
   if (!connected_ || !told_reasons_.empty())
-    spdlog::info(connected_ ? "the coordinator takes this worker's calls again"
+    spdlog::info(connected_ ? "the coordinator accepts this worker's calls again"
                             : "registered with the coordinator");
   connected_ = true;
   told_reasons_.clear();
@@ -98,7 +97,7 @@ void SyncLoop::note_failure(const core::Error& error) {
   if (refuses_this_worker(error.code)) {
     spdlog::error("refused by the coordinator ({}); trying again from time to time", error.message);
   } else if (error.code == core::ErrorCode::kPermissionDenied) {
-    spdlog::warn("not let in any more ({}); trying again until that has changed", error.message);
+    spdlog::warn("no longer admitted ({}); trying again until that changes", error.message);
   } else {
     spdlog::warn("cannot reach the coordinator ({}); trying again until it answers", error.message);
   }
@@ -107,7 +106,7 @@ void SyncLoop::note_failure(const core::Error& error) {
 void SyncLoop::deregister() {
   const auto response = synchronize(std::stop_token(), kGoodbyeDeadline);
   if (!response && response.error().code != core::ErrorCode::kDeadlineExceeded)
-    spdlog::warn("could not tell the coordinator that this worker leaves: {}", response.error().message);
+    spdlog::warn("could not deregister from the coordinator: {}", response.error().message);
 }
 
 }  // namespace tessera::worker

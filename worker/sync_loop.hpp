@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The conversation with the coordinator: says what is held, takes over what should be, for as long as the
-// worker runs. Level-triggered: a lost answer or a restarted coordinator needs no special care. One thread
-// runs it.
+// Synchronises with the coordinator: reports the leases that are held and applies the answers, as long as the
+// worker runs. Each call carries the full state, so a lost answer or a restarted coordinator needs no special
+// handling. Runs on one thread.
 #pragma once
 
 #include <functional>
@@ -20,10 +20,10 @@ namespace tessera::worker {
 
 class SyncLoop {
  public:
-  // The error of a call that failed.
+  // Makes the error of a failed call.
   using Explain = std::function<core::Error(const grpc::Status&)>;
 
-  // After a refusal, which lasts until somebody changes something.
+  // After a rejection, which lasts until an operator changes something.
   static constexpr proto::BackoffOptions kRefusalBackoff{.first = std::chrono::seconds(2),
                                                          .longest = std::chrono::seconds(60)};
 
@@ -38,11 +38,11 @@ class SyncLoop {
         lease_tracker_(lease_tracker) {}
 
   // Returns after a stop, or with PERMISSION_DENIED if the coordinator does not accept this worker's
-  // credentials the first time. Whatever else goes wrong is tried again, forever; where the coordinator
-  // refuses this worker for what it is, with pauses of up to a minute.
+  // credentials the first time. Retries after all other errors, for ever. If the coordinator rejects the
+  // worker, the pauses grow to a minute.
   core::Status run(const std::stop_token& stop);
 
-  // Tells the coordinator that this worker leaves. Blocks a few seconds at most; nobody depends on its
+  // Deregisters this worker from the coordinator. Blocks a few seconds at most; nothing depends on its
   // success.
   void deregister();
 
@@ -58,7 +58,7 @@ class SyncLoop {
   v1::WorkerService::StubInterface& coordinator_;
   LeaseTracker& lease_tracker_;
   bool connected_ = false;
-  std::set<std::string> told_reasons_;  // why it is not answered; empty while it is
+  std::set<std::string> told_reasons_;  // the reasons logged since the last success
 };
 
 }  // namespace tessera::worker

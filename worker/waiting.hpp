@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Waits and calls that end early when a stop is requested. Thread-safe.
+// Waits and calls that end early after a stop request. Thread-safe.
 #pragma once
 
 #include <grpcpp/client_context.h>
@@ -13,13 +13,13 @@
 
 namespace tessera::worker {
 
-// Whether the whole time passed without a stop.
+// Returns false if a stop ended the wait.
 bool wait_for(const std::stop_token& stop, proto::Duration duration);
 
-// Real time for proto::retry, given up at a stop.
+// The real clock for proto::retry; its waits end with a stop.
 proto::Waiter waiter_until(const std::stop_token& stop);
 
-// A client context with a deadline from now, whose call is cancelled at a stop.
+// A client context with a deadline from now. A stop cancels its call.
 class StoppableCall {
  public:
   StoppableCall(const std::stop_token& stop, proto::Duration deadline);
@@ -36,12 +36,12 @@ class StoppableCall {
   std::stop_callback<Cancel> on_stop_;
 };
 
-// Cancels a stream on which nothing has come for too long, however long it takes in all.
+// Cancels a stream that makes no progress for too long, however long it takes in total.
 class StallGuard {
  public:
   // The context must outlive the guard.
   StallGuard(grpc::ClientContext& context, proto::Duration max_silence);
-  // Something has come.
+  // Records progress.
   void progressed() { last_ = std::chrono::steady_clock::now().time_since_epoch(); }
 
  private:

@@ -16,7 +16,7 @@
 namespace tessera::worker {
 namespace {
 
-// In the blobs' folder, and counted with them.
+// Uses the folder of the blobs, and counts toward the same limit.
 std::optional<core::SceneStore> open_scene_store(const BlobCache& cache) {
   auto store = core::SceneStore::open(
       cache.folder(), cache.max_bytes(), [](const std::string& message) { spdlog::warn("{}", message); },
@@ -34,8 +34,8 @@ std::string describe(const UnwantedPiece& unwanted) {
   const auto& [rect, range] = unwanted.piece.item;
   const Duration for_nobody = std::chrono::steady_clock::now() - unwanted.unwanted_since;
   return fmt::format(
-      "job {}: samples [{}, {}) of the tile with the pixels [{}, {}) x [{}, {}) came to no end in {} s, of "
-      "which nobody wanted them for the last {} s: this worker gives them up",
+      "job {}: samples [{}, {}) of the tile with the pixels [{}, {}) x [{}, {}) did not finish in {} s, and "
+      "nobody wanted them for the last {} s: this worker gives them up",
       unwanted.piece.job->id, range.begin, range.end, rect.x0, rect.x1, rect.y0, rect.y1,
       seconds(unwanted.wanted_for + for_nobody), seconds(for_nobody));
 }
@@ -57,7 +57,7 @@ core::Status Worker::run(const std::stop_token& stop) {
                     options_.render);
   DeliverLoop deliver(identity_, coordinator_, lease_tracker);
 
-  std::stop_source working;  // ends with a stop, or when the coordinator refuses this worker
+  std::stop_source working;  // requested by a stop, or when the coordinator rejects this worker
   const std::stop_callback end_work(stop, [&] { working.request_stop(); });
   const std::stop_callback drop_all_wanted(working.get_token(), [&] { lease_tracker.drop_all_wanted(); });
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A worker: the threads that synchronise, fetch, render and deliver, and how they end; or do not.
+// A worker: the threads that synchronise, fetch, render and deliver, and their shutdown, also when a piece
+// never ends.
 #pragma once
 
 #include <functional>
@@ -19,17 +20,17 @@ namespace tessera::worker {
 class Worker {
  public:
   struct Options {
-    // How long a stopping worker tries to deliver what it has rendered.
+    // How long a stopping worker tries to deliver its results.
     proto::Duration drain_deadline = std::chrono::seconds(20);
-    // What is the matter where no coordinator is reached.
+    // Explains a failed call.
     SyncLoop::Explain explain = [](const grpc::Status& status) { return proto::error_from_grpc(status); };
     RenderLoop::Render render = core::render;
-    // How long a piece is rendered for nobody before it is taken for endless.
+    // How long an unwanted piece may be rendered before it is presumed endless.
     LeaseTracker::HangTimeout hang_timeout = [](const UnwantedPiece& piece) {
       return compute_hang_timeout(piece, 0);
     };
-    // Replaces this process, since nothing ends the threads that are at such a piece. Called when everything
-    // else is delivered. Should it return, the piece is waited for.
+    // Replaces this process, since threads in an endless piece cannot be ended. Called after everything else
+    // is delivered. If it returns, the worker waits for the piece.
     std::function<void(const UnwantedPiece&, const core::Status&)> self_restart = [](const UnwantedPiece&,
                                                                                      const core::Status&) {};
   };
@@ -40,9 +41,8 @@ class Worker {
   Worker(Identity identity, const BlobCache& cache, v1::WorkerService::StubInterface& coordinator,
          Options options);
 
-  // Works until a stop is requested, then finishes the piece in hand (unless that is taken for endless),
-  // delivers what is rendered, takes leave and returns. Error: the coordinator never accepted its
-  // credentials.
+  // Works until a stop is requested. Then finishes the current piece (unless it is presumed endless),
+  // delivers all results, deregisters and returns. Fails if the coordinator never accepted the credentials.
   core::Status run(const std::stop_token& stop);
 
  private:

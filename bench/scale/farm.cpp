@@ -21,14 +21,14 @@ namespace {
 using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 
-// The scene is validated by the coordinator, but not rendered.
+// The coordinator validates this scene, but nobody renders it.
 constexpr const char* kScene = R"({
   "camera": { "position": [0, 1.5, 6], "look_at": [0, 1, 0] },
   "materials": { "lamp": { "type": "lambert", "emission": 12 } },
   "shapes": [ { "type": "sphere", "center": [0, 1, 0], "radius": 1, "material": "lamp" } ]
 })";
 
-// Workers arrive one after the other, like machines that start a program over a network.
+// Workers arrive one after the other, as on machines that start a program over a network.
 constexpr auto kBetweenArrivals = 1ms;
 constexpr auto kDonePolls = 200ms;
 
@@ -60,7 +60,7 @@ double own_cpu_seconds() {
   return seconds(usage.ru_utime) + seconds(usage.ru_stime);
 }
 
-// Every channel has its own connection, like workers on different machines.
+// Each channel has its own connection, as workers on different machines have.
 core::Result<std::shared_ptr<grpc::Channel>> own_connection(const std::string& address) {
   const auto credentials = proto::channel_credentials(address, {});
   if (!credentials) return core::fail(credentials.error());
@@ -111,7 +111,7 @@ std::vector<v1::Job> list_jobs(v1::RenderService::Stub& users) {
     grpc::ClientContext context;
     v1::ListJobsResponse response;
     if (users.ListJobs(&context, {}, &response).ok()) return {response.jobs().begin(), response.jobs().end()};
-    std::this_thread::sleep_for(kDonePolls);  // the coordinator may be overloaded
+    std::this_thread::sleep_for(kDonePolls);  // the coordinator is overloaded
   }
 }
 
@@ -120,9 +120,9 @@ bool all_done(const std::vector<v1::Job>& jobs) {
                                       [](const v1::Job& job) { return job.state() == v1::JOB_STATE_DONE; });
 }
 
-// Of tiles with samples. Ranges come in passes over the whole picture, the first two of which are of one
-// sample each; sums take 4 bytes each while they are small, those of the odd-numbered samples none before
-// there are some. (In passes after these it is up to 48 bytes for each pixel.)
+// The film memory of tiles with samples. Ranges are leased in passes over the whole image, the first two of
+// which have one sample each. Small sums take 4 bytes each, and the sums of odd samples take none before
+// there are any. (In later passes it is up to 48 bytes for each pixel.)
 std::uint64_t touched_film_bytes(const std::vector<v1::Job>& jobs) {
   std::uint64_t bytes = 0;
   for (const v1::Job& job : jobs) {
@@ -133,13 +133,13 @@ std::uint64_t touched_film_bytes(const std::vector<v1::Job>& jobs) {
   return bytes;
 }
 
-// The workers of one farm, with their connections.
+// The workers of one farm with their connections.
 class Workers {
  public:
   explicit Workers(Tally& tally) : tally_(tally) {}
   ~Workers() {
     for (const auto& worker : workers_) worker->stop();
-    // Pending calls hold references to their workers until they end.
+    // Calls in progress hold their workers until they have ended.
     for (const auto& worker : workers_)
       while (worker.use_count() > 1) std::this_thread::sleep_for(1ms);
   }

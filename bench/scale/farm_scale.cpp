@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Measures a coordinator with many workers, large images and many jobs: real processes and connections,
-// workers that render nothing (simulated_worker.hpp), and a Markdown table of the coordinator's resource
-// use. docs/scaling.md explains the columns and gives results.
+// Measures a coordinator with many workers, large images and many jobs. Processes and connections are real,
+// but workers render nothing (simulated_worker.hpp). Prints a Markdown table of the resources that the
+// coordinator used. docs/scaling.md explains the columns and has results.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -31,8 +31,8 @@ struct Options {
   int workers = 0;
 };
 
-// Leases of two seconds that are one sample of one tile each, in an image so large that no tile repeats
-// within the first passes: the most expensive load for the coordinator per second of work.
+// Leases of two seconds with one sample of one tile each, in an image so large that no tile recurs within the
+// first passes. This load costs the coordinator most for each second of a worker's time.
 Load two_second_leases(int workers, double seconds) {
   return {.name = fmt::format("{} workers", workers),
           .workers = workers,

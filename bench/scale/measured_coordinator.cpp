@@ -27,7 +27,7 @@ std::string read_file(const std::filesystem::path& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-// In the child process: executes the coordinator, with its output in a file.
+// Runs in the child process: executes the coordinator, with its output in a file.
 [[noreturn]] void become(const MeasuredCoordinator::Options& options, const std::filesystem::path& log) {
   if (options.core) {
     cpu_set_t cores;
@@ -43,7 +43,7 @@ std::string read_file(const std::filesystem::path& path) {
   ::_exit(127);
 }
 
-// Empty until the coordinator has printed it.
+// Empty until the log has it.
 std::string listening_address(const std::string& log) {
   const std::string key = "listening on ";
   const std::size_t begin = log.find(key), end = log.find('\n', begin);
@@ -61,7 +61,7 @@ std::uint64_t proc_number(pid_t pid, const char* file, const std::string& key) {
 
 double cpu_seconds(pid_t pid) {
   const std::string stat = read_file(fmt::format("/proc/{}/stat", pid));
-  // The program's name may contain anything; the fields from the third on follow it.
+  // The fields from the third on follow the program's name, which may contain any character.
   std::istringstream fields(stat.substr(stat.rfind(')') + 2));
   std::string field;
   for (int i = 3; i < 14; ++i) fields >> field;

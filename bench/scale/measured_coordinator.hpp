@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A real tessera-coordinator process, and its resource use. Not thread-safe.
+// Runs a real tessera-coordinator in its own process, and measures its resources. Not thread-safe.
 #pragma once
 
 #include <sys/types.h>
@@ -14,10 +14,10 @@
 
 namespace tessera::bench {
 
-// Since the process was started, unless stated otherwise.
+// Since the start of the process, unless a field says otherwise.
 struct Usage {
-  double cpu_seconds = 0;            // in user mode and in the kernel, of all threads
-  std::uint64_t resident_bytes = 0;  // now
+  double cpu_seconds = 0;            // user and system time of all threads
+  std::uint64_t resident_bytes = 0;  // at this moment
   std::uint64_t most_resident_bytes = 0;
   std::uint64_t written_bytes = 0;  // passed to the file system
 };
@@ -26,15 +26,15 @@ class MeasuredCoordinator {
  public:
   struct Options {
     std::filesystem::path program;
-    // The folder of its state and log; must exist.
+    // The folder for its state and its log; must exist.
     std::filesystem::path folder;
-    // Pins the process to this core, if present.
+    // The only core on which it may run; any if absent.
     std::optional<int> core;
   };
 
-  // Returns when the coordinator listens. Errors end with its output.
+  // Returns when it listens. Errors end with its output.
   static core::Result<MeasuredCoordinator> start(const Options& options);
-  // Stops the process and waits until it has exited.
+  // Stops it and waits for its end.
   ~MeasuredCoordinator();
   MeasuredCoordinator(MeasuredCoordinator&& other) noexcept;
   MeasuredCoordinator& operator=(MeasuredCoordinator&&) = delete;

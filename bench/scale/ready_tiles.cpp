@@ -11,12 +11,12 @@ namespace {
 
 constexpr core::PixelRect kTile{0, 0, core::kTilePx, core::kTilePx};
 
-// Used for every range. Sums of fewer samples compress better; those of more, hardly worse.
+// Used for every range. Sums of fewer samples compress better, those of more only slightly worse.
 constexpr std::uint32_t kSamples = 16;
 constexpr std::uint32_t kVariants = 16;
 
-// Some of the samples are black; the others are spread over a decade around a mean that changes slowly from
-// pixel to pixel.
+// Some of the samples find no light; the others vary by a decade around a mean that changes slowly between
+// pixels.
 class Noise {
  public:
   explicit Noise(std::uint32_t seed) : random_(seed) {}
@@ -34,7 +34,7 @@ class Noise {
   std::lognormal_distribution<double> spread_{-0.3, 0.8};
 };
 
-// How many of a range's samples have odd numbers.
+// How many of a range's samples are odd.
 enum Odd : std::size_t { kNone, kSome, kAll };
 
 Odd odd_samples(const core::SampleRange& range) {

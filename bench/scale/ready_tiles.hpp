@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Precomputed results for simulated workers: whole tiles whose sums are noise like that of a path tracer,
-// already compressed, so that sending them costs little. Thread-safe.
+// Precomputed results: whole tiles with noise like that of a path tracer, compressed in advance, so that
+// sending them costs a worker next to nothing. Thread-safe.
 #pragma once
 
 #include <array>
@@ -17,18 +17,18 @@ class ReadyTiles {
  public:
   ReadyTiles();
 
-  // A valid result for the item, which must be a whole tile of 64 x 64 pixels. `variant` is any number;
-  // equal ones give equal sums.
+  // A valid result for the item, which must be a whole tile of 64 x 64 pixels. `variant` is any number; equal
+  // ones give equal sums.
   v1::RenderedItem rendered(const proto::WorkItem& item, std::uint64_t variant) const;
 
  private:
-  // The sums of a tile in the format of the protocol.
+  // The sums of a tile as sent over the network.
   struct Frame {
     std::string planes_zstd;
     std::uint64_t sums_xxh3 = 0;
   };
 
-  // By which of the range's samples have odd numbers: none, some, all.
+  // By how many of the range's samples are odd: none, some, all.
   std::array<std::vector<Frame>, 3> frames_;
 };
 

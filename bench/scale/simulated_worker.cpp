@@ -14,12 +14,12 @@ namespace tessera::bench {
 namespace {
 
 constexpr std::uint32_t kWantedLeases = 2;
-// The delays before a failed call is retried, and before a Synchronize without news is repeated.
+// The delay before a failed call is retried, or a Synchronize without a change is repeated.
 constexpr double kRetrySeconds = 0.1, kShortestExchangeSeconds = 0.05;
 constexpr std::size_t kMaxItemsPerDelivery = 42;  // 8 MiB of sums
 const std::string kArithmetic(core::kDeterminismFingerprint);
 
-// As long as a real worker's key.
+// Has the length of a real worker's key.
 std::string key_of(int number) {
   return fmt::format("{:048}", number);
 }
@@ -60,7 +60,7 @@ void SimulatedWorker::later(double seconds, Action action) {
   });
 }
 
-// ---- Synchronising ----
+// ---- Synchronisation ----
 
 void SimulatedWorker::synchronize() {
   auto call = std::make_shared<SyncCall>();
@@ -115,7 +115,7 @@ void SimulatedWorker::synchronized(const SyncCall& call, const grpc::Status& sta
   later(rest, [](SimulatedWorker& worker) { worker.synchronize(); });
 }
 
-// Returns whether there was something new.
+// Returns whether anything changed.
 bool SimulatedWorker::apply(const SyncCall& call) {
   for (const v1::JobSpec& job : call.response.jobs()) known_jobs_.insert(job.job_id());
   std::set<std::uint64_t> wanted = just_given_;
@@ -181,7 +181,7 @@ void SimulatedWorker::rendered(std::uint64_t lease_id) {
   deliver_next();
 }
 
-// ---- Delivering ----
+// ---- Delivery ----
 
 void SimulatedWorker::deliver_next() {
   if (delivering_) return;

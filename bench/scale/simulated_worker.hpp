@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// A worker that uses the real protocol on its own connection and renders nothing: it waits for the time
-// that rendering would take, and sends precomputed tiles. Like the real worker (worker/), it keeps two
-// leases, delivers each item as soon as it is "rendered", one delivery at a time, takes leases from
-// responses, and always has a Synchronize pending. All calls are asynchronous; a thousand workers need a
+// A simulated worker that speaks the real protocol on its own connection but renders nothing: it waits for
+// the time that rendering would take, and sends precomputed tiles. Like the real worker (worker/), it keeps
+// two leases, delivers each item as soon as it is "rendered", one delivery at a time, takes leases with the
+// answer, and always has a Synchronize in progress. All calls are asynchronous; a thousand workers need a
 // handful of threads. Thread-safe.
 #pragma once
 
@@ -24,16 +24,16 @@
 
 namespace tessera::bench {
 
-// The simulated rendering speed.
+// The speed of rendering.
 struct Speed {
   double samples_per_second = 1;
-  // Whether rendering takes real time. Otherwise results are ready at once and only claim that time.
+  // Whether it waits for the rendering time. Otherwise results are sent at once, and only report the time.
   bool takes_time = true;
 };
 
 class SimulatedWorker : public std::enable_shared_from_this<SimulatedWorker> {
  public:
-  // Data shared by many workers; must outlive them.
+  // What many workers share; must outlive them.
   struct World {
     const ReadyTiles& tiles;
     Timeline& timeline;
@@ -43,7 +43,7 @@ class SimulatedWorker : public std::enable_shared_from_this<SimulatedWorker> {
   SimulatedWorker(int number, Speed speed, std::shared_ptr<grpc::Channel> channel, World world);
 
   void start();
-  // Cancels its calls and starts no others. Its last call has ended when no other reference to it exists.
+  // Cancels its calls and starts no others. Its last call has ended when nobody else holds a reference.
   void stop();
 
  private:
@@ -55,7 +55,7 @@ class SimulatedWorker : public std::enable_shared_from_this<SimulatedWorker> {
     std::deque<proto::WorkItem> todo;
     std::optional<proto::WorkItem> rendering;
     std::vector<proto::WorkItem> ready, delivering;
-    double ready_seconds = 0;  // what rendering the ready ones took
+    double ready_seconds = 0;  // the render time of the ready items
 
     bool is_finished() const { return todo.empty() && !rendering && ready.empty(); }
   };
@@ -69,7 +69,7 @@ class SimulatedWorker : public std::enable_shared_from_this<SimulatedWorker> {
   using SyncCall = Call<v1::SynchronizeRequest, v1::SynchronizeResponse>;
   using SubmitCall = Call<v1::SubmitResultRequest, v1::SubmitResultResponse>;
 
-  // The following require mutex_ to be held.
+  // The caller of these functions holds mutex_.
   void synchronize();
   void synchronized(const SyncCall& call, const grpc::Status& status);
   bool apply(const SyncCall& call);
@@ -82,7 +82,7 @@ class SimulatedWorker : public std::enable_shared_from_this<SimulatedWorker> {
   void submit(std::shared_ptr<SubmitCall> call);
   void delivered(const std::shared_ptr<SubmitCall>& call, const grpc::Status& status);
   HeldLease* find(std::uint64_t lease_id);
-  // Runs the action with mutex_ held, unless the worker has stopped.
+  // Calls the action with mutex_ held, unless the worker has stopped.
   template <typename Action>
   void later(double seconds, Action action);
 
@@ -96,11 +96,11 @@ class SimulatedWorker : public std::enable_shared_from_this<SimulatedWorker> {
   // Guarded by mutex_:
   std::deque<HeldLease> leases_;
   std::set<std::string> known_jobs_;
-  // Since the last Synchronize was sent: delivered leases, and leases received in responses to deliveries.
+  // Leases since the last Synchronize was sent: delivered, or received with the answer to a delivery.
   std::set<std::uint64_t> just_finished_, just_given_;
   bool rendering_ = false, delivering_ = false, stopped_ = false;
   std::uint64_t delivered_items_ = 0;
-  std::optional<Clock::time_point> waiting_since_;  // for another lease
+  std::optional<Clock::time_point> waiting_since_;  // since when it has waited for another lease
   std::weak_ptr<SyncCall> sync_call_;
   std::weak_ptr<SubmitCall> submit_call_;
 };

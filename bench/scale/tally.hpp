@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Counters of the simulated workers of one farm. Thread-safe.
+// Counters of the simulated workers of one farm during the measurement. Thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -10,24 +10,24 @@ namespace tessera::bench {
 
 struct Counts {
   std::uint64_t results = 0;  // answered SubmitResults
-  std::uint64_t items = 0;    // counted ones
+  std::uint64_t items = 0;    // those that were accepted
   std::uint64_t dropped_items = 0;
   std::uint64_t samples = 0;  // pixel samples of all items that were sent
   std::uint64_t leases = 0;
   std::uint64_t synchronizes = 0;
-  std::uint64_t sent_bytes = 0;      // messages of both kinds, without framing
-  std::uint64_t received_bytes = 0;  // the answers
+  std::uint64_t sent_bytes = 0;      // of both kinds of messages, without framing
+  std::uint64_t received_bytes = 0;  // of the answers
   std::uint64_t failed_calls = 0;
-  double rendering_seconds = 0;  // of all workers together
-  // From sending a result to the response that counts it.
+  double rendering_seconds = 0;  // the sum over all workers
+  // From sending a result to the answer that accepts it.
   std::vector<double> submit_seconds;
-  // From sending a lease's last result to getting another lease.
+  // From sending a lease's last result to receiving another lease.
   std::vector<double> next_lease_seconds;
 };
 
 class Tally {
  public:
-  // Changes what is counted, if anything is.
+  // Changes the counters during the measurement; does nothing otherwise.
   template <typename Change>
   void note(Change change) {
     const std::lock_guard lock(mutex_);
@@ -51,7 +51,7 @@ class Tally {
   Counts counts_;
 };
 
-// The quantile of the values; 0 if there are none.
+// The value below which this share of them lies; 0 if there are none.
 double quantile(std::vector<double> values, double share);
 
 }  // namespace tessera::bench

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs actions later: one timer thread for a thousand simulated workers. Thread-safe.
+// Runs delayed actions: one thread for the timers of a thousand simulated workers. Thread-safe.
 #pragma once
 
 #include <chrono>
@@ -18,12 +18,12 @@ class Timeline {
   using Seconds = std::chrono::duration<double>;
 
   Timeline();
-  // Pending actions are dropped.
+  // Actions that are not due yet are dropped.
   ~Timeline();
   Timeline(const Timeline&) = delete;
   Timeline& operator=(const Timeline&) = delete;
 
-  // Actions due at the same time run in order of insertion. They must not block.
+  // Actions that are due at the same time run in the order of registration. They must not block.
   void after(Seconds delay, std::function<void()> action);
 
  private:

@@ -21,7 +21,7 @@ constexpr const char* kWhatMakesRoom =
     ": delete jobs that nobody needs any more (tessera delete); files that were uploaded and not submitted "
     "make room after a quarter of an hour";
 
-// Sizes in a message may be anything.
+// The sizes come from a message and may have any value.
 std::uint64_t add_capped(std::uint64_t a, std::uint64_t b) {
   return b > std::numeric_limits<std::uint64_t>::max() - a ? std::numeric_limits<std::uint64_t>::max()
                                                            : a + b;
@@ -81,9 +81,9 @@ core::Error over_store_share(std::uint64_t own_bytes, std::uint64_t more_bytes,
 core::Status check_picture_size(const v1::RenderSettings& settings, const server::Limits& limits) {
   const core::PixelRect window = proto::window_of(settings);
   if (window.pixel_count() <= limits.picture_pixels) return {};
-  return core::fail(server::over_limit(fmt::format("the picture has {} x {} = {} pixels", window.width(),
-                                                   window.height(), window.pixel_count()),
-                                       std::to_string(limits.picture_pixels), "--max-picture-pixels"));
+  return core::fail(server::over_limit(
+      fmt::format("the image has {} x {} = {} pixels", window.width(), window.height(), window.pixel_count()),
+      std::to_string(limits.picture_pixels), "--max-picture-pixels"));
 }
 
 core::Status check_spp(std::uint32_t spp, const server::Limits& limits) {

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What follows from audits: workers that are quarantined, tiles that are rendered again, done jobs that run
-// once more.
+// Applies the outcome of audits: quarantines workers, clears wrong tiles, and reopens done jobs.
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
@@ -10,12 +9,12 @@ namespace tessera::coordinator {
 
 namespace {
 
-// Between two leases nobody is at a job for a moment.
+// A job may have no auditor for a moment between two leases.
 constexpr int kChecksUntilSaid = 5;
 
 }  // namespace
 
-// Before what the same result brought is added.
+// Must run before the accepted items of the same result are added.
 void Coordinator::empty_tiles(const scheduler::Actions& actions) {
   for (const scheduler::TileOfJob& dropped : actions.dropped_tiles) {
     spdlog::warn("tile {} of job {} is rendered again: some of it was wrong", dropped.tile,
@@ -32,7 +31,7 @@ void Coordinator::follow_audits(const scheduler::Actions& actions) {
   for (const scheduler::Disproof& disproof : actions.disproved) {
     const scheduler::Producer& producer = disproof.producer;
     if (!quarantine_.quarantined(producer.worker.value, producer.machine, disproof.because)) continue;
-    spdlog::error("worker {} ({}) is quarantined: {}. What it rendered besides is verified by others",
+    spdlog::error("worker {} ({}) is quarantined: {}. Its other results are verified by others",
                   called(producer), producer.worker.value, disproof.because);
   }
   for (const std::string& contradiction : actions.contradictions) spdlog::warn("{}", contradiction);
@@ -44,7 +43,7 @@ void Coordinator::follow_audits(const scheduler::Actions& actions) {
   }
 }
 
-// Says once of each job that nobody who is here can verify the rest of it.
+// Warns once about each job whose remaining audits no present worker can do.
 void Coordinator::note_lack_of_auditors(const StateLock& lock) {
   for (auto& [id, record] : jobs_) {
     const scheduler::JobView view = *scheduler_.job({id}, lock.now());

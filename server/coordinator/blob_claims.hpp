@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which files of scenes somebody needs, and which must therefore stay.
+// Reference counts of scene files: a file that is needed is not removed.
 //
-// A hold lasts as long as it exists: jobs and scenes that are being validated have one. A claim is that of a
-// submission on its way, on all its files, those that are still to come included: it lasts while a call of it
-// is under way (an upload of one of the files, the submission itself), and kClaimTime after the last one. How
-// many files callers claim is bounded, and shared (fair_share.hpp). No I/O. Thread-safe.
+// A hold lasts as long as the object exists: jobs and scenes that are being validated have one. A claim
+// belongs to a submission in progress and covers all its files, including those that are not uploaded yet. It
+// lasts while a call of the submission is in progress (an upload, or the submission itself), and kClaimTime
+// after the last one. The number of files in claims is bounded and shared between callers (fair_share.hpp).
+// No I/O. Thread-safe.
 #pragma once
 
 #include <chrono>
@@ -27,7 +28,7 @@ class BlobClaims {
  public:
   using Time = std::chrono::steady_clock::time_point;
   static constexpr std::chrono::minutes kClaimTime{15};
-  // Files in all claims together. One of few files counts as if it had kMinFiles.
+  // The limit on the files in all claims together. A claim of fewer than kMinFiles files counts as kMinFiles.
   static constexpr std::uint64_t kMaxFiles = 1'000'000, kMinFiles = 16;
 
   explicit BlobClaims(std::function<Time()> now) : now_(std::move(now)) {}
@@ -36,26 +37,28 @@ class BlobClaims {
 
   class Hold;
   class Use;
-  // Both answers must be gone before this is.
+  // The Hold and Use objects must be destroyed before this object.
   Hold hold(std::vector<proto::Digest> files);
-  // A call of a submission that needs these files. Nothing if the caller has claimed its share.
+  // Registers a call of a submission that needs these files. Empty if the caller's share of claims is used
+  // up.
   std::optional<Use> claim(const std::string& caller, std::vector<proto::Digest> files);
-  // A call, e.g. an upload, of all the caller's submissions that need this file; of one of its own if there
-  // is none.
+  // Registers a call, e.g. an upload, with all claims of the caller that need this file. If there is none,
+  // adds a claim of this file alone.
   std::optional<Use> use(const std::string& caller, const proto::Digest& file);
 
   bool is_needed(const proto::Digest& file);
-  // Acts if nobody needs the file, and lets nobody need it meanwhile. Whether it did. `act` must be short.
+  // Calls `act` if nobody needs the file, and lets nobody claim it meanwhile. Returns whether it was called.
+  // `act` must be short.
   bool unless_needed(const proto::Digest& file, const std::function<void()>& act);
-  // How many files the caller has claimed.
+  // The number of files that the caller has claimed.
   std::uint64_t claimed_by(const std::string& caller) const { return places_.held_by(caller); }
 
  private:
   struct Claim {
     std::string caller;
-    std::vector<proto::Digest> files;  // in order, each once
+    std::vector<proto::Digest> files;  // sorted, without duplicates
     FairShare::Held place;
-    int calls = 0;  // under way
+    int calls = 0;  // in progress
     Time quiet_since{};
   };
   using Claims = std::list<Claim>;
@@ -66,7 +69,7 @@ class BlobClaims {
 
   void let_go(const std::vector<proto::Digest>& files);
   void end_use(const std::vector<Claims::iterator>& claims, bool settled);
-  // ---- Under the lock ----
+  // ---- The caller holds the lock ----
   std::optional<Claims::iterator> find_or_add(const std::string& caller, std::vector<proto::Digest> files);
   void begin_call(Claims::iterator claim);
   void forget(Claims& among, Claims::iterator claim);
@@ -75,8 +78,8 @@ class BlobClaims {
   const std::function<Time()> now_;
   FairShare places_{kMaxFiles};
   std::mutex mutex_;
-  std::map<proto::Digest, Need> needs_;  // guarded by mutex_; none that is empty
-  Claims in_use_, quiet_;                // guarded by mutex_; quiet_ in the order in which they lapse
+  std::map<proto::Digest, Need> needs_;  // guarded by mutex_; without empty entries
+  Claims in_use_, quiet_;                // guarded by mutex_; quiet_ is ordered by expiry
 };
 
 class BlobClaims::Hold {
@@ -105,7 +108,7 @@ class BlobClaims::Use {
   Use& operator=(Use&&) = delete;
   ~Use() { end(false); }
 
-  // Ends it, and with it the claims that nobody else uses: a job needs the files now.
+  // Ends the use, and with it the claims that no other call uses: the job now holds the files.
   void settle() { end(true); }
 
  private:
@@ -115,7 +118,7 @@ class BlobClaims::Use {
     if (owner_ != nullptr) std::exchange(owner_, nullptr)->end_use(claims_, settled);
   }
 
-  BlobClaims* owner_;  // null once it has ended
+  BlobClaims* owner_;  // null after the end
   std::vector<Claims::iterator> claims_;
 };
 

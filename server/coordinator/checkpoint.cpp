@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writing to the store what has changed.
+// Writes changes to the store.
 //
-// Job rows are copied first and written last: a row that says DONE is only in the store when all of the job's
-// samples are. Tiles stand by themselves, so they are copied one by one and written in bounded batches,
-// however many changed.
+// Job rows are copied first and written last: the store has a row that says DONE only if it has all samples
+// of the job. The rows of tiles are independent of each other, so they are copied one by one and written in
+// batches of bounded size.
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
@@ -20,7 +20,7 @@ core::Status Coordinator::checkpoint() {
   const std::vector<store::JobRow> rows = changed_rows();
   const core::Status written = write(rows);
   if (written) note_stored(rows);
-  // Also if nothing can be written, on a full disk: whoever waits for a picture can have it from memory.
+  // Also after a failure, e.g. on a full disk: users can fetch the image from memory.
   publish_completions(rows);
   return written;
 }
@@ -71,7 +71,7 @@ core::Status Coordinator::write_tiles(std::span<const TileRef> tiles) {
     return copy;
   };
   std::vector<store::TileRow> rows;
-  for (const TileRef& ref : tiles) {  // one at a time: its sums stay in the processor's cache until encoded
+  for (const TileRef& ref : tiles) {  // one at a time: its sums stay in the CPU cache until they are encoded
     auto copy = take_copy(ref);
     if (!copy) continue;
     rows.push_back(encode_tile_row(ref.job_id, ref.tile, copy->rect, std::move(copy->done), copy->content));

@@ -29,7 +29,7 @@ scheduler::Options scheduler_options(const Options& options, std::uint32_t epoch
   return result;
 }
 
-// The milliseconds since 1970-01-01 UTC of a moment on the scheduler's clock.
+// Converts a time of the scheduler's clock to milliseconds since 1970-01-01 UTC.
 std::int64_t wall_ms(scheduler::Time time, scheduler::Time now) {
   const auto since_1970 = std::chrono::system_clock::now().time_since_epoch() - (now - time);
   return std::chrono::duration_cast<std::chrono::milliseconds>(since_1970).count();
@@ -55,13 +55,13 @@ core::Result<std::unique_ptr<Coordinator>> Coordinator::open(Options options, st
   std::unique_ptr<Coordinator> coordinator(
       new Coordinator(std::move(options), std::move(state), std::move(check_scene)));
   if (const auto& torn_end = coordinator->state_.jobs.torn_end())
-    spdlog::warn("{}: going on from what was written before", *torn_end);
+    spdlog::warn("{}: continuing with what was written before", *torn_end);
   const auto rows = coordinator->state_.jobs.jobs();
   if (!rows) return core::fail(rows.error());
   for (const store::JobRow& row : *rows) {
     if (auto restored = coordinator->restore_job(row); !restored) return core::fail(restored.error());
   }
-  if (!rows->empty()) spdlog::info("took up {} jobs from the state directory", rows->size());
+  if (!rows->empty()) spdlog::info("recovered {} jobs from the state directory", rows->size());
   return coordinator;
 }
 
@@ -132,7 +132,7 @@ bool Coordinator::tick() {
 }
 
 void Coordinator::answer_due_calls(StateLock& lock) {
-  // Nothing is leased to callers that have gone in any case: this only forgets them.
+  // Callers that have gone are given nothing in any case; this only removes them.
   const bool look_for_gone = lock.now() >= next_check_;
   std::vector<std::string> due;
   for (const auto& [worker, call] : parked_) {
@@ -151,7 +151,7 @@ void Coordinator::note_workers(const StateLock& lock) {
   quarantine_.forget_others(known);
   troubles_.forget_others(known);
   for (const auto& [id, name] : present) {
-    if (present_.count(id) == 0) spdlog::info("worker {} ({}) has come", name, id);
+    if (present_.count(id) == 0) spdlog::info("worker {} ({}) registered", name, id);
   }
   for (const auto& [id, name] : present_) {
     if (present.count(id) == 0) spdlog::warn("worker {} ({}) is lost", name, id);
@@ -180,7 +180,7 @@ v1::Job Coordinator::describe_now(const StateLock& lock, const JobRecord& record
 
 void Coordinator::apply(StateLock& lock, const scheduler::Actions& actions) {
   std::vector<scheduler::Actions> todo{actions};
-  std::set<std::string> asked;  // each worker once: what one is given, the next cannot have
+  std::set<std::string> asked;  // each worker once: leases for one worker are not free for the next
   while (!todo.empty()) {
     const scheduler::Actions next = std::move(todo.back());
     todo.pop_back();

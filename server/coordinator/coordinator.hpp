@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// The coordinator: the scheduler, the films and the store, behind one gate.
+// The coordinator: the scheduler, the films and the store, behind one lock.
 //
-// Every method takes its turn at one lock, in which it advances the scheduler by one event and does what
-// follows from it; decompression, disks and scene validation stay outside. Methods speak the messages of the
-// contract, but know nothing of RPC. There are no threads here: whoever runs a coordinator calls tick() and
-// checkpoint() regularly. Thread-safe. Errors are those of the contract (proto/tessera/v1).
+// Every method takes the state lock, advances the scheduler by one event and applies the resulting actions.
+// Decompression, disk access and scene validation happen outside the lock. Methods take and return the
+// messages of the protocol, but know nothing of RPC. The coordinator starts no threads: its owner calls
+// tick() and checkpoint() regularly. Thread-safe. Errors are those of the protocol (proto/tessera/v1).
 #pragma once
 
 #include <functional>
@@ -37,42 +37,43 @@
 namespace tessera::coordinator {
 
 struct Options {
-  // A worker that is silent for so long loses its leases. See scheduler::Options.
+  // The heartbeat timeout: a worker that is silent for longer loses its leases. See scheduler::Options.
   scheduler::Duration lease_duration = std::chrono::seconds(10);
-  // Of jobs and bundles. What a scene may hold is for whoever checks scenes.
+  // Limits on jobs and bundles. The scene check enforces limits on the content of scenes.
   server::Limits limits{};
-  // Blobs that no job names are kept for so long after they were last uploaded or submitted, while nobody
-  // wants their room: for somebody who tries one scene after another.
+  // How long blobs that no job names are kept after their last upload or submission, unless their room is
+  // needed earlier. A user who tries variants of a scene need not upload its files again.
   std::chrono::seconds keep_unused_blobs = std::chrono::hours(24);
-  // The share of ranges that another worker renders again, to compare the bits: 0 to 1.
+  // The share of ranges that a second worker renders again to compare the bits: 0 to 1.
   double audit_share = 0;
-  // The determinism fingerprint of the workers that may join: that of the coordinator's own release, unless
-  // an operator names another.
+  // The determinism fingerprint that workers need to join. The default is that of the coordinator's own
+  // release.
   std::string fingerprint{core::kDeterminismFingerprint};
-  // The clock. Tests bring their own.
+  // The clock. Tests replace it.
   std::function<scheduler::Time()> now = std::chrono::steady_clock::now;
 };
 
-// What a scene file says of its pictures.
+// The settings that a scene file and the overrides give.
 struct CheckedScene {
   v1::RenderSettings settings;  // overrides applied
   v1::DisplaySettings display;
   std::vector<std::string> warnings{};
 };
 
-// Loads and validates a scene whose blobs are all here. May block.
+// Loads and validates a scene whose blobs are all in the store. May block.
 using SceneCheck = std::function<core::Result<CheckedScene>(const v1::Bundle&, const v1::RenderOverrides&)>;
 
 struct Picture {
-  v1::Job job;  // when the picture began to be taken
+  v1::Job job;  // when copying of the image began
   core::Image image;
 };
 
-// Who waits for the answer to a Synchronize.
+// The caller that waits for the answer to a Synchronize.
 struct SynchronizeCaller {
-  // Called exactly once, on any thread, outside the gate.
+  // Called exactly once, on any thread, without the state lock.
   std::function<void(core::Result<v1::SynchronizeResponse>)> answer;
-  // Whether nobody listens any more; asked until then, on any thread. Nothing is leased to it then.
+  // Whether the caller has gone. Called on any thread until `answer` is called. A caller that has gone is
+  // given no leases.
   std::function<bool()> is_gone = [] { return false; };
   // See scheduler::WorkerInfo.
   std::string principal{};
@@ -80,63 +81,63 @@ struct SynchronizeCaller {
 
 class Coordinator {
  public:
-  // Takes up every job of `state` where it was checkpointed. Errors name the file that cannot be read.
+  // Recovers every job of `state` from its last checkpoint. Errors name the file that cannot be read.
   static core::Result<std::unique_ptr<Coordinator>> open(Options options, store::StateDirectory state,
                                                          SceneCheck check_scene);
   ~Coordinator();
 
   // ---- For users ----
   using Texts = google::protobuf::RepeatedPtrField<std::string>;
-  // Blocks while the scene is validated and the job is stored. `submitter`: who calls, where callers have
-  // names. `warnings` gets those about the scene's files.
+  // Blocks while the scene is validated and the job is stored. `submitter` is the caller's name, empty where
+  // callers have none. `warnings` receives the warnings about the scene's files.
   core::Result<v1::Job> submit_job(const v1::SubmitJobRequest& request, const std::string& submitter = {},
                                    Texts* warnings = nullptr);
   core::Result<v1::Job> job(const std::string& id);
   core::Result<v1::Job> job_without_bundle(const std::string& id);
-  // Those that are asked for, newest first, without their bundles.
+  // The requested jobs, newest first, without their bundles.
   std::vector<v1::Job> jobs(const v1::ListJobsRequest& request = {});
-  // These return when the change is stored.
+  // These methods return after the change is stored.
   core::Result<v1::Job> cancel_job(const std::string& id);
   core::Result<v1::Job> pause_job(const std::string& id);
   core::Result<v1::Job> resume_job(const std::string& id);
   core::Result<v1::Job> extend_job(const std::string& id, std::uint32_t spp);
   core::Result<v1::Job> update_job(const v1::UpdateJobRequest& request);
-  // Returns when the job is forgotten; remove_deleted_tiles() removes its film from the store.
+  // Returns after the job is deleted; remove_deleted_tiles() removes its film from the store.
   core::Status delete_job(const std::string& id);
-  // Each tile as it is when it is copied, of a job that is done all as they were when it was. Holds the gate
-  // for a few tiles at a time.
+  // Copies the image tile by tile, and holds the state lock for a few tiles at a time. Tiles of a running job
+  // may show different moments; those of a done job are all complete.
   core::Result<Picture> picture(const std::string& id);
   std::vector<v1::ListWorkersResponse::Worker> workers();
 
   // ---- For workers ----
-  // Answers at once, or when there is something to change, or before the worker must be heard of again.
+  // Answers at once, when there is a change, or before the worker's heartbeat is due.
   void synchronize(const v1::SynchronizeRequest& request, SynchronizeCaller caller);
   core::Result<v1::SubmitResultResponse> submit_result(const v1::SubmitResultRequest& request);
 
   const store::BlobStore& blobs() const { return state_.blobs; }
-  // Who needs them, and their room.
+  // The scene files, their users and the room that they take.
   SceneFiles& files() { return files_; }
-  // A worker could not be given a blob for this reason. If it is missing or damaged, also when it is read
-  // once more, every unfinished job that needs it fails with the sentence, and the file is removed, so that
-  // submitting again mends it. Blocks while the blob is read.
+  // Reports that a blob could not be sent to a worker. The blob is read again. If it is missing or damaged,
+  // every unfinished job that needs it fails with this reason, and the file is removed, so that a new
+  // submission can upload it. Blocks while the blob is read.
   void blob_is_lost(const proto::Digest& digest, const core::Error& noticed);
 
-  // ---- For whoever runs it ----
-  // Lets time pass: takes leases from silent workers, answers calls that have waited long enough. Due about
-  // every 100 ms. Whether somebody waits for a checkpoint: users are told of a job that is done, or has
-  // failed, after the next one. Ends the process if an invariant is broken, rather than let it spoil a
-  // picture.
+  // ---- For the owner ----
+  // Advances time: ends the leases of silent workers and answers calls that have waited long enough. Call it
+  // about every 100 ms. Returns whether somebody waits for a checkpoint: users learn that a job is done or
+  // has failed after the next one. Ends the process if an invariant is broken, since a wrong image would be
+  // worse.
   bool tick();
-  // Writes what has changed since the last one. After an error everything not written is tried again next
-  // time.
+  // Writes all changes since the last checkpoint. After an error, the next checkpoint writes again what is
+  // missing.
   core::Status checkpoint();
-  // Lets done jobs run again of which workers that were quarantined have rendered something that nobody has
-  // verified. Due now and then; blocks while films are read back.
+  // Runs done jobs again where unverified samples of quarantined workers are in the film. Call it regularly;
+  // blocks while films are read back.
   void reopen_jobs();
-  // Removes some of the stored tiles of deleted jobs. Due ten times a second: a few at a time hold up
-  // checkpoints for some milliseconds.
+  // Removes some of the stored tiles of deleted jobs. Call it ten times a second: a few tiles at a time delay
+  // checkpoints by some milliseconds only.
   core::Status remove_deleted_tiles() { return state_.jobs.remove_deleted_tiles(); }
-  // Answers all waiting calls, and every later one, with UNAVAILABLE.
+  // Answers all waiting calls, and all later ones, with UNAVAILABLE.
   void close();
 
  private:
@@ -157,20 +158,21 @@ class Coordinator {
                                    std::map<int, std::vector<core::SampleRange>>& done);
   bool can_be_verified(Produced& provenance) const;
   core::Result<LoadedFilm> load_film(const v1::Job& spec);
-  // Empty where the store has nothing of the tile.
+  // Empty if the store has no samples of the tile.
   core::Result<TileContent> load_tile(const v1::Job& spec, const core::TileGrid& grid, int tile);
   core::Result<Picture> take_picture(const std::string& id);
   core::Result<core::Image> develop_row(const v1::Job& spec, const core::TileGrid& grid, int row);
-  // The tiles from `begin` to `end`, of the film in one turn at the gate, or else of the store.
+  // Copies the tiles from `begin` to `end` from the film while holding the state lock, or else from the
+  // store.
   core::Result<std::vector<core::Film::TileSums>> copy_tiles(const v1::Job& spec, const core::TileGrid& grid,
                                                              int begin, int end);
 
   class QuotaReservation;
-  // Among the submitter's open jobs, for one that is about to be checked. RESOURCE_EXHAUSTED if there is
-  // none.
+  // Reserves one of the submitter's open jobs for a job that is about to be checked. RESOURCE_EXHAUSTED if
+  // none is left.
   core::Result<QuotaReservation> reserve_quota(const std::string& submitter);
   core::Status check_bundle(const v1::Bundle& bundle);
-  // What to answer a submission with whose request_id is known already. ALREADY_EXISTS: it is another
+  // The answer to a submission whose request_id is known; empty if it is not. ALREADY_EXISTS if it is another
   // submitter's.
   std::optional<core::Result<v1::Job>> answer_to_known(const std::string& request_id,
                                                        const std::string& submitter);
@@ -187,10 +189,10 @@ class Coordinator {
   core::Status reopen_job(const std::string& id);
   void fail_job(StateLock& lock, const std::string& id, const std::string& failure);
 
-  // ---- Within a turn ----
+  // ---- The caller holds the state lock ----
   JobRecord* find(const std::string& id);
   core::Result<ChangedJob> change(StateLock& lock, const std::string& id, const scheduler::Event& event);
-  // Whether its film must be read back before it can take results again.
+  // Whether the film must be read back before the job can take results.
   bool needs_film(const StateLock& lock, const JobRecord& record) const;
   core::Status may_extend(const StateLock& lock, const JobRecord& record, std::uint32_t spp) const;
   core::Status may_open_job(const StateLock& lock, const std::string& submitter) const;
@@ -201,13 +203,13 @@ class Coordinator {
   void answer_due_calls(StateLock& lock);
   static void refuse(StateLock& lock, SynchronizeCaller& caller, const core::Error& error);
   core::Status admit(const StateLock& lock, const v1::SynchronizeRequest& request);
-  // Whether the scheduler has heard of the worker lately.
+  // Whether the worker is registered with the scheduler and not lost.
   bool is_known(const StateLock& lock, const std::string& id) const;
   void note_troubles(const StateLock& lock, const v1::SynchronizeRequest& request);
   void add_troubles(v1::Job& job) const;
-  // Whether workers of this farm can render more of it.
+  // FAILED_PRECONDITION if the workers of this farm cannot render more of the job.
   core::Status may_continue(const JobRecord& record) const;
-  // Gives the worker what it should hold besides what it has named.
+  // Adds to the response the leases that the worker should hold besides those that it has named.
   void tell_with_answer(const scheduler::SubmitResult& event, scheduler::Reply reply,
                         v1::SubmitResultResponse& response);
   struct Delivery;
@@ -245,27 +247,27 @@ class Coordinator {
   const Options options_;
   const SceneCheck check_scene_;
 
-  std::stop_source stopping_;  // ends the hashing of bundles
-  // Thread-safe by themselves:
+  std::stop_source stopping_;  // cancels the hashing of bundles
+  // Internally synchronised:
   store::StateDirectory state_;
   SceneFiles files_;
   const Fingerprinter fingerprinter_;
   const LeaseSigner signer_;
-  std::mutex submit_mutex_;      // one job is added at a time
-  std::mutex checkpoint_mutex_;  // one checkpoint is written at a time
+  std::mutex submit_mutex_;      // held while a job is added
+  std::mutex checkpoint_mutex_;  // held while a checkpoint is written
 
   std::mutex state_mutex_;
   // Guarded by state_mutex_:
   scheduler::Scheduler scheduler_;
   std::map<std::string, JobRecord> jobs_;
   std::map<std::string, std::string> job_of_request_;
-  std::map<std::string, std::uint64_t> places_;  // taken by each submitter for jobs that are being checked
+  std::map<std::string, std::uint64_t> places_;  // quota reservations by submitter
   std::map<std::string, ParkedCall> parked_;     // by worker
   Quarantine quarantine_;
   Troubles troubles_;
   RateLimitedLog rejected_log_, troubles_log_;
   std::set<std::string> to_reopen_;             // jobs
-  std::map<std::string, std::string> present_;  // names of the workers that are heard of, by id; for the log
+  std::map<std::string, std::string> present_;  // names of the registered workers by id, for the log
   scheduler::Time next_check_{};
   bool checkpoint_is_awaited_ = false;
   bool closed_ = false;

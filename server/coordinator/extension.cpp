@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Done jobs that run again: for more samples, or since some of theirs are doubted. Their films are only on
-// disk, and are read back outside the gate.
+// Runs done jobs again, for more samples or to verify some of theirs. Their films are only in the store, and
+// are read back without the state lock.
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
@@ -15,7 +15,7 @@ namespace tessera::coordinator {
 
 using core::ErrorCode;
 
-// What was seen of a job, and its film if that had to be read.
+// The state of a job that the film belongs to, and the film if it had to be read.
 struct Coordinator::Extension {
   std::uint64_t revision = 0;
   std::unique_ptr<JobFilm> film;
@@ -61,11 +61,11 @@ core::Status Coordinator::may_continue(const JobRecord& record) const {
   if (record.arithmetic.empty() || record.arithmetic == options_.fingerprint) return {};
   return core::fail(
       ErrorCode::kFailedPrecondition,
-      fmt::format("job {} was rendered by workers of another build (fingerprint {}; this farm's is {}), and "
-                  "its picture "
-                  "cannot be continued with these: submit the scene again, or start the coordinator with "
-                  "--accept-fingerprint {} and workers of that build",
-                  record.spec->id(), record.arithmetic, options_.fingerprint, record.arithmetic));
+      fmt::format(
+          "job {} was rendered by workers of another build (fingerprint {}; this farm's is {}), and "
+          "its image cannot be continued by these: submit the scene again, or start the coordinator with "
+          "--accept-fingerprint {} and workers of that build",
+          record.spec->id(), record.arithmetic, options_.fingerprint, record.arithmetic));
 }
 
 core::Result<v1::Job> Coordinator::extend_job(const std::string& id, std::uint32_t spp) {
@@ -95,8 +95,8 @@ void Coordinator::reopen_jobs() {
   for (const std::string& id : ids) {
     const core::Status reopened = reopen_job(id);
     if (reopened || reopened.error().code == core::ErrorCode::kNotFound) continue;
-    spdlog::error("job {} was rendered in part by a worker that is quarantined, and cannot be verified: {}", id,
-                  reopened.error().message);
+    spdlog::error("job {} was rendered in part by a worker that is quarantined, and cannot be verified: {}",
+                  id, reopened.error().message);
   }
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A few threads for work that takes long, such as validating scenes: callers take turns, so that nobody waits
-// for all that another has asked for, and none can fill the queue (fair_share.hpp). Thread-safe.
+// A thread pool for long tasks, such as validating scenes. Callers are served round-robin, so that nobody
+// waits for all tasks of another caller, and none can fill the queue (fair_share.hpp). Thread-safe.
 #pragma once
 
 #include <atomic>
@@ -21,17 +21,17 @@ class FairPool {
  public:
   // At most `max_waiting` tasks wait for one of the threads.
   FairPool(int threads, std::size_t max_waiting);
-  // Runs what was posted to its end.
+  // Runs all posted tasks first.
   ~FairPool();
   FairPool(const FairPool&) = delete;
   FairPool& operator=(const FairPool&) = delete;
 
-  // False, and nothing happens, if the caller has its share of the waiting tasks already.
+  // Returns false, and does nothing, if the caller's share of waiting tasks is used up.
   [[nodiscard]] bool post(const std::string& caller, std::function<void()> task);
-  // How many tasks of the caller wait.
+  // The number of waiting tasks of the caller.
   std::uint64_t waiting_of(const std::string& caller) const { return places_.held_by(caller); }
 
-  // Tells tasks that wait that there is no time left for their work: each still runs, and asks.
+  // Marks the pool as closed. Waiting tasks still run, and check is_closed() to end early.
   void close() { closed_ = true; }
   bool is_closed() const { return closed_; }
 
@@ -41,15 +41,15 @@ class FairPool {
     FairShare::Held place;
   };
   void run();
-  // The next task of the caller whose turn it is. There must be one.
+  // Removes the next task, of the caller at the head of turns_. There must be one.
   std::function<void()> take_next();
 
   FairShare places_;
   std::atomic<bool> closed_{false};
   std::mutex mutex_;
   std::condition_variable changed_;
-  std::map<std::string, std::deque<Task>> waiting_;  // guarded by mutex_; by caller, nobody without a task
-  std::deque<std::string> turns_;                    // guarded by mutex_; each of those callers once
+  std::map<std::string, std::deque<Task>> waiting_;  // guarded by mutex_; by caller, without empty entries
+  std::deque<std::string> turns_;                    // guarded by mutex_; each of these callers once
   bool stopping_ = false;                            // guarded by mutex_
   std::vector<std::thread> threads_;
 };

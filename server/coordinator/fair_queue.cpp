@@ -13,7 +13,7 @@ namespace tessera::coordinator {
 struct FairQueue::State {
   explicit State(std::uint64_t max_waiting) : places(max_waiting) {}
 
-  // Grants what can be granted.
+  // Grants all requests that can be granted.
   void serve();
 
   struct Waiting {
@@ -23,7 +23,7 @@ struct FairQueue::State {
     Granted granted;
     FairShare::Held place;
   };
-  std::optional<FairShare> share;  // there from the constructor on
+  std::optional<FairShare> share;  // set by the constructor
   FairShare places;
   std::mutex mutex;
   std::list<Waiting> waiting;  // guarded by mutex; in order of arrival
@@ -43,7 +43,7 @@ void FairQueue::State::serve() {
   for (auto& [granted, held] : grants) granted(std::move(held));
 }
 
-// What was granted may be given back after the queue is gone, when nobody waits any more.
+// A grant may be given back after the queue is destroyed, when nobody waits any more.
 FairQueue::FairQueue(std::uint64_t all, std::uint64_t max_waiting)
     : state_(std::make_shared<State>(max_waiting)) {
   state_->share.emplace(all, [queue = std::weak_ptr<State>(state_)] {
@@ -73,7 +73,7 @@ bool FairQueue::leave(const void* who) {
     if (found == waiting.end()) return false;
     left.splice(left.end(), waiting, found);
   }
-  state_->serve();  // it may have held up others
+  state_->serve();  // others may have waited behind it
   return true;
 }
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// What callers share and wait for, such as memory for pictures: each may have as much as FairShare says, and
-// is given it in the order in which they came. Who has nothing and comes next is not overtaken, so that a
-// large amount comes together however many small ones are wanted after it; who has something already waits
-// for what they give back, and holds up nobody. Thread-safe.
+// A queue for a resource that callers share, such as memory for images. Each caller may hold as much as
+// FairShare allows, granted in the order of arrival. The first waiting caller that holds nothing is not
+// overtaken, so that small requests cannot starve a large one. A caller that holds something waits until
+// enough is given back, and does not block others. Thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -16,20 +16,20 @@ namespace tessera::coordinator {
 
 class FairQueue {
  public:
-  // At most `max_waiting` wait, and of those each caller has its share.
+  // At most `max_waiting` requests wait, and each caller has its share of these.
   FairQueue(std::uint64_t all, std::uint64_t max_waiting);
 
-  // Called once with what was granted, under no lock of the queue; must be short. What is given back is
-  // granted to those who wait on the same thread.
+  // Called once with the grant, under no lock of the queue; must be short. The thread that gives something
+  // back also runs the callbacks of the requests that this satisfies.
   using Granted = std::function<void(FairShare::Held)>;
 
-  // Waits as `who`, which nobody else does. It is granted later, or before this returns. False, and nothing
-  // happens, if too many wait.
+  // Waits under the unique key `who`. The request is granted later, or before this returns. Returns false,
+  // and does nothing, if too many requests wait.
   [[nodiscard]] bool wait(const void* who, const std::string& caller, std::uint64_t amount, Granted granted);
-  // Whether `who` still waited: then it is not granted any more.
+  // Cancels the request. Returns whether it still waited; it is not granted after that.
   bool leave(const void* who);
 
-  // How much all together have.
+  // The amount that all callers hold together.
   std::uint64_t held() const;
 
  private:

@@ -15,7 +15,7 @@ struct FairShare::Held::State {
   const std::function<void()> given_back;
   std::mutex mutex;
   std::uint64_t held = 0;                          // guarded by mutex
-  std::map<std::string, std::uint64_t> by_caller;  // guarded by mutex; nobody who has nothing
+  std::map<std::string, std::uint64_t> by_caller;  // guarded by mutex; without zeros
 };
 
 void FairShare::Held::State::give_back(const std::string& caller, std::uint64_t amount) {
@@ -55,7 +55,7 @@ std::uint64_t FairShare::held() const {
   return state_->held;
 }
 
-// Under the lock.
+// The caller holds the lock.
 FairShare::Held::Held(std::shared_ptr<State> state, std::string caller, std::uint64_t amount)
     : state_(std::move(state)), caller_(std::move(caller)), amount_(amount) {
   if (amount_ == 0) return;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// What callers share, such as places in a queue: each may have as much of it as is left for the others (the
-// dynamic threshold of Choudhury and Hahne 1998). One caller alone comes to half of all, so that the next
-// finds as much; where several want more than there is, they come to equal shares as they give back and take
-// again. Thread-safe.
+// A quota that callers share, such as places in a queue. A caller may hold as much as is left for the others
+// (the dynamic threshold of Choudhury and Hahne 1998). A single caller can hold half of the total, so that
+// the next finds as much. Where several want more than there is, their shares become equal as they give back
+// and take again. Thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -13,17 +13,17 @@
 
 namespace tessera::coordinator {
 
-// What a caller who has a name is known by, also after a restart. Who has none is known by their machine.
+// The key of a caller with a name, stable across restarts. Callers without names are keyed by their machines.
 inline std::string caller_key(const std::string& name) {
   return "user " + name;
 }
 
 class FairShare {
  public:
-  // `given_back` is called, under no lock, each time that something was given back.
+  // `given_back` is called, under no lock, each time that something is given back.
   explicit FairShare(std::uint64_t all, std::function<void()> given_back = nullptr);
 
-  // What a caller has taken; destroyed, it is given back. May outlive the share.
+  // An amount that a caller has taken. The destructor gives it back. May outlive the FairShare.
   class Held {
    public:
     Held(Held&&) noexcept = default;
@@ -40,12 +40,12 @@ class FairShare {
     std::uint64_t amount_;
   };
 
-  // Nothing if that were more than the caller's share. Who is alone gets any amount once.
+  // Empty if that exceeds the caller's share. A caller that is alone gets any amount once.
   std::optional<Held> take(const std::string& caller, std::uint64_t amount = 1);
-  // Whatever the caller's share is: for what is there already.
+  // Takes the amount whatever the caller's share is, for what exists already.
   Held note(const std::string& caller, std::uint64_t amount);
 
-  // How much the caller has, and all together.
+  // The amount that the caller holds, and all callers together.
   std::uint64_t held_by(const std::string& caller) const;
   std::uint64_t held() const;
 

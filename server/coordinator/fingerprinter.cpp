@@ -17,8 +17,8 @@ constexpr std::size_t kMaxSums = std::size_t{core::kTilePx} * core::kTilePx * 3;
 
 using Digest = std::array<unsigned char, SHA256_DIGEST_LENGTH>;
 
-// As good as random bits for each number. Not by EVP or SHA256(), which look for the algorithm or take memory
-// for every digest: starting a coordinator takes thousands of them.
+// A pseudo-random digest for each number. EVP and SHA256() are not used, since they look up the algorithm or
+// allocate memory for every digest, and starting a coordinator takes thousands.
 Digest digest_of(const Fingerprinter::Secret& secret, std::size_t number) {
   const std::array<std::uint64_t, 3> key{secret[0], secret[1], number};
   Digest digest{};

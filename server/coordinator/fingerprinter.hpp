@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Makes the fingerprints by which results are compared (scheduler/fingerprint.hpp). Thread-safe.
+// Computes the fingerprints by which results are compared (scheduler/fingerprint.hpp). Thread-safe.
 //
-// Multilinear hashing (Carter and Wegman 1979): each sum is multiplied by a coefficient of its own, and the
-// products are added modulo 2^128. Whoever does not know the coefficients finds other sums of the same
-// fingerprint with a chance of less than 2^-60.
+// Multilinear hashing (Carter and Wegman 1979): each sum is multiplied by its own coefficient, and the
+// products are added modulo 2^128. Without the coefficients, other sums with the same fingerprint can be
+// found with a probability of less than 2^-60.
 #pragma once
 
 #include <array>
@@ -19,19 +19,19 @@ class Fingerprinter {
  public:
   using Secret = std::array<std::uint64_t, 2>;
 
-  // The same secret makes the same fingerprints: it must outlive the coordinator, as they do.
+  // The same secret gives the same fingerprints. Fingerprints are stored, so the secret must be stored, too.
   explicit Fingerprinter(const Secret& secret);
 
-  // A number that tells secrets apart, and nothing of them.
+  // A number that tells secrets apart and reveals nothing of them.
   std::uint64_t check() const { return check_; }
-  // The tile must be no larger than one of the grid.
+  // The tile must not be larger than a tile of the grid.
   scheduler::Fingerprint of(const core::FilmTile& tile) const;
 
  private:
   struct Coefficient {
     std::uint64_t low, high;
   };
-  // For the sums of all samples, then for those of the odd ones.
+  // Coefficients for the sums of all samples, then for those of the odd samples.
   std::vector<Coefficient> coefficients_;
   std::uint64_t check_ = 0;
 };

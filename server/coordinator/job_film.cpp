@@ -13,7 +13,7 @@ namespace tessera::coordinator {
 
 namespace {
 
-// Content without it is of an earlier release: the item as it travelled then.
+// Content without this mark is from an earlier release: a RenderedItem as sent over the network then.
 constexpr char kPlanesMark = 'P';
 
 struct SampleCount {
@@ -29,7 +29,7 @@ SampleCount count_samples(const std::vector<core::SampleRange>& ranges) {
   return count;
 }
 
-// `rect` is what the item's rectangle should be.
+// `rect` is the expected rectangle of the item.
 core::Result<core::FilmTile> decode_item_in_planes(const v1::RenderedItem& message,
                                                    const core::PixelRect& rect) {
   const auto item = proto::from_proto(message.item());
@@ -83,8 +83,8 @@ TileContent JobFilm::copy(int tile) const {
   return {film_.tile(tile), counters_[static_cast<std::size_t>(tile)], {}};
 }
 
-// The content is kept as a rendered item whose sums are in planes (tile_planes.hpp), after a mark that no
-// message begins with. Which samples it holds stands in `done`; the item's own range only has as many.
+// The content is a mark that no message begins with, then a rendered item with its sums in planes
+// (tile_planes.hpp). `done` says which samples it holds; the item's own range only has their number.
 store::TileRow encode_tile_row(const std::string& job_id, int tile, const core::PixelRect& rect,
                                std::vector<core::SampleRange> done, const TileContent& content) {
   v1::RenderedItem message;
@@ -102,7 +102,7 @@ core::Result<TileContent> decode_tile_row(const store::TileRow& row, const core:
     return core::fail(core::ErrorCode::kDataLoss,
                       fmt::format("the stored tile {} of job {} is damaged ({})", row.tile, row.job_id, how));
   };
-  if (row.done.empty()) return TileContent{};  // all of it was taken out again
+  if (row.done.empty()) return TileContent{};  // all samples were removed again
   const bool in_planes = !row.content.empty() && row.content.front() == kPlanesMark;
   const std::string bytes = in_planes ? row.content.substr(1) : row.content;
   v1::RenderedItem message;

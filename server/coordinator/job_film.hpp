@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The film of one job while it is rendered: sums and counters tile by tile, and which tiles the store lacks.
-// Not thread-safe; the coordinator's gate guards it.
+// The film of one job in progress: sums and counters by tile, and which tiles the store lacks. Not
+// thread-safe; guarded by the coordinator's state mutex.
 #pragma once
 
 #include <optional>
@@ -15,11 +15,12 @@
 
 namespace tessera::coordinator {
 
-// What a tile holds, by itself.
+// The content of one tile.
 struct TileContent {
   core::Film::TileSums sums;
   core::RenderCounters counters;
-  // Who rendered it, in the store alone: while a job runs, the scheduler knows.
+  // The producers of the samples; filled in only when read from the store. While a job runs, the scheduler
+  // has them.
   Produced provenance{};
 };
 
@@ -27,19 +28,19 @@ class JobFilm {
  public:
   explicit JobFilm(core::TileGrid grid);
 
-  // Takes the memory for samples of one tile. std::bad_alloc if there is none.
+  // Allocates memory for samples of one tile. Throws std::bad_alloc if there is none.
   void reserve(const core::FilmTile& samples) { film_.reserve(samples); }
-  // Adds samples of one tile, for which memory was reserved before they counted as done. The caller sees to
-  // it that none is added twice.
+  // Adds samples of one tile. Memory for them must have been reserved before they counted as done, and the
+  // caller must add none twice.
   void add(int tile, const core::FilmTile& samples) noexcept;
-  // Takes all samples of a tile out again.
+  // Removes all samples of a tile.
   void clear(int tile);
-  // Puts back what the store had of a tile that is empty so far.
+  // Restores a tile, which must be empty, from the store.
   void restore(int tile, const TileContent& content);
 
   TileContent copy(int tile) const;
   const core::Film& film() const { return film_; }
-  // Of all tiles together.
+  // The counters of all tiles together.
   const core::RenderCounters& counters() const;
 
   // Tiles that changed since they were last marked clean.
@@ -50,14 +51,14 @@ class JobFilm {
  private:
   core::Film film_;
   std::vector<core::RenderCounters> counters_;         // by tile
-  mutable std::optional<core::RenderCounters> total_;  // absent: to be added up again
+  mutable std::optional<core::RenderCounters> total_;  // empty if it must be computed again
   std::set<int> changed_;
 };
 
-// A tile as the store keeps it, and back. `done` are the samples in it.
+// Converts a tile to a row of the store. `done` are the samples in it.
 store::TileRow encode_tile_row(const std::string& job_id, int tile, const core::PixelRect& rect,
                                std::vector<core::SampleRange> done, const TileContent& content);
-// DATA_LOSS if it is not what encode_tile_row made for this rectangle.
+// Converts it back. DATA_LOSS if the row is not one that encode_tile_row made for this rectangle.
 core::Result<TileContent> decode_tile_row(const store::TileRow& row, const core::PixelRect& rect);
 
 }  // namespace tessera::coordinator

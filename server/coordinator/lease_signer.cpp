@@ -16,8 +16,8 @@ constexpr std::size_t kTokenBytes = 16;
 
 }  // namespace
 
-// The sizes of the texts stand before them: no two leases have the same message. Its first word tells these
-// uses of the secret from others.
+// The text lengths come first, so that no two leases have the same message. The first word separates this use
+// of the secret from others.
 scheduler::LeaseToken LeaseSigner::sign(scheduler::LeaseId lease, const scheduler::WorkerId& holder,
                                         const scheduler::JobId& job) const {
   const std::string message = fmt::format("lease {} {} {} {} {}", lease.value, holder.value.size(),
@@ -26,7 +26,7 @@ scheduler::LeaseToken LeaseSigner::sign(scheduler::LeaseId lease, const schedule
   const void* made =
       HMAC(EVP_sha256(), secret_.data(), static_cast<int>(sizeof(secret_)),
            reinterpret_cast<const unsigned char*>(message.data()), message.size(), code.data(), nullptr);
-  if (made == nullptr) std::abort();  // no other failure than lack of memory
+  if (made == nullptr) std::abort();  // only lack of memory makes it fail
   return {reinterpret_cast<const char*>(code.data()), kTokenBytes};
 }
 

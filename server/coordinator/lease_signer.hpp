@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Makes the tokens by which workers prove that a lease was given to them (scheduler::SignLease): HMAC-SHA256
-// of lease, worker and job, under the farm's secret. The state folder keeps the secret, so that a token is
-// good across restarts of the coordinator. Thread-safe.
+// Signs leases (scheduler::SignLease): the token, HMAC-SHA256 of lease, worker and job under the farm's
+// secret, proves that a lease was given to a worker. The state directory keeps the secret, so that tokens
+// stay valid across restarts of the coordinator. Thread-safe.
 #pragma once
 
 #include <array>
@@ -17,7 +17,7 @@ class LeaseSigner {
 
   explicit LeaseSigner(const Secret& secret) : secret_(secret) {}
 
-  // 16 bytes.
+  // Returns 16 bytes.
   scheduler::LeaseToken sign(scheduler::LeaseId lease, const scheduler::WorkerId& holder,
                              const scheduler::JobId& job) const;
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A job's film as the store had it.
+// A job's film as read from the store.
 #pragma once
 
 #include <map>
@@ -16,7 +16,7 @@ struct Coordinator::LoadedFilm {
   // The samples in it, by tile.
   std::map<int, std::vector<core::SampleRange>> done;
   std::vector<scheduler::ProducedItem> provenance;
-  // A sentence for each stored tile that could not be used, and is empty here.
+  // One sentence for each stored tile that could not be used and is empty here.
   std::vector<std::string> damage;
 };
 

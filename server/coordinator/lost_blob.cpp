@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What follows from a blob that the store cannot give back.
+// Handles blobs that the store has lost.
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
@@ -12,7 +12,7 @@ using core::ErrorCode;
 
 namespace {
 
-// The file that the bundle calls by this digest, or null.
+// The bundle's file with this digest, or null.
 const v1::Bundle::Asset* find_asset(const v1::Bundle& bundle, const proto::Digest& digest) {
   for (const v1::Bundle::Asset& asset : bundle.assets()) {
     const auto known = proto::from_proto(asset.digest());
@@ -21,7 +21,7 @@ const v1::Bundle::Asset* find_asset(const v1::Bundle& bundle, const proto::Diges
   return nullptr;
 }
 
-// Anything else may pass by itself.
+// Other errors may be temporary.
 bool is_lost(const core::Error& error) {
   return error.code == ErrorCode::kDataLoss || error.code == ErrorCode::kNotFound;
 }
@@ -30,7 +30,7 @@ bool is_lost(const core::Error& error) {
 
 void Coordinator::blob_is_lost(const proto::Digest& digest, const core::Error& noticed) {
   if (!is_lost(noticed)) return;
-  // It may have been uploaded anew meanwhile, or read wrongly just once.
+  // It may have been uploaded again meanwhile, or a single read may have failed.
   const core::Status intact = state_.blobs.verify(digest);
   if (intact || !is_lost(intact.error())) return;
   const core::Error& error = intact.error();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Calls a function again and again from a thread of its own.
+// Calls a function periodically on its own thread.
 #pragma once
 
 #include <chrono>
@@ -12,11 +12,11 @@ namespace tessera::coordinator {
 
 class Periodic {
  public:
-  // Waits `period` between the end of one call and the begin of the next; the first comes after one period.
+  // Waits `period` before the first call, and between the end of one call and the start of the next.
   Periodic(std::chrono::milliseconds period, std::function<void()> call);
-  // Waits for a call that is under way.
+  // Waits for a call in progress.
   ~Periodic();
-  // The next call need not wait for longer than a quarter of the period.
+  // Shortens the wait for the next call to at most a quarter of the period.
   void trigger();
   Periodic(const Periodic&) = delete;
   Periodic& operator=(const Periodic&) = delete;

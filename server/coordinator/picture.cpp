@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The picture of a job, finished or not.
+// Develops the image of a job, finished or not.
 #include <fmt/format.h>
 #include <google/protobuf/util/time_util.h>
 
@@ -12,7 +12,7 @@ namespace tessera::coordinator {
 
 namespace {
 
-// Copied in one turn at the gate, which takes about a millisecond.
+// The tiles that are copied at once under the state lock, which takes about a millisecond.
 constexpr int kTilesPerTurn = 8;
 
 core::Error with_advice(core::Error error, v1::JobState state) {
@@ -30,7 +30,7 @@ core::Result<Picture> Coordinator::picture(const std::string& id) {
   while (true) {
     auto picture = take_picture(id);
     if (!picture || picture->job.state() != v1::JOB_STATE_DONE) return picture;
-    // What is done keeps its picture, unless it has begun to run again meanwhile.
+    // The image of a done job does not change, unless the job runs again.
     const auto now = job_without_bundle(id);
     if (!now) return core::fail(now.error());
     if (now->finished_at() == picture->job.finished_at()) return picture;

@@ -30,7 +30,7 @@ core::Status check_first_non_finite(const core::FilmTile& tile) {
   return fail(ErrorCode::kInvalidArgument, "counters.first_non_finite: is no sample of this item");
 }
 
-// Of the samples with an odd number alone, which are some of all.
+// The sums of the odd samples, which are a subset of all samples.
 core::Status check_odd_sums(const core::FilmTile& tile) {
   const bool none_odd = tile.range.odd_count() == 0;
   const bool all_odd = tile.range.odd_count() == tile.range.count();
@@ -46,7 +46,7 @@ core::Status check_odd_sums(const core::FilmTile& tile) {
   return {};
 }
 
-// A sample that is saturated, or black since it was not finite, leaves its mark.
+// A saturated sample, or one that is black because it was not finite, is counted.
 core::Status check_counted(const core::FilmTile& tile) {
   const auto is_saturated = [](std::uint64_t sum) { return sum == core::kFilmSaturated; };
   if (tile.counters.saturated_samples > 0 && std::none_of(tile.sums.begin(), tile.sums.end(), is_saturated)) {

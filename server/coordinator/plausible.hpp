@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What no render can have come to, whatever the scene: found without rendering. Pure functions.
+// Plausibility checks: find results that no scene can give, without rendering. Pure functions.
 #pragma once
 
 #include "core/base/error.hpp"
@@ -7,7 +7,7 @@
 
 namespace tessera::coordinator {
 
-// INVALID_ARGUMENT: the sums contradict each other, their range or their counters.
+// INVALID_ARGUMENT if the sums contradict each other, the sample range or the counters.
 core::Status check_plausible(const core::FilmTile& tile);
 
 }  // namespace tessera::coordinator

@@ -10,7 +10,7 @@ bool Quarantine::refused(const std::string& worker, const std::string& machine) 
   ++entry.refused;
   if (++entry.in_a_row < kRejectionsUntilQuarantine) return false;
   return quarantined(worker, machine,
-                     fmt::format("{} of its results in a row were refused", kRejectionsUntilQuarantine));
+                     fmt::format("{} of its results in a row were rejected", kRejectionsUntilQuarantine));
 }
 
 bool Quarantine::quarantined(const std::string& worker, const std::string& machine,

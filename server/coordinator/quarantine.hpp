@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which workers' results were refused, and how often: those of a broken machine, a wrong build or a liar.
-// After too many in a row, or when others have disproved it, a worker is quarantined, and every later worker of
-// its machine (scheduler::WorkerInfo::machine) with it, where that is known, until the coordinator is started
-// anew. Names do not count: anybody can take one. Not thread-safe; the coordinator's gate guards it.
+// Counts the rejected results of each worker: those of a broken machine, a wrong build or an attacker. After
+// too many in a row, or when others have disproved its results, a worker is quarantined until the coordinator
+// restarts, together with every later worker of its machine (scheduler::WorkerInfo::machine) where that is
+// known. Names do not count, since anybody can take one. Not thread-safe; guarded by the coordinator's state
+// mutex.
 #pragma once
 
 #include <cstdint>
@@ -16,19 +17,21 @@ class Quarantine {
  public:
   static constexpr int kRejectionsUntilQuarantine = 3;
 
-  // A result of this worker was refused. Whether that was once too often.
+  // Counts a rejected result of this worker. Returns whether the worker is quarantined by it.
   bool refused(const std::string& worker, const std::string& machine);
-  // The same for any other reason, a part of a sentence. Whether it was not aside already.
+  // Quarantines the worker for another reason, given as a part of a sentence. Returns false if it was
+  // quarantined already.
   bool quarantined(const std::string& worker, const std::string& machine, const std::string& because);
-  // A result of it was in order.
+  // Counts a valid result of the worker.
   void in_order(const std::string& worker);
-  // All workers but these are forgotten; who was quarantined stays so.
+  // Forgets all other workers, except that those in quarantine stay in it.
   void forget_others(const std::set<std::string>& present);
 
   std::uint64_t refusals(const std::string& worker) const;
   bool is_quarantined(const std::string& worker) const;
   bool is_machine_aside(const std::string& machine) const { return machines_aside_.contains(machine); }
-  // Why this worker, or the first of this machine, is aside: part of a sentence. Empty if neither is.
+  // Why this worker, or the first of this machine, is quarantined, as a part of a sentence. Empty if neither
+  // is.
   std::string because(const std::string& worker, const std::string& machine) const;
 
  private:
@@ -39,7 +42,7 @@ class Quarantine {
     std::string because;
   };
   std::map<std::string, Entry> entries_;               // by worker
-  std::map<std::string, std::string> machines_aside_;  // and why
+  std::map<std::string, std::string> machines_aside_;  // quarantined machines with the reason
 };
 
 }  // namespace tessera::coordinator

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A place among the open jobs of one submitter, held while a job is being checked and does not exist yet: who
-// submits many scenes at once gets no more jobs than who submits them one after the other.
+// Reserves one of a submitter's open jobs while the job is checked and does not exist yet. Submissions in
+// parallel so get no more jobs than submissions one after the other.
 #pragma once
 
 #include <string>
@@ -12,14 +12,14 @@ namespace tessera::coordinator {
 
 class Coordinator::QuotaReservation {
  public:
-  // Takes one; in a turn.
+  // The caller holds the state lock.
   QuotaReservation(Coordinator& coordinator, std::string submitter)
       : coordinator_(&coordinator), submitter_(std::move(submitter)) {
     ++coordinator.places_[submitter_];
   }
   QuotaReservation(QuotaReservation&& other) noexcept
       : coordinator_(std::exchange(other.coordinator_, nullptr)), submitter_(std::move(other.submitter_)) {}
-  // Gives it back; takes a turn.
+  // Gives the reservation back; takes the state lock.
   ~QuotaReservation();
 
  private:

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Warnings that callers can cause a thousand times a second: one line in ten seconds, with the number of
-// those that were left out. Not thread-safe.
+// A log for warnings that callers can cause thousands of times a second: one line in ten seconds, with the
+// number of suppressed ones. Not thread-safe.
 #pragma once
 
 #include <cstddef>
@@ -14,9 +14,9 @@ namespace tessera::coordinator {
 class RateLimitedLog {
  public:
   void warn(std::string sentence, scheduler::Time now);
-  // Logs the last sentence that was left out, if it is time. To be called regularly.
+  // Logs the last suppressed sentence if it is due. Call it regularly.
   void flush(scheduler::Time now);
-  // How long until flush() has something to log; nothing if no sentence was left out.
+  // The time until flush() has something to log; empty if no sentence was suppressed.
   std::optional<scheduler::Duration> due_in(scheduler::Time now) const;
 
  private:

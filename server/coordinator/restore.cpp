@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Taking up the jobs of an earlier run.
+// Recovers the jobs of an earlier run.
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
@@ -19,7 +19,7 @@ namespace {
 
 using DoneByTile = std::map<int, std::vector<core::SampleRange>>;
 
-// A job was extended when its tiles have more samples than its row says: the row is written after them.
+// If the tiles have more samples than the row says, the job was extended: its row is written after them.
 std::uint32_t spp_of(const store::JobRow& row, const DoneByTile& done) {
   std::uint32_t spp = row.spp;
   for (const auto& [tile, ranges] : done) {
@@ -45,11 +45,11 @@ std::vector<scheduler::IntervalSet> done_sets(const scheduler::JobShape& shape, 
 
 }  // namespace
 
-// One damaged job is no reason to refuse all others: it is there to be seen and to be deleted, as failed. Its
-// row is left as it is. But nobody could be told of one whose name is no text, nor ask to delete it.
+// A damaged job must not keep all others from being recovered: it is shown as failed, and can be deleted. Its
+// row stays unchanged. A job whose id is no UTF-8 cannot be shown or deleted, so it is skipped.
 core::Status Coordinator::restore_damaged_job(const store::JobRow& row, const core::Error& error) {
   if (!is_text(row.id)) {
-    spdlog::error("a stored job is damaged to its name, {}, and is left out: --salvage keeps the others",
+    spdlog::error("a stored job with a damaged id, {}, is skipped: --salvage keeps the others",
                   core::printable(row.id));
     return {};
   }
@@ -61,7 +61,7 @@ core::Status Coordinator::restore_damaged_job(const store::JobRow& row, const co
   spec->mutable_settings()->set_width_px(1);
   spec->mutable_settings()->set_height_px(1);
   *spec->mutable_created_at() = timestamp_from_ms(row.created_ms);
-  // Its files stay, if it can be told which those are: it may be taken up at the next start.
+  // Its files stay if they can be read, since the next start may recover the job.
   if (const auto readable = from_row(row)) *spec->mutable_bundle() = readable->spec->bundle();
   JobRecord record;
   record.spec = std::move(spec);
@@ -103,11 +103,11 @@ core::Status Coordinator::restore_job(const store::JobRow& row) {
     unfinished = *lacks;
   }
   if (unfinished) {
-    // Its workers cannot join this farm. The row stays as it is, for a coordinator that accepts them.
+    // Its workers cannot join this farm. The row stays unchanged for a coordinator that accepts them.
     if (auto may = may_continue(*record); !may) return restore_damaged_job(row, may.error());
-    // Of a farm that allowed larger pictures, or of damage: its film would not fit into memory.
+    // The limits may have been higher, or the row is damaged: the film would not fit into memory.
     if (auto fits = check_picture_size(record->spec->settings(), options_.limits); !fits)
-      return restore_damaged_job(row, fits.error().within("taking up job " + row.id));
+      return restore_damaged_job(row, fits.error().within("recovering job " + row.id));
     auto loaded = load_film(*record->spec);
     if (!loaded) return core::fail(loaded.error());
     for (const std::string& damage : loaded->damage) spdlog::error("{}: it is rendered again", damage);
@@ -115,7 +115,7 @@ core::Status Coordinator::restore_job(const store::JobRow& row) {
     *done = std::move(loaded->done);
     provenance = std::move(loaded->provenance);
   }
-  // What stands in rows that were not checked cannot raise a job's samples.
+  // Unchecked rows cannot raise a job's sample count.
   const scheduler::JobShape shape = shape_of(*record->spec, unfinished ? spp_of(row, *done) : row.spp);
 
   const scheduler::RestoreJob event{{row.id},        shape,
@@ -123,12 +123,12 @@ core::Status Coordinator::restore_job(const store::JobRow& row) {
                                     row.failure,     done_sets(shape, *done),
                                     row.max_workers, std::move(provenance)};
   const core::Status taken_up = add_restored(event, std::move(*record));
-  return taken_up ? taken_up : restore_damaged_job(row, taken_up.error().within("taking up job " + row.id));
+  return taken_up ? taken_up : restore_damaged_job(row, taken_up.error().within("recovering job " + row.id));
 }
 
-// Whether a job that is stored as done has tiles that are whole on disk and not whole in samples: it was
-// extended when the coordinator crashed. Tiles whose rows are damaged count as done, and are told to whoever
-// asks for the picture; `done` is mended accordingly.
+// Whether a job that is stored as done lacks samples in intact tiles: the coordinator crashed after the job
+// was extended. Tiles with damaged rows count as done, and the damage is reported with the image; `done` is
+// updated accordingly.
 core::Result<bool> Coordinator::lacks_samples(const store::JobRow& row, const core::TileGrid& grid,
                                               std::map<int, std::vector<core::SampleRange>>& done) {
   bool lacks = false;
@@ -146,8 +146,8 @@ core::Result<bool> Coordinator::lacks_samples(const store::JobRow& row, const co
   return lacks;
 }
 
-// Makes do with fingerprints that cannot be compared any more, since the secret was lost, where nobody needs
-// them. Whether that is so.
+// Drops fingerprints that a lost secret made, since they cannot be compared. Returns false if an audit needs
+// one of them.
 bool Coordinator::can_be_verified(Produced& provenance) const {
   if (provenance.fingerprinter == fingerprinter_.check()) return true;
   const bool due = std::any_of(provenance.items.begin(), provenance.items.end(),
@@ -164,7 +164,7 @@ core::Result<Coordinator::LoadedFilm> Coordinator::load_film(const v1::Job& spec
   for (const auto& [tile, ranges] : *done) {
     if (tile < 0 || tile >= grid.tile_count()) continue;
     auto content = load_tile(spec, grid, tile);
-    if (content) {  // and so the ranges are those that were written
+    if (content) {  // the ranges are those that were written
       if (!can_be_verified(content->provenance)) {
         loaded.damage.push_back(fmt::format(
             "tile {} of job {} was to be verified, and its fingerprints are of another state folder", tile,

@@ -57,7 +57,7 @@ core::Result<store::BlobWriter> SceneFiles::write_making_room(const std::string&
                                                               const proto::Digest& file) {
   if (store::Charge charge = take_room(caller, file.size_bytes)) return blobs_.write(file, std::move(charge));
   std::vector<Unneeded> removable = unneeded();
-  // What was uploaded before a restart may be claimed by a submission that is still on its way.
+  // A submission in progress may need files that were uploaded before a restart.
   if (options_.now() < opened_at_ + BlobClaims::kClaimTime) {
     const auto before = FileClock::now() - BlobClaims::kClaimTime;
     std::erase_if(removable, [&](const Unneeded& each) { return each.last_used > before; });
@@ -101,7 +101,7 @@ std::vector<SceneFiles::Unneeded> SceneFiles::unneeded() {
 }
 
 bool SceneFiles::remove(const proto::Digest& file) {
-  std::optional<store::RemovedBlob> removed;  // its file goes when nobody waits for that
+  std::optional<store::RemovedBlob> removed;  // its destructor deletes the file outside the lock
   return claims_.unless_needed(file, [&] { removed.emplace(blobs_.take_away(file)); });
 }
 

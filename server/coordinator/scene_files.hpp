@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// The files of scenes: who needs them, whose room they take, and which of them go where there is none left.
+// The files of scenes: their users, the room that they take, and which of them are removed when there is none
+// left.
 //
-// A file takes room from the moment that its upload begins, of the share of who uploads it (fair_share.hpp),
-// and once a job names it of its submitter's; where submitters have no names, what jobs name counts for
-// nobody. A file that nobody needs (blob_claims.hpp) goes when another wants its room, and without that after
-// a day or so. Thread-safe.
+// A file takes room from the start of its upload. It counts toward the share of the uploader
+// (fair_share.hpp), and once a job names it, toward that of the submitter. Where submitters have no names,
+// files that jobs name count toward nobody. A file that nobody needs (blob_claims.hpp) is removed when
+// another needs its room, or else after about a day. Thread-safe.
 #pragma once
 
 #include <chrono>
@@ -29,25 +30,25 @@ class SceneFiles {
  public:
   SceneFiles(store::BlobStore blobs, SceneFilesOptions options);
 
-  // ---- Who needs them ----
-  // As long as the answer exists, the bundle's files stay.
+  // ---- References ----
+  // The bundle's files stay as long as the returned object exists.
   BlobClaims::Hold hold(const v1::Bundle& bundle) { return claims_.hold(files_of(bundle)); }
-  // See BlobClaims. RESOURCE_EXHAUSTED, which passes by itself, if the caller has claimed its share.
+  // See BlobClaims. RESOURCE_EXHAUSTED, a temporary condition, if the caller's share of claims is used up.
   core::Result<BlobClaims::Use> claim(const std::string& caller, std::vector<proto::Digest> files);
   core::Result<BlobClaims::Use> use(const std::string& caller, const proto::Digest& file);
 
   // ---- Room ----
-  // For an upload that is in use. RESOURCE_EXHAUSTED if there is no room left for this caller.
+  // For an upload that is registered as a use. RESOURCE_EXHAUSTED if there is no room left for this caller.
   core::Result<store::BlobWriter> write(const std::string& caller, const proto::Digest& file);
-  // The same after as many files as that takes were removed, of those that nobody needs the one first that
-  // was used least lately. Blocks while they are looked at and removed.
+  // As write(), but removes files that nobody needs, least recently used first, until there is room. Blocks
+  // meanwhile.
   core::Result<store::BlobWriter> write_making_room(const std::string& caller, const proto::Digest& file);
-  // A job of this submitter names them.
+  // Charges the files to this submitter, whose job names them.
   void charge_to(const std::string& submitter, const v1::Bundle& bundle);
-  // Of all files, those on their way included.
+  // The bytes of all files, including uploads in progress.
   std::uint64_t used_bytes() const { return room_.held(); }
 
-  // Removes what nobody has needed for long. Blocks.
+  // Removes files that nobody has needed for long. Blocks.
   void collect();
 
  private:
@@ -55,7 +56,7 @@ class SceneFiles {
     std::filesystem::file_time_type last_used;
     proto::Digest file;
   };
-  // Those used least lately first.
+  // Files that nobody needs, least recently used first.
   std::vector<Unneeded> unneeded();
   bool remove(const proto::Digest& file);
   store::Charge take_room(const std::string& caller, std::uint64_t bytes);  // null if there is none

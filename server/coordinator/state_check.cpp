@@ -19,8 +19,7 @@ namespace tessera::coordinator {
 
 namespace {
 
-// What became of each blob's file, by its SHA-256 in hexadecimal digits. Those that no job names are taken
-// out as jobs are looked at.
+// The result of checking each blob, by its SHA-256 in hexadecimal digits.
 using BlobStates = std::map<std::string, core::Status>;
 
 BlobStates check_blobs(const store::BlobStore& blobs) {
@@ -33,7 +32,7 @@ bool is_unfinished(int state) {
   return !is_finished(from_wire(static_cast<v1::JobState>(state)));
 }
 
-// What becomes of a damaged tile of a job in this state.
+// What happens to a damaged tile of a job in this state.
 const char* advice_for_tile(int state) {
   if (is_unfinished(state)) return "it is rendered again at the next start";
   if (state == v1::JOB_STATE_DONE) return "--salvage has it rendered again";
@@ -41,8 +40,8 @@ const char* advice_for_tile(int state) {
 }
 
 void check_assets(const v1::Bundle& bundle, const BlobStates& blobs, bool unfinished, JobFindings& findings) {
-  const char* const advice = unfinished ? "submit the scene again: its files are sent anew"
-                                        : "the picture is not touched by that, but cannot be extended";
+  const char* const advice = unfinished ? "submit the scene again: its files are sent again"
+                                        : "the image is not affected, but cannot be extended";
   for (const v1::Bundle::Asset& asset : bundle.assets()) {
     const auto digest = proto::from_proto(asset.digest());
     const auto known = digest ? blobs.find(digest->hex()) : blobs.end();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What of a coordinator's state folder is whole, and the making of a new database from that. Both for a
-// folder on which no coordinator runs.
+// Checks which parts of a coordinator's state directory are intact, and makes a new database from these. Both
+// need a directory on which no coordinator runs.
 #pragma once
 
 #include <cstdint>
@@ -15,36 +15,37 @@ namespace tessera::coordinator {
 
 struct JobFindings {
   std::string id, name, state;
-  std::uint64_t samples_done = 0, samples_total = 0;  // of the tiles that are whole
-  std::vector<std::string> damage;                    // a sentence each; what to do included
+  std::uint64_t samples_done = 0, samples_total = 0;  // of intact tiles
+  std::vector<std::string> damage;                    // one sentence each, with what to do
 };
 
 struct StateFindings {
-  std::vector<std::string> damage;  // of what is not one job's
-  std::vector<std::string> notes;   // what will be cleared away, or taken in, at the next start
+  std::vector<std::string> damage;  // that concerns no single job
+  std::vector<std::string> notes;   // what the next start will clean up or recover
   std::vector<JobFindings> jobs;    // oldest first
   std::size_t blobs = 0;
 
   bool whole() const;
 };
 
-// Reads everything and changes nothing. Errors: those of store::lock_existing_state(). All else is a finding.
+// Reads everything and changes nothing. Errors are those of store::lock_existing_state(); everything else is
+// a finding.
 core::Result<StateFindings> check_state(const std::filesystem::path& folder);
 
-// For people to read: a line for each job, and more where something is damaged.
+// A report for people: one line for each job, and more where something is damaged.
 std::string to_text(const StateFindings& findings);
 
 struct Salvage {
   std::size_t jobs = 0, lost_jobs = 0;
-  // Of the jobs that were kept. What is lost of a cancelled or failed one is not rendered again.
+  // The tiles of the jobs that were kept. Lost tiles of cancelled and failed jobs are not rendered again.
   std::size_t tiles = 0, lost_tiles = 0, tiles_lost_for_good = 0;
   std::filesystem::path set_aside;  // the old database
 };
 
-// Puts a new database in the place of the old one, with every job and tile of it that can be read and is
-// whole; lost tiles are rendered again, but for those of cancelled and failed jobs. The old one is kept
-// beside it under another name. DATA_LOSS if not even the list of jobs can be read. After an error the old
-// one is where it was.
+// Replaces the database by a new one with every job and tile that can be read and is intact. Lost tiles are
+// rendered again, except for those of cancelled and failed jobs. The old database is kept beside it under
+// another name. DATA_LOSS if the list of jobs cannot be read at all. After an error the old database is in
+// its place.
 core::Result<Salvage> salvage_state(const std::filesystem::path& folder);
 
 }  // namespace tessera::coordinator

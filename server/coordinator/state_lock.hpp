@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// One turn at the coordinator's gate: the lock, the time, and answers that go out when the lock is released.
+// The coordinator's state lock: holds the mutex, reads the clock once, and runs deferred callbacks after the
+// mutex is released.
 #pragma once
 
 #include <functional>
@@ -23,7 +24,7 @@ class Coordinator::StateLock {
   StateLock& operator=(const StateLock&) = delete;
 
   scheduler::Time now() const { return now_; }
-  // Does it after the turn.
+  // Runs the callback after the mutex is released.
   void later(std::function<void()> action) { later_.push_back(std::move(action)); }
 
  private:

@@ -28,7 +28,7 @@ core::Status keep_tiles(store::JobStore& from, store::JobStore& to, const store:
                         const core::TileGrid& grid, Salvage& salvage) {
   const bool is_rendered_on = row.state != v1::JOB_STATE_CANCELLED && row.state != v1::JOB_STATE_FAILED;
   std::vector<store::TileRow> batch;
-  // Not those that are listed: the list may be what is damaged.
+  // Tries every tile, since the list of tiles may be damaged.
   for (int tile = 0; tile < grid.tile_count(); ++tile) {
     auto stored = read_stored_tile(from, row.id, grid, tile);
     if (stored) {
@@ -44,7 +44,7 @@ core::Status keep_tiles(store::JobStore& from, store::JobStore& to, const store:
   return {};
 }
 
-// Of the old database: what SQLite cannot make sense of is damage, too.
+// The error for an old database that cannot be read. An internal error of SQLite is damage, too.
 core::Error beyond_reading(const fs::path& database, const core::Error& error) {
   if (error.code != core::ErrorCode::kDataLoss && error.code != core::ErrorCode::kInternal) return error;
   return {core::ErrorCode::kDataLoss,
@@ -54,15 +54,15 @@ core::Error beyond_reading(const fs::path& database, const core::Error& error) {
               database.string())};
 }
 
-// No coordinator was started more often than every quarter of an hour since 1970, and a lease's number has
-// room for some centuries of that.
+// An epoch beyond all earlier ones: no coordinator was started more often than every quarter of an hour since
+// 1970, and 24 bits last for some centuries of that.
 std::uint32_t epoch_beyond_all() {
   using QuarterHours = std::chrono::duration<std::uint32_t, std::ratio<900>>;
   return std::chrono::duration_cast<QuarterHours>(std::chrono::system_clock::now().time_since_epoch())
       .count();
 }
 
-// Damage can make rows appear twice, and give two jobs the same request.
+// Damage can duplicate rows, and give two jobs the same request_id.
 core::Result<Salvage> copy_whole_jobs(const fs::path& database, store::JobStore& from, store::JobStore& to) {
   auto readable = from.readable_jobs();
   if (!readable) return core::fail(beyond_reading(database, readable.error()));
@@ -85,10 +85,10 @@ core::Result<Salvage> copy_whole_jobs(const fs::path& database, store::JobStore&
   return salvage;
 }
 
-// A database is its file and what SQLite keeps beside it.
+// Removes a database with SQLite's files beside it.
 void remove_database(const fs::path& file) {
   for (const char* ending : {"", "-wal", "-shm"}) {
-    std::error_code ignored;  // what is in the way shows when it is opened
+    std::error_code ignored;  // opening the new database reports what could not be removed
     fs::remove(file.string() + ending, ignored);
   }
 }
@@ -103,7 +103,7 @@ core::Status expect_no_log(const fs::path& copy) {
                   store::log_of(copy).string()));
 }
 
-// A copy of an earlier salvage that was cut short goes only when the database is open.
+// A copy of an interrupted salvage is removed only after the old database could be opened.
 core::Result<Salvage> make_copy(const fs::path& database, const fs::path& copy) {
   auto from = store::JobStore::open_read_only(database);
   if (!from) return core::fail(beyond_reading(database, from.error()));
@@ -129,7 +129,7 @@ core::Result<Salvage> salvage_state(const fs::path& folder) {
   auto salvage = make_copy(database, copy);
   if (!salvage) return salvage;
   auto set_aside = store::replace_database(database, copy);
-  remove_database(copy);  // where it was not put in place
+  remove_database(copy);  // does nothing if it was put in place
   if (!set_aside) return core::fail(set_aside.error());
   salvage->set_aside = *std::move(set_aside);
   return salvage;

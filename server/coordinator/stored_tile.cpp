@@ -12,8 +12,7 @@ core::Result<StoredTile> read_stored_tile(store::JobStore& jobs, const std::stri
   const auto failed = [&](core::ErrorCode code, const char* how) {
     return core::fail(code, fmt::format("tile {} of job {} {}", tile, job_id, how));
   };
-  if (tile < 0 || tile >= grid.tile_count())
-    return failed(core::ErrorCode::kDataLoss, "is none of its picture");
+  if (tile < 0 || tile >= grid.tile_count()) return failed(core::ErrorCode::kDataLoss, "is not in its image");
   auto row = jobs.tile(job_id, tile);
   if (!row) return core::fail(row.error());
   if (!*row) return failed(core::ErrorCode::kNotFound, "is not stored");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A tile as it lies in the store, with everything that can be wrong with it looked at.
+// Reads a tile from the store and checks it fully.
 #pragma once
 
 #include <string>
@@ -8,7 +8,7 @@
 
 namespace tessera::coordinator {
 
-// How many are written at once: 12 MiB encoded, at most.
+// The number of tiles that are written at once: at most 12 MiB encoded.
 inline constexpr std::size_t kTilesPerBatch = 64;
 
 struct StoredTile {
@@ -16,7 +16,7 @@ struct StoredTile {
   TileContent content;
 };
 
-// NOT_FOUND if the store has nothing of it. DATA_LOSS if it is not what was written, or of no tile of `grid`.
+// NOT_FOUND if the store has no samples of it. DATA_LOSS if it is damaged, or is no tile of `grid`.
 core::Result<StoredTile> read_stored_tile(store::JobStore& jobs, const std::string& job_id,
                                           const core::TileGrid& grid, int tile);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A few threads for work that must not be done in gRPC's callbacks: decompressing, hashing, encoding, disks.
-// Thread-safe.
+// A thread pool for work that must not run in gRPC's callbacks: decompression, hashing, encoding, disk
+// access. Thread-safe.
 #pragma once
 
 #include <atomic>
@@ -17,18 +17,19 @@ class ThreadPool {
  public:
   // At most `max_waiting` tasks wait for one of the threads.
   ThreadPool(int threads, std::size_t max_waiting);
-  // Runs what was posted to its end.
+  // Runs all posted tasks first.
   ~ThreadPool();
   ThreadPool(const ThreadPool&) = delete;
   ThreadPool& operator=(const ThreadPool&) = delete;
 
-  // False, and nothing happens, if too many tasks are waiting already.
+  // Returns false, and does nothing, if too many tasks wait already.
   [[nodiscard]] bool post(std::function<void()> task);
-  // The same for a task that is short: to run it on the caller's thread costs less than to wake another. That
-  // is done with one at a time, while nothing waits. A task that throws ends the process on either thread.
+  // As post(), for short tasks. If nothing waits and no other task runs this way, the task runs on the
+  // caller's thread, which costs less than to wake another. A task that throws ends the process on either
+  // thread.
   [[nodiscard]] bool run_or_post(std::function<void()> task);
 
-  // Tells tasks that wait that there is no time left for their work: each still runs, and asks.
+  // Marks the pool as closed. Waiting tasks still run, and check is_closed() to end early.
   void close() { closed_ = true; }
   bool is_closed() const { return closed_; }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Who rendered a stored tile, as bytes and back.
+// Encodes and decodes the producers of a stored tile.
 #pragma once
 
 #include <cstdint>
@@ -11,14 +11,14 @@
 namespace tessera::coordinator {
 
 struct Produced {
-  // Fingerprinter::check() of whoever made the fingerprints.
+  // Fingerprinter::check() of the secret that made the fingerprints.
   std::uint64_t fingerprinter = 0;
   std::vector<scheduler::ProducedItem> items;
 };
 
-// To be appended to the tile's RenderedItem.
+// The bytes to append to the tile's RenderedItem.
 std::string encode_provenance(const Produced& provenance);
-// Of bytes that encode_provenance() made and whatever stands before them. What cannot be is left out.
+// Decodes bytes of encode_provenance() with any bytes before them. Invalid items are left out.
 Produced decode_provenance(int tile, const std::string& bytes);
 
 }  // namespace tessera::coordinator

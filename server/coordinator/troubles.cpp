@@ -10,7 +10,7 @@
 
 namespace tessera::coordinator {
 
-// With no character cut in two: the rest could not be sent any more.
+// Does not split a character, since the rest would not be valid UTF-8.
 std::string excerpt(const std::string& text, std::size_t max_bytes) {
   std::size_t end = std::min(text.size(), max_bytes);
   while (end < text.size() && end > 0 && (static_cast<unsigned char>(text[end]) & 0xc0) == 0x80) --end;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What workers say keeps them from work, for people who wait. Their own words: bounded, printable, and shown
-// with the name of the worker that says so. Not thread-safe; the coordinator's gate guards it.
+// The reasons that workers give for not working, shown to users. The texts come from workers: they are
+// bounded, made printable, and shown with the worker's name. Not thread-safe; guarded by the coordinator's
+// state mutex.
 #pragma once
 
 #include <map>
@@ -12,7 +13,7 @@
 
 namespace tessera::coordinator {
 
-// The beginning of a text in others' words, in printable characters: no more than `max_bytes` of it are read.
+// The beginning of an untrusted text in printable characters. Reads at most `max_bytes` of it.
 std::string excerpt(const std::string& text, std::size_t max_bytes);
 
 class Troubles {
@@ -21,14 +22,14 @@ class Troubles {
   static constexpr std::size_t kMaxOfJob = 8;
   static constexpr std::size_t kMaxTextBytes = 300;
 
-  // Replaces what the worker said before. Returns what is new of it, as of_job() says it, for the log.
+  // Replaces the worker's earlier reasons. Returns the new ones for the log, in the form of of_job().
   std::vector<std::string> note(const v1::SynchronizeRequest& request);
-  // All workers but these are forgotten.
+  // Forgets all other workers.
   void forget_others(const std::set<std::string>& present);
 
-  // In the worker's words.
+  // The worker's reasons as it gave them.
   std::vector<std::string> of_worker(const std::string& worker) const;
-  // Of every worker that has trouble with this job, or with every job: "worker NAME says: ...".
+  // The reasons of all workers that concern this job or every job: "worker NAME says: ...".
   std::vector<std::string> of_job(const std::string& job) const;
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What users ask of the coordinator's jobs.
+// The users' methods of the coordinator.
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
@@ -28,7 +28,7 @@ std::int64_t wall_now_ms() {
   return std::chrono::duration_cast<std::chrono::milliseconds>(since_1970).count();
 }
 
-// The last part of a path: what a job without a name is called.
+// The last component of a path, the default name of a job.
 std::string file_name(const std::string& path) {
   return path.substr(path.find_last_of('/') + 1);
 }
@@ -53,8 +53,8 @@ core::Status Coordinator::check_bundle(const v1::Bundle& bundle) {
       intact_ones.insert(*digest);
       continue;
     }
-    // What was damaged since it was uploaded is as good as missing. Jobs that run with it may have no more
-    // need of it: their workers have it.
+    // A file that was damaged since its upload counts as missing. Running jobs may not need it any more,
+    // since their workers have it.
     const ErrorCode code = intact.error().code;
     if (code != ErrorCode::kDataLoss && code != ErrorCode::kNotFound) return core::fail(intact.error());
     if (code == ErrorCode::kDataLoss) state_.blobs.discard(*digest);
@@ -202,10 +202,10 @@ core::Result<v1::Job> Coordinator::update_job(const v1::UpdateJobRequest& reques
 }
 
 core::Status Coordinator::delete_job(const std::string& id) {
-  // From the store first: a job that is gone from memory alone would be back after a restart.
+  // From the store first: a job that is deleted only from memory would be back after a restart.
   if (const auto known = job(id); !known) return core::fail(known.error());
   if (const core::Status deleted = state_.jobs.delete_job(id); !deleted) return deleted;
-  std::map<std::string, JobRecord>::node_type deleted_one;  // let go of after the turn
+  std::map<std::string, JobRecord>::node_type deleted_one;  // destroyed outside the lock
   StateLock lock(*this);
   const scheduler::Actions actions = scheduler_.handle(scheduler::DeleteJob{{id}}, lock.now());
   apply(lock, actions);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Between the scheduler's types and the messages of the contract. Pure functions.
+// Conversions between the scheduler's types and the messages of the protocol. Pure functions.
 #pragma once
 
 #include <cstdint>
@@ -13,25 +13,25 @@
 namespace tessera::coordinator {
 
 v1::JobState to_wire(scheduler::JobState state);
-// RUNNING for a value that is none.
+// RUNNING for an unknown value.
 scheduler::JobState from_wire(v1::JobState state);
 
 v1::Lease to_wire(const scheduler::LeaseDescription& lease, const core::TileGrid& grid);
-// Items that are no work at all are left out, rectangles that are no tile become kNoTile.
+// Leaves out empty items. Rectangles that are no tile become kNoTile.
 scheduler::LeaseDescription from_wire(const v1::Lease& lease, const core::TileGrid& grid);
-// An item that is no work at all becomes one of kNoTile, too.
+// An empty item becomes one of kNoTile, too.
 scheduler::Rendering from_wire(const v1::Rendering& rendering, const core::TileGrid& grid);
 
 // `seen_ms` is when it was last seen, in milliseconds since 1970-01-01 UTC.
 v1::ListWorkersResponse::Worker to_wire(const scheduler::WorkerView& worker, std::int64_t seen_ms);
 
-// The nearest moment from the year 1 to 9999: a Timestamp holds no other.
+// Times outside the years 1 to 9999, which a Timestamp cannot hold, are clamped.
 google::protobuf::Timestamp timestamp_from_ms(std::int64_t ms);
 std::int64_t ms_from_timestamp(const google::protobuf::Timestamp& timestamp);
 google::protobuf::Duration to_wire(scheduler::Duration duration);
 double seconds(const google::protobuf::Duration& duration);
 
-// From the operating system.
+// 64 random bits from the operating system.
 std::uint64_t random_number();
 // 128 bits from the operating system, as 32 lower-case hexadecimal digits.
 std::string random_id();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What workers ask and deliver.
+// The workers' methods of the coordinator.
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
@@ -20,13 +20,13 @@ using core::ErrorCode;
 
 namespace {
 
-// Waiting calls come back three times in the time within which a worker must be heard of.
+// Waiting calls are answered three times per heartbeat timeout.
 constexpr int kCallsPerLease = 3;
 
-// More would take gigabytes to decompress, in a message of a few kilobytes.
+// A message of some kilobytes could otherwise take gigabytes to decompress.
 constexpr int kMaxItemsPerResult = 256;
 
-// Of what a worker says in its own words.
+// The bound on a reason that a worker gives.
 constexpr std::size_t kMaxReasonBytes = 500;
 
 bool is_id(const std::string& text) {
@@ -92,7 +92,7 @@ std::set<std::string> first_ids(const google::protobuf::RepeatedPtrField<std::st
   return {ids.begin(), end};
 }
 
-// Those beyond what anybody can hold are not looked at.
+// Leases beyond what a worker can hold are ignored.
 std::vector<scheduler::LeaseId> held_besides(const v1::SubmitResultRequest& request) {
   std::vector<scheduler::LeaseId> held;
   for (const std::uint64_t id : request.held_lease_ids()) {
@@ -170,7 +170,7 @@ void Coordinator::refuse(StateLock& lock, SynchronizeCaller& caller, const core:
 }
 
 core::Status Coordinator::admit(const StateLock& lock, const v1::SynchronizeRequest& request) {
-  // Whoever works already on the machine of one that is quarantined answers for itself.
+  // Workers that were registered before their machine was quarantined are judged by their own results.
   const std::string machine = proto::client_key(request.worker_key());
   const bool newcomer = quarantine_.is_machine_aside(machine) && !is_known(lock, request.worker_id());
   if (quarantine_.is_quarantined(request.worker_id()) || newcomer) {
@@ -261,14 +261,14 @@ void Coordinator::tell_with_answer(const scheduler::SubmitResult& event, schedul
   response.mutable_jobs()->Swap(news.mutable_jobs());
 }
 
-// What a result brought, read outside the gate.
+// The decoded content of a result, prepared without the state lock.
 struct Coordinator::Delivery {
   std::vector<core::FilmTile> tiles;
   std::vector<scheduler::Fingerprint> fingerprints;
 };
 
-// Whoever cannot prove that the lease was given to the worker that it names may be anybody: that says nothing
-// of the worker.
+// A caller that cannot prove that the lease was granted to the named worker may be anybody: its result does
+// not count against the worker.
 core::Status Coordinator::check_token(const v1::SubmitResultRequest& request) {
   const scheduler::LeaseToken token =
       signer_.sign({request.lease_id()}, {request.worker_id()}, {request.job_id()});
@@ -344,7 +344,7 @@ core::Result<v1::SubmitResultResponse> Coordinator::count_result(StateLock& lock
   for (std::size_t i = 0; i < delivery.tiles.size(); ++i) {
     if (actions.verdicts[i] == scheduler::Verdict::kAccepted)
       record->film->add(event.items[i].tile, delivery.tiles[i]);
-    // A worker does not hear whether it rendered something for the first time.
+    // A worker is not told whether its samples were accepted or audited.
     if (actions.verdicts[i] == scheduler::Verdict::kDropped) {
       response.set_dropped_items(response.dropped_items() + 1);
     } else {
@@ -384,7 +384,7 @@ void Coordinator::note_rejected_result(StateLock& lock, const std::string& worke
   });
   if (known == workers.end()) {
     rejected_log_.warn(
-        fmt::format("rejected a result of worker {:.32}, which was not heard of since the coordinator "
+        fmt::format("rejected a result of worker {:.32}, which has not registered since the coordinator "
                     "was started: {}",
                     worker, error.message),
         lock.now());

@@ -21,8 +21,8 @@ namespace {
 using core::ErrorCode;
 using grpc::StatusCode;
 
-// Shorter ones could be guessed. Names are shown to everybody: with this limit, tokens as the documentation
-// makes them cannot be taken for one.
+// Shorter tokens could be guessed. Names are public: with this limit, a token as the documentation makes them
+// is never accepted as a name.
 constexpr std::size_t kMinTokenLength = 16, kMaxNameLength = 32;
 
 constexpr std::array<std::pair<std::string_view, Role>, 3> kRoles{
@@ -38,8 +38,7 @@ std::string digest_of_token(std::string_view token) {
   return proto::digest_of(std::string(token)).hex();
 }
 
-// The token of a call's metadata; empty if there is none. The scheme's name may be in any case (RFC
-// 7235, 2.1).
+// The token in a call's metadata; empty if there is none. The scheme is case-insensitive (RFC 7235, 2.1).
 std::string_view shown_token(const grpc::CallbackServerContext& context) {
   const auto found = context.client_metadata().find(proto::kTokenKey);
   if (found == context.client_metadata().end()) return {};
@@ -71,7 +70,7 @@ core::Result<Access> Access::read(const std::string& path) {
   return access;
 }
 
-// Says nothing of what is in the line: any word of it may be a secret.
+// Errors do not quote the line, since any word of it may be a secret.
 core::Status Access::add_line(std::string_view line) {
   const auto refuse = [](const std::string& what) { return core::fail(ErrorCode::kInvalidArgument, what); };
   std::istringstream words{std::string(line)};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Who may call what: the bearer tokens of a farm and their roles. Immutable; thread-safe.
+// Authorisation: the bearer tokens of a farm and their roles. Immutable; thread-safe.
 #pragma once
 
 #include <grpcpp/server_context.h>
@@ -13,32 +13,31 @@
 namespace tessera::rpc {
 
 enum class Role {
-  kSubmit,  // everything users do, but changes to the jobs of others
-  kWork,    // everything workers do
-  kAdmin,   // everything
+  kSubmit,  // calls of users, except changes to the jobs of others
+  kWork,    // calls of workers
+  kAdmin,   // all calls
 };
 
 struct Caller {
-  std::string name;  // empty where the farm knows no tokens
+  std::string name;  // empty if the farm has no tokens
   Role role = Role::kAdmin;
-  std::string key;  // tells callers apart, also where they have no names (AuthInterceptor)
+  std::string key;  // distinguishes callers, also those without names (AuthInterceptor)
 };
 
 class Access {
  public:
-  // Everybody may do everything.
+  // Everybody may call everything.
   Access() = default;
 
-  // From a file with a line "ROLE NAME TOKEN" for each token, ROLE one of submit, work and admin; several
-  // tokens may have one name. Empty lines and lines that begin with # count for nothing. Errors name file and
-  // line.
+  // Reads a file with a line "ROLE NAME TOKEN" for each token. ROLE is submit, work or admin; several tokens
+  // may have the same name. Empty lines and lines that begin with # are ignored. Errors name file and line.
   static core::Result<Access> read(const std::string& path);
 
-  // Whether no token is asked for.
+  // Whether calls need no token.
   bool is_open() const { return open_; }
 
-  // Who calls, if the caller's token has this role or is an administrator's. UNAUTHENTICATED without a known
-  // token, PERMISSION_DENIED without the role; the sentence is in the status.
+  // Identifies the caller and checks that the token has this role or is an administrator's. UNAUTHENTICATED
+  // without a known token, PERMISSION_DENIED without the role. The status has the message.
   grpc::Status admit(const grpc::CallbackServerContext& context, Role role, Caller& caller) const;
 
  private:
@@ -46,7 +45,7 @@ class Access {
 
   bool open_ = true;
   std::map<std::string, Caller>
-      callers_;  // by the SHA-256 of the token, so that a look-up's time tells nothing of it
+      callers_;  // by the SHA-256 of the token, so that the look-up time reveals nothing of it
 };
 
 }  // namespace tessera::rpc

@@ -31,7 +31,7 @@ std::optional<Admission> AuthInterceptor::admit(grpc::CallbackServerContext& con
   if (!place) {
     rejection.status = try_later(
         context,
-        server::over_share(calls_.held_by(machine), "calls", "are under way", limits_.calls, "--max-calls"),
+        server::over_share(calls_.held_by(machine), "calls", "are in progress", limits_.calls, "--max-calls"),
         kTryAgainAfter);
     return std::nullopt;
   }

@@ -19,17 +19,17 @@
 
 namespace tessera::rpc {
 
-// A call that may be made.
+// A call that is admitted.
 struct Admission {
   const Method& method;
   Caller caller;
-  coordinator::FairShare::Held place;  // among the calls under way
+  coordinator::FairShare::Held place;  // its share of the calls in progress
 };
 
-// A call that may not.
+// A call that is rejected.
 struct Rejection {
   grpc::Status status;
-  // Present where the answer must be held back: its place among the calls under way.
+  // Present if the answer must be delayed: the call's share of the calls in progress.
   std::optional<coordinator::FairShare::Held> held_back{};
 };
 
@@ -44,13 +44,14 @@ class AuthInterceptor {
 
   const Methods& methods() const { return methods_; }
 
-  // The caller, with its key and its share of the calls in progress; or nothing, and `rejection` says why.
-  // Besides the codes of Access::admit(), RESOURCE_EXHAUSTED with try_later() for a caller that calls too
-  // often or has too many calls in progress. Keys tell users apart by the names of their tokens, or without
-  // tokens by their machines, and workers by their connections. Machines share the calls in progress.
+  // Returns the caller, with its key and its share of the calls in progress; or nothing, with the reason in
+  // `rejection`. Besides the codes of Access::admit(), RESOURCE_EXHAUSTED with try_later() for a caller that
+  // calls too often or has too many calls in progress. The keys of users are the names of their tokens, or
+  // their machines without tokens; those of workers are their connections. Shares of the calls in progress
+  // are by machine.
   std::optional<Admission> admit(grpc::CallbackServerContext& context, const Method& method,
                                  Rejection& rejection);
-  // See Rejections::flush(). To be called regularly.
+  // See Rejections::flush(). Call it regularly.
   void flush_log() { rejections_.flush(); }
 
  private:
@@ -62,8 +63,8 @@ class AuthInterceptor {
   Rejections rejections_;
 };
 
-// RESOURCE_EXHAUSTED for a reason that passes by itself: says when to try again, in gRPC's own way
-// (proto/status.hpp); where nothing better is known, after a second.
+// A RESOURCE_EXHAUSTED status for a temporary condition. It carries the delay before a retry in gRPC's own
+// form (proto/status.hpp). The default is a second.
 inline constexpr std::chrono::seconds kTryAgainAfter{1};
 grpc::Status try_later(grpc::CallbackServerContext& context, const core::Error& error,
                        std::chrono::steady_clock::duration wait);

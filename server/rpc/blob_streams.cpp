@@ -30,7 +30,7 @@ UploadStream::UploadStream(grpc::CallbackServerContext& context, coordinator::Co
   }
   ended_ = true;
   Finish(try_later(context_,
-                   server::over_share(streams_.uploads.held_by(caller()), "uploads", "are under way",
+                   server::over_share(streams_.uploads.held_by(caller()), "uploads", "are in progress",
                                       streams_.limits.uploads, "--max-uploads"),
                    kTryAgainAfter));
 }
@@ -55,10 +55,11 @@ void UploadStream::end_if_waiting_since(Clock::time_point time) {
   const std::lock_guard lock(mutex_);
   if (ended_ || !waiting_since_ || *waiting_since_ > time) return;
   ended_ = true;
-  Finish({grpc::StatusCode::UNAVAILABLE,
-          fmt::format(
-              "nothing has come of this upload for {} s (tessera-coordinator --stall-seconds): send it again",
-              std::chrono::duration<double>(streams_.stalls.patience()).count())});
+  Finish(
+      {grpc::StatusCode::UNAVAILABLE,
+       fmt::format(
+           "no data of this upload has arrived for {} s (tessera-coordinator --stall-seconds): send it again",
+           std::chrono::duration<double>(streams_.stalls.patience()).count())});
 }
 
 void UploadStream::OnDone() {
@@ -87,7 +88,7 @@ core::Status UploadStream::check_chunk() const {
   return {};
 }
 
-// By the size that it is said to have: a stream that brings more is ended by the writer.
+// Checks the declared size: the writer ends a stream that sends more.
 void UploadStream::begin() {
   const auto digest = proto::from_proto(request_.chunk().digest());
   if (!digest) return Finish(proto::to_grpc(digest.error()));
@@ -129,7 +130,7 @@ void UploadStream::commit() {
   core::Status done =
       writer_ ? writer_->commit()
               : core::fail(ErrorCode::kInvalidArgument, "the stream ended before the first chunk");
-  use_.reset();  // its claims count from here, not from when gRPC lets go of this
+  use_.reset();  // its claims end here, not when gRPC deletes this object
   if (!done) return Finish(proto::to_grpc(done));
   auto bytes = serialise(response_);
   if (!bytes) return Finish(proto::to_grpc(core::Status(core::fail(bytes.error()))));
@@ -138,7 +139,7 @@ void UploadStream::commit() {
 }
 
 void FetchStream::begin() {
-  // Workers of one machine count together: each could have many connections.
+  // The share is by machine, since each worker could open many connections.
   const std::string machine = client_key(context().peer());
   auto place = streams().fetches.take(machine);
   if (!place)
@@ -192,7 +193,7 @@ void FetchStream::write_next() {
   StartWrite(&bytes_);
 }
 
-// A write is under way, which nothing but this ends.
+// A write is in progress; only ending the call cancels it.
 void FetchStream::end_own_wait_since(Clock::time_point time) {
   const std::lock_guard lock(mutex_);
   if (waiting_since_ && *waiting_since_ <= time) context().TryCancel();

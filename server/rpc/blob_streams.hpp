@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Blobs on their way in and out, 1 MiB at a time.
+// Uploads and downloads of blobs in chunks of 1 MiB.
 #pragma once
 
 #include <mutex>
@@ -15,8 +15,10 @@
 
 namespace tessera::rpc {
 
-// Both are owned by gRPC until OnDone. There is never more than one operation under way, so that their
-// members need no lock, but for those that say when and whether a call is ended for standing still.
+// Both classes are owned by gRPC until OnDone. At most one operation is in progress, so their members need no
+// lock, except for those that record since when the stream waits and whether it was ended.
+//
+// Writes one blob from a client to the store.
 
 // One blob from a client into the store.
 class UploadStream final : public Reactor, private WatchedStream {
@@ -33,11 +35,11 @@ class UploadStream final : public Reactor, private WatchedStream {
   void take_chunk();
   core::Status check_chunk() const;
   void begin();
-  // Goes on to make room, where that takes as long as it may, if there is none.
+  // Takes room in the store. If there is none, continues with make_room() on a thread that may block.
   void take_room(const proto::Digest& digest);
   void make_room(const proto::Digest& digest);
   void append();
-  // Ends the call with what became of the blob.
+  // Commits the blob and ends the call with the result.
   void commit();
   const std::string& caller() const { return admission_.caller.key; }
 
@@ -46,20 +48,20 @@ class UploadStream final : public Reactor, private WatchedStream {
   const Pools pools_;
   StreamLimits& streams_;
   const Admission admission_;
-  const std::optional<coordinator::FairShare::Held> place_;  // one of streams.uploads
+  const std::optional<coordinator::FairShare::Held> place_;  // its share of streams.uploads
   grpc::ByteBuffer bytes_;
   v1::UploadBlobRequest request_;
   v1::UploadBlobResponse response_;
-  // From the first chunk on:
+  // Set from the first chunk on:
   std::optional<coordinator::BlobClaims::Use> use_;
   std::optional<store::BlobWriter> writer_;
 
   std::mutex mutex_;
-  std::optional<Clock::time_point> waiting_since_;  // guarded by mutex_; while a read is under way
-  bool ended_ = false;                              // guarded by mutex_; for standing still
+  std::optional<Clock::time_point> waiting_since_;  // guarded by mutex_; set while a read is in progress
+  bool ended_ = false;                              // guarded by mutex_; for lack of progress
 };
 
-// One blob from the store to a worker.
+// Sends one blob from the store to a worker.
 class FetchStream final : public RequestCall {
  public:
   FetchStream(grpc::CallbackServerContext& context, coordinator::Coordinator& coordinator,
@@ -74,20 +76,20 @@ class FetchStream final : public RequestCall {
 
   core::Status open();
   void write_next();
-  // Ends the call, and tells the coordinator what its store has lost.
+  // Ends the call, and reports a lost blob to the coordinator.
   void fail(const core::Error& error);
 
   coordinator::Coordinator& coordinator_;
   coordinator::ThreadPool& pool_;
   v1::FetchBlobRequest request_;
-  std::optional<coordinator::FairShare::Held> place_;  // one of streams.fetches
+  std::optional<coordinator::FairShare::Held> place_;  // its share of streams.fetches
   v1::FetchBlobResponse response_;
   grpc::ByteBuffer bytes_;
   std::optional<store::BlobReader> reader_;
   std::uint64_t left_bytes_ = 0;
 
   std::mutex mutex_;
-  std::optional<Clock::time_point> waiting_since_;  // guarded by mutex_; while a write is under way
+  std::optional<Clock::time_point> waiting_since_;  // guarded by mutex_; set while a write is in progress
 };
 
 }  // namespace tessera::rpc

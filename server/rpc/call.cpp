@@ -18,10 +18,10 @@ namespace {
 
 using core::ErrorCode;
 
-// About how long the answer to a caller that was rejected again and again is delayed.
+// The approximate delay of the answer to a machine that is rejected often.
 constexpr std::chrono::seconds kHoldBack{1};
 
-// The slowest line that a message or an answer gets through.
+// The slowest line over which a message or an answer arrives in time.
 constexpr std::size_t kSlowestBytesPerSecond = 16 << 10;
 
 std::chrono::seconds time_on_slow_line(std::size_t bytes) {
@@ -86,7 +86,7 @@ bool RequestCall::enter(Stage stage, std::size_t bytes) {
   return true;
 }
 
-// gRPC does not delete the call before this returns.
+// gRPC does not delete the call before OnReadDone returns.
 void RequestCall::OnReadDone(bool ok) {
   if (!enter(Stage::kParsing, 0)) return;
   core::Status done = guarded([&] { return take_message(ok); });

@@ -64,7 +64,7 @@ class RequestCall : public Reactor, protected WatchedStream {
 
   virtual google::protobuf::Message& message() = 0;
   virtual void begin() = 0;
-  // As WatchedStream::end_if_waiting_since(), for what the derived class waits for.
+  // The same as WatchedStream::end_if_waiting_since() for what the derived class waits for.
   virtual void end_own_wait_since(Clock::time_point) {}
   // The call was cancelled after begin() was called, which may still be running.
   virtual void on_cancel() {}
@@ -101,7 +101,7 @@ class RequestCall : public Reactor, protected WatchedStream {
 template <typename Request, typename Response>
 class UnaryCall final : public RequestCall {
  public:
-  // Must call finish() exactly once, now or later.
+  // The handler must call finish() exactly once, now or later.
   using Handler = std::function<void(UnaryCall&)>;
 
   UnaryCall(grpc::CallbackServerContext& context, StreamLimits& streams, Admission admission, Handler handler)
@@ -110,7 +110,7 @@ class UnaryCall final : public RequestCall {
   Request& request() { return request_; }
   Response& response() { return response_; }
 
-  // On any thread. The call may be deleted at any moment after it.
+  // Ends the call. On any thread. The call may be deleted at any moment after it.
   void finish(const grpc::Status& status) { status.ok() ? answer(response_) : Finish(status); }
 
  private:

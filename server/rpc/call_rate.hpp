@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// How often each caller may call: a bucket of tokens for everyone, which fills with so many a second and
-// holds those of kBurstSeconds. Thread-safe.
+// Limits how often each caller may call, with token buckets. A bucket refills at a fixed rate and holds the
+// tokens of kBurstSeconds. Thread-safe.
 #pragma once
 
 #include <chrono>
@@ -18,7 +18,7 @@ class CallRate {
 
   explicit CallRate(double calls_per_second, std::function<Clock::time_point()> now = Clock::now);
 
-  // Takes a token of the caller's; without one, the time after which there is one.
+  // Takes a token of the caller. If there is none, returns the time until there is one.
   std::optional<Clock::duration> take(const std::string& caller);
 
   double calls_per_second() const { return calls_per_second_; }
@@ -28,16 +28,16 @@ class CallRate {
     double tokens;
     Clock::time_point filled_at;
   };
-  // Of a bucket, at this moment.
+  // The tokens in a bucket at this moment.
   double tokens(const Bucket& bucket, Clock::time_point now) const;
-  // Full buckets are as good as none.
+  // Removes full buckets: they equal new ones.
   void forget_full(Clock::time_point now);
 
   const double calls_per_second_, capacity_;
   const std::function<Clock::time_point()> now_;
   std::mutex mutex_;
   std::map<std::string, Bucket> buckets_;  // guarded by mutex_
-  std::size_t forget_at_;                  // guarded by mutex_; how many buckets there must be
+  std::size_t forget_at_;                  // guarded by mutex_; full buckets are removed at this number
 };
 
 }  // namespace tessera::rpc

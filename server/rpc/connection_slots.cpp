@@ -14,11 +14,11 @@ namespace tessera::rpc {
 
 namespace {
 
-// After each look at all of them, so many times as long without one.
+// After each check of all sockets, none follows for so many times as long.
 constexpr int kRest = 19;
 constexpr std::size_t kNetworkBytes = 8;  // of an IPv6 address
 
-// 0 if the descriptor is no socket.
+// The inode; 0 if the descriptor is no socket.
 ino_t number_of_socket(int descriptor) {
   struct ::stat status {};
   return ::fstat(descriptor, &status) == 0 && S_ISSOCK(status.st_mode) ? status.st_ino : 0;
@@ -39,7 +39,7 @@ std::string client_key(const sockaddr_storage& peer) {
 }
 
 std::string client_key(const std::string& peer) {
-  if (peer.starts_with("ipv4:")) return peer.substr(0, peer.find_last_of(':'));  // of nearly every call
+  if (peer.starts_with("ipv4:")) return peer.substr(0, peer.find_last_of(':'));  // the common case
   static const std::regex kIpv6(R"(ipv6:(?:\[|%5B)([0-9a-f:.]+)(?:\]|%5D):\d+)", std::regex::icase);
   std::smatch parts;
   sockaddr_storage address{};

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// How many connections there are, all together and of each machine. Whoever was given their descriptors
-// closes them without a word: they are looked at, but only where there seem to be too many. For one thread at
-// a time.
+// Counts the open connections, in total and by machine. gRPC owns the descriptors and closes them without
+// notice, so the sockets are checked, but only when a limit seems to be reached. For one thread at a time.
 #pragma once
 
 #include <sys/socket.h>
@@ -13,10 +12,11 @@
 
 namespace tessera::rpc {
 
-// "10.0.0.5", or the 64 bits of an IPv6 address that its network gives: their owner has all that follow.
+// The key of a peer's machine: "10.0.0.5", or the upper 64 bits of an IPv6 address, since one host can use
+// every address below that prefix.
 std::string client_key(const sockaddr_storage& peer);
-// The same of a peer as gRPC names it: "ipv4:10.0.0.5:4242", "ipv6:[2001:db8::5]:4242" or with %5B and %5D
-// for the brackets. What is neither, without what follows the last colon.
+// The same of a peer as gRPC names it: "ipv4:10.0.0.5:4242", "ipv6:[2001:db8::5]:4242", or with %5B and %5D
+// for the brackets. Of any other text, the part before the last colon.
 std::string client_key(const std::string& peer);
 
 class ConnectionSlots {
@@ -27,10 +27,10 @@ class ConnectionSlots {
   ConnectionSlots(std::size_t most, std::size_t most_of_machine)
       : most_(most), most_of_machine_(most_of_machine) {}
 
-  // Whether a connection more of this machine is within the limits. Looking at all takes at most a twentieth
-  // of the time: a slot that was given back is found a little later, 50 ms for 10,000.
+  // Whether another connection of this machine is within the limits. Checking all sockets takes at most a
+  // twentieth of the time, so a closed connection is noticed with a short delay: 50 ms for 10,000.
   Room room_for(const std::string& machine);
-  // Counts an open socket until it is closed, by whomever.
+  // Counts an open socket until it is closed, by whichever part of the process.
   void take(int descriptor, const std::string& machine);
 
   std::size_t most() const { return most_; }
@@ -38,7 +38,7 @@ class ConnectionSlots {
 
  private:
   struct Slot {
-    ino_t socket;  // the kernel's number, which tells it from what has the same descriptor later
+    ino_t socket;  // the inode, which tells the socket from a later one with the same descriptor
     std::string machine;
   };
   using Slots = std::map<int, Slot>;  // by descriptor
@@ -49,7 +49,7 @@ class ConnectionSlots {
 
   const std::size_t most_, most_of_machine_;
   Slots slots_;
-  std::map<std::string, std::size_t> of_machine_;  // those of slots_, none with 0
+  std::map<std::string, std::size_t> of_machine_;  // counts of slots_, without zeros
   Clock::time_point next_look_{};
 };
 

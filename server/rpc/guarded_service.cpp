@@ -11,8 +11,8 @@ namespace tessera::rpc {
 using grpc::internal::CallbackBidiHandler;
 using grpc::internal::RpcServiceMethod;
 
-// As generated code does it, except for the kind of method: gRPC reads the message of a unary method before
-// it calls any handler.
+// As in generated code, except for the kind of method: gRPC reads the message of a unary method before it
+// calls any handler.
 void GuardedService::add(const std::string& name, Make make) {
   const Method& method = auth_.methods().at("/" + name_ + "/" + name);
   AddMethod(new RpcServiceMethod(method.path.c_str(), grpc::internal::RpcMethod::BIDI_STREAMING, nullptr));

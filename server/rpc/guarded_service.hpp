@@ -21,10 +21,10 @@ class GuardedService : public grpc::Service {
  protected:
   using Make = std::function<Reactor*(grpc::CallbackServerContext&, Admission)>;
 
-  // Serves the method with the reactor that `make` returns for each admitted call.
+  // Registers a method, served by the reactor that `make` returns for each admitted call.
   void add(const std::string& method, Make make);
 
-  // With a member function that finishes the call, now or later.
+  // Registers a unary method, served by a member function that finishes the call, now or later.
   template <typename Derived, typename Request, typename Response>
   void add_unary(const std::string& method, void (Derived::*handle)(UnaryCall<Request, Response>&)) {
     auto* const self = static_cast<Derived*>(this);
@@ -35,7 +35,7 @@ class GuardedService : public grpc::Service {
     });
   }
 
-  // With a class that is derived from RequestCall.
+  // Registers a method, served by a class that is derived from RequestCall.
   template <typename MakeCall>
   void add_call(const std::string& method, MakeCall make) {
     add(method, [make](grpc::CallbackServerContext& context, Admission admission) -> Reactor* {

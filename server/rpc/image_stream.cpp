@@ -18,7 +18,7 @@ namespace tessera::rpc {
 
 namespace {
 
-// Most that making a picture takes: itself, and its file with what its library needs beside it.
+// The maximum memory for encoding an image: the pixels, and the file with the buffers of its library.
 constexpr std::uint64_t kBytesPerPixel = 28;
 
 std::optional<core::ImageFormat> format_of(v1::ImageFormat format) {
@@ -42,7 +42,7 @@ void ImageStream::begin() {
   if (!pools_.quick.post(guarded_step(*this, [this] { wait_for_memory(); }))) Finish(busy());
 }
 
-// Once it waits it may be over at any moment, but not before OnDone has had the lock.
+// The stream may end at any moment once it waits, but it is not deleted before OnDone has taken the lock.
 void ImageStream::wait_for_memory() {
   const auto job = coordinator_.job_without_bundle(request_.job_id());
   if (!job) return Finish(proto::to_grpc(job.error()));
@@ -54,7 +54,7 @@ void ImageStream::wait_for_memory() {
   if (!streams().image_mib.wait(this, caller().key, need_mib_, granted)) Finish(no_memory());
 }
 
-// Not under the lock, or under that of wait_for_memory().
+// The caller must hold neither the lock nor that of wait_for_memory().
 void ImageStream::make_picture(coordinator::FairShare::Held memory) {
   memory_.emplace(std::move(memory));
   const bool posted = pools_.slow.post(caller().key, guarded_step(*this, [this] {
@@ -68,7 +68,7 @@ void ImageStream::make_picture(coordinator::FairShare::Held memory) {
 
 grpc::Status ImageStream::no_memory() {
   core::Error error = server::over_limit(
-      fmt::format("this picture takes {} MiB of memory, and others that are being fetched {} MiB", need_mib_,
+      fmt::format("this image takes {} MiB of memory, and others that are being fetched {} MiB", need_mib_,
                   streams().image_mib.held()),
       fmt::format("{} MiB", streams().limits.image_mib), "--max-image-mib");
   error.message += ", some of which it keeps for other callers";
@@ -119,8 +119,8 @@ void ImageStream::write_next() {
   StartWrite(&bytes_);
 }
 
-// Memory comes together while others take their pictures, and no longer than they may stand still. A write
-// that is under way nothing but this ends.
+// Memory becomes free while others read their images, so the wait for it is bounded by the stall time as
+// well. A write in progress is cancelled only by ending the call.
 void ImageStream::end_own_wait_since(Clock::time_point time) {
   const std::lock_guard lock(mutex_);
   if (waiting_since_ && *waiting_since_ <= time) return context().TryCancel();

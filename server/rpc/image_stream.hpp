@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One picture on its way to a client.
+// Sends one image to a client.
 #pragma once
 
 #include <cstdint>
@@ -13,16 +13,16 @@
 
 namespace tessera::rpc {
 
-// Owned by gRPC until OnDone. There is never more than one operation under way, so that its members need no
-// lock, but for those that say what it waits for.
+// Owned by gRPC until OnDone. At most one operation is in progress, so its members need no lock, except for
+// those that record what it waits for.
 //
-//   constructed ──► waits for memory ──► is made ──► is sent
-//                        │ gives up, is cancelled      │ is not taken
-//                        ▼                             ▼
-//                      ended                         ended
+//   constructed ──► waiting for memory ──► encoding ──► sending
+//                        │ timeout, cancelled              │ not read
+//                        ▼                                 ▼
+//                      ended                             ended
 class ImageStream final : public RequestCall {
  public:
-  // Waits for the memory that making the picture takes, and is given back when all of it is sent.
+  // Waits for the memory that encoding the image takes. It is given back when the image is sent.
   ImageStream(grpc::CallbackServerContext& context, coordinator::Coordinator& coordinator, const Pools& pools,
               StreamLimits& streams, Admission admission)
       : RequestCall(context, streams, std::move(admission)), coordinator_(coordinator), pools_(pools) {}
@@ -39,7 +39,7 @@ class ImageStream final : public RequestCall {
   void make_picture(coordinator::FairShare::Held memory);
   core::Status take_picture();
   void write_next();
-  // RESOURCE_EXHAUSTED, with the time after which to try again.
+  // RESOURCE_EXHAUSTED, with the delay before a retry.
   grpc::Status no_memory();
 
   coordinator::Coordinator& coordinator_;
@@ -53,9 +53,9 @@ class ImageStream final : public RequestCall {
   grpc::ByteBuffer bytes_;
 
   std::mutex mutex_;
-  bool cancelled_ = false;                          // guarded by mutex_; before it waited for memory
-  std::optional<Clock::time_point> queued_since_;   // guarded by mutex_; also when it waits no more
-  std::optional<Clock::time_point> waiting_since_;  // guarded by mutex_; while a write is under way
+  bool cancelled_ = false;                          // guarded by mutex_; before the wait for memory
+  std::optional<Clock::time_point> queued_since_;   // guarded by mutex_; kept after the wait
+  std::optional<Clock::time_point> waiting_since_;  // guarded by mutex_; set while a write is in progress
 };
 
 }  // namespace tessera::rpc

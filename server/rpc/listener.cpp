@@ -20,10 +20,10 @@ using Clock = std::chrono::steady_clock;
 
 namespace {
 
-// Where descriptors or the kernel's memory are used up: how long until others may have given some back.
+// The pause before a retry when descriptors or kernel memory are exhausted.
 constexpr std::chrono::milliseconds kPause{20};
 
-// What accept() says of the process or the machine, and not of the one connection.
+// Errors of accept() that concern the process or the machine, not the connection.
 bool is_exhaustion(int error) {
   return error == EMFILE || error == ENFILE || error == ENOBUFS || error == ENOMEM;
 }
@@ -65,7 +65,7 @@ void Listener::run(const Take& take) {
   while (true) {
     const int ready = poll(waiting.data(), waiting.size(), wait_ms());
     log_.flush(Clock::now());
-    if (ready < 0) std::this_thread::sleep_for(kPause);  // no memory, or a signal
+    if (ready < 0) std::this_thread::sleep_for(kPause);  // no memory, or interrupted by a signal
     if (ready <= 0) continue;
     if (waiting.front().revents != 0) return;
     for (std::size_t i = 0; i < sockets_.size(); ++i)
@@ -88,7 +88,7 @@ void Listener::accept_from(const Fd& socket, const Take& take) {
   Fd connection(
       ::accept4(socket.get(), reinterpret_cast<sockaddr*>(&peer), &length, SOCK_NONBLOCK | SOCK_CLOEXEC));
   if (!connection) {
-    if (!is_exhaustion(errno)) return;  // it is gone already
+    if (!is_exhaustion(errno)) return;  // the connection is gone already
     warn(fmt::format("cannot take a connection: {}; it waits (ulimit -n, LimitNOFILE= of systemd)",
                      std::strerror(errno)));
     return std::this_thread::sleep_for(kPause);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Accepts connections up to a limit and hands them on. gRPC (1.51) by itself takes any number of them, and
-// stops listening for good once the process has no file descriptor left.
+// Accepts connections up to a limit and hands them to gRPC. gRPC 1.51 accepts any number of them, and stops
+// listening for good when the process runs out of file descriptors.
 #pragma once
 
 #include <functional>
@@ -18,35 +18,35 @@ namespace tessera::rpc {
 
 class Listener {
  public:
-  // Takes over a connection's descriptor, and closes it some time.
+  // Takes ownership of a connection's descriptor.
   using Take = std::function<void(int descriptor)>;
 
-  // Connections queue up until start(). UNAVAILABLE if there is nothing to wake its thread with.
+  // Connections queue up until start(). UNAVAILABLE if the descriptor that wakes the thread cannot be made.
   static core::Result<std::unique_ptr<Listener>> make(ListeningSockets listening, ConnectionSlots slots);
-  // Stops, if that was not done before.
+  // Calls stop() if it was not called.
   ~Listener();
 
   int port() const { return port_; }
 
-  // Hands on every connection, on a thread of its own. Those beyond the limits are closed at once, and the
-  // log says so, at most once in ten seconds.
+  // Starts a thread that hands on connections. It closes those beyond the limits at once, and logs them at
+  // most once in ten seconds.
   void start(Take take);
-  // Listens no more. Connections that were handed on stay.
+  // Closes the listening sockets. Connections that were handed on stay open.
   void stop();
 
  private:
   Listener(ListeningSockets listening, ConnectionSlots slots, store::Fd stopped);
 
   void run(const Take& take);
-  // For poll(): negative for ever.
+  // The timeout for poll() in milliseconds; negative for none.
   int wait_ms() const;
   void accept_from(const store::Fd& socket, const Take& take);
   bool has_room(const std::string& machine);
   void warn(std::string sentence);
 
   const int port_;
-  const store::Fd stopped_;  // readable once it is to stop
-  // Of the thread alone, while there is one.
+  const store::Fd stopped_;  // becomes readable when the thread is to stop
+  // Used by the thread alone while it runs.
   std::vector<store::Fd> sockets_;
   ConnectionSlots slots_;
   coordinator::RateLimitedLog log_;

@@ -23,9 +23,9 @@ using store::Fd;
 
 namespace {
 
-// The kernel takes less if its own limit is lower (net.core.somaxconn).
+// The kernel uses less if its own limit is lower (net.core.somaxconn).
 constexpr int kBacklog = 4096;
-// A port that was picked for one address of the host may be taken at another.
+// A port that is free at one address of the host may be taken at another.
 constexpr int kPicks = 16;
 
 tl::unexpected<core::Error> cannot_listen(ErrorCode code, const std::string& address, std::string_view why) {
@@ -48,14 +48,14 @@ std::optional<HostPort> parse(const std::string& address) {
   if (host.size() > 2 && host.front() == '[' && host.back() == ']')
     host = host.substr(1, host.size() - 2);
   else if (host.find(':') != std::string::npos)
-    return std::nullopt;  // which of its colons ends it?
+    return std::nullopt;  // an IPv6 address without brackets
   if (host.empty()) return std::nullopt;
   return parsed;
 }
 
 using Addresses = std::unique_ptr<addrinfo, decltype(&freeaddrinfo)>;
 
-// Null, with an error of getaddrinfo(), if there is none.
+// Null, with an error of getaddrinfo(), if the host has no address.
 Addresses look_up(const HostPort& at, int& error) {
   const bool is_wildcard = at.host == "0.0.0.0" || at.host == "::";
   addrinfo hints{};
@@ -85,8 +85,8 @@ bool set_option(const Fd& socket, int level, int option, int value) {
   return setsockopt(socket.get(), level, option, &value, sizeof value) == 0;
 }
 
-// Invalid, with errno, if it cannot. Without SO_REUSEPORT: a second process on the port is a mistake to be
-// told, not a load balancer. Connections inherit the options of TCP.
+// Invalid, with errno, on failure. SO_REUSEPORT is not set: a second process on the port is an error to
+// report, not a load balancer. Connections inherit the TCP options.
 Fd listen_at(const addrinfo& entry, int port, std::chrono::milliseconds unacknowledged) {
   sockaddr_storage address{};
   std::memcpy(&address, entry.ai_addr, entry.ai_addrlen);
@@ -106,10 +106,10 @@ Fd listen_at(const addrinfo& entry, int port, std::chrono::milliseconds unacknow
   return {};
 }
 
-// At every address that this machine has, all at one port. 0, or errno.
+// Listens at every address of this machine with the same port. Returns 0 or errno.
 int listen_at_each(const addrinfo* entries, std::chrono::milliseconds unacknowledged,
                    ListeningSockets& made) {
-  std::set<std::string> seen;  // a name may have the same address twice
+  std::set<std::string> seen;  // a name may resolve to the same address twice
   int error = EADDRNOTAVAIL;
   for (const addrinfo* entry = entries; entry != nullptr; entry = entry->ai_next) {
     if (!seen.emplace(reinterpret_cast<const char*>(entry->ai_addr), entry->ai_addrlen).second) continue;
@@ -117,7 +117,7 @@ int listen_at_each(const addrinfo* entries, std::chrono::milliseconds unacknowle
     if (!socket) {
       error = errno;
       if (error == EADDRINUSE) return error;
-      continue;  // such as IPv6 where there is none
+      continue;  // e.g. IPv6 on a machine without it
     }
     if (made.port == 0) made.port = port_of(socket);
     made.sockets.push_back(std::move(socket));

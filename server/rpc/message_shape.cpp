@@ -21,7 +21,7 @@ using google::protobuf::Descriptor;
 using google::protobuf::FieldDescriptor;
 using google::protobuf::io::CodedInputStream;
 
-// The contract nests no deeper than four.
+// The protocol's messages nest at most four levels deep.
 constexpr int kMaxDepth = 16;
 
 // Protocol Buffers, "Encoding": the lowest three bits of a tag.
@@ -52,7 +52,7 @@ class Walk {
  public:
   Walk(CodedInputStream& in, const ShapeLimits& limits) : in_(in), limits_(limits) {}
 
-  // Up to the end of the stream, or to its innermost limit.
+  // Checks up to the end of the stream, or to its innermost limit.
   core::Status message(const Descriptor& type, int depth);
 
  private:
@@ -91,7 +91,7 @@ core::Status Walk::value(const FieldDescriptor* field, WireType wire_type, int d
     case WireType::kFixed32:
       return in_.Skip(4) ? core::Status() : malformed();
     default:
-      return malformed();  // groups, which proto3 has not
+      return malformed();  // groups, which proto3 does not have
   }
 }
 
@@ -105,7 +105,7 @@ core::Status Walk::sized_value(const FieldDescriptor* field, int depth, Counts& 
     return in_.Skip(size) ? core::Status() : malformed();
   const CodedInputStream::Limit outer = in_.PushLimit(size);
   if (auto fits = message(*field->message_type(), depth + 1); !fits) return fits;
-  // Also where the stream ended before.
+  // Also if the stream ended earlier.
   if (in_.BytesUntilLimit() != 0) return malformed();
   in_.PopLimit(outer);
   return {};

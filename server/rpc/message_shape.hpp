@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bounds on an encoded message, checked before it is parsed: two bytes of it can take a hundred when parsed.
-// Pure functions.
+// Bounds on an encoded message, checked before it is parsed: two encoded bytes can take a hundred when
+// parsed. Pure functions.
 #pragma once
 
 #include <google/protobuf/descriptor.h>

@@ -17,7 +17,7 @@ namespace {
 constexpr std::size_t kSmallBytes = 4 << 10;
 const ShapeLimits kSmall{64};
 
-// A worker holds four leases of some thirty items, and reports more while some of them have ended.
+// A worker holds four leases of about thirty items each, and reports more while some of them have ended.
 constexpr std::size_t kSynchronizeBytes = 256 << 10;
 const ShapeLimits kSynchronize{1 << 14,
                                {{"tessera.v1.SynchronizeRequest.held", 16},
@@ -31,8 +31,8 @@ const ShapeLimits kSubmitResult{
 // A file of a bundle has five fields: itself, its path, its digest, and the two fields of the digest.
 constexpr std::uint64_t kFieldsPerFile = 8, kFieldsBesidesFiles = 256;
 
-// A chunk of a blob and its digest. UploadStream refuses chunks that are somewhat too large, with a better
-// sentence.
+// A chunk of a blob and its digest. UploadStream refuses chunks that are slightly too large with a better
+// message.
 constexpr std::size_t kUploadBytes = 2 * proto::kMaxChunkBytes;
 
 ShapeLimits files(std::string_view field, const server::Limits& limits) {

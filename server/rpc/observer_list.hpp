@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Those who are to be called again and again: one after the other, and under no lock, so that what one of
-// them waits for keeps up nobody who comes or goes. Thread-safe.
+// A list of observers that are called periodically, one after the other and under no lock, so that a slow
+// observer delays nobody who is added or removed. Thread-safe.
 #pragma once
 
 #include <condition_variable>
@@ -16,14 +16,14 @@ class ObserverList {
     const std::lock_guard lock(mutex_);
     observers_.insert(&observer);
   }
-  // Afterwards it is not called any more: waits until a call of it that is under way returns, which must not
-  // be the caller's.
+  // The observer is not called after this returns. Waits for a call of it in progress, which must not be the
+  // caller's own.
   void remove(Observer& observer) {
     std::unique_lock lock(mutex_);
     observers_.erase(&observer);
     returned_.wait(lock, [&] { return called_ != &observer; });
   }
-  // Calls each that is there all the while. Waits for another round that is under way.
+  // Calls each observer that stays in the list. Waits for another round in progress.
   template <typename Call>
   void for_each(const Call& call) {
     const std::lock_guard one_at_a_time(round_mutex_);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The threads that calls are answered by, and what each kind is for. Thread-safe.
+// The thread pools that answer calls, by the kind of work. Thread-safe.
 #pragma once
 
 #include "server/coordinator/fair_pool.hpp"
@@ -8,15 +8,15 @@
 namespace tessera::rpc {
 
 struct Pools {
-  // For what takes milliseconds: calls of workers, above all heartbeats, and steps of streams.
+  // Calls of workers that take milliseconds, above all heartbeats, and steps of streams.
   coordinator::ThreadPool& quick;
-  // For calls of users that take milliseconds. A disk that is busy with them holds up no heartbeat.
+  // Calls of users that take milliseconds. They are separate, so that a busy disk does not delay heartbeats.
   coordinator::FairPool& users;
-  // For what takes seconds: encoding pictures, reading films back.
+  // Work that takes seconds: encoding images, reading films back.
   coordinator::FairPool& slow;
-  // For validating scenes, which can take minutes: no picture is to wait for that.
+  // Validation of scenes, which can take minutes. It is separate, so that images do not wait for it.
   coordinator::FairPool& validating;
-  // For removing files from a full store: whoever uploads waits for that, and nobody else.
+  // Removal of files from a full store. It is separate, so that only uploads wait for it.
   coordinator::FairPool& clearing;
 };
 

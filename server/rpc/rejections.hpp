@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Callers that are not admitted. The log names one at most once in ten seconds. Answers to a machine that is
+// Logs and delays rejections. The log has one line in ten seconds at most. Answers to a machine that is
 // rejected often are delayed, so that tokens cannot be guessed fast. Thread-safe.
 #pragma once
 
@@ -17,13 +17,13 @@ class Rejections {
  public:
   Rejections() : rate_(kPromptAnswersPerSecond) {}
 
-  // Whether this machine has been rejected so often that the answer must be delayed.
+  // Notes a rejection. Returns whether the machine was rejected so often that the answer must be delayed.
   bool note(const std::string& machine, const std::string& method, const grpc::Status& why);
-  // Logs the last rejection that was left out, if it is time. To be called regularly.
+  // Logs the last suppressed rejection if it is due. Call it regularly.
   void flush();
 
  private:
-  // For each machine; bursts can have ten seconds' worth.
+  // The rate for each machine; a burst may have those of ten seconds.
   static constexpr double kPromptAnswersPerSecond = 2;
 
   CallRate rate_;

@@ -75,7 +75,7 @@ core::Status RenderService::may_change(const Caller& caller, const std::string& 
 }
 
 void RenderService::submit_job(Call<v1::SubmitJobRequest, v1::SubmitJobResponse>& call) {
-  // From now on, however long it waits for its turn.
+  // Registered now, however long the task waits.
   const std::string& key = call.caller().key;
   auto claimed = coordinator_.files().claim(key, coordinator::files_of(call.request().bundle()));
   if (!claimed) return call.finish(try_later(call.context(), claimed.error(), kTryAgainAfter));
@@ -157,7 +157,8 @@ void RenderService::find_missing_blobs(
   });
 }
 
-// Those that are here are claimed before they are looked at, and so still here when the others have come.
+// Blobs in the store are claimed before they are checked, so that they are still there when the missing ones
+// have been uploaded.
 core::Status RenderService::find_missing(const std::string& caller,
                                          const v1::FindMissingBlobsRequest& request,
                                          v1::FindMissingBlobsResponse& response) {

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The users' service: each method hands its request to the coordinator and its answer to gRPC, and does
-// nothing else. Thread-safe.
+// The users' service: each method passes its request to the coordinator and the answer to gRPC. Thread-safe.
 #pragma once
 
 #include <string>
@@ -35,7 +34,7 @@ class RenderService final : public GuardedService {
   void delete_job(Call<v1::DeleteJobRequest, v1::DeleteJobResponse>& call);
   void list_workers(Call<v1::ListWorkersRequest, v1::ListWorkersResponse>& call);
 
-  // Answers with the status of work(), run on `pool`, for callers who may change the job.
+  // Answers with the status of work(), run on `pool`, if the caller may change the job.
   template <typename AnyCall, typename Pool, typename Work>
   void run_change(AnyCall& call, Pool& pool, Work work);
   core::Status find_missing(const std::string& caller, const v1::FindMissingBlobsRequest& request,

@@ -26,8 +26,8 @@ using coordinator::Coordinator;
 namespace {
 
 constexpr auto kTickPeriod = std::chrono::milliseconds(100);
-// What is accepted just after a checkpoint began waits for the end of the next one: with the time of writing
-// both, that is the two seconds that a crash may cost, as long as each takes no longer than this.
+// A result that arrives just after a checkpoint began is stored by the next one. With the time of writing
+// both, a crash costs at most two seconds of results, unless a checkpoint takes longer than this period.
 constexpr auto kCheckpointPeriod = std::chrono::milliseconds(1000);
 constexpr auto kReopenPeriod = std::chrono::milliseconds(500);
 constexpr auto kLongestCheckpoint = std::chrono::milliseconds(500);
@@ -43,7 +43,7 @@ int quick_threads() {
   return std::max(2, static_cast<int>(std::thread::hardware_concurrency()));
 }
 
-// The limits, or less where the process may not open so many files: a quarter of them is for the store,
+// The limits, lowered where the process may not open so many files. A quarter of the files is for the store,
 // uploads and validators.
 ConnectionSlots connection_slots(const server::Limits& limits) {
   std::uint64_t most = limits.connections;
@@ -58,7 +58,7 @@ ConnectionSlots connection_slots(const server::Limits& limits) {
   return {most, limits.machine_connections};
 }
 
-// The linked reflection service answers everybody and parses any message, unless its plugin is removed.
+// Removes the plugin of the linked reflection service, which would answer everybody and parse any message.
 class WithoutReflection final : public grpc::ServerBuilderOption {
  public:
   void UpdateArguments(grpc::ChannelArguments*) override {}
@@ -68,7 +68,7 @@ class WithoutReflection final : public grpc::ServerBuilderOption {
   }
 };
 
-// Logs what became of checkpoints, each piece of news once. For one thread at a time.
+// Logs failures and recoveries of checkpoints once each. For one thread at a time.
 class CheckpointLog {
  public:
   void write(Coordinator& coordinator) {
@@ -96,7 +96,7 @@ class CheckpointLog {
     spdlog::error("cannot write checkpoints; a crash would lose the work since the last one: {}", failure);
   }
 
-  std::string failure_;  // empty while all is well
+  std::string failure_;  // empty after a success
   bool was_slow_ = false;
 };
 
@@ -127,7 +127,7 @@ struct Server::Parts {
         collector(kCollectPeriod, [this] { coordinator.files().collect(); }) {}
 
   void remove_deleted_tiles();
-  // Once there is a listener.
+  // Requires a listener.
   core::Status serve(const std::shared_ptr<grpc::ServerCredentials>& credentials,
                      const proto::Patience& patience, bool with_reflection);
 
@@ -141,11 +141,11 @@ struct Server::Parts {
   RenderService render_service;
   WorkerService worker_service;
   CheckpointLog checkpoint_log;
-  std::string last_failure_to_remove;  // for the remover alone
+  std::string last_failure_to_remove;  // used by the remover thread only
   coordinator::Periodic checkpointer, ticker, reopener, remover, collector;
   std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor> acceptor;
   std::unique_ptr<grpc::Server> grpc;
-  std::unique_ptr<Listener> listener;  // hands on to the acceptor
+  std::unique_ptr<Listener> listener;  // passes connections to the acceptor
 };
 
 void Server::Parts::remove_deleted_tiles() {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A coordinator that runs: its threads, its port, its services, and their end in the right order.
+// A running coordinator: its threads, its port, its services, and their shutdown in the right order.
 #pragma once
 
 #include <memory>
@@ -24,24 +24,23 @@ struct ServerOptions {
 
 class Server {
  public:
-  // The coordinator must stay until the server is destroyed. Errors: those of proto::server_credentials()
-  // and listen_on().
+  // The coordinator must outlive the server. Errors are those of proto::server_credentials() and listen_on().
   static core::Result<std::unique_ptr<Server>> start(coordinator::Coordinator& coordinator,
                                                      ServerOptions options);
-  // Stops, if that was not done before.
+  // Calls stop() if it was not called.
   ~Server();
 
-  // HOST:PORT with the port that was picked.
+  // HOST:PORT with the actual port.
   const std::string& address() const { return address_; }
 
-  // Answers what waits, ends every call, and writes the last checkpoint. Whether that was written.
+  // Answers waiting calls, ends all calls, and writes the last checkpoint. Returns whether that was written.
   core::Status stop();
 
  private:
   struct Parts;
   Server(std::unique_ptr<Parts> parts, std::string address);
 
-  std::unique_ptr<Parts> parts_;  // null once stopped
+  std::unique_ptr<Parts> parts_;  // null after stop()
   const std::string address_;
 };
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Ends streams whose callers neither send nor take anything for long: they hold places, memory and
-// half-written files that others wait for. Thread-safe.
+// Ends streams whose callers neither send nor read anything for long: such streams hold quota, memory and
+// partial files that others wait for. Thread-safe.
 #pragma once
 
 #include <chrono>
@@ -10,13 +10,13 @@
 
 namespace tessera::rpc {
 
-// A stream that is watched. What it waits for is its caller.
+// A stream that is watched. It waits for its caller only.
 class WatchedStream {
  public:
   using Clock = std::chrono::steady_clock;
   virtual ~WatchedStream() = default;
-  // Ends the call if it has waited since this time or longer. Called under no lock of the watch; must not
-  // call it.
+  // Ends the call if it has waited since this time or longer. Called under no lock of the watch, and must not
+  // call the watch.
   virtual void end_if_waiting_since(Clock::time_point time) = 0;
 };
 
@@ -25,7 +25,7 @@ class StallWatch {
   explicit StallWatch(std::chrono::milliseconds patience);
 
   void add(WatchedStream& stream) { streams_.add(stream); }
-  // Afterwards it is not called any more.
+  // The stream is not called after this returns.
   void remove(WatchedStream& stream) { streams_.remove(stream); }
 
   std::chrono::milliseconds patience() const { return patience_; }

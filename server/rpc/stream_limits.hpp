@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What calls share: places for uploads, downloads and watchers, memory for images and for answers, and
-// patience with callers that stand still. Thread-safe.
+// What calls share: the quotas of uploads, downloads and watchers, memory for images and answers, and the
+// watch over stalled streams. Thread-safe.
 #pragma once
 
 #include "server/coordinator/fair_queue.hpp"
@@ -10,7 +10,7 @@
 
 namespace tessera::rpc {
 
-// Pictures that wait for memory.
+// Images that may wait for memory.
 inline constexpr std::uint64_t kMaxWaitingImages = 64;
 
 struct StreamLimits {
@@ -25,7 +25,7 @@ struct StreamLimits {
 
   const server::Limits& limits;
   coordinator::FairShare uploads, fetches, watches;
-  coordinator::FairShare answers;  // bytes of unary answers that were not taken yet
+  coordinator::FairShare answers;  // bytes of unary answers that callers have not read yet
   coordinator::FairQueue image_mib;
   StallWatch stalls;
 };

@@ -15,7 +15,7 @@ namespace tessera::rpc {
 
 namespace {
 
-// Only a worker that knows the key of an id may call with that id.
+// A caller must prove that it has the key of the worker id.
 core::Status check_worker_key(const v1::SynchronizeRequest& request) {
   if (request.worker_key().size() == proto::kWorkerKeyBytes &&
       request.worker_id() == proto::worker_id_of(request.worker_key()))
@@ -36,8 +36,8 @@ void SynchronizeCall::begin() {
   if (!pool_.run_or_post([this] { synchronize(); })) Finish(busy());
 }
 
-// The answer may come, and delete this, before the coordinator returns. If the coordinator throws, an answer
-// may still come: only the first one counts.
+// The answer may arrive, and delete this object, before the coordinator returns. If the coordinator throws,
+// an answer may still arrive: only the first one counts.
 void SynchronizeCall::synchronize() {
   const std::unique_ptr<const v1::SynchronizeRequest> request = std::move(request_);
   const auto answered = std::make_shared<std::atomic_flag>();
@@ -52,7 +52,7 @@ void SynchronizeCall::synchronize() {
   if (!done) give_once(core::fail(done.error()));
 }
 
-// Neither is enough: machines may share a token, and callers an address.
+// Name and machine together: machines may share a token, and callers an address.
 std::string SynchronizeCall::principal() const {
   return caller().name + " at " + client_key(context().peer());
 }

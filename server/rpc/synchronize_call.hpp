@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One call of Synchronize, for as long as it waits.
+// One waiting call of Synchronize.
 #pragma once
 
 #include <memory>

@@ -63,7 +63,7 @@ void WatchCall::end(grpc::Status status) {
   Finish(*ending_);
 }
 
-// A write is under way, which nothing but this ends.
+// A write is in progress; only ending the call cancels it.
 void WatchCall::end_own_wait_since(Clock::time_point time) {
   const std::lock_guard lock(mutex_);
   if (writing_ && last_sent_at_ <= time) context().TryCancel();

@@ -11,8 +11,8 @@
 
 namespace tessera::rpc {
 
-// Owned by gRPC until OnDone. One write is in flight at a time, and Finish waits for it; what the client is
-// too slow for is skipped, and one who takes nothing is ended.
+// Owned by gRPC until OnDone. One write is in progress at a time, and Finish waits for it. States of the job
+// that a slow client cannot take are skipped; a client that reads nothing is ended.
 class WatchCall final : public RequestCall, private Watcher {
  public:
   WatchCall(grpc::CallbackServerContext& context, WatchHub& hub, StreamLimits& streams, Admission admission)
@@ -28,20 +28,20 @@ class WatchCall final : public RequestCall, private Watcher {
   void on_cancel() override;
   void OnDone() override;
 
-  // ---- Under the lock ----
+  // ---- The caller holds the lock ----
   void write(const v1::Job& job);
-  // Finishes the call now or after the write in flight. The first status counts.
+  // Finishes the call now, or after the write in progress. The first status is used.
   void end(grpc::Status status);
 
   WatchHub& hub_;
   v1::WatchJobRequest request_;
-  std::optional<coordinator::FairShare::Held> place_;  // one of streams.watches
+  std::optional<coordinator::FairShare::Held> place_;  // its share of streams.watches
 
   std::mutex mutex_;
   // Guarded by mutex_:
   v1::WatchJobResponse response_;
   grpc::ByteBuffer bytes_;
-  std::string last_sent_;  // serialised
+  std::string last_sent_;  // the last job sent, serialised
   Clock::time_point last_sent_at_{};
   bool writing_ = false;
   bool finished_ = false;

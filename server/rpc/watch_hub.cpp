@@ -16,8 +16,7 @@ WatchHub::~WatchHub() {
   close();
 }
 
-// Nobody else tells it before it is in the list, so that what it hears first is not older than what comes
-// next.
+// Tells the watcher before it is in the list, so that a later round cannot overtake this first state.
 void WatchHub::add(Watcher& watcher) {
   Known known;
   tell(watcher, known);

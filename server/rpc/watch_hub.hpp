@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sees to it that everyone who watches a job hears of its changes. Thread-safe.
+// Tells all watchers of a job about its changes. Thread-safe.
 #pragma once
 
 #include <atomic>
@@ -12,12 +12,12 @@
 
 namespace tessera::rpc {
 
-// Who is told. Called under no lock of the hub, by one thread or another; must not call the hub.
+// An observer of one job. Called on any thread, under no lock of the hub; must not call the hub.
 class Watcher {
  public:
   virtual ~Watcher() = default;
   virtual const std::string& job_id() const = 0;
-  // The job as it is, changed or not; or why nothing more will come.
+  // Receives the current job, changed or not, or the reason why nothing more will come.
   virtual void tell(const core::Result<v1::Job>& job) = 0;
 };
 
@@ -26,15 +26,15 @@ class WatchHub {
   explicit WatchHub(coordinator::Coordinator& coordinator);
   ~WatchHub();
 
-  // Tells it at once, and again about ten times a second until it is removed.
+  // Tells the watcher at once, and then about ten times a second until it is removed.
   void add(Watcher& watcher);
-  // Afterwards it is not told any more.
+  // The watcher is not told after this returns.
   void remove(Watcher& watcher) { watchers_.remove(watcher); }
   // Tells all watchers, and all later ones, that the coordinator is stopping.
   void close();
 
  private:
-  // What all watchers of a job are told of it in one round: it is looked up once.
+  // The jobs that were looked up in this round: each once for all its watchers.
   using Known = std::map<std::string, core::Result<v1::Job>>;
   void tell(Watcher& watcher, Known& known);
   void tell_all();

@@ -11,7 +11,7 @@ namespace tessera::rpc {
 
 namespace {
 
-// What a result of one tile has at most, about; it is decompressed in less than a millisecond.
+// The approximate maximum of a result of one tile, which is decompressed in less than a millisecond.
 constexpr std::size_t kShortResultBytes = 256 << 10;
 
 }  // namespace

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The workers' service: each method hands its request to the coordinator and its answer to gRPC, and does
-// nothing else. Thread-safe.
+// The workers' service: each method passes its request to the coordinator and the answer to gRPC.
+// Thread-safe.
 #pragma once
 
 #include "server/coordinator/coordinator.hpp"

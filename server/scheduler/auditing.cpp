@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Audits: who may render what again, what follows from it, and whom that disproves.
+// Audits: which worker may audit what, and the consequences of each outcome.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -89,7 +89,7 @@ void Scheduler::disprove(const Job& job, const Ruling& ruling, ProducerNumber nu
   distrust(producer, actions);
 }
 
-// A film cannot be rid of some samples alone: what is added up stays so.
+// Single samples cannot be subtracted from a film, so the whole tile is dropped.
 void Scheduler::drop_tile(Job& job, int tile, Actions& actions) {
   std::vector<WorkerId> auditors;
   for (const LeaseId id : job.audit_leases().of_tile(tile))
@@ -128,8 +128,8 @@ void Scheduler::restore_producers(Job& job, const std::vector<ProducedItem>& pro
   }
 }
 
-// Whether the job lacks nothing but audits that were chosen by lot, and nobody who is here can do them. Who
-// could not build the scene is given it again and again, as is who has stalled; neither is waited for.
+// Whether the job lacks nothing but audits by lot that no present worker can do. Workers that cannot build
+// the scene, or have stalled, are given the job again and again, so they are not waited for.
 bool Scheduler::cannot_progress(const Job& job) const {
   if (!job.complete() || job.settled() || job.audits().any_doubted()) return false;
   const auto is_no_help = [&](const Worker& worker) {

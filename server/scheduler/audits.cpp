@@ -85,7 +85,7 @@ void Audits::clear() {
   doubted_ = 0;
 }
 
-// That it is due, who is at it and what they said; its entry stays.
+// Removes the audits of an entry and their claims; the entry stays.
 void Audits::forget(const Key& key) {
   const auto waiting = waiting_.find(entry_at(key).producer);
   if (waiting != waiting_.end()) {
@@ -153,7 +153,7 @@ void Audits::free_up(const Key& key) {
 }
 
 std::map<Audits::Key, std::vector<Audits::Attempt>>::iterator Audits::at_work_on(const WorkItem& piece) {
-  // The last entry that begins before these samples or with them: there are none within an entry.
+  // The last entry that begins at or before these samples; entries do not overlap.
   const auto after = at_work_.upper_bound(key_of(piece));
   if (after == at_work_.begin()) return at_work_.end();
   const auto found = std::prev(after);
@@ -204,7 +204,7 @@ Ruling Audits::rule(const Key& key, const Claim& claim) {
   ruling.right.push_back(claim.producer);
   const bool film_is_right = same_sums(entry.fingerprint(), claim.fingerprint);
   ruling.outcome = film_is_right ? Ruling::Outcome::kConfirmed : Ruling::Outcome::kRefuted;
-  if (!film_is_right) return ruling;  // the tile is dropped, and everything of it with it
+  if (!film_is_right) return ruling;  // the tile is dropped with all its entries
   if (entry.due() == Due::kDoubted) --doubted_;
   forget(key);
   ledger_.erase(key.tile, key.begin);

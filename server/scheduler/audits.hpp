@@ -1,17 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
-// The audits of one job: what of its ledger is due, who renders it again, and what comes of it. Knows nothing
-// of leases beyond their ids, or of time. Not thread-safe.
+// The audits of one job: which entries of its ledger are due, who renders them again, and with which outcome.
+// Knows lease ids, but nothing else of leases, and no time. Not thread-safe.
 //
-//                    taken (begin)          its bits (deliver)
-//          due ─────────────────────▶ at work ───────┬──────────────▶ confirmed: out of the ledger
-//           ▲                          │             │ others
-//           │  given up (abandon)      │             ├───────────────▶ contradicted: due again, for a third
-//           name ├──────────────────────────┘             │ others, as those of an earlier audit │
-//           └───────────────▶ refuted: its whole tile is rendered again
-//   by lot, or its author is quarantined
+//   chosen by lot, or its producer
+//        is quarantined
+//              │
+//              ▼      begin()                 deliver()
+//             due ─────────────▶ in progress ─────┬── same sums ───────────▶ confirmed: leaves the ledger
+//              ▲                     │            │
+//              │      abandon()      │            ├── other sums ──────────▶ contradicted
+//              ├─────────────────────┘            │
+//              │                                  └── other sums, equal ───▶ refuted: the whole tile
+//              └── contradicted: a third               to those of an            is rendered again
+//                  worker is asked                     earlier audit
 //
-// Who renders a range again is of another name than everybody who has rendered it before; at most two at a
-// time. Bits that two names agree on are right, and who rendered others was wrong.
+// An auditor must have another name than every earlier producer of the range. At most two audit it at a time.
+// The sums on which two names agree are right, and those who rendered others were wrong.
 #pragma once
 
 #include <compare>
@@ -29,13 +33,14 @@
 
 namespace tessera::scheduler {
 
-// What came of an audit.
+// The outcome of an audit.
 struct Ruling {
   WorkItem item;
   enum class Outcome { kConfirmed, kContradicted, kRefuted } outcome = Outcome::kConfirmed;
-  // Whose bits are in the film, and who rendered them again this time.
+  // The producer of the samples in the film, and the auditor.
   ProducerNumber producer = 0, auditor = 0;
-  // Of all who rendered it: those that two names agree on, and the others. Empty while nobody agrees.
+  // All who rendered the range: those on whose sums two names agree, and the others. Empty while no two
+  // agree.
   std::vector<ProducerNumber> right, wrong;
 };
 
@@ -43,45 +48,46 @@ class Audits {
  public:
   explicit Audits(const core::TileGrid& grid) : ledger_(grid) {}
 
-  // ---- What was rendered ----
+  // ---- Samples to audit ----
   void add(const WorkItem& item, ProducerNumber producer, const Fingerprint& fingerprint, Due due);
-  // Everything by authors that are distrusted is due. The tiles where there was such.
+  // Makes all entries of distrusted producers due. Returns the tiles that have such entries.
   std::vector<int> doubt(const Producers& producers);
-  // Whether there is something by distrusted authors that is not due.
+  // Whether entries of distrusted producers are not due yet.
   bool has_doubtful(const Producers& producers) const;
-  // What was chosen by lot is no longer due. How many ranges that were.
+  // Cancels the audits of entries that were chosen by lot. Returns their number.
   std::size_t waive();
-  // Forgets a tile, or everything.
+  // Removes the entries of a tile, or all of them.
   void drop_tile(int tile);
   void clear();
 
   const Ledger& ledger() const { return ledger_; }
-  // In pixel samples.
+  // The pixel samples that are due.
   std::uint64_t due() const { return ledger_.due(); }
-  // Whether something is due for another reason than by lot.
+  // Whether an entry is due for another reason than the lot.
   bool any_doubted() const { return doubted_ > 0; }
 
-  // ---- Who renders it again ----
-  // Offers this worker what is due and nobody is at, until it is refused. Whether there was any.
+  // ---- Assignment ----
+  // Offers the due entries that are not in progress to this worker, until `take` returns false. Returns
+  // whether there were any.
   bool offer(const Producer& worker, const Producers& producers,
              const std::function<bool(const WorkItem&)>& take) const;
-  // Something that one of another name is at, under a lease that may be shared.
+  // An entry that an auditor of another name has in progress, under a lease that may be shared.
   std::optional<WorkItem> copy_for(const Producer& worker, const Producers& producers,
                                    const std::function<bool(LeaseId)>& may_share) const;
   void begin(const WorkItem& item, LeaseId lease, ProducerNumber auditor);
-  // The lease has ended without these samples: the range that they are of is due as before.
+  // The lease ended without these samples: their range is due again.
   void abandon(LeaseId lease, const WorkItem& piece);
 
-  // ---- What comes of it ----
-  // Samples of an item that this lease has begun. A ruling when they were the last of the item; then nobody
-  // is at it any more.
+  // ---- Outcome ----
+  // Takes samples of an item that this lease has begun. Returns a ruling after the last samples of the item,
+  // which then leaves the state "in progress".
   std::optional<Ruling> deliver(LeaseId lease, const WorkItem& piece, const Fingerprint& fingerprint);
 
-  // What must be true of it, as a sentence if it is not.
+  // Checks the invariants. Returns the first violation as a sentence.
   std::optional<std::string> check() const;
 
  private:
-  // An entry, by where it begins.
+  // Identifies an entry by its first sample.
   struct Key {
     int tile = 0;
     std::uint32_t begin = 0;
@@ -99,7 +105,7 @@ class Audits {
   };
 
   static Key key_of(const WorkItem& item) { return {item.tile, item.samples.begin}; }
-  // Where these samples are rendered again, or the end.
+  // The audits in progress of these samples, or the end.
   std::map<Key, std::vector<Attempt>>::iterator at_work_on(const WorkItem& piece);
   WorkItem item_at(const Key& key) const;
   const LedgerEntry& entry_at(const Key& key) const;
@@ -110,11 +116,12 @@ class Audits {
   Ruling rule(const Key& key, const Claim& claim);
 
   Ledger ledger_;
-  // Due, and nobody is at it: by its author where only that one has rendered it, else among the contradicted.
+  // Entries that are due and not in progress: by producer where only one worker has rendered them, otherwise
+  // among the contradicted ones.
   std::map<ProducerNumber, std::set<Key>> waiting_;
   std::set<Key> contradicted_waiting_;
   std::map<Key, std::vector<Attempt>> at_work_;
-  // What auditors have rendered that was neither confirmed nor refuted.
+  // The sums of auditors that are neither confirmed nor refuted.
   std::map<Key, std::vector<Claim>> claims_;
   std::size_t doubted_ = 0;
 };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What happens to a farm (Event), and what is to be done about it (Actions): the whole interface between the
-// scheduler and the outside. Plain values.
+// The interface between the scheduler and its caller: what happens to a farm (Event), and what the caller
+// must do about it (Actions). Plain values.
 #pragma once
 
 #include <optional>
@@ -26,72 +26,71 @@ struct WorkerInfo {
   std::string name;
   std::string version;
   int threads = 1;
-  // Which machine it runs on, as it has proved; the same for every worker of that machine, and for no other.
+  // The machine, as proved by the worker: equal for all workers of the machine and different for all others.
   // Empty: unknown.
   std::string machine{};
-  // Who answers for it, as the coordinator knows the caller; a caller can make up ids, names and machines,
-  // but not this. Empty: unknown.
+  // The authenticated caller. Unlike ids, names and machines, a caller cannot invent it. Empty: unknown.
   std::string principal{};
 };
 
-// What a worker says that it renders at this moment.
+// The samples that a worker reports to be rendering at this moment.
 struct Rendering {
-  // Its own or not any more.
+  // The worker may not hold the lease any more.
   LeaseId lease;
   JobId job;
   WorkItem item;
   bool operator==(const Rendering&) const = default;
 };
 
-// A worker says what it is and what it holds. Renews its leases; answered by Actions::reply.
+// A worker reports its state and the leases that it holds. Renews its leases; answered by Actions::reply.
 struct Synchronize {
   WorkerInfo worker;
-  // Everything it holds, rendered or not. Items that are no tiles of their job are overlooked.
+  // All leases that it holds, rendered or not. Items that are no tiles of their job are ignored.
   std::vector<LeaseDescription> held;
-  // How many leases it would like to hold in all; more than kMaxLeasesPerWorker are not given.
+  // The number of leases that it wants to hold in total; at most kMaxLeasesPerWorker are given.
   int wanted_leases = 1;
-  // It takes no new leases, and what it does not hold any more goes to others at once.
+  // It takes no new leases, and leases that it does not report go to others at once.
   bool draining = false;
-  // Jobs whose files it is fetching, or is about to.
+  // Jobs whose files it fetches, or will fetch next.
   std::set<JobId> fetching{};
-  // Samples that are not among those of the lease are overlooked.
+  // Samples outside the lease are ignored.
   std::optional<Rendering> rendering{};
 };
 
-// Asks again on behalf of a worker whose last Synchronize is still unanswered, since Actions::wake named it.
-// Not a sign of life: renews nothing, and what is granted runs out with what the worker holds already.
-// Answered by Actions::reply. NOT_FOUND: the worker has been forgotten.
+// Retries the last, still unanswered Synchronize of a worker that Actions::wake named. It is no heartbeat: it
+// renews nothing, and new leases expire with those that the worker holds already. Answered by Actions::reply.
+// NOT_FOUND: the worker was forgotten.
 struct TopUp {
   WorkerId worker;
 };
 
-// The worker is to have no more work: what it holds goes to others. NOT_FOUND: it has been forgotten.
+// The worker gets no more work, and its leases go to others. NOT_FOUND: it was forgotten.
 struct Dismiss {
   WorkerId worker;
-  // It is not to be trusted either: what was counted of it, or of any other of its machine, is to be
-  // verified, unless it was.
+  // It is also distrusted: unverified samples that were accepted from it, or from other workers of its
+  // machine, must be verified.
   bool doubt = false;
 };
 
-// Rendered samples have arrived, however late. Answered by Actions::verdicts. INVALID_ARGUMENT: an item is no
-// tile of the job or leaves samples [0, spp), or the lease was never given to this worker; nothing was
-// counted. Samples beyond spp of a lease of an earlier run are dropped: that run may have
-// extended the job, and crashed before this was stored.
+// Rendered samples have arrived, at any time. Answered by Actions::verdicts. INVALID_ARGUMENT: an item is no
+// tile of the job or exceeds samples [0, spp), or the lease was never given to this worker; nothing was
+// counted. Samples beyond spp of a lease of an earlier run are dropped: that run may have extended the job
+// and crashed before this was stored.
 struct SubmitResult {
   WorkerId worker;
   JobId job;
   LeaseId lease;
   std::vector<WorkItem> items;
-  // Time it took to render the items. Not positive or not finite: unknown.
+  // The time that rendering the items took. Not positive or not finite: unknown.
   double render_seconds = 0;
-  // No more will come for this lease: what is missing of it is free again at once.
+  // The last result of this lease: what is missing of it is free again at once.
   bool lease_finished = false;
-  // Why the holder of the lease gives it back: it cannot build the scene. Empty for any other reason.
+  // Why the holder cannot build the scene and gives the lease back. Empty for any other reason.
   std::string decline_reason{};
-  // Of each item.
+  // The fingerprint of each item.
   std::vector<Fingerprint> fingerprints{};
-  // All other leases that the worker holds and has heard of. If there are some, it takes new ones with the
-  // answer (Actions::reply).
+  // All other leases that the worker holds and knows of. If there are any, it takes new ones with the answer
+  // (Actions::reply).
   std::vector<LeaseId> held{};
   // LeaseDescription::token of the lease.
   LeaseToken token{};
@@ -102,20 +101,20 @@ inline Fingerprint fingerprint_of(const SubmitResult& result, std::size_t item) 
 }
 
 // ---- Jobs ----
-// All that name an existing job: NOT_FOUND if there is none. All that ask for a state: FAILED_PRECONDITION if
-// no arrow of job_state.hpp leads there, and no change if the job is in it already, so that they can be
-// repeated.
+// All events that name an existing job: NOT_FOUND if there is none. All that ask for a state:
+// FAILED_PRECONDITION if job_state.hpp has no transition to it. They change nothing if the job is in the
+// state already, so they can be repeated.
 
-// ALREADY_EXISTS: the id is taken. INVALID_ARGUMENT: a picture or a sample count of nothing.
+// ALREADY_EXISTS: the id is taken. INVALID_ARGUMENT: an empty image or no samples.
 struct SubmitJob {
   JobId id;
   JobShape shape;
   int priority = 0;
-  // Most workers that hold leases of it at once; 0 for as many as there are.
+  // The limit on workers that hold leases of it at once; 0 for none.
   std::uint32_t max_workers = 0;
 };
 
-// Who rendered samples that are in the film, where nobody else has confirmed them.
+// The producer of samples in the film that no other worker has confirmed.
 struct ProducedItem {
   WorkItem item;
   Producer producer;
@@ -125,24 +124,24 @@ struct ProducedItem {
 };
 
 // A job as it was stored before the coordinator stopped. Jobs share the farm in the order in which they were
-// submitted or restored. A running job that lacks nothing becomes done and a done one that lacks samples runs
-// (see Actions::job_changes). Errors: those of SubmitJob; also INVALID_ARGUMENT if `done` is not of the job's
-// shape.
+// submitted or restored. A running job that lacks nothing becomes done, and a done one that lacks samples
+// becomes running (see Actions::job_changes). Errors: those of SubmitJob; also INVALID_ARGUMENT if `done`
+// does not have the job's shape.
 struct RestoreJob {
   JobId id;
   JobShape shape;
   int priority = 0;
   JobState state = JobState::kRunning;
   std::string failure;
-  // For each tile, the samples that are in the film.
+  // The samples in the film by tile.
   std::vector<IntervalSet> done;
   std::uint32_t max_workers = 0;
-  // Items that are not among the samples done, or overlap, are overlooked.
+  // Items that overlap, or whose samples are not done, are ignored.
   std::vector<ProducedItem> provenance{};
 };
 
-// What workers that were quarantined have rendered of the job is to be verified: if it is done, it runs
-// again. See Actions::reopen. No change if there is nothing to verify.
+// Samples of quarantined workers in the job must be verified: a done job runs again. See Actions::reopen. No
+// change if there is nothing to verify.
 struct ReopenJob {
   JobId id;
 };
@@ -167,8 +166,8 @@ struct ExtendJob {
   std::uint32_t spp = 0;
 };
 
-// Changes how a job is served; what is absent stays. FAILED_PRECONDITION: it is done, cancelled or failed.
-// Takes no lease away: where more workers hold some than a new limit allows, the job is given no further ones
+// Changes a job's scheduling policy; absent fields stay. FAILED_PRECONDITION: it is done, cancelled or
+// failed. Ends no leases: where more workers hold some than a new limit allows, the job gets no further ones
 // until fewer do.
 struct UpdateJob {
   JobId id;
@@ -176,13 +175,13 @@ struct UpdateJob {
   std::optional<std::uint32_t> max_workers;
 };
 
-// It cannot be rendered; `failure` is the sentence for its user.
+// The job cannot be rendered; `failure` is the message for its user.
 struct FailJob {
   JobId id;
   std::string failure;
 };
 
-// Nothing but the passing of time. Due at Scheduler::next_deadline().
+// Only time has passed. Due at Scheduler::next_deadline().
 struct Tick {};
 
 using Event = std::variant<Synchronize, TopUp, Dismiss, SubmitResult, SubmitJob, RestoreJob, PauseJob,
@@ -192,23 +191,21 @@ using Event = std::variant<Synchronize, TopUp, Dismiss, SubmitResult, SubmitJob,
 
 // What a worker should be doing.
 struct Reply {
-  // Everything it should hold, oldest first. Items are what is still missing of the lease: those that others
-  // have delivered meanwhile are gone from it.
+  // All leases that it should hold, oldest first. Items are the missing samples of a lease, without those
+  // that others have delivered meanwhile.
   std::vector<LeaseDescription> leases;
-  // Whether these are other leases than the worker has reported or was told of, or have lost items to others
-  // since its last reply. If not, there is no hurry to answer: the call can wait until Actions::wake names
-  // the worker.
+  // Whether these leases differ from those that the worker has reported or was told of, or have lost items to
+  // others since its last reply. If not, the answer can wait until Actions::wake names the worker.
   bool changed = false;
-  // Unless the worker is heard of again within this time, its leases go to others.
+  // The worker's leases go to others unless it synchronises within this time.
   Duration heartbeat_timeout{};
 };
 
 enum class Verdict {
-  kAccepted,  // was missing, and is now counted as done: the caller must add it to the film before the next
+  kAccepted,  // it was missing and now counts as done: the caller must add it to the film before the next
               // event
-  kAudited,   // was rendered to verify what is in the film, where it must not be added again
-  kDropped,   // at least one of its samples is in the film already or is no more of the job, or the job takes
-              // no results any more
+  kAudited,   // it verifies samples in the film, and must not be added
+  kDropped,   // some of its samples are in the film or outside the job, or the job takes no more results
 };
 
 struct JobChange {
@@ -217,10 +214,10 @@ struct JobChange {
   bool operator==(const JobChange&) const = default;
 };
 
-// A worker has rendered other bits than two others.
+// A worker's sums differ from those on which two others agree.
 struct Disproof {
   Producer producer;
-  // What it was, for people.
+  // The details, for people.
   std::string because;
 };
 
@@ -230,41 +227,41 @@ struct TileOfJob {
   bool operator==(const TileOfJob&) const = default;
 };
 
-// A job is done, and ranges of it that were chosen for an audit had none: there was nobody for it.
+// A job is done without some audits that were chosen by lot, since no worker could do them.
 struct Unaudited {
   JobId job;
   std::size_t ranges = 0;
 };
 
 struct Actions {
-  // Why the event was refused. A refused event has changed nothing; the time that has passed may have, and
-  // the rest of the actions is to be done all the same.
+  // Why the event was refused. A refused event has changed nothing; but the passing of time may have, so the
+  // other actions must be done all the same.
   core::Status status;
-  // For Synchronize and TopUp. For a SubmitResult if it is to be told with its answer, while the worker's
-  // Synchronize waits on: `changed` if there are others than SubmitResult::held.
+  // The answer to Synchronize and TopUp. For a SubmitResult, present if new leases are told with its answer
+  // while the worker's Synchronize still waits: `changed` if there are others than SubmitResult::held.
   std::optional<Reply> reply;
-  // For SubmitResult: one for each item.
+  // One for each item of a SubmitResult.
   std::vector<Verdict> verdicts;
-  // Every change of state, in order; also those that follow from something else (RUNNING to DONE with a
-  // result, RUNNING to FAILED with the third machine whose worker died of one range or was stuck in it).
+  // All changes of state in order, including indirect ones: RUNNING to DONE with a result, or RUNNING to
+  // FAILED with the third machine that a range cost (its worker died of the range, or was stuck in it).
   std::vector<JobChange> job_changes;
-  // These workers are to be quarantined. Their leases are gone already.
+  // Workers to quarantine. Their leases have ended already.
   std::vector<Disproof> disproved;
-  // Everything in these tiles is missing again: empty them before the accepted items are added.
+  // All samples of these tiles are missing again: clear them before the accepted items are added.
   std::vector<TileOfJob> dropped_tiles;
-  // Scheduler::authored() has changed for these tiles, apart from those of accepted items.
+  // Scheduler::provenance() has changed for these tiles, besides those of accepted items.
   std::vector<TileOfJob> reviewed_tiles;
-  // Done jobs with samples of workers that were quarantined: hand in ReopenJob as soon as their films are at
-  // hand again.
+  // Done jobs with unverified samples of quarantined workers: hand in ReopenJob when their films are in
+  // memory again.
   std::vector<JobId> reopen;
-  // Two workers have rendered other bits of this, and a third must decide; for the log.
+  // Ranges for which two workers rendered different sums and a third must decide; for the log.
   std::vector<std::string> contradictions;
   std::vector<Unaudited> unaudited;
-  // Workers that are heard of, but from which nothing has come of a job for long, so that others have what
-  // they held of it; for the log.
+  // Workers that send heartbeats, but have delivered nothing of a job for too long, so that their leases of
+  // it went to others; for the log.
   std::vector<std::string> stalled;
-  // Workers whose last reply was not `changed` and could now be. For each whose call is still waiting, hand
-  // in TopUp, and answer the call if the reply is `changed`. For others do nothing.
+  // Workers whose last reply was not `changed` and could be now. If the call of one still waits, hand in
+  // TopUp, and answer the call if the reply is `changed`. Ignore the others.
   std::vector<WorkerId> wake;
 };
 

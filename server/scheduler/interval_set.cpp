@@ -13,7 +13,7 @@ IntervalSet::IntervalSet(std::initializer_list<SampleRange> ranges) {
 
 void IntervalSet::add(SampleRange range) {
   if (range.empty()) return;
-  // Everything that overlaps or touches the new range becomes one with it.
+  // Merges all ranges that overlap or touch the new one.
   const auto first =
       std::lower_bound(ranges_.begin(), ranges_.end(), range.begin,
                        [](const SampleRange& r, std::uint32_t begin) { return r.end < begin; });

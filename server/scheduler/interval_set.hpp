@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A set of sample numbers, kept as sorted, disjoint, non-adjacent half-open ranges. Made for sets of few
-// ranges: every operation is linear in their number.
+// A set of sample numbers as sorted, disjoint, non-adjacent half-open ranges. Meant for few ranges: every
+// operation is linear in their number.
 #pragma once
 
 #include <cstdint>

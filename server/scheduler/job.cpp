@@ -30,8 +30,8 @@ std::string sentence_on(const WorkItem& item, const core::PixelRect& rect, const
   const bool any_died = std::any_of(losses.begin(), losses.end(), is(LossKind::kDied));
   const bool any_stuck = std::any_of(losses.begin(), losses.end(), is(LossKind::kStuck));
   const char* const what = !any_stuck  ? "died one after the other while they rendered"
-                           : !any_died ? "came to no end one after the other with"
-                                       : "died or came to no end one after the other while they rendered";
+                           : !any_died ? "hung one after the other in"
+                                       : "died or hung one after the other while they rendered";
   return fmt::format(
       "{} workers {} samples [{}, {}) of tile {} (pixels [{}, {}) x [{}, {})): {}. {}", losses.size(), what,
       item.samples.begin, item.samples.end, item.tile, rect.x0, rect.x1, rect.y0, rect.y1, names_of(losses),
@@ -124,7 +124,7 @@ IntervalSet Job::free_of(const WorkItem& item) const {
   return samples;
 }
 
-// How many samples of a tile fit into a budget of pixel samples: at least one.
+// The samples of a tile that fit into a budget of pixel samples: at least one.
 std::uint32_t Job::samples_for(int tile, std::uint64_t budget) const {
   const std::uint64_t fitting = budget / grid_.rect(tile).pixel_count();
   return static_cast<std::uint32_t>(std::clamp<std::uint64_t>(fitting, 1, shape_.spp));
@@ -160,8 +160,7 @@ Portion Job::next_copies(std::uint64_t samples) const {
 }
 
 bool Job::has_copies(const Lease& lease) const {
-  // What must be alone is not given to two: both might die of one and the same cause, and count as two
-  // deaths.
+  // A lease alone is not copied: two deaths of one cause would count twice.
   return !lease.alone && std::any_of(lease.items.begin(), lease.items.end(), [&](const WorkItem& item) {
     return !leases_.leased_by_others(item.tile, lease.id).contains(item.samples);
   });
@@ -219,8 +218,7 @@ void Job::lease(Lease lease) {
   forget_what_is_leased();
 }
 
-// What comes first, and cannot be leased (again) any more. Who chooses overlooks it, but would come across it
-// each time.
+// Removes leased candidates from the front, so that each search need not skip them again.
 void Job::forget_what_is_leased() {
   work_.forget_unwanted([this](const WorkItem& candidate) { return free_of(candidate); });
   while (!copyable_.empty() && !has_copies(*leases_.find(*copyable_.begin())))
@@ -286,7 +284,7 @@ bool Job::accept(const WorkItem& item, std::vector<Lease>& ended) {
 
 std::optional<std::string> Job::strike(const Lease& lease, const Loss& loss, const FindPrincipals& present) {
   for (const WorkItem& item : lease.items) poison_.strike(item, loss, lease.alone);
-  // Of several items it cannot be told which it was.
+  // With several items, the cause is unknown.
   return lease.alone ? verdict_on(lease.items.front(), present) : std::nullopt;
 }
 
@@ -295,7 +293,7 @@ std::optional<std::string> Job::strike(const std::vector<WorkItem>& items, const
   std::vector<WorkItem> missing;
   for (const WorkItem& item : items) {
     IntervalSet samples{item.samples};
-    // What somebody has rendered comes to an end.
+    // Samples that were rendered do not run for ever.
     samples.remove(done(item.tile));
     for (const core::SampleRange& range : samples.ranges()) missing.push_back({item.tile, range});
   }
@@ -317,7 +315,7 @@ std::optional<std::string> Job::verdict_on(const WorkItem& item, const FindPrinc
   for (WorkItem rest = item; !rest.samples.empty(); rest.samples.begin = part.samples.end) {
     part = poison_.first_part(rest);
     if (part.losses.size() < kLossesUntilFailure) continue;
-    // What another worker still holds may yet be rendered.
+    // Another worker that holds the samples may still render them.
     if (leases_.leased(item.tile).intersects(part.samples)) continue;
     if (audit_leases_.leased(item.tile).intersects(part.samples)) continue;
     if (!are_enough(principals_of(part.losses), present)) continue;
@@ -331,7 +329,7 @@ std::optional<std::string> Job::nobody_gets_on(const FindPrincipals& present) co
     return std::nullopt;
   if (!are_enough(principals_of(stuck_before_any_), present)) return std::nullopt;
   return fmt::format(
-      "{} workers came to no end with whatever they had of it, and nobody has rendered a sample: {}. {}",
+      "{} workers hung in all samples of it that they held, and none has been rendered: {}. {}",
       stuck_before_any_.size(), names_of(stuck_before_any_), kWhatToDoAboutStuck);
 }
 

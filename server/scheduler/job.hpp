@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// One job's samples: which are done, which are leased to whom, which are free; and how it is doing. Knows
-// nothing of other jobs, of workers beyond their ids, or of time running out. Not thread-safe.
+// The samples of one job: which are done, leased or free; and its progress. Knows worker ids, but nothing
+// else of workers, of other jobs, or of deadlines. Not thread-safe.
 //
-// A sample is done, or missing. A missing one is leased (to one worker, or to two near the end) or free. A
-// done one may have to be verified: rendered again by another worker, under a lease of its own kind, an
-// audit.
+// A sample is done or missing. A missing sample is leased (to one worker, or to two near the end) or free. A
+// done sample may need verification: another worker renders it again under a lease of its own kind, an audit.
 #pragma once
 
 #include <functional>
@@ -25,49 +24,49 @@
 
 namespace tessera::scheduler {
 
-// What might be leased next.
+// Candidates for the next lease.
 struct Portion {
   std::vector<WorkItem> items;
-  // To a worker that holds nothing else, and is given nothing else until it is done.
+  // The worker may hold nothing else meanwhile (poison_tracker.hpp).
   bool alone = false;
-  // Of samples that are done (Lease::auditor).
+  // The samples are done (Lease::auditor).
   bool audit = false;
 };
 
-// Who says that it cannot build the scene; as in Loss.
+// A worker that cannot build the scene; fields as in Loss.
 struct Refuser {
   WorkerId worker;
   std::string name;
   std::string principal{};
 };
 
-// WorkerInfo::principal of the workers that can render. Losses and refusals fail a job only by the word of
-// three principals, or of all if there are fewer: one caller can make up any number of workers.
+// WorkerInfo::principal of the workers that can render. Losses and refusals fail a job only if three
+// principals have them, or all if there are fewer: one caller can register any number of workers.
 using Principals = std::set<std::string>;
 using FindPrincipals = std::function<Principals()>;
 
 // How a job is served.
 struct SchedulingPolicy {
   int priority = 0;
-  // Most workers that hold leases of it at once; 0 for as many as there are.
+  // The limit on workers that hold leases of it at once; 0 for none.
   std::uint32_t max_workers = 0;
 };
 
 class Job {
  public:
-  // As it is submitted, or was stored. `done`: for each tile, the samples that are done; empty: none.
+  // A new or a stored job. `done`: the samples that are done, by tile; empty: none.
   Job(JobId id, JobShape shape, SchedulingPolicy policy, JobState state, std::vector<IntervalSet> done);
 
   const JobId& id() const { return id_; }
   const JobShape& shape() const { return shape_; }
   const SchedulingPolicy& policy() const { return policy_; }
-  // Takes no lease away.
+  // Ends no leases.
   void set_policy(const SchedulingPolicy& policy);
   JobState state() const { return state_; }
-  // The one way in which its state changes. The arrow must be drawn (job_state.hpp).
+  // The only function that changes the state. The transition must be valid (job_state.hpp).
   void become(JobState to);
 
-  // Why it failed; empty unless it has.
+  // Why the job failed; empty unless it has.
   std::string failure;
 
   // ---- Counts of pixel samples ----
@@ -77,63 +76,63 @@ class Job {
   std::uint64_t free() const { return total_ - done_count_ - leased_count_; }
   bool complete() const { return done_count_ == total_; }
   std::uint64_t to_verify() const { return audits_.due(); }
-  // Complete, and nothing is left to verify.
+  // Complete, with nothing left to verify.
   bool settled() const { return complete() && to_verify() == 0; }
   std::uint64_t pixel_samples(const WorkItem& item) const;
 
   const IntervalSet& done(int tile) const { return done_[static_cast<std::size_t>(tile)]; }
-  // Of missing samples.
+  // The leases of missing samples.
   const LeaseTable& leases() const { return leases_; }
-  // Of samples that are rendered again.
+  // The leases of audits.
   const LeaseTable& audit_leases() const { return audit_leases_; }
-  // Of either kind; null if there is none.
+  // A lease of either kind; null if there is none.
   const Lease* find_lease(LeaseId id) const;
   std::size_t lease_count() const { return leases_.all().size() + audit_leases_.all().size(); }
-  // Workers that hold leases of either kind.
+  // The workers that hold leases of either kind.
   std::size_t holder_count() const;
   bool is_holder(const WorkerId& worker) const {
     return leases_.is_holder(worker) || audit_leases_.is_holder(worker);
   }
-  // Whether the worker can be given a lease, as far as the limit on workers goes.
+  // Whether the limit on workers allows a lease for this worker.
   bool may_be_leased_to(const WorkerId& worker) const;
-  // Pixel samples that are rendered again.
+  // The pixel samples in audit leases.
   std::uint64_t auditing() const { return auditing_count_; }
 
-  // ---- Choosing what to lease: follows from the job as it is, and changes nothing of it. Of at most
-  // kMaxItemsPerLease items, for lease() ----
+  // ---- Candidates for leases. These functions change nothing, and return at most kMaxItemsPerLease items
+  // for lease() ----
 
-  // The next free items, of `samples` pixel samples or a little more. Empty only if nothing is free, or if
-  // what comes next must be leased alone and the worker holds something.
+  // The next free items, of `samples` pixel samples or slightly more. Empty only if nothing is free, or if
+  // the next items must be leased alone and the worker holds something.
   Portion next_free(std::uint64_t samples, bool holds_nothing) const;
-  // Items that exactly one worker holds, and not alone; of the oldest leases first. For workers that hold
+  // Items that exactly one worker holds, and not alone, of the oldest leases first. For workers that hold
   // nothing.
   Portion next_copies(std::uint64_t samples) const;
-  // It was empty: not looked for again until one of the leases changes.
+  // next_copies() was empty: it is not searched again until a lease changes.
   void note_no_copies() { copyable_.clear(); }
-  // What is due for an audit by this worker; as a copy, of what one other is at.
+  // Audits for this worker; as a copy, those that one other worker has in progress.
   Portion next_audits(std::uint64_t samples, bool holds_nothing, const Producer& worker,
                       const Producers& producers) const;
   Portion next_audit_copy(const Producer& worker, const Producers& producers) const;
-  // What is free of these items. Overlooks what is no part of the job.
+  // The free samples of these items. Ignores items that are no part of the job.
   std::vector<WorkItem> free_parts(const std::vector<WorkItem>& items) const;
 
   void lease(Lease lease);
 
-  // Its holder has reported it. It must exist.
+  // The lease's holder has reported it. It must exist.
   void acknowledge(LeaseId id);
-  // Ends a lease, which must exist, in a state that is final. What nobody else holds of it is free.
+  // Ends a lease, which must exist, in a final state. Samples that no other lease has become free.
   Lease end_lease(LeaseId id, LeaseState to);
-  // Revokes them.
+  // Revokes all leases.
   std::vector<Lease> end_all_leases();
 
   // ---- Results ----
 
-  // Whether these are samples of the job at all.
+  // Whether these are samples of the job.
   bool has(const WorkItem& item) const;
   // Counts the item as done if all of it is missing. Returns whether it was. Leases that have nothing left to
   // do are ended and appended to `ended`.
   bool accept(const WorkItem& item, std::vector<Lease>& ended);
-  // Who rendered an item that was just accepted, and its sums.
+  // Records the producer of an item that was just accepted, and its sums.
   void note_producer(const WorkItem& item, ProducerNumber producer, const Fingerprint& fingerprint, Due due) {
     audits_.add(item, producer, fingerprint, due);
   }
@@ -141,50 +140,50 @@ class Job {
   // ---- Audits ----
 
   const Audits& audits() const { return audits_; }
-  // Whether these are samples that the lease's holder was asked to render again.
+  // Whether the lease's holder was asked to audit these samples.
   bool is_audit(LeaseId lease, const WorkItem& item) const;
-  // Takes the sums of such samples. Leases that have nothing left to do are ended and appended to `ended`.
+  // Takes the sums of audited samples. Leases that have nothing left to do are ended and appended to `ended`.
   std::optional<Ruling> audit(LeaseId lease, const WorkItem& item, const Fingerprint& fingerprint,
                               std::vector<Lease>& ended);
-  // All samples of the tile are missing again.
+  // Marks all samples of the tile as missing.
   void drop_tile(int tile, std::vector<Lease>& ended);
   std::vector<int> doubt(const Producers& producers) { return audits_.doubt(producers); }
   std::size_t waive_audits() { return audits_.waive(); }
   void forget_producers() { audits_.clear(); }
-  // Since when it has been waiting for nothing but audits for which there is nobody.
+  // Since when the job lacks nothing but audits that no worker can do.
   std::optional<Time> unaudited_since;
 
   // ---- Losses and refusals ----
 
-  // The holder of an ended lease has died. The sentence to fail the job with, if this is enough and nobody
-  // else holds the samples.
+  // Counts the death of an ended lease's holder. Returns the message with which to fail the job, if this is
+  // one death too many and nobody else holds the samples.
   std::optional<std::string> strike(const Lease& lease, const Loss& loss, const FindPrincipals& present);
-  // The same of a worker that is stuck in these samples, as far as they are missing.
+  // The same for a worker that is stuck in these samples, as far as they are missing.
   std::optional<std::string> strike(const std::vector<WorkItem>& items, const Loss& loss,
                                     const FindPrincipals& present);
-  // The sentence to fail the job with, if nothing of it was ever counted, nobody holds any of it, and workers
-  // of three names were stuck in whatever they had of it.
+  // The message with which to fail the job, if no sample of it was ever accepted, nobody holds any of it, and
+  // workers of three names were stuck in different ranges of it.
   std::optional<std::string> nobody_gets_on(const FindPrincipals& present) const;
-  // A worker cannot build the scene. The sentence to fail the job with, if that was said three times in a
-  // row, and by workers of three names, or by all names that are `present` and every worker that holds a
-  // lease.
+  // Counts a worker that cannot build the scene. Returns the message with which to fail the job, if this
+  // happened three times in a row, with workers of three names, or of all names that are `present` and every
+  // worker that holds a lease.
   std::optional<std::string> decline_reason(const Refuser& refuser, const std::string& why,
                                             const std::set<std::string>& present,
                                             const FindPrincipals& principals);
-  // A worker that was taken for dead lives, or for stuck goes on to something else.
+  // The worker was not lost: one that was presumed dead is alive, or one that was stuck goes on.
   void withdraw_strikes(const WorkerId& worker, LossKind kind);
 
   void extend(std::uint32_t spp);
 
-  // ---- How it is doing ----
-  // What a pixel sample of it costs in work, as Worker::pace counts it.
+  // ---- Progress ----
+  // The work of one of its pixel samples, in the unit of Worker::pace.
   Estimate cost;
   RateMeter rate;
-  // Of JobSnapshot; the end of its latest lease in virtual time.
+  // See JobSnapshot. virtual_finish is the end of its latest lease in virtual time.
   std::uint64_t last_served = 0;
   double virtual_finish = 0;
 
-  // Whether a lease has samples that a second worker could be given. Slow; for checks.
+  // Whether a lease has samples that a second worker could be given. Slow; for invariant checks.
   bool has_copies_to_give() const;
   // See CheckDepth.
   std::optional<std::string> check(bool every_sample) const;
@@ -212,7 +211,7 @@ class Job {
   JobShape shape_;
   core::TileGrid grid_;
   SchedulingPolicy policy_;
-  // Workers beyond the limit that held leases when it was lowered, and still do.
+  // Workers beyond a lowered limit that still hold leases.
   std::size_t tolerated_workers_ = 0;
   JobState state_;
 
@@ -221,14 +220,14 @@ class Job {
   LeaseTable leases_, audit_leases_;
   Audits audits_;
   PoisonTracker poison_;
-  // Workers that were stuck in any samples, of different names; forgotten with the first accepted sample.
+  // Workers with different names that were stuck in any samples; cleared with the first accepted sample.
   std::vector<Loss> stuck_before_any_;
-  // In a row, and who said so; forgotten with every accepted sample.
+  // Consecutive refusals and the names of their workers; cleared with every accepted sample.
   int refusals_ = 0;
   std::set<std::string> refusers_;
   Principals refusing_principals_;
   std::set<WorkerId> refusing_workers_;
-  // Every lease with samples that nobody else holds; may also have others.
+  // Contains every lease with samples that nobody else holds; may contain others.
   std::set<LeaseId> copyable_;
 
   std::uint64_t total_ = 0;

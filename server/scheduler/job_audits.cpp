@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rendering done samples of a job again.
+// Audits of a job's done samples.
 #include <algorithm>
 #include <utility>
 
@@ -8,7 +8,7 @@
 namespace tessera::scheduler {
 namespace {
 
-// A worker delivers two ranges of a lease that touch as one, which could be compared with neither.
+// A worker delivers two adjacent ranges of a lease as one, which could not be compared with either entry.
 bool touches_any(const std::vector<WorkItem>& items, const WorkItem& item) {
   return std::any_of(items.begin(), items.end(), [&](const WorkItem& other) {
     return other.tile == item.tile &&
@@ -46,7 +46,7 @@ Portion Job::next_audits(std::uint64_t samples, bool holds_nothing, const Produc
 }
 
 Portion Job::next_audit_copy(const Producer& worker, const Producers& producers) const {
-  // What must be alone is not given to two, as in held_once().
+  // A lease alone is not copied, as in held_once().
   const auto may_share = [this](LeaseId lease) { return !audit_leases_.find(lease)->alone; };
   const std::optional<WorkItem> item = audits_.copy_for(worker, producers, may_share);
   if (!item) return {};
@@ -83,7 +83,7 @@ std::optional<Ruling> Job::audit(LeaseId lease, const WorkItem& item, const Fing
   auditing_count_ -= pixel_samples(item);
   if (auto emptied = audit_leases_.trim(lease, item)) ended.push_back(std::move(*emptied));
   std::optional<Ruling> ruling = audits_.deliver(lease, item, fingerprint);
-  if (ruling) trim_audits(ruling->item, ended);  // whoever else was at it
+  if (ruling) trim_audits(ruling->item, ended);  // also from leases of other auditors
   note_ended_lease();
   return ruling;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What must be true of a job at any moment.
+// The invariants of a job.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -48,7 +48,7 @@ std::optional<std::string> Job::check_leases() const {
   return wrong ? wrong : check(audit_leases_, true);
 }
 
-// The ledger is of done samples, and whatever is due waits for an auditor or is with one.
+// The ledger covers only done samples, and every entry that is due waits for an auditor or has one.
 std::optional<std::string> Job::check_audits() const {
   std::uint64_t due = 0, auditing = 0;
   for (int tile = 0; tile < grid_.tile_count(); ++tile) {
@@ -90,7 +90,7 @@ std::optional<std::string> Job::check_counts() const {
   return check_audits();
 }
 
-// Every missing sample is leased to at most two, or can be found by who looks for work.
+// Every missing sample is leased to at most two workers, or is a candidate.
 std::optional<std::string> Job::check_tile(int tile) const {
   IntervalSet lost{{0, shape_.spp}};
   lost.remove(done(tile));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A job's life.
+// The lifecycle of a job.
 //
 //                 pause                      cancel
 //             ┌──────────▶ PAUSED ─────────────────────┐
@@ -10,9 +10,9 @@
 //             ▼ │ extend; doubt
 //            DONE
 //
-// Doubt: a worker that rendered some of it was quarantined, and others are to verify that (audits.hpp).
-// CANCELLED and FAILED are final. A job in any state can be deleted. PAUSED has no arrow to DONE: a paused
-// job whose last samples come in stays paused, and is done as soon as it is resumed.
+// Doubt: a worker that rendered some of its samples was quarantined, and others must verify these
+// (audits.hpp). CANCELLED and FAILED are final. A job in any state can be deleted. PAUSED has no transition
+// to DONE: a paused job whose last samples arrive stays paused, and is done as soon as it is resumed.
 #pragma once
 
 #include <string_view>
@@ -21,13 +21,13 @@ namespace tessera::scheduler {
 
 enum class JobState { kRunning, kPaused, kDone, kCancelled, kFailed };
 
-// "running", "paused", …: for sentences.
+// "running", "paused", …, for messages.
 std::string_view job_state_name(JobState state);
 
-// Whether the arrow is drawn above. A state has no arrow to itself.
+// Whether the diagram has the transition. No state has a transition to itself.
 bool may_become(JobState from, JobState to);
 
-// Whether samples that come in for it still count.
+// Whether samples that arrive still count.
 inline bool takes_results(JobState state) {
   return state == JobState::kRunning || state == JobState::kPaused || state == JobState::kDone;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The life of jobs, as their users direct it.
+// The lifecycle of jobs, as users direct it.
 #include <fmt/format.h>
 
 #include <algorithm>

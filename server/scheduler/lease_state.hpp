@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// A lease's life.
+// The lifecycle of a lease.
 //
-//   given, in a reply that                 taken over from a worker that reports it
+//   granted, in a reply that                taken over from a worker that reports it
 //   may be lost      │                     │
 //                    ▼      reported       ▼
 //                 GRANTED ─────────────▶ HELD
@@ -10,11 +10,11 @@
 //       ▼            ▼            ▼            ▼            ▼
 //      DONE       RETURNED     EXPIRED      STALLED      REVOKED
 //
-// DONE: nothing of it is left to do, whoever did it. RETURNED: its holder has finished with it, or reports it
-// no more. EXPIRED: its holder is lost. STALLED: its holder is heard of, and has delivered nothing
-// of the job for too long. REVOKED: its job has ended, or its holder was dismissed. All five are final. What
-// is missing of a lease that has ended is free again, and what comes of it all the same counts as long as it
-// is missing.
+// DONE: none of its samples is missing, whoever delivered them. RETURNED: its holder has finished with it, or
+// does not report it any more. EXPIRED: its holder is lost. STALLED: its holder sends heartbeats, but has
+// delivered nothing of the job for too long. REVOKED: its job has ended, or its holder was dismissed. All
+// five are final. The missing samples of an ended lease are free again. Results of an ended lease count as
+// long as their samples are missing.
 #pragma once
 
 #include <string_view>
@@ -23,10 +23,10 @@ namespace tessera::scheduler {
 
 enum class LeaseState { kGranted, kHeld, kDone, kReturned, kExpired, kStalled, kRevoked };
 
-// "granted", "held", …: for sentences.
+// "granted", "held", …, for messages.
 std::string_view lease_state_name(LeaseState state);
 
-// Whether the arrow is drawn above. A state has no arrow to itself.
+// Whether the diagram has the transition. No state has a transition to itself.
 bool may_become(LeaseState from, LeaseState to);
 
 inline bool is_live(LeaseState state) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Who holds what: renewing, taking over, granting and ending leases.
+// Leases: renews, adopts, grants and ends them.
 #include <algorithm>
 #include <utility>
 
@@ -8,7 +8,7 @@
 namespace tessera::scheduler {
 namespace {
 
-// How late the scheduler may be called when a lease runs out, and still take its holder for dead.
+// How late the scheduler may be called after a lease's expiry and still presume its holder dead.
 constexpr Duration kPunctuality = std::chrono::seconds(1);
 
 }  // namespace
@@ -28,7 +28,7 @@ Worker* Scheduler::on(const TopUp& event, Actions& actions) {
   Worker* const worker = registry_.find(event.worker);
   if (worker == nullptr || worker->state() == WorkerState::kSilent) {
     actions.status = core::fail(core::ErrorCode::kNotFound,
-                                "worker " + event.worker.value + " has not been heard of for too long");
+                                "worker " + event.worker.value + " has been silent for too long");
     return nullptr;
   }
   return worker;
@@ -47,8 +47,8 @@ Worker* Scheduler::on(const Dismiss& event, Actions& actions) {
 
 void Scheduler::settle_reported(Worker& worker) {
   for (const HeldLease& held : std::vector<HeldLease>(worker.leases)) {
-    // What it reported once and reports no more it has dropped. What it never reported it may not have heard
-    // of yet.
+    // The worker has dropped leases that it reported before and does not report now. It may not have received
+    // leases that it never reported.
     Job& job = *find(held.job);
     if (worker.reported.contains(held.id)) {
       job.acknowledge(held.id);
@@ -59,8 +59,8 @@ void Scheduler::settle_reported(Worker& worker) {
   }
 }
 
-// Takes over a lease that this scheduler does not know: given by an earlier run of it, or to a worker that
-// was lost and has come back before its work went to others.
+// Adopts a lease that this scheduler does not know: one of an earlier run, or of a worker that was lost and
+// returns before its samples went to others.
 void Scheduler::adopt(Worker& worker, const LeaseDescription& reported) {
   Job* const job = find(reported.job);
   if (job == nullptr || !(job->state() == JobState::kRunning || job->state() == JobState::kPaused)) return;
@@ -80,8 +80,8 @@ void Scheduler::adopt(Worker& worker, const LeaseDescription& reported) {
 void Scheduler::top_up(Worker& worker) {
   while (worker.room() > 0 && grant_free(worker, false)) {
   }
-  // Copies are for those who would have nothing to do, not to be kept in reserve. What the worker could not
-  // build a moment ago comes last, or it would be given nothing else.
+  // Copies are only for workers without other work. Jobs whose scene the worker could not build come last, or
+  // it would be given nothing else.
   if (worker.room() <= 0 || !worker.leases.empty()) return;
   if (!grant_copy(worker)) grant_free(worker, true);
 }
@@ -109,14 +109,14 @@ bool Scheduler::grant_free(Worker& worker, bool also_refused) {
   if (can_audit(job, worker))
     portion = job.next_audits(samples, worker.leases.empty(), worker.producer(), producers_);
   if (portion.items.empty()) portion = job.next_free(samples, worker.leases.empty());
-  // What must be leased alone waits for the first worker that has nothing left to do.
+  // Items that must be leased alone wait for the first idle worker.
   if (portion.items.empty()) return false;
   grant(worker, job, std::move(portion));
   return true;
 }
 
-// Near the end of a job: what others have been at for longest is given a second time, and the first answer
-// wins.
+// Near the end of a job, the items that have been held for longest are leased a second time, and the first
+// result wins.
 bool Scheduler::grant_copy(Worker& worker) {
   std::vector<Job*> candidates;
   for (const JobNumber number : running_) {
@@ -151,7 +151,7 @@ void Scheduler::grant(Worker& worker, Job& job, Portion portion) {
   enter_lease(worker, job, std::move(lease));
 }
 
-// Who was away, or had nothing to give, is owed nothing: it goes on from where the others are.
+// A job that was paused or had no work gets no credit: its virtual time continues from that of the others.
 void Scheduler::charge(Job& job, const Portion& portion) {
   std::uint64_t samples = 0;
   for (const WorkItem& item : portion.items) samples += job.pixel_samples(item);
@@ -199,9 +199,10 @@ void Scheduler::lose_lease(const Worker& worker, const HeldLease& held, Actions&
   Job& job = *find(held.job);
   const bool heard_of = worker.reported.contains(held.id);
   const Lease lease = end_lease(job, held.id, LeaseState::kExpired);
-  // What it never said it holds it may never have heard of. Of what it was told with the answer to a result
-  // it most likely has, having just called; and no job fails by one death alone. One that was told to stop
-  // had another reason to die. And if nobody looked when its time was up, it was the coordinator that slept.
+  // The death counts against the lease's samples only if the worker had the lease and the scheduler is on
+  // time. A lease that it never reported may not have reached it. One that was told with the answer to a
+  // result most likely has, and one death alone fails no job. A draining worker was told to stop. If the
+  // deadline is long past, the coordinator itself was suspended.
   const bool draining = worker.state() == WorkerState::kDraining;
   if (!heard_of || draining || now_ > registry_.deadline(worker) + kPunctuality) return;
   const auto failure = job.strike(lease, worker.loss(LossKind::kDied), find_principals(job));
@@ -218,7 +219,7 @@ void Scheduler::forget_lease(const Job& job, const Lease& lease) {
   Worker* const holder = registry_.find(lease.holder);
   Effort& effort = holder->efforts[job.id()];
   effort.gave_back.reset();
-  // What others have done of it, or it could not hold, was progress.
+  // Samples that others have delivered, or leases that it could not hold, are no lack of progress.
   if (lease.state == LeaseState::kReturned) {
     effort.gave_back = now_;
   } else {
@@ -232,7 +233,7 @@ void Scheduler::forget_lease(const Job& job, const Lease& lease) {
 void Scheduler::forget_emptied(const Job& job, const std::vector<Lease>& leases) {
   for (const Lease& lease : leases) {
     forget_lease(job, lease);
-    // Another worker may have its place.
+    // Another worker may take its place.
     if (job.policy().max_workers > 0 && !job.is_holder(lease.holder)) work_appeared_ = true;
   }
 }

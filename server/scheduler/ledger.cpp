@@ -8,10 +8,10 @@
 namespace tessera::scheduler {
 namespace {
 
-// Entries grow no longer than this by merging, so that an audit is not more than a few seconds of work.
+// Merged entries are at most so long, so that an audit is at most a few seconds of work.
 constexpr std::uint32_t kLongestMerged = 64;
 
-// There are many tiles with few entries each: doubling would waste half of the memory.
+// There are many tiles with few entries each: doubling the capacity would waste half of the memory.
 constexpr std::size_t kGrowth = 4;
 
 std::size_t position(const std::vector<LedgerEntry>& entries, std::uint32_t begin) {

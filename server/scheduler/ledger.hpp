@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Who has rendered which samples of one job, with their fingerprints, as far as nobody else has confirmed
-// them. Knows nothing of leases or time. Not thread-safe.
+// The producers of one job's samples, with fingerprints, until another worker has confirmed them. Knows no
+// leases and no time. Not thread-safe.
 //
-// Made for pictures of 16K x 16K pixels: neighbouring ranges of one author become one entry, and beyond
-// kMaxEntries nothing is noted but what is due.
+// For images of 16K x 16K pixels: adjacent ranges of one producer become one entry, and beyond kMaxEntries
+// only entries that are due are kept.
 #pragma once
 
 #include <cstddef>
@@ -16,11 +16,11 @@
 
 namespace tessera::scheduler {
 
-// Whether another worker is to render it again, and why.
+// Whether another worker must render the range again, and why.
 enum class Due : std::uint8_t {
   kNo,
-  kChosen,   // by lot
-  kDoubted,  // its author was quarantined, or two workers have rendered other bits
+  kChosen,   // chosen by lot
+  kDoubted,  // the producer was quarantined, or two workers rendered different sums
 };
 
 struct LedgerEntry {
@@ -42,9 +42,9 @@ class Ledger {
   explicit Ledger(const core::TileGrid& grid)
       : grid_(grid), tiles_(static_cast<std::size_t>(grid.tile_count())) {}
 
-  // The item must overlap no entry.
+  // The item must not overlap any entry.
   void add(const WorkItem& item, ProducerNumber producer, const Fingerprint& fingerprint, Due due);
-  // The entry that begins at this sample, which must be there.
+  // The entry that begins at this sample. It must exist.
   const LedgerEntry& at(int tile, std::uint32_t begin) const;
   void set_due(int tile, std::uint32_t begin, Due due);
   void erase(int tile, std::uint32_t begin);
@@ -54,7 +54,7 @@ class Ledger {
   // In ascending order, disjoint.
   const std::vector<LedgerEntry>& of_tile(int tile) const { return tiles_[static_cast<std::size_t>(tile)]; }
   int tile_count() const { return static_cast<int>(tiles_.size()); }
-  // In pixel samples.
+  // The pixel samples that are due.
   std::uint64_t due() const { return due_; }
 
  private:

@@ -20,7 +20,7 @@ std::uint64_t next_lease_samples(const SizingOptions& options, const WorkerSnaps
       static_cast<double>(available) / (options.end_divisor * std::max(active_workers, 1));
   const double samples =
       std::max(std::min(speed * seconds, fair_part), speed * options.shortest_lease_seconds);
-  // Written so that a speed that is not a number ends at 1, and an absurd one at all there is.
+  // A speed that is NaN gives 1, and a speed beyond all limits gives everything that is available.
   if (!(samples > 1)) return 1;
   return samples < static_cast<double>(available) ? static_cast<std::uint64_t>(samples)
                                                   : std::max<std::uint64_t>(available, 1);
@@ -33,7 +33,7 @@ double cost_of(const SizingOptions& options, const Estimate& cost) {
 void learn_cost(Estimate& cost, Estimate& pace, int threads, double seconds_per_sample) {
   constexpr double kMinCost = 1e-9, kMaxCost = 100, kMinPace = 1e-6, kMaxPace = 1e9;
   constexpr double kMaxChange = 10;
-  // The fewer results an estimate is made of, the more of the difference is its own error.
+  // The fewer results an estimate has, the larger its part of the difference.
   const auto weight = [](const Estimate& estimate) {
     constexpr double kMin = 0.1;
     return std::max(kMin, 1 / (1 + static_cast<double>(estimate.results)));
@@ -71,7 +71,7 @@ Duration patience(Duration lease_duration, double expected_seconds) {
   constexpr int kMin = 10;
   constexpr double kTimesExpected = 10;
   const double most = std::chrono::duration<double>(longest_patience(lease_duration)).count();
-  // Written so that what is not a number is the most.
+  // NaN gives the maximum.
   const double seconds = kTimesExpected * expected_seconds < most ? kTimesExpected * expected_seconds : most;
   return std::max<Duration>(kMin * lease_duration,
                             std::chrono::duration_cast<Duration>(std::chrono::duration<double>(seconds)));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Who has rendered something, so that it can be said long after; and who of them is trusted. Not thread-safe.
+// Who rendered samples (provenance), and which producers are trusted. Not thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -13,8 +13,8 @@
 
 namespace tessera::scheduler {
 
-// A process that rendered, the name it goes by, and WorkerInfo::machine. A name is chosen by whoever starts
-// the worker, and proves nothing. Empty: unknown.
+// A worker process, its name and WorkerInfo::machine. A name is chosen by whoever starts the worker, and
+// proves nothing. Empty: unknown.
 struct Producer {
   std::string name;
   WorkerId worker;
@@ -22,17 +22,17 @@ struct Producer {
   auto operator<=>(const Producer&) const = default;
 };
 
-// For sentences.
+// The name for messages.
 inline const std::string& called(const Producer& producer) {
   return producer.name.empty() ? producer.worker.value : producer.name;
 }
 
-// Whether one cannot vouch for the other: they are of one name, or one and the same.
+// Whether the two cannot audit each other: they have the same name or are the same worker.
 inline bool are_one(const Producer& a, const Producer& b) {
   return a.worker == b.worker || (!a.name.empty() && a.name == b.name);
 }
 
-// Stands for an author where there are many of them to remember.
+// Stands for a producer in large tables.
 using ProducerNumber = std::uint32_t;
 
 class Producers {
@@ -44,7 +44,7 @@ class Producers {
     return known->second;
   }
   const Producer& at(ProducerNumber number) const { return producers_[number]; }
-  // A worker says its name, which may have delivered something before it did.
+  // Records a worker's name. The worker may have delivered results before it was known.
   void introduce(const Producer& producer) {
     const auto nameless = numbers_.find({{}, producer.worker});
     if (producer.name.empty() || nameless == numbers_.end() || numbers_.contains(producer)) return;
@@ -54,7 +54,7 @@ class Producers {
     producers_[number] = producer;
   }
 
-  // Every other worker of its machine as well; not those of its name, which anybody can take.
+  // Distrusts every worker of its machine as well, but not those with its name, which anybody can take.
   void distrust(const Producer& producer) {
     distrusted_workers_.insert(producer.worker);
     if (!producer.machine.empty()) distrusted_machines_.insert(producer.machine);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How many a second, lately: an average in which what is long ago counts for less and less.
+// A rate per second, averaged with weights that decay with age.
 #pragma once
 
 #include <algorithm>
@@ -18,7 +18,7 @@ class RateMeter {
     count_ += count;
   }
 
-  // 0 until it has seen half a second.
+  // 0 during the first half second.
   double per_second(Time now) const {
     if (!started_) return 0;
     RateMeter at_now = *this;
@@ -29,8 +29,7 @@ class RateMeter {
  private:
   static constexpr double kMemorySeconds = 8.0;
 
-  // Both the count and the time over which it was counted fade alike, so that their ratio is right from the
-  // start.
+  // Count and elapsed time decay alike, so that their ratio is right from the start.
   void advance(Time now) {
     const double elapsed = std::max(std::chrono::duration<double>(now - last_).count(), 0.0);
     const double kept = std::exp(-elapsed / kMemorySeconds);

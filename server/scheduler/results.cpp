@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What workers deliver.
+// Results of workers.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -10,7 +10,7 @@
 namespace tessera::scheduler {
 namespace {
 
-// What was accepted of a tile that was dropped by the same result is missing as well.
+// Items that were accepted in a tile that the same result dropped are missing as well.
 void drop_what_was_dropped(const SubmitResult& event, Actions& actions) {
   for (std::size_t i = 0; i < event.items.size(); ++i) {
     const TileOfJob tile{event.job, event.items[i].tile};
@@ -62,7 +62,7 @@ Worker* Scheduler::on(const SubmitResult& event, Actions& actions) {
     worker->samples_accepted += accepted_samples;
     worker->rate.add(static_cast<double>(accepted_samples), now_);
     if (accepted_samples + audited_samples > 0) {
-      work_appeared_ |= worker->has_stalled(job->id());  // for this one
+      work_appeared_ |= worker->has_stalled(job->id());  // for this worker
       registry_.has_delivered(worker->info.name);
       worker->efforts[job->id()] = {.no_progress_since = now_};
     }
@@ -77,9 +77,9 @@ Worker* Scheduler::on(const SubmitResult& event, Actions& actions) {
   return worker != nullptr && takes_with_answer(*worker, event) ? worker : nullptr;
 }
 
-// Who holds nothing else is served by its Synchronize: what may kill a worker is leased to such workers
-// alone, and it is to be known whether they have heard of it. So are all if an idle worker waits for what has
-// become free.
+// A worker that holds nothing else is served by its Synchronize: samples that may kill a worker are leased
+// only to such workers, and the scheduler must know whether they received them. The same holds for all
+// workers if an idle worker waits for samples that have become free.
 bool Scheduler::takes_with_answer(const Worker& worker, const SubmitResult& event) const {
   if (!worker.waiting || event.held.empty() || has_lost(worker, event)) return false;
   const bool was_not_told = worker.leases.size() > event.held.size();
@@ -111,7 +111,7 @@ void Scheduler::note_producer(Job& job, const WorkItem& item, const Producer& pr
 }
 
 void Scheduler::spare_others(const Job& job, const WorkItem& item, const WorkerId& deliverer) {
-  if (job.done(item.tile).intersects(item.samples)) return;  // it will not be accepted
+  if (job.done(item.tile).intersects(item.samples)) return;  // it will be rejected
   for (const LeaseId id : job.leases().of_tile(item.tile)) {
     const Lease& lease = *job.leases().find(id);
     const auto shares = [&](const WorkItem& held) {
@@ -125,7 +125,7 @@ void Scheduler::spare_others(const Job& job, const WorkItem& item, const WorkerI
 
 namespace {
 
-// A worker that renders the same samples for ever never says that it cannot.
+// A worker that is stuck never reports that it cannot build a scene.
 bool can_say(const Worker& worker, const Job& job) {
   return worker.takes_leases() && !worker.stuck && !worker.has_stalled(job.id());
 }
@@ -183,7 +183,7 @@ core::Status Scheduler::validate(const Job& job, const SubmitResult& event) cons
   return {};
 }
 
-// Learns how fast the worker is and what the job costs, also from results that are dropped.
+// Updates the estimates of the worker's speed and the job's cost, also from dropped results.
 void Scheduler::measure(Job& job, const SubmitResult& event) {
   Worker* const worker = registry_.find(event.worker);
   if (worker == nullptr) return;

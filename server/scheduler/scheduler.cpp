@@ -38,10 +38,9 @@ void Scheduler::take_leases_of_silent_workers(Actions& actions) {
   }
 }
 
-// Those with nothing to do come first: others have room for what they would only begin later. Then those that
-// have built every scene, or failed to do so longest ago: where there are not places for all, they are not to
-// take the same one again and again. Then who came first: what kills workers comes to each of them, as those
-// that are started again come last.
+// Idle workers come first: others would only queue the work. Then workers that have built every scene, or
+// that failed to do so longest ago, so that the same ones do not take all places of a limited job. Then the
+// order of registration: a range that kills workers so reaches every worker, since restarted ones come last.
 bool Scheduler::comes_before(const Worker* a, const Worker* b) {
   const auto rank = [](const Worker& worker) {
     return std::tuple(!worker.leases.empty(), worker.last_refusal(), worker.sequence);
@@ -91,7 +90,7 @@ void Scheduler::let_wait(Worker& worker) {
   if (worker.room() > 0) idle_waiters_.emplace(worker.sequence, worker.info.id);
 }
 
-// Its Synchronize waits on, as if it had reported what it is told here.
+// The worker's Synchronize keeps waiting, as if it had reported the leases of this answer.
 Reply Scheduler::reply_with_answer(Worker& worker, const SubmitResult& result) {
   worker.reported = {result.held.begin(), result.held.end()};
   Reply reply = reply_to(worker);

@@ -1,29 +1,30 @@
 // SPDX-License-Identifier: Apache-2.0
-// The farm's scheduler: which worker renders which samples of which job.
+// The farm's scheduler decides which worker renders which samples of which job.
 //
-// A deterministic state machine. handle() takes what happened and when, and answers what is to be done;
-// nothing else changes it. It has no threads, no I/O, no clock and no randomness, and knows nothing of RPC,
-// storage or pixels: whoever runs it serialises the calls, adds accepted results to the film, stores what
-// must survive, and calls handle(Tick) at next_deadline(). Not thread-safe; the calls are short.
+// It is a deterministic state machine. handle() takes an event and its time, and returns the actions that
+// follow; nothing else changes the state. It has no threads, no I/O, no clock and no randomness, and knows
+// nothing of RPC, storage or pixels. Its caller serialises the calls, adds accepted results to the film,
+// stores what must be durable, and calls handle(Tick) at next_deadline(). Not thread-safe; the calls are
+// short.
 //
-// What it sees to, at every moment (check_invariants):
-//   - a sample of a running or paused job is done, or leased to at most two workers, or free to be leased;
-//   - a range is accepted only if all of its samples are missing, so none is counted twice;
-//   - a done job lacks nothing;
-//   - no more workers hold leases of a job than it allows, or than did when it was last allowed fewer;
-//   - leases are held by known workers that were heard of within lease_duration, and of whose deliveries for
-//     the job something has counted within patience() (policy.hpp);
-//   - a worker that waits, holds nothing and would take a lease waits because there is none to give;
-//   - samples that are due for an audit are rendered again by a worker of another name, and their job is not
-//     done before;
-//   - samples that a worker may have died of, or is stuck in, are leased to workers that hold nothing else,
-//     and when they have cost three workers of different names in a row their job fails, so that they do not
-//     take down the farm;
-//   - a worker that is stuck holds nothing.
+// Invariants (check_invariants):
+// - A sample of a running or paused job is done, leased to at most two workers, or free.
+// - A range is accepted only if all of its samples are missing, so none is counted twice.
+// - A done job lacks nothing.
+// - No more workers hold leases of a job than its limit allows, or held some when the limit was lowered.
+// - Leases are held by known workers that synchronised within lease_duration, and that delivered something of
+//   the job within patience() (policy.hpp).
+// - A worker that waits, holds nothing and wants a lease waits because there is none to give.
+// - Samples that are due for an audit are rendered again by a worker of another name, and their job is not
+//   done before.
+// - Samples of which a worker may have died, or in which one is stuck, are leased to workers that hold
+//   nothing else. After three consecutive losses of workers with different names their job fails, so that it
+//   does not take down the farm.
+// - A worker that is stuck holds nothing.
 //
-// After a restart, hand in RestoreJob for each stored job, in the order of their submission, with a higher
-// epoch. Workers then report leases that this scheduler has not given; it takes them over where their samples
-// are still missing. Samples that were accepted after the last checkpoint are missing again, and are rendered
+// After a restart, hand in RestoreJob for each stored job, in the order of submission, with a higher epoch.
+// Workers then report leases that this scheduler did not grant; it takes them over where their samples are
+// still missing. Samples that were accepted after the last checkpoint are missing again, and are rendered
 // again.
 #pragma once
 
@@ -43,26 +44,27 @@
 namespace tessera::scheduler {
 
 struct Options {
-  // Distinguishes this run of the coordinator from all earlier ones; must be higher than theirs. 24 bits.
+  // Identifies this run of the coordinator; must be higher than that of all earlier runs. 24 bits.
   std::uint32_t epoch = 1;
-  // A worker that has not synchronised for so long loses its leases. Shorter: less delay when a worker dies;
-  // more heartbeats, and less patience with a bad network.
+  // The heartbeat timeout: a worker that has not synchronised for so long loses its leases. A shorter one
+  // means less delay when a worker dies, more heartbeats and less tolerance of a bad network.
   Duration lease_duration = std::chrono::seconds(10);
-  // A worker that has not synchronised for so long is forgotten altogether.
+  // A worker that has not synchronised for so long is forgotten.
   Duration forget_after = std::chrono::seconds(100);
   SizingOptions sizing;
-  // Which share of ranges is rendered again by another worker, and what makes it unpredictable which.
+  // The share of ranges that a second worker renders again, and the secret that makes the choice
+  // unpredictable.
   double audit_share = 0;
   std::uint64_t audit_secret = 0;
-  // A job that lacks nothing but audits by lot, for which no worker of another name is there, is done after
-  // so long.
+  // A job that lacks nothing but audits by lot, and has no worker that could do them, is done after this
+  // time.
   Duration audit_patience = std::chrono::seconds(60);
-  // Signs leases. Results and reported leases count only with the token that this makes; by default all
+  // Signs leases. Results and reported leases count only with the token that this returns. By default all
   // tokens are empty.
   SignLease sign = [](LeaseId, const WorkerId&, const JobId&) { return LeaseToken{}; };
 };
 
-// A job as its users see it. Samples are pixel samples.
+// A job as its users see it. All counts are in pixel samples.
 struct JobView {
   JobId id;
   JobShape shape;
@@ -71,39 +73,39 @@ struct JobView {
   std::string failure;
   std::uint64_t samples_done = 0;
   std::uint64_t samples_total = 0;
-  // Over the last seconds and all workers; 0 while unknown.
+  // Over the last seconds and all workers; 0 if unknown.
   double samples_per_second = 0;
-  // Workers that hold a lease on it.
+  // The workers that hold a lease of it.
   int active_workers = 0;
-  // Most that may; 0 for as many as there are.
+  // The limit on active_workers; 0 for none.
   std::uint32_t max_workers = 0;
-  // Of samples_done, those that another worker is to render again.
+  // The part of samples_done that another worker must render again.
   std::uint64_t samples_to_verify = 0;
 };
 
-// A job of which a worker is given nothing for a while, since its leases of it have stalled.
+// A job of which a worker is given no leases for a while, since its leases of it have stalled.
 struct CooldownView {
   JobId job;
   Duration remaining{};
-  // For as long as it says that it is fetching the job's files.
+  // The cooldown lasts while the worker reports that it fetches the job's files.
   bool fetching = false;
 };
 
 struct WorkerView {
   WorkerInfo info;
   int held_leases = 0;
-  // Over the last seconds; 0 while unknown.
+  // Over the last seconds; 0 if unknown.
   double samples_per_second = 0;
-  // Pixel samples of it that were counted.
+  // The pixel samples that were accepted from it.
   std::uint64_t samples_accepted = 0;
-  // Its last Synchronize or SubmitResult.
+  // The time of its last Synchronize or SubmitResult.
   Time last_seen{};
   bool draining = false;
-  // Not heard of for lease_duration: it holds nothing, and is shown until forget_after.
+  // It has not synchronised for lease_duration: it holds nothing, and is listed until forget_after.
   bool silent = false;
-  // Of Worker.
+  // See Worker.
   std::uint64_t audited_ranges = 0, disproved_ranges = 0;
-  // It is given nothing, since it says that it is still rendering what went to others.
+  // It is given nothing, since it reports that it still renders samples that went to others.
   bool stuck = false;
   std::vector<CooldownView> cooldowns{};
 };
@@ -117,11 +119,11 @@ class Scheduler {
  public:
   explicit Scheduler(const Options& options);
 
-  // Lets time advance to `now`, which takes leases from workers that are lost, then takes the
-  // event. A time before that of an earlier call is taken for that one.
+  // Advances the time to `now`, which ends the leases of lost workers, then handles the event. A time before
+  // that of an earlier call counts as the earlier time.
   Actions handle(const Event& event, Time now);
 
-  // When the next lease runs out, worker is forgotten or wait for an auditor ends: handle(Tick{}, …) is due
+  // When the next lease expires, worker is forgotten or wait for an auditor ends: handle(Tick{}, …) is due
   // then. Absent: never.
   std::optional<Time> next_deadline() const;
 
@@ -129,26 +131,27 @@ class Scheduler {
   std::optional<JobView> job(const JobId& id, Time now) const;
   // In the order of submission.
   std::vector<JobView> jobs(Time now) const;
-  // Those whose ids begin so; of more than `most` the latest. Takes time for these alone.
+  // Jobs whose ids begin with the prefix; at most the latest `most`. The time is proportional to these alone.
   std::vector<JobView> jobs(Time now, std::string_view id_prefix, std::size_t most) const;
-  // In the order of their ids.
+  // In the order of ids.
   std::vector<WorkerView> workers(Time now) const;
 
   // The samples of one tile that are done, for checkpoints. The job must exist and have the tile. Valid until
   // the next handle().
   const IntervalSet& done(const JobId& id, int tile) const;
 
-  // Who rendered the samples of one tile, as far as nobody has confirmed them; for checkpoints, with done().
+  // The producers of one tile's samples that nobody has confirmed; for checkpoints, with done().
   std::vector<ProducedItem> provenance(const JobId& id, int tile) const;
 
-  // What is wrong, as a sentence; absent if nothing is. Anything else is a defect of the scheduler.
+  // The first violated invariant as a sentence; empty if there is none. A violation is a defect of the
+  // scheduler.
   std::optional<std::string> check_invariants(CheckDepth depth) const;
 
  private:
-  // Jobs in the order of submission.
+  // Numbers jobs in the order of submission.
   using JobNumber = std::uint64_t;
 
-  // Each takes one event. Those of a worker that awaits a reply, or would take one, return it.
+  // Each handles one event. Events of a worker that awaits a reply, or would take one, return the worker.
   Worker* on(const Synchronize& event, Actions& actions);
   Worker* on(const TopUp& event, Actions& actions);
   Worker* on(const Dismiss& event, Actions& actions);
@@ -168,53 +171,53 @@ class Scheduler {
   // ---- Time and answers (scheduler.cpp) ----
   void take_leases_of_silent_workers(Actions& actions);
   void wake_waiting(Actions& actions);
-  // Who of those that wait is asked first whether it can be given something.
+  // The order in which waiting workers are offered new work.
   static bool comes_before(const Worker* a, const Worker* b);
   Reply reply_to(Worker& worker);
   Reply reply_with_answer(Worker& worker, const SubmitResult& result);
-  // The worker's Synchronize goes unanswered.
+  // Leaves the worker's Synchronize unanswered.
   void let_wait(Worker& worker);
 
   // ---- Leases (leasing.cpp, stalls.cpp) ----
   void settle_reported(Worker& worker);
-  // Takes from a worker the leases of each job to which it has contributed nothing for too long.
+  // Ends a worker's leases of each job to which it has contributed nothing for too long.
   void end_stalled_leases(Worker& worker, Actions& actions);
   std::set<JobId> stalled_jobs(const Worker& worker) const;
   void stall(Worker& worker, const JobId& job, Actions& actions);
   Duration bar(Worker& worker, const JobId& job, Duration without_progress);
-  // What it is stuck in, if it has leases of these jobs without progress for that reason.
+  // The samples in which the worker is stuck, if that is why its leases of these jobs stalled.
   std::optional<Stuck> what_keeps(const Worker& worker, const std::set<JobId>& stalled) const;
-  // A worker that was stuck has called: it is not any more, or for so long that its samples are to blame.
+  // A stuck worker has synchronised: it goes on, or it was stuck long enough to count against its samples.
   void look_after_stuck(Worker& worker, Actions& actions);
   void strike_stuck_ranges(Worker& worker, Actions& actions);
   void give_up_if_nobody_gets_on(Job& job, Actions& actions);
-  // How long all that it holds should take it.
+  // The expected time for all samples that it holds.
   double expected_seconds(const Worker& worker) const;
-  // Whether it can be given leases of the job, whatever there is to do of it.
+  // Whether the worker may be given leases of the job, whatever work there is.
   bool may_take(const Worker& worker, const Job& job) const;
   void adopt(Worker& worker, const LeaseDescription& reported);
   void top_up(Worker& worker);
-  // How many workers share the job's work.
+  // The number of workers that share the job's work.
   int sharers(const Job& job) const;
-  // `also_refused`: of jobs that it has refused lately as well.
+  // `also_refused`: include jobs that it has refused lately.
   bool grant_free(Worker& worker, bool also_refused);
   bool grant_copy(Worker& worker);
   void grant(Worker& worker, Job& job, Portion portion);
   void charge(Job& job, const Portion& portion);
   void enter_lease(Worker& worker, Job& job, Lease lease);
   std::vector<JobSnapshot> snapshots(const std::vector<Job*>& jobs) const;
-  // The worker has said within lease_duration that it cannot build the scene.
+  // The worker has reported within lease_duration that it cannot build the scene.
   bool has_refused_lately(const Worker& worker, const Job& job) const;
   Lease end_lease(Job& job, LeaseId id, LeaseState to);
-  // Whatever it holds goes to others, and it is given nothing until it asks again.
+  // Its leases go to others, and it is given nothing until it asks again.
   void end_all_leases(Worker& worker);
-  // Ends a lease whose holder is taken for dead, and what that makes of the job.
+  // Ends a lease whose holder is presumed dead, and counts that against its samples.
   void lose_lease(const Worker& worker, const HeldLease& held, Actions& actions);
-  // The worker gives a sign of life. One that was taken for dead was not.
+  // The worker is alive: withdraws the strikes if it was presumed dead.
   void withdraw_strikes_if_lost(const WorkerId& worker);
-  // Strikes an ended lease from its holder's entry.
+  // Removes an ended lease from its holder's entry.
   void forget_lease(const Job& job, const Lease& lease);
-  // The same with leases of which all is delivered.
+  // The same for leases that ended because nothing of them is missing.
   void forget_emptied(const Job& job, const std::vector<Lease>& leases);
 
   // ---- Jobs (jobs.cpp) ----
@@ -224,45 +227,44 @@ class Scheduler {
   core::Status may_add(const JobId& id, const JobShape& shape) const;
   Job& add(const JobId& id, const JobShape& shape, const SchedulingPolicy& policy, JobState state,
            std::vector<IntervalSet> done);
-  // The one way in which a job's state changes, with everything that follows from it. Refuses what is not
-  // legal.
+  // The only function that changes a job's state, with all consequences. Refuses invalid transitions.
   void become(Job& job, JobState to, Actions& actions);
-  // It must be running or paused.
+  // The job must be running or paused.
   void fail(Job& job, const std::string& failure, Actions& actions);
   void end_all_leases(Job& job);
-  // Strikes what workers are known for on a job that needs none any more.
+  // Removes the workers' speeds, refusals and efforts of a job that takes no more leases.
   void forget_worker_notes(const JobId& job);
 
   // ---- Results (results.cpp) ----
   core::Status validate(const Job& job, const SubmitResult& event) const;
   core::Status validate_lease(const Job& job, const SubmitResult& event) const;
-  // Whether the item may be of samples that an earlier run had extended the job by, and forgot in a crash.
+  // Whether an earlier run may have extended the job by the item's samples, and lost that in a crash.
   bool was_extended_before(const Job& job, LeaseId lease, const WorkItem& item) const;
-  // Whether its worker can be given leases with the answer.
+  // Whether the worker can be given leases with the answer to its result.
   bool takes_with_answer(const Worker& worker, const SubmitResult& event) const;
-  // Whether it must be told of anything but new leases.
+  // Whether the worker must be told of lost leases.
   static bool has_lost(const Worker& worker, const SubmitResult& event);
-  // Whether a worker waits that has nothing to do.
+  // Whether an idle worker waits.
   bool any_idle() const;
   void measure(Job& job, const SubmitResult& event);
   void note_refusal(Job& job, const SubmitResult& event, Actions& actions);
-  // Of the workers that could render the job, and say so if they cannot.
+  // Finds the principals of workers that could render the job and would report it if they cannot.
   FindPrincipals find_principals(const Job& job) const;
   void note_producer(Job& job, const WorkItem& item, const Producer& producer,
                      const Fingerprint& fingerprint);
-  // Sees to it that whoever else holds samples of an item hears at once that they are done.
+  // Wakes the other holders of the item's samples, so that they hear at once that these are done.
   void spare_others(const Job& job, const WorkItem& item, const WorkerId& deliverer);
 
   // ---- Audits (auditing.cpp) ----
   bool can_audit(const Job& job, const Worker& worker) const;
-  // What another audits, for a second time; nothing if the worker may not.
+  // An audit that another worker has in progress; empty if this worker may not do it.
   Portion audit_copy(const Job& job, const Worker& worker) const;
   std::optional<Ruling> take_audit(Job& job, const SubmitResult& event, std::size_t i);
   void follow(Job& job, const Ruling& ruling, Actions& actions);
   void disprove(const Job& job, const Ruling& ruling, ProducerNumber producer, Actions& actions);
   void drop_tile(Job& job, int tile, Actions& actions);
   void distrust(const Producer& producer, Actions& actions);
-  // They have less to do.
+  // Wakes workers whose leases have shrunk.
   void tell_of_less(const std::vector<WorkerId>& workers);
   void restore_producers(Job& job, const std::vector<ProducedItem>& provenance);
   void end_hopeless_waits(Actions& actions);
@@ -275,10 +277,10 @@ class Scheduler {
   const Options options_;
   Time now_{};
   LeaseId last_lease_id_;
-  // Of all jobs: an id that is in use cannot be taken over a second time.
+  // The leases of all jobs: an id in use cannot be taken over a second time.
   std::set<LeaseId> live_leases_;
   std::uint64_t servings_ = 0;
-  // Of JobSnapshot: where the latest lease began. Never goes back.
+  // See JobSnapshot: where the latest lease began. Never decreases.
   double virtual_time_ = 0;
 
   std::map<JobNumber, Job> jobs_;
@@ -287,12 +289,11 @@ class Scheduler {
   std::set<JobNumber> running_;
   WorkerRegistry registry_;
   Producers producers_;
-  // Every worker that waits and could be given more, by arrival; may also have others. So that an event does
-  // not cost more the more workers there are.
+  // Contains every waiting worker that could be given more, in the order of registration; may contain others.
+  // It makes the cost of an event independent of the number of workers.
   std::map<std::uint64_t, WorkerId> idle_waiters_;
 
-  // Of the event at hand: whether there may be something to lease that was not there before, and whose leases
-  // have ended or shrunk.
+  // During one event: whether there may be new work to lease, and whose leases have ended or shrunk.
   bool work_appeared_ = false;
   std::set<WorkerId> lost_leases_;
 };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Workers that are heard of and deliver nothing: no lease is held for ever, and no samples keep one worker
-// after the other.
+// Stalled workers, which send heartbeats but deliver nothing: they keep no lease for ever, and samples that
+// never end keep only a few workers.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -21,7 +21,7 @@ std::string describe(const WorkItem& item) {
   return fmt::format("samples [{}, {}) of tile {}", item.samples.begin, item.samples.end, item.tile);
 }
 
-// What of the items is a part of `piece`.
+// The parts of the items that lie in `piece`.
 std::vector<WorkItem> parts_in(const WorkItem& piece, const std::vector<WorkItem>& items) {
   std::vector<WorkItem> parts;
   for (const WorkItem& item : items) {
@@ -40,7 +40,7 @@ void Scheduler::end_stalled_leases(Worker& worker, Actions& actions) {
   worker.stuck = what_keeps(worker, stalled);
   for (const JobId& job : stalled) stall(worker, job, actions);
   if (worker.stuck) {
-    // Whatever else it holds would wait for nothing.
+    // Its other leases would wait in vain.
     for (const HeldLease& held : std::vector<HeldLease>(worker.leases))
       end_lease(*find(held.job), held.id, LeaseState::kStalled);
     strike_stuck_ranges(worker, actions);
@@ -80,14 +80,14 @@ std::optional<Stuck> Scheduler::what_keeps(const Worker& worker, const std::set<
   Stuck stuck{.rendering = *worker.rendering, .since = worker.rendering_since};
   for (const HeldLease& held : worker.leases) {
     if (held.id != stuck.rendering.lease) continue;
-    // It is well, and at something else.
+    // It is not stuck, but renders another job.
     if (!stalled.contains(held.job)) return std::nullopt;
     stuck.since = std::max(stuck.since, worker.efforts.at(held.job).no_progress_since);
     if (held.job == stuck.rendering.job)
       stuck.items = parts_in(stuck.rendering.item, find(held.job)->find_lease(held.id)->items);
   }
-  // Nobody can tell one that is broken, or very slow, from one that is kept; but who has delivered is
-  // neither, and what is honest takes no hour.
+  // A broken or very slow worker cannot be told from one whose samples never end. A worker of this name that
+  // has delivered is neither of these, and other samples do not take an hour.
   stuck.counts_after =
       registry_.has_shown(worker.info.name)
           ? patience(options_.lease_duration, expected_seconds(worker))
@@ -115,13 +115,13 @@ void Scheduler::stall(Worker& worker, const JobId& id, Actions& actions) {
   const std::string at = is_kept ? "and says that it renders " + describe(worker.stuck->items.front())
                                  : fmt::format("where {} came first", items);
   actions.stalled.push_back(fmt::format(
-      "worker {} ({}) is heard of, but has delivered nothing of job {} for {} s, {}: others have that now, "
-      "and it is given {}",
+      "worker {} ({}) sends heartbeats, but has delivered nothing of job {} for {} s, {}: its leases go to "
+      "others, and it is given {}",
       worker.info.name, worker.info.id.value, id.value, whole_seconds(without_progress), at, until));
 }
 
-// One that is fetching a large scene is well; but it may say so for ever. Where nothing of a worker was ever
-// counted, nobody knows whether it is slow.
+// A worker that fetches a large scene is exempt once, since it may report so for ever. Repeated faults raise
+// the cooldown only of workers from which samples were accepted: the others may just be slow.
 Duration Scheduler::bar(Worker& worker, const JobId& job, Duration without_progress) {
   Effort& effort = worker.efforts.at(job);
   ++effort.stalls;
@@ -145,10 +145,10 @@ void Scheduler::look_after_stuck(Worker& worker, Actions& actions) {
   const Rendering& before = worker.stuck->rendering;
   Job* const job = find(before.job);
   const bool goes_on = worker.rendering == before;
-  // Of a job that is gone nobody knows the tiles.
+  // The tiles of a deleted job are unknown.
   const bool may_go_on = job == nullptr && worker.rendering && worker.rendering->lease == before.lease;
   if (goes_on || may_go_on) return strike_stuck_ranges(worker, actions);
-  // It was slow.
+  // It was only slow.
   if (job != nullptr) job->withdraw_strikes(worker.info.id, LossKind::kStuck);
   worker.stuck.reset();
 }

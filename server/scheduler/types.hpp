@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the scheduler speaks of: ids, times, pieces of work. Plain values, no behaviour.
+// The scheduler's basic types: ids, times, work items. Plain values.
 #pragma once
 
 #include <chrono>
@@ -13,7 +13,7 @@
 
 namespace tessera::scheduler {
 
-// The scheduler never reads a clock; it is told the time. Only differences matter.
+// The scheduler never reads a clock; times are arguments. Only differences matter.
 using Time = std::chrono::steady_clock::time_point;
 using Duration = std::chrono::steady_clock::duration;
 
@@ -27,20 +27,20 @@ using WorkerId = TextId<struct WorkerTag>;
 
 inline constexpr int kLeaseCounterBits = 40;
 
-// The coordinator's epoch in the upper 24 bits, a counter from 1 in the lower 40: never used twice.
+// The coordinator's epoch in the upper 24 bits, a counter from 1 in the lower 40. Never reused.
 struct LeaseId {
   std::uint64_t value = 0;
   auto operator<=>(const LeaseId&) const = default;
 };
 
-// What must be rendered of a job: samples [0, spp) of every pixel of a window of a picture, cut into tiles.
+// The work of a job: samples [0, spp) of every pixel of a window of an image, divided into tiles.
 struct JobShape {
   core::PixelRect window;
   std::uint32_t spp = 0;
 
   constexpr JobShape() = default;
   constexpr JobShape(core::PixelRect of_picture, std::uint32_t samples) : window(of_picture), spp(samples) {}
-  // A whole picture.
+  // The whole image.
   constexpr JobShape(int width_px, int height_px, std::uint32_t samples)
       : JobShape({0, 0, width_px, height_px}, samples) {}
 
@@ -48,32 +48,31 @@ struct JobShape {
   bool operator==(const JobShape&) const = default;
 };
 
-// The unit of work: samples of one tile of the job's grid.
+// The unit of work: a range of samples of one tile of the job's grid.
 struct WorkItem {
   int tile = 0;
   core::SampleRange samples;
   bool operator==(const WorkItem&) const = default;
 };
 
-// Stands in WorkItem::tile for a rectangle that is no tile of the grid. Results with it are refused.
+// The tile of a WorkItem whose rectangle is no tile of the grid. Results with it are refused.
 inline constexpr int kNoTile = -1;
 
-// The tile whose rectangle this is, or kNoTile.
+// The index of the tile with this rectangle, or kNoTile.
 inline int tile_index(const core::TileGrid& grid, const core::PixelRect& rect) {
   if (rect.empty() || !grid.window().contains(rect)) return kNoTile;
   const int tile = grid.tile_at(rect.x0, rect.y0);
   return grid.rect(tile) == rect ? tile : kNoTile;
 }
 
-// Proves that this farm has given a lease to a worker: whoever does not know the farm's secret cannot make
-// one.
+// Proves that this farm granted a lease to a worker. It cannot be made without the farm's secret.
 using LeaseToken = std::string;
 
-// Makes the token of a lease. A pure function of its arguments and the farm's secret, the same in every run
-// of the coordinator.
+// Makes the token of a lease. A pure function of its arguments and the farm's secret, equal in every run of
+// the coordinator.
 using SignLease = std::function<LeaseToken(LeaseId lease, const WorkerId& holder, const JobId& job)>;
 
-// Work that one worker has been asked to do, as both sides of the wire know it.
+// A lease as both sides of the protocol know it.
 struct LeaseDescription {
   LeaseId id;
   JobId job;

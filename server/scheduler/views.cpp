@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the scheduler shows, and what must be true of it.
+// Views of the scheduler's state, and its invariants.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -95,19 +95,19 @@ std::optional<std::string> Scheduler::check_invariants(CheckDepth depth) const {
   return check_idle(depth);
 }
 
-// Nobody who would work waits while there is something to do.
+// No idle worker waits while there is work for it.
 std::optional<std::string> Scheduler::check_idle(CheckDepth depth) const {
   for (const auto& [id, worker] : registry_.all()) {
     if (!worker.waiting || worker.room() <= 0 || !worker.leases.empty()) continue;
     for (const JobNumber number : running_) {
       const Job& job = jobs_.at(number);
-      // Nobody is woken when it may take leases again.
+      // The end of a cooldown wakes nobody.
       if (!may_take(worker, job) || worker.has_stalled(job.id())) continue;
       if (job.free() > 0)
         return fmt::format("worker {} waits, but job {} has free samples", id.value, job.id().value);
       if (can_audit(job, worker))
         return fmt::format("worker {} waits, but could verify samples of job {}", id.value, job.id().value);
-      // Nobody is woken when a refusal is long enough ago.
+      // The expiry of a refusal wakes nobody.
       const bool looks_for_copies = depth == CheckDepth::kEverySample && !worker.refused.contains(job.id());
       if (!looks_for_copies) continue;
       if (job.has_copies_to_give() || !audit_copy(job, worker).items.empty())
@@ -117,7 +117,7 @@ std::optional<std::string> Scheduler::check_idle(CheckDepth depth) const {
   return std::nullopt;
 }
 
-// Every lease of a job is in its holder's entry and the other way round, and no silent worker has any.
+// Every lease of a job is in its holder's entry and vice versa, and silent workers have none.
 std::optional<std::string> Scheduler::check_workers() const {
   std::size_t held_by_workers = 0, held_of_jobs = 0;
   int active = 0;

@@ -60,7 +60,7 @@ void WorkList::put_back(const WorkItem& item) {
   for (std::uint32_t begin = item.samples.begin; begin < item.samples.end;) {
     const SampleRange pass = pass_of(begin);
     const std::uint32_t end = std::min(pass.end, item.samples.end);
-    // What the cursor has yet to come to is a candidate already.
+    // Samples beyond the cursor are candidates already.
     const SampleRange passed{begin, std::min(end, passed_until(item.tile, pass))};
     if (!passed.empty()) returned_[{pass.begin, item.tile}].add(passed);
     begin = end;
@@ -69,8 +69,8 @@ void WorkList::put_back(const WorkItem& item) {
 
 void WorkList::extend(std::uint32_t spp) {
   if (spp <= spp_) return;
-  // The last pass was cut short by the old spp: go through it again from its first tile. What is done or
-  // leased of it is not wanted.
+  // The old spp cut the last pass short: repeat it from its first tile. Samples that are done or leased are
+  // not wanted.
   const std::uint32_t first_short_pass = pass_of(spp_).begin;
   if (cursor_.sample >= first_short_pass) {
     cursor_ = {0, first_short_pass};

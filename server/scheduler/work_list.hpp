@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// The samples of a job that might be leased, in the order in which they should be: passes of 1, 1, 2, 4, 8 …
-// samples over all tiles, so that the picture is even at any moment. Holds candidates: who asks says of each
-// piece what is really wanted of it, so that what was done or leased in another way need not be taken out.
-// Not thread-safe.
+// The candidate samples of a job in the order in which they should be leased: passes of 1, 1, 2, 4, 8 …
+// samples over all tiles, so that the image has even quality at any moment. Samples stay candidates after
+// they are done or leased: the caller filters each piece with Wanted. Not thread-safe.
 //
-// Never-leased candidates are everything beyond a cursor, which costs no memory; those that came back are
-// kept one by one and go first.
+// Samples that were never leased are those beyond a cursor, which takes no memory. Samples that were put back
+// are stored individually and come first.
 #pragma once
 
 #include <cstdint>
@@ -24,19 +23,19 @@ core::SampleRange pass_of(std::uint32_t sample);
 
 class WorkList {
  public:
-  // What is neither done nor leased of these samples of this tile.
+  // Returns the samples of this item that are neither done nor leased.
   using Wanted = std::function<IntervalSet(const WorkItem&)>;
 
   // Samples [0, spp) of every tile are candidates.
   WorkList(int tile_count, std::uint32_t spp);
 
-  // A way through the candidates in their order, which leaves them as they are. Ends with any change of them.
+  // Iterates over the candidates in order without changing them. Invalidated by any change of them.
   class Walk;
 
-  // Forgets the candidates before the first piece that is wanted.
+  // Removes the candidates before the first wanted piece.
   void forget_unwanted(const Wanted& wanted);
 
-  // Makes samples candidates (again). Within [0, spp); they may be so already.
+  // Makes samples candidates (again). They must lie in [0, spp), and may be candidates already.
   void put_back(const WorkItem& item);
 
   // Makes samples [old spp, spp) of every tile candidates. Never lowers spp.
@@ -51,15 +50,15 @@ class WorkList {
     std::uint32_t sample = 0;
   };
 
-  // The samples of this pass and tile that lie before the cursor end here.
+  // The first sample of this pass and tile that is not before the cursor.
   std::uint32_t passed_until(int tile, core::SampleRange pass) const;
 
   int tile_count_;
   std::uint32_t spp_;
-  // The rest of this sample's pass in this tile, that pass in all later tiles, and all later passes are
-  // candidates.
+  // The candidates beyond the cursor: the rest of this sample's pass in this tile, that pass in all later
+  // tiles, and all later passes.
   Cursor cursor_;
-  // By pass (its first sample) and tile; no set is empty. All lie before the cursor, so nothing is a
+  // By pass (its first sample) and tile, without empty sets. All lie before the cursor, so no sample is a
   // candidate twice.
   using Returned = std::map<std::pair<std::uint32_t, int>, IntervalSet>;
   Returned returned_;
@@ -70,20 +69,19 @@ class WorkList::Walk {
   explicit Walk(const WorkList& list)
       : list_(list), returned_(list.returned_.begin()), cursor_(list.cursor_) {}
 
-  // The next piece that is wanted: of one tile and one pass, as long as possible. Absent when nothing more
-  // is.
+  // The next wanted piece, of one tile and one pass, as long as possible. Empty at the end.
   std::optional<WorkItem> next(const Wanted& wanted);
-  // Goes on behind the first `count` samples of `piece`, which next() has just returned.
+  // Continues after the first `count` samples of `piece`, which next() has just returned.
   void pass(const WorkItem& piece, std::uint32_t count) { go_to(piece.samples.begin + count); }
 
  private:
   friend class WorkList;
   std::optional<WorkItem> front();
-  // Goes on from this sample of what front() has returned.
+  // Continues from this sample of the piece that front() returned.
   void go_to(std::uint32_t sample);
 
   const WorkList& list_;
-  // Where it is: among what came back, from this sample of it; then at the cursor.
+  // The position: in returned_ from this sample on, and then at the cursor.
   Returned::const_iterator returned_;
   std::uint32_t returned_from_ = 0;
   Cursor cursor_;

@@ -66,7 +66,7 @@ Worker& WorkerRegistry::heartbeat(const Synchronize& event, Time now) {
   } else {
     alarms_.erase({alarm(worker), event.worker.id});
   }
-  // It may have begun right after it last called.
+  // It may have begun right after its last heartbeat.
   if (event.rendering != worker.rendering) worker.rendering_since = is_new ? now : worker.last_synchronized;
   worker.rendering = event.rendering;
   worker.info = event.worker;

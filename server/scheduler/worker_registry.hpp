@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The workers that were heard of lately, and when each is due to lose its leases or to be forgotten. Not
-// thread-safe.
+// The registered workers, and when each loses its leases or is forgotten. Not thread-safe.
 #pragma once
 
 #include <map>
@@ -19,35 +18,35 @@
 
 namespace tessera::scheduler {
 
-// A lease as its holder's entry refers to it; what is in it, the job knows.
+// A lease in its holder's entry; the job has its items.
 struct HeldLease {
   LeaseId id;
   JobId job;
-  // Lease::alone.
+  // See Lease::alone.
   bool alone = false;
 };
 
-// What comes of a worker's leases of one job.
+// A worker's progress with its leases of one job.
 struct Effort {
-  // It has held some since then (or given them back as they were, and taken others), and nothing that it
-  // delivered has counted.
+  // Since then it has held leases (or given them back unchanged and taken others) without any result that
+  // counted.
   Time no_progress_since{};
-  // When it last gave one back before it was done.
+  // When it last gave one back unfinished.
   std::optional<Time> gave_back{};
-  // How often in a row its leases have ended as STALLED, and until when it is given no others.
+  // How many times in a row its leases ended as STALLED, and when its cooldown ends.
   int stalls = 0;
   Time cooldown_until{};
-  // How often that was its own fault. Who is fetching the scene is excused, once.
+  // How many of these were its own fault. A worker that fetches the scene is exempt, once.
   int faults = 0;
   bool exempt = false;
 };
 
-// A worker says that it renders what it has not any more, since it was at it for too long.
+// A worker reports that it renders samples that it lost because it took too long.
 struct Stuck {
   Rendering rendering;
-  // What was missing of that when it lost it; empty if it did not hold it.
+  // The missing samples of that when it lost them; empty if it did not hold them.
   std::vector<WorkItem> items{};
-  // Since when it is at it, and after what time that is held against the samples.
+  // Since when it renders them, and after what time that counts against the samples.
   Time since{};
   Duration counts_after{};
   bool struck = false;
@@ -55,37 +54,37 @@ struct Stuck {
 
 struct Worker {
   WorkerInfo info;
-  // Running number of who came when.
+  // A number in the order of registration.
   std::uint64_t sequence = 0;
   Time last_seen{};
-  // Its last Synchronize. Its leases run out lease_duration later.
+  // The time of its last Synchronize. Its leases expire lease_duration later.
   Time last_synchronized{};
   int wanted_leases = 0;
   // Oldest first.
   std::vector<HeldLease> leases;
-  // What it said it holds in its last Synchronize, or was told of since with the answer to a result.
+  // The leases that it reported in its last Synchronize, or was told of since with the answer to a result.
   std::set<LeaseId> reported;
-  // Which jobs' files it said that it is fetching, and what it renders, since when.
+  // The jobs whose files it reports to fetch, and what it reports to render, since when.
   std::set<JobId> fetching;
   std::optional<Rendering> rendering;
   Time rendering_since{};
-  // It is given nothing.
+  // Present if it is stuck; it is given nothing then.
   std::optional<Stuck> stuck;
-  // Others have delivered some of what it holds since its last reply.
+  // Others have delivered some of its samples since its last reply.
   bool shrunk = false;
-  // Its last reply was not `changed`, so that its call may be waiting.
+  // Its last reply was not `changed`, so its call may be waiting.
   bool waiting = false;
-  // Pixel samples per second, for each job it has rendered for.
+  // Pixel samples per second, by job.
   std::map<JobId, double> speed;
-  // Work per second, on whatever job.
+  // Work per second, for all jobs.
   Estimate pace;
-  // When it last said that it cannot build a job's scene.
+  // When it last reported that it cannot build the scene, by job.
   std::map<JobId, Time> refused;
-  // Of the jobs that it has held leases of.
+  // By jobs that it has held leases of.
   std::map<JobId, Effort> efforts;
   RateMeter rate;
   std::uint64_t samples_accepted = 0;
-  // Ranges of it that others rendered again, and those of them that were wrong.
+  // Its ranges that others audited, and those of them that were wrong.
   std::uint64_t audited_ranges = 0, disproved_ranges = 0;
 
   Producer producer() const { return {info.name, info.id, info.machine}; }
@@ -94,21 +93,22 @@ struct Worker {
   }
   WorkerState state() const { return state_; }
   bool takes_leases() const { return state_ == WorkerState::kPresent; }
-  // The earliest time there is if it has built every scene.
+  // The minimum time if it has built every scene.
   Time last_refusal() const;
   bool holds_any_of(const JobId& job) const;
   bool holds(LeaseId lease) const;
-  // Its leases of the job have stalled, and nothing it delivered has counted since.
+  // Its leases of the job have stalled, and no result has counted since.
   bool has_stalled(const JobId& job) const;
-  // It is given none of the job at this time, for that reason; or as long as it is fetching its files.
+  // Whether it is given no leases of the job at this time because they stalled; or until it has fetched the
+  // files.
   bool in_cooldown(const JobId& job, Time now) const;
   bool awaits_files(const JobId& job) const { return has_stalled(job) && fetching.contains(job); }
-  // It holds a lease that is to be its only one.
+  // It holds a lease that must be its only one.
   bool holds_alone() const { return !leases.empty() && leases.front().alone; }
-  // How many more leases it can be given.
+  // The number of further leases that it can be given.
   int room() const;
   WorkerSnapshot snapshot(const JobId& job) const;
-  // Takes note of a measurement for a job; render_seconds must be positive.
+  // Records a measurement for a job; render_seconds must be positive.
   void measure(const JobId& job, std::uint64_t samples, double render_seconds);
 
  private:
@@ -126,22 +126,22 @@ class WorkerRegistry {
   Worker* find(const WorkerId& id);
   const Worker* find(const WorkerId& id) const;
 
-  // The worker has synchronised: enters it if it is new, and sets its deadline anew.
+  // The worker has synchronised: registers it if it is new, and renews its deadline.
   Worker& heartbeat(const Synchronize& event, Time now);
 
-  // When the leases of a worker that is not silent run out.
+  // When the leases of a worker that is not silent expire.
   Time deadline(const Worker& worker) const { return worker.last_synchronized + lease_duration_; }
 
   std::optional<Time> next_alarm() const;
-  // Forgets who has been silent for long enough. Returns a worker whose deadline is not after `now`, if there
-  // is one; the caller ends its leases, marks it lost, and calls again until nobody is returned.
+  // Removes workers that were silent for forget_after. Returns a worker whose deadline is not after `now`, if
+  // there is one; the caller ends its leases, marks it lost, and calls again until there is none.
   Worker* next_overdue(Time now);
   void mark_lost(Worker& worker);
 
-  // How many take leases.
+  // The number of workers that take leases.
   int active_count() const { return active_count_; }
 
-  // Whether something that workers of this name delivered has counted since one of them was last stuck.
+  // Whether a result of a worker of this name has counted since one of them was last stuck.
   bool has_shown(const std::string& name) const { return shown_.contains(name); }
   void has_delivered(const std::string& name) {
     shown_.insert(name);
@@ -151,14 +151,14 @@ class WorkerRegistry {
     shown_.erase(name);
     kept_.erase(name);
   }
-  // How long workers of this name that have ended were stuck, since then.
+  // The total time since then that workers of this name were stuck before they ended.
   Duration was_kept(const std::string& name) const {
     const auto kept = kept_.find(name);
     return kept == kept_.end() ? Duration::zero() : kept->second;
   }
 
  private:
-  // The one way in which a worker's state changes; no change if it is in it already.
+  // The only function that changes a worker's state; no change if it is in it already.
   void become(Worker& worker, WorkerState to);
   Time alarm(const Worker& worker) const;
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A worker's life, as far as it is heard of.
+// The lifecycle of a worker, by its heartbeats.
 //
 //                    Synchronize, draining
 //   Synchronize     ┌────────────────────▶
@@ -13,8 +13,8 @@
 //                                     ▼
 //                                 FORGOTTEN
 //
-// It is given leases while it is PRESENT. What it holds when it falls SILENT goes to others. FORGOTTEN is
-// final: its entry is gone, and one that comes back begins anew.
+// A PRESENT worker is given leases. The leases of a worker that becomes SILENT go to others. FORGOTTEN is
+// final: the entry is removed, and a worker that returns is registered as a new one.
 #pragma once
 
 #include <string_view>
@@ -23,10 +23,10 @@ namespace tessera::scheduler {
 
 enum class WorkerState { kPresent, kDraining, kSilent, kForgotten };
 
-// "present", "draining", …: for sentences.
+// "present", "draining", …, for messages.
 std::string_view worker_state_name(WorkerState state);
 
-// Whether the arrow is drawn above. A state has no arrow to itself.
+// Whether the diagram has the transition. No state has a transition to itself.
 bool may_become(WorkerState from, WorkerState to);
 
 }  // namespace tessera::scheduler

@@ -22,7 +22,7 @@ namespace {
 
 constexpr const char* kIncoming = "incoming";
 
-// What is in a folder, as far as it can be read.
+// The entries of a folder, as far as they can be read.
 std::vector<std::filesystem::path> paths_in(const std::filesystem::path& folder) {
   std::vector<std::filesystem::path> paths;
   std::error_code error;
@@ -33,7 +33,7 @@ std::vector<std::filesystem::path> paths_in(const std::filesystem::path& folder)
   return paths;
 }
 
-// Nothing if it is no SHA-256.
+// Empty if it is no SHA-256.
 std::optional<proto::Digest> digest_from_hex(const std::string& hex, std::uint64_t size_bytes) {
   proto::Digest digest;
   digest.size_bytes = size_bytes;
@@ -123,7 +123,7 @@ core::Result<std::string> BlobReader::next(std::size_t max_bytes) {
 
 core::Result<BlobStore> BlobStore::open(const std::filesystem::path& folder) {
   const std::filesystem::path incoming = folder / kIncoming;
-  std::error_code ignored;  // what cannot be removed shows when it is created again
+  std::error_code ignored;  // creating it again reports what could not be removed
   std::filesystem::remove_all(incoming, ignored);
   if (auto created = create_folder(incoming); !created) return core::fail(created.error());
   BlobStore store(folder);
@@ -173,7 +173,7 @@ core::Result<BlobReader> BlobStore::read(const proto::Digest& digest) const {
   const std::filesystem::path file = path(digest);
   Fd fd(::open(file.c_str(), O_RDONLY | O_CLOEXEC));
   if (!fd && errno == ENOENT) return core::fail(not_here(digest));
-  // Anything else says nothing of the blob, and may pass by itself.
+  // Other errors say nothing about the blob, and may be temporary.
   if (!fd) return core::fail(ErrorCode::kInternal, errno_error("opening", file).message);
   struct ::stat status {};
   if (::fstat(fd.get(), &status) != 0)
@@ -197,7 +197,7 @@ core::Status BlobStore::check(const proto::Digest& digest, const std::stop_token
 core::Status BlobStore::verify(const proto::Digest& digest, const std::stop_token& stop) const {
   if (auto intact = check(digest, stop); !intact) return intact;
   ::utimensat(AT_FDCWD, path(digest).c_str(), nullptr,
-              0);  // at worst it is collected too early, and uploaded again
+              0);  // at worst, the blob is removed too early and uploaded again
   return {};
 }
 
@@ -226,7 +226,7 @@ RemovedBlob::~RemovedBlob() {
   if (!file_.empty()) ::unlink(file_.c_str());
 }
 
-// A file that another of the same name pushes out of `incoming` was to go as well.
+// The rename may replace an earlier file in `incoming`, which was to be deleted as well.
 RemovedBlob BlobStore::take_away(const proto::Digest& digest) const {
   std::filesystem::path aside = folder_ / kIncoming / (digest.hex() + ".removed");
   const std::lock_guard lock(index_->mutex);

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Files known by their content, under FOLDER/ab/cdef... (the SHA-256 in hexadecimal).
+// A content-addressed store of files, FOLDER/ab/cdef... (the SHA-256 in hexadecimal digits).
 //
-// A blob becomes visible only when it is whole, checked against its digest and safe on disk. What an
-// interrupted upload leaves lies in FOLDER/incoming and is removed at the next start. BlobStore is
-// thread-safe, its copies are the same store; a writer or reader is for one thread at a time.
+// A blob becomes visible only when it is complete, checked against its digest and synced to disk. Incomplete
+// uploads lie in FOLDER/incoming and are removed at the next start. BlobStore is thread-safe, and its copies
+// share one store; a writer or reader is for one thread at a time.
 #pragma once
 
 #include <cstdint>
@@ -22,20 +22,20 @@
 
 namespace tessera::store {
 
-// Stands for the room that a blob takes, with whoever counts that. Let go of when the file is gone.
+// The quota charge for a blob. It is released after the file is removed.
 using Charge = std::shared_ptr<const void>;
 
-// What a store has, as it comes and goes.
+// The index of the blobs in a store.
 struct StoreIndex {
   struct Blob {
     proto::Digest digest;
     Charge charge;
   };
-  std::mutex mutex;                   // also held while files get and lose their names
-  std::map<std::string, Blob> blobs;  // guarded by mutex; by their SHA-256 in hexadecimal digits
+  std::mutex mutex;                   // also held while files are renamed or removed
+  std::map<std::string, Blob> blobs;  // guarded by mutex; the key is the SHA-256 in hexadecimal digits
 };
 
-// Takes one blob in pieces. Destroyed before commit() succeeded, it leaves nothing behind.
+// Writes one blob in chunks. If it is destroyed before commit() succeeded, it removes what it wrote.
 class BlobWriter {
  public:
   BlobWriter(BlobWriter&&) = default;
@@ -44,7 +44,7 @@ class BlobWriter {
 
   // INVALID_ARGUMENT as soon as there are more bytes than the digest says.
   core::Status append(std::string_view bytes);
-  // DATA_LOSS if the bytes are not those of the digest. Blocks until they are on disk.
+  // DATA_LOSS if the bytes do not match the digest. Blocks until they are synced to disk.
   core::Status commit();
 
  private:
@@ -63,11 +63,11 @@ class BlobWriter {
   proto::Hasher hasher_;
 };
 
-// Gives one blob in pieces, and checks at the end that the file is still what it was.
+// Reads one blob in chunks, and checks its digest at the end.
 class BlobReader {
  public:
-  // The next bytes, at most `max_bytes`; empty at the end. DATA_LOSS instead of the last piece if the file's
-  // content has changed on disk.
+  // The next bytes, at most `max_bytes`; empty at the end. DATA_LOSS instead of the last chunk if the file
+  // has changed on disk.
   core::Result<std::string> next(std::size_t max_bytes);
 
  private:
@@ -81,8 +81,8 @@ class BlobReader {
   std::uint64_t left_bytes_;
 };
 
-// A blob that was taken out of a store. Its file, and then its charge, go when this is destroyed, which can
-// take a while.
+// A blob that was removed from a store. The destructor deletes its file, which can take a while, and then
+// releases its charge.
 class RemovedBlob {
  public:
   RemovedBlob(RemovedBlob&&) = default;
@@ -99,38 +99,38 @@ class RemovedBlob {
 
 class BlobStore {
  public:
-  // Creates the folder if it is missing and removes what interrupted uploads left.
+  // Creates the folder if it is missing, and removes incomplete uploads.
   static core::Result<BlobStore> open(const std::filesystem::path& folder);
 
-  // For looking at a folder: creates, removes and counts nothing.
+  // Opens a folder for reading: creates, removes and counts nothing.
   static BlobStore look_at(const std::filesystem::path& folder) { return BlobStore(folder); }
 
   bool contains(const proto::Digest& digest) const;
-  // Where the blob's file is or would be.
+  // The path of the blob's file, whether it exists or not.
   std::filesystem::path path(const proto::Digest& digest) const;
   // The charge is kept until the blob is removed, or the writer is destroyed before commit() succeeded.
   core::Result<BlobWriter> write(const proto::Digest& digest, Charge charge = {}) const;
-  // NOT_FOUND if it is not here, or of another size; INTERNAL if that cannot be told.
+  // NOT_FOUND if the blob is not in the store, or has another size; INTERNAL if that cannot be checked.
   core::Result<BlobReader> read(const proto::Digest& digest) const;
-  // Reads it from beginning to end. NOT_FOUND, DATA_LOSS, or what the disk says; UNAVAILABLE as soon as a
-  // stop is requested.
+  // Reads the whole blob and checks it. NOT_FOUND, DATA_LOSS, or the error of the disk; UNAVAILABLE as soon
+  // as a stop is requested.
   core::Status check(const proto::Digest& digest, const std::stop_token& stop = {}) const;
-  // The same, and counts it as used now.
+  // The same, and marks it as used now.
   core::Status verify(const proto::Digest& digest, const std::stop_token& stop = {}) const;
-  // Removes a blob's file, so that it can be uploaded anew. Nothing happens if there is none.
+  // Removes a blob's file, so that it can be uploaded again. Does nothing if there is none.
   void discard(const proto::Digest& digest) const { take_away(digest); }
-  // The same at once, however large the file is: what takes time is left for when the answer is destroyed.
+  // The same without the time for deleting a large file, which the destructor of the returned object takes.
   RemovedBlob take_away(const proto::Digest& digest) const;
 
-  // What was here when the store was opened, and what has come and not gone since. Asks no disk.
+  // The blobs in the index. Does not access the disk.
   std::vector<proto::Digest> stored() const;
-  // Replaces the charge of a blob that is here.
+  // Replaces the charge of a blob in the store.
   void charge(const proto::Digest& digest, Charge charge) const;
-  // When the blob was uploaded or verified last. Nothing if that cannot be told.
+  // When the blob was last uploaded or verified. Empty if that cannot be read.
   std::optional<std::filesystem::file_time_type> last_used(const proto::Digest& digest) const;
-  // Every blob that is in the folder, whole or not: its size is that of its file.
+  // Every blob in the folder, intact or not; the sizes are those of the files.
   std::vector<proto::Digest> list() const;
-  // Files that interrupted uploads left.
+  // The files of incomplete uploads.
   std::vector<std::filesystem::path> interrupted() const;
 
  private:

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The few file-system calls that a store rests on, with errors that name the file and say what to do.
-// Thread-safe: nothing here is shared.
+// The file-system calls of the store, with errors that name the file and say what to do. Thread-safe: there
+// is no shared state.
 #pragma once
 
 #include <filesystem>
@@ -12,7 +12,7 @@
 
 namespace tessera::store {
 
-// Owns a file descriptor.
+// Owns a file descriptor; closes it when destroyed.
 class Fd {
  public:
   Fd() = default;
@@ -25,7 +25,7 @@ class Fd {
   ~Fd();
 
   int get() const { return fd_; }
-  // Gives it away.
+  // Releases the ownership.
   int release() { return std::exchange(fd_, -1); }
   explicit operator bool() const { return fd_ >= 0; }
 
@@ -40,11 +40,11 @@ core::Error errno_error(std::string_view doing, const std::filesystem::path& pat
 // Writes all of `bytes` at the descriptor's position.
 core::Status write_all(const Fd& fd, std::string_view bytes, const std::filesystem::path& path);
 
-// Makes what was written survive a loss of power; for a folder, the names in it.
+// Makes writes durable; for a folder, the names in it.
 core::Status sync_file(const Fd& fd, const std::filesystem::path& path);
 core::Status sync_folder(const std::filesystem::path& folder);
 
-// Creates the folder and its parents where they are missing, readable by this user alone.
+// Creates the folder and its missing parents, accessible by this user only.
 core::Status create_folder(const std::filesystem::path& folder);
 
 }  // namespace tessera::store

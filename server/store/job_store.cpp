@@ -17,7 +17,7 @@ using core::ErrorCode;
 
 namespace {
 
-// The lock is free between batches.
+// The lock is released between batches.
 constexpr int kBatchesAtOnce = 8;
 constexpr std::int64_t kTilesPerBatch = 32;
 

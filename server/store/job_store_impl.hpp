@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the parts of the job store share: its database, the statements, and how a row of a job is read. For
-// them alone.
+// What the sources of the job store share: the database, its statements, and the reading of a job's row.
+// Private to the store.
 #pragma once
 
 #include <array>
@@ -20,15 +20,15 @@ namespace tessera::store {
 struct JobStore::Impl {
   Impl(Database opened, std::filesystem::path path) : database(std::move(opened)), file(std::move(path)) {}
 
-  // Of a file of this version of the schema.
+  // For a file of this version of the schema.
   core::Status prepare_reading(int version);
   core::Status prepare_writing();
-  // Finds jobs that were deleted, but not all of their tiles before a crash or stop.
+  // Finds deleted jobs whose tiles were not all removed before the coordinator ended.
   core::Status find_deleted_jobs();
 
   Database database;
   Statement list_jobs, read_job, tiles_done, read_tile;
-  // None of these if it is only looked at:
+  // Not prepared if the store is read-only:
   Statement insert_job, update_job, delete_job, write_tile, has_tiles, delete_tiles;
   const std::filesystem::path file;
   std::uint32_t epoch = 0;
@@ -49,7 +49,7 @@ inline std::uint64_t as_unsigned(std::int64_t value) {
   return static_cast<std::uint64_t>(value);
 }
 
-// Of a statement that lists or reads jobs.
+// Reads a job from the current row of a statement.
 JobRow read_job(const Statement& row);
 
 template <typename Take>

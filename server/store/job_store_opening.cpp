@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How a job store is opened, and what is refused.
+// Opens a job store, or refuses to.
 #include <fmt/format.h>
 
 #include <string>
@@ -33,15 +33,15 @@ constexpr auto kInsertJob =
 constexpr auto kUpdateJob =
     "UPDATE jobs SET revision = ?2, state = ?3, failure = ?4, spp = ?5, priority = ?6, finished_ms = ?7,"
     " counters = ?8, arithmetic = ?9, max_workers = ?10, row_xxh3 = ?11 WHERE id = ?1 AND revision < ?2";
-// Up to what earlier releases had not: the limit of workers, and the sum.
+// Reads what earlier releases lack, the limit of workers and the checksum, from the end of the row.
 constexpr auto kReadJobs =
     "SELECT id, request_id, spec, revision, state, failure, spp, priority, created_ms, finished_ms,"
     " counters, arithmetic, ";
 constexpr auto kByAge = " FROM jobs ORDER BY created_ms, rowid";
 constexpr auto kByRowid = " FROM jobs WHERE rowid = ?1";
-// A lease's number has room for epochs up to this.
+// A lease id has room for epochs up to this.
 constexpr std::int64_t kLastEpoch = (1 << 24) - 1;
-// Changes a row where it stands: replacing it would move it, and change twice as many pages.
+// Updates the row in place: replacing it would move it, and change twice as many pages.
 constexpr auto kWriteTile =
     "INSERT INTO tiles (job_id, tile, done, content, row_xxh3)"
     " SELECT ?1, ?2, ?3, ?4, ?5 WHERE EXISTS (SELECT 1 FROM jobs WHERE id = ?1)"
@@ -50,7 +50,7 @@ constexpr auto kWriteTile =
 constexpr auto kDeleteJob = "DELETE FROM jobs WHERE id = ?1";
 constexpr auto kDeletedJobs =
     "SELECT DISTINCT job_id FROM tiles WHERE NOT EXISTS (SELECT 1 FROM jobs WHERE id = job_id)";
-// Of a job that is gone.
+// Whether a deleted job still has tiles.
 constexpr auto kHasTiles =
     "SELECT 1 FROM tiles WHERE job_id = ?1 AND NOT EXISTS (SELECT 1 FROM jobs WHERE id = ?1) LIMIT 1";
 constexpr auto kDeleteTiles =
@@ -68,7 +68,7 @@ core::Error damaged(const std::filesystem::path& file, const std::string& how) {
                   file.string(), how, folder, folder)};
 }
 
-// What is missing of its end, if anything is.
+// The incomplete transaction at the end of the log, if there is one. Fails if the log is damaged.
 core::Result<std::optional<std::string>> expect_whole_log(const std::filesystem::path& file) {
   auto log = look_at_log(log_of(file));
   if (!log) return core::fail(log.error());
@@ -83,11 +83,11 @@ core::Status expect_whole(Database& database, const std::filesystem::path& file)
   return {};
 }
 
-// SQLite's random numbers come from those of the system.
+// SQLite seeds its random numbers from the system.
 constexpr auto kMakeSecret =
     "INSERT OR IGNORE INTO meta VALUES ('secret_0', random()), ('secret_1', random())";
 
-// Zeros if it was not made yet.
+// Zeros if there is none yet.
 core::Result<std::array<std::uint64_t, 2>> read_secret(Database& database) {
   const auto first = database.read_number("SELECT value FROM meta WHERE name = 'secret_0'");
   if (!first) return core::fail(first.error());
@@ -96,7 +96,7 @@ core::Result<std::array<std::uint64_t, 2>> read_secret(Database& database) {
   return std::array{as_unsigned(*first), as_unsigned(*second)};
 }
 
-// Without asking SQLite: opening such a file creates it, and reading it empties its log.
+// Without SQLite, which would create a missing file, and truncate the log of an empty one.
 bool is_missing_or_empty(const std::filesystem::path& file) {
   std::error_code error;
   const auto size = std::filesystem::file_size(file, error);

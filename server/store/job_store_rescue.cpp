@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reading the jobs of a damaged file, row by row.
+// Reads the jobs of a damaged file row by row.
 #include <algorithm>
 #include <set>
 #include <utility>
@@ -10,18 +10,18 @@ namespace tessera::store {
 
 namespace {
 
-// Each as far as it can be read: the table itself, and its indexes, which name its rows, too.
+// Scans the table itself and its indexes, which name its rows as well, each as far as it can be read.
 constexpr const char* kTableScans[] = {"SELECT rowid FROM jobs NOT INDEXED ORDER BY rowid",
                                        "SELECT rowid FROM jobs NOT INDEXED ORDER BY rowid DESC"};
 constexpr const char* kIndexScans[] = {
     "SELECT rowid FROM jobs INDEXED BY sqlite_autoindex_jobs_1 ORDER BY id",
     "SELECT rowid FROM jobs INDEXED BY sqlite_autoindex_jobs_1 ORDER BY id DESC"};
-// Rows are numbered from 1. Up to here, those that no scan has come to are tried, too.
+// Rows are numbered from 1. Numbers up to this that no scan found are tried, too.
 constexpr std::int64_t kMaxTried = 1'000'000;
 
 struct RowidScan {
   std::set<std::int64_t> rowids;
-  core::Status complete;  // or why it is not sure that these are all
+  core::Status complete;  // or why some may be missing
 };
 
 core::Status scan_rowids(Database& database, const char* sql, std::set<std::int64_t>& rowids) {

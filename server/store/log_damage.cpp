@@ -17,9 +17,9 @@ namespace tessera::store {
 namespace {
 
 constexpr std::size_t kHeaderBytes = 32, kFrameHeaderBytes = 24;
-// Of the header and of a frame's, what the sums stand behind.
+// The bytes of the header and of a frame's header that the checksums cover.
 constexpr std::size_t kSummedOfHeader = 24, kSummedOfFrame = 8, kSumsOfFrame = 16;
-constexpr std::uint32_t kMagic = 0x377f0682;  // its last bit: sums are over big-endian words
+constexpr std::uint32_t kMagic = 0x377f0682;  // its last bit selects checksums of big-endian words
 constexpr std::uint32_t kMinPage = 512, kMaxPage = 65536;
 
 std::uint32_t big_endian(std::string_view bytes, std::size_t at) {
@@ -34,7 +34,7 @@ std::uint32_t little_endian(std::string_view bytes, std::size_t at) {
   return value;
 }
 
-// Two 32-bit sums, each fed by the other.
+// Two 32-bit sums, each updated with the other.
 struct Sums {
   std::uint32_t first = 0, second = 0;
 
@@ -71,7 +71,7 @@ Header read_header(std::string_view bytes) {
   return header;
 }
 
-// Finds the first frame that does not check, and counts the transactions that were committed behind it.
+// Finds the first frame with a wrong checksum, and counts the committed transactions after it.
 class Walk {
  public:
   explicit Walk(const Header& header) : header_(header), last_sums_(header.sums) {}
@@ -85,26 +85,27 @@ class Walk {
     ++whole_frames_;
     within_transaction_ = !commits;
   }
-  // What is left behind the last frame.
+  // Takes the number of bytes after the last whole frame.
   void end(std::streamsize bytes) { within_transaction_ |= !broken_ && bytes > 0; }
 
   std::uint64_t whole_frames() const { return whole_frames_; }
-  // Each was written only when the one before was safe on disk: a crash tears one at most.
+  // Each transaction is written after the one before was synced, so a crash damages at most one.
   bool damaged() const { return unreadable_commits_ > 1; }
   bool torn() const { return within_transaction_; }
-  // Its end is there. What is torn while it is written lacks that, unless the machine goes down with it.
+  // The frame that ends the transaction is present. An interrupted write lacks it, unless the whole machine
+  // crashed.
   bool torn_before_its_end() const { return unreadable_commits_ > 0; }
 
  private:
-  // By the sums, which do not stand behind the salts.
+  // Compares checksums, which do not cover the salts.
   bool follows_the_last(std::string_view frame) {
     Sums sums = std::exchange(last_sums_, stored_sums(frame, kSumsOfFrame));
     sums.add(frame.substr(0, kSummedOfFrame), header_.words_are_big_endian);
     sums.add(frame.substr(kFrameHeaderBytes), header_.words_are_big_endian);
     return sums == last_sums_;
   }
-  // A frame without this log's salts is left from before the log was begun anew, unless it follows one of
-  // this log, or one of this log follows it.
+  // A frame with other salts is from before the log was restarted, unless it follows a frame of this log, or
+  // a frame of this log follows it.
   void take_behind_the_break(bool has_salts, bool follows, bool commits) {
     if (!follows) doubtful_commits_ = 0;
     doubtful_commits_ += commits ? 1 : 0;
@@ -115,10 +116,10 @@ class Walk {
   }
 
   const Header& header_;
-  Sums last_sums_;  // as the last frame has them
+  Sums last_sums_;  // those stored in the last frame
   bool broken_ = false, within_transaction_ = false, last_is_of_this_log_ = true;
   std::uint64_t whole_frames_ = 0, unreadable_commits_ = 0;
-  std::uint64_t doubtful_commits_ = 0;  // in frames that follow one another, and may be of this log
+  std::uint64_t doubtful_commits_ = 0;  // in consecutive frames that may belong to this log
 };
 
 std::string torn_end(const std::filesystem::path& log, const Walk& walk, std::uint64_t end) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What SQLite does not tell of its write-ahead log: it takes the first frame that does not check for the end
-// of the log, and so forgets without a word what a damaged disk has cut off. Reads the file alone.
+// Detects damage to SQLite's write-ahead log. SQLite takes the first frame with a wrong checksum for the end
+// of the log, and silently drops what follows it. Only reads the file.
 #pragma once
 
 #include <filesystem>
@@ -15,15 +15,14 @@ namespace tessera::store {
 std::filesystem::path log_of(const std::filesystem::path& database);
 
 struct LogFindings {
-  // Where the log is damaged, as a sentence; nothing if it is whole, or not there.
+  // The damage as a sentence; empty if the log is intact or does not exist.
   std::optional<std::string> damage;
-  // That its last transaction is there in parts, and will not count, as a sentence that says what may be
-  // lost. That is no damage for sure: a crash that tears the one it interrupts, of which nobody has heard,
-  // leaves the same.
+  // If the last transaction is incomplete and will not count: a sentence that says what may be lost. It is
+  // not necessarily damage, since a crash during an unacknowledged transaction leaves the same.
   std::optional<std::string> torn_end;
 };
 
-// Errors: it cannot be read.
+// Fails if the log cannot be read.
 core::Result<LogFindings> look_at_log(const std::filesystem::path& log);
 
 }  // namespace tessera::store

@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// One that cannot be looked at is there.
+// A file that cannot be examined counts as present.
 bool is_there(const fs::path& file) {
   struct ::stat status {};
   return ::lstat(file.c_str(), &status) == 0 || errno != ENOENT;
@@ -50,16 +50,16 @@ core::Status link_both(const fs::path& database, const fs::path& name) {
   return link(log_of(database), log_of(name));
 }
 
-// The log goes first: left behind, it would be taken for the new database's.
+// The log is renamed first: SQLite would take it for the log of the new database.
 core::Status put_in_place(const fs::path& copy, const fs::path& database) {
-  // SQLite makes the log's index anew.
+  // SQLite creates the log's index again.
   if (auto gone = unlink(database.string() + "-shm"); !gone) return gone;
   if (auto gone = unlink(log_of(database)); !gone) return gone;
   if (::rename(copy.c_str(), database.c_str()) == 0) return {};
   return core::fail(errno_error("renaming " + copy.string() + " to", database));
 }
 
-// The log's own name comes back before the other goes.
+// The log gets its name back before the database does.
 core::Status put_back(const fs::path& database, const fs::path& name) {
   if (is_there(log_of(name)) && !is_there(log_of(database))) {
     if (auto linked = link(log_of(name), log_of(database)); !linked) return linked;

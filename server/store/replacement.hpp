@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// A database in the place of another, which is kept under a name of its own. Whatever happens on the way, the
-// old one is there with its log, under one name or the other.
-// For whoever holds the state's lock, while nobody has either database open.
+// Replaces a database by another and keeps the old one under a name of its own. At every moment the old one
+// exists with its log, under one of the names. The caller holds the state's lock, and nobody may have either
+// database open.
 #pragma once
 
 #include <filesystem>
@@ -10,13 +10,12 @@
 
 namespace tessera::store {
 
-// Renames `copy`, which must stand without a log, to `database`; answers with what the old database and its
-// log are called now. Blocks until that is safe on disk. After an error the old one is where it was.
+// Renames `copy`, which must have no log, to `database`. Returns the new names of the old database and its
+// log. Blocks until that is synced to disk. After an error the old database is in its place.
 core::Result<std::filesystem::path> replace_database(const std::filesystem::path& database,
                                                      const std::filesystem::path& copy);
 
-// Gives the database back the log that a replacement took, if that was cut short by a crash. Nothing happens
-// otherwise.
+// Restores the database's log if a crash interrupted a replacement. Otherwise does nothing.
 core::Status undo_interrupted_replacement(const std::filesystem::path& database);
 
 }  // namespace tessera::store

@@ -40,7 +40,8 @@ std::vector<core::SampleRange> decode_ranges(std::string_view bytes) {
 }
 
 std::uint64_t row_checksum(const JobRow& row) {
-  // Columns that later releases add take part only where they are not 0: rows from before keep their sum.
+  // Columns that later releases added are included only if they are not 0, so that older rows keep their
+  // checksum.
   std::string key = fmt::format("{} {} {} {} {} {} {}", row.id, row.revision, row.state, row.spp,
                                 row.priority, row.created_ms, row.finished_ms.value_or(-1));
   if (row.max_workers != 0) key += fmt::format(" max_workers {}", row.max_workers);

@@ -11,7 +11,7 @@ using core::ErrorCode;
 
 namespace {
 
-// Step i leads from version i to version i + 1. What was released is never changed here.
+// Step i migrates from version i to version i + 1. Released steps must not change.
 constexpr const char* kSteps[] = {
     R"(
   CREATE TABLE meta (name TEXT PRIMARY KEY, value INTEGER NOT NULL);
@@ -25,7 +25,7 @@ constexpr const char* kSteps[] = {
     job_id TEXT NOT NULL REFERENCES jobs (id) ON DELETE CASCADE, tile INTEGER NOT NULL, done BLOB NOT NULL,
     content BLOB NOT NULL, row_xxh3 INTEGER NOT NULL, PRIMARY KEY (job_id, tile));
 )",
-    // Jobs are checked like tiles.
+    // Checksums of jobs.
     "ALTER TABLE jobs ADD COLUMN row_xxh3 INTEGER",
     // Limits on workers.
     "ALTER TABLE jobs ADD COLUMN max_workers INTEGER NOT NULL DEFAULT 0",

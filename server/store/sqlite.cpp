@@ -16,7 +16,7 @@ using core::ErrorCode;
 
 namespace {
 
-// SQLite's own limit is 512, for the names of its log and journal too.
+// SQLite's own limit is 512, including the names of its log and journal.
 constexpr std::size_t kMaxPathBytes = 500;
 
 core::Error sqlite_error(sqlite3* database, const std::filesystem::path& file) {
@@ -57,7 +57,7 @@ core::Error sqlite_error(sqlite3* database, const std::filesystem::path& file) {
   }
 }
 
-// As a part of a URI.
+// Escapes a path for a URI.
 std::string escaped(const std::string& path) {
   std::string result;
   for (const char c : path) {
@@ -146,8 +146,8 @@ core::Result<Database> Database::open(const std::filesystem::path& file) {
 core::Result<Database> Database::open_read_only(const std::filesystem::path& file) {
   std::error_code missing;
   const bool has_log = std::filesystem::file_size(log_of(file), missing) > 0 && !missing;
-  // Without a log the file is all there is. With one, a connection of its own keeps the log's index in memory
-  // instead of in a file.
+  // Without a log, the file is read as immutable. With one, an exclusive connection keeps the log's index in
+  // memory instead of in a file.
   const std::string uri = "file:" + escaped(file.string()) + (has_log ? "?vfs=unix-none" : "?immutable=1");
   sqlite3* handle = nullptr;
   const int code = sqlite3_open_v2(uri.c_str(), &handle,
@@ -155,14 +155,14 @@ core::Result<Database> Database::open_read_only(const std::filesystem::path& fil
   Database database(handle, file);
   if (code != SQLITE_OK) return core::fail(sqlite_error(handle, file));
   sqlite3_db_config(handle, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, nullptr);
-  // The second: a file that was cut short is read as far as it goes.
+  // writable_schema: a truncated file is read as far as possible.
   if (auto set = database.execute("PRAGMA locking_mode = EXCLUSIVE; PRAGMA writable_schema = ON"); !set)
     return core::fail(set.error());
   return database;
 }
 
 void Database::checkpoint_wal() {
-  [[maybe_unused]] const auto later = execute("PRAGMA wal_checkpoint");  // else SQLite does it when it is due
+  [[maybe_unused]] const auto later = execute("PRAGMA wal_checkpoint");  // on failure, SQLite does it later
 }
 
 core::Status Database::truncate_wal() {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The little of SQLite that the job store uses, as values that close themselves and answers that name the
-// file. Not thread-safe: a Database and its Statements belong to one thread at a time.
+// A small RAII wrapper of SQLite for the job store, with errors that name the file. Not thread-safe: a
+// Database and its Statements belong to one thread at a time.
 #pragma once
 
 #include <sqlite3.h>
@@ -17,19 +17,19 @@
 
 namespace tessera::store {
 
-// One prepared statement. Bind (from 1), step until false, read columns (from 0), reset, and again.
+// A prepared statement. Bind (from 1), step until false, read columns (from 0), reset, and repeat.
 class Statement {
  public:
-  // Holds none: every step fails.
+  // An empty statement: every step fails.
   Statement() = default;
 
   Statement& bind(int index, std::int64_t value);
-  // Text and bytes must stay as they are until reset().
+  // Text and bytes must stay unchanged until reset().
   Statement& bind_text(int index, std::string_view text);
   Statement& bind_blob(int index, std::string_view bytes);
   Statement& bind_null(int index);
 
-  // True if there is a row to be read, false at the end.
+  // True if there is a row, false at the end.
   core::Result<bool> step();
   // Runs a statement without rows, and resets it.
   core::Status run();
@@ -37,7 +37,7 @@ class Statement {
 
   std::int64_t integer(int column) const;
   bool is_null(int column) const;
-  // Of a text or a blob; valid until the next step or reset.
+  // A text or blob column; valid until the next step or reset.
   std::string_view bytes(int column) const;
 
  private:
@@ -49,32 +49,32 @@ class Statement {
       : statement_(statement), file_(std::move(file)) {}
 
   std::unique_ptr<sqlite3_stmt, Finalize> statement_;
-  std::filesystem::path file_;  // for errors
+  std::filesystem::path file_;  // for error messages
 };
 
 class Database {
  public:
-  // Creates the file if it is missing. Closing it leaves file and log as they are, unless
+  // Creates the file if it is missing. Closing it leaves file and log unchanged, unless
   // checkpoint_wal_on_close() was called.
   static core::Result<Database> open(const std::filesystem::path& file);
-  // Sees what open() would see, a crash's leftovers included, and writes nothing at all, not even beside the
-  // file. Only while nobody else has it open.
+  // Sees the same content as open(), including a log that a crash left, but writes nothing, not even beside
+  // the file. Only while nobody else has it open.
   static core::Result<Database> open_read_only(const std::filesystem::path& file);
 
   core::Result<Statement> prepare(std::string_view sql);
-  // One or several statements without rows.
+  // Runs one or several statements without rows.
   core::Status execute(const std::string& sql);
   // The first column of the first row; 0 if there is none.
   core::Result<std::int64_t> read_number(std::string_view sql);
-  // Writes the log's content into the file itself, as far as nobody is in the way: what is in the log alone
-  // goes with the log.
+  // Writes the log into the file, as far as other connections allow: what is only in the log is lost with the
+  // log.
   void checkpoint_wal();
-  // The same, to the last byte, and empties the log. UNAVAILABLE if somebody is in the way.
+  // Writes the whole log into the file and truncates the log. UNAVAILABLE if another connection prevents it.
   core::Status truncate_wal();
-  // For a file that is known to be whole: one that is damaged would be damaged further.
+  // For a file that is known to be intact: damage could grow.
   void checkpoint_wal_on_close();
-  // What SQLite finds wrong with the file's structure: a sentence for each, the first few; empty if it is
-  // whole. Reads all of it, about a gigabyte in a second. What stands in the rows is not looked at.
+  // The damage that SQLite finds in the file's structure: one sentence each, the first few; empty if there is
+  // none. Reads the whole file, about a gigabyte in a second. Does not check the content of rows.
   core::Result<std::vector<std::string>> structural_damage();
 
  private:
@@ -87,7 +87,7 @@ class Database {
   std::filesystem::path file_;
 };
 
-// Everything between begin() and commit() happens, or nothing of it. Rolls back if destroyed before.
+// A transaction from begin() to commit(). Rolls back if it is destroyed before commit().
 class Transaction {
  public:
   static core::Result<Transaction> begin(Database& database);
@@ -100,7 +100,7 @@ class Transaction {
  private:
   explicit Transaction(Database& database) : database_(&database) {}
 
-  Database* database_;  // null once it is over
+  Database* database_;  // null after the end
 };
 
 }  // namespace tessera::store

@@ -19,7 +19,7 @@ namespace {
 
 constexpr const char* kLockName = "lock";
 
-// Held until the descriptor is closed, even by a crash.
+// The lock is held until the descriptor is closed, also by a crash.
 core::Status take_lock(const Fd& lock, const std::filesystem::path& folder, std::string_view what_to_do) {
   if (::flock(lock.get(), LOCK_EX | LOCK_NB) == 0) return {};
   if (errno != EWOULDBLOCK) return core::fail(errno_error("locking", folder / kLockName));
@@ -71,7 +71,7 @@ core::Result<StateDirectory> StateDirectory::open(const std::filesystem::path& f
   if (!blobs) return core::fail(blobs.error());
   if (auto settled = undo_interrupted_replacement(folder / kDatabaseName); !settled)
     return core::fail(settled.error());
-  // A job has files, and they come before it.
+  // Files are uploaded before their job, so with blobs there must be a database.
   const bool may_be_new = blobs->list().empty();
   auto jobs = JobStore::open(folder / kDatabaseName, may_be_new);
   if (!jobs) return core::fail(jobs.error());

@@ -21,7 +21,7 @@ constexpr std::uint64_t kResponseBytes = 1 << 20;
 // Standard input, output and error, and one file of the scene at a time.
 constexpr std::uint64_t kMaxFiles = 16;
 
-// Or less, where the process may not have so much in any case.
+// Sets the limit, or keeps a lower hard limit.
 core::Status set_limit(__rlimit_resource resource, const char* name, std::uint64_t value,
                        std::uint64_t leeway = 0) {
   rlimit limit{value, value + leeway};
@@ -32,7 +32,7 @@ core::Status set_limit(__rlimit_resource resource, const char* name, std::uint64
 }
 
 core::Status limit_resources(const Confinement& confinement) {
-  // With the second more it is ended by SIGXCPU, which says why.
+  // The second limit is one second later, so that SIGXCPU ends the process and tells the reason.
   core::Status set = set_limit(RLIMIT_CPU, "RLIMIT_CPU", confinement.cpu_seconds, 1);
   if (set) set = set_limit(RLIMIT_CORE, "RLIMIT_CORE", 0);
   if (set) set = set_limit(RLIMIT_FSIZE, "RLIMIT_FSIZE", kResponseBytes);
@@ -47,7 +47,7 @@ core::Status end_with(pid_t parent) {
   if (parent == 0) return {};
   if (prctl(PR_SET_PDEATHSIG, SIGKILL) != 0) return core::fail(system_error("PR_SET_PDEATHSIG"));
   if (getppid() == parent) return {};
-  return core::fail(core::ErrorCode::kUnavailable, "the coordinator has ended");  // before it was asked for
+  return core::fail(core::ErrorCode::kUnavailable, "the coordinator has ended");
 }
 
 }  // namespace

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// How a process that reads hostile files gives away what it does not need, so that whoever takes it over has
-// little of it: memory and time are bounded, it cannot write, start anything, reach the network, gain rights
-// or be traced, and it ends with its parent.
+// Confines a process that reads untrusted files, so that an exploit gains little: memory and time are
+// bounded, and the process cannot write files, start programs, use the network, gain privileges or be traced.
+// It ends with its parent.
 #pragma once
 
 #include <sys/types.h>
@@ -12,8 +12,7 @@
 
 namespace tessera::validator {
 
-// Sanitizers themselves map terabytes, start processes and trace themselves: their builds keep what that
-// takes.
+// Sanitizers map terabytes, start processes and trace themselves, so their builds are confined less.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)  // GCC
 inline constexpr bool kIsSanitized = true;
 #elif defined(__has_feature)  // Clang
@@ -23,13 +22,13 @@ inline constexpr bool kIsSanitized = false;
 #endif
 
 struct Confinement {
-  std::uint64_t memory_mib = 16 * 1024;  // address space; beyond it allocations fail
-  std::uint64_t cpu_seconds = 300;       // beyond it the kernel ends the process
-  pid_t parent = 0;                      // ends with this process; 0: with nobody
+  std::uint64_t memory_mib = 16 * 1024;  // address space; allocations beyond it fail
+  std::uint64_t cpu_seconds = 300;       // beyond it, the kernel kills the process
+  pid_t parent = 0;                      // the process is killed when this parent ends; 0: none
 };
 
-// For this process, for good. Call it while there is one thread, before anything of others is read.
-// What the kernel is too old for is left out; INTERNAL for what should have worked.
+// Confines this process permanently. Call it while there is one thread, before untrusted data is read.
+// Features that the kernel lacks are skipped; INTERNAL if a supported one fails.
 core::Status confine(const Confinement& confinement);
 
 }  // namespace tessera::validator

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The options by which the coordinator tells tessera-validator its limits. Those that an operator raises on
-// the coordinator have the same names there.
+// The option names by which the coordinator passes limits to tessera-validator. Limits of the coordinator's
+// command line have the same names there.
 #pragma once
 
 namespace tessera::validator {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // tessera-validator: see options.hpp. The coordinator starts one for every submitted scene, so that a hostile
-// file can take down no more than this process.
+// file can crash only this process.
 #include <cstdlib>
 #include <iostream>
 #include <string>
@@ -28,7 +28,7 @@ std::vector<std::string> paths_of(const ValidateRequest& request) {
 }  // namespace
 
 #if defined(__SANITIZE_ADDRESS__)
-// A confined process may not look at its own threads, as the search for leaks does when it ends.
+// A confined process may not trace its own threads, as the leak check at exit does.
 extern "C" int __lsan_is_turned_off() {
   return 1;
 }

@@ -4,9 +4,9 @@
 #include <CLI/CLI.hpp>
 #include <cstdlib>
 
+#include "core/base/version.hpp"
 #include "core/cli/help.hpp"
 #include "core/cli/parse.hpp"
-#include "core/base/version.hpp"
 #include "server/validator/flags.hpp"
 
 namespace tessera::validator {
@@ -22,7 +22,7 @@ loads the scene and ends.)",
                       {cli::kExitFailed, "failed"},
                       {cli::kExitUsage, "wrong command line"}}};
 
-// Options of the scene have the coordinator's names.
+// Limits on scenes have the coordinator's option names.
 void add_limit(CLI::App& app, const char* flag, core::SceneLimit& limit, const char* what) {
   app.add_option(flag, limit.most, what)->type_name("N");
   limit.option = std::string("tessera-coordinator ") + flag;

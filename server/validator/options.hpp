@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What tessera-validator can be told, in one place. Only the coordinator tells it; validator_process.cpp.
+// The options of tessera-validator. Only the coordinator passes them (validator_process.cpp).
 #pragma once
 
 #include <sys/types.h>
@@ -14,8 +14,7 @@ struct Options {
   core::SceneLimits scene;
 };
 
-// Reads the command line. On --help, --version and mistakes it prints what there is to say and ends the
-// process.
+// Parses the command line. On --help, --version and errors it prints the text and ends the process.
 Options parse_options(int argc, char** argv);
 
 }  // namespace tessera::validator

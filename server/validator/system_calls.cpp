@@ -21,16 +21,16 @@ namespace tessera::validator {
 namespace {
 
 constexpr std::array kForbidden{
-    // Other processes and programs.
+    // Processes and programs.
     SYS_fork, SYS_vfork, SYS_clone, SYS_clone3, SYS_execve, SYS_execveat, SYS_ptrace, SYS_process_vm_readv,
     SYS_process_vm_writev, SYS_process_madvise, SYS_kill, SYS_tkill, SYS_rt_sigqueueinfo,
     SYS_rt_tgsigqueueinfo, SYS_pidfd_open, SYS_pidfd_getfd, SYS_pidfd_send_signal, SYS_setpriority,
     SYS_sched_setaffinity, SYS_sched_setscheduler, SYS_migrate_pages, SYS_move_pages,
-    // The network, and ways around this filter.
+    // The network, and calls that bypass this filter.
     SYS_socket, SYS_socketpair, SYS_connect, SYS_bind, SYS_listen, SYS_sendto, SYS_sendmsg,
     SYS_io_uring_setup, SYS_bpf, SYS_userfaultfd, SYS_perf_event_open, SYS_keyctl, SYS_add_key, SYS_unshare,
     SYS_setns,
-    // Files, but to read them. openat2 has its flags where a filter cannot see them.
+    // Changes of files. openat2 is included, since a filter cannot see its flags.
     SYS_openat2, SYS_open_by_handle_at, SYS_creat, SYS_truncate, SYS_rename, SYS_renameat, SYS_renameat2,
     SYS_unlink, SYS_unlinkat, SYS_mkdir, SYS_mkdirat, SYS_rmdir, SYS_link, SYS_linkat, SYS_symlink,
     SYS_symlinkat, SYS_mknod, SYS_mknodat, SYS_chmod, SYS_fchmod, SYS_fchmodat, SYS_chown, SYS_fchown,
@@ -50,7 +50,7 @@ sock_filter if_equal(std::uint32_t value) {
   return BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, value, 0, 1);
 }
 
-// The lower half of a system call's argument.
+// The offset of the lower half of a system call's argument.
 constexpr std::size_t argument(std::size_t index) {
   return offsetof(seccomp_data, args) + index * sizeof(std::uint64_t);
 }
@@ -64,7 +64,7 @@ void refuse_writing(std::vector<sock_filter>& filter, std::uint32_t call, std::s
   filter.push_back(answer(kAllow));
 }
 
-// With any other process than this as the first argument.
+// Refuses the call if its first argument is another process.
 void refuse_for_others(std::vector<sock_filter>& filter, std::uint32_t call, std::uint32_t self) {
   filter.push_back(BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, call, 0, 4));
   filter.push_back(load(argument(0)));

@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a process that only reads files and computes has no need to ask the kernel for.
+// A filter of the system calls that a process needs which only reads files and computes.
 #pragma once
 
 #include "core/base/error.hpp"
 
 namespace tessera::validator {
 
-// From now on this process cannot start others or other programs, speak to other processes or the network,
-// nor open, make, rename or remove files but to read them: such calls fail with EPERM. Nothing happens on a
-// kernel without filters of system calls (seccomp(2)).
+// From now on this process cannot start processes or programs, communicate with processes or the network, or
+// write, create, rename or remove files: such calls fail with EPERM. Does nothing on a kernel without system
+// call filters (seccomp(2)).
 core::Status forbid_system_calls();
 
-// What errno says of a call that has failed: INTERNAL.
+// The error for a failed call, from errno: INTERNAL.
 core::Error system_error(const char* call);
 
 }  // namespace tessera::validator

@@ -20,14 +20,14 @@ using core::ErrorCode;
 
 namespace {
 
-// To whoever submits a scene, an asset that is missing from its bundle is a mistake of the scene like any
+// For the submitter of a scene, an asset that is missing from the bundle is an error of the scene like any
 // other.
 core::Error as_mistake(core::Error error) {
   if (error.code == ErrorCode::kNotFound) error.code = ErrorCode::kInvalidArgument;
   return error;
 }
 
-// What is exhausted without a limit of the scene's having been met is memory.
+// If no limit of the scene was reached, memory was exhausted.
 core::Error explain_memory(core::Error error, const Options& options) {
   const bool names_limit = error.message.find("--max-") != std::string::npos;
   if (error.code != ErrorCode::kResourceExhausted || names_limit) return error;

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Loads a bundle's scene and says whether it can be rendered, in the words in which a local render would
-// refuse it.
+// Loads a bundle's scene and reports whether it can be rendered, with the error messages of a local render.
 #pragma once
 
 #include "server/validator/options.hpp"
@@ -8,7 +7,7 @@
 
 namespace tessera::validator {
 
-// Opens only `request.files()`. Throws nothing; want of memory is a refusal.
+// Opens only `request.files()`. Throws nothing; lack of memory gives a refusal.
 ValidateResponse validate(const ValidateRequest& request, const Options& options);
 
 }  // namespace tessera::validator

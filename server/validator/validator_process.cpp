@@ -18,7 +18,7 @@
 #include <system_error>
 #include <vector>
 
-extern "C" {  // the header of glibc 2.36 forgets it
+extern "C" {  // missing from the header of glibc 2.36
 #include <sys/pidfd.h>
 }
 
@@ -52,7 +52,7 @@ ValidateRequest make_request(const store::BlobStore& blobs, const v1::Bundle& bu
   return request;
 }
 
-// The process's standard input and output are files in memory: neither side ever waits for the other.
+// Standard input and output of the process are files in memory, so that neither side blocks on the other.
 core::Result<Fd> memory_file(const char* name, const std::string& content) {
   Fd file(memfd_create(name, MFD_CLOEXEC));
   if (!file) return core::fail(system_error("memfd_create"));
@@ -61,7 +61,7 @@ core::Result<Fd> memory_file(const char* name, const std::string& content) {
   return file;
 }
 
-// Whole seconds of processor time; the timeout is as long, and one that waits for a disk is ended by that.
+// CPU time in whole seconds. The timeout has the same length, for a process that waits for a disk.
 std::chrono::seconds processor_time(const server::Limits& limits) {
   return std::chrono::ceil<std::chrono::seconds>(limits.validation_time);
 }
@@ -91,7 +91,7 @@ core::Result<pid_t> spawn(const ProcessOptions& options, const Fd& in, const Fd&
   posix_spawn_file_actions_adddup2(&actions, in.get(), STDIN_FILENO);
   posix_spawn_file_actions_adddup2(&actions, out.get(), STDOUT_FILENO);
   posix_spawn_file_actions_addclosefrom_np(&actions, STDERR_FILENO + 1);
-  // The coordinator blocks the signals it waits for; its child must not.
+  // The coordinator blocks the signals that it waits for; its child must not.
   posix_spawnattr_t attributes;
   posix_spawnattr_init(&attributes);
   sigset_t none;
@@ -103,7 +103,7 @@ core::Result<pid_t> spawn(const ProcessOptions& options, const Fd& in, const Fd&
   std::vector<char*> arguments;
   for (std::string& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);
-  // One thread: the memory limit counts addresses, of which every OpenMP thread takes many.
+  // One thread: the memory limit counts address space, of which every OpenMP thread takes much.
   std::array<char, 18> threads{"OMP_NUM_THREADS=1"};
   const std::array<char*, 2> environment{threads.data(), nullptr};
   pid_t pid = 0;
@@ -117,7 +117,7 @@ core::Result<pid_t> spawn(const ProcessOptions& options, const Fd& in, const Fd&
                                 options.path, std::strerror(error)));
 }
 
-// Whether the process ended by itself before the time was up or a stop was requested.
+// Whether the process ended by itself before the timeout or a stop request.
 bool ends_in_time(const Fd& process, const ProcessOptions& options) {
   constexpr std::chrono::milliseconds kLookAround{50};
   const auto deadline = std::chrono::steady_clock::now() + options.limits.validation_time;
@@ -128,7 +128,7 @@ bool ends_in_time(const Fd& process, const ProcessOptions& options) {
   return false;
 }
 
-// The process's wait status, or nothing if it had to be killed.
+// The wait status of the process; empty if it had to be killed.
 core::Result<std::optional<int>> wait_for(pid_t pid, const ProcessOptions& options) {
   const Fd handle(pidfd_open(pid, 0));
   const bool ended = handle && ends_in_time(handle, options);
@@ -200,13 +200,13 @@ core::Result<Approval> read_verdict(const Fd& out, int status, const server::Lim
 }  // namespace
 
 std::string default_validator_path() {
-  std::error_code ignored;  // then the path does not exist, as check_validator() says
+  std::error_code ignored;  // on failure, check_validator() reports that the path does not exist
   return (std::filesystem::read_symlink("/proc/self/exe", ignored).parent_path() / "tessera-validator")
       .string();
 }
 
 core::Status check_validator(const std::string& path) {
-  std::error_code unknown;  // also of a path that may not be looked at
+  std::error_code unknown;  // the path may be inaccessible
   const bool is_file = std::filesystem::is_regular_file(path, unknown);
   if (is_file && access(path.c_str(), X_OK) == 0) return {};
   const bool missing = !unknown || unknown == std::errc::no_such_file_or_directory;

@@ -16,10 +16,10 @@ namespace tessera::validator {
 
 namespace {
 
-// Every right of the first version: what is handled and not granted is refused.
+// All rights of the first version: rights that are handled and not granted are refused.
 constexpr std::uint64_t kAllRights = (LANDLOCK_ACCESS_FS_MAKE_SYM << 1) - 1;
 
-// A file that is not there is told by whoever reads it.
+// The reader reports a missing file.
 core::Status show(int rules, const std::string& path) {
   const int file = open(path.c_str(), O_PATH | O_CLOEXEC);
   if (file < 0) return {};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The files that a validator may open: those of its request, and no others of the machine's.
+// Restricts the files that a validator may open to those of its request.
 #pragma once
 
 #include <string>
@@ -9,9 +9,8 @@
 
 namespace tessera::validator {
 
-// From now on this process can open these files, for reading, and nothing else: no key, no database, nothing
-// below /proc. Nothing happens on a kernel without Landlock (landlock(7)). INTERNAL for what should have
-// worked.
+// From now on this process can open only these files, for reading: no key, no database, nothing below /proc.
+// Does nothing on a kernel without Landlock (landlock(7)). INTERNAL if a supported call fails.
 core::Status see_only(const std::vector<std::string>& paths);
 
 }  // namespace tessera::validator

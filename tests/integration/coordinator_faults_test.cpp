@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a coordinator that dies or stops costs: seconds of work, and never a picture. Workers and waiting
-// clients come back by themselves.
+// A coordinator that dies or stops costs seconds of work, but no bits of an image. Workers and waiting
+// clients reconnect by themselves.
 #include <gmock/gmock.h>
 #include <signal.h>
 
@@ -35,7 +35,7 @@ class CoordinatorFaultsTest : public FarmTest {
     for (const Process* worker : crew_) worker->signal(SIGCONT);
   }
   std::filesystem::path log() const { return state_ / "tessera.db-wal"; }
-  // Whatever the coordinator writes to its database goes to the log first.
+  // The coordinator writes all changes of its database to the log first.
   bool wait_for_write() {
     std::error_code ignored;
     const auto before = std::filesystem::last_write_time(log(), ignored);
@@ -46,9 +46,9 @@ class CoordinatorFaultsTest : public FarmTest {
   std::vector<Process*> crew_;
 };
 
-// In the middle of writing, just after it, and at any other moment.
-TEST_F(CoordinatorFaultsTest, KilledAgainAndAgainItLosesNoBit) {
-  // Twice as long as the others' picture, for many crashes.
+// Kills it during a write, just after one, and at random moments.
+TEST_F(CoordinatorFaultsTest, RepeatedKillsLoseNoBit) {
+  // Twice the samples of the other tests, for many crashes.
   const std::vector<std::string> options{"--size", "320x256", "--spp", std::to_string(2 * kSpp)};
   start_farm();
   freeze_workers();
@@ -81,8 +81,8 @@ TEST_F(CoordinatorFaultsTest, KilledAgainAndAgainItLosesNoBit) {
   EXPECT_EQ(run_coordinator({"--check", state_}).exit_code, 0);
 }
 
-// Whoever is told that a job is done has its picture, even if the coordinator dies at that moment.
-TEST_F(CoordinatorFaultsTest, WhatIsToldToBeDoneIsDoneAfterACrash) {
+// A job that is reported as done has its image, even if the coordinator dies at that moment.
+TEST_F(CoordinatorFaultsTest, AJobReportedAsDoneIsDoneAfterACrash) {
   start_farm();
   const std::vector<std::string> options{"--size", "320x256", "--spp", "2"};
   for (int crash = 0; crash < 4; ++crash) {
@@ -127,13 +127,13 @@ TEST_F(CoordinatorFaultsTest, ACrashCostsWhatWasAcceptedInTheLastTwoSeconds) {
   }
 }
 
-TEST_F(CoordinatorFaultsTest, ToldToStopItWritesEverythingAndEndsWell) {
+TEST_F(CoordinatorFaultsTest, AStopWritesEverythingAndSucceeds) {
   start_farm();
   const std::string id = submit(options_);
   ASSERT_TRUE(wait_for_samples(id, kSamples / 20));
   freeze_workers();
   std::uint64_t before = 0;
-  // What they sent before they froze is still counted.
+  // Results that they sent before they froze are still accepted.
   ASSERT_TRUE(poll_until(20s, [&] {
     std::this_thread::sleep_for(500ms);
     return before == std::exchange(before, job(id).samples_done());
@@ -151,7 +151,7 @@ TEST_F(CoordinatorFaultsTest, ToldToStopItWritesEverythingAndEndsWell) {
   EXPECT_TRUE(image(id, ".exr") == render_here(options_, ".exr"));
 }
 
-// The answer that says which job was made may be the one that is lost.
+// The answer with the job's id may be lost.
 TEST_F(CoordinatorFaultsTest, ASubmissionDuringACrashMakesOneJob) {
   start_coordinator();
   ASSERT_EQ(tessera({"jobs"}).exit_code, 0);

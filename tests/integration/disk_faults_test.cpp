@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Disks that are full, read-only or damaged: a sentence that names the file and says what to do, and whatever
-// is whole goes on.
+// Disks that are full, read-only or damaged: messages name the file and say what to do, and everything intact
+// keeps working.
 #include <gmock/gmock.h>
 #include <signal.h>
 #include <sys/mount.h>
@@ -34,15 +34,14 @@ class DiskFaultsTest : public FarmTest {
   }
   Outcome check() { return run_coordinator({"--check", state_}); }
 
-  // Everything in the state folder, by path.
+  // All files in the state folder, by path.
   std::map<std::string, std::string> everything() const {
     std::map<std::string, std::string> files;
     for (const auto& entry : std::filesystem::recursive_directory_iterator(state_))
       files[entry.path()] = entry.is_regular_file() ? read_file(entry.path()) : "";
     return files;
   }
-  // Where each transaction ends in the log since that was last begun anew (SQLite Consortium 2022, section
-  // 4).
+  // The end of each transaction in the log since it was last restarted (SQLite Consortium 2022, section 4).
   std::vector<std::size_t> commits_in_log() const {
     constexpr std::size_t kHeader = 32;
     const std::string bytes = read_file(log());
@@ -63,7 +62,7 @@ class DiskFaultsTest : public FarmTest {
       bytes.put(static_cast<char>(byte ^ 0x55));
     }
   }
-  // Where these bytes stand in the file.
+  // The position of these bytes in the file.
   static std::uint64_t find(const std::filesystem::path& file, const std::string& bytes) {
     const std::size_t at = read_file(file).find(bytes);
     EXPECT_NE(at, std::string::npos);
@@ -77,7 +76,7 @@ class DiskFaultsTest : public FarmTest {
     ADD_FAILURE() << "the job has no " << path;
     return {};
   }
-  // Two jobs that are done, and the coordinator stopped in good order.
+  // Makes two done jobs, and stops the coordinator.
   std::vector<std::string> make_state() {
     start_coordinator();
     start_worker("worker", 1);
@@ -88,7 +87,7 @@ class DiskFaultsTest : public FarmTest {
   }
 };
 
-TEST_F(DiskFaultsTest, CheckingASoundStateChangesNothingAndSaysSo) {
+TEST_F(DiskFaultsTest, CheckingAnIntactStateChangesNothing) {
   const std::vector<std::string> ids = make_state();
   const auto before = everything();
   const Outcome stopped = check();
@@ -128,7 +127,7 @@ TEST_F(DiskFaultsTest, ASecondCoordinatorAndALaterReleaseAreRefused) {
   EXPECT_THAT(later.err, AllOf(HasSubstr(database()), HasSubstr("release")));
 }
 
-TEST_F(DiskFaultsTest, ADatabaseThatIsGoneEmptyOrGarbageIsToldAndNeverReplaced) {
+TEST_F(DiskFaultsTest, AMissingEmptyOrInvalidDatabaseIsReportedAndNeverReplaced) {
   make_state();
   const std::string whole = read_file(database());
   const std::string garbage(whole.size(), 'g');
@@ -153,8 +152,8 @@ TEST_F(DiskFaultsTest, SalvageKeepsEveryJobAndRendersDamagedTilesAgain) {
   const std::vector<std::string> ids = make_state();
   const std::string pictures[] = {render_here(kSmall, ".exr"),
                                   render_here({"--size", "128x64", "--spp", "4"}, ".exr")};
-  // Films are most of the file. The first page from its middle on that is in use is hit badly, then the last
-  // one is cut off.
+  // Films are most of the file. First a page in use near the middle is damaged, then the last page is cut
+  // off.
   constexpr std::uint64_t kPage = 16384;
   const std::function<void()> damages[] = {
       [&] {
@@ -184,14 +183,14 @@ TEST_F(DiskFaultsTest, SalvageKeepsEveryJobAndRendersDamagedTilesAgain) {
   }
 }
 
-TEST_F(DiskFaultsTest, ADamagedLogIsNoEndOfTheLog) {
+TEST_F(DiskFaultsTest, ADamagedLogIsReported) {
   start_coordinator();
   start_worker("worker", 1);
   const std::string id = submit({"--size", "128x128", "--spp", "100000"});
   ASSERT_TRUE(wait_for_samples(id, 1));
   ASSERT_TRUE(poll_until(60s, [&] { return commits_in_log().size() >= 4; }));
   kill_coordinator();
-  flip(log(), 32 + 24 + 100);  // in the first page of it: all that was written later would be forgotten
+  flip(log(), 32 + 24 + 100);  // in its first page: SQLite would drop everything after it
   const auto before = everything();
   const Outcome refused = start_expecting_failure();
   EXPECT_EQ(refused.exit_code, 1);
@@ -204,8 +203,8 @@ TEST_F(DiskFaultsTest, ADamagedLogIsNoEndOfTheLog) {
   EXPECT_TRUE(wait_for_samples(id, job(id).samples_done() + 1));
 }
 
-// As by a crash of the machine. Also in a folder of another name, which the state was copied to.
-TEST_F(DiskFaultsTest, ALogWhoseEndIsCutOffCostsItsLastTransactionAndNoJob) {
+// As after a crash of the machine. Also in a folder of another name to which the state was copied.
+TEST_F(DiskFaultsTest, ATruncatedLogLosesOnlyItsLastTransaction) {
   const std::vector<std::string> options{"--size", "128x128", "--spp", "4000"};
   start_coordinator();
   Process& worker = start_worker("worker", 1);
@@ -231,7 +230,7 @@ TEST_F(DiskFaultsTest, ALogWhoseEndIsCutOffCostsItsLastTransactionAndNoJob) {
     const std::string not_all = "tessera.db-wal is not all there, as a crash may leave it: ";
     EXPECT_EQ(checked.out.find(not_all) != std::string::npos, torn) << checked.out;
     restart_coordinator();
-    EXPECT_EQ(coordinator().err().find(not_all + "going on from") != std::string::npos, torn);
+    EXPECT_EQ(coordinator().err().find(not_all + "continuing with") != std::string::npos, torn);
     const std::uint64_t samples = job(id).samples_done();
     EXPECT_THAT(checked.out, HasSubstr(std::to_string(samples) + " of "));
     EXPECT_EQ(job(id).state(), v1::JOB_STATE_RUNNING);
@@ -263,7 +262,7 @@ TEST_F(DiskFaultsTest, ADamagedBlobIsNamedAndHarmsNoOtherJob) {
   EXPECT_TRUE(wait_for_state(again, v1::JOB_STATE_DONE));
 }
 
-// A file system of its own for the state folder, which only root can have.
+// Mounts a file system for the state folder, which needs root.
 class OwnDiskTest : public DiskFaultsTest {
  protected:
   void SetUp() override {
@@ -286,11 +285,11 @@ class OwnDiskTest : public DiskFaultsTest {
   bool mounted_ = false;
 };
 
-TEST_F(OwnDiskTest, AFullDiskIsToldRendersOnAndIsWrittenToWhenThereIsSpace) {
+TEST_F(OwnDiskTest, AFullDiskIsReportedAndCheckpointsResumeWithSpace) {
   const std::vector<std::string> options{"--size", "256x192", "--spp", "8"};
   start_coordinator();
   const std::string id = submit(options);
-  write_file(disk_ / "filler", std::string(4 << 20, 'f'));  // as much of it as there is space for
+  write_file(disk_ / "filler", std::string(4 << 20, 'f'));  // as much of it as fits
   start_worker("worker", 1);
   ASSERT_TRUE(wait_for_state(id, v1::JOB_STATE_DONE)) << "the render does not carry on in memory";
   ASSERT_TRUE(
@@ -313,8 +312,8 @@ TEST_F(OwnDiskTest, AFullDiskIsToldRendersOnAndIsWrittenToWhenThereIsSpace) {
   EXPECT_TRUE(image(id, ".exr") == render_here(options, ".exr"));
 }
 
-// As soon as the worker has failed once, whoever waits reads why.
-TEST_F(DiskFaultsTest, AWorkerWhoseDiskIsFullIsToldOfToWhoeverWaits) {
+// Waiting clients see the reason as soon as the worker has failed once.
+TEST_F(DiskFaultsTest, AFullDiskOfAWorkerIsReportedToWaitingClients) {
   const std::filesystem::path cache = folder_ / "cache-full";
   std::filesystem::create_directory(cache);
   if (mount("tessera-test", cache.c_str(), "tmpfs", 0, "size=64k,mode=0700") != 0)

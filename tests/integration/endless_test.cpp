@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What samples that never come to an end cost: their job, and each worker that they keep for a minute.
+// Samples that never end fail their job, and cost each affected worker a minute.
 #include <gmock/gmock.h>
 #include <signal.h>
 #include <stdlib.h>
@@ -19,8 +19,8 @@ using namespace std::chrono_literals;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-// Within every limit: a mirror room that a ray leaves after 1024 reflections, each off a million spheres at
-// the same place. One sample of a tile takes a processor half an hour.
+// A scene within all limits: a room of mirrors that a ray leaves after 1024 reflections, each at a million
+// coincident spheres. One sample of a tile takes half an hour of CPU time.
 std::string endless_scene() {
   const std::string sphere =
       R"({"type": "sphere", "center": [0, 0, 0.1], "radius": 1, "material": "mirror"})";
@@ -39,7 +39,7 @@ class EndlessTest : public FarmTest {
  protected:
   const std::vector<std::string> honest_{"--size", "256x192", "--spp", "8"};
 
-  // Of workers that have shown that they can render.
+  // Starts workers that have delivered before.
   void start_farm(const std::set<std::string>& names) {
     start_coordinator(1);
     for (const std::string& name : names) farm_.emplace(name, &start_worker(name, 1));
@@ -61,7 +61,7 @@ class EndlessTest : public FarmTest {
       if (worker.name() == name) samples += worker.samples_accepted();
     return samples;
   }
-  // Its sockets and pipes.
+  // The sockets and pipes of a process.
   static std::set<std::string> open_files(pid_t process) {
     std::set<std::string> files;
     const std::filesystem::path folder = "/proc/" + std::to_string(process) + "/fd";
@@ -85,15 +85,15 @@ class EndlessTest : public FarmTest {
   }
   static bool has_started_anew(const Process& worker) {
     const std::string log = worker.err();
-    const std::size_t at = log.find("starting anew");
+    const std::size_t at = log.find("restarting, since");
     return at != std::string::npos && log.find("registered with the coordinator", at) != std::string::npos;
   }
 
   std::map<std::string, Process*> farm_;
 };
 
-TEST_F(EndlessTest, EachWorkerThatItKeepsComesBackAndTheJobFails) {
-  // Threads keep to one processor each, and tell at each start which there are.
+TEST_F(EndlessTest, HungWorkersRestartAndTheJobFails) {
+  // Threads are bound to one processor each, and each start prints the processors.
   setenv("OMP_PROC_BIND", "true", 1);
   setenv("OMP_DISPLAY_ENV", "true", 1);
   start_farm({"first", "second", "third"});
@@ -107,7 +107,7 @@ TEST_F(EndlessTest, EachWorkerThatItKeepsComesBackAndTheJobFails) {
     ASSERT_TRUE(poll_until(90s, [&, w = worker] { return has_started_anew(*w); })) << name;
     EXPECT_THAT(worker->err(), HasSubstr("job " + endless +
                                          ": samples [0, 1) of the tile with the pixels "
-                                         "[0, 64) x [0, 64) came to no end"));
+                                         "[0, 64) x [0, 64) did not finish"));
     EXPECT_EQ(command_name(*worker), "tessera-worker\n");
     EXPECT_THAT(read_file("/proc/" + std::to_string(worker->pid()) + "/environ"),
                 HasSubstr("TESSERA_WORKER_BARREN_STARTS=0"));
@@ -129,7 +129,7 @@ TEST_F(EndlessTest, EachWorkerThatItKeepsComesBackAndTheJobFails) {
   }
 }
 
-TEST_F(EndlessTest, AWorkerThatIsToldToStopEndsAllTheSame) {
+TEST_F(EndlessTest, AHungWorkerStopsOnRequest) {
   start_coordinator(1);
   Process& worker = start_worker("told", 1);
   submit_endless();
@@ -137,8 +137,8 @@ TEST_F(EndlessTest, AWorkerThatIsToldToStopEndsAllTheSame) {
       poll_until(30s, [&] { return worker.err().find("made scene endless.json") != std::string::npos; }));
   worker.signal(SIGTERM);
   EXPECT_EQ(worker.wait(60s), 0);
-  EXPECT_THAT(worker.err(), HasSubstr("came to no end"));
-  EXPECT_THAT(worker.err(), Not(HasSubstr("starting anew")));
+  EXPECT_THAT(worker.err(), HasSubstr("did not finish"));
+  EXPECT_THAT(worker.err(), Not(HasSubstr("restarting, since")));
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What goes wrong on a farm costs time and never a wrong picture.
+// Failures in a farm cost time, but never a bit of an image.
 #include <gmock/gmock.h>
 #include <signal.h>
 
@@ -20,7 +20,7 @@ class FailuresTest : public FarmTest {
   static constexpr std::uint64_t kSamples = 256ull * 192 * 48;
   const std::vector<std::string> options_{"--size", "256x192", "--spp", "48"};
 
-  // A job of which something, and by far not everything, is rendered.
+  // A job with some, but by far not all, of its samples rendered.
   std::string start_job() {
     const std::string id = submit(options_);
     EXPECT_TRUE(wait_for_samples(id, kSamples / 20));
@@ -28,7 +28,7 @@ class FailuresTest : public FarmTest {
     return id;
   }
 
-  // Takes what it is given and says that it holds it. Whether there was something to take.
+  // Takes leases and reports them. Returns whether there were any.
   bool take_and_die(const std::string& name) {
     RawWorker worker(address(), name);
     const bool taken = !worker.synchronize().leases().empty();
@@ -55,7 +55,7 @@ TEST_F(FailuresTest, AKilledWorkerCostsOnlyItsLease) {
   expect_local_bytes(id);
 }
 
-// Leases would last an hour here: the job can only be done in time if the leaving worker gives its own back.
+// A lease lasts an hour here: the job is done in time only if the stopping worker gives its leases back.
 TEST_F(FailuresTest, AWorkerThatIsToldToStopGivesItsLeasesBack) {
   start_coordinator(3600);
   start_worker("stays", 1);
@@ -68,7 +68,7 @@ TEST_F(FailuresTest, AWorkerThatIsToldToStopGivesItsLeasesBack) {
   expect_local_bytes(id);
 }
 
-// These workers take what they are given, say so, and are never heard of again.
+// These workers take leases, report them, and then send no more heartbeats.
 TEST_F(FailuresTest, ARangeThatKillsEveryWorkerEndsItsJobAndNoOther) {
   start_coordinator(1);
   const std::string deadly = submit({"--size", "256x192", "--spp", "4"});
@@ -122,7 +122,7 @@ TEST_F(FailuresTest, AJobWhoseFilesTheCoordinatorHasLostFails) {
   start_worker("worker", 1);
   ASSERT_TRUE(wait_for_state(id, v1::JOB_STATE_FAILED));
   EXPECT_THAT(job(id).failure(), HasSubstr("box.obj: the coordinator has lost this file"));
-  // The file is uploaded anew.
+  // The file is uploaded again.
   const std::string again = submit({"--size", "64x64", "--spp", "1"});
   EXPECT_TRUE(wait_for_state(again, v1::JOB_STATE_DONE));
 }
@@ -132,7 +132,7 @@ TEST_F(FailuresTest, ASecondSignalStopsAWorkerAtOnce) {
   Process& worker = start_worker("worker", 1);
   ASSERT_TRUE(wait_for_workers(1));
   kill_coordinator();
-  // The first has nobody to deliver to and keeps trying; the second does not wait for that.
+  // The first signal makes it retry the delivery without a coordinator; the second one ends that.
   worker.signal(SIGINT);
   ASSERT_TRUE(poll_until(10s, [&] { return worker.err().find("stopping") != std::string::npos; }));
   worker.signal(SIGINT);
@@ -149,7 +149,7 @@ TEST_F(FailuresTest, AFrozenWorkersLateResultsDoNoHarm) {
   ASSERT_TRUE(wait_for_state(id, v1::JOB_STATE_DONE));
   const v1::Job done = job(id);
   frozen.signal(SIGCONT);
-  // It has delivered what nobody waits for any more by the time it renders for another job.
+  // Its unwanted results are delivered before it renders for another job.
   const std::string next = submit({"--size", "64x64", "--spp", "1"});
   ASSERT_TRUE(wait_for_state(next, v1::JOB_STATE_DONE));
   frozen.signal(SIGTERM);
@@ -158,7 +158,7 @@ TEST_F(FailuresTest, AFrozenWorkersLateResultsDoNoHarm) {
   expect_local_bytes(id);
 }
 
-TEST_F(FailuresTest, AKilledCoordinatorGoesOnWhereItWas) {
+TEST_F(FailuresTest, AKilledCoordinatorContinuesItsJobs) {
   start_coordinator();
   start_worker("one", 1);
   start_worker("two", 1);

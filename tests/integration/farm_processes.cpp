@@ -17,8 +17,8 @@ using namespace std::chrono_literals;
 constexpr Timeout kStartTimeout = 20s;
 constexpr Timeout kCommandTimeout = 120s;
 
-// Again and again while nobody answers: a coordinator that was restarted a moment ago has to be connected to
-// first. Another failure, or none in time, is an empty answer.
+// Retries while there is no answer: after a restart of the coordinator, the channel must reconnect first. Any
+// other failure, or a timeout, gives an empty answer.
 template <typename Method, typename Request, typename Response>
 Response ask(v1::RenderService::StubInterface& api, Method method, const Request& request,
              Response response) {

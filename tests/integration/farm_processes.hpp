@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A farm of real processes: a coordinator on a free port, workers, and the command line. Not thread-safe.
+// A farm of real processes: a coordinator on a free port, workers, and command-line clients. Not thread-safe.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@ namespace tessera::test {
 
 inline const std::string kCornell = TESSERA_SOURCE_DIR "/scenes/cornell/scene.json";
 
-// What a command printed, and how it ended.
+// The output of a command and its exit code.
 struct Outcome {
   ExitCode exit_code = -1;
   std::string out, err;
@@ -24,32 +24,32 @@ struct Outcome {
 
 class FarmTest : public ::testing::Test {
  protected:
-  // Prints what every process said if the test failed.
+  // Prints the output of every process if the test failed.
   ~FarmTest() override;
 
   // Throws std::runtime_error if it does not start.
   void start_coordinator(double lease_seconds = 2);
-  // As a crash would: without any warning.
+  // SIGKILL.
   void kill_coordinator();
-  // On the same state and address.
+  // With the same state and address.
   void restart_coordinator();
-  // By SIGTERM; it must end well.
+  // SIGTERM; it must exit with success.
   void stop_coordinator();
-  // As far as it gets: for coordinators that do not start, and for --check and --salvage.
+  // Runs a coordinator until it exits: for those that do not start, and for --check and --salvage.
   Outcome run_coordinator(const std::vector<std::string>& arguments);
   Process& coordinator() { return *coordinator_; }
 
   Process& start_worker(const std::string& name, int threads);
-  // One command of the command line, from start to end.
+  // Runs one command until it exits.
   Outcome tessera(const std::vector<std::string>& arguments, const std::filesystem::path& folder = ".");
   Process start_tessera(const std::vector<std::string>& arguments, const std::filesystem::path& folder = ".");
 
-  // The bytes of `tessera render` of the Cornell box with these options, in the format of the ending. Renders
-  // once for all formats.
+  // The output of `tessera render` of the Cornell box with these options, in the format of the ending.
+  // Renders once for all formats.
   std::string render_here(const std::vector<std::string>& options, const std::string& ending);
   // Submits the Cornell box with these options.
   std::string submit(const std::vector<std::string>& options);
-  // The picture of a job as it is now.
+  // The current image of a job.
   std::string image(const std::string& job_id, const std::string& ending);
 
   v1::RenderService::StubInterface& api();
@@ -64,13 +64,13 @@ class FarmTest : public ::testing::Test {
   bool wait_for_workers(std::size_t count);
 
   TempFolder folder_;
-  // To be set before a coordinator is started: where it keeps its state and listens at first, and in whose
-  // network namespaces processes run, by their names ("coordinator", "tessera", a worker's).
+  // Set before a coordinator is started: its state folder and address, and the processes whose network
+  // namespaces programs enter, by name ("coordinator", "tessera", or a worker's).
   std::filesystem::path state_ = folder_ / "state";
   std::string listen_ = "127.0.0.1:0";
   std::map<std::string, pid_t> networks_;
-  // To be set before a coordinator is started: its further options, and how this test, workers and the
-  // command line show who they are.
+  // Set before a coordinator is started: its further options, and the credentials of this test, workers and
+  // clients.
   std::vector<std::string> coordinator_options_;
   proto::ClientSecurity security_;
 
@@ -81,8 +81,8 @@ class FarmTest : public ::testing::Test {
   double lease_seconds_ = 2;
   std::string address_;
   int started_ = 0;
-  std::vector<ProcessOptions> history_;                                 // for what they said
-  std::map<std::vector<std::string>, std::filesystem::path> rendered_;  // folders with pictures, by options
+  std::vector<ProcessOptions> history_;                                 // for their output
+  std::map<std::vector<std::string>, std::filesystem::path> rendered_;  // folders with images, by options
   std::unique_ptr<Process> coordinator_;
   std::vector<std::unique_ptr<Process>> workers_;
   std::unique_ptr<v1::RenderService::StubInterface> api_;

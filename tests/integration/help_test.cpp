@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// --help and --version of every program and command, as a newcomer reads them.
+// Checks --help and --version of every program and command.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -18,7 +18,7 @@ using ::testing::Not;
 
 class HelpTest : public ::testing::Test {
  protected:
-  // What a program says on stdout; it must end well and say nothing else.
+  // The output of a program on stdout; it must exit with success and print nothing to stderr.
   std::string said(const std::vector<std::string>& command) const {
     Process process({.arguments = command, .out = folder_ / "out", .err = folder_ / "err"});
     EXPECT_EQ(process.wait(std::chrono::seconds(20)), 0) << command.front();
@@ -32,7 +32,7 @@ class HelpTest : public ::testing::Test {
 const std::vector<std::vector<std::string>> kPrograms{
     {TESSERA_CLIENT}, {TESSERA_COORDINATOR_PROGRAM}, {TESSERA_WORKER}, {TESSERA_VALIDATOR}};
 
-// Programs, and commands as the client's help lists them.
+// The programs, and the commands that the client's help lists.
 std::vector<std::vector<std::string>> all_commands(const std::string& help_of_client) {
   std::vector<std::vector<std::string>> commands = kPrograms;
   static const std::regex name("\n  ([a-z]+) +[A-Z]");
@@ -49,7 +49,7 @@ std::vector<std::string> lines_of(const std::string& text) {
   return lines;
 }
 
-// Of options and arguments: what stands to their right or in the next line.
+// Options and arguments have a description, beside them or in the next line.
 void expect_descriptions(const std::string& help) {
   const std::vector<std::string> lines = lines_of(help);
   const std::string margin(28, ' ');
@@ -85,8 +85,8 @@ TEST_F(HelpTest, IsCompleteAndFitsATerminal) {
   }
 }
 
-// scripts/write_command_line_docs.sh writes it there.
-TEST_F(HelpTest, IsWhatTheReferencePageShows) {
+// The page is written by scripts/write_command_line_docs.sh.
+TEST_F(HelpTest, MatchesTheReferencePage) {
   const std::string page = read_file(TESSERA_SOURCE_DIR "/docs/command-line.md");
   for (std::vector<std::string> command : all_commands(said({TESSERA_CLIENT, "--help"}))) {
     std::string shown = command.front().substr(command.front().rfind('/') + 1);
@@ -109,7 +109,7 @@ TEST_F(HelpTest, NamesEnvironmentVariablesAndDefaults) {
   }
 }
 
-TEST_F(HelpTest, MistakesAreToldAlikeByEveryProgram) {
+TEST_F(HelpTest, AllProgramsReportUsageErrorsAlike) {
   for (const auto& program : kPrograms) {
     Process process(
         {.arguments = {program.front(), "--no-such-option"}, .out = folder_ / "out", .err = folder_ / "err"});

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What callers without credentials, and callers that mean harm, send to a coordinator: it neither ends nor
-// swells, and serves others meanwhile.
+// Hostile calls, also without credentials, neither end a coordinator nor exhaust its memory, and it serves
+// others meanwhile.
 #include <gmock/gmock.h>
 #include <grpcpp/client_context.h>
 #include <sys/stat.h>
@@ -25,7 +25,7 @@ using ::testing::HasSubstr;
 
 constexpr const char* kGetJob = "/tessera.v1.RenderService/GetJob";
 
-// What a message of two bytes a piece parses into: empty messages in field 1.
+// A message that parses into one object for every two bytes: empty messages in field 1.
 std::string empty_messages(std::size_t bytes) {
   std::string message;
   while (message.size() < bytes) message += std::string("\x0a\0", 2);
@@ -37,7 +37,7 @@ class HostileCallsTest : public FarmTest {
   void start(const std::vector<std::string>& options = {}) {
     coordinator_options_ = options;
     start_coordinator();
-    EXPECT_TRUE(jobs().empty());  // the first call takes memory of its own
+    EXPECT_TRUE(jobs().empty());  // the first call allocates memory of its own
   }
   void start_with_tokens(std::vector<std::string> options = {}) {
     write_file(folder_ / "tokens", "admin root root-0123456789abcdef\n");
@@ -46,14 +46,14 @@ class HostileCallsTest : public FarmTest {
     options.insert(options.end(), {"--tokens", folder_ / "tokens"});
     start(options);
   }
-  // The coordinator's greatest resident memory so far.
+  // The coordinator's peak resident memory.
   std::uint64_t peak_mib() {
     std::ifstream status("/proc/" + std::to_string(coordinator().pid()) + "/status");
     for (std::string line; std::getline(status, line);)
       if (line.starts_with("VmHWM:")) return std::stoull(line.substr(6)) / 1024;
     return 0;
   }
-  // A job whose description has about a megabyte: one file under many names.
+  // A job whose description has about a megabyte: one file with many names.
   std::string submit_with_many_names() {
     const std::string scene = R"({
       "camera": {"position": [0, 0, 4], "look_at": [0, 0, 0]},
@@ -90,7 +90,7 @@ class HostileCallsTest : public FarmTest {
   }
 };
 
-TEST_F(HostileCallsTest, StreamsThatBringNoMessageAreFewAndEnd) {
+TEST_F(HostileCallsTest, StreamsWithoutAMessageAreLimitedAndEnded) {
   start({"--stall-seconds", "1"});
   const std::uint64_t before = peak_mib();
   Http2Connection connection(address(), 1 << 20);
@@ -108,7 +108,7 @@ TEST_F(HostileCallsTest, StreamsThatBringNoMessageAreFewAndEnd) {
   })) << modest.ended_streams();
 }
 
-TEST_F(HostileCallsTest, StrangersAreRefusedBeforeTheirMessageIsRead) {
+TEST_F(HostileCallsTest, UnauthenticatedCallsAreRejectedBeforeTheirMessageIsRead) {
   start_with_tokens();
   const std::uint64_t before = peak_mib();
   Http2Connection connection(address(), 1 << 20);
@@ -126,7 +126,7 @@ TEST_F(HostileCallsTest, StrangersAreRefusedBeforeTheirMessageIsRead) {
   expect_well(before, 64);
 }
 
-TEST_F(HostileCallsTest, MessagesThatSwellAreRefusedBeforeTheyAreParsed) {
+TEST_F(HostileCallsTest, MessagesThatExpandAreRejectedBeforeTheyAreParsed) {
   start();
   const std::uint64_t before = peak_mib();
   const std::string digests = empty_messages(16 << 20);
@@ -135,7 +135,7 @@ TEST_F(HostileCallsTest, MessagesThatSwellAreRefusedBeforeTheyAreParsed) {
   std::string bundle;
   while (bundle.size() < 16 << 20) bundle += std::string("\x12\0", 2);
   const std::uint32_t size = static_cast<std::uint32_t>(bundle.size());
-  std::string submission = "\x1a";  // field 3, of so many bytes
+  std::string submission = "\x1a";  // field 3, with this length
   for (std::uint32_t left = size; left > 0; left >>= 7)
     submission.push_back(static_cast<char>((left & 127) | (left > 127 ? 128 : 0)));
   submission += bundle;
@@ -171,7 +171,7 @@ TEST_F(HostileCallsTest, CompressedMessagesAreRefused) {
   expect_well(before, 32);
 }
 
-TEST_F(HostileCallsTest, AnswersThatNobodyTakesAreBounded) {
+TEST_F(HostileCallsTest, UnreadAnswersAreBounded) {
   start({"--max-answer-mib", "8", "--max-calls-per-second", "100000"});
   const std::string message = "\x0a " + submit_with_many_names();  // GetJobRequest{job_id}
   const std::uint64_t before = peak_mib();
@@ -184,7 +184,7 @@ TEST_F(HostileCallsTest, AnswersThatNobodyTakesAreBounded) {
   expect_well(before, 100);
 }
 
-TEST_F(HostileCallsTest, WhatCannotBeReadIsToldInWords) {
+TEST_F(HostileCallsTest, UnreadableMessagesAreExplained) {
   start();
   const auto not_utf8 = raw_call(address(), kGetJob, "\x0a\x01\xff");
   ASSERT_FALSE(not_utf8);
@@ -215,7 +215,7 @@ TEST_F(HostileCallsTest, GuessedTokensAreLoggedRarelyAndAnsweredSlowly) {
   EXPECT_TRUE(jobs().empty()) << "who has a token is served at once";
 }
 
-TEST_F(HostileCallsTest, SchemesOfTokensAreInAnyCase) {
+TEST_F(HostileCallsTest, TokenSchemesAreCaseInsensitive) {
   start_with_tokens();
   const auto stub = v1::RenderService::NewStub(*proto::open_channel(address()));
   grpc::ClientContext context;
@@ -224,7 +224,7 @@ TEST_F(HostileCallsTest, SchemesOfTokensAreInAnyCase) {
   EXPECT_TRUE(stub->ListJobs(&context, {}, &response).ok());
 }
 
-// Parsed before anybody is asked for a token, reflection would let strangers in by a side door.
+// Reflection would be parsed before a token is checked.
 TEST_F(HostileCallsTest, ReflectionIsForFarmsWithoutTokens) {
   start_with_tokens();
   EXPECT_FALSE(
@@ -243,7 +243,7 @@ TEST_F(HostileCallsTest, SecretsAndStateAreForTheOwnerAlone) {
   }
 }
 
-TEST_F(HostileCallsTest, TooFewAddressesAreToldAtTheStart) {
+TEST_F(HostileCallsTest, ATooSmallAddressSpaceIsReportedAtTheStart) {
   for (const char* const kib : {"900000", "400000", "150000"}) {
     ProcessOptions options;
     options.arguments = {"/bin/sh", "-c",

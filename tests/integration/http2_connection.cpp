@@ -46,7 +46,7 @@ std::string headers(const std::string& path) {
          header("te", "trailers");
 }
 
-// Whether it is connected, the first call tells.
+// A failed connection shows with the first call.
 int connect_to(const std::string& address) {
   const int socket = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
   sockaddr_in peer{};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A connection to a coordinator on which a test sends frames of HTTP/2 (RFC 9113) that no library would send.
-// Not thread-safe.
+// A raw connection on which a test sends HTTP/2 frames (RFC 9113) that no library would send. Not
+// thread-safe.
 #pragma once
 
 #include <cstddef>
@@ -12,21 +12,22 @@ namespace tessera::test {
 
 class Http2Connection {
  public:
-  // To HOST:PORT on the loopback. Allows the peer so many bytes of data on each stream.
+  // Connects to HOST:PORT on the loopback. The peer may send so many bytes on each stream.
   Http2Connection(const std::string& address, std::uint32_t stream_window_bytes);
   ~Http2Connection();
   Http2Connection(const Http2Connection&) = delete;
   Http2Connection& operator=(const Http2Connection&) = delete;
 
-  // Begins a call of "/package.Service/Method"; without a message if `message` is null. False if the peer has
+  // Starts a call of "/package.Service/Method", without a message if `message` is null. False if the peer has
   // closed the connection.
   bool call(const std::string& method, const std::string* message = nullptr);
-  // Takes what has come, so that the peer can go on writing. Blocks for at most so long.
+  // Reads frames for at most so long, so that the peer can continue writing.
   void drain(int milliseconds);
 
-  // How many streams have ended in what was drained, by RST_STREAM or by HEADERS that end them, or by both.
+  // The number of streams in the frames read so far that ended, by RST_STREAM, by HEADERS with END_STREAM, or
+  // by both.
   std::size_t ended_streams() const { return ended_streams_.size(); }
-  // The peer's SETTINGS_MAX_CONCURRENT_STREAMS; 0 while none was drained.
+  // The peer's SETTINGS_MAX_CONCURRENT_STREAMS; 0 before it was read.
   std::uint32_t max_concurrent_streams() const { return max_concurrent_streams_; }
 
  private:

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The same bytes from one process and from farms of one, two and three workers with different numbers of
-// threads.
+// A local render and farms of one, two and three workers with different numbers of threads give the same
+// bytes.
 #include <fstream>
 
 #include "tests/integration/farm_processes.hpp"
@@ -34,7 +34,7 @@ TEST_P(IdentityTest, AFarmRendersTheBytesOfALocalRender) {
   for (const char* ending : {".png", ".exr", ".hdr", ".pfm"}) {
     const std::string farm = read_file(folder_ / (std::string("farm") + ending));
     EXPECT_FALSE(farm.empty());
-    // Not EXPECT_EQ: nobody wants to see the bytes.
+    // Not EXPECT_EQ, which would print the bytes.
     EXPECT_TRUE(farm == render_here(kOptions, ending)) << ending << " differs from the local render";
   }
   std::uint64_t accepted = 0;
@@ -63,9 +63,9 @@ std::vector<std::string> joined(std::vector<std::string> front, const std::vecto
   return front;
 }
 
-// Whatever the scene file says of lens, filter and output, and whatever the command line replaces of it: when
-// the job is submitted, when its picture is fetched, or here.
-TEST_F(FarmTest, LensFilterExposureAndToneCurveComeOutTheSame) {
+// Settings of lens, filter and output in the scene file, and overrides on the command line: at submission,
+// when the image is fetched, or in a local render.
+TEST_F(FarmTest, LensFilterExposureAndToneCurveGiveTheSameBytes) {
   start_coordinator();
   start_worker("one", 2);
   const std::string scene = folder_ / "bokeh.json", here = folder_ / "here.png", farm = folder_ / "farm.png";
@@ -89,8 +89,8 @@ TEST_F(FarmTest, LensFilterExposureAndToneCurveComeOutTheSame) {
   EXPECT_TRUE(read_file(farm) == as_the_scene_says);
 }
 
-// A scene with files beside it, and in another order of workers and submissions: the second job finds
-// everything in the caches.
+// A scene with assets, and workers and submissions in another order: the second job finds all files in the
+// caches.
 TEST_F(FarmTest, TwoJobsAtOnceDoNotDisturbEachOther) {
   start_coordinator();
   start_worker("one", 1);
@@ -104,8 +104,7 @@ TEST_F(FarmTest, TwoJobsAtOnceDoNotDisturbEachOther) {
   EXPECT_TRUE(image(second, ".pfm") == render_here(second_options, ".pfm"));
 }
 
-// Lights of every kind, with and without extent, a mirror and glass for trees of rays to branch at, and
-// instances.
+// All kinds of lights, a mirror and glass for branching paths, and instances.
 constexpr std::string_view kLitScene = R"({
   "camera": { "position": [0, 1.5, 6], "look_at": [0, 1, 0] },
   "materials": { "floor": { "type": "lambert" }, "glass": { "type": "glass" }, "mirror": { "type": "mirror" },
@@ -151,8 +150,8 @@ TEST_F(FarmTest, EveryLightAndIntegratorRendersTheSameBytes) {
   }
 }
 
-// A window: the bytes of a local render of it, stopped and continued as well.
-TEST_F(FarmTest, AWindowOfAPictureRendersTheBytesOfALocalRender) {
+// A crop window has the bytes of a local render of it, also after a pause.
+TEST_F(FarmTest, ACropWindowRendersTheBytesOfALocalRender) {
   start_coordinator();
   start_worker("one", 1);
   start_worker("two", 2);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Ctrl-C leaves no file, whoever renders.
+// Ctrl-C leaves no partial file, for local renders and farm commands.
 #include <gmock/gmock.h>
 #include <signal.h>
 

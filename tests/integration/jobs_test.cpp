@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What users do with jobs, through the command line.
+// The users' commands for jobs.
 #include <gmock/gmock.h>
 
 #include "tests/integration/farm_processes.hpp"
@@ -11,11 +11,11 @@ using ::testing::HasSubstr;
 
 class JobsTest : public FarmTest {
  protected:
-  // Far more than this test waits for.
+  // Has far more samples than this test waits for.
   std::string submit_long_job() { return submit({"--size", "256x256", "--spp", "100000", "--name", "long"}); }
 };
 
-TEST_F(JobsTest, PausedJobsWaitAndResumedOnesEndInTheSamePicture) {
+TEST_F(JobsTest, PausedJobsWaitAndResumedOnesGiveTheSameImage) {
   start_coordinator();
   start_worker("worker", 2);
   const std::vector<std::string> options{"--size", "192x128", "--spp", "48"};
@@ -30,7 +30,7 @@ TEST_F(JobsTest, PausedJobsWaitAndResumedOnesEndInTheSamePicture) {
   EXPECT_TRUE(image(id, ".exr") == render_here(options, ".exr"));
 }
 
-TEST_F(JobsTest, AnExtendedJobBecomesThePictureOfMoreSamples) {
+TEST_F(JobsTest, AnExtendedJobGivesTheImageOfMoreSamples) {
   start_coordinator();
   start_worker("worker", 2);
   const std::string id = submit({"--size", "130x100", "--spp", "5"});
@@ -45,7 +45,7 @@ TEST_F(JobsTest, AnExtendedJobBecomesThePictureOfMoreSamples) {
   EXPECT_THAT(fewer.err, HasSubstr("3"));
 }
 
-TEST_F(JobsTest, ACancelledJobKeepsItsPictureUntilItIsDeleted) {
+TEST_F(JobsTest, ACancelledJobKeepsItsImageUntilItIsDeleted) {
   start_coordinator();
   start_worker("worker", 1);
   const std::string id = submit_long_job();
@@ -61,12 +61,12 @@ TEST_F(JobsTest, ACancelledJobKeepsItsPictureUntilItIsDeleted) {
   EXPECT_EQ(gone.exit_code, 1);
   EXPECT_THAT(gone.err, HasSubstr("no job '" + id + "'"));
 
-  // The worker is free for others at once.
+  // The worker can render other jobs at once.
   const std::string next = submit({"--size", "64x64", "--spp", "1"});
   EXPECT_EQ(tessera({"watch", next}).exit_code, 0);
 }
 
-TEST_F(JobsTest, AnUnfinishedPictureCanBeFetched) {
+TEST_F(JobsTest, AnUnfinishedImageCanBeFetched) {
   start_coordinator();
   start_worker("worker", 1);
   const std::string id = submit_long_job();
@@ -128,7 +128,7 @@ TEST_F(JobsTest, AnUpdateChangesHowManyWorkersRenderAJobAndWhoComesFirst) {
   EXPECT_THAT(raised.out, HasSubstr("priority 3, at most 2 workers"));
   EXPECT_TRUE(comes_to(limited, 2));
   EXPECT_THAT(tessera({"jobs"}).out, HasSubstr("2/2"));
-  // Of lower priority than the other now, which may have everybody.
+  // Its priority is below that of the other job, which may have all workers.
   ASSERT_EQ(tessera({"update", limited, "--priority", "-1"}).exit_code, 0);
   EXPECT_TRUE(comes_to(limited, 0));
   EXPECT_TRUE(comes_to(other, 3));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A worker that renders as it should, flips a bit, and delivers that with a valid checksum.
+// A worker that renders correctly, flips a bit, and delivers the result with a valid checksum.
 #include <gmock/gmock.h>
 #include <grpcpp/client_context.h>
 
@@ -28,7 +28,8 @@ class Liar {
         scene_(*core::Scene::build(*core::load_scene_file(kCornell), 1)),
         coordinator_(v1::WorkerService::NewStub(*proto::open_channel(address))) {}
 
-  // Takes a lease and delivers all of it, with a bit flipped in each range. Whether there was one.
+  // Takes a lease and delivers all of it, with a bit flipped in each range. Returns whether there was a
+  // lease.
   bool lie() {
     v1::SynchronizeResponse given;
     if (!synchronize(given).ok() || given.leases().empty()) return false;
@@ -44,7 +45,7 @@ class Liar {
     return submit(result).ok();
   }
 
-  // Delivers what is no result at all.
+  // Delivers an invalid message.
   grpc::Status send_garbage() {
     v1::SubmitResultRequest garbage = message();
     garbage.set_job_id(lease_.job_id());
@@ -54,7 +55,7 @@ class Liar {
     return submit(garbage);
   }
 
-  // A sample of the first tile in somebody's name, with sums of nobody's.
+  // Delivers a sample of the first tile under another worker's id, with invented sums.
   grpc::Status forge(const std::string& worker_id, const std::string& job_id, std::uint64_t lease) {
     v1::SubmitResultRequest result = message();
     result.set_worker_id(worker_id);
@@ -72,7 +73,7 @@ class Liar {
     v1::SynchronizeResponse response;
     return synchronize(request, response);
   }
-  // Whether it was given a lease, which it holds from now on.
+  // Takes the first lease of the answer. Returns whether there was one.
   bool take(const v1::SynchronizeResponse& given) {
     if (given.leases().empty()) return false;
     lease_ = given.leases(0);
@@ -118,7 +119,7 @@ class Liar {
     core::FilmTile tile = core::render(scene_, settings_, item.rect, item.range, 1);
     const std::size_t middle = tile.sums.size() / 2;
     const std::uint64_t flipped = std::uint64_t{1} << 30;
-    // Of a sample with an even number, if there is one: else of an odd one, which counts in both sums.
+    // Flips a bit of an even sample if there is one. An odd sample counts in both sums.
     if (item.range.odd_count() == item.range.count()) tile.odd_sums[middle] += flipped;
     tile.sums[middle] += flipped;
     return proto::encode_tile(tile);
@@ -135,7 +136,7 @@ class Liar {
 
 class LiarsTest : public FarmTest {
  protected:
-  // A worker is shown for ten times as long after it was last heard of.
+  // A worker is listed for ten times as long after its last heartbeat.
   static constexpr double kLeaseSeconds = 20;
   const std::vector<std::string> options_{"--size", "192x128", "--spp", "16"};
 
@@ -151,7 +152,7 @@ class LiarsTest : public FarmTest {
   }
 };
 
-TEST_F(LiarsTest, AnAuditedFarmFindsOutWhoLiesAndRendersTheLocalPicture) {
+TEST_F(LiarsTest, AuditsDetectLiarsAndTheImageIsThatOfALocalRender) {
   coordinator_options_ = {"--audit", "1"};
   start_coordinator(kLeaseSeconds);
   const std::string id = submit(options_);
@@ -180,8 +181,8 @@ TEST_F(LiarsTest, AnAuditedFarmFindsOutWhoLiesAndRendersTheLocalPicture) {
   }
 }
 
-// Without audits its bits are in a picture that is done, until it gives itself away.
-TEST_F(LiarsTest, WhatWasRenderedByAWorkerThatIsPutAsideIsRenderedAgain) {
+// Without audits, its wrong samples are in a done image until it is detected.
+TEST_F(LiarsTest, SamplesOfAQuarantinedWorkerAreRenderedAgain) {
   start_coordinator(kLeaseSeconds);
   const std::string id = submit(options_);
   Liar liar_worker(address());
@@ -202,8 +203,8 @@ TEST_F(LiarsTest, WhatWasRenderedByAWorkerThatIsPutAsideIsRenderedAgain) {
   expect_local_bytes(id);
 }
 
-// What anybody can do who reaches the port, at another worker's cost.
-TEST_F(LiarsTest, WhoForgesIdsLeasesAndNamesHarmsNobody) {
+// Any caller that reaches the port could try this against another worker.
+TEST_F(LiarsTest, ForgedIdsLeasesAndNamesHarmNobody) {
   coordinator_options_ = {"--audit", "0.02"};
   start_coordinator(kLeaseSeconds);
   Process& one = start_worker("one", 1);
@@ -212,18 +213,18 @@ TEST_F(LiarsTest, WhoForgesIdsLeasesAndNamesHarmsNobody) {
   const std::string id = submit({"--size", "192x128", "--spp", "64"});
   ASSERT_TRUE(wait_for_samples(id, 1));
 
-  // Results under the ids of others and of nobody.
+  // Results under the ids of others, and under an unknown id.
   const auto known = workers();
   std::vector<std::string> ids{std::string(32, '7')};
   for (const auto& worker : known) ids.push_back(worker.id());
-  Liar liar_worker(address(), "one");  // under an honest worker's name
+  Liar liar_worker(address(), "one");  // with an honest worker's name
   for (const std::string& worker_id : ids) {
     for (std::uint64_t lease = 0; lease < 4; ++lease) {
       const grpc::Status status = liar_worker.forge(worker_id, id, (std::uint64_t{1} << 40) + lease);
       EXPECT_EQ(status.error_code(), grpc::StatusCode::INVALID_ARGUMENT) << status.error_message();
     }
   }
-  // It cannot call under their ids either, and what it does under its own is held against it alone.
+  // It cannot call under their ids either, and its own rejections count only against itself.
   for (const auto& worker : known)
     EXPECT_EQ(liar_worker.synchronize_as(worker.id()).error_code(), grpc::StatusCode::FAILED_PRECONDITION);
   v1::SynchronizeResponse given;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Limits and hostile scenes on real processes: each is refused with a sentence, and the coordinator goes on.
+// Limits and hostile scenes with real processes: each is rejected with a message, and the coordinator keeps
+// running.
 #include <gmock/gmock.h>
 #include <grpcpp/client_context.h>
 #include <signal.h>
@@ -43,7 +44,7 @@ Files with(const std::string& name, const std::string& bytes) {
   return files;
 }
 
-// Its wall shines.
+// Its wall is a light.
 std::string lit_scene() {
   std::string scene = kScene;
   const std::string albedo = R"("albedo": {"texture": "paint"})";
@@ -69,7 +70,7 @@ class LimitsTest : public FarmTest {
     stream->WritesDone();
     return stream->Finish();
   }
-  // Past the command line, which would refuse much of this by itself.
+  // Bypasses the command line, which would reject much of this itself.
   grpc::Status submit_files(const Files& files) {
     v1::SubmitJobRequest request;
     request.mutable_bundle()->set_scene_path("scene.json");
@@ -88,7 +89,7 @@ class LimitsTest : public FarmTest {
     EXPECT_TRUE(status.ok()) << status.error_message();
   }
 
-  // In the validator's place: ends or spins over scenes that say so, and asks the real one of others.
+  // A stand-in for the validator: crashes or loops for scenes that say so, and passes others to the real one.
   std::string moody_validator() {
     const std::filesystem::path path = folder_ / "moody";
     write_file(path, "#!/bin/sh\nquestion=$(mktemp " + (folder_ / "question-XXXXXX").string() +
@@ -107,7 +108,7 @@ struct Excess {
   std::string found;
 };
 
-TEST_F(LimitsTest, EachIsAnOptionThatItsRefusalNames) {
+TEST_F(LimitsTest, EachRejectionNamesItsOption) {
   const std::string large(3 << 20, '\n');
   const Excess excesses[] = {
       {"--max-picture-pixels", "255", small_scene(), "16 x 16 = 256 pixels"},
@@ -146,13 +147,13 @@ TEST_F(LimitsTest, OfStreamsAreOptionsToo) {
     return !std::filesystem::is_empty(folder_ / "state" / "blobs" / "incoming");
   }));
   EXPECT_THAT(still->Finish().error_message(),
-              HasSubstr("nothing has come of this upload for 5 s (tessera-coordinator --stall-seconds)"));
+              HasSubstr("no data of this upload has arrived for 5 s (tessera-coordinator --stall-seconds)"));
   EXPECT_TRUE(poll_until(std::chrono::seconds(20), [this] { return upload("small").ok(); }));
   const std::string id = submit({"--spp", "1"});
   EXPECT_EQ(tessera({"image", id, "-o", folder_ / "a.png", "-o", folder_ / "b.png"}).exit_code, 0);
 }
 
-TEST_F(LimitsTest, OfOpenJobsAreToldByTheCommandLine) {
+TEST_F(LimitsTest, OfOpenJobsAreReportedByTheCommandLine) {
   start({"--max-open-jobs", "1"});
   const std::string id = submit({"--spp", "1"});
   const Outcome second = tessera({"submit", kCornell});
@@ -164,7 +165,7 @@ TEST_F(LimitsTest, OfOpenJobsAreToldByTheCommandLine) {
   submit({"--spp", "1"});
 }
 
-TEST_F(LimitsTest, OfConnectionsAreToldAndWaitedOut) {
+TEST_F(LimitsTest, OfConnectionsAreReportedAndRetried) {
   start({"--max-connections", "2"});
   const std::vector<std::string> options{"--size", "64x64", "--spp", "64"};
   const std::string id = submit(options);

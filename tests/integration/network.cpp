@@ -25,7 +25,7 @@ namespace tessera::test {
 
 namespace {
 
-// Runs it in a child of this process, in the network namespace of `host` unless that is 0.
+// Runs it in a child process, in the network namespace of `host` unless that is 0.
 bool in_network_of(pid_t host, const std::function<bool()>& work) {
   const pid_t child = fork();
   if (child == 0) {
@@ -47,7 +47,7 @@ bool run_ip(pid_t host, const std::vector<std::string>& arguments) {
   });
 }
 
-// Frames as they would be on a cable: none larger than it takes, each with its checksum.
+// Makes the interface send frames as on a cable: segmented, and each with its checksum.
 bool send_plain_frames(const char* interface) {
   const int any = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
   bool done = any >= 0;
@@ -66,7 +66,7 @@ void expect(bool done, const std::string& what) {
   if (!done) throw NoNetwork("the network of this test cannot be made: " + what);
 }
 
-// A process that does nothing but to keep a namespace of its own. Ends with this one.
+// A process that only keeps its namespace alive. It ends with this one.
 pid_t start_keeper() {
   int ready[2];
   if (pipe2(ready, O_CLOEXEC) != 0) return -1;

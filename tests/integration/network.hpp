@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Hosts of one network, each in a network namespace of its own, joined by a switch that this process plays:
-// every frame between them passes through it, and can be held up, lost, or stopped by a pulled cable. TCP
-// sees what it would see on a bad line. Everything is gone when this process ends. Needs Linux's network
-// namespaces, by way of root or of user namespaces, and `ip`. Not thread-safe.
+// An emulated network: each host has its own network namespace, and this process is the switch between them.
+// It can delay or drop every frame, and disconnect hosts, so that TCP behaves as on a bad line. Everything is
+// removed when this process ends. Needs Linux network namespaces, as root or with user namespaces, and `ip`.
+// Not thread-safe.
 #pragma once
 
 #include <sys/types.h>
@@ -16,7 +16,7 @@
 
 namespace tessera::test {
 
-// What this machine lacks for it.
+// What this machine lacks for an emulated network.
 class NoNetwork : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -24,27 +24,27 @@ class NoNetwork : public std::runtime_error {
 
 class Network {
  public:
-  // Takes this process into a namespace of its own, once and for all, and to be called before it has threads.
-  // Why that cannot be done here, if so.
+  // Moves this process into its own namespace for good. Call it before there are other threads. Returns the
+  // reason if that is not possible.
   static std::optional<std::string> enter();
 
-  // This process is host 1. All of these throw NoNetwork.
+  // This process is host 1. All of these functions throw NoNetwork.
   Network();
   ~Network();
   Network(const Network&) = delete;
   Network& operator=(const Network&) = delete;
 
   static std::string address_of(int host);
-  // Answers with the process in whose namespace the host's programs are to run.
+  // Returns the process in whose namespace the host's programs must run.
   pid_t add_host(int host);
 
-  // The host's cable: nothing passes, and nobody is told.
+  // Drops all frames of the host, silently.
   void pull(int host);
   void plug_in(int host);
-  // For all frames from now on, in each direction.
+  // Apply to all later frames, in each direction.
   void hold_up(std::chrono::milliseconds delay);
   void lose(double share);
-  // Of one line that all frames take.
+  // The rate of one line that all frames share.
   void limit_rate(double bytes_per_second);
 
  private:

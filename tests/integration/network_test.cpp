@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A farm over a network that breaks: coordinator, workers and clients each in a network namespace of its own.
+// A farm on a faulty network: coordinator, workers and clients each have their own network namespace.
 #include <gmock/gmock.h>
 
 #include <algorithm>
@@ -15,9 +15,9 @@ using namespace std::chrono_literals;
 using ::testing::HasSubstr;
 
 constexpr int kCoordinator = 2, kFirst = 3, kSecond = 4, kClient = 5;
-constexpr auto kReconnects = 60s;  // a few seconds, on a machine that has time
+constexpr auto kReconnects = 60s;  // a few seconds on an idle machine
 
-// Before anything has threads.
+// Runs before other threads start.
 class NamespacesFirst {
  public:
   NamespacesFirst() : why_not_(Network::enter()) {
@@ -74,7 +74,7 @@ class NetworkTest : private NamespacesFirst, public FarmTest {
     EXPECT_TRUE(read_file(waited()) == render_here(options, ".exr"));
     EXPECT_EQ(job(newest_job()).counters().samples(), 256u * 192 * 16);
   }
-  // Of the job that has just been submitted.
+  // The job that was submitted last.
   std::string newest_job() {
     EXPECT_TRUE(poll_until(30s, [&] { return !jobs().empty(); }));
     return jobs().front().id();
@@ -108,7 +108,7 @@ TEST_F(NetworkTest, ACutOfThirtySecondsCostsTimeAndNothingElse) {
   EXPECT_EQ(job(id).samples_done(), kSamples);
 }
 
-TEST_F(NetworkTest, AWorkerThatIsCutOffHoldsNobodyUp) {
+TEST_F(NetworkTest, ADisconnectedWorkerDelaysNobody) {
   start_farm(2);
   const std::string id = submit(options_);
   ASSERT_TRUE(wait_for_samples(id, kSamples / 20));
@@ -120,15 +120,15 @@ TEST_F(NetworkTest, AWorkerThatIsCutOffHoldsNobodyUp) {
   EXPECT_EQ(job(id).counters().samples(), kSamples) << "late results were counted again";
 }
 
-// Who listens only sends nothing by which it would learn that the other end of its connection is gone.
+// A client that only listens sends nothing that would show that the peer has vanished.
 TEST_F(NetworkTest, AWatcherOfAnIdleJobNoticesThatTheCoordinatorVanished) {
   start_coordinator();
   const std::string id = submit({"--size", "64x64", "--spp", "4"});
   Process watch = start_tessera({"watch", id});
   ASSERT_TRUE(watch.wait_until_catches(SIGINT, 20s));
-  std::this_thread::sleep_for(45s);  // more than gRPC's usual number of pings for a silent connection
+  std::this_thread::sleep_for(45s);  // more than gRPC's default number of pings without data
   network().pull(kClient);
-  kill_coordinator();  // its last word does not arrive
+  kill_coordinator();  // its last packets do not arrive
   network().plug_in(kClient);
   network().pull(kCoordinator);
   ASSERT_TRUE(
@@ -139,7 +139,7 @@ TEST_F(NetworkTest, AWatcherOfAnIdleJobNoticesThatTheCoordinatorVanished) {
   EXPECT_EQ(watch.wait(kReconnects), 0) << watch.err();
 }
 
-// A file of a minute and results of 64 tiles, on a line of 48 KB/s.
+// A file that takes a minute, and results of 64 tiles, on a line of 48 KB/s.
 TEST_F(NetworkTest, ASlowLineCostsTimeAndNothingElse) {
   std::string mesh = "v -1 0 -1\nv 1 0 -1\nv 0 1 -1\nf 1 2 3\n";
   while (mesh.size() < 2'500'000) mesh += "# " + std::to_string(std::hash<std::size_t>{}(mesh.size())) + "\n";

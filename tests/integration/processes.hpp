@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Child processes and folders of a test. Whatever a test starts has ended, and whatever it wrote is gone,
-// when the test is over. Not thread-safe.
+// Child processes and folders of a test. All of them are ended or removed with the test. Not thread-safe.
 #pragma once
 
 #include <sys/types.h>
@@ -17,7 +16,7 @@ namespace tessera::test {
 
 using Timeout = std::chrono::milliseconds;
 
-// Asks again and again until `condition` holds. False if it did not within the timeout.
+// Polls until `condition` holds. False after the timeout.
 bool poll_until(Timeout timeout, const std::function<bool()>& condition);
 
 std::string read_file(const std::filesystem::path& path);
@@ -39,20 +38,20 @@ class TempFolder {
 
 struct ProcessOptions {
   std::vector<std::string> arguments;              // the first is the program
-  std::filesystem::path out, err;                  // where its stdout and stderr go
-  std::filesystem::path folder = ".";              // where it runs
-  std::map<std::string, std::string> environment;  // added to this process's
-  pid_t network_of = 0;  // the process whose network namespace it enters; 0: this one's
+  std::filesystem::path out, err;                  // files for its stdout and stderr
+  std::filesystem::path folder = ".";              // its working directory
+  std::map<std::string, std::string> environment;  // in addition to this process's
+  pid_t network_of = 0;  // the process whose network namespace it enters; 0: this one
 };
 
-// How a process ended: its exit status, or 128 + the signal that killed it.
+// The exit status of a process, or 128 + the signal that killed it.
 using ExitCode = int;
 
 class Process {
  public:
-  // Aborts the test program if it cannot be started.
+  // Aborts the test program if the process cannot be started.
   explicit Process(ProcessOptions options);
-  // Kills it if it has not ended, and waits.
+  // Kills the process if it is running, and waits for it.
   ~Process();
   Process(Process&& other) noexcept;
   Process(const Process&) = delete;
@@ -60,9 +59,9 @@ class Process {
 
   pid_t pid() const { return pid_; }
   void signal(int number) const;
-  // Nothing if it has not ended within the timeout.
+  // Empty if it has not ended within the timeout.
   std::optional<ExitCode> wait(Timeout timeout);
-  // Blocks until this signal is handled by the program instead of ending it. False if that took too long.
+  // Blocks until the program handles this signal. False after the timeout.
   bool wait_until_catches(int number, Timeout timeout) const;
 
   std::string out() const { return read_file(options_.out); }

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What any program may rely on when it speaks to a coordinator: health, reflection, and a farm of one
-// arithmetic.
+// Guarantees to any client of a coordinator: health, reflection, and one determinism fingerprint in a farm.
 #include <gmock/gmock.h>
 #include <grpcpp/client_context.h>
 
@@ -32,7 +31,7 @@ TEST_F(FarmTest, ReflectionListsTheServices) {
   EXPECT_THAT(*services, HasSubstr("tessera.v1.WorkerService"));
 }
 
-TEST_F(FarmTest, AWorkerOfAnotherArithmeticIsRefused) {
+TEST_F(FarmTest, AWorkerWithAnotherFingerprintIsRejected) {
   start_coordinator();
   start_worker("worker", 1);
   ASSERT_TRUE(wait_for_workers(1));

@@ -30,7 +30,7 @@ core::Result<std::string> raw_call(const std::string& address, const std::string
   context.set_deadline(std::chrono::system_clock::now() + std::chrono::seconds(20));
   grpc::GenericStub stub(*proto::open_channel(address));
   grpc::CompletionQueue queue;
-  // A stream also serves for a unary method: to the wire they are the same.
+  // A stream also serves a unary method: on the wire they are the same.
   const auto stream = stub.PrepareCall(&context, method, &queue);
   const auto finished = [&queue] {
     void* tag = nullptr;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Calls of services whose messages are not at hand, as bytes. Blocks.
+// Calls with encoded messages, for services whose generated code is not linked. Blocks.
 #pragma once
 
 #include <string>
@@ -9,7 +9,7 @@
 
 namespace tessera::test {
 
-// Sends one message to a method ("/package.Service/Method") and answers with the first that comes back.
+// Sends one message to a method ("/package.Service/Method") and returns the first answer.
 core::Result<std::string> raw_call(const std::string& address, const std::string& method,
                                    const std::string& message);
 

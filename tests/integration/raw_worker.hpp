@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a worker says, from a test: takes leases, says that it holds them, and renders nothing.
+// A scripted worker: takes leases and reports them, but renders nothing.
 #pragma once
 
 #include <memory>
@@ -13,10 +13,10 @@ class RawWorker {
  public:
   RawWorker(const std::string& address, const std::string& name);
 
-  // What it says it is doing from now on: the job whose files it is fetching, or none.
+  // The job whose files it reports to fetch from now on; empty: none.
   void say_fetching(const std::string& job_id);
 
-  // Blocks until the coordinator answers. What it answers is held from then on.
+  // Blocks until the coordinator answers. It holds the leases of the answer from then on.
   v1::SynchronizeResponse synchronize();
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What cannot be rendered is refused in the same words here, by the command line of a farm, and by its
+// Invalid scenes are rejected with the same message by a local render, by the command line, and by the
 // coordinator.
 #include <gmock/gmock.h>
 #include <grpcpp/client_context.h>
@@ -118,7 +118,7 @@ class RefusalsTest : public FarmTest {
   const std::filesystem::path scene_folder_ = folder_ / "scene";
 };
 
-TEST_F(RefusalsTest, TheSceneOfTheseTestsIsFineWithoutItsMistakes) {
+TEST_F(RefusalsTest, TheUnchangedSceneIsAccepted) {
   start_coordinator();
   write_scene({});
   const Outcome here = tessera({"render", "scene.json", "-o", "out.png"}, scene_folder_);
@@ -198,7 +198,7 @@ TEST_F(RefusalsTest, BadOverridesAreRefused) {
   EXPECT_TRUE(jobs().empty());
 }
 
-TEST_F(RefusalsTest, NamesThatSteerTerminalsAreRefused) {
+TEST_F(RefusalsTest, NamesWithTerminalSequencesAreRefused) {
   start_coordinator();
   write_scene({});
   const std::string sentence = "--name: must be UTF-8 without line breaks and other control characters, got ";
@@ -212,7 +212,7 @@ TEST_F(RefusalsTest, NamesThatSteerTerminalsAreRefused) {
   EXPECT_TRUE(workers().empty());
 }
 
-TEST_F(RefusalsTest, BlobsThatAreNotThereAreAskedFor) {
+TEST_F(RefusalsTest, MissingBlobsAreRequested) {
   start_coordinator();
   v1::SubmitJobRequest request = make_request({});
   *request.mutable_bundle()->mutable_assets(0)->mutable_digest() =

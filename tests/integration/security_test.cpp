@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Certificates and tokens between real processes: who is let in, and what those who are not are told.
+// Certificates and tokens between real processes: which callers are admitted, and what rejected ones are
+// told.
 #include <gmock/gmock.h>
 
 #include "tests/integration/farm_processes.hpp"
@@ -44,7 +45,7 @@ class SecurityTest : public FarmTest {
   }
 };
 
-TEST_F(SecurityTest, AFarmWithEverythingRendersTheSameBytes) {
+TEST_F(SecurityTest, AFarmWithTlsAndTokensRendersTheSameBytes) {
   speak_tls();
   ask_for_certificates();
   ask_for_tokens();
@@ -62,7 +63,7 @@ TEST_F(SecurityTest, AFarmWithEverythingRendersTheSameBytes) {
   EXPECT_THAT(tessera({"job", id}).out, HasSubstr("submit"));
 }
 
-TEST_F(SecurityTest, WhoCannotShowThemselvesIsToldWhatIsMissing) {
+TEST_F(SecurityTest, MissingCredentialsAreNamed) {
   speak_tls();
   ask_for_certificates();
   security_ = {certificate("ca.pem"), certificate("client.pem"), certificate("client.key"), "", false};
@@ -83,9 +84,9 @@ TEST_F(SecurityTest, WhoCannotShowThemselvesIsToldWhatIsMissing) {
   EXPECT_THAT(refusal({"jobs"}), HasSubstr("does not trust the authority of this --tls-certificate"));
 }
 
-// A worker tries again for ever: its log says what is the matter, and again where that changes.
-TEST_F(SecurityTest, WhoCannotConnectIsToldWhatToMend) {
-  listen_ = "127.0.0.2:0";  // for which the certificate is not
+// A worker retries for ever: its log gives the reason, and the new one when it changes.
+TEST_F(SecurityTest, FailedConnectionsAreExplained) {
+  listen_ = "127.0.0.2:0";  // not in the certificate
   speak_tls();
   start_coordinator();
   const auto says = [&](Process& worker, const char* words) {
@@ -105,7 +106,7 @@ TEST_F(SecurityTest, WhoCannotConnectIsToldWhatToMend) {
   EXPECT_TRUE(says(misled, "no coordinator answers at "));
 }
 
-TEST_F(SecurityTest, TokensAllowWhatTheirRoleDoes) {
+TEST_F(SecurityTest, RolesDetermineTheAllowedCalls) {
   ask_for_tokens();
   start_coordinator();
   EXPECT_THAT(refusal({"jobs"}), HasSubstr("--token-file"));
@@ -130,14 +131,14 @@ TEST_F(SecurityTest, TokensAllowWhatTheirRoleDoes) {
   EXPECT_EQ(tessera({"delete", id}).exit_code, 0);
 }
 
-TEST_F(SecurityTest, TokensAloneBeyondThisMachineMustBeAskedFor) {
+TEST_F(SecurityTest, TokensAloneNeedAnOptionBeyondThisMachine) {
   listen_ = "0.0.0.0:0";
   speak_tls();
   ask_for_tokens();
   coordinator_options_.push_back("--allow-unauthenticated-connections");
   security_ = {certificate("ca.pem"), "", "", certificate("submit.token"), false};
   start_coordinator();
-  EXPECT_THAT(coordinator().err(), HasSubstr("whoever reaches 0.0.0.0:0 can use up the memory"));
+  EXPECT_THAT(coordinator().err(), HasSubstr("anybody who reaches 0.0.0.0:0 can use up the memory"));
 }
 
 TEST_F(SecurityTest, EachMachineAndPersonHasACertificateAndATokenOfTheirOwn) {
@@ -219,7 +220,7 @@ TEST_F(SecurityTest, OnlySubmittersAndAdministratorsChangeAJob) {
   EXPECT_EQ(tessera({"delete", id}).exit_code, 0);
 }
 
-TEST_F(SecurityTest, ACoordinatorThatCannotBeSafeDoesNotStart) {
+TEST_F(SecurityTest, AnUnsafeCoordinatorDoesNotStart) {
   const auto complaint = [&](const std::vector<std::string>& options, ExitCode exit_code) {
     ProcessOptions process;
     process.arguments = {TESSERA_COORDINATOR_PROGRAM, "--state", folder_ / "state"};

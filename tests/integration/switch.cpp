@@ -20,7 +20,7 @@ namespace {
 constexpr int kLongestPollMs = 20;
 constexpr std::size_t kMaxFrameBytes = 1 << 16;
 constexpr int kBufferBytes = 8 << 20;
-// What waits for a slow line, as in a router.
+// The queue of a slow line, as in a router.
 constexpr std::chrono::seconds kMaxQueue{1};
 
 int open_port(const std::string& interface) {
@@ -73,7 +73,7 @@ void Network::Switch::run() {
   }
 }
 
-// All frames share one line, as those of a site do.
+// All frames share one line, as at one site.
 std::optional<Network::Switch::Clock::time_point> Network::Switch::passes_at(std::size_t bytes) {
   const auto now = Clock::now();
   const auto delay = std::chrono::milliseconds(delay_ms_);
@@ -89,7 +89,7 @@ void Network::Switch::take_frames(const std::vector<int>& ports) {
   for (const int port : ports) {
     while (true) {
       const ssize_t size = recv(port, buffer.data(), buffer.size(), 0);
-      if (size <= 0) break;  // nothing more, or the cable is pulled
+      if (size <= 0) break;  // no more frames, or the cable is disconnected
       if (std::uniform_real_distribution<double>()(random_) < lost_share_) continue;
       const auto due = passes_at(static_cast<std::size_t>(size));
       if (!due) continue;
@@ -102,7 +102,7 @@ void Network::Switch::pass_on(const std::vector<int>& ports) {
   while (!held_up_.empty() && held_up_.front().due <= Clock::now()) {
     const Frame& frame = held_up_.front();
     for (const int port : ports) {
-      // What a pulled cable does not take is lost.
+      // Frames to a disconnected cable are lost.
       if (port != frame.from) [[maybe_unused]]
         const ssize_t sent = send(port, frame.bytes.data(), frame.bytes.size(), 0);
     }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A switch of network frames between interfaces of this namespace, run by a thread of its own. Thread-safe.
+// A switch between network interfaces of this namespace, run by its own thread. Thread-safe.
 #pragma once
 
 #include <atomic>
@@ -21,7 +21,7 @@ class Network::Switch {
   Switch();
   ~Switch();
 
-  // What comes in at one interface goes out at all others.
+  // Forwards frames from each interface to all others.
   void add_port(const std::string& interface);
   void hold_up(std::chrono::milliseconds delay) { delay_ms_ = delay.count(); }
   void lose(double share) { lost_share_ = share; }
@@ -36,18 +36,18 @@ class Network::Switch {
   };
 
   void run();
-  // When a frame that comes now has passed. Nothing if it is dropped, since too much waits.
+  // When a frame that arrives now is forwarded. Empty if it is dropped because the queue is full.
   std::optional<Clock::time_point> passes_at(std::size_t bytes);
   void take_frames(const std::vector<int>& ports);
   void pass_on(const std::vector<int>& ports);
 
   std::atomic<std::int64_t> delay_ms_ = 0;
   std::atomic<double> lost_share_ = 0;
-  std::atomic<double> bytes_per_second_ = 0;  // 0: as many as there are
+  std::atomic<double> bytes_per_second_ = 0;  // 0: unlimited
   std::atomic<bool> stopping_ = false;
   std::mutex mutex_;
   std::vector<int> ports_;  // sockets; guarded by mutex_
-  // Of the thread:
+  // Used by the thread only:
   std::deque<Frame> held_up_;
   Clock::time_point line_is_free_{};
   std::mt19937 random_{1};

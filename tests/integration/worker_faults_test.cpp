@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a worker that dies, freezes or leaves costs: its lease, and not more.
+// A worker that dies, freezes or stops costs its leases and nothing else.
 #include <arpa/inet.h>
 #include <gmock/gmock.h>
 #include <signal.h>
@@ -23,7 +23,7 @@ class WorkerFaultsTest : public FarmTest {
   static constexpr std::uint64_t kSamples = 256ull * 192 * 24;
   const std::vector<std::string> options_{"--size", "256x192", "--spp", "24"};
 
-  // Of the workers of this name that the coordinator remembers.
+  // The accepted samples of all workers with this name that the coordinator knows.
   std::uint64_t accepted_of(const std::string& name) {
     std::uint64_t samples = 0;
     for (const auto& worker : workers())
@@ -35,7 +35,7 @@ class WorkerFaultsTest : public FarmTest {
     return std::any_of(known.begin(), known.end(),
                        [&](const auto& worker) { return worker.name() == name && worker.silent(); });
   }
-  // Ends it in good order, and answers with what it says that it has rendered.
+  // Stops it, and returns the number of samples that it reports to have rendered.
   std::uint64_t rendered_by(Process& worker) {
     worker.signal(SIGTERM);
     EXPECT_EQ(worker.wait(30s), 0);
@@ -46,14 +46,14 @@ class WorkerFaultsTest : public FarmTest {
   }
 };
 
-// Whoever survives renders what the dead have not delivered, and nothing that was there.
-TEST_F(WorkerFaultsTest, WhateverIsKilledOnlyItsLeasesAreRenderedAgain) {
+// The surviving workers render what the killed ones have not delivered, and nothing else.
+TEST_F(WorkerFaultsTest, OnlyLeasesOfKilledWorkersAreRenderedAgain) {
   start_coordinator(1);
   const std::string id = submit(options_);
   for (int kills = 0; kills < 6; ++kills) {
     Process& victim = start_worker("victim", 1);
     const std::uint64_t before = job(id).samples_done();
-    // At another moment of its work each time.
+    // Each kill is at another moment of its work.
     ASSERT_TRUE(poll_until(30s, [&] { return job(id).samples_done() >= before + 15'000ull * (kills + 1); }));
     ASSERT_EQ(job(id).state(), v1::JOB_STATE_RUNNING) << "the job was over too soon for this test";
     victim.signal(SIGKILL);
@@ -62,7 +62,7 @@ TEST_F(WorkerFaultsTest, WhateverIsKilledOnlyItsLeasesAreRenderedAgain) {
   ASSERT_TRUE(poll_until(20s, [&] { return job(id).active_workers() == 0; }));
   const std::uint64_t delivered = job(id).samples_done();
   ASSERT_LT(delivered, kSamples);
-  // With leases that nobody loses for being short of time.
+  // With such long leases, no worker loses one because the machine is slow.
   stop_coordinator();
   start_coordinator(3600);
   Process& survivor = start_worker("survivor", 1);
@@ -79,7 +79,7 @@ TEST_F(WorkerFaultsTest, NoJobWaitsLongerThanTheLeaseAndASecond) {
   RawWorker dies(address(), "dies"), waits(address(), "waits");
   ASSERT_TRUE(poll_until(20s, [&] { return !dies.synchronize().leases().empty(); }));
   const auto was_alive = std::chrono::steady_clock::now();
-  dies.synchronize();  // it says that it has it, and is not heard of again
+  dies.synchronize();  // it reports the lease, and sends no more heartbeats
   const auto died = std::chrono::steady_clock::now();
   ASSERT_EQ(job(id).active_workers(), 1u);
   ASSERT_TRUE(poll_until(20s, [&] { return job(id).active_workers() == 0; }));
@@ -89,7 +89,7 @@ TEST_F(WorkerFaultsTest, NoJobWaitsLongerThanTheLeaseAndASecond) {
   EXPECT_FALSE(waits.synchronize().leases().empty());
 }
 
-TEST_F(WorkerFaultsTest, WhoFetchesForTenLeaseTimesMakesRoomAndIsServedWhenItHasTheScene) {
+TEST_F(WorkerFaultsTest, ASlowFetchLosesItsLeasesAndGetsOthersWithTheScene) {
   start_coordinator(1);
   const std::string id = submit({"--size", "64x64", "--spp", "1"});
   RawWorker far(address(), "far");
@@ -105,7 +105,7 @@ TEST_F(WorkerFaultsTest, WhoFetchesForTenLeaseTimesMakesRoomAndIsServedWhenItHas
   EXPECT_TRUE(poll_until(20s, [&] { return !far.synchronize().leases().empty(); }));
 }
 
-// Nothing is leased while the job is paused: what comes then is of the lease that was lost.
+// Nothing is leased while the job is paused, so later results belong to the lost lease.
 TEST_F(WorkerFaultsTest, AFrozenWorkersLateResultCountsIfItIsMissing) {
   start_coordinator(1);
   Process& worker = start_worker("frozen", 1);
@@ -124,7 +124,7 @@ TEST_F(WorkerFaultsTest, AFrozenWorkersLateResultCountsIfItIsMissing) {
   EXPECT_TRUE(image(id, ".exr") == render_here(options_, ".exr"));
 }
 
-TEST_F(WorkerFaultsTest, AWorkerThatIsToldToStopHandsBackAllItHasRendered) {
+TEST_F(WorkerFaultsTest, AStoppedWorkerDeliversAllItHasRendered) {
   start_coordinator(3600);
   Process& leaving = start_worker("leaves", 1);
   const std::string id = submit(options_);
@@ -139,8 +139,8 @@ TEST_F(WorkerFaultsTest, AWorkerThatIsToldToStopHandsBackAllItHasRendered) {
   EXPECT_TRUE(image(id, ".exr") == render_here(options_, ".exr"));
 }
 
-// Somebody may mend the farm while it waits.
-TEST_F(WorkerFaultsTest, AWorkerOfAnotherBuildIsToldBothFingerprintsAndWaitsForACoordinatorThatAcceptsIt) {
+// The operator may correct the farm while it waits.
+TEST_F(WorkerFaultsTest, AWorkerOfAnotherBuildNamesBothFingerprintsAndWaits) {
   coordinator_options_ = {"--accept-fingerprint", "0000000000000000"};
   start_coordinator(2);
   const std::string id = submit({"--size", "64x64", "--spp", "1"});
@@ -159,7 +159,7 @@ TEST_F(WorkerFaultsTest, AWorkerOfAnotherBuildIsToldBothFingerprintsAndWaitsForA
   EXPECT_EQ(worker.wait(20s), 0);
 }
 
-// A port of this machine that was free a moment ago: who cannot say where it listens must be told.
+// A recently free port of this machine, for a program that cannot print its own.
 int free_port() {
   const int probe = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
   sockaddr_in address{};
@@ -175,7 +175,7 @@ int free_port() {
 
 struct Streams {
   const char* name;
-  const char* redirection;  // for bash, before the program takes its place
+  const char* redirection;  // for bash, before it executes the program
 };
 
 class StandardStreams : public WorkerFaultsTest, public testing::WithParamInterface<Streams> {
@@ -187,8 +187,8 @@ class StandardStreams : public WorkerFaultsTest, public testing::WithParamInterf
   }
 };
 
-// What cannot be said is lost, and nothing else.
-TEST_P(StandardStreams, ThatTakeNothingEndNoProgram) {
+// Output is lost, but nothing else fails.
+TEST_P(StandardStreams, ThatCannotBeWrittenEndNoProgram) {
   const std::string listen = "127.0.0.1:" + std::to_string(free_port()), picture = folder_ / "a.png";
   Process coordinator =
       start(TESSERA_COORDINATOR_PROGRAM " --listen " + listen + " --state " + state_.string());

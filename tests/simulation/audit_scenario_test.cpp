@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Farms with a worker that delivers flipped bits under a valid checksum.
+// Farms with a worker that delivers flipped bits with a valid checksum.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -75,7 +75,7 @@ TEST_F(AuditScenario, ALiarAmongThreeIsFoundOutAndItsTilesAreRenderedAgain) {
   EXPECT_TRUE(coordinator_.is_quarantined("liar machine"));
 }
 
-// Nobody can tell which of two is wrong; when a third comes, it decides.
+// Of two workers that differ, it is unknown which is wrong; a third one decides.
 TEST_F(AuditScenario, ALiarAmongTwoKeepsTheJobWaitingForAThird) {
   start();
   machine("a");
@@ -99,8 +99,8 @@ TEST_F(AuditScenario, AFarmOfOneMachineIsDoneWithoutItsAuditsAfterAWhile) {
   EXPECT_EQ(state(), JobState::kDone);
 }
 
-// Without audits a liar is trusted, until its results are refused: then all of its ranges are verified, those
-// of a done job as well.
+// Without audits a lying worker is trusted until its results are rejected. Then all of its ranges are
+// verified, also those of a done job.
 class PutAside : public AuditScenario, public testing::WithParamInterface<double> {
  protected:
   PutAside() : AuditScenario(0) {}

@@ -16,17 +16,17 @@ using namespace scheduler;
 
 namespace {
 
-// No job of this shape is done before the end, whatever the machines.
+// No job of this shape is done before the end, however fast the machines are.
 constexpr JobShape kShape{320, 256, 3000};
 constexpr double kSeconds = 240;
-// Jobs of equal priority get at least this part of an equal share. What machines hold at the end is not
-// counted yet: up to three leases each, all of which may be of one job.
+// Jobs of equal priority get at least this part of an equal share. Samples that machines hold at the end do
+// not count yet: up to three leases each, possibly all of one job.
 constexpr double kMinShare = 0.85;
-// Of what the machines could render at most, this much is rendered.
+// The minimum utilisation of the machines.
 constexpr double kMinUse = 0.8;
-// The policy aims at two seconds; renders take up to 1.3 times as long as the machine's speed says, and it is
-// measured where they may have taken 0.8 times as long. The first one, of a machine that nobody knows yet, is
-// of so many samples. One sample of one tile may go beyond either.
+// The policy aims at two seconds. Renders take up to 1.3 times the nominal time, and the speed may be
+// measured where they took 0.8 times that. The first lease of a machine of unknown speed has a fixed number
+// of samples. Either may be exceeded by one sample of one tile.
 constexpr double kSlowest = 1.3;
 constexpr double kLongestLeaseSeconds = 2.0 * kSlowest / 0.8;
 constexpr double kFirstLeaseSamples = 12'500;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A farm in which nothing goes wrong, and which therefore must be fair and busy.
+// A farm without faults, which therefore must be fair and busy.
 #pragma once
 
 #include <cstdint>
@@ -8,8 +8,7 @@
 
 namespace tessera::simulation {
 
-// Everything that happens follows from the seed. Verbose: prints a transcript, and the figures that are
-// judged.
+// A deterministic function of the seed. Verbose: prints a transcript and the measured figures.
 FarmReport simulate_calm_farm(std::uint64_t seed, bool verbose);
 
 }  // namespace tessera::simulation

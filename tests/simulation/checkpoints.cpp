@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// How the model's coordinator writes what has changed: job rows are copied first and written last, tiles in
-// between, each by itself, in batches; a crash or a refusal may come between any two.
+// Checkpoints of the model's coordinator: job rows are copied first and written last, and tiles are written
+// in batches in between. A crash or a write error may come between any two writes.
 #include <algorithm>
 #include <utility>
 
@@ -12,8 +12,8 @@ using namespace scheduler;
 
 namespace {
 
-// From the end of a checkpoint to the begin of the next. With the longest checkpoint before and after it the
-// sum stays below kPromisedSeconds.
+// The time between two checkpoints. With the longest checkpoint before and after it, the sum stays below
+// kPromisedSeconds.
 constexpr double kPauseSeconds = 1.0;
 constexpr double kLongestCheckpointSeconds = 0.45;
 constexpr std::size_t kTilesPerBatch = 6;

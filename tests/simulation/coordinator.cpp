@@ -28,7 +28,7 @@ bool is_liar(const WorkerId& worker) {
 
 namespace {
 
-// Whoever does not know this number cannot make one; liars do not.
+// A token cannot be made without this number, which liars do not know.
 LeaseToken sign(LeaseId lease, const WorkerId& holder, const JobId& job) {
   constexpr std::uint64_t kSecret = 0x5eC4e7;
   return std::to_string(
@@ -61,7 +61,7 @@ void Coordinator::start() {
 
 void Coordinator::restore(const Disk::StoredJob& job) {
   films_[job.id] = job.film;
-  // Tiles are written before the row that says how many samples they have.
+  // Tiles are written before the row that has their number of samples.
   JobShape shape = job.row.shape;
   for (int tile = 0; tile < job.film.tile_count(); ++tile) {
     const IntervalSet done = job.film.done(tile);
@@ -107,7 +107,7 @@ void Coordinator::clock_jumps(Duration by) {
   if (up()) tick_when_due();
 }
 
-// Whether the event must wait; if so it comes again when the stall is over.
+// Whether the event must wait; if so, it is repeated after the stall.
 bool Coordinator::delayed(const std::function<void()>& again) {
   if (world_.now() >= stalled_until_) return false;
   world_.after(stalled_until_ - world_.now(), again);
@@ -118,7 +118,7 @@ void Coordinator::synchronize(const Synchronize& request, const Answer& answer) 
   if (!up() || delayed([=, this] { synchronize(request, answer); })) return;
   if (is_refused(request.worker)) return;
   const WorkerId id = request.worker.id;
-  parked_.erase(id);  // answered at once, which its worker does not wait for any more
+  parked_.erase(id);  // answered already; its worker does not wait any more
   referee_.answered(id);
   const Actions actions = handle(request);
   if (!actions.reply) return world_.fail("Synchronize was not answered");
@@ -186,7 +186,7 @@ void Coordinator::submit_result(const SubmitResult& result, const ResultAnswer& 
   }
   referee_.settled(actions, *scheduler_, clock());
   if (actions.reply) referee_.told_with_answer(result, *actions.reply);
-  // A row may well be stored before the samples of which it speaks.
+  // A row may be stored before its samples.
   if (!actions.job_changes.empty() && world_.random.chance(0.2)) disk_.update(result.job, row_of(result.job));
   if (actions.reply && parked_.contains(result.worker)) referee_.parked(result.worker, *actions.reply);
   answer(actions.reply);
@@ -249,7 +249,7 @@ void Coordinator::dismiss_any() {
   handle(Dismiss{known[chosen].info.id});
 }
 
-// A lease belongs to whom it was given, in every run of the coordinator.
+// A lease belongs to the worker to which it was granted, in every run of the coordinator.
 void Coordinator::check_holders(const Event& event, const Actions& actions) {
   if (!actions.reply) return;
   WorkerId worker;
@@ -305,7 +305,7 @@ void Coordinator::tick_when_due() {
   });
 }
 
-// A coordinator that stands still sees nothing, and has a moment to catch up.
+// A stalled coordinator checks nothing, and has some time to catch up.
 void Coordinator::look_around(std::uint64_t run) {
   if (!up() || run != run_) return;
   if (world_.now() > stalled_until_ + seconds(kLookSeconds)) referee_.look_around(*scheduler_, clock());

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// A coordinator around the real scheduler: parks calls, counts results into model films, checkpoints, crashes
-// and starts again. After every event the scheduler's own invariants are checked, and a referee's.
+// A model coordinator around the real scheduler: parks calls, adds results to model films, writes
+// checkpoints, crashes and restarts. After every event, the scheduler's own invariants and those of a referee
+// are checked.
 #pragma once
 
 #include <functional>
@@ -22,45 +23,45 @@ class Coordinator {
   using Answer = std::function<void(const scheduler::Reply&)>;
 
   explicit Coordinator(World& world, const scheduler::Options& options = {});
-  // Its results may be wrong, and others may be disproved by nobody.
+  // Its results may be wrong; no others may be disproved.
   void expect_liar(const std::string& host) { liars_.insert(host); }
 
   void start();
-  // Forgets everything but what is stored.
+  // Loses everything that is not stored.
   void crash();
   bool up() const { return scheduler_ != nullptr; }
-  // Does nothing until then; what arrives meanwhile waits.
+  // Does nothing during this time; messages wait.
   void stall(Duration duration);
-  // Its clock, and no other, goes forward or back.
+  // Moves its clock, and no other, forward or back.
   void clock_jumps(Duration by);
   Disk& disk() { return disk_; }
 
-  // ---- What arrives over the network; lost while it is down ----
+  // ---- Messages from the network; lost while it is down ----
   void synchronize(const scheduler::Synchronize& request, const Answer& answer);
   // The answer may have the leases that the worker should hold.
   using ResultAnswer = std::function<void(const std::optional<scheduler::Reply>&)>;
   void submit_result(const scheduler::SubmitResult& result, const ResultAnswer& answer);
 
-  // A user's command. Must be up. Returns whether it was taken and stored.
+  // A user's command. The coordinator must be up. Returns whether it was accepted and stored.
   bool command(const scheduler::Event& event);
-  // As after too many refused results.
+  // Quarantines the worker, as after too many rejected results.
   void quarantined(const scheduler::Producer& producer);
   bool is_quarantined(const std::string& machine) const { return machines_aside_.contains(machine); }
-  // Whether there are wrong bits in the job's film.
+  // Whether the job's film has wrong samples.
   bool spoilt(const std::string& job) const { return films_.at({job}).spoilt_tile().has_value(); }
-  // Takes away all that a worker holds that was heard of lately; which one, chance says.
+  // Dismisses a random worker that is registered.
   void dismiss_any();
 
   std::vector<scheduler::JobView> jobs() const { return scheduler_->jobs(clock()); }
   std::vector<scheduler::WorkerView> workers() const { return scheduler_->workers(clock()); }
-  // Of a tile of a job that was submitted at some time: every worker knows the picture's size.
+  // The size of a tile of any job that was ever submitted: every worker knows the image's size.
   double tile_pixels(const scheduler::JobId& job, int tile) const {
     return shapes_.at(job).grid().rect(tile).pixel_count();
   }
   std::string describe() const { return fingerprint(*scheduler_, clock()); }
-  // Jobs that failed without a user's command, with the sentences.
+  // Jobs that failed without a user's command, with the messages.
   const std::map<scheduler::JobId, std::string>& failures() const { return failures_; }
-  // Every job is done, cancelled or failed, and those that are done have every sample exactly once.
+  // Whether every job is done, cancelled or failed, and the done ones have every sample exactly once.
   bool all_settled() const;
   void check_films();
 
@@ -69,7 +70,7 @@ class Coordinator {
     std::uint64_t call = 0;
     Answer answer;
   };
-  // What is still to be written of a checkpoint that is under way.
+  // What a checkpoint in progress still has to write.
   struct Checkpoint {
     std::vector<std::pair<scheduler::JobId, JobRow>> rows;
     std::vector<std::pair<scheduler::JobId, int>> tiles;
@@ -109,7 +110,7 @@ class Coordinator {
   World& world_;
   Disk disk_;
   const scheduler::Options options_;
-  // Which start of the coordinator this is: the scheduler's epoch.
+  // The number of this start of the coordinator: the scheduler's epoch.
   std::uint32_t run_ = 0;
   std::unique_ptr<scheduler::Scheduler> scheduler_;
   Duration clock_error_{};
@@ -118,21 +119,22 @@ class Coordinator {
   std::uint64_t calls_ = 0;
   std::uint64_t revisions_ = 0;
   std::map<scheduler::WorkerId, Parked> parked_;
-  // To whom each lease was given first; survives restarts.
+  // The worker to which each lease was granted first; survives restarts.
   std::map<scheduler::LeaseId, scheduler::WorkerId> holders_;
   std::set<std::string> liars_;
   std::set<scheduler::WorkerId> workers_aside_;
   std::set<std::string> machines_aside_;
   int refused_ = 0;
   std::set<scheduler::JobId> to_reopen_;
-  std::set<scheduler::JobId> unaudited_;  // of some ranges, since the clock had jumped; survives restarts
+  // Jobs of which ranges were not audited because the clock had jumped; survives restarts.
+  std::set<scheduler::JobId> unaudited_;
   std::map<scheduler::JobId, scheduler::JobShape> shapes_;
   Films films_;
   Referee referee_;
   std::map<scheduler::JobId, std::string> failures_;
 };
 
-// Workers whose names begin with this are no honest ones.
+// The prefix of dishonest workers' names.
 inline constexpr const char* kLiar = "liar";
 bool is_liar(const scheduler::WorkerId& worker);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the model's coordinator does about workers that lie.
+// How the model's coordinator handles dishonest workers.
 #include <algorithm>
 
 #include "tests/simulation/coordinator.hpp"
@@ -41,7 +41,7 @@ void Coordinator::follow_audits(const Actions& actions) {
   }
 }
 
-// Its host's name is a part of a worker's id.
+// A worker's id contains its host's name.
 bool Coordinator::is_expected_liar(const WorkerId& worker) const {
   return is_liar(worker) || std::any_of(liars_.begin(), liars_.end(), [&](const std::string& host) {
            return worker.value.find("." + host + ".") != std::string::npos;
@@ -65,7 +65,7 @@ bool Coordinator::is_refused(const WorkerInfo& worker) const {
   return machines_aside_.contains(worker.machine) && std::none_of(known.begin(), known.end(), is_it);
 }
 
-// In farms with audits, as in the real ones.
+// Only in farms with audits, as in real ones.
 void Coordinator::note_refusal(const WorkerId& worker) {
   if (options_.audit_share == 0 || !is_liar(worker) || ++refused_ % kRejectionsUntilQuarantine != 0) return;
   quarantined({kLiar, worker, kLiar});
@@ -79,8 +79,8 @@ void Coordinator::quarantined(const Producer& producer) {
   handle(Dismiss{producer.worker, true});
 }
 
-// Where everything is audited, and honest workers of two names and more are there, no lie gets through;
-// unless the clock jumps so far that the coordinator has said that it waits for them no more.
+// If everything is audited, and honest workers of at least two names are present, no wrong sample remains;
+// unless the clock jumps so far that the coordinator stops waiting for auditors.
 void Coordinator::check_bits() {
   if (options_.audit_share < 1) return;
   for (const JobView& job : jobs()) {

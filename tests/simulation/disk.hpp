@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What survives a crash of the model's coordinator: rows of jobs, and tiles of films, each by itself. Can
-// refuse to write for a while. Keeps the promise about accepted work in mind.
+// The durable state of the model's coordinator: rows of jobs, and tiles of films, each written separately.
+// Can fail writes for a while. Checks the promise about accepted work.
 #pragma once
 
 #include <map>
@@ -15,7 +15,7 @@
 
 namespace tessera::simulation {
 
-// Accepted work that is older than this when the coordinator crashes is there when it starts again.
+// Work that was accepted earlier than this before a crash of the coordinator survives it.
 inline constexpr double kPromisedSeconds = 2.0;
 
 struct JobRow {
@@ -40,11 +40,11 @@ class Disk {
 
   explicit Disk(World& world) : world_(world) {}
 
-  // Every write fails until then.
+  // Fails every write during this time.
   void refuse(Duration duration);
   bool refuses() const { return world_.now() < refuses_until_; }
 
-  // ---- Writing. False: it was refused, and nothing was written. ----
+  // ---- Writes. False: the write failed and changed nothing. ----
   bool insert(const scheduler::JobId& id, const JobRow& row);
   // An older copy changes nothing.
   bool update(const scheduler::JobId& id, const JobRow& row);
@@ -60,10 +60,9 @@ class Disk {
   void accepted(const scheduler::JobId& job, const scheduler::WorkItem& item);
   // The tile's samples were found to be wrong.
   void dropped(const scheduler::JobId& job, int tile);
-  // All that was accepted before the checkpoint began is written.
+  // Everything that was accepted before the start of the checkpoint is written.
   void checkpoint_is_complete() { refused_since_.reset(); }
-  // Complains of accepted work that is gone although it should have survived, and strikes the rest that is
-  // gone.
+  // Reports accepted work that is lost although it should have survived, and forgets other lost work.
   void coordinator_crashed();
 
  private:
@@ -78,7 +77,7 @@ class Disk {
 
   World& world_;
   Time refuses_until_{};
-  // Its first refusal since the last complete checkpoint.
+  // The first failed write since the last complete checkpoint.
   std::optional<Time> refused_since_;
   std::vector<StoredJob> jobs_;
   std::vector<Accepted> accepted_;

@@ -9,7 +9,7 @@ namespace tessera::simulation {
 
 namespace {
 
-// One farm of so many has no unrest at all, and one nothing but a sample that never ends.
+// One farm in so many has no faults, and one has only a sample that never ends.
 constexpr std::uint64_t kQuietFarms = 100, kKeptFarm = 50;
 
 }  // namespace

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A whole farm for a while: machines, users, faults; then calm, in which everything must come to its end.
+// Simulates a whole farm: machines, users and faults for a while; then without faults, when everything must
+// complete.
 #pragma once
 
 #include <cstdint>
@@ -9,13 +10,13 @@
 namespace tessera::simulation {
 
 struct FarmReport {
-  // What went wrong, with the virtual time; absent if nothing did.
+  // The first violation, with the virtual time; empty if there was none.
   std::optional<std::string> failure;
   double virtual_seconds = 0;
   std::uint64_t events = 0;
 };
 
-// Everything that happens follows from the seed. Verbose: prints a transcript.
+// A deterministic function of the seed. Verbose: prints a transcript.
 FarmReport simulate_farm(std::uint64_t seed, bool verbose);
 
 }  // namespace tessera::simulation

@@ -16,11 +16,11 @@ using namespace scheduler;
 
 namespace {
 
-// Until then every machine has delivered something.
+// By this time every machine has delivered something.
 constexpr double kShownSeconds = 5;
-// Three machines in a row for a hundred seconds each, and what is rendered before.
+// A hundred seconds for each of three machines in succession, and the rendering before.
 constexpr double kLongestSeconds = 600;
-// Three count, and near a job's end an idle one may have a copy of what the third holds.
+// Three machines count as losses, and near a job's end an idle one may have a copy of the third's lease.
 constexpr int kMaxKept = 4;
 
 class KeptFarm {

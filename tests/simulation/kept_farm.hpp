@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A farm in which one sample of one job never comes to an end, and nothing else goes wrong: that job fails
-// for it, and the other is done.
+// A farm in which one sample of one job never ends, without other faults: that job fails, and the other one
+// is done.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace tessera::simulation {
 
-// Everything that happens follows from the seed. Verbose: prints a transcript.
+// A deterministic function of the seed. Verbose: prints a transcript.
 FarmReport simulate_kept_farm(std::uint64_t seed, bool verbose);
 
 }  // namespace tessera::simulation

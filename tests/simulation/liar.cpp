@@ -24,8 +24,8 @@ LeaseDescription Liar::any_own_lease(int jobs) {
   return lease;
 }
 
-// A plausible result, with bits of nobody's, under another's id or one that nobody has; for a lease of its
-// own, with that lease's token, or for one that it guesses.
+// A plausible result with invented sums, under another worker's id or an unknown one; for a lease of its own
+// with that lease's token, or for a guessed lease.
 void Liar::forge(int jobs, const std::string& victim) {
   Random& random = world_.random;
   LeaseDescription lease = any_own_lease(jobs);
@@ -40,7 +40,7 @@ JobId Liar::any_job(int jobs) {
   return {std::to_string(world_.random.integer(1, jobs + 1))};
 }
 
-// Mostly one that was given, or may be.
+// Usually one that was granted, or may be.
 LeaseId Liar::any_lease() {
   Random& random = world_.random;
   if (random.chance(0.05)) return {std::numeric_limits<std::uint64_t>::max()};
@@ -98,7 +98,7 @@ void Liar::deliver(int jobs) {
 void Liar::synchronize(int jobs, const std::string& victim) {
   Random& random = world_.random;
   const WorkerId id{random.chance(0.2) ? victim : kLiar};
-  // Any name is free to take; the machine is proved, and so its own.
+  // It can take any name; its machine is proved, and so its own.
   const std::string name = random.chance(0.3) ? victim.substr(victim.find('.') + 1) : kLiar;
   Synchronize call{
       {id, name, "", random.integer(1, 4096), kLiar}, {}, random.integer(-1, 9), random.chance(0.2)};

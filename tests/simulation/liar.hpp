@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Says to a coordinator what no honest worker says: of leases, items, times and numbers that are none, of
-// other workers' leases, under other workers' ids and names. Only what it says of leases that it was given
-// itself can count, like any other result.
+// A hostile worker that sends what no honest worker sends: invalid leases, items, times and numbers, other
+// workers' leases, and other workers' ids and names. Only its results for leases of its own can count.
 #pragma once
 
 #include <set>
@@ -17,18 +16,19 @@ class Liar {
  public:
   Liar(World& world, Coordinator& coordinator) : world_(world), coordinator_(coordinator) {}
 
-  // One message, about one of jobs "1" to "jobs" or one that is none; perhaps in the name of `victim`.
+  // Sends one message about one of the jobs "1" to "jobs" or an unknown one, perhaps under the name of
+  // `victim`.
   void speak(int jobs, const std::string& victim);
 
   // Whether it has delivered results, which may be of samples that kill honest workers.
   bool has_delivered() const { return has_delivered_; }
-  // Jobs whose scenes it said it cannot build.
+  // Jobs whose scenes it reported not to be able to build.
   const std::set<scheduler::JobId>& refused() const { return refused_; }
 
  private:
   scheduler::JobId any_job(int jobs);
   scheduler::LeaseId any_lease();
-  // Of one that it was given, if there was any; else made up.
+  // One of its own leases if it has any, otherwise an invented one.
   scheduler::LeaseDescription any_own_lease(int jobs);
   void take(const scheduler::Reply& reply);
   void forge(int jobs, const std::string& victim);

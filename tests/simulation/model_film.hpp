@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A film that only counts: for each tile and sample, whether it was added, and whether its bits were wrong.
-// Knows nothing of the scheduler's sets.
+// A film that only counts: for each tile and sample, whether it was added, and whether it was wrong.
+// Independent of the scheduler's sets.
 #pragma once
 
 #include <cstdint>
@@ -18,27 +18,27 @@ class ModelFilm {
   ModelFilm() = default;
   explicit ModelFilm(const scheduler::JobShape& shape);
 
-  // Never takes samples away.
+  // Never removes samples.
   void extend(std::uint32_t spp);
-  // False if any of the samples was there already, or is none of the film's.
+  // False if some of the samples were added before, or are outside the film.
   bool add(const scheduler::WorkItem& item, bool wrong_bits = false);
   void clear(int tile);
-  // A tile with wrong bits in it, if there is one.
+  // A tile with wrong samples, if there is one.
   std::optional<int> spoilt_tile() const;
-  // Whether all of the samples are there; whether any is. False for what is none of the film's.
+  // Whether the film has all of the samples, or some of them. False for samples outside the film.
   bool has(const scheduler::WorkItem& item) const;
   bool has_any(const scheduler::WorkItem& item) const;
   bool complete() const;
-  // 0 for a tile that is none of the film's.
+  // 0 for a tile outside the film.
   double pixel_samples(const scheduler::WorkItem& item) const {
     if (item.tile < 0 || item.tile >= tile_count()) return 0;
     return tile_pixels_[static_cast<std::size_t>(item.tile)] * item.samples.count();
   }
   int tile_count() const { return static_cast<int>(tiles_.size()); }
   scheduler::IntervalSet done(int tile) const;
-  // How many samples of the tile are there.
+  // The number of samples in the tile.
   std::uint64_t count(int tile) const;
-  // Makes one tile what it is in another film of the same job, which may have more samples by now.
+  // Copies one tile from another film of the same job, which may have more samples by now.
   void copy_tile(int tile, const ModelFilm& from);
   bool same_tile(int tile, const ModelFilm& other) const {
     return tiles_[static_cast<std::size_t>(tile)] == other.tiles_[static_cast<std::size_t>(tile)] &&

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What sums a simulated render comes to: of each sample a number that anything honest finds. Pure functions.
+// The sums of simulated renders: every honest worker gets the same number for a sample. Pure functions.
 #pragma once
 
 #include <cstdint>
@@ -21,7 +21,7 @@ inline scheduler::Fingerprint honest_sums(const scheduler::JobId& job, const sch
   return sums;
 }
 
-// Some others, unless `lie` is 0.
+// Different sums, unless `lie` is 0.
 inline scheduler::Fingerprint wrong_sums(const scheduler::JobId& job, const scheduler::WorkItem& item,
                                          std::uint64_t lie) {
   scheduler::Fingerprint sums = honest_sums(job, item);

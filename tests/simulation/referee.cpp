@@ -9,7 +9,7 @@ using namespace scheduler;
 
 namespace {
 
-// How late the coordinator may be called when a lease runs out.
+// How late the coordinator may be called when a lease expires.
 constexpr double kPunctualitySeconds = 1.0;
 
 std::set<LeaseId> ids_of(const std::vector<LeaseDescription>& leases) {
@@ -29,7 +29,7 @@ bool holds_any(const Reply& reply, const JobId& job, const WorkItem& item) {
   });
 }
 
-// The arrows of docs/protocol.md.
+// The transitions of docs/protocol.md.
 bool is_drawn(JobState from, JobState to) {
   using enum JobState;
   static const std::set<std::pair<JobState, JobState>> kArrows{
@@ -103,7 +103,7 @@ void Referee::check_arrow(const JobChange& change) {
   states_[change.id] = change.to;
 }
 
-// Nobody could have audited it for as long as one is to wait for somebody who can.
+// No worker could have audited it for the whole patience.
 void Referee::check_given_up(const JobId& job) const {
   const auto last = last_helped_.find(job);
   const Duration waited = clock_ - (last == last_helped_.end() ? *began_ : last->second);
@@ -151,11 +151,11 @@ void Referee::check_reply(const Event& event, const Reply& reply) {
   check_progress(worker, reply);
   if (!reply.changed && ids_of(reply.leases) != reported)
     world_.fail(fmt::format("worker {} is to wait, though its leases have changed", worker.value));
-  // Its call waits on, as if it had said that it holds these.
+  // Its call keeps waiting, as if it had reported these leases.
   if (result != nullptr) last->second.held = reply.leases;
 }
 
-// Nobody holds leases of a job for ever, and contributes nothing to it.
+// No worker holds leases of a job for ever without a contribution.
 void Referee::check_progress(const WorkerId& worker, const Reply& reply) {
   std::map<JobId, std::vector<WorkItem>> items;
   for (const LeaseDescription& lease : reply.leases)
@@ -173,8 +173,8 @@ void Referee::check_progress(const WorkerId& worker, const Reply& reply) {
   }
 }
 
-// Ten lease durations, and what passes until it calls again; ten times as long as it has shown that it may
-// take.
+// Ten lease durations and the time until its next call, or ten times the expected time at its slowest speed
+// so far.
 Duration Referee::longest_without_progress(const WorkerId& worker, const Reply& reply) const {
   const auto slowest = slowest_seconds_.find(worker);
   double samples = 0;
@@ -225,7 +225,7 @@ void Referee::check_items(const LeaseDescription& lease) {
   for (auto item = lease.items.begin(); item != lease.items.end(); ++item) {
     if (item->samples.empty() || item->tile < 0 || item->tile >= film->second.tile_count())
       world_.fail(fmt::format("lease {} is of samples that are none", lease.id.value));
-    // What is leased to be verified is done, every sample of it.
+    // An audit lease covers only samples that are done.
     if (film->second.has_any(*item) && !(audits_ && film->second.has(*item)))
       world_.fail(fmt::format("lease {} is of samples that are done", lease.id.value));
     if (std::any_of(lease.items.begin(), item, [&](const WorkItem& other) { return overlap(other, *item); }))
@@ -277,7 +277,7 @@ void Referee::counted(const std::vector<JobView>& before, const std::vector<JobV
   }
 }
 
-// What a worker has delivered itself it does not render any more, though it may be missing again one day.
+// A worker need not render samples that it has delivered itself, even if they are missing again later.
 void Referee::note_delivered(const WorkerId& worker, const JobId& job, const WorkItem& item) {
   const auto waiting = waiting_.find(worker);
   if (waiting == waiting_.end()) return;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Watches one scheduler from outside: what it says and does is compared with what was said and done before,
-// by rules written here a second time. Knows nothing of the scheduler's insides. Complains to the world.
+// Checks one scheduler from outside: compares its answers and actions with earlier ones by an independent
+// implementation of the rules. Knows nothing of the scheduler's internals. Reports violations to the world.
 #pragma once
 
 #include <map>
@@ -15,7 +15,7 @@
 
 namespace tessera::simulation {
 
-// By job: what has been counted.
+// The accepted samples by job.
 using Films = std::map<scheduler::JobId, ModelFilm>;
 
 class Referee {
@@ -23,32 +23,31 @@ class Referee {
   Referee(World& world, const Films& films, const scheduler::Options& options)
       : world_(world), films_(films), options_(options), audits_(options.audit_share > 0) {}
 
-  // From now on samples that are done may be leased as well.
+  // From now on, samples that are done may be leased as well.
   void expect_audits() { audits_ = true; }
 
-  // A new scheduler, to which no lease has been given yet.
+  // A new scheduler started, which has granted no lease yet.
   void restarted(std::uint32_t epoch);
-  // A job that it was handed, in the state in which it was.
+  // The scheduler was given this job in this state.
   void entered(const scheduler::JobId& id, scheduler::JobState state) { states_[id] = state; }
   void deleted(const scheduler::JobId& id) { states_.erase(id); }
 
-  // An event has been handled at this time of the coordinator's clock; the films are not yet what they will
-  // be.
+  // An event was handled at this time of the coordinator's clock; the films are not updated yet.
   void handled(const scheduler::Event& event, const scheduler::Actions& actions, Time clock);
-  // The jobs before an event and after it: none has more workers than it may have, unless it had so many
-  // before.
+  // The jobs before and after an event: none may exceed its limit on workers, unless it did so before.
   void counted(const std::vector<scheduler::JobView>& before, const std::vector<scheduler::JobView>& after);
-  // Samples that its films lack must be accepted, others dropped; and who else was rendering them must hear.
+  // Missing samples must be accepted, and others dropped; other holders of the accepted samples must be
+  // woken.
   void judged(const scheduler::SubmitResult& event, const scheduler::Actions& actions);
-  // The films are what they should be.
+  // The films are updated.
   void settled(const scheduler::Actions& actions, const scheduler::Scheduler& scheduler, Time clock);
-  // The worker is told this with the answer to its result. After settled(): what the result has disproved may
-  // be leased again, and is out of the films by then.
+  // The worker receives this with the answer to its result. Called after settled(), since disproved samples
+  // are out of the films by then and may be leased again.
   void told_with_answer(const scheduler::SubmitResult& event, const scheduler::Reply& reply);
-  // Nothing need have happened.
+  // May be called at any time.
   void look_around(const scheduler::Scheduler& scheduler, Time clock);
 
-  // What this worker's call is waiting with.
+  // The reply with which this worker's call waits.
   void parked(const scheduler::WorkerId& worker, const scheduler::Reply& reply);
   void answered(const scheduler::WorkerId& worker);
 
@@ -70,34 +69,34 @@ class Referee {
   const scheduler::Options options_;
   bool audits_;
   std::map<scheduler::JobId, scheduler::JobState> states_;
-  // The coordinator's clock as the scheduler must take it: it never goes back.
+  // The coordinator's clock as the scheduler must see it: it never goes back.
   Time clock_{};
-  // When this scheduler was first handed anything, and when any of a job was last rendered, or rendered
-  // again, or given to somebody of whom nothing speaks against it.
+  // When this scheduler was first given anything, and when samples of a job were last rendered, audited, or
+  // leased to a worker without known faults.
   std::optional<Time> began_;
   std::map<scheduler::JobId, Time> last_helped_;
-  // Who was given leases of the job before, or has said that it cannot build it.
+  // Workers that were granted leases of the job, or reported not to be able to build it.
   std::set<std::pair<scheduler::WorkerId, scheduler::JobId>> tried_;
   std::map<scheduler::WorkerId, scheduler::Synchronize> last_call_;
   std::map<scheduler::WorkerId, Time> last_heard_;
   std::map<scheduler::WorkerId, scheduler::Reply> waiting_;
-  // Those of them that are about to ask again.
+  // Workers that are about to ask again.
   std::set<scheduler::WorkerId> woken_;
-  // Leases that the worker has been told of or has told of.
+  // Leases that the worker was told of or has reported.
   std::set<std::pair<scheduler::WorkerId, scheduler::LeaseId>> known_;
-  // What a worker holds of a job, as it was last told, and since when nothing has come of it.
+  // A worker's leases of a job as last told, and since when no result of them has counted.
   struct Held {
     Time since;
     std::vector<scheduler::WorkItem> items;
   };
   std::map<std::pair<scheduler::WorkerId, scheduler::JobId>, Held> held_without_progress_;
-  // The most time for a sample of a pixel that the worker has said it took.
+  // The maximum time per pixel sample that the worker has reported.
   std::map<scheduler::WorkerId, double> slowest_seconds_;
-  // The highest lease given, in all runs.
+  // The highest lease id granted, over all runs.
   std::uint64_t highest_given_ = 0;
 };
 
-// What a refused event must leave as it was.
+// The state that a refused event must not change.
 std::string fingerprint(const scheduler::Scheduler& scheduler, Time clock);
 
 }  // namespace tessera::simulation

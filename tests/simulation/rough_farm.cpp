@@ -11,12 +11,12 @@ using namespace scheduler;
 
 namespace {
 
-// Faults come, and users speak, until then.
+// Faults and user commands end at this time.
 constexpr double kUnrestSeconds = 40;
 // A straggler is a hundred times slower than the first machine.
 constexpr double kFirstSpeed = 60'000, kStragglerSpeed = 600;
-// Of a machine that comes and goes when there is calm: never away for as long as one waits for an auditor,
-// even if it had been down before, but longer in all.
+// A machine that comes and goes after the faults: each absence is shorter than the patience for auditors,
+// also after an earlier one, but all of them together are longer.
 constexpr int kAbsences = 3;
 constexpr double kShortestAbsenceSeconds = 80, kLongestAbsenceSeconds = 150, kLongestVisitSeconds = 6;
 static_assert(kUnrestSeconds + kLongestAbsenceSeconds < kAuditPatienceSeconds);
@@ -41,14 +41,14 @@ void RoughFarm::set_up() {
   world_.after(seconds(kUnrestSeconds), [this] { calm_down(); });
 }
 
-// Speeds that differ up to a hundredfold; the first machine is quick enough to bring every farm to its end.
+// Speeds differ by up to a factor of a hundred; the first machine is fast enough to complete every farm.
 void RoughFarm::add_machine(int number) {
   Random& random = world_.random;
   double speed = number == 0 ? kFirstSpeed : 1'500 * std::pow(100, random.real(0, 1));
   if (number > 0 && random.chance(0.15)) speed = kStragglerSpeed;
   const std::string host = fmt::format("m{}", number);
   std::string name = random.chance(0.1) ? "render" : host;
-  if (audited_.any() && number < 2) {  // they are to bring it to its end together
+  if (audited_.any() && number < 2) {  // these two must complete the farm together
     speed = kFirstSpeed;
     name = host;
   }
@@ -58,7 +58,8 @@ void RoughFarm::add_machine(int number) {
   world_.after(seconds(random.real(0, 5)), [machine = machines_.back().get()] { machine->start(); });
 }
 
-// On a slow line, or one that says so for ever. Whether it is one that renders nothing at all.
+// It has a slow line, or reports for ever that it fetches. Returns whether it is one that renders nothing at
+// all.
 bool RoughFarm::make_slow(WorkerMachine& machine) {
   if (slow_.chance(0.8)) return false;
   stuck_seconds_ += 700;
@@ -73,7 +74,7 @@ bool RoughFarm::make_slow(WorkerMachine& machine) {
   return false;
 }
 
-// The first two are honest, so that the others can be found out.
+// The first two machines are honest, so that the others can be detected.
 void RoughFarm::set_up_audits() {
   world_.note(fmt::format("{:.0f} % of ranges are audited", 100 * audited_.options.audit_share));
   for (std::size_t m = 0; m < machines_.size(); ++m) {
@@ -87,8 +88,8 @@ void RoughFarm::set_up_audits() {
   if (audited_.random.chance(0.2)) absences_ = kAbsences;
 }
 
-// From now on there are no faults. Whatever is down comes up, whatever is paused goes on, and jobs may have
-// all workers: one with a limit might be left to the slowest. In some farms a machine still comes and goes.
+// Ends all faults: starts what is down, resumes what is paused, and removes limits on workers, since a
+// limited job might be left to the slowest machine. In some farms a machine still comes and goes.
 void RoughFarm::calm_down() {
   calm_ = true;
   world_.note("calm");
@@ -103,7 +104,7 @@ void RoughFarm::calm_down() {
   if (absences_ > 0) leave_for_a_while(*machines_[1], absences_);
 }
 
-// And then again, after a short visit.
+// Repeats after a short presence.
 void RoughFarm::leave_for_a_while(WorkerMachine& machine, int times) {
   machine.stop();
   world_.after(seconds(audited_.random.real(kShortestAbsenceSeconds, kLongestAbsenceSeconds)),
@@ -115,21 +116,20 @@ void RoughFarm::leave_for_a_while(WorkerMachine& machine, int times) {
                });
 }
 
-// The first machine alone, with time for every fault to pass, every lease to run out, and every deadly range
-// to have its victims: three machines, of which chance may take one again and again.
+// The time of the first machine alone, plus the time for all faults to pass, all leases to expire, and every
+// deadly range to have its victims: three machines, of which chance may take one repeatedly.
 bool RoughFarm::is_late() const {
   double bound = kUnrestSeconds + 120 + set_back_seconds_ + stuck_seconds_ +
                  800 * static_cast<double>(deadly_jobs_.size()) +
                  40'000 * static_cast<double>(endless_jobs_.size()) + 1.5 * pixel_samples_ / kFirstSpeed;
-  // Everything is rendered twice, and what was spoilt once more; or nobody comes for it.
+  // Everything is rendered twice, and wrong tiles once more; or there is no auditor.
   if (audited_.any()) bound += kAuditPatienceSeconds + 6 * pixel_samples_ / kFirstSpeed;
   bound += absences_ * (kLongestAbsenceSeconds + kLongestVisitSeconds);
   return elapsed() > bound;
 }
 
-// A job fails by itself if and only if it has samples that nobody survives, or comes to an end with, and
-// nobody claims to have rendered, or its scene is said not to be buildable; or if chance made three machines
-// stuck.
+// A job fails by itself if and only if it has samples that kill or hang workers and that no hostile worker
+// claims to have rendered, or its scene is reported as unbuildable, or chance made three machines hang.
 void RoughFarm::check_failures() {
   for (const auto& [id, failure] : coordinator_.failures()) {
     const bool guilty = deadly_jobs_.contains(id) || endless_jobs_.contains(id) ||

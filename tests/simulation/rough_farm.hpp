@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A farm of which chance does what it likes, until there is calm and every job must come to its end. What
-// happens follows from the seed.
+// A farm with random faults, followed by a time without faults in which every job must complete. A
+// deterministic function of the seed.
 #pragma once
 
 #include <chrono>
@@ -18,11 +18,11 @@
 
 namespace tessera::simulation {
 
-// How long one waits for who could audit.
+// The patience for auditors.
 inline constexpr double kAuditPatienceSeconds = 200;
 
-// Two farms of five have audits, which must not change what happens in the others: their chances are drawn
-// apart.
+// Two of five farms have audits. They use a random generator of their own, so that the other farms stay the
+// same.
 struct AuditedFarm {
   explicit AuditedFarm(std::uint64_t seed) : random(seed ^ 0xa0d17) {
     if (!random.chance(0.4)) return;
@@ -47,7 +47,7 @@ class RoughFarm {
   FarmReport run();
 
  private:
-  // ---- Beginning and end ----
+  // ---- Start and end ----
   void set_up();
   void add_machine(int number);
   bool make_slow(WorkerMachine& machine);
@@ -64,21 +64,21 @@ class RoughFarm {
   void restart_hung_workers();
   void make_unbuildable(const scheduler::JobId& id);
 
-  // ---- What goes wrong ----
+  // ---- Faults ----
   void fault();
   void machine_fault(WorkerMachine& machine, int kind);
   void get_stuck(WorkerMachine& machine);
   void coordinator_fault(int kind);
   void power_failure();
 
-  // ---- What users do ----
+  // ---- Users ----
   void user();
   bool command(const char* what, const scheduler::Event& event);
   void resume_later(const scheduler::JobId& id);
   void odd_command(const scheduler::JobId& id);
 
   scheduler::JobId any_job() { return {std::to_string(world_.random.integer(1, jobs_submitted_ + 1))}; }
-  // Of workers; more often none.
+  // A limit on workers; usually none.
   std::uint32_t any_limit() {
     return world_.random.chance(0.6) ? 0 : static_cast<std::uint32_t>(world_.random.integer(1, 4));
   }
@@ -89,27 +89,26 @@ class RoughFarm {
   double elapsed() const { return std::chrono::duration<double>(world_.now().time_since_epoch()).count(); }
 
   World world_;
-  // What has to do with fetching and with samples without end is drawn apart as well.
+  // Fetching and endless samples use a random generator of their own as well.
   Random slow_;
   AuditedFarm audited_;
   Coordinator coordinator_;
   Liar liar_;
   std::vector<std::unique_ptr<WorkerMachine>> machines_;
-  // Of those that render.
+  // The names of machines that render.
   std::set<std::string> names_;
   int jobs_submitted_ = 0;
   double pixel_samples_ = 0;
   // How long the scheduler's time may stand still.
   double set_back_seconds_ = 0;
-  // How long what workers hold may lie there, of all that come to render nothing.
+  // How long leases may be held by machines that render nothing, in total.
   double stuck_seconds_ = 0;
   bool stuck_for_good_ = false;
-  // How often one of the two that are always honest leaves once there is calm.
+  // How often one of the two honest machines leaves after the faults.
   int absences_ = 0;
-  // As many names as that may fail a job.
+  // Enough of these names can fail a job.
   std::set<std::string> stuck_names_;
-  // Jobs with samples that every machine dies of, or comes to no end with; whose scenes no machine can build;
-  // or some cannot.
+  // Jobs with samples that kill or hang every machine; whose scenes no machine can build; or some cannot.
   std::set<scheduler::JobId> deadly_jobs_, endless_jobs_, unbuildable_jobs_, doubtful_jobs_;
   bool calm_ = false;
 };

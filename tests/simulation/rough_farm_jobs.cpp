@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Jobs of a rough farm, and what is wrong with some of them.
+// Jobs of a rough farm, and the faults of some of them.
 #include <algorithm>
 
 #include "tests/simulation/rough_farm.hpp"
@@ -24,7 +24,7 @@ void RoughFarm::submit() {
   world_.note(
       fmt::format("job {}: {}x{}, {} spp", id.value, shape.window.width(), shape.window.height(), shape.spp));
   pixel_samples_ += shape.grid().tile_count() * 4096.0 * shape.spp;
-  // Where there are audits, machines that are quarantined, or cannot build a scene, are none to count on.
+  // With audits, machines that are quarantined or cannot build a scene do not count.
   const bool enough_can_die = names_.size() >= kLossesUntilFailure && !stuck_for_good_;
   if (enough_can_die && random.chance(0.05) && !audited_.any()) {
     make_deadly(id, shape);
@@ -58,7 +58,7 @@ void RoughFarm::make_endless(const JobId& id, const JobShape& shape) {
   endless_jobs_.insert(id);
 }
 
-// Somebody looks at the machines from time to time; most often soon, else after more than an hour.
+// An operator checks the machines from time to time: usually soon, otherwise after more than an hour.
 void RoughFarm::restart_hung_workers() {
   world_.after(seconds(slow_.chance(0.7) ? slow_.real(150, 400) : 4200), [this] {
     for (const auto& machine : machines_) {

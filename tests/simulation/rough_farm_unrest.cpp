@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// What goes wrong in a rough farm, and what its users do.
+// The faults and the users of a rough farm.
 #include "tests/simulation/rough_farm.hpp"
 
 namespace tessera::simulation {
 
 using namespace scheduler;
 
-// ---- What goes wrong ----
+// ---- Faults ----
 
 void RoughFarm::fault() {
   const int kind = world_.random.integer(0, 19);
@@ -40,7 +40,7 @@ void RoughFarm::machine_fault(WorkerMachine& machine, int kind) {
   }
 }
 
-// Most for good; but not those that are to bring the farm to its end, or to die for it.
+// Most machines hang for good, except those that must complete the farm or be killed by it.
 void RoughFarm::get_stuck(WorkerMachine& machine) {
   const bool needed = &machine == machines_[0].get() || (audited_.any() && &machine == machines_[1].get());
   const bool for_good = world_.random.chance(0.7) && !needed && deadly_jobs_.empty() && endless_jobs_.empty();
@@ -48,7 +48,7 @@ void RoughFarm::get_stuck(WorkerMachine& machine) {
   stuck_for_good_ |= for_good;
   const double longest = needed ? 60 : 300;
   const double stuck = for_good ? 1e6 : world_.random.real(0, longest);
-  // Its leases end after ten lease durations, and it may be given others: after one bar, and another.
+  // Its leases end after ten lease durations, and it may be given others after each cooldown.
   stuck_seconds_ += needed ? longest : 700;
   machine.get_stuck(seconds(stuck));
 }
@@ -77,7 +77,7 @@ void RoughFarm::coordinator_fault(int kind) {
   }
 }
 
-// Everything goes dark at once, and comes back one after the other.
+// Everything stops at once, and restarts one after the other.
 void RoughFarm::power_failure() {
   if (coordinator_.up()) coordinator_.crash();
   world_.after(seconds(world_.random.real(0, 10)), [this] { coordinator_.start(); });
@@ -87,7 +87,7 @@ void RoughFarm::power_failure() {
   }
 }
 
-// ---- What users do ----
+// ---- Users ----
 
 bool RoughFarm::command(const char* what, const Event& event) {
   const bool taken = coordinator_.command(event);
@@ -137,11 +137,11 @@ void RoughFarm::user() {
   }
 }
 
-// What no picture has, or has already.
+// Values that no image has, or that it has already.
 void RoughFarm::odd_command(const JobId& id) {
   Random& random = world_.random;
   const JobShape empty{random.integer(-1, 0), 10, 1};
-  if (coordinator_.command(SubmitJob{{"empty"}, empty, 0})) world_.fail("a picture of nothing was taken");
+  if (coordinator_.command(SubmitJob{{"empty"}, empty, 0})) world_.fail("an empty image was accepted");
   for (const JobView& job : coordinator_.jobs()) {
     if (coordinator_.command(SubmitJob{job.id, job.shape, 0})) world_.fail("a job was taken twice");
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Farms in which one thing happens, and what it may cost.
+// Farms with a single fault, and bounds on its cost.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -85,7 +85,7 @@ TEST_F(FarmScenario, ARestartOfTheCoordinatorCostsItsAbsenceAndTwoSeconds) {
   coordinator_.crash();
   run_until(12);
   coordinator_.start();
-  // Its absence, what was accepted since the checkpoint, and the time until workers call again.
+  // The downtime, the samples accepted since the checkpoint, and the time until workers call again.
   EXPECT_LT(run_until_one_is_done(), kSlack * kJobSamples / 100'000 + 4 + 2 + 5);
 }
 
@@ -96,7 +96,7 @@ TEST_F(FarmScenario, TwoWorkersAreNearlyTwiceAsFastAsOne) {
   EXPECT_LT(run_until_one_is_done(), kSlack * kJobSamples / 100'000 + 1);
 }
 
-// Its render thread hangs, but it is heard of, and no other may have the job.
+// Its render thread hangs, but it sends heartbeats, and no other worker may have the job.
 TEST_F(FarmScenario, AStuckWorkerHoldsUpTheJobThatItHasAloneForAHundredSeconds) {
   WorkerMachine& stuck = machine(50'000);
   submit("job", kJob, 1);
@@ -108,14 +108,14 @@ TEST_F(FarmScenario, AStuckWorkerHoldsUpTheJobThatItHasAloneForAHundredSeconds) 
   EXPECT_GT(elapsed(), 6 + 95);
 }
 
-// A sample of one tile takes it five minutes, which nobody can know.
+// A sample of one tile takes it five minutes, which the scheduler cannot know.
 TEST_F(FarmScenario, AVerySlowFarmLosesNoWork) {
   machine(4096 / 300.0);
   submit("job", {64, 64, 8});
   EXPECT_LT(run_until_one_is_done(8000), kSlack * 8 * 300 + 400);
 }
 
-// The machines of this farm die of one sample in the middle of a job, again and again.
+// The machines of this farm are killed by one sample in the middle of a job, repeatedly.
 TEST_F(FarmScenario, ARangeThatKillsItsWorkersEndsItsJobAndNoOther) {
   std::vector<WorkerMachine*> machines;
   for (int i = 0; i < 3; ++i) machines.push_back(&machine(50'000));
@@ -131,8 +131,8 @@ TEST_F(FarmScenario, ARangeThatKillsItsWorkersEndsItsJobAndNoOther) {
   EXPECT_EQ(jobs[1].state, JobState::kDone);
 }
 
-// The machines of this farm come to no end with one sample in the middle of a job. One is spared that, unless
-// it was given a copy.
+// The machines of this farm hang in one sample in the middle of a job. One of them is spared, unless it was
+// given a copy.
 TEST_F(FarmScenario, ARangeThatNeverEndsEndsItsJobAndNoOther) {
   for (int i = 0; i < 4; ++i) machine(50'000).never_ends({"endless"}, {5, {9, 10}});
   submit("endless", kJob);
@@ -141,12 +141,12 @@ TEST_F(FarmScenario, ARangeThatNeverEndsEndsItsJobAndNoOther) {
   const auto jobs = coordinator_.jobs();
   EXPECT_EQ(jobs[0].state, JobState::kFailed);
   EXPECT_THAT(jobs[0].failure,
-              testing::HasSubstr(" workers came to no end one after the other with "
+              testing::HasSubstr(" workers hung one after the other in "
                                  "samples [9, 10) of tile 5 (pixels [64, 128) x [64, 128))"));
   EXPECT_EQ(jobs[1].state, JobState::kDone);
 }
 
-// Nothing of it is ever rendered, and so no range has three workers.
+// No sample of it is ever rendered, and so no range is tried by three workers.
 TEST_F(FarmScenario, AJobOfWhichNothingEverEndsFailsToo) {
   for (int i = 0; i < 4; ++i) {
     for (int tile = 0; tile < 16; ++tile) machine_at(i).never_ends({"endless"}, {tile, {0, 32}});
@@ -157,11 +157,11 @@ TEST_F(FarmScenario, AJobOfWhichNothingEverEndsFailsToo) {
   run_until(elapsed() + 150);
   EXPECT_EQ(coordinator_.jobs()[1].state, JobState::kFailed);
   EXPECT_THAT(coordinator_.jobs()[1].failure,
-              testing::HasSubstr("workers came to no end with whatever they had of it, and nobody has "
-                                 "rendered a sample: m"));
+              testing::HasSubstr("workers hung in all samples of it that they held, and none has been "
+                                 "rendered: m"));
 }
 
-// One that hangs in everything has shown nothing, and fails no job.
+// A machine that hangs in everything has never delivered, and fails no job.
 TEST_F(FarmScenario, MachinesThatAreBrokenFailNoJob) {
   for (int i = 0; i < 3; ++i) machine(50'000).get_stuck(seconds(1e6));
   submit("job", kJob);
@@ -172,7 +172,7 @@ TEST_F(FarmScenario, MachinesThatAreBrokenFailNoJob) {
   EXPECT_EQ(coordinator_.jobs()[0].state, JobState::kDone);
 }
 
-// Its leases are not kept for it, and it has others as soon as it can render them.
+// Its leases go to others, and it is given new ones as soon as it can render them.
 TEST_F(FarmScenario, WhoFetchesForLongIsServedAsSoonAsItHasTheScene) {
   WorkerMachine& slow = machine(50'000);
   slow.fetch_slowly(seconds(700));
@@ -186,7 +186,7 @@ TEST_F(FarmScenario, WhoFetchesForLongIsServedAsSoonAsItHasTheScene) {
   EXPECT_GT(coordinator_.workers()[0].samples_accepted, 0u);
 }
 
-// Whatever kills them, it is not the samples as long as it happens on one machine alone.
+// The samples are not to blame as long as workers die on one machine only.
 TEST_F(FarmScenario, AMachineThatIsKilledAgainAndAgainFailsNoJob) {
   WorkerMachine& victim = machine(50'000);
   submit("job", kJob);
@@ -209,14 +209,14 @@ TEST_F(FarmScenario, EqualJobsGetOnEqually) {
   }
 }
 
-// One of four workers: others do not help it, and it does not keep them from other jobs.
+// It has one of four workers: others do not help it, and it does not keep its worker from other jobs.
 TEST_F(FarmScenario, AJobWithALimitGetsItsShareAndItsEqualsTheRest) {
   for (int i = 0; i < 4; ++i) machine(20'000);
   submit("limited", kJob, 1);
   submit("equal", kJob);
   run_until(20);
   const auto jobs = coordinator_.jobs();
-  // Renders take 0.7 to 1.3 times as long as the speed says.
+  // Renders take 0.7 to 1.3 times the nominal time.
   EXPECT_NEAR(static_cast<double>(jobs[0].samples_done), 20 * 20'000, 0.35 * 20 * 20'000);
   EXPECT_NEAR(static_cast<double>(jobs[1].samples_done), 60 * 20'000, 0.35 * 60 * 20'000);
 }
@@ -237,7 +237,7 @@ TEST_F(FarmScenario, AJobThatIsGivenAHigherPriorityOvertakesItsEqual) {
   for (const char* id : {"a", "b"}) submit(id, kJob);
   run_until(10);
   ASSERT_TRUE(coordinator_.command(scheduler::UpdateJob{{"b"}, 1, {}}));
-  run_until(22);  // what was leased before, up to four leases of each
+  run_until(22);  // leases from before the change, up to four for each job
   const auto before = coordinator_.jobs();
   run_until(32);
   const auto after = coordinator_.jobs();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What makes a simulated farm worth anything: it follows from its seed, and from nothing else.
+// A simulated farm is a deterministic function of its seed.
 #include <gtest/gtest.h>
 
 #include "tests/simulation/farm.hpp"
@@ -17,7 +17,7 @@ TEST(FarmSimulation, FollowsFromItsSeed) {
   }
 }
 
-// Whichever sample that is, and however the machines like to work.
+// For every sample, and all working habits of machines.
 TEST(FarmSimulation, ASampleThatNeverEndsEndsItsJobAndNoOther) {
   for (std::uint64_t seed = 1; seed <= 40; ++seed)
     EXPECT_EQ(simulate_kept_farm(seed, false).failure, std::nullopt) << "seed " << seed;

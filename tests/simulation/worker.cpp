@@ -15,10 +15,10 @@ namespace {
 
 constexpr double kCallTimeoutSeconds = 5.0;
 constexpr double kResendSeconds = 1.5;
-// A render looks up so often whether the machine has become slower or faster.
+// A render checks at this interval whether the machine's speed has changed.
 constexpr double kLongestStepSeconds = 1.0;
 
-// Real workers deliver ranges that touch as one.
+// Real workers deliver adjacent ranges as one.
 std::vector<WorkItem> joined(const std::vector<WorkItem>& items) {
   std::vector<WorkItem> result;
   for (const WorkItem& item : items) {
@@ -50,7 +50,7 @@ void WorkerMachine::start() {
   start_again_ = running_ && (stop_pending_ || stopping_);
   if (running_) return;
   ++process_;
-  // As real ids, these sort at random.
+  // Sorts at random, as real ids do.
   const std::string process = fmt::format("{}.{}", host_, process_);
   id_ = fmt::format("{:04}.{}", std::hash<std::string>{}(process) % 10'000, process);
   world_.note(fmt::format("{}.{} starts", host_, process_));
@@ -152,7 +152,7 @@ void WorkerMachine::take_reply(std::uint64_t call, const Reply& reply) {
     return just_given_.contains(held.id) || std::any_of(reply.leases.begin(), reply.leases.end(),
                                                         [&](const auto& l) { return l.id == held.id; });
   };
-  // What it has sent already it goes on sending; the rest of what is not wanted it forgets.
+  // Results that were sent are sent again; other unwanted samples are dropped.
   std::erase_if(held_, [&](const Held& held) { return !wanted(held); });
   take_new(reply);
   if (!stopping_) synchronize();
@@ -168,7 +168,7 @@ void WorkerMachine::take_new(const Reply& reply) {
   fetch_what_is_new();
 }
 
-// Goes on when others have been given the leases that it is for.
+// Fetching continues after the leases went to others.
 void WorkerMachine::fetch_what_is_new() {
   for (const Held& held : held_) {
     const JobId job = held.job;
@@ -241,7 +241,7 @@ void WorkerMachine::rendered() {
       deliver(*held, held->to_render.empty());
     }
   } else if (world_.random.chance(0.5)) {
-    // No longer wanted, but may still be missing.
+    // It is no longer wanted, but may still be missing.
     Held late{done.lease, done.job, {}, {done.item}, {}, done.spent_seconds, 0, false, done.token};
     deliver(late, false);
   }
@@ -258,7 +258,7 @@ void WorkerMachine::deliver(Held& held, bool finished, const std::string& declin
   if (splits_) held.rendered = joined(held.rendered);
   outbox_[delivery] = {{id_},          held.job,      held.id, held.rendered, held.render_seconds, finished,
                        decline_reason, sums_of(held), {},      held.token};
-  // As real workers, which deliver one after the other.
+  // Real workers deliver one result after the other.
   const bool takes = finished && takes_with_answers_ && decline_reason.empty() && outbox_.size() == 1;
   if (takes && !stopping_) outbox_[delivery].held = held_besides(held);
   held.sent.insert(held.sent.end(), held.rendered.begin(), held.rendered.end());
@@ -349,7 +349,7 @@ void WorkerMachine::stop() {
   exit_if_idle();
 }
 
-// Of the range it is at, as many samples as there was time for.
+// As many samples of the current range as there was time for.
 void WorkerMachine::hand_back_current_range() {
   Held* const current = find(rendering_->lease);
   if (current == nullptr) return;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// One machine that runs workers: renders what it is leased in virtual time, delivers until it is heard, and
-// can crash, hang, or stop as it should.
+// One machine that runs worker processes: renders its leases in virtual time, retries deliveries until they
+// arrive, and can crash, hang or stop.
 #pragma once
 
 #include <deque>
@@ -17,50 +17,51 @@ namespace tessera::simulation {
 
 class WorkerMachine {
  public:
-  // `host` tells machines apart, `name` is what its workers say they are called: two may say the same.
+  // `host` is unique; `name` is the name of its workers, which two machines may share.
   WorkerMachine(World& world, Coordinator& coordinator, std::string host, double samples_per_second,
                 std::string name = "");
 
-  // Starts a worker process with an id of its own; if one is stopping, when it has stopped; if one runs, not.
+  // Starts a worker process with a new id. If one is stopping, waits for its end; if one is running, does
+  // nothing.
   void start();
   // kill -9
   void crash();
   // SIGSTOP for a while.
   void hang(Duration duration);
-  // Its render thread hangs for a while; it goes on calling, and can be stopped. A process that is started
-  // anew does not hang.
+  // Hangs its render thread for a while; it sends heartbeats, and can be stopped. A restarted process does
+  // not hang.
   void get_stuck(Duration duration);
-  // Renders so many times slower for a while, and is otherwise well.
+  // Renders slower by this factor for a while.
   void slow_down(double factor, Duration duration);
-  // Nothing that it sends or is sent arrives until then.
+  // Drops all messages from and to it during this time.
   void cut_off(Duration duration);
-  // From now on its processes die when they come to this item's samples, and are started again after a while.
+  // From now on these samples kill its processes, which are restarted after a while.
   void die_of(const scheduler::JobId& job, const scheduler::WorkItem& item);
-  // From now on its processes come to no end with this item's samples, but go on calling.
+  // From now on its processes hang in these samples, but send heartbeats.
   void never_ends(const scheduler::JobId& job, const scheduler::WorkItem& item);
-  // Whether that has happened to the one that runs.
+  // Whether the running process hangs in such samples.
   bool is_at_no_end() const { return running_ && rendering_ && rendering_->endless; }
-  // Whether it ever was, in any of its processes.
+  // Whether any of its processes ever did.
   bool has_been_at_no_end() const { return has_been_at_no_end_; }
   // From now on it takes so long to fetch a job's scene, which it keeps.
   void fetch_slowly(Duration duration) { fetch_time_ = duration; }
-  // From now on it says that it is fetching the scene of whatever it is given, until others have that, and
-  // renders nothing.
+  // From now on it reports to fetch the scene of every lease until the lease goes to others, and renders
+  // nothing.
   void feign_fetching() { feigns_ = true; }
   // From now on its workers cannot build this job's scene, and give its leases back.
   void decline_reason(const scheduler::JobId& job) { unbuildable_.insert(job); }
-  // From now on that share of what it delivers has flipped bits.
+  // From now on this share of its results has flipped bits.
   void lie(double share) { lies_ = share; }
   // From now on it delivers many ranges in two parts.
   void split_ranges() { splits_ = true; }
-  // SIGTERM: delivers what it has rendered of its leases, also of the range it is at, and stops.
+  // SIGTERM: delivers its results, including a part of the current range, and stops.
   void stop();
   bool running() const { return running_; }
   double samples_per_second() const { return samples_per_second_; }
-  // Of those that were rendered to their end.
+  // Of the leases that were rendered completely.
   double longest_lease_seconds() const { return longest_lease_seconds_; }
   const std::string& name() const { return name_; }
-  // Of the worker that runs, or ran last.
+  // The id of the running worker, or of the last one.
   const std::string& worker_id() const { return id_; }
 
  private:
@@ -68,10 +69,10 @@ class WorkerMachine {
     scheduler::LeaseId id;
     scheduler::JobId job;
     std::deque<scheduler::WorkItem> to_render;
-    std::vector<scheduler::WorkItem> rendered;  // not yet handed to deliver()
+    std::vector<scheduler::WorkItem> rendered;  // not yet passed to deliver()
     std::vector<scheduler::WorkItem> sent;      // not yet acknowledged
     double render_seconds = 0;                  // since the last delivery
-    double lease_seconds = 0;                   // in all
+    double lease_seconds = 0;                   // in total
     bool finished = false;
     scheduler::LeaseToken token{};
   };
@@ -105,7 +106,7 @@ class WorkerMachine {
                         const scheduler::WorkItem& item);
   void hand_back_current_range();
 
-  // What it is at. Renders differ from the machine's speed by a factor of their own.
+  // The current range. Each render has its own random factor on the machine's speed.
   struct Rendering {
     scheduler::LeaseId lease;
     scheduler::JobId job;
@@ -122,7 +123,7 @@ class WorkerMachine {
   const std::string host_;
   const std::string name_;
   const double samples_per_second_;
-  // How it likes to work; different for each machine.
+  // Its working habits, which differ between machines.
   const int wanted_leases_;
   const std::size_t items_per_delivery_;
   const bool takes_with_answers_;
@@ -141,11 +142,11 @@ class WorkerMachine {
 
   bool running_ = false;
   int process_ = 0;
-  std::string id_;  // of this process
+  std::string id_;  // of the current process
   Time hung_until_{};
   Time stuck_until_{};
   bool has_been_at_no_end_ = false;
-  bool stop_pending_ = false;  // comes when it no longer hangs
+  bool stop_pending_ = false;  // takes effect after the hang
   bool stopping_ = false;
   bool start_again_ = false;
   std::set<scheduler::JobId> fetching_;
@@ -153,7 +154,7 @@ class WorkerMachine {
   std::uint64_t call_ = 0;
   std::uint64_t deliveries_ = 0;
   std::vector<Held> held_;
-  // Since the last call: with answers to deliveries; and of which all has arrived.
+  // Leases since the last call: received with answers to deliveries, and completely delivered.
   std::set<scheduler::LeaseId> just_given_, just_finished_;
   std::map<std::uint64_t, scheduler::SubmitResult> outbox_;
 };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a simulated farm lives in: virtual time, chance, a network, and a place to complain. All of it follows
-// from one seed.
+// The environment of a simulated farm: virtual time, random numbers, a network, and the first violation.
+// Everything follows from one seed.
 #pragma once
 
 #include <fmt/format.h>
@@ -54,7 +54,7 @@ class World {
     queue_.push({now_ + std::max(delay, Duration::zero()), ++sequence_, std::move(what)});
   }
 
-  // Carries a message: later, perhaps never, perhaps twice, perhaps after messages that were sent after it.
+  // Sends a message: it may be delayed, lost, duplicated or reordered.
   void send(const std::function<void()>& deliver) {
     if (random.chance(loss_)) return;
     const int copies = random.chance(duplication_) ? 2 : 1;
@@ -67,7 +67,7 @@ class World {
     loss_ = loss, duplication_ = duplication, longest_delay_ = longest_delay_seconds;
   }
 
-  // Runs what is due next. False when nothing is, or something is wrong.
+  // Runs the next event. False if there is none, or after a violation.
   bool step() {
     if (queue_.empty() || failure_) return false;
     const Due due = queue_.top();
@@ -77,7 +77,7 @@ class World {
     return !failure_;
   }
 
-  // The first complaint is kept.
+  // Keeps the first violation.
   void fail(const std::string& what) {
     if (!failure_) failure_ = fmt::format("at {:.3f} s: {}", seconds_since_start(), what);
     note(what);

@@ -51,7 +51,7 @@ TEST(Bundle, RefusesInTheWordsOfALocalRender) {
 
 constexpr const char* kLatin1Texture = "caf\xe9.png";
 
-// A scene whose mesh has a texture with a name in Latin-1. `more` are its further keys.
+// Writes a scene whose mesh has a texture with a name in Latin-1. `more` are its further keys.
 void write_latin1_scene(const std::filesystem::path& folder, const std::string& scene,
                         const std::string& more) {
   const auto write = [&](const std::string& name, const std::string& text) {
@@ -65,7 +65,7 @@ void write_latin1_scene(const std::filesystem::path& folder, const std::string& 
             more + R"("shapes": [{"type": "mesh", "file": "a.obj"}]})");
 }
 
-// What a bundle calls a file travels as UTF-8, and whoever has the bundle finds the file by its own name.
+// File names are sent as UTF-8, and a reader of the bundle finds each file by its original name.
 TEST(Bundle, CarriesNamesThatAreNotUtf8) {
   const TemporaryFolder folder;
   const std::string scene = folder.path() / "sc\xe8ne.json";

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How commands speak to a coordinator that refuses them: when they wait, and when they do not.
+// Commands with a coordinator that rejects their calls: when they wait, and when they do not.
 #include "client/farm/farm.hpp"
 
 #include <arpa/inet.h>
@@ -28,7 +28,7 @@ namespace {
 using core::ErrorCode;
 using testing::HasSubstr;
 
-// Refuses so many calls before it answers. Has no picture and no file but ends the first of each.
+// Rejects so many calls before it answers. Ends the first stream of each image and file early.
 class BusyService final : public v1::RenderService::Service {
  public:
   grpc::Status GetImage(grpc::ServerContext* context, const v1::GetImageRequest*,
@@ -102,7 +102,7 @@ class FarmCalls : public testing::Test {
     open_farm({.address = address_, .security = {}});
   }
   void open_farm(const FarmOptions& options) { farm_ = std::move(*Farm::open(options)); }
-  // Something else than what a test is about.
+  // Makes one call; used where its kind does not matter.
   void reach() { ASSERT_TRUE(farm_->call(&Farm::Stub::FindMissingBlobs, v1::FindMissingBlobsRequest())); }
   core::Result<v1::ListJobsResponse> list() {
     testing::internal::CaptureStderr();
@@ -175,7 +175,7 @@ TEST_F(FarmCalls, ForPicturesOfAJobThatRunsAgainWriteNothing) {
   EXPECT_TRUE(std::filesystem::exists(path));
 }
 
-// Who was started anew has forgotten what was asked before.
+// A restarted coordinator has forgotten the previous answer.
 TEST_F(FarmCalls, AnUploadThatBrokeAsksFirstWhatIsMissing) {
   const auto local = bundle_scene(TESSERA_SOURCE_DIR "/scenes/cornell/scene.json", {});
   ASSERT_TRUE(local);
@@ -189,7 +189,7 @@ TEST_F(FarmCalls, AnUploadThatBrokeAsksFirstWhatIsMissing) {
   EXPECT_EQ(service_.uploads, local->bundle.assets_size());
 }
 
-// Of why it waits, and only of a coordinator that was away that it is back.
+// The command says why it waits; it says that the coordinator is back only if it was lost.
 TEST_F(FarmCalls, WhoWatchesIsToldWhyThatWaits) {
   const auto notices = [&] {
     std::vector<std::string> all;
@@ -256,7 +256,7 @@ TEST_F(FarmCalls, OfLongerTasksAreTriedAgain) {
   EXPECT_EQ(service_.calls, 3);
 }
 
-// Wherever it is lost: the command says that it waits, and in the end that it did so without progress.
+// At whichever call it is lost: the command says that it waits, and in the end that it made no progress.
 TEST_F(FarmCalls, ToACoordinatorThatIsLostAreTriedAgainForAWhile) {
   open_farm({.address = address_, .security = {}, .patience = std::chrono::seconds(1)});
   const auto local = bundle_scene(TESSERA_SOURCE_DIR "/scenes/cornell/scene.json", {});
@@ -274,7 +274,7 @@ TEST_F(FarmCalls, ToACoordinatorThatIsLostAreTriedAgainForAWhile) {
   EXPECT_THAT(picture.error().message, HasSubstr(lost + "; this was tried for 1 s"));
 }
 
-// As a coordinator does that has as many connections as it takes.
+// Closes connections at once, as a coordinator at its connection limit does.
 class ClosingDoor {
  public:
   explicit ClosingDoor(int port) : socket_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
@@ -301,7 +301,7 @@ class ClosingDoor {
   std::thread thread_;
 };
 
-// Whoever watches, too.
+// The same for a watch.
 TEST_F(FarmCalls, ToACoordinatorThatTurnsThemAwaySayWhy) {
   open_farm({.address = address_, .security = {}, .patience = std::chrono::seconds(1)});
   reach();
@@ -311,7 +311,7 @@ TEST_F(FarmCalls, ToACoordinatorThatTurnsThemAwaySayWhy) {
                           ": it closed a new connection, since it is stopping or has as many as it takes "
                           "(tessera-coordinator --max-connections, --max-machine-connections)";
   const auto told = [this] { return list().error().message; };
-  std::string last = told();  // of the connection that there was, perhaps
+  std::string last = told();  // the existing connection may have been closed
   for (int i = 0; i < 100 && last != why; ++i) last = told();
   EXPECT_EQ(last, why);
   struct Told {
@@ -327,7 +327,7 @@ TEST_F(FarmCalls, ToACoordinatorThatTurnsThemAwaySayWhy) {
   }
 }
 
-// The first call, before anybody has answered: it waits for a start, says so once, and says so in the end.
+// Before the first answer: the command waits for a start, says so once, and gives up in the end.
 TEST_F(FarmCalls, ToACoordinatorThatNeverAnsweredWaitForItsStart) {
   server_->Shutdown(std::chrono::system_clock::now());
   open_farm({.address = address_, .security = {}, .start_patience = std::chrono::seconds(1)});
@@ -359,7 +359,7 @@ TEST_F(FarmCalls, ReachACoordinatorThatStartsMeanwhile) {
   EXPECT_THAT(told_, HasSubstr("; trying again for up to 60 s\n"));
 }
 
-// A wrong name is not one of a coordinator that is starting.
+// An unknown host name does not mean that a coordinator is starting.
 TEST_F(FarmCalls, ToAMachineThatNobodyKnowsFailAtOnce) {
   open_farm({.address = "nowhere.invalid:7420",
              .security = {.insecure = true},

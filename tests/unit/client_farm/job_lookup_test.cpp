@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How commands find the job that they are told of, at coordinators of this release and of earlier ones.
+// How commands find a job by its id or name, with coordinators of this release and of earlier ones.
 #include "client/farm/job_lookup.hpp"
 
 #include <gmock/gmock.h>
@@ -76,7 +76,7 @@ TEST_P(JobLookup, SaysThatThereIsNone) {
   }
 }
 
-// However many jobs there are.
+// The number of jobs does not matter.
 TEST_P(JobLookup, AsksForNoMoreThanItNeeds) {
   EXPECT_TRUE(find_job(*farm_, kThird.substr(0, 4)));
   EXPECT_EQ(service_.most_wanted, 2u);

@@ -138,7 +138,7 @@ TEST(JobText, JsonIsOneLineWithTheContractsNames) {
   EXPECT_EQ(json.find('\n'), json.size() - 1);
 }
 
-// Of a coordinator that says so. The rest is told all the same.
+// A coordinator may send such a time. Everything else is printed.
 TEST(JobText, JsonLeavesOutTimesThatJsonCannotExpress) {
   v1::ListJobsResponse jobs;
   *jobs.add_jobs() = some_job();

@@ -11,7 +11,7 @@ namespace {
 using core::ErrorCode;
 using namespace std::chrono_literals;
 
-// Time that passes only by waiting.
+// A clock that advances only by waiting.
 struct FakeTime {
   Duration now{};
   std::vector<Duration> waits;
@@ -93,7 +93,7 @@ TEST(Retry, GivesUpWhenInterrupted) {
   EXPECT_EQ(attempts, 1);
 }
 
-// Attempts that take ten seconds each, of which the first few get something through.
+// Attempts of ten seconds each, of which the first few make progress.
 TEST(RetryLong, PatienceBeginsAnewWhenSomethingGotThrough) {
   FakeTime time;
   int attempts = 0;

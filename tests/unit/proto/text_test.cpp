@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Texts from elsewhere: refused where they are chosen, escaped where they are shown.
+// Texts of others: checked where they are chosen, and escaped where they are shown.
 #include "proto/text.hpp"
 
 #include <gmock/gmock.h>
@@ -38,9 +38,9 @@ TEST(CheckText, SaysWhatIsWrong) {
 TEST(Log, IsWrittenInPrintableLines) {
   testing::internal::CaptureStderr();
   log_to_stderr("tessera-test");
-  spdlog::warn("worker {} has come", "a\x1b[2J\n[forged]\xc2\x9b");
+  spdlog::warn("worker {} registered", "a\x1b[2J\n[forged]\xc2\x9b");
   EXPECT_THAT(testing::internal::GetCapturedStderr(),
-              EndsWith("worker a\\x1b[2J\\x0a[forged]\\xc2\\x9b has come\n"));
+              EndsWith("worker a\\x1b[2J\\x0a[forged]\\xc2\\x9b registered\n"));
 }
 
 TEST(Log, IsWrittenAsItIsOtherwise) {

@@ -41,7 +41,7 @@ std::string zstd_frame(const std::string& raw) {
   return frame;
 }
 
-// The sums one after the other, as bytes.
+// The whole sums one after the other, as bytes.
 std::string in_a_row(const core::FilmTile& tile) {
   std::string raw;
   for (const auto* sums : {&tile.sums, &tile.odd_sums})
@@ -56,7 +56,7 @@ void expect_refused(const v1::RenderedItem& message, const std::string& reason) 
   EXPECT_THAT(tile.error().message, HasSubstr(reason));
 }
 
-// Nobody asks for that much, and whoever takes it in refuses it: it must only not be written over others.
+// Receivers refuse so many sums, but encoding them must not write beyond the buffer.
 TEST(TileCodec, HasRoomForMoreThanOneTile) {
   const core::FilmTile tile = some_tile({0, 0, 256, 192}, {0, 2}, 1);
   const v1::RenderedItem message = encode_tile(tile);
@@ -81,7 +81,7 @@ TEST(TileCodec, GivesBackEveryBit) {
   }
 }
 
-// The layout that the contract promises to programs in other languages.
+// The layout that the protocol promises to programs in other languages.
 TEST(TileCodec, WritesPlanesAndTheChecksumOfTheSums) {
   core::FilmTile tile({0, 0, 1, 1}, {0, 2});
   tile.sums = {0x0102030405060708, 2, 3};
@@ -106,7 +106,7 @@ TEST(TileCodec, ReadsWhatEarlierBuildsSent) {
   EXPECT_EQ(back->sums, tile.sums);
   EXPECT_EQ(back->odd_sums, tile.odd_sums);
   message.set_sums_zstd(zstd_frame(in_a_row(tile).substr(8)));
-  expect_refused(message, "sums_zstd: its sums are no whole frame of 113664 bytes");
+  expect_refused(message, "sums_zstd: its sums are no complete frame of 113664 bytes");
 }
 
 TEST(TileCodec, RefusesEveryTruncation) {
@@ -127,7 +127,7 @@ TEST(TileCodec, NeverTakesDamagedSums) {
     v1::RenderedItem message = whole;
     char& byte = (*message.mutable_planes_zstd())[bit / 8];
     byte = static_cast<char>(byte ^ (1 << (bit % 8)));
-    // A flipped bit that zstd does not use may pass, but then the sums are those that were sent.
+    // A flipped bit that zstd ignores may pass, but then the sums are unchanged.
     if (const auto tile = decode_tile(message)) {
       EXPECT_EQ(tile->sums, original.sums) << "bit " << bit;
       EXPECT_EQ(tile->odd_sums, original.odd_sums) << "bit " << bit;
@@ -152,7 +152,7 @@ TEST(TileCodec, RefusesAFrameOfAnotherTilesSize) {
   v1::RenderedItem message = some_message();
   for (const std::size_t size : {64 * 37 * 48 - 8, 64 * 37 * 48 + 8}) {
     message.set_planes_zstd(zstd_frame(std::string(size, '\0')));
-    expect_refused(message, "planes_zstd: its sums are no whole frame of 113664 bytes");
+    expect_refused(message, "planes_zstd: its sums are no complete frame of 113664 bytes");
   }
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sums in planes.
+// Sums in byte planes.
 #include "proto/tile_planes.hpp"
 
 #include <gtest/gtest.h>
@@ -8,7 +8,7 @@
 namespace tessera::proto {
 namespace {
 
-// What is stored must still be read by later releases: it is not enough that decoding undoes encoding.
+// Later releases must read stored data, so the encoding itself is fixed: a round trip is not enough.
 TEST(TilePlanes, HoldTheLowestBytesFirst) {
   constexpr std::size_t kCount = 45;
   std::vector<std::uint64_t> sums(kCount), odd_sums(kCount);

@@ -57,7 +57,7 @@ TEST_F(Answers, AreNoneForWhoNamesNoOtherLease) {
 
 TEST_F(Answers, AreNoneWhileNoCallWaits) {
   submit("job", tiles(100, 4));
-  const auto held = sync("w", {}, 2).leases;  // it has not called again
+  const auto held = sync("w", {}, 2).leases;  // it has not synchronised again
   EXPECT_FALSE(deliver_holding("w", held[0], {held[1].id}).reply);
   EXPECT_EQ(sync("w", {held[1]}, 2).leases.size(), 2u);
 }
@@ -70,7 +70,7 @@ TEST_F(Answers, AreNoneWhileTheLeaseGoesOn) {
   EXPECT_THAT(actions.wake, IsEmpty());
 }
 
-// Its call is to tell it that.
+// Its Synchronize must tell it first.
 TEST_F(Answers, AreNoneForWhoHasLostWhatItNames) {
   submit("a", tiles(2, 1));
   submit("b", tiles(100, 4));
@@ -111,7 +111,7 @@ TEST_F(Answers, ThatAreLostAreSaidAgainToTheNextCall) {
   EXPECT_EQ(ids(reply.leases), told);
 }
 
-// It has no room for another, but has not heard of this one.
+// It has no room for another lease, but has not received this one.
 TEST_F(Answers, ThatAreLostAreSaidAgainToTheDeliveryThatIsRepeated) {
   submit("job", tiles(100, 4));
   const auto held = hold_two("w");
@@ -122,7 +122,7 @@ TEST_F(Answers, ThatAreLostAreSaidAgainToTheDeliveryThatIsRepeated) {
   EXPECT_EQ(ids(again.reply->leases), told);
 }
 
-// An answer that was lost had told it of a lease that is gone: its message cannot name it.
+// A lost answer had told it of a lease that has ended, so its message cannot name the lease.
 TEST_F(Answers, AreNoneForWhoHasLostWhatItWasTold) {
   submit("a", tiles(100, 4));
   submit("b", tiles(100, 4), 1);
@@ -137,29 +137,29 @@ TEST_F(Answers, AreNoneForWhoHasLostWhatItWasTold) {
   EXPECT_TRUE(top_up("w").changed);
 }
 
-// Those with nothing to do come first.
+// Idle workers come first.
 TEST_F(Answers, AreNoneWhileAnIdleWorkerWaitsForWhatBecomesFree) {
   submit("large", tiles(100, 4));
-  submit("one", tiles(2, 1), 1, 1);  // a place for a single worker
+  submit("one", tiles(2, 1), 1, 1);  // its limit is one worker
   const auto held = hold_two("w");
   ASSERT_EQ(held[0].job, JobId{"one"});
   ASSERT_EQ(held[1].job, JobId{"one"});
   handle(PauseJob{{"large"}});
   EXPECT_FALSE(sync("idle").changed);
-  // It gives one back, unrendered, and keeps the place with the other.
+  // It gives one back unrendered, and keeps its place with the other.
   Actions actions = handle(SubmitResult{{"w"}, {"one"}, held[0].id, {}, 0, true, "", {}, {held[1].id}});
   EXPECT_FALSE(actions.reply);
   EXPECT_THAT(actions.wake, ElementsAre(WorkerId{"idle"}, WorkerId{"w"}));
 }
 
-// As its last call does, a result says that it is alive: what it was told then it has heard of.
+// A lease that a worker was told with the answer to a result counts as received.
 TEST_F(Answers, MakeWhoFallsSilentASuspectOfWhatItWasTold) {
   submit("job", tiles(100, 4));
   const auto held = hold_two("w");
   const LeaseDescription told = deliver_holding("w", held[0], {held[1].id}).reply->leases.at(1);
   pass(seconds(10));
   tick();
-  // PoisonTracker are leased alone, one after the other.
+  // The poison tracker leases suspected items alone, one after the other.
   std::vector<WorkItem> alone;
   for (std::size_t i = 0; i < held[1].items.size() + told.items.size(); ++i) {
     const Reply reply = sync("v", {}, 2);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A farm in which what was rendered is rendered again, by workers who are honest or lie.
+// A farm with audits, and workers that are honest or lie.
 #pragma once
 
 #include <string>
@@ -10,7 +10,7 @@
 
 namespace tessera::scheduler {
 
-// Honest sums are linear in the number of samples, as a film's are.
+// Honest sums are linear in the number of samples, like those of a film.
 inline Fingerprint honest(const WorkItem& item) {
   Fingerprint total;
   for (std::uint32_t s = item.samples.begin; s < item.samples.end; ++s)
@@ -24,10 +24,10 @@ inline Fingerprint wrong(const WorkItem& item) {
   return total;
 }
 
-// What a worker says of what it rendered.
+// The sums that a worker delivers for an item.
 using Sums = Fingerprint (*)(const WorkItem&);
 
-// Of a share of all ranges.
+// Audits a share of all ranges.
 class AuditsOf : public Farm {
  protected:
   explicit AuditsOf(double share) : Farm(audited(share)) {}
@@ -41,7 +41,7 @@ class AuditsOf : public Farm {
   Actions deliver_sums(const std::string& worker, const LeaseDescription& lease, Sums sums_of) {
     return deliver_sums(worker, lease, lease.items, sums_of);
   }
-  // Renders what it is given until it is given nothing.
+  // Renders leases until there are none.
   void render(const std::string& worker, Sums sums_of = honest) {
     for (int rounds = 0; rounds < 1000 && !HasFailure(); ++rounds) {
       const Reply reply = sync(worker);
@@ -50,7 +50,7 @@ class AuditsOf : public Farm {
     }
     ADD_FAILURE() << "there is no end to the work";
   }
-  // Everybody in turn, until nobody is given anything.
+  // Lets the workers take turns until none is given a lease.
   void render_together(const std::vector<std::pair<std::string, Sums>>& workers) {
     for (int rounds = 0; rounds < 1000 && state("job") == JobState::kRunning; ++rounds) {
       for (const auto& [worker, sums_of] : workers) {
@@ -71,7 +71,7 @@ class AuditsOf : public Farm {
     Options options;
     options.audit_share = share;
     options.audit_secret = 17;
-    // A first lease has up to 100,000 samples, of a small job all there are.
+    // A first lease has up to 100,000 samples, which is all of a small job.
     options.sizing.first_lease_seconds = 2;
     options.sizing.end_divisor = 0.01;
     return options;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Who renders what again, and for how long that is waited for.
+// Which worker audits what, and how long a job waits for audits.
 #include "tests/unit/scheduler/audited_farm.hpp"
 
 namespace tessera::scheduler {
@@ -39,7 +39,7 @@ TEST_F(Audits, AreForNoOtherProcessOfTheSameMachine) {
   EXPECT_THAT(reply.leases, IsEmpty());
 }
 
-// Who has delivered before it said its name is known by it afterwards.
+// The registry links earlier results of a worker to the name that it reports later.
 TEST_F(Audits, AreForNobodyWhoDeliveredBeforeItWasHeardOf) {
   submit("job", tiles(2, 1));
   restart();
@@ -59,7 +59,7 @@ TEST_F(Audits, OfAHigherPriorityComeFirstAndOfALowerOneWait) {
   EXPECT_EQ(lease_to("b").job.value, "high");
 }
 
-// Or they would come back as one.
+// Adjacent ranges of one lease would be delivered as one.
 TEST_F(Audits, OfRangesThatTouchAreInSeveralLeases) {
   submit("job", tiles(2, 4));
   restart();
@@ -78,13 +78,13 @@ TEST_F(Audits, AreLeasesOfTheWorkersThatAJobMayHave) {
   EXPECT_THAT(sync("c").leases, IsEmpty());
   const Actions part = deliver_sums("b", lease, {lease.items[0]}, honest, false);
   EXPECT_THAT(part.wake, IsEmpty());
-  // It has given the rest back, and another may have its place.
+  // It gave the rest back, so another worker may take its place.
   const Actions rest = deliver_sums("b", lease, {}, honest);
   EXPECT_THAT(rest.wake, testing::Contains(WorkerId{"c"}));
   EXPECT_EQ(lease_to("c").items, std::vector{lease.items[1]});
 }
 
-// Fewer workers may have the job since the limit was lowered, and audits keep it: no invariant is broken.
+// More workers than a lowered limit allows may hold audits of the job, which breaks no invariant.
 TEST_F(Audits, OutliveALowerLimitOnWorkers) {
   submit("job", tiles(2, 1));
   deliver_sums("a", lease_to("a"), honest);
@@ -98,7 +98,7 @@ TEST_F(Audits, OutliveALowerLimitOnWorkers) {
   EXPECT_EQ(state("job"), kDone);
 }
 
-// As jobs that lack samples do, jobs that are audited share the farm by the work that they are given.
+// Audits count as work that a job is given when jobs share the farm, like missing samples.
 TEST_F(Audits, AreWorkThatAJobIsGiven) {
   submit("x", tiles(200, 1));
   submit("y", tiles(200, 1));
@@ -213,7 +213,7 @@ TEST_F(Audits, AreNotGivenUpWhileSomebodyCanDoThem) {
   EXPECT_EQ(state("job"), kRunning);
 }
 
-// Whoever could have done them meanwhile, and has gone again.
+// The patience starts again after an auditor was present, even if it has left.
 TEST_F(Audits, AreWaitedForAnewSinceSomebodyWasHere) {
   submit("job", tiles(4, 1));
   deliver_sums("a", lease_to("a"), honest);
@@ -225,7 +225,7 @@ TEST_F(Audits, AreWaitedForAnewSinceSomebodyWasHere) {
   };
   wait(6);
   sync("b", {}, 0);
-  wait(8);  // who has been silent for ten seconds cannot do them
+  wait(8);  // a worker that is silent for ten seconds cannot audit
   EXPECT_EQ(state("job"), kRunning);
   wait(1);
   EXPECT_EQ(state("job"), kDone);

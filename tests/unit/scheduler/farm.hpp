@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A farm on a fake clock, for transcripts: short words for events, and the invariants checked after each of
-// them.
+// A farm on a fake clock for scripted tests, with short names for events. The invariants are checked after
+// each event.
 #pragma once
 
 #include <gmock/gmock.h>
@@ -40,7 +40,7 @@ inline Fingerprint sums(std::uint64_t of) {
   return {of, 0, 1};
 }
 
-// Short enough that the invariants are cheap, large enough for several tiles: two rows of `tiles / 2`.
+// A job of several tiles, small enough for cheap invariant checks: two rows of `tiles / 2`.
 inline JobShape tiles(int count, std::uint32_t spp) {
   return {count / 2 * core::kTilePx, 2 * core::kTilePx, spp};
 }
@@ -64,14 +64,14 @@ class Farm : public testing::Test {
     ASSERT_TRUE(handle(SubmitJob{{job}, shape, priority, max_workers}).status);
   }
 
-  // One thread, so that a first lease without measured speed has 12,500 pixel samples: four tiles' first
-  // sample.
+  // With one thread, so that a first lease of unknown speed has 12,500 pixel samples: the first sample of
+  // four tiles.
   Reply sync(const std::string& worker, std::vector<LeaseDescription> held = {}, int wanted = 1,
              bool draining = false) {
     return *handle(Synchronize{{{worker}, worker, "0.1.0", 1, worker}, std::move(held), wanted, draining})
                 .reply;
   }
-  // The only lease that the worker gets.
+  // The only lease of the worker's reply.
   LeaseDescription lease_to(const std::string& worker) {
     const Reply reply = sync(worker);
     EXPECT_EQ(reply.leases.size(), 1u);
@@ -86,7 +86,7 @@ class Farm : public testing::Test {
     return deliver(worker, lease, lease.items);
   }
 
-  // Renders everything that the worker is given until it is given nothing more. Returns what that was.
+  // Renders leases of the worker until there are none. Returns all items.
   std::vector<WorkItem> render_all(const std::string& worker) {
     std::vector<WorkItem> rendered;
     for (int rounds = 0; rounds < 1000 && !HasFailure(); ++rounds) {
@@ -104,7 +104,7 @@ class Farm : public testing::Test {
   JobView job(const std::string& id) { return *scheduler_->job({id}, now_); }
   JobState state(const std::string& id) { return job(id).state; }
 
-  // The coordinator is started anew, with nothing but the jobs as they are at this moment.
+  // Restarts the coordinator with the current jobs.
   void restart() {
     std::vector<RestoreJob> stored;
     for (const JobView& view : scheduler_->jobs(now_)) {

@@ -25,7 +25,7 @@ Bits bits_of(const IntervalSet& set) {
   return bits;
 }
 
-// Sorted, disjoint, not touching, none empty: so that equal sets are equal values.
+// Sorted, disjoint, non-adjacent and without empty ranges: equal sets are equal values.
 void expect_canonical(const IntervalSet& set) {
   for (std::size_t i = 0; i < set.ranges().size(); ++i) {
     EXPECT_FALSE(set.ranges()[i].empty());

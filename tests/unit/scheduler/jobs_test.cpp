@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The life of jobs, and how they share the farm.
+// The lifecycle of jobs, and how they share the farm.
 #include <map>
 
 #include "tests/unit/scheduler/farm.hpp"
@@ -61,8 +61,8 @@ TEST_F(Jobs, ShareByTheWorkTheyCauseNotByTheirSamples) {
             static_cast<double>(samples) / (lease.job.value == "cheap" ? 40'000 : 4'000));
   };
   for (int i = 0; i < 20; ++i) deliver_at(lease_to("w"));
-  // With both in flight at once, both have about two seconds' work, which is ten times as many samples of the
-  // cheap one.
+  // With both in progress at once, each has about two seconds of work: ten times as many samples of the cheap
+  // one.
   std::map<std::string, std::uint64_t> samples;
   for (const LeaseDescription& lease : sync("w", {}, 2).leases) {
     for (const WorkItem& item : lease.items) samples[lease.job.value] += item.samples.count();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Who is given what, for how long, and what becomes of it.
+// Leases: who is granted which samples, for how long, and how leases end.
 #include "tests/unit/scheduler/farm.hpp"
 
 namespace tessera::scheduler {
@@ -52,7 +52,7 @@ TEST_F(Leases, AreSizedToTheMeasuredSpeed) {
   deliver("w", first, first.items, true, 4 * 4096 / 20'000.0);
   std::uint64_t samples = 0;
   for (const WorkItem& item : lease_to("w").items) samples += item.samples.count() * kTilePixels;
-  EXPECT_EQ(samples, 10 * kTilePixels);  // 40,000, and the last tile is not cut
+  EXPECT_EQ(samples, 10 * kTilePixels);  // 40,000, rounded up to whole tiles
 }
 
 TEST_F(Leases, HaveNoMoreThan32ItemsHoweverFastTheWorker) {
@@ -236,7 +236,7 @@ TEST_F(Copies, KeepARangeFromBeingFreeUntilBothHoldersAreGone) {
   pass(seconds(5));
   tick();
   EXPECT_EQ(job("job").active_workers, 1);
-  EXPECT_EQ(lease_to("d").items, b.items);  // free again; what c has is only copied
+  EXPECT_EQ(lease_to("d").items, b.items);  // free again, while those of c can only be copied
   EXPECT_EQ(lease_to("e").items, a.items);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Who rendered what, which of it is verified, and when two sums are the same.
+// The ledger of producers, and the comparison of sums.
 #include "tests/unit/scheduler/farm.hpp"
 
 namespace tessera::scheduler {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The arrows of docs/protocol.md, and no others.
+// The transitions of docs/protocol.md, and no others.
 #include <gtest/gtest.h>
 
 #include <set>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How many workers may render a job at once.
+// Limits on the workers that render a job at once.
 #include <map>
 
 #include "tests/unit/scheduler/farm.hpp"
@@ -91,7 +91,7 @@ TEST_F(Limits, LetAWaitingWorkerTakeThePlaceOfOneThatIsDone) {
   submit("job", tiles(100, 16), 0, 1);
   const LeaseDescription lease = lease_to("a");
   ASSERT_FALSE(sync("b").changed);
-  // All of its items in two messages: the lease ends with the last of them.
+  // All of its items in two messages: the lease ends with the last item.
   EXPECT_THAT(deliver("a", lease, {lease.items[0]}, false).wake, IsEmpty());
   EXPECT_THAT(deliver("a", lease, {lease.items.begin() + 1, lease.items.end()}, false).wake,
               ElementsAre(WorkerId{"b"}));
@@ -99,7 +99,7 @@ TEST_F(Limits, LetAWaitingWorkerTakeThePlaceOfOneThatIsDone) {
   EXPECT_THAT(sync("a").leases, IsEmpty());
 }
 
-// Otherwise the one would work at both for ever, and the other look on.
+// Otherwise one worker would render both jobs, while the other has nothing to do.
 TEST_F(Limits, LetAnIdleWorkerTakeAPlaceBeforeOneThatHasOtherWork) {
   submit("first", tiles(1000, 16), 0, 1);
   submit("second", tiles(1000, 16), 0, 1);
@@ -137,7 +137,7 @@ TEST_F(Limits, HoldForLeasesFromBeforeARestart) {
   EXPECT_THAT(deliver("b", b).verdicts, testing::Each(Verdict::kAccepted)) << "what it has rendered counts";
 }
 
-// A worker that renders alone need not leave half of what is left to others who may not help.
+// A worker that renders alone need not leave half of the rest to workers that may not help.
 TEST_F(Limits, CountInTheSizesOfLeasesNearTheEnd) {
   const auto samples_of = [this](std::uint32_t max_workers) {
     scheduler_ = std::make_unique<Scheduler>(options_);

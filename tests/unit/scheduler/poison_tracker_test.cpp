@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Samples that may be killing workers: which are suspected, how they are leased, and when a job is given up.
+// Samples that may kill workers: when they are suspected, how they are leased, and when their job fails.
 #include "tests/unit/scheduler/farm.hpp"
 
 namespace tessera::scheduler {
@@ -63,7 +63,7 @@ TEST(PoisonTrackerTest, PartsThatKeepAWorkerEachAreOneRange) {
 
 class Deaths : public Farm {
  protected:
-  // The worker takes what it is given, reports it, and is never heard of again.
+  // The worker takes leases, reports them, and then sends no more heartbeats.
   LeaseDescription die(const std::string& worker) { return die(worker, worker); }
   LeaseDescription die(const std::string& id, const std::string& name) {
     const LeaseDescription lease = handle(Synchronize{{{id}, name, "0.1.0", 1}, {}, 1}).reply->leases.at(0);
@@ -125,7 +125,7 @@ TEST_F(Deaths, OfOneMachineCountOnce) {
   EXPECT_EQ(state("job"), JobState::kFailed);
 }
 
-// Anybody can make up names.
+// One caller can invent any number of names.
 TEST_F(Deaths, OfOneCallersWorkersFailNoJobThatOthersRender) {
   submit("job", tiles(100, 16));
   const auto sync_as = [&](const std::string& name, const std::string& principal,

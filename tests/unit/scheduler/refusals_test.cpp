@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Jobs whose scenes workers cannot build, and what workers say that cannot be.
+// Workers that cannot build a job's scene, and invalid reports of workers.
 #include "tests/unit/scheduler/farm.hpp"
 
 namespace tessera::scheduler {
@@ -57,7 +57,7 @@ TEST_F(Refusals, OfOneCallersWorkersFailNoJobThatOthersMayBuild) {
 TEST_F(Refusals, WhatAWorkerCannotBuildComesAfterWhatItCan) {
   submit("bad", tiles(100, 8), 1);
   submit("good", tiles(2, 1));
-  lease_to("other");  // of the bad one, so that nothing follows from the refusals yet
+  lease_to("other");  // of the bad job, so that the refusals have no consequence yet
   refuse("w", lease_to("w"));
   const LeaseDescription good = lease_to("w");
   EXPECT_EQ(good.job, JobId{"good"}) << "though the other is of higher priority";
@@ -86,7 +86,7 @@ TEST_F(Refusals, NoTimeThatAWorkerTellsStarvesAJob) {
     const LeaseDescription lease = lease_to("liar");
     deliver("liar", {lease.id, {"slandered"}, {}}, {{99, {31, 32}}}, false, time);
   }
-  // Others tell the truth, and both jobs get on.
+  // Other workers report correctly, and both jobs make progress.
   for (int i = 0; i < 60; ++i) deliver("w", lease_to("w"));
   const double slandered = static_cast<double>(job("slandered").samples_done);
   EXPECT_GT(slandered, 0.3 * static_cast<double>(job("other").samples_done));
@@ -101,7 +101,7 @@ TEST_F(Refusals, SamplesThatAJobHadBeforeACrashAreDroppedAndNotHeldAgainstTheirW
   const Actions late = deliver("w", lease, {{0, {0, 1}}, {0, {1, 4}}});
   EXPECT_TRUE(late.status);
   EXPECT_EQ(late.verdicts, (std::vector{Verdict::kAccepted, Verdict::kDropped}));
-  // This run has given no such samples.
+  // This run has granted no such samples.
   EXPECT_FALSE(deliver("w", lease_to("w"), {{0, {1, 4}}}).status);
   EXPECT_FALSE(deliver("w", lease, {{2, {1, 4}}}).status) << "no tile of it";
 }

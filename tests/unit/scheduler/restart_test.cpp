@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The coordinator stops and starts again with what it had stored.
+// A coordinator restarts with its stored state.
 #include "tests/unit/scheduler/farm.hpp"
 
 namespace tessera::scheduler {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What counts, what is dropped, what is refused.
+// Results that are accepted, dropped or rejected.
 #include <limits>
 
 #include "tests/unit/scheduler/farm.hpp"
@@ -10,7 +10,7 @@ namespace {
 using testing::ElementsAre;
 using enum Verdict;
 
-// Signs as a coordinator does, but so that it can be read.
+// Signs leases with readable tokens.
 class SignedLeases : public Farm {
  protected:
   SignedLeases() : Farm(signing()) {}

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What follows from an audit, and from doubts about a worker.
+// The consequences of audits, and of distrust of a worker.
 #include "tests/unit/scheduler/audited_farm.hpp"
 
 namespace tessera::scheduler {
@@ -27,7 +27,7 @@ TEST_F(Rulings, DisproveALiarBySentence) {
   EXPECT_THAT(contradicted.contradictions[0],
               HasSubstr("liar and b have rendered other bits of samples [0, 1) of tile 0"));
   EXPECT_THAT(contradicted.disproved, IsEmpty());
-  // What is contradicted comes first.
+  // Contradicted ranges come first.
   const LeaseDescription by_c = lease_to("c");
   ASSERT_EQ(by_c.items[0], by_b.items[0]);
   const Actions decided = deliver_sums("c", by_c, {by_c.items[0]}, honest, false);
@@ -58,7 +58,7 @@ TEST_F(Rulings, DisproveWhoContradictsTheTruth) {
   EXPECT_EQ(worker("liar").held_leases, 0);
 }
 
-// Two liars that say different things do not vouch for each other.
+// Two lying workers with different sums do not confirm each other.
 TEST_F(Rulings, NeedTwoThatAgree) {
   submit("job", tiles(2, 1));
   const auto lie_otherwise = [](const WorkItem& item) {
@@ -86,7 +86,7 @@ TEST_F(WithoutAudits, WhatAWorkerThatIsPutAsideHasRenderedIsVerified) {
   const Actions actions = handle(Dismiss{{"liar"}, true});
   EXPECT_EQ(actions.reviewed_tiles.size(), lies.items.size());
   EXPECT_EQ(job("job").samples_to_verify, lies.items.size() * kTilePixels);
-  // What another worker of its machine delivers still counts, but not without being verified.
+  // Results of other workers of its machine still count, but must be verified.
   const Reply late = *handle(Synchronize{{{"late"}, "another name", "0.1.0", 1, "liar"}, {}, 1}).reply;
   const LeaseDescription more_lies = late.leases.at(0);
   deliver_sums("late", more_lies, wrong);
@@ -107,7 +107,7 @@ TEST_F(WithoutAudits, ADoneJobRunsAgainWhenItsWorkersAreDoubted) {
   EXPECT_THAT(reopened.job_changes, ElementsAre(JobChange{{"job"}, kDone, kRunning}));
   EXPECT_EQ(reopened.reviewed_tiles.size(), 2u);
   EXPECT_EQ(job("job").samples_to_verify, job("job").samples_total);
-  // Nobody waits for this without progress: it goes on whenever somebody comes.
+  // The job waits without a timeout, until an auditor registers.
   pass(seconds(1000));
   tick();
   EXPECT_EQ(state("job"), kRunning);
@@ -135,7 +135,7 @@ TEST_F(WithoutAudits, ADoneJobOfTrustedWorkersStaysDone) {
   EXPECT_TRUE(handle(ReopenJob{{"job"}}).job_changes.empty());
 }
 
-// A tile whose samples were dropped is empty, also of what the same result brought.
+// A dropped tile loses also the samples of the same result.
 TEST_F(WithoutAudits, ATileIsDroppedWithWhatTheSameResultBrought) {
   submit("job", tiles(2, 2));
   restart();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A farm in which workers call, and deliver nothing.
+// A farm in which workers send heartbeats but deliver nothing.
 #pragma once
 
 #include <algorithm>
@@ -14,7 +14,7 @@ namespace tessera::scheduler {
 
 class StalledFarm : public Farm {
  protected:
-  // Reports what it holds every five seconds for so long. Returns what it holds then, and what was logged.
+  // Reports its leases every five seconds for so long. Updates `held`, and returns the log messages.
   Actions keep_reporting(const std::string& worker, std::vector<LeaseDescription>& held, Duration time) {
     Actions last;
     for (const Time end = now_ + time; now_ < end;) {
@@ -24,7 +24,7 @@ class StalledFarm : public Farm {
     }
     return last;
   }
-  // Of the first lease that it holds, this item.
+  // The same, while it reports to render this item of its first lease.
   Actions keep_rendering(const std::string& worker, std::vector<LeaseDescription>& held, Duration time,
                          std::size_t item = 0) {
     stuck_in_ = item_of(held.at(0), item);
@@ -40,12 +40,12 @@ class StalledFarm : public Farm {
   static Rendering item_of(const LeaseDescription& lease, std::size_t item) {
     return {lease.id, lease.job, lease.items.at(item)};
   }
-  // Something that it delivers counts.
+  // Delivers a result that counts.
   void show(const std::string& worker) {
     const LeaseDescription lease = lease_to(worker);
     deliver(worker, lease);
   }
-  // It never gets through with the first item of what it is given, which is returned.
+  // It hangs in the first item of its lease, which is returned.
   WorkItem lose(const std::string& worker, Duration time = seconds(100)) {
     std::vector<LeaseDescription> held{lease_to(worker)};
     const WorkItem item = held[0].items.at(0);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Workers that are heard of, hold leases, and deliver nothing: no lease is held for ever.
+// Workers that send heartbeats, hold leases and deliver nothing: no lease is held for ever.
 #include "tests/unit/scheduler/stalled_farm.hpp"
 
 namespace tessera::scheduler {
@@ -21,7 +21,7 @@ TEST_F(Stalls, ALeaseOfWhichNothingComesEndsAfterTenLeaseDurations) {
   const Actions last = keep_reporting("stuck", held, seconds(5));
   EXPECT_THAT(held, IsEmpty());
   EXPECT_THAT(last.stalled,
-              ElementsAre(HasSubstr("worker stuck (stuck) is heard of, but has delivered nothing of "
+              ElementsAre(HasSubstr("worker stuck (stuck) sends heartbeats, but has delivered nothing of "
                                     "job job for 100 s, where samples [0, 1) of tile 0 came first")));
   EXPECT_THAT(last.wake, ElementsAre(WorkerId{"other"}));
   EXPECT_EQ(handle(TopUp{{"other"}}).reply->leases.at(0).items, lease.items);
@@ -150,7 +150,7 @@ TEST_F(Stalls, WhatComesAfterAllCountsAndEndsTheBar) {
   EXPECT_EQ(sync("slow").leases.size(), 1u);
 }
 
-// 4096 pixel samples in 200 s: what it is given now is a single sample of a tile, which it has 2000 s for.
+// 4096 pixel samples in 200 s: the next lease is a single sample of a tile, for which it has 2000 s.
 TEST_F(Stalls, WhoIsKnownToBeSlowHasTime) {
   submit("job", tiles(100, 16));
   const LeaseDescription first = lease_to("slow");
@@ -193,7 +193,7 @@ TEST_F(Stalls, AGapBetweenLeasesIsNobodysFault) {
   EXPECT_EQ(held.size(), 1u);
 }
 
-// What others may have done of it, or a coordinator that slept, is no fault of the worker's.
+// Progress by others, or a suspended coordinator, must not count against the worker.
 TEST_F(Stalls, ALeaseThatRanOutAndIsTakenUpAgainBeginsAnew) {
   submit("job", tiles(100, 16));
   std::vector<LeaseDescription> held{lease_to("w")};

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Workers that say that they are at the same samples for ever: they are given nothing, and the samples fail
-// their job.
+// Workers that report the same samples for ever: they are given nothing, and the samples fail their job.
 #include <fmt/format.h>
 
 #include "tests/unit/scheduler/stalled_farm.hpp"
@@ -51,7 +50,7 @@ TEST_F(StuckWorkers, ASampleThatThreeWorkersComeToNoEndWithFailsItsJob) {
   EXPECT_EQ(state("job"), JobState::kFailed);
   EXPECT_THAT(last_.job_changes, ElementsAre(JobChange{{"job"}, JobState::kRunning, JobState::kFailed}));
   EXPECT_THAT(job("job").failure,
-              HasSubstr(fmt::format("3 workers came to no end one after the other with samples [{}, {}) of "
+              HasSubstr(fmt::format("3 workers hung one after the other in samples [{}, {}) of "
                                     "tile {} (pixels [",
                                     c.samples.begin, c.samples.end, c.tile)));
   EXPECT_THAT(job("job").failure, HasSubstr("a (a), b (b), c (c)"));
@@ -68,7 +67,7 @@ TEST_F(StuckWorkers, WorkersThatHaveNotShownThatTheyCanDeliverFailNoJob) {
   EXPECT_EQ(state("job"), JobState::kRunning);
 }
 
-// A machine that breaks hangs in whatever it is given, and again when it is started anew.
+// A broken machine hangs in every lease, and again after a restart.
 TEST_F(StuckWorkers, AMachineThatIsBrokenCountsOnceUntilItDelivers) {
   submit("first", tiles(4, 8), 1);
   show("a");
@@ -90,14 +89,14 @@ TEST_F(StuckWorkers, WhoWasOnlySlowIsTakenBack) {
   for (const char* name : {"a", "b", "c"}) show(name);
   lose("a");
   std::vector<LeaseDescription> none;
-  keep_reporting("a", none, seconds(5));  // it is at something else now
+  keep_reporting("a", none, seconds(5));  // it renders something else now
   sync("a", {}, 1, true);
   lose("b");
   lose("c");
   EXPECT_EQ(state("job"), JobState::kRunning) << "two of three are left";
 }
 
-// Nothing honest takes an hour, whoever is at it.
+// No valid range takes an hour on any machine.
 TEST_F(StuckWorkers, AnHourAtOneRangeCountsAgainstItInAnyCase) {
   submit("job", tiles(2, 1));
   for (const char* name : {"a", "b", "c"}) {
@@ -216,7 +215,7 @@ TEST_F(StuckWorkers, CountAgainstNoJobButThatOfTheLease) {
   EXPECT_GT(lease_to("honest").items.size(), 1u);
 }
 
-// A restart forgets who has shown what, but not what is leased.
+// A restart forgets which workers have delivered, but not the leases.
 TEST_F(StuckWorkers, CountAfterARestartWithinTheHour) {
   submit("job", tiles(100, 16));
   std::vector<LeaseDescription> held{lease_to("a")};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Calls that wait until there is something to say.
+// Calls that wait until there is a change.
 #include "tests/unit/scheduler/farm.hpp"
 
 namespace tessera::scheduler {

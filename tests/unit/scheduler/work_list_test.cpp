@@ -12,7 +12,7 @@ namespace {
 
 using core::SampleRange;
 
-// A list of which everything is wanted but what was taken and has not come back.
+// A list in which everything is wanted except what was taken and not put back.
 class Farm {
  public:
   Farm(int tiles, std::uint32_t spp) : work_(tiles, spp), taken_(static_cast<std::size_t>(tiles)) {}
@@ -118,7 +118,7 @@ TEST(WorkList, IsLeftAsItIsByWhoWalksThroughIt) {
   EXPECT_EQ(farm.next(), first);
 }
 
-// The model: for each tile a bitmap of the samples that are free, nothing else.
+// The model: a bitmap of the free samples for each tile.
 class Bitmap {
  public:
   Bitmap(int tiles, std::uint32_t spp)
@@ -150,8 +150,8 @@ class Bitmap {
   std::vector<std::vector<bool>> free_;
 };
 
-// One walk of random taking, putting back, taking elsewhere and extending. Whatever is free in the model must
-// be offered sooner or later, and nothing else ever.
+// Randomly takes, puts back, takes elsewhere and extends. Exactly the samples that are free in the model must
+// be offered in the end.
 void walk(std::uint32_t seed) {
   std::mt19937 rng(seed);
   const int tile_count = 1 + static_cast<int>(rng() % 5);
@@ -178,7 +178,7 @@ void walk(std::uint32_t seed) {
         ASSERT_EQ(behind, WorkList::Walk(work).next(wanted)) << "seed " << seed << " step " << step;
         break;
       }
-      case 3: {  // part of what is out comes back, the rest is done
+      case 3: {  // puts back a part of what is taken; the rest is done
         if (out.empty()) break;
         const std::size_t which = rng() % out.size();
         WorkItem back = out[which];
@@ -188,7 +188,7 @@ void walk(std::uint32_t seed) {
         model.set(back, true);
         break;
       }
-      case 4: {  // somebody delivers what was not asked for
+      case 4: {  // a result for samples that were not leased
         const auto begin = static_cast<std::uint32_t>(rng() % spp);
         const auto end = begin + static_cast<std::uint32_t>(rng() % (spp - begin + 1));
         model.set({static_cast<int>(rng() % static_cast<unsigned>(tile_count)), {begin, end}}, false);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Workers and results of different arithmetic.
+// Workers and results with different determinism fingerprints.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -35,7 +35,7 @@ TEST_F(ArithmeticOf, AWorkerThatComputesOtherBitsIsRefusedByBothFingerprints) {
   EXPECT_THAT(call.answer().error().message, HasSubstr("its fingerprint is beef, the farm's is f00d"));
 }
 
-// Whoever comes first decides nothing.
+// The first worker does not determine the fingerprint.
 TEST_F(ArithmeticOf, AFarmIsThatOfItsCoordinatorWhoeverComesFirst) {
   submit();
   v1::SynchronizeRequest stranger = greeting('b');
@@ -57,7 +57,7 @@ TEST_F(ArithmeticOf, ADoneJobOfAnotherArithmeticCannotBeContinued) {
   EXPECT_EQ(coordinator().extend_job(done, kSpp + 1).error().code, ErrorCode::kFailedPrecondition);
 }
 
-// Its samples are kept for a coordinator that accepts workers that can go on with it.
+// Its samples are kept for a coordinator whose workers can continue it.
 TEST_F(ArithmeticOf, AnUnfinishedJobOfAnotherArithmeticWaitsForItsFarm) {
   const std::string id = submit();
   work('a', 1);

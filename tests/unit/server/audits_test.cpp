@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the coordinator does about results with wrong bits and right checksums.
+// The coordinator's handling of results with wrong bits and valid checksums.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sqlite3.h>
@@ -20,7 +20,7 @@ namespace {
 using core::ErrorCode;
 using testing::HasSubstr;
 
-// One bit of one sum is flipped; the checksum is that of the flipped bits.
+// Flips one bit of one sum, with a matching checksum.
 void flip_a_bit(v1::RenderedItem& item) {
   auto tile = proto::decode_tile(item);
   tile->sums[5] ^= 1u << 20;
@@ -35,7 +35,7 @@ class Audits : public ScriptedFarm {
     open();
   }
 
-  // One lease's worth. Whether there was one.
+  // Renders one lease. Returns whether there was one.
   bool render(char worker, bool lies = false) {
     const WaitingCall call(coordinator(), greeting(worker));
     if (!call.answered() || !call.answer() || call.answer()->leases().empty()) return false;
@@ -90,10 +90,11 @@ TEST_F(Audits, PutALiarAsideAndRenderItsTileAgain) {
   const WaitingCall call(coordinator(), greeting('a'));
   ASSERT_TRUE(call.answered());
   EXPECT_EQ(call.answer().error().code, ErrorCode::kFailedPrecondition);
-  EXPECT_THAT(call.answer().error().message, HasSubstr("worker host-a is quarantined: it rendered other bits"));
+  EXPECT_THAT(call.answer().error().message,
+              HasSubstr("worker host-a is quarantined: it rendered other bits"));
 }
 
-// A worker that could tell would be honest then.
+// A worker that could recognise an audit would be honest in it.
 TEST_F(Audits, LookLikeOtherWork) {
   submit();
   render('a');
@@ -133,14 +134,14 @@ class WithoutAudits : public Audits {
     audit_share_ = 0;
     open();
   }
-  // Three results are refused.
+  // Has three results rejected.
   void quarantined(char worker) {
     v1::SubmitResultRequest lie = last_results_.at(worker);
     *lie.add_items() = {};
     for (int i = 0; i < Quarantine::kRejectionsUntilQuarantine; ++i)
       EXPECT_FALSE(coordinator().submit_result(lie));
     EXPECT_TRUE(this->worker(worker).quarantined());
-    EXPECT_EQ(this->worker(worker).quarantine_reason(), "3 of its results in a row were refused");
+    EXPECT_EQ(this->worker(worker).quarantine_reason(), "3 of its results in a row were rejected");
   }
 };
 
@@ -188,7 +189,7 @@ TEST_F(WithoutAudits, WhatIsToBeVerifiedIsKnownAfterARestart) {
   expect_local_picture(id);
 }
 
-// As after a salvage, when nobody can compare fingerprints with those from before.
+// As after a salvage, when old fingerprints cannot be compared with new ones.
 TEST_F(WithoutAudits, WhatWasToBeVerifiedIsRenderedAgainWhereTheSecretIsLost) {
   const std::string id = submit();
   ASSERT_TRUE(render('a', true));

@@ -130,7 +130,7 @@ TEST_F(BlobStoreTest, AnInterruptedUploadIsClearedAtTheNextStart) {
   EXPECT_EQ(files_below(folder_.path()), 0u);
 }
 
-// Whether somebody keeps it.
+// Whether the charge is still held.
 bool is_kept(const std::weak_ptr<int>& charge) {
   return !charge.expired();
 }

@@ -12,7 +12,7 @@ using namespace std::chrono_literals;
 
 class CallRateTest : public testing::Test {
  protected:
-  // How many calls in a row get through.
+  // The number of calls in a row that are admitted.
   int burst(const std::string& caller) {
     int calls = 0;
     while (!rate_.take(caller)) ++calls;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Everything at once, for races: workers, users, checkpoints and time, each on a thread of its own.
+// Workers, users, checkpoints and time on their own threads at once, to find races.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -31,7 +31,7 @@ class Concurrency : public ScriptedFarm {
   void work_until_closed(char worker) {
     while (const auto response = synchronize_blocking(worker)) {
       for (const v1::Lease& lease : response->leases()) {
-        // Twice: the second one is dropped. Nobody else can deliver it.
+        // Delivers it twice: the second result is dropped, since nobody else can deliver it.
         EXPECT_TRUE(coordinator().submit_result(delivery(worker, lease)));
         EXPECT_TRUE(coordinator().submit_result(delivery(worker, lease)));
         EXPECT_FALSE(coordinator().submit_result(delivery('d', lease)));

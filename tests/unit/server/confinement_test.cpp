@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a validator can no longer do, tried in processes of the tests' own; and that it ends with its parent.
+// Confinement of validators, tested in child processes; and their end with the parent.
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -25,7 +25,7 @@
 namespace tessera::validator {
 namespace {
 
-// The wait status of a process that does this and ends with the exit status of it.
+// The wait status of a child process that exits with the result of `what`.
 int status_of(const std::function<int()>& what) {
   const pid_t pid = fork();
   if (pid == 0) _exit(what());
@@ -34,7 +34,7 @@ int status_of(const std::function<int()>& what) {
   return status;
 }
 
-// Whether `what`, which succeeds here, fails with this error in a confined process.
+// Checks that `what`, which succeeds here, fails with this error in a confined process.
 void expect_refused(const std::function<int()>& what, int error = EPERM) {
   const auto refused = [&](const core::Status& confined) {
     if (!confined) return 2;
@@ -118,7 +118,7 @@ TEST_F(Confined, GainsNoRightsAndCannotBeTraced) {
             0);
 }
 
-// The address space that this process has taken up to now.
+// The address space of this process in MiB.
 std::uint64_t taken_mib() {
   std::uint64_t pages = 0;
   std::ifstream("/proc/self/statm") >> pages;
@@ -137,7 +137,7 @@ TEST_F(Confined, HasSoMuchMemory) {
   EXPECT_EQ(allocates(4096), 1 << 8);
 }
 
-// Under `ulimit -v` of a coordinator, which an ordinary user cannot raise again.
+// Under `ulimit -v` of a coordinator, which an unprivileged user cannot raise.
 TEST_F(Confined, HasNoMoreThanItsParentMayHave) {
   EXPECT_EQ(status_of([] {
               const rlim_t bytes = (taken_mib() + 768) << 20;
@@ -181,9 +181,9 @@ TEST_F(Confined, IsForNobodyWhoHasGone) {
   EXPECT_EQ(status_of([] { return confine({.parent = 1'000'000'000}) ? 1 : 0; }), 0);
 }
 
-// A parent that is killed takes its validator along, also one that waits for ever.
+// A parent that is killed takes its validator along, even one that hangs.
 TEST_F(Confined, EndsWithItsParent) {
-  ASSERT_EQ(prctl(PR_SET_CHILD_SUBREAPER, 1), 0);  // orphans of this process come back to it
+  ASSERT_EQ(prctl(PR_SET_CHILD_SUBREAPER, 1), 0);  // orphans of this process are reparented to it
   int from_orphan[2];
   ASSERT_EQ(pipe(from_orphan), 0);
   const pid_t parent = fork();

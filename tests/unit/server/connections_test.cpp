@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How many connections a coordinator takes, where it listens, and whom it waits for, on real sockets.
+// Connection limits, listening addresses and timeouts of a coordinator on real sockets.
 #include <arpa/inet.h>
 #include <fcntl.h>
 #include <gmock/gmock.h>
@@ -33,13 +33,13 @@ using testing::HasSubstr;
 using Room = ConnectionSlots::Room;
 
 constexpr std::chrono::milliseconds kUnacknowledged = 5s;
-constexpr auto kLongEnough = 60s;  // for what takes milliseconds where nothing else runs
+constexpr auto kLongEnough = 60s;  // for steps that take milliseconds on an idle machine
 
 int port_in(const std::string& address) {
   return std::stoi(address.substr(address.rfind(':') + 1));
 }
 
-// A connection that says nothing; invalid if there is nobody.
+// Opens an idle connection; invalid if nobody listens.
 Fd connect_to(int port, int family = AF_INET) {
   sockaddr_in6 v6{};
   v6.sin6_family = AF_INET6;
@@ -56,13 +56,14 @@ Fd connect_to(int port, int family = AF_INET) {
   return connected ? std::move(connection) : Fd();
 }
 
-// Waits for a byte, which gRPC without TLS sends to everybody it takes. False if the other side has closed.
+// Waits for the byte that gRPC without TLS sends on each accepted connection. False if the peer has closed
+// it.
 bool is_taken(const Fd& connection) {
   char byte = 0;
   return ::recv(connection.get(), &byte, 1, MSG_PEEK) > 0;
 }
 
-// Whether the other side closes it, sooner or later.
+// Whether the peer closes it within the timeout.
 bool is_closed_at_last(const Fd& connection) {
   const timeval patience{std::chrono::seconds(kLongEnough).count(), 0};
   ::setsockopt(connection.get(), SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
@@ -77,7 +78,7 @@ Fd any_socket() {
   return Fd(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
 }
 
-// Slots that were given back may be found a little later.
+// Closed connections may be noticed with a short delay.
 bool has_room_at_last(ConnectionSlots& slots, const std::string& machine) {
   const auto end = ConnectionSlots::Clock::now() + kLongEnough;
   while (ConnectionSlots::Clock::now() < end)
@@ -121,7 +122,7 @@ TEST(ConnectionSlots, AreNotHeldByWhatHasTheDescriptorNext) {
   EXPECT_TRUE(has_room_at_last(slots, "a"));
 }
 
-// The kernel gives the lowest descriptor that is free.
+// The kernel assigns the lowest free descriptor.
 TEST(ConnectionSlots, AreCountedOnceWhereADescriptorIsTakenAgain) {
   ConnectionSlots slots(2, 1);
   const Fd connection = any_socket(), next = any_socket(), other = any_socket();
@@ -162,7 +163,7 @@ TEST(ListeningSockets, HaveOnePortAtAllAddresses) {
     ASSERT_TRUE(listening) << listening.error().message;
     EXPECT_NE(listening->port, 0);
     EXPECT_TRUE(connect_to(listening->port)) << host;
-    const auto sixth = listen_on("[::1]:0", kUnacknowledged);  // if this machine speaks it
+    const auto sixth = listen_on("[::1]:0", kUnacknowledged);  // if this machine has IPv6
     const bool is_wildcard = host != std::string("localhost");
     EXPECT_TRUE(!sixth || !is_wildcard || connect_to(listening->port, AF_INET6)) << host;
   }
@@ -197,7 +198,7 @@ TEST(Listener, HandsOnWhatConnectsUntilItStops) {
   ASSERT_TRUE(listening);
   const auto listener = std::move(*Listener::make(std::move(*listening), ConnectionSlots(1, 1)));
   std::promise<int> taken;
-  const Fd connection = connect_to(listener->port());  // waits until somebody accepts
+  const Fd connection = connect_to(listener->port());  // blocks until it is accepted
   listener->start([&](int descriptor) { taken.set_value(descriptor); });
   const Fd accepted(taken.get_future().get());
   EXPECT_EQ(::send(accepted.get(), "x", 1, 0), 1);
@@ -208,7 +209,7 @@ TEST(Listener, HandsOnWhatConnectsUntilItStops) {
   listener->stop();
 }
 
-// With TLS in both directions, or none.
+// With mutual TLS or none.
 class Connections : public testing::TestWithParam<bool> {
  protected:
   void start(const server::Limits& limits, const proto::Patience& patience = {}) {
@@ -228,7 +229,7 @@ class Connections : public testing::TestWithParam<bool> {
   }
   int port() const { return port_in(server_->address()); }
 
-  // A caller with a connection of its own, which it makes with its first call.
+  // A channel with its own connection, which it opens with its first call.
   std::shared_ptr<grpc::Channel> caller() {
     grpc::ChannelArguments arguments;
     arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
@@ -239,7 +240,7 @@ class Connections : public testing::TestWithParam<bool> {
     return grpc::CreateCustomChannel(server_->address(),
                                      *proto::channel_credentials(server_->address(), calling_), arguments);
   }
-  // Once, or until there is room.
+  // Makes one call, or waits until there is room.
   static grpc::StatusCode call(const std::shared_ptr<grpc::Channel>& channel, bool waits) {
     grpc::ClientContext context;
     context.set_wait_for_ready(waits);
@@ -277,7 +278,7 @@ TEST_P(Connections, BeyondTheLimitAreClosedAndGetInLater) {
   for (const auto& channel : inside) EXPECT_EQ(call(channel, false), grpc::StatusCode::OK);
 }
 
-// Also of those who hang up before anybody has heard of them.
+// Also for connections that close before they are accepted.
 TEST_P(Connections, NoneLeavesItsSlotTaken) {
   start({.connections = 2});
   for (int i = 0; i < 300; ++i) connect_to(port());
@@ -300,7 +301,7 @@ TEST_P(Connections, WithoutAWordAreClosed) {
 class PlainConnections : public Connections {};
 INSTANTIATE_TEST_SUITE_P(, PlainConnections, testing::Values(false), [](const auto&) { return "Plain"; });
 
-// As a machine that lost its power, or a stopped process, between two calls.
+// Like a machine without power, or a stopped process, between two calls.
 TEST_P(PlainConnections, WhoAnswersNoPingsAreClosed) {
   start({.connections = 1}, {.ping_period = 1s, .answer = 2s});
   const Fd stopped = connect_to(port());

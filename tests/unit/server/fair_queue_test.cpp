@@ -12,11 +12,11 @@ namespace {
 
 class FairQueueTest : public testing::Test {
  protected:
-  // Nobody may be granted anything while held_ is destroyed.
+  // No request may be granted while held_ is destroyed.
   ~FairQueueTest() override {
     for (const auto& [name, who] : names_) queue_.leave(&who);
   }
-  // Of the caller with the first letter of its name.
+  // Waits as the caller with the first letter of the name.
   bool wait(const std::string& name, std::uint64_t amount) {
     const auto [entry, added] = names_.emplace(name, name);
     return queue_.wait(&entry->second, name.substr(0, 1), amount, [this, name](FairShare::Held held) {
@@ -26,7 +26,7 @@ class FairQueueTest : public testing::Test {
   }
   bool leave(const std::string& name) { return queue_.leave(&names_.at(name)); }
   void give_back(const std::string& name) {
-    const auto given_back = held_.extract(name);  // which grants to others, who come into held_
+    const auto given_back = held_.extract(name);  // grants to others, which adds to held_
     ASSERT_TRUE(given_back);
   }
 

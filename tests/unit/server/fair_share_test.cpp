@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What callers share, and the threads that they take turns at.
+// Quotas that callers share, and the fair thread pool.
 #include "server/coordinator/fair_share.hpp"
 
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@ namespace {
 
 using Taken = std::vector<FairShare::Held>;
 
-// How often the caller can take this much.
+// How often the caller can take this amount.
 int take_all(FairShare& share, const std::string& caller, Taken& taken, std::uint64_t amount = 1) {
   for (int times = 0;; ++times) {
     auto held = share.take(caller, amount);
@@ -69,7 +69,7 @@ TEST(FairShare, AmountsCount) {
   EXPECT_EQ(share.held(), 10u);
 }
 
-// One thread, held up by a first task until it is released.
+// A pool of one thread, which a first task blocks until it is released.
 class FairPoolTest : public testing::Test {
  protected:
   FairPoolTest() {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Limits of files that workers fetch.
+// Limits of downloads by workers.
 #include <gtest/gtest.h>
 
 #include <memory>
@@ -35,7 +35,7 @@ class FetchLimits : public LimitedService {
     ASSERT_TRUE(writer && writer->append(bytes) && writer->commit());
   }
 
-  // More than is on its way where nobody takes any of it.
+  // More than all buffers hold while nobody reads.
   const std::string large_ = std::string(8 << 20, 'x');
 };
 

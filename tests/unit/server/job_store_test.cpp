@@ -36,7 +36,7 @@ class JobStoreTest : public testing::Test {
   void reopen() { store_.emplace(*JobStore::open(file_)); }
   JobStore& store() { return *store_; }
 
-  // Runs SQL as somebody else would who meddles with the file.
+  // Runs SQL as another program could on the file.
   void meddle(const std::string& sql) {
     sqlite3* database = nullptr;
     ASSERT_EQ(sqlite3_open(file_.c_str(), &database), SQLITE_OK);
@@ -135,7 +135,7 @@ TEST_F(JobStoreTest, ADeletedJobTakesItsTilesAlongAndGetsNoMore) {
   EXPECT_THAT(*store().tiles_done("a"), IsEmpty());
 }
 
-// All tiles of a large job take seconds, for which everybody else would wait.
+// Removing all tiles of a large job takes seconds, for which all others would wait.
 TEST_F(JobStoreTest, TilesOfADeletedJobGoAFewAtATimeAlsoAfterARestart) {
   ASSERT_TRUE(store().insert_job(job_row("a")) && store().insert_job(job_row("b")));
   std::vector<TileRow> tiles;
@@ -168,7 +168,7 @@ TEST_F(JobStoreTest, ATileThatCannotBeWrittenTakesTheWholeCheckpointBack) {
 TEST_F(JobStoreTest, WhatACrashLeavesIsTheLastCheckpoint) {
   ASSERT_TRUE(store().insert_job(job_row("a")));
   ASSERT_TRUE(store().write_tiles({tile_row("a", 0, "kept")}));
-  // The files as they are on disk at this moment, without closing: what kill -9 leaves.
+  // A copy of the files on disk without closing the store, as after kill -9.
   const TemporaryFolder crashed;
   for (const auto& entry : std::filesystem::directory_iterator(folder_.path())) {
     std::filesystem::copy(entry, crashed.path() / entry.path().filename());
@@ -220,7 +220,7 @@ TEST_F(JobStoreTest, AFileOfAnotherProgramIsRefusedAndLeftAlone) {
   EXPECT_EQ(read_file(file_), before);
 }
 
-// What the first release wrote: its rows have no sum.
+// Rows of the first release have no checksum.
 TEST_F(JobStoreTest, AFileOfTheFirstReleaseIsTakenOver) {
   JobRow row = job_row("a");
   ASSERT_TRUE(store().insert_job(row));
@@ -257,14 +257,14 @@ TEST_F(JobStoreTest, AJobThatCannotBeReadHidesNoOther) {
   std::vector<JobRow> rows;
   for (const char* id : {"a", "b", "c"}) {
     rows.push_back(job_row(id));
-    rows.back().spec = std::string(100'000, *id);  // of pages of its own
+    rows.back().spec = std::string(100'000, *id);  // on overflow pages of its own
     ASSERT_TRUE(store().insert_job(rows.back()));
   }
   EXPECT_THAT(store().readable_jobs()->rows, ElementsAre(rows[0], rows[1], rows[2]));
   EXPECT_EQ(store().readable_jobs()->unreadable, 0u);
   store_.reset();
   std::string bytes = read_file(file_);
-  // Each page of it begins with the number of the next.
+  // Each of its pages begins with the number of the next.
   for (std::size_t page = 0; page < bytes.size(); page += 16384)
     if (bytes.compare(page + 4, 64, std::string(64, 'b')) == 0) bytes[page] = '\x7f';
   write_file(file_, bytes);
@@ -317,7 +317,7 @@ TEST_F(JobStoreTest, ALogWithoutItsDatabaseIsLeftAlone) {
   }
 }
 
-// Else the log's whole pages would be written among damaged ones.
+// Otherwise intact pages of the log would be written among damaged ones.
 TEST_F(JobStoreTest, ADamagedFileThatIsRefusedIsLeftAsItWasWithItsLog) {
   ASSERT_TRUE(store().insert_job(job_row("a")));
   ASSERT_TRUE(store().write_tiles({tile_row("a", 0, std::string(200'000, 'x'))}));

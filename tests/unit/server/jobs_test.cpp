@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What users do with jobs.
+// The users' operations on jobs.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -166,7 +166,7 @@ TEST_F(Jobs, ACancelledJobKeepsItsPictureAndTakesNoMore) {
   EXPECT_EQ(cancelled.state(), v1::JOB_STATE_CANCELLED);
   EXPECT_TRUE(cancelled.has_finished_at());
   EXPECT_EQ(deliver(delivery('a', late)).accepted_items(), 0u);
-  ASSERT_TRUE(coordinator().checkpoint());  // after which the film is on disk alone
+  ASSERT_TRUE(coordinator().checkpoint());  // the film is only in the store now
   EXPECT_EQ(coordinator().picture(id)->image.pixels, before.pixels);
   EXPECT_EQ(job(id).counters().samples(), cancelled.counters().samples());
   EXPECT_EQ(coordinator().resume_job(id).error().code, ErrorCode::kFailedPrecondition);
@@ -246,7 +246,7 @@ TEST_F(Jobs, TakeTheirFilesWithThemWhenTheyAreDeleted) {
   EXPECT_FALSE(std::filesystem::exists(blob));
 }
 
-// However long that takes, and whatever the clock on the wall says by then.
+// However long the submission takes, and whatever the system time is then.
 TEST_F(Jobs, KeepTheirFilesWhileTheyAreSubmitted) {
   const auto blob = coordinator().blobs().path(proto::digest_of(kSceneBytes));
   check_scene_ = [&](const v1::Bundle& bundle, const v1::RenderOverrides& overrides) {
@@ -298,7 +298,7 @@ TEST_F(Jobs, OfAWindowThatIsNoneAreRefused) {
 }
 
 TEST_F(Jobs, AreFoundByTheBeginningOfTheirIds) {
-  for (int i = 0; i < 20; ++i) submit();  // so that some begin with the same digit
+  for (int i = 0; i < 20; ++i) submit();  // so that some ids begin with the same digit
   const auto all = coordinator().jobs();
   for (const std::string prefix : {"", "0", "7", "c", "f", all[3].id().c_str(), "g", "0000x"}) {
     for (const std::size_t most : {0u, 1u, 2u, 100u}) {
@@ -315,7 +315,7 @@ TEST_F(Jobs, AreFoundByTheBeginningOfTheirIds) {
   }
 }
 
-// Of a picture that is too large for the farm, parts may be rendered.
+// A window of an image that is too large for the farm may be rendered.
 TEST_F(Jobs, OfAWindowNeedMemoryForTheWindowAlone) {
   check_scene_ = accept_as_larger_than_allowed;
   open();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A coordinator with limits, over real gRPC on a free port, and callers who come up against them.
+// A coordinator with limits, over real gRPC on a free port, and callers that reach the limits.
 #pragma once
 
 #include <grpcpp/grpcpp.h>
@@ -27,7 +27,7 @@ using coordinator::greeting;
 using coordinator::greeting_with_key;
 using coordinator::submission;
 
-// Holds up those who come until it is opened.
+// Blocks callers until it is opened.
 class Barrier {
  public:
   void wait() {
@@ -86,7 +86,7 @@ class LimitedService : public testing::Test {
     auto writer = coordinator_->blobs().write(proto::digest_of(coordinator::kSceneBytes));
     ASSERT_TRUE(writer && writer->append(coordinator::kSceneBytes) && writer->commit());
   }
-  // From now on, at once.
+  // Advances the clock at once.
   void pass(std::chrono::minutes time) { passed_ = passed_.load() + time; }
   void hold_up_scenes() {
     check_scene_ = [this](const v1::Bundle& bundle, const v1::RenderOverrides& overrides) {
@@ -95,7 +95,7 @@ class LimitedService : public testing::Test {
     };
   }
 
-  // A stream whose first message says so many bytes, and which brings these.
+  // An upload that declares `said` bytes and sends these.
   grpc::Status upload(std::uint64_t said, const std::string& bytes, int times = 1) {
     return upload(*users_, said, bytes, times);
   }
@@ -116,13 +116,13 @@ class LimitedService : public testing::Test {
     return static_cast<std::size_t>(
         std::distance(std::filesystem::directory_iterator(folder_.path() / "blobs" / folder), {}));
   }
-  // An upload that has begun, and may stand still.
+  // An upload in progress, which may stall.
   struct Upload {
     grpc::ClientContext context;
     v1::UploadBlobResponse response;
     std::unique_ptr<grpc::ClientWriterInterface<v1::UploadBlobRequest>> stream;
   };
-  // Sends the first byte, and waits until the coordinator has taken it.
+  // Sends the first byte, and waits until the coordinator has received it.
   std::unique_ptr<Upload> begin_upload(const std::string& bytes) {
     auto upload = std::make_unique<Upload>();
     upload->stream = users_->UploadBlob(&upload->context, &upload->response);
@@ -143,7 +143,7 @@ class LimitedService : public testing::Test {
     upload.stream->WritesDone();
     return upload.stream->Finish();
   }
-  // Again until it is let in: what an ended stream held is free a little later than its caller hears of the
+  // Retries until it is admitted: an ended stream gives its quota back slightly after its caller sees the
   // end.
   void expect_upload_in_the_end(const std::string& bytes) {
     grpc::Status status;
@@ -177,7 +177,7 @@ class LimitedService : public testing::Test {
     EXPECT_TRUE(users_->SubmitJob(&context, request, &response).ok());
     return response.job().id();
   }
-  // A picture of 24 MB: more than is on its way where nobody takes any of it. Making it takes 54 MiB.
+  // An image of 24 MB, more than all buffers hold while nobody reads. Encoding it takes 54 MiB.
   std::string submit_large() { return submit_of_size(2000, 1000); }
   std::string submit_of_size(std::uint32_t width_px, std::uint32_t height_px) {
     v1::SubmitJobRequest request = submission();
@@ -203,7 +203,7 @@ class LimitedService : public testing::Test {
         [&submission](const grpc::Status& status) { submission.status.set_value(status); });
   }
 
-  // A coordinator that stops answers those who wait.
+  // A stopping coordinator answers waiting calls.
   void open_when_it_stops() {
     coordinator_->synchronize(greeting('a'), {.answer = [this](const auto& answer) {
                                 if (!answer) return barrier_.open();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a coordinator takes of jobs and bundles, and in which words it refuses more.
+// Limits on jobs and bundles, and the messages of their rejections.
 #include <gmock/gmock.h>
 
 #include "proto/blob.hpp"
@@ -35,7 +35,7 @@ TEST_F(Limits, OfPictures) {
   submit();
   limit({.picture_pixels = kWidthPx * kHeightPx - 1});
   expect_limit(refusal(submission()),
-               "the picture has 150 x 100 = 15000 pixels, and this farm takes at most 14999 "
+               "the image has 150 x 100 = 15000 pixels, and this farm takes at most 14999 "
                "(tessera-coordinator --max-picture-pixels)");
 }
 

@@ -13,8 +13,8 @@ namespace {
 using testing::EndsWith;
 using testing::HasSubstr;
 
-// The log as a crash leaves it, after a job and three checkpoints. Just before the last one the job was
-// changed, which takes one page.
+// The log after a crash that followed a job and three checkpoints. Just before the last checkpoint the job
+// was changed, which takes one page.
 class LogDamage : public testing::Test {
  protected:
   LogDamage() {
@@ -42,12 +42,12 @@ class LogDamage : public testing::Test {
     return *look_at_log(log_);
   }
   std::size_t begin_of_last_transaction() const {
-    std::size_t at = whole_.size() - kFrame;  // which commits; so does the frame before the first
+    std::size_t at = whole_.size() - kFrame;  // a commit frame; so is the frame before the first
     while (!commits(at - kFrame)) at -= kFrame;
     return at;
   }
   bool commits(std::size_t frame) const { return whole_.substr(frame + 4, 4) != std::string(4, '\0'); }
-  // The one of one page.
+  // The transaction of one page.
   std::size_t begin_of_last_but_one() const {
     const std::size_t at = begin_of_last_transaction() - kFrame;
     EXPECT_TRUE(commits(at) && commits(at - kFrame));
@@ -83,14 +83,14 @@ TEST_F(LogDamage, OneBitIsNoticedWhereverLaterTransactionsWouldBeForgotten) {
   }
 }
 
-// Without its salts it might be left from another log, were it not for what comes before or after it.
+// With other salts it might be from an earlier log, if the frames before or after it did not show otherwise.
 TEST_F(LogDamage, ATransactionOfOnePageIsMissedWhoseSaltsAreDamaged) {
   const std::size_t at = begin_of_last_but_one();
   for (const std::size_t more : {at + 1, at + 24 + 5000})
     EXPECT_TRUE(damage_of(flipped(flipped(whole_, at + 9), more))) << more - at;
 }
 
-// The last transaction was not acknowledged before it was whole.
+// The last transaction is acknowledged only when it is complete.
 TEST_F(LogDamage, WhatACrashToreAtTheEndIsNone) {
   for (const std::string& torn :
        {whole_.substr(0, whole_.size() - 5), whole_.substr(0, whole_.size() - kFrame),
@@ -101,8 +101,8 @@ TEST_F(LogDamage, WhatACrashToreAtTheEndIsNone) {
   }
 }
 
-// By a disk, or by the machine when it went down: nobody can tell, nor whether the page that does not check
-// was of this transaction or was one before it.
+// By the disk, or by the machine's crash: neither can be told apart, nor whether the damaged page was of this
+// transaction or of one before it.
 TEST_F(LogDamage, AnEndThatIsThereWithoutItsBeginMayBeLostWork) {
   std::string wiped = whole_;
   wiped.replace(begin_of_last_but_one(), kFrame, kFrame, '\0');
@@ -116,7 +116,7 @@ TEST_F(LogDamage, AnEndThatIsThereWithoutItsBeginMayBeLostWork) {
   EXPECT_THAT(look_at(wiped).torn_end, testing::Optional(HasSubstr(std::to_string(begin_of_last_but_one()))));
 }
 
-// A log that is begun anew is not cut: behind its end are frames of before.
+// A restarted log is not truncated: old frames follow its end.
 TEST_F(LogDamage, WhatIsLeftFromBeforeIsNoTornEnd) {
   std::string before = whole_;
   for (std::size_t at = 32; at < before.size(); at += kFrame) before[at + 8] ^= 1;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is checked of messages before they are parsed, and which methods there are.
+// Checks of messages before they are parsed, and the table of methods.
 #include "server/rpc/message_shape.hpp"
 
 #include <gmock/gmock.h>
@@ -18,7 +18,7 @@ using core::ErrorCode;
 using testing::HasSubstr;
 
 grpc::ByteBuffer buffer_of(const std::string& bytes) {
-  // In pieces, as they come: fields may lie across their borders.
+  // Slices as received: fields may cross their boundaries.
   std::vector<grpc::Slice> slices;
   for (std::size_t at = 0; at < bytes.size(); at += 7) slices.emplace_back(bytes.substr(at, 7));
   return {slices.data(), slices.size()};
@@ -105,7 +105,7 @@ TEST(Methods, AreThoseOfTheContract) {
   EXPECT_EQ(methods.all().size(), count);
 }
 
-// A limit on a field that was renamed would be none.
+// A limit on a renamed field would have no effect.
 TEST(Methods, LimitFieldsThatThereAre) {
   const Methods methods{server::Limits()};
   for (const auto& [path, method] : methods.all())

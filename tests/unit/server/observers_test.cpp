@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// That whoever is being asked, or told, keeps up nobody else.
+// Observers that are slow to answer delay nobody else.
 #include <atomic>
 #include <chrono>
 #include <future>
@@ -13,14 +13,14 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr auto kFarTooLong = 60s;  // for what takes microseconds where nothing else runs
+constexpr auto kFarTooLong = 60s;  // for steps that take microseconds on an idle machine
 
 bool returns(const std::function<void()>& call, std::future<void>& done) {
   done = std::async(std::launch::async, call);
   return done.wait_for(kFarTooLong) == std::future_status::ready;
 }
 
-// Each is held up whenever it is called, but for the first calls of all.
+// Blocks in every call, except for the first calls of all.
 class Held {
  public:
   explicit Held(int free_calls) : free_calls_(free_calls) {}
@@ -51,7 +51,7 @@ class HeldWatcher final : public Held, public Watcher {
   const std::string job_id_;
 };
 
-// While one is called others come and go; it itself goes when the call is over.
+// While one observer is being called, others are added and removed; it is removed after the call.
 template <typename List, typename Observer>
 void expect_nobody_is_kept_up(List& list, Observer& held, Observer& other) {
   list.add(held);
@@ -85,7 +85,7 @@ TEST_F(WatchHubTest, OneThatIsToldKeepsUpNobody) {
   expect_nobody_is_kept_up(hub, held, other);
 }
 
-// Also those who come when it is closed already.
+// Also those that are added after the end.
 TEST_F(WatchHubTest, AllAreToldThatItIsClosed) {
   struct Listener final : Watcher {
     const std::string& job_id() const override { return id; }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Limits of pictures that are fetched: their memory, and how long callers may stand still.
+// Limits of images that are fetched: their memory, and the stall time of callers.
 #include <gtest/gtest.h>
 
 #include <string>
@@ -17,7 +17,7 @@ TEST_F(PictureLimits, OneIsAlwaysMadeAndTheNextWaitsForItsMemory) {
   start({.image_mib = 1});
   const std::string id = submit_large();
   const auto slow = begin_fetch(id);
-  slow->stream->WaitForInitialMetadata();  // it is made, and not taken
+  slow->stream->WaitForInitialMetadata();  // it is encoded, but not read
   const auto next = begin_fetch(id);
   EXPECT_TRUE(finish_fetch(*slow).ok());
   EXPECT_TRUE(finish_fetch(*next).ok());
@@ -28,7 +28,7 @@ TEST_F(PictureLimits, NobodyWaitsForMemoryLongerThanCallersMayStandStill) {
   const std::string id = submit_large();
   const auto slow = begin_fetch(id);
   slow->stream->WaitForInitialMetadata();
-  std::jthread reader([&](const std::stop_token& stop) {  // so little that it takes more than a minute
+  std::jthread reader([&](const std::stop_token& stop) {  // so slow that it takes more than a minute
     v1::GetImageResponse response;
     while (!stop.stop_requested() && slow->stream->Read(&response))
       std::this_thread::sleep_for(std::chrono::milliseconds(200));
@@ -39,7 +39,7 @@ TEST_F(PictureLimits, NobodyWaitsForMemoryLongerThanCallersMayStandStill) {
   EXPECT_EQ(status.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
   EXPECT_EQ(
       status.error_message(),
-      "this picture takes 54 MiB of memory, and others that are being fetched 54 MiB, and this farm takes at "
+      "this image takes 54 MiB of memory, and others that are being fetched 54 MiB, and this farm takes at "
       "most 1 MiB (tessera-coordinator --max-image-mib), some of which it keeps for other callers");
   EXPECT_EQ(proto::error_from_grpc(status, refused->context).code, core::ErrorCode::kUnavailable);
 }
@@ -49,7 +49,7 @@ TEST_F(PictureLimits, ALargePictureComesThroughHoweverManySmallOnesDo) {
   const auto ada = as("ada"), ben = as("ben");
   users_ = as("ada");
   const std::string large = submit_large(), small = submit_of_size(600, 400);
-  std::jthread others([&](const std::stop_token& stop) {  // at no time without any
+  std::jthread others([&](const std::stop_token& stop) {  // there is always one
     auto last = begin_fetch(*ben, small);
     last->stream->WaitForInitialMetadata();
     while (!stop.stop_requested()) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Results that are refused, and whom that puts aside.
+// Rejected results, and the quarantine of workers.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -87,7 +87,7 @@ TEST_F(Refusals, AWorkerWhoseResultsAreRefusedAgainAndAgainIsPutAside) {
   EXPECT_EQ(coordinator().workers()[0].held_leases(), 0u);
 
   EXPECT_EQ(coordinator().submit_result(delivery('a', lease)).error().code, ErrorCode::kFailedPrecondition);
-  // A new worker of its machine is refused, whatever its name; one of its name is not.
+  // New workers of its machine are rejected, whatever their names; other workers of its name are not.
   for (const char worker : {'a', 'b'}) {
     const WaitingCall call(coordinator(), greeting_from(worker, 'm'));
     ASSERT_TRUE(call.answered());
@@ -101,7 +101,7 @@ TEST_F(Refusals, AWorkerWhoseResultsAreRefusedAgainAndAgainIsPutAside) {
   EXPECT_EQ(coordinator().picture(id)->image.pixels, ready_made_picture(kWidthPx, kHeightPx, kSpp).pixels);
 }
 
-// What anybody can send is not held against whom it names.
+// A result that anybody could send does not count against the named worker.
 TEST_F(Refusals, ResultsWithoutTheTokenOfTheirLeaseHarmNobody) {
   const std::string id = submit();
   const v1::Lease lease = synchronize(greeting('a')).leases(0);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a coordinator knows after a stop, and after a crash.
+// The state of a coordinator after a stop and after a crash.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sqlite3.h>
@@ -17,7 +17,7 @@ using testing::HasSubstr;
 
 class Restart : public ScriptedFarm {
  protected:
-  // Opens a coordinator on a copy of the files as they are on disk at this moment: what kill -9 leaves.
+  // Opens a coordinator on a copy of the current files on disk, as after kill -9.
   void crash() {
     const auto crashed = folder_.path() / "crashed" / std::to_string(++crashes_);
     std::filesystem::create_directories(crashed.parent_path());
@@ -156,7 +156,7 @@ TEST_F(Restart, AJobThatWasDoneButNotStoredAsSuchIsDone) {
   const std::string id = submit();
   work('a');
   ASSERT_TRUE(coordinator().checkpoint());
-  rewrite_jobs([](store::JobRow& row) {  // tiles written, the row not yet
+  rewrite_jobs([](store::JobRow& row) {  // tiles were written, but not the row
     row.state = v1::JOB_STATE_RUNNING;
     row.finished_ms.reset();
   });
@@ -222,7 +222,7 @@ TEST_F(Restart, ARowThatNoJobCanHaveFailsItAndHarmsNoOther) {
   }
 }
 
-// Under checksums that are in order, as no coordinator writes them.
+// With valid checksums, but values that no coordinator writes.
 TEST_F(Restart, RowsThatNoCoordinatorHereWritesFailTheirJobsAndHarmNoOther) {
   const std::string damaged = submit(), whole = submit(), mute = submit(), huge = submit(),
                     timeless = submit();
@@ -267,7 +267,7 @@ TEST_F(Restart, AJobWhoseNameIsNoTextIsLeftOutAndHarmsNoOther) {
   EXPECT_TRUE(coordinator().checkpoint());
 }
 
-// One bit of a seed would be another picture.
+// One bit of a seed would give another image.
 TEST_F(Restart, AJobWhoseRowChangedOnDiskFailsAndHarmsNoOther) {
   const std::string damaged = submit(), whole = submit();
   ASSERT_TRUE(coordinator().checkpoint());
@@ -278,7 +278,7 @@ TEST_F(Restart, AJobWhoseRowChangedOnDiskFailsAndHarmsNoOther) {
   EXPECT_EQ(job(whole).state(), v1::JOB_STATE_RUNNING);
 }
 
-// [0, 4096) in the place of the samples that are done.
+// [0, 4096) instead of the samples that are done.
 constexpr const char* kTooManySamples = "UPDATE tiles SET done = X'0000000000100000' WHERE tile = 0";
 
 TEST_F(Restart, ADamagedRowDoesNotRaiseARunningJobsSamples) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whose files stay, and whose room is whose, when the store of scenes' files is full.
+// Which files stay, and whose quota they use, when the store of scene files is full.
 #include "server/coordinator/scene_files.hpp"
 
 #include <gmock/gmock.h>
@@ -24,7 +24,7 @@ class SceneFilesTest : public testing::Test {
  protected:
   SceneFilesTest() {
     open();
-    now_ += 1h;  // claims from before the start do not count any more
+    now_ += 1h;  // claims from before the start have expired
   }
   void open() {
     files_.reset();
@@ -140,7 +140,7 @@ TEST_F(SceneFilesTest, ADeletedJobMakesRoomAtOnce) {
   std::optional<BlobClaims::Hold> job;
   for (const char name : {'a', 'b', 'c', 'd'}) EXPECT_TRUE(upload("ada", name));
   auto submission = files_->claim("ada", files_of(bundle("abcd")));
-  now_ += 15min;  // what the uploads themselves claimed
+  now_ += 15min;  // the uploads' own claims
   job = files_->hold(bundle("abcd"));
   submission->settle();
   EXPECT_FALSE(upload("ada", 'e'));

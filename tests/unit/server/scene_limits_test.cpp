@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Limits of scenes that are validated, and who does not wait for them.
+// Limits of validation, and calls that do not wait for it.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -26,7 +26,7 @@ TEST_F(SceneLimits, OfScenesThatWaitToBeValidated) {
   barrier_.wait_for_someone();
   submit(second);
   submit(third);
-  // One of the two waits; the other is refused before anything is opened.
+  // One of the two waits; the other is rejected before anything is opened.
   auto of_second = second.status.get_future(), of_third = third.status.get_future();
   const auto is_answered = [](auto& future) {
     return future.wait_for(std::chrono::milliseconds(1)) == std::future_status::ready;
@@ -48,7 +48,7 @@ TEST_F(SceneLimits, OfScenesThatWaitToBeValidated) {
   EXPECT_TRUE((second_refused ? of_third : of_second).get().ok());
 }
 
-// The first of the answers that come, while others wait.
+// The first answer, while others wait.
 grpc::Status first_answer(std::vector<std::future<grpc::Status>>& futures) {
   while (true) {
     for (auto& future : futures) {
@@ -121,14 +121,14 @@ TEST_F(SceneLimits, PicturesAndExtensionsDoNotWaitForScenes) {
   EXPECT_TRUE(slow.status.get_future().get().ok());
 }
 
-// Those that wait are answered without being looked at.
+// Waiting scenes are answered without validation.
 TEST_F(SceneLimits, StoppingDoesNotWorkOffTheScenesThatWait) {
   std::atomic<int> checked{0};
   check_scene_ = [&](const v1::Bundle&,
                      const v1::RenderOverrides&) -> core::Result<coordinator::CheckedScene> {
     ++checked;
     barrier_.wait();
-    return core::fail(core::ErrorCode::kUnavailable, "stopped");  // as the validator's process answers
+    return core::fail(core::ErrorCode::kUnavailable, "stopped");  // like the validator process
   };
   start({.validations = 1});
   std::vector<std::unique_ptr<Submission>> submissions;

@@ -9,7 +9,7 @@
 namespace tessera::coordinator {
 namespace {
 
-// Any hash will do.
+// Any hash function will do.
 std::uint64_t ready_made_sample(int x, int y, std::size_t channel, std::uint32_t sample) {
   std::uint64_t h = static_cast<std::uint64_t>(x) * 0x9e3779b97f4a7c15 +
                     static_cast<std::uint64_t>(y) * 0xc2b2ae3d27d4eb4f + channel * 0x165667b19e3779f9 +

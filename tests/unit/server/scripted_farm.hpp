@@ -15,21 +15,21 @@
 
 namespace tessera::coordinator {
 
-// Sums that are a function of pixel and sample alone, like a render's.
+// Sums that depend only on pixel and sample, like those of a render.
 core::FilmTile ready_made_tile(const core::PixelRect& rect, core::SampleRange range);
 v1::RenderedItem ready_made_item(const v1::WorkItem& item);
-// The picture that a farm must come to.
+// The image that the farm must produce.
 core::Image ready_made_picture(const core::PixelRect& window, std::uint32_t spp);
 core::Image ready_made_picture(int width_px, int height_px, std::uint32_t spp);
 
 // Accepts any scene: 150 x 100 pixels, 6 samples per pixel, overrides applied. 3 x 2 tiles, of which 4 are
-// cut short.
+// cropped.
 core::Result<CheckedScene> accept_scene(const v1::Bundle& bundle, const v1::RenderOverrides& overrides);
 inline constexpr int kWidthPx = 150, kHeightPx = 100;
 inline constexpr std::uint32_t kSpp = 6;
 inline constexpr std::uint64_t kSamples = std::uint64_t{kWidthPx} * kHeightPx * kSpp;
 
-// Of the workers of these farms.
+// The determinism fingerprint of the workers in these farms.
 inline const std::string kFingerprint = "f00d";
 
 inline const std::string kSceneBytes = "{}";
@@ -37,7 +37,7 @@ v1::SubmitJobRequest submission();
 v1::SynchronizeRequest greeting(char worker);
 v1::SubmitResultRequest delivery(char worker, const v1::Lease& lease);
 
-// As they must be over the network: with the worker's key, and the id that follows from it.
+// With the worker's key, and the id that follows from it, as the network service requires.
 v1::SynchronizeRequest greeting_with_key(char worker);
 v1::SubmitResultRequest delivery_with_key(char worker, const v1::Lease& lease);
 
@@ -50,15 +50,15 @@ class ScriptedFarm : public testing::Test {
   void open() { open(folder_.path() / "state"); }
   Coordinator& coordinator() { return *coordinator_; }
 
-  // The job's id.
+  // Returns the job's id.
   std::string submit(const v1::SubmitJobRequest& request = submission());
   v1::Job job(const std::string& id);
-  // The same when all that has happened to it is stored: its end is told then.
+  // The same after a checkpoint, which publishes the job's completion.
   v1::Job stored_job(const std::string& id);
-  // The answer, which must come at once.
+  // Returns the answer, which must be immediate.
   v1::SynchronizeResponse synchronize(const v1::SynchronizeRequest& request);
   v1::SubmitResultResponse deliver(const v1::SubmitResultRequest& request);
-  // Renders what is leased until nothing more is; at most `leases` of them.
+  // Renders and delivers leases until there are none; at most `leases` of them.
   void work(char worker, int leases = 1'000'000);
 
   TemporaryFolder folder_;
@@ -75,7 +75,7 @@ class WaitingCall {
  public:
   WaitingCall(Coordinator& coordinator, const v1::SynchronizeRequest& request);
 
-  // Hangs up.
+  // The caller disconnects.
   void leave() { *gone_ = true; }
   bool answered() const { return answer_->has_value(); }
   const core::Result<v1::SynchronizeResponse>& answer() const { return **answer_; }

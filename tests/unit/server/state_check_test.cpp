@@ -30,7 +30,7 @@ class StateCheck : public ScriptedFarm {
         << sqlite3_errmsg(database);
     sqlite3_close(database);
   }
-  // A job that is done and one that is under way, stored.
+  // Stores a done job and an unfinished one.
   void fill() {
     done_ = submit();
     work('a');
@@ -145,7 +145,7 @@ TEST_F(StateCheck, SalvageGoesOnFromAGreaterCountOfStarts) {
 
 TEST_F(StateCheck, SalvageKeepsAJobOnceHoweverOftenItIsListed) {
   fill();
-  // As damaged pages have it: without the indexes that would prevent it.
+  // Like damaged pages: without the indexes that would prevent duplicates.
   meddle(
       "CREATE TABLE twice AS SELECT * FROM jobs; DROP TABLE jobs; CREATE TABLE jobs AS SELECT * FROM twice;"
       "INSERT INTO jobs SELECT * FROM twice; DROP TABLE twice");
@@ -166,7 +166,7 @@ TEST_F(StateCheck, SalvageTakesTheLockOfAFolderThatHasNone) {
   EXPECT_TRUE(std::filesystem::exists(state() / "lock"));
 }
 
-// As a crash would leave it between the two steps: the log has only its new name, the database has both.
+// As after a crash between the two steps: the log has only its new name, the database has both.
 TEST_F(StateCheck, ASalvageThatWasCutShortIsUndoneAtTheNextStart) {
   fill();
   const TemporaryFolder copies;

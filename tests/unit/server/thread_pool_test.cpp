@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where tasks run.
+// On which thread tasks run.
 #include "server/coordinator/thread_pool.hpp"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tiles as the store keeps them.
+// Tiles as stored.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <zstd.h>
@@ -15,7 +15,7 @@ using core::ErrorCode;
 const core::PixelRect kRect{64, 128, 69, 131};  // 45 sums: no multiple of sixteen
 const std::vector<core::SampleRange> kDone{{0, 3}, {8, 12}};
 
-// Every byte of the sums is needed.
+// Sums that use all their bytes.
 TileContent content() {
   TileContent tile;
   for (std::uint64_t i = 0; i < kRect.pixel_count() * 3; ++i) {
@@ -62,7 +62,7 @@ TEST(TileRow, ReadsWhatEarlierReleasesWrote) {
   EXPECT_EQ(read->sums, tile.sums);
 }
 
-// Its samples were wrong, and none has come since.
+// Its samples were wrong, and no others have arrived since.
 TEST(TileRow, CanBeOfNoSamplesAtAll) {
   const auto read = decode_tile_row(encode_tile_row("job", 5, kRect, {}, {}), kRect);
   ASSERT_TRUE(read) << read.error().message;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Limits of uploads and of the store: whose room is whose, and what makes room.
+// Limits of uploads and of the store: quotas of callers, and which files make room.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -34,7 +34,7 @@ TEST_F(UploadLimits, AStreamThatBringsMoreThanItSaidEndsThere) {
   EXPECT_EQ(more.error_code(), grpc::StatusCode::INVALID_ARGUMENT);
   EXPECT_THAT(more.error_message(), HasSubstr("more bytes than the 1048576 its digest says"));
   EXPECT_EQ(upload(chunk.size(), "less").error_code(), grpc::StatusCode::DATA_LOSS);
-  server_.reset();  // a stream may end a little later than its caller hears of it
+  server_.reset();  // a stream may end slightly after its caller sees the end
   EXPECT_EQ(files_in("incoming"), 0u);
 }
 
@@ -47,7 +47,7 @@ TEST_F(UploadLimits, OfUploadsAtOnce) {
   const grpc::Status refused = users_->UploadBlob(&context, &response)->Finish();
   EXPECT_EQ(refused.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
   EXPECT_EQ(refused.error_message(),
-            "1 uploads from here are under way already, and this farm takes at most 2 from all callers "
+            "1 uploads from here are in progress already, and this farm takes at most 2 from all callers "
             "(tessera-coordinator --max-uploads), some of which it keeps for others");
   EXPECT_EQ(proto::error_from_grpc(refused, context).code, core::ErrorCode::kUnavailable)
       << "it passes by itself";
@@ -100,8 +100,9 @@ TEST_F(UploadLimits, AnUploadThatStandsStillIsEnded) {
   const auto under_way = begin_upload(half);
   const grpc::Status ended = under_way->stream->Finish();
   EXPECT_EQ(ended.error_code(), grpc::StatusCode::UNAVAILABLE);
-  EXPECT_EQ(ended.error_message(),
-            "nothing has come of this upload for 3 s (tessera-coordinator --stall-seconds): send it again");
+  EXPECT_EQ(
+      ended.error_message(),
+      "no data of this upload has arrived for 3 s (tessera-coordinator --stall-seconds): send it again");
   expect_upload_in_the_end(whole);
   EXPECT_EQ(files_in("incoming"), 0u);
   EXPECT_EQ(coordinator_->files().used_bytes(), whole.size());

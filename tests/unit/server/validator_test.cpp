@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The validator as a process: what it says of scenes, and what is said of it when it fails.
+// The validator process: its answers, and those for its failures.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -48,7 +48,7 @@ class Validator : public testing::Test {
       "shapes": [{"type": "mesh", "material": "m", "file": ")" +
                                mesh + "\"}]}");
   }
-  // Puts a shell script in the validator's place.
+  // Replaces the validator by a shell script.
   void replace_validator(const std::string& script) {
     const auto path = folder_.path() / "stand-in";
     write_file(path, "#!/bin/sh\n" + script + "\n");

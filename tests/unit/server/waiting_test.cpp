@@ -136,7 +136,7 @@ TEST_F(WaitingWithAnswers, TheWholePictureCanComeInThisWay) {
   EXPECT_EQ(coordinator().picture(id)->image.pixels, ready_made_picture(kWidthPx, kHeightPx, kSpp).pixels);
 }
 
-// Whatever a message names, leases that are no worker's own bring none.
+// Leases in a message that the worker does not hold get it no others.
 TEST_F(WaitingWithAnswers, NamingLeasesThatItDoesNotHoldBringsNone) {
   submit();
   const v1::SynchronizeRequest request = hold_two();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Limits of jobs that are watched.
+// Limits of WatchJob calls.
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -27,9 +27,9 @@ class WatchLimits : public LimitedService {
     watch->stream = user.WatchJob(&watch->context, request);
     return watch;
   }
-  // Whether it is let in: then it hears of the job.
+  // Whether the call is admitted: then it receives the job.
   static bool is_let_in(Watch& watch) { return watch.stream->Read(&watch.response); }
-  // What an ended stream held is free a little later than its caller hears of the end.
+  // An ended stream gives its quota back slightly after its caller sees the end.
   void expect_to_be_let_in_in_the_end(const std::string& job) {
     for (;;) {
       const auto watch = begin_watch(*users_, job);
@@ -38,7 +38,7 @@ class WatchLimits : public LimitedService {
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
     }
   }
-  // Of one who asks for no more than this at a time.
+  // A client with a flow-control window of so many bytes.
   std::unique_ptr<v1::RenderService::Stub> user_with_window(int bytes) {
     grpc::ChannelArguments arguments;
     arguments.SetInt(GRPC_ARG_HTTP2_STREAM_LOOKAHEAD_BYTES, bytes);
@@ -93,7 +93,7 @@ TEST_F(WatchLimits, AWatcherWhoTakesNothingIsEnded) {
   EXPECT_EQ(slow->stream->Finish().error_code(), grpc::StatusCode::CANCELLED);
 }
 
-// Nothing is on its way to them, however long.
+// Nothing is being sent to them, for any time.
 TEST_F(WatchLimits, AWatcherOfAJobThatDoesNotChangeIsNotEnded) {
   start({.stall_time = std::chrono::milliseconds(200)});
   const std::string job = submit_now();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What workers ask and deliver.
+// The workers' calls.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -15,7 +15,7 @@ using testing::HasSubstr;
 
 class Work : public ScriptedFarm {
  protected:
-  // A worker that calls for a hundred seconds, and delivers nothing.
+  // A worker that sends heartbeats for a hundred seconds, and delivers nothing.
   void keep_saying(const v1::SynchronizeRequest& request) {
     for (int call = 0; call < 20; ++call) {
       now_ += std::chrono::seconds(5);
@@ -28,7 +28,7 @@ class Work : public ScriptedFarm {
     }
     return false;
   }
-  // Whether worker a keeps a lease that it names behind others, of which the coordinator knows nothing.
+  // Whether worker a keeps a lease that it reports after others that the coordinator does not know.
   bool keeps_behind(const v1::Lease& lease, int others, int items) {
     v1::SynchronizeRequest request = greeting('a');
     for (int i = 0; i < others; ++i) {
@@ -41,7 +41,7 @@ class Work : public ScriptedFarm {
     const v1::SynchronizeResponse answer = synchronize(request);
     return answer.leases_size() > 0 && answer.leases(0).id() == lease.id();
   }
-  // What a worker says that holds a lease, and renders this item of it.
+  // The report of a worker that holds the lease and renders this item of it.
   v1::SynchronizeRequest rendering(char worker, const v1::Lease& lease, int item) {
     v1::SynchronizeRequest request = greeting(worker);
     *request.add_held() = lease;
@@ -82,7 +82,7 @@ TEST_F(Work, LeasesComeWithWhatTheWorkerMustKnowOfTheJob) {
   EXPECT_EQ(synchronize(knowing).jobs_size(), 0);
 }
 
-// Each item that is looked at holds up everybody.
+// Each reported item takes time under the state lock.
 TEST_F(Work, OnlyAsManyLeasesAreLookedAtAsAWorkerCanHold) {
   submit();
   const v1::Lease lease = synchronize(greeting('a')).leases(0);
@@ -192,7 +192,7 @@ TEST_F(Work, ASceneThatTheOnlyWorkerCannotBuildFailsTheJob) {
   EXPECT_EQ(stored_job(id).state(), v1::JOB_STATE_FAILED);
 }
 
-// Texts of the contract are UTF-8: what is cut within a character could not be told to anybody.
+// Texts of the protocol are UTF-8, so a text cut within a character could not be sent.
 TEST_F(Work, ALongReasonOfAWorkerIsCutBetweenCharacters) {
   const std::string id = submit();
   for (int i = 0; i < 3; ++i) {
@@ -284,7 +284,7 @@ TEST_F(Work, SamplesThatKeepThreeWorkersFailTheirJob) {
   const v1::Lease lease = synchronize(greeting('a')).leases(0);
   ASSERT_GT(lease.items_size(), 1);
   keep_saying(rendering('a', lease, 1));
-  work('b', 1);  // what comes before
+  work('b', 1);  // samples before those
   for (const char worker : {'b', 'c'}) {
     EXPECT_EQ(job(id).state(), v1::JOB_STATE_RUNNING);
     const v1::Lease alone = synchronize(greeting(worker)).leases(0);

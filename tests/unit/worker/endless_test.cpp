@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A piece of samples that never comes to an end: when a worker takes it for that, and what it does then.
+// A piece that never ends: when a worker gives it up, and what it does then.
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <stdlib.h>
@@ -173,7 +173,7 @@ TEST_F(EndlessPieceTest, IsStillReportedAndWhatWasBeforeItDelivered) {
   EXPECT_EQ(report().rendering().lease_id(), 0u) << "it was slow";
 }
 
-// Renders the first sample of a tile, and comes to no end with the others before release().
+// Renders the first sample of a tile, and hangs in the others until release().
 class Renderer {
  public:
   core::FilmTile render(core::PixelRect rect, core::SampleRange range) {

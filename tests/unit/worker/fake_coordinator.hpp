@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A coordinator that says what it is told to and remembers what it hears, reached in process. Thread-safe.
+// A scripted coordinator that records its requests, called in process. Thread-safe.
 #pragma once
 
 #include <grpcpp/server.h>
@@ -23,14 +23,14 @@ class FakeCoordinator final : public v1::WorkerService::Service {
 
   v1::WorkerService::StubInterface& stub() { return *stub_; }
 
-  // What Synchronize answers; by default it waits until the call is cancelled.
+  // The answer to Synchronize; by default it waits until the call is cancelled.
   using Answer = std::function<grpc::Status(const v1::SynchronizeRequest&, v1::SynchronizeResponse&)>;
   void answer_with(std::vector<Answer> answers);
-  // What SubmitResult answers, one after the other; OK after the last.
+  // The answers to SubmitResult in order; OK after the last.
   void refuse_results_with(std::vector<grpc::Status> statuses);
   void keep_blob(const std::string& sha256, const std::string& bytes);
 
-  // Block until that many calls have come.
+  // Block until there were so many calls.
   std::vector<v1::SynchronizeRequest> wait_for_syncs(std::size_t count);
   std::vector<v1::SubmitResultRequest> wait_for_results(std::size_t count);
   std::size_t fetches();

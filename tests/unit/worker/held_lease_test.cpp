@@ -15,7 +15,7 @@ HeldLease some_lease() {
   return {7, "job", {{kTileA, {0, 8}}, {kTileB, {0, 2}}}};
 }
 
-// Takes a piece and renders it, every sum being the first sample's number.
+// Takes a piece and renders it, with the number of the first sample in every sum.
 WorkItem render_next(HeldLease& lease, std::uint64_t target_samples, Duration took = 1ms) {
   const WorkItem piece = lease.take(target_samples);
   lease.rendered(core::FilmTile(piece.rect, piece.range), took);

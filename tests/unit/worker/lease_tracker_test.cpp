@@ -46,7 +46,7 @@ class LeaseTrackerTest : public ::testing::Test {
     for (const v1::Lease& l : request.held()) ids.push_back(l.id());
     return ids;
   }
-  // A job whose files are here.
+  // A job whose files were fetched.
   void make_ready(const std::string& job) {
     const auto spec = lease_tracker_.next_to_fetch({});
     ASSERT_TRUE(spec && spec->job_id() == job);
@@ -195,7 +195,7 @@ TEST_F(LeaseTrackerTest, WhatOthersDeliveredIsNotRendered) {
   EXPECT_EQ(take().item.range, (core::SampleRange{5, 8}));
 }
 
-// The answer to a report made before the lease was finished still names it.
+// The answer to a report from before the lease ended still names it.
 TEST_F(LeaseTrackerTest, AFinishedLeaseIsNotTakenUpAgain) {
   lease_tracker_.apply(answer({lease(1, "a", 0, 1)}, {"a"}));
   make_ready("a");
@@ -275,7 +275,7 @@ TEST_F(LeaseTrackerTest, WhatKeepsAJobFromBeingRenderedIsReportedUntilItIsRender
   EXPECT_EQ(troubles(), "");
 }
 
-// A hostile coordinator cannot make a worker hold, or look at, more than any needs.
+// A hostile coordinator cannot make a worker hold or examine more than any needs.
 TEST_F(LeaseTrackerTest, NoMoreLeasesAreHeldThanAnyCoordinatorGives) {
   std::vector<v1::Lease> many;
   for (int i = 1; i <= 10'000; ++i) many.push_back(lease(static_cast<std::uint64_t>(i), "a", 0, 1));
@@ -283,7 +283,7 @@ TEST_F(LeaseTrackerTest, NoMoreLeasesAreHeldThanAnyCoordinatorGives) {
   EXPECT_EQ(held().size(), 64u);
 }
 
-// Nothing was rendered of it, and its end is on its way.
+// No sample of it was rendered, and its end is being delivered.
 TEST_F(LeaseTrackerTest, ALeaseThatIsTakenAwayWhileItIsGivenBackStaysUntilThatHasArrived) {
   lease_tracker_.apply(answer({lease(1, "a", 0, 8)}, {"a"}));
   lease_tracker_.next_to_fetch({});
@@ -308,7 +308,7 @@ TEST(LeaseTracker, KeepsALeaseItCannotRenderForAWhileAndTakesOtherWork) {
   EXPECT_EQ(request.held(0).items_size(), 1);
   EXPECT_EQ(request.wanted_leases(), 3u);
 
-  // Nothing is due before the other lease is rendered.
+  // Nothing can be delivered before the other lease is rendered.
   lease_tracker.apply(answer({lease(1, "a", 0, 8), lease(2, "b", 0, 1)}, {"b"}));
   lease_tracker.next_to_fetch({});
   lease_tracker.fetched(std::make_shared<Job>(Job{"b", {}, {}}));
@@ -357,7 +357,7 @@ TEST_F(LeaseTrackerTest, TakesALeaseThatComesWithAnAnswer) {
   EXPECT_EQ(held(), std::vector<std::uint64_t>{2});
 }
 
-// The answer to a Synchronize can be older than that to a delivery which arrived before it.
+// The answer to a Synchronize can be older than the answer to a delivery that arrived before it.
 TEST_F(LeaseTrackerTest, KeepsWhatCameWithAnAnswerUntilItHasReportedIt) {
   lease_tracker_.apply(answer({lease(1, "a", 0, 1), lease(2, "a", 1, 2)}, {"a"}));
   make_ready("a");

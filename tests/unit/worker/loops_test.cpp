@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The threads of a worker, one by one, against a coordinator that answers as told.
+// The threads of a worker, one by one, with a scripted coordinator.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -40,7 +40,7 @@ grpc::Status unavailable(const v1::SynchronizeRequest&, v1::SynchronizeResponse&
 
 class LoopsTest : public ::testing::Test {
  protected:
-  // Holds a lease of which the first `count` samples are rendered.
+  // Holds a lease whose first `count` samples are rendered.
   void hold_rendered(std::uint32_t count) {
     v1::SynchronizeResponse response;
     give_lease({}, response);
@@ -91,7 +91,7 @@ TEST_F(LoopsTest, ARefusedWorkerTriesAgain) {
   EXPECT_EQ(coordinator_.wait_for_syncs(4)[3].held_size(), 1);
 }
 
-// Bad credentials do not become good by themselves.
+// Retries do not help against wrong credentials.
 TEST_F(LoopsTest, AWorkerWithoutCredentialsGivesUp) {
   coordinator_.answer_with(
       {[](const auto&, auto&) { return grpc::Status(grpc::StatusCode::PERMISSION_DENIED, "no role"); }});
@@ -153,7 +153,7 @@ class SceneFilesTest : public ::testing::Test {
   SceneFilesTest() { folder_ = mkdtemp(folder_.data()); }
   ~SceneFilesTest() override { std::filesystem::remove_all(folder_); }
 
-  // Why the worker gives the only lease of a job with these files back.
+  // Why the worker gives back the only lease of a job with these files.
   std::string refusal(const std::map<std::string, std::string>& blob_paths) {
     LeaseTracker lease_tracker({.first_delay = 0s, .longest_delay = 0s});
     v1::SynchronizeResponse response;
@@ -236,7 +236,7 @@ TEST_F(LoopsTest, AFileWithManyNamesIsFetchedOnce) {
     const auto piece = lease_tracker.take({}, [](const std::string&) { return 1u; });
     EXPECT_EQ(piece->job->files.blob_paths.size(), 1000u);
     EXPECT_EQ(coordinator_.fetches(), 1u);
-    // It is read once: nobody asks for the file again.
+    // The scene was read once: the files are not needed any more.
     std::filesystem::remove_all(folder);
   }
 }

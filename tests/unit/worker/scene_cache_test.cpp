@@ -17,7 +17,7 @@ constexpr const char* kScene = R"({
   "environment": {"radiance": [1, 1, 1]}
 })";
 
-// A worker that is started anew finds the scene as the one before it has left it, without its files.
+// A restarted worker finds the built scene of its predecessor, without the scene's files.
 TEST(SceneCache, KeepsBuiltScenesForTheNextWorker) {
   const TemporaryFolder folder;
   const std::string blob = folder.path() / "blob";
