@@ -8,7 +8,7 @@ usage() {
 Usage: scripts/render_docs_images.sh BIN [NAME]...
 
 Renders docs/images/NAME.png, or all of them, with the tessera in the folder BIN. The example scenes must be built
-(target scene_files). All images take about an hour of one core. Look at them before you commit them.
+(target scene_files). All images take more than an hour of one core. Look at them before you commit them.
 EOF_USAGE
 }
 
