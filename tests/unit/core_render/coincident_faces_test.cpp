@@ -35,6 +35,7 @@ MeshDescription scraps(std::uint32_t material) {
 
 TEST(CoincidentFaces, ShowTheFirstForAnyNumberOfThreads) {
   SceneDescription once = test::room();
+  once.settings.width_px = once.settings.height_px = 96;
   once.shapes.push_back(scraps(0));
   SceneDescription twice = once;
   twice.shapes.push_back(scraps(1));

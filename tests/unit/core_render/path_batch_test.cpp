@@ -110,7 +110,7 @@ class LongPaths : public PathBatch {
 
 // Beyond some depth, paths of any number of vertices are traced together.
 TEST_P(LongPaths, GiveWhatEachGivesAlone) {
-  std::vector<std::size_t> order(starts_.size() / 16);
+  std::vector<std::size_t> order(starts_.size() / 32);
   std::iota(order.begin(), order.end(), std::size_t{0});
   const std::vector<Rgb> alone = trace(order, 1);
   ASSERT_GT(counters_.closest_hit_rays, 100 * order.size()) << "paths are too short to tell";
