@@ -47,8 +47,10 @@ inline Mean mean_radiance(const core::Scene& scene, core::RenderSettings setting
 // A sanitizer makes samples ten times as slow, and finds memory errors in a few of them.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 inline constexpr std::uint32_t kSampleDivisor = 16;
+inline constexpr double kMaxNoise = 0.1;  // standard error over mean
 #else
 inline constexpr std::uint32_t kSampleDivisor = 1;
+inline constexpr double kMaxNoise = 0.02;
 #endif
 
 // Every strategy finds `expected` with `spp` / kSampleDivisor samples. `naive` takes ten times as many.
@@ -59,8 +61,7 @@ inline void expect_radiance(const core::Scene& scene, double expected, std::uint
     const Mean mean = mean_radiance(
         scene, {.integrator = strategy.integrator, .heuristic = strategy.heuristic}, naive ? 10 * spp : spp);
     EXPECT_NEAR(mean.value, expected, 5 * mean.standard_error + 1e-4 * expected) << strategy.name;
-    EXPECT_LT(mean.standard_error, 0.02 * std::sqrt(kSampleDivisor) * expected)
-        << strategy.name << " is too noisy to tell";
+    EXPECT_LT(mean.standard_error, kMaxNoise * expected) << strategy.name << " is too noisy to tell";
   }
 }
 
