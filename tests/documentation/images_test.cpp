@@ -22,9 +22,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kShrink = 8;      // a small render has an eighth of the width and of the height
-constexpr int kCellPx = 4;      // of a small render: images are compared by the means of cells
-constexpr int kSmallSpp = 128;  // leaves the mean of a cell little noise
+constexpr int kShrink = 4;      // a small render has a quarter of the width and of the height
+constexpr int kCellPx = 8;      // of a small render: images are compared by the means of cells
+constexpr int kSmallSpp = 192;  // leaves the mean of a cell little noise
 // Between images that differ in noise alone it is below 0.02; a tenth of a stop is 0.07.
 constexpr double kMaxDifference = 0.035;
 // Standard deviation of a pixel in 8-bit codes. Noise of two codes can be seen on even surfaces.
