@@ -90,9 +90,9 @@ void HeldLease::rendered(core::FilmTile tile, Duration render_time) {
     growing_ = std::move(tile);
   }
   growing_time_ += render_time;
-  const bool goes_on =
+  const bool continues_next =
       has_todo() && todo_.front().rect == growing_->rect && todo_.front().range.begin == growing_->range.end;
-  if (!goes_on || growing_time_ >= kLongestGrowing) flush();
+  if (!continues_next || growing_time_ >= kLongestGrowing) flush();
 }
 
 void HeldLease::not_rendered() {

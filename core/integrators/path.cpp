@@ -4,55 +4,15 @@
 #include <algorithm>
 #include <bit>
 #include <cassert>
-#include <cmath>
 #include <utility>
 
 #include "core/geometry/ray_lanes.hpp"
 #include "core/integrators/direct_light.hpp"
 #include "core/integrators/opacity.hpp"
+#include "core/integrators/path_weights.hpp"
 #include "core/math/lane_array.hpp"
 
 namespace tessera::core {
-namespace {
-
-// The first vertex with Russian roulette, and the scales of the survival probability there and further on.
-constexpr int kFirstRouletteDepth = 1;
-constexpr float kFirstSurvivalScale = 1.6f, kSurvivalScale = 1.2f;
-
-// The power heuristic for two densities with one sample of each (Veach and Guibas 1995). Squares of the
-// densities may overflow, but not their ratio.
-template <typename T>
-T mis_weight(Heuristic heuristic, T pdf, T other_pdf) {
-  if (heuristic == Heuristic::kBalance) return pdf / (pdf + other_pdf);
-  const T ratio = other_pdf / pdf;
-  return 1 / (1 + ratio * ratio);
-}
-
-// Russian roulette (Arvo and Kirk 1990). The throughput is corrected for the compression of radiance by
-// refraction, which leaving the glass undoes, and for the guiding densities, because guided directions
-// carry more light (Vorba and Křivánek 2016). The survival probability is proportional to its square root:
-// continuing dim paths costs time, terminating them adds variance. The first roulette is the mildest, since
-// all light from more than two bounces passes it. Survival has no bound below 1: otherwise a path that
-// loses less than that at each vertex would gain weight indefinitely.
-template <typename T>
-MaskOf<T> survives_roulette(RgbOf<T>& throughput, T eta_scale, T guiding_pdf_ratio, int depth, T u) {
-  const T contribution = max_component(throughput) * eta_scale * guiding_pdf_ratio;
-  const MaskOf<T> survives = contribution > 0;
-  if (depth < kFirstRouletteDepth) return survives;
-  using std::sqrt;
-  const float scale = depth == kFirstRouletteDepth ? kFirstSurvivalScale : kSurvivalScale;
-  const T survival = smaller(T(1.0f), scale * sqrt(contribution));
-  throughput *= 1 / survival;
-  return survives & (u < survival);
-}
-
-// Scales the radiance so that no channel exceeds `limit`.
-Rgb clamped(Rgb radiance, float limit) {
-  const float most = max_component(radiance);
-  return most > limit ? radiance * (limit / most) : radiance;
-}
-
-}  // namespace
 
 // With fewer than eight paths, the other lanes repeat the first.
 struct PathTracer::Paths {

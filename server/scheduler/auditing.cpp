@@ -67,7 +67,7 @@ void Scheduler::follow(Job& job, const Ruling& ruling, Actions& actions) {
   actions.reviewed_tiles.push_back({job.id(), ruling.item.tile});
   if (ruling.outcome == kContradicted) {
     actions.contradictions.push_back(
-        fmt::format("{} and {} have rendered other bits of {}: a worker of a third name is to decide",
+        fmt::format("{} and {} have rendered different bits of {}: a worker of a third name is to decide",
                     called(producers_.at(ruling.producer)), called(producers_.at(ruling.auditor)),
                     describe(job, ruling.item)));
     work_appeared_ = true;
@@ -84,7 +84,7 @@ void Scheduler::disprove(const Job& job, const Ruling& ruling, ProducerNumber nu
   std::vector<std::string> others;
   for (const ProducerNumber right : ruling.right) others.push_back(called(producers_.at(right)));
   actions.disproved.push_back(
-      {producer, fmt::format("it rendered other bits of {} than {}", describe(job, ruling.item),
+      {producer, fmt::format("it rendered different bits of {} than {}", describe(job, ruling.item),
                              fmt::join(others, " and "))});
   distrust(producer, actions);
 }

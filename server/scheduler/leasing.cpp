@@ -161,8 +161,8 @@ void Scheduler::charge(Job& job, const Portion& portion) {
 
 void Scheduler::enter_lease(Worker& worker, Job& job, Lease lease) {
   Effort& effort = worker.efforts[job.id()];
-  const bool goes_on = effort.gave_back && now_ - *effort.gave_back < options_.lease_duration;
-  if (!goes_on && !worker.holds_any_of(job.id())) effort.no_progress_since = now_;
+  const bool resumes = effort.gave_back && now_ - *effort.gave_back < options_.lease_duration;
+  if (!resumes && !worker.holds_any_of(job.id())) effort.no_progress_since = now_;
   live_leases_.insert(lease.id);
   worker.leases.push_back({lease.id, job.id(), lease.alone});
   job.lease(std::move(lease));

@@ -40,7 +40,7 @@ void Scheduler::end_stalled_leases(Worker& worker, Actions& actions) {
   worker.stuck = what_keeps(worker, stalled);
   for (const JobId& job : stalled) stall(worker, job, actions);
   if (worker.stuck) {
-    // Its other leases would wait in vain.
+    // The worker cannot make progress on its other leases either.
     for (const HeldLease& held : std::vector<HeldLease>(worker.leases))
       end_lease(*find(held.job), held.id, LeaseState::kStalled);
     strike_stuck_ranges(worker, actions);
@@ -144,10 +144,10 @@ void Scheduler::look_after_stuck(Worker& worker, Actions& actions) {
   if (!worker.stuck) return;
   const Rendering& before = worker.stuck->rendering;
   Job* const job = find(before.job);
-  const bool goes_on = worker.rendering == before;
+  const bool is_stuck = worker.rendering == before;
   // The tiles of a deleted job are unknown.
-  const bool may_go_on = job == nullptr && worker.rendering && worker.rendering->lease == before.lease;
-  if (goes_on || may_go_on) return strike_stuck_ranges(worker, actions);
+  const bool may_be_stuck = job == nullptr && worker.rendering && worker.rendering->lease == before.lease;
+  if (is_stuck || may_be_stuck) return strike_stuck_ranges(worker, actions);
   // It was only slow.
   if (job != nullptr) job->withdraw_strikes(worker.info.id, LossKind::kStuck);
   worker.stuck.reset();

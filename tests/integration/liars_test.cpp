@@ -168,12 +168,12 @@ TEST_F(LiarsTest, AuditsDetectLiarsAndTheImageIsThatOfALocalRender) {
 
   EXPECT_TRUE(liar().quarantined());
   EXPECT_GT(liar().disproved_ranges(), 0u);
-  EXPECT_THAT(liar().quarantine_reason(), HasSubstr("it rendered other bits of samples"));
-  EXPECT_THAT(tessera({"workers"}).out, HasSubstr("is quarantined: it rendered other bits of samples"));
+  EXPECT_THAT(liar().quarantine_reason(), HasSubstr("it rendered different bits of samples"));
+  EXPECT_THAT(tessera({"workers"}).out, HasSubstr("is quarantined: it rendered different bits of samples"));
   v1::SynchronizeResponse none;
   const grpc::Status refused = liar_worker.synchronize(none);
   EXPECT_EQ(refused.error_code(), grpc::StatusCode::FAILED_PRECONDITION);
-  EXPECT_THAT(refused.error_message(), HasSubstr("worker liar is quarantined: it rendered other bits"));
+  EXPECT_THAT(refused.error_message(), HasSubstr("worker liar is quarantined: it rendered different bits"));
   for (const auto& worker : workers()) {
     if (worker.name() == "liar") continue;
     EXPECT_FALSE(worker.quarantined()) << worker.name();

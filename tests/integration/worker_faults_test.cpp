@@ -146,7 +146,7 @@ TEST_F(WorkerFaultsTest, AWorkerOfAnotherBuildNamesBothFingerprintsAndWaits) {
   const std::string id = submit({"--size", "64x64", "--spp", "1"});
   Process& worker = start_worker("this build", 1);
   ASSERT_TRUE(poll_until(
-      20s, [&] { return worker.err().find("computes other bits than this farm") != std::string::npos; }));
+      20s, [&] { return worker.err().find("is not bit-compatible with this farm") != std::string::npos; }));
   EXPECT_THAT(worker.err(), HasSubstr("0000000000000000"));
   EXPECT_THAT(worker.err(), HasSubstr("Install the coordinator's release on it"));
   EXPECT_THAT(worker.err(), HasSubstr("trying again from time to time"));

@@ -87,9 +87,10 @@ TEST(JobText, SaysHowWorkersAreDoing) {
   worker.set_name("machine");
   worker.set_audited_ranges(9);
   worker.set_disproved_ranges(2);
-  worker.set_quarantine_reason("it rendered other bits");
+  worker.set_quarantine_reason("it rendered different bits");
   EXPECT_THAT(workers_table(workers, 0), HasSubstr("9 (2 wrong)"));
-  EXPECT_THAT(workers_table(workers, 0), HasSubstr("\nmachine () is quarantined: it rendered other bits\n"));
+  EXPECT_THAT(workers_table(workers, 0),
+              HasSubstr("\nmachine () is quarantined: it rendered different bits\n"));
 }
 
 TEST(JobText, SaysWhoIsGivenNothingAndForHowLong) {

@@ -25,7 +25,7 @@ TEST_F(Rulings, DisproveALiarBySentence) {
   const Actions contradicted = deliver_sums("b", by_b, {by_b.items[0]}, honest, false);
   ASSERT_EQ(contradicted.contradictions.size(), 1u);
   EXPECT_THAT(contradicted.contradictions[0],
-              HasSubstr("liar and b have rendered other bits of samples [0, 1) of tile 0"));
+              HasSubstr("liar and b have rendered different bits of samples [0, 1) of tile 0"));
   EXPECT_THAT(contradicted.disproved, IsEmpty());
   // Contradicted ranges come first.
   const LeaseDescription by_c = lease_to("c");
@@ -33,9 +33,10 @@ TEST_F(Rulings, DisproveALiarBySentence) {
   const Actions decided = deliver_sums("c", by_c, {by_c.items[0]}, honest, false);
   ASSERT_EQ(decided.disproved.size(), 1u);
   EXPECT_EQ(decided.disproved[0].producer, (Producer{"liar", {"liar"}, "liar"}));
-  EXPECT_EQ(decided.disproved[0].because,
-            "it rendered other bits of samples [0, 1) of tile 0 (pixels [0, 64) x [0, 64)) of job job than b "
-            "and c");
+  EXPECT_EQ(
+      decided.disproved[0].because,
+      "it rendered different bits of samples [0, 1) of tile 0 (pixels [0, 64) x [0, 64)) of job job than b "
+      "and c");
   EXPECT_THAT(decided.dropped_tiles, ElementsAre(TileOfJob{{"job"}, 0}));
   EXPECT_EQ(scheduler_->done({"job"}, 0), IntervalSet{});
   EXPECT_EQ(worker("liar").disproved_ranges, 1u);

@@ -85,13 +85,13 @@ TEST_F(Audits, PutALiarAsideAndRenderItsTileAgain) {
   const auto liar = worker('a');
   EXPECT_TRUE(liar.quarantined());
   EXPECT_EQ(liar.disproved_ranges(), 1u);
-  EXPECT_THAT(liar.quarantine_reason(), HasSubstr("it rendered other bits of samples [0, 1) of tile 0"));
+  EXPECT_THAT(liar.quarantine_reason(), HasSubstr("it rendered different bits of samples [0, 1) of tile 0"));
   EXPECT_THAT(liar.quarantine_reason(), HasSubstr("than host-b and host-c"));
   const WaitingCall call(coordinator(), greeting('a'));
   ASSERT_TRUE(call.answered());
   EXPECT_EQ(call.answer().error().code, ErrorCode::kFailedPrecondition);
   EXPECT_THAT(call.answer().error().message,
-              HasSubstr("worker host-a is quarantined: it rendered other bits"));
+              HasSubstr("worker host-a is quarantined: it rendered different bits"));
 }
 
 // A worker that could recognise an audit would be honest in it.

@@ -82,7 +82,7 @@ TEST_F(LoopsTest, SynchronizingSurvivesARestart) {
 
 TEST_F(LoopsTest, ARefusedWorkerTriesAgain) {
   const auto refuse = [](const auto&, auto&) {
-    return grpc::Status(grpc::StatusCode::FAILED_PRECONDITION, "other bits");
+    return grpc::Status(grpc::StatusCode::FAILED_PRECONDITION, "different bits");
   };
   coordinator_.answer_with({refuse, refuse, give_lease});
   const SyncLoop::Explain explain = [](const grpc::Status& status) { return proto::error_from_grpc(status); };

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+// The materials that meshes get from the MTL files that their OBJ files name.
+#include <gtest/gtest.h>
+
+#include "tests/unit/core_scene/memory_assets.hpp"
+
+namespace tessera::core {
+namespace {
+
+using test::MemoryAssets;
+using test::scene_with;
+
+SceneDescription load(const std::string& scene, const MemoryAssets::Files& files = {}) {
+  auto loaded = test::load(scene, files);
+  EXPECT_TRUE(loaded.has_value()) << loaded.error().message;
+  return loaded ? std::move(*loaded) : SceneDescription{};
+}
+
+const std::string kTwoMaterialsObj =
+    "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nusemtl red\nf 1 2 3\nusemtl wood\nf 1 3 2\nusemtl "
+    "red\nf 2 4 3\n";
+
+TEST(MeshMaterials, TakesMaterialsFromMtlFiles) {
+  const MemoryAssets::Files files{
+      {"models/a.obj", kTwoMaterialsObj},
+      {"models/a.mtl", "newmtl wood\nmap_Kd maps/wood.png\nnewmtl red\nKd 1 0 0\nKe 5 5 5\n"},
+      {"models/maps/wood.png", test::png(test::one_color(1, 1, Rgb::gray(1)))}};
+  const std::string shape = "{\"type\": \"mesh\", \"file\": \"models/a.obj\"}";
+  const SceneDescription scene = load(scene_with("", "", shape + "," + shape), files);
+  ASSERT_EQ(scene.materials.size(), 3u);  // not twice for two shapes
+  EXPECT_EQ(scene.materials[1].name, "models/a.mtl: red");
+  EXPECT_EQ(scene.materials[1].emission.value, Rgb::gray(5));
+  EXPECT_EQ(std::get<Lambert>(scene.materials[2].model).albedo.texture, 0);
+  ASSERT_EQ(scene.textures.size(), 1u);
+  for (const int i : {0, 1})
+    EXPECT_EQ(std::get<MeshDescription>(scene.shapes[static_cast<std::size_t>(i)]).triangle_materials,
+              (std::vector<std::uint32_t>{1, 2, 1}));
+}
+
+TEST(MeshMaterials, PrefersTheMaterialOfTheShapeAndThenNeedsNoMtlFile) {
+  const SceneDescription scene =
+      load(scene_with("", "", "{\"type\": \"mesh\", \"file\": \"a.obj\", \"material\": \"light\"}"),
+           {{"a.obj", kTwoMaterialsObj}});
+  EXPECT_EQ(std::get<MeshDescription>(scene.shapes[0]).triangle_materials, (std::vector<std::uint32_t>{0}));
+}
+
+TEST(MeshMaterials, TakesACommentForPartOfANameOnlyWhereThatNameExists) {
+  const auto material_of = [](const std::string& usemtl, const std::string& mtl) {
+    const SceneDescription scene = load(
+        scene_with("", "", "{\"type\": \"mesh\", \"file\": \"a.obj\"}"),
+        {{"a.obj", "mtllib a.mtl # materials\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl " + usemtl + "\nf 1 2 3\n"},
+         {"a.mtl", mtl}});
+    const auto& mesh = std::get<MeshDescription>(scene.shapes[0]);
+    return scene.materials[mesh.triangle_materials[0]].name;
+  };
+  EXPECT_EQ(material_of("red # brick", "newmtl red\n"), "a.mtl: red");
+  EXPECT_EQ(material_of("red", "newmtl red # brick\n"), "a.mtl: red # brick");
+  EXPECT_EQ(material_of("red # a", "newmtl red # b\n"), "a.mtl: red # b");
+  EXPECT_EQ(material_of("Material #2", "newmtl Material #1\nnewmtl Material #2\nnewmtl Material\n"),
+            "a.mtl: Material #2");
+  EXPECT_EQ(material_of("Material", "newmtl Material #1\nnewmtl Material\n"), "a.mtl: Material");
+}
+
+TEST(MeshMaterials, PutsMapsOnTheMattPartOfMaterialsWithHighlights) {
+  const SceneDescription scene =
+      load(scene_with("", "", "{\"type\": \"mesh\", \"file\": \"a.obj\"}"),
+           {{"a.obj", "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl m\nf 1 2 3\n"},
+            {"a.mtl", "newmtl m\nillum 2\nNs 50\nKs 0.25\nmap_Kd gray.png\n"}});
+  const auto& mesh = std::get<MeshDescription>(scene.shapes[0]);
+  const auto& model = std::get<CookTorrance>(scene.materials[mesh.triangle_materials[0]].model);
+  EXPECT_EQ(model.diffuse.texture, 0);
+  EXPECT_EQ(model.f0.texture, -1);
+}
+
+TEST(MeshMaterials, FindsMapsWhoseNamesHaveSpacesAndMarks) {
+  const std::string picture = test::png(test::one_color(1, 1, Rgb::gray(1)));
+  for (const std::string name : {"red brick #2.png", "my maps\\red.png", "\"a b.png\"", "2.png # old"}) {
+    const auto scene =
+        test::load(scene_with("", "", "{\"type\": \"mesh\", \"file\": \"a.obj\"}"),
+                   {{"a.obj", "mtllib sub\\a.mtl\r\nv 0 0 0\r\nv 1 0 0\r\nv 0 1 0\r\nusemtl m\r\nf 1 2 3"},
+                    {"sub/a.mtl", "newmtl m\r\nmap_Kd " + name + "\r\n"},
+                    {"sub/red brick #2.png", picture},
+                    {"sub/my maps/red.png", picture},
+                    {"sub/a b.png", picture},
+                    {"sub/2.png", picture}});
+    EXPECT_TRUE(scene.has_value()) << name << ": " << scene.error().message;
+  }
+}
+
+TEST(MeshMaterials, TakesSeveralLibrariesFromOneLine) {
+  const SceneDescription scene =
+      load(scene_with("", "", "{\"type\": \"mesh\", \"file\": \"a.obj\"}"),
+           {{"a.obj", "mtllib one.mtl two.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl b\nf 1 2 3\n"},
+            {"one.mtl", "newmtl a\nKd 1 0 0\n"},
+            {"two.mtl", "newmtl b\nKd 0 1 0\n"}});
+  const auto& mesh = std::get<MeshDescription>(scene.shapes[0]);
+  EXPECT_EQ(scene.materials[mesh.triangle_materials[0]].name, "two.mtl: b");
+}
+
+}  // namespace
+}  // namespace tessera::core
