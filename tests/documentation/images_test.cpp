@@ -132,10 +132,11 @@ INSTANTIATE_TEST_SUITE_P(Images, DocumentedImage, testing::ValuesIn(documented_c
 TEST(DocumentedImages, HaveCommands) {
   const std::vector<RenderCommand> commands = documented_commands();
   for (const auto& entry : fs::recursive_directory_iterator(kSource / "docs"))
-    if (entry.path().extension() == ".png")
+    if (entry.path().extension() == ".png") {
       EXPECT_TRUE(std::any_of(commands.begin(), commands.end(), [&](const RenderCommand& command) {
         return command.image_name == entry.path().filename();
       })) << entry.path();
+    }
 }
 
 TEST(DocumentedImages, StandBesideTheirCommands) {

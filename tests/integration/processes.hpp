@@ -37,10 +37,10 @@ class TempFolder {
 };
 
 struct ProcessOptions {
-  std::vector<std::string> arguments;              // the first is the program
-  std::filesystem::path out, err;                  // files for its stdout and stderr
-  std::filesystem::path folder = ".";              // its working directory
-  std::map<std::string, std::string> environment;  // in addition to this process's
+  std::vector<std::string> arguments;                // the first is the program
+  std::filesystem::path out{}, err{};                // files for its stdout and stderr
+  std::filesystem::path folder = ".";                // its working directory
+  std::map<std::string, std::string> environment{};  // in addition to this process's
   pid_t network_of = 0;  // the process whose network namespace it enters; 0: this one
 };
 

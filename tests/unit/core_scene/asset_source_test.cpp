@@ -66,7 +66,9 @@ TEST_F(Folder, SaysWhyAFileCannotBeRead) {
 class Unprivileged {
  public:
   Unprivileged() : user_(geteuid()) {
-    if (user_ == 0) EXPECT_EQ(seteuid(65534), 0);
+    if (user_ == 0) {
+      EXPECT_EQ(seteuid(65534), 0);
+    }
   }
   ~Unprivileged() { EXPECT_EQ(seteuid(user_), 0); }
 
