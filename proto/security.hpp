@@ -16,10 +16,10 @@ namespace tessera::proto {
 
 // The credentials of a worker or a client. Files are PEM; an empty path means that the file is not used.
 struct ClientSecurity {
-  std::string ca;                // the CA of the coordinator's certificate; without it there is no TLS
-  std::string certificate, key;  // for a coordinator that requests a certificate; both or neither
-  std::string token;             // file whose first line is sent with every call
-  bool insecure = false;         // permits connections to other machines without TLS
+  std::string ca{};                  // the CA of the coordinator's certificate; without it there is no TLS
+  std::string certificate{}, key{};  // for a coordinator that requests a certificate; both or neither
+  std::string token{};               // file whose first line is sent with every call
+  bool insecure = false;             // permits connections to other machines without TLS
 };
 
 // The credentials of a coordinator.

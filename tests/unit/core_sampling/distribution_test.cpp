@@ -33,18 +33,18 @@ TEST(DiscreteDistribution, CanBeEmpty) {
 TEST(GridDistribution, ChoosesCellsInProportionAndEvenlyWithinThem) {
   const std::vector<double> weights{0, 1, 3, 0, 0, 0, 4, 0, 8};
   const GridDistribution grid(3, 3, weights);
-  constexpr int kSteps = 400;
+  constexpr int kGridSide = 400;
   std::vector<double> counts(9), x(9), y(9);
-  for (int i = 0; i < kSteps; ++i)
-    for (int j = 0; j < kSteps; ++j) {
-      const auto choice = grid.sample({(i + 0.5) / kSteps, (j + 0.5) / kSteps});
+  for (int i = 0; i < kGridSide; ++i)
+    for (int j = 0; j < kGridSide; ++j) {
+      const auto choice = grid.sample({(i + 0.5) / kGridSide, (j + 0.5) / kGridSide});
       const auto cell = static_cast<std::size_t>(choice.y * 3 + choice.x);
       ASSERT_GT(weights[cell], 0);
       ASSERT_GE(std::min(choice.within.x, choice.within.y), 0);
       ASSERT_LT(std::max(choice.within.x, choice.within.y), 1);
-      counts[cell] += 1.0 / (kSteps * kSteps);
-      x[cell] += static_cast<double>(choice.within.x) / (kSteps * kSteps);
-      y[cell] += static_cast<double>(choice.within.y) / (kSteps * kSteps);
+      counts[cell] += 1.0 / (kGridSide * kGridSide);
+      x[cell] += static_cast<double>(choice.within.x) / (kGridSide * kGridSide);
+      y[cell] += static_cast<double>(choice.within.y) / (kGridSide * kGridSide);
     }
   for (std::size_t cell = 0; cell < 9; ++cell) {
     EXPECT_NEAR(grid.pmf(static_cast<int>(cell % 3), static_cast<int>(cell / 3)), weights[cell] / 16, 2e-9);
@@ -93,18 +93,18 @@ TEST(BilinearDistribution, IsInterpolatedBetweenMiddlesAndSampledSo) {
   EXPECT_FLOAT_EQ(grid.density({3.9f, 2.9f}), 6 / 24.0f) << "even beyond the outermost middles";
   EXPECT_FLOAT_EQ(grid.density({0.25f, 2.0f}), 0);
 
-  constexpr int kSteps = 600, kPerCell = 4;
+  constexpr int kGridSide = 600, kPerCell = 4;
   std::vector<double> observed(4 * 3 * kPerCell * kPerCell), expected(observed.size());
   const auto part = [](Vec2 place) {
     const int x = std::min(static_cast<int>(place.x * kPerCell), 4 * kPerCell - 1),
               y = std::min(static_cast<int>(place.y * kPerCell), 3 * kPerCell - 1);
     return static_cast<std::size_t>(y * 4 * kPerCell + x);
   };
-  for (int i = 0; i < kSteps; ++i)
-    for (int j = 0; j < kSteps; ++j) {
-      const auto [place, density] = grid.sample({(i + 0.5) / kSteps, (j + 0.5) / kSteps});
+  for (int i = 0; i < kGridSide; ++i)
+    for (int j = 0; j < kGridSide; ++j) {
+      const auto [place, density] = grid.sample({(i + 0.5) / kGridSide, (j + 0.5) / kGridSide});
       ASSERT_GT(density, 0);
-      observed[part(place)] += 1.0 / (kSteps * kSteps);
+      observed[part(place)] += 1.0 / (kGridSide * kGridSide);
     }
   double total = 0;
   for (int y = 0; y < 3 * kPerCell; ++y)
