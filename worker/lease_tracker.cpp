@@ -5,7 +5,7 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
-#include <ranges>
+#include <span>
 
 #include "core/base/printable.hpp"
 
@@ -49,8 +49,8 @@ Duration heartbeat_timeout(const v1::SynchronizeResponse& response) {
 }
 
 // At most kMaxLeases leases; the rest is ignored.
-auto first_leases(const google::protobuf::RepeatedPtrField<v1::Lease>& leases) {
-  return leases | std::views::take(kMaxLeases);
+std::span<const v1::Lease* const> first_leases(const google::protobuf::RepeatedPtrField<v1::Lease>& leases) {
+  return {leases.data(), static_cast<std::size_t>(std::min(leases.size(), kMaxLeases))};
 }
 
 // The valid items. The coordinator keeps the others.
@@ -124,7 +124,7 @@ bool LeaseTracker::apply(const v1::SynchronizeResponse& response) {
 
   const auto leases = first_leases(response.leases());
   std::map<std::uint64_t, const v1::Lease*> wanted;
-  for (const v1::Lease& lease : leases) wanted.emplace(lease.id(), &lease);
+  for (const v1::Lease* lease : leases) wanted.emplace(lease->id(), lease);
   for (HeldLease& lease : leases_) {
     const auto still = wanted.find(lease.id());
     if (still == wanted.end() && just_given_.contains(lease.id())) continue;
@@ -136,7 +136,7 @@ bool LeaseTracker::apply(const v1::SynchronizeResponse& response) {
     }
   }
   leases_.remove_if([&](const HeldLease& lease) { return lease.empty() && unwanted_.erase(lease.id()) > 0; });
-  for (const v1::Lease& lease : leases) changed |= add_lease(lease);
+  for (const v1::Lease* lease : leases) changed |= add_lease(*lease);
   announce_change();
   return changed;
 }
@@ -343,8 +343,8 @@ void LeaseTracker::delivered(const Delivery& delivery, const v1::SubmitResultRes
   }
   // If a Synchronize that was answered meanwhile took one of these leases away, the next one reports so.
   for (const v1::JobSpec& spec : answer.jobs()) add_job(spec);
-  for (const v1::Lease& given : first_leases(answer.new_leases()))
-    if (add_lease(given)) just_given_.insert(given.id());
+  for (const v1::Lease* given : first_leases(answer.new_leases()))
+    if (add_lease(*given)) just_given_.insert(given->id());
   announce_change();
 }
 

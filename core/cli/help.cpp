@@ -79,7 +79,7 @@ class Formatter : public CLI::Formatter {
     for (const std::string& group : app->get_groups()) {
       auto options = app->get_options(
           [&](const CLI::Option* option) { return !is_argument(option) && option->get_group() == group; });
-      std::ranges::stable_partition(options, [&](const CLI::Option* option) {
+      std::stable_partition(options.begin(), options.end(), [&](const CLI::Option* option) {
         return option != app->get_help_ptr() && option != app->get_version_ptr();
       });
       help += section(group, options, columns);
