@@ -13,10 +13,8 @@
 namespace tessera::validator {
 
 // Sanitizers map terabytes, start processes and trace themselves, so their builds are confined less.
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)  // GCC
+#ifdef TESSERA_SANITIZED
 inline constexpr bool kIsSanitized = true;
-#elif defined(__has_feature)  // Clang
-inline constexpr bool kIsSanitized = __has_feature(address_sanitizer) || __has_feature(thread_sanitizer);
 #else
 inline constexpr bool kIsSanitized = false;
 #endif

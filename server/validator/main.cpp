@@ -27,7 +27,7 @@ std::vector<std::string> paths_of(const ValidateRequest& request) {
 
 }  // namespace
 
-#if defined(__SANITIZE_ADDRESS__)
+#ifdef TESSERA_SANITIZED
 // A confined process may not trace its own threads, as the leak check at exit does.
 extern "C" int __lsan_is_turned_off() {
   return 1;

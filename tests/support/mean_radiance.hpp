@@ -45,7 +45,7 @@ inline Mean mean_radiance(const core::Scene& scene, core::RenderSettings setting
 }
 
 // A sanitizer makes samples ten times as slow, and finds memory errors in a few of them.
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#ifdef TESSERA_SANITIZED
 inline constexpr std::uint32_t kSampleDivisor = 16;
 inline constexpr double kMaxNoise = 0.1;  // standard error over mean
 #else

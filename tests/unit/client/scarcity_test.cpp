@@ -85,7 +85,7 @@ TEST_F(Scarcity, OfReadersOfStdoutIsAQuietEnd) {
 
 // Whatever step the memory runs out in.
 TEST_F(Scarcity, OfMemoryIsAFailureThatSaysSo) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#ifdef TESSERA_SANITIZED
   GTEST_SKIP() << "the sanitizers take terabytes of addresses";
 #endif
   struct Render {
