@@ -13,9 +13,9 @@ namespace tessera::core {
 template <typename T>
 using WordOf = std::conditional_t<std::is_same_v<T, float>, std::uint32_t, U32x8>;
 
-// x is an integer from -2^31 to below 2^31; negative ones wrap modulo 2^32.
+// The integer part of x; negative ones wrap modulo 2^32. Of NaN and of numbers beyond 32 bits, 2^31.
 inline std::uint32_t to_word(float x) {
-  return static_cast<std::uint32_t>(static_cast<std::int32_t>(x));
+  return static_cast<std::uint32_t>(_mm_cvttss_si32(_mm_set_ss(x)));
 }
 inline U32x8 to_word(Float8 x) {
   return _mm256_cvttps_epi32(x.v);
