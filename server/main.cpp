@@ -18,7 +18,7 @@
 #include "proto/log.hpp"
 #include "proto/open_files.hpp"
 #include "proto/secret_file.hpp"
-#include "server/maintenance.hpp"
+#include "server/admin/maintenance.hpp"
 #include "server/options.hpp"
 #include "server/rpc/server.hpp"
 
@@ -74,30 +74,30 @@ core::Status run(const server::Options& options, const sigset_t& stop_signals) {
     return core::fail(found.error());
   auto state = store::StateDirectory::open(options.state);
   if (!state) return core::fail(state.error());
-  const store::BlobStore blobs = state->blobs;
+  const blobs::BlobStore blobs = state->blobs;
   std::stop_source stopping;
   const validator::ProcessOptions validator{
       .path = options.validator, .limits = options.limits, .stop = stopping.get_token()};
   const auto check = [&](const v1::Bundle& bundle,
-                         const v1::RenderOverrides& overrides) -> core::Result<coordinator::CheckedScene> {
+                         const v1::RenderOverrides& overrides) -> core::Result<jobs::CheckedScene> {
     auto approval = validator::validate_scene(validator, blobs, bundle, overrides);
     if (!approval) return core::fail(approval.error());
-    return coordinator::CheckedScene{approval->settings, approval->display, std::move(approval->warnings)};
+    return jobs::CheckedScene{approval->settings, approval->display, std::move(approval->warnings)};
   };
-  coordinator::Options settings;
+  server::CoordinatorOptions settings;
   settings.limits = options.limits;
-  settings.lease_duration =
+  settings.farm.lease_duration =
       std::chrono::duration_cast<scheduler::Duration>(std::chrono::duration<double>(options.lease_seconds));
   settings.keep_unused_blobs = std::chrono::duration_cast<std::chrono::seconds>(
       std::chrono::duration<double, std::ratio<3600>>(options.keep_unused_hours));
-  settings.audit_share = options.audit;
-  settings.fingerprint = options.fingerprint;
-  const auto coordinator = coordinator::Coordinator::open(settings, std::move(*state), check);
+  settings.farm.audit_share = options.audit;
+  settings.farm.fingerprint = options.fingerprint;
+  const auto coordinator = server::Coordinator::open(settings, std::move(*state), check);
   if (!coordinator) return core::fail(coordinator.error());
   rpc::ServerOptions serving{
       .address = options.listen, .security = options.security, .limits = options.limits};
   if (!options.tokens.empty()) {
-    auto access = rpc::Access::read(options.tokens);
+    auto access = auth::Access::read(options.tokens);
     if (!access) return core::fail(access.error());
     serving.access = *std::move(access);
   }
@@ -133,8 +133,8 @@ int main(int argc, char** argv) {
   setenv("GRPC_VERBOSITY", "NONE", 0);
   proto::log_to_stderr("tessera-coordinator");
   const server::Options options = server::parse_options(argc, argv);
-  if (!options.check.empty()) return server::check(options.check);
-  if (!options.salvage.empty()) return server::salvage(options.salvage);
+  if (!options.check.empty()) return admin::check(options.check);
+  if (!options.salvage.empty()) return admin::salvage(options.salvage);
   // Debian's Abseil searches for deadlocks each time that gRPC takes a lock.
   absl::SetMutexDeadlockDetectionMode(absl::OnDeadlockCycle::kIgnore);
   proto::raise_file_limit();

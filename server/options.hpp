@@ -29,7 +29,7 @@ struct Options {
   // The determinism fingerprint that workers need to join.
   std::string fingerprint{core::kDeterminismFingerprint};
   proto::ServerSecurity security;
-  // The file with the callers' tokens; see rpc::Access. Empty: everybody may call everything.
+  // The file with the callers' tokens; see auth::Access. Empty: everybody may call everything.
   std::string tokens;
   // A state directory to check or to salvage, instead of running.
   std::filesystem::path check, salvage;

@@ -7,16 +7,16 @@
 #include <utility>
 
 #include "proto/blob.hpp"
-#include "server/coordinator/admission.hpp"
-#include "server/rpc/connection_slots.hpp"
+#include "server/auth/peer.hpp"
+#include "server/blobs/admission.hpp"
 #include "server/rpc/reactors.hpp"
 
 namespace tessera::rpc {
 
 using core::ErrorCode;
 
-UploadStream::UploadStream(grpc::CallbackServerContext& context, coordinator::Coordinator& coordinator,
-                           const Pools& pools, StreamLimits& streams, Admission admission)
+UploadStream::UploadStream(grpc::CallbackServerContext& context, server::Coordinator& coordinator,
+                           const Pools& pools, StreamLimits& streams, auth::Admission admission)
     : context_(context),
       coordinator_(coordinator),
       pools_(pools),
@@ -29,10 +29,10 @@ UploadStream::UploadStream(grpc::CallbackServerContext& context, coordinator::Co
     return;
   }
   ended_ = true;
-  Finish(try_later(context_,
-                   server::over_share(streams_.uploads.held_by(caller()), "uploads", "are in progress",
-                                      streams_.limits.uploads, "--max-uploads"),
-                   kTryAgainAfter));
+  Finish(auth::try_later(context_,
+                         server::over_share(streams_.uploads.held_by(caller()), "uploads", "are in progress",
+                                            streams_.limits.uploads, "--max-uploads"),
+                         auth::kTryAgainAfter));
 }
 
 void UploadStream::read_next() {
@@ -92,10 +92,10 @@ core::Status UploadStream::check_chunk() const {
 void UploadStream::begin() {
   const auto digest = proto::from_proto(request_.chunk().digest());
   if (!digest) return Finish(proto::to_grpc(digest.error()));
-  if (auto fits = coordinator::check_blob_size(digest->size_bytes, streams_.limits); !fits)
+  if (auto fits = blobs::check_blob_size(digest->size_bytes, streams_.limits); !fits)
     return Finish(proto::to_grpc(fits));
   auto use = coordinator_.files().use(caller(), *digest);
-  if (!use) return Finish(try_later(context_, use.error(), kTryAgainAfter));
+  if (!use) return Finish(auth::try_later(context_, use.error(), auth::kTryAgainAfter));
   use_.emplace(*std::move(use));
   *response_.mutable_digest() = request_.chunk().digest();
   take_room(*digest);
@@ -140,14 +140,14 @@ void UploadStream::commit() {
 
 void FetchStream::begin() {
   // The share is by machine, since each worker could open many connections.
-  const std::string machine = client_key(context().peer());
+  const std::string machine = auth::client_key(context().peer());
   auto place = streams().fetches.take(machine);
   if (!place)
     return Finish(
-        try_later(context(),
-                  server::over_share(streams().fetches.held_by(machine), "files", "are being fetched",
-                                     streams().limits.fetches, "--max-fetches"),
-                  kTryAgainAfter));
+        auth::try_later(context(),
+                        server::over_share(streams().fetches.held_by(machine), "files", "are being fetched",
+                                           streams().limits.fetches, "--max-fetches"),
+                        auth::kTryAgainAfter));
   place_.emplace(*std::move(place));
   *response_.mutable_chunk()->mutable_digest() = request_.digest();
   const bool posted = pool_.post(guarded_step(*this, [this] {
@@ -200,7 +200,8 @@ void FetchStream::end_own_wait_since(Clock::time_point time) {
 }
 
 void FetchStream::fail(const core::Error& error) {
-  if (const auto digest = proto::from_proto(request_.digest())) coordinator_.blob_is_lost(*digest, error);
+  if (const auto digest = proto::from_proto(request_.digest()))
+    coordinator_.jobs().blob_is_lost(*digest, error);
   Finish(proto::to_grpc(core::Status(core::fail(error))));
 }
 

@@ -6,10 +6,10 @@
 #include <optional>
 #include <string>
 
-#include "server/coordinator/coordinator.hpp"
+#include "server/blobs/blob_store.hpp"
+#include "server/coordinator.hpp"
 #include "server/rpc/call.hpp"
 #include "server/rpc/pools.hpp"
-#include "server/store/blob_store.hpp"
 #include "tessera/v1/render_service.pb.h"
 #include "tessera/v1/worker_service.pb.h"
 
@@ -23,8 +23,8 @@ namespace tessera::rpc {
 // One blob from a client into the store.
 class UploadStream final : public Reactor, private WatchedStream {
  public:
-  UploadStream(grpc::CallbackServerContext& context, coordinator::Coordinator& coordinator,
-               const Pools& pools, StreamLimits& streams, Admission admission);
+  UploadStream(grpc::CallbackServerContext& context, server::Coordinator& coordinator, const Pools& pools,
+               StreamLimits& streams, auth::Admission admission);
 
  private:
   void OnReadDone(bool ok) override;
@@ -44,17 +44,17 @@ class UploadStream final : public Reactor, private WatchedStream {
   const std::string& caller() const { return admission_.caller.key; }
 
   grpc::CallbackServerContext& context_;
-  coordinator::Coordinator& coordinator_;
+  server::Coordinator& coordinator_;
   const Pools pools_;
   StreamLimits& streams_;
-  const Admission admission_;
-  const std::optional<coordinator::FairShare::Held> place_;  // its share of streams.uploads
+  const auth::Admission admission_;
+  const std::optional<base::FairShare::Held> place_;  // its share of streams.uploads
   grpc::ByteBuffer bytes_;
   v1::UploadBlobRequest request_;
   v1::UploadBlobResponse response_;
   // Set from the first chunk on:
-  std::optional<coordinator::BlobClaims::Use> use_;
-  std::optional<store::BlobWriter> writer_;
+  std::optional<blobs::BlobClaims::Use> use_;
+  std::optional<blobs::BlobWriter> writer_;
 
   std::mutex mutex_;
   std::optional<Clock::time_point> waiting_since_;  // guarded by mutex_; set while a read is in progress
@@ -64,8 +64,8 @@ class UploadStream final : public Reactor, private WatchedStream {
 // Sends one blob from the store to a worker.
 class FetchStream final : public RequestCall {
  public:
-  FetchStream(grpc::CallbackServerContext& context, coordinator::Coordinator& coordinator,
-              coordinator::ThreadPool& pool, StreamLimits& streams, Admission admission)
+  FetchStream(grpc::CallbackServerContext& context, server::Coordinator& coordinator, base::ThreadPool& pool,
+              StreamLimits& streams, auth::Admission admission)
       : RequestCall(context, streams, std::move(admission)), coordinator_(coordinator), pool_(pool) {}
 
  private:
@@ -79,13 +79,13 @@ class FetchStream final : public RequestCall {
   // Ends the call, and reports a lost blob to the coordinator.
   void fail(const core::Error& error);
 
-  coordinator::Coordinator& coordinator_;
-  coordinator::ThreadPool& pool_;
+  server::Coordinator& coordinator_;
+  base::ThreadPool& pool_;
   v1::FetchBlobRequest request_;
-  std::optional<coordinator::FairShare::Held> place_;  // its share of streams.fetches
+  std::optional<base::FairShare::Held> place_;  // its share of streams.fetches
   v1::FetchBlobResponse response_;
   grpc::ByteBuffer bytes_;
-  std::optional<store::BlobReader> reader_;
+  std::optional<blobs::BlobReader> reader_;
   std::uint64_t left_bytes_ = 0;
 
   std::mutex mutex_;

@@ -30,13 +30,13 @@ std::chrono::seconds time_on_slow_line(std::size_t bytes) {
 
 }  // namespace
 
-core::Status parse_message(const Method& method, grpc::ByteBuffer& bytes,
+core::Status parse_message(const auth::Method& method, grpc::ByteBuffer& bytes,
                            google::protobuf::Message& message) {
   if (bytes.Length() > method.max_bytes)
     return core::fail(ErrorCode::kResourceExhausted,
                       fmt::format("the message has {} bytes, and {} takes at most {}", bytes.Length(),
                                   method.path, method.max_bytes));
-  if (auto fits = check_shape(bytes, *message.GetDescriptor(), method.shape); !fits) return fits;
+  if (auto fits = auth::check_shape(bytes, *message.GetDescriptor(), method.shape); !fits) return fits;
   if (grpc::GenericDeserialize<grpc::ProtoBufferReader, google::protobuf::Message>(&bytes, &message).ok())
     return {};
   return core::fail(ErrorCode::kInvalidArgument,
@@ -53,7 +53,7 @@ core::Result<grpc::ByteBuffer> serialise(const google::protobuf::Message& messag
   return bytes;
 }
 
-RejectedCall::RejectedCall(Rejection rejection, StallWatch& stalls)
+RejectedCall::RejectedCall(auth::Rejection rejection, StallWatch& stalls)
     : rejection_(std::move(rejection)), stalls_(stalls) {
   stalls_.add(*this);
   if (!rejection_.held_back) finish();
@@ -137,7 +137,7 @@ void RequestCall::answer(const google::protobuf::Message& response) {
         fmt::format("the answer has {} bytes, and {} bytes of earlier answers to this caller were not taken "
                     "yet: read them first",
                     bytes_.Length(), streams_.answers.held_by(caller().key))};
-    return Finish(try_later(context_, error, kTryAgainAfter));
+    return Finish(auth::try_later(context_, error, auth::kTryAgainAfter));
   }
   answer_place_.emplace(*std::move(place));
   enter(Stage::kAnswering, bytes_.Length());

@@ -14,7 +14,7 @@
 #include <utility>
 
 #include "core/base/error.hpp"
-#include "server/rpc/auth_interceptor.hpp"
+#include "server/auth/auth_interceptor.hpp"
 #include "server/rpc/stream_limits.hpp"
 
 namespace tessera::rpc {
@@ -24,13 +24,14 @@ using Reactor = grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>;
 
 // Parses a message of the caller. RESOURCE_EXHAUSTED or INVALID_ARGUMENT if it exceeds the limits of its
 // method.
-core::Status parse_message(const Method& method, grpc::ByteBuffer& bytes, google::protobuf::Message& message);
+core::Status parse_message(const auth::Method& method, grpc::ByteBuffer& bytes,
+                           google::protobuf::Message& message);
 core::Result<grpc::ByteBuffer> serialise(const google::protobuf::Message& message);
 
 // A call that is not admitted. Owned by gRPC until OnDone.
 class RejectedCall final : public Reactor, private WatchedStream {
  public:
-  RejectedCall(Rejection rejection, StallWatch& stalls);
+  RejectedCall(auth::Rejection rejection, StallWatch& stalls);
 
  private:
   void OnDone() override;
@@ -38,7 +39,7 @@ class RejectedCall final : public Reactor, private WatchedStream {
   void end_if_waiting_since(Clock::time_point) override;
   void finish();
 
-  const Rejection rejection_;
+  const auth::Rejection rejection_;
   StallWatch& stalls_;
   const Clock::time_point since_ = Clock::now();
   std::once_flag finished_;
@@ -53,13 +54,13 @@ class RequestCall : public Reactor, protected WatchedStream {
   void start();
 
   grpc::CallbackServerContext& context() const { return context_; }
-  const Caller& caller() const { return admission_.caller; }
+  const auth::Caller& caller() const { return admission_.caller; }
 
   // Sends the answer and ends the call. RESOURCE_EXHAUSTED if too many bytes of answers are unread.
   void answer(const google::protobuf::Message& response);
 
  protected:
-  RequestCall(grpc::CallbackServerContext& context, StreamLimits& streams, Admission admission)
+  RequestCall(grpc::CallbackServerContext& context, StreamLimits& streams, auth::Admission admission)
       : context_(context), streams_(streams), admission_(std::move(admission)) {}
 
   virtual google::protobuf::Message& message() = 0;
@@ -87,9 +88,9 @@ class RequestCall : public Reactor, protected WatchedStream {
 
   grpc::CallbackServerContext& context_;
   StreamLimits& streams_;
-  const Admission admission_;
+  const auth::Admission admission_;
   grpc::ByteBuffer bytes_;
-  std::optional<coordinator::FairShare::Held> answer_place_;
+  std::optional<base::FairShare::Held> answer_place_;
 
   std::mutex mutex_;
   Stage stage_ = Stage::kNew;     // guarded by mutex_
@@ -104,7 +105,8 @@ class UnaryCall final : public RequestCall {
   // The handler must call finish() exactly once, now or later.
   using Handler = std::function<void(UnaryCall&)>;
 
-  UnaryCall(grpc::CallbackServerContext& context, StreamLimits& streams, Admission admission, Handler handler)
+  UnaryCall(grpc::CallbackServerContext& context, StreamLimits& streams, auth::Admission admission,
+            Handler handler)
       : RequestCall(context, streams, std::move(admission)), handler_(std::move(handler)) {}
 
   Request& request() { return request_; }

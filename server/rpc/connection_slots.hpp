@@ -3,7 +3,6 @@
 // notice, so the sockets are checked, but only when a limit seems to be reached. For one thread at a time.
 #pragma once
 
-#include <sys/socket.h>
 #include <sys/types.h>
 
 #include <chrono>
@@ -11,13 +10,6 @@
 #include <string>
 
 namespace tessera::rpc {
-
-// The key of a peer's machine: "10.0.0.5", or the upper 64 bits of an IPv6 address, since one host can use
-// every address below that prefix.
-std::string client_key(const sockaddr_storage& peer);
-// The same of a peer as gRPC names it: "ipv4:10.0.0.5:4242", "ipv6:[2001:db8::5]:4242", or with %5B and %5D
-// for the brackets. Of any other text, the part before the last colon.
-std::string client_key(const std::string& peer);
 
 class ConnectionSlots {
  public:

@@ -14,7 +14,7 @@ using grpc::internal::RpcServiceMethod;
 // As in generated code, except for the kind of method: gRPC reads the message of a unary method before it
 // calls any handler.
 void GuardedService::add(const std::string& name, Make make) {
-  const Method& method = auth_.methods().at("/" + name_ + "/" + name);
+  const auth::Method& method = auth_.methods().at("/" + name_ + "/" + name);
   AddMethod(new RpcServiceMethod(method.path.c_str(), grpc::internal::RpcMethod::BIDI_STREAMING, nullptr));
   const auto open_call = [this, &method, make = std::move(make)](grpc::CallbackServerContext* context) {
     return open(*context, method, make);
@@ -23,10 +23,11 @@ void GuardedService::add(const std::string& name, Make make) {
                         new CallbackBidiHandler<grpc::ByteBuffer, grpc::ByteBuffer>(open_call));
 }
 
-Reactor* GuardedService::open(grpc::CallbackServerContext& context, const Method& method, const Make& make) {
+Reactor* GuardedService::open(grpc::CallbackServerContext& context, const auth::Method& method,
+                              const Make& make) {
   Reactor* reactor = nullptr;
   const core::Status opened = guarded([&]() -> core::Status {
-    Rejection rejection;
+    auth::Rejection rejection;
     auto admission = auth_.admit(context, method, rejection);
     reactor = admission ? make(context, *std::move(admission))
                         : new RejectedCall(std::move(rejection), streams_.stalls);

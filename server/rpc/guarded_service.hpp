@@ -15,11 +15,11 @@ namespace tessera::rpc {
 class GuardedService : public grpc::Service {
  public:
   // `name`: "tessera.v1.RenderService".
-  GuardedService(std::string name, AuthInterceptor& gate, StreamLimits& streams)
+  GuardedService(std::string name, auth::AuthInterceptor& gate, StreamLimits& streams)
       : name_(std::move(name)), auth_(gate), streams_(streams) {}
 
  protected:
-  using Make = std::function<Reactor*(grpc::CallbackServerContext&, Admission)>;
+  using Make = std::function<Reactor*(grpc::CallbackServerContext&, auth::Admission)>;
 
   // Registers a method, served by the reactor that `make` returns for each admitted call.
   void add(const std::string& method, Make make);
@@ -28,7 +28,7 @@ class GuardedService : public grpc::Service {
   template <typename Derived, typename Request, typename Response>
   void add_unary(const std::string& method, void (Derived::*handle)(UnaryCall<Request, Response>&)) {
     auto* const self = static_cast<Derived*>(this);
-    add_call(method, [this, self, handle](grpc::CallbackServerContext& context, Admission admission) {
+    add_call(method, [this, self, handle](grpc::CallbackServerContext& context, auth::Admission admission) {
       return new UnaryCall<Request, Response>(
           context, streams_, std::move(admission),
           [self, handle](UnaryCall<Request, Response>& call) { (self->*handle)(call); });
@@ -38,7 +38,7 @@ class GuardedService : public grpc::Service {
   // Registers a method, served by a class that is derived from RequestCall.
   template <typename MakeCall>
   void add_call(const std::string& method, MakeCall make) {
-    add(method, [make](grpc::CallbackServerContext& context, Admission admission) -> Reactor* {
+    add(method, [make](grpc::CallbackServerContext& context, auth::Admission admission) -> Reactor* {
       auto* const call = make(context, std::move(admission));
       call->start();
       return call;
@@ -46,10 +46,10 @@ class GuardedService : public grpc::Service {
   }
 
  private:
-  Reactor* open(grpc::CallbackServerContext& context, const Method& method, const Make& make);
+  Reactor* open(grpc::CallbackServerContext& context, const auth::Method& method, const Make& make);
 
   const std::string name_;
-  AuthInterceptor& auth_;
+  auth::AuthInterceptor& auth_;
   StreamLimits& streams_;
   int method_count_ = 0;
 };

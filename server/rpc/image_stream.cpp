@@ -44,18 +44,18 @@ void ImageStream::begin() {
 
 // The stream may end at any moment once it waits, but it is not deleted before OnDone has taken the lock.
 void ImageStream::wait_for_memory() {
-  const auto job = coordinator_.job_without_bundle(request_.job_id());
+  const auto job = coordinator_.jobs().get_without_bundle(request_.job_id());
   if (!job) return Finish(proto::to_grpc(job.error()));
   need_mib_ = 1 + kBytesPerPixel * proto::window_of(job->settings()).pixel_count() / server::kMib;
   const std::lock_guard lock(mutex_);
   if (cancelled_) return Finish(grpc::Status::CANCELLED);
   queued_since_ = Clock::now();
-  const auto granted = [this](coordinator::FairShare::Held memory) { make_picture(std::move(memory)); };
+  const auto granted = [this](base::FairShare::Held memory) { make_picture(std::move(memory)); };
   if (!streams().image_mib.wait(this, caller().key, need_mib_, granted)) Finish(no_memory());
 }
 
 // The caller must hold neither the lock nor that of wait_for_memory().
-void ImageStream::make_picture(coordinator::FairShare::Held memory) {
+void ImageStream::make_picture(base::FairShare::Held memory) {
   memory_.emplace(std::move(memory));
   const bool posted = pools_.slow.post(caller().key, guarded_step(*this, [this] {
                                          if (pools_.slow.is_closed()) return Finish(stopping());
@@ -72,7 +72,7 @@ grpc::Status ImageStream::no_memory() {
                   streams().image_mib.held()),
       fmt::format("{} MiB", streams().limits.image_mib), "--max-image-mib");
   error.message += ", some of which it keeps for other callers";
-  return try_later(context(), error, kTryAgainAfter);
+  return auth::try_later(context(), error, auth::kTryAgainAfter);
 }
 
 core::Status ImageStream::take_picture() {
@@ -83,7 +83,7 @@ core::Status ImageStream::take_picture() {
         core::ErrorCode::kInvalidArgument,
         fmt::format("format: must be one of ImageFormat, got {}", static_cast<int>(request.format())));
   }
-  auto picture = coordinator_.picture(request.job_id());
+  auto picture = coordinator_.images().get(request.job_id());
   if (!picture) return core::fail(picture.error());
   const auto display = proto::resolve_display(picture->job.display(), request.display());
   if (!display) return core::fail(display.error());

@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-#include "server/coordinator/coordinator.hpp"
+#include "server/coordinator.hpp"
 #include "server/rpc/call.hpp"
 #include "server/rpc/pools.hpp"
 
@@ -23,8 +23,8 @@ namespace tessera::rpc {
 class ImageStream final : public RequestCall {
  public:
   // Waits for the memory that encoding the image takes. It is given back when the image is sent.
-  ImageStream(grpc::CallbackServerContext& context, coordinator::Coordinator& coordinator, const Pools& pools,
-              StreamLimits& streams, Admission admission)
+  ImageStream(grpc::CallbackServerContext& context, server::Coordinator& coordinator, const Pools& pools,
+              StreamLimits& streams, auth::Admission admission)
       : RequestCall(context, streams, std::move(admission)), coordinator_(coordinator), pools_(pools) {}
 
  private:
@@ -36,17 +36,17 @@ class ImageStream final : public RequestCall {
   void end_own_wait_since(Clock::time_point time) override;
 
   void wait_for_memory();
-  void make_picture(coordinator::FairShare::Held memory);
+  void make_picture(base::FairShare::Held memory);
   core::Status take_picture();
   void write_next();
   // RESOURCE_EXHAUSTED, with the delay before a retry.
   grpc::Status no_memory();
 
-  coordinator::Coordinator& coordinator_;
+  server::Coordinator& coordinator_;
   const Pools pools_;
   v1::GetImageRequest request_;
   std::uint64_t need_mib_ = 0;
-  std::optional<coordinator::FairShare::Held> memory_;
+  std::optional<base::FairShare::Held> memory_;
   std::string file_;
   std::size_t sent_bytes_ = 0;
   v1::GetImageResponse response_;

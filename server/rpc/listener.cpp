@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/rpc/listener.hpp"
+#include "server/auth/peer.hpp"
 
 #include <fmt/format.h>
 #include <poll.h>
@@ -14,8 +15,8 @@
 
 namespace tessera::rpc {
 
+using base::Fd;
 using core::ErrorCode;
-using store::Fd;
 using Clock = std::chrono::steady_clock;
 
 namespace {
@@ -30,7 +31,7 @@ bool is_exhaustion(int error) {
 
 }  // namespace
 
-Listener::Listener(ListeningSockets listening, ConnectionSlots slots, Fd stopped)
+Listener::Listener(ListeningSockets listening, ConnectionSlots slots, base::Fd stopped)
     : port_(listening.port),
       stopped_(std::move(stopped)),
       sockets_(std::move(listening.sockets)),
@@ -41,7 +42,7 @@ Listener::~Listener() {
 }
 
 core::Result<std::unique_ptr<Listener>> Listener::make(ListeningSockets listening, ConnectionSlots slots) {
-  Fd stopped(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK));
+  base::Fd stopped(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK));
   if (!stopped)
     return core::fail(ErrorCode::kUnavailable, fmt::format("cannot listen: {}", std::strerror(errno)));
   return std::unique_ptr<Listener>(new Listener(std::move(listening), std::move(slots), std::move(stopped)));
@@ -61,10 +62,10 @@ void Listener::stop() {
 
 void Listener::run(const Take& take) {
   std::vector<pollfd> waiting{{stopped_.get(), POLLIN, 0}};
-  for (const Fd& socket : sockets_) waiting.push_back({socket.get(), POLLIN, 0});
+  for (const base::Fd& socket : sockets_) waiting.push_back({socket.get(), POLLIN, 0});
   while (true) {
     const int ready = poll(waiting.data(), waiting.size(), wait_ms());
-    log_.flush(Clock::now());
+    if (const auto line = log_.take_due(Clock::now())) spdlog::warn("{}", *line);
     if (ready < 0) std::this_thread::sleep_for(kPause);  // no memory, or interrupted by a signal
     if (ready <= 0) continue;
     if (waiting.front().revents != 0) return;
@@ -79,13 +80,13 @@ int Listener::wait_ms() const {
 }
 
 void Listener::warn(std::string sentence) {
-  log_.warn(std::move(sentence), Clock::now());
+  if (const auto line = log_.note(std::move(sentence), Clock::now())) spdlog::warn("{}", *line);
 }
 
-void Listener::accept_from(const Fd& socket, const Take& take) {
+void Listener::accept_from(const base::Fd& socket, const Take& take) {
   sockaddr_storage peer{};
   socklen_t length = sizeof peer;
-  Fd connection(
+  base::Fd connection(
       ::accept4(socket.get(), reinterpret_cast<sockaddr*>(&peer), &length, SOCK_NONBLOCK | SOCK_CLOEXEC));
   if (!connection) {
     if (!is_exhaustion(errno)) return;  // the connection is gone already
@@ -93,7 +94,7 @@ void Listener::accept_from(const Fd& socket, const Take& take) {
                      std::strerror(errno)));
     return std::this_thread::sleep_for(kPause);
   }
-  const std::string machine = client_key(peer);
+  const std::string machine = auth::client_key(peer);
   if (!has_room(machine)) return;
   slots_.take(connection.get(), machine);
   take(connection.release());

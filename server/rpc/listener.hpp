@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "core/base/error.hpp"
-#include "server/coordinator/rate_limited_log.hpp"
+#include "server/base/rate_limited_log.hpp"
 #include "server/rpc/connection_slots.hpp"
 #include "server/rpc/listening_sockets.hpp"
 
@@ -35,21 +35,21 @@ class Listener {
   void stop();
 
  private:
-  Listener(ListeningSockets listening, ConnectionSlots slots, store::Fd stopped);
+  Listener(ListeningSockets listening, ConnectionSlots slots, base::Fd stopped);
 
   void run(const Take& take);
   // The timeout for poll() in milliseconds; negative for none.
   int wait_ms() const;
-  void accept_from(const store::Fd& socket, const Take& take);
+  void accept_from(const base::Fd& socket, const Take& take);
   bool has_room(const std::string& machine);
   void warn(std::string sentence);
 
   const int port_;
-  const store::Fd stopped_;  // becomes readable when the thread is to stop
+  const base::Fd stopped_;  // becomes readable when the thread is to stop
   // Used by the thread alone while it runs.
-  std::vector<store::Fd> sockets_;
+  std::vector<base::Fd> sockets_;
   ConnectionSlots slots_;
-  coordinator::RateLimitedLog log_;
+  base::RateLimitedLog log_;
   std::thread thread_;
 };
 

@@ -18,8 +18,8 @@
 
 namespace tessera::rpc {
 
+using base::Fd;
 using core::ErrorCode;
-using store::Fd;
 
 namespace {
 
@@ -73,7 +73,7 @@ void set_port(sockaddr_storage& address, int port) {
   if (address.ss_family == AF_INET6) reinterpret_cast<sockaddr_in6&>(address).sin6_port = value;
 }
 
-int port_of(const Fd& socket) {
+int port_of(const base::Fd& socket) {
   sockaddr_storage address{};
   socklen_t length = sizeof address;
   if (getsockname(socket.get(), reinterpret_cast<sockaddr*>(&address), &length) != 0) return 0;
@@ -81,17 +81,17 @@ int port_of(const Fd& socket) {
                                             : reinterpret_cast<sockaddr_in6&>(address).sin6_port);
 }
 
-bool set_option(const Fd& socket, int level, int option, int value) {
+bool set_option(const base::Fd& socket, int level, int option, int value) {
   return setsockopt(socket.get(), level, option, &value, sizeof value) == 0;
 }
 
 // Invalid, with errno, on failure. SO_REUSEPORT is not set: a second process on the port is an error to
 // report, not a load balancer. Connections inherit the TCP options.
-Fd listen_at(const addrinfo& entry, int port, std::chrono::milliseconds unacknowledged) {
+base::Fd listen_at(const addrinfo& entry, int port, std::chrono::milliseconds unacknowledged) {
   sockaddr_storage address{};
   std::memcpy(&address, entry.ai_addr, entry.ai_addrlen);
   if (port != 0) set_port(address, port);
-  Fd socket(::socket(entry.ai_family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
+  base::Fd socket(::socket(entry.ai_family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
   const bool listens =
       socket && set_option(socket, SOL_SOCKET, SO_REUSEADDR, 1) &&
       (entry.ai_family != AF_INET6 || set_option(socket, IPPROTO_IPV6, IPV6_V6ONLY, 1)) &&
@@ -101,7 +101,7 @@ Fd listen_at(const addrinfo& entry, int port, std::chrono::milliseconds unacknow
       ::listen(socket.get(), kBacklog) == 0;
   if (listens) return socket;
   const int error = errno;
-  socket = Fd();
+  socket = base::Fd();
   errno = error;
   return {};
 }
@@ -113,7 +113,7 @@ int listen_at_each(const addrinfo* entries, std::chrono::milliseconds unacknowle
   int error = EADDRNOTAVAIL;
   for (const addrinfo* entry = entries; entry != nullptr; entry = entry->ai_next) {
     if (!seen.emplace(reinterpret_cast<const char*>(entry->ai_addr), entry->ai_addrlen).second) continue;
-    Fd socket = listen_at(*entry, made.port, unacknowledged);
+    base::Fd socket = listen_at(*entry, made.port, unacknowledged);
     if (!socket) {
       error = errno;
       if (error == EADDRINUSE) return error;

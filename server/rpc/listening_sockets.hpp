@@ -7,13 +7,13 @@
 #include <vector>
 
 #include "core/base/error.hpp"
-#include "server/store/file.hpp"
+#include "server/base/file.hpp"
 
 namespace tessera::rpc {
 
 struct ListeningSockets {
-  std::vector<store::Fd> sockets;  // non-blocking; one for each address of the host
-  int port = 0;                    // the same for all of them
+  std::vector<base::Fd> sockets;  // non-blocking; one for each address of the host
+  int port = 0;                   // the same for all of them
 };
 
 // Listens at HOST:PORT, with an IPv6 address in brackets. Port 0 picks a free one, and a wildcard address of

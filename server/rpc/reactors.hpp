@@ -13,8 +13,8 @@
 #include <utility>
 
 #include "proto/status.hpp"
-#include "server/coordinator/fair_pool.hpp"
-#include "server/coordinator/thread_pool.hpp"
+#include "server/base/fair_pool.hpp"
+#include "server/base/thread_pool.hpp"
 
 namespace tessera::rpc {
 
@@ -41,10 +41,10 @@ core::Status guarded(const Work& work) {
 }
 
 // Posts a task; only FairPool uses the caller.
-inline bool post(coordinator::ThreadPool& pool, const std::string&, std::function<void()> task) {
+inline bool post(base::ThreadPool& pool, const std::string&, std::function<void()> task) {
   return pool.post(std::move(task));
 }
-inline bool post(coordinator::FairPool& pool, const std::string& caller, std::function<void()> task) {
+inline bool post(base::FairPool& pool, const std::string& caller, std::function<void()> task) {
   return pool.post(caller, std::move(task));
 }
 
@@ -65,7 +65,7 @@ void run_unary(Call& call, Pool& pool, Work work, WhenFull when_full = busy) {
 
 // The same for short work, which may run on the calling thread (run_or_post).
 template <typename Call, typename Work>
-void run_short_unary(Call& call, coordinator::ThreadPool& pool, Work work) {
+void run_short_unary(Call& call, base::ThreadPool& pool, Work work) {
   if (!pool.run_or_post(finishing(call, pool, std::move(work)))) call.finish(busy());
 }
 

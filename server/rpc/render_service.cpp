@@ -27,7 +27,7 @@ core::Status put_job(core::Result<v1::Job> job, Response& response) {
 
 }  // namespace
 
-RenderService::RenderService(coordinator::Coordinator& coordinator, AuthInterceptor& gate, Pools pools,
+RenderService::RenderService(server::Coordinator& coordinator, auth::AuthInterceptor& gate, Pools pools,
                              WatchHub& watches, StreamLimits& streams)
     : GuardedService("tessera.v1.RenderService", gate, streams),
       coordinator_(coordinator),
@@ -45,13 +45,13 @@ RenderService::RenderService(coordinator::Coordinator& coordinator, AuthIntercep
   add_unary("UpdateJob", &RenderService::update_job);
   add_unary("DeleteJob", &RenderService::delete_job);
   add_unary("ListWorkers", &RenderService::list_workers);
-  add("UploadBlob", [this](grpc::CallbackServerContext& context, Admission admission) -> Reactor* {
+  add("UploadBlob", [this](grpc::CallbackServerContext& context, auth::Admission admission) -> Reactor* {
     return new UploadStream(context, coordinator_, pools_, streams_, std::move(admission));
   });
-  add_call("WatchJob", [this](grpc::CallbackServerContext& context, Admission admission) {
+  add_call("WatchJob", [this](grpc::CallbackServerContext& context, auth::Admission admission) {
     return new WatchCall(context, watches_, streams_, std::move(admission));
   });
-  add_call("GetImage", [this](grpc::CallbackServerContext& context, Admission admission) {
+  add_call("GetImage", [this](grpc::CallbackServerContext& context, auth::Admission admission) {
     return new ImageStream(context, coordinator_, pools_, streams_, std::move(admission));
   });
 }
@@ -64,9 +64,9 @@ void RenderService::run_change(AnyCall& call, Pool& pool, Work work) {
   });
 }
 
-core::Status RenderService::may_change(const Caller& caller, const std::string& job_id) {
-  if (caller.role == Role::kAdmin) return {};
-  const auto job = coordinator_.job_without_bundle(job_id);
+core::Status RenderService::may_change(const auth::Caller& caller, const std::string& job_id) {
+  if (caller.role == auth::Role::kAdmin) return {};
+  const auto job = coordinator_.jobs().get_without_bundle(job_id);
   if (!job) return core::fail(job.error());
   if (job->submitter() == caller.name) return {};
   return core::fail(core::ErrorCode::kPermissionDenied,
@@ -77,72 +77,78 @@ core::Status RenderService::may_change(const Caller& caller, const std::string& 
 void RenderService::submit_job(Call<v1::SubmitJobRequest, v1::SubmitJobResponse>& call) {
   // Registered now, however long the task waits.
   const std::string& key = call.caller().key;
-  auto claimed = coordinator_.files().claim(key, coordinator::files_of(call.request().bundle()));
-  if (!claimed) return call.finish(try_later(call.context(), claimed.error(), kTryAgainAfter));
-  const auto claim = std::make_shared<coordinator::BlobClaims::Use>(*std::move(claimed));
+  auto claimed = coordinator_.files().claim(key, blobs::files_of(call.request().bundle()));
+  if (!claimed) return call.finish(auth::try_later(call.context(), claimed.error(), auth::kTryAgainAfter));
+  const auto claim = std::make_shared<blobs::BlobClaims::Use>(*std::move(claimed));
   const auto work = [this, &call, claim] {
     core::Status submitted = put_job(
-        coordinator_.submit_job(call.request(), call.caller().name, call.response().mutable_warnings()),
+        coordinator_.jobs().submit(call.request(), call.caller().name, call.response().mutable_warnings()),
         call.response());
     if (submitted) claim->settle();
     return submitted;
   };
   run_unary(call, pools_.validating, work, [&] {
-    return try_later(call.context(),
-                     server::over_share(pools_.validating.waiting_of(key), "scenes", "wait to be validated",
-                                        streams_.limits.waiting_scenes, "--max-waiting-scenes"),
-                     kTryAgainAfter);
+    return auth::try_later(
+        call.context(),
+        server::over_share(pools_.validating.waiting_of(key), "scenes", "wait to be validated",
+                           streams_.limits.waiting_scenes, "--max-waiting-scenes"),
+        auth::kTryAgainAfter);
   });
 }
 
 void RenderService::get_job(Call<v1::GetJobRequest, v1::GetJobResponse>& call) {
-  run_unary(call, pools_.users,
-            [this, &call] { return put_job(coordinator_.job(call.request().job_id()), call.response()); });
+  run_unary(call, pools_.users, [this, &call] {
+    return put_job(coordinator_.jobs().get(call.request().job_id()), call.response());
+  });
 }
 
 void RenderService::list_jobs(Call<v1::ListJobsRequest, v1::ListJobsResponse>& call) {
   run_unary(call, pools_.users, [this, &call] {
-    for (v1::Job& job : coordinator_.jobs(call.request())) *call.response().add_jobs() = std::move(job);
+    for (v1::Job& job : coordinator_.jobs().list(call.request()))
+      *call.response().add_jobs() = std::move(job);
     return core::Status();
   });
 }
 
 void RenderService::cancel_job(Call<v1::CancelJobRequest, v1::CancelJobResponse>& call) {
   run_change(call, pools_.users, [this, &call] {
-    return put_job(coordinator_.cancel_job(call.request().job_id()), call.response());
+    return put_job(coordinator_.jobs().cancel(call.request().job_id()), call.response());
   });
 }
 
 void RenderService::pause_job(Call<v1::PauseJobRequest, v1::PauseJobResponse>& call) {
   run_change(call, pools_.users, [this, &call] {
-    return put_job(coordinator_.pause_job(call.request().job_id()), call.response());
+    return put_job(coordinator_.jobs().pause(call.request().job_id()), call.response());
   });
 }
 
 void RenderService::resume_job(Call<v1::ResumeJobRequest, v1::ResumeJobResponse>& call) {
   run_change(call, pools_.users, [this, &call] {
-    return put_job(coordinator_.resume_job(call.request().job_id()), call.response());
+    return put_job(coordinator_.jobs().resume(call.request().job_id()), call.response());
   });
 }
 
 void RenderService::extend_job(Call<v1::ExtendJobRequest, v1::ExtendJobResponse>& call) {
   run_change(call, pools_.slow, [this, &call] {
-    return put_job(coordinator_.extend_job(call.request().job_id(), call.request().spp()), call.response());
+    return put_job(coordinator_.jobs().extend(call.request().job_id(), call.request().spp()),
+                   call.response());
   });
 }
 
 void RenderService::update_job(Call<v1::UpdateJobRequest, v1::UpdateJobResponse>& call) {
   run_change(call, pools_.users,
-             [this, &call] { return put_job(coordinator_.update_job(call.request()), call.response()); });
+             [this, &call] { return put_job(coordinator_.jobs().update(call.request()), call.response()); });
 }
 
 void RenderService::delete_job(Call<v1::DeleteJobRequest, v1::DeleteJobResponse>& call) {
-  run_change(call, pools_.users, [this, &call] { return coordinator_.delete_job(call.request().job_id()); });
+  run_change(call, pools_.users,
+             [this, &call] { return coordinator_.jobs().remove(call.request().job_id()); });
 }
 
 void RenderService::list_workers(Call<v1::ListWorkersRequest, v1::ListWorkersResponse>& call) {
   run_unary(call, pools_.users, [this, &call] {
-    for (auto& worker : coordinator_.workers()) *call.response().add_workers() = std::move(worker);
+    for (auto& worker : coordinator_.dispatcher().workers())
+      *call.response().add_workers() = std::move(worker);
     return core::Status();
   });
 }
@@ -152,7 +158,7 @@ void RenderService::find_missing_blobs(
   run_unary(call, pools_.users, [this, &call] {
     core::Status found = find_missing(call.caller().key, call.request(), call.response());
     if (!found && found.error().code == core::ErrorCode::kResourceExhausted)
-      static_cast<void>(try_later(call.context(), found.error(), kTryAgainAfter));
+      static_cast<void>(auth::try_later(call.context(), found.error(), auth::kTryAgainAfter));
     return found;
   });
 }

@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "server/coordinator/coordinator.hpp"
+#include "server/coordinator.hpp"
 #include "server/rpc/guarded_service.hpp"
 #include "server/rpc/pools.hpp"
 #include "server/rpc/stream_limits.hpp"
@@ -15,7 +15,7 @@ namespace tessera::rpc {
 
 class RenderService final : public GuardedService {
  public:
-  RenderService(coordinator::Coordinator& coordinator, AuthInterceptor& gate, Pools pools, WatchHub& watches,
+  RenderService(server::Coordinator& coordinator, auth::AuthInterceptor& gate, Pools pools, WatchHub& watches,
                 StreamLimits& streams);
 
  private:
@@ -39,9 +39,9 @@ class RenderService final : public GuardedService {
   void run_change(AnyCall& call, Pool& pool, Work work);
   core::Status find_missing(const std::string& caller, const v1::FindMissingBlobsRequest& request,
                             v1::FindMissingBlobsResponse& response);
-  core::Status may_change(const Caller& caller, const std::string& job_id);
+  core::Status may_change(const auth::Caller& caller, const std::string& job_id);
 
-  coordinator::Coordinator& coordinator_;
+  server::Coordinator& coordinator_;
   const Pools pools_;
   WatchHub& watches_;
   StreamLimits& streams_;

@@ -13,15 +13,15 @@
 #include <thread>
 #include <utility>
 
-#include "server/coordinator/periodic.hpp"
-#include "server/rpc/auth_interceptor.hpp"
+#include "server/auth/auth_interceptor.hpp"
+#include "server/base/periodic.hpp"
 #include "server/rpc/listener.hpp"
 #include "server/rpc/render_service.hpp"
 #include "server/rpc/worker_service.hpp"
 
 namespace tessera::rpc {
 
-using coordinator::Coordinator;
+using server::Coordinator;
 
 namespace {
 
@@ -73,7 +73,7 @@ class CheckpointLog {
  public:
   void write(Coordinator& coordinator) {
     const auto begin = std::chrono::steady_clock::now();
-    const core::Status written = coordinator.checkpoint();
+    const core::Status written = coordinator.checkpointer().checkpoint();
     note_time(std::chrono::steady_clock::now() - begin);
     note(written);
   }
@@ -103,7 +103,7 @@ class CheckpointLog {
 }  // namespace
 
 struct Server::Parts {
-  Parts(Coordinator& c, Access access, const server::Limits& l)
+  Parts(Coordinator& c, auth::Access access, const server::Limits& l)
       : coordinator(c),
         limits(l),
         gate(std::move(access), limits),
@@ -120,9 +120,9 @@ struct Server::Parts {
         ticker(kTickPeriod,
                [this] {
                  gate.flush_log();
-                 if (coordinator.tick()) checkpointer.trigger();
+                 if (coordinator.dispatcher().tick()) checkpointer.trigger();
                }),
-        reopener(kReopenPeriod, [this] { coordinator.reopen_jobs(); }),
+        reopener(kReopenPeriod, [this] { coordinator.jobs().reopen(); }),
         remover(kRemovePeriod, [this] { remove_deleted_tiles(); }),
         collector(kCollectPeriod, [this] { coordinator.files().collect(); }) {}
 
@@ -133,23 +133,23 @@ struct Server::Parts {
 
   Coordinator& coordinator;
   const server::Limits limits;
-  AuthInterceptor gate;
+  auth::AuthInterceptor gate;
   StreamLimits streams;
-  coordinator::ThreadPool quick;
-  coordinator::FairPool users, slow, validating, clearing;
+  base::ThreadPool quick;
+  base::FairPool users, slow, validating, clearing;
   WatchHub watches;
   RenderService render_service;
   WorkerService worker_service;
   CheckpointLog checkpoint_log;
   std::string last_failure_to_remove;  // used by the remover thread only
-  coordinator::Periodic checkpointer, ticker, reopener, remover, collector;
+  base::Periodic checkpointer, ticker, reopener, remover, collector;
   std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor> acceptor;
   std::unique_ptr<grpc::Server> grpc;
   std::unique_ptr<Listener> listener;  // passes connections to the acceptor
 };
 
 void Server::Parts::remove_deleted_tiles() {
-  const core::Status removed = coordinator.remove_deleted_tiles();
+  const core::Status removed = coordinator.jobs().remove_deleted_tiles();
   const std::string failure = removed ? "" : removed.error().message;
   if (!failure.empty() && failure != last_failure_to_remove)
     spdlog::warn("cannot remove the films of deleted jobs yet, and will try again: {}", failure);
@@ -218,7 +218,7 @@ core::Status Server::stop() {
   parts_->grpc->Shutdown(std::chrono::system_clock::now() + kLeaveForCalls);
   parts_->grpc->Wait();
   parts_.reset();
-  return coordinator.checkpoint();
+  return coordinator.checkpointer().checkpoint();
 }
 
 }  // namespace tessera::rpc

@@ -8,16 +8,16 @@
 #include "core/base/error.hpp"
 #include "proto/channel.hpp"
 #include "proto/security.hpp"
-#include "server/coordinator/coordinator.hpp"
+#include "server/auth/access.hpp"
+#include "server/coordinator.hpp"
 #include "server/limits.hpp"
-#include "server/rpc/access.hpp"
 
 namespace tessera::rpc {
 
 struct ServerOptions {
   std::string address;  // HOST:PORT to listen at; port 0 picks a free one
   proto::ServerSecurity security{};
-  Access access{};
+  auth::Access access{};
   server::Limits limits{};
   proto::Patience patience{};
 };
@@ -25,8 +25,7 @@ struct ServerOptions {
 class Server {
  public:
   // The coordinator must outlive the server. Errors are those of proto::server_credentials() and listen_on().
-  static core::Result<std::unique_ptr<Server>> start(coordinator::Coordinator& coordinator,
-                                                     ServerOptions options);
+  static core::Result<std::unique_ptr<Server>> start(server::Coordinator& coordinator, ServerOptions options);
   // Calls stop() if it was not called.
   ~Server();
 

@@ -5,7 +5,7 @@
 
 #include <chrono>
 
-#include "server/coordinator/periodic.hpp"
+#include "server/base/periodic.hpp"
 #include "server/rpc/observer_list.hpp"
 
 namespace tessera::rpc {
@@ -35,7 +35,7 @@ class StallWatch {
 
   const std::chrono::milliseconds patience_;
   ObserverList<WatchedStream> streams_;
-  coordinator::Periodic checker_;
+  base::Periodic checker_;
 };
 
 }  // namespace tessera::rpc

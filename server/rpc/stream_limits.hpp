@@ -3,8 +3,8 @@
 // watch over stalled streams. Thread-safe.
 #pragma once
 
-#include "server/coordinator/fair_queue.hpp"
-#include "server/coordinator/fair_share.hpp"
+#include "server/base/fair_queue.hpp"
+#include "server/base/fair_share.hpp"
 #include "server/limits.hpp"
 #include "server/rpc/stall_watch.hpp"
 
@@ -24,9 +24,9 @@ struct StreamLimits {
         stalls(l.stall_time) {}
 
   const server::Limits& limits;
-  coordinator::FairShare uploads, fetches, watches;
-  coordinator::FairShare answers;  // bytes of unary answers that callers have not read yet
-  coordinator::FairQueue image_mib;
+  base::FairShare uploads, fetches, watches;
+  base::FairShare answers;  // bytes of unary answers that callers have not read yet
+  base::FairQueue image_mib;
   StallWatch stalls;
 };
 

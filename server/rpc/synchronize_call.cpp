@@ -8,7 +8,7 @@
 
 #include "proto/status.hpp"
 #include "proto/worker_key.hpp"
-#include "server/rpc/connection_slots.hpp"
+#include "server/auth/peer.hpp"
 #include "server/rpc/reactors.hpp"
 
 namespace tessera::rpc {
@@ -46,7 +46,8 @@ void SynchronizeCall::synchronize() {
   };
   const core::Status done = guarded([&]() -> core::Status {
     const auto is_gone = [this, answered] { return answered->test() || context().IsCancelled(); };
-    coordinator_.synchronize(*request, {.answer = give_once, .is_gone = is_gone, .principal = principal()});
+    coordinator_.dispatcher().synchronize(
+        *request, {.answer = give_once, .is_gone = is_gone, .principal = principal()});
     return {};
   });
   if (!done) give_once(core::fail(done.error()));
@@ -54,7 +55,7 @@ void SynchronizeCall::synchronize() {
 
 // Name and machine together: machines may share a token, and callers an address.
 std::string SynchronizeCall::principal() const {
-  return caller().name + " at " + client_key(context().peer());
+  return caller().name + " at " + auth::client_key(context().peer());
 }
 
 void SynchronizeCall::give(core::Result<v1::SynchronizeResponse> result) {

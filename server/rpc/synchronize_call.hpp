@@ -5,8 +5,8 @@
 #include <memory>
 #include <string>
 
-#include "server/coordinator/coordinator.hpp"
-#include "server/coordinator/thread_pool.hpp"
+#include "server/base/thread_pool.hpp"
+#include "server/coordinator.hpp"
 #include "server/rpc/call.hpp"
 #include "tessera/v1/worker_service.pb.h"
 
@@ -15,8 +15,8 @@ namespace tessera::rpc {
 // The coordinator answers exactly once; gRPC deletes the call after that.
 class SynchronizeCall final : public RequestCall {
  public:
-  SynchronizeCall(grpc::CallbackServerContext& context, coordinator::Coordinator& coordinator,
-                  coordinator::ThreadPool& pool, StreamLimits& streams, Admission admission)
+  SynchronizeCall(grpc::CallbackServerContext& context, server::Coordinator& coordinator,
+                  base::ThreadPool& pool, StreamLimits& streams, auth::Admission admission)
       : RequestCall(context, streams, std::move(admission)), coordinator_(coordinator), pool_(pool) {}
 
  private:
@@ -26,8 +26,8 @@ class SynchronizeCall final : public RequestCall {
   std::string principal() const;
   void give(core::Result<v1::SynchronizeResponse> result);
 
-  coordinator::Coordinator& coordinator_;
-  coordinator::ThreadPool& pool_;
+  server::Coordinator& coordinator_;
+  base::ThreadPool& pool_;
   std::unique_ptr<v1::SynchronizeRequest> request_ = std::make_unique<v1::SynchronizeRequest>();
 };
 

@@ -22,10 +22,11 @@ void WatchCall::begin() {
   auto place = streams().watches.take(caller().key);
   if (!place) {
     const std::lock_guard lock(mutex_);
-    return end(try_later(context(),
-                         server::over_share(streams().watches.held_by(caller().key), "jobs",
-                                            "are being watched", streams().limits.watches, "--max-watches"),
-                         kTryAgainAfter));
+    return end(
+        auth::try_later(context(),
+                        server::over_share(streams().watches.held_by(caller().key), "jobs",
+                                           "are being watched", streams().limits.watches, "--max-watches"),
+                        auth::kTryAgainAfter));
   }
   place_.emplace(*std::move(place));
   hub_.add(*this);

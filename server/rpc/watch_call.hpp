@@ -15,7 +15,8 @@ namespace tessera::rpc {
 // that a slow client cannot take are skipped; a client that reads nothing is ended.
 class WatchCall final : public RequestCall, private Watcher {
  public:
-  WatchCall(grpc::CallbackServerContext& context, WatchHub& hub, StreamLimits& streams, Admission admission)
+  WatchCall(grpc::CallbackServerContext& context, WatchHub& hub, StreamLimits& streams,
+            auth::Admission admission)
       : RequestCall(context, streams, std::move(admission)), hub_(hub) {}
 
  private:
@@ -35,7 +36,7 @@ class WatchCall final : public RequestCall, private Watcher {
 
   WatchHub& hub_;
   v1::WatchJobRequest request_;
-  std::optional<coordinator::FairShare::Held> place_;  // its share of streams.watches
+  std::optional<base::FairShare::Held> place_;  // its share of streams.watches
 
   std::mutex mutex_;
   // Guarded by mutex_:

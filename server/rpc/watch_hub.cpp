@@ -9,7 +9,7 @@ constexpr auto kPeriod = std::chrono::milliseconds(100);
 
 }  // namespace
 
-WatchHub::WatchHub(coordinator::Coordinator& coordinator)
+WatchHub::WatchHub(server::Coordinator& coordinator)
     : coordinator_(coordinator), teller_(kPeriod, [this] { tell_all(); }) {}
 
 WatchHub::~WatchHub() {
@@ -39,7 +39,7 @@ void WatchHub::tell(Watcher& watcher, Known& known) {
     return watcher.tell(core::fail(core::ErrorCode::kUnavailable, "the coordinator is stopping: try again"));
   const std::string& id = watcher.job_id();
   auto job = known.find(id);
-  if (job == known.end()) job = known.emplace(id, coordinator_.job_without_bundle(id)).first;
+  if (job == known.end()) job = known.emplace(id, coordinator_.jobs().get_without_bundle(id)).first;
   watcher.tell(job->second);
 }
 

@@ -6,8 +6,8 @@
 #include <map>
 #include <string>
 
-#include "server/coordinator/coordinator.hpp"
-#include "server/coordinator/periodic.hpp"
+#include "server/base/periodic.hpp"
+#include "server/coordinator.hpp"
 #include "server/rpc/observer_list.hpp"
 
 namespace tessera::rpc {
@@ -23,7 +23,7 @@ class Watcher {
 
 class WatchHub {
  public:
-  explicit WatchHub(coordinator::Coordinator& coordinator);
+  explicit WatchHub(server::Coordinator& coordinator);
   ~WatchHub();
 
   // Tells the watcher at once, and then about ten times a second until it is removed.
@@ -39,10 +39,10 @@ class WatchHub {
   void tell(Watcher& watcher, Known& known);
   void tell_all();
 
-  coordinator::Coordinator& coordinator_;
+  server::Coordinator& coordinator_;
   std::atomic<bool> closed_{false};
   ObserverList<Watcher> watchers_;
-  coordinator::Periodic teller_;
+  base::Periodic teller_;
 };
 
 }  // namespace tessera::rpc

@@ -16,21 +16,21 @@ constexpr std::size_t kShortResultBytes = 256 << 10;
 
 }  // namespace
 
-WorkerService::WorkerService(coordinator::Coordinator& coordinator, AuthInterceptor& gate,
-                             coordinator::ThreadPool& pool, StreamLimits& streams)
+WorkerService::WorkerService(server::Coordinator& coordinator, auth::AuthInterceptor& gate,
+                             base::ThreadPool& pool, StreamLimits& streams)
     : GuardedService("tessera.v1.WorkerService", gate, streams), coordinator_(coordinator), pool_(pool) {
   add_unary("SubmitResult", &WorkerService::submit_result);
-  add_call("Synchronize", [this, &streams](grpc::CallbackServerContext& context, Admission admission) {
+  add_call("Synchronize", [this, &streams](grpc::CallbackServerContext& context, auth::Admission admission) {
     return new SynchronizeCall(context, coordinator_, pool_, streams, std::move(admission));
   });
-  add_call("FetchBlob", [this, &streams](grpc::CallbackServerContext& context, Admission admission) {
+  add_call("FetchBlob", [this, &streams](grpc::CallbackServerContext& context, auth::Admission admission) {
     return new FetchStream(context, coordinator_, pool_, streams, std::move(admission));
   });
 }
 
 void WorkerService::submit_result(UnaryCall<v1::SubmitResultRequest, v1::SubmitResultResponse>& call) {
   const auto count = [this, &call]() -> core::Status {
-    auto counted = coordinator_.submit_result(call.request());
+    auto counted = coordinator_.dispatcher().submit_result(call.request());
     if (!counted) return core::fail(counted.error());
     call.response() = *counted;
     return {};

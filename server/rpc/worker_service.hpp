@@ -3,8 +3,8 @@
 // Thread-safe.
 #pragma once
 
-#include "server/coordinator/coordinator.hpp"
-#include "server/coordinator/thread_pool.hpp"
+#include "server/base/thread_pool.hpp"
+#include "server/coordinator.hpp"
 #include "server/rpc/guarded_service.hpp"
 #include "server/rpc/stream_limits.hpp"
 #include "tessera/v1/worker_service.pb.h"
@@ -13,14 +13,14 @@ namespace tessera::rpc {
 
 class WorkerService final : public GuardedService {
  public:
-  WorkerService(coordinator::Coordinator& coordinator, AuthInterceptor& gate, coordinator::ThreadPool& pool,
+  WorkerService(server::Coordinator& coordinator, auth::AuthInterceptor& gate, base::ThreadPool& pool,
                 StreamLimits& streams);
 
  private:
   void submit_result(UnaryCall<v1::SubmitResultRequest, v1::SubmitResultResponse>& call);
 
-  coordinator::Coordinator& coordinator_;
-  coordinator::ThreadPool& pool_;
+  server::Coordinator& coordinator_;
+  base::ThreadPool& pool_;
 };
 
 }  // namespace tessera::rpc

@@ -135,6 +135,8 @@ class Scheduler {
   std::vector<JobView> jobs(Time now, std::string_view id_prefix, std::size_t most) const;
   // In the order of ids.
   std::vector<WorkerView> workers(Time now) const;
+  // Empty if it is unknown or forgotten.
+  std::optional<WorkerView> worker(const WorkerId& id, Time now) const;
 
   // The samples of one tile that are done, for checkpoints. The job must exist and have the tile. Valid until
   // the next handle().

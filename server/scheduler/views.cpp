@@ -78,6 +78,12 @@ std::vector<WorkerView> Scheduler::workers(Time now) const {
   return views;
 }
 
+std::optional<WorkerView> Scheduler::worker(const WorkerId& id, Time now) const {
+  const Worker* const known = registry_.find(id);
+  if (known == nullptr) return std::nullopt;
+  return view_of(*known, now);
+}
+
 const IntervalSet& Scheduler::done(const JobId& id, int tile) const {
   return find(id)->done(tile);
 }

@@ -10,7 +10,7 @@
 #include <system_error>
 #include <utility>
 
-#include "server/store/file.hpp"
+#include "server/base/file.hpp"
 
 namespace tessera::store {
 
@@ -147,7 +147,7 @@ core::Result<LogFindings> look_at_log(const std::filesystem::path& log) {
   if (missing || size <= kHeaderBytes) return LogFindings{};
   std::ifstream file(log, std::ios::binary);
   std::string bytes(kHeaderBytes, '\0');
-  if (!file.read(bytes.data(), kHeaderBytes)) return core::fail(errno_error("reading", log));
+  if (!file.read(bytes.data(), kHeaderBytes)) return core::fail(base::errno_error("reading", log));
   const Header header = read_header(bytes);
   if (!header.whole)
     return LogFindings{.damage = fmt::format("{} is damaged at its beginning", log.string()),

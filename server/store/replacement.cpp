@@ -8,7 +8,7 @@
 #include <cerrno>
 #include <system_error>
 
-#include "server/store/file.hpp"
+#include "server/base/file.hpp"
 #include "server/store/log_damage.hpp"
 
 namespace tessera::store {
@@ -36,12 +36,12 @@ fs::path free_name(const fs::path& database) {
 
 core::Status link(const fs::path& from, const fs::path& to) {
   if (::link(from.c_str(), to.c_str()) == 0) return {};
-  return core::fail(errno_error("linking to " + from.string() + " from", to));
+  return core::fail(base::errno_error("linking to " + from.string() + " from", to));
 }
 
 core::Status unlink(const fs::path& file) {
   if (::unlink(file.c_str()) == 0 || errno == ENOENT) return {};
-  return core::fail(errno_error("removing", file));
+  return core::fail(base::errno_error("removing", file));
 }
 
 core::Status link_both(const fs::path& database, const fs::path& name) {
@@ -56,7 +56,7 @@ core::Status put_in_place(const fs::path& copy, const fs::path& database) {
   if (auto gone = unlink(database.string() + "-shm"); !gone) return gone;
   if (auto gone = unlink(log_of(database)); !gone) return gone;
   if (::rename(copy.c_str(), database.c_str()) == 0) return {};
-  return core::fail(errno_error("renaming " + copy.string() + " to", database));
+  return core::fail(base::errno_error("renaming " + copy.string() + " to", database));
 }
 
 // The log gets its name back before the database does.
@@ -64,7 +64,7 @@ core::Status put_back(const fs::path& database, const fs::path& name) {
   if (is_there(log_of(name)) && !is_there(log_of(database))) {
     if (auto linked = link(log_of(name), log_of(database)); !linked) return linked;
   }
-  if (auto safe = sync_folder(database.parent_path()); !safe) return safe;
+  if (auto safe = base::sync_folder(database.parent_path()); !safe) return safe;
   if (auto gone = unlink(log_of(name)); !gone) return gone;
   return unlink(name);
 }
@@ -74,13 +74,13 @@ core::Status put_back(const fs::path& database, const fs::path& name) {
 core::Result<fs::path> replace_database(const fs::path& database, const fs::path& copy) {
   const fs::path name = free_name(database), folder = database.parent_path();
   core::Status done = link_both(database, name);
-  if (done) done = sync_folder(folder);
+  if (done) done = base::sync_folder(folder);
   if (done) done = put_in_place(copy, database);
   if (!done) {
     [[maybe_unused]] const auto next_start_tries_again = put_back(database, name);
     return core::fail(done.error());
   }
-  if (auto safe = sync_folder(folder); !safe) return core::fail(safe.error());
+  if (auto safe = base::sync_folder(folder); !safe) return core::fail(safe.error());
   return name;
 }
 

@@ -20,17 +20,18 @@ namespace {
 constexpr const char* kLockName = "lock";
 
 // The lock is held until the descriptor is closed, also by a crash.
-core::Status take_lock(const Fd& lock, const std::filesystem::path& folder, std::string_view what_to_do) {
+core::Status take_lock(const base::Fd& lock, const std::filesystem::path& folder,
+                       std::string_view what_to_do) {
   if (::flock(lock.get(), LOCK_EX | LOCK_NB) == 0) return {};
-  if (errno != EWOULDBLOCK) return core::fail(errno_error("locking", folder / kLockName));
+  if (errno != EWOULDBLOCK) return core::fail(base::errno_error("locking", folder / kLockName));
   return core::fail(core::ErrorCode::kFailedPrecondition,
                     fmt::format("another coordinator runs on {}: {}", folder.string(), what_to_do));
 }
 
-core::Result<Fd> lock_state(const std::filesystem::path& folder, std::string_view what_to_do) {
+core::Result<base::Fd> lock_state(const std::filesystem::path& folder, std::string_view what_to_do) {
   const std::filesystem::path path = folder / kLockName;
-  Fd lock(::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600));
-  if (!lock) return core::fail(errno_error("opening", path));
+  base::Fd lock(::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600));
+  if (!lock) return core::fail(base::errno_error("opening", path));
   if (auto taken = take_lock(lock, folder, what_to_do); !taken) return core::fail(taken.error());
   return lock;
 }
@@ -48,26 +49,26 @@ core::Status expect_state(const std::filesystem::path& folder) {
 
 }  // namespace
 
-core::Result<Fd> lock_existing_state(const std::filesystem::path& folder) {
+core::Result<base::Fd> lock_existing_state(const std::filesystem::path& folder) {
   if (auto there = expect_state(folder); !there) return core::fail(there.error());
-  Fd lock(::open((folder / kLockName).c_str(), O_RDONLY | O_CLOEXEC));
+  base::Fd lock(::open((folder / kLockName).c_str(), O_RDONLY | O_CLOEXEC));
   if (!lock && errno == ENOENT) return lock;
-  if (!lock) return core::fail(errno_error("opening", folder / kLockName));
+  if (!lock) return core::fail(base::errno_error("opening", folder / kLockName));
   if (auto taken = take_lock(lock, folder, "end it first, or take a copy of the folder"); !taken)
     return core::fail(taken.error());
   return lock;
 }
 
-core::Result<Fd> lock_state_to_mend(const std::filesystem::path& folder) {
+core::Result<base::Fd> lock_state_to_mend(const std::filesystem::path& folder) {
   if (auto there = expect_state(folder); !there) return core::fail(there.error());
   return lock_state(folder, "end it first");
 }
 
 core::Result<StateDirectory> StateDirectory::open(const std::filesystem::path& folder) {
-  if (auto created = create_folder(folder); !created) return core::fail(created.error());
+  if (auto created = base::create_folder(folder); !created) return core::fail(created.error());
   auto lock = lock_state(folder, "end it, or choose another folder with --state");
   if (!lock) return core::fail(lock.error());
-  auto blobs = BlobStore::open(folder / kBlobsName);
+  auto blobs = blobs::BlobStore::open(folder / kBlobsName);
   if (!blobs) return core::fail(blobs.error());
   if (auto settled = undo_interrupted_replacement(folder / kDatabaseName); !settled)
     return core::fail(settled.error());

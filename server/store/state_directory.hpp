@@ -12,8 +12,8 @@
 #include <filesystem>
 
 #include "core/base/error.hpp"
-#include "server/store/blob_store.hpp"
-#include "server/store/file.hpp"
+#include "server/base/file.hpp"
+#include "server/blobs/blob_store.hpp"
 #include "server/store/job_store.hpp"
 
 namespace tessera::store {
@@ -24,17 +24,17 @@ inline constexpr const char* kBlobsName = "blobs";
 // Locks a state for reading: no coordinator can start while the lock is held. Creates nothing; empty for a
 // copy without a lock file. NOT_FOUND if no coordinator has ever run on the folder, FAILED_PRECONDITION if
 // one runs now.
-core::Result<Fd> lock_existing_state(const std::filesystem::path& folder);
+core::Result<base::Fd> lock_existing_state(const std::filesystem::path& folder);
 // The same for salvaging: creates the lock file if there is none.
-core::Result<Fd> lock_state_to_mend(const std::filesystem::path& folder);
+core::Result<base::Fd> lock_state_to_mend(const std::filesystem::path& folder);
 
 struct StateDirectory {
   // Creates what is missing. FAILED_PRECONDITION if another coordinator runs on it; otherwise the errors of
   // file.hpp and job_store.hpp.
   static core::Result<StateDirectory> open(const std::filesystem::path& folder);
 
-  Fd lock;
-  BlobStore blobs;
+  base::Fd lock;
+  blobs::BlobStore blobs;
   JobStore jobs;
 };
 

@@ -24,14 +24,14 @@ extern "C" {  // missing from the header of glibc 2.36
 
 #include "core/base/printable.hpp"
 #include "proto/blob.hpp"
-#include "server/store/file.hpp"
+#include "server/base/file.hpp"
 #include "server/validator/flags.hpp"
 #include "server/validator/validate.pb.h"
 
 namespace tessera::validator {
 
+using base::Fd;
 using core::ErrorCode;
-using store::Fd;
 
 namespace {
 
@@ -39,7 +39,7 @@ core::Error system_error(std::string_view doing) {
   return {ErrorCode::kInternal, fmt::format("{}: {}", doing, std::strerror(errno))};
 }
 
-ValidateRequest make_request(const store::BlobStore& blobs, const v1::Bundle& bundle,
+ValidateRequest make_request(const blobs::BlobStore& blobs, const v1::Bundle& bundle,
                              const v1::RenderOverrides& overrides) {
   ValidateRequest request;
   *request.mutable_bundle() = bundle;
@@ -53,10 +53,10 @@ ValidateRequest make_request(const store::BlobStore& blobs, const v1::Bundle& bu
 }
 
 // Standard input and output of the process are files in memory, so that neither side blocks on the other.
-core::Result<Fd> memory_file(const char* name, const std::string& content) {
-  Fd file(memfd_create(name, MFD_CLOEXEC));
+core::Result<base::Fd> memory_file(const char* name, const std::string& content) {
+  base::Fd file(memfd_create(name, MFD_CLOEXEC));
   if (!file) return core::fail(system_error("memfd_create"));
-  if (auto written = store::write_all(file, content, name); !written) return core::fail(written.error());
+  if (auto written = base::write_all(file, content, name); !written) return core::fail(written.error());
   if (lseek(file.get(), 0, SEEK_SET) != 0) return core::fail(system_error("lseek"));
   return file;
 }
@@ -85,7 +85,7 @@ std::vector<std::string> command_line(const ProcessOptions& options) {
           std::to_string(getpid())};
 }
 
-core::Result<pid_t> spawn(const ProcessOptions& options, const Fd& in, const Fd& out) {
+core::Result<pid_t> spawn(const ProcessOptions& options, const base::Fd& in, const base::Fd& out) {
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_adddup2(&actions, in.get(), STDIN_FILENO);
@@ -118,7 +118,7 @@ core::Result<pid_t> spawn(const ProcessOptions& options, const Fd& in, const Fd&
 }
 
 // Whether the process ended by itself before the timeout or a stop request.
-bool ends_in_time(const Fd& process, const ProcessOptions& options) {
+bool ends_in_time(const base::Fd& process, const ProcessOptions& options) {
   constexpr std::chrono::milliseconds kLookAround{50};
   const auto deadline = std::chrono::steady_clock::now() + options.limits.validation_time;
   pollfd exit{process.get(), POLLIN, 0};
@@ -130,7 +130,7 @@ bool ends_in_time(const Fd& process, const ProcessOptions& options) {
 
 // The wait status of the process; empty if it had to be killed.
 core::Result<std::optional<int>> wait_for(pid_t pid, const ProcessOptions& options) {
-  const Fd handle(pidfd_open(pid, 0));
+  const base::Fd handle(pidfd_open(pid, 0));
   const bool ended = handle && ends_in_time(handle, options);
   if (!ended) kill(pid, SIGKILL);
   int status = 0;
@@ -144,7 +144,7 @@ core::Error stopping() {
   return {ErrorCode::kUnavailable, "the coordinator is stopping: try again"};
 }
 
-core::Result<std::string> read_all(const Fd& file) {
+core::Result<std::string> read_all(const base::Fd& file) {
   std::string content;
   std::array<char, 65536> buffer{};
   if (lseek(file.get(), 0, SEEK_SET) != 0) return core::fail(system_error("lseek"));
@@ -181,7 +181,7 @@ Approval bounded(const ValidateResponse::Approval& said) {
   return approval;
 }
 
-core::Result<Approval> read_verdict(const Fd& out, int status, const server::Limits& limits) {
+core::Result<Approval> read_verdict(const base::Fd& out, int status, const server::Limits& limits) {
   if (WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU) return core::fail(takes_too_long(limits));
   const auto content = read_all(out);
   if (!content) return core::fail(content.error());
@@ -218,7 +218,7 @@ core::Status check_validator(const std::string& path) {
       fmt::format("{}: {}: install tessera-validator there, or name it with --validator", path, why));
 }
 
-core::Result<Approval> validate_scene(const ProcessOptions& options, const store::BlobStore& blobs,
+core::Result<Approval> validate_scene(const ProcessOptions& options, const blobs::BlobStore& blobs,
                                       const v1::Bundle& bundle, const v1::RenderOverrides& overrides) {
   if (options.stop.stop_requested()) return core::fail(stopping());
   const auto in = memory_file("request", make_request(blobs, bundle, overrides).SerializeAsString());

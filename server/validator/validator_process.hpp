@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "core/base/error.hpp"
+#include "server/blobs/blob_store.hpp"
 #include "server/limits.hpp"
-#include "server/store/blob_store.hpp"
 #include "tessera/v1/types.pb.h"
 
 namespace tessera::validator {
@@ -43,7 +43,7 @@ core::Status check_validator(const std::string& path);
 // The settings of the bundle. Its blobs must be in `blobs`. Blocks. RESOURCE_EXHAUSTED: the scene exceeds a
 // limit, or could not be loaded within time and memory. INVALID_ARGUMENT also if the validator crashed;
 // INTERNAL if it could not be started; UNAVAILABLE after a stop request.
-core::Result<Approval> validate_scene(const ProcessOptions& options, const store::BlobStore& blobs,
+core::Result<Approval> validate_scene(const ProcessOptions& options, const blobs::BlobStore& blobs,
                                       const v1::Bundle& bundle, const v1::RenderOverrides& overrides);
 
 }  // namespace tessera::validator

@@ -9,8 +9,8 @@ namespace tessera::fuzz {
 namespace {
 
 // As validator_process.cpp asks tessera-validator, but for the process.
-core::Result<coordinator::CheckedScene> ask(const store::BlobStore& blobs, const v1::Bundle& bundle,
-                                            const v1::RenderOverrides& overrides) {
+core::Result<jobs::CheckedScene> ask(const blobs::BlobStore& blobs, const v1::Bundle& bundle,
+                                     const v1::RenderOverrides& overrides) {
   validator::ValidateRequest request;
   *request.mutable_bundle() = bundle;
   *request.mutable_overrides() = overrides;
@@ -21,11 +21,11 @@ core::Result<coordinator::CheckedScene> ask(const store::BlobStore& blobs, const
   const validator::ValidateResponse response = validator::validate(request, {});
   expect_sendable(response);
   if (response.has_approval())
-    return coordinator::CheckedScene{response.approval().settings(), response.approval().display()};
+    return jobs::CheckedScene{response.approval().settings(), response.approval().display()};
   return core::fail(static_cast<core::ErrorCode>(response.refusal().code()), response.refusal().message());
 }
 
-void store(const store::BlobStore& blobs, std::string_view bytes) {
+void store(const blobs::BlobStore& blobs, std::string_view bytes) {
   auto writer = blobs.write(proto::digest_of(bytes));
   expect(writer && writer->append(bytes) && writer->commit(), "a blob can be stored");
 }
@@ -44,16 +44,16 @@ void submit(std::string_view input) {
   if (!request.ParseFromString(std::string(parts.front().bytes))) return;
   name_blobs(*request.mutable_bundle(), parts);
 
-  const store::BlobStore* blobs = nullptr;
+  const blobs::BlobStore* blobs = nullptr;
   Farm farm([&](const auto& bundle, const auto& overrides) { return ask(*blobs, bundle, overrides); });
   blobs = &farm.coordinator().blobs();
   for (std::size_t i = 1; i < parts.size(); ++i) store(*blobs, parts[i].bytes);
-  const auto job = farm.coordinator().submit_job(request, "somebody");
+  const auto job = farm.coordinator().jobs().submit(request, "somebody");
   expect_sendable(job);
   farm.greet('1');
   farm.reopen();
   expect(farm.is_open(), "what a coordinator has written it can read");
-  if (job) expect_sendable(farm.coordinator().job(job->id()));
+  if (job) expect_sendable(farm.coordinator().jobs().get(job->id()));
 }
 
 }  // namespace

@@ -9,8 +9,8 @@
 
 #include "core/scene/settings.hpp"
 #include "proto/convert.hpp"
-#include "server/coordinator/job_film.hpp"
-#include "server/coordinator/job_record.hpp"
+#include "server/farm/job_record.hpp"
+#include "server/film/job_film.hpp"
 #include "tests/fuzz/scratch_folder.hpp"
 
 namespace tessera::fuzz {
@@ -49,12 +49,12 @@ store::JobRow row_of(const v1::Job& spec, v1::JobState state) {
 }
 
 store::TileRow tile_row(const v1::Job& spec, int tile, core::SampleRange range) {
-  const core::PixelRect rect = coordinator::grid_of(spec).rect(tile);
+  const core::PixelRect rect = farm::grid_of(spec).rect(tile);
   core::FilmTile samples = tile_of(rect, range);
-  coordinator::TileContent content{
+  film::TileContent content{
       {std::move(samples.sums), std::move(samples.odd_sums), range.count(), range.odd_count()},
       samples.counters};
-  return coordinator::encode_tile_row(spec.id(), tile, rect, {range}, content);
+  return film::encode_tile_row(spec.id(), tile, rect, {range}, content);
 }
 
 void make_template(const fs::path& folder) {
@@ -82,7 +82,7 @@ const fs::path& template_folder() {
 }
 
 // Accepts any scene: 40 x 3 pixels, 2 samples per pixel, overrides applied.
-core::Result<coordinator::CheckedScene> accept(const v1::Bundle&, const v1::RenderOverrides& overrides) {
+core::Result<jobs::CheckedScene> accept(const v1::Bundle&, const v1::RenderOverrides& overrides) {
   const auto wanted = proto::from_proto(overrides);
   if (!wanted) return core::fail(wanted.error());
   core::RenderSettings settings;
@@ -91,7 +91,7 @@ core::Result<coordinator::CheckedScene> accept(const v1::Bundle&, const v1::Rend
   settings.spp = 2;
   const auto resolved = core::resolve_settings(settings, *wanted);
   if (!resolved) return core::fail(resolved.error());
-  coordinator::CheckedScene checked;
+  jobs::CheckedScene checked;
   checked.settings = proto::to_proto(*resolved);
   checked.display.set_tone_curve(v1::TONE_CURVE_NONE);
   return checked;
@@ -114,7 +114,7 @@ core::FilmTile tile_of(const core::PixelRect& rect, core::SampleRange range) {
   return tile;
 }
 
-Farm::Farm(coordinator::SceneCheck check_scene, const Damage& damage)
+Farm::Farm(jobs::SceneCheck check_scene, const Damage& damage)
     : check_scene_(check_scene ? std::move(check_scene) : accept) {
   const fs::path& original = template_folder();
   const fs::path folder = scratch_folder() / "state";
@@ -131,12 +131,12 @@ void Farm::reopen() {
   auto state = store::StateDirectory::open(scratch_folder() / "state");
   if (!expect_answer(state)) return;
   signer_.emplace(state->jobs.secret());
-  coordinator::Options options;
-  options.fingerprint = kFingerprint;
+  server::CoordinatorOptions options;
+  options.farm.fingerprint = kFingerprint;
   options.limits.picture_pixels = kMaxPixels;
-  options.audit_share = 1;  // of all ranges, so that chance chooses none
-  options.now = [this] { return now_; };
-  auto opened = coordinator::Coordinator::open(options, std::move(*state), check_scene_);
+  options.farm.audit_share = 1;  // of all ranges, so that chance chooses none
+  options.farm.now = [this] { return now_; };
+  auto opened = server::Coordinator::open(options, std::move(*state), check_scene_);
   if (expect_answer(opened)) coordinator_ = std::move(*opened);
 }
 
@@ -153,13 +153,13 @@ void Farm::sign(v1::SynchronizeRequest& request) const {
 
 void Farm::wait(std::chrono::milliseconds time) {
   now_ += time;
-  coordinator_->tick();
+  coordinator_->dispatcher().tick();
 }
 
 void Farm::synchronize(const v1::SynchronizeRequest& request) {
-  coordinator::SynchronizeCaller caller;
+  farm::SynchronizeCaller caller;
   caller.answer = [](const core::Result<v1::SynchronizeResponse>& answer) { expect_sendable(answer); };
-  coordinator_->synchronize(request, std::move(caller));
+  coordinator_->dispatcher().synchronize(request, std::move(caller));
 }
 
 void Farm::greet(char worker) {

@@ -10,7 +10,7 @@
 #include <string>
 
 #include "core/film/film.hpp"
-#include "server/coordinator/coordinator.hpp"
+#include "server/coordinator.hpp"
 #include "tests/fuzz/expect.hpp"
 
 namespace tessera::fuzz {
@@ -26,12 +26,12 @@ class Farm {
   // Jobs "a" (running, 130 x 4 pixels in three tiles, 6 samples per pixel, begun), "b" (paused) and "c"
   // (done). `damage` may change the state folder before a coordinator opens it.
   using Damage = std::function<void(const std::filesystem::path& folder)>;
-  explicit Farm(coordinator::SceneCheck check_scene = nullptr, const Damage& damage = nullptr);
+  explicit Farm(jobs::SceneCheck check_scene = nullptr, const Damage& damage = nullptr);
   ~Farm();
 
   // False where the state folder was refused; there is no coordinator then.
   bool is_open() const { return coordinator_ != nullptr; }
-  coordinator::Coordinator& coordinator() { return *coordinator_; }
+  server::Coordinator& coordinator() { return *coordinator_; }
 
   // Ends the coordinator and opens the folder again.
   void reopen();
@@ -46,10 +46,10 @@ class Farm {
   void greet(char worker);
 
  private:
-  coordinator::SceneCheck check_scene_;
+  jobs::SceneCheck check_scene_;
   scheduler::Time now_{std::chrono::hours(1)};
-  std::optional<coordinator::LeaseSigner> signer_;
-  std::unique_ptr<coordinator::Coordinator> coordinator_;
+  std::optional<dispatch::LeaseSigner> signer_;
+  std::unique_ptr<server::Coordinator> coordinator_;
 };
 
 // That it can be read again by whoever gets it: texts are UTF-8.

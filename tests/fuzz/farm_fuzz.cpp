@@ -33,24 +33,25 @@ void spell_out(v1::SubmitResultRequest& request) {
 }
 
 void do_to_job(Farm& farm, const Part& part) {
-  coordinator::Coordinator& coordinator = farm.coordinator();
+  server::Coordinator& coordinator = farm.coordinator();
   v1::CancelJobRequest request;
   request.set_job_id(std::string(part.bytes));
   if (!request.ParseFromString(request.SerializeAsString())) return;  // no text: gRPC refuses it
   const std::string id = id_of(request.job_id());
-  if (part.name == "pause") expect_sendable(coordinator.pause_job(id));
-  if (part.name == "resume") expect_sendable(coordinator.resume_job(id));
-  if (part.name == "cancel") expect_sendable(coordinator.cancel_job(id));
-  if (part.name == "delete") expect_told(coordinator.delete_job(id));
-  if (part.name == "picture") expect_told(coordinator.picture(id));
+  if (part.name == "pause") expect_sendable(coordinator.jobs().pause(id));
+  if (part.name == "resume") expect_sendable(coordinator.jobs().resume(id));
+  if (part.name == "cancel") expect_sendable(coordinator.jobs().cancel(id));
+  if (part.name == "delete") expect_told(coordinator.jobs().remove(id));
+  if (part.name == "picture") expect_told(coordinator.images().get(id));
   if (part.name == "blob lost") {
-    coordinator.blob_is_lost(proto::digest_of(part.bytes), {core::ErrorCode::kNotFound, "it is not there"});
+    coordinator.jobs().blob_is_lost(proto::digest_of(part.bytes),
+                                    {core::ErrorCode::kNotFound, "it is not there"});
   }
 }
 
 void do_part(Farm& farm, const Part& part) {
   const std::string bytes(part.bytes);
-  coordinator::Coordinator& coordinator = farm.coordinator();
+  server::Coordinator& coordinator = farm.coordinator();
   v1::SynchronizeRequest synchronize;
   v1::SubmitResultRequest result;
   v1::SubmitJobRequest submission;
@@ -62,15 +63,15 @@ void do_part(Farm& farm, const Part& part) {
   } else if (part.name == "result" && result.ParseFromString(bytes)) {
     spell_out(result);
     farm.sign(result);
-    expect_sendable(coordinator.submit_result(result));
+    expect_sendable(coordinator.dispatcher().submit_result(result));
   } else if (part.name == "submit" && submission.ParseFromString(bytes)) {
-    expect_sendable(coordinator.submit_job(submission, "somebody"));
+    expect_sendable(coordinator.jobs().submit(submission, "somebody"));
   } else if (part.name == "extend" && extension.ParseFromString(bytes)) {
-    expect_sendable(coordinator.extend_job(id_of(extension.job_id()), extension.spp()));
+    expect_sendable(coordinator.jobs().extend(id_of(extension.job_id()), extension.spp()));
   } else if (part.name == "wait") {
     farm.wait(std::chrono::milliseconds(250) * static_cast<int>(bytes.size()));
   } else if (part.name == "checkpoint") {
-    expect_told(coordinator.checkpoint());
+    expect_told(coordinator.checkpointer().checkpoint());
   } else if (part.name == "restart") {
     farm.reopen();
     expect(farm.is_open(), "what a coordinator has written it can read");
@@ -89,8 +90,8 @@ void feed(std::string_view input) {
     do_part(farm, part);
     farm.wait(std::chrono::seconds(1));  // checks the invariants
   }
-  for (const v1::Job& job : farm.coordinator().jobs()) expect_sendable(job);
-  for (const auto& worker : farm.coordinator().workers()) expect_sendable(worker);
+  for (const v1::Job& job : farm.coordinator().jobs().list()) expect_sendable(job);
+  for (const auto& worker : farm.coordinator().dispatcher().workers()) expect_sendable(worker);
 }
 
 }  // namespace

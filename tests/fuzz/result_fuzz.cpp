@@ -42,7 +42,7 @@ void deliver(Farm& farm, const Part& part) {
     for (v1::RenderedItem& item : *request.mutable_items()) put_in_order(item);
   }
   farm.sign(request);
-  const auto counted = farm.coordinator().submit_result(request);
+  const auto counted = farm.coordinator().dispatcher().submit_result(request);
   expect_sendable(counted);
   if (!counted) return;
   const int items = static_cast<int>(counted->accepted_items() + counted->dropped_items());
@@ -58,11 +58,11 @@ void feed(std::string_view input) {
     farm.wait(std::chrono::seconds(1));
     farm.greet('1');
   }
-  expect_told(farm.coordinator().picture(id_of("a")));
-  expect_told(farm.coordinator().checkpoint());
+  expect_told(farm.coordinator().images().get(id_of("a")));
+  expect_told(farm.coordinator().checkpointer().checkpoint());
   farm.reopen();
   expect(farm.is_open(), "what a coordinator has written it can read");
-  for (const v1::Job& job : farm.coordinator().jobs()) expect_sendable(job);
+  for (const v1::Job& job : farm.coordinator().jobs().list()) expect_sendable(job);
 }
 
 }  // namespace

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <fstream>
 
-#include "server/coordinator/state_check.hpp"
+#include "server/admin/state_check.hpp"
 #include "server/store/job_store.hpp"
 #include "tests/fuzz/farm.hpp"
 #include "tests/fuzz/parts.hpp"
@@ -93,20 +93,20 @@ void change(const fs::path& folder, const Part& part) {
 }
 
 void look_at(const fs::path& folder) {
-  const auto findings = coordinator::check_state(folder);
-  if (expect_answer(findings)) expect_message(coordinator::to_text(*findings));
+  const auto findings = admin::check_state(folder);
+  if (expect_answer(findings)) expect_message(admin::to_text(*findings));
 }
 
 void go_on(Farm& farm) {
-  for (const v1::Job& job : farm.coordinator().jobs()) {
+  for (const v1::Job& job : farm.coordinator().jobs().list()) {
     expect_sendable(job);
     const std::uint64_t pixels = std::uint64_t{job.settings().width_px()} * job.settings().height_px();
-    if (pixels < 1 << 16) expect_answer(farm.coordinator().picture(job.id()));
+    if (pixels < 1 << 16) expect_answer(farm.coordinator().images().get(job.id()));
   }
   farm.greet('1');
   farm.wait(std::chrono::seconds(1));
-  expect_answer(farm.coordinator().checkpoint());
-  expect_answer(farm.coordinator().extend_job(id_of("c"), 3));
+  expect_answer(farm.coordinator().checkpointer().checkpoint());
+  expect_answer(farm.coordinator().jobs().extend(id_of("c"), 3));
   farm.wait(std::chrono::seconds(20));
 }
 
@@ -116,7 +116,7 @@ void take_up(std::string_view input) {
     look_at(folder);
   });
   if (farm.is_open()) return go_on(farm);
-  if (!expect_answer(coordinator::salvage_state(scratch_folder() / "state"))) return;
+  if (!expect_answer(admin::salvage_state(scratch_folder() / "state"))) return;
   farm.reopen();
   expect(farm.is_open(), "what was salvaged can be taken up");
   go_on(farm);

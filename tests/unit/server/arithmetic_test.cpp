@@ -5,7 +5,7 @@
 
 #include "tests/unit/server/scripted_farm.hpp"
 
-namespace tessera::coordinator {
+namespace tessera::server {
 namespace {
 
 using core::ErrorCode;
@@ -17,7 +17,7 @@ TEST_F(ArithmeticOf, SamplesOfAnotherArithmeticAreRefused) {
   const std::string id = submit();
   v1::SubmitResultRequest request = delivery('a', synchronize(greeting('a')).leases(0));
   request.set_determinism_fingerprint("beef");
-  EXPECT_EQ(coordinator().submit_result(request).error().code, ErrorCode::kFailedPrecondition);
+  EXPECT_EQ(coordinator().dispatcher().submit_result(request).error().code, ErrorCode::kFailedPrecondition);
   EXPECT_EQ(job(id).samples_done(), 0u);
   request.set_determinism_fingerprint("f00d");
   EXPECT_GT(deliver(request).accepted_items(), 0u);
@@ -50,11 +50,11 @@ TEST_F(ArithmeticOf, AFarmIsThatOfItsCoordinatorWhoeverComesFirst) {
 TEST_F(ArithmeticOf, ADoneJobOfAnotherArithmeticCannotBeContinued) {
   const std::string done = submit();
   work('a');
-  ASSERT_TRUE(coordinator().checkpoint());
+  ASSERT_TRUE(coordinator().checkpointer().checkpoint());
   fingerprint_ = "beef";
   open();
   EXPECT_EQ(job(done).state(), v1::JOB_STATE_DONE);
-  EXPECT_EQ(coordinator().extend_job(done, kSpp + 1).error().code, ErrorCode::kFailedPrecondition);
+  EXPECT_EQ(coordinator().jobs().extend(done, kSpp + 1).error().code, ErrorCode::kFailedPrecondition);
 }
 
 // Its samples are kept for a coordinator whose workers can continue it.
@@ -62,12 +62,12 @@ TEST_F(ArithmeticOf, AnUnfinishedJobOfAnotherArithmeticWaitsForItsFarm) {
   const std::string id = submit();
   work('a', 1);
   const std::uint64_t done = job(id).samples_done();
-  ASSERT_TRUE(coordinator().checkpoint());
+  ASSERT_TRUE(coordinator().checkpointer().checkpoint());
   fingerprint_ = "beef";
   open();
   EXPECT_EQ(job(id).state(), v1::JOB_STATE_FAILED);
   EXPECT_THAT(job(id).failure(), HasSubstr("--accept-fingerprint f00d"));
-  ASSERT_TRUE(coordinator().checkpoint());
+  ASSERT_TRUE(coordinator().checkpointer().checkpoint());
   fingerprint_ = kFingerprint;
   open();
   EXPECT_EQ(job(id).state(), v1::JOB_STATE_RUNNING);
@@ -75,4 +75,4 @@ TEST_F(ArithmeticOf, AnUnfinishedJobOfAnotherArithmeticWaitsForItsFarm) {
 }
 
 }  // namespace
-}  // namespace tessera::coordinator
+}  // namespace tessera::server

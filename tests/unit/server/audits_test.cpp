@@ -9,12 +9,12 @@
 
 #include "proto/convert.hpp"
 #include "proto/tile_codec.hpp"
-#include "server/coordinator/fingerprinter.hpp"
-#include "server/coordinator/plausible.hpp"
-#include "server/coordinator/tile_provenance.hpp"
+#include "server/film/fingerprinter.hpp"
+#include "server/film/plausible.hpp"
+#include "server/film/tile_provenance.hpp"
 #include "tests/unit/server/scripted_farm.hpp"
 
-namespace tessera::coordinator {
+namespace tessera::server {
 namespace {
 
 using core::ErrorCode;
@@ -54,13 +54,13 @@ class Audits : public ScriptedFarm {
   std::map<char, v1::SubmitResultRequest> last_results_;  // of each worker
 
   v1::ListWorkersResponse::Worker worker(char id) {
-    for (const auto& each : coordinator().workers()) {
+    for (const auto& each : coordinator().dispatcher().workers()) {
       if (each.id() == std::string(32, id)) return each;
     }
     return {};
   }
   void expect_local_picture(const std::string& id) {
-    EXPECT_TRUE(coordinator().picture(id)->image.pixels ==
+    EXPECT_TRUE(coordinator().images().get(id)->image.pixels ==
                 ready_made_picture(kWidthPx, kHeightPx, kSpp).pixels);
     EXPECT_EQ(job(id).counters().samples(), kSamples);
   }
@@ -107,13 +107,13 @@ TEST_F(Audits, LookLikeOtherWork) {
 TEST_F(Audits, GoOnAfterARestart) {
   const std::string id = submit();
   ASSERT_TRUE(render('a', true));
-  ASSERT_TRUE(coordinator().checkpoint());
+  ASSERT_TRUE(coordinator().checkpointer().checkpoint());
   audit_share_ = 0;
   open();
   EXPECT_GT(job(id).samples_to_verify(), 0u);
   render_together("bc", id);
   expect_local_picture(id);
-  EXPECT_EQ(coordinator().workers()[0].quarantined(), false);
+  EXPECT_EQ(coordinator().dispatcher().workers()[0].quarantined(), false);
 }
 
 TEST_F(Audits, AreNotRepeatedForWhatWasConfirmed) {
@@ -123,7 +123,7 @@ TEST_F(Audits, AreNotRepeatedForWhatWasConfirmed) {
   render('b');
   EXPECT_LT(job(id).samples_to_verify(), due);
   const std::uint64_t left = job(id).samples_to_verify();
-  ASSERT_TRUE(coordinator().checkpoint());
+  ASSERT_TRUE(coordinator().checkpointer().checkpoint());
   open();
   EXPECT_EQ(job(id).samples_to_verify(), left);
 }
@@ -138,8 +138,8 @@ class WithoutAudits : public Audits {
   void quarantined(char worker) {
     v1::SubmitResultRequest lie = last_results_.at(worker);
     *lie.add_items() = {};
-    for (int i = 0; i < Quarantine::kRejectionsUntilQuarantine; ++i)
-      EXPECT_FALSE(coordinator().submit_result(lie));
+    for (int i = 0; i < farm::Quarantine::kRejectionsUntilQuarantine; ++i)
+      EXPECT_FALSE(coordinator().dispatcher().submit_result(lie));
     EXPECT_TRUE(this->worker(worker).quarantined());
     EXPECT_EQ(this->worker(worker).quarantine_reason(), "3 of its results in a row were rejected");
   }
@@ -161,18 +161,18 @@ TEST_F(WithoutAudits, ADoneJobRunsAgainWhetherItsFilmIsStoredOrNot) {
     const std::string id = submit();
     ASSERT_TRUE(render(liar, true));
     render_together("bc", id);
-    EXPECT_FALSE(coordinator().picture(id)->image.pixels ==
+    EXPECT_FALSE(coordinator().images().get(id)->image.pixels ==
                  ready_made_picture(kWidthPx, kHeightPx, kSpp).pixels);
     if (stored) {
-      ASSERT_TRUE(coordinator().checkpoint());
+      ASSERT_TRUE(coordinator().checkpointer().checkpoint());
     }
     quarantined(liar);
-    coordinator().reopen_jobs();
+    coordinator().jobs().reopen();
     EXPECT_EQ(job(id).state(), v1::JOB_STATE_RUNNING);
     EXPECT_FALSE(job(id).has_finished_at());
     render_together("bc", id);
     expect_local_picture(id);
-    ASSERT_TRUE(coordinator().checkpoint());
+    ASSERT_TRUE(coordinator().checkpointer().checkpoint());
     expect_local_picture(id);
   }
 }
@@ -180,9 +180,9 @@ TEST_F(WithoutAudits, ADoneJobRunsAgainWhetherItsFilmIsStoredOrNot) {
 TEST_F(WithoutAudits, WhatIsToBeVerifiedIsKnownAfterARestart) {
   const std::string id = submit();
   ASSERT_TRUE(render('a', true));
-  ASSERT_TRUE(coordinator().checkpoint());
+  ASSERT_TRUE(coordinator().checkpointer().checkpoint());
   quarantined('a');
-  ASSERT_TRUE(coordinator().checkpoint());
+  ASSERT_TRUE(coordinator().checkpointer().checkpoint());
   open();
   EXPECT_GT(job(id).samples_to_verify(), 0u);
   render_together("bc", id);
@@ -194,7 +194,7 @@ TEST_F(WithoutAudits, WhatWasToBeVerifiedIsRenderedAgainWhereTheSecretIsLost) {
   const std::string id = submit();
   ASSERT_TRUE(render('a', true));
   quarantined('a');
-  ASSERT_TRUE(coordinator().checkpoint());
+  ASSERT_TRUE(coordinator().checkpointer().checkpoint());
   coordinator_.reset();
   sqlite3* database = nullptr;
   ASSERT_EQ(sqlite3_open((folder_.path() / "state" / "tessera.db").c_str(), &database), SQLITE_OK);
@@ -214,7 +214,7 @@ core::FilmTile some_tile(core::SampleRange range) {
 }
 
 TEST(FingerprinterTest, PartsAddUpToTheWhole) {
-  const Fingerprinter fingerprinter({1, 2});
+  const film::Fingerprinter fingerprinter({1, 2});
   scheduler::Fingerprint parts = fingerprinter.of(some_tile({3, 4}));
   parts.add(fingerprinter.of(some_tile({4, 9})));
   parts.add(fingerprinter.of(some_tile({9, 17})));
@@ -224,11 +224,11 @@ TEST(FingerprinterTest, PartsAddUpToTheWhole) {
 }
 
 TEST(FingerprinterTest, EverySumCountsAndTheSecretAsWell) {
-  const Fingerprinter fingerprinter({1, 2}), other({1, 3});
+  const film::Fingerprinter fingerprinter({1, 2}), other({1, 3});
   const core::FilmTile tile = some_tile({0, 4});
   const scheduler::Fingerprint right = fingerprinter.of(tile);
   EXPECT_FALSE(same_sums(right, other.of(tile)));
-  EXPECT_EQ(right, Fingerprinter({1, 2}).of(tile));
+  EXPECT_EQ(right, film::Fingerprinter({1, 2}).of(tile));
   for (std::size_t i = 0; i < tile.sums.size(); i += 97) {
     for (const int bit : {0, 31, 63}) {
       core::FilmTile wrong = tile;
@@ -244,17 +244,17 @@ TEST(FingerprinterTest, EverySumCountsAndTheSecretAsWell) {
 TEST(FingerprinterTest, MarksSumsThatWereCutOff) {
   core::FilmTile tile = some_tile({0, 4});
   tile.sums[7] = core::kFilmSaturated;
-  EXPECT_EQ(Fingerprinter({1, 2}).of(tile).largest, std::numeric_limits<float>::infinity());
+  EXPECT_EQ(film::Fingerprinter({1, 2}).of(tile).largest, std::numeric_limits<float>::infinity());
 }
 
 TEST(TileProvenanceTest, StandBehindTheTileInItsBytes) {
-  const Produced provenance{17,
-                            {{{3, {0, 4}}, {"a", {"id a"}, "machine"}, {1, 2, 3}, scheduler::Due::kNo},
-                             {{3, {4, 5}}, {"b", {"id b"}}, {~0ull, 5, 6}, scheduler::Due::kDoubted},
-                             {{3, {8, 9}}, {"a", {"id a"}}, {7, 8, 9}, scheduler::Due::kChosen}}};
+  const film::Produced provenance{17,
+                                  {{{3, {0, 4}}, {"a", {"id a"}, "machine"}, {1, 2, 3}, scheduler::Due::kNo},
+                                   {{3, {4, 5}}, {"b", {"id b"}}, {~0ull, 5, 6}, scheduler::Due::kDoubted},
+                                   {{3, {8, 9}}, {"a", {"id a"}}, {7, 8, 9}, scheduler::Due::kChosen}}};
   const std::string tile = proto::encode_tile(some_tile({0, 4})).SerializeAsString();
-  const std::string bytes = tile + encode_provenance(provenance);
-  const auto read = decode_provenance(3, bytes);
+  const std::string bytes = tile + film::encode_provenance(provenance);
+  const auto read = film::decode_provenance(3, bytes);
   EXPECT_EQ(read.fingerprinter, 17u);
   ASSERT_EQ(read.items.size(), provenance.items.size());
   for (std::size_t i = 0; i < read.items.size(); ++i) {
@@ -266,7 +266,7 @@ TEST(TileProvenanceTest, StandBehindTheTileInItsBytes) {
   v1::RenderedItem item;
   ASSERT_TRUE(item.ParseFromString(bytes));
   EXPECT_EQ(proto::decode_tile(item)->sums, some_tile({0, 4}).sums);
-  EXPECT_TRUE(decode_provenance(3, tile).items.empty());
+  EXPECT_TRUE(film::decode_provenance(3, tile).items.empty());
 }
 
 struct Impossible {
@@ -280,9 +280,9 @@ class Plausibility : public testing::TestWithParam<Impossible> {};
 
 TEST_P(Plausibility, IsRequired) {
   core::FilmTile tile = some_tile(GetParam().range);
-  ASSERT_TRUE(check_plausible(tile));
+  ASSERT_TRUE(film::check_plausible(tile));
   GetParam().spoil(tile);
-  const core::Status refused = check_plausible(tile);
+  const core::Status refused = film::check_plausible(tile);
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::kInvalidArgument);
   EXPECT_THAT(refused.error().message, HasSubstr(GetParam().says));
@@ -324,4 +324,4 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& impossible) { return impossible.param.name; });
 
 }  // namespace
-}  // namespace tessera::coordinator
+}  // namespace tessera::server

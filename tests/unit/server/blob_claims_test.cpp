@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "server/coordinator/blob_claims.hpp"
+#include "server/blobs/blob_claims.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace tessera::coordinator {
+namespace tessera::server {
 namespace {
 
 using namespace std::chrono_literals;
@@ -16,13 +16,13 @@ class BlobClaimsTest : public testing::Test {
  protected:
   static proto::Digest file(const std::string& bytes) { return proto::digest_of(bytes); }
 
-  BlobClaims::Time now_{};
-  BlobClaims claims_{[this] { return now_; }};
+  blobs::BlobClaims::Time now_{};
+  blobs::BlobClaims claims_{[this] { return now_; }};
   const proto::Digest a_ = file("a"), b_ = file("b"), c_ = file("c");
 };
 
 TEST_F(BlobClaimsTest, WhatIsHeldIsNeededHoweverLong) {
-  std::optional<BlobClaims::Hold> first = claims_.hold({a_, b_, a_});
+  std::optional<blobs::BlobClaims::Hold> first = claims_.hold({a_, b_, a_});
   auto second = claims_.hold({a_});
   now_ += 1000h;
   EXPECT_TRUE(claims_.is_needed(a_));
@@ -101,11 +101,11 @@ TEST_F(BlobClaimsTest, ButNotWhileTheSameIsSubmittedOnceMore) {
 
 TEST_F(BlobClaimsTest, TheSameFilesAskedForAgainCountOnce) {
   for (int i = 0; i < 100; ++i) EXPECT_TRUE(claims_.claim("ada", {a_, b_}));
-  EXPECT_EQ(claims_.claimed_by("ada"), BlobClaims::kMinFiles);
+  EXPECT_EQ(claims_.claimed_by("ada"), blobs::BlobClaims::kMinFiles);
 }
 
 TEST_F(BlobClaimsTest, NobodyClaimsAllThatCanBe) {
-  std::vector<proto::Digest> files(BlobClaims::kMaxFiles / 4 + 1);
+  std::vector<proto::Digest> files(blobs::BlobClaims::kMaxFiles / 4 + 1);
   const auto claim = [&](const std::string& caller, std::uint8_t kind) {
     for (std::size_t i = 0; i < files.size(); ++i) {
       for (int byte = 0; byte < 3; ++byte)
@@ -132,4 +132,4 @@ TEST_F(BlobClaimsTest, NothingIsDoneToWhatIsNeeded) {
 }
 
 }  // namespace
-}  // namespace tessera::coordinator
+}  // namespace tessera::server

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "server/store/blob_store.hpp"
+#include "server/blobs/blob_store.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -50,7 +50,7 @@ class BlobStoreTest : public testing::Test {
   }
 
   TemporaryFolder folder_;
-  BlobStore store_ = *BlobStore::open(folder_.path());
+  blobs::BlobStore store_ = *blobs::BlobStore::open(folder_.path());
 };
 
 TEST_F(BlobStoreTest, GivesBackWhatWasPut) {
@@ -126,7 +126,7 @@ TEST_F(BlobStoreTest, AnInterruptedUploadIsClearedAtTheNextStart) {
   auto writer = store_.write(proto::digest_of("wanted"));
   ASSERT_TRUE(writer && writer->append("wan"));
   ASSERT_EQ(files_below(folder_.path()), 1u);
-  ASSERT_TRUE(BlobStore::open(folder_.path()));
+  ASSERT_TRUE(blobs::BlobStore::open(folder_.path()));
   EXPECT_EQ(files_below(folder_.path()), 0u);
 }
 
@@ -164,7 +164,7 @@ TEST_F(BlobStoreTest, ABlobThatIsReplacedOrRemovedCostsNothingMore) {
   EXPECT_FALSE(is_kept(charges[1]));
   EXPECT_TRUE(is_kept(charges[2]));
   {
-    const RemovedBlob removed = store_.take_away(digest);
+    const blobs::RemovedBlob removed = store_.take_away(digest);
     EXPECT_FALSE(store_.contains(digest));
     EXPECT_TRUE(is_kept(charges[2])) << "its file takes room still";
     EXPECT_EQ(files_below(folder_.path()), 1u);
@@ -177,7 +177,7 @@ TEST_F(BlobStoreTest, ABlobThatIsReplacedOrRemovedCostsNothingMore) {
 TEST_F(BlobStoreTest, KnowsWhatIsHere) {
   const proto::Digest first = proto::digest_of("first"), second = proto::digest_of("second");
   ASSERT_TRUE(put(first, {"first"}));
-  const BlobStore store = *BlobStore::open(folder_.path());
+  const blobs::BlobStore store = *blobs::BlobStore::open(folder_.path());
   EXPECT_EQ(store.stored(), std::vector{first});
   auto writer = store.write(second);
   ASSERT_TRUE(writer && writer->append("second") && writer->commit());
@@ -206,7 +206,7 @@ TEST_F(BlobStoreTest, ADamagedFileIsToldByName) {
 TEST(BlobStoreOpening, SaysWhatIsInTheWay) {
   const TemporaryFolder folder;
   write_file(folder.path() / "file", "");
-  const auto store = BlobStore::open(folder.path() / "file" / "blobs");
+  const auto store = blobs::BlobStore::open(folder.path() / "file" / "blobs");
   ASSERT_FALSE(store);
   EXPECT_THAT(store.error().message, HasSubstr((folder.path() / "file").string()));
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "server/rpc/call_rate.hpp"
+#include "server/auth/call_rate.hpp"
 
 #include <gtest/gtest.h>
 
@@ -19,8 +19,8 @@ class CallRateTest : public testing::Test {
     return calls;
   }
 
-  CallRate::Clock::time_point now_{1h};
-  CallRate rate_{2, [this] { return now_; }};
+  auth::CallRate::Clock::time_point now_{1h};
+  auth::CallRate rate_{2, [this] { return now_; }};
 };
 
 TEST_F(CallRateTest, WhoWasQuietMayCallOftenAtOnce) {

@@ -16,7 +16,7 @@ class Callers : public LimitedService {
     write_file(folder_.path() / "ben", std::string(16, 'b'));
     write_file(folder_.path() / "tokens",
                "work ada " + std::string(16, 'a') + "\nwork ben " + std::string(16, 'b') + "\n");
-    access_ = *Access::read(folder_.path() / "tokens");
+    access_ = *auth::Access::read(folder_.path() / "tokens");
     start({});
   }
   std::unique_ptr<v1::WorkerService::Stub> worker_of(const std::string& name) {
@@ -32,7 +32,7 @@ class Callers : public LimitedService {
     return response.leases_size() == 1 ? response.leases(0) : v1::Lease();
   }
   void decline(v1::WorkerService::Stub& caller, char worker, const v1::Lease& lease) {
-    v1::SubmitResultRequest given_back = coordinator::delivery_with_key(worker, lease);
+    v1::SubmitResultRequest given_back = server::delivery_with_key(worker, lease);
     given_back.clear_items();
     given_back.set_decline_reason("out of memory");
     grpc::ClientContext context;
@@ -44,14 +44,14 @@ class Callers : public LimitedService {
 
 TEST_F(Callers, CannotFailAJobByWorkersOfManyNames) {
   start_with_workers_of_ada_and_ben();
-  const std::string job = coordinator_->submit_job(submission(), "root")->id();
+  const std::string job = coordinator_->jobs().submit(submission(), "root")->id();
   const auto ada = worker_of("ada"), ben = worker_of("ben");
   const v1::Lease of_ben = lease_to(*ben, 'a');
   for (const char worker : {'b', 'c', 'd', 'e'}) decline(*ada, worker, lease_to(*ada, worker));
-  EXPECT_EQ(coordinator_->job(job)->state(), v1::JOB_STATE_RUNNING);
+  EXPECT_EQ(coordinator_->jobs().get(job)->state(), v1::JOB_STATE_RUNNING);
   decline(*ben, 'a', of_ben);
-  ASSERT_TRUE(coordinator_->checkpoint());
-  EXPECT_EQ(coordinator_->job(job)->state(), v1::JOB_STATE_FAILED);
+  ASSERT_TRUE(coordinator_->checkpointer().checkpoint());
+  EXPECT_EQ(coordinator_->jobs().get(job)->state(), v1::JOB_STATE_FAILED);
 }
 
 }  // namespace

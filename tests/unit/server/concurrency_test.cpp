@@ -10,7 +10,7 @@
 
 #include "tests/unit/server/scripted_farm.hpp"
 
-namespace tessera::coordinator {
+namespace tessera::server {
 namespace {
 
 class Concurrency : public ScriptedFarm {
@@ -18,11 +18,11 @@ class Concurrency : public ScriptedFarm {
   // Waits for the answer.
   core::Result<v1::SynchronizeResponse> synchronize_blocking(char worker) {
     std::promise<core::Result<v1::SynchronizeResponse>> promise;
-    SynchronizeCaller caller;
+    farm::SynchronizeCaller caller;
     caller.answer = [&](core::Result<v1::SynchronizeResponse> result) {
       promise.set_value(std::move(result));
     };
-    coordinator().synchronize(greeting(worker), std::move(caller));
+    coordinator().dispatcher().synchronize(greeting(worker), std::move(caller));
     return promise.get_future().get();
   }
   void wait_until_done(const std::string& id) {
@@ -32,9 +32,9 @@ class Concurrency : public ScriptedFarm {
     while (const auto response = synchronize_blocking(worker)) {
       for (const v1::Lease& lease : response->leases()) {
         // Delivers it twice: the second result is dropped, since nobody else can deliver it.
-        EXPECT_TRUE(coordinator().submit_result(delivery(worker, lease)));
-        EXPECT_TRUE(coordinator().submit_result(delivery(worker, lease)));
-        EXPECT_FALSE(coordinator().submit_result(delivery('d', lease)));
+        EXPECT_TRUE(coordinator().dispatcher().submit_result(delivery(worker, lease)));
+        EXPECT_TRUE(coordinator().dispatcher().submit_result(delivery(worker, lease)));
+        EXPECT_FALSE(coordinator().dispatcher().submit_result(delivery('d', lease)));
       }
     }
   }
@@ -52,14 +52,14 @@ TEST_F(Concurrency, NothingIsLostOrCountedTwice) {
   };
   for (const char worker : {'a', 'b', 'c'})
     threads.emplace_back([this, worker] { work_until_closed(worker); });
-  repeat([&] { EXPECT_TRUE(coordinator().checkpoint()); });
-  repeat([&] { coordinator().tick(); });
-  repeat([&] { EXPECT_TRUE(coordinator().picture(jobs[0])); });
-  repeat([&] { EXPECT_EQ(coordinator().jobs().size(), jobs.size()); });
+  repeat([&] { EXPECT_TRUE(coordinator().checkpointer().checkpoint()); });
+  repeat([&] { coordinator().dispatcher().tick(); });
+  repeat([&] { EXPECT_TRUE(coordinator().images().get(jobs[0])); });
+  repeat([&] { EXPECT_EQ(coordinator().jobs().list().size(), jobs.size()); });
   for (std::uint32_t spp = kSpp + 1; spp <= kExtendedSpp; ++spp) {
-    for (const std::string& id : jobs) EXPECT_TRUE(coordinator().extend_job(id, spp));
-    if (!coordinator().pause_job(jobs[0])) wait_until_done(jobs[0]);
-    if (!coordinator().resume_job(jobs[0])) wait_until_done(jobs[0]);
+    for (const std::string& id : jobs) EXPECT_TRUE(coordinator().jobs().extend(id, spp));
+    if (!coordinator().jobs().pause(jobs[0])) wait_until_done(jobs[0]);
+    if (!coordinator().jobs().resume(jobs[0])) wait_until_done(jobs[0]);
   }
   for (const std::string& id : jobs) wait_until_done(id);
   stopping = true;
@@ -67,13 +67,13 @@ TEST_F(Concurrency, NothingIsLostOrCountedTwice) {
   for (std::thread& thread : threads) thread.join();
 
   const core::Image expected = ready_made_picture(kWidthPx, kHeightPx, kExtendedSpp);
-  ASSERT_TRUE(coordinator().checkpoint());
+  ASSERT_TRUE(coordinator().checkpointer().checkpoint());
   open();
   for (const std::string& id : jobs) {
-    EXPECT_EQ(coordinator().picture(id)->image.pixels, expected.pixels);
+    EXPECT_EQ(coordinator().images().get(id)->image.pixels, expected.pixels);
     EXPECT_EQ(job(id).counters().samples(), std::uint64_t{kWidthPx} * kHeightPx * kExtendedSpp);
   }
 }
 
 }  // namespace
-}  // namespace tessera::coordinator
+}  // namespace tessera::server

@@ -17,6 +17,7 @@
 #include <sstream>
 
 #include "proto/channel.hpp"
+#include "server/auth/peer.hpp"
 #include "server/rpc/connection_slots.hpp"
 #include "server/rpc/listener.hpp"
 #include "server/rpc/listening_sockets.hpp"
@@ -28,7 +29,7 @@ namespace tessera::rpc {
 namespace {
 
 using namespace std::chrono_literals;
-using store::Fd;
+using base::Fd;
 using testing::HasSubstr;
 using Room = ConnectionSlots::Room;
 
@@ -40,7 +41,7 @@ int port_in(const std::string& address) {
 }
 
 // Opens an idle connection; invalid if nobody listens.
-Fd connect_to(int port, int family = AF_INET) {
+base::Fd connect_to(int port, int family = AF_INET) {
   sockaddr_in6 v6{};
   v6.sin6_family = AF_INET6;
   v6.sin6_port = htons(static_cast<std::uint16_t>(port));
@@ -50,21 +51,21 @@ Fd connect_to(int port, int family = AF_INET) {
   v4.sin_port = v6.sin6_port;
   v4.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
   const bool is_v6 = family == AF_INET6;
-  Fd connection(::socket(family, SOCK_STREAM | SOCK_CLOEXEC, 0));
+  base::Fd connection(::socket(family, SOCK_STREAM | SOCK_CLOEXEC, 0));
   const auto* address = is_v6 ? reinterpret_cast<sockaddr*>(&v6) : reinterpret_cast<sockaddr*>(&v4);
   const bool connected = ::connect(connection.get(), address, is_v6 ? sizeof v6 : sizeof v4) == 0;
-  return connected ? std::move(connection) : Fd();
+  return connected ? std::move(connection) : base::Fd();
 }
 
 // Waits for the byte that gRPC without TLS sends on each accepted connection. False if the peer has closed
 // it.
-bool is_taken(const Fd& connection) {
+bool is_taken(const base::Fd& connection) {
   char byte = 0;
   return ::recv(connection.get(), &byte, 1, MSG_PEEK) > 0;
 }
 
 // Whether the peer closes it within the timeout.
-bool is_closed_at_last(const Fd& connection) {
+bool is_closed_at_last(const base::Fd& connection) {
   const timeval patience{std::chrono::seconds(kLongEnough).count(), 0};
   ::setsockopt(connection.get(), SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
   char bytes[256];
@@ -74,8 +75,8 @@ bool is_closed_at_last(const Fd& connection) {
   return received == 0 || errno == ECONNRESET;
 }
 
-Fd any_socket() {
-  return Fd(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
+base::Fd any_socket() {
+  return base::Fd(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
 }
 
 // Closed connections may be noticed with a short delay.
@@ -97,20 +98,20 @@ sockaddr_storage address_of(int family, const char* text) {
 
 TEST(ConnectionSlots, ComeBackWhenTheSocketIsClosed) {
   ConnectionSlots slots(2, 2);
-  Fd first = any_socket();
-  const Fd second = any_socket();
+  base::Fd first = any_socket();
+  const base::Fd second = any_socket();
   slots.take(first.get(), "a");
   EXPECT_EQ(slots.room_for("a"), Room::kYes);
   slots.take(second.get(), "a");
   for (int i = 0; i < 1000; ++i) ASSERT_EQ(slots.room_for("a"), Room::kNone);
-  first = Fd();
+  first = base::Fd();
   EXPECT_TRUE(has_room_at_last(slots, "a"));
 }
 
 TEST(ConnectionSlots, AreNotHeldByWhatHasTheDescriptorNext) {
   ConnectionSlots slots(1, 1);
-  const Fd connection = any_socket(), next = any_socket(), last = any_socket();
-  const Fd file(::open("/dev/null", O_RDONLY | O_CLOEXEC));
+  const base::Fd connection = any_socket(), next = any_socket(), last = any_socket();
+  const base::Fd file(::open("/dev/null", O_RDONLY | O_CLOEXEC));
   slots.take(connection.get(), "a");
   EXPECT_EQ(slots.room_for("b"), Room::kNone);
   ASSERT_EQ(::dup2(file.get(), connection.get()), connection.get());
@@ -125,7 +126,7 @@ TEST(ConnectionSlots, AreNotHeldByWhatHasTheDescriptorNext) {
 // The kernel assigns the lowest free descriptor.
 TEST(ConnectionSlots, AreCountedOnceWhereADescriptorIsTakenAgain) {
   ConnectionSlots slots(2, 1);
-  const Fd connection = any_socket(), next = any_socket(), other = any_socket();
+  const base::Fd connection = any_socket(), next = any_socket(), other = any_socket();
   slots.take(connection.get(), "a");
   ASSERT_EQ(::dup2(next.get(), connection.get()), connection.get());
   slots.take(connection.get(), "b");
@@ -136,25 +137,25 @@ TEST(ConnectionSlots, AreCountedOnceWhereADescriptorIsTakenAgain) {
 
 TEST(ConnectionSlots, OfOneMachineLeaveRoomForOthers) {
   ConnectionSlots slots(3, 2);
-  Fd held[] = {any_socket(), any_socket(), any_socket()};
+  base::Fd held[] = {any_socket(), any_socket(), any_socket()};
   slots.take(held[0].get(), "a");
   slots.take(held[1].get(), "a");
   EXPECT_EQ(slots.room_for("a"), Room::kNoneForMachine);
   EXPECT_EQ(slots.room_for("b"), Room::kYes);
   slots.take(held[2].get(), "b");
   EXPECT_EQ(slots.room_for("b"), Room::kNone);
-  held[1] = Fd();
+  held[1] = base::Fd();
   EXPECT_TRUE(has_room_at_last(slots, "a"));
 }
 
 TEST(ConnectionSlots, AMachineIsAnAddressOrItsNetwork) {
-  EXPECT_EQ(client_key(address_of(AF_INET, "10.0.0.5")), "10.0.0.5");
-  EXPECT_EQ(client_key(address_of(AF_INET6, "2001:db8:1:2:3:4:5:6")), "2001:db8:1:2::/64");
-  EXPECT_EQ(client_key(address_of(AF_INET6, "2001:db8:1:2::9")), "2001:db8:1:2::/64");
-  EXPECT_EQ(client_key("ipv4:10.0.0.5:4242"), "ipv4:10.0.0.5");
-  EXPECT_EQ(client_key("ipv6:[2001:db8:1:2::9]:4242"), "2001:db8:1:2::/64");
-  EXPECT_EQ(client_key("ipv6:%5B2001:db8:1:2:3:4:5:6%5D:17"), "2001:db8:1:2::/64");
-  EXPECT_EQ(client_key("ipv6:%5Bfe80::1%25eth0%5D:17"), "ipv6:%5Bfe80::1%25eth0%5D");
+  EXPECT_EQ(auth::client_key(address_of(AF_INET, "10.0.0.5")), "10.0.0.5");
+  EXPECT_EQ(auth::client_key(address_of(AF_INET6, "2001:db8:1:2:3:4:5:6")), "2001:db8:1:2::/64");
+  EXPECT_EQ(auth::client_key(address_of(AF_INET6, "2001:db8:1:2::9")), "2001:db8:1:2::/64");
+  EXPECT_EQ(auth::client_key("ipv4:10.0.0.5:4242"), "ipv4:10.0.0.5");
+  EXPECT_EQ(auth::client_key("ipv6:[2001:db8:1:2::9]:4242"), "2001:db8:1:2::/64");
+  EXPECT_EQ(auth::client_key("ipv6:%5B2001:db8:1:2:3:4:5:6%5D:17"), "2001:db8:1:2::/64");
+  EXPECT_EQ(auth::client_key("ipv6:%5Bfe80::1%25eth0%5D:17"), "ipv6:%5Bfe80::1%25eth0%5D");
 }
 
 TEST(ListeningSockets, HaveOnePortAtAllAddresses) {
@@ -198,9 +199,9 @@ TEST(Listener, HandsOnWhatConnectsUntilItStops) {
   ASSERT_TRUE(listening);
   const auto listener = std::move(*Listener::make(std::move(*listening), ConnectionSlots(1, 1)));
   std::promise<int> taken;
-  const Fd connection = connect_to(listener->port());  // blocks until it is accepted
+  const base::Fd connection = connect_to(listener->port());  // blocks until it is accepted
   listener->start([&](int descriptor) { taken.set_value(descriptor); });
-  const Fd accepted(taken.get_future().get());
+  const base::Fd accepted(taken.get_future().get());
   EXPECT_EQ(::send(accepted.get(), "x", 1, 0), 1);
   EXPECT_TRUE(is_taken(connection));
   listener->stop();
@@ -214,8 +215,8 @@ class Connections : public testing::TestWithParam<bool> {
  protected:
   void start(const server::Limits& limits, const proto::Patience& patience = {}) {
     if (GetParam()) make_certificates();
-    coordinator_ = std::move(*coordinator::Coordinator::open(
-        {}, std::move(*store::StateDirectory::open(folder_.path() / "state")), coordinator::accept_scene));
+    coordinator_ = std::move(*server::Coordinator::open(
+        {}, std::move(*store::StateDirectory::open(folder_.path() / "state")), server::accept_scene));
     server_ = std::move(*Server::start(
         *coordinator_,
         {.address = "127.0.0.1:0", .security = serving_, .limits = limits, .patience = patience}));
@@ -252,7 +253,7 @@ class Connections : public testing::TestWithParam<bool> {
   TemporaryFolder folder_;
   proto::ServerSecurity serving_;
   proto::ClientSecurity calling_;
-  std::unique_ptr<coordinator::Coordinator> coordinator_;
+  std::unique_ptr<server::Coordinator> coordinator_;
   std::unique_ptr<Server> server_;
 };
 
@@ -291,7 +292,7 @@ TEST_P(Connections, NoneLeavesItsSlotTaken) {
 
 TEST_P(Connections, WithoutAWordAreClosed) {
   start({.connections = 1}, {.handshake = 2s, .ping_period = 1h, .answer = 1h});
-  const Fd silent = connect_to(port());
+  const base::Fd silent = connect_to(port());
   ASSERT_TRUE(silent);
   EXPECT_TRUE(is_closed_at_last(silent));
   const auto later = caller();
@@ -304,7 +305,7 @@ INSTANTIATE_TEST_SUITE_P(, PlainConnections, testing::Values(false), [](const au
 // Like a machine without power, or a stopped process, between two calls.
 TEST_P(PlainConnections, WhoAnswersNoPingsAreClosed) {
   start({.connections = 1}, {.ping_period = 1s, .answer = 2s});
-  const Fd stopped = connect_to(port());
+  const base::Fd stopped = connect_to(port());
   const std::string preface("PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n\0\0\0\4\0\0\0\0\0", 24 + 9);  // RFC 9113, 3.4
   ASSERT_EQ(::send(stopped.get(), preface.data(), preface.size(), 0), static_cast<ssize_t>(preface.size()));
   EXPECT_TRUE(is_closed_at_last(stopped));
@@ -326,7 +327,7 @@ TEST_P(PlainConnections, ThatAreTooManyFillNoLog) {
   spdlog::set_default_logger(
       std::make_shared<spdlog::logger>("log", std::make_shared<spdlog::sinks::ostream_sink_mt>(log)));
   start({.connections = 1});
-  const Fd inside = connect_to(port());
+  const base::Fd inside = connect_to(port());
   EXPECT_TRUE(is_taken(inside));
   for (int i = 0; i < 200; ++i) EXPECT_FALSE(is_taken(connect_to(port())));
   server_.reset();

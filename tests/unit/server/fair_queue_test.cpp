@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "server/coordinator/fair_queue.hpp"
+#include "server/base/fair_queue.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace tessera::coordinator {
+namespace tessera::server {
 namespace {
 
 class FairQueueTest : public testing::Test {
@@ -19,7 +19,7 @@ class FairQueueTest : public testing::Test {
   // Waits as the caller with the first letter of the name.
   bool wait(const std::string& name, std::uint64_t amount) {
     const auto [entry, added] = names_.emplace(name, name);
-    return queue_.wait(&entry->second, name.substr(0, 1), amount, [this, name](FairShare::Held held) {
+    return queue_.wait(&entry->second, name.substr(0, 1), amount, [this, name](base::FairShare::Held held) {
       order_.push_back(name);
       held_.emplace(name, std::move(held));
     });
@@ -30,10 +30,10 @@ class FairQueueTest : public testing::Test {
     ASSERT_TRUE(given_back);
   }
 
-  FairQueue queue_{100, 8};
+  base::FairQueue queue_{100, 8};
   std::map<std::string, const std::string> names_;
   std::vector<std::string> order_;
-  std::map<std::string, FairShare::Held> held_;
+  std::map<std::string, base::FairShare::Held> held_;
 };
 
 using Names = std::vector<std::string>;
@@ -95,4 +95,4 @@ TEST_F(FairQueueTest, NobodyFillsTheQueue) {
 }
 
 }  // namespace
-}  // namespace tessera::coordinator
+}  // namespace tessera::server

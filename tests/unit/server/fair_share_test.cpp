@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Quotas that callers share, and the fair thread pool.
-#include "server/coordinator/fair_share.hpp"
+#include "server/base/fair_share.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,15 +9,15 @@
 #include <string>
 #include <vector>
 
-#include "server/coordinator/fair_pool.hpp"
+#include "server/base/fair_pool.hpp"
 
-namespace tessera::coordinator {
+namespace tessera::server {
 namespace {
 
-using Taken = std::vector<FairShare::Held>;
+using Taken = std::vector<base::FairShare::Held>;
 
 // How often the caller can take this amount.
-int take_all(FairShare& share, const std::string& caller, Taken& taken, std::uint64_t amount = 1) {
+int take_all(base::FairShare& share, const std::string& caller, Taken& taken, std::uint64_t amount = 1) {
   for (int times = 0;; ++times) {
     auto held = share.take(caller, amount);
     if (!held) return times;
@@ -26,14 +26,14 @@ int take_all(FairShare& share, const std::string& caller, Taken& taken, std::uin
 }
 
 TEST(FairShare, OneCallerAloneHasHalf) {
-  FairShare share(64);
+  base::FairShare share(64);
   Taken taken;
   EXPECT_EQ(take_all(share, "a", taken), 32);
   EXPECT_EQ(share.held_by("a"), 32u);
 }
 
 TEST(FairShare, ThereIsSomethingLeftForWhoHasNothing) {
-  FairShare share(64);
+  base::FairShare share(64);
   Taken taken;
   for (int caller = 0; caller < 6; ++caller) {
     EXPECT_GE(take_all(share, std::to_string(caller), taken), 1) << caller;
@@ -42,7 +42,7 @@ TEST(FairShare, ThereIsSomethingLeftForWhoHasNothing) {
 }
 
 TEST(FairShare, WhatIsGivenBackCanBeTakenAgain) {
-  FairShare share(8);
+  base::FairShare share(8);
   Taken taken;
   EXPECT_EQ(take_all(share, "a", taken), 4);
   taken.clear();
@@ -52,7 +52,7 @@ TEST(FairShare, WhatIsGivenBackCanBeTakenAgain) {
 }
 
 TEST(FairShare, WhoIsAloneGetsAnyAmountOnce) {
-  FairShare share(10);
+  base::FairShare share(10);
   const auto large = share.take("a", 25);
   EXPECT_TRUE(large);
   EXPECT_FALSE(share.take("a"));
@@ -60,7 +60,7 @@ TEST(FairShare, WhoIsAloneGetsAnyAmountOnce) {
 }
 
 TEST(FairShare, AmountsCount) {
-  FairShare share(10);
+  base::FairShare share(10);
   Taken taken;
   EXPECT_EQ(take_all(share, "a", taken, 3), 2);
   EXPECT_EQ(take_all(share, "b", taken, 3), 1);
@@ -106,7 +106,7 @@ class FairPoolTest : public testing::Test {
   std::condition_variable changed_;
   bool held_up_ = false, released_ = false;
   std::vector<std::string> done_;
-  FairPool pool_{1, 8};  // destroyed first
+  base::FairPool pool_{1, 8};  // destroyed first
 };
 
 TEST_F(FairPoolTest, CallersTakeTurns) {
@@ -139,4 +139,4 @@ TEST_F(FairPoolTest, RunsWhatWaitsToItsEndAndTellsThatThereIsNoTime) {
 }
 
 }  // namespace
-}  // namespace tessera::coordinator
+}  // namespace tessera::server

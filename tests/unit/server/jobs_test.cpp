@@ -10,7 +10,7 @@
 #include "proto/convert.hpp"
 #include "tests/unit/server/scripted_farm.hpp"
 
-namespace tessera::coordinator {
+namespace tessera::server {
 namespace {
 
 using core::ErrorCode;
@@ -18,9 +18,9 @@ using testing::HasSubstr;
 
 class Jobs : public ScriptedFarm {};
 
-core::Result<CheckedScene> accept_as_larger_than_allowed(const v1::Bundle& bundle,
+core::Result<jobs::CheckedScene> accept_as_larger_than_allowed(const v1::Bundle& bundle,
                                                          const v1::RenderOverrides& overrides) {
-  CheckedScene scene = *accept_scene(bundle, overrides);
+  jobs::CheckedScene scene = *accept_scene(bundle, overrides);
   scene.settings.set_width_px(32768);
   scene.settings.set_height_px(16384);
   return scene;
@@ -28,7 +28,7 @@ core::Result<CheckedScene> accept_as_larger_than_allowed(const v1::Bundle& bundl
 
 TEST_F(Jobs, NamesThatCannotBeShownAreRefused) {
   const auto refusal = [&](const v1::SubmitJobRequest& request) {
-    const auto job = coordinator().submit_job(request);
+    const auto job = coordinator().jobs().submit(request);
     EXPECT_FALSE(job);
     return job ? "" : job.error().message;
   };
@@ -42,7 +42,7 @@ TEST_F(Jobs, NamesThatCannotBeShownAreRefused) {
   request = submission();
   request.mutable_bundle()->mutable_assets(0)->set_path("scene\n.json");
   EXPECT_THAT(refusal(request), testing::HasSubstr("bundle: path: must be UTF-8"));
-  EXPECT_TRUE(coordinator().jobs().empty());
+  EXPECT_TRUE(coordinator().jobs().list().empty());
 }
 
 TEST_F(Jobs, ASubmittedJobRunsAndIsComplete) {
@@ -73,7 +73,7 @@ TEST_F(Jobs, ARepeatedSubmissionAnswersWithTheFirstJob) {
   EXPECT_EQ(submit(request), first);
   open();
   EXPECT_EQ(submit(request), first);
-  EXPECT_EQ(coordinator().jobs().size(), 1u);
+  EXPECT_EQ(coordinator().jobs().list().size(), 1u);
 }
 
 TEST_F(Jobs, ASubmissionWithoutARequestIdMayBeMadeTwice) {
@@ -85,7 +85,7 @@ TEST_F(Jobs, MissingBlobsAreListedByTheirPaths) {
   v1::Bundle::Asset* asset = request.mutable_bundle()->add_assets();
   asset->set_path("wood.png");
   *asset->mutable_digest() = proto::to_proto(proto::digest_of("not uploaded"));
-  const auto refused = coordinator().submit_job(request);
+  const auto refused = coordinator().jobs().submit(request);
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::kFailedPrecondition);
   EXPECT_THAT(refused.error().message,
@@ -96,33 +96,33 @@ TEST_F(Jobs, ABundleWithoutItsSceneOrWithAPathTwiceIsRefused) {
   v1::SubmitJobRequest other_scene = submission(), twice = submission();
   other_scene.mutable_bundle()->set_scene_path("other.json");
   *twice.mutable_bundle()->add_assets() = twice.bundle().assets(0);
-  EXPECT_EQ(coordinator().submit_job(other_scene).error().code, ErrorCode::kInvalidArgument);
-  EXPECT_EQ(coordinator().submit_job(twice).error().code, ErrorCode::kInvalidArgument);
+  EXPECT_EQ(coordinator().jobs().submit(other_scene).error().code, ErrorCode::kInvalidArgument);
+  EXPECT_EQ(coordinator().jobs().submit(twice).error().code, ErrorCode::kInvalidArgument);
 }
 
 TEST_F(Jobs, ASceneThatIsRefusedBecomesNoJob) {
-  check_scene_ = [](const v1::Bundle&, const v1::RenderOverrides&) -> core::Result<CheckedScene> {
+  check_scene_ = [](const v1::Bundle&, const v1::RenderOverrides&) -> core::Result<jobs::CheckedScene> {
     return core::fail(ErrorCode::kInvalidArgument, "scene.json:3: no camera");
   };
   open();
-  const auto refused = coordinator().submit_job(submission());
+  const auto refused = coordinator().jobs().submit(submission());
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().message, "scene.json:3: no camera");
-  EXPECT_TRUE(coordinator().jobs().empty());
+  EXPECT_TRUE(coordinator().jobs().list().empty());
 }
 
 TEST_F(Jobs, APictureTooLargeForTheFarmIsRefused) {
   check_scene_ = accept_as_larger_than_allowed;
   open();
-  EXPECT_EQ(coordinator().submit_job(submission()).error().code, ErrorCode::kResourceExhausted);
+  EXPECT_EQ(coordinator().jobs().submit(submission()).error().code, ErrorCode::kResourceExhausted);
 }
 
 TEST_F(Jobs, KeepHowTheirSceneIsShownUnlessTheSubmissionSaysOtherwise) {
   check_scene_ = [](const v1::Bundle& bundle, const v1::RenderOverrides& overrides) {
-    CheckedScene scene = *accept_scene(bundle, overrides);
+    jobs::CheckedScene scene = *accept_scene(bundle, overrides);
     scene.display.set_exposure_stops(2);
     scene.display.set_tone_curve(v1::TONE_CURVE_AGX);
-    return core::Result<CheckedScene>(scene);
+    return core::Result<jobs::CheckedScene>(scene);
   };
   open();
   v1::SubmitJobRequest request = submission();
@@ -135,12 +135,12 @@ TEST_F(Jobs, KeepHowTheirSceneIsShownUnlessTheSubmissionSaysOtherwise) {
   EXPECT_EQ(job(darker).display().exposure_stops(), -1);
   EXPECT_EQ(job(darker).display().tone_curve(), v1::TONE_CURVE_AGX);
   request.mutable_display()->set_exposure_stops(1000);
-  EXPECT_EQ(coordinator().submit_job(request).error().code, ErrorCode::kInvalidArgument);
+  EXPECT_EQ(coordinator().jobs().submit(request).error().code, ErrorCode::kInvalidArgument);
 }
 
 TEST_F(Jobs, AreListedNewestFirst) {
   const std::string first = submit(), second = submit();
-  const auto jobs = coordinator().jobs();
+  const auto jobs = coordinator().jobs().list();
   ASSERT_EQ(jobs.size(), 2u);
   EXPECT_EQ(jobs[0].id(), second);
   EXPECT_EQ(jobs[1].id(), first);
@@ -148,10 +148,10 @@ TEST_F(Jobs, AreListedNewestFirst) {
 
 TEST_F(Jobs, APausedJobIsNotLeasedUntilItIsResumed) {
   const std::string id = submit();
-  EXPECT_EQ(coordinator().pause_job(id)->state(), v1::JOB_STATE_PAUSED);
+  EXPECT_EQ(coordinator().jobs().pause(id)->state(), v1::JOB_STATE_PAUSED);
   const WaitingCall call(coordinator(), greeting('a'));
   EXPECT_FALSE(call.answered());
-  EXPECT_EQ(coordinator().resume_job(id)->state(), v1::JOB_STATE_RUNNING);
+  EXPECT_EQ(coordinator().jobs().resume(id)->state(), v1::JOB_STATE_RUNNING);
   ASSERT_TRUE(call.answered());
   EXPECT_EQ(call.answer()->leases_size(), 1);
 }
@@ -161,23 +161,23 @@ TEST_F(Jobs, ACancelledJobKeepsItsPictureAndTakesNoMore) {
   const v1::Lease lease = synchronize(greeting('a')).leases(0);
   deliver(delivery('a', lease));
   const auto late = synchronize(greeting('a')).leases(0);
-  const core::Image before = coordinator().picture(id)->image;
-  const v1::Job cancelled = *coordinator().cancel_job(id);
+  const core::Image before = coordinator().images().get(id)->image;
+  const v1::Job cancelled = *coordinator().jobs().cancel(id);
   EXPECT_EQ(cancelled.state(), v1::JOB_STATE_CANCELLED);
   EXPECT_TRUE(cancelled.has_finished_at());
   EXPECT_EQ(deliver(delivery('a', late)).accepted_items(), 0u);
-  ASSERT_TRUE(coordinator().checkpoint());  // the film is only in the store now
-  EXPECT_EQ(coordinator().picture(id)->image.pixels, before.pixels);
+  ASSERT_TRUE(coordinator().checkpointer().checkpoint());  // the film is only in the store now
+  EXPECT_EQ(coordinator().images().get(id)->image.pixels, before.pixels);
   EXPECT_EQ(job(id).counters().samples(), cancelled.counters().samples());
-  EXPECT_EQ(coordinator().resume_job(id).error().code, ErrorCode::kFailedPrecondition);
+  EXPECT_EQ(coordinator().jobs().resume(id).error().code, ErrorCode::kFailedPrecondition);
 }
 
 TEST_F(Jobs, ChangesOfStateMayBeRepeated) {
   const std::string id = submit();
-  EXPECT_TRUE(coordinator().pause_job(id));
-  EXPECT_TRUE(coordinator().pause_job(id));
-  EXPECT_TRUE(coordinator().cancel_job(id));
-  EXPECT_TRUE(coordinator().cancel_job(id));
+  EXPECT_TRUE(coordinator().jobs().pause(id));
+  EXPECT_TRUE(coordinator().jobs().pause(id));
+  EXPECT_TRUE(coordinator().jobs().cancel(id));
+  EXPECT_TRUE(coordinator().jobs().cancel(id));
 }
 
 TEST_F(Jobs, ExtendingADoneJobGivesThePictureOfTheHigherNumber) {
@@ -185,22 +185,23 @@ TEST_F(Jobs, ExtendingADoneJobGivesThePictureOfTheHigherNumber) {
   work('a');
   ASSERT_EQ(stored_job(id).state(), v1::JOB_STATE_DONE);
   for (const std::uint32_t spp : {kSpp + 1, kSpp + 5}) {
-    ASSERT_TRUE(coordinator().checkpoint());  // drops the film of the done job
-    const v1::Job extended = *coordinator().extend_job(id, spp);
+    ASSERT_TRUE(coordinator().checkpointer().checkpoint());  // drops the film of the done job
+    const v1::Job extended = *coordinator().jobs().extend(id, spp);
     EXPECT_EQ(extended.state(), v1::JOB_STATE_RUNNING);
     EXPECT_EQ(extended.settings().spp(), spp);
     EXPECT_FALSE(extended.has_finished_at());
     work('a');
     EXPECT_EQ(stored_job(id).state(), v1::JOB_STATE_DONE);
-    EXPECT_EQ(coordinator().picture(id)->image.pixels, ready_made_picture(kWidthPx, kHeightPx, spp).pixels);
+    EXPECT_EQ(coordinator().images().get(id)->image.pixels,
+              ready_made_picture(kWidthPx, kHeightPx, spp).pixels);
   }
 }
 
 TEST_F(Jobs, CannotBeExtendedToFewerSamplesOrTooMany) {
   const std::string id = submit();
-  EXPECT_EQ(coordinator().extend_job(id, kSpp - 1).error().code, ErrorCode::kInvalidArgument);
-  EXPECT_EQ(coordinator().extend_job(id, core::kMaxSpp + 1).error().code, ErrorCode::kInvalidArgument);
-  EXPECT_EQ(coordinator().extend_job("nobody", 100).error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(coordinator().jobs().extend(id, kSpp - 1).error().code, ErrorCode::kInvalidArgument);
+  EXPECT_EQ(coordinator().jobs().extend(id, core::kMaxSpp + 1).error().code, ErrorCode::kInvalidArgument);
+  EXPECT_EQ(coordinator().jobs().extend("nobody", 100).error().code, ErrorCode::kNotFound);
   EXPECT_EQ(job(id).settings().spp(), kSpp);
 }
 
@@ -209,22 +210,22 @@ TEST_F(Jobs, ADeletedJobIsForgottenAlsoByTheStore) {
   request.set_request_id("again");
   const std::string id = submit(request);
   work('a', 2);
-  ASSERT_TRUE(coordinator().delete_job(id));
-  EXPECT_EQ(coordinator().delete_job(id).error().code, ErrorCode::kNotFound);
-  EXPECT_EQ(coordinator().picture(id).error().code, ErrorCode::kNotFound);
-  ASSERT_TRUE(coordinator().checkpoint());
+  ASSERT_TRUE(coordinator().jobs().remove(id));
+  EXPECT_EQ(coordinator().jobs().remove(id).error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(coordinator().images().get(id).error().code, ErrorCode::kNotFound);
+  ASSERT_TRUE(coordinator().checkpointer().checkpoint());
   open();
-  EXPECT_TRUE(coordinator().jobs().empty());
+  EXPECT_TRUE(coordinator().jobs().list().empty());
   EXPECT_NE(submit(request), id);
 }
 
 TEST_F(Jobs, EveryMethodSaysThatThereIsNoSuchJob) {
-  EXPECT_EQ(coordinator().job("nobody").error().code, ErrorCode::kNotFound);
-  EXPECT_EQ(coordinator().picture("nobody").error().code, ErrorCode::kNotFound);
-  EXPECT_EQ(coordinator().pause_job("nobody").error().code, ErrorCode::kNotFound);
-  EXPECT_EQ(coordinator().resume_job("nobody").error().code, ErrorCode::kNotFound);
-  EXPECT_EQ(coordinator().cancel_job("nobody").error().code, ErrorCode::kNotFound);
-  EXPECT_EQ(coordinator().delete_job("nobody").error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(coordinator().jobs().get("nobody").error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(coordinator().images().get("nobody").error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(coordinator().jobs().pause("nobody").error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(coordinator().jobs().resume("nobody").error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(coordinator().jobs().cancel("nobody").error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(coordinator().jobs().remove("nobody").error().code, ErrorCode::kNotFound);
 }
 
 TEST_F(Jobs, TakeTheirFilesWithThemWhenTheyAreDeleted) {
@@ -237,7 +238,7 @@ TEST_F(Jobs, TakeTheirFilesWithThemWhenTheyAreDeleted) {
   last_used_hours_ago(25);
   coordinator().files().collect();
   EXPECT_TRUE(std::filesystem::exists(blob)) << "a job needs it";
-  ASSERT_TRUE(coordinator().delete_job(id));
+  ASSERT_TRUE(coordinator().jobs().remove(id));
   last_used_hours_ago(23);
   coordinator().files().collect();
   EXPECT_TRUE(std::filesystem::exists(blob)) << "it may be submitted again";
@@ -273,24 +274,24 @@ TEST_F(Jobs, OfAWindowComeToThosePixels) {
   EXPECT_EQ(job(id).samples_total(), kWindow.pixel_count() * kSpp);
   EXPECT_EQ(job(id).settings().width_px(), 150u) << "the camera's picture";
   work('a', 1);
-  ASSERT_TRUE(coordinator().checkpoint());
+  ASSERT_TRUE(coordinator().checkpointer().checkpoint());
   open();  // and after a restart
   work('b');
   EXPECT_EQ(stored_job(id).state(), v1::JOB_STATE_DONE);
   EXPECT_EQ(job(id).counters().samples(), kWindow.pixel_count() * kSpp) << "and no others";
-  EXPECT_EQ(coordinator().picture(id)->image.pixels, ready_made_picture(kWindow, kSpp).pixels);
-  ASSERT_TRUE(coordinator().checkpoint());  // drops the film of the done job
-  EXPECT_EQ(coordinator().picture(id)->image.pixels, ready_made_picture(kWindow, kSpp).pixels);
-  ASSERT_TRUE(coordinator().extend_job(id, kSpp + 3));
+  EXPECT_EQ(coordinator().images().get(id)->image.pixels, ready_made_picture(kWindow, kSpp).pixels);
+  ASSERT_TRUE(coordinator().checkpointer().checkpoint());  // drops the film of the done job
+  EXPECT_EQ(coordinator().images().get(id)->image.pixels, ready_made_picture(kWindow, kSpp).pixels);
+  ASSERT_TRUE(coordinator().jobs().extend(id, kSpp + 3));
   work('a');
-  EXPECT_EQ(coordinator().picture(id)->image.pixels, ready_made_picture(kWindow, kSpp + 3).pixels);
+  EXPECT_EQ(coordinator().images().get(id)->image.pixels, ready_made_picture(kWindow, kSpp + 3).pixels);
 }
 
 TEST_F(Jobs, OfAWindowThatIsNoneAreRefused) {
   for (const core::PixelRect& window : {core::PixelRect{0, 0, 151, 100}, {5, 5, 5, 9}, {9, 0, 3, 5}}) {
     v1::SubmitJobRequest request = submission();
     *request.mutable_overrides()->mutable_crop() = proto::to_proto(window);
-    const auto refused = coordinator().submit_job(request);
+    const auto refused = coordinator().jobs().submit(request);
     ASSERT_FALSE(refused);
     EXPECT_EQ(refused.error().code, ErrorCode::kInvalidArgument);
     EXPECT_THAT(refused.error().message, HasSubstr("crop: must be"));
@@ -299,7 +300,7 @@ TEST_F(Jobs, OfAWindowThatIsNoneAreRefused) {
 
 TEST_F(Jobs, AreFoundByTheBeginningOfTheirIds) {
   for (int i = 0; i < 20; ++i) submit();  // so that some ids begin with the same digit
-  const auto all = coordinator().jobs();
+  const auto all = coordinator().jobs().list();
   for (const std::string prefix : {"", "0", "7", "c", "f", all[3].id().c_str(), "g", "0000x"}) {
     for (const std::size_t most : {0u, 1u, 2u, 100u}) {
       std::vector<std::string> expected, found;
@@ -309,7 +310,7 @@ TEST_F(Jobs, AreFoundByTheBeginningOfTheirIds) {
       v1::ListJobsRequest request;
       request.set_id_prefix(prefix);
       request.set_max_jobs(static_cast<std::uint32_t>(most));
-      for (const v1::Job& job : coordinator().jobs(request)) found.push_back(job.id());
+      for (const v1::Job& job : coordinator().jobs().list(request)) found.push_back(job.id());
       EXPECT_EQ(found, expected) << prefix << " " << most;
     }
   }
@@ -319,7 +320,7 @@ TEST_F(Jobs, AreFoundByTheBeginningOfTheirIds) {
 TEST_F(Jobs, OfAWindowNeedMemoryForTheWindowAlone) {
   check_scene_ = accept_as_larger_than_allowed;
   open();
-  EXPECT_TRUE(coordinator().submit_job(submission_of_window()));
+  EXPECT_TRUE(coordinator().jobs().submit(submission_of_window()));
 }
 
 TEST_F(Jobs, AreUpdatedForGood) {
@@ -332,13 +333,13 @@ TEST_F(Jobs, AreUpdatedForGood) {
   v1::UpdateJobRequest update;
   update.set_job_id(id);
   update.set_priority(-4);
-  EXPECT_EQ(coordinator().update_job(update)->priority(), -4);
+  EXPECT_EQ(coordinator().jobs().update(update)->priority(), -4);
   open();  // as after a crash: nothing was checkpointed
   EXPECT_EQ(job(id).priority(), -4);
   EXPECT_EQ(job(id).max_workers(), 2u);
   update.clear_priority();
   update.set_max_workers(0);
-  EXPECT_EQ(coordinator().update_job(update)->max_workers(), 0u);
+  EXPECT_EQ(coordinator().jobs().update(update)->max_workers(), 0u);
   open();
   EXPECT_EQ(job(id).priority(), -4);
   EXPECT_EQ(job(id).max_workers(), 0u);
@@ -348,10 +349,10 @@ TEST_F(Jobs, ThatAreOverAreNotUpdated) {
   v1::UpdateJobRequest update;
   update.set_priority(5);
   update.set_job_id("nobody");
-  EXPECT_EQ(coordinator().update_job(update).error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(coordinator().jobs().update(update).error().code, ErrorCode::kNotFound);
   update.set_job_id(submit());
   work('a');
-  EXPECT_EQ(coordinator().update_job(update).error().code, ErrorCode::kFailedPrecondition);
+  EXPECT_EQ(coordinator().jobs().update(update).error().code, ErrorCode::kFailedPrecondition);
 }
 
 TEST_F(Jobs, ThatMayHaveMoreWorkersWakeThoseWhoWait) {
@@ -363,10 +364,10 @@ TEST_F(Jobs, ThatMayHaveMoreWorkersWakeThoseWhoWait) {
   const WaitingCall call(coordinator(), greeting('b'));
   EXPECT_FALSE(call.answered());
   update.set_max_workers(2);
-  EXPECT_EQ(coordinator().update_job(update)->active_workers(), 2u);
+  EXPECT_EQ(coordinator().jobs().update(update)->active_workers(), 2u);
   ASSERT_TRUE(call.answered());
   EXPECT_EQ(call.answer()->leases_size(), 1);
 }
 
 }  // namespace
-}  // namespace tessera::coordinator
+}  // namespace tessera::server

@@ -23,9 +23,9 @@
 
 namespace tessera::rpc {
 
-using coordinator::greeting;
-using coordinator::greeting_with_key;
-using coordinator::submission;
+using server::greeting;
+using server::greeting_with_key;
+using server::submission;
 
 // Blocks callers until it is opened.
 class Barrier {
@@ -64,7 +64,7 @@ class LimitedService : public testing::Test {
       write_file(folder_.path() / "tokens", read_file(folder_.path() / "tokens") + "submit " + name + " " +
                                                 std::string(16, name[0]) + "\n");
     }
-    access_ = *Access::read(folder_.path() / "tokens");
+    access_ = *auth::Access::read(folder_.path() / "tokens");
     start(limits);
   }
   std::unique_ptr<v1::RenderService::Stub> as(const std::string& name) {
@@ -74,24 +74,24 @@ class LimitedService : public testing::Test {
   }
   void start(const server::Limits& limits) {
     auto state = store::StateDirectory::open(folder_.path());
-    coordinator::Options options;
+    server::CoordinatorOptions options;
     options.limits = limits;
-    options.now = [this] { return std::chrono::steady_clock::now() + passed_.load(); };
-    options.fingerprint = coordinator::kFingerprint;
-    coordinator_ = std::move(*coordinator::Coordinator::open(options, std::move(*state), check_scene_));
+    options.farm.now = [this] { return std::chrono::steady_clock::now() + passed_.load(); };
+    options.farm.fingerprint = server::kFingerprint;
+    coordinator_ = std::move(*server::Coordinator::open(options, std::move(*state), check_scene_));
     server_ = std::move(
         *Server::start(*coordinator_, {.address = "127.0.0.1:0", .access = access_, .limits = limits}));
     users_ = v1::RenderService::NewStub(*proto::open_channel(server_->address()));
     workers_ = v1::WorkerService::NewStub(*proto::open_channel(server_->address()));
-    auto writer = coordinator_->blobs().write(proto::digest_of(coordinator::kSceneBytes));
-    ASSERT_TRUE(writer && writer->append(coordinator::kSceneBytes) && writer->commit());
+    auto writer = coordinator_->blobs().write(proto::digest_of(server::kSceneBytes));
+    ASSERT_TRUE(writer && writer->append(server::kSceneBytes) && writer->commit());
   }
   // Advances the clock at once.
   void pass(std::chrono::minutes time) { passed_ = passed_.load() + time; }
   void hold_up_scenes() {
     check_scene_ = [this](const v1::Bundle& bundle, const v1::RenderOverrides& overrides) {
       barrier_.wait();
-      return coordinator::accept_scene(bundle, overrides);
+      return server::accept_scene(bundle, overrides);
     };
   }
 
@@ -205,18 +205,18 @@ class LimitedService : public testing::Test {
 
   // A stopping coordinator answers waiting calls.
   void open_when_it_stops() {
-    coordinator_->synchronize(greeting('a'), {.answer = [this](const auto& answer) {
-                                if (!answer) return barrier_.open();
-                                open_when_it_stops();
-                              }});
+    coordinator_->dispatcher().synchronize(greeting('a'), {.answer = [this](const auto& answer) {
+                                             if (!answer) return barrier_.open();
+                                             open_when_it_stops();
+                                           }});
   }
 
   TemporaryFolder folder_;
   std::atomic<std::chrono::minutes> passed_{std::chrono::minutes(0)};
-  Access access_;
-  coordinator::SceneCheck check_scene_ = coordinator::accept_scene;
+  auth::Access access_;
+  jobs::SceneCheck check_scene_ = server::accept_scene;
   Barrier barrier_;
-  std::unique_ptr<coordinator::Coordinator> coordinator_;
+  std::unique_ptr<server::Coordinator> coordinator_;
   std::unique_ptr<Server> server_;
   std::unique_ptr<v1::RenderService::Stub> users_;
   std::unique_ptr<v1::WorkerService::Stub> workers_;

@@ -3,10 +3,10 @@
 #include <gmock/gmock.h>
 
 #include "proto/blob.hpp"
-#include "server/coordinator/admission.hpp"
+#include "server/blobs/admission.hpp"
 #include "tests/unit/server/scripted_farm.hpp"
 
-namespace tessera::coordinator {
+namespace tessera::server {
 namespace {
 
 using core::ErrorCode;
@@ -19,7 +19,7 @@ class Limits : public ScriptedFarm {
     open();
   }
   core::Error refusal(const v1::SubmitJobRequest& request, const std::string& submitter = {}) {
-    const auto job = coordinator().submit_job(request, submitter);
+    const auto job = coordinator().jobs().submit(request, submitter);
     EXPECT_FALSE(job);
     return job ? core::Error{} : job.error();
   }
@@ -47,11 +47,11 @@ TEST_F(Limits, OfSamplesPerPixelAlsoWhenTheyAreExtended) {
   const std::string sentence =
       "the job has 9 samples per pixel, and this farm takes at most 8 (tessera-coordinator --max-spp)";
   expect_limit(refusal(request), sentence);
-  const auto extended = coordinator().extend_job(id, 9);
+  const auto extended = coordinator().jobs().extend(id, 9);
   ASSERT_FALSE(extended);
   expect_limit(extended.error(), sentence);
   EXPECT_EQ(job(id).settings().spp(), kSpp);
-  EXPECT_TRUE(coordinator().extend_job(id, 8));
+  EXPECT_TRUE(coordinator().jobs().extend(id, 8));
 }
 
 TEST_F(Limits, OfBundlesByWhatTheySay) {
@@ -96,24 +96,24 @@ TEST_F(Limits, SizesThatOverflowTheirSumAreTooLarge) {
   v1::Bundle bundle;
   for (int i = 0; i < 2; ++i) bundle.add_assets()->mutable_digest()->set_size_bytes(std::uint64_t{1} << 63);
   limits_.bundle_mib -= 1;
-  EXPECT_FALSE(check_bundle_size(bundle, limits_));
+  EXPECT_FALSE(blobs::check_bundle_size(bundle, limits_));
 }
 
 TEST_F(Limits, OfOpenJobs) {
   limit({.open_jobs = 2});
   const std::string first = submit(), second = submit();
-  EXPECT_TRUE(coordinator().pause_job(second));
+  EXPECT_TRUE(coordinator().jobs().pause(second));
   expect_limit(refusal(submission()),
                "there are 2 unfinished jobs already, and this farm takes at most 2 of all "
                "together (tessera-coordinator --max-open-jobs)");
-  EXPECT_TRUE(coordinator().cancel_job(first));
+  EXPECT_TRUE(coordinator().jobs().cancel(first));
   submit();
 }
 
 TEST_F(Limits, OfOpenJobsForEachSubmitterByThemselves) {
   limit({.open_jobs = 1});
-  EXPECT_TRUE(coordinator().submit_job(submission(), "ada"));
-  EXPECT_TRUE(coordinator().submit_job(submission(), "ben"));
+  EXPECT_TRUE(coordinator().jobs().submit(submission(), "ada"));
+  EXPECT_TRUE(coordinator().jobs().submit(submission(), "ben"));
   expect_limit(refusal(submission(), "ada"),
                "'ada' has 1 unfinished jobs already, and this farm takes at most 1 of "
                "each submitter (tessera-coordinator --max-open-jobs)");
@@ -132,10 +132,10 @@ TEST_F(Limits, AFinishedJobThatIsExtendedIsOpenAgain) {
   work('a');
   ASSERT_EQ(stored_job(done).state(), v1::JOB_STATE_DONE);
   submit();
-  const auto extended = coordinator().extend_job(done, kSpp + 1);
+  const auto extended = coordinator().jobs().extend(done, kSpp + 1);
   ASSERT_FALSE(extended);
   expect_limit(extended.error(), "--max-open-jobs");
-  EXPECT_TRUE(coordinator().extend_job(done, kSpp)) << "which changes nothing";
+  EXPECT_TRUE(coordinator().jobs().extend(done, kSpp)) << "which changes nothing";
 }
 
 TEST_F(Limits, JobsThatAreBeingCheckedCountAsOpen) {
@@ -148,7 +148,7 @@ TEST_F(Limits, JobsThatAreBeingCheckedCountAsOpen) {
 }
 
 TEST_F(Limits, ASceneThatIsRefusedLeavesItsPlaceToOthers) {
-  check_scene_ = [](const v1::Bundle&, const v1::RenderOverrides&) -> core::Result<CheckedScene> {
+  check_scene_ = [](const v1::Bundle&, const v1::RenderOverrides&) -> core::Result<jobs::CheckedScene> {
     return core::fail(ErrorCode::kInvalidArgument, "bad");
   };
   limit({.open_jobs = 1});
@@ -168,4 +168,4 @@ TEST_F(Limits, NothingIsHashedForACoordinatorThatStops) {
 }
 
 }  // namespace
-}  // namespace tessera::coordinator
+}  // namespace tessera::server

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Checks of messages before they are parsed, and the table of methods.
-#include "server/rpc/message_shape.hpp"
+#include "server/auth/message_shape.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <string>
 
-#include "server/rpc/methods.hpp"
+#include "server/auth/methods.hpp"
 #include "tessera/v1/render_service.pb.h"
 #include "tessera/v1/worker_service.pb.h"
 
@@ -25,9 +25,9 @@ grpc::ByteBuffer buffer_of(const std::string& bytes) {
 }
 
 core::Status check(const std::string& bytes, const google::protobuf::Descriptor& type,
-                   const ShapeLimits& limits) {
+                   const auth::ShapeLimits& limits) {
   grpc::ByteBuffer buffer = buffer_of(bytes);
-  return check_shape(buffer, type, limits);
+  return auth::check_shape(buffer, type, limits);
 }
 
 v1::SynchronizeRequest request_of(int leases, int items) {
@@ -42,12 +42,13 @@ v1::SynchronizeRequest request_of(int leases, int items) {
   return request;
 }
 
-core::Status check_request(const v1::SynchronizeRequest& request, const ShapeLimits& limits) {
+core::Status check_request(const v1::SynchronizeRequest& request, const auth::ShapeLimits& limits) {
   return check(request.SerializeAsString(), *v1::SynchronizeRequest::descriptor(), limits);
 }
 
 TEST(MessageShape, ElementsCountInTheMessageThatHoldsThem) {
-  const ShapeLimits limits{1000, {{"tessera.v1.SynchronizeRequest.held", 4}, {"tessera.v1.Lease.items", 8}}};
+  const auth::ShapeLimits limits{1000,
+                                 {{"tessera.v1.SynchronizeRequest.held", 4}, {"tessera.v1.Lease.items", 8}}};
   EXPECT_TRUE(check_request(request_of(4, 8), limits));
   const auto leases = check_request(request_of(5, 1), limits);
   EXPECT_EQ(leases.error().code, ErrorCode::kInvalidArgument);
@@ -65,7 +66,7 @@ TEST(MessageShape, OptionsAreNamed) {
 }
 
 TEST(MessageShape, AllFieldsCountTogetherAlsoUnknownAndPackedOnes) {
-  const ShapeLimits limits{64};
+  const auth::ShapeLimits limits{64};
   v1::SubmitResultRequest packed;
   for (int i = 0; i < 65; ++i) packed.add_held_lease_ids(1);
   EXPECT_FALSE(check(packed.SerializeAsString(), *v1::SubmitResultRequest::descriptor(), limits));
@@ -76,7 +77,7 @@ TEST(MessageShape, AllFieldsCountTogetherAlsoUnknownAndPackedOnes) {
 }
 
 TEST(MessageShape, WhatIsDamagedIsRefused) {
-  const ShapeLimits limits{1000};
+  const auth::ShapeLimits limits{1000};
   const std::string whole = request_of(2, 2).SerializeAsString();
   ASSERT_TRUE(check(whole, *v1::SynchronizeRequest::descriptor(), limits));
   for (std::size_t size = 1; size < whole.size(); ++size) {
@@ -91,7 +92,7 @@ TEST(MessageShape, WhatIsDamagedIsRefused) {
 }
 
 TEST(Methods, AreThoseOfTheContract) {
-  const Methods methods{server::Limits()};
+  const auth::Methods methods{server::Limits()};
   std::size_t count = 0;
   for (const auto* file :
        {v1::GetJobRequest::descriptor()->file(), v1::SynchronizeRequest::descriptor()->file()}) {
@@ -99,7 +100,8 @@ TEST(Methods, AreThoseOfTheContract) {
     for (int i = 0; i < service->method_count(); ++i, ++count) {
       const std::string path = "/" + service->full_name() + "/" + service->method(i)->name();
       ASSERT_TRUE(methods.all().contains(path)) << path;
-      EXPECT_EQ(methods.at(path).role, service->name() == "WorkerService" ? Role::kWork : Role::kSubmit);
+      EXPECT_EQ(methods.at(path).role,
+                service->name() == "WorkerService" ? auth::Role::kWork : auth::Role::kSubmit);
     }
   }
   EXPECT_EQ(methods.all().size(), count);
@@ -107,9 +109,9 @@ TEST(Methods, AreThoseOfTheContract) {
 
 // A limit on a renamed field would have no effect.
 TEST(Methods, LimitFieldsThatThereAre) {
-  const Methods methods{server::Limits()};
+  const auth::Methods methods{server::Limits()};
   for (const auto& [path, method] : methods.all())
-    for (const FieldLimit& limit : method.shape.fields) {
+    for (const auth::FieldLimit& limit : method.shape.fields) {
       const auto* const field =
           google::protobuf::DescriptorPool::generated_pool()->FindFieldByName(std::string(limit.field));
       ASSERT_NE(field, nullptr) << limit.field;

@@ -8,7 +8,7 @@
 #include "proto/tile_codec.hpp"
 #include "tests/unit/server/scripted_farm.hpp"
 
-namespace tessera::coordinator {
+namespace tessera::server {
 namespace {
 
 using core::ErrorCode;
@@ -27,12 +27,12 @@ TEST_P(Lies, AreRefusedAndNothingIsCounted) {
   const std::string id = submit();
   v1::SubmitResultRequest request = delivery('a', synchronize(greeting('a')).leases(0));
   GetParam().tell(*request.mutable_items(request.items_size() - 1));
-  const auto refused = coordinator().submit_result(request);
+  const auto refused = coordinator().dispatcher().submit_result(request);
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::kInvalidArgument);
   EXPECT_EQ(job(id).samples_done(), 0u);
   EXPECT_EQ(job(id).counters().samples(), 0u);
-  EXPECT_EQ(coordinator().picture(id)->image.pixels, core::Image(kWidthPx, kHeightPx).pixels);
+  EXPECT_EQ(coordinator().images().get(id)->image.pixels, core::Image(kWidthPx, kHeightPx).pixels);
 }
 
 void rerender(v1::RenderedItem& item, core::PixelRect rect, core::SampleRange range) {
@@ -79,14 +79,15 @@ TEST_F(Refusals, AWorkerWhoseResultsAreRefusedAgainAndAgainIsPutAside) {
   v1::SubmitResultRequest lie = delivery('a', lease);
   lie.mutable_items(0)->set_sums_xxh3(lie.items(0).sums_xxh3() ^ 1);
   for (int i = 1; i <= 2; ++i) {
-    EXPECT_EQ(coordinator().submit_result(lie).error().code, ErrorCode::kInvalidArgument);
-    EXPECT_EQ(coordinator().workers()[0].rejected_results(), static_cast<std::uint64_t>(i));
+    EXPECT_EQ(coordinator().dispatcher().submit_result(lie).error().code, ErrorCode::kInvalidArgument);
+    EXPECT_EQ(coordinator().dispatcher().workers()[0].rejected_results(), static_cast<std::uint64_t>(i));
   }
-  EXPECT_EQ(coordinator().submit_result(lie).error().code, ErrorCode::kInvalidArgument);
-  EXPECT_TRUE(coordinator().workers()[0].quarantined());
-  EXPECT_EQ(coordinator().workers()[0].held_leases(), 0u);
+  EXPECT_EQ(coordinator().dispatcher().submit_result(lie).error().code, ErrorCode::kInvalidArgument);
+  EXPECT_TRUE(coordinator().dispatcher().workers()[0].quarantined());
+  EXPECT_EQ(coordinator().dispatcher().workers()[0].held_leases(), 0u);
 
-  EXPECT_EQ(coordinator().submit_result(delivery('a', lease)).error().code, ErrorCode::kFailedPrecondition);
+  EXPECT_EQ(coordinator().dispatcher().submit_result(delivery('a', lease)).error().code,
+            ErrorCode::kFailedPrecondition);
   // New workers of its machine are rejected, whatever their names; other workers of its name are not.
   for (const char worker : {'a', 'b'}) {
     const WaitingCall call(coordinator(), greeting_from(worker, 'm'));
@@ -98,7 +99,8 @@ TEST_F(Refusals, AWorkerWhoseResultsAreRefusedAgainAndAgainIsPutAside) {
   namesake.set_name("host-a");
   EXPECT_EQ(synchronize(namesake).leases_size(), 1);
   work('c');
-  EXPECT_EQ(coordinator().picture(id)->image.pixels, ready_made_picture(kWidthPx, kHeightPx, kSpp).pixels);
+  EXPECT_EQ(coordinator().images().get(id)->image.pixels,
+            ready_made_picture(kWidthPx, kHeightPx, kSpp).pixels);
 }
 
 // A result that anybody could send does not count against the named worker.
@@ -114,8 +116,8 @@ TEST_F(Refusals, ResultsWithoutTheTokenOfTheirLeaseHarmNobody) {
   forgeries[3].set_worker_id(std::string(32, 'f'));  // never registered
   forgeries[4].set_lease_id(0);
   for (v1::SubmitResultRequest& forgery : forgeries) {
-    for (int i = 0; i < Quarantine::kRejectionsUntilQuarantine; ++i) {
-      const auto rejected = coordinator().submit_result(forgery);
+    for (int i = 0; i < farm::Quarantine::kRejectionsUntilQuarantine; ++i) {
+      const auto rejected = coordinator().dispatcher().submit_result(forgery);
       ASSERT_FALSE(rejected);
       EXPECT_EQ(rejected.error().code, ErrorCode::kInvalidArgument);
       EXPECT_THAT(rejected.error().message, HasSubstr("lease_token"));
@@ -123,7 +125,7 @@ TEST_F(Refusals, ResultsWithoutTheTokenOfTheirLeaseHarmNobody) {
     }
   }
   EXPECT_EQ(job(id).samples_done(), 0u);
-  for (const auto& worker : coordinator().workers()) {
+  for (const auto& worker : coordinator().dispatcher().workers()) {
     EXPECT_FALSE(worker.quarantined());
     EXPECT_EQ(worker.rejected_results(), 0u);
   }
@@ -133,17 +135,17 @@ TEST_F(Refusals, ResultsWithoutTheTokenOfTheirLeaseHarmNobody) {
 TEST_F(Refusals, ResultsOfWorkersFromBeforeARestartCount) {
   const std::string id = submit();
   const v1::Lease lease = synchronize(greeting('a')).leases(0);
-  ASSERT_TRUE(coordinator().checkpoint());
+  ASSERT_TRUE(coordinator().checkpointer().checkpoint());
   open();
   v1::SubmitResultRequest forged = delivery('a', lease);
   forged.set_worker_id(std::string(32, 'b'));
-  EXPECT_FALSE(coordinator().submit_result(forged));
+  EXPECT_FALSE(coordinator().dispatcher().submit_result(forged));
   EXPECT_GT(deliver(delivery('a', lease)).accepted_items(), 0u);
 }
 
 TEST(QuarantineTest, ForgetsWhoIsGoneUnlessItWasPutAside) {
-  Quarantine quarantine;
-  for (int i = 0; i < Quarantine::kRejectionsUntilQuarantine; ++i) quarantine.refused("liar", "");
+  farm::Quarantine quarantine;
+  for (int i = 0; i < farm::Quarantine::kRejectionsUntilQuarantine; ++i) quarantine.refused("liar", "");
   quarantine.refused("gone", "");
   quarantine.refused("here", "");
   quarantine.forget_others({"here"});
@@ -159,21 +161,21 @@ TEST_F(Refusals, RefusalsWithGoodResultsInBetweenPutNobodyAside) {
     const v1::Lease lease = synchronize(greeting('a')).leases(0);
     v1::SubmitResultRequest bad = delivery('a', lease);
     bad.mutable_items(0)->set_planes_zstd("sums");
-    EXPECT_FALSE(coordinator().submit_result(bad));
+    EXPECT_FALSE(coordinator().dispatcher().submit_result(bad));
     deliver(delivery('a', lease));
   }
-  EXPECT_FALSE(coordinator().workers()[0].quarantined());
-  EXPECT_EQ(coordinator().workers()[0].rejected_results(), 4u);
+  EXPECT_FALSE(coordinator().dispatcher().workers()[0].quarantined());
+  EXPECT_EQ(coordinator().dispatcher().workers()[0].rejected_results(), 4u);
 }
 
 TEST_F(Refusals, AResultOfTooManyItemsIsRefusedUnread) {
   submit();
   v1::SubmitResultRequest request = delivery('a', synchronize(greeting('a')).leases(0));
   while (request.items_size() <= 256) *request.add_items() = request.items(0);
-  const auto refused = coordinator().submit_result(request);
+  const auto refused = coordinator().dispatcher().submit_result(request);
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::kInvalidArgument);
 }
 
 }  // namespace
-}  // namespace tessera::coordinator
+}  // namespace tessera::server

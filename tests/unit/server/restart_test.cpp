@@ -9,7 +9,7 @@
 
 #include "tests/unit/server/scripted_farm.hpp"
 
-namespace tessera::coordinator {
+namespace tessera::server {
 namespace {
 
 using core::ErrorCode;
@@ -50,43 +50,45 @@ class Restart : public ScriptedFarm {
 };
 
 TEST_F(Restart, AStateThatIsRemovedMeanwhileIsMissedByTheNextCheckpoint) {
-  ASSERT_TRUE(coordinator().checkpoint());
+  ASSERT_TRUE(coordinator().checkpointer().checkpoint());
   std::filesystem::rename(folder_.path() / "state", folder_.path() / "away");
-  const auto missed = coordinator().checkpoint();
+  const auto missed = coordinator().checkpointer().checkpoint();
   ASSERT_FALSE(missed);
   EXPECT_THAT(missed.error().message, HasSubstr("was removed while the coordinator runs"));
   std::filesystem::rename(folder_.path() / "away", folder_.path() / "state");
-  EXPECT_TRUE(coordinator().checkpoint());
+  EXPECT_TRUE(coordinator().checkpointer().checkpoint());
 }
 
 TEST_F(Restart, CarriesOnFromTheCheckpointToTheSamePicture) {
   const std::string id = submit();
   work('a', 3);
   const v1::Job before = job(id);
-  const core::Image so_far = coordinator().picture(id)->image;
+  const core::Image so_far = coordinator().images().get(id)->image;
   ASSERT_GT(before.samples_done(), 0u);
   ASSERT_LT(before.samples_done(), kSamples);
-  ASSERT_TRUE(coordinator().checkpoint());
+  ASSERT_TRUE(coordinator().checkpointer().checkpoint());
   open();
   EXPECT_EQ(job(id).samples_done(), before.samples_done());
   EXPECT_EQ(job(id).counters().SerializeAsString(), before.counters().SerializeAsString());
-  EXPECT_EQ(coordinator().picture(id)->image.pixels, so_far.pixels);
+  EXPECT_EQ(coordinator().images().get(id)->image.pixels, so_far.pixels);
   work('b');
   EXPECT_EQ(stored_job(id).state(), v1::JOB_STATE_DONE);
-  EXPECT_EQ(coordinator().picture(id)->image.pixels, ready_made_picture(kWidthPx, kHeightPx, kSpp).pixels);
+  EXPECT_EQ(coordinator().images().get(id)->image.pixels,
+            ready_made_picture(kWidthPx, kHeightPx, kSpp).pixels);
 }
 
 TEST_F(Restart, ACrashCostsWhatCameAfterTheCheckpointAndNothingElse) {
   const std::string id = submit();
   work('a', 2);
-  ASSERT_TRUE(coordinator().checkpoint());
+  ASSERT_TRUE(coordinator().checkpointer().checkpoint());
   const std::uint64_t stored = job(id).samples_done();
   work('a', 2);
   ASSERT_GT(job(id).samples_done(), stored);
   crash();
   EXPECT_EQ(job(id).samples_done(), stored);
   work('b');
-  EXPECT_EQ(coordinator().picture(id)->image.pixels, ready_made_picture(kWidthPx, kHeightPx, kSpp).pixels);
+  EXPECT_EQ(coordinator().images().get(id)->image.pixels,
+            ready_made_picture(kWidthPx, kHeightPx, kSpp).pixels);
 }
 
 TEST_F(Restart, AnAcceptedJobSurvivesACrashAtOnce) {
@@ -97,15 +99,15 @@ TEST_F(Restart, AnAcceptedJobSurvivesACrashAtOnce) {
 
 TEST_F(Restart, AcknowledgedChangesSurviveACrashAtOnce) {
   const std::string paused = submit(), cancelled = submit(), extended = submit(), deleted = submit();
-  ASSERT_TRUE(coordinator().pause_job(paused));
-  ASSERT_TRUE(coordinator().cancel_job(cancelled));
-  ASSERT_TRUE(coordinator().extend_job(extended, 100));
-  ASSERT_TRUE(coordinator().delete_job(deleted));
+  ASSERT_TRUE(coordinator().jobs().pause(paused));
+  ASSERT_TRUE(coordinator().jobs().cancel(cancelled));
+  ASSERT_TRUE(coordinator().jobs().extend(extended, 100));
+  ASSERT_TRUE(coordinator().jobs().remove(deleted));
   crash();
   EXPECT_EQ(job(paused).state(), v1::JOB_STATE_PAUSED);
   EXPECT_EQ(job(cancelled).state(), v1::JOB_STATE_CANCELLED);
   EXPECT_EQ(job(extended).settings().spp(), 100u);
-  EXPECT_EQ(coordinator().job(deleted).error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(coordinator().jobs().get(deleted).error().code, ErrorCode::kNotFound);
 }
 
 TEST_F(Restart, AResultOfALeaseFromBeforeCountsAfterwards) {
@@ -114,7 +116,8 @@ TEST_F(Restart, AResultOfALeaseFromBeforeCountsAfterwards) {
   crash();
   EXPECT_EQ(deliver(delivery('a', lease)).accepted_items(), static_cast<std::uint32_t>(lease.items_size()));
   work('b');
-  EXPECT_EQ(coordinator().picture(id)->image.pixels, ready_made_picture(kWidthPx, kHeightPx, kSpp).pixels);
+  EXPECT_EQ(coordinator().images().get(id)->image.pixels,
+            ready_made_picture(kWidthPx, kHeightPx, kSpp).pixels);
 }
 
 TEST_F(Restart, LeaseNumbersAreNeverUsedAgain) {
@@ -127,25 +130,26 @@ TEST_F(Restart, LeaseNumbersAreNeverUsedAgain) {
 TEST_F(Restart, ADoneJobStaysDoneWithItsPictureTimeAndCounters) {
   const std::string id = submit();
   work('a');
-  ASSERT_TRUE(coordinator().checkpoint());
+  ASSERT_TRUE(coordinator().checkpointer().checkpoint());
   const v1::Job before = job(id);
   open();
   EXPECT_EQ(job(id).state(), v1::JOB_STATE_DONE);
   EXPECT_EQ(job(id).finished_at().SerializeAsString(), before.finished_at().SerializeAsString());
   EXPECT_EQ(job(id).counters().SerializeAsString(), before.counters().SerializeAsString());
-  EXPECT_EQ(coordinator().picture(id)->image.pixels, ready_made_picture(kWidthPx, kHeightPx, kSpp).pixels);
+  EXPECT_EQ(coordinator().images().get(id)->image.pixels,
+            ready_made_picture(kWidthPx, kHeightPx, kSpp).pixels);
 }
 
 TEST_F(Restart, TheEndOfAJobIsToldOnceACrashCannotUndoIt) {
   const std::string id = submit();
-  EXPECT_FALSE(coordinator().tick());
+  EXPECT_FALSE(coordinator().dispatcher().tick());
   work('a');
   EXPECT_EQ(job(id).samples_done(), kSamples);
   EXPECT_EQ(job(id).state(), v1::JOB_STATE_RUNNING);
   EXPECT_FALSE(job(id).has_finished_at());
-  EXPECT_TRUE(coordinator().tick()) << "nobody is asked for a checkpoint";
-  ASSERT_TRUE(coordinator().checkpoint());
-  EXPECT_FALSE(coordinator().tick());
+  EXPECT_TRUE(coordinator().dispatcher().tick()) << "nobody is asked for a checkpoint";
+  ASSERT_TRUE(coordinator().checkpointer().checkpoint());
+  EXPECT_FALSE(coordinator().dispatcher().tick());
   EXPECT_EQ(job(id).state(), v1::JOB_STATE_DONE);
   EXPECT_TRUE(job(id).has_finished_at());
   crash();
@@ -155,7 +159,7 @@ TEST_F(Restart, TheEndOfAJobIsToldOnceACrashCannotUndoIt) {
 TEST_F(Restart, AJobThatWasDoneButNotStoredAsSuchIsDone) {
   const std::string id = submit();
   work('a');
-  ASSERT_TRUE(coordinator().checkpoint());
+  ASSERT_TRUE(coordinator().checkpointer().checkpoint());
   rewrite_jobs([](store::JobRow& row) {  // tiles were written, but not the row
     row.state = v1::JOB_STATE_RUNNING;
     row.finished_ms.reset();
@@ -166,9 +170,9 @@ TEST_F(Restart, AJobThatWasDoneButNotStoredAsSuchIsDone) {
 
 TEST_F(Restart, SamplesBeyondTheStoredNumberShowThatTheJobWasExtended) {
   const std::string id = submit();
-  ASSERT_TRUE(coordinator().extend_job(id, kSpp + 4));
+  ASSERT_TRUE(coordinator().jobs().extend(id, kSpp + 4));
   work('a');
-  ASSERT_TRUE(coordinator().checkpoint());
+  ASSERT_TRUE(coordinator().checkpointer().checkpoint());
   rewrite_jobs([](store::JobRow& row) {
     row.spp = kSpp;
     row.state = v1::JOB_STATE_RUNNING;
@@ -180,31 +184,32 @@ TEST_F(Restart, SamplesBeyondTheStoredNumberShowThatTheJobWasExtended) {
 TEST_F(Restart, ADamagedTileOfARunningJobIsRenderedAgain) {
   const std::string id = submit();
   work('a', 3);
-  ASSERT_TRUE(coordinator().checkpoint());
+  ASSERT_TRUE(coordinator().checkpointer().checkpoint());
   const std::uint64_t stored = job(id).samples_done();
   meddle("UPDATE tiles SET content = X'00' WHERE tile = 0");
   open();
   EXPECT_LT(job(id).samples_done(), stored);
   work('b');
-  EXPECT_EQ(coordinator().picture(id)->image.pixels, ready_made_picture(kWidthPx, kHeightPx, kSpp).pixels);
+  EXPECT_EQ(coordinator().images().get(id)->image.pixels,
+            ready_made_picture(kWidthPx, kHeightPx, kSpp).pixels);
 }
 
 TEST_F(Restart, ADamagedJobFailsAndHarmsNoOther) {
   const std::string damaged = submit(), whole = submit();
   work('a', 2);
-  ASSERT_TRUE(coordinator().checkpoint());
+  ASSERT_TRUE(coordinator().checkpointer().checkpoint());
   meddle("UPDATE jobs SET spec = X'ff' WHERE id = '" + damaged + "'");
   open();
   EXPECT_EQ(job(damaged).state(), v1::JOB_STATE_FAILED);
   EXPECT_THAT(job(damaged).failure(), HasSubstr("the stored job " + damaged + " is damaged: delete it"));
   work('b');
   EXPECT_EQ(stored_job(whole).state(), v1::JOB_STATE_DONE);
-  EXPECT_TRUE(coordinator().delete_job(damaged));
+  EXPECT_TRUE(coordinator().jobs().remove(damaged));
 }
 
 TEST_F(Restart, ARowThatNoJobCanHaveFailsItAndHarmsNoOther) {
   const std::string damaged = submit(), whole = submit();
-  ASSERT_TRUE(coordinator().checkpoint());
+  ASSERT_TRUE(coordinator().checkpointer().checkpoint());
   const std::pair<std::uint32_t, int> impossible[] = {{0, 1}, {16'777'217, 1}, {kSpp, 0}, {kSpp, 99}};
   for (const auto& [spp, state] : impossible) {
     const auto rewrite = [&](std::uint32_t new_spp, int new_state) {
@@ -226,7 +231,7 @@ TEST_F(Restart, ARowThatNoJobCanHaveFailsItAndHarmsNoOther) {
 TEST_F(Restart, RowsThatNoCoordinatorHereWritesFailTheirJobsAndHarmNoOther) {
   const std::string damaged = submit(), whole = submit(), mute = submit(), huge = submit(),
                     timeless = submit();
-  ASSERT_TRUE(coordinator().checkpoint());
+  ASSERT_TRUE(coordinator().checkpointer().checkpoint());
   rewrite_jobs([&](store::JobRow& row) {
     if (row.id == mute) row.failure = "no \xff text";
   });
@@ -257,20 +262,20 @@ TEST_F(Restart, RowsThatNoCoordinatorHereWritesFailTheirJobsAndHarmNoOther) {
 
 TEST_F(Restart, AJobWhoseNameIsNoTextIsLeftOutAndHarmsNoOther) {
   const std::string damaged = submit(), whole = submit();
-  ASSERT_TRUE(coordinator().checkpoint());
+  ASSERT_TRUE(coordinator().checkpointer().checkpoint());
   meddle("UPDATE jobs SET id = CAST(X'6AFF' AS TEXT) WHERE id = '" + damaged + "'");
   open();
-  const std::vector<v1::Job> jobs = coordinator().jobs();
+  const std::vector<v1::Job> jobs = coordinator().jobs().list();
   ASSERT_EQ(jobs.size(), 1u);
   EXPECT_EQ(jobs[0].id(), whole);
   EXPECT_EQ(jobs[0].state(), v1::JOB_STATE_RUNNING);
-  EXPECT_TRUE(coordinator().checkpoint());
+  EXPECT_TRUE(coordinator().checkpointer().checkpoint());
 }
 
 // One bit of a seed would give another image.
 TEST_F(Restart, AJobWhoseRowChangedOnDiskFailsAndHarmsNoOther) {
   const std::string damaged = submit(), whole = submit();
-  ASSERT_TRUE(coordinator().checkpoint());
+  ASSERT_TRUE(coordinator().checkpointer().checkpoint());
   meddle("UPDATE jobs SET spp = 7 WHERE id = '" + damaged + "'");
   open();
   EXPECT_EQ(job(damaged).state(), v1::JOB_STATE_FAILED);
@@ -284,51 +289,53 @@ constexpr const char* kTooManySamples = "UPDATE tiles SET done = X'0000000000100
 TEST_F(Restart, ADamagedRowDoesNotRaiseARunningJobsSamples) {
   const std::string id = submit();
   work('a', 3);
-  ASSERT_TRUE(coordinator().checkpoint());
+  ASSERT_TRUE(coordinator().checkpointer().checkpoint());
   meddle(kTooManySamples);
   open();
   EXPECT_EQ(job(id).settings().spp(), kSpp);
   work('b');
-  EXPECT_EQ(coordinator().picture(id)->image.pixels, ready_made_picture(kWidthPx, kHeightPx, kSpp).pixels);
+  EXPECT_EQ(coordinator().images().get(id)->image.pixels,
+            ready_made_picture(kWidthPx, kHeightPx, kSpp).pixels);
 }
 
 TEST_F(Restart, ADamagedRowDoesNotRaiseAFinishedJobsSamples) {
   const std::string id = submit();
   work('a');
-  ASSERT_TRUE(coordinator().checkpoint());
+  ASSERT_TRUE(coordinator().checkpointer().checkpoint());
   for (const v1::JobState state : {v1::JOB_STATE_DONE, v1::JOB_STATE_CANCELLED}) {
     rewrite_jobs([&](store::JobRow& row) { row.state = state; });
     meddle(kTooManySamples);
     open();
     EXPECT_EQ(job(id).state(), state);
     EXPECT_EQ(job(id).settings().spp(), kSpp);
-    EXPECT_EQ(coordinator().picture(id).error().code, ErrorCode::kDataLoss);
+    EXPECT_EQ(coordinator().images().get(id).error().code, ErrorCode::kDataLoss);
   }
 }
 
 TEST_F(Restart, ADoneJobThatLacksATileRendersIt) {
   const std::string id = submit();
   work('a');
-  ASSERT_TRUE(coordinator().checkpoint());
+  ASSERT_TRUE(coordinator().checkpointer().checkpoint());
   meddle("DELETE FROM tiles WHERE tile = 2");
   open();
   EXPECT_EQ(job(id).state(), v1::JOB_STATE_RUNNING);
   work('b');
-  EXPECT_EQ(coordinator().picture(id)->image.pixels, ready_made_picture(kWidthPx, kHeightPx, kSpp).pixels);
+  EXPECT_EQ(coordinator().images().get(id)->image.pixels,
+            ready_made_picture(kWidthPx, kHeightPx, kSpp).pixels);
 }
 
 TEST_F(Restart, ADamagedTileOfADoneJobIsToldAndHarmsNoOther) {
   const std::string damaged = submit(), whole = submit();
   work('a');
-  ASSERT_TRUE(coordinator().checkpoint());
+  ASSERT_TRUE(coordinator().checkpointer().checkpoint());
   meddle("UPDATE tiles SET content = X'00' WHERE tile = 0 AND job_id = '" + damaged + "'");
   open();
-  const auto picture = coordinator().picture(damaged);
+  const auto picture = coordinator().images().get(damaged);
   ASSERT_FALSE(picture);
   EXPECT_EQ(picture.error().code, ErrorCode::kDataLoss);
   EXPECT_THAT(picture.error().message, HasSubstr("tile 0 of job " + damaged + " is damaged"));
-  EXPECT_EQ(coordinator().extend_job(damaged, kSpp + 1).error().code, ErrorCode::kDataLoss);
-  EXPECT_TRUE(coordinator().picture(whole));
+  EXPECT_EQ(coordinator().jobs().extend(damaged, kSpp + 1).error().code, ErrorCode::kDataLoss);
+  EXPECT_TRUE(coordinator().images().get(whole));
 }
 
 TEST_F(Restart, ACheckpointThatCouldNotBeWrittenIsTriedAgain) {
@@ -337,13 +344,13 @@ TEST_F(Restart, ACheckpointThatCouldNotBeWrittenIsTriedAgain) {
   sqlite3* other = nullptr;
   ASSERT_EQ(sqlite3_open((folder_.path() / "state" / "tessera.db").c_str(), &other), SQLITE_OK);
   ASSERT_EQ(sqlite3_exec(other, "BEGIN IMMEDIATE", nullptr, nullptr, nullptr), SQLITE_OK);
-  EXPECT_EQ(coordinator().checkpoint().error().code, ErrorCode::kUnavailable);
+  EXPECT_EQ(coordinator().checkpointer().checkpoint().error().code, ErrorCode::kUnavailable);
   sqlite3_close(other);
   const std::uint64_t done = job(id).samples_done();
-  ASSERT_TRUE(coordinator().checkpoint());
+  ASSERT_TRUE(coordinator().checkpointer().checkpoint());
   crash();
   EXPECT_EQ(job(id).samples_done(), done);
 }
 
 }  // namespace
-}  // namespace tessera::coordinator
+}  // namespace tessera::server

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Which files stay, and whose quota they use, when the store of scene files is full.
-#include "server/coordinator/scene_files.hpp"
+#include "server/blobs/scene_files.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@
 
 #include "tests/support/temporary_folder.hpp"
 
-namespace tessera::coordinator {
+namespace tessera::server {
 namespace {
 
 using core::ErrorCode;
@@ -28,9 +28,9 @@ class SceneFilesTest : public testing::Test {
   }
   void open() {
     files_.reset();
-    store_.emplace(*store::BlobStore::open(folder_.path()));
-    files_ = std::make_unique<SceneFiles>(*store_,
-                                          SceneFilesOptions{{.store_mib = 8}, 24h, [this] { return now_; }});
+    store_.emplace(*blobs::BlobStore::open(folder_.path()));
+    files_ = std::make_unique<blobs::SceneFiles>(
+        *store_, blobs::SceneFilesOptions{{.store_mib = 8}, 24h, [this] { return now_; }});
   }
   static std::string bytes_of(char name, std::size_t mib = 1) { return std::string(mib * kMib, name); }
   static proto::Digest file(char name, std::size_t mib = 1) { return proto::digest_of(bytes_of(name, mib)); }
@@ -56,9 +56,9 @@ class SceneFilesTest : public testing::Test {
   }
 
   TemporaryFolder folder_;
-  BlobClaims::Time now_{};
-  std::optional<store::BlobStore> store_;
-  std::unique_ptr<SceneFiles> files_;
+  blobs::BlobClaims::Time now_{};
+  std::optional<blobs::BlobStore> store_;
+  std::unique_ptr<blobs::SceneFiles> files_;
 };
 
 TEST_F(SceneFilesTest, AnUploadTakesItsRoomBeforeItsBytesCome) {
@@ -137,9 +137,9 @@ TEST_F(SceneFilesTest, WhatIsNeededStaysHoweverOldItIs) {
 }
 
 TEST_F(SceneFilesTest, ADeletedJobMakesRoomAtOnce) {
-  std::optional<BlobClaims::Hold> job;
+  std::optional<blobs::BlobClaims::Hold> job;
   for (const char name : {'a', 'b', 'c', 'd'}) EXPECT_TRUE(upload("ada", name));
-  auto submission = files_->claim("ada", files_of(bundle("abcd")));
+  auto submission = files_->claim("ada", blobs::files_of(bundle("abcd")));
   now_ += 15min;  // the uploads' own claims
   job = files_->hold(bundle("abcd"));
   submission->settle();
@@ -158,8 +158,8 @@ TEST_F(SceneFilesTest, WhatAJobNamesIsItsSubmittersOrNobodys) {
   EXPECT_EQ(files_->used_bytes(), 4 * kMib);
   EXPECT_TRUE(upload("10.0.0.1", 'e'));
   files_->charge_to("ada", bundle("abcd"));
-  EXPECT_FALSE(upload(caller_key("ada"), 'f'));
-  EXPECT_TRUE(upload(caller_key("ben"), 'f'));
+  EXPECT_FALSE(upload(base::caller_key("ada"), 'f'));
+  EXPECT_TRUE(upload(base::caller_key("ben"), 'f'));
 }
 
 TEST_F(SceneFilesTest, AfterARestartWhatWasUploadedJustBeforeStaysAWhile) {
@@ -192,4 +192,4 @@ TEST_F(SceneFilesTest, WithoutNeedFilesGoWhenTheyWereNotUsedForLong) {
 }
 
 }  // namespace
-}  // namespace tessera::coordinator
+}  // namespace tessera::server

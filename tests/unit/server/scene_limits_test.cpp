@@ -106,7 +106,7 @@ TEST_F(SceneLimits, PicturesAndExtensionsDoNotWaitForScenes) {
   grpc::ClientContext extending, imaging;
   v1::ExtendJobRequest extension;
   extension.set_job_id(id);
-  extension.set_spp(coordinator::kSpp + 2);
+  extension.set_spp(server::kSpp + 2);
   v1::ExtendJobResponse extended;
   EXPECT_TRUE(users_->ExtendJob(&extending, extension, &extended).ok());
   v1::GetImageRequest request;
@@ -124,8 +124,7 @@ TEST_F(SceneLimits, PicturesAndExtensionsDoNotWaitForScenes) {
 // Waiting scenes are answered without validation.
 TEST_F(SceneLimits, StoppingDoesNotWorkOffTheScenesThatWait) {
   std::atomic<int> checked{0};
-  check_scene_ = [&](const v1::Bundle&,
-                     const v1::RenderOverrides&) -> core::Result<coordinator::CheckedScene> {
+  check_scene_ = [&](const v1::Bundle&, const v1::RenderOverrides&) -> core::Result<jobs::CheckedScene> {
     ++checked;
     barrier_.wait();
     return core::fail(core::ErrorCode::kUnavailable, "stopped");  // like the validator process

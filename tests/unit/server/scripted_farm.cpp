@@ -6,7 +6,7 @@
 #include "proto/tile_codec.hpp"
 #include "proto/worker_key.hpp"
 
-namespace tessera::coordinator {
+namespace tessera::server {
 namespace {
 
 // Any hash function will do.
@@ -56,14 +56,14 @@ core::Image ready_made_picture(int width_px, int height_px, std::uint32_t spp) {
   return ready_made_picture({0, 0, width_px, height_px}, spp);
 }
 
-core::Result<CheckedScene> accept_scene(const v1::Bundle&, const v1::RenderOverrides& overrides) {
+core::Result<jobs::CheckedScene> accept_scene(const v1::Bundle&, const v1::RenderOverrides& overrides) {
   core::RenderSettings settings;
   settings.width_px = kWidthPx;
   settings.height_px = kHeightPx;
   settings.spp = kSpp;
   const auto resolved = core::resolve_settings(settings, *proto::from_proto(overrides));
   if (!resolved) return core::fail(resolved.error());
-  return CheckedScene{proto::to_proto(*resolved), {}};
+  return jobs::CheckedScene{proto::to_proto(*resolved), {}};
 }
 
 v1::SubmitJobRequest submission() {
@@ -121,30 +121,30 @@ void ScriptedFarm::open(const std::filesystem::path& folder) {
   coordinator_.reset();
   auto state = store::StateDirectory::open(folder);
   ASSERT_TRUE(state) << state.error().message;
-  Options options;
-  options.now = [this] { return now_; };
+  CoordinatorOptions options;
+  options.farm.now = [this] { return now_; };
   options.limits = limits_;
-  options.audit_share = audit_share_;
-  options.fingerprint = fingerprint_;
+  options.farm.audit_share = audit_share_;
+  options.farm.fingerprint = fingerprint_;
   auto opened = Coordinator::open(options, std::move(*state), check_scene_);
   ASSERT_TRUE(opened) << opened.error().message;
   coordinator_ = std::move(*opened);
 }
 
 std::string ScriptedFarm::submit(const v1::SubmitJobRequest& request) {
-  const auto submitted = coordinator().submit_job(request);
+  const auto submitted = coordinator().jobs().submit(request);
   EXPECT_TRUE(submitted) << submitted.error().message;
   return submitted ? submitted->id() : "";
 }
 
 v1::Job ScriptedFarm::job(const std::string& id) {
-  const auto found = coordinator().job(id);
+  const auto found = coordinator().jobs().get(id);
   EXPECT_TRUE(found) << found.error().message;
   return found ? *found : v1::Job();
 }
 
 v1::Job ScriptedFarm::stored_job(const std::string& id) {
-  EXPECT_TRUE(coordinator().checkpoint());
+  EXPECT_TRUE(coordinator().checkpointer().checkpoint());
   return job(id);
 }
 
@@ -157,7 +157,7 @@ v1::SynchronizeResponse ScriptedFarm::synchronize(const v1::SynchronizeRequest& 
 }
 
 v1::SubmitResultResponse ScriptedFarm::deliver(const v1::SubmitResultRequest& request) {
-  const auto counted = coordinator().submit_result(request);
+  const auto counted = coordinator().dispatcher().submit_result(request);
   EXPECT_TRUE(counted) << counted.error().message;
   return counted ? *counted : v1::SubmitResultResponse();
 }
@@ -176,13 +176,13 @@ void ScriptedFarm::work(char worker, int leases) {
 
 WaitingCall::WaitingCall(Coordinator& coordinator, const v1::SynchronizeRequest& request)
     : answer_(std::make_shared<std::optional<core::Result<v1::SynchronizeResponse>>>()) {
-  SynchronizeCaller caller;
+  farm::SynchronizeCaller caller;
   caller.answer = [answer = answer_](core::Result<v1::SynchronizeResponse> result) {
     EXPECT_FALSE(answer->has_value()) << "answered twice";
     answer->emplace(std::move(result));
   };
   caller.is_gone = [gone = gone_] { return *gone; };
-  coordinator.synchronize(request, std::move(caller));
+  coordinator.dispatcher().synchronize(request, std::move(caller));
 }
 
-}  // namespace tessera::coordinator
+}  // namespace tessera::server

@@ -10,10 +10,10 @@
 #include <string>
 #include <vector>
 
-#include "server/coordinator/coordinator.hpp"
+#include "server/coordinator.hpp"
 #include "tests/support/temporary_folder.hpp"
 
-namespace tessera::coordinator {
+namespace tessera::server {
 
 // Sums that depend only on pixel and sample, like those of a render.
 core::FilmTile ready_made_tile(const core::PixelRect& rect, core::SampleRange range);
@@ -24,7 +24,7 @@ core::Image ready_made_picture(int width_px, int height_px, std::uint32_t spp);
 
 // Accepts any scene: 150 x 100 pixels, 6 samples per pixel, overrides applied. 3 x 2 tiles, of which 4 are
 // cropped.
-core::Result<CheckedScene> accept_scene(const v1::Bundle& bundle, const v1::RenderOverrides& overrides);
+core::Result<jobs::CheckedScene> accept_scene(const v1::Bundle& bundle, const v1::RenderOverrides& overrides);
 inline constexpr int kWidthPx = 150, kHeightPx = 100;
 inline constexpr std::uint32_t kSpp = 6;
 inline constexpr std::uint64_t kSamples = std::uint64_t{kWidthPx} * kHeightPx * kSpp;
@@ -63,7 +63,7 @@ class ScriptedFarm : public testing::Test {
 
   TemporaryFolder folder_;
   scheduler::Time now_{std::chrono::hours(1)};
-  SceneCheck check_scene_ = accept_scene;
+  jobs::SceneCheck check_scene_ = accept_scene;
   server::Limits limits_;
   double audit_share_ = 0;                  // of the next coordinator
   std::string fingerprint_ = kFingerprint;  // of the next coordinator
@@ -85,4 +85,4 @@ class WaitingCall {
   std::shared_ptr<bool> gone_ = std::make_shared<bool>(false);
 };
 
-}  // namespace tessera::coordinator
+}  // namespace tessera::server

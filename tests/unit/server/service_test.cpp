@@ -17,19 +17,18 @@
 namespace tessera::rpc {
 namespace {
 
-using coordinator::delivery_with_key;
-using coordinator::greeting_with_key;
-using coordinator::submission;
+using server::delivery_with_key;
+using server::greeting_with_key;
+using server::submission;
 using testing::HasSubstr;
 
 class Service : public testing::Test {
  protected:
   Service() {
     auto state = store::StateDirectory::open(folder_.path());
-    coordinator::Options options;
-    options.fingerprint = coordinator::kFingerprint;
-    coordinator_ =
-        std::move(*coordinator::Coordinator::open(options, std::move(*state), coordinator::accept_scene));
+    server::CoordinatorOptions options;
+    options.farm.fingerprint = server::kFingerprint;
+    coordinator_ = std::move(*server::Coordinator::open(options, std::move(*state), server::accept_scene));
     server_ = std::move(*Server::start(*coordinator_, {.address = "127.0.0.1:0"}));
     const auto channel = *proto::open_channel(server_->address());
     users_ = v1::RenderService::NewStub(channel);
@@ -58,7 +57,7 @@ class Service : public testing::Test {
   }
 
   std::string submit() {
-    EXPECT_TRUE(upload(coordinator::kSceneBytes).ok());
+    EXPECT_TRUE(upload(server::kSceneBytes).ok());
     grpc::ClientContext context;
     v1::SubmitJobResponse response;
     const grpc::Status status = users_->SubmitJob(&context, submission(), &response);
@@ -76,7 +75,7 @@ class Service : public testing::Test {
   }
 
   void work_until_done(const std::string& id) {
-    while (job(id).samples_done() < coordinator::kSamples) {
+    while (job(id).samples_done() < server::kSamples) {
       grpc::ClientContext context;
       v1::SynchronizeResponse response;
       ASSERT_TRUE(workers_->Synchronize(&context, greeting_with_key('a'), &response).ok());
@@ -125,7 +124,7 @@ class Service : public testing::Test {
   }
 
   TemporaryFolder folder_;
-  std::unique_ptr<coordinator::Coordinator> coordinator_;
+  std::unique_ptr<server::Coordinator> coordinator_;
   std::unique_ptr<Server> server_;
   std::unique_ptr<v1::RenderService::Stub> users_;
   std::unique_ptr<v1::WorkerService::Stub> workers_;
@@ -135,8 +134,7 @@ TEST_F(Service, FromSubmissionToThePicture) {
   const std::string id = submit();
   work_until_done(id);
   EXPECT_EQ(job(id).state(), v1::JOB_STATE_DONE);
-  const core::Image expected =
-      coordinator::ready_made_picture(coordinator::kWidthPx, coordinator::kHeightPx, coordinator::kSpp);
+  const core::Image expected = server::ready_made_picture(server::kWidthPx, server::kHeightPx, server::kSpp);
   const std::pair<v1::ImageFormat, core::ImageFormat> formats[] = {
       {v1::IMAGE_FORMAT_PNG, core::ImageFormat::kPng},
       {v1::IMAGE_FORMAT_EXR, core::ImageFormat::kExr},
@@ -152,8 +150,7 @@ TEST_F(Service, FromSubmissionToThePicture) {
 TEST_F(Service, PngFilesAreShownAsTheJobOrTheCallSays) {
   const std::string id = submit();
   work_until_done(id);
-  const core::Image picture =
-      coordinator::ready_made_picture(coordinator::kWidthPx, coordinator::kHeightPx, coordinator::kSpp);
+  const core::Image picture = server::ready_made_picture(server::kWidthPx, server::kHeightPx, server::kSpp);
   v1::DisplayOverrides display;
   display.set_exposure_stops(-3);
   display.set_tone_curve(v1::TONE_CURVE_ACES);
@@ -241,7 +238,7 @@ TEST_F(Service, WatchingShowsTheJobUntilItIsDone) {
   }
   EXPECT_TRUE(stream->Finish().ok());
   EXPECT_EQ(response.job().state(), v1::JOB_STATE_DONE);
-  EXPECT_EQ(response.job().samples_done(), coordinator::kSamples);
+  EXPECT_EQ(response.job().samples_done(), server::kSamples);
 }
 
 TEST_F(Service, WatchingEndsWithADeletedJob) {
@@ -299,7 +296,7 @@ TEST_F(Service, StoppingEndsWaitingCallsAndStoresEverything) {
   v1::SynchronizeResponse response;
   workers_->async()->Synchronize(&context, &request, &response,
                                  [&](const grpc::Status& status) { answered.set_value(status); });
-  while (coordinator_->workers().size() < 2) std::this_thread::yield();
+  while (coordinator_->dispatcher().workers().size() < 2) std::this_thread::yield();
   EXPECT_TRUE(server_->stop());
   EXPECT_EQ(answered.get_future().get().error_code(), grpc::StatusCode::UNAVAILABLE);
   coordinator_.reset();

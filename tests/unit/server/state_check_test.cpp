@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "server/coordinator/state_check.hpp"
+#include "server/admin/state_check.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,7 +8,7 @@
 #include "server/store/replacement.hpp"
 #include "tests/unit/server/scripted_farm.hpp"
 
-namespace tessera::coordinator {
+namespace tessera::server {
 namespace {
 
 using core::ErrorCode;
@@ -36,7 +36,7 @@ class StateCheck : public ScriptedFarm {
     work('a');
     running_ = submit();
     work('b', 3);
-    ASSERT_TRUE(coordinator().checkpoint());
+    ASSERT_TRUE(coordinator().checkpointer().checkpoint());
   }
 
   std::string done_, running_;
@@ -45,9 +45,10 @@ class StateCheck : public ScriptedFarm {
 TEST_F(StateCheck, FindsNothingWrongWithASoundState) {
   fill();
   const std::uint64_t samples = job(running_).samples_done();
-  ASSERT_EQ(check_state(state()).error().code, ErrorCode::kFailedPrecondition) << "a coordinator runs on it";
+  ASSERT_EQ(admin::check_state(state()).error().code, ErrorCode::kFailedPrecondition)
+      << "a coordinator runs on it";
   close();
-  const auto findings = check_state(state());
+  const auto findings = admin::check_state(state());
   ASSERT_TRUE(findings) << findings.error().message;
   EXPECT_TRUE(findings->whole());
   ASSERT_EQ(findings->jobs.size(), 2u);
@@ -61,65 +62,66 @@ TEST_F(StateCheck, FindsNothingWrongWithASoundState) {
 TEST_F(StateCheck, NamesWhatIsDamagedAndWhatToDo) {
   fill();
   meddle("UPDATE tiles SET content = X'00' WHERE tile = 1");
-  const auto tiles = check_state(state());
+  const auto tiles = admin::check_state(state());
   ASSERT_TRUE(tiles);
   EXPECT_FALSE(tiles->whole());
   EXPECT_THAT(tiles->jobs[0].damage, ElementsAre(AllOf(HasSubstr("tile 1"), HasSubstr("--salvage"))));
   EXPECT_THAT(tiles->jobs[1].damage, ElementsAre(AllOf(HasSubstr("tile 1"), HasSubstr("rendered again"))));
 
   meddle("UPDATE jobs SET spp = 5 WHERE id = '" + done_ + "'");
-  EXPECT_THAT(check_state(state())->jobs[0].damage,
+  EXPECT_THAT(admin::check_state(state())->jobs[0].damage,
               ElementsAre(HasSubstr("the stored job " + done_ + " is damaged")));
 
   meddle("UPDATE jobs SET id = CAST(X'6AFF0A' AS TEXT) WHERE id = '" + done_ + "'");
-  EXPECT_THAT(to_text(*check_state(state())),
+  EXPECT_THAT(admin::to_text(*admin::check_state(state())),
               AllOf(HasSubstr("job j\\xff\\x0a  ?"), HasSubstr("the stored job j\\xff\\x0a is damaged")));
 
-  const auto blob = store::BlobStore::look_at(state() / "blobs").path(proto::digest_of(kSceneBytes));
+  const auto blob = blobs::BlobStore::look_at(state() / "blobs").path(proto::digest_of(kSceneBytes));
   write_file(blob, "[}");
-  EXPECT_THAT(to_text(*check_state(state())),
+  EXPECT_THAT(admin::to_text(*admin::check_state(state())),
               AllOf(HasSubstr(blob.string()), HasSubstr("submit the scene again")));
   std::filesystem::remove(blob);
-  EXPECT_THAT(to_text(*check_state(state())), HasSubstr("is missing"));
+  EXPECT_THAT(to_text(*admin::check_state(state())), HasSubstr("is missing"));
   write_file(state() / "blobs" / "incoming" / "half", "x");
-  EXPECT_THAT(check_state(state())->notes, ElementsAre(HasSubstr("1 interrupted upload")));
+  EXPECT_THAT(admin::check_state(state())->notes, ElementsAre(HasSubstr("1 interrupted upload")));
 }
 
 TEST_F(StateCheck, IsForStatesOnly) {
-  EXPECT_EQ(check_state(folder_.path()).error().code, ErrorCode::kNotFound);
-  EXPECT_EQ(salvage_state(folder_.path()).error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(admin::check_state(folder_.path()).error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(admin::salvage_state(folder_.path()).error().code, ErrorCode::kNotFound);
 }
 
 TEST_F(StateCheck, SalvageKeepsWhatIsWholeAndTheRestIsRenderedAgain) {
   fill();
   const std::string lost = submit();
-  ASSERT_TRUE(coordinator().checkpoint());
+  ASSERT_TRUE(coordinator().checkpointer().checkpoint());
   meddle("UPDATE tiles SET content = X'00' WHERE tile = 1; UPDATE jobs SET spp = 5 WHERE id = '" + lost +
          "'");
-  const auto salvage = salvage_state(state());
+  const auto salvage = admin::salvage_state(state());
   ASSERT_TRUE(salvage) << salvage.error().message;
   EXPECT_EQ(salvage->jobs, 2u);
   EXPECT_EQ(salvage->lost_jobs, 1u);
   EXPECT_EQ(salvage->lost_tiles, 2u);
   EXPECT_TRUE(std::filesystem::exists(salvage->set_aside));
-  EXPECT_TRUE(check_state(state())->whole());
+  EXPECT_TRUE(admin::check_state(state())->whole());
   open();
   EXPECT_EQ(job(done_).state(), v1::JOB_STATE_RUNNING);
   work('c');
   for (const std::string& id : {done_, running_}) {
     EXPECT_EQ(stored_job(id).state(), v1::JOB_STATE_DONE);
-    EXPECT_EQ(coordinator().picture(id)->image.pixels, ready_made_picture(kWidthPx, kHeightPx, kSpp).pixels);
+    EXPECT_EQ(coordinator().images().get(id)->image.pixels,
+              ready_made_picture(kWidthPx, kHeightPx, kSpp).pixels);
   }
 }
 
 TEST_F(StateCheck, WhatIsLostOfACancelledJobIsToldToBeLost) {
   const std::string id = submit();
   work('a', 3);
-  ASSERT_TRUE(coordinator().cancel_job(id));
-  ASSERT_TRUE(coordinator().checkpoint());
+  ASSERT_TRUE(coordinator().jobs().cancel(id));
+  ASSERT_TRUE(coordinator().checkpointer().checkpoint());
   meddle("UPDATE tiles SET content = X'00' WHERE tile = (SELECT min(tile) FROM tiles)");
-  EXPECT_THAT(check_state(state())->jobs[0].damage, ElementsAre(HasSubstr("it is lost")));
-  const auto salvage = salvage_state(state());
+  EXPECT_THAT(admin::check_state(state())->jobs[0].damage, ElementsAre(HasSubstr("it is lost")));
+  const auto salvage = admin::salvage_state(state());
   ASSERT_TRUE(salvage) << salvage.error().message;
   EXPECT_EQ(salvage->lost_tiles, 0u);
   EXPECT_EQ(salvage->tiles_lost_for_good, 1u);
@@ -128,15 +130,15 @@ TEST_F(StateCheck, WhatIsLostOfACancelledJobIsToldToBeLost) {
 TEST_F(StateCheck, ATileThatIsMissingFromAFinishedJobIsTold) {
   fill();
   meddle("DELETE FROM tiles WHERE tile = 1 AND job_id = '" + done_ + "'");
-  EXPECT_THAT(check_state(state())->notes,
+  EXPECT_THAT(admin::check_state(state())->notes,
               ElementsAre(HasSubstr("samples of job " + done_ + " are missing")));
 }
 
 TEST_F(StateCheck, SalvageGoesOnFromAGreaterCountOfStarts) {
   fill();
   meddle("DELETE FROM meta");
-  EXPECT_THAT(check_state(state())->damage, ElementsAre(HasSubstr("lost the count of its starts")));
-  ASSERT_TRUE(salvage_state(state()));
+  EXPECT_THAT(admin::check_state(state())->damage, ElementsAre(HasSubstr("lost the count of its starts")));
+  ASSERT_TRUE(admin::salvage_state(state()));
   auto jobs = store::JobStore::open(state() / "tessera.db");
   ASSERT_TRUE(jobs);
   EXPECT_GT(jobs->epoch(), 1'000'000u);
@@ -149,20 +151,20 @@ TEST_F(StateCheck, SalvageKeepsAJobOnceHoweverOftenItIsListed) {
   meddle(
       "CREATE TABLE twice AS SELECT * FROM jobs; DROP TABLE jobs; CREATE TABLE jobs AS SELECT * FROM twice;"
       "INSERT INTO jobs SELECT * FROM twice; DROP TABLE twice");
-  const auto salvage = salvage_state(state());
+  const auto salvage = admin::salvage_state(state());
   ASSERT_TRUE(salvage) << salvage.error().message;
   EXPECT_EQ(salvage->jobs, 2u);
   EXPECT_EQ(salvage->lost_jobs, 0u);
-  EXPECT_TRUE(check_state(state())->whole());
+  EXPECT_TRUE(admin::check_state(state())->whole());
 }
 
 TEST_F(StateCheck, SalvageTakesTheLockOfAFolderThatHasNone) {
   fill();
   close();
   std::filesystem::remove(state() / "lock");
-  ASSERT_TRUE(check_state(state()));
+  ASSERT_TRUE(admin::check_state(state()));
   EXPECT_FALSE(std::filesystem::exists(state() / "lock"));
-  ASSERT_TRUE(salvage_state(state()));
+  ASSERT_TRUE(admin::salvage_state(state()));
   EXPECT_TRUE(std::filesystem::exists(state() / "lock"));
 }
 
@@ -181,12 +183,12 @@ TEST_F(StateCheck, ASalvageThatWasCutShortIsUndoneAtTheNextStart) {
   EXPECT_TRUE(read_file(log) == bytes);
   EXPECT_FALSE(std::filesystem::exists(crashed / "tessera.db.damaged-1"));
   EXPECT_FALSE(std::filesystem::exists(crashed / "tessera.db.damaged-1-wal"));
-  const auto salvage = salvage_state(crashed);
+  const auto salvage = admin::salvage_state(crashed);
   ASSERT_TRUE(salvage) << salvage.error().message;
   EXPECT_EQ(salvage->jobs, 2u);
   EXPECT_TRUE(read_file(salvage->set_aside.string() + "-wal") == bytes);
   EXPECT_FALSE(std::filesystem::exists(log));
-  EXPECT_TRUE(check_state(crashed)->whole());
+  EXPECT_TRUE(admin::check_state(crashed)->whole());
 }
 
 TEST_F(StateCheck, ASalvageThatCannotReplaceLeavesEverythingWhereItWas) {
@@ -213,4 +215,4 @@ TEST_F(StateCheck, ADatabaseThatIsGoneIsNotBegunAnew) {
 }
 
 }  // namespace
-}  // namespace tessera::coordinator
+}  // namespace tessera::server

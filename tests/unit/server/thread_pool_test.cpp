@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 // On which thread tasks run.
-#include "server/coordinator/thread_pool.hpp"
+#include "server/base/thread_pool.hpp"
 
 #include <gtest/gtest.h>
 
 #include <latch>
 
-namespace tessera::coordinator {
+namespace tessera::server {
 namespace {
 
 using ThreadId = std::thread::id;
 
 TEST(ThreadPool, RunsAShortTaskAtItsCallerWhileNothingElseIsToBeDone) {
-  ThreadPool pool(1, 8);
+  base::ThreadPool pool(1, 8);
   for (int i = 0; i < 2; ++i) {
     ThreadId ran_on;
     ASSERT_TRUE(pool.run_or_post([&] { ran_on = std::this_thread::get_id(); }));
@@ -23,7 +23,7 @@ TEST(ThreadPool, RunsAShortTaskAtItsCallerWhileNothingElseIsToBeDone) {
 TEST(ThreadPool, KeepsOneCallerAtATime) {
   ThreadId ran_on;
   {
-    ThreadPool pool(1, 8);
+    base::ThreadPool pool(1, 8);
     ASSERT_TRUE(pool.run_or_post(
         [&] { ASSERT_TRUE(pool.run_or_post([&] { ran_on = std::this_thread::get_id(); })); }));
   }
@@ -35,7 +35,7 @@ TEST(ThreadPool, LetsNoShortTaskOvertakeWhatWaits) {
   std::latch busy(1), released(1);
   std::vector<int> order;
   {
-    ThreadPool pool(1, 2);
+    base::ThreadPool pool(1, 2);
     ASSERT_TRUE(pool.post([&] {
       busy.count_down();
       released.wait();
@@ -50,4 +50,4 @@ TEST(ThreadPool, LetsNoShortTaskOvertakeWhatWaits) {
 }
 
 }  // namespace
-}  // namespace tessera::coordinator
+}  // namespace tessera::server

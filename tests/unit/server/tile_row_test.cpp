@@ -5,9 +5,9 @@
 #include <zstd.h>
 
 #include "proto/tile_codec.hpp"
-#include "server/coordinator/job_film.hpp"
+#include "server/film/job_film.hpp"
 
-namespace tessera::coordinator {
+namespace tessera::server {
 namespace {
 
 using core::ErrorCode;
@@ -16,8 +16,8 @@ const core::PixelRect kRect{64, 128, 69, 131};  // 45 sums: no multiple of sixte
 const std::vector<core::SampleRange> kDone{{0, 3}, {8, 12}};
 
 // Sums that use all their bytes.
-TileContent content() {
-  TileContent tile;
+film::TileContent content() {
+  film::TileContent tile;
   for (std::uint64_t i = 0; i < kRect.pixel_count() * 3; ++i) {
     tile.sums.sums.push_back(0x0123456789abcdef * (i + 1));
     tile.sums.odd_sums.push_back(i == 7 ? core::kFilmSaturated : i << (i % 60));
@@ -30,7 +30,7 @@ TileContent content() {
   return tile;
 }
 
-std::string frame_of_sums_in_a_row(const TileContent& tile) {
+std::string frame_of_sums_in_a_row(const film::TileContent& tile) {
   std::vector<std::uint64_t> raw = tile.sums.sums;
   raw.insert(raw.end(), tile.sums.odd_sums.begin(), tile.sums.odd_sums.end());
   const std::size_t size = raw.size() * sizeof(std::uint64_t);
@@ -40,16 +40,16 @@ std::string frame_of_sums_in_a_row(const TileContent& tile) {
 }
 
 TEST(TileRow, GivesBackWhatWasPutIn) {
-  const store::TileRow row = encode_tile_row("job", 5, kRect, kDone, content());
+  const store::TileRow row = film::encode_tile_row("job", 5, kRect, kDone, content());
   EXPECT_EQ(row.done, kDone);
-  const auto read = decode_tile_row(row, kRect);
+  const auto read = film::decode_tile_row(row, kRect);
   ASSERT_TRUE(read) << read.error().message;
   EXPECT_EQ(read->sums, content().sums);
   EXPECT_EQ(read->counters, content().counters);
 }
 
 TEST(TileRow, ReadsWhatEarlierReleasesWrote) {
-  const TileContent tile = content();
+  const film::TileContent tile = content();
   core::FilmTile item(kRect, {0, 7});
   item.sums = tile.sums.sums;
   item.odd_sums = tile.sums.odd_sums;
@@ -57,35 +57,35 @@ TEST(TileRow, ReadsWhatEarlierReleasesWrote) {
   v1::RenderedItem message = proto::encode_tile(item);
   message.clear_planes_zstd();
   message.set_sums_zstd(frame_of_sums_in_a_row(tile));
-  const auto read = decode_tile_row({"job", 5, kDone, message.SerializeAsString()}, kRect);
+  const auto read = film::decode_tile_row({"job", 5, kDone, message.SerializeAsString()}, kRect);
   ASSERT_TRUE(read) << read.error().message;
   EXPECT_EQ(read->sums, tile.sums);
 }
 
 // Its samples were wrong, and no others have arrived since.
 TEST(TileRow, CanBeOfNoSamplesAtAll) {
-  const auto read = decode_tile_row(encode_tile_row("job", 5, kRect, {}, {}), kRect);
+  const auto read = film::decode_tile_row(film::encode_tile_row("job", 5, kRect, {}, {}), kRect);
   ASSERT_TRUE(read) << read.error().message;
   EXPECT_EQ(read->sums, core::Film::TileSums{});
   EXPECT_EQ(read->counters, core::RenderCounters{});
 }
 
 TEST(TileRow, RefusesWhatIsNotOfTheTile) {
-  const store::TileRow row = encode_tile_row("job", 5, kRect, kDone, content());
-  const auto code_of = [](const core::Result<TileContent>& read) {
+  const store::TileRow row = film::encode_tile_row("job", 5, kRect, kDone, content());
+  const auto code_of = [](const core::Result<film::TileContent>& read) {
     return read ? std::nullopt : std::optional(read.error().code);
   };
   store::TileRow more = row;
   more.done.push_back({20, 21});
-  EXPECT_EQ(code_of(decode_tile_row(more, kRect)), ErrorCode::kDataLoss);
-  EXPECT_EQ(code_of(decode_tile_row(row, {0, 0, 5, 3})), ErrorCode::kDataLoss);
-  EXPECT_EQ(code_of(decode_tile_row(row, {64, 128, 70, 131})), ErrorCode::kDataLoss);
+  EXPECT_EQ(code_of(film::decode_tile_row(more, kRect)), ErrorCode::kDataLoss);
+  EXPECT_EQ(code_of(film::decode_tile_row(row, {0, 0, 5, 3})), ErrorCode::kDataLoss);
+  EXPECT_EQ(code_of(film::decode_tile_row(row, {64, 128, 70, 131})), ErrorCode::kDataLoss);
   for (std::size_t size = 0; size < row.content.size(); ++size) {
     store::TileRow cut = row;
     cut.content.resize(size);
-    EXPECT_EQ(code_of(decode_tile_row(cut, kRect)), ErrorCode::kDataLoss) << size;
+    EXPECT_EQ(code_of(film::decode_tile_row(cut, kRect)), ErrorCode::kDataLoss) << size;
   }
 }
 
 }  // namespace
-}  // namespace tessera::coordinator
+}  // namespace tessera::server

@@ -76,11 +76,11 @@ TEST_F(UploadLimits, AFullStoreKeepsWhatJobsNeedAndLetsGoOfTheRest) {
   const std::string unused(700'000, '1'), wanted(700'000, '2');
   ASSERT_TRUE(upload(unused.size(), unused).ok());
   pass(std::chrono::minutes(15));
-  const store::BlobStore& blobs = coordinator_->blobs();
+  const blobs::BlobStore& blobs = coordinator_->blobs();
   EXPECT_TRUE(upload(wanted.size(), wanted).ok());
   EXPECT_FALSE(blobs.contains(proto::digest_of(unused)));
-  EXPECT_TRUE(blobs.contains(proto::digest_of(coordinator::kSceneBytes)));
-  EXPECT_EQ(coordinator_->files().used_bytes(), wanted.size() + coordinator::kSceneBytes.size());
+  EXPECT_TRUE(blobs.contains(proto::digest_of(server::kSceneBytes)));
+  EXPECT_EQ(coordinator_->files().used_bytes(), wanted.size() + server::kSceneBytes.size());
 }
 
 TEST_F(UploadLimits, AnUploadCountsWithAllItsBytesAsLongAsItGoesOn) {
@@ -119,7 +119,7 @@ TEST_F(UploadLimits, AFullStoreIsClearedWhileASceneIsValidated) {
   pass(std::chrono::minutes(15));
   EXPECT_TRUE(upload(wanted.size(), wanted).ok());
   EXPECT_FALSE(coordinator_->blobs().contains(proto::digest_of(unused)));
-  EXPECT_TRUE(coordinator_->blobs().contains(proto::digest_of(coordinator::kSceneBytes)));
+  EXPECT_TRUE(coordinator_->blobs().contains(proto::digest_of(server::kSceneBytes)));
   barrier_.open();
   EXPECT_TRUE(slow.status.get_future().get().ok());
 }

@@ -57,7 +57,7 @@ class Validator : public testing::Test {
   }
 
   TemporaryFolder folder_;
-  store::BlobStore blobs_ = *store::BlobStore::open(folder_.path() / "blobs");
+  blobs::BlobStore blobs_ = *blobs::BlobStore::open(folder_.path() / "blobs");
   ProcessOptions options_{.path = TESSERA_VALIDATOR, .limits = {.validation_time = std::chrono::minutes(1)}};
   v1::Bundle bundle_ = [] {
     v1::Bundle bundle;

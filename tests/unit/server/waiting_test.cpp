@@ -6,7 +6,7 @@
 
 #include "tests/unit/server/scripted_farm.hpp"
 
-namespace tessera::coordinator {
+namespace tessera::server {
 namespace {
 
 using core::ErrorCode;
@@ -28,10 +28,10 @@ TEST_F(Waiting, ASubmittedJobWakesThoseWhoWaitForWork) {
 TEST_F(Waiting, EndsWellBeforeTheWorkerMustBeHeardOf) {
   const WaitingCall call(coordinator(), greeting('a'));
   now_ += milliseconds(3300);
-  coordinator().tick();
+  coordinator().dispatcher().tick();
   EXPECT_FALSE(call.answered());
   now_ += milliseconds(100);
-  coordinator().tick();
+  coordinator().dispatcher().tick();
   ASSERT_TRUE(call.answered());
   EXPECT_EQ(call.answer()->leases_size(), 0);
 }
@@ -133,7 +133,8 @@ TEST_F(WaitingWithAnswers, TheWholePictureCanComeInThisWay) {
   }
   deliver(delivery('a', held[0]));
   EXPECT_EQ(stored_job(id).state(), v1::JOB_STATE_DONE);
-  EXPECT_EQ(coordinator().picture(id)->image.pixels, ready_made_picture(kWidthPx, kHeightPx, kSpp).pixels);
+  EXPECT_EQ(coordinator().images().get(id)->image.pixels,
+            ready_made_picture(kWidthPx, kHeightPx, kSpp).pixels);
 }
 
 // Leases in a message that the worker does not hold get it no others.
@@ -154,7 +155,7 @@ TEST_F(Waiting, CancellingAJobTellsWhoRendersIt) {
   *request.mutable_held() = synchronize(request).leases();
   request.add_known_job_ids(id);
   const WaitingCall call(coordinator(), request);
-  ASSERT_TRUE(coordinator().cancel_job(id));
+  ASSERT_TRUE(coordinator().jobs().cancel(id));
   ASSERT_TRUE(call.answered());
   EXPECT_EQ(call.answer()->leases_size(), 0);
 }
@@ -174,7 +175,7 @@ TEST_F(Waiting, WhoHasHungUpIsLeasedNothing) {
   ASSERT_TRUE(gone.answered() && waiting.answered());
   EXPECT_EQ(gone.answer().error().code, ErrorCode::kCancelled);
   EXPECT_EQ(waiting.answer()->leases_size(), 1);
-  const auto workers = coordinator().workers();
+  const auto workers = coordinator().dispatcher().workers();
   ASSERT_EQ(workers.size(), 2u);
   EXPECT_EQ(workers[0].held_leases(), 0u);
 }
@@ -189,4 +190,4 @@ TEST_F(Waiting, ClosingAnswersEveryone) {
 }
 
 }  // namespace
-}  // namespace tessera::coordinator
+}  // namespace tessera::server

@@ -7,7 +7,7 @@
 
 #include "tests/unit/server/scripted_farm.hpp"
 
-namespace tessera::coordinator {
+namespace tessera::server {
 namespace {
 
 using core::ErrorCode;
@@ -23,7 +23,7 @@ class Work : public ScriptedFarm {
     }
   }
   bool is_stuck(char worker) {
-    for (const auto& each : coordinator().workers()) {
+    for (const auto& each : coordinator().dispatcher().workers()) {
       if (each.id() == std::string(32, worker)) return each.stuck();
     }
     return false;
@@ -64,7 +64,8 @@ TEST_F(Work, AFarmComesToTheLocalPicture) {
   EXPECT_EQ(done.counters().samples(), kSamples);
   EXPECT_EQ(done.counters().closest_hit_rays(), 2 * kSamples);
   EXPECT_TRUE(done.has_finished_at());
-  EXPECT_EQ(coordinator().picture(id)->image.pixels, ready_made_picture(kWidthPx, kHeightPx, kSpp).pixels);
+  EXPECT_EQ(coordinator().images().get(id)->image.pixels,
+            ready_made_picture(kWidthPx, kHeightPx, kSpp).pixels);
 }
 
 TEST_F(Work, LeasesComeWithWhatTheWorkerMustKnowOfTheJob) {
@@ -113,7 +114,7 @@ TEST_F(Work, AResultThatComesTwiceIsDroppedTheSecondTime) {
 TEST_F(Work, AResultForAJobThatIsGoneIsDropped) {
   const std::string id = submit();
   const v1::Lease lease = synchronize(greeting('a')).leases(0);
-  ASSERT_TRUE(coordinator().delete_job(id));
+  ASSERT_TRUE(coordinator().jobs().remove(id));
   EXPECT_EQ(deliver(delivery('a', lease)).dropped_items(), static_cast<std::uint32_t>(lease.items_size()));
 }
 
@@ -127,7 +128,7 @@ TEST_F(Work, AWorkerWithoutAProperIdIsRefused) {
 
 TEST_F(Work, AJobWhoseSceneNobodyCanBuildFails) {
   const std::string id = submit(), other = submit();
-  ASSERT_TRUE(coordinator().pause_job(other));
+  ASSERT_TRUE(coordinator().jobs().pause(other));
   for (const char worker : {'a', 'b', 'c'}) {
     EXPECT_EQ(job(id).state(), v1::JOB_STATE_RUNNING);
     v1::SubmitResultRequest given_back = delivery(worker, synchronize(greeting(worker)).leases(0));
@@ -150,10 +151,10 @@ TEST_F(Work, WhatKeepsAWorkerFromWorkIsToldToWhoeverWaits) {
   trouble.set_text("cannot fetch \x1b[31mmesh.obj: No space left on device" + std::string(2000, '!'));
   for (int i = 0; i < 10; ++i) *request.add_troubles() = trouble;
   synchronize(request);
-  ASSERT_EQ(coordinator().workers()[0].troubles_size(), Troubles::kMaxOfWorker);
-  const std::string told = coordinator().workers()[0].troubles(0);
+  ASSERT_EQ(coordinator().dispatcher().workers()[0].troubles_size(), farm::Troubles::kMaxOfWorker);
+  const std::string told = coordinator().dispatcher().workers()[0].troubles(0);
   EXPECT_THAT(told, testing::StartsWith("cannot fetch \\x1b[31mmesh.obj: No space left on device!!!"));
-  EXPECT_LT(told.size(), Troubles::kMaxTextBytes + 20);
+  EXPECT_LT(told.size(), farm::Troubles::kMaxTextBytes + 20);
   ASSERT_GT(job(id).troubles_size(), 0);
   EXPECT_EQ(job(id).troubles(0), "worker host-a says: " + told);
   EXPECT_EQ(job(other).troubles_size(), 0);
@@ -238,21 +239,22 @@ TEST_F(Work, NamesThatCannotBeShownAreRefused) {
   request = greeting('a');
   request.set_determinism_fingerprint("f\r");
   EXPECT_THAT(refusal(request).message, HasSubstr("determinism_fingerprint: must be UTF-8"));
-  EXPECT_TRUE(coordinator().workers().empty());
+  EXPECT_TRUE(coordinator().dispatcher().workers().empty());
 
   submit();
   v1::SubmitResultRequest result = delivery('a', synchronize(greeting('a')).leases(0));
   result.set_version("\x1b");
-  EXPECT_THAT(coordinator().submit_result(result).error().message, HasSubstr("version: must be UTF-8"));
+  EXPECT_THAT(coordinator().dispatcher().submit_result(result).error().message,
+              HasSubstr("version: must be UTF-8"));
 }
 
 TEST_F(Work, ABlobThatIsIntactAfterAllFailsNoJob) {
   const std::string id = submit();
   const proto::Digest scene = proto::digest_of(kSceneBytes);
-  coordinator().blob_is_lost(scene, {ErrorCode::kDataLoss, "read wrongly"});
+  coordinator().jobs().blob_is_lost(scene, {ErrorCode::kDataLoss, "read wrongly"});
   EXPECT_EQ(job(id).state(), v1::JOB_STATE_RUNNING);
   coordinator().blobs().discard(scene);
-  coordinator().blob_is_lost(scene, {ErrorCode::kNotFound, "gone"});
+  coordinator().jobs().blob_is_lost(scene, {ErrorCode::kNotFound, "gone"});
   EXPECT_EQ(stored_job(id).state(), v1::JOB_STATE_FAILED);
 }
 
@@ -260,7 +262,7 @@ TEST_F(Work, SubmittingWhatIsDamagedAsksForItAndFailsNoRunningJob) {
   const std::string id = submit();
   const proto::Digest scene = proto::digest_of(kSceneBytes);
   write_file(coordinator().blobs().path(scene), "[]");
-  EXPECT_EQ(coordinator().submit_job(submission()).error().code, ErrorCode::kFailedPrecondition);
+  EXPECT_EQ(coordinator().jobs().submit(submission()).error().code, ErrorCode::kFailedPrecondition);
   EXPECT_FALSE(coordinator().blobs().contains(scene));
   EXPECT_EQ(job(id).state(), v1::JOB_STATE_RUNNING);
 }
@@ -269,7 +271,7 @@ TEST_F(Work, WorkersAreListed) {
   submit();
   work('a', 1);
   synchronize(greeting('a'));
-  const auto workers = coordinator().workers();
+  const auto workers = coordinator().dispatcher().workers();
   ASSERT_EQ(workers.size(), 1u);
   EXPECT_EQ(workers[0].id(), std::string(32, 'a'));
   EXPECT_EQ(workers[0].name(), "host-a");
@@ -324,13 +326,13 @@ TEST_F(Work, TheLeaseOfASilentWorkerGoesToAnother) {
   const std::string id = submit();
   const v1::Lease lost = synchronize(greeting('a')).leases(0);
   now_ += std::chrono::seconds(11);
-  EXPECT_FALSE(coordinator().workers()[0].silent());
-  coordinator().tick();
-  EXPECT_TRUE(coordinator().workers()[0].silent());
+  EXPECT_FALSE(coordinator().dispatcher().workers()[0].silent());
+  coordinator().dispatcher().tick();
+  EXPECT_TRUE(coordinator().dispatcher().workers()[0].silent());
   work('b');
   EXPECT_EQ(stored_job(id).state(), v1::JOB_STATE_DONE);
   EXPECT_EQ(deliver(delivery('a', lost)).accepted_items(), 0u);
 }
 
 }  // namespace
-}  // namespace tessera::coordinator
+}  // namespace tessera::server

@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <chrono>
+#include <ratio>
+#include <set>
+#include <string>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "server/admin/state_check.hpp"
+#include "server/farm/job_record.hpp"
+#include "server/film/stored_tile.hpp"
+#include "server/store/log_damage.hpp"
+#include "server/store/replacement.hpp"
+#include "server/store/state_directory.hpp"
+
+namespace tessera::admin {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kCopyName = "tessera.db.salvaged";
+
+core::Status keep_tiles(store::JobStore& from, store::JobStore& to, const store::JobRow& row,
+                        const core::TileGrid& grid, Salvage& salvage) {
+  const bool is_rendered_on = row.state != v1::JOB_STATE_CANCELLED && row.state != v1::JOB_STATE_FAILED;
+  std::vector<store::TileRow> batch;
+  // Tries every tile, since the list of tiles may be damaged.
+  for (int tile = 0; tile < grid.tile_count(); ++tile) {
+    auto stored = film::read_stored_tile(from, row.id, grid, tile);
+    if (stored) {
+      ++salvage.tiles;
+      batch.push_back(std::move(stored->row));
+    } else if (stored.error().code != core::ErrorCode::kNotFound) {
+      ++(is_rendered_on ? salvage.lost_tiles : salvage.tiles_lost_for_good);
+    }
+    if (batch.size() < film::kTilesPerBatch && tile + 1 < grid.tile_count()) continue;
+    if (auto written = to.write_tiles(batch); !written) return written;
+    batch.clear();
+  }
+  return {};
+}
+
+// The error for an old database that cannot be read. An internal error of SQLite is damage, too.
+core::Error beyond_reading(const fs::path& database, const core::Error& error) {
+  if (error.code != core::ErrorCode::kDataLoss && error.code != core::ErrorCode::kInternal) return error;
+  return {core::ErrorCode::kDataLoss,
+          fmt::format(
+              "{} is damaged beyond reading: put back a copy of the state folder, or move the folder away to "
+              "start without its jobs",
+              database.string())};
+}
+
+// An epoch beyond all earlier ones: no coordinator was started more often than every quarter of an hour since
+// 1970, and 24 bits last for some centuries of that.
+std::uint32_t epoch_beyond_all() {
+  using QuarterHours = std::chrono::duration<std::uint32_t, std::ratio<900>>;
+  return std::chrono::duration_cast<QuarterHours>(std::chrono::system_clock::now().time_since_epoch())
+      .count();
+}
+
+// Damage can duplicate rows, and give two jobs the same request_id.
+core::Result<Salvage> copy_whole_jobs(const fs::path& database, store::JobStore& from, store::JobStore& to) {
+  auto readable = from.readable_jobs();
+  if (!readable) return core::fail(beyond_reading(database, readable.error()));
+  Salvage salvage;
+  salvage.lost_jobs = readable->unreadable;
+  std::set<std::string> kept_ids, kept_requests;
+  for (store::JobRow& row : readable->rows) {
+    const auto record = farm::from_row(row);
+    if (record && !kept_ids.insert(row.id).second) continue;
+    ++(record ? salvage.jobs : salvage.lost_jobs);
+    if (!record) continue;
+    if (!row.request_id.empty() && !kept_requests.insert(row.request_id).second) row.request_id.clear();
+    if (auto kept = to.insert_job(row); !kept) return core::fail(kept.error());
+    auto kept = keep_tiles(from, to, row, farm::grid_of(*record->spec), salvage);
+    if (!kept) return core::fail(kept.error());
+  }
+  const std::uint32_t epoch = from.epoch() > 0 ? from.epoch() : epoch_beyond_all();
+  if (auto later = to.continue_from(epoch); !later) return core::fail(later.error());
+  if (auto whole = to.truncate_wal(); !whole) return core::fail(whole.error());
+  return salvage;
+}
+
+// Removes a database with SQLite's files beside it.
+void remove_database(const fs::path& file) {
+  for (const char* ending : {"", "-wal", "-shm"}) {
+    std::error_code ignored;  // opening the new database reports what could not be removed
+    fs::remove(file.string() + ending, ignored);
+  }
+}
+
+core::Status expect_no_log(const fs::path& copy) {
+  std::error_code missing;
+  if (fs::file_size(store::log_of(copy), missing) == 0 || missing == std::errc::no_such_file_or_directory)
+    return {};
+  return core::fail(
+      core::ErrorCode::kInternal,
+      fmt::format("{} is not empty after its database was closed: nothing was replaced; try again",
+                  store::log_of(copy).string()));
+}
+
+// A copy of an interrupted salvage is removed only after the old database could be opened.
+core::Result<Salvage> make_copy(const fs::path& database, const fs::path& copy) {
+  auto from = store::JobStore::open_read_only(database);
+  if (!from) return core::fail(beyond_reading(database, from.error()));
+  remove_database(copy);
+  core::Result<Salvage> salvage;
+  {
+    auto to = store::JobStore::open(copy);
+    if (!to) return core::fail(to.error());
+    salvage = copy_whole_jobs(database, *from, *to);
+  }
+  if (auto whole = expect_no_log(copy); salvage && !whole) salvage = core::fail(whole.error());
+  if (!salvage) remove_database(copy);
+  return salvage;
+}
+
+}  // namespace
+
+core::Result<Salvage> salvage_state(const fs::path& folder) {
+  const auto lock = store::lock_state_to_mend(folder);
+  if (!lock) return core::fail(lock.error());
+  const fs::path database = folder / store::kDatabaseName, copy = folder / kCopyName;
+  if (auto undone = store::undo_interrupted_replacement(database); !undone) return core::fail(undone.error());
+  auto salvage = make_copy(database, copy);
+  if (!salvage) return salvage;
+  auto set_aside = store::replace_database(database, copy);
+  remove_database(copy);  // does nothing if it was put in place
+  if (!set_aside) return core::fail(set_aside.error());
+  salvage->set_aside = *std::move(set_aside);
+  return salvage;
+}
+
+}  // namespace tessera::admin

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/auth/methods.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <cstdint>
+#include <cstdlib>
+#include <utility>
+
+#include "proto/blob.hpp"
+
+namespace tessera::auth {
+
+namespace {
+
+// For messages of an id and a few numbers and texts.
+constexpr std::size_t kSmallBytes = 4 << 10;
+const ShapeLimits kSmall{64};
+
+// A worker holds four leases of about thirty items each, and reports more while some of them have ended.
+constexpr std::size_t kSynchronizeBytes = 256 << 10;
+const ShapeLimits kSynchronize{1 << 14,
+                               {{"tessera.v1.SynchronizeRequest.held", 16},
+                                {"tessera.v1.Lease.items", 256},
+                                {"tessera.v1.SynchronizeRequest.known_job_ids", 4096},
+                                {"tessera.v1.SynchronizeRequest.fetching_job_ids", 256}}};
+const ShapeLimits kSubmitResult{
+    1 << 16,
+    {{"tessera.v1.SubmitResultRequest.items", 1024}, {"tessera.v1.SubmitResultRequest.held_lease_ids", 64}}};
+
+// A file of a bundle has five fields: itself, its path, its digest, and the two fields of the digest.
+constexpr std::uint64_t kFieldsPerFile = 8, kFieldsBesidesFiles = 256;
+
+// A chunk of a blob and its digest. UploadStream refuses chunks that are slightly too large with a better
+// message.
+constexpr std::size_t kUploadBytes = 2 * proto::kMaxChunkBytes;
+
+ShapeLimits files(std::string_view field, const server::Limits& limits) {
+  return {kFieldsPerFile * limits.bundle_files + kFieldsBesidesFiles,
+          {{field, limits.bundle_files, "--max-bundle-files"}}};
+}
+
+}  // namespace
+
+Methods::Methods(const server::Limits& limits) {
+  const std::size_t large_bytes = static_cast<std::size_t>(limits.message_mib) * server::kMib;
+  const auto add = [&](const std::string& service, const std::string& name, Role role, std::size_t max_bytes,
+                       ShapeLimits shape) {
+    const std::string path = "/tessera.v1." + service + "/" + name;
+    methods_.emplace(path, Method{path, role, max_bytes, std::move(shape)});
+  };
+  for (const char* const name : {"GetJob", "ListJobs", "WatchJob", "GetImage", "CancelJob", "PauseJob",
+                                 "ResumeJob", "ExtendJob", "UpdateJob", "DeleteJob", "ListWorkers"})
+    add("RenderService", name, Role::kSubmit, kSmallBytes, kSmall);
+  add("RenderService", "FindMissingBlobs", Role::kSubmit, large_bytes,
+      files("tessera.v1.FindMissingBlobsRequest.digests", limits));
+  add("RenderService", "UploadBlob", Role::kSubmit, kUploadBytes, kSmall);
+  add("RenderService", "SubmitJob", Role::kSubmit, large_bytes, files("tessera.v1.Bundle.assets", limits));
+  add("WorkerService", "Synchronize", Role::kWork, kSynchronizeBytes, kSynchronize);
+  add("WorkerService", "SubmitResult", Role::kWork, large_bytes, kSubmitResult);
+  add("WorkerService", "FetchBlob", Role::kWork, kSmallBytes, kSmall);
+}
+
+const Method& Methods::at(const std::string& path) const {
+  if (const auto found = methods_.find(path); found != methods_.end()) return found->second;
+  spdlog::critical("a defect, please report it with this line: the table of methods lacks {}", path);
+  std::abort();
+}
+
+}  // namespace tessera::auth

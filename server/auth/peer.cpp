@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/auth/peer.hpp"
+
+#include <arpa/inet.h>
+#include <netinet/in.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <iterator>
+#include <regex>
+
+namespace tessera::auth {
+
+namespace {
+
+constexpr std::size_t kNetworkBytes = 8;  // of an IPv6 address
+
+}  // namespace
+
+std::string client_key(const sockaddr_storage& peer) {
+  char text[INET6_ADDRSTRLEN] = "";
+  if (peer.ss_family == AF_INET) {
+    inet_ntop(AF_INET, &reinterpret_cast<const sockaddr_in&>(peer).sin_addr, text, sizeof text);
+    return text;
+  }
+  in6_addr network = reinterpret_cast<const sockaddr_in6&>(peer).sin6_addr;
+  std::fill(std::begin(network.s6_addr) + kNetworkBytes, std::end(network.s6_addr), std::uint8_t{0});
+  inet_ntop(AF_INET6, &network, text, sizeof text);
+  return std::string(text) + "/64";
+}
+
+std::string client_key(const std::string& peer) {
+  if (peer.starts_with("ipv4:")) return peer.substr(0, peer.find_last_of(':'));  // the common case
+  static const std::regex kIpv6(R"(ipv6:(?:\[|%5B)([0-9a-f:.]+)(?:\]|%5D):\d+)", std::regex::icase);
+  std::smatch parts;
+  sockaddr_storage address{};
+  auto& ipv6 = reinterpret_cast<sockaddr_in6&>(address);
+  ipv6.sin6_family = AF_INET6;
+  if (std::regex_match(peer, parts, kIpv6) && inet_pton(AF_INET6, parts.str(1).c_str(), &ipv6.sin6_addr) == 1)
+    return client_key(address);
+  return peer.substr(0, peer.find_last_of(':'));
+}
+
+}  // namespace tessera::auth

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+// The keys by which machines are told apart. Pure functions.
+#pragma once
+
+#include <sys/socket.h>
+
+#include <string>
+
+namespace tessera::auth {
+
+// The key of a peer's machine: "10.0.0.5", or the upper 64 bits of an IPv6 address, since one host can use
+// every address below that prefix.
+std::string client_key(const sockaddr_storage& peer);
+// The same of a peer as gRPC names it: "ipv4:10.0.0.5:4242", "ipv6:[2001:db8::5]:4242", or with %5B and %5D
+// for the brackets. Of any other text, the part before the last colon.
+std::string client_key(const std::string& peer);
+
+}  // namespace tessera::auth

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/auth/rejections.hpp"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <chrono>
+#include <optional>
+
+namespace tessera::auth {
+
+template <typename Take>
+void Rejections::log(Take take) {
+  std::optional<std::string> line;
+  {
+    const std::lock_guard lock(mutex_);
+    line = take(log_);
+  }
+  if (line) spdlog::warn("{}", *line);
+}
+
+bool Rejections::note(const std::string& machine, const std::string& method, const grpc::Status& why) {
+  log([&](base::RateLimitedLog& log) {
+    return log.note(fmt::format("rejected {} of {}: {}", method, machine, why.error_message()),
+                    std::chrono::steady_clock::now());
+  });
+  return rate_.take(machine).has_value();
+}
+
+void Rejections::flush() {
+  log([](base::RateLimitedLog& log) { return log.take_due(std::chrono::steady_clock::now()); });
+}
+
+}  // namespace tessera::auth

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+// The file-system calls of the store, with errors that name the file and say what to do. Thread-safe: there
+// is no shared state.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "core/base/error.hpp"
+
+namespace tessera::base {
+
+// Owns a file descriptor; closes it when destroyed.
+class Fd {
+ public:
+  Fd() = default;
+  explicit Fd(int fd) : fd_(fd) {}
+  Fd(Fd&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
+  Fd& operator=(Fd&& other) noexcept {
+    std::swap(fd_, other.fd_);
+    return *this;
+  }
+  ~Fd();
+
+  int get() const { return fd_; }
+  // Releases the ownership.
+  int release() { return std::exchange(fd_, -1); }
+  explicit operator bool() const { return fd_ >= 0; }
+
+ private:
+  int fd_ = -1;
+};
+
+// The error for a failed system call on `path`, from errno: "writing /var/lib/x: the disk is full: free some
+// space".
+core::Error errno_error(std::string_view doing, const std::filesystem::path& path);
+
+// Writes all of `bytes` at the descriptor's position.
+core::Status write_all(const Fd& fd, std::string_view bytes, const std::filesystem::path& path);
+
+// Makes writes durable; for a folder, the names in it.
+core::Status sync_file(const Fd& fd, const std::filesystem::path& path);
+core::Status sync_folder(const std::filesystem::path& folder);
+
+// Creates the folder and its missing parents, accessible by this user only.
+core::Status create_folder(const std::filesystem::path& folder);
+
+}  // namespace tessera::base

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/base/rate_limited_log.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+namespace tessera::base {
+
+namespace {
+
+constexpr auto kPeriod = std::chrono::seconds(10);
+
+}  // namespace
+
+std::optional<std::string> RateLimitedLog::note(std::string sentence, Time now) {
+  sentence_ = std::move(sentence);
+  ++times_;
+  return take_due(now);
+}
+
+std::optional<std::string> RateLimitedLog::take_due(Time now) {
+  if (times_ == 0 || now < next_) return std::nullopt;
+  std::string line = sentence_ + (times_ == 1 ? "" : fmt::format(" ({} such since the last line)", times_));
+  times_ = 0;
+  next_ = now + kPeriod;
+  return line;
+}
+
+std::optional<RateLimitedLog::Duration> RateLimitedLog::due_in(Time now) const {
+  if (times_ == 0) return std::nullopt;
+  return std::max<Duration>(Duration::zero(), next_ - now);
+}
+
+}  // namespace tessera::base

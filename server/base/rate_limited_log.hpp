@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+// Thins out warnings that callers can cause thousands of times a second: one line in ten seconds, with the
+// number of suppressed ones. Logs nothing itself, so that its owner can release a lock before. Not
+// thread-safe.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <optional>
+#include <string>
+
+namespace tessera::base {
+
+class RateLimitedLog {
+ public:
+  using Time = std::chrono::steady_clock::time_point;
+  using Duration = std::chrono::steady_clock::duration;
+
+  // Returns the line to log, if one is due.
+  std::optional<std::string> note(std::string sentence, Time now);
+  // Returns the last suppressed sentence, if it is due. Call it regularly.
+  std::optional<std::string> take_due(Time now);
+  // The time until take_due() has something to log; empty if no sentence was suppressed.
+  std::optional<Duration> due_in(Time now) const;
+
+ private:
+  std::string sentence_;
+  std::size_t times_ = 0;  // since the last line
+  Time next_ = Time::min();
+};
+
+}  // namespace tessera::base

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/coordinator.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <utility>
+
+#include "server/jobs/restore.hpp"
+
+namespace tessera::server {
+
+namespace {
+
+farm::Options with_store(farm::Options options, const store::JobStore& store,
+                         const dispatch::LeaseSigner& signer) {
+  options.epoch = store.epoch();
+  options.sign = [signer](scheduler::LeaseId lease, const scheduler::WorkerId& holder,
+                          const scheduler::JobId& job) { return signer.sign(lease, holder, job); };
+  return options;
+}
+
+}  // namespace
+
+Coordinator::Coordinator(const CoordinatorOptions& options, store::StateDirectory state,
+                         jobs::SceneCheck check_scene)
+    : state_(std::move(state)),
+      files_(state_.blobs, {options.limits, options.keep_unused_blobs, options.farm.now}),
+      fingerprinter_(state_.jobs.secret()),
+      signer_(state_.jobs.secret()),
+      farm_(with_store(options.farm, state_.jobs, signer_)),
+      films_(state_.jobs, fingerprinter_),
+      jobs_(farm_, state_, files_, films_, options.limits, std::move(check_scene)),
+      images_(farm_, films_),
+      checkpointer_(farm_, state_.jobs, fingerprinter_),
+      dispatcher_(farm_, fingerprinter_, signer_) {}
+
+Coordinator::~Coordinator() {
+  close();
+}
+
+core::Result<std::unique_ptr<Coordinator>> Coordinator::open(const CoordinatorOptions& options,
+                                                             store::StateDirectory state,
+                                                             jobs::SceneCheck check_scene) {
+  std::unique_ptr<Coordinator> coordinator(
+      new Coordinator(options, std::move(state), std::move(check_scene)));
+  Coordinator& self = *coordinator;
+  if (const auto& torn_end = self.state_.jobs.torn_end())
+    spdlog::warn("{}: continuing with what was written before", *torn_end);
+  jobs::Restoration restoration(self.farm_, self.state_, self.files_, self.films_, options.limits);
+  if (auto restored = restoration.restore_all(); !restored) return core::fail(restored.error());
+  return coordinator;
+}
+
+void Coordinator::close() {
+  jobs_.close();
+  dispatcher_.close();
+}
+
+}  // namespace tessera::server

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+// The side of the coordinator that workers call: heartbeats, leases and results; and the passing of time.
+//
+// Takes and returns the messages of the protocol, but knows nothing of RPC. Starts no threads: its owner
+// calls tick() regularly. Thread-safe. Errors are those of the protocol (proto/tessera/v1).
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/base/error.hpp"
+#include "server/dispatch/lease_signer.hpp"
+#include "server/farm/farm.hpp"
+#include "server/farm/state_lock.hpp"
+#include "server/film/fingerprinter.hpp"
+#include "tessera/v1/render_service.pb.h"
+#include "tessera/v1/worker_service.pb.h"
+
+namespace tessera::dispatch {
+
+class Dispatcher {
+ public:
+  Dispatcher(farm::Farm& farm, const film::Fingerprinter& fingerprinter, const LeaseSigner& signer)
+      : farm_(farm), fingerprinter_(fingerprinter), signer_(signer) {}
+
+  // Answers at once, when there is a change, or before the worker's heartbeat is due.
+  void synchronize(const v1::SynchronizeRequest& request, farm::SynchronizeCaller caller);
+  core::Result<v1::SubmitResultResponse> submit_result(const v1::SubmitResultRequest& request);
+
+  // The workers that called lately, in the order of their ids.
+  std::vector<v1::ListWorkersResponse::Worker> workers();
+
+  // Advances time: ends the leases of silent workers and answers calls that have waited long enough. Call it
+  // about every 100 ms. Returns whether somebody waits for a checkpoint: users learn that a job is done or
+  // has failed after the next one. Ends the process if an invariant is broken, since a wrong image would be
+  // worse.
+  bool tick();
+  // Answers all waiting calls, and all later ones, with UNAVAILABLE.
+  void close();
+
+ private:
+  struct Delivery;
+  struct Counted;
+
+  core::Status check_token(const v1::SubmitResultRequest& request);
+  core::Result<Counted> count_result(farm::StateLock& lock, const v1::SubmitResultRequest& request,
+                                     const Delivery& delivery);
+
+  farm::Farm& farm_;
+  const film::Fingerprinter& fingerprinter_;
+  const LeaseSigner& signer_;
+  scheduler::Time next_check_{};  // guarded by the state lock
+};
+
+}  // namespace tessera::dispatch

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+// Signs leases (scheduler::SignLease): the token, HMAC-SHA256 of lease, worker and job under the farm's
+// secret, proves that a lease was given to a worker. The state directory keeps the secret, so that tokens
+// stay valid across restarts of the coordinator. Thread-safe.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "server/scheduler/types.hpp"
+
+namespace tessera::dispatch {
+
+class LeaseSigner {
+ public:
+  using Secret = std::array<std::uint64_t, 2>;
+
+  explicit LeaseSigner(const Secret& secret) : secret_(secret) {}
+
+  // Returns 16 bytes.
+  scheduler::LeaseToken sign(scheduler::LeaseId lease, const scheduler::WorkerId& holder,
+                             const scheduler::JobId& job) const;
+
+ private:
+  const Secret secret_;
+};
+
+}  // namespace tessera::dispatch

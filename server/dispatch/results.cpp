@@ -1,0 +1,243 @@
+// SPDX-License-Identifier: Apache-2.0
+// The coordinator's side of SubmitResult: results of workers are checked and counted.
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <optional>
+#include <set>
+#include <utility>
+
+#include "core/base/printable.hpp"
+#include "proto/text.hpp"
+#include "proto/tile_codec.hpp"
+#include "server/dispatch/dispatcher.hpp"
+#include "server/farm/troubles.hpp"
+#include "server/farm/wire.hpp"
+#include "server/film/plausible.hpp"
+
+namespace tessera::dispatch {
+
+using core::ErrorCode;
+using farm::JobRecord;
+using farm::StateLock;
+
+namespace {
+
+// A message of some kilobytes could otherwise take gigabytes to decompress.
+constexpr int kMaxItemsPerResult = 256;
+
+// The bound on a reason that a worker gives.
+constexpr std::size_t kMaxReasonBytes = 500;
+
+// Allocates what film->add() needs before the scheduler counts samples as done.
+void reserve_film(JobRecord& record, const scheduler::SubmitResult& event,
+                  const std::vector<core::FilmTile>& tiles) {
+  for (std::size_t i = 0; record.film && i < tiles.size(); ++i)
+    if (event.items[i].tile != scheduler::kNoTile) record.film->reserve(tiles[i]);
+}
+
+core::Status check_texts(const v1::SubmitResultRequest& request) {
+  if (auto fit = proto::check_text("version", request.version()); !fit) return fit;
+  return proto::check_text("determinism_fingerprint", request.determinism_fingerprint());
+}
+
+// Leases beyond what a worker can hold are ignored.
+std::vector<scheduler::LeaseId> held_besides(const v1::SubmitResultRequest& request) {
+  std::vector<scheduler::LeaseId> held;
+  for (const std::uint64_t id : request.held_lease_ids()) {
+    if (held.size() > scheduler::kMaxLeasesPerWorker) break;
+    held.push_back({id});
+  }
+  return held;
+}
+
+core::Result<std::vector<core::FilmTile>> decode_items(const v1::SubmitResultRequest& request) {
+  if (request.items_size() > kMaxItemsPerResult) {
+    return core::fail(ErrorCode::kInvalidArgument, fmt::format("items: at most {} in one message, got {}",
+                                                               kMaxItemsPerResult, request.items_size()));
+  }
+  std::vector<core::FilmTile> tiles;
+  for (int i = 0; i < request.items_size(); ++i) {
+    auto tile = proto::decode_tile(request.items(i));
+    core::Status valid = tile ? film::check_plausible(*tile) : core::fail(tile.error());
+    if (!valid) return core::fail(valid.error().within(fmt::format("items[{}]", i)));
+    tiles.push_back(std::move(*tile));
+  }
+  return tiles;
+}
+
+scheduler::SubmitResult event_of(const v1::SubmitResultRequest& request, const core::TileGrid& grid,
+                                 const std::vector<core::FilmTile>& tiles,
+                                 const std::vector<scheduler::Fingerprint>& fingerprints) {
+  scheduler::SubmitResult event{{request.worker_id()},
+                                {request.job_id()},
+                                {request.lease_id()},
+                                {},
+                                farm::seconds(request.render_time()),
+                                request.lease_finished(),
+                                farm::excerpt(request.decline_reason(), kMaxReasonBytes),
+                                fingerprints,
+                                held_besides(request),
+                                request.lease_token()};
+  for (const core::FilmTile& tile : tiles)
+    event.items.push_back({scheduler::tile_index(grid, tile.rect), tile.range});
+  return event;
+}
+
+// Must run before the accepted items of the same result are added.
+void clear_dropped_tiles(StateLock& lock, const scheduler::Actions& actions) {
+  for (const scheduler::TileOfJob& dropped : actions.dropped_tiles) {
+    lock.log(spdlog::level::warn, fmt::format("tile {} of job {} is rendered again: some of it was wrong",
+                                              dropped.tile, dropped.job.value));
+    lock->find_job(dropped.job.value)->film->clear(dropped.tile);
+  }
+}
+
+// The leases that the worker should hold besides those that it has named.
+farm::LeaseMessages new_leases(const StateLock& lock, const scheduler::SubmitResult& event,
+                               scheduler::Reply reply) {
+  std::erase_if(reply.leases, [&](const scheduler::LeaseDescription& lease) {
+    return std::find(event.held.begin(), event.held.end(), lease.id) != event.held.end();
+  });
+  static const std::set<std::string> kNone;
+  const auto call = lock->waiting.find(event.worker.value);
+  return {lock, std::move(reply), call == lock->waiting.end() ? kNone : call->second.known_jobs};
+}
+
+core::Status may_count(StateLock& lock, const JobRecord& record, const v1::SubmitResultRequest& request) {
+  const std::string& own = lock.options().fingerprint;
+  const std::string& expected = record.arithmetic.empty() ? own : record.arithmetic;
+  const std::string& offered =
+      request.determinism_fingerprint().empty() ? own : request.determinism_fingerprint();
+  if (offered == expected) return {};
+  lock.log_rejection(
+      fmt::format("rejected a result of worker {:.32} for job {}: its fingerprint is {}, the job's {}",
+                  request.worker_id(), record.spec->id(), offered, expected));
+  return core::fail(
+      ErrorCode::kFailedPrecondition,
+      fmt::format("these samples (release {}, fingerprint {}) are not bit-compatible with job {} "
+                  "(fingerprint {}), and do not count",
+                  request.version(), offered, record.spec->id(), expected));
+}
+
+void note_rejected_result(StateLock& lock, const std::string& worker, const core::Error& error) {
+  const auto known = lock->scheduler.worker({worker}, lock.now());
+  if (!known) {
+    return lock.log_rejection(
+        fmt::format("rejected a result of worker {:.32}, which has not registered since the coordinator "
+                    "was started: {}",
+                    worker, error.message));
+  }
+  const std::string& name = known->info.name;
+  const std::string& machine = known->info.machine;
+  lock.log_rejection(fmt::format("rejected a result of worker {} ({}): {}", name, worker, error.message));
+  if (!lock->quarantine.refused(worker, machine)) return;
+  lock.log(spdlog::level::err,
+           fmt::format("worker {} ({}) is quarantined: {}. What it rendered before is verified by others",
+                       name, worker, lock->quarantine.because(worker, machine)));
+  lock.handle(scheduler::Dismiss{{worker}, true});
+}
+
+}  // namespace
+
+// The decoded content of a result, prepared without the state lock.
+struct Dispatcher::Delivery {
+  std::vector<core::FilmTile> tiles;
+  std::vector<scheduler::Fingerprint> fingerprints;
+};
+
+// What became of a result. The answer is made of it without the state lock.
+struct Dispatcher::Counted {
+  std::uint32_t accepted_items = 0, dropped_items = 0;
+  // The leases that the worker should hold besides those that it has named.
+  std::optional<farm::LeaseMessages> new_leases;
+
+  v1::SubmitResultResponse message() const;
+};
+
+v1::SubmitResultResponse Dispatcher::Counted::message() const {
+  v1::SubmitResultResponse response;
+  response.set_accepted_items(accepted_items);
+  response.set_dropped_items(dropped_items);
+  if (!new_leases || new_leases->empty()) return response;
+  v1::SynchronizeResponse leases = new_leases->build();
+  response.mutable_new_leases()->Swap(leases.mutable_leases());
+  response.mutable_jobs()->Swap(leases.mutable_jobs());
+  return response;
+}
+
+// A caller that cannot prove that the lease was granted to the named worker may be anybody: its result does
+// not count against the worker.
+core::Status Dispatcher::check_token(const v1::SubmitResultRequest& request) {
+  const scheduler::LeaseToken token =
+      signer_.sign({request.lease_id()}, {request.worker_id()}, {request.job_id()});
+  if (request.lease_token() == token) return {};
+  StateLock(farm_).log_rejection(fmt::format(
+      "rejected a result of job {:.32}: its token does not prove that lease {} was given to "
+      "worker {:.32}, which it names",
+      core::printable(request.job_id()), request.lease_id(), core::printable(request.worker_id())));
+  return core::fail(
+      ErrorCode::kInvalidArgument,
+      fmt::format("lease_token: does not prove that lease {} of this job was given to this worker by "
+                  "this farm. Send the token that came with the lease",
+                  request.lease_id()));
+}
+
+core::Result<v1::SubmitResultResponse> Dispatcher::submit_result(const v1::SubmitResultRequest& request) {
+  if (auto fit = check_texts(request); !fit) return core::fail(fit.error());
+  if (auto own = check_token(request); !own) return core::fail(own.error());
+  auto tiles = decode_items(request);
+  Delivery delivery;
+  if (tiles) delivery.tiles = std::move(*tiles);
+  for (const core::FilmTile& tile : delivery.tiles) delivery.fingerprints.push_back(fingerprinter_.of(tile));
+  const core::Result<Counted> counted = [&]() -> core::Result<Counted> {
+    StateLock lock(farm_);
+    if (lock->quarantine.is_quarantined(request.worker_id())) {
+      return core::fail(
+          ErrorCode::kFailedPrecondition,
+          fmt::format("this worker is quarantined: {}", lock->quarantine.because(request.worker_id(), "")));
+    }
+    auto result =
+        tiles ? count_result(lock, request, delivery) : core::Result<Counted>(core::fail(tiles.error()));
+    if (!result && result.error().code == ErrorCode::kInvalidArgument)
+      note_rejected_result(lock, request.worker_id(), result.error());
+    if (result && request.items_size() > 0) lock->quarantine.in_order(request.worker_id());
+    return result;
+  }();
+  if (!counted) return core::fail(counted.error());
+  return counted->message();
+}
+
+core::Result<Dispatcher::Counted> Dispatcher::count_result(StateLock& lock,
+                                                           const v1::SubmitResultRequest& request,
+                                                           const Delivery& delivery) {
+  JobRecord* record = lock->find_job(request.job_id());
+  if (record == nullptr) return Counted{0, static_cast<std::uint32_t>(delivery.tiles.size()), {}};
+  if (auto may = may_count(lock, *record, request); !may) return core::fail(may.error());
+  const scheduler::SubmitResult event =
+      event_of(request, farm::grid_of(*record->spec), delivery.tiles, delivery.fingerprints);
+  reserve_film(*record, event, delivery.tiles);
+  scheduler::Actions actions = lock->scheduler.handle(event, lock.now());
+  if (!actions.status) {
+    lock.apply(actions);
+    return core::fail(actions.status.error());
+  }
+  Counted counted;
+  clear_dropped_tiles(lock, actions);
+  for (std::size_t i = 0; i < delivery.tiles.size(); ++i) {
+    if (actions.verdicts[i] == scheduler::Verdict::kAccepted)
+      record->film->add(event.items[i].tile, delivery.tiles[i]);
+    // A worker is not told whether its samples were accepted or audited.
+    ++(actions.verdicts[i] == scheduler::Verdict::kDropped ? counted.dropped_items : counted.accepted_items);
+  }
+  if (counted.accepted_items > 0 && record->arithmetic.empty()) {
+    record->arithmetic = lock.options().fingerprint;
+    ++record->revision;
+  }
+  if (actions.reply) counted.new_leases = new_leases(lock, event, *actions.reply);
+  lock.apply(actions);
+  return counted;
+}
+
+}  // namespace tessera::dispatch

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/farm/farm.hpp"
+
+#include <utility>
+
+#include "server/base/random.hpp"
+
+namespace tessera::farm {
+
+namespace {
+
+scheduler::Options scheduler_options(const Options& options) {
+  scheduler::Options result;
+  result.epoch = options.epoch;
+  result.lease_duration = options.lease_duration;
+  result.forget_after = 10 * options.lease_duration;
+  result.audit_share = options.audit_share;
+  result.audit_secret = base::random_number();
+  if (options.sign) result.sign = options.sign;
+  return result;
+}
+
+}  // namespace
+
+State::State(const Options& options) : scheduler(scheduler_options(options)) {}
+
+JobRecord* State::find_job(const std::string& id) {
+  const auto found = jobs.find(id);
+  return found == jobs.end() ? nullptr : &found->second;
+}
+
+const JobRecord* State::find_job(const std::string& id) const {
+  const auto found = jobs.find(id);
+  return found == jobs.end() ? nullptr : &found->second;
+}
+
+JobRecord& State::add_job(JobRecord record) {
+  const std::string id = record.spec->id();
+  if (!record.request_id.empty()) job_of_request[record.request_id] = id;
+  JobRecord& added = jobs.emplace(id, std::move(record)).first->second;
+  set_open(added, !is_finished(scheduler.job({id}, {})->state));
+  return added;
+}
+
+std::map<std::string, JobRecord>::node_type State::remove_job(const std::string& id) {
+  auto removed = jobs.extract(id);
+  JobRecord& record = removed.mapped();
+  job_of_request.erase(record.request_id);
+  set_open(record, false);
+  return removed;
+}
+
+void State::set_open(JobRecord& record, bool is_open) {
+  if (record.is_open == is_open) return;
+  record.is_open = is_open;
+  count_open_job(record.spec->submitter(), is_open ? 1 : -1);
+}
+
+void State::count_open_job(const std::string& submitter, int change) {
+  const auto count = open_jobs.try_emplace(submitter).first;
+  count->second += change;
+  if (count->second == 0) open_jobs.erase(count);
+}
+
+}  // namespace tessera::farm

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+// Calls of Synchronize that are not answered yet: a worker's call waits until there is a change for the
+// worker, or its heartbeat is due. Guarded by the state lock.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <set>
+#include <string>
+
+#include "core/base/error.hpp"
+#include "server/scheduler/events.hpp"
+#include "tessera/v1/worker_service.pb.h"
+
+namespace tessera::farm {
+
+class StateLock;
+
+// The caller that waits for the answer to a Synchronize.
+struct SynchronizeCaller {
+  // Called exactly once, on any thread, without the state lock.
+  std::function<void(core::Result<v1::SynchronizeResponse>)> answer;
+  // Whether the caller has gone. Called on any thread until `answer` is called. A caller that has gone is
+  // given no leases.
+  std::function<bool()> is_gone = [] { return false; };
+  // See scheduler::WorkerInfo.
+  std::string principal{};
+};
+
+struct WaitingCall {
+  SynchronizeCaller caller;
+  std::set<std::string> known_jobs;  // whose specs the worker has
+  scheduler::Time deadline;
+};
+
+// What a worker is told, without the lock: leases, and the jobs among them that it does not know.
+class LeaseMessages {
+ public:
+  LeaseMessages(const StateLock& lock, scheduler::Reply reply, const std::set<std::string>& known_jobs);
+
+  bool empty() const { return reply_.leases.empty(); }
+  // Builds the messages. Needs no lock.
+  v1::SynchronizeResponse build() const;
+
+ private:
+  scheduler::Reply reply_;
+  std::map<std::string, std::shared_ptr<const v1::Job>> specs_;  // of the jobs in reply_
+  std::set<std::string> unknown_jobs_;
+};
+
+// Answers the waiting call of a worker, if there is one.
+void answer(StateLock& lock, const std::string& worker, const scheduler::Reply& reply);
+// Answers a caller with an error.
+void refuse(StateLock& lock, SynchronizeCaller& caller, const core::Error& error);
+// Offers new work to a worker whose call waits; `answer_unchanged`: answers the call in any case. Returns
+// what the caller must apply.
+scheduler::Actions top_up(StateLock& lock, const std::string& worker, bool answer_unchanged);
+
+}  // namespace tessera::farm

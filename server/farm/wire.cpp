@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/farm/wire.hpp"
+
+#include <google/protobuf/util/time_util.h>
+
+#include <algorithm>
+
+#include "proto/convert.hpp"
+
+namespace tessera::farm {
+
+using google::protobuf::util::TimeUtil;
+using scheduler::JobState;
+
+v1::JobState to_wire(JobState state) {
+  switch (state) {
+    case JobState::kRunning:
+      return v1::JOB_STATE_RUNNING;
+    case JobState::kPaused:
+      return v1::JOB_STATE_PAUSED;
+    case JobState::kDone:
+      return v1::JOB_STATE_DONE;
+    case JobState::kCancelled:
+      return v1::JOB_STATE_CANCELLED;
+    case JobState::kFailed:
+      return v1::JOB_STATE_FAILED;
+  }
+  return v1::JOB_STATE_UNSPECIFIED;
+}
+
+JobState from_wire(v1::JobState state) {
+  switch (state) {
+    case v1::JOB_STATE_PAUSED:
+      return JobState::kPaused;
+    case v1::JOB_STATE_DONE:
+      return JobState::kDone;
+    case v1::JOB_STATE_CANCELLED:
+      return JobState::kCancelled;
+    case v1::JOB_STATE_FAILED:
+      return JobState::kFailed;
+    default:
+      return JobState::kRunning;
+  }
+}
+
+v1::Lease to_wire(const scheduler::LeaseDescription& lease, const core::TileGrid& grid) {
+  v1::Lease message;
+  message.set_id(lease.id.value);
+  message.set_job_id(lease.job.value);
+  message.set_token(lease.token);
+  for (const scheduler::WorkItem& item : lease.items) {
+    *message.add_items() = proto::to_proto(proto::WorkItem{grid.rect(item.tile), item.samples});
+  }
+  return message;
+}
+
+scheduler::LeaseDescription from_wire(const v1::Lease& message, const core::TileGrid& grid) {
+  scheduler::LeaseDescription lease{{message.id()}, {message.job_id()}, {}, message.token()};
+  for (const v1::WorkItem& each : message.items()) {
+    const auto item = proto::from_proto(each);
+    if (item) lease.items.push_back({scheduler::tile_index(grid, item->rect), item->range});
+  }
+  return lease;
+}
+
+scheduler::Rendering from_wire(const v1::Rendering& message, const core::TileGrid& grid) {
+  scheduler::Rendering rendering{{message.lease_id()}, {message.job_id()}, {scheduler::kNoTile, {}}};
+  if (const auto item = proto::from_proto(message.item()))
+    rendering.item = {scheduler::tile_index(grid, item->rect), item->range};
+  return rendering;
+}
+
+v1::ListWorkersResponse::Worker to_wire(const scheduler::WorkerView& worker, std::int64_t seen_ms) {
+  v1::ListWorkersResponse::Worker message;
+  message.set_id(worker.info.id.value);
+  message.set_name(worker.info.name);
+  message.set_threads(static_cast<std::uint32_t>(worker.info.threads));
+  message.set_version(worker.info.version);
+  message.set_held_leases(static_cast<std::uint32_t>(worker.held_leases));
+  message.set_samples_per_second(worker.samples_per_second);
+  message.set_samples_accepted(worker.samples_accepted);
+  *message.mutable_last_seen_at() = timestamp_from_ms(seen_ms);
+  message.set_draining(worker.draining);
+  message.set_silent(worker.silent);
+  message.set_audited_ranges(worker.audited_ranges);
+  message.set_disproved_ranges(worker.disproved_ranges);
+  message.set_stuck(worker.stuck);
+  for (const scheduler::CooldownView& bar : worker.cooldowns) {
+    auto& each = *message.add_cooldowns();
+    each.set_job_id(bar.job.value);
+    *each.mutable_remaining() = to_wire(bar.remaining);
+    each.set_fetching(bar.fetching);
+  }
+  return message;
+}
+
+google::protobuf::Timestamp timestamp_from_ms(std::int64_t ms) {
+  constexpr std::int64_t kFirst = TimeUtil::kTimestampMinSeconds * 1000;
+  constexpr std::int64_t kLast = TimeUtil::kTimestampMaxSeconds * 1000;
+  return TimeUtil::MillisecondsToTimestamp(std::clamp(ms, kFirst, kLast));
+}
+
+std::int64_t ms_from_timestamp(const google::protobuf::Timestamp& timestamp) {
+  return TimeUtil::TimestampToMilliseconds(timestamp);
+}
+
+google::protobuf::Duration to_wire(scheduler::Duration duration) {
+  return TimeUtil::MillisecondsToDuration(
+      std::chrono::duration_cast<std::chrono::milliseconds>(duration).count());
+}
+
+double seconds(const google::protobuf::Duration& duration) {
+  return static_cast<double>(duration.seconds()) + 1e-9 * duration.nanos();
+}
+
+}  // namespace tessera::farm

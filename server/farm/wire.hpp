@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+// Conversions between the scheduler's types and the messages of the protocol. Pure functions.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "core/film/region.hpp"
+#include "server/scheduler/scheduler.hpp"
+#include "tessera/v1/render_service.pb.h"
+#include "tessera/v1/worker_service.pb.h"
+
+namespace tessera::farm {
+
+v1::JobState to_wire(scheduler::JobState state);
+// RUNNING for an unknown value.
+scheduler::JobState from_wire(v1::JobState state);
+
+v1::Lease to_wire(const scheduler::LeaseDescription& lease, const core::TileGrid& grid);
+// Leaves out empty items. Rectangles that are no tile become kNoTile.
+scheduler::LeaseDescription from_wire(const v1::Lease& lease, const core::TileGrid& grid);
+// An empty item becomes one of kNoTile, too.
+scheduler::Rendering from_wire(const v1::Rendering& rendering, const core::TileGrid& grid);
+
+// `seen_ms` is when it was last seen, in milliseconds since 1970-01-01 UTC.
+v1::ListWorkersResponse::Worker to_wire(const scheduler::WorkerView& worker, std::int64_t seen_ms);
+
+// Times outside the years 1 to 9999, which a Timestamp cannot hold, are clamped.
+google::protobuf::Timestamp timestamp_from_ms(std::int64_t ms);
+std::int64_t ms_from_timestamp(const google::protobuf::Timestamp& timestamp);
+google::protobuf::Duration to_wire(scheduler::Duration duration);
+double seconds(const google::protobuf::Duration& duration);
+
+}  // namespace tessera::farm

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/film/stored_tile.hpp"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+namespace tessera::film {
+
+core::Result<StoredTile> read_stored_tile(store::JobStore& jobs, const std::string& job_id,
+                                          const core::TileGrid& grid, int tile) {
+  const auto failed = [&](core::ErrorCode code, const char* how) {
+    return core::fail(code, fmt::format("tile {} of job {} {}", tile, job_id, how));
+  };
+  if (tile < 0 || tile >= grid.tile_count()) return failed(core::ErrorCode::kDataLoss, "is not in its image");
+  auto row = jobs.tile(job_id, tile);
+  if (!row) return core::fail(row.error());
+  if (!*row) return failed(core::ErrorCode::kNotFound, "is not stored");
+  auto content = decode_tile_row(**row, grid.rect(tile));
+  if (!content) return core::fail(content.error());
+  return StoredTile{*std::move(*row), std::move(*content)};
+}
+
+}  // namespace tessera::film

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+// Reads a tile from the store and checks it fully.
+#pragma once
+
+#include <string>
+
+#include "server/film/job_film.hpp"
+
+namespace tessera::film {
+
+// The number of tiles that are written at once: at most 12 MiB encoded.
+inline constexpr std::size_t kTilesPerBatch = 64;
+
+struct StoredTile {
+  store::TileRow row;
+  TileContent content;
+};
+
+// NOT_FOUND if the store has no samples of it. DATA_LOSS if it is damaged, or is no tile of `grid`.
+core::Result<StoredTile> read_stored_tile(store::JobStore& jobs, const std::string& job_id,
+                                          const core::TileGrid& grid, int tile);
+
+}  // namespace tessera::film

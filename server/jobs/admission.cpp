@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/jobs/admission.hpp"
+
+#include <fmt/format.h>
+
+#include <string>
+
+#include "proto/convert.hpp"
+
+namespace tessera::jobs {
+
+core::Status check_picture_size(const v1::RenderSettings& settings, const server::Limits& limits) {
+  const core::PixelRect window = proto::window_of(settings);
+  if (window.pixel_count() <= limits.picture_pixels) return {};
+  return core::fail(server::over_limit(
+      fmt::format("the image has {} x {} = {} pixels", window.width(), window.height(), window.pixel_count()),
+      std::to_string(limits.picture_pixels), "--max-picture-pixels"));
+}
+
+core::Status check_spp(std::uint32_t spp, const server::Limits& limits) {
+  if (spp <= limits.spp) return {};
+  return core::fail(server::over_limit(fmt::format("the job has {} samples per pixel", spp),
+                                       std::to_string(limits.spp), "--max-spp"));
+}
+
+}  // namespace tessera::jobs

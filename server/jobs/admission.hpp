@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+// Admission control: checks jobs against the limits on images. Stateless; thread-safe. Errors are
+// RESOURCE_EXHAUSTED and name the option that raises the limit.
+#pragma once
+
+#include <cstdint>
+
+#include "core/base/error.hpp"
+#include "server/limits.hpp"
+#include "tessera/v1/types.pb.h"
+
+namespace tessera::jobs {
+
+// Counts the pixels of the window that is rendered, not of the whole image.
+core::Status check_picture_size(const v1::RenderSettings& settings, const server::Limits& limits);
+core::Status check_spp(std::uint32_t spp, const server::Limits& limits);
+
+}  // namespace tessera::jobs

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+// Handles blobs that the store has lost.
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <map>
+
+#include "proto/blob.hpp"
+#include "server/jobs/job_service.hpp"
+
+namespace tessera::jobs {
+
+using core::ErrorCode;
+using farm::StateLock;
+
+namespace {
+
+// The bundle's file with this digest, or null.
+const v1::Bundle::Asset* find_asset(const v1::Bundle& bundle, const proto::Digest& digest) {
+  for (const v1::Bundle::Asset& asset : bundle.assets()) {
+    const auto known = proto::from_proto(asset.digest());
+    if (known && *known == digest) return &asset;
+  }
+  return nullptr;
+}
+
+// Other errors may be temporary.
+bool is_lost(const core::Error& error) {
+  return error.code == ErrorCode::kDataLoss || error.code == ErrorCode::kNotFound;
+}
+
+std::vector<std::shared_ptr<const v1::Job>> unfinished_jobs(const StateLock& lock) {
+  std::vector<std::shared_ptr<const v1::Job>> specs;
+  for (const auto& [id, record] : lock->jobs)
+    if (record.is_open) specs.push_back(record.spec);
+  return specs;
+}
+
+}  // namespace
+
+void JobService::blob_is_lost(const proto::Digest& digest, const core::Error& noticed) {
+  if (!is_lost(noticed)) return;
+  // It may have been uploaded again meanwhile, or a single read may have failed.
+  const core::Status intact = state_.blobs.verify(digest);
+  if (intact || !is_lost(intact.error())) return;
+  const core::Error& error = intact.error();
+  std::map<std::string, std::string> failures;
+  for (const auto& spec : unfinished_jobs(StateLock(farm_))) {
+    if (const v1::Bundle::Asset* asset = find_asset(spec->bundle(), digest)) {
+      failures[spec->id()] = fmt::format(
+          "{}: the coordinator has lost this file ({}): submit the scene again, and look into the "
+          "coordinator's disk",
+          asset->path(), error.message);
+    }
+  }
+  if (error.code == ErrorCode::kDataLoss) {
+    spdlog::error("{}", error.message);
+    state_.blobs.discard(digest);
+  }
+  StateLock lock(farm_);
+  for (const auto& [id, failure] : failures) lock.handle(scheduler::FailJob{{id}, failure});
+}
+
+}  // namespace tessera::jobs
