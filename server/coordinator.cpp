@@ -25,14 +25,15 @@ Coordinator::Coordinator(const CoordinatorOptions& options, store::StateDirector
                          jobs::SceneCheck check_scene)
     : state_(std::move(state)),
       files_(state_.blobs, {options.limits, options.keep_unused_blobs, options.farm.now}),
+      film_memory_(options.limits.film_bytes()),
       fingerprinter_(state_.jobs.secret()),
       signer_(state_.jobs.secret()),
       farm_(with_store(options.farm, state_.jobs, signer_)),
-      films_(state_.jobs, fingerprinter_),
-      jobs_(farm_, state_, files_, films_, options.limits, std::move(check_scene)),
+      films_(state_.jobs, film_memory_, fingerprinter_),
+      jobs_(farm_, state_, files_, films_, film_memory_, options.limits, std::move(check_scene)),
       images_(farm_, films_),
-      checkpointer_(farm_, state_.jobs, fingerprinter_),
-      dispatcher_(farm_, fingerprinter_, signer_) {}
+      checkpointer_(farm_, state_.jobs, films_, film_memory_, fingerprinter_),
+      dispatcher_(farm_, film_memory_, fingerprinter_, signer_) {}
 
 Coordinator::~Coordinator() {
   close();

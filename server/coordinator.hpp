@@ -11,6 +11,7 @@
 #include "server/dispatch/dispatcher.hpp"
 #include "server/dispatch/lease_signer.hpp"
 #include "server/farm/farm.hpp"
+#include "server/film/film_memory.hpp"
 #include "server/film/fingerprinter.hpp"
 #include "server/jobs/checkpointer.hpp"
 #include "server/jobs/film_reader.hpp"
@@ -55,6 +56,7 @@ class Coordinator {
 
   store::StateDirectory state_;
   blobs::SceneFiles files_;
+  film::FilmMemory film_memory_;
   const film::Fingerprinter fingerprinter_;
   const dispatch::LeaseSigner signer_;
   farm::Farm farm_;

@@ -23,6 +23,7 @@ constexpr int kMinMessageMib = 16, kMaxMessageMib = 1024;
 // The limit on one texture image that always applies.
 constexpr std::uint64_t kMaxTexturePixels = std::uint64_t{1} << 28;
 constexpr double kMaxSeconds = 86400;
+constexpr double kMinFilmGib = 0.0625, kMaxFilmGib = 1 << 20;
 
 template <typename T>
 void add(CLI::App& app, const char* flag, T& value, T least, T most, const char* what) {
@@ -48,9 +49,17 @@ void add_seconds(CLI::App& app, const char* flag, std::chrono::milliseconds& val
 }
 
 void add_job_flags(CLI::App& app, Limits& limits) {
+  app.add_option(
+         "--max-film-gib", limits.film_gib,
+         "Most GiB of memory for the images of unfinished jobs; what exceeds it is read back from the "
+         "state folder")
+      ->check(proto::number_between(kMinFilmGib, kMaxFilmGib))
+      ->type_name("N")
+      ->default_str("half of the memory")
+      ->group("Limits");
   const auto most_pixels = static_cast<std::uint64_t>(core::kMaxImagePixels);
   add<std::uint64_t>(app, "--max-picture-pixels", limits.picture_pixels, 1, most_pixels,
-                     "Most pixels of an image; a job takes up to 48 bytes of memory for each");
+                     "Most pixels of an image");
   add<std::uint32_t>(app, "--max-spp", limits.spp, 1, core::kMaxSpp, "Most samples per pixel of a job");
   add<std::uint64_t>(app, "--max-open-jobs", limits.open_jobs, 1, kMany,
                      "Most unfinished jobs of one submitter; without --tokens, of all together");

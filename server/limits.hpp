@@ -16,9 +16,14 @@ namespace tessera::server {
 
 inline constexpr std::uint64_t kMib = std::uint64_t{1} << 20;
 
+// Half of the memory that this process may use.
+double default_film_gib();
+
 struct Limits {
-  // Of a job: pixels of its window, and samples per pixel. Its film takes up to 48 bytes of memory per pixel
-  // until it is finished.
+  // The memory of all films. What exceeds it is read back from the store when it is needed.
+  double film_gib = default_film_gib();
+
+  // Of a job: pixels of its window, and samples per pixel.
   std::uint64_t picture_pixels = std::uint64_t{1} << 28;
   std::uint32_t spp = 1u << 20;
   // Jobs of one submitter that are checked, running or paused. Without tokens, all jobs have the same
@@ -70,6 +75,7 @@ struct Limits {
   int message_mib = 64;
   double calls_per_second = 1000;
 
+  std::uint64_t film_bytes() const { return static_cast<std::uint64_t>(film_gib * double{1 << 30}); }
   std::uint64_t bundle_bytes() const { return bundle_mib * kMib; }
   std::uint64_t blob_bytes() const { return blob_mib * kMib; }
   std::uint64_t store_bytes() const { return store_mib * kMib; }

@@ -20,8 +20,9 @@ namespace tessera::dispatch {
 
 class Dispatcher {
  public:
-  Dispatcher(farm::Farm& farm, const film::Fingerprinter& fingerprinter, const LeaseSigner& signer)
-      : farm_(farm), fingerprinter_(fingerprinter), signer_(signer) {}
+  Dispatcher(farm::Farm& farm, film::FilmMemory& film_memory, const film::Fingerprinter& fingerprinter,
+             const LeaseSigner& signer)
+      : farm_(farm), film_memory_(film_memory), fingerprinter_(fingerprinter), signer_(signer) {}
 
   // Answers at once, when there is a change, or before the worker's heartbeat is due.
   void synchronize(const v1::SynchronizeRequest& request, farm::SynchronizeCaller caller);
@@ -31,9 +32,9 @@ class Dispatcher {
   std::vector<v1::ListWorkersResponse::Worker> workers();
 
   // Advances time: ends the leases of silent workers and answers calls that have waited long enough. Call it
-  // about every 100 ms. Returns whether somebody waits for a checkpoint: users learn that a job is done or
-  // has failed after the next one. Ends the process if an invariant is broken, since a wrong image would be
-  // worse.
+  // about every 100 ms. Returns whether a checkpoint should be written soon: users learn that a job is
+  // done or has failed after the next one, and it frees memory of films. Ends the process if an invariant is
+  // broken, since a wrong image would be worse.
   bool tick();
   // Answers all waiting calls, and all later ones, with UNAVAILABLE.
   void close();
@@ -44,9 +45,10 @@ class Dispatcher {
 
   core::Status check_token(const v1::SubmitResultRequest& request);
   core::Result<Counted> count_result(farm::StateLock& lock, const v1::SubmitResultRequest& request,
-                                     const Delivery& delivery);
+                                     Delivery& delivery);
 
   farm::Farm& farm_;
+  film::FilmMemory& film_memory_;
   const film::Fingerprinter& fingerprinter_;
   const LeaseSigner& signer_;
   scheduler::Time next_check_{};  // guarded by the state lock

@@ -30,13 +30,6 @@ constexpr int kMaxItemsPerResult = 256;
 // The bound on a reason that a worker gives.
 constexpr std::size_t kMaxReasonBytes = 500;
 
-// Allocates what film->add() needs before the scheduler counts samples as done.
-void reserve_film(JobRecord& record, const scheduler::SubmitResult& event,
-                  const std::vector<core::FilmTile>& tiles) {
-  for (std::size_t i = 0; record.film && i < tiles.size(); ++i)
-    if (event.items[i].tile != scheduler::kNoTile) record.film->reserve(tiles[i]);
-}
-
 core::Status check_texts(const v1::SubmitResultRequest& request) {
   if (auto fit = proto::check_text("version", request.version()); !fit) return fit;
   return proto::check_text("determinism_fingerprint", request.determinism_fingerprint());
@@ -52,23 +45,23 @@ std::vector<scheduler::LeaseId> held_besides(const v1::SubmitResultRequest& requ
   return held;
 }
 
-core::Result<std::vector<core::FilmTile>> decode_items(const v1::SubmitResultRequest& request) {
+core::Result<film::Additions> decode_items(const v1::SubmitResultRequest& request) {
   if (request.items_size() > kMaxItemsPerResult) {
     return core::fail(ErrorCode::kInvalidArgument, fmt::format("items: at most {} in one message, got {}",
                                                                kMaxItemsPerResult, request.items_size()));
   }
-  std::vector<core::FilmTile> tiles;
+  film::Additions tiles;
   for (int i = 0; i < request.items_size(); ++i) {
     auto tile = proto::decode_tile(request.items(i));
     core::Status valid = tile ? film::check_plausible(*tile) : core::fail(tile.error());
     if (!valid) return core::fail(valid.error().within(fmt::format("items[{}]", i)));
-    tiles.push_back(std::move(*tile));
+    tiles.push_back({scheduler::kNoTile, std::move(*tile)});
   }
   return tiles;
 }
 
 scheduler::SubmitResult event_of(const v1::SubmitResultRequest& request, const core::TileGrid& grid,
-                                 const std::vector<core::FilmTile>& tiles,
+                                 const film::Additions& tiles,
                                  const std::vector<scheduler::Fingerprint>& fingerprints) {
   scheduler::SubmitResult event{{request.worker_id()},
                                 {request.job_id()},
@@ -80,17 +73,17 @@ scheduler::SubmitResult event_of(const v1::SubmitResultRequest& request, const c
                                 fingerprints,
                                 held_besides(request),
                                 request.lease_token()};
-  for (const core::FilmTile& tile : tiles)
-    event.items.push_back({scheduler::tile_index(grid, tile.rect), tile.range});
+  for (const film::Addition& tile : tiles)
+    event.items.push_back({scheduler::tile_index(grid, tile.samples.rect), tile.samples.range});
   return event;
 }
 
-// Must run before the accepted items of the same result are added.
-void clear_dropped_tiles(StateLock& lock, const scheduler::Actions& actions) {
+// Must run before the accepted items of the same result are noted.
+void clear_dropped_tiles(StateLock& lock, const scheduler::Actions& actions, film::Additions& spare) {
   for (const scheduler::TileOfJob& dropped : actions.dropped_tiles) {
     lock.log(spdlog::level::warn, fmt::format("tile {} of job {} is rendered again: some of it was wrong",
                                               dropped.tile, dropped.job.value));
-    lock->find_job(dropped.job.value)->film->clear(dropped.tile);
+    lock->find_job(dropped.job.value)->film->note_clear(dropped.tile, spare);
   }
 }
 
@@ -143,8 +136,10 @@ void note_rejected_result(StateLock& lock, const std::string& worker, const core
 
 // The decoded content of a result, prepared without the state lock.
 struct Dispatcher::Delivery {
-  std::vector<core::FilmTile> tiles;
+  film::Additions tiles;
   std::vector<scheduler::Fingerprint> fingerprints;
+  // Memory for notes to clear tiles: an item can disprove one tile.
+  film::Additions spare{};
 };
 
 // What became of a result. The answer is made of it without the state lock.
@@ -152,6 +147,8 @@ struct Dispatcher::Counted {
   std::uint32_t accepted_items = 0, dropped_items = 0;
   // The leases that the worker should hold besides those that it has named.
   std::optional<farm::LeaseMessages> new_leases;
+  // The film to which samples were added; null if there are none.
+  std::shared_ptr<film::JobFilm> film;
 
   v1::SubmitResultResponse message() const;
 };
@@ -187,10 +184,17 @@ core::Status Dispatcher::check_token(const v1::SubmitResultRequest& request) {
 core::Result<v1::SubmitResultResponse> Dispatcher::submit_result(const v1::SubmitResultRequest& request) {
   if (auto fit = check_texts(request); !fit) return core::fail(fit.error());
   if (auto own = check_token(request); !own) return core::fail(own.error());
+  if (request.items_size() > 0 && !film_memory_.has_room()) {
+    return core::fail(ErrorCode::kUnavailable,
+                      "the memory for films is used up until a checkpoint is written (tessera-coordinator "
+                      "--max-film-gib): deliver again");
+  }
   auto tiles = decode_items(request);
   Delivery delivery;
   if (tiles) delivery.tiles = std::move(*tiles);
-  for (const core::FilmTile& tile : delivery.tiles) delivery.fingerprints.push_back(fingerprinter_.of(tile));
+  for (const film::Addition& tile : delivery.tiles)
+    delivery.fingerprints.push_back(fingerprinter_.of(tile.samples));
+  delivery.spare.resize(delivery.tiles.size());
   const core::Result<Counted> counted = [&]() -> core::Result<Counted> {
     StateLock lock(farm_);
     if (lock->quarantine.is_quarantined(request.worker_id())) {
@@ -206,28 +210,33 @@ core::Result<v1::SubmitResultResponse> Dispatcher::submit_result(const v1::Submi
     return result;
   }();
   if (!counted) return core::fail(counted.error());
+  if (counted->film) counted->film->apply();
+  film_memory_.free_stored();
   return counted->message();
 }
 
 core::Result<Dispatcher::Counted> Dispatcher::count_result(StateLock& lock,
                                                            const v1::SubmitResultRequest& request,
-                                                           const Delivery& delivery) {
+                                                           Delivery& delivery) {
   JobRecord* record = lock->find_job(request.job_id());
-  if (record == nullptr) return Counted{0, static_cast<std::uint32_t>(delivery.tiles.size()), {}};
+  if (record == nullptr) return Counted{0, static_cast<std::uint32_t>(delivery.tiles.size()), {}, {}};
   if (auto may = may_count(lock, *record, request); !may) return core::fail(may.error());
   const scheduler::SubmitResult event =
       event_of(request, farm::grid_of(*record->spec), delivery.tiles, delivery.fingerprints);
-  reserve_film(*record, event, delivery.tiles);
   scheduler::Actions actions = lock->scheduler.handle(event, lock.now());
   if (!actions.status) {
     lock.apply(actions);
     return core::fail(actions.status.error());
   }
   Counted counted;
-  clear_dropped_tiles(lock, actions);
-  for (std::size_t i = 0; i < delivery.tiles.size(); ++i) {
+  counted.film = record->film;
+  clear_dropped_tiles(lock, actions, delivery.spare);
+  auto tile = delivery.tiles.begin();
+  for (std::size_t i = 0; i < event.items.size(); ++i) {
+    const auto item = tile++;
+    item->tile = event.items[i].tile;
     if (actions.verdicts[i] == scheduler::Verdict::kAccepted)
-      record->film->add(event.items[i].tile, delivery.tiles[i]);
+      record->film->note_addition(delivery.tiles, item);
     // A worker is not told whether its samples were accepted or audited.
     ++(actions.verdicts[i] == scheduler::Verdict::kDropped ? counted.dropped_items : counted.accepted_items);
   }

@@ -70,7 +70,8 @@ bool Dispatcher::tick() {
   lock.handle(scheduler::Tick{});
   const bool check = lock.now() >= next_check_;
   answer_due_calls(lock, check);
-  if (!check) return lock->checkpoint_is_awaited;
+  const bool hurry = lock->checkpoint_is_awaited || film_memory_.is_scarce();
+  if (!check) return hurry;
   next_check_ = lock.now() + kCheckPeriod;
   note_workers(lock);
   lock.log_suppressed();
@@ -79,7 +80,7 @@ bool Dispatcher::tick() {
     spdlog::critical("a defect, please report it with this line: {}", *broken);
     std::abort();
   }
-  return lock->checkpoint_is_awaited;
+  return hurry;
 }
 
 void Dispatcher::close() {

@@ -23,6 +23,10 @@ bool is_time(std::int64_t ms) {
   return ms_from_timestamp(timestamp_from_ms(ms)) == ms;
 }
 
+core::RenderCounters counters_of(const JobSnapshot& job) {
+  return job.film ? job.film->counters() : job.stored_counters;
+}
+
 }  // namespace
 
 bool is_text(const std::string& bytes) {
@@ -47,7 +51,8 @@ JobSnapshot::JobSnapshot(const JobRecord& record, scheduler::JobView job_view,
       finished_ms(record.finished_ms),
       is_unpublished(record.unpublished_completion.has_value()),
       arithmetic(record.arithmetic),
-      counters(record.counters()),
+      film(record.film),
+      stored_counters(record.stored_counters),
       view(std::move(job_view)),
       troubles(std::move(job_troubles)) {}
 
@@ -77,7 +82,7 @@ v1::Job summarise(const JobSnapshot& snapshot) {
   job.set_samples_to_verify(view.samples_to_verify);
   job.set_samples_per_second(view.samples_per_second);
   job.set_active_workers(static_cast<std::uint32_t>(view.active_workers));
-  *job.mutable_counters() = proto::to_proto(snapshot.counters);
+  *job.mutable_counters() = proto::to_proto(counters_of(snapshot));
   if (snapshot.finished_ms && !snapshot.is_unpublished)
     *job.mutable_finished_at() = timestamp_from_ms(*snapshot.finished_ms);
   if (job.state() == v1::JOB_STATE_RUNNING)
@@ -98,7 +103,7 @@ store::JobRow to_row(const JobSnapshot& job) {
   row.max_workers = job.view.max_workers;
   row.created_ms = ms_from_timestamp(job.spec->created_at());
   row.finished_ms = job.finished_ms;
-  row.counters = proto::to_proto(job.counters).SerializeAsString();
+  row.counters = proto::to_proto(counters_of(job)).SerializeAsString();
   row.arithmetic = job.arithmetic;
   return row;
 }

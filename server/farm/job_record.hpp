@@ -34,15 +34,13 @@ struct JobRecord {
   // The determinism fingerprint of the workers that rendered it; empty before the first samples.
   std::string arithmetic;
   // The film while the job takes results. Null once the job is finished and stored: the store has it then.
-  std::unique_ptr<film::JobFilm> film;
+  std::shared_ptr<film::JobFilm> film;
   // Whether it counts toward its submitter's unfinished jobs (State::set_open).
   bool is_open = false;
   // How many checks in a row found that the job lacks nothing but a worker to verify it.
   int checks_without_auditor = 0;
-  // The counters of the film when it is not in memory.
+  // The counters of the film, if that is null.
   core::RenderCounters stored_counters;
-
-  const core::RenderCounters& counters() const { return film ? film->counters() : stored_counters; }
 };
 
 // What describes a job at one moment. It is copied under the state lock; messages and rows are made of it
@@ -56,7 +54,8 @@ struct JobSnapshot {
   std::optional<std::int64_t> finished_ms;
   bool is_unpublished = false;
   std::string arithmetic;
-  core::RenderCounters counters;
+  std::shared_ptr<const film::JobFilm> film;
+  core::RenderCounters stored_counters;
   scheduler::JobView view;
   std::vector<std::string> troubles;
 };

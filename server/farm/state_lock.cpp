@@ -82,7 +82,8 @@ void StateLock::note_change(const scheduler::JobChange& change) {
 void StateLock::follow_audits(const scheduler::Actions& actions) {
   for (const scheduler::TileOfJob& reviewed : actions.reviewed_tiles) {
     const JobRecord* const record = state_.find_job(reviewed.job.value);
-    if (record != nullptr && record->film) record->film->mark_changed(reviewed.tile);
+    if (record == nullptr || !record->film) continue;
+    later([film = record->film, tile = reviewed.tile] { film->mark_changed(tile); });
   }
   for (const scheduler::Disproof& disproof : actions.disproved) {
     const scheduler::Producer& producer = disproof.producer;

@@ -1,119 +1,198 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/film/job_film.hpp"
 
-#include <fmt/format.h>
-
+#include <atomic>
+#include <new>
 #include <utility>
-
-#include "proto/convert.hpp"
-#include "proto/tile_codec.hpp"
-#include "proto/tile_planes.hpp"
 
 namespace tessera::film {
 
-namespace {
+JobFilm::JobFilm(core::TileGrid grid, FilmMemory& memory)
+    : grid_(grid), memory_(memory), tiles_(static_cast<std::size_t>(grid.tile_count())) {
+  changed_.reserve(tiles_.size());
+  memory_.take_tiles(tiles_.size());
+}
 
-// Content without this mark is from an earlier release: a RenderedItem as sent over the network then.
-constexpr char kPlanesMark = 'P';
+JobFilm::~JobFilm() {
+  memory_.give_back_tiles(tiles_.size());
+}
 
-struct SampleCount {
-  std::uint32_t all = 0, odd = 0;
-};
+std::shared_ptr<JobFilm> JobFilm::make(core::TileGrid grid, FilmMemory& memory) {
+  std::shared_ptr<JobFilm> film(new JobFilm(grid, memory));
+  memory.add(film);
+  return film;
+}
 
-SampleCount count_samples(const std::vector<core::SampleRange>& ranges) {
-  SampleCount count;
-  for (const core::SampleRange& range : ranges) {
-    count.all += range.count();
-    count.odd += range.odd_count();
+void JobFilm::restore(int tile, scheduler::IntervalSet stored, const core::RenderCounters& counters) {
+  at(tile).stored = std::move(stored);
+  at(tile).stored_counters = counters;
+  total_.add(counters);
+}
+
+void JobFilm::note_addition(Additions& additions, Additions::iterator addition) noexcept {
+  const std::lock_guard lock(notes_mutex_);
+  notes_.splice(notes_.end(), additions, addition);
+}
+
+void JobFilm::note_clear(int tile, Additions& spare) noexcept {
+  spare.front().tile = tile;
+  spare.front().samples.rect = {};
+  const std::lock_guard lock(notes_mutex_);
+  notes_.splice(notes_.end(), spare, spare.begin());
+}
+
+void JobFilm::apply() {
+  const std::lock_guard lock(mutex_);
+  Additions notes;
+  {
+    const std::lock_guard notes_lock(notes_mutex_);
+    notes.swap(notes_);
   }
-  return count;
+  try {
+    for (; !notes.empty(); notes.pop_front())
+      notes.front().samples.rect.empty() ? clear(notes.front().tile) : add(notes.front());
+  } catch (...) {
+    const std::lock_guard notes_lock(notes_mutex_);
+    notes_.splice(notes_.begin(), notes);
+    throw;
+  }
 }
 
-// `rect` is the expected rectangle of the item.
-core::Result<core::FilmTile> decode_item_in_planes(const v1::RenderedItem& message,
-                                                   const core::PixelRect& rect) {
-  const auto item = proto::from_proto(message.item());
-  if (!item) return core::fail(item.error());
-  auto planes = proto::decode_planes(message.sums_zstd(), rect.pixel_count() * 3);
-  if (!planes) return core::fail(planes.error());
-  core::FilmTile tile;
-  tile.rect = item->rect;
-  tile.range = item->range;
-  tile.sums = std::move(planes->sums);
-  tile.odd_sums = std::move(planes->odd_sums);
-  tile.counters = proto::from_proto(message.counters());
-  if (tile.counters.samples != rect.pixel_count() * std::uint64_t{tile.range.count()})
-    return core::fail(core::ErrorCode::kDataLoss, "its counters are of other samples");
-  return tile;
+void JobFilm::add(const Addition& addition) {
+  own_newest(addition.tile).add(addition.samples);
+  total_.add(addition.samples.counters);
+  note_change(addition.tile);
 }
 
-}  // namespace
-
-JobFilm::JobFilm(core::TileGrid grid) : film_(grid), counters_(static_cast<std::size_t>(grid.tile_count())) {}
-
-void JobFilm::add(int tile, const core::FilmTile& samples) noexcept {
-  film_.add(samples);
-  counters_[static_cast<std::size_t>(tile)].add(samples.counters);
-  if (total_) total_->add(samples.counters);
-  changed_.insert(tile);
+// Readers of a snapshot may hold the part: it is copied then.
+TilePart& JobFilm::own_newest(int tile) {
+  std::shared_ptr<TilePart>& newest = at(tile).newest;
+  if (!newest) {
+    newest = std::make_shared<TilePart>(grid_.rect(tile).pixel_count() * 3, memory_);
+  } else if (newest.use_count() > 1) {
+    newest = std::make_shared<TilePart>(*newest);
+  } else {
+    std::atomic_thread_fence(std::memory_order_acquire);  // the last reader has let it go
+  }
+  return *newest;
 }
 
 void JobFilm::clear(int tile) {
-  film_.restore(tile, {});
-  counters_[static_cast<std::size_t>(tile)] = {};
-  total_.reset();
-  changed_.insert(tile);
-}
-
-const core::RenderCounters& JobFilm::counters() const {
-  if (!total_) {
-    total_.emplace();
-    for (const core::RenderCounters& tile : counters_) total_->add(tile);
+  Tile& cleared = at(tile);
+  cleared.newest.reset();
+  cleared.storing.reset();
+  cleared.stored = {};
+  cleared.stored_counters = {};
+  ++cleared.generation;
+  total_ = {};
+  for (const Tile& each : tiles_) {
+    total_.add(each.stored_counters);
+    for (const auto& part : {each.storing, each.newest})
+      if (part) total_.add(part->counters());
   }
-  return *total_;
+  note_change(tile);
 }
 
-void JobFilm::restore(int tile, const TileContent& content) {
-  film_.restore(tile, content.sums);
-  counters_[static_cast<std::size_t>(tile)] = content.counters;
-  total_.reset();
+void JobFilm::note_change(int tile) noexcept {
+  if (std::exchange(at(tile).is_changed, true)) return;
+  changed_.push_back(tile);
 }
 
-TileContent JobFilm::copy(int tile) const {
-  return {film_.tile(tile), counters_[static_cast<std::size_t>(tile)], {}};
+TileSnapshot JobFilm::snapshot(int tile) const {
+  const std::lock_guard lock(mutex_);
+  return {at(tile).stored, at(tile).storing, at(tile).newest};
 }
 
-// The content is a mark that no message begins with, then a rendered item with its sums in planes
-// (tile_planes.hpp). `done` says which samples it holds; the item's own range only has their number.
-store::TileRow encode_tile_row(const std::string& job_id, int tile, const core::PixelRect& rect,
-                               std::vector<core::SampleRange> done, const TileContent& content) {
-  v1::RenderedItem message;
-  *message.mutable_item() = proto::to_proto(proto::WorkItem{rect, {0, count_samples(done).all}});
-  message.set_sums_zstd(proto::encode_planes(content.sums.sums, content.sums.odd_sums));
-  *message.mutable_counters() = proto::to_proto(content.counters);
-  std::string bytes(1, kPlanesMark);
-  message.AppendToString(&bytes);
-  bytes += encode_provenance(content.provenance);
-  return {job_id, tile, std::move(done), std::move(bytes)};
+core::RenderCounters JobFilm::counters() const {
+  const std::lock_guard lock(mutex_);
+  return total_;
 }
 
-core::Result<TileContent> decode_tile_row(const store::TileRow& row, const core::PixelRect& rect) {
-  const auto damaged = [&](const std::string& how) {
-    return core::fail(core::ErrorCode::kDataLoss,
-                      fmt::format("the stored tile {} of job {} is damaged ({})", row.tile, row.job_id, how));
-  };
-  if (row.done.empty()) return TileContent{};  // all samples were removed again
-  const bool in_planes = !row.content.empty() && row.content.front() == kPlanesMark;
-  const std::string bytes = in_planes ? row.content.substr(1) : row.content;
-  v1::RenderedItem message;
-  if (!message.ParseFromString(bytes)) return damaged("not a rendered item");
-  auto item = in_planes ? decode_item_in_planes(message, rect) : proto::decode_tile(message);
-  if (!item) return damaged(item.error().message);
-  const SampleCount count = count_samples(row.done);
-  if (item->rect != rect || item->range.count() != count.all) return damaged("of another rectangle or range");
-  return TileContent{{std::move(item->sums), std::move(item->odd_sums), count.all, count.odd},
-                     item->counters,
-                     decode_provenance(row.tile, bytes)};
+bool JobFilm::is_stored() const {
+  const std::lock_guard lock(mutex_);
+  const std::lock_guard notes_lock(notes_mutex_);
+  return changed_.empty() && notes_.empty();
+}
+
+void JobFilm::mark_changed(int tile) {
+  const std::lock_guard lock(mutex_);
+  note_change(tile);
+}
+
+std::vector<int> JobFilm::take_changed_tiles() {
+  std::vector<int> taken;
+  taken.reserve(tiles_.size());
+  const std::lock_guard lock(mutex_);
+  taken.swap(changed_);
+  return taken;
+}
+
+void JobFilm::put_back_changed_tiles(std::span<const int> tiles) noexcept {
+  const std::lock_guard lock(mutex_);
+  changed_.insert(changed_.end(), tiles.begin(), tiles.end());
+}
+
+std::optional<TileToStore> JobFilm::begin_store(int tile) {
+  const std::lock_guard lock(mutex_);
+  Tile& stored = at(tile);
+  if (!std::exchange(stored.is_changed, false)) return std::nullopt;
+  // A part that could not be stored comes first: newer samples follow with the next checkpoint.
+  if (!stored.storing) stored.storing = std::exchange(stored.newest, nullptr);
+  if (stored.newest) note_change(tile);
+  TileToStore result{
+      {stored.stored, stored.storing, nullptr}, stored.stored, stored.stored_counters, stored.generation};
+  if (stored.storing) {
+    result.samples.add(stored.storing->samples());
+    result.counters.add(stored.storing->counters());
+  }
+  return result;
+}
+
+void JobFilm::stored(int tile, TileToStore done, std::shared_ptr<TilePart> whole) {
+  const std::lock_guard lock(mutex_);
+  Tile& stored = at(tile);
+  if (stored.generation != done.generation) return;
+  std::shared_ptr<TilePart> storing = std::exchange(stored.storing, nullptr);
+  if (!whole && done.parts.stored.empty()) whole = std::move(storing);
+  done.parts.storing.reset();
+  if (whole && memory_.may_keep_stored())
+    whole = with_newest(std::move(whole), stored.newest);
+  else
+    whole.reset();
+  stored.stored = whole ? scheduler::IntervalSet() : std::move(done.samples);
+  stored.stored_counters = whole ? core::RenderCounters() : done.counters;
+  if (whole) stored.newest = std::move(whole);
+}
+
+std::shared_ptr<TilePart> JobFilm::with_newest(std::shared_ptr<TilePart> whole,
+                                               const std::shared_ptr<TilePart>& newest) try {
+  if (!newest) return whole;
+  if (whole.use_count() > 1) whole = std::make_shared<TilePart>(*whole);
+  whole->add(*newest);
+  return whole;
+} catch (const std::bad_alloc&) {
+  return nullptr;
+}
+
+void JobFilm::not_stored(int tile, const TileToStore& failed) noexcept {
+  const std::lock_guard lock(mutex_);
+  if (at(tile).generation == failed.generation) note_change(tile);
+}
+
+bool JobFilm::free_stored() {
+  const std::lock_guard lock(mutex_);
+  bool freed_any = false;
+  for (std::size_t i = 0; i < tiles_.size() && !memory_.may_keep_stored(); ++i) {
+    Tile& freed = at(next_to_free_);
+    next_to_free_ = (next_to_free_ + 1) % grid_.tile_count();
+    const bool is_stored = freed.newest && freed.stored.empty() && !freed.storing && !freed.is_changed;
+    if (!is_stored) continue;
+    freed.stored = freed.newest->samples();
+    freed.stored_counters = freed.newest->counters();
+    freed.newest.reset();
+    freed_any = true;
+  }
+  return freed_any;
 }
 
 }  // namespace tessera::film

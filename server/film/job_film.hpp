@@ -1,64 +1,128 @@
 // SPDX-License-Identifier: Apache-2.0
-// The film of one job in progress: sums and counters by tile, and which tiles the store lacks. Not
-// thread-safe; guarded by the coordinator's state mutex.
+// The film of one job in progress.
+//
+// The samples of a tile are in up to three places, and add up in any order: the store; a part that is being
+// stored at this moment; and a part in memory, which has the newest samples. A tile whose part was freed
+// needs no memory, and takes new samples without being read back.
+//
+// The scheduler's decisions are noted under the state lock, which takes no time, and done after it: notes are
+// done in their order, by whoever calls apply() next. Thread-safe.
 #pragma once
 
+#include <list>
+#include <memory>
+#include <mutex>
 #include <optional>
-#include <set>
+#include <span>
 #include <string>
 #include <vector>
 
-#include "core/base/error.hpp"
 #include "core/film/film.hpp"
-#include "server/film/tile_provenance.hpp"
-#include "server/store/job_store.hpp"
+#include "server/film/film_memory.hpp"
+#include "server/film/tile_part.hpp"
+#include "server/scheduler/interval_set.hpp"
 
 namespace tessera::film {
 
-// The content of one tile.
-struct TileContent {
-  core::Film::TileSums sums;
-  core::RenderCounters counters;
-  // The producers of the samples; filled in only when read from the store. While a job runs, the scheduler
-  // has them.
-  Produced provenance{};
+// Samples of one tile that may be added to a film.
+struct Addition {
+  int tile = 0;
+  core::FilmTile samples;
+};
+// A list, so that accepted additions can be noted without allocating memory.
+using Additions = std::list<Addition>;
+
+// The parts of a tile at one moment.
+struct TileSnapshot {
+  scheduler::IntervalSet stored;            // the samples that only the store has
+  std::shared_ptr<const TilePart> storing;  // null if there are none
+  std::shared_ptr<const TilePart> newest;   // null if there are none
 };
 
-class JobFilm {
+// A tile to store.
+struct TileToStore {
+  TileSnapshot parts;  // `newest` is null
+  scheduler::IntervalSet samples;
+  core::RenderCounters counters;
+  std::uint32_t generation = 0;
+};
+
+class JobFilm : public std::enable_shared_from_this<JobFilm> {
  public:
-  explicit JobFilm(core::TileGrid grid);
+  // `memory` must outlive the film and all snapshots of it.
+  static std::shared_ptr<JobFilm> make(core::TileGrid grid, FilmMemory& memory);
+  ~JobFilm();
+  // The store has these samples. Only before the film is shared.
+  void restore(int tile, scheduler::IntervalSet stored, const core::RenderCounters& counters);
 
-  // Allocates memory for samples of one tile. Throws std::bad_alloc if there is none.
-  void reserve(const core::FilmTile& samples) { film_.reserve(samples); }
-  // Adds samples of one tile. Memory for them must have been reserved before they counted as done, and the
-  // caller must add none twice.
-  void add(int tile, const core::FilmTile& samples) noexcept;
-  // Removes all samples of a tile.
-  void clear(int tile);
-  // Restores a tile, which must be empty, from the store.
-  void restore(int tile, const TileContent& content);
+  const core::TileGrid& grid() const { return grid_; }
 
-  TileContent copy(int tile) const;
-  const core::Film& film() const { return film_; }
-  // The counters of all tiles together.
-  const core::RenderCounters& counters() const;
+  // ---- Under the state lock. These take no time and cannot fail ----
+  // Takes the element out of `additions`. The caller adds no sample twice.
+  void note_addition(Additions& additions, Additions::iterator addition) noexcept;
+  // All samples of the tile were wrong. Takes an element out of `spare`, which must not be empty.
+  void note_clear(int tile, Additions& spare) noexcept;
 
-  // Tiles that changed since they were last marked clean.
-  const std::set<int>& changed() const { return changed_; }
-  void mark_clean(int tile) { changed_.erase(tile); }
-  void mark_changed(int tile) { changed_.insert(tile); }
+  // ---- Without the state lock ----
+  // Does what was noted before this call. Throws std::bad_alloc if there is no memory; nothing is lost then,
+  // and a later call does the rest.
+  void apply();
+
+  TileSnapshot snapshot(int tile) const;
+  // The counters of all samples together.
+  core::RenderCounters counters() const;
+  bool is_stored() const;
+  // The tile must be stored again, since its provenance has changed.
+  void mark_changed(int tile);
+
+  // ---- For the only thread that stores tiles ----
+  // The tiles that must be stored. Those that are not stored must be put back.
+  std::vector<int> take_changed_tiles();
+  void put_back_changed_tiles(std::span<const int> tiles) noexcept;
+  // Empty if the tile is stored already. Every begin_store() is followed by stored() or not_stored().
+  std::optional<TileToStore> begin_store(int tile);
+  // The store has the tile. `whole` has all of its samples, unless the part that was stored has; they stay in
+  // memory if there is room.
+  void stored(int tile, TileToStore done, std::shared_ptr<TilePart> whole);
+  void not_stored(int tile, const TileToStore& failed) noexcept;
+
+  // ---- For FilmMemory ----
+  // Frees parts of tiles that the store has, while there is no room for them. Returns whether it freed any.
+  bool free_stored();
 
  private:
-  core::Film film_;
-  std::vector<core::RenderCounters> counters_;         // by tile
-  mutable std::optional<core::RenderCounters> total_;  // empty if it must be computed again
-  std::set<int> changed_;
-};
+  struct Tile {
+    std::shared_ptr<TilePart> newest, storing;
+    scheduler::IntervalSet stored;
+    core::RenderCounters stored_counters;
+    std::uint32_t generation = 0;  // incremented when the tile is cleared
+    bool is_changed = false;       // whether it must be stored
+  };
 
-// Converts a tile to a row of the store. `done` are the samples in it.
-store::TileRow encode_tile_row(const std::string& job_id, int tile, const core::PixelRect& rect,
-                               std::vector<core::SampleRange> done, const TileContent& content);
-// Converts it back. DATA_LOSS if the row is not one that encode_tile_row made for this rectangle.
-core::Result<TileContent> decode_tile_row(const store::TileRow& row, const core::PixelRect& rect);
+  JobFilm(core::TileGrid grid, FilmMemory& memory);
+  Tile& at(int tile) { return tiles_[static_cast<std::size_t>(tile)]; }
+  const Tile& at(int tile) const { return tiles_[static_cast<std::size_t>(tile)]; }
+  void add(const Addition& addition);
+  void clear(int tile);
+  // The part that takes new samples.
+  TilePart& own_newest(int tile);
+  void note_change(int tile) noexcept;
+  // Adds newer samples to a tile that is in memory as a whole. Null if there is no memory.
+  static std::shared_ptr<TilePart> with_newest(std::shared_ptr<TilePart> whole,
+                                               const std::shared_ptr<TilePart>& newest);
+
+  const core::TileGrid grid_;
+  FilmMemory& memory_;
+
+  mutable std::mutex notes_mutex_;
+  Additions notes_;  // guarded by notes_mutex_; a note to clear a tile has no rectangle
+
+  mutable std::mutex mutex_;
+  // Guarded by mutex_:
+  std::vector<Tile> tiles_;
+  std::vector<int> changed_;  // those that were not taken; has room for all tiles
+  core::RenderCounters total_;
+  int next_to_free_ = 0;
+};
 
 }  // namespace tessera::film

@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "server/film/job_film.hpp"
+#include "server/film/tile_row.hpp"
 
 namespace tessera::film {
 

@@ -17,6 +17,15 @@ core::Status check_picture_size(const v1::RenderSettings& settings, const server
       std::to_string(limits.picture_pixels), "--max-picture-pixels"));
 }
 
+core::Status check_film_memory(const core::TileGrid& grid, const film::FilmMemory& memory) {
+  if (memory.has_room_for(static_cast<std::uint64_t>(grid.tile_count()))) return {};
+  return core::fail(server::over_limit(
+      fmt::format("the unfinished jobs and this one of {} x {} pixels have too many tiles together",
+                  grid.width(), grid.height()),
+      fmt::format("{:.1f} GiB of films", static_cast<double>(memory.budget_bytes()) / (1 << 30)),
+      "--max-film-gib"));
+}
+
 core::Status check_spp(std::uint32_t spp, const server::Limits& limits) {
   if (spp <= limits.spp) return {};
   return core::fail(server::over_limit(fmt::format("the job has {} samples per pixel", spp),

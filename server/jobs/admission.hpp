@@ -6,6 +6,8 @@
 #include <cstdint>
 
 #include "core/base/error.hpp"
+#include "core/film/region.hpp"
+#include "server/film/film_memory.hpp"
 #include "server/limits.hpp"
 #include "tessera/v1/types.pb.h"
 
@@ -13,6 +15,8 @@ namespace tessera::jobs {
 
 // Counts the pixels of the window that is rendered, not of the whole image.
 core::Status check_picture_size(const v1::RenderSettings& settings, const server::Limits& limits);
+// Whether the memory of films has room for the tiles of another image.
+core::Status check_film_memory(const core::TileGrid& grid, const film::FilmMemory& memory);
 core::Status check_spp(std::uint32_t spp, const server::Limits& limits);
 
 }  // namespace tessera::jobs

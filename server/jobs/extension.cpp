@@ -46,7 +46,7 @@ core::Status may_extend(const StateLock& lock, const JobRecord& record, std::uin
 // The revision of a job that the film belongs to, and the film if it had to be read.
 struct JobService::Extension {
   std::uint64_t revision = 0;
-  std::unique_ptr<film::JobFilm> film;
+  std::shared_ptr<film::JobFilm> film;
 };
 
 core::Result<JobService::Extension> JobService::prepare_extension(const std::string& id) {

@@ -11,6 +11,29 @@
 namespace tessera::jobs {
 
 using core::ErrorCode;
+using film::TilePart;
+using scheduler::IntervalSet;
+
+namespace {
+
+// A tile is stored once a second, and so read twice only by chance.
+constexpr int kAttempts = 100;
+
+IntervalSet set_of(const std::vector<core::SampleRange>& ranges) {
+  IntervalSet set;
+  for (const core::SampleRange& range : ranges) set.add(range);
+  return set;
+}
+
+std::size_t sum_count(const core::TileGrid& grid, int tile) {
+  return grid.rect(tile).pixel_count() * 3;
+}
+
+core::Film::TileSums zeros(std::size_t sums) {
+  return {std::vector<std::uint64_t>(sums), std::vector<std::uint64_t>(sums), 0, 0};
+}
+
+}  // namespace
 
 bool FilmReader::can_be_verified(film::Produced& provenance) const {
   if (provenance.fingerprinter == fingerprinter_.check()) return true;
@@ -24,43 +47,88 @@ core::Result<LoadedFilm> FilmReader::load(const v1::Job& spec) const {
   const core::TileGrid grid = farm::grid_of(spec);
   auto done = store_.tiles_done(spec.id());
   if (!done) return core::fail(done.error());
-  LoadedFilm loaded{std::make_unique<film::JobFilm>(grid), {}, {}, {}};
+  LoadedFilm loaded{film::JobFilm::make(grid, memory_), {}, {}, {}};
   for (const auto& [tile, ranges] : *done) {
     if (tile < 0 || tile >= grid.tile_count()) continue;
-    if (auto read = load_tile_into(loaded, spec, grid, tile, ranges); !read) return core::fail(read.error());
+    if (auto read = load_tile(loaded, spec, tile, ranges); !read) return core::fail(read.error());
   }
   return loaded;
 }
 
-core::Status FilmReader::load_tile_into(LoadedFilm& loaded, const v1::Job& spec, const core::TileGrid& grid,
-                                        int tile, const std::vector<core::SampleRange>& done) const {
-  auto content = load_tile(spec, grid, tile);
-  if (!content) {
-    if (content.error().code != ErrorCode::kDataLoss) return core::fail(content.error());
-    loaded.damage.push_back(content.error().message);
+core::Status FilmReader::load_tile(LoadedFilm& loaded, const v1::Job& spec, int tile,
+                                   const std::vector<core::SampleRange>& done) const {
+  auto stored = film::read_stored_tile(store_, spec.id(), loaded.film->grid(), tile);
+  if (!stored) {
+    if (stored.error().code != ErrorCode::kDataLoss) return core::fail(stored.error());
+    loaded.damage.push_back(stored.error().message);
     return {};
   }
-  if (!can_be_verified(content->provenance)) {
+  film::TileContent& content = stored->content;
+  if (!can_be_verified(content.provenance)) {
     loaded.damage.push_back(
         fmt::format("tile {} of job {} was to be verified, and its fingerprints are of another state folder",
                     tile, spec.id()));
     return {};
   }
-  auto& items = content->provenance.items;
+  auto& items = content.provenance.items;
   loaded.provenance.insert(loaded.provenance.end(), items.begin(), items.end());
-  loaded.film->restore(tile, *content);
+  loaded.film->restore(tile, set_of(stored->row.done), content.counters);
   loaded.done[tile] = done;  // the ranges that were written
   return {};
 }
 
-core::Result<film::TileContent> FilmReader::load_tile(const v1::Job& spec, const core::TileGrid& grid,
-                                                      int tile) const {
+core::Result<core::Film::TileSums> FilmReader::stored_sums(const v1::Job& spec, int tile) const {
+  const core::TileGrid grid = farm::grid_of(spec);
   auto stored = film::read_stored_tile(store_, spec.id(), grid, tile);
-  if (stored) return std::move(stored->content);
-  if (stored.error().code != ErrorCode::kNotFound) return core::fail(stored.error());
-  const std::size_t channels = grid.rect(tile).pixel_count() * 3;
-  return film::TileContent{
-      {std::vector<std::uint64_t>(channels), std::vector<std::uint64_t>(channels), 0, 0}, {}, {}};
+  if (stored && stored->content.sums.samples > 0) return std::move(stored->content.sums);
+  if (!stored && stored.error().code != ErrorCode::kNotFound) return core::fail(stored.error());
+  return zeros(sum_count(grid, tile));
+}
+
+core::Result<core::Film::TileSums> FilmReader::sums(const v1::Job& spec, const film::JobFilm& film,
+                                                    int tile) const {
+  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+    const film::TileSnapshot parts = film.snapshot(tile);
+    if (parts.stored.empty() && !parts.storing && !parts.newest) return zeros(sum_count(film.grid(), tile));
+    // Nothing is added to a part while it is shared, so a tile in memory as a whole is not copied.
+    if (parts.stored.empty() && !parts.storing) return parts.newest->sums();
+    const auto all = combine(spec, tile, parts);
+    if (!all) return core::fail(all.error());
+    if (*all) return (*all)->sums();
+  }
+  return core::fail(ErrorCode::kUnavailable, fmt::format("tile {} changes too often: try again", tile));
+}
+
+core::Result<std::shared_ptr<TilePart>> FilmReader::combine(const v1::Job& spec, int tile,
+                                                            const film::TileSnapshot& parts) const {
+  const core::TileGrid grid = farm::grid_of(spec);
+  auto all = std::make_shared<TilePart>(sum_count(grid, tile), memory_);
+  IntervalSet in_store = parts.stored;
+  if (!parts.stored.empty()) {
+    auto stored = film::read_stored_tile(store_, spec.id(), grid, tile);
+    if (!stored) return core::fail(stored.error());
+    const IntervalSet read = set_of(stored->row.done);
+    IntervalSet with_storing = parts.stored;
+    if (parts.storing) with_storing.add(parts.storing->samples());
+    if (read != parts.stored && read != with_storing) return std::shared_ptr<TilePart>();
+    all->add(stored->content.sums, read, stored->content.counters);
+  }
+  // If the part that is being stored has arrived in the store, it was read with the rest.
+  const bool has_storing =
+      parts.storing && all->samples().contains(parts.storing->samples().ranges().front());
+  if (parts.storing && !has_storing) all->add(*parts.storing);
+  if (parts.newest) all->add(*parts.newest);
+  return all;
+}
+
+core::Result<std::shared_ptr<TilePart>> FilmReader::whole(const v1::Job& spec, int tile,
+                                                          const film::TileToStore& to_store) const {
+  auto all = combine(spec, tile, to_store.parts);
+  if (all && !*all)
+    return core::fail(
+        ErrorCode::kDataLoss,
+        fmt::format("the stored tile {} of job {} has other samples than were stored", tile, spec.id()));
+  return all;
 }
 
 }  // namespace tessera::jobs

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads the films of jobs back from the store. Thread-safe; blocks for the disk.
+// Reads the films of jobs from the store, and tiles of which the store has a part. Thread-safe; blocks for
+// the disk.
 #pragma once
 
 #include <map>
@@ -11,13 +12,14 @@
 #include "server/farm/job_record.hpp"
 #include "server/film/fingerprinter.hpp"
 #include "server/film/job_film.hpp"
+#include "server/film/tile_row.hpp"
 #include "server/store/job_store.hpp"
 
 namespace tessera::jobs {
 
-// A job's film as read from the store.
+// A job's film as found in the store. Its samples stay there.
 struct LoadedFilm {
-  std::unique_ptr<film::JobFilm> film;
+  std::shared_ptr<film::JobFilm> film;
   // The samples in it, by tile.
   std::map<int, std::vector<core::SampleRange>> done;
   std::vector<scheduler::ProducedItem> provenance;
@@ -27,21 +29,32 @@ struct LoadedFilm {
 
 class FilmReader {
  public:
-  FilmReader(store::JobStore& store, const film::Fingerprinter& fingerprinter)
-      : store_(store), fingerprinter_(fingerprinter) {}
+  FilmReader(store::JobStore& store, film::FilmMemory& memory, const film::Fingerprinter& fingerprinter)
+      : store_(store), memory_(memory), fingerprinter_(fingerprinter) {}
 
+  // Reads and checks every tile of a job, one at a time.
   core::Result<LoadedFilm> load(const v1::Job& spec) const;
-  // Empty if the store has no samples of the tile.
-  core::Result<film::TileContent> load_tile(const v1::Job& spec, const core::TileGrid& grid, int tile) const;
+  // The sums of a tile of a job whose film is in the store alone; zeros if the store has no samples of it.
+  core::Result<core::Film::TileSums> stored_sums(const v1::Job& spec, int tile) const;
+  // The sums of a tile of a job in progress, of all samples at one moment.
+  core::Result<core::Film::TileSums> sums(const v1::Job& spec, const film::JobFilm& film, int tile) const;
+  // All samples of a tile that is about to be stored. DATA_LOSS if the store has lost some of them.
+  core::Result<std::shared_ptr<film::TilePart>> whole(const v1::Job& spec, int tile,
+                                                      const film::TileToStore& to_store) const;
 
  private:
-  core::Status load_tile_into(LoadedFilm& loaded, const v1::Job& spec, const core::TileGrid& grid, int tile,
-                              const std::vector<core::SampleRange>& done) const;
+  core::Status load_tile(LoadedFilm& loaded, const v1::Job& spec, int tile,
+                         const std::vector<core::SampleRange>& done) const;
+  // The parts together; empty if the store has another part than the snapshot says, since it was written
+  // meanwhile.
+  core::Result<std::shared_ptr<film::TilePart>> combine(const v1::Job& spec, int tile,
+                                                        const film::TileSnapshot& parts) const;
   // Drops fingerprints that a lost secret made, since they cannot be compared. Returns false if an audit
   // needs one of them.
   bool can_be_verified(film::Produced& provenance) const;
 
   store::JobStore& store_;
+  film::FilmMemory& memory_;
   const film::Fingerprinter& fingerprinter_;
 };
 

@@ -13,9 +13,6 @@ namespace tessera::jobs {
 
 namespace {
 
-// The tiles that are copied at once under the state lock, which takes about a millisecond.
-constexpr int kTilesPerTurn = 8;
-
 core::Error with_advice(core::Error error, v1::JobState state) {
   if (error.code != core::ErrorCode::kDataLoss) return error;
   error.message += state == v1::JOB_STATE_CANCELLED || state == v1::JOB_STATE_FAILED
@@ -27,15 +24,17 @@ core::Error with_advice(core::Error error, v1::JobState state) {
 
 }  // namespace
 
-core::Result<v1::Job> Images::describe(const std::string& id) {
-  const auto found = [&]() -> std::optional<farm::JobSnapshot> {
+core::Result<Images::Source> Images::find(const std::string& id) {
+  const auto found = [&]() -> std::optional<std::pair<farm::JobSnapshot, std::shared_ptr<film::JobFilm>>> {
     const farm::StateLock lock(farm_);
     const farm::JobRecord* record = lock->find_job(id);
     if (record == nullptr) return std::nullopt;
-    return lock.snapshot_of(*record);
+    return std::pair(lock.snapshot_of(*record), record->film);
   }();
   if (!found) return core::fail(core::ErrorCode::kNotFound, fmt::format("there is no job {}", id));
-  return summarise(*found);
+  const auto& [snapshot, film] = *found;
+  if (film) film->apply();
+  return Source{summarise(snapshot), film};
 }
 
 core::Result<JobImage> Images::get(const std::string& id) {
@@ -43,60 +42,38 @@ core::Result<JobImage> Images::get(const std::string& id) {
     auto image = develop(id);
     if (!image || image->job.state() != v1::JOB_STATE_DONE) return image;
     // The image of a done job does not change, unless the job runs again.
-    const auto now = describe(id);
+    const auto now = find(id);
     if (!now) return core::fail(now.error());
-    if (now->finished_at() == image->job.finished_at()) return image;
+    if (now->job.finished_at() == image->job.finished_at()) return image;
   }
 }
 
 core::Result<JobImage> Images::develop(const std::string& id) {
-  auto described = describe(id);
-  if (!described) return core::fail(described.error());
-  const core::TileGrid grid = farm::grid_of(*described);
-  JobImage result{std::move(*described), core::Image(grid.width(), grid.height())};
-  auto pixel = result.image.pixels.begin();
+  auto source = find(id);
+  if (!source) return core::fail(source.error());
+  const core::TileGrid grid = farm::grid_of(source->job);
+  core::Image image(grid.width(), grid.height());
+  auto pixel = image.pixels.begin();
   for (int row = 0; row < grid.rows(); ++row) {
-    const auto strip = develop_row(result.job, grid, row);
+    const auto strip = develop_row(*source, grid, row);
     if (!strip) return core::fail(strip.error());
     pixel = std::copy(strip->pixels.begin(), strip->pixels.end(), pixel);
   }
-  return result;
+  return JobImage{std::move(source->job), std::move(image)};
 }
 
-core::Result<core::Image> Images::develop_row(const v1::Job& spec, const core::TileGrid& grid, int row) {
+core::Result<core::Image> Images::develop_row(const Source& source, const core::TileGrid& grid, int row) {
   const int first = row * grid.columns();
   const core::PixelRect& window = grid.window();
   const core::PixelRect first_rect = grid.rect(first);
   core::Film strip(core::TileGrid({window.x0, first_rect.y0, window.x1, first_rect.y1}, grid.tile_px()));
-  for (int begin = 0; begin < grid.columns(); begin += kTilesPerTurn) {
-    const int end = std::min(begin + kTilesPerTurn, grid.columns());
-    const auto sums = copy_tiles(spec, grid, first + begin, first + end);
-    if (!sums) return core::fail(sums.error());
-    for (int i = begin; i < end; ++i) strip.restore(i, (*sums)[static_cast<std::size_t>(i - begin)]);
+  for (int column = 0; column < grid.columns(); ++column) {
+    const auto sums = source.film ? films_.sums(source.job, *source.film, first + column)
+                                  : films_.stored_sums(source.job, first + column);
+    if (!sums) return core::fail(with_advice(sums.error(), source.job.state()));
+    strip.restore(column, *sums);
   }
   return strip.develop();
-}
-
-core::Result<std::vector<core::Film::TileSums>> Images::copy_tiles(const v1::Job& spec,
-                                                                   const core::TileGrid& grid, int begin,
-                                                                   int end) {
-  std::vector<core::Film::TileSums> sums;
-  {
-    const farm::StateLock lock(farm_);
-    const farm::JobRecord* record = lock->find_job(spec.id());
-    if (record == nullptr)
-      return core::fail(core::ErrorCode::kNotFound, fmt::format("job {} was deleted meanwhile", spec.id()));
-    if (record->film) {
-      for (int tile = begin; tile < end; ++tile) sums.push_back(record->film->film().tile(tile));
-      return sums;
-    }
-  }
-  for (int tile = begin; tile < end; ++tile) {
-    auto content = films_.load_tile(spec, grid, tile);
-    if (!content) return core::fail(with_advice(content.error(), spec.state()));
-    sums.push_back(std::move(content->sums));
-  }
-  return sums;
 }
 
 }  // namespace tessera::jobs

@@ -38,7 +38,8 @@ using SceneCheck = std::function<core::Result<CheckedScene>(const v1::Bundle&, c
 class JobService {
  public:
   JobService(farm::Farm& farm, store::StateDirectory& state, blobs::SceneFiles& files,
-             const FilmReader& films, const server::Limits& limits, SceneCheck check_scene);
+             const FilmReader& films, film::FilmMemory& film_memory, const server::Limits& limits,
+             SceneCheck check_scene);
 
   using Texts = google::protobuf::RepeatedPtrField<std::string>;
   // Blocks while the scene is validated and the job is stored. `submitter` is the caller's name, empty where
@@ -95,6 +96,7 @@ class JobService {
   store::StateDirectory& state_;
   blobs::SceneFiles& files_;
   const FilmReader& films_;
+  film::FilmMemory& film_memory_;
   const server::Limits limits_;
   const SceneCheck check_scene_;
   std::stop_source stopping_;

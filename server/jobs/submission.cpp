@@ -37,11 +37,13 @@ std::string file_name(const std::string& path) {
 }  // namespace
 
 JobService::JobService(farm::Farm& farm, store::StateDirectory& state, blobs::SceneFiles& files,
-                       const FilmReader& films, const server::Limits& limits, SceneCheck check_scene)
+                       const FilmReader& films, film::FilmMemory& film_memory, const server::Limits& limits,
+                       SceneCheck check_scene)
     : farm_(farm),
       state_(state),
       files_(files),
       films_(films),
+      film_memory_(film_memory),
       limits_(limits),
       check_scene_(std::move(check_scene)) {}
 
@@ -140,7 +142,9 @@ core::Result<v1::Job> JobService::add(v1::Job spec, const std::string& request_i
   record.spec = std::make_shared<const v1::Job>(std::move(spec));
   record.request_id = request_id;
   record.files = std::move(files);
-  record.film = std::make_unique<film::JobFilm>(farm::grid_of(*record.spec));
+  const core::TileGrid grid = farm::grid_of(*record.spec);
+  if (auto room = check_film_memory(grid, film_memory_); !room) return core::fail(room.error());
+  record.film = film::JobFilm::make(grid, film_memory_);
   scheduler::SubmitJob event{{record.spec->id()},
                              farm::shape_of(*record.spec, record.spec->settings().spp()),
                              record.spec->priority(),

@@ -102,6 +102,12 @@ void Scheduler::drop_tile(Job& job, int tile, Actions& actions) {
   work_appeared_ = true;
 }
 
+Worker* Scheduler::on(const DropTile& event, Actions& actions) {
+  Job* const job = find_or_refuse(event.id, actions);
+  if (job != nullptr && takes_results(job->state())) drop_tile(*job, event.tile, actions);
+  return nullptr;
+}
+
 void Scheduler::distrust(const Producer& producer, Actions& actions) {
   producers_.distrust(producer);
   if (Worker* const worker = registry_.find(producer.worker)) end_all_leases(*worker);

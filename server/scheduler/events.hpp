@@ -181,11 +181,19 @@ struct FailJob {
   std::string failure;
 };
 
+// The film has lost all samples of the tile: they are missing again. Does nothing to a job that takes no
+// results. See Actions::dropped_tiles.
+struct DropTile {
+  JobId id;
+  int tile = 0;
+};
+
 // Only time has passed. Due at Scheduler::next_deadline().
 struct Tick {};
 
-using Event = std::variant<Synchronize, TopUp, Dismiss, SubmitResult, SubmitJob, RestoreJob, PauseJob,
-                           ReopenJob, ResumeJob, CancelJob, DeleteJob, ExtendJob, UpdateJob, FailJob, Tick>;
+using Event =
+    std::variant<Synchronize, TopUp, Dismiss, SubmitResult, SubmitJob, RestoreJob, PauseJob, ReopenJob,
+                 ResumeJob, CancelJob, DeleteJob, ExtendJob, UpdateJob, FailJob, DropTile, Tick>;
 
 // ---- Answers ----
 

@@ -168,6 +168,7 @@ class Scheduler {
   Worker* on(const ExtendJob& event, Actions& actions);
   Worker* on(const UpdateJob& event, Actions& actions);
   Worker* on(const FailJob& event, Actions& actions);
+  Worker* on(const DropTile& event, Actions& actions);
   Worker* on(const Tick& event, Actions& actions);
 
   // ---- Time and answers (scheduler.cpp) ----

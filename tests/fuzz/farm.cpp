@@ -10,7 +10,7 @@
 #include "core/scene/settings.hpp"
 #include "proto/convert.hpp"
 #include "server/farm/job_record.hpp"
-#include "server/film/job_film.hpp"
+#include "server/film/tile_row.hpp"
 #include "tests/fuzz/scratch_folder.hpp"
 
 namespace tessera::fuzz {

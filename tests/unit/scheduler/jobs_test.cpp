@@ -117,6 +117,19 @@ TEST_F(Jobs, WhoseLastSamplesCameInWhilePausedAreDoneWhenResumed) {
               ElementsAre(JobChange{{"job"}, kPaused, kRunning}, JobChange{{"job"}, kRunning, kDone}));
 }
 
+TEST_F(Jobs, RenderATileAgainThatTheirFilmHasLost) {
+  submit("job", tiles(2, 4));
+  const LeaseDescription lease = lease_to("w");
+  deliver("w", lease);
+  const std::uint64_t before = job("job").samples_done;
+  const int tile = lease.items.front().tile;
+  EXPECT_THAT(handle(DropTile{{"job"}, tile}).dropped_tiles, ElementsAre(TileOfJob{{"job"}, tile}));
+  EXPECT_LT(job("job").samples_done, before);
+  render_all("w");
+  EXPECT_EQ(state("job"), kDone);
+  EXPECT_TRUE(handle(DropTile{{"job"}, tile}).dropped_tiles.empty()) << "its image does not change any more";
+}
+
 TEST_F(Jobs, ThatAreCancelledAreTakenFromTheirWorkers) {
   submit("job", tiles(100, 4));
   const LeaseDescription lease = lease_to("w");

@@ -5,7 +5,7 @@
 #include <zstd.h>
 
 #include "proto/tile_codec.hpp"
-#include "server/film/job_film.hpp"
+#include "server/film/tile_row.hpp"
 
 namespace tessera::server {
 namespace {

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+// The exact sums of some samples of one tile. Parts of disjoint samples add up to the tile, in any order.
+// Immutable while it is shared.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "core/film/film.hpp"
+#include "core/film/sum_buffer.hpp"
+#include "server/film/film_memory.hpp"
+#include "server/scheduler/interval_set.hpp"
+
+namespace tessera::film {
+
+class TilePart {
+ public:
+  // Of no samples. `sums`: the number of sums of one kind: pixels times channels. Its memory counts toward
+  // `memory`, which must outlive it.
+  TilePart(std::size_t sums, FilmMemory& memory) : memory_(memory), sums_(sums), odd_sums_(sums) {}
+  TilePart(const TilePart& other);
+  TilePart& operator=(const TilePart&) = delete;
+  ~TilePart() { memory_.give_back(counted_bytes_); }
+
+  // Each of these adds samples that it does not have. If there is no memory, it throws std::bad_alloc and
+  // changes nothing.
+  void add(const core::FilmTile& samples);
+  void add(const TilePart& other);
+  void add(const core::Film::TileSums& sums, const scheduler::IntervalSet& samples,
+           const core::RenderCounters& counters);
+
+  const scheduler::IntervalSet& samples() const { return samples_; }
+  const core::RenderCounters& counters() const { return counters_; }
+  core::Film::TileSums sums() const;
+
+ private:
+  template <typename Sums>
+  void add_sums(const Sums& sums, const Sums& odd_sums, const scheduler::IntervalSet& samples,
+                const core::RenderCounters& counters);
+  void count_memory();
+
+  FilmMemory& memory_;
+  std::uint64_t counted_bytes_ = 0;
+  scheduler::IntervalSet samples_;
+  core::SumBuffer sums_, odd_sums_;
+  core::RenderCounters counters_;
+};
+
+}  // namespace tessera::film

@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: Apache-2.0
+// Films in less memory than their samples take.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sqlite3.h>
+
+#include <atomic>
+#include <thread>
+#include <vector>
+
+#include "proto/tile_codec.hpp"
+#include "server/film/job_film.hpp"
+#include "tests/unit/server/scripted_farm.hpp"
+
+namespace tessera::server {
+namespace {
+
+using core::ErrorCode;
+using testing::HasSubstr;
+
+constexpr double kGib = 1 << 30;
+// The sums of one tile of these images, 64 x 64 pixels, while they fit in 32 bits.
+constexpr double kTileBytes = 2 * 64 * 64 * 3 * 4;
+
+// A farm whose films have memory for about two tiles of six.
+class FilmMemory : public ScriptedFarm {
+ protected:
+  FilmMemory() {
+    limits_.film_gib = 2.2 * kTileBytes / kGib;
+    open();
+  }
+
+  // Delivers one lease, after checkpoints that make room for it. Returns false if there is none.
+  bool deliver_next(core::Film& expected) {
+    const WaitingCall call(coordinator(), greeting('a'));
+    if (!call.answered() || call.answer()->leases().empty()) return false;
+    for (const v1::Lease& lease : call.answer()->leases()) {
+      for (const v1::WorkItem& each : lease.items()) deliver_item(lease, each, expected);
+      v1::SubmitResultRequest rest = delivery('a', lease);
+      rest.clear_items();
+      deliver(rest);
+    }
+    return true;
+  }
+
+  void deliver_item(const v1::Lease& lease, const v1::WorkItem& item, core::Film& expected) {
+    v1::SubmitResultRequest request = delivery('a', lease);
+    request.clear_items();
+    request.set_lease_finished(false);
+    *request.add_items() = ready_made_item(item);
+    auto counted = coordinator().dispatcher().submit_result(request);
+    while (!counted) {
+      ASSERT_EQ(counted.error().code, ErrorCode::kUnavailable) << counted.error().message;
+      ++refused_;
+      ASSERT_TRUE(coordinator().checkpointer().checkpoint());
+      counted = coordinator().dispatcher().submit_result(request);
+    }
+    ASSERT_EQ(counted->accepted_items(), 1u);
+    expected.add(*proto::decode_tile(request.items(0)));
+  }
+
+  void execute(const std::string& sql) {
+    sqlite3* database = nullptr;
+    ASSERT_EQ(sqlite3_open((folder_.path() / "state" / "tessera.db").c_str(), &database), SQLITE_OK);
+    EXPECT_EQ(sqlite3_exec(database, sql.c_str(), nullptr, nullptr, nullptr), SQLITE_OK)
+        << sqlite3_errmsg(database);
+    sqlite3_close(database);
+  }
+
+  std::vector<core::Rgb> pixels(const std::string& id) {
+    const auto found = coordinator().images().get(id);
+    EXPECT_TRUE(found) << found.error().message;
+    return found ? found->image.pixels : std::vector<core::Rgb>();
+  }
+
+  int refused_ = 0;
+};
+
+core::Film empty_film() {
+  return core::Film(core::TileGrid(kWidthPx, kHeightPx, core::kTilePx));
+}
+
+TEST_F(FilmMemory, ImagesAreTheSameBytesAtAnyMoment) {
+  const std::string id = submit();
+  core::Film expected = empty_film();
+  for (int lease = 0; deliver_next(expected); ++lease) {
+    if (lease % 3 == 0) ASSERT_TRUE(coordinator().checkpointer().checkpoint());
+    ASSERT_EQ(pixels(id), expected.develop().pixels) << "lease " << lease;
+  }
+  EXPECT_GT(refused_, 0) << "the film fits into memory, and the test shows nothing";
+  EXPECT_EQ(stored_job(id).state(), v1::JOB_STATE_DONE);
+  EXPECT_EQ(pixels(id), ready_made_picture(kWidthPx, kHeightPx, kSpp).pixels);
+}
+
+TEST_F(FilmMemory, IsGivenBackWhenJobsEnd) {
+  for (int i = 0; i < 3; ++i) {
+    const std::string id = submit();
+    core::Film expected = empty_film();
+    while (deliver_next(expected)) {
+    }
+    EXPECT_EQ(stored_job(id).state(), v1::JOB_STATE_DONE);
+  }
+  const std::string id = submit();
+  core::Film expected = empty_film();
+  refused_ = 0;
+  ASSERT_TRUE(deliver_next(expected));
+  EXPECT_EQ(refused_, 0);
+}
+
+TEST_F(FilmMemory, ARestartContinuesWhatDoesNotFitIntoMemory) {
+  const std::string id = submit();
+  core::Film expected = empty_film();
+  for (int lease = 0; lease < 9; ++lease) ASSERT_TRUE(deliver_next(expected));
+  ASSERT_TRUE(coordinator().checkpointer().checkpoint());
+  open();
+  EXPECT_EQ(pixels(id), expected.develop().pixels);
+  while (deliver_next(expected)) {
+  }
+  EXPECT_EQ(stored_job(id).state(), v1::JOB_STATE_DONE);
+  EXPECT_EQ(pixels(id), ready_made_picture(kWidthPx, kHeightPx, kSpp).pixels);
+}
+
+TEST_F(FilmMemory, ADoneJobIsExtendedWithoutItsFilmInMemory) {
+  const std::string id = submit();
+  core::Film expected = empty_film();
+  while (deliver_next(expected)) {
+  }
+  EXPECT_EQ(stored_job(id).state(), v1::JOB_STATE_DONE);
+  ASSERT_TRUE(coordinator().jobs().extend(id, 2 * kSpp));
+  EXPECT_EQ(pixels(id), expected.develop().pixels);
+  while (deliver_next(expected)) {
+  }
+  EXPECT_EQ(stored_job(id).state(), v1::JOB_STATE_DONE);
+  EXPECT_EQ(pixels(id), ready_made_picture(kWidthPx, kHeightPx, 2 * kSpp).pixels);
+}
+
+TEST_F(FilmMemory, ATileThatTheStoreHasLostIsRenderedAgain) {
+  const std::string id = submit();
+  core::Film expected = empty_film();
+  ASSERT_TRUE(deliver_next(expected));
+  ASSERT_TRUE(coordinator().checkpointer().checkpoint());
+  execute("UPDATE tiles SET content = X'00'");
+  while (deliver_next(expected)) ASSERT_TRUE(coordinator().checkpointer().checkpoint());
+  EXPECT_EQ(stored_job(id).state(), v1::JOB_STATE_DONE);
+  EXPECT_EQ(pixels(id), ready_made_picture(kWidthPx, kHeightPx, kSpp).pixels);
+}
+
+TEST_F(FilmMemory, ACheckpointThatFailsLosesNothing) {
+  const std::string id = submit();
+  core::Film expected = empty_film();
+  for (int lease = 0; deliver_next(expected); ++lease) {
+    if (lease % 2 == 0) {
+      execute("ALTER TABLE tiles RENAME TO other");
+      EXPECT_FALSE(coordinator().checkpointer().checkpoint());
+      execute("ALTER TABLE other RENAME TO tiles");
+    }
+    ASSERT_EQ(pixels(id), expected.develop().pixels) << "lease " << lease;
+  }
+  EXPECT_EQ(stored_job(id).state(), v1::JOB_STATE_DONE);
+  EXPECT_EQ(pixels(id), ready_made_picture(kWidthPx, kHeightPx, kSpp).pixels);
+}
+
+TEST_F(FilmMemory, AnImageIsWholeWhileItsTilesComeAndGo) {
+  const std::string id = submit();
+  std::atomic<bool> done = false;
+  std::jthread reader([&] {
+    while (!done) pixels(id);
+  });
+  std::jthread writer([&] {
+    while (!done) EXPECT_TRUE(coordinator().checkpointer().checkpoint());
+  });
+  core::Film expected = empty_film();
+  while (deliver_next(expected)) {
+  }
+  done = true;
+  reader.join();
+  writer.join();
+  EXPECT_EQ(stored_job(id).state(), v1::JOB_STATE_DONE);
+  EXPECT_EQ(pixels(id), ready_made_picture(kWidthPx, kHeightPx, kSpp).pixels);
+}
+
+TEST_F(FilmMemory, AJobWhoseTilesAloneExceedItIsRefused) {
+  v1::SubmitJobRequest large = submission();
+  large.mutable_overrides()->set_width_px(16384);
+  large.mutable_overrides()->set_height_px(16384);
+  const auto refused = coordinator().jobs().submit(large);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::kResourceExhausted);
+  EXPECT_THAT(refused.error().message, HasSubstr("--max-film-gib"));
+}
+
+// Samples that were counted stay, whoever needs memory when.
+TEST(JobFilm, SnapshotsDoNotChange) {
+  film::FilmMemory memory(1 << 30);
+  const core::TileGrid grid(64, 64, core::kTilePx);
+  const auto film = film::JobFilm::make(grid, memory);
+  const auto add = [&](core::SampleRange range) {
+    film::Additions one;
+    one.push_back({0, ready_made_tile(grid.rect(0), range)});
+    film->note_addition(one, one.begin());
+  };
+  add({0, 2});
+  film->apply();
+  const film::TileSnapshot before = film->snapshot(0);
+  add({2, 3});
+  EXPECT_EQ(film->snapshot(0).newest, before.newest) << "notes are done by apply() alone";
+  film->apply();
+  const core::FilmTile first = ready_made_tile(grid.rect(0), {0, 2}),
+                       all = ready_made_tile(grid.rect(0), {0, 3});
+  EXPECT_EQ(before.newest->sums().sums, first.sums);
+  EXPECT_EQ(film->snapshot(0).newest->sums().sums, all.sums);
+  EXPECT_EQ(film->snapshot(0).newest->sums().odd_sums, all.odd_sums);
+}
+
+TEST(JobFilm, CountsItsMemory) {
+  film::FilmMemory memory(1 << 30);
+  const core::TileGrid grid(128, 64, core::kTilePx);
+  auto film = film::JobFilm::make(grid, memory);
+  const std::uint64_t empty = memory.used_bytes();
+  EXPECT_EQ(empty, 2 * film::FilmMemory::kBytesPerTile);
+  film::Additions one;
+  one.push_back({1, ready_made_tile(grid.rect(1), {0, 2})});
+  film->note_addition(one, one.begin());
+  film->apply();
+  EXPECT_EQ(memory.used_bytes(), empty + static_cast<std::uint64_t>(kTileBytes));
+  film::TileSnapshot held = film->snapshot(1);
+  film.reset();
+  EXPECT_EQ(memory.used_bytes(), static_cast<std::uint64_t>(kTileBytes)) << "somebody still has it";
+  held = {};
+  EXPECT_EQ(memory.used_bytes(), 0u);
+}
+
+}  // namespace
+}  // namespace tessera::server
