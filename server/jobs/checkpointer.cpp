@@ -18,6 +18,7 @@ using farm::StateLock;
 
 core::Status Checkpointer::checkpoint() {
   const std::lock_guard one_at_a_time(mutex_);
+  damaged_jobs_.clear();
   const std::vector<farm::JobSnapshot> changed = changed_jobs();
   const core::Status written = guarded_write(changed);
   film_memory_.free_stored();
@@ -40,6 +41,7 @@ core::Status Checkpointer::write(const std::vector<farm::JobSnapshot>& changed) 
     if (auto written = write(film); !written) return written;
   }
   for (const farm::JobSnapshot& job : changed) {
+    if (damaged_jobs_.contains(job.spec->id())) continue;  // it runs again, which the next checkpoint writes
     if (auto written = store_.update_job(to_row(job)); !written) return written;
   }
   return {};
@@ -154,6 +156,7 @@ film::Produced Checkpointer::provenance_of(const FilmOfJob& film, int tile) {
 
 void Checkpointer::note_damage(const FilmOfJob& film, int tile, const core::Error& error) {
   spdlog::error("{}: it is rendered again", error.message);
+  damaged_jobs_.insert(film.spec->id());
   film::Additions spare(1);
   StateLock lock(farm_);
   const scheduler::Actions actions = lock.handle(scheduler::DropTile{{film.spec->id()}, tile});

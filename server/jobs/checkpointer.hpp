@@ -10,6 +10,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -70,7 +71,8 @@ class Checkpointer {
   const FilmReader& films_;
   film::FilmMemory& film_memory_;
   const film::Fingerprinter& fingerprinter_;
-  std::mutex mutex_;  // held while a checkpoint is written
+  std::mutex mutex_;                    // held while a checkpoint is written
+  std::set<std::string> damaged_jobs_;  // found during this checkpoint; guarded by mutex_
 };
 
 }  // namespace tessera::jobs

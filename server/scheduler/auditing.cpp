@@ -104,7 +104,9 @@ void Scheduler::drop_tile(Job& job, int tile, Actions& actions) {
 
 Worker* Scheduler::on(const DropTile& event, Actions& actions) {
   Job* const job = find_or_refuse(event.id, actions);
-  if (job != nullptr && takes_results(job->state())) drop_tile(*job, event.tile, actions);
+  if (job == nullptr || !takes_results(job->state())) return nullptr;
+  drop_tile(*job, event.tile, actions);
+  if (job->state() == JobState::kDone) become(*job, JobState::kRunning, actions);
   return nullptr;
 }
 

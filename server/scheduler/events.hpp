@@ -181,8 +181,8 @@ struct FailJob {
   std::string failure;
 };
 
-// The film has lost all samples of the tile: they are missing again. Does nothing to a job that takes no
-// results. See Actions::dropped_tiles.
+// The film has lost all samples of the tile: they are missing again, and a done job runs again. Does nothing
+// to a job that takes no results. See Actions::dropped_tiles.
 struct DropTile {
   JobId id;
   int tile = 0;

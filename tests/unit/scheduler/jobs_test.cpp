@@ -127,7 +127,12 @@ TEST_F(Jobs, RenderATileAgainThatTheirFilmHasLost) {
   EXPECT_LT(job("job").samples_done, before);
   render_all("w");
   EXPECT_EQ(state("job"), kDone);
-  EXPECT_TRUE(handle(DropTile{{"job"}, tile}).dropped_tiles.empty()) << "its image does not change any more";
+  EXPECT_THAT(handle(DropTile{{"job"}, tile}).job_changes, ElementsAre(JobChange{{"job"}, kDone, kRunning}));
+  render_all("w");
+  EXPECT_EQ(state("job"), kDone);
+  submit("cancelled", tiles(2, 4));
+  handle(CancelJob{{"cancelled"}});
+  EXPECT_TRUE(handle(DropTile{{"cancelled"}, 0}).dropped_tiles.empty());
 }
 
 TEST_F(Jobs, ThatAreCancelledAreTakenFromTheirWorkers) {
