@@ -135,10 +135,11 @@ void JobFilm::put_back_changed_tiles(std::span<const int> tiles) noexcept {
 std::optional<TileToStore> JobFilm::begin_store(int tile) {
   const std::lock_guard lock(mutex_);
   Tile& stored = at(tile);
-  if (!std::exchange(stored.is_changed, false)) return std::nullopt;
-  // A part that could not be stored comes first: newer samples follow with the next checkpoint.
-  if (!stored.storing) stored.storing = std::exchange(stored.newest, nullptr);
-  if (stored.newest) note_change(tile);
+  if (!stored.is_changed) return std::nullopt;
+  // A part that could not be stored is stored with the newer samples.
+  if (stored.storing && stored.newest) stored.newest = together(stored.storing, *stored.newest);
+  if (stored.newest) stored.storing = std::exchange(stored.newest, nullptr);
+  stored.is_changed = false;
   TileToStore result{
       {stored.stored, stored.storing, nullptr}, stored.stored, stored.stored_counters, stored.generation};
   if (stored.storing) {
@@ -155,21 +156,22 @@ void JobFilm::stored(int tile, TileToStore done, std::shared_ptr<TilePart> whole
   std::shared_ptr<TilePart> storing = std::exchange(stored.storing, nullptr);
   if (!whole && done.parts.stored.empty()) whole = std::move(storing);
   done.parts.storing.reset();
-  if (whole && memory_.may_keep_stored())
-    whole = with_newest(std::move(whole), stored.newest);
-  else
-    whole.reset();
+  if (!memory_.may_keep_stored()) whole.reset();
+  if (whole && stored.newest) whole = together_or_null(std::move(whole), *stored.newest);
   stored.stored = whole ? scheduler::IntervalSet() : std::move(done.samples);
   stored.stored_counters = whole ? core::RenderCounters() : done.counters;
   if (whole) stored.newest = std::move(whole);
 }
 
-std::shared_ptr<TilePart> JobFilm::with_newest(std::shared_ptr<TilePart> whole,
-                                               const std::shared_ptr<TilePart>& newest) try {
-  if (!newest) return whole;
-  if (whole.use_count() > 1) whole = std::make_shared<TilePart>(*whole);
-  whole->add(*newest);
-  return whole;
+std::shared_ptr<TilePart> JobFilm::together(std::shared_ptr<TilePart> part, const TilePart& newer) {
+  auto both = part.use_count() > 1 ? std::make_shared<TilePart>(*part) : std::move(part);
+  both->add(newer);
+  return both;
+}
+
+std::shared_ptr<TilePart> JobFilm::together_or_null(std::shared_ptr<TilePart> part,
+                                                    const TilePart& newer) try {
+  return together(std::move(part), newer);
 } catch (const std::bad_alloc&) {
   return nullptr;
 }

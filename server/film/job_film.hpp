@@ -107,9 +107,10 @@ class JobFilm : public std::enable_shared_from_this<JobFilm> {
   // The part that takes new samples.
   TilePart& own_newest(int tile);
   void note_change(int tile) noexcept;
-  // Adds newer samples to a tile that is in memory as a whole. Null if there is no memory.
-  static std::shared_ptr<TilePart> with_newest(std::shared_ptr<TilePart> whole,
-                                               const std::shared_ptr<TilePart>& newest);
+  // Both parts as one: the first one itself, unless somebody else has it.
+  static std::shared_ptr<TilePart> together(std::shared_ptr<TilePart> part, const TilePart& newer);
+  // The same; null if there is no memory.
+  static std::shared_ptr<TilePart> together_or_null(std::shared_ptr<TilePart> part, const TilePart& newer);
 
   const core::TileGrid grid_;
   FilmMemory& memory_;

@@ -5,6 +5,7 @@
 #include <sqlite3.h>
 
 #include <atomic>
+#include <filesystem>
 #include <thread>
 #include <vector>
 
@@ -187,6 +188,24 @@ TEST_F(FilmMemory, AJobWhoseTilesAloneExceedItIsRefused) {
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::kResourceExhausted);
   EXPECT_THAT(refused.error().message, HasSubstr("--max-film-gib"));
+}
+
+// The row that says DONE is written after all samples.
+TEST_F(FilmMemory, ADoneJobIsStoredWholeAfterCheckpointsThatFailed) {
+  limits_.film_gib = 1;
+  open();
+  const std::string id = submit();
+  work('a', 3);
+  execute("ALTER TABLE tiles RENAME TO other");
+  EXPECT_FALSE(coordinator().checkpointer().checkpoint());
+  execute("ALTER TABLE other RENAME TO tiles");
+  work('a');
+  ASSERT_TRUE(coordinator().checkpointer().checkpoint());
+  std::filesystem::copy(folder_.path() / "state", folder_.path() / "copy",
+                        std::filesystem::copy_options::recursive);
+  open(folder_.path() / "copy");
+  EXPECT_EQ(job(id).state(), v1::JOB_STATE_DONE);
+  EXPECT_EQ(job(id).samples_done(), kSamples);
 }
 
 // Samples that were counted stay, whoever needs memory when.
