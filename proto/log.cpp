@@ -1,11 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "proto/log.hpp"
 
+#include <spdlog/async.h>
 #include <spdlog/pattern_formatter.h>
-#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/sinks/sink.h>
 #include <spdlog/spdlog.h>
+#include <unistd.h>
 
+#include <cerrno>
+#include <chrono>
+#include <cstdlib>
 #include <memory>
+#include <nlohmann/json.hpp>
+#include <semaphore>
 #include <string_view>
 #include <utility>
 
@@ -14,28 +21,132 @@
 namespace tessera::proto {
 namespace {
 
-// Replaces %v.
+constexpr std::size_t kMaxWaitingLines = 8192;
+constexpr auto kMaxFlush = std::chrono::seconds(1);
+
+// Replaces %v: the message in printable characters, quoted for JSON if wanted.
 class PrintableMessage final : public spdlog::custom_flag_formatter {
  public:
+  explicit PrintableMessage(LogFormat format) : format_(format) {}
   void format(const spdlog::details::log_msg& message, const std::tm&, spdlog::memory_buf_t& line) override {
-    const std::string shown = core::printable({message.payload.data(), message.payload.size()});
+    std::string shown = core::printable({message.payload.data(), message.payload.size()});
+    if (format_ == LogFormat::kJson) shown = nlohmann::json(shown).dump();
     line.append(shown.data(), shown.data() + shown.size());
   }
   std::unique_ptr<spdlog::custom_flag_formatter> clone() const override {
-    return std::make_unique<PrintableMessage>();
+    return std::make_unique<PrintableMessage>(format_);
   }
+
+ private:
+  const LogFormat format_;
 };
+
+std::unique_ptr<spdlog::formatter> make_formatter(LogFormat format) {
+  const char* const pattern =
+      format == LogFormat::kJson
+          ? R"({"time":"%Y-%m-%dT%H:%M:%S.%eZ","level":"%l","program":"%n","message":%*})"
+          : "%Y-%m-%dT%H:%M:%S.%eZ %^%l%$ %n: %*";
+  auto formatter = std::make_unique<spdlog::pattern_formatter>(spdlog::pattern_time_type::utc);
+  formatter->add_flag<PrintableMessage>('*', format).set_pattern(pattern);
+  return formatter;
+}
+
+constexpr std::string_view kPlain = "\033[0m";
+std::string_view colour_of(spdlog::level::level_enum level) {
+  return level >= spdlog::level::err    ? "\033[31m"
+         : level == spdlog::level::warn ? "\033[33m"
+         : level == spdlog::level::info ? "\033[32m"
+                                        : "\033[36m";
+}
+
+// Write errors are ignored, since there is nowhere to report them.
+void write_all(std::string_view bytes) {
+  while (!bytes.empty()) {
+    const ssize_t count = ::write(STDERR_FILENO, bytes.data(), bytes.size());
+    if (count < 0 && errno != EINTR) return;
+    if (count > 0) bytes.remove_prefix(static_cast<std::size_t>(count));
+  }
+}
+
+// Writes to the descriptor of stderr, without the stream, whose lock would keep the process from ending while
+// a write blocks. Tells of dropped lines, and of flushes that are done. For the log's thread.
+class Sink final : public spdlog::sinks::sink {
+ public:
+  explicit Sink(spdlog::details::thread_pool& queue) : queue_(queue) {}
+
+  void log(const spdlog::details::log_msg& message) override {
+    const std::size_t dropped = queue_.overrun_counter();
+    if (dropped > dropped_) {
+      const std::string line = fmt::format("{} lines of this log were dropped", dropped - dropped_);
+      dropped_ = dropped;
+      write({message.logger_name, spdlog::level::warn, line});
+    }
+    write(message);
+  }
+  void flush() override { flushed_.release(); }
+  void set_pattern(const std::string&) override {}
+  void set_formatter(std::unique_ptr<spdlog::formatter> formatter) override {
+    formatter_ = std::move(formatter);
+  }
+  bool wait_for_flush() { return flushed_.try_acquire_for(kMaxFlush); }
+
+ private:
+  void write(const spdlog::details::log_msg& message) {
+    spdlog::memory_buf_t buffer;
+    formatter_->format(message, buffer);
+    std::string line(buffer.data(), buffer.size());
+    if (is_terminal_ && message.color_range_end > message.color_range_start) {
+      line.insert(message.color_range_end, kPlain);
+      line.insert(message.color_range_start, colour_of(message.level));
+    }
+    write_all(line);
+  }
+
+  spdlog::details::thread_pool& queue_;
+  const bool is_terminal_ = ::isatty(STDERR_FILENO) == 1;
+  std::unique_ptr<spdlog::formatter> formatter_;
+  std::size_t dropped_ = 0;
+  std::counting_semaphore<> flushed_{0};
+};
+
+// Never destroyed: its thread may be blocked at stderr when the process ends.
+struct Log {
+  std::shared_ptr<spdlog::details::thread_pool> queue =
+      std::make_shared<spdlog::details::thread_pool>(kMaxWaitingLines, 1);
+  std::shared_ptr<Sink> sink = std::make_shared<Sink>(*queue);
+  std::shared_ptr<spdlog::async_logger> logger;
+};
+
+Log*& current_log() {
+  static Log* log = nullptr;
+  return log;
+}
 
 }  // namespace
 
-void log_to_stderr(const std::string& program) {
-  auto formatter = std::make_unique<spdlog::pattern_formatter>();
-  formatter->add_flag<PrintableMessage>('*').set_pattern("[%Y-%m-%d %H:%M:%S.%e] [%n] [%^%l%$] %*");
-  const auto logger = spdlog::stderr_color_mt(program);
-  logger->set_formatter(std::move(formatter));
-  // Write errors are ignored, since spdlog would report them on the same stream.
-  logger->set_error_handler([](const std::string&) {});
-  spdlog::set_default_logger(logger);
+void log_to_stderr(const std::string& program, const LogOptions& options) {
+  auto* const log = new Log;
+  log->logger = std::make_shared<spdlog::async_logger>(program, log->sink, log->queue,
+                                                       spdlog::async_overflow_policy::overrun_oldest);
+  log->logger->set_formatter(make_formatter(options.format));
+  log->logger->set_level(options.level);
+  // By default, spdlog would report errors on stderr itself.
+  log->logger->set_error_handler([](const std::string&) {});
+  if (std::exchange(current_log(), log) == nullptr) std::atexit(flush_log);
+  spdlog::set_default_logger(log->logger);
+}
+
+void flush_log() {
+  Log* const log = current_log();
+  if (log == nullptr) return;
+  log->logger->flush();
+  log->sink->wait_for_flush();
+}
+
+void abort_with(const std::string& defect) {
+  spdlog::critical("a defect, please report it with this line: {}", defect);
+  flush_log();
+  std::abort();
 }
 
 }  // namespace tessera::proto

@@ -1,13 +1,32 @@
 // SPDX-License-Identifier: Apache-2.0
-// The log of a long-running program: lines on stderr. Many contain texts of others (names, reasons), so every
-// line is made printable here.
+// The log of a long-running program: lines on stderr, written by a thread of its own. Nothing that is logged
+// waits for stderr: if nobody reads it, the oldest lines are dropped and counted. Many lines contain texts of
+// others (names, reasons), so every line is made printable here. Thread-safe.
 #pragma once
+
+#include <spdlog/common.h>
 
 #include <string>
 
 namespace tessera::proto {
 
-// From now on spdlog writes to stderr, as `program`. Call it at the beginning of main().
-void log_to_stderr(const std::string& program);
+enum class LogFormat {
+  kText,  // 2026-11-25T17:30:00.123Z info tessera-worker: registered with the coordinator
+  kJson,  // an object with time, level, program and message in each line
+};
+
+struct LogOptions {
+  spdlog::level::level_enum level = spdlog::level::info;
+  LogFormat format = LogFormat::kText;
+};
+
+// From now on spdlog writes to stderr, as `program`. flush_log() is called when the program exits.
+void log_to_stderr(const std::string& program, const LogOptions& options = {});
+
+// Waits until everything is written, for at most a second. Call it before the process ends without exit().
+void flush_log();
+
+// Logs a defect of this program, with what is wrong, and ends the process.
+[[noreturn]] void abort_with(const std::string& defect);
 
 }  // namespace tessera::proto

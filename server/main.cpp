@@ -106,6 +106,7 @@ core::Status run(const server::Options& options, const sigset_t& stop_signals) {
 
   warn_of_open_doors(options);
   warn_of_exposed_secrets(options);
+  proto::flush_log();
   std::cout << "tessera-coordinator: listening on " << (*server)->address() << std::endl;
   int signal = 0;
   sigwait(&stop_signals, &signal);
@@ -131,8 +132,8 @@ int main(int argc, char** argv) {
   core::prepare_standard_streams();
   // Errors are reported once, by our own messages; GRPC_VERBOSITY=DEBUG turns gRPC's log on.
   setenv("GRPC_VERBOSITY", "NONE", 0);
-  proto::log_to_stderr("tessera-coordinator");
   const server::Options options = server::parse_options(argc, argv);
+  proto::log_to_stderr("tessera-coordinator", options.log);
   if (!options.check.empty()) return admin::check(options.check);
   if (!options.salvage.empty()) return admin::salvage(options.salvage);
   // Debian's Abseil searches for deadlocks each time that gRPC takes a lock.

@@ -7,6 +7,7 @@
 #include "core/base/version.hpp"
 #include "core/cli/help.hpp"
 #include "core/cli/parse.hpp"
+#include "proto/log_flags.hpp"
 #include "proto/number_range.hpp"
 #include "server/limit_flags.hpp"
 
@@ -106,6 +107,7 @@ Options parse_options(int argc, char** argv) {
                  "Accept workers with this determinism fingerprint [default: that of this release]")
       ->check(CLI::Validator(is_fingerprint, ""))
       ->type_name("HEX");
+  proto::add_log_flags(app, options.log);
   add_maintenance_flags(app, options);
   add_security_flags(app, options);
   add_limit_flags(app, options.limits);

@@ -7,6 +7,7 @@
 
 #include "core/base/determinism_fingerprint.hpp"
 #include "proto/channel.hpp"
+#include "proto/log.hpp"
 #include "server/limits.hpp"
 #include "server/store/state_directory.hpp"
 #include "server/validator/validator_process.hpp"
@@ -36,6 +37,7 @@ struct Options {
   // The tessera-validator to start for submitted scenes.
   std::string validator = validator::default_validator_path();
   Limits limits;
+  proto::LogOptions log;
 };
 
 // Parses the command line. On --help, --version and errors it prints the text and ends the process.

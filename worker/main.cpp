@@ -79,7 +79,6 @@ int main(int argc, char** argv) {
   setenv("GRPC_VERBOSITY", "NONE", 0);
   worker::keep_program_name();
   const worker::Options options = worker::parse_options(argc, argv);
-  proto::log_to_stderr("tessera-worker");
-  if (options.verbose) spdlog::set_level(spdlog::level::debug);
+  proto::log_to_stderr("tessera-worker", options.log);
   return run(options, argv);
 }

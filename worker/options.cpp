@@ -15,6 +15,7 @@
 #include "core/base/version.hpp"
 #include "core/cli/help.hpp"
 #include "core/cli/parse.hpp"
+#include "proto/log_flags.hpp"
 #include "proto/number_range.hpp"
 #include "proto/security_flags.hpp"
 #include "proto/text.hpp"
@@ -86,7 +87,10 @@ Options parse_options(int argc, char** argv) {
   app.add_option("--name", options.name, "Name of this worker in lists and logs [default: the host name]")
       ->type_name("NAME");
   proto::add_security_flags(app, options.security);
-  app.add_flag("--verbose", options.verbose, "Log debug messages");
+  proto::add_log_flags(app, options.log);
+  app.add_flag(
+      "--verbose", [&options](auto) { options.log.level = spdlog::level::debug; },
+      "Log debug messages: --log-level debug");
   app.final_callback([&options] {
     if (const core::Status fit = proto::check_text("--name", options.name); !fit)
       throw CLI::ValidationError(fit.error().message);

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "proto/channel.hpp"
+#include "proto/log.hpp"
 
 namespace tessera::worker {
 
@@ -15,7 +16,7 @@ struct Options {
   double cache_gib = 16;                                 // above this, scene files are removed, oldest first
   std::string name;                                      // for people; default: the host's
   proto::ClientSecurity security;
-  bool verbose = false;
+  proto::LogOptions log;
 
   Options();
   std::uint64_t cache_bytes() const { return static_cast<std::uint64_t>(cache_gib * (1 << 30)); }

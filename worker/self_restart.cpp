@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "proto/log.hpp"
 #include "worker/hang_watchdog.hpp"
 
 namespace tessera::worker {
@@ -44,8 +45,10 @@ int failed_restarts() {
   setenv(kBarrenStarts, std::to_string(failed_restarts).c_str(), 1);
   spread_over_all_places();
   spdlog::info("restarting, since threads that render for ever cannot be ended in another way");
+  proto::flush_log();
   execv("/proc/self/exe", arguments);
   spdlog::critical("cannot restart: {}", std::strerror(errno));
+  proto::flush_log();
   _exit(EXIT_FAILURE);
 }
 
@@ -59,6 +62,7 @@ Worker::Options with_self_restart(char** arguments, StopSignals& signals) {
           [=, &signals](const UnwantedPiece& piece, const core::Status& accepted) {
             if (!accepted) {
               spdlog::error("refused by the coordinator: {}", accepted.error().message);
+              proto::flush_log();
               _exit(EXIT_FAILURE);
             }
             signals.leave_pending();

@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/auth/methods.hpp"
 
-#include <spdlog/spdlog.h>
-
 #include <cstdint>
-#include <cstdlib>
 #include <utility>
 
 #include "proto/blob.hpp"
+#include "proto/log.hpp"
 
 namespace tessera::auth {
 
@@ -63,8 +61,7 @@ Methods::Methods(const server::Limits& limits) {
 
 const Method& Methods::at(const std::string& path) const {
   if (const auto found = methods_.find(path); found != methods_.end()) return found->second;
-  spdlog::critical("a defect, please report it with this line: the table of methods lacks {}", path);
-  std::abort();
+  proto::abort_with("the table of methods lacks " + path);
 }
 
 }  // namespace tessera::auth

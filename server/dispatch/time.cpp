@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
-#include <cstdlib>
 #include <utility>
 
+#include "proto/log.hpp"
 #include "server/dispatch/dispatcher.hpp"
 
 namespace tessera::dispatch {
@@ -76,10 +76,8 @@ bool Dispatcher::tick() {
   note_workers(lock);
   lock.log_suppressed();
   note_lack_of_auditors(lock);
-  if (const auto broken = lock->scheduler.check_invariants(scheduler::CheckDepth::kCounters)) {
-    spdlog::critical("a defect, please report it with this line: {}", *broken);
-    std::abort();
-  }
+  if (const auto broken = lock->scheduler.check_invariants(scheduler::CheckDepth::kCounters))
+    proto::abort_with(*broken);
   return hurry;
 }
 

@@ -4,18 +4,13 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <spdlog/spdlog.h>
 
 #include <string>
 
-#include "proto/log.hpp"
 #include "proto/status.hpp"
 
 namespace tessera::proto {
 namespace {
-
-using testing::EndsWith;
-using testing::HasSubstr;
 
 TEST(CheckText, TakesNamesOfAnyLanguage) {
   EXPECT_TRUE(check_text("name", ""));
@@ -33,21 +28,6 @@ TEST(CheckText, SaysWhatIsWrong) {
   EXPECT_FALSE(check_text("name", "\xff"));
   EXPECT_EQ(check_text("name", std::string(201, 'x')).error().message,
             "name: must have at most 200 bytes, got 201");
-}
-
-TEST(Log, IsWrittenInPrintableLines) {
-  testing::internal::CaptureStderr();
-  log_to_stderr("tessera-test");
-  spdlog::warn("worker {} registered", "a\x1b[2J\n[forged]\xc2\x9b");
-  EXPECT_THAT(testing::internal::GetCapturedStderr(),
-              EndsWith("worker a\\x1b[2J\\x0a[forged]\\xc2\\x9b registered\n"));
-}
-
-TEST(Log, IsWrittenAsItIsOtherwise) {
-  testing::internal::CaptureStderr();
-  log_to_stderr("tessera-other");
-  spdlog::info("Käse");
-  EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("[tessera-other] [info] Käse\n"));
 }
 
 TEST(Sentences, LeaveInPrintableLines) {

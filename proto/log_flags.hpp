@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
+// The command-line options for logs, shared by coordinator and worker.
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include "proto/log.hpp"
+
+namespace tessera::proto {
+
+// Adds --log-level and --log-format. `options` must live until the command line is parsed, which fills it in.
+void add_log_flags(CLI::App& command, LogOptions& options);
+
+}  // namespace tessera::proto

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "proto/log.hpp"
+
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <spdlog/spdlog.h>
+#include <unistd.h>
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+namespace tessera::proto {
+namespace {
+
+using testing::EndsWith;
+using testing::HasSubstr;
+using testing::MatchesRegex;
+
+// What `write` logs with these options.
+template <typename Write>
+std::string logged(const LogOptions& options, Write write) {
+  testing::internal::CaptureStderr();
+  log_to_stderr("tessera-test", options);
+  write();
+  flush_log();
+  return testing::internal::GetCapturedStderr();
+}
+
+TEST(Log, IsWrittenInPrintableLines) {
+  EXPECT_THAT(logged({}, [] { spdlog::warn("worker {} registered", "a\x1b[2J\n[forged]\xc2\x9b"); }),
+              EndsWith("worker a\\x1b[2J\\x0a[forged]\\xc2\\x9b registered\n"));
+}
+
+TEST(Log, IsWrittenAsItIsOtherwiseWithTimesInUtc) {
+  const std::string line = logged({}, [] { spdlog::info("Käse"); });
+  EXPECT_THAT(line, HasSubstr(" info tessera-test: Käse\n"));
+  EXPECT_THAT(line.substr(0, 25), MatchesRegex("....-..-..T..:..:..\\....Z "));
+}
+
+TEST(Log, IsAnObjectInEachLineWhereJsonIsWanted) {
+  const std::string line =
+      logged({.format = LogFormat::kJson}, [] { spdlog::error("\"quoted\" and a\\b\nc"); });
+  const auto object = nlohmann::json::parse(line);
+  EXPECT_EQ(object.at("level"), "error");
+  EXPECT_EQ(object.at("program"), "tessera-test");
+  EXPECT_EQ(object.at("message"), "\"quoted\" and a\\b\\x0ac");
+  EXPECT_THAT(object.at("time").get<std::string>(), EndsWith("Z"));
+}
+
+TEST(Log, LeavesOutWhatIsBelowItsLevel) {
+  const std::string lines = logged({.level = spdlog::level::warn}, [] {
+    spdlog::info("quiet");
+    spdlog::warn("loud");
+  });
+  EXPECT_THAT(lines, HasSubstr("loud"));
+  EXPECT_THAT(lines, testing::Not(HasSubstr("quiet")));
+}
+
+// Fills a pipe that nobody reads, and makes it stderr.
+void block_stderr() {
+  int ends[2];
+  ASSERT_EQ(::pipe2(ends, O_NONBLOCK), 0);
+  const std::string much(4096, '.');
+  while (::write(ends[1], much.data(), much.size()) > 0) {
+  }
+  ::fcntl(ends[1], F_SETFL, 0);  // writers wait from now on
+  ::dup2(ends[1], STDERR_FILENO);
+}
+
+TEST(LogDeathTest, NobodyWaitsForStderr) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  EXPECT_EXIT(
+      {
+        ::alarm(60);  // ends a process that waits for ever
+        block_stderr();
+        log_to_stderr("tessera-test");
+        for (int i = 0; i < 100'000; ++i) spdlog::info("line {}", i);
+        std::exit(7);
+      },
+      testing::ExitedWithCode(7), "");
+}
+
+}  // namespace
+}  // namespace tessera::proto
