@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "proto/log.hpp"
 
+#include <signal.h>
 #include <spdlog/async.h>
 #include <spdlog/pattern_formatter.h>
 #include <spdlog/sinks/sink.h>
@@ -109,10 +110,19 @@ class Sink final : public spdlog::sinks::sink {
   std::counting_semaphore<> flushed_{0};
 };
 
+// Signals are for other threads.
+std::shared_ptr<spdlog::details::thread_pool> start_thread() {
+  sigset_t all, before;
+  sigfillset(&all);
+  pthread_sigmask(SIG_SETMASK, &all, &before);
+  auto queue = std::make_shared<spdlog::details::thread_pool>(kMaxWaitingLines, 1);
+  pthread_sigmask(SIG_SETMASK, &before, nullptr);
+  return queue;
+}
+
 // Never destroyed: its thread may be blocked at stderr when the process ends.
 struct Log {
-  std::shared_ptr<spdlog::details::thread_pool> queue =
-      std::make_shared<spdlog::details::thread_pool>(kMaxWaitingLines, 1);
+  std::shared_ptr<spdlog::details::thread_pool> queue = start_thread();
   std::shared_ptr<Sink> sink = std::make_shared<Sink>(*queue);
   std::shared_ptr<spdlog::async_logger> logger;
 };

@@ -9,6 +9,7 @@
 #include <grpcpp/support/server_callback.h>
 
 #include <functional>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <utility>
@@ -110,10 +111,14 @@ class UnaryCall final : public RequestCall {
       : RequestCall(context, streams, std::move(admission)), handler_(std::move(handler)) {}
 
   Request& request() { return request_; }
-  Response& response() { return response_; }
+  Response& response() { return *response_; }
 
-  // Ends the call. On any thread. The call may be deleted at any moment after it.
-  void finish(const grpc::Status& status) { status.ok() ? answer(response_) : Finish(status); }
+  // Ends the call. On any thread. The call may be deleted at any moment after it. The response is freed at
+  // once, not when its bytes are sent.
+  void finish(const grpc::Status& status) {
+    const std::unique_ptr<Response> response = std::move(response_);
+    status.ok() ? answer(*response) : Finish(status);
+  }
 
  private:
   google::protobuf::Message& message() override { return request_; }
@@ -121,7 +126,7 @@ class UnaryCall final : public RequestCall {
 
   const Handler handler_;
   Request request_;
-  Response response_;
+  std::unique_ptr<Response> response_ = std::make_unique<Response>();
 };
 
 }  // namespace tessera::rpc
