@@ -211,7 +211,6 @@ core::Result<v1::SubmitResultResponse> Dispatcher::submit_result(const v1::Submi
   }();
   if (!counted) return core::fail(counted.error());
   if (counted->film) counted->film->apply();
-  film_memory_.free_stored();
   return counted->message();
 }
 

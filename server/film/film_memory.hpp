@@ -3,6 +3,7 @@
 // comes near its budget. Thread-safe.
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <cstdint>
 #include <deque>
@@ -21,11 +22,11 @@ class FilmMemory {
   std::uint64_t used_bytes() const { return samples_bytes_ + tiles_ * kBytesPerTile; }
   std::uint64_t budget_bytes() const { return budget_bytes_; }
   // Whether films may take more samples. If not, the next checkpoint makes room.
-  bool has_room() const { return used_bytes() < budget_bytes_; }
+  bool has_room() const { return samples_bytes_ < samples_budget(); }
   // Whether a checkpoint should be written soon, so that there are tiles to free.
-  bool is_scarce() const { return used_bytes() > budget_bytes_ / 4 * 3; }
+  bool is_scarce() const { return samples_bytes_ > samples_budget() / 4 * 3; }
   // Whether tiles that the store has may stay in memory.
-  bool may_keep_stored() const { return used_bytes() < budget_bytes_ / 8 * 5; }
+  bool may_keep_stored() const { return samples_bytes_ < samples_budget() / 8 * 5; }
 
   // What each tile of a film takes even if none of its samples is in memory.
   static constexpr std::uint64_t kBytesPerTile = 512;
@@ -45,6 +46,11 @@ class FilmMemory {
   void free_stored();
 
  private:
+  // What tiles as such leave of the budget: at least half, also if an earlier run admitted more of them.
+  std::uint64_t samples_budget() const {
+    return std::max(budget_bytes_ / 2,
+                    budget_bytes_ - std::min<std::uint64_t>(budget_bytes_, tiles_ * kBytesPerTile));
+  }
   // The films in turn; empty if there are none.
   std::shared_ptr<JobFilm> next_film();
 
