@@ -70,7 +70,7 @@ void write_all(std::string_view bytes) {
 }
 
 // Writes to the descriptor of stderr, without the stream, whose lock would keep the process from ending while
-// a write blocks. Tells of dropped lines, and of flushes that are done. For the log's thread.
+// a write blocks. Says how many lines were dropped, and when a flush is done. For the log's thread.
 class Sink final : public spdlog::sinks::sink {
  public:
   explicit Sink(spdlog::details::thread_pool& queue) : queue_(queue) {}
@@ -89,7 +89,12 @@ class Sink final : public spdlog::sinks::sink {
   void set_formatter(std::unique_ptr<spdlog::formatter> formatter) override {
     formatter_ = std::move(formatter);
   }
-  bool wait_for_flush() { return flushed_.try_acquire_for(kMaxFlush); }
+  // Forgets flushes that nobody waited for to their end.
+  void expect_flush() {
+    while (flushed_.try_acquire()) {
+    }
+  }
+  void wait_for_flush() { static_cast<void>(flushed_.try_acquire_for(kMaxFlush)); }
 
  private:
   void write(const spdlog::details::log_msg& message) {
@@ -149,6 +154,7 @@ void log_to_stderr(const std::string& program, const LogOptions& options) {
 void flush_log() {
   Log* const log = current_log();
   if (log == nullptr) return;
+  log->sink->expect_flush();
   log->logger->flush();
   log->sink->wait_for_flush();
 }

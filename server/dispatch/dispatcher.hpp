@@ -46,6 +46,8 @@ class Dispatcher {
   core::Status check_token(const v1::SubmitResultRequest& request);
   core::Result<Counted> count_result(farm::StateLock& lock, const v1::SubmitResultRequest& request,
                                      Delivery& delivery);
+  core::Result<Counted> decide(farm::StateLock& lock, farm::JobRecord& record,
+                               const scheduler::SubmitResult& event, Delivery& delivery) noexcept;
 
   farm::Farm& farm_;
   film::FilmMemory& film_memory_;

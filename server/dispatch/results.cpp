@@ -45,12 +45,12 @@ std::vector<scheduler::LeaseId> held_besides(const v1::SubmitResultRequest& requ
   return held;
 }
 
-core::Result<film::Additions> decode_items(const v1::SubmitResultRequest& request) {
+core::Result<film::Notes> decode_items(const v1::SubmitResultRequest& request) {
   if (request.items_size() > kMaxItemsPerResult) {
     return core::fail(ErrorCode::kInvalidArgument, fmt::format("items: at most {} in one message, got {}",
                                                                kMaxItemsPerResult, request.items_size()));
   }
-  film::Additions tiles;
+  film::Notes tiles;
   for (int i = 0; i < request.items_size(); ++i) {
     auto tile = proto::decode_tile(request.items(i));
     core::Status valid = tile ? film::check_plausible(*tile) : core::fail(tile.error());
@@ -61,7 +61,7 @@ core::Result<film::Additions> decode_items(const v1::SubmitResultRequest& reques
 }
 
 scheduler::SubmitResult event_of(const v1::SubmitResultRequest& request, const core::TileGrid& grid,
-                                 const film::Additions& tiles,
+                                 const film::Notes& tiles,
                                  const std::vector<scheduler::Fingerprint>& fingerprints) {
   scheduler::SubmitResult event{{request.worker_id()},
                                 {request.job_id()},
@@ -73,13 +73,13 @@ scheduler::SubmitResult event_of(const v1::SubmitResultRequest& request, const c
                                 fingerprints,
                                 held_besides(request),
                                 request.lease_token()};
-  for (const film::Addition& tile : tiles)
+  for (const film::Note& tile : tiles)
     event.items.push_back({scheduler::tile_index(grid, tile.samples.rect), tile.samples.range});
   return event;
 }
 
 // Must run before the accepted items of the same result are noted.
-void clear_dropped_tiles(StateLock& lock, const scheduler::Actions& actions, film::Additions& spare) {
+void clear_dropped_tiles(StateLock& lock, const scheduler::Actions& actions, film::Notes& spare) {
   for (const scheduler::TileOfJob& dropped : actions.dropped_tiles) {
     lock.log(spdlog::level::warn, fmt::format("tile {} of job {} is rendered again: some of it was wrong",
                                               dropped.tile, dropped.job.value));
@@ -136,10 +136,10 @@ void note_rejected_result(StateLock& lock, const std::string& worker, const core
 
 // The decoded content of a result, prepared without the state lock.
 struct Dispatcher::Delivery {
-  film::Additions tiles;
+  film::Notes tiles;
   std::vector<scheduler::Fingerprint> fingerprints;
   // Memory for notes to clear tiles: an item can disprove one tile.
-  film::Additions spare{};
+  film::Notes spare{};
 };
 
 // What became of a result. The answer is made of it without the state lock.
@@ -147,7 +147,7 @@ struct Dispatcher::Counted {
   std::uint32_t accepted_items = 0, dropped_items = 0;
   // The leases that the worker should hold besides those that it has named.
   std::optional<farm::LeaseMessages> new_leases;
-  // The film to which samples were added; null if there are none.
+  // The film that samples were noted for; null once the job is stored.
   std::shared_ptr<film::JobFilm> film;
 
   v1::SubmitResultResponse message() const;
@@ -192,7 +192,7 @@ core::Result<v1::SubmitResultResponse> Dispatcher::submit_result(const v1::Submi
   auto tiles = decode_items(request);
   Delivery delivery;
   if (tiles) delivery.tiles = std::move(*tiles);
-  for (const film::Addition& tile : delivery.tiles)
+  for (const film::Note& tile : delivery.tiles)
     delivery.fingerprints.push_back(fingerprinter_.of(tile.samples));
   delivery.spare.resize(delivery.tiles.size());
   const core::Result<Counted> counted = [&]() -> core::Result<Counted> {
@@ -220,28 +220,36 @@ core::Result<Dispatcher::Counted> Dispatcher::count_result(StateLock& lock,
   JobRecord* record = lock->find_job(request.job_id());
   if (record == nullptr) return Counted{0, static_cast<std::uint32_t>(delivery.tiles.size()), {}, {}};
   if (auto may = may_count(lock, *record, request); !may) return core::fail(may.error());
-  const scheduler::SubmitResult event =
-      event_of(request, farm::grid_of(*record->spec), delivery.tiles, delivery.fingerprints);
-  scheduler::Actions actions = lock->scheduler.handle(event, lock.now());
+  return decide(lock, *record,
+                event_of(request, farm::grid_of(*record->spec), delivery.tiles, delivery.fingerprints),
+                delivery);
+}
+
+// The scheduler and the film must agree. If there is no memory left for an answer, the process ends, and the
+// next start continues from the store.
+core::Result<Dispatcher::Counted> Dispatcher::decide(StateLock& lock, JobRecord& record,
+                                                     const scheduler::SubmitResult& event,
+                                                     Delivery& delivery) noexcept {
+  const scheduler::Actions actions = lock->scheduler.handle(event, lock.now());
   if (!actions.status) {
     lock.apply(actions);
     return core::fail(actions.status.error());
   }
   Counted counted;
-  counted.film = record->film;
+  counted.film = record.film;
   clear_dropped_tiles(lock, actions, delivery.spare);
   auto tile = delivery.tiles.begin();
   for (std::size_t i = 0; i < event.items.size(); ++i) {
     const auto item = tile++;
     item->tile = event.items[i].tile;
     if (actions.verdicts[i] == scheduler::Verdict::kAccepted)
-      record->film->note_addition(delivery.tiles, item);
+      record.film->note_addition(delivery.tiles, item);
     // A worker is not told whether its samples were accepted or audited.
     ++(actions.verdicts[i] == scheduler::Verdict::kDropped ? counted.dropped_items : counted.accepted_items);
   }
-  if (counted.accepted_items > 0 && record->arithmetic.empty()) {
-    record->arithmetic = lock.options().fingerprint;
-    ++record->revision;
+  if (counted.accepted_items > 0 && record.arithmetic.empty()) {
+    record.arithmetic = lock.options().fingerprint;
+    ++record.revision;
   }
   if (actions.reply) counted.new_leases = new_leases(lock, event, *actions.reply);
   lock.apply(actions);

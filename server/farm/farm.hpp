@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The state of a farm behind one lock: the scheduler, the jobs, and the calls of workers that wait.
 //
-// StateLock (state_lock.hpp) is the only access to it. What happens under the lock takes microseconds:
-// decisions of the scheduler, and adding samples to films. Messages are built, images developed and lines
+// StateLock (state_lock.hpp) is the only access to it. Only decisions of the scheduler are made under the
+// lock, which takes microseconds. Samples are added to films, messages built, images developed and lines
 // logged without it. Thread-safe.
 #pragma once
 

@@ -83,7 +83,8 @@ void StateLock::follow_audits(const scheduler::Actions& actions) {
   for (const scheduler::TileOfJob& reviewed : actions.reviewed_tiles) {
     const JobRecord* const record = state_.find_job(reviewed.job.value);
     if (record == nullptr || !record->film) continue;
-    later([film = record->film, tile = reviewed.tile] { film->mark_changed(tile); });
+    film::Notes spare(1);
+    record->film->note_review(reviewed.tile, spare);
   }
   for (const scheduler::Disproof& disproof : actions.disproved) {
     const scheduler::Producer& producer = disproof.producer;

@@ -7,6 +7,18 @@
 
 namespace tessera::film {
 
+namespace {
+
+// Whether nobody has the part besides `owners` of the caller. Others take a part only under the film's mutex,
+// and may let it go at any time.
+bool is_sole_owner(const std::shared_ptr<TilePart>& part, long owners) {
+  if (part.use_count() > owners) return false;
+  std::atomic_thread_fence(std::memory_order_acquire);  // after the last reader
+  return true;
+}
+
+}  // namespace
+
 JobFilm::JobFilm(core::TileGrid grid, FilmMemory& memory)
     : grid_(grid), memory_(memory), tiles_(static_cast<std::size_t>(grid.tile_count())) {
   changed_.reserve(tiles_.size());
@@ -29,28 +41,34 @@ void JobFilm::restore(int tile, scheduler::IntervalSet stored, const core::Rende
   total_.add(counters);
 }
 
-void JobFilm::note_addition(Additions& additions, Additions::iterator addition) noexcept {
+void JobFilm::note_addition(Notes& additions, Notes::iterator addition) noexcept {
   const std::lock_guard lock(notes_mutex_);
   notes_.splice(notes_.end(), additions, addition);
 }
 
-void JobFilm::note_clear(int tile, Additions& spare) noexcept {
+void JobFilm::note_clear(int tile, Notes& spare) noexcept {
   spare.front().tile = tile;
-  spare.front().samples.rect = {};
+  spare.front().kind = Note::Kind::kClear;
+  const std::lock_guard lock(notes_mutex_);
+  notes_.splice(notes_.end(), spare, spare.begin());
+}
+
+void JobFilm::note_review(int tile, Notes& spare) noexcept {
+  spare.front().tile = tile;
+  spare.front().kind = Note::Kind::kReview;
   const std::lock_guard lock(notes_mutex_);
   notes_.splice(notes_.end(), spare, spare.begin());
 }
 
 void JobFilm::apply() {
   const std::lock_guard lock(mutex_);
-  Additions notes;
+  Notes notes;
   {
     const std::lock_guard notes_lock(notes_mutex_);
     notes.swap(notes_);
   }
   try {
-    for (; !notes.empty(); notes.pop_front())
-      notes.front().samples.rect.empty() ? clear(notes.front().tile) : add(notes.front());
+    for (; !notes.empty(); notes.pop_front()) follow(notes.front());
   } catch (...) {
     const std::lock_guard notes_lock(notes_mutex_);
     notes_.splice(notes_.begin(), notes);
@@ -58,23 +76,24 @@ void JobFilm::apply() {
   }
 }
 
-void JobFilm::add(const Addition& addition) {
-  own_newest(addition.tile).add(addition.samples);
-  total_.add(addition.samples.counters);
-  note_change(addition.tile);
+void JobFilm::follow(const Note& note) {
+  if (note.kind == Note::Kind::kAddition) return add(note);
+  if (note.kind == Note::Kind::kClear) return clear(note.tile);
+  note_change(note.tile);
 }
 
-// Readers of a snapshot may hold the part: it is copied then.
-TilePart& JobFilm::own_newest(int tile) {
-  std::shared_ptr<TilePart>& newest = at(tile).newest;
-  if (!newest) {
-    newest = std::make_shared<TilePart>(grid_.rect(tile).pixel_count() * 3, memory_);
-  } else if (newest.use_count() > 1) {
-    newest = std::make_shared<TilePart>(*newest);
-  } else {
-    std::atomic_thread_fence(std::memory_order_acquire);  // the last reader has let it go
-  }
-  return *newest;
+void JobFilm::add(const Note& addition) {
+  std::shared_ptr<TilePart>& newest = at(addition.tile).newest;
+  // Readers of a snapshot may hold the part: it is copied then.
+  std::shared_ptr<TilePart> part = newest;
+  if (!part)
+    part = std::make_shared<TilePart>(grid_.rect(addition.tile).pixel_count() * 3, memory_);
+  else if (!is_sole_owner(newest, 2))
+    part = std::make_shared<TilePart>(*part);
+  part->add(addition.samples);
+  newest = std::move(part);
+  total_.add(addition.samples.counters);
+  note_change(addition.tile);
 }
 
 void JobFilm::clear(int tile) {
@@ -84,13 +103,17 @@ void JobFilm::clear(int tile) {
   cleared.stored = {};
   cleared.stored_counters = {};
   ++cleared.generation;
+  sum_counters();
+  note_change(tile);
+}
+
+void JobFilm::sum_counters() {
   total_ = {};
   for (const Tile& each : tiles_) {
     total_.add(each.stored_counters);
-    for (const auto& part : {each.storing, each.newest})
-      if (part) total_.add(part->counters());
+    for (const TilePart* part : {each.storing.get(), each.newest.get()})
+      if (part != nullptr) total_.add(part->counters());
   }
-  note_change(tile);
 }
 
 void JobFilm::note_change(int tile) noexcept {
@@ -114,11 +137,6 @@ bool JobFilm::is_stored() const {
   return changed_.empty() && notes_.empty();
 }
 
-void JobFilm::mark_changed(int tile) {
-  const std::lock_guard lock(mutex_);
-  note_change(tile);
-}
-
 std::vector<int> JobFilm::take_changed_tiles() {
   std::vector<int> taken;
   taken.reserve(tiles_.size());
@@ -134,19 +152,29 @@ void JobFilm::put_back_changed_tiles(std::span<const int> tiles) noexcept {
 
 std::optional<TileToStore> JobFilm::begin_store(int tile) {
   const std::lock_guard lock(mutex_);
-  Tile& stored = at(tile);
-  if (!stored.is_changed) return std::nullopt;
+  Tile& taken = at(tile);
+  if (!taken.is_changed) return std::nullopt;
   // A part that could not be stored is stored with the newer samples.
-  if (stored.storing && stored.newest) stored.newest = together(stored.storing, *stored.newest);
-  if (stored.newest) stored.storing = std::exchange(stored.newest, nullptr);
-  stored.is_changed = false;
-  TileToStore result{
-      {stored.stored, stored.storing, nullptr}, stored.stored, stored.stored_counters, stored.generation};
-  if (stored.storing) {
-    result.samples.add(stored.storing->samples());
-    result.counters.add(stored.storing->counters());
+  std::shared_ptr<TilePart> storing = taken.storing ? taken.storing : taken.newest;
+  if (taken.storing && taken.newest) storing = merge(taken.storing, *taken.newest);
+  TileToStore result{{taken.stored, storing, nullptr}, taken.stored, taken.stored_counters, taken.generation};
+  if (storing) {
+    result.samples.add(storing->samples());
+    result.counters.add(storing->counters());
   }
+  // Nothing fails from here on.
+  taken.storing = std::move(storing);
+  taken.newest.reset();
+  taken.is_changed = false;
   return result;
+}
+
+void JobFilm::forget_stored(int tile) {
+  const std::lock_guard lock(mutex_);
+  at(tile).stored = {};
+  at(tile).stored_counters = {};
+  sum_counters();
+  note_change(tile);
 }
 
 void JobFilm::stored(int tile, TileToStore done, std::shared_ptr<TilePart> whole) {
@@ -157,21 +185,20 @@ void JobFilm::stored(int tile, TileToStore done, std::shared_ptr<TilePart> whole
   if (!whole && done.parts.stored.empty()) whole = std::move(storing);
   done.parts.storing.reset();
   if (!memory_.may_keep_stored()) whole.reset();
-  if (whole && stored.newest) whole = together_or_null(std::move(whole), *stored.newest);
+  if (whole && stored.newest) whole = merge_or_null(std::move(whole), *stored.newest);
   stored.stored = whole ? scheduler::IntervalSet() : std::move(done.samples);
   stored.stored_counters = whole ? core::RenderCounters() : done.counters;
   if (whole) stored.newest = std::move(whole);
 }
 
-std::shared_ptr<TilePart> JobFilm::together(std::shared_ptr<TilePart> part, const TilePart& newer) {
-  auto both = part.use_count() > 1 ? std::make_shared<TilePart>(*part) : std::move(part);
-  both->add(newer);
-  return both;
+std::shared_ptr<TilePart> JobFilm::merge(std::shared_ptr<TilePart> part, const TilePart& newer) {
+  if (!is_sole_owner(part, 1)) part = std::make_shared<TilePart>(*part);
+  part->add(newer);
+  return part;
 }
 
-std::shared_ptr<TilePart> JobFilm::together_or_null(std::shared_ptr<TilePart> part,
-                                                    const TilePart& newer) try {
-  return together(std::move(part), newer);
+std::shared_ptr<TilePart> JobFilm::merge_or_null(std::shared_ptr<TilePart> part, const TilePart& newer) try {
+  return merge(std::move(part), newer);
 } catch (const std::bad_alloc&) {
   return nullptr;
 }

@@ -24,13 +24,19 @@
 
 namespace tessera::film {
 
-// Samples of one tile that may be added to a film.
-struct Addition {
+// What happens to a tile.
+struct Note {
+  enum class Kind {
+    kAddition,  // new samples
+    kClear,     // all samples were wrong
+    kReview,    // its provenance has changed: it must be stored again
+  };
   int tile = 0;
-  core::FilmTile samples;
+  core::FilmTile samples{};  // of kAddition
+  Kind kind = Kind::kAddition;
 };
-// A list, so that accepted additions can be noted without allocating memory.
-using Additions = std::list<Addition>;
+// A list, so that noting allocates no memory.
+using Notes = std::list<Note>;
 
 // The parts of a tile at one moment.
 struct TileSnapshot {
@@ -47,7 +53,7 @@ struct TileToStore {
   std::uint32_t generation = 0;
 };
 
-class JobFilm : public std::enable_shared_from_this<JobFilm> {
+class JobFilm {
  public:
   // `memory` must outlive the film and all snapshots of it.
   static std::shared_ptr<JobFilm> make(core::TileGrid grid, FilmMemory& memory);
@@ -59,9 +65,10 @@ class JobFilm : public std::enable_shared_from_this<JobFilm> {
 
   // ---- Under the state lock. These take no time and cannot fail ----
   // Takes the element out of `additions`. The caller adds no sample twice.
-  void note_addition(Additions& additions, Additions::iterator addition) noexcept;
-  // All samples of the tile were wrong. Takes an element out of `spare`, which must not be empty.
-  void note_clear(int tile, Additions& spare) noexcept;
+  void note_addition(Notes& additions, Notes::iterator addition) noexcept;
+  // These take an element out of `spare`, which must not be empty.
+  void note_clear(int tile, Notes& spare) noexcept;
+  void note_review(int tile, Notes& spare) noexcept;
 
   // ---- Without the state lock ----
   // Does what was noted before this call. Throws std::bad_alloc if there is no memory; nothing is lost then,
@@ -72,8 +79,6 @@ class JobFilm : public std::enable_shared_from_this<JobFilm> {
   // The counters of all samples together.
   core::RenderCounters counters() const;
   bool is_stored() const;
-  // The tile must be stored again, since its provenance has changed.
-  void mark_changed(int tile);
 
   // ---- For the only thread that stores tiles ----
   // The tiles that must be stored. Those that are not stored must be put back.
@@ -85,6 +90,8 @@ class JobFilm : public std::enable_shared_from_this<JobFilm> {
   // memory if there is room.
   void stored(int tile, TileToStore done, std::shared_ptr<TilePart> whole);
   void not_stored(int tile, const TileToStore& failed) noexcept;
+  // The store has lost its part of the tile.
+  void forget_stored(int tile);
 
   // ---- For FilmMemory ----
   // Frees parts of tiles that the store has, while there is no room for them. Returns whether it freed any.
@@ -102,21 +109,21 @@ class JobFilm : public std::enable_shared_from_this<JobFilm> {
   JobFilm(core::TileGrid grid, FilmMemory& memory);
   Tile& at(int tile) { return tiles_[static_cast<std::size_t>(tile)]; }
   const Tile& at(int tile) const { return tiles_[static_cast<std::size_t>(tile)]; }
-  void add(const Addition& addition);
+  void follow(const Note& note);
+  void add(const Note& addition);
   void clear(int tile);
-  // The part that takes new samples.
-  TilePart& own_newest(int tile);
+  void sum_counters();
   void note_change(int tile) noexcept;
   // Both parts as one: the first one itself, unless somebody else has it.
-  static std::shared_ptr<TilePart> together(std::shared_ptr<TilePart> part, const TilePart& newer);
+  static std::shared_ptr<TilePart> merge(std::shared_ptr<TilePart> part, const TilePart& newer);
   // The same; null if there is no memory.
-  static std::shared_ptr<TilePart> together_or_null(std::shared_ptr<TilePart> part, const TilePart& newer);
+  static std::shared_ptr<TilePart> merge_or_null(std::shared_ptr<TilePart> part, const TilePart& newer);
 
   const core::TileGrid grid_;
   FilmMemory& memory_;
 
   mutable std::mutex notes_mutex_;
-  Additions notes_;  // guarded by notes_mutex_; a note to clear a tile has no rectangle
+  Notes notes_;  // guarded by notes_mutex_
 
   mutable std::mutex mutex_;
   // Guarded by mutex_:

@@ -43,7 +43,7 @@ void TilePart::add_sums(const Sums& sums, const Sums& odd_sums, const scheduler:
 
 void TilePart::count_memory() {
   const std::uint64_t bytes = sums_.memory_bytes() + odd_sums_.memory_bytes();
-  memory_.take(bytes - counted_bytes_);  // modulo 2^64: it never shrinks
+  memory_.take(bytes - counted_bytes_);  // it never shrinks
   counted_bytes_ = bytes;
 }
 

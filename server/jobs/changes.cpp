@@ -71,6 +71,8 @@ core::Result<v1::Job> JobService::change(const std::string& id, const scheduler:
 
 core::Result<v1::Job> JobService::store_change(core::Result<JobSnapshot> changed) {
   if (!changed) return core::fail(changed.error());
+  // Its samples come first: the next checkpoint stores that it is done.
+  if (changed->is_unpublished) changed->view.state = scheduler::JobState::kRunning;
   if (auto stored = state_.jobs.update_job(to_row(*changed)); !stored) {
     return core::fail(stored.error().within("the job was changed, but a crash would undo it"));
   }

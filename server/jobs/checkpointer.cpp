@@ -3,45 +3,38 @@
 
 #include <spdlog/spdlog.h>
 
-#include <algorithm>
 #include <new>
-#include <span>
 #include <utility>
 
 #include "server/farm/state_lock.hpp"
-#include "server/film/stored_tile.hpp"
+#include "server/film/tile_row.hpp"
 
 namespace tessera::jobs {
 
+using core::ErrorCode;
 using farm::JobRecord;
 using farm::StateLock;
 
-core::Status Checkpointer::checkpoint() {
+core::Status Checkpointer::checkpoint() try {
   const std::lock_guard one_at_a_time(mutex_);
-  damaged_jobs_.clear();
+  held_back_.clear();
+  unreadable_ = {};
   const std::vector<farm::JobSnapshot> changed = changed_jobs();
-  const core::Status written = guarded_write(changed);
+  const core::Status written = write(changed);
   film_memory_.free_stored();
   if (written) note_stored(changed);
   // Also after a failure, e.g. on a full disk: users can fetch the image from memory.
   publish_completions(changed);
-  return written;
-}
-
-core::Status Checkpointer::guarded_write(const std::vector<farm::JobSnapshot>& changed) try {
-  return write(changed);
+  return written ? unreadable_ : written;
 } catch (const std::bad_alloc&) {
-  return core::fail(core::ErrorCode::kResourceExhausted, "there is not enough memory to write a checkpoint");
+  return core::fail(ErrorCode::kResourceExhausted, "out of memory");  // so short that it needs none
 }
 
 core::Status Checkpointer::write(const std::vector<farm::JobSnapshot>& changed) {
   if (auto there = store_.expect_file(); !there) return there;
-  for (const FilmOfJob& film : films()) {
-    film.film->apply();
-    if (auto written = write(film); !written) return written;
-  }
+  if (auto written = write_tiles(); !written) return written;
   for (const farm::JobSnapshot& job : changed) {
-    if (damaged_jobs_.contains(job.spec->id())) continue;  // it runs again, which the next checkpoint writes
+    if (held_back_.contains(job.spec->id())) continue;
     if (auto written = store_.update_job(to_row(job)); !written) return written;
   }
   return {};
@@ -58,7 +51,7 @@ std::vector<farm::JobSnapshot> Checkpointer::changed_jobs() {
   return changed;
 }
 
-std::vector<Checkpointer::FilmOfJob> Checkpointer::films() {
+std::vector<FilmOfJob> Checkpointer::films() {
   const StateLock lock(farm_);
   std::vector<FilmOfJob> films;
   for (const auto& [id, record] : lock->jobs)
@@ -66,70 +59,34 @@ std::vector<Checkpointer::FilmOfJob> Checkpointer::films() {
   return films;
 }
 
-// The changed tiles of a film, while they are being stored. Gives back those that were not.
-class Checkpointer::ChangedTiles {
- public:
-  explicit ChangedTiles(film::JobFilm& film) : film_(film), all_(film.take_changed_tiles()), rest_(all_) {
-    taken_.reserve(film::kTilesPerBatch);
-  }
-  ~ChangedTiles() {
-    for (const TakenTile& each : taken_) film_.not_stored(each.tile, each.to_store);
-    film_.put_back_changed_tiles(rest_);
-  }
-  ChangedTiles(const ChangedTiles&) = delete;
-  ChangedTiles& operator=(const ChangedTiles&) = delete;
-
-  bool all_taken() const { return rest_.empty(); }
-  // Takes the next tile of a batch. Null if there is none left, or the batch is full.
-  TakenTile* take_next() {
-    while (!rest_.empty() && taken_.size() < film::kTilesPerBatch) {
-      const int tile = rest_.front();
-      auto to_store = film_.begin_store(tile);
-      rest_ = rest_.subspan(1);
-      if (to_store) return &taken_.emplace_back(TakenTile{tile, *std::move(to_store), nullptr});
+// Batches span films: each costs a write to the disk.
+core::Status Checkpointer::write_tiles() {
+  TileBatch batch;
+  for (const FilmOfJob& film : films()) {
+    film.film->apply();
+    for (ChangedTiles tiles(*film.film); tiles.first(); tiles.pop()) {
+      take(film, *tiles.first(), batch);
+      if (!batch.is_full()) continue;
+      if (auto written = write(batch); !written) return written;
     }
-    return nullptr;
   }
-  void give_back_last() {
-    film_.not_stored(taken_.back().tile, taken_.back().to_store);
-    taken_.pop_back();
-  }
-  void note_stored() {
-    for (TakenTile& each : taken_) film_.stored(each.tile, std::move(each.to_store), std::move(each.whole));
-    taken_.clear();
-  }
+  return write(batch);
+}
 
- private:
-  film::JobFilm& film_;
-  const std::vector<int> all_;
-  std::span<const int> rest_;
-  std::vector<TakenTile> taken_;  // the batch
-};
-
-core::Status Checkpointer::write(const FilmOfJob& film) {
-  ChangedTiles tiles(*film.film);
-  while (!tiles.all_taken()) {
-    if (auto written = write_batch(film, tiles); !written) return written;
-  }
+core::Status Checkpointer::write(TileBatch& batch) {
+  if (batch.is_empty()) return {};
+  if (auto written = store_.write_tiles(batch.rows()); !written) return written;
+  batch.note_stored();
   return {};
 }
 
-core::Status Checkpointer::write_batch(const FilmOfJob& film, ChangedTiles& tiles) {
-  std::vector<store::TileRow> rows;
-  while (TakenTile* tile = tiles.take_next()) {  // one at a time: its sums stay in the CPU cache
-    auto row = encode(film, *tile);
-    if (row) {
-      rows.push_back(std::move(*row));
-      continue;
-    }
-    const int damaged = tile->tile;
-    tiles.give_back_last();
-    if (row.error().code != core::ErrorCode::kDataLoss) return core::fail(row.error());
-    note_damage(film, damaged, row.error());
-  }
-  if (auto written = store_.write_tiles(rows); !written) return written;
-  tiles.note_stored();
-  return {};
+void Checkpointer::take(const FilmOfJob& film, int tile, TileBatch& batch) {
+  TakenTile* const taken = batch.take(film, tile);
+  if (taken == nullptr) return;
+  auto row = encode(film, *taken);
+  if (row) return batch.add_row(std::move(*row));
+  batch.give_back_last();
+  note_unreadable(film, tile, row.error());
 }
 
 core::Result<store::TileRow> Checkpointer::encode(const FilmOfJob& film, TakenTile& tile) {
@@ -154,13 +111,25 @@ film::Produced Checkpointer::provenance_of(const FilmOfJob& film, int tile) {
   return {fingerprinter_.check(), lock->scheduler.provenance({film.spec->id()}, tile)};
 }
 
-void Checkpointer::note_damage(const FilmOfJob& film, int tile, const core::Error& error) {
-  spdlog::error("{}: it is rendered again", error.message);
-  damaged_jobs_.insert(film.spec->id());
-  film::Additions spare(1);
-  StateLock lock(farm_);
-  const scheduler::Actions actions = lock.handle(scheduler::DropTile{{film.spec->id()}, tile});
-  if (!actions.dropped_tiles.empty()) film.film->note_clear(tile, spare);
+void Checkpointer::note_unreadable(const FilmOfJob& film, int tile, const core::Error& error) {
+  const std::string& id = film.spec->id();
+  if (StateLock(farm_)->find_job(id) == nullptr) return;  // deleted meanwhile, and its tiles with it
+  held_back_.insert(id);
+  if (error.code == ErrorCode::kDataLoss) return replace_lost(film, tile, error);
+  if (unreadable_) unreadable_ = core::fail(error);
+}
+
+void Checkpointer::replace_lost(const FilmOfJob& film, int tile, const core::Error& error) {
+  film::Notes spare(1);
+  const auto drop = [&]() noexcept {  // the scheduler and the film must agree
+    StateLock lock(farm_);
+    const bool dropped = !lock.handle(scheduler::DropTile{{film.spec->id()}, tile}).dropped_tiles.empty();
+    if (dropped) film.film->note_clear(tile, spare);
+    return dropped;
+  };
+  if (drop()) return spdlog::error("{}: it is rendered again", error.message);
+  film.film->forget_stored(tile);
+  spdlog::error("{}: its job is not rendered any more, and its image lacks these samples", error.message);
 }
 
 void Checkpointer::note_stored(const std::vector<farm::JobSnapshot>& stored) {
@@ -170,7 +139,9 @@ void Checkpointer::note_stored(const std::vector<farm::JobSnapshot>& stored) {
     std::shared_ptr<film::JobFilm> dropped;  // destroyed without the lock
     StateLock lock(farm_);
     JobRecord* record = lock->find_job(id);
-    if (record == nullptr || record->is_open || record->film != film) continue;
+    const bool is_same = record != nullptr && !record->is_open && record->film == film &&
+                         record->revision == record->stored_revision && film->is_stored();
+    if (!is_same) continue;
     record->stored_counters = counters;
     dropped = std::move(record->film);
   }
@@ -181,7 +152,8 @@ std::map<std::string, std::shared_ptr<film::JobFilm>> Checkpointer::note_revisio
   std::map<std::string, std::shared_ptr<film::JobFilm>> finished;
   StateLock lock(farm_);
   for (const farm::JobSnapshot& job : stored) {
-    if (JobRecord* record = lock->find_job(job.spec->id())) record->stored_revision = job.revision;
+    JobRecord* record = held_back_.contains(job.spec->id()) ? nullptr : lock->find_job(job.spec->id());
+    if (record != nullptr) record->stored_revision = job.revision;
   }
   for (const auto& [id, record] : lock->jobs) {
     if (record.film && !record.is_open && record.revision == record.stored_revision)

@@ -9,7 +9,6 @@
 #include <map>
 #include <memory>
 #include <mutex>
-#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -18,8 +17,8 @@
 #include "server/farm/farm.hpp"
 #include "server/film/fingerprinter.hpp"
 #include "server/film/job_film.hpp"
-#include "server/film/tile_row.hpp"
 #include "server/jobs/film_reader.hpp"
+#include "server/jobs/tile_batch.hpp"
 #include "server/store/job_store.hpp"
 
 namespace tessera::jobs {
@@ -35,31 +34,20 @@ class Checkpointer {
   core::Status checkpoint();
 
  private:
-  struct FilmOfJob {
-    std::shared_ptr<const v1::Job> spec;
-    std::shared_ptr<film::JobFilm> film;
-  };
-  // A tile that is taken from its film to be stored.
-  struct TakenTile {
-    int tile;
-    film::TileToStore to_store;
-    // All of its samples, if the store had some of them already.
-    std::shared_ptr<film::TilePart> whole;
-  };
-  class ChangedTiles;
-
+  core::Status write(const std::vector<farm::JobSnapshot>& changed);
   std::vector<farm::JobSnapshot> changed_jobs();
   std::vector<FilmOfJob> films();
-  core::Status guarded_write(const std::vector<farm::JobSnapshot>& changed);
-  core::Status write(const std::vector<farm::JobSnapshot>& changed);
-  core::Status write(const FilmOfJob& film);
-  core::Status write_batch(const FilmOfJob& film, ChangedTiles& tiles);
+  core::Status write_tiles();
+  core::Status write(TileBatch& batch);
+  // Adds the tile to the batch, if it can be read.
+  void take(const FilmOfJob& film, int tile, TileBatch& batch);
   // DATA_LOSS if the store has lost samples of the tile.
   core::Result<store::TileRow> encode(const FilmOfJob& film, TakenTile& tile);
   // Read after the samples: it may know more of them than the tile has, and never fewer.
   film::Produced provenance_of(const FilmOfJob& film, int tile);
-  // The store has lost the tile: it is rendered again.
-  void note_damage(const FilmOfJob& film, int tile, const core::Error& error);
+  void note_unreadable(const FilmOfJob& film, int tile, const core::Error& error);
+  // The store has lost samples of the tile: they are rendered again, if the job takes results.
+  void replace_lost(const FilmOfJob& film, int tile, const core::Error& error);
   void note_stored(const std::vector<farm::JobSnapshot>& stored);
   // Returns the films of finished jobs.
   std::map<std::string, std::shared_ptr<film::JobFilm>> note_revisions(
@@ -71,8 +59,10 @@ class Checkpointer {
   const FilmReader& films_;
   film::FilmMemory& film_memory_;
   const film::Fingerprinter& fingerprinter_;
-  std::mutex mutex_;                    // held while a checkpoint is written
-  std::set<std::string> damaged_jobs_;  // found during this checkpoint; guarded by mutex_
+  std::mutex mutex_;  // held while a checkpoint is written
+  // Found during this checkpoint; guarded by mutex_.
+  std::set<std::string> held_back_;  // jobs with tiles that could not be stored: their rows wait
+  core::Status unreadable_;          // why the first tile could not be read
 };
 
 }  // namespace tessera::jobs

@@ -49,18 +49,26 @@ struct JobService::Extension {
   std::shared_ptr<film::JobFilm> film;
 };
 
-core::Result<JobService::Extension> JobService::prepare_extension(const std::string& id) {
+core::Result<JobService::Extension> JobService::prepare_extension(const std::string& id,
+                                                                  std::optional<std::uint32_t> spp) {
   Extension extension;
-  std::shared_ptr<const v1::Job> spec;
+  std::shared_ptr<const v1::Job> job;
   {
     const StateLock lock(farm_);
     const JobRecord* record = lock->find_job(id);
     if (record == nullptr) return core::fail(ErrorCode::kNotFound, fmt::format("there is no job {}", id));
     extension.revision = record->revision;
+    if (spp) {
+      if (auto may = may_extend(lock, *record, *spp, limits_); !may) return core::fail(may.error());
+    }
     if (!needs_film(lock, *record)) return extension;
-    spec = record->spec;
+    job = record->spec;
   }
-  auto loaded = films_.load(*spec);
+  if (spp) {
+    if (auto room = check_film_memory(farm::grid_of(*job), film_memory_); !room)
+      return core::fail(room.error());
+  }
+  auto loaded = films_.load(*job);
   if (!loaded) return core::fail(loaded.error());
   if (!loaded->damage.empty()) {
     return core::fail(ErrorCode::kDataLoss, loaded->damage.front() + ": delete the job and submit it again");
@@ -71,7 +79,7 @@ core::Result<JobService::Extension> JobService::prepare_extension(const std::str
 
 core::Result<v1::Job> JobService::extend(const std::string& id, std::uint32_t spp) {
   while (true) {
-    auto extension = prepare_extension(id);
+    auto extension = prepare_extension(id, spp);
     if (!extension) return core::fail(extension.error());
     const auto changed = [&]() -> std::optional<core::Result<JobSnapshot>> {
       StateLock lock(farm_);
@@ -102,7 +110,7 @@ void JobService::reopen() {
 
 core::Status JobService::reopen(const std::string& id) {
   while (true) {
-    auto preparation = prepare_extension(id);
+    auto preparation = prepare_extension(id, std::nullopt);
     if (!preparation) return core::fail(preparation.error());
     StateLock lock(farm_);
     JobRecord* record = lock->find_job(id);

@@ -16,7 +16,7 @@ using scheduler::IntervalSet;
 
 namespace {
 
-// A tile is stored once a second, and so read twice only by chance.
+// The store changes a tile once a second at most, so that a second attempt is rare.
 constexpr int kAttempts = 100;
 
 IntervalSet set_of(const std::vector<core::SampleRange>& ranges) {
@@ -124,6 +124,8 @@ core::Result<std::shared_ptr<TilePart>> FilmReader::combine(const v1::Job& spec,
 core::Result<std::shared_ptr<TilePart>> FilmReader::whole(const v1::Job& spec, int tile,
                                                           const film::TileToStore& to_store) const {
   auto all = combine(spec, tile, to_store.parts);
+  if (!all && all.error().code == ErrorCode::kNotFound)
+    return core::fail(ErrorCode::kDataLoss, all.error().message);
   if (all && !*all)
     return core::fail(
         ErrorCode::kDataLoss,

@@ -40,6 +40,8 @@ core::Result<Images::Source> Images::find(const std::string& id) {
 core::Result<JobImage> Images::get(const std::string& id) {
   while (true) {
     auto image = develop(id);
+    // A job that was extended meanwhile has another film.
+    if (!image && image.error().code == core::ErrorCode::kUnavailable) image = develop(id);
     if (!image || image->job.state() != v1::JOB_STATE_DONE) return image;
     // The image of a done job does not change, unless the job runs again.
     const auto now = find(id);
@@ -71,6 +73,11 @@ core::Result<core::Image> Images::develop_row(const Source& source, const core::
     const auto sums = source.film ? films_.sums(source.job, *source.film, first + column)
                                   : films_.stored_sums(source.job, first + column);
     if (!sums) return core::fail(with_advice(sums.error(), source.job.state()));
+    if (source.job.state() == v1::JOB_STATE_DONE && sums->samples < source.job.settings().spp())
+      return core::fail(
+          with_advice({core::ErrorCode::kDataLoss,
+                       fmt::format("tile {} of job {} lacks samples", first + column, source.job.id())},
+                      source.job.state()));
     strip.restore(column, *sums);
   }
   return strip.develop();

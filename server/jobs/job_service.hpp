@@ -89,7 +89,8 @@ class JobService {
   std::optional<farm::JobSnapshot> snapshot(const std::string& id);
   core::Result<v1::Job> change(const std::string& id, const scheduler::Event& event);
   core::Result<v1::Job> store_change(core::Result<farm::JobSnapshot> changed);
-  core::Result<Extension> prepare_extension(const std::string& id);
+  // Reads the film if it is needed. `spp`: the number to extend to; absent to verify samples.
+  core::Result<Extension> prepare_extension(const std::string& id, std::optional<std::uint32_t> spp);
   core::Status reopen(const std::string& id);
 
   farm::Farm& farm_;

@@ -210,8 +210,8 @@ struct Reply {
 };
 
 enum class Verdict {
-  kAccepted,  // it was missing and now counts as done: the caller must add it to the film before the next
-              // event
+  kAccepted,  // it was missing and now counts as done: the caller must add it to the film, in the order of
+              // events
   kAudited,   // it verifies samples in the film, and must not be added
   kDropped,   // some of its samples are in the film or outside the job, or the job takes no more results
 };

@@ -174,16 +174,13 @@ core::Result<std::map<int, std::vector<core::SampleRange>>> JobStore::tiles_done
 core::Result<std::optional<TileRow>> JobStore::tile(const std::string& job_id, int tile) {
   const std::lock_guard lock(impl_->mutex);
   Statement& read = impl_->read_tile.bind_text(1, job_id).bind(2, tile);
+  const ResetAtEnd at_end(read);
   const auto row = read.step();
-  std::optional<TileRow> found;
-  bool intact = true;
-  if (row && *row) {
-    found = TileRow{job_id, tile, decode_ranges(read.bytes(0)), std::string(read.bytes(1))};
-    intact = as_unsigned(read.integer(2)) == row_checksum(*found, read.bytes(0));
-  }
-  read.reset();
   if (!row) return core::fail(row.error());
-  if (intact) return found;
+  if (!*row) return std::optional<TileRow>();
+  TileRow found{job_id, tile, decode_ranges(read.bytes(0)), std::string(read.bytes(1))};
+  if (as_unsigned(read.integer(2)) == row_checksum(found, read.bytes(0)))
+    return std::optional(std::move(found));
   return core::fail(ErrorCode::kDataLoss,
                     fmt::format("{}: tile {} of job {} is damaged", impl_->file.string(), tile, job_id));
 }

@@ -52,11 +52,23 @@ inline std::uint64_t as_unsigned(std::int64_t value) {
 // Reads a job from the current row of a statement.
 JobRow read_job(const Statement& row);
 
+// Ends a query, also if there is no memory for its rows.
+class ResetAtEnd {
+ public:
+  explicit ResetAtEnd(Statement& statement) : statement_(statement) {}
+  ~ResetAtEnd() { statement_.reset(); }
+  ResetAtEnd(const ResetAtEnd&) = delete;
+  ResetAtEnd& operator=(const ResetAtEnd&) = delete;
+
+ private:
+  Statement& statement_;
+};
+
 template <typename Take>
 core::Status for_each_row(Statement& statement, Take take) {
+  const ResetAtEnd at_end(statement);
   auto row = statement.step();
   for (; row && *row; row = statement.step()) take();
-  statement.reset();
   if (!row) return core::fail(row.error());
   return {};
 }

@@ -57,7 +57,9 @@ class FilmMemory : public ScriptedFarm {
       counted = coordinator().dispatcher().submit_result(request);
     }
     ASSERT_EQ(counted->accepted_items(), 1u);
-    expected.add(*proto::decode_tile(request.items(0)));
+    const auto samples = proto::decode_tile(request.items(0));
+    expected.add(*samples);
+    last_tile_ = expected.grid().tile_at(samples->rect.x0, samples->rect.y0);
   }
 
   void execute(const std::string& sql) {
@@ -75,6 +77,7 @@ class FilmMemory : public ScriptedFarm {
   }
 
   int refused_ = 0;
+  int last_tile_ = 0;  // of the latest delivery
 };
 
 core::Film empty_film() {
@@ -146,6 +149,36 @@ TEST_F(FilmMemory, ATileThatTheStoreHasLostIsRenderedAgain) {
   EXPECT_EQ(pixels(id), ready_made_picture(kWidthPx, kHeightPx, kSpp).pixels);
 }
 
+TEST_F(FilmMemory, ACancelledJobKeepsWhatTheStoreHasNotLost) {
+  const std::string id = submit();
+  core::Film expected = empty_film();
+  ASSERT_TRUE(deliver_next(expected));
+  ASSERT_TRUE(coordinator().checkpointer().checkpoint());
+  ASSERT_TRUE(deliver_next(expected));
+  execute("UPDATE tiles SET content = X'00' WHERE tile = " + std::to_string(last_tile_));
+  ASSERT_TRUE(coordinator().jobs().cancel(id));
+  // The first one finds the damage, and the next one stores what is left.
+  EXPECT_TRUE(coordinator().checkpointer().checkpoint());
+  EXPECT_TRUE(coordinator().checkpointer().checkpoint());
+  EXPECT_TRUE(coordinator().images().get(id));
+  open();
+  EXPECT_EQ(job(id).state(), v1::JOB_STATE_CANCELLED);
+  EXPECT_TRUE(coordinator().images().get(id));
+}
+
+TEST_F(FilmMemory, AJobThatIsDeletedWithTilesToStoreDisturbsNoCheckpoint) {
+  const std::string id = submit(), other = submit();
+  core::Film expected = empty_film();
+  ASSERT_TRUE(deliver_next(expected));
+  ASSERT_TRUE(coordinator().checkpointer().checkpoint());
+  ASSERT_TRUE(coordinator().jobs().remove(id));
+  ASSERT_TRUE(coordinator().jobs().remove_deleted_tiles());
+  EXPECT_TRUE(coordinator().checkpointer().checkpoint());
+  core::Film of_other = empty_film();
+  while (deliver_next(of_other)) ASSERT_TRUE(coordinator().checkpointer().checkpoint());
+  EXPECT_EQ(stored_job(other).state(), v1::JOB_STATE_DONE);
+}
+
 TEST_F(FilmMemory, ACheckpointThatFailsLosesNothing) {
   const std::string id = submit();
   core::Film expected = empty_film();
@@ -214,7 +247,7 @@ TEST(JobFilm, SnapshotsDoNotChange) {
   const core::TileGrid grid(64, 64, core::kTilePx);
   const auto film = film::JobFilm::make(grid, memory);
   const auto add = [&](core::SampleRange range) {
-    film::Additions one;
+    film::Notes one;
     one.push_back({0, ready_made_tile(grid.rect(0), range)});
     film->note_addition(one, one.begin());
   };
@@ -237,7 +270,7 @@ TEST(JobFilm, CountsItsMemory) {
   auto film = film::JobFilm::make(grid, memory);
   const std::uint64_t empty = memory.used_bytes();
   EXPECT_EQ(empty, 2 * film::FilmMemory::kBytesPerTile);
-  film::Additions one;
+  film::Notes one;
   one.push_back({1, ready_made_tile(grid.rect(1), {0, 2})});
   film->note_addition(one, one.begin());
   film->apply();
