@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <set>
+#include <string>
 #include <utility>
 
 #include "core/scene/cache/cache_folder.hpp"
@@ -29,9 +31,16 @@ core::Status check_blob(const SceneFiles& files, const std::string& name, const 
 }
 
 core::Result<core::SceneDescription> load_scene(const SceneFiles& files) {
-  core::BundleAssets assets(files.blob_paths, [&files](const std::string& name, const std::string& bytes) {
-    return check_blob(files, name, bytes);
-  });
+  std::set<std::string> names;
+  for (const auto& [name, path] : files.blob_paths) names.insert(name);
+  const auto read = [&files](const std::string& name, const std::string& shown) -> core::Result<std::string> {
+    auto bytes = core::read_asset(files.blob_paths.at(name), shown);
+    if (bytes)
+      if (const core::Status right = check_blob(files, name, *bytes); !right)
+        return core::fail(right.error());
+    return bytes;
+  };
+  core::BundleAssets assets(std::move(names), read);
   return core::load_scene(assets, files.scene_path, files.scene_path);
 }
 

@@ -6,7 +6,7 @@ set -euo pipefail
 
 root=${1:?usage: check_sources.sh ROOT}
 cd "$root"
-for folder in core proto server worker client; do
+for folder in core sandbox proto server worker client; do
   [ -d "$folder" ] || { echo "check_sources.sh: $root has no folder '$folder'" >&2; exit 2; }
 done
 
@@ -34,12 +34,16 @@ builds=(--include=CMakeLists.txt --include=*.cmake --include=CMakePresets.json -
 elsewhere=(--exclude-dir=build --exclude-dir=build-* --exclude-dir=out --exclude-dir=.git --exclude-dir=repository)
 include='^[[:space:]]*#[[:space:]]*include[[:space:]]*[<"]'
 
-# The arrows: client, worker -> proto -> core; server -> proto, and of core only what never traces a ray.
+# The arrows: client, worker -> proto -> core; server -> proto, and of core only what never traces a ray. Worker and
+# server read scenes in the sandbox.
 forbid "core includes nothing of the farm." \
-  "${include}(proto|server|worker|client|tessera/v1|grpc|google/protobuf|sqlite3|zstd)" "${sources[@]}" core
+  "${include}(sandbox|proto|server|worker|client|tessera/v1|grpc|google/protobuf|sqlite3|zstd)" "${sources[@]}" core
 forbid "core/cli includes of core only base." \
   "${include}(core|proto|server|worker|client|tessera/v1|grpc)/" --but '[<"]core/(base|cli)/' "${sources[@]}" core/cli
 forbid "proto includes neither server nor worker nor client." "${include}(server|worker|client)/" "${sources[@]}" proto
+forbid "The sandbox includes of core only base, cli and the scene loader." \
+  "${include}(core|proto|server|worker|client|tessera/v1|grpc|google/protobuf)/" --but '[<"]core/(base|cli|scene/loader)/' \
+  "${sources[@]}" sandbox
 forbid "A worker includes neither server nor client." "${include}(server|client)/" "${sources[@]}" worker
 forbid "A client includes neither server nor worker." "${include}(server|worker)/" "${sources[@]}" client
 forbid "The server includes of core only base, cli, math, film, image and scene/settings.hpp; the validator may load scenes." \
