@@ -5,6 +5,7 @@
 #include <string>
 
 #include "proto/channel.hpp"
+#include "worker/confined_loader.hpp"
 
 namespace tessera::worker {
 
@@ -15,6 +16,7 @@ struct Options {
   double cache_gib = 16;                                 // above this, scene files are removed, oldest first
   std::string name;                                      // for people; default: the host's
   proto::ClientSecurity security;
+  LoaderOptions loader;
   bool verbose = false;
 
   Options();

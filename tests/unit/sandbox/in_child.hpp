@@ -12,10 +12,11 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <fstream>
 #include <functional>
+#include <iterator>
 #include <optional>
-#include <sstream>
 #include <string>
 
 namespace tessera::sandbox {
@@ -38,6 +39,32 @@ inline std::string status_field(pid_t pid, const std::string& name) {
       return begin == std::string::npos ? "" : line.substr(begin);
     }
   return "no such field";
+}
+
+// The environment of a process as /proc tells it: each variable ends with a NUL.
+inline std::string read_environment(pid_t pid) {
+  std::ifstream file("/proc/" + std::to_string(pid) + "/environ", std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+// The only child process of this one.
+inline pid_t child() {
+  pid_t pid = -1;
+  for (const auto& task : std::filesystem::directory_iterator("/proc/self/task"))
+    std::ifstream(task.path() / "children") >> pid;
+  return pid;
+}
+
+// Checks what /proc tells of a confined process that waits for a file.
+inline void expect_confined(pid_t pid, const std::string& name) {
+  EXPECT_EQ(status_field(pid, "Name"), name.substr(0, 15));
+  EXPECT_EQ(status_field(pid, "Seccomp"), "2");
+  EXPECT_EQ(status_field(pid, "NoNewPrivs"), "1");
+  EXPECT_EQ(status_field(pid, "CapEff"), "0000000000000000");
+  EXPECT_EQ(status_field(pid, "Threads"), "1");
+  const std::string user = std::to_string(geteuid() == 0 ? 65534 : geteuid());
+  EXPECT_EQ(status_field(pid, "Uid"), user + "\t" + user + "\t" + user + "\t" + user);
+  EXPECT_EQ(read_environment(pid), std::string("OMP_NUM_THREADS=1\0", 18));
 }
 
 // From now on this system call fails with this error, or only if its first argument is this one: as on a

@@ -91,14 +91,6 @@ TEST_F(ConfinedProgram, CanTryWhatItLikes) {
   EXPECT_EQ(read_file(folder_.path() / "token"), "secret");
 }
 
-// The only child process of this one.
-pid_t child() {
-  pid_t pid = -1;
-  for (const auto& task : std::filesystem::directory_iterator("/proc/self/task"))
-    std::ifstream(task.path() / "children") >> pid;
-  return pid;
-}
-
 // The validator itself, looked at while it waits for the file of a scene.
 TEST_F(ConfinedProgram, TheValidatorIsOne) {
   if (kIsSanitized) GTEST_SKIP() << "sanitizers need what confinement takes away";
@@ -109,14 +101,7 @@ TEST_F(ConfinedProgram, TheValidatorIsOne) {
   const auto look = [&](std::uint32_t number) {
     ++looks;
     EXPECT_EQ(number, 0u);
-    const pid_t pid = child();
-    EXPECT_EQ(status_field(pid, "Name"), "tessera-validat");
-    EXPECT_EQ(status_field(pid, "Seccomp"), "2");
-    EXPECT_EQ(status_field(pid, "NoNewPrivs"), "1");
-    EXPECT_EQ(status_field(pid, "CapEff"), "0000000000000000");
-    EXPECT_EQ(status_field(pid, "Threads"), "1");
-    const std::string user = geteuid() == 0 ? "65534" : std::to_string(geteuid());
-    EXPECT_EQ(status_field(pid, "Uid"), user + "\t" + user + "\t" + user + "\t" + user);
+    expect_confined(child(), "tessera-validator");
     return no_file(number);
   };
   const std::string out =
