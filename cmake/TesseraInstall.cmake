@@ -3,7 +3,7 @@
 #
 #   tessera              the command line, the example scenes, the documentation
 #   tessera-coordinator  the coordinator and its validator
-#   tessera-worker       the worker
+#   tessera-worker       the worker and its scene loader
 #   libtessera           the shared library behind them
 #   libtessera-dev       its header, the CMake package and the pkg-config file
 #
@@ -32,6 +32,7 @@ if(TESSERA_FARM)
   tessera_install_program(tessera-coordinator tessera-coordinator)
   tessera_install_program(tessera-validator tessera-coordinator)
   tessera_install_program(tessera-worker tessera-worker)
+  tessera_install_program(tessera-scene-loader tessera-worker)
   install(PROGRAMS ${PROJECT_SOURCE_DIR}/deploy/make_certificates.sh
     DESTINATION ${CMAKE_INSTALL_DATADIR}/tessera COMPONENT tessera-coordinator)
 endif()

@@ -15,6 +15,7 @@
 
 #include "core/base/printable.hpp"
 #include "core/base/standard_streams.hpp"
+#include "core/sandbox/check.hpp"
 #include "proto/log.hpp"
 #include "proto/open_files.hpp"
 #include "proto/secret_file.hpp"
@@ -72,12 +73,18 @@ core::Status run(const server::Options& options, const sigset_t& stop_signals) {
   if (const auto enough = check_address_space(); !enough) return enough;
   if (const auto found = validator::check_validator(options.validator); !found)
     return core::fail(found.error());
+  const auto warn = [](const std::string& line) { spdlog::warn("{}", line); };
+  if (const auto confined = sandbox::check_sandbox(options.validator, options.require_sandbox, warn);
+      !confined)
+    return core::fail(confined.error());
   auto state = store::StateDirectory::open(options.state);
   if (!state) return core::fail(state.error());
   const blobs::BlobStore blobs = state->blobs;
   std::stop_source stopping;
-  const validator::ProcessOptions validator{
-      .path = options.validator, .limits = options.limits, .stop = stopping.get_token()};
+  const validator::ProcessOptions validator{.path = options.validator,
+                                            .limits = options.limits,
+                                            .stop = stopping.get_token(),
+                                            .require_sandbox = options.require_sandbox};
   const auto check = [&](const v1::Bundle& bundle,
                          const v1::RenderOverrides& overrides) -> core::Result<jobs::CheckedScene> {
     auto approval = validator::validate_scene(validator, blobs, bundle, overrides);

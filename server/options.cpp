@@ -7,6 +7,7 @@
 #include "core/base/version.hpp"
 #include "core/cli/help.hpp"
 #include "core/cli/parse.hpp"
+#include "core/sandbox/flags.hpp"
 #include "proto/log_flags.hpp"
 #include "proto/number_range.hpp"
 #include "server/limit_flags.hpp"
@@ -65,6 +66,9 @@ void add_security_flags(CLI::App& app, Options& options) {
          "exhaust the coordinator's memory and stop it, even with --tokens")
       ->group("Security");
   app.add_flag("--insecure", options.security.insecure, "Serve other machines without TLS")
+      ->group("Security");
+  app.add_flag(sandbox::kCompleteFlag, options.require_sandbox,
+               "Do not start if this machine lacks a part of the sandbox in which scenes are validated")
       ->group("Security");
 }
 

@@ -36,6 +36,8 @@ struct Options {
   std::filesystem::path check, salvage;
   // The tessera-validator to start for submitted scenes.
   std::string validator = validator::default_validator_path();
+  // Whether to start only if nothing is missing of the validator's sandbox.
+  bool require_sandbox = false;
   Limits limits;
   proto::LogOptions log;
 };

@@ -3,15 +3,15 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <chrono>
+#include <cstdio>
 #include <cstring>
-#include <filesystem>
-#include <fstream>
 #include <span>
-#include <system_error>
+#include <string_view>
 
 #include "core/scene/cache/block_file.hpp"
 #include "core/scene/cache/cache_folder.hpp"
@@ -40,20 +40,23 @@ bool is_blob_name(const std::string& name) {
   return name.size() == kHexDigits && name.find_first_not_of("0123456789abcdef") == std::string::npos;
 }
 
-bool holds(const std::string& path, const proto::Digest& digest) {
-  std::error_code error;
-  if (std::filesystem::file_size(path, error) != digest.size_bytes || error) return false;
-  std::ifstream file(path, std::ios::binary);
+}  // namespace
+
+bool holds(const core::OpenFile& file, const proto::Digest& digest) {
+  const off_t size = ::lseek(file.get(), 0, SEEK_END);
+  if (size < 0 || static_cast<std::uint64_t>(size) != digest.size_bytes) return false;
   proto::Hasher hasher;
-  std::string buffer(std::clamp<std::uint64_t>(digest.size_bytes, 1, proto::kMaxChunkBytes), '\0');
-  while (file && hasher.size_bytes() <= digest.size_bytes) {
-    file.read(buffer.data(), static_cast<std::streamsize>(buffer.size()));
-    hasher.update({buffer.data(), static_cast<std::size_t>(file.gcount())});
+  std::string buffer(std::min<std::uint64_t>(digest.size_bytes, proto::kMaxChunkBytes), '\0');
+  while (hasher.size_bytes() < digest.size_bytes) {
+    const std::string_view piece =
+        std::string_view(buffer).substr(0, digest.size_bytes - hasher.size_bytes());
+    if (!core::read_at(file.get(), std::as_writable_bytes(std::span(buffer).first(piece.size())),
+                       hasher.size_bytes()))
+      return false;
+    hasher.update(piece);
   }
   return hasher.finish() == digest;
 }
-
-}  // namespace
 
 core::Result<BlobCache> BlobCache::open(const std::string& folder, std::uint64_t max_bytes) {
   if (core::Status usable = core::make_folder(folder); !usable) return fail(usable.error());
@@ -75,7 +78,8 @@ core::Result<std::string> BlobCache::get(const proto::Digest& digest,
                                          v1::WorkerService::StubInterface& coordinator,
                                          const std::stop_token& stop) const {
   const std::string path = path_of(digest);
-  if (holds(path, digest)) {
+  const core::OpenFile known(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
+  if (known.valid() && holds(known, digest)) {
     core::mark_as_used(path);
     return path;
   }

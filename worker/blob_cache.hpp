@@ -9,12 +9,16 @@
 #include <string>
 
 #include "core/base/error.hpp"
+#include "core/base/open_file.hpp"
 #include "proto/blob.hpp"
 #include "tessera/v1/worker_service.grpc.pb.h"
 
 namespace tessera::worker {
 
 inline constexpr std::uint64_t kDefaultCacheBytes = std::uint64_t{16} << 30;
+
+// Whether the open file has the bytes of this digest. Reads all of it.
+bool holds(const core::OpenFile& file, const proto::Digest& digest);
 
 class BlobCache {
  public:

@@ -7,6 +7,8 @@
 #include "core/base/standard_streams.hpp"
 #include "core/base/version.hpp"
 #include "core/integrators/fingerprint.hpp"
+#include "core/sandbox/check.hpp"
+#include "core/sandbox/process.hpp"
 #include "proto/log.hpp"
 #include "proto/secret_file.hpp"
 #include "proto/unreachable.hpp"
@@ -29,6 +31,15 @@ worker::SyncLoop::Explain explaining(const worker::Options& options) {
   };
 }
 
+// That scenes can be loaded, and how well confined.
+core::Status check_loader(const worker::LoaderOptions& loader) {
+  if (core::Status found = sandbox::check_program(loader.program, worker::kSceneLoaderName, "--scene-loader");
+      !found)
+    return found;
+  return sandbox::check_sandbox(loader.program, loader.require_sandbox,
+                                [](const std::string& line) { spdlog::warn("{}", line); });
+}
+
 int run(const worker::Options& options, char** arguments) {
   worker::StopSignals signals;
   if (options.cache.empty()) {
@@ -38,6 +49,10 @@ int run(const worker::Options& options, char** arguments) {
   const auto cache = worker::BlobCache::open(options.cache, options.cache_bytes());
   if (!cache) {
     spdlog::error("{}: choose another folder with --cache", cache.error().message);
+    return 1;
+  }
+  if (const auto ready = check_loader(options.loader); !ready) {
+    spdlog::error("{}", ready.error().message);
     return 1;
   }
   for (const std::string& secret : {options.security.key, options.security.token})
@@ -62,6 +77,9 @@ int run(const worker::Options& options, char** arguments) {
                identity.worker_id, options.threads, options.coordinator, options.cache);
   worker::Worker::Options how = worker::with_self_restart(arguments, signals);
   how.explain = explaining(options);
+  how.load_scene = [&options](const worker::SceneFiles& files, int threads, const std::stop_token& stop) {
+    return worker::load_confined(options.loader, files, threads, stop);
+  };
   worker::Worker worker(std::move(identity), *cache, *coordinator, std::move(how));
   const core::Status done = worker.run(signals.token());
   if (!done) {

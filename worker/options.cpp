@@ -7,6 +7,8 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
+#include <chrono>
+#include <cstdint>
 #include <cstdlib>
 #include <filesystem>
 #include <system_error>
@@ -15,6 +17,7 @@
 #include "core/base/version.hpp"
 #include "core/cli/help.hpp"
 #include "core/cli/parse.hpp"
+#include "core/sandbox/flags.hpp"
 #include "proto/log_flags.hpp"
 #include "proto/number_range.hpp"
 #include "proto/security_flags.hpp"
@@ -24,6 +27,9 @@ namespace tessera::worker {
 namespace {
 
 constexpr unsigned kMaxThreads = 1024;
+// A loader maps some of this before it reads anything.
+constexpr std::uint64_t kMinSceneMib = 128, kMaxSceneMib = std::uint64_t{1} << 30;
+constexpr std::int64_t kMaxSceneSeconds = 86400;
 
 const cli::HelpText kHelp{
     .notes =
@@ -57,6 +63,25 @@ std::string default_cache() {
   return home.empty() ? "" : home + "/.cache/tessera";
 }
 
+void add_loader_flags(CLI::App& app, LoaderOptions& loader) {
+  app.add_option("--scene-loader", loader.program,
+                 "Program that loads scenes [default: tessera-scene-loader beside this program]")
+      ->type_name("FILE");
+  app.add_option(kSceneMemoryFlag, loader.memory_mib,
+                 "Most MiB of memory for loading a scene [default: the memory of this machine]")
+      ->check(proto::number_between(kMinSceneMib, kMaxSceneMib))
+      ->type_name("N");
+  app.add_option_function<std::int64_t>(
+         kSceneSecondsFlag, [&loader](std::int64_t seconds) { loader.time = std::chrono::seconds(seconds); },
+         "Most seconds for loading a scene")
+      ->check(proto::number_between(std::int64_t{1}, kMaxSceneSeconds))
+      ->type_name("N")
+      ->default_str(std::to_string(loader.time.count()));
+  app.add_flag(sandbox::kCompleteFlag, loader.require_sandbox,
+               "Do not start if this machine lacks a part of the sandbox in which scenes are loaded")
+      ->group("Security");
+}
+
 }  // namespace
 
 Options::Options()
@@ -87,6 +112,7 @@ Options parse_options(int argc, char** argv) {
   app.add_option("--name", options.name, "Name of this worker in lists and logs [default: the host name]")
       ->type_name("NAME");
   proto::add_security_flags(app, options.security);
+  add_loader_flags(app, options.loader);
   proto::add_log_flags(app, options.log);
   app.add_flag(
       "--verbose", [&options](auto) { options.log.level = spdlog::level::debug; },

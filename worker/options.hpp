@@ -6,6 +6,7 @@
 
 #include "proto/channel.hpp"
 #include "proto/log.hpp"
+#include "worker/confined_loader.hpp"
 
 namespace tessera::worker {
 
@@ -17,6 +18,7 @@ struct Options {
   std::string name;                                      // for people; default: the host's
   proto::ClientSecurity security;
   proto::LogOptions log;
+  LoaderOptions loader;
 
   Options();
   std::uint64_t cache_bytes() const { return static_cast<std::uint64_t>(cache_gib * (1 << 30)); }

@@ -7,8 +7,11 @@
 #include <chrono>
 #include <filesystem>
 #include <new>
+#include <string_view>
 #include <system_error>
 #include <utility>
+
+#include "core/base/printable.hpp"
 
 namespace tessera::worker {
 namespace {
@@ -16,6 +19,7 @@ namespace {
 // The current scene, the next one, and one that returns.
 constexpr std::size_t kScenesKept = 3;
 
+constexpr std::size_t kMaxReasonBytes = 4096;
 constexpr const char* kNoMemory = "not enough memory to build and render the scene";
 
 bool files_are_here(const SceneFiles& files) {
@@ -27,47 +31,57 @@ bool files_are_here(const SceneFiles& files) {
 
 }  // namespace
 
-RenderLoop::RenderLoop(int threads, LeaseTracker& lease_tracker, std::optional<core::SceneStore> store,
-                       Render render)
+RenderLoop::RenderLoop(int threads, LeaseTracker& lease_tracker, LoadScene load,
+                       std::optional<core::SceneStore> store, Render render)
     : threads_(threads),
       render_(std::move(render)),
       lease_tracker_(lease_tracker),
-      scenes_(kScenesKept, threads, std::move(store)) {}
+      scenes_(kScenesKept, threads, std::move(load), std::move(store)) {}
 
 void RenderLoop::run(const std::stop_token& stop) {
   const auto size_piece = [this](const std::string& job_id) { return pace_.target_samples(job_id); };
-  while (const auto piece = lease_tracker_.take(stop, size_piece)) render(*piece);
+  while (const auto piece = lease_tracker_.take(stop, size_piece)) render(*piece, stop);
 }
 
 // Cached scenes of other jobs may take the memory: a second attempt runs without them.
-void RenderLoop::render(const Piece& piece) {
+void RenderLoop::render(const Piece& piece, const std::stop_token& stop) {
   for (const bool first : {true, false}) {
+    std::string why = kNoMemory;
     try {
-      return try_to_render(piece);
+      const core::Status done = try_to_render(piece, stop);
+      if (done) return;
+      why = done.error().message;
     } catch (const std::bad_alloc&) {
-      const bool others = scenes_.has_others(piece.job->files);
-      scenes_.clear();
-      if (first && others) continue;
-      decline(piece, kNoMemory);
-      return;
     }
+    const bool others = scenes_.has_others(piece.job->files);
+    scenes_.clear();
+    if (first && others) continue;
+    return decline(piece, why);
   }
 }
 
+// The reason may contain names of the scene, which a loader that was taken over may have made up.
 void RenderLoop::decline(const Piece& piece, const std::string& why) {
-  spdlog::error("job {}: {}", piece.job->id, why);
-  lease_tracker_.cannot_render(piece, why);
+  const std::string shown = core::printable_lines(std::string_view(why).substr(0, kMaxReasonBytes));
+  spdlog::error("job {}: {}", piece.job->id, shown);
+  lease_tracker_.cannot_render(piece, shown);
 }
 
-void RenderLoop::try_to_render(const Piece& piece) {
-  const auto scene = scenes_.get(piece.job->files);
-  if (!scene && scene.error().code == core::ErrorCode::kResourceExhausted) throw std::bad_alloc();
-  if (!scene && !files_are_here(piece.job->files)) {
-    // Files that were removed from the cache are no fault of the scene: they are fetched again.
-    spdlog::error("job {}: {}", piece.job->id, scene.error().message);
-    return lease_tracker_.cannot_render(piece, "");
+void RenderLoop::give_back(const Piece& piece, const core::Error& why) {
+  const bool stopped = why.code == core::ErrorCode::kCancelled;
+  if (!stopped && files_are_here(piece.job->files)) return decline(piece, why.message);
+  // Files that were removed from the cache are no fault of the scene: they are fetched again.
+  if (!stopped) spdlog::error("job {}: {}", piece.job->id, why.message);
+  lease_tracker_.cannot_render(piece, "");
+}
+
+core::Status RenderLoop::try_to_render(const Piece& piece, const std::stop_token& stop) {
+  const auto scene = scenes_.get(piece.job->files, stop);
+  if (!scene && scene.error().code == core::ErrorCode::kResourceExhausted) return core::fail(scene.error());
+  if (!scene) {
+    give_back(piece, scene.error());
+    return {};
   }
-  if (!scene) return decline(piece, scene.error().message);
   lease_tracker_.begins(piece);
   const auto start = std::chrono::steady_clock::now();
   core::FilmTile tile = render_(**scene, piece.job->settings, piece.item.rect, piece.item.range, threads_);
@@ -76,6 +90,7 @@ void RenderLoop::try_to_render(const Piece& piece) {
   samples_ += samples;
   pace_.measured(piece.job->id, samples, took);
   lease_tracker_.rendered(piece, std::move(tile), took);
+  return {};
 }
 
 }  // namespace tessera::worker

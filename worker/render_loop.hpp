@@ -21,19 +21,20 @@ class RenderLoop {
   using Render = std::function<core::FilmTile(const core::Scene&, const core::RenderSettings&,
                                               core::PixelRect, core::SampleRange, int threads)>;
 
-  RenderLoop(int threads, LeaseTracker& lease_tracker, std::optional<core::SceneStore> store = {},
-             Render render = core::render);
+  RenderLoop(int threads, LeaseTracker& lease_tracker, LoadScene load,
+             std::optional<core::SceneStore> store = {}, Render render = core::render);
 
-  // Returns after a stop, at the end of the current piece. A job whose scene cannot be built is logged, and
-  // its leases are given back.
+  // Returns after a stop, at the end of the current piece, or at once while a scene is loaded. A job whose
+  // scene cannot be loaded or built is logged, and its leases are given back.
   void run(const std::stop_token& stop);
   // The pixel samples rendered so far, including unwanted ones. Thread-safe.
   std::uint64_t samples() const { return samples_; }
 
  private:
-  void render(const Piece& piece);
-  // Throws std::bad_alloc.
-  void try_to_render(const Piece& piece);
+  void render(const Piece& piece, const std::stop_token& stop);
+  // Fails if memory does not suffice. Throws std::bad_alloc.
+  core::Status try_to_render(const Piece& piece, const std::stop_token& stop);
+  void give_back(const Piece& piece, const core::Error& why);
   void decline(const Piece& piece, const std::string& why);
 
   const int threads_;

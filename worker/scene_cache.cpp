@@ -5,12 +5,9 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cstdio>
 #include <utility>
 
 #include "core/scene/cache/cache_folder.hpp"
-#include "core/scene/loader/asset_source.hpp"
-#include "core/scene/loader/loader.hpp"
 
 namespace tessera::worker {
 namespace {
@@ -18,26 +15,10 @@ namespace {
 // Well below the time for which the blob cache keeps unused files.
 constexpr auto kMarkPeriod = std::chrono::minutes(10);
 
-// Checks that the bytes match the digest, since the file may have changed after it was fetched. A file with
-// other bytes is removed, so that it is fetched again.
-core::Status check_blob(const SceneFiles& files, const std::string& name, const std::string& bytes) {
-  const auto digest = files.digests.find(name);
-  if (digest == files.digests.end() || proto::digest_of(bytes) == digest->second) return {};
-  const std::string& path = files.blob_paths.at(name);
-  std::remove(path.c_str());
-  return core::fail(core::ErrorCode::kDataLoss, path + " has changed since it was fetched");
-}
-
-core::Result<core::SceneDescription> load_scene(const SceneFiles& files) {
-  core::BundleAssets assets(files.blob_paths, [&files](const std::string& name, const std::string& bytes) {
-    return check_blob(files, name, bytes);
-  });
-  return core::load_scene(assets, files.scene_path, files.scene_path);
-}
-
 }  // namespace
 
-core::Result<std::shared_ptr<const core::Scene>> SceneCache::get(const SceneFiles& files) {
+core::Result<std::shared_ptr<const core::Scene>> SceneCache::get(const SceneFiles& files,
+                                                                 const std::stop_token& stop) {
   const auto known =
       std::find_if(recent_.begin(), recent_.end(), [&](const auto& e) { return e.key == files.key; });
   if (known != recent_.end()) {
@@ -48,7 +29,7 @@ core::Result<std::shared_ptr<const core::Scene>> SceneCache::get(const SceneFile
   // The oldest is removed first, so that memory never holds more than `capacity_` scenes.
   while (recent_.size() >= capacity_) recent_.pop_back();
   const auto start = Clock::now();
-  auto built = build(files);
+  auto built = build(files, stop);
   if (!built) return core::fail(built.error());
   auto scene = std::make_shared<const core::Scene>(std::move(*built));
   const std::chrono::duration<double> took = Clock::now() - start;
@@ -63,13 +44,14 @@ bool SceneCache::has_others(const SceneFiles& files) const {
                      [&](const Entry& entry) { return entry.key != files.key; });
 }
 
-core::Result<core::Scene> SceneCache::build(const SceneFiles& files) const {
+core::Result<core::Scene> SceneCache::build(const SceneFiles& files, const std::stop_token& stop) const {
+  const auto load = [&] { return load_(files, threads_, stop); };
   if (store_) {
-    auto prepared = store_->prepare("bundle " + files.key, threads_, [&] { return load_scene(files); });
+    auto prepared = store_->prepare("bundle " + files.key, threads_, load);
     if (!prepared) return core::fail(prepared.error());
     return core::build_scene(std::move(*prepared), threads_);
   }
-  auto description = load_scene(files);
+  auto description = load();
   if (!description) return core::fail(description.error());
   return core::Scene::build(std::move(*description), threads_);
 }

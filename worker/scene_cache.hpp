@@ -3,9 +3,11 @@
 #pragma once
 
 #include <chrono>
+#include <functional>
 #include <list>
 #include <memory>
 #include <optional>
+#include <stop_token>
 #include <string>
 #include <utility>
 
@@ -16,15 +18,21 @@
 
 namespace tessera::worker {
 
+// Reads a scene's files; load_confined() for short. CANCELLED after a stop request.
+using LoadScene = std::function<core::Result<core::SceneDescription>(const SceneFiles& files, int threads,
+                                                                     const std::stop_token& stop)>;
+
 class SceneCache {
  public:
-  // Scenes that are not in memory are read from the store, and written to it, if there is one.
-  SceneCache(std::size_t capacity, int threads, std::optional<core::SceneStore> store)
-      : capacity_(capacity), threads_(threads), store_(std::move(store)) {}
+  // Scenes that are not in memory are read from the store, and written to it, if there is one. Scenes that
+  // are not there are loaded by `load`.
+  SceneCache(std::size_t capacity, int threads, LoadScene load, std::optional<core::SceneStore> store)
+      : capacity_(capacity), threads_(threads), load_(std::move(load)), store_(std::move(store)) {}
 
   // Loads and builds the scene if it is not in memory, and marks its files as used. Errors are those of
-  // load_scene and Scene::build.
-  core::Result<std::shared_ptr<const core::Scene>> get(const SceneFiles& files);
+  // loading and of Scene::build.
+  core::Result<std::shared_ptr<const core::Scene>> get(const SceneFiles& files,
+                                                       const std::stop_token& stop = {});
   // Whether scenes of other bundles are in memory.
   bool has_others(const SceneFiles& files) const;
   // Removes all scenes from memory.
@@ -38,11 +46,12 @@ class SceneCache {
     Clock::time_point files_marked;
   };
 
-  core::Result<core::Scene> build(const SceneFiles& files) const;
+  core::Result<core::Scene> build(const SceneFiles& files, const std::stop_token& stop) const;
   static void mark_files(Entry& entry, const SceneFiles& files);
 
   std::size_t capacity_;
   int threads_;
+  LoadScene load_;
   std::optional<core::SceneStore> store_;
   std::list<Entry> recent_;  // most recent first
 };

@@ -53,8 +53,8 @@ core::Status Worker::run(const std::stop_token& stop) {
   LeaseTracker lease_tracker;
   SyncLoop sync(identity_, coordinator_, lease_tracker, options_.explain);
   FetchLoop fetch(cache_, coordinator_, lease_tracker);
-  RenderLoop render(static_cast<int>(identity_.threads), lease_tracker, open_scene_store(cache_),
-                    options_.render);
+  RenderLoop render(static_cast<int>(identity_.threads), lease_tracker, options_.load_scene,
+                    open_scene_store(cache_), options_.render);
   DeliverLoop deliver(identity_, coordinator_, lease_tracker);
 
   std::stop_source working;  // requested by a stop, or when the coordinator rejects this worker

@@ -11,6 +11,7 @@
 #include "proto/retry.hpp"
 #include "tessera/v1/worker_service.grpc.pb.h"
 #include "worker/blob_cache.hpp"
+#include "worker/confined_loader.hpp"
 #include "worker/hang_watchdog.hpp"
 #include "worker/render_loop.hpp"
 #include "worker/sync_loop.hpp"
@@ -24,6 +25,9 @@ class Worker {
     proto::Duration drain_deadline = std::chrono::seconds(20);
     // Explains a failed call.
     SyncLoop::Explain explain = [](const grpc::Status& status) { return proto::error_from_grpc(status); };
+    LoadScene load_scene = [](const SceneFiles& files, int threads, const std::stop_token& stop) {
+      return load_confined({}, files, threads, stop);
+    };
     RenderLoop::Render render = core::render;
     // How long an unwanted piece may be rendered before it is presumed endless.
     LeaseTracker::HangTimeout hang_timeout = [](const UnwantedPiece& piece) {

@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "core/image/limits.hpp"
 #include "core/image/srgb.hpp"
 #include "core/math/word_lanes.hpp"
 
@@ -129,6 +130,17 @@ TextureImage::TextureImage(int width, int height, std::vector<float> linear)
   if (texels_.tiles.empty()) return;
   texels_.format = Format::kSharedExponent;
   texels_.floats = {};
+}
+
+bool TextureImage::is_sound(const Texels& texels) {
+  const auto is_side = [](int texel_count) { return texel_count >= 1 && texel_count <= kMaxPictureSidePx; };
+  if (!is_side(texels.width) || !is_side(texels.height)) return false;
+  if (texels.format != Format::kFloats)
+    return texels.floats.empty() &&
+           texels.tiles.size() == std::size_t{tiles_along(texels.width)} * tiles_along(texels.height);
+  const std::size_t pixels = static_cast<std::size_t>(texels.width) * static_cast<std::size_t>(texels.height);
+  return texels.tiles.empty() && texels.floats.size() == 3 * pixels &&
+         std::ranges::all_of(texels.floats, [](float value) { return value >= 0 && std::isfinite(value); });
 }
 
 // Empty if the encoding would not be exact.

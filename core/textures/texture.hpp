@@ -44,7 +44,10 @@ class TextureImage {
   TextureImage(int width, int height, const std::vector<std::uint8_t>& bytes,
                ColorSpace color_space = ColorSpace::kSrgb);
   TextureImage(int width, int height, std::vector<float> linear);
-  // Takes over the texels of another image.
+  // Whether an image can be made of these texels: the arrays have the sizes of the image, and floats are
+  // finite and not negative.
+  static bool is_sound(const Texels& texels);
+  // Takes over the texels of another image. They must be sound.
   explicit TextureImage(Texels texels) : texels_(std::move(texels)) {}
 
   int width() const { return texels_.width; }

@@ -11,6 +11,5 @@ inline constexpr const char* kTexturePixelsFlag = "--max-texture-pixels";
 inline constexpr const char* kSceneTexturePixelsFlag = "--max-scene-texture-pixels";
 inline constexpr const char* kMemoryFlag = "--validator-mib";
 inline constexpr const char* kSecondsFlag = "--validator-seconds";
-inline constexpr const char* kParentFlag = "--parent";
 
 }  // namespace tessera::validator

@@ -1,28 +1,27 @@
 // SPDX-License-Identifier: Apache-2.0
 // tessera-validator: see options.hpp. The coordinator starts one for every submitted scene, so that a hostile
 // file can crash only this process.
+#include <unistd.h>
+
 #include <cstdlib>
 #include <iostream>
 #include <string>
 #include <vector>
 
+#include "core/sandbox/bundle_files.hpp"
 #include "server/validator/options.hpp"
 #include "server/validator/validate.hpp"
-#include "server/validator/visible_files.hpp"
 
 namespace {
 
-using namespace tessera::validator;
+using namespace tessera;
 
-int fail(const std::string& why) {
-  std::cerr << "tessera-validator: " << why << '\n';
-  return EXIT_FAILURE;
-}
+constexpr const char* kProgram = "tessera-validator";
 
-std::vector<std::string> paths_of(const ValidateRequest& request) {
-  std::vector<std::string> paths;
-  for (const auto& [name, path] : request.files()) paths.push_back(path);
-  return paths;
+std::vector<std::string> names_of(const v1::Bundle& bundle) {
+  std::vector<std::string> names;
+  for (const v1::Bundle::Asset& asset : bundle.assets()) names.push_back(asset.path());
+  return names;
 }
 
 }  // namespace
@@ -35,12 +34,16 @@ extern "C" int __lsan_is_turned_off() {
 #endif
 
 int main(int argc, char** argv) {
-  const Options options = parse_options(argc, argv);
-  if (const auto confined = confine(options.confinement); !confined) return fail(confined.error().message);
-  ValidateRequest request;
-  if (!request.ParseFromIstream(&std::cin))
-    return fail("reads one serialised tessera.validator.ValidateRequest; the coordinator starts it");
-  if (const auto seen = see_only(paths_of(request)); !seen) return fail(seen.error().message);
-  const ValidateResponse response = validate(request, options);
-  return response.SerializeToOstream(&std::cout) && std::cout.flush() ? EXIT_SUCCESS : EXIT_FAILURE;
+  const validator::Options options = validator::parse_options(argc, argv);
+  if (const auto ended = sandbox::confine_or_end(options.sandbox, kProgram)) return *ended;
+  validator::ValidateRequest request;
+  const auto bytes = core::read_asset(core::OpenFile(STDIN_FILENO), "the request");
+  if (!bytes || !request.ParseFromString(*bytes)) {
+    std::cerr << kProgram
+              << ": reads one serialised tessera.validator.ValidateRequest; the coordinator starts it\n";
+    return EXIT_FAILURE;
+  }
+  core::BundleAssets assets = sandbox::bundle_files(names_of(request.bundle()));
+  const validator::ValidateResponse response = validator::validate(request, assets, options);
+  return response.SerializeToFileDescriptor(STDOUT_FILENO) ? EXIT_SUCCESS : EXIT_FAILURE;
 }

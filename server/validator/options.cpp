@@ -32,18 +32,10 @@ void add_limit(CLI::App& app, const char* flag, core::SceneLimit& limit, const c
 
 Options parse_options(int argc, char** argv) {
   Options options;
-  Confinement& confinement = options.confinement;
   CLI::App app("Validate a scene for tessera-coordinator", "tessera-validator");
   cli::set_help(app, kHelp);
   app.set_version_flag("--version", "tessera-validator " + std::string(core::version()), "Print the version");
-  app.add_option(kMemoryFlag, confinement.memory_mib, "Most MiB of address space")
-      ->type_name("N")
-      ->capture_default_str();
-  app.add_option(kSecondsFlag, confinement.cpu_seconds, "Most seconds of processor time")
-      ->type_name("N")
-      ->capture_default_str();
-  app.add_option(kParentFlag, confinement.parent, "Process id of the coordinator; the validator ends with it")
-      ->type_name("PID");
+  sandbox::add_flags(app, options.sandbox, {.memory_mib = kMemoryFlag, .cpu_seconds = kSecondsFlag});
   add_limit(app, kTrianglesFlag, options.scene.triangles,
             "Most triangles of a scene's meshes [default: no limit]");
   add_limit(app, kLightsFlag, options.scene.lights,

@@ -2,15 +2,13 @@
 // The options of tessera-validator. Only the coordinator passes them (validator_process.cpp).
 #pragma once
 
-#include <sys/types.h>
-
+#include "core/sandbox/options.hpp"
 #include "core/scene/loader/scene_limits.hpp"
-#include "server/validator/confinement.hpp"
 
 namespace tessera::validator {
 
 struct Options {
-  Confinement confinement;
+  sandbox::Options sandbox;
   core::SceneLimits scene;
 };
 

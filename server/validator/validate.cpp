@@ -32,12 +32,12 @@ core::Error explain_memory(core::Error error, const Options& options) {
   const bool names_limit = error.message.find("--max-") != std::string::npos;
   if (error.code != ErrorCode::kResourceExhausted || names_limit) return error;
   error.message += fmt::format("; this farm loads scenes within {} MiB (tessera-coordinator {})",
-                               options.confinement.memory_mib, kMemoryFlag);
+                               options.sandbox.confinement.memory_mib, kMemoryFlag);
   return error;
 }
 
-core::Result<ValidateResponse::Approval> load(const ValidateRequest& request, const Options& options) {
-  core::BundleAssets assets({request.files().begin(), request.files().end()});
+core::Result<ValidateResponse::Approval> load(const ValidateRequest& request, core::AssetSource& assets,
+                                              const Options& options) {
   const std::string& path = request.bundle().scene_path();
   const auto scene = core::load_scene(assets, path, path, options.scene);
   if (!scene) return core::fail(as_mistake(scene.error()));
@@ -53,9 +53,10 @@ core::Result<ValidateResponse::Approval> load(const ValidateRequest& request, co
   return approval;
 }
 
-core::Result<ValidateResponse::Approval> load_safely(const ValidateRequest& request, const Options& options) {
+core::Result<ValidateResponse::Approval> load_safely(const ValidateRequest& request,
+                                                     core::AssetSource& assets, const Options& options) {
   try {
-    return load(request, options);
+    return load(request, assets, options);
   } catch (const std::bad_alloc&) {
     return core::fail(ErrorCode::kResourceExhausted, "the scene does not fit into memory");
   } catch (const std::exception& error) {
@@ -65,9 +66,9 @@ core::Result<ValidateResponse::Approval> load_safely(const ValidateRequest& requ
 
 }  // namespace
 
-ValidateResponse validate(const ValidateRequest& request, const Options& options) {
+ValidateResponse validate(const ValidateRequest& request, core::AssetSource& assets, const Options& options) {
   ValidateResponse response;
-  auto approval = load_safely(request, options);
+  auto approval = load_safely(request, assets, options);
   if (approval) {
     *response.mutable_approval() = std::move(*approval);
   } else {

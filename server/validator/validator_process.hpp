@@ -22,6 +22,8 @@ struct ProcessOptions {
   server::Limits limits{};
   // A stop request kills the process; no other is started after it.
   std::stop_token stop{};
+  // Validate nothing if a part of the sandbox is missing.
+  bool require_sandbox = false;
 };
 
 inline constexpr int kMaxWarnings = 101;

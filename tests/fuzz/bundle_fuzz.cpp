@@ -4,6 +4,7 @@
 #include "server/validator/validate.hpp"
 #include "tests/fuzz/farm.hpp"
 #include "tests/fuzz/parts.hpp"
+#include "tests/support/bundle_files.hpp"
 
 namespace tessera::fuzz {
 namespace {
@@ -14,11 +15,13 @@ core::Result<jobs::CheckedScene> ask(const blobs::BlobStore& blobs, const v1::Bu
   validator::ValidateRequest request;
   *request.mutable_bundle() = bundle;
   *request.mutable_overrides() = overrides;
+  std::map<std::string, std::string> paths;
   for (const v1::Bundle::Asset& asset : bundle.assets()) {
     const auto digest = proto::from_proto(asset.digest());
-    if (digest) (*request.mutable_files())[asset.path()] = blobs.path(*digest).string();
+    if (digest) paths[asset.path()] = blobs.path(*digest).string();
   }
-  const validator::ValidateResponse response = validator::validate(request, {});
+  core::BundleAssets assets = bundle_at(paths);
+  const validator::ValidateResponse response = validator::validate(request, assets, {});
   expect_sendable(response);
   if (response.has_approval())
     return jobs::CheckedScene{response.approval().settings(), response.approval().display()};

@@ -167,6 +167,14 @@ key_bytes=$(od -An -j 88 -N 8 -t u8 "$scene_file" | tr -d ' ')
 { part cut; head -c 90 /dev/zero; part patch; printf '\x00\x00\x00\x00X'; } | seed cache cut
 printf '' | seed cache nothing
 
+# ---- Loaded scenes ----
+printf '' | seed loaded nothing
+printf 'mis' | seed loaded mis
+{ part index; printf '\x01\x00\x00\x00\x00\x02\x00\x00'; } | seed loaded width
+{ part index; printf '\x20\x00\x00\x00\x04'; part index; printf '\x80\x00\x00\x00\x00\x00\x80\x7f'; } | seed loaded numbers
+{ part block; printf '\x10\x00\x00\x00\x00\x00\xc0\x7f'; } | seed loaded texel
+{ part cut; head -c 900 /dev/zero; } | seed loaded cut
+
 # ---- The farm ----
 rect_of_tile() { echo "rect { x0: $((64 * $1)) y0: 0 x1: $((64 * $1 + 64)) y1: 4 }"; }
 greeting() {

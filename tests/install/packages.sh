@@ -60,7 +60,7 @@ cp "$work"/packages/*.deb "$root/packages"
 quiet "apt-get update" inside apt-get -qq update
 quiet "installing" inside sh -c 'apt-get install -y --no-install-recommends /packages/*.deb'
 
-for program in tessera tessera-coordinator tessera-worker; do
+for program in tessera tessera-coordinator tessera-validator tessera-worker tessera-scene-loader; do
   inside "$program" --version >"$work/version" || fail "$program --version failed"
   grep -q "^$program [0-9]" "$work/version" || fail "$program --version says: $(cat "$work/version")"
 done

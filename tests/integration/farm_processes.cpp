@@ -113,12 +113,14 @@ std::map<std::string, std::string> FarmTest::environment() const {
   return variables;
 }
 
-Process& FarmTest::start_worker(const std::string& name, int threads) {
+Process& FarmTest::start_worker(const std::string& name, int threads,
+                                const std::vector<std::string>& more_options) {
   ProcessOptions options =
       with_files(name, {TESSERA_WORKER, "--coordinator", address_, "--threads", std::to_string(threads),
                         "--cache", folder_ / ("cache-" + name), "--name", name});
   options.environment = environment();
   if (security_.insecure) options.arguments.push_back("--insecure");
+  options.arguments.insert(options.arguments.end(), more_options.begin(), more_options.end());
   workers_.push_back(std::make_unique<Process>(std::move(options)));
   return *workers_.back();
 }

@@ -39,7 +39,8 @@ class FarmTest : public ::testing::Test {
   Outcome run_coordinator(const std::vector<std::string>& arguments);
   Process& coordinator() { return *coordinator_; }
 
-  Process& start_worker(const std::string& name, int threads);
+  Process& start_worker(const std::string& name, int threads,
+                        const std::vector<std::string>& more_options = {});
   // Runs one command until it exits.
   Outcome tessera(const std::vector<std::string>& arguments, const std::filesystem::path& folder = ".");
   Process start_tessera(const std::vector<std::string>& arguments, const std::filesystem::path& folder = ".");

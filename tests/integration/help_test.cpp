@@ -29,8 +29,11 @@ class HelpTest : public ::testing::Test {
   TempFolder folder_;
 };
 
-const std::vector<std::vector<std::string>> kPrograms{
-    {TESSERA_CLIENT}, {TESSERA_COORDINATOR_PROGRAM}, {TESSERA_WORKER}, {TESSERA_VALIDATOR}};
+const std::vector<std::vector<std::string>> kPrograms{{TESSERA_CLIENT},
+                                                      {TESSERA_COORDINATOR_PROGRAM},
+                                                      {TESSERA_WORKER},
+                                                      {TESSERA_VALIDATOR},
+                                                      {TESSERA_SCENE_LOADER}};
 
 // The programs, and the commands that the client's help lists.
 std::vector<std::vector<std::string>> all_commands(const std::string& help_of_client) {
@@ -64,7 +67,7 @@ void expect_descriptions(const std::string& help) {
 
 TEST_F(HelpTest, IsCompleteAndFitsATerminal) {
   const auto commands = all_commands(said({TESSERA_CLIENT, "--help"}));
-  EXPECT_EQ(commands.size(), 4u + 15u);
+  EXPECT_EQ(commands.size(), 5u + 15u);
   for (std::vector<std::string> command : commands) {
     command.emplace_back("--help");
     const std::string help = said(command);

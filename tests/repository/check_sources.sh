@@ -34,19 +34,24 @@ builds=(--include=CMakeLists.txt --include=*.cmake --include=CMakePresets.json -
 elsewhere=(--exclude-dir=build --exclude-dir=build-* --exclude-dir=out --exclude-dir=.git --exclude-dir=repository)
 include='^[[:space:]]*#[[:space:]]*include[[:space:]]*[<"]'
 
-# The arrows: client, worker -> proto -> core; server -> proto, and of core only what never traces a ray.
+# The arrows: client, worker -> proto -> core; server -> proto, and of core only what never traces a ray. Worker and
+# server read scenes in the sandbox.
 forbid "core includes nothing of the farm." \
   "${include}(proto|server|worker|client|tessera/v1|grpc|google/protobuf|sqlite3|zstd)" "${sources[@]}" core
 forbid "core/cli includes of core only base." \
   "${include}(core|proto|server|worker|client|tessera/v1|grpc)/" --but '[<"]core/(base|cli)/' "${sources[@]}" core/cli
 forbid "proto includes neither server nor worker nor client." "${include}(server|worker|client)/" "${sources[@]}" proto
+forbid "The sandbox includes of core only base, cli and the scene loader." \
+  "${include}(core|proto|server|worker|client|tessera/v1|grpc|google/protobuf)/" --but '[<"]core/(base|cli|sandbox|scene/loader)/' \
+  "${sources[@]}" core/sandbox
+forbid "No other part of core includes the sandbox." "${include}core/sandbox/" --but '^core/sandbox/' "${sources[@]}" core
 forbid "A worker includes neither server nor client." "${include}(server|client)/" "${sources[@]}" worker
 forbid "A client includes neither server nor worker." "${include}(server|worker)/" "${sources[@]}" client
-forbid "The server includes of core only base, cli, math, film, image and scene/settings.hpp; the validator may load scenes." \
-  "${include}core/" --but '^server/validator/|[<"]core/(base|cli|math|film|image)/|[<"]core/scene/settings\.hpp' \
+forbid "The server includes of core only base, cli, math, film, image, sandbox and scene/settings.hpp; the validator may load scenes." \
+  "${include}core/" --but '^server/validator/|[<"]core/(base|cli|math|film|image|sandbox)/|[<"]core/scene/settings\.hpp' \
   "${sources[@]}" server
 forbid "The scheduler includes neither RPC nor SQLite, nor any other folder of the server." \
-  "${include}(grpc|google/protobuf|tessera/v1|proto/|sqlite3|server/(coordinator|store|rpc|http|validator|main))" \
+  "${include}(grpc|google/protobuf|tessera/v1|proto/|sqlite3|server/(base|blobs|store|film|farm|jobs|dispatch|admin|auth|rpc|validator|coordinator|main))" \
   "${sources[@]}" server/scheduler
 
 # The same bytes on every machine.

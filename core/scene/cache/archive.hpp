@@ -101,7 +101,9 @@ std::uint64_t stored_bytes(const T& value) {
   return blocks.bytes + writer.bytes().size();
 }
 
-// Reads what a Writer has written. After a failure, values are unspecified.
+// Reads what a Writer has written. It fails on what no Writer writes: sizes beyond the file, truths that are
+// neither true nor false, enumerators that do not exist, texels that make no image. After a failure, values
+// are unspecified. Memory for an array is taken only if the file is long enough to hold it.
 class Reader {
  public:
   explicit Reader(BlockFileReader& file) : file_(file), rest_(file.index()) {}
@@ -111,7 +113,11 @@ class Reader {
 
   template <typename T>
   void operator()(T& value) {
-    if constexpr (Plain<T>) {
+    if constexpr (std::is_enum_v<T>) {
+      const auto number = read<std::underlying_type_t<T>>();
+      good_ = good_ && is_known(static_cast<T>(number));
+      if (good_) value = static_cast<T>(number);
+    } else if constexpr (Plain<T>) {
       take(std::as_writable_bytes(std::span(&value, 1)));
     } else {
       std::apply([&](auto&... each) { ((*this)(each), ...); }, fields(value));
@@ -153,7 +159,10 @@ class Reader {
     good_ = good_ && index <= images_.size();
     if (!good_) return;
     if (index == images_.size()) {
-      images_.push_back(std::make_shared<TextureImage>(read<TextureImage::Texels>()));
+      auto texels = read<TextureImage::Texels>();
+      good_ = good_ && TextureImage::is_sound(texels);
+      if (!good_) return;
+      images_.push_back(std::make_shared<TextureImage>(std::move(texels)));
     }
     image = images_[index];
   }
@@ -176,6 +185,7 @@ class Reader {
   template <typename Array, typename Resize>
   void array(Array& elements, const Resize& resize) {
     using Element = std::remove_cvref_t<decltype(elements[0])>;
+    static_assert(!std::is_enum_v<Element>, "the values of arrays are not checked");
     const auto size = read<std::uint64_t>();
     if constexpr (Plain<Element>) {
       good_ = good_ && read<std::uint32_t>() == sizeof(Element) &&
@@ -187,9 +197,8 @@ class Reader {
       good_ = file_.read_block(bytes);
     } else {
       good_ = good_ && size <= rest_.size();  // every element takes at least one byte
-      if (!good_) return;
-      resize(size);
-      for (auto& element : elements) (*this)(element);
+      // One by one: elements may be much larger than the least that they take in a file.
+      for (elements.clear(); good_ && elements.size() < size;) (*this)(elements.emplace_back());
     }
   }
 

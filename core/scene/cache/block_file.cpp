@@ -3,7 +3,6 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/stat.h>
 #include <unistd.h>
 #include <xxhash.h>
 
@@ -91,21 +90,17 @@ std::string to_hex(const Checksum& checksum) {
   return fmt::format("{:016x}{:016x}", checksum.high, checksum.low);
 }
 
-OpenFile::OpenFile(OpenFile&& other) noexcept : descriptor_(std::exchange(other.descriptor_, -1)) {}
-OpenFile& OpenFile::operator=(OpenFile&& other) noexcept {
-  std::swap(descriptor_, other.descriptor_);
-  return *this;
-}
-OpenFile::~OpenFile() {
-  if (valid()) ::close(descriptor_);
-}
-
 Result<BlockFileWriter> BlockFileWriter::create(const std::string& path, const Checksum& version,
                                                 int threads) {
   std::string partial = partial_path_of(path);
   OpenFile file(::open(partial.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644));
   if (!file.valid()) return fail(cannot_write(partial, errno));
   return BlockFileWriter(path, std::move(partial), std::move(file), version, threads);
+}
+
+BlockFileWriter BlockFileWriter::to(OpenFile file, const std::string& name, const Checksum& version,
+                                    int threads) {
+  return BlockFileWriter("", name, std::move(file), version, threads);
 }
 
 BlockFileWriter::BlockFileWriter(std::string path, std::string partial_path, OpenFile file,
@@ -118,7 +113,7 @@ BlockFileWriter::BlockFileWriter(std::string path, std::string partial_path, Ope
       size_(sizeof(Header)) {}
 
 BlockFileWriter::~BlockFileWriter() {
-  if (file_.valid()) ::unlink(partial_path_.c_str());
+  if (file_.valid() && !path_.empty()) ::unlink(partial_path_.c_str());
 }
 
 void BlockFileWriter::write_block(std::span<const std::byte> bytes) {
@@ -149,7 +144,7 @@ Status BlockFileWriter::write_all(std::span<const std::byte> index) {
   if (error_ != 0) return fail(cannot_write(partial_path_, error_));
   const bool written = write_at(file_.get(), tail, size_) &&
                        write_at(file_.get(), std::as_bytes(std::span(&header, 1)), 0) &&
-                       std::rename(partial_path_.c_str(), path_.c_str()) == 0;
+                       (path_.empty() || std::rename(partial_path_.c_str(), path_.c_str()) == 0);
   if (!written) return fail(cannot_write(partial_path_, errno));
   return {};
 }
@@ -161,24 +156,28 @@ Status BlockFileWriter::finish(std::span<const std::byte> index) {
 }
 
 Result<BlockFileReader> BlockFileReader::open(const std::string& path, const Checksum& version, int threads) {
+  OpenFile file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));  // never waits for a FIFO's writer
+  if (file.valid()) return of(std::move(file), path, version, threads);
+  if (errno == ENOENT) return fail(ErrorCode::kNotFound, path + " does not exist");
+  return fail(ErrorCode::kDataLoss, fmt::format("{} cannot be opened: {}", path, std::strerror(errno)));
+}
+
+Result<BlockFileReader> BlockFileReader::of(OpenFile file, const std::string& name, const Checksum& version,
+                                            int threads) {
   const auto refuse = [&](std::string_view why) {
-    return fail(ErrorCode::kDataLoss, fmt::format("{} {}", path, why));
+    return fail(ErrorCode::kDataLoss, fmt::format("{} {}", name, why));
   };
   BlockFileReader reader;
   reader.threads_ = threads;
-  reader.file_ =
-      OpenFile(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));  // O_NONBLOCK never waits for a FIFO
-  if (!reader.file_.valid() && errno == ENOENT) return fail(ErrorCode::kNotFound, path + " does not exist");
-  if (!reader.file_.valid()) return refuse(fmt::format("cannot be opened: {}", std::strerror(errno)));
-  struct stat status {};
+  reader.file_ = std::move(file);
+  const off_t size = ::lseek(reader.file_.get(), 0, SEEK_END);  // fails for a FIFO
   Header header;
-  if (::fstat(reader.file_.get(), &status) != 0 || !S_ISREG(status.st_mode) ||
-      !read_at(reader.file_.get(), std::as_writable_bytes(std::span(&header, 1)), 0))
+  if (size < 0 || !read_at(reader.file_.get(), std::as_writable_bytes(std::span(&header, 1)), 0))
     return refuse("cannot be read");
   if (header.magic != kMagic || header.order_of_bytes != kOrderOfBytes || header.version != version)
     return refuse("is of another version");
   if (header.preceding != checksum_of_header(header) || !is_sound(header)) return refuse("is damaged");
-  if (header.file_size != static_cast<std::uint64_t>(status.st_size)) return refuse("is not complete");
+  if (header.file_size != static_cast<std::uint64_t>(size)) return refuse("is not complete");
 
   std::vector<std::byte> tail(header.file_size - header.blocks_end);
   const std::size_t pieces_bytes = header.piece_count * sizeof(Checksum);

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "core/base/error.hpp"
+#include "core/base/open_file.hpp"
 
 namespace tessera::core {
 
@@ -27,21 +28,6 @@ Checksum checksum_of(std::span<const std::byte> bytes);
 // 32 hexadecimal digits.
 std::string to_hex(const Checksum& checksum);
 
-// An open file, closed by the destructor.
-class OpenFile {
- public:
-  explicit OpenFile(int descriptor = -1) : descriptor_(descriptor) {}
-  OpenFile(OpenFile&& other) noexcept;
-  OpenFile& operator=(OpenFile&& other) noexcept;
-  ~OpenFile();
-
-  int get() const { return descriptor_; }
-  bool valid() const { return descriptor_ >= 0; }
-
- private:
-  int descriptor_;
-};
-
 // Reads all bytes of `into` from `offset` on; returns false if there are fewer or the read fails.
 bool read_at(int file, std::span<std::byte> into, std::uint64_t offset);
 // Returns false with errno set unless all bytes are written.
@@ -52,6 +38,8 @@ class BlockFileWriter {
   // Writes to a file beside `path`, which finish() renames to `path`; without finish(), nothing is left
   // behind. Errors name the file and the reason; finish() also reports errors of earlier calls.
   static Result<BlockFileWriter> create(const std::string& path, const Checksum& version, int threads);
+  // Writes to an open file, which must be empty and keeps its name. Errors call it `name`.
+  static BlockFileWriter to(OpenFile file, const std::string& name, const Checksum& version, int threads);
   BlockFileWriter(BlockFileWriter&&) noexcept = default;
   ~BlockFileWriter();
 
@@ -63,7 +51,8 @@ class BlockFileWriter {
                   int threads);
   Status write_all(std::span<const std::byte> index);
 
-  std::string path_, partial_path_;
+  std::string path_;          // empty: the file is not renamed
+  std::string partial_path_;  // what it is called until then
   OpenFile file_;
   Checksum version_;
   int threads_;
@@ -76,6 +65,9 @@ class BlockFileReader {
  public:
   // Errors describe the defect of the file: kNotFound if it is missing, else kDataLoss.
   static Result<BlockFileReader> open(const std::string& path, const Checksum& version, int threads);
+  // The same for an open file. Errors call it `name`.
+  static Result<BlockFileReader> of(OpenFile file, const std::string& name, const Checksum& version,
+                                    int threads);
 
   std::span<const std::byte> index() const { return index_; }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The fields of all types of a scene description and its tree, for serialisation: all members of each type,
-// as references. A type with an additional member does not compile until the member is added here.
+// as references. A type with an additional member does not compile until the member is added here. Then the
+// values of all enumerations: one with an additional value gives a warning until it is added.
 #pragma once
 
 #include <concepts>
@@ -135,6 +136,106 @@ auto fields(Is<SceneDescription> auto& value) {
 auto fields(Is<Bvh::Arrays> auto& value) {
   auto& [nodes, packets, objects] = value;
   return std::tie(nodes, packets, objects);
+}
+
+// Whether a stored number is one of the enumeration's values.
+constexpr bool is_known(Integrator value) {
+  switch (value) {
+    case Integrator::kNaive:
+    case Integrator::kNee:
+    case Integrator::kMis:
+    case Integrator::kWhitted:
+      return true;
+  }
+  return false;
+}
+constexpr bool is_known(Heuristic value) {
+  switch (value) {
+    case Heuristic::kBalance:
+    case Heuristic::kPower:
+      return true;
+  }
+  return false;
+}
+constexpr bool is_known(FilterKind value) {
+  switch (value) {
+    case FilterKind::kBox:
+    case FilterKind::kTent:
+    case FilterKind::kGaussian:
+      return true;
+  }
+  return false;
+}
+constexpr bool is_known(ToneCurve value) {
+  switch (value) {
+    case ToneCurve::kNone:
+    case ToneCurve::kAces:
+    case ToneCurve::kAgx:
+      return true;
+  }
+  return false;
+}
+constexpr bool is_known(TextureImage::Format value) {
+  switch (value) {
+    case TextureImage::Format::kSrgbBytes:
+    case TextureImage::Format::kLinearBytes:
+    case TextureImage::Format::kSharedExponent:
+    case TextureImage::Format::kFloats:
+      return true;
+  }
+  return false;
+}
+constexpr bool is_known(Wrap value) {
+  switch (value) {
+    case Wrap::kRepeat:
+    case Wrap::kClamp:
+      return true;
+  }
+  return false;
+}
+constexpr bool is_known(DielectricFresnel value) {
+  switch (value) {
+    case DielectricFresnel::kExact:
+    case DielectricFresnel::kSchlick:
+    case DielectricFresnel::kNone:
+      return true;
+  }
+  return false;
+}
+constexpr bool is_known(PhongLobe value) {
+  switch (value) {
+    case PhongLobe::kNPlus1:
+    case PhongLobe::kNPlus2:
+      return true;
+  }
+  return false;
+}
+constexpr bool is_known(Conductor value) {
+  switch (value) {
+    case Conductor::kCopper:
+    case Conductor::kGold:
+    case Conductor::kSilver:
+    case Conductor::kAluminium:
+      return true;
+  }
+  return false;
+}
+constexpr bool is_known(Masking value) {
+  switch (value) {
+    case Masking::kSmith:
+    case Masking::kSchlick:
+      return true;
+  }
+  return false;
+}
+constexpr bool is_known(Sampling value) {
+  switch (value) {
+    case Sampling::kBsdf:
+    case Sampling::kUniform:
+    case Sampling::kHalfVector:
+      return true;
+  }
+  return false;
 }
 
 // Types that are stored as in memory, alone and in arrays: numbers, and structures of numbers of one type.

@@ -5,9 +5,14 @@
 
 #include <string_view>
 
+#include "core/scene/cache/block_file.hpp"
+
 namespace tessera::core::stored {
 
 // The release, and a hash of the sources that determine a prepared scene.
 std::string_view scene_maker();
+
+// The version of the block files of this build.
+Checksum file_version();
 
 }  // namespace tessera::core::stored

@@ -39,15 +39,10 @@ std::string hex_of(std::string_view text) {
   return to_hex(checksum_of(std::as_bytes(std::span(text))));
 }
 
-// The file version of this build.
-Checksum file_version() {
-  return checksum_of(std::as_bytes(std::span(stored::scene_maker())));
-}
-
 // Reads the value stored under this key; kDataLoss if the file does not contain it.
 template <typename Value>
 Result<Value> read_value(const std::string& path, std::string_view key, int threads) try {
-  auto file = BlockFileReader::open(path, file_version(), threads);
+  auto file = BlockFileReader::open(path, stored::file_version(), threads);
   if (!file) return fail(file.error());
   std::string key_of_file;
   Value value;
@@ -151,7 +146,7 @@ std::optional<PreparedScene> SceneStore::find(std::string_view key, int threads)
 std::optional<SceneWriter> SceneStore::begin(std::string_view key, const SceneDescription& description,
                                              int threads) const {
   if (!has_room_for(stored::stored_bytes(description))) return std::nullopt;
-  auto file = BlockFileWriter::create(path_of(key, kSceneSuffix), file_version(), threads);
+  auto file = BlockFileWriter::create(path_of(key, kSceneSuffix), stored::file_version(), threads);
   if (file) return SceneWriter(*this, std::move(*file), std::string(key), description);
   warn_unless_missing(file.error());
   return std::nullopt;
@@ -169,7 +164,7 @@ Result<PreparedScene> SceneStore::prepare(std::string_view key, int threads,
 
 void SceneStore::keep_list(const std::string& key, const stored::RecordedAssets& recorded,
                            int threads) const {
-  auto list = BlockFileWriter::create(path_of(key, kFilesSuffix), file_version(), threads);
+  auto list = BlockFileWriter::create(path_of(key, kFilesSuffix), stored::file_version(), threads);
   if (!list) return warn_unless_missing(list.error());
   stored::Writer writer(*list);
   writer(key);

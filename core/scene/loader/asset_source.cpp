@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/scene/loader/asset_source.hpp"
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <new>
 #include <system_error>
 
@@ -22,8 +23,29 @@ namespace fs = std::filesystem;
 // Larger files are not meshes or images but mistakes, and reading one could exhaust memory.
 constexpr std::uintmax_t kMaxAssetBytes = std::uintmax_t{8} << 30;
 
-// `shown` is the file's name in messages.
-Result<std::string> read_regular_file(const fs::path& path, const std::string& shown) {
+Result<std::string> read_open(const OpenFile& file, const std::string& shown) {
+  const auto unreadable = [&shown] {
+    return fail(ErrorCode::kUnavailable, fmt::format("{} cannot be read: {}", shown, std::strerror(errno)));
+  };
+  const off_t size = ::lseek(file.get(), 0, SEEK_END);
+  if (size < 0) return unreadable();
+  if (static_cast<std::uintmax_t>(size) > kMaxAssetBytes)
+    return fail(ErrorCode::kResourceExhausted,
+                fmt::format("{} has {} bytes, more than the {} that a scene's file may have", shown, size,
+                            kMaxAssetBytes));
+  std::string bytes(static_cast<std::size_t>(size), '\0');
+  for (std::size_t done = 0; done < bytes.size();) {
+    const ssize_t count =
+        ::pread(file.get(), bytes.data() + done, bytes.size() - done, static_cast<off_t>(done));
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) return unreadable();
+    if (count == 0) return fail(ErrorCode::kUnavailable, shown + " cannot be read to its end");
+    done += static_cast<std::size_t>(count);
+  }
+  return bytes;
+}
+
+Result<std::string> read_path(const fs::path& path, const std::string& shown) {
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
   if (status.type() == fs::file_type::not_found) return fail(ErrorCode::kNotFound, shown + " does not exist");
@@ -32,27 +54,17 @@ Result<std::string> read_regular_file(const fs::path& path, const std::string& s
   if (fs::is_directory(status)) return fail(ErrorCode::kInvalidArgument, shown + " is a folder, not a file");
   if (!fs::is_regular_file(status))
     return fail(ErrorCode::kInvalidArgument, shown + " is not an ordinary file");
-  std::ifstream file(path, std::ios::binary);
-  if (!file)
+  const OpenFile file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  if (!file.valid())
     return fail(ErrorCode::kPermissionDenied,
                 fmt::format("{} cannot be opened: {}", shown, std::strerror(errno)));
-  const std::uintmax_t size = fs::file_size(path, error);
-  if (error)
-    return fail(ErrorCode::kUnavailable, fmt::format("{} cannot be read: {}", shown, error.message()));
-  if (size > kMaxAssetBytes)
-    return fail(ErrorCode::kResourceExhausted,
-                fmt::format("{} has {} bytes, more than the {} that a scene's file may have", shown, size,
-                            kMaxAssetBytes));
-  std::string bytes(size, '\0');
-  file.read(bytes.data(), static_cast<std::streamsize>(size));
-  if (file.gcount() != static_cast<std::streamsize>(size))
-    return fail(ErrorCode::kUnavailable, shown + " cannot be read to its end");
-  return bytes;
+  return read_open(file, shown);
 }
 
-Result<std::string> read_guarded(const fs::path& path, const std::string& shown) {
+template <typename Read>
+Result<std::string> guarded(const std::string& shown, const Read& read) {
   try {
-    return read_regular_file(path, shown);
+    return read();
   } catch (const std::bad_alloc&) {
     return fail(ErrorCode::kResourceExhausted, shown + " does not fit into memory");
   } catch (const std::exception& exception) {
@@ -98,6 +110,14 @@ void find_entries(const fs::path& root, const fs::path& folder, const std::strin
 
 }  // namespace
 
+Result<std::string> read_asset(const std::string& path, const std::string& shown) {
+  return guarded(shown, [&] { return read_path(path, shown); });
+}
+
+Result<std::string> read_asset(const OpenFile& file, const std::string& shown) {
+  return guarded(shown, [&] { return read_open(file, shown); });
+}
+
 bool FolderAssets::exists(const std::string& path) {
   return is_name(path) && is_file(fs::path(folder_.empty() ? "." : folder_) / path);
 }
@@ -133,16 +153,16 @@ Result<std::string> FolderAssets::read(const std::string& path) {
   const std::string shown = folder == "."
                                 ? in_quotes(path)
                                 : fmt::format("{} in the folder {}", in_quotes(path), in_quotes(folder));
-  return read_guarded(fs::path(folder) / path, shown);
+  return read_asset((fs::path(folder) / path).string(), shown);
 }
 
 bool BundleAssets::exists(const std::string& path) {
-  return blob_paths_.contains(path);
+  return names_.contains(path);
 }
 
 std::vector<std::string> BundleAssets::find_in_any_case(const std::string& path) {
   if (in_lower_case_.empty())
-    for (const auto& [name, blob] : blob_paths_)
+    for (const std::string& name : names_)
       if (without_doubled_slashes(name) == name) in_lower_case_[lower_case(name)].push_back(name);
   const auto found = in_lower_case_.find(lower_case(without_doubled_slashes(path)));
   if (found == in_lower_case_.end()) return {};
@@ -152,13 +172,10 @@ std::vector<std::string> BundleAssets::find_in_any_case(const std::string& path)
 }
 
 Result<std::string> BundleAssets::read(const std::string& path) {
-  const auto blob = blob_paths_.find(printable(path));
-  if (blob == blob_paths_.end())
+  const auto name = names_.find(printable(path));
+  if (name == names_.end())
     return fail(ErrorCode::kNotFound, in_quotes(path) + " is not in the scene's bundle");
-  auto bytes = read_guarded(blob->second, in_quotes(path));
-  if (bytes && check_)
-    if (const Status right = check_(path, *bytes); !right) return fail(right.error());
-  return bytes;
+  return read_(*name, in_quotes(path));
 }
 
 bool RecordingAssets::exists(const std::string& path) {

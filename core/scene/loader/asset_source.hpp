@@ -6,10 +6,13 @@
 
 #include <functional>
 #include <map>
+#include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/base/error.hpp"
+#include "core/base/open_file.hpp"
 
 namespace tessera::core {
 
@@ -40,23 +43,28 @@ class FolderAssets : public AssetSource {
   std::string folder_;
 };
 
-// The files of a bundle: names are looked up in `blob_paths`, and only those files are opened. Bundles are
-// transmitted as UTF-8, so unprintable bytes of names are escaped as \xNN (core/base/printable.hpp).
+// The bytes of a local file, whose name in messages is `shown`. Refuses folders, devices and files of more
+// than 8 GiB.
+Result<std::string> read_asset(const std::string& path, const std::string& shown);
+// The same for an open ordinary file.
+Result<std::string> read_asset(const OpenFile& file, const std::string& shown);
+
+// The files of a bundle, and no others. Bundles are transmitted as UTF-8, so unprintable bytes of names are
+// escaped as \xNN (core/base/printable.hpp).
 class BundleAssets : public AssetSource {
  public:
-  // Verifies that the bytes read are those of the bundle's file.
-  using Check = std::function<Status(const std::string& path, const std::string& bytes)>;
+  // Reads the file of the bundle with this name. `shown` is its name in messages.
+  using Read = std::function<Result<std::string>(const std::string& name, const std::string& shown)>;
 
-  explicit BundleAssets(std::map<std::string, std::string> blob_paths, Check check = nullptr)
-      : blob_paths_(std::move(blob_paths)), check_(std::move(check)) {}
+  BundleAssets(std::set<std::string> names, Read read) : names_(std::move(names)), read_(std::move(read)) {}
   bool exists(const std::string& path) override;
   std::vector<std::string> find_in_any_case(const std::string& path) override;
   Result<std::string> read(const std::string& path) override;
 
  private:
-  std::map<std::string, std::string> blob_paths_;
+  std::set<std::string> names_;
+  Read read_;
   std::map<std::string, std::vector<std::string>> in_lower_case_;  // filled by the first search
-  Check check_;
 };
 
 // Forwards reads and reports each file, so that loading a scene determines the files of its bundle. If

@@ -12,6 +12,7 @@
 #include "core/scene/loader/loader.hpp"
 #include "proto/blob.hpp"
 #include "proto/text.hpp"
+#include "tests/support/bundle_files.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace tessera::client {
@@ -81,7 +82,7 @@ TEST(Bundle, CarriesNamesThatAreNotUtf8) {
     blobs[asset.path()] = folder.path() / local->paths.at(asset.path());
   }
   EXPECT_TRUE(blobs.contains("caf\\xe9.png"));
-  core::BundleAssets assets(blobs);
+  core::BundleAssets assets = bundle_at(blobs);
   const auto there = core::load_scene(assets, local->bundle.scene_path(), local->bundle.scene_path());
   EXPECT_TRUE(there) << there.error().message;
 }

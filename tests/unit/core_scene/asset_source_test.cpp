@@ -9,6 +9,7 @@
 #include <fstream>
 
 #include "core/scene/loader/loader.hpp"
+#include "tests/support/bundle_files.hpp"
 #include "tests/unit/core_scene/memory_assets.hpp"
 
 namespace tessera::core {
@@ -105,8 +106,8 @@ TEST_F(Folder, HoldsAScene) {
 TEST_F(Folder, HoldsTheBlobsOfABundle) {
   write("blob1", "one");
   write("secret", "two");
-  BundleAssets assets(
-      {{"../scenes/a.obj", (folder_ / "blob1").string()}, {"lost", (folder_ / "blob2").string()}});
+  BundleAssets assets =
+      bundle_at({{"../scenes/a.obj", (folder_ / "blob1").string()}, {"lost", (folder_ / "blob2").string()}});
   EXPECT_EQ(assets.read("../scenes/a.obj").value(), "one");
   EXPECT_EQ(assets.read((folder_ / "secret").string()).error().message,
             "'" + (folder_ / "secret").string() + "' is not in the scene's bundle");

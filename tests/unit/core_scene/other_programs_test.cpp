@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "tests/support/bundle_files.hpp"
 #include "tests/unit/core_scene/memory_assets.hpp"
 
 namespace tessera::core {
@@ -190,7 +191,7 @@ class OtherProgramsInFolder : public testing::Test {
     RecordingAssets recording(
         files, [&](const std::string& path, const std::string&) { blobs[path] = (folder_ / path).string(); });
     const auto here = load_scene(recording, "scene.json", "scene.json");
-    BundleAssets bundle(blobs);
+    BundleAssets bundle = bundle_at(blobs);
     const auto there = load_scene(bundle, "scene.json", "scene.json");
     EXPECT_TRUE(here.has_value() && there.has_value());
     if (!here || !there) return 99;

@@ -51,6 +51,12 @@ TEST(Archive, RefusesTruthsThatAreNeitherTrueNorFalse) {
   EXPECT_FALSE(is_read_from<std::optional<float>>(std::uint8_t{104}, 0.5f));
 }
 
+TEST(Archive, RefusesEnumeratorsThatDoNotExist) {
+  EXPECT_TRUE(is_read_from<Integrator>(Integrator::kWhitted));
+  EXPECT_FALSE(is_read_from<Integrator>(static_cast<Integrator>(4)));
+  EXPECT_FALSE(is_read_from<Integrator>(static_cast<Integrator>(-1)));
+}
+
 TEST(Archive, KnowsHowMuchItWillWrite) {
   const std::vector<float> small(10), large(5000);
   constexpr std::uint64_t kSizes = sizeof(std::uint64_t) + sizeof(std::uint32_t);

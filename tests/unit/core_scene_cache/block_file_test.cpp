@@ -2,6 +2,7 @@
 // What was written comes back, and nothing else is ever taken for it.
 #include "core/scene/cache/block_file.hpp"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -120,6 +121,21 @@ TEST_F(BlockFile, IsThereOnlyWhenItIsComplete) {
     EXPECT_EQ(BlockFileReader::open(path(), kVersion, 1).error().code, ErrorCode::kNotFound);
   }
   EXPECT_TRUE(std::filesystem::is_empty(folder_.path())) << "nothing is left behind";
+}
+
+TEST_F(BlockFile, CanHaveNoNameOfItsOwn) {
+  const Bytes block = numbered_bytes(10000, 1), index = numbered_bytes(20, 2);
+  const auto open = [&] { return OpenFile(::open(path().c_str(), O_RDWR | O_CREAT, 0600)); };
+  {
+    auto abandoned = BlockFileWriter::to(open(), "it", kVersion, 1);
+    abandoned.write_block(block);
+  }
+  EXPECT_EQ(BlockFileReader::of(open(), "it", kVersion, 1).error().message, "it is of another version");
+  auto writer = BlockFileWriter::to(open(), "it", kVersion, 1);
+  writer.write_block(block);
+  ASSERT_TRUE(writer.finish(index));
+  EXPECT_TRUE(holds({block}, index));
+  EXPECT_TRUE(BlockFileReader::of(open(), "it", kVersion, 1));
 }
 
 TEST_F(BlockFile, SaysWhyItCannotBeWritten) {

@@ -5,8 +5,8 @@
 
 #include <thread>
 
+#include "core/sandbox/confinement.hpp"
 #include "proto/blob.hpp"
-#include "server/validator/confinement.hpp"
 #include "server/validator/validator_process.hpp"
 #include "tests/support/hostile_pictures.hpp"
 #include "tests/support/temporary_folder.hpp"
@@ -176,7 +176,7 @@ TEST_F(Validator, NamesTheLimitOfAScene) {
 }
 
 TEST_F(Validator, NamesTheLimitOfMemory) {
-  if (kIsSanitized) GTEST_SKIP() << "sanitizers need addresses without limit";
+  if (sandbox::kIsSanitized) GTEST_SKIP() << "sanitizers need addresses without limit";
   add_scene_with("big.obj");
   std::string obj(std::size_t{300} << 20, '\n');
   add_file("big.obj", obj);

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <thread>
 
+#include "confined.hpp"
 #include "fake_coordinator.hpp"
 #include "proto/tile_codec.hpp"
 #include "worker/deliver_loop.hpp"
@@ -161,7 +162,7 @@ class SceneFilesTest : public ::testing::Test {
     lease_tracker.apply(response);
     lease_tracker.next_to_fetch({});
     lease_tracker.fetched(std::make_shared<Job>(Job{"job", {}, {"key", "scene.json", blob_paths}}));
-    RenderLoop render(1, lease_tracker);
+    RenderLoop render(1, lease_tracker, load_);
     std::jthread thread([&](const std::stop_token& stop) { render.run(stop); });
     const auto delivery = lease_tracker.next_delivery({});
     EXPECT_TRUE(delivery->lease_finished);
@@ -169,6 +170,7 @@ class SceneFilesTest : public ::testing::Test {
   }
 
   std::string folder_ = "/tmp/tessera-files-XXXXXX";
+  LoadScene load_ = confined();
 };
 
 TEST_F(SceneFilesTest, AreFetchedAgainWhenTheCacheHasLostThem) {
@@ -178,6 +180,31 @@ TEST_F(SceneFilesTest, AreFetchedAgainWhenTheCacheHasLostThem) {
 TEST_F(SceneFilesTest, ThatAreHereAndMakeNoSceneAreToBlame) {
   std::ofstream(folder_ + "/scene") << "no scene";
   EXPECT_NE(refusal({{"scene.json", folder_ + "/scene"}}), "");
+}
+
+TEST_F(SceneFilesTest, ThatNeedTooMuchMemoryAreDeclinedWithTheLimit) {
+  std::ofstream(folder_ + "/scene") << "no scene";
+  load_ = [](const auto&, int, const auto&) {
+    return core::fail(core::ErrorCode::kResourceExhausted, "too big");
+  };
+  EXPECT_EQ(refusal({{"scene.json", folder_ + "/scene"}}), "too big");
+}
+
+// The names of a scene come from a process that may have been taken over.
+TEST_F(SceneFilesTest, ReasonsCanBePrintedAndSent) {
+  std::ofstream(folder_ + "/scene") << "no scene";
+  load_ = [](const auto&, int, const auto&) {
+    return core::fail(core::ErrorCode::kInternal, "\x1b[2J\xff" + std::string(5000, 'x'));
+  };
+  const std::string reason = refusal({{"scene.json", folder_ + "/scene"}});
+  EXPECT_EQ(reason.substr(0, 11), "\\x1b[2J\\xff");
+  EXPECT_LT(reason.size(), 20'000u);
+}
+
+TEST_F(SceneFilesTest, AreGivenBackByAWorkerThatStops) {
+  std::ofstream(folder_ + "/scene") << "no scene";
+  load_ = [](const auto&, int, const auto&) { return core::fail(core::ErrorCode::kCancelled, "stopping"); };
+  EXPECT_EQ(refusal({{"scene.json", folder_ + "/scene"}}), "");
 }
 
 TEST_F(LoopsTest, AJobThatTakesTooMuchMemoryIsDeclinedAndTheWorkerGoesOn) {
@@ -192,7 +219,7 @@ TEST_F(LoopsTest, AJobThatTakesTooMuchMemoryIsDeclinedAndTheWorkerGoesOn) {
   const auto job = std::make_shared<Job>(Job{"job", {}, {"key", "scene.json", files}});
   lease_tracker.fetched(job);
   int renders = 0;
-  RenderLoop render(1, lease_tracker, {},
+  RenderLoop render(1, lease_tracker, confined(), {},
                     [&](const auto&, const auto&, auto rect, auto range, int) -> core::FilmTile {
                       if (++renders == 1) throw std::bad_alloc();
                       return core::FilmTile(rect, range);

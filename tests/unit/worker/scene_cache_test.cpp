@@ -5,6 +5,7 @@
 
 #include <filesystem>
 
+#include "confined.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace tessera::worker {
@@ -24,16 +25,29 @@ TEST(SceneCache, KeepsBuiltScenesForTheNextWorker) {
   write_file(blob, kScene);
   const SceneFiles files{.key = "key", .scene_path = "scene.json", .blob_paths = {{"scene.json", blob}}};
   const auto new_cache = [&] {
-    return SceneCache(1, 1, core::SceneStore::open(folder.path(), UINT64_MAX, [](const std::string& message) {
-                              ADD_FAILURE() << message;
-                            }).value());
+    return SceneCache(1, 1, confined(),
+                      core::SceneStore::open(folder.path(), UINT64_MAX, [](const std::string& message) {
+                        ADD_FAILURE() << message;
+                      }).value());
   };
   EXPECT_TRUE(new_cache().get(files));
   std::filesystem::remove(blob);
   const auto scene = new_cache().get(files);
   ASSERT_TRUE(scene);
   EXPECT_EQ((*scene)->primitives().sphere_count(), 1u);
-  EXPECT_FALSE(SceneCache(1, 1, {}).get(files)) << "without a store";
+  EXPECT_FALSE(SceneCache(1, 1, confined(), {}).get(files)) << "without a store";
+}
+
+// Where there is no store, and where it takes no scene, the scene goes from one process to the other all the
+// same.
+TEST(SceneCache, DoesWithoutAStore) {
+  const TemporaryFolder folder;
+  const std::string blob = folder.path() / "blob";
+  write_file(blob, kScene);
+  const SceneFiles files{.key = "key", .scene_path = "scene.json", .blob_paths = {{"scene.json", blob}}};
+  EXPECT_TRUE(SceneCache(1, 1, confined(), {}).get(files));
+  auto full = core::SceneStore::open(folder.path(), 1, [](const std::string&) {});
+  EXPECT_TRUE(SceneCache(1, 1, confined(), std::move(full.value())).get(files));
 }
 
 }  // namespace

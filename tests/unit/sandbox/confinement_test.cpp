@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Confinement of validators, tested in child processes; and their end with the parent.
+// What a confined process can do, tested in child processes; and its end with the parent.
+#include "core/sandbox/confinement.hpp"
+
 #include <fcntl.h>
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sched.h>
 #include <signal.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
@@ -17,32 +19,25 @@
 #include <functional>
 #include <memory>
 #include <new>
+#include <optional>
+#include <string>
 
-#include "server/validator/confinement.hpp"
-#include "server/validator/visible_files.hpp"
+#include "core/sandbox/landlock.hpp"
 #include "tests/support/temporary_folder.hpp"
+#include "tests/unit/sandbox/in_child.hpp"
 
-namespace tessera::validator {
+namespace tessera::sandbox {
 namespace {
-
-// The wait status of a child process that exits with the result of `what`.
-int status_of(const std::function<int()>& what) {
-  const pid_t pid = fork();
-  if (pid == 0) _exit(what());
-  int status = 0;
-  EXPECT_EQ(waitpid(pid, &status, 0), pid);
-  return status;
-}
 
 // Checks that `what`, which succeeds here, fails with this error in a confined process.
 void expect_refused(const std::function<int()>& what, int error = EPERM) {
-  const auto refused = [&](const core::Status& confined) {
+  const auto refused = [&](bool confined) {
     if (!confined) return 2;
     errno = 0;
     return what() < 0 && errno == error ? 0 : 1;
   };
   EXPECT_EQ(status_of([&] { return what() < 0 ? 1 : 0; }), 0) << "it must work without confinement";
-  EXPECT_EQ(status_of([&] { return refused(confine({})); }), 0);
+  EXPECT_EQ(status_of([&] { return refused(confine({}).has_value()); }), 0);
 }
 
 class Confined : public testing::Test {
@@ -50,11 +45,10 @@ class Confined : public testing::Test {
   void SetUp() override {
     if (kIsSanitized) GTEST_SKIP() << "sanitizers need what confinement takes away";
     write_file(file_, "its own");
-    write_file(other_, "of others");
   }
 
   TemporaryFolder folder_;
-  const std::filesystem::path file_ = folder_.path() / "file", other_ = folder_.path() / "other";
+  const std::filesystem::path file_ = folder_.path() / "file";
 };
 
 TEST_F(Confined, StartsNoProcess) {
@@ -89,33 +83,96 @@ TEST_F(Confined, MakesAndChangesNoFile) {
       [&] { return mkdir((folder_.path() / "folder").c_str(), 0700) == 0 || errno == EEXIST ? 0 : -1; });
 }
 
-TEST_F(Confined, StillReads) {
-  EXPECT_EQ(status_of([&] { return confine({}) && open(file_.c_str(), O_RDONLY) >= 0 ? 0 : 1; }), 0);
+TEST_F(Confined, OpensNoFile) {
+  expect_refused([&] { return open(file_.c_str(), O_RDONLY); });
+  expect_refused([] { return open("/proc/self/status", O_RDONLY); });
 }
 
-TEST_F(Confined, HoldsFewFiles) {
+TEST_F(Confined, ReadsAndWritesWhatIsOpen) {
+  const int in = open(file_.c_str(), O_RDONLY),
+            out = open((folder_.path() / "out").c_str(), O_RDWR | O_CREAT, 0600);
   EXPECT_EQ(status_of([&] {
-              if (!confine({})) return 2;
-              for (int i = 0; i < 20; ++i)
-                if (open(file_.c_str(), O_RDONLY) < 0) return errno == EMFILE ? 0 : 1;
-              return 1;
+              if (dup2(in, STDIN_FILENO) < 0 || dup2(out, STDOUT_FILENO) < 0 || !confine({})) return 2;
+              char text[8] = {};
+              return read(STDIN_FILENO, text, 7) == 7 && write(STDOUT_FILENO, text, 7) == 7 ? 0 : 1;
             }),
             0);
+  EXPECT_EQ(read_file(folder_.path() / "out"), "its own");
+  close(in);
+  close(out);
 }
 
 TEST_F(Confined, InheritsNothing) {
-  const int inherited = open(other_.c_str(), O_RDONLY);
-  EXPECT_EQ(status_of([&] { return confine({}) && fcntl(inherited, F_GETFD) < 0 && errno == EBADF ? 0 : 1; }),
+  const int file = open(file_.c_str(), O_RDONLY);
+  const int inherited = fcntl(file, F_DUPFD, 10);
+  EXPECT_EQ(status_of([&] {
+              char byte = 0;
+              return confine({}) && read(inherited, &byte, 1) < 0 && errno == EBADF ? 0 : 1;
+            }),
             0);
+  close(file);
   close(inherited);
 }
 
-TEST_F(Confined, GainsNoRightsAndCannotBeTraced) {
-  EXPECT_EQ(status_of([] {
-              if (!confine({})) return 2;
-              return prctl(PR_GET_NO_NEW_PRIVS, 0, 0, 0, 0) == 1 && prctl(PR_GET_DUMPABLE) == 0 ? 0 : 1;
-            }),
-            0);
+// A confined child that waits until this object ends, so that /proc shows it. It may begin as another user.
+class Waiting {
+ public:
+  explicit Waiting(std::optional<uid_t> user = {}) {
+    EXPECT_EQ(pipe(to_child_), 0);
+    EXPECT_EQ(pipe(to_parent_), 0);
+    pid_ = fork();
+    if (pid_ == 0) {
+      close(to_child_[1]);
+      dup2(to_child_[0], STDIN_FILENO);
+      dup2(to_parent_[1], STDOUT_FILENO);
+      char byte = 0;
+      if (user && (setgid(*user) != 0 || setuid(*user) != 0)) _exit(2);
+      const bool told = confine({}).has_value() && write(STDOUT_FILENO, &byte, 1) == 1;
+      _exit(told && read(STDIN_FILENO, &byte, 1) == 0 ? 0 : 1);
+    }
+    close(to_child_[0]);
+    close(to_parent_[1]);
+    char byte = 0;
+    EXPECT_EQ(read(to_parent_[0], &byte, 1), 1);
+  }
+  ~Waiting() {
+    close(to_child_[1]);
+    close(to_parent_[0]);
+    int status = 0;
+    EXPECT_EQ(waitpid(pid_, &status, 0), pid_);
+    EXPECT_EQ(status, 0);
+  }
+  Waiting(const Waiting&) = delete;
+  Waiting& operator=(const Waiting&) = delete;
+
+  std::string field(const std::string& name) const { return status_field(pid_, name); }
+
+ private:
+  int to_child_[2], to_parent_[2];
+  pid_t pid_;
+};
+
+TEST_F(Confined, HasNoRightsAndGainsNone) {
+  const Waiting process;
+  EXPECT_EQ(process.field("NoNewPrivs"), "1");
+  EXPECT_EQ(process.field("Seccomp"), "2");
+  for (const char* set : {"CapInh", "CapPrm", "CapEff", "CapAmb"})
+    EXPECT_EQ(process.field(set), "0000000000000000") << set;
+}
+
+TEST_F(Confined, OfRootIsNobody) {
+  if (geteuid() != 0) GTEST_SKIP() << "only root can become somebody else";
+  const Waiting process;
+  EXPECT_EQ(process.field("Uid"), "65534\t65534\t65534\t65534");
+  EXPECT_EQ(process.field("Gid"), "65534\t65534\t65534\t65534");
+  EXPECT_EQ(process.field("Groups"), "");
+}
+
+TEST_F(Confined, OfAnotherUserStaysThat) {
+  const std::string user = std::to_string(geteuid() == 0 ? 1000 : geteuid());
+  const Waiting process(geteuid() == 0 ? std::optional<uid_t>(1000) : std::nullopt);
+  EXPECT_EQ(process.field("Uid"), user + "\t" + user + "\t" + user + "\t" + user);
+  EXPECT_EQ(process.field("CapPrm"), "0000000000000000");
 }
 
 // The address space of this process in MiB.
@@ -162,19 +219,17 @@ TEST_F(Confined, HasSoMuchTime) {
   EXPECT_EQ(WTERMSIG(status), SIGXCPU);
 }
 
-TEST_F(Confined, SeesOnlyItsFiles) {
-  const auto reads = [&](const std::filesystem::path& path) {
-    return status_of([&] {
-      if (!confine({}) || !see_only({file_, folder_.path() / "missing"})) return 2;
-      if (open(path.c_str(), O_RDONLY) >= 0) return 0;
-      return errno == EACCES ? 1 : 3;
-    });
-  };
-  EXPECT_EQ(reads(file_), 0);
-  const int of_other = reads(other_);
-  if (of_other == 0) GTEST_SKIP() << "this kernel has no Landlock";
-  EXPECT_EQ(of_other, 1 << 8);
-  EXPECT_EQ(reads("/proc/self/status"), 1 << 8);
+// Each of the layers does without the other.
+TEST_F(Confined, OpensNoFileByLandlockAlone) {
+  const int status = status_of([&] {
+    if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0) return 2;
+    const auto missing = deny_files();
+    if (!missing) return 3;
+    if (*missing) return 4;
+    return open(file_.c_str(), O_RDONLY) < 0 && errno == EACCES ? 0 : 1;
+  });
+  if (status == 4 << 8) GTEST_SKIP() << "this kernel has no Landlock";
+  EXPECT_EQ(status, 0);
 }
 
 TEST_F(Confined, IsForNobodyWhoHasGone) {
@@ -193,8 +248,9 @@ TEST_F(Confined, EndsWithItsParent) {
     if (child == 0) {
       dup2(from_orphan[1], STDOUT_FILENO);
       const pid_t pid = getpid();
-      const bool told = confine({.parent = self}) && write(STDOUT_FILENO, &pid, sizeof pid) == sizeof pid;
-      while (told) pause();
+      const bool told =
+          confine({.parent = self}).has_value() && write(STDOUT_FILENO, &pid, sizeof pid) == sizeof pid;
+      while (told) sched_yield();
       _exit(1);
     }
     while (true) pause();
@@ -212,4 +268,4 @@ TEST_F(Confined, EndsWithItsParent) {
 }
 
 }  // namespace
-}  // namespace tessera::validator
+}  // namespace tessera::sandbox

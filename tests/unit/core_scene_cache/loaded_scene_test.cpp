@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: Apache-2.0
+// A scene that one process has loaded and another builds: it loses nothing, and nothing else passes for one.
+#include "core/scene/cache/loaded_scene.hpp"
+
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <limits>
+
+#include "core/integrators/fingerprint.hpp"
+#include "core/scene/cache/archive.hpp"
+#include "core/scene/cache/scene_maker.hpp"
+#include "core/scene/scene.hpp"
+#include "tests/support/temporary_folder.hpp"
+
+namespace tessera::core {
+namespace {
+
+using testing::HasSubstr;
+
+class LoadedScene : public testing::Test {
+ protected:
+  OpenFile open(int flags = O_RDWR) const { return OpenFile(::open(path().c_str(), flags | O_CREAT, 0600)); }
+  std::string path() const { return folder_.path() / "file"; }
+
+  // What is read after `loaded` was written.
+  Result<SceneDescription> passed(const Result<SceneDescription>& loaded) const {
+    EXPECT_TRUE(write_loaded(open(O_RDWR | O_TRUNC), loaded));
+    return read_loaded(open(), 2);
+  }
+  std::string error_of(const Result<SceneDescription>& loaded) const {
+    const auto read = passed(loaded);
+    return read ? "no error" : read.error().message;
+  }
+  // Of a scene with something of everything, after this change.
+  std::string error_after(const std::function<void(SceneDescription&)>& change) const {
+    SceneDescription scene = fingerprint_scene();
+    change(scene);
+    return error_of(scene);
+  }
+  // Writes the start of a loaded scene, and then these numbers.
+  template <typename... Numbers>
+  std::string error_of_index(Numbers... numbers) const {
+    auto out = BlockFileWriter::to(open(O_RDWR | O_TRUNC), "", stored::file_version(), 1);
+    stored::Writer writer(out);
+    (writer(numbers), ...);
+    EXPECT_TRUE(out.finish(writer.bytes()));
+    const auto read = read_loaded(open(), 1);
+    return read ? "no error" : read.error().message;
+  }
+
+  TemporaryFolder folder_;
+};
+
+constexpr const char* kDamaged = "the process that loads scenes has written what no scene is";
+
+MeshDescription& mesh_of(SceneDescription& scene) {
+  for (ShapeDescription& shape : scene.shapes)
+    if (auto* const mesh = std::get_if<MeshDescription>(&shape)) return *mesh;
+  return std::get<MeshDescription>(scene.shapes.emplace_back());
+}
+
+TEST_F(LoadedScene, LosesNothing) {
+  const auto read = passed(fingerprint_scene());
+  ASSERT_TRUE(read) << read.error().message;
+  const std::string first = read_file(path());
+  ASSERT_TRUE(passed(*read));
+  EXPECT_TRUE(read_file(path()) == first);
+  EXPECT_TRUE(Scene::build(*read, 1)->bvh() == Scene::build(fingerprint_scene(), 1)->bvh());
+}
+
+TEST_F(LoadedScene, PassesErrors) {
+  const auto read = passed(fail(ErrorCode::kNotFound, "a.obj:1: \xc3\xa4\nand more"));
+  ASSERT_FALSE(read);
+  EXPECT_EQ(read.error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(read.error().message, "a.obj:1: \xc3\xa4\nand more");
+}
+
+TEST_F(LoadedScene, PassesRequests) {
+  const LoadRequest request{"a/scene.json", {"", "b.obj", "a/scene.json"}};
+  EXPECT_TRUE(write_load_request(open(), request));
+  const auto read = read_load_request(open());
+  ASSERT_TRUE(read);
+  EXPECT_EQ(read->scene_path, request.scene_path);
+  EXPECT_EQ(read->names, request.names);
+}
+
+TEST_F(LoadedScene, ErrorsThatAreNoneAreMadeReadable) {
+  EXPECT_EQ(error_of(fail(ErrorCode::kInternal, "\x1b[2J\xff")), "\\x1b[2J\\xff");
+  EXPECT_LE(error_of(fail(ErrorCode::kInternal, std::string(1 << 20, '\xff'))).size(), std::size_t{16} << 10);
+  EXPECT_EQ(error_of(fail(ErrorCode::kInternal, "")), kDamaged);
+  const auto odd = passed(fail(static_cast<ErrorCode>(99), "odd"));
+  ASSERT_FALSE(odd);
+  EXPECT_EQ(odd.error().code, ErrorCode::kInternal);
+}
+
+TEST_F(LoadedScene, OfAnotherBuildIsRefused) {
+  auto out = BlockFileWriter::to(open(), "", Checksum{1, 2}, 1);
+  EXPECT_TRUE(out.finish({}));
+  const auto read = read_loaded(open(), 1);
+  ASSERT_FALSE(read);
+  EXPECT_EQ(read.error().code, ErrorCode::kFailedPrecondition);
+  EXPECT_THAT(read.error().message, HasSubstr("of another build"));
+  EXPECT_FALSE(read_load_request(open()));
+}
+
+TEST_F(LoadedScene, IsRefusedWithAnyPieceMissing) {
+  ASSERT_TRUE(passed(fingerprint_scene()));
+  const std::string good = read_file(path());
+  for (const std::size_t size :
+       {std::size_t{0}, std::size_t{1}, std::size_t{88}, good.size() / 2, good.size() - 1}) {
+    write_file(path(), good.substr(0, size));
+    const auto read = read_loaded(open(), 1);
+    ASSERT_FALSE(read);
+    EXPECT_EQ(read.error().code, ErrorCode::kInternal);
+    EXPECT_EQ(read.error().message, kDamaged) << size;
+  }
+}
+
+// Under checksums that are in order, as a process writes them that was taken over.
+TEST_F(LoadedScene, ThatNoLoaderMakesIsRefused) {
+  constexpr float kInfinity = std::numeric_limits<float>::infinity(), kNan = std::nanf("");
+  EXPECT_EQ(error_after([](SceneDescription&) {}), "no error");
+  const std::function<void(SceneDescription&)> changes[] = {
+      [](SceneDescription& s) { s.settings.integrator = static_cast<Integrator>(4); },
+      [](SceneDescription& s) { s.settings.heuristic = static_cast<Heuristic>(-1); },
+      [](SceneDescription& s) { s.settings.filter.kind = static_cast<FilterKind>(3); },
+      [](SceneDescription& s) { s.display.tone_curve = static_cast<ToneCurve>(1 << 20); },
+      [](SceneDescription& s) { s.materials[0].sampling = static_cast<Sampling>(3); },
+      [](SceneDescription& s) { s.materials[0].model = Glass{.fresnel = static_cast<DielectricFresnel>(3)}; },
+      [](SceneDescription& s) { s.materials[0].model = Phong{.lobe = static_cast<PhongLobe>(2)}; },
+      [](SceneDescription& s) {
+        s.materials[0].model = CookTorrance{.conductor = static_cast<Conductor>(4)};
+      },
+      [](SceneDescription& s) { s.materials[0].model = CookTorrance{.masking = static_cast<Masking>(2)}; },
+      [](SceneDescription& s) { s.textures[0].wrap = static_cast<Wrap>(2); },
+      [=](SceneDescription& s) { s.textures[0].scale.x = kNan; },
+      [=](SceneDescription& s) { s.textures[0].offset.y = kInfinity; },
+      [=](SceneDescription& s) {
+        mesh_of(s).normals.assign(mesh_of(s).positions.size(), {kNan, 0, 0});
+      },
+      [=](SceneDescription& s) {
+        mesh_of(s).uvs.assign(mesh_of(s).positions.size(), {0, -kInfinity});
+      },
+  };
+  for (std::size_t i = 0; i < std::size(changes); ++i) EXPECT_EQ(error_after(changes[i]), kDamaged) << i;
+}
+
+TEST_F(LoadedScene, WithTexelsThatMakeNoImageIsRefused) {
+  using Texels = TextureImage::Texels;
+  using Format = TextureImage::Format;
+  const auto error_with = [&](Texels texels) {
+    return error_after([&](SceneDescription& scene) {
+      scene.textures[0].image = std::make_shared<TextureImage>(std::move(texels));
+    });
+  };
+  const std::vector<TextureImage::Tile> tiles(6);
+  EXPECT_EQ(error_with({9, 5, Format::kSrgbBytes, tiles, {}}), "no error");
+  EXPECT_EQ(error_with({2, 1, Format::kFloats, {}, {0, 1, 2, 3, 4, 5}}), "no error");
+  const Texels unsound[] = {
+      {13, 5, Format::kSrgbBytes, tiles, {}},
+      {9, 9, Format::kLinearBytes, tiles, {}},
+      {0, 5, Format::kSrgbBytes, {}, {}},
+      {-9, 5, Format::kSrgbBytes, tiles, {}},
+      {1 << 20, 1, Format::kSharedExponent, std::vector<TextureImage::Tile>(1 << 18), {}},
+      {9, 5, Format::kSrgbBytes, tiles, {0, 0, 0}},
+      {9, 5, static_cast<Format>(4), tiles, {}},
+      {2, 1, Format::kFloats, {}, {0, 1, 2, 3, 4}},
+      {2, 1, Format::kFloats, {}, {0, 1, 2, 3, 4, -1}},
+      {2, 1, Format::kFloats, {}, {0, 1, 2, 3, 4, std::nanf("")}},
+      {2, 1, Format::kFloats, tiles, {0, 1, 2, 3, 4, 5}}};
+  for (std::size_t i = 0; i < std::size(unsound); ++i) EXPECT_EQ(error_with(unsound[i]), kDamaged) << i;
+}
+
+// Indices of materials, textures, vertices and objects are checked where the scene is built.
+TEST_F(LoadedScene, WithIndicesOfNothingCannotBeBuilt) {
+  const std::function<void(SceneDescription&)> changes[] = {
+      [](SceneDescription& s) { mesh_of(s).triangles.at(0)[1] = 1u << 31; },
+      [](SceneDescription& s) { mesh_of(s).triangle_materials.at(0) = 1u << 30; },
+      [](SceneDescription& s) { s.materials[0].emission.texture = 1 << 30; },
+      [](SceneDescription& s) { s.materials[0].normal_map.texture = 1 << 30; },
+      [](SceneDescription& s) { s.materials[0].opacity.texture = 1 << 30; },
+      [](SceneDescription& s) {
+        s.shapes.emplace_back(InstanceDescription{1u << 30, {}, {}});
+      },
+      [](SceneDescription& s) {
+        s.shapes.emplace_back(SphereDescription{{}, 1, 1u << 30});
+      },
+      [](SceneDescription& s) { s.environment.emplace().radiance.texture = 1 << 30; }};
+  for (std::size_t i = 0; i < std::size(changes); ++i) {
+    SceneDescription scene = fingerprint_scene();
+    changes[i](scene);
+    auto read = passed(scene);
+    ASSERT_TRUE(read) << i;
+    EXPECT_FALSE(Scene::build(std::move(*read), 1)) << i;
+  }
+}
+
+// A short file cannot make its reader take much memory.
+TEST_F(LoadedScene, TakesNoMemoryForElementsThatAreNotThere) {
+  const auto huge = std::numeric_limits<std::uint64_t>::max();
+  EXPECT_EQ(error_of_index(true, huge), kDamaged);
+  EXPECT_EQ(error_of_index(std::uint8_t{2}), kDamaged);
+  EXPECT_EQ(error_of_index(), kDamaged);
+}
+
+}  // namespace
+}  // namespace tessera::core
