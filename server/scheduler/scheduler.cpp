@@ -87,7 +87,11 @@ Reply Scheduler::reply_to(Worker& worker) {
 
 void Scheduler::let_wait(Worker& worker) {
   worker.waiting = true;
-  if (worker.room() > 0) idle_waiters_.emplace(worker.sequence, worker.info.id);
+  if (worker.room() > 0) {
+    idle_waiters_.emplace(worker.sequence, worker.info.id);
+  } else {
+    idle_waiters_.erase(worker.sequence);  // from an earlier call
+  }
 }
 
 // The worker's Synchronize keeps waiting, as if it had reported the leases of this answer.
