@@ -267,6 +267,7 @@ void Coordinator::check_holders(const Event& event, const Actions& actions) {
 Actions Coordinator::handle(const Event& event) {
   const std::vector<JobView> before = jobs();
   const Actions actions = scheduler_->handle(event, clock());
+  digest_.add(event, clock(), actions);
   check_holders(event, actions);
   referee_.counted(before, jobs());
   if (const auto wrong = scheduler_->check_invariants(CheckDepth::kEverySample)) world_.fail(*wrong);

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "server/scheduler/scheduler.hpp"
+#include "tests/simulation/digest.hpp"
 #include "tests/simulation/disk.hpp"
 #include "tests/simulation/model_film.hpp"
 #include "tests/simulation/referee.hpp"
@@ -63,6 +64,7 @@ class Coordinator {
   const std::map<scheduler::JobId, std::string>& failures() const { return failures_; }
   // Whether every job is done, cancelled or failed, and the done ones have every sample exactly once.
   bool all_settled() const;
+  std::uint64_t digest() const { return digest_.value(); }
   void check_films();
 
  private:
@@ -131,6 +133,7 @@ class Coordinator {
   std::map<scheduler::JobId, scheduler::JobShape> shapes_;
   Films films_;
   Referee referee_;
+  Digest digest_;
   std::map<scheduler::JobId, std::string> failures_;
 };
 
