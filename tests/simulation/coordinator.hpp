@@ -83,6 +83,8 @@ class Coordinator {
   Time clock() const { return world_.now() + clock_error_; }
   bool delayed(const std::function<void()>& again);
   scheduler::Actions handle(const scheduler::Event& event);
+  // Lets the scheduler finish what is due, so that the next event does nothing else.
+  void catch_up();
   void restore(const Disk::StoredJob& job);
   // ---- Audits (coordinator_audits.cpp) ----
   void follow_audits(const scheduler::Actions& actions);
@@ -118,6 +120,8 @@ class Coordinator {
   Duration clock_error_{};
   Time stalled_until_{};
   std::optional<Time> next_tick_;
+  // The latest time that this scheduler was told.
+  Time latest_{};
   std::uint64_t calls_ = 0;
   std::uint64_t revisions_ = 0;
   std::map<scheduler::WorkerId, Parked> parked_;
