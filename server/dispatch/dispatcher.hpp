@@ -53,7 +53,9 @@ class Dispatcher {
   film::FilmMemory& film_memory_;
   const film::Fingerprinter& fingerprinter_;
   const LeaseSigner& signer_;
-  scheduler::Time next_check_{};  // guarded by the state lock
+  // Guarded by the state lock:
+  scheduler::Time next_check_{};
+  scheduler::CheckCursor check_cursor_;
 };
 
 }  // namespace tessera::dispatch

@@ -16,6 +16,9 @@ namespace {
 
 constexpr auto kCheckPeriod = std::chrono::seconds(1);
 
+// Jobs, leases and workers that are checked in a second.
+constexpr std::size_t kChecksAtOnce = 200;
+
 // A job may have no auditor for a moment between two leases.
 constexpr int kChecksUntilSaid = 5;
 
@@ -76,7 +79,7 @@ bool Dispatcher::tick() {
   note_workers(lock);
   lock.log_suppressed();
   note_lack_of_auditors(lock);
-  if (const auto broken = lock->scheduler.check_invariants(scheduler::CheckDepth::kCounters))
+  if (const auto broken = lock->scheduler.check_some(check_cursor_, kChecksAtOnce))
     proto::abort_with(*broken);
   return hurry;
 }

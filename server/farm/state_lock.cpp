@@ -51,6 +51,7 @@ void StateLock::apply(const scheduler::Actions& actions) {
     const scheduler::Actions next = std::move(todo.back());
     todo.pop_back();
     follow_audits(next);
+    if (!next.discarded.empty()) later([discarded = next.discarded] {});  // destroyed without the lock
     for (const scheduler::JobChange& change : next.job_changes) note_change(change);
     for (const std::string& stalled : next.stalled) log(spdlog::level::warn, stalled);
     for (const scheduler::WorkerId& worker : next.wake) {

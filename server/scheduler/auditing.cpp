@@ -40,7 +40,7 @@ Portion Scheduler::audit_copy(const Job& job, const Worker& worker) const {
 std::optional<Ruling> Scheduler::take_audit(Job& job, const SubmitResult& event, std::size_t i) {
   const WorkItem& item = event.items[i];
   std::vector<std::pair<WorkerId, WorkItem>> held_by_others;
-  for (const LeaseId id : job.audit_leases().of_tile(item.tile)) {
+  for (const LeaseId id : job.audit_leases().holding(job.audits().entry_of(item))) {
     const Lease& lease = *job.audit_leases().find(id);
     if (lease.holder == event.worker) continue;
     for (const WorkItem& held : lease.items) held_by_others.emplace_back(lease.holder, held);
@@ -92,7 +92,7 @@ void Scheduler::disprove(const Job& job, const Ruling& ruling, ProducerNumber nu
 // Single samples cannot be subtracted from a film, so the whole tile is dropped.
 void Scheduler::drop_tile(Job& job, int tile, Actions& actions) {
   std::vector<WorkerId> auditors;
-  for (const LeaseId id : job.audit_leases().of_tile(tile))
+  for (const LeaseId id : job.audit_leases().holding({tile, {0, job.shape().spp}}))
     auditors.push_back(job.audit_leases().find(id)->holder);
   tell_of_less(auditors);
   std::vector<Lease> ended;
@@ -110,21 +110,6 @@ Worker* Scheduler::on(const DropTile& event, Actions& actions) {
   return nullptr;
 }
 
-void Scheduler::distrust(const Producer& producer, Actions& actions) {
-  producers_.distrust(producer);
-  if (Worker* const worker = registry_.find(producer.worker)) end_all_leases(*worker);
-  for (auto& [number, job] : jobs_) {
-    if (job.state() == JobState::kDone) {
-      if (job.audits().has_doubtful(producers_)) actions.reopen.push_back(job.id());
-      continue;
-    }
-    for (const int tile : job.doubt(producers_)) {
-      actions.reviewed_tiles.push_back({job.id(), tile});
-      work_appeared_ = true;
-    }
-  }
-}
-
 void Scheduler::restore_producers(Job& job, const std::vector<ProducedItem>& provenance) {
   std::map<int, IntervalSet> known;
   for (const ProducedItem& each : provenance) {
@@ -133,41 +118,6 @@ void Scheduler::restore_producers(Job& job, const std::vector<ProducedItem>& pro
     if (known[item.tile].intersects(item.samples)) continue;
     known[item.tile].add(item.samples);
     job.note_producer(item, producers_.number(each.producer), each.fingerprint, each.due);
-  }
-}
-
-// Whether the job lacks nothing but audits by lot that no present worker can do. Workers that cannot build
-// the scene, or have stalled, are given the job again and again, so they are not waited for.
-bool Scheduler::cannot_progress(const Job& job) const {
-  if (!job.complete() || job.settled() || job.audits().any_doubted()) return false;
-  const auto is_no_help = [&](const Worker& worker) {
-    return worker.refused.contains(job.id()) || worker.has_stalled(job.id()) || worker.stuck;
-  };
-  const auto& leases = job.audit_leases().all();
-  const bool somebody_is_at_it = std::any_of(leases.begin(), leases.end(), [&](const auto& entry) {
-    return !is_no_help(*registry_.find(entry.second.holder));
-  });
-  return !somebody_is_at_it &&
-         std::none_of(registry_.all().begin(), registry_.all().end(), [&](const auto& entry) {
-           const Worker& worker = entry.second;
-           return worker.takes_leases() && !is_no_help(worker) && can_audit(job, worker);
-         });
-}
-
-void Scheduler::end_hopeless_waits(Actions& actions) {
-  std::vector<Job*> over;
-  for (const JobNumber number : running_) {
-    Job& job = jobs_.at(number);
-    if (!cannot_progress(job)) {
-      job.unaudited_since.reset();
-      continue;
-    }
-    if (!job.unaudited_since) job.unaudited_since = now_;
-    if (now_ - *job.unaudited_since >= options_.audit_patience) over.push_back(&job);
-  }
-  for (Job* const job : over) {
-    actions.unaudited.push_back({job->id(), job->waive_audits()});
-    become(*job, JobState::kDone, actions);
   }
 }
 

@@ -31,41 +31,47 @@ void Audits::make_due(const WorkItem& item, Due due) {
   ledger_.set_due(item.tile, item.samples.begin, due);
 }
 
-std::vector<int> Audits::doubt(const Producers& producers) {
-  std::vector<int> tiles;
-  for (int tile = 0; tile < ledger_.tile_count(); ++tile) {
-    bool any = false;
-    for (std::size_t i = 0; i < ledger_.of_tile(tile).size(); ++i) {
-      const LedgerEntry& entry = ledger_.of_tile(tile)[i];
-      if (entry.due() == Due::kDoubted || !producers.is_distrusted(producers.at(entry.producer))) continue;
-      make_due({tile, entry.samples}, Due::kDoubted);
-      any = true;
-    }
-    if (any) tiles.push_back(tile);
+bool Audits::doubt(int tile, const Producers& producers) {
+  bool any = false;
+  for (std::size_t i = 0; i < ledger_.of_tile(tile).size(); ++i) {
+    const LedgerEntry& entry = ledger_.of_tile(tile)[i];
+    if (entry.due() == Due::kDoubted || !producers.is_distrusted(producers.at(entry.producer))) continue;
+    make_due({tile, entry.samples}, Due::kDoubted);
+    any = true;
   }
-  return tiles;
+  return any;
 }
 
-bool Audits::has_doubtful(const Producers& producers) const {
-  for (int tile = 0; tile < ledger_.tile_count(); ++tile) {
-    for (const LedgerEntry& entry : ledger_.of_tile(tile)) {
-      if (entry.due() != Due::kDoubted && producers.is_distrusted(producers.at(entry.producer))) return true;
-    }
-  }
-  return false;
+bool Audits::has_doubtful(int tile, const Producers& producers) const {
+  const auto& entries = ledger_.of_tile(tile);
+  return std::any_of(entries.begin(), entries.end(), [&](const LedgerEntry& entry) {
+    return entry.due() != Due::kDoubted && producers.is_distrusted(producers.at(entry.producer));
+  });
 }
 
-std::size_t Audits::waive() {
-  std::size_t waived = 0;
-  for (int tile = 0; tile < ledger_.tile_count(); ++tile) {
-    for (const LedgerEntry& entry : ledger_.of_tile(tile)) {
-      if (entry.due() != Due::kChosen) continue;
-      forget({tile, entry.samples.begin});
-      ledger_.set_due(tile, entry.samples.begin, Due::kNo);
-      ++waived;
-    }
+// The first entries that were chosen by lot, of those that wait and those in progress.
+std::vector<Audits::Key> Audits::chosen(std::size_t most) const {
+  std::vector<Key> keys;
+  const auto add = [&](const Key& key) {
+    if (entry_at(key).due() == Due::kChosen) keys.push_back(key);
+    return keys.size() < most;
+  };
+  for (const auto& [producer, waiting] : waiting_) {
+    for (const Key& key : waiting)
+      if (!add(key)) return keys;
   }
-  return waived;
+  for (const auto& [key, attempts] : at_work_)
+    if (!add(key)) return keys;
+  return keys;
+}
+
+std::size_t Audits::waive(std::size_t most) {
+  const std::vector<Key> waived = chosen(most);
+  for (const Key& key : waived) {
+    forget(key);
+    ledger_.set_due(key.tile, key.begin, Due::kNo);
+  }
+  return waived.size();
 }
 
 void Audits::drop_tile(int tile) {
@@ -74,15 +80,6 @@ void Audits::drop_tile(int tile) {
     if (entry.due() != Due::kNo) forget({tile, entry.samples.begin});
   }
   ledger_.erase_tile(tile);
-}
-
-void Audits::clear() {
-  ledger_.clear();
-  waiting_.clear();
-  contradicted_waiting_.clear();
-  at_work_.clear();
-  claims_.clear();
-  doubted_ = 0;
 }
 
 // Removes the audits of an entry and their claims; the entry stays.
@@ -94,7 +91,26 @@ void Audits::forget(const Key& key) {
   }
   contradicted_waiting_.erase(key);
   at_work_.erase(key);
+  shareable_.erase(key);
   claims_.erase(key);
+}
+
+void Audits::erase(AtWork::iterator entry) {
+  shareable_.erase(entry->first);
+  at_work_.erase(entry);
+}
+
+IdentityNumber Audits::excluded(const Producers& producers) const {
+  if (!contradicted_waiting_.empty() || waiting_.empty()) return kNoIdentity;
+  const IdentityNumber first = producers.identity(waiting_.begin()->first);
+  const bool alike = std::all_of(waiting_.begin(), waiting_.end(), [&](const auto& waiting) {
+    return producers.identity(waiting.first) == first;
+  });
+  return alike ? first : kNoIdentity;
+}
+
+const Producer* Audits::any_waiting_producer(const Producers& producers) const {
+  return waiting_.empty() ? nullptr : &producers.at(waiting_.begin()->first);
 }
 
 bool Audits::may_audit(const Producer& worker, const Key& key, const Producers& producers) const {
@@ -125,9 +141,10 @@ bool Audits::offer(const Producer& worker, const Producers& producers,
 
 std::optional<WorkItem> Audits::copy_for(const Producer& worker, const Producers& producers,
                                          const std::function<bool(LeaseId)>& may_share) const {
-  for (const auto& [key, attempts] : at_work_) {
-    if (attempts.size() > 1 || are_one(worker, producers.at(attempts.front().auditor))) continue;
-    if (may_audit(worker, key, producers) && may_share(attempts.front().lease)) return item_at(key);
+  for (const Key& key : shareable_) {
+    const Attempt& attempt = at_work_.at(key).front();
+    if (are_one(worker, producers.at(attempt.auditor))) continue;
+    if (may_audit(worker, key, producers) && may_share(attempt.lease)) return item_at(key);
   }
   return std::nullopt;
 }
@@ -136,7 +153,11 @@ void Audits::begin(const WorkItem& item, LeaseId lease, ProducerNumber auditor) 
   const Key key = key_of(item);
   std::vector<Attempt>& attempts = at_work_[key];
   attempts.push_back({lease, auditor, {}, {}});
-  if (attempts.size() > 1) return;
+  if (attempts.size() > 1) {
+    shareable_.erase(key);
+    return;
+  }
+  shareable_.insert(key);
   contradicted_waiting_.erase(key);
   const auto waiting = waiting_.find(entry_at(key).producer);
   if (waiting == waiting_.end()) return;
@@ -152,7 +173,7 @@ void Audits::free_up(const Key& key) {
   }
 }
 
-std::map<Audits::Key, std::vector<Audits::Attempt>>::iterator Audits::at_work_on(const WorkItem& piece) {
+Audits::AtWork::const_iterator Audits::at_work_on(const WorkItem& piece) const {
   // The last entry that begins at or before these samples; entries do not overlap.
   const auto after = at_work_.upper_bound(key_of(piece));
   if (after == at_work_.begin()) return at_work_.end();
@@ -161,13 +182,26 @@ std::map<Audits::Key, std::vector<Audits::Attempt>>::iterator Audits::at_work_on
   return has ? found : at_work_.end();
 }
 
+Audits::AtWork::iterator Audits::at_work_on(const WorkItem& piece) {
+  const auto found = std::as_const(*this).at_work_on(piece);
+  return at_work_.erase(found, found);
+}
+
+WorkItem Audits::entry_of(const WorkItem& piece) const {
+  const auto found = at_work_on(piece);
+  return found == at_work_.end() ? piece : item_at(found->first);
+}
+
 void Audits::abandon(LeaseId lease, const WorkItem& piece) {
   const auto found = at_work_on(piece);
   if (found == at_work_.end()) return;
   std::erase_if(found->second, [&](const Attempt& attempt) { return attempt.lease == lease; });
-  if (!found->second.empty()) return;
-  free_up(found->first);
-  at_work_.erase(found);
+  if (found->second.empty()) {
+    free_up(found->first);
+    erase(found);
+  } else if (found->second.size() == 1) {
+    shareable_.insert(found->first);
+  }
 }
 
 std::optional<Ruling> Audits::deliver(LeaseId lease, const WorkItem& piece, const Fingerprint& fingerprint) {
@@ -179,7 +213,7 @@ std::optional<Ruling> Audits::deliver(LeaseId lease, const WorkItem& piece, cons
   attempt->sum.add(fingerprint);
   if (!attempt->rendered.contains(entry_at(key).samples)) return std::nullopt;
   const Claim claim{attempt->auditor, attempt->sum};
-  at_work_.erase(entry);
+  erase(entry);
   return rule(key, claim);
 }
 
@@ -224,6 +258,8 @@ std::optional<std::string> Audits::check() const {
   if (doubted != doubted_) return fmt::format("{} ranges are doubted, counted {}", doubted, doubted_);
   for (const auto& [key, attempts] : at_work_) {
     if (attempts.empty() || attempts.size() > 2) return fmt::format("{} are at one audit", attempts.size());
+    if (shareable_.contains(key) != (attempts.size() == 1))
+      return fmt::format("{} are at one audit, which is listed otherwise", attempts.size());
   }
   return std::nullopt;
 }

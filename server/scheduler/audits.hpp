@@ -50,15 +50,14 @@ class Audits {
 
   // ---- Samples to audit ----
   void add(const WorkItem& item, ProducerNumber producer, const Fingerprint& fingerprint, Due due);
-  // Makes all entries of distrusted producers due. Returns the tiles that have such entries.
-  std::vector<int> doubt(const Producers& producers);
-  // Whether entries of distrusted producers are not due yet.
-  bool has_doubtful(const Producers& producers) const;
-  // Cancels the audits of entries that were chosen by lot. Returns their number.
-  std::size_t waive();
-  // Removes the entries of a tile, or all of them.
+  // Makes all entries of distrusted producers in this tile due. Returns whether there were any that were not.
+  bool doubt(int tile, const Producers& producers);
+  // Whether entries of distrusted producers in this tile are not due yet.
+  bool has_doubtful(int tile, const Producers& producers) const;
+  // Cancels audits of entries that were chosen by lot, at most so many. Returns their number.
+  std::size_t waive(std::size_t most);
+  // Removes the entries of a tile.
   void drop_tile(int tile);
-  void clear();
 
   const Ledger& ledger() const { return ledger_; }
   // The pixel samples that are due.
@@ -67,6 +66,15 @@ class Audits {
   bool any_doubted() const { return doubted_ > 0; }
 
   // ---- Assignment ----
+  // Whether entries are due and not in progress.
+  bool any_waiting() const { return !waiting_.empty() || !contradicted_waiting_.empty(); }
+  // Whether some are in progress with only one auditor.
+  bool any_shareable() const { return !shareable_.empty(); }
+  // The identity that cannot audit any of the entries that wait; kNoIdentity if others cannot be told apart
+  // so simply.
+  IdentityNumber excluded(const Producers& producers) const;
+  // One of the producers of entries that wait, and are not contradicted; null if there is none.
+  const Producer* any_waiting_producer(const Producers& producers) const;
   // Offers the due entries that are not in progress to this worker, until `take` returns false. Returns
   // whether there were any.
   bool offer(const Producer& worker, const Producers& producers,
@@ -82,6 +90,8 @@ class Audits {
   // Takes samples of an item that this lease has begun. Returns a ruling after the last samples of the item,
   // which then leaves the state "in progress".
   std::optional<Ruling> deliver(LeaseId lease, const WorkItem& piece, const Fingerprint& fingerprint);
+  // The entry in progress of which the piece is a part; the piece itself if there is none.
+  WorkItem entry_of(const WorkItem& piece) const;
 
   // Checks the invariants. Returns the first violation as a sentence.
   std::optional<std::string> check() const;
@@ -106,13 +116,17 @@ class Audits {
 
   static Key key_of(const WorkItem& item) { return {item.tile, item.samples.begin}; }
   // The audits in progress of these samples, or the end.
-  std::map<Key, std::vector<Attempt>>::iterator at_work_on(const WorkItem& piece);
+  using AtWork = std::map<Key, std::vector<Attempt>>;
+  AtWork::const_iterator at_work_on(const WorkItem& piece) const;
+  AtWork::iterator at_work_on(const WorkItem& piece);
   WorkItem item_at(const Key& key) const;
   const LedgerEntry& entry_at(const Key& key) const;
   bool may_audit(const Producer& worker, const Key& key, const Producers& producers) const;
   void make_due(const WorkItem& item, Due due);
   void free_up(const Key& key);
   void forget(const Key& key);
+  void erase(AtWork::iterator entry);
+  std::vector<Key> chosen(std::size_t most) const;
   Ruling rule(const Key& key, const Claim& claim);
 
   Ledger ledger_;
@@ -120,7 +134,9 @@ class Audits {
   // among the contradicted ones.
   std::map<ProducerNumber, std::set<Key>> waiting_;
   std::set<Key> contradicted_waiting_;
-  std::map<Key, std::vector<Attempt>> at_work_;
+  AtWork at_work_;
+  // Those of them with one auditor.
+  std::set<Key> shareable_;
   // The sums of auditors that are neither confirmed nor refuted.
   std::map<Key, std::vector<Claim>> claims_;
   std::size_t doubted_ = 0;

@@ -3,6 +3,7 @@
 // must do about it (Actions). Plain values.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <set>
 #include <string>
@@ -31,6 +32,7 @@ struct WorkerInfo {
   std::string machine{};
   // The authenticated caller. Unlike ids, names and machines, a caller cannot invent it. Empty: unknown.
   std::string principal{};
+  bool operator==(const WorkerInfo&) const = default;
 };
 
 // The samples that a worker reports to be rendering at this moment.
@@ -141,7 +143,7 @@ struct RestoreJob {
 };
 
 // Samples of quarantined workers in the job must be verified: a done job runs again. See Actions::reopen. No
-// change if there is nothing to verify.
+// change if there is nothing to verify. In a large job, they are found with the events that follow.
 struct ReopenJob {
   JobId id;
 };
@@ -269,8 +271,18 @@ struct Actions {
   // it went to others; for the log.
   std::vector<std::string> stalled;
   // Workers whose last reply was not `changed` and could be now. If the call of one still waits, hand in
-  // TopUp, and answer the call if the reply is `changed`. Ignore the others.
+  // TopUp, and answer the call if the reply is `changed`. Ignore the others. If many wait, the first few are
+  // named, and others with the next events.
   std::vector<WorkerId> wake;
+  // Jobs and workers whose views have changed, besides counters of progress and what only the time changes;
+  // each once, in the order of their first change. Jobs: submitted, restored or deleted, or another shape,
+  // policy, state or failure. Workers: registered or forgotten, lost or back, draining or not, stuck or not,
+  // described differently, or a cooldown that begins or ends before its time.
+  std::vector<JobId> changed_jobs;
+  std::vector<WorkerId> changed_workers;
+  // State that nobody needs any more. To destroy it may take tens of milliseconds: let go of it where nobody
+  // waits for that, such as after releasing a lock.
+  std::vector<std::shared_ptr<const void>> discarded;
 };
 
 }  // namespace tessera::scheduler

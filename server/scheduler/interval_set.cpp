@@ -31,20 +31,35 @@ void IntervalSet::add(const IntervalSet& other) {
   for (const SampleRange& range : other.ranges_) add(range);
 }
 
+// The first range that ends after this sample.
+IntervalSet::Ranges::const_iterator IntervalSet::first_beyond(std::uint32_t sample) const {
+  return std::upper_bound(ranges_.begin(), ranges_.end(), sample,
+                          [](std::uint32_t s, const SampleRange& r) { return s < r.end; });
+}
+
 void IntervalSet::remove(SampleRange range) {
-  if (range.empty() || !intersects(range)) return;
-  std::vector<SampleRange> kept;
-  for (const SampleRange& r : ranges_) {
-    const SampleRange before{r.begin, std::min(r.end, range.begin)},
-        after{std::max(r.begin, range.end), r.end};
-    if (!before.empty()) kept.push_back(before);
-    if (!after.empty()) kept.push_back(after);
+  if (!intersects(range)) return;
+  const auto first = ranges_.begin() + (first_beyond(range.begin) - ranges_.cbegin());
+  const auto last = std::lower_bound(first, ranges_.end(), range.end,
+                                     [](const SampleRange& r, std::uint32_t end) { return r.begin < end; });
+  const SampleRange before{first->begin, range.begin}, after{range.end, std::prev(last)->end};
+  if (!before.empty() && !after.empty() && std::next(first) == last) {
+    *first = before;
+    ranges_.insert(last, after);
+    return;
   }
-  ranges_ = std::move(kept);
+  auto kept = first;
+  if (!before.empty()) *kept++ = before;
+  if (!after.empty()) *kept++ = after;
+  ranges_.erase(kept, last);
 }
 
 void IntervalSet::remove(const IntervalSet& other) {
-  for (const SampleRange& range : other.ranges_) remove(range);
+  if (empty()) return;
+  const std::uint32_t end = ranges_.back().end;
+  for (auto range = other.first_beyond(ranges_.front().begin);
+       range != other.ranges_.end() && range->begin < end; ++range)
+    remove(*range);
 }
 
 std::uint64_t IntervalSet::count() const {
@@ -54,22 +69,22 @@ std::uint64_t IntervalSet::count() const {
 }
 
 bool IntervalSet::contains(SampleRange range) const {
-  return range.empty() || std::any_of(ranges_.begin(), ranges_.end(), [&](const SampleRange& r) {
-           return r.begin <= range.begin && range.end <= r.end;
-         });
+  if (range.empty()) return true;
+  const auto found = first_beyond(range.begin);
+  return found != ranges_.end() && found->begin <= range.begin && range.end <= found->end;
 }
 
 bool IntervalSet::intersects(SampleRange range) const {
-  return !range.empty() && std::any_of(ranges_.begin(), ranges_.end(), [&](const SampleRange& r) {
-    return r.begin < range.end && range.begin < r.end;
-  });
+  if (range.empty()) return false;
+  const auto found = first_beyond(range.begin);
+  return found != ranges_.end() && found->begin < range.end;
 }
 
 IntervalSet IntervalSet::intersection(SampleRange range) const {
   IntervalSet common;
-  for (const SampleRange& r : ranges_) {
-    common.add({std::max(r.begin, range.begin), std::min(r.end, range.end)});
-  }
+  if (range.empty()) return common;
+  for (auto r = first_beyond(range.begin); r != ranges_.end() && r->begin < range.end; ++r)
+    common.ranges_.push_back({std::max(r->begin, range.begin), std::min(r->end, range.end)});
   return common;
 }
 

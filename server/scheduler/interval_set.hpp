@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A set of sample numbers as sorted, disjoint, non-adjacent half-open ranges. Meant for few ranges: every
-// operation is linear in their number.
+// A set of sample numbers as sorted, disjoint, non-adjacent half-open ranges. Queries of a range take time
+// logarithmic in the number of ranges, plus the ranges that it meets; changes move the ranges behind it.
 #pragma once
 
 #include <cstdint>
@@ -27,11 +27,14 @@ class IntervalSet {
   bool intersects(core::SampleRange range) const;
   IntervalSet intersection(core::SampleRange range) const;
 
-  const std::vector<core::SampleRange>& ranges() const { return ranges_; }
+  using Ranges = std::vector<core::SampleRange>;
+  const Ranges& ranges() const { return ranges_; }
   bool operator==(const IntervalSet&) const = default;
 
  private:
-  std::vector<core::SampleRange> ranges_;
+  Ranges::const_iterator first_beyond(std::uint32_t sample) const;
+
+  Ranges ranges_;
 };
 
 }  // namespace tessera::scheduler

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <optional>
 #include <set>
 #include <string>
@@ -19,6 +20,7 @@
 #include "server/scheduler/poison_tracker.hpp"
 #include "server/scheduler/policy.hpp"
 #include "server/scheduler/rate_meter.hpp"
+#include "server/scheduler/tile_table.hpp"
 #include "server/scheduler/types.hpp"
 #include "server/scheduler/work_list.hpp"
 
@@ -40,23 +42,38 @@ struct Refuser {
   std::string principal{};
 };
 
-// WorkerInfo::principal of the workers that can render. Losses and refusals fail a job only if three
-// principals have them, or all if there are fewer: one caller can register any number of workers.
-using Principals = std::set<std::string>;
-using FindPrincipals = std::function<Principals()>;
+// Whether every worker that could render the job, and would report it if it could not, is one of these: by
+// WorkerInfo::principal or by name. Losses and refusals fail a job only if three principals have them, or
+// all if there are fewer: one caller can register any number of workers.
+using AreAll = std::function<bool(const std::set<std::string>&)>;
 
 // How a job is served.
 struct SchedulingPolicy {
   int priority = 0;
   // The limit on workers that hold leases of it at once; 0 for none.
   std::uint32_t max_workers = 0;
+  bool operator==(const SchedulingPolicy&) const = default;
+};
+
+// What is left of a run that has ended. May take long to destroy.
+struct EndedRun {
+  RunNumber number = 0;
+  LeaseTable leases{}, audit_leases{};
+  std::map<WorkerId, int> lease_counts{};
+  std::set<LeaseId> copyable{};
+  std::set<WorkerId> stalled_workers{};
+  // The workers that could not build the scene.
+  std::set<WorkerId> refusers{};
 };
 
 class Job {
  public:
-  // A new or a stored job. `done`: the samples that are done, by tile; empty: none.
-  Job(JobId id, JobShape shape, SchedulingPolicy policy, JobState state, std::vector<IntervalSet> done);
+  // A new or a stored job. `done`: the samples that are done, by tile; empty: none. Takes no time that
+  // depends on the size of a new job.
+  Job(JobNumber number, JobId id, JobShape shape, SchedulingPolicy policy, JobState state,
+      const std::vector<IntervalSet>& done);
 
+  JobNumber number() const { return number_; }
   const JobId& id() const { return id_; }
   const JobShape& shape() const { return shape_; }
   const SchedulingPolicy& policy() const { return policy_; }
@@ -65,6 +82,10 @@ class Job {
   JobState state() const { return state_; }
   // The only function that changes the state. The transition must be valid (job_state.hpp).
   void become(JobState to);
+  RunNumber run() const { return run_; }
+  // Ends the run, with all leases, and begins another. The caller revokes what is returned. The job must be
+  // about to end, or lack nothing.
+  EndedRun begin_run(RunNumber next);
 
   // Why the job failed; empty unless it has.
   std::string failure;
@@ -80,7 +101,7 @@ class Job {
   bool settled() const { return complete() && to_verify() == 0; }
   std::uint64_t pixel_samples(const WorkItem& item) const;
 
-  const IntervalSet& done(int tile) const { return done_[static_cast<std::size_t>(tile)]; }
+  const IntervalSet& done(int tile) const { return done_[tile]; }
   // The leases of missing samples.
   const LeaseTable& leases() const { return leases_; }
   // The leases of audits.
@@ -89,12 +110,11 @@ class Job {
   const Lease* find_lease(LeaseId id) const;
   std::size_t lease_count() const { return leases_.all().size() + audit_leases_.all().size(); }
   // The workers that hold leases of either kind.
-  std::size_t holder_count() const;
-  bool is_holder(const WorkerId& worker) const {
-    return leases_.is_holder(worker) || audit_leases_.is_holder(worker);
-  }
-  // Whether the limit on workers allows a lease for this worker.
+  std::size_t holder_count() const { return lease_counts_.size(); }
+  bool is_holder(const WorkerId& worker) const { return lease_counts_.contains(worker); }
+  // Whether the limit on workers allows a lease for this worker, and for one that holds none.
   bool may_be_leased_to(const WorkerId& worker) const;
+  bool may_have_another_holder() const;
   // The pixel samples in audit leases.
   std::uint64_t auditing() const { return auditing_count_; }
 
@@ -109,6 +129,8 @@ class Job {
   Portion next_copies(std::uint64_t samples) const;
   // next_copies() was empty: it is not searched again until a lease changes.
   void note_no_copies() { copyable_.clear(); }
+  // Whether there may be copies, of leases of either kind.
+  bool may_have_copies() const { return !copyable_.empty() || audits_.any_shareable(); }
   // Audits for this worker; as a copy, those that one other worker has in progress.
   Portion next_audits(std::uint64_t samples, bool holds_nothing, const Producer& worker,
                       const Producers& producers) const;
@@ -122,8 +144,6 @@ class Job {
   void acknowledge(LeaseId id);
   // Ends a lease, which must exist, in a final state. Samples that no other lease has become free.
   Lease end_lease(LeaseId id, LeaseState to);
-  // Revokes all leases.
-  std::vector<Lease> end_all_leases();
 
   // ---- Results ----
 
@@ -147,31 +167,39 @@ class Job {
                               std::vector<Lease>& ended);
   // Marks all samples of the tile as missing.
   void drop_tile(int tile, std::vector<Lease>& ended);
-  std::vector<int> doubt(const Producers& producers) { return audits_.doubt(producers); }
-  std::size_t waive_audits() { return audits_.waive(); }
-  void forget_producers() { audits_.clear(); }
-  // Since when the job lacks nothing but audits that no worker can do.
-  std::optional<Time> unaudited_since;
+  bool doubt(int tile, const Producers& producers) { return audits_.doubt(tile, producers); }
+  // Cancels audits that were chosen by lot, at most so many, and returns how many of the job it has
+  // cancelled.
+  std::size_t waive_audits(std::size_t most) { return waived_ += audits_.waive(most); }
+  // Forgets the producers. Returns what was known of them, which may take long to destroy.
+  Audits take_audits();
 
   // ---- Losses and refusals ----
 
   // Counts the death of an ended lease's holder. Returns the message with which to fail the job, if this is
   // one death too many and nobody else holds the samples.
-  std::optional<std::string> strike(const Lease& lease, const Loss& loss, const FindPrincipals& present);
+  std::optional<std::string> strike(const Lease& lease, const Loss& loss, const AreAll& principals);
   // The same for a worker that is stuck in these samples, as far as they are missing.
   std::optional<std::string> strike(const std::vector<WorkItem>& items, const Loss& loss,
-                                    const FindPrincipals& present);
+                                    const AreAll& principals);
   // The message with which to fail the job, if no sample of it was ever accepted, nobody holds any of it, and
   // workers of three names were stuck in different ranges of it.
-  std::optional<std::string> nobody_gets_on(const FindPrincipals& present) const;
+  std::optional<std::string> nobody_gets_on(const AreAll& principals) const;
   // Counts a worker that cannot build the scene. Returns the message with which to fail the job, if this
-  // happened three times in a row, with workers of three names, or of all names that are `present` and every
-  // worker that holds a lease.
+  // happened three times in a row, with workers of three names, or of all names and every worker that holds a
+  // lease.
   std::optional<std::string> decline_reason(const Refuser& refuser, const std::string& why,
-                                            const std::set<std::string>& present,
-                                            const FindPrincipals& principals);
+                                            const AreAll& names, const AreAll& principals);
   // The worker was not lost: one that was presumed dead is alive, or one that was stuck goes on.
   void withdraw_strikes(const WorkerId& worker, LossKind kind);
+  // Whether there may be strikes for a loss of this worker.
+  bool may_have_strikes_of(const WorkerId& worker) const { return poison_.may_name(worker); }
+  // Contains every worker whose leases of it have stalled in this run, and that has delivered nothing since;
+  // may contain others.
+  const std::set<WorkerId>& stalled_workers() const { return stalled_workers_; }
+  void note_stalled(const WorkerId& worker) { stalled_workers_.insert(worker); }
+  void note_progress(const WorkerId& worker) { stalled_workers_.erase(worker); }
+  void note_refuser(const WorkerId& worker) { refusers_of_run_.insert(worker); }
 
   void extend(std::uint32_t spp);
 
@@ -185,8 +213,10 @@ class Job {
 
   // Whether a lease has samples that a second worker could be given. Slow; for invariant checks.
   bool has_copies_to_give() const;
-  // See CheckDepth.
-  std::optional<std::string> check(bool every_sample) const;
+  // The invariants of its counters, of one lease, and of every sample.
+  std::optional<std::string> check() const;
+  std::optional<std::string> check_lease(const Lease& lease) const;
+  std::optional<std::string> check_samples() const;
 
  private:
   IntervalSet free_of(const WorkItem& item) const;
@@ -199,14 +229,13 @@ class Job {
   void lease_audit(Lease lease);
   Lease end_audit(LeaseId id, LeaseState to);
   void trim_audits(const WorkItem& item, std::vector<Lease>& ended);
-  std::optional<std::string> verdict_on(const WorkItem& item, const FindPrincipals& present) const;
+  std::optional<std::string> verdict_on(const WorkItem& item, const AreAll& principals) const;
   std::optional<std::string> check_tile(int tile) const;
-  std::optional<std::string> check_counts() const;
   std::size_t workers_beyond_limit() const;
-  void note_ended_lease();
-  std::optional<std::string> check_leases() const;
+  void note_ended_lease(const Lease& lease);
   std::optional<std::string> check_audits() const;
 
+  const JobNumber number_;
   JobId id_;
   JobShape shape_;
   core::TileGrid grid_;
@@ -214,10 +243,13 @@ class Job {
   // Workers beyond a lowered limit that still hold leases.
   std::size_t tolerated_workers_ = 0;
   JobState state_;
+  RunNumber run_ = 0;
 
-  std::vector<IntervalSet> done_;
+  TileTable<IntervalSet> done_;
   WorkList work_;
   LeaseTable leases_, audit_leases_;
+  // Leases of either kind by holder, without zeros.
+  std::map<WorkerId, int> lease_counts_;
   Audits audits_;
   PoisonTracker poison_;
   // Workers with different names that were stuck in any samples; cleared with the first accepted sample.
@@ -225,8 +257,11 @@ class Job {
   // Consecutive refusals and the names of their workers; cleared with every accepted sample.
   int refusals_ = 0;
   std::set<std::string> refusers_;
-  Principals refusing_principals_;
+  std::set<std::string> refusing_principals_;
   std::set<WorkerId> refusing_workers_;
+  // Of this run.
+  std::set<WorkerId> stalled_workers_, refusers_of_run_;
+  std::size_t waived_ = 0;
   // Contains every lease with samples that nobody else holds; may contain others.
   std::set<LeaseId> copyable_;
 

@@ -67,7 +67,7 @@ Lease Job::end_audit(LeaseId id, LeaseState to) {
     auditing_count_ -= pixel_samples(item);
     audits_.abandon(id, item);
   }
-  note_ended_lease();
+  note_ended_lease(lease);
   return lease;
 }
 
@@ -81,29 +81,33 @@ std::optional<Ruling> Job::audit(LeaseId lease, const WorkItem& item, const Fing
                                  std::vector<Lease>& ended) {
   poison_.clear(item);
   auditing_count_ -= pixel_samples(item);
-  if (auto emptied = audit_leases_.trim(lease, item)) ended.push_back(std::move(*emptied));
+  if (auto emptied = audit_leases_.trim(lease, item)) {
+    note_ended_lease(*emptied);
+    ended.push_back(std::move(*emptied));
+  }
   std::optional<Ruling> ruling = audits_.deliver(lease, item, fingerprint);
   if (ruling) trim_audits(ruling->item, ended);  // also from leases of other auditors
-  note_ended_lease();
   return ruling;
 }
 
 void Job::trim_audits(const WorkItem& item, std::vector<Lease>& ended) {
-  for (const LeaseId id : audit_leases_.of_tile(item.tile)) {
+  for (const LeaseId id : audit_leases_.holding(item)) {
     for (const WorkItem& held : audit_leases_.find(id)->items) {
       if (lies_in(held, item)) auditing_count_ -= pixel_samples(held);
     }
   }
-  for (Lease& lease : audit_leases_.trim(item)) ended.push_back(std::move(lease));
+  for (Lease& lease : audit_leases_.trim(item)) {
+    note_ended_lease(lease);
+    ended.push_back(std::move(lease));
+  }
 }
 
 void Job::drop_tile(int tile, std::vector<Lease>& ended) {
   const WorkItem whole{tile, {0, shape_.spp}};
-  IntervalSet& done = done_[static_cast<std::size_t>(tile)];
+  IntervalSet& done = done_.mutable_at(tile);
   done_count_ -= done.count() * grid_.rect(tile).pixel_count();
   done = {};
   trim_audits(whole, ended);
-  note_ended_lease();
   audits_.drop_tile(tile);
   work_.put_back(whole);
 }

@@ -8,7 +8,7 @@
 
 namespace tessera::scheduler {
 
-std::optional<std::string> Job::check(bool every_sample) const {
+std::optional<std::string> Job::check() const {
   if (done_count_ > total_) return fmt::format("{} samples done of {}", done_count_, total_);
   if (done_count_ + leased_count_ > total_) {
     return fmt::format("{} samples done and {} leased of {}", done_count_, leased_count_, total_);
@@ -19,33 +19,24 @@ std::optional<std::string> Job::check(bool every_sample) const {
   }
   if (state_ == JobState::kDone && !complete())
     return fmt::format("done, but lacks {} samples", total_ - done_count_);
-  if (state_ == JobState::kDone && to_verify() > 0)
-    return fmt::format("done, but has {} samples to verify", to_verify());
-  if (state_ == JobState::kRunning && settled()) return "lacks nothing, but is not done";
   if (state_ != JobState::kRunning && state_ != JobState::kPaused && lease_count() > 0) {
     return fmt::format("{}, but has {} leases", job_state_name(state_), lease_count());
   }
-  if (const auto wrong = check_leases()) return wrong;
-  return every_sample ? check_counts() : std::nullopt;
+  return std::nullopt;
 }
 
-std::optional<std::string> Job::check_leases() const {
-  const auto check = [this](const LeaseTable& leases, bool of_done) -> std::optional<std::string> {
-    for (const auto& [id, lease] : leases.all()) {
-      if (lease.items.empty()) return fmt::format("lease {} holds nothing", id.value);
-      if (!is_live(lease.state))
-        return fmt::format("lease {} is {}, but has not ended", id.value, lease_state_name(lease.state));
-      for (const WorkItem& item : lease.items) {
-        if (!has(item)) return fmt::format("lease {} holds samples that are not of the job", id.value);
-        const bool wrong =
-            of_done ? !done(item.tile).contains(item.samples) : done(item.tile).intersects(item.samples);
-        if (wrong) return fmt::format("lease {} holds {} samples", id.value, of_done ? "missing" : "done");
-      }
-    }
-    return std::nullopt;
-  };
-  const auto wrong = check(leases_, false);
-  return wrong ? wrong : check(audit_leases_, true);
+std::optional<std::string> Job::check_lease(const Lease& lease) const {
+  const std::uint64_t id = lease.id.value;
+  if (lease.items.empty()) return fmt::format("lease {} holds nothing", id);
+  if (!is_live(lease.state))
+    return fmt::format("lease {} is {}, but has not ended", id, lease_state_name(lease.state));
+  for (const WorkItem& item : lease.items) {
+    if (!has(item)) return fmt::format("lease {} holds samples that are not of the job", id);
+    const bool wrong =
+        lease.auditor ? !done(item.tile).contains(item.samples) : done(item.tile).intersects(item.samples);
+    if (wrong) return fmt::format("lease {} holds {} samples", id, lease.auditor ? "missing" : "done");
+  }
+  return std::nullopt;
 }
 
 // The ledger covers only done samples, and every entry that is due waits for an auditor or has one.
@@ -76,7 +67,7 @@ bool Job::has_copies_to_give() const {
                      [&](const auto& entry) { return has_copies(entry.second); });
 }
 
-std::optional<std::string> Job::check_counts() const {
+std::optional<std::string> Job::check_samples() const {
   std::uint64_t done_count = 0, leased_count = 0;
   for (int tile = 0; tile < grid_.tile_count(); ++tile) {
     if (const auto wrong = check_tile(tile)) return fmt::format("tile {}: {}", tile, *wrong);
@@ -87,6 +78,15 @@ std::optional<std::string> Job::check_counts() const {
   if (done_count != done_count_) return fmt::format("{} samples done, counted {}", done_count, done_count_);
   if (leased_count != leased_count_)
     return fmt::format("{} samples leased, counted {}", leased_count, leased_count_);
+  std::set<WorkerId> holders;
+  for (const auto& [id, lease] : leases_.all()) {
+    holders.insert(lease.holder);
+    if (has_copies(lease) && !copyable_.contains(id))
+      return fmt::format("lease {} has samples to copy, but is not offered", id.value);
+  }
+  for (const auto& [id, lease] : audit_leases_.all()) holders.insert(lease.holder);
+  if (holders.size() != holder_count())
+    return fmt::format("{} workers hold leases, counted {}", holders.size(), holder_count());
   return check_audits();
 }
 
@@ -101,7 +101,7 @@ std::optional<std::string> Job::check_tile(int tile) const {
     return fmt::format("samples from {} on are neither done, nor leased, nor free", lost.ranges()[0].begin);
   }
   IntervalSet once, twice;
-  for (const LeaseId id : leases_.of_tile(tile)) {
+  for (const LeaseId id : leases_.holding({tile, {0, shape_.spp}})) {
     for (const WorkItem& item : leases_.find(id)->items) {
       if (item.tile != tile) continue;
       if (twice.intersects(item.samples)) return "leased three times";
@@ -109,6 +109,8 @@ std::optional<std::string> Job::check_tile(int tile) const {
       once.add(item.samples);
     }
   }
+  if (once != leases_.leased(tile) || twice != leases_.leased_twice(tile))
+    return "other samples are leased than those of its leases";
   return std::nullopt;
 }
 

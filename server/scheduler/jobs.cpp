@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "server/scheduler/changes.hpp"
 #include "server/scheduler/scheduler.hpp"
 
 namespace tessera::scheduler {
@@ -33,7 +34,8 @@ core::Status Scheduler::may_add(const JobId& id, const JobShape& shape) const {
 
 Worker* Scheduler::on(const SubmitJob& event, Actions& actions) {
   actions.status = may_add(event.id, event.shape);
-  if (actions.status) add(event.id, event.shape, {event.priority, event.max_workers}, JobState::kRunning, {});
+  if (actions.status)
+    add(event.id, event.shape, {event.priority, event.max_workers}, JobState::kRunning, {}, actions);
   return nullptr;
 }
 
@@ -46,20 +48,21 @@ Worker* Scheduler::on(const RestoreJob& event, Actions& actions) {
   }
   if (!actions.status) return nullptr;
 
-  Job& job = add(event.id, event.shape, {event.priority, event.max_workers}, event.state, event.done);
+  Job& job =
+      add(event.id, event.shape, {event.priority, event.max_workers}, event.state, event.done, actions);
   job.failure = event.failure;
   restore_producers(job, event.provenance);
-  if (event.state == JobState::kRunning && job.settled()) become(job, JobState::kDone, actions);
-  if (event.state == JobState::kDone && !job.settled()) become(job, JobState::kRunning, actions);
+  if (event.state == JobState::kRunning && settled(job)) become(job, JobState::kDone, actions);
+  if (event.state == JobState::kDone && !settled(job)) become(job, JobState::kRunning, actions);
   return nullptr;
 }
 
 Worker* Scheduler::on(const ReopenJob& event, Actions& actions) {
   Job* const job = find_or_refuse(event.id, actions);
   if (job == nullptr) return nullptr;
-  for (const int tile : job->doubt(producers_)) actions.reviewed_tiles.push_back({event.id, tile});
   work_appeared_ = true;
-  if (job->state() == JobState::kDone && !job->settled()) become(*job, JobState::kRunning, actions);
+  reviews_.add(job->number());
+  review_jobs(actions);
   return nullptr;
 }
 
@@ -99,12 +102,17 @@ Worker* Scheduler::on(const FailJob& event, Actions& actions) {
 Worker* Scheduler::on(const DeleteJob& event, Actions& actions) {
   Job* const job = find_or_refuse(event.id, actions);
   if (job == nullptr) return nullptr;
-  end_all_leases(*job);
-  forget_worker_notes(event.id);
-  const auto number = job_numbers_.find(event.id);
-  running_.erase(number->second);
-  jobs_.erase(number->second);
-  job_numbers_.erase(number);
+  note_change(actions.changed_jobs, event.id);
+  end_run(*job, actions);
+  const JobNumber number = job->number();
+  runs_.erase(job->run());
+  touched_.erase(number);
+  work_.remove(number);
+  audit_waits_.leave(number);
+  reviews_.remove(number);
+  job_numbers_.erase(event.id);
+  auto deleted = jobs_.extract(number);
+  actions.discarded.push_back(std::make_shared<decltype(deleted)>(std::move(deleted)));
   return nullptr;
 }
 
@@ -123,6 +131,7 @@ Worker* Scheduler::on(const ExtendJob& event, Actions& actions) {
                                             event.id.value, job->shape().spp, event.spp));
     return nullptr;
   }
+  if (event.spp > job->shape().spp) note_change(actions.changed_jobs, event.id);
   job->extend(event.spp);
   work_appeared_ = true;
   if (job->state() == JobState::kDone && !job->complete()) become(*job, JobState::kRunning, actions);
@@ -140,15 +149,22 @@ Worker* Scheduler::on(const UpdateJob& event, Actions& actions) {
                                event.id.value, job_state_name(job->state())));
     return nullptr;
   }
-  job->set_policy({event.priority.value_or(job->policy().priority),
-                   event.max_workers.value_or(job->policy().max_workers)});
+  const SchedulingPolicy policy{event.priority.value_or(job->policy().priority),
+                                event.max_workers.value_or(job->policy().max_workers)};
+  if (policy != job->policy()) note_change(actions.changed_jobs, event.id);
+  job->set_policy(policy);
   work_appeared_ = true;
   return nullptr;
 }
 
 Job* Scheduler::find(const JobId& id) {
   const auto found = job_numbers_.find(id);
-  return found == job_numbers_.end() ? nullptr : &jobs_.at(found->second);
+  return found == job_numbers_.end() ? nullptr : &at(found->second);
+}
+
+Job& Scheduler::at(JobNumber number) {
+  touched_.insert(number);
+  return jobs_.at(number);
 }
 
 const Job* Scheduler::find(const JobId& id) const {
@@ -165,12 +181,16 @@ Job* Scheduler::find_or_refuse(const JobId& id, Actions& actions) {
 }
 
 Job& Scheduler::add(const JobId& id, const JobShape& shape, const SchedulingPolicy& policy, JobState state,
-                    std::vector<IntervalSet> done) {
+                    const std::vector<IntervalSet>& done, Actions& actions) {
   const JobNumber number = ++last_job_number_;
   job_numbers_.emplace(id, number);
-  if (state == JobState::kRunning) running_.insert(number);
+  jobs_.try_emplace(number, number, id, shape, policy, state, done);
+  Job& job = at(number);
+  job.begin_run(++last_run_number_);
+  runs_.emplace(job.run(), number);
   work_appeared_ = true;
-  return jobs_.try_emplace(number, id, shape, policy, state, std::move(done)).first->second;
+  note_change(actions.changed_jobs, id);
+  return job;
 }
 
 void Scheduler::become(Job& job, JobState to, Actions& actions) {
@@ -183,20 +203,17 @@ void Scheduler::become(Job& job, JobState to, Actions& actions) {
     return;
   }
   job.become(to);
+  touched_.insert(job.number());
   actions.job_changes.push_back({job.id(), from, to});
-  const JobNumber number = job_numbers_.at(job.id());
+  note_change(actions.changed_jobs, job.id());
   if (to == JobState::kRunning) {
-    running_.insert(number);
     work_appeared_ = true;
-    if (job.settled()) become(job, JobState::kDone, actions);
+    if (settled(job)) become(job, JobState::kDone, actions);
     return;
   }
-  running_.erase(number);
-  job.unaudited_since.reset();
   if (to == JobState::kPaused) return;
-  end_all_leases(job);
-  if (!takes_results(to)) job.forget_producers();
-  forget_worker_notes(job.id());
+  end_run(job, actions);
+  if (!takes_results(to)) actions.discarded.push_back(std::make_shared<Audits>(job.take_audits()));
 }
 
 void Scheduler::fail(Job& job, const std::string& failure, Actions& actions) {
@@ -204,16 +221,17 @@ void Scheduler::fail(Job& job, const std::string& failure, Actions& actions) {
   become(job, JobState::kFailed, actions);
 }
 
-void Scheduler::forget_worker_notes(const JobId& job) {
-  for (auto& [id, worker] : registry_.all()) {
-    worker.speed.erase(job);
-    worker.refused.erase(job);
-    worker.efforts.erase(job);
+void Scheduler::refresh_indexes() {
+  for (const JobNumber number : touched_) {
+    const Job& job = jobs_.at(number);
+    work_.update(job, producers_);
+    if (lacks_only_lots(job)) {
+      audit_waits_.enter(number);
+    } else {
+      audit_waits_.leave(number);
+    }
   }
-}
-
-void Scheduler::end_all_leases(Job& job) {
-  for (const Lease& lease : job.end_all_leases()) forget_lease(job, lease);
+  touched_.clear();
 }
 
 }  // namespace tessera::scheduler

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The leases of one job: which worker renders which samples. Keeps the missing samples of each lease, and
-// answers which samples of a tile are leased. Not thread-safe.
+// answers which samples of a tile are leased, and by which leases, in time logarithmic in their number. Not
+// thread-safe.
 #pragma once
 
 #include <map>
@@ -34,11 +35,7 @@ class LeaseTable {
   const std::map<LeaseId, Lease>& all() const { return leases_; }
   const Lease* find(LeaseId id) const;
 
-  // The workers that hold at least one lease.
-  std::size_t holder_count() const { return lease_counts_.size(); }
-  bool is_holder(const WorkerId& worker) const { return lease_counts_.contains(worker); }
-
-  // The id must be new, and the items must not be empty.
+  // The id must be new, and the items must not be empty. No sample may be in more than two leases.
   void insert(Lease lease);
   // The lease's holder has reported it. It must exist; no change if it is held already.
   void acknowledge(LeaseId id);
@@ -50,24 +47,36 @@ class LeaseTable {
   // The same for one lease.
   std::optional<Lease> trim(LeaseId id, const WorkItem& done);
 
-  // The leased samples of a tile, of all leases or of all but one.
-  IntervalSet leased(int tile) const { return leased_by_others(tile, LeaseId{}); }
-  IntervalSet leased_by_others(int tile, LeaseId but) const;
-  // The leases with items of this tile, in no particular order.
-  const std::vector<LeaseId>& of_tile(int tile) const;
+  // The samples of a tile that are in any lease, and those that are in two. Valid until the table changes.
+  const IntervalSet& leased(int tile) const;
+  const IntervalSet& leased_twice(int tile) const;
+  // The leases that have any of these samples, oldest first.
+  std::vector<LeaseId> holding(const WorkItem& item) const;
 
  private:
+  // A part of a lease, as one of its items.
+  struct Part {
+    core::SampleRange samples;
+    LeaseId lease;
+  };
+  struct Tile {
+    // In the order of their first samples.
+    std::vector<Part> parts;
+    // No part has more samples.
+    std::uint32_t longest = 0;
+    IntervalSet once, twice;
+  };
+
   // The only function that changes a lease's state.
   static void become(Lease& lease, LeaseState to);
-  void drop_from_tile(int tile, LeaseId id);
-  // Removes a lease that has no items left in by_tile_.
+  void enter(const WorkItem& item, LeaseId id);
+  void remove(const WorkItem& item, LeaseId id);
   Lease extract(LeaseId id, LeaseState to);
+  const Tile& at(int tile) const;
 
   std::map<LeaseId, Lease> leases_;
-  // Leases by holder, without zeros.
-  std::map<WorkerId, int> lease_counts_;
-  // Contains each lease once for every tile of its items. Never iterated, so its order does not matter.
-  std::unordered_map<int, std::vector<LeaseId>> by_tile_;
+  // The tiles with leases. Never iterated, so its order does not matter.
+  std::unordered_map<int, Tile> tiles_;
 };
 
 }  // namespace tessera::scheduler

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "server/scheduler/changes.hpp"
 #include "server/scheduler/scheduler.hpp"
 
 namespace tessera::scheduler {
@@ -15,7 +16,12 @@ constexpr Duration kPunctuality = std::chrono::seconds(1);
 
 Worker* Scheduler::on(const Synchronize& event, Actions& actions) {
   withdraw_strikes_if_lost(event.worker.id);
+  const Worker* const known = registry_.find(event.worker.id);
+  const bool is_visible = known == nullptr || known->info != event.worker ||
+                          known->state() != (event.draining ? WorkerState::kDraining : WorkerState::kPresent);
+  if (is_visible) note_change(actions.changed_workers, event.worker.id);
   Worker& worker = registry_.heartbeat(event, now_);
+  waiting_.leave(worker);
   producers_.introduce(worker.producer());
   settle_reported(worker);
   look_after_stuck(worker, actions);
@@ -49,7 +55,7 @@ void Scheduler::settle_reported(Worker& worker) {
   for (const HeldLease& held : std::vector<HeldLease>(worker.leases)) {
     // The worker has dropped leases that it reported before and does not report now. It may not have received
     // leases that it never reported.
-    Job& job = *find(held.job);
+    Job& job = at(held.number);
     if (worker.reported.contains(held.id)) {
       job.acknowledge(held.id);
     } else if (worker.state() == WorkerState::kDraining ||
@@ -77,109 +83,15 @@ void Scheduler::adopt(Worker& worker, const LeaseDescription& reported) {
   work_appeared_ = true;
 }
 
-void Scheduler::top_up(Worker& worker) {
-  while (worker.room() > 0 && grant_free(worker, false)) {
-  }
-  // Copies are only for workers without other work. Jobs whose scene the worker could not build come last, or
-  // it would be given nothing else.
-  if (worker.room() <= 0 || !worker.leases.empty()) return;
-  if (!grant_copy(worker)) grant_free(worker, true);
-}
-
-int Scheduler::sharers(const Job& job) const {
-  const int active = registry_.active_count();
-  const std::uint32_t most = job.policy().max_workers;
-  return most == 0 || most > static_cast<std::uint32_t>(active) ? active : static_cast<int>(most);
-}
-
-bool Scheduler::grant_free(Worker& worker, bool also_refused) {
-  std::vector<Job*> candidates;
-  for (const JobNumber number : running_) {
-    Job& job = jobs_.at(number);
-    const bool has_work = job.free() > 0 || can_audit(job, worker);
-    const bool buildable = also_refused || !has_refused_lately(worker, job);
-    if (has_work && buildable && may_take(worker, job)) candidates.push_back(&job);
-  }
-  if (candidates.empty()) return false;
-  Job& job = *candidates[choose_job(snapshots(candidates))];
-  const std::uint64_t available = job.free() + job.to_verify();
-  const std::uint64_t samples =
-      next_lease_samples(options_.sizing, worker.snapshot(job.id()), available, sharers(job));
-  Portion portion;
-  if (can_audit(job, worker))
-    portion = job.next_audits(samples, worker.leases.empty(), worker.producer(), producers_);
-  if (portion.items.empty()) portion = job.next_free(samples, worker.leases.empty());
-  // Items that must be leased alone wait for the first idle worker.
-  if (portion.items.empty()) return false;
-  grant(worker, job, std::move(portion));
-  return true;
-}
-
-// Near the end of a job, the items that have been held for longest are leased a second time, and the first
-// result wins.
-bool Scheduler::grant_copy(Worker& worker) {
-  std::vector<Job*> candidates;
-  for (const JobNumber number : running_) {
-    Job& job = jobs_.at(number);
-    const bool buildable = !has_refused_lately(worker, job);
-    const bool has_leases = job.leased() + job.auditing() > 0;
-    if (has_leases && buildable && may_take(worker, job)) candidates.push_back(&job);
-  }
-  while (!candidates.empty()) {
-    const std::size_t chosen = choose_job(snapshots(candidates));
-    Job& job = *candidates[chosen];
-    const std::uint64_t samples =
-        next_lease_samples(options_.sizing, worker.snapshot(job.id()), job.leased(), sharers(job));
-    Portion portion = job.next_copies(samples);
-    if (portion.items.empty()) job.note_no_copies();
-    if (portion.items.empty()) portion = audit_copy(job, worker);
-    if (!portion.items.empty()) {
-      grant(worker, job, std::move(portion));
-      return true;
-    }
-    candidates.erase(candidates.begin() + static_cast<std::ptrdiff_t>(chosen));
-  }
-  return false;
-}
-
-void Scheduler::grant(Worker& worker, Job& job, Portion portion) {
-  ++last_lease_id_.value;
-  job.last_served = ++servings_;
-  charge(job, portion);
-  Lease lease{last_lease_id_, worker.info.id, std::move(portion.items), portion.alone};
-  if (portion.audit) lease.auditor = producers_.number(worker.producer());
-  enter_lease(worker, job, std::move(lease));
-}
-
-// A job that was paused or had no work gets no credit: its virtual time continues from that of the others.
-void Scheduler::charge(Job& job, const Portion& portion) {
-  std::uint64_t samples = 0;
-  for (const WorkItem& item : portion.items) samples += job.pixel_samples(item);
-  virtual_time_ = std::max(virtual_time_, job.virtual_finish);
-  job.virtual_finish = virtual_time_ + static_cast<double>(samples) * cost_of(options_.sizing, job.cost);
-}
-
 void Scheduler::enter_lease(Worker& worker, Job& job, Lease lease) {
-  Effort& effort = worker.efforts[job.id()];
-  const bool resumes = effort.gave_back && now_ - *effort.gave_back < options_.lease_duration;
-  if (!resumes && !worker.holds_any_of(job.id())) effort.no_progress_since = now_;
+  Effort& known = effort(worker, job);
+  const bool resumes = known.gave_back && now_ - *known.gave_back < options_.lease_duration;
+  if (!resumes && !worker.holds_any_of(job.number())) known.no_progress_since = now_;
   live_leases_.insert(lease.id);
-  worker.leases.push_back({lease.id, job.id(), lease.alone});
+  worker.leases.push_back({lease.id, job.id(), job.number(), job.run(), lease.alone});
+  waiting_.update(worker);
   job.lease(std::move(lease));
-}
-
-std::vector<JobSnapshot> Scheduler::snapshots(const std::vector<Job*>& jobs) const {
-  std::vector<JobSnapshot> snapshots;
-  for (const Job* job : jobs) {
-    snapshots.push_back(
-        {job->policy().priority, std::max(virtual_time_, job->virtual_finish), job->last_served});
-  }
-  return snapshots;
-}
-
-bool Scheduler::has_refused_lately(const Worker& worker, const Job& job) const {
-  const auto refused = worker.refused.find(job.id());
-  return refused != worker.refused.end() && now_ < refused->second + options_.lease_duration;
+  touched_.insert(job.number());
 }
 
 Lease Scheduler::end_lease(Job& job, LeaseId id, LeaseState to) {
@@ -191,12 +103,13 @@ Lease Scheduler::end_lease(Job& job, LeaseId id, LeaseState to) {
 
 void Scheduler::end_all_leases(Worker& worker) {
   worker.wanted_leases = 0;
+  revoke_ended(worker);
   for (const HeldLease& held : std::vector<HeldLease>(worker.leases))
-    end_lease(*find(held.job), held.id, LeaseState::kRevoked);
+    end_lease(at(held.number), held.id, LeaseState::kRevoked);
 }
 
 void Scheduler::lose_lease(const Worker& worker, const HeldLease& held, Actions& actions) {
-  Job& job = *find(held.job);
+  Job& job = at(held.number);
   const bool heard_of = worker.reported.contains(held.id);
   const Lease lease = end_lease(job, held.id, LeaseState::kExpired);
   // The death counts against the lease's samples only if the worker had the lease and the scheduler is on
@@ -205,29 +118,47 @@ void Scheduler::lose_lease(const Worker& worker, const HeldLease& held, Actions&
   // deadline is long past, the coordinator itself was suspended.
   const bool draining = worker.state() == WorkerState::kDraining;
   if (!heard_of || draining || now_ > registry_.deadline(worker) + kPunctuality) return;
-  const auto failure = job.strike(lease, worker.loss(LossKind::kDied), find_principals(job));
+  const auto has_strikes = [this](const WorkerId& struck, const std::set<JobNumber>& jobs) {
+    return std::any_of(jobs.begin(), jobs.end(), [&](JobNumber number) {
+      const auto found = jobs_.find(number);
+      return found != jobs_.end() && found->second.may_have_strikes_of(struck);
+    });
+  };
+  struck_jobs_.at_or_insert(worker.info.id, has_strikes).insert(job.number());
+  const auto failure = job.strike(lease, worker.loss(LossKind::kDied), are_all_principals(job));
   if (failure) fail(job, *failure, actions);
 }
 
 void Scheduler::withdraw_strikes_if_lost(const WorkerId& worker) {
   const Worker* const known = registry_.find(worker);
   if (known != nullptr && known->state() != WorkerState::kSilent) return;
-  for (auto& [number, job] : jobs_) job.withdraw_strikes(worker, LossKind::kDied);
+  const std::set<JobNumber>* const struck = struck_jobs_.find(worker);
+  if (struck == nullptr) return;
+  for (const JobNumber number : *struck) {
+    const auto job = jobs_.find(number);
+    if (job != jobs_.end()) job->second.withdraw_strikes(worker, LossKind::kDied);
+  }
+  struck_jobs_.erase(worker);
 }
 
 void Scheduler::forget_lease(const Job& job, const Lease& lease) {
-  Worker* const holder = registry_.find(lease.holder);
-  Effort& effort = holder->efforts[job.id()];
-  effort.gave_back.reset();
+  Worker& holder = *registry_.find(lease.holder);
+  Effort& known = effort(holder, job);
+  known.gave_back.reset();
   // Samples that others have delivered, or leases that it could not hold, are no lack of progress.
   if (lease.state == LeaseState::kReturned) {
-    effort.gave_back = now_;
+    known.gave_back = now_;
   } else {
-    effort.no_progress_since = now_;
+    known.no_progress_since = now_;
   }
-  std::erase_if(holder->leases, [&](const HeldLease& held) { return held.id == lease.id; });
-  live_leases_.erase(lease.id);
-  lost_leases_.insert(lease.holder);
+  forget_held(holder, lease.id);
+}
+
+void Scheduler::forget_held(Worker& holder, LeaseId lease) {
+  std::erase_if(holder.leases, [&](const HeldLease& held) { return held.id == lease; });
+  live_leases_.erase(lease);
+  lost_leases_.insert(holder.info.id);
+  waiting_.update(holder);
 }
 
 void Scheduler::forget_emptied(const Job& job, const std::vector<Lease>& leases) {

@@ -29,7 +29,7 @@ std::uint64_t Ledger::pixel_samples(int tile, const LedgerEntry& entry) const {
 
 void Ledger::add(const WorkItem& item, ProducerNumber producer, const Fingerprint& fingerprint, Due due) {
   if (entries_ >= kMaxEntries && due == Due::kNo) return;
-  std::vector<LedgerEntry>& entries = tiles_[static_cast<std::size_t>(item.tile)];
+  std::vector<LedgerEntry>& entries = tiles_.mutable_at(item.tile);
   const std::size_t at = position(entries, item.samples.begin);
   LedgerEntry entry{item.samples, fingerprint.low, fingerprint.high, fingerprint.largest};
   entry.producer = producer & 0x3fffffffU;
@@ -43,7 +43,7 @@ void Ledger::add(const WorkItem& item, ProducerNumber producer, const Fingerprin
 }
 
 void Ledger::merge_with_next(int tile, std::size_t left) {
-  std::vector<LedgerEntry>& entries = tiles_[static_cast<std::size_t>(tile)];
+  std::vector<LedgerEntry>& entries = tiles_.mutable_at(tile);
   if (left + 1 >= entries.size()) return;
   LedgerEntry& a = entries[left];
   const LedgerEntry& b = entries[left + 1];
@@ -79,22 +79,19 @@ void Ledger::set_due(int tile, std::uint32_t begin, Due due) {
 
 void Ledger::erase(int tile, std::uint32_t begin) {
   set_due(tile, begin, Due::kNo);
-  std::vector<LedgerEntry>& entries = tiles_[static_cast<std::size_t>(tile)];
+  std::vector<LedgerEntry>& entries = tiles_.mutable_at(tile);
   entries.erase(entries.begin() + static_cast<std::ptrdiff_t>(position(entries, begin)));
   --entries_;
 }
 
 void Ledger::erase_tile(int tile) {
-  std::vector<LedgerEntry>& entries = tiles_[static_cast<std::size_t>(tile)];
+  if (of_tile(tile).empty()) return;
+  std::vector<LedgerEntry>& entries = tiles_.mutable_at(tile);
   for (const LedgerEntry& entry : entries) {
     if (entry.due() != Due::kNo) due_ -= pixel_samples(tile, entry);
   }
   entries_ -= entries.size();
   entries = {};
-}
-
-void Ledger::clear() {
-  for (int tile = 0; tile < tile_count(); ++tile) erase_tile(tile);
 }
 
 }  // namespace tessera::scheduler

@@ -12,6 +12,7 @@
 
 #include "server/scheduler/fingerprint.hpp"
 #include "server/scheduler/producer.hpp"
+#include "server/scheduler/tile_table.hpp"
 #include "server/scheduler/types.hpp"
 
 namespace tessera::scheduler {
@@ -39,8 +40,7 @@ class Ledger {
  public:
   static constexpr std::size_t kMaxEntries = std::size_t{5} << 18;  // 40 MiB
 
-  explicit Ledger(const core::TileGrid& grid)
-      : grid_(grid), tiles_(static_cast<std::size_t>(grid.tile_count())) {}
+  explicit Ledger(const core::TileGrid& grid) : grid_(grid), tiles_(grid.tile_count()) {}
 
   // The item must not overlap any entry.
   void add(const WorkItem& item, ProducerNumber producer, const Fingerprint& fingerprint, Due due);
@@ -49,11 +49,12 @@ class Ledger {
   void set_due(int tile, std::uint32_t begin, Due due);
   void erase(int tile, std::uint32_t begin);
   void erase_tile(int tile);
-  void clear();
 
   // In ascending order, disjoint.
-  const std::vector<LedgerEntry>& of_tile(int tile) const { return tiles_[static_cast<std::size_t>(tile)]; }
-  int tile_count() const { return static_cast<int>(tiles_.size()); }
+  const std::vector<LedgerEntry>& of_tile(int tile) const { return tiles_[tile]; }
+  int tile_count() const { return tiles_.tile_count(); }
+  // The first tile from this one on that may have entries; tile_count() if there is none.
+  int next_tile(int tile) const { return tiles_.next_written(tile); }
   // The pixel samples that are due.
   std::uint64_t due() const { return due_; }
 
@@ -63,7 +64,7 @@ class Ledger {
   LedgerEntry& mutable_at(int tile, std::uint32_t begin);
 
   core::TileGrid grid_;
-  std::vector<std::vector<LedgerEntry>> tiles_;
+  TileTable<std::vector<LedgerEntry>> tiles_;
   std::size_t entries_ = 0;
   std::uint64_t due_ = 0;
 };

@@ -40,6 +40,7 @@ bool names(const std::vector<Loss>& losses, const Loss& loss) {
 
 void PoisonTracker::strike(const WorkItem& item, const Loss& loss, bool alone) {
   std::vector<Part>& parts = by_tile_[item.tile];
+  tiles_of_[loss.worker].insert(item.tile);
   split_at(parts, item.samples.begin);
   split_at(parts, item.samples.end);
   if (loss.kind == LossKind::kStuck) spread(parts, item, loss);
@@ -108,15 +109,29 @@ void PoisonTracker::clear(const WorkItem& item) {
   split_at(tile->second, item.samples.end);
   std::erase_if(tile->second, [&](const Part& part) { return lies_in(part, item.samples); });
   if (tile->second.empty()) by_tile_.erase(tile);
+  if (by_tile_.empty()) tiles_of_.clear();
 }
 
 void PoisonTracker::withdraw_strikes(const WorkerId& worker, LossKind kind) {
-  const auto was_none = [&](const Loss& loss) { return loss.worker == worker && loss.kind == kind; };
-  for (auto& [tile, parts] : by_tile_) {
-    for (Part& part : parts) std::erase_if(part.losses, was_none);
-    std::erase_if(parts, [](const Part& part) { return part.losses.empty(); });
+  const auto found = tiles_of_.find(worker);
+  if (found == tiles_of_.end()) return;
+  std::erase_if(found->second, [&](int tile) { return !withdraw_from_tile(tile, worker, kind); });
+  if (found->second.empty()) tiles_of_.erase(found);
+}
+
+// Whether losses of the worker are left there.
+bool PoisonTracker::withdraw_from_tile(int tile, const WorkerId& worker, LossKind kind) {
+  const auto found = by_tile_.find(tile);
+  if (found == by_tile_.end()) return false;
+  const auto is_its = [&](const Loss& loss) { return loss.worker == worker; };
+  bool any_left = false;
+  for (Part& part : found->second) {
+    std::erase_if(part.losses, [&](const Loss& loss) { return is_its(loss) && loss.kind == kind; });
+    any_left |= std::any_of(part.losses.begin(), part.losses.end(), is_its);
   }
-  std::erase_if(by_tile_, [](const auto& tile) { return tile.second.empty(); });
+  std::erase_if(found->second, [](const Part& part) { return part.losses.empty(); });
+  if (found->second.empty()) by_tile_.erase(found);
+  return any_left;
 }
 
 PoisonTracker::Part PoisonTracker::first_part(const WorkItem& item) const {

@@ -8,6 +8,7 @@
 #pragma once
 
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -49,6 +50,8 @@ class PoisonTracker {
   void clear(const WorkItem& item);
   // The worker was not lost in this way: it is alive, or renders something else.
   void withdraw_strikes(const WorkerId& worker, LossKind kind);
+  // Whether there may be losses of this worker.
+  bool may_name(const WorkerId& worker) const { return tiles_of_.contains(worker); }
 
   // The longest prefix of an item whose samples have the same losses; without losses for samples that are not
   // suspected.
@@ -62,10 +65,13 @@ class PoisonTracker {
   core::SampleRange to_be_told(const WorkItem& item) const;
 
  private:
+  bool withdraw_from_tile(int tile, const WorkerId& worker, LossKind kind);
   static void spread(std::vector<Part>& parts, const WorkItem& item, const Loss& loss);
 
   // By tile: parts in ascending order, disjoint, each with losses.
   std::map<int, std::vector<Part>> by_tile_;
+  // Contains every tile with losses of a worker; may contain others.
+  std::map<WorkerId, std::set<int>> tiles_of_;
 };
 
 }  // namespace tessera::scheduler

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/scheduler/changes.hpp"
 #include "server/scheduler/scheduler.hpp"
 
 namespace tessera::scheduler {
@@ -57,24 +58,34 @@ Worker* Scheduler::on(const SubmitResult& event, Actions& actions) {
   for (const Ruling& ruling : rulings) follow(*job, ruling, actions);
   drop_what_was_dropped(event, actions);
 
-  job->rate.add(static_cast<double>(accepted_samples), now_);
-  if (Worker* const worker = registry_.find(event.worker)) {
-    worker->samples_accepted += accepted_samples;
-    worker->rate.add(static_cast<double>(accepted_samples), now_);
-    if (accepted_samples + audited_samples > 0) {
-      work_appeared_ |= worker->has_stalled(job->id());  // for this worker
-      registry_.has_delivered(worker->info.name);
-      worker->efforts[job->id()] = {.no_progress_since = now_};
-    }
-  }
+  note_counted(*job, event, accepted_samples, audited_samples, actions);
   const Lease* const lease = job->find_lease(event.lease);
   if (lease != nullptr && lease->holder == event.worker) {
     if (event.lease_finished) end_lease(*job, event.lease, LeaseState::kReturned);
     if (!event.decline_reason.empty()) note_refusal(*job, event, actions);
   }
-  if (job->settled() && job->state() == JobState::kRunning) become(*job, JobState::kDone, actions);
+  if (settled(*job) && job->state() == JobState::kRunning) become(*job, JobState::kDone, actions);
   Worker* const worker = registry_.find(event.worker);
-  return worker != nullptr && takes_with_answer(*worker, event) ? worker : nullptr;
+  if (worker == nullptr) return nullptr;
+  revoke_ended(*worker);
+  return takes_with_answer(*worker, event) ? worker : nullptr;
+}
+
+void Scheduler::note_counted(Job& job, const SubmitResult& event, std::uint64_t accepted,
+                             std::uint64_t audited, Actions& actions) {
+  job.rate.add(static_cast<double>(accepted), now_);
+  Worker* const worker = registry_.find(event.worker);
+  if (worker == nullptr) return;
+  worker->samples_accepted += accepted;
+  worker->rate.add(static_cast<double>(accepted), now_);
+  if (accepted + audited == 0) return;
+  if (worker->has_stalled(job.run())) {
+    work_appeared_ = true;  // for this worker
+    job.note_progress(event.worker);
+    note_change(actions.changed_workers, event.worker);
+  }
+  registry_.has_delivered(worker->info.name);
+  effort(*worker, job) = {.no_progress_since = now_};
 }
 
 // A worker that holds nothing else is served by its Synchronize: samples that may kill a worker are leased
@@ -83,7 +94,7 @@ Worker* Scheduler::on(const SubmitResult& event, Actions& actions) {
 bool Scheduler::takes_with_answer(const Worker& worker, const SubmitResult& event) const {
   if (!worker.waiting || event.held.empty() || has_lost(worker, event)) return false;
   const bool was_not_told = worker.leases.size() > event.held.size();
-  return (worker.room() > 0 || was_not_told) && !(work_appeared_ && any_idle());
+  return (worker.room() > 0 || was_not_told) && !(work_appeared_ && waiting_.any_idle());
 }
 
 bool Scheduler::has_lost(const Worker& worker, const SubmitResult& event) {
@@ -92,13 +103,6 @@ bool Scheduler::has_lost(const Worker& worker, const SubmitResult& event) {
   return worker.shrunk || is_held(event.lease) ||
          !std::all_of(event.held.begin(), event.held.end(), is_held) ||
          !std::all_of(worker.reported.begin(), worker.reported.end(), is_held_or_ended_by_this);
-}
-
-bool Scheduler::any_idle() const {
-  return std::any_of(idle_waiters_.begin(), idle_waiters_.end(), [this](const auto& entry) {
-    const Worker* const worker = registry_.find(entry.second);
-    return worker != nullptr && worker->waiting && worker->leases.empty();
-  });
 }
 
 void Scheduler::note_producer(Job& job, const WorkItem& item, const Producer& producer,
@@ -112,44 +116,10 @@ void Scheduler::note_producer(Job& job, const WorkItem& item, const Producer& pr
 
 void Scheduler::spare_others(const Job& job, const WorkItem& item, const WorkerId& deliverer) {
   if (job.done(item.tile).intersects(item.samples)) return;  // it will be rejected
-  for (const LeaseId id : job.leases().of_tile(item.tile)) {
+  for (const LeaseId id : job.leases().holding(item)) {
     const Lease& lease = *job.leases().find(id);
-    const auto shares = [&](const WorkItem& held) {
-      return held.tile == item.tile && held.samples.begin < item.samples.end &&
-             item.samples.begin < held.samples.end;
-    };
-    if (lease.holder == deliverer || std::none_of(lease.items.begin(), lease.items.end(), shares)) continue;
-    tell_of_less({lease.holder});
+    if (lease.holder != deliverer) tell_of_less({lease.holder});
   }
-}
-
-namespace {
-
-// A worker that is stuck never reports that it cannot build a scene.
-bool can_say(const Worker& worker, const Job& job) {
-  return worker.takes_leases() && !worker.stuck && !worker.has_stalled(job.id());
-}
-
-}  // namespace
-
-FindPrincipals Scheduler::find_principals(const Job& job) const {
-  return [this, &job] {
-    Principals principals;
-    for (const auto& [id, worker] : registry_.all())
-      if (can_say(worker, job)) principals.insert(worker.info.principal);
-    return principals;
-  };
-}
-
-void Scheduler::note_refusal(Job& job, const SubmitResult& event, Actions& actions) {
-  std::set<std::string> present;
-  for (const auto& [id, worker] : registry_.all())
-    if (can_say(worker, job)) present.insert(worker.info.name);
-  Worker& worker = *registry_.find(event.worker);
-  worker.refused[job.id()] = now_;
-  const auto failure = job.decline_reason({event.worker, worker.info.name, worker.info.principal},
-                                          event.decline_reason, present, find_principals(job));
-  if (failure) fail(job, *failure, actions);
 }
 
 core::Status Scheduler::validate_lease(const Job& job, const SubmitResult& event) const {
@@ -191,7 +161,7 @@ void Scheduler::measure(Job& job, const SubmitResult& event) {
   std::uint64_t samples = 0;
   for (const WorkItem& item : event.items) samples += job.pixel_samples(item);
   if (samples == 0 || !(event.render_seconds > 0) || !std::isfinite(event.render_seconds)) return;
-  worker->measure(job.id(), samples, event.render_seconds);
+  measure_speed(notes(*worker, job), samples, event.render_seconds);
   learn_cost(job.cost, worker->pace, worker->info.threads,
              event.render_seconds / static_cast<double>(samples));
 }

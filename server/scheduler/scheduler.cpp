@@ -2,50 +2,99 @@
 #include "server/scheduler/scheduler.hpp"
 
 #include <algorithm>
-#include <tuple>
 #include <utility>
 
+#include "server/scheduler/changes.hpp"
+
 namespace tessera::scheduler {
+namespace {
+
+// Null if it is no event of a worker.
+const WorkerId* sender_of(const Event& event) {
+  return std::visit(
+      [](const auto& e) -> const WorkerId* {
+        if constexpr (requires { e.worker.id; }) {
+          return &e.worker.id;
+        } else if constexpr (requires { e.worker; }) {
+          return &e.worker;
+        } else {
+          return nullptr;
+        }
+      },
+      event);
+}
+
+}  // namespace
+
 Scheduler::Scheduler(const Options& options)
     : options_(options),
       last_lease_id_{static_cast<std::uint64_t>(options.epoch) << kLeaseCounterBits},
-      registry_(options.lease_duration, options.forget_after) {}
+      registry_(options.lease_duration, options.forget_after),
+      audit_waits_(options.audit_patience) {}
 
 Actions Scheduler::handle(const Event& event, Time now) {
   now_ = std::max(now_, now);
-  work_appeared_ = false;
-  lost_leases_.clear();
+  begin_event();
   Actions actions;
-  take_leases_of_silent_workers(actions);
+  expire_workers(actions);
+  settle_sender(event, actions);
+  clear_ended_runs(actions);
+  review_jobs(actions);
 
   Worker* asking = std::visit([&](const auto& e) { return on(e, actions); }, event);
-  if (asking != nullptr) top_up(*asking);
+  if (asking != nullptr) {
+    revoke_ended(*asking);
+    top_up(*asking);
+  }
   end_hopeless_waits(actions);
+  if (asking != nullptr) revoke_ended(*asking);
   const auto* const result = std::get_if<SubmitResult>(&event);
   if (asking != nullptr && result != nullptr && has_lost(*asking, *result)) asking = nullptr;
-  if (asking != nullptr) asking->waiting = false;
+  if (asking != nullptr) stop_waiting(*asking);
   wake_waiting(actions);
   if (asking == nullptr) return actions;
   actions.reply = result != nullptr ? reply_with_answer(*asking, *result) : reply_to(*asking);
   return actions;
 }
 
-void Scheduler::take_leases_of_silent_workers(Actions& actions) {
-  while (Worker* const worker = registry_.next_overdue(now_)) {
-    idle_waiters_.erase(worker->sequence);
-    while (!worker->leases.empty()) lose_lease(*worker, HeldLease(worker->leases.front()), actions);
-    registry_.mark_lost(*worker);
+void Scheduler::begin_event() {
+  work_appeared_ = false;
+  lost_leases_.clear();
+  left_ = options_.per_event;
+}
+
+void Scheduler::expire_workers(Actions& actions) {
+  for (; left_.expired_workers > 0; --left_.expired_workers) {
+    Worker* const worker = registry_.next_overdue(now_);
+    if (worker == nullptr) return;
+    expire(*worker, actions);
   }
 }
 
-// Idle workers come first: others would only queue the work. Then workers that have built every scene, or
-// that failed to do so longest ago, so that the same ones do not take all places of a limited job. Then the
-// order of registration: a range that kills workers so reaches every worker, since restarted ones come last.
-bool Scheduler::comes_before(const Worker* a, const Worker* b) {
-  const auto rank = [](const Worker& worker) {
-    return std::tuple(!worker.leases.empty(), worker.last_refusal(), worker.sequence);
-  };
-  return rank(*a) < rank(*b);
+void Scheduler::expire(Worker& worker, Actions& actions) {
+  note_change(actions.changed_workers, worker.info.id);
+  stop_waiting(worker);
+  if (worker.state() == WorkerState::kSilent) {
+    actions.discarded.push_back(registry_.forget(worker));
+    return;
+  }
+  revoke_ended(worker);
+  while (!worker.leases.empty()) {
+    lose_lease(worker, HeldLease(worker.leases.front()), actions);
+    revoke_ended(worker);  // its death may have failed the job of another lease
+  }
+  registry_.mark_lost(worker);
+}
+
+void Scheduler::settle_sender(const Event& event, Actions& actions) {
+  const WorkerId* const id = sender_of(event);
+  if (id == nullptr) return;
+  Worker* worker = registry_.find(*id);
+  while (worker != nullptr && registry_.is_overdue(*worker, now_)) {
+    expire(*worker, actions);
+    worker = registry_.find(*id);
+  }
+  if (worker != nullptr) revoke_ended(*worker);
 }
 
 Worker* Scheduler::on(const Tick&, Actions&) {
@@ -53,28 +102,31 @@ Worker* Scheduler::on(const Tick&, Actions&) {
 }
 
 void Scheduler::wake_waiting(Actions& actions) {
-  std::map<std::uint64_t, WorkerId> asked;
-  if (work_appeared_) asked.swap(idle_waiters_);
-  for (const WorkerId& id : lost_leases_) {
-    if (const Worker* const worker = registry_.find(id)) asked.emplace(worker->sequence, id);
-  }
-  std::vector<Worker*> workers;
-  for (const auto& [sequence, id] : asked) {
+  refresh_indexes();
+  std::vector<Worker*> woken;
+  const auto wake = [&](const WorkerId& id) {
     Worker* const worker = registry_.find(id);
-    if (worker != nullptr && worker->waiting) workers.push_back(worker);
+    if (worker == nullptr || !worker->waiting) return;
+    stop_waiting(*worker);
+    woken.push_back(worker);
+  };
+  for (const WorkerId& id : lost_leases_) wake(id);
+  if (work_appeared_) {
+    waiting_.begin_wave();
+  } else if (!work_.any_open()) {
+    work_.any_limited() ? waiting_.skip_idle() : waiting_.end_wave();
   }
-  std::sort(workers.begin(), workers.end(), comes_before);
-  for (Worker* worker : workers) {
-    worker->waiting = false;
-    actions.wake.push_back(worker->info.id);
-  }
+  for (const WorkerId& id : waiting_.next(options_.per_event.woken_workers)) wake(id);
+  std::sort(woken.begin(), woken.end(),
+            [](const Worker* a, const Worker* b) { return a->rank() < b->rank(); });
+  for (const Worker* const worker : woken) actions.wake.push_back(worker->info.id);
 }
 
 Reply Scheduler::reply_to(Worker& worker) {
   Reply reply;
   std::set<LeaseId> ids;
   for (const HeldLease& held : worker.leases) {
-    reply.leases.push_back({held.id, held.job, find(held.job)->find_lease(held.id)->items,
+    reply.leases.push_back({held.id, held.job, jobs_.at(held.number).find_lease(held.id)->items,
                             options_.sign(held.id, worker.info.id, held.job)});
     ids.insert(held.id);
   }
@@ -87,7 +139,16 @@ Reply Scheduler::reply_to(Worker& worker) {
 
 void Scheduler::let_wait(Worker& worker) {
   worker.waiting = true;
-  if (worker.room() > 0) idle_waiters_.emplace(worker.sequence, worker.info.id);
+  if (worker.room() > 0) {
+    waiting_.enter(worker);
+  } else {
+    waiting_.leave(worker);
+  }
+}
+
+void Scheduler::stop_waiting(Worker& worker) {
+  worker.waiting = false;
+  waiting_.leave(worker);
 }
 
 // The worker's Synchronize keeps waiting, as if it had reported the leases of this answer.
@@ -101,10 +162,11 @@ Reply Scheduler::reply_with_answer(Worker& worker, const SubmitResult& result) {
 
 std::optional<Time> Scheduler::next_deadline() const {
   std::optional<Time> next = registry_.next_alarm();
-  for (const JobNumber number : running_) {
-    const std::optional<Time> since = jobs_.at(number).unaudited_since;
-    if (since) next = std::min(next.value_or(Time::max()), *since + options_.audit_patience);
-  }
+  const auto at_latest = [&](Time time) { next = std::min(next.value_or(time), time); };
+  if (const std::optional<Time> deadline = audit_waits_.next_deadline()) at_latest(*deadline);
+  const bool has_backlog = waiting_.in_wave() || !ended_runs_.empty() || !reviews_.empty() ||
+                           audit_waits_.next_outdated(workers_version());
+  if (has_backlog) at_latest(now_);
   return next;
 }
 

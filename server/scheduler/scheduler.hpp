@@ -33,15 +33,36 @@
 #include <set>
 #include <string>
 #include <string_view>
+#include <unordered_map>
+#include <unordered_set>
 #include <vector>
 
+#include "server/scheduler/audit_waits.hpp"
 #include "server/scheduler/events.hpp"
 #include "server/scheduler/job.hpp"
 #include "server/scheduler/policy.hpp"
+#include "server/scheduler/review_queue.hpp"
+#include "server/scheduler/swept_map.hpp"
 #include "server/scheduler/types.hpp"
+#include "server/scheduler/views.hpp"
+#include "server/scheduler/waiting_workers.hpp"
+#include "server/scheduler/work_index.hpp"
 #include "server/scheduler/worker_registry.hpp"
 
 namespace tessera::scheduler {
+
+// How much a single event does at most of what can wait, so that none takes long because a farm is large.
+// What is left is done with the next events, and does not change what each worker is told.
+struct WorkPerEvent {
+  // Silent workers that lose their leases or are forgotten, and waiting workers that are woken by new work.
+  int expired_workers = 64, woken_workers = 16;
+  // Leases of jobs that have ended.
+  int revoked_leases = 64;
+  // Tiles that are searched for samples of distrusted workers, and audits that are given up.
+  int searched_tiles = 4096, waived_audits = 1024;
+  // Jobs for which an auditor is sought.
+  int unaudited_jobs = 32;
+};
 
 struct Options {
   // Identifies this run of the coordinator; must be higher than that of all earlier runs. 24 bits.
@@ -59,60 +80,26 @@ struct Options {
   // A job that lacks nothing but audits by lot, and has no worker that could do them, is done after this
   // time.
   Duration audit_patience = std::chrono::seconds(60);
+  WorkPerEvent per_event{};
   // Signs leases. Results and reported leases count only with the token that this returns. By default all
   // tokens are empty.
   SignLease sign = [](LeaseId, const WorkerId&, const JobId&) { return LeaseToken{}; };
 };
 
-// A job as its users see it. All counts are in pixel samples.
-struct JobView {
-  JobId id;
-  JobShape shape;
-  int priority = 0;
-  JobState state = JobState::kRunning;
-  std::string failure;
-  std::uint64_t samples_done = 0;
-  std::uint64_t samples_total = 0;
-  // Over the last seconds and all workers; 0 if unknown.
-  double samples_per_second = 0;
-  // The workers that hold a lease of it.
-  int active_workers = 0;
-  // The limit on active_workers; 0 for none.
-  std::uint32_t max_workers = 0;
-  // The part of samples_done that another worker must render again.
-  std::uint64_t samples_to_verify = 0;
-};
-
-// A job of which a worker is given no leases for a while, since its leases of it have stalled.
-struct CooldownView {
-  JobId job;
-  Duration remaining{};
-  // The cooldown lasts while the worker reports that it fetches the job's files.
-  bool fetching = false;
-};
-
-struct WorkerView {
-  WorkerInfo info;
-  int held_leases = 0;
-  // Over the last seconds; 0 if unknown.
-  double samples_per_second = 0;
-  // The pixel samples that were accepted from it.
-  std::uint64_t samples_accepted = 0;
-  // The time of its last Synchronize or SubmitResult.
-  Time last_seen{};
-  bool draining = false;
-  // It has not synchronised for lease_duration: it holds nothing, and is listed until forget_after.
-  bool silent = false;
-  // See Worker.
-  std::uint64_t audited_ranges = 0, disproved_ranges = 0;
-  // It is given nothing, since it reports that it still renders samples that went to others.
-  bool stuck = false;
-  std::vector<CooldownView> cooldowns{};
-};
-
 enum class CheckDepth {
-  kCounters,    // linear in jobs, workers and leases: for production
-  kEverySample  // linear in tiles as well: for tests
+  kCounters,    // linear in jobs, workers and leases
+  kEverySample  // also in tiles, and in workers times jobs: for tests
+};
+
+// Where check_some() goes on: with this job or a later one, or with its leases of either kind after this one;
+// or with this worker or a later one.
+struct CheckCursor {
+  enum class Of { kJobs, kLeases, kAudits, kWorkers } of = Of::kJobs;
+  JobNumber job = 0;
+  LeaseId lease;
+  WorkerId worker;
+  // How often everything has been checked.
+  std::uint64_t rounds = 0;
 };
 
 class Scheduler {
@@ -124,7 +111,8 @@ class Scheduler {
   Actions handle(const Event& event, Time now);
 
   // When the next lease expires, worker is forgotten or wait for an auditor ends: handle(Tick{}, …) is due
-  // then. Absent: never.
+  // then. Not after the present if something is left to be done that would take a single event too long.
+  // Absent: never.
   std::optional<Time> next_deadline() const;
 
   // Speeds are those at `now`.
@@ -148,11 +136,12 @@ class Scheduler {
   // The first violated invariant as a sentence; empty if there is none. A violation is a defect of the
   // scheduler.
   std::optional<std::string> check_invariants(CheckDepth depth) const;
+  // The same for the next jobs, leases and workers, at most so many, at the depth kCounters but for sums over
+  // all of them, or until all are checked. Takes a few microseconds for each. Other events may be handled
+  // between two calls.
+  std::optional<std::string> check_some(CheckCursor& cursor, std::size_t most) const;
 
  private:
-  // Numbers jobs in the order of submission.
-  using JobNumber = std::uint64_t;
-
   // Each handles one event. Events of a worker that awaits a reply, or would take one, return the worker.
   Worker* on(const Synchronize& event, Actions& actions);
   Worker* on(const TopUp& event, Actions& actions);
@@ -172,22 +161,26 @@ class Scheduler {
   Worker* on(const Tick& event, Actions& actions);
 
   // ---- Time and answers (scheduler.cpp) ----
-  void take_leases_of_silent_workers(Actions& actions);
+  void begin_event();
+  void expire_workers(Actions& actions);
+  void expire(Worker& worker, Actions& actions);
+  // Does for the sender of an event what others may leave for later.
+  void settle_sender(const Event& event, Actions& actions);
   void wake_waiting(Actions& actions);
-  // The order in which waiting workers are offered new work.
-  static bool comes_before(const Worker* a, const Worker* b);
   Reply reply_to(Worker& worker);
   Reply reply_with_answer(Worker& worker, const SubmitResult& result);
   // Leaves the worker's Synchronize unanswered.
   void let_wait(Worker& worker);
+  void stop_waiting(Worker& worker);
 
-  // ---- Leases (leasing.cpp, stalls.cpp) ----
+  // ---- Leases (leasing.cpp, granting.cpp, stalls.cpp) ----
   void settle_reported(Worker& worker);
   // Ends a worker's leases of each job to which it has contributed nothing for too long.
   void end_stalled_leases(Worker& worker, Actions& actions);
   std::set<JobId> stalled_jobs(const Worker& worker) const;
   void stall(Worker& worker, const JobId& job, Actions& actions);
-  Duration bar(Worker& worker, const JobId& job, Duration without_progress);
+  // Returns its length; none for a worker that fetches the job's files.
+  Duration begin_cooldown(Worker& worker, Job& job, Duration without_progress);
   // The samples in which the worker is stuck, if that is why its leases of these jobs stalled.
   std::optional<Stuck> what_keeps(const Worker& worker, const std::set<JobId>& stalled) const;
   // A stuck worker has synchronised: it goes on, or it was stuck long enough to count against its samples.
@@ -198,17 +191,23 @@ class Scheduler {
   double expected_seconds(const Worker& worker) const;
   // Whether the worker may be given leases of the job, whatever work there is.
   bool may_take(const Worker& worker, const Job& job) const;
+  // The worker is given none since they stalled and it fetches the files.
+  static bool awaits_files(const Worker& worker, const Job& job);
   void adopt(Worker& worker, const LeaseDescription& reported);
   void top_up(Worker& worker);
   // The number of workers that share the job's work.
   int sharers(const Job& job) const;
-  // `also_refused`: include jobs that it has refused lately.
+  // The job of which the worker is given its next lease. `also_refused`: include jobs that it has refused
+  // lately.
+  Job* choose(const Worker& worker, bool also_refused);
+  std::optional<JobNumber> chosen(const Worker& worker, bool also_refused) const;
+  bool can_be_given(const Worker& worker, const Job& job, bool also_refused) const;
   bool grant_free(Worker& worker, bool also_refused);
   bool grant_copy(Worker& worker);
   void grant(Worker& worker, Job& job, Portion portion);
   void charge(Job& job, const Portion& portion);
   void enter_lease(Worker& worker, Job& job, Lease lease);
-  std::vector<JobSnapshot> snapshots(const std::vector<Job*>& jobs) const;
+  std::vector<JobSnapshot> snapshots(const std::vector<JobNumber>& jobs) const;
   // The worker has reported within lease_duration that it cannot build the scene.
   bool has_refused_lately(const Worker& worker, const Job& job) const;
   Lease end_lease(Job& job, LeaseId id, LeaseState to);
@@ -220,25 +219,37 @@ class Scheduler {
   void withdraw_strikes_if_lost(const WorkerId& worker);
   // Removes an ended lease from its holder's entry.
   void forget_lease(const Job& job, const Lease& lease);
+  void forget_held(Worker& holder, LeaseId lease);
   // The same for leases that ended because nothing of them is missing.
   void forget_emptied(const Job& job, const std::vector<Lease>& leases);
 
-  // ---- Jobs (jobs.cpp) ----
+  // ---- Jobs (jobs.cpp, ended_runs.cpp) ----
+  // The job may change: it is entered in the indexes again before these are next used.
   Job* find(const JobId& id);
+  Job& at(JobNumber number);
   const Job* find(const JobId& id) const;
   Job* find_or_refuse(const JobId& id, Actions& actions);
   core::Status may_add(const JobId& id, const JobShape& shape) const;
   Job& add(const JobId& id, const JobShape& shape, const SchedulingPolicy& policy, JobState state,
-           std::vector<IntervalSet> done);
+           const std::vector<IntervalSet>& done, Actions& actions);
   // The only function that changes a job's state, with all consequences. Refuses invalid transitions.
   void become(Job& job, JobState to, Actions& actions);
   // The job must be running or paused.
   void fail(Job& job, const std::string& failure, Actions& actions);
-  void end_all_leases(Job& job);
-  // Removes the workers' speeds, refusals and efforts of a job that takes no more leases.
-  void forget_worker_notes(const JobId& job);
+  // Complete, with nothing left to verify, and searched for samples of distrusted workers.
+  bool settled(const Job& job) const { return job.settled() && !reviews_.contains(job.number()); }
+  void refresh_indexes();
+  // Ends a run of the job: revokes its leases, and makes all notes of it stale.
+  void end_run(Job& job, Actions& actions);
+  void clear_ended_runs(Actions& actions);
+  bool clear_one_of(EndedRun& run);
+  void revoke(EndedRun& run, LeaseId lease);
+  void revoke_ended(Worker& worker);
+  void forget_refusal(const WorkerId& worker, RunNumber run);
+  JobNotes& notes(Worker& worker, const Job& job);
+  Effort& effort(Worker& worker, const Job& job);
 
-  // ---- Results (results.cpp) ----
+  // ---- Results (results.cpp, declines.cpp) ----
   core::Status validate(const Job& job, const SubmitResult& event) const;
   core::Status validate_lease(const Job& job, const SubmitResult& event) const;
   // Whether an earlier run may have extended the job by the item's samples, and lost that in a crash.
@@ -247,18 +258,21 @@ class Scheduler {
   bool takes_with_answer(const Worker& worker, const SubmitResult& event) const;
   // Whether the worker must be told of lost leases.
   static bool has_lost(const Worker& worker, const SubmitResult& event);
-  // Whether an idle worker waits.
-  bool any_idle() const;
   void measure(Job& job, const SubmitResult& event);
+  void note_counted(Job& job, const SubmitResult& event, std::uint64_t accepted, std::uint64_t audited,
+                    Actions& actions);
   void note_refusal(Job& job, const SubmitResult& event, Actions& actions);
-  // Finds the principals of workers that could render the job and would report it if they cannot.
-  FindPrincipals find_principals(const Job& job) const;
+  // Look at the workers that could render the job and would report it if they cannot.
+  AreAll are_all_names(const Job& job) const;
+  AreAll are_all_principals(const Job& job) const;
+  // The stalled workers among those that could otherwise be counted, by a part of their description.
+  std::map<std::string, std::size_t> stalled_by(const Job& job, std::string WorkerInfo::*part) const;
   void note_producer(Job& job, const WorkItem& item, const Producer& producer,
                      const Fingerprint& fingerprint);
   // Wakes the other holders of the item's samples, so that they hear at once that these are done.
   void spare_others(const Job& job, const WorkItem& item, const WorkerId& deliverer);
 
-  // ---- Audits (auditing.cpp) ----
+  // ---- Audits (auditing.cpp, reviews.cpp, waits.cpp) ----
   bool can_audit(const Job& job, const Worker& worker) const;
   // An audit that another worker has in progress; empty if this worker may not do it.
   Portion audit_copy(const Job& job, const Worker& worker) const;
@@ -270,18 +284,45 @@ class Scheduler {
   // Wakes workers whose leases have shrunk.
   void tell_of_less(const std::vector<WorkerId>& workers);
   void restore_producers(Job& job, const std::vector<ProducedItem>& provenance);
-  void end_hopeless_waits(Actions& actions);
-  bool cannot_progress(const Job& job) const;
   Producer producer_of(const WorkerId& worker) const;
+  void review_jobs(Actions& actions);
+  bool review(Job& job, ReviewQueue::Position& position, Actions& actions);
+  void finish_review(Job& job, bool reopened, Actions& actions);
+  void end_hopeless_waits(Actions& actions);
+  void look_for_auditor(JobNumber number);
+  void give_up_audits(Job& job, Actions& actions);
+  static bool lacks_only_lots(const Job& job);
+  std::optional<WorkerId> find_auditor(const Job& job) const;
+  std::optional<WorkerId> find_auditor_at_work(const Job& job) const;
+  std::optional<WorkerId> find_auditor_among(const Job& job, const std::set<WorkerId>& workers) const;
+  bool would_audit(const Job& job, const WorkerId& worker) const;
+  static bool is_no_help(const Job& job, const Worker& worker);
+  std::uint64_t workers_version() const {
+    return 1 + registry_.times_changed() + producers_.times_distrusted();
+  }
 
-  std::optional<std::string> check_workers() const;
-  std::optional<std::string> check_idle(CheckDepth depth) const;
+  // ---- Views and invariants (views.cpp, check.cpp) ----
+  WorkerView worker_view(const Worker& worker, Time now) const;
+  std::vector<CooldownView> cooldowns_of(const Worker& worker, Time now) const;
+  std::optional<std::string> check_next(CheckCursor& cursor, std::size_t& left) const;
+  std::optional<std::string> check_leases(const Job& job, CheckCursor& cursor, std::size_t& left) const;
+  std::optional<std::string> check_workers(CheckCursor& cursor, std::size_t& left) const;
+  std::optional<std::string> check_job(const Job& job) const;
+  std::optional<std::string> check_lease(const Job& job, const Lease& lease) const;
+  std::optional<std::string> check_worker(const Worker& worker) const;
+  std::optional<std::string> check_held(const Worker& worker, const HeldLease& held) const;
+  std::optional<std::string> check_idle(const Worker& worker) const;
+  std::optional<std::string> check_sums() const;
+  std::optional<std::string> check_every_job(const Worker& worker) const;
+  std::optional<std::string> check_choice(const Worker& worker) const;
+  std::optional<JobNumber> chosen_of_all(const Worker& worker, bool also_refused) const;
 
   const Options options_;
   Time now_{};
   LeaseId last_lease_id_;
-  // The leases of all jobs: an id in use cannot be taken over a second time.
-  std::set<LeaseId> live_leases_;
+  // The leases of all jobs: an id in use cannot be taken over a second time. Never iterated, so its order
+  // does not matter.
+  std::unordered_set<LeaseId, LeaseIdHash> live_leases_;
   std::uint64_t servings_ = 0;
   // See JobSnapshot: where the latest lease began. Never decreases.
   double virtual_time_ = 0;
@@ -289,16 +330,28 @@ class Scheduler {
   std::map<JobNumber, Job> jobs_;
   std::map<JobId, JobNumber> job_numbers_;
   JobNumber last_job_number_ = 0;
-  std::set<JobNumber> running_;
-  WorkerRegistry registry_;
-  Producers producers_;
-  // Contains every waiting worker that could be given more, in the order of registration; may contain others.
-  // It makes the cost of an event independent of the number of workers.
-  std::map<std::uint64_t, WorkerId> idle_waiters_;
+  // The present run of each job. Never iterated, so its order does not matter.
+  std::unordered_map<RunNumber, JobNumber> runs_;
+  RunNumber last_run_number_ = 0;
+  // What workers still hold of runs that have ended.
+  std::map<RunNumber, EndedRun> ended_runs_;
+  // Contains the jobs with strikes for a worker that was presumed dead; may contain others.
+  SweptMap<WorkerId, std::set<JobNumber>> struck_jobs_;
 
-  // During one event: whether there may be new work to lease, and whose leases have ended or shrunk.
+  WorkerRegistry registry_;
+  WaitingWorkers waiting_;
+  Producers producers_;
+  WorkIndex work_;
+  AuditWaits audit_waits_;
+  ReviewQueue reviews_;
+  // Jobs that may have changed since they were last entered in work_ and audit_waits_.
+  std::set<JobNumber> touched_;
+
+  // During one event: whether there may be new work to lease, whose leases have ended or shrunk, and what it
+  // may still do.
   bool work_appeared_ = false;
   std::set<WorkerId> lost_leases_;
+  WorkPerEvent left_;
 };
 
 }  // namespace tessera::scheduler

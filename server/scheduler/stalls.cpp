@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "server/scheduler/changes.hpp"
 #include "server/scheduler/scheduler.hpp"
 
 namespace tessera::scheduler {
@@ -37,12 +38,12 @@ std::vector<WorkItem> parts_in(const WorkItem& piece, const std::vector<WorkItem
 void Scheduler::end_stalled_leases(Worker& worker, Actions& actions) {
   const std::set<JobId> stalled = stalled_jobs(worker);
   if (stalled.empty()) return;
-  worker.stuck = what_keeps(worker, stalled);
+  registry_.set_stuck(worker, what_keeps(worker, stalled));
   for (const JobId& job : stalled) stall(worker, job, actions);
   if (worker.stuck) {
     // The worker cannot make progress on its other leases either.
     for (const HeldLease& held : std::vector<HeldLease>(worker.leases))
-      end_lease(*find(held.job), held.id, LeaseState::kStalled);
+      end_lease(at(held.number), held.id, LeaseState::kStalled);
     strike_stuck_ranges(worker, actions);
   }
   for (const JobId& job : stalled) give_up_if_nobody_gets_on(*find(job), actions);
@@ -50,13 +51,13 @@ void Scheduler::end_stalled_leases(Worker& worker, Actions& actions) {
 
 void Scheduler::give_up_if_nobody_gets_on(Job& job, Actions& actions) {
   if (!may_become(job.state(), JobState::kFailed)) return;
-  if (const auto failure = job.nobody_gets_on(find_principals(job))) fail(job, *failure, actions);
+  if (const auto failure = job.nobody_gets_on(are_all_principals(job))) fail(job, *failure, actions);
 }
 
 std::set<JobId> Scheduler::stalled_jobs(const Worker& worker) const {
   std::set<JobId> stalled;
   for (const HeldLease& held : worker.leases) {
-    const Duration without_progress = now_ - worker.efforts.at(held.job).no_progress_since;
+    const Duration without_progress = now_ - worker.effort(held.run)->no_progress_since;
     const bool too_long = without_progress >= patience(options_.lease_duration, 0) &&
                           without_progress >= patience(options_.lease_duration, expected_seconds(worker));
     if (too_long) stalled.insert(held.job);
@@ -67,8 +68,8 @@ std::set<JobId> Scheduler::stalled_jobs(const Worker& worker) const {
 double Scheduler::expected_seconds(const Worker& worker) const {
   double seconds = 0;
   for (const HeldLease& held : worker.leases) {
-    const Job& job = *find(held.job);
-    const double speed = expected_speed(options_.sizing, worker.snapshot(held.job));
+    const Job& job = jobs_.at(held.number);
+    const double speed = expected_speed(options_.sizing, worker.snapshot(held.run));
     for (const WorkItem& item : job.find_lease(held.id)->items)
       seconds += static_cast<double>(job.pixel_samples(item)) / speed;
   }
@@ -82,9 +83,9 @@ std::optional<Stuck> Scheduler::what_keeps(const Worker& worker, const std::set<
     if (held.id != stuck.rendering.lease) continue;
     // It is not stuck, but renders another job.
     if (!stalled.contains(held.job)) return std::nullopt;
-    stuck.since = std::max(stuck.since, worker.efforts.at(held.job).no_progress_since);
+    stuck.since = std::max(stuck.since, worker.effort(held.run)->no_progress_since);
     if (held.job == stuck.rendering.job)
-      stuck.items = parts_in(stuck.rendering.item, find(held.job)->find_lease(held.id)->items);
+      stuck.items = parts_in(stuck.rendering.item, jobs_.at(held.number).find_lease(held.id)->items);
   }
   // A broken or very slow worker cannot be told from one whose samples never end. A worker of this name that
   // has delivered is neither of these, and other samples do not take an hour.
@@ -98,14 +99,15 @@ std::optional<Stuck> Scheduler::what_keeps(const Worker& worker, const std::set<
 
 void Scheduler::stall(Worker& worker, const JobId& id, Actions& actions) {
   Job& job = *find(id);
-  const Duration without_progress = now_ - worker.efforts.at(id).no_progress_since;
+  const Duration without_progress = now_ - worker.effort(job.run())->no_progress_since;
+  note_change(actions.changed_workers, worker.info.id);
   std::string items;
   for (const HeldLease& held : std::vector<HeldLease>(worker.leases)) {
     if (held.job != id) continue;
     const WorkItem first = end_lease(job, held.id, LeaseState::kStalled).items.front();
     if (items.empty()) items = describe(first);
   }
-  const Duration in_cooldown = bar(worker, id, without_progress);
+  const Duration in_cooldown = begin_cooldown(worker, job, without_progress);
   const std::string until =
       worker.stuck ? "nothing until it says that it is through with that"
       : in_cooldown > Duration{0}
@@ -122,22 +124,29 @@ void Scheduler::stall(Worker& worker, const JobId& id, Actions& actions) {
 
 // A worker that fetches a large scene is exempt once, since it may report so for ever. Repeated faults raise
 // the cooldown only of workers from which samples were accepted: the others may just be slow.
-Duration Scheduler::bar(Worker& worker, const JobId& job, Duration without_progress) {
-  Effort& effort = worker.efforts.at(job);
-  ++effort.stalls;
-  if (worker.fetching.contains(job) && !effort.exempt) {
-    effort.exempt = true;
+Duration Scheduler::begin_cooldown(Worker& worker, Job& job, Duration without_progress) {
+  Effort& known = effort(worker, job);
+  ++known.stalls;
+  job.note_stalled(worker.info.id);
+  if (worker.fetching.contains(job.id()) && !known.exempt) {
+    known.exempt = true;
     return {};
   }
-  const Duration length = cooldown_after(without_progress, worker.samples_accepted > 0 ? effort.faults : 0);
-  ++effort.faults;
-  effort.cooldown_until = now_ + length;
+  const Duration length = cooldown_after(without_progress, worker.samples_accepted > 0 ? known.faults : 0);
+  ++known.faults;
+  known.cooldown_until = now_ + length;
   return length;
 }
 
+bool Scheduler::awaits_files(const Worker& worker, const Job& job) {
+  return worker.has_stalled(job.run()) && worker.fetching.contains(job.id());
+}
+
 bool Scheduler::may_take(const Worker& worker, const Job& job) const {
-  return job.may_be_leased_to(worker.info.id) && !worker.in_cooldown(job.id(), now_) &&
-         !worker.awaits_files(job.id());
+  if (!job.may_be_leased_to(worker.info.id)) return false;
+  const Effort* const known = worker.effort(job.run());
+  const bool in_cooldown = known != nullptr && known->in_cooldown(now_);
+  return !in_cooldown && !awaits_files(worker, job);
 }
 
 void Scheduler::look_after_stuck(Worker& worker, Actions& actions) {
@@ -150,7 +159,8 @@ void Scheduler::look_after_stuck(Worker& worker, Actions& actions) {
   if (is_stuck || may_be_stuck) return strike_stuck_ranges(worker, actions);
   // It was only slow.
   if (job != nullptr) job->withdraw_strikes(worker.info.id, LossKind::kStuck);
-  worker.stuck.reset();
+  registry_.set_stuck(worker, std::nullopt);
+  note_change(actions.changed_workers, worker.info.id);
 }
 
 void Scheduler::strike_stuck_ranges(Worker& worker, Actions& actions) {
@@ -160,7 +170,7 @@ void Scheduler::strike_stuck_ranges(Worker& worker, Actions& actions) {
   registry_.has_to_show_again(worker.info.name);
   Job* const job = find(stuck.rendering.job);
   if (job == nullptr || !may_become(job->state(), JobState::kFailed)) return;
-  const auto failure = job->strike(stuck.items, worker.loss(LossKind::kStuck), find_principals(*job));
+  const auto failure = job->strike(stuck.items, worker.loss(LossKind::kStuck), are_all_principals(*job));
   if (failure) return fail(*job, *failure, actions);
   give_up_if_nobody_gets_on(*job, actions);
 }

@@ -25,12 +25,21 @@ struct TextId {
 using JobId = TextId<struct JobTag>;
 using WorkerId = TextId<struct WorkerTag>;
 
+// Numbers jobs in the order of submission. Never reused.
+using JobNumber = std::uint64_t;
+// Numbers the runs of jobs. A run ends when its job is done, cancelled, failed or deleted. Never reused.
+using RunNumber = std::uint64_t;
+
 inline constexpr int kLeaseCounterBits = 40;
 
 // The coordinator's epoch in the upper 24 bits, a counter from 1 in the lower 40. Never reused.
 struct LeaseId {
   std::uint64_t value = 0;
   auto operator<=>(const LeaseId&) const = default;
+};
+
+struct LeaseIdHash {
+  std::size_t operator()(LeaseId id) const { return std::hash<std::uint64_t>{}(id.value); }
 };
 
 // The work of a job: samples [0, spp) of every pixel of a window of an image, divided into tiles.

@@ -56,6 +56,11 @@ void WorkList::forget_unwanted(const Wanted& wanted) {
   cursor_ = walk.cursor_;
 }
 
+void WorkList::clear() {
+  returned_.clear();
+  cursor_ = {0, pass_of(spp_ - 1).end};
+}
+
 void WorkList::put_back(const WorkItem& item) {
   for (std::uint32_t begin = item.samples.begin; begin < item.samples.end;) {
     const SampleRange pass = pass_of(begin);

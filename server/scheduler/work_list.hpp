@@ -35,6 +35,9 @@ class WorkList {
   // Removes the candidates before the first wanted piece.
   void forget_unwanted(const Wanted& wanted);
 
+  // Removes all candidates.
+  void clear();
+
   // Makes samples candidates (again). They must lie in [0, spp), and may be candidates already.
   void put_back(const WorkItem& item);
 

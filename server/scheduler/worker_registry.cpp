@@ -7,27 +7,26 @@
 
 namespace tessera::scheduler {
 
-Time Worker::last_refusal() const {
-  Time last = Time::min();
-  for (const auto& [job, time] : refused) last = std::max(last, time);
-  return last;
+WaitingRank Worker::rank() const {
+  return {!leases.empty(), refusals.empty() ? Time::min() : refusals.rbegin()->first, sequence};
 }
 
-bool Worker::holds_any_of(const JobId& job) const {
-  return std::any_of(leases.begin(), leases.end(), [&](const HeldLease& held) { return held.job == job; });
+bool Worker::holds_any_of(JobNumber job) const {
+  return std::any_of(leases.begin(), leases.end(), [&](const HeldLease& held) { return held.number == job; });
 }
 
 bool Worker::holds(LeaseId lease) const {
   return std::any_of(leases.begin(), leases.end(), [&](const HeldLease& held) { return held.id == lease; });
 }
 
-bool Worker::has_stalled(const JobId& job) const {
-  const auto effort = efforts.find(job);
-  return effort != efforts.end() && effort->second.stalls > 0;
+const Effort* Worker::effort(RunNumber run) const {
+  const JobNotes* const known = notes.find(run);
+  return known != nullptr && known->effort ? &*known->effort : nullptr;
 }
 
-bool Worker::in_cooldown(const JobId& job, Time now) const {
-  return has_stalled(job) && now < efforts.at(job).cooldown_until;
+bool Worker::has_stalled(RunNumber run) const {
+  const Effort* const known = effort(run);
+  return known != nullptr && known->has_stalled();
 }
 
 int Worker::room() const {
@@ -35,16 +34,15 @@ int Worker::room() const {
   return takes_leases() ? std::min(wanted_leases, kMaxLeasesPerWorker) - static_cast<int>(leases.size()) : 0;
 }
 
-WorkerSnapshot Worker::snapshot(const JobId& job) const {
-  const auto known = speed.find(job);
-  return {info.threads, known == speed.end() ? std::nullopt : std::optional<double>(known->second)};
+WorkerSnapshot Worker::snapshot(RunNumber run) const {
+  const JobNotes* const known = notes.find(run);
+  return {info.threads, known == nullptr ? std::nullopt : known->speed};
 }
 
-void Worker::measure(const JobId& job, std::uint64_t samples, double render_seconds) {
+void measure_speed(JobNotes& notes, std::uint64_t samples, double render_seconds) {
   constexpr double kNewWeight = 0.3;
   const double measured = static_cast<double>(samples) / render_seconds;
-  const auto [known, first] = speed.try_emplace(job, measured);
-  if (!first) known->second += kNewWeight * (measured - known->second);
+  notes.speed = notes.speed ? *notes.speed + kNewWeight * (measured - *notes.speed) : measured;
 }
 
 Worker* WorkerRegistry::find(const WorkerId& id) {
@@ -78,6 +76,7 @@ Worker& WorkerRegistry::heartbeat(const Synchronize& event, Time now) {
   for (const LeaseDescription& lease : event.held) worker.reported.insert(lease.id);
   worker.fetching = event.fetching;
   alarms_.emplace(alarm(worker), event.worker.id);
+  count_presence(worker);
   return worker;
 }
 
@@ -90,6 +89,30 @@ void WorkerRegistry::become(Worker& worker, WorkerState to) {
   active_count_ += worker.takes_leases();
 }
 
+void WorkerRegistry::set_stuck(Worker& worker, std::optional<Stuck> stuck) {
+  worker.stuck = std::move(stuck);
+  count_presence(worker);
+}
+
+void WorkerRegistry::count_presence(Worker& worker) {
+  std::optional<Worker::Presence> now;
+  if (worker.is_available()) now = {worker.info.name, worker.info.principal, worker.info.machine};
+  if (now == worker.presence_) return;
+  ++times_changed_;
+  if (const auto& before = worker.presence_) {
+    const auto named = available_.find(before->name);
+    named->second.erase(worker.info.id);
+    if (named->second.empty()) available_.erase(named);
+    const auto known = principals_.find(before->principal);
+    if (--known->second == 0) principals_.erase(known);
+  }
+  if (now) {
+    available_[now->name].insert(worker.info.id);
+    ++principals_[now->principal];
+  }
+  worker.presence_ = std::move(now);
+}
+
 Time WorkerRegistry::alarm(const Worker& worker) const {
   return worker.last_synchronized +
          (worker.state() == WorkerState::kSilent ? forget_after_ : lease_duration_);
@@ -100,13 +123,8 @@ std::optional<Time> WorkerRegistry::next_alarm() const {
 }
 
 Worker* WorkerRegistry::next_overdue(Time now) {
-  while (!alarms_.empty() && alarms_.begin()->first <= now) {
-    Worker& worker = workers_.at(alarms_.begin()->second);
-    if (worker.state() != WorkerState::kSilent) return &worker;
-    become(worker, WorkerState::kForgotten);
-    workers_.erase(alarms_.extract(alarms_.begin()).value().second);
-  }
-  return nullptr;
+  if (alarms_.empty() || alarms_.begin()->first > now) return nullptr;
+  return &workers_.at(alarms_.begin()->second);
 }
 
 void WorkerRegistry::mark_lost(Worker& worker) {
@@ -118,6 +136,13 @@ void WorkerRegistry::mark_lost(Worker& worker) {
   become(worker, WorkerState::kSilent);
   worker.waiting = false;
   alarms_.emplace(alarm(worker), worker.info.id);
+  count_presence(worker);
+}
+
+std::shared_ptr<const void> WorkerRegistry::forget(Worker& worker) {
+  alarms_.erase({alarm(worker), worker.info.id});
+  become(worker, WorkerState::kForgotten);
+  return std::make_shared<decltype(workers_)::node_type>(workers_.extract(worker.info.id));
 }
 
 }  // namespace tessera::scheduler

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <map>
+#include <memory>
 #include <optional>
 #include <set>
 #include <utility>
@@ -13,6 +14,7 @@
 #include "server/scheduler/policy.hpp"
 #include "server/scheduler/producer.hpp"
 #include "server/scheduler/rate_meter.hpp"
+#include "server/scheduler/swept_map.hpp"
 #include "server/scheduler/types.hpp"
 #include "server/scheduler/worker_state.hpp"
 
@@ -22,6 +24,8 @@ namespace tessera::scheduler {
 struct HeldLease {
   LeaseId id;
   JobId job;
+  JobNumber number = 0;
+  RunNumber run = 0;
   // See Lease::alone.
   bool alone = false;
 };
@@ -39,6 +43,21 @@ struct Effort {
   // How many of these were its own fault. A worker that fetches the scene is exempt, once.
   int faults = 0;
   bool exempt = false;
+
+  // Its leases have stalled, and no result has counted since.
+  bool has_stalled() const { return stalls > 0; }
+  // Whether it is given no leases at this time because of that.
+  bool in_cooldown(Time now) const { return has_stalled() && now < cooldown_until; }
+};
+
+// What is known of a worker and one run of a job.
+struct JobNotes {
+  // In pixel samples per second.
+  std::optional<double> speed;
+  // When the worker last reported that it cannot build the scene.
+  std::optional<Time> refused;
+  // If it has held leases.
+  std::optional<Effort> effort;
 };
 
 // A worker reports that it renders samples that it lost because it took too long.
@@ -50,6 +69,17 @@ struct Stuck {
   Time since{};
   Duration counts_after{};
   bool struck = false;
+};
+
+// The order in which waiting workers are offered new work. Idle workers come first: others would only queue
+// the work. Then workers that have built every scene, or that failed to do so longest ago, so that the same
+// ones do not take all places of a limited job. Then the order of registration: a range that kills workers so
+// reaches every worker, since restarted ones come last.
+struct WaitingRank {
+  bool holds_leases = false;
+  Time last_refusal{};
+  std::uint64_t sequence = 0;
+  auto operator<=>(const WaitingRank&) const = default;
 };
 
 struct Worker {
@@ -74,14 +104,14 @@ struct Worker {
   bool shrunk = false;
   // Its last reply was not `changed`, so its call may be waiting.
   bool waiting = false;
-  // Pixel samples per second, by job.
-  std::map<JobId, double> speed;
   // Work per second, for all jobs.
   Estimate pace;
-  // When it last reported that it cannot build the scene, by job.
-  std::map<JobId, Time> refused;
-  // By jobs that it has held leases of.
-  std::map<JobId, Effort> efforts;
+  // Those of runs that have ended are stale: they are never looked up, and swept out.
+  SweptMap<RunNumber, JobNotes> notes;
+  // JobNotes::refused of the runs in progress.
+  std::set<std::pair<Time, RunNumber>> refusals;
+  // Its place among the waiting workers, if it is one that could be given more (waiting_workers.hpp).
+  std::optional<WaitingRank> waiting_rank;
   RateMeter rate;
   std::uint64_t samples_accepted = 0;
   // Its ranges that others audited, and those of them that were wrong.
@@ -93,28 +123,34 @@ struct Worker {
   }
   WorkerState state() const { return state_; }
   bool takes_leases() const { return state_ == WorkerState::kPresent; }
-  // The minimum time if it has built every scene.
-  Time last_refusal() const;
-  bool holds_any_of(const JobId& job) const;
+  // Takes leases, and is not stuck.
+  bool is_available() const { return takes_leases() && !stuck; }
+  WaitingRank rank() const;
+  bool holds_any_of(JobNumber job) const;
   bool holds(LeaseId lease) const;
-  // Its leases of the job have stalled, and no result has counted since.
-  bool has_stalled(const JobId& job) const;
-  // Whether it is given no leases of the job at this time because they stalled; or until it has fetched the
-  // files.
-  bool in_cooldown(const JobId& job, Time now) const;
-  bool awaits_files(const JobId& job) const { return has_stalled(job) && fetching.contains(job); }
+  // Null if it has held no lease of the run.
+  const Effort* effort(RunNumber run) const;
+  bool has_stalled(RunNumber run) const;
   // It holds a lease that must be its only one.
   bool holds_alone() const { return !leases.empty() && leases.front().alone; }
   // The number of further leases that it can be given.
   int room() const;
-  WorkerSnapshot snapshot(const JobId& job) const;
-  // Records a measurement for a job; render_seconds must be positive.
-  void measure(const JobId& job, std::uint64_t samples, double render_seconds);
+  WorkerSnapshot snapshot(RunNumber run) const;
 
  private:
   friend class WorkerRegistry;
+  // As what it is counted among the available workers.
+  struct Presence {
+    std::string name, principal, machine;
+    bool operator==(const Presence&) const = default;
+  };
+
   WorkerState state_ = WorkerState::kPresent;
+  std::optional<Presence> presence_;
 };
+
+// Records a measured speed; render_seconds must be positive.
+void measure_speed(JobNotes& notes, std::uint64_t samples, double render_seconds);
 
 class WorkerRegistry {
  public:
@@ -122,7 +158,6 @@ class WorkerRegistry {
       : lease_duration_(lease_duration), forget_after_(forget_after) {}
 
   const std::map<WorkerId, Worker>& all() const { return workers_; }
-  std::map<WorkerId, Worker>& all() { return workers_; }
   Worker* find(const WorkerId& id);
   const Worker* find(const WorkerId& id) const;
 
@@ -133,13 +168,22 @@ class WorkerRegistry {
   Time deadline(const Worker& worker) const { return worker.last_synchronized + lease_duration_; }
 
   std::optional<Time> next_alarm() const;
-  // Removes workers that were silent for forget_after. Returns a worker whose deadline is not after `now`, if
-  // there is one; the caller ends its leases, marks it lost, and calls again until there is none.
+  // A worker whose leases expire, or that is to be forgotten, not after `now`; null if there is none. The
+  // caller marks it lost, when it has ended its leases, or forgets it.
   Worker* next_overdue(Time now);
+  bool is_overdue(const Worker& worker, Time now) const { return alarm(worker) <= now; }
   void mark_lost(Worker& worker);
+  // Removes a silent worker. Returns what was known of it, which may take long to destroy.
+  std::shared_ptr<const void> forget(Worker& worker);
+  void set_stuck(Worker& worker, std::optional<Stuck> stuck);
 
   // The number of workers that take leases.
   int active_count() const { return active_count_; }
+  // The available workers by name, and their number by principal. Without empty entries.
+  const std::map<std::string, std::set<WorkerId>>& available_by_name() const { return available_; }
+  const std::map<std::string, int>& available_by_principal() const { return principals_; }
+  // How often a worker has become available, or ceased to be, or changed its identity.
+  std::uint64_t times_changed() const { return times_changed_; }
 
   // Whether a result of a worker of this name has counted since one of them was last stuck.
   bool has_shown(const std::string& name) const { return shown_.contains(name); }
@@ -160,6 +204,7 @@ class WorkerRegistry {
  private:
   // The only function that changes a worker's state; no change if it is in it already.
   void become(Worker& worker, WorkerState to);
+  void count_presence(Worker& worker);
   Time alarm(const Worker& worker) const;
 
   const Duration lease_duration_;
@@ -168,6 +213,9 @@ class WorkerRegistry {
   // alarm() of every worker.
   std::set<std::pair<Time, WorkerId>> alarms_;
   int active_count_ = 0;
+  std::map<std::string, std::set<WorkerId>> available_;
+  std::map<std::string, int> principals_;
+  std::uint64_t times_changed_ = 0;
   std::uint64_t next_sequence_ = 0;
   std::set<std::string> shown_;
   std::map<std::string, Duration> kept_;

@@ -113,6 +113,7 @@ FarmReport CalmFarm::run() {
   if (!world_.failure()) check_leases();
   report.failure = world_.failure();
   report.virtual_seconds = elapsed();
+  report.digest = coordinator_.digest();
   return report;
 }
 

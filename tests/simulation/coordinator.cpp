@@ -53,6 +53,7 @@ void Coordinator::start() {
   options.epoch = run_;
   options.audit_secret = run_;
   scheduler_ = std::make_unique<Scheduler>(options);
+  latest_ = {};
   referee_.restarted(run_);
   for (const Disk::StoredJob& job : disk_.jobs()) restore(job);
   checkpoint(run_);
@@ -164,7 +165,7 @@ void Coordinator::submit_result(const SubmitResult& result, const ResultAnswer& 
   if (workers_aside_.contains(result.worker)) return answer({});
   const bool forged = result.token != options_.sign(result.lease, result.worker, result.job);
   const bool lies = is_liar(result.worker) || forged;
-  if (lies) handle(Tick{});
+  if (lies) catch_up();
   const std::string before = lies ? fingerprint(*scheduler_, clock()) : "";
   const Actions actions = handle(result);
   if (!actions.status && !lies)
@@ -222,7 +223,7 @@ bool Coordinator::remove(const DeleteJob& event) {
 bool Coordinator::command(const Event& event) {
   if (const auto* submitted = std::get_if<SubmitJob>(&event)) return submit(*submitted);
   if (const auto* gone = std::get_if<DeleteJob>(&event)) return remove(*gone);
-  handle(Tick{});
+  catch_up();
   const std::string before = fingerprint(*scheduler_, clock());
   const Actions actions = handle(event);
   const bool taken = actions.status.has_value();
@@ -264,11 +265,22 @@ void Coordinator::check_holders(const Event& event, const Actions& actions) {
   }
 }
 
+void Coordinator::catch_up() {
+  do {
+    handle(Tick{});
+  } while (!world_.failure() && scheduler_->next_deadline().value_or(Time::max()) <= latest_);
+}
+
 Actions Coordinator::handle(const Event& event) {
-  const std::vector<JobView> before = jobs();
+  const std::vector<JobView> jobs_before = jobs();
+  const std::vector<WorkerView> workers_before = workers();
+  latest_ = std::max(latest_, clock());
   const Actions actions = scheduler_->handle(event, clock());
+  digest_.add(event, clock(), actions);
   check_holders(event, actions);
-  referee_.counted(before, jobs());
+  referee_.counted(jobs_before, jobs());
+  referee_.changed(jobs_before, jobs(), actions);
+  referee_.changed(workers_before, workers(), actions);
   if (const auto wrong = scheduler_->check_invariants(CheckDepth::kEverySample)) world_.fail(*wrong);
   referee_.handled(event, actions, clock());
   follow_audits(actions);

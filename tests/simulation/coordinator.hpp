@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "server/scheduler/scheduler.hpp"
+#include "tests/simulation/digest.hpp"
 #include "tests/simulation/disk.hpp"
 #include "tests/simulation/model_film.hpp"
 #include "tests/simulation/referee.hpp"
@@ -63,6 +64,7 @@ class Coordinator {
   const std::map<scheduler::JobId, std::string>& failures() const { return failures_; }
   // Whether every job is done, cancelled or failed, and the done ones have every sample exactly once.
   bool all_settled() const;
+  std::uint64_t digest() const { return digest_.value(); }
   void check_films();
 
  private:
@@ -81,6 +83,8 @@ class Coordinator {
   Time clock() const { return world_.now() + clock_error_; }
   bool delayed(const std::function<void()>& again);
   scheduler::Actions handle(const scheduler::Event& event);
+  // Lets the scheduler finish what is due, so that the next event does nothing else.
+  void catch_up();
   void restore(const Disk::StoredJob& job);
   // ---- Audits (coordinator_audits.cpp) ----
   void follow_audits(const scheduler::Actions& actions);
@@ -116,6 +120,8 @@ class Coordinator {
   Duration clock_error_{};
   Time stalled_until_{};
   std::optional<Time> next_tick_;
+  // The latest time that this scheduler was told.
+  Time latest_{};
   std::uint64_t calls_ = 0;
   std::uint64_t revisions_ = 0;
   std::map<scheduler::WorkerId, Parked> parked_;
@@ -131,6 +137,7 @@ class Coordinator {
   std::map<scheduler::JobId, scheduler::JobShape> shapes_;
   Films films_;
   Referee referee_;
+  Digest digest_;
   std::map<scheduler::JobId, std::string> failures_;
 };
 

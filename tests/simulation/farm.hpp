@@ -14,6 +14,8 @@ struct FarmReport {
   std::optional<std::string> failure;
   double virtual_seconds = 0;
   std::uint64_t events = 0;
+  // Follows from every decision of the scheduler (digest.hpp).
+  std::uint64_t digest = 0;
 };
 
 // A deterministic function of the seed. Verbose: prints a transcript.

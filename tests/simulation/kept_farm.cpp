@@ -92,6 +92,7 @@ FarmReport KeptFarm::run() {
   if (!world_.failure()) check();
   report.failure = world_.failure();
   report.virtual_seconds = elapsed();
+  report.digest = coordinator_.digest();
   return report;
 }
 

@@ -36,6 +36,12 @@ class Referee {
   void handled(const scheduler::Event& event, const scheduler::Actions& actions, Time clock);
   // The jobs before and after an event: none may exceed its limit on workers, unless it did so before.
   void counted(const std::vector<scheduler::JobView>& before, const std::vector<scheduler::JobView>& after);
+  // The jobs or workers before and after an event: it must name those of which more than counters has
+  // changed.
+  void changed(const std::vector<scheduler::JobView>& before, const std::vector<scheduler::JobView>& after,
+               const scheduler::Actions& actions);
+  void changed(const std::vector<scheduler::WorkerView>& before,
+               const std::vector<scheduler::WorkerView>& after, const scheduler::Actions& actions);
   // Missing samples must be accepted, and others dropped; other holders of the accepted samples must be
   // woken.
   void judged(const scheduler::SubmitResult& event, const scheduler::Actions& actions);

@@ -158,6 +158,7 @@ FarmReport RoughFarm::run() {
   if (world_.failure() && coordinator_.up()) world_.note("the farm:\n" + coordinator_.describe());
   report.failure = world_.failure();
   report.virtual_seconds = elapsed();
+  report.digest = coordinator_.digest();
   return report;
 }
 

@@ -13,6 +13,7 @@ TEST(FarmSimulation, FollowsFromItsSeed) {
     const FarmReport a = simulate_farm(seed, false), b = simulate_farm(seed, false);
     EXPECT_EQ(a.failure, std::nullopt) << "seed " << seed;
     EXPECT_EQ(a.events, b.events);
+    EXPECT_EQ(a.digest, b.digest);
     EXPECT_EQ(a.virtual_seconds, b.virtual_seconds);
   }
 }

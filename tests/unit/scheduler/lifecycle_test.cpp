@@ -62,7 +62,7 @@ TEST(Lifecycle, OfALease) {
 }
 
 TEST(LifecycleDeathTest, AnArrowThatIsNotDrawnEndsTheProcess) {
-  Job job({"job"}, {64, 64, 1}, {}, JobState::kCancelled, {});
+  Job job(1, {"job"}, {64, 64, 1}, {}, JobState::kCancelled, {});
   EXPECT_DEATH(job.become(JobState::kRunning), "a job went from cancelled to running");
   LeaseTable leases;
   leases.insert({{1}, {"worker"}, {{0, {0, 1}}}});

@@ -168,15 +168,15 @@ TEST_F(Deaths, OfWorkersThatMayNotHaveHeardOfTheirLeaseCountForNothing) {
   EXPECT_EQ(lease_to("b").items.size(), 4u);
 }
 
-const FindPrincipals kNobody = [] { return Principals{}; };
+const AreAll kNobodyElse = [](const std::set<std::string>&) { return true; };
 
 TEST(JobTest, DoesNotFailWhileAnotherWorkerHoldsTheSamples) {
-  Job job({"job"}, tiles(4, 1), {}, JobState::kRunning, {});
+  Job job(1, {"job"}, tiles(4, 1), {}, JobState::kRunning, {});
   const std::vector<WorkItem> items = job.next_free(1, true).items;
   job.lease({{1}, {"slow"}, items, false});
   const auto strike = [&](std::uint64_t id, const std::string& worker) {
     job.lease({{id}, {worker}, items, true});
-    return job.strike(job.end_lease({id}, LeaseState::kExpired), {{worker}, worker}, kNobody);
+    return job.strike(job.end_lease({id}, LeaseState::kExpired), {{worker}, worker}, kNobodyElse);
   };
   EXPECT_FALSE(strike(2, "a"));
   EXPECT_FALSE(strike(3, "b"));
@@ -186,11 +186,11 @@ TEST(JobTest, DoesNotFailWhileAnotherWorkerHoldsTheSamples) {
 }
 
 TEST(JobTest, CountsWhoIsStuckAgainstWhatIsMissing) {
-  Job job({"job"}, tiles(4, 8), {}, JobState::kRunning, {});
+  Job job(1, {"job"}, tiles(4, 8), {}, JobState::kRunning, {});
   std::vector<Lease> ended;
   ASSERT_TRUE(job.accept({0, {0, 2}}, ended));
   const auto strike = [&](const std::string& worker, const std::vector<WorkItem>& items) {
-    return job.strike(items, {{worker}, worker, LossKind::kStuck}, kNobody);
+    return job.strike(items, {{worker}, worker, LossKind::kStuck}, kNobodyElse);
   };
   for (const char* worker : {"a", "b", "c"}) EXPECT_FALSE(strike(worker, {{0, {0, 2}}})) << "it ends";
   EXPECT_FALSE(strike("a", {{0, {1, 4}}}));
@@ -199,13 +199,13 @@ TEST(JobTest, CountsWhoIsStuckAgainstWhatIsMissing) {
 }
 
 TEST(JobTest, FailsForAnyPartOfWhatAWorkerIsStuckIn) {
-  Job job({"job"}, tiles(4, 8), {}, JobState::kRunning, {});
+  Job job(1, {"job"}, tiles(4, 8), {}, JobState::kRunning, {});
   std::uint64_t id = 0;
   for (const char* worker : {"a", "b"}) {
     job.lease({{++id}, {worker}, {{0, {6, 7}}}, true});
-    EXPECT_FALSE(job.strike(job.end_lease({id}, LeaseState::kExpired), {{worker}, worker}, kNobody));
+    EXPECT_FALSE(job.strike(job.end_lease({id}, LeaseState::kExpired), {{worker}, worker}, kNobodyElse));
   }
-  const auto failure = job.strike({{0, {4, 8}}}, {{"c"}, "c", LossKind::kStuck}, kNobody);
+  const auto failure = job.strike({{0, {4, 8}}}, {{"c"}, "c", LossKind::kStuck}, kNobodyElse);
   EXPECT_THAT(failure.value_or(""), HasSubstr("samples [6, 7) of tile 0"));
 }
 

@@ -96,6 +96,12 @@ TEST_F(Waiting, DoesNotWakeWhoHasNoRoom) {
   EXPECT_THAT(handle(SubmitJob{{"next"}, tiles(2, 4), 0}).wake, IsEmpty());
 }
 
+TEST_F(Waiting, DoesNotWakeWhoHadRoomInAnEarlierCall) {
+  sync("w", {}, 1);
+  sync("w", {}, 0);
+  EXPECT_THAT(handle(SubmitJob{{"job"}, tiles(2, 4), 0}).wake, IsEmpty());
+}
+
 TEST_F(Waiting, WakesNobodyTwiceForOneCall) {
   sync("w");
   EXPECT_EQ(handle(SubmitJob{{"a"}, tiles(2, 4), 0}).wake.size(), 1u);
