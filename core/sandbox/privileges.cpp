@@ -13,7 +13,7 @@ namespace tessera::sandbox {
 
 namespace {
 
-constexpr const char* kPart = "user of its own: it stays root, without capabilities";
+constexpr const char* kUserPart = "user of its own: it stays root, without capabilities";
 constexpr uid_t kNobody = 65534;
 constexpr gid_t kNoGroup = 65534;
 
@@ -37,10 +37,10 @@ bool has_capability(unsigned number) {
 core::Result<Missing> become_nobody() {
   if (geteuid() != 0) return Missing();
   // The parent has the same capabilities. Without this one it could not kill the process.
-  if (!has_capability(CAP_KILL)) return Missing(fmt::format("no {} (there is no CAP_KILL)", kPart));
-  if (setgroups(0, nullptr) != 0) return missing_or_error(kPart, "setgroups");
-  if (setresgid(kNoGroup, kNoGroup, kNoGroup) != 0) return missing_or_error(kPart, "setresgid");
-  if (setresuid(kNobody, kNobody, kNobody) != 0) return missing_or_error(kPart, "setresuid");
+  if (!has_capability(CAP_KILL)) return Missing(fmt::format("no {} (there is no CAP_KILL)", kUserPart));
+  if (setgroups(0, nullptr) != 0) return missing_or_error(kUserPart, "setgroups");
+  if (setresgid(kNoGroup, kNoGroup, kNoGroup) != 0) return missing_or_error(kUserPart, "setresgid");
+  if (setresuid(kNobody, kNobody, kNobody) != 0) return missing_or_error(kUserPart, "setresuid");
   return Missing();
 }
 

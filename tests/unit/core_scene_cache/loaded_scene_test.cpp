@@ -122,7 +122,7 @@ TEST_F(LoadedScene, IsRefusedWithAnyPieceMissing) {
 
 // Under checksums that are in order, as a process writes them that was taken over.
 TEST_F(LoadedScene, ThatNoLoaderMakesIsRefused) {
-  constexpr float kInfinity = std::numeric_limits<float>::infinity(), kNan = std::nanf("");
+  constexpr float kInfinity = std::numeric_limits<float>::infinity(), kNan = std::numeric_limits<float>::quiet_NaN();
   EXPECT_EQ(error_after([](SceneDescription&) {}), "no error");
   const std::function<void(SceneDescription&)> changes[] = {
       [](SceneDescription& s) { s.settings.integrator = static_cast<Integrator>(4); },

@@ -43,14 +43,14 @@ void expect_missing(const std::function<bool()>& lose, const std::string& words)
       << words;
 }
 
-class Missing : public testing::Test {
+class MissingParts : public testing::Test {
  protected:
   void SetUp() override {
     if (kIsSanitized) GTEST_SKIP() << "builds with sanitizers have no filter";
   }
 };
 
-TEST_F(Missing, IsNothingHere) {
+TEST_F(MissingParts, IsNothingHere) {
   EXPECT_EQ(status_of([] {
               const auto missing = confine({});
               return missing && missing->empty() ? kAsExpected : kOther;
@@ -60,26 +60,26 @@ TEST_F(Missing, IsNothingHere) {
   EXPECT_EQ(status_of([] { return confine({.complete = true}) ? kAsExpected : kOther; }), kAsExpected);
 }
 
-TEST_F(Missing, LandlockIsNamed) {
+TEST_F(MissingParts, LandlockIsNamed) {
   for (const int error : {ENOSYS, EOPNOTSUPP, EPERM})
     expect_missing([error] { return lose_call(SYS_landlock_create_ruleset, error); }, "no Landlock: ");
   expect_missing([] { return lose_call(SYS_landlock_restrict_self, EPERM); }, "no Landlock: ");
 }
 
-TEST_F(Missing, TheFilterIsNamed) {
+TEST_F(MissingParts, TheFilterIsNamed) {
   for (const int error : {EINVAL, ENOSYS, EPERM})
     expect_missing([error] { return lose_call(SYS_prctl, error, PR_SET_SECCOMP); },
                    "no system call filter: ");
 }
 
-TEST_F(Missing, TheUserIsNamed) {
+TEST_F(MissingParts, TheUserIsNamed) {
   if (geteuid() != 0) GTEST_SKIP() << "only root can become somebody else";
   for (const long call : {SYS_setgroups, SYS_setresgid, SYS_setresuid})
     expect_missing([call] { return lose_call(call, EPERM); }, "no user of its own: ");
 }
 
 // Of a parent that cannot kill it.
-TEST_F(Missing, ACapabilityIsNamed) {
+TEST_F(MissingParts, ACapabilityIsNamed) {
   if (geteuid() != 0) GTEST_SKIP() << "only root can become somebody else";
   const auto lose_capabilities = [] { return drop_capabilities().has_value(); };
   expect_missing(lose_capabilities,
@@ -87,7 +87,7 @@ TEST_F(Missing, ACapabilityIsNamed) {
 }
 
 // A failure that is no lack of support must not pass for one.
-TEST_F(Missing, OtherErrorsAreErrors) {
+TEST_F(MissingParts, OtherErrorsAreErrors) {
   EXPECT_EQ(status_of([] {
               if (!lose_call(SYS_landlock_create_ruleset, EMFILE)) return kNotLost;
               const auto missing = confine({});

@@ -63,7 +63,7 @@ Place random_place(std::mt19937& rng, std::uint64_t& servings) {
           .excluded = static_cast<IdentityNumber>(rng() % 4)};
 }
 
-void walk(std::uint32_t seed) {
+void walk_index(std::uint32_t seed) {
   std::mt19937 rng(seed);
   JobIndex index;
   Model model;
@@ -96,7 +96,7 @@ void walk(std::uint32_t seed) {
 }
 
 TEST(JobIndex, AgreesWithAChoiceAmongAllThroughRandomChanges) {
-  for (std::uint32_t seed = 0; seed < 200 && !testing::Test::HasFatalFailure(); ++seed) walk(seed);
+  for (std::uint32_t seed = 0; seed < 200 && !testing::Test::HasFatalFailure(); ++seed) walk_index(seed);
 }
 
 TEST(JobIndex, AsksAboutNoJobThatExcludesTheIdentity) {

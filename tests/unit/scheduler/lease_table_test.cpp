@@ -68,7 +68,7 @@ std::vector<WorkItem> random_items(std::mt19937& rng, const LeaseTable& table) {
   return items;
 }
 
-void walk(std::uint32_t seed) {
+void walk_leases(std::uint32_t seed) {
   std::mt19937 rng(seed);
   LeaseTable table;
   std::uint64_t last = 0;
@@ -97,7 +97,7 @@ void walk(std::uint32_t seed) {
 }
 
 TEST(LeaseTable, AgreesWithAListOfLeasesThroughRandomChanges) {
-  for (std::uint32_t seed = 0; seed < 200 && !testing::Test::HasFailure(); ++seed) walk(seed);
+  for (std::uint32_t seed = 0; seed < 200 && !testing::Test::HasFailure(); ++seed) walk_leases(seed);
 }
 
 }  // namespace
