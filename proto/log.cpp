@@ -11,6 +11,7 @@
 #include <cerrno>
 #include <chrono>
 #include <cstdlib>
+#include <list>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <semaphore>
@@ -125,38 +126,39 @@ std::shared_ptr<spdlog::details::thread_pool> start_thread() {
   return queue;
 }
 
-// Never destroyed: its thread may be blocked at stderr when the process ends.
 struct Log {
   std::shared_ptr<spdlog::details::thread_pool> queue = start_thread();
   std::shared_ptr<Sink> sink = std::make_shared<Sink>(*queue);
   std::shared_ptr<spdlog::async_logger> logger;
 };
 
-Log*& current_log() {
-  static Log* log = nullptr;
-  return log;
+// The last one is in use. Never destroyed: a thread may be blocked at stderr when the process ends.
+std::list<Log>& logs() {
+  static auto* const all = new std::list<Log>;
+  return *all;
 }
 
 }  // namespace
 
 void log_to_stderr(const std::string& program, const LogOptions& options) {
-  auto* const log = new Log;
+  const bool is_first = logs().empty();
+  Log* const log = &logs().emplace_back();
   log->logger = std::make_shared<spdlog::async_logger>(program, log->sink, log->queue,
                                                        spdlog::async_overflow_policy::overrun_oldest);
   log->logger->set_formatter(make_formatter(options.format));
   log->logger->set_level(options.level);
   // By default, spdlog would report errors on stderr itself.
   log->logger->set_error_handler([](const std::string&) {});
-  if (std::exchange(current_log(), log) == nullptr) std::atexit(flush_log);
+  if (is_first) std::atexit(flush_log);
   spdlog::set_default_logger(log->logger);
 }
 
 void flush_log() {
-  Log* const log = current_log();
-  if (log == nullptr) return;
-  log->sink->expect_flush();
-  log->logger->flush();
-  log->sink->wait_for_flush();
+  if (logs().empty()) return;
+  const Log& log = logs().back();
+  log.sink->expect_flush();
+  log.logger->flush();
+  log.sink->wait_for_flush();
 }
 
 void abort_with(const std::string& defect) {
