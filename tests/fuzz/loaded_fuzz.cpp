@@ -2,8 +2,8 @@
 // What a process writes that loads scenes for a worker and was taken over: a scene with something of
 // everything, changed by the input's parts, under checksums that are in order. "index" and "block" put bytes
 // at the place that their first four bytes say: among the values, or in the large arrays. "cut" leaves as
-// many bytes of the values as it has itself. The worker refuses the scene, or builds and renders it; with
-// "mis" in the first part by that integrator, which first traces photons and takes long.
+// many bytes of the values as it has itself. The worker refuses the scene, or builds and renders it. With
+// "paths" in the first part it traces paths, through a scene without caustics: photons take long.
 #include <fcntl.h>
 #include <sys/mman.h>
 #include <unistd.h>
@@ -52,6 +52,14 @@ void patch(std::vector<std::byte>& bytes, std::string_view change) {
   std::memcpy(bytes.data() + at, change.data(), std::min(change.size(), bytes.size() - at));
 }
 
+void remove_caustics(core::SceneDescription& scene) {
+  for (core::Material& material : scene.materials) {
+    if (std::holds_alternative<core::Phong>(material.model)) continue;
+    if (!std::holds_alternative<core::Lambert>(material.model)) material.model = core::Lambert{};
+    if (material.sampling == core::Sampling::kHalfVector) material.sampling = core::Sampling::kBsdf;
+  }
+}
+
 core::OpenFile file_of(const Written& written) {
   core::OpenFile file(::memfd_create("loaded", MFD_CLOEXEC));
   expect(file.valid(), "a file can be created");
@@ -82,9 +90,10 @@ void change_and_read(std::string_view input) {
     if (part.name == "cut") changed.index.resize(std::min(changed.index.size(), part.bytes.size()));
   }
   auto read = core::read_loaded(file_of(changed), 1);
-  const bool mis = parts.front().bytes == "mis";
-  if (expect_answer(read))
-    build_and_render(std::move(*read), mis ? core::Integrator::kMis : core::Integrator::kWhitted);
+  if (!expect_answer(read)) return;
+  const bool paths = parts.front().bytes == "paths";
+  if (paths) remove_caustics(*read);
+  build_and_render(std::move(*read), paths ? core::Integrator::kMis : core::Integrator::kWhitted);
 }
 
 }  // namespace

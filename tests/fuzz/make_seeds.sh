@@ -169,7 +169,7 @@ printf '' | seed cache nothing
 
 # ---- Loaded scenes ----
 printf '' | seed loaded nothing
-printf 'mis' | seed loaded mis
+{ printf paths; part index; printf '\x01\x00\x00\x00\x00\x02\x00\x00'; } | seed loaded paths
 { part index; printf '\x01\x00\x00\x00\x00\x02\x00\x00'; } | seed loaded width
 { part index; printf '\x20\x00\x00\x00\x04'; part index; printf '\x80\x00\x00\x00\x00\x00\x80\x7f'; } | seed loaded numbers
 { part block; printf '\x10\x00\x00\x00\x00\x00\xc0\x7f'; } | seed loaded texel
