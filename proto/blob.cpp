@@ -4,7 +4,10 @@
 #include <fmt/format.h>
 #include <openssl/evp.h>
 
+#include <algorithm>
+#include <charconv>
 #include <new>
+#include <system_error>
 
 namespace tessera::proto {
 
@@ -16,6 +19,34 @@ std::string Digest::hex() const {
   text.reserve(2 * sha256.size());
   for (const std::uint8_t byte : sha256) text += fmt::format("{:02x}", byte);
   return text;
+}
+
+std::string blob_name(const Digest& digest) {
+  return fmt::format("blobs/{}/{}", digest.hex(), digest.size_bytes);
+}
+
+std::optional<Digest> digest_from_hex(std::string_view hex, std::uint64_t size_bytes) {
+  Digest digest;
+  digest.size_bytes = size_bytes;
+  for (std::size_t i = 0; i < digest.sha256.size() && hex.size() == 2 * digest.sha256.size(); ++i) {
+    const char* const begin = hex.data() + 2 * i;
+    if (std::from_chars(begin, begin + 2, digest.sha256[i], 16).ptr != begin + 2) return std::nullopt;
+  }
+  if (digest.hex() != hex) return std::nullopt;
+  return digest;
+}
+
+std::optional<Digest> digest_from_name(std::string_view name) {
+  constexpr std::string_view kPrefix = "blobs/";
+  constexpr std::size_t kHexDigits = 64;
+  if (!name.starts_with(kPrefix) || name.size() < kPrefix.size() + kHexDigits + 2) return std::nullopt;
+  name.remove_prefix(kPrefix.size());
+  if (name[kHexDigits] != '/') return std::nullopt;
+  std::uint64_t size_bytes = 0;
+  const char* const end = name.data() + name.size();
+  const auto read = std::from_chars(name.data() + kHexDigits + 1, end, size_bytes);
+  if (read.ec != std::errc() || read.ptr != end) return std::nullopt;
+  return digest_from_hex(name.substr(0, kHexDigits), size_bytes);
 }
 
 Digest digest_of(std::string_view bytes) {

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -30,6 +31,13 @@ struct Digest {
   std::string hex() const;
   auto operator<=>(const Digest&) const = default;
 };
+
+// The name of a blob in details of errors: "blobs/SHA256/SIZE".
+std::string blob_name(const Digest& digest);
+// Empty if it is no such name.
+std::optional<Digest> digest_from_name(std::string_view name);
+// Empty unless `hex` is 64 lower-case hexadecimal digits.
+std::optional<Digest> digest_from_hex(std::string_view hex, std::uint64_t size_bytes);
 
 Digest digest_of(std::string_view bytes);
 v1::Digest to_proto(const Digest& digest);

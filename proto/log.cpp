@@ -8,6 +8,7 @@
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <chrono>
 #include <cstdlib>
@@ -26,13 +27,69 @@ namespace {
 constexpr std::size_t kMaxWaitingLines = 8192;
 constexpr auto kMaxFlush = std::chrono::seconds(1);
 
-// Replaces %v: the message in printable characters, quoted for JSON if wanted.
+// Lines with fields come from a logger of this name. Their payload is the message and the fields, each as its
+// key, kEquals and its value, with kSeparator between; none of them contains either, since they are
+// printable.
+constexpr std::string_view kWithFields = "with fields";
+constexpr char kSeparator = '\x1e', kEquals = '\x1f';
+
+std::string encode(std::string_view message, const LogFields& fields) {
+  std::string payload = core::printable(message);
+  const auto add = [&](std::string_view key, const std::string& value) {
+    if (value.empty()) return;
+    payload += kSeparator;
+    payload += key;
+    payload += kEquals;
+    payload += core::printable(value);
+  };
+  add("job", fields.job);
+  add("worker", fields.worker);
+  add("principal", fields.principal);
+  add("peer", fields.peer);
+  return payload;
+}
+
+// The text up to the next separator, which is removed.
+std::string_view take_part(std::string_view& payload) {
+  const std::string_view part = payload.substr(0, payload.find(kSeparator));
+  payload.remove_prefix(std::min(part.size() + 1, payload.size()));
+  return part;
+}
+
+std::pair<std::string_view, std::string_view> key_and_value(std::string_view field) {
+  const std::size_t end = field.find(kEquals);
+  return {field.substr(0, end), field.substr(end + 1)};
+}
+
+std::string as_text(std::string_view payload) {
+  const std::string_view message = take_part(payload);
+  std::string text(message), more;
+  while (!payload.empty()) {
+    const auto [key, value] = key_and_value(take_part(payload));
+    if (message.find(value) == std::string_view::npos)
+      more += fmt::format("{}{} {}", more.empty() ? "" : ", ", key, value);
+  }
+  return more.empty() ? text : fmt::format("{} [{}]", text, more);
+}
+
+std::string as_json(std::string_view payload) {
+  std::string members = nlohmann::json(take_part(payload)).dump();
+  while (!payload.empty()) {
+    const auto [key, value] = key_and_value(take_part(payload));
+    members += fmt::format(",\"{}\":{}", key, nlohmann::json(value).dump());
+  }
+  return members;
+}
+
+// Replaces %v: the message in printable characters, with its fields; quoted for JSON if wanted.
 class PrintableMessage final : public spdlog::custom_flag_formatter {
  public:
   explicit PrintableMessage(LogFormat format) : format_(format) {}
   void format(const spdlog::details::log_msg& message, const std::tm&, spdlog::memory_buf_t& line) override {
-    std::string shown = core::printable({message.payload.data(), message.payload.size()});
-    if (format_ == LogFormat::kJson) shown = nlohmann::json(shown).dump();
+    std::string payload(message.payload.data(), message.payload.size());
+    if (std::string_view(message.logger_name.data(), message.logger_name.size()) != kWithFields)
+      payload = core::printable(payload);
+    const std::string shown = format_ == LogFormat::kJson ? as_json(payload) : as_text(payload);
     line.append(shown.data(), shown.data() + shown.size());
   }
   std::unique_ptr<spdlog::custom_flag_formatter> clone() const override {
@@ -43,11 +100,11 @@ class PrintableMessage final : public spdlog::custom_flag_formatter {
   const LogFormat format_;
 };
 
-std::unique_ptr<spdlog::formatter> make_formatter(LogFormat format) {
-  const char* const pattern =
+std::unique_ptr<spdlog::formatter> make_formatter(const std::string& program, LogFormat format) {
+  const std::string pattern =
       format == LogFormat::kJson
-          ? R"({"time":"%Y-%m-%dT%H:%M:%S.%eZ","level":"%l","program":"%n","message":%*})"
-          : "%Y-%m-%dT%H:%M:%S.%eZ %^%l%$ %n: %*";
+          ? R"({"time":"%Y-%m-%dT%H:%M:%S.%eZ","level":"%l","program":")" + program + R"(","message":%*})"
+          : "%Y-%m-%dT%H:%M:%S.%eZ %^%l%$ " + program + ": %*";
   auto formatter = std::make_unique<spdlog::pattern_formatter>(spdlog::pattern_time_type::utc);
   formatter->add_flag<PrintableMessage>('*', format).set_pattern(pattern);
   return formatter;
@@ -129,7 +186,7 @@ std::shared_ptr<spdlog::details::thread_pool> start_thread() {
 struct Log {
   std::shared_ptr<spdlog::details::thread_pool> queue = start_thread();
   std::shared_ptr<Sink> sink = std::make_shared<Sink>(*queue);
-  std::shared_ptr<spdlog::async_logger> logger;
+  std::shared_ptr<spdlog::async_logger> logger, with_fields;
 };
 
 // The last one is in use. Never destroyed: a thread may be blocked at stderr when the process ends.
@@ -143,14 +200,24 @@ std::list<Log>& logs() {
 void log_to_stderr(const std::string& program, const LogOptions& options) {
   const bool is_first = logs().empty();
   Log* const log = &logs().emplace_back();
-  log->logger = std::make_shared<spdlog::async_logger>(program, log->sink, log->queue,
-                                                       spdlog::async_overflow_policy::overrun_oldest);
-  log->logger->set_formatter(make_formatter(options.format));
-  log->logger->set_level(options.level);
-  // By default, spdlog would report errors on stderr itself.
-  log->logger->set_error_handler([](const std::string&) {});
+  const auto make_logger = [&](const std::string& name) {
+    auto logger = std::make_shared<spdlog::async_logger>(name, log->sink, log->queue,
+                                                         spdlog::async_overflow_policy::overrun_oldest);
+    logger->set_formatter(make_formatter(program, options.format));
+    logger->set_level(options.level);
+    // By default, spdlog would report errors on stderr itself.
+    logger->set_error_handler([](const std::string&) {});
+    return logger;
+  };
+  log->logger = make_logger(program);
+  log->with_fields = make_logger(std::string(kWithFields));
   if (is_first) std::atexit(flush_log);
   spdlog::set_default_logger(log->logger);
+}
+
+void log(spdlog::level::level_enum level, std::string_view message, const LogFields& fields) {
+  if (logs().empty()) return spdlog::log(level, "{}", message);
+  logs().back().with_fields->log(level, "{}", encode(message, fields));
 }
 
 void flush_log() {

@@ -7,12 +7,15 @@
 #include <spdlog/common.h>
 
 #include <string>
+#include <string_view>
+
+#include "proto/log_fields.hpp"
 
 namespace tessera::proto {
 
 enum class LogFormat {
   kText,  // 2026-11-25T17:30:00.123Z info tessera-worker: registered with the coordinator
-  kJson,  // an object with time, level, program and message in each line
+  kJson,  // an object with time, level, program, message and fields in each line
 };
 
 struct LogOptions {
@@ -22,6 +25,13 @@ struct LogOptions {
 
 // From now on spdlog writes to stderr, as `program`. flush_log() is called when the program exits.
 void log_to_stderr(const std::string& program, const LogOptions& options = {});
+
+// Logs a line with what it is about. JSON has the fields as they are; text has those that the message does
+// not mention, in brackets at its end. spdlog's functions log lines without fields.
+void log(spdlog::level::level_enum level, std::string_view message, const LogFields& fields);
+inline void log(spdlog::level::level_enum level, const LogLine& line) {
+  log(level, line.message, line.fields);
+}
 
 // Waits until everything is written, for at most a second. Call it before the process ends without exit().
 void flush_log();

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a log line is about, for programs that read logs. Plain data.
+#pragma once
+
+#include <string>
+
+namespace tessera::proto {
+
+// Empty fields are left out.
+struct LogFields {
+  std::string job{};        // id
+  std::string worker{};     // id
+  std::string principal{};  // the authenticated caller
+  std::string peer{};       // the address of the caller
+
+  bool operator==(const LogFields&) const = default;
+};
+
+struct LogLine {
+  std::string message;
+  LogFields fields{};
+};
+
+}  // namespace tessera::proto

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+// Serves the metrics of a program to Prometheus: GET /metrics over HTTP, without TLS or credentials.
+// Thread-safe.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "core/base/error.hpp"
+#include "proto/metric_writer.hpp"
+
+namespace tessera::proto {
+
+class MetricsServer {
+ public:
+  // Called on threads of the server, for two callers at once at most.
+  using Collect = std::function<MetricFamilies()>;
+
+  // Listens at `address`, HOST:PORT with a numeric host, or localhost; port 0 picks a free port.
+  // INVALID_ARGUMENT if it is none, UNAVAILABLE if the port is taken or the host is not this machine's.
+  static core::Result<std::unique_ptr<MetricsServer>> start(const std::string& address, Collect collect);
+  // Waits for calls in progress.
+  ~MetricsServer();
+
+  // HOST:PORT with the actual port.
+  const std::string& address() const { return address_; }
+
+ private:
+  struct Parts;
+  MetricsServer(std::unique_ptr<Parts> parts, std::string address);
+
+  std::unique_ptr<Parts> parts_;
+  const std::string address_;
+};
+
+}  // namespace tessera::proto
