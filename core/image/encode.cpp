@@ -7,6 +7,7 @@
 #include <bit>
 #include <cstdint>
 #include <new>
+#include <utility>
 #include <vector>
 
 #include "core/image/exr.hpp"
@@ -19,47 +20,100 @@ namespace {
 
 static_assert(sizeof(Rgb) == 3 * sizeof(float), "images are passed on as arrays of floats");
 
-void append_bytes(void* sink, void* data, int size) {
-  static_cast<std::string*>(sink)->append(static_cast<const char*>(data), static_cast<std::size_t>(size));
+// Appends to a sink, and keeps the first error.
+class Appender {
+ public:
+  explicit Appender(ByteSink& sink) : sink_(sink) {}
+
+  Status append(std::string_view bytes) {
+    if (!status_) return status_;
+    status_ = sink_.write_at(size_, bytes);
+    size_ += bytes.size();
+    return status_;
+  }
+  std::uint64_t size() const { return size_; }
+  const Status& status() const { return status_; }
+
+ private:
+  ByteSink& sink_;
+  std::uint64_t size_ = 0;
+  Status status_;
+};
+
+class StringSink final : public ByteSink {
+ public:
+  Status write_at(std::uint64_t offset, std::string_view bytes) override {
+    if (offset + bytes.size() > bytes_.size()) bytes_.resize(offset + bytes.size());
+    bytes_.replace(offset, bytes.size(), bytes);
+    return {};
+  }
+  std::string take() { return std::move(bytes_); }
+
+ private:
+  std::string bytes_;
+};
+
+void append_bytes(void* appender, void* data, int size) {
+  static_cast<void>(static_cast<Appender*>(appender)->append(
+      {static_cast<const char*>(data), static_cast<std::size_t>(size)}));
 }
 
-std::string encode_png(const Image& image, const DisplaySettings& display) {
+Status write_png(const RowSource& source, const DisplaySettings& display, Appender& file) {
   const DisplayTransform to_screen(display);
+  const auto width = static_cast<std::size_t>(source.width);
   std::vector<std::uint8_t> codes;
-  codes.reserve(image.pixels.size() * 3);
-  for (const Rgb& pixel : image.pixels) {
-    const Rgb shown = to_screen(pixel);
-    codes.insert(codes.end(), {srgb_encode(shown.r), srgb_encode(shown.g), srgb_encode(shown.b)});
+  codes.reserve(width * static_cast<std::size_t>(source.height) * 3);
+  for (int y = 0; y < source.height; ++y) {
+    const auto row = source.row(y);
+    if (!row) return fail(row.error());
+    for (std::size_t x = 0; x < width; ++x) {
+      const Rgb shown = to_screen((*row)[x]);
+      codes.insert(codes.end(), {srgb_encode(shown.r), srgb_encode(shown.g), srgb_encode(shown.b)});
+    }
   }
-  std::string bytes;
-  stbi_write_png_to_func(append_bytes, &bytes, image.width, image.height, 3, codes.data(), image.width * 3);
-  return bytes;
+  const bool written = stbi_write_png_to_func(append_bytes, &file, source.width, source.height, 3,
+                                              codes.data(), source.width * 3) != 0;
+  if (!written) throw std::bad_alloc();
+  return file.status();
 }
 
 // Rows run from the bottom up; a negative scale marks little-endian numbers (Debevec's PFM).
-std::string encode_pfm(const Image& image) {
+Status write_pfm(const RowSource& source, Appender& file) {
   static_assert(std::endian::native == std::endian::little);
-  std::string bytes = fmt::format("PF\n{} {}\n-1.0\n", image.width, image.height);
-  const std::size_t row_bytes = static_cast<std::size_t>(image.width) * sizeof(Rgb);
-  bytes.reserve(bytes.size() + row_bytes * static_cast<std::size_t>(image.height));
-  for (int y = image.height - 1; y >= 0; --y) {
-    bytes.append(reinterpret_cast<const char*>(&image.at(0, y)), row_bytes);
+  if (auto begun = file.append(fmt::format("PF\n{} {}\n-1.0\n", source.width, source.height)); !begun)
+    return begun;
+  for (int y = source.height - 1; y >= 0; --y) {
+    const auto row = source.row(y);
+    if (!row) return fail(row.error());
+    const std::string_view bytes(reinterpret_cast<const char*>(*row),
+                                 static_cast<std::size_t>(source.width) * sizeof(Rgb));
+    if (auto written = file.append(bytes); !written) return written;
   }
-  return bytes;
+  return {};
 }
 
-Result<std::string> encode_checked(const Image& image, ImageFormat format, const DisplaySettings& display) {
-  switch (format) {
-    case ImageFormat::kPng:
-      return encode_png(image, display);
-    case ImageFormat::kExr:
-      return encode_exr(image);
-    case ImageFormat::kHdr:
-      return encode_hdr(image);
-    case ImageFormat::kPfm:
-      return encode_pfm(image);
+Status write_hdr(const RowSource& source, Appender& file) {
+  if (auto begun = file.append(hdr_file_header(source.width, source.height)); !begun) return begun;
+  std::string bytes;
+  for (int y = 0; y < source.height; ++y) {
+    const auto row = source.row(y);
+    if (!row) return fail(row.error());
+    bytes.clear();
+    append_hdr_row({*row, static_cast<std::size_t>(source.width)}, bytes);
+    if (auto written = file.append(bytes); !written) return written;
   }
-  return fail(ErrorCode::kInternal, "no such image format");
+  return {};
+}
+
+Result<std::uint64_t> write_checked(const RowSource& source, ImageFormat format,
+                                    const DisplaySettings& display, ByteSink& sink) {
+  if (format == ImageFormat::kExr) return write_exr(source, sink);
+  Appender file(sink);
+  const Status written = format == ImageFormat::kPng   ? write_png(source, display, file)
+                         : format == ImageFormat::kHdr ? write_hdr(source, file)
+                                                       : write_pfm(source, file);
+  if (!written) return fail(written.error());
+  return file.size();
 }
 
 }  // namespace
@@ -111,18 +165,33 @@ Status check_encodable(ImageFormat format, int width, int height) {
   return {};
 }
 
-Result<std::string> encode_image(const Image& image, ImageFormat format, const DisplaySettings& display) {
-  if (Status status = check_encodable(format, image.width, image.height); !status)
+Result<std::uint64_t> write_image(const RowSource& source, ImageFormat format, const DisplaySettings& display,
+                                  ByteSink& sink) {
+  if (Status status = check_encodable(format, source.width, source.height); !status)
     return fail(status.error());
   try {
-    Result<std::string> bytes = encode_checked(image, format, display);
-    if (bytes && bytes->empty()) throw std::bad_alloc();  // stb reports a lack of memory so
-    return bytes;
+    return write_checked(source, format, display, sink);
   } catch (const std::bad_alloc&) {
     return fail(
         ErrorCode::kResourceExhausted,
-        fmt::format("not enough memory to write an image of {}x{} pixels", image.width, image.height));
+        fmt::format("not enough memory to write an image of {}x{} pixels", source.width, source.height));
   }
+}
+
+// The codes of a PNG, the same filtered, and the compressed file, which is a little larger at worst.
+std::uint64_t encoding_bytes(ImageFormat format, std::uint64_t width, std::uint64_t height) {
+  constexpr std::uint64_t kBytesPerPngPixel = 10, kRows = 64, kTables = std::uint64_t{1} << 20;
+  if (format == ImageFormat::kPng) return kTables + width * height * kBytesPerPngPixel;
+  return kTables + width * kRows * sizeof(Rgb);
+}
+
+Result<std::string> encode_image(const Image& image, ImageFormat format, const DisplaySettings& display) {
+  StringSink sink;
+  const RowSource source{image.width, image.height,
+                         [&](int y) -> Result<const Rgb*> { return &image.at(0, y); }};
+  const auto size = write_image(source, format, display, sink);
+  if (!size) return fail(size.error());
+  return sink.take();
 }
 
 }  // namespace tessera::core

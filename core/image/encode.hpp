@@ -3,6 +3,9 @@
 // only (no dates, no names) and are the same on every machine. Thread-safe.
 #pragma once
 
+#include <cstdint>
+#include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -31,5 +34,35 @@ Status check_encodable(ImageFormat format, int width, int height);
 // The bytes of the file. `display` applies to PNG; the other formats store linear light. Fails only for
 // sizes that check_encodable rejects, or if memory runs out.
 Result<std::string> encode_image(const Image& image, ImageFormat format, const DisplaySettings& display = {});
+
+// An image that is read row by row, such as one that does not fit into memory.
+struct RowSource {
+  int width = 0, height = 0;
+  // Returns row y, from 0 at the top: `width` pixels that stay valid until the next call. Called once for
+  // each row, from the top down, and for PFM from the bottom up.
+  std::function<Result<const Rgb*>(int y)> row;
+  // Where these pixels lie in a larger image. Only OpenEXR files say so; others are images of their own.
+  struct Position {
+    int x0 = 0, y0 = 0, image_width = 0, image_height = 0;
+  };
+  std::optional<Position> position{};
+};
+
+// A file that is being written.
+class ByteSink {
+ public:
+  virtual ~ByteSink() = default;
+  // Most of the bytes are appended; only OpenEXR replaces some that were written before.
+  virtual Status write_at(std::uint64_t offset, std::string_view bytes) = 0;
+};
+
+// Writes the file that encode_image() would make of these pixels. Needs memory for some rows, except for PNG:
+// see encoding_bytes(). Returns the size of the file. Errors are those of the source, of the sink and of
+// encode_image().
+Result<std::uint64_t> write_image(const RowSource& source, ImageFormat format, const DisplaySettings& display,
+                                  ByteSink& sink);
+
+// A bound on the memory that write_image() takes for an image of this size, besides source and sink.
+std::uint64_t encoding_bytes(ImageFormat format, std::uint64_t width, std::uint64_t height);
 
 }  // namespace tessera::core

@@ -28,29 +28,30 @@ namespace {
 
 constexpr const char* kStreamName = "image";
 
-// For an incompressible file: bounds on the header and on the overhead of each row (its offset and its
-// block header).
-constexpr std::size_t kMaxHeaderBytes = 1024, kMaxBytesBesideARow = 16;
+// An error of the sink, on its way through OpenEXR.
+struct SinkError : std::runtime_error {
+  explicit SinkError(Error sink_error) : runtime_error(sink_error.message), error(std::move(sink_error)) {}
+  Error error;
+};
 
-class StringWriter : public Imf::OStream {
+class SinkWriter : public Imf::OStream {
  public:
-  // Reserves memory, so that files up to this size cause no reallocation.
-  explicit StringWriter(std::size_t expected_bytes) : OStream(kStreamName) { bytes_.reserve(expected_bytes); }
+  explicit SinkWriter(ByteSink& sink) : OStream(kStreamName), sink_(sink) {}
 
   void write(const char* data, int size) override {
     const auto count = static_cast<std::size_t>(size);
-    if (position_ + count > bytes_.size()) bytes_.resize(position_ + count);
-    std::memcpy(bytes_.data() + position_, data, count);
+    if (auto written = sink_.write_at(position_, {data, count}); !written) throw SinkError(written.error());
     position_ += count;
+    size_ = std::max(size_, position_);
   }
   std::uint64_t tellp() override { return position_; }
   void seekp(std::uint64_t position) override { position_ = position; }
 
-  std::string take() { return std::move(bytes_); }
+  std::uint64_t size() const { return size_; }
 
  private:
-  std::string bytes_;
-  std::size_t position_ = 0;
+  ByteSink& sink_;
+  std::uint64_t position_ = 0, size_ = 0;
 };
 
 class StringReader : public Imf::IStream {
@@ -79,11 +80,35 @@ class StringReader : public Imf::IStream {
   std::size_t position_ = 0;
 };
 
-// The slice through which OpenEXR addresses channel `offset` of all pixels.
-Imf::Slice channel_slice(const Image& image, std::size_t channel, const Imath::Box2i& window) {
-  const char* base = reinterpret_cast<const char*>(image.pixels.data()) + channel * sizeof(float);
-  return Imf::Slice::Make(Imf::FLOAT, base, window, sizeof(Rgb),
-                          sizeof(Rgb) * static_cast<std::size_t>(image.width));
+Imf::Header header_of(const RowSource& source) {
+  if (!source.position) return Imf::Header(source.width, source.height);
+  const RowSource::Position& at = *source.position;
+  const Imath::Box2i display({0, 0}, {at.image_width - 1, at.image_height - 1});
+  const Imath::Box2i data({at.x0, at.y0}, {at.x0 + source.width - 1, at.y0 + source.height - 1});
+  return Imf::Header(display, data);
+}
+
+// The slice through which OpenEXR addresses a channel of whatever row is in the buffer: rows have no distance
+// from each other. OpenEXR adds the first column of the image to the pointer.
+Imf::Slice row_slice(const std::vector<Rgb>& row, std::size_t channel, int first_column) {
+  const char* const base = reinterpret_cast<const char*>(row.data()) + channel * sizeof(float);
+  const std::ptrdiff_t before = first_column * static_cast<std::ptrdiff_t>(sizeof(Rgb));
+  return Imf::Slice(Imf::FLOAT, const_cast<char*>(base) - before, sizeof(Rgb), 0);
+}
+
+// OpenEXR compresses some rows at a time.
+void write_rows(const RowSource& source, Imf::OutputFile& file) {
+  std::vector<Rgb> buffer(static_cast<std::size_t>(source.width));
+  Imf::FrameBuffer frame;
+  for (std::size_t i = 0; i < 3; ++i)
+    frame.insert(std::string(1, "RGB"[i]), row_slice(buffer, i, file.header().dataWindow().min.x));
+  file.setFrameBuffer(frame);
+  for (int y = 0; y < source.height; ++y) {
+    const auto row = source.row(y);
+    if (!row) throw SinkError(row.error());
+    std::copy_n(*row, buffer.size(), buffer.begin());
+    file.writePixels(1);
+  }
 }
 
 // The names of the red, green, blue and alpha channels; for gray all three colours have the same name.
@@ -193,26 +218,21 @@ Result<DecodedImage> decode(std::string_view bytes, ImageSize size, const Decode
 
 }  // namespace
 
-Result<std::string> encode_exr(const Image& image) {
+Result<std::uint64_t> write_exr(const RowSource& source, ByteSink& sink) {
   try {
-    Imf::Header header(image.width, image.height);
+    Imf::Header header = header_of(source);
     header.compression() = Imf::ZIP_COMPRESSION;
-    Imf::FrameBuffer frame;
-    for (std::size_t i = 0; i < 3; ++i) {
-      const std::string name(1, "RGB"[i]);
-      header.channels().insert(name, Imf::Channel(Imf::FLOAT));
-      frame.insert(name, channel_slice(image, i, header.dataWindow()));
-    }
-    StringWriter stream(kMaxHeaderBytes + image.pixels.size() * sizeof(Rgb) +
-                        static_cast<std::size_t>(image.height) * kMaxBytesBesideARow);
+    for (const char* const name : {"R", "G", "B"}) header.channels().insert(name, Imf::Channel(Imf::FLOAT));
+    SinkWriter stream(sink);
     {
       Imf::OutputFile file(stream, header, 0);
-      file.setFrameBuffer(frame);
-      file.writePixels(image.height);
+      write_rows(source, file);
     }  // completes the table of offsets
-    return stream.take();
+    return stream.size();
   } catch (const std::bad_alloc&) {
     return fail(ErrorCode::kResourceExhausted, "not enough memory to encode OpenEXR");
+  } catch (const SinkError& e) {
+    return fail(e.error);
   } catch (const std::exception& e) {
     return fail(ErrorCode::kInternal, fmt::format("cannot encode OpenEXR: {}", e.what()));
   }

@@ -13,7 +13,7 @@ namespace {
 using Rgbe = std::array<std::uint8_t, 4>;
 
 constexpr int kBias = 128, kMaxExponent = 255 - kBias;
-constexpr int kMinPackedPixels = 8, kMaxPackedPixels = 32767;
+constexpr std::size_t kMinPackedPixels = 8, kMaxPackedPixels = 32767;
 
 float storable(float value) {
   const float largest = std::ldexp(255.0f, kMaxExponent - 8);
@@ -77,16 +77,15 @@ Rgbe encode_rgbe(Rgb color) {
   return {code(stored.r), code(stored.g), code(stored.b), static_cast<std::uint8_t>(exponent + kBias)};
 }
 
-std::string encode_hdr(const Image& image) {
-  std::string file =
-      fmt::format("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y {} +X {}\n", image.height, image.width);
-  const bool packed = image.width >= kMinPackedPixels && image.width <= kMaxPackedPixels;
-  std::vector<Rgbe> row(static_cast<std::size_t>(image.width));
-  for (int y = 0; y < image.height; ++y) {
-    for (int x = 0; x < image.width; ++x) row[static_cast<std::size_t>(x)] = encode_rgbe(image.at(x, y));
-    packed ? append_packed_row(row, file) : append_flat_row(row, file);
-  }
-  return file;
+std::string hdr_file_header(int width, int height) {
+  return fmt::format("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y {} +X {}\n", height, width);
+}
+
+void append_hdr_row(std::span<const Rgb> pixels, std::string& file) {
+  std::vector<Rgbe> row(pixels.size());
+  std::ranges::transform(pixels, row.begin(), encode_rgbe);
+  const bool packed = pixels.size() >= kMinPackedPixels && pixels.size() <= kMaxPackedPixels;
+  packed ? append_packed_row(row, file) : append_flat_row(row, file);
 }
 
 }  // namespace tessera::core

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Encodes Radiance HDR files from linear values; other code calls encode_image (encode.hpp).
+// Encodes Radiance HDR files from linear values; other code calls write_image (encode.hpp).
 #pragma once
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <string>
 
-#include "core/image/image.hpp"
+#include "core/math/rgb.hpp"
 
 namespace tessera::core {
 
@@ -15,7 +16,9 @@ namespace tessera::core {
 // values out of range become the largest value.
 std::array<std::uint8_t, 4> encode_rgbe(Rgb color);
 
-// Rows from the top down, each packed by channel where the format allows that.
-std::string encode_hdr(const Image& image);
+// A file is its header and then its rows from the top down, each packed by channel where the format allows
+// that.
+std::string hdr_file_header(int width, int height);
+void append_hdr_row(std::span<const Rgb> pixels, std::string& file);
 
 }  // namespace tessera::core
