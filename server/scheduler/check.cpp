@@ -91,6 +91,7 @@ std::optional<std::string> Scheduler::check_job(const Job& job) const {
   if (run == runs_.end() || run->second != job.number()) return wrong("its run is not listed");
   if (work_.entry_of(job.number()) != WorkIndex::entry_for(job, producers_))
     return wrong(fmt::format("{}, and its work is listed otherwise", job_state_name(job.state())));
+  if (!job_totals_.counts(job.number(), JobTotals::share_of(job))) return wrong("is not counted as it is");
   if (audit_waits_.contains(job.number()) != lacks_only_lots(job))
     return wrong("waits for auditors, and is listed otherwise");
   return std::nullopt;
@@ -165,11 +166,16 @@ std::optional<std::string> Scheduler::check_idle(const Worker& worker) const {
 std::optional<std::string> Scheduler::check_sums() const {
   std::size_t held_by_workers = 0, held_of_jobs = 0;
   int active = 0;
-  for (const auto& [number, job] : jobs_) held_of_jobs += job.lease_count();
+  Totals counted;
+  for (const auto& [number, job] : jobs_) {
+    held_of_jobs += job.lease_count();
+    ++counted.jobs[static_cast<std::size_t>(job.state())];
+  }
   for (const auto& [run, ended] : ended_runs_)
     held_of_jobs += ended.leases.all().size() + ended.audit_leases.all().size();
   for (const auto& [id, worker] : registry_.all()) {
     active += worker.takes_leases();
+    ++counted.workers[static_cast<std::size_t>(worker.activity())];
     held_by_workers += worker.leases.size();
   }
   if (held_by_workers != held_of_jobs || live_leases_.size() != held_of_jobs) {
@@ -178,6 +184,9 @@ std::optional<std::string> Scheduler::check_sums() const {
   }
   if (active != registry_.active_count())
     return fmt::format("{} workers take leases, counted {}", active, registry_.active_count());
+  const Totals kept = totals(now_);
+  if (kept.jobs != counted.jobs || kept.workers != counted.workers)
+    return "the totals of jobs by state or workers by activity are wrong";
   return std::nullopt;
 }
 

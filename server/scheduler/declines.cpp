@@ -10,30 +10,21 @@
 namespace tessera::scheduler {
 namespace {
 
-std::size_t count_of(int count) {
-  return static_cast<std::size_t>(count);
-}
-std::size_t count_of(const std::set<WorkerId>& workers) {
-  return workers.size();
-}
-
-// Whether all workers, which are counted by name or principal, are `these` or stalled ones. Skips only such
+// Whether all workers, which are counted by name or origin, are `these` or stalled ones. Skips only such
 // ones.
-template <typename Counts>
-bool are_all(const Counts& workers, const std::set<std::string>& these,
-             const std::map<std::string, std::size_t>& stalled) {
+bool are_all(const std::map<std::string, int>& workers, const std::set<std::string>& these,
+             const std::map<std::string, int>& stalled) {
   return std::all_of(workers.begin(), workers.end(), [&](const auto& entry) {
     const auto found = stalled.find(entry.first);
-    return these.contains(entry.first) || (found != stalled.end() && found->second == count_of(entry.second));
+    return these.contains(entry.first) || (found != stalled.end() && found->second == entry.second);
   });
 }
 
 }  // namespace
 
 // A worker that is stuck never reports that it cannot build a scene.
-std::map<std::string, std::size_t> Scheduler::stalled_by(const Job& job,
-                                                         std::string WorkerInfo::*part) const {
-  std::map<std::string, std::size_t> counts;
+std::map<std::string, int> Scheduler::stalled_by(const Job& job, std::string WorkerInfo::*part) const {
+  std::map<std::string, int> counts;
   for (const WorkerId& id : job.stalled_workers()) {
     const Worker* const worker = registry_.find(id);
     if (worker != nullptr && worker->is_available() && worker->has_stalled(job.run()))
@@ -50,7 +41,7 @@ AreAll Scheduler::are_all_names(const Job& job) const {
 
 AreAll Scheduler::are_all_principals(const Job& job) const {
   return [this, &job](const std::set<std::string>& principals) {
-    return are_all(registry_.available_by_principal(), principals, stalled_by(job, &WorkerInfo::principal));
+    return are_all(registry_.available_by_origin(), principals, stalled_by(job, &WorkerInfo::origin));
   };
 }
 
@@ -62,7 +53,7 @@ void Scheduler::note_refusal(Job& job, const SubmitResult& event, Actions& actio
   worker.refusals.insert({now_, job.run()});
   waiting_.update(worker);
   job.note_refuser(event.worker);
-  const auto failure = job.decline_reason({event.worker, worker.info.name, worker.info.principal},
+  const auto failure = job.decline_reason({event.worker, worker.info.name, worker.info.origin},
                                           event.decline_reason, are_all_names(job), are_all_principals(job));
   if (failure) fail(job, *failure, actions);
 }

@@ -56,6 +56,7 @@ bool Scheduler::clear_one_of(EndedRun& run) {
 void Scheduler::revoke(EndedRun& run, LeaseId id) {
   LeaseTable& leases = run.leases.find(id) != nullptr ? run.leases : run.audit_leases;
   forget_held(*registry_.find(leases.end(id, LeaseState::kRevoked).holder), id);
+  count_ended(LeaseState::kRevoked);
 }
 
 void Scheduler::revoke_ended(Worker& worker) {

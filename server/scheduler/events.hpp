@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/base/error.hpp"
+#include "server/scheduler/failure.hpp"
 #include "server/scheduler/fingerprint.hpp"
 #include "server/scheduler/interval_set.hpp"
 #include "server/scheduler/job_state.hpp"
@@ -30,10 +31,22 @@ struct WorkerInfo {
   // The machine, as proved by the worker: equal for all workers of the machine and different for all others.
   // Empty: unknown.
   std::string machine{};
-  // The authenticated caller. Unlike ids, names and machines, a caller cannot invent it. Empty: unknown.
+  // Whom its losses and refusals count for: one caller counts once, however many workers it has. Unlike ids,
+  // names and machines, a caller cannot invent it. Empty: unknown.
+  std::string origin{};
+  // The name of its credentials; empty without any. Individual ones belong to one machine or person: workers
+  // that show them do not audit each other, and are quarantined together.
   std::string principal{};
+  bool individual = false;
+  // The determinism fingerprint: it is given jobs of no other. Empty: unknown, which fits every job.
+  std::string determinism_fingerprint{};
   bool operator==(const WorkerInfo&) const = default;
 };
+
+// The producer of what the worker renders.
+inline Producer producer_of(const WorkerInfo& info) {
+  return {info.name, info.id, info.machine, info.individual ? info.principal : std::string()};
+}
 
 // The samples that a worker reports to be rendering at this moment.
 struct Rendering {
@@ -74,6 +87,24 @@ struct Dismiss {
   bool doubt = false;
 };
 
+// An administrator wants a worker to take no more leases, or to take some again. It keeps those that it has
+// reported. With `stop`, its next reply says that its process must end. NOT_FOUND: it was forgotten.
+struct Drain {
+  WorkerId worker;
+  bool drain = true;
+  bool stop = false;
+};
+
+// As Dismiss::doubt, of a producer that need not be registered.
+struct Distrust {
+  Producer producer;
+};
+// The producer, its machine and its principal are trusted from now on. Its samples that must be verified
+// already still must.
+struct Trust {
+  Producer producer;
+};
+
 // Rendered samples have arrived, at any time. Answered by Actions::verdicts. INVALID_ARGUMENT: an item is no
 // tile of the job or exceeds samples [0, spp), or the lease was never given to this worker; nothing was
 // counted. Samples beyond spp of a lease of an earlier run are dropped: that run may have extended the job
@@ -96,6 +127,9 @@ struct SubmitResult {
   std::vector<LeaseId> held{};
   // LeaseDescription::token of the lease.
   LeaseToken token{};
+  // WorkerInfo::determinism_fingerprint of its worker. The first accepted samples of a job determine that of
+  // the job.
+  std::string determinism_fingerprint{};
 };
 
 inline Fingerprint fingerprint_of(const SubmitResult& result, std::size_t item) {
@@ -140,6 +174,9 @@ struct RestoreJob {
   std::uint32_t max_workers = 0;
   // Items that overlap, or whose samples are not done, are ignored.
   std::vector<ProducedItem> provenance{};
+  FailureDetails failure_details{};
+  // WorkerInfo::determinism_fingerprint of its samples. Empty: it has none.
+  std::string determinism_fingerprint{};
 };
 
 // Samples of quarantined workers in the job must be verified: a done job runs again. See Actions::reopen. No
@@ -158,6 +195,12 @@ struct CancelJob {
   JobId id;
 };
 struct DeleteJob {
+  JobId id;
+};
+// A finished job leaves the scheduler, since others keep it from now on: no change of a job. RestoreJob
+// brings it back. FAILED_PRECONDITION: it is running or paused, or it is still to be searched for samples of
+// distrusted workers.
+struct ReleaseJob {
   JobId id;
 };
 
@@ -181,6 +224,7 @@ struct UpdateJob {
 struct FailJob {
   JobId id;
   std::string failure;
+  FailureDetails details{};
 };
 
 // The film has lost all samples of the tile: they are missing again, and a done job runs again. Does nothing
@@ -193,9 +237,9 @@ struct DropTile {
 // Only time has passed. Due at Scheduler::next_deadline().
 struct Tick {};
 
-using Event =
-    std::variant<Synchronize, TopUp, Dismiss, SubmitResult, SubmitJob, RestoreJob, PauseJob, ReopenJob,
-                 ResumeJob, CancelJob, DeleteJob, ExtendJob, UpdateJob, FailJob, DropTile, Tick>;
+using Event = std::variant<Synchronize, TopUp, Dismiss, Drain, Distrust, Trust, SubmitResult, SubmitJob,
+                           RestoreJob, PauseJob, ReopenJob, ResumeJob, CancelJob, DeleteJob, ExtendJob,
+                           UpdateJob, FailJob, DropTile, Tick, ReleaseJob>;
 
 // ---- Answers ----
 
@@ -209,6 +253,8 @@ struct Reply {
   bool changed = false;
   // The worker's leases go to others unless it synchronises within this time.
   Duration heartbeat_timeout{};
+  // The worker's process must end (Drain).
+  bool stop = false;
 };
 
 enum class Verdict {
@@ -257,6 +303,8 @@ struct Actions {
   std::vector<JobChange> job_changes;
   // Workers to quarantine. Their leases have ended already.
   std::vector<Disproof> disproved;
+  // Workers that are distrusted from now on: jobs that the scheduler does not have may have samples of them.
+  std::vector<Producer> distrusted;
   // All samples of these tiles are missing again: clear them before the accepted items are added.
   std::vector<TileOfJob> dropped_tiles;
   // Scheduler::provenance() has changed for these tiles, besides those of accepted items.
@@ -280,6 +328,11 @@ struct Actions {
   // described differently, or a cooldown that begins or ends before its time.
   std::vector<JobId> changed_jobs;
   std::vector<WorkerId> changed_workers;
+  // Jobs of which other samples are done or to verify, or another number of workers holds leases; and
+  // workers that hold other leases, or of which samples were accepted or verified others. Each once. The
+  // leases of a job that has ended are taken from their holders with later events.
+  std::vector<JobId> progressed_jobs;
+  std::vector<WorkerId> progressed_workers;
   // State that nobody needs any more. To destroy it may take tens of milliseconds: let go of it where nobody
   // waits for that, such as after releasing a lock.
   std::vector<std::shared_ptr<const void>> discarded;

@@ -105,6 +105,7 @@ bool Scheduler::grant_copy(Worker& worker) {
 
 void Scheduler::grant(Worker& worker, Job& job, Portion portion) {
   ++last_lease_id_.value;
+  ++counts_.granted_leases;
   job.last_served = ++servings_;
   charge(job, portion);
   Lease lease{last_lease_id_, worker.info.id, std::move(portion.items), portion.alone};

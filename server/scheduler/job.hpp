@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "server/scheduler/audits.hpp"
+#include "server/scheduler/failure.hpp"
 #include "server/scheduler/interval_set.hpp"
 #include "server/scheduler/job_state.hpp"
 #include "server/scheduler/lease_table.hpp"
@@ -43,7 +44,7 @@ struct Refuser {
 };
 
 // Whether every worker that could render the job, and would report it if it could not, is one of these: by
-// WorkerInfo::principal or by name. Losses and refusals fail a job only if three principals have them, or
+// WorkerInfo::origin or by name. Losses and refusals fail a job only if three principals have them, or
 // all if there are fewer: one caller can register any number of workers.
 using AreAll = std::function<bool(const std::set<std::string>&)>;
 
@@ -53,6 +54,13 @@ struct SchedulingPolicy {
   // The limit on workers that hold leases of it at once; 0 for none.
   std::uint32_t max_workers = 0;
   bool operator==(const SchedulingPolicy&) const = default;
+};
+
+// What results and leases change of a job, in pixel samples and workers.
+struct Progress {
+  std::uint64_t done = 0, to_verify = 0;
+  std::size_t holders = 0;
+  bool operator==(const Progress&) const = default;
 };
 
 // What is left of a run that has ended. May take long to destroy.
@@ -89,6 +97,15 @@ class Job {
 
   // Why the job failed; empty unless it has.
   std::string failure;
+  FailureDetails failure_details;
+  // The progress that was last reported (Actions::progressed_jobs).
+  Progress reported;
+
+  // WorkerInfo::determinism_fingerprint of its samples; empty before the first. Does not change after that.
+  const std::string& determinism_fingerprint() const { return determinism_fingerprint_; }
+  void set_determinism_fingerprint(const std::string& fingerprint) {
+    if (determinism_fingerprint_.empty()) determinism_fingerprint_ = fingerprint;
+  }
 
   // ---- Counts of pixel samples ----
   std::uint64_t total() const { return total_; }
@@ -97,6 +114,7 @@ class Job {
   std::uint64_t free() const { return total_ - done_count_ - leased_count_; }
   bool complete() const { return done_count_ == total_; }
   std::uint64_t to_verify() const { return audits_.due(); }
+  Progress progress() const { return {done(), to_verify(), holder_count()}; }
   // Complete, with nothing left to verify.
   bool settled() const { return complete() && to_verify() == 0; }
   std::uint64_t pixel_samples(const WorkItem& item) const;
@@ -176,20 +194,20 @@ class Job {
 
   // ---- Losses and refusals ----
 
-  // Counts the death of an ended lease's holder. Returns the message with which to fail the job, if this is
-  // one death too many and nobody else holds the samples.
-  std::optional<std::string> strike(const Lease& lease, const Loss& loss, const AreAll& principals);
+  // Counts the death of an ended lease's holder. Returns the failure of the job, if this is one
+  // death too many and nobody else holds the samples.
+  std::optional<Failure> strike(const Lease& lease, const Loss& loss, const AreAll& principals);
   // The same for a worker that is stuck in these samples, as far as they are missing.
-  std::optional<std::string> strike(const std::vector<WorkItem>& items, const Loss& loss,
-                                    const AreAll& principals);
-  // The message with which to fail the job, if no sample of it was ever accepted, nobody holds any of it, and
+  std::optional<Failure> strike(const std::vector<WorkItem>& items, const Loss& loss,
+                                const AreAll& principals);
+  // The failure of the job, if no sample of it was ever accepted, nobody holds any of it, and
   // workers of three names were stuck in different ranges of it.
-  std::optional<std::string> nobody_gets_on(const AreAll& principals) const;
-  // Counts a worker that cannot build the scene. Returns the message with which to fail the job, if this
+  std::optional<Failure> nobody_gets_on(const AreAll& principals) const;
+  // Counts a worker that cannot build the scene. Returns the failure of the job, if this
   // happened three times in a row, with workers of three names, or of all names and every worker that holds a
   // lease.
-  std::optional<std::string> decline_reason(const Refuser& refuser, const std::string& why,
-                                            const AreAll& names, const AreAll& principals);
+  std::optional<Failure> decline_reason(const Refuser& refuser, const std::string& why, const AreAll& names,
+                                        const AreAll& principals);
   // The worker was not lost: one that was presumed dead is alive, or one that was stuck goes on.
   void withdraw_strikes(const WorkerId& worker, LossKind kind);
   // Whether there may be strikes for a loss of this worker.
@@ -229,7 +247,7 @@ class Job {
   void lease_audit(Lease lease);
   Lease end_audit(LeaseId id, LeaseState to);
   void trim_audits(const WorkItem& item, std::vector<Lease>& ended);
-  std::optional<std::string> verdict_on(const WorkItem& item, const AreAll& principals) const;
+  std::optional<Failure> verdict_on(const WorkItem& item, const AreAll& principals) const;
   std::optional<std::string> check_tile(int tile) const;
   std::size_t workers_beyond_limit() const;
   void note_ended_lease(const Lease& lease);
@@ -243,6 +261,7 @@ class Job {
   // Workers beyond a lowered limit that still hold leases.
   std::size_t tolerated_workers_ = 0;
   JobState state_;
+  std::string determinism_fingerprint_;
   RunNumber run_ = 0;
 
   TileTable<IntervalSet> done_;

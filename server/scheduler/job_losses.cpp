@@ -39,6 +39,20 @@ std::string sentence_on(const WorkItem& item, const core::PixelRect& rect, const
                   "it again");
 }
 
+template <typename Names>
+std::vector<std::string> first_few(const Names& names) {
+  std::vector<std::string> few;
+  for (const std::string& name : names)
+    if (few.size() < kMaxFailureWorkers) few.push_back(name);
+  return few;
+}
+
+FailureDetails lost(std::optional<WorkItem> item, const std::vector<Loss>& losses) {
+  std::vector<std::string> names;
+  for (const Loss& loss : losses) names.push_back(loss.name);
+  return {FailureReason::kWorkersLost, item, first_few(names)};
+}
+
 // Of three principals, or of all.
 bool are_enough(const std::set<std::string>& principals, const AreAll& are_all) {
   return principals.size() >= kPrincipalsUntilFailure || are_all(principals);
@@ -52,14 +66,14 @@ std::set<std::string> principals_of(const std::vector<Loss>& losses) {
 
 }  // namespace
 
-std::optional<std::string> Job::strike(const Lease& lease, const Loss& loss, const AreAll& principals) {
+std::optional<Failure> Job::strike(const Lease& lease, const Loss& loss, const AreAll& principals) {
   for (const WorkItem& item : lease.items) poison_.strike(item, loss, lease.alone);
   // With several items, the cause is unknown.
   return lease.alone ? verdict_on(lease.items.front(), principals) : std::nullopt;
 }
 
-std::optional<std::string> Job::strike(const std::vector<WorkItem>& items, const Loss& loss,
-                                       const AreAll& principals) {
+std::optional<Failure> Job::strike(const std::vector<WorkItem>& items, const Loss& loss,
+                                   const AreAll& principals) {
   std::vector<WorkItem> missing;
   for (const WorkItem& item : items) {
     IntervalSet samples{item.samples};
@@ -80,7 +94,7 @@ std::optional<std::string> Job::strike(const std::vector<WorkItem>& items, const
   return std::nullopt;
 }
 
-std::optional<std::string> Job::verdict_on(const WorkItem& item, const AreAll& principals) const {
+std::optional<Failure> Job::verdict_on(const WorkItem& item, const AreAll& principals) const {
   PoisonTracker::Part part;
   for (WorkItem rest = item; !rest.samples.empty(); rest.samples.begin = part.samples.end) {
     part = poison_.first_part(rest);
@@ -89,18 +103,20 @@ std::optional<std::string> Job::verdict_on(const WorkItem& item, const AreAll& p
     if (leases_.leased(item.tile).intersects(part.samples)) continue;
     if (audit_leases_.leased(item.tile).intersects(part.samples)) continue;
     if (!are_enough(principals_of(part.losses), principals)) continue;
-    return sentence_on({item.tile, poison_.to_be_told(rest)}, grid_.rect(item.tile), part.losses);
+    const WorkItem told{item.tile, poison_.to_be_told(rest)};
+    return Failure{sentence_on(told, grid_.rect(item.tile), part.losses), lost(told, part.losses)};
   }
   return std::nullopt;
 }
 
-std::optional<std::string> Job::nobody_gets_on(const AreAll& principals) const {
+std::optional<Failure> Job::nobody_gets_on(const AreAll& principals) const {
   if (done_count_ > 0 || lease_count() > 0 || stuck_before_any_.size() < kLossesUntilFailure)
     return std::nullopt;
   if (!are_enough(principals_of(stuck_before_any_), principals)) return std::nullopt;
-  return fmt::format(
-      "{} workers hung in all samples of it that they held, and none has been rendered: {}. {}",
-      stuck_before_any_.size(), names_of(stuck_before_any_), kWhatToDoAboutStuck);
+  return Failure{
+      fmt::format("{} workers hung in all samples of it that they held, and none has been rendered: {}. {}",
+                  stuck_before_any_.size(), names_of(stuck_before_any_), kWhatToDoAboutStuck),
+      lost(std::nullopt, stuck_before_any_)};
 }
 
 void Job::withdraw_strikes(const WorkerId& worker, LossKind kind) {
@@ -109,8 +125,8 @@ void Job::withdraw_strikes(const WorkerId& worker, LossKind kind) {
     std::erase_if(stuck_before_any_, [&](const Loss& loss) { return loss.worker == worker; });
 }
 
-std::optional<std::string> Job::decline_reason(const Refuser& refuser, const std::string& why,
-                                               const AreAll& names, const AreAll& principals) {
+std::optional<Failure> Job::decline_reason(const Refuser& refuser, const std::string& why,
+                                           const AreAll& names, const AreAll& principals) {
   ++refusals_;
   refusers_.insert(refuser.name);
   refusing_principals_.insert(refuser.principal);
@@ -123,11 +139,13 @@ std::optional<std::string> Job::decline_reason(const Refuser& refuser, const std
   };
   if (refusers_.size() < kRefusersUntilFailure && !nobody_else()) return std::nullopt;
   if (!are_enough(refusing_principals_, principals)) return std::nullopt;
-  return fmt::format(
-      "{} times in a row a worker could not build the scene, the last of them {}, which says: \"{}\". Mend "
-      "that, or "
-      "give the workers the release and the memory that the scene needs; then submit it again",
-      refusals_, refuser.name, why);
+  return Failure{
+      fmt::format(
+          "{} times in a row a worker could not build the scene, the last of them {}, which says: \"{}\". "
+          "Mend "
+          "that, or give the workers the release and the memory that the scene needs; then submit it again",
+          refusals_, refuser.name, why),
+      {FailureReason::kDeclined, std::nullopt, first_few(refusers_)}};
 }
 
 }  // namespace tessera::scheduler

@@ -15,11 +15,13 @@
 // to DONE: a paused job whose last samples arrive stays paused, and is done as soon as it is resumed.
 #pragma once
 
+#include <cstddef>
 #include <string_view>
 
 namespace tessera::scheduler {
 
 enum class JobState { kRunning, kPaused, kDone, kCancelled, kFailed };
+inline constexpr std::size_t kJobStates = 5;
 
 // "running", "paused", …, for messages.
 std::string_view job_state_name(JobState state);

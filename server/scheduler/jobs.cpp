@@ -51,6 +51,8 @@ Worker* Scheduler::on(const RestoreJob& event, Actions& actions) {
   Job& job =
       add(event.id, event.shape, {event.priority, event.max_workers}, event.state, event.done, actions);
   job.failure = event.failure;
+  job.set_determinism_fingerprint(event.determinism_fingerprint);
+  job.failure_details = event.failure_details;
   restore_producers(job, event.provenance);
   if (event.state == JobState::kRunning && settled(job)) become(job, JobState::kDone, actions);
   if (event.state == JobState::kDone && !settled(job)) become(job, JobState::kRunning, actions);
@@ -95,7 +97,9 @@ Worker* Scheduler::on(const FailJob& event, Actions& actions) {
   if (job == nullptr) return nullptr;
   const bool already = job->state() == JobState::kFailed;
   become(*job, JobState::kFailed, actions);
-  if (actions.status && !already) job->failure = event.failure;
+  if (!actions.status || already) return nullptr;
+  job->failure = event.failure;
+  job->failure_details = event.details;
   return nullptr;
 }
 
@@ -103,17 +107,36 @@ Worker* Scheduler::on(const DeleteJob& event, Actions& actions) {
   Job* const job = find_or_refuse(event.id, actions);
   if (job == nullptr) return nullptr;
   note_change(actions.changed_jobs, event.id);
-  end_run(*job, actions);
-  const JobNumber number = job->number();
-  runs_.erase(job->run());
+  remove(*job, actions);
+  return nullptr;
+}
+
+Worker* Scheduler::on(const ReleaseJob& event, Actions& actions) {
+  Job* const job = find_or_refuse(event.id, actions);
+  if (job == nullptr) return nullptr;
+  const JobState state = job->state();
+  if (state == JobState::kRunning || state == JobState::kPaused || reviews_.contains(job->number())) {
+    actions.status =
+        core::fail(core::ErrorCode::kFailedPrecondition,
+                   fmt::format("job {} is {} and cannot leave", event.id.value, job_state_name(state)));
+    return nullptr;
+  }
+  remove(*job, actions);
+  return nullptr;
+}
+
+void Scheduler::remove(Job& job, Actions& actions) {
+  end_run(job, actions);
+  const JobNumber number = job.number();
+  job_numbers_.erase(job.id());
+  runs_.erase(job.run());
   touched_.erase(number);
   work_.remove(number);
+  job_totals_.remove(number);
   audit_waits_.leave(number);
   reviews_.remove(number);
-  job_numbers_.erase(event.id);
-  auto deleted = jobs_.extract(number);
-  actions.discarded.push_back(std::make_shared<decltype(deleted)>(std::move(deleted)));
-  return nullptr;
+  auto removed = jobs_.extract(number);
+  actions.discarded.push_back(std::make_shared<decltype(removed)>(std::move(removed)));
 }
 
 Worker* Scheduler::on(const ExtendJob& event, Actions& actions) {
@@ -203,6 +226,7 @@ void Scheduler::become(Job& job, JobState to, Actions& actions) {
     return;
   }
   job.become(to);
+  ++counts_.job_changes[static_cast<std::size_t>(to)];
   touched_.insert(job.number());
   actions.job_changes.push_back({job.id(), from, to});
   note_change(actions.changed_jobs, job.id());
@@ -216,15 +240,18 @@ void Scheduler::become(Job& job, JobState to, Actions& actions) {
   if (!takes_results(to)) actions.discarded.push_back(std::make_shared<Audits>(job.take_audits()));
 }
 
-void Scheduler::fail(Job& job, const std::string& failure, Actions& actions) {
-  job.failure = failure;
+void Scheduler::fail(Job& job, const Failure& failure, Actions& actions) {
+  job.failure = failure.message;
+  job.failure_details = failure.details;
   become(job, JobState::kFailed, actions);
 }
 
 void Scheduler::refresh_indexes() {
   for (const JobNumber number : touched_) {
     const Job& job = jobs_.at(number);
+    progressed_jobs_.insert(number);
     work_.update(job, producers_);
+    job_totals_.update(job);
     if (lacks_only_lots(job)) {
       audit_waits_.enter(number);
     } else {

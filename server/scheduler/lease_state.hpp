@@ -17,11 +17,13 @@
 // long as their samples are missing.
 #pragma once
 
+#include <cstddef>
 #include <string_view>
 
 namespace tessera::scheduler {
 
 enum class LeaseState { kGranted, kHeld, kDone, kReturned, kExpired, kStalled, kRevoked };
+inline constexpr std::size_t kLeaseStates = 7;
 
 // "granted", "held", …, for messages.
 std::string_view lease_state_name(LeaseState state);

@@ -17,8 +17,9 @@ constexpr Duration kPunctuality = std::chrono::seconds(1);
 Worker* Scheduler::on(const Synchronize& event, Actions& actions) {
   withdraw_strikes_if_lost(event.worker.id);
   const Worker* const known = registry_.find(event.worker.id);
+  const bool drains = event.draining || (known != nullptr && known->drain_requested);
   const bool is_visible = known == nullptr || known->info != event.worker ||
-                          known->state() != (event.draining ? WorkerState::kDraining : WorkerState::kPresent);
+                          known->state() != (drains ? WorkerState::kDraining : WorkerState::kPresent);
   if (is_visible) note_change(actions.changed_workers, event.worker.id);
   Worker& worker = registry_.heartbeat(event, now_);
   waiting_.leave(worker);
@@ -51,6 +52,31 @@ Worker* Scheduler::on(const Dismiss& event, Actions& actions) {
   return nullptr;
 }
 
+Worker* Scheduler::on(const Drain& event, Actions& actions) {
+  Worker* const worker = registry_.find(event.worker);
+  if (worker == nullptr) {
+    actions.status = core::fail(core::ErrorCode::kNotFound, "there is no worker " + event.worker.value);
+    return nullptr;
+  }
+  registry_.request_drain(*worker, event.drain, event.stop);
+  note_change(actions.changed_workers, event.worker);
+  if (worker->waiting) let_wait(*worker);  // among those that can be given more, or no longer
+  if (worker->stop_requested) lost_leases_.insert(event.worker);
+  work_appeared_ = true;
+  return nullptr;
+}
+
+Worker* Scheduler::on(const Distrust& event, Actions& actions) {
+  distrust(event.producer, actions);
+  return nullptr;
+}
+
+Worker* Scheduler::on(const Trust& event, Actions&) {
+  producers_.trust(event.producer);
+  work_appeared_ = true;
+  return nullptr;
+}
+
 void Scheduler::settle_reported(Worker& worker) {
   for (const HeldLease& held : std::vector<HeldLease>(worker.leases)) {
     // The worker has dropped leases that it reported before and does not report now. It may not have received
@@ -80,6 +106,7 @@ void Scheduler::adopt(Worker& worker, const LeaseDescription& reported) {
   Lease lease{reported.id, worker.info.id, std::move(items)};
   lease.state = LeaseState::kHeld;
   enter_lease(worker, *job, std::move(lease));
+  ++counts_.adopted_leases;
   work_appeared_ = true;
 }
 
@@ -88,7 +115,9 @@ void Scheduler::enter_lease(Worker& worker, Job& job, Lease lease) {
   const bool resumes = known.gave_back && now_ - *known.gave_back < options_.lease_duration;
   if (!resumes && !worker.holds_any_of(job.number())) known.no_progress_since = now_;
   live_leases_.insert(lease.id);
+  progressed_workers_.insert(worker.info.id);
   worker.leases.push_back({lease.id, job.id(), job.number(), job.run(), lease.alone});
+  registry_.count_activity(worker);
   waiting_.update(worker);
   job.lease(std::move(lease));
   touched_.insert(job.number());
@@ -143,6 +172,7 @@ void Scheduler::withdraw_strikes_if_lost(const WorkerId& worker) {
 
 void Scheduler::forget_lease(const Job& job, const Lease& lease) {
   Worker& holder = *registry_.find(lease.holder);
+  count_ended(lease.state);
   Effort& known = effort(holder, job);
   known.gave_back.reset();
   // Samples that others have delivered, or leases that it could not hold, are no lack of progress.
@@ -158,7 +188,13 @@ void Scheduler::forget_held(Worker& holder, LeaseId lease) {
   std::erase_if(holder.leases, [&](const HeldLease& held) { return held.id == lease; });
   live_leases_.erase(lease);
   lost_leases_.insert(holder.info.id);
+  registry_.count_activity(holder);
+  progressed_workers_.insert(holder.info.id);
   waiting_.update(holder);
+}
+
+void Scheduler::count_ended(LeaseState state) {
+  ++counts_.ended_leases[static_cast<std::size_t>(state)];
 }
 
 void Scheduler::forget_emptied(const Job& job, const std::vector<Lease>& leases) {

@@ -13,12 +13,13 @@
 
 namespace tessera::scheduler {
 
-// A worker process, its name and WorkerInfo::machine. A name is chosen by whoever starts the worker, and
-// proves nothing. Empty: unknown.
+// A worker process, its name, WorkerInfo::machine, and WorkerInfo::principal if that is individual. A name is
+// chosen by whoever starts the worker, and proves nothing. Empty: unknown.
 struct Producer {
   std::string name;
   WorkerId worker;
   std::string machine{};
+  std::string principal{};
   auto operator<=>(const Producer&) const = default;
 };
 
@@ -27,15 +28,30 @@ inline const std::string& called(const Producer& producer) {
   return producer.name.empty() ? producer.worker.value : producer.name;
 }
 
-// Whether the two cannot audit each other: they have the same name or are the same worker.
+// What audits tell apart: individual principals, else names, else workers.
+struct Identity {
+  std::string principal{}, name{};
+  WorkerId worker{};
+  auto operator<=>(const Identity&) const = default;
+};
+
+inline Identity identity_of(const Producer& producer) {
+  if (!producer.principal.empty()) return {.principal = producer.principal};
+  if (!producer.name.empty()) return {.name = producer.name};
+  return {.worker = producer.worker};
+}
+
+// Whether the two cannot audit each other: they have one identity or are the same worker.
 inline bool are_one(const Producer& a, const Producer& b) {
-  return a.worker == b.worker || (!a.name.empty() && a.name == b.name);
+  if (a.worker == b.worker) return true;
+  if (!a.principal.empty() || !b.principal.empty()) return a.principal == b.principal;
+  return !a.name.empty() && a.name == b.name;
 }
 
 // Stands for a producer in large tables.
 using ProducerNumber = std::uint32_t;
 
-// Stands for a name, or for a worker without one. Producers of one identity cannot audit each other.
+// Stands for an Identity in large tables.
 using IdentityNumber = std::uint32_t;
 // Several identities, or one of which no producer is known.
 inline constexpr IdentityNumber kNoIdentity = 0;
@@ -48,7 +64,7 @@ class Producers {
     if (!is_new) return known->second;
     producers_.push_back(producer);
     const auto next = static_cast<IdentityNumber>(identities_.size() + 1);
-    identity_of_.push_back(identities_.try_emplace(identity_key(producer), next).first->second);
+    identity_of_.push_back(identities_.try_emplace(identity_of(producer), next).first->second);
     return known->second;
   }
   const Producer& at(ProducerNumber number) const { return producers_[number]; }
@@ -65,37 +81,41 @@ class Producers {
   // The identity of a producer with a number, at the time when it got that.
   IdentityNumber identity(ProducerNumber number) const { return identity_of_[number]; }
   IdentityNumber identity(const Producer& producer) const {
-    const auto known = identities_.find(identity_key(producer));
+    const auto known = identities_.find(identity_of(producer));
     return known == identities_.end() ? kNoIdentity : known->second;
   }
 
-  // Distrusts every worker of its machine as well, but not those with its name, which anybody can take.
+  // Distrusts every worker of its machine and of its principal as well, but not those with its name, which
+  // anybody can take.
   void distrust(const Producer& producer) {
-    ++times_distrusted_;
+    ++times_changed_;
     distrusted_workers_.insert(producer.worker);
     if (!producer.machine.empty()) distrusted_machines_.insert(producer.machine);
+    if (!producer.principal.empty()) distrusted_principals_.insert(producer.principal);
+  }
+  // Trusts the worker, its machine and its principal again.
+  void trust(const Producer& producer) {
+    ++times_changed_;
+    distrusted_workers_.erase(producer.worker);
+    distrusted_machines_.erase(producer.machine);
+    distrusted_principals_.erase(producer.principal);
   }
   bool is_distrusted(const Producer& producer) const {
-    return distrusted_workers_.contains(producer.worker) || distrusted_machines_.contains(producer.machine);
+    return distrusted_workers_.contains(producer.worker) || distrusted_machines_.contains(producer.machine) ||
+           distrusted_principals_.contains(producer.principal);
   }
-  // How often distrust() was called.
-  std::uint64_t times_distrusted() const { return times_distrusted_; }
+  // How often distrust() or trust() was called.
+  std::uint64_t times_changed() const { return times_changed_; }
 
  private:
-  // The name, or else the worker.
-  static std::pair<std::string, WorkerId> identity_key(const Producer& producer) {
-    return producer.name.empty() ? std::pair{std::string{}, producer.worker}
-                                 : std::pair{producer.name, WorkerId{}};
-  }
-
   std::map<Producer, ProducerNumber> numbers_;
   std::vector<Producer> producers_;
-  std::map<std::pair<std::string, WorkerId>, IdentityNumber> identities_;
+  std::map<Identity, IdentityNumber> identities_;
   // By producer.
   std::vector<IdentityNumber> identity_of_;
   std::set<WorkerId> distrusted_workers_;
-  std::set<std::string> distrusted_machines_;
-  std::uint64_t times_distrusted_ = 0;
+  std::set<std::string> distrusted_machines_, distrusted_principals_;
+  std::uint64_t times_changed_ = 0;
 };
 
 }  // namespace tessera::scheduler

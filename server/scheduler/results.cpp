@@ -52,6 +52,7 @@ Worker* Scheduler::on(const SubmitResult& event, Actions& actions) {
     actions.verdicts.push_back(accepted ? Verdict::kAccepted : Verdict::kDropped);
     if (!accepted) continue;
     accepted_samples += job->pixel_samples(item);
+    job->set_determinism_fingerprint(event.determinism_fingerprint);
     note_producer(*job, item, producer, fingerprint_of(event, i));
   }
   forget_emptied(*job, ended);
@@ -73,12 +74,15 @@ Worker* Scheduler::on(const SubmitResult& event, Actions& actions) {
 
 void Scheduler::note_counted(Job& job, const SubmitResult& event, std::uint64_t accepted,
                              std::uint64_t audited, Actions& actions) {
+  counts_.accepted_samples += accepted;
+  rate_.add(static_cast<double>(accepted), now_);
   job.rate.add(static_cast<double>(accepted), now_);
   Worker* const worker = registry_.find(event.worker);
   if (worker == nullptr) return;
   worker->samples_accepted += accepted;
   worker->rate.add(static_cast<double>(accepted), now_);
   if (accepted + audited == 0) return;
+  progressed_workers_.insert(event.worker);
   if (worker->has_stalled(job.run())) {
     work_appeared_ = true;  // for this worker
     job.note_progress(event.worker);

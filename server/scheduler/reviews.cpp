@@ -12,6 +12,7 @@ constexpr int kTilesPerJob = 64;
 
 void Scheduler::distrust(const Producer& producer, Actions& actions) {
   producers_.distrust(producer);
+  actions.distrusted.push_back(producer);
   if (Worker* const worker = registry_.find(producer.worker)) end_all_leases(*worker);
   reviews_.add_all(last_job_number_);
   review_jobs(actions);

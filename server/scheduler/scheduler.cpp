@@ -42,6 +42,7 @@ Actions Scheduler::handle(const Event& event, Time now) {
   review_jobs(actions);
 
   Worker* asking = std::visit([&](const auto& e) { return on(e, actions); }, event);
+  count_verdicts(actions.verdicts);
   if (asking != nullptr) {
     revoke_ended(*asking);
     top_up(*asking);
@@ -52,15 +53,38 @@ Actions Scheduler::handle(const Event& event, Time now) {
   if (asking != nullptr && result != nullptr && has_lost(*asking, *result)) asking = nullptr;
   if (asking != nullptr) stop_waiting(*asking);
   wake_waiting(actions);
+  report_progress(actions);
   if (asking == nullptr) return actions;
   actions.reply = result != nullptr ? reply_with_answer(*asking, *result) : reply_to(*asking);
+  if (result == nullptr) tell_to_stop(*asking, *actions.reply);
   return actions;
 }
 
 void Scheduler::begin_event() {
   work_appeared_ = false;
   lost_leases_.clear();
+  progressed_jobs_.clear();
+  progressed_workers_.clear();
   left_ = options_.per_event;
+}
+
+void Scheduler::count_verdicts(const std::vector<Verdict>& verdicts) {
+  for (const Verdict verdict : verdicts) {
+    counts_.accepted_items += verdict == Verdict::kAccepted;
+    counts_.audited_items += verdict == Verdict::kAudited;
+    counts_.dropped_items += verdict == Verdict::kDropped;
+  }
+}
+
+void Scheduler::report_progress(Actions& actions) {
+  for (const JobNumber number : progressed_jobs_) {
+    const auto job = jobs_.find(number);
+    if (job == jobs_.end()) continue;  // deleted
+    const Progress progress = job->second.progress();
+    if (std::exchange(job->second.reported, progress) != progress)
+      actions.progressed_jobs.push_back(job->second.id());
+  }
+  actions.progressed_workers.assign(progressed_workers_.begin(), progressed_workers_.end());
 }
 
 void Scheduler::expire_workers(Actions& actions) {
@@ -135,6 +159,14 @@ Reply Scheduler::reply_to(Worker& worker) {
   reply.heartbeat_timeout = registry_.deadline(worker) - now_;
   if (!reply.changed) let_wait(worker);
   return reply;
+}
+
+// The first reply that says so is not delayed. It is repeated, since it may get lost.
+void Scheduler::tell_to_stop(Worker& worker, Reply& reply) {
+  reply.stop = worker.stop_requested;
+  if (!reply.stop || std::exchange(worker.was_told_to_stop, true)) return;
+  reply.changed = true;
+  stop_waiting(worker);
 }
 
 void Scheduler::let_wait(Worker& worker) {

@@ -43,6 +43,7 @@
 #include "server/scheduler/policy.hpp"
 #include "server/scheduler/review_queue.hpp"
 #include "server/scheduler/swept_map.hpp"
+#include "server/scheduler/totals.hpp"
 #include "server/scheduler/types.hpp"
 #include "server/scheduler/views.hpp"
 #include "server/scheduler/waiting_workers.hpp"
@@ -123,8 +124,16 @@ class Scheduler {
   std::vector<JobView> jobs(Time now, std::string_view id_prefix, std::size_t most) const;
   // In the order of ids.
   std::vector<WorkerView> workers(Time now) const;
+  bool has_worker(const WorkerId& id) const { return registry_.find(id) != nullptr; }
+  // Those after this id, at most so many.
+  std::vector<WorkerView> workers(Time now, const WorkerId& after, std::size_t most) const;
   // Empty if it is unknown or forgotten.
   std::optional<WorkerView> worker(const WorkerId& id, Time now) const;
+  // What the worker last said of itself; null if it is unknown or forgotten. Valid until the next handle().
+  const WorkerInfo* worker_info(const WorkerId& id) const;
+
+  // Takes no time that depends on the number of jobs and workers.
+  Totals totals(Time now) const;
 
   // The samples of one tile that are done, for checkpoints. The job must exist and have the tile. Valid until
   // the next handle().
@@ -146,6 +155,9 @@ class Scheduler {
   Worker* on(const Synchronize& event, Actions& actions);
   Worker* on(const TopUp& event, Actions& actions);
   Worker* on(const Dismiss& event, Actions& actions);
+  Worker* on(const Drain& event, Actions& actions);
+  Worker* on(const Distrust& event, Actions& actions);
+  Worker* on(const Trust& event, Actions& actions);
   Worker* on(const SubmitResult& event, Actions& actions);
   Worker* on(const SubmitJob& event, Actions& actions);
   Worker* on(const RestoreJob& event, Actions& actions);
@@ -154,6 +166,8 @@ class Scheduler {
   Worker* on(const ResumeJob& event, Actions& actions);
   Worker* on(const CancelJob& event, Actions& actions);
   Worker* on(const DeleteJob& event, Actions& actions);
+  Worker* on(const ReleaseJob& event, Actions& actions);
+  void remove(Job& job, Actions& actions);
   Worker* on(const ExtendJob& event, Actions& actions);
   Worker* on(const UpdateJob& event, Actions& actions);
   Worker* on(const FailJob& event, Actions& actions);
@@ -162,6 +176,8 @@ class Scheduler {
 
   // ---- Time and answers (scheduler.cpp) ----
   void begin_event();
+  void count_verdicts(const std::vector<Verdict>& verdicts);
+  void report_progress(Actions& actions);
   void expire_workers(Actions& actions);
   void expire(Worker& worker, Actions& actions);
   // Does for the sender of an event what others may leave for later.
@@ -169,6 +185,7 @@ class Scheduler {
   void wake_waiting(Actions& actions);
   Reply reply_to(Worker& worker);
   Reply reply_with_answer(Worker& worker, const SubmitResult& result);
+  void tell_to_stop(Worker& worker, Reply& reply);
   // Leaves the worker's Synchronize unanswered.
   void let_wait(Worker& worker);
   void stop_waiting(Worker& worker);
@@ -220,6 +237,7 @@ class Scheduler {
   // Removes an ended lease from its holder's entry.
   void forget_lease(const Job& job, const Lease& lease);
   void forget_held(Worker& holder, LeaseId lease);
+  void count_ended(LeaseState state);
   // The same for leases that ended because nothing of them is missing.
   void forget_emptied(const Job& job, const std::vector<Lease>& leases);
 
@@ -235,7 +253,7 @@ class Scheduler {
   // The only function that changes a job's state, with all consequences. Refuses invalid transitions.
   void become(Job& job, JobState to, Actions& actions);
   // The job must be running or paused.
-  void fail(Job& job, const std::string& failure, Actions& actions);
+  void fail(Job& job, const Failure& failure, Actions& actions);
   // Complete, with nothing left to verify, and searched for samples of distrusted workers.
   bool settled(const Job& job) const { return job.settled() && !reviews_.contains(job.number()); }
   void refresh_indexes();
@@ -266,7 +284,7 @@ class Scheduler {
   AreAll are_all_names(const Job& job) const;
   AreAll are_all_principals(const Job& job) const;
   // The stalled workers among those that could otherwise be counted, by a part of their description.
-  std::map<std::string, std::size_t> stalled_by(const Job& job, std::string WorkerInfo::*part) const;
+  std::map<std::string, int> stalled_by(const Job& job, std::string WorkerInfo::*part) const;
   void note_producer(Job& job, const WorkItem& item, const Producer& producer,
                      const Fingerprint& fingerprint);
   // Wakes the other holders of the item's samples, so that they hear at once that these are done.
@@ -297,9 +315,7 @@ class Scheduler {
   std::optional<WorkerId> find_auditor_among(const Job& job, const std::set<WorkerId>& workers) const;
   bool would_audit(const Job& job, const WorkerId& worker) const;
   static bool is_no_help(const Job& job, const Worker& worker);
-  std::uint64_t workers_version() const {
-    return 1 + registry_.times_changed() + producers_.times_distrusted();
-  }
+  std::uint64_t workers_version() const { return 1 + registry_.times_changed() + producers_.times_changed(); }
 
   // ---- Views and invariants (views.cpp, check.cpp) ----
   WorkerView worker_view(const Worker& worker, Time now) const;
@@ -342,9 +358,13 @@ class Scheduler {
   WaitingWorkers waiting_;
   Producers producers_;
   WorkIndex work_;
+  JobTotals job_totals_;
+  EventCounts counts_;
+  // Of all workers and jobs.
+  RateMeter rate_;
   AuditWaits audit_waits_;
   ReviewQueue reviews_;
-  // Jobs that may have changed since they were last entered in work_ and audit_waits_.
+  // Jobs that may have changed since they were last entered in work_, job_totals_ and audit_waits_.
   std::set<JobNumber> touched_;
 
   // During one event: whether there may be new work to lease, whose leases have ended or shrunk, and what it
@@ -352,6 +372,9 @@ class Scheduler {
   bool work_appeared_ = false;
   std::set<WorkerId> lost_leases_;
   WorkPerEvent left_;
+  // Those that may have to be named in Actions::progressed_jobs and progressed_workers.
+  std::set<JobNumber> progressed_jobs_;
+  std::set<WorkerId> progressed_workers_;
 };
 
 }  // namespace tessera::scheduler

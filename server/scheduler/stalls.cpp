@@ -143,7 +143,7 @@ bool Scheduler::awaits_files(const Worker& worker, const Job& job) {
 }
 
 bool Scheduler::may_take(const Worker& worker, const Job& job) const {
-  if (!job.may_be_leased_to(worker.info.id)) return false;
+  if (!job.may_be_leased_to(worker.info.id) || !worker.fits(job.determinism_fingerprint())) return false;
   const Effort* const known = worker.effort(job.run());
   const bool in_cooldown = known != nullptr && known->in_cooldown(now_);
   return !in_cooldown && !awaits_files(worker, job);

@@ -18,7 +18,8 @@ JobView job_view(const Job& job, Time now) {
           .samples_per_second = job.rate.per_second(now),
           .active_workers = static_cast<int>(job.holder_count()),
           .max_workers = job.policy().max_workers,
-          .samples_to_verify = job.to_verify()};
+          .samples_to_verify = job.to_verify(),
+          .failure_details = job.failure_details};
 }
 
 }  // namespace
@@ -47,6 +48,7 @@ WorkerView Scheduler::worker_view(const Worker& worker, Time now) const {
           .samples_accepted = worker.samples_accepted,
           .last_seen = worker.last_seen,
           .draining = worker.state() == WorkerState::kDraining,
+          .drain_requested = worker.drain_requested,
           .silent = worker.state() == WorkerState::kSilent,
           .audited_ranges = worker.audited_ranges,
           .disproved_ranges = worker.disproved_ranges,
@@ -82,10 +84,30 @@ std::optional<WorkerView> Scheduler::worker(const WorkerId& id, Time now) const 
   return worker == nullptr ? std::nullopt : std::optional<WorkerView>(worker_view(*worker, now));
 }
 
+const WorkerInfo* Scheduler::worker_info(const WorkerId& id) const {
+  const Worker* const worker = registry_.find(id);
+  return worker == nullptr ? nullptr : &worker->info;
+}
+
+std::vector<WorkerView> Scheduler::workers(Time now, const WorkerId& after, std::size_t most) const {
+  std::vector<WorkerView> views;
+  const auto& all = registry_.all();
+  for (auto next = all.upper_bound(after); next != all.end() && views.size() < most; ++next)
+    views.push_back(worker_view(next->second, now));
+  return views;
+}
+
 std::vector<WorkerView> Scheduler::workers(Time now) const {
   std::vector<WorkerView> views;
   for (const auto& [id, worker] : registry_.all()) views.push_back(worker_view(worker, now));
   return views;
+}
+
+Totals Scheduler::totals(Time now) const {
+  Totals totals{
+      .workers = registry_.activities(), .samples_per_second = rate_.per_second(now), .counts = counts_};
+  job_totals_.write_to(totals);
+  return totals;
 }
 
 const IntervalSet& Scheduler::done(const JobId& id, int tile) const {

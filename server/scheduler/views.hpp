@@ -29,6 +29,8 @@ struct JobView {
   std::uint32_t max_workers = 0;
   // The part of samples_done that another worker must render again.
   std::uint64_t samples_to_verify = 0;
+  // Empty unless the state is kFailed.
+  FailureDetails failure_details{};
 };
 
 // A job of which a worker is given no leases for a while, since its leases of it have stalled.
@@ -49,6 +51,8 @@ struct WorkerView {
   // The time of its last Synchronize or SubmitResult.
   Time last_seen{};
   bool draining = false;
+  // An administrator wants it to take no more leases (Drain).
+  bool drain_requested = false;
   // It has not synchronised for lease_duration: it holds nothing, and is listed until forget_after.
   bool silent = false;
   // See Worker.

@@ -25,7 +25,8 @@ std::optional<WorkerId> Scheduler::find_auditor_at_work(const Job& job) const {
 
 bool Scheduler::would_audit(const Job& job, const WorkerId& id) const {
   const Worker* const worker = registry_.find(id);
-  return worker != nullptr && worker->is_available() && !is_no_help(job, *worker) && can_audit(job, *worker);
+  return worker != nullptr && worker->is_available() && worker->fits(job.determinism_fingerprint()) &&
+         !is_no_help(job, *worker) && can_audit(job, *worker);
 }
 
 std::optional<WorkerId> Scheduler::find_auditor_among(const Job& job,
@@ -35,23 +36,24 @@ std::optional<WorkerId> Scheduler::find_auditor_among(const Job& job,
   return found == workers.end() ? std::nullopt : std::optional<WorkerId>(*found);
 }
 
-// Looks first where most workers could audit: at those of other names than one of the producers. Skips only
-// distrusted workers, that producer, and such as are no help in this job.
+// Looks first where most workers could audit: at those of other identities than one of the producers. Skips
+// only distrusted workers, that producer, and such as are no help in this job.
 std::optional<WorkerId> Scheduler::find_auditor(const Job& job) const {
   if (const auto auditor = find_auditor_at_work(job)) return auditor;
   const Producer* const producer = job.audits().any_waiting_producer(producers_);
   if (producer == nullptr) return std::nullopt;
   const WorkerId& before = audit_waits_.last_auditor(job.number());
   if (would_audit(job, before)) return before;
-  const auto& by_name = registry_.available_by_name();
-  for (const auto& [name, workers] : by_name) {
-    if (name == producer->name && !name.empty()) continue;
+  const auto& by_identity = registry_.available_by_identity();
+  const Identity own = identity_of(*producer);
+  for (const auto& [identity, workers] : by_identity) {
+    if (identity == own) continue;
     if (const auto auditor = find_auditor_among(job, workers)) return auditor;
   }
   const bool others_wait = job.audits().excluded(producers_) == kNoIdentity;
-  const auto namesakes = by_name.find(producer->name);
-  if (!others_wait || namesakes == by_name.end()) return std::nullopt;
-  return find_auditor_among(job, namesakes->second);
+  const auto alike = by_identity.find(own);
+  if (!others_wait || alike == by_identity.end()) return std::nullopt;
+  return find_auditor_among(job, alike->second);
 }
 
 void Scheduler::look_for_auditor(JobNumber number) {

@@ -11,6 +11,13 @@ WaitingRank Worker::rank() const {
   return {!leases.empty(), refusals.empty() ? Time::min() : refusals.rbegin()->first, sequence};
 }
 
+WorkerActivity Worker::activity() const {
+  if (state_ == WorkerState::kSilent) return WorkerActivity::kSilent;
+  if (state_ == WorkerState::kDraining) return WorkerActivity::kDraining;
+  if (stuck) return WorkerActivity::kStuck;
+  return leases.empty() ? WorkerActivity::kIdle : WorkerActivity::kBusy;
+}
+
 bool Worker::holds_any_of(JobNumber job) const {
   return std::any_of(leases.begin(), leases.end(), [&](const HeldLease& held) { return held.number == job; });
 }
@@ -38,6 +45,16 @@ WorkerSnapshot Worker::snapshot(RunNumber run) const {
   const JobNotes* const known = notes.find(run);
   return {info.threads, known == nullptr ? std::nullopt : known->speed};
 }
+
+namespace {
+
+void count(std::map<std::string, int>& numbers, const std::string& key, int change) {
+  const auto number = numbers.try_emplace(key).first;
+  number->second += change;
+  if (number->second == 0) numbers.erase(number);
+}
+
+}  // namespace
 
 void measure_speed(JobNotes& notes, std::uint64_t samples, double render_seconds) {
   constexpr double kNewWeight = 0.3;
@@ -69,7 +86,8 @@ Worker& WorkerRegistry::heartbeat(const Synchronize& event, Time now) {
   worker.rendering = event.rendering;
   worker.info = event.worker;
   worker.last_seen = worker.last_synchronized = now;
-  become(worker, event.draining ? WorkerState::kDraining : WorkerState::kPresent);
+  worker.reports_draining = event.draining;
+  settle_state(worker);
   worker.wanted_leases = event.wanted_leases;
   worker.waiting = false;
   worker.reported.clear();
@@ -89,26 +107,50 @@ void WorkerRegistry::become(Worker& worker, WorkerState to) {
   active_count_ += worker.takes_leases();
 }
 
+void WorkerRegistry::settle_state(Worker& worker) {
+  const bool drains = worker.reports_draining || worker.drain_requested;
+  become(worker, drains ? WorkerState::kDraining : WorkerState::kPresent);
+}
+
+void WorkerRegistry::request_drain(Worker& worker, bool drain, bool stop) {
+  worker.drain_requested = drain;
+  worker.stop_requested = drain && stop;
+  worker.was_told_to_stop = false;
+  if (worker.state() != WorkerState::kSilent) settle_state(worker);
+  count_presence(worker);
+}
+
 void WorkerRegistry::set_stuck(Worker& worker, std::optional<Stuck> stuck) {
   worker.stuck = std::move(stuck);
   count_presence(worker);
 }
 
+void WorkerRegistry::count_activity(Worker& worker) {
+  const WorkerActivity now = worker.activity();
+  if (now == worker.activity_) return;
+  if (worker.activity_) --activities_[static_cast<std::size_t>(*worker.activity_)];
+  ++activities_[static_cast<std::size_t>(now)];
+  worker.activity_ = now;
+}
+
 void WorkerRegistry::count_presence(Worker& worker) {
+  count_activity(worker);
   std::optional<Worker::Presence> now;
-  if (worker.is_available()) now = {worker.info.name, worker.info.principal, worker.info.machine};
+  if (worker.is_available())
+    now = {worker.info.name, worker.info.origin, worker.info.machine, identity_of(worker.producer())};
   if (now == worker.presence_) return;
   ++times_changed_;
   if (const auto& before = worker.presence_) {
-    const auto named = available_.find(before->name);
-    named->second.erase(worker.info.id);
-    if (named->second.empty()) available_.erase(named);
-    const auto known = principals_.find(before->principal);
-    if (--known->second == 0) principals_.erase(known);
+    const auto alike = available_.find(before->identity);
+    alike->second.erase(worker.info.id);
+    if (alike->second.empty()) available_.erase(alike);
+    count(names_, before->name, -1);
+    count(origins_, before->origin, -1);
   }
   if (now) {
-    available_[now->name].insert(worker.info.id);
-    ++principals_[now->principal];
+    available_[now->identity].insert(worker.info.id);
+    count(names_, now->name, 1);
+    count(origins_, now->origin, 1);
   }
   worker.presence_ = std::move(now);
 }
@@ -141,6 +183,7 @@ void WorkerRegistry::mark_lost(Worker& worker) {
 
 std::shared_ptr<const void> WorkerRegistry::forget(Worker& worker) {
   alarms_.erase({alarm(worker), worker.info.id});
+  --activities_[static_cast<std::size_t>(*worker.activity_)];
   become(worker, WorkerState::kForgotten);
   return std::make_shared<decltype(workers_)::node_type>(workers_.extract(worker.info.id));
 }

@@ -2,6 +2,8 @@
 // The registered workers, and when each loses its leases or is forgotten. Not thread-safe.
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <map>
 #include <memory>
 #include <optional>
@@ -98,6 +100,10 @@ struct Worker {
   std::set<JobId> fetching;
   std::optional<Rendering> rendering;
   Time rendering_since{};
+  // Its last Synchronize said so, or an administrator wants it (Drain): either keeps it from new leases.
+  bool reports_draining = false, drain_requested = false;
+  // Its process must end, and whether a reply has said so.
+  bool stop_requested = false, was_told_to_stop = false;
   // Present if it is stuck; it is given nothing then.
   std::optional<Stuck> stuck;
   // Others have delivered some of its samples since its last reply.
@@ -117,14 +123,20 @@ struct Worker {
   // Its ranges that others audited, and those of them that were wrong.
   std::uint64_t audited_ranges = 0, disproved_ranges = 0;
 
-  Producer producer() const { return {info.name, info.id, info.machine}; }
+  Producer producer() const { return producer_of(info); }
   Loss loss(LossKind kind) const {
-    return {.worker = info.id, .name = info.name, .kind = kind, .principal = info.principal};
+    return {.worker = info.id, .name = info.name, .kind = kind, .principal = info.origin};
   }
   WorkerState state() const { return state_; }
+  // Whether its samples are bit-compatible with those of a job; empty: it has none.
+  bool fits(const std::string& fingerprint_of_job) const {
+    const std::string& own = info.determinism_fingerprint;
+    return fingerprint_of_job.empty() || own.empty() || own == fingerprint_of_job;
+  }
   bool takes_leases() const { return state_ == WorkerState::kPresent; }
   // Takes leases, and is not stuck.
   bool is_available() const { return takes_leases() && !stuck; }
+  WorkerActivity activity() const;
   WaitingRank rank() const;
   bool holds_any_of(JobNumber job) const;
   bool holds(LeaseId lease) const;
@@ -141,12 +153,15 @@ struct Worker {
   friend class WorkerRegistry;
   // As what it is counted among the available workers.
   struct Presence {
-    std::string name, principal, machine;
+    std::string name, origin, machine;
+    Identity identity;
     bool operator==(const Presence&) const = default;
   };
 
   WorkerState state_ = WorkerState::kPresent;
   std::optional<Presence> presence_;
+  // As what it is counted among all workers.
+  std::optional<WorkerActivity> activity_;
 };
 
 // Records a measured speed; render_seconds must be positive.
@@ -176,12 +191,19 @@ class WorkerRegistry {
   // Removes a silent worker. Returns what was known of it, which may take long to destroy.
   std::shared_ptr<const void> forget(Worker& worker);
   void set_stuck(Worker& worker, std::optional<Stuck> stuck);
+  // The worker may hold other leases than before.
+  void count_activity(Worker& worker);
+  void request_drain(Worker& worker, bool drain, bool stop);
 
+  // The number of workers by what they do.
+  const std::array<std::uint64_t, kWorkerActivities>& activities() const { return activities_; }
   // The number of workers that take leases.
   int active_count() const { return active_count_; }
-  // The available workers by name, and their number by principal. Without empty entries.
-  const std::map<std::string, std::set<WorkerId>>& available_by_name() const { return available_; }
-  const std::map<std::string, int>& available_by_principal() const { return principals_; }
+  // The available workers by identity, and their number by name and by WorkerInfo::origin. Without empty
+  // entries.
+  const std::map<Identity, std::set<WorkerId>>& available_by_identity() const { return available_; }
+  const std::map<std::string, int>& available_by_name() const { return names_; }
+  const std::map<std::string, int>& available_by_origin() const { return origins_; }
   // How often a worker has become available, or ceased to be, or changed its identity.
   std::uint64_t times_changed() const { return times_changed_; }
 
@@ -204,6 +226,8 @@ class WorkerRegistry {
  private:
   // The only function that changes a worker's state; no change if it is in it already.
   void become(Worker& worker, WorkerState to);
+  // The state of a worker that is not silent.
+  void settle_state(Worker& worker);
   void count_presence(Worker& worker);
   Time alarm(const Worker& worker) const;
 
@@ -213,8 +237,9 @@ class WorkerRegistry {
   // alarm() of every worker.
   std::set<std::pair<Time, WorkerId>> alarms_;
   int active_count_ = 0;
-  std::map<std::string, std::set<WorkerId>> available_;
-  std::map<std::string, int> principals_;
+  std::array<std::uint64_t, kWorkerActivities> activities_{};
+  std::map<Identity, std::set<WorkerId>> available_;
+  std::map<std::string, int> names_, origins_;
   std::uint64_t times_changed_ = 0;
   std::uint64_t next_sequence_ = 0;
   std::set<std::string> shown_;

@@ -17,6 +17,22 @@ std::string_view worker_state_name(WorkerState state) {
   return "unknown";
 }
 
+std::string_view worker_activity_name(WorkerActivity activity) {
+  switch (activity) {
+    case WorkerActivity::kBusy:
+      return "busy";
+    case WorkerActivity::kIdle:
+      return "idle";
+    case WorkerActivity::kStuck:
+      return "stuck";
+    case WorkerActivity::kDraining:
+      return "draining";
+    case WorkerActivity::kSilent:
+      return "silent";
+  }
+  return "unknown";
+}
+
 bool may_become(WorkerState from, WorkerState to) {
   switch (from) {
     case WorkerState::kPresent:

@@ -17,6 +17,7 @@
 // final: the entry is removed, and a worker that returns is registered as a new one.
 #pragma once
 
+#include <cstddef>
 #include <string_view>
 
 namespace tessera::scheduler {
@@ -25,6 +26,19 @@ enum class WorkerState { kPresent, kDraining, kSilent, kForgotten };
 
 // "present", "draining", …, for messages.
 std::string_view worker_state_name(WorkerState state);
+
+// What a registered worker does.
+enum class WorkerActivity {
+  kBusy,      // holds leases
+  kIdle,      // holds none, and would take some
+  kStuck,     // is given none (Worker::stuck)
+  kDraining,  // takes none
+  kSilent,
+};
+inline constexpr std::size_t kWorkerActivities = 5;
+
+// "busy", "idle", …
+std::string_view worker_activity_name(WorkerActivity activity);
 
 // Whether the diagram has the transition. No state has a transition to itself.
 bool may_become(WorkerState from, WorkerState to);
