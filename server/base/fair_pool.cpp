@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/base/fair_pool.hpp"
 
-#include <optional>
 #include <utility>
 
 namespace tessera::base {
@@ -20,16 +19,20 @@ FairPool::~FairPool() {
 }
 
 bool FairPool::post(const std::string& caller, std::function<void()> task) {
-  auto place = places_.take(caller);
+  auto place = reserve(caller);
   if (!place) return false;
+  post(caller, *std::move(place), std::move(task));
+  return true;
+}
+
+void FairPool::post(const std::string& caller, FairShare::Held place, std::function<void()> task) {
   {
     const std::lock_guard lock(mutex_);
     std::deque<Task>& own = waiting_[caller];
     if (own.empty()) turns_.push_back(caller);
-    own.push_back({std::move(task), *std::move(place)});
+    own.push_back({std::move(task), std::move(place)});
   }
   changed_.notify_one();
-  return true;
 }
 
 void FairPool::run() {

@@ -9,6 +9,7 @@
 #include <functional>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -28,7 +29,13 @@ class FairPool {
 
   // Returns false, and does nothing, if the caller's share of waiting tasks is used up.
   [[nodiscard]] bool post(const std::string& caller, std::function<void()> task);
-  // The number of waiting tasks of the caller.
+  // A place among the waiting tasks, for a task that is posted later. Empty if the caller's share is used up.
+  [[nodiscard]] std::optional<FairShare::Held> reserve(const std::string& caller) {
+    return places_.take(caller);
+  }
+  void post(const std::string& caller, FairShare::Held place, std::function<void()> task);
+  // The number of waiting tasks of all callers, and of the caller, with reserved places.
+  std::uint64_t waiting() const { return places_.held(); }
   std::uint64_t waiting_of(const std::string& caller) const { return places_.held_by(caller); }
 
   // Marks the pool as closed. Waiting tasks still run, and check is_closed() to end early.

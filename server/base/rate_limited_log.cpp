@@ -15,15 +15,16 @@ constexpr auto kPeriod = std::chrono::seconds(10);
 
 }  // namespace
 
-std::optional<std::string> RateLimitedLog::note(std::string sentence, Time now) {
-  sentence_ = std::move(sentence);
+std::optional<proto::LogLine> RateLimitedLog::note(proto::LogLine line, Time now) {
+  line_ = std::move(line);
   ++times_;
   return take_due(now);
 }
 
-std::optional<std::string> RateLimitedLog::take_due(Time now) {
+std::optional<proto::LogLine> RateLimitedLog::take_due(Time now) {
   if (times_ == 0 || now < next_) return std::nullopt;
-  std::string line = sentence_ + (times_ == 1 ? "" : fmt::format(" ({} such since the last line)", times_));
+  proto::LogLine line = line_;
+  if (times_ > 1) line.message += fmt::format(" ({} such since the last line)", times_);
   times_ = 0;
   next_ = now + kPeriod;
   return line;

@@ -28,13 +28,13 @@ bool ThreadPool::post(std::function<void()> task) {
   return true;
 }
 
-bool ThreadPool::is_idle() {
+std::size_t ThreadPool::waiting() const {
   const std::lock_guard lock(mutex_);
-  return waiting_.empty();
+  return waiting_.size();
 }
 
 bool ThreadPool::run_or_post(std::function<void()> task) {
-  if (!is_idle() || runs_at_caller_.test_and_set()) return post(std::move(task));
+  if (waiting() > 0 || runs_at_caller_.test_and_set()) return post(std::move(task));
   [&]() noexcept { task(); }();
   runs_at_caller_.clear();
   return true;

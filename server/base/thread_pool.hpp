@@ -29,18 +29,20 @@ class ThreadPool {
   // thread.
   [[nodiscard]] bool run_or_post(std::function<void()> task);
 
+  // The number of tasks that wait for a thread.
+  std::size_t waiting() const;
+
   // Marks the pool as closed. Waiting tasks still run, and check is_closed() to end early.
   void close() { closed_ = true; }
   bool is_closed() const { return closed_; }
 
  private:
-  bool is_idle();
   void run();
 
   const std::size_t max_waiting_;
   std::atomic<bool> closed_{false};
   std::atomic_flag runs_at_caller_;
-  std::mutex mutex_;
+  mutable std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<std::function<void()>> waiting_;  // guarded by mutex_
   bool stopping_ = false;                      // guarded by mutex_

@@ -19,8 +19,11 @@ bool is_sole_owner(const std::shared_ptr<TilePart>& part, long owners) {
 
 }  // namespace
 
-JobFilm::JobFilm(core::TileGrid grid, FilmMemory& memory)
-    : grid_(grid), memory_(memory), tiles_(static_cast<std::size_t>(grid.tile_count())) {
+JobFilm::JobFilm(core::TileGrid grid, FilmMemory& memory, events::RevisionCounter& revisions)
+    : grid_(grid),
+      memory_(memory),
+      revisions_(revisions),
+      tiles_(static_cast<std::size_t>(grid.tile_count())) {
   changed_.reserve(tiles_.size());
   memory_.take_tiles(tiles_.size());
 }
@@ -29,14 +32,18 @@ JobFilm::~JobFilm() {
   memory_.give_back_tiles(tiles_.size());
 }
 
-std::shared_ptr<JobFilm> JobFilm::make(core::TileGrid grid, FilmMemory& memory) {
-  std::shared_ptr<JobFilm> film(new JobFilm(grid, memory));
+std::shared_ptr<JobFilm> JobFilm::make(core::TileGrid grid, FilmMemory& memory,
+                                       events::RevisionCounter& revisions) {
+  std::shared_ptr<JobFilm> film(new JobFilm(grid, memory, revisions));
   memory.add(film);
   return film;
 }
 
-void JobFilm::restore(int tile, scheduler::IntervalSet stored, const core::RenderCounters& counters) {
+void JobFilm::restore(int tile, scheduler::IntervalSet stored, const core::RenderCounters& counters,
+                      events::Revision revision) {
   at(tile).stored = std::move(stored);
+  at(tile).revision = revision;
+  log_.emplace(revision, tile);
   at(tile).stored_counters = counters;
   total_.add(counters);
 }
@@ -84,6 +91,7 @@ void JobFilm::follow(const Note& note) {
 
 void JobFilm::add(const Note& addition) {
   std::shared_ptr<TilePart>& newest = at(addition.tile).newest;
+  append_event(addition.tile);  // first, since it may fail
   // Readers of a snapshot may hold the part: it is copied then.
   std::shared_ptr<TilePart> part = newest;
   if (!part)
@@ -97,6 +105,7 @@ void JobFilm::add(const Note& addition) {
 }
 
 void JobFilm::clear(int tile) {
+  append_event(tile);
   Tile& cleared = at(tile);
   cleared.newest.reset();
   cleared.storing.reset();
@@ -121,14 +130,46 @@ void JobFilm::note_change(int tile) noexcept {
   changed_.push_back(tile);
 }
 
+void JobFilm::append_event(int tile) {
+  events::Revision& last = at(tile).revision;
+  const events::Revision revision = revisions_.next();
+  if (last == 0) {
+    log_.emplace_hint(log_.end(), revision, tile);
+  } else {
+    auto moved = log_.extract(last);
+    moved.key() = revision;
+    log_.insert(log_.end(), std::move(moved));
+  }
+  last = revision;
+}
+
 TileSnapshot JobFilm::snapshot(int tile) const {
   const std::lock_guard lock(mutex_);
-  return {at(tile).stored, at(tile).storing, at(tile).newest};
+  return {at(tile).revision, at(tile).stored, at(tile).storing, at(tile).newest};
+}
+
+std::vector<TileEvent> JobFilm::changes_since(events::Revision since, std::size_t most) const {
+  std::vector<TileEvent> changes;
+  changes.reserve(most);
+  const std::lock_guard lock(mutex_);
+  for (auto next = log_.upper_bound(since); next != log_.end() && changes.size() < most; ++next)
+    changes.push_back({next->first, next->second});
+  return changes;
 }
 
 core::RenderCounters JobFilm::counters() const {
   const std::lock_guard lock(mutex_);
   return total_;
+}
+
+void JobFilm::note_producers(const std::vector<scheduler::ProducedItem>& items) {
+  const std::lock_guard lock(mutex_);
+  for (const scheduler::ProducedItem& each : items) producers_.add(each.producer);
+}
+
+ProducerKeys JobFilm::producers() const {
+  const std::lock_guard lock(mutex_);
+  return producers_;
 }
 
 bool JobFilm::is_stored() const {
@@ -157,7 +198,10 @@ std::optional<TileToStore> JobFilm::begin_store(int tile) {
   // A part that could not be stored is stored with the newer samples.
   std::shared_ptr<TilePart> storing = taken.storing ? taken.storing : taken.newest;
   if (taken.storing && taken.newest) storing = merge(taken.storing, *taken.newest);
-  TileToStore result{{taken.stored, storing, nullptr}, taken.stored, taken.stored_counters, taken.generation};
+  TileToStore result{{taken.revision, taken.stored, storing, nullptr},
+                     taken.stored,
+                     taken.stored_counters,
+                     taken.generation};
   if (storing) {
     result.samples.add(storing->samples());
     result.counters.add(storing->counters());

@@ -10,6 +10,7 @@
 #pragma once
 
 #include <list>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -18,8 +19,11 @@
 #include <vector>
 
 #include "core/film/film.hpp"
+#include "server/events/revision.hpp"
 #include "server/film/film_memory.hpp"
+#include "server/film/producer_keys.hpp"
 #include "server/film/tile_part.hpp"
+#include "server/scheduler/events.hpp"
 #include "server/scheduler/interval_set.hpp"
 
 namespace tessera::film {
@@ -38,8 +42,15 @@ struct Note {
 // A list, so that noting allocates no memory.
 using Notes = std::list<Note>;
 
+// A change of a tile's samples.
+struct TileEvent {
+  events::Revision revision = 0;
+  int tile = 0;
+};
+
 // The parts of a tile at one moment.
 struct TileSnapshot {
+  events::Revision revision = 0;            // of the last change of its samples
   scheduler::IntervalSet stored;            // the samples that only the store has
   std::shared_ptr<const TilePart> storing;  // null if there are none
   std::shared_ptr<const TilePart> newest;   // null if there are none
@@ -55,11 +66,13 @@ struct TileToStore {
 
 class JobFilm {
  public:
-  // `memory` must outlive the film and all snapshots of it.
-  static std::shared_ptr<JobFilm> make(core::TileGrid grid, FilmMemory& memory);
+  // `memory` must outlive the film and all snapshots of it, and `revisions` the film.
+  static std::shared_ptr<JobFilm> make(core::TileGrid grid, FilmMemory& memory,
+                                       events::RevisionCounter& revisions);
   ~JobFilm();
-  // The store has these samples. Only before the film is shared.
-  void restore(int tile, scheduler::IntervalSet stored, const core::RenderCounters& counters);
+  // The store has these samples since this revision. Only before the film is shared.
+  void restore(int tile, scheduler::IntervalSet stored, const core::RenderCounters& counters,
+               events::Revision revision);
 
   const core::TileGrid& grid() const { return grid_; }
 
@@ -76,9 +89,14 @@ class JobFilm {
   void apply();
 
   TileSnapshot snapshot(int tile) const;
+  // The last changes of at most `most` tiles that changed after `since`, in their order.
+  std::vector<TileEvent> changes_since(events::Revision since, std::size_t most) const;
   // The counters of all samples together.
   core::RenderCounters counters() const;
   bool is_stored() const;
+  // Those who may have rendered samples that nobody has verified, of all tiles that were ever stored.
+  void note_producers(const std::vector<scheduler::ProducedItem>& items);
+  ProducerKeys producers() const;
 
   // ---- For the only thread that stores tiles ----
   // The tiles that must be stored. Those that are not stored must be put back.
@@ -102,18 +120,22 @@ class JobFilm {
     std::shared_ptr<TilePart> newest, storing;
     scheduler::IntervalSet stored;
     core::RenderCounters stored_counters;
+    events::Revision revision = 0;
     std::uint32_t generation = 0;  // incremented when the tile is cleared
     bool is_changed = false;       // whether it must be stored
   };
 
-  JobFilm(core::TileGrid grid, FilmMemory& memory);
+  JobFilm(core::TileGrid grid, FilmMemory& memory, events::RevisionCounter& revisions);
   Tile& at(int tile) { return tiles_[static_cast<std::size_t>(tile)]; }
   const Tile& at(int tile) const { return tiles_[static_cast<std::size_t>(tile)]; }
   void follow(const Note& note);
   void add(const Note& addition);
   void clear(int tile);
   void sum_counters();
+  // The tile must be stored.
   void note_change(int tile) noexcept;
+  // The samples of the tile have changed.
+  void append_event(int tile);
   // Both parts as one: the first one itself, unless somebody else has it.
   static std::shared_ptr<TilePart> merge(std::shared_ptr<TilePart> part, const TilePart& newer);
   // The same; null if there is no memory.
@@ -121,6 +143,7 @@ class JobFilm {
 
   const core::TileGrid grid_;
   FilmMemory& memory_;
+  events::RevisionCounter& revisions_;
 
   mutable std::mutex notes_mutex_;
   Notes notes_;  // guarded by notes_mutex_
@@ -128,8 +151,10 @@ class JobFilm {
   mutable std::mutex mutex_;
   // Guarded by mutex_:
   std::vector<Tile> tiles_;
-  std::vector<int> changed_;  // those that were not taken; has room for all tiles
+  std::vector<int> changed_;             // those that were not taken; has room for all tiles
+  std::map<events::Revision, int> log_;  // the tiles in the order of their last changes
   core::RenderCounters total_;
+  ProducerKeys producers_;
   int next_to_free_ = 0;
 };
 

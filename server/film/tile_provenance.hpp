@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Encodes and decodes the producers of a stored tile.
+// Converts the producers of a tile to and from those of the store. Pure functions.
 #pragma once
 
 #include <cstdint>
-#include <string>
 #include <vector>
 
 #include "server/scheduler/events.hpp"
+#include "server/store/stored.pb.h"
 
 namespace tessera::film {
 
@@ -16,9 +16,8 @@ struct Produced {
   std::vector<scheduler::ProducedItem> items;
 };
 
-// The bytes to append to the tile's RenderedItem.
-std::string encode_provenance(const Produced& provenance);
-// Decodes bytes of encode_provenance() with any bytes before them. Invalid items are left out.
-Produced decode_provenance(int tile, const std::string& bytes);
+stored::v1::Provenance to_stored(const Produced& provenance);
+// Invalid items are left out.
+Produced from_stored(int tile, const stored::v1::Provenance& stored);
 
 }  // namespace tessera::film

@@ -8,12 +8,16 @@
 #include "proto/convert.hpp"
 #include "proto/tile_codec.hpp"
 #include "proto/tile_planes.hpp"
+#include "server/film/stored_counters.hpp"
 
 namespace tessera::film {
 
 namespace {
 
-// Content without this mark is from an earlier release: a RenderedItem as sent over the network then.
+// The first byte of the content: a stored::v1::Tile follows.
+constexpr char kMark = 'T';
+// Of earlier releases: a RenderedItem of the protocol with its sums in planes. Without a mark: one as it was
+// sent over the network then. The provenance follows in the same bytes.
 constexpr char kPlanesMark = 'P';
 
 struct SampleCount {
@@ -27,6 +31,11 @@ SampleCount count_samples(const std::vector<core::SampleRange>& ranges) {
     count.odd += range.odd_count();
   }
   return count;
+}
+
+core::Error damaged(const store::TileRow& row, const std::string& how) {
+  return {core::ErrorCode::kDataLoss,
+          fmt::format("the stored tile {} of job {} is damaged ({})", row.tile, row.job_id, how)};
 }
 
 // `rect` is the expected rectangle of the item.
@@ -47,39 +56,66 @@ core::Result<core::FilmTile> decode_item_in_planes(const v1::RenderedItem& messa
   return tile;
 }
 
+core::Result<TileContent> decode_of_earlier_release(const store::TileRow& row, const core::PixelRect& rect) {
+  const bool in_planes = !row.content.empty() && row.content.front() == kPlanesMark;
+  const std::string bytes = in_planes ? row.content.substr(1) : row.content;
+  v1::RenderedItem message;
+  if (!message.ParseFromString(bytes)) return core::fail(damaged(row, "not a rendered item"));
+  auto item = in_planes ? decode_item_in_planes(message, rect) : proto::decode_tile(message);
+  if (!item) return core::fail(damaged(row, item.error().message));
+  const SampleCount count = count_samples(row.done);
+  if (item->rect != rect || item->range.count() != count.all)
+    return core::fail(damaged(row, "of another rectangle or range"));
+  stored::v1::Provenance provenance;
+  if (!provenance.ParseFromString(bytes)) provenance.Clear();
+  return TileContent{{std::move(item->sums), std::move(item->odd_sums), count.all, count.odd},
+                     item->counters,
+                     from_stored(row.tile, provenance)};
+}
+
+bool is_rect(const stored::v1::Rect& stored, const core::PixelRect& rect) {
+  return stored.x0() == static_cast<std::uint32_t>(rect.x0) &&
+         stored.y0() == static_cast<std::uint32_t>(rect.y0) &&
+         stored.x1() == static_cast<std::uint32_t>(rect.x1) &&
+         stored.y1() == static_cast<std::uint32_t>(rect.y1);
+}
+
 }  // namespace
 
-// The content is a mark that no message begins with, then a rendered item with its sums in planes
-// (tile_planes.hpp). `done` says which samples it holds; the item's own range only has their number.
+// `done` says which samples the tile holds; the message only has their number.
 store::TileRow encode_tile_row(const std::string& job_id, int tile, const core::PixelRect& rect,
                                std::vector<core::SampleRange> done, const TileContent& content) {
-  v1::RenderedItem message;
-  *message.mutable_item() = proto::to_proto(proto::WorkItem{rect, {0, count_samples(done).all}});
-  message.set_sums_zstd(proto::encode_planes(content.sums.sums, content.sums.odd_sums));
-  *message.mutable_counters() = proto::to_proto(content.counters);
-  std::string bytes(1, kPlanesMark);
+  stored::v1::Tile message;
+  message.mutable_rect()->set_x0(static_cast<std::uint32_t>(rect.x0));
+  message.mutable_rect()->set_y0(static_cast<std::uint32_t>(rect.y0));
+  message.mutable_rect()->set_x1(static_cast<std::uint32_t>(rect.x1));
+  message.mutable_rect()->set_y1(static_cast<std::uint32_t>(rect.y1));
+  message.set_samples(count_samples(done).all);
+  *message.mutable_counters() = to_stored(content.counters);
+  *message.mutable_provenance() = to_stored(content.provenance);
+  message.set_planes_zstd(proto::encode_planes(content.sums.sums, content.sums.odd_sums));
+  std::string bytes(1, kMark);
   message.AppendToString(&bytes);
-  bytes += encode_provenance(content.provenance);
   return {job_id, tile, std::move(done), std::move(bytes)};
 }
 
 core::Result<TileContent> decode_tile_row(const store::TileRow& row, const core::PixelRect& rect) {
-  const auto damaged = [&](const std::string& how) {
-    return core::fail(core::ErrorCode::kDataLoss,
-                      fmt::format("the stored tile {} of job {} is damaged ({})", row.tile, row.job_id, how));
-  };
   if (row.done.empty()) return TileContent{};  // all samples were removed again
-  const bool in_planes = !row.content.empty() && row.content.front() == kPlanesMark;
-  const std::string bytes = in_planes ? row.content.substr(1) : row.content;
-  v1::RenderedItem message;
-  if (!message.ParseFromString(bytes)) return damaged("not a rendered item");
-  auto item = in_planes ? decode_item_in_planes(message, rect) : proto::decode_tile(message);
-  if (!item) return damaged(item.error().message);
+  if (row.content.empty() || row.content.front() != kMark) return decode_of_earlier_release(row, rect);
+  stored::v1::Tile message;
+  if (!message.ParseFromArray(row.content.data() + 1, static_cast<int>(row.content.size() - 1)))
+    return core::fail(damaged(row, "not a tile"));
   const SampleCount count = count_samples(row.done);
-  if (item->rect != rect || item->range.count() != count.all) return damaged("of another rectangle or range");
-  return TileContent{{std::move(item->sums), std::move(item->odd_sums), count.all, count.odd},
-                     item->counters,
-                     decode_provenance(row.tile, bytes)};
+  if (!is_rect(message.rect(), rect) || message.samples() != count.all)
+    return core::fail(damaged(row, "of another rectangle or range"));
+  auto planes = proto::decode_planes(message.planes_zstd(), rect.pixel_count() * 3);
+  if (!planes) return core::fail(damaged(row, planes.error().message));
+  TileContent content{{std::move(planes->sums), std::move(planes->odd_sums), count.all, count.odd},
+                      from_stored(message.counters()),
+                      from_stored(row.tile, message.provenance())};
+  if (content.counters.samples != rect.pixel_count() * std::uint64_t{count.all})
+    return core::fail(damaged(row, "its counters are of other samples"));
+  return content;
 }
 
 }  // namespace tessera::film

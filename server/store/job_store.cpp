@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
+// The job store as a whole, and what it writes.
 #include "server/store/job_store.hpp"
 
 #include <fmt/format.h>
 
 #include <filesystem>
+#include <stop_token>
 #include <system_error>
 #include <utility>
 
@@ -17,31 +19,30 @@ using core::ErrorCode;
 
 namespace {
 
-// The lock is released between batches.
 constexpr int kBatchesAtOnce = 8;
 constexpr std::int64_t kTilesPerBatch = 32;
+// Free pages that are kept for tiles to come, and how many of the others are given back at once: to give one
+// back, another page is moved there.
+constexpr std::int64_t kSparePages = 256, kPagesAtOnce = 256;
+
+void bind_mutable(Statement& update, const JobRow& job, std::optional<std::uint64_t> bundle_sum) {
+  update.bind_text(1, job.id).bind(2, as_signed(job.revision)).bind(3, job.state).bind_text(4, job.failure);
+  update.bind(5, job.spp).bind(6, job.priority);
+  job.finished_ms ? update.bind(7, *job.finished_ms) : update.bind_null(7);
+  update.bind_blob(8, job.counters).bind_text(9, job.arithmetic).bind(10, job.max_workers);
+  update.bind(11, as_signed(row_checksum(job, bundle_sum)));
+  update.bind_blob(12, job.producers).bind(13, job.settled ? 1 : 0).bind_blob(14, job.failure_details);
+}
+
+void bind_all(Statement& statement, const JobRow& job) {
+  const auto bundle_sum = bundle_checksum(job.bundle);
+  bind_mutable(statement, job, bundle_sum);
+  statement.bind_blob(15, job.spec).bind_blob(16, job.submission);
+  statement.bind_text(17, job.owner).bind_blob(18, job.bundle);
+  bundle_sum ? statement.bind(19, as_signed(*bundle_sum)) : statement.bind_null(19);
+}
 
 }  // namespace
-
-JobRow read_job(const Statement& row) {
-  JobRow job;
-  job.id = row.bytes(0);
-  job.request_id = row.bytes(1);
-  job.spec = row.bytes(2);
-  job.revision = as_unsigned(row.integer(3));
-  job.state = static_cast<int>(row.integer(4));
-  job.failure = row.bytes(5);
-  job.spp = static_cast<std::uint32_t>(row.integer(6));
-  job.priority = static_cast<int>(row.integer(7));
-  job.created_ms = row.integer(8);
-  if (!row.is_null(9)) job.finished_ms = row.integer(9);
-  job.counters = row.bytes(10);
-  job.arithmetic = row.bytes(11);
-  job.max_workers = static_cast<std::uint32_t>(row.integer(12));
-  // Rows of the first release have no sum.
-  job.intact = row.is_null(13) || as_unsigned(row.integer(13)) == row_checksum(job);
-  return job;
-}
 
 JobStore::JobStore(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 JobStore::JobStore(JobStore&&) noexcept = default;
@@ -52,89 +53,24 @@ std::uint32_t JobStore::epoch() const {
   return impl_->epoch;
 }
 
+const std::filesystem::path& JobStore::file() const {
+  return impl_->file;
+}
+
 const std::optional<std::string>& JobStore::torn_end() const {
   return impl_->torn_end;
-}
-
-core::Status JobStore::continue_from(std::uint32_t epoch) {
-  const std::lock_guard lock(impl_->mutex);
-  return impl_->database.execute(
-      fmt::format("UPDATE meta SET value = {} WHERE name = 'epoch' AND value < {}", epoch, epoch));
-}
-
-core::Status JobStore::truncate_wal() {
-  const std::lock_guard lock(impl_->mutex);
-  return impl_->database.truncate_wal();
-}
-
-core::Result<std::vector<std::string>> JobStore::structural_damage() {
-  const std::lock_guard lock(impl_->mutex);
-  auto damage = impl_->database.structural_damage();
-  const auto log = look_at_log(log_of(impl_->file));
-  if (!log) return core::fail(log.error());
-  if (damage && log->damage) damage->push_back(*log->damage);
-  return damage;
 }
 
 std::array<std::uint64_t, 2> JobStore::secret() const {
   return impl_->secret;
 }
 
-core::Status JobStore::insert_job(const JobRow& job) {
-  const std::lock_guard lock(impl_->mutex);
-  Statement& insert = impl_->insert_job;
-  insert.bind_text(1, job.id).bind_blob(3, job.spec).bind(4, as_signed(job.revision)).bind(5, job.state);
-  insert.bind_text(6, job.failure).bind(7, job.spp).bind(8, job.priority).bind(9, job.created_ms);
-  job.request_id.empty() ? insert.bind_null(2) : insert.bind_text(2, job.request_id);
-  job.finished_ms ? insert.bind(10, *job.finished_ms) : insert.bind_null(10);
-  insert.bind_blob(11, job.counters).bind_text(12, job.arithmetic).bind(13, job.max_workers);
-  insert.bind(14, as_signed(row_checksum(job)));
-  auto inserted = insert.run();
-  if (inserted) impl_->database.checkpoint_wal();
-  return inserted;
+std::uint64_t JobStore::transactions() const {
+  return impl_->commits.groups();
 }
 
-core::Status JobStore::update_job(const JobRow& job) {
-  const std::lock_guard lock(impl_->mutex);
-  Statement& update = impl_->update_job;
-  update.bind_text(1, job.id).bind(2, as_signed(job.revision)).bind(3, job.state).bind_text(4, job.failure);
-  update.bind(5, job.spp).bind(6, job.priority);
-  job.finished_ms ? update.bind(7, *job.finished_ms) : update.bind_null(7);
-  update.bind_blob(8, job.counters).bind_text(9, job.arithmetic).bind(10, job.max_workers);
-  update.bind(11, as_signed(row_checksum(job)));
-  return update.run();
-}
-
-core::Status JobStore::delete_job(const std::string& id) {
-  const std::lock_guard lock(impl_->mutex);
-  const core::Status deleted = impl_->delete_job.bind_text(1, id).run();
-  if (deleted) impl_->deleted_jobs.push_back(id);
-  return deleted;
-}
-
-core::Status JobStore::remove_deleted_tiles() {
-  for (int batch = 0; batch < kBatchesAtOnce; ++batch) {
-    const std::lock_guard lock(impl_->mutex);
-    if (impl_->deleted_jobs.empty()) return {};
-    const std::string& job = impl_->deleted_jobs.back();
-    if (auto deleted = impl_->delete_tiles.bind_text(1, job).bind(2, kTilesPerBatch).run(); !deleted)
-      return deleted;
-    const auto has_more = impl_->has_tiles.bind_text(1, job).step();
-    impl_->has_tiles.reset();
-    if (!has_more) return core::fail(has_more.error());
-    if (!*has_more) impl_->deleted_jobs.pop_back();
-    impl_->database.checkpoint_wal();
-  }
-  return {};
-}
-
-core::Result<std::vector<JobRow>> JobStore::jobs() {
-  const std::lock_guard lock(impl_->mutex);
-  std::vector<JobRow> rows;
-  Statement& list = impl_->list_jobs;
-  const auto read = for_each_row(list, [&] { rows.push_back(read_job(list)); });
-  if (!read) return core::fail(read.error());
-  return rows;
+bool JobStore::has_rest_to_check() const {
+  return impl_->has_rest_to_check;
 }
 
 core::Status JobStore::expect_file() const {
@@ -147,42 +83,225 @@ core::Status JobStore::expect_file() const {
                                 impl_->file.string()));
 }
 
-core::Status JobStore::write_tiles(const std::vector<TileRow>& tiles) {
+core::Status JobStore::continue_from(std::uint32_t epoch) {
+  return impl_->write([&] {
+    return impl_->writer->database.execute(
+        fmt::format("UPDATE meta SET value = {} WHERE name = 'epoch' AND value < {}", epoch, epoch));
+  });
+}
+
+core::Status JobStore::truncate_wal() {
+  return impl_->commits.run_alone([&] { return impl_->writer->database.truncate_wal(); });
+}
+
+core::Result<std::vector<std::string>> JobStore::structural_damage() {
+  const std::lock_guard lock(impl_->reading);
+  auto damage = impl_->reader.database.structural_damage();
+  const auto log = look_at_log(log_of(impl_->file));
+  if (!log) return core::fail(log.error());
+  if (damage && log->damage) damage->push_back(*log->damage);
+  return damage;
+}
+
+core::Status JobStore::check_rest(const std::stop_token& stop) {
+  auto database = Database::open_reader(impl_->file);
+  if (!database) return core::fail(database.error());
+  const std::stop_callback on_stop(stop, [&] { database->interrupt(); });
+  const auto found = database->structural_damage();
+  if (stop.stop_requested()) return core::fail(ErrorCode::kCancelled, "the check was stopped");
+  if (!found) return core::fail(found.error());
+  if (found->empty()) return {};
   const std::lock_guard lock(impl_->mutex);
-  auto transaction = Transaction::begin(impl_->database);
-  if (!transaction) return core::fail(transaction.error());
-  for (const TileRow& tile : tiles) {
-    const std::string done = encode_ranges(tile.done);
-    Statement& write = impl_->write_tile;
-    write.bind_text(1, tile.job_id).bind(2, tile.tile).bind_blob(3, done).bind_blob(4, tile.content);
-    write.bind(5, as_signed(row_checksum(tile, done)));
-    if (auto written = write.run(); !written) return written;
+  impl_->damage = damaged(impl_->file, found->front());
+  return core::fail(*impl_->damage);
+}
+
+core::Status JobStore::Impl::write(const std::function<core::Status()>& change) {
+  {
+    const std::lock_guard lock(mutex);
+    if (damage) return core::fail(*damage);
   }
-  return transaction->commit();
+  if (!writer)
+    return core::fail(ErrorCode::kFailedPrecondition,
+                      "the database is only looked at: nothing is written to it");
+  return commits.run(change);
 }
 
-core::Result<std::map<int, std::vector<core::SampleRange>>> JobStore::tiles_done(const std::string& job_id) {
-  const std::lock_guard lock(impl_->mutex);
-  std::map<int, std::vector<core::SampleRange>> tiles;
-  Statement& list = impl_->tiles_done.bind_text(1, job_id);
-  const auto read =
-      for_each_row(list, [&] { tiles[static_cast<int>(list.integer(0))] = decode_ranges(list.bytes(1)); });
-  if (!read) return core::fail(read.error());
-  return tiles;
+// A change that fails is undone alone, unless the error has ended the transaction.
+void JobStore::Impl::apply(std::span<PendingChange* const> group) {
+  Database& database = writer->database;
+  const auto fail_all = [&](const core::Error& error) {
+    for (PendingChange* each : group)
+      if (each->status) each->status = core::fail(error);
+  };
+  auto transaction = Transaction::begin(database);
+  if (!transaction) return fail_all(transaction.error());
+  for (PendingChange* each : group) {
+    const bool is_alone = group.size() == 1;
+    if (!is_alone) each->status = database.execute("SAVEPOINT change");
+    if (each->status) each->status = each->change();
+    if (each->status && !is_alone) each->status = database.execute("RELEASE change");
+    if (each->status) continue;
+    if (is_alone) return;
+    if (!database.is_in_transaction()) return fail_all(each->status.error());
+    if (auto undone = database.execute("ROLLBACK TO change; RELEASE change"); !undone)
+      return fail_all(undone.error());
+  }
+  if (const auto committed = transaction->commit(); !committed) return fail_all(committed.error());
+  if (wants_checkpoint.exchange(false)) database.checkpoint_wal();
 }
 
-core::Result<std::optional<TileRow>> JobStore::tile(const std::string& job_id, int tile) {
+core::Status JobStore::insert_job(const JobRow& job) {
+  return impl_->write([&] {
+    Statement& insert = impl_->writer->insert_job;
+    bind_all(insert, job);
+    job.request_id.empty() ? insert.bind_null(20) : insert.bind_text(20, job.request_id);
+    insert.bind(21, job.created_ms);
+    impl_->wants_checkpoint = true;
+    return insert.run();
+  });
+}
+
+core::Result<bool> Writer::run_update(Statement& update, const JobRow& job) {
+  if (auto updated = update.run(); !updated) return core::fail(updated.error());
+  if (!database.has_changed()) return false;
+  set_indexed.bind_text(1, job.id).bind(2, job.state).bind(4, job.settled ? 1 : 0);
+  job.finished_ms ? set_indexed.bind(3, *job.finished_ms) : set_indexed.bind_null(3);
+  if (auto set = set_indexed.run(); !set) return core::fail(set.error());
+  return true;
+}
+
+core::Status JobStore::update_job(const JobRow& job) {
+  return impl_->write([&]() -> core::Status {
+    Statement& update = impl_->writer->update_job;
+    bind_mutable(update, job, bundle_checksum(job.bundle));
+    const auto updated = impl_->writer->run_update(update, job);
+    return updated ? core::Status() : core::fail(updated.error());
+  });
+}
+
+core::Status JobStore::end_validation(const JobRow& job) {
+  return impl_->write([&]() -> core::Status {
+    Statement& update = impl_->writer->end_validation;
+    bind_mutable(update, job, bundle_checksum(job.bundle));
+    update.bind_blob(15, job.spec).bind_blob(16, job.submission);
+    const auto updated = impl_->writer->run_update(update, job);
+    return updated ? core::Status() : core::fail(updated.error());
+  });
+}
+
+core::Result<bool> JobStore::replace_job(const JobRow& job, std::uint64_t revision) {
+  core::Result<bool> is_replaced = false;
+  const core::Status written = impl_->write([&]() -> core::Status {
+    Statement& replace = impl_->writer->replace_job;
+    bind_all(replace, job);
+    replace.bind(20, as_signed(revision));
+    is_replaced = impl_->writer->run_update(replace, job);
+    return is_replaced ? core::Status() : core::fail(is_replaced.error());
+  });
+  if (!written) return core::fail(written.error());
+  return is_replaced;
+}
+
+core::Status JobStore::rewrite_jobs(const std::vector<JobRow>& jobs) {
+  return impl_->write([&]() -> core::Status {
+    Statement& replace = impl_->writer->replace_job;
+    for (const JobRow& job : jobs) {
+      bind_all(replace, job);
+      replace.bind(20, as_signed(job.revision));
+      if (auto replaced = impl_->writer->run_update(replace, job); !replaced)
+        return core::fail(replaced.error());
+    }
+    return {};
+  });
+}
+
+core::Status JobStore::settle_jobs(const std::vector<JobRow>& jobs) {
+  return impl_->write([&]() -> core::Status {
+    Statement& settle = impl_->writer->settle_job;
+    for (const JobRow& job : jobs) {
+      bind_mutable(settle, job, bundle_checksum(job.bundle));
+      if (auto settled = impl_->writer->run_update(settle, job); !settled) return core::fail(settled.error());
+    }
+    return {};
+  });
+}
+
+core::Status JobStore::delete_jobs(const std::vector<std::string>& ids) {
+  const core::Status deleted = impl_->write([&]() -> core::Status {
+    for (const std::string& id : ids) {
+      if (auto noted = impl_->writer->note_deleted.bind_text(1, id).run(); !noted) return noted;
+      if (auto gone = impl_->writer->delete_job.bind_text(1, id).run(); !gone) return gone;
+    }
+    return {};
+  });
+  if (!deleted) return deleted;
   const std::lock_guard lock(impl_->mutex);
-  Statement& read = impl_->read_tile.bind_text(1, job_id).bind(2, tile);
-  const ResetAtEnd at_end(read);
-  const auto row = read.step();
-  if (!row) return core::fail(row.error());
-  if (!*row) return std::optional<TileRow>();
-  TileRow found{job_id, tile, decode_ranges(read.bytes(0)), std::string(read.bytes(1))};
-  if (as_unsigned(read.integer(2)) == row_checksum(found, read.bytes(0)))
-    return std::optional(std::move(found));
-  return core::fail(ErrorCode::kDataLoss,
-                    fmt::format("{}: tile {} of job {} is damaged", impl_->file.string(), tile, job_id));
+  impl_->deleted_jobs.insert(impl_->deleted_jobs.end(), ids.begin(), ids.end());
+  return {};
+}
+
+core::Status JobStore::remove_deleted_tiles() {
+  for (int batch = 0; batch < kBatchesAtOnce; ++batch) {
+    std::string job;
+    {
+      const std::lock_guard lock(impl_->mutex);
+      if (impl_->deleted_jobs.empty()) break;
+      job = impl_->deleted_jobs.back();
+    }
+    if (auto removed = impl_->remove_tiles_of(job); !removed) return removed;
+    if (batch + 1 == kBatchesAtOnce) return {};
+  }
+  return impl_->give_back_free_pages();
+}
+
+core::Status JobStore::Impl::remove_tiles_of(const std::string& job) {
+  bool has_more = true;
+  const core::Status removed = write([&]() -> core::Status {
+    if (auto deleted = writer->delete_tiles.bind_text(1, job).bind(2, kTilesPerBatch).run(); !deleted)
+      return deleted;
+    wants_checkpoint = true;
+    const auto found = writer->has_tiles.bind_text(1, job).step();
+    writer->has_tiles.reset();
+    if (!found) return core::fail(found.error());
+    has_more = *found;
+    return has_more ? core::Status() : writer->forget_deleted.bind_text(1, job).run();
+  });
+  if (!removed) return removed;
+  const std::lock_guard lock(mutex);
+  if (!has_more) std::erase(deleted_jobs, job);
+  return {};
+}
+
+core::Status JobStore::Impl::give_back_free_pages() {
+  {
+    const std::lock_guard lock(reading);
+    const auto free = reader.database.read_number("PRAGMA freelist_count");
+    if (!free) return core::fail(free.error());
+    if (*free <= kSparePages) return {};
+  }
+  return write([&] {
+    wants_checkpoint = true;
+    return writer->database.execute(fmt::format("PRAGMA incremental_vacuum({})", kPagesAtOnce));
+  });
+}
+
+core::Status JobStore::write_tiles(const std::vector<TileRow>& tiles) {
+  return impl_->write([&]() -> core::Status {
+    for (const TileRow& tile : tiles) {
+      const std::string done = encode_ranges(tile.done);
+      Statement& write = impl_->writer->write_tile;
+      write.bind_text(1, tile.job_id).bind(2, tile.tile).bind_blob(3, done).bind_blob(4, tile.content);
+      write.bind(5, as_signed(row_checksum(tile, done)));
+      if (auto written = write.run(); !written) return written;
+      const std::uint64_t revision =
+          tile.revision == 0 ? static_cast<std::uint64_t>(tile.tile) + 1 : tile.revision;
+      Statement& note = impl_->writer->write_revision;
+      note.bind_text(1, tile.job_id).bind(2, tile.tile).bind(3, as_signed(revision));
+      if (auto noted = note.run(); !noted) return noted;
+    }
+    return {};
+  });
 }
 
 }  // namespace tessera::store

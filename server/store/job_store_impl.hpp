@@ -1,45 +1,81 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the sources of the job store share: the database, its statements, and the reading of a job's row.
+// What the sources of the job store share: the connections, their statements, and the reading of a job's row.
 // Private to the store.
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <mutex>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "server/store/group_commit.hpp"
 #include "server/store/job_store.hpp"
 #include "server/store/sqlite.hpp"
 
 namespace tessera::store {
 
-struct JobStore::Impl {
-  Impl(Database opened, std::filesystem::path path) : database(std::move(opened)), file(std::move(path)) {}
+using Wanted = std::vector<std::pair<Statement*, std::string>>;
+core::Status prepare(Database& database, const Wanted& wanted);
 
-  // For a file of this version of the schema.
-  core::Status prepare_reading(int version);
-  core::Status prepare_writing();
-  // Finds deleted jobs whose tiles were not all removed before the coordinator ended.
-  core::Status find_deleted_jobs();
+// The connection that writes. Used by one group of changes at a time.
+struct Writer {
+  explicit Writer(Database opened) : database(std::move(opened)) {}
+  core::Status prepare_all();
+  // Runs an update of a job's row whose values are bound. Returns whether there was a row to update.
+  core::Result<bool> run_update(Statement& update, const JobRow& job);
 
   Database database;
-  Statement list_jobs, read_job, tiles_done, read_tile;
-  // Not prepared if the store is read-only:
-  Statement insert_job, update_job, delete_job, write_tile, has_tiles, delete_tiles;
+  Statement insert_job, update_job, end_validation, replace_job, settle_job, set_indexed, delete_job,
+      note_deleted, forget_deleted, write_tile, write_revision, has_tiles, delete_tiles;
+};
+
+// The connection that reads.
+struct Reader {
+  explicit Reader(Database opened) : database(std::move(opened)) {}
+  // For a file of this version of the schema. Lists in pages need indexes, which a damaged file may lack.
+  core::Status prepare_all(int version, bool with_lists);
+
+  Database database;
+  Statement list_jobs, unsettled_jobs, job, job_of_request, next_job, read_job, page, page_of_prefix,
+      settled_count, first_settled, tiles_done, tile_changes, read_tile;
+};
+
+struct JobStore::Impl {
+  // `writer`: absent if the file is open for reading only.
+  Impl(std::filesystem::path path, std::optional<Writer> writing, Reader reading)
+      : file(std::move(path)),
+        writer(std::move(writing)),
+        reader(std::move(reading)),
+        commits([this](std::span<PendingChange* const> group) { apply(group); }) {}
+
+  // Writes a change in a transaction, which others may share.
+  core::Status write(const std::function<core::Status()>& change);
+  void apply(std::span<PendingChange* const> group);
+  // Finds deleted jobs whose tiles were not all removed before the coordinator ended.
+  core::Status find_deleted_jobs();
+  core::Status remove_tiles_of(const std::string& job);
+  core::Status give_back_free_pages();
+
   const std::filesystem::path file;
+  std::optional<Writer> writer;
+  std::mutex reading;  // guards `reader`
+  Reader reader;
+  GroupCommit commits;
   std::uint32_t epoch = 0;
   std::array<std::uint64_t, 2> secret{};
   std::optional<std::string> torn_end;
-  std::vector<std::string> deleted_jobs;  // that may have tiles
-  std::mutex mutex;                       // guards the database, the statements and deleted_jobs
+  bool has_rest_to_check = false;
+  std::atomic<bool> wants_checkpoint{false};  // of the log, after the next group
 
- private:
-  using Wanted = std::pair<Statement*, std::string>;
-  core::Status prepare(const std::vector<Wanted>& wanted);
+  std::mutex mutex;
+  std::vector<std::string> deleted_jobs;  // guarded by mutex; that may have tiles
+  std::optional<core::Error> damage;      // guarded by mutex; found by check_rest()
 };
 
 inline std::int64_t as_signed(std::uint64_t value) {
@@ -51,6 +87,8 @@ inline std::uint64_t as_unsigned(std::int64_t value) {
 
 // Reads a job from the current row of a statement.
 JobRow read_job(const Statement& row);
+// The error for a damaged file.
+core::Error damaged(const std::filesystem::path& file, const std::string& how);
 
 // Ends a query, also if there is no memory for its rows.
 class ResetAtEnd {

@@ -39,15 +39,27 @@ std::vector<core::SampleRange> decode_ranges(std::string_view bytes) {
   return ranges;
 }
 
-std::uint64_t row_checksum(const JobRow& row) {
-  // Columns that later releases added are included only if they are not 0, so that older rows keep their
-  // checksum.
+std::optional<std::uint64_t> bundle_checksum(std::string_view bundle) {
+  if (bundle.empty()) return std::nullopt;
+  return XXH3_64bits(bundle.data(), bundle.size());
+}
+
+std::uint64_t row_checksum(const JobRow& row, std::optional<std::uint64_t> bundle_sum) {
+  // Columns that later releases added are included only if they are not 0 or empty, so that older rows keep
+  // their checksum.
   std::string key = fmt::format("{} {} {} {} {} {} {}", row.id, row.revision, row.state, row.spp,
                                 row.priority, row.created_ms, row.finished_ms.value_or(-1));
   if (row.max_workers != 0) key += fmt::format(" max_workers {}", row.max_workers);
+  if (!row.failure_details.empty()) key += fmt::format(" failure_details {}", row.failure_details.size());
+  if (!row.submission.empty()) key += fmt::format(" submission {}", row.submission.size());
+  if (bundle_sum) key += fmt::format(" bundle {}", *bundle_sum);
+  if (!row.owner.empty()) key += fmt::format(" owner {}", row.owner.size());
+  if (!row.producers.empty()) key += fmt::format(" producers {}", row.producers.size());
   std::uint64_t hash = XXH3_64bits(key.data(), key.size());
   for (const std::string* part : {&row.request_id, &row.spec, &row.failure, &row.counters, &row.arithmetic})
     hash = XXH3_64bits_withSeed(part->data(), part->size(), hash);
+  for (const std::string* part : {&row.failure_details, &row.submission, &row.owner, &row.producers})
+    if (!part->empty()) hash = XXH3_64bits_withSeed(part->data(), part->size(), hash);
   return hash;
 }
 
@@ -58,6 +70,11 @@ std::uint64_t row_checksum(const TileRow& row, std::string_view done) {
     hash = XXH3_64bits_withSeed(part.data(), part.size(), hash);
   }
   return hash;
+}
+
+std::uint64_t row_checksum(std::string_view id, std::string_view content) {
+  const std::uint64_t hash = XXH3_64bits(id.data(), id.size());
+  return XXH3_64bits_withSeed(content.data(), content.size(), hash);
 }
 
 }  // namespace tessera::store

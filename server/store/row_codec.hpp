@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -16,8 +17,14 @@ std::string encode_ranges(const std::vector<core::SampleRange>& ranges);
 // Trailing bytes are ignored.
 std::vector<core::SampleRange> decode_ranges(std::string_view bytes);
 
-// Covers all columns of a row, to detect any change on disk. `done`: the tile's ranges as stored.
-std::uint64_t row_checksum(const JobRow& row);
+// Of a bundle; absent for an empty one.
+std::optional<std::uint64_t> bundle_checksum(std::string_view bundle);
+
+// Covers all columns of a row, to detect any change on disk, except JobRow::settled. A bundle is covered
+// through its own checksum, so that it need not be read. `done`: the tile's ranges as stored.
+std::uint64_t row_checksum(const JobRow& row, std::optional<std::uint64_t> bundle_sum);
 std::uint64_t row_checksum(const TileRow& row, std::string_view done);
+// Of an entry of the quarantine.
+std::uint64_t row_checksum(std::string_view id, std::string_view content);
 
 }  // namespace tessera::store

@@ -29,6 +29,43 @@ constexpr const char* kSteps[] = {
     "ALTER TABLE jobs ADD COLUMN row_xxh3 INTEGER",
     // Limits on workers.
     "ALTER TABLE jobs ADD COLUMN max_workers INTEGER NOT NULL DEFAULT 0",
+    // The last changes of tiles, in their order, without their samples.
+    R"(
+  CREATE TABLE tile_revisions (
+    job_id TEXT NOT NULL, tile INTEGER NOT NULL, revision INTEGER NOT NULL,
+    PRIMARY KEY (job_id, tile)) WITHOUT ROWID;
+  INSERT INTO tile_revisions SELECT job_id, tile, tile + 1 FROM tiles;
+  CREATE INDEX tiles_by_revision ON tile_revisions (job_id, revision);
+  CREATE TRIGGER tile_deleted AFTER DELETE ON tiles BEGIN
+    DELETE FROM tile_revisions WHERE job_id = OLD.job_id AND tile = OLD.tile;
+  END;
+)",
+    // The quarantine.
+    "CREATE TABLE quarantine (id TEXT PRIMARY KEY, content BLOB NOT NULL, row_xxh3 INTEGER NOT NULL)",
+    // Why jobs failed, for programs, and what is validated next.
+    R"(
+  ALTER TABLE jobs ADD COLUMN failure_details BLOB NOT NULL DEFAULT x'';
+  ALTER TABLE jobs ADD COLUMN submission BLOB NOT NULL DEFAULT x'';
+)",
+    // Settled jobs, which a start need not read. Those of earlier releases are settled by the next start. The
+    // bundle is the last column, so that it is not read with the others.
+    R"(
+  ALTER TABLE jobs ADD COLUMN owner TEXT NOT NULL DEFAULT '';
+  ALTER TABLE jobs ADD COLUMN producers BLOB NOT NULL DEFAULT X'';
+  ALTER TABLE jobs ADD COLUMN settled INTEGER NOT NULL DEFAULT 0;
+  ALTER TABLE jobs ADD COLUMN number INTEGER NOT NULL DEFAULT 0;
+  ALTER TABLE jobs ADD COLUMN bundle_xxh3 INTEGER;
+  ALTER TABLE jobs ADD COLUMN bundle BLOB NOT NULL DEFAULT X'';
+  UPDATE jobs SET number = ordered.number
+    FROM (SELECT rowid AS r, row_number() OVER (ORDER BY created_ms, rowid) AS number FROM jobs) AS ordered
+    WHERE jobs.rowid = ordered.r;
+  CREATE INDEX jobs_by_number ON jobs (number, settled, state, owner, created_ms);
+  CREATE INDEX jobs_unsettled ON jobs (created_ms) WHERE settled = 0;
+  CREATE INDEX jobs_by_end ON jobs (finished_ms) WHERE settled = 1;
+  CREATE TABLE deleted_jobs (id TEXT PRIMARY KEY) WITHOUT ROWID;
+  INSERT INTO deleted_jobs
+    SELECT DISTINCT job_id FROM tiles WHERE NOT EXISTS (SELECT 1 FROM jobs WHERE id = job_id);
+)",
 };
 
 core::Error of_another_release(const std::filesystem::path& file, std::int64_t version) {

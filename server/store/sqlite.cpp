@@ -49,6 +49,8 @@ core::Error sqlite_error(sqlite3* database, const std::filesystem::path& file) {
       return error(ErrorCode::kInternal,
                    fmt::format("the disk failed to read or write ({}): check its health and its free space",
                                sqlite3_extended_errcode(database)));
+    case SQLITE_INTERRUPT:
+      return error(ErrorCode::kCancelled, "is not read any further");
     case SQLITE_BUSY:
       return error(ErrorCode::kUnavailable, "is held by another program: end it");
     default:
@@ -143,6 +145,16 @@ core::Result<Database> Database::open(const std::filesystem::path& file) {
   return database;
 }
 
+core::Result<Database> Database::open_reader(const std::filesystem::path& file) {
+  sqlite3* handle = nullptr;
+  constexpr int kFlags = SQLITE_OPEN_READONLY | SQLITE_OPEN_NOMUTEX;
+  const int code = sqlite3_open_v2(file.c_str(), &handle, kFlags, nullptr);
+  Database database(handle, file);
+  if (code != SQLITE_OK) return core::fail(sqlite_error(handle, file));
+  sqlite3_db_config(handle, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, nullptr);
+  return database;
+}
+
 core::Result<Database> Database::open_read_only(const std::filesystem::path& file) {
   std::error_code missing;
   const bool has_log = std::filesystem::file_size(log_of(file), missing) > 0 && !missing;
@@ -178,8 +190,15 @@ void Database::checkpoint_wal_on_close() {
 }
 
 core::Result<std::vector<std::string>> Database::structural_damage() {
-  constexpr std::string_view kCheck = "PRAGMA integrity_check(5)";
-  auto statement = prepare(kCheck);
+  return check("PRAGMA integrity_check(5)");
+}
+
+core::Result<std::vector<std::string>> Database::structural_damage_of(std::string_view table) {
+  return check(fmt::format("PRAGMA integrity_check({})", table));
+}
+
+core::Result<std::vector<std::string>> Database::check(const std::string& pragma) {
+  auto statement = prepare(pragma);
   if (!statement) return core::fail(statement.error());
   std::vector<std::string> damage;
   auto row = statement->step();
@@ -187,6 +206,18 @@ core::Result<std::vector<std::string>> Database::structural_damage() {
   if (!row) return core::fail(row.error());
   if (damage == std::vector<std::string>{"ok"}) damage.clear();
   return damage;
+}
+
+void Database::interrupt() {
+  sqlite3_interrupt(database_.get());
+}
+
+bool Database::is_in_transaction() const {
+  return sqlite3_get_autocommit(database_.get()) == 0;
+}
+
+bool Database::has_changed() const {
+  return sqlite3_changes(database_.get()) > 0;
 }
 
 core::Result<Statement> Database::prepare(std::string_view sql) {

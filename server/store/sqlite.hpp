@@ -57,6 +57,8 @@ class Database {
   // Creates the file if it is missing. Closing it leaves file and log unchanged, unless
   // checkpoint_wal_on_close() was called.
   static core::Result<Database> open(const std::filesystem::path& file);
+  // Another connection to a file that open() has open, which reads while that one writes.
+  static core::Result<Database> open_reader(const std::filesystem::path& file);
   // Sees the same content as open(), including a log that a crash left, but writes nothing, not even beside
   // the file. Only while nobody else has it open.
   static core::Result<Database> open_read_only(const std::filesystem::path& file);
@@ -76,12 +78,21 @@ class Database {
   // The damage that SQLite finds in the file's structure: one sentence each, the first few; empty if there is
   // none. Reads the whole file, about a gigabyte in a second. Does not check the content of rows.
   core::Result<std::vector<std::string>> structural_damage();
+  // The same of one table and its indexes.
+  core::Result<std::vector<std::string>> structural_damage_of(std::string_view table);
+  // Makes the statement that runs on another thread fail with CANCELLED.
+  void interrupt();
+  // Whether a transaction is open. An error can end it, such as a full disk.
+  bool is_in_transaction() const;
+  // Whether the last statement changed a row.
+  bool has_changed() const;
 
  private:
   struct Close {
     void operator()(sqlite3* database) const { sqlite3_close_v2(database); }
   };
   Database(sqlite3* database, std::filesystem::path file) : database_(database), file_(std::move(file)) {}
+  core::Result<std::vector<std::string>> check(const std::string& pragma);
 
   std::unique_ptr<sqlite3, Close> database_;
   std::filesystem::path file_;

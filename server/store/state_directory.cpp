@@ -76,7 +76,7 @@ core::Result<StateDirectory> StateDirectory::open(const std::filesystem::path& f
   const bool may_be_new = blobs->list().empty();
   auto jobs = JobStore::open(folder / kDatabaseName, may_be_new);
   if (!jobs) return core::fail(jobs.error());
-  return StateDirectory{std::move(*lock), std::move(*blobs), std::move(*jobs)};
+  return StateDirectory{folder, std::move(*lock), std::move(*blobs), std::move(*jobs)};
 }
 
 std::filesystem::path default_state_directory() {

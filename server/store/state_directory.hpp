@@ -33,6 +33,7 @@ struct StateDirectory {
   // file.hpp and job_store.hpp.
   static core::Result<StateDirectory> open(const std::filesystem::path& folder);
 
+  std::filesystem::path folder;
   base::Fd lock;
   blobs::BlobStore blobs;
   JobStore jobs;
