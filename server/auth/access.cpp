@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/auth/access.hpp"
 
+#include <fmt/chrono.h>
 #include <fmt/format.h>
+#include <google/protobuf/timestamp.pb.h>
+#include <google/protobuf/util/time_util.h>
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <sstream>
 #include <string>
 #include <utility>
@@ -19,37 +21,37 @@ namespace tessera::auth {
 namespace {
 
 using core::ErrorCode;
+using google::protobuf::util::TimeUtil;
 using grpc::StatusCode;
 
 // Shorter tokens could be guessed. Names are public: with this limit, a token as the documentation makes them
-// is never accepted as a name.
+// is never accepted as a name, and no token is taken for kCertificateWord.
 constexpr std::size_t kMinTokenLength = 16, kMaxNameLength = 32;
+constexpr std::string_view kCertificateWord = "certificate", kSharedWord = "shared",
+                           kExpiresWord = "expires=";
+constexpr std::size_t kDateLength = 10;  // of YYYY-MM-DD
 
-constexpr std::array<std::pair<std::string_view, Role>, 3> kRoles{
-    {{"submit", Role::kSubmit}, {"work", Role::kWork}, {"admin", Role::kAdmin}}};
+constexpr std::array kRoles{Role::kSubmit, Role::kWork, Role::kAdmin};
 
-std::string_view role_name(Role role) {
-  for (const auto& [name, known] : kRoles)
-    if (known == role) return name;
-  return "";
+std::string digest_of_token(const std::string& token) {
+  return proto::digest_of(token).hex();
 }
 
-std::string digest_of_token(std::string_view token) {
-  return proto::digest_of(std::string(token)).hex();
+core::Status refuse(std::string what) {
+  return core::fail(ErrorCode::kInvalidArgument, std::move(what));
 }
 
-// The token in a call's metadata; empty if there is none. The scheme is case-insensitive (RFC 7235, 2.1).
-std::string_view shown_token(const grpc::CallbackServerContext& context) {
-  const auto found = context.client_metadata().find(proto::kTokenKey);
-  if (found == context.client_metadata().end()) return {};
-  const std::string_view value(found->second.data(), found->second.size());
-  const std::string_view prefix = proto::kTokenPrefix;
-  const bool is_bearer = std::equal(
-      prefix.begin(), prefix.end(), value.begin(), value.begin() + std::min(prefix.size(), value.size()),
-      [](char a, char b) {
-        return std::tolower(static_cast<unsigned char>(a)) == std::tolower(static_cast<unsigned char>(b));
-      });
-  return is_bearer ? value.substr(prefix.size()) : std::string_view();
+// The moment from which on credentials with this expiry are refused. Empty if the text is no time.
+std::optional<Access::Time> parse_expiry(const std::string& text) {
+  const bool is_date = text.size() == kDateLength;
+  google::protobuf::Timestamp time;
+  if (!TimeUtil::FromString(is_date ? text + "T00:00:00Z" : text, &time)) return std::nullopt;
+  const Access::Time moment{std::chrono::seconds(TimeUtil::TimestampToSeconds(time))};
+  return is_date ? moment + std::chrono::hours(24) : moment;
+}
+
+std::string text_of(Access::Time time) {
+  return fmt::format("{:%FT%TZ}", fmt::gmtime(std::chrono::system_clock::to_time_t(time)));
 }
 
 }  // namespace
@@ -65,49 +67,81 @@ core::Result<Access> Access::read(const std::string& path) {
     if (const core::Status added = access.add_line(line); !added)
       return core::fail(added.error().within(fmt::format("{}:{}", path, number)));
   }
-  if (access.callers_.empty())
+  if (access.tokens_.empty() && access.certificates_.empty())
     return core::fail(ErrorCode::kInvalidArgument, fmt::format("{}: there is no token in it", path));
   return access;
 }
 
 // Errors do not quote the line, since any word of it may be a secret.
 core::Status Access::add_line(std::string_view line) {
-  const auto refuse = [](const std::string& what) { return core::fail(ErrorCode::kInvalidArgument, what); };
   std::istringstream words{std::string(line)};
-  std::string role_text, name, token, more;
+  std::string role_text, token, more;
+  Grant grant{.principal = {.individual = true}};
+  std::string& name = grant.principal.name;
   if (!(words >> role_text) || role_text.front() == '#') return {};
-  if (!(words >> name >> token) || words >> more) return refuse("a line has three words: ROLE NAME TOKEN");
+  if (!(words >> name >> token)) return refuse("a line has three words: ROLE NAME TOKEN");
   const auto role =
-      std::find_if(kRoles.begin(), kRoles.end(), [&](const auto& r) { return r.first == role_text; });
+      std::find_if(kRoles.begin(), kRoles.end(), [&](Role each) { return role_name(each) == role_text; });
   if (role == kRoles.end()) return refuse("the first word must be a role: submit, work or admin");
+  grant.principal.role = *role;
   if (name.size() > kMaxNameLength || !core::is_printable(name))
     return refuse(fmt::format("the second word is a name of at most {} printable characters, in UTF-8",
                               kMaxNameLength));
+  while (words >> more) {
+    if (more == kSharedWord) {
+      grant.principal.individual = false;
+    } else if (!more.starts_with(kExpiresWord)) {
+      return refuse("a line has three words: ROLE NAME TOKEN; only shared and expires=TIME may follow");
+    } else if (grant.expires = parse_expiry(more.substr(kExpiresWord.size())); !grant.expires) {
+      return refuse("expires= needs a date such as 2027-01-31, or a time such as 2027-01-31T12:00:00Z");
+    }
+  }
+  if (token != kCertificateWord) return add_token(token, std::move(grant));
+  const std::string common_name = name;
+  if (!certificates_.emplace(common_name, std::move(grant)).second)
+    return refuse("this certificate has a line already");
+  return {};
+}
+
+core::Status Access::add_token(const std::string& token, Grant grant) {
   if (token.size() < kMinTokenLength || !proto::is_token(token)) {
     return refuse(
-        fmt::format("the third word is a token of at least {} letters, digits and -._~+/=", kMinTokenLength));
+        fmt::format("the third word is a token of at least {} letters, digits and -._~+/=, or the word {}",
+                    kMinTokenLength, kCertificateWord));
   }
-  if (!callers_.emplace(digest_of_token(token), Caller{name, role->second, {}}).second)
+  if (!tokens_.emplace(digest_of_token(token), std::move(grant)).second)
     return refuse("this token was given to somebody already");
   return {};
 }
 
-grpc::Status Access::admit(const grpc::CallbackServerContext& context, Role role, Caller& caller) const {
-  caller = {};
-  if (open_) return grpc::Status::OK;
-  const std::string_view token = shown_token(context);
-  if (token.empty())
+const Access::Grant* Access::find(const Credentials& shown) const {
+  const auto& grants = shown.token.empty() ? certificates_ : tokens_;
+  const auto found = grants.find(shown.token.empty() ? shown.certificate : digest_of_token(shown.token));
+  return found == grants.end() ? nullptr : &found->second;
+}
+
+grpc::Status Access::admit(const Credentials& shown, Role role, Time now, Principal& principal) const {
+  principal = {};
+  if (open_) {
+    principal.name = shown.certificate;
+    return grpc::Status::OK;
+  }
+  const Grant* const grant = find(shown);
+  if (grant == nullptr && shown.token.empty())
     return {StatusCode::UNAUTHENTICATED,
             "this farm asks for a token: give --token-file, or name the file in TESSERA_TOKEN_FILE"};
-  const auto known = callers_.find(digest_of_token(token));
-  if (known == callers_.end())
+  if (grant == nullptr)
     return {StatusCode::UNAUTHENTICATED,
             "this farm does not know the token that was shown: ask its administrator"};
-  caller = known->second;
-  if (caller.role == role || caller.role == Role::kAdmin) return grpc::Status::OK;
+  principal = grant->principal;
+  if (grant->expires && *grant->expires <= now)
+    return {StatusCode::UNAUTHENTICATED,
+            fmt::format("the {} of {} has expired at {}: ask the farm's administrator for a new one",
+                        shown.token.empty() ? "entry" : "token", principal.name, text_of(*grant->expires))};
+  if (principal.role == role || principal.role == Role::kAdmin) return grpc::Status::OK;
   return {StatusCode::PERMISSION_DENIED,
-          fmt::format("the token of {} is for '{}', and this needs one for '{}'", caller.name,
-                      role_name(caller.role), role_name(role))};
+          fmt::format("the token of {} is for '{}', and this needs one for '{}'", principal.name,
+                      role_name(principal.role), role_name(role))};
 }
 
 }  // namespace tessera::auth

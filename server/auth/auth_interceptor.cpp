@@ -4,24 +4,40 @@
 #include <fmt/format.h>
 
 #include "proto/status.hpp"
+#include "server/auth/credentials.hpp"
 #include "server/auth/peer.hpp"
 
 namespace tessera::auth {
 
 namespace {
 
-std::string key_of(const grpc::CallbackServerContext& context, Role role, const Caller& caller) {
+std::string key_of(const grpc::CallbackServerContext& context, Role role, const Principal& caller,
+                   bool is_open) {
   if (role == Role::kWork) return "worker " + context.peer();
-  return caller.name.empty() ? client_key(context.peer()) : base::caller_key(caller.name);
+  return is_open ? caller.machine : base::caller_key(caller.name);
 }
 
 }  // namespace
 
+std::shared_ptr<const Access> AuthInterceptor::access() const {
+  const std::lock_guard lock(mutex_);
+  return access_;
+}
+
+void AuthInterceptor::replace_access(Access access) {
+  auto replacement = std::make_shared<const Access>(std::move(access));
+  const std::lock_guard lock(mutex_);
+  access_.swap(replacement);
+}
+
 std::optional<Admission> AuthInterceptor::admit(grpc::CallbackServerContext& context, const Method& method,
                                                 Rejection& rejection) {
   const std::string machine = client_key(context.peer());
-  Caller caller;
-  rejection.status = access_.admit(context, method.role, caller);
+  const std::shared_ptr<const Access> access = this->access();
+  Principal caller;
+  rejection.status = proto::with_details(
+      access->admit(shown_by(context), method.role, std::chrono::system_clock::now(), caller));
+  caller.machine = machine;
   auto place = calls_.take(machine);
   if (!rejection.status.ok()) {
     if (rejections_.note(machine, method.path, rejection.status) && place)
@@ -35,7 +51,7 @@ std::optional<Admission> AuthInterceptor::admit(grpc::CallbackServerContext& con
         kTryAgainAfter);
     return std::nullopt;
   }
-  caller.key = key_of(context, method.role, caller);
+  caller.key = key_of(context, method.role, caller, access->is_open());
   const auto wait = rate_.take(caller.key);
   if (!wait) return Admission{method, std::move(caller), *std::move(place)};
   rejection.status =
@@ -49,9 +65,7 @@ std::optional<Admission> AuthInterceptor::admit(grpc::CallbackServerContext& con
 
 grpc::Status try_later(grpc::CallbackServerContext& context, const core::Error& error,
                        std::chrono::steady_clock::duration wait) {
-  const auto wait_ms = std::chrono::ceil<std::chrono::milliseconds>(wait).count();
-  context.AddTrailingMetadata(proto::kRetryAfterKey, std::to_string(wait_ms));
-  return proto::to_grpc(error);
+  return proto::to_grpc(core::fail(server::temporary(error, wait)), context);
 }
 
 }  // namespace tessera::auth

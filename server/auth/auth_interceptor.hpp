@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Admits calls before their message is read: checks the caller's role, the number of calls in progress, and
-// how often the caller calls. Thread-safe.
+// Admits calls before their message is read: identifies the principal by the metadata and the connection, and
+// checks its role, the number of calls in progress, and how often it calls. Thread-safe.
 #pragma once
 
 #include <grpcpp/server_context.h>
 
 #include <chrono>
+#include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <utility>
@@ -22,7 +24,7 @@ namespace tessera::auth {
 // A call that is admitted.
 struct Admission {
   const Method& method;
-  Caller caller;
+  Principal caller;
   base::FairShare::Held place;  // its share of the calls in progress
 };
 
@@ -38,16 +40,19 @@ class AuthInterceptor {
   AuthInterceptor(Access access, const server::Limits& limits)
       : limits_(limits),
         methods_(limits),
-        access_(std::move(access)),
+        access_(std::make_shared<const Access>(std::move(access))),
         calls_(limits.calls),
         rate_(limits.calls_per_second) {}
 
   const Methods& methods() const { return methods_; }
 
+  // Later calls are admitted by these tokens and certificates. Calls in progress continue.
+  void replace_access(Access access);
+
   // Returns the caller, with its key and its share of the calls in progress; or nothing, with the reason in
   // `rejection`. Besides the codes of Access::admit(), RESOURCE_EXHAUSTED with try_later() for a caller that
-  // calls too often or has too many calls in progress. The keys of users are the names of their tokens, or
-  // their machines without tokens; those of workers are their connections. Shares of the calls in progress
+  // calls too often or has too many calls in progress. The keys of users are their names, or on an
+  // open farm their machines; those of workers are their connections. Shares of the calls in progress
   // are by machine.
   std::optional<Admission> admit(grpc::CallbackServerContext& context, const Method& method,
                                  Rejection& rejection);
@@ -55,9 +60,12 @@ class AuthInterceptor {
   void flush_log() { rejections_.flush(); }
 
  private:
+  std::shared_ptr<const Access> access() const;
+
   const server::Limits limits_;
   const Methods methods_;
-  const Access access_;
+  mutable std::mutex mutex_;
+  std::shared_ptr<const Access> access_;  // guarded by mutex_; never null
   base::FairShare calls_;
   CallRate rate_;
   Rejections rejections_;

@@ -33,6 +33,13 @@ constexpr std::uint64_t kFieldsPerFile = 8, kFieldsBesidesFiles = 256;
 // message.
 constexpr std::size_t kUploadBytes = 2 * proto::kMaxChunkBytes;
 
+// A batch of small blobs, of five fields each.
+const ShapeLimits kBatch{1 << 13, {{"tessera.v1.BatchUploadBlobsRequest.blobs", 1024}}};
+
+// A list may be filtered by labels.
+constexpr std::size_t kListBytes = 16 << 10;
+const ShapeLimits kList{256, {{"tessera.v1.ListJobsRequest.labels", 32}}};
+
 ShapeLimits files(std::string_view field, const server::Limits& limits) {
   return {kFieldsPerFile * limits.bundle_files + kFieldsBesidesFiles,
           {{field, limits.bundle_files, "--max-bundle-files"}}};
@@ -47,9 +54,12 @@ Methods::Methods(const server::Limits& limits) {
     const std::string path = "/tessera.v1." + service + "/" + name;
     methods_.emplace(path, Method{path, role, max_bytes, std::move(shape)});
   };
-  for (const char* const name : {"GetJob", "ListJobs", "WatchJob", "GetImage", "CancelJob", "PauseJob",
-                                 "ResumeJob", "ExtendJob", "UpdateJob", "DeleteJob", "ListWorkers"})
+  for (const char* const name : {"GetJob", "WatchJob", "WatchFarm", "WatchTiles", "GetImage", "CancelJob",
+                                 "PauseJob", "ResumeJob", "ExtendJob", "UpdateJob", "DeleteJob",
+                                 "ListWorkers", "GetUpload", "GetServerInfo"})
     add("RenderService", name, Role::kSubmit, kSmallBytes, kSmall);
+  add("RenderService", "ListJobs", Role::kSubmit, kListBytes, kList);
+  add("RenderService", "BatchUploadBlobs", Role::kSubmit, kUploadBytes, kBatch);
   add("RenderService", "FindMissingBlobs", Role::kSubmit, large_bytes,
       files("tessera.v1.FindMissingBlobsRequest.digests", limits));
   add("RenderService", "UploadBlob", Role::kSubmit, kUploadBytes, kSmall);
@@ -57,6 +67,8 @@ Methods::Methods(const server::Limits& limits) {
   add("WorkerService", "Synchronize", Role::kWork, kSynchronizeBytes, kSynchronize);
   add("WorkerService", "SubmitResult", Role::kWork, large_bytes, kSubmitResult);
   add("WorkerService", "FetchBlob", Role::kWork, kSmallBytes, kSmall);
+  for (const char* const name : {"ListQuarantine", "LiftQuarantine", "DrainWorker"})
+    add("AdminService", name, Role::kAdmin, kSmallBytes, kSmall);
 }
 
 const Method& Methods::at(const std::string& path) const {

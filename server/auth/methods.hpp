@@ -7,8 +7,8 @@
 #include <map>
 #include <string>
 
-#include "server/auth/access.hpp"
 #include "server/auth/message_shape.hpp"
+#include "server/auth/principal.hpp"
 #include "server/limits.hpp"
 
 namespace tessera::auth {

@@ -2,27 +2,28 @@
 #include "server/auth/rejections.hpp"
 
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
-
 #include <chrono>
 #include <optional>
+
+#include "proto/log.hpp"
 
 namespace tessera::auth {
 
 template <typename Take>
 void Rejections::log(Take take) {
-  std::optional<std::string> line;
+  std::optional<proto::LogLine> line;
   {
     const std::lock_guard lock(mutex_);
     line = take(log_);
   }
-  if (line) spdlog::warn("{}", *line);
+  if (line) proto::log(spdlog::level::warn, *line);
 }
 
 bool Rejections::note(const std::string& machine, const std::string& method, const grpc::Status& why) {
   log([&](base::RateLimitedLog& log) {
-    return log.note(fmt::format("rejected {} of {}: {}", method, machine, why.error_message()),
-                    std::chrono::steady_clock::now());
+    return log.note(
+        {fmt::format("rejected {} of {}: {}", method, machine, why.error_message()), {.peer = machine}},
+        std::chrono::steady_clock::now());
   });
   return rate_.take(machine).has_value();
 }

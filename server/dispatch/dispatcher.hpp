@@ -5,11 +5,13 @@
 // calls tick() regularly. Thread-safe. Errors are those of the protocol (proto/tessera/v1).
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "core/base/error.hpp"
 #include "server/dispatch/lease_signer.hpp"
+#include "server/dispatch/result_counts.hpp"
 #include "server/farm/farm.hpp"
 #include "server/farm/state_lock.hpp"
 #include "server/film/fingerprinter.hpp"
@@ -26,10 +28,17 @@ class Dispatcher {
 
   // Answers at once, when there is a change, or before the worker's heartbeat is due.
   void synchronize(const v1::SynchronizeRequest& request, farm::SynchronizeCaller caller);
-  core::Result<v1::SubmitResultResponse> submit_result(const v1::SubmitResultRequest& request);
+  core::Result<v1::SubmitResultResponse> submit_result(const v1::SubmitResultRequest& request,
+                                                       const farm::WorkerPrincipal& caller = {});
 
+  // A worker that called lately.
+  std::optional<v1::Worker> worker(const std::string& id);
   // The workers that called lately, in the order of their ids.
-  std::vector<v1::ListWorkersResponse::Worker> workers();
+  std::vector<v1::Worker> workers();
+  // Those of one page whose id or name begins with the prefix.
+  core::Result<v1::ListWorkersResponse> list_workers(const v1::ListWorkersRequest& request);
+
+  const ResultCounts& result_counts() const { return result_counts_; }
 
   // Advances time: ends the leases of silent workers and answers calls that have waited long enough. Call it
   // about every 100 ms. Returns whether a checkpoint should be written soon: users learn that a job is
@@ -43,7 +52,15 @@ class Dispatcher {
   struct Delivery;
   struct Counted;
 
+  // Counts a rejected result.
+  core::Error rejected(RejectedFor reason, core::Error error) {
+    result_counts_.note(reason);
+    return error;
+  }
+  // The part of tick() that is short. Returns whether a second has passed since it was last true.
+  bool advance_time();
   core::Status check_token(const v1::SubmitResultRequest& request);
+  std::vector<v1::Worker> next_workers(const std::string& after);
   core::Result<Counted> count_result(farm::StateLock& lock, const v1::SubmitResultRequest& request,
                                      Delivery& delivery);
   core::Result<Counted> decide(farm::StateLock& lock, farm::JobRecord& record,
@@ -53,6 +70,7 @@ class Dispatcher {
   film::FilmMemory& film_memory_;
   const film::Fingerprinter& fingerprinter_;
   const LeaseSigner& signer_;
+  ResultCounts result_counts_;
   // Guarded by the state lock:
   scheduler::Time next_check_{};
   scheduler::CheckCursor check_cursor_;

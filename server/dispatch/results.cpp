@@ -11,6 +11,7 @@
 #include "core/base/printable.hpp"
 #include "proto/text.hpp"
 #include "proto/tile_codec.hpp"
+#include "server/dispatch/caller.hpp"
 #include "server/dispatch/dispatcher.hpp"
 #include "server/farm/troubles.hpp"
 #include "server/farm/wire.hpp"
@@ -62,7 +63,8 @@ core::Result<film::Notes> decode_items(const v1::SubmitResultRequest& request) {
 
 scheduler::SubmitResult event_of(const v1::SubmitResultRequest& request, const core::TileGrid& grid,
                                  const film::Notes& tiles,
-                                 const std::vector<scheduler::Fingerprint>& fingerprints) {
+                                 const std::vector<scheduler::Fingerprint>& fingerprints,
+                                 std::string determinism_fingerprint) {
   scheduler::SubmitResult event{{request.worker_id()},
                                 {request.job_id()},
                                 {request.lease_id()},
@@ -72,7 +74,8 @@ scheduler::SubmitResult event_of(const v1::SubmitResultRequest& request, const c
                                 farm::excerpt(request.decline_reason(), kMaxReasonBytes),
                                 fingerprints,
                                 held_besides(request),
-                                request.lease_token()};
+                                request.lease_token(),
+                                std::move(determinism_fingerprint)};
   for (const film::Note& tile : tiles)
     event.items.push_back({scheduler::tile_index(grid, tile.samples.rect), tile.samples.range});
   return event;
@@ -81,8 +84,10 @@ scheduler::SubmitResult event_of(const v1::SubmitResultRequest& request, const c
 // Must run before the accepted items of the same result are noted.
 void clear_dropped_tiles(StateLock& lock, const scheduler::Actions& actions, film::Notes& spare) {
   for (const scheduler::TileOfJob& dropped : actions.dropped_tiles) {
-    lock.log(spdlog::level::warn, fmt::format("tile {} of job {} is rendered again: some of it was wrong",
-                                              dropped.tile, dropped.job.value));
+    lock.log(spdlog::level::warn,
+             fmt::format("tile {} of job {} is rendered again: some of it was wrong", dropped.tile,
+                         dropped.job.value),
+             {.job = dropped.job.value});
     lock->find_job(dropped.job.value)->film->note_clear(dropped.tile, spare);
   }
 }
@@ -98,15 +103,27 @@ farm::LeaseMessages new_leases(const StateLock& lock, const scheduler::SubmitRes
   return {lock, std::move(reply), call == lock->waiting.end() ? kNone : call->second.known_jobs};
 }
 
-core::Status may_count(StateLock& lock, const JobRecord& record, const v1::SubmitResultRequest& request) {
-  const std::string& own = lock.options().fingerprint;
-  const std::string& expected = record.arithmetic.empty() ? own : record.arithmetic;
-  const std::string& offered =
-      request.determinism_fingerprint().empty() ? own : request.determinism_fingerprint();
-  if (offered == expected) return {};
+// The fingerprint of the worker that rendered the result. Empty if it neither says so nor is registered, and
+// the farm accepts several.
+std::string fingerprint_of(const StateLock& lock, const v1::SubmitResultRequest& request) {
+  if (!request.determinism_fingerprint().empty()) return request.determinism_fingerprint();
+  if (const auto* const info = lock->scheduler.worker_info({request.worker_id()}))
+    return info->determinism_fingerprint;
+  const std::set<std::string>& accepted = lock.options().fingerprints;
+  return accepted.size() == 1 ? *accepted.begin() : "";
+}
+
+core::Status may_count(StateLock& lock, const JobRecord& record, const v1::SubmitResultRequest& request,
+                       const std::string& offered) {
+  const std::set<std::string>& accepted = lock.options().fingerprints;
+  const bool fits = record.arithmetic.empty() ? accepted.contains(offered) : offered == record.arithmetic;
+  if (fits) return {};
+  const std::string expected =
+      record.arithmetic.empty() ? fmt::format("{}", fmt::join(accepted, " or ")) : record.arithmetic;
   lock.log_rejection(
       fmt::format("rejected a result of worker {:.32} for job {}: its fingerprint is {}, the job's {}",
-                  request.worker_id(), record.spec->id(), offered, expected));
+                  request.worker_id(), record.spec->id(), offered, expected),
+      {.job = record.spec->id(), .worker = request.worker_id()});
   return core::fail(
       ErrorCode::kFailedPrecondition,
       fmt::format("these samples (release {}, fingerprint {}) are not bit-compatible with job {} "
@@ -115,21 +132,37 @@ core::Status may_count(StateLock& lock, const JobRecord& record, const v1::Submi
 }
 
 void note_rejected_result(StateLock& lock, const std::string& worker, const core::Error& error) {
-  const auto known = lock->scheduler.worker({worker}, lock.now());
-  if (!known) {
+  const scheduler::WorkerInfo* const known = lock->scheduler.worker_info({worker});
+  if (known == nullptr) {
     return lock.log_rejection(
         fmt::format("rejected a result of worker {:.32}, which has not registered since the coordinator "
                     "was started: {}",
-                    worker, error.message));
+                    worker, error.message),
+        {.worker = worker});
   }
-  const std::string& name = known->info.name;
-  const std::string& machine = known->info.machine;
-  lock.log_rejection(fmt::format("rejected a result of worker {} ({}): {}", name, worker, error.message));
-  if (!lock->quarantine.refused(worker, machine)) return;
-  lock.log(spdlog::level::err,
-           fmt::format("worker {} ({}) is quarantined: {}. What it rendered before is verified by others",
-                       name, worker, lock->quarantine.because(worker, machine)));
+  lock.log_rejection(
+      fmt::format("rejected a result of worker {} ({}): {}", known->name, worker, error.message),
+      {.worker = worker, .principal = known->principal});
+  const bool is_last = lock->quarantine.refused(worker);
+  lock.note_worker(worker);
+  if (!is_last) return;
+  lock.quarantine(scheduler::producer_of(*known), fmt::format("{} of its results in a row were rejected",
+                                                              farm::Quarantine::kRejectionsUntilQuarantine));
   lock.handle(scheduler::Dismiss{{worker}, true});
+}
+
+// PERMISSION_DENIED or FAILED_PRECONDITION if this caller may not deliver results of the worker.
+core::Status may_deliver(const StateLock& lock, const std::string& worker,
+                         const farm::WorkerPrincipal& caller) {
+  const scheduler::WorkerInfo* const known = lock->scheduler.worker_info({worker});
+  if (auto own = expect_own(known, caller.name); !own) return own;
+  const std::string principal = caller.individual ? caller.name : "";
+  const scheduler::Producer producer =
+      known != nullptr ? scheduler::producer_of(*known) : scheduler::Producer{{}, {worker}, {}, principal};
+  const farm::QuarantineEntry* const entry = lock->quarantine.find(producer, known != nullptr);
+  if (entry == nullptr) return {};
+  return core::fail(ErrorCode::kFailedPrecondition,
+                    fmt::format("this worker is quarantined: {}", entry->because));
 }
 
 }  // namespace
@@ -181,13 +214,17 @@ core::Status Dispatcher::check_token(const v1::SubmitResultRequest& request) {
                   request.lease_id()));
 }
 
-core::Result<v1::SubmitResultResponse> Dispatcher::submit_result(const v1::SubmitResultRequest& request) {
-  if (auto fit = check_texts(request); !fit) return core::fail(fit.error());
-  if (auto own = check_token(request); !own) return core::fail(own.error());
+core::Result<v1::SubmitResultResponse> Dispatcher::submit_result(const v1::SubmitResultRequest& request,
+                                                                 const farm::WorkerPrincipal& caller) {
+  if (auto fit = check_texts(request); !fit)
+    return core::fail(rejected(RejectedFor::kMalformed, fit.error()));
+  if (auto own = check_token(request); !own) return core::fail(rejected(RejectedFor::kToken, own.error()));
   if (request.items_size() > 0 && !film_memory_.has_room()) {
-    return core::fail(ErrorCode::kUnavailable,
-                      "the memory for films is used up until a checkpoint is written (tessera-coordinator "
-                      "--max-film-gib): deliver again");
+    return core::fail(
+        rejected(RejectedFor::kFilmMemory,
+                 {ErrorCode::kUnavailable,
+                  "the memory for films is used up until a checkpoint is written (tessera-coordinator "
+                  "--max-film-gib): deliver again"}));
   }
   auto tiles = decode_items(request);
   Delivery delivery;
@@ -197,13 +234,12 @@ core::Result<v1::SubmitResultResponse> Dispatcher::submit_result(const v1::Submi
   delivery.spare.resize(delivery.tiles.size());
   const core::Result<Counted> counted = [&]() -> core::Result<Counted> {
     StateLock lock(farm_);
-    if (lock->quarantine.is_quarantined(request.worker_id())) {
-      return core::fail(
-          ErrorCode::kFailedPrecondition,
-          fmt::format("this worker is quarantined: {}", lock->quarantine.because(request.worker_id(), "")));
+    if (auto may = may_deliver(lock, request.worker_id(), caller); !may) {
+      const bool is_own = may.error().code != ErrorCode::kPermissionDenied;
+      return core::fail(rejected(is_own ? RejectedFor::kQuarantine : RejectedFor::kPrincipal, may.error()));
     }
-    auto result =
-        tiles ? count_result(lock, request, delivery) : core::Result<Counted>(core::fail(tiles.error()));
+    auto result = tiles ? count_result(lock, request, delivery)
+                        : core::Result<Counted>(core::fail(rejected(RejectedFor::kMalformed, tiles.error())));
     if (!result && result.error().code == ErrorCode::kInvalidArgument)
       note_rejected_result(lock, request.worker_id(), result.error());
     if (result && request.items_size() > 0) lock->quarantine.in_order(request.worker_id());
@@ -218,11 +254,17 @@ core::Result<Dispatcher::Counted> Dispatcher::count_result(StateLock& lock,
                                                            const v1::SubmitResultRequest& request,
                                                            Delivery& delivery) {
   JobRecord* record = lock->find_job(request.job_id());
-  if (record == nullptr) return Counted{0, static_cast<std::uint32_t>(delivery.tiles.size()), {}, {}};
-  if (auto may = may_count(lock, *record, request); !may) return core::fail(may.error());
-  return decide(lock, *record,
-                event_of(request, farm::grid_of(*record->spec), delivery.tiles, delivery.fingerprints),
-                delivery);
+  if (record == nullptr) {
+    result_counts_.note_items_of_unknown_job(delivery.tiles.size());
+    return Counted{0, static_cast<std::uint32_t>(delivery.tiles.size()), {}, {}};
+  }
+  const std::string offered = fingerprint_of(lock, request);
+  if (auto may = may_count(lock, *record, request, offered); !may)
+    return core::fail(rejected(RejectedFor::kFingerprint, may.error()));
+  return decide(
+      lock, *record,
+      event_of(request, farm::grid_of(*record->spec), delivery.tiles, delivery.fingerprints, offered),
+      delivery);
 }
 
 // The scheduler and the film must agree. If there is no memory left for an answer, the process ends, and the
@@ -233,7 +275,7 @@ core::Result<Dispatcher::Counted> Dispatcher::decide(StateLock& lock, JobRecord&
   const scheduler::Actions actions = lock->scheduler.handle(event, lock.now());
   if (!actions.status) {
     lock.apply(actions);
-    return core::fail(actions.status.error());
+    return core::fail(rejected(RejectedFor::kLease, actions.status.error()));
   }
   Counted counted;
   counted.film = record.film;
@@ -248,8 +290,8 @@ core::Result<Dispatcher::Counted> Dispatcher::decide(StateLock& lock, JobRecord&
     ++(actions.verdicts[i] == scheduler::Verdict::kDropped ? counted.dropped_items : counted.accepted_items);
   }
   if (counted.accepted_items > 0 && record.arithmetic.empty()) {
-    record.arithmetic = lock.options().fingerprint;
-    ++record.revision;
+    record.arithmetic = event.determinism_fingerprint;
+    lock.change(record);
   }
   if (actions.reply) counted.new_leases = new_leases(lock, event, *actions.reply);
   lock.apply(actions);

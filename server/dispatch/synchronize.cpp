@@ -8,6 +8,7 @@
 #include "core/base/printable.hpp"
 #include "proto/text.hpp"
 #include "proto/worker_key.hpp"
+#include "server/dispatch/caller.hpp"
 #include "server/dispatch/dispatcher.hpp"
 #include "server/farm/wire.hpp"
 
@@ -19,19 +20,11 @@ using farm::StateLock;
 
 namespace {
 
-bool is_registered(const StateLock& lock, const std::string& id) {
-  return lock->scheduler.worker({id}, lock.now()).has_value();
-}
-
 // Waiting calls are answered three times per heartbeat timeout.
 constexpr int kCallsPerLease = 3;
 
-bool is_id(const std::string& text) {
-  return text.size() == 32 && text.find_first_not_of("0123456789abcdef") == std::string::npos;
-}
-
 core::Status check_request(const v1::SynchronizeRequest& request) {
-  if (!is_id(request.worker_id())) {
+  if (!is_worker_id(request.worker_id())) {
     return core::fail(ErrorCode::kInvalidArgument, "worker_id: must be 32 lower-case hexadecimal digits");
   }
   if (request.determinism_fingerprint().empty()) {
@@ -42,14 +35,17 @@ core::Status check_request(const v1::SynchronizeRequest& request) {
   return proto::check_text("determinism_fingerprint", request.determinism_fingerprint());
 }
 
-scheduler::WorkerInfo info_of(const v1::SynchronizeRequest& request, const std::string& principal) {
+scheduler::WorkerInfo info_of(const v1::SynchronizeRequest& request, const farm::WorkerPrincipal& principal) {
   const int threads = static_cast<int>(std::clamp<std::uint32_t>(request.threads(), 1, 4096));
   return {{request.worker_id()},
           request.name(),
           request.version(),
           threads,
           proto::client_key(request.worker_key()),
-          principal};
+          principal.origin,
+          principal.name,
+          principal.individual,
+          request.determinism_fingerprint()};
 }
 
 // Bounds on what is examined under the lock of a worker's request. A worker can hold kMaxLeasesPerWorker
@@ -77,16 +73,14 @@ std::set<std::string> first_ids(const google::protobuf::RepeatedPtrField<std::st
   return {ids.begin(), end};
 }
 
-core::Error quarantined(const v1::SynchronizeRequest& request, const std::string& because) {
-  return {
-      ErrorCode::kFailedPrecondition,
-      fmt::format("worker {} is quarantined: {} (the coordinator's log says more). Check the machine and its "
-                  "memory; then remove worker.key from its cache folder and start the worker again, or "
-                  "restart the coordinator",
-                  request.name(), because)};
+core::Error quarantined(const v1::SynchronizeRequest& request, const farm::QuarantineEntry& entry) {
+  return {ErrorCode::kFailedPrecondition,
+          fmt::format("worker {} is quarantined: {} (the coordinator's log says more). Check the machine and "
+                      "its memory; then let an administrator call 'tessera quarantine lift {:.12}'",
+                      request.name(), entry.because, entry.producer.worker.value)};
 }
 
-core::Error not_compatible(const v1::SynchronizeRequest& request, const std::string& fingerprint) {
+core::Error not_compatible(const v1::SynchronizeRequest& request, const std::set<std::string>& accepted) {
   return {
       ErrorCode::kFailedPrecondition,
       fmt::format(
@@ -94,33 +88,53 @@ core::Error not_compatible(const v1::SynchronizeRequest& request, const std::str
           "{}. Install the coordinator's release on it; or, for a farm of that release's workers, start the "
           "coordinator with --accept-fingerprint {}",
           core::printable(request.name()), core::printable(request.version()),
-          core::printable(request.determinism_fingerprint()), fingerprint,
+          core::printable(request.determinism_fingerprint()), fmt::join(accepted, " or "),
           core::printable(request.determinism_fingerprint()))};
 }
 
-core::Status admit(StateLock& lock, const v1::SynchronizeRequest& request) {
-  if (lock->closed) return core::fail(ErrorCode::kUnavailable, "the coordinator is stopping: try again");
-  // Workers that were registered before their machine was quarantined are judged by their own results.
-  const std::string machine = proto::client_key(request.worker_key());
-  const std::string& id = request.worker_id();
-  const bool newcomer = lock->quarantine.is_machine_aside(machine) && !is_registered(lock, id);
-  if (newcomer || lock->quarantine.is_quarantined(id))
-    return core::fail(quarantined(request, lock->quarantine.because(id, machine)));
-  const std::string& fingerprint = lock.options().fingerprint;
-  if (request.determinism_fingerprint() == fingerprint) return {};
-  core::Error error = not_compatible(request, fingerprint);
-  lock.log_rejection("refused: " + error.message);
+// Also if its leases were not revoked with those of the worker for which its principal is quarantined.
+core::Status expect_trusted(StateLock& lock, const v1::SynchronizeRequest& request,
+                            const scheduler::WorkerInfo& caller, bool is_registered) {
+  const farm::QuarantineEntry* const entry =
+      lock->quarantine.find(scheduler::producer_of(caller), is_registered);
+  if (entry == nullptr) return {};
+  core::Error error = quarantined(request, *entry);
+  if (is_registered) lock.handle(scheduler::Dismiss{caller.id});
   return core::fail(std::move(error));
 }
 
+core::Status admit(StateLock& lock, const v1::SynchronizeRequest& request,
+                   const scheduler::WorkerInfo& caller) {
+  if (lock->closed) return core::fail(ErrorCode::kUnavailable, "the coordinator is stopping: try again");
+  const scheduler::WorkerInfo* const known = lock->scheduler.worker_info(caller.id);
+  if (auto own = expect_own(known, caller.principal); !own) return own;
+  if (auto trusted = expect_trusted(lock, request, caller, known != nullptr); !trusted) return trusted;
+  const std::set<std::string>& accepted = lock.options().fingerprints;
+  if (accepted.contains(request.determinism_fingerprint())) return {};
+  core::Error error = not_compatible(request, accepted);
+  lock.log_rejection("refused: " + error.message,
+                     {.worker = request.worker_id(), .principal = caller.principal});
+  return core::fail(std::move(error));
+}
+
+// Also those that have passed concern the job and the worker.
 void note_troubles(StateLock& lock, const v1::SynchronizeRequest& request) {
-  for (std::string& sentence : lock->troubles.note(request)) lock.log_trouble(std::move(sentence));
+  farm::Troubles& troubles = lock->troubles;
+  const std::set<std::string> before = troubles.jobs_of_worker(request.worker_id());
+  for (std::string& sentence : troubles.note(request))
+    lock.log_trouble(std::move(sentence), {.worker = request.worker_id()});
+  const std::set<std::string> after = troubles.jobs_of_worker(request.worker_id());
+  if (before.empty() && after.empty()) return;
+  lock.note_worker(request.worker_id());
+  for (const auto* const jobs : {&before, &after})
+    for (const std::string& job : *jobs)
+      if (JobRecord* const record = lock->find_job(job)) lock.note_progress(*record);
 }
 
 scheduler::Synchronize event_of(const StateLock& lock, const v1::SynchronizeRequest& request,
-                                const std::string& principal, const std::vector<const v1::Lease*>& held,
+                                scheduler::WorkerInfo info, const std::vector<const v1::Lease*>& held,
                                 const std::set<std::string>& fetching) {
-  scheduler::Synchronize event{info_of(request, principal),
+  scheduler::Synchronize event{std::move(info),
                                {},
                                static_cast<int>(std::min<std::uint32_t>(request.wanted_leases(), 1024)),
                                request.draining()};
@@ -146,12 +160,13 @@ void Dispatcher::synchronize(const v1::SynchronizeRequest& request, farm::Synchr
   const std::vector<const v1::Lease*> held = held_leases(request);
   const std::set<std::string> fetching = first_ids(request.fetching_job_ids(), kMaxFetchingJobs);
   std::set<std::string> known_jobs = first_ids(request.known_job_ids(), kMaxKnownJobs);
+  scheduler::WorkerInfo info = info_of(request, caller.principal);
   StateLock lock(farm_);
-  const core::Status admitted = valid ? admit(lock, request) : valid;
+  const core::Status admitted = valid ? admit(lock, request, info) : valid;
   if (!admitted) return farm::refuse(lock, caller, admitted.error());
 
   note_troubles(lock, request);
-  const scheduler::Synchronize event = event_of(lock, request, caller.principal, held, fetching);
+  const scheduler::Synchronize event = event_of(lock, request, std::move(info), held, fetching);
   const scheduler::Actions actions = lock->scheduler.handle(event, lock.now());
   if (!actions.status) {
     lock.apply(actions);

@@ -22,6 +22,15 @@ scheduler::Options scheduler_options(const Options& options) {
 
 }  // namespace
 
+std::vector<std::chrono::nanoseconds> Farm::hold_bounds() {
+  using std::chrono::microseconds;
+  using std::chrono::milliseconds;
+  return {microseconds(10),  microseconds(25),  microseconds(50),  microseconds(100),
+          microseconds(250), microseconds(500), milliseconds(1),   microseconds(2500),
+          milliseconds(5),   milliseconds(10),  milliseconds(25),  milliseconds(50),
+          milliseconds(100), milliseconds(250), milliseconds(500), milliseconds(1000)};
+}
+
 State::State(const Options& options) : scheduler(scheduler_options(options)) {}
 
 JobRecord* State::find_job(const std::string& id) {
@@ -50,14 +59,38 @@ std::map<std::string, JobRecord>::node_type State::remove_job(const std::string&
   return removed;
 }
 
+ValidatingJob* State::find_validating(const std::string& id) {
+  const auto found = validating.find(id);
+  return found == validating.end() ? nullptr : &found->second;
+}
+
+const ValidatingJob* State::find_validating(const std::string& id) const {
+  const auto found = validating.find(id);
+  return found == validating.end() ? nullptr : &found->second;
+}
+
+ValidatingJob& State::add_validating(ValidatingJob job) {
+  const std::string id = job.spec->id();
+  if (!job.request_id.empty()) job_of_request[job.request_id] = id;
+  count_open_job(job.spec->owner(), 1);
+  return validating.emplace(id, std::move(job)).first->second;
+}
+
+std::map<std::string, ValidatingJob>::node_type State::remove_validating(const std::string& id) {
+  auto removed = validating.extract(id);
+  job_of_request.erase(removed.mapped().request_id);
+  count_open_job(removed.mapped().spec->owner(), -1);
+  return removed;
+}
+
 void State::set_open(JobRecord& record, bool is_open) {
   if (record.is_open == is_open) return;
   record.is_open = is_open;
-  count_open_job(record.spec->submitter(), is_open ? 1 : -1);
+  count_open_job(record.spec->owner(), is_open ? 1 : -1);
 }
 
-void State::count_open_job(const std::string& submitter, int change) {
-  const auto count = open_jobs.try_emplace(submitter).first;
+void State::count_open_job(const std::string& owner, int change) {
+  const auto count = open_jobs.try_emplace(owner).first;
   count->second += change;
   if (count->second == 0) open_jobs.erase(count);
 }

@@ -6,19 +6,25 @@
 // logged without it. Thread-safe.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <map>
 #include <mutex>
 #include <set>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "core/base/determinism_fingerprint.hpp"
+#include "server/base/duration_histogram.hpp"
 #include "server/base/rate_limited_log.hpp"
+#include "server/events/event_log.hpp"
 #include "server/farm/job_record.hpp"
 #include "server/farm/quarantine.hpp"
 #include "server/farm/troubles.hpp"
+#include "server/farm/validating_job.hpp"
 #include "server/farm/waiting_calls.hpp"
 #include "server/scheduler/scheduler.hpp"
 
@@ -29,9 +35,13 @@ struct Options {
   scheduler::Duration lease_duration = std::chrono::seconds(10);
   // The share of ranges that a second worker renders again to compare the bits: 0 to 1.
   double audit_share = 0;
-  // The determinism fingerprint that workers need to join. The default is that of the coordinator's own
-  // release.
-  std::string fingerprint{core::kDeterminismFingerprint};
+  // The determinism fingerprints that workers may have. Not empty. The default is that of the coordinator's
+  // own release.
+  std::set<std::string> fingerprints{std::string(core::kDeterminismFingerprint)};
+  // The clock that measures how long the state lock is held.
+  std::function<std::chrono::nanoseconds()> hold_clock = [] {
+    return std::chrono::nanoseconds(std::chrono::steady_clock::now().time_since_epoch());
+  };
   // The clock. Tests replace it.
   std::function<scheduler::Time()> now = std::chrono::steady_clock::now;
   // See scheduler::Options.
@@ -50,20 +60,33 @@ struct State {
   JobRecord& add_job(JobRecord record);
   // Removes a job that the scheduler no longer has. The caller destroys the returned record without the lock.
   std::map<std::string, JobRecord>::node_type remove_job(const std::string& id);
-  // Counts a job toward its submitter's unfinished ones, or no longer.
+  // Null if there is none.
+  ValidatingJob* find_validating(const std::string& id);
+  const ValidatingJob* find_validating(const std::string& id) const;
+  // Adds a job that is to be validated, and removes one that no longer is. The caller destroys the returned
+  // job without the lock.
+  ValidatingJob& add_validating(ValidatingJob job);
+  std::map<std::string, ValidatingJob>::node_type remove_validating(const std::string& id);
+  // Counts a job toward its owner's unfinished ones, or no longer.
   void set_open(JobRecord& record, bool is_open);
-  void count_open_job(const std::string& submitter, int change);
+  void count_open_job(const std::string& owner, int change);
 
   scheduler::Scheduler scheduler;
   std::map<std::string, JobRecord> jobs;              // by id
+  std::map<std::string, ValidatingJob> validating;    // by id; none of them is in `jobs`
   std::map<std::string, std::string> job_of_request;  // ids by request_id
-  // The unfinished jobs of each submitter, with those that are being checked (jobs/quota.hpp). Without zeros.
+  // The unfinished jobs of each owner, with those that are being submitted (jobs/quota.hpp) or validated.
+  // Without zeros.
   std::map<std::string, std::int64_t> open_jobs;
   std::map<std::string, WaitingCall> waiting;  // by worker
+  // Workers to which new work is offered next; the lock is released in between.
+  std::deque<std::string> to_offer;
   Quarantine quarantine;
   Troubles troubles;
   base::RateLimitedLog rejected_log, troubles_log;
-  std::set<std::string> to_reopen;             // jobs
+  std::set<std::string> to_reopen;  // jobs
+  // Workers of which stored jobs may have samples: these are to be found and reopened.
+  std::vector<scheduler::Producer> to_search;
   std::map<std::string, std::string> present;  // names of the registered workers by id, for the log
   // Somebody waits for a checkpoint: users learn that a job is done or has failed after the next one.
   bool checkpoint_is_awaited = false;
@@ -72,14 +95,24 @@ struct State {
 
 class Farm {
  public:
-  explicit Farm(Options options) : options_(std::move(options)), state_(options_) {}
+  explicit Farm(Options options)
+      : options_(std::move(options)), events_(options_.epoch), lock_holds_(hold_bounds()), state_(options_) {}
 
   const Options& options() const { return options_; }
+  // Readers of the log need no state lock. Changes are appended by StateLock.
+  events::EventLog& events() { return events_; }
+  // How long the state lock was held, each time.
+  const base::DurationHistogram& lock_holds() const { return lock_holds_; }
 
  private:
   friend class StateLock;
 
+  // From 10 µs to a second.
+  static std::vector<std::chrono::nanoseconds> hold_bounds();
+
   const Options options_;
+  events::EventLog events_;
+  base::DurationHistogram lock_holds_;
   std::mutex mutex_;
   State state_;  // guarded by mutex_
 };

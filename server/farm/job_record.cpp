@@ -9,7 +9,9 @@
 #include "core/scene/settings.hpp"
 #include "proto/convert.hpp"
 #include "proto/convert_display.hpp"
+#include "server/farm/stored_job.hpp"
 #include "server/farm/wire.hpp"
+#include "server/film/stored_counters.hpp"
 
 namespace tessera::farm {
 
@@ -17,6 +19,19 @@ namespace {
 
 bool is_known_state(int state) {
   return v1::JobState_IsValid(state) && state != v1::JOB_STATE_UNSPECIFIED;
+}
+
+// The row of a job that was never validated has no samples per pixel.
+bool is_validated(const store::JobRow& row) {
+  return row.spp > 0;
+}
+
+bool has_valid_settings(const store::JobRow& row, const v1::Job& spec) {
+  return row.spp <= core::kMaxSpp && proto::from_proto(spec.settings()).has_value();
+}
+
+bool ended_unvalidated(const store::JobRow& row) {
+  return row.state == v1::JOB_STATE_CANCELLED || row.state == v1::JOB_STATE_FAILED;
 }
 
 bool is_time(std::int64_t ms) {
@@ -46,8 +61,10 @@ scheduler::JobShape shape_of(const v1::Job& spec, std::uint32_t spp) {
 JobSnapshot::JobSnapshot(const JobRecord& record, scheduler::JobView job_view,
                          std::vector<std::string> job_troubles)
     : spec(record.spec),
+      is_validated(record.is_validated),
       request_id(record.request_id),
       revision(record.revision),
+      last_event(record.last_event),
       finished_ms(record.finished_ms),
       is_unpublished(record.unpublished_completion.has_value()),
       arithmetic(record.arithmetic),
@@ -59,25 +76,41 @@ JobSnapshot::JobSnapshot(const JobRecord& record, scheduler::JobView job_view,
 v1::Job describe(const JobSnapshot& snapshot) {
   v1::Job job = summarise(snapshot);
   *job.mutable_bundle() = snapshot.spec->bundle();
+  *job.mutable_warnings() = snapshot.spec->warnings();
   return job;
 }
 
-v1::Job summarise(const JobSnapshot& snapshot) {
-  const v1::Job& spec = *snapshot.spec;
-  const scheduler::JobView& view = snapshot.view;
+v1::Job summarise_spec(const v1::Job& spec) {
   v1::Job job;
   job.set_id(spec.id());
   job.set_name(spec.name());
   *job.mutable_settings() = spec.settings();
-  job.mutable_settings()->set_spp(view.shape.spp);
   if (spec.has_display()) *job.mutable_display() = spec.display();
-  job.set_submitter(spec.submitter());
+  job.set_priority(spec.priority());
+  job.set_max_workers(spec.max_workers());
+  job.set_owner(spec.owner());
+  *job.mutable_labels() = spec.labels();
   *job.mutable_created_at() = spec.created_at();
+  return job;
+}
+
+v1::Job summarise(const JobSnapshot& snapshot) {
+  const scheduler::JobView& view = snapshot.view;
+  v1::Job job = summarise_spec(*snapshot.spec);
+  job.set_revision(snapshot.last_event);
+  if (snapshot.is_validating) {
+    job.set_state(v1::JOB_STATE_VALIDATING);
+    return job;
+  }
+  if (snapshot.is_validated) job.mutable_settings()->set_spp(view.shape.spp);
   job.set_state(snapshot.is_unpublished ? v1::JOB_STATE_RUNNING : to_wire(view.state));
-  if (!snapshot.is_unpublished) job.set_failure(view.failure);
+  if (job.state() == v1::JOB_STATE_FAILED) {
+    job.set_failure(view.failure);
+    *job.mutable_failure_details() = to_wire({view.failure, view.failure_details}, view.shape.grid());
+  }
   job.set_priority(view.priority);
   job.set_max_workers(view.max_workers);
-  job.set_samples_total(view.samples_total);
+  if (snapshot.is_validated) job.set_samples_total(view.samples_total);
   job.set_samples_done(view.samples_done);
   job.set_samples_to_verify(view.samples_to_verify);
   job.set_samples_per_second(view.samples_per_second);
@@ -92,44 +125,96 @@ v1::Job summarise(const JobSnapshot& snapshot) {
 
 store::JobRow to_row(const JobSnapshot& job) {
   store::JobRow row;
-  row.id = job.spec->id();
+  write_spec(*job.spec, row);
   row.request_id = job.request_id;
-  row.spec = job.spec->SerializeAsString();
   row.revision = job.revision;
   row.state = to_wire(job.view.state);
   row.failure = job.view.failure;
-  row.spp = job.view.shape.spp;
+  row.spp = job.is_validated ? job.view.shape.spp : 0;
+  if (job.view.state == scheduler::JobState::kFailed)
+    row.failure_details = encode_failure(job.view.failure_details);
   row.priority = job.view.priority;
   row.max_workers = job.view.max_workers;
-  row.created_ms = ms_from_timestamp(job.spec->created_at());
   row.finished_ms = job.finished_ms;
-  row.counters = proto::to_proto(counters_of(job)).SerializeAsString();
+  row.counters = film::to_stored(counters_of(job)).SerializeAsString();
   row.arithmetic = job.arithmetic;
+  if (job.film) row.producers = job.film->producers().encode();
   return row;
+}
+
+void write_spec(const v1::Job& spec, store::JobRow& row) {
+  row.id = spec.id();
+  row.spec = encode_spec(spec);
+  row.bundle = encode_bundle(spec.bundle());
+  row.owner = spec.owner();
+  row.created_ms = ms_from_timestamp(spec.created_at());
+}
+
+// Rows of earlier releases have the bundle in their spec.
+bool read_spec(const store::JobRow& row, v1::Job& spec) {
+  return decode_spec(row.spec, spec) && spec.id() == row.id &&
+         (row.bundle.empty() || decode_bundle(row.bundle, *spec.mutable_bundle()));
+}
+
+core::Error damaged_job(const std::string& id) {
+  return {
+      core::ErrorCode::kDataLoss,
+      fmt::format("the stored job {} is damaged: delete it and submit its scene again, or put back a copy of "
+                  "the state folder",
+                  core::printable(id))};
 }
 
 core::Result<JobRecord> from_row(const store::JobRow& row) {
   auto spec = std::make_shared<v1::Job>();
-  v1::Counters counters;
-  if (!row.intact || !spec->ParseFromString(row.spec) || !counters.ParseFromString(row.counters) ||
-      spec->id() != row.id || !is_text(row.failure) || !proto::from_proto(spec->settings()) ||
-      !proto::from_proto(spec->display()) || row.spp < 1 || row.spp > core::kMaxSpp ||
-      !is_known_state(row.state) || !is_time(row.finished_ms.value_or(0))) {
-    return core::fail(
-        core::ErrorCode::kDataLoss,
-        fmt::format(
-            "the stored job {} is damaged: delete it and submit its scene again, or put back a copy of the "
-            "state folder",
-            core::printable(row.id)));
+  stored::v1::Counters counters;
+  if (!row.intact || !read_spec(row, *spec) || !counters.ParseFromString(row.counters) ||
+      !is_text(row.failure) || !proto::from_proto(spec->display()) ||
+      !(is_validated(row) ? has_valid_settings(row, *spec) : ended_unvalidated(row)) ||
+      !is_known_state(row.state) || !is_time(row.finished_ms.value_or(0)))
+    return core::fail(damaged_job(row.id));
+  JobRecord record;
+  record.is_validated = is_validated(row);
+  record.spec = std::move(spec);
+  record.request_id = row.request_id;
+  record.revision = record.stored_revision = record.last_event = row.revision;
+  record.finished_ms = row.finished_ms;
+  record.arithmetic = row.arithmetic;
+  record.stored_counters = film::from_stored(counters);
+  return record;
+}
+
+JobRecord record_of_damaged(const store::JobRow& row) {
+  auto spec = std::make_shared<v1::Job>();
+  spec->set_id(row.id);
+  spec->set_name("(damaged)");
+  spec->mutable_settings()->set_width_px(1);
+  spec->mutable_settings()->set_height_px(1);
+  *spec->mutable_created_at() = timestamp_from_ms(row.created_ms);
+  if (const auto readable = from_row(row)) {
+    *spec->mutable_bundle() = readable->spec->bundle();
+    spec->set_owner(readable->spec->owner());
   }
   JobRecord record;
   record.spec = std::move(spec);
   record.request_id = row.request_id;
-  record.revision = record.stored_revision = row.revision;
+  record.revision = record.stored_revision = record.last_event = row.revision;
   record.finished_ms = row.finished_ms;
-  record.arithmetic = row.arithmetic;
-  record.stored_counters = proto::from_proto(counters);
+  record.row_is_left = true;
   return record;
+}
+
+JobSnapshot snapshot_of_damaged(const store::JobRow& row, const core::Error& error) {
+  using scheduler::FailureReason;
+  const bool is_limit = error.code == core::ErrorCode::kResourceExhausted;
+  scheduler::JobView view;
+  view.id = {row.id};
+  view.shape = kNoShape;
+  view.state = scheduler::JobState::kFailed;
+  view.failure = error.message;
+  view.failure_details.reason = is_limit ? FailureReason::kLimit : FailureReason::kFilmLost;
+  view.priority = row.priority;
+  view.max_workers = row.max_workers;
+  return {record_of_damaged(row), std::move(view)};
 }
 
 }  // namespace tessera::farm

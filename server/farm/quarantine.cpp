@@ -1,53 +1,99 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/farm/quarantine.hpp"
 
-#include <fmt/format.h>
+#include <utility>
 
 namespace tessera::farm {
 
-bool Quarantine::refused(const std::string& worker, const std::string& machine) {
-  Entry& entry = entries_[worker];
-  ++entry.refused;
-  if (++entry.in_a_row < kRejectionsUntilQuarantine) return false;
-  return quarantined(worker, machine,
-                     fmt::format("{} of its results in a row were rejected", kRejectionsUntilQuarantine));
+namespace {
+
+using WorkersByKey = std::map<std::string, std::set<std::string>>;
+
+const std::set<std::string>& workers_of(const WorkersByKey& workers, const std::string& key) {
+  static const std::set<std::string> kNone;
+  const auto found = workers.find(key);
+  return found == workers.end() ? kNone : found->second;
 }
 
-bool Quarantine::quarantined(const std::string& worker, const std::string& machine,
-                             const std::string& because) {
-  Entry& entry = entries_[worker];
-  if (entry.aside) return false;
-  entry.aside = true;
-  entry.because = because;
-  if (!machine.empty()) machines_aside_.emplace(machine, because);
-  return true;
+void enter(WorkersByKey& workers, const std::string& key, const std::string& worker) {
+  if (!key.empty()) workers[key].insert(worker);
 }
 
-std::string Quarantine::because(const std::string& worker, const std::string& machine) const {
-  const auto entry = entries_.find(worker);
-  if (entry != entries_.end() && entry->second.aside) return entry->second.because;
-  const auto first = machines_aside_.find(machine);
-  return first == machines_aside_.end() ? "" : first->second;
+void leave(WorkersByKey& workers, const std::string& key, const std::string& worker) {
+  const auto found = workers.find(key);
+  if (found == workers.end()) return;
+  found->second.erase(worker);
+  if (found->second.empty()) workers.erase(found);
 }
 
-void Quarantine::forget_others(const std::set<std::string>& present) {
-  std::erase_if(entries_,
-                [&](const auto& entry) { return !entry.second.aside && !present.contains(entry.first); });
+}  // namespace
+
+bool Quarantine::refused(const std::string& worker) {
+  Rejections& rejections = rejections_[worker];
+  ++rejections.all;
+  return ++rejections.in_a_row >= kRejectionsUntilQuarantine;
 }
 
 void Quarantine::in_order(const std::string& worker) {
-  const auto entry = entries_.find(worker);
-  if (entry != entries_.end()) entry->second.in_a_row = 0;
+  const auto found = rejections_.find(worker);
+  if (found != rejections_.end()) found->second.in_a_row = 0;
 }
 
 std::uint64_t Quarantine::refusals(const std::string& worker) const {
-  const auto entry = entries_.find(worker);
-  return entry == entries_.end() ? 0 : entry->second.refused;
+  const auto found = rejections_.find(worker);
+  return found == rejections_.end() ? 0 : found->second.all;
 }
 
-bool Quarantine::is_quarantined(const std::string& worker) const {
+bool Quarantine::add(QuarantineEntry entry) {
+  const std::string worker = entry.producer.worker.value;
+  const auto [added, is_new] = entries_.try_emplace(worker, std::move(entry));
+  if (!is_new) return false;
+  by_age_.emplace(added->second.since_ms, worker);
+  enter(by_machine_, added->second.producer.machine, worker);
+  enter(by_principal_, added->second.producer.principal, worker);
+  changes_.insert(worker);
+  if (entries_.size() > kMaxEntries) remove(std::string(by_age_.begin()->second));
+  return true;
+}
+
+void Quarantine::remove(const std::string& worker) {
   const auto entry = entries_.find(worker);
-  return entry != entries_.end() && entry->second.aside;
+  by_age_.erase({entry->second.since_ms, worker});
+  leave(by_machine_, entry->second.producer.machine, worker);
+  leave(by_principal_, entry->second.producer.principal, worker);
+  entries_.erase(entry);
+  changes_.insert(worker);
+}
+
+std::vector<QuarantineEntry> Quarantine::lift(const std::string& worker) {
+  std::vector<QuarantineEntry> lifted;
+  const auto entry = entries_.find(worker);
+  if (entry == entries_.end()) return lifted;
+  std::set<std::string> workers{worker};
+  workers.merge(std::set(workers_of(by_machine_, entry->second.producer.machine)));
+  workers.merge(std::set(workers_of(by_principal_, entry->second.producer.principal)));
+  for (const std::string& each : workers) {
+    lifted.push_back(entries_.at(each));
+    remove(each);
+    in_order(each);
+  }
+  return lifted;
+}
+
+const QuarantineEntry* Quarantine::find(const scheduler::Producer& worker, bool is_registered) const {
+  const auto own = entries_.find(worker.worker.value);
+  if (own != entries_.end()) return &own->second;
+  const std::set<std::string>* alike = &workers_of(by_principal_, worker.principal);
+  if (alike->empty() && !is_registered) alike = &workers_of(by_machine_, worker.machine);
+  return alike->empty() ? nullptr : &entries_.at(*alike->begin());
+}
+
+std::set<std::string> Quarantine::take_changes() {
+  return std::exchange(changes_, {});
+}
+
+void Quarantine::return_changes(std::set<std::string> changes) {
+  changes_.merge(std::move(changes));
 }
 
 }  // namespace tessera::farm

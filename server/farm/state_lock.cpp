@@ -2,33 +2,51 @@
 #include "server/farm/state_lock.hpp"
 
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 
 #include <chrono>
+#include <utility>
 
+#include "proto/log.hpp"
 #include "server/base/wall_clock.hpp"
 
 namespace tessera::farm {
 
+namespace {
+
+// Workers that are offered work under one hold of the lock, which takes some ten microseconds for each.
+constexpr std::size_t kOffersAtOnce = 16;
+
+}  // namespace
+
 StateLock::StateLock(Farm& farm)
-    : lock_(farm.mutex_), options_(farm.options_), state_(farm.state_), now_(farm.options_.now()) {}
+    : farm_(farm),
+      lock_(farm.mutex_),
+      since_(farm.options_.hold_clock()),
+      options_(farm.options_),
+      events_(farm.events_),
+      state_(farm.state_),
+      now_(farm.options_.now()) {}
 
 StateLock::~StateLock() {
+  const std::chrono::nanoseconds held = options_.hold_clock() - since_;
   lock_.unlock();
+  farm_.lock_holds_.observe(held);
   for (const auto& action : later_) action();
 }
 
-void StateLock::log(spdlog::level::level_enum level, std::string line) {
-  later([level, line = std::move(line)] { spdlog::log(level, "{}", line); });
+void StateLock::log(spdlog::level::level_enum level, std::string line, proto::LogFields fields) {
+  later([level, line = proto::LogLine{std::move(line), std::move(fields)}] { proto::log(level, line); });
 }
 
-void StateLock::log_some(base::RateLimitedLog& some, std::string line) {
-  if (auto due = some.note(std::move(line), now_)) log(spdlog::level::warn, *std::move(due));
+void StateLock::log_some(base::RateLimitedLog& some, proto::LogLine line) {
+  if (auto due = some.note(std::move(line), now_))
+    log(spdlog::level::warn, std::move(due->message), std::move(due->fields));
 }
 
 void StateLock::log_suppressed() {
   for (base::RateLimitedLog* some : {&state_.rejected_log, &state_.troubles_log})
-    if (auto due = some->take_due(now_)) log(spdlog::level::warn, *std::move(due));
+    if (auto due = some->take_due(now_))
+      log(spdlog::level::warn, std::move(due->message), std::move(due->fields));
 }
 
 JobSnapshot StateLock::snapshot_of(const JobRecord& record) const {
@@ -36,6 +54,49 @@ JobSnapshot StateLock::snapshot_of(const JobRecord& record) const {
   scheduler::JobView view = *state_.scheduler.job({id}, now_);
   const bool is_running = view.state == scheduler::JobState::kRunning || record.unpublished_completion;
   return {record, std::move(view), is_running ? state_.troubles.of_job(id) : std::vector<std::string>{}};
+}
+
+events::Revision StateLock::note_progress(JobRecord& record) {
+  const std::string& id = record.spec->id();
+  const bool is_over = !record.is_open && !record.unpublished_completion;
+  return record.last_event = is_over ? events_.append_end(events::SubjectKind::kJob, id)
+                                     : events_.append(events::SubjectKind::kJob, id);
+}
+
+std::map<std::string, JobRecord>::node_type StateLock::remove_job(const std::string& id) {
+  auto removed = state_.remove_job(id);
+  events_.append_end(events::SubjectKind::kJob, id);
+  return removed;
+}
+
+void StateLock::add_validating(ValidatingJob job) {
+  ValidatingJob& added = state_.add_validating(std::move(job));
+  added.last_event = events_.append(events::SubjectKind::kJob, added.spec->id());
+}
+
+std::map<std::string, ValidatingJob>::node_type StateLock::delete_validating(const std::string& id) {
+  auto deleted = state_.remove_validating(id);
+  events_.append_end(events::SubjectKind::kJob, id);
+  return deleted;
+}
+
+void StateLock::note_worker(const std::string& id) {
+  if (state_.scheduler.has_worker({id})) {
+    events_.append(events::SubjectKind::kWorker, id);
+  } else {
+    events_.append_end(events::SubjectKind::kWorker, id);
+  }
+}
+
+void StateLock::quarantine(const scheduler::Producer& producer, const std::string& because) {
+  const scheduler::WorkerInfo* const info = state_.scheduler.worker_info(producer.worker);
+  const std::string& principal = info == nullptr ? producer.principal : info->principal;
+  if (!state_.quarantine.add({producer, principal, because, base::wall_clock_ms()})) return;
+  note_worker(producer.worker.value);
+  log(spdlog::level::err,
+      fmt::format("worker {} ({}) is quarantined: {}. Its other results are verified by others",
+                  called(producer), producer.worker.value, because),
+      {.worker = producer.worker.value, .principal = principal});
 }
 
 scheduler::Actions StateLock::handle(const scheduler::Event& event) {
@@ -46,37 +107,96 @@ scheduler::Actions StateLock::handle(const scheduler::Event& event) {
 
 void StateLock::apply(const scheduler::Actions& actions) {
   std::vector<scheduler::Actions> todo{actions};
-  std::set<std::string> asked;  // each worker once: leases for one worker are not free for the next
   while (!todo.empty()) {
     const scheduler::Actions next = std::move(todo.back());
     todo.pop_back();
     follow_audits(next);
     if (!next.discarded.empty()) later([discarded = next.discarded] {});  // destroyed without the lock
     for (const scheduler::JobChange& change : next.job_changes) note_change(change);
+    append_events(next);
+    for (const scheduler::WorkerId& worker : next.changed_workers) note_presence(worker);
     for (const std::string& stalled : next.stalled) log(spdlog::level::warn, stalled);
     for (const scheduler::WorkerId& worker : next.wake) {
-      if (asked.insert(worker.value).second) todo.push_back(top_up(*this, worker.value, false));
+      if (offered_.size() == kOffersAtOnce) {
+        offer_later(worker.value);
+      } else if (offered_.insert(worker.value).second) {
+        todo.push_back(top_up(*this, worker.value, false));
+      }
     }
   }
+}
+
+// Any thread that takes the lock in between may be given some of the work.
+void StateLock::offer_later(const std::string& worker) {
+  if (offered_.contains(worker)) return;
+  state_.to_offer.push_back(worker);
+  if (std::exchange(continues_offers_, true)) return;
+  later([&farm = farm_] {
+    StateLock lock(farm);
+    lock.continue_offers();
+  });
+}
+
+void StateLock::continue_offers() {
+  while (!state_.to_offer.empty() && offered_.size() < kOffersAtOnce) {
+    const std::string worker = std::move(state_.to_offer.front());
+    state_.to_offer.pop_front();
+    if (offered_.insert(worker).second) apply(top_up(*this, worker, false));
+  }
+  if (state_.to_offer.empty()) return;
+  const std::string next = std::move(state_.to_offer.front());
+  state_.to_offer.pop_front();
+  offer_later(next);
+}
+
+void StateLock::note_presence(const scheduler::WorkerId& worker) {
+  const std::string& id = worker.value;
+  const auto view = state_.scheduler.worker(worker, now_);
+  const auto before = state_.present.find(id);
+  if (view && !view->silent && before == state_.present.end()) {
+    state_.present.emplace(id, view->info.name);
+    log(spdlog::level::info, fmt::format("worker {} ({}) registered", view->info.name, id),
+        {.worker = id, .principal = view->info.principal});
+  } else if ((!view || view->silent) && before != state_.present.end()) {
+    log(spdlog::level::warn, fmt::format("worker {} ({}) is lost", before->second, id), {.worker = id});
+    state_.present.erase(before);
+  }
+  if (view) return;
+  state_.quarantine.forget(id);
+  state_.troubles.forget(id);
+}
+
+void StateLock::append_events(const scheduler::Actions& actions) {
+  const auto note_job = [this](const scheduler::JobId& job) {
+    if (JobRecord* const record = state_.find_job(job.value)) note_progress(*record);
+  };
+  for (const auto* const jobs : {&actions.changed_jobs, &actions.progressed_jobs})
+    for (const scheduler::JobId& job : *jobs) note_job(job);
+  for (const scheduler::TileOfJob& reviewed : actions.reviewed_tiles) note_job(reviewed.job);
+  for (const auto* const workers : {&actions.changed_workers, &actions.progressed_workers})
+    for (const scheduler::WorkerId& worker : *workers) note_worker(worker.value);
 }
 
 void StateLock::note_change(const scheduler::JobChange& change) {
   JobRecord* record = state_.find_job(change.id.value);
   if (record == nullptr) return;
-  ++record->revision;
+  state_.set_open(*record, !is_finished(change.to));
   record->finished_ms.reset();
   record->unpublished_completion.reset();
+  this->change(*record);
   if (change.to == scheduler::JobState::kDone || change.to == scheduler::JobState::kFailed) {
     record->unpublished_completion = record->revision;
     state_.checkpoint_is_awaited = true;
   }
   if (is_finished(change.to)) record->finished_ms = base::wall_clock_ms();
-  state_.set_open(*record, !is_finished(change.to));
-  log(spdlog::level::info, fmt::format("job {} ({}) is {}", change.id.value, record->spec->name(),
-                                       scheduler::job_state_name(change.to)));
+  log(spdlog::level::info,
+      fmt::format("job {} ({}) is {}", change.id.value, record->spec->name(),
+                  scheduler::job_state_name(change.to)),
+      {.job = change.id.value});
   if (change.to == scheduler::JobState::kFailed) {
     log(spdlog::level::err,
-        fmt::format("job {}: {}", change.id.value, state_.scheduler.job(change.id, {})->failure));
+        fmt::format("job {}: {}", change.id.value, state_.scheduler.job(change.id, {})->failure),
+        {.job = change.id.value});
   }
 }
 
@@ -88,19 +208,17 @@ void StateLock::follow_audits(const scheduler::Actions& actions) {
     record->film->note_review(reviewed.tile, spare);
   }
   for (const scheduler::Disproof& disproof : actions.disproved) {
-    const scheduler::Producer& producer = disproof.producer;
-    if (!state_.quarantine.quarantined(producer.worker.value, producer.machine, disproof.because)) continue;
-    log(spdlog::level::err,
-        fmt::format("worker {} ({}) is quarantined: {}. Its other results are verified by others",
-                    called(producer), producer.worker.value, disproof.because));
+    quarantine(disproof.producer, disproof.because);
   }
   for (const std::string& contradiction : actions.contradictions) log(spdlog::level::warn, contradiction);
+  state_.to_search.insert(state_.to_search.end(), actions.distrusted.begin(), actions.distrusted.end());
   for (const scheduler::JobId& job : actions.reopen) state_.to_reopen.insert(job.value);
   for (const scheduler::Unaudited& unaudited : actions.unaudited) {
     log(spdlog::level::warn,
         fmt::format(
             "job {}: {} ranges that were chosen to be audited were not: there was no worker of another name",
-            unaudited.job.value, unaudited.ranges));
+            unaudited.job.value, unaudited.ranges),
+        {.job = unaudited.job.value});
   }
 }
 

@@ -5,8 +5,11 @@
 
 #include <spdlog/common.h>
 
+#include <chrono>
 #include <functional>
+#include <map>
 #include <mutex>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -30,32 +33,62 @@ class StateLock {
   // Runs the callback after the mutex is released.
   void later(std::function<void()> action) { later_.push_back(std::move(action)); }
   // Logs after the mutex is released.
-  void log(spdlog::level::level_enum level, std::string line);
+  void log(spdlog::level::level_enum level, std::string line, proto::LogFields fields = {});
   // As log(), each limited to a line in ten seconds.
-  void log_rejection(std::string line) { log_some(state_.rejected_log, std::move(line)); }
-  void log_trouble(std::string line) { log_some(state_.troubles_log, std::move(line)); }
+  void log_rejection(std::string line, proto::LogFields fields = {}) {
+    log_some(state_.rejected_log, {std::move(line), std::move(fields)});
+  }
+  void log_trouble(std::string line, proto::LogFields fields = {}) {
+    log_some(state_.troubles_log, {std::move(line), std::move(fields)});
+  }
   // Logs suppressed lines that are due.
   void log_suppressed();
 
   // A snapshot of a job that exists.
   JobSnapshot snapshot_of(const JobRecord& record) const;
 
+  // The job has changed, and the store must learn of it.
+  void change(JobRecord& record) { record.revision = note_progress(record); }
+  // The job has changed, but not what the store keeps of it besides its tiles. Returns the revision.
+  events::Revision note_progress(JobRecord& record);
+  // Removes a job that the scheduler no longer has. The caller destroys the returned record without the lock.
+  std::map<std::string, JobRecord>::node_type remove_job(const std::string& id);
+  // Adds a job that is to be validated.
+  void add_validating(ValidatingJob job);
+  // Removes a deleted job that was to be validated. The caller destroys the returned job without the lock.
+  std::map<std::string, ValidatingJob>::node_type delete_validating(const std::string& id);
+  // What is known of a worker besides the scheduler has changed.
+  void note_worker(const std::string& id);
+  // Puts a worker into quarantine, if it is not in it, and logs that. Its leases stay.
+  void quarantine(const scheduler::Producer& producer, const std::string& because);
+
   // Advances the scheduler by one event and does what follows. Returns the actions, which are done.
   scheduler::Actions handle(const scheduler::Event& event);
   // Does what follows from an event: notes changes of jobs, quarantines workers, and offers new work to
-  // workers whose calls wait.
+  // workers whose calls wait. If these are many, the others are offered it after the mutex is released.
   void apply(const scheduler::Actions& actions);
 
  private:
-  void log_some(base::RateLimitedLog& log, std::string line);
+  void log_some(base::RateLimitedLog& log, proto::LogLine line);
   void note_change(const scheduler::JobChange& change);
+  void append_events(const scheduler::Actions& actions);
   void follow_audits(const scheduler::Actions& actions);
+  void offer_later(const std::string& worker);
+  void continue_offers();
+  // Logs that a worker has come or gone, and forgets one that the scheduler has forgotten.
+  void note_presence(const scheduler::WorkerId& worker);
 
+  Farm& farm_;
   std::unique_lock<std::mutex> lock_;
+  const std::chrono::nanoseconds since_;  // by Options::hold_clock
   const Options& options_;
+  events::EventLog& events_;
   State& state_;
   const scheduler::Time now_;
   std::vector<std::function<void()>> later_;
+  // The workers that were offered work under this lock, each once: leases for one are not free for the next.
+  std::set<std::string> offered_;
+  bool continues_offers_ = false;
 };
 
 }  // namespace tessera::farm

@@ -43,16 +43,20 @@ std::vector<std::string> Troubles::note(const v1::SynchronizeRequest& request) {
   return fresh;
 }
 
-void Troubles::forget_others(const std::set<std::string>& present) {
-  std::erase_if(entries_, [&](const auto& entry) { return !present.contains(entry.first); });
-}
-
 std::vector<std::string> Troubles::of_worker(const std::string& worker) const {
   std::vector<std::string> sentences;
   const auto entries = entries_.find(worker);
   if (entries == entries_.end()) return sentences;
   for (const Entry& entry : entries->second) sentences.push_back(entry.text);
   return sentences;
+}
+
+std::set<std::string> Troubles::jobs_of_worker(const std::string& worker) const {
+  std::set<std::string> jobs;
+  const auto entries = entries_.find(worker);
+  if (entries == entries_.end()) return jobs;
+  for (const Entry& entry : entries->second) jobs.insert(entry.job);
+  return jobs;
 }
 
 std::vector<std::string> Troubles::of_job(const std::string& job) const {

@@ -23,11 +23,12 @@ class Troubles {
 
   // Replaces the worker's earlier reasons. Returns the new ones for the log, in the form of of_job().
   std::vector<std::string> note(const v1::SynchronizeRequest& request);
-  // Forgets all other workers.
-  void forget_others(const std::set<std::string>& present);
+  void forget(const std::string& worker) { entries_.erase(worker); }
 
   // The worker's reasons as it gave them.
   std::vector<std::string> of_worker(const std::string& worker) const;
+  // The jobs of these reasons; empty: every job.
+  std::set<std::string> jobs_of_worker(const std::string& worker) const;
   // The reasons of all workers that concern this job or every job: "worker NAME says: ...".
   std::vector<std::string> of_job(const std::string& job) const;
 

@@ -31,6 +31,7 @@ v1::SynchronizeResponse LeaseMessages::build() const {
     *job->mutable_settings() = spec.settings();
   }
   *response.mutable_heartbeat_timeout() = to_wire(reply_.heartbeat_timeout);
+  response.set_stop(reply_.stop);
   return response;
 }
 

@@ -17,6 +17,14 @@ namespace tessera::farm {
 
 class StateLock;
 
+// The principal of a worker's call.
+struct WorkerPrincipal {
+  // See scheduler::WorkerInfo.
+  std::string name{};
+  bool individual = false;
+  std::string origin{};
+};
+
 // The caller that waits for the answer to a Synchronize.
 struct SynchronizeCaller {
   // Called exactly once, on any thread, without the state lock.
@@ -24,8 +32,7 @@ struct SynchronizeCaller {
   // Whether the caller has gone. Called on any thread until `answer` is called. A caller that has gone is
   // given no leases.
   std::function<bool()> is_gone = [] { return false; };
-  // See scheduler::WorkerInfo.
-  std::string principal{};
+  WorkerPrincipal principal{};
 };
 
 struct WaitingCall {

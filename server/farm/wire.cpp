@@ -10,7 +10,17 @@
 namespace tessera::farm {
 
 using google::protobuf::util::TimeUtil;
+using scheduler::FailureReason;
 using scheduler::JobState;
+
+// Both enumerations have the same numbers.
+static_assert(static_cast<int>(FailureReason::kInvalidScene) == v1::Failure::REASON_INVALID_SCENE);
+static_assert(static_cast<int>(FailureReason::kLimit) == v1::Failure::REASON_LIMIT);
+static_assert(static_cast<int>(FailureReason::kWorkersLost) == v1::Failure::REASON_WORKERS_LOST);
+static_assert(static_cast<int>(FailureReason::kDeclined) == v1::Failure::REASON_DECLINED);
+static_assert(static_cast<int>(FailureReason::kFileLost) == v1::Failure::REASON_FILE_LOST);
+static_assert(static_cast<int>(FailureReason::kFilmLost) == v1::Failure::REASON_FILM_LOST);
+static_assert(static_cast<int>(FailureReason::kInternal) == v1::Failure::REASON_INTERNAL);
 
 v1::JobState to_wire(JobState state) {
   switch (state) {
@@ -43,6 +53,17 @@ JobState from_wire(v1::JobState state) {
   }
 }
 
+v1::Failure to_wire(const scheduler::Failure& failure, const core::TileGrid& grid) {
+  v1::Failure message;
+  message.set_reason(static_cast<v1::Failure::Reason>(failure.details.reason));
+  message.set_message(failure.message);
+  const auto& item = failure.details.item;
+  if (item && item->tile >= 0 && item->tile < grid.tile_count())
+    *message.mutable_item() = proto::to_proto(proto::WorkItem{grid.rect(item->tile), item->samples});
+  for (const std::string& worker : failure.details.workers) message.add_workers(worker);
+  return message;
+}
+
 v1::Lease to_wire(const scheduler::LeaseDescription& lease, const core::TileGrid& grid) {
   v1::Lease message;
   message.set_id(lease.id.value);
@@ -70,8 +91,8 @@ scheduler::Rendering from_wire(const v1::Rendering& message, const core::TileGri
   return rendering;
 }
 
-v1::ListWorkersResponse::Worker to_wire(const scheduler::WorkerView& worker, std::int64_t seen_ms) {
-  v1::ListWorkersResponse::Worker message;
+v1::Worker to_wire(const scheduler::WorkerView& worker, std::int64_t seen_ms) {
+  v1::Worker message;
   message.set_id(worker.info.id.value);
   message.set_name(worker.info.name);
   message.set_threads(static_cast<std::uint32_t>(worker.info.threads));
@@ -85,6 +106,8 @@ v1::ListWorkersResponse::Worker to_wire(const scheduler::WorkerView& worker, std
   message.set_audited_ranges(worker.audited_ranges);
   message.set_disproved_ranges(worker.disproved_ranges);
   message.set_stuck(worker.stuck);
+  message.set_principal(worker.info.principal);
+  message.set_drain_requested(worker.drain_requested);
   for (const scheduler::CooldownView& bar : worker.cooldowns) {
     auto& each = *message.add_cooldowns();
     each.set_job_id(bar.job.value);

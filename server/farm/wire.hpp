@@ -16,6 +16,9 @@ v1::JobState to_wire(scheduler::JobState state);
 // RUNNING for an unknown value.
 scheduler::JobState from_wire(v1::JobState state);
 
+// The grid is that of the job.
+v1::Failure to_wire(const scheduler::Failure& failure, const core::TileGrid& grid);
+
 v1::Lease to_wire(const scheduler::LeaseDescription& lease, const core::TileGrid& grid);
 // Leaves out empty items. Rectangles that are no tile become kNoTile.
 scheduler::LeaseDescription from_wire(const v1::Lease& lease, const core::TileGrid& grid);
@@ -23,7 +26,7 @@ scheduler::LeaseDescription from_wire(const v1::Lease& lease, const core::TileGr
 scheduler::Rendering from_wire(const v1::Rendering& rendering, const core::TileGrid& grid);
 
 // `seen_ms` is when it was last seen, in milliseconds since 1970-01-01 UTC.
-v1::ListWorkersResponse::Worker to_wire(const scheduler::WorkerView& worker, std::int64_t seen_ms);
+v1::Worker to_wire(const scheduler::WorkerView& worker, std::int64_t seen_ms);
 
 // Times outside the years 1 to 9999, which a Timestamp cannot hold, are clamped.
 google::protobuf::Timestamp timestamp_from_ms(std::int64_t ms);

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+// Converts what the store keeps of a job to and from its bytes (store/stored.proto), and reads those of
+// earlier releases, which were messages of the protocol. Pure functions.
+#pragma once
+
+#include <string>
+
+#include "server/scheduler/failure.hpp"
+#include "tessera/v1/render_service.pb.h"
+#include "tessera/v1/types.pb.h"
+
+namespace tessera::farm {
+
+// Without the bundle, which has a column of its own.
+std::string encode_spec(const v1::Job& job);
+// Whether the bytes could be read. Sets everything that encode_spec() has written; those of earlier releases
+// also have the bundle.
+bool decode_spec(const std::string& bytes, v1::Job& job);
+
+// Only the overrides and the display of a submission.
+std::string encode_submission(const v1::SubmitJobRequest& submission);
+bool decode_submission(const std::string& bytes, v1::SubmitJobRequest& submission);
+
+std::string encode_failure(const scheduler::FailureDetails& details);
+// Bytes that cannot be read are of an unknown reason.
+scheduler::FailureDetails decode_failure(const std::string& bytes);
+
+std::string encode_bundle(const v1::Bundle& bundle);
+bool decode_bundle(const std::string& bytes, v1::Bundle& bundle);
+
+}  // namespace tessera::farm
