@@ -10,6 +10,7 @@
 #include "core/base/printable.hpp"
 #include "proto/blob.hpp"
 #include "server/farm/job_record.hpp"
+#include "server/farm/validating_job.hpp"
 #include "server/farm/wire.hpp"
 #include "server/film/stored_tile.hpp"
 #include "server/store/log_damage.hpp"
@@ -73,16 +74,18 @@ JobFindings check_job(store::JobStore& jobs, const store::JobRow& row, const Blo
                       std::set<std::string>& named) {
   JobFindings findings;
   findings.id = row.id;
-  const auto record = farm::from_row(row);
-  if (!record) {
+  const auto job = farm::spec_from_row(row);
+  if (!job) {
     findings.name = "?";
     findings.state = "?";
-    findings.damage.push_back(record.error().message);
+    findings.damage.push_back(job.error().message);
     return findings;
   }
-  const v1::Job& spec = *record->spec;
+  const v1::Job& spec = **job;
   findings.name = spec.name();
-  findings.state = scheduler::job_state_name(farm::from_wire(static_cast<v1::JobState>(row.state)));
+  findings.state = row.state == v1::JOB_STATE_VALIDATING
+                       ? "validating"
+                       : scheduler::job_state_name(farm::from_wire(static_cast<v1::JobState>(row.state)));
   const core::TileGrid grid = farm::grid_of(spec);
   for (int tile = 0; tile < grid.tile_count(); ++tile)
     findings.samples_total += std::uint64_t{row.spp} * grid.rect(tile).pixel_count();
@@ -92,6 +95,15 @@ JobFindings check_job(store::JobStore& jobs, const store::JobRow& row, const Blo
   check_tiles(jobs, row, spec, findings);
   check_assets(spec.bundle(), blobs, is_unfinished(row.state), findings);
   return findings;
+}
+
+// A start looks at jobs that are not settled.
+void note_missing_samples(const store::JobRow& row, JobFindings& job, StateFindings& findings) {
+  if (row.settled)
+    job.damage.push_back("some of its tiles are missing: --salvage has them rendered again");
+  else
+    findings.notes.push_back(
+        fmt::format("samples of job {} are missing: the next start renders them again", job.id));
 }
 
 void check_jobs(const std::filesystem::path& database, const BlobStates& blobs, std::set<std::string>& named,
@@ -111,10 +123,9 @@ void check_jobs(const std::filesystem::path& database, const BlobStates& blobs, 
     findings.damage.push_back(fmt::format("{}: {} or more jobs cannot be read: --salvage keeps the others",
                                           database.string(), readable->unreadable));
   for (const store::JobRow& row : readable->rows) {
-    const JobFindings& job = findings.jobs.emplace_back(check_job(*jobs, row, blobs, named));
+    JobFindings& job = findings.jobs.emplace_back(check_job(*jobs, row, blobs, named));
     if (row.state == v1::JOB_STATE_DONE && job.damage.empty() && job.samples_done < job.samples_total)
-      findings.notes.push_back(
-          fmt::format("samples of job {} are missing: the next start renders them again", job.id));
+      note_missing_samples(row, job, findings);
   }
 }
 

@@ -11,6 +11,7 @@
 
 #include "server/admin/state_check.hpp"
 #include "server/farm/job_record.hpp"
+#include "server/farm/validating_job.hpp"
 #include "server/film/stored_tile.hpp"
 #include "server/store/log_damage.hpp"
 #include "server/store/replacement.hpp"
@@ -62,6 +63,17 @@ std::uint32_t epoch_beyond_all() {
       .count();
 }
 
+// As far as they can be read: what is lost is found again by audits.
+core::Status copy_quarantine(store::JobStore& from, store::JobStore& to) {
+  const auto rows = from.quarantine();
+  if (!rows) return {};
+  for (const store::QuarantineRow& row : *rows) {
+    if (!row.intact) continue;
+    if (auto kept = to.write_quarantine(row.id, row.content); !kept) return kept;
+  }
+  return {};
+}
+
 // Damage can duplicate rows, and give two jobs the same request_id.
 core::Result<Salvage> copy_whole_jobs(const fs::path& database, store::JobStore& from, store::JobStore& to) {
   auto readable = from.readable_jobs();
@@ -70,15 +82,17 @@ core::Result<Salvage> copy_whole_jobs(const fs::path& database, store::JobStore&
   salvage.lost_jobs = readable->unreadable;
   std::set<std::string> kept_ids, kept_requests;
   for (store::JobRow& row : readable->rows) {
-    const auto record = farm::from_row(row);
-    if (record && !kept_ids.insert(row.id).second) continue;
-    ++(record ? salvage.jobs : salvage.lost_jobs);
-    if (!record) continue;
+    const auto job = farm::spec_from_row(row);
+    if (job && !kept_ids.insert(row.id).second) continue;
+    ++(job ? salvage.jobs : salvage.lost_jobs);
+    if (!job) continue;
     if (!row.request_id.empty() && !kept_requests.insert(row.request_id).second) row.request_id.clear();
+    row.settled = false;  // the next start looks for lost tiles
     if (auto kept = to.insert_job(row); !kept) return core::fail(kept.error());
-    auto kept = keep_tiles(from, to, row, farm::grid_of(*record->spec), salvage);
+    auto kept = keep_tiles(from, to, row, farm::grid_of(**job), salvage);
     if (!kept) return core::fail(kept.error());
   }
+  if (auto kept = copy_quarantine(from, to); !kept) return core::fail(kept.error());
   const std::uint32_t epoch = from.epoch() > 0 ? from.epoch() : epoch_beyond_all();
   if (auto later = to.continue_from(epoch); !later) return core::fail(later.error());
   if (auto whole = to.truncate_wal(); !whole) return core::fail(whole.error());

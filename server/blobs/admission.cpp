@@ -56,7 +56,7 @@ core::Status check_store_size(std::uint64_t used_bytes, std::uint64_t more_bytes
                               const server::Limits& limits) {
   if (add_capped(used_bytes, more_bytes) <= limits.store_bytes()) return {};
   core::Error error =
-      server::over_limit(fmt::format("the files of scenes here have {} bytes, {} more would be too many",
+      server::over_quota(fmt::format("the files of scenes here have {} bytes, {} more would be too many",
                                      used_bytes, more_bytes),
                          in_mib(limits.store_mib), "--max-store-mib");
   error.message += kWhatMakesRoom;
@@ -65,7 +65,7 @@ core::Status check_store_size(std::uint64_t used_bytes, std::uint64_t more_bytes
 
 core::Error over_store_share(std::uint64_t own_bytes, std::uint64_t more_bytes,
                              const server::Limits& limits) {
-  core::Error error = server::over_limit(
+  core::Error error = server::over_quota(
       fmt::format("the files of scenes from here have {} bytes, {} more would be more than their share",
                   own_bytes, more_bytes),
       in_mib(limits.store_mib) + " from all callers", "--max-store-mib");

@@ -9,7 +9,6 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <charconv>
 #include <system_error>
 #include <utility>
 #include <vector>
@@ -31,18 +30,6 @@ std::vector<std::filesystem::path> paths_in(const std::filesystem::path& folder)
     paths.push_back(entry->path());
   }
   return paths;
-}
-
-// Empty if it is no SHA-256.
-std::optional<proto::Digest> digest_from_hex(const std::string& hex, std::uint64_t size_bytes) {
-  proto::Digest digest;
-  digest.size_bytes = size_bytes;
-  for (std::size_t i = 0; i < digest.sha256.size() && hex.size() == 2 * digest.sha256.size(); ++i) {
-    const char* const begin = hex.data() + 2 * i;
-    if (std::from_chars(begin, begin + 2, digest.sha256[i], 16).ptr != begin + 2) return std::nullopt;
-  }
-  if (digest.hex() != hex) return std::nullopt;
-  return digest;
 }
 
 bool is_whole(const struct ::stat& status, const proto::Digest& digest) {
@@ -70,7 +57,9 @@ core::Status BlobWriter::append(std::string_view bytes) {
         fmt::format("blob {}: more bytes than the {} its digest says", digest.hex(), digest.size_bytes));
   }
   hasher_.update(bytes);
-  return base::write_all(parts_.fd, bytes, parts_.temporary);
+  auto written = base::write_all(parts_.fd, bytes, parts_.temporary);
+  failed_ = !written;
+  return written;
 }
 
 core::Status BlobWriter::commit() {
@@ -208,7 +197,7 @@ std::vector<proto::Digest> BlobStore::list() const {
     for (const std::filesystem::path& blob : paths_in(group)) {
       std::error_code error;
       const auto size = std::filesystem::file_size(blob, error);
-      const auto digest = digest_from_hex(group.filename().string() + blob.filename().string(), size);
+      const auto digest = proto::digest_from_hex(group.filename().string() + blob.filename().string(), size);
       if (digest && !error) digests.push_back(*digest);
     }
   }

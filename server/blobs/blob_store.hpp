@@ -47,6 +47,14 @@ class BlobWriter {
   // DATA_LOSS if the bytes do not match the digest. Blocks until they are synced to disk.
   core::Status commit();
 
+  const proto::Digest& digest() const { return parts_.digest; }
+  // The bytes that append() has taken.
+  std::uint64_t written_bytes() const { return hasher_.size_bytes(); }
+  // Whether all bytes have come.
+  bool is_whole() const { return written_bytes() == parts_.digest.size_bytes; }
+  // Whether bytes are missing, and those that have come were written.
+  bool can_be_continued() const { return parts_.fd && !failed_ && !is_whole(); }
+
  private:
   friend class BlobStore;
   struct Parts {
@@ -61,6 +69,7 @@ class BlobWriter {
 
   Parts parts_;
   proto::Hasher hasher_;
+  bool failed_ = false;  // a write
 };
 
 // Reads one blob in chunks, and checks its digest at the end.

@@ -30,7 +30,8 @@ SceneFiles::SceneFiles(BlobStore blobs, SceneFilesOptions options)
       options_(std::move(options)),
       opened_at_(options_.now()),
       room_(options_.limits.store_bytes()),
-      claims_(options_.now) {
+      claims_(options_.now),
+      partial_(options_.now) {
   for (const proto::Digest& file : blobs_.stored())
     blobs_.charge(file, to_charge(room_.note(kNobody, file.size_bytes)));
 }
@@ -61,23 +62,37 @@ core::Result<BlobWriter> SceneFiles::write_making_room(const std::string& caller
     const auto before = FileClock::now() - BlobClaims::kClaimTime;
     std::erase_if(removable, [&](const Unneeded& each) { return each.last_used > before; });
   }
-  std::uint64_t kept_bytes = room_.held();
+  std::uint64_t kept_bytes = room_.held() - std::min(room_.held(), partial_.room_bytes());
   for (const Unneeded& each : removable) kept_bytes -= std::min(kept_bytes, each.file.size_bytes);
   const bool without_progress = !check_store_size(kept_bytes, file.size_bytes, options_.limits);
   for (const Unneeded& each : without_progress ? std::vector<Unneeded>() : removable) {
     if (!remove(each.file)) continue;
     if (Charge charge = take_room(caller, file.size_bytes)) return blobs_.write(file, std::move(charge));
   }
+  while (!without_progress && partial_.remove_oldest())
+    if (Charge charge = take_room(caller, file.size_bytes)) return blobs_.write(file, std::move(charge));
   return core::fail(no_room(caller, file.size_bytes));
 }
 
-void SceneFiles::charge_to(const std::string& submitter, const v1::Bundle& bundle) {
-  const std::string caller = submitter.empty() ? kNobody : base::caller_key(submitter);
+core::Result<BlobWriter> SceneFiles::continue_partial(const std::string& caller, const proto::Digest& file,
+                                                      std::uint64_t offset_bytes) {
+  auto writer = partial_.take(caller, file);
+  const std::uint64_t kept_bytes = writer ? writer->written_bytes() : 0;
+  if (writer && kept_bytes == offset_bytes) return *std::move(writer);
+  if (writer) partial_.keep(caller, *std::move(writer));
+  return core::fail(core::ErrorCode::kOutOfRange,
+                    fmt::format("offset_bytes: {} bytes of blob {} are here, got {}: continue there",
+                                kept_bytes, file.hex(), offset_bytes));
+}
+
+void SceneFiles::charge_to(const std::string& owner, const v1::Bundle& bundle) {
+  const std::string caller = owner.empty() ? kNobody : base::caller_key(owner);
   for (const proto::Digest& file : files_of(bundle))
     blobs_.charge(file, to_charge(room_.note(caller, file.size_bytes)));
 }
 
 void SceneFiles::collect() {
+  partial_.collect();
   const auto before = FileClock::now() - options_.keep_unused;
   std::size_t removed = 0;
   for (const Unneeded& each : unneeded()) {
@@ -87,10 +102,55 @@ void SceneFiles::collect() {
   if (removed > 0) spdlog::info("removed {} files of scenes that no job names any more", removed);
 }
 
+void SceneFiles::note_stored(const v1::Bundle& bundle) {
+  mark(bundle);
+}
+
+void SceneFiles::note_deleted() {
+  const std::lock_guard lock(marks_mutex_);
+  is_outdated_ = true;
+}
+
+void SceneFiles::mark(const v1::Bundle& bundle) {
+  const std::vector<proto::Digest> files = files_of(bundle);
+  const std::lock_guard lock(marks_mutex_);
+  for (const proto::Digest& file : files) marks_[file] = reading_;
+}
+
+bool SceneFiles::is_stored(const proto::Digest& file) const {
+  const std::lock_guard lock(marks_mutex_);
+  return marks_.contains(file);
+}
+
+// Jobs that are stored or deleted meanwhile leave too many marks, and never too few.
+bool SceneFiles::mark_stored() {
+  const std::lock_guard one_at_a_time(marking_);
+  {
+    const std::lock_guard lock(marks_mutex_);
+    if (!is_outdated_) return true;
+    is_outdated_ = false;
+    ++reading_;
+  }
+  const core::Status read =
+      options_.for_each_stored_bundle([&](const std::string& owner, const v1::Bundle& bundle) {
+        mark(bundle);
+        charge_to(owner, bundle);
+      });
+  const std::lock_guard lock(marks_mutex_);
+  if (read) {
+    std::erase_if(marks_, [&](const auto& mark) { return mark.second < reading_; });
+    return true;
+  }
+  is_outdated_ = true;
+  spdlog::error("cannot see which files jobs name, and removes none: {}", read.error().message);
+  return false;
+}
+
 std::vector<SceneFiles::Unneeded> SceneFiles::unneeded() {
   std::vector<Unneeded> unneeded;
+  if (!mark_stored()) return unneeded;
   for (const proto::Digest& file : blobs_.stored()) {
-    if (claims_.is_needed(file)) continue;
+    if (claims_.is_needed(file) || is_stored(file)) continue;
     if (const auto used = blobs_.last_used(file)) unneeded.push_back({*used, file});
   }
   std::sort(unneeded.begin(), unneeded.end(),
@@ -100,7 +160,10 @@ std::vector<SceneFiles::Unneeded> SceneFiles::unneeded() {
 
 bool SceneFiles::remove(const proto::Digest& file) {
   std::optional<RemovedBlob> removed;  // its destructor deletes the file outside the lock
-  return claims_.unless_needed(file, [&] { removed.emplace(blobs_.take_away(file)); });
+  claims_.unless_needed(file, [&] {
+    if (!is_stored(file)) removed.emplace(blobs_.take_away(file));
+  });
+  return removed.has_value();
 }
 
 Charge SceneFiles::take_room(const std::string& caller, std::uint64_t bytes) {

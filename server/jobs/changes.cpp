@@ -1,72 +1,57 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lists and changes of jobs.
+// Changes of jobs.
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 
-#include <limits>
+#include <optional>
+#include <thread>
 #include <utility>
 
+#include "proto/log.hpp"
+#include "server/jobs/continuation.hpp"
+#include "server/jobs/find_job.hpp"
 #include "server/jobs/job_service.hpp"
 
 namespace tessera::jobs {
 
-using core::ErrorCode;
 using farm::JobRecord;
 using farm::JobSnapshot;
 using farm::StateLock;
 
-namespace {
-
-core::Error no_job(const std::string& id) {
-  return {ErrorCode::kNotFound, fmt::format("there is no job {}", id)};
-}
-
-}  // namespace
-
-std::optional<JobSnapshot> JobService::snapshot(const std::string& id) {
-  const StateLock lock(farm_);
-  const JobRecord* record = lock->find_job(id);
-  if (record == nullptr) return std::nullopt;
-  return lock.snapshot_of(*record);
-}
-
 core::Result<v1::Job> JobService::get(const std::string& id) {
-  const auto found = snapshot(id);
-  if (!found) return core::fail(no_job(id));
-  return describe(*found);
+  const auto found = find_job(farm_, state_.jobs, id);
+  if (!found) return core::fail(found.error());
+  return describe(found->snapshot);
 }
 
 core::Result<v1::Job> JobService::get_without_bundle(const std::string& id) {
-  const auto found = snapshot(id);
-  if (!found) return core::fail(no_job(id));
-  return summarise(*found);
-}
-
-std::vector<v1::Job> JobService::list(const v1::ListJobsRequest& request) {
-  const std::size_t most =
-      request.max_jobs() == 0 ? std::numeric_limits<std::size_t>::max() : request.max_jobs();
-  std::vector<JobSnapshot> snapshots;
-  {
-    const StateLock lock(farm_);
-    for (scheduler::JobView& view : lock->scheduler.jobs(lock.now(), request.id_prefix(), most)) {
-      const JobRecord& record = *lock->find_job(view.id.value);
-      snapshots.emplace_back(record, std::move(view));
-    }
-  }
-  std::vector<v1::Job> jobs;
-  for (auto each = snapshots.rbegin(); each != snapshots.rend(); ++each) jobs.push_back(summarise(*each));
-  return jobs;
+  const auto found = find_job(farm_, state_.jobs, id);
+  if (!found) return core::fail(found.error());
+  v1::Job job = summarise(found->snapshot);
+  *job.mutable_warnings() = found->snapshot.spec->warnings();
+  return job;
 }
 
 core::Result<v1::Job> JobService::change(const std::string& id, const scheduler::Event& event) {
-  const auto changed = [&]() -> core::Result<JobSnapshot> {
+  const auto change_in_memory = [&]() -> std::optional<core::Result<JobSnapshot>> {
     StateLock lock(farm_);
+    if (lock->find_validating(id) != nullptr) return core::fail(is_being_validated(id));
+    JobRecord* const record = lock->find_job(id);
+    if (record == nullptr) return std::nullopt;
     if (const auto done = lock.handle(event).status; !done) return core::fail(done.error());
-    JobRecord& record = *lock->find_job(id);
-    ++record.revision;
-    return lock.snapshot_of(record);
+    lock.change(*record);
+    return lock.snapshot_of(*record);
   };
-  return store_change(changed());
+  for (;;) {
+    if (auto changed = change_in_memory()) return store_change(*std::move(changed));
+    const auto found = find_job(farm_, state_.jobs, id);
+    if (!found) return core::fail(found.error());
+    if (!found->is_settled) {
+      std::this_thread::yield();
+      continue;
+    }
+    if (auto answer = answer_of_finished(found->snapshot, event); !answer) return core::fail(answer.error());
+    return describe(found->snapshot);
+  }
 }
 
 core::Result<v1::Job> JobService::store_change(core::Result<JobSnapshot> changed) {
@@ -80,6 +65,10 @@ core::Result<v1::Job> JobService::store_change(core::Result<JobSnapshot> changed
 }
 
 core::Result<v1::Job> JobService::cancel(const std::string& id) {
+  if (const auto ended = end_unvalidated(id, scheduler::JobState::kCancelled, {})) {
+    if (!*ended) return core::fail(ended->error());
+    return farm::describe(**ended);
+  }
   return change(id, scheduler::CancelJob{{id}});
 }
 
@@ -97,20 +86,29 @@ core::Result<v1::Job> JobService::update(const v1::UpdateJobRequest& request) {
   if (request.has_max_workers()) event.max_workers = request.max_workers();
   auto updated = change(request.job_id(), event);
   if (updated)
-    spdlog::info("job {} ({}) has priority {} and at most {} workers (0: any number)", updated->id(),
-                 updated->name(), updated->priority(), updated->max_workers());
+    proto::log(spdlog::level::info,
+               fmt::format("job {} ({}) has priority {} and at most {} workers (0: any number)",
+                           updated->id(), updated->name(), updated->priority(), updated->max_workers()),
+               {.job = updated->id()});
   return updated;
 }
 
 core::Status JobService::remove(const std::string& id) {
+  if (const auto removed = remove_validating(id)) return *removed;
+  const std::lock_guard nobody_moves_it(moving_mutex_);
+  if (const auto found = find_job(farm_, state_.jobs, id); !found) return core::fail(found.error());
   // From the store first: a job that is deleted only from memory would be back after a restart.
-  if (!snapshot(id)) return core::fail(no_job(id));
   if (const core::Status deleted = state_.jobs.delete_job(id); !deleted) return deleted;
+  files_.note_deleted();
   std::map<std::string, JobRecord>::node_type removed;  // destroyed without the lock
   StateLock lock(farm_);
+  lock.log(spdlog::level::info, fmt::format("job {} deleted", id), {.job = id});
+  if (lock->find_job(id) == nullptr) {
+    farm_.events().append_end(events::SubjectKind::kJob, id);
+    return {};
+  }
   if (const auto done = lock.handle(scheduler::DeleteJob{{id}}).status; !done) return done;
-  removed = lock->remove_job(id);
-  lock.log(spdlog::level::info, fmt::format("job {} deleted", id));
+  removed = lock.remove_job(id);
   return {};
 }
 

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/jobs/checkpointer.hpp"
 
-#include <spdlog/spdlog.h>
-
+#include <map>
 #include <new>
+#include <optional>
 #include <utility>
 
+#include "proto/log.hpp"
 #include "server/farm/state_lock.hpp"
 #include "server/film/tile_row.hpp"
 
@@ -15,19 +16,62 @@ using core::ErrorCode;
 using farm::JobRecord;
 using farm::StateLock;
 
-core::Status Checkpointer::checkpoint() try {
+namespace {
+
+// How many jobs are looked at under one hold of the state lock, or of the event log's.
+constexpr std::size_t kJobsAtOnce = 64;
+
+// Calls look(first, last) for each part of the ids.
+template <typename Look>
+void in_parts(const std::set<std::string>& ids, Look look) {
+  for (auto first = ids.begin(); first != ids.end();) {
+    auto last = first;
+    for (std::size_t i = 0; i < kJobsAtOnce && last != ids.end(); ++i) ++last;
+    look(first, last);
+    first = last;
+  }
+}
+
+}  // namespace
+
+core::Status Checkpointer::checkpoint() {
   const std::lock_guard one_at_a_time(mutex_);
+  const auto begin = CheckpointStats::Clock::now();
+  core::Status written = checkpoint_now();
+  stats_.note(begin, written.has_value());
+  return written;
+}
+
+core::Status Checkpointer::checkpoint_now() try {
   held_back_.clear();
   unreadable_ = {};
+  read_events();
   const std::vector<farm::JobSnapshot> changed = changed_jobs();
   const core::Status written = write(changed);
   film_memory_.free_stored();
   if (written) note_stored(changed);
   // Also after a failure, e.g. on a full disk: users can fetch the image from memory.
   publish_completions(changed);
-  return written ? unreadable_ : written;
+  if (!written) return written;
+  if (auto settled = settle(); !settled) return settled;
+  return unreadable_;
 } catch (const std::bad_alloc&) {
   return core::fail(ErrorCode::kResourceExhausted, "out of memory");  // so short that it needs none
+}
+
+void Checkpointer::read_events() {
+  StateLock(farm_)->checkpoint_is_awaited = false;
+  for (bool is_last = false; !is_last;) {
+    const events::EventLog::Page page = farm_.events().read(cursor_, kJobsAtOnce);
+    if (page.reset) {
+      const StateLock lock(farm_);
+      for (const auto& [id, record] : lock->jobs) pending_.insert(id);
+    }
+    for (const events::Subject& subject : page.subjects)
+      if (subject.kind == events::SubjectKind::kJob) pending_.insert(subject.id);
+    cursor_ = page.next;
+    is_last = page.is_last;
+  }
 }
 
 core::Status Checkpointer::write(const std::vector<farm::JobSnapshot>& changed) {
@@ -41,21 +85,27 @@ core::Status Checkpointer::write(const std::vector<farm::JobSnapshot>& changed) 
 }
 
 std::vector<farm::JobSnapshot> Checkpointer::changed_jobs() {
-  StateLock lock(farm_);
-  lock->checkpoint_is_awaited = false;
   std::vector<farm::JobSnapshot> changed;
-  for (const auto& [id, record] : lock->jobs) {
-    if (record.revision != record.stored_revision)
-      changed.emplace_back(record, *lock->scheduler.job({id}, lock.now()));
-  }
+  in_parts(pending_, [&](auto id, auto last) {
+    const StateLock lock(farm_);
+    for (; id != last; ++id) {
+      const JobRecord* const record = lock->find_job(*id);
+      if (record != nullptr && record->revision != record->stored_revision)
+        changed.emplace_back(*record, *lock->scheduler.job({*id}, lock.now()));
+    }
+  });
   return changed;
 }
 
 std::vector<FilmOfJob> Checkpointer::films() {
-  const StateLock lock(farm_);
   std::vector<FilmOfJob> films;
-  for (const auto& [id, record] : lock->jobs)
-    if (record.film) films.push_back({record.spec, record.film});
+  in_parts(pending_, [&](auto id, auto last) {
+    const StateLock lock(farm_);
+    for (; id != last; ++id) {
+      const JobRecord* const record = lock->find_job(*id);
+      if (record != nullptr && record->film) films.push_back({record->spec, record->film});
+    }
+  });
   return films;
 }
 
@@ -101,8 +151,11 @@ core::Result<store::TileRow> Checkpointer::encode(const FilmOfJob& film, TakenTi
     content.sums = tile.whole->sums();
   }
   content.provenance = provenance_of(film, tile.tile);
-  return film::encode_tile_row(film.spec->id(), tile.tile, film.film->grid().rect(tile.tile),
-                               tile.to_store.samples.ranges(), content);
+  film.film->note_producers(content.provenance.items);
+  store::TileRow row = film::encode_tile_row(film.spec->id(), tile.tile, film.film->grid().rect(tile.tile),
+                                             tile.to_store.samples.ranges(), content);
+  row.revision = parts.revision;
+  return row;
 }
 
 film::Produced Checkpointer::provenance_of(const FilmOfJob& film, int tile) {
@@ -127,48 +180,85 @@ void Checkpointer::replace_lost(const FilmOfJob& film, int tile, const core::Err
     if (dropped) film.film->note_clear(tile, spare);
     return dropped;
   };
-  if (drop()) return spdlog::error("{}: it is rendered again", error.message);
+  const proto::LogFields fields{.job = film.spec->id()};
+  if (drop()) return proto::log(spdlog::level::err, error.message + ": it is rendered again", fields);
   film.film->forget_stored(tile);
-  spdlog::error("{}: its job is not rendered any more, and its image lacks these samples", error.message);
+  proto::log(spdlog::level::err,
+             error.message + ": its job is not rendered any more, and its image lacks these samples", fields);
 }
 
 void Checkpointer::note_stored(const std::vector<farm::JobSnapshot>& stored) {
-  for (const auto& [id, film] : note_revisions(stored)) {
-    if (!film->is_stored()) continue;
-    const core::RenderCounters counters = film->counters();
-    std::shared_ptr<film::JobFilm> dropped;  // destroyed without the lock
+  for (const farm::JobSnapshot& job : stored) {
+    if (held_back_.contains(job.spec->id())) continue;
     StateLock lock(farm_);
-    JobRecord* record = lock->find_job(id);
-    const bool is_same = record != nullptr && !record->is_open && record->film == film &&
-                         record->revision == record->stored_revision && film->is_stored();
-    if (!is_same) continue;
-    record->stored_counters = counters;
-    dropped = std::move(record->film);
+    JobRecord* const record = lock->find_job(job.spec->id());
+    if (record != nullptr) record->stored_revision = job.revision;
   }
 }
 
-std::map<std::string, std::shared_ptr<film::JobFilm>> Checkpointer::note_revisions(
-    const std::vector<farm::JobSnapshot>& stored) {
-  std::map<std::string, std::shared_ptr<film::JobFilm>> finished;
+// Jobs that are finished stay pending until they have left the memory.
+core::Status Checkpointer::settle() {
+  std::vector<farm::JobSnapshot> finished;
+  std::erase_if(pending_, [&](const std::string& id) { return is_stored(id, finished); });
+  std::vector<store::JobRow> rows;
+  for (const farm::JobSnapshot& job : finished) {
+    rows.push_back(to_row(job));
+    rows.back().revision = job.last_event;
+    rows.back().settled = true;
+  }
+  if (rows.empty()) return {};
+  if (auto settled = store_.settle_jobs(rows); !settled) return settled;
+  for (const farm::JobSnapshot& job : finished)
+    if (release(job)) pending_.erase(job.spec->id());
+  return {};
+}
+
+bool Checkpointer::is_stored(const std::string& id, std::vector<farm::JobSnapshot>& finished) {
+  std::optional<farm::JobSnapshot> job;
+  bool is_over = false;
+  {
+    const StateLock lock(farm_);
+    const JobRecord* const record = lock->find_job(id);
+    if (record == nullptr) return true;
+    if (record->revision != record->stored_revision) return false;
+    is_over = is_settled(*record);
+    job.emplace(*record, *lock->scheduler.job({id}, lock.now()));
+  }
+  if (job->film && !job->film->is_stored()) return false;
+  if (is_over) finished.push_back(*std::move(job));
+  return !is_over;
+}
+
+bool Checkpointer::is_settled(const JobRecord& record) {
+  return !record.is_open && !record.row_is_left && !record.unpublished_completion &&
+         record.revision == record.stored_revision;
+}
+
+// A job that has changed since stays in memory: its next row is not settled.
+bool Checkpointer::release(const farm::JobSnapshot& job) {
+  const std::string& id = job.spec->id();
+  files_.note_stored(job.spec->bundle());                // before its hold ends
+  std::map<std::string, JobRecord>::node_type released;  // destroyed without the lock
   StateLock lock(farm_);
-  for (const farm::JobSnapshot& job : stored) {
-    JobRecord* record = held_back_.contains(job.spec->id()) ? nullptr : lock->find_job(job.spec->id());
-    if (record != nullptr) record->stored_revision = job.revision;
-  }
-  for (const auto& [id, record] : lock->jobs) {
-    if (record.film && !record.is_open && record.revision == record.stored_revision)
-      finished.emplace(id, record.film);
-  }
-  return finished;
+  const JobRecord* const record = lock->find_job(id);
+  if (record == nullptr) return true;
+  const bool is_same = is_settled(*record) && record->last_event == job.last_event &&
+                       record->film == job.film && (!job.film || job.film->is_stored());
+  if (!is_same || !lock.handle(scheduler::ReleaseJob{{id}}).status) return false;
+  released = lock->remove_job(id);
+  return true;
 }
 
 void Checkpointer::publish_completions(const std::vector<farm::JobSnapshot>& stored) {
-  StateLock lock(farm_);
   for (const farm::JobSnapshot& job : stored) {
-    JobRecord* record = lock->find_job(job.spec->id());
-    if (record != nullptr && record->unpublished_completion &&
-        *record->unpublished_completion <= job.revision)
-      record->unpublished_completion.reset();
+    if (!job.is_unpublished) continue;
+    StateLock lock(farm_);
+    JobRecord* const record = lock->find_job(job.spec->id());
+    if (record == nullptr || !record->unpublished_completion ||
+        *record->unpublished_completion > job.revision)
+      continue;
+    record->unpublished_completion.reset();
+    lock.note_progress(*record);
   }
 }
 

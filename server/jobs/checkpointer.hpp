@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Writes changes of jobs and films to the store.
 //
-// The rows of jobs are copied first and written last: the store has a row that says DONE only if it has all
-// samples of the job. The rows of tiles are independent of each other, so they are taken one by one and
-// written in batches of bounded size. Thread-safe; blocks for the disk.
+// A reader of the event log: it looks at jobs that have changed since the last checkpoint alone. The rows of
+// jobs are copied first and written last: the store has a row that says DONE only if it has all
+// samples of the job. Finished jobs then leave the memory. The rows of tiles are independent of each other,
+// so they are taken one by one and written in batches of bounded size. Thread-safe; blocks for the disk.
 #pragma once
 
 #include <map>
@@ -14,9 +15,11 @@
 #include <vector>
 
 #include "core/base/error.hpp"
+#include "server/blobs/scene_files.hpp"
 #include "server/farm/farm.hpp"
 #include "server/film/fingerprinter.hpp"
 #include "server/film/job_film.hpp"
+#include "server/jobs/checkpoint_stats.hpp"
 #include "server/jobs/film_reader.hpp"
 #include "server/jobs/tile_batch.hpp"
 #include "server/store/job_store.hpp"
@@ -25,17 +28,28 @@ namespace tessera::jobs {
 
 class Checkpointer {
  public:
-  Checkpointer(farm::Farm& farm, store::JobStore& store, const FilmReader& films,
+  Checkpointer(farm::Farm& farm, store::JobStore& store, blobs::SceneFiles& files, const FilmReader& films,
                film::FilmMemory& film_memory, const film::Fingerprinter& fingerprinter)
-      : farm_(farm), store_(store), films_(films), film_memory_(film_memory), fingerprinter_(fingerprinter) {}
+      : farm_(farm),
+        store_(store),
+        files_(files),
+        films_(films),
+        film_memory_(film_memory),
+        fingerprinter_(fingerprinter) {}
 
   // Writes all changes since the last checkpoint. After an error, the next checkpoint writes again what is
   // missing.
   core::Status checkpoint();
+  const CheckpointStats& stats() const { return stats_; }
 
  private:
+  core::Status checkpoint_now();
   core::Status write(const std::vector<farm::JobSnapshot>& changed);
+  // Adds the jobs that changed since the last checkpoint to pending_.
+  void read_events();
+  // The pending jobs whose rows must be written.
   std::vector<farm::JobSnapshot> changed_jobs();
+  // The films of pending jobs.
   std::vector<FilmOfJob> films();
   core::Status write_tiles();
   core::Status write(TileBatch& batch);
@@ -49,18 +63,27 @@ class Checkpointer {
   // The store has lost samples of the tile: they are rendered again, if the job takes results.
   void replace_lost(const FilmOfJob& film, int tile, const core::Error& error);
   void note_stored(const std::vector<farm::JobSnapshot>& stored);
-  // Returns the films of finished jobs.
-  std::map<std::string, std::shared_ptr<film::JobFilm>> note_revisions(
-      const std::vector<farm::JobSnapshot>& stored);
+  // Removes from pending_ what is stored. Jobs that are finished, stored and published leave the memory.
+  core::Status settle();
+  // Whether nothing of a job is left to do. A job that can leave the memory is added to `finished`.
+  bool is_stored(const std::string& id, std::vector<farm::JobSnapshot>& finished);
+  static bool is_settled(const farm::JobRecord& record);
+  // Whether the job has left the memory.
+  bool release(const farm::JobSnapshot& job);
   void publish_completions(const std::vector<farm::JobSnapshot>& stored);
 
   farm::Farm& farm_;
   store::JobStore& store_;
+  blobs::SceneFiles& files_;
   const FilmReader& films_;
   film::FilmMemory& film_memory_;
   const film::Fingerprinter& fingerprinter_;
+  CheckpointStats stats_;
   std::mutex mutex_;  // held while a checkpoint is written
-  // Found during this checkpoint; guarded by mutex_.
+  // Guarded by mutex_:
+  events::Cursor cursor_;
+  std::set<std::string> pending_;  // jobs that may have something to store
+  // Found during this checkpoint:
   std::set<std::string> held_back_;  // jobs with tiles that could not be stored: their rows wait
   core::Status unreadable_;          // why the first tile could not be read
 };

@@ -1,18 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs done jobs again, for more samples or to verify some of theirs. Their films are only in the store, and
-// are read back without the state lock.
+// Extends jobs. The store alone has the films of done jobs: they are read back without the state lock.
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 
 #include <optional>
-#include <set>
+#include <thread>
 #include <utility>
 
 #include "proto/convert.hpp"
+#include "server/farm/wire.hpp"
 #include "server/jobs/admission.hpp"
 #include "server/jobs/continuation.hpp"
+#include "server/jobs/find_job.hpp"
 #include "server/jobs/job_service.hpp"
 #include "server/jobs/quota.hpp"
+#include "server/jobs/restore.hpp"
 
 namespace tessera::jobs {
 
@@ -20,106 +21,117 @@ using core::ErrorCode;
 using farm::JobRecord;
 using farm::JobSnapshot;
 using farm::StateLock;
+using scheduler::JobState;
 
 namespace {
 
-// Whether the film must be read back before the job can take results.
-bool needs_film(const StateLock& lock, const JobRecord& record) {
-  return !record.film &&
-         scheduler::takes_results(lock->scheduler.job({record.spec->id()}, lock.now())->state);
+core::Status may_have_spp(const v1::Job& spec, std::uint32_t spp, const server::Limits& limits) {
+  v1::RenderSettings settings = spec.settings();
+  settings.set_spp(spp);
+  if (const auto possible = proto::from_proto(settings); !possible) return core::fail(possible.error());
+  return check_spp(spp, limits);
 }
 
 core::Status may_extend(const StateLock& lock, const JobRecord& record, std::uint32_t spp,
                         const server::Limits& limits) {
-  v1::RenderSettings settings = record.spec->settings();
-  settings.set_spp(spp);
-  if (const auto possible = proto::from_proto(settings); !possible) return core::fail(possible.error());
-  if (const auto fits = check_spp(spp, limits); !fits) return fits;
   const scheduler::JobView view = *lock->scheduler.job({record.spec->id()}, lock.now());
-  if (view.state == scheduler::JobState::kDone && spp > view.shape.spp)
-    if (const auto may = may_open_job(lock, record.spec->submitter(), limits); !may) return may;
-  return may_continue(record, lock.options().fingerprint);
+  if (!scheduler::takes_results(view.state)) return {};  // the scheduler refuses it
+  if (const auto may = may_have_spp(*record.spec, spp, limits); !may) return may;
+  if (view.state == JobState::kDone && spp > view.shape.spp)
+    if (const auto may = may_open_job(lock, record.spec->owner(), limits); !may) return may;
+  return may_continue(record, lock.options().fingerprints);
 }
 
 }  // namespace
 
-// The revision of a job that the film belongs to, and the film if it had to be read.
-struct JobService::Extension {
-  std::uint64_t revision = 0;
-  std::shared_ptr<film::JobFilm> film;
-};
-
-core::Result<JobService::Extension> JobService::prepare_extension(const std::string& id,
-                                                                  std::optional<std::uint32_t> spp) {
-  Extension extension;
-  std::shared_ptr<const v1::Job> job;
-  {
-    const StateLock lock(farm_);
-    const JobRecord* record = lock->find_job(id);
-    if (record == nullptr) return core::fail(ErrorCode::kNotFound, fmt::format("there is no job {}", id));
-    extension.revision = record->revision;
-    if (spp) {
-      if (auto may = may_extend(lock, *record, *spp, limits_); !may) return core::fail(may.error());
-    }
-    if (!needs_film(lock, *record)) return extension;
-    job = record->spec;
-  }
-  if (spp) {
-    if (auto room = check_film_memory(farm::grid_of(*job), film_memory_); !room)
-      return core::fail(room.error());
-  }
-  auto loaded = films_.load(*job);
-  if (!loaded) return core::fail(loaded.error());
-  if (!loaded->damage.empty()) {
-    return core::fail(ErrorCode::kDataLoss, loaded->damage.front() + ": delete the job and submit it again");
-  }
-  extension.film = std::move(loaded->film);
-  return extension;
-}
-
 core::Result<v1::Job> JobService::extend(const std::string& id, std::uint32_t spp) {
-  while (true) {
-    auto extension = prepare_extension(id, spp);
-    if (!extension) return core::fail(extension.error());
-    const auto changed = [&]() -> std::optional<core::Result<JobSnapshot>> {
-      StateLock lock(farm_);
-      JobRecord* record = lock->find_job(id);
-      if (record == nullptr || record->revision != extension->revision) return std::nullopt;  // changed
-      if (needs_film(lock, *record) && !extension->film) return std::nullopt;                 // stored
-      if (auto may = may_extend(lock, *record, spp, limits_); !may) return core::fail(may.error());
-      if (!record->film) record->film = std::move(extension->film);
-      if (const auto done = lock.handle(scheduler::ExtendJob{{id}, spp}).status; !done)
-        return core::fail(done.error());
-      ++record->revision;
-      return lock.snapshot_of(*record);
-    }();
-    if (changed) return store_change(*changed);
+  for (;;) {
+    if (auto extended = extend_in_memory(id, spp)) return *std::move(extended);
+    if (auto extended = extend_stored(id, spp)) return *std::move(extended);
+    std::this_thread::yield();
   }
 }
 
-void JobService::reopen() {
-  std::set<std::string> ids;
-  StateLock(farm_)->to_reopen.swap(ids);
-  for (const std::string& id : ids) {
-    const core::Status reopened = reopen(id);
-    if (reopened || reopened.error().code == core::ErrorCode::kNotFound) continue;
-    spdlog::error("job {} was rendered in part by a worker that is quarantined, and cannot be verified: {}",
-                  id, reopened.error().message);
-  }
-}
-
-core::Status JobService::reopen(const std::string& id) {
-  while (true) {
-    auto preparation = prepare_extension(id, std::nullopt);
-    if (!preparation) return core::fail(preparation.error());
+std::optional<core::Result<v1::Job>> JobService::extend_in_memory(const std::string& id, std::uint32_t spp) {
+  const auto changed = [&]() -> std::optional<core::Result<JobSnapshot>> {
     StateLock lock(farm_);
-    JobRecord* record = lock->find_job(id);
-    if (record == nullptr || record->revision != preparation->revision) continue;  // changed meanwhile
-    if (needs_film(lock, *record) && !preparation->film) continue;                 // stored meanwhile
-    if (auto may = may_continue(*record, lock.options().fingerprint); !may) return may;
-    if (!record->film) record->film = std::move(preparation->film);
-    return lock.handle(scheduler::ReopenJob{{id}}).status;
-  }
+    if (lock->find_validating(id) != nullptr) return core::fail(is_being_validated(id));
+    JobRecord* const record = lock->find_job(id);
+    if (record == nullptr) return std::nullopt;
+    if (auto may = may_extend(lock, *record, spp, limits_); !may) return core::fail(may.error());
+    if (const auto done = lock.handle(scheduler::ExtendJob{{id}, spp}).status; !done)
+      return core::fail(done.error());
+    lock.change(*record);
+    return lock.snapshot_of(*record);
+  }();
+  if (!changed) return std::nullopt;
+  return store_change(*changed);
+}
+
+std::optional<core::Result<v1::Job>> JobService::extend_stored(const std::string& id, std::uint32_t spp) {
+  auto row = state_.jobs.job(id);
+  if (!row) return core::fail(row.error());
+  if (!*row) return core::fail(no_job(id));
+  if (!(*row)->settled) return std::nullopt;
+  const auto record = farm::from_row(**row);
+  if (!record) return core::fail(record.error());
+  const JobSnapshot job = farm::snapshot_of_row(**row);
+  if (auto may = answer_of_finished(job, scheduler::ExtendJob{{id}, spp}); !may)
+    return core::fail(may.error());
+  if (auto may = may_have_spp(*record->spec, spp, limits_); !may) return core::fail(may.error());
+  if (spp == job.view.shape.spp) return describe(job);
+  const auto place = QuotaReservation::take(farm_, record->spec->owner(), limits_);
+  if (!place) return core::fail(place.error());
+  if (auto may = may_continue(*record, farm_.options().fingerprints); !may) return core::fail(may.error());
+  if (auto room = check_film_memory(farm::grid_of(*record->spec), film_memory_); !room)
+    return core::fail(room.error());
+  const auto is_back = bring_back(**std::move(row), JobState::kRunning, spp);
+  if (!is_back) return core::fail(is_back.error());
+  if (!*is_back) return std::nullopt;
+  return get(id);
+}
+
+core::Result<bool> JobService::bring_back(store::JobRow row, JobState state, std::uint32_t spp) {
+  auto record = farm::from_row(row);
+  if (!record) return core::fail(record.error());
+  record->files = files_.hold(record->spec->bundle());
+  auto loaded = films_.load(*record->spec);
+  if (!loaded) return core::fail(loaded.error());
+  if (!loaded->damage.empty())
+    return core::fail(ErrorCode::kDataLoss, loaded->damage.front() + ": delete the job and submit it again");
+  record->film = std::move(loaded->film);
+  const std::uint64_t before = row.revision;
+  row.revision = farm_.events().counter().next();
+  row.settled = false;
+  row.spp = spp;
+  row.state = farm::to_wire(state);
+  if (!farm::is_finished(state)) row.finished_ms.reset();
+  record->revision = record->stored_revision = record->last_event = row.revision;
+  record->finished_ms = row.finished_ms;
+
+  // The row first: a start of the coordinator looks at the job again.
+  const std::lock_guard nobody_deletes_it(moving_mutex_);
+  const auto is_same = state_.jobs.replace_job(row, before);
+  if (!is_same || !*is_same) return is_same;
+  const scheduler::JobShape shape = farm::shape_of(*record->spec, spp);
+  const scheduler::RestoreJob event{{row.id},
+                                    shape,
+                                    row.priority,
+                                    state,
+                                    row.failure,
+                                    done_sets(shape, loaded->done),
+                                    row.max_workers,
+                                    std::move(loaded->provenance),
+                                    {},
+                                    row.arithmetic};
+  StateLock lock(farm_);
+  const scheduler::Actions actions = lock->scheduler.handle(event, lock.now());
+  if (!actions.status) return core::fail(actions.status.error());
+  lock->add_job(*std::move(record));
+  lock.apply(actions);
+  // Workers may have been distrusted since it was stored.
+  lock.handle(scheduler::ReopenJob{{row.id}});
+  return true;
 }
 
 }  // namespace tessera::jobs

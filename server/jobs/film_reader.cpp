@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 #include "server/film/stored_tile.hpp"
@@ -47,16 +48,29 @@ core::Result<LoadedFilm> FilmReader::load(const v1::Job& spec) const {
   const core::TileGrid grid = farm::grid_of(spec);
   auto done = store_.tiles_done(spec.id());
   if (!done) return core::fail(done.error());
-  LoadedFilm loaded{film::JobFilm::make(grid, memory_), {}, {}, {}};
+  const auto revisions = revisions_of(spec.id());
+  if (!revisions) return core::fail(revisions.error());
+  LoadedFilm loaded{film::JobFilm::make(grid, memory_, revisions_), {}, {}, {}};
   for (const auto& [tile, ranges] : *done) {
     if (tile < 0 || tile >= grid.tile_count()) continue;
-    if (auto read = load_tile(loaded, spec, tile, ranges); !read) return core::fail(read.error());
+    const auto known = revisions->find(tile);
+    const store::TileChange change{known == revisions->end() ? revisions_.next() : known->second, tile};
+    if (auto read = load_tile(loaded, spec, change, ranges); !read) return core::fail(read.error());
   }
   return loaded;
 }
 
-core::Status FilmReader::load_tile(LoadedFilm& loaded, const v1::Job& spec, int tile,
+core::Result<std::map<int, events::Revision>> FilmReader::revisions_of(const std::string& job_id) const {
+  const auto changes = store_.tile_changes(job_id, 0, std::numeric_limits<std::size_t>::max());
+  if (!changes) return core::fail(changes.error());
+  std::map<int, events::Revision> revisions;
+  for (const store::TileChange& change : *changes) revisions[change.tile] = change.revision;
+  return revisions;
+}
+
+core::Status FilmReader::load_tile(LoadedFilm& loaded, const v1::Job& spec, const store::TileChange& change,
                                    const std::vector<core::SampleRange>& done) const {
+  const int tile = change.tile;
   auto stored = film::read_stored_tile(store_, spec.id(), loaded.film->grid(), tile);
   if (!stored) {
     if (stored.error().code != ErrorCode::kDataLoss) return core::fail(stored.error());
@@ -72,7 +86,8 @@ core::Status FilmReader::load_tile(LoadedFilm& loaded, const v1::Job& spec, int 
   }
   auto& items = content.provenance.items;
   loaded.provenance.insert(loaded.provenance.end(), items.begin(), items.end());
-  loaded.film->restore(tile, set_of(stored->row.done), content.counters);
+  loaded.film->note_producers(items);
+  loaded.film->restore(tile, set_of(stored->row.done), content.counters, change.revision);
   loaded.done[tile] = done;  // the ranges that were written
   return {};
 }
@@ -85,10 +100,11 @@ core::Result<core::Film::TileSums> FilmReader::stored_sums(const v1::Job& spec, 
   return zeros(sum_count(grid, tile));
 }
 
-core::Result<core::Film::TileSums> FilmReader::sums(const v1::Job& spec, const film::JobFilm& film,
-                                                    int tile) const {
+core::Result<core::Film::TileSums> FilmReader::sums(const v1::Job& spec, const film::JobFilm& film, int tile,
+                                                    events::Revision* revision) const {
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
     const film::TileSnapshot parts = film.snapshot(tile);
+    if (revision != nullptr) *revision = parts.revision;
     if (parts.stored.empty() && !parts.storing && !parts.newest) return zeros(sum_count(film.grid(), tile));
     // Nothing is added to a part while it is shared, so a tile in memory as a whole is not copied.
     if (parts.stored.empty() && !parts.storing) return parts.newest->sums();

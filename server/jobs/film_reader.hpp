@@ -29,21 +29,26 @@ struct LoadedFilm {
 
 class FilmReader {
  public:
-  FilmReader(store::JobStore& store, film::FilmMemory& memory, const film::Fingerprinter& fingerprinter)
-      : store_(store), memory_(memory), fingerprinter_(fingerprinter) {}
+  FilmReader(store::JobStore& store, film::FilmMemory& memory, const film::Fingerprinter& fingerprinter,
+             events::RevisionCounter& revisions)
+      : store_(store), memory_(memory), fingerprinter_(fingerprinter), revisions_(revisions) {}
 
   // Reads and checks every tile of a job, one at a time.
   core::Result<LoadedFilm> load(const v1::Job& spec) const;
   // The sums of a tile of a job whose film is in the store alone; zeros if the store has no samples of it.
   core::Result<core::Film::TileSums> stored_sums(const v1::Job& spec, int tile) const;
-  // The sums of a tile of a job in progress, of all samples at one moment.
-  core::Result<core::Film::TileSums> sums(const v1::Job& spec, const film::JobFilm& film, int tile) const;
+  // The sums of a tile of a job in progress, of all samples at one moment. `revision`, unless null, receives
+  // their revision.
+  core::Result<core::Film::TileSums> sums(const v1::Job& spec, const film::JobFilm& film, int tile,
+                                          events::Revision* revision = nullptr) const;
   // All samples of a tile that is about to be stored. DATA_LOSS if the store has lost some of them.
   core::Result<std::shared_ptr<film::TilePart>> whole(const v1::Job& spec, int tile,
                                                       const film::TileToStore& to_store) const;
 
  private:
-  core::Status load_tile(LoadedFilm& loaded, const v1::Job& spec, int tile,
+  // The last change of each stored tile.
+  core::Result<std::map<int, events::Revision>> revisions_of(const std::string& job_id) const;
+  core::Status load_tile(LoadedFilm& loaded, const v1::Job& spec, const store::TileChange& change,
                          const std::vector<core::SampleRange>& done) const;
   // The parts together; empty if the store has another part than the snapshot says, since it was written
   // meanwhile.
@@ -56,6 +61,7 @@ class FilmReader {
   store::JobStore& store_;
   film::FilmMemory& memory_;
   const film::Fingerprinter& fingerprinter_;
+  events::RevisionCounter& revisions_;
 };
 
 }  // namespace tessera::jobs

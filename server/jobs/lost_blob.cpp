@@ -58,7 +58,8 @@ void JobService::blob_is_lost(const proto::Digest& digest, const core::Error& no
     state_.blobs.discard(digest);
   }
   StateLock lock(farm_);
-  for (const auto& [id, failure] : failures) lock.handle(scheduler::FailJob{{id}, failure});
+  for (const auto& [id, failure] : failures)
+    lock.handle(scheduler::FailJob{{id}, failure, {scheduler::FailureReason::kFileLost, std::nullopt, {}}});
 }
 
 }  // namespace tessera::jobs

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The limit on a submitter's unfinished jobs. Thread-safe.
+// The limit on an owner's unfinished jobs. Thread-safe.
 #pragma once
 
 #include <string>
@@ -11,28 +11,27 @@
 
 namespace tessera::jobs {
 
-// RESOURCE_EXHAUSTED if the submitter may not have another unfinished job.
-core::Status may_open_job(const farm::StateLock& lock, const std::string& submitter,
+// RESOURCE_EXHAUSTED if the owner may not have another unfinished job.
+core::Status may_open_job(const farm::StateLock& lock, const std::string& owner,
                           const server::Limits& limits);
 
-// Reserves one of a submitter's unfinished jobs while the job is checked and does not exist yet. Submissions
+// Reserves one of an owner's unfinished jobs while the job is checked and does not exist yet. Submissions
 // in parallel so get no more jobs than submissions one after the other.
 class QuotaReservation {
  public:
   // RESOURCE_EXHAUSTED if none is left.
-  static core::Result<QuotaReservation> take(farm::Farm& farm, const std::string& submitter,
+  static core::Result<QuotaReservation> take(farm::Farm& farm, const std::string& owner,
                                              const server::Limits& limits);
   QuotaReservation(QuotaReservation&& other) noexcept
-      : farm_(std::exchange(other.farm_, nullptr)), submitter_(std::move(other.submitter_)) {}
+      : farm_(std::exchange(other.farm_, nullptr)), owner_(std::move(other.owner_)) {}
   // Gives the reservation back; takes the state lock.
   ~QuotaReservation();
 
  private:
-  QuotaReservation(farm::Farm& farm, std::string submitter)
-      : farm_(&farm), submitter_(std::move(submitter)) {}
+  QuotaReservation(farm::Farm& farm, std::string owner) : farm_(&farm), owner_(std::move(owner)) {}
 
   farm::Farm* farm_;
-  std::string submitter_;
+  std::string owner_;
 };
 
 }  // namespace tessera::jobs

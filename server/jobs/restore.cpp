@@ -7,7 +7,9 @@
 #include <utility>
 
 #include "core/base/printable.hpp"
+#include "proto/log.hpp"
 #include "server/farm/wire.hpp"
+#include "server/film/stored_counters.hpp"
 #include "server/film/stored_tile.hpp"
 #include "server/jobs/admission.hpp"
 #include "server/jobs/continuation.hpp"
@@ -35,6 +37,8 @@ bool is_whole(const std::vector<core::SampleRange>& ranges, std::uint32_t spp) {
   return ranges == std::vector<core::SampleRange>{{0, spp}};
 }
 
+}  // namespace
+
 std::vector<scheduler::IntervalSet> done_sets(const scheduler::JobShape& shape, const DoneByTile& done) {
   std::vector<scheduler::IntervalSet> sets(static_cast<std::size_t>(shape.grid().tile_count()));
   for (const auto& [tile, ranges] : done) {
@@ -46,15 +50,17 @@ std::vector<scheduler::IntervalSet> done_sets(const scheduler::JobShape& shape, 
   return sets;
 }
 
-}  // namespace
-
 core::Status Restoration::restore_all() {
-  const auto rows = state_.jobs.jobs();
-  if (!rows) return core::fail(rows.error());
-  for (const store::JobRow& row : *rows) {
-    if (auto restored = restore(row); !restored) return restored;
+  const auto ids = state_.jobs.unsettled_jobs();
+  if (!ids) return core::fail(ids.error());
+  for (const std::string& id : *ids) {
+    auto row = state_.jobs.job(id);
+    if (!row) return core::fail(row.error());
+    if (!*row) continue;
+    if (auto restored = restore(**std::move(row)); !restored) return restored;
   }
-  if (!rows->empty()) spdlog::info("recovered {} jobs from the state directory", rows->size());
+  if (auto written = flush(); !written) return written;
+  if (restored_ > 0) spdlog::info("recovered {} jobs from the state directory", restored_);
   return {};
 }
 
@@ -66,76 +72,111 @@ core::Status Restoration::restore_damaged(const store::JobRow& row, const core::
                   core::printable(row.id));
     return {};
   }
-  spdlog::error("{}", error.message);
-  const scheduler::JobShape nothing{1, 1, 1};
-  auto spec = std::make_shared<v1::Job>();
-  spec->set_id(row.id);
-  spec->set_name("(damaged)");
-  spec->mutable_settings()->set_width_px(1);
-  spec->mutable_settings()->set_height_px(1);
-  *spec->mutable_created_at() = farm::timestamp_from_ms(row.created_ms);
-  // Its files stay if they can be read, since the next start may recover the job.
-  if (const auto readable = farm::from_row(row)) *spec->mutable_bundle() = readable->spec->bundle();
-  JobRecord record;
-  record.spec = std::move(spec);
-  record.request_id = row.request_id;
-  record.revision = record.stored_revision = row.revision;
-  record.finished_ms = row.finished_ms;
-
-  const scheduler::RestoreJob event{{row.id},       nothing,
-                                    row.priority,   scheduler::JobState::kFailed,
-                                    error.message,  done_sets(nothing, {}),
-                                    row.max_workers};
-  return add_restored(event, std::move(record));
+  proto::log(spdlog::level::err, error.message, {.job = row.id});
+  const scheduler::JobView view = farm::snapshot_of_damaged(row, error).view;
+  const scheduler::RestoreJob event{view.id,          view.shape,   view.priority,
+                                    view.state,       view.failure, done_sets(view.shape, {}),
+                                    view.max_workers, {},           view.failure_details};
+  return add_restored(event, farm::record_of_damaged(row));
 }
 
 core::Status Restoration::add_restored(const scheduler::RestoreJob& event, JobRecord record) {
   record.files = files_.hold(record.spec->bundle());
-  files_.charge_to(record.spec->submitter(), record.spec->bundle());
+  files_.charge_to(record.spec->owner(), record.spec->bundle());
   StateLock lock(farm_);
   const scheduler::Actions actions = lock->scheduler.handle(event, lock.now());
   if (!actions.status) return core::fail(actions.status.error());
   lock->add_job(std::move(record));
   lock.apply(actions);
+  ++restored_;
   return {};
 }
 
-core::Status Restoration::restore(const store::JobRow& row) {
+core::Status Restoration::restore_validating(const store::JobRow& row) {
+  auto job = farm::validating_from_row(row);
+  if (!job) return restore_damaged(row, job.error());
+  job->files = files_.hold(job->spec->bundle());
+  files_.charge_to(job->spec->owner(), job->spec->bundle());
+  StateLock(farm_).add_validating(*std::move(job));
+  ++restored_;
+  return {};
+}
+
+core::Status Restoration::restore(store::JobRow row) {
+  if (row.state == v1::JOB_STATE_VALIDATING) return restore_validating(row);
   auto record = farm::from_row(row);
   if (!record) return restore_damaged(row, record.error());
-  auto state = farm::from_wire(static_cast<v1::JobState>(row.state));
-  auto done = state_.jobs.tiles_done(row.id);
-  if (!done) return core::fail(done.error());
-
-  std::vector<scheduler::ProducedItem> provenance;
-  bool unfinished = !farm::is_finished(state);
-  if (state == scheduler::JobState::kDone) {
-    auto lacks = lacks_samples(row, farm::grid_of(*record->spec), *done);
+  const bool is_of_earlier_release = row.bundle.empty();
+  if (is_of_earlier_release) {
+    const std::int64_t created_ms = row.created_ms;
+    row = farm::to_row(farm::snapshot_of_row(row));
+    row.created_ms = created_ms;
+  }
+  const auto state = farm::from_wire(static_cast<v1::JobState>(row.state));
+  if (farm::is_finished(state)) {
+    const core::TileGrid grid = record->is_validated ? farm::grid_of(*record->spec) : farm::kNoShape.grid();
+    auto done = state_.jobs.tiles_done(row.id);
+    if (!done) return core::fail(done.error());
+    const auto lacks = state == scheduler::JobState::kDone ? lacks_samples(row, grid, *done) : false;
     if (!lacks) return core::fail(lacks.error());
-    unfinished = *lacks;
+    if (!*lacks) return settle(std::move(row), grid, *done);
   }
-  if (unfinished) {
-    // Its workers cannot join this farm. The row stays unchanged for a coordinator that accepts them.
-    if (auto may = may_continue(*record, fingerprint_); !may) return restore_damaged(row, may.error());
-    // The limits may have been higher, or the row is damaged: the film would not fit into memory.
-    if (auto fits = check_picture_size(record->spec->settings(), limits_); !fits)
-      return restore_damaged(row, fits.error().within("recovering job " + row.id));
-    auto loaded = films_.load(*record->spec);
-    if (!loaded) return core::fail(loaded.error());
-    for (const std::string& damage : loaded->damage) spdlog::error("{}: it is rendered again", damage);
-    record->film = std::move(loaded->film);
-    *done = std::move(loaded->done);
-    provenance = std::move(loaded->provenance);
-  }
-  // Unchecked rows cannot raise a job's sample count.
-  const scheduler::JobShape shape = farm::shape_of(*record->spec, unfinished ? spp_of(row, *done) : row.spp);
+  if (is_of_earlier_release)
+    if (auto written = rewrite(row); !written) return written;
+  return restore_unfinished(row, std::move(*record));
+}
 
-  const scheduler::RestoreJob event{{row.id},        shape,
-                                    row.priority,    state,
-                                    row.failure,     done_sets(shape, *done),
-                                    row.max_workers, std::move(provenance)};
-  const core::Status taken_up = add_restored(event, std::move(*record));
-  return taken_up ? taken_up : restore_damaged(row, taken_up.error().within("recovering job " + row.id));
+core::Status Restoration::restore_unfinished(const store::JobRow& row, JobRecord record) {
+  // Its workers cannot join this farm. The row stays unchanged for a coordinator that accepts them.
+  if (auto may = may_continue(record, fingerprints_); !may) return restore_damaged(row, may.error());
+  // The limits may have been higher, or the row is damaged: the film would not fit into memory.
+  if (auto fits = check_picture_size(record.spec->settings(), limits_); !fits)
+    return restore_damaged(row, fits.error().within("recovering job " + row.id));
+  auto loaded = films_.load(*record.spec);
+  if (!loaded) return core::fail(loaded.error());
+  for (const std::string& damage : loaded->damage)
+    proto::log(spdlog::level::err, damage + ": it is rendered again", {.job = row.id});
+  record.film = std::move(loaded->film);
+  // Unchecked rows cannot raise a job's sample count.
+  const scheduler::JobShape shape = farm::shape_of(*record.spec, spp_of(row, loaded->done));
+  const scheduler::RestoreJob event{{row.id},
+                                    shape,
+                                    row.priority,
+                                    farm::from_wire(static_cast<v1::JobState>(row.state)),
+                                    row.failure,
+                                    done_sets(shape, loaded->done),
+                                    row.max_workers,
+                                    std::move(loaded->provenance),
+                                    {},
+                                    record.arithmetic};
+  const core::Status restored = add_restored(event, std::move(record));
+  return restored ? restored : restore_damaged(row, restored.error().within("recovering job " + row.id));
+}
+
+// Its counters may be those of an earlier moment.
+core::Status Restoration::settle(store::JobRow row, const core::TileGrid& grid, const DoneByTile& done) {
+  std::uint64_t samples = 0;
+  const std::vector<scheduler::IntervalSet> sets =
+      done_sets(scheduler::JobShape(grid.window(), row.spp), done);
+  for (int tile = 0; tile < grid.tile_count(); ++tile)
+    samples += sets[static_cast<std::size_t>(tile)].count() * grid.rect(tile).pixel_count();
+  stored::v1::Counters counters;
+  if (!counters.ParseFromString(row.counters)) counters.Clear();
+  counters.set_samples(samples);
+  row.counters = counters.SerializeAsString();
+  row.settled = true;
+  return rewrite(std::move(row));
+}
+
+core::Status Restoration::rewrite(store::JobRow row) {
+  constexpr std::size_t kRowsAtOnce = 256;
+  to_rewrite_.push_back(std::move(row));
+  return to_rewrite_.size() < kRowsAtOnce ? core::Status() : flush();
+}
+
+core::Status Restoration::flush() {
+  const std::vector<store::JobRow> rows = std::exchange(to_rewrite_, {});
+  return rows.empty() ? core::Status() : state_.jobs.rewrite_jobs(rows);
 }
 
 // Whether a job that is stored as done lacks samples in intact tiles: the coordinator crashed after the job
@@ -151,7 +192,7 @@ core::Result<bool> Restoration::lacks_samples(const store::JobRow& row, const co
     if (stored) {
       lacks = true;
     } else {
-      spdlog::error("{}", stored.error().message);
+      proto::log(spdlog::level::err, stored.error().message, {.job = row.id});
       done[tile] = {{0, row.spp}};
     }
   }

@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: Apache-2.0
+// Lists of jobs, in pages.
+//
+// The store has a row of every job, with what never changes of it: the order and most filters are its own. A
+// job that is in memory is shown as it is there, so that a job that moves between the two is neither hidden
+// nor shown twice.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <utility>
+
+#include "server/farm/wire.hpp"
+#include "server/jobs/job_service.hpp"
+#include "server/jobs/labels.hpp"
+
+namespace tessera::jobs {
+
+using farm::JobSnapshot;
+using store::JobQuery;
+
+namespace {
+
+constexpr std::uint32_t kMaxPageSize = 1000;
+// Of a list with filters that the store does not have. Few of the jobs may match.
+constexpr std::size_t kRowsAtOnce = 64;
+
+core::Result<std::int64_t> from_token(const std::string& token) {
+  std::int64_t number = 0;
+  const char* const end = token.data() + token.size();
+  const auto [rest, error] = std::from_chars(token.data(), end, number);
+  if (error == std::errc() && rest == end) return number;
+  return core::fail(core::ErrorCode::kInvalidArgument,
+                    "page_token: is not from an earlier response: begin without one");
+}
+
+core::Result<JobQuery> to_query(const v1::ListJobsRequest& request) {
+  JobQuery query;
+  if (!request.page_token().empty()) {
+    const auto number = from_token(request.page_token());
+    if (!number) return core::fail(number.error());
+    query.before_number = *number;
+  }
+  query.id_prefix = request.id_prefix();
+  if (request.has_owner()) query.owner = request.owner();
+  if (request.has_created_from()) query.created_from_ms = farm::ms_from_timestamp(request.created_from());
+  if (request.has_created_before())
+    query.created_before_ms = farm::ms_from_timestamp(request.created_before());
+  for (const int state : request.states()) {
+    if (state <= v1::JOB_STATE_UNSPECIFIED || !v1::JobState_IsValid(state))
+      return core::fail(core::ErrorCode::kInvalidArgument,
+                        fmt::format("states: must be of JobState, got {}", state));
+    query.states |= std::uint32_t{1} << state;
+  }
+  return query;
+}
+
+core::Result<bool> has_rows(store::JobStore& jobs, const JobQuery& query) {
+  bool has = false;
+  const auto read = jobs.list_jobs(query, 1, [&](const store::JobRow&, std::int64_t) { has = true; });
+  if (!read) return core::fail(read.error());
+  return has;
+}
+
+// What the store cannot decide.
+bool matches(const v1::Job& job, const JobQuery& query, const Labels& labels) {
+  return (query.states == 0 || (query.states >> job.state() & 1) != 0) && has_labels(job, labels);
+}
+
+}  // namespace
+
+core::Result<v1::ListJobsResponse> JobService::list(const v1::ListJobsRequest& request) {
+  auto query = to_query(request);
+  if (!query) return core::fail(query.error());
+  const std::uint32_t asked = request.page_size() == 0 ? kMaxPageSize : request.page_size();
+  const auto limit = static_cast<int>(std::min(asked, kMaxPageSize));
+  v1::ListJobsResponse response;
+  while (response.jobs_size() < limit) {
+    const auto last = list_some(*query, request.labels(), limit, response);
+    if (!last) return core::fail(last.error());
+    if (!*last) return response;
+    query->before_number = *last;
+  }
+  const auto has_more = has_rows(state_.jobs, *query);
+  if (!has_more) return core::fail(has_more.error());
+  if (*has_more) response.set_next_page_token(std::to_string(*query->before_number));
+  return response;
+}
+
+// Adds the jobs of some more rows, until there are `limit`. Returns the number of the last row whose job was
+// looked at; empty if there are no more.
+core::Result<std::optional<std::int64_t>> JobService::list_some(const JobQuery& query, const Labels& labels,
+                                                                int limit, v1::ListJobsResponse& response) {
+  const auto missing = static_cast<std::size_t>(limit - response.jobs_size());
+  const bool is_filtered = query.states != 0 || !labels.empty();
+  const std::size_t wanted = is_filtered ? std::max(missing, kRowsAtOnce) : missing;
+  std::vector<ListedJob> listed;
+  std::size_t rows = 0;
+  std::optional<std::int64_t> last;
+  const auto read = state_.jobs.list_jobs(query, wanted, [&](const store::JobRow& row, std::int64_t number) {
+    ++rows;
+    last = number;
+    // A job whose id is no text cannot be shown.
+    if (farm::is_text(row.id)) listed.push_back({farm::snapshot_of_row(row), row.settled, number});
+  });
+  if (!read) return core::fail(read.error());
+  for (ListedJob& each : listed) {
+    const std::int64_t number = each.number;
+    auto now = current(std::move(each));
+    if (!now) return core::fail(now.error());
+    if (!*now) continue;
+    v1::Job job = summarise(**now);
+    if (!matches(job, query, labels)) continue;
+    *response.add_jobs() = std::move(job);
+    if (response.jobs_size() == limit) return std::optional(number);
+  }
+  if (rows < wanted) last.reset();
+  return last;
+}
+
+// The job as it is in memory. If it is not settled and not there, it has left the memory since its row was
+// read, and has another row now, or none.
+core::Result<std::optional<JobSnapshot>> JobService::current(ListedJob listed) {
+  const std::string id = listed.job.spec->id();
+  {
+    const farm::StateLock lock(farm_);
+    if (const farm::JobRecord* const record = lock->find_job(id))
+      return std::optional(JobSnapshot(*record, *lock->scheduler.job({id}, lock.now())));
+    if (const farm::ValidatingJob* const job = lock->find_validating(id))
+      return std::optional(snapshot_of(*job));
+  }
+  if (listed.is_settled) return std::optional(std::move(listed.job));
+  const auto row = state_.jobs.job(id);
+  if (!row) return core::fail(row.error());
+  if (!*row) return std::optional<JobSnapshot>();
+  return std::optional(farm::snapshot_of_row(**row));
+}
+
+std::size_t JobService::count_in_memory() {
+  return farm::StateLock(farm_)->jobs.size();
+}
+
+}  // namespace tessera::jobs
