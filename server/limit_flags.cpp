@@ -62,7 +62,7 @@ void add_job_flags(CLI::App& app, Limits& limits) {
                      "Most pixels of an image");
   add<std::uint32_t>(app, "--max-spp", limits.spp, 1, core::kMaxSpp, "Most samples per pixel of a job");
   add<std::uint64_t>(app, "--max-open-jobs", limits.open_jobs, 1, kMany,
-                     "Most unfinished jobs of one submitter; without --tokens, of all together");
+                     "Most unfinished jobs of one owner; without --tokens, of all together");
 }
 
 void add_scene_flags(CLI::App& app, Limits& limits) {
@@ -114,7 +114,7 @@ void add_call_flags(CLI::App& app, Limits& limits) {
   add(app, "--max-message-mib", limits.message_mib, kMinMessageMib, kMaxMessageMib,
       "Most MiB of one message");
   add(app, "--max-calls-per-second", limits.calls_per_second, 1.0, 1e9,
-      "Most calls a second of one submitter (without --tokens: of one machine) or one worker; bursts can "
+      "Most calls a second of one owner (without --tokens: of one machine) or one worker; bursts can "
       "have ten "
       "seconds' worth");
 }

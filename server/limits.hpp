@@ -9,8 +9,10 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "core/base/error.hpp"
+#include "proto/error_reasons.hpp"
 
 namespace tessera::server {
 
@@ -26,8 +28,8 @@ struct Limits {
   // Of a job: pixels of its window, and samples per pixel.
   std::uint64_t picture_pixels = std::uint64_t{1} << 28;
   std::uint32_t spp = 1u << 20;
-  // Jobs of one submitter that are checked, running or paused. Without tokens, all jobs have the same
-  // submitter.
+  // Jobs of one owner that are checked, running or paused. Without tokens, all jobs have the same
+  // owner.
   std::uint64_t open_jobs = 1000;
 
   // Of a bundle: the number of files, their total size, and the size of each.
@@ -85,8 +87,25 @@ inline constexpr double kBurstSeconds = 10;
 
 // "FOUND, and this farm takes at most MOST (tessera-coordinator OPTION)".
 inline core::Error over_limit(std::string_view found, std::string_view most, std::string_view option) {
-  return {core::ErrorCode::kResourceExhausted,
-          fmt::format("{}, and this farm takes at most {} (tessera-coordinator {})", found, most, option)};
+  const core::Error error{
+      core::ErrorCode::kResourceExhausted,
+      fmt::format("{}, and this farm takes at most {} (tessera-coordinator {})", found, most, option)};
+  return error.with({.reason = proto::kLimitExceeded, .option = std::string(option)});
+}
+
+// The same for what the caller has used and can give back.
+inline core::Error over_quota(std::string_view found, std::string_view most, std::string_view option) {
+  return over_limit(found, most, option)
+      .with({.reason = proto::kQuotaExceeded, .option = std::string(option)});
+}
+
+// The error of a condition that passes by itself: call again after this time.
+inline core::Error temporary(const core::Error& error, std::chrono::steady_clock::duration retry_delay) {
+  const auto delay_ms = std::chrono::ceil<std::chrono::milliseconds>(retry_delay).count();
+  core::ErrorDetails details = core::details_of(error);
+  details.reason = proto::kTryLater;
+  details.retry_delay_ms = static_cast<std::uint32_t>(delay_ms);
+  return error.with(std::move(details));
 }
 
 // The same for a quota that callers share (FairShare), of which the caller has `own`: "too many SCENES WAIT,

@@ -10,6 +10,7 @@
 #include <cstdlib>
 #include <exception>
 #include <iostream>
+#include <memory>
 #include <new>
 #include <stop_token>
 
@@ -17,9 +18,11 @@
 #include "core/base/standard_streams.hpp"
 #include "core/sandbox/check.hpp"
 #include "proto/log.hpp"
+#include "proto/metrics_server.hpp"
 #include "proto/open_files.hpp"
 #include "proto/secret_file.hpp"
 #include "server/admin/maintenance.hpp"
+#include "server/metrics/collect.hpp"
 #include "server/options.hpp"
 #include "server/rpc/server.hpp"
 
@@ -29,12 +32,13 @@ using namespace tessera;
 
 constexpr rlim_t kMinAddressBytes = rlim_t{1} << 30;
 
-// Blocks the termination signals in this thread and those it starts; sigwait() receives them.
-sigset_t block_stop_signals() {
+// Blocks the signals of the operator in this thread and those it starts; sigwait() receives them.
+sigset_t block_signals() {
   sigset_t signals;
   sigemptyset(&signals);
   sigaddset(&signals, SIGINT);
   sigaddset(&signals, SIGTERM);
+  sigaddset(&signals, SIGHUP);
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
   return signals;
 }
@@ -54,6 +58,17 @@ void warn_of_open_doors(const server::Options& options) {
         options.listen);
 }
 
+// Null unless the options ask for metrics. Coordinator and server must outlive it.
+core::Result<std::unique_ptr<proto::MetricsServer>> serve_metrics(const server::Options& options,
+                                                                  server::Coordinator& coordinator,
+                                                                  const rpc::Server& server) {
+  if (options.metrics.empty()) return nullptr;
+  auto metrics = proto::MetricsServer::start(
+      options.metrics, [&coordinator, &server] { return metrics::collect(coordinator, server); });
+  if (metrics) spdlog::info("metrics at http://{}/metrics", (*metrics)->address());
+  return metrics;
+}
+
 void warn_of_exposed_secrets(const server::Options& options) {
   for (const std::string& secret : {options.security.key, options.tokens})
     if (const auto warning = proto::exposure_of(secret)) spdlog::warn("{}", *warning);
@@ -69,7 +84,26 @@ core::Status check_address_space() {
                                 limit.rlim_cur >> 20, kMinAddressBytes >> 20));
 }
 
-core::Status run(const server::Options& options, const sigset_t& stop_signals) {
+// Calls in progress, jobs and connections are not affected, and a damaged file changes nothing.
+void reload_tokens(const server::Options& options, rpc::Server& server) {
+  if (options.tokens.empty())
+    return spdlog::info("there is nothing to read again: this coordinator runs without --tokens");
+  auto access = auth::Access::read(options.tokens);
+  if (!access)
+    return spdlog::error("the tokens stay as they were, since the new ones cannot be read: {}",
+                         access.error().message);
+  server.replace_access(*std::move(access));
+  spdlog::info("has read the tokens in {} again", options.tokens);
+  warn_of_exposed_secrets(options);
+}
+
+void wait_for_stop(const server::Options& options, rpc::Server& server, const sigset_t& signals) {
+  int signal = 0;
+  while (sigwait(&signals, &signal) == 0 && signal == SIGHUP) reload_tokens(options, server);
+  spdlog::info("stopping on signal {}", signal);
+}
+
+core::Status run(const server::Options& options, const sigset_t& signals) {
   if (const auto enough = check_address_space(); !enough) return enough;
   if (const auto found = validator::check_validator(options.validator); !found)
     return core::fail(found.error());
@@ -80,13 +114,12 @@ core::Status run(const server::Options& options, const sigset_t& stop_signals) {
   auto state = store::StateDirectory::open(options.state);
   if (!state) return core::fail(state.error());
   const blobs::BlobStore blobs = state->blobs;
-  std::stop_source stopping;
-  const validator::ProcessOptions validator{.path = options.validator,
-                                            .limits = options.limits,
-                                            .stop = stopping.get_token(),
-                                            .require_sandbox = options.require_sandbox};
-  const auto check = [&](const v1::Bundle& bundle,
-                         const v1::RenderOverrides& overrides) -> core::Result<jobs::CheckedScene> {
+  const auto check = [&](const v1::Bundle& bundle, const v1::RenderOverrides& overrides,
+                         const std::stop_token& stop) -> core::Result<jobs::CheckedScene> {
+    const validator::ProcessOptions validator{.path = options.validator,
+                                              .limits = options.limits,
+                                              .stop = stop,
+                                              .require_sandbox = options.require_sandbox};
     auto approval = validator::validate_scene(validator, blobs, bundle, overrides);
     if (!approval) return core::fail(approval.error());
     return jobs::CheckedScene{approval->settings, approval->display, std::move(approval->warnings)};
@@ -98,11 +131,17 @@ core::Status run(const server::Options& options, const sigset_t& stop_signals) {
   settings.keep_unused_blobs = std::chrono::duration_cast<std::chrono::seconds>(
       std::chrono::duration<double, std::ratio<3600>>(options.keep_unused_hours));
   settings.farm.audit_share = options.audit;
-  settings.farm.fingerprint = options.fingerprint;
+  if (!options.fingerprints.empty())
+    settings.farm.fingerprints = {options.fingerprints.begin(), options.fingerprints.end()};
   const auto coordinator = server::Coordinator::open(settings, std::move(*state), check);
   if (!coordinator) return core::fail(coordinator.error());
   rpc::ServerOptions serving{
       .address = options.listen, .security = options.security, .limits = options.limits};
+  if (!options.keep_finished.empty()) {
+    const auto keep = jobs::read_keep_finished(options.keep_finished);
+    if (!keep) return core::fail(keep.error());
+    serving.keep_finished = *keep;
+  }
   if (!options.tokens.empty()) {
     auto access = auth::Access::read(options.tokens);
     if (!access) return core::fail(access.error());
@@ -110,21 +149,21 @@ core::Status run(const server::Options& options, const sigset_t& stop_signals) {
   }
   const auto server = rpc::Server::start(**coordinator, std::move(serving));
   if (!server) return core::fail(server.error());
+  auto metrics = serve_metrics(options, **coordinator, **server);
+  if (!metrics) return core::fail(metrics.error());
 
   warn_of_open_doors(options);
   warn_of_exposed_secrets(options);
   proto::flush_log();
   std::cout << "tessera-coordinator: listening on " << (*server)->address() << std::endl;
-  int signal = 0;
-  sigwait(&stop_signals, &signal);
-  spdlog::info("stopping on signal {}", signal);
-  stopping.request_stop();  // do not wait for scenes that are being validated
+  wait_for_stop(options, **server, signals);
+  metrics->reset();
   return (*server)->stop();
 }
 
-core::Status run_guarded(const server::Options& options, const sigset_t& stop_signals) {
+core::Status run_guarded(const server::Options& options, const sigset_t& signals) {
   try {
-    return run(options, stop_signals);
+    return run(options, signals);
   } catch (const std::bad_alloc&) {
     return core::fail(core::ErrorCode::kResourceExhausted,
                       "there is not enough memory to start (ulimit -v, LimitAS= or MemoryMax= of systemd)");
@@ -146,9 +185,9 @@ int main(int argc, char** argv) {
   // Debian's Abseil searches for deadlocks each time that gRPC takes a lock.
   absl::SetMutexDeadlockDetectionMode(absl::OnDeadlockCycle::kIgnore);
   proto::raise_file_limit();
-  const sigset_t stop_signals = block_stop_signals();
+  const sigset_t signals = block_signals();
   ::umask(S_IRWXG | S_IRWXO);  // other users of this machine must not read submitted scenes
-  const auto ended = run_guarded(options, stop_signals);
+  const auto ended = run_guarded(options, signals);
   if (ended) return EXIT_SUCCESS;
   std::cerr << "tessera-coordinator: " << core::printable_lines(ended.error().message) << '\n';
   return EXIT_FAILURE;

@@ -9,7 +9,9 @@
 #include "core/cli/parse.hpp"
 #include "core/sandbox/flags.hpp"
 #include "proto/log_flags.hpp"
+#include "proto/metrics_flag.hpp"
 #include "proto/number_range.hpp"
+#include "server/jobs/retirement.hpp"
 #include "server/limit_flags.hpp"
 
 namespace tessera::server {
@@ -19,7 +21,7 @@ namespace {
 const cli::HelpText kHelp{
     .notes =
         R"(Log lines go to stderr. SIGINT and SIGTERM stop the coordinator; jobs go on when it starts again with the same
---state.)",
+--state. SIGHUP reads the file of tokens again.)",
     .exit_statuses = {{cli::kExitOk, "stopped by a signal, or the check found nothing damaged"},
                       {cli::kExitFailed, "failed"},
                       {cli::kExitUsage, "wrong command line"}},
@@ -31,6 +33,12 @@ constexpr std::size_t kFingerprintDigits = 16;
 std::string is_fingerprint(const std::string& text) {
   const bool digits = text.find_first_not_of("0123456789abcdef") == std::string::npos;
   return digits && text.size() == kFingerprintDigits ? "" : "must be 16 lower-case hexadecimal digits";
+}
+
+// The error message; empty if the text can be read.
+std::string is_keep_finished(const std::string& text) {
+  const auto read = jobs::read_keep_finished(text);
+  return read ? "" : read.error().message;
 }
 
 void add_maintenance_flags(CLI::App& app, Options& options) {
@@ -58,8 +66,7 @@ void add_security_flags(CLI::App& app, Options& options) {
            "Require callers to show a certificate that this authority signed (PEM)");
   add_file("--tokens", options.tokens,
            "Require callers to show a token of this file; each line is ROLE NAME TOKEN, with the role "
-           "submit, work or "
-           "admin");
+           "submit, work or admin; SIGHUP reads it again");
   app.add_flag(
          "--allow-unauthenticated-connections", options.security.allow_unauthenticated,
          "Let other machines connect without a client certificate; anyone who reaches the port can then "
@@ -99,6 +106,12 @@ Options parse_options(int argc, char** argv) {
       ->check(proto::number_between(1.0, 1e6))
       ->type_name("N")
       ->capture_default_str();
+  app.add_option(
+         "--keep-finished", options.keep_finished,
+         "Delete the oldest finished jobs beyond this number, such as 5000, or after this time, such as "
+         "12h or 30d [default: keep them]")
+      ->check(CLI::Validator(is_keep_finished, ""))
+      ->type_name("N|TIME");
   app.add_option("--audit", options.audit,
                  "Share of the work, from 0 to 1, that a second worker renders again to compare the bytes")
       ->check(proto::number_between(0.0, 1.0))
@@ -107,10 +120,13 @@ Options parse_options(int argc, char** argv) {
   app.add_option("--validator", options.validator,
                  "Program that validates submitted scenes [default: tessera-validator beside this program]")
       ->type_name("FILE");
-  app.add_option("--accept-fingerprint", options.fingerprint,
-                 "Accept workers with this determinism fingerprint [default: that of this release]")
+  app.add_option("--accept-fingerprint", options.fingerprints,
+                 "Accept workers with this determinism fingerprint; give it once for each [default: that of "
+                 "this release]")
       ->check(CLI::Validator(is_fingerprint, ""))
+      ->allow_extra_args(false)
       ->type_name("HEX");
+  proto::add_metrics_flag(app, options.metrics);
   proto::add_log_flags(app, options.log);
   add_maintenance_flags(app, options);
   add_security_flags(app, options);

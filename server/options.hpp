@@ -4,8 +4,8 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
-#include "core/base/determinism_fingerprint.hpp"
 #include "proto/channel.hpp"
 #include "proto/log.hpp"
 #include "server/limits.hpp"
@@ -24,11 +24,13 @@ struct Options {
   double lease_seconds = 10;
   // Scene files that no job names are removed after so many hours.
   double keep_unused_hours = 24;
+  // How many finished jobs are kept, or for how long: see jobs::read_keep_finished(). Empty: for ever.
+  std::string keep_finished;
   // The share of ranges that a second worker renders again, to find workers whose bits differ. 1 renders
   // everything twice.
   double audit = 0;
-  // The determinism fingerprint that workers need to join.
-  std::string fingerprint{core::kDeterminismFingerprint};
+  // The determinism fingerprints that workers may have. Empty: that of this release.
+  std::vector<std::string> fingerprints;
   proto::ServerSecurity security;
   // The file with the callers' tokens; see auth::Access. Empty: everybody may call everything.
   std::string tokens;
@@ -39,6 +41,8 @@ struct Options {
   // Whether to start only if nothing is missing of the validator's sandbox.
   bool require_sandbox = false;
   Limits limits;
+  // HOST:PORT to serve metrics at (proto/metrics_server.hpp). Empty: nowhere.
+  std::string metrics;
   proto::LogOptions log;
 };
 

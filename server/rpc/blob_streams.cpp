@@ -17,7 +17,8 @@ using core::ErrorCode;
 
 UploadStream::UploadStream(grpc::CallbackServerContext& context, server::Coordinator& coordinator,
                            const Pools& pools, StreamLimits& streams, auth::Admission admission)
-    : context_(context),
+    : Reactor(streams.calls, admission.method),
+      context_(context),
       coordinator_(coordinator),
       pools_(pools),
       streams_(streams),
@@ -55,15 +56,19 @@ void UploadStream::end_if_waiting_since(Clock::time_point time) {
   const std::lock_guard lock(mutex_);
   if (ended_ || !waiting_since_ || *waiting_since_ > time) return;
   ended_ = true;
-  Finish(
-      {grpc::StatusCode::UNAVAILABLE,
-       fmt::format(
-           "no data of this upload has arrived for {} s (tessera-coordinator --stall-seconds): send it again",
-           std::chrono::duration<double>(streams_.stalls.patience()).count())});
+  Finish(proto::to_grpc(core::Error{
+      ErrorCode::kUnavailable,
+      fmt::format(
+          "no data of this upload has arrived for {} s (tessera-coordinator --stall-seconds): send it again",
+          std::chrono::duration<double>(streams_.stalls.patience()).count())}));
 }
 
 void UploadStream::OnDone() {
   streams_.stalls.remove(*this);
+  static_cast<void>(guarded([this]() -> core::Status {
+    keep_partial();
+    return {};
+  }));
   delete this;
 }
 
@@ -102,7 +107,9 @@ void UploadStream::begin() {
 }
 
 void UploadStream::take_room(const proto::Digest& digest) {
-  auto writer = coordinator_.files().write(caller(), digest);
+  const std::uint64_t offset_bytes = request_.offset_bytes();
+  auto writer = offset_bytes > 0 ? coordinator_.files().continue_partial(caller(), digest, offset_bytes)
+                                 : coordinator_.files().write(caller(), digest);
   if (writer) {
     writer_.emplace(*std::move(writer));
     return append();
@@ -123,19 +130,37 @@ void UploadStream::make_room(const proto::Digest& digest) {
 void UploadStream::append() {
   if (auto appended = writer_->append(request_.chunk().data()); !appended)
     return Finish(proto::to_grpc(appended));
+  streams_.calls.traffic.blobs_received += request_.chunk().data().size();
   read_next();
 }
 
 void UploadStream::commit() {
-  core::Status done =
-      writer_ ? writer_->commit()
-              : core::fail(ErrorCode::kInvalidArgument, "the stream ended before the first chunk");
+  core::Status done = store();
   use_.reset();  // its claims end here, not when gRPC deletes this object
   if (!done) return Finish(proto::to_grpc(done));
   auto bytes = serialise(response_);
   if (!bytes) return Finish(proto::to_grpc(core::Status(core::fail(bytes.error()))));
   bytes_ = *std::move(bytes);
-  StartWriteAndFinish(&bytes_, grpc::WriteOptions(), grpc::Status::OK);
+  StartWriteAndFinish(&bytes_, grpc::Status::OK);
+}
+
+core::Status UploadStream::store() {
+  if (!writer_) return core::fail(ErrorCode::kInvalidArgument, "the stream ended before the first chunk");
+  if (writer_->is_whole()) return writer_->commit();
+  const std::uint64_t come = writer_->written_bytes();
+  const proto::Digest digest = writer_->digest();
+  keep_partial();
+  return core::fail(
+      ErrorCode::kDataLoss,
+      fmt::format("blob {}: {} of its {} bytes have come: send the rest (GetUpload says from where)",
+                  digest.hex(), come, digest.size_bytes));
+}
+
+void UploadStream::keep_partial() {
+  if (!writer_) return;
+  blobs::BlobWriter writer = *std::move(writer_);
+  writer_.reset();
+  coordinator_.files().keep_partial(caller(), std::move(writer));
 }
 
 void FetchStream::begin() {
@@ -182,6 +207,7 @@ void FetchStream::write_next() {
   auto bytes = reader_->next(proto::kChunkBytes);
   if (!bytes) return fail(bytes.error());
   left_bytes_ -= bytes->size();
+  streams().calls.traffic.blobs_sent += bytes->size();
   response_.mutable_chunk()->set_data(std::move(*bytes));
   auto message = serialise(response_);
   if (!message) return Finish(proto::to_grpc(core::Status(core::fail(message.error()))));

@@ -18,8 +18,6 @@ namespace tessera::rpc {
 // Both classes are owned by gRPC until OnDone. At most one operation is in progress, so their members need no
 // lock, except for those that record since when the stream waits and whether it was ended.
 //
-// Writes one blob from a client to the store.
-
 // One blob from a client into the store.
 class UploadStream final : public Reactor, private WatchedStream {
  public:
@@ -39,8 +37,10 @@ class UploadStream final : public Reactor, private WatchedStream {
   void take_room(const proto::Digest& digest);
   void make_room(const proto::Digest& digest);
   void append();
-  // Commits the blob and ends the call with the result.
+  // Commits the blob and ends the call with the result. An incomplete blob is kept for a while.
   void commit();
+  core::Status store();
+  void keep_partial();
   const std::string& caller() const { return admission_.caller.key; }
 
   grpc::CallbackServerContext& context_;

@@ -53,8 +53,9 @@ core::Result<grpc::ByteBuffer> serialise(const google::protobuf::Message& messag
   return bytes;
 }
 
-RejectedCall::RejectedCall(auth::Rejection rejection, StallWatch& stalls)
-    : rejection_(std::move(rejection)), stalls_(stalls) {
+RejectedCall::RejectedCall(auth::Rejection rejection, StreamLimits& streams, const auth::Method& method)
+    : Reactor(streams.calls, method), rejection_(std::move(rejection)), stalls_(streams.stalls) {
+  streams.calls.note_rejected(rejection_.status);
   stalls_.add(*this);
   if (!rejection_.held_back) finish();
 }
@@ -141,7 +142,7 @@ void RequestCall::answer(const google::protobuf::Message& response) {
   }
   answer_place_.emplace(*std::move(place));
   enter(Stage::kAnswering, bytes_.Length());
-  StartWriteAndFinish(&bytes_, grpc::WriteOptions(), grpc::Status::OK);
+  StartWriteAndFinish(&bytes_, grpc::Status::OK);
 }
 
 void RequestCall::end_if_waiting_since(Clock::time_point time) {
@@ -151,12 +152,13 @@ void RequestCall::end_if_waiting_since(Clock::time_point time) {
     if (stage_ == Stage::kAnswering && late) return context_.TryCancel();
     if (stage_ == Stage::kReading && late) {
       stage_ = Stage::kEnded;
-      return Finish({grpc::StatusCode::DEADLINE_EXCEEDED,
-                     fmt::format("the message of this call has not come within {} s (tessera-coordinator "
-                                 "--stall-seconds): call again",
-                                 std::chrono::duration<double>(streams_.stalls.patience() +
-                                                               time_on_slow_line(admission_.method.max_bytes))
-                                     .count())});
+      const std::chrono::duration<double> time =
+          streams_.stalls.patience() + time_on_slow_line(admission_.method.max_bytes);
+      return Finish(proto::to_grpc(
+          core::Error{ErrorCode::kDeadlineExceeded,
+                      fmt::format("the message of this call has not come within {} s (tessera-coordinator "
+                                  "--stall-seconds): call again",
+                                  time.count())}));
     }
     if (stage_ != Stage::kRunning) return;
   }

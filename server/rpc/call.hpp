@@ -16,12 +16,33 @@
 
 #include "core/base/error.hpp"
 #include "server/auth/auth_interceptor.hpp"
+#include "server/rpc/call_stats.hpp"
 #include "server/rpc/stream_limits.hpp"
 
 namespace tessera::rpc {
 
 // gRPC sees a bidirectional stream of bytes for every method. On the wire a unary call looks the same.
-using Reactor = grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>;
+using ByteStream = grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>;
+
+// A call that is counted, with its status and the time until it has one.
+class Reactor : public ByteStream {
+ public:
+  void Finish(const grpc::Status& status) {
+    timer_.end(status);
+    ByteStream::Finish(status);
+  }
+
+ protected:
+  Reactor(CallStats& stats, const auth::Method& method) : timer_(stats, method) {}
+
+  void StartWriteAndFinish(const grpc::ByteBuffer* bytes, const grpc::Status& status) {
+    timer_.end(status);
+    ByteStream::StartWriteAndFinish(bytes, grpc::WriteOptions(), status);
+  }
+
+ private:
+  CallTimer timer_;
+};
 
 // Parses a message of the caller. RESOURCE_EXHAUSTED or INVALID_ARGUMENT if it exceeds the limits of its
 // method.
@@ -32,7 +53,7 @@ core::Result<grpc::ByteBuffer> serialise(const google::protobuf::Message& messag
 // A call that is not admitted. Owned by gRPC until OnDone.
 class RejectedCall final : public Reactor, private WatchedStream {
  public:
-  RejectedCall(auth::Rejection rejection, StallWatch& stalls);
+  RejectedCall(auth::Rejection rejection, StreamLimits& streams, const auth::Method& method);
 
  private:
   void OnDone() override;
@@ -55,14 +76,17 @@ class RequestCall : public Reactor, protected WatchedStream {
   void start();
 
   grpc::CallbackServerContext& context() const { return context_; }
-  const auth::Caller& caller() const { return admission_.caller; }
+  const auth::Principal& caller() const { return admission_.caller; }
 
   // Sends the answer and ends the call. RESOURCE_EXHAUSTED if too many bytes of answers are unread.
   void answer(const google::protobuf::Message& response);
 
  protected:
   RequestCall(grpc::CallbackServerContext& context, StreamLimits& streams, auth::Admission admission)
-      : context_(context), streams_(streams), admission_(std::move(admission)) {}
+      : Reactor(streams.calls, admission.method),
+        context_(context),
+        streams_(streams),
+        admission_(std::move(admission)) {}
 
   virtual google::protobuf::Message& message() = 0;
   virtual void begin() = 0;

@@ -30,10 +30,10 @@ Reactor* GuardedService::open(grpc::CallbackServerContext& context, const auth::
     auth::Rejection rejection;
     auto admission = auth_.admit(context, method, rejection);
     reactor = admission ? make(context, *std::move(admission))
-                        : new RejectedCall(std::move(rejection), streams_.stalls);
+                        : new RejectedCall(std::move(rejection), streams_, method);
     return {};
   });
-  if (!opened) reactor = new RejectedCall({proto::to_grpc(opened)}, streams_.stalls);
+  if (!opened) reactor = new RejectedCall({proto::to_grpc(opened)}, streams_, method);
   return reactor;
 }
 

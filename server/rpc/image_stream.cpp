@@ -5,38 +5,12 @@
 
 #include <chrono>
 #include <cstdint>
-#include <optional>
 #include <utility>
 
-#include "core/image/encode.hpp"
 #include "proto/blob.hpp"
-#include "proto/convert.hpp"
-#include "proto/convert_display.hpp"
 #include "server/rpc/reactors.hpp"
 
 namespace tessera::rpc {
-
-namespace {
-
-// The maximum memory for encoding an image: the pixels, and the file with the buffers of its library.
-constexpr std::uint64_t kBytesPerPixel = 28;
-
-std::optional<core::ImageFormat> format_of(v1::ImageFormat format) {
-  switch (format) {
-    case v1::IMAGE_FORMAT_PNG:
-      return core::ImageFormat::kPng;
-    case v1::IMAGE_FORMAT_EXR:
-      return core::ImageFormat::kExr;
-    case v1::IMAGE_FORMAT_HDR:
-      return core::ImageFormat::kHdr;
-    case v1::IMAGE_FORMAT_PFM:
-      return core::ImageFormat::kPfm;
-    default:
-      return std::nullopt;
-  }
-}
-
-}  // namespace
 
 void ImageStream::begin() {
   if (!pools_.quick.post(guarded_step(*this, [this] { wait_for_memory(); }))) Finish(busy());
@@ -44,9 +18,9 @@ void ImageStream::begin() {
 
 // The stream may end at any moment once it waits, but it is not deleted before OnDone has taken the lock.
 void ImageStream::wait_for_memory() {
-  const auto job = coordinator_.jobs().get_without_bundle(request_.job_id());
-  if (!job) return Finish(proto::to_grpc(job.error()));
-  need_mib_ = 1 + kBytesPerPixel * proto::window_of(job->settings()).pixel_count() / server::kMib;
+  const auto need_bytes = coordinator_.images().bytes_to_write(request_);
+  if (!need_bytes) return Finish(proto::to_grpc(need_bytes.error()));
+  need_mib_ = 1 + *need_bytes / server::kMib;
   const std::lock_guard lock(mutex_);
   if (cancelled_) return Finish(grpc::Status::CANCELLED);
   queued_since_ = Clock::now();
@@ -76,22 +50,12 @@ grpc::Status ImageStream::no_memory() {
 }
 
 core::Status ImageStream::take_picture() {
-  const v1::GetImageRequest& request = request_;
-  const auto format = format_of(request.format());
-  if (!format) {
-    return core::fail(
-        core::ErrorCode::kInvalidArgument,
-        fmt::format("format: must be one of ImageFormat, got {}", static_cast<int>(request.format())));
-  }
-  auto picture = coordinator_.images().get(request.job_id());
-  if (!picture) return core::fail(picture.error());
-  const auto display = proto::resolve_display(picture->job.display(), request.display());
-  if (!display) return core::fail(display.error());
-  auto encoded = core::encode_image(picture->image, *format, *display);
-  if (!encoded) return core::fail(encoded.error());
-  file_ = std::move(*encoded);
-  response_.mutable_header()->set_size_bytes(file_.size());
-  *response_.mutable_header()->mutable_job() = std::move(picture->job);
+  auto image = coordinator_.images().write(request_);
+  if (!image) return core::fail(image.error());
+  response_.mutable_header()->set_size_bytes(image->size_bytes);
+  *response_.mutable_header()->mutable_job() = std::move(image->job);
+  size_bytes_ = image->size_bytes;
+  file_.emplace(std::move(image->file));
   return {};
 }
 
@@ -101,14 +65,17 @@ void ImageStream::OnWriteDone(bool ok) {
     waiting_since_.reset();
   }
   if (!ok) return Finish(grpc::Status::CANCELLED);
-  if (sent_bytes_ == file_.size()) return Finish(grpc::Status::OK);
+  if (sent_bytes_ == size_bytes_) return Finish(grpc::Status::OK);
   response_.clear_header();
   write_next();
 }
 
 void ImageStream::write_next() {
-  response_.set_data(file_.substr(sent_bytes_, proto::kChunkBytes));
-  sent_bytes_ += response_.data().size();
+  auto chunk = file_->read_at(sent_bytes_, proto::kChunkBytes);
+  if (!chunk) return Finish(proto::to_grpc(core::Status(core::fail(chunk.error()))));
+  sent_bytes_ += chunk->size();
+  response_.set_data(*std::move(chunk));
+  streams().calls.traffic.images_sent += response_.data().size();
   auto message = serialise(response_);
   if (!message) return Finish(proto::to_grpc(core::Status(core::fail(message.error()))));
   bytes_ = *std::move(message);

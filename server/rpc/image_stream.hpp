@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <mutex>
 #include <optional>
-#include <string>
 
+#include "server/base/scratch_file.hpp"
 #include "server/coordinator.hpp"
 #include "server/rpc/call.hpp"
 #include "server/rpc/pools.hpp"
@@ -22,7 +22,8 @@ namespace tessera::rpc {
 //                      ended                             ended
 class ImageStream final : public RequestCall {
  public:
-  // Waits for the memory that encoding the image takes. It is given back when the image is sent.
+  // Waits for the memory that encoding the image takes. It is given back when the image is sent: that bounds
+  // the temporary files as well.
   ImageStream(grpc::CallbackServerContext& context, server::Coordinator& coordinator, const Pools& pools,
               StreamLimits& streams, auth::Admission admission)
       : RequestCall(context, streams, std::move(admission)), coordinator_(coordinator), pools_(pools) {}
@@ -47,8 +48,8 @@ class ImageStream final : public RequestCall {
   v1::GetImageRequest request_;
   std::uint64_t need_mib_ = 0;
   std::optional<base::FairShare::Held> memory_;
-  std::string file_;
-  std::size_t sent_bytes_ = 0;
+  std::optional<base::ScratchFile> file_;
+  std::uint64_t size_bytes_ = 0, sent_bytes_ = 0;
   v1::GetImageResponse response_;
   grpc::ByteBuffer bytes_;
 

@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/rpc/listener.hpp"
-#include "server/auth/peer.hpp"
 
 #include <fmt/format.h>
 #include <poll.h>
-#include <spdlog/spdlog.h>
 #include <sys/eventfd.h>
 #include <sys/socket.h>
 
@@ -12,6 +10,9 @@
 #include <chrono>
 #include <cstring>
 #include <utility>
+
+#include "proto/log.hpp"
+#include "server/auth/peer.hpp"
 
 namespace tessera::rpc {
 
@@ -65,7 +66,7 @@ void Listener::run(const Take& take) {
   for (const base::Fd& socket : sockets_) waiting.push_back({socket.get(), POLLIN, 0});
   while (true) {
     const int ready = poll(waiting.data(), waiting.size(), wait_ms());
-    if (const auto line = log_.take_due(Clock::now())) spdlog::warn("{}", *line);
+    if (const auto line = log_.take_due(Clock::now())) proto::log(spdlog::level::warn, *line);
     if (ready < 0) std::this_thread::sleep_for(kPause);  // no memory, or interrupted by a signal
     if (ready <= 0) continue;
     if (waiting.front().revents != 0) return;
@@ -79,8 +80,9 @@ int Listener::wait_ms() const {
   return wait ? static_cast<int>(std::chrono::ceil<std::chrono::milliseconds>(*wait).count()) : -1;
 }
 
-void Listener::warn(std::string sentence) {
-  if (const auto line = log_.note(std::move(sentence), Clock::now())) spdlog::warn("{}", *line);
+void Listener::warn(std::string sentence, const std::string& machine) {
+  if (const auto line = log_.note({std::move(sentence), {.peer = machine}}, Clock::now()))
+    proto::log(spdlog::level::warn, *line);
 }
 
 void Listener::accept_from(const base::Fd& socket, const Take& take) {
@@ -91,7 +93,8 @@ void Listener::accept_from(const base::Fd& socket, const Take& take) {
   if (!connection) {
     if (!is_exhaustion(errno)) return;  // the connection is gone already
     warn(fmt::format("cannot take a connection: {}; it waits (ulimit -n, LimitNOFILE= of systemd)",
-                     std::strerror(errno)));
+                     std::strerror(errno)),
+         "");
     return std::this_thread::sleep_for(kPause);
   }
   const std::string machine = auth::client_key(peer);
@@ -103,15 +106,15 @@ void Listener::accept_from(const base::Fd& socket, const Take& take) {
 bool Listener::has_room(const std::string& machine) {
   const ConnectionSlots::Room room = slots_.room_for(machine);
   if (room == ConnectionSlots::Room::kNone)
-    warn(
-        fmt::format("closed a connection of {}: there are {}, and this farm takes no more "
-                    "(--max-connections)",
-                    machine, slots_.most()));
+    warn(fmt::format("closed a connection of {}: there are {}, and this farm takes no more "
+                     "(--max-connections)",
+                     machine, slots_.most()),
+         machine);
   if (room == ConnectionSlots::Room::kNoneForMachine)
-    warn(
-        fmt::format("closed a connection of {}: it has {}, and this farm takes no more of one machine "
-                    "(--max-machine-connections)",
-                    machine, slots_.most_of_machine()));
+    warn(fmt::format("closed a connection of {}: it has {}, and this farm takes no more of one machine "
+                     "(--max-machine-connections)",
+                     machine, slots_.most_of_machine()),
+         machine);
   return room == ConnectionSlots::Room::kYes;
 }
 

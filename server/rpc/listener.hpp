@@ -42,7 +42,8 @@ class Listener {
   int wait_ms() const;
   void accept_from(const base::Fd& socket, const Take& take);
   bool has_room(const std::string& machine);
-  void warn(std::string sentence);
+  // `machine`: empty if it is unknown.
+  void warn(std::string sentence, const std::string& machine);
 
   const int port_;
   const base::Fd stopped_;  // becomes readable when the thread is to stop

@@ -12,10 +12,10 @@ struct Pools {
   base::ThreadPool& quick;
   // Calls of users that take milliseconds. They are separate, so that a busy disk does not delay heartbeats.
   base::FairPool& users;
+  // What watchers are sent: messages, and tiles, which take a millisecond each to encode.
+  base::FairPool& watching;
   // Work that takes seconds: encoding images, reading films back.
   base::FairPool& slow;
-  // Validation of scenes, which can take minutes. It is separate, so that images do not wait for it.
-  base::FairPool& validating;
   // Removal of files from a full store. It is separate, so that only uploads wait for it.
   base::FairPool& clearing;
 };

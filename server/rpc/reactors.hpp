@@ -20,12 +20,13 @@ namespace tessera::rpc {
 
 // The answer to a call when too many are waiting already.
 inline grpc::Status busy() {
-  return {grpc::StatusCode::UNAVAILABLE, "the coordinator has too much to do at this moment: try again"};
+  return proto::to_grpc(core::Error{core::ErrorCode::kUnavailable,
+                                    "the coordinator has too much to do at this moment: try again"});
 }
 
 // The answer to work that still waits when the coordinator stops.
 inline grpc::Status stopping() {
-  return {grpc::StatusCode::UNAVAILABLE, "the coordinator is stopping: try again"};
+  return proto::to_grpc(core::Error{core::ErrorCode::kUnavailable, "the coordinator is stopping: try again"});
 }
 
 // The status of `work()`. Exceptions of libraries become a status, too.
@@ -52,7 +53,7 @@ inline bool post(base::FairPool& pool, const std::string& caller, std::function<
 template <typename Call, typename Pool, typename Work>
 std::function<void()> finishing(Call& call, const Pool& pool, Work work) {
   return [&call, &pool, work = std::move(work)] {
-    call.finish(pool.is_closed() ? stopping() : proto::to_grpc(guarded(work)));
+    call.finish(pool.is_closed() ? stopping() : proto::to_grpc(guarded(work), call.context()));
   };
 }
 

@@ -3,15 +3,14 @@
 
 #include <fmt/format.h>
 
-#include <chrono>
 #include <memory>
-#include <set>
 #include <utility>
 
+#include "server/rpc/blob_calls.hpp"
 #include "server/rpc/blob_streams.hpp"
 #include "server/rpc/image_stream.hpp"
 #include "server/rpc/reactors.hpp"
-#include "server/rpc/watch_call.hpp"
+#include "server/rpc/watch_calls.hpp"
 
 namespace tessera::rpc {
 
@@ -28,13 +27,18 @@ core::Status put_job(core::Result<v1::Job> job, Response& response) {
 }  // namespace
 
 RenderService::RenderService(server::Coordinator& coordinator, auth::AuthInterceptor& gate, Pools pools,
-                             WatchHub& watches, StreamLimits& streams)
+                             ValidationQueue& validations, WatchHub& watches, StreamLimits& streams,
+                             ServerFacts facts)
     : GuardedService("tessera.v1.RenderService", gate, streams),
       coordinator_(coordinator),
       pools_(pools),
+      validations_(validations),
       watches_(watches),
-      streams_(streams) {
+      streams_(streams),
+      facts_(std::move(facts)) {
   add_unary("FindMissingBlobs", &RenderService::find_missing_blobs);
+  add_unary("BatchUploadBlobs", &RenderService::upload_batch);
+  add_unary("GetUpload", &RenderService::get_upload);
   add_unary("SubmitJob", &RenderService::submit_job);
   add_unary("GetJob", &RenderService::get_job);
   add_unary("ListJobs", &RenderService::list_jobs);
@@ -45,14 +49,22 @@ RenderService::RenderService(server::Coordinator& coordinator, auth::AuthInterce
   add_unary("UpdateJob", &RenderService::update_job);
   add_unary("DeleteJob", &RenderService::delete_job);
   add_unary("ListWorkers", &RenderService::list_workers);
+  add_unary("GetServerInfo", &RenderService::get_server_info);
   add("UploadBlob", [this](grpc::CallbackServerContext& context, auth::Admission admission) -> Reactor* {
     return new UploadStream(context, coordinator_, pools_, streams_, std::move(admission));
   });
-  add_call("WatchJob", [this](grpc::CallbackServerContext& context, auth::Admission admission) {
-    return new WatchCall(context, watches_, streams_, std::move(admission));
-  });
+  add_watch<WatchJobCall>("WatchJob");
+  add_watch<WatchFarmCall>("WatchFarm");
+  add_watch<WatchTilesCall>("WatchTiles");
   add_call("GetImage", [this](grpc::CallbackServerContext& context, auth::Admission admission) {
     return new ImageStream(context, coordinator_, pools_, streams_, std::move(admission));
+  });
+}
+
+template <typename AnyWatch>
+void RenderService::add_watch(const std::string& method) {
+  add_call(method, [this](grpc::CallbackServerContext& context, auth::Admission admission) {
+    return new AnyWatch(context, coordinator_, watches_, pools_.watching, streams_, std::move(admission));
   });
 }
 
@@ -64,36 +76,38 @@ void RenderService::run_change(AnyCall& call, Pool& pool, Work work) {
   });
 }
 
-core::Status RenderService::may_change(const auth::Caller& caller, const std::string& job_id) {
+core::Status RenderService::may_change(const auth::Principal& caller, const std::string& job_id) {
   if (caller.role == auth::Role::kAdmin) return {};
   const auto job = coordinator_.jobs().get_without_bundle(job_id);
   if (!job) return core::fail(job.error());
-  if (job->submitter() == caller.name) return {};
+  if (job->owner() == caller.name) return {};
   return core::fail(core::ErrorCode::kPermissionDenied,
                     fmt::format("job {} was submitted by '{}': only they and administrators may change it",
-                                job_id, job->submitter()));
+                                job_id, job->owner()));
 }
 
 void RenderService::submit_job(Call<v1::SubmitJobRequest, v1::SubmitJobResponse>& call) {
   // Registered now, however long the task waits.
-  const std::string& key = call.caller().key;
-  auto claimed = coordinator_.files().claim(key, blobs::files_of(call.request().bundle()));
+  auto claimed = coordinator_.files().claim(call.caller().key, blobs::files_of(call.request().bundle()));
   if (!claimed) return call.finish(auth::try_later(call.context(), claimed.error(), auth::kTryAgainAfter));
   const auto claim = std::make_shared<blobs::BlobClaims::Use>(*std::move(claimed));
-  const auto work = [this, &call, claim] {
-    core::Status submitted = put_job(
-        coordinator_.jobs().submit(call.request(), call.caller().name, call.response().mutable_warnings()),
-        call.response());
+  run_unary(call, pools_.users, [this, &call, claim] {
+    core::Status submitted = put_job(submit(call.request(), call.caller()), call.response());
     if (submitted) claim->settle();
     return submitted;
-  };
-  run_unary(call, pools_.validating, work, [&] {
-    return auth::try_later(
-        call.context(),
-        server::over_share(pools_.validating.waiting_of(key), "scenes", "wait to be validated",
-                           streams_.limits.waiting_scenes, "--max-waiting-scenes"),
-        auth::kTryAgainAfter);
   });
+}
+
+// A repeated call is answered also when no more scenes may wait.
+core::Result<v1::Job> RenderService::submit(const v1::SubmitJobRequest& request,
+                                            const auth::Principal& caller) {
+  jobs::JobService& jobs = coordinator_.jobs();
+  if (auto known = jobs.find_submission(request.request_id(), caller.name)) return *std::move(known);
+  auto place = validations_.reserve(caller.key);
+  if (!place) return core::fail(place.error());
+  auto job = jobs.submit(request, caller.name);
+  if (job) validations_.post(caller.key, *std::move(place), job->id());
+  return job;
 }
 
 void RenderService::get_job(Call<v1::GetJobRequest, v1::GetJobResponse>& call) {
@@ -104,8 +118,9 @@ void RenderService::get_job(Call<v1::GetJobRequest, v1::GetJobResponse>& call) {
 
 void RenderService::list_jobs(Call<v1::ListJobsRequest, v1::ListJobsResponse>& call) {
   run_unary(call, pools_.users, [this, &call] {
-    for (v1::Job& job : coordinator_.jobs().list(call.request()))
-      *call.response().add_jobs() = std::move(job);
+    auto listed = coordinator_.jobs().list(call.request());
+    if (!listed) return core::Status(core::fail(listed.error()));
+    call.response() = std::move(*listed);
     return core::Status();
   });
 }
@@ -146,9 +161,17 @@ void RenderService::delete_job(Call<v1::DeleteJobRequest, v1::DeleteJobResponse>
 }
 
 void RenderService::list_workers(Call<v1::ListWorkersRequest, v1::ListWorkersResponse>& call) {
+  run_unary(call, pools_.users, [this, &call]() -> core::Status {
+    auto page = coordinator_.dispatcher().list_workers(call.request());
+    if (!page) return core::fail(page.error());
+    call.response() = *std::move(page);
+    return {};
+  });
+}
+
+void RenderService::get_server_info(Call<v1::GetServerInfoRequest, v1::GetServerInfoResponse>& call) {
   run_unary(call, pools_.users, [this, &call] {
-    for (auto& worker : coordinator_.dispatcher().workers())
-      *call.response().add_workers() = std::move(worker);
+    call.response() = server_info(facts_, streams_.limits, call.caller());
     return core::Status();
   });
 }
@@ -156,30 +179,21 @@ void RenderService::list_workers(Call<v1::ListWorkersRequest, v1::ListWorkersRes
 void RenderService::find_missing_blobs(
     Call<v1::FindMissingBlobsRequest, v1::FindMissingBlobsResponse>& call) {
   run_unary(call, pools_.users, [this, &call] {
-    core::Status found = find_missing(call.caller().key, call.request(), call.response());
-    if (!found && found.error().code == core::ErrorCode::kResourceExhausted)
-      static_cast<void>(auth::try_later(call.context(), found.error(), auth::kTryAgainAfter));
-    return found;
+    return find_missing(coordinator_, call.caller().key, call.request(), call.response());
   });
 }
 
-// Blobs in the store are claimed before they are checked, so that they are still there when the missing ones
-// have been uploaded.
-core::Status RenderService::find_missing(const std::string& caller,
-                                         const v1::FindMissingBlobsRequest& request,
-                                         v1::FindMissingBlobsResponse& response) {
-  std::set<proto::Digest> files;
-  for (const v1::Digest& message : request.digests()) {
-    const auto digest = proto::from_proto(message);
-    if (!digest) return core::fail(digest.error());
-    files.insert(*digest);
-  }
-  const auto claimed = coordinator_.files().claim(caller, {files.begin(), files.end()});
-  if (!claimed) return core::fail(claimed.error());
-  for (const proto::Digest& file : files) {
-    if (!coordinator_.blobs().contains(file)) *response.add_missing() = proto::to_proto(file);
-  }
-  return {};
+void RenderService::upload_batch(Call<v1::BatchUploadBlobsRequest, v1::BatchUploadBlobsResponse>& call) {
+  run_unary(call, pools_.slow, [this, &call] {
+    return rpc::upload_batch(coordinator_, call.caller().key, streams_.limits, call.request(),
+                             call.response());
+  });
+}
+
+void RenderService::get_upload(Call<v1::GetUploadRequest, v1::GetUploadResponse>& call) {
+  run_unary(call, pools_.users, [this, &call] {
+    return rpc::get_upload(coordinator_, call.caller().key, call.request(), call.response());
+  });
 }
 
 }  // namespace tessera::rpc

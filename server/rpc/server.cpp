@@ -10,13 +10,18 @@
 #include <sys/resource.h>
 
 #include <algorithm>
+#include <mutex>
+#include <stop_token>
 #include <thread>
 #include <utility>
 
 #include "server/auth/auth_interceptor.hpp"
 #include "server/base/periodic.hpp"
+#include "server/base/wall_clock.hpp"
+#include "server/rpc/admin_service.hpp"
 #include "server/rpc/listener.hpp"
 #include "server/rpc/render_service.hpp"
+#include "server/rpc/validation_queue.hpp"
 #include "server/rpc/worker_service.hpp"
 
 namespace tessera::rpc {
@@ -29,9 +34,11 @@ constexpr auto kTickPeriod = std::chrono::milliseconds(100);
 // A result that arrives just after a checkpoint began is stored by the next one. With the time of writing
 // both, a crash costs at most two seconds of results, unless a checkpoint takes longer than this period.
 constexpr auto kCheckpointPeriod = std::chrono::milliseconds(1000);
+constexpr auto kValidatePeriod = std::chrono::milliseconds(500);
 constexpr auto kReopenPeriod = std::chrono::milliseconds(500);
 constexpr auto kLongestCheckpoint = std::chrono::milliseconds(500);
 constexpr auto kRemovePeriod = std::chrono::milliseconds(100);
+constexpr auto kRetirePeriod = std::chrono::seconds(1);
 constexpr auto kCollectPeriod = std::chrono::minutes(10);
 constexpr auto kLeaveForCalls = std::chrono::seconds(2);
 
@@ -68,12 +75,19 @@ class WithoutReflection final : public grpc::ServerBuilderOption {
   }
 };
 
+// A checkpoint, and what has changed of the quarantine.
+core::Status write_all(Coordinator& coordinator) {
+  const core::Status saved = coordinator.fleet().save();
+  const core::Status written = coordinator.checkpointer().checkpoint();
+  return written ? saved : written;
+}
+
 // Logs failures and recoveries of checkpoints once each. For one thread at a time.
 class CheckpointLog {
  public:
   void write(Coordinator& coordinator) {
     const auto begin = std::chrono::steady_clock::now();
-    const core::Status written = coordinator.checkpointer().checkpoint();
+    const core::Status written = write_all(coordinator);
     note_time(std::chrono::steady_clock::now() - begin);
     note(written);
   }
@@ -103,57 +117,85 @@ class CheckpointLog {
 }  // namespace
 
 struct Server::Parts {
-  Parts(Coordinator& c, auth::Access access, const server::Limits& l)
+  Parts(Coordinator& c, auth::Access access, const server::Limits& l, const ServerFacts& facts,
+        const jobs::KeepFinished& keep)
       : coordinator(c),
         limits(l),
+        keep_finished(keep),
         gate(std::move(access), limits),
-        streams(limits),
+        calls(gate.methods()),
+        streams(limits, calls),
         quick(quick_threads(), kMaxWaitingQuick),
         users(quick_threads(), kMaxWaitingQuick),
+        watching(quick_threads(), limits.watches),
         slow(kSlowThreads, kMaxWaitingSlow),
-        validating(limits.validations, limits.waiting_scenes),
+        validations(c, limits),
         clearing(kClearingThreads, limits.uploads),
-        watches(c),
-        render_service(c, gate, {quick, users, slow, validating, clearing}, watches, streams),
+        watches(c.events()),
+        render_service(c, gate, {quick, users, watching, slow, clearing}, validations, watches, streams,
+                       facts),
         worker_service(c, gate, quick, streams),
+        admin_service(c, gate, users, streams),
         checkpointer(kCheckpointPeriod, [this] { checkpoint_log.write(coordinator); }),
         ticker(kTickPeriod,
                [this] {
                  gate.flush_log();
                  if (coordinator.dispatcher().tick()) checkpointer.trigger();
                }),
+        validator(kValidatePeriod, [this] { validations.post_unvalidated(); }),
         reopener(kReopenPeriod, [this] { coordinator.jobs().reopen(); }),
-        remover(kRemovePeriod, [this] { remove_deleted_tiles(); }),
-        collector(kCollectPeriod, [this] { coordinator.files().collect(); }) {}
+        remover(kRemovePeriod, [this] { note_maintenance(coordinator.jobs().remove_deleted_tiles()); }),
+        retirer(kRetirePeriod, [this] { note_maintenance(coordinator.jobs().retire(keep_finished)); }),
+        collector(kCollectPeriod, [this] { coordinator.files().collect(); }),
+        store_checker([this](const std::stop_token& stop) { check_store(stop); }) {}
 
-  void remove_deleted_tiles();
+  // Logs each failure once.
+  void note_maintenance(const core::Status& done);
+  // Reads what was too large to be checked at the start.
+  void check_store(const std::stop_token& stop);
   // Requires a listener.
   core::Status serve(const std::shared_ptr<grpc::ServerCredentials>& credentials,
                      const proto::Patience& patience, bool with_reflection);
 
   Coordinator& coordinator;
   const server::Limits limits;
+  const jobs::KeepFinished keep_finished;
   auth::AuthInterceptor gate;
+  CallStats calls;
   StreamLimits streams;
   base::ThreadPool quick;
-  base::FairPool users, slow, validating, clearing;
+  base::FairPool users, watching, slow;
+  ValidationQueue validations;
+  base::FairPool clearing;
   WatchHub watches;
   RenderService render_service;
   WorkerService worker_service;
+  AdminService admin_service;
   CheckpointLog checkpoint_log;
-  std::string last_failure_to_remove;  // used by the remover thread only
-  base::Periodic checkpointer, ticker, reopener, remover, collector;
+  std::mutex maintenance_mutex;
+  std::string last_maintenance_failure;  // guarded by maintenance_mutex
+  base::Periodic checkpointer, ticker, validator, reopener, remover, retirer, collector;
+  std::jthread store_checker;
   std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor> acceptor;
   std::unique_ptr<grpc::Server> grpc;
   std::unique_ptr<Listener> listener;  // passes connections to the acceptor
 };
 
-void Server::Parts::remove_deleted_tiles() {
-  const core::Status removed = coordinator.jobs().remove_deleted_tiles();
-  const std::string failure = removed ? "" : removed.error().message;
-  if (!failure.empty() && failure != last_failure_to_remove)
-    spdlog::warn("cannot remove the films of deleted jobs yet, and will try again: {}", failure);
-  last_failure_to_remove = failure;
+void Server::Parts::note_maintenance(const core::Status& done) {
+  const std::string failure = done ? "" : done.error().message;
+  const std::lock_guard lock(maintenance_mutex);
+  if (!failure.empty() && failure != last_maintenance_failure)
+    spdlog::warn("cannot delete films and jobs yet, and will try again: {}", failure);
+  if (!failure.empty()) last_maintenance_failure = failure;
+}
+
+void Server::Parts::check_store(const std::stop_token& stop) {
+  store::JobStore& store = coordinator.store();
+  if (!store.has_rest_to_check()) return;
+  spdlog::info("the database is large: it is checked while the coordinator runs");
+  const core::Status checked = store.check_rest(stop);
+  if (checked) return spdlog::info("the database is whole");
+  if (!stop.stop_requested()) spdlog::critical("nothing is stored any more: {}", checked.error().message);
 }
 
 core::Status Server::Parts::serve(const std::shared_ptr<grpc::ServerCredentials>& credentials,
@@ -166,6 +208,7 @@ core::Status Server::Parts::serve(const std::shared_ptr<grpc::ServerCredentials>
                                .quota_bytes = limits.receive_mib * server::kMib});
   builder.RegisterService(&render_service);
   builder.RegisterService(&worker_service);
+  builder.RegisterService(&admin_service);
   acceptor = builder.experimental().AddExternalConnectionAcceptor(
       grpc::ServerBuilder::experimental_type::ExternalConnectionType::FROM_FD, credentials);
   grpc = builder.BuildAndStart();
@@ -197,7 +240,11 @@ core::Result<std::unique_ptr<Server>> Server::start(Coordinator& coordinator, Se
   if (!listening) return core::fail(listening.error());
   auto listener = Listener::make(std::move(*listening), connection_slots(options.limits));
   if (!listener) return core::fail(listener.error());
-  auto parts = std::make_unique<Parts>(coordinator, std::move(options.access), options.limits);
+  const ServerFacts facts{.fingerprints = coordinator.fingerprints(),
+                          .started_ms = base::wall_clock_ms(),
+                          .is_open = options.access.is_open()};
+  auto parts = std::make_unique<Parts>(coordinator, std::move(options.access), options.limits, facts,
+                                       options.keep_finished);
   parts->listener = std::move(*listener);
   if (const auto served = parts->serve(*credentials, options.patience, with_reflection); !served)
     return core::fail(served.error());
@@ -206,19 +253,36 @@ core::Result<std::unique_ptr<Server>> Server::start(Coordinator& coordinator, Se
   return std::unique_ptr<Server>(new Server(std::move(parts), fmt::format("{}:{}", host, port)));
 }
 
+const CallStats& Server::calls() const {
+  return parts_->calls;
+}
+
+std::vector<Server::QueueDepth> Server::queue_depths() const {
+  return {{"quick", parts_->quick.waiting()},
+          {"users", parts_->users.waiting()},
+          {"watching", parts_->watching.waiting()},
+          {"slow", parts_->slow.waiting()},
+          {"validating", parts_->validations.waiting()},
+          {"clearing", parts_->clearing.waiting()}};
+}
+
 core::Status Server::stop() {
   if (!parts_) return {};
   Coordinator& coordinator = parts_->coordinator;
   coordinator.close();
   parts_->slow.close();
-  parts_->validating.close();
+  parts_->validations.close();
   parts_->clearing.close();
   parts_->watches.close();
   parts_->listener->stop();
   parts_->grpc->Shutdown(std::chrono::system_clock::now() + kLeaveForCalls);
   parts_->grpc->Wait();
   parts_.reset();
-  return coordinator.checkpointer().checkpoint();
+  return write_all(coordinator);
+}
+
+void Server::replace_access(auth::Access access) {
+  parts_->gate.replace_access(std::move(access));
 }
 
 }  // namespace tessera::rpc

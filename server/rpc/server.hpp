@@ -4,13 +4,16 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "core/base/error.hpp"
 #include "proto/channel.hpp"
 #include "proto/security.hpp"
 #include "server/auth/access.hpp"
 #include "server/coordinator.hpp"
+#include "server/jobs/retirement.hpp"
 #include "server/limits.hpp"
+#include "server/rpc/call_stats.hpp"
 
 namespace tessera::rpc {
 
@@ -20,6 +23,7 @@ struct ServerOptions {
   auth::Access access{};
   server::Limits limits{};
   proto::Patience patience{};
+  jobs::KeepFinished keep_finished{};
 };
 
 class Server {
@@ -31,6 +35,17 @@ class Server {
 
   // HOST:PORT with the actual port.
   const std::string& address() const { return address_; }
+
+  // ---- What it measures; not after stop() ----
+  const CallStats& calls() const;
+  // The tasks that wait in each thread pool.
+  struct QueueDepth {
+    const char* pool;
+    std::size_t tasks = 0;
+  };
+  std::vector<QueueDepth> queue_depths() const;
+  // See AuthInterceptor::replace_access(). Not after stop().
+  void replace_access(auth::Access access);
 
   // Answers waiting calls, ends all calls, and writes the last checkpoint. Returns whether that was written.
   core::Status stop();

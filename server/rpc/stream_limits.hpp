@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// What calls share: the quotas of uploads, downloads and watchers, memory for images and answers, and the
-// watch over stalled streams. Thread-safe.
+// What calls share: their counts, the quotas of uploads, downloads and watchers, memory for images and
+// answers, and the watch over stalled streams. Thread-safe.
 #pragma once
 
 #include "server/base/fair_queue.hpp"
 #include "server/base/fair_share.hpp"
 #include "server/limits.hpp"
+#include "server/rpc/call_stats.hpp"
 #include "server/rpc/stall_watch.hpp"
 
 namespace tessera::rpc {
@@ -14,8 +15,9 @@ namespace tessera::rpc {
 inline constexpr std::uint64_t kMaxWaitingImages = 64;
 
 struct StreamLimits {
-  explicit StreamLimits(const server::Limits& l)
+  StreamLimits(const server::Limits& l, CallStats& c)
       : limits(l),
+        calls(c),
         uploads(l.uploads),
         fetches(l.fetches),
         watches(l.watches),
@@ -24,6 +26,7 @@ struct StreamLimits {
         stalls(l.stall_time) {}
 
   const server::Limits& limits;
+  CallStats& calls;
   base::FairShare uploads, fetches, watches;
   base::FairShare answers;  // bytes of unary answers that callers have not read yet
   base::FairQueue image_mib;

@@ -8,8 +8,8 @@
 
 #include "proto/status.hpp"
 #include "proto/worker_key.hpp"
-#include "server/auth/peer.hpp"
 #include "server/rpc/reactors.hpp"
+#include "server/rpc/worker_principal.hpp"
 
 namespace tessera::rpc {
 
@@ -47,15 +47,10 @@ void SynchronizeCall::synchronize() {
   const core::Status done = guarded([&]() -> core::Status {
     const auto is_gone = [this, answered] { return answered->test() || context().IsCancelled(); };
     coordinator_.dispatcher().synchronize(
-        *request, {.answer = give_once, .is_gone = is_gone, .principal = principal()});
+        *request, {.answer = give_once, .is_gone = is_gone, .principal = principal_of(caller())});
     return {};
   });
   if (!done) give_once(core::fail(done.error()));
-}
-
-// Name and machine together: machines may share a token, and callers an address.
-std::string SynchronizeCall::principal() const {
-  return caller().name + " at " + auth::client_key(context().peer());
 }
 
 void SynchronizeCall::give(core::Result<v1::SynchronizeResponse> result) {

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <memory>
-#include <string>
 
 #include "server/base/thread_pool.hpp"
 #include "server/coordinator.hpp"
@@ -23,7 +22,6 @@ class SynchronizeCall final : public RequestCall {
   google::protobuf::Message& message() override { return *request_; }
   void begin() override;
   void synchronize();
-  std::string principal() const;
   void give(core::Result<v1::SynchronizeResponse> result);
 
   server::Coordinator& coordinator_;

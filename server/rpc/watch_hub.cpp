@@ -1,46 +1,85 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/rpc/watch_hub.hpp"
 
+#include <chrono>
+
 namespace tessera::rpc {
 
 namespace {
 
-constexpr auto kPeriod = std::chrono::milliseconds(100);
+constexpr auto kShortestRound = std::chrono::milliseconds(100);
+constexpr std::size_t kEventsAtOnce = 256;
 
 }  // namespace
 
-WatchHub::WatchHub(server::Coordinator& coordinator)
-    : coordinator_(coordinator), teller_(kPeriod, [this] { tell_all(); }) {}
+WatchHub::WatchHub(events::EventLog& log) : log_(log), thread_([this] { run(); }) {}
 
 WatchHub::~WatchHub() {
   close();
+  {
+    const std::lock_guard lock(mutex_);
+    stopping_ = true;
+  }
+  stop_.notify_all();
+  log_.wake();
+  thread_.join();
 }
 
-// Tells the watcher before it is in the list, so that a later round cannot overtake this first state.
 void WatchHub::add(Watcher& watcher) {
-  Known known;
-  tell(watcher, known);
   watchers_.add(watcher);
-  if (closed_) tell(watcher, known);
+  if (closed_) return watcher.close();
+  if (watcher.notify(true)) request_round();
+}
+
+void WatchHub::request_round() {
+  log_.wake();
 }
 
 void WatchHub::close() {
   closed_ = true;
-  tell_all();
+  watchers_.for_each([](Watcher& watcher) { watcher.close(); });
 }
 
-void WatchHub::tell_all() {
-  Known known;
-  watchers_.for_each([&](Watcher& watcher) { tell(watcher, known); });
+void WatchHub::run() {
+  for (;;) {
+    const std::uint64_t wakes = log_.wakes();
+    std::set<std::string> jobs;
+    const bool any_changed = read_events(jobs);
+    const bool again = notify_all(any_changed, jobs);
+    pause();
+    {
+      const std::lock_guard lock(mutex_);
+      if (stopping_) return;
+    }
+    if (!again) log_.wait(cursor_, wakes);
+  }
 }
 
-void WatchHub::tell(Watcher& watcher, Known& known) {
-  if (closed_)
-    return watcher.tell(core::fail(core::ErrorCode::kUnavailable, "the coordinator is stopping: try again"));
-  const std::string& id = watcher.job_id();
-  auto job = known.find(id);
-  if (job == known.end()) job = known.emplace(id, coordinator_.jobs().get_without_bundle(id)).first;
-  watcher.tell(job->second);
+bool WatchHub::read_events(std::set<std::string>& jobs) {
+  bool any = false;
+  for (bool is_last = false; !is_last;) {
+    const events::EventLog::Page page = log_.read(cursor_, kEventsAtOnce);
+    for (const events::Subject& subject : page.subjects)
+      if (subject.kind == events::SubjectKind::kJob) jobs.insert(subject.id);
+    any = any || page.next != cursor_;
+    cursor_ = page.next;
+    is_last = page.is_last;
+  }
+  return any;
+}
+
+bool WatchHub::notify_all(bool any_changed, const std::set<std::string>& jobs) {
+  bool again = false;
+  watchers_.for_each([&](Watcher& watcher) {
+    const std::string& id = watcher.job_id();
+    again |= watcher.notify(id.empty() ? any_changed : jobs.contains(id));
+  });
+  return again;
+}
+
+void WatchHub::pause() {
+  std::unique_lock lock(mutex_);
+  stop_.wait_for(lock, kShortestRound, [this] { return stopping_; });
 }
 
 }  // namespace tessera::rpc

@@ -1,48 +1,63 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tells all watchers of a job about its changes. Thread-safe.
+// Tells watchers when what they watch has changed, at most ten times a second. Sleeps while nothing changes.
+// Thread-safe.
 #pragma once
 
 #include <atomic>
-#include <map>
+#include <condition_variable>
+#include <mutex>
+#include <set>
 #include <string>
+#include <thread>
 
-#include "server/base/periodic.hpp"
-#include "server/coordinator.hpp"
+#include "server/events/event_log.hpp"
 #include "server/rpc/observer_list.hpp"
 
 namespace tessera::rpc {
 
-// An observer of one job. Called on any thread, under no lock of the hub; must not call the hub.
+// Somebody who watches a job, or all jobs and workers. Called on any thread, under no lock of the hub; must
+// not add or remove watchers.
 class Watcher {
  public:
   virtual ~Watcher() = default;
+  // Empty: all jobs and workers.
   virtual const std::string& job_id() const = 0;
-  // Receives the current job, changed or not, or the reason why nothing more will come.
-  virtual void tell(const core::Result<v1::Job>& job) = 0;
+  // `changed`: what is watched may have changed. Returns whether to call again in the next round in any case.
+  virtual bool notify(bool changed) = 0;
+  // The coordinator is stopping.
+  virtual void close() = 0;
 };
 
 class WatchHub {
  public:
-  explicit WatchHub(server::Coordinator& coordinator);
+  explicit WatchHub(events::EventLog& log);
   ~WatchHub();
 
-  // Tells the watcher at once, and then about ten times a second until it is removed.
+  // Notifies the watcher at once, and then of every change until it is removed.
   void add(Watcher& watcher);
-  // The watcher is not told after this returns.
+  // The watcher is not notified after this returns.
   void remove(Watcher& watcher) { watchers_.remove(watcher); }
-  // Tells all watchers, and all later ones, that the coordinator is stopping.
+  // There is a next round soon, though nothing may have changed.
+  void request_round();
+  // Closes all watchers, and all later ones.
   void close();
 
  private:
-  // The jobs that were looked up in this round: each once for all its watchers.
-  using Known = std::map<std::string, core::Result<v1::Job>>;
-  void tell(Watcher& watcher, Known& known);
-  void tell_all();
+  void run();
+  // The jobs that have changed since the last round. Returns false if nothing has.
+  bool read_events(std::set<std::string>& jobs);
+  // Whether another round is due in any case.
+  bool notify_all(bool any_changed, const std::set<std::string>& jobs);
+  void pause();
 
-  server::Coordinator& coordinator_;
+  events::EventLog& log_;
+  events::Cursor cursor_;  // used by the thread only
   std::atomic<bool> closed_{false};
   ObserverList<Watcher> watchers_;
-  base::Periodic teller_;
+  std::mutex mutex_;
+  std::condition_variable stop_;
+  bool stopping_ = false;  // guarded by mutex_
+  std::thread thread_;
 };
 
 }  // namespace tessera::rpc

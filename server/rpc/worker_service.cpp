@@ -6,6 +6,7 @@
 #include "server/rpc/blob_streams.hpp"
 #include "server/rpc/reactors.hpp"
 #include "server/rpc/synchronize_call.hpp"
+#include "server/rpc/worker_principal.hpp"
 
 namespace tessera::rpc {
 
@@ -18,7 +19,10 @@ constexpr std::size_t kShortResultBytes = 256 << 10;
 
 WorkerService::WorkerService(server::Coordinator& coordinator, auth::AuthInterceptor& gate,
                              base::ThreadPool& pool, StreamLimits& streams)
-    : GuardedService("tessera.v1.WorkerService", gate, streams), coordinator_(coordinator), pool_(pool) {
+    : GuardedService("tessera.v1.WorkerService", gate, streams),
+      coordinator_(coordinator),
+      pool_(pool),
+      calls_(streams.calls) {
   add_unary("SubmitResult", &WorkerService::submit_result);
   add_call("Synchronize", [this, &streams](grpc::CallbackServerContext& context, auth::Admission admission) {
     return new SynchronizeCall(context, coordinator_, pool_, streams, std::move(admission));
@@ -30,13 +34,14 @@ WorkerService::WorkerService(server::Coordinator& coordinator, auth::AuthInterce
 
 void WorkerService::submit_result(UnaryCall<v1::SubmitResultRequest, v1::SubmitResultResponse>& call) {
   const auto count = [this, &call]() -> core::Status {
-    auto counted = coordinator_.dispatcher().submit_result(call.request());
+    auto counted = coordinator_.dispatcher().submit_result(call.request(), principal_of(call.caller()));
     if (!counted) return core::fail(counted.error());
     call.response() = *counted;
     return {};
   };
-  const bool is_short =
-      call.request().items_size() <= 1 && call.request().ByteSizeLong() <= kShortResultBytes;
+  const std::size_t bytes = call.request().ByteSizeLong();
+  calls_.traffic.results_received += bytes;
+  const bool is_short = call.request().items_size() <= 1 && bytes <= kShortResultBytes;
   is_short ? run_short_unary(call, pool_, count) : run_unary(call, pool_, count);
 }
 

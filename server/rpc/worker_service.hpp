@@ -21,6 +21,7 @@ class WorkerService final : public GuardedService {
 
   server::Coordinator& coordinator_;
   base::ThreadPool& pool_;
+  CallStats& calls_;
 };
 
 }  // namespace tessera::rpc

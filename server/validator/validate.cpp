@@ -20,7 +20,7 @@ using core::ErrorCode;
 
 namespace {
 
-// For the submitter of a scene, an asset that is missing from the bundle is an error of the scene like any
+// For the owner of a scene, an asset that is missing from the bundle is an error of the scene like any
 // other.
 core::Error as_mistake(core::Error error) {
   if (error.code == ErrorCode::kNotFound) error.code = ErrorCode::kInvalidArgument;

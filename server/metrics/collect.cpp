@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/metrics/collect.hpp"
+
+#include <string>
+
+#include "core/base/determinism_fingerprint.hpp"
+#include "core/base/version.hpp"
+#include "server/metrics/parts.hpp"
+
+namespace tessera::metrics {
+
+proto::MetricFamilies collect(server::Coordinator& coordinator, const rpc::Server& server) {
+  proto::MetricWriter writer;
+  const farm::Totals totals = farm::totals_of(coordinator.farm());
+  write_jobs(writer, totals);
+  write_workers(writer, totals);
+  write_results(writer, totals, coordinator.dispatcher().result_counts());
+  write_state_lock(writer, coordinator.farm());
+  write_calls(writer, server.calls());
+  write_traffic(writer, server.calls().traffic);
+  write_queues(writer, server);
+  write_validations(writer, coordinator.validations());
+  write_films(writer, coordinator.film_memory());
+  write_checkpoints(writer, coordinator.checkpointer().stats());
+  write_store(writer, coordinator);
+  proto::write_process_metrics(writer, std::string(core::version()),
+                               std::string(core::kDeterminismFingerprint));
+  return writer.take();
+}
+
+}  // namespace tessera::metrics

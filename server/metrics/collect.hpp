@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
+// The metrics of a coordinator (docs/metrics.md). Thread-safe.
+#pragma once
+
+#include "proto/metric_writer.hpp"
+#include "server/coordinator.hpp"
+#include "server/rpc/server.hpp"
+
+namespace tessera::metrics {
+
+// Takes the state lock once, for microseconds, and asks the file system for sizes.
+proto::MetricFamilies collect(server::Coordinator& coordinator, const rpc::Server& server);
+
+}  // namespace tessera::metrics

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+// The calls of WatchJob, WatchFarm and WatchTiles.
+#pragma once
+
+#include <string>
+
+#include "server/coordinator.hpp"
+#include "server/rpc/watch_stream.hpp"
+#include "tessera/v1/render_service.pb.h"
+
+namespace tessera::rpc {
+
+class WatchJobCall final : public WatchStream {
+ public:
+  WatchJobCall(grpc::CallbackServerContext& context, server::Coordinator& coordinator, WatchHub& hub,
+               base::FairPool& pool, StreamLimits& streams, auth::Admission admission)
+      : WatchStream(context, hub, pool, streams, std::move(admission)), coordinator_(coordinator) {}
+
+ private:
+  google::protobuf::Message& message() override { return request_; }
+  const std::string& job_id() const override { return request_.job_id(); }
+  core::Result<Step> next() override;
+
+  server::Coordinator& coordinator_;
+  v1::WatchJobRequest request_;
+  v1::WatchJobResponse response_;
+  std::string last_sent_;  // the last job sent, serialised
+};
+
+class WatchFarmCall final : public WatchStream {
+ public:
+  WatchFarmCall(grpc::CallbackServerContext& context, server::Coordinator& coordinator, WatchHub& hub,
+                base::FairPool& pool, StreamLimits& streams, auth::Admission admission)
+      : WatchStream(context, hub, pool, streams, std::move(admission)), coordinator_(coordinator) {}
+
+ private:
+  google::protobuf::Message& message() override { return request_; }
+  const std::string& job_id() const override { return everything_; }
+  core::Result<Step> next() override;
+
+  server::Coordinator& coordinator_;
+  const std::string everything_;
+  v1::WatchFarmRequest request_;
+  std::shared_ptr<const watch::FarmUpdate> update_;  // the last one sent
+};
+
+class WatchTilesCall final : public WatchStream {
+ public:
+  WatchTilesCall(grpc::CallbackServerContext& context, server::Coordinator& coordinator, WatchHub& hub,
+                 base::FairPool& pool, StreamLimits& streams, auth::Admission admission)
+      : WatchStream(context, hub, pool, streams, std::move(admission)), coordinator_(coordinator) {}
+
+ private:
+  google::protobuf::Message& message() override { return request_; }
+  const std::string& job_id() const override { return request_.job_id(); }
+  core::Result<Step> next() override;
+  Clock::duration pause_after(std::size_t bytes) const;
+
+  server::Coordinator& coordinator_;
+  v1::WatchTilesRequest request_;
+  v1::WatchTilesResponse response_;
+  bool has_sent_ = false;
+  v1::JobState last_state_ = v1::JOB_STATE_UNSPECIFIED;
+  events::Revision since_ = 0;
+};
+
+}  // namespace tessera::rpc

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+// A call that sends messages as what it watches changes.
+#pragma once
+
+#include <mutex>
+#include <optional>
+#include <string>
+
+#include "server/base/fair_pool.hpp"
+#include "server/rpc/call.hpp"
+#include "server/rpc/watch_hub.hpp"
+
+namespace tessera::rpc {
+
+// Owned by gRPC until OnDone. Its steps, each of which makes at most one message, run one after the other on
+// a pool; the next one waits until the message is sent. So a slow reader gets fewer and newer messages, and
+// one that reads nothing is ended.
+//
+//   waiting ──change, pause over──► making a message ──► sending
+//      ▲                                 │ nothing to send   │
+//      └─────────────────────────────────┴───────────────────┘
+class WatchStream : public RequestCall, private Watcher {
+ protected:
+  struct Step {
+    const google::protobuf::Message* message = nullptr;  // null: there is nothing to send
+    bool has_more = false;                               // there is more to send at this moment
+    bool is_last = false;                                // the call ends after the message
+    Clock::duration pause{};                             // before the next step
+  };
+
+  WatchStream(grpc::CallbackServerContext& context, WatchHub& hub, base::FairPool& pool,
+              StreamLimits& streams, auth::Admission admission)
+      : RequestCall(context, streams, std::move(admission)), hub_(hub), pool_(pool) {}
+
+  // The next message. Never called twice at a time. An error ends the call.
+  virtual core::Result<Step> next() = 0;
+
+ private:
+  void begin() final;
+  bool notify(bool changed) final;
+  void close() final;
+  void end_own_wait_since(Clock::time_point time) final;
+  void OnWriteDone(bool ok) final;
+  void on_cancel() final;
+  void OnDone() final;
+  void step();
+
+  // ---- The caller holds the lock ----
+  void step_if_due();
+  void send(const Step& step);
+  // Finishes the call now, or after the step or write in progress. The first status is used.
+  void end(grpc::Status status);
+  void finish_if_ended();
+
+  WatchHub& hub_;
+  base::FairPool& pool_;
+  std::optional<base::FairShare::Held> place_;  // its share of streams.watches
+
+  std::mutex mutex_;
+  // Guarded by mutex_:
+  bool is_due_ = false;   // something has changed since the last step began
+  bool is_busy_ = false;  // a step runs, or its message is being sent
+  Clock::time_point paused_until_{};
+  std::optional<Clock::time_point> sending_since_;
+  grpc::ByteBuffer bytes_;
+  std::optional<grpc::Status> ending_;
+  bool is_finished_ = false;
+};
+
+}  // namespace tessera::rpc
