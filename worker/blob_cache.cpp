@@ -10,8 +10,10 @@
 #include <chrono>
 #include <cstdio>
 #include <cstring>
+#include <filesystem>
 #include <span>
 #include <string_view>
+#include <system_error>
 
 #include "core/scene/cache/block_file.hpp"
 #include "core/scene/cache/cache_folder.hpp"
@@ -66,6 +68,18 @@ core::Result<BlobCache> BlobCache::open(const std::string& folder, std::uint64_t
   return BlobCache(folder, max_bytes);
 }
 
+std::uint64_t BlobCache::used_bytes() const {
+  std::uint64_t bytes = 0;
+  std::error_code failed;
+  for (std::filesystem::directory_iterator file(folder_, failed), end; !failed && file != end;
+       file.increment(failed)) {
+    std::error_code gone;
+    if (!is_file_name(file->path().filename())) continue;
+    if (const std::uintmax_t size = file->file_size(gone); !gone) bytes += size;
+  }
+  return bytes;
+}
+
 bool BlobCache::is_file_name(const std::string& name) {
   return is_blob_name(name) || core::SceneStore::is_file_name(name);
 }
@@ -90,6 +104,8 @@ core::Result<std::string> BlobCache::get(const proto::Digest& digest,
     std::remove(partial.c_str());
     return fail(done.error());
   }
+  ++fetched_->files;
+  fetched_->bytes += digest.size_bytes;
   core::remove_least_used(folder_, max_bytes_, is_file_name, core::SceneStore::is_file_name);
   return path;
 }

@@ -4,7 +4,9 @@
 // cannot reach an image. Thread-safe.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
+#include <memory>
 #include <stop_token>
 #include <string>
 
@@ -30,6 +32,13 @@ class BlobCache {
 
   const std::string& folder() const { return folder_; }
   std::uint64_t max_bytes() const { return max_bytes_; }
+  // The bytes of all blobs and stored scenes in the folder, as far as they can be read.
+  std::uint64_t used_bytes() const;
+  // What was fetched from the coordinator; copies of this object count together.
+  struct Fetched {
+    std::atomic<std::uint64_t> files{0}, bytes{0};
+  };
+  const Fetched& fetched() const { return *fetched_; }
   // Whether a file in the folder is a blob or a stored scene.
   static bool is_file_name(const std::string& name);
 
@@ -49,6 +58,7 @@ class BlobCache {
 
   std::string folder_;
   std::uint64_t max_bytes_;
+  std::shared_ptr<Fetched> fetched_ = std::make_shared<Fetched>();
 };
 
 }  // namespace tessera::worker

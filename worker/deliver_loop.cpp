@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "worker/deliver_loop.hpp"
 
+#include <fmt/format.h>
 #include <google/protobuf/util/time_util.h>
-#include <spdlog/spdlog.h>
 
 #include <chrono>
 
+#include "proto/log.hpp"
 #include "proto/retry.hpp"
 #include "proto/status.hpp"
 #include "proto/tile_codec.hpp"
@@ -45,9 +46,12 @@ void DeliverLoop::run(const std::stop_token& stop) {
     const core::Status done =
         proto::retry(policy, waiter_until(stop), [&] { return submit(request, stop, response); });
     if (!done && !is_refusal(done.error().code)) return;  // a stop was requested
+    ++(done ? metrics_.results_delivered : metrics_.results_rejected);
     if (!done)
-      spdlog::error("job {}: the coordinator refused {} items: {}", delivery->job_id, delivery->tiles.size(),
-                    done.error().message);
+      proto::log(spdlog::level::err,
+                 fmt::format("job {}: the coordinator refused {} items: {}", delivery->job_id,
+                             delivery->tiles.size(), done.error().message),
+                 {.job = delivery->job_id});
     lease_tracker_.delivered(*delivery, response);
   }
 }
@@ -76,8 +80,10 @@ core::Status DeliverLoop::submit(const v1::SubmitResultRequest& request, const s
   call.context()->set_wait_for_ready(true);
   const grpc::Status status = coordinator_.SubmitResult(call.context(), request, &response);
   if (status.ok() && response.dropped_items() > 0)
-    spdlog::debug("job {}: {} of {} items were there already", request.job_id(), response.dropped_items(),
-                  request.items_size());
+    proto::log(spdlog::level::debug,
+               fmt::format("job {}: {} of {} items were there already", request.job_id(),
+                           response.dropped_items(), request.items_size()),
+               {.job = request.job_id()});
   return proto::from_grpc(status);
 }
 

@@ -9,13 +9,18 @@
 #include "tessera/v1/worker_service.grpc.pb.h"
 #include "worker/identity.hpp"
 #include "worker/lease_tracker.hpp"
+#include "worker/metrics.hpp"
 
 namespace tessera::worker {
 
 class DeliverLoop {
  public:
-  DeliverLoop(Identity identity, v1::WorkerService::StubInterface& coordinator, LeaseTracker& lease_tracker)
-      : identity_(std::move(identity)), coordinator_(coordinator), lease_tracker_(lease_tracker) {}
+  DeliverLoop(Identity identity, v1::WorkerService::StubInterface& coordinator, LeaseTracker& lease_tracker,
+              Metrics& metrics)
+      : identity_(std::move(identity)),
+        coordinator_(coordinator),
+        lease_tracker_(lease_tracker),
+        metrics_(metrics) {}
 
   // Returns when everything is delivered after LeaseTracker::drain(), or after a stop, which drops the rest.
   void run(const std::stop_token& stop);
@@ -28,6 +33,7 @@ class DeliverLoop {
   const Identity identity_;
   v1::WorkerService::StubInterface& coordinator_;
   LeaseTracker& lease_tracker_;
+  Metrics& metrics_;
 };
 
 }  // namespace tessera::worker

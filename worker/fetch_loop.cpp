@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "worker/fetch_loop.hpp"
 
-#include <spdlog/spdlog.h>
+#include <fmt/format.h>
 
 #include <map>
 #include <new>
@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "proto/convert.hpp"
+#include "proto/log.hpp"
 #include "worker/waiting.hpp"
 
 namespace tessera::worker {
@@ -19,7 +20,8 @@ void FetchLoop::run(const std::stop_token& stop) {
     if (job) {
       lease_tracker_.fetched(std::move(*job));
     } else if (!stop.stop_requested()) {
-      spdlog::error("job {}: {}", spec->job_id(), job.error().message);
+      proto::log(spdlog::level::err, fmt::format("job {}: {}", spec->job_id(), job.error().message),
+                 {.job = spec->job_id()});
       lease_tracker_.cannot_fetch(spec->job_id(), "cannot fetch " + job.error().message);
     }
   }

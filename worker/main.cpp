@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // tessera-worker: renders for a farm.
+#include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
 #include <cstdlib>
+#include <memory>
 
 #include "core/base/standard_streams.hpp"
 #include "core/base/version.hpp"
@@ -10,6 +12,7 @@
 #include "core/sandbox/check.hpp"
 #include "core/sandbox/process.hpp"
 #include "proto/log.hpp"
+#include "proto/metrics_server.hpp"
 #include "proto/secret_file.hpp"
 #include "proto/unreachable.hpp"
 #include "proto/worker_key.hpp"
@@ -38,6 +41,18 @@ core::Status check_loader(const worker::LoaderOptions& loader) {
     return found;
   return sandbox::check_sandbox(loader.program, loader.require_sandbox,
                                 [](const std::string& line) { spdlog::warn("{}", line); });
+}
+
+// Null if there is no address. The others must outlive it.
+core::Result<std::unique_ptr<proto::MetricsServer>> serve_metrics(const std::string& address,
+                                                                  const worker::Worker& worker,
+                                                                  const worker::Identity& identity,
+                                                                  const worker::BlobCache& cache) {
+  if (address.empty()) return nullptr;
+  auto metrics = proto::MetricsServer::start(
+      address, [&] { return worker::collect(worker.metrics(), identity, cache); });
+  if (metrics) spdlog::info("metrics at http://{}/metrics", (*metrics)->address());
+  return metrics;
 }
 
 int run(const worker::Options& options, char** arguments) {
@@ -73,19 +88,22 @@ int run(const worker::Options& options, char** arguments) {
                             .determinism_fingerprint = core::determinism_fingerprint(),
                             .threads = options.threads,
                             .worker_key = key};
-  spdlog::info("worker {} ({}) with {} threads, for the coordinator at {}, cache {}", options.name,
-               identity.worker_id, options.threads, options.coordinator, options.cache);
+  proto::log(spdlog::level::info,
+             fmt::format("worker {} ({}) with {} threads, for the coordinator at {}, cache {}", options.name,
+                         identity.worker_id, options.threads, options.coordinator, options.cache),
+             {.worker = identity.worker_id, .peer = options.coordinator});
   worker::Worker::Options how = worker::with_self_restart(arguments, signals);
   how.explain = explaining(options);
   how.load_scene = [&options](const worker::SceneFiles& files, int threads, const std::stop_token& stop) {
     return worker::load_confined(options.loader, files, threads, stop);
   };
-  worker::Worker worker(std::move(identity), *cache, *coordinator, std::move(how));
-  const core::Status done = worker.run(signals.token());
-  if (!done) {
-    spdlog::error("refused by the coordinator: {}", done.error().message);
+  worker::Worker worker(identity, *cache, *coordinator, std::move(how));
+  const auto metrics = serve_metrics(options.metrics, worker, identity, *cache);
+  if (!metrics) {
+    spdlog::error("{}", metrics.error().message);
     return 1;
   }
+  worker.run(signals.token());
   return 0;
 }
 

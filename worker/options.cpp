@@ -19,6 +19,7 @@
 #include "core/cli/parse.hpp"
 #include "core/sandbox/flags.hpp"
 #include "proto/log_flags.hpp"
+#include "proto/metrics_flag.hpp"
 #include "proto/number_range.hpp"
 #include "proto/security_flags.hpp"
 #include "proto/text.hpp"
@@ -35,8 +36,8 @@ const cli::HelpText kHelp{
     .notes =
         R"(Log lines go to stderr. SIGINT and SIGTERM end the worker after what it has rendered is delivered; a second
 signal ends it at once.)",
-    .exit_statuses = {{cli::kExitOk, "stopped by a signal"},
-                      {cli::kExitFailed, "failed, or refused by the coordinator"},
+    .exit_statuses = {{cli::kExitOk, "stopped by a signal or by an administrator"},
+                      {cli::kExitFailed, "failed"},
                       {cli::kExitUsage, "wrong command line"}},
     .examples = {"tessera-worker --coordinator farm.example.org:7420 --tls-ca ca.pem"}};
 
@@ -113,6 +114,7 @@ Options parse_options(int argc, char** argv) {
       ->type_name("NAME");
   proto::add_security_flags(app, options.security);
   add_loader_flags(app, options.loader);
+  proto::add_metrics_flag(app, options.metrics);
   proto::add_log_flags(app, options.log);
   app.add_flag(
       "--verbose", [&options](auto) { options.log.level = spdlog::level::debug; },

@@ -18,6 +18,7 @@ struct Options {
   std::string name;                                      // for people; default: the host's
   proto::ClientSecurity security;
   proto::LogOptions log;
+  std::string metrics;  // HOST:PORT to serve metrics at; empty: nowhere
   LoaderOptions loader;
 
   Options();

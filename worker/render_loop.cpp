@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "worker/render_loop.hpp"
 
-#include <spdlog/spdlog.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <chrono>
@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "core/base/printable.hpp"
+#include "proto/log.hpp"
 
 namespace tessera::worker {
 namespace {
@@ -31,12 +32,13 @@ bool files_are_here(const SceneFiles& files) {
 
 }  // namespace
 
-RenderLoop::RenderLoop(int threads, LeaseTracker& lease_tracker, LoadScene load,
+RenderLoop::RenderLoop(int threads, LeaseTracker& lease_tracker, Metrics& metrics, LoadScene load,
                        std::optional<core::SceneStore> store, Render render)
     : threads_(threads),
       render_(std::move(render)),
       lease_tracker_(lease_tracker),
-      scenes_(kScenesKept, threads, std::move(load), std::move(store)) {}
+      metrics_(metrics),
+      scenes_(kScenesKept, threads, metrics, std::move(load), std::move(store)) {}
 
 void RenderLoop::run(const std::stop_token& stop) {
   const auto size_piece = [this](const std::string& job_id) { return pace_.target_samples(job_id); };
@@ -63,7 +65,7 @@ void RenderLoop::render(const Piece& piece, const std::stop_token& stop) {
 // The reason may contain names of the scene, which a loader that was taken over may have made up.
 void RenderLoop::decline(const Piece& piece, const std::string& why) {
   const std::string shown = core::printable_lines(std::string_view(why).substr(0, kMaxReasonBytes));
-  spdlog::error("job {}: {}", piece.job->id, shown);
+  proto::log(spdlog::level::err, fmt::format("job {}: {}", piece.job->id, shown), {.job = piece.job->id});
   lease_tracker_.cannot_render(piece, shown);
 }
 
@@ -71,7 +73,9 @@ void RenderLoop::give_back(const Piece& piece, const core::Error& why) {
   const bool stopped = why.code == core::ErrorCode::kCancelled;
   if (!stopped && files_are_here(piece.job->files)) return decline(piece, why.message);
   // Files that were removed from the cache are no fault of the scene: they are fetched again.
-  if (!stopped) spdlog::error("job {}: {}", piece.job->id, why.message);
+  if (!stopped)
+    proto::log(spdlog::level::err, fmt::format("job {}: {}", piece.job->id, why.message),
+               {.job = piece.job->id});
   lease_tracker_.cannot_render(piece, "");
 }
 
@@ -87,7 +91,8 @@ core::Status RenderLoop::try_to_render(const Piece& piece, const std::stop_token
   core::FilmTile tile = render_(**scene, piece.job->settings, piece.item.rect, piece.item.range, threads_);
   const auto took = std::chrono::steady_clock::now() - start;
   const std::uint64_t samples = piece.item.rect.pixel_count() * piece.item.range.count();
-  samples_ += samples;
+  metrics_.samples_rendered += samples;
+  Metrics::add(metrics_.render_ns, took);
   pace_.measured(piece.job->id, samples, took);
   lease_tracker_.rendered(piece, std::move(tile), took);
   return {};

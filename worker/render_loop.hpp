@@ -2,14 +2,13 @@
 // Renders the held leases piece by piece. It is the only thread that computes; rendering itself is parallel.
 #pragma once
 
-#include <atomic>
-#include <cstdint>
 #include <functional>
 #include <optional>
 #include <stop_token>
 
 #include "core/integrators/render.hpp"
 #include "worker/lease_tracker.hpp"
+#include "worker/metrics.hpp"
 #include "worker/pace.hpp"
 #include "worker/scene_cache.hpp"
 
@@ -21,14 +20,12 @@ class RenderLoop {
   using Render = std::function<core::FilmTile(const core::Scene&, const core::RenderSettings&,
                                               core::PixelRect, core::SampleRange, int threads)>;
 
-  RenderLoop(int threads, LeaseTracker& lease_tracker, LoadScene load,
+  RenderLoop(int threads, LeaseTracker& lease_tracker, Metrics& metrics, LoadScene load,
              std::optional<core::SceneStore> store = {}, Render render = core::render);
 
   // Returns after a stop, at the end of the current piece, or at once while a scene is loaded. A job whose
   // scene cannot be loaded or built is logged, and its leases are given back.
   void run(const std::stop_token& stop);
-  // The pixel samples rendered so far, including unwanted ones. Thread-safe.
-  std::uint64_t samples() const { return samples_; }
 
  private:
   void render(const Piece& piece, const std::stop_token& stop);
@@ -40,9 +37,9 @@ class RenderLoop {
   const int threads_;
   const Render render_;
   LeaseTracker& lease_tracker_;
+  Metrics& metrics_;
   SceneCache scenes_;
   Pace pace_;
-  std::atomic<std::uint64_t> samples_ = 0;
 };
 
 }  // namespace tessera::worker

@@ -30,6 +30,8 @@ core::Result<std::shared_ptr<const core::Scene>> SceneCache::get(const SceneFile
   while (recent_.size() >= capacity_) recent_.pop_back();
   const auto start = Clock::now();
   auto built = build(files, stop);
+  Metrics::add(metrics_.scene_load_ns, Clock::now() - start);
+  ++(built ? metrics_.scenes_loaded : metrics_.scenes_failed);
   if (!built) return core::fail(built.error());
   auto scene = std::make_shared<const core::Scene>(std::move(*built));
   const std::chrono::duration<double> took = Clock::now() - start;

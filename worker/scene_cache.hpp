@@ -15,6 +15,7 @@
 #include "core/scene/cache/scene_store.hpp"
 #include "core/scene/scene.hpp"
 #include "worker/job.hpp"
+#include "worker/metrics.hpp"
 
 namespace tessera::worker {
 
@@ -26,8 +27,13 @@ class SceneCache {
  public:
   // Scenes that are not in memory are read from the store, and written to it, if there is one. Scenes that
   // are not there are loaded by `load`.
-  SceneCache(std::size_t capacity, int threads, LoadScene load, std::optional<core::SceneStore> store)
-      : capacity_(capacity), threads_(threads), load_(std::move(load)), store_(std::move(store)) {}
+  SceneCache(std::size_t capacity, int threads, Metrics& metrics, LoadScene load,
+             std::optional<core::SceneStore> store)
+      : capacity_(capacity),
+        threads_(threads),
+        metrics_(metrics),
+        load_(std::move(load)),
+        store_(std::move(store)) {}
 
   // Loads and builds the scene if it is not in memory, and marks its files as used. Errors are those of
   // loading and of Scene::build.
@@ -51,6 +57,7 @@ class SceneCache {
 
   std::size_t capacity_;
   int threads_;
+  Metrics& metrics_;
   LoadScene load_;
   std::optional<core::SceneStore> store_;
   std::list<Entry> recent_;  // most recent first

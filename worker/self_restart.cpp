@@ -59,14 +59,12 @@ Worker::Options with_self_restart(char** arguments, StopSignals& signals) {
   return {
       .hang_timeout = [barren](const UnwantedPiece& piece) { return compute_hang_timeout(piece, barren); },
       .self_restart =
-          [=, &signals](const UnwantedPiece& piece, const core::Status& accepted) {
-            if (!accepted) {
-              spdlog::error("refused by the coordinator: {}", accepted.error().message);
-              proto::flush_log();
-              _exit(EXIT_FAILURE);
-            }
+          [=, &signals](const UnwantedPiece& piece, bool must_end) {
             signals.leave_pending();
-            if (signals.token().stop_requested()) _exit(EXIT_SUCCESS);
+            if (must_end || signals.token().stop_requested()) {
+              proto::flush_log();
+              _exit(EXIT_SUCCESS);
+            }
             self_restart(arguments, piece.first ? barren + 1 : 0);
           }};
 }

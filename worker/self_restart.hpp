@@ -9,8 +9,9 @@
 namespace tessera::worker {
 
 // Options of a worker that restarts itself when a piece never ends. The new program is the same one with the
-// arguments of main(), and keeps environment, folder, standard streams and process id. After a stop signal
-// the process ends instead, and it ends with status 1 if the coordinator or the system refuses. The wait
+// arguments of main(), and keeps environment, folder, standard streams and process id. After a stop signal,
+// or if the coordinator told the worker to stop, the process ends instead, and with status 1 if the system
+// refuses. The wait
 // before a restart grows with each start in a row that rendered nothing, whose number an environment variable
 // passes on. The signals must outlive the worker.
 Worker::Options with_self_restart(char** arguments, StopSignals& signals);

@@ -24,14 +24,15 @@ constexpr proto::Duration kShortestExchange = 50ms;
 
 constexpr proto::BackoffOptions kBackoff{.first = 100ms, .longest = 2s};
 
-// Whether the coordinator rejects this worker: its build, machine or name.
+// Whether the coordinator rejects this worker: its build, machine, name or credentials.
 bool refuses_this_worker(core::ErrorCode code) {
-  return code == core::ErrorCode::kFailedPrecondition || code == core::ErrorCode::kInvalidArgument;
+  return code == core::ErrorCode::kFailedPrecondition || code == core::ErrorCode::kInvalidArgument ||
+         code == core::ErrorCode::kPermissionDenied;
 }
 
 }  // namespace
 
-core::Status SyncLoop::run(const std::stop_token& stop) {
+bool SyncLoop::run(const std::stop_token& stop) {
   const proto::RetryPolicy backoff = proto::exponential_backoff(kBackoff);
   const proto::RetryPolicy refusal_backoff = proto::exponential_backoff(refusal_backoff_);
   proto::Duration deadline = kFirstDeadline;
@@ -43,13 +44,13 @@ core::Status SyncLoop::run(const std::stop_token& stop) {
     if (response) {
       failures = 0;
       note_success();
+      if (response->stop()) return true;
       deadline = std::chrono::milliseconds(TimeUtil::DurationToMilliseconds(response->heartbeat_timeout())) +
                  kDeadlineSlack;
       const bool changed = lease_tracker_.apply(*response);
       if (!changed && std::chrono::steady_clock::now() - start < kShortestExchange)
         wait_for(stop, kShortestExchange);
     } else {
-      if (is_final(response.error().code)) return core::fail(response.error());
       if (response.error().code == core::ErrorCode::kDeadlineExceeded) continue;  // a long wait
       note_failure(response.error());
       const proto::RetryPolicy& policy =
@@ -57,13 +58,7 @@ core::Status SyncLoop::run(const std::stop_token& stop) {
       wait_for(stop, policy({.count = ++failures}).value());
     }
   }
-  return {};
-}
-
-// Whether a retry is useless, since the credentials were never accepted. A worker that was admitted once
-// keeps its results, and waits until the tokens are corrected.
-bool SyncLoop::is_final(core::ErrorCode code) const {
-  return code == core::ErrorCode::kPermissionDenied && !connected_;
+  return false;
 }
 
 core::Result<v1::SynchronizeResponse> SyncLoop::synchronize(const std::stop_token& stop,
@@ -76,6 +71,7 @@ core::Result<v1::SynchronizeResponse> SyncLoop::synchronize(const std::stop_toke
   request.set_threads(identity_.threads);
   request.set_worker_key(identity_.worker_key);
   lease_tracker_.report(request);
+  metrics_.leases_held = static_cast<std::uint64_t>(request.held_size());
 
   StoppableCall call(stop, deadline);
   v1::SynchronizeResponse response;
@@ -85,6 +81,8 @@ core::Result<v1::SynchronizeResponse> SyncLoop::synchronize(const std::stop_toke
 }
 
 void SyncLoop::note_success() {
+  metrics_.connected = true;
+  metrics_.last_answer = Metrics::Clock::now();
   if (!connected_ || !told_reasons_.empty())
     spdlog::info(connected_ ? "the coordinator accepts this worker's calls again"
                             : "registered with the coordinator");
@@ -93,11 +91,10 @@ void SyncLoop::note_success() {
 }
 
 void SyncLoop::note_failure(const core::Error& error) {
+  metrics_.connected = false;
   if (!told_reasons_.insert(error.message).second) return;
   if (refuses_this_worker(error.code)) {
     spdlog::error("refused by the coordinator ({}); trying again from time to time", error.message);
-  } else if (error.code == core::ErrorCode::kPermissionDenied) {
-    spdlog::warn("no longer admitted ({}); trying again until that changes", error.message);
   } else {
     spdlog::warn("cannot reach the coordinator ({}); trying again until it answers", error.message);
   }

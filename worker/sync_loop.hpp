@@ -15,6 +15,7 @@
 #include "tessera/v1/worker_service.grpc.pb.h"
 #include "worker/identity.hpp"
 #include "worker/lease_tracker.hpp"
+#include "worker/metrics.hpp"
 
 namespace tessera::worker {
 
@@ -29,18 +30,20 @@ class SyncLoop {
 
   SyncLoop(
       Identity identity, v1::WorkerService::StubInterface& coordinator, LeaseTracker& lease_tracker,
+      Metrics& metrics,
       Explain explain = [](const grpc::Status& status) { return proto::error_from_grpc(status); },
       proto::BackoffOptions refusal_backoff = kRefusalBackoff)
       : identity_(std::move(identity)),
         explain_(std::move(explain)),
         refusal_backoff_(refusal_backoff),
         coordinator_(coordinator),
-        lease_tracker_(lease_tracker) {}
+        lease_tracker_(lease_tracker),
+        metrics_(metrics) {}
 
-  // Returns after a stop, or with PERMISSION_DENIED if the coordinator does not accept this worker's
-  // credentials the first time. Retries after all other errors, for ever. If the coordinator rejects the
-  // worker, the pauses grow to a minute.
-  core::Status run(const std::stop_token& stop);
+  // Returns after a stop, or when the coordinator tells the worker to stop; whether it did. Retries after all
+  // errors, for ever: if the coordinator rejects the worker or its credentials, with pauses that grow to a
+  // minute.
+  bool run(const std::stop_token& stop);
 
   // Deregisters this worker from the coordinator. Blocks a few seconds at most; nothing depends on its
   // success.
@@ -48,7 +51,6 @@ class SyncLoop {
 
  private:
   core::Result<v1::SynchronizeResponse> synchronize(const std::stop_token& stop, proto::Duration deadline);
-  bool is_final(core::ErrorCode code) const;
   void note_success();
   void note_failure(const core::Error& error);
 
@@ -57,6 +59,7 @@ class SyncLoop {
   const proto::BackoffOptions refusal_backoff_;
   v1::WorkerService::StubInterface& coordinator_;
   LeaseTracker& lease_tracker_;
+  Metrics& metrics_;
   bool connected_ = false;
   std::set<std::string> told_reasons_;  // the reasons logged since the last success
 };

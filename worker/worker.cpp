@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "core/scene/cache/scene_store.hpp"
+#include "proto/log.hpp"
 #include "worker/deliver_loop.hpp"
 #include "worker/fetch_loop.hpp"
 #include "worker/lease_tracker.hpp"
@@ -49,21 +50,22 @@ Worker::Worker(Identity identity, const BlobCache& cache, v1::WorkerService::Stu
       coordinator_(coordinator),
       options_(std::move(options)) {}
 
-core::Status Worker::run(const std::stop_token& stop) {
+void Worker::run(const std::stop_token& stop) {
   LeaseTracker lease_tracker;
-  SyncLoop sync(identity_, coordinator_, lease_tracker, options_.explain);
+  SyncLoop sync(identity_, coordinator_, lease_tracker, metrics_, options_.explain);
   FetchLoop fetch(cache_, coordinator_, lease_tracker);
-  RenderLoop render(static_cast<int>(identity_.threads), lease_tracker, options_.load_scene,
+  RenderLoop render(static_cast<int>(identity_.threads), lease_tracker, metrics_, options_.load_scene,
                     open_scene_store(cache_), options_.render);
-  DeliverLoop deliver(identity_, coordinator_, lease_tracker);
+  DeliverLoop deliver(identity_, coordinator_, lease_tracker, metrics_);
 
-  std::stop_source working;  // requested by a stop, or when the coordinator rejects this worker
+  std::stop_source working;  // requested by a stop, also of the coordinator
   const std::stop_callback end_work(stop, [&] { working.request_stop(); });
   const std::stop_callback drop_all_wanted(working.get_token(), [&] { lease_tracker.drop_all_wanted(); });
 
-  core::Status accepted;
+  bool told_to_stop = false;  // by the coordinator
   std::thread sync_thread([&] {
-    accepted = sync.run(working.get_token());
+    told_to_stop = sync.run(working.get_token());
+    if (told_to_stop) spdlog::info("an administrator has asked this worker to stop");
     working.request_stop();
   });
   std::thread fetch_thread([&] { fetch.run(working.get_token()); });
@@ -81,18 +83,17 @@ core::Status Worker::run(const std::stop_token& stop) {
   });
 
   const auto endless = lease_tracker.abandon_endless(rendering.get_token(), options_.hang_timeout);
-  if (endless) spdlog::warn("{}", describe(*endless));
+  if (endless) proto::log(spdlog::level::warn, describe(*endless), {.job = endless->piece.job->id});
   working.request_stop();
   lease_tracker.drain();
   sync_thread.join();
   fetch_thread.join();
-  if (!accepted || wait_for(all_delivered.get_token(), options_.drain_deadline)) delivering.request_stop();
+  if (wait_for(all_delivered.get_token(), options_.drain_deadline)) delivering.request_stop();
   deliver_thread.join();
-  if (accepted) sync.deregister();
-  spdlog::info("has rendered {} samples", render.samples());
-  if (endless) options_.self_restart(*endless, accepted);
+  sync.deregister();
+  spdlog::info("has rendered {} samples", metrics_.samples_rendered.load());
+  if (endless) options_.self_restart(*endless, told_to_stop);
   render_thread.join();
-  return accepted;
 }
 
 }  // namespace tessera::worker

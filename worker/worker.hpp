@@ -13,6 +13,7 @@
 #include "worker/blob_cache.hpp"
 #include "worker/confined_loader.hpp"
 #include "worker/hang_watchdog.hpp"
+#include "worker/metrics.hpp"
 #include "worker/render_loop.hpp"
 #include "worker/sync_loop.hpp"
 
@@ -34,9 +35,9 @@ class Worker {
       return compute_hang_timeout(piece, 0);
     };
     // Replaces this process, since threads in an endless piece cannot be ended. Called after everything else
-    // is delivered. If it returns, the worker waits for the piece.
-    std::function<void(const UnwantedPiece&, const core::Status&)> self_restart = [](const UnwantedPiece&,
-                                                                                     const core::Status&) {};
+    // is delivered. If it returns, the worker waits for the piece. `must_end`: the coordinator told the
+    // worker to stop, so the process must not start again.
+    std::function<void(const UnwantedPiece&, bool must_end)> self_restart = [](const UnwantedPiece&, bool) {};
   };
 
   // All three must outlive the worker.
@@ -45,15 +46,18 @@ class Worker {
   Worker(Identity identity, const BlobCache& cache, v1::WorkerService::StubInterface& coordinator,
          Options options);
 
-  // Works until a stop is requested. Then finishes the current piece (unless it is presumed endless),
-  // delivers all results, deregisters and returns. Fails if the coordinator never accepted the credentials.
-  core::Status run(const std::stop_token& stop);
+  // Works until a stop is requested, also by the coordinator. Then finishes the current piece (unless it is
+  // presumed endless), delivers all results, deregisters and returns.
+  void run(const std::stop_token& stop);
+
+  const Metrics& metrics() const { return metrics_; }
 
  private:
   const Identity identity_;
   const BlobCache& cache_;
   v1::WorkerService::StubInterface& coordinator_;
   const Options options_;
+  Metrics metrics_;
 };
 
 }  // namespace tessera::worker

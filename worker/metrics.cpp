@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "worker/metrics.hpp"
+
+namespace tessera::worker {
+
+namespace {
+
+double seconds(const Metrics::Count& ns) {
+  return static_cast<double>(ns) * 1e-9;
+}
+
+void write_work(proto::MetricWriter& writer, const Metrics& metrics, const Identity& identity) {
+  writer.gauge("tessera_worker_threads", "Threads that render", static_cast<double>(identity.threads));
+  writer.counter("tessera_worker_samples_rendered_total", "Pixel samples rendered, wanted or not",
+                 static_cast<double>(metrics.samples_rendered));
+  writer.counter("tessera_worker_render_seconds_total", "Time spent rendering", seconds(metrics.render_ns));
+  writer.gauge("tessera_worker_leases", "Leases held at the last heartbeat",
+               static_cast<double>(metrics.leases_held));
+  writer.begin_counter("tessera_worker_results_total", "Results sent, by the coordinator's answer");
+  writer.add(static_cast<double>(metrics.results_delivered), {{"answer", "taken"}});
+  writer.add(static_cast<double>(metrics.results_rejected), {{"answer", "rejected"}});
+}
+
+void write_scenes(proto::MetricWriter& writer, const Metrics& metrics, const BlobCache& cache) {
+  writer.counter("tessera_worker_blobs_fetched_total", "Files of scenes fetched from the coordinator",
+                 static_cast<double>(cache.fetched().files));
+  writer.counter("tessera_worker_received_bytes_total", "Bytes of files fetched from the coordinator",
+                 static_cast<double>(cache.fetched().bytes));
+  writer.gauge("tessera_worker_cache_bytes", "Size of the files in the cache folder",
+               static_cast<double>(cache.used_bytes()));
+  writer.gauge("tessera_worker_cache_limit_bytes", "Limit on the cache folder (--cache-gib)",
+               static_cast<double>(cache.max_bytes()));
+  writer.begin_counter("tessera_worker_scene_loads_total", "Scenes made ready to render, by outcome");
+  writer.add(static_cast<double>(metrics.scenes_loaded), {{"outcome", "loaded"}});
+  writer.add(static_cast<double>(metrics.scenes_failed), {{"outcome", "failed"}});
+  writer.counter("tessera_worker_scene_load_seconds_total", "Time spent making scenes ready",
+                 seconds(metrics.scene_load_ns));
+}
+
+void write_connection(proto::MetricWriter& writer, const Metrics& metrics) {
+  writer.gauge("tessera_worker_connected", "1 if the coordinator has answered the last heartbeat, else 0",
+               metrics.connected ? 1 : 0);
+  writer.gauge("tessera_worker_last_answer_age_seconds",
+               "Time since the coordinator last answered a heartbeat, or since the start of the worker",
+               std::chrono::duration<double>(Metrics::Clock::now() - metrics.last_answer.load()).count());
+}
+
+}  // namespace
+
+proto::MetricFamilies collect(const Metrics& metrics, const Identity& identity, const BlobCache& cache) {
+  proto::MetricWriter writer;
+  write_work(writer, metrics, identity);
+  write_scenes(writer, metrics, cache);
+  write_connection(writer, metrics);
+  proto::write_process_metrics(writer, identity.version, identity.determinism_fingerprint);
+  return writer.take();
+}
+
+}  // namespace tessera::worker

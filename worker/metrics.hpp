@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a worker counts of its work, and shows to Prometheus (docs/metrics.md). Lock-free; thread-safe.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+
+#include "proto/metric_writer.hpp"
+#include "worker/blob_cache.hpp"
+#include "worker/identity.hpp"
+
+namespace tessera::worker {
+
+struct Metrics {
+  using Clock = std::chrono::steady_clock;
+  using Count = std::atomic<std::uint64_t>;
+
+  // Pixel samples rendered, including unwanted ones, and the time that this took.
+  Count samples_rendered{0}, render_ns{0};
+  // Leases that the last heartbeat has reported.
+  Count leases_held{0};
+  // Results that the coordinator has taken or rejected.
+  Count results_delivered{0}, results_rejected{0};
+  // Scenes that were made ready to render, those that could not be, and the time of both.
+  Count scenes_loaded{0}, scenes_failed{0}, scene_load_ns{0};
+  // Whether the last Synchronize was answered, and when one was last; at first the start of the worker.
+  std::atomic<bool> connected{false};
+  std::atomic<Clock::time_point> last_answer{Clock::now()};
+
+  static void add(Count& total, Clock::duration time) {
+    total += static_cast<std::uint64_t>(std::chrono::nanoseconds(time).count());
+  }
+};
+
+// Also what the cache has fetched. Reads the sizes of the files in the cache's folder.
+proto::MetricFamilies collect(const Metrics& metrics, const Identity& identity, const BlobCache& cache);
+
+}  // namespace tessera::worker
