@@ -3,9 +3,7 @@
 
 #include <fmt/format.h>
 
-#include <cstdint>
 #include <filesystem>
-#include <set>
 #include <utility>
 
 #include "core/base/printable.hpp"
@@ -13,7 +11,6 @@
 #include "core/scene/loader/loader.hpp"
 #include "core/scene/validation.hpp"
 #include "proto/blob.hpp"
-#include "proto/status.hpp"
 #include "proto/text.hpp"
 
 namespace tessera::client {
@@ -31,52 +28,6 @@ v1::Bundle to_bundle(const std::string& scene_name, const std::map<std::string, 
     *asset.mutable_digest() = proto::to_proto(digest);
   }
   return bundle;
-}
-
-// More than a client sends before the coordinator checks the data (proto/channel.cpp).
-constexpr std::uint64_t kSurelyTakenBytes = std::uint64_t{2} << 20;
-
-core::Status upload(Farm& farm, const proto::Digest& digest, const std::string& bytes, bool& progress) {
-  grpc::ClientContext context;
-  v1::UploadBlobResponse response;
-  const auto stream = farm.stub().UploadBlob(&context, &response);
-  v1::UploadBlobRequest request;
-  std::uint64_t sent_bytes = 0;
-  proto::for_each_chunk(digest, bytes, [&](const v1::BlobChunk& chunk) {
-    *request.mutable_chunk() = chunk;
-    sent_bytes += chunk.data().size();
-    return stream->Write(request);
-  });
-  stream->WritesDone();
-  const grpc::Status status = stream->Finish();
-  progress = progress || status.ok() || sent_bytes > kSurelyTakenBytes;
-  return status.ok() ? core::Status{} : fail(farm.explain(status, context));
-}
-
-core::Status upload_asset(Farm& farm, const LocalBundle& local, const v1::Bundle::Asset& asset,
-                          bool& progress) {
-  const auto digest = proto::from_proto(asset.digest());
-  if (!digest) return fail(digest.error());
-  core::FolderAssets files(local.folder);
-  const auto bytes = files.read(local.paths.at(asset.path()));
-  if (!bytes) return fail(bytes.error());
-  if (proto::digest_of(*bytes) != *digest)
-    return fail(ErrorCode::kFailedPrecondition,
-                fmt::format("'{}' has changed since the scene was read: submit it again", asset.path()));
-  const core::Status done = upload(farm, *digest, *bytes, progress);
-  return done ? core::Status{} : fail(done.error().within(fmt::format("uploading '{}'", asset.path())));
-}
-
-// Returns the SHA-256 of missing files. From now on the coordinator keeps the files of the bundle that it
-// has.
-core::Result<std::set<std::string>> find_missing(Farm& farm, const v1::Bundle& bundle) {
-  v1::FindMissingBlobsRequest request;
-  for (const v1::Bundle::Asset& asset : bundle.assets()) *request.add_digests() = asset.digest();
-  const auto response = farm.call(&Farm::Stub::FindMissingBlobs, request);
-  if (!response) return fail(response.error());
-  std::set<std::string> missing;
-  for (const v1::Digest& digest : response->missing()) missing.insert(digest.sha256());
-  return missing;
 }
 
 core::Status two_files(const std::string& name) {
@@ -120,21 +71,6 @@ core::Result<LocalBundle> bundle_scene(const std::string& scene_path,
   local.warnings = scene->warnings;
   local.bundle = to_bundle(core::printable(scene_name), digests);
   return local;
-}
-
-core::Status upload_missing(Farm& farm, const LocalBundle& local) {
-  const auto done = patiently<bool>(farm, [&](bool& progress) -> core::Result<bool> {
-    // Asks at each attempt, because a restarted coordinator keeps files only for clients that ask again.
-    auto missing = find_missing(farm, local.bundle);
-    if (!missing) return fail(missing.error());
-    for (const v1::Bundle::Asset& asset : local.bundle.assets()) {
-      if (!missing->contains(asset.digest().sha256())) continue;
-      if (core::Status sent = upload_asset(farm, local, asset, progress); !sent) return fail(sent.error());
-      missing->erase(asset.digest().sha256());
-    }
-    return true;
-  });
-  return done ? core::Status{} : fail(done.error());
 }
 
 }  // namespace tessera::client

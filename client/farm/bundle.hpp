@@ -7,8 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "client/farm/farm.hpp"
+#include "core/base/error.hpp"
 #include "core/scene/settings.hpp"
+#include "tessera/v1/types.pb.h"
 
 namespace tessera::client {
 
@@ -22,9 +23,5 @@ struct LocalBundle {
 };
 
 core::Result<LocalBundle> bundle_scene(const std::string& scene_path, const core::RenderOverrides& overrides);
-
-// Sends the files that the coordinator lacks. Blocks. Fails also if a file has changed since it was
-// bundled.
-core::Status upload_missing(Farm& farm, const LocalBundle& bundle);
 
 }  // namespace tessera::client

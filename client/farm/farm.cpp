@@ -31,7 +31,10 @@ void add_farm_options(CLI::App& command, FarmOptions& options) {
 }
 
 Farm::Farm(const FarmOptions& options, std::shared_ptr<grpc::Channel> channel)
-    : options_(options), channel_(std::move(channel)), stub_(v1::RenderService::NewStub(channel_)) {}
+    : options_(options),
+      channel_(std::move(channel)),
+      stub_(v1::RenderService::NewStub(channel_)),
+      admin_stub_(v1::AdminService::NewStub(channel_)) {}
 
 core::Result<std::unique_ptr<Farm>> Farm::open(const FarmOptions& options) {
   for (const std::string& secret : {options.security.key, options.security.token})

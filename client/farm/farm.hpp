@@ -22,6 +22,7 @@
 #include "core/base/error.hpp"
 #include "proto/channel.hpp"
 #include "proto/retry.hpp"
+#include "tessera/v1/admin_service.grpc.pb.h"
 #include "tessera/v1/render_service.grpc.pb.h"
 
 namespace tessera::client {
@@ -41,6 +42,7 @@ void add_farm_options(CLI::App& command, FarmOptions& options);
 class Farm {
  public:
   using Stub = v1::RenderService::StubInterface;
+  using AdminStub = v1::AdminService::StubInterface;
 
   // Errors concern certificates and tokens; no connection is made yet.
   static core::Result<std::unique_ptr<Farm>> open(const FarmOptions& options);
@@ -58,19 +60,15 @@ class Farm {
   core::Result<Response> call(grpc::Status (Stub::*method)(grpc::ClientContext*, const Request&, Response*),
                               const Request& request,
                               std::chrono::seconds timeout = std::chrono::seconds(30)) {
-    Patience patience(std::max(timeout, options_.patience)), start(options_.start_patience);
-    while (true) {
-      grpc::ClientContext context;
-      context.set_deadline(std::chrono::system_clock::now() + timeout);
-      Response response;
-      const grpc::Status status = (stub_.get()->*method)(&context, request, &response);
-      if (status.ok()) {
-        reached_ = true;
-        return response;
-      }
-      if (!wait_for_connection(status, start) && !wait_if_asked(status, context, patience))
-        return core::fail(explain_end(status, context, start));
-    }
+    return call_method(*stub_, method, request, timeout);
+  }
+  // The same for a method of AdminService.
+  template <typename Request, typename Response>
+  core::Result<Response> call(grpc::Status (AdminStub::*method)(grpc::ClientContext*, const Request&,
+                                                                Response*),
+                              const Request& request,
+                              std::chrono::seconds timeout = std::chrono::seconds(30)) {
+    return call_method(*admin_stub_, method, request, timeout);
   }
 
   // The error message of a failed call. If no call has ever succeeded, it explains how to start a
@@ -92,6 +90,25 @@ class Farm {
     // The status of a connection that was closed at once: later attempts may say less.
     std::optional<grpc::Status> closed{};
   };
+  template <typename AnyStub, typename Request, typename Response>
+  core::Result<Response> call_method(AnyStub& stub,
+                                     grpc::Status (AnyStub::*method)(grpc::ClientContext*, const Request&,
+                                                                     Response*),
+                                     const Request& request, std::chrono::seconds timeout) {
+    Patience patience(std::max(timeout, options_.patience)), start(options_.start_patience);
+    while (true) {
+      grpc::ClientContext context;
+      context.set_deadline(std::chrono::system_clock::now() + timeout);
+      Response response;
+      const grpc::Status status = (stub.*method)(&context, request, &response);
+      if (status.ok()) {
+        reached_ = true;
+        return response;
+      }
+      if (!wait_for_connection(status, start) && !wait_if_asked(status, context, patience))
+        return core::fail(explain_end(status, context, start));
+    }
+  }
   // Waits as long as a failed call asks, with backoff. Returns false at once if the call does not ask to
   // wait or the patience is exceeded, and if interrupted.
   bool wait_if_asked(const grpc::Status& status, const grpc::ClientContext& call, Patience& patience);
@@ -107,6 +124,7 @@ class Farm {
   const FarmOptions options_;
   std::shared_ptr<grpc::Channel> channel_;
   std::unique_ptr<Stub> stub_;
+  std::unique_ptr<AdminStub> admin_stub_;
   std::atomic<bool> reached_{false};
   std::mutex mutex_;
   std::set<std::string> told_reasons_;  // guarded by mutex_; numbers removed

@@ -11,6 +11,7 @@ void add_farm_commands(CLI::App& app, int& exit_code) {
   add_watch_command(app, exit_code);
   add_image_command(app, exit_code);
   add_change_commands(app, exit_code);
+  add_fleet_commands(app, exit_code);
 }
 
 }  // namespace tessera::client

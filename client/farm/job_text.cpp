@@ -6,6 +6,7 @@
 #include <google/protobuf/util/time_util.h>
 
 #include <algorithm>
+#include <map>
 #include <memory>
 #include <vector>
 
@@ -24,10 +25,6 @@ double seconds_of(const Timestamp& time) {
   return static_cast<double>(time.seconds()) + 1e-9 * time.nanos();
 }
 
-std::string ago(const Timestamp& time, double now_seconds) {
-  return format_duration(std::max(0.0, now_seconds - seconds_of(time))) + " ago";
-}
-
 // Whether it is a time or duration outside the range of its JSON form (timestamp.proto, duration.proto).
 bool is_inexpressible(const google::protobuf::Message& message) {
   std::string json;
@@ -41,6 +38,15 @@ std::string percent_done(const v1::Job& job) {
   // 100% is reserved for complete jobs, so other percentages are rounded down.
   const double fraction = static_cast<double>(job.samples_done()) / static_cast<double>(job.samples_total());
   return fmt::format("{}%", static_cast<int>(100 * fraction));
+}
+
+std::string samples_text(const v1::Job& job) {
+  if (job.samples_total() == 0) return "-";
+  return fmt::format("{} of {} ({})", job.samples_done(), job.samples_total(), percent_done(job));
+}
+
+std::string spp_text(const v1::RenderSettings& settings) {
+  return settings.spp() == 0 ? "-" : std::to_string(settings.spp());
 }
 
 std::string speed(double samples_per_second) {
@@ -63,15 +69,21 @@ std::string workers_text(const v1::Job& job) {
   return job.max_workers() == 0 ? now : fmt::format("{}/{}", now, job.max_workers());
 }
 
+// A map of protobuf has no order.
+std::map<std::string, std::string> sorted_labels(const v1::Job& job) {
+  return {job.labels().begin(), job.labels().end()};
+}
+
 std::string crop_text(const v1::RenderSettings& settings) {
   const v1::PixelRect& crop = settings.crop();
   return fmt::format("{},{},{},{} of {}x{}", crop.x0(), crop.y0(), crop.x1(), crop.y1(), settings.width_px(),
                      settings.height_px());
 }
 
-std::string state_of(const v1::ListWorkersResponse::Worker& worker) {
+std::string state_of(const v1::Worker& worker) {
   if (worker.quarantined()) return "quarantined";
   if (worker.silent()) return "silent";
+  if (worker.drain_requested()) return worker.held_leases() > 0 ? "draining" : "drained";
   if (worker.draining()) return "leaving";
   if (worker.stuck()) return "stuck";
   if (worker.cooldowns().empty()) return "working";
@@ -81,7 +93,7 @@ std::string state_of(const v1::ListWorkersResponse::Worker& worker) {
 }
 
 // Why a worker receives no work, or no work of some jobs.
-std::vector<std::string> remarks_on(const v1::ListWorkersResponse::Worker& worker) {
+std::vector<std::string> remarks_on(const v1::Worker& worker) {
   std::vector<std::string> remarks;
   if (!worker.quarantine_reason().empty()) remarks.push_back("is quarantined: " + worker.quarantine_reason());
   if (worker.stuck())
@@ -98,7 +110,7 @@ std::vector<std::string> remarks_on(const v1::ListWorkersResponse::Worker& worke
 }
 
 // The numbers of a worker's audited and wrong ranges.
-std::string audits_of(const v1::ListWorkersResponse::Worker& worker) {
+std::string audits_of(const v1::Worker& worker) {
   if (worker.disproved_ranges() == 0) return std::to_string(worker.audited_ranges());
   return fmt::format("{} ({} wrong)", worker.audited_ranges(), worker.disproved_ranges());
 }
@@ -123,12 +135,18 @@ void remove_inexpressible_times(google::protobuf::Message& message) {
 
 }  // namespace
 
+std::string ago(const Timestamp& time, double now_seconds) {
+  return format_duration(std::max(0.0, now_seconds - seconds_of(time))) + " ago";
+}
+
 std::string short_id(const std::string& id) {
   return id.substr(0, 12);
 }
 
 std::string state_name(v1::JobState state) {
   switch (state) {
+    case v1::JOB_STATE_VALIDATING:
+      return "validating";
     case v1::JOB_STATE_RUNNING:
       return "running";
     case v1::JOB_STATE_PAUSED:
@@ -146,6 +164,7 @@ std::string state_name(v1::JobState state) {
 
 std::string size_text(const v1::RenderSettings& settings) {
   const core::PixelRect window = proto::window_of(settings);
+  if (window.empty()) return "-";  // the scene says, and is not validated
   return fmt::format("{}x{}", window.width(), window.height());
 }
 
@@ -161,6 +180,7 @@ ProgressState progress_of(const v1::Job& job) {
   const std::uint32_t workers = job.active_workers();
   std::string note = fmt::format("{} worker{}", workers, workers == 1 ? "" : "s");
   if (job.state() == v1::JOB_STATE_PAUSED) note = "paused";
+  if (job.state() == v1::JOB_STATE_VALIDATING) note = "validating";
   return {job.samples_done(), job.samples_total(), std::move(note)};
 }
 
@@ -168,7 +188,7 @@ std::string jobs_table(const v1::ListJobsResponse& jobs, double now_seconds) {
   std::vector<std::vector<std::string>> rows;
   for (const v1::Job& job : jobs.jobs())
     rows.push_back({short_id(job.id()), job.name(), state_name(job.state()), percent_done(job),
-                    size_text(job.settings()), std::to_string(job.settings().spp()),
+                    size_text(job.settings()), spp_text(job.settings()),
                     job.state() == v1::JOB_STATE_RUNNING ? speed(job.samples_per_second()) : "-",
                     workers_text(job), std::to_string(job.priority()), ago(job.created_at(), now_seconds)});
   return format_table({{"JOB"},
@@ -186,13 +206,15 @@ std::string jobs_table(const v1::ListJobsResponse& jobs, double now_seconds) {
 
 std::string workers_table(const v1::ListWorkersResponse& workers, double now_seconds) {
   std::vector<std::vector<std::string>> rows;
-  for (const v1::ListWorkersResponse::Worker& worker : workers.workers())
-    rows.push_back({short_id(worker.id()), worker.name(), state_of(worker), std::to_string(worker.threads()),
-                    std::to_string(worker.held_leases()), speed(worker.samples_per_second()),
-                    format_count(static_cast<double>(worker.samples_accepted())), audits_of(worker),
-                    ago(worker.last_seen_at(), now_seconds), worker.version()});
+  for (const v1::Worker& worker : workers.workers())
+    rows.push_back(
+        {short_id(worker.id()), worker.name(), worker.principal().empty() ? "-" : worker.principal(),
+         state_of(worker), std::to_string(worker.threads()), std::to_string(worker.held_leases()),
+         speed(worker.samples_per_second()), format_count(static_cast<double>(worker.samples_accepted())),
+         audits_of(worker), ago(worker.last_seen_at(), now_seconds), worker.version()});
   std::string table = format_table({{"WORKER"},
                                     {"NAME"},
+                                    {"PRINCIPAL"},
                                     {"STATE"},
                                     {"THREADS", Align::kRight},
                                     {"LEASES", Align::kRight},
@@ -202,7 +224,7 @@ std::string workers_table(const v1::ListWorkersResponse& workers, double now_sec
                                     {"SEEN", Align::kRight},
                                     {"VERSION"}},
                                    rows);
-  for (const v1::ListWorkersResponse::Worker& worker : workers.workers()) {
+  for (const v1::Worker& worker : workers.workers()) {
     for (const std::string& remark : remarks_on(worker)) {
       table +=
           core::printable(fmt::format("{} ({}) {}", worker.name(), short_id(worker.id()), remark)) + "\n";
@@ -215,9 +237,9 @@ std::string job_description(const v1::Job& job) {
   std::vector<std::vector<std::string>> rows{
       {"name", job.name()},
       {"state", state_name(job.state())},
-      {"samples", fmt::format("{} of {} ({})", job.samples_done(), job.samples_total(), percent_done(job))},
+      {"samples", samples_text(job)},
       {"size", size_text(job.settings())},
-      {"spp", std::to_string(job.settings().spp())},
+      {"spp", spp_text(job.settings())},
       {"integrator", integrator_text(job.settings().integrator())},
       {"seed", std::to_string(job.settings().seed())},
       {"priority", std::to_string(job.priority())},
@@ -227,12 +249,15 @@ std::string job_description(const v1::Job& job) {
   if (job.settings().has_crop()) rows.push_back({"crop", crop_text(job.settings())});
   if (job.samples_to_verify() > 0)
     rows.push_back({"to verify", fmt::format("{} samples", job.samples_to_verify())});
-  if (!job.submitter().empty()) rows.push_back({"submitter", job.submitter()});
+  if (!job.owner().empty()) rows.push_back({"owner", job.owner()});
   if (job.settings().integrator() == v1::INTEGRATOR_MIS)
     rows.push_back({"heuristic", heuristic_text(job.settings().heuristic())});
   if (job.settings().clamp_indirect() > 0)
     rows.push_back({"clamp_indirect", fmt::format("{}", job.settings().clamp_indirect())});
   if (!job.failure().empty()) rows.push_back({"failure", job.failure()});
+  for (const std::string& worker : job.failure_details().workers()) rows.push_back({"failed on", worker});
+  for (const std::string& warning : job.warnings()) rows.push_back({"warning", warning});
+  for (const auto& [key, value] : sorted_labels(job)) rows.push_back({"label", key + "=" + value});
   for (const std::string& trouble : job.troubles()) rows.push_back({"trouble", trouble});
   if (job.state() == v1::JOB_STATE_RUNNING) rows.push_back({"speed", speed(job.samples_per_second())});
   if (job.has_finished_at()) rows.push_back({"finished", TimeUtil::ToString(job.finished_at())});

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <google/protobuf/message.h>
+#include <google/protobuf/timestamp.pb.h>
 
 #include <string>
 
@@ -17,8 +18,10 @@ std::string short_id(const std::string& id);
 std::string state_name(v1::JobState state);
 // Whether the state is final unless the user changes it.
 bool is_over(v1::JobState state);
-// "640x480"
+// "640x480"; "-" if it is not known yet.
 std::string size_text(const v1::RenderSettings& settings);
+// "1:35 ago"
+std::string ago(const google::protobuf::Timestamp& time, double now_seconds);
 // From submission to completion; 0 while the job is incomplete.
 double seconds_taken(const v1::Job& job);
 // The job's state for the progress line.

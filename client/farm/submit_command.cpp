@@ -11,9 +11,11 @@
 #include "client/farm/bundle.hpp"
 #include "client/farm/farm.hpp"
 #include "client/farm/job_text.hpp"
+#include "client/farm/label_option.hpp"
 #include "client/farm/picture_download.hpp"
 #include "client/farm/service_options.hpp"
 #include "client/farm/single_commands.hpp"
+#include "client/farm/upload.hpp"
 #include "client/farm/watching.hpp"
 #include "client/interrupt.hpp"
 #include "client/picture_files.hpp"
@@ -21,6 +23,7 @@
 #include "core/base/printable.hpp"
 #include "proto/convert.hpp"
 #include "proto/convert_display.hpp"
+#include "proto/error_reasons.hpp"
 #include "proto/text.hpp"
 
 namespace tessera::client {
@@ -39,14 +42,15 @@ Ctrl-C while waiting leaves the job running and writes no file.)",
     .examples = {"tessera submit scene.json",
                  "tessera submit scene.json --wait -o out.exr -o out.png --spp 1024"}};
 
-// Validating a large scene on the coordinator takes as long as loading it locally.
-constexpr std::chrono::minutes kSubmitTimeout{30};
+// How long a submission is repeated while too many scenes wait to be validated.
+constexpr std::chrono::minutes kSubmitPatience{30};
 
 struct SubmitOptions {
   FarmOptions farm;
   SceneFlags scene;
   std::string name;
   ServiceOptions service;
+  Labels labels;
   bool wait = false;
   bool json = false;
 };
@@ -61,28 +65,43 @@ v1::SubmitJobRequest make_request(const SubmitOptions& options, const LocalBundl
   request.set_priority(options.service.priority.value_or(0));
   request.set_max_workers(options.service.max_workers.value_or(0));
   *request.mutable_display() = proto::to_proto(options.scene.display);
+  for (const auto& [key, value] : options.labels) (*request.mutable_labels())[key] = value;
   return request;
 }
 
-core::Result<v1::Job> submit(Farm& farm, const SubmitOptions& options, const LocalBundle& local) {
+// Submits the job, and returns it when its scene is validated.
+core::Result<v1::Job> submit_once(Farm& farm, const SubmitOptions& options, const LocalBundle& local) {
   if (core::Status uploaded = upload_missing(farm, local); !uploaded) return core::fail(uploaded.error());
   const v1::SubmitJobRequest request = make_request(options, local);
-  const auto submit = [&] {
+  const auto call = [&] {
     return patiently<v1::SubmitJobResponse>(
-        farm, [&](bool&) { return farm.call(&Farm::Stub::SubmitJob, request, kSubmitTimeout); });
+        farm, [&](bool&) { return farm.call(&Farm::Stub::SubmitJob, request, kSubmitPatience); });
   };
-  auto response = submit();
-  // The coordinator found a file damaged, or has just removed it.
-  if (!response && response.error().code == core::ErrorCode::kFailedPrecondition) {
-    if (core::Status uploaded = upload_missing(farm, local); !uploaded) return core::fail(uploaded.error());
-    response = submit();
+  auto response = call();
+  // The coordinator has just removed a file.
+  if (!response && core::details_of(response.error()).reason == proto::kMissingBlobs) {
+    const std::vector<std::string> missing = core::details_of(response.error()).missing;
+    if (core::Status uploaded = upload_named(farm, local, missing); !uploaded)
+      return core::fail(uploaded.error());
+    response = call();
   }
   if (!response) return core::fail(response.error());
+  return wait_until_validated(farm, response->job(), print_warning);
+}
+
+core::Result<v1::Job> submit(Farm& farm, const SubmitOptions& options, const LocalBundle& local) {
+  auto job = submit_once(farm, options, local);
+  // The coordinator found a file damaged, and has removed it.
+  if (job && job->failure_details().reason() == v1::Failure::REASON_FILE_LOST)
+    job = submit_once(farm, options, local);
+  if (!job) return job;
+  if (job->state() == v1::JOB_STATE_FAILED)
+    return core::fail(core::ErrorCode::kInvalidArgument, job->failure());
   // Most warnings were printed before anything was sent.
-  for (const std::string& warning : response->warnings())
+  for (const std::string& warning : job->warnings())
     if (std::find(local.warnings.begin(), local.warnings.end(), warning) == local.warnings.end())
       print_warning(warning);
-  return response->job();
+  return job;
 }
 
 int report_interrupt(const v1::Job& job) {
@@ -160,6 +179,7 @@ void add_submit_command(CLI::App& app, int& exit_code) {
   command->add_option("--name", options->name, "Name of the job [default: the scene file's name]")
       ->type_name("NAME");
   add_service_options(*command, "0", options->service);
+  add_label_option(*command, "Label of the job, to find it by; can be repeated", options->labels);
   command->add_flag("--json", options->json, "Print the job as one line of JSON instead of its id");
   add_farm_options(*command, options->farm);
   cli::set_help(*command, kSubmitHelp);

@@ -32,9 +32,15 @@ tl::unexpected<core::Error> interruption() {
   return core::fail(core::ErrorCode::kCancelled, "interrupted");
 }
 
-// Follows one stream to its end. The last job it told of; an error if it ended before the job did.
-// `asked`: to wait for so long, by a coordinator that is there.
-core::Result<v1::Job> follow_stream(Farm& farm, const std::string& job_id,
+using IsEnough = bool (*)(v1::JobState);
+
+bool is_validated(v1::JobState state) {
+  return state != v1::JOB_STATE_VALIDATING;
+}
+
+// Follows one stream to its end, or until the state of the job is enough. The last job it told of; an error
+// if the stream ended before. `asked`: to wait for so long, by a coordinator that is there.
+core::Result<v1::Job> follow_stream(Farm& farm, const std::string& job_id, IsEnough is_enough,
                                     const std::function<void(const v1::Job&)>& on_update,
                                     std::optional<std::chrono::milliseconds>& asked) {
   grpc::ClientContext context;
@@ -46,7 +52,9 @@ core::Result<v1::Job> follow_stream(Farm& farm, const std::string& job_id,
   std::optional<v1::Job> over;
   while (stream->Read(&response)) {
     on_update(response.job());
-    if (is_over(response.job().state())) over = response.job();
+    if (!is_enough(response.job().state())) continue;
+    over = response.job();
+    if (!is_over(over->state())) context.TryCancel();
   }
   const grpc::Status status = stream->Finish();
   asked = proto::asked_wait(status, context);
@@ -56,11 +64,10 @@ core::Result<v1::Job> follow_stream(Farm& farm, const std::string& job_id,
   return core::fail(farm.explain(status, context));
 }
 
-}  // namespace
-
-core::Result<v1::Job> watch_job(Farm& farm, const std::string& job_id,
-                                const std::function<void(const v1::Job&)>& on_update,
-                                const std::function<void(const std::string&)>& on_notice) {
+// watch_job() until the state is enough.
+core::Result<v1::Job> watch_until(Farm& farm, const std::string& job_id, IsEnough is_enough,
+                                  const std::function<void(const v1::Job&)>& on_update,
+                                  const std::function<void(const std::string&)>& on_notice) {
   const auto policy = proto::transient_only(proto::exponential_backoff({.longest = kLongestPause}));
   const std::string lost = proto::lost_coordinator(farm.address());
   int failures = 0;
@@ -72,7 +79,7 @@ core::Result<v1::Job> watch_job(Farm& farm, const std::string& job_id,
       if (std::exchange(told, "").starts_with(lost)) on_notice("the coordinator is back");
       on_update(update);
     };
-    auto job = follow_stream(farm, job_id, note, asked);
+    auto job = follow_stream(farm, job_id, is_enough, note, asked);
     if (job) return job;
     if (interrupted()) return interruption();
     const auto wait = policy({.last_code = job.error().code, .count = ++failures});
@@ -85,6 +92,21 @@ core::Result<v1::Job> watch_job(Farm& farm, const std::string& job_id,
     const auto pause = std::max<proto::Duration>(*wait, asked.value_or(std::chrono::milliseconds(0)));
     if (!sleep_unless_interrupted(pause)) return interruption();
   }
+}
+
+}  // namespace
+
+core::Result<v1::Job> watch_job(Farm& farm, const std::string& job_id,
+                                const std::function<void(const v1::Job&)>& on_update,
+                                const std::function<void(const std::string&)>& on_notice) {
+  return watch_until(farm, job_id, is_over, on_update, on_notice);
+}
+
+core::Result<v1::Job> wait_until_validated(Farm& farm, const v1::Job& submitted,
+                                           const std::function<void(const std::string&)>& on_notice) {
+  if (is_validated(submitted.state())) return submitted;
+  return watch_until(
+      farm, submitted.id(), is_validated, [](const v1::Job&) {}, on_notice);
 }
 
 core::Result<v1::Job> watch_with_progress(Farm& farm, const std::string& job_id) {

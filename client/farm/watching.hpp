@@ -15,6 +15,10 @@ core::Result<v1::Job> watch_job(Farm& farm, const std::string& job_id,
                                 const std::function<void(const v1::Job&)>& on_update,
                                 const std::function<void(const std::string& notice)>& on_notice);
 
+// The same until the scene of the job is validated: the job in whatever state it has then.
+core::Result<v1::Job> wait_until_validated(Farm& farm, const v1::Job& submitted,
+                                           const std::function<void(const std::string& notice)>& on_notice);
+
 // The same, with the progress line of `tessera render` on stderr.
 core::Result<v1::Job> watch_with_progress(Farm& farm, const std::string& job_id);
 
