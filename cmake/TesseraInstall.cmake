@@ -33,6 +33,8 @@ if(TESSERA_FARM)
   tessera_install_program(tessera-validator tessera-coordinator)
   tessera_install_program(tessera-worker tessera-worker)
   tessera_install_program(tessera-scene-loader tessera-worker)
+  install(FILES ${PROJECT_SOURCE_DIR}/deploy/prometheus/tessera.rules.yml
+    DESTINATION ${CMAKE_INSTALL_DATADIR}/tessera COMPONENT tessera-coordinator)
   install(PROGRAMS ${PROJECT_SOURCE_DIR}/deploy/make_certificates.sh
     DESTINATION ${CMAKE_INSTALL_DATADIR}/tessera COMPONENT tessera-coordinator)
 endif()

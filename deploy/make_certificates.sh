@@ -19,7 +19,7 @@ and for each NAME
   NAME.pem, NAME.key, NAME.token     for --tls-certificate, --tls-key, --token-file of tessera-worker or tessera
 Without a NAME, it writes worker.pem, worker.key, client.pem, client.key, and submit.token, work.token, admin.token.
 Everybody needs ca.pem: clients and workers as --tls-ca, the coordinator as --tls-client-ca.
-Certificates are valid for ten years. With --add, DIR must exist, ca.key included; start the coordinator again after it.
+Certificates are valid for ten years. With --add, DIR must exist, ca.key included; send the coordinator SIGHUP after it.
 EOF_USAGE
 }
 
@@ -93,10 +93,10 @@ certificate() {
   rm "$1.csr"
 }
 
-# token ROLE NAME
+# token ROLE NAME [shared]
 token() {
   openssl rand -hex 32 >"$2.token"
-  echo "$1 $2 $(cat "$2.token")" >>tokens
+  echo "$1 $2 $(cat "$2.token")${3:+ $3}" >>tokens
 }
 
 if [ -z "$add" ]; then
@@ -104,7 +104,7 @@ if [ -z "$add" ]; then
   quietly openssl req -x509 -new -key ca.key -sha256 -days 3650 -subj "/O=Tessera farm/CN=authority" -out ca.pem \
     -addext 'basicConstraints=critical,CA:TRUE' -addext 'keyUsage=critical,keyCertSign,cRLSign'
   certificate coordinator serverAuth "${names#,}"
-  echo "# ROLE NAME TOKEN" >tokens
+  echo "# ROLE NAME TOKEN [shared] [expires=2027-01-31]" >tokens
 fi
 for person in "${people[@]}"; do
   certificate "${person#*:}" clientAuth
@@ -113,13 +113,13 @@ done
 if [ ${#people[@]} -eq 0 ]; then
   certificate worker clientAuth
   certificate client clientAuth
-  for role in submit work admin; do token $role $role; done
+  for role in submit work admin; do token $role $role shared; done
 fi
 rm -f ca.srl
 
 cd - >/dev/null
 if [ -n "$add" ]; then
-  echo "$directory has what ${#people[@]} more need. Start the coordinator again, which reads tokens at start."
+  echo "$directory has what ${#people[@]} more need. Send the coordinator SIGHUP: it then reads tokens again."
   exit 0
 fi
 mv "$made" "$directory"

@@ -24,15 +24,17 @@ build=(
   libspng-dev
   libtiff-dev
   libwebp-dev
-  # The farm: RPC and its code generators, logs, durable state, compressed film tiles.
+  # The farm: RPC and its code generators, logs, metrics, durable state, compressed film tiles.
   libabsl-dev
   libgrpc++-dev
   libprotobuf-dev
   protobuf-compiler
   protobuf-compiler-grpc
   libspdlog-dev
+  prometheus-cpp-dev
   libsqlite3-dev
   libzstd-dev
+  libdeflate-dev
   # deploy/make_certificates.sh.
   openssl
 )
@@ -50,6 +52,8 @@ test=(
   valgrind
   # Networks that break, in network namespaces.
   iproute2
+  # promtool checks metrics and alert rules. Its server is not started (below).
+  prometheus
   # Packages, installed in a root of their own.
   debootstrap
   # Tests of the scene file's JSON Schema.
@@ -98,7 +102,17 @@ if [ "$(id -u)" -ne 0 ]; then
   as_root=(sudo)
 fi
 
+# Of prometheus, promtool is wanted and the server is not: no package starts services while this script runs.
+policy=/usr/sbin/policy-rc.d
+if [ ! -e $policy ]; then
+  trap '"${as_root[@]}" rm -f $policy' EXIT
+  printf '#!/bin/sh\nexit 101\n' | "${as_root[@]}" install -m 755 /dev/stdin $policy
+fi
+
 echo "Installing ${#missing[@]} Debian packages: ${missing[*]}"
 apt=("${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -qq -o DPkg::Lock::Timeout=500)
 "${apt[@]}" update
 "${apt[@]}" install -y --no-install-recommends "${missing[@]}" >/dev/null
+if [[ " ${missing[*]} " == *" prometheus "* ]] && command -v systemctl >/dev/null; then
+  "${as_root[@]}" systemctl --quiet disable prometheus || true
+fi
