@@ -10,6 +10,7 @@
 #include <cstdlib>
 #include <thread>
 
+#include "bench/scale/tile_watchers.hpp"
 #include "proto/blob.hpp"
 #include "proto/channel.hpp"
 #include "proto/status.hpp"
@@ -86,9 +87,49 @@ core::Status upload(v1::RenderService::Stub& users, const proto::Digest& digest)
   return proto::from_grpc(stream->Finish());
 }
 
-core::Status submit_jobs(v1::RenderService::Stub& users, const Load& load) {
+v1::ListJobsResponse page_of_jobs(v1::RenderService::Stub& users, const v1::ListJobsRequest& request) {
+  while (true) {
+    grpc::ClientContext context;
+    v1::ListJobsResponse response;
+    if (users.ListJobs(&context, request, &response).ok()) return response;
+    std::this_thread::sleep_for(kDonePolls);  // the coordinator is overloaded
+  }
+}
+
+std::vector<v1::Job> list_jobs(v1::RenderService::Stub& users) {
+  std::vector<v1::Job> jobs;
+  v1::ListJobsRequest request;
+  do {
+    const v1::ListJobsResponse page = page_of_jobs(users, request);
+    jobs.insert(jobs.end(), page.jobs().begin(), page.jobs().end());
+    request.set_page_token(page.next_page_token());
+  } while (!request.page_token().empty());
+  return jobs;
+}
+
+bool any_is_validated(v1::RenderService::Stub& users) {
+  v1::ListJobsRequest request;
+  request.add_states(v1::JOB_STATE_VALIDATING);
+  request.set_page_size(1);
+  return page_of_jobs(users, request).jobs_size() > 0;
+}
+
+// Waits while too many scenes wait to be validated.
+core::Result<v1::Job> submit_job(v1::RenderService::Stub& users, const v1::SubmitJobRequest& request) {
+  while (true) {
+    grpc::ClientContext context;
+    v1::SubmitJobResponse response;
+    const grpc::Status status = users.SubmitJob(&context, request, &response);
+    if (status.ok()) return response.job();
+    if (!proto::asked_wait(status, context)) return core::fail(proto::error_from_grpc(status));
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+}
+
+// Returns the id of the first.
+core::Result<std::string> submit_jobs(v1::RenderService::Stub& users, const Load& load) {
   const proto::Digest digest = proto::digest_of(kScene);
-  if (auto uploaded = upload(users, digest); !uploaded) return uploaded;
+  if (auto uploaded = upload(users, digest); !uploaded) return core::fail(uploaded.error());
   v1::SubmitJobRequest request;
   request.mutable_bundle()->set_scene_path("scene.json");
   v1::Bundle::Asset& asset = *request.mutable_bundle()->add_assets();
@@ -97,22 +138,15 @@ core::Status submit_jobs(v1::RenderService::Stub& users, const Load& load) {
   request.mutable_overrides()->set_width_px(static_cast<std::uint32_t>(load.width_px));
   request.mutable_overrides()->set_height_px(static_cast<std::uint32_t>(load.height_px));
   request.mutable_overrides()->set_spp(load.spp);
+  std::string first;
   for (int job = 0; job < load.jobs; ++job) {
     request.set_name(fmt::format("simulated-{}", job));
-    grpc::ClientContext context;
-    v1::SubmitJobResponse response;
-    if (auto done = proto::from_grpc(users.SubmitJob(&context, request, &response)); !done) return done;
+    const auto submitted = submit_job(users, request);
+    if (!submitted) return core::fail(submitted.error());
+    if (job == 0) first = submitted->id();
   }
-  return {};
-}
-
-std::vector<v1::Job> list_jobs(v1::RenderService::Stub& users) {
-  while (true) {
-    grpc::ClientContext context;
-    v1::ListJobsResponse response;
-    if (users.ListJobs(&context, {}, &response).ok()) return {response.jobs().begin(), response.jobs().end()};
-    std::this_thread::sleep_for(kDonePolls);  // the coordinator is overloaded
-  }
+  while (any_is_validated(users)) std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  return first;
 }
 
 bool all_done(const std::vector<v1::Job>& jobs) {
@@ -173,7 +207,7 @@ void wait_until_done(v1::RenderService::Stub& users, double at_most_seconds) {
 core::Result<Figures> measure(const Load& load, const std::filesystem::path& coordinator_program) {
   const Folder folder;
   const auto coordinator =
-      MeasuredCoordinator::start({coordinator_program, folder.path(), load.coordinator_core});
+      MeasuredCoordinator::start({coordinator_program, folder.path(), load.coordinator_core, load.film_gib});
   if (!coordinator) return core::fail(coordinator.error());
   const auto channel = own_connection(coordinator->address());
   if (!channel) return core::fail(channel.error());
@@ -181,7 +215,12 @@ core::Result<Figures> measure(const Load& load, const std::filesystem::path& coo
 
   Figures figures;
   figures.before_jobs = coordinator->usage();
-  if (auto submitted = submit_jobs(users, load); !submitted) return core::fail(submitted.error());
+  const auto submitted = submit_jobs(users, load);
+  if (!submitted) return core::fail(submitted.error());
+  TileWatchers watchers;
+  const core::Status watched =
+      watchers.start(load.watchers, *submitted, [&] { return own_connection(coordinator->address()); });
+  if (!watched) return core::fail(watched.error());
   Tally tally;
   Workers workers(tally);
   if (load.until_done) tally.start();
@@ -197,12 +236,18 @@ core::Result<Figures> measure(const Load& load, const std::filesystem::path& coo
     tally.start();
     figures.before = coordinator->usage();
     figures.own_cpu_seconds = -own_cpu_seconds();
+    figures.watched_tiles = watchers.tiles();
+    figures.watched_bytes = watchers.bytes();
     start = Clock::now();
     std::this_thread::sleep_for(std::chrono::duration<double>(load.measured_seconds));
   }
   figures.counts = tally.stop();
   figures.seconds = std::chrono::duration<double>(Clock::now() - start).count();
   figures.after = coordinator->usage();
+  figures.watched_tiles = watchers.tiles() - figures.watched_tiles;
+  figures.watched_bytes = watchers.bytes() - figures.watched_bytes;
+  if (!load.until_done && watchers.ended() > 0)
+    return core::fail(core::ErrorCode::kInternal, "the coordinator has ended a watch of tiles");
   figures.own_cpu_seconds += own_cpu_seconds();
   const std::vector<v1::Job> jobs = list_jobs(users);
   figures.all_done = all_done(jobs);

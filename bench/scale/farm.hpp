@@ -25,6 +25,9 @@ struct Load {
   // Measures until all jobs are done, but at most for the given time.
   bool until_done = false;
   std::optional<int> coordinator_core;
+  std::string film_gib{};  // the coordinator's --max-film-gib; empty for its default
+  // Clients that watch the tiles of the first job.
+  int watchers = 0;
 };
 
 struct Figures {
@@ -34,6 +37,8 @@ struct Figures {
   double own_cpu_seconds = 0;        // of the simulated workers during the measurement
   std::uint64_t film_bytes = 0;      // 48 for each pixel of the tiles that had samples at the end
   bool all_done = false;
+  // What all watchers received during the measurement.
+  std::uint64_t watched_tiles = 0, watched_bytes = 0;
 };
 
 // Fails if a process cannot be started, or if the coordinator rejects a call.

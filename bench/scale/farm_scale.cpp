@@ -61,6 +61,15 @@ std::vector<Load> loads(const Options& options) {
   if (options.workers > 0) all = {two_second_leases(options.workers, seconds)};
   all.push_back(saturated_by(32, "saturated"));
   all.push_back(saturated_by(1000, "saturated by 1000"));
+  for (const int watchers : {0, 1, 200}) {
+    // 1080p, of which 50 of 510 tiles change in a second.
+    Load watched = two_second_leases(100, seconds);
+    watched.name = fmt::format("{} watchers", watchers);
+    watched.width_px = 1920;
+    watched.height_px = 1088;
+    watched.watchers = watchers;
+    all.push_back(watched);
+  }
   Load hundred = two_second_leases(1000, seconds);
   hundred.name = "100 jobs";
   hundred.jobs = 100;
@@ -78,12 +87,22 @@ std::vector<Load> loads(const Options& options) {
                  .spp = 1,
                  .measured_seconds = 300,
                  .until_done = true});
+  all.push_back({.name = "32K x 32K, whole",
+                 .workers = 32,
+                 .speed = at_once,
+                 .width_px = 32768,
+                 .height_px = 32768,
+                 .spp = 1,
+                 .measured_seconds = 3600,
+                 .until_done = true,
+                 .film_gib = "1.5"});
   return all;
 }
 
 std::vector<Load> quick_loads() {
   std::vector<Load> all{two_second_leases(20, 4), two_second_leases(200, 8)};
   all[0].warm_up_seconds = all[1].warm_up_seconds = 6;
+  all[0].watchers = 2;
   all.push_back({.name = "4 jobs, to their end",
                  .workers = 20,
                  .speed = {.samples_per_second = 20 * kTileSamples},
@@ -97,12 +116,14 @@ std::vector<Load> quick_loads() {
 }
 
 void print_head() {
-  std::cout << "| | results/s | samples/s | items/result | CPU, share of a core | ms CPU/result | us "
-               "CPU/worker-second "
-               "| MB/s in | MB/s written | MiB resident | beyond the films | result counted, ms: median, p99 "
-               "| next "
-               "lease, ms: median, p99 | workers busy | own CPU | failed calls |\n"
-            << "|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|" << std::endl;
+  std::cout
+      << "| | results/s | samples/s | items/result | CPU, share of a core | ms CPU/result | us "
+         "CPU/worker-second "
+         "| MB/s in | MB/s written | MiB resident | beyond the films | result counted, ms: median, p99 "
+         "| next "
+         "lease, ms: median, p99 | workers busy | own CPU | failed calls | tiles/s to watchers | MB/s to "
+         "watchers |\n"
+      << "|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|" << std::endl;
 }
 
 std::string milliseconds(const std::vector<double>& seconds) {
@@ -119,7 +140,7 @@ void print_row(const Load& load, const Figures& figures) {
   const double written = static_cast<double>(figures.after.written_bytes - figures.before.written_bytes);
   std::cout << fmt::format(
                    "| {} | {:.1f} | {:.3g} | {:.2f} | {:.3f} | {:.3f} | {:.0f} | {:.1f} | {:.1f} | {:.0f} | "
-                   "{:.0f} | {} | {} | {:.0f} % | {:.2f} | {} |",
+                   "{:.0f} | {} | {} | {:.0f} % | {:.2f} | {} | {:.0f} | {:.2f} |",
                    load.name, results / figures.seconds,
                    static_cast<double>(counts.samples) / figures.seconds,
                    static_cast<double>(counts.items) / results, cpu / figures.seconds, 1e3 * cpu / results,
@@ -128,7 +149,8 @@ void print_row(const Load& load, const Figures& figures) {
                    (resident - static_cast<double>(figures.film_bytes)) / kMiB,
                    milliseconds(counts.submit_seconds), milliseconds(counts.next_lease_seconds),
                    100 * counts.rendering_seconds / worker_seconds, figures.own_cpu_seconds / figures.seconds,
-                   counts.failed_calls)
+                   counts.failed_calls, static_cast<double>(figures.watched_tiles) / figures.seconds,
+                   static_cast<double>(figures.watched_bytes) / figures.seconds / 1e6)
             << std::endl;
 }
 

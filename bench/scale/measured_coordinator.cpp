@@ -14,6 +14,7 @@
 #include <sstream>
 #include <thread>
 #include <utility>
+#include <vector>
 
 namespace tessera::bench {
 namespace {
@@ -38,8 +39,14 @@ std::string read_file(const std::filesystem::path& path) {
   const int file = ::open(log.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
   if (file < 0 || ::dup2(file, STDOUT_FILENO) < 0 || ::dup2(file, STDERR_FILENO) < 0) ::_exit(127);
   const std::string state = options.folder / "state";
-  ::execl(options.program.c_str(), options.program.c_str(), "--listen", "127.0.0.1:0", "--state",
-          state.c_str(), "--max-calls-per-second", "1e9", nullptr);
+  std::vector<const char*> arguments{
+      options.program.c_str(),  "--listen", "127.0.0.1:0", "--state", state.c_str(),
+      "--max-calls-per-second", "1e9"};
+  if (!options.film_gib.empty())
+    arguments.insert(arguments.end(),
+                     {"--max-picture-pixels", "1073741824", "--max-film-gib", options.film_gib.c_str()});
+  arguments.push_back(nullptr);
+  ::execv(options.program.c_str(), const_cast<char* const*>(arguments.data()));
   ::_exit(127);
 }
 

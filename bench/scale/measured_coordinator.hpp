@@ -30,6 +30,8 @@ class MeasuredCoordinator {
     std::filesystem::path folder;
     // The only core on which it may run; any if absent.
     std::optional<int> core;
+    // --max-film-gib; empty for the default.
+    std::string film_gib{};
   };
 
   // Returns when it listens. Errors end with its output.
