@@ -48,11 +48,13 @@ void submit(std::string_view input) {
   name_blobs(*request.mutable_bundle(), parts);
 
   const blobs::BlobStore* blobs = nullptr;
-  Farm farm([&](const auto& bundle, const auto& overrides) { return ask(*blobs, bundle, overrides); });
+  Farm farm(
+      [&](const auto& bundle, const auto& overrides, const auto&) { return ask(*blobs, bundle, overrides); });
   blobs = &farm.coordinator().blobs();
   for (std::size_t i = 1; i < parts.size(); ++i) store(*blobs, parts[i].bytes);
   const auto job = farm.coordinator().jobs().submit(request, "somebody");
   expect_sendable(job);
+  if (job) farm.coordinator().jobs().validate(job->id());
   farm.greet('1');
   farm.reopen();
   expect(farm.is_open(), "what a coordinator has written it can read");

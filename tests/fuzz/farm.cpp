@@ -82,7 +82,8 @@ const fs::path& template_folder() {
 }
 
 // Accepts any scene: 40 x 3 pixels, 2 samples per pixel, overrides applied.
-core::Result<jobs::CheckedScene> accept(const v1::Bundle&, const v1::RenderOverrides& overrides) {
+core::Result<jobs::CheckedScene> accept(const v1::Bundle&, const v1::RenderOverrides& overrides,
+                                        const std::stop_token&) {
   const auto wanted = proto::from_proto(overrides);
   if (!wanted) return core::fail(wanted.error());
   core::RenderSettings settings;
@@ -132,7 +133,7 @@ void Farm::reopen() {
   if (!expect_answer(state)) return;
   signer_.emplace(state->jobs.secret());
   server::CoordinatorOptions options;
-  options.farm.fingerprint = kFingerprint;
+  options.farm.fingerprints = {kFingerprint};
   options.limits.picture_pixels = kMaxPixels;
   options.farm.audit_share = 1;  // of all ranges, so that chance chooses none
   options.farm.now = [this] { return now_; };

@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "core/film/film.hpp"
 #include "server/coordinator.hpp"
@@ -73,6 +74,13 @@ bool expect_told(const core::Result<T>& answer) {
 template <typename Message>
 void expect_sendable(const core::Result<Message>& answer) {
   if (expect_told(answer)) expect_sendable(*answer);
+}
+
+// The jobs of a farm, the newest ones if they are many.
+inline std::vector<v1::Job> listed(Farm& farm) {
+  const auto page = farm.coordinator().jobs().list();
+  if (!expect_told(page)) return {};
+  return {page->jobs().begin(), page->jobs().end()};
 }
 
 }  // namespace tessera::fuzz

@@ -65,7 +65,9 @@ void do_part(Farm& farm, const Part& part) {
     farm.sign(result);
     expect_sendable(coordinator.dispatcher().submit_result(result));
   } else if (part.name == "submit" && submission.ParseFromString(bytes)) {
-    expect_sendable(coordinator.jobs().submit(submission, "somebody"));
+    const auto job = coordinator.jobs().submit(submission, "somebody");
+    expect_sendable(job);
+    if (job) coordinator.jobs().validate(job->id());
   } else if (part.name == "extend" && extension.ParseFromString(bytes)) {
     expect_sendable(coordinator.jobs().extend(id_of(extension.job_id()), extension.spp()));
   } else if (part.name == "wait") {
@@ -90,7 +92,7 @@ void feed(std::string_view input) {
     do_part(farm, part);
     farm.wait(std::chrono::seconds(1));  // checks the invariants
   }
-  for (const v1::Job& job : farm.coordinator().jobs().list()) expect_sendable(job);
+  for (const v1::Job& job : listed(farm)) expect_sendable(job);
   for (const auto& worker : farm.coordinator().dispatcher().workers()) expect_sendable(worker);
 }
 

@@ -62,7 +62,7 @@ void feed(std::string_view input) {
   expect_told(farm.coordinator().checkpointer().checkpoint());
   farm.reopen();
   expect(farm.is_open(), "what a coordinator has written it can read");
-  for (const v1::Job& job : farm.coordinator().jobs().list()) expect_sendable(job);
+  for (const v1::Job& job : listed(farm)) expect_sendable(job);
 }
 
 }  // namespace

@@ -98,7 +98,7 @@ void look_at(const fs::path& folder) {
 }
 
 void go_on(Farm& farm) {
-  for (const v1::Job& job : farm.coordinator().jobs().list()) {
+  for (const v1::Job& job : listed(farm)) {
     expect_sendable(job);
     const std::uint64_t pixels = std::uint64_t{job.settings().width_px()} * job.settings().height_px();
     if (pixels < 1 << 16) expect_answer(farm.coordinator().images().get(job.id()));

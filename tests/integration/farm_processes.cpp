@@ -3,6 +3,7 @@
 
 #include <grpcpp/client_context.h>
 #include <signal.h>
+#include <algorithm>
 
 #include <iostream>
 #include <stdexcept>
@@ -170,6 +171,35 @@ std::string FarmTest::submit(const std::vector<std::string>& options) {
   return outcome.out.substr(0, outcome.out.find('\n'));
 }
 
+grpc::Status FarmTest::submit_and_validate(const v1::SubmitJobRequest& request, std::string* id) {
+  grpc::ClientContext submitting, watching;
+  v1::SubmitJobResponse submitted;
+  if (const grpc::Status status = api().SubmitJob(&submitting, request, &submitted); !status.ok())
+    return status;
+  if (id != nullptr) *id = submitted.job().id();
+  v1::WatchJobRequest watch;
+  watch.set_job_id(submitted.job().id());
+  const auto stream = api().WatchJob(&watching, watch);
+  v1::WatchJobResponse update;
+  while (stream->Read(&update) && update.job().state() == v1::JOB_STATE_VALIDATING) {
+  }
+  watching.TryCancel();
+  const grpc::Status watched = stream->Finish();
+  const v1::Job& job = update.job();
+  if (job.state() == v1::JOB_STATE_VALIDATING) return watched;
+  if (job.state() != v1::JOB_STATE_FAILED) return grpc::Status::OK;
+  const bool is_limit = job.failure_details().reason() == v1::Failure::REASON_LIMIT;
+  EXPECT_TRUE(is_limit || job.failure_details().reason() == v1::Failure::REASON_INVALID_SCENE);
+  return {is_limit ? grpc::StatusCode::RESOURCE_EXHAUSTED : grpc::StatusCode::INVALID_ARGUMENT,
+          job.failure()};
+}
+
+std::size_t FarmTest::sound_jobs() {
+  const std::vector<v1::Job> all = jobs();
+  return static_cast<std::size_t>(std::count_if(
+      all.begin(), all.end(), [](const v1::Job& job) { return job.state() != v1::JOB_STATE_FAILED; }));
+}
+
 std::string FarmTest::image(const std::string& job_id, const std::string& ending) {
   const std::filesystem::path path = folder_ / ("farm" + ending);
   const Outcome outcome = tessera({"image", job_id, "-o", path.string()});
@@ -193,7 +223,7 @@ std::vector<v1::Job> FarmTest::jobs() {
   return {response.jobs().begin(), response.jobs().end()};
 }
 
-std::vector<v1::ListWorkersResponse::Worker> FarmTest::workers() {
+std::vector<v1::Worker> FarmTest::workers() {
   const auto response = ask(api(), &v1::RenderService::StubInterface::ListWorkers, v1::ListWorkersRequest(),
                             v1::ListWorkersResponse());
   return {response.workers().begin(), response.workers().end()};

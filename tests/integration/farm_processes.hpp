@@ -50,6 +50,11 @@ class FarmTest : public ::testing::Test {
   std::string render_here(const std::vector<std::string>& options, const std::string& ending);
   // Submits the Cornell box with these options.
   std::string submit(const std::vector<std::string>& options);
+  // Submits a job without the command line, and waits until its scene is validated. Returns the error of the
+  // call, or the failure of the job with the code that fits its reason. `id` receives the job's id.
+  grpc::Status submit_and_validate(const v1::SubmitJobRequest& request, std::string* id = nullptr);
+  // The jobs that have not failed.
+  std::size_t sound_jobs();
   // The current image of a job.
   std::string image(const std::string& job_id, const std::string& ending);
 
@@ -57,7 +62,7 @@ class FarmTest : public ::testing::Test {
   const std::string& address() const { return address_; }
   v1::Job job(const std::string& id);
   std::vector<v1::Job> jobs();
-  std::vector<v1::ListWorkersResponse::Worker> workers();
+  std::vector<v1::Worker> workers();
   // Blocks until the job has at least so many pixel samples.
   bool wait_for_samples(const std::string& job_id, std::uint64_t samples);
   bool wait_for_state(const std::string& job_id, v1::JobState state,

@@ -77,11 +77,10 @@ class HostileCallsTest : public FarmTest {
       asset.set_path(std::to_string(i) + (i == 0 ? "" : std::string(200, 'x')));
       *asset.mutable_digest() = digest;
     }
-    grpc::ClientContext context;
-    v1::SubmitJobResponse response;
-    const grpc::Status status = api().SubmitJob(&context, request, &response);
+    std::string id;
+    const grpc::Status status = submit_and_validate(request, &id);
     EXPECT_TRUE(status.ok()) << status.error_message();
-    return response.job().id();
+    return id;
   }
   void expect_well(std::uint64_t before_mib, std::uint64_t more_mib) {
     EXPECT_LE(peak_mib(), before_mib + more_mib);

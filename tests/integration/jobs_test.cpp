@@ -8,6 +8,7 @@ namespace tessera::test {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 class JobsTest : public FarmTest {
  protected:
@@ -88,6 +89,19 @@ TEST_F(JobsTest, ListsAreForPeopleAndForPrograms) {
   EXPECT_THAT(tessera({"workers"}).out, HasSubstr("somebody"));
   EXPECT_THAT(tessera({"workers", "--json"}).out, HasSubstr("\"name\":\"somebody\""));
   EXPECT_THAT(tessera({"job", id.substr(0, 6)}).out, HasSubstr(id)) << "the beginning of an id names the job";
+}
+
+TEST_F(JobsTest, AreFoundByTheirLabels) {
+  start_coordinator();
+  const std::string shot = submit({"--spp", "1", "--label", "shot=12", "--label", "show=vase"});
+  const std::string other = submit({"--spp", "1", "--label", "shot=13"});
+  const std::string listed = tessera({"jobs", "--label", "shot=12", "--label", "show=vase"}).out;
+  EXPECT_THAT(listed, HasSubstr(shot.substr(0, 12)));
+  EXPECT_THAT(listed, Not(HasSubstr(other.substr(0, 12))));
+  EXPECT_THAT(tessera({"job", shot}).out, HasSubstr("show=vase"));
+  const Outcome wrong = tessera({"submit", kCornell, "--label", "nothing"});
+  EXPECT_EQ(wrong.exit_code, 2);
+  EXPECT_THAT(wrong.err, HasSubstr("--label: must be KEY=VALUE; got 'nothing'"));
 }
 
 TEST_F(JobsTest, WithoutACoordinatorCommandsWaitForItsStartAndSayHowToStartOne) {

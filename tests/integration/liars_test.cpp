@@ -140,7 +140,7 @@ class LiarsTest : public FarmTest {
   static constexpr double kLeaseSeconds = 20;
   const std::vector<std::string> options_{"--size", "192x128", "--spp", "16"};
 
-  v1::ListWorkersResponse::Worker liar() {
+  v1::Worker liar() {
     for (const auto& worker : workers()) {
       if (worker.name() == "liar") return worker;
     }

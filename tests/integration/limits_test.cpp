@@ -80,9 +80,7 @@ class LimitsTest : public FarmTest {
       asset.set_path(name);
       *asset.mutable_digest() = proto::to_proto(proto::digest_of(bytes));
     }
-    grpc::ClientContext context;
-    v1::SubmitJobResponse response;
-    return api().SubmitJob(&context, request, &response);
+    return submit_and_validate(request);
   }
   void expect_well() {
     const grpc::Status status = submit_files(small_scene());
@@ -130,7 +128,7 @@ TEST_F(LimitsTest, EachRejectionNamesItsOption) {
     EXPECT_EQ(status.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
     EXPECT_THAT(status.error_message(),
                 AllOf(HasSubstr(excess.found), HasSubstr("(tessera-coordinator " + excess.option + ")")));
-    EXPECT_TRUE(jobs().empty());
+    EXPECT_EQ(sound_jobs(), 0u);
     stop_coordinator();
   }
 }
@@ -214,7 +212,7 @@ TEST_F(LimitsTest, HostileScenesHarmNobodyElse) {
     EXPECT_THAT(status.error_message(), HasSubstr(scene.sentence));
     expect_well();
   }
-  EXPECT_EQ(jobs().size(), std::size(hostile));
+  EXPECT_EQ(sound_jobs(), std::size(hostile));
   EXPECT_TRUE(std::filesystem::is_empty(folder_ / "state" / "blobs" / "incoming"));
 }
 

@@ -3,6 +3,9 @@
 #include <gmock/gmock.h>
 #include <grpcpp/client_context.h>
 
+#include "google/rpc/error_details.pb.h"
+#include "google/rpc/status.pb.h"
+#include "proto/blob.hpp"
 #include "proto/channel.hpp"
 #include "proto/worker_key.hpp"
 #include "tessera/v1/worker_service.grpc.pb.h"
@@ -29,6 +32,38 @@ TEST_F(FarmTest, ReflectionListsTheServices) {
   ASSERT_TRUE(services.has_value()) << services.error().message;
   EXPECT_THAT(*services, HasSubstr("tessera.v1.RenderService"));
   EXPECT_THAT(*services, HasSubstr("tessera.v1.WorkerService"));
+}
+
+// What clients in other languages read, byte by byte.
+TEST_F(FarmTest, ErrorsHaveDetailsForPrograms) {
+  start_coordinator();
+  v1::SubmitJobRequest request;
+  request.mutable_bundle()->set_scene_path("scene.json");
+  v1::Bundle::Asset& asset = *request.mutable_bundle()->add_assets();
+  asset.set_path("scene.json");
+  const proto::Digest digest = proto::digest_of("never sent");
+  *asset.mutable_digest() = proto::to_proto(digest);
+  grpc::ClientContext context;
+  v1::SubmitJobResponse response;
+  const grpc::Status status = api().SubmitJob(&context, request, &response);
+  EXPECT_EQ(status.error_code(), grpc::StatusCode::FAILED_PRECONDITION);
+  const auto& trailing = context.GetServerTrailingMetadata();
+  ASSERT_TRUE(trailing.contains("grpc-status-details-bin"));
+  google::rpc::Status details;
+  ASSERT_TRUE(details.ParseFromString(status.error_details()));
+  EXPECT_EQ(details.code(), status.error_code());
+  EXPECT_EQ(details.message(), status.error_message());
+  google::rpc::ErrorInfo info;
+  google::rpc::PreconditionFailure failure;
+  ASSERT_EQ(details.details_size(), 2);
+  ASSERT_TRUE(details.details(0).UnpackTo(&info) && details.details(1).UnpackTo(&failure));
+  EXPECT_EQ(details.details(1).type_url(), "type.googleapis.com/google.rpc.PreconditionFailure");
+  EXPECT_EQ(info.domain(), "tessera");
+  EXPECT_EQ(info.reason(), "MISSING_BLOBS");
+  EXPECT_EQ(info.metadata().at("missing_count"), "1");
+  ASSERT_EQ(failure.violations_size(), 1);
+  EXPECT_EQ(failure.violations(0).type(), "MISSING");
+  EXPECT_EQ(failure.violations(0).subject(), "blobs/" + digest.hex() + "/10");
 }
 
 TEST_F(FarmTest, AWorkerWithAnotherFingerprintIsRejected) {

@@ -109,12 +109,6 @@ class RefusalsTest : public FarmTest {
     return request;
   }
 
-  grpc::Status submit_directly(const v1::SubmitJobRequest& request) {
-    grpc::ClientContext context;
-    v1::SubmitJobResponse response;
-    return api().SubmitJob(&context, request, &response);
-  }
-
   const std::filesystem::path scene_folder_ = folder_ / "scene";
 };
 
@@ -123,7 +117,7 @@ TEST_F(RefusalsTest, TheUnchangedSceneIsAccepted) {
   write_scene({});
   const Outcome here = tessera({"render", "scene.json", "-o", "out.png"}, scene_folder_);
   EXPECT_EQ(here.exit_code, 0) << here.err;
-  const grpc::Status status = submit_directly(make_request({}));
+  const grpc::Status status = submit_and_validate(make_request({}));
   EXPECT_TRUE(status.ok()) << status.error_message();
 }
 
@@ -141,12 +135,12 @@ TEST_F(RefusalsTest, BadScenesAreRefusedInTheSameWordsEverywhere) {
     EXPECT_EQ(farm.exit_code, 1);
     EXPECT_EQ(farm.err, here.err);
 
-    const grpc::Status direct = submit_directly(make_request(input));
+    const grpc::Status direct = submit_and_validate(make_request(input));
     EXPECT_EQ(direct.error_code(), grpc::StatusCode::INVALID_ARGUMENT);
     EXPECT_EQ("tessera: error: " + direct.error_message() + "\n", here.err);
     EXPECT_FALSE(std::filesystem::exists(scene_folder_ / "out.png"));
   }
-  EXPECT_TRUE(jobs().empty());
+  EXPECT_EQ(sound_jobs(), 0u);
 }
 
 TEST_F(RefusalsTest, MissingFilesAreNamed) {
@@ -163,7 +157,7 @@ TEST_F(RefusalsTest, MissingFilesAreNamed) {
   }
   v1::SubmitJobRequest without_mesh = make_request({});
   without_mesh.mutable_bundle()->mutable_assets()->DeleteSubrange(0, 1);
-  const grpc::Status direct = submit_directly(without_mesh);
+  const grpc::Status direct = submit_and_validate(without_mesh);
   EXPECT_EQ(direct.error_code(), grpc::StatusCode::INVALID_ARGUMENT);
   EXPECT_THAT(direct.error_message(), HasSubstr("mesh.obj"));
 }
@@ -185,17 +179,17 @@ TEST_F(RefusalsTest, BadOverridesAreRefused) {
   }
   v1::SubmitJobRequest request = make_request({});
   request.mutable_overrides()->set_width_px(0);
-  EXPECT_THAT(submit_directly(request).error_message(), HasSubstr("width"));
+  EXPECT_THAT(submit_and_validate(request).error_message(), HasSubstr("width"));
   request.mutable_overrides()->set_width_px(16);
   request.mutable_overrides()->set_spp(0);
-  EXPECT_THAT(submit_directly(request).error_message(), HasSubstr("spp"));
-  EXPECT_EQ(submit_directly(request).error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+  EXPECT_THAT(submit_and_validate(request).error_message(), HasSubstr("spp"));
+  EXPECT_EQ(submit_and_validate(request).error_code(), grpc::StatusCode::INVALID_ARGUMENT);
   request.mutable_overrides()->set_spp(1);
   request.mutable_overrides()->mutable_crop()->set_x1(17);
   request.mutable_overrides()->mutable_crop()->set_y1(1);
-  EXPECT_THAT(submit_directly(request).error_message(), HasSubstr("crop: must be"));
-  EXPECT_EQ(submit_directly(request).error_code(), grpc::StatusCode::INVALID_ARGUMENT);
-  EXPECT_TRUE(jobs().empty());
+  EXPECT_THAT(submit_and_validate(request).error_message(), HasSubstr("crop: must be"));
+  EXPECT_EQ(submit_and_validate(request).error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+  EXPECT_EQ(sound_jobs(), 0u);
 }
 
 TEST_F(RefusalsTest, NamesWithTerminalSequencesAreRefused) {
@@ -217,7 +211,7 @@ TEST_F(RefusalsTest, MissingBlobsAreRequested) {
   v1::SubmitJobRequest request = make_request({});
   *request.mutable_bundle()->mutable_assets(0)->mutable_digest() =
       proto::to_proto(proto::digest_of("never sent"));
-  EXPECT_EQ(submit_directly(request).error_code(), grpc::StatusCode::FAILED_PRECONDITION);
+  EXPECT_EQ(submit_and_validate(request).error_code(), grpc::StatusCode::FAILED_PRECONDITION);
 }
 
 }  // namespace

@@ -51,8 +51,10 @@ forbid "The server includes of core only base, cli, math, film, image, sandbox a
   "${include}core/" --but '^server/validator/|[<"]core/(base|cli|math|film|image|sandbox)/|[<"]core/scene/settings\.hpp' \
   "${sources[@]}" server
 forbid "The scheduler includes neither RPC nor SQLite, nor any other folder of the server." \
-  "${include}(grpc|google/protobuf|tessera/v1|proto/|sqlite3|server/(base|blobs|store|film|farm|jobs|dispatch|admin|auth|rpc|validator|coordinator|main))" \
+  "${include}(grpc|google/protobuf|tessera/v1|proto/|sqlite3|server/(base|events|blobs|store|film|farm|jobs|dispatch|fleet|watch|admin|auth|rpc|metrics|validator|coordinator|main))" \
   "${sources[@]}" server/scheduler
+forbid "Only the metrics include the library of Prometheus." "${include}prometheus/" \
+  --but '^(proto/metric|server/metrics/|worker/metrics\.)' "${sources[@]}" core proto server worker client
 
 # The same bytes on every machine.
 forbid "Nothing is built for the building machine alone, or with inexact arithmetic." \

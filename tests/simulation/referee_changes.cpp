@@ -22,15 +22,25 @@ std::string text_of(const JobView& job) {
 
 // The end of a cooldown is a matter of time.
 std::string text_of(const WorkerView& worker) {
-  return fmt::format("{} {} {} {} {}{}{}{}", worker.info.name, worker.info.version, worker.info.threads,
-                     worker.info.machine, worker.info.principal, worker.draining ? ", draining" : "",
+  return fmt::format("{} {} {} {} {} {}{}{}{}{}", worker.info.name, worker.info.version, worker.info.threads,
+                     worker.info.machine, worker.info.origin, worker.info.principal,
+                     worker.draining ? ", draining" : "", worker.drain_requested ? ", asked to" : "",
                      worker.silent ? ", silent" : "", worker.stuck ? ", stuck" : "");
 }
 
-template <typename Views, typename IdOf>
-auto texts_of(const Views& views, const IdOf& id_of) {
+std::string progress_of(const JobView& job) {
+  return fmt::format("{} {} {}", job.samples_done, job.samples_to_verify, job.active_workers);
+}
+
+// The leases of ended jobs are taken from their holders with later events.
+std::string progress_of(const WorkerView& worker) {
+  return fmt::format("{}", worker.samples_accepted);
+}
+
+template <typename Views, typename IdOf, typename TextOf>
+auto texts_of(const Views& views, const IdOf& id_of, const TextOf& text) {
   std::map<std::decay_t<decltype(id_of(views.front()))>, std::string> texts;
-  for (const auto& view : views) texts[id_of(view)] = text_of(view);
+  for (const auto& view : views) texts[id_of(view)] = text(view);
   return texts;
 }
 
@@ -53,20 +63,41 @@ std::string wrongly_named(const std::map<Id, std::string>& before, const std::ma
 
 }  // namespace
 
+namespace {
+
+// The first of `before` and `after` whose change was not named; empty if there is none. Those that come or go
+// are changed, and may have progressed.
+template <typename View, typename IdOf, typename Id>
+std::string not_named(const std::vector<View>& before, const std::vector<View>& after, const IdOf& id_of,
+                      const std::vector<Id>& changed, const std::vector<Id>& progressed) {
+  const auto text = [](const View& view) { return text_of(view); };
+  const auto progress = [](const View& view) { return progress_of(view); };
+  const std::string wrong =
+      wrongly_named(texts_of(before, id_of, text), texts_of(after, id_of, text), changed);
+  if (!wrong.empty()) return wrong + " has changed";
+  auto was = texts_of(before, id_of, progress), is = texts_of(after, id_of, progress);
+  std::erase_if(was, [&](const auto& entry) { return !is.contains(entry.first); });
+  std::erase_if(is, [&](const auto& entry) { return !was.contains(entry.first); });
+  const std::string late = wrongly_named(was, is, progressed);
+  return late.empty() ? "" : late + " has progressed";
+}
+
+}  // namespace
+
 void Referee::changed(const std::vector<JobView>& before, const std::vector<JobView>& after,
                       const Actions& actions) {
-  const auto id_of = [](const JobView& job) { return job.id; };
-  const std::string wrong =
-      wrongly_named(texts_of(before, id_of), texts_of(after, id_of), actions.changed_jobs);
-  if (!wrong.empty()) world_.fail(fmt::format("job {} has changed, and was not named once", wrong));
+  const std::string wrong = not_named(
+      before, after, [](const JobView& job) { return job.id; }, actions.changed_jobs,
+      actions.progressed_jobs);
+  if (!wrong.empty()) world_.fail(fmt::format("job {}, and was not named once", wrong));
 }
 
 void Referee::changed(const std::vector<WorkerView>& before, const std::vector<WorkerView>& after,
                       const Actions& actions) {
-  const auto id_of = [](const WorkerView& worker) { return worker.info.id; };
-  const std::string wrong =
-      wrongly_named(texts_of(before, id_of), texts_of(after, id_of), actions.changed_workers);
-  if (!wrong.empty()) world_.fail(fmt::format("worker {} has changed, and was not named once", wrong));
+  const std::string wrong = not_named(
+      before, after, [](const WorkerView& worker) { return worker.info.id; }, actions.changed_workers,
+      actions.progressed_workers);
+  if (!wrong.empty()) world_.fail(fmt::format("worker {}, and was not named once", wrong));
 }
 
 }  // namespace tessera::simulation

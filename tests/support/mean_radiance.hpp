@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "core/integrators/render.hpp"
+#include "tests/support/effort.hpp"
 
 namespace tessera::test {
 
@@ -44,14 +45,8 @@ inline Mean mean_radiance(const core::Scene& scene, core::RenderSettings setting
   return {mean, std::sqrt(variance / (n - 1))};
 }
 
-// A sanitizer makes samples ten times as slow, and finds memory errors in a few of them.
-#ifdef TESSERA_SANITIZED
-inline constexpr std::uint32_t kSampleDivisor = 16;
-inline constexpr double kMaxNoise = 0.1;  // standard error over mean
-#else
-inline constexpr std::uint32_t kSampleDivisor = 1;
-inline constexpr double kMaxNoise = 0.02;
-#endif
+inline constexpr std::uint32_t kSampleDivisor = kEffortDivisor;
+inline constexpr double kMaxNoise = kSampleDivisor == 1 ? 0.02 : 0.1;  // standard error over mean
 
 // Every strategy finds `expected` with `spp` / kSampleDivisor samples. `naive` takes ten times as many.
 inline void expect_radiance(const core::Scene& scene, double expected, std::uint32_t spp = 4000) {

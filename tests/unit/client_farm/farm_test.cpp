@@ -19,6 +19,7 @@
 
 #include "client/farm/bundle.hpp"
 #include "client/farm/picture_download.hpp"
+#include "client/farm/upload.hpp"
 #include "client/farm/watching.hpp"
 #include "proto/status.hpp"
 
@@ -54,13 +55,11 @@ class BusyService final : public v1::RenderService::Service {
     for (int i = 0; i < uploads; ++i) response->mutable_missing()->RemoveLast();
     return grpc::Status::OK;
   }
-  grpc::Status UploadBlob(grpc::ServerContext*, grpc::ServerReader<v1::UploadBlobRequest>* reader,
-                          v1::UploadBlobResponse*) override {
-    v1::UploadBlobRequest request;
-    while (reader->Read(&request)) {
-    }
+  grpc::Status BatchUploadBlobs(grpc::ServerContext*, const v1::BatchUploadBlobsRequest* request,
+                                v1::BatchUploadBlobsResponse* response) override {
     if (++calls <= refusals) return {code, "the connection broke"};
-    ++uploads;
+    for (const auto& blob : request->blobs()) *response->add_results()->mutable_digest() = blob.digest();
+    uploads += request->blobs_size();
     return grpc::Status::OK;
   }
   grpc::Status ListJobs(grpc::ServerContext* context, const v1::ListJobsRequest*,

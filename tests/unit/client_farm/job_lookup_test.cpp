@@ -6,6 +6,7 @@
 #include <grpcpp/server_builder.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <memory>
 #include <string>
 #include <vector>
@@ -27,7 +28,7 @@ class ListingService final : public v1::RenderService::Service {
       if (!knows_prefixes || id.starts_with(request->id_prefix())) response->add_jobs()->set_id(id);
     }
     answered = static_cast<std::size_t>(response->jobs_size());
-    most_wanted = request->max_jobs();
+    most_wanted = request->page_size();
     return grpc::Status::OK;
   }
 
@@ -86,6 +87,44 @@ TEST_P(JobLookup, AsksForNoMoreThanItNeeds) {
 INSTANTIATE_TEST_SUITE_P(Releases, JobLookup, testing::Bool(), [](const auto& knows_prefixes) {
   return std::string(knows_prefixes.param ? "This" : "Earlier");
 });
+
+// Lists 2500 jobs in pages of at most 1000.
+class PagingService final : public v1::RenderService::Service {
+ public:
+  static constexpr int kJobs = 2500;
+
+  grpc::Status ListJobs(grpc::ServerContext*, const v1::ListJobsRequest* request,
+                        v1::ListJobsResponse* response) override {
+    EXPECT_EQ(request->owner(), "ann");
+    ++calls;
+    int next = request->page_token().empty() ? 0 : std::stoi(request->page_token());
+    const int end = std::min(kJobs, next + std::min(1000, static_cast<int>(request->page_size())));
+    for (; next < end; ++next) response->add_jobs()->set_id(std::to_string(next));
+    if (next < kJobs) response->set_next_page_token(std::to_string(next));
+    return grpc::Status::OK;
+  }
+
+  int calls = 0;
+};
+
+TEST(ListJobs, FollowsThePagesUpToTheLimit) {
+  PagingService service;
+  int port = 0;
+  grpc::ServerBuilder builder;
+  builder.AddListeningPort("127.0.0.1:0", grpc::InsecureServerCredentials(), &port);
+  builder.RegisterService(&service);
+  const auto server = builder.BuildAndStart();
+  const auto farm = std::move(*Farm::open({.address = "127.0.0.1:" + std::to_string(port), .security = {}}));
+  v1::ListJobsRequest request;
+  request.set_owner("ann");
+  const auto all = list_jobs(*farm, request, 10'000);
+  ASSERT_TRUE(all) << all.error().message;
+  ASSERT_EQ(all->jobs_size(), PagingService::kJobs);
+  EXPECT_EQ(all->jobs(1000).id(), "1000");
+  EXPECT_EQ(service.calls, 3);
+  EXPECT_EQ(list_jobs(*farm, request, 1001)->jobs_size(), 1001);
+  EXPECT_EQ(service.calls, 5);
+}
 
 }  // namespace
 }  // namespace tessera::client

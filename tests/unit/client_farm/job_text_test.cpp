@@ -74,9 +74,36 @@ TEST(JobText, DescribesWhatWentWrong) {
   EXPECT_THAT(text, HasSubstr("nee"));
 }
 
+TEST(JobText, SaysWhatIsKnownBeforeTheSceneIsValidated) {
+  v1::ListJobsResponse jobs;
+  v1::Job& job = *jobs.add_jobs();
+  job.set_id("0123456789abcdef0123456789abcdef");
+  job.set_name("cornell");
+  job.set_state(v1::JOB_STATE_VALIDATING);
+  job.mutable_created_at()->set_seconds(1000);
+  EXPECT_THAT(jobs_table(jobs, 1090),
+              HasSubstr("cornell  validating           -    -        -        0         0"));
+  EXPECT_THAT(job_description(job), HasSubstr("size        -\n"));
+  EXPECT_THAT(job_description(job), HasSubstr("samples     -\n"));
+  EXPECT_EQ(progress_of(job).note, "validating");
+  EXPECT_FALSE(is_over(job.state()));
+}
+
+TEST(JobText, ShowsLabelsWarningsAndWorkersThatFailed) {
+  v1::Job job = some_job();
+  (*job.mutable_labels())["shot"] = "12";
+  (*job.mutable_labels())["show"] = "vase";
+  job.add_warnings("a texture is missing");
+  job.mutable_failure_details()->add_workers("render-07");
+  const std::string text = job_description(job);
+  EXPECT_THAT(text, HasSubstr("label       shot=12\nlabel       show=vase\n"));
+  EXPECT_THAT(text, HasSubstr("warning     a texture is missing\n"));
+  EXPECT_THAT(text, HasSubstr("failed on   render-07\n"));
+}
+
 TEST(JobText, SaysHowWorkersAreDoing) {
   v1::ListWorkersResponse workers;
-  v1::ListWorkersResponse::Worker& worker = *workers.add_workers();
+  v1::Worker& worker = *workers.add_workers();
   EXPECT_THAT(workers_table(workers, 0), HasSubstr("working"));
   worker.set_draining(true);
   EXPECT_THAT(workers_table(workers, 0), HasSubstr("leaving"));
@@ -95,7 +122,7 @@ TEST(JobText, SaysHowWorkersAreDoing) {
 
 TEST(JobText, SaysWhoIsGivenNothingAndForHowLong) {
   v1::ListWorkersResponse workers;
-  v1::ListWorkersResponse::Worker& worker = *workers.add_workers();
+  v1::Worker& worker = *workers.add_workers();
   worker.set_name("machine");
   worker.set_id("1234567890abcdef");
   auto& bar = *worker.add_cooldowns();

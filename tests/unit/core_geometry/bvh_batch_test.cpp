@@ -4,6 +4,7 @@
 
 #include <limits>
 
+#include "tests/support/effort.hpp"
 #include "tests/unit/core_geometry/batches.hpp"
 
 namespace tessera::core {
@@ -53,7 +54,8 @@ TEST_P(Batch, AnswersAsOneByOneWhereOnlySomeNeighboursGoTheSameWay) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Sizes, Batch, testing::Values(1, 33, 400, 1500));
+INSTANTIATE_TEST_SUITE_P(Sizes, Batch,
+                         testing::Values(1, 33, 400, tessera::test::kEffortDivisor == 1 ? 1500 : 700));
 
 // As long as the box that they fill, so that their boxes overlap by far.
 test::Soup long_needles(test::Random& random) {

@@ -7,6 +7,7 @@
 #include <limits>
 #include <sstream>
 
+#include "tests/support/effort.hpp"
 #include "tests/unit/core_geometry/shapes.hpp"
 
 namespace tessera::core {
@@ -34,7 +35,7 @@ class BruteForce : public testing::TestWithParam<std::uint32_t> {};
 
 TEST_P(BruteForce, FindsTheSameHitsInEverySoup) {
   const std::uint32_t count = GetParam();
-  const int rays = static_cast<int>(std::min(10000u, 2000000 / count));
+  const int rays = static_cast<int>(std::min(10000u, 2000000 / count) / tessera::test::kEffortDivisor);
   for (const test::Soup& soup : test::all_soups(count)) {
     SCOPED_TRACE(soup.name);
     const Bvh bvh = Bvh::build(soup.primitives, 2);

@@ -1,13 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/image/encode.hpp"
 
+#include <ImathBox.h>
+#include <ImfHeader.h>
+#include <ImfInputFile.h>
+#include <ImfStdIO.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "core/image/decode.hpp"
+#include "core/image/file_io.hpp"
 #include "core/image/srgb.hpp"
 #include "tests/unit/core_image/test_image.hpp"
 
@@ -104,6 +112,78 @@ INSTANTIATE_TEST_SUITE_P(All, EveryFormat,
 TEST_P(EveryFormat, SamePictureSameBytes) {
   EXPECT_EQ(encode_or_die(random_image(50, 50, 6), GetParam()),
             encode_or_die(random_image(50, 50, 6), GetParam()));
+}
+
+class Buffer final : public ByteSink {
+ public:
+  Status write_at(std::uint64_t offset, std::string_view more) override {
+    if (bytes.size() + more.size() > limit) return fail(ErrorCode::kResourceExhausted, "the disk is full");
+    if (offset + more.size() > bytes.size()) bytes.resize(offset + more.size());
+    bytes.replace(offset, more.size(), more);
+    return {};
+  }
+
+  std::string bytes;
+  std::size_t limit = 1'000'000;
+};
+
+// The source has one row at a time.
+TEST_P(EveryFormat, WritesTheSameFileRowByRow) {
+  const Image image = random_image(50, 40, 6);
+  std::vector<int> order;
+  std::vector<Rgb> row(50);
+  const RowSource source{50, 40, [&](int y) -> Result<const Rgb*> {
+                           order.push_back(y);
+                           std::copy_n(&image.at(0, y), 50, row.begin());
+                           return row.data();
+                         }};
+  Buffer file;
+  const auto size = write_image(source, GetParam(), {}, file);
+  ASSERT_TRUE(size) << size.error().message;
+  EXPECT_EQ(*size, file.bytes.size());
+  EXPECT_TRUE(file.bytes == encode_or_die(image, GetParam()));
+  ASSERT_EQ(order.size(), 40u);
+  const bool is_ascending = std::is_sorted(order.begin(), order.end());
+  EXPECT_EQ(is_ascending, GetParam() != ImageFormat::kPfm);
+}
+
+TEST_P(EveryFormat, TellsTheErrorsOfItsSourceAndItsSink) {
+  const Image image = random_image(50, 40, 6);
+  RowSource source{50, 40, [&](int y) -> Result<const Rgb*> { return &image.at(0, y); }};
+  Buffer full;
+  full.limit = 2000;
+  EXPECT_EQ(write_image(source, GetParam(), {}, full).error().message, "the disk is full");
+  source.row = [&](int y) -> Result<const Rgb*> {
+    if (y == 20) return fail(ErrorCode::kDataLoss, "the row is lost");
+    return &image.at(0, y);
+  };
+  Buffer file;
+  EXPECT_EQ(write_image(source, GetParam(), {}, file).error().message, "the row is lost");
+}
+
+// Written by an earlier release.
+TEST(EncodeExr, WritesTheBytesOfGoldenImages) {
+  const Result<std::string> golden = read_file(TESSERA_GOLDEN_EXR);
+  ASSERT_TRUE(golden) << golden.error().message;
+  const Result<Image> image = decode_image(*golden);
+  ASSERT_TRUE(image) << image.error().message;
+  EXPECT_TRUE(encode_or_die(*image, ImageFormat::kExr) == *golden);
+}
+
+TEST(EncodeExr, SaysWhereTheRegionOfAnImageIs) {
+  const Image image = random_image(20, 10, 6);
+  const RowSource source{20, 10, [&](int y) -> Result<const Rgb*> { return &image.at(0, y); },
+                         RowSource::Position{30, 40, 100, 80}};
+  Buffer file;
+  ASSERT_TRUE(write_image(source, ImageFormat::kExr, {}, file));
+  Imf::StdISStream stream;
+  stream.str(file.bytes);
+  const Imf::InputFile read(stream);
+  EXPECT_EQ(read.header().dataWindow(), Imath::Box2i({30, 40}, {49, 49}));
+  EXPECT_EQ(read.header().displayWindow(), Imath::Box2i({0, 0}, {99, 79}));
+  const Result<Image> decoded = decode_image(file.bytes);
+  ASSERT_TRUE(decoded) << decoded.error().message;
+  EXPECT_EQ(bits_of(*decoded), bits_of(image));
 }
 
 TEST_P(EveryFormat, RefusesAnEmptyPicture) {

@@ -9,6 +9,7 @@
 #include <random>
 
 #include "core/image/decode.hpp"
+#include "core/image/encode.hpp"
 #include "tests/unit/core_image/test_image.hpp"
 
 #define STB_IMAGE_IMPLEMENTATION
@@ -56,7 +57,7 @@ TEST(EncodeHdr, KeepsTheMean) {
     for (float* channel : {&pixel.r, &pixel.g, &pixel.b})
       *channel = std::ldexp(1 + static_cast<float>(random() % (1 << 20)) / (1 << 20),
                             static_cast<int>(random() % 2) - 1);
-  const auto decoded = decode_image(encode_hdr(image));
+  const auto decoded = decode_image(*encode_image(image, ImageFormat::kHdr));
   ASSERT_TRUE(decoded.has_value()) << decoded.error().message;
   double before = 0, after = 0;
   for (std::size_t i = 0; i < image.pixels.size(); ++i) {
@@ -72,7 +73,7 @@ TEST(EncodeHdr, IsReadByOtherReadersAsByOurs) {
        {std::pair(5, 9), std::pair(8, 3), std::pair(300, 7), std::pair(40000, 1)}) {
     Image image = random_image(width, height, 3);
     for (int x = 0; x < width / 2; ++x) image.at(x, 0) = {0.5f, 0.25f, 2};  // runs
-    const std::string file = encode_hdr(image);
+    const std::string file = *encode_image(image, ImageFormat::kHdr);
     const auto ours = decode_image(file);
     ASSERT_TRUE(ours.has_value()) << ours.error().message;
     int stb_width = 0, stb_height = 0, channels = 0;

@@ -11,6 +11,7 @@
 #include "core/integrators/caustic_guide.hpp"
 #include "core/integrators/fingerprint.hpp"
 #include "core/integrators/path.hpp"
+#include "tests/support/effort.hpp"
 
 namespace tessera::core {
 namespace {
@@ -110,7 +111,8 @@ class LongPaths : public PathBatch {
 
 // Beyond some depth, paths of any number of vertices are traced together.
 TEST_P(LongPaths, GiveWhatEachGivesAlone) {
-  std::vector<std::size_t> order(starts_.size() / 32);
+  std::vector<std::size_t> order(
+      std::max<std::size_t>(64, starts_.size() / 32 / tessera::test::kEffortDivisor));
   std::iota(order.begin(), order.end(), std::size_t{0});
   const std::vector<Rgb> alone = trace(order, 1);
   ASSERT_GT(counters_.closest_hit_rays, 100 * order.size()) << "paths are too short to tell";

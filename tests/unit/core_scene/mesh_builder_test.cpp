@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "tests/support/effort.hpp"
 #include "tests/support/near.hpp"
 
 namespace tessera::core {
@@ -177,7 +178,7 @@ TEST(BuildMesh, GivesFileNormalsPrecedenceOverSmoothingGroups) {
 // Pairs of faces back to back around one vertex: everything cancels out there, and each face keeps a normal
 // of its own. Comparing them all with each other would take hours.
 TEST(BuildMesh, ShadesFansOfVeryManyFaces) {
-  constexpr int kRim = 200000;
+  constexpr int kRim = 200000 / tessera::test::kEffortDivisor;
   std::string text = "v 0 0 0\n";
   for (int i = 0; i < kRim; ++i)
     text += "v " + std::to_string(std::cos(i * 2 * M_PI / kRim)) + " " +
@@ -193,7 +194,7 @@ TEST(BuildMesh, ShadesFansOfVeryManyFaces) {
 }
 
 TEST(BuildMesh, SmoothsFansOfVeryManyFaces) {
-  constexpr int kRim = 100000;
+  constexpr int kRim = 100000 / tessera::test::kEffortDivisor;
   std::string text = "v 0 0 1\n";
   for (int i = 0; i < kRim; ++i)
     text += "v " + std::to_string(10 * std::cos(i * 2 * M_PI / kRim)) + " " +

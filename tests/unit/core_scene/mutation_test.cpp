@@ -10,12 +10,13 @@
 #include "core/scene/loader/mtl_material.hpp"
 #include "core/scene/loader/obj_reader.hpp"
 #include "core/scene/validation.hpp"
+#include "tests/support/effort.hpp"
 #include "tests/unit/core_scene/memory_assets.hpp"
 
 namespace tessera::core {
 namespace {
 
-constexpr int kMutants = 2000;
+constexpr int kMutants = 2000 / static_cast<int>(tessera::test::kEffortDivisor);
 
 // Cuts, removes, repeats or replaces a piece of `text`, once to four times.
 std::string mutate(std::string text, std::mt19937& random) {

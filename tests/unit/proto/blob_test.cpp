@@ -146,5 +146,17 @@ TEST_F(BlobReceiverTest, PassesTheSinksErrorOn) {
   EXPECT_EQ(digest.error().message, "disk full");
 }
 
+TEST(Digest, ComesBackFromItsName) {
+  const Digest digest = digest_of("tessera");
+  const std::string name = blob_name(digest);
+  EXPECT_EQ(name, "blobs/" + digest.hex() + "/7");
+  EXPECT_EQ(digest_from_name(name), digest);
+  for (const std::string& other :
+       {std::string(), std::string("blobs/"), name + "x", name.substr(1), "blobs/" + digest.hex(),
+        "blobs/" + digest.hex() + "/", "blobs/" + std::string(64, 'A') + "/7",
+        "blobs/" + std::string(63, 'a') + "/77"})
+    EXPECT_FALSE(digest_from_name(other)) << other;
+}
+
 }  // namespace
 }  // namespace tessera::proto

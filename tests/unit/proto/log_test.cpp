@@ -48,9 +48,54 @@ TEST(Log, IsAnObjectInEachLineWhereJsonIsWanted) {
   EXPECT_THAT(object.at("time").get<std::string>(), EndsWith("Z"));
 }
 
+TEST(Log, HasFieldsInJson) {
+  const std::string line = logged({.format = LogFormat::kJson}, [] {
+    log(spdlog::level::warn, "job 7 failed",
+        {.job = "7", .worker = "w\n", .principal = "\x1e\x1f\"ada", .peer = "10.0.0.1"});
+  });
+  const auto object = nlohmann::json::parse(line);
+  EXPECT_EQ(object.at("level"), "warning");
+  EXPECT_EQ(object.at("program"), "tessera-test");
+  EXPECT_EQ(object.at("message"), "job 7 failed");
+  EXPECT_EQ(object.at("job"), "7");
+  EXPECT_EQ(object.at("worker"), "w\\x0a");
+  EXPECT_EQ(object.at("principal"), "\\x1e\\x1f\"ada");
+  EXPECT_EQ(object.at("peer"), "10.0.0.1");
+}
+
+TEST(Log, LeavesOutEmptyFields) {
+  const std::string line =
+      logged({.format = LogFormat::kJson}, [] { log(spdlog::level::info, "a line", {.job = "7"}); });
+  EXPECT_EQ(nlohmann::json::parse(line).size(), 5u) << line;
+}
+
+TEST(Log, ShowsInTextTheFieldsThatItsMessageDoesNotMention) {
+  const auto text = [](const LogFields& fields) {
+    return logged({}, [&] { log(spdlog::level::info, "job 7 deleted", fields); });
+  };
+  EXPECT_THAT(text({.job = "7"}), EndsWith(" info tessera-test: job 7 deleted\n"));
+  EXPECT_THAT(text({.job = "7", .principal = "ada", .peer = "::1"}),
+              EndsWith(": job 7 deleted [principal ada, peer ::1]\n"));
+}
+
+// Texts of others must not look like fields.
+TEST(Log, TakesNoFieldsFromMessages) {
+  const std::string line = logged({.format = LogFormat::kJson}, [] {
+    spdlog::info(
+        "x\x1ejob\x1f"
+        "8");
+    log(spdlog::level::info,
+        "y\x1ejob\x1f"
+        "9",
+        {});
+  });
+  EXPECT_THAT(line, testing::Not(HasSubstr("\"job\"")));
+}
+
 TEST(Log, LeavesOutWhatIsBelowItsLevel) {
   const std::string lines = logged({.level = spdlog::level::warn}, [] {
     spdlog::info("quiet");
+    log(spdlog::level::info, "quiet", {.job = "7"});
     spdlog::warn("loud");
   });
   EXPECT_THAT(lines, HasSubstr("loud"));

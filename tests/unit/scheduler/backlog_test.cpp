@@ -176,7 +176,7 @@ class LargeJob : public AuditsOf {
  protected:
   explicit LargeJob(double share = 0) : AuditsOf(share) {}
 
-  int tile_count() const { return options_.per_event.searched_tiles * 2; }
+  int tile_count() const { return options_.per_event.searched_tiles * events_; }
   void restore(JobState state, int missing_tile, Due due = Due::kNo) {
     RestoreJob stored{{"job"}, tiles(tile_count(), 1), 0, state, "", {}, 0, {}};
     for (int tile = 0; tile < tile_count(); ++tile) {
@@ -193,6 +193,8 @@ class LargeJob : public AuditsOf {
     for (int i = 0; i < 10 && is_left(); ++i) found += handle(Tick{}).reviewed_tiles.size();
     return found;
   }
+
+  int events_ = 2;  // that a search of the job takes
 };
 
 TEST_F(LargeJob, IsSearchedForDoubtfulSamplesWithSeveralEvents) {
@@ -239,6 +241,19 @@ TEST_F(LargeJob, RunsAgainWhenItIsSearched) {
   EXPECT_EQ(state("job"), JobState::kDone);
   EXPECT_EQ(found + search_on(), static_cast<std::size_t>(tile_count()));
   EXPECT_EQ(state("job"), JobState::kRunning);
+}
+
+TEST_F(LargeJob, DoesNotLeaveBeforeItIsSearched) {
+  events_ = 3;
+  restore(JobState::kDone, -1);
+  sync("other", {}, 0);
+  EXPECT_THAT(handle(Dismiss{{"other"}, true}).distrusted, testing::SizeIs(1));
+  ASSERT_TRUE(is_left());
+  const core::Status released = handle(ReleaseJob{{"job"}}).status;  // after the second part of the search
+  ASSERT_FALSE(released);
+  EXPECT_EQ(released.error().code, core::ErrorCode::kFailedPrecondition);
+  search_on();
+  EXPECT_TRUE(handle(ReleaseJob{{"job"}}).status);
 }
 
 TEST_F(LargeJob, IsGivenUpOnWithSeveralEvents) {

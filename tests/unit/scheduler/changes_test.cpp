@@ -54,6 +54,21 @@ TEST_F(Changes, OfProgressAreNotNamedUntilTheJobIsDone) {
   EXPECT_THAT(last.changed_jobs, ElementsAre(JobId{"job"}));
 }
 
+TEST_F(Changes, OfProgressAreNamedApart) {
+  const WorkerInfo w{{"w"}, "w", "0.1.0", 1};
+  synchronize(w);
+  EXPECT_THAT(handle(SubmitJob{{"job"}, tiles(2, 4)}).progressed_jobs, IsEmpty()) << "nothing is leased";
+  const Actions leased = handle(Synchronize{w, {}, 1, false});
+  EXPECT_THAT(leased.progressed_jobs, ElementsAre(JobId{"job"})) << "a worker holds a lease";
+  EXPECT_THAT(leased.progressed_workers, ElementsAre(w.id));
+  const Actions counted = deliver("w", leased.reply->leases.front());
+  EXPECT_THAT(counted.progressed_jobs, ElementsAre(JobId{"job"}));
+  EXPECT_THAT(counted.progressed_workers, ElementsAre(w.id));
+  const Actions nothing = handle(Tick{});
+  EXPECT_THAT(nothing.progressed_jobs, IsEmpty());
+  EXPECT_THAT(nothing.progressed_workers, IsEmpty());
+}
+
 TEST_F(Changes, InSeveralStepsAreNamedOnce) {
   submit("job", tiles(2, 1));
   handle(PauseJob{{"job"}});

@@ -108,8 +108,15 @@ class Farm : public testing::Test {
   void restart() {
     std::vector<RestoreJob> stored;
     for (const JobView& view : scheduler_->jobs(now_)) {
-      stored.push_back(
-          {view.id, view.shape, view.priority, view.state, view.failure, {}, view.max_workers, {}});
+      stored.push_back({view.id,
+                        view.shape,
+                        view.priority,
+                        view.state,
+                        view.failure,
+                        {},
+                        view.max_workers,
+                        {},
+                        view.failure_details});
       for (int tile = 0; tile < view.shape.grid().tile_count(); ++tile) {
         stored.back().done.push_back(scheduler_->done(view.id, tile));
         for (const ProducedItem& item : scheduler_->provenance(view.id, tile))

@@ -171,6 +171,25 @@ TEST_F(Jobs, ThatAreDeletedAreGone) {
   EXPECT_EQ(handle(DeleteJob{{"job"}}).status.error().code, ErrorCode::kNotFound);
 }
 
+TEST_F(Jobs, ThatAreFinishedCanLeaveWithoutAChange) {
+  submit("job", tiles(4, 1));
+  const LeaseDescription late = lease_to("late");
+  EXPECT_EQ(handle(ReleaseJob{{"job"}}).status.error().code, ErrorCode::kFailedPrecondition);
+  handle(PauseJob{{"job"}});
+  EXPECT_EQ(handle(ReleaseJob{{"job"}}).status.error().code, ErrorCode::kFailedPrecondition);
+  handle(CancelJob{{"job"}});
+  const Actions released = handle(ReleaseJob{{"job"}});
+  EXPECT_TRUE(released.status);
+  EXPECT_THAT(released.job_changes, testing::IsEmpty());
+  EXPECT_THAT(released.changed_jobs, testing::IsEmpty());
+  EXPECT_FALSE(scheduler_->job({"job"}, now_));
+  EXPECT_TRUE(sync("late", {late}).leases.empty());
+  EXPECT_EQ(handle(ReleaseJob{{"job"}}).status.error().code, ErrorCode::kNotFound);
+  submit("job", tiles(4, 1));
+  render_all("w");
+  EXPECT_EQ(state("job"), kDone);
+}
+
 TEST_F(JobsInSmallLeases, CanBeExtendedWhileTheyRun) {
   submit("job", tiles(4, 3));
   for (int i = 0; i < 5; ++i) deliver("w", lease_to("w"));

@@ -195,7 +195,9 @@ TEST(JobTest, CountsWhoIsStuckAgainstWhatIsMissing) {
   for (const char* worker : {"a", "b", "c"}) EXPECT_FALSE(strike(worker, {{0, {0, 2}}})) << "it ends";
   EXPECT_FALSE(strike("a", {{0, {1, 4}}}));
   EXPECT_FALSE(strike("b", {{0, {1, 4}}}));
-  EXPECT_THAT(strike("c", {{1, {0, 1}}, {0, {1, 4}}}).value_or(""), HasSubstr("samples [2, 4) of tile 0"));
+  const auto failure = strike("c", {{1, {0, 1}}, {0, {1, 4}}});
+  ASSERT_TRUE(failure);
+  EXPECT_THAT(failure->message, HasSubstr("samples [2, 4) of tile 0"));
 }
 
 TEST(JobTest, FailsForAnyPartOfWhatAWorkerIsStuckIn) {
@@ -206,7 +208,11 @@ TEST(JobTest, FailsForAnyPartOfWhatAWorkerIsStuckIn) {
     EXPECT_FALSE(job.strike(job.end_lease({id}, LeaseState::kExpired), {{worker}, worker}, kNobodyElse));
   }
   const auto failure = job.strike({{0, {4, 8}}}, {{"c"}, "c", LossKind::kStuck}, kNobodyElse);
-  EXPECT_THAT(failure.value_or(""), HasSubstr("samples [6, 7) of tile 0"));
+  ASSERT_TRUE(failure);
+  EXPECT_THAT(failure->message, HasSubstr("samples [6, 7) of tile 0"));
+  EXPECT_EQ(failure->details.reason, FailureReason::kWorkersLost);
+  EXPECT_EQ(failure->details.item, (WorkItem{0, {6, 7}}));
+  EXPECT_THAT(failure->details.workers, testing::ElementsAre("a", "b", "c"));
 }
 
 TEST_F(Deaths, AfterTwoTheSamplesAreLeasedOneByOne) {

@@ -115,9 +115,11 @@ TEST_F(Restart, KeepsTheOrderOfJobs) {
 
 TEST_F(Restart, KeepsWhyAJobFailed) {
   submit("job", tiles(2, 1));
-  handle(FailJob{{"job"}, "no such mesh"});
+  const FailureDetails details{FailureReason::kFileLost, std::nullopt, {"a"}};
+  handle(FailJob{{"job"}, "no such mesh", details});
   restart();
   EXPECT_EQ(job("job").failure, "no such mesh");
+  EXPECT_EQ(job("job").failure_details, details);
   EXPECT_TRUE(sync("w").leases.empty());
 }
 

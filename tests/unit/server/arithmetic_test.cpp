@@ -51,7 +51,7 @@ TEST_F(ArithmeticOf, ADoneJobOfAnotherArithmeticCannotBeContinued) {
   const std::string done = submit();
   work('a');
   ASSERT_TRUE(coordinator().checkpointer().checkpoint());
-  fingerprint_ = "beef";
+  fingerprints_ = {"beef"};
   open();
   EXPECT_EQ(job(done).state(), v1::JOB_STATE_DONE);
   EXPECT_EQ(coordinator().jobs().extend(done, kSpp + 1).error().code, ErrorCode::kFailedPrecondition);
@@ -63,15 +63,44 @@ TEST_F(ArithmeticOf, AnUnfinishedJobOfAnotherArithmeticWaitsForItsFarm) {
   work('a', 1);
   const std::uint64_t done = job(id).samples_done();
   ASSERT_TRUE(coordinator().checkpointer().checkpoint());
-  fingerprint_ = "beef";
+  fingerprints_ = {"beef"};
   open();
   EXPECT_EQ(job(id).state(), v1::JOB_STATE_FAILED);
   EXPECT_THAT(job(id).failure(), HasSubstr("--accept-fingerprint f00d"));
   ASSERT_TRUE(coordinator().checkpointer().checkpoint());
-  fingerprint_ = kFingerprint;
+  fingerprints_ = {kFingerprint};
   open();
   EXPECT_EQ(job(id).state(), v1::JOB_STATE_RUNNING);
   EXPECT_EQ(job(id).samples_done(), done);
+}
+
+// A job belongs to the fingerprint of its first samples, and other workers render other jobs.
+TEST_F(ArithmeticOf, AFarmOfTwoFingerprintsRendersEachJobWithOne) {
+  fingerprints_ = {kFingerprint, "beef"};
+  open();
+  const auto greeting_of = [](char worker, const std::string& fingerprint) {
+    v1::SynchronizeRequest request = greeting(worker);
+    request.set_determinism_fingerprint(fingerprint);
+    return request;
+  };
+  const std::string first = submit();
+  work('a', 1);
+  const WaitingCall other(coordinator(), greeting_of('b', "beef"));
+  EXPECT_FALSE(other.answered()) << "the only job belongs to the other fingerprint";
+  const std::string second = submit();
+  ASSERT_TRUE(other.answered());
+  const v1::Lease lease = other.answer()->leases(0);
+  EXPECT_EQ(lease.job_id(), second);
+  deliver(delivery('b', lease));
+  EXPECT_GT(job(second).samples_done(), 0u);
+  work('a');
+  EXPECT_EQ(job(first).samples_done(), kSamples);
+  EXPECT_LT(job(second).samples_done(), kSamples);
+
+  ASSERT_TRUE(coordinator().checkpointer().checkpoint());
+  open();
+  EXPECT_FALSE(WaitingCall(coordinator(), greeting('a')).answered()) << "also after a restart";
+  EXPECT_EQ(synchronize(greeting_of('b', "beef")).leases_size(), 1);
 }
 
 }  // namespace

@@ -53,7 +53,7 @@ class Audits : public ScriptedFarm {
   }
   std::map<char, v1::SubmitResultRequest> last_results_;  // of each worker
 
-  v1::ListWorkersResponse::Worker worker(char id) {
+  v1::Worker worker(char id) {
     for (const auto& each : coordinator().dispatcher().workers()) {
       if (each.id() == std::string(32, id)) return each;
     }
@@ -247,26 +247,19 @@ TEST(FingerprinterTest, MarksSumsThatWereCutOff) {
   EXPECT_EQ(film::Fingerprinter({1, 2}).of(tile).largest, std::numeric_limits<float>::infinity());
 }
 
-TEST(TileProvenanceTest, StandBehindTheTileInItsBytes) {
-  const film::Produced provenance{17,
-                                  {{{3, {0, 4}}, {"a", {"id a"}, "machine"}, {1, 2, 3}, scheduler::Due::kNo},
-                                   {{3, {4, 5}}, {"b", {"id b"}}, {~0ull, 5, 6}, scheduler::Due::kDoubted},
-                                   {{3, {8, 9}}, {"a", {"id a"}}, {7, 8, 9}, scheduler::Due::kChosen}}};
-  const std::string tile = proto::encode_tile(some_tile({0, 4})).SerializeAsString();
-  const std::string bytes = tile + film::encode_provenance(provenance);
-  const auto read = film::decode_provenance(3, bytes);
-  EXPECT_EQ(read.fingerprinter, 17u);
-  ASSERT_EQ(read.items.size(), provenance.items.size());
-  for (std::size_t i = 0; i < read.items.size(); ++i) {
-    EXPECT_EQ(read.items[i].item, provenance.items[i].item);
-    EXPECT_EQ(read.items[i].producer, provenance.items[i].producer);
-    EXPECT_EQ(read.items[i].fingerprint, provenance.items[i].fingerprint);
-    EXPECT_EQ(read.items[i].due, provenance.items[i].due);
-  }
-  v1::RenderedItem item;
-  ASSERT_TRUE(item.ParseFromString(bytes));
-  EXPECT_EQ(proto::decode_tile(item)->sums, some_tile({0, 4}).sums);
-  EXPECT_TRUE(film::decode_provenance(3, tile).items.empty());
+TEST(TileProvenanceTest, ComesBackFromTheStore) {
+  const film::Produced provenance{
+      7,
+      {{{3, {0, 2}}, {"name", {"worker"}, "machine"}, {1, 2, 3}, scheduler::Due::kNo},
+       {{3, {2, 5}}, {"name", {"worker"}, "machine"}, {4, 5, 6}, scheduler::Due::kDoubted}}};
+  auto stored = film::to_stored(provenance);
+  EXPECT_EQ(stored.producers_size(), 1);
+  const auto read = film::from_stored(3, stored);
+  EXPECT_EQ(read.fingerprinter, 7u);
+  EXPECT_EQ(read.items, provenance.items);
+  stored.mutable_ranges(0)->set_producer(9);
+  stored.mutable_ranges(1)->set_due(77);
+  EXPECT_TRUE(film::from_stored(3, stored).items.empty());
 }
 
 struct Impossible {

@@ -45,6 +45,7 @@ class Callers : public LimitedService {
 TEST_F(Callers, CannotFailAJobByWorkersOfManyNames) {
   start_with_workers_of_ada_and_ben();
   const std::string job = coordinator_->jobs().submit(submission(), "root")->id();
+  coordinator_->jobs().validate(job);
   const auto ada = worker_of("ada"), ben = worker_of("ben");
   const v1::Lease of_ben = lease_to(*ben, 'a');
   for (const char worker : {'b', 'c', 'd', 'e'}) decline(*ada, worker, lease_to(*ada, worker));

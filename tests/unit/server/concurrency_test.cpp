@@ -55,7 +55,7 @@ TEST_F(Concurrency, NothingIsLostOrCountedTwice) {
   repeat([&] { EXPECT_TRUE(coordinator().checkpointer().checkpoint()); });
   repeat([&] { coordinator().dispatcher().tick(); });
   repeat([&] { EXPECT_TRUE(coordinator().images().get(jobs[0])); });
-  repeat([&] { EXPECT_EQ(coordinator().jobs().list().size(), jobs.size()); });
+  repeat([&] { EXPECT_EQ(listed().size(), jobs.size()); });
   for (std::uint32_t spp = kSpp + 1; spp <= kExtendedSpp; ++spp) {
     for (const std::string& id : jobs) EXPECT_TRUE(coordinator().jobs().extend(id, spp));
     if (!coordinator().jobs().pause(jobs[0])) wait_until_done(jobs[0]);

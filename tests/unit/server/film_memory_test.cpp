@@ -217,10 +217,9 @@ TEST_F(FilmMemory, AJobWhoseTilesAloneExceedItIsRefused) {
   v1::SubmitJobRequest large = submission();
   large.mutable_overrides()->set_width_px(16384);
   large.mutable_overrides()->set_height_px(16384);
-  const auto refused = coordinator().jobs().submit(large);
-  ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().code, ErrorCode::kResourceExhausted);
-  EXPECT_THAT(refused.error().message, HasSubstr("--max-film-gib"));
+  const core::Error refused = refusal(large);
+  EXPECT_EQ(refused.code, ErrorCode::kResourceExhausted);
+  EXPECT_THAT(refused.message, HasSubstr("--max-film-gib"));
 }
 
 // The row that says DONE is written after all samples.
@@ -245,7 +244,8 @@ TEST_F(FilmMemory, ADoneJobIsStoredWholeAfterCheckpointsThatFailed) {
 TEST(JobFilm, SnapshotsDoNotChange) {
   film::FilmMemory memory(1 << 30);
   const core::TileGrid grid(64, 64, core::kTilePx);
-  const auto film = film::JobFilm::make(grid, memory);
+  events::RevisionCounter revisions(1);
+  const auto film = film::JobFilm::make(grid, memory, revisions);
   const auto add = [&](core::SampleRange range) {
     film::Notes one;
     one.push_back({0, ready_made_tile(grid.rect(0), range)});
@@ -267,7 +267,8 @@ TEST(JobFilm, SnapshotsDoNotChange) {
 TEST(JobFilm, CountsItsMemory) {
   film::FilmMemory memory(1 << 30);
   const core::TileGrid grid(128, 64, core::kTilePx);
-  auto film = film::JobFilm::make(grid, memory);
+  events::RevisionCounter revisions(1);
+  auto film = film::JobFilm::make(grid, memory, revisions);
   const std::uint64_t empty = memory.used_bytes();
   EXPECT_EQ(empty, 2 * film::FilmMemory::kBytesPerTile);
   film::Notes one;

@@ -5,6 +5,10 @@
 #include <gtest/gtest.h>
 #include <sqlite3.h>
 
+#include <atomic>
+#include <fstream>
+#include <thread>
+
 #include "server/store/state_directory.hpp"
 #include "tests/support/temporary_folder.hpp"
 
@@ -36,6 +40,25 @@ class JobStoreTest : public testing::Test {
   void reopen() { store_.emplace(*JobStore::open(file_)); }
   JobStore& store() { return *store_; }
 
+  // Takes back the changes of the schema since this version.
+  void make_of_version(int version) {
+    store_.reset();
+    const auto drop_columns = [this](std::initializer_list<std::string> columns) {
+      for (const std::string& column : columns) meddle("ALTER TABLE jobs DROP COLUMN " + column);
+    };
+    if (version < 7) {
+      meddle("DROP INDEX jobs_by_number; DROP INDEX jobs_unsettled; DROP INDEX jobs_by_end");
+      meddle("DROP TABLE deleted_jobs");
+      drop_columns({"owner", "producers", "settled", "number", "bundle_xxh3", "bundle"});
+    }
+    if (version < 6) drop_columns({"failure_details", "submission"});
+    if (version < 5) meddle("DROP TABLE quarantine");
+    if (version < 4) meddle("DROP TRIGGER tile_deleted; DROP TABLE tile_revisions");
+    if (version < 3) drop_columns({"max_workers"});
+    if (version < 2) drop_columns({"row_xxh3"});
+    meddle("PRAGMA user_version = " + std::to_string(version));
+  }
+
   // Runs SQL as another program could on the file.
   void meddle(const std::string& sql) {
     sqlite3* database = nullptr;
@@ -54,6 +77,19 @@ TEST_F(JobStoreTest, CountsItsStarts) {
   EXPECT_EQ(store().epoch(), 1u);
   reopen();
   EXPECT_EQ(store().epoch(), 2u);
+}
+
+TEST_F(JobStoreTest, KeepsTheQuarantine) {
+  ASSERT_TRUE(store().write_quarantine("b", "second"));
+  ASSERT_TRUE(store().write_quarantine("a", "first"));
+  ASSERT_TRUE(store().write_quarantine("b", std::string("\0changed", 8)));
+  reopen();
+  EXPECT_THAT(*store().quarantine(),
+              ElementsAre(QuarantineRow{"a", "first"}, QuarantineRow{"b", std::string("\0changed", 8)}));
+  EXPECT_TRUE(store().delete_quarantine("a"));
+  EXPECT_TRUE(store().delete_quarantine("a"));
+  meddle("UPDATE quarantine SET content = 'other'");
+  EXPECT_THAT(*store().quarantine(), ElementsAre(QuarantineRow{"b", "other", false}));
 }
 
 TEST_F(JobStoreTest, AFileThatIsRemovedIsMissed) {
@@ -225,10 +261,7 @@ TEST_F(JobStoreTest, AFileOfTheFirstReleaseIsTakenOver) {
   JobRow row = job_row("a");
   ASSERT_TRUE(store().insert_job(row));
   ASSERT_TRUE(store().write_tiles({tile_row("a", 0, "kept")}));
-  store_.reset();
-  meddle(
-      "ALTER TABLE jobs DROP COLUMN row_xxh3; ALTER TABLE jobs DROP COLUMN max_workers; "
-      "PRAGMA user_version = 1");
+  make_of_version(1);
   reopen();
   EXPECT_THAT(*store().jobs(), ElementsAre(row));
   EXPECT_EQ((*store().tile("a", 0))->content, "kept");
@@ -242,13 +275,13 @@ TEST_F(JobStoreTest, AFileOfTheFirstReleaseCanBeLookedAt) {
   const JobRow row = job_row("a");
   ASSERT_TRUE(store().insert_job(row));
   ASSERT_TRUE(store().write_tiles({tile_row("a", 0, "kept")}));
-  store_.reset();
-  meddle("ALTER TABLE jobs DROP COLUMN row_xxh3; PRAGMA user_version = 1");
+  make_of_version(1);
   const std::string before = read_file(file_);
   auto looked_at = JobStore::open_read_only(file_);
   ASSERT_TRUE(looked_at) << looked_at.error().message;
   EXPECT_THAT(looked_at->readable_jobs()->rows, ElementsAre(row));
   EXPECT_EQ((*looked_at->tile("a", 0))->content, "kept");
+  EXPECT_THAT(*looked_at->quarantine(), IsEmpty());
   EXPECT_FALSE(looked_at->insert_job(job_row("b")));
   EXPECT_EQ(read_file(file_), before);
 }
@@ -338,15 +371,39 @@ TEST_F(JobStoreTest, ADamagedFileThatIsRefusedIsLeftAsItWasWithItsLog) {
   EXPECT_TRUE(read_file(log) == before);
 }
 
+TEST_F(JobStoreTest, KeepsTheOrderOfChangesOfTiles) {
+  ASSERT_TRUE(store().insert_job(job_row("a")));
+  const auto write = [&](int tile, std::uint64_t revision) {
+    TileRow row = tile_row("a", tile, "x");
+    row.revision = revision;
+    ASSERT_TRUE(store().write_tiles({row}));
+  };
+  write(0, 100);
+  write(1, 101);
+  write(2, 102);
+  write(0, 103);
+  EXPECT_THAT(*store().tile_changes("a", 0, 10),
+              ElementsAre(TileChange{101, 1}, TileChange{102, 2}, TileChange{103, 0}));
+  reopen();
+  EXPECT_THAT(*store().tile_changes("a", 101, 1), ElementsAre(TileChange{102, 2}));
+  EXPECT_THAT(*store().tile_changes("a", 103, 10), testing::IsEmpty());
+  EXPECT_THAT(*store().tile_changes("b", 0, 10), testing::IsEmpty());
+  ASSERT_TRUE(store().delete_job("a"));
+  ASSERT_TRUE(store().remove_deleted_tiles());
+  EXPECT_THAT(*store().tile_changes("a", 0, 10), testing::IsEmpty());
+}
+
 TEST_F(JobStoreTest, AJobWhoseRowChangedOnDiskIsNotIntact) {
   JobRow row = job_row("a");
   row.request_id = "request";
-  row.counters = row.arithmetic = row.failure = "x";
+  row.counters = row.arithmetic = row.failure = row.bundle = row.owner = row.producers = "x";
   row.finished_ms = 5;
   ASSERT_TRUE(store().insert_job(row));
-  for (const char* change : {"id = 'b'", "request_id = NULL", "spec = X'00'", "revision = 7", "state = 2",
-                             "failure = ''", "spp = 15", "priority = 1", "created_ms = 0",
-                             "finished_ms = NULL", "counters = X''", "arithmetic = 'y'", "max_workers = 1"}) {
+  for (const char* change :
+       {"id = 'b'", "request_id = NULL", "spec = X'00'", "revision = 7", "state = 2", "failure = ''",
+        "spp = 15", "priority = 1", "created_ms = 0", "finished_ms = NULL", "counters = X''",
+        "arithmetic = 'y'", "max_workers = 1", "bundle = X'00'", "bundle = X''", "bundle_xxh3 = NULL",
+        "owner = ''", "producers = X''"}) {
     ASSERT_TRUE(store().delete_job("a"));
     ASSERT_TRUE(store().delete_job("b"));
     ASSERT_TRUE(store().insert_job(row));
@@ -354,6 +411,180 @@ TEST_F(JobStoreTest, AJobWhoseRowChangedOnDiskIsNotIntact) {
     meddle(std::string("UPDATE jobs SET ") + change);
     EXPECT_FALSE(store().jobs()->front().intact) << change;
   }
+}
+
+std::vector<std::string> ids_of(JobStore& store, const JobQuery& query, std::size_t limit = 100) {
+  std::vector<std::string> ids;
+  EXPECT_TRUE(store.list_jobs(query, limit, [&](const JobRow& row, std::int64_t) { ids.push_back(row.id); }));
+  return ids;
+}
+
+TEST_F(JobStoreTest, ListsJobsNewestFirstByWhatIsAsked) {
+  for (const char* id : {"aa", "ab", "b"}) {
+    JobRow row = job_row(id);
+    row.owner = row.id == "b" ? "" : "ann";
+    row.bundle = "large";
+    row.state = row.id == "aa" ? 3 : 4;
+    row.created_ms += static_cast<std::int64_t>(row.id.size());
+    row.settled = true;
+    ASSERT_TRUE(store().insert_job(row));
+  }
+  JobQuery query;
+  EXPECT_THAT(ids_of(store(), query), ElementsAre("b", "ab", "aa"));
+  EXPECT_THAT(ids_of(store(), query, 2), ElementsAre("b", "ab"));
+  query.before_number = 3;
+  EXPECT_THAT(ids_of(store(), query), ElementsAre("ab", "aa"));
+  query.states = 1u << 4;
+  EXPECT_THAT(ids_of(store(), query), ElementsAre("ab"));
+  query = {};
+  query.id_prefix = "a";
+  EXPECT_THAT(ids_of(store(), query), ElementsAre("ab", "aa"));
+  query.before_number = 2;
+  EXPECT_THAT(ids_of(store(), query), ElementsAre("aa"));
+  query = {};
+  query.owner = "";
+  EXPECT_THAT(ids_of(store(), query), ElementsAre("b"));
+  query = {};
+  query.created_from_ms = job_row("").created_ms + 2;
+  EXPECT_THAT(ids_of(store(), query), ElementsAre("ab", "aa"));
+  query.created_before_ms = query.created_from_ms;
+  EXPECT_THAT(ids_of(store(), query), IsEmpty());
+}
+
+// Their rows may be older than their state.
+TEST_F(JobStoreTest, JobsThatAreNotSettledAreListedWhateverTheStateOfTheirRows) {
+  ASSERT_TRUE(store().insert_job(job_row("a")));
+  JobQuery query;
+  query.states = 1u << 5;
+  EXPECT_THAT(ids_of(store(), query), ElementsAre("a"));
+}
+
+TEST_F(JobStoreTest, AListDoesNotReadBundlesAndStillFindsDamage) {
+  JobRow row = job_row("a");
+  row.bundle = "bundle";
+  ASSERT_TRUE(store().insert_job(row));
+  const auto listed = [&] {
+    JobRow found;
+    EXPECT_TRUE(store().list_jobs({}, 1, [&](const JobRow& each, std::int64_t) { found = each; }));
+    return found;
+  };
+  EXPECT_EQ(listed().bundle, "");
+  EXPECT_TRUE(listed().intact);
+  EXPECT_EQ((*store().job("a"))->bundle, "bundle");
+  meddle("UPDATE jobs SET failure = 'x'");
+  EXPECT_FALSE(listed().intact);
+}
+
+TEST_F(JobStoreTest, AStartIsToldOfJobsThatAreNotSettled) {
+  JobRow settled = job_row("a"), other = job_row("b");
+  settled.settled = true;
+  settled.finished_ms = 7;
+  ASSERT_TRUE(store().insert_job(settled) && store().insert_job(other));
+  EXPECT_THAT(*store().unsettled_jobs(), ElementsAre("b"));
+  EXPECT_EQ(*store().settled_count(), 1u);
+  EXPECT_THAT(*store().first_settled(7, 9), IsEmpty());
+  EXPECT_THAT(*store().first_settled(8, 9), ElementsAre("a"));
+  other.revision = 5;
+  ASSERT_TRUE(store().update_job(other));
+  other.settled = true;
+  other.revision = 4;
+  ASSERT_TRUE(store().settle_jobs({other}));
+  EXPECT_EQ(*store().settled_count(), 1u) << "the store has a later revision";
+  other.revision = 6;
+  ASSERT_TRUE(store().settle_jobs({other}));
+  EXPECT_EQ(*store().settled_count(), 2u);
+  EXPECT_THAT(*store().unsettled_jobs(), IsEmpty());
+}
+
+TEST_F(JobStoreTest, ARowIsReplacedIfItHasTheExpectedRevision) {
+  JobRow row = job_row("a");
+  ASSERT_TRUE(store().insert_job(row));
+  row.revision = 5;
+  row.spec = "other";
+  row.bundle = "new";
+  EXPECT_FALSE(*store().replace_job(row, 4));
+  EXPECT_TRUE(*store().replace_job(row, 1));
+  EXPECT_EQ(**store().job("a"), row);
+  EXPECT_EQ(*store().job("b"), std::nullopt);
+  EXPECT_EQ(*store().job_of_request("none"), std::nullopt);
+}
+
+TEST_F(JobStoreTest, OneChangeOfAGroupFailsAlone) {
+  JobRow first = job_row("a");
+  first.request_id = "request";
+  ASSERT_TRUE(store().insert_job(first));
+  std::vector<std::thread> threads;
+  std::atomic<int> inserted{0}, refused{0};
+  for (int i = 0; i < 64; ++i) {
+    threads.emplace_back([&, i] {
+      JobRow row = job_row("job" + std::to_string(i));
+      if (i % 4 == 0) row.request_id = "request";
+      ++(store().insert_job(row) ? inserted : refused);
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_EQ(inserted, 48);
+  EXPECT_EQ(refused, 16);
+  EXPECT_EQ(store().jobs()->size(), 49u);
+}
+
+TEST_F(JobStoreTest, AFileShrinksWhenALargeJobIsDeleted) {
+  ASSERT_TRUE(store().insert_job(job_row("a")) && store().insert_job(job_row("b")));
+  ASSERT_TRUE(store().write_tiles({tile_row("b", 0, "kept")}));
+  for (int tile = 0; tile < 300; ++tile)
+    ASSERT_TRUE(store().write_tiles({tile_row("a", tile, std::string(100'000, static_cast<char>(tile)))}));
+  ASSERT_TRUE(store().truncate_wal());
+  const auto before = std::filesystem::file_size(file_);
+  ASSERT_TRUE(store().delete_job("a"));
+  for (int i = 0; i < 30; ++i) ASSERT_TRUE(store().remove_deleted_tiles());
+  ASSERT_TRUE(store().truncate_wal());
+  EXPECT_LT(std::filesystem::file_size(file_), before / 4);
+  EXPECT_EQ((*store().tile("b", 0))->content, "kept");
+  EXPECT_THAT(*store().structural_damage(), IsEmpty());
+}
+
+TEST_F(JobStoreTest, AFileOfAnEarlierReleaseShrinksAsWell) {
+  ASSERT_TRUE(store().insert_job(job_row("a")));
+  make_of_version(3);
+  meddle("PRAGMA journal_mode = DELETE; PRAGMA auto_vacuum = NONE; VACUUM");
+  reopen();
+  for (int tile = 0; tile < 100; ++tile)
+    ASSERT_TRUE(store().write_tiles({tile_row("a", tile, std::string(100'000, 'x'))}));
+  ASSERT_TRUE(store().truncate_wal());
+  const auto before = std::filesystem::file_size(file_);
+  ASSERT_TRUE(store().delete_job("a"));
+  for (int i = 0; i < 20; ++i) ASSERT_TRUE(store().remove_deleted_tiles());
+  ASSERT_TRUE(store().truncate_wal());
+  EXPECT_LT(std::filesystem::file_size(file_), before);
+}
+
+// A reader that begins before a transaction ends does not wait for it.
+TEST_F(JobStoreTest, ReadersDoNotWaitForAWriter) {
+  ASSERT_TRUE(store().insert_job(job_row("a")));
+  sqlite3* writer = nullptr;
+  ASSERT_EQ(sqlite3_open(file_.c_str(), &writer), SQLITE_OK);
+  ASSERT_EQ(sqlite3_exec(writer, "BEGIN IMMEDIATE; DELETE FROM jobs", nullptr, nullptr, nullptr), SQLITE_OK);
+  EXPECT_TRUE(*store().job("a"));
+  EXPECT_EQ(store().update_job(job_row("a")).error().code, ErrorCode::kUnavailable);
+  sqlite3_close(writer);
+}
+
+TEST_F(JobStoreTest, NothingIsWrittenToAFileThatTurnsOutToBeDamaged) {
+  ASSERT_TRUE(store().insert_job(job_row("a")));
+  ASSERT_TRUE(store().write_tiles({tile_row("a", 0, std::string(200'000, 'x'))}));
+  EXPECT_TRUE(store().check_rest({}));
+  ASSERT_TRUE(store().truncate_wal());
+  std::string bytes = read_file(file_);
+  for (std::size_t page = 16384; page < bytes.size(); page += 16384) {
+    if (bytes.compare(page + 4, 64, std::string(64, 'x')) != 0) continue;
+    std::fstream file(file_, std::ios::in | std::ios::out | std::ios::binary);
+    file.seekp(static_cast<std::streamoff>(page)).put('\x7f');
+  }
+  EXPECT_EQ(store().check_rest({}).error().code, ErrorCode::kDataLoss);
+  JobRow row = job_row("a");
+  row.revision = 2;
+  EXPECT_EQ(store().update_job(row).error().code, ErrorCode::kDataLoss);
+  EXPECT_EQ((*store().job("a"))->revision, 1u);
 }
 
 TEST(StateDirectory, IsForOneCoordinatorAtATime) {
@@ -372,16 +603,48 @@ TEST(StateDirectory, IsFreeAgainAfterwards) {
   EXPECT_TRUE(StateDirectory::open(folder.path()));
 }
 
+TEST_F(JobStoreTest, AFileOfBeforeThereWereValidationsIsTakenOver) {
+  JobRow job = job_row("a");
+  ASSERT_TRUE(store().insert_job(job));
+  make_of_version(4);
+  for (int start = 0; start < 2; ++start) {
+    reopen();
+    EXPECT_THAT(*store().jobs(), ElementsAre(job)) << "the checksum counts what there was then";
+  }
+  job.revision = 2;
+  job.failure_details = "why";
+  ASSERT_TRUE(store().update_job(job));
+  reopen();
+  EXPECT_THAT(*store().jobs(), ElementsAre(job));
+}
+
+TEST_F(JobStoreTest, TheEndOfAValidationReplacesTheSpec) {
+  JobRow job = job_row("a");
+  job.submission = "overrides";
+  ASSERT_TRUE(store().insert_job(job));
+  job.revision = 2;
+  job.spec = "validated";
+  job.submission.clear();
+  ASSERT_TRUE(store().end_validation(job));
+  reopen();
+  EXPECT_THAT(*store().jobs(), ElementsAre(job));
+  EXPECT_TRUE(store().jobs()->front().intact);
+  JobRow late = job;
+  late.spec = "late";
+  ASSERT_TRUE(store().end_validation(late)) << "the store has this revision: nothing changes";
+  EXPECT_THAT(*store().jobs(), ElementsAre(job));
+}
+
 TEST_F(JobStoreTest, AFileOfBeforeThereWereLimitsOnWorkersIsTakenOver) {
   JobRow job = job_row("a");
   ASSERT_TRUE(store().insert_job(job));
   ASSERT_TRUE(store().write_tiles({tile_row("a", 3, "content")}));
-  store_.reset();
-  meddle("ALTER TABLE jobs DROP COLUMN max_workers; PRAGMA user_version = 2");
+  make_of_version(2);
   for (int start = 0; start < 2; ++start) {
     reopen();
     EXPECT_THAT(*store().jobs(), ElementsAre(job));
     EXPECT_TRUE(*store().tile("a", 3));
+    EXPECT_THAT(*store().tile_changes("a", 0, 10), ElementsAre(TileChange{4, 3}));
   }
   job.revision = 2;
   job.max_workers = 7;

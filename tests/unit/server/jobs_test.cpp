@@ -19,7 +19,8 @@ using testing::HasSubstr;
 class Jobs : public ScriptedFarm {};
 
 core::Result<jobs::CheckedScene> accept_as_larger_than_allowed(const v1::Bundle& bundle,
-                                                         const v1::RenderOverrides& overrides) {
+                                                               const v1::RenderOverrides& overrides,
+                                                               const std::stop_token&) {
   jobs::CheckedScene scene = *accept_scene(bundle, overrides);
   scene.settings.set_width_px(32768);
   scene.settings.set_height_px(16384);
@@ -42,7 +43,7 @@ TEST_F(Jobs, NamesThatCannotBeShownAreRefused) {
   request = submission();
   request.mutable_bundle()->mutable_assets(0)->set_path("scene\n.json");
   EXPECT_THAT(refusal(request), testing::HasSubstr("bundle: path: must be UTF-8"));
-  EXPECT_TRUE(coordinator().jobs().list().empty());
+  EXPECT_TRUE(listed().empty());
 }
 
 TEST_F(Jobs, ASubmittedJobRunsAndIsComplete) {
@@ -73,7 +74,7 @@ TEST_F(Jobs, ARepeatedSubmissionAnswersWithTheFirstJob) {
   EXPECT_EQ(submit(request), first);
   open();
   EXPECT_EQ(submit(request), first);
-  EXPECT_EQ(coordinator().jobs().list().size(), 1u);
+  EXPECT_EQ(listed().size(), 1u);
 }
 
 TEST_F(Jobs, ASubmissionWithoutARequestIdMayBeMadeTwice) {
@@ -100,25 +101,33 @@ TEST_F(Jobs, ABundleWithoutItsSceneOrWithAPathTwiceIsRefused) {
   EXPECT_EQ(coordinator().jobs().submit(twice).error().code, ErrorCode::kInvalidArgument);
 }
 
-TEST_F(Jobs, ASceneThatIsRefusedBecomesNoJob) {
-  check_scene_ = [](const v1::Bundle&, const v1::RenderOverrides&) -> core::Result<jobs::CheckedScene> {
+TEST_F(Jobs, ASceneThatIsRefusedFailsItsJob) {
+  check_scene_ = [](const v1::Bundle&, const v1::RenderOverrides&,
+                    const std::stop_token&) -> core::Result<jobs::CheckedScene> {
     return core::fail(ErrorCode::kInvalidArgument, "scene.json:3: no camera");
   };
   open();
-  const auto refused = coordinator().jobs().submit(submission());
-  ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().message, "scene.json:3: no camera");
-  EXPECT_TRUE(coordinator().jobs().list().empty());
+  const std::string id = submit();
+  for (int start = 0; start < 2; ++start) {
+    EXPECT_EQ(job(id).state(), v1::JOB_STATE_FAILED);
+    EXPECT_EQ(job(id).failure(), "scene.json:3: no camera");
+    EXPECT_EQ(job(id).failure_details().message(), "scene.json:3: no camera");
+    EXPECT_EQ(job(id).failure_details().reason(), v1::Failure::REASON_INVALID_SCENE);
+    EXPECT_TRUE(job(id).has_finished_at());
+    EXPECT_EQ(coordinator().images().get(id).error().code, ErrorCode::kFailedPrecondition);
+    EXPECT_EQ(coordinator().jobs().extend(id, 100).error().code, ErrorCode::kFailedPrecondition);
+    open();  // and after a restart
+  }
 }
 
 TEST_F(Jobs, APictureTooLargeForTheFarmIsRefused) {
   check_scene_ = accept_as_larger_than_allowed;
   open();
-  EXPECT_EQ(coordinator().jobs().submit(submission()).error().code, ErrorCode::kResourceExhausted);
+  EXPECT_EQ(refusal().code, ErrorCode::kResourceExhausted);
 }
 
 TEST_F(Jobs, KeepHowTheirSceneIsShownUnlessTheSubmissionSaysOtherwise) {
-  check_scene_ = [](const v1::Bundle& bundle, const v1::RenderOverrides& overrides) {
+  check_scene_ = [](const v1::Bundle& bundle, const v1::RenderOverrides& overrides, const std::stop_token&) {
     jobs::CheckedScene scene = *accept_scene(bundle, overrides);
     scene.display.set_exposure_stops(2);
     scene.display.set_tone_curve(v1::TONE_CURVE_AGX);
@@ -140,7 +149,7 @@ TEST_F(Jobs, KeepHowTheirSceneIsShownUnlessTheSubmissionSaysOtherwise) {
 
 TEST_F(Jobs, AreListedNewestFirst) {
   const std::string first = submit(), second = submit();
-  const auto jobs = coordinator().jobs().list();
+  const auto jobs = listed();
   ASSERT_EQ(jobs.size(), 2u);
   EXPECT_EQ(jobs[0].id(), second);
   EXPECT_EQ(jobs[1].id(), first);
@@ -215,7 +224,7 @@ TEST_F(Jobs, ADeletedJobIsForgottenAlsoByTheStore) {
   EXPECT_EQ(coordinator().images().get(id).error().code, ErrorCode::kNotFound);
   ASSERT_TRUE(coordinator().checkpointer().checkpoint());
   open();
-  EXPECT_TRUE(coordinator().jobs().list().empty());
+  EXPECT_TRUE(listed().empty());
   EXPECT_NE(submit(request), id);
 }
 
@@ -250,7 +259,7 @@ TEST_F(Jobs, TakeTheirFilesWithThemWhenTheyAreDeleted) {
 // However long the submission takes, and whatever the system time is then.
 TEST_F(Jobs, KeepTheirFilesWhileTheyAreSubmitted) {
   const auto blob = coordinator().blobs().path(proto::digest_of(kSceneBytes));
-  check_scene_ = [&](const v1::Bundle& bundle, const v1::RenderOverrides& overrides) {
+  check_scene_ = [&](const v1::Bundle& bundle, const v1::RenderOverrides& overrides, const std::stop_token&) {
     std::filesystem::last_write_time(blob,
                                      std::filesystem::file_time_type::clock::now() - std::chrono::hours(25));
     std::thread([this] { coordinator().files().collect(); }).join();
@@ -291,16 +300,15 @@ TEST_F(Jobs, OfAWindowThatIsNoneAreRefused) {
   for (const core::PixelRect& window : {core::PixelRect{0, 0, 151, 100}, {5, 5, 5, 9}, {9, 0, 3, 5}}) {
     v1::SubmitJobRequest request = submission();
     *request.mutable_overrides()->mutable_crop() = proto::to_proto(window);
-    const auto refused = coordinator().jobs().submit(request);
-    ASSERT_FALSE(refused);
-    EXPECT_EQ(refused.error().code, ErrorCode::kInvalidArgument);
-    EXPECT_THAT(refused.error().message, HasSubstr("crop: must be"));
+    const core::Error refused = refusal(request);
+    EXPECT_EQ(refused.code, ErrorCode::kInvalidArgument);
+    EXPECT_THAT(refused.message, HasSubstr("crop: must be"));
   }
 }
 
 TEST_F(Jobs, AreFoundByTheBeginningOfTheirIds) {
   for (int i = 0; i < 20; ++i) submit();  // so that some ids begin with the same digit
-  const auto all = coordinator().jobs().list();
+  const auto all = listed();
   for (const std::string prefix : {"", "0", "7", "c", "f", all[3].id().c_str(), "g", "0000x"}) {
     for (const std::size_t most : {0u, 1u, 2u, 100u}) {
       std::vector<std::string> expected, found;
@@ -309,8 +317,8 @@ TEST_F(Jobs, AreFoundByTheBeginningOfTheirIds) {
           expected.push_back(job.id());
       v1::ListJobsRequest request;
       request.set_id_prefix(prefix);
-      request.set_max_jobs(static_cast<std::uint32_t>(most));
-      for (const v1::Job& job : coordinator().jobs().list(request)) found.push_back(job.id());
+      request.set_page_size(static_cast<std::uint32_t>(most));
+      for (const v1::Job& job : listed(request)) found.push_back(job.id());
       EXPECT_EQ(found, expected) << prefix << " " << most;
     }
   }
@@ -320,7 +328,7 @@ TEST_F(Jobs, AreFoundByTheBeginningOfTheirIds) {
 TEST_F(Jobs, OfAWindowNeedMemoryForTheWindowAlone) {
   check_scene_ = accept_as_larger_than_allowed;
   open();
-  EXPECT_TRUE(coordinator().jobs().submit(submission_of_window()));
+  EXPECT_EQ(job(submit(submission_of_window())).state(), v1::JOB_STATE_RUNNING);
 }
 
 TEST_F(Jobs, AreUpdatedForGood) {

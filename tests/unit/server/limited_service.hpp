@@ -77,7 +77,7 @@ class LimitedService : public testing::Test {
     server::CoordinatorOptions options;
     options.limits = limits;
     options.farm.now = [this] { return std::chrono::steady_clock::now() + passed_.load(); };
-    options.farm.fingerprint = server::kFingerprint;
+    options.farm.fingerprints = {server::kFingerprint};
     coordinator_ = std::move(*server::Coordinator::open(options, std::move(*state), check_scene_));
     server_ = std::move(
         *Server::start(*coordinator_, {.address = "127.0.0.1:0", .access = access_, .limits = limits}));
@@ -89,7 +89,8 @@ class LimitedService : public testing::Test {
   // Advances the clock at once.
   void pass(std::chrono::minutes time) { passed_ = passed_.load() + time; }
   void hold_up_scenes() {
-    check_scene_ = [this](const v1::Bundle& bundle, const v1::RenderOverrides& overrides) {
+    check_scene_ = [this](const v1::Bundle& bundle, const v1::RenderOverrides& overrides,
+                          const std::stop_token&) {
       barrier_.wait();
       return server::accept_scene(bundle, overrides);
     };
@@ -171,13 +172,17 @@ class LimitedService : public testing::Test {
     }
     return fetch.stream->Finish();
   }
+  std::string wait_until_validated(const std::string& id) {
+    while (coordinator_->jobs().get(id)->state() == v1::JOB_STATE_VALIDATING) std::this_thread::yield();
+    return id;
+  }
   std::string submit_now(const v1::SubmitJobRequest& request = submission()) {
     grpc::ClientContext context;
     v1::SubmitJobResponse response;
     EXPECT_TRUE(users_->SubmitJob(&context, request, &response).ok());
-    return response.job().id();
+    return wait_until_validated(response.job().id());
   }
-  // An image of 24 MB, more than all buffers hold while nobody reads. Encoding it takes 54 MiB.
+  // An image of 24 MB, more than all buffers hold while nobody reads. Encoding it takes 4 MiB.
   std::string submit_large() { return submit_of_size(2000, 1000); }
   std::string submit_of_size(std::uint32_t width_px, std::uint32_t height_px) {
     v1::SubmitJobRequest request = submission();

@@ -18,11 +18,6 @@ class Limits : public ScriptedFarm {
     limits_ = limits;
     open();
   }
-  core::Error refusal(const v1::SubmitJobRequest& request, const std::string& submitter = {}) {
-    const auto job = coordinator().jobs().submit(request, submitter);
-    EXPECT_FALSE(job);
-    return job ? core::Error{} : job.error();
-  }
 };
 
 void expect_limit(const core::Error& error, const std::string& sentence) {
@@ -110,13 +105,13 @@ TEST_F(Limits, OfOpenJobs) {
   submit();
 }
 
-TEST_F(Limits, OfOpenJobsForEachSubmitterByThemselves) {
+TEST_F(Limits, OfOpenJobsForEachOwnerByThemselves) {
   limit({.open_jobs = 1});
   EXPECT_TRUE(coordinator().jobs().submit(submission(), "ada"));
   EXPECT_TRUE(coordinator().jobs().submit(submission(), "ben"));
   expect_limit(refusal(submission(), "ada"),
                "'ada' has 1 unfinished jobs already, and this farm takes at most 1 of "
-               "each submitter (tessera-coordinator --max-open-jobs)");
+               "each owner (tessera-coordinator --max-open-jobs)");
 }
 
 TEST_F(Limits, ARepeatedSubmissionIsAnsweredAndNotCounted) {
@@ -139,7 +134,7 @@ TEST_F(Limits, AFinishedJobThatIsExtendedIsOpenAgain) {
 }
 
 TEST_F(Limits, JobsThatAreBeingCheckedCountAsOpen) {
-  check_scene_ = [&](const v1::Bundle& bundle, const v1::RenderOverrides& overrides) {
+  check_scene_ = [&](const v1::Bundle& bundle, const v1::RenderOverrides& overrides, const std::stop_token&) {
     expect_limit(refusal(submission()), "there are 1 unfinished jobs already");
     return accept_scene(bundle, overrides);
   };
@@ -148,7 +143,8 @@ TEST_F(Limits, JobsThatAreBeingCheckedCountAsOpen) {
 }
 
 TEST_F(Limits, ASceneThatIsRefusedLeavesItsPlaceToOthers) {
-  check_scene_ = [](const v1::Bundle&, const v1::RenderOverrides&) -> core::Result<jobs::CheckedScene> {
+  check_scene_ = [](const v1::Bundle&, const v1::RenderOverrides&,
+                    const std::stop_token&) -> core::Result<jobs::CheckedScene> {
     return core::fail(ErrorCode::kInvalidArgument, "bad");
   };
   limit({.open_jobs = 1});
@@ -157,7 +153,7 @@ TEST_F(Limits, ASceneThatIsRefusedLeavesItsPlaceToOthers) {
 
 TEST_F(Limits, NothingIsHashedForACoordinatorThatStops) {
   bool checked = false;
-  check_scene_ = [&](const v1::Bundle& bundle, const v1::RenderOverrides& overrides) {
+  check_scene_ = [&](const v1::Bundle& bundle, const v1::RenderOverrides& overrides, const std::stop_token&) {
     checked = true;
     return accept_scene(bundle, overrides);
   };

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "server/auth/methods.hpp"
+#include "tessera/v1/admin_service.pb.h"
 #include "tessera/v1/render_service.pb.h"
 #include "tessera/v1/worker_service.pb.h"
 
@@ -95,13 +96,15 @@ TEST(Methods, AreThoseOfTheContract) {
   const auth::Methods methods{server::Limits()};
   std::size_t count = 0;
   for (const auto* file :
-       {v1::GetJobRequest::descriptor()->file(), v1::SynchronizeRequest::descriptor()->file()}) {
+       {v1::GetJobRequest::descriptor()->file(), v1::SynchronizeRequest::descriptor()->file(),
+        v1::DrainWorkerRequest::descriptor()->file()}) {
     const auto* const service = file->service(0);
     for (int i = 0; i < service->method_count(); ++i, ++count) {
       const std::string path = "/" + service->full_name() + "/" + service->method(i)->name();
       ASSERT_TRUE(methods.all().contains(path)) << path;
-      EXPECT_EQ(methods.at(path).role,
-                service->name() == "WorkerService" ? auth::Role::kWork : auth::Role::kSubmit);
+      EXPECT_EQ(methods.at(path).role, service->name() == "WorkerService"  ? auth::Role::kWork
+                                       : service->name() == "AdminService" ? auth::Role::kAdmin
+                                                                           : auth::Role::kSubmit);
     }
   }
   EXPECT_EQ(methods.all().size(), count);

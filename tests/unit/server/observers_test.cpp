@@ -45,7 +45,11 @@ class HeldWatcher final : public Held, public Watcher {
  public:
   explicit HeldWatcher(std::string job_id) : Held(1), job_id_(std::move(job_id)) {}
   const std::string& job_id() const override { return job_id_; }
-  void tell(const core::Result<v1::Job>&) override { call(); }
+  bool notify(bool) override {
+    call();
+    return true;
+  }
+  void close() override {}
 
  private:
   const std::string job_id_;
@@ -75,30 +79,72 @@ TEST(StallWatchTest, OneThatIsAskedKeepsUpNobody) {
   expect_nobody_is_kept_up(watch, held, other);
 }
 
-class WatchHubTest : public LimitedService {};
-
-TEST_F(WatchHubTest, OneThatIsToldKeepsUpNobody) {
-  start({});
-  const std::string job = submit_now();
-  HeldWatcher held(job), other(job);
-  WatchHub hub(*coordinator_);
+TEST(WatchHubTest, OneThatIsNotifiedKeepsUpNobody) {
+  events::EventLog log(1);
+  HeldWatcher held("job"), other("job");
+  WatchHub hub(log);
   expect_nobody_is_kept_up(hub, held, other);
 }
 
+// Counts what it is told.
+class CountingWatcher final : public Watcher {
+ public:
+  explicit CountingWatcher(std::string job_id) : job_id_(std::move(job_id)) {}
+  const std::string& job_id() const override { return job_id_; }
+  bool notify(bool changed) override {
+    ++rounds;
+    changes += changed ? 1 : 0;
+    return wants_more;
+  }
+  void close() override { closed = true; }
+
+  std::atomic<int> rounds{0}, changes{0};
+  std::atomic<bool> closed{false}, wants_more{false};
+
+ private:
+  const std::string job_id_;
+};
+
+void wait_for(const std::function<bool()>& condition) {
+  const auto late = std::chrono::steady_clock::now() + kFarTooLong;
+  while (!condition()) {
+    ASSERT_LT(std::chrono::steady_clock::now(), late);
+    std::this_thread::sleep_for(1ms);
+  }
+}
+
+TEST(WatchHubTest, NotifiesThoseWhomAChangeConcerns) {
+  events::EventLog log(1);
+  CountingWatcher one("one"), two("two"), all("");
+  WatchHub hub(log);
+  for (CountingWatcher* watcher : {&one, &two, &all}) hub.add(*watcher);
+  EXPECT_EQ(one.changes, 1) << "at once";
+  log.append(events::SubjectKind::kJob, "one");
+  wait_for([&] { return one.changes == 2 && all.changes >= 2; });
+  log.append(events::SubjectKind::kWorker, "two");
+  const int before = all.changes;
+  wait_for([&] { return all.changes > before; });
+  EXPECT_EQ(two.changes, 1) << "a worker of that id is no job";
+  for (CountingWatcher* watcher : {&one, &two, &all}) hub.remove(*watcher);
+}
+
+TEST(WatchHubTest, HasARoundWhileSomebodyWantsOne) {
+  events::EventLog log(1);
+  CountingWatcher watcher("job");
+  WatchHub hub(log);
+  watcher.wants_more = true;
+  hub.add(watcher);
+  wait_for([&] { return watcher.rounds >= 3; });
+  EXPECT_EQ(watcher.changes, 1);
+  watcher.wants_more = false;
+  hub.remove(watcher);
+}
+
 // Also those that are added after the end.
-TEST_F(WatchHubTest, AllAreToldThatItIsClosed) {
-  struct Listener final : Watcher {
-    const std::string& job_id() const override { return id; }
-    void tell(const core::Result<v1::Job>& job) override {
-      if (!job && job.error().code == core::ErrorCode::kUnavailable) closed = true;
-    }
-    std::string id;
-    std::atomic<bool> closed{false};
-  };
-  start({});
-  Listener early, late;
-  early.id = late.id = submit_now();
-  WatchHub hub(*coordinator_);
+TEST(WatchHubTest, ClosesAll) {
+  events::EventLog log(1);
+  CountingWatcher early("job"), late("job");
+  WatchHub hub(log);
   hub.add(early);
   EXPECT_FALSE(early.closed);
   hub.close();

@@ -39,13 +39,13 @@ TEST_F(PictureLimits, NobodyWaitsForMemoryLongerThanCallersMayStandStill) {
   EXPECT_EQ(status.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
   EXPECT_EQ(
       status.error_message(),
-      "this image takes 54 MiB of memory, and others that are being fetched 54 MiB, and this farm takes at "
+      "this image takes 4 MiB of memory, and others that are being fetched 4 MiB, and this farm takes at "
       "most 1 MiB (tessera-coordinator --max-image-mib), some of which it keeps for other callers");
   EXPECT_EQ(proto::error_from_grpc(status, refused->context).code, core::ErrorCode::kUnavailable);
 }
 
 TEST_F(PictureLimits, ALargePictureComesThroughHoweverManySmallOnesDo) {
-  start_with_names({.image_mib = 60});
+  start_with_names({.image_mib = 4});
   const auto ada = as("ada"), ben = as("ben");
   users_ = as("ada");
   const std::string large = submit_large(), small = submit_of_size(600, 400);

@@ -143,18 +143,6 @@ TEST_F(Refusals, ResultsOfWorkersFromBeforeARestartCount) {
   EXPECT_GT(deliver(delivery('a', lease)).accepted_items(), 0u);
 }
 
-TEST(QuarantineTest, ForgetsWhoIsGoneUnlessItWasPutAside) {
-  farm::Quarantine quarantine;
-  for (int i = 0; i < farm::Quarantine::kRejectionsUntilQuarantine; ++i) quarantine.refused("liar", "");
-  quarantine.refused("gone", "");
-  quarantine.refused("here", "");
-  quarantine.forget_others({"here"});
-  EXPECT_EQ(quarantine.refusals("gone"), 0u);
-  EXPECT_EQ(quarantine.refusals("here"), 1u);
-  EXPECT_TRUE(quarantine.is_quarantined("liar"));
-  EXPECT_FALSE(quarantine.is_machine_aside(""));
-}
-
 TEST_F(Refusals, RefusalsWithGoodResultsInBetweenPutNobodyAside) {
   submit();
   for (int i = 0; i < 4; ++i) {

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <functional>
 
+#include "server/farm/stored_job.hpp"
 #include "tests/unit/server/scripted_farm.hpp"
 
 namespace tessera::server {
@@ -40,6 +41,7 @@ class Restart : public ScriptedFarm {
     auto store = store::JobStore::open(folder_.path() / "state" / "tessera.db");
     const auto rows = store->jobs();
     for (store::JobRow row : *rows) {
+      row.settled = false;
       change(row);
       ++row.revision;
       EXPECT_TRUE(store->update_job(row));
@@ -243,10 +245,10 @@ TEST_F(Restart, RowsThatNoCoordinatorHereWritesFailTheirJobsAndHarmNoOther) {
     };
     row_of(damaged).spec = row_of(whole).spec;
     v1::Job spec;
-    ASSERT_TRUE(spec.ParseFromString(row_of(huge).spec));
+    ASSERT_TRUE(farm::decode_spec(row_of(huge).spec, spec));
     spec.mutable_settings()->set_width_px(65536);
     spec.mutable_settings()->set_height_px(16384);
-    row_of(huge).spec = spec.SerializeAsString();
+    row_of(huge).spec = farm::encode_spec(spec);
     row_of(timeless).created_ms = INT64_MIN;
     row_of(timeless).finished_ms = INT64_MAX;
     for (const std::string& id : {damaged, huge, timeless})
@@ -265,10 +267,11 @@ TEST_F(Restart, AJobWhoseNameIsNoTextIsLeftOutAndHarmsNoOther) {
   ASSERT_TRUE(coordinator().checkpointer().checkpoint());
   meddle("UPDATE jobs SET id = CAST(X'6AFF' AS TEXT) WHERE id = '" + damaged + "'");
   open();
-  const std::vector<v1::Job> jobs = coordinator().jobs().list();
-  ASSERT_EQ(jobs.size(), 1u);
-  EXPECT_EQ(jobs[0].id(), whole);
-  EXPECT_EQ(jobs[0].state(), v1::JOB_STATE_RUNNING);
+  const auto listed = coordinator().jobs().list();
+  ASSERT_TRUE(listed) << listed.error().message;
+  ASSERT_EQ(listed->jobs_size(), 1);
+  EXPECT_EQ(listed->jobs(0).id(), whole);
+  EXPECT_EQ(listed->jobs(0).state(), v1::JOB_STATE_RUNNING);
   EXPECT_TRUE(coordinator().checkpointer().checkpoint());
 }
 
@@ -316,7 +319,7 @@ TEST_F(Restart, ADoneJobThatLacksATileRendersIt) {
   const std::string id = submit();
   work('a');
   ASSERT_TRUE(coordinator().checkpointer().checkpoint());
-  meddle("DELETE FROM tiles WHERE tile = 2");
+  meddle("DELETE FROM tiles WHERE tile = 2; UPDATE jobs SET settled = 0");  // as --salvage leaves it
   open();
   EXPECT_EQ(job(id).state(), v1::JOB_STATE_RUNNING);
   work('b');

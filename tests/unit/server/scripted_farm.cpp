@@ -18,6 +18,19 @@ std::uint64_t ready_made_sample(int x, int y, std::size_t channel, std::uint32_t
   return h >> 38;
 }
 
+core::ErrorCode code_of(v1::Failure::Reason reason) {
+  switch (reason) {
+    case v1::Failure::REASON_INVALID_SCENE:
+      return core::ErrorCode::kInvalidArgument;
+    case v1::Failure::REASON_LIMIT:
+      return core::ErrorCode::kResourceExhausted;
+    case v1::Failure::REASON_FILE_LOST:
+      return core::ErrorCode::kDataLoss;
+    default:
+      return core::ErrorCode::kInternal;
+  }
+}
+
 }  // namespace
 
 core::FilmTile ready_made_tile(const core::PixelRect& rect, core::SampleRange range) {
@@ -56,7 +69,8 @@ core::Image ready_made_picture(int width_px, int height_px, std::uint32_t spp) {
   return ready_made_picture({0, 0, width_px, height_px}, spp);
 }
 
-core::Result<jobs::CheckedScene> accept_scene(const v1::Bundle&, const v1::RenderOverrides& overrides) {
+core::Result<jobs::CheckedScene> accept_scene(const v1::Bundle&, const v1::RenderOverrides& overrides,
+                                              const std::stop_token&) {
   core::RenderSettings settings;
   settings.width_px = kWidthPx;
   settings.height_px = kHeightPx;
@@ -123,18 +137,31 @@ void ScriptedFarm::open(const std::filesystem::path& folder) {
   ASSERT_TRUE(state) << state.error().message;
   CoordinatorOptions options;
   options.farm.now = [this] { return now_; };
+  options.farm.hold_clock = hold_clock_;
   options.limits = limits_;
   options.farm.audit_share = audit_share_;
-  options.farm.fingerprint = fingerprint_;
+  options.farm.fingerprints = fingerprints_;
   auto opened = Coordinator::open(options, std::move(*state), check_scene_);
   ASSERT_TRUE(opened) << opened.error().message;
   coordinator_ = std::move(*opened);
 }
 
-std::string ScriptedFarm::submit(const v1::SubmitJobRequest& request) {
-  const auto submitted = coordinator().jobs().submit(request);
+std::string ScriptedFarm::submit(const v1::SubmitJobRequest& request, const std::string& owner) {
+  const auto submitted = coordinator().jobs().submit(request, owner);
   EXPECT_TRUE(submitted) << submitted.error().message;
-  return submitted ? submitted->id() : "";
+  if (!submitted) return "";
+  coordinator().jobs().validate(submitted->id());
+  return submitted->id();
+}
+
+core::Error ScriptedFarm::refusal(const v1::SubmitJobRequest& request, const std::string& owner) {
+  const auto submitted = coordinator().jobs().submit(request, owner);
+  if (!submitted) return submitted.error();
+  coordinator().jobs().validate(submitted->id());
+  const v1::Job ended = job(submitted->id());
+  EXPECT_EQ(ended.state(), v1::JOB_STATE_FAILED);
+  EXPECT_EQ(ended.failure(), ended.failure_details().message());
+  return {code_of(ended.failure_details().reason()), ended.failure()};
 }
 
 v1::Job ScriptedFarm::job(const std::string& id) {
@@ -148,8 +175,15 @@ v1::Job ScriptedFarm::stored_job(const std::string& id) {
   return job(id);
 }
 
-v1::SynchronizeResponse ScriptedFarm::synchronize(const v1::SynchronizeRequest& request) {
-  const WaitingCall call(coordinator(), request);
+std::vector<v1::Job> ScriptedFarm::listed(const v1::ListJobsRequest& request) {
+  const auto page = coordinator().jobs().list(request);
+  EXPECT_TRUE(page) << page.error().message;
+  return page ? std::vector<v1::Job>(page->jobs().begin(), page->jobs().end()) : std::vector<v1::Job>();
+}
+
+v1::SynchronizeResponse ScriptedFarm::synchronize(const v1::SynchronizeRequest& request,
+                                                  farm::WorkerPrincipal principal) {
+  const WaitingCall call(coordinator(), request, std::move(principal));
   EXPECT_TRUE(call.answered());
   if (!call.answered()) return {};
   EXPECT_TRUE(call.answer()) << call.answer().error().message;
@@ -174,7 +208,8 @@ void ScriptedFarm::work(char worker, int leases) {
   }
 }
 
-WaitingCall::WaitingCall(Coordinator& coordinator, const v1::SynchronizeRequest& request)
+WaitingCall::WaitingCall(Coordinator& coordinator, const v1::SynchronizeRequest& request,
+                         farm::WorkerPrincipal principal)
     : answer_(std::make_shared<std::optional<core::Result<v1::SynchronizeResponse>>>()) {
   farm::SynchronizeCaller caller;
   caller.answer = [answer = answer_](core::Result<v1::SynchronizeResponse> result) {
@@ -182,6 +217,7 @@ WaitingCall::WaitingCall(Coordinator& coordinator, const v1::SynchronizeRequest&
     answer->emplace(std::move(result));
   };
   caller.is_gone = [gone = gone_] { return *gone; };
+  caller.principal = std::move(principal);
   coordinator.dispatcher().synchronize(request, std::move(caller));
 }
 

@@ -5,8 +5,11 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <functional>
 #include <memory>
 #include <optional>
+#include <set>
+#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -24,7 +27,8 @@ core::Image ready_made_picture(int width_px, int height_px, std::uint32_t spp);
 
 // Accepts any scene: 150 x 100 pixels, 6 samples per pixel, overrides applied. 3 x 2 tiles, of which 4 are
 // cropped.
-core::Result<jobs::CheckedScene> accept_scene(const v1::Bundle& bundle, const v1::RenderOverrides& overrides);
+core::Result<jobs::CheckedScene> accept_scene(const v1::Bundle& bundle, const v1::RenderOverrides& overrides,
+                                              const std::stop_token& stop = {});
 inline constexpr int kWidthPx = 150, kHeightPx = 100;
 inline constexpr std::uint32_t kSpp = 6;
 inline constexpr std::uint64_t kSamples = std::uint64_t{kWidthPx} * kHeightPx * kSpp;
@@ -50,13 +54,19 @@ class ScriptedFarm : public testing::Test {
   void open() { open(folder_.path() / "state"); }
   Coordinator& coordinator() { return *coordinator_; }
 
-  // Returns the job's id.
-  std::string submit(const v1::SubmitJobRequest& request = submission());
+  // Submits a job and validates its scene. Returns the job's id.
+  std::string submit(const v1::SubmitJobRequest& request = submission(), const std::string& owner = {});
+  // Why a job is refused: the error of its submission, or the failure of its validation with the code of the
+  // error.
+  core::Error refusal(const v1::SubmitJobRequest& request = submission(), const std::string& owner = {});
   v1::Job job(const std::string& id);
   // The same after a checkpoint, which publishes the job's completion.
   v1::Job stored_job(const std::string& id);
+  // One page of jobs.
+  std::vector<v1::Job> listed(const v1::ListJobsRequest& request = {});
   // Returns the answer, which must be immediate.
-  v1::SynchronizeResponse synchronize(const v1::SynchronizeRequest& request);
+  v1::SynchronizeResponse synchronize(const v1::SynchronizeRequest& request,
+                                      farm::WorkerPrincipal principal = {});
   v1::SubmitResultResponse deliver(const v1::SubmitResultRequest& request);
   // Renders and delivers leases until there are none; at most `leases` of them.
   void work(char worker, int leases = 1'000'000);
@@ -65,15 +75,18 @@ class ScriptedFarm : public testing::Test {
   scheduler::Time now_{std::chrono::hours(1)};
   jobs::SceneCheck check_scene_ = accept_scene;
   server::Limits limits_;
-  double audit_share_ = 0;                  // of the next coordinator
-  std::string fingerprint_ = kFingerprint;  // of the next coordinator
+  double audit_share_ = 0;  // of the next coordinator
+  // By which the next coordinator measures how long the state lock is held.
+  std::function<std::chrono::nanoseconds()> hold_clock_ = farm::Options().hold_clock;
+  std::set<std::string> fingerprints_{kFingerprint};  // of the next coordinator
   std::unique_ptr<Coordinator> coordinator_;
 };
 
 // A call of Synchronize that may wait.
 class WaitingCall {
  public:
-  WaitingCall(Coordinator& coordinator, const v1::SynchronizeRequest& request);
+  WaitingCall(Coordinator& coordinator, const v1::SynchronizeRequest& request,
+              farm::WorkerPrincipal principal = {});
 
   // The caller disconnects.
   void leave() { *gone_ = true; }

@@ -27,7 +27,7 @@ class Service : public testing::Test {
   Service() {
     auto state = store::StateDirectory::open(folder_.path());
     server::CoordinatorOptions options;
-    options.farm.fingerprint = server::kFingerprint;
+    options.farm.fingerprints = {server::kFingerprint};
     coordinator_ = std::move(*server::Coordinator::open(options, std::move(*state), server::accept_scene));
     server_ = std::move(*Server::start(*coordinator_, {.address = "127.0.0.1:0"}));
     const auto channel = *proto::open_channel(server_->address());
@@ -62,6 +62,7 @@ class Service : public testing::Test {
     v1::SubmitJobResponse response;
     const grpc::Status status = users_->SubmitJob(&context, submission(), &response);
     EXPECT_TRUE(status.ok()) << status.error_message();
+    while (job(response.job().id()).state() == v1::JOB_STATE_VALIDATING) std::this_thread::yield();
     return response.job().id();
   }
 

@@ -130,6 +130,10 @@ TEST_F(StateCheck, WhatIsLostOfACancelledJobIsToldToBeLost) {
 TEST_F(StateCheck, ATileThatIsMissingFromAFinishedJobIsTold) {
   fill();
   meddle("DELETE FROM tiles WHERE tile = 1 AND job_id = '" + done_ + "'");
+  const auto damaged = admin::check_state(state());
+  EXPECT_FALSE(damaged->whole());
+  EXPECT_THAT(admin::to_text(*damaged), HasSubstr("some of its tiles are missing: --salvage"));
+  meddle("UPDATE jobs SET settled = 0");
   EXPECT_THAT(admin::check_state(state())->notes,
               ElementsAre(HasSubstr("samples of job " + done_ + " are missing")));
 }

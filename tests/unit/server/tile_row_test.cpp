@@ -4,7 +4,9 @@
 #include <gtest/gtest.h>
 #include <zstd.h>
 
+#include "proto/convert.hpp"
 #include "proto/tile_codec.hpp"
+#include "proto/tile_planes.hpp"
 #include "server/film/tile_row.hpp"
 
 namespace tessera::server {
@@ -60,6 +62,25 @@ TEST(TileRow, ReadsWhatEarlierReleasesWrote) {
   const auto read = film::decode_tile_row({"job", 5, kDone, message.SerializeAsString()}, kRect);
   ASSERT_TRUE(read) << read.error().message;
   EXPECT_EQ(read->sums, tile.sums);
+}
+
+// As release 0.2.0 wrote it, with the provenance behind the message.
+TEST(TileRow, ReadsPlanesOfEarlierReleasesWithTheirProvenance) {
+  const film::TileContent tile = content();
+  v1::RenderedItem message;
+  *message.mutable_item() = proto::to_proto(proto::WorkItem{kRect, {0, 7}});
+  message.set_sums_zstd(proto::encode_planes(tile.sums.sums, tile.sums.odd_sums));
+  *message.mutable_counters() = proto::to_proto(tile.counters);
+  const film::Produced provenance{
+      9, {{{5, {0, 3}}, {"name", {"worker"}, "machine"}, {1, 2, 3}, scheduler::Due::kNo}}};
+  const std::string bytes =
+      "P" + message.SerializeAsString() + film::to_stored(provenance).SerializeAsString();
+  const auto read = film::decode_tile_row({"job", 5, kDone, bytes}, kRect);
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_EQ(read->sums, tile.sums);
+  EXPECT_EQ(read->counters, tile.counters);
+  EXPECT_EQ(read->provenance.fingerprinter, 9u);
+  EXPECT_EQ(read->provenance.items, provenance.items);
 }
 
 // Its samples were wrong, and no others have arrived since.

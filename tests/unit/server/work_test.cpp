@@ -258,12 +258,13 @@ TEST_F(Work, ABlobThatIsIntactAfterAllFailsNoJob) {
   EXPECT_EQ(stored_job(id).state(), v1::JOB_STATE_FAILED);
 }
 
-TEST_F(Work, SubmittingWhatIsDamagedAsksForItAndFailsNoRunningJob) {
+TEST_F(Work, SubmittingWhatIsDamagedFailsNoRunningJobAndAsksForItNextTime) {
   const std::string id = submit();
   const proto::Digest scene = proto::digest_of(kSceneBytes);
   write_file(coordinator().blobs().path(scene), "[]");
-  EXPECT_EQ(coordinator().jobs().submit(submission()).error().code, ErrorCode::kFailedPrecondition);
+  EXPECT_EQ(refusal().code, ErrorCode::kDataLoss);
   EXPECT_FALSE(coordinator().blobs().contains(scene));
+  EXPECT_EQ(refusal().code, ErrorCode::kFailedPrecondition);
   EXPECT_EQ(job(id).state(), v1::JOB_STATE_RUNNING);
 }
 
@@ -295,6 +296,12 @@ TEST_F(Work, SamplesThatKeepThreeWorkersFailTheirJob) {
   }
   EXPECT_EQ(stored_job(id).state(), v1::JOB_STATE_FAILED);
   EXPECT_THAT(job(id).failure(), HasSubstr("host-a (aaaaaaaa), host-b (bbbbbbbb), host-c (cccccccc)"));
+  open();
+  const v1::Failure failure = job(id).failure_details();
+  EXPECT_EQ(failure.reason(), v1::Failure::REASON_WORKERS_LOST);
+  EXPECT_EQ(failure.message(), job(id).failure());
+  EXPECT_EQ(failure.item().SerializeAsString(), lease.items(1).SerializeAsString());
+  EXPECT_THAT(failure.workers(), testing::ElementsAre("host-a", "host-b", "host-c"));
 }
 
 TEST_F(Work, LiesAboutWhatIsRenderedCountAgainstNoSamples) {

@@ -222,13 +222,14 @@ TEST(EndlessWorker, DeliversSaysWhatItIsAtAndStartsAnew) {
                                int) { return renderer.render(rect, range); },
                  .hang_timeout = [](const UnwantedPiece&) { return 0s; },
                  .self_restart =
-                     [&](const UnwantedPiece& piece, const core::Status&) {
+                     [&](const UnwantedPiece& piece, bool must_end) {
+                       EXPECT_FALSE(must_end);
                        said = coordinator.wait_for_syncs(3);
                        delivered = coordinator.wait_for_results(1);
                        endless = piece.piece;
                        renderer.release();
                      }});
-  EXPECT_TRUE(worker.run({}).has_value());
+  worker.run({});
 
   ASSERT_TRUE(endless.has_value());
   EXPECT_EQ(endless->item.rect, kCorner);

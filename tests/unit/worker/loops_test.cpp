@@ -57,12 +57,13 @@ class LoopsTest : public ::testing::Test {
 
   FakeCoordinator coordinator_;
   LeaseTracker lease_tracker_;
+  Metrics metrics_;
 };
 
 TEST_F(LoopsTest, SynchronizingTellsWhatTheWorkerIsAndHolds) {
   coordinator_.answer_with({give_lease});
-  SyncLoop sync(kIdentity, coordinator_.stub(), lease_tracker_);
-  std::jthread thread([&](const std::stop_token& stop) { EXPECT_TRUE(sync.run(stop).has_value()); });
+  SyncLoop sync(kIdentity, coordinator_.stub(), lease_tracker_, metrics_);
+  std::jthread thread([&](const std::stop_token& stop) { EXPECT_FALSE(sync.run(stop)); });
   const auto calls = coordinator_.wait_for_syncs(2);
   EXPECT_EQ(calls[0].worker_id(), "id");
   EXPECT_EQ(calls[0].name(), "name");
@@ -76,8 +77,8 @@ TEST_F(LoopsTest, SynchronizingTellsWhatTheWorkerIsAndHolds) {
 
 TEST_F(LoopsTest, SynchronizingSurvivesARestart) {
   coordinator_.answer_with({give_lease, unavailable, unavailable});
-  SyncLoop sync(kIdentity, coordinator_.stub(), lease_tracker_);
-  std::jthread thread([&](const std::stop_token& stop) { EXPECT_TRUE(sync.run(stop).has_value()); });
+  SyncLoop sync(kIdentity, coordinator_.stub(), lease_tracker_, metrics_);
+  std::jthread thread([&](const std::stop_token& stop) { EXPECT_FALSE(sync.run(stop)); });
   EXPECT_EQ(coordinator_.wait_for_syncs(4)[3].held_size(), 1);
 }
 
@@ -87,25 +88,38 @@ TEST_F(LoopsTest, ARefusedWorkerTriesAgain) {
   };
   coordinator_.answer_with({refuse, refuse, give_lease});
   const SyncLoop::Explain explain = [](const grpc::Status& status) { return proto::error_from_grpc(status); };
-  SyncLoop sync(kIdentity, coordinator_.stub(), lease_tracker_, explain, {.first = 1ms, .longest = 2ms});
-  std::jthread thread([&](const std::stop_token& stop) { EXPECT_TRUE(sync.run(stop).has_value()); });
+  SyncLoop sync(kIdentity, coordinator_.stub(), lease_tracker_, metrics_, explain, {.first = 1ms, .longest = 2ms});
+  std::jthread thread([&](const std::stop_token& stop) { EXPECT_FALSE(sync.run(stop)); });
   EXPECT_EQ(coordinator_.wait_for_syncs(4)[3].held_size(), 1);
 }
 
-// Retries do not help against wrong credentials.
-TEST_F(LoopsTest, AWorkerWithoutCredentialsGivesUp) {
-  coordinator_.answer_with(
-      {[](const auto&, auto&) { return grpc::Status(grpc::StatusCode::PERMISSION_DENIED, "no role"); }});
-  SyncLoop sync(kIdentity, coordinator_.stub(), lease_tracker_);
-  const core::Status done = sync.run({});
-  ASSERT_FALSE(done.has_value());
-  EXPECT_EQ(done.error().message, "no role");
+// Tokens can be corrected while the worker runs.
+TEST_F(LoopsTest, AWorkerWithWrongCredentialsTriesAgain) {
+  const auto refuse_with = [](grpc::StatusCode code) {
+    return [code](const auto&, auto&) { return grpc::Status(code, "no role"); };
+  };
+  coordinator_.answer_with({refuse_with(grpc::StatusCode::PERMISSION_DENIED),
+                            refuse_with(grpc::StatusCode::UNAUTHENTICATED), give_lease});
+  const SyncLoop::Explain explain = [](const grpc::Status& status) { return proto::error_from_grpc(status); };
+  SyncLoop sync(kIdentity, coordinator_.stub(), lease_tracker_, metrics_, explain, {.first = 1ms, .longest = 2ms});
+  std::jthread thread([&](const std::stop_token& stop) { EXPECT_FALSE(sync.run(stop)); });
+  EXPECT_EQ(coordinator_.wait_for_syncs(4)[3].held_size(), 1);
+}
+
+TEST_F(LoopsTest, AWorkerThatIsToldToStopSynchronizesNoMore) {
+  coordinator_.answer_with({give_lease, [](const auto&, auto& response) {
+                              response.set_stop(true);
+                              return grpc::Status::OK;
+                            }});
+  SyncLoop sync(kIdentity, coordinator_.stub(), lease_tracker_, metrics_);
+  EXPECT_TRUE(sync.run({}));
+  EXPECT_EQ(coordinator_.wait_for_syncs(2).size(), 2u);
 }
 
 TEST_F(LoopsTest, GoodbyeSaysThatNothingIsHeld) {
   coordinator_.answer_with({[](const auto&, auto&) { return grpc::Status::OK; }});
   lease_tracker_.drain();
-  SyncLoop(kIdentity, coordinator_.stub(), lease_tracker_).deregister();
+  SyncLoop(kIdentity, coordinator_.stub(), lease_tracker_, metrics_).deregister();
   const auto calls = coordinator_.wait_for_syncs(1);
   EXPECT_TRUE(calls[0].draining());
   EXPECT_EQ(calls[0].held_size(), 0);
@@ -114,7 +128,7 @@ TEST_F(LoopsTest, GoodbyeSaysThatNothingIsHeld) {
 TEST_F(LoopsTest, DeliveryDescribesItself) {
   hold_rendered(4);
   lease_tracker_.drain();
-  DeliverLoop({.worker_id = "id"}, coordinator_.stub(), lease_tracker_).run({});
+  DeliverLoop({.worker_id = "id"}, coordinator_.stub(), lease_tracker_, metrics_).run({});
   const auto results = coordinator_.wait_for_results(1);
   ASSERT_EQ(results.size(), 1u);
   EXPECT_EQ(results[0].worker_id(), "id");
@@ -134,19 +148,23 @@ TEST_F(LoopsTest, DeliveryIsRepeatedUntilItArrives) {
   coordinator_.refuse_results_with({{grpc::StatusCode::UNAVAILABLE, ""}, {grpc::StatusCode::INTERNAL, ""}});
   hold_rendered(2);
   lease_tracker_.drain();
-  DeliverLoop({.worker_id = "id"}, coordinator_.stub(), lease_tracker_).run({});
+  DeliverLoop({.worker_id = "id"}, coordinator_.stub(), lease_tracker_, metrics_).run({});
   const auto results = coordinator_.wait_for_results(3);
   ASSERT_EQ(results.size(), 3u);
   EXPECT_EQ(results[2].SerializeAsString(), results[0].SerializeAsString());
   EXPECT_EQ(results[2].items(0).item().sample_end(), 2u);
+  EXPECT_EQ(metrics_.results_delivered, 1u);
+  EXPECT_EQ(metrics_.results_rejected, 0u);
 }
 
 TEST_F(LoopsTest, ARefusedDeliveryIsNotRepeated) {
   coordinator_.refuse_results_with({{grpc::StatusCode::INVALID_ARGUMENT, "does not fit"}});
   hold_rendered(4);
   lease_tracker_.drain();
-  DeliverLoop({.worker_id = "id"}, coordinator_.stub(), lease_tracker_).run({});
+  DeliverLoop({.worker_id = "id"}, coordinator_.stub(), lease_tracker_, metrics_).run({});
   EXPECT_EQ(coordinator_.wait_for_results(1).size(), 1u);
+  EXPECT_EQ(metrics_.results_delivered, 0u);
+  EXPECT_EQ(metrics_.results_rejected, 1u);
 }
 
 class SceneFilesTest : public ::testing::Test {
@@ -162,7 +180,7 @@ class SceneFilesTest : public ::testing::Test {
     lease_tracker.apply(response);
     lease_tracker.next_to_fetch({});
     lease_tracker.fetched(std::make_shared<Job>(Job{"job", {}, {"key", "scene.json", blob_paths}}));
-    RenderLoop render(1, lease_tracker, load_);
+    RenderLoop render(1, lease_tracker, metrics_, load_);
     std::jthread thread([&](const std::stop_token& stop) { render.run(stop); });
     const auto delivery = lease_tracker.next_delivery({});
     EXPECT_TRUE(delivery->lease_finished);
@@ -171,6 +189,7 @@ class SceneFilesTest : public ::testing::Test {
 
   std::string folder_ = "/tmp/tessera-files-XXXXXX";
   LoadScene load_ = confined();
+  Metrics metrics_;
 };
 
 TEST_F(SceneFilesTest, AreFetchedAgainWhenTheCacheHasLostThem) {
@@ -219,7 +238,8 @@ TEST_F(LoopsTest, AJobThatTakesTooMuchMemoryIsDeclinedAndTheWorkerGoesOn) {
   const auto job = std::make_shared<Job>(Job{"job", {}, {"key", "scene.json", files}});
   lease_tracker.fetched(job);
   int renders = 0;
-  RenderLoop render(1, lease_tracker, confined(), {},
+  Metrics metrics;
+  RenderLoop render(1, lease_tracker, metrics, confined(), {},
                     [&](const auto&, const auto&, auto rect, auto range, int) -> core::FilmTile {
                       if (++renders == 1) throw std::bad_alloc();
                       return core::FilmTile(rect, range);

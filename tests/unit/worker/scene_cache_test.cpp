@@ -23,9 +23,10 @@ TEST(SceneCache, KeepsBuiltScenesForTheNextWorker) {
   const TemporaryFolder folder;
   const std::string blob = folder.path() / "blob";
   write_file(blob, kScene);
+  Metrics metrics;
   const SceneFiles files{.key = "key", .scene_path = "scene.json", .blob_paths = {{"scene.json", blob}}};
   const auto new_cache = [&] {
-    return SceneCache(1, 1, confined(),
+    return SceneCache(1, 1, metrics, confined(),
                       core::SceneStore::open(folder.path(), UINT64_MAX, [](const std::string& message) {
                         ADD_FAILURE() << message;
                       }).value());
@@ -35,7 +36,7 @@ TEST(SceneCache, KeepsBuiltScenesForTheNextWorker) {
   const auto scene = new_cache().get(files);
   ASSERT_TRUE(scene);
   EXPECT_EQ((*scene)->primitives().sphere_count(), 1u);
-  EXPECT_FALSE(SceneCache(1, 1, confined(), {}).get(files)) << "without a store";
+  EXPECT_FALSE(SceneCache(1, 1, metrics, confined(), {}).get(files)) << "without a store";
 }
 
 // Where there is no store, and where it takes no scene, the scene goes from one process to the other all the
@@ -44,10 +45,11 @@ TEST(SceneCache, DoesWithoutAStore) {
   const TemporaryFolder folder;
   const std::string blob = folder.path() / "blob";
   write_file(blob, kScene);
+  Metrics metrics;
   const SceneFiles files{.key = "key", .scene_path = "scene.json", .blob_paths = {{"scene.json", blob}}};
-  EXPECT_TRUE(SceneCache(1, 1, confined(), {}).get(files));
+  EXPECT_TRUE(SceneCache(1, 1, metrics, confined(), {}).get(files));
   auto full = core::SceneStore::open(folder.path(), 1, [](const std::string&) {});
-  EXPECT_TRUE(SceneCache(1, 1, confined(), std::move(full.value())).get(files));
+  EXPECT_TRUE(SceneCache(1, 1, metrics, confined(), std::move(full.value())).get(files));
 }
 
 }  // namespace

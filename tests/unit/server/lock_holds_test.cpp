@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: Apache-2.0
+// How long the state lock is held, by the processor time of its holder: that does not depend on what else the
+// machine does.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <time.h>
+
+#include <atomic>
+#include <chrono>
+#include <functional>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "server/farm/totals.hpp"
+#include "server/film/tile_row.hpp"
+#include "tests/unit/server/scripted_farm.hpp"
+
+namespace tessera::server {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::nanoseconds;
+
+// Sanitizers, and builds without optimisation, take several times as long.
+#ifdef TESSERA_SANITIZED
+constexpr auto kLongestHold = milliseconds(25);
+#else
+constexpr auto kLongestHold = milliseconds(5);
+#endif
+
+constexpr int kJobs = 1000, kWorkers = 1000;
+constexpr int kLargePx = 16'384, kTilesForOneStored = 32;
+
+nanoseconds processor_time() {
+  timespec time{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return std::chrono::seconds(time.tv_sec) + nanoseconds(time.tv_nsec);
+}
+
+v1::SynchronizeRequest greeting_of(int worker) {
+  v1::SynchronizeRequest request = greeting('a');
+  request.set_worker_id(fmt::format("{:032x}", worker));
+  request.set_name(fmt::format("host-{}", worker));
+  return request;
+}
+
+class LockHolds : public ScriptedFarm {
+ protected:
+  LockHolds() {
+    hold_clock_ = processor_time;
+    limits_.open_jobs = 2 * kJobs;
+    open();
+  }
+
+  std::string submit_of_size(int side_px, std::uint32_t spp) {
+    v1::SubmitJobRequest request = submission();
+    request.mutable_overrides()->set_width_px(static_cast<std::uint32_t>(side_px));
+    request.mutable_overrides()->set_height_px(static_cast<std::uint32_t>(side_px));
+    request.mutable_overrides()->set_spp(spp);
+    return submit(request);
+  }
+
+  // Gives every 32nd tile of a job its first sample, which is black, in the store: all would take a minute to
+  // read. The coordinator must be closed.
+  void store_first_samples(const std::string& id) {
+    auto state = store::StateDirectory::open(folder_.path() / "state");
+    ASSERT_TRUE(state) << state.error().message;
+    const core::TileGrid grid({0, 0, kLargePx, kLargePx}, core::kTilePx);
+    film::TileContent black;
+    black.sums.sums.resize(3 * grid.rect(0).pixel_count());
+    black.sums.odd_sums = black.sums.sums;
+    black.counters.samples = grid.rect(0).pixel_count();
+    std::vector<store::TileRow> rows;
+    for (int tile = 0; tile < grid.tile_count(); tile += kTilesForOneStored)
+      rows.push_back(film::encode_tile_row(id, tile, grid.rect(tile), {{0, 1}}, black));
+    ASSERT_TRUE(state->jobs.write_tiles(rows));
+  }
+
+  // The calls of all workers, of which each is given a lease if there is one.
+  std::vector<WaitingCall> call_of_each_worker() {
+    std::vector<WaitingCall> calls;
+    for (int worker = 0; worker < kWorkers; ++worker) calls.emplace_back(coordinator(), greeting_of(worker));
+    return calls;
+  }
+
+  std::uint64_t silent_workers() {
+    const auto workers = farm::totals_of(coordinator().farm()).scheduler.workers;
+    return workers[static_cast<std::size_t>(scheduler::WorkerActivity::kSilent)];
+  }
+
+  void begin_to_count() { before_ = coordinator().farm().lock_holds().snapshot(); }
+  // The number of holds since then that were longer than this, and a text that says how long all were.
+  std::pair<std::uint64_t, std::string> holds_beyond(nanoseconds bound) {
+    const base::DurationHistogram& holds = coordinator().farm().lock_holds();
+    const auto counts = holds.snapshot().counts;
+    std::uint64_t beyond = 0;
+    std::string text;
+    for (std::size_t i = 0; i < counts.size(); ++i) {
+      const bool is_last = i == holds.bounds().size();
+      const std::uint64_t count = counts[i] - before_.counts[i];
+      text += fmt::format("{} ns: {}\n", is_last ? -1 : holds.bounds()[i].count(), count);
+      if (is_last || holds.bounds()[i] > bound) beyond += count;
+    }
+    return {beyond, text};
+  }
+
+ private:
+  base::DurationHistogram::Snapshot before_;
+};
+
+// Repeats tasks on threads of their own until it is destroyed.
+class Meanwhile {
+ public:
+  ~Meanwhile() {
+    stop_ = true;
+    for (std::thread& thread : threads_) thread.join();
+  }
+  void repeat(const std::function<void()>& task) {
+    threads_.emplace_back([this, task] {
+      while (!stop_) task();
+    });
+  }
+
+ private:
+  std::atomic<bool> stop_{false};
+  std::vector<std::thread> threads_;
+};
+
+TEST_F(LockHolds, AreShortWhileAThousandWorkersRenderAThousandJobsAndALargeOneIsDeleted) {
+  const std::string large = submit_of_size(kLargePx, 2);
+  coordinator_.reset();
+  store_first_samples(large);
+  open();
+  ASSERT_EQ(job(large).samples_done(), std::uint64_t{kLargePx} * kLargePx / kTilesForOneStored);
+  begin_to_count();  // nobody waits while jobs are restored
+  std::vector<std::string> jobs;
+  for (int i = 0; i < kJobs; ++i) jobs.push_back(submit());
+  std::vector<WaitingCall> calls;
+  {
+    Meanwhile meanwhile;
+    for (std::size_t i = 0; i < 4; ++i)
+      meanwhile.repeat([&, i] { EXPECT_TRUE(coordinator().images().get(jobs[i])); });
+    meanwhile.repeat([&] { EXPECT_TRUE(coordinator().checkpointer().checkpoint()); });
+    meanwhile.repeat([&] { coordinator().dispatcher().tick(); });
+    calls = call_of_each_worker();
+    EXPECT_TRUE(coordinator().jobs().remove(large));
+    for (int worker = 0; worker < kWorkers; worker += 10) {
+      const WaitingCall& call = calls[static_cast<std::size_t>(worker)];
+      ASSERT_TRUE(call.answered() && call.answer());
+      for (const v1::Lease& lease : call.answer()->leases()) {
+        v1::SubmitResultRequest result = delivery('a', lease);
+        result.set_worker_id(greeting_of(worker).worker_id());
+        static_cast<void>(deliver(result));
+      }
+    }
+  }
+  const auto [beyond, text] = holds_beyond(kLongestHold);
+  EXPECT_EQ(beyond, 0u) << text;
+}
+
+TEST_F(LockHolds, AreShortWhenAThousandWorkersAreAnsweredOrLostAtOnce) {
+  begin_to_count();
+  const std::vector<WaitingCall> idle = call_of_each_worker();
+  const std::string id = submit_of_size(2048, 6);
+  for (const WaitingCall& call : idle) ASSERT_TRUE(call.answered()) << "there is work for all";
+  ASSERT_TRUE(coordinator().jobs().cancel(id));
+  const std::vector<WaitingCall> waiting = call_of_each_worker();
+  for (const WaitingCall& call : waiting) ASSERT_FALSE(call.answered());
+  now_ += std::chrono::seconds(4);
+  coordinator().dispatcher().tick();
+  for (const WaitingCall& call : waiting) ASSERT_TRUE(call.answered());
+  now_ += std::chrono::seconds(10);
+  for (int tick = 0; tick < kWorkers && silent_workers() < kWorkers; ++tick)
+    coordinator().dispatcher().tick();
+  EXPECT_EQ(silent_workers(), kWorkers);
+  const auto [beyond, text] = holds_beyond(kLongestHold);
+  EXPECT_EQ(beyond, 0u) << text;
+}
+
+}  // namespace
+}  // namespace tessera::server
