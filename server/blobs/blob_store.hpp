@@ -50,9 +50,9 @@ class BlobWriter {
   const proto::Digest& digest() const { return parts_.digest; }
   // The bytes that append() has taken.
   std::uint64_t written_bytes() const { return hasher_.size_bytes(); }
-  // Whether all bytes have come.
+  // Whether all bytes were received.
   bool is_whole() const { return written_bytes() == parts_.digest.size_bytes; }
-  // Whether bytes are missing, and those that have come were written.
+  // Whether bytes are missing, and those that were received are written.
   bool can_be_continued() const { return parts_.fd && !failed_ && !is_whole(); }
 
  private:

@@ -27,7 +27,7 @@ class PartialUploads {
 
   explicit PartialUploads(std::function<Time()> now) : now_(std::move(now)) {}
 
-  // Keeps what has come of an upload, if it can be continued and there is a place; else it is removed. It
+  // Keeps what was received of an upload, if it can be continued and there is a place; else it is removed. It
   // replaces an earlier one of the same blob.
   void keep(const std::string& caller, BlobWriter writer);
   // The bytes that are kept of a blob; 0 if there are none.

@@ -75,7 +75,7 @@ class StateLock {
   void follow_audits(const scheduler::Actions& actions);
   void offer_later(const std::string& worker);
   void continue_offers();
-  // Logs that a worker has come or gone, and forgets one that the scheduler has forgotten.
+  // Logs that a worker has registered or is lost, and forgets one that the scheduler has forgotten.
   void note_presence(const scheduler::WorkerId& worker);
 
   Farm& farm_;

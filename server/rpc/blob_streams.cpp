@@ -152,7 +152,7 @@ core::Status UploadStream::store() {
   keep_partial();
   return core::fail(
       ErrorCode::kDataLoss,
-      fmt::format("blob {}: {} of its {} bytes have come: send the rest (GetUpload says from where)",
+      fmt::format("blob {}: {} of its {} bytes were received: send the rest (GetUpload says from where)",
                   digest.hex(), come, digest.size_bytes));
 }
 

@@ -22,7 +22,7 @@ bool is_final(v1::JobState state) {
 }  // namespace
 
 core::Result<WatchStream::Step> WatchJobCall::next() {
-  auto job = coordinator_.jobs().get_without_bundle(request_.job_id());
+  auto job = coordinator().jobs().get_without_bundle(request_.job_id());
   if (!job) return core::fail(job.error());
   Step step;
   step.is_last = is_final(job->state());
@@ -37,7 +37,7 @@ core::Result<WatchStream::Step> WatchJobCall::next() {
 core::Result<WatchStream::Step> WatchFarmCall::next() {
   const bool is_first = !update_;
   const events::Cursor cursor = is_first ? watch::from_token(request_.resume_token()) : update_->next;
-  auto update = coordinator_.farm_feed().after(cursor);
+  auto update = coordinator().farm_feed().after(cursor);
   Step step;
   if (update->is_empty() && !is_first) return step;
   update_ = std::move(update);
@@ -54,7 +54,7 @@ core::Result<WatchStream::Step> WatchTilesCall::next() {
     if (!region) return core::fail(region.error());
     query.region = *region;
   }
-  auto update = coordinator_.tile_feed().update(query);
+  auto update = coordinator().tile_feed().update(query);
   if (!update) return core::fail(update.error());
   Step step;
   step.has_more = !update->is_current;

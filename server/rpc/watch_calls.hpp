@@ -4,7 +4,6 @@
 
 #include <string>
 
-#include "server/coordinator.hpp"
 #include "server/rpc/watch_stream.hpp"
 #include "tessera/v1/render_service.pb.h"
 
@@ -12,16 +11,13 @@ namespace tessera::rpc {
 
 class WatchJobCall final : public WatchStream {
  public:
-  WatchJobCall(grpc::CallbackServerContext& context, server::Coordinator& coordinator, WatchHub& hub,
-               base::FairPool& pool, StreamLimits& streams, auth::Admission admission)
-      : WatchStream(context, hub, pool, streams, std::move(admission)), coordinator_(coordinator) {}
+  using WatchStream::WatchStream;
 
  private:
   google::protobuf::Message& message() override { return request_; }
   const std::string& job_id() const override { return request_.job_id(); }
   core::Result<Step> next() override;
 
-  server::Coordinator& coordinator_;
   v1::WatchJobRequest request_;
   v1::WatchJobResponse response_;
   std::string last_sent_;  // the last job sent, serialised
@@ -29,16 +25,13 @@ class WatchJobCall final : public WatchStream {
 
 class WatchFarmCall final : public WatchStream {
  public:
-  WatchFarmCall(grpc::CallbackServerContext& context, server::Coordinator& coordinator, WatchHub& hub,
-                base::FairPool& pool, StreamLimits& streams, auth::Admission admission)
-      : WatchStream(context, hub, pool, streams, std::move(admission)), coordinator_(coordinator) {}
+  using WatchStream::WatchStream;
 
  private:
   google::protobuf::Message& message() override { return request_; }
   const std::string& job_id() const override { return everything_; }
   core::Result<Step> next() override;
 
-  server::Coordinator& coordinator_;
   const std::string everything_;
   v1::WatchFarmRequest request_;
   std::shared_ptr<const watch::FarmUpdate> update_;  // the last one sent
@@ -46,9 +39,7 @@ class WatchFarmCall final : public WatchStream {
 
 class WatchTilesCall final : public WatchStream {
  public:
-  WatchTilesCall(grpc::CallbackServerContext& context, server::Coordinator& coordinator, WatchHub& hub,
-                 base::FairPool& pool, StreamLimits& streams, auth::Admission admission)
-      : WatchStream(context, hub, pool, streams, std::move(admission)), coordinator_(coordinator) {}
+  using WatchStream::WatchStream;
 
  private:
   google::protobuf::Message& message() override { return request_; }
@@ -56,7 +47,6 @@ class WatchTilesCall final : public WatchStream {
   core::Result<Step> next() override;
   Clock::duration pause_after(std::size_t bytes) const;
 
-  server::Coordinator& coordinator_;
   v1::WatchTilesRequest request_;
   v1::WatchTilesResponse response_;
   bool has_sent_ = false;

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "server/base/fair_pool.hpp"
+#include "server/coordinator.hpp"
 #include "server/rpc/call.hpp"
 #include "server/rpc/watch_hub.hpp"
 
@@ -20,6 +21,14 @@ namespace tessera::rpc {
 //      ▲                                 │ nothing to send   │
 //      └─────────────────────────────────┴───────────────────┘
 class WatchStream : public RequestCall, private Watcher {
+ public:
+  WatchStream(grpc::CallbackServerContext& context, server::Coordinator& coordinator, WatchHub& hub,
+              base::FairPool& pool, StreamLimits& streams, auth::Admission admission)
+      : RequestCall(context, streams, std::move(admission)),
+        coordinator_(coordinator),
+        hub_(hub),
+        pool_(pool) {}
+
  protected:
   struct Step {
     const google::protobuf::Message* message = nullptr;  // null: there is nothing to send
@@ -28,10 +37,7 @@ class WatchStream : public RequestCall, private Watcher {
     Clock::duration pause{};                             // before the next step
   };
 
-  WatchStream(grpc::CallbackServerContext& context, WatchHub& hub, base::FairPool& pool,
-              StreamLimits& streams, auth::Admission admission)
-      : RequestCall(context, streams, std::move(admission)), hub_(hub), pool_(pool) {}
-
+  server::Coordinator& coordinator() { return coordinator_; }
   // The next message. Never called twice at a time. An error ends the call.
   virtual core::Result<Step> next() = 0;
 
@@ -52,6 +58,7 @@ class WatchStream : public RequestCall, private Watcher {
   void end(grpc::Status status);
   void finish_if_ended();
 
+  server::Coordinator& coordinator_;
   WatchHub& hub_;
   base::FairPool& pool_;
   std::optional<base::FairShare::Held> place_;  // its share of streams.watches

@@ -24,7 +24,7 @@ struct EventCounts {
   std::uint64_t accepted_items = 0, audited_items = 0, dropped_items = 0;
   // Leases that were given, and leases of an earlier run or a lost worker that were taken over.
   std::uint64_t granted_leases = 0, adopted_leases = 0;
-  // Changes of jobs, by the state that they have come to; without new jobs.
+  // Changes of jobs, by the new state; without new jobs.
   std::array<std::uint64_t, kJobStates> job_changes{};
   // Leases by the state in which they ended.
   std::array<std::uint64_t, kLeaseStates> ended_leases{};

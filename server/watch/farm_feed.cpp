@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 
 namespace tessera::watch {
 
@@ -12,29 +13,20 @@ namespace {
 constexpr std::size_t kSubjectsAtOnce = 512;
 constexpr std::size_t kKeptUpdates = 8;
 
-void append(std::string& token, std::uint64_t number) {
-  for (int shift = 0; shift < 64; shift += 8) token.push_back(static_cast<char>(number >> shift));
-}
-
-std::uint64_t number_at(const std::string& token, std::size_t offset) {
-  std::uint64_t number = 0;
-  for (std::size_t i = 0; i < 8; ++i)
-    number |= std::uint64_t{static_cast<unsigned char>(token[offset + i])} << (8 * i);
-  return number;
-}
-
 }  // namespace
 
 std::string to_token(const events::Cursor& cursor) {
-  std::string token;
-  append(token, cursor.revision);
-  append(token, cursor.forgotten);
+  const std::uint64_t numbers[] = {cursor.revision, cursor.forgotten};
+  std::string token(sizeof numbers, '\0');
+  std::memcpy(token.data(), numbers, sizeof numbers);
   return token;
 }
 
 events::Cursor from_token(const std::string& token) {
-  if (token.size() != 16) return {};
-  return {number_at(token, 0), number_at(token, 8)};
+  std::uint64_t numbers[2];
+  if (token.size() != sizeof numbers) return {};
+  std::memcpy(numbers, token.data(), sizeof numbers);
+  return {numbers[0], numbers[1]};
 }
 
 void FarmFeed::add_job(const std::string& id, v1::WatchFarmResponse& message) {

@@ -67,7 +67,7 @@ core::Result<std::shared_ptr<const EncodedTile>> TileFeed::encoded(const TileQue
 core::Result<TileUpdate> TileFeed::update(const TileQuery& query) {
   auto job = jobs_.get_without_bundle(query.job_id);
   if (!job) return core::fail(job.error());
-  if (bytes_per_pixel(query.format) == 0)
+  if (!is_known(query.format))
     return core::fail(core::ErrorCode::kInvalidArgument, "format: must be one of TileFormat");
   if (!has_image(*job)) return TileUpdate{std::move(*job), {}, query.since, true};
   const core::TileGrid grid = farm::grid_of(*job);
@@ -80,8 +80,8 @@ core::Result<TileUpdate> TileFeed::update(const TileQuery& query) {
     if (!next) return core::fail(next.error());
     for (const film::TileEvent& change : *next) {
       update.revision = change.revision;
-      const core::PixelRect rect = grid.rect(change.tile);
       if (change.tile < 0 || change.tile >= grid.tile_count()) continue;
+      const core::PixelRect rect = grid.rect(change.tile);
       if (query.region && !touches(rect, *query.region)) continue;
       const auto tile = encoded(query, update.job, film, change);
       if (!tile) return core::fail(tile.error());

@@ -64,15 +64,8 @@ core::Result<std::string> compress(const std::vector<Number>& numbers) {
 
 }  // namespace
 
-std::size_t bytes_per_pixel(v1::TileFormat format) {
-  switch (format) {
-    case v1::TILE_FORMAT_RGB16F:
-      return 3 * sizeof(std::uint16_t);
-    case v1::TILE_FORMAT_RGB32F:
-      return 3 * sizeof(float);
-    default:
-      return 0;
-  }
+bool is_known(v1::TileFormat format) {
+  return format == v1::TILE_FORMAT_RGB16F || format == v1::TILE_FORMAT_RGB32F;
 }
 
 core::Result<std::string> encode_pixels(const core::Image& image, v1::TileFormat format) {

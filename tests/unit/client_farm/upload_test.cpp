@@ -23,7 +23,7 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-// Stores blobs in memory, and keeps what has come of an upload that it ends.
+// Stores blobs in memory, and keeps what it received of an upload that it ends.
 class BlobService final : public v1::RenderService::Service {
  public:
   grpc::Status FindMissingBlobs(grpc::ServerContext*, const v1::FindMissingBlobsRequest* request,

@@ -72,7 +72,7 @@ TEST_F(ResumedUploads, ContinueWhereTheyWereInterrupted) {
   start({});
   const grpc::Status broken = send(*users_, bytes_, 0, kSent);
   EXPECT_EQ(broken.error_code(), grpc::StatusCode::DATA_LOSS);
-  EXPECT_THAT(broken.error_message(), HasSubstr("150000 of its 400000 bytes have come"));
+  EXPECT_THAT(broken.error_message(), HasSubstr("150000 of its 400000 bytes were received"));
   EXPECT_EQ(ask(*users_, bytes_).committed_bytes(), kSent);
   EXPECT_FALSE(ask(*users_, bytes_).is_stored());
   EXPECT_EQ(coordinator_->files().used_bytes(), kLarge) << "it keeps its room";
