@@ -8,7 +8,7 @@
 #include <thread>
 
 #include "client/console.hpp"
-#include "proto/number_range.hpp"
+#include "core/common/number_range.hpp"
 
 namespace tessera::client {
 namespace {
@@ -60,7 +60,7 @@ void add_local_options(CLI::App& command, RenderOptions& options) {
   command
       .add_option("--scene-cache-gib", options.scene_cache_gib,
                   "Size limit of --scene-cache in GiB; scenes unused for longest are removed first")
-      ->check(proto::number_between(0.0, 1e6))
+      ->check(common::number_between(0.0, 1e6))
       ->type_name("N")
       ->capture_default_str();
   command.add_flag("-q,--quiet", options.quiet, "Print warnings and errors only");

@@ -9,8 +9,8 @@
 #include <charconv>
 #include <cstdint>
 
+#include "core/common/pem.hpp"
 #include "core/image/file_io.hpp"
-#include "proto/pem.hpp"
 
 namespace tessera::proto {
 namespace {
@@ -95,11 +95,11 @@ core::Result<std::shared_ptr<grpc::ChannelCredentials>> channel_credentials(cons
     return grpc::InsecureChannelCredentials();
   }
   grpc::SslCredentialsOptions options;
-  auto ca = read_certificates(security.ca);
+  auto ca = common::read_certificates(security.ca);
   if (!ca) return core::fail(ca.error());
   options.pem_root_certs = *std::move(ca);
   if (!security.certificate.empty()) {
-    auto mine = read_certificate_and_key(security.certificate, security.key);
+    auto mine = common::read_certificate_and_key(security.certificate, security.key);
     if (!mine) return core::fail(mine.error());
     options.pem_cert_chain = std::move(mine->certificates);
     options.pem_private_key = std::move(mine->key);
@@ -123,14 +123,14 @@ core::Result<std::shared_ptr<grpc::ServerCredentials>> server_credentials(const 
   }
   if (const auto allowed = allow_unauthenticated(address, security); !allowed)
     return core::fail(allowed.error());
-  auto mine = read_certificate_and_key(security.certificate, security.key);
+  auto mine = common::read_certificate_and_key(security.certificate, security.key);
   if (!mine) return core::fail(mine.error());
   grpc::SslServerCredentialsOptions options(security.client_ca.empty()
                                                 ? GRPC_SSL_DONT_REQUEST_CLIENT_CERTIFICATE
                                                 : GRPC_SSL_REQUEST_AND_REQUIRE_CLIENT_CERTIFICATE_AND_VERIFY);
   options.pem_key_cert_pairs.push_back({std::move(mine->key), std::move(mine->certificates)});
   if (!security.client_ca.empty()) {
-    auto ca = read_certificates(security.client_ca);
+    auto ca = common::read_certificates(security.client_ca);
     if (!ca) return core::fail(ca.error());
     options.pem_root_certs = *std::move(ca);
   }

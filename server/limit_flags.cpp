@@ -6,8 +6,8 @@
 #include <limits>
 #include <string>
 
+#include "core/common/number_range.hpp"
 #include "core/scene/settings.hpp"
-#include "proto/number_range.hpp"
 #include "server/validator/flags.hpp"
 
 namespace tessera::server {
@@ -28,7 +28,7 @@ constexpr double kMinFilmGib = 0.0625, kMaxFilmGib = 1 << 20;
 template <typename T>
 void add(CLI::App& app, const char* flag, T& value, T least, T most, const char* what) {
   app.add_option(flag, value, what)
-      ->check(proto::number_between(least, most))
+      ->check(common::number_between(least, most))
       ->type_name("N")
       ->capture_default_str()
       ->group("Limits");
@@ -42,7 +42,7 @@ void add_seconds(CLI::App& app, const char* flag, std::chrono::milliseconds& val
            value = std::chrono::duration_cast<std::chrono::milliseconds>(Seconds(seconds));
          },
          what)
-      ->check(proto::number_between(1.0, kMaxSeconds))
+      ->check(common::number_between(1.0, kMaxSeconds))
       ->type_name("N")
       ->default_str(std::to_string(std::chrono::duration_cast<std::chrono::seconds>(value).count()))
       ->group("Limits");
@@ -53,7 +53,7 @@ void add_job_flags(CLI::App& app, Limits& limits) {
          "--max-film-gib", limits.film_gib,
          "Most GiB of memory for the images of unfinished jobs; what exceeds it is read back from the "
          "state folder")
-      ->check(proto::number_between(kMinFilmGib, kMaxFilmGib))
+      ->check(common::number_between(kMinFilmGib, kMaxFilmGib))
       ->type_name("N")
       ->default_str("half of the memory")
       ->group("Limits");

@@ -16,11 +16,11 @@
 
 #include "core/base/printable.hpp"
 #include "core/base/standard_streams.hpp"
+#include "core/common/log.hpp"
+#include "core/common/metrics_server.hpp"
+#include "core/common/open_files.hpp"
+#include "core/common/secret_file.hpp"
 #include "core/sandbox/check.hpp"
-#include "proto/log.hpp"
-#include "proto/metrics_server.hpp"
-#include "proto/open_files.hpp"
-#include "proto/secret_file.hpp"
 #include "server/admin/maintenance.hpp"
 #include "server/metrics/collect.hpp"
 #include "server/options.hpp"
@@ -59,11 +59,11 @@ void warn_of_open_doors(const server::Options& options) {
 }
 
 // Null unless the options ask for metrics. Coordinator and server must outlive it.
-core::Result<std::unique_ptr<proto::MetricsServer>> serve_metrics(const server::Options& options,
-                                                                  server::Coordinator& coordinator,
-                                                                  const rpc::Server& server) {
+core::Result<std::unique_ptr<common::MetricsServer>> serve_metrics(const server::Options& options,
+                                                                   server::Coordinator& coordinator,
+                                                                   const rpc::Server& server) {
   if (options.metrics.empty()) return nullptr;
-  auto metrics = proto::MetricsServer::start(
+  auto metrics = common::MetricsServer::start(
       options.metrics, [&coordinator, &server] { return metrics::collect(coordinator, server); });
   if (metrics) spdlog::info("metrics at http://{}/metrics", (*metrics)->address());
   return metrics;
@@ -71,7 +71,7 @@ core::Result<std::unique_ptr<proto::MetricsServer>> serve_metrics(const server::
 
 void warn_of_exposed_secrets(const server::Options& options) {
   for (const std::string& secret : {options.security.key, options.tokens})
-    if (const auto warning = proto::exposure_of(secret)) spdlog::warn("{}", *warning);
+    if (const auto warning = common::exposure_of(secret)) spdlog::warn("{}", *warning);
 }
 
 // Threads and gRPC end the process without a message if they cannot allocate what they need.
@@ -154,7 +154,7 @@ core::Status run(const server::Options& options, const sigset_t& signals) {
 
   warn_of_open_doors(options);
   warn_of_exposed_secrets(options);
-  proto::flush_log();
+  common::flush_log();
   std::cout << "tessera-coordinator: listening on " << (*server)->address() << std::endl;
   wait_for_stop(options, **server, signals);
   metrics->reset();
@@ -179,12 +179,12 @@ int main(int argc, char** argv) {
   // Errors are reported once, by our own messages; GRPC_VERBOSITY=DEBUG turns gRPC's log on.
   setenv("GRPC_VERBOSITY", "NONE", 0);
   const server::Options options = server::parse_options(argc, argv);
-  proto::log_to_stderr("tessera-coordinator", options.log);
+  common::log_to_stderr("tessera-coordinator", options.log);
   if (!options.check.empty()) return admin::check(options.check);
   if (!options.salvage.empty()) return admin::salvage(options.salvage);
   // Debian's Abseil searches for deadlocks each time that gRPC takes a lock.
   absl::SetMutexDeadlockDetectionMode(absl::OnDeadlockCycle::kIgnore);
-  proto::raise_file_limit();
+  common::raise_file_limit();
   const sigset_t signals = block_signals();
   ::umask(S_IRWXG | S_IRWXO);  // other users of this machine must not read submitted scenes
   const auto ended = run_guarded(options, signals);

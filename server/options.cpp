@@ -7,10 +7,10 @@
 #include "core/base/version.hpp"
 #include "core/cli/help.hpp"
 #include "core/cli/parse.hpp"
+#include "core/common/log_flags.hpp"
+#include "core/common/metrics_flag.hpp"
+#include "core/common/number_range.hpp"
 #include "core/sandbox/flags.hpp"
-#include "proto/log_flags.hpp"
-#include "proto/metrics_flag.hpp"
-#include "proto/number_range.hpp"
 #include "server/jobs/retirement.hpp"
 #include "server/limit_flags.hpp"
 
@@ -98,12 +98,12 @@ Options parse_options(int argc, char** argv) {
       ->type_name("DIR");
   app.add_option("--lease-seconds", options.lease_seconds,
                  "Lease time: a worker that is silent for so many seconds loses its work to others")
-      ->check(proto::number_between(1.0, 3600.0))
+      ->check(common::number_between(1.0, 3600.0))
       ->type_name("N")
       ->capture_default_str();
   app.add_option("--keep-unused-hours", options.keep_unused_hours,
                  "Remove files of scenes so many hours after the last job that uses them")
-      ->check(proto::number_between(1.0, 1e6))
+      ->check(common::number_between(1.0, 1e6))
       ->type_name("N")
       ->capture_default_str();
   app.add_option(
@@ -114,7 +114,7 @@ Options parse_options(int argc, char** argv) {
       ->type_name("N|TIME");
   app.add_option("--audit", options.audit,
                  "Share of the work, from 0 to 1, that a second worker renders again to compare the bytes")
-      ->check(proto::number_between(0.0, 1.0))
+      ->check(common::number_between(0.0, 1.0))
       ->type_name("P")
       ->capture_default_str();
   app.add_option("--validator", options.validator,
@@ -126,8 +126,8 @@ Options parse_options(int argc, char** argv) {
       ->check(CLI::Validator(is_fingerprint, ""))
       ->allow_extra_args(false)
       ->type_name("HEX");
-  proto::add_metrics_flag(app, options.metrics);
-  proto::add_log_flags(app, options.log);
+  common::add_metrics_flag(app, options.metrics);
+  common::add_log_flags(app, options.log);
   add_maintenance_flags(app, options);
   add_security_flags(app, options);
   add_limit_flags(app, options.limits);

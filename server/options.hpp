@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "core/common/log.hpp"
 #include "proto/channel.hpp"
-#include "proto/log.hpp"
 #include "server/limits.hpp"
 #include "server/store/state_directory.hpp"
 #include "server/validator/validator_process.hpp"
@@ -43,7 +43,7 @@ struct Options {
   Limits limits;
   // HOST:PORT to serve metrics at (proto/metrics_server.hpp). Empty: nowhere.
   std::string metrics;
-  proto::LogOptions log;
+  common::LogOptions log;
 };
 
 // Parses the command line. On --help, --version and errors it prints the text and ends the process.

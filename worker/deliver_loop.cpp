@@ -6,7 +6,7 @@
 
 #include <chrono>
 
-#include "proto/log.hpp"
+#include "core/common/log.hpp"
 #include "proto/retry.hpp"
 #include "proto/status.hpp"
 #include "proto/tile_codec.hpp"
@@ -48,10 +48,10 @@ void DeliverLoop::run(const std::stop_token& stop) {
     if (!done && !is_refusal(done.error().code)) return;  // a stop was requested
     ++(done ? metrics_.results_delivered : metrics_.results_rejected);
     if (!done)
-      proto::log(spdlog::level::err,
-                 fmt::format("job {}: the coordinator refused {} items: {}", delivery->job_id,
-                             delivery->tiles.size(), done.error().message),
-                 {.job = delivery->job_id});
+      common::log(spdlog::level::err,
+                  fmt::format("job {}: the coordinator refused {} items: {}", delivery->job_id,
+                              delivery->tiles.size(), done.error().message),
+                  {.job = delivery->job_id});
     lease_tracker_.delivered(*delivery, response);
   }
 }
@@ -80,10 +80,10 @@ core::Status DeliverLoop::submit(const v1::SubmitResultRequest& request, const s
   call.context()->set_wait_for_ready(true);
   const grpc::Status status = coordinator_.SubmitResult(call.context(), request, &response);
   if (status.ok() && response.dropped_items() > 0)
-    proto::log(spdlog::level::debug,
-               fmt::format("job {}: {} of {} items were there already", request.job_id(),
-                           response.dropped_items(), request.items_size()),
-               {.job = request.job_id()});
+    common::log(spdlog::level::debug,
+                fmt::format("job {}: {} of {} items were there already", request.job_id(),
+                            response.dropped_items(), request.items_size()),
+                {.job = request.job_id()});
   return proto::from_grpc(status);
 }
 

@@ -8,8 +8,8 @@
 #include <string>
 #include <utility>
 
+#include "core/common/log.hpp"
 #include "proto/convert.hpp"
-#include "proto/log.hpp"
 #include "worker/waiting.hpp"
 
 namespace tessera::worker {
@@ -20,8 +20,8 @@ void FetchLoop::run(const std::stop_token& stop) {
     if (job) {
       lease_tracker_.fetched(std::move(*job));
     } else if (!stop.stop_requested()) {
-      proto::log(spdlog::level::err, fmt::format("job {}: {}", spec->job_id(), job.error().message),
-                 {.job = spec->job_id()});
+      common::log(spdlog::level::err, fmt::format("job {}: {}", spec->job_id(), job.error().message),
+                  {.job = spec->job_id()});
       lease_tracker_.cannot_fetch(spec->job_id(), "cannot fetch " + job.error().message);
     }
   }

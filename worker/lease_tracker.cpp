@@ -8,7 +8,7 @@
 #include <span>
 
 #include "core/base/printable.hpp"
-#include "proto/log.hpp"
+#include "core/common/log.hpp"
 
 namespace tessera::worker {
 namespace {
@@ -71,11 +71,12 @@ std::vector<WorkItem> readable_items(const v1::Lease& lease, const v1::RenderSet
       ++left_out;
   }
   if (left_out > 0)
-    proto::log(spdlog::level::warn,
-               fmt::format("{} items of lease {} are left out: job {} does not have their pixels or samples, "
-                           "or they are more than a tile, or there are more than {}",
-                           left_out, lease.id(), lease.job_id(), kMaxItems),
-               {.job = lease.job_id()});
+    common::log(
+        spdlog::level::warn,
+        fmt::format("{} items of lease {} are left out: job {} does not have their pixels or samples, "
+                    "or they are more than a tile, or there are more than {}",
+                    left_out, lease.id(), lease.job_id(), kMaxItems),
+        {.job = lease.job_id()});
   return items;
 }
 
@@ -156,10 +157,10 @@ bool LeaseTracker::add_lease(const v1::Lease& lease) {
   if (leases_.size() >= static_cast<std::size_t>(kMaxLeases)) return false;
   const auto job = jobs_.find(lease.job_id());
   if (job == jobs_.end()) {
-    proto::log(spdlog::level::warn,
-               fmt::format("lease {} is of job {}, which the coordinator did not describe", lease.id(),
-                           lease.job_id()),
-               {.job = lease.job_id()});
+    common::log(spdlog::level::warn,
+                fmt::format("lease {} is of job {}, which the coordinator did not describe", lease.id(),
+                            lease.job_id()),
+                {.job = lease.job_id()});
     return false;
   }
   leases_.emplace_back(lease.id(), lease.job_id(), readable_items(lease, job->second.spec.settings()),

@@ -8,12 +8,12 @@
 
 #include "core/base/standard_streams.hpp"
 #include "core/base/version.hpp"
+#include "core/common/log.hpp"
+#include "core/common/metrics_server.hpp"
+#include "core/common/secret_file.hpp"
 #include "core/integrators/fingerprint.hpp"
 #include "core/sandbox/check.hpp"
 #include "core/sandbox/process.hpp"
-#include "proto/log.hpp"
-#include "proto/metrics_server.hpp"
-#include "proto/secret_file.hpp"
 #include "proto/unreachable.hpp"
 #include "proto/worker_key.hpp"
 #include "worker/machine_key.hpp"
@@ -44,12 +44,12 @@ core::Status check_loader(const worker::LoaderOptions& loader) {
 }
 
 // Null if there is no address. The others must outlive it.
-core::Result<std::unique_ptr<proto::MetricsServer>> serve_metrics(const std::string& address,
-                                                                  const worker::Worker& worker,
-                                                                  const worker::Identity& identity,
-                                                                  const worker::BlobCache& cache) {
+core::Result<std::unique_ptr<common::MetricsServer>> serve_metrics(const std::string& address,
+                                                                   const worker::Worker& worker,
+                                                                   const worker::Identity& identity,
+                                                                   const worker::BlobCache& cache) {
   if (address.empty()) return nullptr;
-  auto metrics = proto::MetricsServer::start(
+  auto metrics = common::MetricsServer::start(
       address, [&] { return worker::collect(worker.metrics(), identity, cache); });
   if (metrics) spdlog::info("metrics at http://{}/metrics", (*metrics)->address());
   return metrics;
@@ -71,7 +71,7 @@ int run(const worker::Options& options, char** arguments) {
     return 1;
   }
   for (const std::string& secret : {options.security.key, options.security.token})
-    if (const auto warning = proto::exposure_of(secret)) spdlog::warn("{}", *warning);
+    if (const auto warning = common::exposure_of(secret)) spdlog::warn("{}", *warning);
   const auto channel = proto::open_channel(options.coordinator, options.security);
   if (!channel) {
     spdlog::error("{}", channel.error().message);
@@ -88,10 +88,10 @@ int run(const worker::Options& options, char** arguments) {
                             .determinism_fingerprint = core::determinism_fingerprint(),
                             .threads = options.threads,
                             .worker_key = key};
-  proto::log(spdlog::level::info,
-             fmt::format("worker {} ({}) with {} threads, for the coordinator at {}, cache {}", options.name,
-                         identity.worker_id, options.threads, options.coordinator, options.cache),
-             {.worker = identity.worker_id, .peer = options.coordinator});
+  common::log(spdlog::level::info,
+              fmt::format("worker {} ({}) with {} threads, for the coordinator at {}, cache {}", options.name,
+                          identity.worker_id, options.threads, options.coordinator, options.cache),
+              {.worker = identity.worker_id, .peer = options.coordinator});
   worker::Worker::Options how = worker::with_self_restart(arguments, signals);
   how.explain = explaining(options);
   how.load_scene = [&options](const worker::SceneFiles& files, int threads, const std::stop_token& stop) {
@@ -115,6 +115,6 @@ int main(int argc, char** argv) {
   setenv("GRPC_VERBOSITY", "NONE", 0);
   worker::keep_program_name();
   const worker::Options options = worker::parse_options(argc, argv);
-  proto::log_to_stderr("tessera-worker", options.log);
+  common::log_to_stderr("tessera-worker", options.log);
   return run(options, argv);
 }

@@ -9,7 +9,7 @@ double seconds(const Metrics::Count& ns) {
   return static_cast<double>(ns) * 1e-9;
 }
 
-void write_work(proto::MetricWriter& writer, const Metrics& metrics, const Identity& identity) {
+void write_work(common::MetricWriter& writer, const Metrics& metrics, const Identity& identity) {
   writer.gauge("tessera_worker_threads", "Threads that render", static_cast<double>(identity.threads));
   writer.counter("tessera_worker_samples_rendered_total", "Pixel samples rendered, wanted or not",
                  static_cast<double>(metrics.samples_rendered));
@@ -21,7 +21,7 @@ void write_work(proto::MetricWriter& writer, const Metrics& metrics, const Ident
   writer.add(static_cast<double>(metrics.results_rejected), {{"answer", "rejected"}});
 }
 
-void write_scenes(proto::MetricWriter& writer, const Metrics& metrics, const BlobCache& cache) {
+void write_scenes(common::MetricWriter& writer, const Metrics& metrics, const BlobCache& cache) {
   writer.counter("tessera_worker_blobs_fetched_total", "Files of scenes fetched from the coordinator",
                  static_cast<double>(cache.fetched().files));
   writer.counter("tessera_worker_received_bytes_total", "Bytes of files fetched from the coordinator",
@@ -37,7 +37,7 @@ void write_scenes(proto::MetricWriter& writer, const Metrics& metrics, const Blo
                  seconds(metrics.scene_load_ns));
 }
 
-void write_connection(proto::MetricWriter& writer, const Metrics& metrics) {
+void write_connection(common::MetricWriter& writer, const Metrics& metrics) {
   writer.gauge("tessera_worker_connected", "1 if the coordinator has answered the last heartbeat, else 0",
                metrics.connected ? 1 : 0);
   writer.gauge("tessera_worker_last_answer_age_seconds",
@@ -48,11 +48,11 @@ void write_connection(proto::MetricWriter& writer, const Metrics& metrics) {
 }  // namespace
 
 proto::MetricFamilies collect(const Metrics& metrics, const Identity& identity, const BlobCache& cache) {
-  proto::MetricWriter writer;
+  common::MetricWriter writer;
   write_work(writer, metrics, identity);
   write_scenes(writer, metrics, cache);
   write_connection(writer, metrics);
-  proto::write_process_metrics(writer, identity.version, identity.determinism_fingerprint);
+  common::write_process_metrics(writer, identity.version, identity.determinism_fingerprint);
   return writer.take();
 }
 

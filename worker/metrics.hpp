@@ -6,7 +6,7 @@
 #include <chrono>
 #include <cstdint>
 
-#include "proto/metric_writer.hpp"
+#include "core/common/metric_writer.hpp"
 #include "worker/blob_cache.hpp"
 #include "worker/identity.hpp"
 

@@ -17,10 +17,10 @@
 #include "core/base/version.hpp"
 #include "core/cli/help.hpp"
 #include "core/cli/parse.hpp"
+#include "core/common/log_flags.hpp"
+#include "core/common/metrics_flag.hpp"
+#include "core/common/number_range.hpp"
 #include "core/sandbox/flags.hpp"
-#include "proto/log_flags.hpp"
-#include "proto/metrics_flag.hpp"
-#include "proto/number_range.hpp"
 #include "proto/security_flags.hpp"
 #include "proto/text.hpp"
 
@@ -70,12 +70,12 @@ void add_loader_flags(CLI::App& app, LoaderOptions& loader) {
       ->type_name("FILE");
   app.add_option(kSceneMemoryFlag, loader.memory_mib,
                  "Most MiB of memory for loading a scene [default: the memory of this machine]")
-      ->check(proto::number_between(kMinSceneMib, kMaxSceneMib))
+      ->check(common::number_between(kMinSceneMib, kMaxSceneMib))
       ->type_name("N");
   app.add_option_function<std::int64_t>(
          kSceneSecondsFlag, [&loader](std::int64_t seconds) { loader.time = std::chrono::seconds(seconds); },
          "Most seconds for loading a scene")
-      ->check(proto::number_between(std::int64_t{1}, kMaxSceneSeconds))
+      ->check(common::number_between(std::int64_t{1}, kMaxSceneSeconds))
       ->type_name("N")
       ->default_str(std::to_string(loader.time.count()));
   app.add_flag(sandbox::kCompleteFlag, loader.require_sandbox,
@@ -98,7 +98,7 @@ Options parse_options(int argc, char** argv) {
       ->type_name("HOST:PORT")
       ->capture_default_str();
   app.add_option("--threads", options.threads, "Number of threads [default: one per processor]")
-      ->check(proto::number_between(1u, kMaxThreads))
+      ->check(common::number_between(1u, kMaxThreads))
       ->type_name("N");
   app.add_option("--cache", options.cache,
                  "Folder for the files of scenes and for built scenes, writable by this user alone; workers "
@@ -107,15 +107,15 @@ Options parse_options(int argc, char** argv) {
       ->type_name("DIR");
   app.add_option("--cache-gib", options.cache_gib,
                  "Size limit of the cache in GiB; files unused for longest are removed first")
-      ->check(proto::number_between(0.0, 1e6))
+      ->check(common::number_between(0.0, 1e6))
       ->type_name("N")
       ->capture_default_str();
   app.add_option("--name", options.name, "Name of this worker in lists and logs [default: the host name]")
       ->type_name("NAME");
   proto::add_security_flags(app, options.security);
   add_loader_flags(app, options.loader);
-  proto::add_metrics_flag(app, options.metrics);
-  proto::add_log_flags(app, options.log);
+  common::add_metrics_flag(app, options.metrics);
+  common::add_log_flags(app, options.log);
   app.add_flag(
       "--verbose", [&options](auto) { options.log.level = spdlog::level::debug; },
       "Log debug messages: --log-level debug");

@@ -4,8 +4,8 @@
 
 #include <string>
 
+#include "core/common/log.hpp"
 #include "proto/channel.hpp"
-#include "proto/log.hpp"
 #include "worker/confined_loader.hpp"
 
 namespace tessera::worker {
@@ -17,7 +17,7 @@ struct Options {
   double cache_gib = 16;                                 // above this, scene files are removed, oldest first
   std::string name;                                      // for people; default: the host's
   proto::ClientSecurity security;
-  proto::LogOptions log;
+  common::LogOptions log;
   std::string metrics;  // HOST:PORT to serve metrics at; empty: nowhere
   LoaderOptions loader;
 

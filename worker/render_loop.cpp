@@ -12,7 +12,7 @@
 #include <utility>
 
 #include "core/base/printable.hpp"
-#include "proto/log.hpp"
+#include "core/common/log.hpp"
 
 namespace tessera::worker {
 namespace {
@@ -65,7 +65,7 @@ void RenderLoop::render(const Piece& piece, const std::stop_token& stop) {
 // The reason may contain names of the scene, which a loader that was taken over may have made up.
 void RenderLoop::decline(const Piece& piece, const std::string& why) {
   const std::string shown = core::printable_lines(std::string_view(why).substr(0, kMaxReasonBytes));
-  proto::log(spdlog::level::err, fmt::format("job {}: {}", piece.job->id, shown), {.job = piece.job->id});
+  common::log(spdlog::level::err, fmt::format("job {}: {}", piece.job->id, shown), {.job = piece.job->id});
   lease_tracker_.cannot_render(piece, shown);
 }
 
@@ -74,8 +74,8 @@ void RenderLoop::give_back(const Piece& piece, const core::Error& why) {
   if (!stopped && files_are_here(piece.job->files)) return decline(piece, why.message);
   // Files that were removed from the cache are no fault of the scene: they are fetched again.
   if (!stopped)
-    proto::log(spdlog::level::err, fmt::format("job {}: {}", piece.job->id, why.message),
-               {.job = piece.job->id});
+    common::log(spdlog::level::err, fmt::format("job {}: {}", piece.job->id, why.message),
+                {.job = piece.job->id});
   lease_tracker_.cannot_render(piece, "");
 }
 

@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-#include "proto/log.hpp"
+#include "core/common/log.hpp"
 #include "worker/hang_watchdog.hpp"
 
 namespace tessera::worker {
@@ -45,10 +45,10 @@ int failed_restarts() {
   setenv(kBarrenStarts, std::to_string(failed_restarts).c_str(), 1);
   spread_over_all_places();
   spdlog::info("restarting, since threads that render for ever cannot be ended in another way");
-  proto::flush_log();
+  common::flush_log();
   execv("/proc/self/exe", arguments);
   spdlog::critical("cannot restart: {}", std::strerror(errno));
-  proto::flush_log();
+  common::flush_log();
   _exit(EXIT_FAILURE);
 }
 
@@ -62,7 +62,7 @@ Worker::Options with_self_restart(char** arguments, StopSignals& signals) {
           [=, &signals](const UnwantedPiece& piece, bool must_end) {
             signals.leave_pending();
             if (must_end || signals.token().stop_requested()) {
-              proto::flush_log();
+              common::flush_log();
               _exit(EXIT_SUCCESS);
             }
             self_restart(arguments, piece.first ? barren + 1 : 0);

@@ -7,8 +7,8 @@
 #include <optional>
 #include <thread>
 
+#include "core/common/log.hpp"
 #include "core/scene/cache/scene_store.hpp"
-#include "proto/log.hpp"
 #include "worker/deliver_loop.hpp"
 #include "worker/fetch_loop.hpp"
 #include "worker/lease_tracker.hpp"
@@ -83,7 +83,7 @@ void Worker::run(const std::stop_token& stop) {
   });
 
   const auto endless = lease_tracker.abandon_endless(rendering.get_token(), options_.hang_timeout);
-  if (endless) proto::log(spdlog::level::warn, describe(*endless), {.job = endless->piece.job->id});
+  if (endless) common::log(spdlog::level::warn, describe(*endless), {.job = endless->piece.job->id});
   working.request_stop();
   lease_tracker.drain();
   sync_thread.join();

@@ -10,7 +10,7 @@
 #include <iostream>
 
 #include "bench/scale/farm.hpp"
-#include "proto/open_files.hpp"
+#include "core/common/open_files.hpp"
 
 namespace {
 
@@ -183,7 +183,7 @@ bool is_wanted(const Options& options, const Load& load) {
 
 int main(int argc, char** argv) {
   const Options options = parse_options(argc, argv);
-  proto::raise_file_limit();  // each worker's connection needs a file descriptor
+  common::raise_file_limit();  // each worker's connection needs a file descriptor
   bool whole = true;
   if (!options.list) print_head();
   for (const Load& load : options.quick ? quick_loads() : loads(options)) {

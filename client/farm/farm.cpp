@@ -8,7 +8,7 @@
 
 #include "client/console.hpp"
 #include "client/interrupt.hpp"
-#include "proto/secret_file.hpp"
+#include "core/common/secret_file.hpp"
 #include "proto/security_flags.hpp"
 #include "proto/status.hpp"
 #include "proto/unreachable.hpp"
@@ -38,7 +38,7 @@ Farm::Farm(const FarmOptions& options, std::shared_ptr<grpc::Channel> channel)
 
 core::Result<std::unique_ptr<Farm>> Farm::open(const FarmOptions& options) {
   for (const std::string& secret : {options.security.key, options.security.token})
-    if (const auto warning = proto::exposure_of(secret)) print_warning(*warning);
+    if (const auto warning = common::exposure_of(secret)) print_warning(*warning);
   auto channel = proto::open_channel(options.address, options.security);
   if (!channel) return core::fail(channel.error());
   return std::unique_ptr<Farm>(new Farm(options, *std::move(channel)));

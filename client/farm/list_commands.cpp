@@ -19,7 +19,7 @@
 #include "client/farm/label_option.hpp"
 #include "client/farm/single_commands.hpp"
 #include "client/farm/worker_list.hpp"
-#include "proto/number_range.hpp"
+#include "core/common/number_range.hpp"
 
 namespace tessera::client {
 namespace {
@@ -157,7 +157,7 @@ void add_jobs_command(CLI::App& app, int& exit_code) {
       ->check(CLI::Validator(is_time, ""))
       ->type_name("TIME");
   jobs->add_option("--limit", options->limit, "At most so many jobs, the newest ones")
-      ->check(proto::number_between(std::size_t{1}, std::size_t{1'000'000}))
+      ->check(common::number_between(std::size_t{1}, std::size_t{1'000'000}))
       ->type_name("N");
 }
 

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <utility>
 
+#include "core/common/log.hpp"
 #include "proto/blob.hpp"
-#include "proto/log.hpp"
 
 namespace tessera::auth {
 
@@ -54,9 +54,9 @@ Methods::Methods(const server::Limits& limits) {
     const std::string path = "/tessera.v1." + service + "/" + name;
     methods_.emplace(path, Method{path, role, max_bytes, std::move(shape)});
   };
-  for (const char* const name : {"GetJob", "WatchJob", "WatchFarm", "WatchTiles", "GetImage", "CancelJob",
-                                 "PauseJob", "ResumeJob", "ExtendJob", "UpdateJob", "DeleteJob",
-                                 "ListWorkers", "GetUpload", "GetServerInfo"})
+  for (const char* const name :
+       {"GetJob", "WatchJob", "WatchFarm", "WatchTiles", "GetImage", "CancelJob", "PauseJob", "ResumeJob",
+        "ExtendJob", "UpdateJob", "DeleteJob", "ListWorkers", "GetUpload", "GetServerInfo"})
     add("RenderService", name, Role::kSubmit, kSmallBytes, kSmall);
   add("RenderService", "ListJobs", Role::kSubmit, kListBytes, kList);
   add("RenderService", "BatchUploadBlobs", Role::kSubmit, kUploadBytes, kBatch);

@@ -5,18 +5,18 @@
 #include <chrono>
 #include <optional>
 
-#include "proto/log.hpp"
+#include "core/common/log.hpp"
 
 namespace tessera::auth {
 
 template <typename Take>
 void Rejections::log(Take take) {
-  std::optional<proto::LogLine> line;
+  std::optional<common::LogLine> line;
   {
     const std::lock_guard lock(mutex_);
     line = take(log_);
   }
-  if (line) proto::log(spdlog::level::warn, *line);
+  if (line) common::log(spdlog::level::warn, *line);
 }
 
 bool Rejections::note(const std::string& machine, const std::string& method, const grpc::Status& why) {

@@ -15,15 +15,15 @@ constexpr auto kPeriod = std::chrono::seconds(10);
 
 }  // namespace
 
-std::optional<proto::LogLine> RateLimitedLog::note(proto::LogLine line, Time now) {
+std::optional<common::LogLine> RateLimitedLog::note(common::LogLine line, Time now) {
   line_ = std::move(line);
   ++times_;
   return take_due(now);
 }
 
-std::optional<proto::LogLine> RateLimitedLog::take_due(Time now) {
+std::optional<common::LogLine> RateLimitedLog::take_due(Time now) {
   if (times_ == 0 || now < next_) return std::nullopt;
-  proto::LogLine line = line_;
+  common::LogLine line = line_;
   if (times_ > 1) line.message += fmt::format(" ({} such since the last line)", times_);
   times_ = 0;
   next_ = now + kPeriod;

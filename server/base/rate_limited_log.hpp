@@ -9,7 +9,7 @@
 #include <optional>
 #include <string>
 
-#include "proto/log_fields.hpp"
+#include "core/common/log_fields.hpp"
 
 namespace tessera::base {
 
@@ -19,14 +19,14 @@ class RateLimitedLog {
   using Duration = std::chrono::steady_clock::duration;
 
   // Returns the line to log, if one is due.
-  std::optional<proto::LogLine> note(proto::LogLine line, Time now);
+  std::optional<common::LogLine> note(common::LogLine line, Time now);
   // Returns the last suppressed line, if it is due. Call it regularly.
-  std::optional<proto::LogLine> take_due(Time now);
+  std::optional<common::LogLine> take_due(Time now);
   // The time until take_due() has something to log; empty if no line was suppressed.
   std::optional<Duration> due_in(Time now) const;
 
  private:
-  proto::LogLine line_;
+  common::LogLine line_;
   std::size_t times_ = 0;  // since the last line
   Time next_ = Time::min();
 };

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "proto/log.hpp"
+#include "core/common/log.hpp"
 #include "server/dispatch/dispatcher.hpp"
 
 namespace tessera::dispatch {

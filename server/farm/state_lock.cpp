@@ -6,7 +6,7 @@
 #include <chrono>
 #include <utility>
 
-#include "proto/log.hpp"
+#include "core/common/log.hpp"
 #include "server/base/wall_clock.hpp"
 
 namespace tessera::farm {
@@ -34,11 +34,11 @@ StateLock::~StateLock() {
   for (const auto& action : later_) action();
 }
 
-void StateLock::log(spdlog::level::level_enum level, std::string line, proto::LogFields fields) {
-  later([level, line = proto::LogLine{std::move(line), std::move(fields)}] { proto::log(level, line); });
+void StateLock::log(spdlog::level::level_enum level, std::string line, common::LogFields fields) {
+  later([level, line = common::LogLine{std::move(line), std::move(fields)}] { common::log(level, line); });
 }
 
-void StateLock::log_some(base::RateLimitedLog& some, proto::LogLine line) {
+void StateLock::log_some(base::RateLimitedLog& some, common::LogLine line) {
   if (auto due = some.note(std::move(line), now_))
     log(spdlog::level::warn, std::move(due->message), std::move(due->fields));
 }

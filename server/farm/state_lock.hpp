@@ -33,12 +33,12 @@ class StateLock {
   // Runs the callback after the mutex is released.
   void later(std::function<void()> action) { later_.push_back(std::move(action)); }
   // Logs after the mutex is released.
-  void log(spdlog::level::level_enum level, std::string line, proto::LogFields fields = {});
+  void log(spdlog::level::level_enum level, std::string line, common::LogFields fields = {});
   // As log(), each limited to a line in ten seconds.
-  void log_rejection(std::string line, proto::LogFields fields = {}) {
+  void log_rejection(std::string line, common::LogFields fields = {}) {
     log_some(state_.rejected_log, {std::move(line), std::move(fields)});
   }
-  void log_trouble(std::string line, proto::LogFields fields = {}) {
+  void log_trouble(std::string line, common::LogFields fields = {}) {
     log_some(state_.troubles_log, {std::move(line), std::move(fields)});
   }
   // Logs suppressed lines that are due.
@@ -69,7 +69,7 @@ class StateLock {
   void apply(const scheduler::Actions& actions);
 
  private:
-  void log_some(base::RateLimitedLog& log, proto::LogLine line);
+  void log_some(base::RateLimitedLog& log, common::LogLine line);
   void note_change(const scheduler::JobChange& change);
   void append_events(const scheduler::Actions& actions);
   void follow_audits(const scheduler::Actions& actions);

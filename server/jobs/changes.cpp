@@ -6,7 +6,7 @@
 #include <thread>
 #include <utility>
 
-#include "proto/log.hpp"
+#include "core/common/log.hpp"
 #include "server/jobs/continuation.hpp"
 #include "server/jobs/find_job.hpp"
 #include "server/jobs/job_service.hpp"
@@ -86,10 +86,10 @@ core::Result<v1::Job> JobService::update(const v1::UpdateJobRequest& request) {
   if (request.has_max_workers()) event.max_workers = request.max_workers();
   auto updated = change(request.job_id(), event);
   if (updated)
-    proto::log(spdlog::level::info,
-               fmt::format("job {} ({}) has priority {} and at most {} workers (0: any number)",
-                           updated->id(), updated->name(), updated->priority(), updated->max_workers()),
-               {.job = updated->id()});
+    common::log(spdlog::level::info,
+                fmt::format("job {} ({}) has priority {} and at most {} workers (0: any number)",
+                            updated->id(), updated->name(), updated->priority(), updated->max_workers()),
+                {.job = updated->id()});
   return updated;
 }
 

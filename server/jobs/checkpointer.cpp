@@ -6,7 +6,7 @@
 #include <optional>
 #include <utility>
 
-#include "proto/log.hpp"
+#include "core/common/log.hpp"
 #include "server/farm/state_lock.hpp"
 #include "server/film/tile_row.hpp"
 
@@ -180,11 +180,12 @@ void Checkpointer::replace_lost(const FilmOfJob& film, int tile, const core::Err
     if (dropped) film.film->note_clear(tile, spare);
     return dropped;
   };
-  const proto::LogFields fields{.job = film.spec->id()};
-  if (drop()) return proto::log(spdlog::level::err, error.message + ": it is rendered again", fields);
+  const common::LogFields fields{.job = film.spec->id()};
+  if (drop()) return common::log(spdlog::level::err, error.message + ": it is rendered again", fields);
   film.film->forget_stored(tile);
-  proto::log(spdlog::level::err,
-             error.message + ": its job is not rendered any more, and its image lacks these samples", fields);
+  common::log(spdlog::level::err,
+              error.message + ": its job is not rendered any more, and its image lacks these samples",
+              fields);
 }
 
 void Checkpointer::note_stored(const std::vector<farm::JobSnapshot>& stored) {

@@ -9,7 +9,7 @@
 #include <thread>
 #include <utility>
 
-#include "proto/log.hpp"
+#include "core/common/log.hpp"
 #include "server/film/producer_keys.hpp"
 #include "server/jobs/continuation.hpp"
 #include "server/jobs/find_job.hpp"
@@ -41,11 +41,11 @@ void JobService::reopen() {
       if (!reopened) std::this_thread::yield();
     }
     if (*reopened || reopened->error().code == core::ErrorCode::kNotFound) continue;
-    proto::log(spdlog::level::err,
-               fmt::format("job {} was rendered in part by a worker that is quarantined, and cannot be "
-                           "verified: {}",
-                           id, reopened->error().message),
-               {.job = id});
+    common::log(spdlog::level::err,
+                fmt::format("job {} was rendered in part by a worker that is quarantined, and cannot be "
+                            "verified: {}",
+                            id, reopened->error().message),
+                {.job = id});
   }
 }
 

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "core/base/printable.hpp"
-#include "proto/log.hpp"
+#include "core/common/log.hpp"
 #include "server/farm/wire.hpp"
 #include "server/film/stored_counters.hpp"
 #include "server/film/stored_tile.hpp"
@@ -72,7 +72,7 @@ core::Status Restoration::restore_damaged(const store::JobRow& row, const core::
                   core::printable(row.id));
     return {};
   }
-  proto::log(spdlog::level::err, error.message, {.job = row.id});
+  common::log(spdlog::level::err, error.message, {.job = row.id});
   const scheduler::JobView view = farm::snapshot_of_damaged(row, error).view;
   const scheduler::RestoreJob event{view.id,          view.shape,   view.priority,
                                     view.state,       view.failure, done_sets(view.shape, {}),
@@ -135,7 +135,7 @@ core::Status Restoration::restore_unfinished(const store::JobRow& row, JobRecord
   auto loaded = films_.load(*record.spec);
   if (!loaded) return core::fail(loaded.error());
   for (const std::string& damage : loaded->damage)
-    proto::log(spdlog::level::err, damage + ": it is rendered again", {.job = row.id});
+    common::log(spdlog::level::err, damage + ": it is rendered again", {.job = row.id});
   record.film = std::move(loaded->film);
   // Unchecked rows cannot raise a job's sample count.
   const scheduler::JobShape shape = farm::shape_of(*record.spec, spp_of(row, loaded->done));
@@ -192,7 +192,7 @@ core::Result<bool> Restoration::lacks_samples(const store::JobRow& row, const co
     if (stored) {
       lacks = true;
     } else {
-      proto::log(spdlog::level::err, stored.error().message, {.job = row.id});
+      common::log(spdlog::level::err, stored.error().message, {.job = row.id});
       done[tile] = {{0, row.spp}};
     }
   }

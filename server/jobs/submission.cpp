@@ -6,11 +6,11 @@
 #include <set>
 #include <utility>
 
+#include "core/common/log.hpp"
 #include "proto/blob.hpp"
 #include "proto/convert.hpp"
 #include "proto/convert_display.hpp"
 #include "proto/error_reasons.hpp"
-#include "proto/log.hpp"
 #include "proto/text.hpp"
 #include "server/base/random.hpp"
 #include "server/base/wall_clock.hpp"
@@ -201,8 +201,8 @@ core::Result<v1::Job> JobService::add(ValidatingJob job) {
     lock.add_validating(std::move(job));
     return find_in_memory(lock, spec->id())->snapshot;
   }();
-  proto::log(spdlog::level::info, fmt::format("job {} ({}) submitted", spec->id(), spec->name()),
-             {.job = spec->id(), .principal = spec->owner()});
+  common::log(spdlog::level::info, fmt::format("job {} ({}) submitted", spec->id(), spec->name()),
+              {.job = spec->id(), .principal = spec->owner()});
   return describe(added);
 }
 

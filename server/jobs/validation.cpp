@@ -9,10 +9,10 @@
 #include <utility>
 
 #include "core/base/printable.hpp"
+#include "core/common/log.hpp"
 #include "proto/blob.hpp"
 #include "proto/convert.hpp"
 #include "proto/convert_display.hpp"
-#include "proto/log.hpp"
 #include "server/base/wall_clock.hpp"
 #include "server/jobs/admission.hpp"
 #include "server/jobs/job_service.hpp"
@@ -147,10 +147,10 @@ void JobService::validate(const std::string& id) {
   if (!spec && spec.error().code == ErrorCode::kUnavailable) return repeat_validation(id);
   const core::Status ended = spec ? start(*std::move(spec)) : fail_validation(id, spec.error());
   if (ended) return;
-  proto::log(spdlog::level::err,
-             fmt::format("job {}: the end of its validation could not be stored: {}; it is repeated", id,
-                         ended.error().message),
-             {.job = id});
+  common::log(spdlog::level::err,
+              fmt::format("job {}: the end of its validation could not be stored: {}; it is repeated", id,
+                          ended.error().message),
+              {.job = id});
   repeat_validation(id);
 }
 

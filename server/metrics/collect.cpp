@@ -10,7 +10,7 @@
 namespace tessera::metrics {
 
 proto::MetricFamilies collect(server::Coordinator& coordinator, const rpc::Server& server) {
-  proto::MetricWriter writer;
+  common::MetricWriter writer;
   const farm::Totals totals = farm::totals_of(coordinator.farm());
   write_jobs(writer, totals);
   write_workers(writer, totals);
@@ -23,8 +23,8 @@ proto::MetricFamilies collect(server::Coordinator& coordinator, const rpc::Serve
   write_films(writer, coordinator.film_memory());
   write_checkpoints(writer, coordinator.checkpointer().stats());
   write_store(writer, coordinator);
-  proto::write_process_metrics(writer, std::string(core::version()),
-                               std::string(core::kDeterminismFingerprint));
+  common::write_process_metrics(writer, std::string(core::version()),
+                                std::string(core::kDeterminismFingerprint));
   return writer.take();
 }
 

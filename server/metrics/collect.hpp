@@ -2,7 +2,7 @@
 // The metrics of a coordinator (docs/metrics.md). Thread-safe.
 #pragma once
 
-#include "proto/metric_writer.hpp"
+#include "core/common/metric_writer.hpp"
 #include "server/coordinator.hpp"
 #include "server/rpc/server.hpp"
 

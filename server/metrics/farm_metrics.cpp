@@ -21,7 +21,7 @@ double backlog_seconds(const scheduler::Totals& totals) {
 
 }  // namespace
 
-void write_jobs(proto::MetricWriter& writer, const farm::Totals& totals) {
+void write_jobs(common::MetricWriter& writer, const farm::Totals& totals) {
   const scheduler::Totals& farm = totals.scheduler;
   writer.begin_gauge("tessera_jobs", "Jobs in memory by state");
   writer.add(static_cast<double>(totals.validating_jobs), {{"state", "validating"}});
@@ -44,7 +44,7 @@ void write_jobs(proto::MetricWriter& writer, const farm::Totals& totals) {
                  static_cast<double>(farm.counts.accepted_samples));
 }
 
-void write_workers(proto::MetricWriter& writer, const farm::Totals& totals) {
+void write_workers(common::MetricWriter& writer, const farm::Totals& totals) {
   const scheduler::Totals& farm = totals.scheduler;
   writer.begin_gauge("tessera_workers", "Registered workers by what they do");
   for (std::size_t i = 0; i < farm.workers.size(); ++i)
@@ -67,7 +67,7 @@ void write_workers(proto::MetricWriter& writer, const farm::Totals& totals) {
   }
 }
 
-void write_results(proto::MetricWriter& writer, const farm::Totals& totals,
+void write_results(common::MetricWriter& writer, const farm::Totals& totals,
                    const dispatch::ResultCounts& counts) {
   const scheduler::EventCounts& events = totals.scheduler.counts;
   writer.begin_counter("tessera_result_items_total", "Items of results by what became of them");
@@ -83,7 +83,7 @@ void write_results(proto::MetricWriter& writer, const farm::Totals& totals,
   }
 }
 
-void write_state_lock(proto::MetricWriter& writer, const farm::Farm& farm) {
+void write_state_lock(common::MetricWriter& writer, const farm::Farm& farm) {
   writer.begin_histogram("tessera_state_lock_hold_seconds",
                          "How long the state lock was held, each time; all calls wait for it");
   writer.add(to_prometheus(farm.lock_holds()));

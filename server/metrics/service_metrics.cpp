@@ -16,7 +16,7 @@ std::string method_name(const std::string& path) {
 
 }  // namespace
 
-void write_calls(proto::MetricWriter& writer, const rpc::CallStats& calls) {
+void write_calls(common::MetricWriter& writer, const rpc::CallStats& calls) {
   writer.begin_counter("tessera_calls_total", "Calls that have ended, by method and status code");
   for (const auto& [path, method] : calls.methods()) {
     for (std::size_t code = 0; code < rpc::kStatusCodes; ++code) {
@@ -41,7 +41,7 @@ void write_calls(proto::MetricWriter& writer, const rpc::CallStats& calls) {
     writer.add(static_cast<double>(calls.rejected(code)), {{"code", rpc::code_name(code)}});
 }
 
-void write_traffic(proto::MetricWriter& writer, const rpc::Traffic& traffic) {
+void write_traffic(common::MetricWriter& writer, const rpc::Traffic& traffic) {
   writer.begin_counter("tessera_received_bytes_total", "Contents received: files of scenes, and results");
   writer.add(static_cast<double>(traffic.blobs_received), {{"of", "blobs"}});
   writer.add(static_cast<double>(traffic.results_received), {{"of", "results"}});
@@ -52,13 +52,13 @@ void write_traffic(proto::MetricWriter& writer, const rpc::Traffic& traffic) {
   writer.add(static_cast<double>(traffic.watched_sent), {{"of", "watched"}});
 }
 
-void write_queues(proto::MetricWriter& writer, const rpc::Server& server) {
+void write_queues(common::MetricWriter& writer, const rpc::Server& server) {
   writer.begin_gauge("tessera_queued_tasks", "Tasks that wait for a thread, by pool");
   for (const rpc::Server::QueueDepth& queue : server.queue_depths())
     writer.add(static_cast<double>(queue.tasks), {{"pool", queue.pool}});
 }
 
-void write_validations(proto::MetricWriter& writer, const jobs::ValidationStats& validations) {
+void write_validations(common::MetricWriter& writer, const jobs::ValidationStats& validations) {
   writer.begin_counter(
       "tessera_validations_total",
       "Scenes that were validated, by outcome; failed: without a result, as for lack of memory");

@@ -21,13 +21,13 @@ double file_bytes(const std::filesystem::path& file) {
 
 }  // namespace
 
-void write_films(proto::MetricWriter& writer, const film::FilmMemory& memory) {
+void write_films(common::MetricWriter& writer, const film::FilmMemory& memory) {
   writer.gauge("tessera_film_memory_bytes", "Memory of all films", static_cast<double>(memory.used_bytes()));
   writer.gauge("tessera_film_memory_limit_bytes", "Limit on the memory of all films (--max-film-gib)",
                static_cast<double>(memory.budget_bytes()));
 }
 
-void write_checkpoints(proto::MetricWriter& writer, const jobs::CheckpointStats& stats) {
+void write_checkpoints(common::MetricWriter& writer, const jobs::CheckpointStats& stats) {
   writer.gauge("tessera_checkpoint_age_seconds",
                "Time since the last checkpoint that was written: the work that a crash would cost",
                std::chrono::duration<double>(stats.age()).count());
@@ -37,7 +37,7 @@ void write_checkpoints(proto::MetricWriter& writer, const jobs::CheckpointStats&
                  static_cast<double>(stats.failed()));
 }
 
-void write_store(proto::MetricWriter& writer, server::Coordinator& coordinator) {
+void write_store(common::MetricWriter& writer, server::Coordinator& coordinator) {
   const std::filesystem::path& database = coordinator.store().file();
   writer.begin_gauge("tessera_store_bytes", "Size of the state folder, by part");
   writer.add(file_bytes(database), {{"part", "database"}});

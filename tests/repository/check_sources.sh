@@ -40,6 +40,8 @@ forbid "core includes nothing of the farm." \
   "${include}(proto|server|worker|client|tessera/v1|grpc|google/protobuf|sqlite3|zstd)" "${sources[@]}" core
 forbid "core/cli includes of core only base." \
   "${include}(core|proto|server|worker|client|tessera/v1|grpc)/" --but '[<"]core/(base|cli)/' "${sources[@]}" core/cli
+forbid "core/common includes of core only base and image." \
+  "${include}(core|proto|server|worker|client|tessera/v1|grpc)/" --but '[<"]core/(base|image|common)/' "${sources[@]}" core/common
 forbid "proto includes neither server nor worker nor client." "${include}(server|worker|client)/" "${sources[@]}" proto
 forbid "The sandbox includes of core only base, cli and the scene loader." \
   "${include}(core|proto|server|worker|client|tessera/v1|grpc|google/protobuf)/" --but '[<"]core/(base|cli|sandbox|scene/loader)/' \
@@ -47,14 +49,14 @@ forbid "The sandbox includes of core only base, cli and the scene loader." \
 forbid "No other part of core includes the sandbox." "${include}core/sandbox/" --but '^core/sandbox/' "${sources[@]}" core
 forbid "A worker includes neither server nor client." "${include}(server|client)/" "${sources[@]}" worker
 forbid "A client includes neither server nor worker." "${include}(server|worker)/" "${sources[@]}" client
-forbid "The server includes of core only base, cli, math, film, image, sandbox and scene/settings.hpp; the validator may load scenes." \
-  "${include}core/" --but '^server/validator/|[<"]core/(base|cli|math|film|image|sandbox)/|[<"]core/scene/settings\.hpp' \
+forbid "The server includes of core only base, cli, common, math, film, image, sandbox and scene/settings.hpp; the validator may load scenes." \
+  "${include}core/" --but '^server/validator/|[<"]core/(base|cli|common|math|film|image|sandbox)/|[<"]core/scene/settings\.hpp' \
   "${sources[@]}" server
 forbid "The scheduler includes neither RPC nor SQLite, nor any other folder of the server." \
   "${include}(grpc|google/protobuf|tessera/v1|proto/|sqlite3|server/(base|events|blobs|store|film|farm|jobs|dispatch|fleet|watch|admin|auth|rpc|metrics|validator|coordinator|main))" \
   "${sources[@]}" server/scheduler
 forbid "Only the metrics include the library of Prometheus." "${include}prometheus/" \
-  --but '^(proto/metric|server/metrics/|worker/metrics\.)' "${sources[@]}" core proto server worker client
+  --but '^(core/common/metric|server/metrics/|worker/metrics\.)' "${sources[@]}" core proto server worker client
 
 # The same bytes on every machine.
 forbid "Nothing is built for the building machine alone, or with inexact arithmetic." \

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "proto/open_files.hpp"
+#include "core/common/open_files.hpp"
 
 #include <sys/resource.h>
 
-namespace tessera::proto {
+namespace tessera::common {
 
 void raise_file_limit() {
   rlimit limit{};
@@ -12,4 +12,4 @@ void raise_file_limit() {
   setrlimit(RLIMIT_NOFILE, &limit);
 }
 
-}  // namespace tessera::proto
+}  // namespace tessera::common

@@ -4,11 +4,11 @@
 
 #include <CLI/CLI.hpp>
 
-#include "proto/log.hpp"
+#include "core/common/log.hpp"
 
-namespace tessera::proto {
+namespace tessera::common {
 
 // Adds --log-level and --log-format. `options` must live until the command line is parsed, which fills it in.
 void add_log_flags(CLI::App& command, LogOptions& options);
 
-}  // namespace tessera::proto
+}  // namespace tessera::common

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "proto/metrics_server.hpp"
+#include "core/common/metrics_server.hpp"
 
 #include <arpa/inet.h>
 #include <fmt/format.h>
@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-namespace tessera::proto {
+namespace tessera::common {
 
 namespace {
 
@@ -103,4 +103,4 @@ core::Result<std::unique_ptr<MetricsServer>> MetricsServer::start(const std::str
   }
 }
 
-}  // namespace tessera::proto
+}  // namespace tessera::common

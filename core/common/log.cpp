@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "proto/log.hpp"
+#include "core/common/log.hpp"
 
 #include <signal.h>
 #include <spdlog/async.h>
@@ -21,7 +21,7 @@
 
 #include "core/base/printable.hpp"
 
-namespace tessera::proto {
+namespace tessera::common {
 namespace {
 
 constexpr std::size_t kMaxWaitingLines = 8192;
@@ -234,4 +234,4 @@ void abort_with(const std::string& defect) {
   std::abort();
 }
 
-}  // namespace tessera::proto
+}  // namespace tessera::common

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-namespace tessera::proto {
+namespace tessera::common {
 
 using MetricFamilies = std::vector<prometheus::MetricFamily>;
 
@@ -43,4 +43,4 @@ class MetricWriter {
 // files.
 void write_process_metrics(MetricWriter& writer, const std::string& version, const std::string& fingerprint);
 
-}  // namespace tessera::proto
+}  // namespace tessera::common

@@ -8,9 +8,9 @@
 #include <string>
 
 #include "core/base/error.hpp"
-#include "proto/metric_writer.hpp"
+#include "core/common/metric_writer.hpp"
 
-namespace tessera::proto {
+namespace tessera::common {
 
 class MetricsServer {
  public:
@@ -34,4 +34,4 @@ class MetricsServer {
   const std::string address_;
 };
 
-}  // namespace tessera::proto
+}  // namespace tessera::common

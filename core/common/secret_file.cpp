@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "proto/secret_file.hpp"
+#include "core/common/secret_file.hpp"
 
 #include <fmt/format.h>
 #include <sys/stat.h>
 
-namespace tessera::proto {
+namespace tessera::common {
 
 std::optional<std::string> exposure_of(const std::string& path) {
   struct stat status {};
@@ -14,4 +14,4 @@ std::optional<std::string> exposure_of(const std::string& path) {
                      (status.st_mode & S_IWOTH) != 0 ? "change" : "read", path, path);
 }
 
-}  // namespace tessera::proto
+}  // namespace tessera::common

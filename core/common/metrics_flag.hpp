@@ -5,7 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <string>
 
-namespace tessera::proto {
+namespace tessera::common {
 
 // Adds --metrics. `address` must live until the command line is parsed, which fills it in; empty: none are
 // served.
@@ -19,4 +19,4 @@ inline void add_metrics_flag(CLI::App& command, std::string& address) {
       ->type_name("HOST:PORT");
 }
 
-}  // namespace tessera::proto
+}  // namespace tessera::common

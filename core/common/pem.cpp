@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "proto/pem.hpp"
+#include "core/common/pem.hpp"
 
 #include <fmt/format.h>
 #include <openssl/bio.h>
@@ -11,7 +11,7 @@
 
 #include "core/image/file_io.hpp"
 
-namespace tessera::proto {
+namespace tessera::common {
 namespace {
 
 using core::ErrorCode;
@@ -90,4 +90,4 @@ core::Result<CertificateAndKey> read_certificate_and_key(const std::string& cert
   return CertificateAndKey{*std::move(certificates), *std::move(key_pem)};
 }
 
-}  // namespace tessera::proto
+}  // namespace tessera::common

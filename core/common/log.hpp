@@ -9,9 +9,9 @@
 #include <string>
 #include <string_view>
 
-#include "proto/log_fields.hpp"
+#include "core/common/log_fields.hpp"
 
-namespace tessera::proto {
+namespace tessera::common {
 
 enum class LogFormat {
   kText,  // 2026-11-25T17:30:00.123Z info tessera-worker: registered with the coordinator
@@ -39,4 +39,4 @@ void flush_log();
 // Logs a defect of this program, with what is wrong, and ends the process.
 [[noreturn]] void abort_with(const std::string& defect);
 
-}  // namespace tessera::proto
+}  // namespace tessera::common

@@ -4,7 +4,7 @@
 
 #include <string>
 
-namespace tessera::proto {
+namespace tessera::common {
 
 // Empty fields are left out.
 struct LogFields {
@@ -21,4 +21,4 @@ struct LogLine {
   LogFields fields{};
 };
 
-}  // namespace tessera::proto
+}  // namespace tessera::common

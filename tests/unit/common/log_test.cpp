@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "proto/log.hpp"
+#include "core/common/log.hpp"
 
 #include <fcntl.h>
 #include <gmock/gmock.h>
@@ -10,7 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-namespace tessera::proto {
+namespace tessera::common {
 namespace {
 
 using testing::EndsWith;
@@ -127,4 +127,4 @@ TEST(LogDeathTest, NobodyWaitsForStderr) {
 }
 
 }  // namespace
-}  // namespace tessera::proto
+}  // namespace tessera::common

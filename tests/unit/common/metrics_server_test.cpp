@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "proto/metrics_server.hpp"
+#include "core/common/metrics_server.hpp"
 
 #include <arpa/inet.h>
 #include <gmock/gmock.h>
@@ -11,7 +11,7 @@
 
 #include <string>
 
-namespace tessera::proto {
+namespace tessera::common {
 namespace {
 
 using testing::HasSubstr;
@@ -105,4 +105,4 @@ TEST(MetricWriter, WritesFamiliesInTheirOrder) {
 }
 
 }  // namespace
-}  // namespace tessera::proto
+}  // namespace tessera::common

@@ -7,7 +7,7 @@
 #include <CLI/CLI.hpp>
 #include <string>
 
-namespace tessera::proto {
+namespace tessera::common {
 
 // For CLI::Option::check. It reads numbers as CLI::Range does, but also refuses "nan".
 template <typename T>
@@ -20,4 +20,4 @@ CLI::Validator number_between(T least, T most) {
   return CLI::Validator(problem, "");
 }
 
-}  // namespace tessera::proto
+}  // namespace tessera::common

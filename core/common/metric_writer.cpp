@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "proto/metric_writer.hpp"
+#include "core/common/metric_writer.hpp"
 
 #include <sys/resource.h>
 #include <unistd.h>
@@ -9,7 +9,7 @@
 #include <iterator>
 #include <system_error>
 
-namespace tessera::proto {
+namespace tessera::common {
 
 void MetricWriter::begin(std::string name, std::string help, prometheus::MetricType type) {
   families_.push_back({std::move(name), std::move(help), type, {}});
@@ -90,4 +90,4 @@ void write_process_metrics(MetricWriter& writer, const std::string& version, con
   writer.gauge("process_open_fds", "Open files and connections of this program", open_files());
 }
 
-}  // namespace tessera::proto
+}  // namespace tessera::common

@@ -7,7 +7,7 @@
 
 #include "core/base/error.hpp"
 
-namespace tessera::proto {
+namespace tessera::common {
 
 // The file's bytes. They must have at least one certificate, the first of which must be valid today. Errors
 // name the file.
@@ -20,4 +20,4 @@ struct CertificateAndKey {
 core::Result<CertificateAndKey> read_certificate_and_key(const std::string& certificate_path,
                                                          const std::string& key_path);
 
-}  // namespace tessera::proto
+}  // namespace tessera::common

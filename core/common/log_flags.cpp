@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "proto/log_flags.hpp"
+#include "core/common/log_flags.hpp"
 
 #include <array>
 #include <string>
 #include <utility>
 
-namespace tessera::proto {
+namespace tessera::common {
 
 namespace {
 
@@ -45,4 +45,4 @@ void add_log_flags(CLI::App& command, LogOptions& options) {
       ->default_str("text");
 }
 
-}  // namespace tessera::proto
+}  // namespace tessera::common
