@@ -37,6 +37,8 @@ if(TESSERA_FARM)
     DESTINATION ${CMAKE_INSTALL_DATADIR}/tessera COMPONENT tessera-coordinator)
   install(PROGRAMS ${PROJECT_SOURCE_DIR}/deploy/make_certificates.sh
     DESTINATION ${CMAKE_INSTALL_DATADIR}/tessera COMPONENT tessera-coordinator)
+  install(DIRECTORY ${PROJECT_SOURCE_DIR}/deploy/slurm DESTINATION ${CMAKE_INSTALL_DATADIR}/tessera
+    USE_SOURCE_PERMISSIONS COMPONENT tessera-coordinator)
 endif()
 
 install(DIRECTORY ${TESSERA_SCENES_DIR}/ DESTINATION ${CMAKE_INSTALL_DATADIR}/tessera/scenes COMPONENT tessera)

@@ -29,6 +29,8 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
 elseif(CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
   # Clang 14 takes parameters of friends for shadows of members, and wants braces that aggregates do not need.
   target_compile_options(tessera_options INTERFACE -Wno-shadow -Wno-missing-braces)
+  # What core/base/mutex.hpp annotates.
+  target_compile_options(tessera_options INTERFACE -Wthread-safety -Werror=thread-safety)
 endif()
 if(TESSERA_SANITIZE)
   target_compile_options(tessera_options INTERFACE

@@ -2,14 +2,20 @@
 # shellcheck shell=bash
 # Sourced by the scripts at the top: builds, with one line of progress, and the whole log in a file.
 
-# progress: reads Ninja's output and shows how far it is; on a terminal in one line, elsewhere a line for each tenth.
+# progress: reads the output of CMake and Ninja and shows how far it is; on a terminal in one line that fits it, elsewhere
+# a line for each tenth.
 progress() {
-  local line tenth=-1 tty=
-  [ ! -t 1 ] || tty=yes
+  local line tenth=-1 tty= columns=80 shown
+  if [ -t 1 ]; then
+    tty=yes
+    columns=$(tput cols 2>/dev/null || echo 80)
+    printf '  configuring'
+  fi
   while IFS= read -r line; do
     [[ $line =~ ^\[([0-9]+)/([0-9]+)\]\ (.*) ]] || continue
     if [ $tty ]; then
-      printf '\r\033[K  [%s/%s] %.60s' "${BASH_REMATCH[1]}" "${BASH_REMATCH[2]}" "${BASH_REMATCH[3]}"
+      shown="  $((100 * BASH_REMATCH[1] / BASH_REMATCH[2])) %, step ${BASH_REMATCH[1]} of ${BASH_REMATCH[2]}, ${SECONDS} s: ${BASH_REMATCH[3]}"
+      printf '\r\033[K%s' "${shown:0:columns-1}"
     elif [ $((10 * BASH_REMATCH[1] / BASH_REMATCH[2])) -gt $tenth ]; then
       tenth=$((10 * BASH_REMATCH[1] / BASH_REMATCH[2]))
       echo "  ${BASH_REMATCH[1]} of ${BASH_REMATCH[2]} steps"

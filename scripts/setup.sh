@@ -24,6 +24,12 @@ build=(
   libspng-dev
   libtiff-dev
   libwebp-dev
+  # Images in the terminal.
+  libsixel-dev
+  # The browser view: HTTP with TLS, compressed pixels.
+  libmicrohttpd-dev
+  libgnutls28-dev
+  libdeflate-dev
   # The farm: RPC and its code generators, logs, metrics, durable state, compressed film tiles.
   libabsl-dev
   libgrpc++-dev
@@ -34,7 +40,6 @@ build=(
   prometheus-cpp-dev
   libsqlite3-dev
   libzstd-dev
-  libdeflate-dev
   # deploy/make_certificates.sh.
   openssl
 )
@@ -56,8 +61,19 @@ test=(
   prometheus
   # Packages, installed in a root of their own.
   debootstrap
+  # A cluster of several nodes on one machine: tests/cluster. Its daemons are started by the tests alone.
+  slurm-wlm
+  bc
+  # Manifests for Kubernetes.
+  python3-yaml
+  # The example of a client in Python.
+  python3-grpcio
+  python3-protobuf
   # Tests of the scene file's JSON Schema.
   libvalijson-dev
+  # Tests of the page, with fonts for its screenshots. node and npm: below.
+  chromium
+  fonts-dejavu-core
   # tests/fuzz and the preset tsan: Clang with libFuzzer, the sanitizers and OpenMP.
   clang-14
   libclang-rt-14-dev
@@ -72,6 +88,9 @@ bench=(
   graphicsmagick
   fonts-dejavu-core
 )
+
+# Any node from version 18 drives the browser, also one that is not Debian's.
+command -v npm >/dev/null || test+=(nodejs npm)
 
 wanted=()
 [ $# -gt 0 ] || set -- build package test bench

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/api/include/tessera/tessera.hpp"
 
-#include <omp.h>
-
 #include <algorithm>
 #include <new>
 #include <utility>
 
+#include "core/base/available_resources.hpp"
 #include "core/base/version.hpp"
 #include "core/film/film.hpp"
 #include "core/image/encode.hpp"
@@ -40,6 +39,10 @@ auto with_errors(const Function& function) {
   }
 }
 
+int default_threads() {
+  return static_cast<int>(core::available_threads());
+}
+
 }  // namespace
 
 std::string version() {
@@ -58,7 +61,7 @@ Scene::~Scene() = default;
 Scene Scene::load(const std::string& path) {
   return with_errors([&] {
     auto description = value_or_throw(core::load_scene_file(path));
-    auto scene = value_or_throw(core::Scene::build(std::move(description), omp_get_num_procs()));
+    auto scene = value_or_throw(core::Scene::build(std::move(description), default_threads()));
     return Scene(std::unique_ptr<Impl>(new Impl{std::move(scene)}));
   });
 }
@@ -72,7 +75,7 @@ Image Scene::render(const RenderOptions& options) const {
     overrides.seed = options.seed;
     const auto settings = value_or_throw(core::resolve_settings(impl_->scene.settings(), overrides));
     if (options.threads < 0) throw Error("threads must not be negative");
-    const int threads = options.threads > 0 ? options.threads : omp_get_num_procs();
+    const int threads = options.threads > 0 ? options.threads : default_threads();
     const core::TileGrid grid(settings.window(), core::kTilePx);
     core::Film film(grid);
     const auto pixel_samples = static_cast<double>(grid.window().pixel_count()) * settings.spp;

@@ -10,6 +10,9 @@
 #include <sstream>
 #include <string_view>
 
+#include "core/cli/help_formatter.hpp"
+#include "core/cli/option_table.hpp"
+
 namespace tessera::cli {
 namespace {
 
@@ -69,90 +72,48 @@ std::string wrap_all(const std::string& text, std::size_t columns) {
   return wrapped;
 }
 
-class Formatter : public CLI::Formatter {
- public:
-  std::string make_help(const CLI::App* app, std::string name, CLI::AppFormatMode) const override {
-    const std::size_t columns = columns_of_stdout();
-    std::string help =
-        wrap_all(app->get_description(), columns) + '\n' + usage(app, name) + commands(app, columns);
-    help += section("Arguments", app->get_options(is_argument), columns);
-    for (const std::string& group : app->get_groups()) {
-      auto options = app->get_options(
-          [&](const CLI::Option* option) { return !is_argument(option) && option->get_group() == group; });
-      std::stable_partition(options.begin(), options.end(), [&](const CLI::Option* option) {
-        return option != app->get_help_ptr() && option != app->get_version_ptr();
-      });
-      help += section(group, options, columns);
-    }
-    help += environment(app, columns);
-    if (!app->get_footer().empty()) help += '\n' + wrap_all(app->get_footer(), columns);
-    return help;
+// "-o, --output FILE"
+std::string left_column(const OptionRow& option) {
+  const std::string shorts = option.short_name.empty() ? "    " : option.short_name + ", ";
+  return shorts + option.name + (option.value.empty() ? "" : " " + option.value);
+}
+
+std::string arguments(const CommandTable& table, std::size_t columns) {
+  if (table.arguments.empty()) return "";
+  std::string text = "\nArguments:\n";
+  for (const OptionRow& argument : table.arguments)
+    text += two_columns(argument.name, argument.description, columns);
+  return text;
+}
+
+std::string options(const CommandTable& table, std::size_t columns) {
+  std::string text;
+  for (const OptionGroup& group : table.groups) {
+    text += '\n' + group.title + ":\n";
+    for (const OptionRow& option : group.options)
+      text += two_columns(left_column(option), option.description, columns);
   }
+  return text;
+}
 
- private:
-  using Options = std::vector<const CLI::Option*>;
-
-  static bool is_argument(const CLI::Option* option) { return option->get_positional(); }
-
-  // The placeholder of the value: "FILE".
-  static std::string value_name(const CLI::Option* option) {
-    if (!option->get_option_text().empty()) return option->get_option_text();
-    return option->get_items_expected_max() == 0 ? "" : option->get_type_name();
+std::string commands(const CommandTable& table, std::size_t columns) {
+  std::string text, group;
+  for (const CommandTable& command : table.commands) {
+    if (command.group != group) text += '\n' + command.group + ":\n";
+    group = command.group;
+    text += two_columns(command.name, command.description, columns);
   }
+  return text;
+}
 
-  // "-o, --output FILE"
-  static std::string left_column(const CLI::Option* option) {
-    if (is_argument(option)) return option->get_name(true);
-    const std::string shorts =
-        option->get_snames().empty() ? "    " : "-" + option->get_snames().front() + ", ";
-    const std::string value = value_name(option);
-    return shorts + "--" + option->get_lnames().front() + (value.empty() ? "" : " " + value);
-  }
-
-  static std::string right_column(const CLI::Option* option) {
-    const std::string value = option->get_default_str();
-    return option->get_description() + (value.empty() ? "" : fmt::format(" [default: {}]", value));
-  }
-
-  static std::string section(const std::string& title, const Options& options, std::size_t columns) {
-    if (options.empty() || title.empty()) return "";
-    std::string text = '\n' + title + ":\n";
-    for (const CLI::Option* option : options)
-      text += two_columns(left_column(option), right_column(option), columns);
-    return text;
-  }
-
-  static std::string usage(const CLI::App* app, const std::string& name) {
-    std::string line = "Usage: " + (name.empty() ? app->get_name() : name);
-    if (!app->get_subcommands({}).empty()) return line + " COMMAND [OPTIONS]\n";
-    line += " [OPTIONS]";
-    for (const CLI::Option* option : app->get_options()) {
-      if (option->get_required() && !is_argument(option))
-        line += fmt::format(" --{} {}", option->get_lnames().front(), value_name(option));
-    }
-    for (const CLI::Option* option : app->get_options(is_argument)) line += " " + option->get_name(true);
-    return line + '\n';
-  }
-
-  static std::string commands(const CLI::App* app, std::size_t columns) {
-    std::string text, group;
-    for (const CLI::App* command : app->get_subcommands({})) {
-      if (command->get_group() != group) text += '\n' + command->get_group() + ":\n";
-      group = command->get_group();
-      text += two_columns(command->get_name(), command->get_description(), columns);
-    }
-    return text;
-  }
-
-  static std::string environment(const CLI::App* app, std::size_t columns) {
-    std::string text;
-    for (const CLI::Option* option : app->get_options()) {
-      if (!option->get_envname().empty())
-        text += two_columns(option->get_envname(), "Default of --" + option->get_lnames().front(), columns);
-    }
-    return text.empty() ? "" : "\nEnvironment variables:\n" + text;
-  }
-};
+std::string environment(const CommandTable& table, std::size_t columns) {
+  std::string text;
+  for (const OptionGroup& group : table.groups)
+    for (const OptionRow& option : group.options)
+      if (!option.variable.empty())
+        text += two_columns(option.variable, "Default of " + option.name, columns);
+  return text.empty() ? "" : "\nEnvironment variables:\n" + text;
+}
 
 std::string footer_of(const HelpText& text) {
   std::string footer = text.notes.empty() ? "" : text.notes + '\n';
@@ -173,10 +134,18 @@ CLI::Validator without_words(CLI::Validator validator) {
 
 }  // namespace
 
+std::string HelpFormatter::make_help(const CLI::App* app, std::string name, CLI::AppFormatMode) const {
+  const std::size_t columns = columns_of_stdout();
+  const CommandTable table = table_of(*app, name.empty() ? app->get_name() : name);
+  const std::string footer = footer_of(table.text);
+  return wrap_all(table.description, columns) + "\nUsage: " + usage_of(table) + '\n' +
+         commands(table, columns) + arguments(table, columns) + options(table, columns) +
+         environment(table, columns) + (footer.empty() ? "" : '\n' + wrap_all(footer, columns));
+}
+
 void set_help(CLI::App& app, const HelpText& text) {
-  app.formatter(std::make_shared<Formatter>());
+  app.formatter(std::make_shared<HelpFormatter>(text));
   app.set_help_flag("-h,--help", "Print this help");
-  app.footer(footer_of(text));
 }
 
 CLI::Validator existing_file() {

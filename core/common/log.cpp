@@ -118,6 +118,12 @@ std::string_view colour_of(spdlog::level::level_enum level) {
                                         : "\033[36m";
 }
 
+// Whether an environment variable has a value.
+bool is_set(const char* name) {
+  const char* value = std::getenv(name);
+  return value != nullptr && *value != '\0';
+}
+
 // Write errors are ignored, since there is nowhere to report them.
 void write_all(std::string_view bytes) {
   while (!bytes.empty()) {
@@ -159,7 +165,7 @@ class Sink final : public spdlog::sinks::sink {
     spdlog::memory_buf_t buffer;
     formatter_->format(message, buffer);
     std::string line(buffer.data(), buffer.size());
-    if (is_terminal_ && message.color_range_end > message.color_range_start) {
+    if (is_colored_ && message.color_range_end > message.color_range_start) {
       line.insert(message.color_range_end, kPlain);
       line.insert(message.color_range_start, colour_of(message.level));
     }
@@ -167,7 +173,7 @@ class Sink final : public spdlog::sinks::sink {
   }
 
   spdlog::details::thread_pool& queue_;
-  const bool is_terminal_ = ::isatty(STDERR_FILENO) == 1;
+  const bool is_colored_ = ::isatty(STDERR_FILENO) == 1 && !is_set("NO_COLOR");
   std::unique_ptr<spdlog::formatter> formatter_;
   std::size_t dropped_ = 0;
   std::counting_semaphore<> flushed_{0};

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/common/metrics_server.hpp"
 
-#include <arpa/inet.h>
 #include <fmt/format.h>
 #include <prometheus/collectable.h>
 #include <prometheus/exposer.h>
 
-#include <charconv>
 #include <exception>
 #include <optional>
 #include <utility>
 #include <vector>
+
+#include "core/base/host_port.hpp"
 
 namespace tessera::common {
 
@@ -22,35 +22,12 @@ constexpr const char* kThreads = "2";
 // A caller that is slower is disconnected, so that it does not keep a thread.
 constexpr const char* kMostMilliseconds = "5000";
 
-struct HostAndPort {
-  std::string host;  // as it is bound: an IPv6 address in brackets
-  std::string port;
-};
-
-bool is_ip(int family, const std::string& host) {
-  in6_addr parsed{};
-  return inet_pton(family, host.c_str(), &parsed) == 1;
-}
-
-std::optional<std::string> host_to_bind(const std::string& host) {
-  if (host == "localhost") return "127.0.0.1";
-  if (is_ip(AF_INET, host)) return host;
-  const bool in_brackets = host.size() > 2 && host.front() == '[' && host.back() == ']';
-  if (in_brackets && is_ip(AF_INET6, host.substr(1, host.size() - 2))) return host;
-  return std::nullopt;
-}
-
-// The library takes lists, TLS ports and ports of all addresses as well: nothing is bound but what this
-// finds.
-std::optional<HostAndPort> parse(const std::string& address) {
-  const std::size_t colon = address.rfind(':');
-  if (colon == std::string::npos) return std::nullopt;
-  const std::string port = address.substr(colon + 1);
-  std::uint16_t number = 0;
-  const auto [end, wrong] = std::from_chars(port.data(), port.data() + port.size(), number);
-  const auto host = host_to_bind(address.substr(0, colon));
-  if (!host || wrong != std::errc() || end != port.data() + port.size()) return std::nullopt;
-  return HostAndPort{*host, port};
+// What the library is told to bind. It takes lists, TLS ports and ports of all addresses as well: nothing is
+// bound but what this finds.
+std::optional<std::string> port_to_bind(const std::string& address) {
+  const auto at = core::parse_host_port(address);
+  if (!at) return std::nullopt;
+  return fmt::format(fmt::runtime(at->is_ipv6 ? "[{}]:{}" : "{}:{}"), at->host, at->port);
 }
 
 class Source final : public prometheus::Collectable {
@@ -65,9 +42,9 @@ class Source final : public prometheus::Collectable {
 }  // namespace
 
 struct MetricsServer::Parts {
-  Parts(const HostAndPort& at, Collect collect)
+  Parts(const std::string& port, Collect collect)
       : source(std::make_shared<Source>(std::move(collect))),
-        exposer(std::vector<std::string>{"listening_ports", at.host + ":" + at.port, "num_threads", kThreads,
+        exposer(std::vector<std::string>{"listening_ports", port, "num_threads", kThreads,
                                          "request_timeout_ms", kMostMilliseconds}) {
     exposer.RegisterCollectable(source);
   }
@@ -83,7 +60,7 @@ MetricsServer::~MetricsServer() = default;
 
 core::Result<std::unique_ptr<MetricsServer>> MetricsServer::start(const std::string& address,
                                                                   Collect collect) {
-  const auto at = parse(address);
+  const auto at = port_to_bind(address);
   if (!at)
     return core::fail(ErrorCode::kInvalidArgument,
                       fmt::format("--metrics: must be HOST:PORT with localhost or an IP address, such as "

@@ -3,10 +3,11 @@
 
 #include <algorithm>
 #include <cassert>
-#include <cmath>
 #include <span>
 #include <tuple>
 #include <utility>
+
+#include "core/film/estimates.hpp"
 
 namespace tessera::core {
 namespace {
@@ -46,17 +47,6 @@ void for_each_cell(const TileGrid& grid, const PixelRect& rect, Visit visit) {
       visit(static_cast<std::size_t>(index), grid.rect(index));
     }
   }
-}
-
-double mean(std::uint64_t sum, std::uint32_t samples) {
-  return samples == 0 ? 0 : static_cast<double>(sum) * kFilmUnit / samples;
-}
-
-// Half the distance of the means of the even- and the odd-numbered samples estimates the error of their mean.
-double half_difference(std::uint64_t sum, std::uint64_t odd_sum, std::uint32_t samples,
-                       std::uint32_t odd_samples) {
-  if (odd_samples == 0 || odd_samples == samples || sum == kFilmSaturated) return 0;
-  return std::fabs(mean(sum - odd_sum, samples - odd_samples) - mean(odd_sum, odd_samples)) / 2;
 }
 
 Image map_channels(const Film& film,
@@ -121,13 +111,6 @@ Film::Film(TileGrid grid) : grid_(grid), tiles_(static_cast<std::size_t>(grid.ti
   }
 }
 
-void Film::reserve(const FilmTile& tile) {
-  for_each_cell(grid_, tile.rect, [&](std::size_t index, const PixelRect& cell) {
-    for_overlap(tiles_[index].sums, &SumBuffer::reserve, cell, tile.sums, tile.rect);
-    for_overlap(tiles_[index].odd_sums, &SumBuffer::reserve, cell, tile.odd_sums, tile.rect);
-  });
-}
-
 void Film::add(const FilmTile& tile) {
   for_each_cell(grid_, tile.rect, [&](std::size_t index, const PixelRect& cell) {
     Tile& to = tiles_[index];
@@ -153,19 +136,14 @@ void Film::restore(int index, const TileSums& sums) {
   tile.odd_sums.add(0, sums.odd_sums);
 }
 
-std::size_t Film::memory_bytes(int index) const {
-  const Tile& tile = tiles_[static_cast<std::size_t>(index)];
-  return tile.sums.memory_bytes() + tile.odd_sums.memory_bytes();
-}
-
 Image Film::develop() const {
   return map_channels(*this, [](std::uint64_t sum, std::uint64_t, std::uint32_t samples, std::uint32_t) {
-    return mean(sum, samples);
+    return mean_radiance(sum, samples);
   });
 }
 
 Image Film::standard_error() const {
-  return map_channels(*this, half_difference);
+  return map_channels(*this, tessera::core::standard_error);
 }
 
 std::uint64_t Film::saturated_pixels() const {
@@ -177,6 +155,12 @@ std::uint64_t Film::saturated_pixels() const {
       count += std::max({sums[i], sums[i + 1], sums[i + 2]}) == kFilmSaturated ? 1 : 0;
   }
   return count;
+}
+
+Image develop_tile(const PixelRect& rect, const Film::TileSums& sums) {
+  Film alone(TileGrid(rect, std::max(rect.width(), rect.height())));
+  alone.restore(0, sums);
+  return alone.develop();
 }
 
 }  // namespace tessera::core

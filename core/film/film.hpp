@@ -60,8 +60,6 @@ class Film {
 
   const TileGrid& grid() const { return grid_; }
 
-  // Takes the memory that add() of the same tile would take: add() then cannot fail.
-  void reserve(const FilmTile& tile);
   // Adds every sample of `tile`, whose rectangle must be a union of grid tiles. The caller ensures that no
   // sample is added twice. Counters are not kept here.
   void add(const FilmTile& tile);
@@ -74,10 +72,10 @@ class Film {
     bool operator==(const TileSums&) const = default;
   };
   TileSums tile(int index) const;
+  // How many samples of each pixel of one grid tile there are.
+  std::uint32_t samples(int index) const { return tiles_[static_cast<std::size_t>(index)].samples; }
   // Replaces one grid tile's content. The sizes must be those of the tile, or 0 if there are no samples.
   void restore(int index, const TileSums& sums);
-  // What the tile's sums take: nothing before there are samples, and no more than 48 bytes for each pixel.
-  std::size_t memory_bytes(int index) const;
 
   // The pictures are of the grid's window, and of its size.
   // Linear radiance: each pixel the mean of the samples it has so far; black where it has none.
@@ -102,5 +100,8 @@ class Film {
   TileGrid grid_;
   std::vector<Tile> tiles_;
 };
+
+// The pixels of one grid tile, as Film::develop() of a film gives them.
+Image develop_tile(const PixelRect& rect, const Film::TileSums& sums);
 
 }  // namespace tessera::core

@@ -108,6 +108,8 @@ class Reader {
  public:
   explicit Reader(BlockFileReader& file) : file_(file), rest_(file.index()) {}
 
+  // Whether all reads so far succeeded.
+  bool good() const { return good_; }
   // Whether all reads succeeded and no data is left.
   bool complete() const { return good_ && rest_.empty(); }
 

@@ -24,7 +24,6 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view kPartialSuffix = ".partial";
 constexpr auto kAbandonedAfter = std::chrono::hours(24);
-constexpr auto kInUse = std::chrono::hours(1);
 
 // The readable files in the folder; other processes may remove some at the same time.
 std::vector<fs::directory_entry> entries_of(const std::string& folder) {
@@ -41,6 +40,36 @@ bool is_partial_of(const std::string& name, const IsName& is_ours) {
   const std::string rest = name.substr(0, name.size() - kPartialSuffix.size());
   const std::size_t random_part = rest.rfind('.');
   return random_part != std::string::npos && is_ours(rest.substr(0, random_part));
+}
+
+struct CacheFile {
+  fs::file_time_type used;
+  std::uint64_t bytes;
+  fs::path path;
+};
+
+struct CacheFiles {
+  std::vector<CacheFile> removable;
+  std::uint64_t total_bytes = 0;  // also of the files that stay
+};
+
+CacheFiles removable_files(const std::string& folder, const IsName& is_ours, const MustStay& must_stay) {
+  CacheFiles files;
+  const auto now = fs::file_time_type::clock::now();
+  for (const fs::directory_entry& entry : entries_of(folder)) {
+    const std::string name = entry.path().filename();
+    const bool is_partial = is_partial_of(name, is_ours);
+    if (!is_partial && !is_ours(name)) continue;
+    std::error_code gone, unknown;
+    const std::uint64_t bytes = entry.file_size(gone);
+    const auto used = entry.last_write_time(unknown);
+    if (gone || unknown) continue;
+    files.total_bytes += bytes;
+    const auto unused_for = std::chrono::duration_cast<std::chrono::seconds>(now - used);
+    if (is_partial ? unused_for < kMayBeInUse : must_stay(name, unused_for)) continue;
+    files.removable.push_back({used, bytes, entry.path()});
+  }
+  return files;
 }
 
 Error cannot_use(const std::string& folder, ErrorCode code, const std::string& why) {
@@ -86,35 +115,18 @@ void mark_as_used(const std::string& path) {
   fs::last_write_time(path, fs::file_time_type::clock::now(), ignored);
 }
 
-void remove_least_used(const std::string& folder, std::uint64_t max_bytes, const IsName& is_ours,
-                       const IsName& can_go_at_once) {
-  struct File {
-    fs::file_time_type used;
-    std::uint64_t bytes;
-    fs::path path;
-  };
-  std::vector<File> files;
-  std::uint64_t total = 0;
-  for (const fs::directory_entry& entry : entries_of(folder)) {
-    const std::string name = entry.path().filename();
-    const bool is_partial = is_partial_of(name, is_ours);
-    if (!is_partial && !is_ours(name)) continue;
-    std::error_code gone, unknown;
-    const std::uint64_t bytes = entry.file_size(gone);
-    const auto used = entry.last_write_time(unknown);
-    if (gone || unknown) continue;
-    total += bytes;
-    if (!is_partial) files.push_back({used, bytes, entry.path()});
+std::uint64_t remove_least_used(const std::string& folder, std::uint64_t max_bytes, const IsName& is_ours,
+                                const MustStay& must_stay) {
+  CacheFiles files = removable_files(folder, is_ours, must_stay);
+  std::sort(files.removable.begin(), files.removable.end(),
+            [](const CacheFile& a, const CacheFile& b) { return a.used < b.used; });
+  for (const CacheFile& file : files.removable) {
+    if (files.total_bytes <= max_bytes) break;
+    std::error_code failed;  // a file that is gone already is no failure
+    fs::remove(file.path, failed);
+    if (!failed) files.total_bytes -= file.bytes;
   }
-  std::sort(files.begin(), files.end(), [](const File& a, const File& b) { return a.used < b.used; });
-  const auto before = fs::file_time_type::clock::now() - kInUse;
-  for (const File& file : files) {
-    if (total <= max_bytes) return;
-    if (file.used > before && !can_go_at_once(file.path.filename())) continue;
-    std::error_code ignored;  // it may be gone already
-    fs::remove(file.path, ignored);
-    total -= file.bytes;
-  }
+  return files.total_bytes;
 }
 
 void remove_abandoned(const std::string& folder, const IsName& is_ours) {

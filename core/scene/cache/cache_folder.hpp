@@ -3,6 +3,7 @@
 // processes may add and remove files at any time.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -25,14 +26,21 @@ Status check_is_own(const std::string& folder);
 // same.
 std::string partial_path_of(const std::string& path);
 
-// Marks a cache file as used now, which protects it from removal for a while.
+// Marks a cache file as used now, so that others are removed before it.
 void mark_as_used(const std::string& path);
 
-// Removes the least recently used files until the rest take at most `max_bytes`. Files used within the last
-// hour stay, because they may be about to be opened, unless `can_go_at_once` accepts their names. Partial
-// files stay but count. Files whose names `is_ours` rejects stay: they may belong to the user.
-void remove_least_used(const std::string& folder, std::uint64_t max_bytes, const IsName& is_ours,
-                       const IsName& can_go_at_once);
+// Whether a file is kept although room is needed, by its name and the time since its last use.
+using MustStay = std::function<bool(const std::string& name, std::chrono::seconds unused_for)>;
+
+// Files used within this time may be about to be opened.
+inline constexpr std::chrono::hours kMayBeInUse{1};
+
+// Removes the least recently used files until the rest take at most `max_bytes`, and returns what the rest
+// takes: more if too much must stay. Partial files count; they stay while they are written to, that is, for
+// an hour after the last time. Files whose names `is_ours` rejects stay and do not count: they may belong to
+// the user.
+std::uint64_t remove_least_used(const std::string& folder, std::uint64_t max_bytes, const IsName& is_ours,
+                                const MustStay& must_stay);
 
 // Removes partial files of the cache that have not been written to for a day, left by writers that died.
 void remove_abandoned(const std::string& folder, const IsName& is_ours);

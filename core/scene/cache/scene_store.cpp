@@ -89,11 +89,12 @@ SceneWriter::~SceneWriter() = default;
 
 void SceneWriter::finish(const Bvh& bvh) {
   const SceneStore& store = state_->store;
-  if (!store.has_room_for(state_->bytes + stored::stored_bytes(bvh.arrays()))) return state_.reset();
+  const std::uint64_t tree_bytes = stored::stored_bytes(bvh.arrays());
+  if (!store.fits(state_->bytes + tree_bytes) || !store.make_room(tree_bytes)) return state_.reset();
   state_->writer(bvh.arrays());
   const Status written = state_->file.finish(state_->writer.bytes());
   if (!written) store.warn_unless_missing(written.error());
-  remove_least_used(store.folder_, store.max_bytes_, store.is_counted_, SceneStore::is_file_name);
+  store.make_room(0);
 }
 
 SceneStore::SceneStore(std::string folder, std::uint64_t max_bytes, Warn warn, IsName is_counted)
@@ -120,12 +121,21 @@ std::string SceneStore::path_of(std::string_view key, std::string_view suffix) c
   return fmt::format("{}/{}{}", folder_, hex_of(fmt::format("{} {}", stored::scene_maker(), key)), suffix);
 }
 
-bool SceneStore::has_room_for(std::uint64_t bytes) const {
+bool SceneStore::fits(std::uint64_t bytes) const {
   if (bytes <= max_bytes_) return true;
   constexpr double kMib = 1 << 20;
   warn_(fmt::format("a scene of {:.2f} MiB is not kept: the scene cache may have no more than {:.2f}",
                     static_cast<double>(bytes) / kMib, static_cast<double>(max_bytes_) / kMib));
   return false;
+}
+
+// Returns false if too much must stay.
+bool SceneStore::make_room(std::uint64_t bytes) const {
+  const auto must_stay = [](const std::string& name, std::chrono::seconds unused_for) {
+    return !is_file_name(name) && unused_for < kMayBeInUse;
+  };
+  const std::uint64_t rest = max_bytes_ - bytes;
+  return remove_least_used(folder_, rest, is_counted_, must_stay) <= rest;
 }
 
 void SceneStore::warn_unless_missing(const Error& error) const {
@@ -145,7 +155,8 @@ std::optional<PreparedScene> SceneStore::find(std::string_view key, int threads)
 
 std::optional<SceneWriter> SceneStore::begin(std::string_view key, const SceneDescription& description,
                                              int threads) const {
-  if (!has_room_for(stored::stored_bytes(description))) return std::nullopt;
+  const std::uint64_t bytes = stored::stored_bytes(description);
+  if (!fits(bytes) || !make_room(bytes)) return std::nullopt;
   auto file = BlockFileWriter::create(path_of(key, kSceneSuffix), stored::file_version(), threads);
   if (file) return SceneWriter(*this, std::move(*file), std::string(key), description);
   warn_unless_missing(file.error());

@@ -58,9 +58,10 @@ class SceneStore {
  public:
   using Warn = std::function<void(const std::string& message)>;
 
-  // Creates the folder if it is missing, and rejects one that others can write to. After each scene the
-  // least recently used files for which `is_counted` returns true are removed by remove_least_used(). A
-  // scene larger than `max_bytes` is not stored. `warn` receives non-fatal errors.
+  // Creates the folder if it is missing, and rejects one that others can write to. Before each scene the
+  // least recently used files for which `is_counted` returns true are removed: stored scenes, and others that
+  // were not used for an hour. A scene for which there is no room then is not stored. `warn` receives
+  // non-fatal errors.
   static Result<SceneStore> open(const std::string& folder, std::uint64_t max_bytes, Warn warn,
                                  IsName is_counted = is_file_name);
 
@@ -86,7 +87,8 @@ class SceneStore {
   std::optional<SceneWriter> begin(std::string_view key, const SceneDescription& description,
                                    int threads) const;
   void keep_list(const std::string& key, const stored::RecordedAssets& recorded, int threads) const;
-  bool has_room_for(std::uint64_t bytes) const;
+  bool fits(std::uint64_t bytes) const;
+  bool make_room(std::uint64_t bytes) const;
   void warn_unless_missing(const Error& error) const;
 
   std::string folder_;

@@ -19,9 +19,11 @@ class CacheFolder : public testing::Test {
         folder_.path() / name, std::filesystem::file_time_type::clock::now() - std::chrono::hours(hours_ago));
   }
   bool has(const std::string& name) const { return std::filesystem::exists(folder_.path() / name); }
-  void remove_beyond(std::uint64_t bytes) const {
-    remove_least_used(folder_.path(), bytes, is_ours,
-                      [](const std::string& name) { return name == "made anew"; });
+  std::uint64_t remove_beyond(std::uint64_t bytes) const {
+    return remove_least_used(folder_.path(), bytes, is_ours,
+                             [](const std::string& name, std::chrono::seconds unused_for) {
+                               return name != "made anew" && unused_for < kMayBeInUse;
+                             });
   }
 
   static bool is_ours(const std::string& name) {
@@ -33,13 +35,13 @@ class CacheFolder : public testing::Test {
 
 TEST_F(CacheFolder, LosesWhatWasNotUsedForLongest) {
   add("old", 10, 5), add("older", 10, 6), add("new", 10, 4);
-  remove_beyond(20);
+  EXPECT_EQ(remove_beyond(20), 20u);
   EXPECT_TRUE(has("old") && has("new") && !has("older"));
 }
 
 TEST_F(CacheFolder, KeepsWhatMayBeInUseAndWhatIsNotItsOwn) {
   add("in use", 10, 0), add("theirs", 10, 9), add("old", 10, 5);
-  remove_beyond(0);
+  EXPECT_EQ(remove_beyond(0), 10u);
   EXPECT_TRUE(has("in use") && has("theirs") && !has("old"));
 }
 
@@ -51,11 +53,15 @@ TEST_F(CacheFolder, LosesWhatCanGoAtOnceEvenIfInUse) {
 
 TEST_F(CacheFolder, CountsWhatIsBeingWritten) {
   add("a", 10, 5), add("b", 10, 6);
-  add(std::filesystem::path(partial_path_of("c")).filename(), 10, 9);
-  remove_beyond(20);
-  EXPECT_TRUE(has("a") && !has("b"));
-  const std::filesystem::directory_iterator files(folder_.path());
-  EXPECT_EQ(std::distance(begin(files), end(files)), 2) << "it stays";
+  add("c.1.partial", 10, 0);
+  EXPECT_EQ(remove_beyond(10), 10u);
+  EXPECT_TRUE(has("c.1.partial") && !has("a") && !has("b"));
+}
+
+TEST_F(CacheFolder, DoesNotKeepWhatADeadWriterReserved) {
+  add("a", 10, 1), add("c.1.partial", 10, 2);
+  EXPECT_EQ(remove_beyond(10), 10u);
+  EXPECT_TRUE(has("a") && !has("c.1.partial"));
 }
 
 TEST_F(CacheFolder, IsForItsOwnerAloneToWriteTo) {

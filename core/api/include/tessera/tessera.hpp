@@ -47,7 +47,7 @@ struct RenderOptions {
   std::optional<int> width, height;  // pixels
   std::optional<std::uint32_t> spp;  // samples per pixel
   std::optional<std::uint64_t> seed;
-  int threads = 0;  // 0: one for each processor
+  int threads = 0;  // 0: one for each processor that this process may use
   // Called a few times a second with the completed fraction of the samples, from 0 to 1. If it returns
   // false, the render stops and the image holds the samples so far.
   std::function<bool(double)> progress;

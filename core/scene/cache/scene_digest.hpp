@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+// Identifies a scene by what its files contain: two scenes with the same digest render the same samples.
+#pragma once
+
+#include "core/scene/cache/block_file.hpp"
+#include "core/scene/description.hpp"
+
+namespace tessera::core {
+
+// One checksum for each part, so that a difference can be named. Settings, output settings and warnings are
+// not part of it, nor are the names of files.
+struct SceneDigest {
+  Checksum camera, textures, materials, shapes, lights, environment;
+  bool operator==(const SceneDigest&) const = default;
+};
+
+SceneDigest digest_of(const SceneDescription& scene);
+
+}  // namespace tessera::core
