@@ -2,18 +2,16 @@
 #include "core/image/encode.hpp"
 
 #include <fmt/format.h>
-#include <stb_image_write.h>
 
 #include <bit>
 #include <cstdint>
 #include <new>
 #include <utility>
-#include <vector>
 
 #include "core/image/exr.hpp"
 #include "core/image/hdr_encoder.hpp"
 #include "core/image/limits.hpp"
-#include "core/image/srgb.hpp"
+#include "core/image/png_encoder.hpp"
 
 namespace tessera::core {
 namespace {
@@ -32,7 +30,6 @@ class Appender {
     return status_;
   }
   std::uint64_t size() const { return size_; }
-  const Status& status() const { return status_; }
 
  private:
   ByteSink& sink_;
@@ -52,30 +49,6 @@ class StringSink final : public ByteSink {
  private:
   std::string bytes_;
 };
-
-void append_bytes(void* appender, void* data, int size) {
-  static_cast<void>(static_cast<Appender*>(appender)->append(
-      {static_cast<const char*>(data), static_cast<std::size_t>(size)}));
-}
-
-Status write_png(const RowSource& source, const DisplaySettings& display, Appender& file) {
-  const DisplayTransform to_screen(display);
-  const auto width = static_cast<std::size_t>(source.width);
-  std::vector<std::uint8_t> codes;
-  codes.reserve(width * static_cast<std::size_t>(source.height) * 3);
-  for (int y = 0; y < source.height; ++y) {
-    const auto row = source.row(y);
-    if (!row) return fail(row.error());
-    for (std::size_t x = 0; x < width; ++x) {
-      const Rgb shown = to_screen((*row)[x]);
-      codes.insert(codes.end(), {srgb_encode(shown.r), srgb_encode(shown.g), srgb_encode(shown.b)});
-    }
-  }
-  const bool written = stbi_write_png_to_func(append_bytes, &file, source.width, source.height, 3,
-                                              codes.data(), source.width * 3) != 0;
-  if (!written) throw std::bad_alloc();
-  return file.status();
-}
 
 // Rows run from the bottom up; a negative scale marks little-endian numbers (Debevec's PFM).
 Status write_pfm(const RowSource& source, Appender& file) {
@@ -108,10 +81,9 @@ Status write_hdr(const RowSource& source, Appender& file) {
 Result<std::uint64_t> write_checked(const RowSource& source, ImageFormat format,
                                     const DisplaySettings& display, ByteSink& sink) {
   if (format == ImageFormat::kExr) return write_exr(source, sink);
+  if (format == ImageFormat::kPng) return write_png(source, display, sink);
   Appender file(sink);
-  const Status written = format == ImageFormat::kPng   ? write_png(source, display, file)
-                         : format == ImageFormat::kHdr ? write_hdr(source, file)
-                                                       : write_pfm(source, file);
+  const Status written = format == ImageFormat::kHdr ? write_hdr(source, file) : write_pfm(source, file);
   if (!written) return fail(written.error());
   return file.size();
 }
@@ -152,9 +124,7 @@ Status check_encodable(ImageFormat format, int width, int height) {
   if (width < 1 || height < 1) {
     return fail(ErrorCode::kInvalidArgument, fmt::format("an image of {}x{} pixels is empty", width, height));
   }
-  const std::int64_t limit = format == ImageFormat::kPng   ? kMaxPngPixels
-                             : format == ImageFormat::kHdr ? kMaxHdrPixels
-                                                           : kMaxPicturePixels;
+  const std::int64_t limit = format == ImageFormat::kHdr ? kMaxHdrPixels : kMaxPicturePixels;
   if (static_cast<std::int64_t>(width) * height > limit) {
     return fail(
         ErrorCode::kInvalidArgument,
@@ -178,10 +148,8 @@ Result<std::uint64_t> write_image(const RowSource& source, ImageFormat format, c
   }
 }
 
-// The codes of a PNG, the same filtered, and the compressed file, which is a little larger at worst.
-std::uint64_t encoding_bytes(ImageFormat format, std::uint64_t width, std::uint64_t height) {
-  constexpr std::uint64_t kBytesPerPngPixel = 10, kRows = 64, kTables = std::uint64_t{1} << 20;
-  if (format == ImageFormat::kPng) return kTables + width * height * kBytesPerPngPixel;
+std::uint64_t encoding_bytes(std::uint64_t width) {
+  constexpr std::uint64_t kRows = 64, kTables = std::uint64_t{1} << 20;
   return kTables + width * kRows * sizeof(Rgb);
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Encodes images: PNG for screens, and three formats that keep linear light. The bytes depend on the image
-// only (no dates, no names) and are the same on every machine. Thread-safe.
+// only (no dates, no names) and are the same on every machine with the same zlib. Thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -56,13 +56,12 @@ class ByteSink {
   virtual Status write_at(std::uint64_t offset, std::string_view bytes) = 0;
 };
 
-// Writes the file that encode_image() would make of these pixels. Needs memory for some rows, except for PNG:
-// see encoding_bytes(). Returns the size of the file. Errors are those of the source, of the sink and of
-// encode_image().
+// Writes the file that encode_image() would make of these pixels. Needs memory for some rows. Returns the
+// size of the file. Errors are those of the source, of the sink and of encode_image().
 Result<std::uint64_t> write_image(const RowSource& source, ImageFormat format, const DisplaySettings& display,
                                   ByteSink& sink);
 
-// A bound on the memory that write_image() takes for an image of this size, besides source and sink.
-std::uint64_t encoding_bytes(ImageFormat format, std::uint64_t width, std::uint64_t height);
+// A bound on the memory that write_image() takes for an image of this width, besides source and sink.
+std::uint64_t encoding_bytes(std::uint64_t width);
 
 }  // namespace tessera::core

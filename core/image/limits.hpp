@@ -10,9 +10,7 @@ namespace tessera::core {
 inline constexpr int kMaxPictureSidePx = 65536;
 inline constexpr std::int64_t kMaxPicturePixels = std::int64_t{1} << 30;
 
-// stb counts the bytes of compressed PNG in 31 bits, up to 9/8 of 3 bytes per pixel. Many HDR readers count
-// the 12 bytes per pixel in memory in the same way.
-inline constexpr std::int64_t kMaxPngPixels = std::int64_t{1} << 29;
+// Many HDR readers count the 12 bytes per pixel in memory in 31 bits.
 inline constexpr std::int64_t kMaxHdrPixels = (std::int64_t{1} << 31) / 12;
 
 // Whether a file of `file_bytes` can plausibly hold an image of this size. Even a black image needs a byte

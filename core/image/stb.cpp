@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// stb_image reads BMP from memory and stb_image_write writes PNG into memory; both are compiled here once.
+// stb_image, which reads BMP from memory, is compiled here once.
 #include <stdlib.h>
 
 #include <limits>
@@ -70,6 +70,3 @@ bool StbMemory::ran_out() const {
 #define STBI_FREE(memory) free(memory)
 #define STBI_ASSERT(condition) ((void)0)
 #include <stb_image.h>
-
-#define STB_IMAGE_WRITE_IMPLEMENTATION
-#include <stb_image_write.h>
