@@ -5,6 +5,7 @@
 
 #include <sys/socket.h>
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -13,6 +14,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "core/base/error.hpp"
@@ -20,13 +22,15 @@
 namespace tessera::http {
 
 struct Request {
-  std::string method;                          // "GET"
+  std::string method;                          // "GET", also for HEAD, whose response is sent without body
   std::string path;                            // decoded, without the query
   std::map<std::string, std::string> query;    // decoded
   std::map<std::string, std::string> headers;  // names in lower case
   std::string body;                            // of a request without sink
   sockaddr_storage peer{};
   bool is_secure = false;  // over TLS
+  // The common name of the verified client certificate; empty without one.
+  std::string client_name;
 
   // Empty if there is none.
   std::string header(std::string_view name) const;
@@ -43,15 +47,22 @@ class BodySource {
  public:
   virtual ~BodySource() = default;
   enum class State {
-    kMore,  // there is more, or something was appended
-    kWait,  // nothing now: call again after wake(), or after 15 seconds at the latest
-    kEnd,
+    kMore,    // there is more, or something was appended
+    kWait,    // nothing now: call again after wake(), or after longest_wait()
+    kEnd,     // what was appended is the last
+    kFailed,  // the rest cannot be produced: the connection ends, so that the client notices
   };
   // Called once, before the first read().
   virtual void start(Wake wake) { (void)wake; }
   // Appends at most about `max_bytes` to `out`.
   virtual State read(std::string& out, std::size_t max_bytes) = 0;
+  // Asked after kWait. Sources that write keep-alives leave it at 15 seconds or less.
+  virtual std::chrono::milliseconds longest_wait() const { return std::chrono::seconds(15); }
 };
+
+struct Response;
+// Takes a response, once, on any thread. The connection may have ended by then.
+using Respond = std::function<void(Response)>;
 
 struct Response {
   int status = 200;
@@ -59,15 +70,18 @@ struct Response {
   std::string body{};
   std::unique_ptr<BodySource> source{};       // instead of body
   std::optional<std::uint64_t> size_bytes{};  // of the source, if it is known
+  // Instead of all others: the response is made later. Called once, and must return soon. The connection
+  // sleeps without a thread until there is a response, which may be another one of this kind.
+  std::function<void(Respond)> later{};
 };
 
 // Takes a body piece by piece instead of Request::body, for large uploads.
 class BodySink {
  public:
   virtual ~BodySink() = default;
-  // An error ends the request with the response of finish().
+  // After an error, the rest of the body is read and dropped.
   virtual core::Status write(std::string_view bytes) = 0;
-  // Called after the last piece, or after the first error.
+  // Called at the end of the body, with the first error. Not called if the client disconnects before.
   virtual Response finish(const core::Status& status) = 0;
 };
 
@@ -77,10 +91,11 @@ struct Reception {
   std::optional<Response> reject{};
   // Present: takes the body.
   std::unique_ptr<BodySink> sink{};
-  // Of the body without sink.
+  // Of the body without sink. A longer one gets 413, and one without Content-Length 411.
   std::size_t max_body_bytes = 1 << 20;
 };
 
+// Called by several threads at once. What these functions take, other connections of the same thread wait.
 class Handler {
  public:
   virtual ~Handler() = default;
@@ -93,10 +108,13 @@ class Handler {
 struct ServerOptions {
   std::string address;                       // HOST:PORT; port 0 picks a free one
   std::string certificate_pem{}, key_pem{};  // both empty: without TLS
-  std::string client_ca_pem{};               // empty: clients need no certificate
+  std::string client_ca_pem{};               // empty: clients need no certificate; else 403 without one
   int threads = 2;
   int max_connections = 1024;
   int max_connections_per_machine = 512;
+  // The time for a request's header, and for its body besides what it takes at 16 KiB/s. A connection without
+  // any traffic, except for a body that waits, ends after this time, too.
+  std::chrono::milliseconds receive_timeout = std::chrono::seconds(30);
 };
 
 class Server {

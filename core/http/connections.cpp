@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/http/connections.hpp"
+
+#include <algorithm>
+
+namespace tessera::http {
+
+void Connections::add(const std::shared_ptr<Connection>& connection) {
+  const std::lock_guard lock(mutex_);
+  if (is_stopping_) connection->stop();
+  all_.insert(connection);
+}
+
+void Connections::remove(const std::shared_ptr<Connection>& connection) {
+  const std::lock_guard lock(mutex_);
+  all_.erase(connection);
+}
+
+std::size_t Connections::count() const {
+  const std::lock_guard lock(mutex_);
+  return all_.size();
+}
+
+void Connections::stop() {
+  const std::lock_guard lock(mutex_);
+  is_stopping_ = true;
+  for (const auto& connection : all_) connection->stop();
+}
+
+bool Connections::are_answering() const {
+  return std::any_of(all_.begin(), all_.end(), [](const auto& one) { return one->is_answering(); });
+}
+
+void Connections::await_answers(std::chrono::milliseconds longest) {
+  // Notifications come without the mutex, so that one can be missed.
+  constexpr std::chrono::milliseconds kStep{20};
+  const auto end = std::chrono::steady_clock::now() + longest;
+  std::unique_lock lock(mutex_);
+  while (are_answering() && std::chrono::steady_clock::now() < end) answered_.wait_for(lock, kStep);
+}
+
+}  // namespace tessera::http
