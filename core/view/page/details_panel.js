@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: Apache-2.0
+// Beside the image: progress, settings, life and files of the job, as text.
+import {get, jobPath} from './api.js';
+import {h, setAttribute, setHidden, setText} from './dom.js';
+import {bytes, count, duration, localTime, plural, rate} from './format.js';
+
+export function section(title, content, {isOpen = true} = {}) {
+  return h(
+    'details.section',
+    {open: isOpen},
+    h('summary', {}, h('h2', {}, title)),
+    h('div.section-body', {}, content),
+  );
+}
+
+// A list of names and values that is updated in place.
+class Facts {
+  constructor() {
+    this.element = h('dl.facts', {});
+    this.values = new Map();
+  }
+
+  update(facts) {
+    for (const [name, value] of facts) {
+      let [term, text] = this.values.get(name) ?? [];
+      if (!term) {
+        [term, text] = [h('dt', {}, name), h('dd', {})];
+        this.values.set(name, [term, text]);
+        this.element.append(term, text);
+      }
+      setHidden(term, value === null);
+      setHidden(text, value === null);
+      setText(text, value ?? '');
+      setAttribute(text, 'title', value?.length > 24 ? value : null);
+    }
+  }
+}
+
+function updateList(element, texts) {
+  setHidden(element, texts.length === 0);
+  const key = texts.join('\n');
+  if (element.dataset.key === key) return;
+  element.dataset.key = key;
+  element.replaceChildren(...texts.map((text) => h('li', {}, text)));
+}
+
+export class ProgressPanel {
+  constructor() {
+    this.facts = new Facts();
+    this.waiting = h('p.hint', {hidden: true});
+    this.troubles = h('ul.messages', {hidden: true, 'aria-label': 'Troubles of workers'});
+    this.warnings = h('ul.messages.warnings', {hidden: true, 'aria-label': 'Warnings about the scene'});
+    this.element = section('Progress', [this.facts.element, this.waiting, this.troubles, this.warnings]);
+  }
+
+  update(job) {
+    const rays = job.counters.closest_hit_rays + job.counters.shadow_rays;
+    const odd = job.counters.non_finite_samples + job.counters.saturated_samples;
+    this.facts.update([
+      ['Samples', `${count(job.samples_done)} of ${count(job.samples_total)}`],
+      ['To verify', job.samples_to_verify > 0 ? count(job.samples_to_verify) : null],
+      ['Samples/s', rate(job.samples_per_second)],
+      ['Time left', job.state === 'running' && !job.queue_position ? duration(job.seconds_left) : null],
+      ['Workers', `${job.active_workers}${job.max_workers > 0 ? ` of at most ${job.max_workers}` : ''}`],
+      ['Rays', rays > 0 ? count(rays) : null],
+      [
+        'Odd samples',
+        odd > 0
+          ? `${job.counters.non_finite_samples} not finite, ${job.counters.saturated_samples} ` + 'saturated'
+          : null,
+      ],
+    ]);
+    setHidden(this.waiting, !job.waiting_reason);
+    setText(this.waiting, job.waiting_reason ?? '');
+    updateList(this.troubles, job.troubles ?? []);
+    updateList(
+      this.warnings,
+      (job.warnings ?? []).map((warning) => `warning: ${warning}`),
+    );
+  }
+}
+
+export class SettingsPanel {
+  constructor() {
+    this.facts = new Facts();
+    this.element = section('Settings', this.facts.element, {isOpen: false});
+  }
+
+  update(job) {
+    this.facts.update([
+      ['Id', job.id],
+      ['Owner', job.owner || null],
+      ['Scene', job.scene ?? null],
+      ['Size', `${job.width} × ${job.height}`],
+      ['Crop', job.crop ? `${job.crop.slice(0, 2).join(', ')} to ${job.crop.slice(2).join(', ')}` : null],
+      ['Samples per pixel', String(job.spp)],
+      ['Integrator', job.integrator],
+      ['Heuristic', job.integrator === 'mis' ? job.heuristic : null],
+      ['Maximum depth', job.max_depth > 0 ? String(job.max_depth) : 'default'],
+      ['Filter', `${job.filter}, radius ${job.filter_radius}`],
+      ['Clamp indirect', job.clamp_indirect > 0 ? String(job.clamp_indirect) : 'off'],
+      ['Seed', String(job.seed)],
+      ['Exposure', `${job.exposure} stops`],
+      ['Tone curve', job.tone_curve],
+      ['Priority', String(job.priority)],
+      [
+        'Labels',
+        Object.entries(job.labels ?? {})
+          .map(([k, v]) => `${k}=${v}`)
+          .join(', ') || null,
+      ],
+      ['Submitted', localTime(job.created_at)],
+      ['Finished', job.finished_at ? localTime(job.finished_at) : null],
+    ]);
+  }
+}
+
+export class EventsPanel {
+  constructor(id) {
+    this.id = id;
+    this.list = h('ol.events', {});
+    this.element = section('Events', this.list, {isOpen: false});
+    this.element.addEventListener('toggle', () => this.element.open && this.fetch());
+  }
+
+  async fetch() {
+    const {events} = await get(jobPath(this.id, '/events')).catch(() => ({events: []}));
+    this.list.replaceChildren(
+      ...events.map(({at, kind, message}) =>
+        h(
+          'li',
+          {},
+          h('time', {datetime: at}, at ? localTime(at) : ''),
+          h('span.event-kind', {}, kind),
+          message && h('span', {}, message),
+        ),
+      ),
+    );
+  }
+}
+
+export class FilesPanel {
+  constructor() {
+    this.list = h('ul.file-list', {});
+    this.sum = h('p.hint', {});
+    this.element = section('Files', [this.sum, this.list], {isOpen: false});
+    setHidden(this.element, true);
+  }
+
+  update({files}) {
+    setHidden(this.element, !files);
+    if (!files || files === this.files) return;
+    this.files = files;
+    setText(
+      this.sum,
+      `${plural(files.length, 'file')}, ${bytes(files.reduce((sum, file) => sum + file.bytes, 0))}`,
+    );
+    this.list.replaceChildren(
+      ...files
+        .slice(0, 200)
+        .map((file) =>
+          h(
+            'li',
+            {title: file.sha256},
+            h('span.file-name', {}, file.path),
+            h('span.number', {}, bytes(file.bytes)),
+          ),
+        ),
+    );
+  }
+}

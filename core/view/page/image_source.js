@@ -1,0 +1,217 @@
+// SPDX-License-Identifier: Apache-2.0
+// Keeps the visible part of a job's image current: one live stream for the region and level that are seen,
+// and short ones that fill in what comes into view. Streams resume by themselves and are closed while the
+// page is hidden.
+import {readTiles} from './tile_stream.js';
+import {TileStore, touches} from './tile_store.js';
+
+const kFirstRetry = 250,
+  kLastRetry = 4000;
+
+export function jobWindow(job) {
+  const [x0, y0, x1, y1] = job.crop ?? [0, 0, job.width, job.height];
+  return {x0, y0, x1, y1};
+}
+
+const regionText = ({x0, y0, x1, y1}) => `${x0},${y0},${x1},${y1}`;
+const isEmpty = ({x0, y0, x1, y1}) => x1 <= x0 || y1 <= y0;
+const contains = (a, b) => a.x0 <= b.x0 && a.y0 <= b.y0 && b.x1 <= a.x1 && b.y1 <= a.y1;
+
+// The parts of `region` outside `known`, at most four.
+export function missingParts(region, known) {
+  if (!known || !touches(region, known)) return [region];
+  const y0 = Math.max(region.y0, known.y0),
+    y1 = Math.min(region.y1, known.y1);
+  return [
+    {...region, y1: known.y0},
+    {...region, y0: known.y1},
+    {x0: region.x0, x1: known.x0, y0, y1},
+    {x0: known.x1, x1: region.x1, y0, y1},
+  ].filter((part) => !isEmpty(part));
+}
+
+export class ImageSource {
+  // listener.changed(): something to draw; listener.job(job): its newest state.
+  constructor(gl, job, listener) {
+    this.id = job.id;
+    this.window = jobWindow(job);
+    this.listener = listener;
+    this.store = new TileStore(gl, this.window);
+    this.level = -1;
+    this.region = null;
+    this.covered = null; // the region whose tiles are all there, as of...
+    this.revision = 0;
+    this.isEnded = false; // the job is over and the image is complete
+    this.missing = new Set();
+    this.onVisibility = () => (document.hidden ? this.stop() : this.resume());
+    document.addEventListener('visibilitychange', this.onVisibility);
+  }
+
+  close() {
+    document.removeEventListener('visibilitychange', this.onVisibility);
+    this.stop();
+    this.isClosed = true;
+    this.store.release();
+  }
+
+  // Whether everything of the visible region is there at its level.
+  get isComplete() {
+    return (
+      this.region !== null &&
+      this.missing.size === 0 &&
+      this.covered !== null &&
+      contains(this.covered, this.region)
+    );
+  }
+
+  // What is seen, in pixels of the whole image. `region` may be larger than what was asked for before.
+  look(region, level) {
+    if (level === this.level && this.region && contains(this.region, region)) return;
+    const wanted = this.withMargin(region);
+    const isSameLevel = level === this.level;
+    const parts = isSameLevel && this.missing.size === 0 ? missingParts(wanted, this.covered) : [wanted];
+    const since = parts.length === 1 && parts[0] === wanted ? 0 : this.revision;
+    this.stop();
+    Object.assign(this, {level, region: wanted, isEnded: false});
+    this.store.keep = {level, region: this.toWindow(wanted)};
+    if (since === 0) {
+      this.revision = 0;
+      this.covered = null;
+      this.parts = [];
+    } else {
+      this.covered = wanted;
+      this.parts = parts;
+    }
+    this.resume();
+  }
+
+  // An eighth more each way, so that small movements need nothing new; aligned to blocks of the coarse pass.
+  withMargin(region) {
+    const mx = (region.x1 - region.x0) / 8,
+      my = (region.y1 - region.y0) / 8;
+    const {x0, y0, x1, y1} = this.window;
+    const low = (value, from) => Math.max(from, from + Math.floor((value - from) / 64) * 64);
+    return {
+      x0: low(region.x0 - mx, x0),
+      y0: low(region.y0 - my, y0),
+      x1: Math.min(x1, Math.ceil(region.x1 + mx)),
+      y1: Math.min(y1, Math.ceil(region.y1 + my)),
+    };
+  }
+
+  toWindow({x0, y0, x1, y1}) {
+    const {x0: left, y0: top} = this.window;
+    return {x0: x0 - left, y0: y0 - top, x1: x1 - left, y1: y1 - top};
+  }
+
+  // The job goes on after its end: more samples were asked for.
+  reopen() {
+    if (!this.isEnded) return;
+    this.isEnded = false;
+    this.stop();
+    this.resume();
+  }
+
+  stop() {
+    clearTimeout(this.timer);
+    this.running?.abort();
+    this.running = null;
+    this.missing.clear();
+  }
+
+  resume() {
+    if (this.running || this.isClosed || document.hidden || !this.region) return;
+    this.running = new AbortController();
+    const {signal} = this.running;
+    for (const part of this.parts ?? []) this.fill(part, signal);
+    this.follow(signal, kFirstRetry);
+  }
+
+  async follow(signal, retry) {
+    const query = {level: this.level, region: regionText(this.region), since: this.revision};
+    const isFirst = this.revision === 0;
+    if (isFirst) this.missing.add(this.region);
+    let heard = false;
+    const error = await readTiles(this.id, query, signal, (header, halves) => {
+      if (signal.aborted) return;
+      heard = true;
+      this.take(header, halves);
+      if (header.type === 'revision' || header.type === 'end') this.caughtUp(header);
+    }).catch((failure) => failure);
+    if (signal.aborted || this.isEnded) return;
+    this.listener.failed?.(error);
+    if ([401, 403, 404].includes(error?.status)) return;
+    const wait = heard ? kFirstRetry : retry;
+    this.timer = setTimeout(
+      () => !signal.aborted && this.follow(signal, Math.min(2 * wait, kLastRetry)),
+      wait,
+    );
+  }
+
+  caughtUp(header) {
+    if (header.type === 'revision') this.revision = header.revision;
+    if (header.type === 'end') this.isEnded = true;
+    if (this.missing.delete(this.region)) {
+      this.covered = this.region;
+      this.store.keepLevel(this.level);
+    }
+    this.listener.changed();
+  }
+
+  // What has come into view: a stream that ends when it has all that the live stream does not send.
+  async fill(part, outer) {
+    const own = new AbortController();
+    const signal = AbortSignal.any([outer, own.signal]);
+    const needed = this.revision;
+    this.missing.add(part);
+    const query = {level: this.level, region: regionText(part), since: 0};
+    let isDone = false;
+    await readTiles(this.id, query, signal, (header, halves) => {
+      if (signal.aborted) return;
+      if (header.type === 'tile') this.take(header, halves);
+      isDone = header.type === 'end' || (header.type === 'revision' && header.revision >= needed);
+      if (isDone) own.abort();
+    }).catch(() => {});
+    if (outer.aborted) return;
+    if (!isDone) return void setTimeout(() => !outer.aborted && this.fill(part, outer), kFirstRetry);
+    this.missing.delete(part);
+    this.parts = this.parts.filter((other) => other !== part);
+    this.listener.changed();
+  }
+
+  take(header, halves) {
+    if (header.type === 'job') this.listener.job(header.job);
+    if (header.type !== 'tile') return;
+    this.store.put(this.level, header, halves);
+    this.listener.changed();
+  }
+}
+
+// A copy of the whole image at this moment, at most about four million texels: rejects if it cannot be
+// fetched.
+export async function takeSnapshot(gl, job, signal) {
+  const window = jobWindow(job);
+  const pixels = (window.x1 - window.x0) * (window.y1 - window.y0);
+  const level = Math.min(6, Math.max(0, Math.ceil(Math.log2(pixels / 4.5e6) / 2)));
+  const store = new TileStore(gl, window);
+  const own = new AbortController();
+  const both = AbortSignal.any([signal, own.signal]);
+  let taken = job;
+  let isDone = false;
+  try {
+    await readTiles(job.id, {level, region: regionText(window), since: 0}, both, (header, halves) => {
+      if (both.aborted) return;
+      if (header.type === 'job') taken = header.job;
+      if (header.type === 'tile' && header.level === level) store.put(level, header, halves);
+      if (header.type !== 'revision' && header.type !== 'end') return;
+      isDone = true;
+      own.abort();
+    });
+  } catch (error) {
+    if (!isDone) {
+      store.release();
+      throw error;
+    }
+  }
+  return {store, level, job: taken, at: new Date()};
+}

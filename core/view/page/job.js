@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: Apache-2.0
+// One job: its live image, and beside it everything about it.
+import {get, jobPath} from './api.js';
+import {ComparePanel} from './compare_panel.js';
+import {DisplayPanel} from './display_panel.js';
+import {EventsPanel, FilesPanel, ProgressPanel, SettingsPanel} from './details_panel.js';
+import {h, setAttribute, setHidden, setText, throttle} from './dom.js';
+import {installHooks} from './hooks.js';
+import {isOver, jobTitle} from './format.js';
+import {JobHead} from './job_head.js';
+import {OverlayPanel} from './overlay_panel.js';
+import {Readout} from './readout.js';
+import {onStore, store} from './store.js';
+import {Viewer} from './viewer.js';
+import {viewerKeys} from './viewer_input.js';
+
+const kDetailsMs = 5000;
+
+export function jobView(root, id) {
+  const view = new JobView(root, id);
+  return {
+    get title() {
+      return view.job ? jobTitle(view.job) : 'Job';
+    },
+    keys: view.keys,
+    close: () => view.close(),
+  };
+}
+
+class JobView {
+  constructor(root, id) {
+    this.id = id;
+    this.keys = [];
+    this.job = null;
+    this.head = new JobHead(id);
+    this.progress = new ProgressPanel();
+    this.settings = new SettingsPanel();
+    this.files = new FilesPanel();
+    this.events = new EventsPanel(id);
+    this.message = h('div.viewer-message', {role: 'status'}, 'Loading…');
+    this.stage = h('div.stage', {}, this.message);
+    this.side = h(
+      'div.side',
+      {},
+      this.progress.element,
+      this.settings.element,
+      this.events.element,
+      this.files.element,
+    );
+    root.append(h('div.job', {}, this.head.element, this.stage, this.side));
+    this.askDetails = throttle(400, () => this.fetchDetails());
+    this.leave = [onStore('change', () => this.takeFromStore())];
+    this.timer = setInterval(() => this.job && !isOver(this.job) && this.fetchDetails(), kDetailsMs);
+    this.fetchDetails();
+  }
+
+  close() {
+    this.isClosed = true;
+    this.leave.forEach((f) => f());
+    clearInterval(this.timer);
+    this.overlays?.close();
+    this.readout?.close();
+    this.viewer?.close();
+    installHooks(null);
+  }
+
+  // Files, warnings and troubles come only in the answer for a single job.
+  async fetchDetails() {
+    try {
+      const job = await get(jobPath(this.id));
+      if (this.isClosed) return;
+      store.putJob(job);
+      this.details = job;
+      this.update(job);
+    } catch (error) {
+      if (!this.isClosed && error.status === 404) this.showMissing();
+    }
+  }
+
+  showMissing() {
+    this.head.showMissing();
+    if (this.viewer) return undefined;
+    this.message.replaceChildren(
+      h('p', {}, 'There is no job with this id. It may have been deleted.'),
+      h('p', {}, h('a.button', {href: '#/'}, 'All jobs')),
+    );
+    return undefined;
+  }
+
+  takeFromStore() {
+    const job = store.jobs.get(this.id);
+    if (!job) return this.job && store.isLoaded ? this.askDetails() : undefined;
+    if (job !== this.job) this.update(job);
+    return undefined;
+  }
+
+  update(newest) {
+    if (this.job && this.job.revision > newest.revision) return;
+    const before = this.job;
+    const {files, scene, warnings, troubles} = this.details ?? newest;
+    this.job = {...newest, files, scene, warnings, troubles};
+    this.head.update(this.job);
+    this.progress.update(this.job);
+    this.settings.update(this.job);
+    this.files.update(this.job);
+    document.title = `${jobTitle(this.job)} – Tessera`;
+    if (before?.state !== this.job.state) {
+      this.events.fetch();
+      if (before) this.askDetails();
+      if (before && isOver(before) && !isOver(this.job)) this.viewer?.source.reopen();
+    }
+    if (!this.viewer) this.tryViewer();
+    this.overlays?.update(this.job);
+  }
+
+  tryViewer() {
+    const {job} = this;
+    if (job.state === 'validating' || !(job.width > 0)) {
+      setText(
+        this.message,
+        'The scene is being validated. The image appears here as soon as there are samples.',
+      );
+      return;
+    }
+    if (job.state === 'failed' && job.samples_done === 0) {
+      setText(this.message, 'The job failed before there was an image.');
+      return;
+    }
+    try {
+      this.openViewer(job);
+    } catch (error) {
+      this.showStill(error);
+    }
+  }
+
+  openViewer(job) {
+    this.viewer = new Viewer(job, {
+      job: (newest) => {
+        store.putJob(newest);
+        this.update(newest);
+      },
+      cursor: (cursor, isByKeyboard) => this.readout?.show(cursor, isByKeyboard),
+      view: () => this.readout?.showZoom(),
+      failed: (error) => {
+        if (error?.status === 404) this.showMissing();
+      },
+      lost: () => this.compare?.forgetSnapshots(),
+    });
+    setAttribute(
+      this.viewer.element,
+      'aria-label',
+      `Live image of ${jobTitle(job)}, ${job.width} by ${job.height} ` +
+        'pixels. Arrow keys pan, plus and minus zoom, Shift with arrow keys reads pixels.',
+    );
+    this.readout = new Readout(this.viewer, this.id);
+    this.display = new DisplayPanel(this.viewer, job);
+    this.overlays = new OverlayPanel(this.viewer, job);
+    this.compare = new ComparePanel(this.viewer, job);
+    setHidden(this.message, true);
+    this.stage.append(this.viewer.element, this.readout.element);
+    this.progress.element.after(this.display.element, this.overlays.element, this.compare.element);
+    this.keys.push(
+      ...viewerKeys(this.viewer, this.display),
+      ...this.display.keys(),
+      ...this.overlays.keys(),
+      ...this.compare.keys(),
+    );
+    this.head.view = this.viewer;
+    installHooks(this.viewer);
+  }
+
+  // Without WebGL: the image as the coordinator develops it, refreshed now and then.
+  showStill(error) {
+    this.viewer = {source: {reopen() {}}, close() {}};
+    const image = h('img.still', {alt: `Image of ${jobTitle(this.job)} so far`});
+    const refresh = () => {
+      image.src = `api/v1/${jobPath(this.id, '/thumbnail')}?size=512&revision=${this.job.revision}`;
+    };
+    this.overlays = {update: throttle(3000, refresh), close() {}};
+    this.message.replaceChildren(image, h('p', {}, error.message));
+    refresh();
+  }
+}

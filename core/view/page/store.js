@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the page knows of the farm, kept up to date by its events. 'change' is dispatched at most once a
+// frame, 'connection' when the connection is lost or restored.
+import {LiveEvents} from './live.js';
+
+const kHistorySeconds = 180;
+
+class FarmStore extends EventTarget {
+  constructor() {
+    super();
+    this.jobs = new Map();
+    this.workers = new Map();
+    this.session = {open: true, principal: null, role: ''};
+    this.server = {features: [], limits: {}};
+    this.connection = 'connecting';
+    this.isLoaded = false;
+    this.history = []; // one a second: {rate, working, running}
+  }
+
+  get isLocal() {
+    return this.server.features.includes('local');
+  }
+
+  connect() {
+    this.live?.close();
+    this.live = new LiveEvents({
+      event: (name, data) => this.apply(name, data ?? {}),
+      connection: (state) => this.setConnection(state),
+    });
+    clearInterval(this.sampling);
+    this.sampling = setInterval(() => this.sampleHistory(), 1000);
+  }
+
+  disconnect() {
+    this.live?.close();
+    this.live = null;
+    clearInterval(this.sampling);
+    this.jobs.clear();
+    this.workers.clear();
+    this.history = [];
+    this.isLoaded = false;
+  }
+
+  setConnection(state) {
+    if (this.connection === state) return;
+    this.connection = state;
+    this.dispatchEvent(new Event('connection'));
+  }
+
+  apply(name, data) {
+    if (name === 'reset') {
+      this.jobs.clear();
+      this.workers.clear();
+    } else if (name === 'jobs') {
+      for (const job of data.jobs) this.putJob(job);
+    } else if (name === 'workers') {
+      for (const worker of data.workers) this.workers.set(worker.id, worker);
+    } else if (name === 'removed') {
+      for (const id of data.jobs ?? []) this.jobs.delete(id);
+      for (const id of data.workers ?? []) this.workers.delete(id);
+    }
+    this.isLoaded = true;
+    this.changed();
+  }
+
+  // From events or from answers; an older state never replaces a newer one.
+  putJob(job) {
+    const known = this.jobs.get(job.id);
+    if (known && known.revision > job.revision) return;
+    this.jobs.set(job.id, job);
+    this.changed();
+  }
+
+  forgetJob(id) {
+    this.jobs.delete(id);
+    this.changed();
+  }
+
+  changed() {
+    if (this.pending) return;
+    this.pending = true;
+    setTimeout(() => {
+      this.pending = false;
+      this.dispatchEvent(new Event('change'));
+    }, 60);
+  }
+
+  totals() {
+    const running = [...this.jobs.values()].filter((job) => job.state === 'running');
+    const workers = [...this.workers.values()].filter((worker) => worker.state !== 'silent');
+    return {
+      rate: running.reduce((sum, job) => sum + job.samples_per_second, 0),
+      running: running.filter((job) => !job.queue_position).length,
+      queued: running.filter((job) => job.queue_position).length,
+      working: workers.filter((worker) => worker.held_leases > 0).length,
+      workers: workers.length,
+      threads: workers.reduce((sum, worker) => sum + worker.threads, 0),
+    };
+  }
+
+  sampleHistory() {
+    if (!this.isLoaded || this.connection !== 'live') return;
+    this.history.push(this.totals());
+    if (this.history.length > kHistorySeconds) this.history.shift();
+    this.dispatchEvent(new Event('history'));
+  }
+}
+
+export const store = new FarmStore();
+
+// Listens until the returned function is called.
+export function onStore(type, listener) {
+  store.addEventListener(type, listener);
+  return () => store.removeEventListener(type, listener);
+}

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+// The pixels of tiles as viewers receive them. Pure functions.
+#pragma once
+
+#include <string>
+
+#include "core/base/error.hpp"
+#include "core/film/film.hpp"
+#include "core/image/image.hpp"
+
+namespace tessera::view {
+
+// Pixels of level L are means over 2^L x 2^L pixels of the image, counted from the tile's top left corner. At
+// the greatest level, a whole tile is one pixel.
+inline constexpr int kMaxLevel = 6;
+
+// The size of a level of an image or a tile: `pixels` / 2^level, rounded up.
+constexpr int level_size(int pixels, int level) {
+  return (pixels + (1 << level) - 1) >> level;
+}
+
+enum class PixelFormat {
+  kHalf,  // values beyond 65504, the largest half, become 65504
+  kFloat,
+};
+
+// The means of the tile's pixels, computed from exact sums: those of level 0 are what Film::develop() gives.
+// Black without samples. `rect`: the tile's pixels, no more than one tile's.
+core::Image develop_level(const core::PixelRect& rect, const core::Film::TileSums& sums, int level);
+
+// The pixels, row by row as little-endian R, G and B, as a zlib stream.
+core::Result<std::string> encode_pixels(const core::Image& image, PixelFormat format);
+
+}  // namespace tessera::view

@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/view/tile_stream.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <utility>
+
+namespace tessera::view {
+namespace {
+
+using std::chrono::milliseconds;
+
+// The first image is sent at a level of this many more before the wanted one.
+constexpr int kCoarser = 3;
+constexpr std::size_t kChangesOfRound = 1024;
+constexpr milliseconds kHeaderInterval{500};
+constexpr milliseconds kRevisionInterval{1000};
+constexpr milliseconds kKeepAliveInterval{15'000};
+constexpr milliseconds kRetryInterval{500};
+constexpr milliseconds kShortestWait{5};
+
+bool touches(const core::PixelRect& a, const core::PixelRect& b) {
+  return a.x0 < b.x1 && b.x0 < a.x1 && a.y0 < b.y1 && b.y0 < a.y1;
+}
+
+void append_length(std::string& out, std::size_t length) {
+  for (int shift = 0; shift < 32; shift += 8) out += static_cast<char>(length >> shift & 0xff);
+}
+
+bool is_temporary(const core::Error& error) {
+  return error.code == core::ErrorCode::kUnavailable;
+}
+
+std::string tile_header(const core::PixelRect& rect, int level, const EncodedTile& tile) {
+  const std::string noise = tile.noise ? fmt::format("{}", *tile.noise) : "null";
+  return fmt::format(
+      R"({{"type":"tile","x0":{},"y0":{},"x1":{},"y1":{},"level":{},"revision":{},"samples":{},"noise":{}}})",
+      rect.x0, rect.y0, rect.x1, rect.y1, level, tile.revision, tile.samples, noise);
+}
+
+}  // namespace
+
+void append_frame(std::string& out, std::string_view header_json, std::string_view payload) {
+  append_length(out, header_json.size());
+  append_length(out, payload.size());
+  out += header_json;
+  out += payload;
+}
+
+TileStream::TileStream(std::shared_ptr<TileSource> source, const StreamQuery& query,
+                       const StreamSettings& settings)
+    : source_(std::move(source)),
+      query_(query),
+      settings_(settings),
+      share_(settings.budget, settings.now()),
+      seen_(query.since),
+      reported_(query.since) {}
+
+void TileStream::find_grid() {
+  if (grid_) return;
+  grid_ = source_->grid();
+  if (!grid_) return;
+  const core::PixelRect seen = query_.region.value_or(grid_->window());
+  queue_.emplace(*grid_, seen.x0 + seen.width() / 2, seen.y0 + seen.height() / 2);
+}
+
+bool TileStream::is_wanted(int tile) const {
+  return tile >= 0 && tile < grid_->tile_count() &&
+         (!query_.region || touches(grid_->rect(tile), *query_.region));
+}
+
+// Whether the job is over is asked first: everything is read then.
+bool TileStream::poll(Clock::time_point now, std::string& out) {
+  if (now < next_poll_) return true;
+  next_poll_ = now + settings_.budget.poll_interval();
+  const bool is_over = source_->is_over();
+  if (is_over != is_over_) next_header_ = now;
+  is_over_ = is_over;
+  if (!poll_header(now, out)) return false;
+  find_grid();
+  return !grid_ || poll_changes();
+}
+
+bool TileStream::poll_header(Clock::time_point now, std::string& out) {
+  if (now < next_header_) return true;
+  next_header_ = now + kHeaderInterval;
+  const auto header = source_->header();
+  if (!header) return is_temporary(header.error());
+  if (has_header_ && header->revision == header_) return true;
+  has_header_ = true;
+  header_ = header->revision;
+  append_frame(out, fmt::format(R"({{"type":"job","job":{}}})", header->json));
+  return true;
+}
+
+bool TileStream::poll_changes() {
+  const bool with_coarse = is_first_poll_ && query_.since == 0 && query_.level < kMaxLevel;
+  for (;;) {
+    const auto changes = source_->changes_since(seen_, kChangesOfRound);
+    if (!changes) {
+      is_over_ = false;  // not everything is read
+      return is_temporary(changes.error());
+    }
+    for (const TileChange& change : *changes) {
+      seen_ = change.revision;
+      if (is_wanted(change.tile)) queue_->add(change, with_coarse);
+    }
+    if (changes->size() < kChangesOfRound) break;
+  }
+  is_first_poll_ = false;
+  return true;
+}
+
+bool TileStream::write_tiles(std::string& out, std::size_t max_bytes, Clock::time_point now) {
+  while (queue_ && out.size() < max_bytes && now >= retry_at_ && share_.may_send(now)) {
+    const auto next = queue_->take(now);
+    if (!next) return true;
+    if (!write_tile(*next, out, now)) return false;
+  }
+  return true;
+}
+
+bool TileStream::write_tile(const TileQueue::Next& next, std::string& out, Clock::time_point now) {
+  const TileChange& change = next.change;
+  const int level = next.is_coarse ? std::min(query_.level + kCoarser, kMaxLevel) : query_.level;
+  const core::PixelRect rect = grid_->rect(change.tile);
+  const auto tile = settings_.tiles.get({source_->id(), change.tile, PixelFormat::kHalf, level},
+                                        change.revision, rect, [&] { return source_->read(change); });
+  if (!tile) {
+    if (!next.is_coarse) queue_->add(change, false);
+    retry_at_ = now + kRetryInterval;
+    return is_temporary(tile.error());
+  }
+  const std::size_t before = out.size();
+  append_frame(out, tile_header(rect, level, **tile), (*tile)->pixels_zlib);
+  share_.note_sent(out.size() - before);
+  if (!next.is_coarse) queue_->note_sent(change.tile, (*tile)->revision, now);
+  return true;
+}
+
+void TileStream::write_revision(std::string& out, Clock::time_point now) {
+  if (!queue_ || (!queue_->is_empty() && now < next_revision_)) return;
+  next_revision_ = now + kRevisionInterval;
+  const Revision complete = queue_->complete_until(seen_);
+  if (complete <= reported_) return;
+  reported_ = complete;
+  append_frame(out, fmt::format(R"({{"type":"revision","revision":{}}})", complete));
+}
+
+http::BodySource::State TileStream::read(std::string& out, std::size_t max_bytes) {
+  const Clock::time_point now = settings_.now();
+  if (last_written_ == Clock::time_point{}) last_written_ = now;
+  if (!poll(now, out) || !write_tiles(out, max_bytes, now)) return State::kFailed;
+  write_revision(out, now);
+  if (is_over_ && (!queue_ || queue_->is_empty())) {
+    append_frame(out, R"({"type":"end"})");
+    return State::kEnd;
+  }
+  if (out.empty() && now >= last_written_ + kKeepAliveInterval) append_frame(out, R"({"type":"keepalive"})");
+  if (!out.empty()) {
+    last_written_ = now;
+    return State::kMore;
+  }
+  wait_ = time_until_next(now);
+  return State::kWait;
+}
+
+milliseconds TileStream::time_until_next(Clock::time_point now) const {
+  Clock::time_point next = std::min(next_poll_, last_written_ + kKeepAliveInterval);
+  if (queue_) {
+    const auto tile = queue_->next_time();
+    if (tile) next = std::min(next, std::max({*tile, share_.next_time(), retry_at_}));
+  }
+  return std::max(std::chrono::ceil<milliseconds>(next - now), kShortestWait);
+}
+
+}  // namespace tessera::view

@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: Apache-2.0
+// The live image: the graphics card holds the halves of the EXR file, and the canvas has the colours of the
+// PNG file.
+import assert from 'node:assert/strict';
+import {after, before, test} from 'node:test';
+import {Farm, until} from './farm.mjs';
+import {nearestHalf, readExr, readPng} from './images.mjs';
+import {launch, openJob, showPixels} from './page.mjs';
+
+const kWidth = 150;
+const kHeight = 100;
+let farm, browser;
+
+before(async () => {
+  farm = await Farm.start();
+  browser = await launch();
+});
+after(async () => {
+  await browser?.close();
+  await farm?.close();
+});
+
+const readPixels = (page) =>
+  page.evaluate(([w, h]) => window.tessera.readPixels(0, 0, w, h), [kWidth, kHeight]);
+
+async function assertHalvesOfExr(page, id) {
+  const exr = readExr(await farm.api(`jobs/${id}/image?format=exr`));
+  assert.deepEqual([exr.width, exr.height], [kWidth, kHeight]);
+  const expected = Array.from(exr.halves);
+  // The last tiles may be under way.
+  const pixels = await until(
+    'the tiles of the last samples',
+    async () => {
+      const read = await readPixels(page);
+      return read.every((half, i) => half === expected[i] || (half === null && expected[i] === 0))
+        ? read
+        : null;
+    },
+    10000,
+  ).catch(() => readPixels(page));
+  assert.deepEqual(
+    pixels.map((half) => half ?? 0),
+    expected,
+  );
+  return pixels;
+}
+
+test('halves are rounded to the nearest', () => {
+  assert.deepEqual(
+    [0, 1, 65504, 1e9, 2 ** -24, 2 ** -25, 1.00048828125, 1.00146484375, -2].map(nearestHalf),
+    [0, 0x3c00, 0x7bff, 0x7bff, 1, 0, 0x3c00, 0x3c02, 0xc000],
+  );
+});
+
+test('the halves of the EXR file, before the render is complete', async () => {
+  const id = await farm.submit(['--size', `${kWidth}x${kHeight}`, '--spp', '5000']);
+  const page = await openJob(browser, farm, id);
+  await until('samples', async () => (await farm.api(`jobs/${id}`)).samples_done > 0);
+  // Nothing changes while the two are compared.
+  await page.getByRole('button', {name: 'Pause'}).click();
+  await farm.waitForState(id, 'paused');
+  await until(
+    'the last leases are delivered',
+    async () => (await farm.api(`jobs/${id}`)).active_workers === 0,
+  );
+  await showPixels(page, kWidth, kHeight);
+  const paused = await assertHalvesOfExr(page, id);
+  assert.ok(paused.some((half) => half > 0));
+
+  await farm.api(`jobs/${id}`, {method: 'DELETE'}).catch(() => {});
+  assert.deepEqual(page.errors, []);
+  await page.context().close();
+});
+
+test('the halves of the EXR file and the colours of the PNG file, of a finished image', async () => {
+  const id = await farm.submit(['--size', `${kWidth}x${kHeight}`, '--spp', '8']);
+  const page = await openJob(browser, farm, id);
+  await farm.waitForState(id, 'done');
+  await showPixels(page, kWidth, kHeight);
+  const pixels = await assertHalvesOfExr(page, id);
+  assert.ok(!pixels.includes(null));
+  for (const [curve, exposure] of [
+    ['none', 0],
+    ['aces', 0.5],
+    ['agx', -1],
+    ['agx', 2.25],
+    ['none', 1],
+  ])
+    await assertColours(page, id, curve, exposure);
+  assert.deepEqual(page.errors, []);
+  await page.context().close();
+});
+
+async function assertColours(page, id, curve, exposure) {
+  const png = readPng(await farm.api(`jobs/${id}/image?format=png&tone_curve=${curve}&exposure=${exposure}`));
+  const shown = await page.evaluate(
+    ([tone, stops]) => {
+      Object.assign(window.tessera.viewer.display, {curve: tone, exposure: stops});
+      const {width, data} = window.tessera.readCanvas();
+      return {width, data: Array.from(data), ...window.tessera.view};
+    },
+    [curve, exposure],
+  );
+  assert.equal(shown.scale, 1);
+  let worst = 0;
+  for (let y = 0; y < kHeight; ++y) {
+    for (let x = 0; x < kWidth; ++x) {
+      const from = 4 * ((y + shown.originY) * shown.width + x + shown.originX);
+      for (let c = 0; c < 3; ++c)
+        worst = Math.max(worst, Math.abs(shown.data[from + c] - png.rgb[3 * (y * kWidth + x) + c]));
+    }
+  }
+  assert.ok(worst <= 1, `${curve} at ${exposure} stops differs by ${worst}`);
+}
+
+test('the value, samples and standard error of a pixel', async () => {
+  const id = await farm.submit(['--size', `${kWidth}x${kHeight}`, '--spp', '8']);
+  await farm.waitForState(id, 'done');
+  const page = await openJob(browser, farm, id);
+  await showPixels(page, kWidth, kHeight);
+  const viewer = page.getByRole('application');
+  await viewer.focus();
+  await page.keyboard.press('Shift+ArrowRight');
+  const [x, y] = [kWidth / 2 + 1, kHeight / 2];
+  const pixel = await farm.api(`jobs/${id}/pixel?x=${x}&y=${y}`);
+  const readout = page.locator('.readout-text');
+  await page.waitForFunction(() => /8 samples/.test(document.querySelector('.readout-text').textContent));
+  const text = await readout.textContent();
+  assert.match(text, new RegExp(`x ${x}  y ${y}`));
+  assert.ok(text.includes(pixel.value[0].toPrecision(4)), `${text} has ${pixel.value[0]}`);
+  assert.match(text, /±/);
+  await page.context().close();
+});
+
+test('a restart of the coordinator is survived', async () => {
+  const id = await farm.submit(['--size', `${kWidth}x${kHeight}`, '--spp', '100']);
+  const page = await openJob(browser, farm, id);
+  await until('samples', async () => (await farm.api(`jobs/${id}`)).samples_done > 0);
+  await farm.killCoordinator();
+  await page.getByText('Reconnecting…').waitFor();
+  await farm.startCoordinator();
+  await page.getByText('Live', {exact: true}).waitFor();
+  await farm.waitForState(id, 'done');
+  await page.locator('.job-title .state', {hasText: 'done'}).waitFor();
+  await showPixels(page, kWidth, kHeight);
+  await assertHalvesOfExr(page, id);
+  assert.deepEqual(page.errors, []);
+  await page.context().close();
+});

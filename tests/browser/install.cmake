@@ -1,0 +1,18 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copies the tests to FOLDER and installs their packages there with NPM, unless those of the same lock file are there.
+file(GLOB files ${SOURCE}/*.mjs ${SOURCE}/package.json)
+file(COPY ${files} DESTINATION ${FOLDER})
+file(SHA256 ${SOURCE}/package-lock.json wanted)
+set(stamp ${FOLDER}/node_modules/installed)
+if(EXISTS ${stamp})
+  file(READ ${stamp} installed)
+  if(installed STREQUAL wanted)
+    return()
+  endif()
+endif()
+file(COPY ${SOURCE}/package-lock.json DESTINATION ${FOLDER})
+execute_process(COMMAND ${NPM} ci --no-audit --no-fund --ignore-scripts WORKING_DIRECTORY ${FOLDER} RESULT_VARIABLE status)
+if(NOT status EQUAL 0)
+  message(FATAL_ERROR "npm ci failed: the browser tests need the network once")
+endif()
+file(WRITE ${stamp} ${wanted})

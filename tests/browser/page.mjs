@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+// The page in Chromium. CHROMIUM is the browser's program.
+import {readFileSync} from 'node:fs';
+import {createRequire} from 'node:module';
+import {chromium} from 'playwright-core';
+
+const require = createRequire(import.meta.url);
+
+export const kDesktop = {width: 1440, height: 900};
+export const kPhone = {width: 390, height: 844};
+
+export async function launch() {
+  return chromium.launch({
+    executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium',
+    args: ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader'],
+  });
+}
+
+// Opens the page; every error on it, and every violation of its content security policy, is in `page.errors`.
+export async function open(browser, url, {viewport = kDesktop, colorScheme = 'dark', hasTouch = false} = {}) {
+  const context = await browser.newContext({viewport, colorScheme, hasTouch});
+  const page = await context.newPage();
+  page.setDefaultTimeout(60000);
+  page.errors = [];
+  page.on('pageerror', (error) => page.errors.push(String(error.stack ?? error)));
+  page.on('console', (message) => {
+    if (/Content Security Policy|Refused to/.test(message.text())) page.errors.push(message.text());
+  });
+  await page.goto(url);
+  return page;
+}
+
+export async function openJob(browser, farm, id, options) {
+  const page = await open(browser, `${farm.url}#/jobs/${id}`, options);
+  await page.waitForFunction(() => window.tessera);
+  return page;
+}
+
+// Shows the image's top left at its own scale, and waits until all of it is there.
+export async function showPixels(page, width, height) {
+  await page.evaluate(([w, h]) => window.tessera.setView({x: w / 2, y: h / 2, zoom: 1}), [width, height]);
+  await page.waitForFunction(() => window.tessera.isComplete);
+}
+
+// What axe finds, one line for each.
+export async function axe(page) {
+  await page.evaluate(readFileSync(require.resolve('axe-core/axe.min.js'), 'utf8'));
+  const {violations} = await page.evaluate(() => window.axe.run(document, {resultTypes: ['violations']}));
+  return violations.flatMap(({id, nodes}) =>
+    nodes.map(({target, failureSummary}) => `${id}: ${target.join(' ')}: ${failureSummary}`),
+  );
+}
