@@ -253,6 +253,7 @@ v1::WorkItem to_proto(const WorkItem& item) {
   *message.mutable_rect() = to_proto(item.rect);
   message.set_sample_begin(item.range.begin);
   message.set_sample_end(item.range.end);
+  message.set_image(item.image);
   return message;
 }
 
@@ -263,7 +264,7 @@ core::Result<WorkItem> from_proto(const v1::WorkItem& item) {
     return fail(ErrorCode::kInvalidArgument,
                 fmt::format("samples: must be a range of [0, {}), got [{}, {})", core::kMaxSpp,
                             item.sample_begin(), item.sample_end()));
-  return WorkItem{*rect, {item.sample_begin(), item.sample_end()}};
+  return WorkItem{*rect, {item.sample_begin(), item.sample_end()}, item.image()};
 }
 
 v1::Counters to_proto(const core::RenderCounters& counters) {

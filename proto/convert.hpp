@@ -3,6 +3,8 @@
 // from_proto returns INVALID_ARGUMENT with the field's name for an invalid value.
 #pragma once
 
+#include <cstdint>
+
 #include "core/base/error.hpp"
 #include "core/film/film.hpp"
 #include "core/film/region.hpp"
@@ -38,10 +40,11 @@ v1::PixelRect to_proto(const core::PixelRect& rect);
 // Checks that the rectangle is not empty and lies within the largest possible image.
 core::Result<core::PixelRect> from_proto(const v1::PixelRect& rect);
 
-// Samples `range` of every pixel of `rect`.
+// Samples `range` of every pixel of `rect` in an image of a job.
 struct WorkItem {
   core::PixelRect rect;
   core::SampleRange range;
+  std::uint32_t image = 0;
   bool operator==(const WorkItem&) const = default;
 };
 v1::WorkItem to_proto(const WorkItem& item);

@@ -107,8 +107,8 @@ core::Result<std::shared_ptr<grpc::ChannelCredentials>> channel_credentials(cons
   return grpc::SslCredentials(options);
 }
 
-core::Result<std::shared_ptr<grpc::ServerCredentials>> server_credentials(const std::string& address,
-                                                                          const ServerSecurity& security) {
+core::Result<ServerCredentials> server_credentials(const std::string& address,
+                                                   const ServerSecurity& security) {
   if (const auto formed = check_form(address); !formed) return core::fail(formed.error().within("--listen"));
   if (const auto paired = both_or_neither(security.certificate, security.key); !paired)
     return core::fail(paired.error());
@@ -119,22 +119,13 @@ core::Result<std::shared_ptr<grpc::ServerCredentials>> server_credentials(const 
     if (const auto plain = allow_plain(address, security.insecure, "give --tls-certificate and --tls-key");
         !plain)
       return core::fail(plain.error());
-    return grpc::InsecureServerCredentials();
+    return ServerCredentials{grpc::InsecureServerCredentials()};
   }
   if (const auto allowed = allow_unauthenticated(address, security); !allowed)
     return core::fail(allowed.error());
-  auto mine = common::read_certificate_and_key(security.certificate, security.key);
-  if (!mine) return core::fail(mine.error());
-  grpc::SslServerCredentialsOptions options(security.client_ca.empty()
-                                                ? GRPC_SSL_DONT_REQUEST_CLIENT_CERTIFICATE
-                                                : GRPC_SSL_REQUEST_AND_REQUIRE_CLIENT_CERTIFICATE_AND_VERIFY);
-  options.pem_key_cert_pairs.push_back({std::move(mine->key), std::move(mine->certificates)});
-  if (!security.client_ca.empty()) {
-    auto ca = common::read_certificates(security.client_ca);
-    if (!ca) return core::fail(ca.error());
-    options.pem_root_certs = *std::move(ca);
-  }
-  return grpc::SslServerCredentials(options);
+  auto certificates = ServerCertificates::open(security);
+  if (!certificates) return core::fail(certificates.error());
+  return ServerCredentials{(*certificates)->credentials(), *certificates};
 }
 
 core::Result<std::string> read_token(const std::string& path) {

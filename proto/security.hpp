@@ -11,6 +11,7 @@
 #include <string_view>
 
 #include "core/base/error.hpp"
+#include "proto/server_certificates.hpp"
 
 namespace tessera::proto {
 
@@ -38,8 +39,14 @@ bool is_loopback(const std::string& address);
 // Errors name the option or the file to correct.
 core::Result<std::shared_ptr<grpc::ChannelCredentials>> channel_credentials(const std::string& address,
                                                                             const ClientSecurity& security);
-core::Result<std::shared_ptr<grpc::ServerCredentials>> server_credentials(const std::string& address,
-                                                                          const ServerSecurity& security);
+
+struct ServerCredentials {
+  std::shared_ptr<grpc::ServerCredentials> credentials;
+  // Must outlive the server. Null without TLS.
+  std::shared_ptr<ServerCertificates> certificates{};
+};
+core::Result<ServerCredentials> server_credentials(const std::string& address,
+                                                   const ServerSecurity& security);
 
 // Whether the text has only the characters of a token: letters, digits and -._~+/= (RFC 6750, b64token).
 bool is_token(std::string_view text);

@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/film/layout.hpp"
 #include "proto/convert.hpp"
 #include "proto/tile_planes.hpp"
 
@@ -89,9 +90,9 @@ core::Status check_counters(const core::RenderCounters& counters, const WorkItem
 
 }  // namespace
 
-v1::RenderedItem encode_tile(const core::FilmTile& tile) {
+v1::RenderedItem encode_tile(const core::FilmTile& tile, std::uint32_t image) {
   v1::RenderedItem message;
-  *message.mutable_item() = to_proto(WorkItem{tile.rect, tile.range});
+  *message.mutable_item() = to_proto(WorkItem{tile.rect, tile.range, image});
   message.set_planes_zstd(encode_planes(tile.sums, tile.odd_sums));
   message.set_sums_xxh3(checksum(tile.sums, tile.odd_sums));
   *message.mutable_counters() = to_proto(tile.counters);
@@ -101,7 +102,7 @@ v1::RenderedItem encode_tile(const core::FilmTile& tile) {
 core::Result<core::FilmTile> decode_tile(const v1::RenderedItem& message) {
   const core::Result<WorkItem> item = decode_region(message);
   if (!item) return fail(item.error());
-  auto read = decode_sums(message, item->rect.pixel_count() * 3);
+  auto read = decode_sums(message, core::rgb_layout().sums(item->rect.pixel_count()));
   if (!read) return fail(read.error());
   if (checksum(read->sums, read->odd_sums) != message.sums_xxh3())
     return fail(ErrorCode::kInvalidArgument,

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+// The states of jobs and workers in words: the same in tables, JSON and the page. Pure functions.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tessera/v1/types.pb.h"
+
+namespace tessera::proto {
+
+// The displayed prefix of an id, long enough to distinguish jobs and workers.
+std::string short_id(const std::string& id);
+
+// "validating", "running", "paused", "done", "cancelled" or "failed"; "unknown" for states of later releases.
+std::string state_name(v1::JobState state);
+
+// "quarantined", "silent", "draining", "drained", "leaving", "stuck", "fetching", "in cooldown", "working" or
+// "idle": the first that applies.
+std::string worker_state(const v1::Worker& worker);
+
+// Why a worker receives no work, or no work of some jobs: predicates whose subject is the worker. They
+// contain text of the worker: escape it for display.
+std::vector<std::string> worker_remarks(const v1::Worker& worker);
+
+// The time until a running job is complete at its present speed. Empty if there is none.
+std::optional<double> seconds_left(const v1::Job& job);
+
+}  // namespace tessera::proto
