@@ -5,15 +5,14 @@
 #include <algorithm>
 #include <utility>
 
+#include "server/scheduler/item_text.hpp"
 #include "server/scheduler/scheduler.hpp"
 
 namespace tessera::scheduler {
 namespace {
 
 std::string describe(const Job& job, const WorkItem& item) {
-  const core::PixelRect rect = job.shape().grid().rect(item.tile);
-  return fmt::format("samples [{}, {}) of tile {} (pixels [{}, {}) x [{}, {})) of job {}", item.samples.begin,
-                     item.samples.end, item.tile, rect.x0, rect.x1, rect.y0, rect.y1, job.id().value);
+  return fmt::format("{} of job {}", describe_item_with_pixels(job.shape().grid(), item), job.id().value);
 }
 
 bool overlaps(const WorkItem& a, const WorkItem& b) {
@@ -92,7 +91,7 @@ void Scheduler::disprove(const Job& job, const Ruling& ruling, ProducerNumber nu
 // Single samples cannot be subtracted from a film, so the whole tile is dropped.
 void Scheduler::drop_tile(Job& job, int tile, Actions& actions) {
   std::vector<WorkerId> auditors;
-  for (const LeaseId id : job.audit_leases().holding({tile, {0, job.shape().spp}}))
+  for (const LeaseId id : job.audit_leases().holding({tile, {0, job.shape().target(tile)}}))
     auditors.push_back(job.audit_leases().find(id)->holder);
   tell_of_less(auditors);
   std::vector<Lease> ended;
@@ -104,7 +103,7 @@ void Scheduler::drop_tile(Job& job, int tile, Actions& actions) {
 
 Worker* Scheduler::on(const DropTile& event, Actions& actions) {
   Job* const job = find_or_refuse(event.id, actions);
-  if (job == nullptr || !takes_results(job->state())) return nullptr;
+  if (job == nullptr || !takes_results(job->state()) || !job->has_tile(event.tile)) return nullptr;
   drop_tile(*job, event.tile, actions);
   if (job->state() == JobState::kDone) become(*job, JobState::kRunning, actions);
   return nullptr;

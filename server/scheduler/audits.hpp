@@ -46,7 +46,7 @@ struct Ruling {
 
 class Audits {
  public:
-  explicit Audits(const core::TileGrid& grid) : ledger_(grid) {}
+  explicit Audits(const JobGrid& grid) : ledger_(grid) {}
 
   // ---- Samples to audit ----
   void add(const WorkItem& item, ProducerNumber producer, const Fingerprint& fingerprint, Due due);

@@ -40,6 +40,8 @@ struct WorkerInfo {
   bool individual = false;
   // The determinism fingerprint: it is given jobs of no other. Empty: unknown, which fits every job.
   std::string determinism_fingerprint{};
+  // It says of which image its samples are. Others are given no jobs of several images.
+  bool names_images = true;
   bool operator==(const WorkerInfo&) const = default;
 };
 
@@ -106,9 +108,9 @@ struct Trust {
 };
 
 // Rendered samples have arrived, at any time. Answered by Actions::verdicts. INVALID_ARGUMENT: an item is no
-// tile of the job or exceeds samples [0, spp), or the lease was never given to this worker; nothing was
-// counted. Samples beyond spp of a lease of an earlier run are dropped: that run may have extended the job
-// and crashed before this was stored.
+// tile of the job or exceeds the tile's target, or the lease was never given to this worker; nothing was
+// counted. Samples beyond the target of a lease of an earlier run are dropped: that run may have extended the
+// job and crashed before this was stored.
 struct SubmitResult {
   WorkerId worker;
   JobId job;
@@ -132,6 +134,13 @@ struct SubmitResult {
   std::string determinism_fingerprint{};
 };
 
+// Samples of the lease have arrived, and cannot be taken at present: the worker keeps them, with what it has
+// rendered since, and delivers them again. That its leases make no progress is not its fault.
+struct DeferResult {
+  WorkerId worker;
+  LeaseId lease;
+};
+
 inline Fingerprint fingerprint_of(const SubmitResult& result, std::size_t item) {
   return item < result.fingerprints.size() ? result.fingerprints[item] : Fingerprint{};
 }
@@ -141,7 +150,7 @@ inline Fingerprint fingerprint_of(const SubmitResult& result, std::size_t item) 
 // FAILED_PRECONDITION if job_state.hpp has no transition to it. They change nothing if the job is in the
 // state already, so they can be repeated.
 
-// ALREADY_EXISTS: the id is taken. INVALID_ARGUMENT: an empty image or no samples.
+// ALREADY_EXISTS: the id is taken. INVALID_ARGUMENT: no job can have the shape (check_shape).
 struct SubmitJob {
   JobId id;
   JobShape shape;
@@ -169,7 +178,7 @@ struct RestoreJob {
   int priority = 0;
   JobState state = JobState::kRunning;
   std::string failure;
-  // The samples in the film by tile.
+  // The samples in the film by tile, of all images.
   std::vector<IntervalSet> done;
   std::uint32_t max_workers = 0;
   // Items that overlap, or whose samples are not done, are ignored.
@@ -204,11 +213,15 @@ struct ReleaseJob {
   JobId id;
 };
 
-// Raises a job's samples per pixel. INVALID_ARGUMENT: fewer than it has. FAILED_PRECONDITION: it is cancelled
-// or failed.
+// Raises sample targets: those of all tiles to at least `spp`, and those of single tiles further. With tiles,
+// `spp` may be 0: the others stay.
+// INVALID_ARGUMENT: fewer samples per pixel than the job has, a tile that it does not have, or more than
+// kMaxTileTargets such tiles.
+// FAILED_PRECONDITION: it is cancelled or failed.
 struct ExtendJob {
   JobId id;
   std::uint32_t spp = 0;
+  std::vector<TileTarget> tiles{};
 };
 
 // Changes a job's scheduling policy; absent fields stay. FAILED_PRECONDITION: it is done, cancelled or
@@ -239,7 +252,7 @@ struct Tick {};
 
 using Event = std::variant<Synchronize, TopUp, Dismiss, Drain, Distrust, Trust, SubmitResult, SubmitJob,
                            RestoreJob, PauseJob, ReopenJob, ResumeJob, CancelJob, DeleteJob, ExtendJob,
-                           UpdateJob, FailJob, DropTile, Tick, ReleaseJob>;
+                           UpdateJob, FailJob, DropTile, Tick, ReleaseJob, DeferResult>;
 
 // ---- Answers ----
 

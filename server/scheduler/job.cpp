@@ -7,26 +7,19 @@
 #include "server/scheduler/lifecycle.hpp"
 
 namespace tessera::scheduler {
-namespace {
-
-std::uint64_t total_samples(const JobShape& shape) {
-  return std::uint64_t{shape.window.pixel_count()} * shape.spp;
-}
-
-}  // namespace
 
 Job::Job(JobNumber number, JobId id, JobShape shape, SchedulingPolicy policy, JobState state,
          const std::vector<IntervalSet>& done)
     : number_(number),
       id_(std::move(id)),
-      shape_(shape),
-      grid_(shape.grid()),
+      shape_(std::move(shape)),
+      grid_(shape_.grid()),
       policy_(policy),
       state_(state),
       done_(grid_.tile_count()),
-      work_(grid_.tile_count(), shape.spp),
+      work_(shape_),
       audits_(grid_),
-      total_(total_samples(shape)) {
+      total_(shape_.pixel_samples()) {
   for (std::size_t i = 0; i < done.size(); ++i) {
     if (done[i].empty()) continue;
     const int tile = static_cast<int>(i);
@@ -94,8 +87,7 @@ std::uint64_t Job::pixel_samples(const WorkItem& item) const {
 }
 
 bool Job::has(const WorkItem& item) const {
-  return item.tile >= 0 && item.tile < grid_.tile_count() && !item.samples.empty() &&
-         item.samples.end <= shape_.spp;
+  return has_tile(item.tile) && !item.samples.empty() && item.samples.end <= shape_.target(item.tile);
 }
 
 IntervalSet Job::free_of(const WorkItem& item) const {
@@ -108,7 +100,7 @@ IntervalSet Job::free_of(const WorkItem& item) const {
 // The samples of a tile that fit into a budget of pixel samples: at least one.
 std::uint32_t Job::samples_for(int tile, std::uint64_t budget) const {
   const std::uint64_t fitting = budget / grid_.rect(tile).pixel_count();
-  return static_cast<std::uint32_t>(std::clamp<std::uint64_t>(fitting, 1, shape_.spp));
+  return static_cast<std::uint32_t>(std::clamp<std::uint64_t>(fitting, 1, shape_.target(tile)));
 }
 
 Portion Job::next_free(std::uint64_t samples, bool holds_nothing) const {
@@ -254,10 +246,10 @@ bool Job::accept(const WorkItem& item, std::vector<Lease>& ended) {
   return true;
 }
 
-void Job::extend(std::uint32_t spp) {
-  shape_.spp = spp;
-  total_ = total_samples(shape_);
-  work_.extend(spp);
+void Job::extend(std::uint32_t spp, const std::vector<TileTarget>& tiles) {
+  shape_.raise(spp, tiles);
+  total_ = shape_.pixel_samples();
+  work_.extend(shape_);
 }
 
 }  // namespace tessera::scheduler

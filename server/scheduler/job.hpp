@@ -77,7 +77,7 @@ struct EndedRun {
 class Job {
  public:
   // A new or a stored job. `done`: the samples that are done, by tile; empty: none. Takes no time that
-  // depends on the size of a new job.
+  // depends on the size of a new job, but for tiles with targets of their own.
   Job(JobNumber number, JobId id, JobShape shape, SchedulingPolicy policy, JobState state,
       const std::vector<IntervalSet>& done);
 
@@ -165,7 +165,8 @@ class Job {
 
   // ---- Results ----
 
-  // Whether these are samples of the job.
+  // Whether the job has the tile, and whether these are samples that it is to get.
+  bool has_tile(int tile) const { return tile >= 0 && tile < grid_.tile_count(); }
   bool has(const WorkItem& item) const;
   // Counts the item as done if all of it is missing. Returns whether it was. Leases that have nothing left to
   // do are ended and appended to `ended`.
@@ -219,7 +220,8 @@ class Job {
   void note_progress(const WorkerId& worker) { stalled_workers_.erase(worker); }
   void note_refuser(const WorkerId& worker) { refusers_of_run_.insert(worker); }
 
-  void extend(std::uint32_t spp);
+  // Raises targets (JobShape::raise). The tiles must be of the job.
+  void extend(std::uint32_t spp, const std::vector<TileTarget>& tiles);
 
   // ---- Progress ----
   // The work of one of its pixel samples, in the unit of Worker::pace.
@@ -256,7 +258,7 @@ class Job {
   const JobNumber number_;
   JobId id_;
   JobShape shape_;
-  core::TileGrid grid_;
+  JobGrid grid_;
   SchedulingPolicy policy_;
   // Workers beyond a lowered limit that still hold leases.
   std::size_t tolerated_workers_ = 0;

@@ -103,7 +103,7 @@ void Job::trim_audits(const WorkItem& item, std::vector<Lease>& ended) {
 }
 
 void Job::drop_tile(int tile, std::vector<Lease>& ended) {
-  const WorkItem whole{tile, {0, shape_.spp}};
+  const WorkItem whole{tile, {0, shape_.target(tile)}};
   IntervalSet& done = done_.mutable_at(tile);
   done_count_ -= done.count() * grid_.rect(tile).pixel_count();
   done = {};

@@ -92,7 +92,8 @@ std::optional<std::string> Job::check_samples() const {
 
 // Every missing sample is leased to at most two workers, or is a candidate.
 std::optional<std::string> Job::check_tile(int tile) const {
-  IntervalSet lost{{0, shape_.spp}};
+  const core::SampleRange all{0, shape_.target(tile)};
+  IntervalSet lost{all};
   lost.remove(done(tile));
   lost.remove(leases_.leased(tile));
   lost.remove(work_.candidates(tile));
@@ -101,7 +102,7 @@ std::optional<std::string> Job::check_tile(int tile) const {
     return fmt::format("samples from {} on are neither done, nor leased, nor free", lost.ranges()[0].begin);
   }
   IntervalSet once, twice;
-  for (const LeaseId id : leases_.holding({tile, {0, shape_.spp}})) {
+  for (const LeaseId id : leases_.holding({tile, all})) {
     for (const WorkItem& item : leases_.find(id)->items) {
       if (item.tile != tile) continue;
       if (twice.intersects(item.samples)) return "leased three times";

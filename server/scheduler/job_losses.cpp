@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "server/scheduler/item_text.hpp"
 #include "server/scheduler/job.hpp"
 
 namespace tessera::scheduler {
@@ -24,7 +25,7 @@ std::string names_of(const std::vector<Loss>& losses) {
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
-std::string sentence_on(const WorkItem& item, const core::PixelRect& rect, const std::vector<Loss>& losses) {
+std::string sentence_on(const WorkItem& item, const JobGrid& grid, const std::vector<Loss>& losses) {
   const auto is = [](LossKind kind) { return [kind](const Loss& loss) { return loss.kind == kind; }; };
   const bool any_died = std::any_of(losses.begin(), losses.end(), is(LossKind::kDied));
   const bool any_stuck = std::any_of(losses.begin(), losses.end(), is(LossKind::kStuck));
@@ -32,8 +33,8 @@ std::string sentence_on(const WorkItem& item, const core::PixelRect& rect, const
                            : !any_died ? "hung one after the other in"
                                        : "died or hung one after the other while they rendered";
   return fmt::format(
-      "{} workers {} samples [{}, {}) of tile {} (pixels [{}, {}) x [{}, {})): {}. {}", losses.size(), what,
-      item.samples.begin, item.samples.end, item.tile, rect.x0, rect.x1, rect.y0, rect.y1, names_of(losses),
+      "{} workers {} {}: {}. {}", losses.size(), what, describe_item_with_pixels(grid, item),
+      names_of(losses),
       any_stuck ? kWhatToDoAboutStuck
                 : "Look into their logs, and whether they have the memory that the scene needs; then submit "
                   "it again");
@@ -104,7 +105,7 @@ std::optional<Failure> Job::verdict_on(const WorkItem& item, const AreAll& princ
     if (audit_leases_.leased(item.tile).intersects(part.samples)) continue;
     if (!are_enough(principals_of(part.losses), principals)) continue;
     const WorkItem told{item.tile, poison_.to_be_told(rest)};
-    return Failure{sentence_on(told, grid_.rect(item.tile), part.losses), lost(told, part.losses)};
+    return Failure{sentence_on(told, grid_, part.losses), lost(told, part.losses)};
   }
   return std::nullopt;
 }

@@ -12,20 +12,39 @@ namespace tessera::scheduler {
 namespace {
 
 bool fits(const std::vector<IntervalSet>& done, const JobShape& shape) {
-  return done.size() == static_cast<std::size_t>(shape.grid().tile_count()) &&
-         std::all_of(done.begin(), done.end(), [&](const IntervalSet& samples) {
-           return samples.empty() || samples.ranges().back().end <= shape.spp;
-         });
+  const int tiles = shape.grid().tile_count();
+  if (done.size() != static_cast<std::size_t>(tiles)) return false;
+  for (int tile = 0; tile < tiles; ++tile) {
+    const IntervalSet& samples = done[static_cast<std::size_t>(tile)];
+    if (!samples.empty() && samples.ranges().back().end > shape.target(tile)) return false;
+  }
+  return true;
+}
+
+core::Status check_extension(const Job& job, const ExtendJob& event) {
+  const bool only_tiles = event.spp == 0 && !event.tiles.empty();
+  if (event.spp < job.shape().spp && !only_tiles) {
+    return core::fail(core::ErrorCode::kInvalidArgument,
+                      fmt::format("job {} has {} samples per pixel already: ask for more, got {}",
+                                  event.id.value, job.shape().spp, event.spp));
+  }
+  const std::size_t targets = job.shape().targets.all().size() + event.tiles.size();
+  if (!event.tiles.empty() && targets > kMaxTileTargets) {
+    return core::fail(core::ErrorCode::kInvalidArgument,
+                      fmt::format("job {} can have {} tiles with targets of their own: raise that of all",
+                                  event.id.value, kMaxTileTargets));
+  }
+  const auto unknown = std::find_if(event.tiles.begin(), event.tiles.end(),
+                                    [&](const TileTarget& each) { return !job.has_tile(each.tile); });
+  if (unknown == event.tiles.end()) return {};
+  return core::fail(core::ErrorCode::kInvalidArgument,
+                    fmt::format("job {} has no tile {}", event.id.value, unknown->tile));
 }
 
 }  // namespace
 
 core::Status Scheduler::may_add(const JobId& id, const JobShape& shape) const {
-  if (shape.window.empty() || shape.spp == 0) {
-    return core::fail(core::ErrorCode::kInvalidArgument,
-                      fmt::format("a job of {}x{} pixels and {} samples per pixel has nothing to render",
-                                  shape.window.width(), shape.window.height(), shape.spp));
-  }
+  if (auto possible = check_shape(shape); !possible) return possible;
   if (find(id) != nullptr) {
     return core::fail(core::ErrorCode::kAlreadyExists, fmt::format("there is a job {} already", id.value));
   }
@@ -148,14 +167,10 @@ Worker* Scheduler::on(const ExtendJob& event, Actions& actions) {
         fmt::format("job {} is {} and cannot be extended", event.id.value, job_state_name(job->state())));
     return nullptr;
   }
-  if (event.spp < job->shape().spp) {
-    actions.status = core::fail(core::ErrorCode::kInvalidArgument,
-                                fmt::format("job {} has {} samples per pixel already: ask for more, got {}",
-                                            event.id.value, job->shape().spp, event.spp));
-    return nullptr;
-  }
-  if (event.spp > job->shape().spp) note_change(actions.changed_jobs, event.id);
-  job->extend(event.spp);
+  actions.status = check_extension(*job, event);
+  if (!actions.status) return nullptr;
+  if (job->shape().is_raised_by(event.spp, event.tiles)) note_change(actions.changed_jobs, event.id);
+  job->extend(event.spp, event.tiles);
   work_appeared_ = true;
   if (job->state() == JobState::kDone && !job->complete()) become(*job, JobState::kRunning, actions);
   return nullptr;

@@ -40,7 +40,7 @@ class Ledger {
  public:
   static constexpr std::size_t kMaxEntries = std::size_t{5} << 18;  // 40 MiB
 
-  explicit Ledger(const core::TileGrid& grid) : grid_(grid), tiles_(grid.tile_count()) {}
+  explicit Ledger(const JobGrid& grid) : grid_(grid), tiles_(grid.tile_count()) {}
 
   // The item must not overlap any entry.
   void add(const WorkItem& item, ProducerNumber producer, const Fingerprint& fingerprint, Due due);
@@ -63,7 +63,7 @@ class Ledger {
   void merge_with_next(int tile, std::size_t left);
   LedgerEntry& mutable_at(int tile, std::uint32_t begin);
 
-  core::TileGrid grid_;
+  JobGrid grid_;
   TileTable<std::vector<LedgerEntry>> tiles_;
   std::size_t entries_ = 0;
   std::uint64_t due_ = 0;

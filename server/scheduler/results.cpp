@@ -72,6 +72,15 @@ Worker* Scheduler::on(const SubmitResult& event, Actions& actions) {
   return takes_with_answer(*worker, event) ? worker : nullptr;
 }
 
+// Results of its other leases wait behind this one.
+Worker* Scheduler::on(const DeferResult& event, Actions&) {
+  Worker* const worker = registry_.find(event.worker);
+  if (worker == nullptr || !worker->holds(event.lease)) return nullptr;
+  for (const HeldLease& held : worker->leases)
+    effort(*worker, jobs_.at(held.number)).no_progress_since = now_;
+  return nullptr;
+}
+
 void Scheduler::note_counted(Job& job, const SubmitResult& event, std::uint64_t accepted,
                              std::uint64_t audited, Actions& actions) {
   counts_.accepted_samples += accepted;
@@ -139,20 +148,21 @@ core::Status Scheduler::validate_lease(const Job& job, const SubmitResult& event
 
 bool Scheduler::was_extended_before(const Job& job, LeaseId lease, const WorkItem& item) const {
   const bool of_earlier_run = lease.value >> kLeaseCounterBits < options_.epoch;
-  return of_earlier_run && item.samples.end > job.shape().spp && job.has({item.tile, {0, 1}}) &&
-         !item.samples.empty();
+  return of_earlier_run && job.has_tile(item.tile) && !item.samples.empty() &&
+         item.samples.end > job.shape().target(item.tile);
 }
 
 core::Status Scheduler::validate(const Job& job, const SubmitResult& event) const {
   if (auto valid = validate_lease(job, event); !valid) return valid;
   for (const WorkItem& item : event.items) {
     if (job.has(item) || was_extended_before(job, event.lease, item)) continue;
+    const std::uint32_t target = job.has_tile(item.tile) ? job.shape().target(item.tile) : job.shape().spp;
     return core::fail(
         core::ErrorCode::kInvalidArgument,
         fmt::format("samples [{}, {}) of tile {} are not part of job {}, which has {} tiles and "
                     "samples [0, {}): deliver items as they were leased",
                     item.samples.begin, item.samples.end, item.tile, job.id().value,
-                    job.shape().grid().tile_count(), job.shape().spp));
+                    job.shape().grid().tile_count(), target));
   }
   return {};
 }

@@ -13,7 +13,7 @@
 // - A done job lacks nothing.
 // - No more workers hold leases of a job than its limit allows, or held some when the limit was lowered.
 // - Leases are held by known workers that synchronised within lease_duration, and that delivered something of
-//   the job within patience() (policy.hpp).
+//   the job within patience() (policy.hpp), or tried to (DeferResult).
 // - A worker that waits, holds nothing and wants a lease waits because there is none to give.
 // - Samples that are due for an audit are rendered again by a worker of another name, and their job is not
 //   done before.
@@ -132,6 +132,10 @@ class Scheduler {
   // What the worker last said of itself; null if it is unknown or forgotten. Valid until the next handle().
   const WorkerInfo* worker_info(const WorkerId& id) const;
 
+  // The tiles of the next leases of missing samples after this one, at most so many leases; none if there is
+  // no such job.
+  LeasePage leased_tiles(const JobId& id, const LeaseId& after, std::size_t most) const;
+
   // Takes no time that depends on the number of jobs and workers.
   Totals totals(Time now) const;
 
@@ -159,6 +163,7 @@ class Scheduler {
   Worker* on(const Distrust& event, Actions& actions);
   Worker* on(const Trust& event, Actions& actions);
   Worker* on(const SubmitResult& event, Actions& actions);
+  Worker* on(const DeferResult& event, Actions& actions);
   Worker* on(const SubmitJob& event, Actions& actions);
   Worker* on(const RestoreJob& event, Actions& actions);
   Worker* on(const ReopenJob& event, Actions& actions);
@@ -206,6 +211,8 @@ class Scheduler {
   void give_up_if_nobody_gets_on(Job& job, Actions& actions);
   // The expected time for all samples that it holds.
   double expected_seconds(const Worker& worker) const;
+  // Whether its samples can count for the job.
+  static bool can_render(const Worker& worker, const Job& job);
   // Whether the worker may be given leases of the job, whatever work there is.
   bool may_take(const Worker& worker, const Job& job) const;
   // The worker is given none since they stalled and it fetches the files.
@@ -318,6 +325,8 @@ class Scheduler {
   std::uint64_t workers_version() const { return 1 + registry_.times_changed() + producers_.times_changed(); }
 
   // ---- Views and invariants (views.cpp, check.cpp) ----
+  JobView job_view(const Job& job, Time now) const;
+  Waiting waiting_of(const Job& job) const;
   WorkerView worker_view(const Worker& worker, Time now) const;
   std::vector<CooldownView> cooldowns_of(const Worker& worker, Time now) const;
   std::optional<std::string> check_next(CheckCursor& cursor, std::size_t& left) const;

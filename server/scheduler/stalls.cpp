@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "server/scheduler/changes.hpp"
+#include "server/scheduler/item_text.hpp"
 #include "server/scheduler/scheduler.hpp"
 
 namespace tessera::scheduler {
@@ -16,10 +17,6 @@ namespace {
 
 long whole_seconds(Duration time) {
   return static_cast<long>(std::chrono::ceil<std::chrono::seconds>(time).count());
-}
-
-std::string describe(const WorkItem& item) {
-  return fmt::format("samples [{}, {}) of tile {}", item.samples.begin, item.samples.end, item.tile);
 }
 
 // The parts of the items that lie in `piece`.
@@ -105,7 +102,7 @@ void Scheduler::stall(Worker& worker, const JobId& id, Actions& actions) {
   for (const HeldLease& held : std::vector<HeldLease>(worker.leases)) {
     if (held.job != id) continue;
     const WorkItem first = end_lease(job, held.id, LeaseState::kStalled).items.front();
-    if (items.empty()) items = describe(first);
+    if (items.empty()) items = describe_item(job.shape().grid(), first);
   }
   const Duration in_cooldown = begin_cooldown(worker, job, without_progress);
   const std::string until =
@@ -114,8 +111,9 @@ void Scheduler::stall(Worker& worker, const JobId& id, Actions& actions) {
           ? fmt::format("no more of this job for {} s, or until it delivers", whole_seconds(in_cooldown))
           : "no more of this job until it has the files of its scene";
   const bool is_kept = worker.stuck && worker.stuck->rendering.job == id && !worker.stuck->items.empty();
-  const std::string at = is_kept ? "and says that it renders " + describe(worker.stuck->items.front())
-                                 : fmt::format("where {} came first", items);
+  const std::string at =
+      is_kept ? "and says that it renders " + describe_item(job.shape().grid(), worker.stuck->items.front())
+              : fmt::format("where {} came first", items);
   actions.stalled.push_back(fmt::format(
       "worker {} ({}) sends heartbeats, but has delivered nothing of job {} for {} s, {}: its leases go to "
       "others, and it is given {}",
@@ -142,8 +140,13 @@ bool Scheduler::awaits_files(const Worker& worker, const Job& job) {
   return worker.has_stalled(job.run()) && worker.fetching.contains(job.id());
 }
 
+bool Scheduler::can_render(const Worker& worker, const Job& job) {
+  const bool knows_images = worker.info.names_images || job.shape().images == 1;
+  return knows_images && worker.fits(job.determinism_fingerprint());
+}
+
 bool Scheduler::may_take(const Worker& worker, const Job& job) const {
-  if (!job.may_be_leased_to(worker.info.id) || !worker.fits(job.determinism_fingerprint())) return false;
+  if (!job.may_be_leased_to(worker.info.id) || !can_render(worker, job)) return false;
   const Effort* const known = worker.effort(job.run());
   const bool in_cooldown = known != nullptr && known->in_cooldown(now_);
   return !in_cooldown && !awaits_files(worker, job);

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/film/region.hpp"
+#include "server/scheduler/job_shape.hpp"
 
 namespace tessera::scheduler {
 
@@ -42,37 +43,12 @@ struct LeaseIdHash {
   std::size_t operator()(LeaseId id) const { return std::hash<std::uint64_t>{}(id.value); }
 };
 
-// The work of a job: samples [0, spp) of every pixel of a window of an image, divided into tiles.
-struct JobShape {
-  core::PixelRect window;
-  std::uint32_t spp = 0;
-
-  constexpr JobShape() = default;
-  constexpr JobShape(core::PixelRect of_picture, std::uint32_t samples) : window(of_picture), spp(samples) {}
-  // The whole image.
-  constexpr JobShape(int width_px, int height_px, std::uint32_t samples)
-      : JobShape({0, 0, width_px, height_px}, samples) {}
-
-  core::TileGrid grid() const { return {window, core::kTilePx}; }
-  bool operator==(const JobShape&) const = default;
-};
-
-// The unit of work: a range of samples of one tile of the job's grid.
+// The unit of work: a range of samples of one tile of the job, in the numbering of its JobGrid.
 struct WorkItem {
   int tile = 0;
   core::SampleRange samples;
   bool operator==(const WorkItem&) const = default;
 };
-
-// The tile of a WorkItem whose rectangle is no tile of the grid. Results with it are refused.
-inline constexpr int kNoTile = -1;
-
-// The index of the tile with this rectangle, or kNoTile.
-inline int tile_index(const core::TileGrid& grid, const core::PixelRect& rect) {
-  if (rect.empty() || !grid.window().contains(rect)) return kNoTile;
-  const int tile = grid.tile_at(rect.x0, rect.y0);
-  return grid.rect(tile) == rect ? tile : kNoTile;
-}
 
 // Proves that this farm granted a lease to a worker. It cannot be made without the farm's secret.
 using LeaseToken = std::string;

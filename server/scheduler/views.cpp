@@ -5,9 +5,20 @@
 #include "server/scheduler/scheduler.hpp"
 
 namespace tessera::scheduler {
-namespace {
 
-JobView job_view(const Job& job, Time now) {
+Waiting Scheduler::waiting_of(const Job& job) const {
+  if (job.state() == JobState::kPaused) return Waiting::kPaused;
+  if (job.state() != JobState::kRunning || job.settled()) return Waiting::kNo;
+  if (job.holder_count() > 0)
+    return job.free() > 0 && !job.may_have_another_holder() ? Waiting::kMaxWorkers : Waiting::kNo;
+  if (registry_.active_count() == 0) return Waiting::kNoWorker;
+  if (job.free() == 0) return Waiting::kVerification;
+  return work_.of_higher_priority(job) > 0 ? Waiting::kHigherPriority : Waiting::kTurn;
+}
+
+JobView Scheduler::job_view(const Job& job, Time now) const {
+  const Waiting waiting = waiting_of(job);
+  const bool is_queued = job.state() == JobState::kRunning && job.holder_count() == 0 && job.free() > 0;
   return {.id = job.id(),
           .shape = job.shape(),
           .priority = job.policy().priority,
@@ -19,10 +30,24 @@ JobView job_view(const Job& job, Time now) {
           .active_workers = static_cast<int>(job.holder_count()),
           .max_workers = job.policy().max_workers,
           .samples_to_verify = job.to_verify(),
-          .failure_details = job.failure_details};
+          .failure_details = job.failure_details,
+          .waiting = waiting,
+          .queue_position = is_queued ? static_cast<std::uint32_t>(1 + work_.served_before(job)) : 0};
 }
 
-}  // namespace
+LeasePage Scheduler::leased_tiles(const JobId& id, const LeaseId& after, std::size_t most) const {
+  LeasePage page;
+  const Job* const job = find(id);
+  if (job == nullptr) return page;
+  const auto& leases = job->leases().all();
+  auto next = leases.upper_bound(after);
+  for (; next != leases.end() && most > 0; ++next, --most) {
+    for (const WorkItem& item : next->second.items) page.tiles.push_back({item.tile, next->second.holder});
+    page.last = next->first;
+  }
+  if (next == leases.end()) page.last.reset();
+  return page;
+}
 
 std::vector<CooldownView> Scheduler::cooldowns_of(const Worker& worker, Time now) const {
   std::vector<CooldownView> cooldowns;

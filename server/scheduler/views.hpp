@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,17 @@
 #include "server/scheduler/types.hpp"
 
 namespace tessera::scheduler {
+
+// Why a job waits for its first worker, or gets no more workers.
+enum class Waiting {
+  kNo,
+  kPaused,
+  kNoWorker,        // no worker takes leases
+  kHigherPriority,  // jobs of higher priority have work
+  kTurn,            // it is served next, or after others of its priority
+  kVerification,    // it lacks only verification, for which no worker is free
+  kMaxWorkers,      // it has as many workers as it may have
+};
 
 // All counts are in pixel samples.
 struct JobView {
@@ -31,6 +43,21 @@ struct JobView {
   std::uint64_t samples_to_verify = 0;
   // Empty unless the state is kFailed.
   FailureDetails failure_details{};
+  Waiting waiting = Waiting::kNo;
+  // Its place among the jobs that have samples to lease, from 1, if it waits for its first worker.
+  std::uint32_t queue_position = 0;
+};
+
+// A part of a lease: a tile of which somebody renders samples.
+struct LeasedTile {
+  int tile = 0;
+  WorkerId holder;
+};
+// Some of a job's leases.
+struct LeasePage {
+  std::vector<LeasedTile> tiles;
+  // The last lease of the page; absent if there are no further ones.
+  std::optional<LeaseId> last;
 };
 
 // A job of which a worker is given no leases for a while, since its leases of it have stalled.

@@ -25,7 +25,7 @@ std::optional<WorkerId> Scheduler::find_auditor_at_work(const Job& job) const {
 
 bool Scheduler::would_audit(const Job& job, const WorkerId& id) const {
   const Worker* const worker = registry_.find(id);
-  return worker != nullptr && worker->is_available() && worker->fits(job.determinism_fingerprint()) &&
+  return worker != nullptr && worker->is_available() && can_render(*worker, job) &&
          !is_no_help(job, *worker) && can_audit(job, *worker);
 }
 

@@ -4,12 +4,16 @@
 // that this one worker may not take. Not thread-safe.
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <set>
+#include <tuple>
 
 #include "server/scheduler/job.hpp"
 #include "server/scheduler/job_index.hpp"
 #include "server/scheduler/producer.hpp"
+#include "server/scheduler/ranked_set.hpp"
 
 namespace tessera::scheduler {
 
@@ -39,10 +43,21 @@ class WorkIndex {
   // Whether there is work for workers that hold nothing.
   bool any_open() const { return !free_.empty() || !audits_.empty() || !copies_.empty(); }
 
+  // The jobs with free samples that are served before this one, as things stand; and those of them that have
+  // a higher priority.
+  std::size_t served_before(const Job& job) const;
+  std::size_t of_higher_priority(const Job& job) const;
+
  private:
+  // The order in which jobs are served while the virtual time stands still: the highest priority first, then
+  // the earliest virtual finish, then the longest wait.
+  using Rank = std::tuple<std::int64_t, double, std::uint64_t, JobNumber>;
+  static Rank rank_of(JobNumber job, const JobIndex::Place& place);
+
   void set(JobNumber job, const Entry& entry);
 
   JobIndex free_, audits_, copies_;
+  RankedSet<Rank> free_ranks_;  // of the jobs in free_
   std::set<JobNumber> limited_;
 };
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <set>
 
 namespace tessera::scheduler {
 
@@ -14,11 +15,42 @@ SampleRange pass_of(std::uint32_t sample) {
   return {begin, 2 * begin};
 }
 
-WorkList::WorkList(int tile_count, std::uint32_t spp) : tile_count_(tile_count), spp_(spp) {}
+WorkList::WorkList(const JobShape& shape)
+    : shape_(shape), grid_(shape.grid()), cursor_{{0, shape.spp}, 0, 0} {
+  for (const auto& [tile, target] : shape.targets.all())
+    if (target > shape.spp) put_back({tile, {shape.spp, target}});
+}
+
+WorkItem WorkList::at(const Cursor& cursor) const {
+  const std::uint32_t end =
+      std::min({pass_of(cursor.sample).end, cursor.round.end, shape_.target(cursor.tile)});
+  return {cursor.tile, {cursor.sample, std::max(end, cursor.sample)}};
+}
+
+WorkList::Cursor WorkList::after(Cursor cursor, std::uint32_t sample) const {
+  const WorkItem item = at(cursor);
+  if (sample < item.samples.end) {
+    cursor.sample = sample;
+    return cursor;
+  }
+  const SampleRange pass = pass_of(cursor.sample);
+  const int next = cursor.tile + 1;
+  const bool ends_image = next % grid_.tiles_per_image() == 0;
+  if (!ends_image) return {cursor.round, next, std::max(pass.begin, cursor.round.begin)};
+  if (pass.end < cursor.round.end) return {cursor.round, next - grid_.tiles_per_image(), pass.end};
+  const bool ends_job = next == grid_.tile_count();
+  if (!ends_job) return {cursor.round, next, cursor.round.begin};
+  return {{cursor.round.end, shape_.spp}, 0, cursor.round.end};
+}
+
+bool WorkList::Walk::is_at_returned() const {
+  if (returned_ == list_.returned_.end()) return false;
+  return cursor_.round.empty() || returned_->first <= list_.place_of(cursor_.tile, cursor_.sample);
+}
 
 std::optional<WorkItem> WorkList::Walk::next(const Wanted& wanted) {
   while (const std::optional<WorkItem> candidate = front()) {
-    const IntervalSet pieces = wanted(*candidate);
+    const IntervalSet pieces = candidate->samples.empty() ? IntervalSet() : wanted(*candidate);
     go_to(pieces.empty() ? candidate->samples.end : pieces.ranges().front().begin);
     if (!pieces.empty()) return WorkItem{candidate->tile, pieces.ranges().front()};
   }
@@ -26,26 +58,22 @@ std::optional<WorkItem> WorkList::Walk::next(const Wanted& wanted) {
 }
 
 std::optional<WorkItem> WorkList::Walk::front() {
-  for (; returned_ != list_.returned_.end(); ++returned_, returned_from_ = 0) {
+  for (; is_at_returned(); ++returned_, returned_from_ = 0) {
     for (const SampleRange& range : returned_->second.ranges()) {
       if (range.end > returned_from_)
-        return WorkItem{returned_->first.second, {std::max(range.begin, returned_from_), range.end}};
+        return WorkItem{returned_->first.tile, {std::max(range.begin, returned_from_), range.end}};
     }
   }
-  if (cursor_.sample >= list_.spp_) return std::nullopt;
-  return WorkItem{cursor_.tile, {cursor_.sample, std::min(pass_of(cursor_.sample).end, list_.spp_)}};
+  if (cursor_.round.empty()) return std::nullopt;
+  return list_.at(cursor_);
 }
 
 void WorkList::Walk::go_to(std::uint32_t sample) {
-  if (returned_ != list_.returned_.end()) {
+  if (is_at_returned()) {
     returned_from_ = sample;
-    return;
+  } else {
+    cursor_ = list_.after(cursor_, sample);
   }
-  const SampleRange pass = pass_of(cursor_.sample);
-  cursor_.sample = sample;
-  if (sample < std::min(pass.end, list_.spp_)) return;
-  const bool last_tile = cursor_.tile + 1 == list_.tile_count_;
-  cursor_ = last_tile ? Cursor{0, pass.end} : Cursor{cursor_.tile + 1, pass.begin};
 }
 
 void WorkList::forget_unwanted(const Wanted& wanted) {
@@ -58,7 +86,7 @@ void WorkList::forget_unwanted(const Wanted& wanted) {
 
 void WorkList::clear() {
   returned_.clear();
-  cursor_ = {0, pass_of(spp_ - 1).end};
+  cursor_ = {{shape_.spp, shape_.spp}, 0, shape_.spp};
 }
 
 void WorkList::put_back(const WorkItem& item) {
@@ -67,39 +95,58 @@ void WorkList::put_back(const WorkItem& item) {
     const std::uint32_t end = std::min(pass.end, item.samples.end);
     // Samples beyond the cursor are candidates already.
     const SampleRange passed{begin, std::min(end, passed_until(item.tile, pass))};
-    if (!passed.empty()) returned_[{pass.begin, item.tile}].add(passed);
+    const SampleRange beyond{std::max(begin, shape_.spp), end};
+    for (const SampleRange& range : {passed, beyond})
+      if (!range.empty()) returned_[place_of(item.tile, range.begin)].add(range);
     begin = end;
   }
 }
 
-void WorkList::extend(std::uint32_t spp) {
-  if (spp <= spp_) return;
-  // The old spp cut the last pass short: repeat it from its first tile. Samples that are done or leased are
-  // not wanted.
-  const std::uint32_t first_short_pass = pass_of(spp_).begin;
-  if (cursor_.sample >= first_short_pass) {
-    cursor_ = {0, first_short_pass};
-    returned_.erase(returned_.lower_bound({first_short_pass, 0}), returned_.end());
+void WorkList::extend(const JobShape& shape) {
+  const JobShape before = shape_;
+  shape_ = shape;
+  // A round that has not begun can become longer. Otherwise another one follows it.
+  const bool has_begun = cursor_.tile > 0 || cursor_.sample > cursor_.round.begin;
+  if (cursor_.round.empty() || (!has_begun && cursor_.round.end == before.spp)) cursor_.round.end = shape.spp;
+  std::set<int> changed;
+  for (const auto* const targets : {&before.targets, &shape.targets})
+    for (const auto& [tile, target] : targets->all()) changed.insert(tile);
+  for (const int tile : changed) {
+    const std::uint32_t old_target = before.target(tile);
+    // The cursor comes to these now.
+    for (std::uint32_t begin = before.spp; begin < std::min(old_target, shape.spp);) {
+      const SampleRange pass = pass_of(begin);
+      const auto returned = returned_.find(place_of(tile, begin));
+      begin = pass.end;
+      if (returned == returned_.end()) continue;
+      returned->second.remove({std::max(pass.begin, before.spp), std::min(pass.end, shape.spp)});
+      if (returned->second.empty()) returned_.erase(returned);
+    }
+    if (shape.target(tile) > old_target) put_back({tile, {old_target, shape.target(tile)}});
   }
-  spp_ = spp;
 }
 
 IntervalSet WorkList::candidates(int tile) const {
+  const std::uint32_t target = shape_.target(tile);
   IntervalSet all;
-  for (std::uint32_t begin = 0; begin < spp_; begin = pass_of(begin).end) {
-    const auto returned = returned_.find({begin, tile});
+  for (std::uint32_t begin = 0; begin < target; begin = pass_of(begin).end) {
+    const auto returned = returned_.find(place_of(tile, begin));
     if (returned != returned_.end()) all.add(returned->second);
   }
-  for (std::uint32_t begin = 0; begin < spp_; begin = pass_of(begin).end) {
-    all.add({passed_until(tile, pass_of(begin)), std::min(pass_of(begin).end, spp_)});
+  for (std::uint32_t begin = 0; begin < std::min(target, shape_.spp); begin = pass_of(begin).end) {
+    const SampleRange pass = pass_of(begin);
+    all.add({passed_until(tile, pass), std::min({pass.end, target, shape_.spp})});
   }
   return all;
 }
 
 std::uint32_t WorkList::passed_until(int tile, SampleRange pass) const {
-  const SampleRange at = pass_of(cursor_.sample);
-  if (pass.begin != at.begin) return pass.begin < at.begin ? pass.end : pass.begin;
-  if (tile != cursor_.tile) return tile < cursor_.tile ? pass.end : pass.begin;
+  const SampleRange& round = cursor_.round;
+  if (pass.end <= round.begin) return pass.end;
+  if (pass.begin >= round.end) return pass.begin;
+  const std::uint32_t begin = std::max(pass.begin, round.begin), end = std::min(pass.end, round.end);
+  const Place at = place_of(cursor_.tile, cursor_.sample), asked = place_of(tile, pass.begin);
+  if (asked != at) return asked < at ? end : begin;
   return cursor_.sample;
 }
 

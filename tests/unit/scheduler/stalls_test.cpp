@@ -178,6 +178,29 @@ TEST_F(Stalls, EachDeliveryGivesTimeForTheNext) {
   EXPECT_THAT(held[0].items, ElementsAre(lease.items[3]));
 }
 
+TEST_F(Stalls, AResultThatCannotBeTakenIsNoLackOfProgress) {
+  submit("job", tiles(100, 16));
+  std::vector<LeaseDescription> held{lease_to("w")};
+  const LeaseDescription lease = held.front();
+  for (int i = 0; i < 10; ++i) {
+    keep_reporting("w", held, seconds(90));
+    handle(DeferResult{{"w"}, lease.id});
+    handle(DeferResult{{"other"}, lease.id});
+  }
+  ASSERT_THAT(held, ElementsAre(lease));
+  EXPECT_THAT(deliver("w", lease).verdicts, testing::Each(Verdict::kAccepted));
+}
+
+TEST_F(Stalls, OnlyTheHolderOfALeaseHasResultsOfIt) {
+  submit("job", tiles(100, 16));
+  const LeaseDescription of_other = lease_to("other");
+  std::vector<LeaseDescription> held{lease_to("w")};
+  keep_reporting("w", held, seconds(90));
+  handle(DeferResult{{"w"}, of_other.id});
+  keep_reporting("w", held, seconds(10));
+  EXPECT_THAT(held, IsEmpty());
+}
+
 TEST_F(Stalls, AGapBetweenLeasesIsNobodysFault) {
   submit("job", tiles(2, 1));
   const LeaseDescription lease = lease_to("w");

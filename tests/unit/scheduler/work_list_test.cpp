@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <random>
+#include <utility>
 #include <vector>
 
 namespace tessera::scheduler {
@@ -12,10 +13,16 @@ namespace {
 
 using core::SampleRange;
 
+JobShape shape_of(int tiles, std::uint32_t spp, int images = 1) {
+  return {tiles * core::kTilePx, core::kTilePx, spp, images};
+}
+
 // A list in which everything is wanted except what was taken and not put back.
 class Farm {
  public:
-  Farm(int tiles, std::uint32_t spp) : work_(tiles, spp), taken_(static_cast<std::size_t>(tiles)) {}
+  Farm(int tiles, std::uint32_t spp) : Farm(shape_of(tiles, spp)) {}
+  explicit Farm(const JobShape& shape)
+      : shape_(shape), work_(shape), taken_(static_cast<std::size_t>(shape.grid().tile_count())) {}
 
   std::optional<WorkItem> next() const { return WorkList::Walk(work_).next(wanted()); }
   WorkItem take(std::uint32_t count) {
@@ -31,7 +38,10 @@ class Farm {
     taken_of(item).remove(item.samples);
     work_.put_back(item);
   }
-  void extend(std::uint32_t spp) { work_.extend(spp); }
+  void extend(std::uint32_t spp, const std::vector<TileTarget>& tiles = {}) {
+    shape_.raise(spp, tiles);
+    work_.extend(shape_);
+  }
   std::vector<WorkItem> drain() {
     std::vector<WorkItem> order;
     while (const auto piece = next()) order.push_back(take(*piece));
@@ -48,6 +58,7 @@ class Farm {
     };
   }
 
+  JobShape shape_;
   WorkList work_;
   std::vector<IntervalSet> taken_;
 };
@@ -118,18 +129,61 @@ TEST(WorkList, IsLeftAsItIsByWhoWalksThroughIt) {
   EXPECT_EQ(farm.next(), first);
 }
 
+TEST(WorkList, GoesThroughAllPassesOfAnImageBeforeTheNext) {
+  Farm farm(shape_of(2, 2, 2));
+  EXPECT_EQ(farm.drain(), (std::vector<WorkItem>{{0, {0, 1}},
+                                                 {1, {0, 1}},
+                                                 {0, {1, 2}},
+                                                 {1, {1, 2}},
+                                                 {2, {0, 1}},
+                                                 {3, {0, 1}},
+                                                 {2, {1, 2}},
+                                                 {3, {1, 2}}}));
+}
+
+TEST(WorkList, OffersWhatCameBackAtItsPlaceAmongTheImages) {
+  Farm farm(shape_of(1, 2, 3));
+  for (int i = 0; i < 4; ++i) farm.take(1);  // the cursor is at the last image
+  farm.put_back({1, {0, 1}});
+  farm.put_back({0, {1, 2}});
+  EXPECT_EQ(farm.drain(), (std::vector<WorkItem>{{0, {1, 2}}, {1, {0, 1}}, {2, {0, 1}}, {2, {1, 2}}}));
+}
+
+TEST(WorkList, OffersTheSamplesOfAnExtensionAfterThoseOfAllImages) {
+  Farm farm(shape_of(1, 1, 2));
+  farm.take(1);
+  farm.extend(2);
+  farm.extend(3);
+  EXPECT_EQ(farm.drain(),
+            (std::vector<WorkItem>{{1, {0, 1}}, {0, {1, 2}}, {0, {2, 3}}, {1, {1, 2}}, {1, {2, 3}}}));
+}
+
+TEST(WorkList, GivesATileAsManySamplesAsItsTarget) {
+  JobShape shape = shape_of(3, 2);
+  shape.targets = TileTargets({{0, 1}, {2, 4}});
+  Farm farm(shape);
+  EXPECT_EQ(farm.drain(), (std::vector<WorkItem>{
+                              {0, {0, 1}}, {1, {0, 1}}, {2, {0, 1}}, {1, {1, 2}}, {2, {1, 2}}, {2, {2, 4}}}));
+  farm.extend(0, {{1, 3}});
+  EXPECT_EQ(farm.drain(), (std::vector<WorkItem>{{1, {2, 3}}}));
+  farm.extend(4);
+  EXPECT_EQ(farm.drain(), (std::vector<WorkItem>{{0, {1, 2}}, {0, {2, 4}}, {1, {3, 4}}}));
+}
+
 // The model: a bitmap of the free samples for each tile.
 class Bitmap {
  public:
-  Bitmap(int tiles, std::uint32_t spp)
-      : free_(static_cast<std::size_t>(tiles), std::vector<bool>(spp, true)) {}
+  explicit Bitmap(const JobShape& shape) : free_(static_cast<std::size_t>(shape.grid().tile_count())) {
+    extend(shape);
+  }
 
   void set(const WorkItem& item, bool free) {
     auto& tile = free_[static_cast<std::size_t>(item.tile)];
     std::fill(tile.begin() + item.samples.begin, tile.begin() + item.samples.end, free);
   }
-  void extend(std::uint32_t spp) {
-    for (auto& tile : free_) tile.resize(spp, true);
+  void extend(const JobShape& shape) {
+    for (int tile = 0; tile < shape.grid().tile_count(); ++tile)
+      free_[static_cast<std::size_t>(tile)].resize(shape.target(tile), true);
   }
   IntervalSet free_of(const WorkItem& item) const {
     IntervalSet set;
@@ -150,14 +204,29 @@ class Bitmap {
   std::vector<std::vector<bool>> free_;
 };
 
+std::uint32_t below(std::uint32_t end, std::mt19937& rng) {
+  return static_cast<std::uint32_t>(rng() % end);
+}
+
+JobShape any_shape(std::mt19937& rng) {
+  const int images = 1 + static_cast<int>(below(3, rng)), tiles = 1 + static_cast<int>(below(3, rng));
+  JobShape shape = shape_of(tiles, 1 + below(40, rng), images);
+  TileTargets::ByTile targets;
+  for (std::uint32_t i = below(3, rng); i > 0; --i)
+    targets[static_cast<int>(below(static_cast<std::uint32_t>(tiles * images), rng))] = 1 + below(60, rng);
+  shape.targets = TileTargets(std::move(targets));
+  return shape;
+}
+
 // Randomly takes, puts back, takes elsewhere and extends. Exactly the samples that are free in the model must
 // be offered in the end.
 void walk(std::uint32_t seed) {
   std::mt19937 rng(seed);
-  const int tile_count = 1 + static_cast<int>(rng() % 5);
-  std::uint32_t spp = 1 + rng() % 40;
-  WorkList work(tile_count, spp);
-  Bitmap model(tile_count, spp);
+  JobShape shape = any_shape(rng);
+  const int tile_count = shape.grid().tile_count();
+  const auto any_tile = [&] { return static_cast<int>(below(static_cast<std::uint32_t>(tile_count), rng)); };
+  WorkList work(shape);
+  Bitmap model(shape);
   std::vector<WorkItem> out;
   const auto wanted = [&](const WorkItem& item) { return model.free_of(item); };
   for (int step = 0; step < 150; ++step) {
@@ -189,20 +258,22 @@ void walk(std::uint32_t seed) {
         break;
       }
       case 4: {  // a result for samples that were not leased
-        const auto begin = static_cast<std::uint32_t>(rng() % spp);
-        const auto end = begin + static_cast<std::uint32_t>(rng() % (spp - begin + 1));
-        model.set({static_cast<int>(rng() % static_cast<unsigned>(tile_count)), {begin, end}}, false);
+        const int tile = any_tile();
+        const std::uint32_t target = shape.target(tile);
+        const auto begin = static_cast<std::uint32_t>(rng() % target);
+        const auto end = begin + static_cast<std::uint32_t>(rng() % (target - begin + 1));
+        model.set({tile, {begin, end}}, false);
         break;
       }
       case 5:
         if (rng() % 8 != 0) break;
-        spp += rng() % 20;
-        work.extend(spp);
-        model.extend(spp);
+        shape.raise(below(2, rng) == 0 ? 0 : shape.spp + below(20, rng), {{any_tile(), 1 + below(80, rng)}});
+        work.extend(shape);
+        model.extend(shape);
         break;
     }
     for (int tile = 0; tile < tile_count; ++tile) {
-      IntervalSet unreachable = model.free_of({tile, {0, spp}});
+      IntervalSet unreachable = model.free_of({tile, {0, shape.target(tile)}});
       unreachable.remove(work.candidates(tile));
       ASSERT_TRUE(unreachable.empty()) << "seed " << seed << " step " << step << " tile " << tile;
     }
