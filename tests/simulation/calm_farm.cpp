@@ -17,7 +17,7 @@ using namespace scheduler;
 namespace {
 
 // No job of this shape is done before the end, however fast the machines are.
-constexpr JobShape kShape{320, 256, 3000};
+const JobShape kShape{320, 256, 3000};
 constexpr double kSeconds = 240;
 // Jobs of equal priority get at least this part of an equal share. Samples that machines hold at the end do
 // not count yet: up to three leases each, possibly all of one job.

@@ -29,6 +29,7 @@ void Coordinator::checkpoint(std::uint64_t run) {
   if (!up() || run != run_) return;
   Checkpoint checkpoint;
   for (const Disk::StoredJob& job : disk_.jobs()) {
+    if (released_.contains(job.id)) continue;
     checkpoint.rows.emplace_back(job.id, row_of(job.id));
     const ModelFilm& film = films_.at(job.id);
     for (int tile = 0; tile < film.tile_count(); ++tile) {

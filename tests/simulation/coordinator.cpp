@@ -15,11 +15,6 @@ namespace {
 constexpr double kParkSeconds = 3.0;
 constexpr double kLookSeconds = 0.5;
 
-bool is_stored_as(const JobRow& row, const JobView& job) {
-  return row.state == job.state && row.shape == job.shape && row.priority == job.priority &&
-         row.max_workers == job.max_workers;
-}
-
 }  // namespace
 
 bool is_liar(const WorkerId& worker) {
@@ -55,7 +50,8 @@ void Coordinator::start() {
   scheduler_ = std::make_unique<Scheduler>(options);
   latest_ = {};
   referee_.restarted(run_);
-  for (const Disk::StoredJob& job : disk_.jobs()) restore(job);
+  for (const Disk::StoredJob& job : disk_.jobs())
+    if (!released_.contains(job.id)) restore(job);
   checkpoint(run_);
   look_around(run_);
 }
@@ -64,11 +60,14 @@ void Coordinator::restore(const Disk::StoredJob& job) {
   films_[job.id] = job.film;
   // Tiles are written before the row that has their number of samples.
   JobShape shape = job.row.shape;
+  std::uint32_t most = 0;
   for (int tile = 0; tile < job.film.tile_count(); ++tile) {
     const IntervalSet done = job.film.done(tile);
-    if (!done.empty()) shape.spp = std::max(shape.spp, done.ranges().back().end);
+    if (!done.empty() && done.ranges().back().end > shape.target(tile))
+      most = std::max(most, done.ranges().back().end);
   }
-  films_[job.id].extend(shape.spp);
+  if (most > 0) shape.raise(std::max(most, shape.spp));
+  films_[job.id].set_targets(shape);
   RestoreJob event{job.id,          shape, job.row.priority,    job.row.state,
                    job.row.failure, {},    job.row.max_workers, {}};
   for (const auto& [tile, provenance] : job.provenance)
@@ -97,7 +96,7 @@ void Coordinator::crash() {
 void Coordinator::stall(Duration duration) {
   world_.note(
       fmt::format("coordinator stalls for {:.1f} s", std::chrono::duration<double>(duration).count()));
-  stalled_until_ = world_.now() + duration;
+  stalled_until_ = std::max(stalled_until_, world_.now() + duration);
 }
 
 void Coordinator::clock_jumps(Duration by) {
@@ -121,8 +120,12 @@ void Coordinator::synchronize(const Synchronize& request, const Answer& answer) 
   const WorkerId id = request.worker.id;
   parked_.erase(id);  // answered already; its worker does not wait any more
   referee_.answered(id);
-  const Actions actions = handle(request);
+  Synchronize call = request;
+  const bool drains_anew = must_drain_anew(id);
+  call.draining |= drains_anew;
+  const Actions actions = handle(call);
   if (!actions.reply) return world_.fail("Synchronize was not answered");
+  if (drains_anew) handle(Drain{id});
   if (actions.reply->changed) return answer(*actions.reply);
   park(id, *actions.reply, answer);
 }
@@ -165,6 +168,10 @@ void Coordinator::submit_result(const SubmitResult& result, const ResultAnswer& 
   if (workers_aside_.contains(result.worker)) return answer({});
   const bool forged = result.token != options_.sign(result.lease, result.worker, result.job);
   const bool lies = is_liar(result.worker) || forged;
+  if (!lies && !result.items.empty() && world_.now() < lacks_film_memory_until_) {
+    handle(DeferResult{result.worker, result.lease});  // it is sent again
+    return;
+  }
   if (lies) catch_up();
   const std::string before = lies ? fingerprint(*scheduler_, clock()) : "";
   const Actions actions = handle(result);
@@ -221,6 +228,8 @@ bool Coordinator::remove(const DeleteJob& event) {
 }
 
 bool Coordinator::command(const Event& event) {
+  if (const auto* extend = std::get_if<ExtendJob>(&event)) bring_back(extend->id);
+  if (const auto* gone = std::get_if<DeleteJob>(&event)) bring_back(gone->id);
   if (const auto* submitted = std::get_if<SubmitJob>(&event)) return submit(*submitted);
   if (const auto* gone = std::get_if<DeleteJob>(&event)) return remove(*gone);
   catch_up();
@@ -230,7 +239,7 @@ bool Coordinator::command(const Event& event) {
   if (!taken && fingerprint(*scheduler_, clock()) != before)
     world_.fail("a refused command has changed something");
   if (const auto* extend = std::get_if<ExtendJob>(&event); extend != nullptr && taken)
-    films_.at(extend->id).extend(extend->spp);
+    films_.at(extend->id).extend(extend->spp, extend->tiles);
   referee_.settled(actions, *scheduler_, clock());
   bool stored = taken;
   for (const JobView& job : jobs()) {
@@ -257,12 +266,15 @@ void Coordinator::check_holders(const Event& event, const Actions& actions) {
   if (const auto* call = std::get_if<Synchronize>(&event)) worker = call->worker.id;
   if (const auto* call = std::get_if<TopUp>(&event)) worker = call->worker;
   if (const auto* call = std::get_if<SubmitResult>(&event)) worker = call->worker;
+  bool has_new = false;
   for (const LeaseDescription& lease : actions.reply->leases) {
     const auto [holder, is_new] = holders_.try_emplace(lease.id, worker);
+    has_new |= is_new;
     if (holder->second != worker)
       world_.fail(fmt::format("lease {} of worker {} is given to worker {}", lease.id.value,
                               holder->second.value, worker.value));
   }
+  check_drained(worker, has_new);
 }
 
 void Coordinator::catch_up() {
@@ -272,10 +284,13 @@ void Coordinator::catch_up() {
 }
 
 Actions Coordinator::handle(const Event& event) {
-  const std::vector<JobView> jobs_before = jobs();
+  std::vector<JobView> jobs_before = jobs();
   const std::vector<WorkerView> workers_before = workers();
   latest_ = std::max(latest_, clock());
   const Actions actions = scheduler_->handle(event, clock());
+  // To leave the scheduler is no change of a job.
+  if (const auto* left = std::get_if<ReleaseJob>(&event); left != nullptr && actions.status)
+    std::erase_if(jobs_before, [&](const JobView& job) { return job.id == left->id; });
   digest_.add(event, clock(), actions);
   check_holders(event, actions);
   referee_.counted(jobs_before, jobs());

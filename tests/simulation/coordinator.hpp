@@ -53,6 +53,17 @@ class Coordinator {
   // Dismisses a random worker that is registered.
   void dismiss_any();
 
+  // ---- What happens besides scheduling (coordinator_surroundings.cpp). It must be up, but for the memory
+  // ---- Drains a registered worker, also after restarts.
+  void drain_any(Random& random);
+  void undo_drains();
+  // Takes no samples during this time: workers must deliver them again.
+  void films_lack_memory(Duration duration);
+  // The store has lost a tile of a job.
+  void lose_a_tile(Random& random);
+  // A job leaves the scheduler if it is finished and stored, until a user changes it.
+  void release_any(Random& random);
+
   std::vector<scheduler::JobView> jobs() const { return scheduler_->jobs(clock()); }
   std::vector<scheduler::WorkerView> workers() const { return scheduler_->workers(clock()); }
   // The size of a tile of any job that was ever submitted: every worker knows the image's size.
@@ -96,6 +107,10 @@ class Coordinator {
   void check_bits();
   static bool counts(const scheduler::Actions& actions);
   void check_holders(const scheduler::Event& event, const scheduler::Actions& actions);
+  bool must_drain_anew(const scheduler::WorkerId& worker) const;
+  void check_drained(const scheduler::WorkerId& worker, bool has_new);
+  bool is_whole_on_disk(const scheduler::JobView& job) const;
+  void bring_back(const scheduler::JobId& job);
   void park(const scheduler::WorkerId& worker, const scheduler::Reply& reply, const Answer& answer);
   void wake(const scheduler::WorkerId& worker);
   void answer_parked(const scheduler::WorkerId& worker, std::uint64_t call);
@@ -134,6 +149,11 @@ class Coordinator {
   std::set<scheduler::JobId> to_reopen_;
   // Jobs of which ranges were not audited because the clock had jumped; survives restarts.
   std::set<scheduler::JobId> unaudited_;
+  // Drained workers, with the number of replies since; survives restarts.
+  std::map<scheduler::WorkerId, int> drains_;
+  Time lacks_film_memory_until_{};
+  // Finished jobs that are on disk alone; survives restarts.
+  std::set<scheduler::JobId> released_;
   std::map<scheduler::JobId, scheduler::JobShape> shapes_;
   Films films_;
   Referee referee_;

@@ -30,7 +30,7 @@ bool Disk::update(const JobId& id, const JobRow& row) {
   if (job == nullptr || !written()) return false;
   if (row.revision < job->row.revision) return true;
   job->row = row;
-  job->film.extend(row.shape.spp);
+  job->film.extend(row.shape);
   return true;
 }
 

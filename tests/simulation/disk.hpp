@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "server/scheduler/events.hpp"
+#include "server/scheduler/views.hpp"
 #include "tests/simulation/model_film.hpp"
 #include "tests/simulation/world.hpp"
 
@@ -27,6 +28,11 @@ struct JobRow {
   // Of two copies, the later one has the higher number.
   std::uint64_t revision = 0;
 };
+
+inline bool is_stored_as(const JobRow& row, const scheduler::JobView& job) {
+  return row.state == job.state && row.shape == job.shape && row.priority == job.priority &&
+         row.max_workers == job.max_workers;
+}
 
 class Disk {
  public:

@@ -4,15 +4,44 @@
 #include <algorithm>
 
 namespace tessera::simulation {
+namespace {
 
-ModelFilm::ModelFilm(const scheduler::JobShape& shape)
-    : tiles_(static_cast<std::size_t>(shape.grid().tile_count()), std::vector<bool>(shape.spp)) {
-  for (int tile = 0; tile < tile_count(); ++tile)
-    tile_pixels_.push_back(shape.grid().rect(tile).pixel_count());
+std::size_t target_of(const scheduler::JobShape& shape, int tile) {
+  const auto& exceptions = shape.targets.all();
+  const auto found = exceptions.find(tile);
+  return found == exceptions.end() ? shape.spp : found->second;
 }
 
-void ModelFilm::extend(std::uint32_t spp) {
+}  // namespace
+
+ModelFilm::ModelFilm(const scheduler::JobShape& shape) {
+  const core::TileGrid grid(shape.window, core::kTilePx);
+  for (int image = 0; image < shape.images; ++image) {
+    for (int tile = 0; tile < grid.tile_count(); ++tile)
+      tile_pixels_.push_back(static_cast<double>(grid.rect(tile).pixel_count()));
+  }
+  tiles_.resize(tile_pixels_.size());
+  set_targets(shape);
+}
+
+void ModelFilm::extend(std::uint32_t spp, const std::vector<scheduler::TileTarget>& tiles) {
   for (std::vector<bool>& tile : tiles_) tile.resize(std::max<std::size_t>(spp, tile.size()));
+  for (const scheduler::TileTarget& each : tiles) {
+    std::vector<bool>& tile = tiles_.at(static_cast<std::size_t>(each.tile));
+    tile.resize(std::max<std::size_t>(each.spp, tile.size()));
+  }
+}
+
+void ModelFilm::extend(const scheduler::JobShape& shape) {
+  for (int tile = 0; tile < tile_count(); ++tile) {
+    std::vector<bool>& samples = tiles_[static_cast<std::size_t>(tile)];
+    samples.resize(std::max<std::size_t>(target_of(shape, tile), samples.size()));
+  }
+}
+
+void ModelFilm::set_targets(const scheduler::JobShape& shape) {
+  for (int tile = 0; tile < tile_count(); ++tile)
+    tiles_[static_cast<std::size_t>(tile)].resize(target_of(shape, tile));
 }
 
 bool ModelFilm::fits(const scheduler::WorkItem& item) const {

@@ -18,8 +18,12 @@ class ModelFilm {
   ModelFilm() = default;
   explicit ModelFilm(const scheduler::JobShape& shape);
 
-  // Never removes samples.
-  void extend(std::uint32_t spp);
+  // Never removes samples. Afterwards all tiles are to get at least so many, and these at least theirs.
+  void extend(std::uint32_t spp, const std::vector<scheduler::TileTarget>& tiles = {});
+  // Likewise, to the targets of a shape.
+  void extend(const scheduler::JobShape& shape);
+  // Each tile is to get as many samples as the shape says. The film has no others.
+  void set_targets(const scheduler::JobShape& shape);
   // False if some of the samples were added before, or are outside the film.
   bool add(const scheduler::WorkItem& item, bool wrong_bits = false);
   void clear(int tile);

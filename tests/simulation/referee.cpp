@@ -72,6 +72,7 @@ void Referee::handled(const Event& event, const Actions& actions, Time clock) {
     std::erase_if(held_without_progress_, [&](const auto& held) { return held.first.first == worker; });
   };
   if (const auto* dismissed = std::get_if<Dismiss>(&event)) begins_anew(dismissed->worker);
+  if (const auto* deferred = std::get_if<DeferResult>(&event)) begins_anew(deferred->worker);
   if (const auto* call = std::get_if<Synchronize>(&event)) {
     if (clock_ - last_heard_[call->worker.id] >= options_.lease_duration) begins_anew(call->worker.id);
     last_call_[call->worker.id] = *call;
@@ -340,9 +341,9 @@ void Referee::look_around(const Scheduler& scheduler, Time clock) {
 std::string fingerprint(const Scheduler& scheduler, Time clock) {
   std::string text;
   for (const JobView& job : scheduler.jobs(clock)) {
-    text += fmt::format("job {} {}x{} {} spp, priority {}, {}: {}; {} of {}, {} workers of {}\n",
-                        job.id.value, job.shape.window.width(), job.shape.window.height(), job.shape.spp,
-                        job.priority, job_state_name(job.state), job.failure, job.samples_done,
+    text += fmt::format("job {} {} of {}x{} {} spp, priority {}, {}: {}; {} of {}, {} workers of {}\n",
+                        job.id.value, job.shape.images, job.shape.window.width(), job.shape.window.height(),
+                        job.shape.spp, job.priority, job_state_name(job.state), job.failure, job.samples_done,
                         job.samples_total, job.active_workers, job.max_workers);
   }
   for (const WorkerView& worker : scheduler.workers(clock)) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Whether every event names the jobs and workers that it has changed.
+#include <algorithm>
 #include <map>
 #include <set>
 #include <string>
@@ -15,9 +16,9 @@ using namespace scheduler;
 namespace {
 
 std::string text_of(const JobView& job) {
-  return fmt::format("{}x{} {} spp, priority {}, {}: {}; at most {}", job.shape.window.width(),
-                     job.shape.window.height(), job.shape.spp, job.priority, job_state_name(job.state),
-                     job.failure, job.max_workers);
+  return fmt::format("{} of {}x{} {} spp, {} in all, priority {}, {}: {}; at most {}", job.shape.images,
+                     job.shape.window.width(), job.shape.window.height(), job.shape.spp, job.samples_total,
+                     job.priority, job_state_name(job.state), job.failure, job.max_workers);
 }
 
 // The end of a cooldown is a matter of time.
@@ -66,17 +67,19 @@ std::string wrongly_named(const std::map<Id, std::string>& before, const std::ma
 namespace {
 
 // The first of `before` and `after` whose change was not named; empty if there is none. Those that come or go
-// are changed, and may have progressed.
+// are changed, and may have progressed; `gone`: those that went, and may have come again.
 template <typename View, typename IdOf, typename Id>
 std::string not_named(const std::vector<View>& before, const std::vector<View>& after, const IdOf& id_of,
-                      const std::vector<Id>& changed, const std::vector<Id>& progressed) {
+                      const std::vector<Id>& changed, const std::vector<Id>& progressed,
+                      const std::set<Id>& gone = {}) {
   const auto text = [](const View& view) { return text_of(view); };
   const auto progress = [](const View& view) { return progress_of(view); };
   const std::string wrong =
       wrongly_named(texts_of(before, id_of, text), texts_of(after, id_of, text), changed);
   if (!wrong.empty()) return wrong + " has changed";
   auto was = texts_of(before, id_of, progress), is = texts_of(after, id_of, progress);
-  std::erase_if(was, [&](const auto& entry) { return !is.contains(entry.first); });
+  std::erase_if(was,
+                [&](const auto& entry) { return !is.contains(entry.first) || gone.contains(entry.first); });
   std::erase_if(is, [&](const auto& entry) { return !was.contains(entry.first); });
   const std::string late = wrongly_named(was, is, progressed);
   return late.empty() ? "" : late + " has progressed";
@@ -94,9 +97,17 @@ void Referee::changed(const std::vector<JobView>& before, const std::vector<JobV
 
 void Referee::changed(const std::vector<WorkerView>& before, const std::vector<WorkerView>& after,
                       const Actions& actions) {
+  const std::set<WorkerId> named(actions.changed_workers.begin(), actions.changed_workers.end());
+  std::set<WorkerId> gone;  // forgotten, and registered again by the same event
+  for (const WorkerView& now : after) {
+    const auto was = std::find_if(before.begin(), before.end(),
+                                  [&](const WorkerView& worker) { return worker.info.id == now.info.id; });
+    if (was != before.end() && now.samples_accepted < was->samples_accepted && named.contains(now.info.id))
+      gone.insert(now.info.id);
+  }
   const std::string wrong = not_named(
       before, after, [](const WorkerView& worker) { return worker.info.id; }, actions.changed_workers,
-      actions.progressed_workers);
+      actions.progressed_workers, gone);
   if (!wrong.empty()) world_.fail(fmt::format("worker {}, and was not named once", wrong));
 }
 

@@ -38,6 +38,7 @@ void RoughFarm::set_up() {
     world_.after(seconds(random.real(0, kUnrestSeconds)), [this] { fault(); });
   for (int u = random.integer(0, 8); u > 0; --u)
     world_.after(seconds(random.real(1, kUnrestSeconds)), [this] { user(); });
+  administrator_.begin(kUnrestSeconds, audited_.any());
   world_.after(seconds(kUnrestSeconds), [this] { calm_down(); });
 }
 
@@ -100,6 +101,7 @@ void RoughFarm::calm_down() {
     if (job.state == JobState::kPaused) coordinator_.command(ResumeJob{job.id});
     if (job.max_workers > 0) coordinator_.command(UpdateJob{job.id, {}, 0});
   }
+  administrator_.calm_down();
   for (const auto& machine : machines_) machine->start();
   if (absences_ > 0) leave_for_a_while(*machines_[1], absences_);
 }
@@ -124,6 +126,7 @@ bool RoughFarm::is_late() const {
                  40'000 * static_cast<double>(endless_jobs_.size()) + 1.5 * pixel_samples_ / kFirstSpeed;
   // Everything is rendered twice, and wrong tiles once more; or there is no auditor.
   if (audited_.any()) bound += kAuditPatienceSeconds + 6 * pixel_samples_ / kFirstSpeed;
+  bound += administrator_.delay_seconds();
   bound += absences_ * (kLongestAbsenceSeconds + kLongestVisitSeconds);
   return elapsed() > bound;
 }

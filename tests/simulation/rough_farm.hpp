@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/simulation/administrator.hpp"
 #include "tests/simulation/coordinator.hpp"
 #include "tests/simulation/farm.hpp"
 #include "tests/simulation/liar.hpp"
@@ -47,9 +48,11 @@ class RoughFarm {
   RoughFarm(std::uint64_t seed, bool verbose)
       : world_(seed, verbose),
         slow_(seed ^ 0x510),
+        images_(seed ^ 0x1a6e5),
         audited_(seed),
         coordinator_(world_, with_little_work_per_event(seed, audited_.options)),
-        liar_(world_, coordinator_) {}
+        liar_(world_, coordinator_),
+        administrator_(world_, coordinator_, seed) {}
 
   FarmReport run();
 
@@ -66,6 +69,8 @@ class RoughFarm {
 
   // ---- Jobs ----
   void submit();
+  // Several images, and targets of single tiles, in some jobs.
+  void vary(scheduler::JobShape& shape);
   void make_deadly(const scheduler::JobId& id, const scheduler::JobShape& shape);
   void make_endless(const scheduler::JobId& id, const scheduler::JobShape& shape);
   void restart_hung_workers();
@@ -83,6 +88,7 @@ class RoughFarm {
   bool command(const char* what, const scheduler::Event& event);
   void resume_later(const scheduler::JobId& id);
   void odd_command(const scheduler::JobId& id);
+  void extend(const scheduler::JobId& id);
 
   scheduler::JobId any_job() { return {std::to_string(world_.random.integer(1, jobs_submitted_ + 1))}; }
   // A limit on workers; usually none.
@@ -96,11 +102,12 @@ class RoughFarm {
   double elapsed() const { return std::chrono::duration<double>(world_.now().time_since_epoch()).count(); }
 
   World world_;
-  // Fetching and endless samples use a random generator of their own as well.
-  Random slow_;
+  // Fetching and endless samples use a random generator of their own as well; and images and targets.
+  Random slow_, images_;
   AuditedFarm audited_;
   Coordinator coordinator_;
   Liar liar_;
+  Administrator administrator_;
   std::vector<std::unique_ptr<WorkerMachine>> machines_;
   // The names of machines that render.
   std::set<std::string> names_;

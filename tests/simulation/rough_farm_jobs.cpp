@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Jobs of a rough farm, and the faults of some of them.
 #include <algorithm>
+#include <utility>
 
 #include "tests/simulation/rough_farm.hpp"
 
@@ -12,8 +13,9 @@ void RoughFarm::submit() {
   if (!coordinator_.up()) return world_.after(seconds(1), [this] { submit(); });
   Random& random = world_.random;
   const int x = random.integer(0, 100), y = random.integer(0, 100);
-  const JobShape shape{{x, y, x + random.integer(1, 300), y + random.integer(1, 200)},
-                       static_cast<std::uint32_t>(random.integer(1, 40))};
+  JobShape shape{{x, y, x + random.integer(1, 300), y + random.integer(1, 200)},
+                 static_cast<std::uint32_t>(random.integer(1, 40))};
+  vary(shape);
   const JobId id{std::to_string(jobs_submitted_ + 1)};
   if (coordinator_.disk().refuses()) {
     if (coordinator_.command(SubmitJob{id, shape, 0}))
@@ -21,9 +23,11 @@ void RoughFarm::submit() {
     return world_.after(seconds(1), [this] { submit(); });
   }
   ++jobs_submitted_;
-  world_.note(
-      fmt::format("job {}: {}x{}, {} spp", id.value, shape.window.width(), shape.window.height(), shape.spp));
-  pixel_samples_ += shape.grid().tile_count() * 4096.0 * shape.spp;
+  world_.note(fmt::format("job {}: {} of {}x{}, {} spp but for {} tiles", id.value, shape.images,
+                          shape.window.width(), shape.window.height(), shape.spp,
+                          shape.targets.all().size()));
+  for (int tile = 0; tile < shape.grid().tile_count(); ++tile)
+    pixel_samples_ += 4096.0 * std::max(shape.spp, shape.target(tile));
   // With audits, machines that are quarantined or cannot build a scene do not count.
   const bool enough_can_die = names_.size() >= kLossesUntilFailure && !stuck_for_good_;
   if (enough_can_die && random.chance(0.05) && !audited_.any()) {
@@ -37,23 +41,34 @@ void RoughFarm::submit() {
     world_.fail("a job was refused");
 }
 
+void RoughFarm::vary(JobShape& shape) {
+  if (images_.chance(0.4)) shape.images = images_.integer(2, 3);
+  if (!images_.chance(0.4)) return;
+  TileTargets::ByTile targets;
+  for (int i = images_.integer(1, 4); i > 0; --i)
+    targets[images_.integer(0, shape.grid().tile_count() - 1)] =
+        static_cast<std::uint32_t>(images_.integer(1, 60));
+  shape.targets = TileTargets(std::move(targets));
+}
+
 void RoughFarm::make_deadly(const JobId& id, const JobShape& shape) {
   const int tile = world_.random.integer(0, shape.grid().tile_count() - 1);
-  const auto first = static_cast<std::uint32_t>(world_.random.integer(0, static_cast<int>(shape.spp) - 1));
+  const std::uint32_t target = shape.target(tile);
+  const auto first = static_cast<std::uint32_t>(world_.random.integer(0, static_cast<int>(target) - 1));
   const auto count = static_cast<std::uint32_t>(world_.random.integer(1, 8));
   world_.note(fmt::format("job {} is deadly from sample {} of tile {} on", id.value, first, tile));
-  for (const auto& machine : machines_)
-    machine->die_of(id, {tile, {first, std::min(first + count, shape.spp)}});
+  for (const auto& machine : machines_) machine->die_of(id, {tile, {first, std::min(first + count, target)}});
   deadly_jobs_.insert(id);
 }
 
 void RoughFarm::make_endless(const JobId& id, const JobShape& shape) {
   const int tile = slow_.integer(0, shape.grid().tile_count() - 1);
-  const auto first = static_cast<std::uint32_t>(slow_.integer(0, static_cast<int>(shape.spp) - 1));
+  const std::uint32_t target = shape.target(tile);
+  const auto first = static_cast<std::uint32_t>(slow_.integer(0, static_cast<int>(target) - 1));
   const auto count = static_cast<std::uint32_t>(slow_.integer(1, 8));
   world_.note(fmt::format("job {} never ends from sample {} of tile {} on", id.value, first, tile));
   for (const auto& machine : machines_)
-    machine->never_ends(id, {tile, {first, std::min(first + count, shape.spp)}});
+    machine->never_ends(id, {tile, {first, std::min(first + count, target)}});
   if (endless_jobs_.empty()) restart_hung_workers();
   endless_jobs_.insert(id);
 }

@@ -132,9 +132,21 @@ void RoughFarm::user() {
       command("limit", UpdateJob{id, {}, any_limit()});
       return;
     default:
-      pixel_samples_ += 15 * 4096.0 * 60;
-      command("extend", ExtendJob{id, static_cast<std::uint32_t>(random.integer(1, 60))});
+      extend(id);
   }
+}
+
+// As a whole, some tiles of it, or both. The job may not have them.
+void RoughFarm::extend(const JobId& id) {
+  constexpr int kMostTiles = 3 * 5 * 4;
+  pixel_samples_ += kMostTiles * 4096.0 * 60;
+  ExtendJob event{id, static_cast<std::uint32_t>(world_.random.integer(1, 60))};
+  if (images_.chance(0.3)) {
+    for (int i = images_.integer(1, 3); i > 0; --i)
+      event.tiles.push_back({images_.integer(-1, 9), static_cast<std::uint32_t>(images_.integer(0, 60))});
+    if (images_.chance(0.7)) event.spp = 0;
+  }
+  command("extend", event);
 }
 
 // Values that no image has, or that it has already.
