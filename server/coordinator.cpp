@@ -38,7 +38,7 @@ Coordinator::Coordinator(const CoordinatorOptions& options, store::StateDirector
       dispatcher_(farm_, film_memory_, fingerprinter_, signer_),
       fleet_(farm_, state_.jobs),
       farm_feed_(farm_.events(), jobs_, dispatcher_),
-      tile_feed_(farm_, jobs_, films_, state_.jobs) {}
+      tile_feed_(farm_, films_, state_.jobs) {}
 
 Coordinator::~Coordinator() {
   close();

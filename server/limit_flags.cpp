@@ -15,6 +15,7 @@ namespace tessera::server {
 namespace {
 
 constexpr std::uint64_t kMany = 1'000'000'000;
+constexpr std::uint32_t kMaxImages = 1'000'000;
 constexpr std::uint64_t kMaxMib = std::uint64_t{1} << 30;  // a pebibyte
 // A validator maps more than this before it reads anything, and results of workers need more.
 constexpr std::uint64_t kMinValidatorMib = 128;
@@ -61,6 +62,7 @@ void add_job_flags(CLI::App& app, Limits& limits) {
   add<std::uint64_t>(app, "--max-picture-pixels", limits.picture_pixels, 1, most_pixels,
                      "Most pixels of an image");
   add<std::uint32_t>(app, "--max-spp", limits.spp, 1, core::kMaxSpp, "Most samples per pixel of a job");
+  add<std::uint32_t>(app, "--max-images", limits.images, 1, kMaxImages, "Most images (frames) of a job");
   add<std::uint64_t>(app, "--max-open-jobs", limits.open_jobs, 1, kMany,
                      "Most unfinished jobs of one owner; without --tokens, of all together");
 }

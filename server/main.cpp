@@ -22,9 +22,11 @@
 #include "core/common/secret_file.hpp"
 #include "core/sandbox/check.hpp"
 #include "server/admin/maintenance.hpp"
+#include "server/http/api.hpp"
 #include "server/metrics/collect.hpp"
 #include "server/options.hpp"
 #include "server/rpc/server.hpp"
+#include "server/scaling/cluster_server.hpp"
 
 namespace {
 
@@ -58,15 +60,39 @@ void warn_of_open_doors(const server::Options& options) {
         options.listen);
 }
 
-// Null unless the options ask for metrics. Coordinator and server must outlive it.
+// Null if it is off, or if nobody has asked for it and its port is taken. The server must outlive it.
+core::Result<std::unique_ptr<http_api::Api>> serve_page(const server::Options& options, rpc::Server& server) {
+  if (options.http == "off") return nullptr;
+  auto page = http_api::Api::start(server.services(), {options.http, options.security});
+  if (page || options.http_is_given) return page;
+  if (page.error().code != core::ErrorCode::kUnavailable) return page;
+  spdlog::warn("there is no page: {} (--http HOST:PORT chooses another port, --http off silences this)",
+               page.error().message);
+  return nullptr;
+}
+
+// Null unless the options ask for metrics. Coordinator, server and page must outlive it.
 core::Result<std::unique_ptr<common::MetricsServer>> serve_metrics(const server::Options& options,
                                                                    server::Coordinator& coordinator,
-                                                                   const rpc::Server& server) {
+                                                                   const rpc::Server& server,
+                                                                   const http_api::Api* page) {
   if (options.metrics.empty()) return nullptr;
-  auto metrics = common::MetricsServer::start(
-      options.metrics, [&coordinator, &server] { return metrics::collect(coordinator, server); });
+  const rpc::CallStats* const http_calls = page == nullptr ? nullptr : &page->calls();
+  auto metrics = common::MetricsServer::start(options.metrics, [&coordinator, &server, http_calls] {
+    return metrics::collect(coordinator, server, http_calls);
+  });
   if (metrics) spdlog::info("metrics at http://{}/metrics", (*metrics)->address());
   return metrics;
+}
+
+// Null unless the options ask for it. The coordinator must outlive it.
+core::Result<std::unique_ptr<scaling::ClusterServer>> serve_cluster(const server::Options& options,
+                                                                    server::Coordinator& coordinator) {
+  if (options.cluster.empty()) return nullptr;
+  auto cluster = scaling::ClusterServer::start(
+      options.cluster, [&coordinator] { return farm::totals_of(coordinator.farm()); });
+  if (cluster) spdlog::info("cluster managers are served at {}", (*cluster)->address());
+  return cluster;
 }
 
 void warn_of_exposed_secrets(const server::Options& options) {
@@ -86,8 +112,7 @@ core::Status check_address_space() {
 
 // Calls in progress, jobs and connections are not affected, and a damaged file changes nothing.
 void reload_tokens(const server::Options& options, rpc::Server& server) {
-  if (options.tokens.empty())
-    return spdlog::info("there is nothing to read again: this coordinator runs without --tokens");
+  if (options.tokens.empty()) return;
   auto access = auth::Access::read(options.tokens);
   if (!access)
     return spdlog::error("the tokens stay as they were, since the new ones cannot be read: {}",
@@ -97,9 +122,22 @@ void reload_tokens(const server::Options& options, rpc::Server& server) {
   warn_of_exposed_secrets(options);
 }
 
+// As for tokens.
+void reload_certificates(const server::Options& options, rpc::Server& server) {
+  if (server.certificates() == nullptr) return;
+  const core::Status done = server.certificates()->reload();
+  if (!done)
+    return spdlog::error("the certificates stay as they were, since the new ones cannot be used: {}",
+                         done.error().message);
+  spdlog::info("has read the certificate in {} again", options.security.certificate);
+}
+
 void wait_for_stop(const server::Options& options, rpc::Server& server, const sigset_t& signals) {
   int signal = 0;
-  while (sigwait(&signals, &signal) == 0 && signal == SIGHUP) reload_tokens(options, server);
+  while (sigwait(&signals, &signal) == 0 && signal == SIGHUP) {
+    reload_tokens(options, server);
+    reload_certificates(options, server);
+  }
   spdlog::info("stopping on signal {}", signal);
 }
 
@@ -149,15 +187,22 @@ core::Status run(const server::Options& options, const sigset_t& signals) {
   }
   const auto server = rpc::Server::start(**coordinator, std::move(serving));
   if (!server) return core::fail(server.error());
-  auto metrics = serve_metrics(options, **coordinator, **server);
+  auto page = serve_page(options, **server);
+  if (!page) return core::fail(page.error());
+  auto metrics = serve_metrics(options, **coordinator, **server, page->get());
   if (!metrics) return core::fail(metrics.error());
+  auto cluster = serve_cluster(options, **coordinator);
+  if (!cluster) return core::fail(cluster.error());
 
   warn_of_open_doors(options);
   warn_of_exposed_secrets(options);
   common::flush_log();
   std::cout << "tessera-coordinator: listening on " << (*server)->address() << std::endl;
+  if (*page) std::cout << "tessera-coordinator: the page is at " << (*page)->url() << std::endl;
   wait_for_stop(options, **server, signals);
+  cluster->reset();
   metrics->reset();
+  page->reset();
   return (*server)->stop();
 }
 
@@ -189,6 +234,6 @@ int main(int argc, char** argv) {
   ::umask(S_IRWXG | S_IRWXO);  // other users of this machine must not read submitted scenes
   const auto ended = run_guarded(options, signals);
   if (ended) return EXIT_SUCCESS;
-  std::cerr << "tessera-coordinator: " << core::printable_lines(ended.error().message) << '\n';
+  std::cerr << "tessera-coordinator: error: " << core::printable_lines(ended.error().message) << '\n';
   return EXIT_FAILURE;
 }

@@ -21,7 +21,7 @@ namespace {
 const cli::HelpText kHelp{
     .notes =
         R"(Log lines go to stderr. SIGINT and SIGTERM stop the coordinator; jobs go on when it starts again with the same
---state. SIGHUP reads the file of tokens again.)",
+--state. SIGHUP reads the files of tokens and certificates again.)",
     .exit_statuses = {{cli::kExitOk, "stopped by a signal, or the check found nothing damaged"},
                       {cli::kExitFailed, "failed"},
                       {cli::kExitUsage, "wrong command line"}},
@@ -126,12 +126,25 @@ Options parse_options(int argc, char** argv) {
       ->check(CLI::Validator(is_fingerprint, ""))
       ->allow_extra_args(false)
       ->type_name("HEX");
+  CLI::Option* http =
+      app.add_option("--http", options.http,
+                     "Address of the page and of the HTTP API; off: neither. An address that other machines "
+                     "can reach needs TLS, or --insecure")
+          ->type_name("HOST:PORT")
+          ->capture_default_str();
   common::add_metrics_flag(app, options.metrics);
+  app.add_option(
+         "--cluster", options.cluster,
+         "Serve cluster managers at this address: health by the gRPC protocol, and the external scaler of "
+         "KEDA; port 0 picks a free port. Without TLS and credentials: name an address that only this "
+         "machine or a trusted network reaches")
+      ->type_name("HOST:PORT");
   common::add_log_flags(app, options.log);
   add_maintenance_flags(app, options);
   add_security_flags(app, options);
   add_limit_flags(app, options.limits);
   if (const auto ended = cli::parse(app, argc, argv, "tessera-coordinator")) std::exit(*ended);
+  options.http_is_given = http->count() > 0;
   return options;
 }
 

@@ -41,8 +41,14 @@ struct Options {
   // Whether to start only if nothing is missing of the validator's sandbox.
   bool require_sandbox = false;
   Limits limits;
+  // HOST:PORT of the page and of the HTTP API (server/http/api.hpp), or "off".
+  std::string http = "127.0.0.1:7480";
+  // Whether that was given: a default port that is taken is no error.
+  bool http_is_given = false;
   // HOST:PORT to serve metrics at (proto/metrics_server.hpp). Empty: nowhere.
   std::string metrics;
+  // HOST:PORT for cluster managers (server/scaling/cluster_server.hpp). Empty: nowhere.
+  std::string cluster;
   common::LogOptions log;
 };
 

@@ -14,7 +14,7 @@ namespace tessera::admin {
 namespace {
 
 int print_error(const core::Error& error) {
-  fmt::print(stderr, "tessera-coordinator: {}\n", core::printable_lines(error.message));
+  fmt::print(stderr, "tessera-coordinator: error: {}\n", core::printable_lines(error.message));
   return EXIT_FAILURE;
 }
 

@@ -59,7 +59,7 @@ void check_tiles(store::JobStore& jobs, const store::JobRow& row, const v1::Job&
     findings.damage.push_back("its tiles cannot be listed: " + done.error().message);
     return;
   }
-  const core::TileGrid grid = farm::grid_of(spec);
+  const scheduler::JobGrid grid = farm::grid_of(spec);
   for (const auto& [tile, ranges] : *done) {
     const auto stored = film::read_stored_tile(jobs, row.id, grid, tile);
     if (stored) {
@@ -86,9 +86,7 @@ JobFindings check_job(store::JobStore& jobs, const store::JobRow& row, const Blo
   findings.state = row.state == v1::JOB_STATE_VALIDATING
                        ? "validating"
                        : scheduler::job_state_name(farm::from_wire(static_cast<v1::JobState>(row.state)));
-  const core::TileGrid grid = farm::grid_of(spec);
-  for (int tile = 0; tile < grid.tile_count(); ++tile)
-    findings.samples_total += std::uint64_t{row.spp} * grid.rect(tile).pixel_count();
+  findings.samples_total = farm::shape_of(spec, row).pixel_samples();
   for (const v1::Bundle::Asset& asset : spec.bundle().assets()) {
     if (const auto digest = proto::from_proto(asset.digest())) named.insert(digest->hex());
   }

@@ -26,7 +26,7 @@ namespace fs = std::filesystem;
 constexpr const char* kCopyName = "tessera.db.salvaged";
 
 core::Status keep_tiles(store::JobStore& from, store::JobStore& to, const store::JobRow& row,
-                        const core::TileGrid& grid, Salvage& salvage) {
+                        const scheduler::JobGrid& grid, Salvage& salvage) {
   const bool is_rendered_on = row.state != v1::JOB_STATE_CANCELLED && row.state != v1::JOB_STATE_FAILED;
   std::vector<store::TileRow> batch;
   // Tries every tile, since the list of tiles may be damaged.

@@ -14,7 +14,6 @@
 
 #include "core/base/printable.hpp"
 #include "core/image/file_io.hpp"
-#include "proto/blob.hpp"
 #include "proto/security.hpp"
 
 namespace tessera::auth {
@@ -32,10 +31,6 @@ constexpr std::string_view kCertificateWord = "certificate", kSharedWord = "shar
 constexpr std::size_t kDateLength = 10;  // of YYYY-MM-DD
 
 constexpr std::array kRoles{Role::kSubmit, Role::kWork, Role::kAdmin};
-
-std::string digest_of_token(const std::string& token) {
-  return proto::digest_of(token).hex();
-}
 
 core::Status refuse(std::string what) {
   return core::fail(ErrorCode::kInvalidArgument, std::move(what));
@@ -115,8 +110,9 @@ core::Status Access::add_token(const std::string& token, Grant grant) {
 }
 
 const Access::Grant* Access::find(const Credentials& shown) const {
-  const auto& grants = shown.token.empty() ? certificates_ : tokens_;
-  const auto found = grants.find(shown.token.empty() ? shown.certificate : digest_of_token(shown.token));
+  const std::string digest = shown.token.empty() ? shown.token_digest : digest_of_token(shown.token);
+  const auto& grants = digest.empty() ? certificates_ : tokens_;
+  const auto found = grants.find(digest.empty() ? shown.certificate : digest);
   return found == grants.end() ? nullptr : &found->second;
 }
 

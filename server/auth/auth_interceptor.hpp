@@ -1,17 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-// Admits calls before their message is read: identifies the principal by the metadata and the connection, and
-// checks its role, the number of calls in progress, and how often it calls. Thread-safe.
+// Admits calls, of gRPC and of HTTP, before their message is read: identifies the principal by what the call
+// shows and by its connection, and checks its role, the number of calls in progress, and how often it calls.
+// Thread-safe.
 #pragma once
 
 #include <grpcpp/server_context.h>
 
 #include <chrono>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <utility>
 
+#include "core/base/mutex.hpp"
 #include "server/auth/access.hpp"
 #include "server/auth/call_rate.hpp"
 #include "server/auth/methods.hpp"
@@ -28,9 +29,19 @@ struct Admission {
   base::FairShare::Held place;  // its share of the calls in progress
 };
 
+// Who calls, before that is checked.
+struct CallerShown {
+  Credentials credentials{};
+  std::string machine;  // peer.hpp
+  // The connection, by which workers are told apart; only methods for workers need it.
+  std::string connection{};
+};
+
 // A call that is rejected.
 struct Rejection {
   grpc::Status status;
+  // The same, if it passes by itself: the details have the delay before a retry.
+  std::optional<core::Error> temporary{};
   // Present if the answer must be delayed: the call's share of the calls in progress.
   std::optional<base::FairShare::Held> held_back{};
 };
@@ -54,8 +65,11 @@ class AuthInterceptor {
   // calls too often or has too many calls in progress. The keys of users are their names, or on an
   // open farm their machines; those of workers are their connections. Shares of the calls in progress
   // are by machine.
+  std::optional<Admission> admit(const CallerShown& caller, const Method& method, Rejection& rejection);
+  // The same for a call of gRPC, whose metadata get the delay before a retry.
   std::optional<Admission> admit(grpc::CallbackServerContext& context, const Method& method,
                                  Rejection& rejection);
+  bool is_open() const { return access()->is_open(); }
   // See Rejections::flush(). Call it regularly.
   void flush_log() { rejections_.flush(); }
 
@@ -64,8 +78,8 @@ class AuthInterceptor {
 
   const server::Limits limits_;
   const Methods methods_;
-  mutable std::mutex mutex_;
-  std::shared_ptr<const Access> access_;  // guarded by mutex_; never null
+  mutable core::Mutex mutex_;
+  std::shared_ptr<const Access> access_ TESSERA_GUARDED_BY(mutex_);  // never null
   base::FairShare calls_;
   CallRate rate_;
   Rejections rejections_;

@@ -22,7 +22,7 @@ CallRate::CallRate(double calls_per_second, std::function<Clock::time_point()> n
       forget_at_(kFewBuckets) {}
 
 std::optional<CallRate::Clock::duration> CallRate::take(const std::string& caller) {
-  const std::lock_guard lock(mutex_);
+  const core::MutexLock lock(mutex_);
   const Clock::time_point now = now_();
   if (buckets_.size() >= forget_at_) forget_full(now);
   Bucket& bucket = buckets_.try_emplace(caller, Bucket{capacity_, now}).first->second;

@@ -6,9 +6,10 @@
 #include <chrono>
 #include <functional>
 #include <map>
-#include <mutex>
 #include <optional>
 #include <string>
+
+#include "core/base/mutex.hpp"
 
 namespace tessera::auth {
 
@@ -31,13 +32,13 @@ class CallRate {
   // The tokens in a bucket at this moment.
   double tokens(const Bucket& bucket, Clock::time_point now) const;
   // Removes full buckets: they equal new ones.
-  void forget_full(Clock::time_point now);
+  void forget_full(Clock::time_point now) TESSERA_REQUIRES(mutex_);
 
   const double calls_per_second_, capacity_;
   const std::function<Clock::time_point()> now_;
-  std::mutex mutex_;
-  std::map<std::string, Bucket> buckets_;  // guarded by mutex_
-  std::size_t forget_at_;                  // guarded by mutex_; full buckets are removed at this number
+  core::Mutex mutex_;
+  std::map<std::string, Bucket> buckets_ TESSERA_GUARDED_BY(mutex_);
+  std::size_t forget_at_ TESSERA_GUARDED_BY(mutex_);  // full buckets are removed at this number
 };
 
 }  // namespace tessera::auth

@@ -8,23 +8,16 @@
 #include <string_view>
 
 #include "core/base/printable.hpp"
+#include "proto/blob.hpp"
 #include "proto/security.hpp"
 
 namespace tessera::auth {
 namespace {
 
-// The scheme is case-insensitive (RFC 7235, 2.1).
 std::string token_of(const grpc::CallbackServerContext& context) {
   const auto found = context.client_metadata().find(proto::kTokenKey);
   if (found == context.client_metadata().end()) return {};
-  const std::string_view value(found->second.data(), found->second.size());
-  const std::string_view prefix = proto::kTokenPrefix;
-  const bool is_bearer = std::equal(
-      prefix.begin(), prefix.end(), value.begin(), value.begin() + std::min(prefix.size(), value.size()),
-      [](char a, char b) {
-        return std::tolower(static_cast<unsigned char>(a)) == std::tolower(static_cast<unsigned char>(b));
-      });
-  return is_bearer ? std::string(value.substr(prefix.size())) : std::string();
+  return bearer_token({found->second.data(), found->second.size()});
 }
 
 // gRPC has this property only of certificates that it verified.
@@ -36,6 +29,21 @@ std::string certificate_of(const grpc::CallbackServerContext& context) {
 }
 
 }  // namespace
+
+std::string digest_of_token(const std::string& token) {
+  return proto::digest_of(token).hex();
+}
+
+// The scheme is case-insensitive (RFC 7235, 2.1).
+std::string bearer_token(std::string_view header) {
+  const std::string_view prefix = proto::kTokenPrefix;
+  const bool is_bearer = std::equal(
+      prefix.begin(), prefix.end(), header.begin(), header.begin() + std::min(prefix.size(), header.size()),
+      [](char a, char b) {
+        return std::tolower(static_cast<unsigned char>(a)) == std::tolower(static_cast<unsigned char>(b));
+      });
+  return is_bearer ? std::string(header.substr(prefix.size())) : std::string();
+}
 
 Credentials shown_by(const grpc::CallbackServerContext& context) {
   Credentials shown{.token = token_of(context)};

@@ -36,6 +36,10 @@ constexpr std::size_t kUploadBytes = 2 * proto::kMaxChunkBytes;
 // A batch of small blobs, of five fields each.
 const ShapeLimits kBatch{1 << 13, {{"tessera.v1.BatchUploadBlobsRequest.blobs", 1024}}};
 
+// Tiles of an image, of nine fields each.
+constexpr std::size_t kExtensionBytes = 64 << 10;
+const ShapeLimits kExtension{1 << 14, {{"tessera.v1.ExtendJobRequest.tiles", 1024}}};
+
 // A list may be filtered by labels.
 constexpr std::size_t kListBytes = 16 << 10;
 const ShapeLimits kList{256, {{"tessera.v1.ListJobsRequest.labels", 32}}};
@@ -43,6 +47,13 @@ const ShapeLimits kList{256, {{"tessera.v1.ListJobsRequest.labels", 32}}};
 ShapeLimits files(std::string_view field, const server::Limits& limits) {
   return {kFieldsPerFile * limits.bundle_files + kFieldsBesidesFiles,
           {{field, limits.bundle_files, "--max-bundle-files"}}};
+}
+
+ShapeLimits submission(const server::Limits& limits) {
+  ShapeLimits shape = files("tessera.v1.Bundle.assets", limits);
+  shape.max_fields += limits.images;
+  shape.fields.push_back({"tessera.v1.SubmitJobRequest.frames", limits.images, "--max-images"});
+  return shape;
 }
 
 }  // namespace
@@ -56,14 +67,15 @@ Methods::Methods(const server::Limits& limits) {
   };
   for (const char* const name :
        {"GetJob", "WatchJob", "WatchFarm", "WatchTiles", "GetImage", "CancelJob", "PauseJob", "ResumeJob",
-        "ExtendJob", "UpdateJob", "DeleteJob", "ListWorkers", "GetUpload", "GetServerInfo"})
+        "UpdateJob", "DeleteJob", "ListWorkers", "GetUpload", "GetServerInfo"})
     add("RenderService", name, Role::kSubmit, kSmallBytes, kSmall);
   add("RenderService", "ListJobs", Role::kSubmit, kListBytes, kList);
   add("RenderService", "BatchUploadBlobs", Role::kSubmit, kUploadBytes, kBatch);
   add("RenderService", "FindMissingBlobs", Role::kSubmit, large_bytes,
       files("tessera.v1.FindMissingBlobsRequest.digests", limits));
   add("RenderService", "UploadBlob", Role::kSubmit, kUploadBytes, kSmall);
-  add("RenderService", "SubmitJob", Role::kSubmit, large_bytes, files("tessera.v1.Bundle.assets", limits));
+  add("RenderService", "SubmitJob", Role::kSubmit, large_bytes, submission(limits));
+  add("RenderService", "ExtendJob", Role::kSubmit, kExtensionBytes, kExtension);
   add("WorkerService", "Synchronize", Role::kWork, kSynchronizeBytes, kSynchronize);
   add("WorkerService", "SubmitResult", Role::kWork, large_bytes, kSubmitResult);
   add("WorkerService", "FetchBlob", Role::kWork, kSmallBytes, kSmall);
@@ -73,7 +85,7 @@ Methods::Methods(const server::Limits& limits) {
 
 const Method& Methods::at(const std::string& path) const {
   if (const auto found = methods_.find(path); found != methods_.end()) return found->second;
-  proto::abort_with("the table of methods lacks " + path);
+  common::abort_with("the table of methods lacks " + path);
 }
 
 }  // namespace tessera::auth

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <cstring>
 #include <iterator>
 #include <regex>
 
@@ -39,6 +40,17 @@ std::string client_key(const std::string& peer) {
   if (std::regex_match(peer, parts, kIpv6) && inet_pton(AF_INET6, parts.str(1).c_str(), &ipv6.sin6_addr) == 1)
     return client_key(address);
   return peer.substr(0, peer.find_last_of(':'));
+}
+
+std::string client_machine(const sockaddr_storage& peer) {
+  if (peer.ss_family == AF_INET) return "ipv4:" + client_key(peer);
+  const auto& ipv6 = reinterpret_cast<const sockaddr_in6&>(peer);
+  if (!IN6_IS_ADDR_V4MAPPED(&ipv6.sin6_addr)) return client_key(peer);
+  sockaddr_storage mapped{};
+  auto& ipv4 = reinterpret_cast<sockaddr_in&>(mapped);
+  ipv4.sin_family = AF_INET;
+  std::memcpy(&ipv4.sin_addr, ipv6.sin6_addr.s6_addr + 12, sizeof ipv4.sin_addr);
+  return client_machine(mapped);
 }
 
 }  // namespace tessera::auth

@@ -14,5 +14,7 @@ std::string client_key(const sockaddr_storage& peer);
 // The same of a peer as gRPC names it: "ipv4:10.0.0.5:4242", "ipv6:[2001:db8::5]:4242", or with %5B and %5D
 // for the brackets. Of any other text, the part before the last colon.
 std::string client_key(const std::string& peer);
+// The same key for a peer that did not call by gRPC. IPv4 addresses within IPv6 count as such.
+std::string client_machine(const sockaddr_storage& peer);
 
 }  // namespace tessera::auth

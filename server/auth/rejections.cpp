@@ -13,7 +13,7 @@ template <typename Take>
 void Rejections::log(Take take) {
   std::optional<common::LogLine> line;
   {
-    const std::lock_guard lock(mutex_);
+    const core::MutexLock lock(mutex_);
     line = take(log_);
   }
   if (line) common::log(spdlog::level::warn, *line);

@@ -5,9 +5,9 @@
 
 #include <grpcpp/support/status.h>
 
-#include <mutex>
 #include <string>
 
+#include "core/base/mutex.hpp"
 #include "server/auth/call_rate.hpp"
 #include "server/base/rate_limited_log.hpp"
 
@@ -31,8 +31,8 @@ class Rejections {
   void log(Take take);
 
   CallRate rate_;
-  std::mutex mutex_;
-  base::RateLimitedLog log_;  // guarded by mutex_
+  core::Mutex mutex_;
+  base::RateLimitedLog log_ TESSERA_GUARDED_BY(mutex_);
 };
 
 }  // namespace tessera::auth

@@ -11,7 +11,7 @@ FairPool::FairPool(int threads, std::size_t max_waiting) : places_(max_waiting) 
 
 FairPool::~FairPool() {
   {
-    const std::lock_guard lock(mutex_);
+    const core::MutexLock lock(mutex_);
     stopping_ = true;
   }
   changed_.notify_all();
@@ -27,7 +27,7 @@ bool FairPool::post(const std::string& caller, std::function<void()> task) {
 
 void FairPool::post(const std::string& caller, FairShare::Held place, std::function<void()> task) {
   {
-    const std::lock_guard lock(mutex_);
+    const core::MutexLock lock(mutex_);
     std::deque<Task>& own = waiting_[caller];
     if (own.empty()) turns_.push_back(caller);
     own.push_back({std::move(task), std::move(place)});
@@ -37,8 +37,8 @@ void FairPool::post(const std::string& caller, FairShare::Held place, std::funct
 
 void FairPool::run() {
   while (true) {
-    std::unique_lock lock(mutex_);
-    changed_.wait(lock, [this] { return stopping_ || !turns_.empty(); });
+    core::MutexLock lock(mutex_);
+    changed_.wait(lock.native(), [this]() TESSERA_REQUIRES(mutex_) { return stopping_ || !turns_.empty(); });
     if (turns_.empty()) return;
     const std::function<void()> work = take_next();
     lock.unlock();

@@ -8,12 +8,12 @@
 #include <deque>
 #include <functional>
 #include <map>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <thread>
 #include <vector>
 
+#include "core/base/mutex.hpp"
 #include "server/base/fair_share.hpp"
 
 namespace tessera::base {
@@ -49,15 +49,16 @@ class FairPool {
   };
   void run();
   // Removes the next task, of the caller at the head of turns_. There must be one.
-  std::function<void()> take_next();
+  std::function<void()> take_next() TESSERA_REQUIRES(mutex_);
 
   FairShare places_;
   std::atomic<bool> closed_{false};
-  std::mutex mutex_;
+  core::Mutex mutex_;
   std::condition_variable changed_;
-  std::map<std::string, std::deque<Task>> waiting_;  // guarded by mutex_; by caller, without empty entries
-  std::deque<std::string> turns_;                    // guarded by mutex_; each of these callers once
-  bool stopping_ = false;                            // guarded by mutex_
+  // By caller, without empty entries.
+  std::map<std::string, std::deque<Task>> waiting_ TESSERA_GUARDED_BY(mutex_);
+  std::deque<std::string> turns_ TESSERA_GUARDED_BY(mutex_);  // each of these callers once
+  bool stopping_ TESSERA_GUARDED_BY(mutex_) = false;
   std::vector<std::thread> threads_;
 };
 

@@ -3,10 +3,11 @@
 
 #include <algorithm>
 #include <list>
-#include <mutex>
 #include <optional>
 #include <utility>
 #include <vector>
+
+#include "core/base/mutex.hpp"
 
 namespace tessera::base {
 
@@ -25,14 +26,14 @@ struct FairQueue::State {
   };
   std::optional<FairShare> share;  // set by the constructor
   FairShare places;
-  std::mutex mutex;
-  std::list<Waiting> waiting;  // guarded by mutex; in order of arrival
+  core::Mutex mutex;
+  std::list<Waiting> waiting TESSERA_GUARDED_BY(mutex);  // in order of arrival
 };
 
 void FairQueue::State::serve() {
   std::vector<std::pair<Granted, FairShare::Held>> grants;
   {
-    const std::lock_guard lock(mutex);
+    const core::MutexLock lock(mutex);
     for (auto next = waiting.begin(); next != waiting.end();) {
       auto held = share->take(next->caller, next->amount);
       if (!held && share->held_by(next->caller) == 0) break;
@@ -55,7 +56,7 @@ bool FairQueue::wait(const void* who, const std::string& caller, std::uint64_t a
   auto place = state_->places.take(caller);
   if (!place) return false;
   {
-    const std::lock_guard lock(state_->mutex);
+    const core::MutexLock lock(state_->mutex);
     state_->waiting.push_back({who, caller, amount, std::move(granted), *std::move(place)});
   }
   const std::shared_ptr<State> state = state_;
@@ -66,7 +67,7 @@ bool FairQueue::wait(const void* who, const std::string& caller, std::uint64_t a
 bool FairQueue::leave(const void* who) {
   std::list<State::Waiting> left;  // destroyed outside the lock
   {
-    const std::lock_guard lock(state_->mutex);
+    const core::MutexLock lock(state_->mutex);
     auto& waiting = state_->waiting;
     const auto found =
         std::find_if(waiting.begin(), waiting.end(), [&](const auto& each) { return each.who == who; });

@@ -2,8 +2,9 @@
 #include "server/base/fair_share.hpp"
 
 #include <map>
-#include <mutex>
 #include <utility>
+
+#include "core/base/mutex.hpp"
 
 namespace tessera::base {
 
@@ -13,13 +14,13 @@ struct FairShare::Held::State {
 
   const std::uint64_t all;
   const std::function<void()> given_back;
-  std::mutex mutex;
-  std::uint64_t held = 0;                          // guarded by mutex
-  std::map<std::string, std::uint64_t> by_caller;  // guarded by mutex; without zeros
+  core::Mutex mutex;
+  std::uint64_t held TESSERA_GUARDED_BY(mutex) = 0;
+  std::map<std::string, std::uint64_t> by_caller TESSERA_GUARDED_BY(mutex);  // without zeros
 };
 
 void FairShare::Held::State::give_back(const std::string& caller, std::uint64_t amount) {
-  const std::lock_guard lock(mutex);
+  const core::MutexLock lock(mutex);
   held -= amount;
   const auto known = by_caller.find(caller);
   known->second -= amount;
@@ -30,7 +31,7 @@ FairShare::FairShare(std::uint64_t all, std::function<void()> given_back)
     : state_(std::make_shared<Held::State>(all, std::move(given_back))) {}
 
 std::optional<FairShare::Held> FairShare::take(const std::string& caller, std::uint64_t amount) {
-  const std::lock_guard lock(state_->mutex);
+  const core::MutexLock lock(state_->mutex);
   const auto known = state_->by_caller.find(caller);
   const std::uint64_t own = known == state_->by_caller.end() ? 0 : known->second;
   const std::uint64_t left = state_->all > state_->held ? state_->all - state_->held : 0;
@@ -40,18 +41,18 @@ std::optional<FairShare::Held> FairShare::take(const std::string& caller, std::u
 }
 
 FairShare::Held FairShare::note(const std::string& caller, std::uint64_t amount) {
-  const std::lock_guard lock(state_->mutex);
+  const core::MutexLock lock(state_->mutex);
   return Held(state_, caller, amount);
 }
 
 std::uint64_t FairShare::held_by(const std::string& caller) const {
-  const std::lock_guard lock(state_->mutex);
+  const core::MutexLock lock(state_->mutex);
   const auto known = state_->by_caller.find(caller);
   return known == state_->by_caller.end() ? 0 : known->second;
 }
 
 std::uint64_t FairShare::held() const {
-  const std::lock_guard lock(state_->mutex);
+  const core::MutexLock lock(state_->mutex);
   return state_->held;
 }
 

@@ -8,10 +8,11 @@ namespace tessera::base {
 Periodic::Periodic(std::chrono::milliseconds period, std::function<void()> call)
     : period_(period), call_(std::move(call)) {
   thread_ = std::thread([this] {
-    std::unique_lock lock(mutex_);
+    core::MutexLock lock(mutex_);
     for (;;) {
-      changed_.wait_for(lock, period_ / 4, [this] { return stopping_; });
-      changed_.wait_for(lock, period_ - period_ / 4, [this] { return stopping_ || hurried_; });
+      changed_.wait_for(lock.native(), period_ / 4, [this]() TESSERA_REQUIRES(mutex_) { return stopping_; });
+      changed_.wait_for(lock.native(), period_ - period_ / 4,
+                        [this]() TESSERA_REQUIRES(mutex_) { return stopping_ || hurried_; });
       if (stopping_) return;
       hurried_ = false;
       lock.unlock();
@@ -23,7 +24,7 @@ Periodic::Periodic(std::chrono::milliseconds period, std::function<void()> call)
 
 Periodic::~Periodic() {
   {
-    const std::lock_guard lock(mutex_);
+    const core::MutexLock lock(mutex_);
     stopping_ = true;
   }
   changed_.notify_all();
@@ -32,7 +33,7 @@ Periodic::~Periodic() {
 
 void Periodic::trigger() {
   {
-    const std::lock_guard lock(mutex_);
+    const core::MutexLock lock(mutex_);
     hurried_ = true;
   }
   changed_.notify_all();

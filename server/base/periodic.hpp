@@ -5,8 +5,9 @@
 #include <chrono>
 #include <condition_variable>
 #include <functional>
-#include <mutex>
 #include <thread>
+
+#include "core/base/mutex.hpp"
 
 namespace tessera::base {
 
@@ -24,11 +25,10 @@ class Periodic {
  private:
   const std::chrono::milliseconds period_;
   const std::function<void()> call_;
-  std::mutex mutex_;
+  core::Mutex mutex_;
   std::condition_variable changed_;
-  // Guarded by mutex_:
-  bool stopping_ = false;
-  bool hurried_ = false;
+  bool stopping_ TESSERA_GUARDED_BY(mutex_) = false;
+  bool hurried_ TESSERA_GUARDED_BY(mutex_) = false;
   std::thread thread_;
 };
 

@@ -11,7 +11,7 @@ ThreadPool::ThreadPool(int threads, std::size_t max_waiting) : max_waiting_(max_
 
 ThreadPool::~ThreadPool() {
   {
-    const std::lock_guard lock(mutex_);
+    const core::MutexLock lock(mutex_);
     stopping_ = true;
   }
   changed_.notify_all();
@@ -20,7 +20,7 @@ ThreadPool::~ThreadPool() {
 
 bool ThreadPool::post(std::function<void()> task) {
   {
-    const std::lock_guard lock(mutex_);
+    const core::MutexLock lock(mutex_);
     if (waiting_.size() >= max_waiting_) return false;
     waiting_.push_back(std::move(task));
   }
@@ -29,7 +29,7 @@ bool ThreadPool::post(std::function<void()> task) {
 }
 
 std::size_t ThreadPool::waiting() const {
-  const std::lock_guard lock(mutex_);
+  const core::MutexLock lock(mutex_);
   return waiting_.size();
 }
 
@@ -42,8 +42,9 @@ bool ThreadPool::run_or_post(std::function<void()> task) {
 
 void ThreadPool::run() {
   while (true) {
-    std::unique_lock lock(mutex_);
-    changed_.wait(lock, [this] { return stopping_ || !waiting_.empty(); });
+    core::MutexLock lock(mutex_);
+    changed_.wait(lock.native(),
+                  [this]() TESSERA_REQUIRES(mutex_) { return stopping_ || !waiting_.empty(); });
     if (waiting_.empty()) return;
     const std::function<void()> task = std::move(waiting_.front());
     waiting_.pop_front();

@@ -7,9 +7,10 @@
 #include <condition_variable>
 #include <deque>
 #include <functional>
-#include <mutex>
 #include <thread>
 #include <vector>
+
+#include "core/base/mutex.hpp"
 
 namespace tessera::base {
 
@@ -42,10 +43,10 @@ class ThreadPool {
   const std::size_t max_waiting_;
   std::atomic<bool> closed_{false};
   std::atomic_flag runs_at_caller_;
-  mutable std::mutex mutex_;
+  mutable core::Mutex mutex_;
   std::condition_variable changed_;
-  std::deque<std::function<void()>> waiting_;  // guarded by mutex_
-  bool stopping_ = false;                      // guarded by mutex_
+  std::deque<std::function<void()>> waiting_ TESSERA_GUARDED_BY(mutex_);
+  bool stopping_ TESSERA_GUARDED_BY(mutex_) = false;
   std::vector<std::thread> threads_;
 };
 

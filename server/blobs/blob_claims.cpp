@@ -18,14 +18,14 @@ std::vector<proto::Digest> each_once(std::vector<proto::Digest> files) {
 BlobClaims::Hold BlobClaims::hold(std::vector<proto::Digest> files) {
   Hold hold;
   hold.files_ = each_once(std::move(files));
-  const std::lock_guard lock(mutex_);
+  const core::MutexLock lock(mutex_);
   for (const proto::Digest& file : hold.files_) ++needs_[file].holds;
   hold.claims_ = this;
   return hold;
 }
 
 void BlobClaims::let_go(const std::vector<proto::Digest>& files) {
-  const std::lock_guard lock(mutex_);
+  const core::MutexLock lock(mutex_);
   for (const proto::Digest& file : files) {
     const auto need = needs_.find(file);
     if (--need->second.holds == 0 && need->second.claims.empty()) needs_.erase(need);
@@ -35,7 +35,7 @@ void BlobClaims::let_go(const std::vector<proto::Digest>& files) {
 std::optional<BlobClaims::Use> BlobClaims::claim(const std::string& caller,
                                                  std::vector<proto::Digest> files) {
   files = each_once(std::move(files));
-  const std::lock_guard lock(mutex_);
+  const core::MutexLock lock(mutex_);
   drop_lapsed();
   if (files.empty()) return Use(*this, {});
   const auto claim = find_or_add(caller, std::move(files));
@@ -46,7 +46,7 @@ std::optional<BlobClaims::Use> BlobClaims::claim(const std::string& caller,
 
 std::optional<BlobClaims::Use> BlobClaims::use(const std::string& caller, const proto::Digest& file) {
   {
-    const std::lock_guard lock(mutex_);
+    const core::MutexLock lock(mutex_);
     drop_lapsed();
     std::vector<Claims::iterator> claims;
     if (const auto need = needs_.find(file); need != needs_.end()) claims = need->second.claims;
@@ -62,7 +62,7 @@ bool BlobClaims::is_needed(const proto::Digest& file) {
 }
 
 bool BlobClaims::unless_needed(const proto::Digest& file, const std::function<void()>& act) {
-  const std::lock_guard lock(mutex_);
+  const core::MutexLock lock(mutex_);
   drop_lapsed();
   if (needs_.contains(file)) return false;
   act();
@@ -70,7 +70,7 @@ bool BlobClaims::unless_needed(const proto::Digest& file, const std::function<vo
 }
 
 void BlobClaims::end_use(const std::vector<Claims::iterator>& claims, bool settled) {
-  const std::lock_guard lock(mutex_);
+  const core::MutexLock lock(mutex_);
   for (const Claims::iterator& claim : claims) {
     if (--claim->calls > 0) continue;
     if (settled) {

@@ -12,12 +12,12 @@
 #include <functional>
 #include <list>
 #include <map>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "core/base/mutex.hpp"
 #include "proto/blob.hpp"
 #include "server/base/fair_share.hpp"
 #include "tessera/v1/types.pb.h"
@@ -31,7 +31,8 @@ class BlobClaims {
   // The limit on the files in all claims together. A claim of fewer than kMinFiles files counts as kMinFiles.
   static constexpr std::uint64_t kMaxFiles = 1'000'000, kMinFiles = 16;
 
-  explicit BlobClaims(std::function<Time()> now) : now_(std::move(now)) {}
+  explicit BlobClaims(std::function<Time()> now, std::uint64_t max_files = kMaxFiles)
+      : now_(std::move(now)), places_(max_files) {}
   BlobClaims(const BlobClaims&) = delete;
   BlobClaims& operator=(const BlobClaims&) = delete;
 
@@ -69,17 +70,18 @@ class BlobClaims {
 
   void let_go(const std::vector<proto::Digest>& files);
   void end_use(const std::vector<Claims::iterator>& claims, bool settled);
-  // ---- The caller holds the lock ----
-  std::optional<Claims::iterator> find_or_add(const std::string& caller, std::vector<proto::Digest> files);
-  void begin_call(Claims::iterator claim);
-  void forget(Claims& among, Claims::iterator claim);
-  void drop_lapsed();
+  std::optional<Claims::iterator> find_or_add(const std::string& caller, std::vector<proto::Digest> files)
+      TESSERA_REQUIRES(mutex_);
+  void begin_call(Claims::iterator claim) TESSERA_REQUIRES(mutex_);
+  void forget(Claims& among, Claims::iterator claim) TESSERA_REQUIRES(mutex_);
+  void drop_lapsed() TESSERA_REQUIRES(mutex_);
 
   const std::function<Time()> now_;
-  base::FairShare places_{kMaxFiles};
-  std::mutex mutex_;
-  std::map<proto::Digest, Need> needs_;  // guarded by mutex_; without empty entries
-  Claims in_use_, quiet_;                // guarded by mutex_; quiet_ is ordered by expiry
+  base::FairShare places_;
+  core::Mutex mutex_;
+  std::map<proto::Digest, Need> needs_ TESSERA_GUARDED_BY(mutex_);  // without empty entries
+  Claims in_use_ TESSERA_GUARDED_BY(mutex_);
+  Claims quiet_ TESSERA_GUARDED_BY(mutex_);  // ordered by expiry
 };
 
 class BlobClaims::Hold {

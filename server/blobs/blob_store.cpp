@@ -41,6 +41,12 @@ core::Error not_here(const proto::Digest& digest) {
           fmt::format("blob {} ({} bytes) is not here: upload it", digest.hex(), digest.size_bytes)};
 }
 
+// The file of a blob in the store's folder.
+std::filesystem::path file_of(const std::filesystem::path& folder, const proto::Digest& digest) {
+  const std::string hex = digest.hex();
+  return folder / hex.substr(0, 2) / hex.substr(2);
+}
+
 }  // namespace
 
 BlobWriter::BlobWriter(Parts parts) : parts_(std::move(parts)) {}
@@ -62,8 +68,16 @@ core::Status BlobWriter::append(std::string_view bytes) {
   return written;
 }
 
+core::Result<proto::Digest> BlobWriter::name_by_content() {
+  if (!is_whole())
+    return core::fail(ErrorCode::kDataLoss, fmt::format("{} of the {} bytes were received: send them again",
+                                                        written_bytes(), parts_.digest.size_bytes));
+  is_named_by_content_ = true;
+  return parts_.digest = hasher_.finish();
+}
+
 core::Status BlobWriter::commit() {
-  const proto::Digest actual = hasher_.finish();
+  const proto::Digest actual = is_named_by_content_ ? parts_.digest : hasher_.finish();
   if (actual != parts_.digest) {
     return core::fail(
         ErrorCode::kDataLoss,
@@ -71,7 +85,7 @@ core::Status BlobWriter::commit() {
                     "again, and check that the file is not being written to",
                     parts_.digest.hex(), actual.size_bytes, parts_.digest.size_bytes));
   }
-  const std::filesystem::path folder = parts_.target.parent_path();
+  const std::filesystem::path folder = file_of(parts_.folder, parts_.digest).parent_path();
   if (auto synced = base::sync_file(parts_.fd, parts_.temporary); !synced) return synced;
   if (auto created = base::create_folder(folder); !created) return created;
   if (auto named = take_name(); !named) return named;
@@ -79,9 +93,10 @@ core::Status BlobWriter::commit() {
 }
 
 core::Status BlobWriter::take_name() {
-  const std::lock_guard lock(parts_.index->mutex);
-  if (::rename(parts_.temporary.c_str(), parts_.target.c_str()) != 0)
-    return core::fail(base::errno_error("writing", parts_.target));
+  const core::MutexLock lock(parts_.index->mutex);
+  const std::filesystem::path target = file_of(parts_.folder, parts_.digest);
+  if (::rename(parts_.temporary.c_str(), target.c_str()) != 0)
+    return core::fail(base::errno_error("writing", target));
   parts_.fd = base::Fd();
   parts_.index->blobs.insert_or_assign(parts_.digest.hex(),
                                        StoreIndex::Blob{parts_.digest, std::move(parts_.charge)});
@@ -116,12 +131,13 @@ core::Result<BlobStore> BlobStore::open(const std::filesystem::path& folder) {
   std::filesystem::remove_all(incoming, ignored);
   if (auto created = base::create_folder(incoming); !created) return core::fail(created.error());
   BlobStore store(folder);
+  const core::MutexLock lock(store.index_->mutex);
   for (const proto::Digest& digest : store.list()) store.index_->blobs[digest.hex()].digest = digest;
   return store;
 }
 
 std::vector<proto::Digest> BlobStore::stored() const {
-  const std::lock_guard lock(index_->mutex);
+  const core::MutexLock lock(index_->mutex);
   std::vector<proto::Digest> digests;
   digests.reserve(index_->blobs.size());
   for (const auto& [hex, blob] : index_->blobs) digests.push_back(blob.digest);
@@ -129,7 +145,7 @@ std::vector<proto::Digest> BlobStore::stored() const {
 }
 
 void BlobStore::charge(const proto::Digest& digest, Charge charge) const {
-  const std::lock_guard lock(index_->mutex);
+  const core::MutexLock lock(index_->mutex);
   const auto known = index_->blobs.find(digest.hex());
   if (known != index_->blobs.end()) known->second.charge = std::move(charge);
 }
@@ -142,8 +158,7 @@ std::optional<std::filesystem::file_time_type> BlobStore::last_used(const proto:
 }
 
 std::filesystem::path BlobStore::path(const proto::Digest& digest) const {
-  const std::string hex = digest.hex();
-  return folder_ / hex.substr(0, 2) / hex.substr(2);
+  return file_of(folder_, digest);
 }
 
 bool BlobStore::contains(const proto::Digest& digest) const {
@@ -155,7 +170,7 @@ core::Result<BlobWriter> BlobStore::write(const proto::Digest& digest, Charge ch
   std::string temporary = (folder_ / kIncoming / "XXXXXX").string();
   base::Fd fd(::mkostemp(temporary.data(), O_CLOEXEC));
   if (!fd) return core::fail(base::errno_error("creating a file in", folder_ / kIncoming));
-  return BlobWriter({digest, path(digest), std::move(temporary), std::move(charge), index_, std::move(fd)});
+  return BlobWriter({digest, folder_, std::move(temporary), std::move(charge), index_, std::move(fd)});
 }
 
 core::Result<BlobReader> BlobStore::read(const proto::Digest& digest) const {
@@ -218,7 +233,7 @@ RemovedBlob::~RemovedBlob() {
 // The rename may replace an earlier file in `incoming`, which was to be deleted as well.
 RemovedBlob BlobStore::take_away(const proto::Digest& digest) const {
   std::filesystem::path aside = folder_ / kIncoming / (digest.hex() + ".removed");
-  const std::lock_guard lock(index_->mutex);
+  const core::MutexLock lock(index_->mutex);
   if (::rename(path(digest).c_str(), aside.c_str()) != 0 && errno != ENOENT) return {{}, {}};
   const auto blob = index_->blobs.extract(digest.hex());
   return {std::move(aside), blob ? std::move(blob.mapped().charge) : Charge()};

@@ -10,13 +10,13 @@
 #include <filesystem>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <stop_token>
 #include <string>
 #include <vector>
 
 #include "core/base/error.hpp"
+#include "core/base/mutex.hpp"
 #include "proto/blob.hpp"
 #include "server/base/file.hpp"
 
@@ -31,8 +31,9 @@ struct StoreIndex {
     proto::Digest digest;
     Charge charge;
   };
-  std::mutex mutex;                   // also held while files are renamed or removed
-  std::map<std::string, Blob> blobs;  // guarded by mutex; the key is the SHA-256 in hexadecimal digits
+  core::Mutex mutex;  // also held while files are renamed or removed
+  // The key is the SHA-256 in hexadecimal digits.
+  std::map<std::string, Blob> blobs TESSERA_GUARDED_BY(mutex);
 };
 
 // Writes one blob in chunks. If it is destroyed before commit() succeeded, it removes what it wrote.
@@ -46,6 +47,9 @@ class BlobWriter {
   core::Status append(std::string_view bytes);
   // DATA_LOSS if the bytes do not match the digest. Blocks until they are synced to disk.
   core::Status commit();
+  // For a blob of which only the size was known: the digest of all of its bytes. Call it once, before
+  // commit(). DATA_LOSS if some are missing.
+  core::Result<proto::Digest> name_by_content();
 
   const proto::Digest& digest() const { return parts_.digest; }
   // The bytes that append() has taken.
@@ -59,7 +63,7 @@ class BlobWriter {
   friend class BlobStore;
   struct Parts {
     proto::Digest digest;
-    std::filesystem::path target, temporary;
+    std::filesystem::path folder, temporary;  // of the store, and the file
     Charge charge;
     std::shared_ptr<StoreIndex> index;
     base::Fd fd;
@@ -70,6 +74,7 @@ class BlobWriter {
   Parts parts_;
   proto::Hasher hasher_;
   bool failed_ = false;  // a write
+  bool is_named_by_content_ = false;
 };
 
 // Reads one blob in chunks, and checks its digest at the end.

@@ -10,7 +10,7 @@ namespace tessera::blobs {
 void PartialUploads::keep(const std::string& caller, BlobWriter writer) {
   if (!writer.can_be_continued() || writer.written_bytes() < kMinBytes) return;
   Uploads removed;
-  const std::lock_guard lock(mutex_);
+  const core::MutexLock lock(mutex_);
   if (const auto earlier = find(caller, writer.digest()); earlier != uploads_.end())
     removed.splice(removed.end(), uploads_, earlier);
   auto place = places_.take(caller);
@@ -18,14 +18,14 @@ void PartialUploads::keep(const std::string& caller, BlobWriter writer) {
 }
 
 std::uint64_t PartialUploads::size_bytes(const std::string& caller, const proto::Digest& digest) {
-  const std::lock_guard lock(mutex_);
+  const core::MutexLock lock(mutex_);
   const auto upload = find(caller, digest);
   return upload == uploads_.end() ? 0 : upload->writer.written_bytes();
 }
 
 std::optional<BlobWriter> PartialUploads::take(const std::string& caller, const proto::Digest& digest) {
   Uploads taken;
-  const std::lock_guard lock(mutex_);
+  const core::MutexLock lock(mutex_);
   const auto upload = find(caller, digest);
   if (upload == uploads_.end()) return std::nullopt;
   taken.splice(taken.end(), uploads_, upload);
@@ -33,7 +33,7 @@ std::optional<BlobWriter> PartialUploads::take(const std::string& caller, const 
 }
 
 std::uint64_t PartialUploads::room_bytes() {
-  const std::lock_guard lock(mutex_);
+  const core::MutexLock lock(mutex_);
   std::uint64_t bytes = 0;
   for (const Upload& upload : uploads_) bytes += upload.writer.digest().size_bytes;
   return bytes;
@@ -41,7 +41,7 @@ std::uint64_t PartialUploads::room_bytes() {
 
 void PartialUploads::collect() {
   Uploads removed;
-  const std::lock_guard lock(mutex_);
+  const core::MutexLock lock(mutex_);
   const auto kept = std::find_if(uploads_.begin(), uploads_.end(), [&](const Upload& upload) {
     return upload.interrupted_at + kKeepTime > now_();
   });
@@ -50,7 +50,7 @@ void PartialUploads::collect() {
 
 bool PartialUploads::remove_oldest() {
   Uploads removed;
-  const std::lock_guard lock(mutex_);
+  const core::MutexLock lock(mutex_);
   if (uploads_.empty()) return false;
   removed.splice(removed.end(), uploads_, uploads_.begin());
   return true;

@@ -7,10 +7,10 @@
 #include <cstdint>
 #include <functional>
 #include <list>
-#include <mutex>
 #include <optional>
 #include <string>
 
+#include "core/base/mutex.hpp"
 #include "server/base/fair_share.hpp"
 #include "server/blobs/blob_store.hpp"
 
@@ -49,13 +49,12 @@ class PartialUploads {
     Time interrupted_at;
   };
   using Uploads = std::list<Upload>;
-  // The caller holds the lock.
-  Uploads::iterator find(const std::string& caller, const proto::Digest& digest);
+  Uploads::iterator find(const std::string& caller, const proto::Digest& digest) TESSERA_REQUIRES(mutex_);
 
   const std::function<Time()> now_;
   base::FairShare places_{kMaxUploads};
-  std::mutex mutex_;
-  Uploads uploads_;  // guarded by mutex_; oldest first
+  core::Mutex mutex_;
+  Uploads uploads_ TESSERA_GUARDED_BY(mutex_);  // oldest first
 };
 
 }  // namespace tessera::blobs

@@ -107,26 +107,26 @@ void SceneFiles::note_stored(const v1::Bundle& bundle) {
 }
 
 void SceneFiles::note_deleted() {
-  const std::lock_guard lock(marks_mutex_);
+  const core::MutexLock lock(marks_mutex_);
   is_outdated_ = true;
 }
 
 void SceneFiles::mark(const v1::Bundle& bundle) {
   const std::vector<proto::Digest> files = files_of(bundle);
-  const std::lock_guard lock(marks_mutex_);
+  const core::MutexLock lock(marks_mutex_);
   for (const proto::Digest& file : files) marks_[file] = reading_;
 }
 
 bool SceneFiles::is_stored(const proto::Digest& file) const {
-  const std::lock_guard lock(marks_mutex_);
+  const core::MutexLock lock(marks_mutex_);
   return marks_.contains(file);
 }
 
 // Jobs that are stored or deleted meanwhile leave too many marks, and never too few.
 bool SceneFiles::mark_stored() {
-  const std::lock_guard one_at_a_time(marking_);
+  const core::MutexLock one_at_a_time(marking_);
   {
-    const std::lock_guard lock(marks_mutex_);
+    const core::MutexLock lock(marks_mutex_);
     if (!is_outdated_) return true;
     is_outdated_ = false;
     ++reading_;
@@ -136,9 +136,10 @@ bool SceneFiles::mark_stored() {
         mark(bundle);
         charge_to(owner, bundle);
       });
-  const std::lock_guard lock(marks_mutex_);
+  const core::MutexLock lock(marks_mutex_);
   if (read) {
-    std::erase_if(marks_, [&](const auto& mark) { return mark.second < reading_; });
+    std::erase_if(marks_,
+                  [&](const auto& mark) TESSERA_REQUIRES(marks_mutex_) { return mark.second < reading_; });
     return true;
   }
   is_outdated_ = true;

@@ -15,12 +15,12 @@
 #include <cstdint>
 #include <functional>
 #include <map>
-#include <mutex>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "core/base/error.hpp"
+#include "core/base/mutex.hpp"
 #include "server/blobs/blob_claims.hpp"
 #include "server/blobs/blob_store.hpp"
 #include "server/blobs/partial_uploads.hpp"
@@ -56,7 +56,8 @@ class SceneFiles {
   core::Result<BlobClaims::Use> use(const std::string& caller, const proto::Digest& file);
 
   // ---- Room ----
-  // For an upload that is registered as a use. RESOURCE_EXHAUSTED if there is no room left for this caller.
+  // For an upload that is registered as a use, or of which only the size is known: see
+  // BlobWriter::name_by_content(). RESOURCE_EXHAUSTED if there is no room left for this caller.
   core::Result<BlobWriter> write(const std::string& caller, const proto::Digest& file);
   // As write(), but removes files that nobody needs, least recently used first, and then interrupted uploads,
   // until there is room. Blocks meanwhile.
@@ -105,12 +106,12 @@ class SceneFiles {
   BlobClaims claims_;
   PartialUploads partial_;
 
-  std::mutex marking_;  // held while jobs are read
-  mutable std::mutex marks_mutex_;
-  // Guarded by marks_mutex_. Files that stored jobs name, with the reading that found it last.
-  std::map<proto::Digest, std::uint64_t> marks_;
-  std::uint64_t reading_ = 1;
-  bool is_outdated_ = true;  // jobs were not read yet, or were deleted since
+  core::Mutex marking_;  // held while jobs are read
+  mutable core::Mutex marks_mutex_;
+  // Files that stored jobs name, with the reading that found it last.
+  std::map<proto::Digest, std::uint64_t> marks_ TESSERA_GUARDED_BY(marks_mutex_);
+  std::uint64_t reading_ TESSERA_GUARDED_BY(marks_mutex_) = 1;
+  bool is_outdated_ TESSERA_GUARDED_BY(marks_mutex_) = true;  // jobs were not read yet, or were deleted since
 };
 
 }  // namespace tessera::blobs

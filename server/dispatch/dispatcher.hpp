@@ -61,6 +61,7 @@ class Dispatcher {
   bool advance_time();
   core::Status check_token(const v1::SubmitResultRequest& request);
   std::vector<v1::Worker> next_workers(const std::string& after);
+  core::Error defer(const v1::SubmitResultRequest& request, const farm::WorkerPrincipal& caller);
   core::Result<Counted> count_result(farm::StateLock& lock, const v1::SubmitResultRequest& request,
                                      Delivery& delivery);
   core::Result<Counted> decide(farm::StateLock& lock, farm::JobRecord& record,
@@ -71,9 +72,8 @@ class Dispatcher {
   const film::Fingerprinter& fingerprinter_;
   const LeaseSigner& signer_;
   ResultCounts result_counts_;
-  // Guarded by the state lock:
-  scheduler::Time next_check_{};
-  scheduler::CheckCursor check_cursor_;
+  scheduler::Time next_check_ TESSERA_GUARDED_BY(farm_.mutex()){};
+  scheduler::CheckCursor check_cursor_ TESSERA_GUARDED_BY(farm_.mutex());
 };
 
 }  // namespace tessera::dispatch

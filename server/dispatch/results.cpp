@@ -16,6 +16,7 @@
 #include "server/farm/troubles.hpp"
 #include "server/farm/wire.hpp"
 #include "server/film/plausible.hpp"
+#include "server/scheduler/item_text.hpp"
 
 namespace tessera::dispatch {
 
@@ -27,6 +28,9 @@ namespace {
 
 // A message of some kilobytes could otherwise take gigabytes to decompress.
 constexpr int kMaxItemsPerResult = 256;
+
+// Checkpoints follow each other at once while memory is scarce.
+constexpr std::uint32_t kDeferredMs = 1000;
 
 // The bound on a reason that a worker gives.
 constexpr std::size_t kMaxReasonBytes = 500;
@@ -61,7 +65,7 @@ core::Result<film::Notes> decode_items(const v1::SubmitResultRequest& request) {
   return tiles;
 }
 
-scheduler::SubmitResult event_of(const v1::SubmitResultRequest& request, const core::TileGrid& grid,
+scheduler::SubmitResult event_of(const v1::SubmitResultRequest& request, const scheduler::JobGrid& grid,
                                  const film::Notes& tiles,
                                  const std::vector<scheduler::Fingerprint>& fingerprints,
                                  std::string determinism_fingerprint) {
@@ -76,19 +80,23 @@ scheduler::SubmitResult event_of(const v1::SubmitResultRequest& request, const c
                                 held_besides(request),
                                 request.lease_token(),
                                 std::move(determinism_fingerprint)};
-  for (const film::Note& tile : tiles)
-    event.items.push_back({scheduler::tile_index(grid, tile.samples.rect), tile.samples.range});
+  auto item = request.items().begin();
+  for (const film::Note& tile : tiles) {
+    const std::uint32_t image = item++->item().image();
+    event.items.push_back({grid.find(image, tile.samples.rect), tile.samples.range});
+  }
   return event;
 }
 
 // Must run before the accepted items of the same result are noted.
 void clear_dropped_tiles(StateLock& lock, const scheduler::Actions& actions, film::Notes& spare) {
   for (const scheduler::TileOfJob& dropped : actions.dropped_tiles) {
+    film::JobFilm& film = *lock->find_job(dropped.job.value)->film;
     lock.log(spdlog::level::warn,
-             fmt::format("tile {} of job {} is rendered again: some of it was wrong", dropped.tile,
-                         dropped.job.value),
+             fmt::format("{} of job {} is rendered again: some of it was wrong",
+                         scheduler::describe_tile(film.grid(), dropped.tile), dropped.job.value),
              {.job = dropped.job.value});
-    lock->find_job(dropped.job.value)->film->note_clear(dropped.tile, spare);
+    film.note_clear(dropped.tile, spare);
   }
 }
 
@@ -219,13 +227,7 @@ core::Result<v1::SubmitResultResponse> Dispatcher::submit_result(const v1::Submi
   if (auto fit = check_texts(request); !fit)
     return core::fail(rejected(RejectedFor::kMalformed, fit.error()));
   if (auto own = check_token(request); !own) return core::fail(rejected(RejectedFor::kToken, own.error()));
-  if (request.items_size() > 0 && !film_memory_.has_room()) {
-    return core::fail(
-        rejected(RejectedFor::kFilmMemory,
-                 {ErrorCode::kUnavailable,
-                  "the memory for films is used up until a checkpoint is written (tessera-coordinator "
-                  "--max-film-gib): deliver again"}));
-  }
+  if (request.items_size() > 0 && !film_memory_.has_room()) return core::fail(defer(request, caller));
   auto tiles = decode_items(request);
   Delivery delivery;
   if (tiles) delivery.tiles = std::move(*tiles);
@@ -248,6 +250,20 @@ core::Result<v1::SubmitResultResponse> Dispatcher::submit_result(const v1::Submi
   if (!counted) return core::fail(counted.error());
   if (counted->film) counted->film->apply();
   return counted->message();
+}
+
+// The worker keeps its leases meanwhile.
+core::Error Dispatcher::defer(const v1::SubmitResultRequest& request, const farm::WorkerPrincipal& caller) {
+  {
+    StateLock lock(farm_);
+    if (may_deliver(lock, request.worker_id(), caller))
+      lock.handle(scheduler::DeferResult{{request.worker_id()}, {request.lease_id()}});
+  }
+  const core::Error later{ErrorCode::kUnavailable,
+                          "the memory for films is used up until a checkpoint is written "
+                          "(tessera-coordinator --max-film-gib): deliver again"};
+  return rejected(RejectedFor::kFilmMemory,
+                  later.with({.option = "--max-film-gib", .retry_delay_ms = kDeferredMs}));
 }
 
 core::Result<Dispatcher::Counted> Dispatcher::count_result(StateLock& lock,

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 #include "core/base/printable.hpp"
@@ -45,7 +46,8 @@ scheduler::WorkerInfo info_of(const v1::SynchronizeRequest& request, const farm:
           principal.origin,
           principal.name,
           principal.individual,
-          request.determinism_fingerprint()};
+          request.determinism_fingerprint(),
+          request.names_images()};
 }
 
 // Bounds on what is examined under the lock of a worker's request. A worker can hold kMaxLeasesPerWorker
@@ -131,6 +133,13 @@ void note_troubles(StateLock& lock, const v1::SynchronizeRequest& request) {
       if (JobRecord* const record = lock->find_job(job)) lock.note_progress(*record);
 }
 
+// Of a worker that the scheduler does not know: it was asked to drain before the coordinator was restarted.
+std::optional<farm::Drain> drain_of_earlier_run(const StateLock& lock, const std::string& worker) {
+  const farm::Drain* const drain = lock->drains.find(worker);
+  if (drain == nullptr || lock->scheduler.worker_info({worker}) != nullptr) return std::nullopt;
+  return *drain;
+}
+
 scheduler::Synchronize event_of(const StateLock& lock, const v1::SynchronizeRequest& request,
                                 scheduler::WorkerInfo info, const std::vector<const v1::Lease*>& held,
                                 const std::set<std::string>& fetching) {
@@ -166,7 +175,9 @@ void Dispatcher::synchronize(const v1::SynchronizeRequest& request, farm::Synchr
   if (!admitted) return farm::refuse(lock, caller, admitted.error());
 
   note_troubles(lock, request);
-  const scheduler::Synchronize event = event_of(lock, request, std::move(info), held, fetching);
+  scheduler::Synchronize event = event_of(lock, request, std::move(info), held, fetching);
+  const std::optional<farm::Drain> drain = drain_of_earlier_run(lock, request.worker_id());
+  event.draining |= drain.has_value();
   const scheduler::Actions actions = lock->scheduler.handle(event, lock.now());
   if (!actions.status) {
     lock.apply(actions);
@@ -183,6 +194,7 @@ void Dispatcher::synchronize(const v1::SynchronizeRequest& request, farm::Synchr
   lock->waiting.emplace(request.worker_id(), std::move(call));
   if (reply.changed || lacks_spec || nothing_left) farm::answer(lock, request.worker_id(), reply);
   lock.apply(actions);
+  if (drain) lock.handle(scheduler::Drain{{request.worker_id()}, true, drain->stop});
 }
 
 }  // namespace tessera::dispatch

@@ -99,7 +99,7 @@ bool Dispatcher::advance_time() {
   next_check_ = lock.now() + kCheckPeriod;
   lock.log_suppressed();
   if (const auto broken = lock->scheduler.check_some(check_cursor_, kChecksAtOnce))
-    proto::abort_with(*broken);
+    common::abort_with(*broken);
   return true;
 }
 

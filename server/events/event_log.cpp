@@ -7,7 +7,7 @@
 namespace tessera::events {
 
 Revision EventLog::append(Subject subject, bool has_ended) {
-  const std::lock_guard lock(mutex_);
+  const core::MutexLock lock(mutex_);
   const Revision revision = counter_.next();  // under the lock: the log is in the order of revisions
   Entry& entry = entries_[subject];
   if (entry.revision == 0) {
@@ -28,15 +28,16 @@ Revision EventLog::append(Subject subject, bool has_ended) {
   return revision;
 }
 
+bool EventLog::has_ended_at(Revision revision) const {
+  const auto found = order_.find(revision);
+  return found != order_.end() && entries_.at(found->second).has_ended;
+}
+
 void EventLog::forget_ended() {
-  const auto is_current = [this](Revision revision) {
-    const auto found = order_.find(revision);
-    return found != order_.end() && entries_.at(found->second).has_ended;
-  };
-  while (!ended_.empty() && (ended_count_ > kept_ended_ || !is_current(ended_.front()))) {
+  while (!ended_.empty() && (ended_count_ > kept_ended_ || !has_ended_at(ended_.front()))) {
     const Revision revision = ended_.front();
     ended_.pop_front();
-    if (!is_current(revision)) continue;
+    if (!has_ended_at(revision)) continue;
     const auto oldest = order_.find(revision);
     entries_.erase(oldest->second);
     order_.erase(oldest);
@@ -47,7 +48,7 @@ void EventLog::forget_ended() {
 
 EventLog::Page EventLog::read(const Cursor& cursor, std::size_t most) const {
   Page page;
-  const std::lock_guard lock(mutex_);
+  const core::MutexLock lock(mutex_);
   page.reset = cursor.revision < forgotten_ && cursor.forgotten != forgotten_;
   page.next = page.reset ? Cursor{0, forgotten_} : cursor;
   auto next = order_.upper_bound(page.next.revision);
@@ -61,20 +62,21 @@ EventLog::Page EventLog::read(const Cursor& cursor, std::size_t most) const {
 }
 
 std::uint64_t EventLog::wakes() const {
-  const std::lock_guard lock(mutex_);
+  const core::MutexLock lock(mutex_);
   return wakes_;
 }
 
 void EventLog::wait(const Cursor& cursor, std::uint64_t wakes) {
-  std::unique_lock lock(mutex_);
+  core::MutexLock lock(mutex_);
   ++waiting_;
-  appended_.wait(
-      lock, [&] { return wakes_ != wakes || (!order_.empty() && order_.rbegin()->first > cursor.revision); });
+  appended_.wait(lock.native(), [&]() TESSERA_REQUIRES(mutex_) {
+    return wakes_ != wakes || (!order_.empty() && order_.rbegin()->first > cursor.revision);
+  });
   --waiting_;
 }
 
 void EventLog::wake() {
-  const std::lock_guard lock(mutex_);
+  const core::MutexLock lock(mutex_);
   ++wakes_;
   appended_.notify_all();
 }

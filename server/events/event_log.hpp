@@ -13,11 +13,11 @@
 #include <cstdint>
 #include <deque>
 #include <map>
-#include <mutex>
 #include <string>
 #include <unordered_map>
 #include <vector>
 
+#include "core/base/mutex.hpp"
 #include "server/events/revision.hpp"
 
 namespace tessera::events {
@@ -86,21 +86,23 @@ class EventLog {
   };
 
   Revision append(Subject subject, bool has_ended);
-  void forget_ended();
+  void forget_ended() TESSERA_REQUIRES(mutex_);
+  // Whether a subject ended with this revision and has not changed since.
+  bool has_ended_at(Revision revision) const TESSERA_REQUIRES(mutex_);
 
   RevisionCounter counter_;
   const std::size_t kept_ended_;
-  mutable std::mutex mutex_;
+  mutable core::Mutex mutex_;
   std::condition_variable appended_;
-  // Guarded by mutex_:
-  std::unordered_map<Subject, Entry, Hash> entries_;
-  std::map<Revision, Subject> order_;
+  std::unordered_map<Subject, Entry, Hash> entries_ TESSERA_GUARDED_BY(mutex_);
+  std::map<Revision, Subject> order_ TESSERA_GUARDED_BY(mutex_);
   // The revisions with which subjects ended, oldest first; some may have changed since.
-  std::deque<Revision> ended_;
-  std::size_t ended_count_ = 0;
-  Revision forgotten_;  // the last change of a subject that was removed; at first less than all changes
-  int waiting_ = 0;
-  std::uint64_t wakes_ = 0;
+  std::deque<Revision> ended_ TESSERA_GUARDED_BY(mutex_);
+  std::size_t ended_count_ TESSERA_GUARDED_BY(mutex_) = 0;
+  // The last change of a subject that was removed; at first less than all changes.
+  Revision forgotten_ TESSERA_GUARDED_BY(mutex_);
+  int waiting_ TESSERA_GUARDED_BY(mutex_) = 0;
+  std::uint64_t wakes_ TESSERA_GUARDED_BY(mutex_) = 0;
 };
 
 }  // namespace tessera::events

@@ -16,6 +16,8 @@ class RevisionCounter {
   explicit RevisionCounter(std::uint32_t epoch) : last_(first_of(epoch)) {}
 
   Revision next() { return ++last_; }
+  // That of the last change; nothing has changed while it stays the same.
+  Revision last() const { return last_; }
 
   // Less than all revisions of this epoch, and greater than those of earlier ones.
   static Revision first_of(std::uint32_t epoch) { return static_cast<Revision>(epoch) << kCounterBits; }

@@ -13,7 +13,7 @@ scheduler::Options scheduler_options(const Options& options) {
   scheduler::Options result;
   result.epoch = options.epoch;
   result.lease_duration = options.lease_duration;
-  result.forget_after = 10 * options.lease_duration;
+  result.forget_after = options.forget_after();
   result.audit_share = options.audit_share;
   result.audit_secret = base::random_number();
   if (options.sign) result.sign = options.sign;
@@ -73,6 +73,7 @@ ValidatingJob& State::add_validating(ValidatingJob job) {
   const std::string id = job.spec->id();
   if (!job.request_id.empty()) job_of_request[job.request_id] = id;
   count_open_job(job.spec->owner(), 1);
+  validating_order.insert(job.revision);
   return validating.emplace(id, std::move(job)).first->second;
 }
 
@@ -80,6 +81,7 @@ std::map<std::string, ValidatingJob>::node_type State::remove_validating(const s
   auto removed = validating.extract(id);
   job_of_request.erase(removed.mapped().request_id);
   count_open_job(removed.mapped().spec->owner(), -1);
+  validating_order.erase(removed.mapped().revision);
   return removed;
 }
 

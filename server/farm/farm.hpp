@@ -11,21 +11,23 @@
 #include <deque>
 #include <functional>
 #include <map>
-#include <mutex>
 #include <set>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "core/base/determinism_fingerprint.hpp"
+#include "core/base/mutex.hpp"
 #include "server/base/duration_histogram.hpp"
 #include "server/base/rate_limited_log.hpp"
 #include "server/events/event_log.hpp"
+#include "server/farm/drains.hpp"
 #include "server/farm/job_record.hpp"
 #include "server/farm/quarantine.hpp"
 #include "server/farm/troubles.hpp"
 #include "server/farm/validating_job.hpp"
 #include "server/farm/waiting_calls.hpp"
+#include "server/scheduler/ranked_set.hpp"
 #include "server/scheduler/scheduler.hpp"
 
 namespace tessera::farm {
@@ -47,6 +49,9 @@ struct Options {
   // See scheduler::Options.
   std::uint32_t epoch = 1;
   scheduler::SignLease sign{};
+
+  // A worker that is silent for so long is forgotten.
+  scheduler::Duration forget_after() const { return 10 * lease_duration; }
 };
 
 // What the state lock guards.
@@ -72,9 +77,10 @@ struct State {
   void count_open_job(const std::string& owner, int change);
 
   scheduler::Scheduler scheduler;
-  std::map<std::string, JobRecord> jobs;              // by id
-  std::map<std::string, ValidatingJob> validating;    // by id; none of them is in `jobs`
-  std::map<std::string, std::string> job_of_request;  // ids by request_id
+  std::map<std::string, JobRecord> jobs;                    // by id
+  std::map<std::string, ValidatingJob> validating;          // by id; none of them is in `jobs`
+  scheduler::RankedSet<events::Revision> validating_order;  // their revisions: the first submitted first
+  std::map<std::string, std::string> job_of_request;        // ids by request_id
   // The unfinished jobs of each owner, with those that are being submitted (jobs/quota.hpp) or validated.
   // Without zeros.
   std::map<std::string, std::int64_t> open_jobs;
@@ -82,6 +88,7 @@ struct State {
   // Workers to which new work is offered next; the lock is released in between.
   std::deque<std::string> to_offer;
   Quarantine quarantine;
+  Drains drains;
   Troubles troubles;
   base::RateLimitedLog rejected_log, troubles_log;
   std::set<std::string> to_reopen;  // jobs
@@ -103,6 +110,8 @@ class Farm {
   events::EventLog& events() { return events_; }
   // How long the state lock was held, each time.
   const base::DurationHistogram& lock_holds() const { return lock_holds_; }
+  // What StateLock locks, for annotations.
+  core::Mutex& mutex() TESSERA_RETURNS(mutex_) { return mutex_; }
 
  private:
   friend class StateLock;
@@ -113,8 +122,8 @@ class Farm {
   const Options options_;
   events::EventLog events_;
   base::DurationHistogram lock_holds_;
-  std::mutex mutex_;
-  State state_;  // guarded by mutex_
+  core::Mutex mutex_;
+  State state_ TESSERA_GUARDED_BY(mutex_);
 };
 
 }  // namespace tessera::farm

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "core/base/printable.hpp"
@@ -30,6 +31,16 @@ bool has_valid_settings(const store::JobRow& row, const v1::Job& spec) {
   return row.spp <= core::kMaxSpp && proto::from_proto(spec.settings()).has_value();
 }
 
+// Whether the film has no more tiles than one can have, and the targets are of these.
+bool has_possible_shape(const store::JobRow& row, const v1::Job& spec) {
+  const auto targets = decode_targets(row.targets);
+  if (!targets || spec.image_count() > scheduler::kMaxTilesPerJob) return false;
+  const scheduler::JobGrid grid = grid_of(spec);
+  const std::int64_t tiles = std::int64_t{grid.tiles_per_image()} * grid.image_count();
+  const auto& all = targets->all();
+  return tiles <= scheduler::kMaxTilesPerJob && (all.empty() || all.rbegin()->first < tiles);
+}
+
 bool ended_unvalidated(const store::JobRow& row) {
   return row.state == v1::JOB_STATE_CANCELLED || row.state == v1::JOB_STATE_FAILED;
 }
@@ -38,8 +49,43 @@ bool is_time(std::int64_t ms) {
   return ms_from_timestamp(timestamp_from_ms(ms)) == ms;
 }
 
+void say_what_is_ahead(const JobSnapshot& snapshot, v1::Job& job) {
+  if (!snapshot.scenes_ahead) return job.set_waiting_reason("validating");
+  job.set_queue_position(static_cast<std::uint32_t>(1 + *snapshot.scenes_ahead));
+  job.set_waiting_reason(fmt::format("validating: {} ahead", *snapshot.scenes_ahead));
+}
+
 core::RenderCounters counters_of(const JobSnapshot& job) {
   return job.film ? job.film->counters() : job.stored_counters;
+}
+
+std::vector<std::uint64_t> samples_by_image(const JobSnapshot& job) {
+  return job.film ? job.film->samples_by_image() : job.stored_samples_by_image;
+}
+
+// Samples of a running job that were just counted may not be in its film yet.
+void add_images(const JobSnapshot& snapshot, v1::Job& job) {
+  const scheduler::JobShape& shape = snapshot.view.shape;
+  const bool is_done = job.state() == v1::JOB_STATE_DONE;
+  const std::vector<std::uint64_t> samples = samples_by_image(snapshot);
+  const int count = static_cast<int>(job.image_count());
+  for (int i = 0; i < count; ++i) {
+    v1::Image& image = *job.add_images();
+    if (i < snapshot.spec->images_size()) image = snapshot.spec->images(i);
+    if (!snapshot.is_validated) continue;
+    const auto at = static_cast<std::size_t>(i);
+    const std::uint64_t total = shape.pixel_samples_of(i);
+    const std::uint64_t known = count == 1 ? job.samples_done() : at < samples.size() ? samples[at] : 0;
+    image.set_samples_total(total);
+    image.set_samples_done(is_done ? total : known);
+  }
+}
+
+stored::v1::Counters stored_counters_of(const JobSnapshot& job) {
+  stored::v1::Counters counters = film::to_stored(counters_of(job));
+  const std::vector<std::uint64_t> samples = samples_by_image(job);
+  if (samples.size() > 1) counters.mutable_samples_by_image()->Add(samples.begin(), samples.end());
+  return counters;
 }
 
 }  // namespace
@@ -50,12 +96,18 @@ bool is_text(const std::string& bytes) {
   return told.ParseFromString(told.SerializeAsString());
 }
 
-core::TileGrid grid_of(const v1::Job& spec) {
+scheduler::JobGrid grid_of(const v1::Job& spec) {
   return shape_of(spec, 0).grid();
 }
 
 scheduler::JobShape shape_of(const v1::Job& spec, std::uint32_t spp) {
-  return {proto::window_of(spec.settings()), spp};
+  return {proto::window_of(spec.settings()), spp, static_cast<int>(std::max(spec.image_count(), 1U))};
+}
+
+scheduler::JobShape shape_of(const v1::Job& spec, const store::JobRow& row) {
+  scheduler::JobShape shape = shape_of(spec, row.spp);
+  shape.targets = decode_targets(row.targets).value_or(scheduler::TileTargets());
+  return shape;
 }
 
 JobSnapshot::JobSnapshot(const JobRecord& record, scheduler::JobView job_view,
@@ -70,13 +122,20 @@ JobSnapshot::JobSnapshot(const JobRecord& record, scheduler::JobView job_view,
       arithmetic(record.arithmetic),
       film(record.film),
       stored_counters(record.stored_counters),
+      stored_samples_by_image(record.stored_samples_by_image),
       view(std::move(job_view)),
       troubles(std::move(job_troubles)) {}
 
 v1::Job describe(const JobSnapshot& snapshot) {
-  v1::Job job = summarise(snapshot);
+  v1::Job job = describe_without_bundle(snapshot);
   *job.mutable_bundle() = snapshot.spec->bundle();
+  return job;
+}
+
+v1::Job describe_without_bundle(const JobSnapshot& snapshot) {
+  v1::Job job = summarise(snapshot);
   *job.mutable_warnings() = snapshot.spec->warnings();
+  add_images(snapshot, job);
   return job;
 }
 
@@ -91,6 +150,7 @@ v1::Job summarise_spec(const v1::Job& spec) {
   job.set_owner(spec.owner());
   *job.mutable_labels() = spec.labels();
   *job.mutable_created_at() = spec.created_at();
+  job.set_image_count(std::max(spec.image_count(), 1U));
   return job;
 }
 
@@ -100,6 +160,7 @@ v1::Job summarise(const JobSnapshot& snapshot) {
   job.set_revision(snapshot.last_event);
   if (snapshot.is_validating) {
     job.set_state(v1::JOB_STATE_VALIDATING);
+    say_what_is_ahead(snapshot, job);
     return job;
   }
   if (snapshot.is_validated) job.mutable_settings()->set_spp(view.shape.spp);
@@ -115,6 +176,8 @@ v1::Job summarise(const JobSnapshot& snapshot) {
   job.set_samples_to_verify(view.samples_to_verify);
   job.set_samples_per_second(view.samples_per_second);
   job.set_active_workers(static_cast<std::uint32_t>(view.active_workers));
+  job.set_queue_position(view.queue_position);
+  job.set_waiting_reason(std::string(waiting_reason(view.waiting)));
   *job.mutable_counters() = proto::to_proto(counters_of(snapshot));
   if (snapshot.finished_ms && !snapshot.is_unpublished)
     *job.mutable_finished_at() = timestamp_from_ms(*snapshot.finished_ms);
@@ -136,7 +199,8 @@ store::JobRow to_row(const JobSnapshot& job) {
   row.priority = job.view.priority;
   row.max_workers = job.view.max_workers;
   row.finished_ms = job.finished_ms;
-  row.counters = film::to_stored(counters_of(job)).SerializeAsString();
+  row.counters = stored_counters_of(job).SerializeAsString();
+  if (job.is_validated) row.targets = encode_targets(job.view.shape.targets);
   row.arithmetic = job.arithmetic;
   if (job.film) row.producers = job.film->producers().encode();
   return row;
@@ -169,7 +233,8 @@ core::Result<JobRecord> from_row(const store::JobRow& row) {
   stored::v1::Counters counters;
   if (!row.intact || !read_spec(row, *spec) || !counters.ParseFromString(row.counters) ||
       !is_text(row.failure) || !proto::from_proto(spec->display()) ||
-      !(is_validated(row) ? has_valid_settings(row, *spec) : ended_unvalidated(row)) ||
+      !(is_validated(row) ? has_valid_settings(row, *spec) && has_possible_shape(row, *spec)
+                          : ended_unvalidated(row)) ||
       !is_known_state(row.state) || !is_time(row.finished_ms.value_or(0)))
     return core::fail(damaged_job(row.id));
   JobRecord record;
@@ -180,6 +245,8 @@ core::Result<JobRecord> from_row(const store::JobRow& row) {
   record.finished_ms = row.finished_ms;
   record.arithmetic = row.arithmetic;
   record.stored_counters = film::from_stored(counters);
+  record.stored_samples_by_image.assign(counters.samples_by_image().begin(),
+                                        counters.samples_by_image().end());
   return record;
 }
 

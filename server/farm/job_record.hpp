@@ -3,6 +3,7 @@
 // state lock.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -20,7 +21,7 @@ namespace tessera::farm {
 
 struct JobRecord {
   // The job as submitted and validated: id, name, owner, settings, bundle, display, priority, max_workers,
-  // labels, warnings and created_at. Never changes.
+  // labels, warnings, images and created_at. Never changes.
   std::shared_ptr<const v1::Job> spec;
   // False for a job that was cancelled, or that failed, before its scene was validated: it has no image.
   bool is_validated = true;
@@ -46,8 +47,9 @@ struct JobRecord {
   bool is_open = false;
   // How many checks in a row found that the job lacks nothing but a worker to verify it.
   int checks_without_auditor = 0;
-  // The counters of the film, if that is null.
+  // The counters of the film, if that is null, and the samples of its images if there are several.
   core::RenderCounters stored_counters;
+  std::vector<std::uint64_t> stored_samples_by_image;
 };
 
 // What describes a job at one moment. It is copied under the state lock; messages and rows are made of it
@@ -57,6 +59,8 @@ struct JobSnapshot {
 
   std::shared_ptr<const v1::Job> spec;
   bool is_validating = false;
+  // The scenes that are validated before its own; absent if that is not known, or has begun.
+  std::optional<std::size_t> scenes_ahead{};
   bool is_validated = true;
   std::string request_id;
   events::Revision revision = 0, last_event = 0;
@@ -65,20 +69,25 @@ struct JobSnapshot {
   std::string arithmetic;
   std::shared_ptr<const film::JobFilm> film;
   core::RenderCounters stored_counters;
+  std::vector<std::uint64_t> stored_samples_by_image;
   scheduler::JobView view;
   std::vector<std::string> troubles;
 };
 
-// The tiles of the job's window.
-core::TileGrid grid_of(const v1::Job& spec);
+// The tiles of the job's images.
+scheduler::JobGrid grid_of(const v1::Job& spec);
 scheduler::JobShape shape_of(const v1::Job& spec, std::uint32_t spp);
+// That of a validated job whose row could be read.
+scheduler::JobShape shape_of(const v1::Job& spec, const store::JobRow& row);
 
-// What is known of a job from its spec alone: without the bundle, which can name thousands of files, and
-// without warnings.
+// What is known of a job from its spec alone: without the bundle, which can name thousands of files, without
+// warnings and without the list of images.
 v1::Job summarise_spec(const v1::Job& spec);
 // The job as its users see it. A job whose completion is unpublished is shown as running.
 v1::Job describe(const JobSnapshot& job);
-// The same without the bundle and without warnings.
+// The same without the bundle.
+v1::Job describe_without_bundle(const JobSnapshot& job);
+// The same without the bundle, without warnings, and without the list of images.
 v1::Job summarise(const JobSnapshot& job);
 
 // Whether the bytes are UTF-8, as texts of the protocol must be. A row of the store may hold anything.

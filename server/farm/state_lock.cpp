@@ -56,6 +56,12 @@ JobSnapshot StateLock::snapshot_of(const JobRecord& record) const {
   return {record, std::move(view), is_running ? state_.troubles.of_job(id) : std::vector<std::string>{}};
 }
 
+JobSnapshot StateLock::snapshot_of(const ValidatingJob& job) const {
+  JobSnapshot snapshot = farm::snapshot_of(job);
+  if (!job.is_begun) snapshot.scenes_ahead = state_.validating_order.order_of_key(job.revision);
+  return snapshot;
+}
+
 events::Revision StateLock::note_progress(JobRecord& record) {
   const std::string& id = record.spec->id();
   const bool is_over = !record.is_open && !record.unpublished_completion;
@@ -163,6 +169,7 @@ void StateLock::note_presence(const scheduler::WorkerId& worker) {
   }
   if (view) return;
   state_.quarantine.forget(id);
+  state_.drains.forget(id);
   state_.troubles.forget(id);
 }
 

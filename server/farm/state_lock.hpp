@@ -14,14 +14,15 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/mutex.hpp"
 #include "server/farm/farm.hpp"
 
 namespace tessera::farm {
 
-class StateLock {
+class TESSERA_THREAD_ANNOTATION(scoped_lockable) StateLock {
  public:
-  explicit StateLock(Farm& farm);
-  ~StateLock();
+  explicit StateLock(Farm& farm) TESSERA_ACQUIRE(farm.mutex());
+  ~StateLock() TESSERA_RELEASE();
   StateLock(const StateLock&) = delete;
   StateLock& operator=(const StateLock&) = delete;
 
@@ -46,6 +47,7 @@ class StateLock {
 
   // A snapshot of a job that exists.
   JobSnapshot snapshot_of(const JobRecord& record) const;
+  JobSnapshot snapshot_of(const ValidatingJob& job) const;
 
   // The job has changed, and the store must learn of it.
   void change(JobRecord& record) { record.revision = note_progress(record); }
@@ -79,7 +81,7 @@ class StateLock {
   void note_presence(const scheduler::WorkerId& worker);
 
   Farm& farm_;
-  std::unique_lock<std::mutex> lock_;
+  core::MutexLock lock_;
   const std::chrono::nanoseconds since_;  // by Options::hold_clock
   const Options& options_;
   events::EventLog& events_;

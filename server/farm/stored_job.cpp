@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/farm/stored_job.hpp"
 
+#include <algorithm>
 #include <cstdint>
-#include <iterator>
+#include <utility>
 
+#include "core/film/layout.hpp"
 #include "server/farm/wire.hpp"
 #include "server/store/stored.pb.h"
 
@@ -13,8 +15,6 @@ namespace {
 
 // No message of earlier releases begins with it.
 constexpr char kMark = 'J';
-
-constexpr const char* kChannels[] = {"R", "G", "B"};
 
 stored::v1::Rect to_stored(const v1::PixelRect& rect) {
   stored::v1::Rect stored;
@@ -69,24 +69,51 @@ v1::RenderSettings from_stored(const stored::v1::Settings& stored) {
   return settings;
 }
 
-void add_image(stored::v1::Job& job) {
-  stored::v1::Layout& layout = *job.add_images()->mutable_layout();
-  for (const char* const name : kChannels) {
-    stored::v1::Layout::Channel& channel = *layout.add_channels();
-    channel.set_name(name);
+stored::v1::Layout to_stored(const core::FilmLayout& layout) {
+  stored::v1::Layout stored;
+  for (const core::FilmChannel& each : layout.channels) {
+    stored::v1::Layout::Channel& channel = *stored.add_channels();
+    channel.set_name(each.name);
     channel.set_encoding(stored::v1::ENCODING_RADIANCE);
   }
+  return stored;
 }
 
-// Whether this release can read the images: there is one, of RGB.
-bool has_known_images(const stored::v1::Job& job) {
-  if (job.images_size() != 1) return false;
-  const stored::v1::Layout& layout = job.images(0).layout();
-  if (layout.channels_size() != static_cast<int>(std::size(kChannels))) return false;
-  for (int i = 0; i < layout.channels_size(); ++i) {
-    const stored::v1::Layout::Channel& channel = layout.channels(i);
-    if (channel.name() != kChannels[i] || channel.encoding() != stored::v1::ENCODING_RADIANCE) return false;
+bool is_known(const stored::v1::Layout& layout) {
+  const auto& known = core::rgb_layout().channels;
+  return std::equal(layout.channels().begin(), layout.channels().end(), known.begin(), known.end(),
+                    [](const stored::v1::Layout::Channel& channel, const core::FilmChannel& each) {
+                      return channel.name() == each.name &&
+                             channel.encoding() == stored::v1::ENCODING_RADIANCE;
+                    });
+}
+
+// A job that names no images has one.
+void add_images(const v1::Job& job, stored::v1::Job& stored) {
+  for (const v1::Image& image : job.images()) {
+    stored::v1::Image& added = *stored.add_images();
+    added.set_frame(image.frame());
+    added.set_name(image.name());
   }
+  if (stored.images().empty()) stored.add_images();
+  *stored.mutable_images(0)->mutable_layout() = to_stored(core::rgb_layout());
+}
+
+// Whether this release can read the images.
+bool read_images(const stored::v1::Job& stored, v1::Job& job) {
+  const auto has_unknown_layout = [](const stored::v1::Image& image) {
+    return image.has_layout() && !is_known(image.layout());
+  };
+  if (stored.images().empty() || !stored.images(0).has_layout()) return false;
+  if (std::any_of(stored.images().begin(), stored.images().end(), has_unknown_layout)) return false;
+  const stored::v1::Image& first = stored.images(0);
+  if (stored.images_size() == 1 && first.frame() == 0 && first.name().empty()) return true;
+  for (const stored::v1::Image& image : stored.images()) {
+    v1::Image& read = *job.add_images();
+    read.set_frame(image.frame());
+    read.set_name(image.name());
+  }
+  job.set_image_count(static_cast<std::uint32_t>(job.images_size()));
   return true;
 }
 
@@ -107,7 +134,7 @@ std::string encode_spec(const v1::Job& job) {
   stored.set_max_workers(job.max_workers());
   stored.mutable_labels()->insert(job.labels().begin(), job.labels().end());
   stored.mutable_warnings()->Add(job.warnings().begin(), job.warnings().end());
-  add_image(stored);
+  add_images(job, stored);
   std::string bytes(1, kMark);
   stored.AppendToString(&bytes);
   return bytes;
@@ -116,7 +143,7 @@ std::string encode_spec(const v1::Job& job) {
 bool decode_spec(const std::string& bytes, v1::Job& job) {
   if (bytes.empty() || bytes.front() != kMark) return job.ParseFromString(bytes);
   stored::v1::Job stored;
-  if (!stored.ParseFromString(bytes.substr(1)) || !has_known_images(stored)) return false;
+  if (!stored.ParseFromString(bytes.substr(1)) || !read_images(stored, job)) return false;
   job.set_id(stored.id());
   job.set_name(stored.name());
   job.set_owner(stored.owner());
@@ -193,6 +220,30 @@ scheduler::FailureDetails decode_failure(const std::string& bytes) {
         scheduler::WorkItem{static_cast<int>(samples.tile()), {samples.sample_begin(), samples.sample_end()}};
   details.workers.assign(message.workers().begin(), message.workers().end());
   return details;
+}
+
+std::string encode_targets(const scheduler::TileTargets& targets) {
+  stored::v1::Targets message;
+  int last = 0;
+  for (const auto& [tile, spp] : targets.all()) {
+    message.add_tiles(static_cast<std::uint32_t>(tile - last));
+    message.add_spp(spp);
+    last = tile;
+  }
+  return message.SerializeAsString();
+}
+
+std::optional<scheduler::TileTargets> decode_targets(const std::string& bytes) {
+  stored::v1::Targets message;
+  if (!message.ParseFromString(bytes) || message.tiles_size() != message.spp_size()) return std::nullopt;
+  scheduler::TileTargets::ByTile targets;
+  std::uint64_t tile = 0;
+  for (int i = 0; i < message.tiles_size(); ++i) {
+    tile += message.tiles(i);
+    if (tile >= scheduler::kMaxTilesPerJob || message.spp(i) == 0) return std::nullopt;
+    targets[static_cast<int>(tile)] = message.spp(i);
+  }
+  return scheduler::TileTargets(std::move(targets));
 }
 
 std::string encode_bundle(const v1::Bundle& bundle) {

@@ -3,6 +3,7 @@
 // earlier releases, which were messages of the protocol. Pure functions.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "server/scheduler/failure.hpp"
@@ -17,13 +18,18 @@ std::string encode_spec(const v1::Job& job);
 // also have the bundle.
 bool decode_spec(const std::string& bytes, v1::Job& job);
 
-// Only the overrides and the display of a submission.
+// Only the overrides and the display of a submission; the spec has the rest.
 std::string encode_submission(const v1::SubmitJobRequest& submission);
 bool decode_submission(const std::string& bytes, v1::SubmitJobRequest& submission);
 
 std::string encode_failure(const scheduler::FailureDetails& details);
 // Bytes that cannot be read are of an unknown reason.
 scheduler::FailureDetails decode_failure(const std::string& bytes);
+
+// Empty if there are none.
+std::string encode_targets(const scheduler::TileTargets& targets);
+// Empty if the bytes cannot be read.
+std::optional<scheduler::TileTargets> decode_targets(const std::string& bytes);
 
 std::string encode_bundle(const v1::Bundle& bundle);
 bool decode_bundle(const std::string& bytes, v1::Bundle& bundle);

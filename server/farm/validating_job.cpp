@@ -66,14 +66,14 @@ JobSnapshot snapshot_of_row(const store::JobRow& row) {
   if (!record) return snapshot_of_damaged(row, record.error());
   scheduler::JobView view;
   view.id = {row.id};
-  view.shape = record->is_validated ? shape_of(*record->spec, row.spp) : kNoShape;
+  view.shape = record->is_validated ? shape_of(*record->spec, row) : kNoShape;
   view.state = from_wire(static_cast<v1::JobState>(row.state));
   view.failure = row.failure;
   view.failure_details = decode_failure(row.failure_details);
   view.priority = row.priority;
   view.max_workers = row.max_workers;
   view.samples_done = record->stored_counters.samples;
-  view.samples_total = view.shape.window.pixel_count() * row.spp;
+  view.samples_total = record->is_validated ? view.shape.pixel_samples() : 0;
   return {*record, std::move(view)};
 }
 

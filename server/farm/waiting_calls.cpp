@@ -29,6 +29,7 @@ v1::SynchronizeResponse LeaseMessages::build() const {
     job->set_job_id(id);
     *job->mutable_bundle() = spec.bundle();
     *job->mutable_settings() = spec.settings();
+    *job->mutable_images() = spec.images();
   }
   *response.mutable_heartbeat_timeout() = to_wire(reply_.heartbeat_timeout);
   response.set_stop(reply_.stop);

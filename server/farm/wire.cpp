@@ -53,41 +53,64 @@ JobState from_wire(v1::JobState state) {
   }
 }
 
-v1::Failure to_wire(const scheduler::Failure& failure, const core::TileGrid& grid) {
+std::string_view waiting_reason(scheduler::Waiting waiting) {
+  switch (waiting) {
+    case scheduler::Waiting::kNo:
+      return "";
+    case scheduler::Waiting::kPaused:
+      return "paused";
+    case scheduler::Waiting::kNoWorker:
+      return "no worker is connected";
+    case scheduler::Waiting::kHigherPriority:
+      return "jobs of higher priority are served first";
+    case scheduler::Waiting::kTurn:
+      return "waits for a free worker";
+    case scheduler::Waiting::kVerification:
+      return "waits for another worker to verify samples";
+    case scheduler::Waiting::kMaxWorkers:
+      return "max_workers reached";
+  }
+  return "";
+}
+
+v1::WorkItem to_wire(const scheduler::WorkItem& item, const scheduler::JobGrid& grid) {
+  const auto image = static_cast<std::uint32_t>(grid.image_of(item.tile));
+  return proto::to_proto(proto::WorkItem{grid.rect(item.tile), item.samples, image});
+}
+
+v1::Failure to_wire(const scheduler::Failure& failure, const scheduler::JobGrid& grid) {
   v1::Failure message;
   message.set_reason(static_cast<v1::Failure::Reason>(failure.details.reason));
   message.set_message(failure.message);
   const auto& item = failure.details.item;
   if (item && item->tile >= 0 && item->tile < grid.tile_count())
-    *message.mutable_item() = proto::to_proto(proto::WorkItem{grid.rect(item->tile), item->samples});
+    *message.mutable_item() = to_wire(*item, grid);
   for (const std::string& worker : failure.details.workers) message.add_workers(worker);
   return message;
 }
 
-v1::Lease to_wire(const scheduler::LeaseDescription& lease, const core::TileGrid& grid) {
+v1::Lease to_wire(const scheduler::LeaseDescription& lease, const scheduler::JobGrid& grid) {
   v1::Lease message;
   message.set_id(lease.id.value);
   message.set_job_id(lease.job.value);
   message.set_token(lease.token);
-  for (const scheduler::WorkItem& item : lease.items) {
-    *message.add_items() = proto::to_proto(proto::WorkItem{grid.rect(item.tile), item.samples});
-  }
+  for (const scheduler::WorkItem& item : lease.items) *message.add_items() = to_wire(item, grid);
   return message;
 }
 
-scheduler::LeaseDescription from_wire(const v1::Lease& message, const core::TileGrid& grid) {
+scheduler::LeaseDescription from_wire(const v1::Lease& message, const scheduler::JobGrid& grid) {
   scheduler::LeaseDescription lease{{message.id()}, {message.job_id()}, {}, message.token()};
   for (const v1::WorkItem& each : message.items()) {
     const auto item = proto::from_proto(each);
-    if (item) lease.items.push_back({scheduler::tile_index(grid, item->rect), item->range});
+    if (item) lease.items.push_back({grid.find(item->image, item->rect), item->range});
   }
   return lease;
 }
 
-scheduler::Rendering from_wire(const v1::Rendering& message, const core::TileGrid& grid) {
+scheduler::Rendering from_wire(const v1::Rendering& message, const scheduler::JobGrid& grid) {
   scheduler::Rendering rendering{{message.lease_id()}, {message.job_id()}, {scheduler::kNoTile, {}}};
   if (const auto item = proto::from_proto(message.item()))
-    rendering.item = {scheduler::tile_index(grid, item->rect), item->range};
+    rendering.item = {grid.find(item->image, item->rect), item->range};
   return rendering;
 }
 

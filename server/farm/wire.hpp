@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 
 #include "core/film/region.hpp"
 #include "server/scheduler/scheduler.hpp"
@@ -16,14 +17,18 @@ v1::JobState to_wire(scheduler::JobState state);
 // RUNNING for an unknown value.
 scheduler::JobState from_wire(v1::JobState state);
 
-// The grid is that of the job.
-v1::Failure to_wire(const scheduler::Failure& failure, const core::TileGrid& grid);
+// In a few words, for Job.waiting_reason; empty for Waiting::kNo.
+std::string_view waiting_reason(scheduler::Waiting waiting);
 
-v1::Lease to_wire(const scheduler::LeaseDescription& lease, const core::TileGrid& grid);
-// Leaves out empty items. Rectangles that are no tile become kNoTile.
-scheduler::LeaseDescription from_wire(const v1::Lease& lease, const core::TileGrid& grid);
+// The grid is that of the job. The tile must be one of it.
+v1::WorkItem to_wire(const scheduler::WorkItem& item, const scheduler::JobGrid& grid);
+v1::Failure to_wire(const scheduler::Failure& failure, const scheduler::JobGrid& grid);
+
+v1::Lease to_wire(const scheduler::LeaseDescription& lease, const scheduler::JobGrid& grid);
+// Leaves out empty items. Rectangles and images that are no tile of the job become kNoTile.
+scheduler::LeaseDescription from_wire(const v1::Lease& lease, const scheduler::JobGrid& grid);
 // An empty item becomes one of kNoTile, too.
-scheduler::Rendering from_wire(const v1::Rendering& rendering, const core::TileGrid& grid);
+scheduler::Rendering from_wire(const v1::Rendering& rendering, const scheduler::JobGrid& grid);
 
 // `seen_ms` is when it was last seen, in milliseconds since 1970-01-01 UTC.
 v1::Worker to_wire(const scheduler::WorkerView& worker, std::int64_t seen_ms);

@@ -8,13 +8,13 @@
 namespace tessera::film {
 
 void FilmMemory::add(std::weak_ptr<JobFilm> film) {
-  const std::lock_guard lock(mutex_);
+  const core::MutexLock lock(mutex_);
   std::erase_if(films_, [](const auto& each) { return each.expired(); });
   films_.push_back(std::move(film));
 }
 
 std::shared_ptr<JobFilm> FilmMemory::next_film() {
-  const std::lock_guard lock(mutex_);
+  const core::MutexLock lock(mutex_);
   std::erase_if(films_, [](const auto& each) { return each.expired(); });
   if (films_.empty()) return nullptr;
   films_.push_back(std::move(films_.front()));

@@ -8,7 +8,8 @@
 #include <cstdint>
 #include <deque>
 #include <memory>
-#include <mutex>
+
+#include "core/base/mutex.hpp"
 
 namespace tessera::film {
 
@@ -56,8 +57,8 @@ class FilmMemory {
 
   const std::uint64_t budget_bytes_;
   std::atomic<std::uint64_t> samples_bytes_{0}, tiles_{0};
-  std::mutex mutex_;
-  std::deque<std::weak_ptr<JobFilm>> films_;  // guarded by mutex_; some may be gone
+  core::Mutex mutex_;
+  std::deque<std::weak_ptr<JobFilm>> films_ TESSERA_GUARDED_BY(mutex_);  // some may be gone
 };
 
 }  // namespace tessera::film

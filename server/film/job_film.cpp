@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/film/job_film.hpp"
 
+#include <algorithm>
 #include <atomic>
 #include <new>
 #include <utility>
@@ -19,11 +20,13 @@ bool is_sole_owner(const std::shared_ptr<TilePart>& part, long owners) {
 
 }  // namespace
 
-JobFilm::JobFilm(core::TileGrid grid, FilmMemory& memory, events::RevisionCounter& revisions)
+JobFilm::JobFilm(scheduler::JobGrid grid, FilmMemory& memory, events::RevisionCounter& revisions)
     : grid_(grid),
       memory_(memory),
       revisions_(revisions),
-      tiles_(static_cast<std::size_t>(grid.tile_count())) {
+      tiles_(static_cast<std::size_t>(grid.tile_count())),
+      logs_(static_cast<std::size_t>(grid.image_count())),
+      samples_by_image_(logs_.size()) {
   changed_.reserve(tiles_.size());
   memory_.take_tiles(tiles_.size());
 }
@@ -32,7 +35,7 @@ JobFilm::~JobFilm() {
   memory_.give_back_tiles(tiles_.size());
 }
 
-std::shared_ptr<JobFilm> JobFilm::make(core::TileGrid grid, FilmMemory& memory,
+std::shared_ptr<JobFilm> JobFilm::make(scheduler::JobGrid grid, FilmMemory& memory,
                                        events::RevisionCounter& revisions) {
   std::shared_ptr<JobFilm> film(new JobFilm(grid, memory, revisions));
   memory.add(film);
@@ -41,43 +44,44 @@ std::shared_ptr<JobFilm> JobFilm::make(core::TileGrid grid, FilmMemory& memory,
 
 void JobFilm::restore(int tile, scheduler::IntervalSet stored, const core::RenderCounters& counters,
                       events::Revision revision) {
+  const core::MutexLock lock(mutex_);
   at(tile).stored = std::move(stored);
   at(tile).revision = revision;
-  log_.emplace(revision, tile);
+  log_of(tile).emplace(revision, tile);
   at(tile).stored_counters = counters;
-  total_.add(counters);
+  count(tile, counters);
 }
 
 void JobFilm::note_addition(Notes& additions, Notes::iterator addition) noexcept {
-  const std::lock_guard lock(notes_mutex_);
+  const core::MutexLock lock(notes_mutex_);
   notes_.splice(notes_.end(), additions, addition);
 }
 
 void JobFilm::note_clear(int tile, Notes& spare) noexcept {
   spare.front().tile = tile;
   spare.front().kind = Note::Kind::kClear;
-  const std::lock_guard lock(notes_mutex_);
+  const core::MutexLock lock(notes_mutex_);
   notes_.splice(notes_.end(), spare, spare.begin());
 }
 
 void JobFilm::note_review(int tile, Notes& spare) noexcept {
   spare.front().tile = tile;
   spare.front().kind = Note::Kind::kReview;
-  const std::lock_guard lock(notes_mutex_);
+  const core::MutexLock lock(notes_mutex_);
   notes_.splice(notes_.end(), spare, spare.begin());
 }
 
 void JobFilm::apply() {
-  const std::lock_guard lock(mutex_);
+  const core::MutexLock lock(mutex_);
   Notes notes;
   {
-    const std::lock_guard notes_lock(notes_mutex_);
+    const core::MutexLock notes_lock(notes_mutex_);
     notes.swap(notes_);
   }
   try {
     for (; !notes.empty(); notes.pop_front()) follow(notes.front());
   } catch (...) {
-    const std::lock_guard notes_lock(notes_mutex_);
+    const core::MutexLock notes_lock(notes_mutex_);
     notes_.splice(notes_.begin(), notes);
     throw;
   }
@@ -95,12 +99,12 @@ void JobFilm::add(const Note& addition) {
   // Readers of a snapshot may hold the part: it is copied then.
   std::shared_ptr<TilePart> part = newest;
   if (!part)
-    part = std::make_shared<TilePart>(grid_.rect(addition.tile).pixel_count() * 3, memory_);
+    part = std::make_shared<TilePart>(layout().sums(grid_.rect(addition.tile).pixel_count()), memory_);
   else if (!is_sole_owner(newest, 2))
     part = std::make_shared<TilePart>(*part);
   part->add(addition.samples);
   newest = std::move(part);
-  total_.add(addition.samples.counters);
+  count(addition.tile, addition.samples.counters);
   note_change(addition.tile);
 }
 
@@ -116,12 +120,18 @@ void JobFilm::clear(int tile) {
   note_change(tile);
 }
 
+void JobFilm::count(int tile, const core::RenderCounters& counters) {
+  total_.add(counters);
+  samples_by_image_[static_cast<std::size_t>(grid_.image_of(tile))] += counters.samples;
+}
+
 void JobFilm::sum_counters() {
   total_ = {};
-  for (const Tile& each : tiles_) {
-    total_.add(each.stored_counters);
-    for (const TilePart* part : {each.storing.get(), each.newest.get()})
-      if (part != nullptr) total_.add(part->counters());
+  std::fill(samples_by_image_.begin(), samples_by_image_.end(), 0);
+  for (int tile = 0; tile < grid_.tile_count(); ++tile) {
+    count(tile, at(tile).stored_counters);
+    for (const TilePart* part : {at(tile).storing.get(), at(tile).newest.get()})
+      if (part != nullptr) count(tile, part->counters());
   }
 }
 
@@ -132,67 +142,74 @@ void JobFilm::note_change(int tile) noexcept {
 
 void JobFilm::append_event(int tile) {
   events::Revision& last = at(tile).revision;
+  auto& log = log_of(tile);
   const events::Revision revision = revisions_.next();
   if (last == 0) {
-    log_.emplace_hint(log_.end(), revision, tile);
+    log.emplace_hint(log.end(), revision, tile);
   } else {
-    auto moved = log_.extract(last);
+    auto moved = log.extract(last);
     moved.key() = revision;
-    log_.insert(log_.end(), std::move(moved));
+    log.insert(log.end(), std::move(moved));
   }
   last = revision;
 }
 
 TileSnapshot JobFilm::snapshot(int tile) const {
-  const std::lock_guard lock(mutex_);
+  const core::MutexLock lock(mutex_);
   return {at(tile).revision, at(tile).stored, at(tile).storing, at(tile).newest};
 }
 
-std::vector<TileEvent> JobFilm::changes_since(events::Revision since, std::size_t most) const {
+std::vector<TileEvent> JobFilm::changes_since(events::Revision since, std::size_t most, int image) const {
   std::vector<TileEvent> changes;
   changes.reserve(most);
-  const std::lock_guard lock(mutex_);
-  for (auto next = log_.upper_bound(since); next != log_.end() && changes.size() < most; ++next)
+  const core::MutexLock lock(mutex_);
+  const auto& log = logs_[static_cast<std::size_t>(image)];
+  for (auto next = log.upper_bound(since); next != log.end() && changes.size() < most; ++next)
     changes.push_back({next->first, next->second});
   return changes;
 }
 
 core::RenderCounters JobFilm::counters() const {
-  const std::lock_guard lock(mutex_);
+  const core::MutexLock lock(mutex_);
   return total_;
 }
 
+std::vector<std::uint64_t> JobFilm::samples_by_image() const {
+  const core::MutexLock lock(mutex_);
+  return samples_by_image_;
+}
+
 void JobFilm::note_producers(const std::vector<scheduler::ProducedItem>& items) {
-  const std::lock_guard lock(mutex_);
+  const core::MutexLock lock(mutex_);
   for (const scheduler::ProducedItem& each : items) producers_.add(each.producer);
 }
 
 ProducerKeys JobFilm::producers() const {
-  const std::lock_guard lock(mutex_);
+  const core::MutexLock lock(mutex_);
   return producers_;
 }
 
 bool JobFilm::is_stored() const {
-  const std::lock_guard lock(mutex_);
-  const std::lock_guard notes_lock(notes_mutex_);
+  const core::MutexLock lock(mutex_);
+  const core::MutexLock notes_lock(notes_mutex_);
   return changed_.empty() && notes_.empty();
 }
 
 std::vector<int> JobFilm::take_changed_tiles() {
   std::vector<int> taken;
-  taken.reserve(tiles_.size());
-  const std::lock_guard lock(mutex_);
+  taken.reserve(static_cast<std::size_t>(grid_.tile_count()));
+  const core::MutexLock lock(mutex_);
   taken.swap(changed_);
   return taken;
 }
 
 void JobFilm::put_back_changed_tiles(std::span<const int> tiles) noexcept {
-  const std::lock_guard lock(mutex_);
+  const core::MutexLock lock(mutex_);
   changed_.insert(changed_.end(), tiles.begin(), tiles.end());
 }
 
 std::optional<TileToStore> JobFilm::begin_store(int tile) {
-  const std::lock_guard lock(mutex_);
+  const core::MutexLock lock(mutex_);
   Tile& taken = at(tile);
   if (!taken.is_changed) return std::nullopt;
   // A part that could not be stored is stored with the newer samples.
@@ -214,7 +231,7 @@ std::optional<TileToStore> JobFilm::begin_store(int tile) {
 }
 
 void JobFilm::forget_stored(int tile) {
-  const std::lock_guard lock(mutex_);
+  const core::MutexLock lock(mutex_);
   at(tile).stored = {};
   at(tile).stored_counters = {};
   sum_counters();
@@ -222,7 +239,7 @@ void JobFilm::forget_stored(int tile) {
 }
 
 void JobFilm::stored(int tile, TileToStore done, std::shared_ptr<TilePart> whole) {
-  const std::lock_guard lock(mutex_);
+  const core::MutexLock lock(mutex_);
   Tile& stored = at(tile);
   if (stored.generation != done.generation) return;
   std::shared_ptr<TilePart> storing = std::exchange(stored.storing, nullptr);
@@ -248,12 +265,12 @@ std::shared_ptr<TilePart> JobFilm::merge_or_null(std::shared_ptr<TilePart> part,
 }
 
 void JobFilm::not_stored(int tile, const TileToStore& failed) noexcept {
-  const std::lock_guard lock(mutex_);
+  const core::MutexLock lock(mutex_);
   if (at(tile).generation == failed.generation) note_change(tile);
 }
 
 bool JobFilm::free_stored() {
-  const std::lock_guard lock(mutex_);
+  const core::MutexLock lock(mutex_);
   bool freed_any = false;
   for (std::size_t i = 0; i < tiles_.size() && !memory_.may_keep_stored(); ++i) {
     Tile& freed = at(next_to_free_);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The film of one job in progress.
+// The films of one job in progress: those of all its images, whose tiles are numbered in one sequence.
 //
 // The samples of a tile are in up to three places, and add up in any order: the store; a part that is being
 // stored at this moment; and a part in memory, which has the newest samples. A tile whose part was freed
@@ -12,13 +12,14 @@
 #include <list>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "core/base/mutex.hpp"
 #include "core/film/film.hpp"
+#include "core/film/layout.hpp"
 #include "server/events/revision.hpp"
 #include "server/film/film_memory.hpp"
 #include "server/film/producer_keys.hpp"
@@ -67,14 +68,16 @@ struct TileToStore {
 class JobFilm {
  public:
   // `memory` must outlive the film and all snapshots of it, and `revisions` the film.
-  static std::shared_ptr<JobFilm> make(core::TileGrid grid, FilmMemory& memory,
+  static std::shared_ptr<JobFilm> make(scheduler::JobGrid grid, FilmMemory& memory,
                                        events::RevisionCounter& revisions);
   ~JobFilm();
-  // The store has these samples since this revision. Only before the film is shared.
+  // The store has these samples since this revision. Only before anything else is called.
   void restore(int tile, scheduler::IntervalSet stored, const core::RenderCounters& counters,
                events::Revision revision);
 
-  const core::TileGrid& grid() const { return grid_; }
+  const scheduler::JobGrid& grid() const { return grid_; }
+  // That of all images.
+  const core::FilmLayout& layout() const { return core::rgb_layout(); }
 
   // ---- Under the state lock. These take no time and cannot fail ----
   // Takes the element out of `additions`. The caller adds no sample twice.
@@ -89,10 +92,12 @@ class JobFilm {
   void apply();
 
   TileSnapshot snapshot(int tile) const;
-  // The last changes of at most `most` tiles that changed after `since`, in their order.
-  std::vector<TileEvent> changes_since(events::Revision since, std::size_t most) const;
+  // The last changes of at most `most` tiles of an image that changed after `since`, in their order.
+  std::vector<TileEvent> changes_since(events::Revision since, std::size_t most, int image = 0) const;
   // The counters of all samples together.
   core::RenderCounters counters() const;
+  // The pixel samples in each image.
+  std::vector<std::uint64_t> samples_by_image() const;
   bool is_stored() const;
   // Those who may have rendered samples that nobody has verified, of all tiles that were ever stored.
   void note_producers(const std::vector<scheduler::ProducedItem>& items);
@@ -125,37 +130,42 @@ class JobFilm {
     bool is_changed = false;       // whether it must be stored
   };
 
-  JobFilm(core::TileGrid grid, FilmMemory& memory, events::RevisionCounter& revisions);
-  Tile& at(int tile) { return tiles_[static_cast<std::size_t>(tile)]; }
-  const Tile& at(int tile) const { return tiles_[static_cast<std::size_t>(tile)]; }
-  void follow(const Note& note);
-  void add(const Note& addition);
-  void clear(int tile);
-  void sum_counters();
+  JobFilm(scheduler::JobGrid grid, FilmMemory& memory, events::RevisionCounter& revisions);
+  Tile& at(int tile) TESSERA_REQUIRES(mutex_) { return tiles_[static_cast<std::size_t>(tile)]; }
+  const Tile& at(int tile) const TESSERA_REQUIRES(mutex_) { return tiles_[static_cast<std::size_t>(tile)]; }
+  std::map<events::Revision, int>& log_of(int tile) TESSERA_REQUIRES(mutex_) {
+    return logs_[static_cast<std::size_t>(grid_.image_of(tile))];
+  }
+  void follow(const Note& note) TESSERA_REQUIRES(mutex_);
+  void add(const Note& addition) TESSERA_REQUIRES(mutex_);
+  void clear(int tile) TESSERA_REQUIRES(mutex_);
+  void count(int tile, const core::RenderCounters& counters) TESSERA_REQUIRES(mutex_);
+  void sum_counters() TESSERA_REQUIRES(mutex_);
   // The tile must be stored.
-  void note_change(int tile) noexcept;
+  void note_change(int tile) noexcept TESSERA_REQUIRES(mutex_);
   // The samples of the tile have changed.
-  void append_event(int tile);
+  void append_event(int tile) TESSERA_REQUIRES(mutex_);
   // Both parts as one: the first one itself, unless somebody else has it.
   static std::shared_ptr<TilePart> merge(std::shared_ptr<TilePart> part, const TilePart& newer);
   // The same; null if there is no memory.
   static std::shared_ptr<TilePart> merge_or_null(std::shared_ptr<TilePart> part, const TilePart& newer);
 
-  const core::TileGrid grid_;
+  const scheduler::JobGrid grid_;
   FilmMemory& memory_;
   events::RevisionCounter& revisions_;
 
-  mutable std::mutex notes_mutex_;
-  Notes notes_;  // guarded by notes_mutex_
+  mutable core::Mutex notes_mutex_;
+  Notes notes_ TESSERA_GUARDED_BY(notes_mutex_);
 
-  mutable std::mutex mutex_;
-  // Guarded by mutex_:
-  std::vector<Tile> tiles_;
-  std::vector<int> changed_;             // those that were not taken; has room for all tiles
-  std::map<events::Revision, int> log_;  // the tiles in the order of their last changes
-  core::RenderCounters total_;
-  ProducerKeys producers_;
-  int next_to_free_ = 0;
+  mutable core::Mutex mutex_;
+  std::vector<Tile> tiles_ TESSERA_GUARDED_BY(mutex_);
+  std::vector<int> changed_ TESSERA_GUARDED_BY(mutex_);  // those that were not taken; has room for all tiles
+  // By image: its tiles in the order of their last changes.
+  std::vector<std::map<events::Revision, int>> logs_ TESSERA_GUARDED_BY(mutex_);
+  core::RenderCounters total_ TESSERA_GUARDED_BY(mutex_);
+  std::vector<std::uint64_t> samples_by_image_ TESSERA_GUARDED_BY(mutex_);
+  ProducerKeys producers_ TESSERA_GUARDED_BY(mutex_);
+  int next_to_free_ TESSERA_GUARDED_BY(mutex_) = 0;
 };
 
 }  // namespace tessera::film

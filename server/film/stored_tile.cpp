@@ -8,11 +8,12 @@
 namespace tessera::film {
 
 core::Result<StoredTile> read_stored_tile(store::JobStore& jobs, const std::string& job_id,
-                                          const core::TileGrid& grid, int tile) {
+                                          const scheduler::JobGrid& grid, int tile) {
   const auto failed = [&](core::ErrorCode code, const char* how) {
     return core::fail(code, fmt::format("tile {} of job {} {}", tile, job_id, how));
   };
-  if (tile < 0 || tile >= grid.tile_count()) return failed(core::ErrorCode::kDataLoss, "is not in its image");
+  if (tile < 0 || tile >= grid.tile_count())
+    return failed(core::ErrorCode::kDataLoss, "is not in its images");
   auto row = jobs.tile(job_id, tile);
   if (!row) return core::fail(row.error());
   if (!*row) return failed(core::ErrorCode::kNotFound, "is not stored");

@@ -16,8 +16,8 @@ struct StoredTile {
   TileContent content;
 };
 
-// NOT_FOUND if the store has no samples of it. DATA_LOSS if it is damaged, or is no tile of `grid`.
+// NOT_FOUND if the store has no samples of it. DATA_LOSS if it is damaged, or is no tile of the job.
 core::Result<StoredTile> read_stored_tile(store::JobStore& jobs, const std::string& job_id,
-                                          const core::TileGrid& grid, int tile);
+                                          const scheduler::JobGrid& grid, int tile);
 
 }  // namespace tessera::film

@@ -5,6 +5,7 @@
 
 #include <utility>
 
+#include "core/film/layout.hpp"
 #include "proto/convert.hpp"
 #include "proto/tile_codec.hpp"
 #include "proto/tile_planes.hpp"
@@ -43,7 +44,7 @@ core::Result<core::FilmTile> decode_item_in_planes(const v1::RenderedItem& messa
                                                    const core::PixelRect& rect) {
   const auto item = proto::from_proto(message.item());
   if (!item) return core::fail(item.error());
-  auto planes = proto::decode_planes(message.sums_zstd(), rect.pixel_count() * 3);
+  auto planes = proto::decode_planes(message.sums_zstd(), core::rgb_layout().sums(rect.pixel_count()));
   if (!planes) return core::fail(planes.error());
   core::FilmTile tile;
   tile.rect = item->rect;
@@ -108,7 +109,7 @@ core::Result<TileContent> decode_tile_row(const store::TileRow& row, const core:
   const SampleCount count = count_samples(row.done);
   if (!is_rect(message.rect(), rect) || message.samples() != count.all)
     return core::fail(damaged(row, "of another rectangle or range"));
-  auto planes = proto::decode_planes(message.planes_zstd(), rect.pixel_count() * 3);
+  auto planes = proto::decode_planes(message.planes_zstd(), core::rgb_layout().sums(rect.pixel_count()));
   if (!planes) return core::fail(damaged(row, planes.error().message));
   TileContent content{{std::move(planes->sums), std::move(planes->odd_sums), count.all, count.odd},
                       from_stored(message.counters()),

@@ -5,13 +5,14 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <map>
 #include <optional>
 #include <set>
 #include <utility>
 #include <vector>
 
 #include "server/farm/state_lock.hpp"
-#include "server/fleet/quarantine_codec.hpp"
+#include "server/fleet/stored_worker.hpp"
 
 namespace tessera::fleet {
 
@@ -24,19 +25,24 @@ namespace {
 // What is looked at in one hold of the state lock.
 constexpr std::size_t kWorkersAtOnce = 64;
 
-// The entries that have changed; empty where one was lifted.
-using Changes = std::vector<std::pair<std::string, std::optional<QuarantineEntry>>>;
-
-Changes take_changes(farm::Farm& farm) {
+std::vector<StoredWorker> take_changes(farm::Farm& farm) {
   StateLock lock(farm);
-  Changes changes;
+  std::set<std::string> changed = lock->quarantine.take_changes();
+  changed.merge(lock->drains.take_changes());
+  std::vector<StoredWorker> workers;
   const auto& entries = lock->quarantine.entries();
-  for (const std::string& worker : lock->quarantine.take_changes()) {
-    const auto entry = entries.find(worker);
-    changes.emplace_back(
-        worker, entry == entries.end() ? std::nullopt : std::optional<QuarantineEntry>(entry->second));
+  for (const std::string& id : changed) {
+    StoredWorker worker{id};
+    if (const auto entry = entries.find(id); entry != entries.end()) worker.quarantine = entry->second;
+    if (const farm::Drain* const drain = lock->drains.find(id)) worker.drain = *drain;
+    workers.push_back(std::move(worker));
   }
-  return changes;
+  return workers;
+}
+
+core::Status write(store::JobStore& store, const StoredWorker& worker) {
+  const bool is_empty = !worker.quarantine && !worker.drain;
+  return is_empty ? store.delete_quarantine(worker.id) : store.write_quarantine(worker.id, encode(worker));
 }
 
 }  // namespace
@@ -44,33 +50,55 @@ Changes take_changes(farm::Farm& farm) {
 core::Status Fleet::restore() {
   const auto rows = store_.quarantine();
   if (!rows) return core::fail(rows.error());
-  for (const store::QuarantineRow& row : *rows) {
-    auto entry = row.intact ? decode(row.content) : std::nullopt;
-    if (!entry) {
-      spdlog::error("the stored quarantine of worker {} is damaged, and no longer applies", row.id);
-      continue;
-    }
-    StateLock lock(farm_);
-    lock.handle(scheduler::Distrust{entry->producer});
-    lock->quarantine.add(std::move(*entry));
-  }
-  StateLock(farm_)->quarantine.take_changes();
-  if (!rows->empty()) spdlog::info("{} workers are quarantined since an earlier run", rows->size());
+  for (const store::QuarantineRow& row : *rows) restore(row);
+  const core::MutexLock saving(saving_);
+  StateLock lock(farm_);
+  lock->quarantine.take_changes();
+  lock->drains.take_changes();
+  forget_absent_at_ = lock.now() + lock.options().forget_after();
+  const std::size_t quarantined = lock->quarantine.entries().size(), drained = lock->drains.all().size();
+  const auto say = [&](std::size_t workers, const char* what) {
+    if (workers > 0)
+      lock.log(spdlog::level::info, fmt::format("{} workers {} since an earlier run", workers, what));
+  };
+  say(quarantined, "are quarantined");
+  say(drained, "drain");
   return {};
 }
 
+void Fleet::restore(const store::QuarantineRow& row) {
+  auto worker = row.intact ? decode(row.content) : std::nullopt;
+  if (!worker)
+    return spdlog::error("what is stored of worker {} is damaged: its quarantine or drain no longer applies",
+                         row.id);
+  StateLock lock(farm_);
+  if (worker->drain) lock->drains.request(worker->id, *worker->drain);
+  if (!worker->quarantine) return;
+  lock.handle(scheduler::Distrust{worker->quarantine->producer});
+  lock->quarantine.add(*std::move(worker->quarantine));
+}
+
 core::Status Fleet::save() {
-  const std::lock_guard saving(saving_);
-  const Changes changes = take_changes(farm_);
+  const core::MutexLock saving(saving_);
+  forget_absent();
   std::set<std::string> left;
   core::Status saved;
-  for (const auto& [worker, entry] : changes) {
-    if (saved)
-      saved = entry ? store_.write_quarantine(worker, encode(*entry)) : store_.delete_quarantine(worker);
-    if (!saved) left.insert(worker);
+  for (const StoredWorker& worker : take_changes(farm_)) {
+    if (saved) saved = write(store_, worker);
+    if (!saved) left.insert(worker.id);
   }
-  if (!left.empty()) StateLock(farm_)->quarantine.return_changes(std::move(left));
+  if (!left.empty()) StateLock(farm_)->drains.return_changes(std::move(left));
   return saved;
+}
+
+void Fleet::forget_absent() {
+  if (!forget_absent_at_) return;
+  StateLock lock(farm_);
+  if (lock.now() < *forget_absent_at_) return;
+  forget_absent_at_.reset();
+  const std::map<std::string, farm::Drain> drains = lock->drains.all();
+  for (const auto& [id, drain] : drains)
+    if (lock->scheduler.worker_info({id}) == nullptr) lock->drains.forget(id);
 }
 
 v1::ListQuarantineResponse Fleet::quarantine() {
@@ -135,12 +163,16 @@ core::Result<v1::DrainWorkerResponse> Fleet::drain(const v1::DrainWorkerRequest&
     return core::fail(ErrorCode::kInvalidArgument, "undo, stop: only one of them is possible");
   const auto id = find_worker(request.worker());
   if (!id) return core::fail(id.error());
-  StateLock lock(farm_);
-  const scheduler::Actions done = lock.handle(scheduler::Drain{{*id}, !request.undo(), request.stop()});
-  if (!done.status) return core::fail(done.status.error());
-  const char* what = request.undo() ? "may take leases again" : "takes no more leases";
-  lock.log(spdlog::level::info, fmt::format("worker {} {}, as an administrator asked{}", *id, what,
-                                            request.stop() ? ", and then stops" : ""));
+  {
+    StateLock lock(farm_);
+    const scheduler::Actions done = lock.handle(scheduler::Drain{{*id}, !request.undo(), request.stop()});
+    if (!done.status) return core::fail(done.status.error());
+    request.undo() ? lock->drains.forget(*id) : lock->drains.request(*id, {request.stop()});
+    const char* what = request.undo() ? "may take leases again" : "takes no more leases";
+    lock.log(spdlog::level::info, fmt::format("worker {} {}, as an administrator asked{}", *id, what,
+                                              request.stop() ? ", and then stops" : ""));
+  }
+  if (auto saved = save(); !saved) return core::fail(saved.error());
   v1::DrainWorkerResponse response;
   response.set_worker_id(*id);
   return response;

@@ -17,10 +17,21 @@ core::Status check_picture_size(const v1::RenderSettings& settings, const server
       std::to_string(limits.picture_pixels), "--max-picture-pixels"));
 }
 
-core::Status check_film_memory(const core::TileGrid& grid, const film::FilmMemory& memory) {
-  if (memory.has_room_for(static_cast<std::uint64_t>(grid.tile_count()))) return {};
+core::Status check_image_count(std::uint64_t images, const server::Limits& limits) {
+  if (images <= limits.images) return {};
+  return core::fail(server::over_limit(fmt::format("the job has {} images", images),
+                                       std::to_string(limits.images), "--max-images"));
+}
+
+core::Status check_film_memory(const scheduler::JobShape& shape, const film::FilmMemory& memory) {
+  const core::TileGrid grid = shape.grid().of_image();
+  const std::uint64_t tiles =
+      static_cast<std::uint64_t>(grid.tile_count()) * static_cast<std::uint64_t>(shape.images);
+  if (tiles <= scheduler::kMaxTilesPerJob && memory.has_room_for(tiles)) return {};
+  const std::string images =
+      shape.images == 1 ? "this one" : fmt::format("this one with {} images", shape.images);
   return core::fail(server::over_limit(
-      fmt::format("the unfinished jobs and this one of {} x {} pixels have too many tiles together",
+      fmt::format("the unfinished jobs and {} of {} x {} pixels have too many tiles together", images,
                   grid.width(), grid.height()),
       fmt::format("{:.1f} GiB of films", static_cast<double>(memory.budget_bytes()) / (1 << 30)),
       "--max-film-gib"));

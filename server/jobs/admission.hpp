@@ -6,17 +6,19 @@
 #include <cstdint>
 
 #include "core/base/error.hpp"
-#include "core/film/region.hpp"
 #include "server/film/film_memory.hpp"
 #include "server/limits.hpp"
+#include "server/scheduler/job_shape.hpp"
 #include "tessera/v1/types.pb.h"
 
 namespace tessera::jobs {
 
 // Counts the pixels of the window that is rendered, not of the whole image.
 core::Status check_picture_size(const v1::RenderSettings& settings, const server::Limits& limits);
-// Whether the memory of films has room for the tiles of another image.
-core::Status check_film_memory(const core::TileGrid& grid, const film::FilmMemory& memory);
+// Whether there may be so many images in a job.
+core::Status check_image_count(std::uint64_t images, const server::Limits& limits);
+// Whether the memory of films has room for the tiles of all images of another job.
+core::Status check_film_memory(const scheduler::JobShape& shape, const film::FilmMemory& memory);
 core::Status check_spp(std::uint32_t spp, const server::Limits& limits);
 
 }  // namespace tessera::jobs

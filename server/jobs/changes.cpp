@@ -26,9 +26,13 @@ core::Result<v1::Job> JobService::get(const std::string& id) {
 core::Result<v1::Job> JobService::get_without_bundle(const std::string& id) {
   const auto found = find_job(farm_, state_.jobs, id);
   if (!found) return core::fail(found.error());
-  v1::Job job = summarise(found->snapshot);
-  *job.mutable_warnings() = found->snapshot.spec->warnings();
-  return job;
+  return describe_without_bundle(found->snapshot);
+}
+
+core::Result<v1::Job> JobService::summary(const std::string& id) {
+  const auto found = find_job(farm_, state_.jobs, id);
+  if (!found) return core::fail(found.error());
+  return summarise(found->snapshot);
 }
 
 core::Result<v1::Job> JobService::change(const std::string& id, const scheduler::Event& event) {
@@ -95,7 +99,7 @@ core::Result<v1::Job> JobService::update(const v1::UpdateJobRequest& request) {
 
 core::Status JobService::remove(const std::string& id) {
   if (const auto removed = remove_validating(id)) return *removed;
-  const std::lock_guard nobody_moves_it(moving_mutex_);
+  const core::MutexLock nobody_moves_it(moving_mutex_);
   if (const auto found = find_job(farm_, state_.jobs, id); !found) return core::fail(found.error());
   // From the store first: a job that is deleted only from memory would be back after a restart.
   if (const core::Status deleted = state_.jobs.delete_job(id); !deleted) return deleted;

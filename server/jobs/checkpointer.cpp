@@ -35,7 +35,7 @@ void in_parts(const std::set<std::string>& ids, Look look) {
 }  // namespace
 
 core::Status Checkpointer::checkpoint() {
-  const std::lock_guard one_at_a_time(mutex_);
+  const core::MutexLock one_at_a_time(mutex_);
   const auto begin = CheckpointStats::Clock::now();
   core::Status written = checkpoint_now();
   stats_.note(begin, written.has_value());

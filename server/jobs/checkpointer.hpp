@@ -9,12 +9,12 @@
 
 #include <map>
 #include <memory>
-#include <mutex>
 #include <set>
 #include <string>
 #include <vector>
 
 #include "core/base/error.hpp"
+#include "core/base/mutex.hpp"
 #include "server/blobs/scene_files.hpp"
 #include "server/farm/farm.hpp"
 #include "server/film/fingerprinter.hpp"
@@ -43,28 +43,28 @@ class Checkpointer {
   const CheckpointStats& stats() const { return stats_; }
 
  private:
-  core::Status checkpoint_now();
-  core::Status write(const std::vector<farm::JobSnapshot>& changed);
+  core::Status checkpoint_now() TESSERA_REQUIRES(mutex_);
+  core::Status write(const std::vector<farm::JobSnapshot>& changed) TESSERA_REQUIRES(mutex_);
   // Adds the jobs that changed since the last checkpoint to pending_.
-  void read_events();
+  void read_events() TESSERA_REQUIRES(mutex_);
   // The pending jobs whose rows must be written.
-  std::vector<farm::JobSnapshot> changed_jobs();
+  std::vector<farm::JobSnapshot> changed_jobs() TESSERA_REQUIRES(mutex_);
   // The films of pending jobs.
-  std::vector<FilmOfJob> films();
-  core::Status write_tiles();
+  std::vector<FilmOfJob> films() TESSERA_REQUIRES(mutex_);
+  core::Status write_tiles() TESSERA_REQUIRES(mutex_);
   core::Status write(TileBatch& batch);
   // Adds the tile to the batch, if it can be read.
-  void take(const FilmOfJob& film, int tile, TileBatch& batch);
+  void take(const FilmOfJob& film, int tile, TileBatch& batch) TESSERA_REQUIRES(mutex_);
   // DATA_LOSS if the store has lost samples of the tile.
   core::Result<store::TileRow> encode(const FilmOfJob& film, TakenTile& tile);
   // Read after the samples: it may know more of them than the tile has, and never fewer.
   film::Produced provenance_of(const FilmOfJob& film, int tile);
-  void note_unreadable(const FilmOfJob& film, int tile, const core::Error& error);
+  void note_unreadable(const FilmOfJob& film, int tile, const core::Error& error) TESSERA_REQUIRES(mutex_);
   // The store has lost samples of the tile: they are rendered again, if the job takes results.
   void replace_lost(const FilmOfJob& film, int tile, const core::Error& error);
-  void note_stored(const std::vector<farm::JobSnapshot>& stored);
+  void note_stored(const std::vector<farm::JobSnapshot>& stored) TESSERA_REQUIRES(mutex_);
   // Removes from pending_ what is stored. Jobs that are finished, stored and published leave the memory.
-  core::Status settle();
+  core::Status settle() TESSERA_REQUIRES(mutex_);
   // Whether nothing of a job is left to do. A job that can leave the memory is added to `finished`.
   bool is_stored(const std::string& id, std::vector<farm::JobSnapshot>& finished);
   static bool is_settled(const farm::JobRecord& record);
@@ -79,13 +79,13 @@ class Checkpointer {
   film::FilmMemory& film_memory_;
   const film::Fingerprinter& fingerprinter_;
   CheckpointStats stats_;
-  std::mutex mutex_;  // held while a checkpoint is written
-  // Guarded by mutex_:
-  events::Cursor cursor_;
-  std::set<std::string> pending_;  // jobs that may have something to store
+  core::Mutex mutex_;  // held while a checkpoint is written
+  events::Cursor cursor_ TESSERA_GUARDED_BY(mutex_);
+  std::set<std::string> pending_ TESSERA_GUARDED_BY(mutex_);  // jobs that may have something to store
   // Found during this checkpoint:
-  std::set<std::string> held_back_;  // jobs with tiles that could not be stored: their rows wait
-  core::Status unreadable_;          // why the first tile could not be read
+  // Jobs with tiles that could not be stored: their rows wait.
+  std::set<std::string> held_back_ TESSERA_GUARDED_BY(mutex_);
+  core::Status unreadable_ TESSERA_GUARDED_BY(mutex_);  // why the first tile could not be read
 };
 
 }  // namespace tessera::jobs

@@ -7,6 +7,7 @@
 #include <limits>
 #include <utility>
 
+#include "core/film/layout.hpp"
 #include "server/film/stored_tile.hpp"
 
 namespace tessera::jobs {
@@ -26,8 +27,8 @@ IntervalSet set_of(const std::vector<core::SampleRange>& ranges) {
   return set;
 }
 
-std::size_t sum_count(const core::TileGrid& grid, int tile) {
-  return grid.rect(tile).pixel_count() * 3;
+std::size_t sum_count(const scheduler::JobGrid& grid, int tile) {
+  return core::rgb_layout().sums(grid.rect(tile).pixel_count());
 }
 
 core::Film::TileSums zeros(std::size_t sums) {
@@ -45,7 +46,7 @@ bool FilmReader::can_be_verified(film::Produced& provenance) const {
 }
 
 core::Result<LoadedFilm> FilmReader::load(const v1::Job& spec) const {
-  const core::TileGrid grid = farm::grid_of(spec);
+  const scheduler::JobGrid grid = farm::grid_of(spec);
   auto done = store_.tiles_done(spec.id());
   if (!done) return core::fail(done.error());
   const auto revisions = revisions_of(spec.id());
@@ -93,7 +94,7 @@ core::Status FilmReader::load_tile(LoadedFilm& loaded, const v1::Job& spec, cons
 }
 
 core::Result<core::Film::TileSums> FilmReader::stored_sums(const v1::Job& spec, int tile) const {
-  const core::TileGrid grid = farm::grid_of(spec);
+  const scheduler::JobGrid grid = farm::grid_of(spec);
   auto stored = film::read_stored_tile(store_, spec.id(), grid, tile);
   if (stored && stored->content.sums.samples > 0) return std::move(stored->content.sums);
   if (!stored && stored.error().code != ErrorCode::kNotFound) return core::fail(stored.error());
@@ -117,7 +118,7 @@ core::Result<core::Film::TileSums> FilmReader::sums(const v1::Job& spec, const f
 
 core::Result<std::shared_ptr<TilePart>> FilmReader::combine(const v1::Job& spec, int tile,
                                                             const film::TileSnapshot& parts) const {
-  const core::TileGrid grid = farm::grid_of(spec);
+  const scheduler::JobGrid grid = farm::grid_of(spec);
   auto all = std::make_shared<TilePart>(sum_count(grid, tile), memory_);
   IntervalSet in_store = parts.stored;
   if (!parts.stored.empty()) {

@@ -19,7 +19,8 @@ std::optional<FoundJob> look_in_memory(farm::Farm& farm, const std::string& id) 
 std::optional<FoundJob> find_in_memory(const farm::StateLock& lock, const std::string& id) {
   if (const farm::JobRecord* const record = lock->find_job(id))
     return FoundJob{lock.snapshot_of(*record), record->film};
-  if (const farm::ValidatingJob* const job = lock->find_validating(id)) return FoundJob{snapshot_of(*job)};
+  if (const farm::ValidatingJob* const job = lock->find_validating(id))
+    return FoundJob{lock.snapshot_of(*job)};
   return std::nullopt;
 }
 

@@ -4,7 +4,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <string>
 #include <utility>
+
+#include "server/scheduler/item_text.hpp"
 
 namespace tessera::jobs {
 
@@ -21,13 +24,8 @@ core::Error with_advice(core::Error error, v1::JobState state) {
 
 }  // namespace
 
-ImageRows::ImageRows(const FilmReader& films, v1::Job job, std::shared_ptr<film::JobFilm> film,
-                     const core::PixelRect& region)
-    : films_(films),
-      job_(std::move(job)),
-      film_(std::move(film)),
-      grid_(farm::grid_of(job_)),
-      region_(region) {}
+ImageRows::ImageRows(const FilmReader& films, ImageSource source, const core::PixelRect& region)
+    : films_(films), source_(std::move(source)), grid_(source_.shape.grid().of_image()), region_(region) {}
 
 core::Result<const core::Rgb*> ImageRows::row(int y) {
   const int y_of_window = region_.y0 + y - grid_.window().y0;
@@ -57,12 +55,16 @@ core::Status ImageRows::develop(int tile_row) {
 }
 
 core::Result<core::Image> ImageRows::develop_tile(int tile) const {
-  const auto sums = film_ ? films_.sums(job_, *film_, tile) : films_.stored_sums(job_, tile);
-  if (!sums) return core::fail(with_advice(sums.error(), job_.state()));
-  if (job_.state() == v1::JOB_STATE_DONE && sums->samples < job_.settings().spp())
-    return core::fail(with_advice(
-        {core::ErrorCode::kDataLoss, fmt::format("tile {} of job {} lacks samples", tile, job_.id())},
-        job_.state()));
+  const v1::Job& job = source_.job;
+  const scheduler::JobGrid all = source_.shape.grid();
+  const int of_job = all.first_tile(source_.image) + tile;
+  const auto sums = source_.film ? films_.sums(job, *source_.film, of_job) : films_.stored_sums(job, of_job);
+  if (!sums) return core::fail(with_advice(sums.error(), job.state()));
+  if (job.state() == v1::JOB_STATE_DONE && sums->samples < source_.shape.target(of_job)) {
+    const std::string what =
+        fmt::format("{} of job {} lacks samples", scheduler::describe_tile(all, of_job), job.id());
+    return core::fail(with_advice({core::ErrorCode::kDataLoss, what}, job.state()));
+  }
   core::Film alone(core::TileGrid(grid_.rect(tile), grid_.tile_px()));
   alone.restore(0, *sums);
   return alone.develop();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Develops the image of a job some rows at a time, so that it need not fit into memory. For one thread at a
+// Develops an image of a job some rows at a time, so that it need not fit into memory. For one thread at a
 // time; blocks for the disk where films are stored.
 #pragma once
 
@@ -14,13 +14,20 @@
 
 namespace tessera::jobs {
 
+// An image of a job at one moment.
+struct ImageSource {
+  v1::Job job;  // without its bundle
+  scheduler::JobShape shape;
+  std::shared_ptr<film::JobFilm> film;  // null if the store alone has it
+  int image = 0;
+};
+
 class ImageRows {
  public:
-  // `region`: the pixels to develop, within the job's window. `film`: null if the store alone has it.
-  ImageRows(const FilmReader& films, v1::Job job, std::shared_ptr<film::JobFilm> film,
-            const core::PixelRect& region);
+  // `region`: the pixels to develop, within the job's window.
+  ImageRows(const FilmReader& films, ImageSource source, const core::PixelRect& region);
 
-  const v1::Job& job() const { return job_; }
+  const v1::Job& job() const { return source_.job; }
   int width() const { return region_.width(); }
   int height() const { return region_.height(); }
   // A row of the region, from 0; valid until the next call. Rows of a row of tiles are developed together:
@@ -32,11 +39,11 @@ class ImageRows {
 
  private:
   core::Status develop(int tile_row);
+  // `tile`: of the image.
   core::Result<core::Image> develop_tile(int tile) const;
 
   const FilmReader& films_;
-  const v1::Job job_;
-  const std::shared_ptr<film::JobFilm> film_;
+  const ImageSource source_;
   const core::TileGrid grid_;
   const core::PixelRect region_;
   std::optional<int> tile_row_;  // the one that is developed

@@ -12,6 +12,7 @@
 #include "proto/convert.hpp"
 #include "proto/convert_display.hpp"
 #include "server/jobs/find_job.hpp"
+#include "server/jobs/image_choice.hpp"
 
 namespace tessera::jobs {
 
@@ -81,11 +82,13 @@ core::RowSource source_of(ImageRows& rows, const v1::GetImageRequest& request) {
 
 }  // namespace
 
-core::Result<Images::Source> Images::find(const std::string& id) {
+core::Result<ImageSource> Images::find(const std::string& id, std::uint32_t image) {
   const auto found = find_with_image(farm_, store_, id);
   if (!found) return core::fail(found.error());
+  if (auto there = check_image(found->snapshot.view.shape, image); !there) return core::fail(there.error());
   if (found->film) found->film->apply();
-  return Source{summarise(found->snapshot), found->film};
+  return ImageSource{summarise(found->snapshot), found->snapshot.view.shape, found->film,
+                     static_cast<int>(image)};
 }
 
 template <typename Made>
@@ -97,20 +100,20 @@ core::Result<Made> Images::make_of_one_moment(const std::string& id,
     if (!made && made.error().code == ErrorCode::kUnavailable) made = make();
     if (!made || made->job.state() != v1::JOB_STATE_DONE) return made;
     // The image of a done job does not change, unless the job runs again.
-    const auto now = find(id);
+    const auto now = find(id, 0);
     if (!now) return core::fail(now.error());
     if (now->job.finished_at() == made->job.finished_at()) return made;
   }
 }
 
-core::Result<JobImage> Images::get(const std::string& id) {
-  return make_of_one_moment<JobImage>(id, [&] { return develop(id); });
+core::Result<JobImage> Images::get(const std::string& id, int image) {
+  return make_of_one_moment<JobImage>(id, [&] { return develop(id, static_cast<std::uint32_t>(image)); });
 }
 
-core::Result<JobImage> Images::develop(const std::string& id) {
-  auto source = find(id);
+core::Result<JobImage> Images::develop(const std::string& id, std::uint32_t index) {
+  auto source = find(id, index);
   if (!source) return core::fail(source.error());
-  ImageRows rows(films_, source->job, source->film, proto::window_of(source->job.settings()));
+  ImageRows rows(films_, *source, source->shape.window);
   core::Image image(rows.width(), rows.height());
   for (int y = 0; y < rows.height(); ++y) {
     const auto row = rows.row(y);
@@ -127,7 +130,8 @@ core::Result<ImageFile> Images::write(const v1::GetImageRequest& request) {
 core::Result<ImageFile> Images::write_once(const v1::GetImageRequest& request) {
   const auto format = format_of(request.format());
   if (!format) return core::fail(format.error());
-  auto source = find(request.job_id());
+  if (auto known = check_channels(request.channels()); !known) return core::fail(known.error());
+  auto source = find(request.job_id(), request.image());
   if (!source) return core::fail(source.error());
   const auto region = region_of(request, source->job);
   if (!region) return core::fail(region.error());
@@ -136,7 +140,7 @@ core::Result<ImageFile> Images::write_once(const v1::GetImageRequest& request) {
   auto file = base::ScratchFile::make(folder_);
   if (!file) return core::fail(file.error());
   ScratchSink sink(*file);
-  ImageRows rows(films_, source->job, source->film, *region);
+  ImageRows rows(films_, *source, *region);
   const auto size = core::write_image(source_of(rows, request), *format, *display, sink);
   if (!size) return core::fail(size.error());
   return ImageFile{std::move(source->job), *std::move(file), *size};
@@ -147,11 +151,13 @@ core::Result<std::uint64_t> Images::bytes_to_write(const v1::GetImageRequest& re
   if (!format) return core::fail(format.error());
   const auto found = find_with_image(farm_, store_, request.job_id());
   if (!found) return core::fail(found.error());
+  if (auto known = check_channels(request.channels()); !known) return core::fail(known.error());
+  if (auto there = check_image(found->snapshot.view.shape, request.image()); !there)
+    return core::fail(there.error());
   const auto region = region_of(request, *found->snapshot.spec);
   if (!region) return core::fail(region.error());
   const auto width = static_cast<std::uint64_t>(region->width());
-  const auto height = static_cast<std::uint64_t>(region->height());
-  return core::encoding_bytes(*format, width, height) + ImageRows::bytes(width);
+  return core::encoding_bytes(width) + ImageRows::bytes(width);
 }
 
 }  // namespace tessera::jobs

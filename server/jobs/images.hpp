@@ -39,22 +39,17 @@ class Images {
 
   // The whole image in memory. Copies it tile by tile, without the state lock. Tiles of a running job may
   // show different moments; those of a done job are all complete.
-  core::Result<JobImage> get(const std::string& id);
+  core::Result<JobImage> get(const std::string& id, int image = 0);
   // The file that is asked for, written some rows at a time: the image need not fit into memory. The file is
-  // on disk. INVALID_ARGUMENT: an unknown format, impossible output settings, or a region that is not within
-  // the image.
+  // on disk. INVALID_ARGUMENT: an unknown format, image or channel, impossible output settings, or a region
+  // that is not within the image.
   core::Result<ImageFile> write(const v1::GetImageRequest& request);
   // The memory that write() takes at most. Errors are those of write().
   core::Result<std::uint64_t> bytes_to_write(const v1::GetImageRequest& request);
 
  private:
-  struct Source {
-    v1::Job job;
-    std::shared_ptr<film::JobFilm> film;  // null if the store alone has it
-  };
-
-  core::Result<Source> find(const std::string& id);
-  core::Result<JobImage> develop(const std::string& id);
+  core::Result<ImageSource> find(const std::string& id, std::uint32_t image);
+  core::Result<JobImage> develop(const std::string& id, std::uint32_t image);
   core::Result<ImageFile> write_once(const v1::GetImageRequest& request);
   // Repeats `make` if the job has changed so that its image can be of two moments.
   template <typename Made>

@@ -8,13 +8,13 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <stop_token>
 #include <string>
 #include <vector>
 
 #include "core/base/error.hpp"
+#include "core/base/mutex.hpp"
 #include "server/blobs/scene_files.hpp"
 #include "server/farm/farm.hpp"
 #include "server/farm/state_lock.hpp"
@@ -70,6 +70,8 @@ class JobService {
   // ---- Lists and changes ----
   core::Result<v1::Job> get(const std::string& id);
   core::Result<v1::Job> get_without_bundle(const std::string& id);
+  // Also without warnings and the list of images.
+  core::Result<v1::Job> summary(const std::string& id);
   // The requested jobs, newest first, without their bundles and warnings. INVALID_ARGUMENT: the page token is
   // not from an earlier response, or a state is unknown.
   core::Result<v1::ListJobsResponse> list(const v1::ListJobsRequest& request = {});
@@ -79,6 +81,7 @@ class JobService {
   core::Result<v1::Job> cancel(const std::string& id);
   core::Result<v1::Job> pause(const std::string& id);
   core::Result<v1::Job> resume(const std::string& id);
+  core::Result<v1::Job> extend(const v1::ExtendJobRequest& request);
   core::Result<v1::Job> extend(const std::string& id, std::uint32_t spp);
   core::Result<v1::Job> update(const v1::UpdateJobRequest& request);
   // Returns after the job is deleted; remove_deleted_tiles() removes its film from the store.
@@ -144,15 +147,16 @@ class JobService {
   // job is not where they look for it, since it has just moved between the memory and the store ----
   core::Result<v1::Job> change(const std::string& id, const scheduler::Event& event);
   core::Result<v1::Job> store_change(core::Result<farm::JobSnapshot> changed);
-  std::optional<core::Result<v1::Job>> extend_in_memory(const std::string& id, std::uint32_t spp);
-  std::optional<core::Result<v1::Job>> extend_stored(const std::string& id, std::uint32_t spp);
+  std::optional<core::Result<v1::Job>> extend_in_memory(const v1::ExtendJobRequest& request);
+  std::optional<core::Result<v1::Job>> extend_stored(const v1::ExtendJobRequest& request);
   std::optional<core::Status> reopen_in_memory(const std::string& id);
   std::optional<core::Status> reopen_stored(const std::string& id);
   // Adds the done jobs of the store that may have samples of these workers to those to reopen.
   core::Status find_jobs_to_reopen(const std::vector<scheduler::Producer>& producers);
-  // Reads the film of a stored job and puts it into memory in this state, with so many samples per pixel.
+  // Reads the film of a stored job and puts it into memory in this state, with the targets of this shape.
   // DATA_LOSS if samples cannot be read. Whether the job was still as in this row.
-  core::Result<bool> bring_back(store::JobRow row, scheduler::JobState state, std::uint32_t spp);
+  core::Result<bool> bring_back(store::JobRow row, scheduler::JobState state,
+                                const scheduler::JobShape& shape);
 
   farm::Farm& farm_;
   store::StateDirectory& state_;
@@ -162,8 +166,8 @@ class JobService {
   const server::Limits limits_;
   const SceneCheck check_scene_;
   std::stop_source stopping_;
-  std::mutex submit_mutex_;  // held while a job enters or leaves the state VALIDATING
-  std::mutex moving_mutex_;  // held while a job of the store enters the memory, or is deleted
+  core::Mutex submit_mutex_;  // held while a job enters or leaves the state VALIDATING
+  core::Mutex moving_mutex_;  // held while a job of the store enters the memory, or is deleted
 };
 
 }  // namespace tessera::jobs

@@ -127,7 +127,7 @@ core::Result<std::optional<JobSnapshot>> JobService::current(ListedJob listed) {
     if (const farm::JobRecord* const record = lock->find_job(id))
       return std::optional(JobSnapshot(*record, *lock->scheduler.job({id}, lock.now())));
     if (const farm::ValidatingJob* const job = lock->find_validating(id))
-      return std::optional(snapshot_of(*job));
+      return std::optional(lock.snapshot_of(*job));
   }
   if (listed.is_settled) return std::optional(std::move(listed.job));
   const auto row = state_.jobs.job(id);

@@ -78,8 +78,8 @@ std::optional<core::Status> JobService::reopen_stored(const std::string& id) {
   const auto record = farm::from_row(**row);
   if (!record) return core::fail(record.error());
   if (auto may = may_continue(*record, farm_.options().fingerprints); !may) return may;
-  const std::uint32_t spp = (*row)->spp;
-  const auto is_back = bring_back(**std::move(row), JobState::kDone, spp);
+  const scheduler::JobShape shape = farm::shape_of(*record->spec, **row);
+  const auto is_back = bring_back(**std::move(row), JobState::kDone, shape);
   if (!is_back) return core::fail(is_back.error());
   if (!*is_back) return std::nullopt;
   return core::Status();

@@ -4,6 +4,8 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <cstdint>
+#include <numeric>
 #include <utility>
 
 #include "core/base/printable.hpp"
@@ -24,13 +26,15 @@ namespace {
 
 using DoneByTile = std::map<int, std::vector<core::SampleRange>>;
 
-// If the tiles have more samples than the row says, the job was extended: its row is written after them.
-std::uint32_t spp_of(const store::JobRow& row, const DoneByTile& done) {
-  std::uint32_t spp = row.spp;
+// If a tile has more samples than the row says, the job was extended: its row is written after its tiles. All
+// tiles get as many.
+scheduler::JobShape extended_to(scheduler::JobShape shape, const DoneByTile& done) {
+  std::uint32_t most = 0;
   for (const auto& [tile, ranges] : done) {
-    if (!ranges.empty()) spp = std::max(spp, ranges.back().end);
+    if (!ranges.empty() && ranges.back().end > shape.target(tile)) most = std::max(most, ranges.back().end);
   }
-  return spp;
+  if (most > 0) shape.raise(std::max(most, shape.spp));
+  return shape;
 }
 
 bool is_whole(const std::vector<core::SampleRange>& ranges, std::uint32_t spp) {
@@ -41,10 +45,12 @@ bool is_whole(const std::vector<core::SampleRange>& ranges, std::uint32_t spp) {
 
 std::vector<scheduler::IntervalSet> done_sets(const scheduler::JobShape& shape, const DoneByTile& done) {
   std::vector<scheduler::IntervalSet> sets(static_cast<std::size_t>(shape.grid().tile_count()));
+  const int tiles = static_cast<int>(sets.size());
   for (const auto& [tile, ranges] : done) {
-    if (tile < 0 || tile >= shape.grid().tile_count()) continue;
+    if (tile < 0 || tile >= tiles) continue;
     for (const core::SampleRange& range : ranges) {
-      if (range.begin < range.end && range.end <= shape.spp) sets[static_cast<std::size_t>(tile)].add(range);
+      if (range.begin < range.end && range.end <= shape.target(tile))
+        sets[static_cast<std::size_t>(tile)].add(range);
     }
   }
   return sets;
@@ -114,12 +120,13 @@ core::Status Restoration::restore(store::JobRow row) {
   }
   const auto state = farm::from_wire(static_cast<v1::JobState>(row.state));
   if (farm::is_finished(state)) {
-    const core::TileGrid grid = record->is_validated ? farm::grid_of(*record->spec) : farm::kNoShape.grid();
+    const scheduler::JobShape shape =
+        record->is_validated ? farm::shape_of(*record->spec, row) : farm::kNoShape;
     auto done = state_.jobs.tiles_done(row.id);
     if (!done) return core::fail(done.error());
-    const auto lacks = state == scheduler::JobState::kDone ? lacks_samples(row, grid, *done) : false;
+    const auto lacks = state == scheduler::JobState::kDone ? lacks_samples(row, shape, *done) : false;
     if (!lacks) return core::fail(lacks.error());
-    if (!*lacks) return settle(std::move(row), grid, *done);
+    if (!*lacks) return settle(std::move(row), shape, *done);
   }
   if (is_of_earlier_release)
     if (auto written = rewrite(row); !written) return written;
@@ -138,7 +145,7 @@ core::Status Restoration::restore_unfinished(const store::JobRow& row, JobRecord
     common::log(spdlog::level::err, damage + ": it is rendered again", {.job = row.id});
   record.film = std::move(loaded->film);
   // Unchecked rows cannot raise a job's sample count.
-  const scheduler::JobShape shape = farm::shape_of(*record.spec, spp_of(row, loaded->done));
+  const scheduler::JobShape shape = extended_to(farm::shape_of(*record.spec, row), loaded->done);
   const scheduler::RestoreJob event{{row.id},
                                     shape,
                                     row.priority,
@@ -154,15 +161,19 @@ core::Status Restoration::restore_unfinished(const store::JobRow& row, JobRecord
 }
 
 // Its counters may be those of an earlier moment.
-core::Status Restoration::settle(store::JobRow row, const core::TileGrid& grid, const DoneByTile& done) {
-  std::uint64_t samples = 0;
-  const std::vector<scheduler::IntervalSet> sets =
-      done_sets(scheduler::JobShape(grid.window(), row.spp), done);
+core::Status Restoration::settle(store::JobRow row, const scheduler::JobShape& shape,
+                                 const DoneByTile& done) {
+  const scheduler::JobGrid grid = shape.grid();
+  std::vector<std::uint64_t> samples(static_cast<std::size_t>(grid.image_count()));
+  const std::vector<scheduler::IntervalSet> sets = done_sets(shape, done);
   for (int tile = 0; tile < grid.tile_count(); ++tile)
-    samples += sets[static_cast<std::size_t>(tile)].count() * grid.rect(tile).pixel_count();
+    samples[static_cast<std::size_t>(grid.image_of(tile))] +=
+        sets[static_cast<std::size_t>(tile)].count() * grid.rect(tile).pixel_count();
   stored::v1::Counters counters;
   if (!counters.ParseFromString(row.counters)) counters.Clear();
-  counters.set_samples(samples);
+  counters.set_samples(std::accumulate(samples.begin(), samples.end(), std::uint64_t{0}));
+  counters.clear_samples_by_image();
+  if (samples.size() > 1) counters.mutable_samples_by_image()->Add(samples.begin(), samples.end());
   row.counters = counters.SerializeAsString();
   row.settled = true;
   return rewrite(std::move(row));
@@ -182,18 +193,20 @@ core::Status Restoration::flush() {
 // Whether a job that is stored as done lacks samples in intact tiles: the coordinator crashed after the job
 // was extended. Tiles with damaged rows count as done, and the damage is reported with the image; `done` is
 // updated accordingly.
-core::Result<bool> Restoration::lacks_samples(const store::JobRow& row, const core::TileGrid& grid,
+core::Result<bool> Restoration::lacks_samples(const store::JobRow& row, const scheduler::JobShape& shape,
                                               std::map<int, std::vector<core::SampleRange>>& done) {
   bool lacks = false;
-  for (int tile = 0; tile < grid.tile_count(); ++tile) {
-    if (is_whole(done[tile], row.spp)) continue;
+  const int tiles = shape.grid().tile_count();
+  for (int tile = 0; tile < tiles; ++tile) {
+    const std::uint32_t target = shape.target(tile);
+    if (is_whole(done[tile], target)) continue;
     const auto stored = state_.jobs.tile(row.id, tile);
     if (!stored && stored.error().code != core::ErrorCode::kDataLoss) return core::fail(stored.error());
     if (stored) {
       lacks = true;
     } else {
       common::log(spdlog::level::err, stored.error().message, {.job = row.id});
-      done[tile] = {{0, row.spp}};
+      done[tile] = {{0, target}};
     }
   }
   return lacks;

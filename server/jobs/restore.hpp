@@ -43,13 +43,13 @@ class Restoration {
   core::Status restore_validating(const store::JobRow& row);
   core::Status restore_unfinished(const store::JobRow& row, farm::JobRecord record);
   // Settles a finished job with these samples, and leaves it in the store.
-  core::Status settle(store::JobRow row, const core::TileGrid& grid,
+  core::Status settle(store::JobRow row, const scheduler::JobShape& shape,
                       const std::map<int, std::vector<core::SampleRange>>& done);
   core::Status restore_damaged(const store::JobRow& row, const core::Error& error);
   core::Status add_restored(const scheduler::RestoreJob& event, farm::JobRecord record);
   core::Status rewrite(store::JobRow row);
   core::Status flush();
-  core::Result<bool> lacks_samples(const store::JobRow& row, const core::TileGrid& grid,
+  core::Result<bool> lacks_samples(const store::JobRow& row, const scheduler::JobShape& shape,
                                    std::map<int, std::vector<core::SampleRange>>& done);
 
   farm::Farm& farm_;

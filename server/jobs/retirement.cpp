@@ -55,7 +55,7 @@ core::Status JobService::retire(const KeepFinished& keep) {
     most = std::min(most, *count - std::min(*count, *keep.jobs));
   }
   if ((!keep.time && !keep.jobs) || most == 0) return {};
-  const std::lock_guard nobody_moves_them(moving_mutex_);
+  const core::MutexLock nobody_moves_them(moving_mutex_);
   auto ids = state_.jobs.first_settled(before_ms, static_cast<std::size_t>(most));
   if (!ids) return core::fail(ids.error());
   // A damaged row does not tell when its job finished.

@@ -2,6 +2,8 @@
 // Submission of jobs: what is checked before the scene is read, and the job in the state VALIDATING.
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cstdint>
 #include <optional>
 #include <set>
 #include <utility>
@@ -16,6 +18,7 @@
 #include "server/base/wall_clock.hpp"
 #include "server/blobs/admission.hpp"
 #include "server/farm/wire.hpp"
+#include "server/jobs/admission.hpp"
 #include "server/jobs/find_job.hpp"
 #include "server/jobs/job_service.hpp"
 #include "server/jobs/labels.hpp"
@@ -96,6 +99,17 @@ core::Status check_overrides(const v1::SubmitJobRequest& request) {
   return {};
 }
 
+// INVALID_ARGUMENT if a frame is named twice.
+core::Status check_frames(const v1::SubmitJobRequest& request) {
+  std::set<std::int32_t> frames;
+  for (const std::int32_t frame : request.frames()) {
+    if (frames.insert(frame).second) continue;
+    const core::Error error{ErrorCode::kInvalidArgument, fmt::format("frames: {} is named twice", frame)};
+    return core::fail(error.with({.reason = proto::kInvalidField, .field = "frames"}));
+  }
+  return {};
+}
+
 // What is known of the settings before the scene is read.
 v1::RenderSettings settings_of(const v1::RenderOverrides& overrides) {
   v1::RenderSettings settings;
@@ -120,6 +134,8 @@ ValidatingJob make_job(const v1::SubmitJobRequest& request, const std::string& o
   spec->set_max_workers(request.max_workers());
   spec->set_owner(owner);
   *spec->mutable_labels() = request.labels();
+  for (const std::int32_t frame : request.frames()) spec->add_images()->set_frame(frame);
+  spec->set_image_count(static_cast<std::uint32_t>(request.frames_size()));
   *spec->mutable_created_at() = farm::timestamp_from_ms(base::wall_clock_ms());
   auto submission = std::make_shared<v1::SubmitJobRequest>();
   *submission->mutable_overrides() = request.overrides();
@@ -149,6 +165,9 @@ core::Status JobService::check_request(const v1::SubmitJobRequest& request) cons
   if (auto fit = proto::check_text("request_id", request.request_id()); !fit) return fit;
   if (auto fit = check_labels(request.labels()); !fit) return fit;
   if (auto fit = check_overrides(request); !fit) return fit;
+  if (auto fit = check_frames(request); !fit) return fit;
+  if (auto fit = check_image_count(static_cast<std::uint64_t>(request.frames_size()), limits_); !fit)
+    return fit;
   return blobs::check_bundle_size(request.bundle(), limits_);
 }
 
@@ -190,7 +209,7 @@ core::Result<std::optional<JobSnapshot>> JobService::find_known(const std::strin
 }
 
 core::Result<v1::Job> JobService::add(ValidatingJob job) {
-  const std::lock_guard one_at_a_time(submit_mutex_);
+  const core::MutexLock one_at_a_time(submit_mutex_);
   const auto spec = job.spec;
   if (auto known = find_submission(job.request_id, spec->owner())) return *known;
   job.revision = farm_.events().counter().next();

@@ -114,7 +114,7 @@ core::Result<v1::Job> JobService::check_scene(const Validation& task) {
   *spec.mutable_settings() = std::move(scene->settings);
   *spec.mutable_display() = proto::to_proto(*display);
   spec.mutable_warnings()->Assign(scene->warnings.begin(), scene->warnings.end());
-  if (auto room = check_film_memory(farm::grid_of(spec), film_memory_); !room)
+  if (auto room = check_film_memory(farm::shape_of(spec, spec.settings().spp()), film_memory_); !room)
     return core::fail(room.error());
   return spec;
 }
@@ -169,11 +169,10 @@ core::Status JobService::fail_validation(const std::string& id, const core::Erro
 }
 
 core::Status JobService::start(v1::Job spec) {
-  const std::lock_guard one_at_a_time(submit_mutex_);
+  const core::MutexLock one_at_a_time(submit_mutex_);
   const std::string id = spec.id();
   JobRecord record;
   record.spec = std::make_shared<const v1::Job>(std::move(spec));
-  const core::TileGrid grid = farm::grid_of(*record.spec);
   const scheduler::SubmitJob event{{id},
                                    farm::shape_of(*record.spec, record.spec->settings().spp()),
                                    record.spec->priority(),
@@ -185,7 +184,7 @@ core::Status JobService::start(v1::Job spec) {
     record.request_id = job->request_id;
   }
   record.revision = farm_.events().counter().next();
-  record.film = film::JobFilm::make(grid, film_memory_, farm_.events().counter());
+  record.film = film::JobFilm::make(event.shape.grid(), film_memory_, farm_.events().counter());
   if (auto stored =
           state_.jobs.end_validation(farm::to_row(about_to_be(JobState::kRunning, event.shape, {}, record)));
       !stored)
@@ -199,8 +198,9 @@ core::Status JobService::start(v1::Job spec) {
   if (!actions.status) return core::fail(actions.status.error());
   const JobRecord& added = lock->add_job(std::move(record));
   lock.log(spdlog::level::info,
-           fmt::format("job {} ({}) runs: {}x{} pixels, {} samples per pixel", id, added.spec->name(),
-                       event.shape.window.width(), event.shape.window.height(), event.shape.spp),
+           fmt::format("job {} ({}) runs: {}x{} pixels, {} samples per pixel{}", id, added.spec->name(),
+                       event.shape.window.width(), event.shape.window.height(), event.shape.spp,
+                       event.shape.images == 1 ? "" : fmt::format(", {} images", event.shape.images)),
            {.job = id, .principal = added.spec->owner()});
   lock.apply(actions);
   return {};
@@ -208,7 +208,7 @@ core::Status JobService::start(v1::Job spec) {
 
 std::optional<core::Result<JobSnapshot>> JobService::end_unvalidated(const std::string& id, JobState state,
                                                                      const scheduler::Failure& failure) {
-  const std::lock_guard one_at_a_time(submit_mutex_);
+  const core::MutexLock one_at_a_time(submit_mutex_);
   JobRecord record;
   {
     StateLock lock(farm_);
@@ -251,7 +251,7 @@ std::optional<core::Result<JobSnapshot>> JobService::end_unvalidated(const std::
 
 // The job from the store first: one that is deleted only from memory would be back after a restart.
 std::optional<core::Status> JobService::remove_validating(const std::string& id) {
-  const std::lock_guard one_at_a_time(submit_mutex_);
+  const core::MutexLock one_at_a_time(submit_mutex_);
   if (StateLock(farm_)->find_validating(id) == nullptr) return std::nullopt;
   if (auto deleted = state_.jobs.delete_job(id); !deleted) return deleted;
   files_.note_deleted();

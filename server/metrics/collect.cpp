@@ -9,14 +9,15 @@
 
 namespace tessera::metrics {
 
-proto::MetricFamilies collect(server::Coordinator& coordinator, const rpc::Server& server) {
+common::MetricFamilies collect(server::Coordinator& coordinator, const rpc::Server& server,
+                               const rpc::CallStats* http_calls) {
   common::MetricWriter writer;
   const farm::Totals totals = farm::totals_of(coordinator.farm());
   write_jobs(writer, totals);
   write_workers(writer, totals);
   write_results(writer, totals, coordinator.dispatcher().result_counts());
   write_state_lock(writer, coordinator.farm());
-  write_calls(writer, server.calls());
+  write_calls(writer, server.calls(), http_calls);
   write_traffic(writer, server.calls().traffic);
   write_queues(writer, server);
   write_validations(writer, coordinator.validations());

@@ -8,7 +8,9 @@
 
 namespace tessera::metrics {
 
-// Takes the state lock once, for microseconds, and asks the file system for sizes.
-proto::MetricFamilies collect(server::Coordinator& coordinator, const rpc::Server& server);
+// Takes the state lock once, for microseconds, and asks the file system for sizes. `http_calls`: those of the
+// HTTP API by route; null if it is off.
+common::MetricFamilies collect(server::Coordinator& coordinator, const rpc::Server& server,
+                               const rpc::CallStats* http_calls = nullptr);
 
 }  // namespace tessera::metrics

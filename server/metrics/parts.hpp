@@ -17,7 +17,8 @@ void write_results(common::MetricWriter& writer, const farm::Totals& totals,
 void write_state_lock(common::MetricWriter& writer, const farm::Farm& farm);
 
 // ---- The service (service_metrics.cpp) ----
-void write_calls(common::MetricWriter& writer, const rpc::CallStats& calls);
+// `http_calls` may be null.
+void write_calls(common::MetricWriter& writer, const rpc::CallStats& calls, const rpc::CallStats* http_calls);
 void write_traffic(common::MetricWriter& writer, const rpc::Traffic& traffic);
 void write_queues(common::MetricWriter& writer, const rpc::Server& server);
 void write_validations(common::MetricWriter& writer, const jobs::ValidationStats& validations);

@@ -10,14 +10,12 @@ namespace tessera::metrics {
 namespace {
 
 // "/tessera.v1.RenderService/GetJob" is shown as GetJob: no two services have a method of the same name.
+// Routes of the HTTP API are shown as they are: "GET /api/v1/jobs/{id}".
 std::string method_name(const std::string& path) {
-  return path.substr(path.rfind('/') + 1);
+  return path.starts_with('/') ? path.substr(path.rfind('/') + 1) : path;
 }
 
-}  // namespace
-
-void write_calls(common::MetricWriter& writer, const rpc::CallStats& calls) {
-  writer.begin_counter("tessera_calls_total", "Calls that have ended, by method and status code");
+void write_counts(common::MetricWriter& writer, const rpc::CallStats& calls) {
   for (const auto& [path, method] : calls.methods()) {
     for (std::size_t code = 0; code < rpc::kStatusCodes; ++code) {
       const std::uint64_t count = method.ended[code];
@@ -26,14 +24,33 @@ void write_calls(common::MetricWriter& writer, const rpc::CallStats& calls) {
                    {{"method", method_name(path)}, {"code", rpc::code_name(code)}});
     }
   }
+}
+
+void write_durations(common::MetricWriter& writer, const rpc::CallStats& calls) {
+  for (const auto& [path, method] : calls.methods())
+    writer.add(to_prometheus(method.durations), {{"method", method_name(path)}});
+}
+
+void write_in_progress(common::MetricWriter& writer, const rpc::CallStats& calls) {
+  for (const auto& [path, method] : calls.methods())
+    writer.add(static_cast<double>(method.in_progress), {{"method", method_name(path)}});
+}
+
+}  // namespace
+
+void write_calls(common::MetricWriter& writer, const rpc::CallStats& calls,
+                 const rpc::CallStats* http_calls) {
+  writer.begin_counter("tessera_calls_total", "Calls that have ended, by method or route, and status code");
+  write_counts(writer, calls);
+  if (http_calls != nullptr) write_counts(writer, *http_calls);
   writer.begin_histogram("tessera_call_duration_seconds",
                          "Time from the beginning of a call until its status is known. Synchronize waits for "
                          "work, WatchJob for the end of a job, streams for their callers");
-  for (const auto& [path, method] : calls.methods())
-    writer.add(to_prometheus(method.durations), {{"method", method_name(path)}});
+  write_durations(writer, calls);
+  if (http_calls != nullptr) write_durations(writer, *http_calls);
   writer.begin_gauge("tessera_calls_in_progress", "Calls in progress");
-  for (const auto& [path, method] : calls.methods())
-    writer.add(static_cast<double>(method.in_progress), {{"method", method_name(path)}});
+  write_in_progress(writer, calls);
+  if (http_calls != nullptr) write_in_progress(writer, *http_calls);
   writer.begin_counter("tessera_rejected_callers_total",
                        "Calls that were rejected before their message was read, by status code");
   for (const auto code : {grpc::StatusCode::UNAUTHENTICATED, grpc::StatusCode::PERMISSION_DENIED,

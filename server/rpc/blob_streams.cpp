@@ -29,6 +29,7 @@ UploadStream::UploadStream(grpc::CallbackServerContext& context, server::Coordin
     read_next();
     return;
   }
+  const core::MutexLock lock(mutex_);
   ended_ = true;
   Finish(auth::try_later(context_,
                          server::over_share(streams_.uploads.held_by(caller()), "uploads", "are in progress",
@@ -37,14 +38,14 @@ UploadStream::UploadStream(grpc::CallbackServerContext& context, server::Coordin
 }
 
 void UploadStream::read_next() {
-  const std::lock_guard lock(mutex_);
+  const core::MutexLock lock(mutex_);
   waiting_since_ = Clock::now();
   StartRead(&bytes_);
 }
 
 void UploadStream::OnReadDone(bool ok) {
   {
-    const std::lock_guard lock(mutex_);
+    const core::MutexLock lock(mutex_);
     waiting_since_.reset();
     if (ended_) return;
   }
@@ -53,7 +54,7 @@ void UploadStream::OnReadDone(bool ok) {
 }
 
 void UploadStream::end_if_waiting_since(Clock::time_point time) {
-  const std::lock_guard lock(mutex_);
+  const core::MutexLock lock(mutex_);
   if (ended_ || !waiting_since_ || *waiting_since_ > time) return;
   ended_ = true;
   Finish(proto::to_grpc(core::Error{
@@ -194,7 +195,7 @@ core::Status FetchStream::open() {
 
 void FetchStream::OnWriteDone(bool ok) {
   {
-    const std::lock_guard lock(mutex_);
+    const core::MutexLock lock(mutex_);
     waiting_since_.reset();
   }
   if (!ok) return Finish(grpc::Status::CANCELLED);
@@ -213,7 +214,7 @@ void FetchStream::write_next() {
   if (!message) return Finish(proto::to_grpc(core::Status(core::fail(message.error()))));
   bytes_ = *std::move(message);
   {
-    const std::lock_guard lock(mutex_);
+    const core::MutexLock lock(mutex_);
     waiting_since_ = Clock::now();
   }
   StartWrite(&bytes_);
@@ -221,7 +222,7 @@ void FetchStream::write_next() {
 
 // A write is in progress; only ending the call cancels it.
 void FetchStream::end_own_wait_since(Clock::time_point time) {
-  const std::lock_guard lock(mutex_);
+  const core::MutexLock lock(mutex_);
   if (waiting_since_ && *waiting_since_ <= time) context().TryCancel();
 }
 

@@ -2,10 +2,10 @@
 // Uploads and downloads of blobs in chunks of 1 MiB.
 #pragma once
 
-#include <mutex>
 #include <optional>
 #include <string>
 
+#include "core/base/mutex.hpp"
 #include "server/blobs/blob_store.hpp"
 #include "server/coordinator.hpp"
 #include "server/rpc/call.hpp"
@@ -56,9 +56,10 @@ class UploadStream final : public Reactor, private WatchedStream {
   std::optional<blobs::BlobClaims::Use> use_;
   std::optional<blobs::BlobWriter> writer_;
 
-  std::mutex mutex_;
-  std::optional<Clock::time_point> waiting_since_;  // guarded by mutex_; set while a read is in progress
-  bool ended_ = false;                              // guarded by mutex_; for lack of progress
+  core::Mutex mutex_;
+  // Set while a read is in progress.
+  std::optional<Clock::time_point> waiting_since_ TESSERA_GUARDED_BY(mutex_);
+  bool ended_ TESSERA_GUARDED_BY(mutex_) = false;  // for lack of progress
 };
 
 // Sends one blob from the store to a worker.
@@ -88,8 +89,9 @@ class FetchStream final : public RequestCall {
   std::optional<blobs::BlobReader> reader_;
   std::uint64_t left_bytes_ = 0;
 
-  std::mutex mutex_;
-  std::optional<Clock::time_point> waiting_since_;  // guarded by mutex_; set while a write is in progress
+  core::Mutex mutex_;
+  // Set while a write is in progress.
+  std::optional<Clock::time_point> waiting_since_ TESSERA_GUARDED_BY(mutex_);
 };
 
 }  // namespace tessera::rpc

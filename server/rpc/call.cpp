@@ -80,7 +80,7 @@ void RequestCall::start() {
 }
 
 bool RequestCall::enter(Stage stage, std::size_t bytes) {
-  const std::lock_guard lock(mutex_);
+  const core::MutexLock lock(mutex_);
   if (stage_ == Stage::kEnded) return false;
   stage_ = stage;
   patient_to_ = Clock::now() + time_on_slow_line(bytes);
@@ -108,7 +108,7 @@ core::Status RequestCall::take_message(bool ok) {
 }
 
 core::Status RequestCall::hand_over() {
-  const std::lock_guard lock(mutex_);
+  const core::MutexLock lock(mutex_);
   if (cancelled_) return core::fail(ErrorCode::kCancelled, "the caller has gone");
   stage_ = Stage::kRunning;
   return {};
@@ -116,7 +116,7 @@ core::Status RequestCall::hand_over() {
 
 void RequestCall::OnCancel() {
   {
-    const std::lock_guard lock(mutex_);
+    const core::MutexLock lock(mutex_);
     cancelled_ = true;
     if (stage_ != Stage::kRunning) return;
   }
@@ -147,7 +147,7 @@ void RequestCall::answer(const google::protobuf::Message& response) {
 
 void RequestCall::end_if_waiting_since(Clock::time_point time) {
   {
-    const std::lock_guard lock(mutex_);
+    const core::MutexLock lock(mutex_);
     const bool late = patient_to_ <= time;
     if (stage_ == Stage::kAnswering && late) return context_.TryCancel();
     if (stage_ == Stage::kReading && late) {
@@ -167,7 +167,7 @@ void RequestCall::end_if_waiting_since(Clock::time_point time) {
 
 void RequestCall::OnDone() {
   streams_.stalls.remove(*this);
-  { const std::lock_guard whoever_ended_it_is_done(mutex_); }
+  { const core::MutexLock whoever_ended_it_is_done(mutex_); }
   delete this;
 }
 

@@ -15,6 +15,7 @@
 #include <utility>
 
 #include "core/base/error.hpp"
+#include "core/base/mutex.hpp"
 #include "server/auth/auth_interceptor.hpp"
 #include "server/rpc/call_stats.hpp"
 #include "server/rpc/stream_limits.hpp"
@@ -117,10 +118,11 @@ class RequestCall : public Reactor, protected WatchedStream {
   grpc::ByteBuffer bytes_;
   std::optional<base::FairShare::Held> answer_place_;
 
-  std::mutex mutex_;
-  Stage stage_ = Stage::kNew;     // guarded by mutex_
-  bool cancelled_ = false;        // guarded by mutex_
-  Clock::time_point patient_to_;  // guarded by mutex_; when the stall time begins, while it reads or answers
+  core::Mutex mutex_;
+  Stage stage_ TESSERA_GUARDED_BY(mutex_) = Stage::kNew;
+  bool cancelled_ TESSERA_GUARDED_BY(mutex_) = false;
+  // When the stall time begins, while it reads or answers.
+  Clock::time_point patient_to_ TESSERA_GUARDED_BY(mutex_);
 };
 
 // A call with one message either way.

@@ -39,6 +39,10 @@ CallStats::CallStats(const auth::Methods& methods) {
   for (const auto& [path, method] : methods.all()) methods_.try_emplace(path);
 }
 
+CallStats::CallStats(const std::vector<std::string>& names) {
+  for (const std::string& name : names) methods_.try_emplace(name);
+}
+
 void CallStats::note_rejected(const grpc::Status& status) {
   ++rejected_[index_of(status)];
 }

@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <map>
 #include <string>
+#include <vector>
 
 #include "server/auth/methods.hpp"
 #include "server/base/duration_histogram.hpp"
@@ -40,10 +41,13 @@ struct Traffic {
 class CallStats {
  public:
   explicit CallStats(const auth::Methods& methods);
+  // Of calls that are no methods of gRPC, by their names.
+  explicit CallStats(const std::vector<std::string>& names);
 
-  // By path. Has every method of the table.
+  // By path or name. Has every method of the table.
   const std::map<std::string, MethodStats>& methods() const { return methods_; }
-  MethodStats& of(const auth::Method& method) { return methods_.at(method.path); }
+  MethodStats& of(const auth::Method& method) { return of(method.path); }
+  MethodStats& of(const std::string& name) { return methods_.at(name); }
 
   void note_rejected(const grpc::Status& status);
   // Calls that were rejected before their message was read, by status code.
@@ -59,9 +63,8 @@ class CallStats {
 // Measures one call: it begins with the object and ends with end(), or else with the object.
 class CallTimer {
  public:
-  CallTimer(CallStats& stats, const auth::Method& method) : method_(stats.of(method)) {
-    ++method_.in_progress;
-  }
+  CallTimer(CallStats& stats, const auth::Method& method) : CallTimer(stats.of(method)) {}
+  explicit CallTimer(MethodStats& method) : method_(method) { ++method_.in_progress; }
   ~CallTimer() { end(grpc::Status(grpc::StatusCode::CANCELLED, "")); }
   CallTimer(const CallTimer&) = delete;
   CallTimer& operator=(const CallTimer&) = delete;

@@ -21,7 +21,7 @@ void ImageStream::wait_for_memory() {
   const auto need_bytes = coordinator_.images().bytes_to_write(request_);
   if (!need_bytes) return Finish(proto::to_grpc(need_bytes.error()));
   need_mib_ = 1 + *need_bytes / server::kMib;
-  const std::lock_guard lock(mutex_);
+  const core::MutexLock lock(mutex_);
   if (cancelled_) return Finish(grpc::Status::CANCELLED);
   queued_since_ = Clock::now();
   const auto granted = [this](base::FairShare::Held memory) { make_picture(std::move(memory)); };
@@ -61,7 +61,7 @@ core::Status ImageStream::take_picture() {
 
 void ImageStream::OnWriteDone(bool ok) {
   {
-    const std::lock_guard lock(mutex_);
+    const core::MutexLock lock(mutex_);
     waiting_since_.reset();
   }
   if (!ok) return Finish(grpc::Status::CANCELLED);
@@ -80,7 +80,7 @@ void ImageStream::write_next() {
   if (!message) return Finish(proto::to_grpc(core::Status(core::fail(message.error()))));
   bytes_ = *std::move(message);
   {
-    const std::lock_guard lock(mutex_);
+    const core::MutexLock lock(mutex_);
     waiting_since_ = Clock::now();
   }
   StartWrite(&bytes_);
@@ -89,21 +89,21 @@ void ImageStream::write_next() {
 // Memory becomes free while others read their images, so the wait for it is bounded by the stall time as
 // well. A write in progress is cancelled only by ending the call.
 void ImageStream::end_own_wait_since(Clock::time_point time) {
-  const std::lock_guard lock(mutex_);
+  const core::MutexLock lock(mutex_);
   if (waiting_since_ && *waiting_since_ <= time) return context().TryCancel();
   if (queued_since_ && *queued_since_ <= time && streams().image_mib.leave(this)) Finish(no_memory());
 }
 
 void ImageStream::on_cancel() {
   {
-    const std::lock_guard lock(mutex_);
+    const core::MutexLock lock(mutex_);
     cancelled_ = true;
   }
   if (streams().image_mib.leave(this)) Finish(grpc::Status::CANCELLED);
 }
 
 void ImageStream::OnDone() {
-  { const std::lock_guard whoever_ended_it_is_done(mutex_); }
+  { const core::MutexLock whoever_ended_it_is_done(mutex_); }
   RequestCall::OnDone();
 }
 

@@ -3,9 +3,9 @@
 #pragma once
 
 #include <cstdint>
-#include <mutex>
 #include <optional>
 
+#include "core/base/mutex.hpp"
 #include "server/base/scratch_file.hpp"
 #include "server/coordinator.hpp"
 #include "server/rpc/call.hpp"
@@ -53,10 +53,11 @@ class ImageStream final : public RequestCall {
   v1::GetImageResponse response_;
   grpc::ByteBuffer bytes_;
 
-  std::mutex mutex_;
-  bool cancelled_ = false;                          // guarded by mutex_; before the wait for memory
-  std::optional<Clock::time_point> queued_since_;   // guarded by mutex_; kept after the wait
-  std::optional<Clock::time_point> waiting_since_;  // guarded by mutex_; set while a write is in progress
+  core::Mutex mutex_;
+  bool cancelled_ TESSERA_GUARDED_BY(mutex_) = false;                         // before the wait for memory
+  std::optional<Clock::time_point> queued_since_ TESSERA_GUARDED_BY(mutex_);  // kept after the wait
+  // Set while a write is in progress.
+  std::optional<Clock::time_point> waiting_since_ TESSERA_GUARDED_BY(mutex_);
 };
 
 }  // namespace tessera::rpc

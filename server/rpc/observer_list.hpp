@@ -4,8 +4,9 @@
 #pragma once
 
 #include <condition_variable>
-#include <mutex>
 #include <set>
+
+#include "core/base/mutex.hpp"
 
 namespace tessera::rpc {
 
@@ -13,21 +14,21 @@ template <typename Observer>
 class ObserverList {
  public:
   void add(Observer& observer) {
-    const std::lock_guard lock(mutex_);
+    const core::MutexLock lock(mutex_);
     observers_.insert(&observer);
   }
   // The observer is not called after this returns. Waits for a call of it in progress, which must not be the
   // caller's own.
   void remove(Observer& observer) {
-    std::unique_lock lock(mutex_);
+    core::MutexLock lock(mutex_);
     observers_.erase(&observer);
-    returned_.wait(lock, [&] { return called_ != &observer; });
+    returned_.wait(lock.native(), [&]() TESSERA_REQUIRES(mutex_) { return called_ != &observer; });
   }
   // Calls each observer that stays in the list. Waits for another round in progress.
   template <typename Call>
   void for_each(const Call& call) {
-    const std::lock_guard one_at_a_time(round_mutex_);
-    std::unique_lock lock(mutex_);
+    const core::MutexLock one_at_a_time(round_mutex_);
+    core::MutexLock lock(mutex_);
     for (auto next = observers_.begin(); next != observers_.end();) {
       Observer* const called = called_ = *next;
       lock.unlock();
@@ -40,11 +41,11 @@ class ObserverList {
   }
 
  private:
-  std::mutex round_mutex_;
-  std::mutex mutex_;
+  core::Mutex round_mutex_;
+  core::Mutex mutex_;
   std::condition_variable returned_;
-  std::set<Observer*> observers_;  // guarded by mutex_
-  Observer* called_ = nullptr;     // guarded by mutex_
+  std::set<Observer*> observers_ TESSERA_GUARDED_BY(mutex_);
+  Observer* called_ TESSERA_GUARDED_BY(mutex_) = nullptr;
 };
 
 }  // namespace tessera::rpc

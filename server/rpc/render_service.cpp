@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/rpc/render_service.hpp"
 
-#include <fmt/format.h>
-
 #include <memory>
 #include <utility>
 
 #include "server/rpc/blob_calls.hpp"
 #include "server/rpc/blob_streams.hpp"
 #include "server/rpc/image_stream.hpp"
+#include "server/rpc/job_calls.hpp"
 #include "server/rpc/reactors.hpp"
 #include "server/rpc/watch_calls.hpp"
 
@@ -71,19 +70,9 @@ void RenderService::add_watch(const std::string& method) {
 template <typename AnyCall, typename Pool, typename Work>
 void RenderService::run_change(AnyCall& call, Pool& pool, Work work) {
   run_unary(call, pool, [this, &call, work = std::move(work)] {
-    const core::Status allowed = may_change(call.caller(), call.request().job_id());
+    const core::Status allowed = may_change(coordinator_, call.caller(), call.request().job_id());
     return allowed ? work() : allowed;
   });
-}
-
-core::Status RenderService::may_change(const auth::Principal& caller, const std::string& job_id) {
-  if (caller.role == auth::Role::kAdmin) return {};
-  const auto job = coordinator_.jobs().get_without_bundle(job_id);
-  if (!job) return core::fail(job.error());
-  if (job->owner() == caller.name) return {};
-  return core::fail(core::ErrorCode::kPermissionDenied,
-                    fmt::format("job {} was submitted by '{}': only they and administrators may change it",
-                                job_id, job->owner()));
 }
 
 void RenderService::submit_job(Call<v1::SubmitJobRequest, v1::SubmitJobResponse>& call) {
@@ -92,22 +81,11 @@ void RenderService::submit_job(Call<v1::SubmitJobRequest, v1::SubmitJobResponse>
   if (!claimed) return call.finish(auth::try_later(call.context(), claimed.error(), auth::kTryAgainAfter));
   const auto claim = std::make_shared<blobs::BlobClaims::Use>(*std::move(claimed));
   run_unary(call, pools_.users, [this, &call, claim] {
-    core::Status submitted = put_job(submit(call.request(), call.caller()), call.response());
+    core::Status submitted =
+        put_job(submit(coordinator_, validations_, call.request(), call.caller()), call.response());
     if (submitted) claim->settle();
     return submitted;
   });
-}
-
-// A repeated call is answered also when no more scenes may wait.
-core::Result<v1::Job> RenderService::submit(const v1::SubmitJobRequest& request,
-                                            const auth::Principal& caller) {
-  jobs::JobService& jobs = coordinator_.jobs();
-  if (auto known = jobs.find_submission(request.request_id(), caller.name)) return *std::move(known);
-  auto place = validations_.reserve(caller.key);
-  if (!place) return core::fail(place.error());
-  auto job = jobs.submit(request, caller.name);
-  if (job) validations_.post(caller.key, *std::move(place), job->id());
-  return job;
 }
 
 void RenderService::get_job(Call<v1::GetJobRequest, v1::GetJobResponse>& call) {
@@ -144,10 +122,8 @@ void RenderService::resume_job(Call<v1::ResumeJobRequest, v1::ResumeJobResponse>
 }
 
 void RenderService::extend_job(Call<v1::ExtendJobRequest, v1::ExtendJobResponse>& call) {
-  run_change(call, pools_.slow, [this, &call] {
-    return put_job(coordinator_.jobs().extend(call.request().job_id(), call.request().spp()),
-                   call.response());
-  });
+  run_change(call, pools_.slow,
+             [this, &call] { return put_job(coordinator_.jobs().extend(call.request()), call.response()); });
 }
 
 void RenderService::update_job(Call<v1::UpdateJobRequest, v1::UpdateJobResponse>& call) {

@@ -28,7 +28,6 @@ class RenderService final : public GuardedService {
   void upload_batch(Call<v1::BatchUploadBlobsRequest, v1::BatchUploadBlobsResponse>& call);
   void get_upload(Call<v1::GetUploadRequest, v1::GetUploadResponse>& call);
   void submit_job(Call<v1::SubmitJobRequest, v1::SubmitJobResponse>& call);
-  core::Result<v1::Job> submit(const v1::SubmitJobRequest& request, const auth::Principal& caller);
   void get_job(Call<v1::GetJobRequest, v1::GetJobResponse>& call);
   void list_jobs(Call<v1::ListJobsRequest, v1::ListJobsResponse>& call);
   void cancel_job(Call<v1::CancelJobRequest, v1::CancelJobResponse>& call);
@@ -46,7 +45,6 @@ class RenderService final : public GuardedService {
   // Answers with the status of work(), run on `pool`, if the caller may change the job.
   template <typename AnyCall, typename Pool, typename Work>
   void run_change(AnyCall& call, Pool& pool, Work work);
-  core::Status may_change(const auth::Principal& caller, const std::string& job_id);
 
   server::Coordinator& coordinator_;
   const Pools pools_;

@@ -10,11 +10,12 @@
 #include <sys/resource.h>
 
 #include <algorithm>
-#include <mutex>
 #include <stop_token>
 #include <thread>
 #include <utility>
 
+#include "core/base/available_resources.hpp"
+#include "core/base/mutex.hpp"
 #include "server/auth/auth_interceptor.hpp"
 #include "server/base/periodic.hpp"
 #include "server/base/wall_clock.hpp"
@@ -47,7 +48,7 @@ constexpr std::size_t kMaxWaitingQuick = 1024;
 constexpr std::size_t kMaxWaitingSlow = 64;
 
 int quick_threads() {
-  return std::max(2, static_cast<int>(std::thread::hardware_concurrency()));
+  return std::max(2, static_cast<int>(core::available_threads()));
 }
 
 // The limits, lowered where the process may not open so many files. A quarter of the files is for the store,
@@ -117,7 +118,7 @@ class CheckpointLog {
 }  // namespace
 
 struct Server::Parts {
-  Parts(Coordinator& c, auth::Access access, const server::Limits& l, const ServerFacts& facts,
+  Parts(Coordinator& c, auth::Access access, const server::Limits& l, const ServerFacts& f,
         const jobs::KeepFinished& keep)
       : coordinator(c),
         limits(l),
@@ -132,6 +133,7 @@ struct Server::Parts {
         validations(c, limits),
         clearing(kClearingThreads, limits.uploads),
         watches(c.events()),
+        facts(f),
         render_service(c, gate, {quick, users, watching, slow, clearing}, validations, watches, streams,
                        facts),
         worker_service(c, gate, quick, streams),
@@ -168,14 +170,16 @@ struct Server::Parts {
   ValidationQueue validations;
   base::FairPool clearing;
   WatchHub watches;
+  const ServerFacts facts;
   RenderService render_service;
   WorkerService worker_service;
   AdminService admin_service;
   CheckpointLog checkpoint_log;
-  std::mutex maintenance_mutex;
-  std::string last_maintenance_failure;  // guarded by maintenance_mutex
+  core::Mutex maintenance_mutex;
+  std::string last_maintenance_failure TESSERA_GUARDED_BY(maintenance_mutex);
   base::Periodic checkpointer, ticker, validator, reopener, remover, retirer, collector;
   std::jthread store_checker;
+  std::shared_ptr<proto::ServerCertificates> certificates;  // null without TLS
   std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor> acceptor;
   std::unique_ptr<grpc::Server> grpc;
   std::unique_ptr<Listener> listener;  // passes connections to the acceptor
@@ -183,7 +187,7 @@ struct Server::Parts {
 
 void Server::Parts::note_maintenance(const core::Status& done) {
   const std::string failure = done ? "" : done.error().message;
-  const std::lock_guard lock(maintenance_mutex);
+  const core::MutexLock lock(maintenance_mutex);
   if (!failure.empty() && failure != last_maintenance_failure)
     spdlog::warn("cannot delete films and jobs yet, and will try again: {}", failure);
   if (!failure.empty()) last_maintenance_failure = failure;
@@ -213,6 +217,9 @@ core::Status Server::Parts::serve(const std::shared_ptr<grpc::ServerCredentials>
       grpc::ServerBuilder::experimental_type::ExternalConnectionType::FROM_FD, credentials);
   grpc = builder.BuildAndStart();
   if (!grpc) return core::fail(core::ErrorCode::kInternal, "gRPC does not start");
+  for (const char* const service :
+       {"tessera.v1.RenderService", "tessera.v1.WorkerService", "tessera.v1.AdminService"})
+    grpc->GetHealthCheckService()->SetServingStatus(service, true);
   listener->start([this](int descriptor) {
     grpc::experimental::ExternalConnectionAcceptor::NewConnectionParameters connection;
     connection.fd = descriptor;
@@ -246,11 +253,18 @@ core::Result<std::unique_ptr<Server>> Server::start(Coordinator& coordinator, Se
   auto parts = std::make_unique<Parts>(coordinator, std::move(options.access), options.limits, facts,
                                        options.keep_finished);
   parts->listener = std::move(*listener);
-  if (const auto served = parts->serve(*credentials, options.patience, with_reflection); !served)
+  parts->certificates = credentials->certificates;
+  if (const auto served = parts->serve(credentials->credentials, options.patience, with_reflection); !served)
     return core::fail(served.error());
   const std::string host = address.substr(0, address.rfind(':'));
   const int port = parts->listener->port();
   return std::unique_ptr<Server>(new Server(std::move(parts), fmt::format("{}:{}", host, port)));
+}
+
+Services Server::services() {
+  Parts& p = *parts_;
+  return {p.coordinator, p.gate, {p.quick, p.users, p.watching, p.slow, p.clearing}, p.validations, p.watches,
+          p.streams,     p.facts};
 }
 
 const CallStats& Server::calls() const {
@@ -264,6 +278,10 @@ std::vector<Server::QueueDepth> Server::queue_depths() const {
           {"slow", parts_->slow.waiting()},
           {"validating", parts_->validations.waiting()},
           {"clearing", parts_->clearing.waiting()}};
+}
+
+proto::ServerCertificates* Server::certificates() {
+  return parts_->certificates.get();
 }
 
 core::Status Server::stop() {

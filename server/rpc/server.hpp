@@ -14,6 +14,7 @@
 #include "server/jobs/retirement.hpp"
 #include "server/limits.hpp"
 #include "server/rpc/call_stats.hpp"
+#include "server/rpc/services.hpp"
 
 namespace tessera::rpc {
 
@@ -36,6 +37,9 @@ class Server {
   // HOST:PORT with the actual port.
   const std::string& address() const { return address_; }
 
+  // For another way to call the coordinator, which must end before stop().
+  Services services();
+
   // ---- What it measures; not after stop() ----
   const CallStats& calls() const;
   // The tasks that wait in each thread pool.
@@ -46,6 +50,8 @@ class Server {
   std::vector<QueueDepth> queue_depths() const;
   // See AuthInterceptor::replace_access(). Not after stop().
   void replace_access(auth::Access access);
+  // Null without TLS. Not after stop().
+  proto::ServerCertificates* certificates();
 
   // Answers waiting calls, ends all calls, and writes the last checkpoint. Returns whether that was written.
   core::Status stop();

@@ -11,9 +11,10 @@ namespace tessera::rpc {
 namespace {
 
 // docs/protocol.md describes each.
-constexpr std::array<std::string_view, 11> kFeatures{
-    "admin-service",    "batch-upload",     "error-details", "image-region", "job-labels",  "job-pages",
-    "resumable-upload", "validating-state", "watch-farm",    "watch-tiles",  "worker-pages"};
+constexpr std::array<std::string_view, 13> kFeatures{
+    "admin-service", "batch-upload", "error-details",    "image-region", "images",
+    "job-labels",    "job-pages",    "resumable-upload", "tile-targets", "validating-state",
+    "watch-farm",    "watch-tiles",  "worker-pages"};
 
 }  // namespace
 
@@ -33,6 +34,7 @@ v1::GetServerInfoResponse server_info(const ServerFacts& facts, const server::Li
   told.set_bundle_files(limits.bundle_files);
   told.set_image_pixels(limits.picture_pixels);
   told.set_spp(limits.spp);
+  told.set_images(limits.images);
   return info;
 }
 

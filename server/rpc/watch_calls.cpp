@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "proto/convert.hpp"
+#include "server/jobs/image_choice.hpp"
 
 namespace tessera::rpc {
 
@@ -15,17 +16,13 @@ namespace {
 // Of one message, whose last tile may exceed it.
 constexpr std::size_t kTileBytesAtOnce = 256 << 10;
 
-bool is_final(v1::JobState state) {
-  return state == v1::JOB_STATE_DONE || state == v1::JOB_STATE_CANCELLED || state == v1::JOB_STATE_FAILED;
-}
-
 }  // namespace
 
 core::Result<WatchStream::Step> WatchJobCall::next() {
   auto job = coordinator().jobs().get_without_bundle(request_.job_id());
   if (!job) return core::fail(job.error());
   Step step;
-  step.is_last = is_final(job->state());
+  step.is_last = watch::is_final(job->state());
   std::string bytes = job->SerializeAsString();
   if (bytes == last_sent_) return step;
   last_sent_ = std::move(bytes);
@@ -48,7 +45,9 @@ core::Result<WatchStream::Step> WatchFarmCall::next() {
 
 core::Result<WatchStream::Step> WatchTilesCall::next() {
   if (!has_sent_) since_ = request_.since_revision();
-  watch::TileQuery query{request_.job_id(), since_, request_.format(), {}, kTileBytesAtOnce};
+  if (auto known = jobs::check_channels(request_.channels()); !known) return core::fail(known.error());
+  watch::TileQuery query{request_.job_id(), since_,          request_.format(), {},
+                         kTileBytesAtOnce,  request_.image()};
   if (request_.has_region()) {
     const auto region = proto::from_proto(request_.region());
     if (!region) return core::fail(region.error());
@@ -58,7 +57,7 @@ core::Result<WatchStream::Step> WatchTilesCall::next() {
   if (!update) return core::fail(update.error());
   Step step;
   step.has_more = !update->is_current;
-  step.is_last = update->is_current && is_final(update->job.state());
+  step.is_last = update->is_current && watch::is_final(update->job.state());
   const bool has_new_state = std::exchange(last_state_, update->job.state()) != update->job.state();
   if (has_sent_ && !has_new_state && update->tiles.empty() && !step.is_last) {
     since_ = update->revision;

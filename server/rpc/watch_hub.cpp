@@ -17,7 +17,7 @@ WatchHub::WatchHub(events::EventLog& log) : log_(log), thread_([this] { run(); }
 WatchHub::~WatchHub() {
   close();
   {
-    const std::lock_guard lock(mutex_);
+    const core::MutexLock lock(mutex_);
     stopping_ = true;
   }
   stop_.notify_all();
@@ -48,7 +48,7 @@ void WatchHub::run() {
     const bool again = notify_all(any_changed, jobs);
     pause();
     {
-      const std::lock_guard lock(mutex_);
+      const core::MutexLock lock(mutex_);
       if (stopping_) return;
     }
     if (!again) log_.wait(cursor_, wakes);
@@ -78,8 +78,8 @@ bool WatchHub::notify_all(bool any_changed, const std::set<std::string>& jobs) {
 }
 
 void WatchHub::pause() {
-  std::unique_lock lock(mutex_);
-  stop_.wait_for(lock, kShortestRound, [this] { return stopping_; });
+  core::MutexLock lock(mutex_);
+  stop_.wait_for(lock.native(), kShortestRound, [this]() TESSERA_REQUIRES(mutex_) { return stopping_; });
 }
 
 }  // namespace tessera::rpc

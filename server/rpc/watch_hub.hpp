@@ -5,11 +5,11 @@
 
 #include <atomic>
 #include <condition_variable>
-#include <mutex>
 #include <set>
 #include <string>
 #include <thread>
 
+#include "core/base/mutex.hpp"
 #include "server/events/event_log.hpp"
 #include "server/rpc/observer_list.hpp"
 
@@ -54,9 +54,9 @@ class WatchHub {
   events::Cursor cursor_;  // used by the thread only
   std::atomic<bool> closed_{false};
   ObserverList<Watcher> watchers_;
-  std::mutex mutex_;
+  core::Mutex mutex_;
   std::condition_variable stop_;
-  bool stopping_ = false;  // guarded by mutex_
+  bool stopping_ TESSERA_GUARDED_BY(mutex_) = false;
   std::thread thread_;
 };
 

@@ -11,7 +11,7 @@ namespace tessera::rpc {
 void WatchStream::begin() {
   auto place = streams().watches.take(caller().key);
   if (!place) {
-    const std::lock_guard lock(mutex_);
+    const core::MutexLock lock(mutex_);
     return end(
         auth::try_later(context(),
                         server::over_share(streams().watches.held_by(caller().key), "jobs",
@@ -23,7 +23,7 @@ void WatchStream::begin() {
 }
 
 bool WatchStream::notify(bool changed) {
-  const std::lock_guard lock(mutex_);
+  const core::MutexLock lock(mutex_);
   is_due_ = is_due_ || changed;
   step_if_due();
   return is_due_ && !is_busy_ && !ending_;
@@ -44,7 +44,7 @@ void WatchStream::step() {
     step = *next_step;
     return {};
   });
-  const std::lock_guard lock(mutex_);
+  const core::MutexLock lock(mutex_);
   is_busy_ = false;
   if (!made) return end(proto::to_grpc(made));
   paused_until_ = Clock::now() + step.pause;
@@ -77,18 +77,18 @@ void WatchStream::finish_if_ended() {
 }
 
 void WatchStream::close() {
-  const std::lock_guard lock(mutex_);
+  const core::MutexLock lock(mutex_);
   end(stopping());
 }
 
 // A write is in progress; only ending the call cancels it.
 void WatchStream::end_own_wait_since(Clock::time_point time) {
-  const std::lock_guard lock(mutex_);
+  const core::MutexLock lock(mutex_);
   if (sending_since_ && *sending_since_ <= time) context().TryCancel();
 }
 
 void WatchStream::OnWriteDone(bool ok) {
-  const std::lock_guard lock(mutex_);
+  const core::MutexLock lock(mutex_);
   is_busy_ = false;
   sending_since_.reset();
   if (!ok) return end(grpc::Status::CANCELLED);
@@ -98,13 +98,13 @@ void WatchStream::OnWriteDone(bool ok) {
 }
 
 void WatchStream::on_cancel() {
-  const std::lock_guard lock(mutex_);
+  const core::MutexLock lock(mutex_);
   end(grpc::Status::CANCELLED);
 }
 
 void WatchStream::OnDone() {
   hub_.remove(*this);
-  { const std::lock_guard whoever_ended_it_is_done(mutex_); }
+  { const core::MutexLock whoever_ended_it_is_done(mutex_); }
   RequestCall::OnDone();
 }
 

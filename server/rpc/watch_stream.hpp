@@ -2,10 +2,10 @@
 // A call that sends messages as what it watches changes.
 #pragma once
 
-#include <mutex>
 #include <optional>
 #include <string>
 
+#include "core/base/mutex.hpp"
 #include "server/base/fair_pool.hpp"
 #include "server/coordinator.hpp"
 #include "server/rpc/call.hpp"
@@ -51,27 +51,25 @@ class WatchStream : public RequestCall, private Watcher {
   void OnDone() final;
   void step();
 
-  // ---- The caller holds the lock ----
-  void step_if_due();
-  void send(const Step& step);
+  void step_if_due() TESSERA_REQUIRES(mutex_);
+  void send(const Step& step) TESSERA_REQUIRES(mutex_);
   // Finishes the call now, or after the step or write in progress. The first status is used.
-  void end(grpc::Status status);
-  void finish_if_ended();
+  void end(grpc::Status status) TESSERA_REQUIRES(mutex_);
+  void finish_if_ended() TESSERA_REQUIRES(mutex_);
 
   server::Coordinator& coordinator_;
   WatchHub& hub_;
   base::FairPool& pool_;
   std::optional<base::FairShare::Held> place_;  // its share of streams.watches
 
-  std::mutex mutex_;
-  // Guarded by mutex_:
-  bool is_due_ = false;   // something has changed since the last step began
-  bool is_busy_ = false;  // a step runs, or its message is being sent
-  Clock::time_point paused_until_{};
-  std::optional<Clock::time_point> sending_since_;
-  grpc::ByteBuffer bytes_;
-  std::optional<grpc::Status> ending_;
-  bool is_finished_ = false;
+  core::Mutex mutex_;
+  bool is_due_ TESSERA_GUARDED_BY(mutex_) = false;   // something has changed since the last step began
+  bool is_busy_ TESSERA_GUARDED_BY(mutex_) = false;  // a step runs, or its message is being sent
+  Clock::time_point paused_until_ TESSERA_GUARDED_BY(mutex_){};
+  std::optional<Clock::time_point> sending_since_ TESSERA_GUARDED_BY(mutex_);
+  grpc::ByteBuffer bytes_ TESSERA_GUARDED_BY(mutex_);
+  std::optional<grpc::Status> ending_ TESSERA_GUARDED_BY(mutex_);
+  bool is_finished_ TESSERA_GUARDED_BY(mutex_) = false;
 };
 
 }  // namespace tessera::rpc

@@ -17,9 +17,9 @@ void GroupCommit::apply(std::span<PendingChange* const> group) noexcept {
 
 core::Status GroupCommit::run(const std::function<core::Status()>& change) {
   PendingChange own{change};
-  std::unique_lock lock(mutex_);
+  core::MutexLock lock(mutex_);
   waiting_.push_back(&own);
-  changed_.wait(lock, [&] { return own.is_done || !is_busy_; });
+  changed_.wait(lock.native(), [&]() TESSERA_REQUIRES(mutex_) { return own.is_done || !is_busy_; });
   if (own.is_done) return std::move(own.status);
   is_busy_ = true;
   const std::vector<PendingChange*> group = std::exchange(waiting_, {});
@@ -35,8 +35,8 @@ core::Status GroupCommit::run(const std::function<core::Status()>& change) {
 }
 
 core::Status GroupCommit::run_alone(const std::function<core::Status()>& work) {
-  std::unique_lock lock(mutex_);
-  changed_.wait(lock, [&] { return !is_busy_; });
+  core::MutexLock lock(mutex_);
+  changed_.wait(lock.native(), [&]() TESSERA_REQUIRES(mutex_) { return !is_busy_; });
   is_busy_ = true;
   lock.unlock();
   core::Status done = work();
@@ -48,12 +48,12 @@ core::Status GroupCommit::run_alone(const std::function<core::Status()>& work) {
 }
 
 std::uint64_t GroupCommit::groups() const {
-  const std::lock_guard lock(mutex_);
+  const core::MutexLock lock(mutex_);
   return groups_;
 }
 
 std::size_t GroupCommit::waiting() const {
-  const std::lock_guard lock(mutex_);
+  const core::MutexLock lock(mutex_);
   return waiting_.size();
 }
 

@@ -6,11 +6,11 @@
 #include <condition_variable>
 #include <cstdint>
 #include <functional>
-#include <mutex>
 #include <span>
 #include <vector>
 
 #include "core/base/error.hpp"
+#include "core/base/mutex.hpp"
 
 namespace tessera::store {
 
@@ -43,12 +43,11 @@ class GroupCommit {
   void apply(std::span<PendingChange* const> group) noexcept;
 
   const Apply apply_;
-  mutable std::mutex mutex_;
+  mutable core::Mutex mutex_;
   std::condition_variable changed_;
-  // Guarded by mutex_:
-  std::vector<PendingChange*> waiting_;
-  bool is_busy_ = false;
-  std::uint64_t groups_ = 0;
+  std::vector<PendingChange*> waiting_ TESSERA_GUARDED_BY(mutex_);
+  bool is_busy_ TESSERA_GUARDED_BY(mutex_) = false;
+  std::uint64_t groups_ TESSERA_GUARDED_BY(mutex_) = 0;
 };
 
 }  // namespace tessera::store

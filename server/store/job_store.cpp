@@ -32,14 +32,15 @@ void bind_mutable(Statement& update, const JobRow& job, std::optional<std::uint6
   update.bind_blob(8, job.counters).bind_text(9, job.arithmetic).bind(10, job.max_workers);
   update.bind(11, as_signed(row_checksum(job, bundle_sum)));
   update.bind_blob(12, job.producers).bind(13, job.settled ? 1 : 0).bind_blob(14, job.failure_details);
+  update.bind_blob(15, job.targets);
 }
 
 void bind_all(Statement& statement, const JobRow& job) {
   const auto bundle_sum = bundle_checksum(job.bundle);
   bind_mutable(statement, job, bundle_sum);
-  statement.bind_blob(15, job.spec).bind_blob(16, job.submission);
-  statement.bind_text(17, job.owner).bind_blob(18, job.bundle);
-  bundle_sum ? statement.bind(19, as_signed(*bundle_sum)) : statement.bind_null(19);
+  statement.bind_blob(16, job.spec).bind_blob(17, job.submission);
+  statement.bind_text(18, job.owner).bind_blob(19, job.bundle);
+  bundle_sum ? statement.bind(20, as_signed(*bundle_sum)) : statement.bind_null(20);
 }
 
 }  // namespace
@@ -95,7 +96,7 @@ core::Status JobStore::truncate_wal() {
 }
 
 core::Result<std::vector<std::string>> JobStore::structural_damage() {
-  const std::lock_guard lock(impl_->reading);
+  const core::MutexLock lock(impl_->reading);
   auto damage = impl_->reader.database.structural_damage();
   const auto log = look_at_log(log_of(impl_->file));
   if (!log) return core::fail(log.error());
@@ -111,14 +112,14 @@ core::Status JobStore::check_rest(const std::stop_token& stop) {
   if (stop.stop_requested()) return core::fail(ErrorCode::kCancelled, "the check was stopped");
   if (!found) return core::fail(found.error());
   if (found->empty()) return {};
-  const std::lock_guard lock(impl_->mutex);
+  const core::MutexLock lock(impl_->mutex);
   impl_->damage = damaged(impl_->file, found->front());
   return core::fail(*impl_->damage);
 }
 
 core::Status JobStore::Impl::write(const std::function<core::Status()>& change) {
   {
-    const std::lock_guard lock(mutex);
+    const core::MutexLock lock(mutex);
     if (damage) return core::fail(*damage);
   }
   if (!writer)
@@ -155,8 +156,8 @@ core::Status JobStore::insert_job(const JobRow& job) {
   return impl_->write([&] {
     Statement& insert = impl_->writer->insert_job;
     bind_all(insert, job);
-    job.request_id.empty() ? insert.bind_null(20) : insert.bind_text(20, job.request_id);
-    insert.bind(21, job.created_ms);
+    job.request_id.empty() ? insert.bind_null(21) : insert.bind_text(21, job.request_id);
+    insert.bind(22, job.created_ms);
     impl_->wants_checkpoint = true;
     return insert.run();
   });
@@ -184,7 +185,7 @@ core::Status JobStore::end_validation(const JobRow& job) {
   return impl_->write([&]() -> core::Status {
     Statement& update = impl_->writer->end_validation;
     bind_mutable(update, job, bundle_checksum(job.bundle));
-    update.bind_blob(15, job.spec).bind_blob(16, job.submission);
+    update.bind_blob(16, job.spec).bind_blob(17, job.submission);
     const auto updated = impl_->writer->run_update(update, job);
     return updated ? core::Status() : core::fail(updated.error());
   });
@@ -195,7 +196,7 @@ core::Result<bool> JobStore::replace_job(const JobRow& job, std::uint64_t revisi
   const core::Status written = impl_->write([&]() -> core::Status {
     Statement& replace = impl_->writer->replace_job;
     bind_all(replace, job);
-    replace.bind(20, as_signed(revision));
+    replace.bind(21, as_signed(revision));
     is_replaced = impl_->writer->run_update(replace, job);
     return is_replaced ? core::Status() : core::fail(is_replaced.error());
   });
@@ -208,7 +209,7 @@ core::Status JobStore::rewrite_jobs(const std::vector<JobRow>& jobs) {
     Statement& replace = impl_->writer->replace_job;
     for (const JobRow& job : jobs) {
       bind_all(replace, job);
-      replace.bind(20, as_signed(job.revision));
+      replace.bind(21, as_signed(job.revision));
       if (auto replaced = impl_->writer->run_update(replace, job); !replaced)
         return core::fail(replaced.error());
     }
@@ -236,7 +237,7 @@ core::Status JobStore::delete_jobs(const std::vector<std::string>& ids) {
     return {};
   });
   if (!deleted) return deleted;
-  const std::lock_guard lock(impl_->mutex);
+  const core::MutexLock lock(impl_->mutex);
   impl_->deleted_jobs.insert(impl_->deleted_jobs.end(), ids.begin(), ids.end());
   return {};
 }
@@ -245,7 +246,7 @@ core::Status JobStore::remove_deleted_tiles() {
   for (int batch = 0; batch < kBatchesAtOnce; ++batch) {
     std::string job;
     {
-      const std::lock_guard lock(impl_->mutex);
+      const core::MutexLock lock(impl_->mutex);
       if (impl_->deleted_jobs.empty()) break;
       job = impl_->deleted_jobs.back();
     }
@@ -268,14 +269,14 @@ core::Status JobStore::Impl::remove_tiles_of(const std::string& job) {
     return has_more ? core::Status() : writer->forget_deleted.bind_text(1, job).run();
   });
   if (!removed) return removed;
-  const std::lock_guard lock(mutex);
+  const core::MutexLock lock(mutex);
   if (!has_more) std::erase(deleted_jobs, job);
   return {};
 }
 
 core::Status JobStore::Impl::give_back_free_pages() {
   {
-    const std::lock_guard lock(reading);
+    const core::MutexLock lock(reading);
     const auto free = reader.database.read_number("PRAGMA freelist_count");
     if (!free) return core::fail(free.error());
     if (*free <= kSparePages) return {};

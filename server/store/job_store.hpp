@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <limits>
 #include <map>
 #include <memory>
 #include <optional>
@@ -49,6 +50,8 @@ struct JobRow {
   std::string submission{};       // opaque; what is validated, while it is
   // Opaque: who may have rendered samples that nobody has verified.
   std::string producers{};
+  // Opaque: the tiles that are to get another number of samples than `spp`.
+  std::string targets{};
   // The job is finished, and a start of the coordinator need not look at it. Not covered by the checksum: the
   // worst that a wrong value does is to look, or to find out later that a tile is missing.
   bool settled = false;
@@ -59,7 +62,7 @@ struct JobRow {
 
 struct TileRow {
   std::string job_id;
-  int tile = 0;
+  int tile = 0;                         // of those of all images of the job, image by image
   std::vector<core::SampleRange> done;  // the samples in the content: ascending, disjoint
   std::string content;
   // The revision of these samples (events/revision.hpp), which no other tile of the job has. Written, and
@@ -193,9 +196,10 @@ class JobStore {
   core::Status write_tiles(const std::vector<TileRow>& tiles);
   // The samples that are done in each stored tile, by tile number.
   core::Result<std::map<int, std::vector<core::SampleRange>>> tiles_done(const std::string& job_id);
-  // The tiles that changed after `since`, oldest first, with their revisions: at most `most`.
+  // The tiles in [first, end) that changed after `since`, oldest first, with their revisions: at most `most`.
   core::Result<std::vector<TileChange>> tile_changes(const std::string& job_id, std::uint64_t since,
-                                                     std::size_t most);
+                                                     std::size_t most, int first = 0,
+                                                     int end = std::numeric_limits<int>::max());
   // Empty if the tile has no row. DATA_LOSS if the row's checksum does not match.
   core::Result<std::optional<TileRow>> tile(const std::string& job_id, int tile);
 

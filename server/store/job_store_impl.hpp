@@ -8,12 +8,12 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "core/base/mutex.hpp"
 #include "server/store/group_commit.hpp"
 #include "server/store/job_store.hpp"
 #include "server/store/sqlite.hpp"
@@ -58,14 +58,14 @@ struct JobStore::Impl {
   core::Status write(const std::function<core::Status()>& change);
   void apply(std::span<PendingChange* const> group);
   // Finds deleted jobs whose tiles were not all removed before the coordinator ended.
-  core::Status find_deleted_jobs();
+  core::Status find_deleted_jobs() TESSERA_REQUIRES(reading);
   core::Status remove_tiles_of(const std::string& job);
   core::Status give_back_free_pages();
 
   const std::filesystem::path file;
   std::optional<Writer> writer;
-  std::mutex reading;  // guards `reader`
-  Reader reader;
+  core::Mutex reading;
+  Reader reader TESSERA_GUARDED_BY(reading);
   GroupCommit commits;
   std::uint32_t epoch = 0;
   std::array<std::uint64_t, 2> secret{};
@@ -73,9 +73,9 @@ struct JobStore::Impl {
   bool has_rest_to_check = false;
   std::atomic<bool> wants_checkpoint{false};  // of the log, after the next group
 
-  std::mutex mutex;
-  std::vector<std::string> deleted_jobs;  // guarded by mutex; that may have tiles
-  std::optional<core::Error> damage;      // guarded by mutex; found by check_rest()
+  core::Mutex mutex;
+  std::vector<std::string> deleted_jobs TESSERA_GUARDED_BY(mutex);  // that may have tiles
+  std::optional<core::Error> damage TESSERA_GUARDED_BY(mutex);      // found by check_rest()
 };
 
 inline std::int64_t as_signed(std::uint64_t value) {

@@ -31,23 +31,23 @@ constexpr auto kPragmas = R"(
 
 constexpr auto kInsertJob =
     "INSERT INTO jobs (id, revision, state, failure, spp, priority, finished_ms, counters, arithmetic,"
-    " max_workers, row_xxh3, producers, settled, failure_details, spec, submission, owner, bundle, "
-    "bundle_xxh3,"
-    " request_id, created_ms, number)"
+    " max_workers, row_xxh3, producers, settled, failure_details, targets, spec, submission, owner, bundle,"
+    " bundle_xxh3, request_id, created_ms, number)"
     " VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16, ?17, ?18, ?19, ?20, ?21,"
+    " ?22,"
     " (SELECT coalesce(max(number), 0) + 1 FROM jobs))";
 constexpr auto kSetColumns =
     "UPDATE jobs SET revision = ?2, failure = ?4, spp = ?5, priority = ?6, counters = ?8, arithmetic = ?9,"
-    " max_workers = ?10, row_xxh3 = ?11, producers = ?12, failure_details = ?14";
-constexpr auto kAndThoseOfValidation = ", spec = ?15, submission = ?16";
-constexpr auto kAndTheOthers = ", owner = ?17, bundle = ?18, bundle_xxh3 = ?19";
+    " max_workers = ?10, row_xxh3 = ?11, producers = ?12, failure_details = ?14, targets = ?15";
+constexpr auto kAndThoseOfValidation = ", spec = ?16, submission = ?17";
+constexpr auto kAndTheOthers = ", owner = ?18, bundle = ?19, bundle_xxh3 = ?20";
 // By themselves, and only if they change, since indexes have them: most changes of a job then write one page.
 constexpr auto kSetIndexed =
     "UPDATE jobs SET state = ?2, finished_ms = ?3, settled = ?4"
     " WHERE id = ?1 AND (state IS NOT ?2 OR finished_ms IS NOT ?3 OR settled IS NOT ?4)";
 constexpr auto kIfOlder = " WHERE id = ?1 AND revision < ?2";
 constexpr auto kIfNotNewer = " WHERE id = ?1 AND revision <= ?2";
-constexpr auto kIfEqual = " WHERE id = ?1 AND revision = ?20";
+constexpr auto kIfEqual = " WHERE id = ?1 AND revision = ?21";
 // Reads what earlier releases lack, such as the limit of workers and the checksum, from the end of the row.
 constexpr auto kReadJobs =
     "SELECT id, request_id, spec, revision, state, failure, spp, priority, created_ms, finished_ms,"
@@ -71,8 +71,9 @@ constexpr auto kWriteRevision =
     "INSERT INTO tile_revisions SELECT ?1, ?2, ?3 WHERE EXISTS (SELECT 1 FROM jobs WHERE id = ?1)"
     " ON CONFLICT (job_id, tile) DO UPDATE SET revision = excluded.revision";
 constexpr auto kTileChanges =
-    "SELECT revision, tile FROM tile_revisions WHERE job_id = ?1 AND revision > ?2 ORDER BY revision"
-    " LIMIT ?3";
+    "SELECT revision, tile FROM tile_revisions WHERE job_id = ?1 AND revision > ?2 AND tile >= ?4 AND tile < "
+    "?5"
+    " ORDER BY revision LIMIT ?3";
 constexpr auto kDeleteJob = "DELETE FROM jobs WHERE id = ?1";
 // Jobs that may have tiles.
 constexpr auto kNoteDeleted = "INSERT OR IGNORE INTO deleted_jobs (id) VALUES (?1)";
@@ -178,11 +179,12 @@ core::Status prepare(Database& database, const Wanted& wanted) {
 
 core::Status Reader::prepare_all(int version, bool with_lists) {
   const bool has_settled = version >= kVersionOfSettledJobs;
-  const std::string columns =
-      fmt::format("{}, {}, {}, {}, {}, ", kReadJobs, version < kVersionOfWorkerLimits ? "0" : "max_workers",
-                  version < kVersionOfJobSums ? "NULL" : "row_xxh3",
-                  version < kVersionOfValidation ? "X'', X''" : "failure_details, submission",
-                  has_settled ? "owner, producers, settled, bundle_xxh3" : "'', X'', 0, NULL");
+  const std::string columns = fmt::format(
+      "{}, {}, {}, {}, {}, {}, ", kReadJobs, version < kVersionOfWorkerLimits ? "0" : "max_workers",
+      version < kVersionOfJobSums ? "NULL" : "row_xxh3",
+      version < kVersionOfValidation ? "X'', X''" : "failure_details, submission",
+      has_settled ? "owner, producers, settled, bundle_xxh3" : "'', X'', 0, NULL",
+      version < kVersionOfTileTargets ? "X''" : "targets");
   const std::string whole = columns + (has_settled ? "bundle" : "X''");
   const std::string jobs = whole + " FROM jobs";
   Wanted wanted{{&list_jobs, jobs + kByAge},
@@ -228,7 +230,11 @@ core::Status Writer::prepare_all() {
 core::Status JobStore::Impl::find_deleted_jobs() {
   auto list = reader.database.prepare(kDeletedJobs);
   if (!list) return core::fail(list.error());
-  return for_each_row(*list, [&] { deleted_jobs.emplace_back(list->bytes(0)); });
+  std::vector<std::string> found;
+  core::Status read = for_each_row(*list, [&] { found.emplace_back(list->bytes(0)); });
+  const core::MutexLock lock(mutex);
+  deleted_jobs = std::move(found);
+  return read;
 }
 
 core::Result<JobStore> JobStore::open(const std::filesystem::path& file, bool may_be_new) {
@@ -255,6 +261,7 @@ core::Result<JobStore> JobStore::open(const std::filesystem::path& file, bool ma
   auto reader = Database::open_reader(file);
   if (!reader) return core::fail(reader.error());
   auto impl = std::make_unique<Impl>(file, Writer(*std::move(database)), Reader(*std::move(reader)));
+  const core::MutexLock lock(impl->reading);
   impl->torn_end = *std::move(torn_end);
   impl->has_rest_to_check = has_rest;
   const auto epoch = read_epoch(impl->writer->database, file);
@@ -277,6 +284,7 @@ core::Result<JobStore> JobStore::open_read_only(const std::filesystem::path& fil
   const auto version = expect_readable(*database, file);
   if (!version) return core::fail(version.error());
   auto impl = std::make_unique<Impl>(file, std::nullopt, Reader(*std::move(database)));
+  const core::MutexLock lock(impl->reading);
   impl->epoch = read_epoch(impl->reader.database, file).value_or(0);
   impl->secret = read_secret(impl->reader.database).value_or(impl->secret);
   if (auto prepared = impl->reader.prepare_all(*version, false); !prepared)

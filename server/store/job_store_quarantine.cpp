@@ -26,7 +26,7 @@ core::Status JobStore::delete_quarantine(const std::string& id) {
 }
 
 core::Result<std::vector<QuarantineRow>> JobStore::quarantine() {
-  const std::lock_guard lock(impl_->reading);
+  const core::MutexLock lock(impl_->reading);
   Database& database = impl_->reader.database;
   std::vector<QuarantineRow> rows;
   const auto exists = database.read_number("SELECT count(*) FROM sqlite_master WHERE name = 'quarantine'");

@@ -15,7 +15,7 @@ using core::ErrorCode;
 
 namespace {
 
-constexpr int kBundleColumn = 20;
+constexpr int kTargetsColumn = 20, kBundleColumn = 21;
 
 // One row, or none.
 core::Result<std::optional<JobRow>> read_one(Statement& statement) {
@@ -72,6 +72,7 @@ JobRow read_job(const Statement& row) {
   job.settled = row.integer(18) != 0;
   std::optional<std::uint64_t> bundle_sum;
   if (!row.is_null(19)) bundle_sum = as_unsigned(row.integer(19));
+  job.targets = row.bytes(kTargetsColumn);
   const bool has_bundle = !row.is_null(kBundleColumn);
   if (has_bundle) job.bundle = row.bytes(kBundleColumn);
   // Rows of the first release have no sum.
@@ -81,28 +82,28 @@ JobRow read_job(const Statement& row) {
 }
 
 core::Result<std::vector<JobRow>> JobStore::jobs() {
-  const std::lock_guard lock(impl_->reading);
+  const core::MutexLock lock(impl_->reading);
   return read_all(impl_->reader.list_jobs);
 }
 
 core::Result<std::vector<std::string>> JobStore::unsettled_jobs() {
-  const std::lock_guard lock(impl_->reading);
+  const core::MutexLock lock(impl_->reading);
   return read_ids(impl_->reader.unsettled_jobs);
 }
 
 core::Result<std::optional<JobRow>> JobStore::job(const std::string& id) {
-  const std::lock_guard lock(impl_->reading);
+  const core::MutexLock lock(impl_->reading);
   return read_one(impl_->reader.job.bind_text(1, id));
 }
 
 core::Result<std::optional<JobRow>> JobStore::job_of_request(const std::string& request_id) {
-  const std::lock_guard lock(impl_->reading);
+  const core::MutexLock lock(impl_->reading);
   return read_one(impl_->reader.job_of_request.bind_text(1, request_id));
 }
 
 core::Status JobStore::list_jobs(const JobQuery& query, std::size_t limit,
                                  const std::function<void(JobRow, std::int64_t)>& take) {
-  const std::lock_guard lock(impl_->reading);
+  const core::MutexLock lock(impl_->reading);
   Statement& page = query.id_prefix.empty() ? impl_->reader.page : impl_->reader.page_of_prefix;
   constexpr auto kMax = std::numeric_limits<std::int64_t>::max();
   page.bind(1, query.before_number.value_or(kMax));
@@ -119,7 +120,7 @@ core::Status JobStore::for_each_job(const std::function<void(const JobRow&)>& ta
   for (std::int64_t last = 0;;) {
     std::optional<JobRow> row;
     {
-      const std::lock_guard lock(impl_->reading);
+      const core::MutexLock lock(impl_->reading);
       Statement& next = impl_->reader.next_job.bind(1, last);
       const ResetAtEnd at_end(next);
       const auto found = next.step();
@@ -133,7 +134,7 @@ core::Status JobStore::for_each_job(const std::function<void(const JobRow&)>& ta
 }
 
 core::Result<std::uint64_t> JobStore::settled_count() {
-  const std::lock_guard lock(impl_->reading);
+  const core::MutexLock lock(impl_->reading);
   Statement& count = impl_->reader.settled_count;
   const ResetAtEnd at_end(count);
   const auto row = count.step();
@@ -143,7 +144,7 @@ core::Result<std::uint64_t> JobStore::settled_count() {
 
 core::Result<std::vector<std::string>> JobStore::first_settled(std::optional<std::int64_t> finished_before_ms,
                                                                std::size_t limit) {
-  const std::lock_guard lock(impl_->reading);
+  const core::MutexLock lock(impl_->reading);
   Statement& first = impl_->reader.first_settled;
   first.bind(1, finished_before_ms.value_or(std::numeric_limits<std::int64_t>::max()));
   first.bind(2, static_cast<std::int64_t>(limit));
@@ -151,7 +152,7 @@ core::Result<std::vector<std::string>> JobStore::first_settled(std::optional<std
 }
 
 core::Result<std::map<int, std::vector<core::SampleRange>>> JobStore::tiles_done(const std::string& job_id) {
-  const std::lock_guard lock(impl_->reading);
+  const core::MutexLock lock(impl_->reading);
   std::map<int, std::vector<core::SampleRange>> tiles;
   Statement& list = impl_->reader.tiles_done.bind_text(1, job_id);
   const auto read =
@@ -161,11 +162,12 @@ core::Result<std::map<int, std::vector<core::SampleRange>>> JobStore::tiles_done
 }
 
 core::Result<std::vector<TileChange>> JobStore::tile_changes(const std::string& job_id, std::uint64_t since,
-                                                             std::size_t most) {
-  const std::lock_guard lock(impl_->reading);
+                                                             std::size_t most, int first, int end) {
+  const core::MutexLock lock(impl_->reading);
   std::vector<TileChange> changes;
   Statement& list = impl_->reader.tile_changes.bind_text(1, job_id).bind(2, as_signed(since));
   list.bind(3, static_cast<std::int64_t>(std::min<std::size_t>(most, std::numeric_limits<int>::max())));
+  list.bind(4, first).bind(5, end);
   const auto read = for_each_row(list, [&] {
     changes.push_back({as_unsigned(list.integer(0)), static_cast<int>(list.integer(1))});
   });
@@ -174,7 +176,7 @@ core::Result<std::vector<TileChange>> JobStore::tile_changes(const std::string& 
 }
 
 core::Result<std::optional<TileRow>> JobStore::tile(const std::string& job_id, int tile) {
-  const std::lock_guard lock(impl_->reading);
+  const core::MutexLock lock(impl_->reading);
   Statement& read = impl_->reader.read_tile.bind_text(1, job_id).bind(2, tile);
   const ResetAtEnd at_end(read);
   const auto row = read.step();

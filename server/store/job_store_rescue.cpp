@@ -50,12 +50,13 @@ RowidScan scan_jobs(Database& database) {
 }  // namespace
 
 core::Result<ReadableJobs> JobStore::readable_jobs() {
-  const std::lock_guard lock(impl_->reading);
-  const RowidScan scan = scan_jobs(impl_->reader.database);
+  const core::MutexLock lock(impl_->reading);
+  Reader& reader = impl_->reader;
+  const RowidScan scan = scan_jobs(reader.database);
   core::Status complete = scan.complete;
   ReadableJobs jobs;
-  const auto read = [&](std::int64_t rowid) {
-    Statement& statement = impl_->reader.read_job.bind(1, rowid);
+  const auto read = [&](std::int64_t rowid) TESSERA_REQUIRES(impl_->reading) {
+    Statement& statement = reader.read_job.bind(1, rowid);
     const auto row = statement.step();
     if (!row) complete = core::fail(row.error());
     const bool is_here = row && *row;

@@ -55,10 +55,12 @@ std::uint64_t row_checksum(const JobRow& row, std::optional<std::uint64_t> bundl
   if (bundle_sum) key += fmt::format(" bundle {}", *bundle_sum);
   if (!row.owner.empty()) key += fmt::format(" owner {}", row.owner.size());
   if (!row.producers.empty()) key += fmt::format(" producers {}", row.producers.size());
+  if (!row.targets.empty()) key += fmt::format(" targets {}", row.targets.size());
   std::uint64_t hash = XXH3_64bits(key.data(), key.size());
   for (const std::string* part : {&row.request_id, &row.spec, &row.failure, &row.counters, &row.arithmetic})
     hash = XXH3_64bits_withSeed(part->data(), part->size(), hash);
-  for (const std::string* part : {&row.failure_details, &row.submission, &row.owner, &row.producers})
+  for (const std::string* part :
+       {&row.failure_details, &row.submission, &row.owner, &row.producers, &row.targets})
     if (!part->empty()) hash = XXH3_64bits_withSeed(part->data(), part->size(), hash);
   return hash;
 }

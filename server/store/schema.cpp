@@ -66,6 +66,10 @@ constexpr const char* kSteps[] = {
   INSERT INTO deleted_jobs
     SELECT DISTINCT job_id FROM tiles WHERE NOT EXISTS (SELECT 1 FROM jobs WHERE id = job_id);
 )",
+    // Tiles with targets of their own. Tiles of several images need no columns: they are numbered in one
+    // sequence, so that a key (job_id, tile) is one of job, image and tile. SQLite reads an empty blob behind
+    // the bundle without that.
+    "ALTER TABLE jobs ADD COLUMN targets BLOB NOT NULL DEFAULT x''",
 };
 
 core::Error of_another_release(const std::filesystem::path& file, std::int64_t version) {

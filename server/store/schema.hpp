@@ -24,10 +24,10 @@ core::Status bring_up_to_date(Database& database);
 // DATA_LOSS if it is empty. Changes nothing.
 core::Result<int> expect_readable(Database& database, const std::filesystem::path& file);
 
-// The versions that introduced checksums of jobs, limits on workers, jobs that are being validated, and
-// settled jobs.
+// The versions that introduced checksums of jobs, limits on workers, jobs that are being validated, settled
+// jobs, and tiles with targets of their own.
 inline constexpr int kVersionOfJobSums = 2, kVersionOfWorkerLimits = 3, kVersionOfValidation = 6,
-                     kVersionOfSettledJobs = 7;
+                     kVersionOfSettledJobs = 7, kVersionOfTileTargets = 8;
 
 // The error for a state file that is missing but must exist.
 core::Error lost(const std::filesystem::path& file);

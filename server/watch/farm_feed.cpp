@@ -30,9 +30,8 @@ events::Cursor from_token(const std::string& token) {
 }
 
 void FarmFeed::add_job(const std::string& id, v1::WatchFarmResponse& message) {
-  auto job = jobs_.get_without_bundle(id);
+  auto job = jobs_.summary(id);
   if (job) {
-    job->clear_warnings();
     *message.add_jobs() = std::move(*job);
   } else if (job.error().code == core::ErrorCode::kNotFound) {
     message.add_deleted_job_ids(id);
@@ -49,7 +48,7 @@ void FarmFeed::add_worker(const std::string& id, v1::WatchFarmResponse& message)
 }
 
 std::shared_ptr<const FarmUpdate> FarmFeed::after(const events::Cursor& cursor) {
-  const std::lock_guard lock(mutex_);
+  const core::MutexLock lock(mutex_);
   for (const auto& [from, update] : last_)
     if (from == cursor) return update;
   const events::EventLog::Page page = log_.read(cursor, kSubjectsAtOnce);

@@ -5,10 +5,10 @@
 
 #include <deque>
 #include <memory>
-#include <mutex>
 #include <string>
 #include <utility>
 
+#include "core/base/mutex.hpp"
 #include "server/dispatch/dispatcher.hpp"
 #include "server/events/event_log.hpp"
 #include "server/jobs/job_service.hpp"
@@ -45,9 +45,9 @@ class FarmFeed {
   const events::EventLog& log_;
   jobs::JobService& jobs_;
   dispatch::Dispatcher& dispatcher_;
-  std::mutex mutex_;
-  // The last updates with their cursors; guarded by mutex_.
-  std::deque<std::pair<events::Cursor, std::shared_ptr<const FarmUpdate>>> last_;
+  core::Mutex mutex_;
+  // The last updates with their cursors.
+  std::deque<std::pair<events::Cursor, std::shared_ptr<const FarmUpdate>>> last_ TESSERA_GUARDED_BY(mutex_);
 };
 
 }  // namespace tessera::watch

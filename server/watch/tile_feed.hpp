@@ -1,21 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
-// The tiles of a job's image that have changed since some revision. Thread-safe; blocks for the disk where
-// samples are stored.
+// The tiles of an image of a job that have changed since some revision. Thread-safe; blocks for the disk
+// where samples are stored.
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "core/base/error.hpp"
+#include "core/view/encoded_tiles.hpp"
 #include "server/farm/farm.hpp"
-#include "server/film/job_film.hpp"
 #include "server/jobs/film_reader.hpp"
-#include "server/jobs/job_service.hpp"
 #include "server/store/job_store.hpp"
-#include "server/watch/tile_images.hpp"
+#include "server/watch/job_tiles.hpp"
 
 namespace tessera::watch {
 
@@ -27,6 +27,7 @@ struct TileQuery {
   std::optional<core::PixelRect> region{};
   // Tiles are added up to this size, and one at least.
   std::size_t max_bytes = 0;
+  std::uint32_t image = 0;
 };
 
 struct TileUpdate {
@@ -40,31 +41,33 @@ struct TileUpdate {
 
 class TileFeed {
  public:
-  TileFeed(farm::Farm& farm, jobs::JobService& jobs, const jobs::FilmReader& films, store::JobStore& store)
-      : farm_(farm), jobs_(jobs), films_(films), store_(store), images_(kCacheBytes) {}
+  TileFeed(farm::Farm& farm, const jobs::FilmReader& films, store::JobStore& store)
+      : farm_(farm), films_(films), store_(store), images_(kCacheBytes) {}
 
-  // INVALID_ARGUMENT: the format is unknown, or the region is not within the pixels of the job.
+  // The tiles of one job. Requests of all who watch it may share the source, or have their own.
+  std::shared_ptr<JobTiles> tiles_of(const std::string& job_id) {
+    return std::make_shared<JobTiles>(farm_, films_, store_, job_id);
+  }
+
+  // INVALID_ARGUMENT: the format is unknown, the region is not within the pixels of the job, or the job has
+  // no such image.
   core::Result<TileUpdate> update(const TileQuery& query);
 
-  const TileImages& images() const { return images_; }
+  // Those of all jobs, for others who send tiles, too.
+  view::EncodedTiles& images() { return images_; }
 
  private:
   // The tiles of a 4K image as single floats, twice.
   static constexpr std::size_t kCacheBytes = 256 << 20;
 
-  // Null if the film is in the store alone.
-  std::shared_ptr<film::JobFilm> film_of(const std::string& job_id);
-  core::Result<std::vector<film::TileEvent>> changes(const TileQuery& query, const film::JobFilm* film,
-                                                     events::Revision since);
-  core::Result<std::shared_ptr<const EncodedTile>> encoded(const TileQuery& query, const v1::Job& job,
-                                                           const std::shared_ptr<film::JobFilm>& film,
-                                                           const film::TileEvent& change);
+  core::Result<std::shared_ptr<const view::EncodedTile>> encoded(const TileQuery& query,
+                                                                 const JobTiles& source, const JobLook& look,
+                                                                 const view::TileChange& change);
 
   farm::Farm& farm_;
-  jobs::JobService& jobs_;
   const jobs::FilmReader& films_;
   store::JobStore& store_;
-  TileImages images_;
+  view::EncodedTiles images_;
 };
 
 }  // namespace tessera::watch

@@ -96,6 +96,37 @@ TEST_F(FilmMemory, ImagesAreTheSameBytesAtAnyMoment) {
   EXPECT_EQ(pixels(id), ready_made_picture(kWidthPx, kHeightPx, kSpp).pixels);
 }
 
+// Such as while the disk is full.
+TEST_F(FilmMemory, WorkersKeepTheirLeasesHoweverLongResultsHaveToWait) {
+  const std::string id = submit();
+  v1::Lease lease;
+  const auto deliver_it = [&] { return coordinator().dispatcher().submit_result(delivery('a', lease)); };
+  do {
+    const v1::SynchronizeResponse answer = synchronize(greeting('a'));
+    ASSERT_EQ(answer.leases_size(), 1);
+    lease = answer.leases(0);
+  } while (deliver_it());
+  v1::SynchronizeRequest heartbeat = greeting('a');
+  *heartbeat.add_held() = lease;
+  heartbeat.add_known_job_ids(lease.job_id());
+  for (int i = 0; i < 100; ++i) {
+    now_ += std::chrono::seconds(5);
+    const WaitingCall call(coordinator(), heartbeat);
+    ASSERT_FALSE(call.answered()) << "its lease was taken away after " << 5 * i << " s";
+    ASSERT_EQ(deliver_it().error().code, ErrorCode::kUnavailable);
+  }
+  EXPECT_EQ(job(id).state(), v1::JOB_STATE_RUNNING);
+  EXPECT_EQ(job(id).active_workers(), 1u);
+  ASSERT_TRUE(coordinator().checkpointer().checkpoint());
+  const auto counted = deliver_it();
+  ASSERT_TRUE(counted) << counted.error().message;
+  EXPECT_EQ(counted->accepted_items(), static_cast<std::uint32_t>(lease.items_size()));
+  core::Film unused = empty_film();
+  while (deliver_next(unused)) {
+  }
+  EXPECT_EQ(pixels(id), ready_made_picture(kWidthPx, kHeightPx, kSpp).pixels);
+}
+
 TEST_F(FilmMemory, IsGivenBackWhenJobsEnd) {
   for (int i = 0; i < 3; ++i) {
     const std::string id = submit();

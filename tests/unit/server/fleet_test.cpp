@@ -203,6 +203,43 @@ TEST_F(FleetTest, AStoppedWorkerIsToldAtOnceAndAgain) {
   EXPECT_TRUE(next.answer()->stop());
 }
 
+TEST_F(FleetTest, ADrainSurvivesRestartsUntilItIsUndone) {
+  const v1::Lease lease = synchronize(greeting('a')).leases(0);
+  ASSERT_TRUE(drain("host-a"));
+  open();
+  const WaitingCall holding(coordinator(), greeting_with(lease));
+  EXPECT_FALSE(holding.answered());
+  EXPECT_TRUE(worker('a').drain_requested());
+  EXPECT_EQ(worker('a').held_leases(), 1u) << "it is taken over";
+  EXPECT_GT(deliver(delivery('a', lease)).accepted_items(), 0u);
+  open();
+  const WaitingCall idle(coordinator(), greeting('a'));
+  EXPECT_FALSE(idle.answered());
+  ASSERT_TRUE(drain("host-a", true));
+  open();
+  EXPECT_EQ(synchronize(greeting('a')).leases_size(), 1);
+}
+
+TEST_F(FleetTest, AStoppedWorkerIsToldAfterARestartAsWell) {
+  synchronize(greeting('a'));
+  ASSERT_TRUE(drain("host-a", false, true));
+  open();
+  const WaitingCall call(coordinator(), greeting('a'));
+  ASSERT_TRUE(call.answered());
+  EXPECT_TRUE(call.answer()->stop());
+}
+
+TEST_F(FleetTest, ADrainIsForgottenWithItsWorker) {
+  synchronize(greeting('a'));
+  ASSERT_TRUE(drain("host-a"));
+  open();
+  ASSERT_TRUE(coordinator().fleet().save());
+  now_ += std::chrono::minutes(10);
+  ASSERT_TRUE(coordinator().fleet().save());
+  open();
+  EXPECT_EQ(synchronize(greeting('a')).leases_size(), 1);
+}
+
 TEST_F(FleetTest, AWorkerToDrainIsNamedUniquely) {
   synchronize(greeting('a'));
   v1::SynchronizeRequest namesake = greeting('b');

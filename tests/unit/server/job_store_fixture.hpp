@@ -42,6 +42,7 @@ class JobStoreTest : public testing::Test {
     const auto drop_columns = [this](std::initializer_list<std::string> columns) {
       for (const std::string& column : columns) meddle("ALTER TABLE jobs DROP COLUMN " + column);
     };
+    if (version < 8) drop_columns({"targets"});
     if (version < 7) {
       meddle("DROP INDEX jobs_by_number; DROP INDEX jobs_unsettled; DROP INDEX jobs_by_end");
       meddle("DROP TABLE deleted_jobs");

@@ -85,6 +85,22 @@ class LockHolds : public ScriptedFarm {
     return calls;
   }
 
+  // Reads everything that clients can list. Returns the numbers of jobs and workers of the whole farm.
+  std::pair<std::size_t, std::size_t> list_everything() {
+    EXPECT_TRUE(coordinator().jobs().list());
+    EXPECT_TRUE(coordinator().dispatcher().list_workers({}));
+    std::size_t jobs = 0, workers = 0;
+    events::Cursor cursor;
+    for (bool is_current = false; !is_current;) {
+      const auto update = coordinator().farm_feed().after(cursor);
+      jobs += static_cast<std::size_t>(update->message.jobs_size());
+      workers += static_cast<std::size_t>(update->message.workers_size());
+      is_current = update->message.is_current();
+      cursor = update->next;
+    }
+    return {jobs, workers};
+  }
+
   std::uint64_t silent_workers() {
     const auto workers = farm::totals_of(coordinator().farm()).scheduler.workers;
     return workers[static_cast<std::size_t>(scheduler::WorkerActivity::kSilent)];
@@ -128,7 +144,7 @@ class Meanwhile {
   std::vector<std::thread> threads_;
 };
 
-TEST_F(LockHolds, AreShortWhileAThousandWorkersRenderAThousandJobsAndALargeOneIsDeleted) {
+TEST_F(LockHolds, AreShortWhileAThousandWorkersRenderAThousandJobsThatAreListedAndALargeOneIsDeleted) {
   const std::string large = submit_of_size(kLargePx, 2);
   coordinator_.reset();
   store_first_samples(large);
@@ -144,6 +160,7 @@ TEST_F(LockHolds, AreShortWhileAThousandWorkersRenderAThousandJobsAndALargeOneIs
       meanwhile.repeat([&, i] { EXPECT_TRUE(coordinator().images().get(jobs[i])); });
     meanwhile.repeat([&] { EXPECT_TRUE(coordinator().checkpointer().checkpoint()); });
     meanwhile.repeat([&] { coordinator().dispatcher().tick(); });
+    meanwhile.repeat([&] { list_everything(); });
     calls = call_of_each_worker();
     EXPECT_TRUE(coordinator().jobs().remove(large));
     for (int worker = 0; worker < kWorkers; worker += 10) {
@@ -156,6 +173,9 @@ TEST_F(LockHolds, AreShortWhileAThousandWorkersRenderAThousandJobsAndALargeOneIs
       }
     }
   }
+  const auto [listed_jobs, listed_workers] = list_everything();
+  EXPECT_GE(listed_jobs, std::size_t{kJobs});
+  EXPECT_GE(listed_workers, std::size_t{kWorkers});
   const auto [beyond, text] = holds_beyond(kLongestHold);
   EXPECT_EQ(beyond, 0u) << text;
 }

@@ -34,7 +34,7 @@ TEST(DurationHistogram, CountsWhatEachBoundTakes) {
 
 class CoordinatorMetrics : public rpc::LimitedService {
  protected:
-  proto::MetricFamilies collected() { return collect(*coordinator_, *server_); }
+  common::MetricFamilies collected() { return collect(*coordinator_, *server_); }
   double value(const std::string& name, const std::vector<prometheus::ClientMetric::Label>& labels = {}) {
     return metric_value(collected(), name, labels);
   }

@@ -6,7 +6,7 @@
 
 #include <string>
 
-#include "server/fleet/quarantine_codec.hpp"
+#include "server/fleet/stored_worker.hpp"
 
 namespace tessera::farm {
 namespace {
@@ -85,7 +85,12 @@ TEST(QuarantineTest, DropsTheOldestOfTooMany) {
 
 TEST(QuarantineTest, IsStoredWithEverything) {
   const QuarantineEntry entry{{"host", {"a"}, "machine", "ada"}, "ada", "it lied", 1'700'000'000'000};
-  EXPECT_EQ(fleet::decode(fleet::encode(entry)), entry);
+  using Optional = std::optional<Drain>;
+  for (const Optional& drain : {Optional(), Optional(Drain{false}), Optional(Drain{true})}) {
+    const fleet::StoredWorker worker{"a", entry, drain}, drained{"a", {}, drain};
+    EXPECT_EQ(fleet::decode(fleet::encode(worker)), worker);
+    EXPECT_EQ(fleet::decode(fleet::encode(drained)), drained);
+  }
   EXPECT_EQ(fleet::decode("no entry"), std::nullopt);
   EXPECT_EQ(fleet::decode(""), std::nullopt);
 }

@@ -10,10 +10,11 @@ namespace tessera::server {
 namespace {
 
 // Any hash function will do.
-std::uint64_t ready_made_sample(int x, int y, std::size_t channel, std::uint32_t sample) {
+std::uint64_t ready_made_sample(int x, int y, std::size_t channel, std::uint32_t sample,
+                                std::uint32_t image) {
   std::uint64_t h = static_cast<std::uint64_t>(x) * 0x9e3779b97f4a7c15 +
                     static_cast<std::uint64_t>(y) * 0xc2b2ae3d27d4eb4f + channel * 0x165667b19e3779f9 +
-                    sample * std::uint64_t{0x27d4eb2f165667c5};
+                    sample * std::uint64_t{0x27d4eb2f165667c5} + image * std::uint64_t{0x2545f4914f6cdd1d};
   h = (h ^ h >> 31) * 0x9fb21c651e98df25;
   return h >> 38;
 }
@@ -33,14 +34,14 @@ core::ErrorCode code_of(v1::Failure::Reason reason) {
 
 }  // namespace
 
-core::FilmTile ready_made_tile(const core::PixelRect& rect, core::SampleRange range) {
+core::FilmTile ready_made_tile(const core::PixelRect& rect, core::SampleRange range, std::uint32_t image) {
   core::FilmTile tile(rect, range);
   std::size_t i = 0;
   for (int y = rect.y0; y < rect.y1; ++y) {
     for (int x = rect.x0; x < rect.x1; ++x) {
       for (std::size_t channel = 0; channel < 3; ++channel, ++i) {
         for (std::uint32_t s = range.begin; s < range.end; ++s) {
-          const std::uint64_t value = ready_made_sample(x, y, channel, s);
+          const std::uint64_t value = ready_made_sample(x, y, channel, s, image);
           tile.sums[i] += value;
           if (s % 2 == 1) tile.odd_sums[i] += value;
         }
@@ -54,13 +55,13 @@ core::FilmTile ready_made_tile(const core::PixelRect& rect, core::SampleRange ra
 
 v1::RenderedItem ready_made_item(const v1::WorkItem& message) {
   const auto item = proto::from_proto(message);
-  return proto::encode_tile(ready_made_tile(item->rect, item->range));
+  return proto::encode_tile(ready_made_tile(item->rect, item->range, item->image), item->image);
 }
 
-core::Image ready_made_picture(const core::PixelRect& window, std::uint32_t spp) {
+core::Image ready_made_picture(const core::PixelRect& window, std::uint32_t spp, std::uint32_t image) {
   core::Film film({window, core::kTilePx});
   for (int tile = 0; tile < film.grid().tile_count(); ++tile) {
-    film.add(ready_made_tile(film.grid().rect(tile), {0, spp}));
+    film.add(ready_made_tile(film.grid().rect(tile), {0, spp}, image));
   }
   return film.develop();
 }
@@ -97,6 +98,7 @@ v1::SynchronizeRequest greeting(char worker) {
   request.set_determinism_fingerprint(kFingerprint);
   request.set_threads(1);
   request.set_wanted_leases(1);
+  request.set_names_images(true);
   return request;
 }
 

@@ -57,6 +57,25 @@ TEST(StoredJob, GivesBackWhatIsAbsent) {
   EXPECT_EQ(read.DebugString(), job.DebugString());
 }
 
+TEST(StoredJob, GivesBackItsImages) {
+  v1::Job job = whole_job(), read;
+  for (const int frame : {7, -3, 0}) job.add_images()->set_frame(frame);
+  job.mutable_images(1)->set_name("a name");
+  job.set_image_count(3);
+  ASSERT_TRUE(decode_spec(encode_spec(job), read));
+  ASSERT_TRUE(decode_bundle(encode_bundle(job.bundle()), *read.mutable_bundle()));
+  EXPECT_EQ(read.DebugString(), job.DebugString());
+  EXPECT_EQ(grid_of(read).image_count(), 3);
+}
+
+TEST(StoredTargets, GiveBackWhatWasPutIn) {
+  const scheduler::TileTargets targets({{0, 5}, {7, 1}, {1'000'000, 1 << 20}});
+  EXPECT_EQ(decode_targets(encode_targets(targets)), targets);
+  EXPECT_EQ(encode_targets({}), "");
+  EXPECT_EQ(decode_targets(""), scheduler::TileTargets());
+  EXPECT_FALSE(decode_targets("torn"));
+}
+
 TEST(StoredSubmission, GivesBackWhatWasPutInAndWhatIsAbsent) {
   v1::SubmitJobRequest whole, empty, read;
   v1::RenderOverrides& overrides = *whole.mutable_overrides();
@@ -101,7 +120,7 @@ TEST(StoredJob, WithImagesThatThisReleaseDoesNotKnowIsRefused) {
   stored::v1::Job two;
   ASSERT_TRUE(two.ParseFromString(encode_spec(whole_job()).substr(1)));
   stored::v1::Job depth = two, none = two, other = two;
-  *two.add_images() = two.images(0);
+  two.add_images()->mutable_layout()->add_channels()->set_name("Z");
   depth.mutable_images(0)->mutable_layout()->add_channels()->set_name("Z");
   none.clear_images();
   other.mutable_images(0)->mutable_layout()->mutable_channels(1)->set_encoding(

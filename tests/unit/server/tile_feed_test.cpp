@@ -3,7 +3,6 @@
 #include "server/watch/tile_feed.hpp"
 
 #include <gmock/gmock.h>
-#include <half.h>
 #include <libdeflate.h>
 
 #include <cstring>
@@ -14,7 +13,6 @@
 #include <vector>
 
 #include "proto/convert.hpp"
-#include "server/watch/tile_pixels.hpp"
 #include "tests/unit/server/scripted_farm.hpp"
 
 namespace tessera::server {
@@ -221,40 +219,6 @@ TEST_F(TileFeed, RefusesWhatItDoesNotHave) {
   const core::Status nothing = refusal({"nothing", 0, v1::TILE_FORMAT_RGB16F, {}, kPlenty});
   ASSERT_FALSE(nothing);
   EXPECT_EQ(nothing.error().code, core::ErrorCode::kNotFound);
-}
-
-TEST(TilePixels, AreTheHalvesOfOpenExr) {
-  core::Image image(3, 1);
-  image.pixels = {{0.1f, -2, 1e-7f}, {65504, 1e6f, -1e6f}, {0, 2049, 1e-9f}};
-  const auto encoded = watch::encode_pixels(image, v1::TILE_FORMAT_RGB16F);
-  ASSERT_TRUE(encoded);
-  const auto halves = inflate<std::uint16_t>(*encoded, 9);
-  const std::vector<float> expected = {0.1f, -2, 1e-7f, 65504, 65504, -65504, 0, 2048, 0};
-  for (std::size_t i = 0; i < expected.size(); ++i)
-    EXPECT_EQ(halves[i], Imath::half(expected[i]).bits()) << i;
-}
-
-TEST(TileImages, DropsTheLeastRecentlyUsed) {
-  watch::TileImages images(36'000);
-  const core::PixelRect rect{0, 0, 64, 64};
-  int reads = 0;
-  const auto get = [&](int tile) {
-    const auto read = [&]() -> core::Result<watch::TileAtRevision> {
-      ++reads;
-      const core::FilmTile samples = ready_made_tile(rect, {0, 1});
-      return watch::TileAtRevision{{samples.sums, samples.odd_sums, 1, 0}, 1};
-    };
-    return images.get({"job", tile, v1::TILE_FORMAT_RGB16F}, 1, rect, read);
-  };
-  const std::size_t size = (*get(0))->pixels_zlib.size();
-  ASSERT_TRUE(size > 18'000 && size < 35'000) << "one fits into the budget, and two do not: " << size;
-  EXPECT_TRUE(get(0));
-  EXPECT_EQ(reads, 1);
-  EXPECT_TRUE(get(1));
-  EXPECT_TRUE(get(1));
-  EXPECT_EQ(reads, 2);
-  EXPECT_TRUE(get(0));
-  EXPECT_EQ(reads, 3) << "it was dropped";
 }
 
 }  // namespace
