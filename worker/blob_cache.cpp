@@ -42,6 +42,10 @@ bool is_blob_name(const std::string& name) {
   return name.size() == kHexDigits && name.find_first_not_of("0123456789abcdef") == std::string::npos;
 }
 
+double in_gib(std::uint64_t bytes) {
+  return static_cast<double>(bytes) / (std::uint64_t{1} << 30);
+}
+
 }  // namespace
 
 bool holds(const core::OpenFile& file, const proto::Digest& digest) {
@@ -88,7 +92,7 @@ std::string BlobCache::path_of(const proto::Digest& digest) const {
   return folder_ + "/" + digest.hex();
 }
 
-core::Result<std::string> BlobCache::get(const proto::Digest& digest,
+core::Result<std::string> BlobCache::get(const proto::Digest& digest, const InUse& in_use,
                                          v1::WorkerService::StubInterface& coordinator,
                                          const std::stop_token& stop) const {
   const std::string path = path_of(digest);
@@ -98,7 +102,7 @@ core::Result<std::string> BlobCache::get(const proto::Digest& digest,
     return path;
   }
   const std::string partial = core::partial_path_of(path);
-  core::Status done = download(digest, partial, coordinator, stop);
+  core::Status done = download(digest, partial, in_use, coordinator, stop);
   if (done && std::rename(partial.c_str(), path.c_str()) != 0) done = fail(cannot_write(path));
   if (!done) {
     std::remove(partial.c_str());
@@ -106,15 +110,26 @@ core::Result<std::string> BlobCache::get(const proto::Digest& digest,
   }
   ++fetched_->files;
   fetched_->bytes += digest.size_bytes;
-  core::remove_least_used(folder_, max_bytes_, is_file_name, core::SceneStore::is_file_name);
   return path;
 }
 
-core::Status BlobCache::download(const proto::Digest& digest, const std::string& path,
+core::Status BlobCache::make_room(const InUse& in_use) const {
+  const auto must_stay = [&](const std::string& name, std::chrono::seconds) { return in_use.contains(name); };
+  if (core::remove_least_used(folder_, max_bytes_, is_file_name, must_stay) <= max_bytes_) return {};
+  return fail(ErrorCode::kResourceExhausted,
+              fmt::format("the cache {} is full of files that are in use, or that other workers are writing: "
+                          "a larger --cache-gib than {:.3g} makes room",
+                          folder_, in_gib(max_bytes_)));
+}
+
+core::Status BlobCache::download(const proto::Digest& digest, const std::string& path, const InUse& in_use,
                                  v1::WorkerService::StubInterface& coordinator,
                                  const std::stop_token& stop) const {
   const core::OpenFile file(::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644));
   if (!file.valid()) return fail(cannot_write(path));
+  // With its full size it counts in the folder, also for other workers that are making room.
+  if (::ftruncate(file.get(), static_cast<off_t>(digest.size_bytes)) != 0) return fail(cannot_write(path));
+  if (core::Status room = make_room(in_use); !room) return room;
   std::uint64_t size = 0;
   proto::BlobReceiver receiver(digest, [&](std::string_view bytes) -> core::Status {
     if (!core::write_at(file.get(), std::as_bytes(std::span(bytes)), size)) return fail(cannot_write(path));

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // A disk cache of scene files by SHA-256. Workers may share a folder. A file gets its name only when it is
 // complete, and its bytes are checked each time it is requested, so that damage by a crash or a failing disk
-// cannot reach an image. Thread-safe.
+// cannot reach an image. The folder never takes more than its limit: room is made before a download, whose
+// file has its full size from the start. Thread-safe.
 #pragma once
 
 #include <atomic>
 #include <cstdint>
 #include <memory>
+#include <set>
 #include <stop_token>
 #include <string>
 
@@ -25,8 +27,8 @@ bool holds(const core::OpenFile& file, const proto::Digest& digest);
 class BlobCache {
  public:
   // Creates the folder if it is missing. Errors name the folder and the reason: also if others may write to
-  // it, or if it is another user's. After each transfer the least recently used files, blobs and stored
-  // scenes, are removed until at most `max_bytes` are left (core::remove_least_used()).
+  // it, or if it is another user's. Before each download the least recently used files, blobs and stored
+  // scenes, are removed, so that at most `max_bytes` are in use.
   static core::Result<BlobCache> open(const std::string& folder,
                                       std::uint64_t max_bytes = kDefaultCacheBytes);
 
@@ -42,10 +44,14 @@ class BlobCache {
   // Whether a file in the folder is a blob or a stored scene.
   static bool is_file_name(const std::string& name);
 
+  // The digests of files that are not removed, in hexadecimal.
+  using InUse = std::set<std::string>;
+
   // The path of the blob's file, which is fetched from the coordinator if it is missing. Blocks; returns soon
   // after a stop. Errors are those of FetchBlob, CANCELLED after a stop, INTERNAL if the file cannot be
-  // written.
-  core::Result<std::string> get(const proto::Digest& digest, v1::WorkerService::StubInterface& coordinator,
+  // written, RESOURCE_EXHAUSTED if the files in use leave no room for it.
+  core::Result<std::string> get(const proto::Digest& digest, const InUse& in_use,
+                                v1::WorkerService::StubInterface& coordinator,
                                 const std::stop_token& stop) const;
 
  private:
@@ -53,7 +59,8 @@ class BlobCache {
       : folder_(std::move(folder)), max_bytes_(max_bytes) {}
 
   std::string path_of(const proto::Digest& digest) const;
-  core::Status download(const proto::Digest& digest, const std::string& path,
+  core::Status make_room(const InUse& in_use) const;
+  core::Status download(const proto::Digest& digest, const std::string& path, const InUse& in_use,
                         v1::WorkerService::StubInterface& coordinator, const std::stop_token& stop) const;
 
   std::string folder_;

@@ -4,13 +4,13 @@
 #include <fmt/format.h>
 #include <signal.h>
 #include <sys/wait.h>
-#include <unistd.h>
 
 #include <cstdio>
 #include <optional>
 #include <utility>
 #include <vector>
 
+#include "core/base/available_resources.hpp"
 #include "core/sandbox/flags.hpp"
 #include "core/sandbox/memory_file.hpp"
 #include "core/sandbox/process.hpp"
@@ -22,12 +22,6 @@ namespace {
 
 using core::ErrorCode;
 using sandbox::Ending;
-
-std::uint64_t memory_of_machine_mib() {
-  return static_cast<std::uint64_t>(sysconf(_SC_PHYS_PAGES)) *
-             static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE)) >>
-         20;
-}
 
 // The files that the process may ask for, in the order of their names.
 class CheckedFiles {
@@ -95,7 +89,8 @@ std::optional<core::Error> failure_of(const Ending& ending, const LoaderOptions&
 }  // namespace
 
 LoaderOptions::LoaderOptions()
-    : program(sandbox::path_beside_this(kSceneLoaderName)), memory_mib(memory_of_machine_mib()) {}
+    : program(sandbox::path_beside_this(kSceneLoaderName)),
+      memory_mib(core::available_memory_bytes() >> 20) {}
 
 core::Result<core::SceneDescription> load_confined(const LoaderOptions& options, const SceneFiles& files,
                                                    int threads, const std::stop_token& stop) {

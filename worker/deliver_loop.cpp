@@ -64,7 +64,7 @@ v1::SubmitResultRequest DeliverLoop::encode(const Delivery& delivery) const {
   request.set_job_id(delivery.job_id);
   request.set_lease_id(delivery.lease_id);
   request.set_lease_token(delivery.lease_token);
-  for (const core::FilmTile& tile : delivery.tiles) *request.add_items() = proto::encode_tile(tile);
+  for (const RenderedTile& tile : delivery.tiles) *request.add_items() = proto::encode_tile(tile, tile.image);
   *request.mutable_render_time() = google::protobuf::util::TimeUtil::NanosecondsToDuration(
       std::chrono::duration_cast<std::chrono::nanoseconds>(delivery.render_time).count());
   request.set_lease_finished(delivery.lease_finished);

@@ -19,15 +19,18 @@ class FetchLoop {
       : cache_(cache), coordinator_(coordinator), lease_tracker_(lease_tracker) {}
 
   // Returns after a stop. Temporary errors are retried. A job whose files cannot be fetched is logged, and
-  // its leases are given back.
+  // its leases are given back. A job whose files are larger than the cache is declined.
   void run(const std::stop_token& stop);
 
  private:
+  void fetch_or_decline(const v1::JobSpec& spec, const std::stop_token& stop);
   core::Result<std::shared_ptr<const Job>> fetch(const v1::JobSpec& spec, const std::stop_token& stop);
   // The same, with lack of memory as an error.
   core::Result<std::shared_ptr<const Job>> fetch_or_run_out(const v1::JobSpec& spec,
                                                             const std::stop_token& stop);
-  core::Result<std::string> fetch_blob(const proto::Digest& digest, const std::stop_token& stop);
+  BlobCache::InUse files_in_use(const v1::Bundle& fetching);
+  core::Result<std::string> fetch_blob(const proto::Digest& digest, const BlobCache::InUse& in_use,
+                                       const std::stop_token& stop);
 
   const BlobCache& cache_;
   v1::WorkerService::StubInterface& coordinator_;

@@ -21,13 +21,21 @@ core::SampleRange intersection(core::SampleRange a, core::SampleRange b) {
   return {std::max(a.begin, b.begin), std::min(a.end, b.end)};
 }
 
-// Merges adjacent ranges of one rectangle, in the order of first appearance.
+bool are_of_one_tile(const WorkItem& a, const WorkItem& b) {
+  return a.image == b.image && a.rect == b.rect;
+}
+
+// Whether `next` begins where the samples of the same tile end.
+bool continues(const WorkItem& item, const WorkItem& next) {
+  return are_of_one_tile(item, next) && item.range.end == next.range.begin;
+}
+
+// Merges adjacent ranges of one tile, in the order of first appearance.
 std::vector<WorkItem> joined(std::vector<WorkItem> items) {
   std::vector<WorkItem> result;
   for (const WorkItem& item : items) {
-    const auto neighbour = std::find_if(result.begin(), result.end(), [&](const WorkItem& other) {
-      return other.rect == item.rect && other.range.end == item.range.begin;
-    });
+    const auto neighbour = std::find_if(result.begin(), result.end(),
+                                        [&](const WorkItem& other) { return continues(other, item); });
     if (neighbour == result.end())
       result.push_back(item);
     else
@@ -40,8 +48,8 @@ std::vector<WorkItem> joined(std::vector<WorkItem> items) {
 
 std::vector<WorkItem> HeldLease::items() const {
   std::vector<WorkItem> all = delivering_.value_or(std::vector<WorkItem>());
-  for (const core::FilmTile& tile : ready_) all.push_back({tile.rect, tile.range});
-  if (growing_) all.push_back({growing_->rect, growing_->range});
+  for (const RenderedTile& tile : ready_) all.push_back(tile.item());
+  if (growing_) all.push_back(growing_->item());
   if (rendering_) all.push_back(*rendering_);
   all.insert(all.end(), todo_.begin(), todo_.end());
   return joined(std::move(all));
@@ -51,9 +59,9 @@ bool HeldLease::keep_only(const std::vector<WorkItem>& wanted) {
   std::deque<WorkItem> kept;
   for (const WorkItem& item : todo_) {
     for (const WorkItem& other : wanted) {
-      if (other.rect != item.rect) continue;
+      if (!are_of_one_tile(other, item)) continue;
       const core::SampleRange common = intersection(item.range, other.range);
-      if (!common.empty()) kept.push_back({item.rect, common});
+      if (!common.empty()) kept.push_back({item.rect, common, item.image});
     }
   }
   const bool changed = kept != todo_;
@@ -81,17 +89,15 @@ WorkItem HeldLease::take(std::uint64_t target_samples) {
 
 void HeldLease::rendered(core::FilmTile tile, Duration render_time) {
   assert(rendering_ && rendering_->rect == tile.rect && rendering_->range == tile.range);
-  rendering_.reset();
-  const bool continues = growing_ && growing_->rect == tile.rect && growing_->range.end == tile.range.begin;
-  if (continues) {
+  const WorkItem item = *std::exchange(rendering_, std::nullopt);
+  if (growing_ && continues(growing_->item(), item)) {
     growing_->append(tile);
   } else {
     flush();
-    growing_ = std::move(tile);
+    growing_.emplace(std::move(tile), item.image);
   }
   growing_time_ += render_time;
-  const bool continues_next =
-      has_todo() && todo_.front().rect == growing_->rect && todo_.front().range.begin == growing_->range.end;
+  const bool continues_next = has_todo() && continues(growing_->item(), todo_.front());
   if (!continues_next || growing_time_ >= kLongestGrowing) flush();
 }
 
@@ -131,7 +137,7 @@ Delivery HeldLease::take_batch() {
   std::size_t bytes = 0;
   while (!ready_.empty() && (bytes == 0 || bytes + sums_bytes(ready_.front()) <= kMaxBatchBytes)) {
     bytes += sums_bytes(ready_.front());
-    delivering_->push_back({ready_.front().rect, ready_.front().range});
+    delivering_->push_back(ready_.front().item());
     delivery.tiles.push_back(std::move(ready_.front()));
     ready_.pop_front();
   }

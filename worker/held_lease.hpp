@@ -13,6 +13,7 @@
 #include <deque>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/film/film.hpp"
@@ -24,12 +25,23 @@ namespace tessera::worker {
 using proto::Duration;
 using proto::WorkItem;
 
+// Samples of a tile, with the image that they are of.
+struct RenderedTile : core::FilmTile {
+  RenderedTile() = default;
+  RenderedTile(core::FilmTile tile, std::uint32_t of_image)
+      : core::FilmTile(std::move(tile)), image(of_image) {}
+
+  std::uint32_t image = 0;
+
+  WorkItem item() const { return {rect, range, image}; }
+};
+
 // The content of one message.
 struct Delivery {
   std::uint64_t lease_id = 0;
   std::string job_id;
   std::string lease_token;
-  std::vector<core::FilmTile> tiles;
+  std::vector<RenderedTile> tiles;
   Duration render_time{};
   bool lease_finished = false;
   // Why the lease is given back, if its scene cannot be built.
@@ -48,7 +60,7 @@ class HeldLease {
   // v1.Lease.token.
   const std::string& token() const { return token_; }
 
-  // All items that are held, in a canonical form: adjacent ranges of one rectangle are one item.
+  // All items that are held, in a canonical form: adjacent ranges of one tile are one item.
   std::vector<WorkItem> items() const;
 
   // Drops samples that are still to be rendered and not in `wanted`. Returns whether there were any.
@@ -86,9 +98,9 @@ class HeldLease {
   std::deque<WorkItem> todo_;
   bool stopped_ = false;
   std::optional<WorkItem> rendering_;
-  std::optional<core::FilmTile> growing_;
+  std::optional<RenderedTile> growing_;
   Duration growing_time_{};
-  std::deque<core::FilmTile> ready_;
+  std::deque<RenderedTile> ready_;
   Duration ready_time_{};
   std::optional<std::vector<WorkItem>> delivering_;  // also set for a lease that is given back without items
 };

@@ -55,14 +55,16 @@ std::span<const v1::Lease* const> first_leases(const google::protobuf::RepeatedP
 }
 
 // The valid items. The coordinator keeps the others.
-std::vector<WorkItem> readable_items(const v1::Lease& lease, const v1::RenderSettings& settings) {
+std::vector<WorkItem> readable_items(const v1::Lease& lease, const v1::JobSpec& job) {
+  const v1::RenderSettings& settings = job.settings();
+  const auto images = static_cast<std::uint32_t>(std::max(job.images_size(), 1));
   std::vector<WorkItem> items;
   int left_out = std::max(lease.items_size() - kMaxItems, 0);
   for (int i = 0; i < std::min(lease.items_size(), kMaxItems); ++i) {
     const v1::WorkItem& message = lease.items(i);
     const auto item = proto::from_proto(message);
     // At most one tile, since a result cannot hold more.
-    const bool inside = item && message.rect().x1() <= settings.width_px() &&
+    const bool inside = item && item->image < images && message.rect().x1() <= settings.width_px() &&
                         message.rect().y1() <= settings.height_px() && item->rect.width() <= core::kTilePx &&
                         item->rect.height() <= core::kTilePx;
     if (inside)
@@ -73,7 +75,7 @@ std::vector<WorkItem> readable_items(const v1::Lease& lease, const v1::RenderSet
   if (left_out > 0)
     common::log(
         spdlog::level::warn,
-        fmt::format("{} items of lease {} are left out: job {} does not have their pixels or samples, "
+        fmt::format("{} items of lease {} are left out: job {} does not have their image, pixels or samples, "
                     "or they are more than a tile, or there are more than {}",
                     left_out, lease.id(), lease.job_id(), kMaxItems),
         {.job = lease.job_id()});
@@ -83,7 +85,7 @@ std::vector<WorkItem> readable_items(const v1::Lease& lease, const v1::RenderSet
 }  // namespace
 
 void LeaseTracker::report(v1::SynchronizeRequest& request) {
-  std::lock_guard lock(mutex_);
+  const core::MutexLock lock(mutex_);
   just_finished_.clear();
   just_given_.clear();
   forget_idle_jobs();
@@ -120,7 +122,7 @@ void LeaseTracker::report_troubles(v1::SynchronizeRequest& request) const {
 }
 
 bool LeaseTracker::apply(const v1::SynchronizeResponse& response) {
-  std::lock_guard lock(mutex_);
+  const core::MutexLock lock(mutex_);
   heartbeat_timeout_ = std::max(heartbeat_timeout_, heartbeat_timeout(response));
   bool changed = false;
   for (const v1::JobSpec& spec : response.jobs()) changed |= add_job(spec);
@@ -135,10 +137,12 @@ bool LeaseTracker::apply(const v1::SynchronizeResponse& response) {
       changed |= unwanted_.try_emplace(lease.id(), Clock::now()).second;
       lease.stop_rendering();
     } else {
-      changed |= lease.keep_only(readable_items(*still->second, jobs_.at(lease.job_id()).spec.settings()));
+      changed |= lease.keep_only(readable_items(*still->second, jobs_.at(lease.job_id()).spec));
     }
   }
-  leases_.remove_if([&](const HeldLease& lease) { return lease.empty() && unwanted_.erase(lease.id()) > 0; });
+  leases_.remove_if([&](const HeldLease& lease) TESSERA_REQUIRES(mutex_) {
+    return lease.empty() && unwanted_.erase(lease.id()) > 0;
+  });
   for (const v1::Lease* lease : leases) changed |= add_lease(*lease);
   announce_change();
   return changed;
@@ -163,14 +167,13 @@ bool LeaseTracker::add_lease(const v1::Lease& lease) {
                 {.job = lease.job_id()});
     return false;
   }
-  leases_.emplace_back(lease.id(), lease.job_id(), readable_items(lease, job->second.spec.settings()),
-                       lease.token());
+  leases_.emplace_back(lease.id(), lease.job_id(), readable_items(lease, job->second.spec), lease.token());
   return true;
 }
 
 void LeaseTracker::forget_idle_jobs() {
   std::size_t idle = 0;
-  std::erase_if(jobs_, [&](const auto& job) {
+  std::erase_if(jobs_, [&](const auto& job) TESSERA_REQUIRES(mutex_) {
     const bool needed = holds_any_of(job.first) || job.second.stage == Stage::kFetching;
     return !needed && ++idle > kIdleJobsKept;
   });
@@ -182,7 +185,7 @@ bool LeaseTracker::holds_any_of(const std::string& job_id) const {
 }
 
 std::optional<v1::JobSpec> LeaseTracker::next_to_fetch(const std::stop_token& stop) {
-  std::unique_lock lock(mutex_);
+  core::MutexLock lock(mutex_);
   for (;;) {
     if (stop.stop_requested()) return std::nullopt;
     for (const HeldLease& lease : leases_) {
@@ -196,7 +199,7 @@ std::optional<v1::JobSpec> LeaseTracker::next_to_fetch(const std::stop_token& st
 }
 
 void LeaseTracker::fetched(std::shared_ptr<const Job> job) {
-  std::lock_guard lock(mutex_);
+  const core::MutexLock lock(mutex_);
   const auto entry = jobs_.find(job->id);
   if (entry == jobs_.end()) return;
   entry->second.stage = Stage::kReady;
@@ -205,8 +208,21 @@ void LeaseTracker::fetched(std::shared_ptr<const Job> job) {
 }
 
 void LeaseTracker::cannot_fetch(const std::string& job_id, const std::string& why) {
-  std::lock_guard lock(mutex_);
+  const core::MutexLock lock(mutex_);
   make_unusable(job_id, why);
+}
+
+void LeaseTracker::decline(const std::string& job_id, const std::string& why) {
+  const core::MutexLock lock(mutex_);
+  make_declined(job_id, why);
+}
+
+std::vector<std::shared_ptr<const Job>> LeaseTracker::jobs_in_hand() const {
+  const core::MutexLock lock(mutex_);
+  std::vector<std::shared_ptr<const Job>> jobs;
+  for (const auto& [id, entry] : jobs_)
+    if (entry.job && holds_any_of(id)) jobs.push_back(entry.job);
+  return jobs;
 }
 
 void LeaseTracker::make_unusable(const std::string& job_id, const std::string& trouble) {
@@ -225,6 +241,12 @@ void LeaseTracker::make_unusable(const std::string& job_id, const std::string& t
   announce_change();
 }
 
+void LeaseTracker::make_declined(const std::string& job_id, const std::string& why) {
+  make_unusable(job_id, why);
+  const auto job = jobs_.find(job_id);
+  if (job != jobs_.end()) job->second.decline_reason = why;
+}
+
 bool LeaseTracker::is_unusable(const std::string& job_id) const {
   const auto job = jobs_.find(job_id);
   return job != jobs_.end() && job->second.stage == Stage::kUnusable;
@@ -237,7 +259,7 @@ HeldLease* LeaseTracker::next_renderable() {
 }
 
 std::optional<Piece> LeaseTracker::take(const std::stop_token& stop, const SizePiece& size_piece) {
-  std::unique_lock lock(mutex_);
+  core::MutexLock lock(mutex_);
   for (;;) {
     if (stop.stop_requested() || draining_) return std::nullopt;
     if (HeldLease* lease = next_renderable())
@@ -247,14 +269,14 @@ std::optional<Piece> LeaseTracker::take(const std::stop_token& stop, const SizeP
 }
 
 void LeaseTracker::begins(const Piece& piece) {
-  std::lock_guard lock(mutex_);
+  const core::MutexLock lock(mutex_);
   rendering_ = piece;
   rendering_since_ = Clock::now();
   announce_change();
 }
 
 void LeaseTracker::rendered(const Piece& piece, core::FilmTile tile, Duration render_time) {
-  std::lock_guard lock(mutex_);
+  const core::MutexLock lock(mutex_);
   rendering_.reset();
   has_rendered_ = true;
   if (has_abandoned_) return;
@@ -268,13 +290,11 @@ void LeaseTracker::rendered(const Piece& piece, core::FilmTile tile, Duration re
 }
 
 void LeaseTracker::cannot_render(const Piece& piece, const std::string& why) {
-  std::lock_guard lock(mutex_);
+  const core::MutexLock lock(mutex_);
   rendering_.reset();
   if (has_abandoned_) return;
   find_lease(piece.lease_id)->not_rendered();
-  make_unusable(piece.job->id, why);
-  const auto job = jobs_.find(piece.job->id);
-  if (job != jobs_.end()) job->second.decline_reason = why;
+  make_declined(piece.job->id, why);
 }
 
 HeldLease* LeaseTracker::find_lease(std::uint64_t id) {
@@ -312,7 +332,7 @@ Delivery LeaseTracker::batch_of(HeldLease& lease) const {
 }
 
 std::optional<Delivery> LeaseTracker::next_delivery(const std::stop_token& stop) {
-  std::unique_lock lock(mutex_);
+  core::MutexLock lock(mutex_);
   for (;;) {
     if (stop.stop_requested()) return std::nullopt;
     if (HeldLease* lease = next_sendable(Clock::now())) return batch_of(*lease);
@@ -326,17 +346,16 @@ void LeaseTracker::announce_change() {
   changed_.notify_all();
 }
 
-void LeaseTracker::await_change(std::unique_lock<std::mutex>& lock, const std::stop_token& stop,
-                                Clock::time_point until) {
-  const auto any_change = [this, seen = version_] { return version_ != seen; };
+void LeaseTracker::await_change(core::MutexLock& lock, const std::stop_token& stop, Clock::time_point until) {
+  const auto any_change = [this, seen = version_]() TESSERA_REQUIRES(mutex_) { return version_ != seen; };
   if (until == Clock::time_point::max())
-    changed_.wait(lock, stop, any_change);
+    changed_.wait(lock.native(), stop, any_change);
   else
-    changed_.wait_until(lock, stop, until, any_change);
+    changed_.wait_until(lock.native(), stop, until, any_change);
 }
 
 void LeaseTracker::delivered(const Delivery& delivery, const v1::SubmitResultResponse& answer) {
-  std::lock_guard lock(mutex_);
+  const core::MutexLock lock(mutex_);
   HeldLease* lease = find_lease(delivery.lease_id);
   lease->delivered();
   if (delivery.lease_finished) {
@@ -356,7 +375,7 @@ void LeaseTracker::delivered(const Delivery& delivery, const v1::SubmitResultRes
 
 std::optional<UnwantedPiece> LeaseTracker::abandon_endless(const std::stop_token& stop,
                                                            const HangTimeout& hang_timeout) {
-  std::unique_lock lock(mutex_);
+  core::MutexLock lock(mutex_);
   for (;;) {
     if (stop.stop_requested()) return std::nullopt;
     auto unwanted = unwanted_piece();
@@ -383,13 +402,13 @@ std::optional<UnwantedPiece> LeaseTracker::unwanted_piece() const {
 }
 
 void LeaseTracker::drop_all_wanted() {
-  std::lock_guard lock(mutex_);
+  const core::MutexLock lock(mutex_);
   nothing_wanted_since_ = Clock::now();
   announce_change();
 }
 
 void LeaseTracker::drain() {
-  std::lock_guard lock(mutex_);
+  const core::MutexLock lock(mutex_);
   stop_taking();
 }
 

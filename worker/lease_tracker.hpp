@@ -6,7 +6,7 @@
 //
 //   WANTED ──files fetched──▶ READY ──scene cannot be built──▶ UNUSABLE
 //      │  ◀───────────────── lease given back ─────────────────── ▲
-//      └──────────────────── files cannot be fetched ─────────────┘
+//      └────────── files cannot be fetched, or are too large ─────┘
 //
 // Leases of an unusable job are given back after a delay that grows with every failure, since the coordinator
 // may lease the job to this worker again.
@@ -18,13 +18,13 @@
 #include <list>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <set>
 #include <stop_token>
 #include <string>
 #include <vector>
 
+#include "core/base/mutex.hpp"
 #include "tessera/v1/worker_service.pb.h"
 #include "worker/held_lease.hpp"
 #include "worker/job.hpp"
@@ -81,6 +81,10 @@ class LeaseTracker {
   void fetched(std::shared_ptr<const Job> job);
   // Reported as a trouble until the files are fetched.
   void cannot_fetch(const std::string& job_id, const std::string& why);
+  // The same if trying again is no use: the coordinator gets the reason with the lease.
+  void decline(const std::string& job_id, const std::string& why);
+  // The fetched jobs of the leases.
+  std::vector<std::shared_ptr<const Job>> jobs_in_hand() const;
 
   // ---- For the thread that renders ----
 
@@ -135,45 +139,45 @@ class LeaseTracker {
     Clock::time_point trouble_at{};
   };
 
-  // The caller of these functions holds mutex_.
-  HeldLease* find_lease(std::uint64_t id);
-  bool add_job(const v1::JobSpec& spec);
-  bool add_lease(const v1::Lease& lease);
-  bool is_unusable(const std::string& job_id) const;
-  void make_unusable(const std::string& job_id, const std::string& trouble);
-  bool holds_any_of(const std::string& job_id) const;
-  void report_activity(v1::SynchronizeRequest& request) const;
-  void report_troubles(v1::SynchronizeRequest& request) const;
-  void forget_idle_jobs();
-  HeldLease* next_renderable();
-  HeldLease* next_sendable(Clock::time_point now);
-  Delivery batch_of(HeldLease& lease) const;
-  Clock::time_point next_give_back() const;
-  std::optional<UnwantedPiece> unwanted_piece() const;
-  void stop_taking();
-  void announce_change();
-  void await_change(std::unique_lock<std::mutex>& lock, const std::stop_token& stop,
-                    Clock::time_point until = Clock::time_point::max());
+  HeldLease* find_lease(std::uint64_t id) TESSERA_REQUIRES(mutex_);
+  bool add_job(const v1::JobSpec& spec) TESSERA_REQUIRES(mutex_);
+  bool add_lease(const v1::Lease& lease) TESSERA_REQUIRES(mutex_);
+  bool is_unusable(const std::string& job_id) const TESSERA_REQUIRES(mutex_);
+  void make_unusable(const std::string& job_id, const std::string& trouble) TESSERA_REQUIRES(mutex_);
+  void make_declined(const std::string& job_id, const std::string& why) TESSERA_REQUIRES(mutex_);
+  bool holds_any_of(const std::string& job_id) const TESSERA_REQUIRES(mutex_);
+  void report_activity(v1::SynchronizeRequest& request) const TESSERA_REQUIRES(mutex_);
+  void report_troubles(v1::SynchronizeRequest& request) const TESSERA_REQUIRES(mutex_);
+  void forget_idle_jobs() TESSERA_REQUIRES(mutex_);
+  HeldLease* next_renderable() TESSERA_REQUIRES(mutex_);
+  HeldLease* next_sendable(Clock::time_point now) TESSERA_REQUIRES(mutex_);
+  Delivery batch_of(HeldLease& lease) const TESSERA_REQUIRES(mutex_);
+  Clock::time_point next_give_back() const TESSERA_REQUIRES(mutex_);
+  std::optional<UnwantedPiece> unwanted_piece() const TESSERA_REQUIRES(mutex_);
+  void stop_taking() TESSERA_REQUIRES(mutex_);
+  void announce_change() TESSERA_REQUIRES(mutex_);
+  void await_change(core::MutexLock& lock, const std::stop_token& stop,
+                    Clock::time_point until = Clock::time_point::max()) TESSERA_REQUIRES(mutex_);
 
   const Options options_;
 
-  mutable std::mutex mutex_;
+  mutable core::Mutex mutex_;
   std::condition_variable_any changed_;
-  std::uint64_t version_ = 0;    // guarded by mutex_; changes with every member below
-  std::list<HeldLease> leases_;  // guarded by mutex_; in the order of rendering
-  // Guarded by mutex_; since when leases are held only until their results are delivered.
-  std::map<std::uint64_t, Clock::time_point> unwanted_;
-  std::set<std::uint64_t> just_finished_;  // guarded by mutex_; since the last report
-  // Guarded by mutex_; from answers to deliveries since the last report.
-  std::set<std::uint64_t> just_given_;
-  std::optional<Piece> rendering_;                         // guarded by mutex_; the piece in progress
-  Clock::time_point rendering_since_{};                    // guarded by mutex_
-  std::optional<Clock::time_point> nothing_wanted_since_;  // guarded by mutex_
-  bool has_rendered_ = false;                              // guarded by mutex_; has finished any piece
-  bool has_abandoned_ = false;                             // guarded by mutex_; gave up the piece in progress
-  Duration heartbeat_timeout_{};                           // guarded by mutex_; the maximum of all answers
-  std::map<std::string, JobEntry> jobs_;                   // guarded by mutex_
-  bool draining_ = false;                                  // guarded by mutex_
+  std::uint64_t version_ TESSERA_GUARDED_BY(mutex_) = 0;    // changes with every member below
+  std::list<HeldLease> leases_ TESSERA_GUARDED_BY(mutex_);  // in the order of rendering
+  // Since when leases are held only until their results are delivered.
+  std::map<std::uint64_t, Clock::time_point> unwanted_ TESSERA_GUARDED_BY(mutex_);
+  std::set<std::uint64_t> just_finished_ TESSERA_GUARDED_BY(mutex_);  // since the last report
+  // From answers to deliveries since the last report.
+  std::set<std::uint64_t> just_given_ TESSERA_GUARDED_BY(mutex_);
+  std::optional<Piece> rendering_ TESSERA_GUARDED_BY(mutex_);  // the piece in progress
+  Clock::time_point rendering_since_ TESSERA_GUARDED_BY(mutex_){};
+  std::optional<Clock::time_point> nothing_wanted_since_ TESSERA_GUARDED_BY(mutex_);
+  bool has_rendered_ TESSERA_GUARDED_BY(mutex_) = false;     // has finished any piece
+  bool has_abandoned_ TESSERA_GUARDED_BY(mutex_) = false;    // gave up the piece in progress
+  Duration heartbeat_timeout_ TESSERA_GUARDED_BY(mutex_){};  // the maximum of all answers
+  std::map<std::string, JobEntry> jobs_ TESSERA_GUARDED_BY(mutex_);
+  bool draining_ TESSERA_GUARDED_BY(mutex_) = false;
 };
 
 }  // namespace tessera::worker

@@ -47,7 +47,7 @@ void write_connection(common::MetricWriter& writer, const Metrics& metrics) {
 
 }  // namespace
 
-proto::MetricFamilies collect(const Metrics& metrics, const Identity& identity, const BlobCache& cache) {
+common::MetricFamilies collect(const Metrics& metrics, const Identity& identity, const BlobCache& cache) {
   common::MetricWriter writer;
   write_work(writer, metrics, identity);
   write_scenes(writer, metrics, cache);

@@ -34,6 +34,6 @@ struct Metrics {
 };
 
 // Also what the cache has fetched. Reads the sizes of the files in the cache's folder.
-proto::MetricFamilies collect(const Metrics& metrics, const Identity& identity, const BlobCache& cache);
+common::MetricFamilies collect(const Metrics& metrics, const Identity& identity, const BlobCache& cache);
 
 }  // namespace tessera::worker

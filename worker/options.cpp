@@ -5,15 +5,14 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <array>
 #include <chrono>
 #include <cstdint>
 #include <cstdlib>
 #include <filesystem>
 #include <system_error>
-#include <thread>
 
+#include "core/base/available_resources.hpp"
 #include "core/base/version.hpp"
 #include "core/cli/help.hpp"
 #include "core/cli/parse.hpp"
@@ -35,7 +34,7 @@ constexpr std::int64_t kMaxSceneSeconds = 86400;
 const cli::HelpText kHelp{
     .notes =
         R"(Log lines go to stderr. SIGINT and SIGTERM end the worker after what it has rendered is delivered; a second
-signal ends it at once.)",
+SIGINT ends it at once.)",
     .exit_statuses = {{cli::kExitOk, "stopped by a signal or by an administrator"},
                       {cli::kExitFailed, "failed"},
                       {cli::kExitUsage, "wrong command line"}},
@@ -69,7 +68,7 @@ void add_loader_flags(CLI::App& app, LoaderOptions& loader) {
                  "Program that loads scenes [default: tessera-scene-loader beside this program]")
       ->type_name("FILE");
   app.add_option(kSceneMemoryFlag, loader.memory_mib,
-                 "Most MiB of memory for loading a scene [default: the memory of this machine]")
+                 "Most MiB of memory for loading a scene [default: the memory that this process may use]")
       ->check(common::number_between(kMinSceneMib, kMaxSceneMib))
       ->type_name("N");
   app.add_option_function<std::int64_t>(
@@ -85,8 +84,7 @@ void add_loader_flags(CLI::App& app, LoaderOptions& loader) {
 
 }  // namespace
 
-Options::Options()
-    : threads(std::max(1u, std::thread::hardware_concurrency())), cache(default_cache()), name(host_name()) {}
+Options::Options() : threads(core::available_threads()), cache(default_cache()), name(host_name()) {}
 
 Options parse_options(int argc, char** argv) {
   Options options;
@@ -97,7 +95,9 @@ Options parse_options(int argc, char** argv) {
       ->envname(proto::kCoordinatorVariable)
       ->type_name("HOST:PORT")
       ->capture_default_str();
-  app.add_option("--threads", options.threads, "Number of threads [default: one per processor]")
+  app.add_option("--threads", options.threads,
+                 "Number of threads [default: one per processor that this process may use: by control group, "
+                 "affinity mask, SLURM_CPUS_PER_TASK and OMP_NUM_THREADS]")
       ->check(common::number_between(1u, kMaxThreads))
       ->type_name("N");
   app.add_option("--cache", options.cache,
@@ -105,9 +105,11 @@ Options parse_options(int argc, char** argv) {
                  "can share it "
                  "[default: ~/.cache/tessera]")
       ->type_name("DIR");
-  app.add_option("--cache-gib", options.cache_gib,
-                 "Size limit of the cache in GiB; files unused for longest are removed first")
-      ->check(common::number_between(0.0, 1e6))
+  app.add_option(
+         "--cache-gib", options.cache_gib,
+         "Size limit of the cache in GiB; files unused for longest are removed first, and scenes with "
+         "more files are declined")
+      ->check(common::number_between(0.001, 1e6))
       ->type_name("N")
       ->capture_default_str();
   app.add_option("--name", options.name, "Name of this worker in lists and logs [default: the host name]")

@@ -14,7 +14,7 @@ struct Options {
   std::string coordinator = proto::kDefaultCoordinator;  // HOST:PORT
   unsigned threads;                                      // to render with; default: all of this machine
   std::string cache;                                     // folder for scene files; may be shared by workers
-  double cache_gib = 16;                                 // above this, scene files are removed, oldest first
+  double cache_gib = 16;                                 // limit; scene files are removed, oldest first
   std::string name;                                      // for people; default: the host's
   proto::ClientSecurity security;
   common::LogOptions log;

@@ -12,7 +12,7 @@
 namespace tessera::worker {
 namespace {
 
-// Well below the time for which the blob cache keeps unused files.
+// The blob cache removes the least recently used files first.
 constexpr auto kMarkPeriod = std::chrono::minutes(10);
 
 }  // namespace

@@ -30,8 +30,11 @@ void listen(const std::stop_token& not_needed, std::stop_source stop) {
   while (!not_needed.stop_requested()) {
     const int signal = next_signal(set);
     if (signal <= 0) continue;
-    if (stop.stop_requested()) _exit(128 + signal);
-    spdlog::info("stopping: delivering what is rendered (once more to stop at once)");
+    // Cluster managers repeat SIGTERM: a hook, the end of a step, the end of its job. They kill what takes
+    // long.
+    if (stop.stop_requested() && signal == SIGINT) _exit(128 + signal);
+    if (!stop.stop_requested())
+      spdlog::info("stopping: delivering what is rendered (SIGINT once more to stop at once)");
     stop.request_stop();
   }
 }

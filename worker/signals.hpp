@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Turns SIGINT and SIGTERM into a stop token: the first requests an orderly stop, the second ends the process
-// at once.
+// Turns SIGINT and SIGTERM into a stop token: the first requests an orderly stop. A SIGINT after it ends the
+// process at once; a SIGTERM after it changes nothing.
 #pragma once
 
 #include <stop_token>

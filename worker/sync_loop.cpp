@@ -70,6 +70,7 @@ core::Result<v1::SynchronizeResponse> SyncLoop::synchronize(const std::stop_toke
   request.set_determinism_fingerprint(identity_.determinism_fingerprint);
   request.set_threads(identity_.threads);
   request.set_worker_key(identity_.worker_key);
+  request.set_names_images(true);
   lease_tracker_.report(request);
   metrics_.leases_held = static_cast<std::uint64_t>(request.held_size());
 

@@ -2,15 +2,16 @@
 #include "worker/waiting.hpp"
 
 #include <condition_variable>
-#include <mutex>
+
+#include "core/base/mutex.hpp"
 
 namespace tessera::worker {
 
 bool wait_for(const std::stop_token& stop, proto::Duration duration) {
-  std::mutex mutex;
-  std::unique_lock lock(mutex);
+  core::Mutex mutex;
+  core::MutexLock lock(mutex);
   std::condition_variable_any never_notified;
-  never_notified.wait_for(lock, stop, duration, [] { return false; });
+  never_notified.wait_for(lock.native(), stop, duration, [] { return false; });
   return !stop.stop_requested();
 }
 

@@ -32,13 +32,13 @@ long seconds(Duration time) {
 }
 
 std::string describe(const UnwantedPiece& unwanted) {
-  const auto& [rect, range] = unwanted.piece.item;
+  const proto::WorkItem& item = unwanted.piece.item;
   const Duration for_nobody = std::chrono::steady_clock::now() - unwanted.unwanted_since;
   return fmt::format(
       "job {}: samples [{}, {}) of the tile with the pixels [{}, {}) x [{}, {}) did not finish in {} s, and "
       "nobody wanted them for the last {} s: this worker gives them up",
-      unwanted.piece.job->id, range.begin, range.end, rect.x0, rect.x1, rect.y0, rect.y1,
-      seconds(unwanted.wanted_for + for_nobody), seconds(for_nobody));
+      unwanted.piece.job->id, item.range.begin, item.range.end, item.rect.x0, item.rect.x1, item.rect.y0,
+      item.rect.y1, seconds(unwanted.wanted_for + for_nobody), seconds(for_nobody));
 }
 
 }  // namespace

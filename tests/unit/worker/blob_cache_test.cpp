@@ -31,7 +31,7 @@ class BlobCacheTest : public ::testing::Test {
   ~BlobCacheTest() override { fs::remove_all(folder_); }
 
   core::Result<std::string> get(const proto::Digest& digest) {
-    return BlobCache::open(folder_ / "cache")->get(digest, coordinator_.stub(), {});
+    return BlobCache::open(folder_ / "cache")->get(digest, {}, coordinator_.stub(), {});
   }
   std::size_t files() const {
     return static_cast<std::size_t>(
@@ -55,21 +55,32 @@ TEST_F(BlobCacheTest, FetchesOnceAndKeeps) {
 
 TEST_F(BlobCacheTest, FilesThatWereNotUsedForLongestMakeRoom) {
   const std::string path = get(digest_).value();
-  const auto use_hours_ago = [](const std::string& file, int hours) {
-    fs::last_write_time(file, fs::file_time_type::clock::now() - std::chrono::hours(hours));
-  };
   const auto get_another = [&](const std::string& bytes) {
     coordinator_.keep_blob(proto::to_proto(proto::digest_of(bytes)).sha256(), bytes);
-    const auto cache = BlobCache::open(folder_ / "cache", 3'500'000);
-    return cache->get(proto::digest_of(bytes), coordinator_.stub(), {}).value();
+    const auto cache = BlobCache::open(folder_ / "cache", 3'700'000);
+    return cache->get(proto::digest_of(bytes), {}, coordinator_.stub(), {}).value();
   };
-  get_another(std::string(600'000, 'x'));
-  EXPECT_EQ(files(), 2u) << "what was used lately stays";
-  use_hours_ago(path, 3);
+  const std::string first = get_another(std::string(600'000, 'x'));
+  EXPECT_TRUE(fs::exists(path)) << "there is room for both";
+  fs::last_write_time(path, fs::file_time_type::clock::now() - std::chrono::minutes(1));
   const std::string second = get_another(std::string(600'000, 'y'));
-  EXPECT_FALSE(fs::exists(path));
-  EXPECT_TRUE(fs::exists(second));
-  EXPECT_EQ(files(), 2u);
+  EXPECT_FALSE(fs::exists(path)) << "also what was used lately goes";
+  EXPECT_TRUE(fs::exists(first) && fs::exists(second));
+}
+
+TEST_F(BlobCacheTest, FilesInUseStayAndNothingExceedsTheLimit) {
+  const std::string used = get(digest_).value();
+  const std::string other(600'000, 'x');
+  const auto cache = BlobCache::open(folder_ / "cache", 3'500'000);
+  coordinator_.keep_blob(proto::to_proto(proto::digest_of(other)).sha256(), other);
+  const auto refused = cache->get(proto::digest_of(other), {digest_.hex()}, coordinator_.stub(), {});
+  ASSERT_FALSE(refused.has_value());
+  EXPECT_EQ(refused.error().code, core::ErrorCode::kResourceExhausted);
+  EXPECT_THAT(refused.error().message, ::testing::HasSubstr("--cache-gib"));
+  EXPECT_EQ(coordinator_.fetches(), 1u) << "no byte comes before there is room for all";
+  EXPECT_EQ(files(), 1u);
+  EXPECT_TRUE(cache->get(proto::digest_of(other), {}, coordinator_.stub(), {}).has_value());
+  EXPECT_FALSE(fs::exists(used));
 }
 
 TEST_F(BlobCacheTest, FilesOfOthersStay) {
@@ -84,7 +95,7 @@ TEST_F(BlobCacheTest, FilesOfOthersStay) {
   const std::string unused(64, 'a'), abandoned = unused + ".7-1.partial";
   make(unused);
   make(abandoned);
-  ASSERT_TRUE(BlobCache::open(folder_ / "cache", 0)->get(digest_, coordinator_.stub(), {}));
+  ASSERT_TRUE(BlobCache::open(folder_ / "cache", bytes_.size())->get(digest_, {}, coordinator_.stub(), {}));
   for (const std::string& name : names) EXPECT_TRUE(fs::exists(folder_ / "cache" / name)) << name;
   EXPECT_FALSE(fs::exists(folder_ / "cache" / unused));
   EXPECT_FALSE(fs::exists(folder_ / "cache" / abandoned));

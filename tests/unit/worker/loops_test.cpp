@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The threads of a worker, one by one, with a scripted coordinator.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -9,6 +10,7 @@
 #include "confined.hpp"
 #include "fake_coordinator.hpp"
 #include "proto/tile_codec.hpp"
+#include "tests/support/temporary_folder.hpp"
 #include "worker/deliver_loop.hpp"
 #include "worker/fetch_loop.hpp"
 #include "worker/lease_tracker.hpp"
@@ -88,7 +90,8 @@ TEST_F(LoopsTest, ARefusedWorkerTriesAgain) {
   };
   coordinator_.answer_with({refuse, refuse, give_lease});
   const SyncLoop::Explain explain = [](const grpc::Status& status) { return proto::error_from_grpc(status); };
-  SyncLoop sync(kIdentity, coordinator_.stub(), lease_tracker_, metrics_, explain, {.first = 1ms, .longest = 2ms});
+  SyncLoop sync(kIdentity, coordinator_.stub(), lease_tracker_, metrics_, explain,
+                {.first = 1ms, .longest = 2ms});
   std::jthread thread([&](const std::stop_token& stop) { EXPECT_FALSE(sync.run(stop)); });
   EXPECT_EQ(coordinator_.wait_for_syncs(4)[3].held_size(), 1);
 }
@@ -101,7 +104,8 @@ TEST_F(LoopsTest, AWorkerWithWrongCredentialsTriesAgain) {
   coordinator_.answer_with({refuse_with(grpc::StatusCode::PERMISSION_DENIED),
                             refuse_with(grpc::StatusCode::UNAUTHENTICATED), give_lease});
   const SyncLoop::Explain explain = [](const grpc::Status& status) { return proto::error_from_grpc(status); };
-  SyncLoop sync(kIdentity, coordinator_.stub(), lease_tracker_, metrics_, explain, {.first = 1ms, .longest = 2ms});
+  SyncLoop sync(kIdentity, coordinator_.stub(), lease_tracker_, metrics_, explain,
+                {.first = 1ms, .longest = 2ms});
   std::jthread thread([&](const std::stop_token& stop) { EXPECT_FALSE(sync.run(stop)); });
   EXPECT_EQ(coordinator_.wait_for_syncs(4)[3].held_size(), 1);
 }
@@ -305,6 +309,70 @@ TEST_F(LoopsTest, AJobWhoseFilesAreGoneIsGivenBack) {
   EXPECT_TRUE(delivery->lease_finished);
   EXPECT_TRUE(delivery->tiles.empty());
   rmdir(folder.c_str());
+}
+
+// Fetches jobs with these files one after the other, each with a lease.
+class CacheLimitTest : public ::testing::Test {
+ protected:
+  void lease(std::uint64_t id, const std::vector<std::string>& files) {
+    v1::Lease& lease = *response_.add_leases();
+    lease.set_id(id);
+    lease.set_job_id(std::to_string(id));
+    *lease.add_items() = proto::to_proto(WorkItem{kLeasedTile, {0, 4}});
+    v1::JobSpec& spec = *response_.add_jobs();
+    spec.set_job_id(lease.job_id());
+    *spec.mutable_settings() = proto::to_proto(core::RenderSettings{});
+    for (const std::string& bytes : files) {
+      v1::Bundle::Asset& asset = *spec.mutable_bundle()->add_assets();
+      asset.set_path(fmt::format("{}", spec.bundle().assets_size()));
+      *asset.mutable_digest() = proto::to_proto(proto::digest_of(bytes));
+      coordinator_.keep_blob(asset.digest().sha256(), bytes);
+    }
+    lease_tracker_.apply(response_);
+  }
+  std::optional<Piece> take() {
+    return lease_tracker_.take({}, [](const std::string&) { return 4 * 4096u; });
+  }
+
+  TemporaryFolder folder_;
+  FakeCoordinator coordinator_;
+  LeaseTracker lease_tracker_{{.first_delay = 0s, .longest_delay = 0s}};
+  v1::SynchronizeResponse response_;
+  core::Result<BlobCache> cache_ = BlobCache::open(folder_.path() / "cache", 3500);
+  FetchLoop fetch_{*cache_, coordinator_.stub(), lease_tracker_};
+};
+
+TEST_F(CacheLimitTest, AJobWithMoreFilesThanTheCacheHoldsIsDeclined) {
+  lease(1, {std::string(2000, 'a'), std::string(2000, 'b')});
+  std::jthread thread([&](const std::stop_token& stop) { fetch_.run(stop); });
+  const auto delivery = lease_tracker_.next_delivery({});
+  EXPECT_TRUE(delivery->lease_finished);
+  EXPECT_NE(delivery->decline_reason.find("--cache-gib"), std::string::npos) << delivery->decline_reason;
+  EXPECT_EQ(coordinator_.fetches(), 0u);
+}
+
+TEST_F(CacheLimitTest, FilesOfAJobInHandAreNotRemovedForTheNext) {
+  lease(1, {std::string(2000, 'a')});
+  std::jthread thread([&](const std::stop_token& stop) { fetch_.run(stop); });
+  const auto piece = take();
+  const std::string path = piece->job->files.blob_paths.begin()->second;
+  lease(2, {std::string(2000, 'b')});
+  const auto given_back = lease_tracker_.next_delivery({});
+  EXPECT_EQ(given_back->lease_id, 2u);
+  EXPECT_TRUE(given_back->lease_finished);
+  EXPECT_EQ(given_back->decline_reason, "") << "it may fit later";
+  EXPECT_TRUE(std::filesystem::exists(path));
+  EXPECT_LE(cache_->used_bytes(), 3500u);
+}
+
+TEST_F(CacheLimitTest, FilesOfAJobThatIsDoneMakeRoomForTheNext) {
+  lease(1, {std::string(2000, 'a')});
+  std::jthread thread([&](const std::stop_token& stop) { fetch_.run(stop); });
+  lease_tracker_.rendered(*take(), core::FilmTile(kLeasedTile, {0, 4}), 1ms);
+  lease_tracker_.delivered(*lease_tracker_.next_delivery({}));
+  lease(2, {std::string(2000, 'b')});
+  EXPECT_EQ(take()->job->id, "2");
+  EXPECT_EQ(cache_->used_bytes(), 2000u);
 }
 
 TEST(BundleKey, TellsBundlesApart) {

@@ -13,7 +13,7 @@ using test::metric_value;
 
 class WorkerMetrics : public testing::Test {
  protected:
-  proto::MetricFamilies collected() const { return collect(metrics_, identity_, cache_); }
+  common::MetricFamilies collected() const { return collect(metrics_, identity_, cache_); }
 
   const TemporaryFolder folder_;
   const BlobCache cache_ = BlobCache::open(folder_.path() / "cache", 1000).value();
