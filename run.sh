@@ -54,7 +54,10 @@ done
 heading "Done"
 cat <<EOF_TEXT
 The image:        $PWD/out/still_life.png
-To look at next:  build/release/bin/tessera render scenes/cornell/scene.json -o out/cornell.png
-                  build/release/bin/tessera --help
+In the terminal:  build/release/bin/tessera view out/still_life.exr
+In the browser:   build/release/bin/tessera demo
+                  starts a farm, prints the address of its page, and renders the still life while you watch.
+                  A coordinator of your own has the page too: tessera-coordinator --http 127.0.0.1:7421
+To look at next:  build/release/bin/tessera help
 The other scenes: cmake --build build/release --target scene_files
 EOF_TEXT

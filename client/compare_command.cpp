@@ -83,7 +83,7 @@ std::string to_json(const core::Comparison& c, const std::optional<core::ImageRe
     json["region"] = {
         {"x", region->x}, {"y", region->y}, {"width", region->width}, {"height", region->height}};
   }
-  return json.dump(2) + "\n";
+  return json.dump() + "\n";
 }
 
 int cannot_compare(const core::Error& error) {
@@ -115,7 +115,7 @@ void add_compare_command(CLI::App& app, int& exit_code) {
           "Compare only W x H pixels whose top left is (X, Y); B can be an image of just these "
           "(render --crop)")
       ->type_name("X,Y,WxH");
-  command->add_flag("--json", options->json, "Print one JSON object");
+  command->add_flag("--json", options->json, "Print one line of JSON");
   cli::set_help(*command, kCompareHelp);
   command->callback([options, &exit_code] { exit_code = run_compare(*options); });
 }

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// The example scenes that come with the program: beside it in share/tessera/scenes, in a build folder as installed.
+// The example scenes that come with the program: beside it in share/tessera/scenes, in a build folder as
+// installed.
 #pragma once
 
 #include <string>
 
 namespace tessera::client {
 
-// The scene file that `name` stands for: the file of this name, if there is one; else that of an example scene, such as
-// "cornell" or "glass_and_water/fresnel"; else `name` as it is.
+// The scene file that `name` stands for: the file of this name, if there is one; else that of an example
+// scene, such as "cornell" or "glass_and_water/fresnel"; else `name` as it is.
 std::string find_scene(const std::string& name);
 
 }  // namespace tessera::client

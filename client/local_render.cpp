@@ -22,36 +22,55 @@ std::uint64_t next_target(std::uint64_t samples, double seconds) {
   return static_cast<std::uint64_t>(static_cast<double>(samples) * growth) + 1;
 }
 
+// Observers from begin() to end(), also when rendering fails.
+class Observation {
+ public:
+  Observation(const LocalRender& render, const core::Film& film) : observers_(render.observers) {
+    for (RenderObserver* observer : observers_) observer->begin(film, render.settings);
+  }
+  ~Observation() {
+    for (RenderObserver* observer : observers_) observer->end();
+  }
+  Observation(const Observation&) = delete;
+  Observation& operator=(const Observation&) = delete;
+
+ private:
+  const std::vector<RenderObserver*>& observers_;
+};
+
+struct Clock {
+  double seconds = steady_seconds(), core_seconds = client::core_seconds();
+};
+
 }  // namespace
 
-LocalRender render_locally(const core::Scene& scene, const core::RenderSettings& settings, int threads,
-                           ProgressLine& progress, const std::function<bool()>& should_stop) {
-  const core::TileGrid grid(settings.window(), core::kTilePx);
-  LocalRender result(grid);
+bool render_locally(const LocalRender& render, SharedFilm& film, ProgressLine& progress,
+                    const std::function<bool()>& should_stop) {
+  const core::RenderSettings& settings = render.settings;
+  const core::TileGrid& grid = film.grid();
   ProgressState state;
+  state.samples_done = film.totals().counters.samples;
   state.samples_total = std::uint64_t{grid.window().pixel_count()} * settings.spp;
-  const double start = steady_seconds(), start_core = core_seconds();
-  double now = start;
-  WorkCutter cutter(grid, settings.spp);
+  const Observation observation(render, film.film());
+  WorkCutter cutter(grid, settings.spp, samples_of_tiles(film.film()));
   std::uint64_t target = 1;
-  progress.update(state, now);
-  while (!should_stop()) {
-    const std::optional<WorkPiece> piece = cutter.next(target);
-    result.complete = !piece;
-    if (!piece) break;
-    const core::FilmTile tile = core::render(scene, settings, piece->rect, piece->range, threads);
-    result.film.add(tile);
-    result.counters.add(tile.counters);
+  Clock now;
+  progress.update(state, now.seconds);
+  while (const std::optional<WorkPiece> piece = cutter.next(target)) {
+    if (should_stop()) return false;
+    const core::FilmTile tile =
+        core::render(render.scene, settings, piece->rect, piece->range, render.threads);
+    const Clock before = now;
+    now = Clock();
+    const RenderTotals work{tile.counters, now.seconds - before.seconds,
+                            now.core_seconds - before.core_seconds};
+    film.add(tile, work, render.observers);
     state.samples_done += piece->samples();
-    const double before = now;
-    now = steady_seconds();
-    target = next_target(piece->samples(), now - before);
-    progress.update(state, now);
+    target = next_target(piece->samples(), work.seconds);
+    progress.update(state, now.seconds);
   }
-  result.seconds = now - start;
-  result.core_seconds = core_seconds() - start_core;
-  if (result.complete) progress.finish(state, now);
-  return result;
+  progress.finish(state, now.seconds);
+  return true;
 }
 
 }  // namespace tessera::client

@@ -1,29 +1,30 @@
 // SPDX-License-Identifier: Apache-2.0
-// Renders a picture in this process, or the window of it that the settings ask for, call by call, with
+// Renders an image in this process, or the window of it that the settings ask for, call by call, with
 // progress and a way out.
 #pragma once
 
 #include <functional>
+#include <vector>
 
 #include "client/progress.hpp"
-#include "core/film/film.hpp"
+#include "client/render_observer.hpp"
+#include "client/shared_film.hpp"
 #include "core/scene/scene.hpp"
 #include "core/scene/settings.hpp"
 
 namespace tessera::client {
 
 struct LocalRender {
-  explicit LocalRender(core::TileGrid grid) : film(grid) {}
-
-  core::Film film;
-  core::RenderCounters counters;
-  double seconds = 0;       // by the clock on the wall
-  double core_seconds = 0;  // of all cores together
-  bool complete = false;    // or stopped before the end
+  const core::Scene& scene;
+  const core::RenderSettings& settings;
+  int threads = 1;
+  std::vector<RenderObserver*> observers{};
 };
 
-// Blocks until every sample is taken or `should_stop` says so, which is asked a few times a second.
-LocalRender render_locally(const core::Scene& scene, const core::RenderSettings& settings, int threads,
-                           ProgressLine& progress, const std::function<bool()>& should_stop);
+// Takes the samples that `film` lacks: each tile of its grid has its samples from 0 to some number. Blocks
+// until the film is complete, or `should_stop` says so, which is asked a few times a second. Returns whether
+// it is complete.
+bool render_locally(const LocalRender& render, SharedFilm& film, ProgressLine& progress,
+                    const std::function<bool()>& should_stop);
 
 }  // namespace tessera::client

@@ -8,6 +8,7 @@
 
 #include "client/commands.hpp"
 #include "client/console.hpp"
+#include "client/screen/view_command.hpp"
 #include "core/base/standard_streams.hpp"
 #ifdef TESSERA_FARM
 #include "client/farm/farm_commands.hpp"
@@ -17,7 +18,7 @@
 namespace tessera::client {
 namespace {
 
-const cli::HelpText kHelp{.notes = "Run 'tessera COMMAND --help' for the options of a command.",
+const cli::HelpText kHelp{.notes = "Run 'tessera help COMMAND' for the options of a command.",
                           .exit_statuses = {{kExitOk, "done"},
                                             {kExitFailed, "failed"},
                                             {kExitUsage, "wrong command line"},
@@ -40,6 +41,10 @@ int run(int argc, char** argv) {
   add_render_command(app, exit_code);
   add_compare_command(app, exit_code);
   add_schema_command(app, exit_code);
+#ifndef TESSERA_FARM
+  add_view_command(app, exit_code);
+#endif
+  cli::add_help_command(app);
   group_commands(app, "Commands");
 #ifdef TESSERA_FARM
   add_farm_commands(app, exit_code);

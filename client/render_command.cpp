@@ -1,20 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
+#include <system_error>
 #include <utility>
 
 #include "client/commands.hpp"
 #include "client/console.hpp"
-#include "client/interrupt.hpp"
-#include "client/local_render.hpp"
 #include "client/picture_files.hpp"
+#include "client/render_checkpoint.hpp"
 #include "client/render_options.hpp"
 #include "client/render_stats.hpp"
+#include "client/render_to_files.hpp"
+#include "core/base/available_resources.hpp"
 #include "core/base/thread_check.hpp"
 #include "core/image/file_io.hpp"
 #include "core/integrators/render.hpp"
@@ -23,17 +25,45 @@
 namespace tessera::client {
 namespace {
 
+namespace fs = std::filesystem;
 using core::Result;
 using core::Status;
 
-struct LoadedScene {
-  core::Scene scene;
-  core::DisplaySettings display;
-  RenderStats stats;
-};
+// A pipe would get the image once more with each update.
+Status check_updates(const RenderOptions& options) {
+  if (!options.update_seconds) return {};
+  std::error_code ignored;
+  for (const std::string& path : options.scene.output_paths) {
+    if (fs::exists(path, ignored) && !fs::is_regular_file(path, ignored))
+      return core::fail(core::ErrorCode::kInvalidArgument,
+                        fmt::format("--update-every: '{}' is no regular file", path));
+  }
+  return {};
+}
+
+// A mistyped name must not cost another file.
+Status check_checkpoint(const RenderOptions& options) {
+  const std::string path = checkpoint_path_of(options);
+  if (Status status = core::check_can_write(path); !status) return status;
+  const auto& outputs = options.scene.output_paths;
+  if (std::find(outputs.begin(), outputs.end(), path) != outputs.end())
+    return core::fail(core::ErrorCode::kInvalidArgument, fmt::format("'{}' is given twice", path));
+  std::error_code ignored;
+  if (options.checkpoint_path.empty() || !fs::exists(path, ignored) || read_checkpoint_header(path))
+    return {};
+  return core::fail(
+      core::ErrorCode::kAlreadyExists,
+      fmt::format("--checkpoint: '{}' exists and is no checkpoint of this release: remove it, or "
+                  "name another file",
+                  path));
+}
 
 Status check_paths(const RenderOptions& options) {
   if (Status status = check_picture_paths(options.scene.output_paths); !status) return status;
+  if (Status status = check_updates(options); !status) return status;
+  if (!options.sample) {
+    if (Status status = check_checkpoint(options); !status) return status;
+  }
   return options.stats_path.empty() ? Status{} : core::check_can_write(options.stats_path);
 }
 
@@ -42,12 +72,11 @@ Status check_memory(const core::RenderSettings& settings) {
   constexpr double kBytesPerPixel = 2 * 3 * 8 + 3 * 4;  // the film's two sums and the developed image
   const core::PixelRect window = settings.window();
   const double needed = kBytesPerPixel * static_cast<double>(window.pixel_count());
-  const double present =
-      static_cast<double>(::sysconf(_SC_PHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGESIZE));
+  const auto present = static_cast<double>(core::available_memory_bytes());
   if (needed <= present) return {};
   return core::fail(
       core::ErrorCode::kResourceExhausted,
-      fmt::format("an image of {}x{} pixels needs {:.0f} GiB of memory, and this machine has {:.0f}: "
+      fmt::format("an image of {}x{} pixels needs {:.0f} GiB of memory, and this process may use {:.0f}: "
                   "choose a smaller --size, or parts of it with --crop",
                   window.width(), window.height(), needed / (1 << 30), present / (1 << 30)));
 }
@@ -83,6 +112,7 @@ Result<LoadedScene> load(const RenderOptions& options) {
   if (Status status = check_memory(*settings); !status) return core::fail(status.error());
   Status fits = check_picture_size(options.scene.output_paths, *settings);
   if (!fits) return core::fail(fits.error());
+  const core::SceneDigest digest = options.sample ? core::SceneDigest{} : core::digest_of(description);
   const double loaded = steady_seconds();
   if (Status threads = core::check_threads(options.threads); !threads)
     return core::fail(threads.error().within("--threads"));
@@ -93,95 +123,7 @@ Result<LoadedScene> load(const RenderOptions& options) {
   stats.threads = options.threads;
   stats.load_seconds = loaded - start;
   stats.build_seconds = steady_seconds() - loaded;
-  return LoadedScene{std::move(*scene), *display, stats};
-}
-
-// The command that reproduces a sample of this render.
-std::string replay_command(const std::string& scene_path, const core::RenderSettings& settings,
-                           core::SampleId id) {
-  return fmt::format(
-      "tessera render '{}' --size {}x{} --integrator {} --heuristic {} --clamp-indirect {} --seed {} "
-      "--sample {},{},{}",
-      scene_path, settings.width_px, settings.height_px, core::integrator_name(settings.integrator),
-      core::heuristic_name(settings.heuristic), settings.clamp_indirect, settings.seed, id.x, id.y,
-      id.sample);
-}
-
-void warn_about_samples(const std::string& scene_path, const RenderStats& stats) {
-  const core::RenderCounters& counters = stats.counters;
-  if (counters.non_finite_samples > 0) {
-    std::string message =
-        fmt::format("{} samples were not finite numbers and count as black; please report it",
-                    counters.non_finite_samples);
-    if (counters.first_non_finite) {
-      message += fmt::format(". To replay the first: {}",
-                             replay_command(scene_path, stats.settings, *counters.first_non_finite));
-    }
-    print_warning(message);
-  }
-  if (counters.saturated_samples > 0) {
-    print_warning(
-        fmt::format("{} samples were too bright for the film and were cut off: scale the lights of '{}' down",
-                    counters.saturated_samples, scene_path));
-  }
-}
-
-void warn_about_saturation(const std::string& scene_path, const core::Film& film) {
-  if (const std::uint64_t pixels = film.saturated_pixels(); pixels > 0) {
-    print_warning(
-        fmt::format("{} pixels have gathered more light than the film holds and come out too dark: scale the "
-                    "lights of '{}' down",
-                    pixels, scene_path));
-  }
-}
-
-void warn_about_blackness(const core::Image& image) {
-  if (std::all_of(image.pixels.begin(), image.pixels.end(),
-                  [](core::Rgb color) { return core::is_black(color); })) {
-    print_warning(
-        "the image is black: no light reaches the camera; is it inside something, or does it look away?");
-  }
-}
-
-Status write_results(const RenderOptions& options, const LoadedScene& loaded, const core::Image& image) {
-  if (Status status = write_pictures(options.scene.output_paths, image, loaded.display); !status)
-    return status;
-  if (options.stats_path.empty()) return {};
-  return core::write_file_atomically(options.stats_path, to_json(loaded.stats, peak_memory_bytes()));
-}
-
-void print_summary(const RenderOptions& options, const RenderStats& stats) {
-  const double speed = static_cast<double>(stats.counters.samples) / std::max(stats.render_seconds, 1e-9);
-  const core::PixelRect window = stats.settings.window();
-  print_note(fmt::format("wrote {} ({}x{} pixels, {} spp) in {:.2f} s, {} samples/s",
-                         fmt::join(options.scene.output_paths, ", "), window.width(), window.height(),
-                         stats.settings.spp, stats.render_seconds, format_count(speed)));
-}
-
-int render_picture(const RenderOptions& options, LoadedScene& loaded) {
-  RenderStats& stats = loaded.stats;
-  if (Status threads = core::check_threads(options.threads); !threads)
-    return print_error(threads.error().within("--threads"));
-  ProgressLine progress(options.quiet ? no_progress_output() : stderr_progress_output(), steady_seconds());
-  watch_for_interrupt();
-  const LocalRender rendered =
-      render_locally(loaded.scene, stats.settings, options.threads, progress, interrupted);
-  progress.erase();
-  if (!rendered.complete || interrupted()) {
-    print_error("interrupted; no image was written");
-    return kExitInterrupted;
-  }
-  stats.counters = rendered.counters;
-  stats.render_seconds = rendered.seconds;
-  stats.render_core_seconds = rendered.core_seconds;
-  warn_about_samples(options.scene.scene_path, stats);
-  warn_about_saturation(options.scene.scene_path, rendered.film);
-  const core::Image image = rendered.film.develop();
-  // For a scene without lights, a warning has been printed before.
-  if (!loaded.scene.lights().empty()) warn_about_blackness(image);
-  if (Status status = write_results(options, loaded, image); !status) return print_error(status.error());
-  if (!options.quiet) print_summary(options, stats);
-  return kExitOk;
+  return LoadedScene{std::move(*scene), *display, digest, stats};
 }
 
 int print_sample(const core::Scene& scene, const core::RenderSettings& settings, core::SampleId id) {
@@ -203,7 +145,11 @@ int run_render(const RenderOptions& options) {
   if (!loaded) return print_error(loaded.error());
   if (loaded->scene.lights().empty()) warn_about_darkness(options.scene.scene_path);
   if (options.sample) return print_sample(loaded->scene, loaded->stats.settings, *options.sample);
-  return render_picture(options, *loaded);
+  if (Status threads =
+          core::check_threads(options.threads + kBackgroundThreads + (options.view ? kViewThreads : 0));
+      !threads)
+    return print_error(threads.error().within("--threads"));
+  return render_to_files(options, *loaded);
 }
 
 }  // namespace
@@ -213,7 +159,7 @@ void add_render_command(CLI::App& app, int& exit_code) {
   const auto options = std::make_shared<RenderOptions>();
   add_render_options(*command, *options);
   command->callback([options, &exit_code] {
-    if (options->scene.output_paths.empty() && !options->sample) throw CLI::RequiredError("-o FILE");
+    complete_render_options(*options);
     exit_code = run_render(*options);
   });
 }

@@ -3,11 +3,16 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cstdint>
-#include <thread>
+#include <utility>
 
 #include "client/console.hpp"
+#include "client/duration.hpp"
+#include "client/example_scenes.hpp"
+#include "client/page/local_view.hpp"
+#include "client/tev_connection.hpp"
+#include "core/base/available_resources.hpp"
+#include "core/base/host_port.hpp"
 #include "core/common/number_range.hpp"
 
 namespace tessera::client {
@@ -16,15 +21,20 @@ namespace {
 const cli::HelpText kRenderHelp{
     .notes = R"(Options given here replace the values of the scene file.
 
-The image is the same, byte for byte, with any number of threads and on a farm (tessera submit). Ctrl-C
-writes no file.)",
-    .exit_statuses = {{kExitOk, "done"},
+The image is the same, byte for byte, with any number of threads, with interruptions (--resume) and on a
+farm (tessera submit).
+
+Ctrl-C and --time finish the samples under way and write the image of the samples so far, and the checkpoint
+that --resume continues. A second Ctrl-C ends the program at once.)",
+    .exit_statuses = {{kExitOk, "done, or stopped by --time"},
                       {kExitFailed, "failed"},
                       {kExitUsage, "wrong command line"},
                       {kExitInterrupted, "interrupted"}},
     .examples = {"tessera render scene.json -o image.png",
                  "tessera render scene.json -o out.exr -o out.png --spp 256 --size 1920x1080",
-                 "tessera render scene.json -o quick.png --spp 4 --stats stats.json"}};
+                 "tessera render scene.json -o quick.png --spp 4 --stats stats.json",
+                 "tessera render scene.json -o out.exr --time 1h30m",
+                 "tessera render scene.json -o out.exr --resume --spp 512"}};
 
 core::SampleId parse_sample(const std::string& text) {
   const std::size_t first = text.find(','), second = text.find(',', first + 1);
@@ -41,6 +51,57 @@ core::SampleId parse_sample(const std::string& text) {
           .sample = static_cast<std::uint32_t>(number(text.substr(second + 1), core::kMaxSpp - 1))};
 }
 
+double duration(const std::string& text) {
+  const std::optional<double> seconds = parse_duration(text);
+  if (!seconds || *seconds == 0)
+    throw CLI::ValidationError("--time",
+                               fmt::format("must be a duration such as 90s, 10m or 1h30m; got '{}'", text));
+  return *seconds;
+}
+
+void add_checkpoint_options(CLI::App& command, RenderOptions& options) {
+  constexpr double kLeastSeconds = 0.1, kMostSeconds = 86400;
+  command
+      .add_option_function<std::string>(
+          "--time", [&options](const std::string& text) { options.time_seconds = duration(text); },
+          "Stop rendering after this time, such as 90s, 10m or 1h30m")
+      ->type_name("DURATION");
+  command
+      .add_option(
+          "--checkpoint", options.checkpoint_path,
+          "File for the samples of an unfinished render; one that is named here is kept when the render "
+          "is complete [default: the first image file's name with .tessera, removed then]")
+      ->type_name("FILE");
+  command
+      .add_option("--checkpoint-every", options.checkpoint_seconds,
+                  "Seconds between two checkpoints: what is lost if the program is killed")
+      ->check(common::number_between(kLeastSeconds, kMostSeconds))
+      ->type_name("SECONDS")
+      ->capture_default_str();
+  command
+      .add_option_function<std::string>(
+          "--resume", [&options](const std::string& file) { options.resume = file; },
+          "Continue from the checkpoint, or from this one. --spp may be higher than before")
+      ->expected(0, 1)
+      ->type_name("[FILE]");
+  command
+      .add_option_function<double>(
+          "--update-every", [&options](double seconds) { options.update_seconds = seconds; },
+          "Write the image files every so many seconds while rendering")
+      ->check(common::number_between(kLeastSeconds, kMostSeconds))
+      ->type_name("SECONDS");
+  add_tev_option(command, options.tev);
+  command
+      .add_option_function<std::string>(
+          "--view",
+          [&options](const std::string& text) { options.view = text.empty() ? kDefaultViewAddress : text; },
+          "Show the image in the browser while it is rendered, and until Ctrl-C after that: serve the page "
+          "at "
+          "this address, or on a free port of this machine")
+      ->expected(0, 1)
+      ->type_name("[HOST:PORT]");
+}
+
 void add_local_options(CLI::App& command, RenderOptions& options) {
   constexpr std::uint64_t kMaxThreads = 1024;
   command
@@ -49,7 +110,8 @@ void add_local_options(CLI::App& command, RenderOptions& options) {
           [&options](const std::string& text) {
             options.threads = static_cast<int>(parse_whole_number("--threads", text, 1, kMaxThreads));
           },
-          "Number of threads [default: one per processor]")
+          "Number of threads [default: one per processor that this process may use: by control group, "
+          "affinity mask, SLURM_CPUS_PER_TASK and OMP_NUM_THREADS]")
       ->type_name("N");
   command.add_option("--stats", options.stats_path, "Write counts, times and memory use to a JSON file")
       ->type_name("FILE");
@@ -74,13 +136,32 @@ void add_local_options(CLI::App& command, RenderOptions& options) {
 }  // namespace
 
 void add_render_options(CLI::App& command, RenderOptions& options) {
-  options.threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  options.threads = static_cast<int>(core::available_threads());
   add_scene_argument(command, options.scene);
   add_output_option(command, options.scene);
   add_override_options(command, options.scene.overrides);
   add_display_options(command, options.scene.display);
+  add_checkpoint_options(command, options);
   add_local_options(command, options);
+  command.get_option("SCENE")->required(false);  // complete_render_options() requires it
   cli::set_help(command, kRenderHelp);
+}
+
+std::string checkpoint_path_of(const RenderOptions& options) {
+  return options.checkpoint_path.empty() ? options.scene.output_paths.front() + ".tessera"
+                                         : options.checkpoint_path;
+}
+
+void complete_render_options(RenderOptions& options) {
+  std::string& scene = options.scene.scene_path;
+  if (scene.empty() && options.view && !core::parse_host_port(*options.view))
+    scene = find_scene(std::exchange(*options.view, kDefaultViewAddress));
+  if (scene.empty()) scene = find_scene(take_argument(options.tev));
+  if (scene.empty() && options.resume) scene = find_scene(std::exchange(*options.resume, ""));
+  if (scene.empty()) throw CLI::RequiredError("SCENE");
+  if (options.scene.output_paths.empty() && !options.sample) throw CLI::RequiredError("-o FILE");
+  if (const std::string address = take_argument(options.tev); !address.empty())
+    throw CLI::ValidationError("--tev", fmt::format("must be HOST:PORT; got '{}'", address));
 }
 
 }  // namespace tessera::client

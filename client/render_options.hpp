@@ -18,6 +18,13 @@ struct RenderOptions {
   std::string stats_path;   // empty: none
   std::string scene_cache;  // a folder; empty: none
   double scene_cache_gib = core::kDefaultSceneCacheGib;
+  std::optional<double> time_seconds;    // the render stops after so long
+  std::string checkpoint_path;           // empty: beside the first output
+  double checkpoint_seconds = 45;        // between two checkpoints
+  std::optional<std::string> resume;     // continue this checkpoint; empty: that at checkpoint_path
+  std::optional<double> update_seconds;  // between two updates of the outputs; absent: none before the end
+  std::optional<std::string> tev;        // HOST:PORT of a viewer
+  std::optional<std::string> view;       // HOST:PORT where the page is served
   std::optional<core::SampleId> sample;  // replay this one instead of rendering
   bool quiet = false;                    // no progress and no summary; warnings remain
 };
@@ -25,5 +32,12 @@ struct RenderOptions {
 // Adds the options of `render` and its help. Values are stored in `options` while the command line is parsed;
 // `options` must live until then.
 void add_render_options(CLI::App& command, RenderOptions& options);
+
+// Where checkpoints are written.
+std::string checkpoint_path_of(const RenderOptions& options);
+
+// Sorts out what the command line leaves open, after it is parsed: a scene that was taken for the value of
+// --resume or --tev. Throws an exception of CLI11 if an argument is missing.
+void complete_render_options(RenderOptions& options);
 
 }  // namespace tessera::client

@@ -51,6 +51,7 @@ std::string to_json(const RenderStats& stats, std::uint64_t peak_memory_bytes) {
       {"seed", stats.settings.seed},
       {"threads", stats.threads},
       {"instruction_set", core::instruction_set()},
+      {"complete", stats.is_complete},
       {"samples", counters.samples},
       {"closest_hit_rays", counters.closest_hit_rays},
       {"shadow_rays", counters.shadow_rays},

@@ -14,6 +14,7 @@ struct RenderStats {
   core::RenderSettings settings;
   core::RenderCounters counters;
   int threads = 0;
+  bool is_complete = true;         // or stopped before the last sample
   double load_seconds = 0;         // reading the scene file and its assets
   double build_seconds = 0;        // validation, acceleration structure
   double render_seconds = 0;       // taking samples

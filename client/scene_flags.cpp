@@ -45,24 +45,6 @@ void parse_size(const std::string& text, core::RenderOverrides& overrides) {
   overrides.height_px = static_cast<int>(height);
 }
 
-// "X0,Y0,X1,Y1". Whether it lies within the image is checked when the size is known.
-core::PixelRect parse_crop(const std::string& text) {
-  constexpr auto kMaxSide = static_cast<std::uint64_t>(core::kMaxImageSidePx);
-  std::vector<std::uint64_t> sides;
-  std::istringstream parts(text);
-  for (std::string part; std::getline(parts, part, ',');)
-    sides.push_back(whole_number(part).value_or(kMaxSide + 1));
-  const bool four = sides.size() == 4 && std::count(text.begin(), text.end(), ',') == 3;
-  if (!four || sides[0] >= sides[2] || sides[1] >= sides[3] || sides[2] > kMaxSide || sides[3] > kMaxSide) {
-    throw CLI::ValidationError(
-        "--crop",
-        fmt::format("must be X0,Y0,X1,Y1 in pixels with X0 < X1 and Y0 < Y1, such as 100,40,164,72; got '{}'",
-                    text));
-  }
-  return {static_cast<int>(sides[0]), static_cast<int>(sides[1]), static_cast<int>(sides[2]),
-          static_cast<int>(sides[3])};
-}
-
 core::Integrator parse_integrator(const std::string& text) {
   const std::optional<core::Integrator> integrator = core::integrator_from_name(text);
   if (!integrator) {
@@ -154,7 +136,7 @@ void add_override_options(CLI::App& command, core::RenderOverrides& overrides) {
       ->type_name("WxH");
   command
       .add_option_function<std::string>(
-          "--crop", [&overrides](const std::string& text) { overrides.crop = parse_crop(text); },
+          "--crop", [&overrides](const std::string& text) { overrides.crop = parse_rect("--crop", text); },
           "Render only the pixels from (X0, Y0) at the top left to (X1, Y1), which is excluded")
       ->type_name("X0,Y0,X1,Y1");
   command
@@ -163,13 +145,13 @@ void add_override_options(CLI::App& command, core::RenderOverrides& overrides) {
           [&overrides](const std::string& text) { overrides.integrator = parse_integrator(text); },
           "Light transport algorithm: mis (multiple importance sampling, the least noise), nee (next-event "
           "estimation), naive (unidirectional paths) or whitted (direct light, mirrors and glass only)")
-      ->type_name("NAME");
+      ->type_name("mis|nee|naive|whitted");
   command
       .add_option_function<std::string>(
           "--heuristic",
           [&overrides](const std::string& text) { overrides.heuristic = parse_heuristic(text); },
           "Heuristic of mis: balance or power")
-      ->type_name("NAME");
+      ->type_name("balance|power");
   command
       .add_option_function<std::string>(
           "--clamp-indirect",
@@ -200,7 +182,24 @@ void add_display_options(CLI::App& command, core::DisplayOverrides& overrides) {
           "--tone-curve",
           [&overrides](const std::string& text) { overrides.tone_curve = parse_tone_curve(text); },
           "Tone curve of PNG files: none (clipped), aces (filmic, high contrast) or agx (softer)")
-      ->type_name("NAME");
+      ->type_name("none|aces|agx");
+}
+
+core::PixelRect parse_rect(const std::string& flag, const std::string& text) {
+  constexpr auto kMaxSide = static_cast<std::uint64_t>(core::kMaxImageSidePx);
+  std::vector<std::uint64_t> sides;
+  std::istringstream parts(text);
+  for (std::string part; std::getline(parts, part, ',');)
+    sides.push_back(whole_number(part).value_or(kMaxSide + 1));
+  const bool four = sides.size() == 4 && std::count(text.begin(), text.end(), ',') == 3;
+  if (!four || sides[0] >= sides[2] || sides[1] >= sides[3] || sides[2] > kMaxSide || sides[3] > kMaxSide) {
+    throw CLI::ValidationError(
+        flag,
+        fmt::format("must be X0,Y0,X1,Y1 in pixels with X0 < X1 and Y0 < Y1, such as 100,40,164,72; got '{}'",
+                    text));
+  }
+  return {static_cast<int>(sides[0]), static_cast<int>(sides[1]), static_cast<int>(sides[2]),
+          static_cast<int>(sides[3])};
 }
 
 std::uint64_t parse_whole_number(const std::string& flag, const std::string& text, std::uint64_t least,

@@ -30,6 +30,10 @@ void add_override_options(CLI::App& command, core::RenderOverrides& overrides);
 // Adds --exposure and --tone-curve in the same way.
 void add_display_options(CLI::App& command, core::DisplayOverrides& overrides);
 
+// The pixels "X0,Y0,X1,Y1", which must not be empty; otherwise throws an exception of CLI11 that names the
+// flag. Whether they lie within the image is checked when its size is known.
+core::PixelRect parse_rect(const std::string& flag, const std::string& text);
+
 // An integer from `least` to `most`; otherwise throws an exception of CLI11 that names the flag.
 std::uint64_t parse_whole_number(const std::string& flag, const std::string& text, std::uint64_t least,
                                  std::uint64_t most);

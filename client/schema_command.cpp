@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/cli/help.hpp"
 #include "client/commands.hpp"
 #include "client/console.hpp"
 #include "client/scene_schema.hpp"
+#include "core/cli/help.hpp"
 
 namespace tessera::client {
 

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Divides a local render into calls of render(): every sample of every pixel once, with a given amount of
-// work for each call. The image does not depend on the division, which only keeps the program responsive.
-// Not thread-safe.
+// work for each call. The image does not depend on the division, which keeps the program responsive and the
+// image so far even. Not thread-safe.
 #pragma once
 
 #include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "core/film/region.hpp"
 
@@ -18,30 +19,33 @@ struct WorkPiece {
   std::uint64_t samples() const { return std::uint64_t{rect.pixel_count()} * range.count(); }
 };
 
-// Visits the grid's window block by block: all samples of the first block of kBlockTiles by kBlockTiles
-// tiles first, so that one call has work for many threads.
+// Works in passes over the whole window: each doubles the samples of all tiles, until a pass adds
+// kMaxPassSamples to each. Large enough passes keep the cost of a call small beside its samples.
 class WorkCutter {
  public:
-  WorkCutter(core::TileGrid grid, std::uint32_t spp);
+  // `samples` are those that each tile of the grid has already: its samples from 0 on. None has more than
+  // `spp`.
+  WorkCutter(core::TileGrid grid, std::uint32_t spp, std::vector<std::uint32_t> samples);
 
-  // The next piece, of about `target_samples`, but at least one sample of a tile and at most all samples of
-  // a block; nullopt at the end.
+  // The next piece, of about `target_samples`, but at least one sample of a tile; nullopt at the end. Tiles
+  // with fewer samples than the pass gives come first.
   std::optional<WorkPiece> next(std::uint64_t target_samples);
 
-  static constexpr int kBlockTiles = 4;
+  static constexpr std::uint32_t kMaxPassSamples = 64;
+  static constexpr std::size_t kMaxPiecePixels = std::size_t{1} << 20;  // bounds the memory of a piece
 
  private:
-  WorkPiece take_block(core::PixelRect block, std::uint64_t target_samples);
-  WorkPiece take_tiles(core::PixelRect block, std::uint64_t target_samples);
-  void advance(std::uint32_t samples);
+  bool find_tile();
+  void begin_pass();
+  core::PixelRect widen(std::uint64_t pixels) const;
+  bool extends(int tile) const;
+  bool row_extends(int row) const;
 
-  core::TileGrid blocks_;
-  int tile_px_;
+  core::TileGrid grid_;
   std::uint32_t spp_;
-  // The position of the next piece: tile `tile_` (within the block), sample `sample_`, block `block_`.
-  int block_ = 0;
-  std::uint32_t sample_ = 0;
-  int tile_ = 0;
+  std::vector<std::uint32_t> samples_;  // of each tile
+  std::uint32_t pass_end_ = 0;          // the samples that each tile has after this pass
+  int tile_ = 0;                        // where the search for the next piece begins
 };
 
 }  // namespace tessera::client

@@ -104,8 +104,11 @@ int run_delete(const ChangeOptions& options) {
   request.set_job_id(found->id());
   const auto response = farm.call(&Farm::Stub::DeleteJob, request);
   if (!response) return print_error(response.error());
-  print_result(
-      fmt::format("job {} ({}) is deleted\n", short_id(found->id()), core::printable(found->name())));
+  if (options.json)
+    print_result(proto::to_line({{"id", found->id()}, {"name", found->name()}, {"deleted", true}}) + "\n");
+  else
+    print_result(
+        fmt::format("job {} ({}) is deleted\n", short_id(found->id()), core::printable(found->name())));
   return kExitOk;
 }
 
@@ -115,6 +118,7 @@ std::pair<CLI::App*, std::shared_ptr<ChangeOptions>> add(CLI::App& app, const st
   const auto options = std::make_shared<ChangeOptions>();
   add_job_argument(*command, options->job);
   add_farm_options(*command, options->farm);
+  command->add_flag("--json", options->json, "Print one line of JSON");
   cli::set_help(*command, {.exit_statuses = kUsualExitStatuses, .examples = {std::move(example)}});
   return {command, options};
 }
@@ -124,7 +128,6 @@ std::pair<CLI::App*, std::shared_ptr<ChangeOptions>> add_change(CLI::App& app, i
                                                                 const std::string& what, std::string example,
                                                                 Change change) {
   const auto [command, options] = add(app, name, what, std::move(example));
-  command->add_flag("--json", options->json, "Print the job as one line of JSON");
   command->callback([options = options, change, &exit_code] { exit_code = run_change(*options, change); });
   return {command, options};
 }

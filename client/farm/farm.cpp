@@ -80,7 +80,7 @@ core::Error Farm::explain_end(const grpc::Status& status, const grpc::ClientCont
 void Farm::tell_why_waiting(const core::Error& error, std::chrono::seconds most) {
   std::string reason = error.message;
   std::erase_if(reason, [](char c) { return c >= '0' && c <= '9'; });
-  const std::lock_guard lock(mutex_);
+  const core::MutexLock lock(mutex_);
   if (told_reasons_.insert(std::move(reason)).second)
     print_warning(fmt::format("{}; trying again for up to {} s", error.message, most.count()));
 }

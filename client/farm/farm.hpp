@@ -12,7 +12,6 @@
 #include <chrono>
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <set>
 #include <string>
@@ -20,6 +19,7 @@
 #include "client/farm/interruption.hpp"
 #include "client/interrupt.hpp"
 #include "core/base/error.hpp"
+#include "core/base/mutex.hpp"
 #include "proto/channel.hpp"
 #include "proto/retry.hpp"
 #include "tessera/v1/admin_service.grpc.pb.h"
@@ -126,8 +126,8 @@ class Farm {
   std::unique_ptr<Stub> stub_;
   std::unique_ptr<AdminStub> admin_stub_;
   std::atomic<bool> reached_{false};
-  std::mutex mutex_;
-  std::set<std::string> told_reasons_;  // guarded by mutex_; numbers removed
+  core::Mutex mutex_;
+  std::set<std::string> told_reasons_ TESSERA_GUARDED_BY(mutex_);  // numbers removed
 };
 
 // Repeats `attempt`, a step of a longer task, while the coordinator restarts or asks to wait, until the

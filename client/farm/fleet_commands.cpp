@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -30,15 +31,16 @@ struct QuarantineOptions {
 struct DrainOptions {
   FarmOptions farm;
   std::string worker;
-  bool undo = false, stop = false;
+  bool undo = false, stop = false, json = false;
 };
 
 int list_quarantine(Farm& farm, bool json) {
   const auto quarantine = farm.call(&Farm::AdminStub::ListQuarantine, v1::ListQuarantineRequest());
   if (!quarantine) return print_error(quarantine.error());
   const auto now = std::chrono::system_clock::now().time_since_epoch();
-  print_result(json ? to_json_line(*quarantine)
-                    : quarantine_table(*quarantine, std::chrono::duration<double>(now).count()));
+  print_result(
+      json ? to_json_lines(quarantine->entries())
+           : quarantine_table(*quarantine, std::chrono::duration<double>(now).count(), stdout_style()));
   return kExitOk;
 }
 
@@ -60,22 +62,23 @@ core::Result<v1::QuarantineEntry> find_entry(Farm& farm, const std::string& id_o
   return matches[0];
 }
 
-int lift_quarantine(Farm& farm, const std::string& id_or_prefix) {
+int lift_quarantine(Farm& farm, const std::string& id_or_prefix, bool json) {
   const auto entry = find_entry(farm, id_or_prefix);
   if (!entry) return print_error(entry.error());
   v1::LiftQuarantineRequest request;
   request.set_id(entry->id());
   const auto response = farm.call(&Farm::AdminStub::LiftQuarantine, request);
   if (!response) return print_error(response.error());
-  print_result(fmt::format("the quarantine of worker {} ({}) is lifted\n",
-                           core::printable(entry->worker_name()), short_id(entry->id())));
+  print_result(json ? to_json_line(*entry)
+                    : fmt::format("the quarantine of worker {} ({}) is lifted\n",
+                                  core::printable(entry->worker_name()), short_id(entry->id())));
   return kExitOk;
 }
 
 int run_quarantine(const QuarantineOptions& options) {
   const auto opened = Farm::open(options.farm);
   if (!opened) return print_error(opened.error());
-  return options.action == kLift ? lift_quarantine(**opened, options.entry)
+  return options.action == kLift ? lift_quarantine(**opened, options.entry, options.json)
                                  : list_quarantine(**opened, options.json);
 }
 
@@ -91,7 +94,10 @@ int run_drain(const DrainOptions& options) {
   const char* what = options.undo   ? "may take leases again"
                      : options.stop ? "takes no more leases, and stops"
                                     : "takes no more leases";
-  print_result(fmt::format("worker {} {}\n", short_id(response->worker_id()), what));
+  const nlohmann::ordered_json json = {
+      {"id", response->worker_id()}, {"drain", !options.undo}, {"stop", options.stop}};
+  print_result(options.json ? proto::to_line(json) + "\n"
+                            : fmt::format("worker {} {}\n", short_id(response->worker_id()), what));
   return kExitOk;
 }
 
@@ -103,7 +109,7 @@ void add_quarantine_command(CLI::App& app, int& exit_code) {
       ->capture_default_str();
   command->add_option("ENTRY", options->entry, "Id of the entry to lift, or its first digits");
   add_farm_options(*command, options->farm);
-  command->add_flag("--json", options->json, "Print the list as one line of JSON");
+  command->add_flag("--json", options->json, "Print JSON, one entry a line");
   cli::set_help(*command, {.exit_statuses = kUsualExitStatuses,
                            .examples = {"tessera quarantine", "tessera quarantine lift 3f2a"}});
   command->callback([options, &exit_code] {
@@ -123,6 +129,7 @@ void add_drain_command(CLI::App& app, int& exit_code) {
   command
       ->add_flag("--stop", options->stop, "Also end its process when it has delivered what it has rendered")
       ->excludes(undo);
+  command->add_flag("--json", options->json, "Print one line of JSON");
   cli::set_help(*command, {.exit_statuses = kUsualExitStatuses,
                            .examples = {"tessera drain render-07", "tessera drain render-07 --undo"}});
   command->callback([options, &exit_code] { exit_code = run_drain(*options); });

@@ -14,12 +14,17 @@ namespace tessera::client {
 
 using google::protobuf::util::TimeUtil;
 
-std::string quarantine_table(const v1::ListQuarantineResponse& quarantine, double now_seconds) {
+std::string quarantine_table(const v1::ListQuarantineResponse& quarantine, double now_seconds,
+                             const TextStyle& style) {
   std::vector<std::vector<std::string>> rows;
   for (const v1::QuarantineEntry& entry : quarantine.entries())
     rows.push_back({short_id(entry.id()), entry.worker_name(),
                     entry.principal().empty() ? "-" : entry.principal(), ago(entry.since(), now_seconds)});
-  std::string table = format_table({{"ENTRY"}, {"WORKER"}, {"PRINCIPAL"}, {"SINCE", Align::kRight}}, rows);
+  std::string table = format_table({{.title = "ENTRY"},
+                                    {.title = "WORKER", .is_flexible = true},
+                                    {.title = "PRINCIPAL", .is_flexible = true, .rank = 1},
+                                    {.title = "SINCE", .align = Align::kRight}},
+                                   rows, style);
   for (const v1::QuarantineEntry& entry : quarantine.entries())
     table += core::printable(
                  fmt::format("{} ({}): {}", entry.worker_name(), short_id(entry.id()), entry.reason())) +
@@ -41,7 +46,8 @@ std::string server_description(const v1::GetServerInfoResponse& info, const std:
       {"max file", fmt::format("{} bytes", limits.blob_bytes())},
       {"max scene", fmt::format("{} bytes in {} files", limits.bundle_bytes(), limits.bundle_files())},
       {"max image", fmt::format("{} pixels", limits.image_pixels())},
-      {"max spp", std::to_string(limits.spp())}};
+      {"max spp", std::to_string(limits.spp())},
+      {"max images", std::to_string(limits.images())}};
   return format_table({{"coordinator"}, {address}}, rows);
 }
 

@@ -2,12 +2,12 @@
 #include "client/farm/job_text.hpp"
 
 #include <fmt/format.h>
-#include <google/protobuf/util/json_util.h>
 #include <google/protobuf/util/time_util.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <map>
-#include <memory>
+#include <set>
 #include <vector>
 
 #include "client/farm/table.hpp"
@@ -25,24 +25,20 @@ double seconds_of(const Timestamp& time) {
   return static_cast<double>(time.seconds()) + 1e-9 * time.nanos();
 }
 
-// Whether it is a time or duration outside the range of its JSON form (timestamp.proto, duration.proto).
-bool is_inexpressible(const google::protobuf::Message& message) {
-  std::string json;
-  const std::string& type = message.GetTypeName();
-  const bool is_time = type == "google.protobuf.Timestamp" || type == "google.protobuf.Duration";
-  return is_time && !google::protobuf::util::MessageToJsonString(message, &json).ok();
+std::string percent(std::uint64_t done, std::uint64_t total) {
+  if (total == 0) return "";
+  // 100% is reserved for what is complete, so other percentages are rounded down.
+  const double fraction = static_cast<double>(done) / static_cast<double>(total);
+  return std::to_string(static_cast<int>(100 * fraction));
 }
 
 std::string percent_done(const v1::Job& job) {
-  if (job.samples_total() == 0) return "";
-  // 100% is reserved for complete jobs, so other percentages are rounded down.
-  const double fraction = static_cast<double>(job.samples_done()) / static_cast<double>(job.samples_total());
-  return fmt::format("{}%", static_cast<int>(100 * fraction));
+  return percent(job.samples_done(), job.samples_total());
 }
 
 std::string samples_text(const v1::Job& job) {
   if (job.samples_total() == 0) return "-";
-  return fmt::format("{} of {} ({})", job.samples_done(), job.samples_total(), percent_done(job));
+  return fmt::format("{} of {} ({} %)", job.samples_done(), job.samples_total(), percent_done(job));
 }
 
 std::string spp_text(const v1::RenderSettings& settings) {
@@ -50,7 +46,37 @@ std::string spp_text(const v1::RenderSettings& settings) {
 }
 
 std::string speed(double samples_per_second) {
-  return samples_per_second > 0 ? format_count(samples_per_second) + "/s" : "-";
+  return samples_per_second > 0 ? format_count(samples_per_second) : "-";
+}
+
+std::string time_left(const v1::Job& job) {
+  const auto seconds = proto::seconds_left(job);
+  return seconds ? format_duration(*seconds) : "-";
+}
+
+std::string or_dash(const std::string& text) {
+  return text.empty() ? "-" : text;
+}
+
+bool is_queued(const v1::Job& job) {
+  return job.state() == v1::JOB_STATE_RUNNING && job.active_workers() == 0 && job.queue_position() > 0;
+}
+
+// "queued (2)": second in the queue.
+std::string state_cell(const v1::Job& job) {
+  return is_queued(job) ? fmt::format("queued ({})", job.queue_position()) : shown_state(job);
+}
+
+// Prefixes of one length at which all ids of a list differ. So long that new jobs rarely share one.
+template <typename Messages>
+std::size_t prefix_length(const Messages& messages) {
+  constexpr std::size_t kShortest = 8, kLongest = 32;
+  for (std::size_t length = kShortest; length < kLongest; ++length) {
+    std::set<std::string> prefixes;
+    for (const auto& message : messages) prefixes.insert(message.id().substr(0, length));
+    if (prefixes.size() == static_cast<std::size_t>(messages.size())) return length;
+  }
+  return kLongest;
 }
 
 std::string integrator_text(v1::Integrator integrator) {
@@ -80,33 +106,26 @@ std::string crop_text(const v1::RenderSettings& settings) {
                      settings.height_px());
 }
 
-std::string state_of(const v1::Worker& worker) {
-  if (worker.quarantined()) return "quarantined";
-  if (worker.silent()) return "silent";
-  if (worker.drain_requested()) return worker.held_leases() > 0 ? "draining" : "drained";
-  if (worker.draining()) return "leaving";
-  if (worker.stuck()) return "stuck";
-  if (worker.cooldowns().empty()) return "working";
-  const bool only_fetches = std::all_of(worker.cooldowns().begin(), worker.cooldowns().end(),
-                                        [](const auto& bar) { return bar.fetching(); });
-  return only_fetches ? "fetching" : "in cooldown";
-}
-
-// Why a worker receives no work, or no work of some jobs.
-std::vector<std::string> remarks_on(const v1::Worker& worker) {
-  std::vector<std::string> remarks;
-  if (!worker.quarantine_reason().empty()) remarks.push_back("is quarantined: " + worker.quarantine_reason());
-  if (worker.stuck())
-    remarks.push_back("still renders what went to others, and is given nothing until it is through with it");
-  for (const auto& bar : worker.cooldowns()) {
-    const double seconds = static_cast<double>(TimeUtil::DurationToMilliseconds(bar.remaining())) / 1e3;
-    remarks.push_back(fmt::format(
-        "is given nothing of job {} {}", short_id(bar.job_id()),
-        bar.fetching() ? "until it has fetched its scene"
-                       : fmt::format("for {}, or until it delivers some of it", format_duration(seconds))));
+// Those of a job with several: how many are done, and those that are being rendered.
+std::vector<std::vector<std::string>> image_rows(const v1::Job& job) {
+  constexpr std::size_t kMostShown = 8;
+  if (job.images_size() < 2) return {};
+  int done = 0;
+  std::vector<std::vector<std::string>> begun;
+  for (int i = 0; i < job.images_size(); ++i) {
+    const v1::Image& image = job.images(i);
+    const bool is_done = image.samples_total() > 0 && image.samples_done() == image.samples_total();
+    done += is_done ? 1 : 0;
+    if (is_done || image.samples_done() == 0 || begun.size() == kMostShown) continue;
+    begun.push_back(
+        {fmt::format("image {}", i),
+         fmt::format("frame {}, {}%", image.frame(), percent(image.samples_done(), image.samples_total()))});
   }
-  for (const std::string& trouble : worker.troubles()) remarks.push_back("says: " + trouble);
-  return remarks;
+  std::vector<std::vector<std::string>> rows{
+      {"images", fmt::format("{}, of which {} are done; frames {} to {}", job.images_size(), done,
+                             job.images(0).frame(), job.images(job.images_size() - 1).frame())}};
+  rows.insert(rows.end(), begun.begin(), begun.end());
+  return rows;
 }
 
 // The numbers of a worker's audited and wrong ranges.
@@ -115,51 +134,10 @@ std::string audits_of(const v1::Worker& worker) {
   return fmt::format("{} ({} wrong)", worker.audited_ranges(), worker.disproved_ranges());
 }
 
-// Removes times and durations without a JSON form anywhere in the message.
-void remove_inexpressible_times(google::protobuf::Message& message) {
-  const auto* reflection = message.GetReflection();
-  std::vector<const google::protobuf::FieldDescriptor*> fields;
-  reflection->ListFields(message, &fields);
-  for (const auto* field : fields) {
-    if (field->cpp_type() != google::protobuf::FieldDescriptor::CPPTYPE_MESSAGE || field->is_map()) continue;
-    if (field->is_repeated()) {
-      for (int i = 0; i < reflection->FieldSize(message, field); ++i)
-        remove_inexpressible_times(*reflection->MutableRepeatedMessage(&message, field, i));
-    } else if (is_inexpressible(reflection->GetMessage(message, field))) {
-      reflection->ClearField(&message, field);
-    } else {
-      remove_inexpressible_times(*reflection->MutableMessage(&message, field));
-    }
-  }
-}
-
 }  // namespace
 
 std::string ago(const Timestamp& time, double now_seconds) {
   return format_duration(std::max(0.0, now_seconds - seconds_of(time))) + " ago";
-}
-
-std::string short_id(const std::string& id) {
-  return id.substr(0, 12);
-}
-
-std::string state_name(v1::JobState state) {
-  switch (state) {
-    case v1::JOB_STATE_VALIDATING:
-      return "validating";
-    case v1::JOB_STATE_RUNNING:
-      return "running";
-    case v1::JOB_STATE_PAUSED:
-      return "paused";
-    case v1::JOB_STATE_DONE:
-      return "done";
-    case v1::JOB_STATE_CANCELLED:
-      return "cancelled";
-    case v1::JOB_STATE_FAILED:
-      return "failed";
-    default:
-      return "unknown";
-  }
 }
 
 std::string size_text(const v1::RenderSettings& settings) {
@@ -176,76 +154,111 @@ double seconds_taken(const v1::Job& job) {
   return job.has_finished_at() ? seconds_of(job.finished_at()) - seconds_of(job.created_at()) : 0;
 }
 
+std::string shown_state(const v1::Job& job) {
+  return is_queued(job) ? "queued" : state_name(job.state());
+}
+
+Color state_color(const std::string& state) {
+  static const std::map<std::string, Color> kColors{
+      {"running", Color::kCyan},    {"working", Color::kCyan},      {"fetching", Color::kCyan},
+      {"done", Color::kGreen},      {"failed", Color::kRed},        {"quarantined", Color::kRed},
+      {"silent", Color::kRed},      {"stuck", Color::kRed},         {"paused", Color::kYellow},
+      {"queued", Color::kYellow},   {"validating", Color::kYellow}, {"in cooldown", Color::kYellow},
+      {"draining", Color::kYellow}, {"cancelled", Color::kDim},     {"drained", Color::kDim},
+      {"leaving", Color::kDim}};
+  const auto found = kColors.find(state.substr(0, state.find(" (")));
+  return found == kColors.end() ? Color::kNone : found->second;
+}
+
 ProgressState progress_of(const v1::Job& job) {
   const std::uint32_t workers = job.active_workers();
   std::string note = fmt::format("{} worker{}", workers, workers == 1 ? "" : "s");
+  if (is_queued(job))
+    note = fmt::format("queued, place {}{}{}", job.queue_position(), job.waiting_reason().empty() ? "" : ": ",
+                       core::printable(job.waiting_reason()));
   if (job.state() == v1::JOB_STATE_PAUSED) note = "paused";
   if (job.state() == v1::JOB_STATE_VALIDATING) note = "validating";
   return {job.samples_done(), job.samples_total(), std::move(note)};
 }
 
-std::string jobs_table(const v1::ListJobsResponse& jobs, double now_seconds) {
+std::string jobs_table(const v1::ListJobsResponse& jobs, double now_seconds, const TextStyle& style) {
+  const std::size_t digits = prefix_length(jobs.jobs());
   std::vector<std::vector<std::string>> rows;
   for (const v1::Job& job : jobs.jobs())
-    rows.push_back({short_id(job.id()), job.name(), state_name(job.state()), percent_done(job),
-                    size_text(job.settings()), spp_text(job.settings()),
+    rows.push_back({job.id().substr(0, digits), job.name(), or_dash(job.owner()), state_cell(job),
+                    or_dash(percent_done(job)), time_left(job), size_text(job.settings()),
+                    spp_text(job.settings()),
                     job.state() == v1::JOB_STATE_RUNNING ? speed(job.samples_per_second()) : "-",
                     workers_text(job), std::to_string(job.priority()), ago(job.created_at(), now_seconds)});
-  return format_table({{"JOB"},
-                       {"NAME"},
-                       {"STATE"},
-                       {"DONE", Align::kRight},
-                       {"SIZE", Align::kRight},
-                       {"SPP", Align::kRight},
-                       {"SAMPLES", Align::kRight},
-                       {"WORKERS", Align::kRight},
-                       {"PRIORITY", Align::kRight},
-                       {"SUBMITTED", Align::kRight}},
-                      rows);
-}
-
-std::string workers_table(const v1::ListWorkersResponse& workers, double now_seconds) {
-  std::vector<std::vector<std::string>> rows;
-  for (const v1::Worker& worker : workers.workers())
-    rows.push_back(
-        {short_id(worker.id()), worker.name(), worker.principal().empty() ? "-" : worker.principal(),
-         state_of(worker), std::to_string(worker.threads()), std::to_string(worker.held_leases()),
-         speed(worker.samples_per_second()), format_count(static_cast<double>(worker.samples_accepted())),
-         audits_of(worker), ago(worker.last_seen_at(), now_seconds), worker.version()});
-  std::string table = format_table({{"WORKER"},
-                                    {"NAME"},
-                                    {"PRINCIPAL"},
-                                    {"STATE"},
-                                    {"THREADS", Align::kRight},
-                                    {"LEASES", Align::kRight},
-                                    {"SPEED", Align::kRight},
-                                    {"SAMPLES", Align::kRight},
-                                    {"AUDITS", Align::kRight},
-                                    {"SEEN", Align::kRight},
-                                    {"VERSION"}},
-                                   rows);
-  for (const v1::Worker& worker : workers.workers()) {
-    for (const std::string& remark : remarks_on(worker)) {
-      table +=
-          core::printable(fmt::format("{} ({}) {}", worker.name(), short_id(worker.id()), remark)) + "\n";
-    }
+  std::string table = format_table({{.title = "JOB"},
+                                    {.title = "NAME", .is_flexible = true},
+                                    {.title = "OWNER", .is_flexible = true, .rank = 1},
+                                    {.title = "STATE", .color = state_color},
+                                    {.title = "DONE %", .align = Align::kRight},
+                                    {.title = "TIME LEFT", .align = Align::kRight},
+                                    {.title = "SIZE PX", .align = Align::kRight, .rank = 5},
+                                    {.title = "SPP", .align = Align::kRight, .rank = 4},
+                                    {.title = "SAMPLES/S", .align = Align::kRight, .rank = 3},
+                                    {.title = "WORKERS", .align = Align::kRight},
+                                    {.title = "PRIORITY", .align = Align::kRight, .rank = 6},
+                                    {.title = "SUBMITTED", .align = Align::kRight, .rank = 2}},
+                                   rows, style);
+  for (const v1::Job& job : jobs.jobs()) {
+    if (!is_queued(job) || job.waiting_reason().empty()) continue;
+    table += core::printable(fmt::format("{} ({}) is queued: {}", job.name(), job.id().substr(0, digits),
+                                         job.waiting_reason())) +
+             "\n";
   }
   return table;
 }
 
-std::string job_description(const v1::Job& job) {
+std::string workers_table(const v1::ListWorkersResponse& workers, double now_seconds,
+                          const TextStyle& style) {
+  const std::size_t digits = prefix_length(workers.workers());
+  std::vector<std::vector<std::string>> rows;
+  for (const v1::Worker& worker : workers.workers())
+    rows.push_back({worker.id().substr(0, digits), worker.name(), or_dash(worker.principal()),
+                    proto::worker_state(worker), std::to_string(worker.threads()),
+                    std::to_string(worker.held_leases()), speed(worker.samples_per_second()),
+                    format_count(static_cast<double>(worker.samples_accepted())), audits_of(worker),
+                    ago(worker.last_seen_at(), now_seconds), worker.version()});
+  std::string table = format_table({{.title = "WORKER"},
+                                    {.title = "NAME", .is_flexible = true},
+                                    {.title = "PRINCIPAL", .is_flexible = true, .rank = 3},
+                                    {.title = "STATE", .color = state_color},
+                                    {.title = "THREADS", .align = Align::kRight},
+                                    {.title = "LEASES", .align = Align::kRight, .rank = 1},
+                                    {.title = "SAMPLES/S", .align = Align::kRight},
+                                    {.title = "SAMPLES", .align = Align::kRight, .rank = 2},
+                                    {.title = "AUDITED RANGES", .align = Align::kRight, .rank = 5},
+                                    {.title = "SEEN", .align = Align::kRight},
+                                    {.title = "VERSION", .is_flexible = true, .rank = 4}},
+                                   rows, style);
+  for (const v1::Worker& worker : workers.workers())
+    for (const std::string& remark : proto::worker_remarks(worker))
+      table +=
+          core::printable(fmt::format("{} ({}) {}", worker.name(), worker.id().substr(0, digits), remark)) +
+          "\n";
+  return table;
+}
+
+std::string job_description(const v1::Job& job, double now_seconds) {
   std::vector<std::vector<std::string>> rows{
       {"name", job.name()},
-      {"state", state_name(job.state())},
+      {"state", state_cell(job)},
       {"samples", samples_text(job)},
+      {"time left", time_left(job)},
       {"size", size_text(job.settings())},
       {"spp", spp_text(job.settings())},
       {"integrator", integrator_text(job.settings().integrator())},
       {"seed", std::to_string(job.settings().seed())},
       {"priority", std::to_string(job.priority())},
       {"workers", workers_text(job)},
-      {"submitted", TimeUtil::ToString(job.created_at())},
-      {"scene", fmt::format("{} with {} files", job.bundle().scene_path(), job.bundle().assets_size())}};
+      {"submitted",
+       fmt::format("{} ({})", TimeUtil::ToString(job.created_at()), ago(job.created_at(), now_seconds))},
+      {"scene", fmt::format("{} with {} file{}", job.bundle().scene_path(), job.bundle().assets_size(),
+                            job.bundle().assets_size() == 1 ? "" : "s")}};
+  for (const std::vector<std::string>& row : image_rows(job)) rows.push_back(row);
   if (job.settings().has_crop()) rows.push_back({"crop", crop_text(job.settings())});
   if (job.samples_to_verify() > 0)
     rows.push_back({"to verify", fmt::format("{} samples", job.samples_to_verify())});
@@ -254,33 +267,21 @@ std::string job_description(const v1::Job& job) {
     rows.push_back({"heuristic", heuristic_text(job.settings().heuristic())});
   if (job.settings().clamp_indirect() > 0)
     rows.push_back({"clamp_indirect", fmt::format("{}", job.settings().clamp_indirect())});
+  if (is_queued(job) && !job.waiting_reason().empty()) rows.push_back({"queued", job.waiting_reason()});
   if (!job.failure().empty()) rows.push_back({"failure", job.failure()});
   for (const std::string& worker : job.failure_details().workers()) rows.push_back({"failed on", worker});
   for (const std::string& warning : job.warnings()) rows.push_back({"warning", warning});
   for (const auto& [key, value] : sorted_labels(job)) rows.push_back({"label", key + "=" + value});
   for (const std::string& trouble : job.troubles()) rows.push_back({"trouble", trouble});
-  if (job.state() == v1::JOB_STATE_RUNNING) rows.push_back({"speed", speed(job.samples_per_second())});
+  if (job.state() == v1::JOB_STATE_RUNNING)
+    rows.push_back(
+        {"speed", job.samples_per_second() > 0 ? speed(job.samples_per_second()) + " samples/s" : "-"});
   if (job.has_finished_at()) rows.push_back({"finished", TimeUtil::ToString(job.finished_at())});
   if (job.counters().non_finite_samples() > 0)
     rows.push_back({"non-finite", fmt::format("{} samples", job.counters().non_finite_samples())});
   if (job.counters().saturated_samples() > 0)
     rows.push_back({"saturated", fmt::format("{} samples", job.counters().saturated_samples())});
   return format_table({{"job"}, {job.id()}}, rows);
-}
-
-std::string to_json_line(const google::protobuf::Message& message) {
-  google::protobuf::util::JsonPrintOptions options;
-  options.preserve_proto_field_names = true;
-  options.always_print_primitive_fields = true;
-  std::string json;
-  // Fails if a time has no JSON form, which is a fault of the coordinator.
-  if (google::protobuf::util::MessageToJsonString(message, &json, options).ok()) return json + "\n";
-  const std::unique_ptr<google::protobuf::Message> without(message.New());
-  without->CopyFrom(message);
-  remove_inexpressible_times(*without);
-  json.clear();
-  (void)google::protobuf::util::MessageToJsonString(*without, &json, options);
-  return json + "\n";
 }
 
 }  // namespace tessera::client

@@ -2,20 +2,25 @@
 // Jobs and workers as text and JSON. Stateless; times are seconds since 1970.
 #pragma once
 
-#include <google/protobuf/message.h>
 #include <google/protobuf/timestamp.pb.h>
 
 #include <string>
 
 #include "client/progress.hpp"
+#include "client/terminal.hpp"
+#include "proto/json.hpp"
+#include "proto/state_text.hpp"
 #include "tessera/v1/render_service.pb.h"
 
 namespace tessera::client {
 
-// The displayed prefix of a job's id, long enough to distinguish jobs.
-std::string short_id(const std::string& id);
-// "running", "paused", ...
-std::string state_name(v1::JobState state);
+using proto::short_id;
+using proto::state_name;
+
+// state_name(), or "queued" for a running job that waits for workers.
+std::string shown_state(const v1::Job& job);
+// The colour of a state of a job or worker.
+Color state_color(const std::string& state);
 // Whether the state is final unless the user changes it.
 bool is_over(v1::JobState state);
 // "640x480"; "-" if it is not known yet.
@@ -27,13 +32,25 @@ double seconds_taken(const v1::Job& job);
 // The job's state for the progress line.
 ProgressState progress_of(const v1::Job& job);
 
-std::string jobs_table(const v1::ListJobsResponse& jobs, double now_seconds);
-std::string workers_table(const v1::ListWorkersResponse& workers, double now_seconds);
+// Ids are shortened to prefixes that are unique in the table. Lines below the table say why jobs wait, and
+// why workers receive no work.
+std::string jobs_table(const v1::ListJobsResponse& jobs, double now_seconds, const TextStyle& style = {});
+std::string workers_table(const v1::ListWorkersResponse& workers, double now_seconds,
+                          const TextStyle& style = {});
 // Everything about one job, a line for each field.
-std::string job_description(const v1::Job& job);
+std::string job_description(const v1::Job& job, double now_seconds);
 
-// One line of JSON with the field names of the protocol, including the line end. 64-bit numbers are
-// strings, as in protobuf's JSON mapping.
-std::string to_json_line(const google::protobuf::Message& message);
+// One line of JSON, including the line end: see proto/json.hpp.
+template <typename Message>
+std::string to_json_line(const Message& message) {
+  return proto::to_line(proto::to_json(message)) + "\n";
+}
+// The same, a line for each message.
+template <typename Messages>
+std::string to_json_lines(const Messages& messages) {
+  std::string lines;
+  for (const auto& message : messages) lines += to_json_line(message);
+  return lines;
+}
 
 }  // namespace tessera::client

@@ -90,7 +90,8 @@ int run_jobs(const ListOptions& options) {
   Farm& farm = **opened;
   const auto jobs = list_jobs(farm, request_of(options), options.limit);
   if (!jobs) return print_error(jobs.error());
-  print_result(options.json ? to_json_line(*jobs) : jobs_table(*jobs, seconds_since_1970()));
+  print_result(options.json ? to_json_lines(jobs->jobs())
+                            : jobs_table(*jobs, seconds_since_1970(), stdout_style()));
   return kExitOk;
 }
 
@@ -105,7 +106,7 @@ int run_job(const ListOptions& options) {
   const auto response = farm.call(&Farm::Stub::GetJob, request);
   if (!response) return print_error(response.error());
   const v1::Job& job = response->job();
-  print_result(options.json ? to_json_line(job) : job_description(job));
+  print_result(options.json ? to_json_line(job) : job_description(job, seconds_since_1970()));
   return kExitOk;
 }
 
@@ -115,7 +116,8 @@ int run_workers(const ListOptions& options) {
   Farm& farm = **opened;
   const auto workers = list_workers(farm);
   if (!workers) return print_error(workers.error());
-  print_result(options.json ? to_json_line(*workers) : workers_table(*workers, seconds_since_1970()));
+  print_result(options.json ? to_json_lines(workers->workers())
+                            : workers_table(*workers, seconds_since_1970(), stdout_style()));
   return kExitOk;
 }
 
@@ -137,7 +139,7 @@ std::pair<CLI::App*, std::shared_ptr<ListOptions>> add(CLI::App& app, int& exit_
   CLI::App* command = app.add_subcommand(name, what);
   const auto options = std::make_shared<ListOptions>();
   add_farm_options(*command, options->farm);
-  command->add_flag("--json", options->json, "Print one line of JSON");
+  command->add_flag("--json", options->json, "Print JSON, one object a line");
   cli::set_help(*command, {.exit_statuses = kUsualExitStatuses, .examples = {std::move(example)}});
   command->callback([options, run, &exit_code] { exit_code = run(*options); });
   return {command, options};

@@ -8,6 +8,7 @@
 #include "client/farm/interruption.hpp"
 #include "core/image/encode.hpp"
 #include "core/image/file_io.hpp"
+#include "proto/convert.hpp"
 #include "proto/convert_display.hpp"
 
 namespace tessera::client {
@@ -58,8 +59,8 @@ core::Result<DownloadedPicture> download(Farm& farm, const v1::GetImageRequest& 
 }
 
 core::Result<v1::Job> download_to(Farm& farm, const std::string& job_id,
-                                  const std::vector<std::string>& paths,
-                                  const core::DisplayOverrides& display, bool only_finished) {
+                                  const std::vector<std::string>& paths, const PictureView& view,
+                                  bool only_finished) {
   v1::Job job;
   for (const std::string& path : paths) {
     const auto format = core::image_format_from_path(path);
@@ -67,7 +68,9 @@ core::Result<v1::Job> download_to(Farm& farm, const std::string& job_id,
     v1::GetImageRequest request;
     request.set_job_id(job_id);
     request.set_format(to_proto(*format));
-    *request.mutable_display() = proto::to_proto(display);
+    request.set_image(view.image);
+    *request.mutable_display() = proto::to_proto(view.display);
+    if (view.region) *request.mutable_region() = proto::to_proto(*view.region);
     auto picture =
         patiently<DownloadedPicture>(farm, [&](bool& progress) { return download(farm, request, progress); });
     if (!picture) return fail(picture.error().within(path));
@@ -82,9 +85,8 @@ core::Result<v1::Job> download_to(Farm& farm, const std::string& job_id,
 }  // namespace
 
 core::Result<v1::Job> download_pictures(Farm& farm, const std::string& job_id,
-                                        const std::vector<std::string>& paths,
-                                        const core::DisplayOverrides& display) {
-  return download_to(farm, job_id, paths, display, false);
+                                        const std::vector<std::string>& paths, const PictureView& view) {
+  return download_to(farm, job_id, paths, view, false);
 }
 
 core::Result<v1::Job> download_finished_pictures(Farm& farm, const std::string& job_id,

@@ -2,22 +2,31 @@
 // Downloads images of jobs.
 #pragma once
 
+#include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "client/farm/farm.hpp"
+#include "core/film/region.hpp"
 #include "core/image/display.hpp"
 
 namespace tessera::client {
 
-// Fetches the job's image once for each path, in the format of its extension, and writes it atomically. PNG
-// files use the job's display settings with the overrides applied. Returns the job when the last image was
-// taken. Errors name the path.
-core::Result<v1::Job> download_pictures(Farm& farm, const std::string& job_id,
-                                        const std::vector<std::string>& paths,
-                                        const core::DisplayOverrides& display);
+// What is fetched of an image, and how PNG files show it.
+struct PictureView {
+  core::DisplayOverrides display{};
+  std::optional<core::PixelRect> region{};  // pixels of the whole image; empty: all that are rendered
+  std::uint32_t image = 0;                  // its number in the job
+};
 
-// The same for a job that was DONE, with its final images. If it is no longer DONE, writes nothing and
+// Fetches an image of the job once for each path, in the format of its extension, and writes it atomically.
+// PNG files use the job's display settings with the overrides applied. Returns the job when the last image
+// was taken. Errors name the path.
+core::Result<v1::Job> download_pictures(Farm& farm, const std::string& job_id,
+                                        const std::vector<std::string>& paths, const PictureView& view);
+
+// The same for the first image of a job that was DONE. If it is no longer DONE, writes nothing and
 // returns the job: a coordinator that crashed with a full disk, or that quarantines a worker, may run it
 // again.
 core::Result<v1::Job> download_finished_pictures(Farm& farm, const std::string& job_id,

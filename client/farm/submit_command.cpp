@@ -2,10 +2,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <memory>
 #include <string>
-#include <vector>
 
 #include "client/console.hpp"
 #include "client/farm/bundle.hpp"
@@ -15,15 +13,12 @@
 #include "client/farm/picture_download.hpp"
 #include "client/farm/service_options.hpp"
 #include "client/farm/single_commands.hpp"
-#include "client/farm/upload.hpp"
+#include "client/farm/submission.hpp"
 #include "client/farm/watching.hpp"
 #include "client/interrupt.hpp"
 #include "client/picture_files.hpp"
 #include "client/scene_flags.hpp"
 #include "core/base/printable.hpp"
-#include "proto/convert.hpp"
-#include "proto/convert_display.hpp"
-#include "proto/error_reasons.hpp"
 #include "proto/text.hpp"
 
 namespace tessera::client {
@@ -42,9 +37,6 @@ Ctrl-C while waiting leaves the job running and writes no file.)",
     .examples = {"tessera submit scene.json",
                  "tessera submit scene.json --wait -o out.exr -o out.png --spp 1024"}};
 
-// How long a submission is repeated while too many scenes wait to be validated.
-constexpr std::chrono::minutes kSubmitPatience{30};
-
 struct SubmitOptions {
   FarmOptions farm;
   SceneFlags scene;
@@ -54,55 +46,6 @@ struct SubmitOptions {
   bool wait = false;
   bool json = false;
 };
-
-// A submission keeps its request id, so that repeating it after a lost response does not create two jobs.
-v1::SubmitJobRequest make_request(const SubmitOptions& options, const LocalBundle& local) {
-  v1::SubmitJobRequest request;
-  request.set_request_id(fmt::format("{:016x}{:016x}", proto::random_seed(), proto::random_seed()));
-  request.set_name(options.name);
-  *request.mutable_bundle() = local.bundle;
-  *request.mutable_overrides() = proto::to_proto(options.scene.overrides);
-  request.set_priority(options.service.priority.value_or(0));
-  request.set_max_workers(options.service.max_workers.value_or(0));
-  *request.mutable_display() = proto::to_proto(options.scene.display);
-  for (const auto& [key, value] : options.labels) (*request.mutable_labels())[key] = value;
-  return request;
-}
-
-// Submits the job, and returns it when its scene is validated.
-core::Result<v1::Job> submit_once(Farm& farm, const SubmitOptions& options, const LocalBundle& local) {
-  if (core::Status uploaded = upload_missing(farm, local); !uploaded) return core::fail(uploaded.error());
-  const v1::SubmitJobRequest request = make_request(options, local);
-  const auto call = [&] {
-    return patiently<v1::SubmitJobResponse>(
-        farm, [&](bool&) { return farm.call(&Farm::Stub::SubmitJob, request, kSubmitPatience); });
-  };
-  auto response = call();
-  // The coordinator has just removed a file.
-  if (!response && core::details_of(response.error()).reason == proto::kMissingBlobs) {
-    const std::vector<std::string> missing = core::details_of(response.error()).missing;
-    if (core::Status uploaded = upload_named(farm, local, missing); !uploaded)
-      return core::fail(uploaded.error());
-    response = call();
-  }
-  if (!response) return core::fail(response.error());
-  return wait_until_validated(farm, response->job(), print_warning);
-}
-
-core::Result<v1::Job> submit(Farm& farm, const SubmitOptions& options, const LocalBundle& local) {
-  auto job = submit_once(farm, options, local);
-  // The coordinator found a file damaged, and has removed it.
-  if (job && job->failure_details().reason() == v1::Failure::REASON_FILE_LOST)
-    job = submit_once(farm, options, local);
-  if (!job) return job;
-  if (job->state() == v1::JOB_STATE_FAILED)
-    return core::fail(core::ErrorCode::kInvalidArgument, job->failure());
-  // Most warnings were printed before anything was sent.
-  for (const std::string& warning : job->warnings())
-    if (std::find(local.warnings.begin(), local.warnings.end(), warning) == local.warnings.end())
-      print_warning(warning);
-  return job;
-}
 
 int report_interrupt(const v1::Job& job) {
   const std::string id = short_id(job.id());
@@ -128,7 +71,10 @@ int wait_and_fetch(Farm& farm, const SubmitOptions& options, const v1::Job& subm
     if (!job) return print_error(job.error());
     if (const int status = report_end(*job); status != kExitOk) return status;
     const auto& paths = options.scene.output_paths;
-    if (paths.empty()) return kExitOk;
+    if (paths.empty()) {
+      if (options.json) print_result(to_json_line(*job));
+      return kExitOk;
+    }
     const auto pictured = download_finished_pictures(farm, job->id(), paths);
     if (!pictured) {
       print_error(pictured.error());
@@ -136,6 +82,7 @@ int wait_and_fetch(Farm& farm, const SubmitOptions& options, const v1::Job& subm
       return interrupted() ? kExitInterrupted : kExitFailed;
     }
     if (pictured->state() == v1::JOB_STATE_DONE) {
+      if (options.json) print_result(to_json_line(*pictured));
       print_summary(*pictured, paths);
       return kExitOk;
     }
@@ -160,9 +107,17 @@ int run_submit(const SubmitOptions& options) {
   const auto opened = Farm::open(farm_options);
   if (!opened) return print_error(opened.error());
   Farm& farm = **opened;
-  const auto job = submit(farm, options, *local);
+  const Submission submission{.overrides = options.scene.overrides,
+                              .display = options.scene.display,
+                              .name = options.name,
+                              .service = options.service,
+                              .labels = options.labels};
+  const auto job = submit_job(farm, submission, *local);
   if (!job) return print_error(job.error());
   print_result(options.json ? to_json_line(*job) : core::printable(job->id()) + "\n");
+  if (!has_worker(farm))
+    print_note(fmt::format("no worker is connected; the job waits for one: tessera-worker --coordinator {}",
+                           farm.address()));
   return options.wait ? wait_and_fetch(farm, options, *job) : kExitOk;
 }
 
@@ -180,7 +135,9 @@ void add_submit_command(CLI::App& app, int& exit_code) {
       ->type_name("NAME");
   add_service_options(*command, "0", options->service);
   add_label_option(*command, "Label of the job, to find it by; can be repeated", options->labels);
-  command->add_flag("--json", options->json, "Print the job as one line of JSON instead of its id");
+  command->add_flag(
+      "--json", options->json,
+      "Print the job as one line of JSON instead of its id; with --wait, again when it is done");
   add_farm_options(*command, options->farm);
   cli::set_help(*command, kSubmitHelp);
   command->callback([options, &exit_code] {

@@ -110,6 +110,11 @@ core::Result<v1::Job> wait_until_validated(Farm& farm, const v1::Job& submitted,
 }
 
 core::Result<v1::Job> watch_with_progress(Farm& farm, const std::string& job_id) {
+  Notices none;
+  return watch_with_progress(farm, job_id, none);
+}
+
+core::Result<v1::Job> watch_with_progress(Farm& farm, const std::string& job_id, Notices& notices) {
   ProgressLine progress(stderr_progress_output(), steady_seconds());
   const auto notify = [&](const std::string& notice) {
     progress.erase();
@@ -121,6 +126,7 @@ core::Result<v1::Job> watch_with_progress(Farm& farm, const std::string& job_id)
       [&](const v1::Job& update) {
         for (const std::string& trouble : update.troubles())
           if (told.size() < kMaxTroubles && told.insert(trouble).second) notify(core::printable(trouble));
+        for (const std::string& notice : notices.take()) notify(notice);
         progress.update(progress_of(update), steady_seconds());
       },
       notify);

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "client/farm/farm.hpp"
+#include "client/notices.hpp"
 
 namespace tessera::client {
 
@@ -19,7 +20,8 @@ core::Result<v1::Job> watch_job(Farm& farm, const std::string& job_id,
 core::Result<v1::Job> wait_until_validated(Farm& farm, const v1::Job& submitted,
                                            const std::function<void(const std::string& notice)>& on_notice);
 
-// The same, with the progress line of `tessera render` on stderr.
+// The same, with the progress line of `tessera render` on stderr, and with notices of other threads.
+core::Result<v1::Job> watch_with_progress(Farm& farm, const std::string& job_id, Notices& notices);
 core::Result<v1::Job> watch_with_progress(Farm& farm, const std::string& job_id);
 
 // Says on stderr what is wrong with a job that is over, if anything is. The exit status it deserves.

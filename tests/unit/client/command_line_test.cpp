@@ -2,7 +2,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <csignal>
 #include <cstdlib>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -169,17 +168,6 @@ TEST_F(CommandLine, FailuresExitWith1AndLeaveNoPicture) {
   EXPECT_THAT(names(), UnorderedElementsAre("scene.json", "broken.json"));
 }
 
-TEST_F(CommandLine, AnInterruptLeavesNoFileAndExitsWith130) {
-  for (const int signal : {SIGINT, SIGTERM}) {
-    const ProcessResult result = run_on_terminal_and_signal(
-        {"render", path("scene.json"), "-o", path("a.png"), "--stats", path("s.json"), "--spp", "10000000"},
-        "%", signal);
-    EXPECT_EQ(result.exit_status, 130);
-    EXPECT_THAT(result.err, HasSubstr("interrupted"));
-    EXPECT_THAT(names(), UnorderedElementsAre("scene.json"));
-  }
-}
-
 TEST_F(CommandLine, CompareTellsByItsExitStatus) {
   ASSERT_EQ(render({"-o", path("a.exr"), "-o", path("same.pfm")}).exit_status, 0);
   ASSERT_EQ(render({"-o", path("b.exr"), "--seed", "1"}).exit_status, 0);
@@ -238,9 +226,39 @@ TEST_F(CommandLine, ExposureAndToneCurveChangePngFilesAlone) {
   EXPECT_THAT(render({"-o", path("a.exr"), "--exposure", "1"}).err, HasSubstr("change PNG files alone"));
 }
 
+TEST_F(CommandLine, NearMissesAreSuggested) {
+  EXPECT_EQ(run_tessera({"rendr"}).err,
+            "tessera: error: there is no command 'rendr'; did you mean 'render'?\nTry: tessera --help\n");
+  EXPECT_EQ(run_tessera({"help", "comapre"}).err,
+            "tessera: error: there is no command 'comapre'; did you mean 'compare'?\n"
+            "Try: tessera help --help\n");
+  EXPECT_EQ(render({"-o", path("a.png"), "--sppp=3"}).err,
+            "tessera: error: there is no option '--sppp'; did you mean '--spp'?\n"
+            "Try: tessera render --help\n");
+  EXPECT_THAT(render({"-o", path("a.png"), "other.json"}).err, HasSubstr("unexpected argument 'other.json'"));
+}
+
+TEST_F(CommandLine, ViewShowsAnImage) {
+  ASSERT_EQ(render({"-o", path("a.png")}).exit_status, 0);
+  const ProcessResult refused = run_tessera({"view", path("a.png")});
+  EXPECT_EQ(refused.exit_status, 1);
+  EXPECT_THAT(refused.err, HasSubstr("stdout is not a terminal"));
+  const ProcessResult blocks = run_tessera({"view", path("a.png"), "--protocol", "blocks"});
+  EXPECT_EQ(blocks.exit_status, 0) << blocks.err;
+  EXPECT_THAT(blocks.out, AllOf(HasSubstr("\033[38;2;"), HasSubstr("40x30 pixels")));
+  const ProcessResult sixels = run_tessera({"view", path("a.png"), "--protocol", "sixel"});
+  EXPECT_THAT(sixels.out, AllOf(HasSubstr("\033P"), HasSubstr("\033\\")));
+  EXPECT_EQ(run_tessera({"view", path("a.png"), "--protocol", "ascii"}).exit_status, 2);
+}
+
 TEST_F(CommandLine, HelpAndVersionGoToStdout) {
-  for (const auto& arguments : std::vector<std::vector<std::string>>{
-           {"--help"}, {"--help", "render"}, {"--version"}, {"render", "--help"}, {"compare", "--help"}}) {
+  for (const auto& arguments : std::vector<std::vector<std::string>>{{"--help"},
+                                                                     {"--help", "render"},
+                                                                     {"help"},
+                                                                     {"help", "render"},
+                                                                     {"--version"},
+                                                                     {"render", "--help"},
+                                                                     {"compare", "--help"}}) {
     const ProcessResult result = run_tessera(arguments);
     EXPECT_EQ(result.exit_status, 0);
     EXPECT_THAT(result.out, HasSubstr("essera"));

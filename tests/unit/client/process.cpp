@@ -75,4 +75,24 @@ ProcessResult run_on_terminal_and_signal(const std::vector<std::string>& argumen
   return result;
 }
 
+ProcessResult run_tessera_and_signal(const std::vector<std::string>& arguments,
+                                     const std::function<bool()>& condition, int signal) {
+  std::FILE *out = std::tmpfile(), *err = std::tmpfile();
+  const pid_t child = ::fork();
+  if (child == 0) {
+    ::dup2(::fileno(out), STDOUT_FILENO);
+    ::dup2(::fileno(err), STDERR_FILENO);
+    become_tessera(arguments);
+  }
+  const auto has_ended = [child] {
+    siginfo_t info{};
+    return ::waitid(P_PID, static_cast<id_t>(child), &info, WEXITED | WNOHANG | WNOWAIT) != 0 ||
+           info.si_pid != 0;
+  };
+  while (!condition() && !has_ended()) ::usleep(1000);
+  if (!has_ended()) ::kill(child, signal);
+  const int status = exit_status_of(child);
+  return {status, contents(out), contents(err)};
+}
+
 }  // namespace tessera::client

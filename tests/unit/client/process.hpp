@@ -24,4 +24,9 @@ ProcessResult run_tessera_after(const std::function<void()>& prepare,
 ProcessResult run_on_terminal_and_signal(const std::vector<std::string>& arguments, const std::string& text,
                                          int signal);
 
+// Runs with stdout and stderr in files; sends `signal` when `condition` holds, which is asked again and again
+// while the program runs.
+ProcessResult run_tessera_and_signal(const std::vector<std::string>& arguments,
+                                     const std::function<bool()>& condition, int signal);
+
 }  // namespace tessera::client

@@ -18,6 +18,7 @@ TEST(RenderStats, JsonHasEveryField) {
   stats.counters.non_finite_samples = 1;
   stats.counters.saturated_samples = 2;
   stats.threads = 8;
+  stats.is_complete = false;
   stats.load_seconds = 0.5;
   stats.build_seconds = 0.25;
   stats.render_seconds = 2;
@@ -32,6 +33,7 @@ TEST(RenderStats, JsonHasEveryField) {
       {"clamp_indirect", 0.0},
       {"seed", 18446744073709551615u},
       {"threads", 8},
+      {"complete", false},
       {"samples", 1'228'800},
       {"closest_hit_rays", 5'000'000},
       {"shadow_rays", 3'000'000},

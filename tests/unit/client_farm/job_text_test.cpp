@@ -4,9 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <cstdint>
-#include <limits>
-#include <nlohmann/json.hpp>
+#include <string>
 
 namespace tessera::client {
 namespace {
@@ -33,9 +31,12 @@ v1::Job some_job() {
 TEST(JobText, OnlyWhatIsCompleteIsAHundredPercent) {
   v1::ListJobsResponse jobs;
   *jobs.add_jobs() = some_job();
-  EXPECT_EQ(jobs_table(jobs, 1090),
-            "JOB           NAME     STATE    DONE     SIZE  SPP  SAMPLES  WORKERS  PRIORITY  SUBMITTED\n"
-            "0123456789ab  cornell  running   99%  640x480   16  1.50M/s        2         0   1:30 ago\n");
+  EXPECT_EQ(
+      jobs_table(jobs, 1090),
+      "JOB       NAME     OWNER  STATE    DONE %  TIME LEFT  SIZE PX  SPP  SAMPLES/S  WORKERS  PRIORITY  "
+      "SUBMITTED\n"
+      "01234567  cornell  -      running      99       0:00  640x480   16      1.50M        2         0   "
+      "1:30 ago\n");
 }
 
 TEST(JobText, SaysHowAJobIsServedAndWhichPartOfThePictureItIs) {
@@ -48,18 +49,18 @@ TEST(JobText, SaysHowAJobIsServedAndWhichPartOfThePictureItIs) {
   crop.set_y0(10);
   crop.set_x1(640);
   crop.set_y1(40);
-  EXPECT_THAT(jobs_table(jobs, 1090), HasSubstr("  40x30   16  1.50M/s      2/3        -5   1:30 ago\n"));
-  EXPECT_THAT(job_description(job), HasSubstr("size        40x30\n"));
-  EXPECT_THAT(job_description(job), HasSubstr("crop        600,10,640,40 of 640x480\n"));
-  EXPECT_THAT(job_description(job), HasSubstr("priority    -5\n"));
-  EXPECT_THAT(job_description(job), HasSubstr("workers     2/3\n"));
+  EXPECT_THAT(jobs_table(jobs, 1090), HasSubstr("  40x30   16      1.50M      2/3        -5   1:30 ago\n"));
+  EXPECT_THAT(job_description(job, 1090), HasSubstr("size        40x30\n"));
+  EXPECT_THAT(job_description(job, 1090), HasSubstr("crop        600,10,640,40 of 640x480\n"));
+  EXPECT_THAT(job_description(job, 1090), HasSubstr("priority    -5\n"));
+  EXPECT_THAT(job_description(job, 1090), HasSubstr("workers     2/3\n"));
 }
 
 TEST(JobText, AJobThatIsOverHasNoSpeed) {
   v1::Job job = some_job();
-  EXPECT_THAT(job_description(job), HasSubstr("1.50M/s"));
+  EXPECT_THAT(job_description(job, 1090), HasSubstr("1.50M samples/s"));
   job.set_state(v1::JOB_STATE_DONE);
-  EXPECT_THAT(job_description(job), ::testing::Not(HasSubstr("/s")));
+  EXPECT_THAT(job_description(job, 1090), ::testing::Not(HasSubstr("samples/s")));
 }
 
 TEST(JobText, DescribesWhatWentWrong) {
@@ -67,7 +68,7 @@ TEST(JobText, DescribesWhatWentWrong) {
   job.set_state(v1::JOB_STATE_FAILED);
   job.set_failure("no such mesh");
   job.mutable_counters()->set_non_finite_samples(3);
-  const std::string text = job_description(job);
+  const std::string text = job_description(job, 1090);
   EXPECT_THAT(text, HasSubstr("failed"));
   EXPECT_THAT(text, HasSubstr("no such mesh"));
   EXPECT_THAT(text, HasSubstr("non-finite"));
@@ -82,9 +83,9 @@ TEST(JobText, SaysWhatIsKnownBeforeTheSceneIsValidated) {
   job.set_state(v1::JOB_STATE_VALIDATING);
   job.mutable_created_at()->set_seconds(1000);
   EXPECT_THAT(jobs_table(jobs, 1090),
-              HasSubstr("cornell  validating           -    -        -        0         0"));
-  EXPECT_THAT(job_description(job), HasSubstr("size        -\n"));
-  EXPECT_THAT(job_description(job), HasSubstr("samples     -\n"));
+              HasSubstr("cornell  -      validating       -          -        -    -          -        0"));
+  EXPECT_THAT(job_description(job, 1090), HasSubstr("size        -\n"));
+  EXPECT_THAT(job_description(job, 1090), HasSubstr("samples     -\n"));
   EXPECT_EQ(progress_of(job).note, "validating");
   EXPECT_FALSE(is_over(job.state()));
 }
@@ -95,7 +96,7 @@ TEST(JobText, ShowsLabelsWarningsAndWorkersThatFailed) {
   (*job.mutable_labels())["show"] = "vase";
   job.add_warnings("a texture is missing");
   job.mutable_failure_details()->add_workers("render-07");
-  const std::string text = job_description(job);
+  const std::string text = job_description(job, 1090);
   EXPECT_THAT(text, HasSubstr("label       shot=12\nlabel       show=vase\n"));
   EXPECT_THAT(text, HasSubstr("warning     a texture is missing\n"));
   EXPECT_THAT(text, HasSubstr("failed on   render-07\n"));
@@ -104,6 +105,8 @@ TEST(JobText, ShowsLabelsWarningsAndWorkersThatFailed) {
 TEST(JobText, SaysHowWorkersAreDoing) {
   v1::ListWorkersResponse workers;
   v1::Worker& worker = *workers.add_workers();
+  EXPECT_THAT(workers_table(workers, 0), HasSubstr("idle"));
+  worker.set_held_leases(1);
   EXPECT_THAT(workers_table(workers, 0), HasSubstr("working"));
   worker.set_draining(true);
   EXPECT_THAT(workers_table(workers, 0), HasSubstr("leaving"));
@@ -129,23 +132,25 @@ TEST(JobText, SaysWhoIsGivenNothingAndForHowLong) {
   bar.set_job_id("fedcba0987654321");
   bar.mutable_remaining()->set_seconds(95);
   EXPECT_THAT(workers_table(workers, 0), HasSubstr("in cooldown"));
-  EXPECT_THAT(workers_table(workers, 0),
-              HasSubstr("\nmachine (1234567890ab) is given nothing of job fedcba098765 for 1:35, or until it "
-                        "delivers some of it\n"));
+  EXPECT_THAT(
+      workers_table(workers, 0),
+      HasSubstr("\nmachine (12345678) gets no lease of job fedcba098765 for 95 s, or until it delivers "
+                "some of it\n"));
   bar.set_fetching(true);
   EXPECT_THAT(workers_table(workers, 0), HasSubstr("  fetching  "));
   EXPECT_THAT(workers_table(workers, 0), HasSubstr("of job fedcba098765 until it has fetched its scene\n"));
   worker.set_stuck(true);
   EXPECT_THAT(workers_table(workers, 0), HasSubstr("stuck"));
-  EXPECT_THAT(workers_table(workers, 0), HasSubstr("\nmachine (1234567890ab) still renders what went to "));
+  EXPECT_THAT(workers_table(workers, 0),
+              HasSubstr("\nmachine (12345678) still renders a lease that it lost"));
 }
 
 TEST(JobText, SaysHowMuchIsToBeVerified) {
   v1::Job job = some_job();
-  EXPECT_THAT(job_description(job), ::testing::Not(HasSubstr("to verify")));
+  EXPECT_THAT(job_description(job, 1090), ::testing::Not(HasSubstr("to verify")));
   job.set_samples_to_verify(42);
-  EXPECT_THAT(job_description(job), HasSubstr("to verify"));
-  EXPECT_THAT(job_description(job), HasSubstr("42 samples"));
+  EXPECT_THAT(job_description(job, 1090), HasSubstr("to verify"));
+  EXPECT_THAT(job_description(job, 1090), HasSubstr("42 samples"));
 }
 
 TEST(JobText, ProgressSaysWhoWorks) {
@@ -158,24 +163,48 @@ TEST(JobText, ProgressSaysWhoWorks) {
   EXPECT_EQ(progress_of(job).samples_done, 999u);
 }
 
-TEST(JobText, JsonIsOneLineWithTheContractsNames) {
-  const std::string json = to_json_line(some_job());
-  EXPECT_THAT(json, HasSubstr("\"samples_done\":\"999\""));
-  EXPECT_THAT(json, HasSubstr("\"state\":\"JOB_STATE_RUNNING\""));
-  EXPECT_THAT(json, HasSubstr("\"priority\":0"));
-  EXPECT_EQ(json.find('\n'), json.size() - 1);
+TEST(JobText, ARunningJobWithoutWorkersIsQueued) {
+  v1::ListJobsResponse jobs;
+  v1::Job& job = *jobs.add_jobs() = some_job();
+  job.set_active_workers(0);
+  job.set_samples_per_second(0);
+  job.set_queue_position(2);
+  job.set_waiting_reason("no worker is connected");
+  EXPECT_THAT(jobs_table(jobs, 1090), HasSubstr("  queued (2)  "));
+  EXPECT_THAT(jobs_table(jobs, 1090), HasSubstr("\ncornell (01234567) is queued: no worker is connected\n"));
+  EXPECT_EQ(progress_of(job).note, "queued, place 2: no worker is connected");
+  EXPECT_THAT(job_description(job, 1090), HasSubstr("no worker is connected"));
+  job.set_active_workers(1);
+  EXPECT_THAT(jobs_table(jobs, 1090), ::testing::Not(HasSubstr("queued")));
 }
 
-// A coordinator may send such a time. Everything else is printed.
-TEST(JobText, JsonLeavesOutTimesThatJsonCannotExpress) {
+TEST(JobText, IdsInTablesAreUniquePrefixes) {
+  v1::ListJobsResponse jobs;
+  *jobs.add_jobs() = some_job();
+  jobs.add_jobs()->set_id(
+      "01234567"
+      "8"
+      "0000000000000000000000000");
+  jobs.add_jobs()->set_id(
+      "0123456789"
+      "0000000000000000000000");
+  EXPECT_THAT(jobs_table(jobs, 0), HasSubstr("\n0123456789a  "));
+}
+
+TEST(JobText, StatesAreColoredOnTerminalsAlone) {
+  v1::ListJobsResponse jobs;
+  *jobs.add_jobs() = some_job();
+  EXPECT_THAT(jobs_table(jobs, 0, {.colored = true}), HasSubstr("\033[36mrunning\033[0m  "));
+  EXPECT_EQ(jobs_table(jobs, 0).find('\033'), std::string::npos);
+}
+
+TEST(JobText, AListIsAnObjectInEachLine) {
   v1::ListJobsResponse jobs;
   *jobs.add_jobs() = some_job();
   *jobs.add_jobs() = some_job();
-  jobs.mutable_jobs(0)->mutable_created_at()->set_seconds(std::numeric_limits<std::int64_t>::max());
-  const auto lines = nlohmann::json::parse(to_json_line(jobs));
-  EXPECT_FALSE(lines["jobs"][0].contains("created_at") && !lines["jobs"][0]["created_at"].is_null());
-  EXPECT_EQ(lines["jobs"][0]["id"], some_job().id());
-  EXPECT_TRUE(lines["jobs"][1].contains("created_at"));
+  const std::string line = to_json_line(some_job());
+  EXPECT_EQ(to_json_lines(jobs.jobs()), line + line);
+  EXPECT_EQ(line.find('\n'), line.size() - 1);
 }
 
 }  // namespace

@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <string>
+#include <vector>
+
 namespace tessera::client {
 namespace {
 
@@ -21,6 +24,31 @@ TEST(Table, WithoutRowsHasItsTitles) {
 TEST(Table, CountsLettersNotBytes) {
   EXPECT_EQ(format_table({{"N"}, {"X"}}, {{"\u00e9t\u00e9", "1"}, {"abc", "2"}}),
             "N    X\n\u00e9t\u00e9  1\nabc  2\n");
+}
+
+TEST(Table, FitsTheTerminalByShorteningTheWidestNames) {
+  const std::vector<Column> columns{{.title = "ID"},
+                                    {.title = "NAME", .is_flexible = true},
+                                    {.title = "OWNER", .is_flexible = true, .rank = 1},
+                                    {.title = "SPP", .align = Align::kRight, .rank = 2}};
+  const std::vector<std::vector<std::string>> rows{
+      {"0123456789", "a very long name of a job", "somebody", "16"}};
+  EXPECT_EQ(format_table(columns, rows, {.columns = 42}),
+            "ID          NAME             OWNER     SPP\n"
+            "0123456789  a very long na…  somebody   16\n")
+      << "no column is left out while names can be shortened";
+  EXPECT_EQ(format_table(columns, rows, {.columns = 32}),
+            "ID          NAME        OWNER\n"
+            "0123456789  a very lo…  somebody\n")
+      << "the column of the highest rank goes first";
+  EXPECT_EQ(format_table(columns, rows, {.columns = 5}),
+            "ID          NAME\n"
+            "0123456789  a very …\n")
+      << "ids are never cut";
+}
+
+TEST(Table, WideCharactersTakeTwoColumns) {
+  EXPECT_EQ(format_table({{"N"}, {"X"}}, {{"花瓶", "1"}, {"abc", "2"}}), "N     X\n花瓶  1\nabc   2\n");
 }
 
 TEST(Table, ShowsNoControlCharacters) {

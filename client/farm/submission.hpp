@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+// Submits a bundled scene to a farm. Blocks, and retries while the coordinator restarts or asks to wait.
+#pragma once
+
+#include <string>
+
+#include "client/farm/bundle.hpp"
+#include "client/farm/farm.hpp"
+#include "client/farm/label_option.hpp"
+#include "client/farm/service_options.hpp"
+#include "core/image/display.hpp"
+#include "core/scene/settings.hpp"
+
+namespace tessera::client {
+
+struct Submission {
+  core::RenderOverrides overrides{};
+  core::DisplayOverrides display{};
+  std::string name{};  // empty: that of the scene file
+  ServiceOptions service{};
+  Labels labels{};
+};
+
+// Uploads what the farm lacks, submits the job, and returns it when its scene is validated. Prints the
+// warnings about the scene that are not among the bundle's. INVALID_ARGUMENT: the farm rejects the scene.
+core::Result<v1::Job> submit_job(Farm& farm, const Submission& submission, const LocalBundle& local);
+
+// Whether a worker is connected; also true if that is not known.
+bool has_worker(Farm& farm);
+
+}  // namespace tessera::client

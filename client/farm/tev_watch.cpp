@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "client/farm/tev_watch.hpp"
+
+#include <libdeflate.h>
+
+#include <chrono>
+#include <cstring>
+#include <memory>
+#include <optional>
+#include <stop_token>
+#include <utility>
+#include <vector>
+
+#include "client/farm/job_text.hpp"
+#include "client/tev_connection.hpp"
+#include "client/tev_packets.hpp"
+#include "proto/convert.hpp"
+
+namespace tessera::client {
+namespace {
+
+constexpr std::chrono::milliseconds kLookEvery{50};
+
+// The pixels of a tile; nullopt if they are not what the protocol says.
+std::optional<core::Image> decode(const v1::TileImage& tile, const core::PixelRect& rect) {
+  constexpr std::size_t kMaxTilePixels = std::size_t{1} << 20;
+  if (rect.pixel_count() > kMaxTilePixels) return std::nullopt;
+  core::Image image(rect.width(), rect.height());
+  const std::size_t size = image.pixels.size() * sizeof(core::Rgb);
+  const std::unique_ptr<libdeflate_decompressor, void (*)(libdeflate_decompressor*)> decompressor(
+      libdeflate_alloc_decompressor(), libdeflate_free_decompressor);
+  const std::string& from = tile.pixels_zlib();
+  const bool good =
+      decompressor && libdeflate_zlib_decompress(decompressor.get(), from.data(), from.size(),
+                                                 image.pixels.data(), size, nullptr) == LIBDEFLATE_SUCCESS;
+  return good ? std::optional(std::move(image)) : std::nullopt;
+}
+
+// One connection to tev and the stream that feeds it.
+class TileFeed {
+ public:
+  TileFeed(Farm& farm, const std::string& job_id, const std::string& address, const std::stop_token& stop)
+      : farm_(farm), job_id_(job_id), address_(address), stop_(stop) {}
+
+  // Sends tiles until the job is over. Errors of tev and of the coordinator end it.
+  core::Status run() {
+    auto tev = TevConnection::open(address_);
+    if (!tev) return core::fail(tev.error());
+    grpc::ClientContext context;
+    const std::jthread canceller = cancel_when_stopped(context);
+    v1::WatchTilesRequest request;
+    request.set_job_id(job_id_);
+    request.set_format(v1::TILE_FORMAT_RGB32F);
+    const auto stream = farm_.stub().WatchTiles(&context, request);
+    v1::WatchTilesResponse response;
+    core::Status sent;
+    while (sent && stream->Read(&response)) sent = show(response, *tev);
+    if (!sent) context.TryCancel();
+    const grpc::Status status = stream->Finish();
+    if (!sent) return sent;
+    if (!status.ok()) return core::fail(farm_.explain(status, context));
+    return {};
+  }
+
+ private:
+  std::jthread cancel_when_stopped(grpc::ClientContext& context) const {
+    return std::jthread([&context, stop = stop_](const std::stop_token& done) {
+      while (!done.stop_requested() && !stop.stop_requested() && !interrupted())
+        std::this_thread::sleep_for(kLookEvery);
+      if (!done.stop_requested()) context.TryCancel();
+    });
+  }
+
+  core::Status show(const v1::WatchTilesResponse& response, TevConnection& tev) {
+    if (response.has_job()) {
+      const core::PixelRect window = proto::window_of(response.job().settings());
+      if (window.empty()) return {};  // the scene is not validated yet
+      if (std::exchange(window_, window) != window) {
+        image_ = "job " + short_id(job_id_);
+        core::Status created = tev.send(tev_create_image(image_, window.width(), window.height()));
+        if (!created) return created;
+      }
+    }
+    for (const v1::TileImage& tile : response.tiles()) {
+      const auto rect = proto::from_proto(tile.rect());
+      if (!rect || !window_.contains(*rect)) continue;
+      const auto pixels = decode(tile, *rect);
+      if (!pixels) continue;
+      core::Status sent =
+          tev.send(tev_update_image(image_, rect->x0 - window_.x0, rect->y0 - window_.y0, *pixels));
+      if (!sent) return sent;
+    }
+    return {};
+  }
+
+  Farm& farm_;
+  const std::string& job_id_;
+  const std::string& address_;
+  const std::stop_token stop_;
+  core::PixelRect window_;
+  std::string image_;
+};
+
+}  // namespace
+
+TevWatch::TevWatch(Farm& farm, std::string job_id, std::string address, Notices& notices)
+    : thread_([this, &farm, job_id = std::move(job_id), address = std::move(address),
+               &notices](const std::stop_token& stop) {
+        // The stream begins anew with each connection: another tev has none of the tiles.
+        const auto gives_up = [&] { return stop.stop_requested() || is_last_ || interrupted(); };
+        for (;;) {
+          const core::Status shown = TileFeed(farm, job_id, address, stop).run();
+          if (shown || stop.stop_requested() || interrupted()) return;
+          notices.add(shown.error().message);
+          const auto until =
+              std::chrono::steady_clock::now() + std::chrono::duration<double>(kTevRetrySeconds);
+          while (!gives_up() && std::chrono::steady_clock::now() < until)
+            std::this_thread::sleep_for(kLookEvery);
+          if (gives_up()) return;
+        }
+      }) {}
+
+void TevWatch::finish(bool is_over) {
+  if (!thread_.joinable()) return;
+  is_last_ = true;
+  if (!is_over) thread_.request_stop();
+  thread_.join();
+}
+
+}  // namespace tessera::client

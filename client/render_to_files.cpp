@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "client/render_to_files.hpp"
+
+#include <fmt/format.h>
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "client/background_task.hpp"
+#include "client/checkpoint_keeper.hpp"
+#include "client/console.hpp"
+#include "client/interrupt.hpp"
+#include "client/local_render.hpp"
+#include "client/notices.hpp"
+#include "client/page/local_view.hpp"
+#include "client/picture_files.hpp"
+#include "client/render_report.hpp"
+#include "client/tev_observer.hpp"
+#include "core/image/file_io.hpp"
+
+namespace tessera::client {
+namespace {
+
+using core::Result;
+using core::Status;
+
+// An empty film, or that of the checkpoint.
+Result<std::unique_ptr<SharedFilm>> first_film(const RenderOptions& options, const RenderIdentity& render) {
+  auto empty = std::make_unique<SharedFilm>(core::TileGrid(render.settings.window(), core::kTilePx));
+  if (!options.resume) return empty;
+  const bool is_named = !options.resume->empty();
+  auto checkpoint = read_checkpoint(is_named ? *options.resume : checkpoint_path_of(options), render);
+  if (checkpoint) return std::make_unique<SharedFilm>(std::move(checkpoint->film), checkpoint->header.totals);
+  if (is_named || checkpoint.error().code != core::ErrorCode::kNotFound)
+    return core::fail(checkpoint.error().within("--resume"));
+  print_warning(checkpoint.error().message + ": rendering from the start");
+  return empty;
+}
+
+CheckpointPlan plan_of(const RenderOptions& options) {
+  const std::string path = checkpoint_path_of(options);
+  const bool continues = options.resume && (options.resume->empty() || *options.resume == path);
+  return {path, options.checkpoint_seconds, !options.checkpoint_path.empty(), continues};
+}
+
+// Writes the image files every so often, where that is wanted.
+std::unique_ptr<BackgroundTask> image_updates(const RenderOptions& options, const LoadedScene& loaded,
+                                              const SharedFilm& film, Notices& notices) {
+  if (!options.update_seconds) return nullptr;
+  const auto update = [&options, &loaded, &film, seen = film.totals().counters.samples]() mutable -> Status {
+    const std::uint64_t samples = film.totals().counters.samples;
+    if (samples == std::exchange(seen, samples)) return {};
+    return write_pictures(options.scene.output_paths, film.develop(), loaded.display);
+  };
+  return std::make_unique<BackgroundTask>(
+      *options.update_seconds, update,
+      [&notices](const std::string& message) { notices.add("--update-every: " + message); });
+}
+
+void print_notices(Notices& notices, ProgressLine& progress) {
+  for (const std::string& notice : notices.take()) {
+    progress.erase();
+    print_warning(notice);
+  }
+}
+
+// What the page calls the scene: its file's name, or its folder's if the file is just "scene.json".
+std::string scene_name(const std::filesystem::path& path) {
+  const std::string name = path.stem().string(), folder = path.parent_path().filename().string();
+  return name == "scene" && !folder.empty() ? folder : name;
+}
+
+// Null without --view.
+Result<std::unique_ptr<LocalView>> start_view(const RenderOptions& options, const LoadedScene& loaded) {
+  if (!options.view) return nullptr;
+  auto view = LocalView::start(*options.view, scene_name(options.scene.scene_path), loaded.stats.settings,
+                               loaded.display);
+  if (!view) return core::fail(view.error());
+  if ((*view)->is_public()) print_warning("--view: everybody who reaches this address can see the image");
+  print_note("the page is at " + (*view)->url());
+  open_in_browser((*view)->url());
+  return view;
+}
+
+// Shows the image until Ctrl-C. Returns the exit status.
+int stay(LocalView& view, const SharedFilm& film) {
+  print_note(fmt::format("the page stays at {} until Ctrl-C", view.url()));
+  view.stay(film.film(), interrupted);
+  return kExitOk;
+}
+
+// Renders with everything around it that runs meanwhile. Returns whether the film is complete.
+bool take_samples(const RenderOptions& options, const LoadedScene& loaded, SharedFilm& film, LocalView* view,
+                  Notices& notices) {
+  const double start = steady_seconds();
+  ProgressLine progress(options.quiet ? no_progress_output() : stderr_progress_output(), start);
+  std::optional<TevObserver> tev;
+  LocalRender render{loaded.scene, loaded.stats.settings, options.threads};
+  if (options.tev) {
+    const auto& outputs = options.scene.output_paths;
+    tev.emplace(*options.tev, outputs.front(), notices);
+    render.observers.push_back(&*tev);
+  }
+  if (view != nullptr) render.observers.push_back(view);
+  const auto updates = image_updates(options, loaded, film, notices);
+  const bool complete = render_locally(render, film, progress, [&] {
+    print_notices(notices, progress);
+    return interrupted() || (options.time_seconds && steady_seconds() - start >= *options.time_seconds);
+  });
+  progress.erase();
+  return complete;
+}
+
+Status write_results(const RenderOptions& options, const LoadedScene& loaded, const core::Image& image) {
+  if (Status status = write_pictures(options.scene.output_paths, image, loaded.display); !status)
+    return status;
+  if (options.stats_path.empty()) return {};
+  return core::write_file_atomically(options.stats_path, to_json(loaded.stats, peak_memory_bytes()));
+}
+
+// Says how far an unfinished render has come.
+void report_stop(const RenderOptions& options, const std::string& progress, bool has_checkpoint) {
+  const std::string what = fmt::format(
+      "{} at {}; wrote {}{}", interrupted() ? "interrupted" : "stopped by --time", progress,
+      fmt::join(options.scene.output_paths, ", "),
+      has_checkpoint
+          ? fmt::format(" and {}. To go on, give the same command with --resume", checkpoint_path_of(options))
+          : "");
+  if (interrupted()) return print_warning(what);
+  if (!options.quiet) print_note(what);
+}
+
+// Brings the checkpoint to its final state. Failures are warned of: the image is not affected.
+bool keep(CheckpointKeeper& keeper, bool complete) {
+  const Status kept = keeper.finish(complete);
+  if (!kept) print_warning(kept.error().message);
+  return kept.has_value();
+}
+
+int stop_before_first_sample() {
+  print_error("stopped before the first sample; no image was written");
+  return interrupted() ? kExitInterrupted : kExitOk;
+}
+
+}  // namespace
+
+int render_to_files(const RenderOptions& options, LoadedScene& loaded) {
+  RenderStats& stats = loaded.stats;
+  const std::string& scene_path = options.scene.scene_path;
+  const RenderIdentity render = identity_of(stats.settings, loaded.digest);
+  const auto film = first_film(options, render);
+  if (!film) return print_error(film.error());
+  Notices notices;
+  CheckpointKeeper keeper(plan_of(options), render, **film, notices);
+  const auto view = start_view(options, loaded);
+  if (!view) return print_error(view.error());
+  watch_for_interrupt();
+  stats.is_complete = take_samples(options, loaded, **film, view->get(), notices);
+  const RenderTotals totals = (*film)->totals();
+  stats.counters = totals.counters;
+  stats.render_seconds = totals.seconds;
+  stats.render_core_seconds = totals.core_seconds;
+  // Of an unfinished render, the film is worth most.
+  const bool is_saved = stats.is_complete || keep(keeper, false);
+  print_warnings(notices.take());
+  if (stats.counters.samples == 0) return stop_before_first_sample();
+  warn_about_samples(scene_path, stats);
+  warn_about_saturation(scene_path, (*film)->film());
+  const core::Image image = (*film)->film().develop();
+  // For a scene without lights, a warning has been printed before.
+  if (!loaded.scene.lights().empty()) warn_about_blackness(image);
+  if (Status status = write_results(options, loaded, image); !status) return print_error(status.error());
+  if (stats.is_complete) {
+    keep(keeper, true);
+    if (!options.quiet) print_summary(options.scene.output_paths, stats);
+  } else {
+    report_stop(options, progress_text((*film)->film(), stats), is_saved);
+    if (interrupted()) return kExitInterrupted;
+  }
+  return *view ? stay(**view, **film) : kExitOk;
+}
+
+}  // namespace tessera::client

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "client/screen/view_command.hpp"
+
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "client/console.hpp"
+#include "client/scene_flags.hpp"
+#include "client/screen/screen.hpp"
+#include "core/image/decode.hpp"
+
+namespace tessera::client {
+
+CLI::App* add_view_options(CLI::App& app, const std::string& what, ViewOptions& options) {
+  CLI::App* command = app.add_subcommand("view", "Show an image in the terminal");
+  command->add_option("IMAGE", options.image, what)->required();
+  add_display_options(*command, options.display);
+  command
+      ->add_option_function<std::string>(
+          "--protocol",
+          [&options](const std::string& name) {
+            options.graphics = graphics_from_name(name);
+            if (!options.graphics && name != "auto")
+              throw CLI::ValidationError("--protocol",
+                                         fmt::format("must be auto, blocks, kitty or sixel; got '{}'", name));
+          },
+          "How the terminal is drawn to: half blocks in 24-bit colour, the graphics of kitty, or sixels; "
+          "auto "
+          "asks the terminal [default: auto]")
+      ->type_name("auto|blocks|kitty|sixel");
+  return command;
+}
+
+int view_file(const ViewOptions& options) {
+  const auto image = core::read_image(options.image);
+  if (!image) return print_error(image.error());
+  const auto display = core::resolve_display({}, options.display);
+  if (!display) return print_error(display.error());
+  auto screen = Screen::open(options.graphics);
+  if (!screen) return print_error(screen.error());
+  const std::string caption = fmt::format("{}  {}x{} pixels", options.image, image->width, image->height);
+  const core::Status shown = screen->show(*image, *display, caption, false);
+  screen->close();
+  return shown ? kExitOk : print_error(shown.error());
+}
+
+void add_view_command(CLI::App& app, int& exit_code) {
+  const auto options = std::make_shared<ViewOptions>();
+  CLI::App* command = add_view_options(app, "Image file: .png, .exr, .hdr or .pfm", *options);
+  cli::set_help(*command, {.exit_statuses = kUsualExitStatuses, .examples = {"tessera view image.exr"}});
+  command->callback([options, &exit_code] { exit_code = view_file(*options); });
+}
+
+}  // namespace tessera::client
