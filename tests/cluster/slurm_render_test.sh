@@ -1,0 +1,89 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+# slurm_render_test.sh CASE PROGRAMS SOURCE: deploy/slurm/tessera.sbatch on a real Slurm. The image must equal that of
+# tessera render in every CASE: two_nodes, lost_node, requeued, time_limit, array.
+set -euo pipefail
+
+case_name=$1 programs=$2 source=$3
+# shellcheck source=tests/cluster/slurm_cluster.sh
+. "$source/tests/cluster/slurm_cluster.sh"
+
+export PATH=$programs:$PATH
+export TESSERA_HOST=127.0.0.1 TESSERA_LISTEN=127.0.0.1:0 TESSERA_CACHE=$cluster OMP_NUM_THREADS=1
+scene=cornell
+script=$source/deploy/slurm/tessera.sbatch
+
+start_cluster 3
+spp=$(spp_for 10 $scene 64x64)
+options=(--size 64x64 --spp "$spp")
+total=$((64 * 64 * spp))
+tessera render $scene "${options[@]}" -o local.pfm --threads 2 >/dev/null 2>&1
+
+# submit SBATCH-OPTIONS...: the job's number.
+submit() { sbatch --parsable --ntasks-per-node=1 -o slurm.log "$@" "$script" $scene "${options[@]}" -o farm.pfm; }
+has_rendered() {  # has_rendered JOB SAMPLES
+  local log=tessera-$1/coordinator.log
+  [ -s "$log" ] || return 1
+  [ "$(progress "$1")" -ge "$2" ]
+}
+# Samples that are done, asked as the job itself does.
+progress() {
+  local run
+  run=$(find "tessera-$1" -maxdepth 1 -name 'run-*' | sort | tail -n 1)
+  TESSERA_TLS_CA=$run/certificate.pem TESSERA_TLS_CERTIFICATE=$run/certificate.pem TESSERA_TLS_KEY=$run/key.pem \
+    tessera jobs --json --coordinator "127.0.0.1:$(sed -n 's/.*:\([0-9]*\)$/\1/p' "$run/address")" |
+    grep -o '"samples_done": *"\?[0-9]*' | grep -o '[0-9]*$'
+}
+# The job's last act is to remove its state. (Slurm takes half a minute more where a node is lost.)
+ends_well() {
+  wait_until 120 test ! -e "tessera-$1"
+  cmp local.pfm farm.pfm || fail "the image differs from the local one"
+}
+
+case $case_name in
+  two_nodes)
+    job=$(TESSERA_KEEP=yes submit -N 2)
+    wait_until 120 job_is "$job" COMPLETED
+    cmp local.pfm farm.pfm || fail "the image differs from the local one"
+    for node in node1 node2; do
+      grep -q "has rendered [1-9]" "tessera-$job/worker-$node.log" || fail "$node rendered nothing"
+      grep -q "with 1 threads" "tessera-$job/worker-$node.log" || fail "$node took more threads than it was granted"
+    done ;;
+  lost_node)
+    job=$(submit -N 3)
+    wait_until 60 has_rendered "$job" $((total / 20))
+    kill_node node3
+    [ "$(progress "$job")" -lt $total ] || fail "the node was lost too late"
+    ends_well "$job" ;;
+  requeued)
+    job=$(submit -N 2)
+    wait_until 60 has_rendered "$job" $((total / 5))
+    [ "$(progress "$job")" -lt $total ] || fail "it is requeued too late"
+    scontrol requeue "$job"
+    ends_well "$job"
+    [ "$(scontrol -o show job "$job" | sed -n 's/.* Restarts=\([0-9]*\).*/\1/p')" -eq 1 ] || fail "it was not requeued" ;;
+  time_limit)
+    # Sooner than Slurm's shortest limit, a minute, the signal comes by hand.
+    job=$(TESSERA_KEEP=yes submit -N 2)
+    wait_until 60 has_rendered "$job" $((total / 5))
+    [ "$(progress "$job")" -lt $total ] || fail "the signal comes too late"
+    scancel --batch --signal=USR1 "$job"
+    wait_until 120 job_is "$job" COMPLETED
+    cmp local.pfm farm.pfm || fail "the image differs from the local one"
+    grep -q "the time limit is near: requeued" slurm.log || fail "it did not requeue itself"
+    # Nothing is rendered twice but what idle workers render again at the end.
+    rendered=$(sed -n 's/.*has rendered \([0-9]*\) samples/\1/p' "tessera-$job"/worker-*.log | paste -sd+ | bc)
+    [ "$rendered" -le $((total + total / 4)) ] || fail "$rendered samples were rendered for $total" ;;
+  array)
+    cp "$programs"/../share/tessera/scenes/cornell/* .
+    cp scene.json shot.01.json
+    mv scene.json shot.02.json
+    job=$(sbatch --parsable -N 1 --ntasks-per-node=1 --array=1-2 -o slurm.%a.log "$script" "shot.##.json" --size 32x32 \
+      --spp 4 -o "shot.##.pfm")
+    tessera render shot.01.json --size 32x32 --spp 4 -o local.pfm >/dev/null
+    for frame in 01 02; do
+      wait_until 120 test -s "shot.$frame.pfm"
+      wait_until 10 cmp local.pfm "shot.$frame.pfm"
+    done ;;
+  *) fail "there is no case $case_name" ;;
+esac
