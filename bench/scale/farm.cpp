@@ -8,8 +8,10 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdlib>
+#include <functional>
 #include <thread>
 
+#include "bench/scale/page_viewers.hpp"
 #include "bench/scale/tile_watchers.hpp"
 #include "proto/blob.hpp"
 #include "proto/channel.hpp"
@@ -126,8 +128,10 @@ core::Result<v1::Job> submit_job(v1::RenderService::Stub& users, const v1::Submi
   }
 }
 
-// Returns the id of the first.
-core::Result<std::string> submit_jobs(v1::RenderService::Stub& users, const Load& load) {
+// Returns the id of the first, which is passed on as soon as it is submitted.
+core::Result<std::string> submit_jobs(
+    v1::RenderService::Stub& users, const Load& load,
+    const std::function<core::Status(const std::string&)>& submitted_first) {
   const proto::Digest digest = proto::digest_of(kScene);
   if (auto uploaded = upload(users, digest); !uploaded) return core::fail(uploaded.error());
   v1::SubmitJobRequest request;
@@ -143,7 +147,9 @@ core::Result<std::string> submit_jobs(v1::RenderService::Stub& users, const Load
     request.set_name(fmt::format("simulated-{}", job));
     const auto submitted = submit_job(users, request);
     if (!submitted) return core::fail(submitted.error());
-    if (job == 0) first = submitted->id();
+    if (job > 0) continue;
+    first = submitted->id();
+    if (auto followed = submitted_first(first); !followed) return core::fail(followed.error());
   }
   while (any_is_validated(users)) std::this_thread::sleep_for(std::chrono::milliseconds(100));
   return first;
@@ -206,8 +212,8 @@ void wait_until_done(v1::RenderService::Stub& users, double at_most_seconds) {
 
 core::Result<Figures> measure(const Load& load, const std::filesystem::path& coordinator_program) {
   const Folder folder;
-  const auto coordinator =
-      MeasuredCoordinator::start({coordinator_program, folder.path(), load.coordinator_core, load.film_gib});
+  const auto coordinator = MeasuredCoordinator::start(
+      {coordinator_program, folder.path(), load.coordinator_core, load.film_gib, load.page_viewers > 0});
   if (!coordinator) return core::fail(coordinator.error());
   const auto channel = own_connection(coordinator->address());
   if (!channel) return core::fail(channel.error());
@@ -215,20 +221,30 @@ core::Result<Figures> measure(const Load& load, const std::filesystem::path& coo
 
   Figures figures;
   figures.before_jobs = coordinator->usage();
-  const auto submitted = submit_jobs(users, load);
+  PageViewers viewers;
+  Tally tally([&viewers](const core::PixelRect& rect) { viewers.counted(rect); });
+  Workers workers(tally);
+  const bool is_shown = load.page_viewers > 0;
+  if (is_shown)
+    if (auto started = workers.start(load, coordinator->address()); !started)
+      return core::fail(started.error());
+  Clock::time_point submitted_at{};
+  const auto submitted = submit_jobs(users, load, [&](const std::string& id) {
+    submitted_at = Clock::now();
+    return is_shown ? viewers.start(load.page_viewers, coordinator->page_address(), id) : core::Status();
+  });
   if (!submitted) return core::fail(submitted.error());
   TileWatchers watchers;
   const core::Status watched =
       watchers.start(load.watchers, *submitted, [&] { return own_connection(coordinator->address()); });
   if (!watched) return core::fail(watched.error());
-  Tally tally;
-  Workers workers(tally);
   if (load.until_done) tally.start();
   figures.before = coordinator->usage();
   figures.own_cpu_seconds = -own_cpu_seconds();
   auto start = Clock::now();
-  if (auto started = workers.start(load, coordinator->address()); !started)
-    return core::fail(started.error());
+  if (!is_shown)
+    if (auto started = workers.start(load, coordinator->address()); !started)
+      return core::fail(started.error());
   if (load.until_done) {
     wait_until_done(users, load.measured_seconds);
   } else {
@@ -236,17 +252,21 @@ core::Result<Figures> measure(const Load& load, const std::filesystem::path& coo
     tally.start();
     figures.before = coordinator->usage();
     figures.own_cpu_seconds = -own_cpu_seconds();
-    figures.watched_tiles = watchers.tiles();
-    figures.watched_bytes = watchers.bytes();
+    figures.watched_tiles = watchers.tiles() + viewers.tiles();
+    figures.watched_bytes = watchers.bytes() + viewers.bytes();
+    viewers.take_delays();
     start = Clock::now();
     std::this_thread::sleep_for(std::chrono::duration<double>(load.measured_seconds));
   }
   figures.counts = tally.stop();
   figures.seconds = std::chrono::duration<double>(Clock::now() - start).count();
   figures.after = coordinator->usage();
-  figures.watched_tiles = watchers.tiles() - figures.watched_tiles;
-  figures.watched_bytes = watchers.bytes() - figures.watched_bytes;
-  if (!load.until_done && watchers.ended() > 0)
+  figures.watched_tiles = watchers.tiles() + viewers.tiles() - figures.watched_tiles;
+  figures.watched_bytes = watchers.bytes() + viewers.bytes() - figures.watched_bytes;
+  figures.shown_seconds = viewers.take_delays();
+  if (const auto first = viewers.first_tile())
+    figures.first_pixel_seconds = std::chrono::duration<double>(*first - submitted_at).count();
+  if (!load.until_done && watchers.ended() + viewers.ended() > 0)
     return core::fail(core::ErrorCode::kInternal, "the coordinator has ended a watch of tiles");
   figures.own_cpu_seconds += own_cpu_seconds();
   const std::vector<v1::Job> jobs = list_jobs(users);

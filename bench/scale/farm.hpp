@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "bench/scale/measured_coordinator.hpp"
 #include "bench/scale/simulated_worker.hpp"
@@ -28,6 +29,8 @@ struct Load {
   std::string film_gib{};  // the coordinator's --max-film-gib; empty for its default
   // Clients that watch the tiles of the first job.
   int watchers = 0;
+  // Browsers that show it. Workers are there before the job then, as on a farm that waits for work.
+  int page_viewers = 0;
 };
 
 struct Figures {
@@ -39,6 +42,10 @@ struct Figures {
   bool all_done = false;
   // What all watchers received during the measurement.
   std::uint64_t watched_tiles = 0, watched_bytes = 0;
+  // Of browsers: from the answer to the submission to the first pixels, and from counting samples to showing
+  // them.
+  double first_pixel_seconds = 0;
+  std::vector<double> shown_seconds{};
 };
 
 // Fails if a process cannot be started, or if the coordinator rejects a call.

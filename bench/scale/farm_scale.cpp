@@ -70,6 +70,16 @@ std::vector<Load> loads(const Options& options) {
     watched.watchers = watchers;
     all.push_back(watched);
   }
+  for (const int viewers : {1, 200}) {
+    // The same number of changes, by fewer workers, so that the first tile does not take seconds.
+    Load shown = two_second_leases(5, seconds);
+    shown.name = fmt::format("{} page viewers", viewers);
+    shown.speed = {.samples_per_second = 10 * kTileSamples};
+    shown.width_px = 1920;
+    shown.height_px = 1088;
+    shown.page_viewers = viewers;
+    all.push_back(shown);
+  }
   Load hundred = two_second_leases(1000, seconds);
   hundred.name = "100 jobs";
   hundred.jobs = 100;
@@ -122,8 +132,8 @@ void print_head() {
          "| MB/s in | MB/s written | MiB resident | beyond the films | result counted, ms: median, p99 "
          "| next "
          "lease, ms: median, p99 | workers busy | own CPU | failed calls | tiles/s to watchers | MB/s to "
-         "watchers |\n"
-      << "|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|" << std::endl;
+         "watchers | first pixel, s | tile shown, ms: median, p99 |\n"
+      << "|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|" << std::endl;
 }
 
 std::string milliseconds(const std::vector<double>& seconds) {
@@ -140,7 +150,7 @@ void print_row(const Load& load, const Figures& figures) {
   const double written = static_cast<double>(figures.after.written_bytes - figures.before.written_bytes);
   std::cout << fmt::format(
                    "| {} | {:.1f} | {:.3g} | {:.2f} | {:.3f} | {:.3f} | {:.0f} | {:.1f} | {:.1f} | {:.0f} | "
-                   "{:.0f} | {} | {} | {:.0f} % | {:.2f} | {} | {:.0f} | {:.2f} |",
+                   "{:.0f} | {} | {} | {:.0f} % | {:.2f} | {} | {:.0f} | {:.2f} | {:.2f} | {} |",
                    load.name, results / figures.seconds,
                    static_cast<double>(counts.samples) / figures.seconds,
                    static_cast<double>(counts.items) / results, cpu / figures.seconds, 1e3 * cpu / results,
@@ -150,7 +160,8 @@ void print_row(const Load& load, const Figures& figures) {
                    milliseconds(counts.submit_seconds), milliseconds(counts.next_lease_seconds),
                    100 * counts.rendering_seconds / worker_seconds, figures.own_cpu_seconds / figures.seconds,
                    counts.failed_calls, static_cast<double>(figures.watched_tiles) / figures.seconds,
-                   static_cast<double>(figures.watched_bytes) / figures.seconds / 1e6)
+                   static_cast<double>(figures.watched_bytes) / figures.seconds / 1e6,
+                   figures.first_pixel_seconds, milliseconds(figures.shown_seconds))
             << std::endl;
 }
 

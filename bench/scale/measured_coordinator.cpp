@@ -39,9 +39,15 @@ std::string read_file(const std::filesystem::path& path) {
   const int file = ::open(log.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
   if (file < 0 || ::dup2(file, STDOUT_FILENO) < 0 || ::dup2(file, STDERR_FILENO) < 0) ::_exit(127);
   const std::string state = options.folder / "state";
-  std::vector<const char*> arguments{
-      options.program.c_str(),  "--listen", "127.0.0.1:0", "--state", state.c_str(),
-      "--max-calls-per-second", "1e9"};
+  std::vector<const char*> arguments{options.program.c_str(),
+                                     "--listen",
+                                     "127.0.0.1:0",
+                                     "--state",
+                                     state.c_str(),
+                                     "--max-calls-per-second",
+                                     "1e9",
+                                     "--http",
+                                     options.has_page ? "127.0.0.1:0" : "off"};
   if (!options.film_gib.empty())
     arguments.insert(arguments.end(),
                      {"--max-picture-pixels", "1073741824", "--max-film-gib", options.film_gib.c_str()});
@@ -50,10 +56,9 @@ std::string read_file(const std::filesystem::path& path) {
   ::_exit(127);
 }
 
-// Empty until the log has it.
-std::string listening_address(const std::string& log) {
-  const std::string key = "listening on ";
-  const std::size_t begin = log.find(key), end = log.find('\n', begin);
+// What is between the key and `end`. Empty until the log has it.
+std::string said(const std::string& log, const std::string& key, char last) {
+  const std::size_t begin = log.find(key), end = log.find(last, begin + key.size());
   if (begin == std::string::npos || end == std::string::npos) return {};
   return log.substr(begin + key.size(), end - begin - key.size());
 }
@@ -87,8 +92,11 @@ core::Result<MeasuredCoordinator> MeasuredCoordinator::start(const Options& opti
   MeasuredCoordinator coordinator(pid);
   for (const auto end = std::chrono::steady_clock::now() + kStartTimeout;
        std::chrono::steady_clock::now() < end;) {
-    coordinator.address_ = listening_address(read_file(log));
-    if (!coordinator.address_.empty()) return coordinator;
+    const std::string output = read_file(log);
+    coordinator.address_ = said(output, "listening on ", '\n');
+    coordinator.page_address_ = said(output, "the page is at http://", '/');
+    if (!coordinator.address_.empty() && coordinator.page_address_.empty() != options.has_page)
+      return coordinator;
     std::this_thread::sleep_for(10ms);
   }
   return core::fail(core::ErrorCode::kUnavailable,
@@ -96,7 +104,9 @@ core::Result<MeasuredCoordinator> MeasuredCoordinator::start(const Options& opti
 }
 
 MeasuredCoordinator::MeasuredCoordinator(MeasuredCoordinator&& other) noexcept
-    : pid_(std::exchange(other.pid_, -1)), address_(std::move(other.address_)) {}
+    : pid_(std::exchange(other.pid_, -1)),
+      address_(std::move(other.address_)),
+      page_address_(std::move(other.page_address_)) {}
 
 MeasuredCoordinator::~MeasuredCoordinator() {
   if (pid_ < 0) return;

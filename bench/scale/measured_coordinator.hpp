@@ -32,6 +32,8 @@ class MeasuredCoordinator {
     std::optional<int> core;
     // --max-film-gib; empty for the default.
     std::string film_gib{};
+    // Whether it serves its page, on a free port.
+    bool has_page = false;
   };
 
   // Returns when it listens. Errors end with its output.
@@ -42,13 +44,15 @@ class MeasuredCoordinator {
   MeasuredCoordinator& operator=(MeasuredCoordinator&&) = delete;
 
   const std::string& address() const { return address_; }
+  // HOST:PORT of the page; empty without one.
+  const std::string& page_address() const { return page_address_; }
   Usage usage() const;
 
  private:
   explicit MeasuredCoordinator(pid_t pid) : pid_(pid) {}
 
   pid_t pid_;
-  std::string address_;
+  std::string address_, page_address_;
 };
 
 }  // namespace tessera::bench

@@ -16,7 +16,7 @@
 namespace tessera::scheduler {
 namespace {
 
-constexpr JobShape kLargeJob{32768, 32768, 1u << 16};
+const JobShape kLargeJob{32768, 32768, 1u << 16};
 constexpr int kWorkers = 10'000, kProducers = 1'000;
 
 // The job as a coordinator restores it when every tile has its first sample.

@@ -14,7 +14,7 @@ namespace tessera::scheduler {
 namespace {
 
 // So many samples that no job is ever done.
-constexpr JobShape kJob{1920, 1080, 1u << 20};
+const JobShape kJob{1920, 1080, 1u << 20};
 constexpr int kLeases = 2;
 constexpr double kRenderSeconds = 2;
 

@@ -83,6 +83,7 @@ void SimulatedWorker::report(v1::SynchronizeRequest& request) const {
   request.set_determinism_fingerprint(kArithmetic);
   request.set_threads(1);
   request.set_wanted_leases(kWantedLeases);
+  request.set_names_images(true);
   for (const std::string& job : known_jobs_) request.add_known_job_ids(job);
   for (const HeldLease& held : leases_) {
     v1::Lease& lease = *request.add_held();
@@ -245,6 +246,7 @@ void SimulatedWorker::delivered(const std::shared_ptr<SubmitCall>& call, const g
   });
   delivering_ = false;
   const std::uint64_t id = call->request.lease_id();
+  for (const proto::WorkItem& item : find(id)->delivering) world_.tally.note_counted(item.rect);
   find(id)->delivering.clear();
   if (call->request.lease_finished()) {
     just_finished_.insert(id);

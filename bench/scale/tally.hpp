@@ -3,8 +3,12 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <mutex>
+#include <utility>
 #include <vector>
+
+#include "core/film/region.hpp"
 
 namespace tessera::bench {
 
@@ -27,6 +31,11 @@ struct Counts {
 
 class Tally {
  public:
+  // `counted` is called with the tile of each item whose result is answered.
+  explicit Tally(std::function<void(const core::PixelRect&)> counted = [](const core::PixelRect&) {})
+      : counted_(std::move(counted)) {}
+
+  void note_counted(const core::PixelRect& rect) { counted_(rect); }
   // Changes the counters during the measurement; does nothing otherwise.
   template <typename Change>
   void note(Change change) {
@@ -46,6 +55,7 @@ class Tally {
   }
 
  private:
+  const std::function<void(const core::PixelRect&)> counted_;
   std::mutex mutex_;
   bool counting_ = false;
   Counts counts_;

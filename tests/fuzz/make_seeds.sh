@@ -175,6 +175,14 @@ printf '' | seed loaded nothing
 { part block; printf '\x10\x00\x00\x00\x00\x00\xc0\x7f'; } | seed loaded texel
 { part cut; head -c 900 /dev/zero; } | seed loaded cut
 
+# ---- Checkpoints ----
+printf '' | seed checkpoint nothing
+{ part index; printf '\x40\x00\x00\x00\xff\xff'; } | seed checkpoint settings
+{ part tail; printf '\x01\x00\x00\x00\x09'; } | seed checkpoint bytes
+{ part block; printf '\x10\x00\x00\x00\xff\xff\xff\xff'; } | seed checkpoint sums
+{ part cut; head -c 90 /dev/zero; } | seed checkpoint cut
+{ part file; printf '\x60\x00\x00\x00\x01\x02'; } | seed checkpoint file
+
 # ---- The farm ----
 rect_of_tile() { echo "rect { x0: $((64 * $1)) y0: 0 x1: $((64 * $1 + 64)) y1: 4 }"; }
 greeting() {

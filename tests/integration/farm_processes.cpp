@@ -40,6 +40,12 @@ std::string listening_address(const std::string& printed) {
   return printed.substr(begin + key.size(), end - begin - key.size());
 }
 
+// The default port of the page is for one coordinator on the machine.
+void without_page_by_default(std::vector<std::string>& arguments) {
+  if (std::find(arguments.begin(), arguments.end(), "--http") == arguments.end())
+    arguments.insert(arguments.end(), {"--http", "off"});
+}
+
 }  // namespace
 
 FarmTest::~FarmTest() {
@@ -75,6 +81,7 @@ void FarmTest::restart_coordinator() {
       TESSERA_COORDINATOR_PROGRAM,   "--listen", address_, "--state", state_, "--lease-seconds",
       std::to_string(lease_seconds_)};
   arguments.insert(arguments.end(), coordinator_options_.begin(), coordinator_options_.end());
+  without_page_by_default(arguments);
   coordinator_ = std::make_unique<Process>(with_files("coordinator", std::move(arguments)));
   const bool listens =
       poll_until(kStartTimeout, [this] { return !listening_address(coordinator_->out()).empty(); });
@@ -96,6 +103,7 @@ void FarmTest::stop_coordinator() {
 Outcome FarmTest::run_coordinator(const std::vector<std::string>& arguments) {
   std::vector<std::string> all{TESSERA_COORDINATOR_PROGRAM};
   all.insert(all.end(), arguments.begin(), arguments.end());
+  without_page_by_default(all);
   Process process(with_files("coordinator", std::move(all)));
   const auto exit_code = process.wait(kCommandTimeout);
   EXPECT_TRUE(exit_code.has_value()) << "did not end";

@@ -67,7 +67,7 @@ void expect_descriptions(const std::string& help) {
 
 TEST_F(HelpTest, IsCompleteAndFitsATerminal) {
   const auto commands = all_commands(said({TESSERA_CLIENT, "--help"}));
-  EXPECT_EQ(commands.size(), 5u + 18u);
+  EXPECT_EQ(commands.size(), 5u + 21u);
   for (std::vector<std::string> command : commands) {
     command.emplace_back("--help");
     const std::string help = said(command);
@@ -122,6 +122,24 @@ TEST_F(HelpTest, AllProgramsReportUsageErrorsAlike) {
     EXPECT_THAT(process.err(), ::testing::StartsWith(name + ": error: "));
     EXPECT_THAT(process.err(), HasSubstr("--no-such-option"));
     EXPECT_THAT(process.err(), ::testing::EndsWith("\nTry: " + name + " --help\n"));
+  }
+}
+
+TEST_F(HelpTest, TheCommandHelpPrintsTheSame) {
+  EXPECT_EQ(said({TESSERA_CLIENT, "help"}), said({TESSERA_CLIENT, "--help"}));
+  EXPECT_EQ(said({TESSERA_CLIENT, "help", "submit"}), said({TESSERA_CLIENT, "submit", "--help"}));
+}
+
+TEST_F(HelpTest, ManualPagesAndCompletionsHaveEveryOption) {
+  for (const char* program : {TESSERA_CLIENT, TESSERA_COORDINATOR_PROGRAM, TESSERA_WORKER}) {
+    const std::string help = said({program, "--help"}), man = said({program, "--print-man-page"});
+    EXPECT_THAT(man, ::testing::StartsWith(".TH TESSERA"));
+    for (const char* shell : {"bash", "zsh", "fish"}) {
+      const std::string script = said({program, "--print-completion", shell});
+      static const std::regex option("    --([a-z-]+)");
+      for (std::sregex_iterator match(help.begin(), help.end(), option), end; match != end; ++match)
+        EXPECT_THAT(script, HasSubstr((*match)[1].str())) << shell;
+    }
   }
 }
 

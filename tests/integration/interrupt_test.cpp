@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// Ctrl-C leaves no partial file, for local renders and farm commands.
+// Ctrl-C: a local render writes what there is, and farm commands leave the job running. And what watches a
+// job beside the terminal.
 #include <gmock/gmock.h>
 #include <signal.h>
 
 #include <chrono>
 
+#include "core/image/decode.hpp"
 #include "tests/integration/farm_processes.hpp"
+#include "tests/support/fake_tev.hpp"
 
 namespace tessera::test {
 namespace {
@@ -32,12 +35,55 @@ class InterruptTest : public FarmTest {
   }
 };
 
-TEST_F(InterruptTest, OfARenderLeavesNoFile) {
-  Process render = start({"render", kCornell});
-  ASSERT_TRUE(render.wait_until_catches(SIGINT, 20s));
+TEST_F(InterruptTest, OfARenderWritesWhatThereIs) {
+  Process render = start({"render", kCornell, "--update-every", "0.1"});
+  ASSERT_TRUE(poll_until(20s, [&] { return std::filesystem::exists(out_ / "b.exr"); }));
   render.signal(SIGINT);
-  EXPECT_EQ(render.wait(10s), 130);
-  EXPECT_TRUE(nothing_written());
+  EXPECT_EQ(render.wait(20s), 130);
+  EXPECT_THAT(render.err(), HasSubstr("interrupted at "));
+  EXPECT_TRUE(core::read_image(out_ / "a.png"));
+  EXPECT_TRUE(core::read_image(out_ / "b.exr"));
+  EXPECT_TRUE(std::filesystem::exists(out_ / "a.png.tessera"));
+}
+
+TEST_F(InterruptTest, ASecondOneEndsARenderAtOnce) {
+  Process render = start({"render", kCornell});
+  ASSERT_TRUE(render.wait_until_catches(SIGTERM, 20s));
+  render.signal(SIGTERM);
+  render.signal(SIGTERM);
+  const auto status = render.wait(20s);
+  EXPECT_TRUE(status == 130 || status == 128 + SIGTERM) << status.value_or(-1);
+  for (const auto& file : std::filesystem::directory_iterator(out_)) {
+    const std::string name = file.path().filename();
+    if (name == "a.png" || name == "b.exr") EXPECT_TRUE(core::read_image(file.path())) << name;
+  }
+}
+
+TEST_F(InterruptTest, TevShowsTheImageOfAJobToTheBit) {
+  start_coordinator();
+  start_worker("worker", 1);
+  FakeTev viewer;
+  const std::string id = submit({"--size", "150x90", "--crop", "10,5,149,88", "--spp", "16"});
+  EXPECT_EQ(tessera({"watch", id, "--tev", viewer.address()}).exit_code, 0);
+  viewer.wait_for_end();
+  ASSERT_EQ(tessera({"image", id, "-o", (out_ / "job.exr").string()}).exit_code, 0);
+  const auto file = core::read_image(out_ / "job.exr");
+  ASSERT_TRUE(file);
+  const auto images = viewer.images();
+  ASSERT_EQ(images.size(), 1u);
+  EXPECT_EQ(images.begin()->first, "job " + id.substr(0, 12));
+  EXPECT_TRUE(images.begin()->second.pixels == file->pixels);
+}
+
+TEST_F(InterruptTest, AMissingTevEndsNoWatch) {
+  start_coordinator();
+  start_worker("worker", 1);
+  std::string address;
+  { address = FakeTev().address(); }
+  const std::string id = submit({"--size", "64x64", "--spp", "4"});
+  const Outcome watch = tessera({"watch", id, "--tev", address});
+  EXPECT_EQ(watch.exit_code, 0);
+  EXPECT_THAT(watch.err, HasSubstr("no tev at " + address));
 }
 
 TEST_F(InterruptTest, OfASubmissionLeavesTheJobAndNoFile) {

@@ -2,6 +2,10 @@
 // The users' commands for jobs.
 #include <gmock/gmock.h>
 
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
 #include "tests/integration/farm_processes.hpp"
 
 namespace tessera::test {
@@ -83,7 +87,7 @@ TEST_F(JobsTest, ListsAreForPeopleAndForPrograms) {
   ASSERT_TRUE(wait_for_workers(1));
   const std::string id = submit_long_job();
   const Outcome jobs = tessera({"jobs"});
-  EXPECT_THAT(jobs.out, HasSubstr(id.substr(0, 12)));
+  EXPECT_THAT(jobs.out, HasSubstr(id.substr(0, 8)));
   EXPECT_THAT(jobs.out, HasSubstr("long"));
   EXPECT_THAT(tessera({"jobs", "--json"}).out, HasSubstr("\"id\":\"" + id + "\""));
   EXPECT_THAT(tessera({"workers"}).out, HasSubstr("somebody"));
@@ -91,13 +95,64 @@ TEST_F(JobsTest, ListsAreForPeopleAndForPrograms) {
   EXPECT_THAT(tessera({"job", id.substr(0, 6)}).out, HasSubstr(id)) << "the beginning of an id names the job";
 }
 
+TEST_F(JobsTest, EveryCommandPrintsJsonInOneVocabulary) {
+  start_coordinator();
+  const Outcome submitted = tessera({"submit", kCornell, "--size", "32x32", "--spp", "2", "--json"});
+  ASSERT_EQ(submitted.exit_code, 0) << submitted.err;
+  EXPECT_THAT(submitted.err, HasSubstr("no worker is connected"));
+  const auto job = nlohmann::json::parse(submitted.out);
+  EXPECT_EQ(job["state"], "running");
+  EXPECT_EQ(job["spp"], 2);
+  const std::string id = job["id"];
+  start_worker("worker", 1);
+  std::istringstream changes(tessera({"watch", id, "--json"}).out);
+  nlohmann::json last;
+  for (std::string line; std::getline(changes, line);) last = nlohmann::json::parse(line);
+  EXPECT_EQ(last["state"], "done");
+  EXPECT_EQ(last["samples_done"], 32 * 32 * 2);
+  for (const std::vector<std::string>& command : std::vector<std::vector<std::string>>{
+           {"jobs"}, {"job", id}, {"workers"}, {"server"}, {"extend", id, "--spp", "4"}, {"delete", id}}) {
+    std::vector<std::string> words = command;
+    words.emplace_back("--json");
+    const Outcome outcome = tessera(words);
+    EXPECT_TRUE(nlohmann::json::parse(outcome.out, nullptr, false).is_object()) << outcome.out << outcome.err;
+    EXPECT_EQ(std::count(outcome.out.begin(), outcome.out.end(), '\n'), 1);
+  }
+}
+
+TEST_F(JobsTest, AnImageCanBeFetchedInPart) {
+  start_coordinator();
+  start_worker("worker", 1);
+  const std::string id = submit({"--size", "64x48", "--spp", "2"});
+  ASSERT_EQ(tessera({"watch", id}).exit_code, 0);
+  const std::string part = folder_ / "part.pfm", window = folder_ / "window.pfm";
+  ASSERT_EQ(tessera({"image", id, "-o", part, "--region", "10,5,40,30"}).exit_code, 0);
+  ASSERT_EQ(
+      tessera({"render", kCornell, "--size", "64x48", "--spp", "2", "--crop", "10,5,40,30", "-o", window})
+          .exit_code,
+      0);
+  EXPECT_TRUE(read_file(part) == read_file(window));
+  EXPECT_EQ(tessera({"image", id, "-o", part, "--region", "10,5,40,49"}).exit_code, 1);
+}
+
+TEST_F(JobsTest, AreViewedUntilTheyEnd) {
+  start_coordinator();
+  const std::string id = submit({"--size", "64x48", "--spp", "8"});
+  Process view = start_tessera({"view", id, "--protocol", "blocks"});
+  start_worker("worker", 1);
+  EXPECT_EQ(view.wait(std::chrono::seconds(60)), 0);
+  EXPECT_THAT(view.out(), HasSubstr("\033[38;2;"));
+  EXPECT_THAT(view.out(), HasSubstr("  done  64x48 pixels  100 %"));
+  EXPECT_THAT(view.out(), ::testing::EndsWith("\033[?25h\n")) << "the cursor is shown again";
+}
+
 TEST_F(JobsTest, AreFoundByTheirLabels) {
   start_coordinator();
   const std::string shot = submit({"--spp", "1", "--label", "shot=12", "--label", "show=vase"});
   const std::string other = submit({"--spp", "1", "--label", "shot=13"});
   const std::string listed = tessera({"jobs", "--label", "shot=12", "--label", "show=vase"}).out;
-  EXPECT_THAT(listed, HasSubstr(shot.substr(0, 12)));
-  EXPECT_THAT(listed, Not(HasSubstr(other.substr(0, 12))));
+  EXPECT_THAT(listed, HasSubstr(shot.substr(0, 8)));
+  EXPECT_THAT(listed, Not(HasSubstr(other.substr(0, 8))));
   EXPECT_THAT(tessera({"job", shot}).out, HasSubstr("show=vase"));
   const Outcome wrong = tessera({"submit", kCornell, "--label", "nothing"});
   EXPECT_EQ(wrong.exit_code, 2);

@@ -21,7 +21,12 @@ using ::testing::HasSubstr;
 TEST_F(FarmTest, HealthIsServed) {
   start_coordinator();
   // HealthCheckResponse{status: SERVING}
-  EXPECT_EQ(raw_call(address(), "/grpc.health.v1.Health/Check", "").value_or("failed"), "\x08\x01");
+  // HealthCheckRequest{service: "…"}; an empty one asks about the whole server.
+  for (const std::string service : {"", "tessera.v1.RenderService", "tessera.v1.WorkerService"}) {
+    const std::string request =
+        service.empty() ? "" : "\n" + std::string(1, static_cast<char>(service.size())) + service;
+    EXPECT_EQ(raw_call(address(), "/grpc.health.v1.Health/Check", request).value_or("failed"), "\x08\x01");
+  }
 }
 
 TEST_F(FarmTest, ReflectionListsTheServices) {

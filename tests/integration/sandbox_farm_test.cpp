@@ -73,7 +73,7 @@ TEST_F(SandboxTest, WithoutItNeitherStartsIfItIsRequired) {
   EXPECT_EQ(coordinator.exit_code, 1);
   EXPECT_EQ(
       coordinator.err,
-      "tessera-coordinator: the sandbox of lacking-tessera-validator is incomplete: no Landlock; without "
+      "tessera-coordinator: error: the sandbox of lacking-tessera-validator is incomplete: no Landlock; without "
       "--require-sandbox, that "
       "is accepted\n");
   const Outcome worker =

@@ -237,6 +237,46 @@ TEST_F(SecurityTest, TokensAreReadAgainOnSighup) {
   EXPECT_TRUE(image(id, ".exr") == render_here(options, ".exr"));
 }
 
+// The certificate is replaced by that of another authority while a job is rendered and watched.
+TEST_F(SecurityTest, CertificatesAreReadAgainOnSighup) {
+  make_certificates("others");
+  const auto install = [&](const std::string& from, const std::string& file) {
+    std::filesystem::copy_file(folder_ / from / file, folder_ / file,
+                               std::filesystem::copy_options::overwrite_existing);
+  };
+  const auto reload = [&](const std::string& words) {
+    coordinator().signal(SIGHUP);
+    return poll_until(std::chrono::seconds(20),
+                      [&] { return coordinator().err().find(words) != std::string::npos; });
+  };
+  install("certificates", "coordinator.pem"), install("certificates", "coordinator.key");
+  coordinator_options_ = {"--tls-certificate", folder_ / "coordinator.pem", "--tls-key",
+                          folder_ / "coordinator.key"};
+  security_.ca = certificate("ca.pem");
+  start_coordinator();
+  const std::vector<std::string> options{"--size", "96x64", "--spp", "8"};
+  const std::string id = submit(options);
+  Process watching = start_tessera({"watch", id});
+  Process& worker = start_worker("early", 1);
+  EXPECT_TRUE(poll_until(std::chrono::seconds(20), [&] {
+    return worker.err().find("registered with the coordinator") != std::string::npos;
+  }));
+
+  install("others", "coordinator.pem");
+  ASSERT_TRUE(reload("coordinator.key: this is not the key of "));
+  EXPECT_THAT(coordinator().err(), HasSubstr("the certificates stay as they were"));
+  EXPECT_EQ(tessera({"jobs"}).exit_code, 0);
+
+  install("others", "coordinator.key");
+  ASSERT_TRUE(reload("has read the certificate in "));
+  security_.ca = folder_ / "others" / "ca.pem";
+  EXPECT_TRUE(poll_until(std::chrono::seconds(20), [&] { return tessera({"jobs"}).exit_code == 0; }));
+  EXPECT_EQ(watching.wait(std::chrono::seconds(60)), 0) << watching.err();
+  EXPECT_TRUE(image(id, ".exr") == render_here(options, ".exr"));
+  security_.ca = certificate("ca.pem");
+  EXPECT_THAT(refusal({"jobs"}), HasSubstr("--tls-ca"));
+}
+
 // A client certificate with a line in the file of tokens needs no token.
 TEST_F(SecurityTest, CertificatesHaveRolesToo) {
   write_file(folder_ / "tokens", "work worker certificate shared\nsubmit client certificate\n");

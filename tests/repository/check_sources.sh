@@ -42,6 +42,12 @@ forbid "core/cli includes of core only base." \
   "${include}(core|proto|server|worker|client|tessera/v1|grpc)/" --but '[<"]core/(base|cli)/' "${sources[@]}" core/cli
 forbid "core/common includes of core only base and image." \
   "${include}(core|proto|server|worker|client|tessera/v1|grpc)/" --but '[<"]core/(base|image|common)/' "${sources[@]}" core/common
+forbid "core/http includes of core only base." \
+  "${include}core/" --but '[<"]core/(base|http)/' "${sources[@]}" core/http
+forbid "core/view includes of core only base, film, http, image and math." \
+  "${include}core/" --but '[<"]core/(base|film|http|image|math|view)/' "${sources[@]}" core/view
+forbid "Only core/http includes the HTTP library." "${include}microhttpd" --but '^core/http/' "${sources[@]}" \
+  core proto server worker client
 forbid "proto includes neither server nor worker nor client." "${include}(server|worker|client)/" "${sources[@]}" proto
 forbid "The sandbox includes of core only base, cli and the scene loader." \
   "${include}(core|proto|server|worker|client|tessera/v1|grpc|google/protobuf)/" --but '[<"]core/(base|cli|sandbox|scene/loader)/' \
@@ -49,11 +55,11 @@ forbid "The sandbox includes of core only base, cli and the scene loader." \
 forbid "No other part of core includes the sandbox." "${include}core/sandbox/" --but '^core/sandbox/' "${sources[@]}" core
 forbid "A worker includes neither server nor client." "${include}(server|client)/" "${sources[@]}" worker
 forbid "A client includes neither server nor worker." "${include}(server|worker)/" "${sources[@]}" client
-forbid "The server includes of core only base, cli, common, math, film, image, sandbox and scene/settings.hpp; the validator may load scenes." \
-  "${include}core/" --but '^server/validator/|[<"]core/(base|cli|common|math|film|image|sandbox)/|[<"]core/scene/settings\.hpp' \
+forbid "The server includes of core only base, cli, common, film, http, image, math, sandbox, view and scene/settings.hpp; the validator may load scenes." \
+  "${include}core/" --but '^server/validator/|[<"]core/(base|cli|common|film|http|image|math|sandbox|view)/|[<"]core/scene/settings\.hpp' \
   "${sources[@]}" server
 forbid "The scheduler includes neither RPC nor SQLite, nor any other folder of the server." \
-  "${include}(grpc|google/protobuf|tessera/v1|proto/|sqlite3|server/(base|events|blobs|store|film|farm|jobs|dispatch|fleet|watch|admin|auth|rpc|metrics|validator|coordinator|main))" \
+  "${include}(grpc|google/protobuf|tessera/v1|proto/|sqlite3|server/(base|events|blobs|store|film|farm|jobs|dispatch|fleet|watch|admin|auth|rpc|scaling|metrics|validator|coordinator|main))" \
   "${sources[@]}" server/scheduler
 forbid "Only the metrics include the library of Prometheus." "${include}prometheus/" \
   --but '^(core/common/metric|server/metrics/|worker/metrics\.)' "${sources[@]}" core proto server worker client
@@ -67,6 +73,9 @@ forbid "Core calls none of the C library's elementary functions: core/math/eleme
   --but '^core/image/compare\.cpp:' "${sources[@]}" core scenes
 forbid "Random numbers come from counters, not from the C++ library, whose distributions differ between machines." \
   "${include}(random|ctime)>|std::rand\(|[^a-z_]s?rand\(" "${sources[@]}" core scenes
+
+forbid "The farm's mutexes are core::Mutex, whose use Clang checks (core/base/mutex.hpp)." \
+  'std::(mutex|lock_guard|scoped_lock|unique_lock)' "${sources[@]}" core/common proto server worker
 
 # What is committed speaks of no single machine.
 forbid "No path of one machine." '(^|[^a-zA-Z0-9_.}])/(home|root|work|Users)/[a-zA-Z0-9_]' \

@@ -7,7 +7,7 @@ set -euo pipefail
 check=${1:?usage: self_test.sh CHECK_SOURCES}
 tree=$(mktemp -d)
 trap 'rm -rf "$tree"' EXIT
-mkdir -p "$tree"/{core/{film,cli,sandbox},proto,server/scheduler,server/validator,worker,client,scenes}
+mkdir -p "$tree"/{core/{film,cli,common,http,sandbox,view},proto,server/scheduler,server/validator,worker,client,scenes}
 echo '#include "core/film/film.hpp"' >"$tree/server/main.cpp"
 echo '#include "core/scene/loader/loader.hpp"' >"$tree/server/validator/validator.cpp"
 echo 'float f(float x) { return tessera::core::sin(x) + std::sqrt(x); }' >"$tree/core/film/film.cpp"
@@ -45,6 +45,7 @@ plant server/bad.cpp '#include "core/scene/scene.hpp"'
 plant server/scheduler/bad.hpp '#include <sqlite3.h>'
 plant server/scheduler/bad.hpp '  #  include "server/store/store.hpp"'
 plant server/bad.cpp '#include <prometheus/counter.h>'
+plant server/bad.cpp 'std::mutex mutex_;'
 plant core/bad.cmake 'target_compile_options(x -march=na''tive)'
 plant core/CMakeLists.txt 'add_compile_options(-ffast-''math)'
 plant core/film/bad.cpp 'float f(float x) { return std::sin(x); }'
