@@ -8,10 +8,10 @@ namespace tessera::client {
 // Signal handlers belong to the process: to be called once, by the command that runs.
 void watch_for_interrupt();
 
-// As if it had come.
+// As if a signal was received.
 void interrupt();
 
-// Whether it has come. May be called from any thread.
+// Whether one was received. May be called from any thread.
 bool interrupted();
 
 }  // namespace tessera::client

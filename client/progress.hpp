@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How far a long piece of work has come: one line redrawn on a terminal, plain lines every few seconds
+// The progress of long work: one line redrawn on a terminal, plain lines every few seconds
 // elsewhere. Time is an argument, in seconds on any steady clock. Not thread-safe.
 #pragma once
 

@@ -123,7 +123,7 @@ Status write_results(const RenderOptions& options, const LoadedScene& loaded, co
   return core::write_file_atomically(options.stats_path, to_json(loaded.stats, peak_memory_bytes()));
 }
 
-// Says how far an unfinished render has come.
+// Prints the progress of a render that was stopped.
 void report_stop(const RenderOptions& options, const std::string& progress, bool has_checkpoint) {
   const std::string what = fmt::format(
       "{} at {}; wrote {}{}", interrupted() ? "interrupted" : "stopped by --time", progress,

@@ -54,19 +54,19 @@ void TevObserver::end() {
 }
 
 void TevObserver::run() {
-  bool goes_on = true;
-  while (goes_on) {
+  bool continues = true;
+  while (continues) {
     if (!tev_ && !connect()) {
-      goes_on = rest(kTevRetrySeconds);
+      continues = rest(kTevRetrySeconds);
       continue;
     }
-    goes_on = wait_for_work();
+    continues = wait_for_work();
     for (const int tile : take_changed()) {
       const core::Status sent = send_tile(tile);
       if (!sent) disconnect(sent.error());
       if (!sent) break;
     }
-    if (goes_on) goes_on = rest(kSecondsBetweenRounds) || tev_.has_value();
+    if (continues) continues = rest(kSecondsBetweenRounds) || tev_.has_value();
   }
 }
 

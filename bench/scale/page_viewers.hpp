@@ -31,7 +31,7 @@ class PageViewers {
   // Adds viewers, which begin to watch. `address`: HOST:PORT of the page.
   core::Status start(int count, const std::string& address, const std::string& job_id);
 
-  // Samples of this tile were counted: the answer to their result has come. Any thread.
+  // Samples of this tile were counted: the answer to their result was received. Any thread.
   void counted(const core::PixelRect& rect);
 
   // What all of them have received.

@@ -1,17 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/farm/tev_watch.hpp"
 
-#include <libdeflate.h>
-
 #include <chrono>
-#include <cstring>
-#include <memory>
-#include <optional>
 #include <stop_token>
 #include <utility>
-#include <vector>
 
 #include "client/farm/job_text.hpp"
+#include "client/farm/tile_image.hpp"
 #include "client/tev_connection.hpp"
 #include "client/tev_packets.hpp"
 #include "proto/convert.hpp"
@@ -20,21 +15,6 @@ namespace tessera::client {
 namespace {
 
 constexpr std::chrono::milliseconds kLookEvery{50};
-
-// The pixels of a tile; nullopt if they are not what the protocol says.
-std::optional<core::Image> decode(const v1::TileImage& tile, const core::PixelRect& rect) {
-  constexpr std::size_t kMaxTilePixels = std::size_t{1} << 20;
-  if (rect.pixel_count() > kMaxTilePixels) return std::nullopt;
-  core::Image image(rect.width(), rect.height());
-  const std::size_t size = image.pixels.size() * sizeof(core::Rgb);
-  const std::unique_ptr<libdeflate_decompressor, void (*)(libdeflate_decompressor*)> decompressor(
-      libdeflate_alloc_decompressor(), libdeflate_free_decompressor);
-  const std::string& from = tile.pixels_zlib();
-  const bool good =
-      decompressor && libdeflate_zlib_decompress(decompressor.get(), from.data(), from.size(),
-                                                 image.pixels.data(), size, nullptr) == LIBDEFLATE_SUCCESS;
-  return good ? std::optional(std::move(image)) : std::nullopt;
-}
 
 // One connection to tev and the stream that feeds it.
 class TileFeed {
@@ -82,12 +62,11 @@ class TileFeed {
       }
     }
     for (const v1::TileImage& tile : response.tiles()) {
-      const auto rect = proto::from_proto(tile.rect());
-      if (!rect || !window_.contains(*rect)) continue;
-      const auto pixels = decode(tile, *rect);
-      if (!pixels) continue;
+      const auto read = read_tile(tile, window_, view::PixelFormat::kFloat);
+      if (!read) return core::fail(read.error());
+      const auto& [rect, pixels] = *read;
       core::Status sent =
-          tev.send(tev_update_image(image_, rect->x0 - window_.x0, rect->y0 - window_.y0, *pixels));
+          tev.send(tev_update_image(image_, rect.x0 - window_.x0, rect.y0 - window_.y0, pixels));
       if (!sent) return sent;
     }
     return {};

@@ -1,58 +1,35 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/farm/tile_image.hpp"
 
-#include <half.h>
-#include <libdeflate.h>
-
-#include <bit>
-#include <cstdint>
-#include <memory>
-#include <string>
-#include <vector>
+#include <utility>
 
 #include "proto/convert.hpp"
 
 namespace tessera::client {
 namespace {
 
-static_assert(std::endian::native == std::endian::little);
-
-struct FreeDecompressor {
-  void operator()(libdeflate_decompressor* decompressor) const {
-    ::libdeflate_free_decompressor(decompressor);
-  }
-};
-
-tl::unexpected<core::Error> damaged(const char* what) {
-  return core::fail(core::ErrorCode::kDataLoss, std::string("a tile of the coordinator ") + what);
-}
-
-// `count` numbers of a zlib stream; none if it does not hold just as many.
-std::vector<std::uint16_t> inflate(const std::string& bytes, std::size_t count) {
-  const std::unique_ptr<libdeflate_decompressor, FreeDecompressor> decompressor(
-      ::libdeflate_alloc_decompressor());
-  std::vector<std::uint16_t> numbers(count);
-  const bool whole =
-      decompressor && ::libdeflate_zlib_decompress(decompressor.get(), bytes.data(), bytes.size(),
-                                                   numbers.data(), 2 * count, nullptr) == LIBDEFLATE_SUCCESS;
-  return whole ? numbers : std::vector<std::uint16_t>();
-}
-
-float float_of(std::uint16_t bits) {
-  return static_cast<float>(Imath::half(Imath::half::FromBits, bits));
-}
+// A coordinator that sends a larger one is not believed.
+constexpr std::size_t kMaxTilePixels = std::size_t{1} << 20;
 
 }  // namespace
 
-core::Status paint_tile(const v1::TileImage& tile, const core::PixelRect& window, core::Image& image) {
+core::Result<ReceivedTile> read_tile(const v1::TileImage& tile, const core::PixelRect& window,
+                                     view::PixelFormat format) {
   const auto rect = proto::from_proto(tile.rect());
-  if (!rect || !window.contains(*rect)) return damaged("is outside the image");
-  const auto numbers = inflate(tile.pixels_zlib(), 3 * rect->pixel_count());
-  if (numbers.empty()) return damaged("has damaged pixels");
-  const std::uint16_t* next = numbers.data();
-  for (int y = rect->y0; y < rect->y1; ++y)
-    for (int x = rect->x0; x < rect->x1; ++x, next += 3)
-      image.at(x - window.x0, y - window.y0) = {float_of(next[0]), float_of(next[1]), float_of(next[2])};
+  if (!rect || !window.contains(*rect) || rect->pixel_count() > kMaxTilePixels)
+    return core::fail(core::ErrorCode::kDataLoss, "a tile of the coordinator is outside the image");
+  auto pixels = view::decode_pixels(tile.pixels_zlib(), rect->width(), rect->height(), format);
+  if (!pixels) return core::fail(pixels.error());
+  return ReceivedTile{*rect, *std::move(pixels)};
+}
+
+core::Status paint_tile(const v1::TileImage& tile, const core::PixelRect& window, core::Image& image) {
+  const auto read = read_tile(tile, window, view::PixelFormat::kHalf);
+  if (!read) return core::fail(read.error());
+  const auto& [rect, pixels] = *read;
+  for (int y = 0; y < pixels.height; ++y)
+    for (int x = 0; x < pixels.width; ++x)
+      image.at(rect.x0 - window.x0 + x, rect.y0 - window.y0 + y) = pixels.at(x, y);
   return {};
 }
 

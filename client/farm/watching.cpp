@@ -23,7 +23,7 @@
 namespace tessera::client {
 namespace {
 
-// So soon is a coordinator found that has come back.
+// A coordinator that is back is found within this time.
 constexpr std::chrono::seconds kLongestPause{2};
 // Of workers that one wait tells of, each once.
 constexpr std::size_t kMaxTroubles = 100;

@@ -9,6 +9,7 @@
 #include <bit>
 #include <cstdint>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "core/film/fixed_point.hpp"
@@ -94,6 +95,42 @@ core::Result<std::string> compress(const std::vector<Number>& numbers) {
   return compress(numbers.data(), numbers.size() * sizeof(Number));
 }
 
+struct FreeDecompressor {
+  void operator()(libdeflate_decompressor* decompressor) const { libdeflate_free_decompressor(decompressor); }
+};
+
+// `count` numbers of a zlib stream that holds just as many; otherwise none.
+template <typename Number>
+std::vector<Number> decompress(const std::string& bytes, std::size_t count) {
+  const std::unique_ptr<libdeflate_decompressor, FreeDecompressor> decompressor(
+      libdeflate_alloc_decompressor());
+  std::vector<Number> numbers(count);
+  const bool is_whole = decompressor && libdeflate_zlib_decompress(
+                                            decompressor.get(), bytes.data(), bytes.size(), numbers.data(),
+                                            count * sizeof(Number), nullptr) == LIBDEFLATE_SUCCESS;
+  return is_whole ? numbers : std::vector<Number>();
+}
+
+float float_of(std::uint16_t half) {
+  return static_cast<float>(Imath::half(Imath::half::FromBits, half));
+}
+
+float float_of(float value) {
+  return value;
+}
+
+template <typename Number>
+core::Result<core::Image> decode(const std::string& bytes, core::Image image) {
+  const std::vector<Number> numbers = decompress<Number>(bytes, 3 * image.pixels.size());
+  if (numbers.empty()) return core::fail(core::ErrorCode::kDataLoss, "the pixels of a tile are damaged");
+  const Number* next = numbers.data();
+  for (core::Rgb& pixel : image.pixels) {
+    pixel = {float_of(next[0]), float_of(next[1]), float_of(next[2])};
+    next += 3;
+  }
+  return image;
+}
+
 }  // namespace
 
 core::Image develop_level(const core::PixelRect& rect, const core::Film::TileSums& sums, int level) {
@@ -112,6 +149,13 @@ core::Image develop_level(const core::PixelRect& rect, const core::Film::TileSum
 
 core::Result<std::string> encode_pixels(const core::Image& image, PixelFormat format) {
   return format == PixelFormat::kHalf ? compress(halves_of(image)) : compress(floats_of(image));
+}
+
+core::Result<core::Image> decode_pixels(const std::string& pixels_zlib, int width, int height,
+                                        PixelFormat format) {
+  core::Image image(width, height);
+  return format == PixelFormat::kHalf ? decode<std::uint16_t>(pixels_zlib, std::move(image))
+                                      : decode<float>(pixels_zlib, std::move(image));
 }
 
 }  // namespace tessera::view

@@ -30,5 +30,8 @@ core::Image develop_level(const core::PixelRect& rect, const core::Film::TileSum
 
 // The pixels, row by row as little-endian R, G and B, as a zlib stream.
 core::Result<std::string> encode_pixels(const core::Image& image, PixelFormat format);
+// The same back. DATA_LOSS: the stream is damaged, or holds another number of pixels.
+core::Result<core::Image> decode_pixels(const std::string& pixels_zlib, int width, int height,
+                                        PixelFormat format);
 
 }  // namespace tessera::view

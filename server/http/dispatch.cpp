@@ -37,8 +37,8 @@ http::Response finish_call(const CallPtr& call, Answer answer) {
     call->timer.end(grpc_status(answer.error()));
     return error_response(answer.error());
   }
-  const bool goes_on = answer->later || (answer->source && !answer->size_bytes);
-  if (!goes_on) call->timer.end(grpc::Status::OK);
+  const bool continues = answer->later || (answer->source && !answer->size_bytes);
+  if (!continues) call->timer.end(grpc::Status::OK);
   return *std::move(answer);
 }
 

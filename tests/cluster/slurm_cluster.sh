@@ -34,7 +34,7 @@ stop_cluster() {
 trap stop_cluster EXIT
 
 show_logs() {
-  for file in "$cluster"/*.log "$cluster"/work/*.log "$cluster"/work/*.out "$cluster"/work/*/*.log; do
+  for file in "$cluster"/*.log "$cluster"/run/*.log "$cluster"/run/*.out "$cluster"/run/*/*.log; do
     [ -s "$file" ] || continue
     echo "==== ${file#"$cluster"/}"
     tail -n 40 "$file"
@@ -120,7 +120,7 @@ wait_until() {
 nodes_are_idle() { [ "$(sinfo -h -N -o %t | grep -c '^idle$')" -eq "$1" ]; }
 
 start_cluster() {
-  mkdir -p "$cluster/state" "$cluster/work"
+  mkdir -p "$cluster/state" "$cluster/run"
   # shellcheck disable=SC2046  # one word each
   write_configuration "$1" $(free_ports $(($1 + 1)))
   export SLURM_CONF=$cluster/slurm.conf TESSERA_TEST_CLUSTER=$cluster
@@ -129,7 +129,7 @@ start_cluster() {
   disown
   for ((n = 1; n <= $1; ++n)); do start_node "node$n"; done
   wait_until 60 nodes_are_idle "$1"
-  cd "$cluster/work"
+  cd "$cluster/run"
 }
 
 # spp_for SECONDS SCENE SIZE: samples per pixel that cost so many seconds of a processor, whatever build and machine can

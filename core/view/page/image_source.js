@@ -158,7 +158,7 @@ export class ImageSource {
     this.listener.changed();
   }
 
-  // What has come into view: a stream that ends when it has all that the live stream does not send.
+  // For what is newly in view: a stream that ends when it has all that the live stream does not send.
   async fill(part, outer) {
     const own = new AbortController();
     const signal = AbortSignal.any([outer, own.signal]);
