@@ -16,9 +16,9 @@ void Connections::remove(const std::shared_ptr<Connection>& connection) {
   all_.erase(connection);
 }
 
-std::size_t Connections::count() const {
+bool Connections::accepts(std::size_t max_connections) const {
   const std::lock_guard lock(mutex_);
-  return all_.size();
+  return !is_stopping_ && all_.size() < max_connections;
 }
 
 void Connections::stop() {

@@ -17,9 +17,10 @@ class Connections {
  public:
   void add(const std::shared_ptr<Connection>& connection);
   void remove(const std::shared_ptr<Connection>& connection);
-  std::size_t count() const;
+  // Whether there may be one more, of so many.
+  bool accepts(std::size_t max_connections) const;
 
-  // Ends bodies that are produced over time, also those of later requests.
+  // Ends bodies that are produced over time, also those of later requests, and accepts no more connections.
   void stop();
   // Blocks until all other responses are sent, for so long at most.
   void await_answers(std::chrono::milliseconds longest);

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cstdarg>
 #include <cstdio>
 #include <system_error>
@@ -55,7 +56,7 @@ struct Server::Daemon {
   const std::size_t max_connections;
   Connections connections;
   MHD_Daemon* mhd = nullptr;
-  bool is_started = false;
+  std::atomic<bool> is_started{false};
   std::string start_failure;  // as MHD says it
 };
 
@@ -95,7 +96,7 @@ std::vector<MHD_OptionItem> tls_options(const ServerOptions& options) {
 
 MHD_Result Server::Daemon::accept(void* daemon, const sockaddr*, socklen_t) {
   const auto& self = *static_cast<Daemon*>(daemon);
-  return self.connections.count() < self.max_connections ? MHD_YES : MHD_NO;
+  return self.connections.accepts(self.max_connections) ? MHD_YES : MHD_NO;
 }
 
 void Server::Daemon::notify(void* daemon, MHD_Connection* connection, void** slot,
@@ -175,12 +176,10 @@ core::Status Server::Daemon::start(const ServerOptions& options, const Listener&
 
 Server::Daemon::~Daemon() {
   if (mhd == nullptr) return;
-  // The socket that MHD leaves to its caller.
-  const int socket = MHD_quiesce_daemon(mhd);
+  // MHD_quiesce_daemon() races with MHD's threads that use epoll; accept() rejects new connections instead.
   connections.stop();
   connections.await_answers(kEndSeconds);
   MHD_stop_daemon(mhd);
-  if (socket >= 0) ::close(socket);
 }
 
 core::Result<std::unique_ptr<Server>> Server::start(const ServerOptions& options, Handler& handler) {
