@@ -1,10 +1,11 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Builds Tessera and runs every test, in two passes:
-#   1. the unit, property and simulation tests with assertions, little optimised, under the address and
-#      undefined-behaviour sanitizers, and the corpora of the fuzzers with mutants (tests/fuzz/README.md);
-#   2. an optimised build: first core and the command line without the farm, and so without gRPC; then everything, in the
-#      same folder, and all tests but the unit tests of the farm and the fuzzers, for which optimising changes nothing.
+# Builds Tessera and runs every test once, in two passes:
+#   1. with assertions, little optimised, under the address and undefined-behaviour sanitizers: the unit tests of files,
+#      command lines and the farm, for which optimising changes nothing, the shipped scenes in small, and the corpora of
+#      the fuzzers with mutants (tests/fuzz/README.md);
+#   2. an optimised build: first core and the command line without the farm, and so without gRPC; then, in the same folder,
+#      everything, and all other tests. core is compiled a second time for AVX-512 where the processor has it.
 # Ends with an error at the first pass that fails. Skipped tests are named, with the reason.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")"
@@ -26,18 +27,18 @@ scripts/setup.sh build package test
 echo "all there"
 
 heading "Pass 1 of 2: assertions, address and undefined-behaviour sanitizers"
-build asan "" tests_unit tests_farm tests_property tests_simulation tests_fuzz
+build asan "" tests_unit tests_farm tests_sanitizers tests_fuzz
 ASAN_OPTIONS=detect_stack_use_after_return=1 \
   LSAN_OPTIONS=suppressions=$PWD/tests/support/lsan.supp:print_suppressions=0 \
   UBSAN_OPTIONS=print_stacktrace=1 \
-  run_tests asan "$jobs" --label-regex '^(unit|farm|property|simulation|fuzz)$'
+  run_tests asan "$jobs" --label-regex '^(unit|farm|sanitizers|fuzz)$'
 
 heading "Pass 2 of 2: optimised, without the farm"
-# The tests of core are the same programs in what follows, and run there.
-build tests -DTESSERA_FARM=OFF tests_unit
-run_tests tests "$jobs" --label-regex '^unit$' --tests-regex '^client_test\.'
+build tests -DTESSERA_FARM=OFF client_test
+run_tests tests "$jobs" --tests-regex '^client_test\.'
 
 heading "Pass 2 of 2: optimised"
-build tests -DTESSERA_FARM=ON tests_rendering
+grep -qw avx512dq /proc/cpuinfo && avx512=ON || avx512=OFF
+build tests "-DTESSERA_FARM=ON -DTESSERA_AVX512=$avx512" tests_optimised
 # One more than there are processors: tests with real processes wait more than they compute.
-run_tests tests $((jobs + 1)) --label-exclude '^(farm|fuzz)$'
+run_tests tests $((jobs + 1)) --label-exclude '^(unit|farm|fuzz)$'
