@@ -88,13 +88,13 @@ std::string zsh_text(const std::string& text) {
   return shown;
 }
 
+// A second colon marks what may be left out.
 std::string zsh_value(const std::string& value) {
   const auto words = choices_of(value);
   if (!words.empty()) return fmt::format(":value:({})", fmt::join(words, " "));
-  if (is_path(value)) return ":" + value + ":_files";
   std::string name = value;
   std::replace(name.begin(), name.end(), ':', ' ');
-  return ":" + name + ": ";
+  return fmt::format("{}:{}:{}", is_optional(value) ? ":" : "", name, is_path(value) ? "_files" : " ");
 }
 
 std::string zsh_arguments(const CommandTable& table, const std::string& indent) {
@@ -107,7 +107,8 @@ std::string zsh_arguments(const CommandTable& table, const std::string& indent) 
     add(star + option.name + rest);
     if (!option.short_name.empty()) add(star + option.short_name + rest);
   }
-  for (const OptionRow& argument : table.arguments) add(zsh_value(argument.name));
+  for (const OptionRow& argument : table.arguments)
+    add((argument.is_required ? "" : ":") + zsh_value(argument.name));
   return lines + "\n";
 }
 

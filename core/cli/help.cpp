@@ -108,10 +108,8 @@ std::string commands(const CommandTable& table, std::size_t columns) {
 
 std::string environment(const CommandTable& table, std::size_t columns) {
   std::string text;
-  for (const OptionGroup& group : table.groups)
-    for (const OptionRow& option : group.options)
-      if (!option.variable.empty())
-        text += two_columns(option.variable, "Default of " + option.name, columns);
+  for (const VariableRow& variable : variables_of(table))
+    text += two_columns(variable.name, variable.description, columns);
   return text.empty() ? "" : "\nEnvironment variables:\n" + text;
 }
 

@@ -19,6 +19,9 @@ struct HelpText {
   };
   std::vector<ExitStatus> exit_statuses{};
   std::vector<std::string> examples{};  // command lines
+  // Arguments that the command requires though the parser does not, since it may take them for the value of
+  // an option.
+  std::vector<std::string> required_arguments{};
 };
 
 // Applies this layout and text to `app`. Commands added later inherit the layout.

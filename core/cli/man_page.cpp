@@ -82,10 +82,8 @@ std::string options_of(const CommandTable& table) {
 
 std::string environment_of(const CommandTable& table) {
   std::string roff;
-  for (const OptionGroup& group : table.groups)
-    for (const OptionRow& option : group.options)
-      if (!option.variable.empty())
-        roff += entry(bold(option.variable), "The default of " + option.name + ".");
+  for (const VariableRow& variable : variables_of(table))
+    roff += entry(bold(variable.name), variable.description + ".");
   return roff;
 }
 

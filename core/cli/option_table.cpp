@@ -5,9 +5,11 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 #include <sstream>
 #include <string_view>
 
+#include "core/cli/config_file.hpp"
 #include "core/cli/help_formatter.hpp"
 
 namespace tessera::cli {
@@ -71,9 +73,15 @@ std::vector<std::string> choices_of(const std::string& placeholder) {
   return words;
 }
 
+bool is_optional(const std::string& placeholder) {
+  return placeholder.starts_with('[') && placeholder.ends_with(']');
+}
+
 bool is_path(const std::string& placeholder) {
   constexpr std::array<std::string_view, 6> kPaths{"FILE", "DIR", "SCENE", "A", "B", "IMAGE"};
-  return std::find(kPaths.begin(), kPaths.end(), placeholder) != kPaths.end();
+  const std::string name =
+      is_optional(placeholder) ? placeholder.substr(1, placeholder.size() - 2) : placeholder;
+  return std::find(kPaths.begin(), kPaths.end(), name) != kPaths.end();
 }
 
 CommandTable table_of(const CLI::App& app, const std::string& full_name) {
@@ -88,9 +96,28 @@ CommandTable table_of(const CLI::App& app, const std::string& full_name) {
   }
   const auto formatter = app.get_formatter();
   if (const auto* help = dynamic_cast<const HelpFormatter*>(formatter.get())) table.text = help->text();
+  for (const std::string& name : table.text.required_arguments)
+    for (OptionRow& argument : table.arguments)
+      if (argument.name == name) argument.is_required = true;
   for (const CLI::App* command : app.get_subcommands({}))
     table.commands.push_back(table_of(*command, full_name + " " + command->get_name()));
   return table;
+}
+
+std::vector<VariableRow> variables_of(const CommandTable& table) {
+  std::vector<VariableRow> rows;
+  std::optional<VariableRow> by_rule;
+  for (const OptionGroup& group : table.groups)
+    for (const OptionRow& option : group.options) {
+      if (option.variable.empty()) continue;
+      const VariableRow row{option.variable, "Default of " + option.name};
+      if (option.variable != variable_of(table.full_name, option.name))
+        rows.push_back(row);
+      else if (!by_rule)
+        by_rule = VariableRow{row.name, row.description + ", and so on for each other option"};
+    }
+  if (by_rule) rows.push_back(*by_rule);
+  return rows;
 }
 
 std::string usage_of(const CommandTable& table) {
@@ -99,7 +126,8 @@ std::string usage_of(const CommandTable& table) {
   for (const OptionGroup& group : table.groups)
     for (const OptionRow& option : group.options)
       if (option.is_required) line += fmt::format(" {} {}", option.name, option.value);
-  for (const OptionRow& argument : table.arguments) line += " " + argument.name;
+  for (const OptionRow& argument : table.arguments)
+    line += argument.is_required ? " " + argument.name : " [" + argument.name + "]";
   return line;
 }
 

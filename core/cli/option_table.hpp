@@ -23,7 +23,9 @@ struct OptionRow {
 
 // The words that a placeholder such as "none|aces|agx" lists; empty for others.
 std::vector<std::string> choices_of(const std::string& placeholder);
-// Whether the placeholder stands for a file or folder.
+// Whether the value may be left out: "[FILE]".
+bool is_optional(const std::string& placeholder);
+// Whether the placeholder stands for a file or folder, also for one that may be left out.
 bool is_path(const std::string& placeholder);
 
 struct OptionGroup {
@@ -45,7 +47,15 @@ struct CommandTable {
 // The table of a program or command to which set_help() was applied.
 CommandTable table_of(const CLI::App& app, const std::string& full_name);
 
-// "tessera render [OPTIONS] SCENE"
+// The environment variables of a table with what each is the default of. Those that are named by the rule of
+// variable_of() are one row, that of the first option.
+struct VariableRow {
+  std::string name;         // "TESSERA_COORDINATOR"
+  std::string description;  // "Default of --coordinator"
+};
+std::vector<VariableRow> variables_of(const CommandTable& table);
+
+// "tessera render [OPTIONS] SCENE"; optional arguments are in brackets.
 std::string usage_of(const CommandTable& table);
 
 }  // namespace tessera::cli

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/cli/parse.hpp"
 
+#include <fmt/format.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -13,6 +14,7 @@
 #include "core/base/standard_streams.hpp"
 #include "core/base/suggestion.hpp"
 #include "core/cli/completion.hpp"
+#include "core/cli/config_file.hpp"
 #include "core/cli/help.hpp"
 #include "core/cli/man_page.hpp"
 #include "core/cli/option_table.hpp"
@@ -33,8 +35,8 @@ std::string called(const CLI::App& app, const std::string& program) {
 }
 
 int refuse(const CLI::App& app, const std::string& program, const std::string& what) {
-  write(stderr,
-        program + ": error: " + core::printable_lines(what) + "\nTry: " + called(app, program) + "--help\n");
+  print_error(program, what);
+  write(stderr, "Try: " + called(app, program) + "--help\n");
   return kExitUsage;
 }
 
@@ -89,6 +91,7 @@ std::string no_command(const CLI::App& app, bool asks_for_help, int argc, char**
 }  // namespace
 
 std::optional<int> parse(CLI::App& app, int argc, char** argv, const std::string& program) {
+  add_environment_variables(app);
   if (const auto text = generated(app, argc, argv, program)) {
     write(stdout, *text);
     return flush_stdout(kExitOk, program);
@@ -111,6 +114,11 @@ std::optional<int> parse(CLI::App& app, int argc, char** argv, const std::string
   }
 }
 
+int print_error(std::string_view program, std::string_view message) {
+  write(stderr, fmt::format("{}: error: {}\n", program, core::printable_lines(message)));
+  return kExitFailed;
+}
+
 void add_help_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand("help", "Print the help of a command");
   const auto name = std::make_shared<std::string>();
@@ -128,9 +136,7 @@ void add_help_command(CLI::App& app) {
 int flush_stdout(int exit_code, const std::string& program) {
   if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return exit_code;
   if (core::reader_is_gone(STDOUT_FILENO)) return exit_code;
-  write(stderr,
-        program +
-            ": error: stdout cannot be written, so results are missing: is the disk full that it goes to?\n");
+  print_error(program, "stdout cannot be written, so results are missing: is the disk full that it goes to?");
   return exit_code == kExitOk ? kExitFailed : exit_code;
 }
 

@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <optional>
 #include <string>
+#include <string_view>
 
 namespace tessera::cli {
 
@@ -17,6 +18,10 @@ inline constexpr int kExitUsage = 2;
 // should run. `program` prefixes the message. PROGRAM --print-man-page and PROGRAM --print-completion SHELL
 // print these files, for the build.
 std::optional<int> parse(CLI::App& app, int argc, char** argv, const std::string& program);
+
+// Prints "PROGRAM: error: MESSAGE" on stderr, with unprintable characters escaped. Returns kExitFailed, so
+// that main() can return it.
+int print_error(std::string_view program, std::string_view message);
 
 // Adds the command `help` to a program with commands. `app` must live until the command line is parsed.
 void add_help_command(CLI::App& app);

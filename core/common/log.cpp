@@ -20,6 +20,7 @@
 #include <utility>
 
 #include "core/base/printable.hpp"
+#include "core/common/journal.hpp"
 
 namespace tessera::common {
 namespace {
@@ -100,13 +101,17 @@ class PrintableMessage final : public spdlog::custom_flag_formatter {
   const LogFormat format_;
 };
 
-std::unique_ptr<spdlog::formatter> make_formatter(const std::string& program, LogFormat format) {
-  const std::string pattern =
-      format == LogFormat::kJson
-          ? R"({"time":"%Y-%m-%dT%H:%M:%S.%eZ","level":"%l","program":")" + program + R"(","message":%*})"
-          : "%Y-%m-%dT%H:%M:%S.%eZ %^%l%$ " + program + ": %*";
+// The journal has time, priority and program of a line itself.
+std::string pattern_of(const std::string& program, LogFormat format, bool is_for_journal) {
+  if (format == LogFormat::kJson)
+    return R"({"time":"%Y-%m-%dT%H:%M:%S.%eZ","level":"%l","program":")" + program + R"(","message":%*})";
+  return is_for_journal ? "%*" : "%Y-%m-%dT%H:%M:%S.%eZ %^%l%$ " + program + ": %*";
+}
+
+std::unique_ptr<spdlog::formatter> make_formatter(const std::string& program, LogFormat format,
+                                                  bool is_for_journal) {
   auto formatter = std::make_unique<spdlog::pattern_formatter>(spdlog::pattern_time_type::utc);
-  formatter->add_flag<PrintableMessage>('*', format).set_pattern(pattern);
+  formatter->add_flag<PrintableMessage>('*', format).set_pattern(pattern_of(program, format, is_for_journal));
   return formatter;
 }
 
@@ -158,6 +163,7 @@ class Sink final : public spdlog::sinks::sink {
     while (flushed_.try_acquire()) {
     }
   }
+  bool is_for_journal() const { return is_for_journal_; }
   void wait_for_flush() { static_cast<void>(flushed_.try_acquire_for(kMaxFlush)); }
 
  private:
@@ -169,10 +175,12 @@ class Sink final : public spdlog::sinks::sink {
       line.insert(message.color_range_end, kPlain);
       line.insert(message.color_range_start, colour_of(message.level));
     }
+    if (is_for_journal_) line.insert(0, journal_prefix(message.level));
     write_all(line);
   }
 
   spdlog::details::thread_pool& queue_;
+  const bool is_for_journal_ = stderr_is_journal();
   const bool is_colored_ = ::isatty(STDERR_FILENO) == 1 && !is_set("NO_COLOR");
   std::unique_ptr<spdlog::formatter> formatter_;
   std::size_t dropped_ = 0;
@@ -209,7 +217,7 @@ void log_to_stderr(const std::string& program, const LogOptions& options) {
   const auto make_logger = [&](const std::string& name) {
     auto logger = std::make_shared<spdlog::async_logger>(name, log->sink, log->queue,
                                                          spdlog::async_overflow_policy::overrun_oldest);
-    logger->set_formatter(make_formatter(program, options.format));
+    logger->set_formatter(make_formatter(program, options.format, log->sink->is_for_journal()));
     logger->set_level(options.level);
     // By default, spdlog would report errors on stderr itself.
     logger->set_error_handler([](const std::string&) {});

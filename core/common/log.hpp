@@ -23,7 +23,8 @@ struct LogOptions {
   LogFormat format = LogFormat::kText;
 };
 
-// From now on spdlog writes to stderr, as `program`. flush_log() is called when the program exits.
+// From now on spdlog writes to stderr, as `program`; to systemd's journal with priorities instead of levels
+// and times. flush_log() is called when the program exits.
 void log_to_stderr(const std::string& program, const LogOptions& options = {});
 
 // Logs a line with what it is about. JSON has the fields as they are; text has those that the message does

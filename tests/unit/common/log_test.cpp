@@ -5,7 +5,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <spdlog/spdlog.h>
+#include <sys/stat.h>
 #include <unistd.h>
+
+#include <cstdlib>
 
 #include <nlohmann/json.hpp>
 #include <string>
@@ -46,6 +49,45 @@ TEST(Log, IsAnObjectInEachLineWhereJsonIsWanted) {
   EXPECT_EQ(object.at("program"), "tessera-test");
   EXPECT_EQ(object.at("message"), "\"quoted\" and a\\b\\x0ac");
   EXPECT_THAT(object.at("time").get<std::string>(), EndsWith("Z"));
+}
+
+// What is logged if stderr is the stream that JOURNAL_STREAM names.
+template <typename Write>
+std::string logged_to_journal(const LogOptions& options, Write write) {
+  testing::internal::CaptureStderr();
+  struct stat status {};
+  EXPECT_EQ(fstat(STDERR_FILENO, &status), 0);
+  setenv("JOURNAL_STREAM", (std::to_string(status.st_dev) + ":" + std::to_string(status.st_ino)).c_str(), 1);
+  log_to_stderr("tessera-test", options);
+  unsetenv("JOURNAL_STREAM");
+  write();
+  flush_log();
+  return testing::internal::GetCapturedStderr();
+}
+
+TEST(Log, HasPrioritiesForTheJournalWhichHasTimesAndNames) {
+  EXPECT_EQ(logged_to_journal({.level = spdlog::level::debug},
+                              [] {
+                                spdlog::debug("a");
+                                spdlog::info("b");
+                                spdlog::warn("c");
+                                spdlog::error("d");
+                                log(spdlog::level::critical, "e", {.job = "7"});
+                              }),
+            "<7>a\n<6>b\n<4>c\n<3>d\n<2>e [job 7]\n");
+}
+
+TEST(Log, HasPrioritiesForTheJournalAlsoInJson) {
+  const std::string line = logged_to_journal({.format = LogFormat::kJson}, [] { spdlog::warn("a"); });
+  ASSERT_THAT(line, testing::StartsWith("<4>{"));
+  EXPECT_EQ(nlohmann::json::parse(line.substr(3)).at("message"), "a");
+}
+
+TEST(Log, IsForTheJournalOnlyIfStderrIsThatStream) {
+  setenv("JOURNAL_STREAM", "1:2", 1);
+  const std::string line = logged({}, [] { spdlog::warn("a"); });
+  unsetenv("JOURNAL_STREAM");
+  EXPECT_THAT(line, EndsWith(" warning tessera-test: a\n"));
 }
 
 TEST(Log, HasFieldsInJson) {
